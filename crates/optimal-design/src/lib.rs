@@ -1,0 +1,34 @@
+//! Optimal shares of an experiment over candidate information matrices.
+//!
+//! Candidate q has one information matrix M_q,b per block b (a block is a degree of freedom of the model; this crate
+//! knows only matrices). The D-criterion of shares w on the simplex is Σ_b log|det Σ_q w_q M_q,b|.
+//!
+//! ```
+//! use optimal_design::{Candidates, Options, Status, solve};
+//! // Two straight lines through measured points at −1 and 1: each takes half of the time.
+//! let mut candidates = Candidates::new(vec![2]);
+//! candidates.push(&[1.0, -1.0, -1.0, 1.0])?;
+//! candidates.push(&[1.0, 1.0, 1.0, 1.0])?;
+//! let design = solve(&candidates, &Options::default())?;
+//! assert!((design.shares[0] - 0.5).abs() < 1e-9);
+//! assert_eq!(design.status, Status::Optimal);
+//! # Ok::<(), optimal_design::Error>(())
+//! ```
+//!
+//! Sources: Kiefer & Wolfowitz 1960 (certificate), Fedorov 1972, Yu 2011 (multiplicative algorithm), Pukelsheim &
+//! Rieder 1992 (rounding).
+
+#![forbid(unsafe_code)]
+#![warn(missing_docs)]
+
+mod active_set;
+mod candidates;
+mod certificate;
+mod design;
+mod rounding;
+
+pub use active_set::ActiveSetNewton;
+pub use candidates::{Candidates, Error, Evaluation};
+pub use certificate::is_concave;
+pub use design::{Design, Options, Start, Status, solve};
+pub use rounding::apportion;

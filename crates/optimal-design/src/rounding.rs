@@ -1,0 +1,57 @@
+/// Whole numbers that sum to `total` and follow `shares` (sum 1) as the efficient apportionment of Pukelsheim & Rieder
+/// 1992 does: every share above zero gets at least one as long as there are enough.
+pub fn apportion(shares: &[f64], total: u64) -> Vec<u64> {
+    let support = shares.iter().filter(|w| **w > 0.0).count() as f64;
+    let multiplier = (total as f64 - support / 2.0).max(0.0);
+    let mut counts: Vec<u64> = shares.iter().map(|w| (multiplier * w).ceil() as u64).collect();
+    let used = || (0..shares.len()).filter(|q| shares[*q] > 0.0);
+    let mut sum: u64 = counts.iter().sum();
+    while sum > total {
+        let surplus = |q: &usize| ((counts[*q] - 1) as f64 / shares[*q], -shares[*q]);
+        let Some(most) = used().filter(|q| counts[*q] > 0).max_by(|a, b| compare(surplus(a), surplus(b)))
+        else {
+            break;
+        };
+        counts[most] -= 1;
+        sum -= 1;
+    }
+    while sum < total {
+        let lack = |q: &usize| (counts[*q] as f64 / shares[*q], -shares[*q]);
+        let Some(least) = used().min_by(|a, b| compare(lack(a), lack(b))) else { break };
+        counts[least] += 1;
+        sum += 1;
+    }
+    counts
+}
+
+fn compare(a: (f64, f64), b: (f64, f64)) -> std::cmp::Ordering {
+    a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    #[test]
+    fn the_papers_model_ship_gets_half_and_three_sixths() {
+        assert_eq!(apportion(&[0.49, 0.2, 0.13, 0.18], 6), vec![3, 1, 1, 1]);
+        assert_eq!(apportion(&[0.5, 0.0, 0.25, 0.25], 4), vec![2, 0, 1, 1]);
+        assert_eq!(apportion(&[0.6, 0.3, 0.1], 1), vec![1, 0, 0]);
+    }
+
+    proptest! {
+        #[test]
+        fn law_counts_sum_to_the_total_and_stay_within_one_of_the_quota(weights in prop::collection::vec(0.0f64..1.0, 1..12), total in 12u64..2000) {
+            let sum: f64 = weights.iter().sum();
+            prop_assume!(sum > 1e-3);
+            let shares: Vec<f64> = weights.iter().map(|w| w / sum).collect();
+            let counts = apportion(&shares, total);
+            prop_assert_eq!(counts.iter().sum::<u64>(), total);
+            for (share, count) in shares.iter().zip(&counts) {
+                prop_assert!((*count as f64 - share * total as f64).abs() <= shares.len() as f64 / 2.0 + 1.0);
+                prop_assert!(*share > 0.0 || *count == 0);
+            }
+        }
+    }
+}

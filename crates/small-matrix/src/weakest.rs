@@ -1,0 +1,35 @@
+use faer::MatRef;
+
+/// The direction in which a matrix does least.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Weakest {
+    /// Smallest over largest singular value: the reciprocal condition number.
+    pub ratio: f64,
+    /// The right singular vector of the smallest singular value.
+    pub direction: Vec<f64>,
+}
+
+/// The weakest direction of A (n × n). `None` where an entry is not finite or A is zero.
+pub fn weakest(n: usize, a: &[f64]) -> Option<Weakest> {
+    if !a.iter().all(|x| x.is_finite()) || a.iter().all(|x| *x == 0.0) {
+        return None;
+    }
+    let svd = MatRef::from_row_major_slice(a, n, n).svd().ok()?;
+    let values = svd.S().column_vector();
+    let direction = (0..n).map(|i| svd.V()[(i, n - 1)]).collect();
+    Some(Weakest { ratio: values[n - 1] / values[0], direction })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn law_the_weakest_direction_of_a_scaled_identity_is_its_smallest_axis() {
+        let found = weakest(3, &[3.0, 0.0, 0.0, 0.0, 0.5, 0.0, 0.0, 0.0, 2.0]).unwrap();
+        assert!((found.ratio - 0.5 / 3.0).abs() < 1e-15);
+        assert!((found.direction[1].abs() - 1.0).abs() < 1e-12);
+        assert_eq!(weakest(2, &[0.0; 4]), None);
+        assert_eq!(weakest(2, &[f64::NAN, 0.0, 0.0, 1.0]), None);
+    }
+}

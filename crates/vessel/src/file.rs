@@ -1,0 +1,364 @@
+use std::collections::BTreeMap;
+
+use serde::Deserialize;
+
+use crate::{Degree, DegreeOfFreedom, Invalid, Model, Term, Variable, nearest};
+
+/// `vessel.toml` as written.
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct VesselFile {
+    /// A built-in vessel to start from, instead of everything below but `name`, `value` and `nominal`.
+    pub preset: Option<String>,
+    /// Name of the vessel.
+    pub name: Option<String>,
+    /// The sampling rate that the parameters hold for \[Hz\].
+    pub sample_rate_hz: Option<f64>,
+    /// Inputs, in order.
+    #[serde(default)]
+    pub input: Vec<InputSpec>,
+    /// Measured disturbances, in order.
+    #[serde(default)]
+    pub measured: Vec<MeasuredSpec>,
+    /// Terms of the surge equation.
+    #[serde(default)]
+    pub surge: Vec<TermSpec>,
+    /// Terms of the sway equation.
+    #[serde(default)]
+    pub sway: Vec<TermSpec>,
+    /// Terms of the yaw equation.
+    #[serde(default)]
+    pub yaw: Vec<TermSpec>,
+    /// True values that replace those of the terms, by parameter.
+    #[serde(default)]
+    pub value: BTreeMap<String, f64>,
+    /// Nominal values that replace those of the terms, by parameter.
+    #[serde(default)]
+    pub nominal: BTreeMap<String, f64>,
+}
+
+/// An input.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct InputSpec {
+    /// Name as used in terms and as a column.
+    pub name: String,
+    /// Its unit.
+    pub unit: String,
+    /// Another input that this one is coupled to …
+    pub follows: Option<String>,
+    /// … by this factor.
+    pub factor: Option<f64>,
+}
+
+/// A measured disturbance.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct MeasuredSpec {
+    /// Name as used in terms and as a column.
+    pub name: String,
+    /// Its unit.
+    pub unit: String,
+}
+
+/// One term of an equation.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TermSpec {
+    /// Name of the parameter.
+    pub parameter: String,
+    /// What it multiplies.
+    pub term: String,
+    /// Its true value, where known: simulated trials follow it.
+    pub value: Option<f64>,
+    /// Its crude value: instruments are made with it.
+    pub nominal: f64,
+}
+
+/// Which of the two parameter sets is meant.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Source {
+    /// The true values.
+    #[default]
+    Value,
+    /// The nominal values.
+    Nominal,
+}
+
+/// A vessel: structure, true and nominal parameters. Valid by construction.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Vessel {
+    /// Its name.
+    pub name: String,
+    /// Sampling rate \[Hz\].
+    pub sample_rate_hz: f64,
+    /// The model structure.
+    pub model: Model,
+    /// True parameters, where known.
+    pub value: Vec<Option<f64>>,
+    /// Nominal parameters.
+    pub nominal: Vec<f64>,
+    /// Per input, the input that it follows and the factor.
+    pub couplings: Vec<Option<(usize, f64)>>,
+}
+
+/// The built-in vessels: name and `vessel.toml`.
+const PRESETS: [(&str, &str); 1] =
+    [("ljungberg-model-ship", include_str!("../presets/ljungberg-model-ship.toml"))];
+
+impl Vessel {
+    /// Checks a file's content.
+    ///
+    /// # Errors
+    /// The first thing that is missing, unknown, named twice or no finite number.
+    pub fn from_file(file: VesselFile) -> Result<Self, Invalid> {
+        let file = match file.preset {
+            Some(_) => preset(file)?,
+            None => file,
+        };
+        let rate = file.sample_rate_hz.ok_or_else(|| missing("sample_rate_hz"))?;
+        if !(rate.is_finite() && rate > 0.0) {
+            return Err(Invalid::new(
+                "`sample_rate_hz`",
+                rate.to_string(),
+                "a rate above 0 Hz",
+                "correct it",
+            ));
+        }
+        let variables = variables(&file)?;
+        let degrees = degrees(&file, &variables)?;
+        let specs = || [&file.surge, &file.sway, &file.yaw].into_iter().flatten();
+        let mut vessel = Self {
+            name: file.name.clone().ok_or_else(|| missing("name"))?,
+            sample_rate_hz: rate,
+            couplings: couplings(&file.input)?,
+            model: Model { variables, inputs: file.input.len(), degrees },
+            value: specs().map(|t| t.value).collect(),
+            nominal: specs().map(|t| t.nominal).collect(),
+        };
+        vessel.replace(&file)?;
+        vessel.check_parameters()?;
+        Ok(vessel)
+    }
+
+    /// The parameters of `source`.
+    ///
+    /// # Errors
+    /// A parameter without a true value.
+    pub fn parameters(&self, source: Source) -> Result<Vec<f64>, Invalid> {
+        if source == Source::Nominal {
+            return Ok(self.nominal.clone());
+        }
+        let known = |(value, name): (&Option<f64>, &str)| {
+            value.ok_or_else(|| {
+                Invalid::new(
+                    format!("parameter `{name}`"),
+                    "no `value`",
+                    "a true value, which a simulated trial follows",
+                    "add `value`, or simulate the nominal model",
+                )
+            })
+        };
+        self.value.iter().zip(self.model.parameter_names()).map(known).collect()
+    }
+
+    /// Number of samples in `duration_s`, to the nearest.
+    pub fn samples(&self, duration_s: f64) -> usize {
+        (duration_s * self.sample_rate_hz).round() as usize
+    }
+
+    fn replace(&mut self, file: &VesselFile) -> Result<(), Invalid> {
+        for (name, value) in &file.value {
+            let index = self.index(name)?;
+            self.value[index] = Some(*value);
+        }
+        for (name, value) in &file.nominal {
+            let index = self.index(name)?;
+            self.nominal[index] = *value;
+        }
+        Ok(())
+    }
+
+    fn index(&self, name: &str) -> Result<usize, Invalid> {
+        let unknown = || {
+            let near = nearest(name, self.model.parameter_names()).unwrap_or_default();
+            Invalid::new(
+                format!("parameter `{name}`"),
+                "a name that no term has",
+                self.model.parameter_names().collect::<Vec<_>>().join(", "),
+                format!("did you mean `{near}`?"),
+            )
+        };
+        self.model.parameter_names().position(|n| n == name).ok_or_else(unknown)
+    }
+
+    fn check_parameters(&self) -> Result<(), Invalid> {
+        for ((name, value), nominal) in self.model.parameter_names().zip(&self.value).zip(&self.nominal) {
+            for number in value.iter().chain([nominal]) {
+                if !number.is_finite() {
+                    let thing = format!("parameter `{name}`");
+                    return Err(Invalid::new(thing, number.to_string(), "a finite number", "correct it"));
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+fn missing(key: &str) -> Invalid {
+    Invalid::new(format!("key `{key}`"), "none", format!("`{key}`"), "add it, or name a `preset`")
+}
+
+fn preset(file: VesselFile) -> Result<VesselFile, Invalid> {
+    let name = file.preset.as_deref().unwrap_or_default();
+    let known = || PRESETS.iter().map(|(name, _)| *name);
+    let Some((_, text)) = PRESETS.iter().find(|(preset, _)| *preset == name) else {
+        let near = nearest(name, known()).unwrap_or_default();
+        return Err(Invalid::new(
+            "`preset`",
+            format!("`{name}`"),
+            known().collect::<Vec<_>>().join(", "),
+            format!("did you mean `{near}`?"),
+        ));
+    };
+    let own = [&file.surge, &file.sway, &file.yaw].iter().any(|terms| !terms.is_empty());
+    if own || !file.input.is_empty() || !file.measured.is_empty() || file.sample_rate_hz.is_some() {
+        return Err(Invalid::new(
+            "`preset`",
+            "a structure of the file's own beside it",
+            "a preset with `name`, [value] and [nominal] only",
+            "remove `preset`, or the terms, inputs and `sample_rate_hz`",
+        ));
+    }
+    let mut base: VesselFile = toml::from_str(text).map_err(|e| {
+        Invalid::new("`preset`", e.message().to_owned(), "a vessel", "report this as a defect")
+    })?;
+    base.name = file.name.or(base.name);
+    base.value.extend(file.value);
+    base.nominal.extend(file.nominal);
+    Ok(base)
+}
+
+fn variables(file: &VesselFile) -> Result<Vec<Variable>, Invalid> {
+    let variable = |name: &str, unit: &str| Variable { name: name.to_owned(), unit: unit.to_owned() };
+    let states = DegreeOfFreedom::ALL.into_iter().map(|d| variable(d.state(), d.unit()));
+    let inputs = file.input.iter().map(|i| variable(&i.name, &i.unit));
+    let measured = file.measured.iter().map(|m| variable(&m.name, &m.unit));
+    let all: Vec<Variable> = states.chain(inputs).chain(measured).collect();
+    for (i, v) in all.iter().enumerate() {
+        let reserved = i >= 3 && RESERVED.contains(&v.name.as_str());
+        let plain = v.name.chars().all(|c| c.is_alphanumeric() || c == '_') && !v.name.is_empty();
+        if all[..i].iter().any(|w| w.name == v.name) || reserved || !plain {
+            return Err(Invalid::new(
+                format!("input or measured disturbance `{}`", v.name),
+                "a name that is taken or no plain name",
+                "letters, digits and _, each name once, no column of the trajectories",
+                "rename it",
+            ));
+        }
+    }
+    Ok(all)
+}
+
+/// Columns that the trajectories have already.
+const RESERVED: [&str; 12] =
+    ["design", "run", "segment", "maneuver", "sample", "t", "y_u", "y_v", "y_r", "x", "y", "psi"];
+
+fn degrees(file: &VesselFile, variables: &[Variable]) -> Result<[Degree; 3], Invalid> {
+    let names: Vec<&str> = variables.iter().map(|v| v.name.as_str()).collect();
+    let mut taken: Vec<&str> = Vec::new();
+    let degree = |d: DegreeOfFreedom, specs: &[TermSpec]| -> Result<Degree, Invalid> {
+        if specs.is_empty() {
+            return Err(Invalid::new(
+                format!("[[{}]]", d.name()),
+                "no term",
+                "at least one term per degree of freedom",
+                "add one",
+            ));
+        }
+        let terms = specs.iter().map(|s| Term::parse(&s.term, &names)).collect::<Result<_, _>>()?;
+        Ok(Degree { parameters: specs.iter().map(|s| s.parameter.clone()).collect(), terms })
+    };
+    let all = [
+        degree(DegreeOfFreedom::Surge, &file.surge)?,
+        degree(DegreeOfFreedom::Sway, &file.sway)?,
+        degree(DegreeOfFreedom::Yaw, &file.yaw)?,
+    ];
+    for name in [&file.surge, &file.sway, &file.yaw].into_iter().flatten().map(|t| t.parameter.as_str()) {
+        if taken.contains(&name) || name.is_empty() {
+            return Err(Invalid::new(
+                format!("parameter `{name}`"),
+                "twice or empty",
+                "a name of its own",
+                "rename it",
+            ));
+        }
+        taken.push(name);
+    }
+    Ok(all)
+}
+
+fn couplings(inputs: &[InputSpec]) -> Result<Vec<Option<(usize, f64)>>, Invalid> {
+    let coupling = |input: &InputSpec| match (&input.follows, input.factor) {
+        (None, None) => Ok(None),
+        (Some(name), Some(factor)) if factor.is_finite() => {
+            match inputs.iter().position(|i| i.name == *name && i.name != input.name) {
+                Some(index) => Ok(Some((index, factor))),
+                None => Err(bad_coupling(input, &format!("`follows = \"{name}\"`"))),
+            }
+        }
+        _ => Err(bad_coupling(input, "only one of `follows` and `factor`, or no finite factor")),
+    };
+    inputs.iter().map(coupling).collect()
+}
+
+fn bad_coupling(input: &InputSpec, found: &str) -> Invalid {
+    Invalid::new(
+        format!("input `{}`", input.name),
+        found,
+        "`follows` naming another input and a finite `factor`, or neither",
+        "correct it",
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn vessel(text: &str) -> Result<Vessel, Invalid> {
+        Vessel::from_file(toml::from_str(text).unwrap())
+    }
+
+    #[test]
+    fn the_preset_is_the_papers_model() {
+        let vessel = vessel("preset = \"ljungberg-model-ship\"").unwrap();
+        assert_eq!(vessel.model.parameters(), 10);
+        assert_eq!(vessel.parameters(Source::Value).unwrap()[2], 0.08);
+        assert_eq!(vessel.nominal[9], 3.5e-4);
+        assert_eq!(vessel.couplings[1], Some((2, -2.5)));
+        assert_eq!(vessel.model.parameter_units()[1], "m/s per (m/s × m/s)");
+    }
+
+    #[test]
+    fn a_preset_takes_other_numbers_but_no_other_structure() {
+        let changed = vessel("preset = \"ljungberg-model-ship\"\n[nominal]\nX_u = -0.07").unwrap();
+        assert_eq!(changed.nominal[0], -0.07);
+        let error = vessel("preset = \"ljungberg-model-ship\"\n[nominal]\nX_uuu = -0.07").unwrap_err();
+        assert!(error.remedy.contains("`X_uu`"), "{error}");
+        assert!(vessel("preset = \"ljungberg-model-ship\"\nsample_rate_hz = 4.0").is_err());
+        assert!(vessel("preset = \"ljungberg\"").unwrap_err().remedy.contains("ljungberg-model-ship"));
+    }
+
+    #[test]
+    fn a_vessel_without_truth_has_a_nominal_model_only() {
+        let text = "name = \"x\"\nsample_rate_hz = 1.0\n[[input]]\nname = \"n\"\nunit = \"1/s\"\n\
+             [[surge]]\nparameter = \"a\"\nterm = \"n |n|\"\nnominal = 1.0\n[[sway]]\nparameter = \"b\"\nterm = \"v\"\n\
+             nominal = 1.0\n[[yaw]]\nparameter = \"c\"\nterm = \"r\"\nnominal = 1.0\n";
+        let vessel = vessel(text).unwrap();
+        assert!(vessel.parameters(Source::Value).unwrap_err().thing.contains("`a`"));
+        assert_eq!(vessel.parameters(Source::Nominal).unwrap(), vec![1.0; 3]);
+        assert!(self::vessel(&text.replace("\"c\"", "\"a\"")).is_err());
+        assert!(self::vessel(&text.replace("\"n\"\nunit", "\"psi\"\nunit")).is_err());
+    }
+}

@@ -1,0 +1,72 @@
+use std::ops::{Add, AddAssign, Index, IndexMut, Mul, Sub};
+
+/// How many runs are computed side by side.
+pub const LANES: usize = 8;
+
+/// One number of each of [`LANES`] runs. Every lane is computed on its own, in the same order of operations, so a
+/// run's numbers do not depend on which runs stand beside it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[repr(C, align(64))]
+pub struct Lane(pub [f64; LANES]);
+
+impl Lane {
+    /// Zero in every lane.
+    pub const ZERO: Self = Self([0.0; LANES]);
+    /// One in every lane.
+    pub const ONE: Self = Self([1.0; LANES]);
+
+    /// The same number in every lane.
+    #[inline(always)]
+    pub const fn splat(value: f64) -> Self {
+        Self([value; LANES])
+    }
+
+    /// Modulus, lane by lane.
+    #[inline(always)]
+    pub fn abs(mut self) -> Self {
+        for value in &mut self.0 {
+            *value = value.abs();
+        }
+        self
+    }
+}
+
+macro_rules! lane_by_lane {
+    ($trait:ident, $method:ident, $op:tt) => {
+        impl $trait for Lane {
+            type Output = Lane;
+            #[inline(always)]
+            fn $method(mut self, other: Lane) -> Lane {
+                for (value, other) in self.0.iter_mut().zip(other.0) {
+                    *value = *value $op other;
+                }
+                self
+            }
+        }
+    };
+}
+lane_by_lane!(Add, add, +);
+lane_by_lane!(Sub, sub, -);
+lane_by_lane!(Mul, mul, *);
+
+impl AddAssign for Lane {
+    #[inline(always)]
+    fn add_assign(&mut self, other: Lane) {
+        *self = *self + other;
+    }
+}
+
+impl Index<usize> for Lane {
+    type Output = f64;
+    #[inline(always)]
+    fn index(&self, lane: usize) -> &f64 {
+        &self.0[lane]
+    }
+}
+
+impl IndexMut<usize> for Lane {
+    #[inline(always)]
+    fn index_mut(&mut self, lane: usize) -> &mut f64 {
+        &mut self.0[lane]
+    }
+}

@@ -1,0 +1,32 @@
+//! A surface vessel as data: model structure, parameters, maneuvers, disturbances, simulation.
+//!
+//! States are surge `u`, sway `v` \[m/s\] and yaw rate `r` \[rad/s\] in body axes (x forward, y starboard, z down).
+//! A model structure lists per degree of freedom terms that are products of powers and moduli of states, inputs and
+//! measured disturbances; the parameter of a term multiplies it, and the sum is the state's increment per sample:
+//! `x_d(k+1) = x_d(k) + φ_d(k)ᵀ θ_d`. See `NOTATION.md` at the top of the repository.
+
+#![forbid(unsafe_code)]
+#![warn(missing_docs)]
+
+mod disturbance;
+mod file;
+mod invalid;
+mod lane;
+mod maneuver;
+mod model;
+mod noise;
+mod pose;
+mod simulate;
+mod steady;
+mod term;
+
+pub use disturbance::{Current, Disturbances, Measurement};
+pub use file::{InputSpec, MeasuredSpec, Source, TermSpec, Vessel, VesselFile};
+pub use invalid::{Invalid, nearest};
+pub use lane::{LANES, Lane};
+pub use maneuver::{DictionaryFile, Generator, Kind, ManeuverSpec, Realized, Shape, parse_inputs};
+pub use model::{Degree, DegreeOfFreedom, Model, Variable};
+pub use noise::Streams;
+pub use pose::{Pose, track};
+pub use simulate::{DIVERGED, Diverged, check_diverged, simulate, simulate_one};
+pub use term::{Factor, Term};

@@ -1,0 +1,205 @@
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use super::spec::{Kind, ManeuverSpec, check_all};
+use crate::steady::{Motion, steady_inputs};
+use crate::{DictionaryFile, Invalid, Source, Streams, Vessel, parse_inputs};
+
+/// A maneuver turned into inputs.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Realized {
+    /// State at the start: u, v \[m/s\], r \[rad/s\].
+    pub initial: [f64; 3],
+    /// N × inputs, row-major.
+    pub inputs: Vec<f64>,
+}
+
+/// Turns the maneuvers of a dictionary into inputs for one vessel.
+#[derive(Clone, Debug)]
+pub struct Generator {
+    vessel: Vessel,
+    parameters: Vec<f64>,
+    maneuvers: Vec<ManeuverSpec>,
+    default_s: Option<f64>,
+    files: BTreeMap<usize, Vec<f64>>,
+}
+
+impl Generator {
+    /// Checks the dictionary and reads its input files through `read` (path relative to the dictionary → content).
+    ///
+    /// # Errors
+    /// See [`DictionaryFile::check`]; an input file that is refused; true values that are needed and missing.
+    pub fn new(
+        vessel: &Vessel,
+        dictionary: &DictionaryFile,
+        read: impl Fn(&Path) -> Result<String, Invalid>,
+    ) -> Result<Self, Invalid> {
+        check_all(&dictionary.maneuvers, dictionary.duration_s)?;
+        let source =
+            if vessel.value.iter().all(Option::is_some) { dictionary.inputs_from } else { Source::Nominal };
+        let mut files = BTreeMap::new();
+        for (index, maneuver) in dictionary.maneuvers.iter().enumerate() {
+            if let Kind::Inputs { file, .. } = &maneuver.kind {
+                let inputs = parse_inputs(&read(file)?, &vessel.model)
+                    .map_err(|e| Invalid { thing: format!("{}: {}", file.display(), e.thing), ..e })?;
+                files.insert(index, inputs);
+            }
+        }
+        Ok(Self {
+            vessel: vessel.clone(),
+            parameters: vessel.parameters(source)?,
+            maneuvers: dictionary.maneuvers.clone(),
+            default_s: dictionary.duration_s,
+            files,
+        })
+    }
+
+    /// The maneuvers, in order.
+    pub fn maneuvers(&self) -> &[ManeuverSpec] {
+        &self.maneuvers
+    }
+
+    /// Number of samples of maneuver `index` in the dictionary.
+    ///
+    /// # Errors
+    /// A duration shorter than half a sample.
+    pub fn samples(&self, index: usize) -> Result<usize, Invalid> {
+        let maneuver = &self.maneuvers[index];
+        let own = maneuver.duration(self.default_s).map(|s| self.vessel.samples(s));
+        let file = self.files.get(&index).map(|inputs| inputs.len() / self.vessel.model.inputs);
+        match file.or(own) {
+            Some(samples) if samples > 0 => Ok(samples),
+            _ => Err(Invalid::new(
+                format!("maneuver `{}`", maneuver.name),
+                "zero samples",
+                format!("at least one sample ({} s)", 1.0 / self.vessel.sample_rate_hz),
+                "lengthen it with `duration_s`",
+            )),
+        }
+    }
+
+    /// Maneuver `index` carried out in `samples` samples. Swings keep their period, sweeps and recorded inputs are
+    /// stretched to the length.
+    ///
+    /// # Errors
+    /// A motion that the model cannot hold.
+    pub fn realize(&self, index: usize, samples: usize) -> Result<Realized, Invalid> {
+        let maneuver = &self.maneuvers[index];
+        if let (Kind::Inputs { speed_m_s, .. }, Some(recorded)) = (&maneuver.kind, self.files.get(&index)) {
+            let inputs = stretch(recorded, self.vessel.model.inputs, samples);
+            return Ok(Realized { initial: [*speed_m_s, 0.0, 0.0], inputs });
+        }
+        let plan = Plan::new(&maneuver.kind, self.vessel.sample_rate_hz, samples);
+        let named = |e: Invalid| Invalid { thing: format!("maneuver `{}`, {}", maneuver.name, e.thing), ..e };
+        let inputs = self.inputs(&plan, samples).map_err(named)?;
+        Ok(Realized { initial: [plan.start_speed(), 0.0, 0.0], inputs })
+    }
+
+    fn inputs(&self, plan: &Plan, samples: usize) -> Result<Vec<f64>, Invalid> {
+        let width = self.vessel.model.inputs;
+        let mut inputs = Vec::with_capacity(samples * width);
+        let mut unknowns = vec![0.0; width + 1];
+        let mut held: Option<Motion> = None;
+        for k in 0..samples {
+            let motion = plan.motion(k);
+            if held != Some(motion) {
+                unknowns.fill(0.0);
+                steady_inputs(&self.vessel, &self.parameters, motion, &mut unknowns)?;
+                held = Some(motion);
+            }
+            inputs.extend_from_slice(&unknowns[..width]);
+        }
+        Ok(inputs)
+    }
+}
+
+/// Nearest-sample stretching of recorded inputs (N × width) to `samples` samples.
+fn stretch(recorded: &[f64], width: usize, samples: usize) -> Vec<f64> {
+    let rows = recorded.len() / width;
+    let row = |k: usize| (k * rows / samples).min(rows - 1) * width;
+    (0..samples).flat_map(|k| recorded[row(k)..row(k) + width].iter().copied()).collect()
+}
+
+/// The wanted motion, sample by sample.
+struct Plan<'a> {
+    kind: &'a Kind,
+    rate_hz: f64,
+    samples: usize,
+    signs: [Vec<f64>; 3],
+}
+
+impl<'a> Plan<'a> {
+    fn new(kind: &'a Kind, rate_hz: f64, samples: usize) -> Self {
+        let signs = match kind {
+            Kind::PseudoRandomBinary { dwell_s, seed, .. } => {
+                let dwells = (samples as f64 / (dwell_s * rate_hz)).floor() as usize + 1;
+                let streams = Streams::new(*seed, "pseudo-random-binary");
+                [0, 1, 2].map(|c| {
+                    streams.choices(0, c, 2, dwells).iter().map(|b| 2.0 * f64::from(*b) - 1.0).collect()
+                })
+            }
+            _ => [const { Vec::new() }; 3],
+        };
+        Self { kind, rate_hz, samples, signs }
+    }
+
+    fn start_speed(&self) -> f64 {
+        match *self.kind {
+            Kind::Accelerate { from_m_s, .. } | Kind::Decelerate { from_m_s, .. } => from_m_s,
+            Kind::ZigZag { speed_m_s, .. }
+            | Kind::SwayZigZag { speed_m_s, .. }
+            | Kind::Spiral { speed_m_s, .. }
+            | Kind::SteadyTurn { speed_m_s, .. }
+            | Kind::PseudoRandomBinary { speed_m_s, .. }
+            | Kind::Inputs { speed_m_s, .. } => speed_m_s,
+        }
+    }
+
+    fn motion(&self, k: usize) -> Motion {
+        let t = k as f64 / self.rate_hz;
+        match *self.kind {
+            Kind::Accelerate { to_m_s: u, .. } | Kind::Decelerate { to_m_s: u, .. } => {
+                Motion { u, v: None, r: 0.0 }
+            }
+            Kind::ZigZag {
+                shape,
+                speed_m_s: u,
+                yaw_rate_amplitude_rad_s: rate,
+                heading_amplitude_rad: heading,
+                sway_amplitude_m_s: sway,
+                period_s,
+            } => {
+                let swing = shape.at(t / period_s);
+                let amplitude = Kind::yaw_rate_amplitude(shape, rate, heading, period_s);
+                Motion { u, v: sway.map(|v| -v * swing), r: amplitude * swing }
+            }
+            Kind::SwayZigZag { shape, speed_m_s: u, sway_amplitude_m_s, period_s } => {
+                Motion { u, v: Some(sway_amplitude_m_s * shape.at(t / period_s)), r: 0.0 }
+            }
+            Kind::Spiral {
+                speed_m_s: u,
+                yaw_rate_from_rad_s: from,
+                yaw_rate_to_rad_s: to,
+                sway_speed_m_s: v,
+            } => Motion { u, v, r: from + (to - from) * (k as f64 + 0.5) / self.samples as f64 },
+            Kind::SteadyTurn { speed_m_s: u, yaw_rate_rad_s: r, sway_speed_m_s: v } => Motion { u, v, r },
+            Kind::PseudoRandomBinary {
+                speed_m_s,
+                speed_amplitude_m_s,
+                yaw_rate_amplitude_rad_s,
+                sway_amplitude_m_s,
+                dwell_s,
+                ..
+            } => {
+                let dwell = (t / dwell_s).floor() as usize;
+                let sign = |c: usize| self.signs[c][dwell.min(self.signs[c].len() - 1)];
+                Motion {
+                    u: speed_m_s + speed_amplitude_m_s * sign(0),
+                    v: sway_amplitude_m_s.map(|v| v * sign(1)),
+                    r: yaw_rate_amplitude_rad_s * sign(2),
+                }
+            }
+            Kind::Inputs { speed_m_s: u, .. } => Motion { u, v: None, r: 0.0 },
+        }
+    }
+}

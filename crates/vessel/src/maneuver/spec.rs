@@ -1,0 +1,352 @@
+use std::collections::BTreeSet;
+use std::path::PathBuf;
+
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer};
+
+use crate::{Invalid, Source};
+
+/// `dictionary.toml` as written.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct DictionaryFile {
+    /// Duration of every maneuver that gives none of its own \[s\].
+    pub duration_s: Option<f64>,
+    /// Which parameters turn maneuvers into inputs.
+    #[serde(default)]
+    pub inputs_from: Source,
+    /// The maneuvers, in order.
+    #[serde(rename = "maneuver")]
+    pub maneuvers: Vec<ManeuverSpec>,
+}
+
+/// One maneuver.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ManeuverSpec {
+    /// Its name, unique in the dictionary.
+    pub name: String,
+    /// For the report.
+    pub description: String,
+    /// Its duration in the dictionary \[s\].
+    pub duration_s: Option<f64>,
+    /// What is done.
+    pub kind: Kind,
+}
+
+/// Keys of every maneuver, whatever its kind.
+const COMMON_KEYS: [&str; 4] = ["name", "kind", "description", "duration_s"];
+
+impl<'de> Deserialize<'de> for ManeuverSpec {
+    /// The keys that all kinds share, then those of the kind: any other key is refused (which a flattened enum would
+    /// let pass).
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        #[derive(Deserialize)]
+        struct Common {
+            name: String,
+            #[serde(default)]
+            description: String,
+            duration_s: Option<f64>,
+        }
+        let mut table = toml::Table::deserialize(deserializer)?;
+        let mut common = toml::Table::new();
+        for key in ["name", "description", "duration_s"] {
+            common.extend(table.remove(key).map(|value| (key.to_owned(), value)));
+        }
+        let refused = |e: toml::de::Error| D::Error::custom(with_common_keys(e.message()));
+        let Common { name, description, duration_s } = common.try_into().map_err(refused)?;
+        let named = |e: toml::de::Error| {
+            D::Error::custom(format!("{} (maneuver `{name}`)", with_common_keys(e.message())))
+        };
+        let kind = table.try_into().map_err(named)?;
+        Ok(Self { name, description, duration_s, kind })
+    }
+}
+
+/// Adds [`COMMON_KEYS`] to the known keys that serde's message on an unknown field lists.
+fn with_common_keys(message: &str) -> String {
+    match message.split_once(", expected ") {
+        Some((found, known)) if found.starts_with("unknown field") => {
+            let own = known.split('`').skip(1).step_by(2);
+            let all: Vec<String> = own.chain(COMMON_KEYS).map(|key| format!("`{key}`")).collect();
+            format!("{found}, expected one of {}", all.join(", "))
+        }
+        _ => message.to_owned(),
+    }
+}
+
+/// What is done in a maneuver. Speeds are surge speeds unless they say otherwise.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
+pub enum Kind {
+    /// The thrust for `to_m_s`, set at the speed `from_m_s`.
+    Accelerate {
+        /// Speed at the start \[m/s\].
+        from_m_s: f64,
+        /// Steady speed of the thrust that is set \[m/s\].
+        to_m_s: f64,
+    },
+    /// The same towards a lower speed.
+    Decelerate {
+        /// Speed at the start \[m/s\].
+        from_m_s: f64,
+        /// Steady speed of the thrust that is set \[m/s\].
+        to_m_s: f64,
+    },
+    /// The yaw rate swings about zero.
+    ZigZag {
+        /// How it swings.
+        #[serde(default)]
+        shape: Shape,
+        /// Speed \[m/s\].
+        speed_m_s: f64,
+        /// Amplitude of the yaw rate \[rad/s\]; this or `heading_amplitude_rad`.
+        yaw_rate_amplitude_rad_s: Option<f64>,
+        /// Amplitude of the heading \[rad\].
+        heading_amplitude_rad: Option<f64>,
+        /// Amplitude of the sway speed, outwards of the turn \[m/s\]; without it, whatever comes with the turn.
+        sway_amplitude_m_s: Option<f64>,
+        /// Period \[s\].
+        period_s: f64,
+    },
+    /// The sway speed swings about zero, heading kept.
+    SwayZigZag {
+        /// How it swings.
+        #[serde(default)]
+        shape: Shape,
+        /// Surge speed \[m/s\].
+        #[serde(default)]
+        speed_m_s: f64,
+        /// Amplitude of the sway speed \[m/s\].
+        sway_amplitude_m_s: f64,
+        /// Period \[s\].
+        period_s: f64,
+    },
+    /// The yaw rate is swept evenly over the maneuver.
+    Spiral {
+        /// Speed \[m/s\].
+        speed_m_s: f64,
+        /// Yaw rate at the start \[rad/s\].
+        #[serde(default)]
+        yaw_rate_from_rad_s: f64,
+        /// Yaw rate at the end \[rad/s\].
+        yaw_rate_to_rad_s: f64,
+        /// Sway speed \[m/s\]; without it, whatever comes with the turn.
+        sway_speed_m_s: Option<f64>,
+    },
+    /// A turning circle, approached straight ahead.
+    SteadyTurn {
+        /// Speed \[m/s\].
+        speed_m_s: f64,
+        /// Yaw rate \[rad/s\].
+        yaw_rate_rad_s: f64,
+        /// Sway speed \[m/s\]; without it, whatever comes with the turn.
+        sway_speed_m_s: Option<f64>,
+    },
+    /// Speed, yaw rate and sway speed each switch at random between two levels.
+    PseudoRandomBinary {
+        /// Mean speed \[m/s\].
+        speed_m_s: f64,
+        /// The speed is above or below its mean by this much \[m/s\].
+        #[serde(default)]
+        speed_amplitude_m_s: f64,
+        /// The yaw rate is plus or minus this \[rad/s\].
+        #[serde(default)]
+        yaw_rate_amplitude_rad_s: f64,
+        /// The sway speed is plus or minus this \[m/s\]; without it, whatever comes with the turn.
+        sway_amplitude_m_s: Option<f64>,
+        /// Shortest time at a level \[s\].
+        dwell_s: f64,
+        /// Seed of the sequence.
+        #[serde(default)]
+        seed: u64,
+    },
+    /// Inputs from a file.
+    Inputs {
+        /// CSV with a column per input, a row per sample; relative to the dictionary's folder.
+        file: PathBuf,
+        /// Speed at the start \[m/s\].
+        #[serde(default)]
+        speed_m_s: f64,
+    },
+}
+
+/// How a zig-zag swings.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Shape {
+    /// Between two levels.
+    Square,
+    /// As a sine.
+    #[default]
+    Sine,
+    /// In straight ramps.
+    Triangle,
+}
+
+impl Shape {
+    /// Value at `phase` (in periods), within −1 and 1, starting upwards.
+    pub fn at(self, phase: f64) -> f64 {
+        let phase = phase - phase.floor();
+        match self {
+            Self::Square => {
+                if phase < 0.5 {
+                    1.0
+                } else {
+                    -1.0
+                }
+            }
+            Self::Sine => (std::f64::consts::TAU * phase).sin(),
+            Self::Triangle => 1.0 - 4.0 * ((phase + 0.75) % 1.0 - 0.5).abs(),
+        }
+    }
+
+    /// Amplitude of a signal whose derivative swings like this with amplitude 1 and period 1 s.
+    fn integral(self) -> f64 {
+        match self {
+            Self::Square => 0.25,
+            Self::Sine => 1.0 / std::f64::consts::TAU,
+            Self::Triangle => 0.125,
+        }
+    }
+}
+
+impl DictionaryFile {
+    /// Refuses an empty dictionary, a name used twice and numbers without meaning.
+    ///
+    /// # Errors
+    /// Names the maneuver and the key.
+    pub fn check(&self) -> Result<(), Invalid> {
+        check_all(&self.maneuvers, self.duration_s)
+    }
+}
+
+pub(crate) fn check_all(maneuvers: &[ManeuverSpec], default_s: Option<f64>) -> Result<(), Invalid> {
+    if maneuvers.is_empty() {
+        return Err(Invalid::new("[[maneuver]]", "none", "at least one maneuver", "add one"));
+    }
+    let mut names = BTreeSet::new();
+    for maneuver in maneuvers {
+        if maneuver.name.is_empty() || !names.insert(maneuver.name.as_str()) {
+            return Err(Invalid::new(
+                format!("maneuver `{}`", maneuver.name),
+                "a name that is empty or used twice",
+                "a name of its own for every maneuver",
+                "rename one of them",
+            ));
+        }
+        maneuver.check(default_s)?;
+    }
+    Ok(())
+}
+
+impl ManeuverSpec {
+    /// Its duration \[s\], or the default.
+    pub fn duration(&self, default_s: Option<f64>) -> Option<f64> {
+        self.duration_s.or(default_s)
+    }
+
+    fn check(&self, default_s: Option<f64>) -> Result<(), Invalid> {
+        if !matches!(self.kind, Kind::Inputs { .. }) {
+            let duration = self.duration(default_s).unwrap_or(f64::NAN);
+            self.above_zero("duration_s", duration)?;
+        }
+        for (key, value) in self.kind.numbers() {
+            if !value.is_finite() {
+                return Err(self.invalid(key, value, "a finite number"));
+            }
+        }
+        match self.kind {
+            Kind::Accelerate { from_m_s, to_m_s } if to_m_s <= from_m_s => {
+                Err(self.invalid("to_m_s", to_m_s, "more than from_m_s"))
+            }
+            Kind::Decelerate { from_m_s, to_m_s } if to_m_s >= from_m_s => {
+                Err(self.invalid("to_m_s", to_m_s, "less than from_m_s"))
+            }
+            Kind::ZigZag {
+                period_s, yaw_rate_amplitude_rad_s: rate, heading_amplitude_rad: heading, ..
+            } => {
+                if rate.is_some() == heading.is_some() {
+                    return Err(Invalid::new(
+                        format!("maneuver `{}`", self.name),
+                        "both or none of `yaw_rate_amplitude_rad_s` and `heading_amplitude_rad`",
+                        "one of them",
+                        "keep one",
+                    ));
+                }
+                self.above_zero("period_s", period_s)
+            }
+            Kind::SwayZigZag { period_s, .. } => self.above_zero("period_s", period_s),
+            Kind::PseudoRandomBinary { dwell_s, .. } => self.above_zero("dwell_s", dwell_s),
+            _ => Ok(()),
+        }
+    }
+
+    fn above_zero(&self, key: &str, value: f64) -> Result<(), Invalid> {
+        if value.is_finite() && value > 0.0 { Ok(()) } else { Err(self.invalid(key, value, "more than 0 s")) }
+    }
+
+    fn invalid(&self, key: &str, value: f64, expected: &str) -> Invalid {
+        let found = if value.is_nan() { "none (or no number)".to_owned() } else { value.to_string() };
+        Invalid::new(format!("maneuver `{}`, `{key}`", self.name), found, expected, "correct it")
+    }
+}
+
+impl Kind {
+    fn numbers(&self) -> Vec<(&'static str, f64)> {
+        let or_zero = |x: Option<f64>| x.unwrap_or(0.0);
+        match *self {
+            Self::Accelerate { from_m_s, to_m_s } | Self::Decelerate { from_m_s, to_m_s } => {
+                vec![("from_m_s", from_m_s), ("to_m_s", to_m_s)]
+            }
+            Self::ZigZag {
+                speed_m_s,
+                yaw_rate_amplitude_rad_s,
+                heading_amplitude_rad,
+                sway_amplitude_m_s,
+                ..
+            } => vec![
+                ("speed_m_s", speed_m_s),
+                ("yaw_rate_amplitude_rad_s", or_zero(yaw_rate_amplitude_rad_s)),
+                ("heading_amplitude_rad", or_zero(heading_amplitude_rad)),
+                ("sway_amplitude_m_s", or_zero(sway_amplitude_m_s)),
+            ],
+            Self::SwayZigZag { speed_m_s, sway_amplitude_m_s, .. } => {
+                vec![("speed_m_s", speed_m_s), ("sway_amplitude_m_s", sway_amplitude_m_s)]
+            }
+            Self::Spiral { speed_m_s, yaw_rate_from_rad_s, yaw_rate_to_rad_s, sway_speed_m_s } => vec![
+                ("speed_m_s", speed_m_s),
+                ("yaw_rate_from_rad_s", yaw_rate_from_rad_s),
+                ("yaw_rate_to_rad_s", yaw_rate_to_rad_s),
+                ("sway_speed_m_s", or_zero(sway_speed_m_s)),
+            ],
+            Self::SteadyTurn { speed_m_s, yaw_rate_rad_s, sway_speed_m_s } => vec![
+                ("speed_m_s", speed_m_s),
+                ("yaw_rate_rad_s", yaw_rate_rad_s),
+                ("sway_speed_m_s", or_zero(sway_speed_m_s)),
+            ],
+            Self::PseudoRandomBinary {
+                speed_m_s,
+                speed_amplitude_m_s,
+                yaw_rate_amplitude_rad_s,
+                sway_amplitude_m_s,
+                ..
+            } => vec![
+                ("speed_m_s", speed_m_s),
+                ("speed_amplitude_m_s", speed_amplitude_m_s),
+                ("yaw_rate_amplitude_rad_s", yaw_rate_amplitude_rad_s),
+                ("sway_amplitude_m_s", or_zero(sway_amplitude_m_s)),
+            ],
+            Self::Inputs { speed_m_s, .. } => vec![("speed_m_s", speed_m_s)],
+        }
+    }
+
+    /// Amplitude of the yaw rate of a zig-zag \[rad/s\].
+    pub(crate) fn yaw_rate_amplitude(
+        shape: Shape,
+        rate: Option<f64>,
+        heading: Option<f64>,
+        period_s: f64,
+    ) -> f64 {
+        rate.or(heading.map(|h| h / (shape.integral() * period_s))).unwrap_or(0.0)
+    }
+}

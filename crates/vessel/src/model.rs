@@ -1,0 +1,105 @@
+use crate::{Lane, Term};
+
+/// Surge, sway or yaw.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DegreeOfFreedom {
+    /// Along x, forward.
+    Surge,
+    /// Along y, to starboard.
+    Sway,
+    /// About z, bow to starboard.
+    Yaw,
+}
+
+impl DegreeOfFreedom {
+    /// All three, in the order of the states.
+    pub const ALL: [Self; 3] = [Self::Surge, Self::Sway, Self::Yaw];
+
+    /// `surge`, `sway` or `yaw`.
+    pub fn name(self) -> &'static str {
+        ["surge", "sway", "yaw"][self as usize]
+    }
+
+    /// The state's name: `u`, `v` or `r`.
+    pub fn state(self) -> &'static str {
+        ["u", "v", "r"][self as usize]
+    }
+
+    /// The state's unit.
+    pub fn unit(self) -> &'static str {
+        ["m/s", "m/s", "rad/s"][self as usize]
+    }
+}
+
+/// A variable of the model: a state, an input or a measured disturbance.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Variable {
+    /// Name as used in terms.
+    pub name: String,
+    /// Its unit.
+    pub unit: String,
+}
+
+/// The regressors φ_d of one degree of freedom, with the names of their parameters θ_d.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Degree {
+    /// Names of the parameters.
+    pub parameters: Vec<String>,
+    /// One term per parameter.
+    pub terms: Vec<Term>,
+}
+
+/// A model structure: what the states' increments are linear combinations of.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Model {
+    /// `u`, `v`, `r`, then the inputs, then the measured disturbances.
+    pub variables: Vec<Variable>,
+    /// How many of the variables are inputs.
+    pub inputs: usize,
+    /// Surge, sway, yaw.
+    pub degrees: [Degree; 3],
+}
+
+impl Model {
+    /// Number of inputs and measured disturbances.
+    pub fn exogenous(&self) -> usize {
+        self.variables.len() - 3
+    }
+
+    /// Number of parameters of all degrees of freedom.
+    pub fn parameters(&self) -> usize {
+        self.degrees.iter().map(|d| d.terms.len()).sum()
+    }
+
+    /// Names of all parameters: surge, sway, yaw.
+    pub fn parameter_names(&self) -> impl Iterator<Item = &str> {
+        self.degrees.iter().flat_map(|d| d.parameters.iter().map(String::as_str))
+    }
+
+    /// Units of all parameters, such as `m/s per N`.
+    pub fn parameter_units(&self) -> Vec<String> {
+        let per = |d: DegreeOfFreedom, term: &Term| {
+            let units: Vec<&str> =
+                term.factors.iter().map(|f| self.variables[f.variable].unit.as_str()).collect();
+            format!("{} per ({})", d.unit(), units.join(" × "))
+        };
+        let of = |(d, degree): (DegreeOfFreedom, &Degree)| {
+            degree.terms.iter().map(|t| per(d, t)).collect::<Vec<_>>()
+        };
+        DegreeOfFreedom::ALL.into_iter().zip(&self.degrees).flat_map(of).collect()
+    }
+
+    /// θᵀφ of each degree of freedom. `values`: one lane per variable; `parameters`: one lane per parameter.
+    #[inline(always)]
+    pub fn increments(&self, values: &[Lane], parameters: &[Lane]) -> [Lane; 3] {
+        let mut sums = [Lane::ZERO; 3];
+        let mut next = 0;
+        for (sum, degree) in sums.iter_mut().zip(&self.degrees) {
+            for term in &degree.terms {
+                *sum += parameters[next] * term.value(values);
+                next += 1;
+            }
+        }
+        sums
+    }
+}

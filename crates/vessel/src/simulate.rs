@@ -1,0 +1,73 @@
+use crate::{LANES, Lane, Model};
+
+/// A speed \[m/s\] or yaw rate \[rad/s\] beyond which a simulation counts as diverged.
+pub const DIVERGED: f64 = 1e3;
+
+/// Where a simulation left every bound.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Diverged {
+    /// First sample with a state beyond [`DIVERGED`] or not finite.
+    pub sample: usize,
+    /// Index of the state: 0 surge, 1 sway, 2 yaw rate.
+    pub state: usize,
+}
+
+/// Simulates [`LANES`] runs of N samples side by side: x(k+1) = x(k) + θᵀφ(x(k) − x_c(k), exogenous(k)).
+///
+/// `parameters`: one lane per parameter. `initial`: u, v, r. `exogenous`: N × (inputs and measured disturbances).
+/// `current`: N × 2 surge and sway components in body axes \[m/s\], or empty for still water. `states`: filled with
+/// (N+1) × 3. All row-major.
+pub fn simulate(
+    model: &Model,
+    parameters: &[Lane],
+    initial: [Lane; 3],
+    exogenous: &[Lane],
+    current: &[Lane],
+    states: &mut [Lane],
+) {
+    multiversion(model, parameters, initial, exogenous, current, states);
+}
+
+#[inline(always)]
+fn multiversion(
+    model: &Model,
+    parameters: &[Lane],
+    initial: [Lane; 3],
+    exogenous: &[Lane],
+    current: &[Lane],
+    states: &mut [Lane],
+) {
+    let width = model.exogenous();
+    let mut values = vec![Lane::ZERO; 3 + width];
+    let mut state = initial;
+    states[..3].copy_from_slice(&state);
+    for (k, next) in states[3..].chunks_exact_mut(3).enumerate() {
+        values[..3].copy_from_slice(&state);
+        if let Some(current) = current.get(2 * k..2 * k + 2) {
+            values[0] = state[0] - current[0];
+            values[1] = state[1] - current[1];
+        }
+        values[3..].copy_from_slice(&exogenous[k * width..(k + 1) * width]);
+        let increments = model.increments(&values, parameters);
+        for (s, increment) in state.iter_mut().zip(increments) {
+            *s += increment;
+        }
+        next.copy_from_slice(&state);
+    }
+}
+
+/// Simulates one run in still water. Shapes as in [`simulate`], one number per entry; returns (N+1) × 3 states.
+pub fn simulate_one(model: &Model, parameters: &[f64], initial: [f64; 3], exogenous: &[f64]) -> Vec<f64> {
+    let lanes = |values: &[f64]| values.iter().map(|v| Lane::splat(*v)).collect::<Vec<_>>();
+    let samples = exogenous.len() / model.exogenous().max(1);
+    let mut states = vec![Lane::ZERO; 3 * (samples + 1)];
+    simulate(model, &lanes(parameters), initial.map(Lane::splat), &lanes(exogenous), &[], &mut states);
+    states.iter().map(|lane| lane[0]).collect()
+}
+
+/// First sample at which lane `lane` of `states`, (N+1) × 3, is beyond [`DIVERGED`] or not finite.
+pub fn check_diverged(states: &[Lane], lane: usize) -> Option<Diverged> {
+    debug_assert!(lane < LANES);
+    let beyond = |s: &Lane| !(s[lane].abs() <= DIVERGED);
+    states.iter().position(beyond).map(|i| Diverged { sample: i / 3, state: i % 3 })
+}

@@ -1,0 +1,186 @@
+use crate::{Invalid, Lane, nearest};
+
+/// One factor of a term: a variable or its modulus.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Factor {
+    /// Index of the variable in [`crate::Model::variables`].
+    pub variable: usize,
+    /// Whether the modulus is meant.
+    pub modulus: bool,
+}
+
+/// A product of variables and moduli, such as `u |u|`, `v r` or `u |u| delta`. A power is a repeated factor.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Term {
+    /// As written.
+    pub text: String,
+    /// At least one factor.
+    pub factors: Vec<Factor>,
+}
+
+impl Term {
+    /// Parses `text`: names side by side or with `*` between them, `|name|` for the modulus, `^2` for a power.
+    ///
+    /// # Errors
+    /// A name that is none of `variables`, an unclosed `|`, a power that is no whole number from 1 to 9, no factor.
+    pub fn parse(text: &str, variables: &[&str]) -> Result<Self, Invalid> {
+        let mut rest = text.trim_start();
+        let mut factors = Vec::new();
+        while !rest.is_empty() {
+            let (factor, power, after) = parse_factor(text, rest, variables)?;
+            factors.extend(std::iter::repeat_n(factor, power));
+            rest = after.trim_start().trim_start_matches('*').trim_start();
+        }
+        if factors.is_empty() {
+            return Err(malformed(text, "no factor"));
+        }
+        Ok(Self { text: text.split_whitespace().collect::<Vec<_>>().join(" "), factors })
+    }
+
+    /// The term's value in every lane; `values` holds one lane per variable.
+    #[inline(always)]
+    pub fn value(&self, values: &[Lane]) -> Lane {
+        let mut product = factor_value(self.factors[0], values);
+        for factor in &self.factors[1..] {
+            product = product * factor_value(*factor, values);
+        }
+        product
+    }
+
+    /// The term's value for one set of variables.
+    pub fn evaluate(&self, values: &[f64]) -> f64 {
+        self.factors.iter().map(|f| scalar(*f, values)).product()
+    }
+
+    /// Partial derivative with respect to variable `variable` (at a zero modulus: 0).
+    pub fn derivative(&self, values: &[f64], variable: usize) -> f64 {
+        let mut sum = 0.0;
+        for (i, factor) in self.factors.iter().enumerate() {
+            if factor.variable == variable {
+                let inner = if factor.modulus { sign(values[variable]) } else { 1.0 };
+                let others = self.factors.iter().enumerate().filter(|(j, _)| *j != i);
+                sum += inner * others.map(|(_, f)| scalar(*f, values)).product::<f64>();
+            }
+        }
+        sum
+    }
+}
+
+fn sign(value: f64) -> f64 {
+    if value == 0.0 { 0.0 } else { value.signum() }
+}
+
+fn scalar(factor: Factor, values: &[f64]) -> f64 {
+    let value = values[factor.variable];
+    if factor.modulus { value.abs() } else { value }
+}
+
+#[inline(always)]
+fn factor_value(factor: Factor, values: &[Lane]) -> Lane {
+    let value = values[factor.variable];
+    if factor.modulus { value.abs() } else { value }
+}
+
+fn parse_factor<'a>(
+    text: &str,
+    rest: &'a str,
+    variables: &[&str],
+) -> Result<(Factor, usize, &'a str), Invalid> {
+    let (modulus, start) = match rest.strip_prefix('|') {
+        Some(inner) => (true, inner.trim_start()),
+        None => (false, rest),
+    };
+    let end = start.find(|c: char| !(c.is_alphanumeric() || c == '_')).unwrap_or(start.len());
+    let (name, mut after) = start.split_at(end);
+    if modulus {
+        after = after.trim_start().strip_prefix('|').ok_or_else(|| malformed(text, "an unclosed `|`"))?;
+    }
+    let variable = variables.iter().position(|v| *v == name).ok_or_else(|| unknown(text, name, variables))?;
+    let (power, after) = parse_power(text, after)?;
+    Ok((Factor { variable, modulus }, power, after))
+}
+
+fn parse_power<'a>(text: &str, rest: &'a str) -> Result<(usize, &'a str), Invalid> {
+    let Some(exponent) = rest.trim_start().strip_prefix('^') else {
+        return Ok((1, rest));
+    };
+    let exponent = exponent.trim_start();
+    let digits = exponent.find(|c: char| !c.is_ascii_digit()).unwrap_or(exponent.len());
+    match exponent[..digits].parse::<usize>() {
+        Ok(power @ 1..=9) => Ok((power, &exponent[digits..])),
+        _ => Err(malformed(text, "a power that is no whole number from 1 to 9")),
+    }
+}
+
+fn malformed(text: &str, found: &str) -> Invalid {
+    Invalid::new(
+        format!("term `{text}`"),
+        found,
+        "a product such as `u |u|`, `v r` or `u^2 delta`",
+        "write the term again",
+    )
+}
+
+fn unknown(text: &str, name: &str, variables: &[&str]) -> Invalid {
+    let remedy = match nearest(name, variables.iter().copied()) {
+        Some(near) => {
+            format!("did you mean `{near}`? (inputs and measured disturbances must be declared)")
+        }
+        None => "declare it as [[input]] or [[measured]]".to_owned(),
+    };
+    let found = if name.is_empty() { "a character that starts no name".into() } else { format!("`{name}`") };
+    Invalid::new(format!("term `{text}`"), found, format!("one of {}", variables.join(", ")), remedy)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const VARIABLES: [&str; 5] = ["u", "v", "r", "n", "delta"];
+
+    fn at(text: &str, values: [f64; 5]) -> f64 {
+        Term::parse(text, &VARIABLES).map_or(f64::NAN, |t| t.evaluate(&values))
+    }
+
+    #[test]
+    fn products_powers_and_moduli_are_read_as_written() {
+        let x = [-2.0, 3.0, 0.5, -4.0, 0.1];
+        assert_eq!(at("u", x), -2.0);
+        assert_eq!(at("u|u|", x), -4.0);
+        assert_eq!(at("u |u| delta", x), -0.4);
+        assert_eq!(at("v * r", x), 1.5);
+        assert_eq!(at("n |n|", x), -16.0);
+        assert_eq!(at("u^3 |r|^2", x), -2.0);
+    }
+
+    #[test]
+    fn a_misspelt_variable_is_refused_with_the_nearest_name() {
+        let error = Term::parse("u |u| dleta", &VARIABLES).unwrap_err();
+        assert!(error.to_string().contains("`dleta`") && error.remedy.contains("`delta`"), "{error}");
+        for text in ["", "|u", "u^0", "u^x", "u +"] {
+            assert!(Term::parse(text, &VARIABLES).is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn law_lanes_and_derivatives_agree_with_the_scalar_value() {
+        let x = [-0.7, 0.3, 0.2, 5.0, -0.4];
+        let lanes: Vec<Lane> = x.iter().map(|v| Lane::splat(*v)).collect();
+        for text in ["u |u|", "v r", "u^2 |v| delta", "|n| n"] {
+            let term = Term::parse(text, &VARIABLES).unwrap();
+            assert_eq!(term.value(&lanes)[3], term.evaluate(&x), "{text}");
+            for i in 0..5 {
+                let (mut hi, mut lo) = (x, x);
+                hi[i] += 1e-6;
+                lo[i] -= 1e-6;
+                let numeric = (term.evaluate(&hi) - term.evaluate(&lo)) / 2e-6;
+                approx::assert_relative_eq!(
+                    term.derivative(&x, i),
+                    numeric,
+                    max_relative = 1e-6,
+                    epsilon = 1e-8
+                );
+            }
+        }
+    }
+}
