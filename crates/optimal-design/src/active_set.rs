@@ -145,10 +145,9 @@ fn improve(candidates: &Candidates, shares: &[f64], tolerance: f64) -> Option<St
             trial[*q] = (w + length * d).max(0.0);
         }
         normalize(&mut trial);
-        if let Some(log_det) = candidates.evaluate(&trial, &mut at) {
-            if log_det >= before + 1e-4 * length * slope - 1e-14 * before.abs().max(1.0) {
-                return Some(Step { shares: trial, log_det, relative_gap: relative_gap(candidates, &at) });
-            }
+        let enough = before + 1e-4 * length * slope - 1e-14 * before.abs().max(1.0);
+        if let Some(log_det) = candidates.evaluate(&trial, &mut at).filter(|value| *value >= enough) {
+            return Some(Step { shares: trial, log_det, relative_gap: relative_gap(candidates, &at) });
         }
         length *= 0.5;
     }

@@ -32,22 +32,22 @@ impl Lane {
 }
 
 macro_rules! lane_by_lane {
-    ($trait:ident, $method:ident, $op:tt) => {
+    ($trait:ident, $method:ident, $assign:tt) => {
         impl $trait for Lane {
             type Output = Lane;
             #[inline(always)]
             fn $method(mut self, other: Lane) -> Lane {
                 for (value, other) in self.0.iter_mut().zip(other.0) {
-                    *value = *value $op other;
+                    *value $assign other;
                 }
                 self
             }
         }
     };
 }
-lane_by_lane!(Add, add, +);
-lane_by_lane!(Sub, sub, -);
-lane_by_lane!(Mul, mul, *);
+lane_by_lane!(Add, add, +=);
+lane_by_lane!(Sub, sub, -=);
+lane_by_lane!(Mul, mul, *=);
 
 impl AddAssign for Lane {
     #[inline(always)]

@@ -25,18 +25,6 @@ pub fn simulate(
     current: &[Lane],
     states: &mut [Lane],
 ) {
-    multiversion(model, parameters, initial, exogenous, current, states);
-}
-
-#[inline(always)]
-fn multiversion(
-    model: &Model,
-    parameters: &[Lane],
-    initial: [Lane; 3],
-    exogenous: &[Lane],
-    current: &[Lane],
-    states: &mut [Lane],
-) {
     let width = model.exogenous();
     let mut values = vec![Lane::ZERO; 3 + width];
     let mut state = initial;
@@ -68,6 +56,6 @@ pub fn simulate_one(model: &Model, parameters: &[f64], initial: [f64; 3], exogen
 /// First sample at which lane `lane` of `states`, (N+1) × 3, is beyond [`DIVERGED`] or not finite.
 pub fn check_diverged(states: &[Lane], lane: usize) -> Option<Diverged> {
     debug_assert!(lane < LANES);
-    let beyond = |s: &Lane| !(s[lane].abs() <= DIVERGED);
+    let beyond = |s: &Lane| s[lane].is_nan() || s[lane].abs() > DIVERGED;
     states.iter().position(beyond).map(|i| Diverged { sample: i / 3, state: i % 3 })
 }

@@ -1,0 +1,143 @@
+//! Columns in memory. The only file that names arrow2: another store replaces it here alone.
+
+use std::sync::Arc;
+
+use arrow2::array::{Array, PrimitiveArray};
+use arrow2::bitmap::Bitmap;
+
+use crate::schema::Kind;
+
+/// Values of one column. Clones share the values.
+#[derive(Clone, Debug)]
+pub enum Column {
+    /// Floating-point values, some perhaps absent.
+    F64(FloatColumn),
+    /// Integers.
+    I32(IntegerColumn),
+    /// Labels.
+    Text(TextColumn),
+}
+
+/// Values of a [`Column::F64`]; NaN where absent.
+#[derive(Clone, Debug)]
+pub struct FloatColumn(PrimitiveArray<f64>);
+
+/// Values of a [`Column::I32`].
+#[derive(Clone, Debug)]
+pub struct IntegerColumn(PrimitiveArray<i32>);
+
+/// Values of a [`Column::Text`]: distinct labels, and per row the index of its label.
+#[derive(Clone, Debug)]
+pub struct TextColumn {
+    labels: Arc<[String]>,
+    codes: PrimitiveArray<u32>,
+}
+
+impl Column {
+    /// A column without absent values. The vector is taken over, not copied.
+    pub fn f64(values: Vec<f64>) -> Self {
+        Self::F64(FloatColumn(PrimitiveArray::from_vec(values)))
+    }
+
+    /// A column whose value at row i is present where `validity[i]`; a row without a flag is absent.
+    /// Values of absent rows are replaced by NaN.
+    pub fn nullable_f64(mut values: Vec<f64>, validity: Vec<bool>) -> Self {
+        let flags = validity.into_iter().chain(std::iter::repeat(false));
+        let bits: Bitmap = flags.take(values.len()).collect();
+        for (value, valid) in values.iter_mut().zip(bits.iter()) {
+            *value = if valid { *value } else { f64::NAN };
+        }
+        let array = PrimitiveArray::from_vec(values);
+        let bits = (bits.unset_bits() > 0).then_some(bits);
+        Self::F64(FloatColumn(array.with_validity(bits)))
+    }
+
+    /// A column of integers. The vector is taken over, not copied.
+    pub fn i32(values: Vec<i32>) -> Self {
+        Self::I32(IntegerColumn(PrimitiveArray::from_vec(values)))
+    }
+
+    /// A column whose text at row i is `labels[codes[i]]`. A code without a label reads as no
+    /// text, and is refused on writing.
+    pub fn text(labels: Vec<String>, codes: Vec<u32>) -> Self {
+        Self::Text(TextColumn { labels: labels.into(), codes: PrimitiveArray::from_vec(codes) })
+    }
+
+    /// Number of rows.
+    pub fn len(&self) -> usize {
+        match self {
+            Self::F64(column) => column.0.len(),
+            Self::I32(column) => column.0.len(),
+            Self::Text(column) => column.codes.len(),
+        }
+    }
+
+    /// Whether there are no rows.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Type of the values.
+    pub fn kind(&self) -> Kind {
+        match self {
+            Self::F64(_) => Kind::F64,
+            Self::I32(_) => Kind::I32,
+            Self::Text(_) => Kind::Text,
+        }
+    }
+
+    /// The values of an f64 column, NaN where absent.
+    pub fn as_f64(&self) -> Option<&[f64]> {
+        match self {
+            Self::F64(column) => Some(column.0.values().as_slice()),
+            _ => None,
+        }
+    }
+
+    /// The values of an i32 column.
+    pub fn as_i32(&self) -> Option<&[i32]> {
+        match self {
+            Self::I32(column) => Some(column.0.values().as_slice()),
+            _ => None,
+        }
+    }
+
+    /// The labels of a text column, and per row the index of its label.
+    pub fn text_codes(&self) -> Option<(&[String], &[u32])> {
+        match self {
+            Self::Text(column) => Some((&column.labels, column.codes.values().as_slice())),
+            _ => None,
+        }
+    }
+
+    /// The text at `row` of a text column.
+    pub fn text_at(&self, row: usize) -> Option<&str> {
+        let (labels, codes) = self.text_codes()?;
+        labels.get(*codes.get(row)? as usize).map(String::as_str)
+    }
+
+    /// Number of absent values.
+    pub fn nulls(&self) -> usize {
+        match self {
+            Self::F64(column) => column.0.null_count(),
+            _ => 0,
+        }
+    }
+
+    /// Whether the value at `row` is absent.
+    pub fn is_null(&self, row: usize) -> bool {
+        match self {
+            Self::F64(column) => column.0.validity().is_some_and(|bits| bits.get(row) == Some(false)),
+            _ => false,
+        }
+    }
+
+    /// The first row whose value is present and NaN or infinite.
+    pub(crate) fn first_not_finite(&self) -> Option<usize> {
+        let values = self.as_f64()?;
+        if self.nulls() == 0 {
+            return values.iter().position(|value| !value.is_finite());
+        }
+        (0..values.len()).find(|&row| !values[row].is_finite() && !self.is_null(row))
+    }
+}

@@ -1,0 +1,92 @@
+//! Decoding one column of one block.
+
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use parquet::column::reader::{ColumnReader, ColumnReaderImpl, get_column_reader};
+use parquet::data_type::{ByteArray, DataType};
+use parquet::errors::{ParquetError, Result as ParquetResult};
+use parquet::file::metadata::RowGroupMetaData;
+use parquet::file::serialized_reader::SerializedPageReader;
+
+use crate::columns::Column;
+use crate::source::Source;
+
+/// Rows for which memory is set aside before they have been decoded.
+const TRUSTED_ROWS: usize = 1 << 20;
+
+/// Decodes column `i` of a row group with `rows` rows.
+pub(crate) fn decode_column(
+    source: &Source,
+    group: &RowGroupMetaData,
+    i: usize,
+    rows: usize,
+) -> ParquetResult<Column> {
+    let chunk = group.column(i);
+    let pages = SerializedPageReader::new(Arc::new(source.clone()), chunk, rows, None)?;
+    let descriptor = chunk.column_descr_ptr();
+    let nullable = descriptor.max_def_level() > 0;
+    match get_column_reader(descriptor, Box::new(pages)) {
+        ColumnReader::DoubleColumnReader(reader) if nullable => decode_nullable(reader, rows),
+        ColumnReader::DoubleColumnReader(reader) => decode_all(reader, rows).map(Column::f64),
+        ColumnReader::Int32ColumnReader(reader) => decode_all(reader, rows).map(Column::i32),
+        ColumnReader::ByteArrayColumnReader(reader) => intern(&decode_all(reader, rows)?),
+        _ => Err(ParquetError::General("a column of a type that no table has".to_owned())),
+    }
+}
+
+fn decode_all<T: DataType>(mut reader: ColumnReaderImpl<T>, rows: usize) -> ParquetResult<Vec<T::T>> {
+    let mut values = Vec::with_capacity(rows.min(TRUSTED_ROWS));
+    let (records, _, _) = reader.read_records(rows, None, None, &mut values)?;
+    if records == rows && values.len() == rows { Ok(values) } else { Err(too_few(values.len(), rows)) }
+}
+
+fn decode_nullable<T: DataType<T = f64>>(
+    mut reader: ColumnReaderImpl<T>,
+    rows: usize,
+) -> ParquetResult<Column> {
+    let mut present = Vec::with_capacity(rows.min(TRUSTED_ROWS));
+    let mut levels = Vec::with_capacity(rows.min(TRUSTED_ROWS));
+    reader.read_records(rows, Some(&mut levels), None, &mut present)?;
+    let count = levels.iter().filter(|&&level| level > 0).count();
+    if levels.len() != rows || present.len() != count {
+        return Err(too_few(levels.len(), rows));
+    }
+    if count == rows {
+        return Ok(Column::f64(present));
+    }
+    let mut present = present.into_iter();
+    let spaced =
+        levels.iter().map(|&level| if level > 0 { present.next().unwrap_or(f64::NAN) } else { f64::NAN });
+    let values = spaced.collect();
+    Ok(Column::nullable_f64(values, levels.iter().map(|&level| level > 0).collect()))
+}
+
+fn too_few(found: usize, expected: usize) -> ParquetError {
+    ParquetError::General(format!("{found} values in a block of {expected} rows"))
+}
+
+/// The distinct texts in order of appearance, and per row the index of its text.
+fn intern(texts: &[ByteArray]) -> ParquetResult<Column> {
+    let mut numbers: HashMap<&[u8], u32> = HashMap::new();
+    let mut labels = Vec::new();
+    let mut codes = Vec::with_capacity(texts.len());
+    let mut last: Option<(&[u8], u32)> = None;
+    for text in texts {
+        let text = text.data();
+        let code = match last {
+            Some((same, code)) if same == text => code,
+            _ => match numbers.get(text) {
+                Some(&code) => code,
+                None => {
+                    labels.push(std::str::from_utf8(text)?.to_owned());
+                    numbers.insert(text, numbers.len() as u32);
+                    numbers.len() as u32 - 1
+                }
+            },
+        };
+        last = Some((text, code));
+        codes.push(code);
+    }
+    Ok(Column::text(labels, codes))
+}

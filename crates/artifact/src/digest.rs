@@ -1,0 +1,139 @@
+//! Digests of files.
+
+use std::fmt;
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+use std::str::FromStr;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::error::{Error, Result};
+
+const PREFIX: &str = "blake3:";
+
+/// The BLAKE3 digest of a file's bytes, what `b3sum FILE` prints; as text `blake3:<64 hex digits>`.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize, JsonSchema)]
+#[serde(try_from = "String", into = "String")]
+#[schemars(with = "String", extend("pattern" = "^blake3:[0-9a-f]{64}$"))]
+pub struct Digest([u8; 32]);
+
+impl Digest {
+    /// All digits zero; what stands in a seal while the file's digest is not known.
+    pub(crate) const ZERO: Self = Self([0; 32]);
+
+    /// The digest of `bytes`.
+    pub fn of_bytes(bytes: &[u8]) -> Self {
+        blake3::hash(bytes).into()
+    }
+
+    /// The digest of the file at `path`, read in one streaming pass.
+    ///
+    /// # Errors
+    /// [`Error::Io`] if the file cannot be read.
+    pub fn of_file(path: impl AsRef<Path>) -> Result<Self> {
+        let path = path.as_ref();
+        let mut file = File::open(path).map_err(|e| Error::io(path, "read", e))?;
+        let mut hasher = blake3::Hasher::new();
+        feed(&mut hasher, &mut file).map_err(|e| Error::io(path, "read", e))?;
+        Ok(hasher.finalize().into())
+    }
+
+    /// The 64 lower-case hexadecimal digits, without the `blake3:` in front.
+    pub fn hex(&self) -> String {
+        blake3::Hash::from_bytes(self.0).to_hex().to_string()
+    }
+}
+
+/// Hashes what is left of `source`, in pieces.
+pub(crate) fn feed(hasher: &mut blake3::Hasher, source: &mut impl Read) -> std::io::Result<()> {
+    let mut buffer = vec![0; 1 << 17];
+    loop {
+        match source.read(&mut buffer) {
+            Ok(0) => return Ok(()),
+            Ok(n) => hasher.update(&buffer[..n]),
+            Err(e) if e.kind() == std::io::ErrorKind::Interrupted => continue,
+            Err(e) => return Err(e),
+        };
+    }
+}
+
+impl From<blake3::Hash> for Digest {
+    fn from(hash: blake3::Hash) -> Self {
+        Self(hash.into())
+    }
+}
+
+impl fmt::Display for Digest {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{PREFIX}{}", self.hex())
+    }
+}
+
+impl fmt::Debug for Digest {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        fmt::Display::fmt(self, f)
+    }
+}
+
+impl From<Digest> for String {
+    fn from(digest: Digest) -> Self {
+        digest.to_string()
+    }
+}
+
+/// Why a text is not a [`Digest`].
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("`{0}` is not a digest: expected `blake3:` and 64 lower-case hexadecimal digits")]
+pub struct NotADigest(String);
+
+impl FromStr for Digest {
+    type Err = NotADigest;
+
+    fn from_str(text: &str) -> std::result::Result<Self, NotADigest> {
+        let hex = text.strip_prefix(PREFIX).unwrap_or_default();
+        let lower = hex.bytes().all(|b| matches!(b, b'0'..=b'9' | b'a'..=b'f'));
+        let hash = blake3::Hash::from_hex(hex).ok().filter(|_| lower);
+        hash.map(Self::from).ok_or_else(|| NotADigest(text.to_owned()))
+    }
+}
+
+impl TryFrom<String> for Digest {
+    type Error = NotADigest;
+
+    fn try_from(text: String) -> std::result::Result<Self, NotADigest> {
+        text.parse()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// BLAKE3 of the empty input, from the BLAKE3 test vectors.
+    const EMPTY: &str = "blake3:af1349b9f5f9a1a6a0404dea36dcc9499bcb25c9adc112b7cc9a93cae41f3262";
+
+    #[test]
+    fn oracle_digest_of_nothing() {
+        assert_eq!(Digest::of_bytes(b"").to_string(), EMPTY);
+    }
+
+    #[test]
+    fn file_and_bytes_agree() {
+        let folder = tempfile::tempdir().unwrap();
+        let bytes: Vec<u8> = (0..300_000_u32).map(|i| (i % 251) as u8).collect();
+        std::fs::write(folder.path().join("f"), &bytes).unwrap();
+        assert_eq!(Digest::of_file(folder.path().join("f")).unwrap(), Digest::of_bytes(&bytes));
+    }
+
+    #[test]
+    fn text_form_is_strict() {
+        assert_eq!(EMPTY.parse::<Digest>().unwrap().to_string(), EMPTY);
+        for wrong in
+            ["", "blake3:", &EMPTY[7..], &EMPTY[..70], &EMPTY.to_uppercase(), &EMPTY.replace('a', "A")]
+        {
+            assert!(wrong.parse::<Digest>().is_err(), "{wrong}");
+        }
+    }
+}

@@ -1,0 +1,144 @@
+//! JSON documents: an envelope with schema, provenance, seal and units around the data.
+
+use std::collections::BTreeMap;
+use std::io::Cursor;
+use std::path::Path;
+
+use schemars::JsonSchema;
+use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+use crate::digest::Digest;
+use crate::error::{Error, Result};
+use crate::finite::first_not_finite;
+use crate::identity;
+use crate::pretty::pretty;
+use crate::provenance::Provenance;
+use crate::seal;
+use crate::shard::Shard;
+use crate::staged::Staged;
+
+/// The contents of a kind of JSON document.
+///
+/// Structs inside should refuse unknown fields (`#[serde(deny_unknown_fields)]`), so that a
+/// misspelt key is told with the nearest known one.
+pub trait Document: Serialize + DeserializeOwned + JsonSchema {
+    /// Name of this kind of document, like `design`.
+    const ID: &'static str;
+    /// Version of this kind of document, from 1.
+    const VERSION: u32;
+    /// Unit of each numeric field, by field name (`("gap", "1")`); of the values of a map, by the
+    /// name of the map's field.
+    const UNITS: &'static [(&'static str, &'static str)];
+}
+
+/// A document as read from its file.
+#[derive(Clone, Debug)]
+pub struct Loaded<D> {
+    /// The contents.
+    pub data: D,
+    /// Digest of the file.
+    pub digest: Digest,
+    /// Where the document comes from.
+    pub provenance: Provenance,
+}
+
+/// The whole file.
+#[derive(Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Envelope<D> {
+    /// Kind of document and its version.
+    schema: String,
+    /// Program that wrote the document, and its version.
+    producer: String,
+    /// BLAKE3 of the file with these 64 digits replaced by zeros; null if the document was edited by hand.
+    #[serde(deserialize_with = "seal::required")]
+    seal: Option<Digest>,
+    /// Digests of the input files, by role.
+    inputs: BTreeMap<String, Digest>,
+    /// Settings that determine the contents.
+    settings: BTreeMap<String, Value>,
+    /// Which part of the whole this is, if it is a part.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    shard: Option<Shard>,
+    /// Unit of each numeric field, by field name.
+    units: BTreeMap<String, String>,
+    /// The contents.
+    data: D,
+}
+
+impl<D> Envelope<D> {
+    /// The units of the fields.
+    pub fn units(&self) -> &BTreeMap<String, String> {
+        &self.units
+    }
+
+    /// The contents, and where they come from.
+    pub fn into_parts(self) -> (D, Provenance) {
+        let Self { producer, inputs, settings, shard, data, .. } = self;
+        (data, Provenance { producer, inputs, settings, shard })
+    }
+}
+
+/// Writes a document beside its target, under a temporary name.
+///
+/// # Errors
+/// [`Error::Refused`] if a number is NaN or infinite (with its field path) or the data cannot be
+/// put into JSON; [`Error::Io`] if the file cannot be written.
+pub fn stage_document<D: Document>(
+    path: impl AsRef<Path>,
+    provenance: &Provenance,
+    data: &D,
+) -> Result<Staged> {
+    let path = path.as_ref();
+    if let Some((field, value)) = first_not_finite(data) {
+        let remedy = "leave the field out or correct the computation";
+        return Err(Error::refuse(path, format!("data.{field}"), value, "a finite number", remedy));
+    }
+    let envelope = Envelope {
+        schema: identity::schema_id(D::ID, D::VERSION),
+        producer: provenance.producer.clone(),
+        seal: Some(Digest::ZERO),
+        inputs: provenance.inputs.clone(),
+        settings: provenance.settings.clone(),
+        shard: provenance.shard,
+        units: units::<D>(),
+        data,
+    };
+    let value = serde_json::to_value(&envelope).map_err(|e| {
+        Error::refuse(path, "data", e.to_string(), "data that JSON can hold", "report this to the developers")
+    })?;
+    Staged::bytes(path, &seal_text(path, pretty(&value))?)
+}
+
+/// Puts the digits of the seal into the text of a document that has a blank one.
+///
+/// The first blank seal in the text is the envelope's: before it stand only the schema id and the
+/// producer, and a quoted text inside a JSON string has backslashes.
+fn seal_text(path: &Path, text: String) -> Result<Vec<u8>> {
+    let blank = format!("\"seal\": \"{}\"", Digest::ZERO);
+    let Some(at) = text.find(&blank).map(|at| at + blank.len() - 1 - seal::DIGITS) else {
+        unreachable!("the envelope has a blank seal")
+    };
+    let mut bytes = text.into_bytes();
+    let digests = seal::digests(&mut Cursor::new(&bytes), Some(at as u64));
+    let digits = digests.map_err(|e| Error::io(path, "write", e))?.blanked.hex();
+    bytes[at..at + seal::DIGITS].copy_from_slice(digits.as_bytes());
+    Ok(bytes)
+}
+
+fn units<D: Document>() -> BTreeMap<String, String> {
+    D::UNITS.iter().map(|&(field, unit)| (field.to_owned(), unit.to_owned())).collect()
+}
+
+/// JSON Schema of the whole file, envelope and data.
+pub fn json_schema<D: Document>() -> Value {
+    let mut schema = schemars::schema_for!(Envelope<D>).to_value();
+    schema["title"] = format!("{} document", D::ID).into();
+    schema["properties"]["schema"]["const"] = identity::schema_id(D::ID, D::VERSION).into();
+    schema["properties"]["units"]["const"] = serde_json::json!(units::<D>());
+    schema["required"] =
+        serde_json::json!(["schema", "producer", "seal", "inputs", "settings", "units", "data"]);
+    schema
+}

@@ -1,0 +1,86 @@
+//! Reading JSON documents: syntax, kind, version, seal, then the strict contents.
+
+use std::collections::BTreeMap;
+use std::io::Cursor;
+use std::path::Path;
+
+use serde::de::DeserializeOwned;
+use serde_json::error::Category;
+
+use crate::digest::Digest;
+use crate::document::{Document, Envelope, Loaded};
+use crate::error::{Error, Result};
+use crate::identity::Header;
+use crate::nearest::Complaint;
+use crate::seal::{self, FileDigests};
+use crate::toml_input::text_of;
+
+/// Reads a document.
+///
+/// # Errors
+/// [`Error::Io`] if the file cannot be read; [`Error::Refused`] if it is not JSON, is of another
+/// kind or version, does not fit its seal, has unknown, missing or mistyped keys, or other units.
+pub fn read_document<D: Document>(path: impl AsRef<Path>) -> Result<Loaded<D>> {
+    let path = path.as_ref();
+    let bytes = std::fs::read(path).map_err(|e| Error::io(path, "read", e))?;
+    let text = text_of(path, bytes)?;
+    let header: Header = parse(path, &text)?;
+    header.check(path, D::ID, D::VERSION)?;
+    let digests = check_seal(path, &text, header.seal())?;
+    let envelope: Envelope<D> = parse(path, &text)?;
+    check_units::<D>(path, envelope.units())?;
+    let (data, provenance) = envelope.into_parts();
+    Ok(Loaded { data, digest: digests.digest, provenance })
+}
+
+/// Refuses a seal that does not fit.
+fn check_seal(path: &Path, text: &str, seal: Option<Digest>) -> Result<FileDigests> {
+    let at = seal.and_then(|seal| seal::digits_in(text, seal));
+    let digests = seal::digests(&mut Cursor::new(text.as_bytes()), at.map(|at| at as u64));
+    let digests = digests.map_err(|e| Error::io(path, "read", e))?;
+    seal::check(path, seal, digests)?;
+    Ok(digests)
+}
+
+fn check_units<D: Document>(path: &Path, found: &BTreeMap<String, String>) -> Result<()> {
+    for (field, unit) in D::UNITS {
+        if found.get(*field).map(String::as_str) != Some(unit) {
+            let found = found.get(*field).map_or("no unit", String::as_str);
+            let remedy = "convert the values and correct the unit";
+            return Err(Error::refuse(path, format!("units.{field}"), found, *unit, remedy));
+        }
+    }
+    let strange = found.keys().find(|field| D::UNITS.iter().all(|(known, _)| known != field));
+    match strange {
+        Some(field) => {
+            Err(Error::refuse(path, format!("units.{field}"), "a unit", "no such field", "remove it"))
+        }
+        None => Ok(()),
+    }
+}
+
+fn parse<T: DeserializeOwned>(path: &Path, text: &str) -> Result<T> {
+    serde_json::from_str(text).map_err(|e| refusal(path, text, &e))
+}
+
+fn refusal(path: &Path, text: &str, error: &serde_json::Error) -> Error {
+    let line = error.line();
+    let full = error.to_string();
+    let message = full.rsplit_once(" at line ").map_or(full.as_str(), |(message, _)| message);
+    match error.classify() {
+        Category::Data => {
+            let key = text.lines().nth(line.saturating_sub(1)).and_then(key_of);
+            Complaint { path, line: Some(line), key, message }.refusal()
+        }
+        _ => {
+            let found = format!("{message} (line {line})");
+            let remedy = "the file is truncated or damaged: write it again";
+            Error::refuse(path, "JSON", found, "a whole JSON document", remedy)
+        }
+    }
+}
+
+/// The key on a line of pretty JSON.
+fn key_of(line: &str) -> Option<&str> {
+    line.trim_start().strip_prefix('"')?.split_once("\":").map(|(key, _)| key)
+}

@@ -1,0 +1,151 @@
+//! Encoding one block of a table in memory.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use bytes::Bytes;
+use parquet::column::writer::{ColumnCloseResult, ColumnWriter, get_column_writer};
+use parquet::data_type::ByteArray;
+use parquet::errors::{ParquetError, Result as ParquetResult};
+use parquet::file::writer::{SerializedPageWriter, TrackedWrite};
+
+use crate::columns::Column;
+use crate::error::{Error, Result};
+use crate::layout::{Layout, write_error};
+use crate::schema::{ColumnSpec, Table, TableSchema};
+
+/// One block in the form in which it stands in the file: a row group.
+#[derive(Debug)]
+pub struct EncodedBlock {
+    pub(crate) columns: Vec<ColumnSpec>,
+    pub(crate) rows: usize,
+    pub(crate) bytes: Bytes,
+    pub(crate) chunks: Vec<ColumnCloseResult>,
+}
+
+impl EncodedBlock {
+    /// Number of rows.
+    pub fn rows(&self) -> usize {
+        self.rows
+    }
+
+    /// Size in the file, in bytes.
+    pub fn size(&self) -> usize {
+        self.bytes.len()
+    }
+}
+
+/// Encodes one block of a table as one Parquet row group. Pure: call it from many threads and
+/// push the results in the order in which they are to stand in the file.
+///
+/// # Errors
+/// [`Error::Refused`] if the columns are not those of the schema or not equally long, if a value
+/// is NaN or infinite or absent where it may not be (with column and row in the block), or if a text
+/// has no label.
+pub fn encode_block(schema: &TableSchema, table: &Table) -> Result<EncodedBlock> {
+    let file = Path::new(schema.id);
+    let layout = Layout::new(file, &schema.columns)?;
+    let rows = check_shape(file, schema, table)?;
+    let mut sink = TrackedWrite::new(Vec::new());
+    let mut chunks = Vec::with_capacity(table.columns.len());
+    for (i, (spec, column)) in schema.columns.iter().zip(&table.columns).enumerate() {
+        check_values(file, spec, column)?;
+        let encoded = encode_column(&mut sink, &layout, i, spec, column);
+        chunks.push(encoded.map_err(|e| write_error(file, e))?);
+    }
+    let bytes = sink.into_inner().map_err(|e| write_error(file, e))?.into();
+    Ok(EncodedBlock { columns: schema.columns.clone(), rows, bytes, chunks })
+}
+
+/// The number of rows, if the block has the schema's columns, all of the same length.
+fn check_shape(file: &Path, schema: &TableSchema, table: &Table) -> Result<usize> {
+    let refuse = |thing: String, found: String, expected: String| {
+        Err(Error::refuse(file, thing, found, expected, "give the block the columns of its schema"))
+    };
+    let (found, expected) = (table.columns.len(), schema.columns.len());
+    if found != expected {
+        return refuse("block".to_owned(), format!("{found} columns"), format!("{expected} columns"));
+    }
+    let rows = table.columns.first().map_or(0, Column::len);
+    for (spec, column) in schema.columns.iter().zip(&table.columns) {
+        let thing = format!("column `{}`", spec.name);
+        if column.kind() != spec.kind {
+            return refuse(thing, column.kind().to_string(), spec.kind.to_string());
+        }
+        if column.len() != rows {
+            return refuse(thing, format!("{} rows", column.len()), format!("{rows} rows"));
+        }
+    }
+    Ok(rows)
+}
+
+fn check_values(file: &Path, spec: &ColumnSpec, column: &Column) -> Result<()> {
+    let refuse = |row: usize, found: String, expected: &str| {
+        let thing = format!("column `{}`, row {row} of the block", spec.name);
+        Err(Error::refuse(file, thing, found, expected, "correct the computation"))
+    };
+    if let Some(row) = column.first_not_finite() {
+        let found = column.as_f64().map(|values| values[row].to_string()).unwrap_or_default();
+        return refuse(row, found, "a finite number");
+    }
+    if !spec.nullable && column.nulls() > 0 {
+        let row = (0..column.len()).find(|&row| column.is_null(row)).unwrap_or_default();
+        return refuse(row, "no value".to_owned(), "a value in every row");
+    }
+    if let Some((labels, codes)) = column.text_codes()
+        && let Some(row) = codes.iter().position(|&code| code as usize >= labels.len())
+    {
+        return refuse(
+            row,
+            format!("label number {}", codes[row]),
+            &format!("a number below {}", labels.len()),
+        );
+    }
+    Ok(())
+}
+
+fn encode_column(
+    sink: &mut TrackedWrite<Vec<u8>>,
+    layout: &Layout,
+    i: usize,
+    spec: &ColumnSpec,
+    column: &Column,
+) -> ParquetResult<ColumnCloseResult> {
+    let pages = Box::new(SerializedPageWriter::new(sink));
+    let writer = get_column_writer(layout.descriptor.column(i), Arc::clone(&layout.properties), pages);
+    match writer {
+        ColumnWriter::DoubleColumnWriter(mut writer) => {
+            let values = column.as_f64().unwrap_or_default();
+            if spec.nullable {
+                let (present, levels) = compact(column, values);
+                writer.write_batch(&present, Some(&levels), None)?;
+            } else {
+                writer.write_batch(values, None, None)?;
+            }
+            writer.close()
+        }
+        ColumnWriter::Int32ColumnWriter(mut writer) => {
+            writer.write_batch(column.as_i32().unwrap_or_default(), None, None)?;
+            writer.close()
+        }
+        ColumnWriter::ByteArrayColumnWriter(mut writer) => {
+            writer.write_batch(&texts(column), None, None)?;
+            writer.close()
+        }
+        _ => Err(ParquetError::General("a column of a type that no table has".to_owned())),
+    }
+}
+
+/// The values that are present, and per row 1 where present and 0 where absent.
+fn compact(column: &Column, values: &[f64]) -> (Vec<f64>, Vec<i16>) {
+    let present = |row: &usize| !column.is_null(*row);
+    let levels = (0..values.len()).map(|row| i16::from(present(&row))).collect();
+    ((0..values.len()).filter(present).map(|row| values[row]).collect(), levels)
+}
+
+/// The text of every row; rows of the same label share its bytes.
+fn texts(column: &Column) -> Vec<ByteArray> {
+    let (labels, codes) = column.text_codes().unwrap_or_default();
+    let labels: Vec<ByteArray> = labels.iter().map(|label| label.as_str().into()).collect();
+    codes.iter().map(|&code| labels[code as usize].clone()).collect()
+}

@@ -1,0 +1,291 @@
+//! Finding numbers that JSON cannot hold: serde_json would write NaN and infinity as null.
+
+use std::fmt::{self, Display};
+
+use serde::ser::{self, Serialize, Serializer};
+
+/// The field path and value of the first number in `data` that is not finite,
+/// like `("maneuvers[2].gap", "NaN")`.
+pub(crate) fn first_not_finite(data: &impl Serialize) -> Option<(String, String)> {
+    let mut walk = Walk::default();
+    match data.serialize(&mut walk) {
+        Err(Stop::NotFinite(value)) => Some((walk.path(), value.to_string())),
+        Ok(()) | Err(Stop::Other) => None,
+    }
+}
+
+/// A serializer that writes nothing and remembers where it is.
+#[derive(Default)]
+struct Walk {
+    steps: Vec<Step>,
+}
+
+enum Step {
+    Field(String),
+    Item(usize),
+}
+
+/// Why the walk ended early.
+#[derive(Debug)]
+enum Stop {
+    NotFinite(f64),
+    /// The data's own serializer failed; the real serializer will say so.
+    Other,
+}
+
+impl Walk {
+    fn path(&self) -> String {
+        let mut path = String::new();
+        for step in &self.steps {
+            match step {
+                Step::Field(name) if path.is_empty() => path.push_str(name),
+                Step::Field(name) => path.extend([".", name]),
+                Step::Item(index) => path.push_str(&format!("[{index}]")),
+            }
+        }
+        path
+    }
+
+    /// Visits `value` under `step`; on an error the step stays, so that the path can be told.
+    fn visit<T: Serialize + ?Sized>(&mut self, step: Step, value: &T) -> Result<(), Stop> {
+        self.steps.push(step);
+        value.serialize(&mut *self)?;
+        self.steps.pop();
+        Ok(())
+    }
+}
+
+impl Display for Stop {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("stopped")
+    }
+}
+
+impl std::error::Error for Stop {}
+
+impl ser::Error for Stop {
+    fn custom<T: Display>(_: T) -> Self {
+        Self::Other
+    }
+}
+
+/// Inside a list, a map or a struct.
+struct Level<'a> {
+    walk: &'a mut Walk,
+    index: usize,
+    key: String,
+}
+
+impl<'a> Level<'a> {
+    fn new(walk: &'a mut Walk) -> Result<Self, Stop> {
+        Ok(Self { walk, index: 0, key: String::new() })
+    }
+
+    fn item<T: Serialize + ?Sized>(&mut self, value: &T) -> Result<(), Stop> {
+        let step = Step::Item(self.index);
+        self.index += 1;
+        self.walk.visit(step, value)
+    }
+}
+
+macro_rules! nothing_to_find {
+    ($($name:ident: $type:ty),* $(,)?) => {
+        $(fn $name(self, _: $type) -> Result<(), Stop> { Ok(()) })*
+    };
+}
+
+impl<'a> Serializer for &'a mut Walk {
+    type Ok = ();
+    type Error = Stop;
+    type SerializeSeq = Level<'a>;
+    type SerializeTuple = Level<'a>;
+    type SerializeTupleStruct = Level<'a>;
+    type SerializeTupleVariant = Level<'a>;
+    type SerializeMap = Level<'a>;
+    type SerializeStruct = Level<'a>;
+    type SerializeStructVariant = Level<'a>;
+
+    nothing_to_find! {
+        serialize_bool: bool, serialize_i8: i8, serialize_i16: i16, serialize_i32: i32,
+        serialize_i64: i64, serialize_i128: i128, serialize_u8: u8, serialize_u16: u16,
+        serialize_u32: u32, serialize_u64: u64, serialize_u128: u128, serialize_char: char,
+        serialize_str: &str, serialize_bytes: &[u8], serialize_unit_struct: &'static str,
+    }
+
+    fn serialize_f32(self, value: f32) -> Result<(), Stop> {
+        self.serialize_f64(f64::from(value))
+    }
+
+    fn serialize_f64(self, value: f64) -> Result<(), Stop> {
+        if value.is_finite() { Ok(()) } else { Err(Stop::NotFinite(value)) }
+    }
+
+    fn serialize_none(self) -> Result<(), Stop> {
+        Ok(())
+    }
+
+    fn serialize_some<T: Serialize + ?Sized>(self, value: &T) -> Result<(), Stop> {
+        value.serialize(self)
+    }
+
+    fn serialize_unit(self) -> Result<(), Stop> {
+        Ok(())
+    }
+
+    fn serialize_unit_variant(self, _: &'static str, _: u32, _: &'static str) -> Result<(), Stop> {
+        Ok(())
+    }
+
+    fn serialize_newtype_struct<T: Serialize + ?Sized>(self, _: &'static str, value: &T) -> Result<(), Stop> {
+        value.serialize(self)
+    }
+
+    fn serialize_newtype_variant<T: Serialize + ?Sized>(
+        self,
+        _: &'static str,
+        _: u32,
+        variant: &'static str,
+        value: &T,
+    ) -> Result<(), Stop> {
+        self.visit(Step::Field(variant.to_owned()), value)
+    }
+
+    fn serialize_seq(self, _: Option<usize>) -> Result<Level<'a>, Stop> {
+        Level::new(self)
+    }
+
+    fn serialize_tuple(self, _: usize) -> Result<Level<'a>, Stop> {
+        Level::new(self)
+    }
+
+    fn serialize_tuple_struct(self, _: &'static str, _: usize) -> Result<Level<'a>, Stop> {
+        Level::new(self)
+    }
+
+    fn serialize_tuple_variant(
+        self,
+        _: &'static str,
+        _: u32,
+        _: &'static str,
+        _: usize,
+    ) -> Result<Level<'a>, Stop> {
+        Level::new(self)
+    }
+
+    fn serialize_map(self, _: Option<usize>) -> Result<Level<'a>, Stop> {
+        Level::new(self)
+    }
+
+    fn serialize_struct(self, _: &'static str, _: usize) -> Result<Level<'a>, Stop> {
+        Level::new(self)
+    }
+
+    fn serialize_struct_variant(
+        self,
+        _: &'static str,
+        _: u32,
+        _: &'static str,
+        _: usize,
+    ) -> Result<Level<'a>, Stop> {
+        Level::new(self)
+    }
+}
+
+macro_rules! visit_items {
+    ($($kind:ident: $method:ident),* $(,)?) => {
+        $(impl ser::$kind for Level<'_> {
+            type Ok = ();
+            type Error = Stop;
+
+            fn $method<T: Serialize + ?Sized>(&mut self, value: &T) -> Result<(), Stop> {
+                self.item(value)
+            }
+
+            fn end(self) -> Result<(), Stop> {
+                Ok(())
+            }
+        })*
+    };
+}
+
+macro_rules! visit_fields {
+    ($($kind:ident),*) => {
+        $(impl ser::$kind for Level<'_> {
+            type Ok = ();
+            type Error = Stop;
+
+            fn serialize_field<T: Serialize + ?Sized>(&mut self, key: &'static str, value: &T) -> Result<(), Stop> {
+                self.walk.visit(Step::Field(key.to_owned()), value)
+            }
+
+            fn end(self) -> Result<(), Stop> {
+                Ok(())
+            }
+        })*
+    };
+}
+
+visit_items!(
+    SerializeSeq: serialize_element,
+    SerializeTuple: serialize_element,
+    SerializeTupleStruct: serialize_field,
+    SerializeTupleVariant: serialize_field,
+);
+visit_fields!(SerializeStruct, SerializeStructVariant);
+
+impl ser::SerializeMap for Level<'_> {
+    type Ok = ();
+    type Error = Stop;
+
+    fn serialize_key<T: Serialize + ?Sized>(&mut self, key: &T) -> Result<(), Stop> {
+        self.key = match serde_json::to_value(key) {
+            Ok(serde_json::Value::String(text)) => text,
+            Ok(other) => other.to_string(),
+            Err(_) => return Err(Stop::Other),
+        };
+        Ok(())
+    }
+
+    fn serialize_value<T: Serialize + ?Sized>(&mut self, value: &T) -> Result<(), Stop> {
+        let key = std::mem::take(&mut self.key);
+        self.walk.visit(Step::Field(key), value)
+    }
+
+    fn end(self) -> Result<(), Stop> {
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::BTreeMap;
+
+    #[derive(serde::Serialize)]
+    enum Shape {
+        Pair(f64, f64),
+        Named { side: Option<f64> },
+    }
+
+    #[derive(serde::Serialize)]
+    struct Data {
+        shares: BTreeMap<&'static str, Vec<f64>>,
+        shapes: Vec<Shape>,
+        absent: Option<f64>,
+    }
+
+    fn data(share: f64, pair: f64, side: f64) -> Data {
+        let shares = BTreeMap::from([("sine", vec![0.5, share])]);
+        let shapes = vec![Shape::Pair(1.0, pair), Shape::Named { side: Some(side) }];
+        Data { shares, shapes, absent: None }
+    }
+
+    #[test]
+    fn the_path_of_the_first_is_told() {
+        let path = |data: Data| first_not_finite(&data).map(|(path, _)| path);
+        assert_eq!(path(data(0.5, 1.0, 1.0)), None);
+        assert_eq!(path(data(f64::NAN, f64::NAN, 1.0)).as_deref(), Some("shares.sine[1]"));
+        assert_eq!(path(data(0.5, f64::INFINITY, 1.0)).as_deref(), Some("shapes[0][1]"));
+        assert_eq!(path(data(0.5, 1.0, f64::NEG_INFINITY)).as_deref(), Some("shapes[1].side"));
+    }
+}

@@ -1,0 +1,136 @@
+//! Putting the shards of a table together.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fmt::Debug;
+use std::path::{Path, PathBuf};
+
+use parquet::column::writer::ColumnCloseResult;
+use parquet::file::metadata::{ColumnChunkMetaData, RowGroupMetaData};
+
+use crate::error::{Error, Result};
+use crate::provenance::Provenance;
+use crate::schema::TableSchema;
+use crate::shard::Shard;
+use crate::staged::Staged;
+use crate::table_reader::TableReader;
+use crate::table_writer::TableWriter;
+
+/// Missing shards that a message names one by one.
+const MOST_NAMED: usize = 1000;
+
+/// Puts the shards of a table together, in the order of their numbers whatever the order of
+/// `shards`. Blocks are copied byte for byte: the result has the bytes that the table would have
+/// had without shards.
+///
+/// # Errors
+/// As [`TableReader::open`] for every shard; [`Error::Refused`] if a shard is missing (all missing
+/// numbers are named), occurs twice, or comes from another computation (what differs is named);
+/// [`Error::Io`] if a file cannot be read or written.
+pub fn gather(shards: &[PathBuf], out: &Path, id: &'static str, version: u32) -> Result<Staged> {
+    let mut readers = Vec::with_capacity(shards.len());
+    for path in shards {
+        let reader = TableReader::open(path, id, version)?;
+        readers.push((number(&reader)?, reader));
+    }
+    readers.sort_by_key(|(shard, _)| *shard);
+    let Some((_, first)) = readers.first() else {
+        return Err(Error::refuse(out, "shards", "none", "all shards of a table", "name the shards"));
+    };
+    readers.iter().try_for_each(|(_, reader)| refuse_foreign(first, reader))?;
+    refuse_incomplete(out, &readers)?;
+    let schema = TableSchema { id, version, columns: first.columns().to_vec() };
+    let provenance = Provenance { shard: None, ..first.provenance().clone() };
+    let mut writer = TableWriter::create(out, &schema, &provenance)?;
+    for (_, reader) in &readers {
+        for group in reader.row_groups() {
+            writer.append(reader.source(), chunks(group))?;
+        }
+    }
+    writer.finish()
+}
+
+fn number(reader: &TableReader) -> Result<Shard> {
+    reader.provenance().shard.ok_or_else(|| {
+        let remedy = "name only files written with --shard";
+        Error::refuse(reader.path(), "shard", "a whole table", "a shard K/N", remedy)
+    })
+}
+
+/// What the footer says about the column chunks of a block.
+fn chunks(group: &RowGroupMetaData) -> Vec<ColumnCloseResult> {
+    let chunk = |metadata: &ColumnChunkMetaData| ColumnCloseResult {
+        bytes_written: metadata.compressed_size().unsigned_abs(),
+        rows_written: group.num_rows().unsigned_abs(),
+        metadata: metadata.clone(),
+        bloom_filter: None,
+        column_index: None,
+        offset_index: None,
+    };
+    group.columns().iter().map(chunk).collect()
+}
+
+/// Refuses a shard that differs from the first in more than its number.
+fn refuse_foreign(first: &TableReader, other: &TableReader) -> Result<()> {
+    let (one, two) = (first.provenance(), other.provenance());
+    let count = |p: &Provenance| p.shard.map_or(0, |shard| shard.count);
+    let difference = differs("number of shards", &count(one), &count(two))
+        .or_else(|| differs("producer", &one.producer, &two.producer))
+        .or_else(|| differing_entry("inputs", &one.inputs, &two.inputs))
+        .or_else(|| differing_entry("settings", &one.settings, &two.settings))
+        .or_else(|| differs("columns", &first.columns(), &other.columns()));
+    let Some([thing, expected, found]) = difference else {
+        return Ok(());
+    };
+    let expected = format!("{expected} as in {}", first.path().display());
+    let remedy = "name the shards of one computation only";
+    Err(Error::refuse(other.path(), thing, found, expected, remedy))
+}
+
+/// Name, first and second value, if the values differ.
+fn differs<T: PartialEq + Debug>(name: &str, one: &T, two: &T) -> Option<[String; 3]> {
+    (one != two).then(|| [name.to_owned(), format!("{one:?}"), format!("{two:?}")])
+}
+
+/// Name, first and second value of the first entry that differs.
+fn differing_entry<T: PartialEq + ToString>(
+    name: &str,
+    one: &BTreeMap<String, T>,
+    two: &BTreeMap<String, T>,
+) -> Option<[String; 3]> {
+    let key = one.keys().chain(two.keys()).find(|key| one.get(*key) != two.get(*key))?;
+    let told = |value: Option<&T>| value.map_or("nothing".to_owned(), T::to_string);
+    Some([format!("{name}.{key}"), told(one.get(key)), told(two.get(key))])
+}
+
+/// Refuses a set that lacks a shard or has one twice.
+fn refuse_incomplete(out: &Path, readers: &[(Shard, TableReader)]) -> Result<()> {
+    let count = readers.first().map_or(0, |(shard, _)| shard.count);
+    let refuse = |found: String, remedy: &str| {
+        Err(Error::refuse(out, "shards", found, format!("each of the {count} shards once"), remedy))
+    };
+    let missing = missing(count, readers);
+    if !missing.is_empty() {
+        return refuse(format!("no shard {missing}"), "write the missing shards");
+    }
+    let twice: Vec<String> = readers.windows(2).filter_map(told_twice).collect();
+    if twice.is_empty() { Ok(()) } else { refuse(twice.join(", "), "name each shard once") }
+}
+
+/// The numbers of the missing shards, as text.
+fn missing(count: u32, readers: &[(Shard, TableReader)]) -> String {
+    let present: BTreeSet<u32> = readers.iter().map(|(shard, _)| shard.index).collect();
+    let absent = (1..=count).filter(|index| !present.contains(index));
+    let named: Vec<String> = absent.take(MOST_NAMED).map(|index| format!("{index}/{count}")).collect();
+    let rest = (count as usize).saturating_sub(present.len() + named.len());
+    let rest = if rest > 0 { format!(" and {rest} more") } else { String::new() };
+    named.join(", ") + &rest
+}
+
+/// Both paths, if two neighbours have the same number.
+fn told_twice(pair: &[(Shard, TableReader)]) -> Option<String> {
+    let [(shard, one), (other, two)] = pair else {
+        return None;
+    };
+    let told = || format!("shard {shard} in {} and in {}", one.path().display(), two.path().display());
+    (shard == other).then(told)
+}

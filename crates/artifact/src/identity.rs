@@ -1,0 +1,65 @@
+//! Which kind of file, in which version: `trajectories/1`.
+
+use std::path::Path;
+
+use serde::Deserialize;
+use serde_json::Value;
+
+use crate::digest::Digest;
+use crate::error::{Error, Result};
+
+/// The text that names a kind of file and its version.
+pub(crate) fn schema_id(id: &str, version: u32) -> String {
+    format!("{id}/{version}")
+}
+
+/// Refuses another kind of file, and another version of the same kind.
+fn check(path: &Path, found: &str, id: &str, version: u32) -> Result<()> {
+    let expected = schema_id(id, version);
+    if found == expected {
+        return Ok(());
+    }
+    let remedy = match found.split_once('/') {
+        Some((kind, number)) if kind == id => version_remedy(number, version),
+        _ => format!("name a file of kind {id}"),
+    };
+    Err(Error::refuse(path, "schema", found, expected, remedy))
+}
+
+fn version_remedy(found: &str, expected: u32) -> String {
+    let again = "write the file again with this version";
+    match found.parse::<u64>() {
+        Ok(found) if found > u64::from(expected) => format!("upgrade seatrial or {again}"),
+        _ => again.to_owned(),
+    }
+}
+
+/// What is looked at before the contents are trusted; all else in the envelope is skipped.
+#[derive(Deserialize)]
+pub(crate) struct Header {
+    #[serde(default)]
+    schema: Value,
+    #[serde(default)]
+    seal: Value,
+}
+
+impl Header {
+    /// Refuses a file of no kind, of another kind, and of another version.
+    pub fn check(&self, path: &Path, id: &str, version: u32) -> Result<()> {
+        match self.schema.as_str() {
+            Some(found) => check(path, found, id, version),
+            None => Err(absent(path, id, version)),
+        }
+    }
+
+    /// The seal. One that is absent or no digest is left to the strict reading of the envelope.
+    pub fn seal(&self) -> Option<Digest> {
+        self.seal.as_str().and_then(|text| text.parse().ok())
+    }
+}
+
+/// Refuses a file that does not say what kind it is.
+pub(crate) fn absent(path: &Path, id: &str, version: u32) -> Error {
+    let remedy = format!("name a file of kind {id}");
+    Error::refuse(path, "schema", "no schema id", schema_id(id, version), remedy)
+}

@@ -1,0 +1,114 @@
+//! How a table of this crate is laid out in Parquet: types, encodings, compression.
+
+use std::collections::HashSet;
+use std::path::Path;
+use std::sync::Arc;
+
+use parquet::basic::{Compression, Encoding, LogicalType, Repetition, Type as Physical, ZstdLevel};
+use parquet::errors::ParquetError;
+use parquet::file::properties::{EnabledStatistics, WriterProperties, WriterPropertiesPtr, WriterVersion};
+use parquet::schema::types::{ColumnPath, SchemaDescriptor, Type, TypePtr};
+
+use crate::error::{Error, Result};
+use crate::schema::{ColumnSpec, Kind};
+
+/// Rows and bytes per page: a block of usual size is one page per column.
+const PAGE_ROWS: usize = 1 << 17;
+const PAGE_BYTES: usize = 1 << 20;
+
+/// The Parquet side of a list of columns.
+pub(crate) struct Layout {
+    /// The root of the schema.
+    pub root: TypePtr,
+    /// The same, with levels.
+    pub descriptor: SchemaDescriptor,
+    /// Encodings and compression.
+    pub properties: WriterPropertiesPtr,
+}
+
+impl Layout {
+    /// The layout of `columns`; `file` only names the table in messages.
+    pub fn new(file: &Path, columns: &[ColumnSpec]) -> Result<Self> {
+        check_columns(file, columns)?;
+        let broken = |e: ParquetError| write_error(file, e);
+        let fields = columns.iter().map(|c| parquet_type(c).map(Arc::new));
+        let fields = fields.collect::<std::result::Result<_, _>>().map_err(broken)?;
+        let root = Type::group_type_builder("schema").with_fields(fields).build().map_err(broken)?;
+        let root = Arc::new(root);
+        let properties = Arc::new(properties(columns).map_err(broken)?);
+        Ok(Self { descriptor: SchemaDescriptor::new(Arc::clone(&root)), root, properties })
+    }
+}
+
+/// The error of an attempt to write `file`.
+pub(crate) fn write_error(file: &Path, error: ParquetError) -> Error {
+    Error::io(file, "write", io_error(error))
+}
+
+/// The operating system's error inside an error of the parquet crate, or that error as it is.
+fn io_error(error: ParquetError) -> std::io::Error {
+    match error {
+        ParquetError::External(inner) => match inner.downcast::<std::io::Error>() {
+            Ok(io) => *io,
+            Err(other) => std::io::Error::other(other),
+        },
+        other => std::io::Error::other(other),
+    }
+}
+
+fn check_columns(file: &Path, columns: &[ColumnSpec]) -> Result<()> {
+    let mut names = HashSet::new();
+    for column in columns {
+        let thing = format!("column `{}`", column.name);
+        let refuse = |found: &str, expected: &str| {
+            Err(Error::refuse(file, thing.as_str(), found, expected, "correct the table's schema"))
+        };
+        let strange = |c: char| c.is_control() || matches!(c, '"' | '\\');
+        if column.name.is_empty() || column.name.contains(strange) {
+            return refuse("a strange name", "a name without quotes, backslashes and control characters");
+        }
+        if column.unit.is_empty() {
+            return refuse("no unit", "a unit, or 1 where there is none");
+        }
+        if column.nullable && column.kind != Kind::F64 {
+            return refuse("a nullable column of another type", "absent values in f64 columns only");
+        }
+        if !names.insert(&column.name) {
+            return refuse("two columns of this name", "one column per name");
+        }
+    }
+    Ok(())
+}
+
+fn parquet_type(column: &ColumnSpec) -> std::result::Result<Type, ParquetError> {
+    let physical = match column.kind {
+        Kind::F64 => Physical::DOUBLE,
+        Kind::I32 => Physical::INT32,
+        Kind::Text => Physical::BYTE_ARRAY,
+    };
+    let repetition = if column.nullable { Repetition::OPTIONAL } else { Repetition::REQUIRED };
+    let logical = (column.kind == Kind::Text).then_some(LogicalType::String);
+    Type::primitive_type_builder(&column.name, physical)
+        .with_repetition(repetition)
+        .with_logical_type(logical)
+        .build()
+}
+
+/// Floats: zstd 1 over split bytes. Text and integers: zstd 1 over a dictionary.
+fn properties(columns: &[ColumnSpec]) -> std::result::Result<WriterProperties, ParquetError> {
+    let mut builder = WriterProperties::builder()
+        .set_writer_version(WriterVersion::PARQUET_1_0)
+        .set_created_by("seatrial".to_owned())
+        .set_compression(Compression::ZSTD(ZstdLevel::try_new(1)?))
+        .set_statistics_enabled(EnabledStatistics::None)
+        .set_offset_index_disabled(true)
+        .set_data_page_row_count_limit(PAGE_ROWS)
+        .set_data_page_size_limit(PAGE_BYTES);
+    for column in columns.iter().filter(|c| c.kind == Kind::F64) {
+        let path = ColumnPath::from(column.name.as_str());
+        builder = builder
+            .set_column_dictionary_enabled(path.clone(), false)
+            .set_column_encoding(path, Encoding::BYTE_STREAM_SPLIT);
+    }
+    Ok(builder.build())
+}

@@ -1,0 +1,96 @@
+//! Turning the messages of serde into refusals that name the nearest known word.
+
+use std::path::Path;
+
+use crate::error::Error;
+
+/// A message of serde, with where it arose.
+pub(crate) struct Complaint<'a> {
+    /// The file.
+    pub path: &'a Path,
+    /// Line in the file, from 1, where known.
+    pub line: Option<usize>,
+    /// The key on that line, where known.
+    pub key: Option<&'a str>,
+    /// serde's message, without a line number.
+    pub message: &'a str,
+}
+
+impl Complaint<'_> {
+    /// The refusal that says the same in this crate's form.
+    pub fn refusal(&self) -> Error {
+        let line = self.line.map(|n| format!(" (line {n})")).unwrap_or_default();
+        let message = self.message.lines().next().unwrap_or_default().trim_end_matches('.');
+        let refuse = |thing: &str, found: String, expected: String, remedy: String| {
+            Error::refuse(self.path, thing, format!("{found}{line}"), expected, remedy)
+        };
+        if let Some((word, known)) = strange_word(message, "unknown field ") {
+            return refuse("key", format!("key `{word}`"), one_of("key", &known), suggestion(&word, &known));
+        }
+        if let Some((word, known)) = strange_word(message, "unknown variant ") {
+            let thing = self.key.unwrap_or("value");
+            return refuse(thing, format!("`{word}`"), one_of("value", &known), suggestion(&word, &known));
+        }
+        if let Some(field) = message.strip_prefix("missing field ") {
+            let remedy = format!("add {field}");
+            return refuse("key", format!("no key {field}"), format!("a value for {field}"), remedy);
+        }
+        self.other(message, &line)
+    }
+
+    /// Wrong types, wrong lengths, duplicate keys, and messages of the program's own types.
+    fn other(&self, message: &str, line: &str) -> Error {
+        let thing = self.key.unwrap_or("contents");
+        let of_type = ["invalid type: ", "invalid value: ", "invalid length "];
+        let stripped = of_type.iter().find_map(|prefix| message.strip_prefix(prefix)).unwrap_or(message);
+        let (found, expected) =
+            stripped.split_once(", expected ").unwrap_or((stripped, "an acceptable value"));
+        Error::refuse(self.path, thing, format!("{found}{line}"), expected, "correct the value")
+    }
+}
+
+/// The strange word and the known ones in ``unknown field `x`, expected one of `a`, `b` ``.
+fn strange_word(message: &str, prefix: &str) -> Option<(String, Vec<String>)> {
+    let rest = message.strip_prefix(prefix)?;
+    let (word, known) = match rest.split_once("`, ") {
+        Some((word, known)) => (word.strip_prefix('`')?, quoted(known)),
+        None => (rest.trim_matches('`'), Vec::new()),
+    };
+    Some((word.to_owned(), known))
+}
+
+/// The words between backquotes.
+fn quoted(text: &str) -> Vec<String> {
+    text.split('`').skip(1).step_by(2).map(str::to_owned).collect()
+}
+
+fn one_of(thing: &str, known: &[String]) -> String {
+    match known {
+        [] => format!("no {thing} here"),
+        [only] => format!("the {thing} `{only}`"),
+        all => format!(
+            "a known {thing}: {}",
+            all.iter().map(|k| format!("`{k}`")).collect::<Vec<_>>().join(", ")
+        ),
+    }
+}
+
+fn suggestion(word: &str, known: &[String]) -> String {
+    match nearest(word, known) {
+        Some(near) => format!("did you mean `{near}`?"),
+        None => format!("remove `{word}`"),
+    }
+}
+
+/// The word of `known` most like `word` (Jaro–Winkler; the first of equals).
+pub(crate) fn nearest<'a>(word: &str, known: &'a [String]) -> Option<&'a str> {
+    let likeness = |candidate: &str| strsim::jaro_winkler(&word.to_lowercase(), &candidate.to_lowercase());
+    let mut best: Option<(f64, &str)> = None;
+    for candidate in known {
+        let score = likeness(candidate);
+        if best.is_none_or(|(top, _)| score > top) {
+            best = Some((score, candidate));
+        }
+    }
+    best.map(|(_, candidate)| candidate)
+}

@@ -1,0 +1,103 @@
+//! The seal: a digest of the file inside the file, which shows a single flipped byte.
+//!
+//! A sealed file holds `"seal":"blake3:<64 hex digits>"` in its envelope, the digits being the BLAKE3
+//! hash of the whole file with these 64 characters replaced by zeros. `"seal":null` means unsealed.
+
+use std::io::{Read, Seek, SeekFrom};
+use std::path::Path;
+
+use serde::{Deserialize, Deserializer};
+
+use crate::digest::{Digest, feed};
+use crate::error::{Error, Result};
+
+/// What stands where the digits will stand, while they are not known.
+pub(crate) const BLANK: [u8; DIGITS] = [b'0'; DIGITS];
+
+/// Number of hexadecimal digits in a digest.
+pub(crate) const DIGITS: usize = 64;
+
+/// Digests of a file.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct FileDigests {
+    /// Of the bytes as they are.
+    pub digest: Digest,
+    /// Of the bytes with the seal's digits blanked; what a valid seal says.
+    pub blanked: Digest,
+}
+
+/// Hashes a file in one pass; `digits_at` is where the seal's digits start, if there is a seal.
+pub(crate) fn digests(file: &mut (impl Read + Seek), digits_at: Option<u64>) -> std::io::Result<FileDigests> {
+    file.seek(SeekFrom::Start(0))?;
+    let mut hasher = blake3::Hasher::new();
+    let Some(at) = digits_at else {
+        feed(&mut hasher, file)?;
+        let digest = hasher.finalize().into();
+        return Ok(FileDigests { digest, blanked: digest });
+    };
+    feed(&mut hasher, &mut file.by_ref().take(at))?;
+    let mut blanked = hasher.clone();
+    let mut digits = [0; DIGITS];
+    file.read_exact(&mut digits)?;
+    hasher.update(&digits);
+    blanked.update(&BLANK);
+    feed_both(&mut hasher, &mut blanked, file)?;
+    Ok(FileDigests { digest: hasher.finalize().into(), blanked: blanked.finalize().into() })
+}
+
+/// Hashes what is left of `source` into two hashers.
+fn feed_both(
+    one: &mut blake3::Hasher,
+    other: &mut blake3::Hasher,
+    source: &mut impl Read,
+) -> std::io::Result<()> {
+    let mut rest = Vec::new();
+    source.read_to_end(&mut rest)?;
+    one.update(&rest);
+    other.update(&rest);
+    Ok(())
+}
+
+/// Where in `text` the digits of `seal` start.
+pub(crate) fn digits_in(text: &str, seal: Digest) -> Option<usize> {
+    let quoted = format!("\"{seal}\"");
+    text.find(&quoted).map(|at| at + quoted.len() - 1 - DIGITS)
+}
+
+/// Refuses a file whose seal does not fit its bytes. An absent seal is accepted.
+pub(crate) fn check(path: &Path, seal: Option<Digest>, digests: FileDigests) -> Result<()> {
+    if seal.is_none_or(|seal| seal == digests.blanked) {
+        return Ok(());
+    }
+    let found = "a digest that differs from the file's bytes";
+    let remedy = "the file is damaged: write it again (or, if you edited it by hand, set \"seal\" to null)";
+    Err(Error::refuse(path, "seal", found, digests.blanked.to_string(), remedy))
+}
+
+/// Reads the value of a `seal` key, which must be there but may be null.
+pub(crate) fn required<'de, D: Deserializer<'de>>(
+    source: D,
+) -> std::result::Result<Option<Digest>, D::Error> {
+    Option::deserialize(source)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::io::Cursor;
+
+    #[test]
+    fn blanking_changes_only_the_blanked_digest() {
+        let mut bytes = vec![7; 1000];
+        bytes[300..364].fill(b'a');
+        let sealed = digests(&mut Cursor::new(&bytes), Some(300)).unwrap();
+        assert_eq!(sealed.digest, Digest::of_bytes(&bytes));
+        bytes[300..364].copy_from_slice(&BLANK);
+        assert_eq!(sealed.blanked, Digest::of_bytes(&bytes));
+    }
+
+    #[test]
+    fn a_place_beyond_the_end_is_an_error() {
+        assert!(digests(&mut Cursor::new(vec![7; 100]), Some(90)).is_err());
+    }
+}

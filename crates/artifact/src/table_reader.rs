@@ -1,0 +1,206 @@
+//! Reading a table block by block.
+
+use std::fmt;
+use std::fs::File;
+use std::ops::Range;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::{Path, PathBuf};
+
+use parquet::errors::{ParquetError, Result as ParquetResult};
+use parquet::file::metadata::{
+    ParquetMetaData, ParquetMetaDataOptions, ParquetMetaDataReader, RowGroupMetaData,
+};
+use serde::de::DeserializeOwned;
+
+use crate::columns::Column;
+use crate::decode::decode_column;
+use crate::digest::Digest;
+use crate::error::{Error, Result};
+use crate::footer::Footer;
+use crate::identity::Header;
+use crate::metadata::TableMetadata;
+use crate::nearest::Complaint;
+use crate::provenance::Provenance;
+use crate::schema::{ColumnSpec, Table};
+use crate::seal;
+use crate::source::Source;
+
+/// A table whose kind, version, seal and schema have been checked.
+pub struct TableReader {
+    path: PathBuf,
+    source: Source,
+    metadata: ParquetMetaData,
+    columns: Vec<ColumnSpec>,
+    provenance: Provenance,
+    digest: Digest,
+    /// Rows of each block within the file.
+    blocks: Vec<Range<usize>>,
+}
+
+impl TableReader {
+    /// Opens the table at `path`, which must be of kind `id` in version `version`.
+    ///
+    /// # Errors
+    /// [`Error::Io`] if the file cannot be read; [`Error::Refused`] if it is not Parquet, not
+    /// of this kind and version, or does not fit its seal.
+    pub fn open(path: impl AsRef<Path>, id: &'static str, version: u32) -> Result<Self> {
+        let path = path.as_ref();
+        let unreadable = |e| Error::io(path, "read", e);
+        let mut file = File::open(path).map_err(unreadable)?;
+        let footer = Footer::read(path, &mut file)?;
+        let envelope = footer.envelope(path)?;
+        let header: Header = parse(path, envelope)?;
+        header.check(path, id, version)?;
+        let digits_at = header.seal().map(|seal| footer.seal_digits_at(path, seal)).transpose()?.flatten();
+        let digests = seal::digests(&mut file, digits_at).map_err(unreadable)?;
+        seal::check(path, header.seal(), digests)?;
+        let (entries, provenance) = parse::<TableMetadata>(path, envelope)?.into_parts();
+        let metadata = guarded(path, || decode_metadata(&footer.bytes))?;
+        let columns = crate::agreement::columns(path, entries, metadata.file_metadata().schema_descr())?;
+        let blocks = block_rows(path, metadata.row_groups())?;
+        let source = Source::new(file).map_err(unreadable)?;
+        let (path, digest) = (path.to_owned(), digests.digest);
+        Ok(Self { path, source, metadata, columns, provenance, digest, blocks })
+    }
+
+    /// Checks that the table has these columns, with these units and types.
+    ///
+    /// Whether a column may hold nulls is not compared: absent values read as NaN, and
+    /// [`Column::nulls`] counts them.
+    ///
+    /// # Errors
+    /// [`Error::Refused`] naming all missing columns at once, or else all that differ.
+    pub fn require(&self, columns: &[ColumnSpec]) -> Result<()> {
+        crate::agreement::require(&self.path, &self.columns, columns)
+    }
+
+    /// Columns in file order.
+    pub fn columns(&self) -> &[ColumnSpec] {
+        &self.columns
+    }
+
+    /// Where the table comes from.
+    pub fn provenance(&self) -> &Provenance {
+        &self.provenance
+    }
+
+    /// Digest of the file.
+    pub fn digest(&self) -> Digest {
+        self.digest
+    }
+
+    /// Number of rows.
+    pub fn rows(&self) -> usize {
+        self.blocks.last().map_or(0, |block| block.end)
+    }
+
+    /// Number of blocks.
+    pub fn blocks(&self) -> usize {
+        self.blocks.len()
+    }
+
+    /// Number of rows in block `i`; 0 if there is no such block.
+    pub fn block_rows(&self, i: usize) -> usize {
+        self.blocks.get(i).map_or(0, Range::len)
+    }
+
+    /// Reads the named columns of block `i`, and no others, in the order of `names`. May be called
+    /// from many threads at once.
+    ///
+    /// # Errors
+    /// [`Error::Refused`] if there is no such block or column, if a value is NaN or infinite (with
+    /// column and row in the file), or if the bytes cannot be decoded; [`Error::Io`] if they cannot
+    /// be read.
+    pub fn read_block(&self, i: usize, names: &[&str]) -> Result<Table> {
+        let Some(rows) = self.blocks.get(i).cloned() else {
+            let (found, expected) = (format!("block {i}"), format!("a block below {}", self.blocks()));
+            return Err(Error::refuse(&self.path, "block", found, expected, "ask for a block of the file"));
+        };
+        let places = crate::agreement::places(&self.path, &self.columns, names)?;
+        let group = self.metadata.row_group(i);
+        let mut columns = Vec::with_capacity(places.len());
+        for place in places {
+            let column = guarded(&self.path, || decode_column(&self.source, group, place, rows.len()))?;
+            self.check_values(place, &column, rows.start)?;
+            columns.push(column);
+        }
+        Ok(Table { columns })
+    }
+
+    /// The path, for messages.
+    pub(crate) fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// The file, for copying blocks byte for byte.
+    pub(crate) fn source(&self) -> &Source {
+        &self.source
+    }
+
+    /// What the footer says about the blocks.
+    pub(crate) fn row_groups(&self) -> &[RowGroupMetaData] {
+        self.metadata.row_groups()
+    }
+
+    fn check_values(&self, place: usize, column: &Column, start: usize) -> Result<()> {
+        let Some(row) = column.first_not_finite() else {
+            return Ok(());
+        };
+        let thing = format!("column `{}`, row {}", self.columns[place].name, start + row);
+        let found = column.as_f64().map(|values| values[row].to_string()).unwrap_or_default();
+        Err(Error::refuse(&self.path, thing, found, "a finite number", "write the file again"))
+    }
+}
+
+impl fmt::Debug for TableReader {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("TableReader").field("path", &self.path).finish_non_exhaustive()
+    }
+}
+
+fn parse<T: DeserializeOwned>(path: &Path, envelope: &str) -> Result<T> {
+    serde_json::from_str(envelope).map_err(|e| {
+        let full = e.to_string();
+        let message = full.rsplit_once(" at line ").map_or(full.as_str(), |(message, _)| message);
+        Complaint { path, line: None, key: Some("metadata"), message }.refusal()
+    })
+}
+
+fn decode_metadata(footer: &[u8]) -> ParquetResult<ParquetMetaData> {
+    // As they stand, so that a copied block has the same bytes.
+    let options = ParquetMetaDataOptions::new().with_encoding_stats_as_mask(false);
+    ParquetMetaDataReader::decode_metadata_with_options(footer, Some(&options))
+}
+
+/// Rows of each block within the file.
+fn block_rows(path: &Path, groups: &[RowGroupMetaData]) -> Result<Vec<Range<usize>>> {
+    let mut end: usize = 0;
+    let next = |group: &RowGroupMetaData| {
+        let start = end;
+        end = end.checked_add(usize::try_from(group.num_rows()).ok()?)?;
+        Some(start..end)
+    };
+    groups
+        .iter()
+        .map(next)
+        .collect::<Option<_>>()
+        .ok_or_else(|| damaged(path, "an impossible number of rows"))
+}
+
+/// Runs the decoder. An unsealed file has bytes that nothing vouches for, on which the decoder may
+/// panic: that too is told as a damaged file.
+fn guarded<T>(path: &Path, decode: impl FnOnce() -> ParquetResult<T>) -> Result<T> {
+    match catch_unwind(AssertUnwindSafe(decode)) {
+        Ok(Ok(decoded)) => Ok(decoded),
+        Ok(Err(ParquetError::External(inner))) => match inner.downcast::<std::io::Error>() {
+            Ok(io) => Err(Error::io(path, "read", *io)),
+            Err(other) => Err(damaged(path, &other.to_string())),
+        },
+        Ok(Err(other)) => Err(damaged(path, &other.to_string())),
+        Err(_) => Err(damaged(path, "bytes that cannot be decoded")),
+    }
+}
+
+fn damaged(path: &Path, found: &str) -> Error {
+    Error::refuse(path, "contents", found, "a readable table", "the file is damaged: write it again")
+}

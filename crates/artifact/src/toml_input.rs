@@ -1,0 +1,61 @@
+//! Hand-written input.
+
+use std::path::Path;
+
+use serde::de::DeserializeOwned;
+
+use crate::digest::Digest;
+use crate::error::{Error, Result};
+use crate::nearest::Complaint;
+
+/// Reads a TOML file.
+///
+/// # Errors
+/// [`Error::Io`] if it cannot be read; [`Error::Refused`] as in [`parse_toml`].
+pub fn read_toml<T: DeserializeOwned>(path: impl AsRef<Path>) -> Result<(T, Digest)> {
+    let path = path.as_ref();
+    let bytes = std::fs::read(path).map_err(|e| Error::io(path, "read", e))?;
+    let digest = Digest::of_bytes(&bytes);
+    let text = text_of(path, bytes)?;
+    Ok((parse_toml(&text, path)?, digest))
+}
+
+/// The bytes of `path` as text.
+pub(crate) fn text_of(path: &Path, bytes: Vec<u8>) -> Result<String> {
+    String::from_utf8(bytes).map_err(|e| {
+        let at = e.utf8_error().valid_up_to();
+        let line = line_at(e.as_bytes(), at);
+        let found = format!("a byte that is not UTF-8 (line {line})");
+        Error::refuse(path, "text", found, "UTF-8 text", "save the file as UTF-8 or write it again")
+    })
+}
+
+/// Parses TOML; `path` only names the file in messages.
+///
+/// # Errors
+/// [`Error::Refused`] on a syntax error, an unknown key (with the nearest known key), a missing
+/// key, a wrong type or an unknown choice, always with the line.
+pub fn parse_toml<T: DeserializeOwned>(text: &str, path: impl AsRef<Path>) -> Result<T> {
+    toml::from_str(text).map_err(|e| refusal(text, path.as_ref(), &e))
+}
+
+fn refusal(text: &str, path: &Path, error: &toml::de::Error) -> Error {
+    let start = error.span().map(|span| span.start);
+    let key = start.and_then(|at| key_at(text, at));
+    let line = start.map(|at| line_at(text.as_bytes(), at));
+    Complaint { path, line, key: key.as_deref(), message: error.message() }.refusal()
+}
+
+/// Number, from 1, of the line that holds byte `at`.
+fn line_at(text: &[u8], at: usize) -> usize {
+    1 + text.iter().take(at).filter(|&&byte| byte == b'\n').count()
+}
+
+/// The key on the line that holds byte `at`, as in `key = value`.
+fn key_at(text: &str, at: usize) -> Option<String> {
+    let line = text.lines().nth(line_at(text.as_bytes(), at) - 1)?;
+    let (key, _) = line.split_once('=')?;
+    let key = key.trim();
+    let plain = |c: char| c.is_alphanumeric() || matches!(c, '_' | '-' | '.' | '"' | '\'');
+    (!key.is_empty() && key.chars().all(plain)).then(|| key.to_owned())
+}

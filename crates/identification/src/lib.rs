@@ -1,0 +1,26 @@
+//! Estimation of a vessel's parameters from measured runs, and validation of the estimates.
+//!
+//! Per degree of freedom the increment of the measured state is regressed on the model's terms,
+//! Δy(k) = y(k+1) − y(k) = φ(k)ᵀθ + c, with instruments ζ(k): the same terms of another signal, usually the nominal
+//! model simulated over the same inputs. φ̃ = \[φ; 1\] and ζ̃ = \[ζ; 1\] are the lifted ones: an intercept c does what
+//! subtracting the instruments' mean does. One pass over the data gives [`Sums`] that add over sub-experiments.
+//!
+//! Runs are computed [`vessel::LANES`] at a time. Symbols: see `NOTATION.md` at the top of the repository.
+
+#![forbid(unsafe_code)]
+#![warn(missing_docs)]
+
+mod batch;
+mod estimate;
+mod moments;
+mod residual;
+mod solve;
+mod sums;
+mod validate;
+
+pub use batch::Batch;
+pub use estimate::{Estimate, MeanRemoval, Outcome, estimate};
+pub use moments::{ManeuverMoments, moments};
+pub use solve::{Direction, Excitation};
+pub use sums::{DegreeSums, Sums};
+pub use validate::{FreeRun, free_runs, parameter_error};

@@ -1,0 +1,127 @@
+use crate::DegreeSums;
+
+/// How well one degree of freedom of one run was excited: the normal matrix Σ ζᶜφᵀ, each row and column divided by the
+/// root sum of squares of its centred instrument and regressor, so that its entries are correlations.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Excitation {
+    /// Largest over smallest singular value; infinite where a direction is not excited.
+    pub condition: f64,
+    /// Index, within the degree of freedom, of the parameter that dominates the weakest direction.
+    pub weakest: usize,
+}
+
+/// A direction of the parameter space that a run does not excite.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Direction {
+    /// 0 surge, 1 sway, 2 yaw.
+    pub degree: usize,
+    /// Index, within the degree of freedom, of the parameter that dominates the direction.
+    pub parameter: usize,
+}
+
+/// Condition number of the scaled normal matrix from which a direction counts as not excited.
+const SINGULAR: f64 = 1e10;
+/// A centred sum of squares below this share of the plain one is rounding: the signal is constant.
+const CONSTANT: f64 = 1e-12;
+
+/// The normal equations of one degree of freedom, centred per group of samples.
+#[derive(Clone, Debug)]
+pub(crate) struct Normal {
+    /// Σ ζᶜφᵀ, p × p.
+    pub a: Vec<f64>,
+    /// Σ ζᶜΔy, p.
+    pub b: Vec<f64>,
+    zeta: Vec<f64>,
+    phi: Vec<f64>,
+}
+
+impl Normal {
+    /// From the sums of the groups that share an intercept; `centred` says whether there is one at all.
+    pub(crate) fn new<'a>(groups: impl Iterator<Item = &'a DegreeSums> + Clone, centred: bool) -> Self {
+        let p = groups.clone().next().map_or(0, DegreeSums::parameters);
+        let mut normal = Self { a: vec![0.0; p * p], b: vec![0.0; p], zeta: vec![0.0; p], phi: vec![0.0; p] };
+        let (mut plain_zeta, mut plain_phi) = (vec![0.0; p], vec![0.0; p]);
+        for sums in groups {
+            normal.add(sums, centred);
+            for i in 0..p {
+                plain_zeta[i] += sums.instrument_squares[i];
+                plain_phi[i] += sums.regressor_squares[i];
+            }
+        }
+        let size = |centred: f64, plain: f64| if centred > CONSTANT * plain { centred.sqrt() } else { 0.0 };
+        for i in 0..p {
+            normal.zeta[i] = size(normal.zeta[i], plain_zeta[i]);
+            normal.phi[i] = size(normal.phi[i], plain_phi[i]);
+        }
+        normal
+    }
+
+    fn add(&mut self, sums: &DegreeSums, centred: bool) {
+        let p = self.b.len();
+        let lifted = p + 1;
+        let n = sums.a[lifted * lifted - 1];
+        let (sum_zeta, sum_phi) = (|i: usize| sums.a[i * lifted + p], |j: usize| sums.a[p * lifted + j]);
+        let share = if centred && n > 0.0 { 1.0 / n } else { 0.0 };
+        for i in 0..p {
+            for j in 0..p {
+                self.a[i * p + j] += sums.a[i * lifted + j] - share * sum_zeta(i) * sum_phi(j);
+            }
+            self.b[i] += sums.b[i] - share * sum_zeta(i) * sums.b[p];
+            self.zeta[i] += sums.instrument_squares[i] - share * sum_zeta(i) * sum_zeta(i);
+            self.phi[i] += sums.regressor_squares[i] - share * sum_phi(i) * sum_phi(i);
+        }
+    }
+
+    /// θ and A⁻¹ (p × p), or the index of a parameter that is not excited.
+    pub(crate) fn solve(&self) -> Result<(Vec<f64>, Vec<f64>), usize> {
+        let p = self.b.len();
+        let mut scaled = self.scaled()?;
+        let mut inverse = vec![0.0; p * p];
+        let norm = one_norm(p, &scaled);
+        let regular = small_matrix::inverse(p, &mut scaled, &mut inverse).is_some();
+        if !regular || one_norm(p, &inverse) * norm > SINGULAR {
+            return Err(self.excitation().weakest);
+        }
+        for i in 0..p {
+            for j in 0..p {
+                inverse[i * p + j] /= self.phi[i] * self.zeta[j];
+            }
+        }
+        let theta = (0..p).map(|i| (0..p).map(|j| inverse[i * p + j] * self.b[j]).sum()).collect();
+        Ok((theta, inverse))
+    }
+
+    /// Condition number and weakest direction, by singular values.
+    pub(crate) fn excitation(&self) -> Excitation {
+        let p = self.b.len();
+        let scaled = match self.scaled() {
+            Ok(scaled) => scaled,
+            Err(weakest) => return Excitation { condition: f64::INFINITY, weakest },
+        };
+        match small_matrix::weakest(p, &scaled) {
+            Some(found) => Excitation {
+                condition: if found.ratio * SINGULAR < 1.0 { f64::INFINITY } else { 1.0 / found.ratio },
+                weakest: largest(&found.direction),
+            },
+            None => Excitation { condition: f64::INFINITY, weakest: 0 },
+        }
+    }
+
+    /// The matrix of correlations, or the index of a parameter whose instrument or regressor never varies.
+    fn scaled(&self) -> Result<Vec<f64>, usize> {
+        let p = self.b.len();
+        match (0..p).find(|i| !(self.zeta[*i] > 0.0 && self.phi[*i] > 0.0)) {
+            Some(constant) => Err(constant),
+            None => Ok((0..p * p).map(|k| self.a[k] / (self.zeta[k / p] * self.phi[k % p])).collect()),
+        }
+    }
+}
+
+/// Largest column sum of moduli.
+fn one_norm(n: usize, a: &[f64]) -> f64 {
+    (0..n).map(|j| (0..n).map(|i| a[i * n + j].abs()).sum()).fold(0.0, f64::max)
+}
+
+fn largest(direction: &[f64]) -> usize {
+    (0..direction.len()).max_by(|i, j| direction[*i].abs().total_cmp(&direction[*j].abs())).unwrap_or(0)
+}

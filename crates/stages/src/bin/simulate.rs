@@ -1,0 +1,194 @@
+//! `simulate`: trajectories from a vessel and its maneuvers.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use artifact::{Shard, commit, gather, read_document};
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use serde_json::json;
+use stages::cli::{Common, Sharding, Summary, provenance, run};
+use stages::documents::DesignDocument;
+use stages::failure::Failure;
+use stages::simulate::campaign::{Campaign, CampaignFiles};
+use stages::simulate::undisturbed::Undisturbed;
+use stages::study_files::{generator, read_campaign, read_dictionary, read_vessel};
+use stages::trajectories::{ID, VERSION};
+use vessel::{Source, Vessel};
+
+/// Simulates a vessel's trajectories
+#[derive(Parser)]
+#[command(version, after_help = "Example:\n  simulate dictionary --vessel pipelines/paper/vessel.toml \
+    --dictionary pipelines/paper/dictionary.toml --out dictionary.parquet")]
+struct Arguments {
+    #[command(subcommand)]
+    what: What,
+}
+
+#[derive(Subcommand)]
+enum What {
+    /// Every maneuver of a dictionary on its own, undisturbed
+    #[command(after_help = "Example:\n  simulate dictionary --vessel pipelines/paper/vessel.toml \
+        --dictionary pipelines/paper/dictionary.toml --out dictionary.parquet")]
+    Dictionary(Dictionary),
+    /// Disturbed runs of the optimized and the random design
+    #[command(after_help = "Example:\n  simulate campaign --vessel pipelines/paper/vessel.toml \
+        --dictionary pipelines/paper/dictionary.toml --campaign pipelines/paper/campaign.toml \
+        --design design.json --out campaign.parquet")]
+    Campaign(CampaignArguments),
+    /// The campaign's validation maneuvers, undisturbed
+    #[command(after_help = "Example:\n  simulate validation --vessel pipelines/paper/vessel.toml \
+        --campaign pipelines/paper/campaign.toml --out validation.parquet")]
+    Validation(Validation),
+}
+
+#[derive(Args)]
+struct Dictionary {
+    /// The vessel
+    #[arg(long, value_name = "vessel.toml")]
+    vessel: PathBuf,
+    /// The maneuvers
+    #[arg(long, value_name = "dictionary.toml")]
+    dictionary: PathBuf,
+    /// Which parameters move the vessel (default: the true ones where the vessel has them)
+    #[arg(long, value_enum)]
+    model: Option<ModelChoice>,
+    #[command(flatten)]
+    common: Common,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum ModelChoice {
+    /// The true parameters
+    Value,
+    /// The nominal parameters
+    Nominal,
+}
+
+#[derive(Args)]
+struct CampaignArguments {
+    /// The vessel
+    #[arg(long, value_name = "vessel.toml")]
+    vessel: PathBuf,
+    /// The maneuvers
+    #[arg(long, value_name = "dictionary.toml")]
+    dictionary: PathBuf,
+    /// Runs, disturbances, seed
+    #[arg(long, value_name = "campaign.toml")]
+    campaign: PathBuf,
+    /// The optimized shares
+    #[arg(long, value_name = "design.json")]
+    design: PathBuf,
+    #[command(flatten)]
+    sharding: Sharding,
+    #[command(flatten)]
+    common: Common,
+}
+
+#[derive(Args)]
+struct Validation {
+    /// The vessel
+    #[arg(long, value_name = "vessel.toml")]
+    vessel: PathBuf,
+    /// The validation maneuvers
+    #[arg(long, value_name = "campaign.toml")]
+    campaign: PathBuf,
+    #[command(flatten)]
+    common: Common,
+}
+
+fn main() -> ExitCode {
+    run(common, |arguments: &Arguments| match &arguments.what {
+        What::Dictionary(a) => dictionary(a),
+        What::Campaign(a) => campaign(a),
+        What::Validation(a) => validation(a),
+    })
+}
+
+fn common(arguments: &Arguments) -> &Common {
+    match &arguments.what {
+        What::Dictionary(a) => &a.common,
+        What::Campaign(a) => &a.common,
+        What::Validation(a) => &a.common,
+    }
+}
+
+fn dictionary(a: &Dictionary) -> Result<Summary, Failure> {
+    let mut provenance = provenance("simulate");
+    let vessel = read_vessel(&a.vessel, &mut provenance)?;
+    let generator = read_dictionary(&a.dictionary, &vessel, &mut provenance)?;
+    let source = match a.model {
+        Some(ModelChoice::Value) => Source::Value,
+        Some(ModelChoice::Nominal) => Source::Nominal,
+        None => best_known(&vessel),
+    };
+    provenance.settings.insert("model".into(), json!(if source == Source::Value { "value" } else { "nominal" }));
+    let out = a.common.main_output("dictionary.parquet");
+    let work = Undisturbed {
+        vessel: &vessel,
+        vessel_file: &a.vessel,
+        dictionary_file: &a.dictionary,
+        generator: &generator,
+        source,
+        design: "dictionary",
+    };
+    let (maneuvers, samples) = work.write(&out, &provenance, a.common.quiet)?;
+    Ok(Summary {
+        line: format!("{}: {maneuvers} maneuvers, {samples} samples", out.display()),
+        json: json!({"out": out, "maneuvers": maneuvers, "samples": samples}),
+    })
+}
+
+fn best_known(vessel: &Vessel) -> Source {
+    if vessel.value.iter().all(Option::is_some) { Source::Value } else { Source::Nominal }
+}
+
+fn campaign(a: &CampaignArguments) -> Result<Summary, Failure> {
+    let out = a.common.main_output("campaign.parquet");
+    if !a.sharding.gather.is_empty() {
+        commit(vec![gather(&a.sharding.gather, &out, ID, VERSION)?])?;
+        let shards = a.sharding.gather.len();
+        return Ok(Summary {
+            line: format!("{}: gathered {shards} shards", out.display()),
+            json: json!({"out": out, "shards": shards}),
+        });
+    }
+    let mut provenance = provenance("simulate");
+    let vessel = read_vessel(&a.vessel, &mut provenance)?;
+    let generator = read_dictionary(&a.dictionary, &vessel, &mut provenance)?;
+    let config = read_campaign(&a.campaign, &mut provenance)?;
+    let design = read_document::<DesignDocument>(&a.design)?;
+    provenance.inputs.insert("design".into(), design.digest);
+    let seed = a.common.seed.unwrap_or(config.seed);
+    provenance.settings.insert("seed".into(), json!(seed));
+    provenance.shard.clone_from(&a.sharding.shard);
+    let files =
+        CampaignFiles { vessel: &a.vessel, dictionary: &a.dictionary, campaign: &a.campaign, design: &a.design };
+    let campaign = Campaign::new(&files, &vessel, &generator, &config, &design.data, seed)?;
+    campaign.write(&out, &provenance, a.sharding.shard, a.common.quiet)?;
+    let part = a.sharding.shard.map_or(String::new(), |s: Shard| format!(", shard {s}"));
+    Ok(Summary {
+        line: format!("{}: {} runs of {} samples{part}", out.display(), campaign.runs(), campaign.samples()),
+        json: json!({"out": out, "runs": campaign.runs(), "samples": campaign.samples()}),
+    })
+}
+
+fn validation(a: &Validation) -> Result<Summary, Failure> {
+    let mut provenance = provenance("simulate");
+    let vessel = read_vessel(&a.vessel, &mut provenance)?;
+    let config = read_campaign(&a.campaign, &mut provenance)?;
+    let generator = generator(&a.campaign, &vessel, &config.validation_dictionary(), &mut provenance)?;
+    let out = a.common.main_output("validation.parquet");
+    let work = Undisturbed {
+        vessel: &vessel,
+        vessel_file: &a.vessel,
+        dictionary_file: &a.campaign,
+        generator: &generator,
+        source: Source::Value,
+        design: "validation",
+    };
+    let (maneuvers, samples) = work.write(&out, &provenance, a.common.quiet)?;
+    Ok(Summary {
+        line: format!("{}: {maneuvers} maneuvers, {samples} samples", out.display()),
+        json: json!({"out": out, "maneuvers": maneuvers, "samples": samples}),
+    })
+}

@@ -1,0 +1,84 @@
+//! `campaign.toml`.
+
+use serde::Deserialize;
+use vessel::{Current, DictionaryFile, Disturbances, Invalid, ManeuverSpec, Measurement, Source};
+
+/// `campaign.toml` as written.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CampaignFile {
+    /// Seed of every random number of the study.
+    pub seed: u64,
+    /// Runs per design.
+    pub realizations: u32,
+    /// Duration of a run \[s\].
+    pub duration_s: f64,
+    /// The current.
+    pub current: Current,
+    /// The measurement noise.
+    pub measurement: Measurement,
+    /// The random design, if there is to be one.
+    pub random: Option<RandomSpec>,
+    /// What estimates are validated on.
+    pub validation: ValidationSpec,
+}
+
+/// Experiments of maneuvers drawn at random.
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RandomSpec {
+    /// Number of equally long segments.
+    pub segments: u32,
+}
+
+/// What estimates are validated on, and what counts as good.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ValidationSpec {
+    /// Bound on the parameter error.
+    pub parameter_error_bound: f64,
+    /// Bound on the simulation error.
+    pub simulation_error_bound: f64,
+    /// Which parameters turn the maneuvers into inputs.
+    #[serde(default)]
+    pub inputs_from: Source,
+    /// The maneuvers, each a run of its own.
+    pub maneuver: Vec<ManeuverSpec>,
+}
+
+impl CampaignFile {
+    /// Refuses numbers without meaning.
+    ///
+    /// # Errors
+    /// Names the key.
+    pub fn check(&self) -> Result<(), Invalid> {
+        self.disturbances().check()?;
+        let positive = [
+            ("realizations", f64::from(self.realizations)),
+            ("duration_s", self.duration_s),
+            ("random.segments", self.random.map_or(1.0, |r| f64::from(r.segments))),
+            ("validation.parameter_error_bound", self.validation.parameter_error_bound),
+            ("validation.simulation_error_bound", self.validation.simulation_error_bound),
+        ];
+        match positive.into_iter().find(|(_, value)| !(value.is_finite() && *value > 0.0)) {
+            Some((key, value)) => {
+                Err(Invalid::new(format!("`{key}`"), value.to_string(), "more than zero", "correct it"))
+            }
+            None => Ok(()),
+        }
+    }
+
+    /// Current and measurement noise.
+    pub fn disturbances(&self) -> Disturbances {
+        Disturbances { current: self.current, measurement: self.measurement }
+    }
+
+    /// The validation maneuvers as a dictionary.
+    pub fn validation_dictionary(&self) -> DictionaryFile {
+        DictionaryFile {
+            duration_s: None,
+            inputs_from: self.validation.inputs_from,
+            maneuvers: self.validation.maneuver.clone(),
+        }
+    }
+}

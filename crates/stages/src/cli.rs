@@ -1,0 +1,91 @@
+//! Flags that all stages share, and how a stage runs.
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use artifact::{Provenance, Shard};
+use clap::{Args, Parser};
+use serde_json::{Value, json};
+
+use crate::failure::Failure;
+
+/// Flags of every stage.
+#[derive(Clone, Debug, Args)]
+pub struct Common {
+    /// Where to write: the main file, or a folder for files under their usual names
+    #[arg(long, value_name = "PATH")]
+    pub out: PathBuf,
+    /// Threads to use (default: all cores); results do not depend on it
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
+    pub threads: Option<u32>,
+    /// Replaces the seed of the configuration
+    #[arg(long, value_name = "SEED")]
+    pub seed: Option<u64>,
+    /// No progress on stderr
+    #[arg(long)]
+    pub quiet: bool,
+    /// One JSON object on stdout instead of a summary line
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Flags of stages whose work can be split over machines.
+#[derive(Clone, Debug, Args)]
+pub struct Sharding {
+    /// Do only part K of N of the work; gather the parts with --gather
+    #[arg(long, value_name = "K/N", conflicts_with = "gather")]
+    pub shard: Option<Shard>,
+    /// Put the files of all shards together instead of computing
+    #[arg(long, value_name = "FILE", num_args = 1..)]
+    pub gather: Vec<PathBuf>,
+}
+
+impl Common {
+    /// The main output: `--out`, or `name` in it where it is a folder.
+    pub fn main_output(&self, name: &str) -> PathBuf {
+        let folder = self.out.is_dir() || self.out.as_os_str().to_string_lossy().ends_with('/');
+        if folder { self.out.join(name) } else { self.out.clone() }
+    }
+}
+
+/// `name` beside `main`.
+pub fn beside(main: &Path, name: &str) -> PathBuf {
+    main.parent().unwrap_or(Path::new("")).join(name)
+}
+
+/// Provenance of what stage `stage` writes, without inputs and settings yet.
+pub fn provenance(stage: &str) -> Provenance {
+    Provenance { producer: format!("{stage} {}", env!("CARGO_PKG_VERSION")), ..Provenance::default() }
+}
+
+/// What a stage says when it is done.
+pub struct Summary {
+    /// One line for people.
+    pub line: String,
+    /// The same for programs.
+    pub json: Value,
+}
+
+/// Runs a stage: parses its arguments, starts its threads, prints its summary or its failure.
+pub fn run<A: Parser>(common: impl Fn(&A) -> &Common, stage: impl FnOnce(&A) -> Result<Summary, Failure>) -> ExitCode {
+    let arguments = A::parse();
+    let (json, threads) = (common(&arguments).json, common(&arguments).threads);
+    let result = start_threads(threads).and_then(|()| stage(&arguments));
+    match result {
+        Ok(summary) if json => println!("{}", summary.json),
+        Ok(summary) => println!("{}", summary.line),
+        Err(failure) => {
+            eprintln!("error: {failure}");
+            if json {
+                println!("{}", json!({"exit_code": failure.exit_code(), "error": failure.to_string()}));
+            }
+            return ExitCode::from(failure.exit_code());
+        }
+    }
+    ExitCode::SUCCESS
+}
+
+fn start_threads(threads: Option<u32>) -> Result<(), Failure> {
+    let builder = rayon::ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0) as usize);
+    builder.build_global().map_err(|e| Failure::Failed(format!("threads: {e}")))
+}

@@ -1,0 +1,84 @@
+use artifact::Document;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// `estimate.json`: what the estimates of all runs say together.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct EstimateDocument {
+    /// `iv` or `ls`.
+    pub estimator: String,
+    /// `none`, `batch` or `complete`.
+    pub mean_removal: String,
+    /// One entry per design, in the order of the trajectories.
+    pub designs: Vec<DesignSummary>,
+}
+
+/// The estimates of one design.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct DesignSummary {
+    /// Name of the design: `optimized`, `random` …
+    pub design: String,
+    /// Number of runs.
+    pub runs: u64,
+    /// Runs with an estimate.
+    pub identified: u64,
+    /// One entry per parameter, over the identified runs.
+    pub parameters: Vec<ParameterSummary>,
+    /// One entry per degree of freedom.
+    pub degrees: Vec<DegreeSummary>,
+}
+
+/// One parameter over the runs of one design. The unit stands beside it.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ParameterSummary {
+    /// Name as in `vessel.toml`.
+    pub name: String,
+    /// Its unit.
+    pub unit: String,
+    /// True value, where `vessel.toml` has one.
+    pub truth: Option<f64>,
+    /// Nominal value.
+    pub nominal: f64,
+    /// Mean estimate (null without identified runs).
+    pub mean: Option<f64>,
+    /// Standard deviation of the estimates over the runs (null below two runs).
+    pub spread: Option<f64>,
+    /// Root mean square of the predicted standard errors.
+    pub predicted_se: Option<f64>,
+}
+
+/// How well one degree of freedom was excited.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct DegreeSummary {
+    /// `surge`, `sway` or `yaw`.
+    pub name: String,
+    /// Median condition number of the scaled normal matrix over the runs.
+    pub condition_median: Option<f64>,
+    /// Its largest value.
+    pub condition_max: Option<f64>,
+    /// The parameter that dominates the weakest direction most often.
+    pub weakest_parameter: String,
+    /// Share of the runs in which it does.
+    pub weakest_share: f64,
+}
+
+impl Document for EstimateDocument {
+    const ID: &'static str = "estimate";
+    const VERSION: u32 = 1;
+    const UNITS: &'static [(&'static str, &'static str)] = &[
+        ("runs", "1"),
+        ("identified", "1"),
+        ("truth", "the parameter's unit"),
+        ("nominal", "the parameter's unit"),
+        ("mean", "the parameter's unit"),
+        ("spread", "the parameter's unit"),
+        ("predicted_se", "the parameter's unit"),
+        ("condition_median", "1"),
+        ("condition_max", "1"),
+        ("weakest_share", "1"),
+    ];
+}

@@ -1,0 +1,71 @@
+use artifact::Document;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// `moments.json`: the lifted moment matrices of every maneuver.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct MomentsDocument {
+    /// Name of the vessel.
+    pub vessel: String,
+    /// Sampling rate \[Hz\].
+    pub sample_rate_hz: f64,
+    /// Where the instruments come from: `nominal simulation` or `regressors` (least squares).
+    pub instruments: String,
+    /// What each row and column of the matrices stands for.
+    pub degrees: Vec<DegreeStructure>,
+    /// One entry per maneuver, in the dictionary's order.
+    pub maneuvers: Vec<ManeuverMoments>,
+}
+
+/// One degree of freedom of the model structure.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct DegreeStructure {
+    /// `surge`, `sway` or `yaw`.
+    pub name: String,
+    /// Regressors φ in order, followed by the intercept `1`.
+    pub regressors: Vec<String>,
+    /// Parameters θ in order (one fewer than regressors).
+    pub parameters: Vec<String>,
+}
+
+/// The moments of one maneuver.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ManeuverMoments {
+    /// Name in the dictionary.
+    pub name: String,
+    /// Number of regression pairs N.
+    pub samples: u64,
+    /// One matrix per degree of freedom.
+    pub degrees: Vec<DegreeMoments>,
+}
+
+/// M = mean of φ̃ ζ̃ᵀ = [[X̄, Ȳ], [Z̄ᵀ, 1]] of one maneuver and degree of freedom.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct DegreeMoments {
+    /// `surge`, `sway` or `yaw`.
+    pub name: String,
+    /// Rows and columns of `M`.
+    pub shape: [u64; 2],
+    /// Row-major entries; row i belongs to regressor i, column j to instrument j.
+    #[serde(rename = "M")]
+    pub m: Vec<f64>,
+    /// Largest change of an entry between the first and the second half of the maneuver, relative to the
+    /// root mean squares of its regressor and instrument: 0 is stationary, 1 is not at all.
+    pub nonstationarity: f64,
+}
+
+impl Document for MomentsDocument {
+    const ID: &'static str = "moments";
+    const VERSION: u32 = 1;
+    const UNITS: &'static [(&'static str, &'static str)] = &[
+        ("sample_rate_hz", "Hz"),
+        ("samples", "1"),
+        ("shape", "1"),
+        ("M", "unit of regressor i times unit of instrument j"),
+        ("nonstationarity", "1"),
+    ];
+}

@@ -1,0 +1,54 @@
+//! How a stage ends when it writes nothing: one line and an exit code.
+
+use std::path::Path;
+
+use thiserror::Error;
+use vessel::Invalid;
+
+/// Why nothing was written. The message is one line.
+#[derive(Debug, Error)]
+pub enum Failure {
+    /// Input, output or numerics failed.
+    #[error("{0}")]
+    Failed(String),
+    /// The command line asks for something that cannot be.
+    #[error("{0}")]
+    Usage(String),
+    /// An input file was refused.
+    #[error("{0}")]
+    Refused(String),
+    /// The question has no answer: not identifiable, did not converge.
+    #[error("{0}")]
+    NoAnswer(String),
+}
+
+impl Failure {
+    /// 1 failed, 2 usage, 3 input refused, 4 no answer.
+    pub fn exit_code(&self) -> u8 {
+        match self {
+            Self::Failed(_) => 1,
+            Self::Usage(_) => 2,
+            Self::Refused(_) => 3,
+            Self::NoAnswer(_) => 4,
+        }
+    }
+
+    /// A refusal of `file`.
+    pub fn refuse(file: &Path, thing: &str, found: &str, expected: &str, remedy: &str) -> Self {
+        artifact::Error::refuse(file, thing, found, expected, remedy).into()
+    }
+
+    /// What is invalid in `file`.
+    pub fn invalid(file: &Path, invalid: &Invalid) -> Self {
+        Self::refuse(file, &invalid.thing, &invalid.found, &invalid.expected, &invalid.remedy)
+    }
+}
+
+impl From<artifact::Error> for Failure {
+    fn from(error: artifact::Error) -> Self {
+        match error {
+            artifact::Error::Refused(_) => Self::Refused(error.to_string()),
+            artifact::Error::Io { .. } => Self::Failed(error.to_string()),
+        }
+    }
+}

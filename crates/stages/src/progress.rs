@@ -1,0 +1,59 @@
+//! Progress of work that takes over a second, on stderr.
+
+use std::io::IsTerminal;
+use std::sync::Mutex;
+use std::time::{Duration, Instant};
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+
+/// Counts finished pieces of work: a bar on a terminal, a plain line now and then elsewhere, nothing within the first
+/// second or when quiet.
+pub struct Progress {
+    bar: ProgressBar,
+    label: &'static str,
+    quiet: bool,
+    started: Instant,
+    last_line: Mutex<Option<Instant>>,
+}
+
+const PATIENCE: Duration = Duration::from_secs(1);
+const BETWEEN_LINES: Duration = Duration::from_secs(10);
+
+impl Progress {
+    /// Progress over `total` pieces.
+    pub fn new(label: &'static str, total: usize, quiet: bool) -> Self {
+        let bar = ProgressBar::with_draw_target(Some(total as u64), ProgressDrawTarget::hidden());
+        if let Ok(style) = ProgressStyle::with_template("{msg} [{bar:40}] {percent} % of {len}, {eta} left") {
+            bar.set_style(style);
+        }
+        bar.set_message(label);
+        Self { bar, label, quiet, started: Instant::now(), last_line: Mutex::new(None) }
+    }
+
+    /// `count` more pieces are done.
+    pub fn advance(&self, count: usize) {
+        self.bar.inc(count as u64);
+        if self.quiet || self.started.elapsed() < PATIENCE {
+            return;
+        }
+        if !std::io::stderr().is_terminal() {
+            self.plain_line();
+        } else if self.bar.is_hidden() {
+            self.bar.set_draw_target(ProgressDrawTarget::stderr());
+        }
+    }
+
+    fn plain_line(&self) {
+        let Ok(mut last) = self.last_line.lock() else { return };
+        if last.is_none_or(|at| at.elapsed() >= BETWEEN_LINES) {
+            *last = Some(Instant::now());
+            eprintln!("{}: {} of {}", self.label, self.bar.position(), self.bar.length().unwrap_or(0));
+        }
+    }
+}
+
+impl Drop for Progress {
+    fn drop(&mut self) {
+        self.bar.finish_and_clear();
+    }
+}

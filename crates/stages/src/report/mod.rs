@@ -1,0 +1,26 @@
+//! The report: one self-contained HTML page about a study, and its figures as SVG.
+//!
+//! A [`Study`] holds whatever exists; [`render`] shows that and says what is missing and which stage makes it. The page
+//! has no script and no outside resource. The same study gives the same bytes.
+
+mod allocation;
+mod caption;
+mod certificate;
+mod comparison;
+mod dictionary;
+mod errors;
+mod excitation;
+mod figures;
+mod headline;
+mod missing;
+mod notes;
+mod number;
+mod page;
+mod parameters;
+mod shown;
+mod study;
+#[cfg(test)]
+mod tests;
+
+pub use page::{Rendered, render};
+pub use study::{ManeuverTrace, ParameterRow, ScoreSet, Study, VesselSummary};

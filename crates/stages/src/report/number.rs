@@ -1,0 +1,88 @@
+//! Numbers as the page prints them.
+
+const MISSING: &str = "–";
+const SUPERSCRIPTS: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
+
+/// `value` with three significant digits: `−0.0600`, `125`, `1.40·10⁻⁵`; a dash where it is not finite.
+pub(super) fn three(value: f64) -> String {
+    if !value.is_finite() {
+        return MISSING.to_owned();
+    }
+    if value == 0.0 {
+        return "0".to_owned();
+    }
+    let (mantissa, exponent) = rounded(value);
+    if (-3..5).contains(&exponent) { plain(value, exponent) } else { scientific(mantissa, exponent) }
+}
+
+/// As [`three`], with a dash for none.
+pub(super) fn three_or_dash(value: Option<f64>) -> String {
+    three(value.unwrap_or(f64::NAN))
+}
+
+/// A whole number or a short decimal as it was given: `125`, `0.15`.
+pub(super) fn exact(value: f64) -> String {
+    if value.is_finite() { minus(&format!("{value}")) } else { MISSING.to_owned() }
+}
+
+/// A share (0 to 1) in percent with one decimal.
+pub(super) fn percent(share: f64) -> String {
+    if share.is_finite() {
+        format!("{}\u{a0}%", minus(&format!("{:.1}", 100.0 * share)))
+    } else {
+        MISSING.to_owned()
+    }
+}
+
+/// A share in percent as published: no more decimals than it has.
+pub(super) fn published(share: f64) -> String {
+    let rounded = (share * 1e6).round() / 1e4;
+    if rounded.is_finite() { format!("{rounded}\u{a0}%") } else { MISSING.to_owned() }
+}
+
+/// A unit in brackets; `[1]` for none.
+pub(super) fn unit(unit: &str) -> String {
+    format!("[{}]", if unit.is_empty() { "1" } else { unit })
+}
+
+/// The decimal exponent and mantissa after rounding to three digits.
+fn rounded(value: f64) -> (f64, i32) {
+    let text = format!("{value:.2e}");
+    let (mantissa, exponent) = text.split_once('e').unwrap_or((&text, "0"));
+    (mantissa.parse().unwrap_or(value), exponent.parse().unwrap_or(0))
+}
+
+fn plain(value: f64, exponent: i32) -> String {
+    let decimals = usize::try_from(2 - exponent).unwrap_or(0);
+    minus(&format!("{value:.decimals$}"))
+}
+
+fn scientific(mantissa: f64, exponent: i32) -> String {
+    let digits = exponent.unsigned_abs().to_string();
+    let raised: String = digits.bytes().map(|digit| SUPERSCRIPTS[usize::from(digit - b'0')]).collect();
+    let sign = if exponent < 0 { "⁻" } else { "" };
+    minus(&format!("{mantissa:.2}·10{sign}{raised}"))
+}
+
+fn minus(digits: &str) -> String {
+    digits.replace('-', "−")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn three_significant_digits() {
+        let printed = [-0.06, 125.0, 1.4e-5, 0.9996, 12_345.0, 1.234e7, 0.0, f64::NAN].map(three);
+        assert_eq!(printed, ["−0.0600", "125", "1.40·10⁻⁵", "1.00", "12345", "1.23·10⁷", "0", "–"]);
+    }
+
+    #[test]
+    fn shares_in_percent() {
+        assert_eq!(percent(0.9861), "98.6\u{a0}%");
+        assert_eq!(published(0.49), "49\u{a0}%");
+        assert_eq!(published(0.07), "7\u{a0}%");
+        assert_eq!(percent(f64::INFINITY), "–");
+    }
+}

@@ -1,0 +1,80 @@
+use maud::{DOCTYPE, Markup, PreEscaped, html};
+use report_figures::FigureError;
+
+use super::allocation::allocation;
+use super::certificate::certificate;
+use super::comparison::comparison;
+use super::dictionary::dictionary;
+use super::errors::errors;
+use super::excitation::excitation;
+use super::figures::Figures;
+use super::headline::headline;
+use super::notes::{files, notation};
+use super::parameters::parameters;
+use super::study::Study;
+
+/// The page and its figures.
+#[derive(Clone, Debug)]
+pub struct Rendered {
+    /// One self-contained HTML document.
+    pub html: String,
+    /// File name (`shares.svg`) and SVG text of every figure, in the order of the page.
+    pub figures: Vec<(String, String)>,
+}
+
+const STYLE: &str = include_str!("style.css");
+
+const CONTENTS: [(&str, &str); 9] = [
+    ("comparison", "Result"),
+    ("shares", "Shares"),
+    ("certificate", "Certificate"),
+    ("dictionary", "Dictionary"),
+    ("errors", "Errors"),
+    ("parameters", "Parameters"),
+    ("excitation", "Excitation"),
+    ("notation", "Notation"),
+    ("files", "Files"),
+];
+
+/// Renders the page. What `study` lacks is named on it.
+///
+/// # Errors
+/// A figure cannot be drawn.
+pub fn render(study: &Study) -> Result<Rendered, FigureError> {
+    let mut figures = Figures::default();
+    let sections = [
+        comparison(study),
+        allocation(study, &mut figures)?,
+        certificate(study),
+        dictionary(study, &mut figures)?,
+        errors(study, &mut figures)?,
+        parameters(study, &mut figures)?,
+        excitation(study),
+        notation(),
+        files(study),
+    ];
+    let html = document(study, &sections).into_string();
+    Ok(Rendered { html, figures: figures.files })
+}
+
+fn document(study: &Study, sections: &[Markup]) -> Markup {
+    html! {
+        (DOCTYPE)
+        html lang="en" {
+            head {
+                meta charset="utf-8";
+                meta name="viewport" content="width=device-width, initial-scale=1";
+                meta name="color-scheme" content="light dark";
+                title { (study.name) " – experiment design report" }
+                style { (PreEscaped(STYLE)) }
+            }
+            body {
+                main {
+                    (headline(study))
+                    nav aria-label="Contents" { @for (id, title) in CONTENTS { a href={ "#" (id) } { (title) } } }
+                    @for section in sections { (section) }
+                }
+            }
+        }
+    }
+}

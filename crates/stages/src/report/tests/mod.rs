@@ -1,0 +1,181 @@
+mod mock;
+
+use super::{ManeuverTrace, Rendered, Study, render};
+
+const SECTIONS: [&str; 9] = [
+    "comparison",
+    "shares",
+    "certificate",
+    "dictionary",
+    "errors",
+    "parameters",
+    "excitation",
+    "notation",
+    "files",
+];
+const FIGURES: [&str; 11] = [
+    "shares.svg",
+    "sensitivities.svg",
+    "dictionary.svg",
+    "tracks.svg",
+    "parameter-error.svg",
+    "simulation-error.svg",
+    "rmse-surge.svg",
+    "rmse-sway.svg",
+    "rmse-yaw.svg",
+    "validation-input.svg",
+    "relative-errors.svg",
+];
+/// Elements of HTML without a closing tag.
+const VOID: [&str; 3] = ["meta", "!DOCTYPE", "br"];
+
+/// What every page must be: whole, self-contained, balanced, free of numbers that are none.
+fn check(page: &Rendered) {
+    for section in SECTIONS {
+        assert!(page.html.contains(&format!("<section id=\"{section}\">")), "{section}");
+        assert!(page.html.contains(&format!("href=\"#{section}\"")), "{section}");
+    }
+    let addresses = page.html.matches("http").count();
+    assert_eq!(addresses, page.html.matches("xmlns=\"http://www.w3.org/2000/svg\"").count());
+    for wrong in ["<script", "<link", "<img", "url(", "@import", "NaN", ">inf", "null"] {
+        assert!(!page.html.contains(wrong), "{wrong} on the page");
+    }
+    balanced(&page.html);
+}
+
+fn balanced(html: &str) {
+    let mut open: Vec<&str> = Vec::new();
+    for piece in html.split('<').skip(1) {
+        let (tag, _) = piece.split_once('>').expect("a tag is not closed");
+        let name = tag.trim_start_matches('/').split([' ', '/']).next().unwrap_or_default();
+        if tag.starts_with('/') {
+            assert_eq!(open.pop(), Some(name));
+        } else if !tag.ends_with('/') && !VOID.contains(&name) {
+            open.push(name);
+        }
+    }
+    assert_eq!(open, Vec::<&str>::new());
+}
+
+fn rendered(study: &Study) -> Rendered {
+    let page = render(study).expect("drawing into memory does not fail");
+    check(&page);
+    page
+}
+
+#[test]
+fn an_empty_study_says_what_is_missing() {
+    let page = rendered(&Study { name: "empty".to_owned(), ..Study::default() });
+    assert!(page.figures.is_empty());
+    for file in ["design.json", "validation.json", "scores.parquet", "estimate.json", "moments.json"] {
+        assert!(page.html.contains(&format!("<code>{file}</code>")), "{file}");
+    }
+}
+
+#[test]
+fn a_full_study_shows_every_figure_and_nothing_is_missing() {
+    let page = rendered(&mock::study());
+    let names: Vec<&str> = page.figures.iter().map(|(name, _)| name.as_str()).collect();
+    assert_eq!(names, FIGURES);
+    assert!(page.figures.iter().all(|(_, svg)| page.html.contains(svg.as_str())));
+    assert!(!page.html.contains("class=\"missing\""));
+}
+
+#[test]
+fn the_headline_answers_in_two_sentences_from_the_data() {
+    let html = rendered(&mock::study()).html.replace('\u{a0}', " ");
+    assert!(
+        html.contains("The optimized experiment of 125 s keeps the parameter error below 5 in 98.6 % of 500")
+    );
+    assert!(html.contains("; random experiments of the same length do so in 52.0 %."));
+}
+
+#[test]
+fn published_shares_are_printed_as_published() {
+    let html = rendered(&mock::study()).html.replace('\u{a0}', " ");
+    for printed in ["&gt; 99 %", ">49 %<", ">42 %<"] {
+        assert!(html.contains(printed), "{printed}");
+    }
+}
+
+#[test]
+fn the_captions_account_for_truncated_and_missing_runs() {
+    let html = rendered(&mock::study()).html;
+    let scores = mock::study().scores.unwrap_or_default();
+    let missing = scores[1].parameter_error.iter().filter(|value| value.is_none()).count();
+    let beyond = scores[1].parameter_error.iter().flatten().filter(|value| **value >= 25.0).count();
+    assert!(missing > 0 && beyond > 0);
+    assert!(html.contains(&format!("random: {beyond} of 500 runs truncated, {missing} without a value")));
+}
+
+#[test]
+fn text_of_the_study_is_escaped() {
+    let mut study = mock::study();
+    study.name = "<script>alert(1)</script>".to_owned();
+    study.files.push(("<b>".to_owned(), "&".to_owned(), "\"".to_owned()));
+    let page = rendered(&study);
+    assert!(page.html.contains("&lt;script&gt;"));
+}
+
+#[test]
+fn every_part_may_be_missing_on_its_own() {
+    let absent: [fn(&mut Study); 10] = [
+        |s| s.vessel = None,
+        |s| s.dictionary = None,
+        |s| s.moments = None,
+        |s| s.design = None,
+        |s| s.estimate = None,
+        |s| s.validation = None,
+        |s| s.scores = None,
+        |s| s.validation_trace = None,
+        |s| s.reference = None,
+        |s| s.experiment_s = None,
+    ];
+    for forget in absent {
+        let mut study = mock::study();
+        forget(&mut study);
+        rendered(&study);
+    }
+}
+
+#[test]
+fn runs_without_any_value_and_designs_without_runs_are_shown() {
+    let mut study = mock::study();
+    for scores in study.scores.iter_mut().flatten() {
+        scores.parameter_error = vec![None; 3];
+        scores.rmse_u.clear();
+        scores.simulation_error = vec![Some(f64::NAN), Some(f64::INFINITY)];
+    }
+    if let Some(estimate) = &mut study.estimate {
+        estimate.designs[0].parameters.clear();
+        estimate.designs[1].degrees.clear();
+    }
+    if let Some(validation) = &mut study.validation {
+        validation.designs.clear();
+    }
+    rendered(&study);
+}
+
+#[test]
+fn the_same_study_gives_the_same_bytes() {
+    assert_eq!(rendered(&mock::study()).html, rendered(&mock::study()).html);
+}
+
+#[test]
+fn a_large_dictionary_is_shown_by_the_maneuvers_that_matter() {
+    let mut study = mock::study();
+    for index in 0..3000 {
+        let name = format!("candidate-{index}");
+        let design = study.design.iter_mut();
+        design.for_each(|d| {
+            d.shares.insert(name.clone(), 0.0);
+            d.sensitivities.insert(name.clone(), 1e-4 * f64::from(index));
+            d.order.insert(0, name.clone());
+        });
+        let trace = ManeuverTrace { name, ..ManeuverTrace::default() };
+        study.dictionary.iter_mut().for_each(|d| d.insert(0, trace.clone()));
+    }
+    let html = rendered(&study).html;
+    assert!(html.contains("40 of 3011 maneuvers are shown"));
+    assert!(html.contains("spiral-fast") && !html.contains("candidate-17<"));
+}

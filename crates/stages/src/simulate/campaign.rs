@@ -1,0 +1,240 @@
+//! A campaign: many disturbed runs of the optimized and of the random design.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use artifact::{EncodedBlock, Provenance, Shard, encode_block};
+use optimal_design::apportion;
+use vessel::{Disturbances, Generator, LANES, Lane, Realized, Source, Streams, Vessel, check_diverged, simulate};
+
+use super::{diverged, exogenous, publish, writer};
+use crate::campaign_file::CampaignFile;
+use crate::documents::DesignDocument;
+use crate::failure::Failure;
+use crate::lanes::{interleave, lane_of};
+use crate::ordered::ordered;
+use crate::progress::Progress;
+use crate::trajectories::{BlockBuilder, Layout, NewRun, rows_per_block};
+
+/// Channel of the random stream that draws a random design's maneuvers.
+const MANEUVER_CHANNEL: u32 = 100;
+
+/// What happens in a run: maneuver and samples, one after the other.
+type Plan = Vec<(usize, usize)>;
+
+/// Everything that the runs of a campaign share.
+pub struct Campaign<'a> {
+    vessel: &'a Vessel,
+    vessel_file: &'a Path,
+    truth: Vec<Lane>,
+    disturbances: Disturbances,
+    samples: usize,
+    designs: Vec<Design>,
+    /// Every maneuver at every length that occurs.
+    realized: BTreeMap<(usize, usize), Realized>,
+    names: Vec<String>,
+}
+
+struct Design {
+    name: &'static str,
+    streams: Streams,
+    plans: Vec<Plan>,
+}
+
+/// The files of a campaign, for messages.
+pub struct CampaignFiles<'a> {
+    /// `vessel.toml`.
+    pub vessel: &'a Path,
+    /// `dictionary.toml`.
+    pub dictionary: &'a Path,
+    /// `campaign.toml`.
+    pub campaign: &'a Path,
+    /// `design.json`.
+    pub design: &'a Path,
+}
+
+impl<'a> Campaign<'a> {
+    /// Plans every run.
+    ///
+    /// # Errors
+    /// A design of other maneuvers, a run shorter than its segments, a maneuver that the model cannot hold.
+    pub fn new(
+        files: &CampaignFiles<'a>,
+        vessel: &'a Vessel,
+        generator: &Generator,
+        config: &CampaignFile,
+        design: &DesignDocument,
+        seed: u64,
+    ) -> Result<Self, Failure> {
+        let truth = vessel.parameters(Source::Value).map_err(|e| Failure::invalid(files.vessel, &e))?;
+        let samples = vessel.samples(config.duration_s);
+        let names: Vec<String> = generator.maneuvers().iter().map(|m| m.name.clone()).collect();
+        let runs = config.realizations;
+        let optimized = optimized_plan(files, &names, design, samples)?;
+        let mut designs = vec![Design {
+            name: "optimized",
+            streams: Streams::new(seed, "optimized"),
+            plans: vec![optimized; runs as usize],
+        }];
+        if let Some(random) = config.random {
+            let streams = Streams::new(seed, "random");
+            let lengths = apportion(&vec![1.0 / f64::from(random.segments); random.segments as usize], samples as u64);
+            if lengths.contains(&0) {
+                return Err(too_short(files.campaign, samples, "random.segments"));
+            }
+            let plan = |run: u32| {
+                let drawn = streams.choices(run, MANEUVER_CHANNEL, names.len() as u32, lengths.len());
+                drawn.iter().zip(&lengths).map(|(q, n)| (*q as usize, *n as usize)).collect()
+            };
+            let plans = (0..runs).map(plan).collect();
+            designs.push(Design { name: "random", streams, plans });
+        }
+        let mut realized = BTreeMap::new();
+        for (index, samples) in designs.iter().flat_map(|d| d.plans.iter().flatten()) {
+            if !realized.contains_key(&(*index, *samples)) {
+                let maneuver =
+                    generator.realize(*index, *samples).map_err(|e| Failure::invalid(files.dictionary, &e))?;
+                realized.insert((*index, *samples), maneuver);
+            }
+        }
+        Ok(Self {
+            vessel,
+            vessel_file: files.vessel,
+            truth: truth.into_iter().map(Lane::splat).collect(),
+            disturbances: config.disturbances(),
+            samples,
+            designs,
+            realized,
+            names,
+        })
+    }
+
+    /// Number of runs of all designs.
+    pub fn runs(&self) -> usize {
+        self.designs.iter().map(|d| d.plans.len()).sum()
+    }
+
+    /// Samples per run.
+    pub fn samples(&self) -> usize {
+        self.samples
+    }
+
+    /// Simulates the runs of `shard` (or all) into `out`.
+    ///
+    /// # Errors
+    /// A simulation that diverges; output that fails.
+    pub fn write(&self, out: &Path, provenance: &Provenance, shard: Option<Shard>, quiet: bool) -> Result<(), Failure> {
+        let (layout, mut writer) = writer(out, self.vessel, provenance)?;
+        let blocks = self.blocks();
+        let mine = shard.map_or(0..blocks.len(), |s| s.range(blocks.len()));
+        let progress = Progress::new("runs", blocks[mine.clone()].iter().map(|b| b.runs.len()).sum(), quiet);
+        let work = |i: usize| {
+            let block = self.block(&layout, &blocks[i]);
+            progress.advance(blocks[i].runs.len());
+            block
+        };
+        ordered(mine, work, |block| Ok(writer.push(block)?))?;
+        publish(writer, Vec::new())
+    }
+
+    /// Runs of one design that are written together.
+    fn blocks(&self) -> Vec<BlockOfRuns> {
+        let size = rows_per_block(self.samples);
+        let of = |(design, d): (usize, &Design)| {
+            let runs = d.plans.len();
+            (0..runs.div_ceil(size)).map(move |b| BlockOfRuns { design, runs: b * size..runs.min((b + 1) * size) })
+        };
+        self.designs.iter().enumerate().flat_map(of).collect()
+    }
+
+    fn block(&self, layout: &Layout, block: &BlockOfRuns) -> Result<EncodedBlock, Failure> {
+        let mut builder = BlockBuilder::new(layout, &self.names, self.vessel.sample_rate_hz);
+        let runs: Vec<usize> = block.runs.clone().collect();
+        for group in runs.chunks(LANES) {
+            self.simulate_group(&self.designs[block.design], group, &mut builder)?;
+        }
+        Ok(encode_block(&layout.schema(), &builder.table())?)
+    }
+
+    fn simulate_group(&self, design: &Design, runs: &[usize], builder: &mut BlockBuilder) -> Result<(), Failure> {
+        let model = &self.vessel.model;
+        let exogenous: Vec<Vec<f64>> = runs.iter().map(|run| self.exogenous(&design.plans[*run])).collect();
+        let lanes = interleave(&exogenous.iter().map(Vec::as_slice).collect::<Vec<_>>());
+        let numbers: [u32; LANES] = std::array::from_fn(|lane| runs[lane.min(runs.len() - 1)] as u32);
+        let start = |lane: usize| self.realized[&design.plans[numbers[lane] as usize][0]].initial;
+        let initial = [0, 1, 2].map(|d| Lane(std::array::from_fn(|lane| start(lane)[d])));
+        let current = self.disturbances.current(&design.streams, numbers, self.samples);
+        let mut states = vec![Lane::ZERO; 3 * (self.samples + 1)];
+        simulate(model, &self.truth, initial, &lanes, &current, &mut states);
+        let mut measured = states.clone();
+        self.disturbances.measure(&design.streams, numbers, &mut measured);
+        for (lane, run) in runs.iter().enumerate() {
+            if let Some(at) = check_diverged(&states, lane) {
+                return Err(diverged(self.vessel_file, &format!("model in design {}, run {run}", design.name), at));
+            }
+            builder.push(&NewRun {
+                design: design.name,
+                run: *run as u32,
+                segments: &segments(&design.plans[*run]),
+                exogenous: &exogenous[lane],
+                measured: &lane_of(&measured, lane),
+                states: &lane_of(&states, lane),
+            });
+        }
+        Ok(())
+    }
+
+    fn exogenous(&self, plan: &Plan) -> Vec<f64> {
+        plan.iter().flat_map(|part| exogenous(&self.vessel.model, &self.realized[part].inputs)).collect()
+    }
+}
+
+/// Runs `runs` of design `design`.
+struct BlockOfRuns {
+    design: usize,
+    runs: std::ops::Range<usize>,
+}
+
+/// Maneuver and first sample of each part of a plan.
+fn segments(plan: &Plan) -> Vec<(usize, usize)> {
+    let mut start = 0;
+    let begin = |(maneuver, samples): &(usize, usize)| {
+        start += samples;
+        (*maneuver, start - samples)
+    };
+    plan.iter().map(begin).collect()
+}
+
+/// The design's maneuvers in the dictionary's order, each for its share of the samples.
+fn optimized_plan(
+    files: &CampaignFiles,
+    names: &[String],
+    design: &DesignDocument,
+    samples: usize,
+) -> Result<Plan, Failure> {
+    if let Some(unknown) = design.shares.keys().find(|name| !names.contains(name)) {
+        return Err(Failure::refuse(
+            files.design,
+            "`data.shares`",
+            &format!("maneuver `{unknown}`"),
+            &format!("maneuvers of {}", files.dictionary.display()),
+            "make the design again from this dictionary",
+        ));
+    }
+    let shares: Vec<f64> = names.iter().map(|name| design.shares.get(name).copied().unwrap_or(0.0)).collect();
+    let counts = apportion(&shares, samples as u64);
+    if samples == 0 {
+        return Err(too_short(files.campaign, samples, "duration_s"));
+    }
+    Ok(counts.iter().enumerate().filter(|(_, n)| **n > 0).map(|(q, n)| (q, *n as usize)).collect())
+}
+
+fn too_short(file: &Path, samples: usize, key: &str) -> Failure {
+    Failure::refuse(
+        file,
+        &format!("`{key}`"),
+        &format!("runs of {samples} samples"),
+        "at least one sample per segment",
+        "lengthen `duration_s` or take fewer segments",
+    )
+}

@@ -1,0 +1,44 @@
+//! `simulate`: trajectories of dictionaries, campaigns and validation maneuvers.
+
+pub mod campaign;
+pub mod undisturbed;
+
+use std::path::Path;
+
+use artifact::{Provenance, Staged, TableWriter, commit};
+use vessel::{Diverged, Model, Vessel};
+
+use crate::failure::Failure;
+use crate::trajectories::Layout;
+
+/// Inputs N × inputs with zeros appended for the measured disturbances: N × exogenous.
+pub(crate) fn exogenous(model: &Model, inputs: &[f64]) -> Vec<f64> {
+    let rows = inputs.chunks_exact(model.inputs);
+    rows.flat_map(|row| row.iter().copied().chain(std::iter::repeat_n(0.0, model.exogenous() - model.inputs))).collect()
+}
+
+/// Says where a simulation of `what` diverged.
+pub(crate) fn diverged(vessel_file: &Path, what: &str, at: Diverged) -> Failure {
+    let state = ["u", "v", "r"][at.state.min(2)];
+    Failure::refuse(
+        vessel_file,
+        what,
+        &format!("a simulation that diverges: {state} leaves every bound at sample {}", at.sample),
+        "bounded motion",
+        "make the damping terms stronger (per sample between -1 and 0 for a linear one), or the inputs or the sampling interval smaller",
+    )
+}
+
+/// Opens the output table.
+pub(crate) fn writer(out: &Path, vessel: &Vessel, provenance: &Provenance) -> Result<(Layout, TableWriter), Failure> {
+    let layout = Layout::new(&vessel.model);
+    let writer = TableWriter::create(out, &layout.schema(), provenance)?;
+    Ok((layout, writer))
+}
+
+/// Finishes and publishes a table together with other staged files.
+pub(crate) fn publish(writer: TableWriter, others: Vec<Staged>) -> Result<(), Failure> {
+    let mut staged = vec![writer.finish()?];
+    staged.extend(others);
+    Ok(commit(staged)?)
+}

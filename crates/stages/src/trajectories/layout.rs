@@ -1,0 +1,50 @@
+use artifact::{ColumnSpec, Kind, TableSchema};
+use vessel::{DegreeOfFreedom, Model};
+
+/// Schema id of trajectories.
+pub const ID: &str = "trajectories";
+/// Version of the schema.
+pub const VERSION: u32 = 1;
+
+/// The columns of trajectories of one vessel.
+#[derive(Clone, Debug)]
+pub struct Layout {
+    /// Names and units of inputs and measured disturbances, in the model's order.
+    pub exogenous: Vec<(String, String)>,
+}
+
+impl Layout {
+    /// The columns for `model`.
+    pub fn new(model: &Model) -> Self {
+        Self { exogenous: model.variables[3..].iter().map(|v| (v.name.clone(), v.unit.clone())).collect() }
+    }
+
+    /// The whole table, as simulated.
+    pub fn schema(&self) -> TableSchema {
+        let mut columns = self.required();
+        let truth = DegreeOfFreedom::ALL.map(|d| column(d.state(), d.unit(), Kind::F64));
+        let pose = [("x", "m"), ("y", "m"), ("psi", "rad")].map(|(name, unit)| column(name, unit, Kind::F64));
+        columns.extend(truth.into_iter().chain(pose));
+        TableSchema { id: ID, version: VERSION, columns }
+    }
+
+    /// The columns that every stage needs.
+    pub fn required(&self) -> Vec<ColumnSpec> {
+        let mut columns = vec![
+            column("design", "1", Kind::Text),
+            column("run", "1", Kind::I32),
+            column("segment", "1", Kind::I32),
+            column("maneuver", "1", Kind::Text),
+            column("sample", "1", Kind::I32),
+            column("t", "s", Kind::F64),
+        ];
+        columns.extend(self.exogenous.iter().map(|(n, u)| ColumnSpec { nullable: true, ..column(n, u, Kind::F64) }));
+        let measured = DegreeOfFreedom::ALL.map(|d| column(&format!("y_{}", d.state()), d.unit(), Kind::F64));
+        columns.extend(measured);
+        columns
+    }
+}
+
+fn column(name: &str, unit: &str, kind: Kind) -> ColumnSpec {
+    ColumnSpec { name: name.to_owned(), unit: unit.to_owned(), kind, nullable: false }
+}

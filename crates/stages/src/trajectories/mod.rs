@@ -1,0 +1,9 @@
+//! The table of trajectories: one row per sample, N + 1 rows per run of N samples.
+
+mod layout;
+mod read;
+mod write;
+
+pub use layout::{ID, Layout, VERSION};
+pub use read::{Run, Segment, TrajectoryReader};
+pub use write::{BlockBuilder, NewRun, rows_per_block};
