@@ -45,20 +45,30 @@ impl EncodedBlock {
 pub fn encode_block(schema: &TableSchema, table: &Table) -> Result<EncodedBlock> {
     let file = Path::new(schema.id);
     let layout = Layout::new(file, &schema.columns)?;
-    let rows = check_shape(file, schema, table)?;
+    check_shape(file, schema, table)?;
+    let mut pairs = schema.columns.iter().zip(&table.columns);
+    pairs.try_for_each(|(spec, column)| check_values(file, spec, column))?;
+    encode_checked(schema, &layout, table).map_err(|e| write_error(file, e))
+}
+
+/// Encodes a block whose values have been checked.
+pub(crate) fn encode_checked(
+    schema: &TableSchema,
+    layout: &Layout,
+    table: &Table,
+) -> ParquetResult<EncodedBlock> {
+    let rows = table.columns.first().map_or(0, Column::len);
     let mut sink = TrackedWrite::new(Vec::new());
     let mut chunks = Vec::with_capacity(table.columns.len());
     for (i, (spec, column)) in schema.columns.iter().zip(&table.columns).enumerate() {
-        check_values(file, spec, column)?;
-        let encoded = encode_column(&mut sink, &layout, i, spec, column);
-        chunks.push(encoded.map_err(|e| write_error(file, e))?);
+        chunks.push(encode_column(&mut sink, layout, i, spec, column)?);
     }
-    let bytes = sink.into_inner().map_err(|e| write_error(file, e))?.into();
+    let bytes = sink.into_inner()?.into();
     Ok(EncodedBlock { columns: schema.columns.clone(), rows, bytes, chunks })
 }
 
-/// The number of rows, if the block has the schema's columns, all of the same length.
-fn check_shape(file: &Path, schema: &TableSchema, table: &Table) -> Result<usize> {
+/// Refuses a block that has other columns than the schema, or columns of different lengths.
+fn check_shape(file: &Path, schema: &TableSchema, table: &Table) -> Result<()> {
     let refuse = |thing: String, found: String, expected: String| {
         Err(Error::refuse(file, thing, found, expected, "give the block the columns of its schema"))
     };
@@ -76,7 +86,7 @@ fn check_shape(file: &Path, schema: &TableSchema, table: &Table) -> Result<usize
             return refuse(thing, format!("{} rows", column.len()), format!("{rows} rows"));
         }
     }
-    Ok(rows)
+    Ok(())
 }
 
 fn check_values(file: &Path, spec: &ColumnSpec, column: &Column) -> Result<()> {

@@ -5,6 +5,29 @@
 //! before its contents are trusted; what is wrong is told in one line that names the file, the
 //! thing, what was found, what was expected and the remedy.
 //!
+//! ```
+//! use artifact::{Column, ColumnSpec, Kind, Provenance, Table, TableReader, TableSchema, TableWriter};
+//! use artifact::{commit, encode_block};
+//!
+//! # fn main() -> artifact::Result<()> {
+//! let folder = tempfile::tempdir().unwrap();
+//! let path = folder.path().join("speeds.parquet");
+//! let speed = ColumnSpec { name: "u".into(), unit: "m/s".into(), kind: Kind::F64, nullable: false };
+//! let schema = TableSchema { id: "speeds", version: 1, columns: vec![speed] };
+//! let provenance = Provenance { producer: "example 1.0.0".into(), ..Provenance::default() };
+//!
+//! let mut writer = TableWriter::create(&path, &schema, &provenance)?;
+//! writer.push(encode_block(&schema, &Table { columns: vec![Column::f64(vec![0.1, 0.2])] })?)?;
+//! commit(vec![writer.finish()?])?;
+//!
+//! let reader = TableReader::open(&path, "speeds", 1)?;
+//! reader.require(&schema.columns)?;
+//! let block = reader.read_block(0, &["u"])?;
+//! assert_eq!(block.columns[0].as_f64(), Some(&[0.1, 0.2][..]));
+//! # Ok(())
+//! # }
+//! ```
+//!
 //! The crate starts no threads, prints nothing and reads neither clock nor environment.
 //! [`encode_block`] and [`TableReader::read_block`] are made to be called from many threads.
 

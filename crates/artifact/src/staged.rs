@@ -23,6 +23,11 @@ impl Staged {
         &self.target
     }
 
+    /// Where the complete file stands until it is committed.
+    pub fn temporary(&self) -> &Path {
+        &self.temporary
+    }
+
     /// Stages `bytes` as they are, for files of other formats (HTML, SVG, GPX).
     ///
     /// # Errors

@@ -204,3 +204,34 @@ fn guarded<T>(path: &Path, decode: impl FnOnce() -> ParquetResult<T>) -> Result<
 fn damaged(path: &Path, found: &str) -> Error {
     Error::refuse(path, "contents", found, "a readable table", "the file is damaged: write it again")
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::encode::encode_checked;
+    use crate::layout::Layout;
+    use crate::schema::{Kind, TableSchema};
+    use crate::staged::commit;
+    use crate::table_writer::TableWriter;
+
+    /// A file such as only another program could write: the second block has a NaN in row 3.
+    #[test]
+    fn numbers_that_are_not_finite_are_refused_with_their_row_in_the_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("t");
+        let (name, unit) = ("u".to_owned(), "m/s".to_owned());
+        let columns = vec![ColumnSpec { name, unit, kind: Kind::F64, nullable: true }];
+        let schema = TableSchema { id: "t", version: 1, columns };
+        let layout = Layout::new(&path, &schema.columns).unwrap();
+        let mut writer = TableWriter::create(&path, &schema, &Provenance::default()).unwrap();
+        for value in [0.5, f64::NAN] {
+            let columns = vec![Column::f64(vec![1.0, 2.0, 3.0, value])];
+            writer.push(encode_checked(&schema, &layout, &Table { columns }).unwrap()).unwrap();
+        }
+        commit(vec![writer.finish().unwrap()]).unwrap();
+        let reader = TableReader::open(&path, "t", 1).unwrap();
+        reader.read_block(0, &["u"]).unwrap();
+        let line = reader.read_block(1, &["u"]).unwrap_err().to_string();
+        assert!(line.contains("t: column `u`, row 7: found NaN, expected a finite number"), "{line}");
+    }
+}

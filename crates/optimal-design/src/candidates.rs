@@ -23,12 +23,12 @@ pub enum Error {
     #[error("no candidate")]
     Empty,
     /// No mixture of the candidates excites a direction.
-    #[error("no candidate excites direction {direction} of block {block}")]
+    #[error("no candidate excites a direction of block {block}: {direction:?}")]
     Unexcited {
         /// Index of the block.
         block: usize,
-        /// Row that dominates the direction.
-        direction: usize,
+        /// The direction, in rows scaled to size one.
+        direction: Vec<f64>,
     },
     /// The solver failed.
     #[error("the solver failed: {0}")]
@@ -161,7 +161,8 @@ impl Candidates {
                         (0..n).map(|j| range.start + if by_row { i * n + j } else { j * n + i }).collect();
                     let norm = scaled.root_mean_square(&places);
                     if norm == 0.0 {
-                        return Err(Error::Unexcited { block, direction: i });
+                        let direction = (0..n).map(|j| f64::from(u8::from(i == j))).collect();
+                        return Err(Error::Unexcited { block, direction });
                     }
                     offset += norm.ln();
                     scaled.divide(&places, norm);

@@ -131,19 +131,17 @@ fn check_excitation(scaled: &Candidates) -> Result<(), Error> {
     let mut sum = Vec::new();
     scaled.sum(&vec![1.0 / scaled.len() as f64; scaled.len()], &mut sum);
     for (block, (n, range)) in scaled.blocks().enumerate() {
-        let weakest = small_matrix::weakest(n, &sum[range]);
-        let direction = match weakest {
-            Some(w) if w.ratio > 1e-12 => continue,
-            Some(w) => strongest(&w.direction),
-            None => 0,
+        // Rows belong to regressors: what no row combination reaches is a left singular direction.
+        let own = &sum[range];
+        let transposed: Vec<f64> = (0..n * n).map(|k| own[(k % n) * n + k / n]).collect();
+        let direction = match small_matrix::weakest(n, &transposed) {
+            Some(found) if found.ratio > 1e-12 => continue,
+            Some(found) => found.direction,
+            None => vec![1.0; n],
         };
         return Err(Error::Unexcited { block, direction });
     }
     Ok(())
-}
-
-fn strongest(direction: &[f64]) -> usize {
-    (0..direction.len()).max_by(|i, j| direction[*i].abs().total_cmp(&direction[*j].abs())).unwrap_or(0)
 }
 
 impl Design {

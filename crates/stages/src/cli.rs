@@ -40,6 +40,22 @@ pub struct Sharding {
     pub gather: Vec<PathBuf>,
 }
 
+impl Sharding {
+    /// Whether files are to be gathered instead of computed.
+    pub fn gathers(&self) -> bool {
+        !self.gather.is_empty()
+    }
+}
+
+/// The value of a flag that clap requires unless files are gathered.
+///
+/// # Errors
+/// Usage, naming the flag.
+pub fn given<'a>(path: &'a Option<PathBuf>, flag: &str) -> Result<&'a Path, Failure> {
+    path.as_deref()
+        .ok_or_else(|| Failure::Usage(format!("--{flag}: found none, expected a path; name the file")))
+}
+
 impl Common {
     /// The main output: `--out`, or `name` in it where it is a folder.
     pub fn main_output(&self, name: &str) -> PathBuf {
@@ -67,7 +83,10 @@ pub struct Summary {
 }
 
 /// Runs a stage: parses its arguments, starts its threads, prints its summary or its failure.
-pub fn run<A: Parser>(common: impl Fn(&A) -> &Common, stage: impl FnOnce(&A) -> Result<Summary, Failure>) -> ExitCode {
+pub fn run<A: Parser>(
+    common: impl Fn(&A) -> &Common,
+    stage: impl FnOnce(&A) -> Result<Summary, Failure>,
+) -> ExitCode {
     let arguments = A::parse();
     let (json, threads) = (common(&arguments).json, common(&arguments).threads);
     let result = start_threads(threads).and_then(|()| stage(&arguments));

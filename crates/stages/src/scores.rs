@@ -1,1 +1,133 @@
-//! Scores.
+//! The table of scores: one row per run.
+
+use artifact::{Column, ColumnSpec, Kind, Table, TableReader, TableSchema};
+
+use crate::documents::{Bounds, DesignScores};
+use crate::estimates::{NOT_IDENTIFIABLE, labels, optional};
+use crate::failure::Failure;
+use crate::statistics::quantiles;
+
+/// Schema id of scores.
+pub const ID: &str = "scores";
+/// Version of the schema.
+pub const VERSION: u32 = 1;
+/// `status` of a run whose model was simulated.
+pub const SCORED: &str = "scored";
+/// `status` of a run whose model diverged in free simulation.
+pub const DIVERGED: &str = "diverged";
+
+/// One row.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Row {
+    /// Its design.
+    pub design: String,
+    /// Number of the run.
+    pub run: i32,
+    /// Its estimator.
+    pub estimator: String,
+    /// [`SCORED`], [`DIVERGED`] or [`NOT_IDENTIFIABLE`].
+    pub status: String,
+    /// ‖(θ̂ − θ)/θ‖, where the run is identified and the truth known.
+    pub parameter_error: Option<f64>,
+    /// RMSE in u, v \[m/s\] and r \[rad/s\], where the simulation did not diverge.
+    pub rmse: [Option<f64>; 3],
+    /// Their norm.
+    pub simulation_error: Option<f64>,
+}
+
+/// The columns.
+pub fn schema() -> TableSchema {
+    let column = |name: &str, unit: &str, kind, nullable| ColumnSpec {
+        name: name.into(),
+        unit: unit.into(),
+        kind,
+        nullable,
+    };
+    TableSchema {
+        id: ID,
+        version: VERSION,
+        columns: vec![
+            column("design", "1", Kind::Text, false),
+            column("run", "1", Kind::I32, false),
+            column("estimator", "1", Kind::Text, false),
+            column("status", "1", Kind::Text, false),
+            column("parameter_error", "1", Kind::F64, true),
+            column("rmse_u", "m/s", Kind::F64, true),
+            column("rmse_v", "m/s", Kind::F64, true),
+            column("rmse_r", "rad/s", Kind::F64, true),
+            column("simulation_error", "m/s, m/s and rad/s as numbers", Kind::F64, true),
+        ],
+    }
+}
+
+/// Rows as a block of the table.
+pub fn table(rows: &[Row]) -> Table {
+    let mut columns = vec![
+        labels(rows.iter().map(|r| r.design.as_str())),
+        Column::i32(rows.iter().map(|r| r.run).collect()),
+        labels(rows.iter().map(|r| r.estimator.as_str())),
+        labels(rows.iter().map(|r| r.status.as_str())),
+        optional(rows.iter().map(|r| r.parameter_error)),
+    ];
+    columns.extend((0..3).map(|d| optional(rows.iter().map(|r| r.rmse[d]))));
+    columns.push(optional(rows.iter().map(|r| r.simulation_error)));
+    Table { columns }
+}
+
+/// Reads the whole table.
+///
+/// # Errors
+/// Missing columns, damaged blocks.
+pub fn rows(reader: &TableReader) -> Result<Vec<Row>, Failure> {
+    let schema = schema();
+    reader.require(&schema.columns)?;
+    let names: Vec<&str> = schema.columns.iter().map(|c| c.name.as_str()).collect();
+    let mut rows = Vec::with_capacity(reader.rows());
+    for block in 0..reader.blocks() {
+        let table = reader.read_block(block, &names)?;
+        let text = |column: usize, row: usize| table.columns[column].text_at(row).unwrap_or("").to_owned();
+        let number = |column: usize, row: usize| {
+            let own = &table.columns[column];
+            own.as_f64().map(|values| values[row]).filter(|_| !own.is_null(row))
+        };
+        rows.extend((0..reader.block_rows(block)).map(|row| Row {
+            design: text(0, row),
+            run: table.columns[1].as_i32().map_or(0, |runs| runs[row]),
+            estimator: text(2, row),
+            status: text(3, row),
+            parameter_error: number(4, row),
+            rmse: [5, 6, 7].map(|column| number(column, row)),
+            simulation_error: number(8, row),
+        }));
+    }
+    Ok(rows)
+}
+
+/// What the scores of each design say together, in the order of the rows.
+pub fn summarize(rows: &[Row], bounds: Bounds) -> Vec<DesignScores> {
+    let mut designs: Vec<&str> = rows.iter().map(|r| r.design.as_str()).collect();
+    designs.dedup();
+    designs.iter().map(|design| design_scores(design, rows, bounds)).collect()
+}
+
+fn design_scores(design: &str, rows: &[Row], bounds: Bounds) -> DesignScores {
+    let own = || rows.iter().filter(|r| r.design == design);
+    let runs = own().count();
+    let with = |status: &str| own().filter(|r| r.status == status).count() as u64;
+    let below = |value: fn(&Row) -> Option<f64>, bound: f64| {
+        own().filter(|r| value(r).is_some_and(|v| v < bound)).count() as f64 / runs.max(1) as f64
+    };
+    DesignScores {
+        design: design.to_owned(),
+        runs: runs as u64,
+        not_identifiable: with(NOT_IDENTIFIABLE),
+        diverged: with(DIVERGED),
+        parameter_error_share: below(|r| r.parameter_error, bounds.parameter_error),
+        simulation_error_share: below(|r| r.simulation_error, bounds.simulation_error),
+        parameter_error: quantiles(own().map(|r| r.parameter_error)),
+        simulation_error: quantiles(own().map(|r| r.simulation_error)),
+        rmse_u: quantiles(own().map(|r| r.rmse[0])),
+        rmse_v: quantiles(own().map(|r| r.rmse[1])),
+        rmse_r: quantiles(own().map(|r| r.rmse[2])),
+    }
+}

@@ -16,7 +16,11 @@ pub fn read_vessel(path: &Path, provenance: &mut Provenance) -> Result<Vessel, F
 }
 
 /// Reads `dictionary.toml` and notes its digest.
-pub fn read_dictionary(path: &Path, vessel: &Vessel, provenance: &mut Provenance) -> Result<Generator, Failure> {
+pub fn read_dictionary(
+    path: &Path,
+    vessel: &Vessel,
+    provenance: &mut Provenance,
+) -> Result<Generator, Failure> {
     let (file, digest) = read_toml::<DictionaryFile>(path)?;
     provenance.inputs.insert("dictionary".into(), digest);
     generator(path, vessel, &file, provenance)
@@ -41,7 +45,12 @@ pub fn generator(
     let digests = std::cell::RefCell::new(Vec::new());
     let read = |name: &Path| {
         let text = std::fs::read_to_string(folder.join(name)).map_err(|e| {
-            Invalid::new(format!("`file` {}", name.display()), e.to_string(), "a readable CSV file", "check the path")
+            Invalid::new(
+                format!("`file` {}", name.display()),
+                e.to_string(),
+                "a readable CSV file",
+                "check the path",
+            )
         })?;
         digests.borrow_mut().push((format!("inputs:{}", name.display()), Digest::of_bytes(text.as_bytes())));
         Ok(text)

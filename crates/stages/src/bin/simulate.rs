@@ -6,7 +6,7 @@ use std::process::ExitCode;
 use artifact::{Shard, commit, gather, read_document};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use serde_json::json;
-use stages::cli::{Common, Sharding, Summary, provenance, run};
+use stages::cli::{Common, Sharding, Summary, given, provenance, run};
 use stages::documents::DesignDocument;
 use stages::failure::Failure;
 use stages::simulate::campaign::{Campaign, CampaignFiles};
@@ -17,8 +17,11 @@ use vessel::{Source, Vessel};
 
 /// Simulates a vessel's trajectories
 #[derive(Parser)]
-#[command(version, after_help = "Example:\n  simulate dictionary --vessel pipelines/paper/vessel.toml \
-    --dictionary pipelines/paper/dictionary.toml --out dictionary.parquet")]
+#[command(
+    version,
+    after_help = "Example:\n  simulate dictionary --vessel pipelines/paper/vessel.toml \
+    --dictionary pipelines/paper/dictionary.toml --out dictionary.parquet"
+)]
 struct Arguments {
     #[command(subcommand)]
     what: What,
@@ -67,17 +70,17 @@ enum ModelChoice {
 #[derive(Args)]
 struct CampaignArguments {
     /// The vessel
-    #[arg(long, value_name = "vessel.toml")]
-    vessel: PathBuf,
+    #[arg(long, required_unless_present = "gather", value_name = "vessel.toml")]
+    vessel: Option<PathBuf>,
     /// The maneuvers
-    #[arg(long, value_name = "dictionary.toml")]
-    dictionary: PathBuf,
+    #[arg(long, required_unless_present = "gather", value_name = "dictionary.toml")]
+    dictionary: Option<PathBuf>,
     /// Runs, disturbances, seed
-    #[arg(long, value_name = "campaign.toml")]
-    campaign: PathBuf,
+    #[arg(long, required_unless_present = "gather", value_name = "campaign.toml")]
+    campaign: Option<PathBuf>,
     /// The optimized shares
-    #[arg(long, value_name = "design.json")]
-    design: PathBuf,
+    #[arg(long, required_unless_present = "gather", value_name = "design.json")]
+    design: Option<PathBuf>,
     #[command(flatten)]
     sharding: Sharding,
     #[command(flatten)]
@@ -121,7 +124,9 @@ fn dictionary(a: &Dictionary) -> Result<Summary, Failure> {
         Some(ModelChoice::Nominal) => Source::Nominal,
         None => best_known(&vessel),
     };
-    provenance.settings.insert("model".into(), json!(if source == Source::Value { "value" } else { "nominal" }));
+    provenance
+        .settings
+        .insert("model".into(), json!(if source == Source::Value { "value" } else { "nominal" }));
     let out = a.common.main_output("dictionary.parquet");
     let work = Undisturbed {
         vessel: &vessel,
@@ -144,7 +149,7 @@ fn best_known(vessel: &Vessel) -> Source {
 
 fn campaign(a: &CampaignArguments) -> Result<Summary, Failure> {
     let out = a.common.main_output("campaign.parquet");
-    if !a.sharding.gather.is_empty() {
+    if a.sharding.gathers() {
         commit(vec![gather(&a.sharding.gather, &out, ID, VERSION)?])?;
         let shards = a.sharding.gather.len();
         return Ok(Summary {
@@ -153,16 +158,20 @@ fn campaign(a: &CampaignArguments) -> Result<Summary, Failure> {
         });
     }
     let mut provenance = provenance("simulate");
-    let vessel = read_vessel(&a.vessel, &mut provenance)?;
-    let generator = read_dictionary(&a.dictionary, &vessel, &mut provenance)?;
-    let config = read_campaign(&a.campaign, &mut provenance)?;
-    let design = read_document::<DesignDocument>(&a.design)?;
+    let files = CampaignFiles {
+        vessel: given(&a.vessel, "vessel")?,
+        dictionary: given(&a.dictionary, "dictionary")?,
+        campaign: given(&a.campaign, "campaign")?,
+        design: given(&a.design, "design")?,
+    };
+    let vessel = read_vessel(files.vessel, &mut provenance)?;
+    let generator = read_dictionary(files.dictionary, &vessel, &mut provenance)?;
+    let config = read_campaign(files.campaign, &mut provenance)?;
+    let design = read_document::<DesignDocument>(files.design)?;
     provenance.inputs.insert("design".into(), design.digest);
     let seed = a.common.seed.unwrap_or(config.seed);
     provenance.settings.insert("seed".into(), json!(seed));
     provenance.shard.clone_from(&a.sharding.shard);
-    let files =
-        CampaignFiles { vessel: &a.vessel, dictionary: &a.dictionary, campaign: &a.campaign, design: &a.design };
     let campaign = Campaign::new(&files, &vessel, &generator, &config, &design.data, seed)?;
     campaign.write(&out, &provenance, a.sharding.shard, a.common.quiet)?;
     let part = a.sharding.shard.map_or(String::new(), |s: Shard| format!(", shard {s}"));

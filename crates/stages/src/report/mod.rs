@@ -12,6 +12,7 @@ mod errors;
 mod excitation;
 mod figures;
 mod headline;
+mod load;
 mod missing;
 mod notes;
 mod number;
@@ -22,5 +23,6 @@ mod study;
 #[cfg(test)]
 mod tests;
 
+pub use load::{Sources, load};
 pub use page::{Rendered, render};
 pub use study::{ManeuverTrace, ParameterRow, ScoreSet, Study, VesselSummary};

@@ -5,7 +5,9 @@ use std::path::Path;
 
 use artifact::{EncodedBlock, Provenance, Shard, encode_block};
 use optimal_design::apportion;
-use vessel::{Disturbances, Generator, LANES, Lane, Realized, Source, Streams, Vessel, check_diverged, simulate};
+use vessel::{
+    Disturbances, Generator, LANES, Lane, Realized, Source, Streams, Vessel, check_diverged, simulate,
+};
 
 use super::{diverged, exogenous, publish, writer};
 use crate::campaign_file::CampaignFile;
@@ -78,7 +80,8 @@ impl<'a> Campaign<'a> {
         }];
         if let Some(random) = config.random {
             let streams = Streams::new(seed, "random");
-            let lengths = apportion(&vec![1.0 / f64::from(random.segments); random.segments as usize], samples as u64);
+            let lengths =
+                apportion(&vec![1.0 / f64::from(random.segments); random.segments as usize], samples as u64);
             if lengths.contains(&0) {
                 return Err(too_short(files.campaign, samples, "random.segments"));
             }
@@ -92,8 +95,9 @@ impl<'a> Campaign<'a> {
         let mut realized = BTreeMap::new();
         for (index, samples) in designs.iter().flat_map(|d| d.plans.iter().flatten()) {
             if !realized.contains_key(&(*index, *samples)) {
-                let maneuver =
-                    generator.realize(*index, *samples).map_err(|e| Failure::invalid(files.dictionary, &e))?;
+                let maneuver = generator
+                    .realize(*index, *samples)
+                    .map_err(|e| Failure::invalid(files.dictionary, &e))?;
                 realized.insert((*index, *samples), maneuver);
             }
         }
@@ -123,7 +127,13 @@ impl<'a> Campaign<'a> {
     ///
     /// # Errors
     /// A simulation that diverges; output that fails.
-    pub fn write(&self, out: &Path, provenance: &Provenance, shard: Option<Shard>, quiet: bool) -> Result<(), Failure> {
+    pub fn write(
+        &self,
+        out: &Path,
+        provenance: &Provenance,
+        shard: Option<Shard>,
+        quiet: bool,
+    ) -> Result<(), Failure> {
         let (layout, mut writer) = writer(out, self.vessel, provenance)?;
         let blocks = self.blocks();
         let mine = shard.map_or(0..blocks.len(), |s| s.range(blocks.len()));
@@ -142,7 +152,8 @@ impl<'a> Campaign<'a> {
         let size = rows_per_block(self.samples);
         let of = |(design, d): (usize, &Design)| {
             let runs = d.plans.len();
-            (0..runs.div_ceil(size)).map(move |b| BlockOfRuns { design, runs: b * size..runs.min((b + 1) * size) })
+            (0..runs.div_ceil(size))
+                .map(move |b| BlockOfRuns { design, runs: b * size..runs.min((b + 1) * size) })
         };
         self.designs.iter().enumerate().flat_map(of).collect()
     }
@@ -156,7 +167,12 @@ impl<'a> Campaign<'a> {
         Ok(encode_block(&layout.schema(), &builder.table())?)
     }
 
-    fn simulate_group(&self, design: &Design, runs: &[usize], builder: &mut BlockBuilder) -> Result<(), Failure> {
+    fn simulate_group(
+        &self,
+        design: &Design,
+        runs: &[usize],
+        builder: &mut BlockBuilder,
+    ) -> Result<(), Failure> {
         let model = &self.vessel.model;
         let exogenous: Vec<Vec<f64>> = runs.iter().map(|run| self.exogenous(&design.plans[*run])).collect();
         let lanes = interleave(&exogenous.iter().map(Vec::as_slice).collect::<Vec<_>>());
@@ -170,7 +186,11 @@ impl<'a> Campaign<'a> {
         self.disturbances.measure(&design.streams, numbers, &mut measured);
         for (lane, run) in runs.iter().enumerate() {
             if let Some(at) = check_diverged(&states, lane) {
-                return Err(diverged(self.vessel_file, &format!("model in design {}, run {run}", design.name), at));
+                return Err(diverged(
+                    self.vessel_file,
+                    &format!("model in design {}, run {run}", design.name),
+                    at,
+                ));
             }
             builder.push(&NewRun {
                 design: design.name,

@@ -14,7 +14,8 @@ use crate::trajectories::Layout;
 /// Inputs N × inputs with zeros appended for the measured disturbances: N × exogenous.
 pub(crate) fn exogenous(model: &Model, inputs: &[f64]) -> Vec<f64> {
     let rows = inputs.chunks_exact(model.inputs);
-    rows.flat_map(|row| row.iter().copied().chain(std::iter::repeat_n(0.0, model.exogenous() - model.inputs))).collect()
+    rows.flat_map(|row| row.iter().copied().chain(std::iter::repeat_n(0.0, model.exogenous() - model.inputs)))
+        .collect()
 }
 
 /// Says where a simulation of `what` diverged.
@@ -30,7 +31,11 @@ pub(crate) fn diverged(vessel_file: &Path, what: &str, at: Diverged) -> Failure 
 }
 
 /// Opens the output table.
-pub(crate) fn writer(out: &Path, vessel: &Vessel, provenance: &Provenance) -> Result<(Layout, TableWriter), Failure> {
+pub(crate) fn writer(
+    out: &Path,
+    vessel: &Vessel,
+    provenance: &Provenance,
+) -> Result<(Layout, TableWriter), Failure> {
     let layout = Layout::new(&vessel.model);
     let writer = TableWriter::create(out, &layout.schema(), provenance)?;
     Ok((layout, writer))

@@ -38,7 +38,9 @@ impl Layout {
             column("sample", "1", Kind::I32),
             column("t", "s", Kind::F64),
         ];
-        columns.extend(self.exogenous.iter().map(|(n, u)| ColumnSpec { nullable: true, ..column(n, u, Kind::F64) }));
+        columns.extend(
+            self.exogenous.iter().map(|(n, u)| ColumnSpec { nullable: true, ..column(n, u, Kind::F64) }),
+        );
         let measured = DegreeOfFreedom::ALL.map(|d| column(&format!("y_{}", d.state()), d.unit(), Kind::F64));
         columns.extend(measured);
         columns

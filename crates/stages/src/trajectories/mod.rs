@@ -5,5 +5,5 @@ mod read;
 mod write;
 
 pub use layout::{ID, Layout, VERSION};
-pub use read::{Run, Segment, TrajectoryReader};
+pub use read::{Run, Segment, TrajectoryReader, refuse_shard};
 pub use write::{BlockBuilder, NewRun, rows_per_block};

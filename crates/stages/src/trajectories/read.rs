@@ -1,6 +1,6 @@
 use std::path::{Path, PathBuf};
 
-use artifact::{Column, Digest, Table, TableReader};
+use artifact::{Column, Digest, Shard, Table, TableReader};
 
 use super::{ID, Layout, VERSION};
 use crate::failure::Failure;
@@ -81,9 +81,15 @@ impl TrajectoryReader {
         self.table.digest()
     }
 
-    /// Whether the file is one shard of several.
-    pub fn shard(&self) -> Option<&artifact::Shard> {
-        self.table.provenance().shard.as_ref()
+    /// Refuses one shard of several.
+    ///
+    /// # Errors
+    /// Names the shard.
+    pub fn whole(&self) -> Result<(), Failure> {
+        match &self.table.provenance().shard {
+            None => Ok(()),
+            Some(shard) => Err(refuse_shard(&self.path, shard)),
+        }
     }
 
     /// The runs of block `i`.
@@ -104,6 +110,12 @@ impl TrajectoryReader {
         }
         Ok(runs)
     }
+}
+
+/// Says that `file` is one shard of several.
+pub fn refuse_shard(file: &Path, shard: &Shard) -> Failure {
+    let found = format!("shard {shard}");
+    Failure::refuse(file, "file", &found, "the whole table", "put all shards together with --gather first")
 }
 
 /// The columns of a block.
@@ -152,7 +164,8 @@ impl<'a> Block<'a> {
     }
 
     fn run(&self, start: usize, end: usize, first_row: usize) -> Result<Run, Failure> {
-        let label = || format!("design {}, run {}", self.design.text_at(start).unwrap_or(""), self.run[start]);
+        let label =
+            || format!("design {}, run {}", self.design.text_at(start).unwrap_or(""), self.run[start]);
         let row = |r: usize| format!("row {} ({})", first_row + r, label());
         if let Some(r) = (start..end).find(|r| self.sample[*r] != (*r - start) as i32) {
             return Err(self.reader.refuse(
@@ -163,7 +176,12 @@ impl<'a> Block<'a> {
             ));
         }
         if end - start < 2 {
-            return Err(self.reader.refuse(&row(start), "a run of one row", "at least one sample and a last state", "remove it"));
+            return Err(self.reader.refuse(
+                &row(start),
+                "a run of one row",
+                "at least one sample and a last state",
+                "remove it",
+            ));
         }
         self.check_rate(start, end, &row)?;
         for (column, name) in self.exogenous.iter().zip(&self.reader.columns[6..]) {
@@ -222,6 +240,11 @@ impl TrajectoryReader {
     }
 
     fn wrong_kind(&self, column: usize) -> Failure {
-        self.refuse(&format!("column `{}`", self.columns[column]), "another type", "the type of its schema", "write it again")
+        self.refuse(
+            &format!("column `{}`", self.columns[column]),
+            "another type",
+            "the type of its schema",
+            "write it again",
+        )
     }
 }

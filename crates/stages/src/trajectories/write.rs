@@ -113,7 +113,8 @@ impl<'a> BlockBuilder<'a> {
             Column::f64(self.t),
         ];
         let present = &self.present;
-        columns.extend(self.exogenous.into_iter().map(|values| Column::nullable_f64(values, present.clone())));
+        columns
+            .extend(self.exogenous.into_iter().map(|values| Column::nullable_f64(values, present.clone())));
         columns.extend(self.floats.map(Column::f64));
         Table { columns }
     }

@@ -1,0 +1,285 @@
+//! `estimate`: parameters of every run.
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use artifact::{
+    EncodedBlock, Provenance, Staged, TableReader, TableWriter, commit, encode_block, gather, stage_document,
+};
+use clap::{Parser, ValueEnum};
+use identification::{Direction, Excitation, MeanRemoval, Outcome};
+use serde_json::json;
+use stages::cli::{Common, Sharding, Summary, beside, given, provenance, run};
+use stages::documents::{DegreeSummary, DesignSummary, EstimateDocument, ParameterSummary};
+use stages::estimates::{self, Row};
+use stages::failure::Failure;
+use stages::instruments::{InstrumentKind, Instruments};
+use stages::ordered::ordered;
+use stages::progress::Progress;
+use stages::statistics::{mean, quantile, sorted, spread};
+use stages::study_files::read_vessel;
+use stages::trajectories::{Layout, Run, TrajectoryReader};
+use vessel::{DegreeOfFreedom, Vessel};
+
+/// Estimates the parameters of every run, with standard errors; writes estimates.parquet and estimate.json
+#[derive(Parser)]
+#[command(
+    version,
+    after_help = "Example:\n  estimate --vessel pipelines/paper/vessel.toml \
+    --trajectories campaign.parquet --out estimates.parquet"
+)]
+struct Arguments {
+    /// The vessel
+    #[arg(long, value_name = "vessel.toml")]
+    vessel: PathBuf,
+    /// The runs
+    #[arg(long, required_unless_present = "gather", value_name = "campaign.parquet")]
+    trajectories: Option<PathBuf>,
+    /// The estimator
+    #[arg(long, value_enum, default_value_t = Estimator::Iv)]
+    estimator: Estimator,
+    /// How the instruments' mean is removed
+    #[arg(long, value_enum, default_value_t = Removal::Complete)]
+    mean_removal: Removal,
+    #[command(flatten)]
+    sharding: Sharding,
+    #[command(flatten)]
+    common: Common,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Estimator {
+    /// Instrumental variables: instruments from the nominal model over the same inputs
+    Iv,
+    /// Least squares (biased by measurement noise)
+    Ls,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Removal {
+    /// Not at all
+    None,
+    /// Segment by segment
+    Batch,
+    /// Over the whole run
+    Complete,
+}
+
+fn main() -> ExitCode {
+    run(|a: &Arguments| &a.common, stage)
+}
+
+fn stage(a: &Arguments) -> Result<Summary, Failure> {
+    let mut provenance = provenance("estimate");
+    let vessel = read_vessel(&a.vessel, &mut provenance)?;
+    let out = a.common.main_output("estimates.parquet");
+    let document_file = beside(&out, "estimate.json");
+    if a.sharding.gathers() {
+        let table = gather(&a.sharding.gather, &out, estimates::ID, estimates::VERSION)?;
+        let gathered = TableReader::open(table.temporary(), estimates::ID, estimates::VERSION)?;
+        gathered.require(&estimates::schema(&vessel).columns)?;
+        let blocks = 0..gathered.blocks();
+        let rows: Vec<Vec<Row>> =
+            blocks.map(|i| estimates::rows(&gathered, &vessel, &out, i)).collect::<Result<_, _>>()?;
+        return publish(a, &vessel, gathered.provenance(), table, rows.concat(), &document_file);
+    }
+    let file = given(&a.trajectories, "trajectories")?;
+    let reader = TrajectoryReader::open(file, &Layout::new(&vessel.model), vessel.sample_rate_hz)?;
+    reader.whole()?;
+    provenance.inputs.insert("trajectories".into(), reader.digest());
+    provenance.settings.insert("estimator".into(), json!(name(a.estimator)));
+    provenance.settings.insert("mean_removal".into(), json!(name(a.mean_removal)));
+    provenance.shard.clone_from(&a.sharding.shard);
+    let schema = estimates::schema(&vessel);
+    let mut writer = TableWriter::create(&out, &schema, &provenance)?;
+    let mut rows = Vec::new();
+    let mut each = |(block, own): (EncodedBlock, Vec<Row>)| {
+        rows.extend(own);
+        Ok(writer.push(block)?)
+    };
+    estimate_blocks(a, &vessel, file, &reader, &schema, &mut each)?;
+    if a.sharding.shard.is_none() {
+        refuse_if_none_identified(file, &vessel, &rows)?;
+    }
+    publish(a, &vessel, &provenance, writer.finish()?, rows, &document_file)
+}
+
+fn estimate_blocks(
+    a: &Arguments,
+    vessel: &Vessel,
+    file: &Path,
+    reader: &TrajectoryReader,
+    schema: &artifact::TableSchema,
+    each: &mut dyn FnMut((EncodedBlock, Vec<Row>)) -> Result<(), Failure>,
+) -> Result<(), Failure> {
+    let kind = match a.estimator {
+        Estimator::Iv => InstrumentKind::Nominal,
+        Estimator::Ls => InstrumentKind::Regressors,
+    };
+    let instruments = Instruments::new(vessel, &a.vessel, kind)?;
+    let blocks = a.sharding.shard.map_or(0..reader.blocks(), |s| s.range(reader.blocks()));
+    let progress = Progress::new("blocks of runs", blocks.len(), a.common.quiet);
+    let work = |i: usize| {
+        let rows = rows_of(a, vessel, file, &instruments, &reader.runs(i)?)?;
+        progress.advance(1);
+        Ok((encode_block(schema, &estimates::table(vessel, &rows))?, rows))
+    };
+    ordered(blocks, work, each)
+}
+
+fn rows_of(
+    a: &Arguments,
+    vessel: &Vessel,
+    file: &Path,
+    instruments: &Instruments,
+    runs: &[Run],
+) -> Result<Vec<Row>, Failure> {
+    let removal = match a.mean_removal {
+        Removal::None => MeanRemoval::None,
+        Removal::Batch => MeanRemoval::Batch,
+        Removal::Complete => MeanRemoval::Complete,
+    };
+    let mut rows = Vec::with_capacity(runs.len());
+    instruments.batches(runs, |batch, members| {
+        for (run, (outcome, excitation)) in members.iter().zip(Outcome::with_excitation(batch, removal)) {
+            rows.push(row(a, vessel, file, run, outcome, excitation)?);
+        }
+        Ok(())
+    })?;
+    Ok(rows)
+}
+
+fn row(
+    a: &Arguments,
+    vessel: &Vessel,
+    file: &Path,
+    run: &Run,
+    outcome: Outcome,
+    excitation: [Excitation; 3],
+) -> Result<Row, Failure> {
+    let mut weakest = [0, 1, 2].map(|d: usize| excitation[d].weakest);
+    let mut condition = excitation.map(|e| e.condition);
+    let estimate = match outcome {
+        Outcome::Identified(found) => Some((found.parameters, found.standard_errors)),
+        Outcome::NotIdentifiable(Direction { degree, parameter }) => {
+            weakest[degree] = parameter;
+            condition[degree] = f64::INFINITY;
+            None
+        }
+        Outcome::TooShort => {
+            return Err(Failure::refuse(
+                file,
+                &format!("design {}, run {}", run.design, run.run),
+                &format!("{} samples", run.samples()),
+                "more samples than unknowns (parameters and intercepts of a degree of freedom)",
+                "lengthen the run, or remove the mean over the whole run",
+            ));
+        }
+    };
+    let named = |d: usize| vessel.model.degrees[d].parameters[weakest[d]].clone();
+    Ok(Row {
+        design: run.design.clone(),
+        run: run.run,
+        estimator: name(a.estimator),
+        estimate,
+        condition,
+        weakest: [0, 1, 2].map(named),
+    })
+}
+
+fn name(value: impl ValueEnum) -> String {
+    value.to_possible_value().map_or(String::new(), |v| v.get_name().to_owned())
+}
+
+fn refuse_if_none_identified(file: &Path, vessel: &Vessel, rows: &[Row]) -> Result<(), Failure> {
+    if rows.is_empty() || rows.iter().any(|r| r.estimate.is_some()) {
+        return Ok(());
+    }
+    let unexcited = (0..3).find(|d| rows[0].condition[*d].is_infinite()).unwrap_or(0);
+    let parameter = &rows[0].weakest[unexcited];
+    let index = vessel.model.degrees[unexcited].parameters.iter().position(|p| p == parameter).unwrap_or(0);
+    Err(Failure::NoAnswer(format!(
+        "{}: parameter `{parameter}` ({}): found no run that excites it, expected its term `{}` to vary independently of \
+         the others; add a maneuver in which it does",
+        file.display(),
+        DegreeOfFreedom::ALL[unexcited].name(),
+        vessel.model.degrees[unexcited].terms[index].text
+    )))
+}
+
+fn publish(
+    a: &Arguments,
+    vessel: &Vessel,
+    provenance: &Provenance,
+    table: Staged,
+    rows: Vec<Row>,
+    document_file: &Path,
+) -> Result<Summary, Failure> {
+    let out = table.path().to_owned();
+    let (runs, identified) = (rows.len(), rows.iter().filter(|r| r.estimate.is_some()).count());
+    let mut staged = vec![table];
+    if provenance.shard.is_none() {
+        let document = summarize(provenance, vessel, &rows);
+        staged.push(stage_document(document_file, provenance, &document)?);
+    }
+    commit(staged)?;
+    let part = a.sharding.shard.map_or(String::new(), |s| format!(", shard {s}"));
+    Ok(Summary {
+        line: format!("{}: {runs} runs, {} not identifiable{part}", out.display(), runs - identified),
+        json: json!({"out": out, "runs": runs, "identified": identified}),
+    })
+}
+
+fn summarize(provenance: &Provenance, vessel: &Vessel, rows: &[Row]) -> EstimateDocument {
+    let setting = |key: &str| provenance.settings.get(key).and_then(|v| v.as_str()).unwrap_or("").to_owned();
+    let mut designs: Vec<&str> = rows.iter().map(|r| r.design.as_str()).collect();
+    designs.dedup();
+    let own = |design: &str| rows.iter().filter(|r| r.design == design).collect::<Vec<_>>();
+    EstimateDocument {
+        estimator: setting("estimator"),
+        mean_removal: setting("mean_removal"),
+        designs: designs.iter().map(|design| design_summary(vessel, design, &own(design))).collect(),
+    }
+}
+
+fn design_summary(vessel: &Vessel, design: &str, rows: &[&Row]) -> DesignSummary {
+    let names = vessel.model.parameter_names().zip(vessel.model.parameter_units()).enumerate();
+    DesignSummary {
+        design: design.to_owned(),
+        runs: rows.len() as u64,
+        identified: rows.iter().filter(|r| r.estimate.is_some()).count() as u64,
+        parameters: names.map(|(i, (name, unit))| parameter_summary(vessel, i, name, unit, rows)).collect(),
+        degrees: DegreeOfFreedom::ALL.into_iter().map(|d| degree_summary(d, rows)).collect(),
+    }
+}
+
+fn parameter_summary(vessel: &Vessel, i: usize, name: &str, unit: String, rows: &[&Row]) -> ParameterSummary {
+    let identified = || rows.iter().filter_map(|r| r.estimate.as_ref());
+    let values: Vec<f64> = identified().map(|(theta, _)| theta[i]).collect();
+    let errors = sorted(identified().map(|(_, se)| Some(se[i])));
+    ParameterSummary {
+        name: name.to_owned(),
+        unit,
+        truth: vessel.value[i],
+        nominal: vessel.nominal[i],
+        mean: mean(&values),
+        spread: spread(&values),
+        predicted_se: quantile(&errors, 0.5),
+    }
+}
+
+fn degree_summary(d: DegreeOfFreedom, rows: &[&Row]) -> DegreeSummary {
+    let conditions = sorted(rows.iter().map(|r| Some(r.condition[d as usize])));
+    let mut counts: std::collections::BTreeMap<&str, usize> = std::collections::BTreeMap::new();
+    for row in rows {
+        *counts.entry(row.weakest[d as usize].as_str()).or_default() += 1;
+    }
+    let (weakest, count) = counts.into_iter().max_by_key(|(_, count)| *count).unwrap_or(("", 0));
+    DegreeSummary {
+        name: d.name().to_owned(),
+        condition_median: quantile(&conditions, 0.5),
+        condition_max: quantile(&conditions, 1.0),
+        weakest_parameter: weakest.to_owned(),
+        weakest_share: count as f64 / rows.len().max(1) as f64,
+    }
+}

@@ -1,0 +1,204 @@
+//! `validate`: how far the estimated models can be trusted.
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use artifact::{
+    EncodedBlock, Provenance, Staged, TableReader, TableWriter, commit, encode_block, gather, stage_document,
+};
+use clap::Parser;
+use identification::{FreeRun, free_runs, parameter_error};
+use serde_json::json;
+use stages::campaign_file::CampaignFile;
+use stages::cli::{Common, Sharding, Summary, beside, given, provenance, run};
+use stages::documents::{Bounds, ValidationDocument};
+use stages::estimates;
+use stages::failure::Failure;
+use stages::lanes::interleave;
+use stages::ordered::ordered;
+use stages::progress::Progress;
+use stages::scores::{self, Row};
+use stages::study_files::{read_campaign, read_vessel};
+use stages::trajectories::{Layout, Run, TrajectoryReader, refuse_shard};
+use vessel::{LANES, Lane, Vessel};
+
+/// Scores every estimate: parameter error and free-run simulation error; writes scores.parquet and validation.json
+#[derive(Parser)]
+#[command(
+    version,
+    after_help = "Example:\n  validate --vessel pipelines/paper/vessel.toml \
+    --campaign pipelines/paper/campaign.toml --estimates estimates.parquet --validation validation.parquet \
+    --out scores.parquet"
+)]
+struct Arguments {
+    /// The vessel
+    #[arg(long, value_name = "vessel.toml")]
+    vessel: PathBuf,
+    /// The bounds below which an estimate counts as good
+    #[arg(long, value_name = "campaign.toml")]
+    campaign: PathBuf,
+    /// The estimates
+    #[arg(long, required_unless_present = "gather", value_name = "estimates.parquet")]
+    estimates: Option<PathBuf>,
+    /// Runs to simulate freely and compare with
+    #[arg(long, value_name = "validation.parquet")]
+    validation: PathBuf,
+    #[command(flatten)]
+    sharding: Sharding,
+    #[command(flatten)]
+    common: Common,
+}
+
+fn main() -> ExitCode {
+    run(|a: &Arguments| &a.common, stage)
+}
+
+fn stage(a: &Arguments) -> Result<Summary, Failure> {
+    let mut provenance = provenance("validate");
+    let vessel = read_vessel(&a.vessel, &mut provenance)?;
+    let config = read_campaign(&a.campaign, &mut provenance)?;
+    let validation = Validation::read(&a.validation, &vessel, &mut provenance)?;
+    let out = a.common.main_output("scores.parquet");
+    if a.sharding.gathers() {
+        let table = gather(&a.sharding.gather, &out, scores::ID, scores::VERSION)?;
+        let gathered = TableReader::open(table.temporary(), scores::ID, scores::VERSION)?;
+        let rows = scores::rows(&gathered)?;
+        return publish(&config, &validation, gathered.provenance(), table, &rows);
+    }
+    let file = given(&a.estimates, "estimates")?;
+    let reader = TableReader::open(file, estimates::ID, estimates::VERSION)?;
+    reader.require(&estimates::schema(&vessel).columns)?;
+    if let Some(shard) = &reader.provenance().shard {
+        return Err(refuse_shard(file, shard));
+    }
+    provenance.inputs.insert("estimates".into(), reader.digest());
+    provenance.shard.clone_from(&a.sharding.shard);
+    let truth: Option<Vec<f64>> = vessel.value.iter().copied().collect();
+    let mut writer = TableWriter::create(&out, &scores::schema(), &provenance)?;
+    let blocks = a.sharding.shard.map_or(0..reader.blocks(), |s| s.range(reader.blocks()));
+    let progress = Progress::new("blocks of estimates", blocks.len(), a.common.quiet);
+    let mut rows = Vec::new();
+    let work = |i: usize| {
+        let own = validation.score(&estimates::rows(&reader, &vessel, file, i)?, truth.as_deref());
+        progress.advance(1);
+        Ok::<_, Failure>((encode_block(&scores::schema(), &scores::table(&own))?, own))
+    };
+    ordered(blocks, work, |(block, own): (EncodedBlock, Vec<Row>)| {
+        rows.extend(own);
+        Ok(writer.push(block)?)
+    })?;
+    publish(&config, &validation, &provenance, writer.finish()?, &rows)
+}
+
+fn publish(
+    config: &CampaignFile,
+    validation: &Validation,
+    provenance: &Provenance,
+    table: Staged,
+    rows: &[Row],
+) -> Result<Summary, Failure> {
+    let out = table.path().to_owned();
+    let bounds = Bounds {
+        parameter_error: config.validation.parameter_error_bound,
+        simulation_error: config.validation.simulation_error_bound,
+    };
+    let designs = scores::summarize(rows, bounds);
+    let diverged: u64 = designs.iter().map(|d| d.diverged).sum();
+    let json = json!({"out": out, "runs": rows.len(), "diverged": diverged, "designs": designs});
+    let mut staged = vec![table];
+    if provenance.shard.is_none() {
+        let document = ValidationDocument { bounds, samples: validation.samples(), designs };
+        staged.push(stage_document(beside(&out, "validation.json"), provenance, &document)?);
+    }
+    commit(staged)?;
+    Ok(Summary { line: format!("{}: {} runs, {diverged} diverged", out.display(), rows.len()), json })
+}
+
+/// The validation runs, ready to be simulated by several models at once.
+struct Validation<'a> {
+    vessel: &'a Vessel,
+    runs: Vec<(Vec<Lane>, Run)>,
+}
+
+impl<'a> Validation<'a> {
+    fn read(file: &Path, vessel: &'a Vessel, provenance: &mut Provenance) -> Result<Self, Failure> {
+        let reader = TrajectoryReader::open(file, &Layout::new(&vessel.model), vessel.sample_rate_hz)?;
+        reader.whole()?;
+        provenance.inputs.insert("validation".into(), reader.digest());
+        let mut runs = Vec::new();
+        for block in 0..reader.blocks() {
+            runs.extend(reader.runs(block)?.into_iter().map(|run| (interleave(&[&run.exogenous]), run)));
+        }
+        if runs.is_empty() {
+            return Err(Failure::refuse(
+                file,
+                "rows",
+                "none",
+                "at least one run",
+                "simulate the validation again",
+            ));
+        }
+        Ok(Self { vessel, runs })
+    }
+
+    fn samples(&self) -> u64 {
+        self.runs.iter().map(|(_, run)| run.samples() as u64).sum()
+    }
+
+    fn score(&self, rows: &[estimates::Row], truth: Option<&[f64]>) -> Vec<Row> {
+        let mut buffer = Vec::new();
+        rows.chunks(LANES).flat_map(|chunk| self.score_lanes(chunk, truth, &mut buffer)).collect()
+    }
+
+    fn score_lanes(
+        &self,
+        rows: &[estimates::Row],
+        truth: Option<&[f64]>,
+        buffer: &mut Vec<Lane>,
+    ) -> Vec<Row> {
+        let zero = vec![0.0; self.vessel.model.parameters()];
+        let own = |r: &'_ estimates::Row| r.estimate.as_ref().map(|(theta, _)| theta.clone());
+        let parameters: Vec<Vec<f64>> = rows.iter().map(|r| own(r).unwrap_or_else(|| zero.clone())).collect();
+        let lanes = interleave(&parameters.iter().map(Vec::as_slice).collect::<Vec<_>>());
+        let mut errors = vec![Some([0.0; 3]); rows.len()];
+        for (exogenous, run) in &self.runs {
+            let found = free_runs(&self.vessel.model, &lanes, exogenous, &run.measured, buffer);
+            for (total, found) in errors.iter_mut().zip(found) {
+                *total = add(*total, found, run.samples() as f64);
+            }
+        }
+        let score = |(row, error): (&estimates::Row, Option<[f64; 3]>)| self.row(row, error, truth);
+        rows.iter().zip(errors).map(score).collect()
+    }
+
+    fn row(&self, row: &estimates::Row, squares: Option<[f64; 3]>, truth: Option<&[f64]>) -> Row {
+        let samples = self.samples() as f64;
+        let rmse = squares.filter(|_| row.estimate.is_some()).map(|s| s.map(|x| (x / samples).sqrt()));
+        let status = match (&row.estimate, rmse) {
+            (None, _) => estimates::NOT_IDENTIFIABLE,
+            (Some(_), None) => scores::DIVERGED,
+            (Some(_), Some(_)) => scores::SCORED,
+        };
+        Row {
+            design: row.design.clone(),
+            run: row.run,
+            estimator: row.estimator.clone(),
+            status: status.to_owned(),
+            parameter_error: row
+                .estimate
+                .as_ref()
+                .zip(truth)
+                .and_then(|((theta, _), truth)| parameter_error(theta, truth)),
+            rmse: [0, 1, 2].map(|d| rmse.map(|r| r[d])),
+            simulation_error: rmse.and_then(|r| FreeRun::Rmse(r).norm()),
+        }
+    }
+}
+
+/// Adds the squared errors of one run; `None` once any diverged.
+fn add(total: Option<[f64; 3]>, found: FreeRun, samples: f64) -> Option<[f64; 3]> {
+    match found {
+        FreeRun::Rmse(rmse) => total.map(|t| [0, 1, 2].map(|d| t[d] + rmse[d] * rmse[d] * samples)),
+        FreeRun::Diverged(_) => None,
+    }
+}

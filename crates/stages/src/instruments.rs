@@ -1,0 +1,108 @@
+//! Instruments for batches of runs.
+
+use std::path::Path;
+
+use clap::ValueEnum;
+use identification::Batch;
+use vessel::{LANES, Lane, Source, Vessel, check_diverged, simulate};
+
+use crate::failure::Failure;
+use crate::lanes::{groups, interleave};
+use crate::simulate::diverged;
+use crate::trajectories::Run;
+
+/// What the instruments are made of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum InstrumentKind {
+    /// The nominal model simulated over the run's inputs from the run's initial state
+    Nominal,
+    /// The measured regressors themselves: least squares
+    Regressors,
+}
+
+/// Makes batches of runs with their instruments.
+pub struct Instruments<'a> {
+    vessel: &'a Vessel,
+    vessel_file: &'a Path,
+    kind: InstrumentKind,
+    nominal: Vec<Lane>,
+}
+
+/// Up to [`LANES`] runs side by side, with their instruments.
+pub struct Prepared {
+    measured: Vec<Lane>,
+    instrument_states: Vec<Lane>,
+    exogenous: Vec<Lane>,
+    starts: Vec<Vec<usize>>,
+}
+
+impl<'a> Instruments<'a> {
+    /// Instruments of `kind` for `vessel`, which was read from `vessel_file`.
+    ///
+    /// # Errors
+    /// None for now: a vessel always has nominal parameters.
+    pub fn new(vessel: &'a Vessel, vessel_file: &'a Path, kind: InstrumentKind) -> Result<Self, Failure> {
+        let nominal = vessel.parameters(Source::Nominal).map_err(|e| Failure::invalid(vessel_file, &e))?;
+        Ok(Self { vessel, vessel_file, kind, nominal: nominal.into_iter().map(Lane::splat).collect() })
+    }
+
+    /// Calls `work` on batches of neighbouring runs of equal length: (batch, runs of the batch).
+    ///
+    /// # Errors
+    /// A nominal simulation that diverges, and whatever `work` refuses.
+    pub fn batches(
+        &self,
+        runs: &[Run],
+        mut work: impl FnMut(&Batch, &[Run]) -> Result<(), Failure>,
+    ) -> Result<(), Failure> {
+        let lengths: Vec<usize> = runs.iter().map(Run::samples).collect();
+        for group in groups(&lengths) {
+            let members = &runs[group];
+            let prepared = self.prepare(members)?;
+            work(&prepared.batch(self.vessel), members)?;
+        }
+        Ok(())
+    }
+
+    fn prepare(&self, runs: &[Run]) -> Result<Prepared, Failure> {
+        let measured = interleave(&runs.iter().map(|r| r.measured.as_slice()).collect::<Vec<_>>());
+        let exogenous = interleave(&runs.iter().map(|r| r.exogenous.as_slice()).collect::<Vec<_>>());
+        let instrument_states = match self.kind {
+            InstrumentKind::Regressors => measured.clone(),
+            InstrumentKind::Nominal => self.nominal_states(runs, &exogenous)?,
+        };
+        Ok(Prepared {
+            measured,
+            instrument_states,
+            exogenous,
+            starts: runs.iter().map(Run::starts).collect(),
+        })
+    }
+
+    fn nominal_states(&self, runs: &[Run], exogenous: &[Lane]) -> Result<Vec<Lane>, Failure> {
+        let run = |lane: usize| &runs[lane.min(runs.len() - 1)];
+        let initial = [0, 1, 2].map(|d| Lane(std::array::from_fn(|lane| run(lane).initial[d])));
+        let mut states = vec![Lane::ZERO; 3 * (run(0).samples() + 1)];
+        simulate(&self.vessel.model, &self.nominal, initial, exogenous, &[], &mut states);
+        for (lane, run) in runs.iter().enumerate() {
+            if let Some(at) = check_diverged(&states, lane) {
+                let what = format!("nominal model (`nominal`) over design {}, run {}", run.design, run.run);
+                return Err(diverged(self.vessel_file, &what, at));
+            }
+        }
+        Ok(states)
+    }
+}
+
+impl Prepared {
+    fn batch<'b>(&'b self, vessel: &'b Vessel) -> Batch<'b> {
+        let last = self.starts.len() - 1;
+        Batch {
+            model: &vessel.model,
+            measured: &self.measured,
+            instrument_states: &self.instrument_states,
+            exogenous: &self.exogenous,
+            segments: std::array::from_fn::<&[usize], LANES, _>(|lane| &self.starts[lane.min(last)]),
+        }
+    }
+}

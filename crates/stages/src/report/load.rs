@@ -1,0 +1,196 @@
+//! Collects a study for the page from the folder that the stages wrote into.
+
+use std::path::PathBuf;
+
+use artifact::{Digest, Document, Provenance, TableReader, read_document, read_toml};
+use vessel::{DegreeOfFreedom, DictionaryFile, Vessel, track};
+
+use super::{ManeuverTrace, ParameterRow, ScoreSet, Study, VesselSummary};
+use crate::campaign_file::CampaignFile;
+use crate::documents::Reference;
+use crate::failure::Failure;
+use crate::scores;
+use crate::study_files::read_vessel;
+use crate::trajectories::{Layout, Run, TrajectoryReader};
+
+/// Where a study's files are.
+pub struct Sources {
+    /// The hand-written files.
+    pub study: PathBuf,
+    /// What the stages wrote.
+    pub results: PathBuf,
+}
+
+/// Maneuvers beyond this many are not drawn.
+const MOST_TRACES: usize = 400;
+
+/// Reads whatever of a study exists.
+///
+/// # Errors
+/// A file that exists and is refused; a folder without any result.
+pub fn load(sources: &Sources) -> Result<Study, Failure> {
+    let mut loader = Loader { sources, files: Vec::new() };
+    let vessel = loader.vessel()?;
+    let campaign = loader.toml::<CampaignFile>("campaign.toml", "runs, disturbances, seed, validation")?;
+    let descriptions = loader.toml::<DictionaryFile>("dictionary.toml", "the maneuvers")?;
+    let reference = loader.toml::<Reference>("reference.toml", "published results, to compare with")?;
+    let described = |name: &str| {
+        let found = descriptions.iter().flat_map(|d| &d.maneuvers).find(|m| m.name == name);
+        found.map_or(String::new(), |m| m.description.clone())
+    };
+    let study = Study {
+        name: sources.study.file_name().map_or(String::new(), |n| n.to_string_lossy().into_owned()),
+        experiment_s: campaign.map(|c| c.duration_s),
+        dictionary: loader.traces(&vessel, "dictionary.parquet", "maneuvers, undisturbed", &described)?,
+        moments: loader.document("moments.json", "moments of every maneuver")?,
+        design: loader.document("design.json", "optimal shares with their certificate")?,
+        validation_trace: loader
+            .traces(&vessel, "validation.parquet", "validation maneuvers", &|_| String::new())?
+            .and_then(|traces| traces.into_iter().next()),
+        estimate: loader.document("estimate.json", "estimates of all runs together")?,
+        validation: loader.document("validation.json", "errors of all runs together")?,
+        scores: loader.scores()?,
+        vessel: vessel.as_ref().map(summary),
+        reference,
+        files: Vec::new(),
+    };
+    if study.design.is_none() && study.dictionary.is_none() && study.validation.is_none() {
+        return Err(Failure::refuse(
+            &sources.results,
+            "results",
+            "none of dictionary.parquet, design.json, validation.json",
+            "files that the stages wrote",
+            "run `make` first, or name their folder with --results",
+        ));
+    }
+    Ok(Study { files: loader.files, ..study })
+}
+
+struct Loader<'a> {
+    sources: &'a Sources,
+    files: Vec<(String, String, String)>,
+}
+
+impl Loader<'_> {
+    fn note(&mut self, name: &str, what: &str, digest: Digest) {
+        self.files.push((name.to_owned(), what.to_owned(), digest.to_string()));
+    }
+
+    fn vessel(&mut self) -> Result<Option<Vessel>, Failure> {
+        let path = self.sources.study.join("vessel.toml");
+        if !path.exists() {
+            return Ok(None);
+        }
+        let vessel = read_vessel(&path, &mut Provenance::default())?;
+        self.note("vessel.toml", "model structure and parameters", Digest::of_file(&path)?);
+        Ok(Some(vessel))
+    }
+
+    fn toml<T: serde::de::DeserializeOwned>(&mut self, name: &str, what: &str) -> Result<Option<T>, Failure> {
+        let path = self.sources.study.join(name);
+        if !path.exists() {
+            return Ok(None);
+        }
+        let (value, digest) = read_toml(&path)?;
+        self.note(name, what, digest);
+        Ok(Some(value))
+    }
+
+    fn document<D: Document>(&mut self, name: &str, what: &str) -> Result<Option<D>, Failure> {
+        let path = self.sources.results.join(name);
+        if !path.exists() {
+            return Ok(None);
+        }
+        let loaded = read_document::<D>(&path)?;
+        self.note(name, what, loaded.digest);
+        Ok(Some(loaded.data))
+    }
+
+    fn scores(&mut self) -> Result<Option<Vec<ScoreSet>>, Failure> {
+        let path = self.sources.results.join("scores.parquet");
+        if !path.exists() {
+            return Ok(None);
+        }
+        let reader = TableReader::open(&path, scores::ID, scores::VERSION)?;
+        self.note("scores.parquet", "errors of every run", reader.digest());
+        let rows = scores::rows(&reader)?;
+        let mut sets: Vec<ScoreSet> = Vec::new();
+        for row in rows {
+            if sets.last().is_none_or(|set| set.design != row.design) {
+                sets.push(ScoreSet { design: row.design.clone(), ..ScoreSet::default() });
+            }
+            if let Some(set) = sets.last_mut() {
+                set.parameter_error.push(row.parameter_error);
+                set.simulation_error.push(row.simulation_error);
+                set.rmse_u.push(row.rmse[0]);
+                set.rmse_v.push(row.rmse[1]);
+                set.rmse_r.push(row.rmse[2]);
+            }
+        }
+        Ok(Some(sets))
+    }
+
+    fn traces(
+        &mut self,
+        vessel: &Option<Vessel>,
+        name: &str,
+        what: &str,
+        described: &dyn Fn(&str) -> String,
+    ) -> Result<Option<Vec<ManeuverTrace>>, Failure> {
+        let path = self.sources.results.join(name);
+        let (Some(vessel), true) = (vessel, path.exists()) else { return Ok(None) };
+        let reader = TrajectoryReader::open(&path, &Layout::new(&vessel.model), vessel.sample_rate_hz)?;
+        self.note(name, what, reader.digest());
+        let mut traces = Vec::new();
+        for block in 0..reader.blocks() {
+            if traces.len() < MOST_TRACES {
+                traces.extend(reader.runs(block)?.iter().map(|run| trace(vessel, run, described)));
+            }
+        }
+        Ok(Some(traces))
+    }
+}
+
+fn trace(vessel: &Vessel, run: &Run, described: &dyn Fn(&str) -> String) -> ManeuverTrace {
+    let samples = run.samples();
+    let width = vessel.model.exogenous();
+    let state = |i: usize| run.measured.iter().skip(i).step_by(3).take(samples).copied().collect::<Vec<_>>();
+    let input = |i: usize| {
+        let variable = &vessel.model.variables[3 + i];
+        let values = run.exogenous.iter().skip(i).step_by(width).copied().collect();
+        (variable.name.clone(), variable.unit.clone(), values)
+    };
+    let poses = track(&run.measured, vessel.sample_rate_hz);
+    let name = run.segments[0].maneuver.clone();
+    ManeuverTrace {
+        description: described(&name),
+        name,
+        t: (0..samples).map(|k| k as f64 / vessel.sample_rate_hz).collect(),
+        inputs: (0..vessel.model.inputs).map(input).collect(),
+        u: state(0),
+        v: state(1),
+        r: state(2),
+        x: poses.iter().take(samples).map(|p| p.x).collect(),
+        y: poses.iter().take(samples).map(|p| p.y).collect(),
+    }
+}
+
+fn summary(vessel: &Vessel) -> VesselSummary {
+    let units = vessel.model.parameter_units();
+    let terms = DegreeOfFreedom::ALL.into_iter().zip(&vessel.model.degrees);
+    let named = terms
+        .flat_map(|(d, degree)| degree.parameters.iter().zip(&degree.terms).map(move |(p, t)| (d, p, t)));
+    let parameter = |(i, (d, name, term)): (usize, (DegreeOfFreedom, &String, &vessel::Term))| ParameterRow {
+        name: name.clone(),
+        unit: units[i].clone(),
+        term: term.text.clone(),
+        degree: d.name().to_owned(),
+        truth: vessel.value[i],
+        nominal: vessel.nominal[i],
+    };
+    VesselSummary {
+        name: vessel.name.clone(),
+        sample_rate_hz: vessel.sample_rate_hz,
+        parameters: named.enumerate().map(parameter).collect(),
+    }
+}
