@@ -33,11 +33,26 @@ pub(crate) struct ResidualSums {
 }
 
 impl ResidualSums {
-    #[inline(always)]
     pub(crate) fn over(batch: &Batch, fitted: &Fitted) -> Self {
+        pulp::Arch::new().dispatch(Pass { batch, fitted })
+    }
+}
+
+/// One pass over the data; compiled for every instruction set that pulp picks from.
+struct Pass<'a> {
+    batch: &'a Batch<'a>,
+    fitted: &'a Fitted<'a>,
+}
+
+impl pulp::WithSimd for Pass<'_> {
+    type Output = ResidualSums;
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _: S) -> ResidualSums {
+        let Self { batch, fitted } = self;
         let sizes: Vec<usize> = batch.model.degrees.iter().map(|d| d.terms.len()).collect();
         let (total, triangles) = (batch.model.parameters(), sizes.iter().map(|p| p * (p + 1) / 2).sum());
-        let mut sums = Self {
+        let mut sums = ResidualSums {
             lag0: [Lane::ZERO; 3],
             lag1: [Lane::ZERO; 3],
             squares: vec![Lane::ZERO; triangles],

@@ -68,27 +68,8 @@ impl LaneSums {
         let parameters: Vec<usize> = batch.model.degrees.iter().map(|d| d.terms.len()).collect();
         let size = parameters.iter().map(|p| entries(*p)).sum();
         let mut sums = Self { entries: vec![Lane::ZERO; size], parameters, samples: range.len() };
-        sums.accumulate(batch, range);
+        pulp::Arch::new().dispatch(Accumulate { sums: &mut sums, batch, range });
         sums
-    }
-
-    #[inline(always)]
-    fn accumulate(&mut self, batch: &Batch, range: Range<usize>) {
-        let total = batch.model.parameters();
-        let (mut phi, mut zeta) = (vec![Lane::ZERO; total], vec![Lane::ZERO; total]);
-        let mut values = vec![Lane::ZERO; batch.model.variables.len()];
-        for k in range {
-            batch.variables(batch.measured, k, &mut values);
-            regressors(batch.model, &values, &mut phi);
-            batch.variables(batch.instrument_states, k, &mut values);
-            regressors(batch.model, &values, &mut zeta);
-            let (mut entries, mut first) = (&mut self.entries[..], 0);
-            for (d, p) in self.parameters.iter().copied().enumerate() {
-                let (own, rest) = entries.split_at_mut(self::entries(p));
-                add_pair(own, &zeta[first..first + p], &phi[first..first + p], batch.increment(k, d));
-                (entries, first) = (rest, first + p);
-            }
-        }
     }
 
     /// The sums of one lane.
@@ -111,6 +92,37 @@ impl LaneSums {
             }
         };
         Sums { samples: self.samples as u64, degrees: self.parameters.iter().map(degree).collect() }
+    }
+}
+
+/// Adds the products of samples `range`; compiled for every instruction set that pulp picks from.
+struct Accumulate<'a> {
+    sums: &'a mut LaneSums,
+    batch: &'a Batch<'a>,
+    range: Range<usize>,
+}
+
+impl pulp::WithSimd for Accumulate<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _: S) {
+        let batch = self.batch;
+        let total = batch.model.parameters();
+        let (mut phi, mut zeta) = (vec![Lane::ZERO; total], vec![Lane::ZERO; total]);
+        let mut values = vec![Lane::ZERO; batch.model.variables.len()];
+        for k in self.range {
+            batch.variables(batch.measured, k, &mut values);
+            regressors(batch.model, &values, &mut phi);
+            batch.variables(batch.instrument_states, k, &mut values);
+            regressors(batch.model, &values, &mut zeta);
+            let (mut entries, mut first) = (&mut self.sums.entries[..], 0);
+            for (d, p) in self.sums.parameters.iter().copied().enumerate() {
+                let (own, rest) = entries.split_at_mut(self::entries(p));
+                add_pair(own, &zeta[first..first + p], &phi[first..first + p], batch.increment(k, d));
+                (entries, first) = (rest, first + p);
+            }
+        }
     }
 }
 

@@ -25,22 +25,42 @@ pub fn simulate(
     current: &[Lane],
     states: &mut [Lane],
 ) {
-    let width = model.exogenous();
-    let mut values = vec![Lane::ZERO; 3 + width];
-    let mut state = initial;
-    states[..3].copy_from_slice(&state);
-    for (k, next) in states[3..].chunks_exact_mut(3).enumerate() {
-        values[..3].copy_from_slice(&state);
-        if let Some(current) = current.get(2 * k..2 * k + 2) {
-            values[0] = state[0] - current[0];
-            values[1] = state[1] - current[1];
+    pulp::Arch::new().dispatch(Simulation { model, parameters, initial, exogenous, current, states });
+}
+
+/// [`simulate`] compiled for every instruction set that pulp picks from. Lanes are only added and multiplied, never
+/// fused, so that all give the same bits.
+struct Simulation<'a> {
+    model: &'a Model,
+    parameters: &'a [Lane],
+    initial: [Lane; 3],
+    exogenous: &'a [Lane],
+    current: &'a [Lane],
+    states: &'a mut [Lane],
+}
+
+impl pulp::WithSimd for Simulation<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _: S) {
+        let width = self.model.exogenous();
+        let mut values = vec![Lane::ZERO; 3 + width];
+        let mut state = self.initial;
+        self.states[..3].copy_from_slice(&state);
+        for (k, next) in self.states[3..].chunks_exact_mut(3).enumerate() {
+            values[..3].copy_from_slice(&state);
+            if let Some(current) = self.current.get(2 * k..2 * k + 2) {
+                values[0] = state[0] - current[0];
+                values[1] = state[1] - current[1];
+            }
+            values[3..].copy_from_slice(&self.exogenous[k * width..(k + 1) * width]);
+            let increments = self.model.increments(&values, self.parameters);
+            for (s, increment) in state.iter_mut().zip(increments) {
+                *s += increment;
+            }
+            next.copy_from_slice(&state);
         }
-        values[3..].copy_from_slice(&exogenous[k * width..(k + 1) * width]);
-        let increments = model.increments(&values, parameters);
-        for (s, increment) in state.iter_mut().zip(increments) {
-            *s += increment;
-        }
-        next.copy_from_slice(&state);
     }
 }
 

@@ -46,7 +46,7 @@ pub struct ParameterSummary {
     pub mean: Option<f64>,
     /// Standard deviation of the estimates over the runs (null below two runs).
     pub spread: Option<f64>,
-    /// Root mean square of the predicted standard errors.
+    /// Median of the predicted standard errors.
     pub predicted_se: Option<f64>,
 }
 

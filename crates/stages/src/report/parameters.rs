@@ -54,7 +54,7 @@ fn facts(estimate: &EstimateDocument, designs: &[&DesignSummary]) -> Markup {
                 div { dt { "Identified, " (design.design) } dd { (design.identified) " of " (design.runs) " runs" } }
             }
             div { dt { "Spread" } dd { "standard deviation of the estimates over the identified runs" } }
-            div { dt { "Predicted" } dd { "root mean square of the standard errors that the runs report of themselves" } }
+            div { dt { "Predicted" } dd { "median of the standard errors that the runs report of themselves" } }
             div { dt { "Predicted / spread" } dd { "near 1: the reported standard errors can be trusted; below 1: they promise too much" } }
         }
     }

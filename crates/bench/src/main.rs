@@ -1,0 +1,54 @@
+//! Measures the hot loops on one thread and prints one JSON object. `make bench` runs it beside its peers.
+
+#![forbid(unsafe_code)]
+
+mod design;
+mod monte_carlo;
+mod paper;
+mod table;
+
+use std::time::Instant;
+
+use clap::Parser;
+use serde_json::json;
+
+/// Measures Monte Carlo realizations, design solves and table throughput on one thread
+#[derive(Parser)]
+#[command(version, after_help = "Example:\n  bench --json")]
+struct Arguments {
+    /// One JSON object on stdout (the only format)
+    #[arg(long)]
+    json: bool,
+}
+
+fn main() -> anyhow::Result<()> {
+    let Arguments { json: _ } = Arguments::parse();
+    let paper = paper::Paper::new()?;
+    let monte_carlo = monte_carlo::measure(&paper)?;
+    let small = design::measure(&paper.candidates()?, 1e-10, 50)?;
+    let large = design::measure(&design::generated(&paper, 10_000)?, 1e-6, 3)?;
+    let table = table::measure(&paper)?;
+    let object = json!({
+        "monte_carlo": monte_carlo,
+        "design_q11": small,
+        "design_q10000": large,
+        "table": table,
+    });
+    println!("{object}");
+    Ok(())
+}
+
+/// The shortest of `repetitions` timings of `work` \[s\], and its last result.
+pub fn fastest<T>(
+    repetitions: usize,
+    mut work: impl FnMut() -> anyhow::Result<T>,
+) -> anyhow::Result<(f64, T)> {
+    let mut best = f64::INFINITY;
+    let mut last = None;
+    for _ in 0..repetitions.max(1) {
+        let started = Instant::now();
+        last = Some(work()?);
+        best = best.min(started.elapsed().as_secs_f64());
+    }
+    last.map(|result| (best, result)).ok_or_else(|| anyhow::anyhow!("nothing measured"))
+}

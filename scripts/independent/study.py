@@ -1,0 +1,94 @@
+"""A study folder as written: the vessel's model structure, its dictionary of maneuvers, its disturbances."""
+
+from __future__ import annotations
+
+import tomllib
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+DEGREES = ("surge", "sway", "yaw")
+STATES = ("u", "v", "r")
+
+
+@dataclass(frozen=True)
+class Term:
+    """A product of variables and moduli: pairs (name, whether the modulus is meant)."""
+
+    factors: tuple[tuple[str, bool], ...]
+
+    @classmethod
+    def parse(cls, text: str) -> Term:
+        """Reads `u |u|`: factors side by side, bars for the modulus."""
+        words = text.split()
+        return cls(tuple((word.strip("|"), word.startswith("|")) for word in words))
+
+    def value(self, values: dict[str, Any]) -> Any:
+        """The product; `values` holds numbers or arrays by name."""
+        product: Any = 1.0
+        for name, modulus in self.factors:
+            product = product * (abs(values[name]) if modulus else values[name])
+        return product
+
+
+@dataclass(frozen=True)
+class Vessel:
+    """A model structure with true and nominal parameters; per degree of freedom in the order surge, sway, yaw."""
+
+    rate_hz: float
+    inputs: tuple[str, ...]
+    terms: tuple[tuple[Term, ...], ...]
+    names: tuple[tuple[str, ...], ...]
+    value: tuple[tuple[float, ...], ...]
+    nominal: tuple[tuple[float, ...], ...]
+    follows: dict[str, tuple[str, float]]
+
+    @property
+    def truth(self) -> list[float]:
+        """All true parameters, surge first."""
+        return [value for degree in self.value for value in degree]
+
+
+@dataclass(frozen=True)
+class Study:
+    """What the oracle needs of a study."""
+
+    vessel: Vessel
+    maneuvers: tuple[dict[str, Any], ...]
+    samples: int
+    inputs_from: str
+    current_std: float
+    measurement_std: tuple[float, float, float]
+
+
+def read_study(folder: Path) -> Study:
+    """Reads vessel.toml, dictionary.toml and campaign.toml of `folder`."""
+    vessel, dictionary, campaign = (
+        tomllib.loads((folder / f"{name}.toml").read_text()) for name in ("vessel", "dictionary", "campaign")
+    )
+    ship = _vessel(vessel)
+    noise = campaign["measurement"]
+    return Study(
+        vessel=ship,
+        maneuvers=tuple(dictionary["maneuver"]),
+        samples=round(dictionary["duration_s"] * ship.rate_hz),
+        inputs_from=dictionary["inputs_from"],
+        current_std=campaign["current"]["std_m_s"],
+        measurement_std=(noise["std_u_m_s"], noise["std_v_m_s"], noise["std_r_rad_s"]),
+    )
+
+
+def _vessel(table: dict[str, Any]) -> Vessel:
+    def per_degree(key: str) -> tuple[tuple[Any, ...], ...]:
+        return tuple(tuple(entry[key] for entry in table[degree]) for degree in DEGREES)
+
+    follows = {i["name"]: (i["follows"], i["factor"]) for i in table["input"] if "follows" in i}
+    return Vessel(
+        rate_hz=table["sample_rate_hz"],
+        inputs=tuple(i["name"] for i in table["input"]),
+        terms=tuple(tuple(Term.parse(text) for text in degree) for degree in per_degree("term")),
+        names=per_degree("parameter"),
+        value=per_degree("value"),
+        nominal=per_degree("nominal"),
+        follows=follows,
+    )

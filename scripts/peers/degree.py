@@ -1,0 +1,125 @@
+"""Estimate and standard errors of one degree of freedom in numba: every sum over the samples in one vectorised pass."""
+
+from __future__ import annotations
+
+from numba import njit
+import numpy as np
+
+
+@njit(fastmath=True)
+def four(z, z0, z1, z2, z3, f0, f1, f2, f3, target, a, near, far, b, i):  # type: ignore[no-untyped-def]
+    """Row i of all sums for four regressors: ζᵢ with φ, with ζ, with the next sample's ζ, with the target."""
+    n = target.shape[0]
+    a0 = a1 = a2 = a3 = n0 = n1 = n2 = n3 = w0 = w1 = w2 = w3 = t = s = 0.0
+    for k in range(n - 1):
+        x = z[k]
+        a0, a1, a2, a3 = a0 + x * f0[k], a1 + x * f1[k], a2 + x * f2[k], a3 + x * f3[k]
+        n0, n1, n2, n3 = n0 + x * z0[k], n1 + x * z1[k], n2 + x * z2[k], n3 + x * z3[k]
+        w0, w1, w2, w3 = w0 + x * z0[k + 1], w1 + x * z1[k + 1], w2 + x * z2[k + 1], w3 + x * z3[k + 1]
+        t += x * target[k]
+        s += x
+    k, x = n - 1, z[n - 1]
+    a[i, 0], a[i, 1], a[i, 2], a[i, 3] = a0 + x * f0[k], a1 + x * f1[k], a2 + x * f2[k], a3 + x * f3[k]
+    near[i, 0], near[i, 1], near[i, 2], near[i, 3] = n0 + x * z0[k], n1 + x * z1[k], n2 + x * z2[k], n3 + x * z3[k]
+    far[i, 0], far[i, 1], far[i, 2], far[i, 3] = w0, w1, w2, w3
+    b[i] = t + x * target[k]
+    a[i, 4] = near[i, 4] = near[4, i] = s + x
+    far[i, 4], far[4, i] = s, s + x - z[0]
+
+
+@njit(fastmath=True)
+def three(z, z0, z1, z2, f0, f1, f2, target, a, near, far, b, i):  # type: ignore[no-untyped-def]
+    """The same for three regressors."""
+    n = target.shape[0]
+    a0 = a1 = a2 = n0 = n1 = n2 = w0 = w1 = w2 = t = s = 0.0
+    for k in range(n - 1):
+        x = z[k]
+        a0, a1, a2 = a0 + x * f0[k], a1 + x * f1[k], a2 + x * f2[k]
+        n0, n1, n2 = n0 + x * z0[k], n1 + x * z1[k], n2 + x * z2[k]
+        w0, w1, w2 = w0 + x * z0[k + 1], w1 + x * z1[k + 1], w2 + x * z2[k + 1]
+        t += x * target[k]
+        s += x
+    k, x = n - 1, z[n - 1]
+    a[i, 0], a[i, 1], a[i, 2] = a0 + x * f0[k], a1 + x * f1[k], a2 + x * f2[k]
+    near[i, 0], near[i, 1], near[i, 2] = n0 + x * z0[k], n1 + x * z1[k], n2 + x * z2[k]
+    far[i, 0], far[i, 1], far[i, 2] = w0, w1, w2
+    b[i] = t + x * target[k]
+    a[i, 3] = near[i, 3] = near[3, i] = s + x
+    far[i, 3], far[3, i] = s, s + x - z[0]
+
+
+@njit(fastmath=True)
+def intercept_row(phi, target, a, near, far, b):  # type: ignore[no-untyped-def]
+    """The last row of the sums: the instrument 1."""
+    p, n = len(phi), target.shape[0]
+    for j in range(p):
+        total = 0.0
+        for k in range(n):
+            total += phi[j][k]
+        a[p, j] = total
+    total = 0.0
+    for k in range(n):
+        total += target[k]
+    b[p] = total
+    a[p, p] = near[p, p] = n
+    far[p, p] = n - 1
+
+
+@njit(fastmath=True)
+def invert(a, m, inverse):  # type: ignore[no-untyped-def]
+    """Inverse of the leading m × m block of `a`, which is destroyed: Gauss–Jordan with row exchanges."""
+    for i in range(m):
+        for j in range(m):
+            inverse[i, j] = 1.0 if i == j else 0.0
+    for c in range(m):
+        pivot = c
+        for i in range(c + 1, m):
+            if abs(a[i, c]) > abs(a[pivot, c]):
+                pivot = i
+        if pivot != c:
+            for j in range(m):
+                a[c, j], a[pivot, j] = a[pivot, j], a[c, j]
+                inverse[c, j], inverse[pivot, j] = inverse[pivot, j], inverse[c, j]
+        scale = 1.0 / a[c, c]
+        for j in range(m):
+            a[c, j] *= scale
+            inverse[c, j] *= scale
+        for i in range(m):
+            factor = a[i, c]
+            if i != c and factor != 0.0:
+                for j in range(m):
+                    a[i, j] -= factor * a[c, j]
+                    inverse[i, j] -= factor * inverse[c, j]
+
+
+@njit(fastmath=True)
+def finish(p, inverse, near, far, b, residual, phi, target, theta, error):  # type: ignore[no-untyped-def]
+    """θ̂, then its standard errors from the residual's γ0 and γ1 (a moving average: |γ1| ≤ γ0/2)."""
+    n = target.shape[0]
+    for i in range(p):
+        total = 0.0
+        for j in range(p + 1):
+            total += inverse[i, j] * b[j]
+        theta[i] = total
+    intercept = 0.0
+    for j in range(p + 1):
+        intercept += inverse[p, j] * b[j]
+    for k in range(n):
+        residual[k] = target[k] - intercept
+    for i in range(p):
+        column, parameter = phi[i], theta[i]
+        for k in range(n):
+            residual[k] -= column[k] * parameter
+    gamma0 = gamma1 = 0.0
+    for k in range(n - 1):
+        gamma0 += residual[k] * residual[k]
+        gamma1 += residual[k] * residual[k + 1]
+    gamma0 = (gamma0 + residual[n - 1] ** 2) / (n - p - 1)
+    gamma1 = min(max(gamma1 / (n - p - 1), -0.5 * gamma0), 0.5 * gamma0)
+    for i in range(p):
+        variance = 0.0
+        for j in range(p + 1):
+            for l in range(p + 1):
+                middle = gamma0 * near[j, l] + gamma1 * (far[j, l] + far[l, j])
+                variance += inverse[i, j] * middle * inverse[i, l]
+        error[i] = np.sqrt(max(variance, 0.0))
