@@ -22,29 +22,69 @@ impl Batch<'_> {
         self.measured.len() / 3 - 1
     }
 
-    /// Writes the variables of the terms at sample `k`: `states` (measured or the instruments'), then exogenous.
+    /// Evaluates the terms of `states` (measured or the instruments') at samples `k..k + count`, `count` ≤ [`BLOCK`].
     #[inline(always)]
-    pub(crate) fn variables(&self, states: &[Lane], k: usize, values: &mut [Lane]) {
-        let width = values.len() - 3;
-        values[..3].copy_from_slice(&states[3 * k..3 * k + 3]);
-        values[3..].copy_from_slice(&self.exogenous[k * width..(k + 1) * width]);
+    pub(crate) fn regressors(&self, states: &[Lane], k: usize, count: usize, block: &mut Regressors) {
+        let width = self.model.exogenous();
+        for t in 0..count {
+            for (i, variable) in block.values.iter_mut().enumerate() {
+                variable[t] =
+                    if i < 3 { states[3 * (k + t) + i] } else { self.exogenous[width * (k + t) + i - 3] };
+            }
+        }
+        let terms = self.model.degrees.iter().flat_map(|d| &d.terms);
+        for (term, out) in terms.zip(&mut block.terms) {
+            term.values(&block.values, out);
+            out[count..].fill(Lane::ZERO);
+        }
     }
 
-    /// Δy of degree of freedom `d` at sample `k`.
+    /// Δy of degree of freedom `d` at samples `k..k + count`; zero beyond.
     #[inline(always)]
-    pub(crate) fn increment(&self, k: usize, d: usize) -> Lane {
-        self.measured[3 * (k + 1) + d] - self.measured[3 * k + d]
+    pub(crate) fn increments(&self, k: usize, count: usize, d: usize) -> Block {
+        let mut out = [Lane::ZERO; BLOCK];
+        for (t, o) in out[..count].iter_mut().enumerate() {
+            *o = self.measured[3 * (k + t + 1) + d] - self.measured[3 * (k + t) + d];
+        }
+        out
     }
 }
 
-/// Evaluates the terms of every degree of freedom in order: one lane per parameter.
-#[inline(always)]
-pub(crate) fn regressors(model: &Model, values: &[Lane], out: &mut [Lane]) {
-    let mut next = 0;
-    for degree in &model.degrees {
-        for term in &degree.terms {
-            out[next] = term.value(values);
-            next += 1;
-        }
+/// Samples that are evaluated at once.
+pub(crate) const BLOCK: usize = 8;
+/// A signal at [`BLOCK`] samples.
+pub(crate) type Block = [Lane; BLOCK];
+
+/// The terms' values at [`BLOCK`] samples, and the variables that they were evaluated with.
+pub(crate) struct Regressors {
+    values: Vec<Block>,
+    /// One per parameter.
+    pub(crate) terms: Vec<Block>,
+}
+
+impl Regressors {
+    pub(crate) fn new(model: &Model) -> Self {
+        let zeros = |count| vec![[Lane::ZERO; BLOCK]; count];
+        Self { values: zeros(model.variables.len()), terms: zeros(model.parameters()) }
     }
+}
+
+/// Σ_t x(t) y(t).
+#[inline(always)]
+pub(crate) fn dot(x: &Block, y: &Block) -> Lane {
+    let mut sum = x[0] * y[0];
+    for (a, b) in x[1..].iter().zip(&y[1..]) {
+        sum += *a * *b;
+    }
+    sum
+}
+
+/// Σ_t x(t).
+#[inline(always)]
+pub(crate) fn total(x: &Block) -> Lane {
+    let mut sum = x[0];
+    for a in &x[1..] {
+        sum += *a;
+    }
+    sum
 }

@@ -6,7 +6,7 @@
 use vessel::{LANES, Lane};
 
 use crate::Batch;
-use crate::batch::regressors;
+use crate::batch::{BLOCK, Block, Regressors, dot};
 
 /// What the residual pass needs to know of every run: lanes per parameter, per degree of freedom, and per segment.
 pub(crate) struct Fitted<'a> {
@@ -51,47 +51,64 @@ impl pulp::WithSimd for Pass<'_> {
     fn with_simd<S: pulp::Simd>(self, _: S) -> ResidualSums {
         let Self { batch, fitted } = self;
         let sizes: Vec<usize> = batch.model.degrees.iter().map(|d| d.terms.len()).collect();
-        let (total, triangles) = (batch.model.parameters(), sizes.iter().map(|p| p * (p + 1) / 2).sum());
+        let (parameters, triangles) = (batch.model.parameters(), sizes.iter().map(|p| p * (p + 1) / 2).sum());
         let mut sums = ResidualSums {
             lag0: [Lane::ZERO; 3],
             lag1: [Lane::ZERO; 3],
             squares: vec![Lane::ZERO; triangles],
             neighbours: vec![Lane::ZERO; triangles],
         };
-        let mut current = Current::new(total);
-        let (mut phi, mut zeta, mut before) =
-            (vec![Lane::ZERO; total], vec![Lane::ZERO; total], vec![Lane::ZERO; total]);
-        let mut values = vec![Lane::ZERO; batch.model.variables.len()];
-        let mut previous = [Lane::ZERO; 3];
-        for k in 0..batch.samples() {
-            current.enter(k, fitted);
-            batch.variables(batch.measured, k, &mut values);
-            regressors(batch.model, &values, &mut phi);
-            batch.variables(batch.instrument_states, k, &mut values);
-            std::mem::swap(&mut zeta, &mut before);
-            regressors(batch.model, &values, &mut zeta);
-            zeta.iter_mut().zip(&current.means).for_each(|(z, mean)| *z = *z - *mean);
+        let mut current = Current::new(parameters);
+        let (mut phi, mut zeta) = (Regressors::new(batch.model), Regressors::new(batch.model));
+        let mut before = vec![[Lane::ZERO; BLOCK]; parameters];
+        let mut residuals = [[Lane::ZERO; BLOCK]; 3];
+        let mut k = 0;
+        while k < batch.samples() {
+            let count = BLOCK.min(batch.samples() - k);
+            batch.regressors(batch.measured, k, count, &mut phi);
+            let last = |block: &Block| block[BLOCK - 1];
+            let edges: Vec<Lane> = zeta.terms.iter().map(last).collect();
+            batch.regressors(batch.instrument_states, k, count, &mut zeta);
+            let mut constants = [[Lane::ZERO; BLOCK]; 3];
+            for t in 0..count {
+                current.enter(k + t, fitted);
+                zeta.terms.iter_mut().zip(&current.means).for_each(|(z, mean)| z[t] = z[t] - *mean);
+                constants.iter_mut().zip(current.intercepts).for_each(|(c, intercept)| c[t] = intercept);
+            }
+            for (own, (z, edge)) in before.iter_mut().zip(zeta.terms.iter().zip(edges)) {
+                *own = delayed(z, edge);
+            }
             let (mut first, mut place) = (0, 0);
             for (d, p) in sizes.iter().copied().enumerate() {
-                let mut residual = batch.increment(k, d) - current.intercepts[d];
-                for (f, t) in phi[first..first + p].iter().zip(&fitted.theta[first..first + p]) {
-                    residual = residual - *f * *t;
+                let edge = last(&residuals[d]);
+                let own = &mut residuals[d];
+                *own = batch.increments(k, count, d);
+                own.iter_mut().zip(constants[d]).for_each(|(e, c)| *e = *e - c);
+                for (f, theta) in phi.terms[first..first + p].iter().zip(&fitted.theta[first..first + p]) {
+                    own.iter_mut().zip(f).for_each(|(e, f)| *e = *e - *f * *theta);
                 }
-                sums.lag0[d] += residual * residual;
-                sums.lag1[d] += residual * previous[d];
-                previous[d] = residual;
+                sums.lag0[d] += dot(own, own);
+                sums.lag1[d] += dot(own, &delayed(own, edge));
                 for i in first..first + p {
                     for j in i..first + p {
-                        sums.squares[place] += zeta[i] * zeta[j];
-                        sums.neighbours[place] += before[i] * zeta[j] + before[j] * zeta[i];
+                        sums.squares[place] += dot(&zeta.terms[i], &zeta.terms[j]);
+                        sums.neighbours[place] +=
+                            dot(&before[i], &zeta.terms[j]) + dot(&before[j], &zeta.terms[i]);
                         place += 1;
                     }
                 }
                 first += p;
             }
+            k += count;
         }
         sums
     }
+}
+
+/// The signal one sample earlier; `edge` comes before it.
+#[inline(always)]
+fn delayed(signal: &Block, edge: Lane) -> Block {
+    std::array::from_fn(|t| if t == 0 { edge } else { signal[t - 1] })
 }
 
 /// The intercepts and instrument means that hold at the current sample, lane by lane.

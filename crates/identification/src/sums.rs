@@ -3,7 +3,7 @@ use std::ops::Range;
 use vessel::Lane;
 
 use crate::Batch;
-use crate::batch::regressors;
+use crate::batch::{BLOCK, Block, Regressors, dot, total};
 
 /// Sums over regression pairs of all degrees of freedom. The sums of two pieces of data add to those of both.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -108,20 +108,20 @@ impl pulp::WithSimd for Accumulate<'_> {
     #[inline(always)]
     fn with_simd<S: pulp::Simd>(self, _: S) {
         let batch = self.batch;
-        let total = batch.model.parameters();
-        let (mut phi, mut zeta) = (vec![Lane::ZERO; total], vec![Lane::ZERO; total]);
-        let mut values = vec![Lane::ZERO; batch.model.variables.len()];
-        for k in self.range {
-            batch.variables(batch.measured, k, &mut values);
-            regressors(batch.model, &values, &mut phi);
-            batch.variables(batch.instrument_states, k, &mut values);
-            regressors(batch.model, &values, &mut zeta);
+        let (mut phi, mut zeta) = (Regressors::new(batch.model), Regressors::new(batch.model));
+        let mut k = self.range.start;
+        while k < self.range.end {
+            let count = BLOCK.min(self.range.end - k);
+            batch.regressors(batch.measured, k, count, &mut phi);
+            batch.regressors(batch.instrument_states, k, count, &mut zeta);
             let (mut entries, mut first) = (&mut self.sums.entries[..], 0);
             for (d, p) in self.sums.parameters.iter().copied().enumerate() {
                 let (own, rest) = entries.split_at_mut(self::entries(p));
-                add_pair(own, &zeta[first..first + p], &phi[first..first + p], batch.increment(k, d));
+                let increments = batch.increments(k, count, d);
+                add_block(own, &zeta.terms[first..first + p], &phi.terms[first..first + p], &increments);
                 (entries, first) = (rest, first + p);
             }
+            k += count;
         }
     }
 }
@@ -130,9 +130,9 @@ fn entries(p: usize) -> usize {
     (p + 1) * (p + 1) + (p + 1) + 2 * p
 }
 
-/// Adds one sample's products. Layout of `out`: a (p̃ × p̃), b (p̃), Σζ², Σφ².
+/// Adds the products of a block of samples. Layout of `out`: a (p̃ × p̃), b (p̃), Σζ², Σφ².
 #[inline(always)]
-fn add_pair(out: &mut [Lane], zeta: &[Lane], phi: &[Lane], increment: Lane) {
+fn add_block(out: &mut [Lane], zeta: &[Block], phi: &[Block], increments: &Block) {
     let p = zeta.len();
     let lifted = p + 1;
     let (a, rest) = out.split_at_mut(lifted * lifted);
@@ -140,15 +140,15 @@ fn add_pair(out: &mut [Lane], zeta: &[Lane], phi: &[Lane], increment: Lane) {
     for (i, z) in zeta.iter().enumerate() {
         let row = &mut a[i * lifted..(i + 1) * lifted];
         for (entry, f) in row.iter_mut().zip(phi) {
-            *entry += *z * *f;
+            *entry += dot(z, f);
         }
-        row[p] += *z;
-        b[i] += *z * increment;
-        squares[i] += *z * *z;
+        row[p] += total(z);
+        b[i] += dot(z, increments);
+        squares[i] += dot(z, z);
     }
     for (i, f) in phi.iter().enumerate() {
-        a[p * lifted + i] += *f;
-        squares[p + i] += *f * *f;
+        a[p * lifted + i] += total(f);
+        squares[p + i] += dot(f, f);
     }
-    b[p] += increment;
+    b[p] += total(increments);
 }

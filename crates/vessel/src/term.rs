@@ -40,11 +40,27 @@ impl Term {
     /// The term's value in every lane; `values` holds one lane per variable.
     #[inline(always)]
     pub fn value(&self, values: &[Lane]) -> Lane {
-        let mut product = factor_value(self.factors[0], values);
-        for factor in &self.factors[1..] {
-            product = product * factor_value(*factor, values);
+        match self.factors.as_slice() {
+            [one] => factor_value(*one, values),
+            [one, two] => factor_value(*one, values) * factor_value(*two, values),
+            all => all[1..]
+                .iter()
+                .fold(factor_value(all[0], values), |product, f| product * factor_value(*f, values)),
         }
-        product
+    }
+
+    /// The term's values at `N` samples at once; `values` holds one array per variable.
+    #[inline(always)]
+    pub fn values<const N: usize>(&self, values: &[[Lane; N]], out: &mut [Lane; N]) {
+        let (first, others) = (self.factors[0], &self.factors[1..]);
+        for (o, value) in out.iter_mut().zip(&values[first.variable]) {
+            *o = if first.modulus { value.abs() } else { *value };
+        }
+        for factor in others {
+            for (o, value) in out.iter_mut().zip(&values[factor.variable]) {
+                *o = *o * if factor.modulus { value.abs() } else { *value };
+            }
+        }
     }
 
     /// The term's value for one set of variables.

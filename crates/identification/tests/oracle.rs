@@ -1,0 +1,93 @@
+//! Moments and validation errors against numbers computed independently: `fixtures/oracle/oracle.json`.
+
+mod support;
+
+use approx::assert_relative_eq;
+use identification::{FreeRun, free_runs, moments};
+use serde_json::Value;
+use support::explicit::{Regression, sizes};
+use support::{Experiment, Recording, SideBySide, dictionary, lanes, paper};
+use vessel::{LANES, Lane, Source, simulate_one};
+
+const ORACLE: &str = include_str!("../../../fixtures/oracle/oracle.json");
+
+fn oracle(key: &str) -> Value {
+    let mut whole: Value = serde_json::from_str(ORACLE).unwrap();
+    whole[key].take()
+}
+
+fn numbers(value: &Value) -> Vec<f64> {
+    value.as_array().unwrap().iter().map(|x| x.as_f64().unwrap()).collect()
+}
+
+/// Every maneuver of the dictionary, undisturbed and measured without noise.
+fn maneuvers() -> Vec<Recording> {
+    let vessel = paper();
+    let generator = dictionary(&vessel);
+    let record = |index: usize| {
+        let samples = generator.samples(index).unwrap();
+        let experiment = Experiment::of_maneuvers(&generator, &[(index, samples)]);
+        Recording {
+            measured: experiment.states(&vessel, Source::Value),
+            instrument_states: experiment.states(&vessel, Source::Nominal),
+            exogenous: experiment.inputs,
+            segments: vec![0],
+        }
+    };
+    (0..generator.maneuvers().len()).map(record).collect()
+}
+
+#[test]
+fn oracle_moments() {
+    let (vessel, expected) = (paper(), oracle("moments"));
+    let (runs, expected) = (maneuvers(), expected.as_array().unwrap());
+    assert_eq!((runs.len(), expected.len()), (11, 11));
+    for (runs, expected) in runs.chunks(LANES).zip(expected.chunks(LANES)) {
+        let side_by_side = SideBySide::new(&runs.iter().collect::<Vec<_>>());
+        let found = moments(&side_by_side.batch(&vessel.model));
+        for ((run, found), expected) in runs.iter().zip(found).zip(expected) {
+            assert_eq!(found.samples, expected["samples"].as_u64().unwrap());
+            for (d, matrix) in found.matrices.iter().enumerate() {
+                let named = format!("{} {}", expected["name"], expected["degrees"][d]["name"]);
+                compare(run, d, matrix, &numbers(&expected["degrees"][d]["M"]), &named);
+            }
+        }
+    }
+}
+
+/// To 1e-9 relative; entries below a thousandth of their row's and column's root mean squares count as that large.
+fn compare(run: &Recording, d: usize, found: &[f64], expected: &[f64], named: &str) {
+    assert_eq!(found.len(), expected.len(), "{named}");
+    let regression = Regression::of(run, d);
+    let (mut rows, mut columns) = (sizes(&regression.phi), sizes(&regression.zeta));
+    rows.push(1.0);
+    columns.push(1.0);
+    for (k, (found, expected)) in found.iter().zip(expected).enumerate() {
+        let (i, j) = (k / rows.len(), k % rows.len());
+        let size = expected.abs().max(1e-3 * rows[i] * columns[j]);
+        let error = (found - expected).abs();
+        assert!(error <= 1e-9 * size, "{named}, entry {i} {j}: found {found}, expected {expected}");
+    }
+}
+
+#[test]
+fn oracle_validation_errors_of_free_simulation() {
+    let (vessel, expected) = (paper(), oracle("validation"));
+    let inputs: Vec<f64> = expected["inputs"].as_array().unwrap().iter().flat_map(numbers).collect();
+    let initial: [f64; 3] = numbers(&expected["initial"]).try_into().unwrap();
+    let reference = simulate_one(&vessel.model, &support::truth(&vessel), initial, &inputs);
+    let scores = expected["scores"].as_array().unwrap();
+    let thetas: Vec<Vec<f64>> = scores.iter().map(|s| numbers(&s["theta"])).collect();
+    let parameters = lanes(std::array::from_fn(|lane| thetas[lane % thetas.len()].as_slice()));
+    let exogenous: Vec<Lane> = inputs.iter().map(|x| Lane::splat(*x)).collect();
+    let found = free_runs(&vessel.model, &parameters, &exogenous, &reference, &mut Vec::new());
+    for (lane, run) in found.iter().enumerate() {
+        let score = &scores[lane % scores.len()];
+        let FreeRun::Rmse(rmse) = run else { panic!("lane {lane}: {run:?}") };
+        for (found, expected) in rmse.iter().zip(numbers(&score["rmse"])) {
+            assert_relative_eq!(*found, expected, max_relative = 1e-9);
+        }
+        let norm = score["simulation_error"].as_f64().unwrap();
+        assert_relative_eq!(run.norm().unwrap(), norm, max_relative = 1e-9);
+    }
+}
