@@ -1,0 +1,138 @@
+# The pipeline: each stage reads files and writes files; make only names them.
+#
+#   make                      the paper's simulation study into out/paper/
+#   make STUDY=pipelines/my   another study (a folder with vessel.toml, dictionary.toml, campaign.toml)
+#   make help                 all targets
+
+STUDY   ?= pipelines/paper
+NAME    := $(notdir $(patsubst %/,%,$(STUDY)))
+OUT     ?= out/$(NAME)
+CARGO   ?= cargo
+BIN     := target/release
+# Flags for every stage, such as FLAGS="--threads 1 --quiet"
+FLAGS   ?=
+# Flags for one stage, best set in the study's study.mk
+DESIGN_FLAGS   ?=
+ESTIMATE_FLAGS ?=
+-include $(STUDY)/study.mk
+
+STAGES  := simulate moments design estimate validate report
+BINARIES := $(addprefix $(BIN)/,$(STAGES))
+
+# A target is written whole or not at all by its stage, so an interrupted make resumes with the next stage.
+.DELETE_ON_ERROR:
+.SUFFIXES:
+
+.PHONY: study
+study: $(OUT)/report.html
+	@echo
+	@echo "Report: $(OUT)/report.html"
+
+.PHONY: help
+help:
+	@echo "make                   build, run the study in $(STUDY) into $(OUT)/, end with its report"
+	@echo "make STUDY=<folder>    run another study: a folder with vessel.toml, dictionary.toml, campaign.toml"
+	@echo "make smoke             the small study that the tests run, into out/smoke/"
+	@echo "make build             build the stages into $(BIN)/"
+	@echo "make test              format, clippy, all tests, the smoke study and the README's commands"
+	@echo "make bench             measure against numba, scipy and pyarrow (needs Python; says how to get it)"
+	@echo "make oracle            compute the oracle fixtures again (needs Python with numpy, scipy, pyarrow)"
+	@echo "make schemas           write the JSON Schemas of all documents again"
+	@echo "make golden            write the golden results and schema samples again"
+	@echo "make clean             remove out/"
+
+# --- build: cargo decides what is out of date; the binaries' time stamps decide what is run again
+
+.PHONY: build
+build: $(BINARIES)
+
+SOURCES := Cargo.toml Cargo.lock $(shell find crates -name '*.rs' -o -name 'Cargo.toml' -o -name '*.css' -o -path '*/presets/*.toml')
+
+$(BIN)/.built: $(SOURCES)
+	$(CARGO) build --release --locked -p stages
+	@touch $@
+
+$(BINARIES): $(BIN)/.built ;
+
+# --- the study
+
+$(OUT):
+	@mkdir -p $@
+
+$(OUT)/dictionary.parquet: $(STUDY)/vessel.toml $(STUDY)/dictionary.toml $(BIN)/simulate | $(OUT)
+	$(BIN)/simulate dictionary --vessel $(STUDY)/vessel.toml --dictionary $(STUDY)/dictionary.toml $(FLAGS) --out $@
+
+$(OUT)/moments.json: $(STUDY)/vessel.toml $(OUT)/dictionary.parquet $(BIN)/moments
+	$(BIN)/moments --vessel $(STUDY)/vessel.toml --trajectories $(OUT)/dictionary.parquet $(FLAGS) --out $@
+
+$(OUT)/design.json: $(OUT)/moments.json $(wildcard $(STUDY)/study.mk) $(BIN)/design
+	$(BIN)/design --moments $(OUT)/moments.json $(DESIGN_FLAGS) $(FLAGS) --out $@
+
+$(OUT)/campaign.parquet: $(STUDY)/vessel.toml $(STUDY)/dictionary.toml $(STUDY)/campaign.toml $(OUT)/design.json $(BIN)/simulate
+	$(BIN)/simulate campaign --vessel $(STUDY)/vessel.toml --dictionary $(STUDY)/dictionary.toml \
+	  --campaign $(STUDY)/campaign.toml --design $(OUT)/design.json $(FLAGS) --out $@
+
+$(OUT)/validation.parquet: $(STUDY)/vessel.toml $(STUDY)/campaign.toml $(BIN)/simulate | $(OUT)
+	$(BIN)/simulate validation --vessel $(STUDY)/vessel.toml --campaign $(STUDY)/campaign.toml $(FLAGS) --out $@
+
+# The document beside a table is written by the same stage in the same breath.
+$(OUT)/estimates.parquet: $(STUDY)/vessel.toml $(OUT)/campaign.parquet $(BIN)/estimate
+	$(BIN)/estimate --vessel $(STUDY)/vessel.toml --trajectories $(OUT)/campaign.parquet $(ESTIMATE_FLAGS) $(FLAGS) --out $@
+
+$(OUT)/scores.parquet: $(STUDY)/vessel.toml $(STUDY)/campaign.toml $(OUT)/estimates.parquet $(OUT)/validation.parquet $(BIN)/validate
+	$(BIN)/validate --vessel $(STUDY)/vessel.toml --campaign $(STUDY)/campaign.toml --estimates $(OUT)/estimates.parquet \
+	  --validation $(OUT)/validation.parquet $(FLAGS) --out $@
+
+$(OUT)/report.html: $(OUT)/scores.parquet $(wildcard $(STUDY)/reference.toml) $(BIN)/report
+	$(BIN)/report --study $(STUDY) --results $(OUT) $(FLAGS) --out $@
+
+.PHONY: smoke
+smoke:
+	$(MAKE) STUDY=pipelines/smoke OUT=out/smoke study
+
+# --- checks
+
+.PHONY: test
+test: format-check clippy unit smoke readme-check
+
+.PHONY: format-check
+format-check:
+	$(CARGO) fmt --all --check
+
+.PHONY: clippy
+clippy:
+	$(CARGO) clippy --workspace --all-targets --locked -- -D warnings
+
+.PHONY: unit
+unit:
+	$(CARGO) test --workspace --locked
+
+.PHONY: readme-check
+readme-check: build
+	sh scripts/readme-check.sh $(BIN)
+
+# --- upkeep
+
+.PHONY: bench
+bench:
+	$(CARGO) build --release --locked -p bench
+	@if command -v $(PYTHON) > /dev/null; then $(PYTHON) scripts/bench.py; \
+	else echo "no $(PYTHON): our own figures only; for the peers install Python 3.11 and scripts/README.md's packages"; $(BIN)/bench; fi
+
+PYTHON ?= $(if $(wildcard .venv/bin/python),.venv/bin/python,python3)
+
+.PHONY: oracle
+oracle:
+	$(PYTHON) scripts/oracle.py --study pipelines/paper --fixtures fixtures/oracle
+
+.PHONY: schemas
+schemas:
+	$(CARGO) run --locked -p stages --example write_schemas -- schemas
+
+.PHONY: golden
+golden:
+	$(CARGO) run --locked -p stages --example write_golden
+
+.PHONY: clean
+clean:
+	rm -rf out
