@@ -87,9 +87,10 @@ fn io_line(path: &std::path::Path, action: &str, source: &io::Error) -> String {
         (_, io::ErrorKind::PermissionDenied) => {
             ("leave to write there", "change the folder's permissions or write elsewhere")
         }
-        (_, io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded) => {
-            ("room on the disk", "free some space or write elsewhere")
-        }
+        (
+            "write" | "create",
+            io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded | io::ErrorKind::FileTooLarge,
+        ) => ("room on the disk", "free some space or write elsewhere"),
         (_, io::ErrorKind::IsADirectory) => ("a file", "name a file, not a folder"),
         ("read", _) => ("a readable file", "check the file and its disk"),
         _ => ("a writable place", "check the folder and its disk"),

@@ -19,8 +19,11 @@ pub(crate) struct Complaint<'a> {
 impl Complaint<'_> {
     /// The refusal that says the same in this crate's form.
     pub fn refusal(&self) -> Error {
-        let line = self.line.map(|n| format!(" (line {n})")).unwrap_or_default();
         let message = self.message.lines().next().unwrap_or_default().trim_end_matches('.');
+        let (message, remark) = split_remark(message);
+        let place: Vec<String> =
+            self.line.map(|n| format!("line {n}")).into_iter().chain(remark.map(str::to_owned)).collect();
+        let line = if place.is_empty() { String::new() } else { format!(" ({})", place.join(", ")) };
         let refuse = |thing: &str, found: String, expected: String, remedy: String| {
             Error::refuse(self.path, thing, format!("{found}{line}"), expected, remedy)
         };
@@ -46,6 +49,14 @@ impl Complaint<'_> {
         let (found, expected) =
             stripped.split_once(", expected ").unwrap_or((stripped, "an acceptable value"));
         Error::refuse(self.path, thing, format!("{found}{line}"), expected, "correct the value")
+    }
+}
+
+/// Parts a message from the place in round brackets that a program's own type has put after it.
+fn split_remark(message: &str) -> (&str, Option<&str>) {
+    match message.strip_suffix(')').and_then(|rest| rest.rsplit_once(" (")) {
+        Some((message, remark)) => (message, Some(remark)),
+        None => (message, None),
     }
 }
 

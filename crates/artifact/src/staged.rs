@@ -34,8 +34,9 @@ impl Staged {
     /// [`Error::Io`] if the file cannot be created or written.
     pub fn bytes(path: impl AsRef<Path>, bytes: &[u8]) -> Result<Self> {
         let path = path.as_ref();
-        let mut file = create_temporary(path)?;
-        file.write_all(bytes).map_err(|e| Error::io(path, "write", e))?;
+        let file = create_temporary(path)?;
+        // Through the file itself: the temporary file's own errors name it, which tells the user nothing.
+        file.as_file().write_all(bytes).map_err(|e| Error::io(path, "write", e))?;
         Self::complete(file, path)
     }
 

@@ -26,27 +26,35 @@ impl Batch<'_> {
     #[inline(always)]
     pub(crate) fn regressors(&self, states: &[Lane], k: usize, count: usize, block: &mut Regressors) {
         let width = self.model.exogenous();
-        for t in 0..count {
-            for (i, variable) in block.values.iter_mut().enumerate() {
-                variable[t] =
-                    if i < 3 { states[3 * (k + t) + i] } else { self.exogenous[width * (k + t) + i - 3] };
-            }
+        for (i, variable) in block.values.iter_mut().enumerate() {
+            let (source, stride) = if i < 3 { (&states[i..], 3) } else { (&self.exogenous[i - 3..], width) };
+            copy_column(&source[stride * k..], stride, count, variable);
         }
         let terms = self.model.degrees.iter().flat_map(|d| &d.terms);
         for (term, out) in terms.zip(&mut block.terms) {
             term.values(&block.values, out);
-            out[count..].fill(Lane::ZERO);
         }
     }
 
     /// Δy of degree of freedom `d` at samples `k..k + count`; zero beyond.
     #[inline(always)]
     pub(crate) fn increments(&self, k: usize, count: usize, d: usize) -> Block {
-        let mut out = [Lane::ZERO; BLOCK];
-        for (t, o) in out[..count].iter_mut().enumerate() {
-            *o = self.measured[3 * (k + t + 1) + d] - self.measured[3 * (k + t) + d];
+        let (mut now, mut next) = ([Lane::ZERO; BLOCK], [Lane::ZERO; BLOCK]);
+        copy_column(&self.measured[3 * k + d..], 3, count, &mut now);
+        copy_column(&self.measured[3 * (k + 1) + d..], 3, count, &mut next);
+        for t in 0..BLOCK {
+            next[t] = next[t] - now[t];
         }
-        out
+        next
+    }
+}
+
+/// Copies `count` entries of a column into a block, and zeros beyond: the terms of zeros are zeros. The loop has a fixed
+/// length so that it is unrolled and each lane moves as a whole.
+#[inline(always)]
+fn copy_column(column: &[Lane], stride: usize, count: usize, out: &mut Block) {
+    for (t, value) in out.iter_mut().enumerate() {
+        *value = if t < count { column[stride * t] } else { Lane::ZERO };
     }
 }
 

@@ -1,3 +1,5 @@
+use std::collections::BTreeMap;
+
 use vessel::{LANES, Lane};
 
 use crate::residual::{Fitted, Group, ResidualSums};
@@ -79,28 +81,23 @@ struct Run {
     groups: Vec<Group>,
 }
 
-/// Sums per run and group: pieces between any run's group starts, merged run by run.
+/// Sums per run and group. A group is summed in one piece from its first to its last sample, so that a run's numbers do
+/// not depend on where its neighbours' segments start; lanes with the same group share the pass over the data.
 fn grouped_sums(batch: &Batch, removal: MeanRemoval) -> Vec<Run> {
     let whole: &[usize] = &[0];
     let starts = |lane: usize| if removal == MeanRemoval::Batch { batch.segments[lane] } else { whole };
-    let mut cuts: Vec<usize> = (0..LANES).flat_map(|lane| starts(lane).iter().copied()).collect();
-    cuts.push(batch.samples());
-    cuts.sort_unstable();
-    cuts.dedup();
-    let mut runs: Vec<Run> = (0..LANES).map(|_| Run { sums: Vec::new(), groups: Vec::new() }).collect();
-    for piece in cuts.windows(2) {
-        let sums = LaneSums::over(batch, piece[0]..piece[1]);
-        for (lane, run) in runs.iter_mut().enumerate() {
-            if starts(lane).contains(&piece[0]) {
-                run.sums.push(Sums::default());
-                run.groups.push(Group { start: piece[0], ..Group::default() });
-            }
-            if let Some(last) = run.sums.last_mut() {
-                last.merge(&sums.lane(lane));
-            }
+    let mut known: BTreeMap<(usize, usize), LaneSums> = BTreeMap::new();
+    let mut run = |lane: usize| {
+        let ends = starts(lane).iter().skip(1).copied().chain([batch.samples()]);
+        let mut run = Run { sums: Vec::new(), groups: Vec::new() };
+        for (start, end) in starts(lane).iter().copied().zip(ends) {
+            let sums = known.entry((start, end)).or_insert_with(|| LaneSums::over(batch, start..end));
+            run.sums.push(sums.lane(lane));
+            run.groups.push(Group { start, ..Group::default() });
         }
-    }
-    runs
+        run
+    };
+    (0..LANES).map(&mut run).collect()
 }
 
 /// θ̂ of one run and what its covariance needs.

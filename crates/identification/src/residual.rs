@@ -61,31 +61,32 @@ impl pulp::WithSimd for Pass<'_> {
         let mut current = Current::new(parameters);
         let (mut phi, mut zeta) = (Regressors::new(batch.model), Regressors::new(batch.model));
         let mut before = vec![[Lane::ZERO; BLOCK]; parameters];
+        let mut edges = vec![Lane::ZERO; parameters];
         let mut residuals = [[Lane::ZERO; BLOCK]; 3];
-        let mut k = 0;
-        while k < batch.samples() {
+        for k in (0..batch.samples()).step_by(BLOCK) {
             let count = BLOCK.min(batch.samples() - k);
+            current.enter(k, fitted);
             batch.regressors(batch.measured, k, count, &mut phi);
-            let last = |block: &Block| block[BLOCK - 1];
-            let edges: Vec<Lane> = zeta.terms.iter().map(last).collect();
-            batch.regressors(batch.instrument_states, k, count, &mut zeta);
-            let mut constants = [[Lane::ZERO; BLOCK]; 3];
-            for t in 0..count {
-                current.enter(k + t, fitted);
-                zeta.terms.iter_mut().zip(&current.means).for_each(|(z, mean)| z[t] = z[t] - *mean);
-                constants.iter_mut().zip(current.intercepts).for_each(|(c, intercept)| c[t] = intercept);
+            for (edge, z) in edges.iter_mut().zip(&zeta.terms) {
+                *edge = z[BLOCK - 1];
             }
-            for (own, (z, edge)) in before.iter_mut().zip(zeta.terms.iter().zip(edges)) {
-                *own = delayed(z, edge);
+            batch.regressors(batch.instrument_states, k, count, &mut zeta);
+            for (z, means) in zeta.terms.iter_mut().zip(&current.means) {
+                subtract(z, means, count);
+            }
+            for (own, (z, edge)) in before.iter_mut().zip(zeta.terms.iter().zip(&edges)) {
+                *own = delayed(z, *edge);
             }
             let (mut first, mut place) = (0, 0);
             for (d, p) in sizes.iter().copied().enumerate() {
-                let edge = last(&residuals[d]);
+                let edge = residuals[d][BLOCK - 1];
                 let own = &mut residuals[d];
                 *own = batch.increments(k, count, d);
-                own.iter_mut().zip(constants[d]).for_each(|(e, c)| *e = *e - c);
+                subtract(own, &current.intercepts[d], count);
                 for (f, theta) in phi.terms[first..first + p].iter().zip(&fitted.theta[first..first + p]) {
-                    own.iter_mut().zip(f).for_each(|(e, f)| *e = *e - *f * *theta);
+                    for (e, f) in own.iter_mut().zip(f) {
+                        *e = *e - *f * *theta;
+                    }
                 }
                 sums.lag0[d] += dot(own, own);
                 sums.lag1[d] += dot(own, &delayed(own, edge));
@@ -99,38 +100,60 @@ impl pulp::WithSimd for Pass<'_> {
                 }
                 first += p;
             }
-            k += count;
         }
         sums
+    }
+}
+
+/// Subtracts the first `count` constants. Loops over a block have a fixed length: unrolled, each lane is one vector.
+#[inline(always)]
+fn subtract(signal: &mut Block, constants: &Block, count: usize) {
+    for t in 0..BLOCK {
+        signal[t] = if t < count { signal[t] - constants[t] } else { Lane::ZERO };
     }
 }
 
 /// The signal one sample earlier; `edge` comes before it.
 #[inline(always)]
 fn delayed(signal: &Block, edge: Lane) -> Block {
-    std::array::from_fn(|t| if t == 0 { edge } else { signal[t - 1] })
+    let mut out = [edge; BLOCK];
+    out[1..].copy_from_slice(&signal[..BLOCK - 1]);
+    out
 }
 
-/// The intercepts and instrument means that hold at the current sample, lane by lane.
+/// The intercepts and instrument means that hold at each sample of a block, lane by lane.
 struct Current {
-    intercepts: [Lane; 3],
-    means: Vec<Lane>,
+    intercepts: [Block; 3],
+    means: Vec<Block>,
     next: [usize; LANES],
 }
 
 impl Current {
     fn new(parameters: usize) -> Self {
-        Self { intercepts: [Lane::ZERO; 3], means: vec![Lane::ZERO; parameters], next: [0; LANES] }
+        let zero = [Lane::ZERO; BLOCK];
+        Self { intercepts: [zero; 3], means: vec![zero; parameters], next: [0; LANES] }
     }
 
-    #[inline(always)]
+    /// Moves on to the block that starts at sample `k`.
     fn enter(&mut self, k: usize, fitted: &Fitted) {
         for lane in 0..LANES {
-            if let Some(group) = fitted.groups[lane].get(self.next[lane]).filter(|g| g.start == k) {
-                self.next[lane] += 1;
-                self.intercepts.iter_mut().zip(group.intercepts).for_each(|(c, value)| c[lane] = value);
-                self.means.iter_mut().zip(&group.means).for_each(|(m, value)| m[lane] = *value);
+            // A group that began inside the last block holds for all of this one.
+            let begun = self.next[lane].checked_sub(1).map(|i| &fitted.groups[lane][i]);
+            if let Some(group) = begun.filter(|g| g.start < k && k < g.start + BLOCK) {
+                self.hold(lane, 0, group);
             }
+            while let Some(group) = fitted.groups[lane].get(self.next[lane]).filter(|g| g.start < k + BLOCK) {
+                self.hold(lane, group.start - k, group);
+                self.next[lane] += 1;
+            }
+        }
+    }
+
+    /// Lets `group` hold for `lane` from sample `from` of the block on.
+    fn hold(&mut self, lane: usize, from: usize, group: &Group) {
+        let signals = self.intercepts.iter_mut().chain(&mut self.means);
+        for (signal, value) in signals.zip(group.intercepts.iter().chain(&group.means)) {
+            signal[from..].iter_mut().for_each(|at| at[lane] = *value);
         }
     }
 }

@@ -77,9 +77,9 @@ impl Normal {
         let p = self.b.len();
         let mut scaled = self.scaled()?;
         let mut inverse = vec![0.0; p * p];
-        let norm = one_norm(p, &scaled);
+        let norm = small_matrix::one_norm(p, &scaled);
         let regular = small_matrix::inverse(p, &mut scaled, &mut inverse).is_some();
-        if !regular || one_norm(p, &inverse) * norm > SINGULAR {
+        if !regular || small_matrix::one_norm(p, &inverse) * norm > SINGULAR {
             return Err(self.excitation().weakest);
         }
         for i in 0..p {
@@ -115,11 +115,6 @@ impl Normal {
             None => Ok((0..p * p).map(|k| self.a[k] / (self.zeta[k / p] * self.phi[k % p])).collect()),
         }
     }
-}
-
-/// Largest column sum of moduli.
-fn one_norm(n: usize, a: &[f64]) -> f64 {
-    (0..n).map(|j| (0..n).map(|i| a[i * n + j].abs()).sum()).fold(0.0, f64::max)
 }
 
 fn largest(direction: &[f64]) -> usize {

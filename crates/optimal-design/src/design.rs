@@ -133,6 +133,9 @@ fn check_excitation(scaled: &Candidates) -> Result<(), Error> {
     for (block, (n, range)) in scaled.blocks().enumerate() {
         // Rows belong to regressors: what no row combination reaches is a left singular direction.
         let own = &sum[range];
+        if small_matrix::condition(n, own) < 1e9 {
+            continue;
+        }
         let transposed: Vec<f64> = (0..n * n).map(|k| own[(k % n) * n + k / n]).collect();
         let direction = match small_matrix::weakest(n, &transposed) {
             Some(found) if found.ratio > 1e-12 => continue,

@@ -97,7 +97,10 @@ fn random_candidates(count: usize, seed: u64) -> Candidates {
 fn a_direction_without_excitation_is_named() {
     let mut candidates = Candidates::new(vec![2, 2]);
     candidates.push(&[1.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 0.0]).unwrap();
-    assert_eq!(solve(&candidates, &Options::default()), Err(Error::Unexcited { block: 1, direction: vec![0.0, 1.0] }));
+    assert_eq!(
+        solve(&candidates, &Options::default()),
+        Err(Error::Unexcited { block: 1, direction: vec![0.0, 1.0] })
+    );
     // Excited rows, but always in the same combination.
     let mut collinear = Candidates::new(vec![2]);
     collinear.push(&[1.0, 2.0, 2.0, 4.0]).unwrap();

@@ -9,5 +9,5 @@
 mod lu;
 mod weakest;
 
-pub use lu::{LogDet, inverse, log_det, solve};
+pub use lu::{LogDet, condition, inverse, log_det, one_norm, solve};
 pub use weakest::{Weakest, weakest};

@@ -33,6 +33,20 @@ pub fn inverse(n: usize, a: &mut [f64], out: &mut [f64]) -> Option<LogDet> {
     solve(n, a, out)
 }
 
+/// Condition number in the 1-norm of A (n × n); infinite where it is singular.
+pub fn condition(n: usize, a: &[f64]) -> f64 {
+    let (mut destroyed, mut inverted) = (a.to_vec(), vec![0.0; n * n]);
+    match inverse(n, &mut destroyed, &mut inverted) {
+        Some(_) => one_norm(n, a) * one_norm(n, &inverted),
+        None => f64::INFINITY,
+    }
+}
+
+/// Largest column sum of moduli.
+pub fn one_norm(n: usize, a: &[f64]) -> f64 {
+    (0..n).map(|j| (0..n).map(|i| a[i * n + j].abs()).sum()).fold(0.0, f64::max)
+}
+
 /// The determinant of A (n × n, destroyed).
 pub fn log_det(n: usize, a: &mut [f64]) -> Option<LogDet> {
     eliminate(n, a, 0, &mut [])
@@ -113,6 +127,8 @@ mod tests {
                 assert_relative_eq!(entry, if i == j { 1.0 } else { 0.0 }, epsilon = 1e-14);
             }
         }
+        assert_relative_eq!(condition(2, &[2.0, 0.0, 0.0, -0.5]), 4.0);
+        assert_eq!(condition(2, &[1.0, 2.0, 0.0, 0.0]), f64::INFINITY);
         assert_eq!(log_det(2, &mut [1.0, 2.0, 0.0, 0.0]), None);
         assert_eq!(log_det(2, &mut [f64::NAN, 2.0, 0.0, 1.0]), None);
     }

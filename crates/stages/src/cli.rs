@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use artifact::{Provenance, Shard};
+use clap::error::ErrorKind;
 use clap::{Args, Parser};
 use serde_json::{Value, json};
 
@@ -87,21 +88,53 @@ pub fn run<A: Parser>(
     common: impl Fn(&A) -> &Common,
     stage: impl FnOnce(&A) -> Result<Summary, Failure>,
 ) -> ExitCode {
-    let arguments = A::parse();
+    let arguments = match A::try_parse() {
+        Ok(arguments) => arguments,
+        Err(error) => return usage(&error),
+    };
     let (json, threads) = (common(&arguments).json, common(&arguments).threads);
     let result = start_threads(threads).and_then(|()| stage(&arguments));
     match result {
         Ok(summary) if json => println!("{}", summary.json),
         Ok(summary) => println!("{}", summary.line),
         Err(failure) => {
-            eprintln!("error: {failure}");
-            if json {
-                println!("{}", json!({"exit_code": failure.exit_code(), "error": failure.to_string()}));
-            }
+            tell(&failure, json);
             return ExitCode::from(failure.exit_code());
         }
     }
     ExitCode::SUCCESS
+}
+
+/// Prints the help that was asked for, or what is wrong with the command line, in one line.
+fn usage(error: &clap::Error) -> ExitCode {
+    if !error.use_stderr() {
+        // Whoever closed the pipe has read enough.
+        let _ = error.print();
+        return ExitCode::SUCCESS;
+    }
+    let failure = match error.kind() {
+        ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => {
+            Failure::Usage("subcommand: found none, expected one; see --help".to_owned())
+        }
+        _ => Failure::Usage(one_line(&error.render().to_string())),
+    };
+    tell(&failure, std::env::args_os().any(|argument| argument == "--json"));
+    ExitCode::from(failure.exit_code())
+}
+
+/// What stands in clap's `message` above its usage.
+fn one_line(message: &str) -> String {
+    let above = message.split("\n\nUsage:").next().unwrap_or_default();
+    let above = above.split("\n\nFor more information").next().unwrap_or_default();
+    let words: Vec<&str> = above.trim_start_matches("error: ").split_whitespace().collect();
+    format!("{}; see --help", words.join(" "))
+}
+
+fn tell(failure: &Failure, json: bool) {
+    eprintln!("error: {failure}");
+    if json {
+        println!("{}", json!({"exit_code": failure.exit_code(), "error": failure.to_string()}));
+    }
 }
 
 fn start_threads(threads: Option<u32>) -> Result<(), Failure> {

@@ -3,6 +3,10 @@
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 
+/// Returns freed blocks of tables to the system: with the C library's allocator memory grows with the number of runs.
+#[global_allocator]
+static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
+
 pub mod campaign_file;
 pub mod cli;
 pub mod documents;

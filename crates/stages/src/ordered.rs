@@ -21,3 +21,26 @@ pub fn ordered<T: Send, E: Send>(
     }
     Ok(())
 }
+
+/// Blocks of a table that make one block of the table computed from it, so that small rows do not end up in small blocks.
+const JOINED: usize = 8;
+
+/// Number of joined blocks that `blocks` make.
+pub fn joined_blocks(blocks: usize) -> usize {
+    blocks.div_ceil(JOINED)
+}
+
+/// Calls `work` in parallel on the blocks that make joined block `i` and puts their rows together.
+///
+/// # Errors
+/// The first failure in order.
+pub fn joined<T: Send, E: Send>(
+    i: usize,
+    blocks: usize,
+    work: impl Fn(usize) -> Result<Vec<T>, E> + Sync + Send,
+) -> Result<Vec<T>, E> {
+    let parts: Vec<Result<Vec<T>, E>> =
+        (i * JOINED..blocks.min((i + 1) * JOINED)).into_par_iter().map(work).collect();
+    let parts: Vec<Vec<T>> = parts.into_iter().collect::<Result<_, _>>()?;
+    Ok(parts.into_iter().flatten().collect())
+}

@@ -1,3 +1,4 @@
+use rand_distr::{Distribution, StandardNormal};
 use serde::Deserialize;
 
 use crate::{Invalid, LANES, Lane, Streams};
@@ -86,19 +87,21 @@ impl Disturbances {
     }
 }
 
+/// Rows that stay in the processor's nearest cache while all lanes write to them.
+const ROWS: usize = 64;
+
 /// Adds white noise of standard deviation `std[i]` to column i of row-major `out`; column i draws from channel
 /// `first + i` of each lane's run.
 fn add_noise(streams: &Streams, runs: [u32; LANES], first: u32, std: &[f64], out: &mut [Lane]) {
     let width = std.len();
-    let mut draws = vec![0.0; out.len() / width];
-    for (column, std) in std.iter().enumerate() {
-        if *std == 0.0 {
-            continue;
-        }
-        for (lane, run) in runs.into_iter().enumerate() {
-            streams.normals(run, first + column as u32, &mut draws);
-            for (row, draw) in out.chunks_exact_mut(width).zip(&draws) {
-                row[column][lane] += std * draw;
+    for (column, std) in std.iter().enumerate().filter(|(_, std)| **std > 0.0) {
+        let mut sources = runs.map(|run| streams.channel(run, first + column as u32));
+        for rows in out.chunks_mut(ROWS * width) {
+            for (lane, source) in sources.iter_mut().enumerate() {
+                for row in rows.chunks_exact_mut(width) {
+                    let draw: f64 = StandardNormal.sample(source);
+                    row[column][lane] += std * draw;
+                }
             }
         }
     }

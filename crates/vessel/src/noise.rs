@@ -2,9 +2,10 @@ use rand::Rng;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
+use rand_xoshiro::Xoshiro256PlusPlus;
 
-/// Random numbers keyed by what they are for: one ChaCha8 key per (seed, design), one stream per (run, channel). What
-/// a run draws depends on nothing else.
+/// Random numbers keyed by what they are for: one ChaCha8 key per (seed, design), one stream per (run, channel), which
+/// seeds the fast generator that the channel draws from. What a run draws depends on nothing else.
 #[derive(Clone, Debug)]
 pub struct Streams {
     key: [u8; 32],
@@ -20,10 +21,10 @@ impl Streams {
     }
 
     /// The generator of one channel of one run.
-    pub fn channel(&self, run: u32, channel: u32) -> ChaCha8Rng {
-        let mut rng = ChaCha8Rng::from_seed(self.key);
-        rng.set_stream(u64::from(run) << 32 | u64::from(channel));
-        rng
+    pub fn channel(&self, run: u32, channel: u32) -> Xoshiro256PlusPlus {
+        let mut keyed = ChaCha8Rng::from_seed(self.key);
+        keyed.set_stream(u64::from(run) << 32 | u64::from(channel));
+        Xoshiro256PlusPlus::from_rng(&mut keyed)
     }
 
     /// Fills `out` with standard normal numbers from one channel of one run.

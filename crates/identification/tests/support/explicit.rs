@@ -46,9 +46,9 @@ impl Regression {
     /// Appends one column per group to φ and ζ: 1 in the group, 0 elsewhere.
     pub fn lift(&mut self, starts: &[usize]) {
         for k in 0..self.phi.len() {
-            let group = starts.iter().filter(|start| **start <= k).count() - 1;
+            let group = starts.iter().rposition(|start| *start <= k);
             for g in 0..starts.len() {
-                let indicator = if g == group { 1.0 } else { 0.0 };
+                let indicator = if Some(g) == group { 1.0 } else { 0.0 };
                 self.phi[k].push(indicator);
                 self.zeta[k].push(indicator);
             }

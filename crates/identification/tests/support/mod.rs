@@ -56,7 +56,8 @@ impl Experiment {
             let offset = normals.next();
             for k in start..start + length {
                 if k % 10 == 0 || k == start {
-                    level = [3500.0 + 1500.0 * normals.next(), 400.0 * normals.next(), 200.0 * normals.next()];
+                    level =
+                        [3500.0 + 1500.0 * normals.next(), 400.0 * normals.next(), 200.0 * normals.next()];
                     level[2] += 100.0 * offset;
                 }
                 experiment.inputs.extend(level);

@@ -1,6 +1,6 @@
 //! `design`: how long to run each maneuver.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -15,6 +15,7 @@ use stages::failure::Failure;
 /// Finds the shares of the experiment time that make the information largest (D-optimal), with a certificate
 #[derive(Parser)]
 #[command(
+    name = "design",
     version,
     after_help = "Example:\n  design --moments moments.json --out design.json\n  \
     design --moments moments.json --segments 5 --segment-samples 200 --out design.json"
@@ -95,6 +96,7 @@ fn stage(a: &Arguments) -> Result<Summary, Failure> {
 
 /// One candidate per maneuver: the matrices that add up under the chosen mean removal.
 fn candidates(file: &Path, moments: &MomentsDocument, removal: Removal) -> Result<Candidates, Failure> {
+    check_structure(file, moments)?;
     let lifted: Vec<usize> = moments.degrees.iter().map(|d| d.regressors.len()).collect();
     let kept = lifted.iter().map(|n| if removal == Removal::Complete { *n } else { n - 1 }).collect();
     let mut candidates = Candidates::new(kept);
@@ -121,6 +123,31 @@ fn candidates(file: &Path, moments: &MomentsDocument, removal: Removal) -> Resul
         candidates.push(&entries).map_err(|e| malformed(&e.to_string()))?;
     }
     Ok(candidates)
+}
+
+/// Refuses degrees of freedom without one parameter per regressor, and maneuvers of the same name.
+fn check_structure(file: &Path, moments: &MomentsDocument) -> Result<(), Failure> {
+    let refuse = |thing: String, found: &str, expected: &str| {
+        Err(Failure::refuse(file, &thing, found, expected, "run `moments` again"))
+    };
+    for degree in &moments.degrees {
+        let (regressors, parameters) = (degree.regressors.len(), degree.parameters.len());
+        if parameters == 0 || regressors != parameters + 1 {
+            let found = format!("{regressors} regressors and {parameters} parameters");
+            return refuse(
+                format!("`data.degrees` {}", degree.name),
+                &found,
+                "one regressor more than parameters",
+            );
+        }
+    }
+    let mut names = BTreeSet::new();
+    match moments.maneuvers.iter().find(|maneuver| !names.insert(&maneuver.name)) {
+        Some(twice) => {
+            refuse(format!("maneuver `{}`", twice.name), "its moments twice", "every maneuver once")
+        }
+        None => Ok(()),
+    }
 }
 
 /// From M = \[\[X̄, Ȳ\], \[Z̄ᵀ, 1\]\]: M itself, X̄ − Ȳ Z̄ᵀ or X̄.

@@ -14,7 +14,7 @@ use stages::documents::{DegreeSummary, DesignSummary, EstimateDocument, Paramete
 use stages::estimates::{self, Row};
 use stages::failure::Failure;
 use stages::instruments::{InstrumentKind, Instruments};
-use stages::ordered::ordered;
+use stages::ordered::{joined, joined_blocks, ordered};
 use stages::progress::Progress;
 use stages::statistics::{mean, quantile, sorted, spread};
 use stages::study_files::read_vessel;
@@ -24,6 +24,7 @@ use vessel::{DegreeOfFreedom, Vessel};
 /// Estimates the parameters of every run, with standard errors; writes estimates.parquet and estimate.json
 #[derive(Parser)]
 #[command(
+    name = "estimate",
     version,
     after_help = "Example:\n  estimate --vessel pipelines/paper/vessel.toml \
     --trajectories campaign.parquet --out estimates.parquet"
@@ -117,14 +118,19 @@ fn estimate_blocks(
         Estimator::Ls => InstrumentKind::Regressors,
     };
     let instruments = Instruments::new(vessel, &a.vessel, kind)?;
-    let blocks = a.sharding.shard.map_or(0..reader.blocks(), |s| s.range(reader.blocks()));
-    let progress = Progress::new("blocks of runs", blocks.len(), a.common.quiet);
-    let work = |i: usize| {
-        let rows = rows_of(a, vessel, file, &instruments, &reader.runs(i)?)?;
+    let outputs = joined_blocks(reader.blocks());
+    let mine = a.sharding.shard.map_or(0..outputs, |s| s.range(outputs));
+    let progress = Progress::new("blocks of runs", reader.blocks(), a.common.quiet);
+    let block = |i: usize| {
+        let rows = rows_of(a, vessel, file, &instruments, &reader.runs(i)?);
         progress.advance(1);
+        rows
+    };
+    let work = |i: usize| {
+        let rows = joined(i, reader.blocks(), block)?;
         Ok((encode_block(schema, &estimates::table(vessel, &rows))?, rows))
     };
-    ordered(blocks, work, each)
+    ordered(mine, work, each)
 }
 
 fn rows_of(

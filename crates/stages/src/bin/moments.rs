@@ -20,6 +20,7 @@ use vessel::{DegreeOfFreedom, Model, Vessel};
 /// Computes the lifted moment matrices of every maneuver, M = mean of φ̃ζ̃ᵀ per degree of freedom
 #[derive(Parser)]
 #[command(
+    name = "moments",
     version,
     after_help = "Example:\n  moments --vessel pipelines/paper/vessel.toml \
     --trajectories dictionary.parquet --out moments.json"
@@ -46,6 +47,7 @@ fn stage(a: &Arguments) -> Result<Summary, Failure> {
     let mut provenance = provenance("moments");
     let vessel = read_vessel(&a.vessel, &mut provenance)?;
     let reader = TrajectoryReader::open(&a.trajectories, &Layout::new(&vessel.model), vessel.sample_rate_hz)?;
+    reader.whole()?;
     provenance.inputs.insert("trajectories".into(), reader.digest());
     let kind = a.instruments.to_possible_value().map_or(String::new(), |v| v.get_name().to_owned());
     provenance.settings.insert("instruments".into(), json!(kind));

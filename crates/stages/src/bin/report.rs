@@ -1,6 +1,6 @@
 //! `report`: a study on one page.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use artifact::{Staged, commit};
@@ -8,11 +8,12 @@ use clap::Parser;
 use serde_json::json;
 use stages::cli::{Common, Summary, beside, run};
 use stages::failure::Failure;
-use stages::report::{Sources, load, render};
+use stages::report::{Rendered, Sources, load, render};
 
 /// Puts a study's results on one self-contained HTML page, with its figures as SVG beside it in figures/
 #[derive(Parser)]
 #[command(
+    name = "report",
     version,
     after_help = "Example:\n  report --study pipelines/paper --results out/paper --out out/paper/report.html"
 )]
@@ -37,20 +38,27 @@ fn stage(a: &Arguments) -> Result<Summary, Failure> {
     let page = render(&study).map_err(|e| Failure::Failed(format!("figures: {e}")))?;
     let out = a.common.main_output("report.html");
     let figures = beside(&out, "figures");
-    std::fs::create_dir_all(&figures).map_err(|e| {
-        Failure::Failed(format!(
-            "{}: create: found {e}, expected a writable folder; write elsewhere",
-            figures.display()
-        ))
+    let existed = figures.is_dir();
+    write(&page, &out, &figures).inspect_err(|_| {
+        if !existed {
+            // Only an empty folder goes; the failure itself is reported.
+            let _ = std::fs::remove_dir(&figures);
+        }
     })?;
-    let mut staged = Vec::new();
-    for (name, svg) in &page.figures {
-        staged.push(Staged::bytes(figures.join(name), svg.as_bytes())?);
-    }
-    staged.push(Staged::bytes(&out, page.html.as_bytes())?);
-    commit(staged)?;
     Ok(Summary {
         line: format!("{}: {} figures", out.display(), page.figures.len()),
         json: json!({"out": out, "figures": page.figures.len()}),
     })
+}
+
+fn write(page: &Rendered, out: &Path, figures: &Path) -> Result<(), Failure> {
+    if !figures.is_dir() {
+        std::fs::create_dir(figures).map_err(|e| artifact::Error::io(figures, "create", e))?;
+    }
+    let mut staged = Vec::new();
+    for (name, svg) in &page.figures {
+        staged.push(Staged::bytes(figures.join(name), svg.as_bytes())?);
+    }
+    staged.push(Staged::bytes(out, page.html.as_bytes())?);
+    Ok(commit(staged)?)
 }

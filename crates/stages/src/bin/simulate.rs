@@ -18,6 +18,7 @@ use vessel::{Source, Vessel};
 /// Simulates a vessel's trajectories
 #[derive(Parser)]
 #[command(
+    name = "simulate",
     version,
     after_help = "Example:\n  simulate dictionary --vessel pipelines/paper/vessel.toml \
     --dictionary pipelines/paper/dictionary.toml --out dictionary.parquet"

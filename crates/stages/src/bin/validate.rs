@@ -25,6 +25,7 @@ use vessel::{LANES, Lane, Vessel};
 /// Scores every estimate: parameter error and free-run simulation error; writes scores.parquet and validation.json
 #[derive(Parser)]
 #[command(
+    name = "validate",
     version,
     after_help = "Example:\n  validate --vessel pipelines/paper/vessel.toml \
     --campaign pipelines/paper/campaign.toml --estimates estimates.parquet --validation validation.parquet \

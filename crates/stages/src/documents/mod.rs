@@ -6,8 +6,20 @@ mod moments;
 mod reference;
 mod validation;
 
+use artifact::{Document, json_schema};
+
 pub use design::{Counts, DesignDocument, Efficiency, Start};
 pub use estimate::{DegreeSummary, DesignSummary, EstimateDocument, ParameterSummary};
 pub use moments::{DegreeMoments, DegreeStructure, ManeuverMoments, MomentsDocument};
 pub use reference::{Published, PublishedShare, Reference};
 pub use validation::{Bounds, DesignScores, Quantiles, ValidationDocument};
+
+/// JSON Schema of every document that a stage writes, by the document's id.
+pub fn schemas() -> Vec<(&'static str, serde_json::Value)> {
+    vec![
+        (MomentsDocument::ID, json_schema::<MomentsDocument>()),
+        (DesignDocument::ID, json_schema::<DesignDocument>()),
+        (EstimateDocument::ID, json_schema::<EstimateDocument>()),
+        (ValidationDocument::ID, json_schema::<ValidationDocument>()),
+    ]
+}

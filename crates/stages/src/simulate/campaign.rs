@@ -1,6 +1,7 @@
 //! A campaign: many disturbed runs of the optimized and of the random design.
 
 use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 use std::path::Path;
 
 use artifact::{EncodedBlock, Provenance, Shard, encode_block};
@@ -9,7 +10,7 @@ use vessel::{
     Disturbances, Generator, LANES, Lane, Realized, Source, Streams, Vessel, check_diverged, simulate,
 };
 
-use super::{diverged, exogenous, publish, writer};
+use super::{diverged, exogenous, publish, refuse_endless, writer};
 use crate::campaign_file::CampaignFile;
 use crate::documents::DesignDocument;
 use crate::failure::Failure;
@@ -31,6 +32,7 @@ pub struct Campaign<'a> {
     truth: Vec<Lane>,
     disturbances: Disturbances,
     samples: usize,
+    realizations: u32,
     designs: Vec<Design>,
     /// Every maneuver at every length that occurs.
     realized: BTreeMap<(usize, usize), Realized>,
@@ -40,7 +42,27 @@ pub struct Campaign<'a> {
 struct Design {
     name: &'static str,
     streams: Streams,
-    plans: Vec<Plan>,
+    rule: Rule,
+}
+
+/// What the runs of a design do.
+enum Rule {
+    /// All the same.
+    Fixed(Plan),
+    /// A maneuver drawn from `maneuvers` for each of the lengths.
+    Drawn { maneuvers: u32, lengths: Vec<usize> },
+}
+
+impl Design {
+    fn plan(&self, run: u32) -> Plan {
+        match &self.rule {
+            Rule::Fixed(plan) => plan.clone(),
+            Rule::Drawn { maneuvers, lengths } => {
+                let drawn = self.streams.choices(run, MANEUVER_CHANNEL, *maneuvers, lengths.len());
+                drawn.iter().zip(lengths).map(|(q, n)| (*q as usize, *n)).collect()
+            }
+        }
+    }
 }
 
 /// The files of a campaign, for messages.
@@ -70,35 +92,30 @@ impl<'a> Campaign<'a> {
     ) -> Result<Self, Failure> {
         let truth = vessel.parameters(Source::Value).map_err(|e| Failure::invalid(files.vessel, &e))?;
         let samples = vessel.samples(config.duration_s);
+        refuse_endless(files.campaign, "`duration_s`", samples)?;
         let names: Vec<String> = generator.maneuvers().iter().map(|m| m.name.clone()).collect();
         let runs = config.realizations;
         let optimized = optimized_plan(files, &names, design, samples)?;
         let mut designs = vec![Design {
             name: "optimized",
             streams: Streams::new(seed, "optimized"),
-            plans: vec![optimized; runs as usize],
+            rule: Rule::Fixed(optimized),
         }];
         if let Some(random) = config.random {
-            let streams = Streams::new(seed, "random");
-            let lengths =
-                apportion(&vec![1.0 / f64::from(random.segments); random.segments as usize], samples as u64);
-            if lengths.contains(&0) {
+            if random.segments as usize > samples {
                 return Err(too_short(files.campaign, samples, "random.segments"));
             }
-            let plan = |run: u32| {
-                let drawn = streams.choices(run, MANEUVER_CHANNEL, names.len() as u32, lengths.len());
-                drawn.iter().zip(&lengths).map(|(q, n)| (*q as usize, *n as usize)).collect()
-            };
-            let plans = (0..runs).map(plan).collect();
-            designs.push(Design { name: "random", streams, plans });
+            let even = vec![1.0 / f64::from(random.segments); random.segments as usize];
+            let lengths: Vec<usize> = apportion(&even, samples as u64).iter().map(|n| *n as usize).collect();
+            let rule = Rule::Drawn { maneuvers: names.len() as u32, lengths };
+            designs.push(Design { name: "random", streams: Streams::new(seed, "random"), rule });
         }
         let mut realized = BTreeMap::new();
-        for (index, samples) in designs.iter().flat_map(|d| d.plans.iter().flatten()) {
-            if !realized.contains_key(&(*index, *samples)) {
-                let maneuver = generator
-                    .realize(*index, *samples)
-                    .map_err(|e| Failure::invalid(files.dictionary, &e))?;
-                realized.insert((*index, *samples), maneuver);
+        for (index, samples) in designs.iter().flat_map(|d| (0..runs).flat_map(|run| d.plan(run))) {
+            if let Entry::Vacant(entry) = realized.entry((index, samples)) {
+                let maneuver =
+                    generator.realize(index, samples).map_err(|e| Failure::invalid(files.dictionary, &e))?;
+                entry.insert(maneuver);
             }
         }
         Ok(Self {
@@ -107,6 +124,7 @@ impl<'a> Campaign<'a> {
             truth: truth.into_iter().map(Lane::splat).collect(),
             disturbances: config.disturbances(),
             samples,
+            realizations: runs,
             designs,
             realized,
             names,
@@ -115,7 +133,7 @@ impl<'a> Campaign<'a> {
 
     /// Number of runs of all designs.
     pub fn runs(&self) -> usize {
-        self.designs.iter().map(|d| d.plans.len()).sum()
+        self.designs.len() * self.realizations as usize
     }
 
     /// Samples per run.
@@ -150,12 +168,12 @@ impl<'a> Campaign<'a> {
     /// Runs of one design that are written together.
     fn blocks(&self) -> Vec<BlockOfRuns> {
         let size = rows_per_block(self.samples);
-        let of = |(design, d): (usize, &Design)| {
-            let runs = d.plans.len();
-            (0..runs.div_ceil(size))
-                .map(move |b| BlockOfRuns { design, runs: b * size..runs.min((b + 1) * size) })
+        let runs = self.realizations as usize;
+        let of = |design: usize| {
+            let part = move |b: usize| BlockOfRuns { design, runs: b * size..runs.min((b + 1) * size) };
+            (0..runs.div_ceil(size)).map(part)
         };
-        self.designs.iter().enumerate().flat_map(of).collect()
+        (0..self.designs.len()).flat_map(of).collect()
     }
 
     fn block(&self, layout: &Layout, block: &BlockOfRuns) -> Result<EncodedBlock, Failure> {
@@ -174,10 +192,11 @@ impl<'a> Campaign<'a> {
         builder: &mut BlockBuilder,
     ) -> Result<(), Failure> {
         let model = &self.vessel.model;
-        let exogenous: Vec<Vec<f64>> = runs.iter().map(|run| self.exogenous(&design.plans[*run])).collect();
+        let plans: Vec<Plan> = runs.iter().map(|run| design.plan(*run as u32)).collect();
+        let exogenous: Vec<Vec<f64>> = plans.iter().map(|plan| self.exogenous(plan)).collect();
         let lanes = interleave(&exogenous.iter().map(Vec::as_slice).collect::<Vec<_>>());
         let numbers: [u32; LANES] = std::array::from_fn(|lane| runs[lane.min(runs.len() - 1)] as u32);
-        let start = |lane: usize| self.realized[&design.plans[numbers[lane] as usize][0]].initial;
+        let start = |lane: usize| self.realized[&plans[lane.min(plans.len() - 1)][0]].initial;
         let initial = [0, 1, 2].map(|d| Lane(std::array::from_fn(|lane| start(lane)[d])));
         let current = self.disturbances.current(&design.streams, numbers, self.samples);
         let mut states = vec![Lane::ZERO; 3 * (self.samples + 1)];
@@ -195,7 +214,7 @@ impl<'a> Campaign<'a> {
             builder.push(&NewRun {
                 design: design.name,
                 run: *run as u32,
-                segments: &segments(&design.plans[*run]),
+                segments: &segments(&plans[lane]),
                 exogenous: &exogenous[lane],
                 measured: &lane_of(&measured, lane),
                 states: &lane_of(&states, lane),
@@ -241,12 +260,25 @@ fn optimized_plan(
             "make the design again from this dictionary",
         ));
     }
+    check_shares(files.design, design)?;
     let shares: Vec<f64> = names.iter().map(|name| design.shares.get(name).copied().unwrap_or(0.0)).collect();
     let counts = apportion(&shares, samples as u64);
     if samples == 0 {
         return Err(too_short(files.campaign, samples, "duration_s"));
     }
     Ok(counts.iter().enumerate().filter(|(_, n)| **n > 0).map(|(q, n)| (q, *n as usize)).collect())
+}
+
+/// Refuses shares that are no shares.
+fn check_shares(file: &Path, design: &DesignDocument) -> Result<(), Failure> {
+    let refuse = |thing: &str, found: f64, expected: &str| {
+        Err(Failure::refuse(file, thing, &found.to_string(), expected, "make the design again"))
+    };
+    if let Some((name, share)) = design.shares.iter().find(|(_, share)| !(0.0..=1.0).contains(*share)) {
+        return refuse(&format!("`data.shares` of `{name}`"), *share, "a share from 0 to 1");
+    }
+    let sum = design.shares.values().fold(0.0, |sum, share| sum + share);
+    if (sum - 1.0).abs() > 1e-6 { refuse("sum of `data.shares`", sum, "1") } else { Ok(()) }
 }
 
 fn too_short(file: &Path, samples: usize, key: &str) -> Failure {

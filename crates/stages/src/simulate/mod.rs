@@ -11,6 +11,18 @@ use vessel::{Diverged, Model, Vessel};
 use crate::failure::Failure;
 use crate::trajectories::Layout;
 
+/// The longest run that is simulated \[samples\].
+pub(crate) const MOST_SAMPLES: usize = 1 << 22;
+
+/// Refuses runs of more than [`MOST_SAMPLES`] samples, which `file` asks for in `thing`.
+pub(crate) fn refuse_endless(file: &Path, thing: &str, samples: usize) -> Result<(), Failure> {
+    if samples <= MOST_SAMPLES {
+        return Ok(());
+    }
+    let (found, expected) = (format!("{samples} samples"), format!("at most {MOST_SAMPLES} samples"));
+    Err(Failure::refuse(file, thing, &found, &expected, "shorten it"))
+}
+
 /// Inputs N × inputs with zeros appended for the measured disturbances: N × exogenous.
 pub(crate) fn exogenous(model: &Model, inputs: &[f64]) -> Vec<f64> {
     let rows = inputs.chunks_exact(model.inputs);

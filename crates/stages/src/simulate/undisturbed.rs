@@ -5,7 +5,7 @@ use std::path::Path;
 use artifact::{Provenance, encode_block};
 use vessel::{Generator, LANES, Lane, Source, Vessel, check_diverged, simulate_one};
 
-use super::{diverged, exogenous, publish, writer};
+use super::{diverged, exogenous, publish, refuse_endless, writer};
 use crate::failure::Failure;
 use crate::ordered::ordered;
 use crate::progress::Progress;
@@ -64,6 +64,8 @@ impl Undisturbed<'_> {
     fn push(&self, index: usize, parameters: &[f64], builder: &mut BlockBuilder) -> Result<usize, Failure> {
         let invalid = |e| Failure::invalid(self.dictionary_file, &e);
         let samples = self.generator.samples(index).map_err(invalid)?;
+        let thing = format!("maneuver `{}`, `duration_s`", self.generator.maneuvers()[index].name);
+        refuse_endless(self.dictionary_file, &thing, samples)?;
         let maneuver = self.generator.realize(index, samples).map_err(invalid)?;
         let exogenous = exogenous(&self.vessel.model, &maneuver.inputs);
         let states = simulate_one(&self.vessel.model, parameters, maneuver.initial, &exogenous);

@@ -1,0 +1,265 @@
+//! What must hold by theory, whatever the data.
+
+mod support;
+
+use identification::{DegreeSums, FreeRun, MeanRemoval, Outcome, Sums, estimate, free_runs, moments};
+use proptest::prelude::*;
+use support::explicit::{Regression, sizes};
+use support::noise::Normals;
+use support::{Experiment, Recording, SideBySide, dictionary, lanes, paper, truth};
+use vessel::{DIVERGED, LANES, Lane, Source};
+
+const REMOVALS: [MeanRemoval; 3] = [MeanRemoval::Complete, MeanRemoval::Batch, MeanRemoval::None];
+
+fn random_run(seed: u64, lengths: &[usize], noise: f64) -> Recording {
+    let mut normals = Normals::new(seed);
+    Experiment::random(&mut normals, lengths).record(&paper(), noise, &mut normals)
+}
+
+/// Outcomes of the runs, estimated side by side.
+fn outcomes(runs: &[&Recording], removal: MeanRemoval) -> Vec<Outcome> {
+    let vessel = paper();
+    let side_by_side = SideBySide::new(runs);
+    let mut all = estimate(&side_by_side.batch(&vessel.model), removal);
+    all.truncate(runs.len());
+    all
+}
+
+fn theta(outcome: &Outcome) -> &[f64] {
+    match outcome {
+        Outcome::Identified(estimate) => &estimate.parameters,
+        other => panic!("{other:?}"),
+    }
+}
+
+fn close(found: f64, expected: f64, tolerance: f64) -> bool {
+    (found - expected).abs() <= tolerance * expected.abs()
+}
+
+/// An intercept per group does what subtracting the group's instrument mean does, and the crate does
+/// either.
+#[test]
+fn law_an_intercept_is_the_subtraction_of_the_instruments_mean() {
+    let runs: Vec<Recording> = (0..8).map(|seed| random_run(seed, &[130, 70, 100], 0.02)).collect();
+    let least_squares: Vec<Recording> = runs.iter().map(Recording::with_own_instruments).collect();
+    for runs in [&runs, &least_squares] {
+        for removal in REMOVALS {
+            let found = outcomes(&runs.iter().collect::<Vec<_>>(), removal);
+            for (run, outcome) in runs.iter().zip(&found) {
+                let groups: &[usize] = match removal {
+                    MeanRemoval::None => &[],
+                    MeanRemoval::Batch => &run.segments,
+                    MeanRemoval::Complete => &[0],
+                };
+                check_both_forms(run, groups, theta(outcome));
+            }
+        }
+    }
+}
+
+fn check_both_forms(run: &Recording, groups: &[usize], found: &[f64]) {
+    let mut next = 0;
+    for d in 0..3 {
+        let mut subtracted = Regression::of(run, d);
+        let mut lifted = Regression::of(run, d);
+        let p = subtracted.parameters();
+        subtracted.subtract_instrument_means(groups);
+        lifted.lift(groups);
+        let forms = [subtracted.solve(), lifted.solve()];
+        for i in 0..p {
+            for form in &forms {
+                let found = found[next + i];
+                assert!(close(found, form[i], 1e-8), "{d} {i}: found {found}, expected {}", form[i]);
+            }
+        }
+        next += p;
+    }
+}
+
+/// Sums of one degree of freedom by their definitions.
+fn explicit_sums(run: &Recording, d: usize) -> DegreeSums {
+    let mut regression = Regression::of(run, d);
+    let p = regression.parameters();
+    let squares = |rows: &[Vec<f64>]| sizes(rows).iter().map(|s| s * s * rows.len() as f64).collect();
+    let (instrument_squares, regressor_squares) = (squares(&regression.zeta), squares(&regression.phi));
+    regression.lift(&[0]);
+    let (mut a, mut b) = (vec![0.0; (p + 1) * (p + 1)], vec![0.0; p + 1]);
+    for ((phi, zeta), target) in regression.phi.iter().zip(&regression.zeta).zip(&regression.target) {
+        for i in 0..=p {
+            b[i] += zeta[i] * target;
+            for j in 0..=p {
+                a[i * (p + 1) + j] += zeta[i] * phi[j];
+            }
+        }
+    }
+    DegreeSums { a, b, instrument_squares, regressor_squares }
+}
+
+fn explicit(run: &Recording) -> Sums {
+    Sums { samples: run.samples() as u64, degrees: (0..3).map(|d| explicit_sums(run, d)).collect() }
+}
+
+/// Largest difference of two arrays, relative to the largest entry that the sums could have.
+fn assert_sums_close(found: &[f64], expected: &[f64], size: impl Fn(usize) -> f64) {
+    assert_eq!(found.len(), expected.len());
+    for (k, (found, expected)) in found.iter().zip(expected).enumerate() {
+        assert!((found - expected).abs() <= 1e-12 * size(k), "{k}: found {found}, expected {expected}");
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(64))]
+
+    /// The sums of two pieces are those of the whole, and the crate's moments are these sums over N.
+    #[test]
+    fn law_sums_of_pieces_merge_into_those_of_the_whole(seed in 0u64..1000, cut in 1usize..99) {
+        let run = random_run(seed, &[100], 0.05);
+        let (vessel, pieces) = (paper(), [run.piece(0, cut), run.piece(cut, 100)]);
+        let whole = explicit(&run);
+        let mut merged = Sums::default();
+        pieces.iter().for_each(|piece| merged.merge(&explicit(piece)));
+        prop_assert_eq!(merged.samples, 100);
+        let of = |run: &Recording| moments(&SideBySide::new(&[run]).batch(&vessel.model)).swap_remove(0);
+        let (all, parts) = (of(&run), pieces.each_ref().map(of));
+        prop_assert_eq!(all.samples, parts[0].samples + parts[1].samples);
+        for d in 0..3 {
+            let (merged, whole) = (&merged.degrees[d], &whole.degrees[d]);
+            let lifted = whole.b.len();
+            let squares = |values: &[f64], i: usize| values.get(i).copied().unwrap_or(100.0).sqrt();
+            let size = |k: usize| squares(&whole.instrument_squares, k / lifted) * squares(&whole.regressor_squares, k % lifted);
+            assert_sums_close(&merged.a, &whole.a, size);
+            assert_sums_close(&merged.b, &whole.b, |i| 100.0 * squares(&whole.instrument_squares, i));
+            assert_sums_close(&merged.instrument_squares, &whole.instrument_squares, |i| whole.instrument_squares[i]);
+            assert_sums_close(&merged.regressor_squares, &whole.regressor_squares, |i| whole.regressor_squares[i]);
+            let sum = |k: usize| parts.iter().map(|part| part.samples as f64 * part.matrices[d][k]).sum::<f64>();
+            let sums: Vec<f64> = (0..lifted * lifted).map(sum).collect();
+            let transposed = |k: usize| (k % lifted) * lifted + k / lifted;
+            let total: Vec<f64> = all.matrices[d].iter().map(|m| 100.0 * m).collect();
+            let own: Vec<f64> = (0..lifted * lifted).map(|k| whole.a[transposed(k)]).collect();
+            assert_sums_close(&sums, &total, |k| size(transposed(k)));
+            assert_sums_close(&total, &own, |k| size(transposed(k)));
+        }
+    }
+
+    #[test]
+    fn law_data_without_noise_give_the_true_parameters(seed in 0u64..1_000_000) {
+        let run = random_run(seed, &[150, 100, 150], 0.0);
+        let truth = truth(&paper());
+        for run in [&run, &run.with_own_instruments()] {
+            for removal in REMOVALS {
+                let found = outcomes(&[run], removal);
+                for (i, (found, truth)) in theta(&found[0]).iter().zip(&truth).enumerate() {
+                    prop_assert!(close(*found, *truth, 1e-8), "{i}: found {found}, expected {truth}");
+                }
+            }
+        }
+    }
+
+    /// Lane by lane the same bits, whoever the neighbours and whatever their segments.
+    #[test]
+    fn law_an_estimate_does_not_depend_on_its_neighbours(seed in 0u64..1000, lane in 0usize..LANES) {
+        let run = random_run(seed, &[120, 80, 100], 0.1);
+        let neighbour = |i: u64| random_run(1000 + 10 * seed + i, &[50 + 7 * i as usize, 250 - 7 * i as usize], 0.2);
+        let neighbours: Vec<Recording> = (0..LANES as u64).map(neighbour).collect();
+        let mut mixed: Vec<&Recording> = neighbours.iter().collect();
+        mixed[lane] = &run;
+        for removal in REMOVALS {
+            let alone = outcomes(&[&run], removal).swap_remove(0);
+            let beside = outcomes(&mixed, removal).swap_remove(lane);
+            prop_assert_eq!(format!("{alone:?}"), format!("{beside:?}"));
+        }
+    }
+
+    /// A free simulation either has finite errors or is reported with its first sample beyond the bound.
+    #[test]
+    fn law_a_diverging_model_is_reported_and_is_never_a_nan(seed in 0u64..1_000_000) {
+        let vessel = paper();
+        let mut normals = Normals::new(seed);
+        let experiment = Experiment::random(&mut normals, &[60]);
+        let reference = experiment.states(&vessel, Source::Value);
+        let scale = 10.0_f64.powi((seed % 5) as i32 - 1);
+        let models: Vec<Vec<f64>> = (0..LANES)
+            .map(|_| truth(&vessel).iter().map(|t| t * (1.0 + scale * normals.next())).collect())
+            .collect();
+        let parameters = lanes(std::array::from_fn(|lane| models[lane].as_slice()));
+        let exogenous: Vec<Lane> = experiment.inputs.iter().map(|x| Lane::splat(*x)).collect();
+        let found = free_runs(&vessel.model, &parameters, &exogenous, &reference, &mut Vec::new());
+        for (model, run) in models.iter().zip(found) {
+            match (run, first_beyond(model, &experiment)) {
+                (FreeRun::Diverged(found), Some(expected)) => {
+                    prop_assert_eq!(found, expected);
+                    prop_assert!(run.norm().is_none());
+                }
+                (FreeRun::Rmse(rmse), None) => prop_assert!(rmse.iter().all(|e| e.is_finite() && *e >= 0.0)),
+                other => prop_assert!(false, "{:?}", other),
+            }
+        }
+    }
+}
+
+/// First sample with a state beyond the bound, by plain loops.
+fn first_beyond(model: &[f64], experiment: &Experiment) -> Option<usize> {
+    let mut state = experiment.initial.to_vec();
+    for (k, tau) in experiment.inputs.chunks(3).enumerate() {
+        let phi = support::explicit::regressors(&state, tau);
+        let mut next = 0;
+        for (d, phi) in phi.iter().enumerate() {
+            state[d] += phi.iter().zip(&model[next..]).map(|(f, t)| f * t).sum::<f64>();
+            next += phi.len();
+        }
+        if !state.iter().all(|x| x.abs() <= DIVERGED) {
+            return Some(k + 1);
+        }
+    }
+    None
+}
+
+#[test]
+fn a_model_of_nans_and_infinities_is_reported_as_diverged() {
+    let (vessel, mut normals) = (paper(), Normals::new(1));
+    let experiment = Experiment::random(&mut normals, &[20]);
+    let reference = experiment.states(&vessel, Source::Value);
+    let mut parameters: Vec<Lane> = truth(&vessel).into_iter().map(Lane::splat).collect();
+    (parameters[0][1], parameters[3][2], parameters[9][5]) = (f64::NAN, f64::INFINITY, f64::NEG_INFINITY);
+    let exogenous: Vec<Lane> = experiment.inputs.iter().map(|x| Lane::splat(*x)).collect();
+    let found = free_runs(&vessel.model, &parameters, &exogenous, &reference, &mut Vec::new());
+    for (lane, run) in found.iter().enumerate() {
+        let expected = if [1, 2, 5].contains(&lane) { FreeRun::Diverged(1) } else { FreeRun::Rmse([0.0; 3]) };
+        assert_eq!(*run, expected, "lane {lane}");
+    }
+}
+
+/// A vessel that only slows down says nothing about sway and yaw, nor about the surge that they cause.
+#[test]
+fn law_a_run_that_only_decelerates_does_not_identify_sway_and_yaw() {
+    let (vessel, mut normals) = (paper(), Normals::new(5));
+    let experiment = Experiment::of_maneuvers(&dictionary(&vessel), &[(0, 300)]);
+    for noise in [0.0, 0.05] {
+        let run = experiment.record(&vessel, noise, &mut normals);
+        for removal in REMOVALS {
+            let side_by_side = SideBySide::new(&[&run]);
+            let (outcome, excitation) =
+                Outcome::with_excitation(&side_by_side.batch(&vessel.model), removal).swap_remove(0);
+            let Outcome::NotIdentifiable(direction) = outcome else { panic!("{outcome:?}") };
+            // The first that is missing is the surge force of sway times yaw rate (or, where the instruments' mean is
+            // removed, the thrust that never varies); sway and yaw are missing as a whole.
+            let first = vessel.model.degrees[direction.degree].terms[direction.parameter].text.as_str();
+            assert!(direction.degree == 0 && ["v r", "tau1"].contains(&first), "{first}");
+            assert!(excitation.iter().all(|e| e.condition.is_infinite()), "{excitation:?}");
+        }
+    }
+}
+
+/// The same with a surge equation that decelerating does excite: what is named is sway.
+#[test]
+fn law_the_direction_that_is_not_excited_is_named() {
+    let (mut vessel, mut normals) = (paper(), Normals::new(6));
+    let experiment = Experiment::of_maneuvers(&dictionary(&vessel), &[(0, 300)]);
+    let run = experiment.record(&vessel, 0.01, &mut normals);
+    vessel.model.degrees[0].terms.truncate(1);
+    vessel.model.degrees[0].parameters.truncate(1);
+    let side_by_side = SideBySide::new(&[&run]);
+    let found = estimate(&side_by_side.batch(&vessel.model), MeanRemoval::Complete).swap_remove(0);
+    let Outcome::NotIdentifiable(direction) = found else { panic!("{found:?}") };
+    assert_eq!((direction.degree, direction.parameter), (1, 0));
+}

@@ -1,0 +1,68 @@
+//! Random numbers are what they are keyed to be.
+
+use vessel::{Current, Disturbances, LANES, Lane, Measurement, Streams};
+
+fn draws(seed: u64, purpose: &str, run: u32, channel: u32, count: usize) -> Vec<f64> {
+    let mut out = vec![0.0; count];
+    Streams::new(seed, purpose).normals(run, channel, &mut out);
+    out
+}
+
+#[test]
+fn law_normals_have_the_moments_of_the_normal_distribution() {
+    let x = draws(1, "a", 0, 0, 200_000);
+    let mean = |power: i32| x.iter().map(|v| v.powi(power)).sum::<f64>() / x.len() as f64;
+    // Four Monte Carlo standard errors each.
+    for (power, expected, variance) in [(1, 0.0, 1.0), (2, 1.0, 2.0), (3, 0.0, 15.0), (4, 3.0, 96.0)] {
+        let tolerance = 4.0 * f64::sqrt(variance / x.len() as f64);
+        assert!((mean(power) - expected).abs() < tolerance, "moment {power}: {}", mean(power));
+    }
+    let neighbours: f64 = x.windows(2).map(|p| p[0] * p[1]).sum::<f64>() / x.len() as f64;
+    assert!(neighbours.abs() < 4.0 / (x.len() as f64).sqrt());
+}
+
+#[test]
+fn law_streams_differ_by_seed_purpose_run_and_channel_and_by_nothing_else() {
+    let reference = draws(1, "a", 2, 3, 1000);
+    assert_eq!(reference, draws(1, "a", 2, 3, 1000));
+    assert_eq!(reference[..10], draws(1, "a", 2, 3, 10)[..]);
+    for other in [
+        draws(2, "a", 2, 3, 1000),
+        draws(1, "b", 2, 3, 1000),
+        draws(1, "a", 3, 3, 1000),
+        draws(1, "a", 2, 2, 1000),
+    ] {
+        let correlation: f64 = reference.iter().zip(&other).map(|(a, b)| a * b).sum::<f64>() / 1000.0;
+        assert!(correlation.abs() < 4.0 / 1000.0_f64.sqrt(), "{correlation}");
+    }
+}
+
+#[test]
+fn law_a_runs_noise_does_not_depend_on_its_neighbours() {
+    let white = Disturbances {
+        current: Current::White { std_m_s: 0.5 },
+        measurement: Measurement { std_u_m_s: 0.1, std_v_m_s: 0.0, std_r_rad_s: 0.3 },
+    };
+    let streams = Streams::new(7, "x");
+    let measured = |runs: [u32; LANES]| {
+        let mut states = vec![Lane::ZERO; 3 * 101];
+        white.measure(&streams, runs, &mut states);
+        (white.current(&streams, runs, 100), states)
+    };
+    let (one, other) = (measured([5; LANES]), measured([0, 1, 2, 3, 4, 5, 6, 7]));
+    assert!(one.0.iter().zip(&other.0).all(|(a, b)| a[0] == b[5]));
+    assert!(one.1.iter().zip(&other.1).all(|(a, b)| a[0] == b[5]));
+    assert!(
+        one.1.iter().skip(1).step_by(3).all(|v| *v == Lane::ZERO),
+        "no noise where its deviation is zero"
+    );
+}
+
+#[test]
+fn law_choices_are_equally_likely() {
+    let draws = Streams::new(3, "x").choices(0, 0, 11, 110_000);
+    for value in 0..11 {
+        let count = draws.iter().filter(|d| **d == value).count() as f64;
+        assert!((count - 10_000.0).abs() < 4.0 * 10_000.0_f64.sqrt(), "{value}: {count}");
+    }
+}
