@@ -131,7 +131,7 @@ schemas:
 
 .PHONY: golden
 golden:
-	$(CARGO) run --locked -p stages --example write_golden
+	$(CARGO) test --locked -p stages --test golden -- --ignored
 
 .PHONY: clean
 clean:

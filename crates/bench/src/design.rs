@@ -21,7 +21,7 @@ pub fn generated(paper: &Paper, count: usize) -> anyhow::Result<Candidates> {
     let maneuver = |i: usize| {
         let speed_m_s = 0.2 + fraction(i, 0.754_877_666_246_693) * 0.95;
         let yaw_rate = 0.05 + fraction(i, 0.569_840_290_998_053) * 0.45;
-        let kind = if i % 3 == 0 {
+        let kind = if i.is_multiple_of(3) {
             Kind::Spiral {
                 speed_m_s,
                 yaw_rate_from_rad_s: 0.0,

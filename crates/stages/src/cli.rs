@@ -58,10 +58,21 @@ pub fn given<'a>(path: &'a Option<PathBuf>, flag: &str) -> Result<&'a Path, Fail
 }
 
 impl Common {
-    /// The main output: `--out`, or `name` in it where it is a folder.
-    pub fn main_output(&self, name: &str) -> PathBuf {
+    /// The main output: `--out`, or `name` in it where it is a folder. It may be none of `inputs`.
+    ///
+    /// # Errors
+    /// Usage, naming the input that would be overwritten.
+    pub fn main_output(&self, name: &str, inputs: &[&Path]) -> Result<PathBuf, Failure> {
         let folder = self.out.is_dir() || self.out.as_os_str().to_string_lossy().ends_with('/');
-        if folder { self.out.join(name) } else { self.out.clone() }
+        let out = if folder { self.out.join(name) } else { self.out.clone() };
+        let Ok(existing) = out.canonicalize() else { return Ok(out) };
+        match inputs.iter().find(|input| input.canonicalize().is_ok_and(|path| path == existing)) {
+            None => Ok(out),
+            Some(input) => Err(Failure::Usage(format!(
+                "--out: found {}, which is also an input, expected another file; name another output",
+                input.display()
+            ))),
+        }
     }
 }
 

@@ -37,6 +37,23 @@ fn command_lines_that_say_too_little_or_too_much_are_refused() {
 }
 
 #[test]
+fn an_output_that_is_also_an_input_is_refused() {
+    let folder = with(&READ);
+    let inputs = [
+        (DICTIONARY, "vessel.toml"),
+        (MOMENTS, "dictionary.parquet"),
+        (DESIGN, "moments.json"),
+        (CAMPAIGN, "design.json"),
+        (ESTIMATE, "campaign.parquet"),
+        (VALIDATE, "estimates.parquet"),
+    ];
+    for (stage, input) in inputs {
+        let (line, _) = stage.rsplit_once(" --out ").unwrap();
+        refused(&folder, 2, &format!("{line} --out {input}"), &["--out", input, "also an input"]);
+    }
+}
+
+#[test]
 fn impossible_shards_are_refused() {
     let folder = with(&READ);
     for stage in [CAMPAIGN, ESTIMATE, VALIDATE] {

@@ -78,7 +78,7 @@ fn stage(a: &Arguments) -> Result<Summary, Failure> {
     provenance.settings.insert("seed".into(), json!(options.seed));
     provenance.settings.insert("starts".into(), json!(a.starts));
     provenance.settings.insert("tolerance".into(), json!(a.tolerance));
-    let out = a.common.main_output("design.json");
+    let out = a.common.main_output("design.json", &[&a.moments])?;
     commit(vec![stage_document(&out, &provenance, &document)?])?;
     let used = document.shares.values().filter(|w| **w > 0.0).count();
     Ok(Summary {

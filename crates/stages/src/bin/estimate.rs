@@ -73,7 +73,9 @@ fn main() -> ExitCode {
 fn stage(a: &Arguments) -> Result<Summary, Failure> {
     let mut provenance = provenance("estimate");
     let vessel = read_vessel(&a.vessel, &mut provenance)?;
-    let out = a.common.main_output("estimates.parquet");
+    let mut inputs = vec![a.vessel.as_path()];
+    inputs.extend(a.trajectories.iter().chain(&a.sharding.gather).map(PathBuf::as_path));
+    let out = a.common.main_output("estimates.parquet", &inputs)?;
     let document_file = beside(&out, "estimate.json");
     if a.sharding.gathers() {
         let table = gather(&a.sharding.gather, &out, estimates::ID, estimates::VERSION)?;

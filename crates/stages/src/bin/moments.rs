@@ -73,7 +73,7 @@ fn stage(a: &Arguments) -> Result<Summary, Failure> {
         degrees: structure(&vessel.model),
         maneuvers,
     };
-    let out = a.common.main_output("moments.json");
+    let out = a.common.main_output("moments.json", &[&a.vessel, &a.trajectories])?;
     commit(vec![stage_document(&out, &provenance, &document)?])?;
     let count = document.maneuvers.len();
     Ok(Summary {

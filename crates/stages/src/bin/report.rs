@@ -36,7 +36,7 @@ fn stage(a: &Arguments) -> Result<Summary, Failure> {
     let sources = Sources { study: a.study.clone(), results: a.results.clone() };
     let study = load(&sources)?;
     let page = render(&study).map_err(|e| Failure::Failed(format!("figures: {e}")))?;
-    let out = a.common.main_output("report.html");
+    let out = a.common.main_output("report.html", &[])?;
     let figures = beside(&out, "figures");
     let existed = figures.is_dir();
     write(&page, &out, &figures).inspect_err(|_| {

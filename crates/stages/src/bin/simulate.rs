@@ -1,6 +1,6 @@
 //! `simulate`: trajectories from a vessel and its maneuvers.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use artifact::{Shard, commit, gather, read_document};
@@ -128,7 +128,7 @@ fn dictionary(a: &Dictionary) -> Result<Summary, Failure> {
     provenance
         .settings
         .insert("model".into(), json!(if source == Source::Value { "value" } else { "nominal" }));
-    let out = a.common.main_output("dictionary.parquet");
+    let out = a.common.main_output("dictionary.parquet", &[&a.vessel, &a.dictionary])?;
     let work = Undisturbed {
         vessel: &vessel,
         vessel_file: &a.vessel,
@@ -149,7 +149,10 @@ fn best_known(vessel: &Vessel) -> Source {
 }
 
 fn campaign(a: &CampaignArguments) -> Result<Summary, Failure> {
-    let out = a.common.main_output("campaign.parquet");
+    let own = [&a.vessel, &a.dictionary, &a.campaign, &a.design];
+    let inputs: Vec<&Path> =
+        own.into_iter().flatten().chain(&a.sharding.gather).map(PathBuf::as_path).collect();
+    let out = a.common.main_output("campaign.parquet", &inputs)?;
     if a.sharding.gathers() {
         commit(vec![gather(&a.sharding.gather, &out, ID, VERSION)?])?;
         let shards = a.sharding.gather.len();
@@ -187,7 +190,7 @@ fn validation(a: &Validation) -> Result<Summary, Failure> {
     let vessel = read_vessel(&a.vessel, &mut provenance)?;
     let config = read_campaign(&a.campaign, &mut provenance)?;
     let generator = generator(&a.campaign, &vessel, &config.validation_dictionary(), &mut provenance)?;
-    let out = a.common.main_output("validation.parquet");
+    let out = a.common.main_output("validation.parquet", &[&a.vessel, &a.campaign])?;
     let work = Undisturbed {
         vessel: &vessel,
         vessel_file: &a.vessel,

@@ -59,7 +59,9 @@ fn stage(a: &Arguments) -> Result<Summary, Failure> {
     let vessel = read_vessel(&a.vessel, &mut provenance)?;
     let config = read_campaign(&a.campaign, &mut provenance)?;
     let validation = Validation::read(&a.validation, &vessel, &mut provenance)?;
-    let out = a.common.main_output("scores.parquet");
+    let mut inputs = vec![a.vessel.as_path(), &a.campaign, &a.validation];
+    inputs.extend(a.estimates.iter().chain(&a.sharding.gather).map(PathBuf::as_path));
+    let out = a.common.main_output("scores.parquet", &inputs)?;
     if a.sharding.gathers() {
         let table = gather(&a.sharding.gather, &out, scores::ID, scores::VERSION)?;
         let gathered = TableReader::open(table.temporary(), scores::ID, scores::VERSION)?;

@@ -55,7 +55,7 @@ fn facts(estimate: &EstimateDocument, designs: &[&DesignSummary]) -> Markup {
             }
             div { dt { "Spread" } dd { "standard deviation of the estimates over the identified runs" } }
             div { dt { "Predicted" } dd { "median of the standard errors that the runs report of themselves" } }
-            div { dt { "Predicted / spread" } dd { "near 1: the reported standard errors can be trusted; below 1: they promise too much" } }
+            div { dt { "Predicted / spread" } dd { "near 1: the reported standard errors can be trusted; below 1: they promise too much, or the runs are different experiments and the worst of them make the spread" } }
         }
     }
 }

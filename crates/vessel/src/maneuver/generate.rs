@@ -132,7 +132,7 @@ impl<'a> Plan<'a> {
     fn new(kind: &'a Kind, rate_hz: f64, samples: usize) -> Self {
         let signs = match kind {
             Kind::PseudoRandomBinary { dwell_s, seed, .. } => {
-                let dwells = (samples as f64 / (dwell_s * rate_hz)).floor() as usize + 1;
+                let dwells = ((samples as f64 / (dwell_s * rate_hz)).floor() as usize).min(samples) + 1;
                 let streams = Streams::new(*seed, "pseudo-random-binary");
                 [0, 1, 2].map(|c| {
                     streams.choices(0, c, 2, dwells).iter().map(|b| 2.0 * f64::from(*b) - 1.0).collect()

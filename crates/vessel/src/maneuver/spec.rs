@@ -247,8 +247,11 @@ impl ManeuverSpec {
 
     fn check(&self, default_s: Option<f64>) -> Result<(), Invalid> {
         if !matches!(self.kind, Kind::Inputs { .. }) {
-            let duration = self.duration(default_s).unwrap_or(f64::NAN);
-            self.above_zero("duration_s", duration)?;
+            let missing = || {
+                let thing = format!("maneuver `{}`, `duration_s`", self.name);
+                Invalid::new(thing, "none", "a duration here or for the whole dictionary", "add it")
+            };
+            self.above_zero("duration_s", self.duration(default_s).ok_or_else(missing)?)?;
         }
         for (key, value) in self.kind.numbers() {
             if !value.is_finite() {
@@ -286,8 +289,7 @@ impl ManeuverSpec {
     }
 
     fn invalid(&self, key: &str, value: f64, expected: &str) -> Invalid {
-        let found = if value.is_nan() { "none (or no number)".to_owned() } else { value.to_string() };
-        Invalid::new(format!("maneuver `{}`, `{key}`", self.name), found, expected, "correct it")
+        Invalid::new(format!("maneuver `{}`, `{key}`", self.name), value.to_string(), expected, "correct it")
     }
 }
 
