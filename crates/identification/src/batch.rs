@@ -49,12 +49,19 @@ impl Batch<'_> {
     }
 }
 
-/// Copies `count` entries of a column into a block, and zeros beyond: the terms of zeros are zeros. The loop has a fixed
-/// length so that it is unrolled and each lane moves as a whole.
+/// Copies `count` entries of a column into a block, and zeros beyond: the terms of zeros are zeros. A whole block is a loop
+/// of fixed length without conditions, so that each lane moves as one vector.
 #[inline(always)]
 fn copy_column(column: &[Lane], stride: usize, count: usize, out: &mut Block) {
-    for (t, value) in out.iter_mut().enumerate() {
-        *value = if t < count { column[stride * t] } else { Lane::ZERO };
+    if count == BLOCK {
+        for (t, value) in out.iter_mut().enumerate() {
+            *value = column[stride * t];
+        }
+    } else {
+        *out = [Lane::ZERO; BLOCK];
+        for (value, entry) in out.iter_mut().zip(column.iter().step_by(stride)).take(count) {
+            *value = *entry;
+        }
     }
 }
 
@@ -77,22 +84,15 @@ impl Regressors {
     }
 }
 
-/// Σ_t x(t) y(t).
+/// Σ_t x(t) y(t), in pairs: short chains of additions, and less rounding.
 #[inline(always)]
 pub(crate) fn dot(x: &Block, y: &Block) -> Lane {
-    let mut sum = x[0] * y[0];
-    for (a, b) in x[1..].iter().zip(&y[1..]) {
-        sum += *a * *b;
-    }
-    sum
+    let pair = |t: usize| x[t] * y[t] + x[t + 1] * y[t + 1];
+    (pair(0) + pair(2)) + (pair(4) + pair(6))
 }
 
-/// Σ_t x(t).
+/// Σ_t x(t), in pairs.
 #[inline(always)]
 pub(crate) fn total(x: &Block) -> Lane {
-    let mut sum = x[0];
-    for a in &x[1..] {
-        sum += *a;
-    }
-    sum
+    ((x[0] + x[1]) + (x[2] + x[3])) + ((x[4] + x[5]) + (x[6] + x[7]))
 }

@@ -105,12 +105,13 @@ impl pulp::WithSimd for Pass<'_> {
     }
 }
 
-/// Subtracts the first `count` constants. Loops over a block have a fixed length: unrolled, each lane is one vector.
+/// Subtracts the first `count` constants; beyond, the signal stays zero.
 #[inline(always)]
 fn subtract(signal: &mut Block, constants: &Block, count: usize) {
     for t in 0..BLOCK {
-        signal[t] = if t < count { signal[t] - constants[t] } else { Lane::ZERO };
+        signal[t] = signal[t] - constants[t];
     }
+    signal[count..].fill(Lane::ZERO);
 }
 
 /// The signal one sample earlier; `edge` comes before it.

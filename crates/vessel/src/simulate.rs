@@ -45,21 +45,20 @@ impl pulp::WithSimd for Simulation<'_> {
     #[inline(always)]
     fn with_simd<S: pulp::Simd>(self, _: S) {
         let width = self.model.exogenous();
-        let mut values = vec![Lane::ZERO; 3 + width];
         let mut state = self.initial;
         self.states[..3].copy_from_slice(&state);
         for (k, next) in self.states[3..].chunks_exact_mut(3).enumerate() {
-            values[..3].copy_from_slice(&state);
-            if let Some(current) = self.current.get(2 * k..2 * k + 2) {
-                values[0] = state[0] - current[0];
-                values[1] = state[1] - current[1];
+            let mut relative = state;
+            if let Some([u, v]) = self.current.get(2 * k..2 * k + 2) {
+                relative[0] = state[0] - *u;
+                relative[1] = state[1] - *v;
             }
-            values[3..].copy_from_slice(&self.exogenous[k * width..(k + 1) * width]);
-            let increments = self.model.increments(&values, self.parameters);
-            for (s, increment) in state.iter_mut().zip(increments) {
-                *s += increment;
+            let exogenous = &self.exogenous[k * width..(k + 1) * width];
+            let increments = self.model.increments(&relative, exogenous, self.parameters);
+            for (d, increment) in increments.into_iter().enumerate() {
+                state[d] += increment;
+                next[d] = state[d];
             }
-            next.copy_from_slice(&state);
         }
     }
 }

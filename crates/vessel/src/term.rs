@@ -37,28 +37,35 @@ impl Term {
         Ok(Self { text: text.split_whitespace().collect::<Vec<_>>().join(" "), factors })
     }
 
-    /// The term's value in every lane; `values` holds one lane per variable.
+    /// The term's value in every lane, from the states and one lane per input and measured disturbance.
     #[inline(always)]
-    pub fn value(&self, values: &[Lane]) -> Lane {
+    pub fn value(&self, states: &[Lane; 3], exogenous: &[Lane]) -> Lane {
+        let factor = |f: &Factor| {
+            let value = if f.variable < 3 { states[f.variable] } else { exogenous[f.variable - 3] };
+            if f.modulus { value.abs() } else { value }
+        };
         match self.factors.as_slice() {
-            [one] => factor_value(*one, values),
-            [one, two] => factor_value(*one, values) * factor_value(*two, values),
-            all => all[1..]
-                .iter()
-                .fold(factor_value(all[0], values), |product, f| product * factor_value(*f, values)),
+            [one] => factor(one),
+            [one, two] => factor(one) * factor(two),
+            all => all[1..].iter().fold(factor(&all[0]), |product, f| product * factor(f)),
         }
     }
 
     /// The term's values at `N` samples at once; `values` holds one array per variable.
     #[inline(always)]
     pub fn values<const N: usize>(&self, values: &[[Lane; N]], out: &mut [Lane; N]) {
-        let (first, others) = (self.factors[0], &self.factors[1..]);
-        for (o, value) in out.iter_mut().zip(&values[first.variable]) {
-            *o = if first.modulus { value.abs() } else { *value };
+        // What is decided per factor stays out of the loops, so that they are whole vectors.
+        let first = self.factors[0];
+        *out = values[first.variable];
+        if first.modulus {
+            out.iter_mut().for_each(|o| *o = o.abs());
         }
-        for factor in others {
-            for (o, value) in out.iter_mut().zip(&values[factor.variable]) {
-                *o = *o * if factor.modulus { value.abs() } else { *value };
+        for factor in &self.factors[1..] {
+            let pairs = out.iter_mut().zip(&values[factor.variable]);
+            if factor.modulus {
+                pairs.for_each(|(o, value)| *o = *o * value.abs());
+            } else {
+                pairs.for_each(|(o, value)| *o = *o * *value);
             }
         }
     }
@@ -87,12 +94,6 @@ fn sign(value: f64) -> f64 {
 }
 
 fn scalar(factor: Factor, values: &[f64]) -> f64 {
-    let value = values[factor.variable];
-    if factor.modulus { value.abs() } else { value }
-}
-
-#[inline(always)]
-fn factor_value(factor: Factor, values: &[Lane]) -> Lane {
     let value = values[factor.variable];
     if factor.modulus { value.abs() } else { value }
 }
@@ -184,7 +185,8 @@ mod tests {
         let lanes: Vec<Lane> = x.iter().map(|v| Lane::splat(*v)).collect();
         for text in ["u |u|", "v r", "u^2 |v| delta", "|n| n"] {
             let term = Term::parse(text, &VARIABLES).unwrap();
-            assert_eq!(term.value(&lanes)[3], term.evaluate(&x), "{text}");
+            let states = [lanes[0], lanes[1], lanes[2]];
+            assert_eq!(term.value(&states, &lanes[3..])[3], term.evaluate(&x), "{text}");
             for i in 0..5 {
                 let (mut hi, mut lo) = (x, x);
                 hi[i] += 1e-6;
