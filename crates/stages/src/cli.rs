@@ -5,7 +5,7 @@ use std::process::ExitCode;
 
 use artifact::{Provenance, Shard};
 use clap::error::ErrorKind;
-use clap::{Args, Parser};
+use clap::{Args, Parser, ValueEnum};
 use serde_json::{Value, json};
 
 use crate::failure::Failure;
@@ -74,6 +74,11 @@ impl Common {
             ))),
         }
     }
+}
+
+/// What a choice is called on the command line and in files.
+pub fn name_of(choice: impl ValueEnum) -> String {
+    choice.to_possible_value().map_or(String::new(), |value| value.get_name().to_owned())
 }
 
 /// `name` beside `main`.

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use clap::ValueEnum;
-use identification::Batch;
+use identification::{Batch, MeanRemoval};
 use vessel::{LANES, Lane, Source, Vessel, check_diverged, simulate};
 
 use crate::failure::Failure;
@@ -18,6 +18,27 @@ pub enum InstrumentKind {
     Nominal,
     /// The measured regressors themselves: least squares
     Regressors,
+}
+
+/// How the instruments' mean is removed, on the command line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Removal {
+    /// Not at all
+    None,
+    /// Segment by segment
+    Batch,
+    /// Over the whole experiment
+    Complete,
+}
+
+impl From<Removal> for MeanRemoval {
+    fn from(removal: Removal) -> Self {
+        match removal {
+            Removal::None => Self::None,
+            Removal::Batch => Self::Batch,
+            Removal::Complete => Self::Complete,
+        }
+    }
 }
 
 /// Makes batches of runs with their instruments.

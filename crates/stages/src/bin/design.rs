@@ -5,12 +5,13 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use artifact::{commit, read_document, stage_document};
-use clap::{Parser, ValueEnum};
+use clap::Parser;
 use optimal_design::{Candidates, Design, Error, Options, Status, apportion, solve};
 use serde_json::json;
-use stages::cli::{Common, Summary, provenance, run};
+use stages::cli::{Common, Summary, name_of, provenance, run};
 use stages::documents::{Counts, DesignDocument, Efficiency, MomentsDocument, Start};
 use stages::failure::Failure;
+use stages::instruments::Removal;
 
 /// Finds the shares of the experiment time that make the information largest (D-optimal), with a certificate
 #[derive(Parser)]
@@ -41,16 +42,6 @@ struct Arguments {
     segment_samples: Option<u64>,
     #[command(flatten)]
     common: Common,
-}
-
-#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum Removal {
-    /// Not at all
-    None,
-    /// Sub-experiment by sub-experiment
-    Batch,
-    /// Over the whole experiment
-    Complete,
 }
 
 fn main() -> ExitCode {
@@ -211,7 +202,7 @@ fn document(
     });
     DesignDocument {
         criterion: "D".into(),
-        mean_removal: a.mean_removal.to_possible_value().map_or(String::new(), |v| v.get_name().to_owned()),
+        mean_removal: name_of(a.mean_removal),
         status: match design.status {
             Status::Optimal => "optimal",
             Status::Stationary => "stationary",

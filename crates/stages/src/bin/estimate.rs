@@ -7,13 +7,13 @@ use artifact::{
     EncodedBlock, Provenance, Staged, TableReader, TableWriter, commit, encode_block, gather, stage_document,
 };
 use clap::{Parser, ValueEnum};
-use identification::{Direction, Excitation, MeanRemoval, Outcome};
+use identification::{Direction, Excitation, Outcome};
 use serde_json::json;
-use stages::cli::{Common, Sharding, Summary, beside, given, provenance, run};
+use stages::cli::{Common, Sharding, Summary, beside, given, name_of, provenance, run};
 use stages::documents::{DegreeSummary, DesignSummary, EstimateDocument, ParameterSummary};
 use stages::estimates::{self, Row};
 use stages::failure::Failure;
-use stages::instruments::{InstrumentKind, Instruments};
+use stages::instruments::{InstrumentKind, Instruments, Removal};
 use stages::ordered::{joined, joined_blocks, ordered};
 use stages::progress::Progress;
 use stages::statistics::{mean, quantile, sorted, spread};
@@ -56,16 +56,6 @@ enum Estimator {
     Ls,
 }
 
-#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum Removal {
-    /// Not at all
-    None,
-    /// Segment by segment
-    Batch,
-    /// Over the whole run
-    Complete,
-}
-
 fn main() -> ExitCode {
     run(|a: &Arguments| &a.common, stage)
 }
@@ -90,8 +80,8 @@ fn stage(a: &Arguments) -> Result<Summary, Failure> {
     let reader = TrajectoryReader::open(file, &Layout::new(&vessel.model), vessel.sample_rate_hz)?;
     reader.whole()?;
     provenance.inputs.insert("trajectories".into(), reader.digest());
-    provenance.settings.insert("estimator".into(), json!(name(a.estimator)));
-    provenance.settings.insert("mean_removal".into(), json!(name(a.mean_removal)));
+    provenance.settings.insert("estimator".into(), json!(name_of(a.estimator)));
+    provenance.settings.insert("mean_removal".into(), json!(name_of(a.mean_removal)));
     provenance.shard.clone_from(&a.sharding.shard);
     let schema = estimates::schema(&vessel);
     let mut writer = TableWriter::create(&out, &schema, &provenance)?;
@@ -142,14 +132,11 @@ fn rows_of(
     instruments: &Instruments,
     runs: &[Run],
 ) -> Result<Vec<Row>, Failure> {
-    let removal = match a.mean_removal {
-        Removal::None => MeanRemoval::None,
-        Removal::Batch => MeanRemoval::Batch,
-        Removal::Complete => MeanRemoval::Complete,
-    };
     let mut rows = Vec::with_capacity(runs.len());
     instruments.batches(runs, |batch, members| {
-        for (run, (outcome, excitation)) in members.iter().zip(Outcome::with_excitation(batch, removal)) {
+        for (run, (outcome, excitation)) in
+            members.iter().zip(Outcome::with_excitation(batch, a.mean_removal.into()))
+        {
             rows.push(row(a, vessel, file, run, outcome, excitation)?);
         }
         Ok(())
@@ -188,15 +175,11 @@ fn row(
     Ok(Row {
         design: run.design.clone(),
         run: run.run,
-        estimator: name(a.estimator),
+        estimator: name_of(a.estimator),
         estimate,
         condition,
         weakest: [0, 1, 2].map(named),
     })
-}
-
-fn name(value: impl ValueEnum) -> String {
-    value.to_possible_value().map_or(String::new(), |v| v.get_name().to_owned())
 }
 
 fn refuse_if_none_identified(file: &Path, vessel: &Vessel, rows: &[Row]) -> Result<(), Failure> {

@@ -4,10 +4,10 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use artifact::{commit, stage_document};
-use clap::{Parser, ValueEnum};
+use clap::Parser;
 use identification::moments;
 use serde_json::json;
-use stages::cli::{Common, Summary, provenance, run};
+use stages::cli::{Common, Summary, name_of, provenance, run};
 use stages::documents::{DegreeMoments, DegreeStructure, ManeuverMoments, MomentsDocument};
 use stages::failure::Failure;
 use stages::instruments::{InstrumentKind, Instruments};
@@ -49,7 +49,7 @@ fn stage(a: &Arguments) -> Result<Summary, Failure> {
     let reader = TrajectoryReader::open(&a.trajectories, &Layout::new(&vessel.model), vessel.sample_rate_hz)?;
     reader.whole()?;
     provenance.inputs.insert("trajectories".into(), reader.digest());
-    let kind = a.instruments.to_possible_value().map_or(String::new(), |v| v.get_name().to_owned());
+    let kind = name_of(a.instruments);
     provenance.settings.insert("instruments".into(), json!(kind));
     let instruments = Instruments::new(&vessel, &a.vessel, a.instruments)?;
     let progress = Progress::new("blocks", reader.blocks(), a.common.quiet);
