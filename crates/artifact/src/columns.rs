@@ -116,6 +116,11 @@ impl Column {
         labels.get(*codes.get(row)? as usize).map(String::as_str)
     }
 
+    /// The value at `row` of an f64 column; none where absent.
+    pub fn value_at(&self, row: usize) -> Option<f64> {
+        self.as_f64()?.get(row).copied().filter(|_| !self.is_null(row))
+    }
+
     /// Number of absent values.
     pub fn nulls(&self) -> usize {
         match self {

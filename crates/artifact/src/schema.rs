@@ -41,6 +41,13 @@ pub struct ColumnSpec {
     pub nullable: bool,
 }
 
+impl ColumnSpec {
+    /// A column of these properties.
+    pub fn new(name: impl Into<String>, unit: impl Into<String>, kind: Kind, nullable: bool) -> Self {
+        Self { name: name.into(), unit: unit.into(), kind, nullable }
+    }
+}
+
 /// Kind of a table: its id, version and columns in order.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct TableSchema {

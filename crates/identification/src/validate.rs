@@ -41,7 +41,7 @@ pub fn free_runs(
         }
     }
     let samples = (reference.len() / 3 - 1) as f64;
-    std::array::from_fn(|lane| match check_diverged(states, lane) {
+    std::array::from_fn(|lane| match check_diverged(states.iter().map(|s| s[lane])) {
         Some(at) => FreeRun::Diverged(at.sample),
         None => FreeRun::Rmse(squares.map(|s| (s[lane] / samples).sqrt())),
     })

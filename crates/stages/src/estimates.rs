@@ -35,25 +35,19 @@ pub struct Row {
 
 /// The columns for `vessel`.
 pub fn schema(vessel: &Vessel) -> TableSchema {
-    let column = |name: &str, unit: &str, kind, nullable| ColumnSpec {
-        name: name.into(),
-        unit: unit.into(),
-        kind,
-        nullable,
-    };
     let mut columns = vec![
-        column("design", "1", Kind::Text, false),
-        column("run", "1", Kind::I32, false),
-        column("estimator", "1", Kind::Text, false),
-        column("status", "1", Kind::Text, false),
+        ColumnSpec::new("design", "1", Kind::Text, false),
+        ColumnSpec::new("run", "1", Kind::I32, false),
+        ColumnSpec::new("estimator", "1", Kind::Text, false),
+        ColumnSpec::new("status", "1", Kind::Text, false),
     ];
     for (name, unit) in vessel.model.parameter_names().zip(vessel.model.parameter_units()) {
-        columns.push(column(name, &unit, Kind::F64, true));
-        columns.push(column(&format!("{name}_se"), &unit, Kind::F64, true));
+        columns.push(ColumnSpec::new(name, &unit, Kind::F64, true));
+        columns.push(ColumnSpec::new(format!("{name}_se"), &unit, Kind::F64, true));
     }
     for d in DegreeOfFreedom::ALL {
-        columns.push(column(&format!("condition_{}", d.name()), "1", Kind::F64, true));
-        columns.push(column(&format!("weakest_{}", d.name()), "1", Kind::Text, false));
+        columns.push(ColumnSpec::new(format!("condition_{}", d.name()), "1", Kind::F64, true));
+        columns.push(ColumnSpec::new(format!("weakest_{}", d.name()), "1", Kind::Text, false));
     }
     TableSchema { id: ID, version: VERSION, columns }
 }
@@ -108,10 +102,7 @@ pub fn rows(reader: &TableReader, vessel: &Vessel, file: &Path, i: usize) -> Res
     let table = reader.read_block(i, &names)?;
     let parameters = vessel.model.parameters();
     let text = |column: usize, row: usize| table.columns[column].text_at(row).unwrap_or("").to_owned();
-    let number = |column: usize, row: usize| {
-        let own = &table.columns[column];
-        own.as_f64().map(|values| values[row]).filter(|_| !own.is_null(row))
-    };
+    let number = |column: usize, row: usize| table.columns[column].value_at(row);
     let row = |row: usize| {
         let (status, width) = (text(3, row), 4 + 2 * parameters);
         let estimate = match status.as_str() {

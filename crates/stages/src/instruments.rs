@@ -4,7 +4,7 @@ use std::path::Path;
 
 use clap::ValueEnum;
 use identification::{Batch, MeanRemoval};
-use vessel::{LANES, Lane, Source, Vessel, check_diverged, simulate};
+use vessel::{LANES, Lane, Vessel, check_diverged, simulate};
 
 use crate::failure::Failure;
 use crate::lanes::{groups, interleave};
@@ -59,12 +59,9 @@ pub struct Prepared {
 
 impl<'a> Instruments<'a> {
     /// Instruments of `kind` for `vessel`, which was read from `vessel_file`.
-    ///
-    /// # Errors
-    /// None for now: a vessel always has nominal parameters.
-    pub fn new(vessel: &'a Vessel, vessel_file: &'a Path, kind: InstrumentKind) -> Result<Self, Failure> {
-        let nominal = vessel.parameters(Source::Nominal).map_err(|e| Failure::invalid(vessel_file, &e))?;
-        Ok(Self { vessel, vessel_file, kind, nominal: nominal.into_iter().map(Lane::splat).collect() })
+    pub fn new(vessel: &'a Vessel, vessel_file: &'a Path, kind: InstrumentKind) -> Self {
+        let nominal = vessel.nominal.iter().copied().map(Lane::splat).collect();
+        Self { vessel, vessel_file, kind, nominal }
     }
 
     /// Calls `work` on batches of neighbouring runs of equal length: (batch, runs of the batch).
@@ -106,7 +103,7 @@ impl<'a> Instruments<'a> {
         let mut states = vec![Lane::ZERO; 3 * (run(0).samples() + 1)];
         simulate(&self.vessel.model, &self.nominal, initial, exogenous, &[], &mut states);
         for (lane, run) in runs.iter().enumerate() {
-            if let Some(at) = check_diverged(&states, lane) {
+            if let Some(at) = check_diverged(states.iter().map(|s| s[lane])) {
                 let what = format!("nominal model (`nominal`) over design {}, run {}", run.design, run.run);
                 return Err(diverged(self.vessel_file, &what, at));
             }

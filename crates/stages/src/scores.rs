@@ -37,25 +37,19 @@ pub struct Row {
 
 /// The columns.
 pub fn schema() -> TableSchema {
-    let column = |name: &str, unit: &str, kind, nullable| ColumnSpec {
-        name: name.into(),
-        unit: unit.into(),
-        kind,
-        nullable,
-    };
     TableSchema {
         id: ID,
         version: VERSION,
         columns: vec![
-            column("design", "1", Kind::Text, false),
-            column("run", "1", Kind::I32, false),
-            column("estimator", "1", Kind::Text, false),
-            column("status", "1", Kind::Text, false),
-            column("parameter_error", "1", Kind::F64, true),
-            column("rmse_u", "m/s", Kind::F64, true),
-            column("rmse_v", "m/s", Kind::F64, true),
-            column("rmse_r", "rad/s", Kind::F64, true),
-            column("simulation_error", "m/s, m/s and rad/s as numbers", Kind::F64, true),
+            ColumnSpec::new("design", "1", Kind::Text, false),
+            ColumnSpec::new("run", "1", Kind::I32, false),
+            ColumnSpec::new("estimator", "1", Kind::Text, false),
+            ColumnSpec::new("status", "1", Kind::Text, false),
+            ColumnSpec::new("parameter_error", "1", Kind::F64, true),
+            ColumnSpec::new("rmse_u", "m/s", Kind::F64, true),
+            ColumnSpec::new("rmse_v", "m/s", Kind::F64, true),
+            ColumnSpec::new("rmse_r", "rad/s", Kind::F64, true),
+            ColumnSpec::new("simulation_error", "m/s, m/s and rad/s as numbers", Kind::F64, true),
         ],
     }
 }
@@ -86,10 +80,7 @@ pub fn rows(reader: &TableReader) -> Result<Vec<Row>, Failure> {
     for block in 0..reader.blocks() {
         let table = reader.read_block(block, &names)?;
         let text = |column: usize, row: usize| table.columns[column].text_at(row).unwrap_or("").to_owned();
-        let number = |column: usize, row: usize| {
-            let own = &table.columns[column];
-            own.as_f64().map(|values| values[row]).filter(|_| !own.is_null(row))
-        };
+        let number = |column: usize, row: usize| table.columns[column].value_at(row);
         rows.extend((0..reader.block_rows(block)).map(|row| Row {
             design: text(0, row),
             run: table.columns[1].as_i32().map_or(0, |runs| runs[row]),

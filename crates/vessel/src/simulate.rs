@@ -1,4 +1,4 @@
-use crate::{LANES, Lane, Model};
+use crate::{Lane, Model};
 
 /// A speed \[m/s\] or yaw rate \[rad/s\] beyond which a simulation counts as diverged.
 pub const DIVERGED: f64 = 1e3;
@@ -12,7 +12,7 @@ pub struct Diverged {
     pub state: usize,
 }
 
-/// Simulates [`LANES`] runs of N samples side by side: x(k+1) = x(k) + θᵀφ(x(k) − x_c(k), exogenous(k)).
+/// Simulates [`crate::LANES`] runs of N samples side by side: x(k+1) = x(k) + θᵀφ(x(k) − x_c(k), exogenous(k)).
 ///
 /// `parameters`: one lane per parameter. `initial`: u, v, r. `exogenous`: N × (inputs and measured disturbances).
 /// `current`: N × 2 surge and sway components in body axes \[m/s\], or empty for still water. `states`: filled with
@@ -72,9 +72,8 @@ pub fn simulate_one(model: &Model, parameters: &[f64], initial: [f64; 3], exogen
     states.iter().map(|lane| lane[0]).collect()
 }
 
-/// First sample at which lane `lane` of `states`, (N+1) × 3, is beyond [`DIVERGED`] or not finite.
-pub fn check_diverged(states: &[Lane], lane: usize) -> Option<Diverged> {
-    debug_assert!(lane < LANES);
-    let beyond = |s: &Lane| s[lane].is_nan() || s[lane].abs() > DIVERGED;
-    states.iter().position(beyond).map(|i| Diverged { sample: i / 3, state: i % 3 })
+/// First sample at which one run's `states`, (N+1) × 3 row-major, are beyond [`DIVERGED`] or not finite.
+pub fn check_diverged(mut states: impl Iterator<Item = f64>) -> Option<Diverged> {
+    let beyond = |state: f64| state.is_nan() || state.abs() > DIVERGED;
+    states.position(beyond).map(|i| Diverged { sample: i / 3, state: i % 3 })
 }

@@ -109,7 +109,7 @@ fn estimate_blocks(
         Estimator::Iv => InstrumentKind::Nominal,
         Estimator::Ls => InstrumentKind::Regressors,
     };
-    let instruments = Instruments::new(vessel, &a.vessel, kind)?;
+    let instruments = Instruments::new(vessel, &a.vessel, kind);
     let outputs = joined_blocks(reader.blocks());
     let mine = a.sharding.shard.map_or(0..outputs, |s| s.range(outputs));
     let progress = Progress::new("blocks of runs", reader.blocks(), a.common.quiet);

@@ -51,7 +51,7 @@ fn stage(a: &Arguments) -> Result<Summary, Failure> {
     provenance.inputs.insert("trajectories".into(), reader.digest());
     let kind = name_of(a.instruments);
     provenance.settings.insert("instruments".into(), json!(kind));
-    let instruments = Instruments::new(&vessel, &a.vessel, a.instruments)?;
+    let instruments = Instruments::new(&vessel, &a.vessel, a.instruments);
     let progress = Progress::new("blocks", reader.blocks(), a.common.quiet);
     let mut maneuvers: Vec<ManeuverMoments> = Vec::new();
     let work = |block: usize| {

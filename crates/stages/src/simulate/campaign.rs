@@ -162,7 +162,7 @@ impl<'a> Campaign<'a> {
             block
         };
         ordered(mine, work, |block| Ok(writer.push(block)?))?;
-        publish(writer, Vec::new())
+        publish(writer)
     }
 
     /// Runs of one design that are written together.
@@ -204,7 +204,7 @@ impl<'a> Campaign<'a> {
         let mut measured = states.clone();
         self.disturbances.measure(&design.streams, numbers, &mut measured);
         for (lane, run) in runs.iter().enumerate() {
-            if let Some(at) = check_diverged(&states, lane) {
+            if let Some(at) = check_diverged(states.iter().map(|s| s[lane])) {
                 return Err(diverged(
                     self.vessel_file,
                     &format!("model in design {}, run {run}", design.name),

@@ -5,7 +5,7 @@ pub mod undisturbed;
 
 use std::path::Path;
 
-use artifact::{Provenance, Staged, TableWriter, commit};
+use artifact::{Provenance, TableWriter, commit};
 use vessel::{Diverged, Model, Vessel};
 
 use crate::failure::Failure;
@@ -53,9 +53,7 @@ pub(crate) fn writer(
     Ok((layout, writer))
 }
 
-/// Finishes and publishes a table together with other staged files.
-pub(crate) fn publish(writer: TableWriter, others: Vec<Staged>) -> Result<(), Failure> {
-    let mut staged = vec![writer.finish()?];
-    staged.extend(others);
-    Ok(commit(staged)?)
+/// Finishes and publishes a table.
+pub(crate) fn publish(writer: TableWriter) -> Result<(), Failure> {
+    Ok(commit(vec![writer.finish()?])?)
 }

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use artifact::{Provenance, encode_block};
-use vessel::{Generator, LANES, Lane, Source, Vessel, check_diverged, simulate_one};
+use vessel::{Generator, Source, Vessel, check_diverged, simulate_one};
 
 use super::{diverged, exogenous, publish, refuse_endless, writer};
 use crate::failure::Failure;
@@ -57,7 +57,7 @@ impl Undisturbed<'_> {
             total += samples;
             Ok(writer.push(block)?)
         })?;
-        publish(writer, Vec::new())?;
+        publish(writer)?;
         Ok((count, total))
     }
 
@@ -69,8 +69,7 @@ impl Undisturbed<'_> {
         let maneuver = self.generator.realize(index, samples).map_err(invalid)?;
         let exogenous = exogenous(&self.vessel.model, &maneuver.inputs);
         let states = simulate_one(&self.vessel.model, parameters, maneuver.initial, &exogenous);
-        let lanes: Vec<Lane> = states.iter().map(|s| Lane([*s; LANES])).collect();
-        if let Some(at) = check_diverged(&lanes, 0) {
+        if let Some(at) = check_diverged(states.iter().copied()) {
             let what = format!("model in maneuver `{}`", self.generator.maneuvers()[index].name);
             return Err(diverged(self.vessel_file, &what, at));
         }

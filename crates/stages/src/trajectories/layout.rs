@@ -22,8 +22,9 @@ impl Layout {
     /// The whole table, as simulated.
     pub fn schema(&self) -> TableSchema {
         let mut columns = self.required();
-        let truth = DegreeOfFreedom::ALL.map(|d| column(d.state(), d.unit(), Kind::F64));
-        let pose = [("x", "m"), ("y", "m"), ("psi", "rad")].map(|(name, unit)| column(name, unit, Kind::F64));
+        let truth = DegreeOfFreedom::ALL.map(|d| ColumnSpec::new(d.state(), d.unit(), Kind::F64, false));
+        let pose = [("x", "m"), ("y", "m"), ("psi", "rad")]
+            .map(|(name, unit)| ColumnSpec::new(name, unit, Kind::F64, false));
         columns.extend(truth.into_iter().chain(pose));
         TableSchema { id: ID, version: VERSION, columns }
     }
@@ -31,22 +32,17 @@ impl Layout {
     /// The columns that every stage needs.
     pub fn required(&self) -> Vec<ColumnSpec> {
         let mut columns = vec![
-            column("design", "1", Kind::Text),
-            column("run", "1", Kind::I32),
-            column("segment", "1", Kind::I32),
-            column("maneuver", "1", Kind::Text),
-            column("sample", "1", Kind::I32),
-            column("t", "s", Kind::F64),
+            ColumnSpec::new("design", "1", Kind::Text, false),
+            ColumnSpec::new("run", "1", Kind::I32, false),
+            ColumnSpec::new("segment", "1", Kind::I32, false),
+            ColumnSpec::new("maneuver", "1", Kind::Text, false),
+            ColumnSpec::new("sample", "1", Kind::I32, false),
+            ColumnSpec::new("t", "s", Kind::F64, false),
         ];
-        columns.extend(
-            self.exogenous.iter().map(|(n, u)| ColumnSpec { nullable: true, ..column(n, u, Kind::F64) }),
-        );
-        let measured = DegreeOfFreedom::ALL.map(|d| column(&format!("y_{}", d.state()), d.unit(), Kind::F64));
+        columns.extend(self.exogenous.iter().map(|(n, u)| ColumnSpec::new(n, u, Kind::F64, true)));
+        let measured = DegreeOfFreedom::ALL
+            .map(|d| ColumnSpec::new(format!("y_{}", d.state()), d.unit(), Kind::F64, false));
         columns.extend(measured);
         columns
     }
-}
-
-fn column(name: &str, unit: &str, kind: Kind) -> ColumnSpec {
-    ColumnSpec { name: name.to_owned(), unit: unit.to_owned(), kind, nullable: false }
 }
