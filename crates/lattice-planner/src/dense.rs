@@ -1,0 +1,189 @@
+//! Exhaustive search for any costs: one distance per node and count vector.
+
+use crate::graph::Graph;
+use crate::radix_heap::RadixHeap;
+use crate::watch::{self, Verdict, Walk, Watch};
+use crate::{Limit, recover};
+
+/// A distance as it is stored.
+pub(crate) trait Stored: Copy + PartialEq {
+    const UNREACHED: Self;
+    /// Nothing if it is too large.
+    fn store(key: u64) -> Option<Self>;
+    fn key(self) -> u64;
+}
+
+impl Stored for u32 {
+    const UNREACHED: Self = u32::MAX;
+    fn store(key: u64) -> Option<Self> {
+        u32::try_from(key).ok().filter(|&stored| stored < u32::MAX)
+    }
+    fn key(self) -> u64 {
+        u64::from(self)
+    }
+}
+
+impl Stored for u64 {
+    const UNREACHED: Self = u64::MAX;
+    fn store(key: u64) -> Option<Self> {
+        Some(key)
+    }
+    fn key(self) -> u64 {
+        self
+    }
+}
+
+/// How a run ended.
+enum Ended {
+    /// Goal reached with all uses: its node and key.
+    Goal(u32, u64),
+    /// All states are settled.
+    Exhausted,
+    Stopped,
+    /// A distance did not fit into its storage.
+    Overflow,
+}
+
+/// Bytes that the search takes: distances and, at its widest, about half a queue entry per state.
+pub(crate) fn bytes(graph: &Graph) -> u128 {
+    watch::states(graph).saturating_mul(if narrow(graph) { 12 } else { 16 })
+}
+
+/// Whether distances are likely to fit in 32 bits.
+fn narrow(graph: &Graph) -> bool {
+    graph.problem.moves.iter().all(|step| step.key < 1 << 20)
+}
+
+/// Number of states that the search can number.
+pub(crate) fn fits(graph: &Graph) -> bool {
+    watch::states(graph) < u128::from(u32::MAX)
+}
+
+/// The cheapest plan.
+pub(crate) fn search(graph: &Graph, watch: &mut Watch) -> Verdict {
+    if narrow(graph) {
+        let mut dense = Dense::<u32>::new(graph);
+        match dense.run(watch, false) {
+            Ended::Overflow => {}
+            ended => return dense.verdict(&ended, watch.lower),
+        }
+    }
+    let mut dense = Dense::<u64>::new(graph);
+    let ended = dense.run(watch, false);
+    dense.verdict(&ended, watch.lower)
+}
+
+/// The least key of every count vector at any goal, by mixed-radix number; nothing if stopped.
+pub(crate) fn front(graph: &Graph, watch: &mut Watch) -> Option<Vec<Option<u64>>> {
+    let mut dense = Dense::<u64>::new(graph);
+    match dense.run(watch, true) {
+        Ended::Exhausted => Some((0..dense.vectors as u64).map(|vector| dense.at_goal(vector)).collect()),
+        _ => None,
+    }
+}
+
+struct Dense<'a, D> {
+    graph: &'a Graph<'a>,
+    required: Vec<u32>,
+    strides: Vec<u64>,
+    vectors: usize,
+    /// By `vector * nodes + node`.
+    distances: Vec<D>,
+}
+
+impl<'a, D: Stored> Dense<'a, D> {
+    fn new(graph: &'a Graph) -> Self {
+        let required = graph.problem.required();
+        let (strides, vectors) = watch::strides(&required);
+        let vectors = vectors as usize;
+        Self { graph, required, strides, vectors, distances: vec![D::UNREACHED; vectors * graph.len()] }
+    }
+
+    fn run(&mut self, watch: &mut Watch, to_the_end: bool) -> Ended {
+        let nodes = self.graph.len() as u32;
+        let mut queue = RadixHeap::new();
+        let Some(zero) = D::store(0) else { return Ended::Overflow };
+        self.distances[self.graph.start as usize] = zero;
+        queue.push(0, self.graph.start);
+        while let Some((key, state)) = queue.pop() {
+            if self.distances[state as usize].key() != key {
+                continue;
+            }
+            let (vector, node) = (state / nodes, state % nodes);
+            if !to_the_end {
+                watch.raise(key);
+                if vector as usize == self.vectors - 1 && self.graph.is_goal[node as usize] {
+                    return Ended::Goal(node, key);
+                }
+            }
+            if !watch.go_on(1) {
+                return Ended::Stopped;
+            }
+            if self.relax(&mut queue, key, vector, node).is_none() {
+                return Ended::Overflow;
+            }
+        }
+        Ended::Exhausted
+    }
+
+    /// Follows all arcs of a state; nothing if a distance does not fit.
+    fn relax(&mut self, queue: &mut RadixHeap<u32>, key: u64, vector: u32, node: u32) -> Option<()> {
+        let nodes = self.graph.len() as u64;
+        for arc in self.graph.arcs(node) {
+            let (step, slot) = self.graph.price(arc.step);
+            let mut vector = u64::from(vector);
+            if let Some(slot) = slot.map(|slot| slot as usize) {
+                if vector / self.strides[slot] % (u64::from(self.required[slot]) + 1)
+                    == self.required[slot].into()
+                {
+                    continue;
+                }
+                vector += self.strides[slot];
+            }
+            let end = vector * nodes + u64::from(arc.node);
+            let distance = D::store(key + step)?;
+            let known = &mut self.distances[end as usize];
+            if *known == D::UNREACHED || known.key() > distance.key() {
+                *known = distance;
+                queue.push(key + step, end as u32);
+            }
+        }
+        Some(())
+    }
+
+    fn verdict(&self, ended: &Ended, lower: u64) -> Verdict {
+        match *ended {
+            Ended::Goal(node, key) => match self.walk(node) {
+                Some(walk) => Verdict::proved(Some((key, walk))),
+                None => unreachable!("every reached state has a walk from the start"),
+            },
+            Ended::Exhausted => Verdict { possible: self.possible(), ..Verdict::proved(None) },
+            Ended::Stopped | Ended::Overflow => Verdict::stopped(None, lower, Limit::Time),
+        }
+    }
+
+    fn walk(&self, node: u32) -> Option<Walk> {
+        let distance = |node: u32, counts: &[u32]| {
+            let vector: u64 =
+                counts.iter().zip(&self.strides).map(|(&count, stride)| u64::from(count) * stride).sum();
+            self.distance(vector, node)
+        };
+        recover::walk(self.graph, node, self.required.clone(), &distance)
+    }
+
+    fn distance(&self, vector: u64, node: u32) -> Option<u64> {
+        let stored = self.distances[vector as usize * self.graph.len() + node as usize];
+        (stored != D::UNREACHED).then(|| stored.key())
+    }
+
+    fn at_goal(&self, vector: u64) -> Option<u64> {
+        self.graph.goals.iter().filter_map(|&node| self.distance(vector, node)).min()
+    }
+
+    fn possible(&self) -> Option<Vec<u32>> {
+        let reached = (0..self.vectors as u64).filter(|&vector| self.at_goal(vector).is_some());
+        reached
+            .map(|vector| watch::counts(vector, &self.required))
+            .max_by_key(|counts| counts.iter().sum::<u32>())
+    }
+}

@@ -1,0 +1,229 @@
+use serde::de::IgnoredAny;
+use serde::{Deserialize, Serialize};
+
+use crate::collision::{FreeCells, Grid, Surroundings};
+use crate::{Action, Cost, Goal, Invalid, Lattice, Move, Pose, Problem};
+
+/// The schema of [`ProblemFile`].
+pub const SCHEMA: &str = "experiment-lattice-planning/1";
+
+/// The schema of any document. Read this before [`ProblemFile`]: a newer version may have fields that are not known.
+#[derive(Clone, Debug, Deserialize)]
+pub struct SchemaId {
+    /// Name and version, such as `experiment-lattice-planning/1`.
+    pub schema: String,
+}
+
+impl SchemaId {
+    /// Refuses what is not [`SCHEMA`].
+    ///
+    /// # Errors
+    /// Another schema or another version.
+    pub fn check(&self) -> Result<(), Invalid> {
+        if self.schema == SCHEMA {
+            return Ok(());
+        }
+        let newer = self.schema.strip_prefix("experiment-lattice-planning/").and_then(|v| v.parse().ok());
+        let remedy = match newer {
+            Some(2u32..) => "use a newer version of the planner, or write the file again in version 1",
+            _ => "give a lattice problem",
+        };
+        Err(Invalid::new("schema", &self.schema, SCHEMA, remedy))
+    }
+}
+
+/// A planning problem with a map of boxes, all lengths in metres; x east, y north. Heading level h of H points
+/// `360 h / H` degrees counter-clockwise from x.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct ProblemFile {
+    /// [`SCHEMA`].
+    pub schema: String,
+    /// Name of the problem.
+    pub name: String,
+    /// What it is about.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub description: Option<String>,
+    /// For people; not read.
+    #[serde(default, skip_serializing)]
+    pub variant: Option<IgnoredAny>,
+    /// Cells and heading levels.
+    pub lattice: LatticeFile,
+    /// Every swept box lies in this box, edges included \[m\].
+    pub bounds: [f64; 4],
+    /// Boxes that no swept box overlaps \[m\].
+    pub obstacles: Vec<[f64; 4]>,
+    /// Actions with a count.
+    pub informative: Vec<InformativeFile>,
+    /// Actions to use as one likes.
+    pub basic: Vec<BasicFile>,
+    /// `[i, j, h]`.
+    pub start: [usize; 3],
+    /// `[i, j, h]`.
+    pub goal: [usize; 3],
+    /// What others found; not read.
+    #[serde(default, skip_serializing)]
+    pub expected: Option<IgnoredAny>,
+}
+
+/// Size and place of the lattice.
+#[derive(Clone, Copy, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct LatticeFile {
+    /// Number of cells along x.
+    pub nx: usize,
+    /// Number of cells along y.
+    pub ny: usize,
+    /// Number of heading levels.
+    pub headings: usize,
+    /// Distance of neighbouring nodes \[m\].
+    pub cell: f64,
+    /// Node (0, 0) \[m\].
+    pub origin: [f64; 2],
+}
+
+/// An action with a count.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct InformativeFile {
+    /// Unique name.
+    pub name: String,
+    /// How often a plan uses it, exactly.
+    pub count: u32,
+    /// Cost per use.
+    #[serde(default)]
+    pub cost: f64,
+    /// What it does from which heading.
+    pub moves: Vec<MoveFile>,
+}
+
+/// An action to use as one likes.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct BasicFile {
+    /// Unique name.
+    pub name: String,
+    /// Cost per use.
+    pub cost: f64,
+    /// What it does from which heading.
+    pub moves: Vec<MoveFile>,
+}
+
+/// A move.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct MoveFile {
+    /// Heading level in which it starts.
+    pub h: usize,
+    /// Cells along x.
+    pub di: i32,
+    /// Cells along y.
+    pub dj: i32,
+    /// Heading level in which it ends.
+    pub to_h: usize,
+    /// Boxes relative to the start node that the hull sweeps \[m\].
+    pub swept: Vec<[f64; 4]>,
+}
+
+impl ProblemFile {
+    /// The problem with its map turned into allowed moves. Informative actions of count 0 are left out.
+    ///
+    /// # Errors
+    /// Another schema, a lattice without size, boxes that are inverted or not finite, and what [`Problem::new`] refuses.
+    pub fn into_problem(&self) -> Result<Problem, Invalid> {
+        SchemaId { schema: self.schema.clone() }.check()?;
+        self.check_map()?;
+        self.check_moves()?;
+        let lattice = Lattice { nx: self.lattice.nx, ny: self.lattice.ny, layers: self.lattice.headings };
+        crate::validate::lattice(&lattice)?;
+        let (actions, moves) = self.actions();
+        // Refuse a bad start or goal before the map is looked at, and moves with them.
+        crate::validate::ends(&lattice, pose(self.start), &Goal::Poses(vec![pose(self.goal)]))?;
+        let free = self.free_cells(&moves);
+        let allowed = |id: crate::MoveId, i: usize, j: usize| free[id.action][id.index][j * lattice.nx + i];
+        Problem::new(lattice, actions, pose(self.start), Goal::Poses(vec![pose(self.goal)]), allowed)
+    }
+
+    /// Actions with what each requires, and their moves with swept boxes.
+    fn actions(&self) -> (Vec<Action>, Vec<&[MoveFile]>) {
+        let informative = self.informative.iter().filter(|action| action.count > 0);
+        let informative =
+            informative.map(|action| (&action.name, action.count, action.cost, &action.moves[..]));
+        let basic = self.basic.iter().map(|action| (&action.name, 0, action.cost, &action.moves[..]));
+        let build = |(name, required, cost, moves): (&String, u32, f64, &'_ [MoveFile])| {
+            let one =
+                |m: &MoveFile| Move { from: m.h, di: m.di, dj: m.dj, to: m.to_h, cost: Cost::primary(cost) };
+            Action { name: name.clone(), required, moves: moves.iter().map(one).collect() }
+        };
+        let all: Vec<_> = informative.chain(basic).collect();
+        (all.iter().map(|&action| build(action)).collect(), all.iter().map(|action| action.3).collect())
+    }
+
+    /// By action, move and cell: whether the swept boxes are free.
+    fn free_cells(&self, moves: &[&[MoveFile]]) -> Vec<Vec<Vec<bool>>> {
+        let LatticeFile { nx, ny, cell, origin, .. } = self.lattice;
+        let cells = FreeCells::new(Grid { nx, ny, cell, origin });
+        let around = Surroundings { bounds: self.bounds, obstacles: self.obstacles.clone() };
+        let of_action = |moves: &&[MoveFile]| moves.iter().map(|one| cells.of(&around, &one.swept)).collect();
+        moves.iter().map(of_action).collect()
+    }
+
+    fn check_map(&self) -> Result<(), Invalid> {
+        let LatticeFile { cell, origin, .. } = self.lattice;
+        if !(cell.is_finite() && cell > 0.0) {
+            let expected = "a finite length above 0 m";
+            return Err(Invalid::new("lattice.cell", cell.to_string(), expected, "give the cells' pitch"));
+        }
+        if !origin.iter().all(|value| value.is_finite()) {
+            let found = format!("{origin:?}");
+            return Err(Invalid::new(
+                "lattice.origin",
+                found,
+                "finite coordinates",
+                "give node (0, 0) in metres",
+            ));
+        }
+        check_box("bounds", &self.bounds)?;
+        let mut obstacles = self.obstacles.iter().enumerate();
+        obstacles.try_for_each(|(k, obstacle)| check_box(&format!("obstacles[{k}]"), obstacle))
+    }
+
+    fn check_moves(&self) -> Result<(), Invalid> {
+        let informative = self.informative.iter().map(|action| (&action.name, &action.moves));
+        let basic = self.basic.iter().map(|action| (&action.name, &action.moves));
+        for (name, moves) in informative.chain(basic) {
+            for (index, step) in moves.iter().enumerate() {
+                let thing = format!("action {name}, move {index}");
+                check_headings(&thing, step, self.lattice.headings)?;
+                for (k, swept) in step.swept.iter().enumerate() {
+                    check_box(&format!("{thing}, swept[{k}]"), swept)?;
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+fn pose([i, j, layer]: [usize; 3]) -> Pose {
+    Pose { i, j, layer }
+}
+
+fn check_headings(thing: &str, step: &MoveFile, headings: usize) -> Result<(), Invalid> {
+    for (field, heading) in [("h", step.h), ("to_h", step.to_h)] {
+        if heading >= headings {
+            let expected = format!("a heading level below {headings}");
+            let remedy = "levels count from 0";
+            return Err(Invalid::new(format!("{thing}, {field}"), heading.to_string(), expected, remedy));
+        }
+    }
+    Ok(())
+}
+
+fn check_box(thing: &str, found: &[f64; 4]) -> Result<(), Invalid> {
+    let [xmin, ymin, xmax, ymax] = *found;
+    if found.iter().all(|value| value.is_finite()) && xmin <= xmax && ymin <= ymax {
+        return Ok(());
+    }
+    let expected = "finite [xmin, ymin, xmax, ymax] with min <= max";
+    Err(Invalid::new(thing, format!("{found:?}"), expected, "order the box's corners"))
+}

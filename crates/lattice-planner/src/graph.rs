@@ -1,0 +1,205 @@
+//! The poses that matter: reached from the start and with a way to a goal, by any moves however often.
+
+use crate::problem::Arc;
+use crate::{Goal, Problem};
+
+/// Number of a pose that does not matter.
+const NONE: u32 = u32::MAX;
+
+/// The live poses, renumbered as *nodes* in the order of their numbers, with arcs both ways.
+pub(crate) struct Graph<'a> {
+    pub problem: &'a Problem,
+    /// Pose number by node.
+    pub poses: Vec<u32>,
+    pub start: u32,
+    pub is_goal: Vec<bool>,
+    pub goals: Vec<u32>,
+    offsets: Vec<u32>,
+    arcs: Vec<Arc>,
+    back_offsets: Vec<u32>,
+    back: Vec<Back>,
+}
+
+/// An arc seen from its end: the node where it starts, and its index.
+#[derive(Clone, Copy)]
+pub(crate) struct Back {
+    pub from: u32,
+    pub arc: u32,
+}
+
+impl<'a> Graph<'a> {
+    /// Nothing if no walk leads from the start to a goal.
+    pub fn new(problem: &'a Problem, reach: &Reach) -> Option<Self> {
+        let start = problem.lattice().number(problem.start());
+        if !reach.is_live(start) {
+            return None;
+        }
+        let all = problem.lattice().poses();
+        let poses: Vec<u32> = (0..all as u32).filter(|&pose| reach.is_live(pose as usize)).collect();
+        let mut nodes = vec![NONE; all];
+        for (node, &pose) in poses.iter().enumerate() {
+            nodes[pose as usize] = node as u32;
+        }
+        let (offsets, arcs) = forward(problem, &poses, &nodes);
+        let (back_offsets, back) = backward(&offsets, &arcs);
+        let is_goal: Vec<bool> = poses.iter().map(|&pose| is_goal(problem, pose)).collect();
+        let goals = (0..poses.len() as u32).filter(|&node| is_goal[node as usize]).collect();
+        let start = nodes[start];
+        Some(Self { problem, poses, start, is_goal, goals, offsets, arcs, back_offsets, back })
+    }
+
+    /// Number of nodes.
+    pub fn len(&self) -> usize {
+        self.poses.len()
+    }
+
+    /// Indices of the arcs from a node.
+    pub fn range(&self, node: u32) -> std::ops::Range<u32> {
+        self.offsets[node as usize]..self.offsets[node as usize + 1]
+    }
+
+    /// The arc of an index.
+    pub fn arc(&self, index: u32) -> Arc {
+        self.arcs[index as usize]
+    }
+
+    /// The arcs from a node.
+    pub fn arcs(&self, node: u32) -> &[Arc] {
+        let range = self.range(node);
+        &self.arcs[range.start as usize..range.end as usize]
+    }
+
+    /// The arcs into a node.
+    pub fn back(&self, node: u32) -> &[Back] {
+        let at = node as usize;
+        &self.back[self.back_offsets[at] as usize..self.back_offsets[at + 1] as usize]
+    }
+
+    /// Key of a move and the slot of its action.
+    pub fn price(&self, step: u32) -> (u64, Option<u32>) {
+        let known = &self.problem.moves[step as usize];
+        (known.key, known.slot)
+    }
+
+    /// Number of arcs.
+    pub fn arc_count(&self) -> usize {
+        self.arcs.len()
+    }
+
+    /// Bytes that the graph itself holds, about.
+    pub fn bytes(&self) -> u64 {
+        (self.arcs.len() * 16 + self.poses.len() * 24) as u64
+    }
+}
+
+fn is_goal(problem: &Problem, pose: u32) -> bool {
+    problem.is_goal(problem.lattice().pose(pose as usize))
+}
+
+/// Which poses are reached from the start, and from which a goal is reached, by any moves.
+pub(crate) struct Reach {
+    pub reached: Vec<bool>,
+    pub homing: Vec<bool>,
+}
+
+impl Reach {
+    pub fn new(problem: &Problem) -> Self {
+        Self { reached: reached(problem), homing: homing(problem) }
+    }
+
+    fn is_live(&self, pose: usize) -> bool {
+        self.reached[pose] && self.homing[pose]
+    }
+}
+
+/// Which poses are reached from the start by any moves.
+pub(crate) fn reached(problem: &Problem) -> Vec<bool> {
+    let mut reached = vec![false; problem.lattice().poses()];
+    let start = problem.lattice().number(problem.start());
+    reached[start] = true;
+    let mut stack = vec![start];
+    while let Some(pose) = stack.pop() {
+        for arc in problem.arcs(pose) {
+            let end = arc.node as usize;
+            if !std::mem::replace(&mut reached[end], true) {
+                stack.push(end);
+            }
+        }
+    }
+    reached
+}
+
+/// From which poses any moves lead to a goal.
+fn homing(problem: &Problem) -> Vec<bool> {
+    let poses = problem.lattice().poses();
+    let Goal::Poses(goals) = problem.goal() else {
+        return vec![true; poses];
+    };
+    let (offsets, starts) = into_poses(problem);
+    let mut homing = vec![false; poses];
+    let mut stack: Vec<usize> = goals.iter().map(|&pose| problem.lattice().number(pose)).collect();
+    stack.iter().for_each(|&pose| homing[pose] = true);
+    while let Some(pose) = stack.pop() {
+        for &start in &starts[offsets[pose] as usize..offsets[pose + 1] as usize] {
+            if !std::mem::replace(&mut homing[start as usize], true) {
+                stack.push(start as usize);
+            }
+        }
+    }
+    homing
+}
+
+/// The poses with a move into each pose.
+fn into_poses(problem: &Problem) -> (Vec<u32>, Vec<u32>) {
+    let poses = problem.lattice().poses();
+    let mut offsets = vec![0; poses + 1];
+    for pose in 0..poses {
+        problem.arcs(pose).iter().for_each(|arc| offsets[arc.node as usize + 1] += 1);
+    }
+    add_up(&mut offsets);
+    let mut next = offsets.clone();
+    let mut starts = vec![0; problem.allowed_moves()];
+    for pose in 0..poses {
+        for arc in problem.arcs(pose) {
+            let at = &mut next[arc.node as usize];
+            starts[*at as usize] = pose as u32;
+            *at += 1;
+        }
+    }
+    (offsets, starts)
+}
+
+fn add_up(offsets: &mut [u32]) {
+    let mut sum = 0;
+    for offset in offsets {
+        sum += *offset;
+        *offset = sum;
+    }
+}
+
+fn forward(problem: &Problem, poses: &[u32], nodes: &[u32]) -> (Vec<u32>, Vec<Arc>) {
+    let mut offsets = vec![0];
+    let mut arcs = Vec::new();
+    for &pose in poses {
+        let inside = problem.arcs(pose as usize).iter().filter(|arc| nodes[arc.node as usize] != NONE);
+        arcs.extend(inside.map(|arc| Arc { node: nodes[arc.node as usize], step: arc.step }));
+        offsets.push(arcs.len() as u32);
+    }
+    (offsets, arcs)
+}
+
+fn backward(offsets: &[u32], arcs: &[Arc]) -> (Vec<u32>, Vec<Back>) {
+    let mut back_offsets = vec![0; offsets.len()];
+    arcs.iter().for_each(|arc| back_offsets[arc.node as usize + 1] += 1);
+    add_up(&mut back_offsets);
+    let mut next = back_offsets.clone();
+    let mut back = vec![Back { from: 0, arc: 0 }; arcs.len()];
+    for (from, range) in offsets.windows(2).enumerate() {
+        for arc in range[0]..range[1] {
+            let at = &mut next[arcs[arc as usize].node as usize];
+            back[*at as usize] = Back { from: from as u32, arc };
+            *at += 1;
+        }
+    }
+    (back_offsets, back)
+}

@@ -1,0 +1,263 @@
+//! Laws of the bounds, and engines against each other on maps.
+
+use crate::graph::{Graph, Reach};
+use crate::lagrangian::{self, Depth};
+use crate::radix_heap::RadixHeap;
+use crate::relaxation::{Bound, Prices, Table};
+use crate::uses::{Left, Packing};
+use crate::watch::Watch;
+use crate::{Options, Outcome, Problem, dense, layered, plan, synthetic};
+
+/// A small map; with `seconds` basic actions of different cost.
+fn map(seed: u64, seconds: bool) -> Problem {
+    let mut file = synthetic::archipelago(7, 8, 4, 3, 2, seed);
+    if seconds {
+        file.basic[0].cost = 12.5;
+        file.basic[1].cost = 31.7;
+        file.informative[1].cost = 60.0;
+    }
+    file.into_problem().unwrap()
+}
+
+/// All uses left that can occur.
+fn all_left(required: &[u32], packing: &Packing) -> Vec<Left> {
+    let mut all = vec![packing.all()];
+    for (slot, &count) in required.iter().enumerate() {
+        let mut more = all.clone();
+        for _ in 0..count {
+            more = more.into_iter().filter_map(|left| packing.after(left, slot)).collect();
+            all.extend(&more);
+        }
+    }
+    all.sort_by_key(|left| left.packed);
+    all.dedup();
+    all
+}
+
+/// Exact keys to go, by (uses left, node): Dijkstra's method backwards, one vector of uses after the other.
+fn exact(graph: &Graph, packing: &Packing, all: &[Left]) -> Vec<Vec<Option<u64>>> {
+    let position = |left: Left| all.iter().position(|&other| other == left).unwrap();
+    let mut to_go: Vec<Vec<Option<u64>>> = vec![vec![None; graph.len()]; all.len()];
+    let mut order: Vec<usize> = (0..all.len()).collect();
+    order.sort_by_key(|&k| all[k].total);
+    for k in order {
+        let mut queue = RadixHeap::new();
+        for node in 0..graph.len() as u32 {
+            let used = graph.arcs(node).iter().filter_map(|arc| {
+                let (key, slot) = graph.price(arc.step);
+                let after = packing.after(all[k], slot? as usize)?;
+                Some(key + to_go[position(after)][arc.node as usize]?)
+            });
+            let at_goal = (all[k].total == 0 && graph.is_goal[node as usize]).then_some(0);
+            to_go[k][node as usize] = used.chain(at_goal).min();
+            if let Some(key) = to_go[k][node as usize] {
+                queue.push(key, node);
+            }
+        }
+        while let Some((key, node)) = queue.pop() {
+            for back in graph.back(node) {
+                let (step, None) = graph.price(graph.arc(back.arc).step) else { continue };
+                let known = &mut to_go[k][back.from as usize];
+                if known.is_none_or(|known| known > key + step) {
+                    *known = Some(key + step);
+                    queue.push(key + step, back.from);
+                }
+            }
+        }
+    }
+    to_go
+}
+
+/// Checks a bound on all states; returns how many it decides exactly.
+fn check(graph: &Graph, bound: &Bound) -> usize {
+    let required = graph.problem.required();
+    let all = all_left(&required, &bound.packing);
+    assert_eq!(all.len() as u32, required.iter().map(|count| count + 1).product::<u32>());
+    let exact = exact(graph, &bound.packing, &all);
+    let mut tight = 0;
+    for (k, &left) in all.iter().enumerate() {
+        for node in 0..graph.len() as u32 {
+            let here = bound.key(node, left);
+            if let Some(exact) = exact[k][node as usize] {
+                assert!(here.is_some_and(|here| here <= exact), "admissible");
+            }
+            tight += usize::from(here == exact[k][node as usize]);
+            for arc in graph.arcs(node) {
+                let (key, slot) = graph.price(arc.step);
+                let after = slot.map_or(Some(left), |slot| bound.packing.after(left, slot as usize));
+                let there = after.and_then(|after| bound.key(arc.node, after));
+                if let Some(there) = there {
+                    assert!(here.is_some_and(|here| here <= key + there), "consistent");
+                }
+            }
+        }
+    }
+    tight
+}
+
+#[test]
+fn law_bounds_are_admissible_and_consistent() {
+    let mut random = 1u64;
+    for seed in 0..12 {
+        let problem = map(seed, seed % 2 == 1);
+        let Some(graph) = Graph::new(&problem, &Reach::new(&problem)) else { continue };
+        let mut keep_going = |_| true;
+        let mut watch = Watch::new(&problem, 1000, &mut keep_going);
+        let mut prices = Prices::zero(&graph);
+        let size = problem.moves.iter().map(|step| step.key).max().unwrap() as f64 * prices.scale as f64;
+        let values: Vec<f64> = (0..3)
+            .map(|_| {
+                random = random.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+                size * 4.0 * ((random >> 40) as f64 / (1u64 << 24) as f64 - 0.5)
+            })
+            .collect();
+        prices.set(&values, 6);
+        let table = Table::new(&graph, &prices, None, false, &mut watch).unwrap();
+        let mut bound = Bound::new(&graph, prices, table);
+        let alone = check(&graph, &bound);
+        for slot in 0..3 {
+            let table = Table::new(&graph, &bound.prices, Some(slot), false, &mut watch).unwrap();
+            bound.tables.push(table);
+        }
+        assert!(check(&graph, &bound) >= alone, "more tables decide no fewer states");
+    }
+}
+
+#[test]
+fn law_engines_agree_on_maps() {
+    let mut solved = 0;
+    for seed in 0..20 {
+        let problem = synthetic::archipelago(14, 15, 4, 4, 2, seed).into_problem().unwrap();
+        let Some(graph) = Graph::new(&problem, &Reach::new(&problem)) else { continue };
+        let watch = || Watch::new(&problem, 1000, Box::leak(Box::new(|_| true)));
+        let step = layered::step(&graph).unwrap();
+        let one = layered::search(&graph, step, 1 << 30, &mut watch());
+        let two = dense::search(&graph, &mut watch());
+        let three = lagrangian::search(&graph, 1 << 30, Depth::Proof, &mut watch());
+        let key = |verdict: &crate::watch::Verdict| verdict.plan.as_ref().map(|plan| plan.0);
+        assert_eq!((key(&one), one.stopped_by), (key(&two), None));
+        assert_eq!((key(&one), one.stopped_by), (key(&three), None));
+        assert_eq!(one.possible.is_some(), two.possible.is_some());
+        // Without room for levels the optimum is known, and the other engine finds a plan.
+        let blind = layered::search(&graph, step, 0, &mut watch());
+        if let Some(key) = key(&one) {
+            assert_eq!((blind.lower, blind.stopped_by), (key, Some(crate::Limit::Memory)));
+        }
+        let fronts = (layered::front(&graph, step, &mut watch()), dense::front(&graph, &mut watch()));
+        assert_eq!(fronts.0, fronts.1);
+        let outcome = plan(&problem, &Options::default(), &mut |_| true);
+        solved += usize::from(matches!(outcome, Outcome::Solved(_)));
+    }
+    assert!(solved >= 10, "{solved} of 20 maps have a plan");
+}
+
+/// More count vectors than one block holds.
+fn many_blocks(seed: u64) -> Problem {
+    let mut file = synthetic::archipelago(6, 7, 4, 7, 2, seed);
+    file.informative[3].count = 3;
+    file.into_problem().unwrap()
+}
+
+/// Follows a walk through the graph; its key, if it ends in a goal with all uses.
+fn followed(graph: &Graph, walk: &[u32]) -> Option<u64> {
+    let packing = Packing::new(&graph.problem.required());
+    let (mut node, mut left, mut sum) = (graph.start, packing.all(), 0);
+    for &step in walk {
+        let arc = graph.arcs(node).iter().find(|arc| arc.step == step)?;
+        let (key, slot) = graph.price(step);
+        left = slot.map_or(Some(left), |slot| packing.after(left, slot as usize))?;
+        (node, sum) = (arc.node, sum + key);
+    }
+    (left.total == 0 && graph.is_goal[node as usize]).then_some(sum)
+}
+
+#[test]
+fn law_many_blocks_agree_with_single_states() {
+    let mut solved = 0;
+    for seed in 0..12 {
+        let problem = many_blocks(seed);
+        let Some(graph) = Graph::new(&problem, &Reach::new(&problem)) else { continue };
+        let watch = || Watch::new(&problem, 1000, Box::leak(Box::new(|_| true)));
+        let (bits, single) =
+            (layered::search(&graph, 1, 1 << 30, &mut watch()), dense::search(&graph, &mut watch()));
+        let key = |verdict: &crate::watch::Verdict| verdict.plan.as_ref().map(|plan| plan.0);
+        assert_eq!(key(&bits), key(&single), "seed {seed}");
+        for (key, walk) in [&bits, &single].into_iter().filter_map(|verdict| verdict.plan.as_ref()) {
+            assert_eq!(followed(&graph, walk), Some(*key), "seed {seed}");
+            solved += 1;
+        }
+        let uses = |possible: &Option<Vec<u32>>| possible.as_ref().map(|counts| counts.iter().sum::<u32>());
+        assert_eq!(uses(&bits.possible), uses(&single.possible), "seed {seed}");
+        assert_eq!(layered::front(&graph, 1, &mut watch()), dense::front(&graph, &mut watch()));
+    }
+    assert!(solved >= 6, "{solved} plans");
+}
+
+/// Stops a search at many places, most of them near its end; the bound by then never exceeds the optimum.
+fn stop_everywhere(problem: &Problem, search: impl Fn(&mut Watch) -> crate::watch::Verdict) {
+    let run = |polls: u64| {
+        let mut asked = 0;
+        let mut keep_going = |_| {
+            asked += 1;
+            asked < polls
+        };
+        let mut watch = Watch::new(problem, 1, &mut keep_going);
+        let verdict = search(&mut watch);
+        let lower = watch.lower.max(verdict.lower);
+        (lower, verdict, asked)
+    };
+    let (_, whole, asked) = run(u64::MAX);
+    let optimum = whole.plan.map_or(u64::MAX, |plan| plan.0);
+    for polls in (1..30).map(|k| asked * k / 30).chain(asked.saturating_sub(30)..=asked) {
+        let (lower, verdict, _) = run(polls);
+        assert!(lower <= optimum, "{lower} after {polls} of {asked} polls, optimum {optimum}");
+        assert!(verdict.plan.is_none_or(|plan| plan.0 >= optimum));
+    }
+}
+
+#[test]
+fn law_bounds_of_stopped_searches_hold() {
+    for seed in 0..6 {
+        let problem = many_blocks(seed);
+        if let Some(graph) = Graph::new(&problem, &Reach::new(&problem)) {
+            stop_everywhere(&problem, |watch| layered::search(&graph, 1, 1 << 30, watch));
+            if seed == 0 {
+                let options = Options::default();
+                stop_everywhere(&problem, |watch| crate::plan::bounds_first(&graph, &options, watch));
+            }
+        }
+        let problem = map(seed, false);
+        let Some(graph) = Graph::new(&problem, &Reach::new(&problem)) else { continue };
+        let prices = Prices::zero(&graph);
+        let mut keep_going = |_| true;
+        let mut watch = Watch::new(&problem, 1000, &mut keep_going);
+        let table = Table::new(&graph, &prices, None, false, &mut watch).unwrap();
+        let bound = Bound::new(&graph, prices, table);
+        stop_everywhere(&problem, |watch| crate::a_star::search(&graph, &bound, None, 1 << 30, watch));
+    }
+}
+
+#[test]
+fn states_not_yet_followed_have_no_level() {
+    // West by one cell at a time from 7 to 1; from 0 a leap leads to 6. When the goal is reached at level 6, cell 0 is
+    // reached but not yet followed, and must not pass for the start of the step to 6.
+    let still = |di| crate::Move {
+        from: 0,
+        di,
+        dj: 0,
+        to: 0,
+        cost: crate::Cost::primary(f64::from(di.signum().abs())),
+    };
+    let act = |name: String, required, di| crate::Action { name, required, moves: vec![still(di)] };
+    let mut actions: Vec<_> = (0..7).map(|q| act(format!("stay_{q}"), 2, 0)).collect();
+    actions.extend([act("west".into(), 0, -1), act("leap".into(), 0, 6)]);
+    let pose = |i| crate::Pose { i, j: 0, layer: 0 };
+    let goal = crate::Goal::Poses(vec![pose(1)]);
+    let lattice = crate::Lattice { nx: 8, ny: 1, layers: 1 };
+    let problem = Problem::new(lattice, actions, pose(7), goal, |_, _, _| true).unwrap();
+    let graph = Graph::new(&problem, &Reach::new(&problem)).unwrap();
+    let mut keep_going = |_| true;
+    let verdict = layered::search(&graph, 1, 1 << 30, &mut Watch::new(&problem, 1000, &mut keep_going));
+    let (key, walk) = verdict.plan.unwrap();
+    assert_eq!((key, followed(&graph, &walk)), (6, Some(6)));
+}

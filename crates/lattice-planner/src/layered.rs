@@ -1,0 +1,294 @@
+//! Exhaustive search where every basic move is free or costs one and the same step and informative moves are free: all
+//! count vectors of a node at once, as bits, one level of cost after the other.
+//!
+//! Informative moves lead to higher blocks or stay in a block, so at every level one pass over the blocks in order is
+//! enough. The level of a state is kept as a binary number across *planes* of bits; with it a plan is recovered.
+
+mod arrival;
+mod reading;
+
+use arrival::States;
+
+use crate::Limit;
+use crate::bits::{self, Bits};
+use crate::fan::Fans;
+use crate::graph::Graph;
+use crate::layout::Layout;
+use crate::watch::{self, Verdict, Watch};
+
+/// Planes to reckon with: enough for 63 levels.
+const USUAL_PLANES: u128 = 6;
+
+/// The step of cost, if the search applies to these costs.
+pub(crate) fn step(graph: &Graph) -> Option<u64> {
+    let mut step = None;
+    for known in &graph.problem.moves {
+        let fits = match known.slot {
+            Some(_) => known.key == 0,
+            None => known.key == 0 || *step.get_or_insert(known.key) == known.key,
+        };
+        if !fits {
+            return None;
+        }
+    }
+    Some(step.unwrap_or(1))
+}
+
+/// Bytes that the search usually takes.
+pub(crate) fn bytes(graph: &Graph) -> u128 {
+    let layout = Layout::new(&graph.problem.required());
+    let plane = layout.blocks.saturating_mul((graph.len() * layout.words * 8) as u128);
+    plane.saturating_mul(2 + USUAL_PLANES) + (graph.arc_count() * 8) as u128
+}
+
+/// The cheapest plan. Stops with limit `Memory` and the optimum as the lower bound if levels cannot be kept.
+pub(crate) fn search(graph: &Graph, step: u64, memory: u64, watch: &mut Watch) -> Verdict {
+    let layout = Layout::new(&graph.problem.required());
+    match layout.words {
+        1 => Layered::<1>::new(graph, layout, step, memory).search(watch),
+        2 => Layered::<2>::new(graph, layout, step, memory).search(watch),
+        4 => Layered::<4>::new(graph, layout, step, memory).search(watch),
+        _ => Layered::<8>::new(graph, layout, step, memory).search(watch),
+    }
+}
+
+/// The least key of every count vector at any goal, by mixed-radix number; nothing if stopped.
+pub(crate) fn front(graph: &Graph, step: u64, watch: &mut Watch) -> Option<Vec<Option<u64>>> {
+    let layout = Layout::new(&graph.problem.required());
+    match layout.words {
+        1 => Layered::<1>::new(graph, layout, step, 0).front(watch),
+        2 => Layered::<2>::new(graph, layout, step, 0).front(watch),
+        4 => Layered::<4>::new(graph, layout, step, 0).front(watch),
+        _ => Layered::<8>::new(graph, layout, step, 0).front(watch),
+    }
+}
+
+struct Layered<'a, const W: usize> {
+    graph: &'a Graph<'a>,
+    layout: Layout,
+    fans: Fans<W>,
+    step: u64,
+    nodes: usize,
+    blocks: usize,
+    /// By `block * nodes + node`: states reached, those of them still to be followed, and the levels.
+    reached: Vec<Bits<W>>,
+    fresh: Vec<Bits<W>>,
+    planes: Vec<Vec<Bits<W>>>,
+    /// Nodes with fresh states, as bits, `words` per block.
+    dirty: Vec<u64>,
+    dirty_words: usize,
+    /// In the present block and level, by node: all new states, and those not yet followed within the block.
+    now: Vec<Bits<W>>,
+    pending: Vec<Bits<W>>,
+    /// Nodes with pending states, in order; nodes with new states.
+    queue: Vec<u32>,
+    touched: Vec<u32>,
+    /// Planes that fit in the memory; nothing once a level did not fit.
+    planes_left: Option<u64>,
+}
+
+/// What a block looks like after a level.
+enum Level {
+    Goal(u32),
+    Done,
+    Stopped,
+}
+
+impl<'a, const W: usize> Layered<'a, W> {
+    fn new(graph: &'a Graph<'a>, layout: Layout, step: u64, memory: u64) -> Self {
+        let (nodes, blocks) = (graph.len(), layout.blocks as usize);
+        let plane = (nodes * blocks * W * 8) as u64;
+        let dirty_words = nodes.div_ceil(64);
+        let planes_left = Some((memory / plane.max(1)).saturating_sub(2));
+        Self {
+            fans: Fans::new(graph, &layout),
+            graph,
+            layout,
+            step,
+            nodes,
+            blocks,
+            reached: vec![[0; W]; nodes * blocks],
+            fresh: vec![[0; W]; nodes * blocks],
+            planes: Vec::new(),
+            dirty: vec![0; dirty_words * blocks],
+            dirty_words,
+            now: vec![[0; W]; nodes],
+            pending: vec![[0; W]; nodes],
+            queue: Vec::new(),
+            touched: Vec::new(),
+            planes_left,
+        }
+    }
+
+    fn search(mut self, watch: &mut Watch) -> Verdict {
+        let goal_bit = self.layout.place(&self.graph.problem.required()).1;
+        self.begin();
+        let mut level = 0;
+        while self.is_open() {
+            watch.raise(level * self.step);
+            match self.level(level, Some(goal_bit), watch, &mut |_, _, _| ()) {
+                Level::Goal(node) => return self.solved(node, level * self.step),
+                Level::Stopped => return Verdict::stopped(None, watch.lower, Limit::Time),
+                Level::Done => level += 1,
+            }
+        }
+        Verdict { possible: self.possible(), ..Verdict::proved(None) }
+    }
+
+    fn front(mut self, watch: &mut Watch) -> Option<Vec<Option<u64>>> {
+        let required = self.graph.problem.required();
+        let (strides, vectors) = watch::strides(&required);
+        let mut least = vec![None; vectors as usize];
+        let (layout, step) = (self.layout.clone(), self.step);
+        self.planes_left = None;
+        self.begin();
+        let mut level = 0;
+        while self.is_open() {
+            let mut note = |block: usize, bits: &Bits<W>, level: u64| {
+                for bit in bits::ones(bits) {
+                    let counts = layout.counts(block, bit);
+                    let number: u64 =
+                        counts.iter().zip(&strides).map(|(&count, s)| u64::from(count) * s).sum();
+                    least[number as usize].get_or_insert(level * step);
+                }
+            };
+            match self.level(level, None, watch, &mut note) {
+                Level::Stopped => return None,
+                _ => level += 1,
+            }
+        }
+        Some(least)
+    }
+
+    fn begin(&mut self) {
+        let start = self.graph.start as usize;
+        self.reached[start][0] = 1;
+        self.fresh[start][0] = 1;
+        self.dirty[start / 64] |= 1 << (start % 64);
+    }
+
+    fn is_open(&self) -> bool {
+        self.dirty.iter().any(|&word| word != 0)
+    }
+
+    /// Follows all fresh states; those of the next level are fresh afterwards.
+    fn level(
+        &mut self,
+        level: u64,
+        goal_bit: Option<usize>,
+        watch: &mut Watch,
+        at_goal: &mut dyn FnMut(usize, &Bits<W>, u64),
+    ) -> Level {
+        for block in 0..self.blocks {
+            self.open(block);
+            if self.queue.is_empty() {
+                continue;
+            }
+            self.close_under_free_moves(block);
+            self.note_level(block, level);
+            for &node in self.touched.iter().filter(|&&node| self.graph.is_goal[node as usize]) {
+                let new = &self.now[node as usize];
+                if block + 1 == self.blocks && goal_bit.is_some_and(|bit| bits::has(new, bit)) {
+                    return Level::Goal(node);
+                }
+                at_goal(block, new, level);
+            }
+            if !watch.go_on(self.touched.len() as u64) {
+                return Level::Stopped;
+            }
+            self.leave(block);
+        }
+        Level::Done
+    }
+
+    /// Takes the fresh states of a block into the queue.
+    fn open(&mut self, block: usize) {
+        let base = block * self.nodes;
+        for word in 0..self.dirty_words {
+            let mut nodes = std::mem::take(&mut self.dirty[block * self.dirty_words + word]);
+            while nodes != 0 {
+                let node = word * 64 + nodes.trailing_zeros() as usize;
+                nodes &= nodes - 1;
+                let fresh = std::mem::replace(&mut self.fresh[base + node], [0; W]);
+                self.now[node] = fresh;
+                self.pending[node] = fresh;
+                self.queue.push(node as u32);
+            }
+        }
+        self.touched.extend_from_slice(&self.queue);
+    }
+
+    /// Follows free moves that stay in the block, first come first served.
+    fn close_under_free_moves(&mut self, block: usize) {
+        let reached = &mut self.reached[block * self.nodes..(block + 1) * self.nodes];
+        let (now, pending) = (&mut self.now[..], &mut self.pending[..]);
+        let mut next = 0;
+        while let Some(&node) = self.queue.get(next) {
+            next += 1;
+            let here = std::mem::replace(&mut pending[node as usize], [0; W]);
+            for &(end, shift) in self.fans.within.of(node) {
+                let moved = self.fans.shifts[shift as usize].apply(&here);
+                let known = &mut reached[end as usize];
+                let new = bits::beyond(&moved, known);
+                if !bits::any(&new) {
+                    continue;
+                }
+                bits::or(known, &new);
+                let (now, pending) = (&mut now[end as usize], &mut pending[end as usize]);
+                if !bits::any(pending) {
+                    self.queue.push(end);
+                    if !bits::any(now) {
+                        self.touched.push(end);
+                    }
+                }
+                bits::or(pending, &new);
+                bits::or(now, &new);
+            }
+        }
+        self.queue.clear();
+    }
+
+    /// Writes the level of all new states into the planes.
+    fn note_level(&mut self, block: usize, level: u64) {
+        let Some(left) = self.planes_left else { return };
+        let needed = (u64::BITS - level.leading_zeros()) as usize;
+        if needed > self.planes.len() {
+            if left == 0 {
+                self.planes_left = None;
+                self.planes.clear();
+                return;
+            }
+            self.planes_left = Some(left - 1);
+            self.planes.push(vec![[0; W]; self.nodes * self.blocks]);
+        }
+        let base = block * self.nodes;
+        for plane in (0..needed).filter(|plane| level >> plane & 1 == 1) {
+            let plane = &mut self.planes[plane][base..base + self.nodes];
+            for &node in &self.touched {
+                bits::or(&mut plane[node as usize], &self.now[node as usize]);
+            }
+        }
+    }
+
+    /// Follows informative moves to higher blocks at this level, and basic moves to the next level.
+    fn leave(&mut self, block: usize) {
+        let mut states = States {
+            nodes: self.nodes,
+            reached: &mut self.reached,
+            fresh: &mut self.fresh,
+            dirty: &mut self.dirty,
+        };
+        for &node in &self.touched {
+            let new = std::mem::replace(&mut self.now[node as usize], [0; W]);
+            for &(end, hop) in self.fans.higher.of(node) {
+                if let Some(higher) = self.fans.hops[hop as usize].from(block) {
+                    states.arrive(higher, end, &new);
+                }
+            }
+            for &(end, _) in self.fans.onward.of(node) {
+                states.arrive(block, end, &new);
+            }
+        }
+        self.touched.clear();
+    }
+}

@@ -1,0 +1,55 @@
+//! Exact planning on a state lattice whose maneuvers must be used a given number of times.
+//!
+//! A state is a pose (cell and layer) and how often each *informative* action has been used. A plan leads from the start
+//! to a goal, uses every informative action exactly as often as required and basic actions as it likes, at the least
+//! cost; costs are compared by their primary part, then by their secondary part. [`plan`] finds such a plan and says
+//! what is proved of it; [`front`] gives the least cost of every count vector.
+//!
+//! Two engines, see [`Engine`]: an exhaustive one that looks at all states in order of cost (all count vectors of a pose
+//! at once, as bits, where costs allow it), and one that bounds by Lagrangian relaxation of the counts, finds plans by
+//! a beam and proves by A*. Both are exact; "optimal" always means proved. Costs are read to 1e-9.
+//!
+//! [`ProblemFile`] is the file `experiment-lattice-planning/1`; [`collision`] says where swept boxes are free.
+
+#![forbid(unsafe_code)]
+#![warn(missing_docs)]
+
+mod a_star;
+mod ascent;
+mod beam;
+mod bits;
+pub mod collision;
+mod dense;
+mod fan;
+mod file;
+mod front;
+mod graph;
+mod invalid;
+mod lagrangian;
+mod lattice;
+#[cfg(test)]
+mod laws;
+mod layered;
+mod layout;
+mod nodes;
+mod outcome;
+mod plan;
+mod problem;
+mod radix_heap;
+mod reason;
+mod recover;
+mod relaxation;
+pub mod synthetic;
+mod units;
+mod uses;
+mod validate;
+mod watch;
+
+pub use file::{BasicFile, InformativeFile, LatticeFile, MoveFile, ProblemFile, SCHEMA, SchemaId};
+pub use front::{Front, FrontPoint, front};
+pub use invalid::Invalid;
+pub use lattice::{Action, Cost, Goal, Lattice, Move, MoveId, Pose};
+pub use outcome::{Engine, Limit, Options, Outcome, Progress, Solution, Status, Step};
+pub use plan::plan;
+pub use problem::Problem;
+pub use reason::Reason;

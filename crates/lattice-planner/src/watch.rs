@@ -1,0 +1,109 @@
+//! What the engines share with whoever waits for them.
+
+use crate::graph::Graph;
+use crate::{Limit, Problem, Progress};
+
+/// A plan as moves in order.
+pub(crate) type Walk = Vec<u32>;
+
+/// What an engine came to know. Keys are without the least keys of informative actions.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Verdict {
+    /// The best plan found and its key.
+    pub plan: Option<(u64, Walk)>,
+    /// No plan has a smaller key.
+    pub lower: u64,
+    /// Nothing if the search was carried to its end: the plan is optimal, or there is none.
+    pub stopped_by: Option<Limit>,
+    /// Counts of most uses in total that reach a goal, if that is known.
+    pub possible: Option<Vec<u32>>,
+}
+
+impl Verdict {
+    pub fn proved(plan: Option<(u64, Walk)>) -> Self {
+        let lower = plan.as_ref().map_or(0, |plan| plan.0);
+        Self { plan, lower, stopped_by: None, possible: None }
+    }
+
+    pub fn stopped(plan: Option<(u64, Walk)>, lower: u64, by: Limit) -> Self {
+        match plan {
+            Some((key, _)) if key <= lower => Self::proved(plan),
+            _ => Self { plan, lower, stopped_by: Some(by), possible: None },
+        }
+    }
+}
+
+/// Counts work and asks from time to time whether to go on.
+pub(crate) struct Watch<'a, 'b> {
+    problem: &'a Problem,
+    keep_going: &'b mut dyn FnMut(Progress) -> bool,
+    every: u64,
+    work: u64,
+    asked_at: u64,
+    /// No plan has a smaller key.
+    pub lower: u64,
+    /// Key of the best plan so far.
+    pub best: Option<u64>,
+    stopped: bool,
+}
+
+impl<'a, 'b> Watch<'a, 'b> {
+    pub fn new(problem: &'a Problem, every: u64, keep_going: &'b mut dyn FnMut(Progress) -> bool) -> Self {
+        let every = every.max(1);
+        Self { problem, keep_going, every, work: 0, asked_at: 0, lower: 0, best: None, stopped: false }
+    }
+
+    /// Notes a lower bound on every plan's key.
+    pub fn raise(&mut self, lower: u64) {
+        self.lower = self.lower.max(lower);
+    }
+
+    /// Notes the key of a plan.
+    pub fn found(&mut self, key: u64) {
+        self.best = Some(self.best.map_or(key, |best| best.min(key)));
+    }
+
+    /// Counts work; false once the caller wants no more.
+    pub fn go_on(&mut self, work: u64) -> bool {
+        self.work += work;
+        if !self.stopped && self.work - self.asked_at >= self.every {
+            self.asked_at = self.work;
+            let progress = self.progress();
+            self.stopped = !(self.keep_going)(progress);
+        }
+        !self.stopped
+    }
+
+    fn progress(&self) -> Progress {
+        let required = self.problem.required();
+        let cost = |key| self.problem.cost(key, &required);
+        Progress { work: self.work, lower_bound: cost(self.lower), best: self.best.map(cost) }
+    }
+}
+
+/// Strides of a mixed-radix number of count vectors, first slot fastest, and how many there are.
+pub(crate) fn strides(required: &[u32]) -> (Vec<u64>, u128) {
+    let mut next = 1u128;
+    let mut strides = Vec::new();
+    for &count in required {
+        strides.push(next.min(u128::from(u64::MAX)) as u64);
+        next = next.saturating_mul(u128::from(count) + 1);
+    }
+    (strides, next)
+}
+
+/// Counts of a mixed-radix number.
+pub(crate) fn counts(mut number: u64, required: &[u32]) -> Vec<u32> {
+    let digits = required.iter().map(|&count| {
+        let radix = u64::from(count) + 1;
+        let digit = number % radix;
+        number /= radix;
+        digit as u32
+    });
+    digits.collect()
+}
+
+/// Least keys by count vector at any goal, and the number of states of a graph.
+pub(crate) fn states(graph: &Graph) -> u128 {
+    strides(&graph.problem.required()).1.saturating_mul(graph.len() as u128)
+}
