@@ -1,0 +1,149 @@
+use crate::frontier::frontier;
+use crate::{Area, Bounds, Class, Invalid, Layer, PlacedGrid, Plane, Polygon, Uncharted};
+
+/// What is known of an area: polygons and grids on one plane.
+///
+/// Nothing is known outside the area: obstacles are everywhere there. Choose it larger than where the ship
+/// sails by the largest margin, so that land just outside is seen.
+#[derive(Clone, Debug)]
+pub struct Chart {
+    plane: Plane,
+    area: Bounds,
+    uncharted: Uncharted,
+    polygons: Vec<Polygon>,
+    grids: Vec<PlacedGrid>,
+    charted: Charted,
+}
+
+/// Where there is a depth: what the charted polygons cover, and the edges with nothing charted beyond.
+#[derive(Clone, Debug)]
+pub(crate) struct Charted {
+    pub polygons: Vec<Polygon>,
+    pub frontier: Vec<[[f64; 2]; 2]>,
+}
+
+impl Chart {
+    /// Places the layers on the plane and keeps what meets the area.
+    ///
+    /// `uncharted`: what places without any layer are. By default they are obstacles as soon as there is a
+    /// layer of depths, and water otherwise. With depths, a place is charted where a depth or land polygon
+    /// or a depth grid covers it; cells without data of a grid are obstacles whatever another layer says.
+    ///
+    /// # Errors
+    /// No layer; polygons off the earth or a grid of another size than it says (neither comes from a file);
+    /// a grid whose coordinates are outside its CRS; uncharted obstacles without a layer of depths (nothing
+    /// would be water).
+    pub fn new(
+        plane: Plane,
+        area: Bounds,
+        layers: &[Layer],
+        uncharted: Option<Uncharted>,
+    ) -> Result<Self, Invalid> {
+        let uncharted = uncharted_of(layers, uncharted)?;
+        let mut polygons = Vec::new();
+        let mut grids = Vec::new();
+        for layer in layers {
+            match layer {
+                Layer::Polygons(layer) => {
+                    for area_of_file in &layer.areas {
+                        let placed =
+                            Polygon::place(area_of_file, &plane).ok_or_else(|| off_earth(area_of_file))?;
+                        polygons.extend(Some(placed).filter(|p| p.bounds.meets(&area)));
+                    }
+                }
+                Layer::Grid(grid) => grids.extend(PlacedGrid::place(grid, &plane, &area)?),
+            }
+        }
+        let charted = match uncharted {
+            Uncharted::Obstacle => charted(&polygons, &grids),
+            Uncharted::Water => Charted { polygons: Vec::new(), frontier: Vec::new() },
+        };
+        Ok(Self { plane, area, uncharted, polygons, grids, charted })
+    }
+
+    /// The plane that everything is on.
+    pub fn plane(&self) -> &Plane {
+        &self.plane
+    }
+
+    /// The area that is charted.
+    pub fn area(&self) -> Bounds {
+        self.area
+    }
+
+    /// What places without any layer are.
+    pub fn uncharted(&self) -> Uncharted {
+        self.uncharted
+    }
+
+    /// Polygons that meet the area, whole, in the order of the layers.
+    pub fn polygons(&self) -> &[Polygon] {
+        &self.polygons
+    }
+
+    /// Grids, cut to the area with up to two cells to spare.
+    pub fn grids(&self) -> &[PlacedGrid] {
+        &self.grids
+    }
+
+    /// Whether any depth is known; otherwise land is all that is avoided, and its shoals need a margin.
+    pub fn has_depth(&self) -> bool {
+        let depth = |p: &Polygon| matches!(p.class, Class::Depth { .. });
+        self.polygons.iter().any(depth) || self.grids.iter().any(|g| g.has_depth)
+    }
+
+    /// Polygons cut to `bounds`, for drawing: rings to fill by the even-odd rule. Where a cut polygon falls
+    /// into parts, thin bridges run along the cut.
+    pub fn drawn(&self, bounds: &Bounds) -> Vec<Polygon> {
+        let cut = |p: &Polygon| {
+            let rings = p.rings.iter().map(|r| crate::clip::clip(r, bounds)).filter(|r| r.len() > 2);
+            Polygon::of_rings(p.class, rings.collect())
+        };
+        self.polygons.iter().filter(|p| p.bounds.meets(bounds)).filter_map(cut).collect()
+    }
+
+    pub(crate) fn charted(&self) -> &Charted {
+        &self.charted
+    }
+}
+
+fn off_earth(area: &Area) -> Invalid {
+    Invalid::new(
+        format!("feature {}", area.feature),
+        "no position, or one off the earth",
+        "longitude within ±180 and latitude within ±90",
+        "read it from a file",
+    )
+}
+
+fn uncharted_of(layers: &[Layer], asked: Option<Uncharted>) -> Result<Uncharted, Invalid> {
+    if layers.is_empty() {
+        return Err(Invalid::new("chart", "no layer", "at least one layer", "name a file of land or depths"));
+    }
+    let depth = layers.iter().any(|layer| match layer {
+        Layer::Polygons(p) => p.areas.iter().any(|a| matches!(a.class, Class::Depth { .. })),
+        Layer::Grid(g) => g.has_depth,
+    });
+    match (asked, depth) {
+        (Some(Uncharted::Obstacle), false) => Err(Invalid::new(
+            "`uncharted`",
+            "`obstacle` without a layer of depths",
+            "a layer of depths, or `water`",
+            "add depths, or let water be whatever is not land",
+        )),
+        (Some(asked), _) => Ok(asked),
+        (None, true) => Ok(Uncharted::Obstacle),
+        (None, false) => Ok(Uncharted::Water),
+    }
+}
+
+fn charted(polygons: &[Polygon], grids: &[PlacedGrid]) -> Charted {
+    let known = polygons.iter().filter(|p| p.class != Class::NoGo).cloned();
+    let frames = grids.iter().filter(|g| g.has_depth).filter_map(|g| {
+        let class = Class::Depth { least_m: None, greatest_m: None };
+        Polygon::of_rings(class, vec![g.frame()])
+    });
+    let polygons: Vec<Polygon> = known.chain(frames).collect();
+    let frontier = frontier(&polygons);
+    Charted { polygons, frontier }
+}

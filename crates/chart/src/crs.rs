@@ -1,0 +1,121 @@
+use std::fmt;
+
+use proj4rs::Proj;
+use proj4rs::transform::transform;
+
+use crate::Invalid;
+
+const KNOWN: &str = "WGS84, EPSG:4326, EPSG:32601 to 32660 and 32701 to 32760 (UTM), EPSG:3067 (TM35FIN) or a `+proj=` string";
+
+/// The coordinate reference system of a grid.
+///
+/// ETRS89 and WGS84 are taken as one (they differ by less than a metre); datum grids (`+nadgrids`) are not
+/// read.
+#[derive(Clone)]
+pub struct Crs {
+    name: String,
+    own: Box<Proj>,
+    wgs84: Box<Proj>,
+}
+
+impl fmt::Debug for Crs {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "Crs({})", self.name)
+    }
+}
+
+impl Crs {
+    /// `WGS84` or `EPSG:4326` (longitude, latitude in degrees), `EPSG:326zz` and `EPSG:327zz` (UTM north
+    /// and south), `EPSG:3067` (TM35FIN), or a PROJ string.
+    ///
+    /// # Errors
+    /// Any other name, naming those that are known.
+    pub fn new(name: &str) -> Result<Self, Invalid> {
+        let refuse = |why: &str| {
+            Invalid::new(
+                format!("CRS `{name}`"),
+                why,
+                KNOWN,
+                "name one of these, or transform the file first",
+            )
+        };
+        let text = definition(name.trim()).ok_or_else(|| refuse("an unknown name"))?;
+        if text.contains("nadgrids") || text.contains("geocent") {
+            return Err(refuse("datum grids or geocentric coordinates"));
+        }
+        let own = Proj::from_proj_string(&text).map_err(|e| refuse(&e.to_string()))?;
+        let wgs84 =
+            Proj::from_proj_string("+proj=longlat +datum=WGS84").map_err(|e| refuse(&e.to_string()))?;
+        if !(own.has_inverse() && own.has_forward()) {
+            return Err(refuse("a projection without inverse"));
+        }
+        Ok(Self { name: name.trim().to_owned(), own: Box::new(own), wgs84: Box::new(wgs84) })
+    }
+
+    /// The name as given.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Whether coordinates are longitude and latitude in degrees.
+    pub fn is_geographic(&self) -> bool {
+        self.own.is_latlong()
+    }
+
+    /// Longitude and latitude (WGS84) \[deg\] of coordinates in this system.
+    ///
+    /// # Errors
+    /// A place outside the projection's domain.
+    pub fn to_geographic(&self, [x, y]: [f64; 2]) -> Result<(f64, f64), Invalid> {
+        let mut point = if self.is_geographic() { (x.to_radians(), y.to_radians()) } else { (x, y) };
+        let done = transform(&self.own, &self.wgs84, &mut point);
+        let lon_lat = (point.0.to_degrees(), point.1.to_degrees());
+        match done {
+            Ok(()) if lon_lat.0.is_finite() && lon_lat.1.abs() <= 90.0 => Ok(lon_lat),
+            _ => Err(self.outside(&format!("coordinates {x}, {y}"))),
+        }
+    }
+
+    /// Coordinates in this system of a longitude and latitude (WGS84) \[deg\].
+    ///
+    /// # Errors
+    /// A place outside the projection's domain.
+    pub fn to_own(&self, lon_deg: f64, lat_deg: f64) -> Result<[f64; 2], Invalid> {
+        let mut point = (lon_deg.to_radians(), lat_deg.to_radians());
+        let done = transform(&self.wgs84, &self.own, &mut point);
+        let scale = if self.is_geographic() { 1f64.to_degrees() } else { 1.0 };
+        match done {
+            Ok(()) if point.0.is_finite() && point.1.is_finite() => Ok([point.0 * scale, point.1 * scale]),
+            _ => Err(self.outside(&format!("longitude {lon_deg}, latitude {lat_deg}"))),
+        }
+    }
+
+    fn outside(&self, found: &str) -> Invalid {
+        Invalid::new(
+            format!("CRS `{}`", self.name),
+            found,
+            "a place within the projection's domain",
+            "check that the file is in this CRS and that the area is right",
+        )
+    }
+}
+
+fn definition(name: &str) -> Option<String> {
+    if name.starts_with("+proj=") {
+        return Some(name.to_owned());
+    }
+    if name.eq_ignore_ascii_case("WGS84") {
+        return Some("+proj=longlat +datum=WGS84".to_owned());
+    }
+    let (authority, code) = name.split_once(':')?;
+    if !authority.eq_ignore_ascii_case("EPSG") {
+        return None;
+    }
+    match code.parse().ok()? {
+        4326_u32 => Some("+proj=longlat +datum=WGS84".to_owned()),
+        3067 => Some("+proj=utm +zone=35 +ellps=GRS80 +towgs84=0,0,0".to_owned()),
+        code @ 32601..=32660 => Some(format!("+proj=utm +zone={} +datum=WGS84", code - 32600)),
+        code @ 32701..=32760 => Some(format!("+proj=utm +zone={} +south +datum=WGS84", code - 32700)),
+        _ => None,
+    }
+}

@@ -1,0 +1,74 @@
+//! Sea charts: polygons and grids on a local plane, obstacles and clearance for a ship's hull, routes and
+//! tracks out.
+//!
+//! Not for navigation. Coordinates on the plane are x east and y north \[m\]; headings are compass headings
+//! (0 north, clockwise) \[rad\]; longitude comes before latitude, in degrees of WGS84; depths are positive
+//! down \[m\].
+//!
+//! GDAL turns a cell of an electronic chart (S-57) into GeoJSON, one object class at a time:
+//!
+//! ```text
+//! ogr2ogr -f GeoJSON depare.geojson US5WA22M.000 DEPARE
+//! ```
+//!
+//! Depths are in DEPARE and DRGARE (`DRVAL1`, `DRVAL2`), land in LNDARE, PONTON and HULKES. Lakes of GSHHG are
+//! polygons of their own (`level` 2): read as land, like the land around them, they are what they should be,
+//! closed to the ship.
+//!
+//! ```
+//! use chart::{Bounds, Chart, Footprint, Layer, LayerKind, Obstacles, Plane, PolygonLayer, Raster};
+//!
+//! let island = r#"{"type": "Polygon", "coordinates":
+//!     [[[24.95, 60.10], [24.96, 60.10], [24.96, 60.11], [24.95, 60.11], [24.95, 60.10]]]}"#;
+//! let land = PolygonLayer::from_geojson(island, &LayerKind::Land, None)?;
+//! let area = Bounds::new([-2000.0, -2000.0], [2000.0, 2000.0])?;
+//! let chart = Chart::new(Plane::new(24.955, 60.105)?, area.grown(200.0), &[Layer::Polygons(land)], None)?;
+//! let obstacles = Obstacles::new(&chart, Raster::covering(&area, 25.0)?, 0.0, 100.0)?;
+//! let hull = [[50.0, 0.0], [-50.0, 10.0], [-50.0, -10.0]];
+//! let ahead = Footprint::swept(&hull, &[(0.0, 0.0, 0.0), (0.0, 300.0, 0.0)], 25.0)?;
+//! assert!(obstacles.is_free(&ahead, 20, 20));
+//! assert!(!obstacles.is_free(&ahead, 80, 60));
+//! # Ok::<(), chart::Invalid>(())
+//! ```
+
+#![forbid(unsafe_code)]
+#![warn(missing_docs)]
+
+mod bounds;
+mod causes;
+mod chart;
+mod clip;
+mod cover;
+mod crs;
+mod distance;
+mod footprint;
+mod frontier;
+mod grid;
+mod grid_header;
+mod invalid;
+mod layer;
+mod obstacles;
+mod occupancy;
+mod orientation;
+mod placed;
+mod placed_grid;
+mod plane;
+mod polygons;
+mod raster;
+pub mod ring;
+pub mod route;
+
+pub use bounds::Bounds;
+pub use causes::Causes;
+pub use chart::Chart;
+pub use crs::Crs;
+pub use footprint::{Footprint, Run};
+pub use grid::{Grid, GridCell, GridDeclaration, GridKind};
+pub use invalid::Invalid;
+pub use layer::{Class, Filter, Layer, LayerKind, Uncharted};
+pub use obstacles::Obstacles;
+pub use placed::Polygon;
+pub use placed_grid::PlacedGrid;
+pub use plane::Plane;
+pub use polygons::{Area, PolygonLayer};
+pub use raster::Raster;

@@ -1,0 +1,157 @@
+//! Cells of a raster that a chart's layers block.
+
+use crate::cover::{Size, along, centres};
+use crate::{Bounds, Causes, Chart, Class, GridCell, PlacedGrid, Polygon, Raster, Uncharted};
+
+/// Cells that touch within this distance count as touched, so that rounding does not decide \[m\].
+const TOUCH_M: f64 = 1e-6;
+
+/// Per cell of a raster, row by row from the south, why it is blocked.
+pub(crate) struct Occupancy {
+    raster: Raster,
+    bounds: Bounds,
+    size: Size,
+    slack: f64,
+    pub causes: Vec<Causes>,
+}
+
+impl Occupancy {
+    pub(crate) fn of(chart: &Chart, raster: Raster, least_depth_m: f64) -> Self {
+        let mut own = Self {
+            raster,
+            bounds: raster.bounds().grown(TOUCH_M),
+            size: Size { nx: raster.nx, ny: raster.ny },
+            slack: TOUCH_M / raster.cell_m,
+            causes: vec![Causes::NONE; raster.nx * raster.ny],
+        };
+        for polygon in chart.polygons() {
+            if let Some(cause) = cause_of(polygon.class, least_depth_m) {
+                own.block(polygon, cause);
+            }
+        }
+        for grid in chart.grids() {
+            own.block_grid(grid, least_depth_m);
+        }
+        if chart.uncharted() == Uncharted::Obstacle {
+            own.block_uncharted(chart);
+        }
+        own.block_outside(&chart.area());
+        own
+    }
+
+    /// Blocks every cell that a polygon touches.
+    fn block(&mut self, polygon: &Polygon, cause: Causes) {
+        if !polygon.bounds.meets(&self.bounds) {
+            return;
+        }
+        let rings = self.rings(polygon);
+        let (nx, size, slack) = (self.raster.nx, self.size, self.slack);
+        let mut mark = |row: usize, first: usize, last: usize| {
+            self.causes[row * nx + first..=row * nx + last].iter_mut().for_each(|c| *c = c.with(cause));
+        };
+        each_edge(&rings, |a, b| along(a, b, slack, size, &mut mark));
+        centres(&rings, size, mark);
+    }
+
+    fn rings(&self, polygon: &Polygon) -> Vec<Vec<[f64; 2]>> {
+        let ring = |r: &Vec<[f64; 2]>| r.iter().map(|p| self.raster.in_cells(*p)).collect();
+        polygon.rings.iter().map(ring).collect()
+    }
+
+    /// Blocks what touches bad cells of a grid, by runs of equal cause along its rows.
+    fn block_grid(&mut self, grid: &PlacedGrid, least_depth_m: f64) {
+        for row in 0..grid.rows {
+            let cells = &grid.cells[row * grid.columns..(row + 1) * grid.columns];
+            let mut start = 0;
+            for run in cells.chunk_by(|a, b| bad(*a, least_depth_m) == bad(*b, least_depth_m)) {
+                let columns = start..start + run.len();
+                start = columns.end;
+                let Some(cause) = bad(run[0], least_depth_m) else { continue };
+                let class = Class::Land;
+                let strip = Polygon::of_rings(class, vec![grid.strip(columns, row..row + 1)]);
+                strip.iter().for_each(|s| self.block(s, cause));
+            }
+        }
+    }
+
+    /// Blocks every cell that is not charted as a whole: by one polygon, or by several that share the
+    /// borders inside it.
+    fn block_uncharted(&mut self, chart: &Chart) {
+        let nx = self.raster.nx;
+        let (size, slack) = (self.size, self.slack);
+        let charted = chart.charted();
+        let mut whole = vec![false; self.causes.len()];
+        let mut centre = vec![false; self.causes.len()];
+        let mut border = vec![0_u32; self.causes.len()];
+        for (id, polygon) in (1..).zip(charted.polygons.iter().filter(|p| p.bounds.meets(&self.bounds))) {
+            let rings = self.rings(polygon);
+            each_edge(&rings, |a, b| {
+                along(a, b, slack, size, |row, first, last| {
+                    border[row * nx + first..=row * nx + last].fill(id);
+                });
+            });
+            centres(&rings, size, |row, first, last| {
+                for k in row * nx + first..=row * nx + last {
+                    centre[k] = true;
+                    whole[k] |= border[k] != id;
+                }
+            });
+        }
+        for edge in &charted.frontier {
+            let [a, b] = edge.map(|p| self.raster.in_cells(p));
+            along(a, b, slack, size, |row, first, last| {
+                centre[row * nx + first..=row * nx + last].fill(false)
+            });
+        }
+        let known = whole.iter().zip(&centre).map(|(whole, centre)| *whole || *centre);
+        for (cause, _) in self.causes.iter_mut().zip(known).filter(|(_, known)| !known) {
+            *cause = cause.with(Causes::UNCHARTED);
+        }
+    }
+
+    /// Blocks every cell that is not inside the area as a whole.
+    fn block_outside(&mut self, area: &Bounds) {
+        let raster = self.raster;
+        let area = area.grown(TOUCH_M);
+        let inside = |index: usize, axis: usize| {
+            let low = raster.origin[axis] + index as f64 * raster.cell_m;
+            low >= area.min[axis] && low + raster.cell_m <= area.max[axis]
+        };
+        let columns: Vec<bool> = (0..raster.nx).map(|i| inside(i, 0)).collect();
+        for (row, causes) in self.causes.chunks_mut(raster.nx).enumerate() {
+            let row_inside = inside(row, 1);
+            for (cause, _) in causes.iter_mut().zip(&columns).filter(|(_, c)| !(**c && row_inside)) {
+                *cause = cause.with(Causes::UNCHARTED);
+            }
+        }
+    }
+}
+
+fn each_edge(rings: &[Vec<[f64; 2]>], mut edge: impl FnMut([f64; 2], [f64; 2])) {
+    for ring in rings {
+        let mut p = ring.last().copied().unwrap_or_default();
+        for q in ring {
+            edge(p, *q);
+            p = *q;
+        }
+    }
+}
+
+fn cause_of(class: Class, least_depth_m: f64) -> Option<Causes> {
+    match class {
+        Class::Land => Some(Causes::LAND),
+        Class::NoGo => Some(Causes::NO_GO),
+        Class::Depth { least_m: Some(depth), .. } if depth >= least_depth_m => None,
+        Class::Depth { .. } => Some(Causes::SHOAL),
+    }
+}
+
+fn bad(cell: GridCell, least_depth_m: f64) -> Option<Causes> {
+    match cell {
+        GridCell::Missing => Some(Causes::UNCHARTED),
+        GridCell::Land => Some(Causes::LAND),
+        GridCell::Water => None,
+        GridCell::Depth(depth) if depth >= least_depth_m => None,
+        GridCell::Depth(_) => Some(Causes::SHOAL),
+    }
+}

@@ -1,0 +1,74 @@
+//! Polygons of longitude and latitude on the plane.
+
+use crate::ring::doubled_area;
+use crate::{Area, Bounds, Class, Plane};
+
+/// Longest piece of an edge \[deg of latitude\]: about a kilometre, over which the straight line in
+/// longitude and latitude and the one on the plane part by less than 0.1 m up to 70° of latitude.
+const PIECE_DEG: f64 = 0.01;
+
+/// A polygon on the plane.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Polygon {
+    /// What it is.
+    pub class: Class,
+    /// Rings \[m\] without the repeated last position: the outer one counter-clockwise, then the holes
+    /// clockwise. Edges are cut to about a kilometre, so that they follow the straight lines of the file.
+    pub rings: Vec<Vec<[f64; 2]>>,
+    /// The box around it.
+    pub bounds: Bounds,
+}
+
+impl Polygon {
+    /// `None` for a polygon without a finite point.
+    pub(crate) fn place(area: &Area, plane: &Plane) -> Option<Self> {
+        let ring = |(k, r): (usize, &Vec<[f64; 2]>)| oriented(place_ring(r, plane), k == 0);
+        Self::of_rings(area.class, area.rings.iter().enumerate().map(ring).collect())
+    }
+
+    pub(crate) fn of_rings(class: Class, rings: Vec<Vec<[f64; 2]>>) -> Option<Self> {
+        let bounds = Bounds::around(rings.iter().flatten())?;
+        let finite = rings.iter().flatten().flatten().all(|v| v.is_finite());
+        finite.then_some(Self { class, rings, bounds })
+    }
+
+    /// Edges in the direction that keeps the polygon on the left.
+    pub(crate) fn edges(&self) -> impl Iterator<Item = [[f64; 2]; 2]> + '_ {
+        self.rings.iter().flat_map(|r| (0..r.len()).map(|i| [r[i], r[(i + 1) % r.len()]]))
+    }
+}
+
+pub(crate) fn oriented(mut ring: Vec<[f64; 2]>, counter_clockwise: bool) -> Vec<[f64; 2]> {
+    let closing = ring.first().copied();
+    ring.extend(closing);
+    let is = doubled_area(&ring) > 0.0;
+    ring.pop();
+    if is != counter_clockwise {
+        ring.reverse();
+    }
+    ring
+}
+
+fn place_ring(ring: &[[f64; 2]], plane: &Plane) -> Vec<[f64; 2]> {
+    let mut placed = Vec::with_capacity(ring.len());
+    for w in ring.windows(2) {
+        placed.push(plane.to_plane(w[0][0], w[0][1]));
+        placed.extend(between(w[0], w[1]).into_iter().map(|p| plane.to_plane(p[0], p[1])));
+    }
+    placed
+}
+
+/// Points that cut a long edge. The same points whichever end comes first, so that neighbours keep a common
+/// border.
+fn between(a: [f64; 2], b: [f64; 2]) -> Vec<[f64; 2]> {
+    let forward = a <= b;
+    let (p, q) = if forward { (a, b) } else { (b, a) };
+    let east = (q[0] - p[0]) * f64::to_radians((p[1] + q[1]) / 2.0).cos();
+    let pieces = (east.hypot(q[1] - p[1]) / PIECE_DEG).ceil().max(1.0) as usize;
+    let at = |i: usize| {
+        let t = i as f64 / pieces as f64;
+        [p[0] + t * (q[0] - p[0]), p[1] + t * (q[1] - p[1])]
+    };
+    let points = (1..pieces).map(at);
+    if forward { points.collect() } else { points.rev().collect() }
+}

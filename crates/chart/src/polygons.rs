@@ -1,0 +1,244 @@
+use geojson::{Feature, GeoJson, GeometryValue, JsonObject, JsonValue, PolygonType};
+
+use crate::ring::{RingFault, ring_fault};
+use crate::{Class, Filter, Invalid, LayerKind};
+
+/// Polygons of one kind, WGS84.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PolygonLayer {
+    /// The polygons, in the order of the file.
+    pub areas: Vec<Area>,
+    /// Features of other geometries (points, lines, none), which are left out.
+    pub other_geometries: usize,
+    /// Features that the filter left out.
+    pub filtered_out: usize,
+}
+
+/// One polygon: the outer ring, then its holes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Area {
+    /// What it is.
+    pub class: Class,
+    /// Rings of (longitude, latitude) \[deg\], closed: the last position repeats the first.
+    pub rings: Vec<Vec<[f64; 2]>>,
+    /// Index of the feature in the file.
+    pub feature: usize,
+}
+
+impl PolygonLayer {
+    /// Reads GeoJSON (RFC 7946): Polygon and MultiPolygon features; other geometries are counted and left out.
+    ///
+    /// # Errors
+    /// Corrupt JSON; a `crs` member other than WGS84 or coordinates outside ±180 and ±90; no polygon left;
+    /// an empty or open ring, one that crosses itself or another of its polygon (features that the filter
+    /// leaves out are not checked); a depth property that no feature has or that is no number; depths that
+    /// are all negative.
+    pub fn from_geojson(text: &str, kind: &LayerKind, filter: Option<&Filter>) -> Result<Self, Invalid> {
+        let features = features(text)?;
+        let mut layer = Self { areas: Vec::new(), other_geometries: 0, filtered_out: 0 };
+        let mut named = false;
+        for (index, feature) in features.iter().enumerate() {
+            if filter.is_some_and(|f| !passes(feature, f)) {
+                layer.filtered_out += 1;
+                continue;
+            }
+            let polygons = polygons(feature);
+            layer.other_geometries += usize::from(polygons.is_none());
+            let class = class(kind, feature.properties.as_ref(), index, &mut named)?;
+            for polygon in polygons.into_iter().flatten() {
+                layer.areas.push(Area { class, rings: rings(polygon, index)?, feature: index });
+            }
+        }
+        layer.check(kind, features.len(), named)?;
+        Ok(layer)
+    }
+
+    fn check(&self, kind: &LayerKind, features: usize, named: bool) -> Result<(), Invalid> {
+        if self.areas.is_empty() {
+            let found =
+                format!("{features} features, {} filtered out, no polygon among the rest", self.filtered_out);
+            return Err(Invalid::new(
+                "layer",
+                found,
+                "at least one polygon",
+                "check the filter and the file",
+            ));
+        }
+        let LayerKind::Depth { least, .. } = kind else { return Ok(()) };
+        if !named {
+            let found = "no feature that has it";
+            let expected = "the least depth in metres";
+            return Err(Invalid::new(
+                format!("property `{least}`"),
+                found,
+                expected,
+                "name the property of the file",
+            ));
+        }
+        self.check_sign(least)
+    }
+
+    fn check_sign(&self, least: &str) -> Result<(), Invalid> {
+        let known = self.areas.iter().filter_map(|a| match a.class {
+            Class::Depth { least_m, .. } => least_m,
+            _ => None,
+        });
+        let (min, max) = known.fold((f64::MAX, f64::MIN), |(lo, hi), v| (lo.min(v), hi.max(v)));
+        if max >= 0.0 || min > max {
+            return Ok(());
+        }
+        Err(Invalid::new(
+            format!("property `{least}`"),
+            format!("{min}..{max} m, all above the water"),
+            "depths positive down",
+            "turn the sign of the property",
+        ))
+    }
+}
+
+fn features(text: &str) -> Result<Vec<Feature>, Invalid> {
+    let geojson: GeoJson = text.parse().map_err(|e: geojson::Error| {
+        Invalid::new(
+            "GeoJSON",
+            e.to_string(),
+            "a whole FeatureCollection",
+            "export or download the file again",
+        )
+    })?;
+    let (features, members) = match geojson {
+        GeoJson::FeatureCollection(c) => (c.features, c.foreign_members),
+        GeoJson::Feature(f) => {
+            let members = f.foreign_members.clone();
+            (vec![f], members)
+        }
+        GeoJson::Geometry(g) => (vec![Feature::from(g)], None),
+    };
+    check_crs(members.as_ref())?;
+    Ok(features)
+}
+
+fn check_crs(members: Option<&JsonObject>) -> Result<(), Invalid> {
+    let Some(crs) = members.and_then(|m| m.get("crs")).filter(|c| !c.is_null()) else { return Ok(()) };
+    let name = crs.pointer("/properties/name").and_then(JsonValue::as_str).unwrap_or_default();
+    let code = name.to_ascii_uppercase();
+    if code.ends_with("CRS84") || code.ends_with(":4326") || code == "WGS84" {
+        return Ok(());
+    }
+    Err(mixed("`crs` member", format!("`{crs}`")))
+}
+
+fn mixed(thing: impl Into<String>, found: impl Into<String>) -> Invalid {
+    Invalid::new(
+        thing,
+        format!("{} (projected coordinates in a WGS84 layer: mixed CRS)", found.into()),
+        "longitude within ±180 and latitude within ±90, WGS84",
+        "transform the file, for instance with `ogr2ogr -t_srs EPSG:4326`",
+    )
+}
+
+fn passes(feature: &Feature, filter: &Filter) -> bool {
+    let value = feature.properties.as_ref().and_then(|p| p.get(&filter.property));
+    let text = match value {
+        Some(JsonValue::String(s)) => s.clone(),
+        Some(v) => v.to_string(),
+        None => return false,
+    };
+    filter.values.contains(&text)
+}
+
+fn polygons(feature: &Feature) -> Option<Vec<&PolygonType>> {
+    match &feature.geometry.as_ref()?.value {
+        GeometryValue::Polygon { coordinates } => Some(vec![coordinates]),
+        GeometryValue::MultiPolygon { coordinates } => Some(coordinates.iter().collect()),
+        _ => None,
+    }
+}
+
+fn rings(polygon: &PolygonType, feature: usize) -> Result<Vec<Vec<[f64; 2]>>, Invalid> {
+    let mut rings = Vec::with_capacity(polygon.len());
+    for (k, ring) in polygon.iter().enumerate() {
+        let mut points: Vec<[f64; 2]> = Vec::with_capacity(ring.len());
+        for position in ring {
+            let [lon, lat, ..] = *position.as_slice() else {
+                return Err(short(feature, k));
+            };
+            if lon.abs() > 180.0 || lat.abs() > 90.0 {
+                return Err(mixed(format!("feature {feature}, ring {k}"), format!("{lon}, {lat}")));
+            }
+            points.push([lon, lat]);
+        }
+        rings.push(points);
+    }
+    match ring_fault(&rings) {
+        None => Ok(rings),
+        Some(fault) => Err(refuse(feature, &fault)),
+    }
+}
+
+fn short(feature: usize, ring: usize) -> Invalid {
+    let thing = format!("feature {feature}, ring {ring}");
+    let found = "a position of fewer than two numbers";
+    Invalid::new(thing, found, "longitude and latitude", "export the file again")
+}
+
+fn refuse(feature: usize, fault: &RingFault) -> Invalid {
+    let (ring, found, expected) = match fault {
+        RingFault::Empty { ring } => {
+            (ring, "an empty polygon".to_owned(), "at least three corners, with area")
+        }
+        RingFault::Open { ring } => (ring, "an open ring".to_owned(), "a last position equal to the first"),
+        RingFault::NotFinite { ring } => (ring, "NaN or infinity".to_owned(), "finite coordinates"),
+        RingFault::Crossing { one, other, near } => {
+            let found = format!(
+                "edge {} crosses edge {} of ring {} near {}, {}",
+                one.1, other.1, other.0, near[0], near[1]
+            );
+            (&one.0, found, "rings that do not cross themselves or each other")
+        }
+    };
+    let thing = format!("feature {feature}, ring {ring}");
+    Invalid::new(
+        thing,
+        found,
+        expected,
+        "repair the polygon, for instance with `ogr2ogr -makevalid`, or remove it",
+    )
+}
+
+fn class(
+    kind: &LayerKind,
+    properties: Option<&JsonObject>,
+    index: usize,
+    named: &mut bool,
+) -> Result<Class, Invalid> {
+    let LayerKind::Depth { least, greatest } = kind else {
+        return Ok(if *kind == LayerKind::Land { Class::Land } else { Class::NoGo });
+    };
+    let value = |name: &String| properties.and_then(|p| p.get(name));
+    *named |= value(least).is_some();
+    let least_m = depth(value(least), index, least)?;
+    let greatest_m = match greatest {
+        Some(name) => depth(value(name), index, name)?,
+        None => None,
+    };
+    Ok(Class::Depth { least_m, greatest_m })
+}
+
+/// A depth, which some exports write as text; null and empty are unknown.
+fn depth(value: Option<&JsonValue>, feature: usize, name: &str) -> Result<Option<f64>, Invalid> {
+    let number = match value {
+        None | Some(JsonValue::Null) => return Ok(None),
+        Some(JsonValue::String(s)) if s.trim().is_empty() => return Ok(None),
+        Some(JsonValue::String(s)) => s.trim().parse().ok(),
+        Some(v) => v.as_f64(),
+    };
+    match number.filter(|v: &f64| v.is_finite()) {
+        Some(v) => Ok(Some(v)),
+        None => Err(Invalid::new(
+            format!("feature {feature}, property `{name}`"),
+            value.map(JsonValue::to_string).unwrap_or_default(),
+            "a depth in metres, or null",
+            "correct it or name another property",
+        )),
+    }
+}

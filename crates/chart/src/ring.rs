@@ -1,0 +1,112 @@
+//! What a ring of a polygon must be: closed, with area, without crossing itself or another ring of the same
+//! polygon.
+
+use crate::orientation::cross_properly;
+
+/// What is wrong with the rings of one polygon.
+#[derive(Clone, Debug, PartialEq)]
+pub enum RingFault {
+    /// No ring, or a ring of fewer than four positions, or one without area.
+    Empty {
+        /// The ring.
+        ring: usize,
+    },
+    /// The last position is not the first.
+    Open {
+        /// The ring.
+        ring: usize,
+    },
+    /// A coordinate is NaN or infinite.
+    NotFinite {
+        /// The ring.
+        ring: usize,
+    },
+    /// Two edges cross at a point inside both.
+    Crossing {
+        /// Ring and edge of one.
+        one: (usize, usize),
+        /// Ring and edge of the other.
+        other: (usize, usize),
+        /// First position of the first edge.
+        near: [f64; 2],
+    },
+}
+
+/// The first fault of a polygon's rings (closed: the last position repeats the first), in any plane
+/// coordinates.
+///
+/// Rings may touch themselves and each other at points and along edges; only proper crossings are faults.
+/// Edges are swept along the axis on which they are shorter: n log n for coastlines.
+pub fn ring_fault(rings: &[Vec<[f64; 2]>]) -> Option<RingFault> {
+    if rings.is_empty() {
+        return Some(RingFault::Empty { ring: 0 });
+    }
+    let flat = || rings.iter().position(|r| doubled_area(r) == 0.0).map(|ring| RingFault::Empty { ring });
+    // A bow tie may have no area either, so crossings are looked for before that.
+    rings.iter().enumerate().find_map(|(k, r)| shape_fault(k, r)).or_else(|| crossing(rings)).or_else(flat)
+}
+
+fn shape_fault(index: usize, ring: &[[f64; 2]]) -> Option<RingFault> {
+    if ring.iter().flatten().any(|v| !v.is_finite()) {
+        return Some(RingFault::NotFinite { ring: index });
+    }
+    if ring.len() > 1 && ring.first() != ring.last() {
+        return Some(RingFault::Open { ring: index });
+    }
+    (ring.len() < 4).then_some(RingFault::Empty { ring: index })
+}
+
+/// Twice the signed area of a ring, closed or not: positive when counter-clockwise.
+pub(crate) fn doubled_area(ring: &[[f64; 2]]) -> f64 {
+    let Some(o) = ring.first() else { return 0.0 };
+    let about = |p: &[f64; 2], q: &[f64; 2]| (p[0] - o[0]) * (q[1] - o[1]) - (q[0] - o[0]) * (p[1] - o[1]);
+    ring.windows(2).map(|w| about(&w[0], &w[1])).sum()
+}
+
+struct Edge {
+    low: f64,
+    high: f64,
+    side: [f64; 2],
+    ends: [[f64; 2]; 2],
+    place: (usize, usize),
+}
+
+fn crossing(rings: &[Vec<[f64; 2]>]) -> Option<RingFault> {
+    let mut edges = edges(rings);
+    edges.sort_by(|a, b| a.low.total_cmp(&b.low));
+    for (i, a) in edges.iter().enumerate() {
+        for b in edges[i + 1..].iter().take_while(|b| b.low <= a.high) {
+            let apart = a.side[1] < b.side[0] || b.side[1] < a.side[0];
+            if !apart && cross_properly(a.ends[0], a.ends[1], b.ends[0], b.ends[1]) {
+                let (one, other) = (a.place.min(b.place), a.place.max(b.place));
+                return Some(RingFault::Crossing { one, other, near: rings[one.0][one.1] });
+            }
+        }
+    }
+    None
+}
+
+/// All edges, with their extent along the axis of the sweep (`low`, `high`) and across it (`side`).
+fn edges(rings: &[Vec<[f64; 2]>]) -> Vec<Edge> {
+    let pairs = || rings.iter().flat_map(|r| r.windows(2));
+    let along = |k: usize| pairs().map(|w| (w[1][k] - w[0][k]).abs()).sum::<f64>();
+    let span = |k: usize| {
+        let values = || rings.iter().flatten().map(|p| p[k]);
+        values().fold(f64::MIN, f64::max) - values().fold(f64::MAX, f64::min)
+    };
+    let axis = usize::from(along(0) * span(1) > along(1) * span(0));
+    let edge = |ring: usize, i: usize, w: &[[f64; 2]]| {
+        let (p, q) = (w[0], w[1]);
+        Edge {
+            low: p[axis].min(q[axis]),
+            high: p[axis].max(q[axis]),
+            side: [p[1 - axis].min(q[1 - axis]), p[1 - axis].max(q[1 - axis])],
+            ends: [p, q],
+            place: (ring, i),
+        }
+    };
+    let of_ring = |(k, r): (usize, &Vec<[f64; 2]>)| {
+        r.windows(2).enumerate().map(|(i, w)| edge(k, i, w)).collect::<Vec<_>>()
+    };
+    rings.iter().enumerate().flat_map(of_ring).collect()
+}

@@ -1,0 +1,87 @@
+use geojson::{FeatureCollection, GeometryValue, JsonObject, Position};
+
+use super::points::place;
+use crate::Invalid;
+use crate::placed::oriented;
+
+/// A feature: where and what.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Feature {
+    /// Where.
+    pub geometry: Geometry,
+    /// What: any JSON object, such as the step, the maneuver and the time.
+    pub properties: JsonObject,
+}
+
+/// A geometry of (longitude, latitude) \[deg\].
+#[derive(Clone, Debug, PartialEq)]
+pub enum Geometry {
+    /// A place: start, goal.
+    Point([f64; 2]),
+    /// A track of at least two points.
+    Line(Vec<[f64; 2]>),
+    /// An outer ring and holes, closed or not, in either direction.
+    Polygon(Vec<Vec<[f64; 2]>>),
+}
+
+/// The features as a GeoJSON FeatureCollection (RFC 7946), in their order: longitude first, to 10⁻⁹
+/// degrees; rings closed, the outer one counter-clockwise and holes clockwise.
+///
+/// # Errors
+/// Coordinates that are not finite or out of range; a line of fewer than two points; a ring of fewer than
+/// three corners; a step over the antimeridian, where RFC 7946 wants a cut.
+pub fn geojson(features: &[Feature]) -> Result<String, Invalid> {
+    let feature = |(index, f): (usize, &Feature)| {
+        let geometry = geometry(&f.geometry, &format!("feature {index}"))?;
+        Ok(geojson::Feature {
+            geometry: Some(geojson::Geometry::new(geometry)),
+            properties: Some(f.properties.clone()),
+            ..geojson::Feature::default()
+        })
+    };
+    let features = features.iter().enumerate().map(feature).collect::<Result<Vec<_>, Invalid>>()?;
+    let collection = FeatureCollection { bbox: None, features, foreign_members: None };
+    serde_json::to_string(&collection).map(|text| text + "\n").map_err(|e| {
+        Invalid::new("GeoJSON", e.to_string(), "properties that JSON can hold", "report this as a defect")
+    })
+}
+
+fn geometry(geometry: &Geometry, thing: &str) -> Result<GeometryValue, Invalid> {
+    match geometry {
+        Geometry::Point(p) => Ok(GeometryValue::Point { coordinates: positions(&[*p], 1, thing)?.remove(0) }),
+        Geometry::Line(line) => Ok(GeometryValue::LineString { coordinates: positions(line, 2, thing)? }),
+        Geometry::Polygon(rings) if rings.is_empty() => {
+            Err(Invalid::new(thing, "a polygon without rings", "an outer ring", "leave the feature out"))
+        }
+        Geometry::Polygon(rings) => {
+            let ring = |(k, r): (usize, &Vec<[f64; 2]>)| ring(r, k == 0, thing);
+            let coordinates = rings.iter().enumerate().map(ring).collect::<Result<_, _>>()?;
+            Ok(GeometryValue::Polygon { coordinates })
+        }
+    }
+}
+
+fn ring(ring: &[[f64; 2]], outer: bool, thing: &str) -> Result<Vec<Position>, Invalid> {
+    let open = match ring {
+        [first, rest @ .., last] if first == last => &ring[..=rest.len()],
+        _ => ring,
+    };
+    let mut closed = oriented(open.to_vec(), outer);
+    closed.extend(closed.first().copied());
+    positions(&closed, 4, thing)
+}
+
+fn positions(points: &[[f64; 2]], least: usize, thing: &str) -> Result<Vec<Position>, Invalid> {
+    points.iter().try_for_each(|p| place(thing, p[0], p[1], None))?;
+    let expected = "whole lines and rings on one side of the antimeridian";
+    if points.len() < least {
+        let found = format!("{} points", points.len());
+        return Err(Invalid::new(thing, found, expected, "give at least two points, or three corners"));
+    }
+    if let Some(w) = points.windows(2).find(|w| (w[1][0] - w[0][0]).abs() > 180.0) {
+        let found = format!("a step from {} to {} degrees", w[0][0], w[1][0]);
+        return Err(Invalid::new(thing, found, expected, "cut it at 180°"));
+    }
+    let round = |v: f64| (v * 1e9).round() / 1e9;
+    Ok(points.iter().map(|p| Position::from(p.map(round))).collect())
+}
