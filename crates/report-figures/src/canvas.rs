@@ -207,7 +207,7 @@ fn scalable(svg: &str, size: (u32, u32), label: &str) -> String {
     svg.replacen(&fixed, &open, 1).replace("\"#000000\"", "\"currentColor\"")
 }
 
-fn escaped(text: &str) -> String {
+pub(crate) fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 

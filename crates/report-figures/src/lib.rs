@@ -5,7 +5,7 @@
 //! page. Ink is `currentColor` and follows the page; the other colours are those of [`palette`], which a page may
 //! restyle for a dark background by attribute selectors such as `[fill="#0072B2"]`.
 //!
-//! Values that are not finite are left out. The same input gives the same bytes.
+//! Values that are not finite are left out, but refused by [`map`]. The same input gives the same bytes.
 
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
@@ -13,9 +13,11 @@
 mod axis;
 mod canvas;
 mod error;
+mod front;
 mod histogram;
 mod histogram_figure;
 mod layout;
+pub mod map;
 pub mod palette;
 mod relative_errors;
 mod sensitivities;
@@ -27,8 +29,10 @@ mod traces_legend;
 mod tracks;
 
 pub use error::FigureError;
+pub use front::{FrontDot, front};
 pub use histogram::Histogram;
 pub use histogram_figure::{HistogramAxis, HistogramPanel, histogram_pair};
+pub use map::{Map, map_figure};
 pub use relative_errors::{ErrorRow, relative_errors};
 pub use sensitivities::{SensitivityRow, sensitivities};
 pub use shares::{ShareRow, shares};

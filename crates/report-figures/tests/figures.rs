@@ -1,8 +1,8 @@
 //! Every figure is well-formed, scalable and free of numbers that cannot be drawn.
 
 use report_figures::{
-    Curve, ErrorRow, HistogramAxis, HistogramPanel, SensitivityRow, ShareRow, TraceColumn, TraceRow, Track,
-    histogram_pair, palette, relative_errors, sensitivities, shares, traces, tracks,
+    Curve, ErrorRow, FrontDot, HistogramAxis, HistogramPanel, SensitivityRow, ShareRow, TraceColumn,
+    TraceRow, Track, front, histogram_pair, palette, relative_errors, sensitivities, shares, traces, tracks,
 };
 
 /// Tags balance, quotes close, the root scales, nothing is NaN or infinite.
@@ -145,6 +145,27 @@ fn tracks_share_one_scale() {
     check(&svg);
     assert!(svg.contains("straight") && svg.contains(" m\n"));
     check(&tracks(&[]).unwrap());
+}
+
+#[test]
+fn a_front_names_its_dots_and_fills_the_chosen_one() {
+    let dots = [
+        FrontDot { cost: 8.0, log_det: 60.7, label: "3 <2> 3", chosen: false },
+        FrontDot { cost: 10.0, log_det: 62.9, label: "3 3 3", chosen: true },
+        FrontDot { cost: f64::NAN, log_det: 61.0, label: "broken", chosen: false },
+        FrontDot { cost: 9.0, log_det: f64::INFINITY, label: "endless", chosen: false },
+    ];
+    let svg = front(&dots, "basic moves").unwrap();
+    check(&svg);
+    for label in ["3 &lt;2&gt; 3", "3 3 3", "basic moves", "log|det| of the moments [1]"] {
+        assert!(svg.contains(label), "{label}");
+    }
+    assert!(!svg.contains("broken") && !svg.contains("endless"));
+    let filled = format!("fill=\"{}\"", palette::hex(palette::BLUE));
+    assert_eq!(svg.matches("<circle").count(), 2);
+    assert_eq!(svg.matches("<circle").count() - 1, svg.matches(&filled).count());
+    check(&front(&[], "cost").unwrap());
+    check(&front(&dots[1..2], "cost").unwrap());
 }
 
 #[test]

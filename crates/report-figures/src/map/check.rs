@@ -1,0 +1,135 @@
+use super::input::{Area, Class, Frame, Grid, Map, TrackStyle};
+use super::{Graticule, MapError};
+
+/// Beyond this no coordinate on Earth lies \[m\].
+const FARTHEST: f64 = 1e9;
+const LONGEST_SIDE: f64 = 1e8;
+const SHORTEST_SIDE: f64 = 1e-2;
+const MOST_ELONGATED: f64 = 20.0;
+const MOST_LIMITS: usize = 12;
+
+/// Refuses what could not be drawn truly.
+pub(crate) fn check(map: &Map) -> Result<(), MapError> {
+    frame(&map.frame)?;
+    limits(&map.depth_limits_m)?;
+    cells(map)?;
+    map.areas.iter().enumerate().try_for_each(|(index, each)| area(index, each))?;
+    tracks(map)?;
+    hulls(map)?;
+    for (thing, end) in [("start", map.start), ("goal", map.goal)] {
+        end.map_or(Ok(()), |at| points(thing, &[at]))?;
+    }
+    graticule(&map.graticule)
+}
+
+fn frame(frame: &Frame) -> Result<(), MapError> {
+    let Frame { west, south, east, north } = *frame;
+    points("frame", &[[west, south], [east, north]])?;
+    let (width, height) = (east - west, north - south);
+    let sides = SHORTEST_SIDE..=LONGEST_SIDE;
+    let found = format!("{width} m × {height} m");
+    if !(sides.contains(&width) && sides.contains(&height)) {
+        let expected = "sides of 0.01 m to 100000 km, east above west and north above south";
+        return Err(MapError::new("frame", found, expected, "correct the frame"));
+    }
+    if width.max(height) > MOST_ELONGATED * width.min(height) {
+        let remedy = "widen the frame across its long side";
+        return Err(MapError::new("frame", found, "sides within 20 to 1", remedy));
+    }
+    Ok(())
+}
+
+fn limits(limits: &[f64]) -> Result<(), MapError> {
+    let increasing = limits.windows(2).all(|pair| pair[0] < pair[1]);
+    if increasing && limits.len() <= MOST_LIMITS && limits.iter().all(|limit| limit.is_finite()) {
+        return Ok(());
+    }
+    let expected = "at most 12 finite depths, increasing";
+    Err(MapError::new("depth limits", format!("{limits:?}"), expected, "correct the limits"))
+}
+
+fn cells(map: &Map) -> Result<(), MapError> {
+    if let Some(cells) = &map.cells {
+        grid("cells", &cells.grid, cells.classes.len())?;
+        let classes = cells.classes.iter().enumerate();
+        classes.filter_map(|(at, class)| Some((at, (*class)?))).try_for_each(|(at, found)| {
+            class(found).map_err(|depth| not_finite(format!("depth of cell {at}"), depth))
+        })?;
+    }
+    map.margins.iter().try_for_each(|margin| grid("margin", &margin.grid, margin.blocked.len()))
+}
+
+fn grid(thing: &str, grid: &Grid, cells: usize) -> Result<(), MapError> {
+    points(&format!("origin of {thing}"), &[grid.origin])?;
+    if !(grid.cell_m > 0.0 && grid.cell_m <= FARTHEST) {
+        let thing = format!("cell size of {thing}");
+        return Err(MapError::new(thing, grid.cell_m, "metres above 0", "correct the cell size"));
+    }
+    if cells == 0 || grid.nx.checked_mul(grid.ny) != Some(cells) {
+        let found = format!("{cells} values for {} × {}", grid.nx, grid.ny);
+        return Err(MapError::new(thing, found, "one value per cell, at least one", "give nx · ny values"));
+    }
+    Ok(())
+}
+
+/// The depth that is not finite, if so.
+fn class(class: Class) -> Result<(), f64> {
+    match class {
+        Class::Depth { least_m } if !least_m.is_finite() => Err(least_m),
+        _ => Ok(()),
+    }
+}
+
+fn not_finite(thing: String, found: f64) -> MapError {
+    MapError::new(thing, found, "a finite number", "leave out what is not charted")
+}
+
+fn area(index: usize, area: &Area) -> Result<(), MapError> {
+    class(area.class).map_err(|depth| not_finite(format!("depth of area {index}"), depth))?;
+    ring(&format!("ring of area {index}"), &area.ring)?;
+    area.holes.iter().try_for_each(|hole| ring(&format!("hole of area {index}"), hole))
+}
+
+fn ring(thing: &str, ring: &[[f64; 2]]) -> Result<(), MapError> {
+    if ring.len() < 3 {
+        let found = format!("{} points", ring.len());
+        return Err(MapError::new(thing, found, "at least 3", "leave the ring out"));
+    }
+    points(thing, ring)
+}
+
+fn tracks(map: &Map) -> Result<(), MapError> {
+    for (index, track) in map.tracks.iter().enumerate() {
+        points(&format!("track {index}"), &track.points)?;
+        if let TrackStyle::Maneuver(k) = track.style
+            && k >= map.maneuvers.len()
+        {
+            let thing = format!("maneuver of track {index}");
+            let expected = format!("a number below {}", map.maneuvers.len());
+            return Err(MapError::new(thing, k, &expected, "declare the maneuver"));
+        }
+    }
+    Ok(())
+}
+
+fn hulls(map: &Map) -> Result<(), MapError> {
+    let mut hulls = map.hulls.iter().enumerate();
+    hulls.try_for_each(|(index, hull)| ring(&format!("hull {index}"), hull))
+}
+
+fn graticule(graticule: &Graticule) -> Result<(), MapError> {
+    let mut labels = graticule.x.iter().chain(&graticule.y);
+    labels.try_for_each(|(at, label)| points(&format!("graticule label {label:?}"), &[[*at, 0.0]]))
+}
+
+fn points(thing: &str, points: &[[f64; 2]]) -> Result<(), MapError> {
+    let valid = |value: &f64| value.abs() <= FARTHEST;
+    match points.iter().position(|point| !point.iter().all(valid)) {
+        None => Ok(()),
+        Some(at) => {
+            let [x, y] = points[at];
+            let found = format!("({x}, {y}) at point {at}");
+            Err(MapError::new(thing, found, "finite metres within ±1e9", "remove or split at such points"))
+        }
+    }
+}

@@ -1,0 +1,173 @@
+/// What a map shows. Positions are `[x, y]` in metres, x east, y north.
+#[derive(Clone, Debug, Default)]
+pub struct Map {
+    /// Accessible name: `Planned trial off Helsinki`.
+    pub title: String,
+    /// Accessible description: what a reader who cannot see the map should know.
+    pub description: String,
+    /// What part of the plane is drawn.
+    pub frame: Frame,
+    /// What lies where there is neither an area nor a cell.
+    pub background: Background,
+    /// Limits between the shades of depth \[m\], increasing, at most twelve; none for a single shade.
+    pub depth_limits_m: Vec<f64>,
+    /// A raster of classes, below the areas.
+    pub cells: Option<Cells>,
+    /// Polygons.
+    pub areas: Vec<Area>,
+    /// Cells that only the safety margin blocks, drawn in this order.
+    pub margins: Vec<Margin>,
+    /// The informative maneuvers; their order is that of the colours.
+    pub maneuvers: Vec<Maneuver>,
+    /// Lines.
+    pub tracks: Vec<Track>,
+    /// Outlines of the hull at chosen poses.
+    pub hulls: Vec<Vec<[f64; 2]>>,
+    /// Where the trial begins.
+    pub start: Option<[f64; 2]>,
+    /// Where it ends.
+    pub goal: Option<[f64; 2]>,
+    /// Labels along the frame.
+    pub graticule: Graticule,
+}
+
+/// A rectangle \[m\].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Frame {
+    /// Least x.
+    pub west: f64,
+    /// Least y.
+    pub south: f64,
+    /// Greatest x.
+    pub east: f64,
+    /// Greatest y.
+    pub north: f64,
+}
+
+impl Default for Frame {
+    /// A square kilometre north-east of the origin.
+    fn default() -> Self {
+        Self { west: 0.0, south: 0.0, east: 1000.0, north: 1000.0 }
+    }
+}
+
+/// What lies where nothing else is given.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Background {
+    /// Water: the chart tells land only.
+    #[default]
+    Water,
+    /// Nothing is charted.
+    Uncharted,
+}
+
+/// What an area or a cell is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Class {
+    /// Land.
+    Land,
+    /// Water that may not be entered.
+    NoGo,
+    /// Water.
+    Depth {
+        /// Its least depth \[m\]; negative where it dries.
+        least_m: f64,
+    },
+}
+
+/// A polygon with holes. Rings may be closed or open, in either direction.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Area {
+    /// What it is.
+    pub class: Class,
+    /// Outer ring.
+    pub ring: Vec<[f64; 2]>,
+    /// Inner rings.
+    pub holes: Vec<Vec<[f64; 2]>>,
+}
+
+/// Square cells in rows from south to north, each from west to east: cell (i, j) is number j · nx + i.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Grid {
+    /// South-west corner of cell (0, 0) \[m\].
+    pub origin: [f64; 2],
+    /// Side of a cell \[m\].
+    pub cell_m: f64,
+    /// Number of cells from west to east.
+    pub nx: usize,
+    /// Number of cells from south to north.
+    pub ny: usize,
+}
+
+/// A raster of classes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Cells {
+    /// Where the cells are.
+    pub grid: Grid,
+    /// One class per cell; none where nothing is charted.
+    pub classes: Vec<Option<Class>>,
+}
+
+/// What a margin is kept for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Purpose {
+    /// Passing through: drawn in pale red.
+    Transit,
+    /// Informative maneuvers: drawn hatched.
+    Trial,
+}
+
+/// Cells that only the safety margin blocks.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Margin {
+    /// What it is kept for.
+    pub purpose: Purpose,
+    /// Where the cells are.
+    pub grid: Grid,
+    /// One value per cell.
+    pub blocked: Vec<bool>,
+}
+
+/// An informative maneuver of the legend.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Maneuver {
+    /// Its name.
+    pub name: String,
+    /// How often it is used.
+    pub count: u32,
+}
+
+/// How a line is drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TrackStyle {
+    /// In the colour of maneuver number `0`, `1`, … of [`Map::maneuvers`].
+    Maneuver(usize),
+    /// A basic move: grey.
+    Basic,
+    /// A run-in before a maneuver: thin.
+    RunIn,
+    /// The plan as simulated: dashed.
+    Simulated,
+    /// One of many realizations: very thin. At most 200 are drawn, evenly chosen; the legend says of how many.
+    Realization,
+}
+
+/// A line.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Track {
+    /// How it is drawn.
+    pub style: TrackStyle,
+    /// Its points in order; less than two draw nothing.
+    pub points: Vec<[f64; 2]>,
+    /// Number of the step, shown at the first point.
+    pub number: Option<u32>,
+}
+
+/// Labels along the frame, as longitudes and latitudes. Those outside the frame are left out.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Graticule {
+    /// Positions x \[m\] with their labels, below the frame.
+    pub x: Vec<(f64, String)>,
+    /// Positions y \[m\] with their labels, left of the frame.
+    pub y: Vec<(f64, String)>,
+}

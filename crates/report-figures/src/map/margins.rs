@@ -1,0 +1,64 @@
+use super::clip;
+use super::colours;
+use super::grid::Ranks;
+use super::input::{Margin, Purpose};
+use super::path::Path;
+use super::sheet::Sheet;
+use super::view::View;
+
+/// Characters that one margin may take.
+const ROOM: usize = 120_000;
+/// Least distance between lines of the hatching [px].
+const APART: f64 = 4.5;
+
+/// Draws a margin: pale red for transit, hatched for trial.
+pub(crate) fn draw(sheet: &mut Sheet, view: &View, margin: &Margin) {
+    let Some(mut cells) = Ranks::new(view, &margin.grid, |cell| u8::from(margin.blocked[cell])) else {
+        return;
+    };
+    let mut border = cells.border(view, 1..);
+    while border.data().len() > ROOM && cells.size() != (1, 1) {
+        cells = cells.merged(2);
+        border = cells.border(view, 1..);
+    }
+    if margin.purpose == Purpose::Trial {
+        sheet.path(&hatching(view, &cells), colours::hatch());
+    }
+    sheet.path(&border, colours::margin(margin.purpose));
+}
+
+/// Diagonals of the cells on every n-th diagonal of the grid, each run of cells as one line.
+fn hatching(view: &View, cells: &Ranks) -> Path {
+    let (nx, ny) = cells.size();
+    let pitch = cells.pitch(view) * std::f64::consts::FRAC_1_SQRT_2;
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "positive, and the cast saturates"
+    )]
+    let every = (APART / pitch).ceil().max(1.0) as usize;
+    let mut path = Path::default();
+    for diagonal in (0..nx + ny).step_by(every) {
+        let (i, j) = (diagonal.saturating_sub(ny), ny.saturating_sub(diagonal));
+        runs(cells, (i, j)).into_iter().for_each(|(from, to)| {
+            let ends = (cells.vertex(view, from), cells.vertex(view, to));
+            if let Some((from, to)) = clip::segment(view, ends.0, ends.1) {
+                path.line(&[from, to]);
+            }
+        });
+    }
+    path
+}
+
+type Run = ((usize, usize), (usize, usize));
+
+/// First and end vertex of every run of blocked cells on the diagonal from vertex `start` to the north-east.
+fn runs(cells: &Ranks, start: (usize, usize)) -> Vec<Run> {
+    let (nx, ny) = cells.size();
+    let length = (nx - start.0.min(nx)).min(ny - start.1.min(ny));
+    let vertex = |step: usize| (start.0 + step, start.1 + step);
+    let blocked = |step: usize| step < length && cells.at(start.0 + step, start.1 + step) > 0;
+    let starts = (0..length).filter(|&step| blocked(step) && (step == 0 || !blocked(step - 1)));
+    let end = |from: usize| (from..=length).find(|&step| !blocked(step)).unwrap_or(length);
+    starts.map(|from| (vertex(from), vertex(end(from)))).collect()
+}

@@ -1,0 +1,59 @@
+use super::input::{Map, Track, TrackStyle};
+use super::path::Path;
+use super::sheet::{Look, Sheet};
+use super::simplify::simplified;
+use super::view::View;
+use super::{clip, colours};
+
+/// A line may be this far off [px].
+const TOLERANCE: f64 = 0.06;
+/// The same for one of many realizations.
+const COARSE: f64 = 0.25;
+/// Realizations drawn at most.
+pub(crate) const MOST_REALIZATIONS: usize = 200;
+
+/// Draws the tracks: realizations below, then basic moves, run-ins, maneuvers, and the simulated track on top.
+pub(crate) fn draw(sheet: &mut Sheet, view: &View, map: &Map) {
+    let styled = |style| map.tracks.iter().filter(move |track| track.style == style);
+    let sheaf = chosen(&styled(TrackStyle::Realization).collect::<Vec<_>>());
+    let look = colours::realization(sheaf.len());
+    sheaf.iter().for_each(|track| sheet.path(&path(view, track, COARSE), look));
+    for (style, look, halo) in [
+        (TrackStyle::Basic, colours::basic(), colours::halo(3.6)),
+        (TrackStyle::RunIn, colours::run_in(), colours::halo(2.4)),
+    ] {
+        let paths: Vec<Path> = styled(style).map(|track| path(view, track, TOLERANCE)).collect();
+        paths.iter().for_each(|path| sheet.path(path, halo));
+        paths.iter().for_each(|path| sheet.path(path, look));
+    }
+    map.tracks.iter().for_each(|track| maneuver(sheet, view, map, track));
+    styled(TrackStyle::Simulated)
+        .for_each(|track| sheet.path(&path(view, track, TOLERANCE), colours::simulated()));
+}
+
+/// A maneuver with its name as a title.
+fn maneuver(sheet: &mut Sheet, view: &View, map: &Map, track: &Track) {
+    let TrackStyle::Maneuver(index) = track.style else { return };
+    let name = &map.maneuvers[index].name;
+    let title = track.number.map_or_else(|| name.clone(), |number| format!("{number}: {name}"));
+    let (line, within) = colours::maneuver(index);
+    let path = path(view, track, TOLERANCE);
+    sheet.titled(&title, |sheet| {
+        let looks: [Option<Look>; 3] = [Some(colours::halo(colours::MANEUVER + 2.0)), Some(line), within];
+        looks.into_iter().flatten().for_each(|look| sheet.path(&path, look));
+    });
+}
+
+fn path(view: &View, track: &Track, tolerance: f64) -> Path {
+    let mut path = Path::default();
+    for part in clip::line(view, &view.placed(&track.points)) {
+        path.line(&simplified(&part, tolerance));
+    }
+    path
+}
+
+/// At most so many tracks as may be drawn, evenly chosen.
+fn chosen<'a>(tracks: &[&'a Track]) -> Vec<&'a Track> {
+    let (count, drawn) = (tracks.len(), tracks.len().min(MOST_REALIZATIONS));
+    (0..drawn).map(|k| tracks[k * count / drawn]).collect()
+}
