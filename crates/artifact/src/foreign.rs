@@ -1,0 +1,292 @@
+//! Reading columns of Parquet files that other programs wrote: no seal, no units, any simple type.
+
+use std::fs::File;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use parquet::basic::ConvertedType;
+use parquet::column::reader::{ColumnReader, ColumnReaderImpl, get_column_reader};
+use parquet::data_type::{ByteArray, DataType};
+use parquet::errors::{ParquetError, Result as ParquetResult};
+use parquet::file::metadata::{ParquetMetaData, ParquetMetaDataReader, RowGroupMetaData};
+use parquet::file::serialized_reader::SerializedPageReader;
+use parquet::schema::types::ColumnDescPtr;
+
+use crate::error::{Error, Result};
+use crate::source::Source;
+
+/// Values set aside memory for before they have been decoded.
+const TRUSTED_ROWS: usize = 1 << 20;
+
+/// A Parquet file of any origin. Nothing in it is trusted.
+pub struct ForeignTable {
+    path: PathBuf,
+    source: Source,
+    metadata: ParquetMetaData,
+    columns: Vec<String>,
+}
+
+impl ForeignTable {
+    /// Opens the Parquet file at `path`.
+    ///
+    /// # Errors
+    /// [`Error::Io`] if the file cannot be read; [`Error::Refused`] if it is no whole Parquet file.
+    pub fn open(path: impl AsRef<Path>) -> Result<Self> {
+        let path = path.as_ref();
+        let unreadable = |e| Error::io(path, "read", e);
+        let file = File::open(path).map_err(unreadable)?;
+        let source = Source::new(file).map_err(unreadable)?;
+        let metadata = guarded(path, || ParquetMetaDataReader::new().parse_and_finish(&source))?;
+        let schema = metadata.file_metadata().schema_descr();
+        let columns = schema.columns().iter().map(|column| column.path().string()).collect();
+        Ok(Self { path: path.to_owned(), source, metadata, columns })
+    }
+
+    /// Names of the columns in file order; those inside a nested one with dots.
+    pub fn columns(&self) -> &[String] {
+        &self.columns
+    }
+
+    /// Number of rows.
+    pub fn rows(&self) -> usize {
+        self.metadata.row_groups().iter().map(rows_of).sum()
+    }
+
+    /// The numbers of a column: floating point, integers (time stamps as they count), truth values as 0 and 1. NaN where
+    /// absent.
+    ///
+    /// # Errors
+    /// [`Error::Refused`] if there is no such column, if it holds something else, or if it cannot be decoded.
+    pub fn numbers(&self, name: &str) -> Result<Vec<f64>> {
+        self.decode(name, "numbers", |reader, levels, rows| {
+            Some(match reader {
+                ColumnReader::DoubleColumnReader(r) => spread(r, levels, rows, f64::NAN, |v| Ok(*v)),
+                ColumnReader::FloatColumnReader(r) => {
+                    spread(r, levels, rows, f64::NAN, |v| Ok(f64::from(*v)))
+                }
+                ColumnReader::Int32ColumnReader(r) => {
+                    spread(r, levels, rows, f64::NAN, |v| Ok(f64::from(*v)))
+                }
+                ColumnReader::Int64ColumnReader(r) => spread(r, levels, rows, f64::NAN, |v| Ok(*v as f64)),
+                ColumnReader::BoolColumnReader(r) => {
+                    spread(r, levels, rows, f64::NAN, |v| Ok(f64::from(u8::from(*v))))
+                }
+                _ => return None,
+            })
+        })
+    }
+
+    /// The texts of a column; empty where absent.
+    ///
+    /// # Errors
+    /// As [`ForeignTable::numbers`].
+    pub fn texts(&self, name: &str) -> Result<Vec<String>> {
+        self.decode(name, "text", |reader, levels, rows| match reader {
+            ColumnReader::ByteArrayColumnReader(r) => Some(spread(r, levels, rows, String::new(), text_of)),
+            _ => None,
+        })
+    }
+
+    fn decode<T>(
+        &self,
+        name: &str,
+        expected: &str,
+        decode: impl Fn(ColumnReader, i16, usize) -> Option<ParquetResult<Vec<T>>>,
+    ) -> Result<Vec<T>> {
+        let refuse = |found: String| {
+            let remedy = "name another column or write the file again";
+            Err(Error::refuse(&self.path, format!("column `{name}`"), found, expected, remedy))
+        };
+        let Some(place) = self.columns.iter().position(|column| column == name) else {
+            return refuse("no such column".to_owned());
+        };
+        let descriptor = self.metadata.file_metadata().schema_descr().column(place);
+        if let Some(kind) = not_simple(&descriptor) {
+            return refuse(kind);
+        }
+        let mut values = Vec::new();
+        for group in self.metadata.row_groups() {
+            let rows = rows_of(group);
+            let block = guarded(&self.path, || {
+                let pages = SerializedPageReader::new(
+                    Arc::new(self.source.clone()),
+                    group.column(place),
+                    rows,
+                    None,
+                )?;
+                let reader = get_column_reader(Arc::clone(&descriptor), Box::new(pages));
+                decode(reader, descriptor.max_def_level(), rows).transpose()
+            })?;
+            match block {
+                Some(block) => values.extend(block),
+                None => return refuse(format!("values of type {}", descriptor.physical_type())),
+            }
+        }
+        Ok(values)
+    }
+}
+
+fn rows_of(group: &RowGroupMetaData) -> usize {
+    usize::try_from(group.num_rows()).unwrap_or(0)
+}
+
+/// What a column is, if its values are not what their physical type says.
+fn not_simple(descriptor: &ColumnDescPtr) -> Option<String> {
+    if descriptor.max_rep_level() > 0 {
+        return Some("lists".to_owned());
+    }
+    (descriptor.converted_type() == ConvertedType::DECIMAL).then(|| "decimal numbers".to_owned())
+}
+
+/// All values of a row group, `absent` where there is none.
+fn spread<T: DataType, V: Clone>(
+    mut reader: ColumnReaderImpl<T>,
+    max_level: i16,
+    rows: usize,
+    absent: V,
+    convert: impl Fn(&T::T) -> ParquetResult<V>,
+) -> ParquetResult<Vec<V>> {
+    let mut present = Vec::with_capacity(rows.min(TRUSTED_ROWS));
+    let mut levels = Vec::with_capacity(if max_level > 0 { rows.min(TRUSTED_ROWS) } else { 0 });
+    let (records, _, _) = reader.read_records(rows, Some(&mut levels), None, &mut present)?;
+    if max_level == 0 {
+        levels = vec![0; present.len()];
+    }
+    let count = levels.iter().filter(|&&level| level == max_level).count();
+    if records != rows || levels.len() != rows || present.len() != count {
+        return Err(ParquetError::General(format!("{records} values in a block of {rows} rows")));
+    }
+    let mut present = present.iter();
+    let value = |level: i16| match level == max_level {
+        true => present.next().map_or_else(|| Ok(absent.clone()), &convert),
+        false => Ok(absent.clone()),
+    };
+    levels.into_iter().map(value).collect()
+}
+
+fn text_of(bytes: &ByteArray) -> ParquetResult<String> {
+    Ok(std::str::from_utf8(bytes.data())?.to_owned())
+}
+
+/// Runs the decoder; where it panics on damaged bytes, the file is called damaged too.
+fn guarded<T>(path: &Path, decode: impl FnOnce() -> ParquetResult<T>) -> Result<T> {
+    let found = match catch_unwind(AssertUnwindSafe(decode)) {
+        Ok(Ok(decoded)) => return Ok(decoded),
+        Ok(Err(ParquetError::External(inner))) => match inner.downcast::<std::io::Error>() {
+            Ok(io) if io.kind() != std::io::ErrorKind::UnexpectedEof => {
+                return Err(Error::io(path, "read", *io));
+            }
+            Ok(io) => io.to_string(),
+            Err(other) => other.to_string(),
+        },
+        Ok(Err(other)) => other.to_string(),
+        Err(_) => "bytes that cannot be decoded".to_owned(),
+    };
+    let remedy = "the file is truncated, damaged or of another format: export it again";
+    Err(Error::refuse(path, "file", found, "a whole Parquet file", remedy))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::Arc;
+
+    use parquet::basic::{LogicalType, Repetition, Type as Physical};
+    use parquet::data_type::{BoolType, ByteArrayType, DoubleType, FloatType, Int32Type, Int64Type};
+    use parquet::file::writer::{SerializedColumnWriter, SerializedFileWriter};
+    use parquet::schema::types::Type;
+
+    fn field(name: &str, physical: Physical, optional: bool) -> Arc<Type> {
+        let repetition = if optional { Repetition::OPTIONAL } else { Repetition::REQUIRED };
+        let text = (physical == Physical::BYTE_ARRAY).then_some(LogicalType::String);
+        let builder = Type::primitive_type_builder(name, physical).with_repetition(repetition);
+        Arc::new(builder.with_logical_type(text).build().unwrap())
+    }
+
+    fn write(path: &Path) {
+        let fields = vec![
+            field("time", Physical::INT64, false),
+            field("u", Physical::DOUBLE, true),
+            field("n", Physical::FLOAT, false),
+            field("k", Physical::INT32, false),
+            field("on", Physical::BOOLEAN, false),
+            field("label", Physical::BYTE_ARRAY, true),
+            field("raw", Physical::INT96, true),
+        ];
+        let root = Arc::new(Type::group_type_builder("schema").with_fields(fields).build().unwrap());
+        let mut writer =
+            SerializedFileWriter::new(File::create(path).unwrap(), root, Default::default()).unwrap();
+        for block in 0..2_i64 {
+            let mut group = writer.next_row_group().unwrap();
+            let mut column = |f: &dyn Fn(&mut SerializedColumnWriter)| {
+                let mut column = group.next_column().unwrap().unwrap();
+                f(&mut column);
+                column.close().unwrap();
+            };
+            column(&|c| drop(c.typed::<Int64Type>().write_batch(&[10 * block, 10 * block + 5], None, None)));
+            column(&|c| drop(c.typed::<DoubleType>().write_batch(&[0.5], Some(&[0, 1]), None)));
+            column(&|c| drop(c.typed::<FloatType>().write_batch(&[1.5, 2.5], None, None)));
+            column(&|c| drop(c.typed::<Int32Type>().write_batch(&[-1, 7], None, None)));
+            column(&|c| drop(c.typed::<BoolType>().write_batch(&[true, false], None, None)));
+            column(&|c| drop(c.typed::<ByteArrayType>().write_batch(&["turn".into()], Some(&[1, 0]), None)));
+            column(&|c| {
+                drop(c.typed::<parquet::data_type::Int96Type>().write_batch(&[], Some(&[0, 0]), None))
+            });
+            group.close().unwrap();
+        }
+        writer.close().unwrap();
+    }
+
+    #[test]
+    fn simple_columns_of_any_type_are_read() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("log.parquet");
+        write(&path);
+        let table = ForeignTable::open(&path).unwrap();
+        assert_eq!(table.rows(), 4);
+        assert_eq!(table.columns()[..2], ["time", "u"]);
+        assert_eq!(table.numbers("time").unwrap(), [0.0, 5.0, 10.0, 15.0]);
+        let u = table.numbers("u").unwrap();
+        assert!(u[0].is_nan() && u[1] == 0.5 && u[2].is_nan() && u[3] == 0.5, "{u:?}");
+        assert_eq!(table.numbers("n").unwrap(), [1.5, 2.5, 1.5, 2.5]);
+        assert_eq!(table.numbers("k").unwrap(), [-1.0, 7.0, -1.0, 7.0]);
+        assert_eq!(table.numbers("on").unwrap(), [1.0, 0.0, 1.0, 0.0]);
+        assert_eq!(table.texts("label").unwrap(), ["turn", "", "turn", ""]);
+    }
+
+    #[test]
+    fn other_columns_are_refused_by_name() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("log.parquet");
+        write(&path);
+        let table = ForeignTable::open(&path).unwrap();
+        for (name, piece) in [("label", "type BYTE_ARRAY"), ("raw", "type INT96"), ("w", "no such column")] {
+            let line = table.numbers(name).unwrap_err().to_string();
+            assert!(line.contains(&format!("column `{name}`")) && line.contains(piece), "{line}");
+        }
+        assert!(table.texts("u").unwrap_err().to_string().contains("type DOUBLE"));
+    }
+
+    #[test]
+    fn damaged_files_are_refused_and_never_panic() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("log.parquet");
+        write(&path);
+        let whole = std::fs::read(&path).unwrap();
+        for length in [0, 4, 11, whole.len() / 2, whole.len() - 1] {
+            std::fs::write(&path, &whole[..length]).unwrap();
+            let line = ForeignTable::open(&path).map(drop).unwrap_err().to_string();
+            assert!(line.contains("expected a whole Parquet file"), "{line}");
+        }
+        for at in (0..whole.len()).step_by(5) {
+            let mut bytes = whole.clone();
+            bytes[at] ^= 0xff;
+            std::fs::write(&path, &bytes).unwrap();
+            let Ok(table) = ForeignTable::open(&path) else { continue };
+            for name in table.columns().to_vec() {
+                drop((table.numbers(&name), table.texts(&name)));
+            }
+        }
+    }
+}

@@ -1,0 +1,291 @@
+use std::fmt;
+
+use crate::{Channels, Conventions, Grid, Method, Series, Stretch, body_velocity, euler, prepare, stretches};
+
+/// How channels become trajectories.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Recipe {
+    /// Axes, reference point, computed channels, and the length of the parabolas that velocities are taken from.
+    pub conventions: Conventions,
+    /// How velocities that are not measured are made from positions.
+    pub method: Method,
+    /// The common rate \[Hz\].
+    pub rate_hz: f64,
+    /// Every channel is averaged over this long before it is resampled \[s\].
+    pub average_s: Option<f64>,
+    /// Inputs and measured disturbances.
+    pub exogenous: Vec<String>,
+    /// Channels that may be absent at some samples.
+    pub further: Vec<String>,
+}
+
+/// A recording on one clock. All channels have `grid.rows` values, NaN where unknown.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Assembled {
+    /// The clock.
+    pub grid: Grid,
+    /// Surge, sway \[m/s\] and yaw rate \[rad/s\].
+    pub measured: [Vec<f64>; 3],
+    /// As in [`Recipe::exogenous`].
+    pub exogenous: Vec<Vec<f64>>,
+    /// As in [`Recipe::further`].
+    pub further: Vec<Vec<f64>>,
+    /// Where all but the further channels are known.
+    pub stretches: Vec<Stretch>,
+    /// The channels on their own clocks, in the axes and about the point of the trajectories.
+    pub channels: Channels,
+}
+
+/// Why there is nothing on one clock.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Unassembled {
+    /// A channel is missing.
+    NoChannel(String),
+    /// A channel has no value at all.
+    Empty(String),
+    /// There is no moment at which all channels are known: they start after others end, or there is a gap everywhere.
+    NoOverlap,
+    /// The clocks span more than a hundred million rows: one of them jumped.
+    TooLong,
+}
+
+impl fmt::Display for Unassembled {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NoChannel(name) => write!(f, "no channel `{name}`"),
+            Self::Empty(name) => write!(f, "no value in channel `{name}`"),
+            Self::NoOverlap => f.write_str("no two neighbouring samples at which all channels are known"),
+            Self::TooLong => write!(f, "clocks that span more than {MOST_ROWS} rows"),
+        }
+    }
+}
+
+impl std::error::Error for Unassembled {}
+
+/// Puts measured channels on one clock: [`prepare`], velocities, averages, linear interpolation, stretches. The clock
+/// starts where the last of the needed channels does.
+///
+/// # Errors
+/// See [`Unassembled`].
+pub fn assemble(channels: Channels, recipe: &Recipe) -> Result<Assembled, Unassembled> {
+    let channels = prepare(channels, &recipe.conventions)?;
+    let sources = sources(&channels);
+    let needed = || sources.iter().copied().chain(recipe.exogenous.iter().map(String::as_str));
+    let grid = common_clock(&channels, needed(), recipe.rate_hz)?;
+    let on_grid = OnGrid { channels: &channels, recipe, times: grid.times() };
+    let measured = on_grid.velocities()?;
+    let exogenous = on_grid.all(&recipe.exogenous)?;
+    let further = on_grid.all(&recipe.further)?;
+    let stretches = stretches(&measured, &exogenous);
+    if stretches.is_empty() {
+        return Err(Unassembled::NoOverlap);
+    }
+    Ok(Assembled { grid, measured, exogenous, further, stretches, channels }.trimmed())
+}
+
+impl Assembled {
+    /// Without the last rows at which the states are not known.
+    fn trimmed(mut self) -> Self {
+        let known = |row: &usize| self.measured.iter().all(|channel| channel[*row].is_finite());
+        let rows = (0..self.grid.rows).rev().find(known).map_or(0, |row| row + 1);
+        self.grid.rows = rows;
+        let channels = self.measured.iter_mut().chain(&mut self.exogenous).chain(&mut self.further);
+        channels.for_each(|channel| channel.truncate(rows));
+        self
+    }
+}
+
+/// The channels that surge, sway and yaw rate come from.
+fn sources(channels: &Channels) -> Vec<&'static str> {
+    let measured: Vec<&str> =
+        ["y_u", "y_v", "y_r"].into_iter().filter(|name| channels.contains_key(*name)).collect();
+    let positions: &[&str] = match measured.as_slice() {
+        ["y_u", "y_v", "y_r"] => &[],
+        ["y_u", "y_v"] => &["psi"],
+        _ => &["x", "y", "psi"],
+    };
+    measured.into_iter().chain(positions.iter().copied()).collect()
+}
+
+/// Rows beyond which a clock is taken to have jumped: three years at 1 Hz.
+const MOST_ROWS: usize = 100_000_000;
+
+fn common_clock<'a>(
+    channels: &Channels,
+    needed: impl Iterator<Item = &'a str>,
+    rate_hz: f64,
+) -> Result<Grid, Unassembled> {
+    let (mut start, mut end) = (f64::NEG_INFINITY, f64::INFINITY);
+    for name in needed {
+        let t = &channels.get(name).ok_or_else(|| Unassembled::NoChannel(name.to_owned()))?.t;
+        let (Some(first), Some(last)) = (t.first(), t.last()) else {
+            return Err(Unassembled::Empty(name.to_owned()));
+        };
+        start = start.max(*first);
+        end = end.min(*last);
+    }
+    // One row more, whose inputs may be unknown.
+    let grid = Grid::new(start, end + 1.0 / rate_hz, rate_hz);
+    if grid.rows > MOST_ROWS { Err(Unassembled::TooLong) } else { Ok(grid) }
+}
+
+struct OnGrid<'a> {
+    channels: &'a Channels,
+    recipe: &'a Recipe,
+    times: Vec<f64>,
+}
+
+impl OnGrid<'_> {
+    fn series(&self, name: &str) -> Result<&Series, Unassembled> {
+        self.channels.get(name).ok_or_else(|| Unassembled::NoChannel(name.to_owned()))
+    }
+
+    fn resampled(&self, series: &Series) -> Vec<f64> {
+        match self.recipe.average_s {
+            Some(width_s) => series.averaged(width_s).at(&self.times),
+            None => series.at(&self.times),
+        }
+    }
+
+    fn named(&self, name: &str) -> Result<Vec<f64>, Unassembled> {
+        self.series(name).map(|series| self.resampled(series))
+    }
+
+    fn all(&self, names: &[String]) -> Result<Vec<Vec<f64>>, Unassembled> {
+        names.iter().map(|name| self.named(name)).collect()
+    }
+
+    /// Surge, sway and yaw rate: measured, or else from positions.
+    fn velocities(&self) -> Result<[Vec<f64>; 3], Unassembled> {
+        let names = ["y_u", "y_v", "y_r"];
+        let absent = names.map(|name| !self.channels.contains_key(name));
+        let mut made = match self.recipe.method {
+            _ if absent == [false; 3] => [const { Vec::new() }; 3],
+            Method::Euler => self.euler(absent[0] || absent[1])?,
+            Method::Smoother => self.slopes(absent[0] || absent[1])?,
+        };
+        for (velocity, name) in made.iter_mut().zip(names) {
+            if self.channels.contains_key(name) {
+                *velocity = self.named(name)?;
+            }
+        }
+        Ok(made)
+    }
+
+    fn euler(&self, positions: bool) -> Result<[Vec<f64>; 3], Unassembled> {
+        let psi = self.named("psi")?;
+        let still = || vec![0.0; psi.len()];
+        let (x, y) = if positions { (self.named("x")?, self.named("y")?) } else { (still(), still()) };
+        Ok(euler(&x, &y, &psi, 1.0 / self.recipe.rate_hz))
+    }
+
+    fn slopes(&self, positions: bool) -> Result<[Vec<f64>; 3], Unassembled> {
+        let window_s = self.recipe.conventions.window_s;
+        let (psi, r) = self.series("psi")?.smoothed(window_s);
+        let r = self.resampled(&r);
+        if !positions {
+            return Ok([Vec::new(), Vec::new(), r]);
+        }
+        let psi = self.resampled(&psi);
+        let rates = |name: &str| Ok(self.resampled(&self.series(name)?.smoothed(window_s).1));
+        let (north, east) = (rates("x")?, rates("y")?);
+        let body = north.iter().zip(&east).zip(&psi).map(|((n, e), psi)| body_velocity([*n, *e], *psi));
+        let (u, v) = body.map(|[u, v]| (u, v)).unzip();
+        Ok([u, v, r])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Body, Frame, Heading, Lever};
+
+    fn recipe(method: Method) -> Recipe {
+        let conventions = Conventions {
+            frame: Frame::Ned,
+            heading: Heading::NorthClockwise,
+            body: Body::Frd,
+            lever: Lever::default(),
+            window_s: 1.0,
+            derived: Vec::new(),
+            thrusters: Vec::new(),
+        };
+        Recipe {
+            conventions,
+            method,
+            rate_hz: 10.0,
+            average_s: None,
+            exogenous: vec!["n".into()],
+            further: vec![],
+        }
+    }
+
+    /// A steady turn with surge 2, sway −0.3 and yaw rate 0.05, at 10 Hz.
+    fn turn() -> Channels {
+        let (u, v, r) = (2.0, -0.3, 0.05);
+        let t: Vec<f64> = (0..600).map(|k| 0.1 * f64::from(k)).collect();
+        let series =
+            |f: &dyn Fn(f64) -> f64| Series::new(&t, &t.iter().map(|t| f(*t)).collect::<Vec<_>>(), 0.5);
+        let psi = |t: f64| r * t;
+        let channels: [(&str, &dyn Fn(f64) -> f64); 4] = [
+            ("x", &|t| (u * psi(t).sin() + v * psi(t).cos()) / r),
+            ("y", &|t| (-u * psi(t).cos() + v * psi(t).sin()) / r),
+            ("psi", &psi),
+            ("n", &|_| 5.0),
+        ];
+        channels.into_iter().map(|(name, f)| (name.to_owned(), series(f))).collect()
+    }
+
+    #[test]
+    fn law_a_steady_turn_gives_the_same_velocities_by_both_methods() {
+        // Euler's chord lies half a step of turning ahead of the tangent: v is off by u r dt/2, u by −v r dt/2.
+        let (r_dt, [u, v]) = (0.05 * 0.1, [2.0, -0.3]);
+        let euler = assemble(turn(), &recipe(Method::Euler)).unwrap();
+        let smooth = assemble(turn(), &recipe(Method::Smoother)).unwrap();
+        for k in 0..599 {
+            approx::assert_abs_diff_eq!(euler.measured[0][k], u - v * r_dt / 2.0, epsilon = 1e-4);
+            approx::assert_abs_diff_eq!(euler.measured[1][k], v + u * r_dt / 2.0, epsilon = 1e-4);
+            approx::assert_abs_diff_eq!(smooth.measured[0][k], u, epsilon = 1e-3);
+            approx::assert_abs_diff_eq!(smooth.measured[1][k], v, epsilon = 1e-3);
+            for made in [&euler, &smooth] {
+                approx::assert_abs_diff_eq!(made.measured[2][k], 0.05, epsilon = 1e-9);
+            }
+        }
+        assert_eq!((euler.grid.rows, smooth.grid.rows), (599, 600));
+        assert_eq!(euler.stretches, [Stretch { start: 0, samples: 598 }]);
+        assert_eq!(smooth.stretches, [Stretch { start: 0, samples: 599 }]);
+    }
+
+    #[test]
+    fn law_the_velocities_are_those_of_the_reference_point() {
+        let mut recipe = recipe(Method::Smoother);
+        recipe.conventions.lever = Lever([4.0, 1.0]);
+        let moved = assemble(turn(), &recipe).unwrap();
+        approx::assert_abs_diff_eq!(moved.measured[0][300], 2.0 + 0.05 * 1.0, epsilon = 1e-3);
+        approx::assert_abs_diff_eq!(moved.measured[1][300], -0.3 - 0.05 * 4.0, epsilon = 1e-3);
+    }
+
+    #[test]
+    fn a_measured_velocity_goes_before_one_made_from_positions() {
+        let mut channels = turn();
+        let gyro = channels["psi"].clone().map(|_| 0.06);
+        channels.insert("y_r".into(), gyro);
+        let made = assemble(channels, &recipe(Method::Euler)).unwrap();
+        assert_eq!(made.measured[2][10], 0.06);
+        assert!((made.measured[0][10] - 2.0).abs() < 0.01);
+    }
+
+    #[test]
+    fn channels_that_never_meet_are_told() {
+        let mut channels = turn();
+        let late = channels["n"].t.iter().map(|t| t + 1000.0).collect::<Vec<_>>();
+        channels.insert("n".into(), Series::new(&late, &vec![1.0; late.len()], 0.5));
+        assert_eq!(assemble(channels, &recipe(Method::Euler)), Err(Unassembled::NoOverlap));
+        let mut channels = turn();
+        channels.insert("n".into(), Series::new(&[], &[], 0.5));
+        assert_eq!(assemble(channels, &recipe(Method::Euler)), Err(Unassembled::Empty("n".into())));
+        let mut channels = turn();
+        channels.remove("psi");
+        assert_eq!(assemble(channels, &recipe(Method::Euler)), Err(Unassembled::NoChannel("psi".into())));
+    }
+}

@@ -1,0 +1,192 @@
+use std::fmt;
+
+/// What is applied to a channel before it is multiplied with the others.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Function {
+    Itself,
+    Modulus,
+    PositivePart,
+    NegativePart,
+    Sine,
+    Cosine,
+}
+
+/// Names in formulas; [`Function::Itself`] and [`Function::Modulus`] have signs instead.
+const FUNCTIONS: [(&str, Function); 4] = [
+    ("positive", Function::PositivePart),
+    ("negative", Function::NegativePart),
+    ("sin", Function::Sine),
+    ("cos", Function::Cosine),
+];
+
+#[derive(Clone, Debug, PartialEq)]
+struct Factor {
+    channel: usize,
+    function: Function,
+    power: i32,
+}
+
+/// A channel computed from others: a product of numbers, channels (`n`), moduli (`|n|`), `positive(n)` (n where above 0,
+/// else 0), `negative(n)` (n where below 0, else 0), `sin(a)`, `cos(a)`, each with an optional power `^2`, side by side or
+/// with `*` between: `-1 wind^2 cos(gamma)`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Formula {
+    /// Channels it is computed from, each once, in the order of appearance; at least one.
+    pub channels: Vec<String>,
+    coefficient: f64,
+    factors: Vec<Factor>,
+}
+
+/// Why a text is no [`Formula`].
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Malformed(
+    /// What is wrong with it.
+    pub String,
+);
+
+impl fmt::Display for Malformed {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+impl std::error::Error for Malformed {}
+
+impl Formula {
+    /// Parses `text`.
+    ///
+    /// # Errors
+    /// Says what cannot be read.
+    pub fn parse(text: &str) -> Result<Self, Malformed> {
+        let mut formula = Self { channels: Vec::new(), coefficient: 1.0, factors: Vec::new() };
+        let mut rest = text.trim_start();
+        while !rest.is_empty() {
+            let after = formula.parse_factor(rest)?;
+            rest = after.trim_start();
+            rest = rest.strip_prefix('*').unwrap_or(rest).trim_start();
+        }
+        if formula.channels.is_empty() {
+            return Err(Malformed("no channel".to_owned()));
+        }
+        Ok(formula)
+    }
+
+    /// Adds the factor at the start of `text`; what comes after it.
+    fn parse_factor<'a>(&mut self, text: &'a str) -> Result<&'a str, Malformed> {
+        if text.starts_with(|c: char| c.is_ascii_digit() || c == '-' || c == '+' || c == '.') {
+            let end = number_end(text);
+            let number = text[..end].parse::<f64>().ok().filter(|number| number.is_finite());
+            self.coefficient *= number.ok_or_else(|| Malformed(format!("`{}`", &text[..end.max(1)])))?;
+            return Ok(&text[end..]);
+        }
+        let (function, name, after) = parse_operand(text)?;
+        let (power, after) = parse_power(after)?;
+        let channel = self.channels.iter().position(|c| c == name).unwrap_or_else(|| {
+            self.channels.push(name.to_owned());
+            self.channels.len() - 1
+        });
+        self.factors.push(Factor { channel, function, power });
+        Ok(after)
+    }
+
+    /// The value where `values` are those of [`Formula::channels`].
+    pub fn evaluate(&self, values: &[f64]) -> f64 {
+        self.factors.iter().fold(self.coefficient, |product, factor| {
+            let x = values[factor.channel];
+            let value = match factor.function {
+                Function::Itself => x,
+                Function::Modulus => x.abs(),
+                // Not max or min, which would hide a missing value.
+                Function::PositivePart => 0.5 * (x + x.abs()),
+                Function::NegativePart => 0.5 * (x - x.abs()),
+                Function::Sine => x.sin(),
+                Function::Cosine => x.cos(),
+            };
+            product * value.powi(factor.power)
+        })
+    }
+}
+
+/// Where the number at the start of `text` ends.
+fn number_end(text: &str) -> usize {
+    let bytes = text.as_bytes();
+    let continues = |i: usize| match bytes[i] {
+        b'0'..=b'9' | b'.' => true,
+        b'+' | b'-' => i == 0 || matches!(bytes[i - 1], b'e' | b'E'),
+        b'e' | b'E' => i > 0 && matches!(bytes.get(i + 1), Some(b'0'..=b'9' | b'-' | b'+')),
+        _ => false,
+    };
+    (0..bytes.len()).find(|&i| !continues(i)).unwrap_or(bytes.len())
+}
+
+/// Function, channel and what comes after them.
+fn parse_operand(text: &str) -> Result<(Function, &str, &str), Malformed> {
+    if let Some(inner) = text.strip_prefix('|') {
+        let (name, after) = split_name(inner)?;
+        let after = after.strip_prefix('|').ok_or_else(|| Malformed("an unclosed `|`".to_owned()))?;
+        return Ok((Function::Modulus, name, after));
+    }
+    let (name, after) = split_name(text)?;
+    let Some(inner) = after.strip_prefix('(') else { return Ok((Function::Itself, name, after)) };
+    let known = FUNCTIONS.iter().find(|(known, _)| *known == name);
+    let (_, function) = known.ok_or_else(|| Malformed(format!("the function `{name}`")))?;
+    let (channel, after) = split_name(inner)?;
+    let after = after.strip_prefix(')').ok_or_else(|| Malformed("an unclosed `(`".to_owned()))?;
+    Ok((*function, channel, after))
+}
+
+fn split_name(text: &str) -> Result<(&str, &str), Malformed> {
+    let text = text.trim_start();
+    let end = text.find(|c: char| !(c.is_alphanumeric() || c == '_')).unwrap_or(text.len());
+    if end == 0 {
+        let found = text.chars().next().map_or("its end".to_owned(), |c| format!("`{c}`"));
+        return Err(Malformed(format!("{found} where a channel should be")));
+    }
+    Ok((&text[..end], text[end..].trim_start()))
+}
+
+fn parse_power(text: &str) -> Result<(i32, &str), Malformed> {
+    let Some(exponent) = text.trim_start().strip_prefix('^') else { return Ok((1, text)) };
+    let exponent = exponent.trim_start();
+    let end = exponent.find(|c: char| !c.is_ascii_digit()).unwrap_or(exponent.len());
+    match exponent[..end].parse::<i32>() {
+        Ok(power @ 1..=9) => Ok((power, &exponent[end..])),
+        _ => Err(Malformed("a power that is no whole number from 1 to 9".to_owned())),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn at(text: &str, values: &[f64]) -> f64 {
+        Formula::parse(text).map_or(f64::NAN, |f| f.evaluate(values))
+    }
+
+    #[test]
+    fn products_parts_and_powers_are_read_as_written() {
+        assert_eq!(at("negative(n)", &[-3.0]), -3.0);
+        assert_eq!(at("negative(n)", &[3.0]), 0.0);
+        assert_eq!(at("positive(n)^2 * 0.5", &[4.0]), 8.0);
+        assert_eq!(at("n |n|", &[-3.0]), -9.0);
+        assert_eq!(at("2e-1 a b^2", &[5.0, 3.0]), 9.0);
+        approx::assert_relative_eq!(at("-1 w^2 cos(gamma)", &[2.0, 0.3]), -4.0 * 0.3_f64.cos());
+        approx::assert_relative_eq!(at("w w sin( gamma )", &[2.0, 0.3]), 4.0 * 0.3_f64.sin());
+        assert_eq!(Formula::parse("b a |b|").unwrap().channels, ["b", "a"]);
+    }
+
+    #[test]
+    fn a_missing_value_stays_missing() {
+        for text in ["n", "|n|", "positive(n)", "negative(n)", "cos(n)"] {
+            assert!(at(text, &[f64::NAN]).is_nan(), "{text}");
+        }
+    }
+
+    #[test]
+    fn what_is_no_product_is_refused() {
+        for text in ["", "2", "n + m", "|n", "tan(n)", "cos(n", "n^0", "n^x", "n /2", "-n", "cos()", "1..2 n"]
+        {
+            assert!(Formula::parse(text).is_err(), "{text}");
+        }
+    }
+}

@@ -1,0 +1,243 @@
+use std::collections::BTreeMap;
+use std::f64::consts::FRAC_PI_2;
+
+use crate::{Body, Formula, Frame, Heading, Lever, LocalPlane, Series, Thruster, Unassembled};
+
+/// Channels by name, each on its own clock.
+pub type Channels = BTreeMap<String, Series>;
+
+/// Channels of motion: velocities over ground in body axes \[m/s, m/s, rad/s\], position \[m\] and heading \[rad\], or
+/// geographic position \[rad\].
+pub const KINEMATIC: [&str; 8] = ["y_u", "y_v", "y_r", "x", "y", "psi", "latitude_deg", "longitude_deg"];
+
+/// Names of the channels that thrusters add to.
+const FORCES: [&str; 3] = ["tau1", "tau2", "tau3"];
+
+/// In which axes and about which point the channels were measured, and what is computed from them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Conventions {
+    /// Axes of `x` and `y`.
+    pub frame: Frame,
+    /// How `psi` counts.
+    pub heading: Heading,
+    /// Axes of `y_u`, `y_v`, `y_r`.
+    pub body: Body,
+    /// From the reference point to the antenna.
+    pub lever: Lever,
+    /// Length of the parabolas that yaw rates are taken from where the lever arm needs one and none is measured \[s\].
+    pub window_s: f64,
+    /// Names and formulas of computed channels; each may use those before it.
+    pub derived: Vec<(String, Formula)>,
+    /// Thrusters with the channels of their speed and, for azimuth thrusters, angle \[rad\] from forward to starboard;
+    /// their forces make up `tau1`, `tau2`, `tau3`.
+    pub thrusters: Vec<(Thruster, String, Option<String>)>,
+}
+
+/// Brings measured channels into x north, y east, psi clockwise from north, body x forward, y starboard, z down, moves
+/// them to the reference point, and adds the computed channels. A computed channel is on the clock of its first source,
+/// the others are interpolated.
+///
+/// # Errors
+/// A source that is missing.
+pub fn prepare(mut channels: Channels, conventions: &Conventions) -> Result<Channels, Unassembled> {
+    let frame = if plane(&mut channels) { Frame::Ned } else { conventions.frame };
+    turn(&mut channels, frame, conventions);
+    move_to_reference(&mut channels, conventions);
+    for (name, formula) in &conventions.derived {
+        let series = combine(&channels, &formula.channels, |values| formula.evaluate(values))?;
+        channels.insert(name.clone(), series);
+    }
+    add_forces(&mut channels, conventions)?;
+    Ok(channels)
+}
+
+/// Latitude and longitude to x north and y east on the plane that touches at the first point; whether there are any.
+fn plane(channels: &mut Channels) -> bool {
+    let (Some(latitude), Some(longitude)) =
+        (channels.remove("latitude_deg"), channels.remove("longitude_deg"))
+    else {
+        return false;
+    };
+    let longitudes = longitude.at(&latitude.t);
+    let first = latitude.values.iter().zip(&longitudes).find(|(_, longitude)| longitude.is_finite());
+    let plane = first.map_or(LocalPlane::at(0.0, 0.0), |(lat, lon)| LocalPlane::at(*lat, *lon));
+    let point = |(latitude, longitude): (&f64, &f64)| match longitude.is_finite() {
+        true => plane.north_east(*latitude, *longitude),
+        false => [f64::NAN; 2],
+    };
+    let points: Vec<[f64; 2]> = latitude.values.iter().zip(&longitudes).map(point).collect();
+    for (i, name) in ["x", "y"].into_iter().enumerate() {
+        let values: Vec<f64> = points.iter().map(|point| point[i]).collect();
+        channels.insert(name.to_owned(), latitude.with(&values));
+    }
+    true
+}
+
+fn turn(channels: &mut Channels, frame: Frame, conventions: &Conventions) {
+    if let (Some(x), Some(y)) = (channels.remove("x"), channels.remove("y")) {
+        let [north, east] = frame.north_east(x, y);
+        channels.extend([("x".to_owned(), north), ("y".to_owned(), east)]);
+    }
+    let starboard = conventions.body.starboard();
+    for (name, series) in channels.iter_mut() {
+        let taken = std::mem::replace(series, Series::new(&[], &[], 0.0));
+        *series = match name.as_str() {
+            "psi" => taken.map(|psi| conventions.heading.from_north(psi)),
+            "y_v" | "y_r" => taken.map(|value| starboard * value),
+            _ => taken,
+        };
+    }
+}
+
+fn move_to_reference(channels: &mut Channels, conventions: &Conventions) {
+    let lever = conventions.lever;
+    if lever.is_zero() {
+        return;
+    }
+    if let Some(psi) = channels.get("psi").cloned() {
+        pairwise(channels, ["x", "y"], &psi, |point, psi| lever.position(point, psi));
+    }
+    let slope = || channels.get("psi").map(|psi| psi.smoothed(conventions.window_s).1);
+    if let Some(r) = channels.get("y_r").cloned().or_else(slope) {
+        pairwise(channels, ["y_u", "y_v"], &r, |velocity, r| lever.velocity(velocity, r));
+    }
+}
+
+/// Changes two channels, which must both be there, by `f` of both and of `third`, on the clock of the first.
+fn pairwise(
+    channels: &mut Channels,
+    names: [&str; 2],
+    third: &Series,
+    f: impl Fn([f64; 2], f64) -> [f64; 2],
+) {
+    let [Some(first), Some(second)] = names.map(|name| channels.get(name).cloned()) else { return };
+    let (others, thirds) = (second.at(&first.t), third.at(&first.t));
+    let both: Vec<[f64; 2]> =
+        first.values.iter().zip(others).zip(thirds).map(|((a, b), c)| f([*a, b], c)).collect();
+    for (i, name) in names.into_iter().enumerate() {
+        let values: Vec<f64> = both.iter().map(|pair| pair[i]).collect();
+        channels.insert(name.to_owned(), first.with(&values));
+    }
+}
+
+/// `f` of the channels called `names`, on the clock of the first.
+fn combine(channels: &Channels, names: &[String], f: impl Fn(&[f64]) -> f64) -> Result<Series, Unassembled> {
+    let source = |name: &String| channels.get(name).ok_or_else(|| Unassembled::NoChannel(name.clone()));
+    let sources: Vec<&Series> = names.iter().map(source).collect::<Result<_, _>>()?;
+    let Some(first) = sources.first() else { return Ok(Series::new(&[], &[], 0.0)) };
+    let columns: Vec<Vec<f64>> = sources.iter().map(|series| series.at(&first.t)).collect();
+    let mut row = vec![0.0; columns.len()];
+    let values: Vec<f64> = (0..first.t.len())
+        .map(|i| {
+            row.iter_mut().zip(&columns).for_each(|(value, column)| *value = column[i]);
+            f(&row)
+        })
+        .collect();
+    Ok(first.with(&values))
+}
+
+fn add_forces(channels: &mut Channels, conventions: &Conventions) -> Result<(), Unassembled> {
+    let mut names: Vec<String> = Vec::new();
+    let place_of = |names: &mut Vec<String>, name: &String| {
+        names.iter().position(|n| n == name).unwrap_or_else(|| {
+            names.push(name.clone());
+            names.len() - 1
+        })
+    };
+    let mut places = Vec::new();
+    for (thruster, speed, angle) in &conventions.thrusters {
+        let speed = place_of(&mut names, speed);
+        places.push((thruster, speed, angle.as_ref().map(|angle| place_of(&mut names, angle))));
+    }
+    if places.is_empty() {
+        return Ok(());
+    }
+    for (i, name) in FORCES.into_iter().enumerate() {
+        let force = combine(channels, &names, |values| {
+            let one = |(thruster, speed, angle): &(&Thruster, usize, Option<usize>)| {
+                thruster.forces(values[*speed], angle.map_or(FRAC_PI_2, |angle| values[angle]))[i]
+            };
+            places.iter().map(one).sum()
+        })?;
+        channels.insert(name.to_owned(), force);
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Law;
+
+    fn conventions() -> Conventions {
+        Conventions {
+            frame: Frame::Ned,
+            heading: Heading::NorthClockwise,
+            body: Body::Frd,
+            lever: Lever::default(),
+            window_s: 1.0,
+            derived: Vec::new(),
+            thrusters: Vec::new(),
+        }
+    }
+
+    fn channels(pairs: &[(&str, &[f64])]) -> Channels {
+        let series = |values: &[f64]| {
+            let t: Vec<f64> = (0..values.len()).map(|i| i as f64).collect();
+            Series::new(&t, values, 1.5)
+        };
+        pairs.iter().map(|(name, values)| ((*name).to_owned(), series(values))).collect()
+    }
+
+    #[test]
+    fn east_north_up_becomes_north_east_down() {
+        let enu = Conventions {
+            frame: Frame::Enu,
+            heading: Heading::EastCounterclockwise,
+            body: Body::Flu,
+            ..conventions()
+        };
+        let measured =
+            channels(&[("x", &[1.0]), ("y", &[2.0]), ("psi", &[0.0]), ("y_v", &[0.1]), ("y_u", &[3.0])]);
+        let found = prepare(measured, &enu).unwrap();
+        let value = |name: &str| found[name].values[0];
+        assert_eq!((value("x"), value("y"), value("psi")), (2.0, 1.0, FRAC_PI_2));
+        assert_eq!((value("y_u"), value("y_v")), (3.0, -0.1));
+    }
+
+    #[test]
+    fn geographic_positions_are_north_and_east_whatever_the_frame() {
+        let enu = Conventions { frame: Frame::Enu, ..conventions() };
+        let measured = channels(&[("latitude_deg", &[1.0, 1.0 + 1e-5]), ("longitude_deg", &[0.3, 0.3])]);
+        let found = prepare(measured, &enu).unwrap();
+        assert!((found["x"].values[1] - 63.5).abs() < 0.5 && found["y"].values[1] == 0.0, "{found:?}");
+        assert_eq!(found.len(), 2);
+    }
+
+    #[test]
+    fn computed_channels_may_use_those_before_them() {
+        let formulas = [("back", "negative(n)"), ("square", "back^2")];
+        let derived = formulas.map(|(name, text)| (name.to_owned(), Formula::parse(text).unwrap())).into();
+        let found =
+            prepare(channels(&[("n", &[-3.0, 2.0])]), &Conventions { derived, ..conventions() }).unwrap();
+        assert_eq!(found["square"].values, [9.0, 0.0]);
+        let lacking = prepare(
+            channels(&[]),
+            &Conventions { derived: vec![("a".to_owned(), Formula::parse("b").unwrap())], ..conventions() },
+        );
+        assert_eq!(lacking, Err(Unassembled::NoChannel("b".to_owned())));
+    }
+
+    #[test]
+    fn thrusters_add_up() {
+        let aft = |y: f64| Thruster { law: Law::Linear, coefficient: 1.0, position_m: [-0.4, y] };
+        let named = |y: f64| (aft(y), "n".to_owned(), Some("alpha".to_owned()));
+        let bow = Thruster { position_m: [0.4, 0.0], ..aft(0.0) };
+        let thrusters = vec![named(-0.1), named(0.1), (bow, "bow".to_owned(), None)];
+        let measured = channels(&[("n", &[2.0]), ("alpha", &[FRAC_PI_2]), ("bow", &[1.0])]);
+        let found = prepare(measured, &Conventions { thrusters, ..conventions() }).unwrap();
+        approx::assert_abs_diff_eq!(found["tau1"].values[0], 0.0, epsilon = 1e-15);
+        approx::assert_abs_diff_eq!(found["tau2"].values[0], 5.0, epsilon = 1e-15);
+        approx::assert_abs_diff_eq!(found["tau3"].values[0], -0.4 * 4.0 + 0.4, epsilon = 1e-15);
+    }
+}

@@ -1,0 +1,192 @@
+use crate::{Channels, Grid, Series, body_velocity, local_quadratic};
+
+/// Samples of the parabolas that noise is measured against.
+const WINDOW: usize = 11;
+
+/// Share of a sample's own noise that the parabola through 11 samples follows at its centre: 89/429.
+const FOLLOWED: f64 = 89.0 / 429.0;
+
+/// Standard deviation of normal noise from the median of its modulus.
+const FROM_MEDIAN: f64 = 1.482_602_218_505_602;
+
+/// Robust standard deviation of what a parabola through 11 neighbours leaves of a channel, in its unit: white noise as it
+/// is, whatever moves slower than some 11 samples not at all. None for pieces without gaps of fewer than 11 samples.
+pub fn noise_std(series: &Series) -> Option<f64> {
+    let mut residuals: Vec<f64> = Vec::new();
+    for piece in series.pieces().into_iter().filter(|piece| piece.len() >= WINDOW) {
+        let values = &series.values[piece.clone()];
+        let (smooth, _) = local_quadratic(&series.t[piece], values, WINDOW);
+        let centred = WINDOW / 2..values.len() - WINDOW / 2;
+        residuals.extend(centred.map(|i| (values[i] - smooth[i]).abs()));
+    }
+    let median = median(residuals)?;
+    Some(FROM_MEDIAN * median / (1.0 - FOLLOWED).sqrt())
+}
+
+fn median(mut values: Vec<f64>) -> Option<f64> {
+    values.sort_by(f64::total_cmp);
+    let middle = values.len() / 2;
+    match values.len() {
+        0 => None,
+        n if n % 2 == 0 => Some(0.5 * (values[middle - 1] + values[middle])),
+        _ => Some(values[middle]),
+    }
+}
+
+/// Median distance from the median; 0 for no values.
+fn robust_deviation(values: Vec<f64>) -> f64 {
+    let centre = median(values.clone()).unwrap_or(0.0);
+    median(values.iter().map(|value| (value - centre).abs()).collect()).unwrap_or(0.0)
+}
+
+/// How a measured velocity compares with the derivative of position or heading.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Consistency {
+    /// Root mean square of measured − derivative, in the velocity's unit.
+    pub rms: f64,
+    /// Robust standard deviation of measured − derivative: where it is far below `rms`, a few jumps of the position make up
+    /// most of that.
+    pub robust_std: f64,
+    /// Mean of measured − derivative.
+    pub bias: f64,
+    /// By how much the measured velocity is late \[s\]; see [`lag`].
+    pub lag_s: Option<f64>,
+}
+
+/// Highest rate at which velocities are compared \[Hz\].
+const COMPARED_HZ: f64 = 20.0;
+
+/// Longest lag that is looked for \[s\].
+const LONGEST_LAG_S: f64 = 5.0;
+
+/// Compares measured surge, sway and yaw rate with the derivatives of position and heading, taken from parabolas over
+/// `window_s`. None where either is not measured or they never meet.
+pub fn consistency(channels: &Channels, window_s: f64) -> [Option<Consistency>; 3] {
+    ["y_u", "y_v", "y_r"].map(|name| {
+        let measured = channels.get(name)?;
+        let rate_hz = measured.rate_hz()?.min(COMPARED_HZ);
+        let times = times_of(measured, rate_hz);
+        let derivative = derivative(channels, name, &times, window_s)?;
+        compare(&measured.at(&times), &derivative, rate_hz)
+    })
+}
+
+/// Times at `rate_hz` in the pieces without gaps, and one in the middle of each gap, where nothing is known.
+fn times_of(series: &Series, rate_hz: f64) -> Vec<f64> {
+    let mut times = Vec::new();
+    for piece in series.pieces() {
+        let (first, last) = (series.t[piece.start], series.t[piece.end - 1]);
+        if piece.start > 0 {
+            times.push(0.5 * (series.t[piece.start - 1] + first));
+        }
+        times.extend(Grid::new(first, last, rate_hz).times());
+    }
+    times
+}
+
+fn derivative(channels: &Channels, name: &str, times: &[f64], window_s: f64) -> Option<Vec<f64>> {
+    let smoothed = |name: &str| Some(channels.get(name)?.smoothed(window_s));
+    let (psi, r) = smoothed("psi")?;
+    if name == "y_r" {
+        return Some(r.at(times));
+    }
+    let (north, east) = (smoothed("x")?.1.at(times), smoothed("y")?.1.at(times));
+    let place = usize::from(name == "y_v");
+    let body = north.iter().zip(&east).zip(psi.at(times));
+    Some(body.map(|((n, e), psi)| body_velocity([*n, *e], psi)[place]).collect())
+}
+
+fn compare(measured: &[f64], derivative: &[f64], rate_hz: f64) -> Option<Consistency> {
+    let pairs: Vec<(f64, f64)> = measured.iter().copied().zip(derivative.iter().copied()).collect();
+    let known = |pair: &(f64, f64)| pair.0.is_finite() && pair.1.is_finite();
+    let differences: Vec<f64> = pairs.iter().filter(|pair| known(pair)).map(|(m, d)| m - d).collect();
+    if differences.is_empty() {
+        return None;
+    }
+    let mean =
+        |f: &dyn Fn(f64) -> f64| differences.iter().map(|d| f(*d)).sum::<f64>() / differences.len() as f64;
+    let (rms, bias) = (mean(&|d| d * d).sqrt(), mean(&|d| d));
+    let longest = pairs.split(|pair| !known(pair)).max_by_key(|piece| piece.len()).unwrap_or_default();
+    let (measured, derivative): (Vec<f64>, Vec<f64>) = longest.iter().copied().unzip();
+    Some(Consistency {
+        rms,
+        robust_std: FROM_MEDIAN * robust_deviation(differences),
+        bias,
+        lag_s: lag(&measured, &derivative, rate_hz, LONGEST_LAG_S),
+    })
+}
+
+/// By how much `measured` comes after `reference` \[s\]; both at `rate_hz`, equally long. The shift within ±`longest_s` (and
+/// a quarter of the length) with the highest correlation coefficient over what then overlaps, refined by the parabola
+/// through it and its neighbours. None where the coefficient stays below 0.5 or is highest at the longest shift: then there
+/// is no motion to tell it from.
+pub fn lag(measured: &[f64], reference: &[f64], rate_hz: f64, longest_s: f64) -> Option<f64> {
+    let longest = ((longest_s * rate_hz).round() as usize).min(measured.len() / 4) as isize;
+    let coefficient = |shift: isize| {
+        let overlap = measured.len() - shift.unsigned_abs();
+        let late = shift.max(0) as usize;
+        let early = (-shift).max(0) as usize;
+        correlation(&measured[late..late + overlap], &reference[early..early + overlap])
+    };
+    let coefficients: Vec<f64> = (-longest..=longest).map(coefficient).collect();
+    let (peak, highest) = coefficients.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1))?;
+    if *highest < 0.5 || peak == 0 || peak + 1 == coefficients.len() {
+        return None;
+    }
+    let [before, after] = [coefficients[peak - 1], coefficients[peak + 1]];
+    let bend = before - 2.0 * highest + after;
+    let refined = if bend < 0.0 { 0.5 * (before - after) / bend } else { 0.0 };
+    Some((peak as f64 - longest as f64 + refined) / rate_hz)
+}
+
+/// Pearson's coefficient; 0 where either is constant.
+fn correlation(a: &[f64], b: &[f64]) -> f64 {
+    let n = a.len() as f64;
+    let (mean_a, mean_b) = (a.iter().sum::<f64>() / n, b.iter().sum::<f64>() / n);
+    let (mut aa, mut bb, mut ab) = (0.0, 0.0, 0.0);
+    for (a, b) in a.iter().zip(b) {
+        let (a, b) = (a - mean_a, b - mean_b);
+        aa += a * a;
+        bb += b * b;
+        ab += a * b;
+    }
+    let norm = (aa * bb).sqrt();
+    if norm > 0.0 { ab / norm } else { 0.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn wave(t: f64) -> f64 {
+        (0.3 * t).sin() + 0.4 * (0.71 * t).cos()
+    }
+
+    #[test]
+    fn law_a_delayed_wave_lags_by_its_delay() {
+        for delay in [-0.83, 0.0, 0.04, 0.5, 2.0] {
+            let times: Vec<f64> = (0..1200).map(|k| 0.1 * f64::from(k)).collect();
+            let reference: Vec<f64> = times.iter().map(|t| wave(*t)).collect();
+            let late: Vec<f64> = times.iter().map(|t| wave(t - delay)).collect();
+            let found = lag(&late, &reference, 10.0, 5.0).unwrap();
+            assert!((found - delay).abs() < 5e-3, "{found} instead of {delay}");
+        }
+    }
+
+    #[test]
+    fn without_motion_there_is_no_lag() {
+        assert_eq!(lag(&[1.0; 100], &[1.0; 100], 10.0, 5.0), None);
+        assert_eq!(lag(&[], &[], 10.0, 5.0), None);
+        let line: Vec<f64> = (0..100).map(f64::from).collect();
+        let falling: Vec<f64> = line.iter().map(|x| -x).collect();
+        assert_eq!(lag(&line, &falling, 10.0, 5.0), None);
+    }
+
+    #[test]
+    fn law_a_smooth_channel_has_no_noise() {
+        let t: Vec<f64> = (0..500).map(|k| 0.1 * f64::from(k)).collect();
+        let smooth: Vec<f64> = t.iter().map(|t| 2.0 + t * t).collect();
+        assert!(noise_std(&Series::new(&t, &smooth, 0.2)).unwrap() < 1e-9);
+        assert_eq!(noise_std(&Series::new(&t[..10], &smooth[..10], 0.2)), None);
+    }
+}

@@ -1,0 +1,155 @@
+use std::ops::Range;
+
+use crate::unwrap;
+
+/// Times that differ by less are the same \[s\]: what remains of a time since 1970 in 64 bits.
+const SAME_TIME_S: f64 = 1e-6;
+
+/// One channel on its own clock. Times increase; values are finite.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Series {
+    /// Times \[s\].
+    pub t: Vec<f64>,
+    /// Values, one per time.
+    pub values: Vec<f64>,
+    /// Between samples further apart than this the channel is unknown \[s\].
+    pub max_gap_s: f64,
+}
+
+impl Series {
+    /// Leaves out the values that are missing (not finite). `t` increases.
+    pub fn new(t: &[f64], values: &[f64], max_gap_s: f64) -> Self {
+        let (t, values) = t.iter().zip(values).filter(|(_, value)| value.is_finite()).unzip();
+        Self { t, values, max_gap_s }
+    }
+
+    /// The same clock with other values; missing ones (not finite) are left out.
+    pub fn with(&self, values: &[f64]) -> Self {
+        Self::new(&self.t, values, self.max_gap_s)
+    }
+
+    /// Every value through `f`.
+    pub fn map(mut self, f: impl Fn(f64) -> f64) -> Self {
+        self.values.iter_mut().for_each(|value| *value = f(*value));
+        self
+    }
+
+    /// Without jumps of more than half a turn \[rad\].
+    pub fn unwrapped(mut self) -> Self {
+        unwrap(&mut self.values);
+        self
+    }
+
+    /// Samples per second: the inverse of the median step. None for fewer than two samples.
+    pub fn rate_hz(&self) -> Option<f64> {
+        let mut steps: Vec<f64> = self.t.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        steps.sort_by(f64::total_cmp);
+        steps.get(steps.len() / 2).map(|step| 1.0 / step)
+    }
+
+    /// The stretches of samples without a gap between neighbours.
+    pub fn pieces(&self) -> Vec<Range<usize>> {
+        let mut pieces: Vec<Range<usize>> = Vec::new();
+        for i in 0..self.t.len() {
+            match pieces.last_mut() {
+                Some(piece) if !self.is_gap(i - 1) => piece.end = i + 1,
+                _ => pieces.push(i..i + 1),
+            }
+        }
+        pieces
+    }
+
+    /// Number of gaps.
+    pub fn gaps(&self) -> usize {
+        self.pieces().len().saturating_sub(1)
+    }
+
+    /// Whether there is a gap after sample `i`.
+    fn is_gap(&self, i: usize) -> bool {
+        self.t[i + 1] - self.t[i] > self.max_gap_s + SAME_TIME_S
+    }
+
+    /// Values at `times`, which increase, by linear interpolation; NaN before the first sample, after the last and in gaps.
+    pub fn at(&self, times: &[f64]) -> Vec<f64> {
+        let mut next = 0;
+        times
+            .iter()
+            .map(|&time| {
+                while next < self.t.len() && self.t[next] < time - SAME_TIME_S {
+                    next += 1;
+                }
+                self.between(next, time)
+            })
+            .collect()
+    }
+
+    /// The value at `time`, where `next` is the first sample that is not before it.
+    fn between(&self, next: usize, time: f64) -> f64 {
+        let Some(&after) = self.t.get(next) else { return f64::NAN };
+        if after - time <= SAME_TIME_S {
+            return self.values[next];
+        }
+        if next == 0 || self.is_gap(next - 1) {
+            return f64::NAN;
+        }
+        let (before, from, to) = (self.t[next - 1], self.values[next - 1], self.values[next]);
+        from + (to - from) * ((time - before) / (after - before))
+    }
+
+    /// Centred moving average over `width_s`: the mean of the samples no further away than half of it. Towards the ends of
+    /// a piece the width shrinks to what is there on both sides, so that nothing is delayed.
+    pub fn averaged(&self, width_s: f64) -> Self {
+        let mut values = Vec::with_capacity(self.values.len());
+        for piece in self.pieces() {
+            let (first, last) = (self.t[piece.start], self.t[piece.end - 1]);
+            let (mut low, mut high) = (piece.start, piece.start);
+            for i in piece.clone() {
+                let time = self.t[i];
+                let half = (0.5 * width_s).min(time - first).min(last - time) + SAME_TIME_S;
+                // Half widths shrink again towards the end, so the lower edge may only be searched onwards from here.
+                while self.t[low] < time - half {
+                    low += 1;
+                }
+                while high < piece.end && self.t[high] <= time + half {
+                    high += 1;
+                }
+                values.push(self.values[low..high].iter().sum::<f64>() / (high - low) as f64);
+            }
+        }
+        Self { t: self.t.clone(), values, max_gap_s: self.max_gap_s }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nothing_is_extrapolated_and_gaps_stay_open() {
+        let series = Series::new(&[1.0, 2.0, 5.0, 6.0], &[10.0, 20.0, 50.0, 60.0], 1.5);
+        let found = series.at(&[0.5, 1.0, 1.25, 2.0, 3.0, 5.0, 5.5, 6.0, 6.5]);
+        let expected = [f64::NAN, 10.0, 12.5, 20.0, f64::NAN, 50.0, 55.0, 60.0, f64::NAN];
+        for (found, expected) in found.iter().zip(&expected) {
+            assert!(found == expected || found.is_nan() && expected.is_nan(), "{found} {expected}");
+        }
+        assert_eq!(series.pieces(), [0..2, 2..4]);
+        assert_eq!(series.gaps(), 1);
+    }
+
+    #[test]
+    fn law_averaging_keeps_straight_lines_even_at_the_ends() {
+        let t: Vec<f64> = (0..50).map(|i| 0.1 * f64::from(i)).collect();
+        let line: Vec<f64> = t.iter().map(|t| 3.0 - 2.0 * t).collect();
+        let averaged = Series::new(&t, &line, 0.5).averaged(1.0);
+        for (found, expected) in averaged.values.iter().zip(&line) {
+            approx::assert_abs_diff_eq!(found, expected, epsilon = 1e-12);
+        }
+    }
+
+    #[test]
+    fn missing_values_leave_the_clock_of_their_channel() {
+        let series = Series::new(&[0.0, 1.0, 2.0], &[1.0, f64::NAN, 3.0], 2.0);
+        assert_eq!(series.t, [0.0, 2.0]);
+        assert_eq!(series.at(&[1.0]), [2.0]);
+    }
+}

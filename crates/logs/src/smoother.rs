@@ -1,0 +1,96 @@
+use crate::Series;
+
+/// Number of samples, odd and at least 3, that span about `window_s` at `rate_hz`.
+pub fn window_samples(window_s: f64, rate_hz: f64) -> usize {
+    2 * ((0.5 * window_s * rate_hz).round() as usize).max(1) + 1
+}
+
+/// Fits a parabola by least squares to the `window` samples around each sample; the fit's value and slope there (one of
+/// each per sample, in the unit of `values` and per second). At the ends the first and the last whole window is used, and
+/// evaluated off its centre. With equal steps this is the filter of Savitzky & Golay (Analytical Chemistry 36, 1964).
+///
+/// `t` increases \[s\]. Fewer than three samples, or a window of fewer, give nothing.
+pub fn local_quadratic(t: &[f64], values: &[f64], window: usize) -> (Vec<f64>, Vec<f64>) {
+    let window = window.min(t.len());
+    if window < 3 {
+        return (Vec::new(), Vec::new());
+    }
+    (0..t.len())
+        .map(|i| {
+            let first = i.saturating_sub(window / 2).min(t.len() - window);
+            let range = first..first + window;
+            fit_at(&t[range.clone()], &values[range], t[i])
+        })
+        .unzip()
+}
+
+/// Value and slope at `time` of the parabola through `values` at `t`. Times are centred and scaled, so that the normal
+/// equations are well conditioned; by discrete orthogonal polynomials, hence no matrix.
+fn fit_at(t: &[f64], values: &[f64], time: f64) -> (f64, f64) {
+    let n = t.len() as f64;
+    let scale = 0.5 * (t[t.len() - 1] - t[0]);
+    let middle = t.iter().sum::<f64>() / n;
+    let z = |t: f64| (t - middle) / scale;
+    let (mut s2, mut s3, mut mean) = (0.0, 0.0, 0.0);
+    for (t, y) in t.iter().zip(values) {
+        let z = z(*t);
+        s2 += z * z;
+        s3 += z * z * z;
+        mean += y / n;
+    }
+    // p1 = z, p2 = z² − (s3/s2) z − s2/n, orthogonal on the samples because Σ z = 0.
+    let (a, b) = (s3 / s2, s2 / n);
+    let p2 = |z: f64| z * z - a * z - b;
+    let (mut c1, mut c2, mut norm) = (0.0, 0.0, 0.0);
+    for (t, y) in t.iter().zip(values) {
+        let (z, y) = (z(*t), y - mean);
+        c1 += z * y;
+        c2 += p2(z) * y;
+        norm += p2(z) * p2(z);
+    }
+    let (c1, c2) = (c1 / s2, c2 / norm);
+    let z = z(time);
+    (mean + c1 * z + c2 * p2(z), (c1 + c2 * (2.0 * z - a)) / scale)
+}
+
+impl Series {
+    /// [`local_quadratic`] over `window_s` in every piece without gaps: values and slopes. Pieces of fewer than three
+    /// samples are left out.
+    pub fn smoothed(&self, window_s: f64) -> (Self, Self) {
+        let empty = || Self { t: Vec::new(), values: Vec::new(), max_gap_s: self.max_gap_s };
+        let (mut smooth, mut slope) = (empty(), empty());
+        let window = window_samples(window_s, self.rate_hz().unwrap_or(0.0));
+        for piece in self.pieces() {
+            let t = &self.t[piece.clone()];
+            let (values, slopes) = local_quadratic(t, &self.values[piece], window);
+            for (series, values) in [(&mut smooth, values), (&mut slope, slopes)] {
+                series.t.extend(&t[..values.len()]);
+                series.values.extend(values);
+            }
+        }
+        (smooth, slope)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn law_a_parabola_is_kept_with_its_slope_on_any_clock() {
+        let t: Vec<f64> = (0..40).map(|i| 0.1 * f64::from(i) + 0.03 * f64::from(i * i % 7)).collect();
+        let y: Vec<f64> = t.iter().map(|t| 1.0 - 2.0 * t + 0.5 * t * t).collect();
+        let (values, slopes) = local_quadratic(&t, &y, 9);
+        for i in 0..t.len() {
+            approx::assert_abs_diff_eq!(values[i], y[i], epsilon = 1e-12);
+            approx::assert_abs_diff_eq!(slopes[i], t[i] - 2.0, epsilon = 1e-11);
+        }
+    }
+
+    #[test]
+    fn windows_are_odd_and_never_smaller_than_a_parabola_needs() {
+        assert_eq!(window_samples(1.0, 10.0), 11);
+        assert_eq!(window_samples(0.01, 10.0), 3);
+        assert_eq!(local_quadratic(&[0.0, 1.0], &[0.0, 1.0], 5), (Vec::new(), Vec::new()));
+    }
+}

@@ -1,0 +1,148 @@
+use artifact::Document;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// `ingest.json`: what log files became, and how good their data are.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct IngestDocument {
+    /// Name of the vessel that the channels were chosen for, if one was named.
+    pub vessel: Option<String>,
+    /// Name of the design that the runs belong to.
+    pub design: String,
+    /// What positions and velocities are those of.
+    pub reference_point: Option<String>,
+    /// The common rate \[Hz\].
+    pub sample_rate_hz: f64,
+    /// Number of runs.
+    pub runs: u64,
+    /// Samples of all runs.
+    pub samples: u64,
+    /// The maneuvers, in the order of appearance.
+    pub maneuvers: Vec<ManeuverCount>,
+    /// One entry per recording, in the order of names.
+    pub recordings: Vec<RecordingSummary>,
+}
+
+/// How much there is of a maneuver.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ManeuverCount {
+    /// Its name.
+    pub name: String,
+    /// Number of segments.
+    pub segments: u64,
+    /// Their samples.
+    pub samples: u64,
+}
+
+/// The files that were recorded together.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RecordingSummary {
+    /// Its name.
+    pub name: String,
+    /// Its files, relative to the folder of the logs.
+    pub files: Vec<String>,
+    /// Numbers of the runs made of it.
+    pub runs: Vec<u64>,
+    /// From the moment at which all needed channels have begun to the end of the first that ends, in whole samples \[s\].
+    pub duration_s: f64,
+    /// Samples of its runs.
+    pub samples: u64,
+    /// Segments of its runs.
+    pub segments: u64,
+    /// Gaps that split it.
+    pub splits: u64,
+    /// Segments that were left out for being too short.
+    pub short_segments: u64,
+    /// Rows of its files.
+    pub rows: RowSummary,
+    /// Its channels, measured and computed, on their own clocks.
+    pub channels: Vec<ChannelSummary>,
+    /// Measured velocities beside the derivatives of position and heading, where there are both.
+    pub motion: Vec<MotionSummary>,
+}
+
+/// Rows that were read, and left out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RowSummary {
+    /// All rows.
+    pub read: u64,
+    /// Left out: no value at all.
+    pub empty: u64,
+    /// Left out: cut short at the end of the file.
+    pub cut: u64,
+    /// Left out: no time.
+    pub without_time: u64,
+    /// Left out: the time of an earlier row.
+    pub repeated: u64,
+    /// Earlier than a row before: left out or put in order, as `non_monotonic` says.
+    pub backwards: u64,
+}
+
+/// One channel of a recording.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ChannelSummary {
+    /// Its name.
+    pub name: String,
+    /// Its unit.
+    pub unit: String,
+    /// The inverse of the median step.
+    pub rate_hz: Option<f64>,
+    /// Rows without a value.
+    pub missing: u64,
+    /// Gaps longer than `max_gap_s`.
+    pub gaps: u64,
+    /// Robust standard deviation of what parabolas through 11 neighbours leave.
+    pub noise: Option<f64>,
+    /// Smallest value.
+    pub min: Option<f64>,
+    /// Largest value.
+    pub max: Option<f64>,
+}
+
+/// A measured velocity beside the derivative of position or heading.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct MotionSummary {
+    /// `u`, `v` or `r`.
+    pub state: String,
+    /// Root mean square of measured − derivative.
+    pub rms: f64,
+    /// Robust standard deviation of measured − derivative: where it is far below `rms`, a few jumps of the position make up
+    /// most of that.
+    pub robust_std: f64,
+    /// Mean of measured − derivative.
+    pub bias: f64,
+    /// By how much the measured velocity is late; null where there is too little motion to tell. Where a filter and no pure
+    /// delay is behind it, it depends on `velocities.window_s`.
+    pub lag_s: Option<f64>,
+}
+
+impl Document for IngestDocument {
+    const ID: &'static str = "ingest";
+    const VERSION: u32 = 1;
+    const UNITS: &'static [(&'static str, &'static str)] = &[
+        ("sample_rate_hz", "Hz"),
+        ("runs", "1"),
+        ("samples", "1"),
+        ("segments", "1"),
+        ("duration_s", "s"),
+        ("splits", "1"),
+        ("short_segments", "1"),
+        ("rows", "1"),
+        ("rate_hz", "Hz"),
+        ("missing", "1"),
+        ("gaps", "1"),
+        ("noise", "unit of the channel"),
+        ("min", "unit of the channel"),
+        ("max", "unit of the channel"),
+        ("rms", "m/s; rad/s for r"),
+        ("robust_std", "m/s; rad/s for r"),
+        ("bias", "m/s; rad/s for r"),
+        ("lag_s", "s"),
+    ];
+}

@@ -1,0 +1,158 @@
+//! Refusing an `ingest.toml` whose keys cannot be followed, before any log is read.
+
+use vessel::Invalid;
+
+use super::config::{IngestFile, SegmentSpec};
+
+impl IngestFile {
+    /// Refuses numbers without meaning and keys that exclude each other.
+    ///
+    /// # Errors
+    /// Names the key.
+    pub fn check(&self) -> Result<(), Invalid> {
+        self.check_positive()?;
+        self.check_channels()?;
+        self.check_segments()?;
+        let separators = self.file.iter().map(|file| file.separator);
+        match separators.into_iter().find(|c| !c.is_ascii() || *c == '"' || *c == '\n' || *c == '\r') {
+            Some(found) => Err(Invalid::new(
+                "`separator`",
+                format!("`{}`", found.escape_default()),
+                "one character such as `,`, `;` or a tab",
+                "correct it",
+            )),
+            None => Ok(()),
+        }
+    }
+
+    fn check_positive(&self) -> Result<(), Invalid> {
+        let numbers = [
+            ("sample_rate_hz", Some(self.sample_rate_hz)),
+            ("max_gap_s", Some(self.max_gap_s)),
+            ("average_s", self.average_s),
+            ("velocities.window_s", Some(self.velocities.window_s)),
+            ("window_s", self.window_s),
+            ("min_s", self.min_s),
+        ];
+        for (key, value) in numbers {
+            if let Some(value) = value
+                && !(value.is_finite() && value > 0.0)
+            {
+                return Err(not_positive(key, value));
+            }
+        }
+        let rising = self.speed_classes_m_s.windows(2).all(|pair| pair[0] < pair[1]);
+        if !rising || self.speed_classes_m_s.iter().any(|bound| !(bound.is_finite() && *bound > 0.0)) {
+            return Err(Invalid::new(
+                "`speed_classes_m_s`",
+                format!("{:?}", self.speed_classes_m_s),
+                "speeds above 0 m/s that increase",
+                "put them in order",
+            ));
+        }
+        self.check_speed_names()
+    }
+
+    fn check_speed_names(&self) -> Result<(), Invalid> {
+        let expected = self.speed_classes_m_s.len() + 1;
+        let named = self.speed_class_names.as_ref().map(Vec::len);
+        if self.speed_classes_m_s.is_empty() && named.is_none() {
+            return Ok(());
+        }
+        if self.window_s.is_none() {
+            return Err(Invalid::new(
+                "`speed_classes_m_s`",
+                "no `window_s` beside it",
+                "speed classes of windows",
+                "add `window_s` or remove the speed classes",
+            ));
+        }
+        match named {
+            None if expected <= 3 => Ok(()),
+            Some(count) if count == expected => Ok(()),
+            found => Err(Invalid::new(
+                "`speed_class_names`",
+                format!("{} names", found.unwrap_or(0)),
+                format!("{expected}, one more than `speed_classes_m_s`"),
+                "name every class",
+            )),
+        }
+    }
+
+    fn check_channels(&self) -> Result<(), Invalid> {
+        if self.file.is_empty() {
+            return Err(Invalid::new("[[file]]", "none", "at least one group of files", "add one"));
+        }
+        if self.file.len() > 1 && self.file.iter().any(|file| file.run_from_file.is_none()) {
+            return Err(Invalid::new(
+                "`run_from_file`",
+                "a group of files without it beside another group",
+                "a template with `{run}` in every [[file]]",
+                "add it, so that files of one recording are known",
+            ));
+        }
+        for channel in self.file.iter().flat_map(|file| &file.channel) {
+            let numbers = [channel.scale, channel.offset, channel.delay_s];
+            let gap = channel.max_gap_s.unwrap_or(1.0);
+            if channel.sign.abs() != 1.0 || numbers.iter().any(|n| !n.is_finite()) || channel.scale == 0.0 {
+                return Err(Invalid::new(
+                    format!("channel `{}`", channel.channel),
+                    format!(
+                        "sign {}, scale {}, offset {}, delay_s {}",
+                        channel.sign, numbers[0], numbers[1], numbers[2]
+                    ),
+                    "sign 1 or -1, a scale other than 0, finite numbers",
+                    "correct it",
+                ));
+            }
+            if !(gap.is_finite() && gap > 0.0) {
+                return Err(not_positive(&format!("max_gap_s` of channel `{}", channel.channel), gap));
+            }
+        }
+        let clocks = self.file.iter().map(|file| file.time.offset_s).chain(self.antenna_m);
+        match clocks.into_iter().find(|number| !number.is_finite()) {
+            Some(found) => Err(Invalid::new(
+                "`offset_s` or `antenna_m`",
+                found.to_string(),
+                "finite numbers",
+                "correct it",
+            )),
+            None => Ok(()),
+        }
+    }
+
+    fn check_segments(&self) -> Result<(), Invalid> {
+        let labels = self.file.iter().filter(|file| file.label_column.is_some()).count();
+        let ways = [!self.segment.is_empty(), self.window_s.is_some(), labels > 0];
+        if ways.iter().filter(|way| **way).count() > 1 || labels > 1 {
+            return Err(Invalid::new(
+                "sub-experiments",
+                "more than one of [[segment]], `window_s` and a `label_column`",
+                "one of them, or none for whole recordings",
+                "remove the others",
+            ));
+        }
+        if self.maneuver.is_some() && self.maneuver_from_file.is_some() {
+            return Err(Invalid::new(
+                "`maneuver`",
+                "`maneuver_from_file` beside it",
+                "one of the two",
+                "remove one",
+            ));
+        }
+        let wrong = |s: &&SegmentSpec| !(s.from_s.is_finite() && s.to_s.is_finite() && s.from_s < s.to_s);
+        match self.segment.iter().find(wrong) {
+            Some(segment) => Err(Invalid::new(
+                format!("[[segment]] of run `{}`", segment.run),
+                format!("from_s {}, to_s {}", segment.from_s, segment.to_s),
+                "an end after its beginning",
+                "correct it",
+            )),
+            None => Ok(()),
+        }
+    }
+}
+
+fn not_positive(key: &str, found: f64) -> Invalid {
+    Invalid::new(format!("`{key}`"), found.to_string(), "a number above zero", "correct it")
+}

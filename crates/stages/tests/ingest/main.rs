@@ -1,0 +1,9 @@
+//! The `ingest` stage, run as a program on files.
+
+mod document;
+mod files;
+mod real;
+mod refusals;
+mod runner;
+mod segments;
+mod topics;
