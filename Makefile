@@ -14,9 +14,10 @@ FLAGS   ?=
 # Flags for one stage, best set in the study's study.mk
 DESIGN_FLAGS   ?=
 ESTIMATE_FLAGS ?=
+PLAN_FLAGS     ?=
 -include $(STUDY)/study.mk
 
-STAGES  := simulate moments design estimate validate report
+STAGES  := simulate moments design estimate validate plan report
 BINARIES := $(addprefix $(BIN)/,$(STAGES))
 
 # A target is written whole or not at all by its stage, so an interrupted make resumes with the next stage.
@@ -32,6 +33,7 @@ study: $(OUT)/report.html
 help:
 	@echo "make                   build, run the study in $(STUDY) into $(OUT)/, end with its report"
 	@echo "make STUDY=<folder>    run another study: a folder with vessel.toml, dictionary.toml, campaign.toml"
+	@echo "make helsinki          plan a trial off Helsinki and draw it, into out/helsinki/"
 	@echo "make smoke             the small study that the tests run, into out/smoke/"
 	@echo "make build             build the stages into $(BIN)/"
 	@echo "make test              format, clippy, all tests, the smoke study and the README's commands"
@@ -83,8 +85,40 @@ $(OUT)/scores.parquet: $(STUDY)/vessel.toml $(STUDY)/campaign.toml $(OUT)/estima
 	$(BIN)/validate --vessel $(STUDY)/vessel.toml --campaign $(STUDY)/campaign.toml --estimates $(OUT)/estimates.parquet \
 	  --validation $(OUT)/validation.parquet $(FLAGS) --out $@
 
-$(OUT)/report.html: $(OUT)/scores.parquet $(wildcard $(STUDY)/reference.toml) $(BIN)/report
+# A study with plan.toml is laid out on its chart, and so is every variant plan-<name>.toml. The planned experiment is then
+# simulated, estimated and validated like the free ones.
+VARIANTS := $(patsubst $(STUDY)/%.toml,%,$(wildcard $(STUDY)/plan-*.toml))
+PLANS    := $(if $(wildcard $(STUDY)/plan.toml),$(OUT)/plan.json $(OUT)/planned/scores.parquet) \
+  $(VARIANTS:%=$(OUT)/%/plan.json)
+PLAN_INPUTS := $(STUDY)/vessel.toml $(OUT)/dictionary.parquet $(OUT)/design.json $(BIN)/plan
+RUN_PLAN = @mkdir -p $(@D); set -x; $(BIN)/plan --vessel $(STUDY)/vessel.toml --trajectories $(OUT)/dictionary.parquet \
+  --design $(OUT)/design.json $(PLAN_FLAGS) $(FLAGS)
+
+$(OUT)/plan.json: $(STUDY)/plan.toml $(PLAN_INPUTS)
+	$(RUN_PLAN) --config $< --out $@
+
+$(OUT)/plan-%/plan.json: $(STUDY)/plan-%.toml $(PLAN_INPUTS)
+	$(RUN_PLAN) --config $< --out $@
+
+$(OUT)/planned/trajectories.parquet: $(STUDY)/vessel.toml $(STUDY)/campaign.toml $(OUT)/plan.json $(BIN)/simulate
+	@mkdir -p $(@D)
+	$(BIN)/simulate plan --vessel $(STUDY)/vessel.toml --campaign $(STUDY)/campaign.toml --plan $(OUT)/plan.json \
+	  $(FLAGS) --out $@
+
+$(OUT)/planned/estimates.parquet: $(STUDY)/vessel.toml $(OUT)/planned/trajectories.parquet $(BIN)/estimate
+	$(BIN)/estimate --vessel $(STUDY)/vessel.toml --trajectories $(OUT)/planned/trajectories.parquet $(ESTIMATE_FLAGS) \
+	  $(FLAGS) --out $@
+
+$(OUT)/planned/scores.parquet: $(STUDY)/vessel.toml $(STUDY)/campaign.toml $(OUT)/planned/estimates.parquet $(OUT)/validation.parquet $(BIN)/validate
+	$(BIN)/validate --vessel $(STUDY)/vessel.toml --campaign $(STUDY)/campaign.toml \
+	  --estimates $(OUT)/planned/estimates.parquet --validation $(OUT)/validation.parquet $(FLAGS) --out $@
+
+$(OUT)/report.html: $(OUT)/scores.parquet $(wildcard $(STUDY)/reference.toml) $(PLANS) $(BIN)/report
 	$(BIN)/report --study $(STUDY) --results $(OUT) $(FLAGS) --out $@
+
+.PHONY: helsinki
+helsinki:
+	$(MAKE) STUDY=pipelines/helsinki OUT=out/helsinki study
 
 .PHONY: smoke
 smoke:

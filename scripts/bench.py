@@ -50,6 +50,12 @@ LINES = (
     Line("table, write", "write", "MB/s", True, 1.0),
     Line("table, read", "read", "MB/s", True, 1.0),
     Line("table, size of the file", "size", "MB per 100 MB", False, 1.0),
+    Line("planner, 35x44x4 3x3, and dijkstra", "planner_35x44x4_3x3", "ms", False, 5.0),
+    Line("  beside A*", "planner_a_star", "ms", False, None),
+    Line("  its allowed moves", "planner_table", "ms", False, None),
+    Line("planner, 140x176x16 3x3", "planner_140x176x16_3x3", "ms", False, None),
+    Line("planner, 35x44x4 11x1", "planner_35x44x4_11x1", "ms", False, None),
+    Line("planner, 35x44x4 11x2", "planner_35x44x4_11x2", "ms", False, None),
 )
 
 
@@ -63,7 +69,9 @@ def main() -> None:
     for _ in range(arguments.rounds):
         if peers is not None:
             theirs.append(peers())
-        ours.append(run_ours(arguments.ours))
+        own, inside = run_ours(arguments.ours)
+        ours.append(own)
+        theirs.append(inside)
     print(machine())
     show(best_of(ours), best_of(theirs))
     if peers is None:
@@ -104,15 +112,15 @@ def load_peers(study: Path) -> Callable[[], Figures] | None:
     return measure
 
 
-def run_ours(program: Path) -> Figures:
-    """The figures of our own benchmark, from the JSON object that it prints."""
+def run_ours(program: Path) -> tuple[Figures, Figures]:
+    """The figures of our own benchmark, from the JSON object that it prints, and of the peers that it runs itself."""
     print("measuring ours", file=sys.stderr)
     done = subprocess.run([program.resolve(), "--json"], stdout=subprocess.PIPE, check=False)
     if done.returncode != 0:
         raise SystemExit(f"{program}: failed with exit code {done.returncode}")
     found: dict[str, Any] = json.loads(done.stdout)
     table = found["table"]
-    return {
+    own = {
         "monte_carlo": found["monte_carlo"]["realizations_per_s_per_core"],
         "design_q11": 1e3 * found["design_q11"]["seconds"],
         "design_q11_gap": found["design_q11"]["relative_gap"],
@@ -120,6 +128,17 @@ def run_ours(program: Path) -> Figures:
         "design_q10000_gap": found["design_q10000"]["relative_gap"],
         **table_figures(table["raw_bytes"], table["write_s"], table["read_s"], table["file_bytes"]),
     }
+    planner, inside = planner_figures(found["planner"])
+    return {**own, **planner}, inside
+
+
+def planner_figures(found: dict[str, Any]) -> tuple[Figures, Figures]:
+    """Times of plans in milliseconds, ours and those of Rust's pathfinding, which the benchmark runs itself."""
+    peer = found["pathfinding"]
+    ours = {f"planner_{size}": 1e3 * times["plan_s"] for size, times in found.items() if size != "pathfinding"}
+    paper = found["35x44x4_3x3"]
+    ours |= {"planner_a_star": 1e3 * paper["plan_s"], "planner_table": 1e3 * paper["table_s"]}
+    return ours, {"planner_35x44x4_3x3": 1e3 * peer["dijkstra_s"], "planner_a_star": 1e3 * peer["astar_s"]}
 
 
 def table_figures(raw_bytes: int, write_s: float, read_s: float, file_bytes: int) -> Figures:

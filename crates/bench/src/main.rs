@@ -5,6 +5,7 @@
 mod design;
 mod monte_carlo;
 mod paper;
+mod planner;
 mod table;
 
 use std::time::Instant;
@@ -12,7 +13,7 @@ use std::time::Instant;
 use clap::Parser;
 use serde_json::json;
 
-/// Measures Monte Carlo realizations, design solves and table throughput on one thread
+/// Measures Monte Carlo realizations, design solves, table throughput and plans on one thread
 #[derive(Parser)]
 #[command(version, after_help = "Example:\n  bench --json")]
 struct Arguments {
@@ -28,11 +29,13 @@ fn main() -> anyhow::Result<()> {
     let small = design::measure(&paper.candidates()?, 1e-10, 50)?;
     let large = design::measure(&design::generated(&paper, 10_000)?, 1e-6, 3)?;
     let table = table::measure(&paper)?;
+    let planner = planner::measure()?;
     let object = json!({
         "monte_carlo": monte_carlo,
         "design_q11": small,
         "design_q10000": large,
         "table": table,
+        "planner": planner,
     });
     println!("{object}");
     Ok(())

@@ -97,7 +97,9 @@ fn json_schemas_are_those_of_the_documents() {
 #[test]
 fn schemas_name_every_field_and_refuse_others() {
     let folder = folder();
-    for (id, schema) in schemas() {
+    // The other documents' stages have the same test beside their own.
+    let made = |id: &str| DOCUMENTS.contains(&format!("{id}.json").as_str());
+    for (id, schema) in schemas().into_iter().filter(|(id, _)| made(id)) {
         let document = json(&folder, &format!("{id}.json"));
         let known: BTreeSet<&String> = schema["properties"].as_object().unwrap().keys().collect();
         let strange = document.as_object().unwrap().keys().find(|key| !known.contains(key));

@@ -29,4 +29,5 @@ pub use model::{Degree, DegreeOfFreedom, Model, Variable};
 pub use noise::Streams;
 pub use pose::{Pose, track};
 pub use simulate::{DIVERGED, Diverged, check_diverged, simulate, simulate_one};
+pub use steady::{Motion, steady_inputs};
 pub use term::{Factor, Term};

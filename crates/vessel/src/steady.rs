@@ -2,11 +2,14 @@
 
 use crate::{Invalid, Vessel};
 
-/// A motion to hold: surge speed \[m/s\], sway speed \[m/s\] or whatever comes with the turn, yaw rate \[rad/s\].
+/// A motion through the water to hold.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Motion {
+pub struct Motion {
+    /// Surge speed \[m/s\].
     pub u: f64,
+    /// Sway speed \[m/s\]; `None`: whatever comes with the turn.
     pub v: Option<f64>,
+    /// Yaw rate \[rad/s\].
     pub r: f64,
 }
 
@@ -14,7 +17,10 @@ pub(crate) struct Motion {
 ///
 /// The unknowns are the inputs and, where the vessel has too few independent inputs to command it, the sway speed.
 /// The equations are zero increments and the couplings between inputs; a commanded sway speed releases the couplings.
-pub(crate) fn steady_inputs(
+///
+/// # Errors
+/// A vessel without the inputs to command the motion; a motion that no inputs hold.
+pub fn steady_inputs(
     vessel: &Vessel,
     parameters: &[f64],
     motion: Motion,

@@ -3,12 +3,13 @@
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use artifact::{Shard, commit, gather, read_document};
+use artifact::{Provenance, Shard, commit, gather, read_document};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use serde_json::json;
-use stages::cli::{Common, Sharding, Summary, given, provenance, run};
-use stages::documents::DesignDocument;
+use stages::cli::{Common, Sharding, Summary, beside, given, provenance, run};
+use stages::documents::{DesignDocument, PlanDocument};
 use stages::failure::Failure;
+use stages::plan::read_track;
 use stages::simulate::campaign::{Campaign, CampaignFiles};
 use stages::simulate::undisturbed::Undisturbed;
 use stages::study_files::{generator, read_campaign, read_dictionary, read_vessel};
@@ -43,6 +44,10 @@ enum What {
     #[command(after_help = "Example:\n  simulate validation --vessel pipelines/paper/vessel.toml \
         --campaign pipelines/paper/campaign.toml --out validation.parquet")]
     Validation(Validation),
+    /// Disturbed runs of a planned trajectory
+    #[command(after_help = "Example:\n  simulate plan --vessel pipelines/helsinki/vessel.toml \
+        --campaign pipelines/helsinki/campaign.toml --plan out/helsinki/plan.json --out planned.parquet")]
+    Plan(PlanArguments),
 }
 
 #[derive(Args)]
@@ -100,11 +105,29 @@ struct Validation {
     common: Common,
 }
 
+#[derive(Args)]
+struct PlanArguments {
+    /// The vessel
+    #[arg(long, required_unless_present = "gather", value_name = "vessel.toml")]
+    vessel: Option<PathBuf>,
+    /// Number of runs, disturbances, seed
+    #[arg(long, required_unless_present = "gather", value_name = "campaign.toml")]
+    campaign: Option<PathBuf>,
+    /// The plan, with its track.parquet beside it
+    #[arg(long, required_unless_present = "gather", value_name = "plan.json")]
+    plan: Option<PathBuf>,
+    #[command(flatten)]
+    sharding: Sharding,
+    #[command(flatten)]
+    common: Common,
+}
+
 fn main() -> ExitCode {
     run(common, |arguments: &Arguments| match &arguments.what {
         What::Dictionary(a) => dictionary(a),
         What::Campaign(a) => campaign(a),
         What::Validation(a) => validation(a),
+        What::Plan(a) => plan(a),
     })
 }
 
@@ -113,6 +136,7 @@ fn common(arguments: &Arguments) -> &Common {
         What::Dictionary(a) => &a.common,
         What::Campaign(a) => &a.common,
         What::Validation(a) => &a.common,
+        What::Plan(a) => &a.common,
     }
 }
 
@@ -154,12 +178,7 @@ fn campaign(a: &CampaignArguments) -> Result<Summary, Failure> {
         own.into_iter().flatten().chain(&a.sharding.gather).map(PathBuf::as_path).collect();
     let out = a.common.main_output("campaign.parquet", &inputs)?;
     if a.sharding.gathers() {
-        commit(vec![gather(&a.sharding.gather, &out, ID, VERSION)?])?;
-        let shards = a.sharding.gather.len();
-        return Ok(Summary {
-            line: format!("{}: gathered {shards} shards", out.display()),
-            json: json!({"out": out, "shards": shards}),
-        });
+        return gathered(&a.sharding, &out);
     }
     let mut provenance = provenance("simulate");
     let files = CampaignFiles {
@@ -177,8 +196,48 @@ fn campaign(a: &CampaignArguments) -> Result<Summary, Failure> {
     provenance.settings.insert("seed".into(), json!(seed));
     provenance.shard.clone_from(&a.sharding.shard);
     let campaign = Campaign::new(&files, &vessel, &generator, &config, &design.data, seed)?;
-    campaign.write(&out, &provenance, a.sharding.shard, a.common.quiet)?;
-    let part = a.sharding.shard.map_or(String::new(), |s: Shard| format!(", shard {s}"));
+    written(&campaign, &out, &provenance, &a.sharding, &a.common)
+}
+
+fn plan(a: &PlanArguments) -> Result<Summary, Failure> {
+    let own = [&a.vessel, &a.campaign, &a.plan];
+    let inputs: Vec<&Path> =
+        own.into_iter().flatten().chain(&a.sharding.gather).map(PathBuf::as_path).collect();
+    let out = a.common.main_output("planned.parquet", &inputs)?;
+    if a.sharding.gathers() {
+        return gathered(&a.sharding, &out);
+    }
+    let mut provenance = provenance("simulate");
+    let (vessel_file, plan) = (given(&a.vessel, "vessel")?, given(&a.plan, "plan")?);
+    let vessel = read_vessel(vessel_file, &mut provenance)?;
+    let config = read_campaign(given(&a.campaign, "campaign")?, &mut provenance)?;
+    provenance.inputs.insert("plan".into(), read_document::<PlanDocument>(plan)?.digest);
+    let track = read_track(&beside(plan, "track.parquet"), &vessel, &mut provenance)?;
+    let seed = a.common.seed.unwrap_or(config.seed);
+    provenance.settings.insert("seed".into(), json!(seed));
+    provenance.shard.clone_from(&a.sharding.shard);
+    let campaign = Campaign::planned(vessel_file, &vessel, &track, &config, seed)?;
+    written(&campaign, &out, &provenance, &a.sharding, &a.common)
+}
+
+fn gathered(sharding: &Sharding, out: &Path) -> Result<Summary, Failure> {
+    commit(vec![gather(&sharding.gather, out, ID, VERSION)?])?;
+    let shards = sharding.gather.len();
+    Ok(Summary {
+        line: format!("{}: gathered {shards} shards", out.display()),
+        json: json!({"out": out, "shards": shards}),
+    })
+}
+
+fn written(
+    campaign: &Campaign,
+    out: &Path,
+    provenance: &Provenance,
+    sharding: &Sharding,
+    common: &Common,
+) -> Result<Summary, Failure> {
+    campaign.write(out, provenance, sharding.shard, common.quiet)?;
+    let part = sharding.shard.map_or(String::new(), |s: Shard| format!(", shard {s}"));
     Ok(Summary {
         line: format!("{}: {} runs of {} samples{part}", out.display(), campaign.runs(), campaign.samples()),
         json: json!({"out": out, "runs": campaign.runs(), "samples": campaign.samples()}),

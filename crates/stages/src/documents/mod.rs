@@ -2,7 +2,9 @@
 
 mod design;
 mod estimate;
+mod ingest;
 mod moments;
+mod plan;
 mod reference;
 mod validation;
 
@@ -10,7 +12,14 @@ use artifact::{Document, json_schema};
 
 pub use design::{Counts, DesignDocument, Efficiency, Start};
 pub use estimate::{DegreeSummary, DesignSummary, EstimateDocument, ParameterSummary};
+pub use ingest::{
+    ChannelSummary, IngestDocument, ManeuverCount, MotionSummary, RecordingSummary, RowSummary,
+};
 pub use moments::{DegreeMoments, DegreeStructure, ManeuverMoments, MomentsDocument};
+pub use plan::{
+    Check, FrontPoint, Information, PlanDocument, PlanLattice, PlanPose, PlanStep, Primitive, Secondary,
+    Voyage, VoyageLeg,
+};
 pub use reference::{Published, PublishedShare, Reference};
 pub use validation::{Bounds, DesignScores, Quantiles, ValidationDocument};
 
@@ -20,6 +29,8 @@ pub fn schemas() -> Vec<(&'static str, serde_json::Value)> {
         (MomentsDocument::ID, json_schema::<MomentsDocument>()),
         (DesignDocument::ID, json_schema::<DesignDocument>()),
         (EstimateDocument::ID, json_schema::<EstimateDocument>()),
+        (IngestDocument::ID, json_schema::<IngestDocument>()),
         (ValidationDocument::ID, json_schema::<ValidationDocument>()),
+        (PlanDocument::ID, json_schema::<PlanDocument>()),
     ]
 }

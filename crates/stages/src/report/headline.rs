@@ -3,7 +3,8 @@ use maud::{Markup, html};
 use super::number::{exact, percent, three};
 use super::shown::used as is_used;
 use super::study::Study;
-use crate::documents::{DesignDocument, DesignScores, ValidationDocument};
+use super::trajectory_words::{cost, minutes};
+use crate::documents::{Check, DesignDocument, DesignScores, PlanDocument, ValidationDocument};
 
 /// Title, the answer in two sentences, and the key figures.
 pub(super) fn headline(study: &Study) -> Markup {
@@ -27,8 +28,43 @@ fn answer(study: &Study) -> String {
     match (&study.validation, &study.design) {
         (Some(validation), _) if !validation.designs.is_empty() => compared(study, validation),
         (_, Some(design)) => format!("{} {}", mix(design), worth(design)),
+        _ if plan(study).is_some() => plan(study).map(planned).unwrap_or_default(),
         _ => "Nothing has been designed or validated yet. The sections below say which files are missing."
             .to_owned(),
+    }
+}
+
+/// The study's planned trajectory.
+fn plan(study: &Study) -> Option<&PlanDocument> {
+    study.trajectory.as_ref()?.main.as_ref().map(|main| &main.plan)
+}
+
+/// Both sentences about a trial that has been planned and no more.
+fn planned(plan: &PlanDocument) -> String {
+    let cost = cost(plan.cost, &plan.cost_unit);
+    let proof = if plan.status == "optimal" { ", and no plan costs less" } else { ", not proved optimal" };
+    let uses: u64 = plan.counts.values().sum();
+    let Some(voyage) = &plan.voyage else {
+        return format!("The plan uses {uses} informative maneuvers and costs {cost}{proof}.");
+    };
+    let check = &voyage.check;
+    let hull = if check.clear { format!("stays {}", clear(check)) } else { clear(check) };
+    format!(
+        "The planned trial of {} holds {uses} informative maneuvers and costs {cost}{proof}. In simulation the hull {hull}; \
+         in unknown current of up to {}\u{a0}m/s, {} of {} runs touch an obstacle.",
+        minutes(voyage.duration_s),
+        exact(check.unknown_current_m_s),
+        check.aground,
+        check.runs,
+    )
+}
+
+/// How far the simulated plan stays from obstacles. The distance is measured on a raster that never overstates it.
+fn clear(check: &Check) -> String {
+    if check.clear {
+        format!("at least {}\u{a0}m clear", three(check.clearance_m))
+    } else {
+        "touches an obstacle".to_owned()
     }
 }
 
@@ -104,6 +140,7 @@ fn cards(study: &Study) -> Markup {
                 (share_card("Simulation error below", validation.bounds.simulation_error, &scored, |d| d.simulation_error_share))
             }
             @if let Some(design) = &study.design { (design_cards(design)) }
+            @if let Some(plan) = plan(study) { (plan_card(plan)) }
         }
     }
 }
@@ -139,6 +176,22 @@ fn design_cards(design: &DesignDocument) -> Markup {
             p.what { "Optimality" }
             p.figure-line { span.big { (three(design.relative_gap)) } " " span.who { "relative gap" } }
             p.other { (design.status) @if !design.proved_global { ", not proved global" } }
+        }
+    }
+}
+
+fn plan_card(plan: &PlanDocument) -> Markup {
+    let cost = cost(plan.cost, &plan.cost_unit);
+    let (figure, unit) = cost.split_once([' ', '\u{a0}']).unwrap_or((&cost, "cost"));
+    html! {
+        div.card {
+            p.what { "Trajectory" }
+            p.figure-line {
+                span.big { (figure) } " " span.who { (unit) ", " (plan.status) }
+            }
+            @if let Some(voyage) = &plan.voyage {
+                p.other { (minutes(voyage.duration_s)) " at sea, " (clear(&voyage.check)) }
+            }
         }
     }
 }

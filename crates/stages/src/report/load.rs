@@ -2,9 +2,10 @@
 
 use std::path::PathBuf;
 
-use artifact::{Digest, Document, Provenance, TableReader, read_document, read_toml};
+use artifact::{Digest, Document, Loaded, Provenance, TableReader, read_document, read_toml};
 use vessel::{DegreeOfFreedom, DictionaryFile, Vessel, track};
 
+use super::trajectory_files::trajectory;
 use super::{ManeuverTrace, ParameterRow, ScoreSet, Study, VesselSummary};
 use crate::campaign_file::CampaignFile;
 use crate::documents::Reference;
@@ -51,14 +52,16 @@ pub fn load(sources: &Sources) -> Result<Study, Failure> {
         validation: loader.document("validation.json", "errors of all runs together")?,
         scores: loader.scores()?,
         vessel: vessel.as_ref().map(summary),
+        trajectory: trajectory(&mut loader)?,
         reference,
         files: Vec::new(),
     };
-    if study.design.is_none() && study.dictionary.is_none() && study.validation.is_none() {
+    let planned = study.trajectory.as_ref().is_some_and(|t| t.main.is_some());
+    if study.design.is_none() && study.dictionary.is_none() && study.validation.is_none() && !planned {
         return Err(Failure::refuse(
             &sources.results,
             "results",
-            "none of dictionary.parquet, design.json, validation.json",
+            "none of dictionary.parquet, design.json, plan.json, validation.json",
             "files that the stages wrote",
             "run `make` first, or name their folder with --results",
         ));
@@ -66,13 +69,14 @@ pub fn load(sources: &Sources) -> Result<Study, Failure> {
     Ok(Study { files: loader.files, ..study })
 }
 
-struct Loader<'a> {
-    sources: &'a Sources,
-    files: Vec<(String, String, String)>,
+/// Reads files and keeps a list of them.
+pub(super) struct Loader<'a> {
+    pub(super) sources: &'a Sources,
+    pub(super) files: Vec<(String, String, String)>,
 }
 
 impl Loader<'_> {
-    fn note(&mut self, name: &str, what: &str, digest: Digest) {
+    pub(super) fn note(&mut self, name: &str, what: &str, digest: Digest) {
         self.files.push((name.to_owned(), what.to_owned(), digest.to_string()));
     }
 
@@ -96,14 +100,23 @@ impl Loader<'_> {
         Ok(Some(value))
     }
 
-    fn document<D: Document>(&mut self, name: &str, what: &str) -> Result<Option<D>, Failure> {
+    pub(super) fn document<D: Document>(&mut self, name: &str, what: &str) -> Result<Option<D>, Failure> {
+        Ok(self.loaded(name, what)?.map(|loaded| loaded.data))
+    }
+
+    /// A document with where it comes from.
+    pub(super) fn loaded<D: Document>(
+        &mut self,
+        name: &str,
+        what: &str,
+    ) -> Result<Option<Loaded<D>>, Failure> {
         let path = self.sources.results.join(name);
         if !path.exists() {
             return Ok(None);
         }
         let loaded = read_document::<D>(&path)?;
         self.note(name, what, loaded.digest);
-        Ok(Some(loaded.data))
+        Ok(Some(loaded))
     }
 
     fn scores(&mut self) -> Result<Option<Vec<ScoreSet>>, Failure> {
@@ -188,9 +201,11 @@ fn summary(vessel: &Vessel) -> VesselSummary {
         truth: vessel.value[i],
         nominal: vessel.nominal[i],
     };
+    let inputs = &vessel.model.variables[3..3 + vessel.model.inputs];
     VesselSummary {
         name: vessel.name.clone(),
         sample_rate_hz: vessel.sample_rate_hz,
+        inputs: inputs.iter().map(|v| (v.name.clone(), v.unit.clone())).collect(),
         parameters: named.enumerate().map(parameter).collect(),
     }
 }

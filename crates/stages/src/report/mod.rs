@@ -22,7 +22,16 @@ mod shown;
 mod study;
 #[cfg(test)]
 mod tests;
+mod trajectory;
+mod trajectory_facts;
+mod trajectory_files;
+mod trajectory_front;
+mod trajectory_map;
+mod trajectory_moves;
+mod trajectory_sheet;
+mod trajectory_trials;
+mod trajectory_words;
 
 pub use load::{Sources, load};
 pub use page::{Rendered, render};
-pub use study::{ManeuverTrace, ParameterRow, ScoreSet, Study, VesselSummary};
+pub use study::{ManeuverTrace, ParameterRow, PlannedTrial, ScoreSet, Study, Trajectory, VesselSummary};

@@ -12,6 +12,7 @@ use super::headline::headline;
 use super::notes::{files, notation};
 use super::parameters::parameters;
 use super::study::Study;
+use super::trajectory::{self, trajectory};
 
 /// The page and its figures.
 #[derive(Clone, Debug)]
@@ -24,11 +25,12 @@ pub struct Rendered {
 
 const STYLE: &str = include_str!("style.css");
 
-const CONTENTS: [(&str, &str); 9] = [
+const CONTENTS: [(&str, &str); 10] = [
     ("comparison", "Result"),
     ("shares", "Shares"),
     ("certificate", "Certificate"),
     ("dictionary", "Dictionary"),
+    ("trajectory", "Trajectory"),
     ("errors", "Errors"),
     ("parameters", "Parameters"),
     ("excitation", "Excitation"),
@@ -47,6 +49,7 @@ pub fn render(study: &Study) -> Result<Rendered, FigureError> {
         allocation(study, &mut figures)?,
         certificate(study),
         dictionary(study, &mut figures)?,
+        trajectory(study, &mut figures)?,
         errors(study, &mut figures)?,
         parameters(study, &mut figures)?,
         excitation(study),
@@ -58,6 +61,8 @@ pub fn render(study: &Study) -> Result<Rendered, FigureError> {
 }
 
 fn document(study: &Study, sections: &[Markup]) -> Markup {
+    let planned = study.trajectory.is_some();
+    let contents = CONTENTS.iter().filter(|(id, _)| planned || *id != "trajectory");
     html! {
         (DOCTYPE)
         html lang="en" {
@@ -66,12 +71,12 @@ fn document(study: &Study, sections: &[Markup]) -> Markup {
                 meta name="viewport" content="width=device-width, initial-scale=1";
                 meta name="color-scheme" content="light dark";
                 title { (study.name) " – experiment design report" }
-                style { (PreEscaped(STYLE)) }
+                style { (PreEscaped(STYLE)) @if planned { (PreEscaped(trajectory::STYLE)) } }
             }
             body {
                 main {
                     (headline(study))
-                    nav aria-label="Contents" { @for (id, title) in CONTENTS { a href={ "#" (id) } { (title) } } }
+                    nav aria-label="Contents" { @for (id, title) in contents { a href={ "#" (id) } { (title) } } }
                     @for section in sections { (section) }
                 }
             }

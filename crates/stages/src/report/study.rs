@@ -1,5 +1,6 @@
 use crate::documents::{
-    DesignDocument, DesignScores, EstimateDocument, MomentsDocument, Reference, ValidationDocument,
+    DesignDocument, DesignScores, EstimateDocument, MomentsDocument, PlanDocument, Reference,
+    ValidationDocument,
 };
 
 /// Everything that the page can show. What is absent is said to be missing.
@@ -27,6 +28,8 @@ pub struct Study {
     pub validation_trace: Option<ManeuverTrace>,
     /// Published results to compare with.
     pub reference: Option<Reference>,
+    /// The planned trajectory; absent in a study that plans none.
+    pub trajectory: Option<Trajectory>,
     /// Name of a file, what it is, its digest.
     pub files: Vec<(String, String, String)>,
 }
@@ -38,8 +41,36 @@ pub struct VesselSummary {
     pub name: String,
     /// Sampling rate \[Hz\].
     pub sample_rate_hz: f64,
+    /// Name and unit of every input.
+    pub inputs: Vec<(String, String)>,
     /// Its parameters, in the order of `vessel.toml`.
     pub parameters: Vec<ParameterRow>,
+}
+
+/// What there is about a planned trajectory.
+#[derive(Clone, Debug, Default)]
+pub struct Trajectory {
+    /// `plan.json`; absent where only `plan.toml` asks for it.
+    pub main: Option<PlannedTrial>,
+    /// `plan-*/plan.json`: the same trial planned otherwise.
+    pub variants: Vec<PlannedTrial>,
+    /// `planned/estimate.json`: estimates from simulated trials of the plan.
+    pub estimate: Option<EstimateDocument>,
+    /// `planned/validation.json`: errors of those estimates.
+    pub validation: Option<ValidationDocument>,
+}
+
+/// A plan with its map.
+#[derive(Clone, Debug)]
+pub struct PlannedTrial {
+    /// Name of its folder, `plan-4-headings`; empty for the study's own plan.
+    pub name: String,
+    /// `plan.json`.
+    pub plan: PlanDocument,
+    /// `map.svg`, free of scripts and links.
+    pub map: Option<String>,
+    /// Files of this study that are not those that the plan was made from.
+    pub stale: Vec<String>,
 }
 
 /// One parameter of the model structure.

@@ -16,6 +16,7 @@ use crate::documents::DesignDocument;
 use crate::failure::Failure;
 use crate::lanes::{interleave, lane_of};
 use crate::ordered::ordered;
+use crate::plan::Track;
 use crate::progress::Progress;
 use crate::trajectories::{BlockBuilder, Layout, NewRun, rows_per_block};
 
@@ -139,6 +140,44 @@ impl<'a> Campaign<'a> {
     /// Samples per run.
     pub fn samples(&self) -> usize {
         self.samples
+    }
+
+    /// Repeats a planned trajectory's inputs, open loop, as design `planned`.
+    ///
+    /// # Errors
+    /// A vessel without true parameters.
+    pub fn planned(
+        vessel_file: &'a Path,
+        vessel: &'a Vessel,
+        track: &Track,
+        config: &CampaignFile,
+        seed: u64,
+    ) -> Result<Self, Failure> {
+        let truth = vessel.parameters(Source::Value).map_err(|e| Failure::invalid(vessel_file, &e))?;
+        let width = vessel.model.inputs;
+        let samples = track.inputs.len() / width;
+        let starts = track.stretches.iter().map(|(start, _)| *start);
+        let ends = starts.clone().skip(1).chain([samples]);
+        let plan: Plan = starts.zip(ends).enumerate().map(|(i, (start, end))| (i, end - start)).collect();
+        let realized = plan.iter().zip(&track.stretches).map(|(part, (start, _))| {
+            let inputs = track.inputs[start * width..(start + part.1) * width].to_vec();
+            (*part, Realized { initial: track.initial, inputs })
+        });
+        Ok(Self {
+            vessel,
+            vessel_file,
+            truth: truth.into_iter().map(Lane::splat).collect(),
+            disturbances: config.disturbances(),
+            samples,
+            realizations: config.realizations,
+            realized: realized.collect(),
+            names: track.stretches.iter().map(|(_, name)| name.clone()).collect(),
+            designs: vec![Design {
+                name: "planned",
+                streams: Streams::new(seed, "planned"),
+                rule: Rule::Fixed(plan),
+            }],
+        })
     }
 
     /// Simulates the runs of `shard` (or all) into `out`.

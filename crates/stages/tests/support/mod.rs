@@ -239,6 +239,7 @@ fn binary(name: &str) -> &'static Path {
         "estimate" => cargo_bin!("estimate"),
         "validate" => cargo_bin!("validate"),
         "report" => cargo_bin!("report"),
+        "plan" => cargo_bin!("plan"),
         other => panic!("no binary `{other}`"),
     }
 }

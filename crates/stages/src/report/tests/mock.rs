@@ -56,6 +56,7 @@ pub(super) fn study() -> Study {
         scores: Some(scores.into_iter().rev().collect()),
         validation_trace: Some(validation_trace()),
         reference: Some(reference()),
+        trajectory: None,
         files: files(),
     }
 }
@@ -72,6 +73,9 @@ fn vessel() -> VesselSummary {
     VesselSummary {
         name: "Ljungberg model ship".to_owned(),
         sample_rate_hz: 8.0,
+        inputs: [("tau1", "N"), ("tau2", "N"), ("tau3", "N m")]
+            .map(|(n, u)| (n.to_owned(), u.to_owned()))
+            .to_vec(),
         parameters: PARAMETERS.iter().map(row).collect(),
     }
 }

@@ -1,4 +1,6 @@
 mod mock;
+mod mock_plan;
+mod trajectory;
 
 use super::{ManeuverTrace, Rendered, Study, render};
 

@@ -1,0 +1,277 @@
+use std::collections::BTreeMap;
+
+use artifact::Document;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// `plan.json`: a walk over the lattice that uses every maneuver as often as asked, and what becomes of it at sea.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct PlanDocument {
+    /// `optimal` (proved) or `feasible`.
+    pub status: String,
+    /// The status in words.
+    pub statement: String,
+    /// What the cost counts: `basic-moves`, `seconds` or, for a problem file, `cost`.
+    pub cost_unit: String,
+    /// Cost of the plan.
+    pub cost: f64,
+    /// No plan costs less.
+    pub lower_bound: f64,
+    /// What breaks ties, and its value; minimal among the cheapest plans where the status is `optimal`.
+    pub secondary: Option<Secondary>,
+    /// Uses of every informative maneuver.
+    pub counts: BTreeMap<String, u64>,
+    /// The plan.
+    pub steps: Vec<PlanStep>,
+    /// The plan at sea; absent for a problem file.
+    pub voyage: Option<Voyage>,
+}
+
+/// What breaks ties between plans of the same cost.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Secondary {
+    /// `turns`, `clearance` or `seconds`.
+    pub name: String,
+    /// Its value.
+    pub value: f64,
+}
+
+/// One move.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct PlanStep {
+    /// Name of the action.
+    pub action: String,
+    /// Index among the action's moves from this heading (and speed mode).
+    pub variant: u64,
+    /// Where it begins.
+    pub from: PlanPose,
+    /// Where it ends.
+    pub to: PlanPose,
+    /// What it costs.
+    pub cost: f64,
+}
+
+/// A pose of the lattice.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct PlanPose {
+    /// Column, eastward.
+    pub i: u64,
+    /// Row, northward.
+    pub j: u64,
+    /// Heading level, counter-clockwise from east.
+    pub h: u64,
+    /// Speed mode, where there are any.
+    pub mode: Option<String>,
+}
+
+/// A plan at sea.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Voyage {
+    /// The lattice.
+    pub lattice: PlanLattice,
+    /// One per step.
+    pub legs: Vec<VoyageLeg>,
+    /// How the maneuvers became moves, one per heading and side.
+    pub primitives: Vec<Primitive>,
+    /// Time from start to end \[s\].
+    pub duration_s: f64,
+    /// Of which in informative maneuvers \[s\].
+    pub informative_s: f64,
+    /// The simulated plan against the chart.
+    pub check: Check,
+    /// Information of what is sailed against what the counts promise.
+    pub information: Information,
+    /// Fewer uses for less time: the counts that no others beat, cheapest first. Empty where the search was not exhaustive.
+    pub front: Vec<FrontPoint>,
+}
+
+/// The lattice of a voyage.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct PlanLattice {
+    /// Nodes eastward.
+    pub nx: u64,
+    /// Nodes northward.
+    pub ny: u64,
+    /// Heading levels.
+    pub headings: u64,
+    /// Distance of neighbouring nodes \[m\].
+    pub cell_m: f64,
+    /// Longitude of node (0, 0).
+    pub longitude_deg: f64,
+    /// Latitude of node (0, 0).
+    pub latitude_deg: f64,
+    /// Speeds of the modes \[m/s\].
+    pub modes: BTreeMap<String, f64>,
+}
+
+/// One step at sea, as simulated.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct VoyageLeg {
+    /// Action, and side of a maneuver.
+    pub name: String,
+    /// Whether it is an informative maneuver.
+    pub informative: bool,
+    /// `as designed` or `mirrored`, for an informative maneuver.
+    pub side: Option<String>,
+    /// When it begins \[s\].
+    pub start_s: f64,
+    /// How long it takes \[s\].
+    pub duration_s: f64,
+    /// When its open-loop part begins \[s\]; after the steady approach.
+    pub maneuver_start_s: Option<f64>,
+    /// How long the open-loop part takes \[s\].
+    pub maneuver_s: Option<f64>,
+    /// Longitude of its first node.
+    pub longitude_deg: f64,
+    /// Latitude of its first node.
+    pub latitude_deg: f64,
+    /// Compass heading at its first node.
+    pub heading_deg: f64,
+    /// Speed at its first node \[m/s\].
+    pub speed_m_s: f64,
+    /// Distance from the end node when it is over \[m\].
+    pub end_error_m: f64,
+    /// Largest modulus of every input, in its unit.
+    pub largest_inputs: BTreeMap<String, f64>,
+}
+
+/// A maneuver as a move of the lattice.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Primitive {
+    /// Name of the maneuver.
+    pub maneuver: String,
+    /// `as designed` or `mirrored`.
+    pub side: String,
+    /// Heading level at its start.
+    pub h: u64,
+    /// Displacement in nodes, east.
+    pub di: i64,
+    /// Displacement in nodes, north.
+    pub dj: i64,
+    /// Heading level at its end.
+    pub to_h: u64,
+    /// Open-loop part \[s\].
+    pub maneuver_s: f64,
+    /// With approach and recovery \[s\].
+    pub leg_s: f64,
+    /// Distance from the node at its end, under the nominal model \[m\].
+    pub residual_m: f64,
+    /// Difference from the level's heading at its end \[deg\].
+    pub residual_deg: f64,
+    /// Clearance kept for the drift of an unknown current during it \[m\].
+    pub drift_margin_m: f64,
+    /// Nodes of the lattice at which it fits on the chart.
+    pub fits: u64,
+}
+
+/// The plan simulated in continuous space.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Check {
+    /// Least distance of the hull from anything charted as an obstacle, nominal model, known current \[m\].
+    pub clearance_m: f64,
+    /// Whether the hull stays clear.
+    pub clear: bool,
+    /// Bound on the unknown current \[m/s\].
+    pub unknown_current_m_s: f64,
+    /// Simulations with a constant current of that strength from every side and less, and the true parameters where known.
+    pub runs: u64,
+    /// Of which touched an obstacle.
+    pub aground: u64,
+    /// Least clearance of each run: smallest, 5 %, median \[m\].
+    pub clearance_quantiles_m: [f64; 3],
+    /// The same runs without corrections between maneuvers (the autopilot reckons with the nominal track only).
+    pub aground_open_loop: u64,
+}
+
+/// log|det| of the information, per the nominal model; none where a direction is not excited at all.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Information {
+    /// Promised by the counts: each use adds the moments of its piece.
+    pub predicted_log_det: Option<f64>,
+    /// Of the informative parts of the trajectory actually sailed.
+    pub realised_log_det: Option<f64>,
+    /// The same, with everything between them.
+    pub whole_log_det: Option<f64>,
+    /// exp((realised − predicted)/p).
+    pub efficiency: Option<f64>,
+    /// exp((predicted − optimum)/p) for the design's shares over the same time, where a design was given.
+    pub design_efficiency: Option<f64>,
+    /// p.
+    pub dimension: u64,
+}
+
+/// Counts with what they cost and tell.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct FrontPoint {
+    /// Uses of every maneuver.
+    pub counts: BTreeMap<String, u64>,
+    /// Cost of the best plan with them.
+    pub cost: f64,
+    /// Time in informative legs \[s\].
+    pub informative_s: f64,
+    /// log|det| of their information.
+    pub log_det: f64,
+}
+
+impl Document for PlanDocument {
+    const ID: &'static str = "plan";
+    const VERSION: u32 = 1;
+    const UNITS: &'static [(&'static str, &'static str)] = &[
+        ("cost", "1 or s, as cost_unit says"),
+        ("lower_bound", "1 or s, as cost_unit says"),
+        ("value", "1 or s"),
+        ("counts", "1"),
+        ("variant", "1"),
+        ("i", "1"),
+        ("j", "1"),
+        ("h", "1"),
+        ("to_h", "1"),
+        ("di", "1"),
+        ("dj", "1"),
+        ("fits", "1"),
+        ("nx", "1"),
+        ("ny", "1"),
+        ("headings", "1"),
+        ("cell_m", "m"),
+        ("longitude_deg", "deg"),
+        ("latitude_deg", "deg"),
+        ("heading_deg", "deg"),
+        ("residual_deg", "deg"),
+        ("modes", "m/s"),
+        ("speed_m_s", "m/s"),
+        ("start_s", "s"),
+        ("duration_s", "s"),
+        ("informative_s", "s"),
+        ("maneuver_start_s", "s"),
+        ("maneuver_s", "s"),
+        ("leg_s", "s"),
+        ("residual_m", "m"),
+        ("end_error_m", "m"),
+        ("drift_margin_m", "m"),
+        ("largest_inputs", "as declared in vessel.toml"),
+        ("clearance_m", "m"),
+        ("clearance_quantiles_m", "m"),
+        ("unknown_current_m_s", "m/s"),
+        ("runs", "1"),
+        ("aground", "1"),
+        ("aground_open_loop", "1"),
+        ("predicted_log_det", "1"),
+        ("realised_log_det", "1"),
+        ("whole_log_det", "1"),
+        ("efficiency", "1"),
+        ("design_efficiency", "1"),
+        ("dimension", "1"),
+        ("log_det", "1"),
+    ];
+}

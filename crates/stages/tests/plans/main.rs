@@ -1,0 +1,22 @@
+//! `plan`, and what follows from its files, through the real binaries. What the tests compare with is computed here
+//! anew: replays of plans, the vessel's motion, its information, the chart.
+
+#[path = "../support/mod.rs"]
+mod support;
+
+mod chart_refusals;
+mod choices;
+mod file_refusals;
+mod fleet;
+mod geometry;
+mod helsinki;
+mod information;
+mod lattice_problems;
+mod place_refusals;
+mod planned;
+mod routes;
+mod same_bytes;
+mod sea;
+mod time_limits;
+mod waters;
+mod xml;

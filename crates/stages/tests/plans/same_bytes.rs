@@ -1,0 +1,80 @@
+//! The same files, whatever the number of threads.
+
+use crate::planned::*;
+use crate::support::*;
+
+#[test]
+fn law_threads_do_not_change_bytes_of_any_file() {
+    for threads in [1, 2, 5] {
+        let folder = small();
+        run(&folder, &format!("{PLAN} --threads {threads}")).succeeds();
+        for name in PLANNED {
+            assert!(bytes(&folder, name) == small_planned().study.bytes(name), "{name}, {threads} threads");
+        }
+    }
+}
+
+#[test]
+fn law_same_seed_same_bytes_other_seed_other_currents() {
+    let folder = small();
+    let seeded = |seed: u64| {
+        run(&folder, &format!("{PLAN} --seed {seed}")).succeeds();
+        PLANNED.map(|name| bytes(&folder, name))
+    };
+    let (first, second) = (seeded(7), seeded(8));
+    assert!(first == seeded(7), "the same seed gives other bytes");
+    assert!(first[0] != second[0] && first[5] != second[5]);
+    assert!(first[2] == second[2] && first[3] == second[3], "the plan itself has no random part");
+}
+
+#[test]
+fn no_file_tells_a_folder() {
+    let folder = small();
+    run(&folder, PLAN).succeeds();
+    let path = folder.path().to_string_lossy().into_owned();
+    for name in PLANNED {
+        assert!(!String::from_utf8_lossy(&bytes(&folder, name)).contains(&path), "{name}");
+    }
+}
+
+#[test]
+fn plan_json_tells_the_digests_of_what_it_was_made_from() {
+    let folder = small();
+    run(&folder, PLAN).succeeds();
+    let inputs = json(&folder, "plan.json")["inputs"].take();
+    for (role, file) in [
+        ("vessel", "vessel.toml"),
+        ("plan", "plan.toml"),
+        ("trajectories", "dictionary.parquet"),
+        ("chart:land.geojson", "land.geojson"),
+    ] {
+        let digest = artifact::Digest::of_bytes(&bytes(&folder, file));
+        assert_eq!(inputs[role], serde_json::to_value(digest).unwrap(), "{role}: {inputs}");
+    }
+}
+
+#[test]
+fn one_line_or_one_object_and_nothing_on_stderr() {
+    let folder = small();
+    let ran = run(&folder, &format!("{PLAN} --quiet")).succeeds();
+    assert!(ran.stdout.lines().count() == 1 && ran.stdout.starts_with("plan.json: optimal, "), "{ran}");
+    assert_eq!(ran.stderr, "", "{ran}");
+    let ran = run(&folder, &format!("{PLAN} --json")).succeeds();
+    let said: serde_json::Value = serde_json::from_str(&ran.stdout).unwrap();
+    assert_eq!(said["out"], "plan.json", "{ran}");
+    assert_eq!(said["cost"], small_planned().plan["cost"], "{ran}");
+    std::fs::create_dir(folder.path().join("out")).unwrap();
+    run(&folder, &PLAN.replace("--out plan.json", "--out out/")).succeeds();
+    for name in PLANNED {
+        assert!(bytes(&folder, name) == bytes(&folder, &format!("out/{name}")), "{name}");
+    }
+}
+
+#[test]
+fn help_shows_examples() {
+    let folder = tempfile::tempdir().unwrap();
+    for command in ["plan", "simulate plan"] {
+        let ran = run(&folder, &format!("{command} --help")).succeeds();
+        assert!(ran.stdout.contains("Example") && ran.stderr.is_empty(), "{ran}");
+    }
+}

@@ -1,0 +1,63 @@
+//! A tiny reader of XML.
+
+use quick_xml::Reader;
+use quick_xml::events::{BytesStart, Event};
+
+/// An element: name, attributes, text, children.
+#[derive(Debug, Default)]
+pub struct Element {
+    pub name: String,
+    attributes: Vec<(String, String)>,
+    pub text: String,
+    children: Vec<Element>,
+}
+
+impl Element {
+    fn new(start: &BytesStart) -> Self {
+        let attributes = start.attributes().map(|a| {
+            let a = a.unwrap();
+            let value = quick_xml::escape::unescape(&a.value).unwrap().into_owned();
+            (a.key.as_ref().to_owned(), value)
+        });
+        Self { name: start.name().as_ref().to_owned(), attributes: attributes.collect(), ..Self::default() }
+    }
+
+    pub fn get(&self, key: &str) -> Option<&str> {
+        self.attributes.iter().find(|(k, _)| k == key).map(|(_, v)| v.as_str())
+    }
+
+    pub fn number(&self, key: &str) -> f64 {
+        self.get(key).unwrap_or_else(|| panic!("no {key} in {}", self.name)).parse().unwrap()
+    }
+
+    pub fn all<'a>(&'a self, name: &'a str) -> impl Iterator<Item = &'a Element> {
+        self.children.iter().filter(move |c| c.name == name)
+    }
+
+    pub fn one<'a>(&'a self, name: &'a str) -> &'a Element {
+        let all: Vec<_> = self.all(name).collect();
+        assert_eq!(all.len(), 1, "{name} in {}", self.name);
+        all[0]
+    }
+}
+
+/// The root of a document.
+pub fn read(text: &str) -> Element {
+    let mut reader = Reader::from_str(text);
+    let mut open = vec![Element::default()];
+    loop {
+        match reader.read_event().unwrap() {
+            Event::Start(e) => open.push(Element::new(&e)),
+            Event::Empty(e) => open.last_mut().unwrap().children.push(Element::new(&e)),
+            Event::End(_) => {
+                let done = open.pop().unwrap();
+                open.last_mut().unwrap().children.push(done);
+            }
+            Event::Text(t) => open.last_mut().unwrap().text += &t.xml10_content(),
+            Event::Eof => break,
+            _ => {}
+        }
+    }
+    assert!(open.len() == 1 && open[0].children.len() == 1, "one root");
+    open.remove(0).children.remove(0)
+}

@@ -1,0 +1,129 @@
+use std::f64::consts::{FRAC_PI_2, TAU};
+
+use vessel::Pose;
+
+/// The lattice at sea: nodes, heading levels, and the speeds that a vessel may have at a node.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Grid {
+    /// Nodes eastward.
+    pub nx: usize,
+    /// Nodes northward.
+    pub ny: usize,
+    /// Heading levels H; level h points h · 360°/H counter-clockwise from east.
+    pub headings: usize,
+    /// Distance of neighbouring nodes \[m\].
+    pub cell_m: f64,
+    /// East and north of node (0, 0) \[m\].
+    pub origin_m: [f64; 2],
+    /// Speed modes, slowest first.
+    pub modes: Vec<Mode>,
+}
+
+/// A speed that the vessel holds at a node.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mode {
+    /// Its name.
+    pub name: String,
+    /// Surge speed over the ground \[m/s\]; 0: at rest.
+    pub speed_m_s: f64,
+}
+
+impl Grid {
+    /// Number of layers: heading levels of every mode.
+    pub fn layers(&self) -> usize {
+        self.headings * self.modes.len()
+    }
+
+    /// The layer of a heading level in a mode.
+    pub fn layer(&self, level: usize, mode: usize) -> usize {
+        mode * self.headings + level
+    }
+
+    /// Heading level and mode of a layer.
+    pub fn level_and_mode(&self, layer: usize) -> (usize, usize) {
+        (layer % self.headings, layer / self.headings)
+    }
+
+    /// Compass heading of a level \[rad\], in (−π, π].
+    pub fn heading_rad(&self, level: usize) -> f64 {
+        wrap(FRAC_PI_2 - TAU * level as f64 / self.headings as f64)
+    }
+
+    /// The level nearest to a compass heading \[rad\].
+    pub fn nearest_level(&self, heading_rad: f64) -> usize {
+        let turns = (FRAC_PI_2 - heading_rad) / TAU;
+        (turns * self.headings as f64).round().rem_euclid(self.headings as f64) as usize
+    }
+
+    /// North and east of a node displaced by (di, dj) \[m\].
+    pub fn displacement(&self, di: i32, dj: i32) -> [f64; 2] {
+        [self.cell_m * f64::from(dj), self.cell_m * f64::from(di)]
+    }
+
+    /// Where the vessel is at a node.
+    pub fn pose(&self, i: usize, j: usize, level: usize) -> Pose {
+        Pose {
+            x: self.origin_m[1] + self.cell_m * j as f64,
+            y: self.origin_m[0] + self.cell_m * i as f64,
+            psi: self.heading_rad(level),
+        }
+    }
+
+    /// The shortest step from node to node that points along a level, to within a quarter of the levels' spacing.
+    pub fn step_along(&self, level: usize) -> (i32, i32) {
+        let (sin, cos) = (TAU * level as f64 / self.headings as f64).sin_cos();
+        let off = |(di, dj): (i32, i32)| {
+            let angle = f64::from(dj).atan2(f64::from(di));
+            wrap(angle - sin.atan2(cos)).abs()
+        };
+        let tolerance = TAU / self.headings as f64 / 4.0;
+        (1..=8)
+            .find_map(|reach| {
+                ring(reach).filter(|s| off(*s) <= tolerance).min_by(|a, b| off(*a).total_cmp(&off(*b)))
+            })
+            .unwrap_or((1, 0))
+    }
+}
+
+/// Displacements whose larger component is `reach`.
+fn ring(reach: i32) -> impl Iterator<Item = (i32, i32)> {
+    let all = move |di: i32| (-reach..=reach).map(move |dj| (di, dj));
+    (-reach..=reach).flat_map(all).filter(move |(di, dj)| di.abs().max(dj.abs()) == reach)
+}
+
+/// An angle in (−π, π].
+pub(crate) fn wrap(angle: f64) -> f64 {
+    let turned = angle.rem_euclid(TAU);
+    if turned > TAU / 2.0 { turned - TAU } else { turned }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn grid(headings: usize) -> Grid {
+        let modes = vec![Mode { name: "stop".into(), speed_m_s: 0.0 }];
+        Grid { nx: 3, ny: 3, headings, cell_m: 100.0, origin_m: [0.0, 0.0], modes }
+    }
+
+    #[test]
+    fn levels_count_counter_clockwise_from_east() {
+        let grid = grid(8);
+        assert!((grid.heading_rad(0) - FRAC_PI_2).abs() < 1e-12);
+        assert!(grid.heading_rad(2).abs() < 1e-12);
+        for level in 0..8 {
+            assert_eq!(grid.nearest_level(grid.heading_rad(level) + 0.3), level);
+        }
+    }
+
+    #[test]
+    fn steps_point_along_their_level() {
+        assert_eq!(
+            (0..4).map(|h| grid(4).step_along(h)).collect::<Vec<_>>(),
+            [(1, 0), (0, 1), (-1, 0), (0, -1)]
+        );
+        assert_eq!(grid(8).step_along(1), (1, 1));
+        assert_eq!(grid(16).step_along(1), (2, 1));
+        assert_eq!(grid(16).step_along(7), (-2, 1));
+    }
+}

@@ -1,0 +1,28 @@
+//! From a vessel and its dictionary to moves on a lattice, and from a plan on the lattice back to sea.
+//!
+//! A [`Leg`] is what the lattice calls a move: a script of phases that an [`Autopilot`] carries out, with an informative
+//! maneuver, run open loop, between a steady approach and a recovery onto the lattice. Poses are north, east \[m\] and
+//! compass heading \[rad\]; the lattice counts headings counter-clockwise from east, and [`Grid`] alone converts.
+
+#![forbid(unsafe_code)]
+#![warn(missing_docs)]
+
+mod autopilot;
+mod basic;
+mod grid;
+mod informative;
+mod leg;
+mod piece;
+mod sail;
+mod ship;
+mod symmetry;
+
+pub use autopilot::{Autopilot, Handling};
+pub use basic::{BASIC_MOVES, basic_legs};
+pub use grid::{Grid, Mode};
+pub use informative::{Approach, Repertoire};
+pub use leg::{Leg, Phase, Purpose};
+pub use piece::{Piece, period};
+pub use sail::{Sailed, Sample, sail};
+pub use ship::Ship;
+pub use symmetry::mirror;

@@ -1,0 +1,45 @@
+use vessel::{Lane, Vessel};
+
+/// The signs of the inputs that mirror the vessel's motion about its centre plane: u, −v, −r under `signs` · inputs
+/// is the mirrored motion of u, v, r under inputs. `None` where the model is not symmetric.
+///
+/// Sought among all signs by evaluating the nominal model at a few points.
+pub fn mirror(vessel: &Vessel) -> Option<Vec<f64>> {
+    let inputs = vessel.model.inputs;
+    if inputs > 12 {
+        return None;
+    }
+    let signs = |bits: u32| {
+        (0..inputs).map(move |i| if bits >> i & 1 == 1 { -1.0 } else { 1.0 }).collect::<Vec<f64>>()
+    };
+    (0..1_u32 << inputs).map(signs).find(|signs| (1..=5).all(|point| is_mirrored(vessel, signs, point)))
+}
+
+fn is_mirrored(vessel: &Vessel, signs: &[f64], point: u32) -> bool {
+    let value = |i: usize| (f64::from(point) * 0.7 + i as f64 * 1.3).sin();
+    let count = vessel.model.exogenous();
+    let own: Vec<f64> = (0..count).map(|i| if i < signs.len() { value(i + 3) } else { 0.0 }).collect();
+    let mirrored: Vec<f64> = own.iter().enumerate().map(|(i, u)| signs.get(i).unwrap_or(&1.0) * u).collect();
+    let [u, v, r] = [0, 1, 2].map(value);
+    let (a, b) = (increments(vessel, [u, v, r], &own), increments(vessel, [u, -v, -r], &mirrored));
+    let close = |x: f64, y: f64| (x - y).abs() <= 1e-9 * (x.abs() + y.abs());
+    close(a[0], b[0]) && close(a[1], -b[1]) && close(a[2], -b[2])
+}
+
+fn increments(vessel: &Vessel, states: [f64; 3], exogenous: &[f64]) -> [f64; 3] {
+    let lanes = |values: &[f64]| values.iter().map(|v| Lane::splat(*v)).collect::<Vec<_>>();
+    let found = vessel.model.increments(&states.map(Lane::splat), &lanes(exogenous), &lanes(&vessel.nominal));
+    found.map(|lane| lane[0])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_papers_ship_is_mirrored_by_turning_sway_force_and_yaw_moment_round() {
+        let file = toml::from_str("preset = \"ljungberg-model-ship\"").unwrap();
+        let vessel = Vessel::from_file(file).unwrap();
+        assert_eq!(mirror(&vessel), Some(vec![1.0, -1.0, -1.0]));
+    }
+}
