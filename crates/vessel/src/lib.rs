@@ -15,6 +15,7 @@ mod lane;
 mod maneuver;
 mod model;
 mod noise;
+mod normals;
 mod pose;
 mod simulate;
 mod steady;
