@@ -7,52 +7,57 @@ import numpy as np
 
 
 @njit(fastmath=True)
-def four(z, z0, z1, z2, z3, f0, f1, f2, f3, target, a, near, far, b, i):  # type: ignore[no-untyped-def]
-    """Row i of all sums for four regressors: ζᵢ with φ, with ζ, with the next sample's ζ, with the target."""
-    n = target.shape[0]
-    a0 = a1 = a2 = a3 = n0 = n1 = n2 = n3 = w0 = w1 = w2 = w3 = t = s = 0.0
-    for k in range(n - 1):
-        x = z[k]
-        a0, a1, a2, a3 = a0 + x * f0[k], a1 + x * f1[k], a2 + x * f2[k], a3 + x * f3[k]
-        n0, n1, n2, n3 = n0 + x * z0[k], n1 + x * z1[k], n2 + x * z2[k], n3 + x * z3[k]
-        w0, w1, w2, w3 = w0 + x * z0[k + 1], w1 + x * z1[k + 1], w2 + x * z2[k + 1], w3 + x * z3[k + 1]
-        t += x * target[k]
-        s += x
-    k, x = n - 1, z[n - 1]
-    a[i, 0], a[i, 1], a[i, 2], a[i, 3] = a0 + x * f0[k], a1 + x * f1[k], a2 + x * f2[k], a3 + x * f3[k]
-    near[i, 0], near[i, 1], near[i, 2], near[i, 3] = n0 + x * z0[k], n1 + x * z1[k], n2 + x * z2[k], n3 + x * z3[k]
-    far[i, 0], far[i, 1], far[i, 2], far[i, 3] = w0, w1, w2, w3
-    b[i] = t + x * target[k]
-    a[i, 4] = near[i, 4] = near[4, i] = s + x
-    far[i, 4], far[4, i] = s, s + x - z[0]
+def instruments(zeta, near, far):  # type: ignore[no-untyped-def]
+    """What depends on the instruments alone: their sums with each other and with the next sample's, bordered by 1."""
+    p, n = len(zeta), zeta[0].shape[0]
+    for i in range(p):
+        x = zeta[i]
+        for j in range(p):
+            y = zeta[j]
+            near_sum = far_sum = 0.0
+            for k in range(n - 1):
+                near_sum += x[k] * y[k]
+                far_sum += x[k] * y[k + 1]
+            near[i, j], far[i, j] = near_sum + x[n - 1] * y[n - 1], far_sum
+        total = 0.0
+        for k in range(n):
+            total += x[k]
+        near[i, p] = near[p, i] = total
+        far[i, p], far[p, i] = total - x[n - 1], total - x[0]
+    near[p, p], far[p, p] = n, n - 1
 
 
 @njit(fastmath=True)
-def three(z, z0, z1, z2, f0, f1, f2, target, a, near, far, b, i):  # type: ignore[no-untyped-def]
-    """The same for three regressors."""
+def four(z, f0, f1, f2, target, a, near, b, i):  # type: ignore[no-untyped-def]
+    """Row i of the sums for four regressors: ζᵢ with φ and with the target. The last regressor is an input."""
     n = target.shape[0]
-    a0 = a1 = a2 = n0 = n1 = n2 = w0 = w1 = w2 = t = s = 0.0
-    for k in range(n - 1):
+    a0 = a1 = a2 = t = 0.0
+    for k in range(n):
         x = z[k]
         a0, a1, a2 = a0 + x * f0[k], a1 + x * f1[k], a2 + x * f2[k]
-        n0, n1, n2 = n0 + x * z0[k], n1 + x * z1[k], n2 + x * z2[k]
-        w0, w1, w2 = w0 + x * z0[k + 1], w1 + x * z1[k + 1], w2 + x * z2[k + 1]
         t += x * target[k]
-        s += x
-    k, x = n - 1, z[n - 1]
-    a[i, 0], a[i, 1], a[i, 2] = a0 + x * f0[k], a1 + x * f1[k], a2 + x * f2[k]
-    near[i, 0], near[i, 1], near[i, 2] = n0 + x * z0[k], n1 + x * z1[k], n2 + x * z2[k]
-    far[i, 0], far[i, 1], far[i, 2] = w0, w1, w2
-    b[i] = t + x * target[k]
-    a[i, 3] = near[i, 3] = near[3, i] = s + x
-    far[i, 3], far[3, i] = s, s + x - z[0]
+    a[i, 0], a[i, 1], a[i, 2], a[i, 3], a[i, 4] = a0, a1, a2, near[i, 3], near[i, 4]
+    b[i] = t
 
 
 @njit(fastmath=True)
-def intercept_row(phi, target, a, near, far, b):  # type: ignore[no-untyped-def]
+def three(z, f0, f1, target, a, near, b, i):  # type: ignore[no-untyped-def]
+    """The same for three regressors."""
+    n = target.shape[0]
+    a0 = a1 = t = 0.0
+    for k in range(n):
+        x = z[k]
+        a0, a1 = a0 + x * f0[k], a1 + x * f1[k]
+        t += x * target[k]
+    a[i, 0], a[i, 1], a[i, 2], a[i, 3] = a0, a1, near[i, 2], near[i, 3]
+    b[i] = t
+
+
+@njit(fastmath=True)
+def intercept_row(phi, target, a, near, b):  # type: ignore[no-untyped-def]
     """The last row of the sums: the instrument 1."""
     p, n = len(phi), target.shape[0]
-    for j in range(p):
+    for j in range(p - 1):
         total = 0.0
         for k in range(n):
             total += phi[j][k]
@@ -61,8 +66,7 @@ def intercept_row(phi, target, a, near, far, b):  # type: ignore[no-untyped-def]
     for k in range(n):
         total += target[k]
     b[p] = total
-    a[p, p] = near[p, p] = n
-    far[p, p] = n - 1
+    a[p, p - 1], a[p, p] = near[p, p - 1], near[p, p]
 
 
 @njit(fastmath=True)

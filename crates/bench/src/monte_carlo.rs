@@ -1,8 +1,8 @@
 //! Monte Carlo in memory: simulate, estimate, validate freely.
 
-use identification::{Batch, FreeRun, MeanRemoval, Outcome, estimate, free_runs, parameter_error};
+use identification::{Batch, FreeRun, Instruments, MeanRemoval, Outcome, free_runs, parameter_error};
 use serde_json::{Value, json};
-use vessel::{Current, Disturbances, LANES, Lane, Measurement, Source, Streams, simulate};
+use vessel::{Current, Disturbances, LANES, Lane, Measurement, Source, Streams, simulate, simulate_one};
 
 use crate::fastest;
 use crate::paper::Paper;
@@ -26,10 +26,11 @@ pub fn measure(paper: &Paper) -> anyhow::Result<Value> {
 struct Study<'a> {
     paper: &'a Paper,
     truth: Vec<f64>,
-    inputs: Vec<Lane>,
-    initial: [Lane; 3],
+    nominal: Vec<f64>,
+    inputs: Vec<f64>,
+    initial: [f64; 3],
     segments: Vec<usize>,
-    validation: Vec<Lane>,
+    validation: Vec<f64>,
     reference: Vec<f64>,
     disturbances: Disturbances,
 }
@@ -40,14 +41,13 @@ impl<'a> Study<'a> {
         let mut segments = Vec::new();
         for (maneuver, samples) in OPTIMIZED {
             segments.push(inputs.len() / 3);
-            inputs.extend(paper.generator.realize(maneuver, samples)?.inputs.into_iter().map(Lane::splat));
+            inputs.extend(paper.generator.realize(maneuver, samples)?.inputs);
         }
-        let initial = paper.generator.realize(OPTIMIZED[0].0, 1)?.initial.map(Lane::splat);
+        let initial = paper.generator.realize(OPTIMIZED[0].0, 1)?.initial;
         // A telegraph signal over the dictionary's inputs: something that no maneuver does.
         let levels = [paper.generator.realize(2, 300)?.inputs, paper.generator.realize(7, 300)?.inputs];
         let validation: Vec<f64> =
             (0..1000).flat_map(|k| levels[(k / 80) % 2][3 * (k % 300)..][..3].to_vec()).collect();
-        let validation: Vec<Lane> = validation.into_iter().map(Lane::splat).collect();
         let mut reference = vec![Lane::ZERO; 3 * 1001];
         let start = [0.6, 0.0, 0.0].map(Lane::splat);
         simulate(&paper.vessel.model, &paper.truth, start, &validation, &[], &mut reference);
@@ -55,6 +55,7 @@ impl<'a> Study<'a> {
         Ok(Self {
             paper,
             truth: paper.vessel.parameters(Source::Value)?,
+            nominal: paper.vessel.parameters(Source::Nominal)?,
             inputs,
             initial,
             segments,
@@ -72,15 +73,21 @@ impl<'a> Study<'a> {
         let streams = Streams::new(1, "bench");
         let samples = self.inputs.len() / 3;
         let mut states = vec![Lane::ZERO; 3 * (samples + 1)];
-        let mut nominal = states.clone();
-        let mut buffer = Vec::new();
+        let nominal = simulate_one(model, &self.nominal, self.initial, &self.inputs);
+        let mut instruments = None;
         let mut good = (0, 0);
         for first in (0..RUNS).step_by(LANES) {
             let runs = std::array::from_fn(|lane| first + lane as u32);
             let current = self.disturbances.current(&streams, runs, samples);
-            simulate(model, &self.paper.truth, self.initial, &self.inputs, &current, &mut states);
+            simulate(
+                model,
+                &self.paper.truth,
+                self.initial.map(Lane::splat),
+                &self.inputs,
+                &current,
+                &mut states,
+            );
             self.disturbances.measure(&streams, runs, &mut states);
-            simulate(model, &self.paper.nominal, self.initial, &self.inputs, &[], &mut nominal);
             let batch = Batch {
                 model,
                 measured: &states,
@@ -88,7 +95,9 @@ impl<'a> Study<'a> {
                 exogenous: &self.inputs,
                 segments: [&self.segments; LANES],
             };
-            let outcomes = estimate(&batch, MeanRemoval::Complete);
+            let instruments =
+                instruments.get_or_insert_with(|| Instruments::new(&batch, MeanRemoval::Complete));
+            let outcomes = instruments.estimate(&batch);
             let mut lanes = vec![Lane::ZERO; model.parameters()];
             for (lane, outcome) in outcomes.iter().enumerate() {
                 let Outcome::Identified(found) = outcome else { continue };
@@ -96,7 +105,7 @@ impl<'a> Study<'a> {
                 let error = parameter_error(&found.parameters, &self.truth);
                 good.0 += usize::from(error.is_some_and(|e| e < 5.0));
             }
-            let errors = free_runs(model, &lanes, &self.validation, &self.reference, &mut buffer);
+            let errors = free_runs(model, &lanes, &self.validation, &self.reference);
             good.1 += errors.iter().filter(|e: &&FreeRun| e.norm().is_some_and(|n| n < 0.15)).count();
         }
         Ok(good)

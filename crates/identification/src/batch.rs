@@ -1,47 +1,46 @@
-use vessel::{LANES, Lane, Model};
+use vessel::{LANES, Lane, Model, Number};
 
-/// [`LANES`] runs of N samples side by side. All row-major.
+/// [`LANES`] runs of N samples side by side. All row-major. What the runs share (`X` = `f64`) is one number per entry
+/// instead of a lane; the results are the same bits.
 #[derive(Clone, Copy, Debug)]
-pub struct Batch<'a> {
+pub struct Batch<'a, X = Lane> {
     /// The model structure.
     pub model: &'a Model,
     /// Measured states u, v \[m/s\], r \[rad/s\]: (N+1) × 3.
     pub measured: &'a [Lane],
     /// States that the instruments are formed with: (N+1) × 3. Of a nominal simulation for instrumental variables, the
     /// measured ones themselves for least squares.
-    pub instrument_states: &'a [Lane],
+    pub instrument_states: &'a [X],
     /// Inputs and measured disturbances: N × exogenous.
-    pub exogenous: &'a [Lane],
+    pub exogenous: &'a [X],
     /// Per run, the first sample of each segment, ascending from 0.
     pub segments: [&'a [usize]; LANES],
 }
 
-impl Batch<'_> {
+impl<X: Number> Batch<'_, X> {
     /// Number of regression pairs N.
     pub fn samples(&self) -> usize {
         self.measured.len() / 3 - 1
     }
 
-    /// Evaluates the terms of `states` (measured or the instruments') at samples `k..k + count`, `count` ≤ [`BLOCK`].
+    /// Evaluates φ at samples `k..k + count`, `count` ≤ [`BLOCK`]; zero beyond.
     #[inline(always)]
-    pub(crate) fn regressors(&self, states: &[Lane], k: usize, count: usize, block: &mut Regressors) {
-        let width = self.model.exogenous();
-        for (i, variable) in block.values.iter_mut().enumerate() {
-            let (source, stride) = if i < 3 { (&states[i..], 3) } else { (&self.exogenous[i - 3..], width) };
-            copy_column(&source[stride * k..], stride, count, variable);
-        }
-        let terms = self.model.degrees.iter().flat_map(|d| &d.terms);
-        for (term, out) in terms.zip(&mut block.terms) {
-            term.values(&block.values, out);
-        }
+    pub(crate) fn phi(&self, k: usize, count: usize, out: &mut Regressors<Lane>) {
+        out.evaluate(self.model, self.measured, self.exogenous, X::lane, k, count);
+    }
+
+    /// Evaluates ζ at samples `k..k + count`, `count` ≤ [`BLOCK`]; zero beyond.
+    #[inline(always)]
+    pub(crate) fn zeta(&self, k: usize, count: usize, out: &mut Regressors<X>) {
+        out.evaluate(self.model, self.instrument_states, self.exogenous, std::convert::identity, k, count);
     }
 
     /// Δy of degree of freedom `d` at samples `k..k + count`; zero beyond.
     #[inline(always)]
-    pub(crate) fn increments(&self, k: usize, count: usize, d: usize) -> Block {
+    pub(crate) fn increments(&self, k: usize, count: usize, d: usize) -> Block<Lane> {
         let (mut now, mut next) = ([Lane::ZERO; BLOCK], [Lane::ZERO; BLOCK]);
-        copy_column(&self.measured[3 * k + d..], 3, count, &mut now);
-        copy_column(&self.measured[3 * (k + 1) + d..], 3, count, &mut next);
+        copy_column(&self.measured[3 * k + d..], 3, count, Lane::lane, &mut now);
+        copy_column(&self.measured[3 * (k + 1) + d..], 3, count, Lane::lane, &mut next);
         for t in 0..BLOCK {
             next[t] = next[t] - now[t];
         }
@@ -50,17 +49,23 @@ impl Batch<'_> {
 }
 
 /// Copies `count` entries of a column into a block, and zeros beyond: the terms of zeros are zeros. A whole block is a loop
-/// of fixed length without conditions, so that each lane moves as one vector.
+/// of fixed length without conditions, so that each entry moves as one vector.
 #[inline(always)]
-fn copy_column(column: &[Lane], stride: usize, count: usize, out: &mut Block) {
+fn copy_column<X: Number, Y: Number>(
+    column: &[X],
+    stride: usize,
+    count: usize,
+    convert: impl Fn(X) -> Y,
+    out: &mut Block<Y>,
+) {
     if count == BLOCK {
         for (t, value) in out.iter_mut().enumerate() {
-            *value = column[stride * t];
+            *value = convert(column[stride * t]);
         }
     } else {
-        *out = [Lane::ZERO; BLOCK];
+        *out = [Y::ZERO; BLOCK];
         for (value, entry) in out.iter_mut().zip(column.iter().step_by(stride)).take(count) {
-            *value = *entry;
+            *value = convert(*entry);
         }
     }
 }
@@ -68,31 +73,78 @@ fn copy_column(column: &[Lane], stride: usize, count: usize, out: &mut Block) {
 /// Samples that are evaluated at once.
 pub(crate) const BLOCK: usize = 8;
 /// A signal at [`BLOCK`] samples.
-pub(crate) type Block = [Lane; BLOCK];
+pub(crate) type Block<X> = [X; BLOCK];
 
 /// The terms' values at [`BLOCK`] samples, and the variables that they were evaluated with.
-pub(crate) struct Regressors {
-    values: Vec<Block>,
+pub(crate) struct Regressors<X> {
+    values: Vec<Block<X>>,
     /// One per parameter.
-    pub(crate) terms: Vec<Block>,
+    pub(crate) terms: Vec<Block<X>>,
 }
 
-impl Regressors {
+impl<X: Number> Regressors<X> {
     pub(crate) fn new(model: &Model) -> Self {
-        let zeros = |count| vec![[Lane::ZERO; BLOCK]; count];
+        let zeros = |count| vec![[X::ZERO; BLOCK]; count];
         Self { values: zeros(model.variables.len()), terms: zeros(model.parameters()) }
+    }
+
+    #[inline(always)]
+    fn evaluate<E: Number>(
+        &mut self,
+        model: &Model,
+        states: &[X],
+        exogenous: &[E],
+        convert: impl Fn(E) -> X + Copy,
+        k: usize,
+        count: usize,
+    ) {
+        let (own, others) = self.values.split_at_mut(3);
+        for (i, variable) in own.iter_mut().enumerate() {
+            copy_column(&states[3 * k + i..], 3, count, std::convert::identity, variable);
+        }
+        let width = model.exogenous();
+        for (i, variable) in others.iter_mut().enumerate() {
+            copy_column(&exogenous[width * k + i..], width, count, convert, variable);
+        }
+        let terms = model.degrees.iter().flat_map(|d| &d.terms);
+        for (term, out) in terms.zip(&mut self.terms) {
+            term.values(&self.values, out);
+        }
     }
 }
 
-/// Σ_t x(t) y(t), in pairs: short chains of additions, and less rounding.
+/// Adds Σ_t f(t, y(t)) of every signal y to its entry of `sums`; several signals at a time, so that no addition waits for
+/// the one before it.
 #[inline(always)]
-pub(crate) fn dot(x: &Block, y: &Block) -> Lane {
-    let pair = |t: usize| x[t] * y[t] + x[t + 1] * y[t + 1];
-    (pair(0) + pair(2)) + (pair(4) + pair(6))
+pub(crate) fn accumulate<Y: Number>(
+    signals: &[Block<Y>],
+    sums: &mut [Lane],
+    f: impl Fn(usize, Y) -> Lane + Copy,
+) {
+    let (fours, rest) = signals.as_chunks::<4>();
+    let (of_fours, of_rest) = sums.split_at_mut(4 * fours.len());
+    for (signals, sums) in fours.iter().zip(of_fours.as_chunks_mut().0) {
+        add_sums(signals, sums, f);
+    }
+    match rest {
+        [a, b, c] => add_sums(&[*a, *b, *c], &mut of_rest.as_chunks_mut::<3>().0[0], f),
+        _ => rest.iter().zip(of_rest.as_chunks_mut().0).for_each(|(y, sum)| add_sums(&[*y], sum, f)),
+    }
 }
 
-/// Σ_t x(t), in pairs.
 #[inline(always)]
-pub(crate) fn total(x: &Block) -> Lane {
-    ((x[0] + x[1]) + (x[2] + x[3])) + ((x[4] + x[5]) + (x[6] + x[7]))
+fn add_sums<Y: Number, const N: usize>(
+    signals: &[Block<Y>; N],
+    sums: &mut [Lane; N],
+    f: impl Fn(usize, Y) -> Lane,
+) {
+    let mut own = [0; N].map(|_| Lane::ZERO);
+    for t in 0..BLOCK {
+        for (own, signal) in own.iter_mut().zip(signals) {
+            *own += f(t, signal[t]);
+        }
+    }
+    for (sum, own) in sums.iter_mut().zip(own) {
+        *sum += own;
+    }
 }

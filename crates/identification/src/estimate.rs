@@ -1,11 +1,11 @@
 use std::collections::BTreeMap;
 
-use vessel::{LANES, Lane};
+use vessel::{LANES, Lane, Number};
 
-use crate::residual::{Fitted, Group, ResidualSums};
+use crate::residual::{Group, InstrumentSquares, ResidualSums};
 use crate::solve::Normal;
 use crate::sums::LaneSums;
-use crate::{Batch, Direction, Excitation, Sums};
+use crate::{Batch, DegreeSums, Direction, Excitation, Sums};
 
 /// How the instruments' mean is removed: how many intercepts a degree of freedom has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -39,65 +39,96 @@ pub enum Outcome {
 }
 
 /// Estimates every run of a batch: instrumental variables, or least squares where the instruments are the measured
-/// states. With it, how each degree of freedom was excited.
-pub fn estimate(batch: &Batch, removal: MeanRemoval) -> Vec<Outcome> {
-    fit(batch, removal, |_| ()).into_iter().map(|(outcome, ())| outcome).collect()
+/// states.
+pub fn estimate<X: Number>(batch: &Batch<X>, removal: MeanRemoval) -> Vec<Outcome> {
+    Instruments::new(batch, removal).estimate(batch)
 }
 
-impl Outcome {
-    /// [`estimate`], and per run the [`Excitation`] of surge, sway and yaw.
-    pub fn with_excitation(batch: &Batch, removal: MeanRemoval) -> Vec<(Self, [Excitation; 3])> {
-        fit(batch, removal, |normals| [0, 1, 2].map(|d: usize| normals[d].excitation()))
+/// What an estimate needs to know of the instruments alone: computed once for all batches that share model, instrument
+/// states, inputs and segments.
+pub struct Instruments {
+    removal: MeanRemoval,
+    /// By first sample and end of a group; lanes with the same group share the pass over the data. A group is summed in
+    /// one piece, so that a run's numbers do not depend on where its neighbours' segments start.
+    sums: BTreeMap<(usize, usize), LaneSums>,
+    /// Per run its groups with the instruments' means, one per parameter.
+    means: [Vec<Group>; LANES],
+    squares: InstrumentSquares,
+}
+
+impl Instruments {
+    /// The instruments of `batch`; what was measured does not matter.
+    pub fn new<X: Number>(batch: &Batch<X>, removal: MeanRemoval) -> Self {
+        let mut sums = BTreeMap::new();
+        let means: [Vec<Group>; LANES] = std::array::from_fn(|lane| {
+            let group = |(start, end): (usize, usize)| {
+                let own = sums.entry((start, end));
+                let own = own.or_insert_with(|| LaneSums::of_instruments(batch, start..end)).lane(lane);
+                let centred = removal != MeanRemoval::None;
+                let means = own.degrees.iter().flat_map(|d| d.instrument_means(centred)).collect();
+                Group { start, constants: means }
+            };
+            ranges(batch, removal, lane).map(group).collect()
+        });
+        let squares = InstrumentSquares::over(batch, means.each_ref().map(Vec::as_slice));
+        Self { removal, sums, means, squares }
     }
-}
 
-fn fit<T>(batch: &Batch, removal: MeanRemoval, examine: impl Fn(&[Normal]) -> T) -> Vec<(Outcome, T)> {
-    let mut runs = grouped_sums(batch, removal);
-    let mut theta = vec![Lane::ZERO; batch.model.parameters()];
-    let mut fits = Vec::with_capacity(LANES);
-    for (lane, run) in runs.iter_mut().enumerate() {
-        let normals: Vec<Normal> = (0..3).map(|d| run.normal(d, removal)).collect();
-        let solved = run.solve(&normals, removal);
-        if let Ok(solved) = &solved {
-            theta.iter_mut().zip(&solved.theta).for_each(|(lanes, value)| lanes[lane] = *value);
+    /// [`estimate`] for a batch with these instruments.
+    pub fn estimate<X: Number>(&self, batch: &Batch<X>) -> Vec<Outcome> {
+        self.fit(batch, |_| ()).into_iter().map(|(outcome, ())| outcome).collect()
+    }
+
+    /// [`Instruments::estimate`], and per run the [`Excitation`] of surge, sway and yaw.
+    pub fn estimate_with_excitation<X: Number>(&self, batch: &Batch<X>) -> Vec<(Outcome, [Excitation; 3])> {
+        self.fit(batch, |normals| [0, 1, 2].map(|d: usize| normals[d].excitation()))
+    }
+
+    fn fit<X: Number, T>(&self, batch: &Batch<X>, examine: impl Fn(&[Normal; 3]) -> T) -> Vec<(Outcome, T)> {
+        let sums: BTreeMap<_, LaneSums> =
+            self.sums.iter().map(|(range, own)| (range, own.with_measured(batch))).collect();
+        let mut theta = vec![Lane::ZERO; batch.model.parameters()];
+        let mut intercepts: [Vec<Group>; LANES] = [const { Vec::new() }; LANES];
+        let mut fits = Vec::with_capacity(LANES);
+        for lane in 0..LANES {
+            let groups = ranges(batch, self.removal, lane).map(|range| sums[&range].lane(lane)).collect();
+            let run = Run { groups, centred: self.removal != MeanRemoval::None };
+            let normals = [0, 1, 2].map(|d| run.normal(d));
+            let solved = run.solve(&normals);
+            if let Ok(solved) = &solved {
+                theta.iter_mut().zip(&solved.theta).for_each(|(lanes, value)| lanes[lane] = *value);
+                intercepts[lane] = run.intercepts(&self.means[lane], &solved.theta);
+            }
+            fits.push((solved, examine(&normals)));
         }
-        fits.push((solved, examine(&normals)));
-    }
-    let groups: [&[Group]; LANES] = std::array::from_fn(|lane| runs[lane].groups.as_slice());
-    let residuals = ResidualSums::over(batch, &Fitted { theta: &theta, groups });
-    let finish = |(lane, (solved, examined)): (usize, (Result<Solved, Outcome>, T))| {
-        let outcome = match solved {
-            Ok(solved) => solved.finish(&residuals, lane, batch.samples()),
-            Err(outcome) => outcome,
+        let residuals = ResidualSums::over(batch, &theta, intercepts.each_ref().map(Vec::as_slice));
+        let finish = |(lane, (solved, examined)): (usize, (Result<Solved, Outcome>, T))| {
+            let errors = |solved: Solved| {
+                let standard_errors =
+                    solved.standard_errors(&residuals, &self.squares, lane, batch.samples());
+                Outcome::Identified(Estimate { parameters: solved.theta, standard_errors })
+            };
+            (solved.map_or_else(std::convert::identity, errors), examined)
         };
-        (outcome, examined)
-    };
-    fits.into_iter().enumerate().map(finish).collect()
+        fits.into_iter().enumerate().map(finish).collect()
+    }
 }
 
-/// The data of one run as the estimator groups it.
+/// First sample and end of each group of samples of a run that has an intercept of its own.
+fn ranges<X: Number>(
+    batch: &Batch<X>,
+    removal: MeanRemoval,
+    lane: usize,
+) -> impl Iterator<Item = (usize, usize)> {
+    let starts: &[usize] = if removal == MeanRemoval::Batch { batch.segments[lane] } else { &[0] };
+    let ends = starts.iter().skip(1).copied().chain([batch.samples()]);
+    starts.iter().copied().zip(ends)
+}
+
+/// The sums of one run, group by group.
 struct Run {
-    sums: Vec<Sums>,
-    groups: Vec<Group>,
-}
-
-/// Sums per run and group. A group is summed in one piece from its first to its last sample, so that a run's numbers do
-/// not depend on where its neighbours' segments start; lanes with the same group share the pass over the data.
-fn grouped_sums(batch: &Batch, removal: MeanRemoval) -> Vec<Run> {
-    let whole: &[usize] = &[0];
-    let starts = |lane: usize| if removal == MeanRemoval::Batch { batch.segments[lane] } else { whole };
-    let mut known: BTreeMap<(usize, usize), LaneSums> = BTreeMap::new();
-    let mut run = |lane: usize| {
-        let ends = starts(lane).iter().skip(1).copied().chain([batch.samples()]);
-        let mut run = Run { sums: Vec::new(), groups: Vec::new() };
-        for (start, end) in starts(lane).iter().copied().zip(ends) {
-            let sums = known.entry((start, end)).or_insert_with(|| LaneSums::over(batch, start..end));
-            run.sums.push(sums.lane(lane));
-            run.groups.push(Group { start, ..Group::default() });
-        }
-        run
-    };
-    (0..LANES).map(&mut run).collect()
+    groups: Vec<Sums>,
+    centred: bool,
 }
 
 /// θ̂ of one run and what its covariance needs.
@@ -108,15 +139,14 @@ struct Solved {
 }
 
 impl Run {
-    fn normal(&self, d: usize, removal: MeanRemoval) -> Normal {
-        Normal::new(self.sums.iter().map(|s| &s.degrees[d]), removal != MeanRemoval::None)
+    fn normal(&self, d: usize) -> Normal {
+        Normal::new(self.groups.iter().map(|s| &s.degrees[d]), self.centred)
     }
 
-    /// Solves all degrees of freedom and sets the groups' intercepts and means.
-    fn solve(&mut self, normals: &[Normal], removal: MeanRemoval) -> Result<Solved, Outcome> {
-        let centred = removal != MeanRemoval::None;
-        let samples: u64 = self.sums.iter().map(|s| s.samples).sum();
-        let intercepts = if centred { self.groups.len() } else { 0 };
+    /// Solves all degrees of freedom.
+    fn solve(&self, normals: &[Normal; 3]) -> Result<Solved, Outcome> {
+        let samples: u64 = self.groups.iter().map(|s| s.samples).sum();
+        let intercepts = if self.centred { self.groups.len() } else { 0 };
         let mut solved = Solved { theta: Vec::new(), inverses: Vec::new(), intercepts };
         for (d, normal) in normals.iter().enumerate() {
             if samples <= (normal.b.len() + intercepts) as u64 {
@@ -127,31 +157,36 @@ impl Run {
             if !theta.iter().all(|t| t.is_finite()) {
                 return Err(unexcited(0));
             }
-            for (group, sums) in self.groups.iter_mut().zip(&self.sums) {
-                group.set(d, &sums.degrees[d], &theta, centred);
-            }
             solved.theta.extend(theta);
             solved.inverses.push(inverse);
         }
         Ok(solved)
     }
-}
 
-impl Group {
-    /// Intercept (ΣΔy − Σφᵀθ)/N and instrument means Σζ/N of degree of freedom `d`.
-    fn set(&mut self, d: usize, sums: &crate::DegreeSums, theta: &[f64], centred: bool) {
-        let (p, lifted) = (theta.len(), theta.len() + 1);
-        let n = sums.a[lifted * lifted - 1];
-        let share = if centred && n > 0.0 { 1.0 / n } else { 0.0 };
-        let predicted: f64 = theta.iter().zip(&sums.a[p * lifted..]).map(|(t, f)| t * f).sum();
-        self.intercepts[d] = share * (sums.b[p] - predicted);
-        self.means.extend((0..p).map(|i| share * sums.a[i * lifted + p]));
+    /// Three intercepts per group.
+    fn intercepts(&self, groups: &[Group], theta: &[f64]) -> Vec<Group> {
+        let of = |(group, sums): (&Group, &Sums)| {
+            let mut theta = theta;
+            let intercept = |degree: &DegreeSums| {
+                let (own, rest) = theta.split_at(degree.parameters());
+                theta = rest;
+                degree.intercept(own, self.centred)
+            };
+            Group { start: group.start, constants: sums.degrees.iter().map(intercept).collect() }
+        };
+        groups.iter().zip(&self.groups).map(of).collect()
     }
 }
 
 impl Solved {
-    /// Standard errors from A⁻¹ (γ₀ Σζᶜζᶜᵀ + γ₁ Σ neighbours) A⁻ᵀ.
-    fn finish(self, residuals: &ResidualSums, lane: usize, samples: usize) -> Outcome {
+    /// From A⁻¹ (γ₀ Σζᶜζᶜᵀ + γ₁ Σ neighbours) A⁻ᵀ.
+    fn standard_errors(
+        &self,
+        residuals: &ResidualSums,
+        instruments: &InstrumentSquares,
+        lane: usize,
+        samples: usize,
+    ) -> Vec<f64> {
         let mut standard_errors = Vec::with_capacity(self.theta.len());
         let mut place = 0;
         for (d, inverse) in self.inverses.iter().enumerate() {
@@ -163,7 +198,7 @@ impl Solved {
             for i in 0..p {
                 for j in i..p {
                     let (squares, neighbours) =
-                        (residuals.squares[place][lane], residuals.neighbours[place][lane]);
+                        (instruments.squares[place][lane], instruments.neighbours[place][lane]);
                     middle[i * p + j] = gamma0 * squares + gamma1 * neighbours;
                     middle[j * p + i] = middle[i * p + j];
                     place += 1;
@@ -172,7 +207,7 @@ impl Solved {
             standard_errors
                 .extend((0..p).map(|i| quadratic(&inverse[i * p..(i + 1) * p], &middle).max(0.0).sqrt()));
         }
-        Outcome::Identified(Estimate { parameters: self.theta, standard_errors })
+        standard_errors
     }
 }
 

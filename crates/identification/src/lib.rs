@@ -19,7 +19,7 @@ mod sums;
 mod validate;
 
 pub use batch::Batch;
-pub use estimate::{Estimate, MeanRemoval, Outcome, estimate};
+pub use estimate::{Estimate, Instruments, MeanRemoval, Outcome, estimate};
 pub use moments::{ManeuverMoments, moments};
 pub use solve::{Direction, Excitation};
 pub use sums::{DegreeSums, Sums};

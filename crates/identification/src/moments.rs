@@ -1,4 +1,4 @@
-use vessel::LANES;
+use vessel::{LANES, Number};
 
 use crate::sums::LaneSums;
 use crate::{Batch, Sums};
@@ -16,9 +16,10 @@ pub struct ManeuverMoments {
 }
 
 /// The moments of each lane of a batch of whole maneuvers.
-pub fn moments(batch: &Batch) -> Vec<ManeuverMoments> {
+pub fn moments<X: Number>(batch: &Batch<X>) -> Vec<ManeuverMoments> {
     let middle = batch.samples() / 2;
-    let halves = [LaneSums::over(batch, 0..middle), LaneSums::over(batch, middle..batch.samples())];
+    let sums = |range| LaneSums::of_instruments(batch, range).with_measured(batch);
+    let halves = [sums(0..middle), sums(middle..batch.samples())];
     (0..LANES)
         .map(|lane| {
             let [first, second] = [halves[0].lane(lane), halves[1].lane(lane)];

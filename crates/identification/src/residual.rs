@@ -3,100 +3,84 @@
 //! θ̂ − θ = A⁻¹ Σ ζᶜ(k) ε(k). The residual contains e(k+1) − e(k), so it is correlated with its neighbours: it is taken as
 //! a moving average of order one with autocovariances γ₀, γ₁, and |γ₁| ≤ γ₀/2 as every such process has.
 
-use vessel::{LANES, Lane};
+use vessel::{LANES, Lane, Number};
 
 use crate::Batch;
-use crate::batch::{BLOCK, Block, Regressors, dot};
+use crate::batch::{BLOCK, Block, Regressors, accumulate};
 
-/// What the residual pass needs to know of every run: lanes per parameter, per degree of freedom, and per segment.
-pub(crate) struct Fitted<'a> {
-    /// θ̂, one lane per parameter.
-    pub theta: &'a [Lane],
-    /// Per run and group: first sample, intercepts (3) and instrument means (one per parameter).
-    pub groups: [&'a [Group]; LANES],
-}
-
-/// A group of samples that shares its intercepts.
-#[derive(Clone, Debug, Default)]
+/// A group of samples that shares its intercepts: its first sample, and a constant per signal.
+#[derive(Clone, Debug)]
 pub(crate) struct Group {
     pub start: usize,
-    pub intercepts: [f64; 3],
-    pub means: Vec<f64>,
+    pub constants: Vec<f64>,
 }
 
-/// Per degree of freedom: γ₀ N and γ₁ N, Σ ζᶜζᶜᵀ and Σ (ζᶜ(k−1) ζᶜ(k)ᵀ + its transpose), upper triangles.
-pub(crate) struct ResidualSums {
-    pub lag0: [Lane; 3],
-    pub lag1: [Lane; 3],
+/// Per degree of freedom Σ ζᶜζᶜᵀ and Σ (ζᶜ(k−1) ζᶜ(k)ᵀ + its transpose), upper triangles.
+pub(crate) struct InstrumentSquares {
     pub squares: Vec<Lane>,
     pub neighbours: Vec<Lane>,
 }
 
-impl ResidualSums {
-    pub(crate) fn over(batch: &Batch, fitted: &Fitted) -> Self {
-        pulp::Arch::new().dispatch(Pass { batch, fitted })
+impl InstrumentSquares {
+    /// `means`: the instruments' means per run and group.
+    pub(crate) fn over<X: Number>(batch: &Batch<X>, means: [&[Group]; LANES]) -> Self {
+        pulp::Arch::new().dispatch(InstrumentPass { batch, means })
     }
 }
 
-/// One pass over the data; compiled for every instruction set that pulp picks from.
-struct Pass<'a> {
-    batch: &'a Batch<'a>,
-    fitted: &'a Fitted<'a>,
+struct InstrumentPass<'a, X> {
+    batch: &'a Batch<'a, X>,
+    means: [&'a [Group]; LANES],
 }
 
-impl pulp::WithSimd for Pass<'_> {
-    type Output = ResidualSums;
+impl<X: Number> pulp::WithSimd for InstrumentPass<'_, X> {
+    type Output = InstrumentSquares;
 
     #[inline(always)]
-    fn with_simd<S: pulp::Simd>(self, _: S) -> ResidualSums {
-        let Self { batch, fitted } = self;
-        let sizes: Vec<usize> = batch.model.degrees.iter().map(|d| d.terms.len()).collect();
-        let (parameters, triangles) = (batch.model.parameters(), sizes.iter().map(|p| p * (p + 1) / 2).sum());
-        let mut sums = ResidualSums {
-            lag0: [Lane::ZERO; 3],
-            lag1: [Lane::ZERO; 3],
-            squares: vec![Lane::ZERO; triangles],
-            neighbours: vec![Lane::ZERO; triangles],
-        };
-        let mut current = Current::new(parameters);
-        let (mut phi, mut zeta) = (Regressors::new(batch.model), Regressors::new(batch.model));
-        let mut before = vec![[Lane::ZERO; BLOCK]; parameters];
-        let mut edges = vec![Lane::ZERO; parameters];
-        let mut residuals = [[Lane::ZERO; BLOCK]; 3];
+    fn with_simd<S: pulp::Simd>(self, _: S) -> InstrumentSquares {
+        let Self { batch, means } = self;
+        let triangles = batch.model.degrees.iter().map(|d| d.terms.len() * (d.terms.len() + 1) / 2).sum();
+        let zeros = || vec![Lane::ZERO; triangles];
+        let mut sums = InstrumentSquares { squares: zeros(), neighbours: zeros() };
+        let mut means = Constants::new(means, batch.model.parameters());
+        let mut zeta = Regressors::new(batch.model);
+        let mut now = vec![[Lane::ZERO; BLOCK]; batch.model.parameters()];
+        let mut before = now.clone();
         for k in (0..batch.samples()).step_by(BLOCK) {
             let count = BLOCK.min(batch.samples() - k);
-            current.enter(k, fitted);
-            batch.regressors(batch.measured, k, count, &mut phi);
-            for (edge, z) in edges.iter_mut().zip(&zeta.terms) {
-                *edge = z[BLOCK - 1];
-            }
-            batch.regressors(batch.instrument_states, k, count, &mut zeta);
-            for (z, means) in zeta.terms.iter_mut().zip(&current.means) {
-                subtract(z, means, count);
-            }
-            for (own, (z, edge)) in before.iter_mut().zip(zeta.terms.iter().zip(&edges)) {
-                *own = delayed(z, *edge);
+            batch.zeta(k, count, &mut zeta);
+            for (((now, before), z), mean) in
+                now.iter_mut().zip(&mut before).zip(&zeta.terms).zip(means.at(k))
+            {
+                let edge = now[BLOCK - 1];
+                *now = z.map(X::lane);
+                subtract(now, mean, count);
+                *before = delayed(now, edge);
             }
             let (mut first, mut place) = (0, 0);
-            for (d, p) in sizes.iter().copied().enumerate() {
-                let edge = residuals[d][BLOCK - 1];
-                let own = &mut residuals[d];
-                *own = batch.increments(k, count, d);
-                subtract(own, &current.intercepts[d], count);
-                for (f, theta) in phi.terms[first..first + p].iter().zip(&fitted.theta[first..first + p]) {
-                    for (e, f) in own.iter_mut().zip(f) {
-                        *e = *e - *f * *theta;
-                    }
-                }
-                sums.lag0[d] += dot(own, own);
-                sums.lag1[d] += dot(own, &delayed(own, edge));
+            for p in batch.model.degrees.iter().map(|d| d.terms.len()) {
                 for i in first..first + p {
-                    for j in i..first + p {
-                        sums.squares[place] += dot(&zeta.terms[i], &zeta.terms[j]);
-                        sums.neighbours[place] +=
-                            dot(&before[i], &zeta.terms[j]) + dot(&before[j], &zeta.terms[i]);
-                        place += 1;
-                    }
+                    let others = i..first + p;
+                    let entries = place..place + others.len();
+                    accumulate(
+                        &now[others.clone()],
+                        &mut sums.squares[entries.clone()],
+                        #[inline(always)]
+                        |t, z| now[i][t] * z,
+                    );
+                    accumulate(
+                        &now[others.clone()],
+                        &mut sums.neighbours[entries.clone()],
+                        #[inline(always)]
+                        |t, z| before[i][t] * z,
+                    );
+                    accumulate(
+                        &before[others],
+                        &mut sums.neighbours[entries.clone()],
+                        #[inline(always)]
+                        |t, z| now[i][t] * z,
+                    );
+                    place = entries.end;
                 }
                 first += p;
             }
@@ -105,9 +89,73 @@ impl pulp::WithSimd for Pass<'_> {
     }
 }
 
+/// Per degree of freedom γ₀ N and γ₁ N.
+pub(crate) struct ResidualSums {
+    pub lag0: [Lane; 3],
+    pub lag1: [Lane; 3],
+}
+
+impl ResidualSums {
+    /// `theta`: one lane per parameter. `intercepts`: three per run and group.
+    pub(crate) fn over<X: Number>(batch: &Batch<X>, theta: &[Lane], intercepts: [&[Group]; LANES]) -> Self {
+        pulp::Arch::new().dispatch(ResidualPass { batch, theta, intercepts })
+    }
+}
+
+struct ResidualPass<'a, X> {
+    batch: &'a Batch<'a, X>,
+    theta: &'a [Lane],
+    intercepts: [&'a [Group]; LANES],
+}
+
+impl<X: Number> pulp::WithSimd for ResidualPass<'_, X> {
+    type Output = ResidualSums;
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _: S) -> ResidualSums {
+        let Self { batch, theta, intercepts } = self;
+        let mut sums = ResidualSums { lag0: [Lane::ZERO; 3], lag1: [Lane::ZERO; 3] };
+        let mut intercepts = Constants::new(intercepts, 3);
+        let mut phi = Regressors::new(batch.model);
+        let mut edges = [Lane::ZERO; 3];
+        for k in (0..batch.samples()).step_by(BLOCK) {
+            let count = BLOCK.min(batch.samples() - k);
+            let intercepts = intercepts.at(k);
+            batch.phi(k, count, &mut phi);
+            let mut regressors = phi.terms.iter().zip(theta);
+            let mut residuals = [0, 1, 2].map(|d: usize| batch.increments(k, count, d));
+            for (d, residual) in residuals.iter_mut().enumerate() {
+                subtract(residual, &intercepts[d], count);
+                for (f, theta) in regressors.by_ref().take(batch.model.degrees[d].terms.len()) {
+                    for (e, f) in residual.iter_mut().zip(f) {
+                        *e = *e - *f * *theta;
+                    }
+                }
+            }
+            accumulate(
+                &residuals,
+                &mut sums.lag0,
+                #[inline(always)]
+                |_, e| e * e,
+            );
+            for (d, residual) in residuals.iter().enumerate() {
+                let before = delayed(residual, edges[d]);
+                edges[d] = residual[BLOCK - 1];
+                accumulate(
+                    std::slice::from_ref(residual),
+                    std::slice::from_mut(&mut sums.lag1[d]),
+                    #[inline(always)]
+                    |t, e| e * before[t],
+                );
+            }
+        }
+        sums
+    }
+}
+
 /// Subtracts the first `count` constants; beyond, the signal stays zero.
 #[inline(always)]
-fn subtract(signal: &mut Block, constants: &Block, count: usize) {
+fn subtract(signal: &mut Block<Lane>, constants: &Block<Lane>, count: usize) {
     for t in 0..BLOCK {
         signal[t] = signal[t] - constants[t];
     }
@@ -116,44 +164,56 @@ fn subtract(signal: &mut Block, constants: &Block, count: usize) {
 
 /// The signal one sample earlier; `edge` comes before it.
 #[inline(always)]
-fn delayed(signal: &Block, edge: Lane) -> Block {
+fn delayed(signal: &Block<Lane>, edge: Lane) -> Block<Lane> {
     let mut out = [edge; BLOCK];
     out[1..].copy_from_slice(&signal[..BLOCK - 1]);
     out
 }
 
-/// The intercepts and instrument means that hold at each sample of a block, lane by lane.
-struct Current {
-    intercepts: [Block; 3],
-    means: Vec<Block>,
+/// The groups' constants that hold at each sample of a block, lane by lane.
+struct Constants<'a> {
+    groups: [&'a [Group]; LANES],
+    signals: Vec<Block<Lane>>,
     next: [usize; LANES],
+    /// The block with this sample is the next that differs from the one before it.
+    changes: usize,
 }
 
-impl Current {
-    fn new(parameters: usize) -> Self {
-        let zero = [Lane::ZERO; BLOCK];
-        Self { intercepts: [zero; 3], means: vec![zero; parameters], next: [0; LANES] }
+impl<'a> Constants<'a> {
+    fn new(groups: [&'a [Group]; LANES], signals: usize) -> Self {
+        Self { groups, signals: vec![[Lane::ZERO; BLOCK]; signals], next: [0; LANES], changes: 0 }
     }
 
-    /// Moves on to the block that starts at sample `k`.
-    fn enter(&mut self, k: usize, fitted: &Fitted) {
-        for lane in 0..LANES {
-            // A group that began inside the last block holds for all of this one.
-            let begun = self.next[lane].checked_sub(1).map(|i| &fitted.groups[lane][i]);
-            if let Some(group) = begun.filter(|g| g.start < k && k < g.start + BLOCK) {
-                self.hold(lane, 0, group);
+    /// The constants of the block that starts at sample `k`; blocks are asked for one after the other.
+    fn at(&mut self, k: usize) -> &[Block<Lane>] {
+        if self.changes < k + BLOCK {
+            self.changes = usize::MAX;
+            (0..LANES).for_each(|lane| self.enter(k, lane));
+        }
+        &self.signals
+    }
+
+    fn enter(&mut self, k: usize, lane: usize) {
+        let groups = self.groups[lane];
+        // A group that began inside the last block holds for all of this one.
+        if let Some(i) = self.next[lane].checked_sub(1) {
+            self.hold(lane, 0, &groups[i]);
+        }
+        while let Some(group) = groups.get(self.next[lane]).filter(|g| g.start < k + BLOCK) {
+            self.hold(lane, group.start - k, group);
+            self.next[lane] += 1;
+            if group.start > k {
+                self.changes = self.changes.min(k + BLOCK);
             }
-            while let Some(group) = fitted.groups[lane].get(self.next[lane]).filter(|g| g.start < k + BLOCK) {
-                self.hold(lane, group.start - k, group);
-                self.next[lane] += 1;
-            }
+        }
+        if let Some(group) = groups.get(self.next[lane]) {
+            self.changes = self.changes.min(group.start);
         }
     }
 
     /// Lets `group` hold for `lane` from sample `from` of the block on.
     fn hold(&mut self, lane: usize, from: usize, group: &Group) {
-        let signals = self.intercepts.iter_mut().chain(&mut self.means);
-        for (signal, value) in signals.zip(group.intercepts.iter().chain(&group.means)) {
+        for (signal, value) in self.signals.iter_mut().zip(&group.constants) {
             signal[from..].iter_mut().for_each(|at| at[lane] = *value);
         }
     }

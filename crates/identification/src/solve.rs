@@ -59,9 +59,8 @@ impl Normal {
     fn add(&mut self, sums: &DegreeSums, centred: bool) {
         let p = self.b.len();
         let lifted = p + 1;
-        let n = sums.a[lifted * lifted - 1];
         let (sum_zeta, sum_phi) = (|i: usize| sums.a[i * lifted + p], |j: usize| sums.a[p * lifted + j]);
-        let share = if centred && n > 0.0 { 1.0 / n } else { 0.0 };
+        let share = sums.share(centred);
         for i in 0..p {
             for j in 0..p {
                 self.a[i * p + j] += sums.a[i * lifted + j] - share * sum_zeta(i) * sum_phi(j);

@@ -1,4 +1,4 @@
-use vessel::{LANES, Lane, Model, check_diverged, simulate};
+use vessel::{DIVERGED, LANES, Lane, Model, Number, check_diverged, follow, simulate};
 
 /// Errors of a free simulation.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,28 +22,44 @@ impl FreeRun {
 /// Simulates [`LANES`] models freely over the inputs of a validation run and compares with its states.
 ///
 /// `parameters`: one lane per parameter. `exogenous`: N × exogenous. `reference`: (N+1) × 3 states; the simulation starts
-/// at the first. `states` is a buffer for the simulation.
+/// at the first.
 pub fn free_runs(
     model: &Model,
     parameters: &[Lane],
-    exogenous: &[Lane],
+    exogenous: &[impl Number],
     reference: &[f64],
-    states: &mut Vec<Lane>,
 ) -> [FreeRun; LANES] {
-    states.resize(reference.len(), Lane::ZERO);
     let initial = [0, 1, 2].map(|d| Lane::splat(reference[d]));
-    simulate(model, parameters, initial, exogenous, &[], states);
-    let mut squares = [Lane::ZERO; 3];
-    for (state, truth) in states.chunks_exact(3).zip(reference.chunks_exact(3)).skip(1) {
-        for d in 0..3 {
-            let error = state[d] - Lane::splat(truth[d]);
-            squares[d] += error * error;
-        }
-    }
     let samples = (reference.len() / 3 - 1) as f64;
-    std::array::from_fn(|lane| match check_diverged(states.iter().map(|s| s[lane])) {
-        Some(at) => FreeRun::Diverged(at.sample),
-        None => FreeRun::Rmse(squares.map(|s| (s[lane] / samples).sqrt())),
+    let (mut squares, mut beyond) = ([Lane::ZERO; 3], Lane::ZERO);
+    let mut truths = reference[3..].chunks_exact(3);
+    follow(
+        model,
+        parameters,
+        initial,
+        exogenous,
+        &[],
+        #[inline(always)]
+        |state| {
+            let Some(truth) = truths.next() else { return };
+            for d in 0..3 {
+                let error = state[d] - Lane::splat(truth[d]);
+                squares[d] += error * error;
+                for lane in 0..LANES {
+                    beyond[lane] = if state[d][lane].abs() <= DIVERGED { beyond[lane] } else { 1.0 };
+                }
+            }
+        },
+    );
+    let first_beyond = |lane: usize| {
+        let own: Vec<Lane> = parameters.iter().map(|p| Lane::splat(p[lane])).collect();
+        let mut states = vec![Lane::ZERO; reference.len()];
+        simulate(model, &own, initial, exogenous, &[], &mut states);
+        check_diverged(states.iter().map(|s| s[0])).map_or(0, |at| at.sample)
+    };
+    std::array::from_fn(|lane| match beyond[lane] > 0.0 {
+        true => FreeRun::Diverged(first_beyond(lane)),
+        false => FreeRun::Rmse(squares.map(|s| (s[lane] / samples).sqrt())),
     })
 }
 

@@ -2,7 +2,9 @@
 
 mod support;
 
-use identification::{DegreeSums, FreeRun, MeanRemoval, Outcome, Sums, estimate, free_runs, moments};
+use identification::{
+    Batch, DegreeSums, FreeRun, Instruments, MeanRemoval, Outcome, Sums, estimate, free_runs, moments,
+};
 use proptest::prelude::*;
 use support::explicit::{Regression, sizes};
 use support::noise::Normals;
@@ -170,6 +172,30 @@ proptest! {
         }
     }
 
+    /// Instruments that runs share, as numbers instead of lanes and computed for other data, give the same bits.
+    #[test]
+    fn law_shared_instruments_are_the_instruments_of_every_run(seed in 0u64..1000) {
+        let (vessel, lengths) = (paper(), [61, 80, 100]);
+        let mut normals = Normals::new(seed);
+        let experiment = Experiment::random(&mut normals, &lengths);
+        let runs: Vec<Recording> = (0..LANES).map(|_| experiment.record(&vessel, 0.1, &mut normals)).collect();
+        let side_by_side = SideBySide::new(&runs.iter().collect::<Vec<_>>());
+        let own = side_by_side.batch(&vessel.model);
+        let unmeasured = vec![Lane::ZERO; own.measured.len()];
+        let shared = Batch {
+            model: own.model,
+            measured: &unmeasured,
+            instrument_states: runs[0].instrument_states.as_slice(),
+            exogenous: runs[0].exogenous.as_slice(),
+            segments: own.segments,
+        };
+        for removal in REMOVALS {
+            let instruments = Instruments::new(&shared, removal);
+            let found = instruments.estimate(&Batch { measured: own.measured, ..shared });
+            prop_assert_eq!(format!("{found:?}"), format!("{:?}", estimate(&own, removal)));
+        }
+    }
+
     /// A free simulation either has finite errors or is reported with its first sample beyond the bound.
     #[test]
     fn law_a_diverging_model_is_reported_and_is_never_a_nan(seed in 0u64..1_000_000) {
@@ -183,7 +209,7 @@ proptest! {
             .collect();
         let parameters = lanes(std::array::from_fn(|lane| models[lane].as_slice()));
         let exogenous: Vec<Lane> = experiment.inputs.iter().map(|x| Lane::splat(*x)).collect();
-        let found = free_runs(&vessel.model, &parameters, &exogenous, &reference, &mut Vec::new());
+        let found = free_runs(&vessel.model, &parameters, &exogenous, &reference);
         for (model, run) in models.iter().zip(found) {
             match (run, first_beyond(model, &experiment)) {
                 (FreeRun::Diverged(found), Some(expected)) => {
@@ -222,7 +248,7 @@ fn a_model_of_nans_and_infinities_is_reported_as_diverged() {
     let mut parameters: Vec<Lane> = truth(&vessel).into_iter().map(Lane::splat).collect();
     (parameters[0][1], parameters[3][2], parameters[9][5]) = (f64::NAN, f64::INFINITY, f64::NEG_INFINITY);
     let exogenous: Vec<Lane> = experiment.inputs.iter().map(|x| Lane::splat(*x)).collect();
-    let found = free_runs(&vessel.model, &parameters, &exogenous, &reference, &mut Vec::new());
+    let found = free_runs(&vessel.model, &parameters, &exogenous, &reference);
     for (lane, run) in found.iter().enumerate() {
         let expected = if [1, 2, 5].contains(&lane) { FreeRun::Diverged(1) } else { FreeRun::Rmse([0.0; 3]) };
         assert_eq!(*run, expected, "lane {lane}");
@@ -238,8 +264,9 @@ fn law_a_run_that_only_decelerates_does_not_identify_sway_and_yaw() {
         let run = experiment.record(&vessel, noise, &mut normals);
         for removal in REMOVALS {
             let side_by_side = SideBySide::new(&[&run]);
+            let batch = side_by_side.batch(&vessel.model);
             let (outcome, excitation) =
-                Outcome::with_excitation(&side_by_side.batch(&vessel.model), removal).swap_remove(0);
+                Instruments::new(&batch, removal).estimate_with_excitation(&batch).swap_remove(0);
             let Outcome::NotIdentifiable(direction) = outcome else { panic!("{outcome:?}") };
             // The first that is missing is the surge force of sway times yaw rate (or, where the instruments' mean is
             // removed, the thrust that never varies); sway and yaw are missing as a whole.

@@ -80,7 +80,7 @@ fn oracle_validation_errors_of_free_simulation() {
     let thetas: Vec<Vec<f64>> = scores.iter().map(|s| numbers(&s["theta"])).collect();
     let parameters = lanes(std::array::from_fn(|lane| thetas[lane % thetas.len()].as_slice()));
     let exogenous: Vec<Lane> = inputs.iter().map(|x| Lane::splat(*x)).collect();
-    let found = free_runs(&vessel.model, &parameters, &exogenous, &reference, &mut Vec::new());
+    let found = free_runs(&vessel.model, &parameters, &exogenous, &reference);
     for (lane, run) in found.iter().enumerate() {
         let score = &scores[lane % scores.len()];
         let FreeRun::Rmse(rmse) = run else { panic!("lane {lane}: {run:?}") };

@@ -1,10 +1,10 @@
-use vessel::{Lane, Pose, Vessel};
+use vessel::{Pose, Vessel};
 
 /// A vessel under way: pose and state, moved sample by sample in a current.
 #[derive(Clone, Debug)]
 pub struct Ship<'a> {
     vessel: &'a Vessel,
-    parameters: Vec<Lane>,
+    parameters: Vec<f64>,
     /// North and east components of the current \[m/s\].
     pub current_m_s: [f64; 2],
     /// Where it is.
@@ -16,7 +16,7 @@ pub struct Ship<'a> {
 impl<'a> Ship<'a> {
     /// A vessel with `parameters` at `pose`, moving ahead at `speed_m_s`.
     pub fn new(vessel: &'a Vessel, parameters: &[f64], pose: Pose, speed_m_s: f64) -> Self {
-        let parameters = parameters.iter().map(|p| Lane::splat(*p)).collect();
+        let parameters = parameters.to_vec();
         Self { vessel, parameters, current_m_s: [0.0; 2], pose, state: [speed_m_s, 0.0, 0.0] }
     }
 
@@ -30,16 +30,17 @@ impl<'a> Ship<'a> {
         let (sin, cos) = self.pose.psi.sin_cos();
         let [north, east] = self.current_m_s;
         let current = [north * cos + east * sin, east * cos - north * sin, 0.0];
-        let relative = [0, 1, 2].map(|d| Lane::splat(self.state[d] - current[d]));
-        let mut exogenous: Vec<Lane> = inputs.iter().map(|u| Lane::splat(*u)).collect();
-        exogenous.resize(self.vessel.model.exogenous(), Lane::ZERO);
-        let increments = self.vessel.model.increments(&relative, &exogenous, &self.parameters);
+        let mut values = Vec::with_capacity(3 + self.vessel.model.exogenous());
+        values.extend(self.state.iter().zip(current).map(|(state, current)| state - current));
+        values.extend_from_slice(inputs);
+        values.resize(3 + self.vessel.model.exogenous(), 0.0);
+        let increments = self.vessel.model.increments(&values, &self.parameters);
         let dt = self.sample_s();
         self.pose.x += dt * (self.state[0] * cos - self.state[1] * sin);
         self.pose.y += dt * (self.state[0] * sin + self.state[1] * cos);
         self.pose.psi += dt * self.state[2];
         for (state, increment) in self.state.iter_mut().zip(increments) {
-            *state += increment[0];
+            *state += increment;
         }
     }
 }

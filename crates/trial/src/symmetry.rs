@@ -1,4 +1,4 @@
-use vessel::{Lane, Vessel};
+use vessel::Vessel;
 
 /// The signs of the inputs that mirror the vessel's motion about its centre plane: u, −v, −r under `signs` · inputs
 /// is the mirrored motion of u, v, r under inputs. `None` where the model is not symmetric.
@@ -27,9 +27,7 @@ fn is_mirrored(vessel: &Vessel, signs: &[f64], point: u32) -> bool {
 }
 
 fn increments(vessel: &Vessel, states: [f64; 3], exogenous: &[f64]) -> [f64; 3] {
-    let lanes = |values: &[f64]| values.iter().map(|v| Lane::splat(*v)).collect::<Vec<_>>();
-    let found = vessel.model.increments(&states.map(Lane::splat), &lanes(exogenous), &lanes(&vessel.nominal));
-    found.map(|lane| lane[0])
+    vessel.model.increments(&[&states, exogenous].concat(), &vessel.nominal)
 }
 
 #[cfg(test)]

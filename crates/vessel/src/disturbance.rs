@@ -1,6 +1,6 @@
-use rand_distr::{Distribution, StandardNormal};
 use serde::Deserialize;
 
+use crate::normals::Normals;
 use crate::{Invalid, LANES, Lane, Streams};
 
 /// A current in body axes.
@@ -74,7 +74,7 @@ impl Disturbances {
             Current::None => Vec::new(),
             Current::White { std_m_s } => {
                 let mut out = vec![Lane::ZERO; 2 * samples];
-                add_noise(streams, runs, CURRENT_CHANNEL, &[std_m_s; 2], &mut out);
+                add_noise(streams, runs, CURRENT_CHANNEL, [std_m_s; 2], &mut out);
                 out
             }
         }
@@ -83,26 +83,46 @@ impl Disturbances {
     /// Adds measurement noise to the states of [`LANES`] runs, rows × 3.
     pub fn measure(&self, streams: &Streams, runs: [u32; LANES], states: &mut [Lane]) {
         let m = self.measurement;
-        add_noise(streams, runs, 0, &[m.std_u_m_s, m.std_v_m_s, m.std_r_rad_s], states);
+        add_noise(streams, runs, 0, [m.std_u_m_s, m.std_v_m_s, m.std_r_rad_s], states);
     }
 }
 
-/// Rows that stay in the processor's nearest cache while all lanes write to them.
-const ROWS: usize = 64;
-
 /// Adds white noise of standard deviation `std[i]` to column i of row-major `out`; column i draws from channel
 /// `first + i` of each lane's run.
-fn add_noise(streams: &Streams, runs: [u32; LANES], first: u32, std: &[f64], out: &mut [Lane]) {
-    let width = std.len();
-    for (column, std) in std.iter().enumerate().filter(|(_, std)| **std > 0.0) {
-        let mut sources = runs.map(|run| streams.channel(run, first + column as u32));
-        for rows in out.chunks_mut(ROWS * width) {
-            for (lane, source) in sources.iter_mut().enumerate() {
-                for row in rows.chunks_exact_mut(width) {
-                    let draw: f64 = StandardNormal.sample(source);
-                    row[column][lane] += std * draw;
-                }
+fn add_noise<const WIDTH: usize>(
+    streams: &Streams,
+    runs: [u32; LANES],
+    first: u32,
+    std: [f64; WIDTH],
+    out: &mut [Lane],
+) {
+    let normals = streams.lanes(runs, first);
+    pulp::Arch::new().dispatch(AddNoise { normals, std: std.map(Lane::splat), out });
+}
+
+/// [`add_noise`] compiled for every instruction set that pulp picks from.
+struct AddNoise<'a, const WIDTH: usize> {
+    normals: [Normals; WIDTH],
+    std: [Lane; WIDTH],
+    out: &'a mut [Lane],
+}
+
+impl<const WIDTH: usize> pulp::WithSimd for AddNoise<'_, WIDTH> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(mut self, _: S) {
+        let mut pairs = self.out.chunks_exact_mut(2 * WIDTH);
+        for rows in &mut pairs {
+            for (column, normals) in self.normals.iter_mut().enumerate() {
+                let [one, two] = normals.pair();
+                rows[column] += self.std[column] * one;
+                rows[WIDTH + column] += self.std[column] * two;
             }
+        }
+        let last = pairs.into_remainder().iter_mut();
+        for ((entry, normals), std) in last.zip(&mut self.normals).zip(self.std) {
+            *entry += std * normals.pair()[0];
         }
     }
 }

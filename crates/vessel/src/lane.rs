@@ -56,6 +56,46 @@ impl AddAssign for Lane {
     }
 }
 
+/// What a signal is made of: a [`Lane`], or one number that all runs share. Both give the same bits.
+pub trait Number:
+    Copy + std::fmt::Debug + Send + Sync + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self>
+{
+    /// Zero.
+    const ZERO: Self;
+    /// One.
+    const ONE: Self;
+    /// |x|.
+    fn modulus(self) -> Self;
+    /// The number of every run.
+    fn lane(self) -> Lane;
+}
+
+impl Number for Lane {
+    const ZERO: Self = Self::ZERO;
+    const ONE: Self = Self::ONE;
+    #[inline(always)]
+    fn modulus(self) -> Self {
+        self.abs()
+    }
+    #[inline(always)]
+    fn lane(self) -> Lane {
+        self
+    }
+}
+
+impl Number for f64 {
+    const ZERO: Self = 0.0;
+    const ONE: Self = 1.0;
+    #[inline(always)]
+    fn modulus(self) -> Self {
+        self.abs()
+    }
+    #[inline(always)]
+    fn lane(self) -> Lane {
+        Lane::splat(self)
+    }
+}
+
 impl Index<usize> for Lane {
     type Output = f64;
     #[inline(always)]

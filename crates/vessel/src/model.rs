@@ -1,4 +1,4 @@
-use crate::{Lane, Term};
+use crate::Term;
 
 /// Surge, sway or yaw.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -71,6 +71,15 @@ impl Model {
         self.degrees.iter().map(|d| d.terms.len()).sum()
     }
 
+    /// θᵀφ of each degree of freedom for one run. `values`: u, v relative to the water, r, then the inputs and measured
+    /// disturbances.
+    pub fn increments(&self, values: &[f64], parameters: &[f64]) -> [f64; 3] {
+        let mut parameters = parameters.iter();
+        self.degrees
+            .each_ref()
+            .map(|degree| degree.terms.iter().zip(&mut parameters).map(|(t, p)| p * t.evaluate(values)).sum())
+    }
+
     /// Names of all parameters: surge, sway, yaw.
     pub fn parameter_names(&self) -> impl Iterator<Item = &str> {
         self.degrees.iter().flat_map(|d| d.parameters.iter().map(String::as_str))
@@ -87,20 +96,5 @@ impl Model {
             degree.terms.iter().map(|t| per(d, t)).collect::<Vec<_>>()
         };
         DegreeOfFreedom::ALL.into_iter().zip(&self.degrees).flat_map(of).collect()
-    }
-
-    /// θᵀφ of each degree of freedom. `states`: u, v relative to the water, r; `exogenous`: one lane per input and measured
-    /// disturbance; `parameters`: one lane per parameter.
-    #[inline(always)]
-    pub fn increments(&self, states: &[Lane; 3], exogenous: &[Lane], parameters: &[Lane]) -> [Lane; 3] {
-        let mut sums = [Lane::ZERO; 3];
-        let mut next = 0;
-        for (sum, degree) in sums.iter_mut().zip(&self.degrees) {
-            for term in &degree.terms {
-                *sum += parameters[next] * term.value(states, exogenous);
-                next += 1;
-            }
-        }
-        sums
     }
 }

@@ -1,11 +1,13 @@
 use rand::Rng;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
-/// Random numbers keyed by what they are for: one ChaCha8 key per (seed, design), one stream per (run, channel), which
-/// seeds the fast generator that the channel draws from. What a run draws depends on nothing else.
+use crate::LANES;
+use crate::normals::Normals;
+
+/// Random numbers keyed by what they are for: one ChaCha8 key per (seed, design), one stream per run, of which 32 bytes
+/// per channel seed the fast generator that the channel draws from. What a run draws depends on nothing else.
 #[derive(Clone, Debug)]
 pub struct Streams {
     key: [u8; 32],
@@ -22,17 +24,29 @@ impl Streams {
 
     /// The generator of one channel of one run.
     pub fn channel(&self, run: u32, channel: u32) -> Xoshiro256PlusPlus {
-        let mut keyed = ChaCha8Rng::from_seed(self.key);
-        keyed.set_stream(u64::from(run) << 32 | u64::from(channel));
-        Xoshiro256PlusPlus::from_rng(&mut keyed)
+        Xoshiro256PlusPlus::from_rng(&mut self.keyed(run, channel))
     }
 
     /// Fills `out` with standard normal numbers from one channel of one run.
     pub fn normals(&self, run: u32, channel: u32, out: &mut [f64]) {
-        let mut rng = self.channel(run, channel);
-        for value in out {
-            *value = StandardNormal.sample(&mut rng);
+        let [mut normals] = self.lanes([run; LANES], channel);
+        for pair in out.chunks_mut(2) {
+            pair.iter_mut().zip(normals.pair()).for_each(|(value, lane)| *value = lane[0]);
         }
+    }
+
+    /// The normal numbers of neighbouring channels from `first` on, [`LANES`] runs side by side.
+    pub(crate) fn lanes<const CHANNELS: usize>(&self, runs: [u32; LANES], first: u32) -> [Normals; CHANNELS] {
+        let mut keyed = runs.map(|run| self.keyed(run, first));
+        std::array::from_fn(|_| Normals::seeded(&mut keyed))
+    }
+
+    /// What seeds the generators of a run's channels from `channel` on, 32 bytes each.
+    fn keyed(&self, run: u32, channel: u32) -> ChaCha8Rng {
+        let mut keyed = ChaCha8Rng::from_seed(self.key);
+        keyed.set_stream(u64::from(run));
+        keyed.set_word_pos(8 * u128::from(channel));
+        keyed
     }
 
     /// `count` whole numbers below `below`, equally likely.

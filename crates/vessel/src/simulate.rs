@@ -1,4 +1,5 @@
-use crate::{Lane, Model};
+use crate::program::Program;
+use crate::{Lane, Model, Number};
 
 /// A speed \[m/s\] or yaw rate \[rad/s\] beyond which a simulation counts as diverged.
 pub const DIVERGED: f64 = 1e3;
@@ -21,44 +22,70 @@ pub fn simulate(
     model: &Model,
     parameters: &[Lane],
     initial: [Lane; 3],
-    exogenous: &[Lane],
+    exogenous: &[impl Number],
     current: &[Lane],
     states: &mut [Lane],
 ) {
-    pulp::Arch::new().dispatch(Simulation { model, parameters, initial, exogenous, current, states });
+    states[..3].copy_from_slice(&initial);
+    let mut rows = states[3..].chunks_exact_mut(3);
+    follow(
+        model,
+        parameters,
+        initial,
+        exogenous,
+        current,
+        #[inline(always)]
+        |state| {
+            if let Some(row) = rows.next() {
+                row.copy_from_slice(state);
+            }
+        },
+    );
 }
 
-/// [`simulate`] compiled for every instruction set that pulp picks from. Lanes are only added and multiplied, never
-/// fused, so that all give the same bits.
-struct Simulation<'a> {
-    model: &'a Model,
-    parameters: &'a [Lane],
+/// [`simulate`] that calls `each` with the states after every sample, 1 to N, instead of keeping them.
+pub fn follow(
+    model: &Model,
+    parameters: &[Lane],
     initial: [Lane; 3],
-    exogenous: &'a [Lane],
-    current: &'a [Lane],
-    states: &'a mut [Lane],
+    exogenous: &[impl Number],
+    current: &[Lane],
+    each: impl FnMut(&[Lane; 3]),
+) {
+    let program = Program::new(model, parameters);
+    let width = model.exogenous();
+    pulp::Arch::new().dispatch(Simulation { program, width, initial, exogenous, current, each });
 }
 
-impl pulp::WithSimd for Simulation<'_> {
+/// [`follow`] compiled for every instruction set that pulp picks from. Lanes are only added and multiplied, never fused,
+/// so that all give the same bits.
+struct Simulation<'a, X, F> {
+    program: Program,
+    width: usize,
+    initial: [Lane; 3],
+    exogenous: &'a [X],
+    current: &'a [Lane],
+    each: F,
+}
+
+impl<X: Number, F: FnMut(&[Lane; 3])> pulp::WithSimd for Simulation<'_, X, F> {
     type Output = ();
 
     #[inline(always)]
-    fn with_simd<S: pulp::Simd>(self, _: S) {
-        let width = self.model.exogenous();
+    fn with_simd<S: pulp::Simd>(mut self, _: S) {
         let mut state = self.initial;
-        self.states[..3].copy_from_slice(&state);
-        for (k, next) in self.states[3..].chunks_exact_mut(3).enumerate() {
+        let mut current = self.current.chunks_exact(2);
+        for exogenous in self.exogenous.chunks_exact(self.width.max(1)) {
             let mut relative = state;
-            if let Some([u, v]) = self.current.get(2 * k..2 * k + 2) {
-                relative[0] = state[0] - *u;
-                relative[1] = state[1] - *v;
+            if let Some(current) = current.next() {
+                relative[0] = state[0] - current[0];
+                relative[1] = state[1] - current[1];
             }
-            let exogenous = &self.exogenous[k * width..(k + 1) * width];
-            let increments = self.model.increments(&relative, exogenous, self.parameters);
-            for (d, increment) in increments.into_iter().enumerate() {
-                state[d] += increment;
-                next[d] = state[d];
+            let increments = self.program.increments(relative, exogenous);
+            for (state, increment) in state.iter_mut().zip(increments) {
+                *state += increment;
             }
+            (self.each)(&state);
         }
     }
 }
@@ -68,7 +95,7 @@ pub fn simulate_one(model: &Model, parameters: &[f64], initial: [f64; 3], exogen
     let lanes = |values: &[f64]| values.iter().map(|v| Lane::splat(*v)).collect::<Vec<_>>();
     let samples = exogenous.len() / model.exogenous().max(1);
     let mut states = vec![Lane::ZERO; 3 * (samples + 1)];
-    simulate(model, &lanes(parameters), initial.map(Lane::splat), &lanes(exogenous), &[], &mut states);
+    simulate(model, &lanes(parameters), initial.map(Lane::splat), exogenous, &[], &mut states);
     states.iter().map(|lane| lane[0]).collect()
 }
 

@@ -1,4 +1,4 @@
-use crate::{Invalid, Lane, nearest};
+use crate::{Invalid, Number, nearest};
 
 /// One factor of a term: a variable or its modulus.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -37,33 +37,19 @@ impl Term {
         Ok(Self { text: text.split_whitespace().collect::<Vec<_>>().join(" "), factors })
     }
 
-    /// The term's value in every lane, from the states and one lane per input and measured disturbance.
-    #[inline(always)]
-    pub fn value(&self, states: &[Lane; 3], exogenous: &[Lane]) -> Lane {
-        let factor = |f: &Factor| {
-            let value = if f.variable < 3 { states[f.variable] } else { exogenous[f.variable - 3] };
-            if f.modulus { value.abs() } else { value }
-        };
-        match self.factors.as_slice() {
-            [one] => factor(one),
-            [one, two] => factor(one) * factor(two),
-            all => all[1..].iter().fold(factor(&all[0]), |product, f| product * factor(f)),
-        }
-    }
-
     /// The term's values at `N` samples at once; `values` holds one array per variable.
     #[inline(always)]
-    pub fn values<const N: usize>(&self, values: &[[Lane; N]], out: &mut [Lane; N]) {
+    pub fn values<X: Number, const N: usize>(&self, values: &[[X; N]], out: &mut [X; N]) {
         // What is decided per factor stays out of the loops, so that they are whole vectors.
         let first = self.factors[0];
         *out = values[first.variable];
         if first.modulus {
-            out.iter_mut().for_each(|o| *o = o.abs());
+            out.iter_mut().for_each(|o| *o = o.modulus());
         }
         for factor in &self.factors[1..] {
             let pairs = out.iter_mut().zip(&values[factor.variable]);
             if factor.modulus {
-                pairs.for_each(|(o, value)| *o = *o * value.abs());
+                pairs.for_each(|(o, value)| *o = *o * value.modulus());
             } else {
                 pairs.for_each(|(o, value)| *o = *o * *value);
             }
@@ -152,6 +138,7 @@ fn unknown(text: &str, name: &str, variables: &[&str]) -> Invalid {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Lane;
 
     const VARIABLES: [&str; 5] = ["u", "v", "r", "n", "delta"];
 
@@ -185,8 +172,10 @@ mod tests {
         let lanes: Vec<Lane> = x.iter().map(|v| Lane::splat(*v)).collect();
         for text in ["u |u|", "v r", "u^2 |v| delta", "|n| n"] {
             let term = Term::parse(text, &VARIABLES).unwrap();
-            let states = [lanes[0], lanes[1], lanes[2]];
-            assert_eq!(term.value(&states, &lanes[3..])[3], term.evaluate(&x), "{text}");
+            let (mut many, mut one) = ([Lane::ZERO; 2], [0.0; 2]);
+            term.values(&lanes.iter().map(|lane| [*lane; 2]).collect::<Vec<_>>(), &mut many);
+            term.values(&x.map(|x| [x; 2]), &mut one);
+            assert_eq!((many[1][3], one[1]), (term.evaluate(&x), term.evaluate(&x)), "{text}");
             for i in 0..5 {
                 let (mut hi, mut lo) = (x, x);
                 hi[i] += 1e-6;

@@ -21,6 +21,65 @@ fn law_normals_have_the_moments_of_the_normal_distribution() {
     assert!(neighbours.abs() < 4.0 / (x.len() as f64).sqrt());
 }
 
+/// The normal distribution function: a series near zero, a continued fraction in the tails.
+fn normal_cdf(x: f64) -> f64 {
+    let density = (-0.5 * x * x).exp() / std::f64::consts::TAU.sqrt();
+    if x.abs() < 4.0 {
+        let (mut term, mut sum) = (x, x);
+        for k in 1..100 {
+            term *= x * x / f64::from(2 * k + 1);
+            sum += term;
+        }
+        return 0.5 + density * sum;
+    }
+    let fraction = (1..200).rev().fold(x.abs(), |below, k| x.abs() + f64::from(k) / below);
+    if x < 0.0 { density / fraction } else { 1.0 - density / fraction }
+}
+
+#[test]
+fn law_normals_follow_the_normal_distribution_into_its_tails() {
+    let mut x = draws(5, "a", 1, 0, 2_000_000);
+    x.sort_by(f64::total_cmp);
+    let n = x.len() as f64;
+    let distance = x
+        .iter()
+        .enumerate()
+        .map(|(i, x)| (normal_cdf(*x) - i as f64 / n).abs().max((normal_cdf(*x) - (i + 1) as f64 / n).abs()))
+        .fold(0.0, f64::max);
+    // Kolmogorov's distribution: beyond 2.2/sqrt(n) once in 8000.
+    assert!(distance < 2.2 / n.sqrt(), "{distance}");
+    for bound in [2.0, 3.0, 4.0, 4.5] {
+        let expected = n * normal_cdf(-bound);
+        for count in [
+            x.iter().filter(|x| **x < -bound).count() as f64,
+            x.iter().filter(|x| **x > bound).count() as f64,
+        ] {
+            assert!((count - expected).abs() < 4.0 * expected.sqrt(), "{bound}: {count} of {expected}");
+        }
+    }
+}
+
+/// The two numbers of a pair, and what comes before and after: not even their squares are related.
+#[test]
+fn law_neighbouring_normals_and_channels_are_independent() {
+    let (x, y) = (draws(6, "a", 1, 0, 400_000), draws(6, "a", 1, 1, 400_000));
+    let n = x.len() as f64;
+    let related = |pairs: &mut dyn Iterator<Item = (f64, f64)>| {
+        let (mut plain, mut squares) = (0.0, 0.0);
+        for (a, b) in pairs {
+            plain += a * b;
+            squares += (a * a - 1.0) * (b * b - 1.0);
+        }
+        (plain / n.sqrt(), squares / (2.0 * n.sqrt()))
+    };
+    for lag in 1..=4 {
+        let (plain, squares) = related(&mut x.iter().copied().zip(x[lag..].iter().copied()));
+        assert!(plain.abs() < 4.0 && squares.abs() < 4.0, "lag {lag}: {plain}, {squares}");
+    }
+    let (plain, squares) = related(&mut x.iter().copied().zip(y.iter().copied()));
+    assert!(plain.abs() < 4.0 && squares.abs() < 4.0, "channels: {plain}, {squares}");
+}
+
 #[test]
 fn law_streams_differ_by_seed_purpose_run_and_channel_and_by_nothing_else() {
     let reference = draws(1, "a", 2, 3, 1000);
@@ -50,6 +109,11 @@ fn law_a_runs_noise_does_not_depend_on_its_neighbours() {
         (white.current(&streams, runs, 100), states)
     };
     let (one, other) = (measured([5; LANES]), measured([0, 1, 2, 3, 4, 5, 6, 7]));
+    let alone = draws(7, "x", 5, 2, 101);
+    assert!(
+        one.1.chunks(3).zip(&alone).all(|(row, alone)| row[2][0] == 0.3 * alone),
+        "whatever the instruction set"
+    );
     assert!(one.0.iter().zip(&other.0).all(|(a, b)| a[0] == b[5]));
     assert!(one.1.iter().zip(&other.1).all(|(a, b)| a[0] == b[5]));
     assert!(

@@ -133,12 +133,8 @@ fn rows_of(
     runs: &[Run],
 ) -> Result<Vec<Row>, Failure> {
     let mut rows = Vec::with_capacity(runs.len());
-    instruments.batches(runs, |batch, members| {
-        for (run, (outcome, excitation)) in
-            members.iter().zip(Outcome::with_excitation(batch, a.mean_removal.into()))
-        {
-            rows.push(row(a, vessel, file, run, outcome, excitation)?);
-        }
+    instruments.estimates(runs, a.mean_removal.into(), |run, outcome, excitation| {
+        rows.push(row(a, vessel, file, run, outcome, excitation)?);
         Ok(())
     })?;
     Ok(rows)

@@ -20,7 +20,7 @@ use stages::progress::Progress;
 use stages::scores::{self, Row};
 use stages::study_files::{read_campaign, read_vessel};
 use stages::trajectories::{Layout, Run, TrajectoryReader, refuse_shard};
-use vessel::{LANES, Lane, Vessel};
+use vessel::{LANES, Vessel};
 
 /// Scores every estimate: parameter error and free-run simulation error; writes scores.parquet and validation.json
 #[derive(Parser)]
@@ -120,7 +120,7 @@ fn publish(
 /// The validation runs, ready to be simulated by several models at once.
 struct Validation<'a> {
     vessel: &'a Vessel,
-    runs: Vec<(Vec<Lane>, Run)>,
+    runs: Vec<Run>,
 }
 
 impl<'a> Validation<'a> {
@@ -130,7 +130,7 @@ impl<'a> Validation<'a> {
         provenance.inputs.insert("validation".into(), reader.digest());
         let mut runs = Vec::new();
         for block in 0..reader.blocks() {
-            runs.extend(reader.runs(block)?.into_iter().map(|run| (interleave(&[&run.exogenous]), run)));
+            runs.extend(reader.runs(block)?);
         }
         if runs.is_empty() {
             return Err(Failure::refuse(
@@ -145,27 +145,21 @@ impl<'a> Validation<'a> {
     }
 
     fn samples(&self) -> u64 {
-        self.runs.iter().map(|(_, run)| run.samples() as u64).sum()
+        self.runs.iter().map(|run| run.samples() as u64).sum()
     }
 
     fn score(&self, rows: &[estimates::Row], truth: Option<&[f64]>) -> Vec<Row> {
-        let mut buffer = Vec::new();
-        rows.chunks(LANES).flat_map(|chunk| self.score_lanes(chunk, truth, &mut buffer)).collect()
+        rows.chunks(LANES).flat_map(|chunk| self.score_lanes(chunk, truth)).collect()
     }
 
-    fn score_lanes(
-        &self,
-        rows: &[estimates::Row],
-        truth: Option<&[f64]>,
-        buffer: &mut Vec<Lane>,
-    ) -> Vec<Row> {
+    fn score_lanes(&self, rows: &[estimates::Row], truth: Option<&[f64]>) -> Vec<Row> {
         let zero = vec![0.0; self.vessel.model.parameters()];
         let own = |r: &'_ estimates::Row| r.estimate.as_ref().map(|(theta, _)| theta.clone());
         let parameters: Vec<Vec<f64>> = rows.iter().map(|r| own(r).unwrap_or_else(|| zero.clone())).collect();
         let lanes = interleave(&parameters.iter().map(Vec::as_slice).collect::<Vec<_>>());
         let mut errors = vec![Some([0.0; 3]); rows.len()];
-        for (exogenous, run) in &self.runs {
-            let found = free_runs(&self.vessel.model, &lanes, exogenous, &run.measured, buffer);
+        for run in &self.runs {
+            let found = free_runs(&self.vessel.model, &lanes, &run.exogenous, &run.measured);
             for (total, found) in errors.iter_mut().zip(found) {
                 *total = add(*total, found, run.samples() as f64);
             }
