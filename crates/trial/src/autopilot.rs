@@ -57,6 +57,9 @@ pub struct Autopilot<'a> {
     unknowns: Vec<f64>,
 }
 
+/// Speeds below this part of those that are used at rest count as being at rest.
+const AT_REST: f64 = 0.1;
+
 /// What the vessel is asked to do over the ground, in its own axes.
 #[derive(Clone, Copy, Debug)]
 struct Command {
@@ -124,7 +127,10 @@ impl<'a> Autopilot<'a> {
                 let [north, east] = offset(node, at, ship.pose);
                 let there = north.hypot(east) <= self.handling.crawl_m_s * self.handling.response_s / 20.0;
                 let turned = wrap(heading_rad - ship.pose.psi).abs() <= 0.01;
-                (there && turned) || elapsed_s > self.patience_s(phase, node, start)
+                let [u, v, r] = ship.state;
+                let h = &self.handling;
+                let at_rest = u.hypot(v) <= AT_REST * h.crawl_m_s && r.abs() <= AT_REST * h.turn_rate_rad_s;
+                (there && turned && at_rest) || elapsed_s > self.patience_s(phase, node, start)
             }
             Phase::Maneuver => true,
         }
@@ -158,13 +164,7 @@ impl<'a> Autopilot<'a> {
                 let whole = left_on_line(node, to, heading_rad, start);
                 let left = left_on_line(node, to, heading_rad, ship.pose);
                 let part = if whole > 0.0 { (1.0 - left / whole).clamp(0.0, 1.0) } else { 1.0 };
-                let change = to_m_s.powi(2) - from_m_s.powi(2);
-                let speed = (from_m_s.powi(2) + part * change).max(0.0).sqrt();
-                // Inputs that hold a speed reach it late: ask for what the change of speed will have become by then.
-                let limit = h.acceleration_m_s2;
-                let acceleration =
-                    if whole > 0.0 { (change / (2.0 * whole)).clamp(-limit, limit) } else { 0.0 };
-                let speed = speed + h.response_s * acceleration;
+                let speed = (from_m_s.powi(2) + part * (to_m_s.powi(2) - from_m_s.powi(2))).max(0.0).sqrt();
                 let [north, east] = offset(node, to, ship.pose);
                 let across = north * heading_rad.sin() - east * heading_rad.cos();
                 let aim = heading_rad - (across / h.lookahead_m).atan();
@@ -181,14 +181,16 @@ impl<'a> Autopilot<'a> {
                 let [north, east] = offset(node, at, ship.pose);
                 let (sin, cos) = ship.pose.psi.sin_cos();
                 let limit = |x: f64| (x / h.response_s).clamp(-h.crawl_m_s, h.crawl_m_s);
-                let v = Some(limit(east * cos - north * sin));
-                Command { u: limit(north * cos + east * sin), v, r: self.yaw(heading_rad, 0.0, ship) }
+                let u = urged(limit(north * cos + east * sin), ship.state[0]);
+                let v = Some(urged(limit(east * cos - north * sin), ship.state[1]));
+                Command { u, v, r: self.yaw(heading_rad, 0.0, ship) }
             }
             Phase::Maneuver => Command { u: ship.state[0], v: None, r: 0.0 },
         }
     }
 
     fn under_way(&self, u: f64, aim_rad: f64, turn_rad_s: f64, ship: &Ship) -> Command {
+        let u = urged(u, ship.state[0]);
         Command { u, v: None, r: self.yaw(aim_rad, turn_rad_s, ship) }
     }
 
@@ -198,6 +200,11 @@ impl<'a> Autopilot<'a> {
         let limit = h.turn_rate_rad_s.max(turn_rad_s.abs() * 1.2);
         wanted.clamp(-limit, limit)
     }
+}
+
+/// A speed to ask for so that `wanted` is reached in about a third of the time that the inputs which hold it take.
+fn urged(wanted: f64, actual: f64) -> f64 {
+    wanted + 2.0 * (wanted - actual)
 }
 
 /// North and east from the vessel to `place`, which is relative to `node`.

@@ -1,7 +1,12 @@
 //! Hand-written and machine-written files that are refused, and outputs that cannot be written.
 
+use std::sync::LazyLock;
+
 use crate::planned::*;
 use crate::support::*;
+
+/// Maneuvers and design of the paper's model ship.
+static OTHER_VESSEL: LazyLock<Study> = LazyLock::new(|| Study::make(1, &STAGES[..3]));
 
 /// Refuses the small study after a change of plan.toml.
 #[track_caller]
@@ -187,7 +192,7 @@ fn a_design_of_other_maneuvers_is_refused() {
         ("\"zig-zag-steep\", count = 1", "\"zig-zag-steep\""),
         ("headings = 4", "headings = 4\ninformative_s = 600.0"),
     ]);
-    let other = with(&["design.json"]);
+    let other = OTHER_VESSEL.with(&["design.json"]);
     std::fs::copy(other.path().join("design.json"), folder.path().join("design.json")).unwrap();
     let line = format!("{PLAN} --design design.json");
     refused(&folder, 3, &line, &["design.json", "maneuver", "make the design again"]);
@@ -236,7 +241,7 @@ fn damaged_inputs_are_refused() {
 #[test]
 fn trajectories_of_another_vessel_are_refused() {
     let folder = small();
-    let other = with(&["dictionary.parquet"]);
+    let other = OTHER_VESSEL.with(&["dictionary.parquet"]);
     std::fs::copy(other.path().join("dictionary.parquet"), folder.path().join("dictionary.parquet")).unwrap();
     refused(&folder, 3, PLAN, &["dictionary.parquet", "kN"]);
 }
