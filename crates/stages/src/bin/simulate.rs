@@ -7,9 +7,9 @@ use artifact::{Provenance, Shard, commit, gather, read_document};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use serde_json::json;
 use stages::cli::{Common, Sharding, Summary, beside, given, provenance, run};
-use stages::documents::{DesignDocument, PlanDocument};
+use stages::documents::DesignDocument;
 use stages::failure::Failure;
-use stages::plan::read_track;
+use stages::plan::read_planned;
 use stages::simulate::campaign::{Campaign, CampaignFiles};
 use stages::simulate::undisturbed::Undisturbed;
 use stages::study_files::{generator, read_campaign, read_dictionary, read_vessel};
@@ -200,7 +200,8 @@ fn campaign(a: &CampaignArguments) -> Result<Summary, Failure> {
 }
 
 fn plan(a: &PlanArguments) -> Result<Summary, Failure> {
-    let own = [&a.vessel, &a.campaign, &a.plan];
+    let track = a.plan.as_deref().map(|plan| beside(plan, "track.parquet"));
+    let own = [&a.vessel, &a.campaign, &a.plan, &track];
     let inputs: Vec<&Path> =
         own.into_iter().flatten().chain(&a.sharding.gather).map(PathBuf::as_path).collect();
     let out = a.common.main_output("planned.parquet", &inputs)?;
@@ -211,8 +212,7 @@ fn plan(a: &PlanArguments) -> Result<Summary, Failure> {
     let (vessel_file, plan) = (given(&a.vessel, "vessel")?, given(&a.plan, "plan")?);
     let vessel = read_vessel(vessel_file, &mut provenance)?;
     let config = read_campaign(given(&a.campaign, "campaign")?, &mut provenance)?;
-    provenance.inputs.insert("plan".into(), read_document::<PlanDocument>(plan)?.digest);
-    let track = read_track(&beside(plan, "track.parquet"), &vessel, &mut provenance)?;
+    let track = read_planned(plan, &vessel, &mut provenance)?;
     let seed = a.common.seed.unwrap_or(config.seed);
     provenance.settings.insert("seed".into(), json!(seed));
     provenance.shard.clone_from(&a.sharding.shard);

@@ -221,7 +221,6 @@ fn the_vessel_is_about_as_fast_as_its_mode_under_way_when_a_leg_begins() {
 }
 
 #[test]
-#[ignore = "known: a hold ends at its place and heading, however fast (0.5 m/s after braking, 0.15 m/s after a sway zig-zag)"]
 fn the_vessel_is_at_rest_where_its_mode_is() {
     for planned in all() {
         for (_, [u, v, r]) in speeds(planned).filter(|(wanted, _)| *wanted == 0.0) {

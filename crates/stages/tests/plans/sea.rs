@@ -108,7 +108,6 @@ fn a_track_that_was_changed_is_refused() {
 }
 
 #[test]
-#[ignore = "`simulate plan` does not call plan::read_planned yet"]
 fn a_track_of_another_plan_is_refused() {
     let folder = sailed(2);
     let other = plan_small(&[("heading_deg = 0.0", "heading_deg = 90.0")]);
@@ -133,7 +132,6 @@ fn other_files_in_the_plans_place_are_refused() {
 }
 
 #[test]
-#[ignore = "`simulate plan` does not count the track among its inputs yet"]
 fn the_track_is_not_overwritten() {
     refused(
         &sailed(2),
@@ -144,7 +142,6 @@ fn the_track_is_not_overwritten() {
 }
 
 #[test]
-#[ignore = "`simulate plan` does not call plan::read_planned yet"]
 fn a_plan_of_a_lattice_problem_cannot_be_sailed() {
     let folder = sailed(2);
     std::fs::remove_file(folder.path().join("track.parquet")).unwrap();
