@@ -12,7 +12,9 @@
 
 mod batch;
 mod estimate;
+mod middle;
 mod moments;
+pub mod pooled;
 mod residual;
 mod solve;
 mod sums;
@@ -20,6 +22,7 @@ mod validate;
 
 pub use batch::Batch;
 pub use estimate::{Estimate, Instruments, MeanRemoval, Outcome, estimate};
+pub use middle::{Noise, middle};
 pub use moments::{ManeuverMoments, moments};
 pub use solve::{Direction, Excitation};
 pub use sums::{DegreeSums, Sums};

@@ -31,8 +31,10 @@ pub(crate) struct Normal {
     pub a: Vec<f64>,
     /// Σ ζᶜΔy, p.
     pub b: Vec<f64>,
-    zeta: Vec<f64>,
-    phi: Vec<f64>,
+    /// Root sums of squares of the centred instruments, 0 for constant ones.
+    pub zeta: Vec<f64>,
+    /// The same of the regressors.
+    pub phi: Vec<f64>,
 }
 
 impl Normal {
@@ -104,6 +106,16 @@ impl Normal {
             },
             None => Excitation { condition: f64::INFINITY, weakest: 0 },
         }
+    }
+
+    /// The matrix of correlations; zeros where an instrument or regressor never varies.
+    pub(crate) fn regular_scaled(&self) -> Vec<f64> {
+        let p = self.b.len();
+        let entry = |k: usize| {
+            let size = self.zeta[k / p] * self.phi[k % p];
+            if size > 0.0 { self.a[k] / size } else { 0.0 }
+        };
+        (0..p * p).map(entry).collect()
     }
 
     /// The matrix of correlations, or the index of a parameter whose instrument or regressor never varies.

@@ -30,6 +30,36 @@ pub enum Error {
         /// The direction, in rows scaled to size one.
         direction: Vec<f64>,
     },
+    /// A covariance that is singular, so that its criterion is not defined.
+    #[error("row {row} of block {block} has no variance of its own")]
+    SingularCovariance {
+        /// Index of the block.
+        block: usize,
+        /// Row of the block that the direction without variance has most of.
+        row: usize,
+    },
+    /// A weight that is negative or not finite.
+    #[error("weight {found} of row {row}")]
+    Weight {
+        /// Index of the row over all blocks.
+        row: usize,
+        /// The weight.
+        found: f64,
+    },
+    /// An upper bound that is negative or not a number.
+    #[error("bound {found} of candidate {candidate}")]
+    Bound {
+        /// Index of the candidate.
+        candidate: usize,
+        /// The bound.
+        found: f64,
+    },
+    /// Upper bounds that leave no shares that sum to 1.
+    #[error("the bounds sum to {total}")]
+    Infeasible {
+        /// Their sum.
+        total: f64,
+    },
     /// The solver failed.
     #[error("the solver failed: {0}")]
     Solver(String),
@@ -40,6 +70,17 @@ pub enum Error {
 pub struct Candidates {
     dimensions: Vec<usize>,
     entries: Vec<f64>,
+}
+
+/// Candidates with rows and columns divided by factors.
+pub(crate) struct Balanced {
+    pub candidates: Candidates,
+    /// What log|det| of the original is above theirs.
+    pub offset: f64,
+    /// One factor per row over all blocks.
+    pub rows: Vec<f64>,
+    /// One factor per column over all blocks.
+    pub columns: Vec<f64>,
 }
 
 /// Buffers for evaluating the criterion, reused over evaluations.
@@ -138,6 +179,16 @@ impl Candidates {
         regular.then_some(at.log_det)
     }
 
+    /// Σ_b log|det M_b(w)| alone. `None` where a block is singular.
+    pub(crate) fn log_abs_det(&self, shares: &[f64], at: &mut Evaluation) -> Option<f64> {
+        self.sum(shares, &mut at.sum);
+        let mut sum = 0.0;
+        for (n, range) in self.blocks() {
+            sum += small_matrix::log_det(n, &mut at.sum[range])?.log_abs;
+        }
+        Some(sum)
+    }
+
     /// g_q = Σ_b tr(M_b(w)⁻¹ M_q,b) of candidate `q` at an evaluated point.
     pub fn sensitivity(&self, q: usize, at: &Evaluation) -> f64 {
         at.inverse_transposed.iter().zip(self.candidate(q)).map(|(a, b)| a * b).sum()
@@ -149,27 +200,70 @@ impl Candidates {
     /// # Errors
     /// [`Error::Empty`]; [`Error::Unexcited`] for a row that is zero in every candidate.
     pub fn scaled(&self) -> Result<(Self, f64), Error> {
+        self.balanced().map(|balanced| (balanced.candidates, balanced.offset))
+    }
+
+    /// [`Candidates::scaled`] with the factors of rows and columns.
+    pub(crate) fn balanced(&self) -> Result<Balanced, Error> {
         if self.is_empty() {
             return Err(Error::Empty);
         }
-        let mut scaled = self.clone();
-        let mut offset = 0.0;
+        let ones = vec![1.0; self.dimension()];
+        let mut out = Balanced { candidates: self.clone(), offset: 0.0, rows: ones.clone(), columns: ones };
         for by_row in [true, false, true] {
+            let mut first = 0;
             for (block, (n, range)) in self.blocks().enumerate() {
                 for i in 0..n {
                     let places: Vec<usize> =
                         (0..n).map(|j| range.start + if by_row { i * n + j } else { j * n + i }).collect();
-                    let norm = scaled.root_mean_square(&places);
+                    let norm = out.candidates.root_mean_square(&places);
                     if norm == 0.0 {
                         let direction = (0..n).map(|j| f64::from(u8::from(i == j))).collect();
                         return Err(Error::Unexcited { block, direction });
                     }
-                    offset += norm.ln();
-                    scaled.divide(&places, norm);
+                    out.offset += norm.ln();
+                    out.candidates.divide(&places, norm);
+                    let factors = if by_row { &mut out.rows } else { &mut out.columns };
+                    factors[first + i] *= norm;
                 }
+                first += n;
             }
         }
-        Ok((scaled, offset))
+        Ok(out)
+    }
+
+    /// Every entry divided by the factors of its row and of its column.
+    pub(crate) fn congruent(&self, factors: &[f64]) -> Self {
+        let mut out = self.clone();
+        let mut first = 0;
+        for (n, range) in self.blocks() {
+            for e in 0..n * n {
+                out.divide(&[range.start + e], factors[first + e / n] * factors[first + e % n]);
+            }
+            first += n;
+        }
+        out
+    }
+
+    /// Refuses candidates, balanced, whose equal mixture leaves a direction without excitation.
+    pub(crate) fn check_excitation(&self) -> Result<(), Error> {
+        let mut sum = Vec::new();
+        self.sum(&vec![1.0 / self.len() as f64; self.len()], &mut sum);
+        for (block, (n, range)) in self.blocks().enumerate() {
+            // Rows belong to regressors: what no row combination reaches is a left singular direction.
+            let own = &sum[range];
+            if small_matrix::condition(n, own) < 1e9 {
+                continue;
+            }
+            let transposed: Vec<f64> = (0..n * n).map(|k| own[(k % n) * n + k / n]).collect();
+            let direction = match small_matrix::weakest(n, &transposed) {
+                Some(found) if found.ratio > 1e-12 => continue,
+                Some(found) => found.direction,
+                None => vec![1.0; n],
+            };
+            return Err(Error::Unexcited { block, direction });
+        }
+        Ok(())
     }
 
     fn root_mean_square(&self, places: &[usize]) -> f64 {

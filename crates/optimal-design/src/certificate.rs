@@ -14,7 +14,7 @@ pub fn is_concave(candidates: &Candidates) -> bool {
 }
 
 /// Positive factors d with d_i m_ij = d_j m_ji for the sum of moduli, found along the strongest couplings from row 0.
-fn row_scaling<'a>(n: usize, matrices: impl Iterator<Item = &'a [f64]>) -> Option<Vec<f64>> {
+pub(crate) fn row_scaling<'a>(n: usize, matrices: impl Iterator<Item = &'a [f64]>) -> Option<Vec<f64>> {
     let mut ratios = vec![(0.0, 0.0); n * n];
     for m in matrices {
         for i in 0..n {

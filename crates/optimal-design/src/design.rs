@@ -3,7 +3,7 @@ use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use crate::active_set::State;
-use crate::{ActiveSetNewton, Candidates, Error, Evaluation, is_concave};
+use crate::{ActiveSetNewton, Bounds, Candidates, Covariance, Error, Norm, Objective, is_concave};
 
 /// How to solve.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -65,40 +65,134 @@ pub struct Design {
     pub starts: Vec<Start>,
 }
 
-/// Shares that maximise the D-criterion, from equal shares and from random starts.
+/// Shares that maximise the D-criterion of the information matrix, from equal shares and from random starts.
 ///
 /// # Errors
 /// [`Error::Empty`]; [`Error::Unexcited`] where no mixture of the candidates is regular.
 pub fn solve(candidates: &Candidates, options: &Options) -> Result<Design, Error> {
+    solve_within(candidates, &Bounds::default(), options)
+}
+
+/// [`solve`] under upper bounds on the shares.
+///
+/// # Errors
+/// As [`solve`]; [`Error::Shape`] for another number of bounds than candidates.
+pub fn solve_within(candidates: &Candidates, bounds: &Bounds, options: &Options) -> Result<Design, Error> {
     let (scaled, offset) = candidates.scaled()?;
-    check_excitation(&scaled)?;
-    let concave = is_concave(candidates);
+    scaled.check_excitation()?;
+    let mut design = optimise(&scaled, bounds, options, is_concave(candidates))?;
+    design.log_det += offset;
+    design.starts.iter_mut().for_each(|s| s.log_det += offset);
+    Ok(design)
+}
+
+/// Exponents of the power means that lead to the largest eigenvalue.
+const POWERS: [f64; 13] =
+    [1.0, 2.0, 4.0, 8.0, 16.0, 64.0, 256.0, 1024.0, 4096.0, 16_384.0, 65_536.0, 1_048_576.0, 16_777_216.0];
+
+/// Shares that make a criterion of the covariance small, under upper bounds. [`Design::log_det`] is minus the norm. A
+/// power mean above 16 is approached through smaller ones.
+///
+/// # Errors
+/// As [`solve_within`].
+pub fn solve_covariance(
+    covariance: &Covariance,
+    bounds: &Bounds,
+    options: &Options,
+) -> Result<Design, Error> {
+    match covariance.norm() {
+        Norm::PowerMean(power) if power > 16.0 => through_powers(covariance, power, bounds, options),
+        _ => optimise(covariance, bounds, options, covariance.is_concave()),
+    }
+}
+
+/// The power means one after the other, each from where the one before ended. Starts that have met go on as one.
+fn through_powers(
+    covariance: &Covariance,
+    power: f64,
+    bounds: &Bounds,
+    options: &Options,
+) -> Result<Design, Error> {
+    let solve = |power: f64, points: Vec<Vec<f64>>| {
+        let own = covariance.with_power(power);
+        from_points(&own, bounds, options, own.is_concave(), points)
+    };
+    let mut design = solve(POWERS[0], starting_points(covariance.len(), bounds, options)?)?;
+    let (mut distinct, mut place): (Vec<Vec<f64>>, Vec<usize>) = (Vec::new(), Vec::new());
+    for start in &design.starts {
+        let near = |known: &Vec<f64>| known.iter().zip(&start.shares).all(|(a, b)| (a - b).abs() < MET);
+        place.push(distinct.iter().position(near).unwrap_or(distinct.len()));
+        if place.last() == Some(&distinct.len()) {
+            distinct.push(start.shares.clone());
+        }
+    }
+    for step in POWERS.into_iter().skip(1).filter(|p| *p < power).chain([power]) {
+        design = solve(step, distinct)?;
+        distinct = design.starts.iter().map(|s| s.shares.clone()).collect();
+    }
+    design.starts = place.into_iter().filter_map(|i| design.starts.get(i).cloned()).collect();
+    Ok(design)
+}
+
+/// Starts whose shares differ by less than this have met.
+const MET: f64 = 1e-6;
+
+fn optimise<O: Objective>(
+    objective: &O,
+    bounds: &Bounds,
+    options: &Options,
+    concave: bool,
+) -> Result<Design, Error> {
+    let points = starting_points(objective.len(), bounds, options)?;
+    from_points(objective, bounds, options, concave, points)
+}
+
+fn from_points<O: Objective>(
+    objective: &O,
+    bounds: &Bounds,
+    options: &Options,
+    concave: bool,
+    points: Vec<Vec<f64>>,
+) -> Result<Design, Error> {
     let mut starts = Vec::new();
-    for from in starting_points(scaled.len(), options) {
-        if scaled.evaluate(&from, &mut Evaluation::default()).is_some() {
-            starts.push(run(&scaled, from, options)?);
+    for from in points {
+        if objective.evaluate(&from, &mut O::Point::default()).is_some() {
+            starts.push(run(objective, bounds, from, options)?);
         }
     }
     let best = starts
         .iter()
         .max_by(|a, b| a.log_det.total_cmp(&b.log_det))
         .ok_or_else(|| Error::Solver("every start was singular".into()))?;
-    let mut at = Evaluation::default();
-    scaled.evaluate(&best.shares, &mut at);
-    let sensitivities: Vec<f64> = (0..scaled.len()).map(|q| scaled.sensitivity(q, &at)).collect();
-    let p = scaled.dimension() as f64;
-    let gap = sensitivities.iter().copied().fold(f64::NEG_INFINITY, f64::max) - p;
+    let mut at = O::Point::default();
+    objective.evaluate(&best.shares, &mut at);
+    let sensitivities: Vec<f64> = (0..objective.len()).map(|q| objective.sensitivity(q, &at)).collect();
+    let p = objective.degree();
+    let gap = bounds.gap(&sensitivities, &best.shares, p);
     let status = match (gap <= options.tolerance * p, concave) {
         (false, _) => Status::Stalled,
         (true, true) => Status::Optimal,
         (true, false) => Status::Stationary,
     };
-    let (shares, log_det) = (best.shares.clone(), best.log_det + offset);
-    starts.iter_mut().for_each(|s| s.log_det += offset);
+    let (shares, log_det) = (best.shares.clone(), best.log_det);
     Ok(Design { shares, log_det, sensitivities, gap, status, starts })
 }
 
-fn starting_points(count: usize, options: &Options) -> Vec<Vec<f64>> {
+/// Equal shares and random ones, brought within the bounds.
+fn starting_points(count: usize, bounds: &Bounds, options: &Options) -> Result<Vec<Vec<f64>>, Error> {
+    if let Some(found) = bounds.count().filter(|found| *found != count) {
+        return Err(Error::Shape { found, expected: count });
+    }
+    let mut points = free_points(count, options);
+    if bounds.bind() {
+        points.iter_mut().for_each(|p| {
+            bounds.fill(p);
+        });
+    }
+    Ok(points)
+}
+
+fn free_points(count: usize, options: &Options) -> Vec<Vec<f64>> {
     let mut points = vec![vec![1.0 / count as f64; count]];
     for start in 0..options.random_starts {
         let mut rng = ChaCha8Rng::seed_from_u64(options.seed);
@@ -112,9 +206,14 @@ fn starting_points(count: usize, options: &Options) -> Vec<Vec<f64>> {
     points
 }
 
-fn run(scaled: &Candidates, from: Vec<f64>, options: &Options) -> Result<Start, Error> {
+fn run<O: Objective>(
+    objective: &O,
+    bounds: &Bounds,
+    from: Vec<f64>,
+    options: &Options,
+) -> Result<Start, Error> {
     let failed = |e: argmin::core::Error| Error::Solver(e.to_string());
-    let result = Executor::new(scaled, ActiveSetNewton::new(options.tolerance))
+    let result = Executor::new(objective, ActiveSetNewton::new(options.tolerance).within(bounds.clone()))
         .configure(|state: State| state.param(from).max_iters(options.max_iterations))
         .timer(false)
         .run()
@@ -124,27 +223,6 @@ fn run(scaled: &Candidates, from: Vec<f64>, options: &Options) -> Result<Start, 
     let mut state = result.state;
     let shares = state.take_param().ok_or_else(|| Error::Solver("no shares".into()))?;
     Ok(Start { log_det: -state.cost, shares, relative_gap, iterations })
-}
-
-/// Refuses candidates whose equal mixture leaves a direction without excitation.
-fn check_excitation(scaled: &Candidates) -> Result<(), Error> {
-    let mut sum = Vec::new();
-    scaled.sum(&vec![1.0 / scaled.len() as f64; scaled.len()], &mut sum);
-    for (block, (n, range)) in scaled.blocks().enumerate() {
-        // Rows belong to regressors: what no row combination reaches is a left singular direction.
-        let own = &sum[range];
-        if small_matrix::condition(n, own) < 1e9 {
-            continue;
-        }
-        let transposed: Vec<f64> = (0..n * n).map(|k| own[(k % n) * n + k / n]).collect();
-        let direction = match small_matrix::weakest(n, &transposed) {
-            Some(found) if found.ratio > 1e-12 => continue,
-            Some(found) => found.direction,
-            None => vec![1.0; n],
-        };
-        return Err(Error::Unexcited { block, direction });
-    }
-    Ok(())
 }
 
 impl Design {

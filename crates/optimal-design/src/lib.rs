@@ -22,13 +22,24 @@
 #![warn(missing_docs)]
 
 mod active_set;
+mod bounds;
 mod candidates;
 mod certificate;
+mod counts;
+mod covariance;
 mod design;
+mod eigen;
+mod objective;
+mod product;
 mod rounding;
+mod spectrum;
 
 pub use active_set::ActiveSetNewton;
+pub use bounds::Bounds;
 pub use candidates::{Candidates, Error, Evaluation};
 pub use certificate::is_concave;
-pub use design::{Design, Options, Start, Status, solve};
+pub use counts::{CountOptions, Counted, Method, count_segments};
+pub use covariance::{Covariance, CovariancePoint, Norm};
+pub use design::{Design, Options, Start, Status, solve, solve_covariance, solve_within};
+pub use objective::Objective;
 pub use rounding::apportion;

@@ -6,7 +6,7 @@ use std::process::ExitCode;
 use artifact::{
     EncodedBlock, Provenance, Staged, TableReader, TableWriter, commit, encode_block, gather, stage_document,
 };
-use clap::{Parser, ValueEnum};
+use clap::Parser;
 use identification::{Direction, Excitation, Outcome};
 use serde_json::json;
 use stages::cli::{Common, Sharding, Summary, beside, given, name_of, provenance, run};
@@ -15,6 +15,7 @@ use stages::estimates::{self, Row};
 use stages::failure::Failure;
 use stages::instruments::{InstrumentKind, Instruments, Removal};
 use stages::ordered::{joined, joined_blocks, ordered};
+use stages::pooled::{self, Method, PoolFlags, Wanted};
 use stages::progress::Progress;
 use stages::statistics::{mean, quantile, sorted, spread};
 use stages::study_files::read_vessel;
@@ -26,8 +27,9 @@ use vessel::{DegreeOfFreedom, Vessel};
 #[command(
     name = "estimate",
     version,
-    after_help = "Example:\n  estimate --vessel pipelines/paper/vessel.toml \
-    --trajectories campaign.parquet --out estimates.parquet"
+    after_help = "Examples:\n  estimate --vessel pipelines/paper/vessel.toml \
+    --trajectories campaign.parquet --out estimates.parquet\n  estimate --pool --vessel pipelines/kvlcc2/vessel.toml \
+    --trajectories trajectories.parquet --nominal least-squares --estimator auto --bootstrap 500 --out results/"
 )]
 struct Arguments {
     /// The vessel
@@ -36,24 +38,27 @@ struct Arguments {
     /// The runs
     #[arg(long, required_unless_present = "gather", value_name = "campaign.parquet")]
     trajectories: Option<PathBuf>,
-    /// The estimator
-    #[arg(long, value_enum, default_value_t = Estimator::Iv)]
-    estimator: Estimator,
+    /// The estimator; `refined`, `auto` and `oe` with --pool
+    #[arg(long, value_enum, default_value_t = Method::Iv)]
+    estimator: Method,
     /// How the instruments' mean is removed
     #[arg(long, value_enum, default_value_t = Removal::Complete)]
     mean_removal: Removal,
+    /// One estimate from all runs, whose segments each get instruments of their own; also writes trust.json
+    #[arg(long)]
+    pool: bool,
+    /// Resamples of the bootstrap over sub-experiments (with --pool)
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=1_000_000))]
+    bootstrap: Option<u32>,
+    /// Lags of the standard errors (with --pool; default 4 (samples/100)^(2/9))
+    #[arg(long, value_name = "LAGS")]
+    bandwidth: Option<u16>,
+    #[command(flatten)]
+    flags: PoolFlags,
     #[command(flatten)]
     sharding: Sharding,
     #[command(flatten)]
     common: Common,
-}
-
-#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum Estimator {
-    /// Instrumental variables: instruments from the nominal model over the same inputs
-    Iv,
-    /// Least squares (biased by measurement noise)
-    Ls,
 }
 
 fn main() -> ExitCode {
@@ -64,8 +69,13 @@ fn stage(a: &Arguments) -> Result<Summary, Failure> {
     let mut provenance = provenance("estimate");
     let vessel = read_vessel(&a.vessel, &mut provenance)?;
     let mut inputs = vec![a.vessel.as_path()];
+    inputs.extend(a.flags.recordings.as_deref());
     inputs.extend(a.trajectories.iter().chain(&a.sharding.gather).map(PathBuf::as_path));
     let out = a.common.main_output("estimates.parquet", &inputs)?;
+    if a.pool {
+        return pool(a, &vessel, out, provenance);
+    }
+    refuse_pool_flags(a)?;
     let document_file = beside(&out, "estimate.json");
     if a.sharding.gathers() {
         let table = gather(&a.sharding.gather, &out, estimates::ID, estimates::VERSION)?;
@@ -97,6 +107,40 @@ fn stage(a: &Arguments) -> Result<Summary, Failure> {
     publish(a, &vessel, &provenance, writer.finish()?, rows, &document_file)
 }
 
+/// One estimate from all runs.
+fn pool(a: &Arguments, vessel: &Vessel, out: PathBuf, provenance: Provenance) -> Result<Summary, Failure> {
+    if a.sharding.gathers() || a.sharding.shard.is_some() {
+        let found = "--pool: found --shard or --gather, expected neither";
+        return Err(Failure::Usage(format!("{found}; a pooled estimate is made in one piece")));
+    }
+    let wanted = Wanted {
+        vessel,
+        trajectories: given(&a.trajectories, "trajectories")?,
+        flags: &a.flags,
+        method: a.estimator,
+        removal: a.mean_removal,
+        bandwidth: a.bandwidth.map(usize::from),
+        replicates: a.bootstrap.unwrap_or(0),
+        seed: a.common.seed.unwrap_or(1),
+        out,
+    };
+    pooled::estimate(&wanted, provenance)
+}
+
+/// Refuses flags that mean something to a pooled estimate only.
+fn refuse_pool_flags(a: &Arguments) -> Result<(), Failure> {
+    let estimator = !matches!(a.estimator, Method::Iv | Method::Ls);
+    let given = [
+        (estimator, "--estimator refined, auto or oe"),
+        (a.bootstrap.is_some(), "--bootstrap"),
+        (a.bandwidth.is_some(), "--bandwidth"),
+    ];
+    let first = given.into_iter().find(|(given, _)| *given).map(|(_, name)| name).or(a.flags.first_given());
+    first.map_or(Ok(()), |flag| {
+        Err(Failure::Usage(format!("{flag}: found it without --pool, expected both; add --pool")))
+    })
+}
+
 fn estimate_blocks(
     a: &Arguments,
     vessel: &Vessel,
@@ -106,8 +150,8 @@ fn estimate_blocks(
     each: &mut dyn FnMut((EncodedBlock, Vec<Row>)) -> Result<(), Failure>,
 ) -> Result<(), Failure> {
     let kind = match a.estimator {
-        Estimator::Iv => InstrumentKind::Nominal,
-        Estimator::Ls => InstrumentKind::Regressors,
+        Method::Ls => InstrumentKind::Regressors,
+        _ => InstrumentKind::Nominal,
     };
     let instruments = Instruments::new(vessel, &a.vessel, kind);
     let outputs = joined_blocks(reader.blocks());
@@ -226,6 +270,7 @@ fn summarize(provenance: &Provenance, vessel: &Vessel, rows: &[Row]) -> Estimate
         estimator: setting("estimator"),
         mean_removal: setting("mean_removal"),
         designs: designs.iter().map(|design| design_summary(vessel, design, &own(design))).collect(),
+        trust: None,
     }
 }
 

@@ -3,18 +3,21 @@
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use artifact::{commit, stage_document};
+use artifact::{Provenance, commit, stage_document};
 use clap::Parser;
-use identification::moments;
+use identification::pooled::Regression;
+use identification::{MeanRemoval, Sums, middle, moments};
 use serde_json::json;
 use stages::cli::{Common, Summary, name_of, provenance, run};
+use stages::design::NoiseModel;
 use stages::documents::{DegreeMoments, DegreeStructure, ManeuverMoments, MomentsDocument};
 use stages::failure::Failure;
 use stages::instruments::{InstrumentKind, Instruments};
 use stages::ordered::ordered;
+use stages::pooled::{Data, Nominal, NominalModel, PoolFlags};
 use stages::progress::Progress;
 use stages::study_files::read_vessel;
-use stages::trajectories::{Layout, Run, TrajectoryReader};
+use stages::trajectories::{Layout, Run, Segment, TrajectoryReader};
 use vessel::{DegreeOfFreedom, Model, Vessel};
 
 /// Computes the lifted moment matrices of every maneuver, M = mean of φ̃ζ̃ᵀ per degree of freedom
@@ -23,21 +26,32 @@ use vessel::{DegreeOfFreedom, Model, Vessel};
     name = "moments",
     version,
     after_help = "Example:\n  moments --vessel pipelines/paper/vessel.toml \
-    --trajectories dictionary.parquet --out moments.json"
+    --trajectories dictionary.parquet --out moments.json\n  \
+    moments --vessel vessel.toml --trajectories dictionary.parquet --campaign campaign.toml --out moments.json"
 )]
 struct Arguments {
     /// The vessel
     #[arg(long, value_name = "vessel.toml")]
     vessel: PathBuf,
-    /// One run per maneuver
+    /// One run per maneuver; of measured runs the segments are pooled by maneuver, instruments start anew with each
     #[arg(long, value_name = "dictionary.parquet")]
     trajectories: PathBuf,
+    /// The nominal model that instruments are simulated with: `given` in vessel.toml, `least-squares` (the fit of the same
+    /// data), or a previous estimate.json
+    #[arg(long, value_name = "given|least-squares|FILE")]
+    nominal: Option<Nominal>,
     /// What the instruments are made of
     #[arg(long, value_enum, default_value_t = InstrumentKind::Nominal)]
     instruments: InstrumentKind,
+    /// The disturbances to expect: adds the matrices B that the estimate's covariance is made of
+    #[arg(long, value_name = "campaign.toml")]
+    campaign: Option<PathBuf>,
     #[command(flatten)]
     common: Common,
 }
+
+/// Name of the design of a dictionary's runs.
+const DICTIONARY: &str = "dictionary";
 
 fn main() -> ExitCode {
     run(|a: &Arguments| &a.common, stage)
@@ -45,35 +59,52 @@ fn main() -> ExitCode {
 
 fn stage(a: &Arguments) -> Result<Summary, Failure> {
     let mut provenance = provenance("moments");
-    let vessel = read_vessel(&a.vessel, &mut provenance)?;
+    let mut vessel = read_vessel(&a.vessel, &mut provenance)?;
+    if let Some(nominal) = &a.nominal {
+        vessel.nominal = nominal_of(a, nominal, &vessel, &mut provenance)?;
+    }
     let reader = TrajectoryReader::open(&a.trajectories, &Layout::new(&vessel.model), vessel.sample_rate_hz)?;
     reader.whole()?;
     provenance.inputs.insert("trajectories".into(), reader.digest());
     let kind = name_of(a.instruments);
+    let noise = match &a.campaign {
+        Some(campaign) => Some(NoiseModel::read(campaign, &vessel, a.instruments, &mut provenance)?),
+        None => None,
+    };
     provenance.settings.insert("instruments".into(), json!(kind));
     let instruments = Instruments::new(&vessel, &a.vessel, a.instruments);
     let progress = Progress::new("blocks", reader.blocks(), a.common.quiet);
     let mut maneuvers: Vec<ManeuverMoments> = Vec::new();
     let work = |block: usize| {
-        let found = maneuver_moments(&vessel, &a.trajectories, &instruments, &reader.runs(block)?);
+        let found = maneuver_moments(&vessel, &instruments, noise.as_ref(), &reader.runs(block)?);
         progress.advance(1);
         found
     };
     ordered(0..reader.blocks(), work, |found| {
-        for maneuver in found {
-            check_new(&a.trajectories, &maneuvers, &maneuver)?;
-            maneuvers.push(maneuver);
+        for (pooled, maneuver) in found {
+            match maneuvers.iter_mut().find(|m| m.name == maneuver.name) {
+                None => maneuvers.push(maneuver),
+                Some(known) if pooled => pool(known, &maneuver),
+                Some(_) => return Err(twice(&a.trajectories, &maneuver.name)),
+            }
         }
         Ok(())
     })?;
+    let short = maneuvers.iter().find(|m| (m.samples as usize) < unknowns(&vessel.model));
+    if let Some(short) = short {
+        return Err(too_short(&a.trajectories, &short.name, short.samples, unknowns(&vessel.model)));
+    }
     let document = MomentsDocument {
         vessel: vessel.name.clone(),
         sample_rate_hz: vessel.sample_rate_hz,
         instruments: kind,
         degrees: structure(&vessel.model),
         maneuvers,
+        disturbances: noise.map(|noise| noise.document(&vessel)),
     };
-    let out = a.common.main_output("moments.json", &[&a.vessel, &a.trajectories])?;
+    let inputs: Vec<&Path> =
+        [&a.vessel, &a.trajectories].into_iter().chain(&a.campaign).map(PathBuf::as_path).collect();
+    let out = a.common.main_output("moments.json", &inputs)?;
     commit(vec![stage_document(&out, &provenance, &document)?])?;
     let count = document.maneuvers.len();
     Ok(Summary {
@@ -91,34 +122,105 @@ fn structure(model: &Model) -> Vec<DegreeStructure> {
     DegreeOfFreedom::ALL.into_iter().zip(&model.degrees).map(of).collect()
 }
 
+/// Unknowns of the largest degree of freedom.
+fn unknowns(model: &Model) -> usize {
+    model.degrees.iter().map(|d| d.terms.len() + 1).max().unwrap_or(0)
+}
+
+fn too_short(file: &Path, maneuver: &str, samples: u64, most: usize) -> Failure {
+    Failure::refuse(
+        file,
+        &format!("maneuver `{maneuver}`"),
+        &format!("{samples} samples"),
+        &format!("at least {most}, the unknowns of a degree of freedom"),
+        "lengthen the maneuver",
+    )
+}
+
+/// The moments of every maneuver in `runs`, and whether they may be pooled with others of the same name: those of measured
+/// runs, segment by segment, but not those of a dictionary, where a name stands for one run.
 fn maneuver_moments(
     vessel: &Vessel,
-    file: &Path,
     instruments: &Instruments,
+    noise: Option<&NoiseModel>,
     runs: &[Run],
-) -> Result<Vec<ManeuverMoments>, Failure> {
-    let most = vessel.model.degrees.iter().map(|d| d.terms.len() + 1).max().unwrap_or(0);
-    let mut out = Vec::with_capacity(runs.len());
-    instruments.batches(runs, |batch, members| {
-        if batch.samples() < most {
-            return Err(Failure::refuse(
-                file,
-                &format!("maneuver `{}`", members[0].segments[0].maneuver),
-                &format!("{} samples", batch.samples()),
-                &format!("at least {most}, the unknowns of a degree of freedom"),
-                "lengthen the maneuver",
-            ));
-        }
+) -> Result<Vec<(bool, ManeuverMoments)>, Failure> {
+    let parts: Vec<Run> = runs.iter().flat_map(|run| segments(run, vessel.model.exogenous())).collect();
+    let mut out = Vec::with_capacity(parts.len());
+    instruments.batches(&parts, |batch, members| {
+        let mut middles = noise.map(|n| middle(batch, &n.parameters, &n.noise).into_iter());
         for (run, found) in members.iter().zip(moments(batch)) {
-            out.push(document_of(run, found));
+            let middle = middles.as_mut().and_then(Iterator::next);
+            out.push((run.design != DICTIONARY, document_of(run, found, middle)));
         }
         Ok(())
     })?;
     Ok(out)
 }
 
-fn document_of(run: &Run, found: identification::ManeuverMoments) -> ManeuverMoments {
+/// A measured run as one run per segment, each from its first measured state; a run of a dictionary as it is.
+fn segments(run: &Run, width: usize) -> Vec<Run> {
+    if run.design == DICTIONARY || run.segments.len() < 2 {
+        return vec![run.clone()];
+    }
+    let ends = run.segments.iter().skip(1).map(|s| s.start).chain([run.samples()]);
+    let part = |(segment, end): (&Segment, usize)| {
+        let measured = run.measured[3 * segment.start..3 * (end + 1)].to_vec();
+        let initial = if segment.start == 0 { run.initial } else { [0, 1, 2].map(|d| measured[d]) };
+        Run {
+            design: run.design.clone(),
+            run: run.run,
+            segments: vec![Segment { maneuver: segment.maneuver.clone(), start: 0 }],
+            exogenous: run.exogenous[segment.start * width..end * width].to_vec(),
+            measured,
+            initial,
+        }
+    };
+    run.segments.iter().zip(ends).map(part).collect()
+}
+
+/// Adds the moments of more samples of the same maneuver.
+fn pool(known: &mut ManeuverMoments, more: &ManeuverMoments) {
+    let samples = known.samples + more.samples;
+    let share = more.samples as f64 / samples.max(1) as f64;
+    for (own, other) in known.degrees.iter_mut().zip(&more.degrees) {
+        own.m.iter_mut().zip(&other.m).for_each(|(m, o)| *m += share * (o - *m));
+        if let (Some(own), Some(other)) = (&mut own.b, &other.b) {
+            own.iter_mut().zip(other).for_each(|(b, o)| *b += share * (o - *b));
+        }
+        own.nonstationarity = own.nonstationarity.max(other.nonstationarity);
+    }
+    known.samples = samples;
+}
+
+/// The nominal parameters that `--nominal` asks for, without intercepts.
+fn nominal_of(
+    a: &Arguments,
+    nominal: &Nominal,
+    vessel: &Vessel,
+    provenance: &mut Provenance,
+) -> Result<Vec<f64>, Failure> {
+    let model = NominalModel::read(nominal, vessel, provenance)?;
+    let data = Data::read(&a.trajectories, vessel, &PoolFlags::default(), provenance)?;
+    let sums: Vec<Sums> =
+        data.parts(vessel).iter().map(|p| Regression::of(&vessel.model, p).sums()).collect();
+    let found = model.parameters(&sums.iter().collect::<Vec<_>>(), MeanRemoval::None);
+    found.map(|(theta, _)| theta).ok_or_else(|| {
+        Failure::NoAnswer(format!(
+            "{}: nominal model: found data that identify no least-squares model, expected all terms to vary; name another \
+             --nominal",
+            a.trajectories.display()
+        ))
+    })
+}
+
+fn document_of(
+    run: &Run,
+    found: identification::ManeuverMoments,
+    middle: Option<Vec<Vec<f64>>>,
+) -> ManeuverMoments {
     let degrees = DegreeOfFreedom::ALL.into_iter().zip(found.matrices).zip(found.nonstationarity);
+    let mut middle = middle.into_iter().flatten();
     ManeuverMoments {
         name: run.segments[0].maneuver.clone(),
         samples: found.samples,
@@ -128,20 +230,13 @@ fn document_of(run: &Run, found: identification::ManeuverMoments) -> ManeuverMom
                 shape: [m.len().isqrt() as u64; 2],
                 m,
                 nonstationarity,
+                b: middle.next(),
             })
             .collect(),
     }
 }
 
-fn check_new(file: &Path, known: &[ManeuverMoments], new: &ManeuverMoments) -> Result<(), Failure> {
-    if known.iter().any(|m| m.name == new.name) {
-        return Err(Failure::refuse(
-            file,
-            &format!("maneuver `{}`", new.name),
-            "two runs of it",
-            "one run per maneuver",
-            "name each maneuver once",
-        ));
-    }
-    Ok(())
+fn twice(file: &Path, name: &str) -> Failure {
+    let (found, expected) = ("two runs of it", "one run per maneuver");
+    Failure::refuse(file, &format!("maneuver `{name}`"), found, expected, "name each maneuver once")
 }

@@ -6,30 +6,153 @@ use std::process::ExitCode;
 use artifact::{
     EncodedBlock, Provenance, Staged, TableReader, TableWriter, commit, encode_block, gather, stage_document,
 };
-use clap::Parser;
+use clap::{ArgMatches, Args, Command, CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum};
 use identification::{FreeRun, free_runs, parameter_error};
 use serde_json::json;
 use stages::campaign_file::CampaignFile;
-use stages::cli::{Common, Sharding, Summary, beside, given, provenance, run};
+use stages::cli::{Common, Sharding, Summary, beside, given, name_of, provenance, run};
+use stages::crossval;
 use stages::documents::{Bounds, ValidationDocument};
 use stages::estimates;
 use stages::failure::Failure;
+use stages::instruments::Removal;
 use stages::lanes::interleave;
 use stages::ordered::ordered;
+use stages::pooled::{Method, PoolFlags, not_below, samples};
 use stages::progress::Progress;
 use stages::scores::{self, Row};
+use stages::selection;
 use stages::study_files::{read_campaign, read_vessel};
 use stages::trajectories::{Layout, Run, TrajectoryReader, refuse_shard};
 use vessel::{LANES, Vessel};
+
+/// Either the scores of estimates or a study of its own.
+enum Cli {
+    Scores(Arguments),
+    Study(Study),
+}
+
+impl Parser for Cli {}
+
+impl CommandFactory for Cli {
+    fn command() -> Command {
+        let scores = Arguments::command().args_conflicts_with_subcommands(true).subcommand_negates_reqs(true);
+        Study::augment_subcommands(scores)
+    }
+
+    fn command_for_update() -> Command {
+        Self::command()
+    }
+}
+
+impl FromArgMatches for Cli {
+    fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
+        match matches.subcommand_name() {
+            Some(_) => Study::from_arg_matches(matches).map(Self::Study),
+            None => Arguments::from_arg_matches(matches).map(Self::Scores),
+        }
+    }
+
+    fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
+        *self = Self::from_arg_matches(matches)?;
+        Ok(())
+    }
+}
+
+#[derive(Subcommand)]
+enum Study {
+    /// Leaves runs or recordings out of a pooled estimate and simulates over them; writes crossval.json
+    Cross(CrossArguments),
+    /// Models from sub-experiments that a design picked against random picks; writes selection.parquet, selection.json
+    Selection(SelectionArguments),
+}
+
+#[derive(Args)]
+struct CrossArguments {
+    /// The vessel
+    #[arg(long, value_name = "vessel.toml")]
+    vessel: PathBuf,
+    /// The runs
+    #[arg(long, value_name = "trajectories.parquet")]
+    trajectories: PathBuf,
+    /// The estimators to compare
+    #[arg(long, value_enum, value_delimiter = ',', default_value = "ls,iv,refined,auto,oe")]
+    estimators: Vec<Method>,
+    /// How the instruments' mean is removed
+    #[arg(long, value_enum, default_value_t = Removal::Complete)]
+    mean_removal: Removal,
+    /// Whether the estimated intercepts are part of the simulated models
+    #[arg(long, value_enum, default_value_t = Intercepts::Keep)]
+    intercepts: Intercepts,
+    /// Simulates over windows of this length, side by side [s]; whole runs without it
+    #[arg(long, value_name = "S")]
+    window_s: Option<f64>,
+    /// Deals runs or recordings in turns into N folds; without it each is left out on its own
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(2..))]
+    folds: Option<u16>,
+    #[command(flatten)]
+    flags: PoolFlags,
+    #[command(flatten)]
+    common: Common,
+}
+
+#[derive(Args)]
+struct SelectionArguments {
+    /// The vessel
+    #[arg(long, value_name = "vessel.toml")]
+    vessel: PathBuf,
+    /// The runs
+    #[arg(long, value_name = "trajectories.parquet")]
+    trajectories: PathBuf,
+    /// The design whose counts, or shares of --picks, are picked
+    #[arg(long, required_unless_present = "counts", conflicts_with = "counts", value_name = "design.json")]
+    design: Option<PathBuf>,
+    /// How many of each maneuver are picked, instead
+    #[arg(long, value_name = "NAME=N,…", value_delimiter = ',')]
+    counts: Vec<String>,
+    /// Sub-experiments per realization, where the design has no counts
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    picks: Option<u16>,
+    /// Realizations per design
+    #[arg(long, value_name = "N", default_value_t = 500, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    realizations: u32,
+    /// The estimator: `ls`, `iv` or `auto`
+    #[arg(long, value_enum, default_value_t = Method::Iv)]
+    estimator: Method,
+    /// How the instruments' mean is removed
+    #[arg(long, value_enum, default_value_t = Removal::Complete)]
+    mean_removal: Removal,
+    /// Whether the estimated intercepts are part of the simulated models
+    #[arg(long, value_enum, default_value_t = Intercepts::Keep)]
+    intercepts: Intercepts,
+    /// Norm of RMSE over standard deviations from which a model is degenerate (default √3: no better than the mean)
+    #[arg(long, value_name = "NORM")]
+    degenerate_from: Option<f64>,
+    #[command(flatten)]
+    flags: PoolFlags,
+    #[command(flatten)]
+    common: Common,
+}
+
+/// Whether estimated intercepts are simulated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Intercepts {
+    /// They stand for steady forces
+    Keep,
+    /// The model is its parameters only, as in the paper
+    Drop,
+}
 
 /// Scores every estimate: parameter error and free-run simulation error; writes scores.parquet and validation.json
 #[derive(Parser)]
 #[command(
     name = "validate",
     version,
-    after_help = "Example:\n  validate --vessel pipelines/paper/vessel.toml \
+    after_help = "Examples:\n  validate --vessel pipelines/paper/vessel.toml \
     --campaign pipelines/paper/campaign.toml --estimates estimates.parquet --validation validation.parquet \
-    --out scores.parquet"
+    --out scores.parquet\n  validate cross --vessel pipelines/kvlcc2/vessel.toml --trajectories trajectories.parquet \
+    --out crossval.json\n  validate selection --vessel pipelines/esso-osaka/vessel.toml \
+    --trajectories trajectories.parquet --design design.json --out selection.parquet"
 )]
 struct Arguments {
     /// The vessel
@@ -51,7 +174,74 @@ struct Arguments {
 }
 
 fn main() -> ExitCode {
-    run(|a: &Arguments| &a.common, stage)
+    run(Cli::common, Cli::stage)
+}
+
+impl Cli {
+    fn common(&self) -> &Common {
+        match self {
+            Self::Scores(a) => &a.common,
+            Self::Study(Study::Cross(a)) => &a.common,
+            Self::Study(Study::Selection(a)) => &a.common,
+        }
+    }
+
+    fn stage(&self) -> Result<Summary, Failure> {
+        match self {
+            Self::Scores(a) => stage(a),
+            Self::Study(Study::Cross(a)) => cross(a),
+            Self::Study(Study::Selection(a)) => select(a),
+        }
+    }
+}
+
+fn cross(a: &CrossArguments) -> Result<Summary, Failure> {
+    let mut provenance = provenance("validate");
+    let vessel = read_vessel(&a.vessel, &mut provenance)?;
+    let inputs: Vec<&Path> =
+        [&a.vessel, &a.trajectories].into_iter().chain(&a.flags.recordings).map(PathBuf::as_path).collect();
+    let window = a.window_s.map(|s| samples("--window-s", s, vessel.sample_rate_hz)).transpose()?;
+    let wanted = crossval::Wanted {
+        vessel: &vessel,
+        trajectories: &a.trajectories,
+        flags: &a.flags,
+        estimators: &a.estimators,
+        removal: a.mean_removal,
+        intercepts: a.intercepts == Intercepts::Keep,
+        window,
+        folds: a.folds.map(usize::from),
+        out: a.common.main_output("crossval.json", &inputs)?,
+        quiet: a.common.quiet,
+    };
+    crossval::cross(&wanted, provenance)
+}
+
+fn select(a: &SelectionArguments) -> Result<Summary, Failure> {
+    let mut provenance = provenance("validate");
+    let vessel = read_vessel(&a.vessel, &mut provenance)?;
+    if matches!(a.estimator, Method::Refined | Method::Oe) {
+        let found = format!("--estimator: found {}, expected ls, iv or auto", name_of(a.estimator));
+        return Err(Failure::Usage(format!("{found}; a selection study adds up sums per sub-experiment")));
+    }
+    let files = [&a.vessel, &a.trajectories].into_iter().chain(&a.design).chain(&a.flags.recordings);
+    let inputs: Vec<&Path> = files.map(PathBuf::as_path).collect();
+    let wanted = selection::Wanted {
+        vessel: &vessel,
+        trajectories: &a.trajectories,
+        flags: &a.flags,
+        design: a.design.as_deref(),
+        counts: &a.counts,
+        picks: a.picks.map(u64::from),
+        realizations: a.realizations,
+        method: a.estimator,
+        removal: a.mean_removal,
+        intercepts: a.intercepts == Intercepts::Keep,
+        degenerate_from: not_below("--degenerate-from", a.degenerate_from.unwrap_or(3f64.sqrt()), 0.0)?,
+        seed: a.common.seed.unwrap_or(1),
+        out: a.common.main_output("selection.parquet", &inputs)?,
+        quiet: a.common.quiet,
+    };
+    selection::select(&wanted, provenance)
 }
 
 fn stage(a: &Arguments) -> Result<Summary, Failure> {

@@ -8,7 +8,8 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct DesignDocument {
-    /// `D`: log|det| of the information matrix.
+    /// `D`: log|det| of the information matrix; `covariance D`, `covariance A`, `covariance relative A` or `covariance E`:
+    /// a criterion of the estimate's covariance, see `covariance`.
     pub criterion: String,
     /// How the instruments' mean is removed: `none`, `batch` or `complete`.
     pub mean_removal: String,
@@ -20,15 +21,16 @@ pub struct DesignDocument {
     pub shares: BTreeMap<String, f64>,
     /// Maneuver names in the dictionary's order.
     pub order: Vec<String>,
-    /// g_q = Σ_d tr(M_d(w)⁻¹ M_d,q): above `dimension` a maneuver is worth more time.
+    /// The criterion's derivative by every share, for `D` g_q = Σ_d tr(M_d(w)⁻¹ M_d,q): above `dimension` a maneuver is
+    /// worth more time (above what the maneuvers between their bounds have, where `available` binds).
     pub sensitivities: BTreeMap<String, f64>,
-    /// Total dimension p = Σ_q w_q g_q.
+    /// p = Σ_q w_q g_q: the total dimension for `D`, the number of parameters for `covariance D`, 1 for A and E.
     pub dimension: u64,
-    /// Kiefer–Wolfowitz gap max_q g_q − p.
+    /// Kiefer–Wolfowitz gap max_q g_q − p; where `available` binds, max Σ g_q v_q − p over the shares v that it allows.
     pub gap: f64,
     /// The gap divided by p.
     pub relative_gap: f64,
-    /// Value of the criterion at the shares.
+    /// log|det| of the information matrix at the shares, whatever the criterion.
     pub log_det: f64,
     /// Whether the problem is concave, so that the gap bounds the distance to the global optimum.
     pub proved_global: bool,
@@ -40,6 +42,29 @@ pub struct DesignDocument {
     pub counts: Option<BTreeMap<String, u64>>,
     /// About the counts.
     pub counted: Option<Counts>,
+    /// Largest share that every maneuver can have, where `--available` limits them.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub available: Option<BTreeMap<String, f64>>,
+    /// About a criterion of the covariance.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub covariance: Option<CovarianceCriterion>,
+}
+
+/// A criterion of the covariance of the instrumental-variable estimate, as `moments --campaign` predicts it.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct CovarianceCriterion {
+    /// `d`, `a`, `a-relative` or `e`.
+    pub name: String,
+    /// What is smallest at the shares, for an experiment of `samples`: Σ_d log det cov θ̂_d (d), Σ weight × variance
+    /// (a, a-relative) or the largest eigenvalue over the weighted cov θ̂_d (e).
+    pub value: f64,
+    /// Weight of every parameter's variance; with d whether it counts.
+    pub weights: BTreeMap<String, f64>,
+    /// Number of samples of the experiment that `value` and `standard_errors` are for; 1 where none was asked for.
+    pub samples: u64,
+    /// Predicted standard error of every parameter, in the parameter's unit; in proportion to 1/√samples.
+    pub standard_errors: BTreeMap<String, f64>,
 }
 
 /// One start of the solver.
@@ -48,7 +73,7 @@ pub struct DesignDocument {
 pub struct Start {
     /// `equal` or `random N`.
     pub name: String,
-    /// Value of the criterion that it reached.
+    /// Value of the criterion that it reached; for a covariance minus its logarithm.
     pub log_det: f64,
     /// Its relative Kiefer–Wolfowitz gap.
     pub relative_gap: f64,
@@ -58,8 +83,8 @@ pub struct Start {
     pub agrees: bool,
 }
 
-/// D-efficiencies |det Γ(w)/det Γ(w*)|^(1/n_θ): the fraction of the experiment time that the optimal shares would
-/// need for the same information.
+/// Efficiencies, for D |det Γ(w)/det Γ(w*)|^(1/n_θ): the fraction of the experiment time that the optimal shares would
+/// need for the same value of the criterion.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Efficiency {
@@ -77,8 +102,17 @@ pub struct Counts {
     pub segments: u64,
     /// Samples per segment.
     pub segment_samples: u64,
-    /// D-efficiency of the counts against the shares.
+    /// Efficiency of the counts against the shares.
     pub efficiency: f64,
+    /// `exhaustive`: no other counts have a better criterion; `exchange`: no exchange of a segment improves it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub method: Option<String>,
+    /// The fraction of the experiment time that the counts waste at most against the best shares; see `statement`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub gap: Option<f64>,
+    /// What is known of the counts, in words.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub statement: Option<String>,
 }
 
 impl Document for DesignDocument {

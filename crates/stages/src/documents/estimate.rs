@@ -12,6 +12,10 @@ pub struct EstimateDocument {
     pub mean_removal: String,
     /// One entry per design, in the order of the trajectories.
     pub designs: Vec<DesignSummary>,
+    /// What to know before using a pooled estimate, in words; `trust.json` has the numbers. Absent where every run has
+    /// its own estimate.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub trust: Option<Vec<String>>,
 }
 
 /// The estimates of one design.

@@ -1,26 +1,34 @@
 //! The documents that the stages exchange, as they stand in the files.
 
+mod crossval;
 mod design;
 mod estimate;
 mod ingest;
 mod moments;
 mod plan;
 mod reference;
+mod selection;
+mod trust;
 mod validation;
 
 use artifact::{Document, json_schema};
 
-pub use design::{Counts, DesignDocument, Efficiency, Start};
+pub use crossval::{CrossvalDocument, EstimatorScore, SourceScore};
+pub use design::{Counts, CovarianceCriterion, DesignDocument, Efficiency, Start};
 pub use estimate::{DegreeSummary, DesignSummary, EstimateDocument, ParameterSummary};
 pub use ingest::{
     ChannelSummary, IngestDocument, ManeuverCount, MotionSummary, RecordingSummary, RowSummary,
 };
-pub use moments::{DegreeMoments, DegreeStructure, ManeuverMoments, MomentsDocument};
+pub use moments::{DegreeMoments, DegreeStructure, ExpectedDisturbances, ManeuverMoments, MomentsDocument};
 pub use plan::{
     Check, FrontPoint, Information, PlanDocument, PlanLattice, PlanPose, PlanStep, Primitive, Secondary,
     Voyage, VoyageLeg,
 };
 pub use reference::{Published, PublishedShare, Reference};
+pub use selection::{SelectionDocument, SelectionErrors, SelectionScores};
+pub use trust::{
+    FreeRunErrors, InstrumentResidual, TrustDegree, TrustDocument, TrustParameter, TrustRun, Whiteness,
+};
 pub use validation::{Bounds, DesignScores, Quantiles, ValidationDocument};
 
 /// JSON Schema of every document that a stage writes, by the document's id.
@@ -32,5 +40,8 @@ pub fn schemas() -> Vec<(&'static str, serde_json::Value)> {
         (IngestDocument::ID, json_schema::<IngestDocument>()),
         (ValidationDocument::ID, json_schema::<ValidationDocument>()),
         (PlanDocument::ID, json_schema::<PlanDocument>()),
+        (TrustDocument::ID, json_schema::<TrustDocument>()),
+        (CrossvalDocument::ID, json_schema::<CrossvalDocument>()),
+        (SelectionDocument::ID, json_schema::<SelectionDocument>()),
     ]
 }

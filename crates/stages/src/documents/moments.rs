@@ -1,3 +1,5 @@
+use std::collections::BTreeMap;
+
 use artifact::Document;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -16,6 +18,29 @@ pub struct MomentsDocument {
     pub degrees: Vec<DegreeStructure>,
     /// One entry per maneuver, in the dictionary's order.
     pub maneuvers: Vec<ManeuverMoments>,
+    /// What the matrices `B` were computed from, where there are any.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub disturbances: Option<ExpectedDisturbances>,
+}
+
+/// The disturbances that an estimate's covariance is predicted from, white per sample.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ExpectedDisturbances {
+    /// Standard deviation of the measured surge speed \[m/s\].
+    pub std_u_m_s: f64,
+    /// Standard deviation of the measured sway speed \[m/s\].
+    pub std_v_m_s: f64,
+    /// Standard deviation of the measured yaw rate \[rad/s\].
+    pub std_r_rad_s: f64,
+    /// Standard deviation of each component of the current in body axes \[m/s\].
+    pub current_std_m_s: f64,
+    /// Which parameters the residual was linearised with: `value` or `nominal`.
+    pub linearised_at: String,
+    /// These parameters, in units of the state's increment per unit of the term.
+    pub parameters: BTreeMap<String, f64>,
+    /// The nominal parameters, in the same units.
+    pub nominal: BTreeMap<String, f64>,
 }
 
 /// One degree of freedom of the model structure.
@@ -56,6 +81,10 @@ pub struct DegreeMoments {
     /// Largest change of an entry between the first and the second half of the maneuver, relative to the
     /// root mean squares of its regressor and instrument: 0 is stationary, 1 is not at all.
     pub nonstationarity: f64,
+    /// Middle matrix of the estimate's covariance A⁻¹BA⁻ᵀ/N, A = Mᵀ: B = (1/N) Σ ζ̃ E[εε] ζ̃ᵀ, row-major, shape as `M`,
+    /// rows and columns by instrument; in units of instrument i times instrument j times the state's variance.
+    #[serde(rename = "B", default, skip_serializing_if = "Option::is_none")]
+    pub b: Option<Vec<f64>>,
 }
 
 impl Document for MomentsDocument {

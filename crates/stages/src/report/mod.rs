@@ -18,6 +18,7 @@ mod notes;
 mod number;
 mod page;
 mod parameters;
+mod selection;
 mod shown;
 mod study;
 #[cfg(test)]
@@ -34,4 +35,5 @@ mod trajectory_words;
 
 pub use load::{Sources, load};
 pub use page::{Rendered, render};
+pub use selection::SelectionStudy;
 pub use study::{ManeuverTrace, ParameterRow, PlannedTrial, ScoreSet, Study, Trajectory, VesselSummary};

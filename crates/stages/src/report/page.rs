@@ -11,6 +11,7 @@ use super::figures::Figures;
 use super::headline::headline;
 use super::notes::{files, notation};
 use super::parameters::parameters;
+use super::selection::selection;
 use super::study::Study;
 use super::trajectory::{self, trajectory};
 
@@ -25,12 +26,13 @@ pub struct Rendered {
 
 const STYLE: &str = include_str!("style.css");
 
-const CONTENTS: [(&str, &str); 10] = [
+const CONTENTS: [(&str, &str); 11] = [
     ("comparison", "Result"),
     ("shares", "Shares"),
     ("certificate", "Certificate"),
     ("dictionary", "Dictionary"),
     ("trajectory", "Trajectory"),
+    ("selection", "Selection"),
     ("errors", "Errors"),
     ("parameters", "Parameters"),
     ("excitation", "Excitation"),
@@ -50,6 +52,7 @@ pub fn render(study: &Study) -> Result<Rendered, FigureError> {
         certificate(study),
         dictionary(study, &mut figures)?,
         trajectory(study, &mut figures)?,
+        selection(study, &mut figures)?,
         errors(study, &mut figures)?,
         parameters(study, &mut figures)?,
         excitation(study),
@@ -62,7 +65,9 @@ pub fn render(study: &Study) -> Result<Rendered, FigureError> {
 
 fn document(study: &Study, sections: &[Markup]) -> Markup {
     let planned = study.trajectory.is_some();
-    let contents = CONTENTS.iter().filter(|(id, _)| planned || *id != "trajectory");
+    let shown =
+        |id: &str| (planned || id != "trajectory") && (study.selection.is_some() || id != "selection");
+    let contents = CONTENTS.iter().filter(|(id, _)| shown(id));
     html! {
         (DOCTYPE)
         html lang="en" {

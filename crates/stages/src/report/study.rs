@@ -28,6 +28,8 @@ pub struct Study {
     pub validation_trace: Option<ManeuverTrace>,
     /// Published results to compare with.
     pub reference: Option<Reference>,
+    /// Models from picked sub-experiments; absent in a study without.
+    pub selection: Option<super::SelectionStudy>,
     /// The planned trajectory; absent in a study that plans none.
     pub trajectory: Option<Trajectory>,
     /// Name of a file, what it is, its digest.

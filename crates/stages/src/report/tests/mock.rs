@@ -56,6 +56,7 @@ pub(super) fn study() -> Study {
         scores: Some(scores.into_iter().rev().collect()),
         validation_trace: Some(validation_trace()),
         reference: Some(reference()),
+        selection: None,
         trajectory: None,
         files: files(),
     }
@@ -159,6 +160,8 @@ fn design() -> DesignDocument {
         efficiency: Efficiency { equal_shares: 0.571, single: by_name(|m| m.3) },
         counts: None,
         counted: None,
+        available: None,
+        covariance: None,
     }
 }
 
@@ -169,6 +172,7 @@ fn moments() -> MomentsDocument {
         shape: [1, 1],
         m: vec![1.0],
         nonstationarity: 0.013 * ((7 * seed + 3 * index) % 70) as f64,
+        b: None,
     };
     let maneuver = |(seed, maneuver): (usize, &Maneuver)| ManeuverMoments {
         name: maneuver.0.to_owned(),
@@ -186,6 +190,7 @@ fn moments() -> MomentsDocument {
         instruments: "nominal simulation".to_owned(),
         degrees: degrees.iter().map(structure).collect(),
         maneuvers: MANEUVERS.iter().enumerate().map(maneuver).collect(),
+        disturbances: None,
     }
 }
 
@@ -194,6 +199,7 @@ fn estimate() -> EstimateDocument {
         estimator: "iv".to_owned(),
         mean_removal: "complete".to_owned(),
         designs: vec![summary("optimized", |p| p.6, 1.0), summary("random", |p| p.7, 40.0)],
+        trust: None,
     }
 }
 

@@ -1,0 +1,70 @@
+use vessel::Streams;
+
+use super::{Options, fit};
+use crate::Sums;
+
+/// What resampling the parts says about one degree of freedom.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Bootstrap {
+    /// One entry per parameter.
+    pub parameters: Vec<Resampled>,
+    /// Resamples without an estimate.
+    pub failed: usize,
+}
+
+/// One parameter over the resamples.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Resampled {
+    /// Standard deviation.
+    pub std: f64,
+    /// 2.5 % quantile.
+    pub low: f64,
+    /// 97.5 % quantile.
+    pub high: f64,
+}
+
+/// Draws as many of `parts` as there are, with replacement, `replicates` times, and estimates anew. `None` for a degree of
+/// freedom with fewer than two estimates. What a replicate draws depends on `streams` and its number alone.
+pub fn bootstrap(
+    parts: &[&Sums],
+    options: &Options,
+    replicates: u32,
+    streams: &Streams,
+) -> [Option<Bootstrap>; 3] {
+    let count = parts.len();
+    let mut found: [Vec<Vec<f64>>; 3] = Default::default();
+    for replicate in 0..replicates {
+        let drawn = streams.choices(replicate, 0, count.max(1) as u32, count);
+        let resample: Vec<&Sums> = drawn.iter().map(|i| parts[*i as usize]).collect();
+        for (d, degree) in fit(&resample, options).into_iter().enumerate() {
+            found[d].extend(degree.solution.map(|s| s.theta));
+        }
+    }
+    found.map(|thetas| summary(&thetas, replicates as usize))
+}
+
+fn summary(thetas: &[Vec<f64>], replicates: usize) -> Option<Bootstrap> {
+    let first = thetas.first().filter(|_| thetas.len() > 1)?;
+    let parameter = |i: usize| {
+        let mut values: Vec<f64> = thetas.iter().map(|theta| theta[i]).collect();
+        values.sort_by(f64::total_cmp);
+        Resampled { std: std(&values), low: quantile(&values, 0.025), high: quantile(&values, 0.975) }
+    };
+    Some(Bootstrap {
+        parameters: (0..first.len()).map(parameter).collect(),
+        failed: replicates - thetas.len(),
+    })
+}
+
+fn std(values: &[f64]) -> f64 {
+    let n = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / n;
+    (values.iter().map(|x| (x - mean) * (x - mean)).sum::<f64>() / (n - 1.0)).sqrt()
+}
+
+/// Interpolated, of ascending values.
+fn quantile(sorted: &[f64], q: f64) -> f64 {
+    let place = q * (sorted.len() - 1) as f64;
+    let (low, high) = (sorted[place.floor() as usize], sorted[place.ceil() as usize]);
+    low + (place - place.floor()) * (high - low)
+}

@@ -1,0 +1,82 @@
+use crate::solve::Normal;
+use crate::{MeanRemoval, Sums};
+
+/// How well one degree of freedom is determined by pooled parts.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Diagnosis {
+    /// Condition number of the matrix of correlations between centred instruments and regressors, as in
+    /// [`crate::Excitation`]; infinite where a direction is not excited.
+    pub condition: f64,
+    /// Condition index: square root of the condition number of the normal matrix with the intercept's row and column,
+    /// each divided by the root sum of squares of its instrument and regressor, means left in. Above
+    /// [`super::COLLINEAR`] the columns are collinear (with each other or with the intercept).
+    pub index: f64,
+    /// The weakest direction in these scaled parameters, unit length: p entries, and one for the intercept where there is
+    /// one over all parts.
+    pub direction: Vec<f64>,
+    /// Index of the parameter that dominates it.
+    pub weakest: usize,
+    /// Per regressor the root mean square without the mean that is removed over all parts, over the one with it: 0 for a
+    /// constant.
+    pub variation: Vec<f64>,
+}
+
+/// Diagnoses degree of freedom `d` of pooled `parts`.
+pub fn diagnose(parts: &[&Sums], removal: MeanRemoval, d: usize) -> Diagnosis {
+    let mut whole = Sums::default();
+    parts.iter().for_each(|sums| whole.merge(sums));
+    let Some(degree) = whole.degrees.get(d) else { return unknown(0) };
+    let p = degree.parameters();
+    let normal = match removal {
+        MeanRemoval::Batch => Normal::new(parts.iter().map(|sums| &sums.degrees[d]), true),
+        _ => Normal::new([degree].into_iter(), removal == MeanRemoval::Complete),
+    };
+    let size = |i: usize| {
+        let of = |squares: &[f64]| if i < p { squares[i].sqrt() } else { (whole.samples as f64).sqrt() };
+        [of(&degree.instrument_squares), of(&degree.regressor_squares)]
+    };
+    let lifted = removal == MeanRemoval::Complete;
+    let width = p + usize::from(lifted);
+    let entry = |k: usize| {
+        let (i, j) = (k / width, k % width);
+        let plain = if lifted { degree.a[i * (p + 1) + j] } else { normal.a[i * p + j] };
+        plain / (size(i)[0] * size(j)[1])
+    };
+    let scaled: Vec<f64> = (0..width * width).map(entry).collect();
+    let mut diagnosis = unknown(p);
+    diagnosis.condition = normal.excitation().condition;
+    diagnosis.variation = variation(&whole, d);
+    match small_matrix::weakest(width, &scaled) {
+        Some(found) => {
+            diagnosis.index = (1.0 / found.ratio).sqrt();
+            diagnosis.weakest = largest(&found.direction[..p]);
+            diagnosis.direction = found.direction;
+        }
+        None => diagnosis.weakest = normal.excitation().weakest,
+    }
+    diagnosis
+}
+
+fn unknown(p: usize) -> Diagnosis {
+    Diagnosis {
+        condition: f64::INFINITY,
+        index: f64::INFINITY,
+        direction: vec![0.0; p],
+        weakest: 0,
+        variation: vec![0.0; p],
+    }
+}
+
+fn variation(whole: &Sums, d: usize) -> Vec<f64> {
+    let degree = &whole.degrees[d];
+    let (p, n) = (degree.parameters(), whole.samples.max(1) as f64);
+    let share = |i: usize| {
+        let (mean, square) = (degree.a[p * (p + 1) + i] / n, degree.regressor_squares[i] / n);
+        if square > 0.0 { (1.0 - mean * mean / square).max(0.0).sqrt() } else { 0.0 }
+    };
+    (0..p).map(share).collect()
+}
+
+fn largest(direction: &[f64]) -> usize {
+    (0..direction.len()).max_by(|i, j| direction[*i].abs().total_cmp(&direction[*j].abs())).unwrap_or(0)
+}

@@ -1,0 +1,145 @@
+use super::{Centring, Diagnosis, diagnose};
+use crate::solve::Normal;
+use crate::{MeanRemoval, Sums};
+
+/// How parts are pooled into one estimate.
+#[derive(Clone, Copy, Debug)]
+pub struct Options<'a> {
+    /// No intercept, one per part (*batch*), or one for all (*complete*).
+    pub removal: MeanRemoval,
+    /// A pull towards a model known before.
+    pub prior: Option<Prior<'a>>,
+    /// Largest condition index (see [`Diagnosis`]) that is answered; infinite: any that can be solved. A prior answers
+    /// every direction.
+    pub most: f64,
+}
+
+/// Tikhonov regularisation: the estimate minimises ‖Âx − b̂‖² + s² ‖x − x₀‖², Â being the normal matrix with each row and
+/// column divided by the root sum of squares of its centred instrument and regressor (its entries are correlations), x the
+/// parameters times those of their regressors, x₀ the nominal ones.
+#[derive(Clone, Copy, Debug)]
+pub struct Prior<'a> {
+    /// s: 0 is none, 0.03 mild; at infinity only the nominal model is left.
+    pub strength: f64,
+    /// The nominal parameters: surge, sway, yaw.
+    pub nominal: &'a [f64],
+}
+
+/// What became of one degree of freedom.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DegreeFit {
+    /// Whether there is an estimate, and if not why.
+    pub status: Status,
+    /// The estimate.
+    pub solution: Option<Solution>,
+}
+
+/// Whether a degree of freedom is identified.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Status {
+    /// It is.
+    Identified,
+    /// No more samples than unknowns.
+    TooShort,
+    /// This parameter's regressor or instrument is constant, or the matrix singular to rounding.
+    NotExcited(usize),
+    /// Collinear beyond [`Options::most`].
+    Collinear(Diagnosis),
+}
+
+/// An estimate of one degree of freedom.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Solution {
+    /// θ̂.
+    pub theta: Vec<f64>,
+    /// G with θ̂ = θ₀ + G (b − A θ₀), p × p row-major: A⁻¹ without a prior.
+    pub gain: Vec<f64>,
+    /// The intercept over all parts; 0 without one, the mean over the samples of all with one per part.
+    pub intercept: f64,
+}
+
+/// Pools `parts` and estimates surge, sway and yaw.
+pub fn fit(parts: &[&Sums], options: &Options) -> [DegreeFit; 3] {
+    let centring = Centring::new(parts, options.removal);
+    let samples: u64 = parts.iter().map(|sums| sums.samples).sum();
+    let mut first = 0;
+    [0, 1, 2].map(|d| {
+        let p = parts.first().map_or(0, |sums| sums.degrees[d].parameters());
+        let own = first..first + p;
+        first += p;
+        if samples <= (p + centring.intercepts()) as u64 {
+            return DegreeFit { status: Status::TooShort, solution: None };
+        }
+        let normal = pooled(parts, options.removal, d);
+        match solve(&normal, options.prior.map(|prior| (prior.strength, &prior.nominal[own]))) {
+            Err(parameter) => DegreeFit { status: Status::NotExcited(parameter), solution: None },
+            Ok((theta, gain)) => judged(parts, options, d, theta, gain),
+        }
+    })
+}
+
+fn judged(parts: &[&Sums], options: &Options, d: usize, theta: Vec<f64>, gain: Vec<f64>) -> DegreeFit {
+    if options.most.is_finite() && options.prior.is_none() {
+        let diagnosis = diagnose(parts, options.removal, d);
+        if diagnosis.index > options.most {
+            return DegreeFit { status: Status::Collinear(diagnosis), solution: None };
+        }
+    }
+    let intercept = if options.removal == MeanRemoval::None { 0.0 } else { mean_residual(parts, d, &theta) };
+    DegreeFit { status: Status::Identified, solution: Some(Solution { theta, gain, intercept }) }
+}
+
+/// The normal equations of degree of freedom `d`. One intercept for all parts needs the sums of all together.
+fn pooled(parts: &[&Sums], removal: MeanRemoval, d: usize) -> Normal {
+    if removal == MeanRemoval::Batch {
+        return Normal::new(parts.iter().map(|sums| &sums.degrees[d]), true);
+    }
+    let mut whole = Sums::default();
+    parts.iter().for_each(|sums| whole.merge(sums));
+    Normal::new([&whole.degrees[d]].into_iter(), removal == MeanRemoval::Complete)
+}
+
+/// θ̂ and G, or the parameter that is not excited.
+fn solve(normal: &Normal, prior: Option<(f64, &[f64])>) -> Result<(Vec<f64>, Vec<f64>), usize> {
+    let Some((strength, nominal)) = prior.filter(|(strength, _)| *strength > 0.0) else {
+        return normal.solve().and_then(|(theta, inverse)| {
+            if theta.iter().all(|t| t.is_finite()) { Ok((theta, inverse)) } else { Err(0) }
+        });
+    };
+    let p = normal.b.len();
+    let scaled = normal.regular_scaled();
+    let mut square = vec![0.0; p * p];
+    for i in 0..p {
+        for j in 0..p {
+            square[i * p + j] = (0..p).map(|k| scaled[k * p + i] * scaled[k * p + j]).sum();
+        }
+        square[i * p + i] += strength * strength;
+    }
+    // (ÂᵀÂ + s² I) X = Âᵀ, then the scales taken out again.
+    let mut gain: Vec<f64> = (0..p * p).map(|k| scaled[(k % p) * p + k / p]).collect();
+    small_matrix::solve(p, &mut square, &mut gain).ok_or(0_usize)?;
+    for i in 0..p {
+        for j in 0..p {
+            let size = normal.phi[i] * normal.zeta[j];
+            gain[i * p + j] = if size > 0.0 { gain[i * p + j] / size } else { 0.0 };
+        }
+    }
+    let missing: Vec<f64> =
+        (0..p).map(|i| normal.b[i] - (0..p).map(|j| normal.a[i * p + j] * nominal[j]).sum::<f64>()).collect();
+    let theta =
+        (0..p).map(|i| nominal[i] + (0..p).map(|j| gain[i * p + j] * missing[j]).sum::<f64>()).collect();
+    Ok((theta, gain))
+}
+
+/// Mean of Δy − φᵀθ over all samples.
+fn mean_residual(parts: &[&Sums], d: usize, theta: &[f64]) -> f64 {
+    let (mut total, mut samples) = (0.0, 0.0);
+    for sums in parts {
+        let degree = &sums.degrees[d];
+        let (p, lifted) = (theta.len(), theta.len() + 1);
+        let predicted: f64 = theta.iter().zip(&degree.a[p * lifted..]).map(|(t, f)| t * f).sum();
+        total += degree.b[p] - predicted;
+        samples += sums.samples as f64;
+    }
+    if samples > 0.0 { total / samples } else { 0.0 }
+}

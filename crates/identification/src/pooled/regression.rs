@@ -1,0 +1,114 @@
+use vessel::Model;
+
+use super::Part;
+use crate::{DegreeSums, Sums};
+
+/// The regressors, instruments and increments of one part.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Regression {
+    /// Number of pairs N.
+    pub samples: usize,
+    /// Surge, sway, yaw.
+    pub degrees: [DegreeRegression; 3],
+}
+
+/// Those of one degree of freedom with p parameters.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DegreeRegression {
+    /// p.
+    pub parameters: usize,
+    /// Regressors φ: N × p, row-major.
+    pub phi: Vec<f64>,
+    /// Instruments ζ: N × p, row-major.
+    pub zeta: Vec<f64>,
+    /// Increments Δy: N.
+    pub target: Vec<f64>,
+}
+
+impl Regression {
+    /// Evaluates the terms of `model` over `part`.
+    pub fn of(model: &Model, part: &Part) -> Self {
+        let degrees = [0, 1, 2].map(|d| DegreeRegression {
+            parameters: model.degrees[d].terms.len(),
+            phi: terms(model, d, part, &part.measured),
+            zeta: terms(model, d, part, &part.instrument_states),
+            target: (0..part.samples())
+                .map(|k| part.measured[3 * (k + 1) + d] - part.measured[3 * k + d])
+                .collect(),
+        });
+        Self { samples: part.samples(), degrees }
+    }
+
+    /// The same without the first pair. Instruments that start at the measured state share its noise with the first
+    /// increment, and with no later one where the noise is white.
+    pub fn after_start(mut self) -> Self {
+        if self.samples > 0 {
+            self.samples -= 1;
+            for degree in &mut self.degrees {
+                degree.phi.drain(..degree.parameters);
+                degree.zeta.drain(..degree.parameters);
+                degree.target.remove(0);
+            }
+        }
+        self
+    }
+
+    /// A = Σ ζ̃ φ̃ᵀ, b = Σ ζ̃ Δy and the sums of squares.
+    pub fn sums(&self) -> Sums {
+        Sums {
+            samples: self.samples as u64,
+            degrees: self.degrees.iter().map(DegreeRegression::sums).collect(),
+        }
+    }
+}
+
+/// The terms of degree of freedom `d` at `states`, N × p.
+fn terms(model: &Model, d: usize, part: &Part, states: &[f64]) -> Vec<f64> {
+    let width = model.exogenous();
+    let mut values = vec![0.0; 3 + width];
+    let mut out = Vec::with_capacity(part.samples() * model.degrees[d].terms.len());
+    for k in 0..part.samples() {
+        values[..3].copy_from_slice(&states[3 * k..3 * k + 3]);
+        values[3..].copy_from_slice(&part.exogenous[width * k..width * (k + 1)]);
+        out.extend(model.degrees[d].terms.iter().map(|term| term.evaluate(&values)));
+    }
+    out
+}
+
+impl DegreeRegression {
+    /// Row k of φ.
+    pub fn phi(&self, k: usize) -> &[f64] {
+        &self.phi[k * self.parameters..(k + 1) * self.parameters]
+    }
+
+    /// Row k of ζ.
+    pub fn zeta(&self, k: usize) -> &[f64] {
+        &self.zeta[k * self.parameters..(k + 1) * self.parameters]
+    }
+
+    fn sums(&self) -> DegreeSums {
+        let (p, lifted) = (self.parameters, self.parameters + 1);
+        let mut sums = DegreeSums {
+            a: vec![0.0; lifted * lifted],
+            b: vec![0.0; lifted],
+            instrument_squares: vec![0.0; p],
+            regressor_squares: vec![0.0; p],
+        };
+        let entry = |row: &[f64], i: usize| if i < p { row[i] } else { 1.0 };
+        for (k, increment) in self.target.iter().enumerate() {
+            let (phi, zeta) = (self.phi(k), self.zeta(k));
+            for i in 0..lifted {
+                let z = entry(zeta, i);
+                for j in 0..lifted {
+                    sums.a[i * lifted + j] += z * entry(phi, j);
+                }
+                sums.b[i] += z * increment;
+            }
+            for i in 0..p {
+                sums.instrument_squares[i] += zeta[i] * zeta[i];
+                sums.regressor_squares[i] += phi[i] * phi[i];
+            }
+        }
+        sums
+    }
+}

@@ -1,0 +1,44 @@
+use super::{Centring, Regression};
+
+/// How much of each regressor its instruments tell, beyond what they tell of the others: Shea's partial R² (*Review of
+/// Economics and Statistics* 79, 1997), (S_φφ⁻¹)_ii / ((S_φζ S_ζζ⁻¹ S_ζφ)⁻¹)_ii of centred sums. 1 for least squares, near 0
+/// for instruments that have lost the motion. `None` where a matrix is singular.
+pub fn strength(parts: &[&Regression], centring: &Centring, d: usize) -> Option<Vec<f64>> {
+    let p = parts.first()?.degrees[d].parameters;
+    let mut sums = [vec![0.0; p * p], vec![0.0; p * p], vec![0.0; p * p]];
+    let (mut zeta, mut phi) = (Vec::new(), Vec::new());
+    for (i, part) in parts.iter().enumerate() {
+        for k in 0..part.samples {
+            centring.zeta(i, d, part.degrees[d].zeta(k), &mut zeta);
+            centring.phi(i, d, part.degrees[d].phi(k), &mut phi);
+            for (sum, (left, right)) in sums.iter_mut().zip([(&phi, &phi), (&zeta, &zeta), (&zeta, &phi)]) {
+                add_products(sum, left, right);
+            }
+        }
+    }
+    let scale: Vec<[f64; 2]> = (0..p).map(|i| [0, 1].map(|s: usize| sums[s][i * p + i].sqrt())).collect();
+    let scaled = |which: usize, rows: usize, columns: usize| -> Vec<f64> {
+        (0..p * p).map(|k| sums[which][k] / (scale[k / p][rows] * scale[k % p][columns])).collect()
+    };
+    let (regressors, instruments, mixed) = (scaled(0, 0, 0), scaled(1, 1, 1), scaled(2, 1, 0));
+    let mut projected = mixed.clone();
+    small_matrix::solve(p, &mut instruments.clone(), &mut projected)?;
+    let explained: Vec<f64> =
+        (0..p * p).map(|k| (0..p).map(|l| mixed[l * p + k / p] * projected[l * p + k % p]).sum()).collect();
+    let (own, told) = (inverse_diagonal(p, &regressors)?, inverse_diagonal(p, &explained)?);
+    let partial: Vec<f64> = own.iter().zip(&told).map(|(own, told)| (own / told).clamp(0.0, 1.0)).collect();
+    partial.iter().all(|x| x.is_finite()).then_some(partial)
+}
+
+fn add_products(sum: &mut [f64], left: &[f64], right: &[f64]) {
+    let p = left.len();
+    for (row, l) in sum.chunks_exact_mut(p).zip(left) {
+        row.iter_mut().zip(right).for_each(|(s, r)| *s += l * r);
+    }
+}
+
+fn inverse_diagonal(p: usize, a: &[f64]) -> Option<Vec<f64>> {
+    let (mut destroyed, mut inverse) = (a.to_vec(), vec![0.0; p * p]);
+    small_matrix::inverse(p, &mut destroyed, &mut inverse)?;
+    Some((0..p).map(|i| inverse[i * p + i]).collect())
+}

@@ -1,0 +1,212 @@
+//! What must hold of pooled estimates by theory.
+
+#[path = "support/noise.rs"]
+mod noise;
+
+use approx::assert_relative_eq;
+use identification::pooled::{
+    COLLINEAR, Centring, Lifted, Options, Part, Prior, Regression, Status, bootstrap, fit, output_error,
+    sandwich,
+};
+use identification::{MeanRemoval, Sums};
+use noise::Normals;
+use vessel::{Streams, Vessel};
+
+const TRUTH: [f64; 8] = [-0.06, 0.7, 0.01, -0.25, -0.3, -0.2, -0.08, 0.1];
+const COMPLETE: Options = Options { removal: MeanRemoval::Complete, prior: None, most: f64::INFINITY };
+
+fn craft() -> Vessel {
+    let oracle: serde_json::Value =
+        serde_json::from_str(include_str!("../../../fixtures/oracle/pooled.json")).unwrap();
+    Vessel::from_file(toml::from_str(oracle["vessel"].as_str().unwrap()).unwrap()).unwrap()
+}
+
+/// A part of `samples` samples with forces that are correlated in time and no measurement noise, or none at all.
+fn part(vessel: &Vessel, samples: usize, number: usize, normals: &mut Normals, disturbed: bool) -> Part {
+    let lifted = Lifted::new(&vessel.model);
+    let phase = number as f64;
+    let (mut exogenous, mut measured) = (Vec::new(), vec![1.2, 0.0, 0.0]);
+    let mut force = [0.0; 3];
+    for k in 0..samples {
+        let k = k as f64;
+        let swing = (0.32 * k + phase).sin();
+        let row = [3.0 + 0.9 * (0.17 * k + 2.0 * phase).sin(), 0.3 * swing.signum()];
+        exogenous.extend(row);
+        for (f, size) in force.iter_mut().zip([0.004, 0.002, 0.001]) {
+            *f = 0.5 * *f + if disturbed { size * normals.next() } else { 0.0 };
+        }
+        let state = [0, 1, 2].map(|d| measured[measured.len() - 3 + d]);
+        let next = lifted.simulate(&lifted.parameters(&TRUTH, force), state, &row, 1);
+        measured.extend(&next[3..]);
+    }
+    Part::new("zigzag", "a", exogenous, measured)
+}
+
+fn many(vessel: &Vessel, count: usize, samples: usize, seed: u64) -> Vec<Part> {
+    let mut normals = Normals::new(seed);
+    let mut parts: Vec<Part> = (0..count).map(|i| part(vessel, samples, i, &mut normals, true)).collect();
+    let lifted = Lifted::new(&vessel.model);
+    Part::instrument(&mut parts, &lifted, &lifted.parameters(&vessel.nominal, [0.0; 3])).unwrap();
+    parts
+}
+
+fn regressions(vessel: &Vessel, parts: &[Part]) -> Vec<Regression> {
+    parts.iter().map(|p| Regression::of(&vessel.model, p)).collect()
+}
+
+fn errors(data: &[Regression], sums: &[&Sums], bandwidth: usize) -> (Vec<f64>, Vec<f64>) {
+    let found = fit(sums, &COMPLETE);
+    let (data, centring): (Vec<&Regression>, _) =
+        (data.iter().collect(), Centring::new(sums, MeanRemoval::Complete));
+    let (mut theta, mut errors) = (Vec::new(), Vec::new());
+    for (d, degree) in found.iter().enumerate() {
+        let solution = degree.solution.as_ref().unwrap();
+        let p = solution.theta.len();
+        let covariance = sandwich(&data, &centring, solution, d, bandwidth);
+        theta.extend(&solution.theta);
+        errors.extend((0..p).map(|i| covariance[i * p + i].sqrt()));
+    }
+    (theta, errors)
+}
+
+#[test]
+fn law_sums_of_parts_are_those_of_their_concatenation_without_the_seam() {
+    let vessel = craft();
+    let mut normals = Normals::new(3);
+    let [a, b] = [0, 1].map(|i| part(&vessel, 30 + i, i, &mut normals, true));
+    let whole = Part::new(
+        "",
+        "",
+        [&a.exogenous[..], &[2.0, 0.1], &b.exogenous[..]].concat(),
+        [&a.measured[..], &b.measured[..]].concat(),
+    );
+    let seam =
+        Part::new("", "", vec![2.0, 0.1], [&a.measured[a.measured.len() - 3..], &b.measured[..3]].concat());
+    let sums = |part: &Part| Regression::of(&vessel.model, part).sums();
+    let (mut parts, whole) = (sums(&a), sums(&whole));
+    parts.merge(&sums(&b));
+    parts.merge(&sums(&seam));
+    assert_eq!(parts.samples, whole.samples);
+    for (found, expected) in parts.degrees.iter().zip(&whole.degrees) {
+        for (found, expected) in found.a.iter().chain(&found.b).zip(expected.a.iter().chain(&expected.b)) {
+            assert_relative_eq!(found, expected, max_relative = 1e-12, epsilon = 1e-15);
+        }
+    }
+}
+
+#[test]
+fn law_a_weak_prior_is_none_and_a_strong_one_is_the_nominal_model() {
+    let vessel = craft();
+    let data = regressions(&vessel, &many(&vessel, 4, 60, 5));
+    let sums: Vec<Sums> = data.iter().map(Regression::sums).collect();
+    let sums: Vec<&Sums> = sums.iter().collect();
+    let theta = |strength: f64| {
+        let prior = Some(Prior { strength, nominal: &vessel.nominal });
+        let found = fit(&sums, &Options { prior, ..COMPLETE });
+        found.into_iter().flat_map(|d| d.solution.unwrap().theta).collect::<Vec<f64>>()
+    };
+    let (none, weak, strong) = (theta(0.0), theta(1e-7), theta(1e7));
+    for i in 0..TRUTH.len() {
+        assert_relative_eq!(weak[i], none[i], max_relative = 1e-6);
+        assert_relative_eq!(strong[i], vessel.nominal[i], max_relative = 1e-6);
+        assert_ne!(none[i], vessel.nominal[i]);
+    }
+}
+
+#[test]
+fn law_bootstrap_and_sandwich_agree_on_much_data() {
+    let vessel = craft();
+    let data = regressions(&vessel, &many(&vessel, 80, 60, 7));
+    let sums: Vec<Sums> = data.iter().map(Regression::sums).collect();
+    let sums: Vec<&Sums> = sums.iter().collect();
+    let (_, errors) = errors(&data, &sums, 8);
+    let streams = Streams::new(1, "test");
+    let resampled = bootstrap(&sums, &COMPLETE, 600, &streams);
+    assert_eq!(resampled, bootstrap(&sums, &COMPLETE, 600, &streams));
+    let found: Vec<f64> =
+        resampled.iter().flat_map(|d| d.as_ref().unwrap().parameters.iter().map(|p| p.std)).collect();
+    for (bootstrap, sandwich) in found.iter().zip(&errors) {
+        assert!((bootstrap / sandwich - 1.0).abs() < 0.3, "{found:?} {errors:?}");
+    }
+}
+
+#[test]
+fn law_standard_errors_are_the_spread_over_realizations() {
+    let vessel = craft();
+    let (mut thetas, mut mean_errors) = (Vec::new(), vec![0.0; TRUTH.len()]);
+    const RUNS: usize = 400;
+    for seed in 0..RUNS {
+        let data = regressions(&vessel, &many(&vessel, 10, 80, 1000 + seed as u64));
+        let sums: Vec<Sums> = data.iter().map(Regression::sums).collect();
+        let (theta, errors) = errors(&data, &sums.iter().collect::<Vec<_>>(), 8);
+        mean_errors.iter_mut().zip(errors).for_each(|(m, e)| *m += e / RUNS as f64);
+        thetas.push(theta);
+    }
+    for i in 0..TRUTH.len() {
+        let mean = thetas.iter().map(|t| t[i]).sum::<f64>() / RUNS as f64;
+        let variance = thetas.iter().map(|t| (t[i] - mean).powi(2)).sum::<f64>() / (RUNS - 1) as f64;
+        let ratio = mean_errors[i] / variance.sqrt();
+        assert!((ratio - 1.0).abs() < 0.15, "parameter {i}: predicted over found {ratio}");
+    }
+}
+
+#[test]
+fn law_output_errors_vanish_at_the_truth_that_undisturbed_data_came_from() {
+    let vessel = craft();
+    let mut normals = Normals::new(1);
+    let parts: Vec<Part> = (0..3).map(|i| part(&vessel, 60, i, &mut normals, false)).collect();
+    let lifted = Lifted::new(&vessel.model);
+    let start = lifted.parameters(&vessel.nominal, [0.0; 3]);
+    let sizes = lifted.parameters(&TRUTH.map(f64::abs), [1e-3; 3]);
+    let found = output_error(&lifted, &parts, &start, [0.2, 0.1, 0.05], &sizes).unwrap();
+    for (found, truth) in found.parameters.iter().zip(lifted.parameters(&TRUTH, [0.0; 3])) {
+        assert_relative_eq!(*found, truth, max_relative = 1e-4, epsilon = 1e-6);
+    }
+    let held = lifted.parameters(&[1.0; 8], [0.0; 3]);
+    let found = output_error(&lifted, &parts, &start, [0.2, 0.1, 0.05], &held).unwrap();
+    assert_eq!([3, 6, 10].map(|i: usize| found.parameters[i]), [0.0; 3]);
+}
+
+#[test]
+fn a_term_that_hardly_varies_is_collinear_with_the_intercept() {
+    let vessel = craft();
+    let mut parts = many(&vessel, 4, 60, 5);
+    for row in parts.iter_mut().flat_map(|p| p.exogenous.chunks_exact_mut(2)) {
+        row[0] = 3.0 + 0.001 * row[0];
+    }
+    let sums: Vec<Sums> = regressions(&vessel, &parts).iter().map(Regression::sums).collect();
+    let sums: Vec<&Sums> = sums.iter().collect();
+    let [surge, sway, yaw] = fit(&sums, &Options { most: COLLINEAR, ..COMPLETE });
+    let Status::Collinear(diagnosis) = surge.status else { panic!("{:?}", surge.status) };
+    assert!(surge.solution.is_none() && diagnosis.index > COLLINEAR && diagnosis.variation[2] < 0.01);
+    assert_eq!(diagnosis.weakest, 2);
+    assert!(sway.solution.is_some() && yaw.solution.is_some());
+}
+
+#[test]
+fn a_nominal_simulation_that_diverges_is_told_with_part_and_sample() {
+    let vessel = craft();
+    let mut parts = many(&vessel, 3, 60, 5);
+    let kept = parts.clone();
+    parts[1].measured[0] = -1e4;
+    let lifted = Lifted::new(&vessel.model);
+    let wild = lifted.parameters(&vessel.nominal, [0.0; 3]);
+    let diverged = Part::instrument(&mut parts, &lifted, &wild).unwrap_err();
+    assert_eq!((diverged.part, diverged.at.sample, diverged.at.state), (1, 0, 0));
+    assert_eq!(parts[0], kept[0]);
+}
+
+#[test]
+fn too_little_data_and_constant_terms_are_not_identified() {
+    let vessel = craft();
+    let short = regressions(&vessel, &many(&vessel, 1, 3, 5));
+    let sums: Vec<Sums> = short.iter().map(Regression::sums).collect();
+    let found = fit(&sums.iter().collect::<Vec<_>>(), &COMPLETE);
+    assert_eq!(found[0].status, Status::TooShort);
+    let mut parts = many(&vessel, 2, 30, 5);
+    parts.iter_mut().flat_map(|p| p.exogenous.iter_mut().skip(1).step_by(2)).for_each(|delta| *delta = 0.0);
+    let sums: Vec<Sums> = regressions(&vessel, &parts).iter().map(Regression::sums).collect();
+    let found = fit(&sums.iter().collect::<Vec<_>>(), &COMPLETE);
+    assert_eq!(found[2].status, Status::NotExcited(2));
+    assert!(found[0].solution.is_some());
+}

@@ -1,0 +1,291 @@
+//! Whole segments: counts n_q with Σ n_q = n and n_q ≤ a_q whose mixture is best.
+
+use rand::{Rng, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+use crate::{Design, Error, Objective, apportion};
+
+/// How to look for counts.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CountOptions {
+    /// All counts are tried where there are no more than this.
+    pub exhaustive: u64,
+    /// Starts of the exchange besides the apportioned shares.
+    pub random_starts: u32,
+    /// Seed of the random starts.
+    pub seed: u64,
+}
+
+impl Default for CountOptions {
+    fn default() -> Self {
+        Self { exhaustive: 10_000_000, random_starts: 5, seed: 1 }
+    }
+}
+
+/// How counts were found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Method {
+    /// All counts were tried: none is better.
+    Exhaustive,
+    /// No exchange of one segment for another improves them (among the most promising where there are many candidates).
+    Exchange,
+}
+
+/// The best counts found.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Counted {
+    /// Segments of every candidate.
+    pub counts: Vec<u64>,
+    /// Φ of their shares n_q/n.
+    pub value: f64,
+    /// How they were found.
+    pub method: Method,
+    /// How many counts were tried.
+    pub tried: u64,
+    /// Φ of the apportioned shares; minus infinity where that is not defined.
+    pub apportioned: f64,
+}
+
+/// Counts of `total` segments, at most `limits[q]` of candidate `q`, that make `objective` large; `shares` are the relaxed
+/// problem's.
+///
+/// # Errors
+/// [`Error::Infeasible`] where the limits sum to less than `total`; [`Error::Shape`]; [`Error::Solver`] where no counts that
+/// were tried have a defined criterion.
+pub fn count_segments<O: Objective>(
+    objective: &O,
+    shares: &[f64],
+    total: u64,
+    limits: Option<&[u64]>,
+    options: &CountOptions,
+) -> Result<Counted, Error> {
+    let limits: Vec<u64> = match limits {
+        Some(limits) => limits.iter().map(|a| (*a).min(total)).collect(),
+        None => vec![total; objective.len()],
+    };
+    if limits.len() != objective.len() || shares.len() != objective.len() {
+        return Err(Error::Shape { found: limits.len().min(shares.len()), expected: objective.len() });
+    }
+    let room: u128 = limits.iter().map(|a| u128::from(*a)).sum();
+    if total == 0 || room < u128::from(total) {
+        return Err(Error::Infeasible { total: room as f64 / total as f64 });
+    }
+    let mut search = Search { objective, total, limits, at: O::Point::default(), tried: 0 };
+    let start = search.apportioned(shares);
+    let apportioned = search.value(&start);
+    let exhaustive = shares.len() <= MOST_WALKED && search.compositions() <= options.exhaustive as f64;
+    let best = if exhaustive { search.all() } else { search.exchanges(start, options) };
+    let (value, counts) = best
+        .filter(|(value, _)| value.is_finite())
+        .ok_or_else(|| Error::Solver("every count was singular".into()))?;
+    let method = if exhaustive { Method::Exhaustive } else { Method::Exchange };
+    Ok(Counted { counts, value, method, tried: search.tried, apportioned })
+}
+
+impl Counted {
+    /// By how much at most, as a fraction of the experiment's time, these counts are worse than any shares within the gap
+    /// of `design`, the relaxed problem's: proved where that is proved global. `degree`: what the criterion gains per
+    /// log of time.
+    pub fn loss_bound(&self, design: &Design, degree: f64) -> f64 {
+        let gap = design.gap.max(0.0);
+        let above = if gap < 1.0 { -(-gap).ln_1p() } else { f64::INFINITY };
+        1.0 - ((self.value - design.log_det - above) / degree).exp().min(1.0)
+    }
+}
+
+/// Candidates that may come in by an exchange.
+const INCOMING: usize = 256;
+
+/// Candidates that the exhaustive search, one call deep per candidate, takes at most.
+const MOST_WALKED: usize = 1000;
+
+struct Search<'a, O: Objective> {
+    objective: &'a O,
+    total: u64,
+    limits: Vec<u64>,
+    at: O::Point,
+    tried: u64,
+}
+
+impl<O: Objective> Search<'_, O> {
+    fn shares(&self, counts: &[u64]) -> Vec<f64> {
+        counts.iter().map(|n| *n as f64 / self.total as f64).collect()
+    }
+
+    fn value(&mut self, counts: &[u64]) -> f64 {
+        let shares = self.shares(counts);
+        self.value_of(&shares)
+    }
+
+    fn value_of(&mut self, shares: &[f64]) -> f64 {
+        self.tried += 1;
+        let value = self.objective.value(shares, &mut self.at);
+        value.filter(|v| v.is_finite()).unwrap_or(f64::NEG_INFINITY)
+    }
+
+    /// The shares apportioned, cut to the limits; what is cut goes where it is most lacking.
+    fn apportioned(&self, shares: &[f64]) -> Vec<u64> {
+        let mut counts = apportion(shares, self.total);
+        counts.iter_mut().zip(&self.limits).for_each(|(n, a)| *n = (*n).min(*a));
+        let mut left = self.total - counts.iter().sum::<u64>();
+        while left > 0 {
+            let lack = |q: &usize| (counts[*q] as f64 + 1.0) / shares[*q].max(1e-12);
+            let open = (0..counts.len()).filter(|q| counts[*q] < self.limits[*q]);
+            let Some(q) = open.min_by(|a, b| lack(a).total_cmp(&lack(b))) else { break };
+            counts[q] += 1;
+            left -= 1;
+        }
+        counts
+    }
+
+    /// How many counts there are.
+    fn compositions(&self) -> f64 {
+        // As many as the exchange could ever visit is too many already.
+        if self.total > 100_000 {
+            return if self.limits.len() == 1 { 1.0 } else { f64::INFINITY };
+        }
+        let n = self.total as usize;
+        let mut ways = vec![0.0_f64; n + 1];
+        ways[0] = 1.0;
+        for limit in &self.limits {
+            let limit = *limit as usize;
+            let mut next = vec![0.0; n + 1];
+            let mut window = 0.0;
+            for sum in 0..=n {
+                window += ways[sum];
+                if sum > limit {
+                    window -= ways[sum - limit - 1];
+                }
+                next[sum] = window;
+            }
+            ways = next;
+            if ways[n] > 1e15 {
+                break;
+            }
+        }
+        ways[n].max(1.0)
+    }
+
+    /// The best of all counts, the first in lexicographic order among equals.
+    fn all(&mut self) -> Option<(f64, Vec<u64>)> {
+        // What the candidates from q on have room for.
+        let mut room: Vec<u64> = vec![0; self.limits.len() + 1];
+        for q in (0..self.limits.len()).rev() {
+            room[q] = room[q + 1].saturating_add(self.limits[q]);
+        }
+        let mut walk =
+            Walk { counts: vec![0; self.limits.len()], shares: vec![0.0; self.limits.len()], best: None };
+        self.descend(0, self.total, &room, &mut walk);
+        walk.best
+    }
+
+    fn descend(&mut self, q: usize, left: u64, room: &[u64], walk: &mut Walk) {
+        let set = |walk: &mut Walk, n: u64, total: u64| {
+            walk.counts[q] = n;
+            walk.shares[q] = n as f64 / total as f64;
+        };
+        if q + 1 == self.limits.len() {
+            set(walk, left, self.total);
+            let value = self.value_of(&walk.shares);
+            if walk.best.as_ref().is_none_or(|(best, _)| value > *best) {
+                walk.best = Some((value, walk.counts.clone()));
+            }
+            return;
+        }
+        for n in left.saturating_sub(room[q + 1])..=left.min(self.limits[q]) {
+            set(walk, n, self.total);
+            self.descend(q + 1, left - n, room, walk);
+        }
+    }
+
+    /// The best that exchanges reach from the apportioned shares and from random counts.
+    fn exchanges(&mut self, start: Vec<u64>, options: &CountOptions) -> Option<(f64, Vec<u64>)> {
+        let mut best: Option<(f64, Vec<u64>)> = None;
+        for number in 0..=options.random_starts {
+            let mut counts = start.clone();
+            if number > 0 {
+                let mut rng = ChaCha8Rng::seed_from_u64(options.seed);
+                rng.set_stream(u64::from(number));
+                self.shake(&mut counts, &mut rng);
+            }
+            let found = self.exchange(counts);
+            if best.as_ref().is_none_or(|(value, _)| found.0 > *value) {
+                best = Some(found);
+            }
+        }
+        best
+    }
+
+    /// Moves about a third of the segments somewhere else.
+    fn shake(&self, counts: &mut [u64], rng: &mut ChaCha8Rng) {
+        let mut pick = |places: &[usize]| places[(rng.next_u64() % places.len().max(1) as u64) as usize];
+        for _ in 0..(self.total / 3).clamp(1, 1000) {
+            let used: Vec<usize> = (0..counts.len()).filter(|q| counts[*q] > 0).collect();
+            let from = pick(&used);
+            let open: Vec<usize> =
+                (0..counts.len()).filter(|q| *q != from && counts[*q] < self.limits[*q]).collect();
+            if open.is_empty() {
+                return;
+            }
+            let to = pick(&open);
+            counts[from] -= 1;
+            counts[to] += 1;
+        }
+    }
+
+    /// Best exchanges of one segment for another until none improves.
+    fn exchange(&mut self, mut counts: Vec<u64>) -> (f64, Vec<u64>) {
+        let mut value = self.value(&counts);
+        let mut shares = self.shares(&counts);
+        let one = 1.0 / self.total as f64;
+        loop {
+            let mut best: Option<(f64, usize, usize)> = None;
+            for to in self.incoming(&counts) {
+                for from in (0..counts.len()).filter(|q| counts[*q] > 0 && *q != to) {
+                    let kept = (shares[from], shares[to]);
+                    shares[from] = (counts[from] - 1) as f64 * one;
+                    shares[to] = (counts[to] + 1) as f64 * one;
+                    let found = self.value_of(&shares);
+                    (shares[from], shares[to]) = kept;
+                    if best.is_none_or(|(value, ..)| found > value) {
+                        best = Some((found, from, to));
+                    }
+                }
+            }
+            match best {
+                Some((found, from, to))
+                    if found > value + 1e-12 * value.abs().max(1.0)
+                        || value.is_infinite() && found.is_finite() =>
+                {
+                    counts[from] -= 1;
+                    counts[to] += 1;
+                    (shares[from], shares[to]) = (counts[from] as f64 * one, counts[to] as f64 * one);
+                    value = found;
+                }
+                _ => return (value, counts),
+            }
+        }
+    }
+
+    /// Candidates with room, the most sensitive of them where there are many.
+    fn incoming(&mut self, counts: &[u64]) -> Vec<usize> {
+        let mut open: Vec<usize> = (0..counts.len()).filter(|q| counts[*q] < self.limits[*q]).collect();
+        if open.len() <= INCOMING {
+            return open;
+        }
+        let shares = self.shares(counts);
+        if self.objective.evaluate(&shares, &mut self.at).is_some() {
+            let worth: Vec<f64> =
+                (0..counts.len()).map(|q| self.objective.sensitivity(q, &self.at)).collect();
+            open.sort_by(|a, b| worth[*b].total_cmp(&worth[*a]).then(a.cmp(b)));
+        }
+        open.truncate(INCOMING);
+        open
+    }
+}
+
+struct Walk {
+    counts: Vec<u64>,
+    shares: Vec<f64>,
+    best: Option<(f64, Vec<u64>)>,
+}

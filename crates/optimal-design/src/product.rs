@@ -1,0 +1,30 @@
+//! Products of small square blocks, n × n, row-major.
+
+/// A B.
+pub(crate) fn product(n: usize, a: &[f64], b: &[f64]) -> Vec<f64> {
+    let mut out = vec![0.0; n * n];
+    if n == 0 {
+        return out;
+    }
+    for (row, left) in out.chunks_exact_mut(n).zip(a.chunks_exact(n)) {
+        for (factor, right) in left.iter().zip(b.chunks_exact(n)) {
+            row.iter_mut().zip(right).for_each(|(o, r)| *o += factor * r);
+        }
+    }
+    out
+}
+
+/// Aᵀ.
+pub(crate) fn transposed(n: usize, a: &[f64]) -> Vec<f64> {
+    (0..n * n).map(|k| a[(k % n) * n + k / n]).collect()
+}
+
+/// A B Aᵀ.
+pub(crate) fn congruence(n: usize, a: &[f64], b: &[f64]) -> Vec<f64> {
+    product(n, &product(n, a, b), &transposed(n, a))
+}
+
+/// Σ_ij a_ij b_ij.
+pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}

@@ -1,0 +1,75 @@
+use std::path::Path;
+
+use artifact::Provenance;
+use identification::Noise;
+use vessel::{Current, Source, Vessel};
+
+use crate::documents::ExpectedDisturbances;
+use crate::failure::Failure;
+use crate::instruments::InstrumentKind;
+use crate::study_files::read_campaign;
+
+/// The disturbances to expect, and the parameters that the residual is linearised with.
+pub struct NoiseModel {
+    /// Standard deviations.
+    pub noise: Noise,
+    /// One per parameter: the true ones where all are known, else the nominal ones.
+    pub parameters: Vec<f64>,
+    source: Source,
+}
+
+impl NoiseModel {
+    /// Reads the disturbances of `campaign.toml` and notes its digest.
+    ///
+    /// # Errors
+    /// A file that is refused; instruments that are the measured regressors and noise in them, where the covariance of
+    /// instrumental variables does not hold.
+    pub fn read(
+        campaign: &Path,
+        vessel: &Vessel,
+        instruments: InstrumentKind,
+        provenance: &mut Provenance,
+    ) -> Result<Self, Failure> {
+        let disturbances = read_campaign(campaign, provenance)?.disturbances();
+        let m = disturbances.measurement;
+        let measurement = [m.std_u_m_s, m.std_v_m_s, m.std_r_rad_s];
+        if instruments == InstrumentKind::Regressors && measurement.iter().any(|std| *std > 0.0) {
+            return Err(Failure::refuse(
+                campaign,
+                "`measurement`",
+                "noise in the regressors that --instruments regressors makes the instruments of",
+                "instruments free of noise: a covariance does not tell how far least squares is off",
+                "take --instruments nominal, or leave out --campaign",
+            ));
+        }
+        let current = match disturbances.current {
+            Current::None => 0.0,
+            Current::White { std_m_s } => std_m_s,
+        };
+        let (source, parameters) = match vessel.parameters(Source::Value) {
+            Ok(parameters) => (Source::Value, parameters),
+            Err(_) => (Source::Nominal, vessel.nominal.clone()),
+        };
+        Ok(Self { noise: Noise { measurement, current }, parameters, source })
+    }
+
+    /// As it stands in `moments.json`.
+    pub fn document(&self, vessel: &Vessel) -> ExpectedDisturbances {
+        let named = |values: &[f64]| {
+            vessel.model.parameter_names().map(str::to_owned).zip(values.iter().copied()).collect()
+        };
+        let [std_u_m_s, std_v_m_s, std_r_rad_s] = self.noise.measurement;
+        ExpectedDisturbances {
+            std_u_m_s,
+            std_v_m_s,
+            std_r_rad_s,
+            current_std_m_s: self.noise.current,
+            linearised_at: match self.source {
+                Source::Value => "value".into(),
+                Source::Nominal => "nominal".into(),
+            },
+            parameters: named(&self.parameters),
+            nominal: named(&vessel.nominal),
+        }
+    }
+}

@@ -1,0 +1,45 @@
+use std::path::Path;
+
+use optimal_design::Error;
+
+use crate::documents::MomentsDocument;
+use crate::failure::Failure;
+
+/// Why there is no design of the moments in `file`.
+pub fn no_design(file: &Path, moments: &MomentsDocument, error: Error) -> Failure {
+    match error {
+        Error::Unexcited { block, direction } => {
+            let degree = &moments.degrees[block];
+            let weight = |i: &usize| direction[*i].abs();
+            let parameter =
+                (0..degree.parameters.len()).max_by(|a, b| weight(a).total_cmp(&weight(b))).unwrap_or(0);
+            Failure::NoAnswer(format!(
+                "{}: parameter `{}` ({}): found a direction that no maneuver excites, expected every parameter to be \
+                 excited by some maneuver; add a maneuver in which `{}` varies independently of the other terms of {}",
+                file.display(),
+                degree.parameters[parameter],
+                degree.name,
+                degree.regressors[parameter],
+                degree.name
+            ))
+        }
+        Error::SingularCovariance { block, row } => {
+            let degree = &moments.degrees[block];
+            Failure::NoAnswer(format!(
+                "{}: parameter `{}` ({}): found a covariance that is singular, with no variance of its own, expected the \
+                 disturbances to reach every parameter; expect noise in {} too, or take --criterion d-hessian",
+                file.display(),
+                degree.parameters.get(row).or(degree.parameters.last()).map_or("", String::as_str),
+                degree.name,
+                degree.name
+            ))
+        }
+        Error::Empty => {
+            Failure::refuse(file, "`data.maneuvers`", "none", "at least one maneuver", "run `moments` again")
+        }
+        other => Failure::NoAnswer(format!(
+            "{}: design: found {other}, expected a convergent search; raise --starts or --tolerance",
+            file.display()
+        )),
+    }
+}

@@ -1,0 +1,241 @@
+use clap::ValueEnum;
+use identification::pooled::{
+    COLLINEAR, DegreeFit, Lifted, Options, OutputError, Part, PartDiverged, Prior, Regression, fit,
+    output_error,
+};
+use identification::{DegreeSums, MeanRemoval, Sums};
+use vessel::Model;
+
+use super::{NominalModel, deviations};
+
+/// An estimator for pooled parts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Method {
+    /// Least squares (biased by measurement noise)
+    Ls,
+    /// Instrumental variables: instruments from the nominal model over the same inputs
+    Iv,
+    /// Instrumental variables whose instruments are simulated again with the estimate, three times
+    Refined,
+    /// Instrumental variables where they identify a degree of freedom, least squares elsewhere
+    Auto,
+    /// Least errors of free simulations over the sub-experiments, started at `auto`
+    Oe,
+}
+
+/// What the estimate of a degree of freedom was made with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Used {
+    /// Simulated instruments.
+    Iv,
+    /// The regressors themselves.
+    Ls,
+    /// Free simulation.
+    Oe,
+}
+
+impl Used {
+    /// As in files.
+    pub fn name(self) -> &'static str {
+        ["iv", "ls", "oe"][self as usize]
+    }
+}
+
+/// How often refined instruments are simulated again.
+const ROUNDS: usize = 3;
+
+/// What all estimates of a study have in common.
+#[derive(Clone, Copy)]
+pub struct Pool<'a> {
+    /// The model structure.
+    pub model: &'a Model,
+    /// The same with intercepts.
+    pub lifted: &'a Lifted,
+    /// How many intercepts.
+    pub removal: MeanRemoval,
+    /// Strength of the prior.
+    pub strength: f64,
+    /// Where instruments come from.
+    pub nominal: &'a NominalModel,
+}
+
+/// An estimate of pooled parts.
+pub struct Estimated {
+    /// Surge, sway, yaw.
+    pub degrees: [DegreeFit; 3],
+    /// What each was made with.
+    pub used: [Used; 3],
+    /// Nominal parameters, lifted; where there were any.
+    pub nominal: Option<Vec<f64>>,
+    /// The output-error estimate, where it was asked for and found.
+    pub output_error: Option<OutputError>,
+    /// Why no instruments were simulated with `auto`, which then is least squares.
+    pub diverged: Option<PartDiverged>,
+    /// The data with the regressors as instruments.
+    ls: Vec<Regression>,
+    /// The data with simulated instruments.
+    iv: Option<Vec<Regression>>,
+}
+
+impl Estimated {
+    /// The data that degree of freedom `d` was estimated from.
+    pub fn data(&self, d: usize) -> &[Regression] {
+        match (self.used[d], &self.iv) {
+            (Used::Iv, Some(iv)) => iv,
+            _ => &self.ls,
+        }
+    }
+
+    /// The data with simulated instruments, where there are any.
+    pub fn instrumented(&self) -> Option<&[Regression]> {
+        self.iv.as_deref()
+    }
+
+    /// θ̂ of all degrees of freedom.
+    pub fn theta(&self) -> Option<Vec<f64>> {
+        let thetas: Option<Vec<Vec<f64>>> =
+            self.degrees.iter().map(|d| d.solution.as_ref().map(|s| s.theta.clone())).collect();
+        thetas.map(|t| t.concat())
+    }
+
+    /// Intercepts; 0 where there is none.
+    pub fn intercepts(&self) -> [f64; 3] {
+        [0, 1, 2].map(|d: usize| self.degrees[d].solution.as_ref().map_or(0.0, |s| s.intercept))
+    }
+}
+
+impl Pool<'_> {
+    /// Estimates from `parts`, whose instruments are left as they were used.
+    ///
+    /// # Errors
+    /// The nominal simulation diverges.
+    pub fn estimate(&self, parts: &mut [Part], method: Method) -> Result<Estimated, PartDiverged> {
+        Part::regress(parts);
+        let ls = self.regressions(parts);
+        let sums: Vec<Sums> = ls.iter().map(Regression::sums).collect();
+        let nominal = self.nominal.parameters(&sums.iter().collect::<Vec<_>>(), self.removal);
+        let lifted = nominal.as_ref().map(|(theta, c)| self.lifted.parameters(theta, *c));
+        let fitted = self.fit(&sums, nominal.as_ref().map(|(theta, _)| theta.as_slice()), Used::Ls);
+        let mut found = Estimated {
+            degrees: fitted,
+            used: [Used::Ls; 3],
+            nominal: lifted,
+            output_error: None,
+            diverged: None,
+            ls,
+            iv: None,
+        };
+        if method == Method::Ls {
+            return Ok(found);
+        }
+        match (found.nominal.as_ref().map(|n| Part::instrument(parts, self.lifted, n)), method) {
+            (Some(Ok(())), _) => self.instrumented(parts, nominal, method, &mut found),
+            (Some(Err(diverged)), Method::Auto | Method::Oe) => found.diverged = Some(diverged),
+            (Some(Err(diverged)), _) => return Err(diverged),
+            // Least squares found no model to simulate, so nothing is identified either way.
+            (None, _) => {}
+        }
+        if method == Method::Oe {
+            self.simulated(parts, &sums, &mut found);
+        }
+        Ok(found)
+    }
+
+    fn instrumented(
+        &self,
+        parts: &mut [Part],
+        nominal: Option<(Vec<f64>, [f64; 3])>,
+        method: Method,
+        found: &mut Estimated,
+    ) {
+        let theta = nominal.as_ref().map(|(theta, _)| theta.as_slice());
+        let mut data = self.instrumented_regressions(parts);
+        let mut degrees = self.fit_of(&data, theta, Used::Iv);
+        for _ in 0..if method == Method::Refined { ROUNDS } else { 0 } {
+            let own: Option<Vec<Vec<f64>>> =
+                degrees.iter().map(|d| d.solution.as_ref().map(|s| s.theta.clone())).collect();
+            let Some(own) = own.map(|t| t.concat()) else { break };
+            let intercepts =
+                [0, 1, 2].map(|d: usize| degrees[d].solution.as_ref().map_or(0.0, |s| s.intercept));
+            if Part::instrument(parts, self.lifted, &self.lifted.parameters(&own, intercepts)).is_err() {
+                break;
+            }
+            let again = self.instrumented_regressions(parts);
+            let refitted = self.fit_of(&again, theta, Used::Iv);
+            if refitted.iter().any(|d| d.solution.is_none()) {
+                break;
+            }
+            (data, degrees) = (again, refitted);
+        }
+        for (d, degree) in degrees.into_iter().enumerate() {
+            if degree.solution.is_some() || !matches!(method, Method::Auto | Method::Oe) {
+                (found.degrees[d], found.used[d]) = (degree, Used::Iv);
+            }
+        }
+        found.iv = Some(data);
+    }
+
+    /// Goes on from the estimate at hand to the least errors of free simulations. Where those diverge, it stays.
+    fn simulated(&self, parts: &[Part], sums: &[Sums], found: &mut Estimated) {
+        let Some(theta) = found.theta() else { return };
+        let start = self.lifted.parameters(&theta, found.intercepts());
+        let std = deviations(parts.iter().map(|p| p.measured.as_slice()));
+        let sizes = self.sizes(sums, std);
+        let Some(best) = output_error(self.lifted, parts, &start, std, &sizes) else { return };
+        let mut rest = best.parameters.as_slice();
+        for (d, degree) in self.model.degrees.iter().enumerate() {
+            let (own, after) = rest.split_at(degree.terms.len() + 1);
+            if let Some(solution) = &mut found.degrees[d].solution {
+                solution.theta = own[..degree.terms.len()].to_vec();
+                solution.intercept = own[degree.terms.len()];
+            }
+            found.used[d] = Used::Oe;
+            rest = after;
+        }
+        found.output_error = Some(best);
+    }
+
+    /// Per lifted parameter the value with which its term alone would make up the state's deviation in a sample; 0 for an
+    /// intercept that is not estimated and a term that is always 0.
+    fn sizes(&self, sums: &[Sums], std: [f64; 3]) -> Vec<f64> {
+        let mut whole = Sums::default();
+        sums.iter().for_each(|s| whole.merge(s));
+        let n = whole.samples.max(1) as f64;
+        let size = |square: f64, std: f64| if square > 0.0 { std / (square / n).sqrt() } else { 0.0 };
+        let intercept = |std: f64| if self.removal == MeanRemoval::None { 0.0 } else { std };
+        let degree = |(degree, std): (&DegreeSums, f64)| -> Vec<f64> {
+            let own = degree.regressor_squares.iter().map(|square| size(*square, std));
+            own.chain([intercept(std)]).collect()
+        };
+        whole.degrees.iter().zip(std).flat_map(degree).collect()
+    }
+
+    /// Regressors, instruments and increments of every part.
+    pub fn regressions(&self, parts: &[Part]) -> Vec<Regression> {
+        parts.iter().map(|part| Regression::of(self.model, part)).collect()
+    }
+
+    /// Those of parts whose instruments start at the measured state.
+    pub fn instrumented_regressions(&self, parts: &[Part]) -> Vec<Regression> {
+        self.regressions(parts).into_iter().map(Regression::after_start).collect()
+    }
+
+    fn fit_of(&self, data: &[Regression], nominal: Option<&[f64]>, used: Used) -> [DegreeFit; 3] {
+        let sums: Vec<Sums> = data.iter().map(Regression::sums).collect();
+        self.fit(&sums, nominal, used)
+    }
+
+    fn fit(&self, sums: &[Sums], nominal: Option<&[f64]>, used: Used) -> [DegreeFit; 3] {
+        fit(&sums.iter().collect::<Vec<_>>(), &self.options(nominal, used))
+    }
+
+    /// The options of a fit. Least squares projects whatever the columns; instruments must not be collinear.
+    pub fn options<'b>(&self, nominal: Option<&'b [f64]>, used: Used) -> Options<'b> {
+        let prior = nominal.filter(|_| self.strength > 0.0);
+        Options {
+            removal: self.removal,
+            prior: prior.map(|nominal| Prior { strength: self.strength, nominal }),
+            most: if used == Used::Iv { COLLINEAR } else { f64::INFINITY },
+        }
+    }
+}

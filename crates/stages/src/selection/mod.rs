@@ -1,0 +1,13 @@
+//! The paper's study on measured data: models from sub-experiments that a design picked, against random picks.
+
+mod counts;
+mod draw;
+mod realize;
+mod stage;
+mod table;
+
+pub use counts::counts;
+pub use draw::Draw;
+pub use realize::{Realization, Realizer};
+pub use stage::{Wanted, select};
+pub use table::{ID, Row, VERSION, rows, schema, table};

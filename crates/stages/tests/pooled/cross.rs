@@ -1,0 +1,51 @@
+use serde_json::Value;
+
+use crate::CROSS;
+use crate::support::*;
+
+fn estimators(folder: &tempfile::TempDir) -> Vec<Value> {
+    json(folder, "crossval.json")["data"]["estimators"].as_array().unwrap().clone()
+}
+
+#[test]
+fn every_run_is_left_out_once_and_windows_are_side_by_side() {
+    let folder = with(&["campaign.parquet"]);
+    run(&folder, &format!("{CROSS} --out crossval.json")).succeeds();
+    let document = json(&folder, "crossval.json");
+    let data = &document["data"];
+    assert_eq!((&data["folds"], &data["windows"], &data["samples"]), (&4.into(), &20.into(), &4000.into()));
+    assert!(data["recommended"].is_string());
+    let found = estimators(&folder);
+    let names: Vec<&str> = found.iter().map(|e| e["name"].as_str().unwrap()).collect();
+    assert_eq!(names, ["ls", "iv", "refined", "auto", "oe"]);
+    for estimator in &found {
+        let sources: Vec<&Value> =
+            estimator["sources"].as_array().unwrap().iter().map(|s| &s["source"]).collect();
+        assert_eq!(sources.len(), 4, "{estimator}");
+        let whole = estimator["errors"]["rmse_u"].as_f64().unwrap();
+        let own = |s: &Value| s["errors"]["rmse_u"].as_f64().unwrap().powi(2) / 4.0;
+        let mean: f64 = estimator["sources"].as_array().unwrap().iter().map(own).sum();
+        assert!((whole - mean.sqrt()).abs() < 1e-12, "sources of equal length make up the whole");
+    }
+}
+
+#[test]
+fn folds_are_dealt_in_turns() {
+    let folder = with(&["campaign.parquet"]);
+    run(&folder, &format!("{CROSS} --folds 2 --estimators ls --out crossval.json")).succeeds();
+    assert_eq!(json(&folder, "crossval.json")["data"]["folds"], 2);
+    assert_eq!(estimators(&folder)[0]["sources"].as_array().unwrap().len(), 4);
+}
+
+#[test]
+fn an_estimator_that_cannot_be_simulated_is_told_and_not_recommended() {
+    let folder = with(&["dictionary.parquet"]);
+    let line = "validate cross --vessel vessel.toml --trajectories dictionary.parquet --runs 0,1,2 --estimators iv --out c.json";
+    let said = run(&folder, line).succeeds();
+    let data = json(&folder, "c.json")["data"].clone();
+    assert_eq!(
+        (&data["recommended"], &data["estimators"][0]["status"]),
+        (&Value::Null, &"not identifiable".into())
+    );
+    assert!(data["estimators"][0]["reason"].as_str().unwrap().contains("sway"), "{said}");
+}

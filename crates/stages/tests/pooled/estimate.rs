@@ -1,0 +1,111 @@
+use serde_json::Value;
+
+use crate::POOL;
+use crate::support::*;
+
+fn degrees(folder: &tempfile::TempDir) -> Vec<Value> {
+    json(folder, "trust.json")["data"]["degrees"].as_array().unwrap().clone()
+}
+
+/// Name, estimate, standard error of every parameter.
+fn parameters(folder: &tempfile::TempDir) -> Vec<(String, f64, f64)> {
+    let own = |p: &Value| {
+        let number = |key: &str| p[key].as_f64().unwrap();
+        (p["name"].as_str().unwrap().to_owned(), number("estimate"), number("standard_error"))
+    };
+    degrees(folder)
+        .iter()
+        .flat_map(|d| d["parameters"].as_array().unwrap().iter().map(own).collect::<Vec<_>>())
+        .collect()
+}
+
+#[test]
+fn one_estimate_comes_from_all_runs_and_lies_near_the_truth() {
+    let folder = with(&["campaign.parquet"]);
+    run(&folder, &format!("{POOL} --bootstrap 50 --out pooled/estimates.parquet")).refuses(1, &["pooled"]);
+    run(&folder, &format!("{POOL} --bootstrap 50 --out estimates.parquet")).succeeds();
+    let table = craft::read(&folder.path().join("estimates.parquet"), "estimates");
+    assert_eq!((table.blocks.len(), table.blocks[0].columns[1].as_i32().unwrap()), (1, &[0][..]));
+    assert_eq!(table.blocks[0].columns[3].text_at(0), Some("identified"));
+    let summary = json(&folder, "estimate.json");
+    let truth = summary["data"]["designs"][0]["parameters"].as_array().unwrap().clone();
+    assert!(summary["data"]["trust"].is_array());
+    for ((name, estimate, error), truth) in parameters(&folder).iter().zip(&truth) {
+        assert_eq!(truth["name"], name.as_str());
+        assert_eq!(truth["mean"], *estimate);
+        let truth = truth["truth"].as_f64().unwrap();
+        let off = (estimate - truth).abs();
+        assert!(off < 5.0 * error, "{name}: {off} against {error}");
+    }
+    let trust = json(&folder, "trust.json");
+    assert_eq!(trust["data"]["runs"].as_array().unwrap().len(), 2 * RUNS as usize);
+    assert_eq!(trust["data"]["samples"], 2 * RUNS * 1000);
+    assert!(trust["data"]["degrees"][0]["parameters"][0]["bootstrap_std"].as_f64().unwrap() > 0.0);
+}
+
+#[test]
+fn law_leaving_out_is_taking_the_others() {
+    let folder = with(&["campaign.parquet"]);
+    run(&folder, &format!("{POOL} --runs random/0,random/1 --out a/")).refuses(1, &["a"]);
+    std::fs::create_dir(folder.path().join("a")).unwrap();
+    let few = "--runs random/0,random/1,random/2";
+    run(&folder, &format!("{POOL} {few} --leave-out random/1 --out estimates.parquet")).succeeds();
+    let left = parameters(&folder);
+    run(&folder, &format!("{POOL} --runs random/0,random/2 --out estimates.parquet")).succeeds();
+    assert_eq!(left, parameters(&folder));
+}
+
+#[test]
+fn a_previous_estimate_is_a_nominal_model_and_a_strong_prior_holds_to_it() {
+    let folder = with(&["campaign.parquet"]);
+    run(&folder, &format!("{POOL} --runs random/0,random/1 --out first.parquet")).succeeds();
+    std::fs::rename(folder.path().join("estimate.json"), folder.path().join("first.json")).unwrap();
+    let first = parameters(&folder);
+    let pulled = format!("{POOL} --runs random/5 --nominal first.json --prior 1e6 --out estimates.parquet");
+    run(&folder, &pulled).succeeds();
+    for ((_, a, _), (name, b, _)) in first.iter().zip(parameters(&folder)) {
+        assert!((a - b).abs() < 1e-6 * a.abs(), "{name}: {a} {b}");
+    }
+    run(&folder, &format!("{POOL} --nominal campaign.parquet --out estimates.parquet"))
+        .refuses(3, &["campaign.parquet"]);
+}
+
+#[test]
+fn results_do_not_depend_on_threads() {
+    let folder = with(&["campaign.parquet"]);
+    for line in [
+        format!(
+            "{POOL} --runs random/0,random/1 --estimator oe --nominal least-squares --bootstrap 20 --out out.parquet"
+        ),
+        format!("{} --estimators ls,auto --out crossval.json", crate::CROSS),
+        format!("{} --out selection.parquet", crate::SELECTION),
+    ] {
+        let made = |threads: u32| {
+            run(&folder, &format!("{line} --threads {threads}")).succeeds();
+            let files = ["out.parquet", "trust.json", "crossval.json", "selection.parquet", "selection.json"];
+            files.map(|name| std::fs::read(folder.path().join(name)).ok())
+        };
+        assert!(made(1) == made(3), "{line}");
+    }
+}
+
+/// A term that stands twice in surge cannot be told from itself; the dictionary's first two maneuvers go straight ahead.
+#[test]
+fn what_is_not_excited_is_not_answered_and_the_rest_is() {
+    let folder = with(&["dictionary.parquet", "campaign.parquet"]);
+    let line =
+        "estimate --pool --vessel vessel.toml --trajectories dictionary.parquet --out estimates.parquet";
+    refused(&folder, 4, &format!("{line} --runs 0,1"), &["`X_vr` is not excited", "sway", "yaw", "--prior"]);
+    let vessel = std::fs::read_to_string(repository().join("pipelines/paper/vessel.toml")).unwrap();
+    let twice = "\n[[surge]]\nparameter = \"X_again\"\nterm = \"u |u|\"\nnominal = -0.01\n";
+    put(&folder, "vessel.toml", &(vessel + twice));
+    let said = run(&folder, &format!("{POOL} --runs random/0,random/1 --out estimates.parquet")).succeeds();
+    assert!(said.stdout.contains("not identifiable: surge: "), "{said}");
+    let status: Vec<Value> = degrees(&folder).iter().map(|d| d["status"].clone()).collect();
+    assert_eq!(status, ["not identifiable", "identified", "identified"]);
+    let table = craft::read(&folder.path().join("estimates.parquet"), "estimates");
+    assert_eq!(table.blocks[0].columns[3].text_at(0), Some("not identifiable"));
+    let summary = json(&folder, "estimate.json");
+    let parameters = summary["data"]["designs"][0]["parameters"].as_array().unwrap();
+    assert!(parameters[0]["mean"].is_null() && parameters.last().unwrap()["mean"].is_f64());
+}

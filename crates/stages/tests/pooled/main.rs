@@ -1,0 +1,21 @@
+//! Pooled estimates, their trust, cross-validation and selection, through the real binaries.
+
+#[path = "../support/mod.rs"]
+mod support;
+
+mod cross;
+mod estimate;
+mod moments;
+mod real;
+mod refusals;
+mod selection;
+mod units;
+
+/// Pools the runs of the small study; add flags and an output.
+pub const POOL: &str = "estimate --pool --vessel vessel.toml --trajectories campaign.parquet";
+/// Cross-validation over a few of its runs.
+pub const CROSS: &str = "validate cross --vessel vessel.toml --trajectories campaign.parquet \
+     --runs random/0,random/1,optimized/2,optimized/3 --window-s 25";
+/// A selection study on its segments, which are named by maneuver.
+pub const SELECTION: &str = "validate selection --vessel vessel.toml --trajectories campaign.parquet --part-s 25 \
+     --counts decelerate=2,spiral-fast=2,zig-zag-fast-steep=1 --realizations 40";

@@ -1,0 +1,71 @@
+use crate::support::*;
+use crate::{CROSS, POOL, SELECTION};
+
+#[test]
+fn flags_of_a_pooled_estimate_need_it() {
+    let folder = with(&["campaign.parquet"]);
+    for flag in
+        ["--bootstrap 9", "--prior 0.1", "--runs 1", "--nominal given", "--estimator auto", "--bandwidth 3"]
+    {
+        let name = flag.split(' ').next().unwrap();
+        refused(&folder, 2, &format!("{ESTIMATE} {flag}"), &[name, "--pool"]);
+    }
+    refused(&folder, 2, &format!("{POOL} --shard 1/2 --out x.parquet"), &["--shard"]);
+}
+
+#[test]
+fn runs_that_there_are_not_are_refused() {
+    let folder = with(&["campaign.parquet"]);
+    let line = format!("{POOL} --out x.parquet");
+    refused(&folder, 3, &format!("{line} --runs random/99"), &["run `random/99`", "did you mean `random/9"]);
+    refused(&folder, 3, &format!("{line} --runs random/3 --leave-out random/3"), &["none left"]);
+    refused(&folder, 3, &format!("{line} --recordings vessel.toml"), &["vessel.toml"]);
+}
+
+#[test]
+fn numbers_out_of_range_are_refused() {
+    let folder = with(&["campaign.parquet", "design.json"]);
+    refused(&folder, 2, &format!("{POOL} --prior=-1 --out x.parquet"), &["--prior", "-1"]);
+    refused(&folder, 2, &format!("{POOL} --part-s 0.001 --out x.parquet"), &["--part-s", "0.125"]);
+    refused(
+        &folder,
+        3,
+        &format!("{} --out c.json", CROSS.replace("--window-s 25", "--window-s 2500")),
+        &["--window-s"],
+    );
+    refused(
+        &folder,
+        3,
+        &format!("{} --out c.json", CROSS.replace(",random/1,optimized/2,optimized/3", "")),
+        &["left out"],
+    );
+    refused(&folder, 2, &format!("{SELECTION} --estimator oe --out s.parquet"), &["oe", "ls, iv or auto"]);
+    let counts = |text: &str| format!("{} --out s.parquet", SELECTION.replace("decelerate=2", text));
+    refused(&folder, 2, &counts("decelerrate=2"), &["`decelerrate`", "did you mean `decelerate`?"]);
+    refused(&folder, 2, &counts("decelerate=2000"), &["2000 of `decelerate`"]);
+    refused(&folder, 2, &counts("decelerate"), &["name=number"]);
+}
+
+#[test]
+fn a_nominal_model_that_diverges_is_told_with_part_and_sample() {
+    let folder = with(&["campaign.parquet"]);
+    put(&folder, "vessel.toml", "preset = \"ljungberg-model-ship\"\n[nominal]\nX_u = 2.5\n");
+    let pieces = ["of random/0 diverges at sample", "surge", "--part-s", "--estimator ls"];
+    refused(&folder, 4, &format!("{POOL} --runs random/0 --out x.parquet"), &pieces);
+    refused(&folder, 4, &format!("{SELECTION} --out s.parquet"), &["diverges at sample"]);
+    run(&folder, &format!("{POOL} --runs random/0 --estimator auto --out x.parquet")).succeeds();
+    let said = json(&folder, "trust.json")["data"]["statements"][0].clone();
+    assert!(said.as_str().unwrap().contains("diverges"), "{said}");
+}
+
+#[test]
+fn validate_still_wants_estimates_without_a_subcommand() {
+    let folder = with(&["campaign.parquet"]);
+    refused(&folder, 2, "validate --out x.parquet", &["--vessel"]);
+    refused(&folder, 2, "validate", &["--vessel"]);
+    refused(&folder, 2, "validate cross --out c.json", &["--vessel", "--trajectories"]);
+    let help = run(&folder, "validate --help").succeeds();
+    for piece in ["cross", "selection", "--estimates", "--validation"] {
+        assert!(help.stdout.contains(piece), "{help}");
+    }
+}

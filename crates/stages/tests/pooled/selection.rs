@@ -1,0 +1,60 @@
+use serde_json::Value;
+
+use crate::SELECTION;
+use crate::support::*;
+
+#[test]
+fn realizations_pick_what_the_counts_say() {
+    let folder = with(&["campaign.parquet"]);
+    run(&folder, &format!("{SELECTION} --out selection.parquet")).succeeds();
+    let data = json(&folder, "selection.json")["data"].clone();
+    assert_eq!((&data["picks"], &data["counts"]["decelerate"]), (&5.into(), &2.into()));
+    let names: Vec<&Value> = data["designs"].as_array().unwrap().iter().map(|d| &d["design"]).collect();
+    assert_eq!(names, ["optimized", "random"]);
+    let table = craft::read(&folder.path().join("selection.parquet"), "selection-realizations");
+    let picked = |row: usize| {
+        let text = table.blocks[0].columns[2].text_at(row).unwrap();
+        text.split(' ').map(|n| n.parse::<u64>().unwrap()).collect::<Vec<u64>>()
+    };
+    for row in 0..80 {
+        let picked = picked(row);
+        assert_eq!(picked.len(), 5);
+        assert!(picked.windows(2).all(|w| w[0] < w[1]) && picked[4] < data["parts"].as_u64().unwrap());
+    }
+    assert_ne!(picked(0), picked(1));
+}
+
+#[test]
+fn law_another_seed_draws_others_and_the_same_seed_the_same() {
+    let folder = with(&["campaign.parquet"]);
+    let made = |seed: u32| {
+        run(&folder, &format!("{SELECTION} --seed {seed} --out selection.parquet")).succeeds();
+        bytes(&folder, "selection.parquet")
+    };
+    assert_eq!(made(4), made(4));
+    assert_ne!(made(4), made(5));
+}
+
+#[test]
+fn shares_of_a_design_become_counts() {
+    let folder = with(&["campaign.parquet", "design.json"]);
+    let line = "validate selection --vessel vessel.toml --trajectories campaign.parquet --design design.json --realizations 8";
+    run(&folder, &format!("{line} --picks 6 --estimator ls --out selection.parquet")).succeeds();
+    let counts = json(&folder, "selection.json")["data"]["counts"].clone();
+    assert_eq!(counts.as_object().unwrap().values().map(|n| n.as_u64().unwrap()).sum::<u64>(), 6);
+    run(&folder, &format!("{line} --out selection.parquet")).refuses(2, &["--picks"]);
+}
+
+#[test]
+fn the_report_shows_the_histograms() {
+    let folder = with(&["campaign.parquet", "design.json"]);
+    run(&folder, &format!("{SELECTION} --out selection.parquet")).succeeds();
+    run(&folder, REPORT).succeeds();
+    let page = String::from_utf8(bytes(&folder, "report.html")).unwrap();
+    for piece in ["<section id=\"selection\">", "href=\"#selection\"", "2 × decelerate", "degenerate"] {
+        assert!(page.contains(piece), "{piece}");
+    }
+    for name in ["selection-error", "selection-surge", "selection-sway", "selection-yaw"] {
+        assert!(folder.path().join(format!("figures/{name}.svg")).is_file(), "{name}");
+    }
+}

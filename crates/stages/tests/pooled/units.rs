@@ -1,0 +1,41 @@
+use std::collections::BTreeSet;
+
+use serde_json::Value;
+
+use crate::support::*;
+use crate::{CROSS, POOL, SELECTION};
+
+/// Names of the fields that hold numbers, those of maps by the map's.
+fn numbers(value: &Value, name: &str, maps: &[&str], found: &mut BTreeSet<String>) {
+    match value {
+        Value::Number(_) => drop(found.insert(name.to_owned())),
+        Value::Array(items) => items.iter().for_each(|item| numbers(item, name, maps, found)),
+        Value::Object(fields) => {
+            for (key, field) in fields {
+                let own =
+                    maps.contains(&name) || key.starts_with('q') || ["median", "max"].contains(&key.as_str());
+                numbers(field, if own { name } else { key }, maps, found);
+            }
+        }
+        _ => {}
+    }
+}
+
+#[test]
+fn every_number_has_a_unit_and_every_unit_a_number() {
+    let folder = with(&["campaign.parquet"]);
+    run(&folder, &format!("{POOL} --runs random/0,random/1 --bootstrap 9 --out x.parquet")).succeeds();
+    run(&folder, &format!("{CROSS} --estimators ls,iv --out crossval.json")).succeeds();
+    run(&folder, &format!("{SELECTION} --out selection.parquet")).succeeds();
+    for name in ["trust.json", "crossval.json", "selection.json"] {
+        let document = json(&folder, name);
+        let mut found = BTreeSet::new();
+        numbers(&document["data"], "", &["counts", "available"], &mut found);
+        let units: BTreeSet<String> = document["units"].as_object().unwrap().keys().cloned().collect();
+        let strange: Vec<&String> = found.difference(&units).collect();
+        assert!(strange.is_empty(), "{name}: {strange:?} without unit");
+        // What may be null is a number elsewhere.
+        let unused: Vec<&String> = units.difference(&found).filter(|unit| *unit != "ratio_q90").collect();
+        assert!(unused.is_empty(), "{name}: units of nothing: {unused:?}");
+    }
+}
