@@ -17,7 +17,7 @@ ESTIMATE_FLAGS ?=
 PLAN_FLAGS     ?=
 -include $(STUDY)/study.mk
 
-STAGES  := simulate moments design estimate validate plan report
+STAGES  := ingest simulate moments design estimate validate plan report
 BINARIES := $(addprefix $(BIN)/,$(STAGES))
 
 # A target is written whole or not at all by its stage, so an interrupted make resumes with the next stage.

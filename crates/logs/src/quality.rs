@@ -23,13 +23,15 @@ pub fn noise_std(series: &Series) -> Option<f64> {
     Some(FROM_MEDIAN * median / (1.0 - FOLLOWED).sqrt())
 }
 
-fn median(mut values: Vec<f64>) -> Option<f64> {
-    values.sort_by(f64::total_cmp);
-    let middle = values.len() / 2;
-    match values.len() {
-        0 => None,
-        n if n % 2 == 0 => Some(0.5 * (values[middle - 1] + values[middle])),
-        _ => Some(values[middle]),
+pub(crate) fn median(mut values: Vec<f64>) -> Option<f64> {
+    let n = values.len();
+    if n == 0 {
+        return None;
+    }
+    let (below, middle, _) = values.select_nth_unstable_by(n / 2, f64::total_cmp);
+    match below.iter().copied().max_by(f64::total_cmp) {
+        Some(before) if n.is_multiple_of(2) => Some(0.5 * (before + *middle)),
+        _ => Some(*middle),
     }
 }
 
@@ -51,7 +53,13 @@ pub struct Consistency {
     pub bias: f64,
     /// By how much the measured velocity is late \[s\]; see [`lag`].
     pub lag_s: Option<f64>,
+    /// Measured over derivative: the slope of the line through both by least squares. None where their correlation
+    /// coefficient stays below [`TOLD`].
+    pub gain: Option<f64>,
 }
+
+/// Correlation from which a measured velocity and a derivative are taken to be the same motion.
+const TOLD: f64 = 0.95;
 
 /// Highest rate at which velocities are compared \[Hz\].
 const COMPARED_HZ: f64 = 20.0;
@@ -62,11 +70,21 @@ const LONGEST_LAG_S: f64 = 5.0;
 /// Compares measured surge, sway and yaw rate with the derivatives of position and heading, taken from parabolas over
 /// `window_s`. None where either is not measured or they never meet.
 pub fn consistency(channels: &Channels, window_s: f64) -> [Option<Consistency>; 3] {
-    ["y_u", "y_v", "y_r"].map(|name| {
+    let smoothed = |name: &str| channels.get(name).map(|series| series.smoothed(window_s));
+    let Some((psi, r)) = smoothed("psi") else { return [None; 3] };
+    let over_ground = smoothed("x").zip(smoothed("y")).map(|((_, north), (_, east))| [north, east]);
+    [("y_u", 0), ("y_v", 1), ("y_r", 2)].map(|(name, place)| {
         let measured = channels.get(name)?;
         let rate_hz = measured.rate_hz()?.min(COMPARED_HZ);
         let times = times_of(measured, rate_hz);
-        let derivative = derivative(channels, name, &times, window_s)?;
+        let derivative = match (place, &over_ground) {
+            (2, _) => r.at(&times),
+            (_, Some([north, east])) => {
+                let body = north.at(&times).into_iter().zip(east.at(&times)).zip(psi.at(&times));
+                body.map(|((n, e), psi)| body_velocity([n, e], psi)[place]).collect()
+            }
+            (_, None) => return None,
+        };
         compare(&measured.at(&times), &derivative, rate_hz)
     })
 }
@@ -82,18 +100,6 @@ fn times_of(series: &Series, rate_hz: f64) -> Vec<f64> {
         times.extend(Grid::new(first, last, rate_hz).times());
     }
     times
-}
-
-fn derivative(channels: &Channels, name: &str, times: &[f64], window_s: f64) -> Option<Vec<f64>> {
-    let smoothed = |name: &str| Some(channels.get(name)?.smoothed(window_s));
-    let (psi, r) = smoothed("psi")?;
-    if name == "y_r" {
-        return Some(r.at(times));
-    }
-    let (north, east) = (smoothed("x")?.1.at(times), smoothed("y")?.1.at(times));
-    let place = usize::from(name == "y_v");
-    let body = north.iter().zip(&east).zip(psi.at(times));
-    Some(body.map(|((n, e), psi)| body_velocity([*n, *e], psi)[place]).collect())
 }
 
 fn compare(measured: &[f64], derivative: &[f64], rate_hz: f64) -> Option<Consistency> {
@@ -113,7 +119,17 @@ fn compare(measured: &[f64], derivative: &[f64], rate_hz: f64) -> Option<Consist
         robust_std: FROM_MEDIAN * robust_deviation(differences),
         bias,
         lag_s: lag(&measured, &derivative, rate_hz, LONGEST_LAG_S),
+        gain: gain(&measured, &derivative),
     })
+}
+
+/// See [`Consistency::gain`].
+fn gain(measured: &[f64], derivative: &[f64]) -> Option<f64> {
+    let n = derivative.len() as f64;
+    let mean = derivative.iter().sum::<f64>() / n;
+    let squares: f64 = derivative.iter().map(|d| (d - mean) * (d - mean)).sum();
+    let products: f64 = measured.iter().zip(derivative).map(|(m, d)| m * (d - mean)).sum();
+    (correlation(measured, derivative) > TOLD).then(|| products / squares)
 }
 
 /// By how much `measured` comes after `reference` \[s\]; both at `rate_hz`, equally long. The shift within ±`longest_s` (and
@@ -171,6 +187,34 @@ mod tests {
             let found = lag(&late, &reference, 10.0, 5.0).unwrap();
             assert!((found - delay).abs() < 5e-3, "{found} instead of {delay}");
         }
+    }
+
+    #[test]
+    fn law_a_rate_in_degrees_has_the_gain_of_degrees() {
+        let series = |f: &dyn Fn(f64) -> f64| {
+            let t: Vec<f64> = (0..2000).map(|k| 0.1 * f64::from(k)).collect();
+            Series::new(&t, &t.iter().map(|t| f(*t)).collect::<Vec<_>>(), 0.5)
+        };
+        let heading = series(&|t| 0.5 * (0.3 * t).sin());
+        let rate = series(&|t| (0.15 * (0.3 * t).cos()).to_degrees());
+        let channels = Channels::from([("psi".to_owned(), heading), ("y_r".to_owned(), rate)]);
+        let [u, v, r] = consistency(&channels, 1.0);
+        assert_eq!((u, v), (None, None));
+        let gain = r.unwrap().gain.unwrap();
+        assert!((gain / 1f64.to_degrees() - 1.0).abs() < 0.01, "{gain}");
+        let still = Channels::from([
+            ("psi".to_owned(), series(&|_| 1.0)),
+            ("y_r".to_owned(), series(&|t| 1e-3 * (7.0 * t).sin())),
+        ]);
+        assert_eq!(consistency(&still, 1.0)[2].unwrap().gain, None);
+    }
+
+    #[test]
+    fn law_the_median_halves_what_is_there() {
+        assert_eq!(median(vec![]), None);
+        assert_eq!(median(vec![3.0]), Some(3.0));
+        assert_eq!(median(vec![5.0, 1.0, 4.0, 2.0]), Some(3.0));
+        assert_eq!(median(vec![5.0, 1.0, 4.0, 2.0, -9.0]), Some(2.0));
     }
 
     #[test]

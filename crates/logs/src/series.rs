@@ -43,8 +43,11 @@ impl Series {
     /// Samples per second: the inverse of the median step. None for fewer than two samples.
     pub fn rate_hz(&self) -> Option<f64> {
         let mut steps: Vec<f64> = self.t.windows(2).map(|pair| pair[1] - pair[0]).collect();
-        steps.sort_by(f64::total_cmp);
-        steps.get(steps.len() / 2).map(|step| 1.0 / step)
+        if steps.is_empty() {
+            return None;
+        }
+        let middle = steps.len() / 2;
+        Some(1.0 / *steps.select_nth_unstable_by(middle, f64::total_cmp).1)
     }
 
     /// The stretches of samples without a gap between neighbours.

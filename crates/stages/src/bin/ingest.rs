@@ -67,6 +67,7 @@ fn stage(a: &Arguments) -> Result<Summary, Failure> {
             "dropped_rows": totals.dropped_rows(),
             "splits": totals.sum(|r| r.splits),
             "short_segments": totals.sum(|r| r.short_segments),
+            "warnings": totals.sum(|r| r.warnings.iter().map(|w| w.count).sum()),
         }),
     })
 }

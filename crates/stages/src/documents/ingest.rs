@@ -62,6 +62,23 @@ pub struct RecordingSummary {
     pub channels: Vec<ChannelSummary>,
     /// Measured velocities beside the derivatives of position and heading, where there are both.
     pub motion: Vec<MotionSummary>,
+    /// What is odd about its channels.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub warnings: Vec<WarningSummary>,
+}
+
+/// Something odd about a channel that does not hinder its use.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct WarningSummary {
+    /// `constant`, `unit` (it may be in another), `rate` (it is logged less often than the common rate), `jump`.
+    pub kind: String,
+    /// The channel.
+    pub channel: String,
+    /// How often.
+    pub count: u64,
+    /// In words.
+    pub text: String,
 }
 
 /// Rows that were read, and left out.
@@ -120,6 +137,9 @@ pub struct MotionSummary {
     /// By how much the measured velocity is late; null where there is too little motion to tell. Where a filter and no pure
     /// delay is behind it, it depends on `velocities.window_s`.
     pub lag_s: Option<f64>,
+    /// Slope of the line of measured over derivative, 1 where both are in the same unit; null where they are not correlated.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub gain: Option<f64>,
 }
 
 impl Document for IngestDocument {
@@ -144,5 +164,7 @@ impl Document for IngestDocument {
         ("robust_std", "m/s; rad/s for r"),
         ("bias", "m/s; rad/s for r"),
         ("lag_s", "s"),
+        ("gain", "1"),
+        ("count", "1"),
     ];
 }

@@ -18,6 +18,7 @@ pub use design::{Counts, CovarianceCriterion, DesignDocument, Efficiency, Start}
 pub use estimate::{DegreeSummary, DesignSummary, EstimateDocument, ParameterSummary};
 pub use ingest::{
     ChannelSummary, IngestDocument, ManeuverCount, MotionSummary, RecordingSummary, RowSummary,
+    WarningSummary,
 };
 pub use moments::{DegreeMoments, DegreeStructure, ExpectedDisturbances, ManeuverMoments, MomentsDocument};
 pub use plan::{

@@ -4,10 +4,12 @@ use std::path::Path;
 
 use artifact::ForeignTable;
 use logs::{Series, TimeUnit, Unit, order};
+use rayon::prelude::*;
 use vessel::nearest;
 
 use super::config::{ChannelSpec, FileSpec, IngestFile};
 use super::csv;
+use super::suspicion::check_turns;
 use crate::failure::Failure;
 
 /// A column that is asked for.
@@ -113,7 +115,7 @@ pub fn load(path: &Path, config: &IngestFile, spec: &FileSpec, units: &[Unit]) -
     (counts.repeated, counts.backwards) = (ordered.repeated, ordered.backwards);
     let rows: Vec<usize> = ordered.rows.iter().map(|row| timed[*row]).collect();
     let times: Vec<f64> = rows.iter().map(|row| times[*row]).collect();
-    let channels = channels(config, spec, units, &raw, &rows, &times);
+    let channels = channels(path, config, spec, units, &raw, &rows, &times)?;
     let labels = spec.label_column.is_some().then(|| match raw.columns.last() {
         Some(Cells::Texts(texts)) => rows.iter().map(|row| texts[*row].clone()).collect(),
         _ => Vec::new(),
@@ -190,25 +192,31 @@ fn backwards(path: &Path, spec: &FileSpec, line: usize, time: f64, latest: f64) 
 }
 
 /// The channels in SI units; angles are unwrapped before they are scaled.
+#[allow(clippy::too_many_arguments)]
 fn channels(
+    path: &Path,
     config: &IngestFile,
     spec: &FileSpec,
     units: &[Unit],
     raw: &Raw,
     rows: &[usize],
     times: &[f64],
-) -> Vec<Series> {
+) -> Result<Vec<Series>, Failure> {
+    let lines: Vec<usize> = rows.iter().map(|row| raw.lines[*row]).collect();
     let channel = |(i, (spec, unit)): (usize, (&ChannelSpec, &Unit))| {
         let Cells::Numbers(numbers) = &raw.columns[i + 1] else {
             unreachable!("channels are read as numbers")
         };
-        let values: Vec<f64> = rows.iter().map(|row| unit.factor * numbers[*row]).collect();
+        let mut values: Vec<f64> = rows.iter().map(|row| numbers[*row]).collect();
+        check_turns(path, spec, unit, &values, &lines)?;
+        values.iter_mut().for_each(|value| *value *= unit.factor);
         let times: Vec<f64> = times.iter().map(|time| time - spec.delay_s).collect();
         let series = Series::new(&times, &values, spec.max_gap_s.unwrap_or(config.max_gap_s));
         let series = if unit.si == "rad" { series.unwrapped() } else { series };
-        series.map(|value| spec.sign * spec.scale * value + spec.offset)
+        Ok(series.map(|value| spec.sign * spec.scale * value + spec.offset))
     };
-    spec.channel.iter().zip(units).enumerate().map(channel).collect()
+    let specs: Vec<(&ChannelSpec, &Unit)> = spec.channel.iter().zip(units).collect();
+    specs.into_par_iter().enumerate().map(channel).collect()
 }
 
 /// Names all columns that are missing at once.

@@ -11,6 +11,7 @@ mod quality;
 mod recording;
 mod rows;
 mod segments;
+mod suspicion;
 mod totals;
 
 pub use channels::Plan;

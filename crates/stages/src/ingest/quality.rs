@@ -1,12 +1,14 @@
 //! How good the data of a recording are.
 
-use logs::{Assembled, Series, consistency, noise_std};
+use logs::{Assembled, Consistency, Series, noise_std};
+use rayon::prelude::*;
 
 use super::channels::Plan;
 use super::config::IngestFile;
 use super::files::Source;
 use super::load::{Loaded, RowCounts};
 use super::segments::RunPart;
+use super::suspicion::warnings;
 use crate::documents::{ChannelSummary, MotionSummary, RecordingSummary, RowSummary};
 
 /// Per channel, how many rows have no value.
@@ -44,12 +46,14 @@ pub fn summary(
     short: usize,
     rows: RowSummary,
     missing: &[(String, usize)],
+    motion: [Option<Consistency>; 3],
 ) -> RecordingSummary {
     let channel = |(name, series): (&String, &Series)| {
         let missing = missing.iter().find(|(known, _)| known == name).map_or(0, |(_, count)| *count as u64);
         channel(name, plan.unit_of(config, name), series, missing)
     };
-    let motion = consistency(&made.channels, config.velocities.window_s);
+    let names: Vec<(&String, &Series)> = made.channels.iter().collect();
+    let channels: Vec<ChannelSummary> = names.into_par_iter().map(channel).collect();
     let states = ["u", "v", "r"].into_iter().zip(motion);
     RecordingSummary {
         name: source.name.clone(),
@@ -61,7 +65,8 @@ pub fn summary(
         splits: made.stretches.len().saturating_sub(1) as u64,
         short_segments: short as u64,
         rows,
-        channels: made.channels.iter().map(channel).collect(),
+        warnings: warnings(config, &made.channels, &channels),
+        channels,
         motion: states
             .filter_map(|(state, found)| {
                 found.map(|c| MotionSummary {
@@ -70,6 +75,7 @@ pub fn summary(
                     robust_std: c.robust_std,
                     bias: c.bias,
                     lag_s: c.lag_s,
+                    gain: c.gain,
                 })
             })
             .collect(),

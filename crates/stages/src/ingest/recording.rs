@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use artifact::Digest;
-use logs::{Assembled, Channels, Series, Unassembled, assemble};
+use logs::{Assembled, Channels, Series, Unassembled, assemble, consistency};
 
 use super::channels::Plan;
 use super::config::IngestFile;
@@ -11,6 +11,7 @@ use super::files::Source;
 use super::load::{Loaded, load};
 use super::quality;
 use super::segments::{Labels, RunPart, runs};
+use super::suspicion::check_ratios;
 use crate::documents::RecordingSummary;
 use crate::failure::Failure;
 
@@ -29,7 +30,8 @@ pub struct Outcome {
 /// Reads the files of `source`, which stand in `folder`, and makes runs of them.
 ///
 /// # Errors
-/// See [`load`]; a recording without a stretch in which all channels are known.
+/// See [`load`]; a recording without a stretch in which all channels are known; velocities in another unit than they
+/// should be.
 pub fn ingest(config: &IngestFile, plan: &Plan, folder: &Path, source: &Source) -> Result<Outcome, Failure> {
     let mut files = Vec::with_capacity(source.files.len());
     let mut digests = Vec::with_capacity(source.files.len());
@@ -46,8 +48,10 @@ pub fn ingest(config: &IngestFile, plan: &Plan, folder: &Path, source: &Source) 
     let slowest = slowest(&channels);
     let made = assemble(channels, &plan.recipe)
         .map_err(|error| unassembled(&folder.join(&source.files[0]), source, &error, slowest))?;
+    let motion = consistency(&made.channels, config.velocities.window_s);
+    check_ratios(&folder.join(&source.files[0]), &motion)?;
     let (runs, short) = runs(config, source, &made, labels.as_ref());
-    let summary = quality::summary(config, plan, source, &made, &runs, short, counts, &missing);
+    let summary = quality::summary(config, plan, source, &made, &runs, short, counts, &missing, motion);
     Ok(Outcome { made, runs, summary, digests })
 }
 

@@ -56,9 +56,11 @@ impl Totals {
 
 /// The summary for people.
 pub fn line(out: &Path, totals: &Totals) -> String {
+    let warnings = totals.sum(|r| r.warnings.iter().map(|w| w.count).sum());
+    let warned = if warnings > 0 { format!("; {warnings} warnings, see ingest.json") } else { String::new() };
     format!(
         "{}: {} runs, {} samples, {} maneuvers from {} recordings; {} rows dropped, {} gaps that split a recording, \
-         {} segments too short",
+         {} segments too short{warned}",
         out.display(),
         totals.runs,
         totals.samples,

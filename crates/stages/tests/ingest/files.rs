@@ -117,3 +117,31 @@ fn velocities_are_made_from_positions_by_either_method() {
         assert_eq!(made.f64("x")[3], 6.0);
     }
 }
+
+#[test]
+fn what_is_odd_but_usable_is_counted_and_told() {
+    let row = |t: i32| {
+        let jump = if t == 12 { 1.5 } else { 0.0 };
+        format!(
+            "{t},0.5,{},0.001,60,{},{}\n",
+            if t % 2 == 0 { 0.1 } else { 0.2 },
+            0.01 * f64::from(t) + jump,
+            40
+        )
+    };
+    let csv = "t,u,v,r,n,psi,rudder\n".to_owned() + &(0..30).map(row).collect::<String>();
+    let mut text = config("").replace("sample_rate_hz = 1.0", "sample_rate_hz = 2.0");
+    for column in ["psi", "rudder"] {
+        text += &format!("[[file.channel]]\ncolumn = \"{column}\"\nchannel = \"{column}\"\nunit = \"rad\"\n");
+    }
+    let made = ingest(folder(&[("ingest.toml", &text), ("a.csv", &csv)]).path(), &CONFIG);
+    let warnings = &made.summary.recordings[0].warnings;
+    let of = |kind: &str| -> Vec<(&str, u64)> {
+        warnings.iter().filter(|w| w.kind == kind).map(|w| (w.channel.as_str(), w.count)).collect()
+    };
+    assert_eq!(of("constant"), [("y_u", 1), ("y_r", 1), ("n", 1), ("rudder", 1)]);
+    assert_eq!(of("jump"), [("psi", 2)]);
+    assert_eq!(of("unit"), [("rudder", 1)]);
+    assert_eq!(of("rate").len(), 6);
+    assert!(made.line.contains("; 13 warnings, see ingest.json"), "{}", made.line);
+}

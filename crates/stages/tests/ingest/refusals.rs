@@ -220,3 +220,53 @@ fn an_output_that_is_also_an_input_is_refused() {
     assert!(ran.stderr.contains("which is also an input"), "{}", ran.stderr);
     assert_eq!(fs::read_to_string(folder.path().join("a.csv")).unwrap(), log(5));
 }
+
+#[test]
+fn what_separates_the_cells_is_found_where_it_is_another() {
+    let log = log(5).replace(',', ";");
+    refused(&config(""), &log, &["a.csv: line 1", "5 cells separated by ';'", "`separator = \";\"`"]);
+    let comma = log.replace(';', ",").replace("0.13", "0,13");
+    refused(&config(""), &comma, &["a.csv: line 5", "6 cells", "decimal commas"]);
+}
+
+/// A log with heading, at 10 Hz: yaw rate 0.3 cos(0.6 t), heading its integral from `start`, both in radians; position of
+/// a vessel at 2 m/s.
+fn turning(start: f64, angle: f64, rate: f64, speed: f64) -> (String, String) {
+    let heading = |t: f64| start + 0.5 * (0.6 * t).sin();
+    let (mut x, mut y) = (0.0, 0.0);
+    let mut csv = "t,u,v,r,n,x,y,psi\n".to_owned();
+    for k in 0..600 {
+        let t = 0.1 * f64::from(k);
+        let (psi, r) = (heading(t), 0.3 * (0.6 * t).cos());
+        let u = 2.0 + 0.5 * (0.4 * t).sin();
+        csv +=
+            &format!("{t},{},0,{},60,{x},{y},{}\n", speed * u, rate * r, angle * psi.rem_euclid(6.283185307));
+        x += 0.1 * u * psi.cos();
+        y += 0.1 * u * psi.sin();
+    }
+    let mut text = config("").replace("sample_rate_hz = 1.0", "sample_rate_hz = 10.0");
+    for (column, unit) in [("x", "m"), ("y", "m"), ("psi", "rad")] {
+        text +=
+            &format!("[[file.channel]]\ncolumn = \"{column}\"\nchannel = \"{column}\"\nunit = \"{unit}\"\n");
+    }
+    (text, csv)
+}
+
+#[test]
+fn units_that_the_motion_contradicts_are_refused() {
+    let (text, csv) = turning(1.0, 1.0, 1.0, 1.0);
+    ingest(folder(&[("ingest.toml", &text), ("a.csv", &csv)]).path(), &["--config", "ingest.toml"]);
+    let degrees = 180.0 / std::f64::consts::PI;
+    let (text, csv) = turning(1.0, 1.0, degrees, 1.0);
+    refused(&text, &csv, &["unit of channel `y_r`", "57.", "`y_r` may be in deg/s"]);
+    let (text, csv) = turning(1.0, degrees, 1.0, 1.0);
+    refused(&text, &csv, &["unit of channel `y_r`", "0.017", "`psi` may be in deg:"]);
+    let (text, csv) = turning(1.0, 1.0, 1.0, 1.9438);
+    refused(&text, &csv, &["unit of channel `y_u`", "1.9", "`y_u` may be in knot"]);
+    // A heading about north wraps within a step.
+    let (text, csv) = turning(0.1, degrees, 1.0, 1.0);
+    refused(&text, &csv, &["column `psi`", "a turn in deg", "`unit = \"deg\"`"]);
+    let (text, csv) = turning(0.1, 1.0, 1.0, 1.0);
+    let text = text.replace("channel = \"psi\"\nunit = \"rad\"", "channel = \"psi\"\nunit = \"deg\"");
+    refused(&text, &csv, &["column `psi`", "a turn in rad", "angles in deg", "`unit = \"rad\"`"]);
+}
