@@ -8,6 +8,7 @@ mod moments;
 mod plan;
 mod reference;
 mod selection;
+mod sequential;
 mod trust;
 mod validation;
 
@@ -27,6 +28,7 @@ pub use plan::{
 };
 pub use reference::{Published, PublishedShare, Reference};
 pub use selection::{SelectionDocument, SelectionErrors, SelectionScores};
+pub use sequential::{ArmPoint, ArmSummary, SequentialDocument, Stopping};
 pub use trust::{
     FreeRunErrors, InstrumentResidual, TrustDegree, TrustDocument, TrustParameter, TrustRun, Whiteness,
 };
@@ -44,5 +46,6 @@ pub fn schemas() -> Vec<(&'static str, serde_json::Value)> {
         (TrustDocument::ID, json_schema::<TrustDocument>()),
         (CrossvalDocument::ID, json_schema::<CrossvalDocument>()),
         (SelectionDocument::ID, json_schema::<SelectionDocument>()),
+        (SequentialDocument::ID, json_schema::<SequentialDocument>()),
     ]
 }
