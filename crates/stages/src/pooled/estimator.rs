@@ -16,11 +16,11 @@ pub enum Method {
     /// Instrumental variables: instruments from the nominal model over the same inputs
     Iv,
     /// Instrumental variables whose instruments are simulated again with the estimate, three times
-    Refined,
+    RefinedIv,
     /// Instrumental variables where they identify a degree of freedom, least squares elsewhere
     Auto,
     /// Least errors of free simulations over the sub-experiments, started at `auto`
-    Oe,
+    OutputError,
 }
 
 /// What the estimate of a degree of freedom was made with.
@@ -31,13 +31,20 @@ pub enum Used {
     /// The regressors themselves.
     Ls,
     /// Free simulation.
-    Oe,
+    OutputError,
+    /// Instruments simulated again with the estimate.
+    RefinedIv,
 }
 
 impl Used {
+    /// Whether instruments were simulated for it.
+    pub fn by_instruments(self) -> bool {
+        matches!(self, Self::Iv | Self::RefinedIv)
+    }
+
     /// As in files.
     pub fn name(self) -> &'static str {
-        ["iv", "ls", "oe"][self as usize]
+        ["iv", "ls", "output-error", "refined-iv"][self as usize]
     }
 }
 
@@ -57,6 +64,8 @@ pub struct Pool<'a> {
     pub strength: f64,
     /// Where instruments come from.
     pub nominal: &'a NominalModel,
+    /// Logged channels that never vary, to name where a term hardly does.
+    pub constant: &'a [String],
 }
 
 /// An estimate of pooled parts.
@@ -81,7 +90,7 @@ impl Estimated {
     /// The data that degree of freedom `d` was estimated from.
     pub fn data(&self, d: usize) -> &[Regression] {
         match (self.used[d], &self.iv) {
-            (Used::Iv, Some(iv)) => iv,
+            (Used::Iv | Used::RefinedIv, Some(iv)) => iv,
             _ => &self.ls,
         }
     }
@@ -130,12 +139,12 @@ impl Pool<'_> {
         }
         match (found.nominal.as_ref().map(|n| Part::instrument(parts, self.lifted, n)), method) {
             (Some(Ok(())), _) => self.instrumented(parts, nominal, method, &mut found),
-            (Some(Err(diverged)), Method::Auto | Method::Oe) => found.diverged = Some(diverged),
+            (Some(Err(diverged)), Method::Auto | Method::OutputError) => found.diverged = Some(diverged),
             (Some(Err(diverged)), _) => return Err(diverged),
             // Least squares found no model to simulate, so nothing is identified either way.
             (None, _) => {}
         }
-        if method == Method::Oe {
+        if method == Method::OutputError {
             self.simulated(parts, &sums, &mut found);
         }
         Ok(found)
@@ -151,7 +160,7 @@ impl Pool<'_> {
         let theta = nominal.as_ref().map(|(theta, _)| theta.as_slice());
         let mut data = self.instrumented_regressions(parts);
         let mut degrees = self.fit_of(&data, theta, Used::Iv);
-        for _ in 0..if method == Method::Refined { ROUNDS } else { 0 } {
+        for _ in 0..if method == Method::RefinedIv { ROUNDS } else { 0 } {
             let own: Option<Vec<Vec<f64>>> =
                 degrees.iter().map(|d| d.solution.as_ref().map(|s| s.theta.clone())).collect();
             let Some(own) = own.map(|t| t.concat()) else { break };
@@ -167,9 +176,10 @@ impl Pool<'_> {
             }
             (data, degrees) = (again, refitted);
         }
+        let used = if method == Method::RefinedIv { Used::RefinedIv } else { Used::Iv };
         for (d, degree) in degrees.into_iter().enumerate() {
-            if degree.solution.is_some() || !matches!(method, Method::Auto | Method::Oe) {
-                (found.degrees[d], found.used[d]) = (degree, Used::Iv);
+            if degree.solution.is_some() || !matches!(method, Method::Auto | Method::OutputError) {
+                (found.degrees[d], found.used[d]) = (degree, used);
             }
         }
         found.iv = Some(data);
@@ -189,7 +199,7 @@ impl Pool<'_> {
                 solution.theta = own[..degree.terms.len()].to_vec();
                 solution.intercept = own[degree.terms.len()];
             }
-            found.used[d] = Used::Oe;
+            found.used[d] = Used::OutputError;
             rest = after;
         }
         found.output_error = Some(best);
@@ -235,7 +245,7 @@ impl Pool<'_> {
         Options {
             removal: self.removal,
             prior: prior.map(|nominal| Prior { strength: self.strength, nominal }),
-            most: if used == Used::Iv { COLLINEAR } else { f64::INFINITY },
+            most: if used.by_instruments() { COLLINEAR } else { f64::INFINITY },
         }
     }
 }

@@ -38,7 +38,8 @@ impl Judge<'_> {
 
     /// Surge, sway, yaw.
     pub fn degrees(&self) -> Vec<TrustDegree> {
-        let mut resampled = [Used::Iv, Used::Ls, Used::Oe].map(|used| self.resampled(used));
+        let mut resampled =
+            [Used::Iv, Used::Ls, Used::OutputError, Used::RefinedIv].map(|used| self.resampled(used));
         DegreeOfFreedom::ALL
             .into_iter()
             .map(|d| {
@@ -59,7 +60,8 @@ impl Judge<'_> {
 
     fn resampled(&self, used: Used) -> [Option<Bootstrap>; 3] {
         let of = |d: &usize| self.found.used[*d] == used && self.found.degrees[*d].solution.is_some();
-        let Some(d) = [0, 1, 2].into_iter().find(of).filter(|_| self.replicates > 0 && used != Used::Oe)
+        let Some(d) =
+            [0, 1, 2].into_iter().find(of).filter(|_| self.replicates > 0 && used != Used::OutputError)
         else {
             return [const { None }; 3];
         };
@@ -95,11 +97,11 @@ impl Judge<'_> {
         TrustDegree {
             name: d.name().to_owned(),
             status: if fit.solution.is_some() { "identified" } else { "not identifiable" }.to_owned(),
-            reason: unidentified(d, model, &fit.status),
+            reason: unidentified(d, model, &fit.status, self.pool.constant),
             estimator: self.found.used[d as usize].name().to_owned(),
             condition: finite(degree.diagnosis.condition),
             condition_index: finite(degree.diagnosis.index),
-            weakest: weakest(d, model, &degree.diagnosis),
+            weakest: weakest(d, model, &degree.diagnosis, self.pool.constant),
             parameters: self.parameters(d, degree, fit.solution.as_ref(), covariance.as_deref()),
             correlation: covariance.as_deref().and_then(|c| correlation(c, model.terms.len())),
             whiteness: white,
@@ -109,7 +111,8 @@ impl Judge<'_> {
     }
 
     fn covariance(&self, d: usize, degree: &Degree, solution: &Solution) -> Vec<f64> {
-        let Some(simulated) = self.found.output_error.as_ref().filter(|_| self.found.used[d] == Used::Oe)
+        let Some(simulated) =
+            self.found.output_error.as_ref().filter(|_| self.found.used[d] == Used::OutputError)
         else {
             return sandwich(&degree.data, &degree.centring, solution, d, self.bandwidth());
         };

@@ -6,11 +6,16 @@ use super::study::Study;
 use super::trajectory_words::{cost, minutes};
 use crate::documents::{Check, DesignDocument, DesignScores, PlanDocument, ValidationDocument};
 
+/// What the page is.
+pub(super) fn kind(study: &Study) -> &'static str {
+    if study.measured.is_some() { "Report on measured logs" } else { "Experiment design report" }
+}
+
 /// Title, the answer in two sentences, and the key figures.
 pub(super) fn headline(study: &Study) -> Markup {
     html! {
         header {
-            p.kicker { "Experiment design report" }
+            p.kicker { (kind(study)) }
             h1 { (study.name) }
             @if let Some(vessel) = &study.vessel {
                 p.about {
@@ -25,6 +30,9 @@ pub(super) fn headline(study: &Study) -> Markup {
 }
 
 fn answer(study: &Study) -> String {
+    if let Some(measured) = &study.measured {
+        return measured.answer(study.selection.as_ref());
+    }
     match (&study.validation, &study.design) {
         (Some(validation), _) if !validation.designs.is_empty() => compared(study, validation),
         (_, Some(design)) => format!("{} {}", mix(design), worth(design)),
@@ -135,6 +143,7 @@ fn cards(study: &Study) -> Markup {
     let scored = study.scored();
     html! {
         div.cards {
+            @if let Some(measured) = &study.measured { (measured.cards(study.selection.as_ref())) }
             @if let (Some(validation), false) = (&study.validation, scored.is_empty()) {
                 (share_card("Parameter error below", validation.bounds.parameter_error, &scored, |d| d.parameter_error_share))
                 (share_card("Simulation error below", validation.bounds.simulation_error, &scored, |d| d.simulation_error_share))

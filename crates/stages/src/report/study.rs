@@ -30,6 +30,8 @@ pub struct Study {
     pub reference: Option<Reference>,
     /// Models from picked sub-experiments; absent in a study without.
     pub selection: Option<super::SelectionStudy>,
+    /// What is known from measured logs; absent in a study of simulated trials.
+    pub measured: Option<super::Measured>,
     /// The planned trajectory; absent in a study that plans none.
     pub trajectory: Option<Trajectory>,
     /// Name of a file, what it is, its digest.

@@ -17,7 +17,7 @@ fn every_run_is_left_out_once_and_windows_are_side_by_side() {
     assert!(data["recommended"].is_string());
     let found = estimators(&folder);
     let names: Vec<&str> = found.iter().map(|e| e["name"].as_str().unwrap()).collect();
-    assert_eq!(names, ["ls", "iv", "refined", "auto", "oe"]);
+    assert_eq!(names, ["ls", "iv", "refined-iv", "auto", "output-error"]);
     for estimator in &found {
         let sources: Vec<&Value> =
             estimator["sources"].as_array().unwrap().iter().map(|s| &s["source"]).collect();
@@ -48,4 +48,19 @@ fn an_estimator_that_cannot_be_simulated_is_told_and_not_recommended() {
         (&Value::Null, &"not identifiable".into())
     );
     assert!(data["estimators"][0]["reason"].as_str().unwrap().contains("sway"), "{said}");
+}
+
+#[test]
+fn the_report_of_pooled_runs_shows_them_and_what_is_missing() {
+    let folder = with(&["campaign.parquet"]);
+    run(&folder, &format!("{} --bootstrap 9 --out estimates.parquet", crate::POOL)).succeeds();
+    run(&folder, &format!("{CROSS} --estimators ls,iv --out crossval.json")).succeeds();
+    run(&folder, REPORT).succeeds();
+    let page = String::from_utf8(bytes(&folder, "report.html")).unwrap();
+    for piece in
+        ["href=\"#cross-validation\"", "(recommended)", "Parameters of yaw", "<code>ingest.json</code>"]
+    {
+        assert!(page.contains(piece), "{piece}");
+    }
+    assert!(!page.contains("NaN") && !page.contains("id=\"dictionary\""));
 }

@@ -39,11 +39,30 @@ fn numbers_out_of_range_are_refused() {
         &format!("{} --out c.json", CROSS.replace(",random/1,optimized/2,optimized/3", "")),
         &["left out"],
     );
-    refused(&folder, 2, &format!("{SELECTION} --estimator oe --out s.parquet"), &["oe", "ls, iv or auto"]);
+    refused(
+        &folder,
+        2,
+        &format!("{SELECTION} --estimator output-error --out s.parquet"),
+        &["output-error", "ls, iv or auto"],
+    );
     let counts = |text: &str| format!("{} --out s.parquet", SELECTION.replace("decelerate=2", text));
     refused(&folder, 2, &counts("decelerrate=2"), &["`decelerrate`", "did you mean `decelerate`?"]);
     refused(&folder, 2, &counts("decelerate=2000"), &["2000 of `decelerate`"]);
     refused(&folder, 2, &counts("decelerate"), &["name=number"]);
+}
+
+#[test]
+fn a_nominal_file_that_is_none_is_refused() {
+    let folder = with(&["campaign.parquet", "estimate.json"]);
+    let line = |nominal: &str| format!("{POOL} --runs random/0 --nominal {nominal} --out x.parquet");
+    refused(&folder, 1, &line("least-sqares"), &["least-sqares", "existing file"]);
+    refused(&folder, 3, &line("estimate.json"), &["estimate.json", "data.designs", "2 designs"]);
+    run(&folder, &format!("{POOL} --runs random/0,random/1 --out pooled.parquet")).succeeds();
+    put(&folder, "vessel.toml", include_str!("../../../../pipelines/kvlcc2/vessel.toml"));
+    refused(&folder, 3, &line("estimate.json"), &["estimate.json", "no estimate"]);
+    put(&folder, "vessel.toml", "preset = \"ljungberg-model-ship\"\n");
+    refused(&folder, 1, &format!("{POOL} --recordings none.json --out x.parquet"), &["none.json"]);
+    refused(&folder, 2, &format!("{POOL} --prior=inf --out x.parquet"), &["--prior", "inf"]);
 }
 
 #[test]
