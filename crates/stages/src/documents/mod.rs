@@ -8,6 +8,7 @@ mod moments;
 mod plan;
 mod reference;
 mod selection;
+mod simulated;
 mod trust;
 mod validation;
 
@@ -26,6 +27,7 @@ pub use plan::{
 };
 pub use reference::{Published, PublishedShare, Reference};
 pub use selection::{SelectionDocument, SelectionErrors, SelectionScores};
+pub use simulated::{SimulatedLogsDocument, SimulatedRecording};
 pub use trust::{
     FreeRunErrors, InstrumentResidual, TrustDegree, TrustDocument, TrustParameter, TrustRun, Whiteness,
 };
@@ -43,5 +45,6 @@ pub fn schemas() -> Vec<(&'static str, serde_json::Value)> {
         (TrustDocument::ID, json_schema::<TrustDocument>()),
         (CrossvalDocument::ID, json_schema::<CrossvalDocument>()),
         (SelectionDocument::ID, json_schema::<SelectionDocument>()),
+        (SimulatedLogsDocument::ID, json_schema::<SimulatedLogsDocument>()),
     ]
 }

@@ -11,6 +11,7 @@ mod quality;
 mod recording;
 mod rows;
 mod segments;
+mod simulated;
 mod totals;
 
 pub use channels::Plan;
@@ -19,4 +20,5 @@ pub use files::{Source, find};
 pub use recording::{Outcome, ingest};
 pub use rows::{RowsBuilder, schema};
 pub use segments::check as check_segments;
+pub use simulated::{SIMULATED_FILE, simulated_label};
 pub use totals::{Totals, line};
