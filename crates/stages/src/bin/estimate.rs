@@ -27,7 +27,7 @@ use vessel::{DegreeOfFreedom, Vessel};
 #[command(
     name = "estimate",
     version,
-    after_help = "Examples:\n  estimate --vessel pipelines/paper/vessel.toml \
+    after_help = "Example:\n  estimate --vessel pipelines/paper/vessel.toml \
     --trajectories campaign.parquet --out estimates.parquet\n  estimate --pool --vessel pipelines/kvlcc2/vessel.toml \
     --trajectories trajectories.parquet --nominal least-squares --estimator auto --bootstrap 500 --out results/"
 )]
@@ -38,7 +38,7 @@ struct Arguments {
     /// The runs
     #[arg(long, required_unless_present = "gather", value_name = "campaign.parquet")]
     trajectories: Option<PathBuf>,
-    /// The estimator; `refined`, `auto` and `oe` with --pool
+    /// The estimator; `refined-iv`, `auto` and `output-error` with --pool
     #[arg(long, value_enum, default_value_t = Method::Iv)]
     estimator: Method,
     /// How the instruments' mean is removed
@@ -131,7 +131,7 @@ fn pool(a: &Arguments, vessel: &Vessel, out: PathBuf, provenance: Provenance) ->
 fn refuse_pool_flags(a: &Arguments) -> Result<(), Failure> {
     let estimator = !matches!(a.estimator, Method::Iv | Method::Ls);
     let given = [
-        (estimator, "--estimator refined, auto or oe"),
+        (estimator, "--estimator refined-iv, auto or output-error"),
         (a.bootstrap.is_some(), "--bootstrap"),
         (a.bandwidth.is_some(), "--bandwidth"),
     ];
