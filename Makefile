@@ -158,6 +158,7 @@ PYTHON ?= $(if $(wildcard .venv/bin/python),.venv/bin/python,python3)
 .PHONY: oracle
 oracle:
 	$(PYTHON) scripts/oracle.py --study pipelines/paper --fixtures fixtures/oracle
+	$(PYTHON) scripts/independent/chain.py --oracle fixtures/oracle
 
 .PHONY: schemas
 schemas:

@@ -82,6 +82,7 @@ impl Setup {
                 c_n: 0.1,
             }),
             scatter_std: 0.0,
+            course_rad: None,
         };
         chain.record(key, &slalom(200), [0.8, 0.0, 0.0], weather, 0).unwrap()
     }

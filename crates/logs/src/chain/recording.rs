@@ -26,6 +26,8 @@ pub struct Chain<'a> {
     pub hull: Option<Hull>,
     /// Relative scatter of a repeat's forces: nobody repeats a maneuver exactly.
     pub scatter_std: f64,
+    /// Heading at the start \[rad\]; drawn without.
+    pub course_rad: Option<f64>,
 }
 
 /// What a recording's random numbers are keyed by.
@@ -148,7 +150,7 @@ fn in_body([north, east]: [f64; 2], psi: f64) -> [f64; 2] {
 
 impl Chain<'_> {
     /// Sails `forces` (τ1, τ2, τ3 in the model's units, one row per sample) from `initial` (u, v over ground, r) in
-    /// `weather`, and logs what the instruments show from row `from` on. The heading at the start is drawn.
+    /// `weather`, and logs what the instruments show from row `from` on.
     ///
     /// # Errors
     /// Forces that the thrusters cannot make; motion without bounds.
@@ -179,7 +181,7 @@ impl Chain<'_> {
         let mut hits = vec![Hits::default(); self.actuators.len()];
         let mut at: Option<Vec<Setting>> = None;
         let mut truth = Truth::default();
-        let (mut state, mut pose) = (initial, Pose { psi: draws.heading(), ..Pose::default() });
+        let (mut state, mut pose) = (initial, Pose { psi: self.course_rad.unwrap_or_else(|| draws.heading()), ..Pose::default() });
         let still = vec![Setting::default(); self.actuators.len()];
         for (sample, wanted) in forces.iter().enumerate() {
             let newtons = [0, 1, 2].map(|i| scatter * wanted[i] / self.units[i]);

@@ -25,7 +25,7 @@ pub use plan::{
     Check, FrontPoint, Information, PlanDocument, PlanLattice, PlanPose, PlanStep, Primitive, Secondary,
     Voyage, VoyageLeg,
 };
-pub use reference::{Published, PublishedShare, Reference};
+pub use reference::{Published, PublishedPicks, PublishedSelection, PublishedShare, Reference};
 pub use selection::{SelectionDocument, SelectionErrors, SelectionScores};
 pub use simulated::{SimulatedLogsDocument, SimulatedRecording};
 pub use trust::{

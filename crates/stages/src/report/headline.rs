@@ -18,6 +18,9 @@ pub(super) fn headline(study: &Study) -> Markup {
                     (exact(vessel.sample_rate_hz)) "\u{a0}Hz"
                 }
             }
+            @if let Some(label) = &study.data {
+                p.label { b { (label) } ": no real ship was measured; the logs that everything here is made of were simulated." }
+            }
             p.answer { (answer(study)) }
             (cards(study))
         }

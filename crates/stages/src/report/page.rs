@@ -11,6 +11,7 @@ use super::figures::Figures;
 use super::headline::headline;
 use super::notes::{files, notation};
 use super::parameters::parameters;
+use super::published_selection::published_selection;
 use super::selection::selection;
 use super::study::Study;
 use super::trajectory::{self, trajectory};
@@ -26,13 +27,14 @@ pub struct Rendered {
 
 const STYLE: &str = include_str!("style.css");
 
-const CONTENTS: [(&str, &str); 11] = [
+const CONTENTS: [(&str, &str); 12] = [
     ("comparison", "Result"),
     ("shares", "Shares"),
     ("certificate", "Certificate"),
     ("dictionary", "Dictionary"),
     ("trajectory", "Trajectory"),
     ("selection", "Selection"),
+    ("published", "Published"),
     ("errors", "Errors"),
     ("parameters", "Parameters"),
     ("excitation", "Excitation"),
@@ -53,6 +55,7 @@ pub fn render(study: &Study) -> Result<Rendered, FigureError> {
         dictionary(study, &mut figures)?,
         trajectory(study, &mut figures)?,
         selection(study, &mut figures)?,
+        published_selection(study, &mut figures)?,
         errors(study, &mut figures)?,
         parameters(study, &mut figures)?,
         excitation(study),
@@ -65,8 +68,13 @@ pub fn render(study: &Study) -> Result<Rendered, FigureError> {
 
 fn document(study: &Study, sections: &[Markup]) -> Markup {
     let planned = study.trajectory.is_some();
-    let shown =
-        |id: &str| (planned || id != "trajectory") && (study.selection.is_some() || id != "selection");
+    let published = study.reference.as_ref().is_some_and(|r| r.selection.is_some());
+    let shown = |id: &str| match id {
+        "trajectory" => planned,
+        "selection" => study.selection.is_some(),
+        "published" => study.selection.is_some() && published,
+        _ => true,
+    };
     let contents = CONTENTS.iter().filter(|(id, _)| shown(id));
     html! {
         (DOCTYPE)

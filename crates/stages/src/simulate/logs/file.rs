@@ -24,6 +24,8 @@ pub struct LogsFile {
     /// Relative scatter of a repeat's forces.
     #[serde(default)]
     pub scatter_std: f64,
+    /// Heading at the start of every recording \[rad\]; without it each starts on a course of its own.
+    pub course_rad: Option<f64>,
     /// Maneuver → how long it goes on before logging begins \[s\].
     #[serde(default)]
     pub settle_s: BTreeMap<String, f64>,
@@ -107,6 +109,9 @@ impl LogsFile {
             if !(1..=100_000).contains(&count) {
                 return invalid(key, count.to_string(), "a number from 1 to 100000".into());
             }
+        }
+        if self.course_rad.is_some_and(|course| !course.is_finite()) {
+            return invalid("course_rad", "no finite number".into(), "a heading".into());
         }
         let settling = self.settle_s.iter().map(|(name, s)| (name.as_str(), *s));
         for (key, value) in settling.chain([("scatter_std", self.scatter_std)]) {

@@ -126,6 +126,7 @@ impl<'a> SimulatedLogs<'a> {
             compass: config.heading,
             hull: config.hull,
             scatter_std: config.scatter_std,
+            course_rad: config.course_rad,
         };
         let key = Key { seed: self.seed, maneuver: name, repeat };
         let recording = chain
