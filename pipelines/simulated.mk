@@ -27,8 +27,14 @@ $(LOGS)/simulated.json: $(STUDY)/vessel.toml $(STUDY)/dictionary.toml $(STUDY)/l
 	  $(SEED_FLAGS) $(FLAGS) --out $@
 
 $(MEASURED)/trajectories.parquet: $(LOGS)/simulated.json
+
+# The maneuvers as they are meant, for the report
+$(MEASURED)/dictionary.parquet: $(STUDY)/vessel.toml $(STUDY)/dictionary.toml $(BIN)/.built
+	@mkdir -p $(@D)
+	$(BIN)/simulate dictionary --vessel $(STUDY)/vessel.toml --dictionary $(STUDY)/dictionary.toml $(FLAGS) --out $@
+
 $(MEASURED)/design.json: $(STUDY)/available.toml
-$(MEASURED)/report.html: $(STUDY)/reference.toml
+$(MEASURED)/report.html: $(STUDY)/reference.toml $(MEASURED)/dictionary.parquet $(MEASURED)/estimates.parquet
 
 SEEDS ?= 1 2 3 4 5 6 7 8 9 10
 

@@ -33,7 +33,13 @@ fn recording() -> Recording {
         rate_hz: 2.0,
         units: [1.0; 3],
         actuators: &[actuator([-0.4, -0.15]), actuator([-0.4, 0.1]), actuator([0.5, 0.02])],
-        gnss: Gnss { rate_hz: 2.0, white_std_m: 0.0, wander_std_m: 0.0, wander_time_s: None, resolution_m: 0.0 },
+        gnss: Gnss {
+            rate_hz: 2.0,
+            white_std_m: 0.0,
+            wander_std_m: 0.0,
+            wander_time_s: None,
+            resolution_m: 0.0,
+        },
         compass: Compass {
             white_std_rad: 0.0,
             wander_std_rad: 0.0,

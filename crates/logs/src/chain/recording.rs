@@ -181,7 +181,8 @@ impl Chain<'_> {
         let mut hits = vec![Hits::default(); self.actuators.len()];
         let mut at: Option<Vec<Setting>> = None;
         let mut truth = Truth::default();
-        let (mut state, mut pose) = (initial, Pose { psi: self.course_rad.unwrap_or_else(|| draws.heading()), ..Pose::default() });
+        let (mut state, mut pose) =
+            (initial, Pose { psi: self.course_rad.unwrap_or_else(|| draws.heading()), ..Pose::default() });
         let still = vec![Setting::default(); self.actuators.len()];
         for (sample, wanted) in forces.iter().enumerate() {
             let newtons = [0, 1, 2].map(|i| scatter * wanted[i] / self.units[i]);

@@ -48,15 +48,17 @@ const CONTENTS: [(&str, &str); 12] = [
 /// A figure cannot be drawn.
 pub fn render(study: &Study) -> Result<Rendered, FigureError> {
     let mut figures = Figures::default();
+    // A study of picks from logs has no simulated campaign to validate: its sections are not missing.
+    let none = || html! {};
     let sections = [
-        comparison(study),
+        if campaign(study) { comparison(study) } else { none() },
         allocation(study, &mut figures)?,
         certificate(study),
-        dictionary(study, &mut figures)?,
+        if maneuvers(study) { dictionary(study, &mut figures)? } else { none() },
         trajectory(study, &mut figures)?,
         selection(study, &mut figures)?,
         published_selection(study, &mut figures)?,
-        errors(study, &mut figures)?,
+        if campaign(study) { errors(study, &mut figures)? } else { none() },
         parameters(study, &mut figures)?,
         excitation(study),
         notation(),
@@ -66,12 +68,24 @@ pub fn render(study: &Study) -> Result<Rendered, FigureError> {
     Ok(Rendered { html, figures: figures.files })
 }
 
+/// Whether there is a campaign, or ought to be one.
+fn campaign(study: &Study) -> bool {
+    study.selection.is_none() || study.validation.is_some() || study.scores.is_some()
+}
+
+/// Whether there are maneuvers to show, or ought to be.
+fn maneuvers(study: &Study) -> bool {
+    study.selection.is_none() || study.dictionary.is_some()
+}
+
 fn document(study: &Study, sections: &[Markup]) -> Markup {
     let planned = study.trajectory.is_some();
     let published = study.reference.as_ref().is_some_and(|r| r.selection.is_some());
     let shown = |id: &str| match id {
         "trajectory" => planned,
         "selection" => study.selection.is_some(),
+        "comparison" | "errors" => campaign(study),
+        "dictionary" => maneuvers(study),
         "published" => study.selection.is_some() && published,
         _ => true,
     };

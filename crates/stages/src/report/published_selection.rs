@@ -18,25 +18,15 @@ pub(super) fn published_selection(study: &Study, figures: &mut Figures) -> Resul
     let Some(limits) = &reference.selection else { return Ok(html! {}) };
     let norm = figure(found, figures, "published-norm", "norm of RMSE", limits.limit_norm, 460.0, norm)?;
     let degrees = [
-        figure(
-            found,
-            figures,
-            "published-surge",
-            "RMSE in surge [m/s]",
-            limits.limit_u,
-            360.0,
-            |r| rmse(r, 0),
-        )?,
-        figure(found, figures, "published-sway", "RMSE in sway [m/s]", limits.limit_v, 360.0, |r| rmse(r, 1))?,
-        figure(
-            found,
-            figures,
-            "published-yaw",
-            "RMSE in yaw rate [rad/s]",
-            limits.limit_r,
-            360.0,
-            |r| rmse(r, 2),
-        )?,
+        figure(found, figures, "published-surge", "RMSE in surge [m/s]", limits.limit_u, 360.0, |r| {
+            rmse(r, 0)
+        })?,
+        figure(found, figures, "published-sway", "RMSE in sway [m/s]", limits.limit_v, 360.0, |r| {
+            rmse(r, 1)
+        })?,
+        figure(found, figures, "published-yaw", "RMSE in yaw rate [rad/s]", limits.limit_r, 360.0, |r| {
+            rmse(r, 2)
+        })?,
     ];
     Ok(html! {
         section #published {
@@ -83,17 +73,18 @@ fn quantile(errors: &[f64], q: f64) -> String {
 fn table(found: &SelectionStudy, limits: &PublishedSelection) -> Markup {
     let designs: Vec<&str> = found.summary.designs.iter().map(|d| d.design.as_str()).collect();
     let told = |design: &str| if design == "optimized" { &limits.optimized } else { &limits.random };
-    let row = |label: String, ours: &dyn Fn(&str) -> String, theirs: &dyn Fn(&PublishedPicks) -> Option<String>| {
-        html! {
-            tr {
-                th scope="row" { (label) }
-                @for design in &designs {
-                    td.number { (ours(design)) }
-                    td.number.published { (theirs(told(design)).unwrap_or_else(|| "–".to_owned())) }
+    let row =
+        |label: String, ours: &dyn Fn(&str) -> String, theirs: &dyn Fn(&PublishedPicks) -> Option<String>| {
+            html! {
+                tr {
+                    th scope="row" { (label) }
+                    @for design in &designs {
+                        td.number { (ours(design)) }
+                        td.number.published { (theirs(told(design)).unwrap_or_else(|| "–".to_owned())) }
+                    }
                 }
             }
-        }
-    };
+        };
     let of_norm = |design: &str| sorted(found, design, norm);
     let cut = |limit: f64, degree: usize| {
         move |design: &str| percent(at_or_above(&sorted(found, design, |r| rmse(r, degree)), limit))
