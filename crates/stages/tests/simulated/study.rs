@@ -14,7 +14,7 @@ fn everything_that_is_made_of_simulated_logs_says_so() {
     assert_eq!(json(&folder, "ingest.json")["data"]["runs"], 22);
     let page = String::from_utf8(bytes(&folder, "report.html")).unwrap();
     for piece in [
-        "<b>simulated logs</b>: no real ship was measured",
+        "Data: <b>simulated logs</b>. No real ship was measured",
         "<section id=\"published\">",
         "Ours: simulated logs.",
         "more often in agreement",
