@@ -161,6 +161,7 @@ oracle:
 	$(PYTHON) scripts/oracle.py --study pipelines/paper --fixtures fixtures/oracle
 	$(PYTHON) scripts/independent/pooled.py --out fixtures/oracle/pooled.json
 	$(PYTHON) scripts/independent/criteria.py --study pipelines/paper --fixtures fixtures/oracle
+	$(PYTHON) scripts/independent/chain.py --oracle fixtures/oracle
 
 .PHONY: schemas
 schemas:

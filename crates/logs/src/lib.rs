@@ -5,12 +5,17 @@
 //!
 //! A recording is a set of [`Series`], one per channel, each with a clock of its own. [`assemble`] turns it into channels
 //! on one clock; [`cut`] finds the sub-experiments; [`consistency`] and [`noise_std`] say how good the data are.
+//!
+//! The other way round, [`Allocation`] turns forces into thruster settings, and [`chain`] into what a ship's instruments
+//! would have logged.
 
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 
+mod allocation;
 mod angle;
 mod assemble;
+pub mod chain;
 mod clock;
 mod formula;
 mod frame;
@@ -26,6 +31,7 @@ mod smoother;
 mod thruster;
 mod unit;
 
+pub use allocation::{Allocation, Setting, Unreachable};
 pub use angle::unwrap;
 pub use assemble::{Assembled, Recipe, Unassembled, assemble};
 pub use clock::{Backwards, NonMonotonic, Order, TimeUnit, order};

@@ -1,4 +1,8 @@
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+
 use serde::Deserialize;
+
+use crate::Setting;
 
 /// A thruster's force from its speed n.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
@@ -39,6 +43,28 @@ impl Thruster {
         let (forward, starboard) = (force * cos, force * sin);
         let [x, y] = self.position_m;
         [forward, starboard, x * starboard - y * forward]
+    }
+
+    /// The setting that pushes with `force` (forward, to starboard) \[N\]: of the two, ahead and reversed, the one whose
+    /// direction is nearer to `alpha` \[rad\], and within a quarter turn of it. Without force `alpha` stays.
+    pub fn setting(&self, [forward, starboard]: [f64; 2], alpha: f64) -> Setting {
+        let force = forward.hypot(starboard);
+        if force == 0.0 {
+            return Setting { n: 0.0, alpha };
+        }
+        let turn = (starboard.atan2(forward) - alpha + PI).rem_euclid(TAU) - PI;
+        let (sign, turn) = if turn > FRAC_PI_2 {
+            (-1.0, turn - PI)
+        } else if turn < -FRAC_PI_2 {
+            (-1.0, turn + PI)
+        } else {
+            (1.0, turn)
+        };
+        let speed = match self.law {
+            Law::Quadratic => (force / self.coefficient).sqrt(),
+            Law::Linear => force / self.coefficient,
+        };
+        Setting { n: sign * speed, alpha: alpha + turn }
     }
 }
 

@@ -75,6 +75,10 @@ fn stage(a: &Arguments) -> Result<Summary, Failure> {
     let moments = loaded.data;
     let mut provenance = provenance("design");
     provenance.inputs.insert("moments".into(), loaded.digest);
+    // Moments of simulated logs say so, and so does the design.
+    provenance
+        .settings
+        .extend(loaded.provenance.settings.get_key_value("data").map(|(k, v)| (k.clone(), v.clone())));
     let document = design(a, &moments, &mut provenance)?;
     settings(a, &mut provenance);
     let inputs = [Some(&a.moments), a.weights.as_ref(), a.available.as_ref()];

@@ -11,6 +11,7 @@ use stages::documents::IngestDocument;
 use stages::failure::Failure;
 use stages::ingest::{
     IngestFile, Outcome, Plan, RowsBuilder, Source, Totals, check_segments, find, ingest, line, schema,
+    simulated_label,
 };
 use stages::ordered::ordered;
 use stages::progress::Progress;
@@ -45,7 +46,7 @@ fn main() -> ExitCode {
 
 fn stage(a: &Arguments) -> Result<Summary, Failure> {
     let mut provenance = provenance("ingest");
-    let (config, digest) = read_toml::<IngestFile>(&a.config)?;
+    let (mut config, digest) = read_toml::<IngestFile>(&a.config)?;
     provenance.inputs.insert("config".into(), digest);
     config.check().map_err(|e| Failure::invalid(&a.config, &e))?;
     let vessel = a.vessel.as_deref().map(|path| read_vessel(path, &mut provenance)).transpose()?;
@@ -54,10 +55,16 @@ fn stage(a: &Arguments) -> Result<Summary, Failure> {
     let sources = find(&config, &a.config, &folder)?;
     check_segments(&config, &a.config, &sources)?;
     let out = output(a, &folder, &sources)?;
+    let label = simulated_label(&folder, &sources, &mut provenance)?;
+    if let Some(label) = &label {
+        config.design.clone_from(label);
+        provenance.settings.insert("data".into(), json!(label));
+    }
     let (blocks, totals) = all(a, &config, &plan, &folder, &sources, &mut provenance)?;
-    write(a, &out, &config, &plan, vessel.as_ref(), &provenance, blocks, &totals)?;
+    write(a, &out, &config, &plan, vessel.as_ref(), &provenance, blocks, &totals, label.clone())?;
+    let told = label.map_or(String::new(), |label| format!("; {label}"));
     Ok(Summary {
-        line: line(&out, &totals),
+        line: line(&out, &totals) + &told,
         json: json!({
             "out": out,
             "runs": totals.runs,
@@ -137,10 +144,12 @@ fn write(
     provenance: &Provenance,
     blocks: Vec<EncodedBlock>,
     totals: &Totals,
+    data: Option<String>,
 ) -> Result<(), Failure> {
     let document = IngestDocument {
         vessel: vessel.map(|vessel| vessel.name.clone()),
         design: config.design.clone(),
+        data,
         reference_point: config.reference_point.clone(),
         sample_rate_hz: config.sample_rate_hz,
         runs: u64::from(totals.runs),

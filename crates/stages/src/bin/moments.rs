@@ -17,7 +17,7 @@ use stages::ordered::ordered;
 use stages::pooled::{Data, Nominal, NominalModel, PoolFlags};
 use stages::progress::Progress;
 use stages::study_files::read_vessel;
-use stages::trajectories::{Layout, Run, Segment, TrajectoryReader};
+use stages::trajectories::{Layout, Run, Segment, TrajectoryReader, label};
 use vessel::{DegreeOfFreedom, Model, Vessel};
 
 /// Computes the lifted moment matrices of every maneuver, M = mean of φ̃ζ̃ᵀ per degree of freedom
@@ -66,6 +66,9 @@ fn stage(a: &Arguments) -> Result<Summary, Failure> {
     let reader = TrajectoryReader::open(&a.trajectories, &Layout::new(&vessel.model), vessel.sample_rate_hz)?;
     reader.whole()?;
     provenance.inputs.insert("trajectories".into(), reader.digest());
+    if reader.blocks() > 0 {
+        label(reader.runs(0)?.iter().map(|run| run.design.as_str()), &mut provenance);
+    }
     let kind = name_of(a.instruments);
     let noise = match &a.campaign {
         Some(campaign) => Some(NoiseModel::read(campaign, &vessel, a.instruments, &mut provenance)?),

@@ -3,17 +3,19 @@
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use artifact::{Provenance, Shard, commit, gather, read_document};
+use artifact::{Provenance, Shard, commit, gather, read_document, read_toml};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use serde_json::json;
 use stages::cli::{Common, Sharding, Summary, beside, given, provenance, run};
 use stages::documents::DesignDocument;
 use stages::failure::Failure;
+use stages::ingest::SIMULATED_FILE;
 use stages::plan::read_planned;
 use stages::simulate::campaign::{Campaign, CampaignFiles};
+use stages::simulate::logs::{Files, LogsFile, SimulatedLogs, publish};
 use stages::simulate::undisturbed::Undisturbed;
 use stages::study_files::{generator, read_campaign, read_dictionary, read_vessel};
-use stages::trajectories::{ID, VERSION};
+use stages::trajectories::{ID, SIMULATED_LOGS, VERSION};
 use vessel::{Source, Vessel};
 
 /// Simulates a vessel's trajectories
@@ -48,6 +50,10 @@ enum What {
     #[command(after_help = "Example:\n  simulate plan --vessel pipelines/helsinki/vessel.toml \
         --campaign pipelines/helsinki/campaign.toml --plan out/helsinki/plan.json --out planned.parquet")]
     Plan(PlanArguments),
+    /// What a ship's instruments would have logged in a trial: simulated logs, for `ingest`
+    #[command(after_help = "Example:\n  simulate logs --vessel pipelines/model-ship/vessel.toml \
+        --dictionary pipelines/model-ship/dictionary.toml --logs pipelines/model-ship/logs.toml --out logs/")]
+    Logs(LogsArguments),
 }
 
 #[derive(Args)]
@@ -122,12 +128,28 @@ struct PlanArguments {
     common: Common,
 }
 
+#[derive(Args)]
+struct LogsArguments {
+    /// The vessel
+    #[arg(long, value_name = "vessel.toml")]
+    vessel: PathBuf,
+    /// The maneuvers
+    #[arg(long, value_name = "dictionary.toml")]
+    dictionary: PathBuf,
+    /// Thrusters, sensors, days at sea
+    #[arg(long, value_name = "logs.toml")]
+    logs: PathBuf,
+    #[command(flatten)]
+    common: Common,
+}
+
 fn main() -> ExitCode {
     run(common, |arguments: &Arguments| match &arguments.what {
         What::Dictionary(a) => dictionary(a),
         What::Campaign(a) => campaign(a),
         What::Validation(a) => validation(a),
         What::Plan(a) => plan(a),
+        What::Logs(a) => logs(a),
     })
 }
 
@@ -137,6 +159,7 @@ fn common(arguments: &Arguments) -> &Common {
         What::Campaign(a) => &a.common,
         What::Validation(a) => &a.common,
         What::Plan(a) => &a.common,
+        What::Logs(a) => &a.common,
     }
 }
 
@@ -241,6 +264,36 @@ fn written(
     Ok(Summary {
         line: format!("{}: {} runs of {} samples{part}", out.display(), campaign.runs(), campaign.samples()),
         json: json!({"out": out, "runs": campaign.runs(), "samples": campaign.samples()}),
+    })
+}
+
+fn logs(a: &LogsArguments) -> Result<Summary, Failure> {
+    let mut provenance = provenance("simulate");
+    let vessel = read_vessel(&a.vessel, &mut provenance)?;
+    let generator = read_dictionary(&a.dictionary, &vessel, &mut provenance)?;
+    let (config, digest) = read_toml::<LogsFile>(&a.logs)?;
+    provenance.inputs.insert("logs".into(), digest);
+    let seed = a.common.seed.unwrap_or(config.seed);
+    provenance.settings.insert("seed".into(), json!(seed));
+    provenance.settings.insert("data".into(), json!(SIMULATED_LOGS));
+    let out = a.common.main_output(SIMULATED_FILE, &[&a.vessel, &a.dictionary, &a.logs])?;
+    let files = Files { vessel: &a.vessel, dictionary: &a.dictionary, logs: &a.logs };
+    let work = SimulatedLogs::new(files, &vessel, &generator, &config, seed)?;
+    let made = work.all()?;
+    let document = work.document(&made);
+    publish(&out, &made, &document, &provenance)?;
+    let (maneuvers, recordings) = (work.maneuvers().len(), work.recordings());
+    let told: String = document.statements.iter().map(|statement| format!("; {statement}")).collect();
+    Ok(Summary {
+        line: format!(
+            "{}: {recordings} simulated logs of {maneuvers} maneuvers, {} samples each{told}",
+            out.display(),
+            config.samples
+        ),
+        json: json!({
+            "out": out, "recordings": recordings, "maneuvers": maneuvers, "samples": config.samples,
+            "statements": document.statements,
+        }),
     })
 }
 

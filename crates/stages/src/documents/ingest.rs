@@ -10,6 +10,9 @@ pub struct IngestDocument {
     pub vessel: Option<String>,
     /// Name of the design that the runs belong to.
     pub design: String,
+    /// `simulated logs` where they are not those of a real ship.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub data: Option<String>,
     /// What positions and velocities are those of.
     pub reference_point: Option<String>,
     /// The common rate \[Hz\].

@@ -9,6 +9,7 @@ mod plan;
 mod reference;
 mod selection;
 mod sequential;
+mod simulated;
 mod trust;
 mod validation;
 
@@ -26,9 +27,10 @@ pub use plan::{
     Check, FrontPoint, Information, PlanDocument, PlanLattice, PlanPose, PlanStep, Primitive, Secondary,
     Voyage, VoyageLeg,
 };
-pub use reference::{Published, PublishedShare, Reference};
+pub use reference::{Published, PublishedPicks, PublishedSelection, PublishedShare, Reference};
 pub use selection::{SelectionDocument, SelectionErrors, SelectionScores};
 pub use sequential::{ArmPoint, ArmSummary, SequentialDocument, Stopping};
+pub use simulated::{SimulatedLogsDocument, SimulatedRecording};
 pub use trust::{
     FreeRunErrors, InstrumentResidual, TrustDegree, TrustDocument, TrustParameter, TrustRun, Whiteness,
 };
@@ -47,5 +49,6 @@ pub fn schemas() -> Vec<(&'static str, serde_json::Value)> {
         (CrossvalDocument::ID, json_schema::<CrossvalDocument>()),
         (SelectionDocument::ID, json_schema::<SelectionDocument>()),
         (SequentialDocument::ID, json_schema::<SequentialDocument>()),
+        (SimulatedLogsDocument::ID, json_schema::<SimulatedLogsDocument>()),
     ]
 }

@@ -14,6 +14,43 @@ pub struct Reference {
     /// Published shares of runs under the bounds, by design.
     #[serde(default)]
     pub designs: BTreeMap<String, Published>,
+    /// A published selection study.
+    pub selection: Option<PublishedSelection>,
+}
+
+/// A published selection study: where its figures end, and what is told of them.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PublishedSelection {
+    /// RMSE in surge from which values are truncated \[m/s\].
+    pub limit_u: f64,
+    /// In sway \[m/s\].
+    pub limit_v: f64,
+    /// In yaw rate \[rad/s\].
+    pub limit_r: f64,
+    /// The norm of the three.
+    pub limit_norm: f64,
+    /// What is said of the result.
+    #[serde(default)]
+    pub statements: Vec<String>,
+    /// The optimized selection.
+    #[serde(default)]
+    pub optimized: PublishedPicks,
+    /// The random selection.
+    #[serde(default)]
+    pub random: PublishedPicks,
+}
+
+/// What was published of one way of picking.
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PublishedPicks {
+    /// Share of degenerate realizations.
+    pub degenerate_share: Option<f64>,
+    /// The best case, beside the other's.
+    pub best: Option<String>,
+    /// The worst case, beside the other's.
+    pub worst: Option<String>,
 }
 
 /// Published shares of one design.

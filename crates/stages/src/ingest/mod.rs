@@ -12,6 +12,7 @@ mod recording;
 mod rows;
 mod segments;
 mod suspicion;
+mod simulated;
 mod totals;
 
 pub use channels::Plan;
@@ -20,4 +21,5 @@ pub use files::{Source, find};
 pub use recording::{Outcome, ingest};
 pub use rows::{RowsBuilder, schema};
 pub use segments::check as check_segments;
+pub use simulated::{SIMULATED_FILE, simulated_label};
 pub use totals::{Totals, line};

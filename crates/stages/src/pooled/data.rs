@@ -8,7 +8,7 @@ use vessel::{Vessel, nearest};
 use super::PoolFlags;
 use crate::documents::{ChannelSummary, IngestDocument, RecordingSummary};
 use crate::failure::Failure;
-use crate::trajectories::{Layout, Run, TrajectoryReader};
+use crate::trajectories::{Layout, Run, TrajectoryReader, label};
 
 /// Measured runs, each with the name of what it was cut from.
 pub struct Data {
@@ -47,6 +47,7 @@ impl Data {
         for block in 0..reader.blocks() {
             runs.extend(reader.runs(block)?);
         }
+        label(runs.iter().map(|run: &Run| run.design.as_str()), provenance);
         let (names, constant) = recordings(flags, provenance)?;
         let several = runs.iter().any(|run| run.design != runs[0].design);
         let name = |run: &Run| match names.get(&run.run) {

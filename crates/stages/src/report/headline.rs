@@ -4,7 +4,9 @@ use super::number::{exact, percent, three};
 use super::shown::used as is_used;
 use super::study::Study;
 use super::trajectory_words::{cost, minutes};
-use crate::documents::{Check, DesignDocument, DesignScores, PlanDocument, ValidationDocument};
+use crate::documents::{
+    Check, DesignDocument, DesignScores, PlanDocument, SelectionDocument, ValidationDocument,
+};
 
 /// What the page is.
 pub(super) fn kind(study: &Study) -> &'static str {
@@ -23,6 +25,9 @@ pub(super) fn headline(study: &Study) -> Markup {
                     (exact(vessel.sample_rate_hz)) "\u{a0}Hz"
                 }
             }
+            @if let Some(label) = &study.data {
+                p.label { "Data: " b { (label) } ". No real ship was measured; the logs that everything here is made of were simulated." }
+            }
             p.answer { (answer(study)) }
             (cards(study))
         }
@@ -35,7 +40,10 @@ fn answer(study: &Study) -> String {
     }
     match (&study.validation, &study.design) {
         (Some(validation), _) if !validation.designs.is_empty() => compared(study, validation),
-        (_, Some(design)) => format!("{} {}", mix(design), worth(design)),
+        (_, Some(design)) => match &study.selection {
+            Some(found) => format!("{} {}", mix(design), picked(&found.summary)),
+            None => format!("{} {}", mix(design), worth(design)),
+        },
         _ if plan(study).is_some() => plan(study).map(planned).unwrap_or_default(),
         _ => "Nothing has been designed or validated yet. The sections below say which files are missing."
             .to_owned(),
@@ -126,6 +134,20 @@ fn mix(design: &DesignDocument) -> String {
         used.len(),
         design.order.len(),
         listed.join(", ")
+    )
+}
+
+/// What picks by the design are worth beside random ones.
+fn picked(found: &SelectionDocument) -> String {
+    let each: Vec<String> = found
+        .designs
+        .iter()
+        .map(|d| format!("{} of {} {} ones", percent(d.degenerate_share), d.realizations, d.design))
+        .collect();
+    format!(
+        "Models from picks of {} sub-experiments are degenerate in {}.",
+        found.picks,
+        each.join(" and in ")
     )
 }
 

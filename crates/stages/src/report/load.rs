@@ -8,7 +8,7 @@ use vessel::{DegreeOfFreedom, DictionaryFile, Vessel, track};
 use super::trajectory_files::trajectory;
 use super::{ManeuverTrace, ParameterRow, ScoreSet, Study, VesselSummary};
 use crate::campaign_file::CampaignFile;
-use crate::documents::Reference;
+use crate::documents::{IngestDocument, Reference};
 use crate::failure::Failure;
 use crate::scores;
 use crate::study_files::read_vessel;
@@ -55,6 +55,7 @@ pub fn load(sources: &Sources) -> Result<Study, Failure> {
         trajectory: trajectory(&mut loader)?,
         selection: super::selection::load(&mut loader)?,
         measured: super::measured::load(&mut loader)?,
+        data: loader.label()?,
         reference,
         files: Vec::new(),
     };
@@ -81,6 +82,12 @@ pub(super) struct Loader<'a> {
 impl Loader<'_> {
     pub(super) fn note(&mut self, name: &str, what: &str, digest: Digest) {
         self.files.push((name.to_owned(), what.to_owned(), digest.to_string()));
+    }
+
+    /// What `ingest` says that the logs are.
+    fn label(&mut self) -> Result<Option<String>, Failure> {
+        let ingested = self.document::<IngestDocument>("ingest.json", "what the logs became")?;
+        Ok(ingested.and_then(|document| document.data))
     }
 
     fn vessel(&mut self) -> Result<Option<Vessel>, Failure> {

@@ -21,6 +21,7 @@ mod notes;
 mod number;
 mod page;
 mod parameters;
+mod published_selection;
 mod selection;
 mod shown;
 mod study;

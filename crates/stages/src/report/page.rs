@@ -14,6 +14,7 @@ use super::logs::logs;
 use super::measured::Measured;
 use super::notes::{files, notation};
 use super::parameters::parameters;
+use super::published_selection::published_selection;
 use super::selection::selection;
 use super::study::Study;
 use super::trajectory::{self, trajectory};
@@ -77,6 +78,9 @@ fn of_logs(study: &Study, measured: &Measured, figures: &mut Figures) -> Result<
     ];
     if study.selection.is_some() {
         sections.push(("selection", "Selection", selection(study, figures)?));
+        if study.reference.as_ref().is_some_and(|reference| reference.selection.is_some()) {
+            sections.push(("published", "Published", published_selection(study, figures)?));
+        }
     }
     if study.design.is_some() {
         sections.push(("shares", "Shares", allocation(study, figures)?));

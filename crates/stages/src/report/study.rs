@@ -34,6 +34,8 @@ pub struct Study {
     pub measured: Option<super::Measured>,
     /// The planned trajectory; absent in a study that plans none.
     pub trajectory: Option<Trajectory>,
+    /// What the data are labelled as: `simulated logs`; absent for those of real ships and for simulation studies.
+    pub data: Option<String>,
     /// Name of a file, what it is, its digest.
     pub files: Vec<(String, String, String)>,
 }

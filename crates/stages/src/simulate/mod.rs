@@ -1,6 +1,7 @@
 //! `simulate`: trajectories of dictionaries, campaigns and validation maneuvers.
 
 pub mod campaign;
+pub mod logs;
 pub mod undisturbed;
 
 use std::path::Path;

@@ -240,6 +240,7 @@ fn binary(name: &str) -> &'static Path {
         "validate" => cargo_bin!("validate"),
         "report" => cargo_bin!("report"),
         "plan" => cargo_bin!("plan"),
+        "ingest" => cargo_bin!("ingest"),
         other => panic!("no binary `{other}`"),
     }
 }

@@ -305,6 +305,7 @@ fn reference() -> Reference {
         source: "Ljungberg, Linder, Enqvist, Tervo, simulation study".to_owned(),
         shares: shares.into_iter().map(|(name, share)| (name.to_owned(), share)).collect(),
         designs: BTreeMap::from([("optimized".to_owned(), optimized), ("random".to_owned(), random)]),
+        selection: None,
     }
 }
 

@@ -1,0 +1,306 @@
+use std::f64::consts::{PI, TAU};
+
+use vessel::{DIVERGED, Diverged, Model, Pose, Streams};
+
+use super::{Actuator, Compass, GaussMarkov, Gnss, Hits, Hull, Pace, Weather, advance, quantised};
+use crate::{Allocation, Setting, Unreachable};
+
+/// A ship with its thrusters and its sensors.
+#[derive(Clone, Debug)]
+pub struct Chain<'a> {
+    /// The structure; its first three inputs are τ1, τ2, τ3.
+    pub model: &'a Model,
+    /// What moves it.
+    pub parameters: &'a [f64],
+    /// Samples per second, of the model and of the logs.
+    pub rate_hz: f64,
+    /// What newtons and newton metres are multiplied by to be the model's inputs.
+    pub units: [f64; 3],
+    /// The thrusters.
+    pub actuators: &'a [Actuator],
+    /// Position.
+    pub gnss: Gnss,
+    /// Heading.
+    pub compass: Compass,
+    /// What wind acts on; without it there is none.
+    pub hull: Option<Hull>,
+    /// Relative scatter of a repeat's forces: nobody repeats a maneuver exactly.
+    pub scatter_std: f64,
+    /// Heading at the start \[rad\]; drawn without.
+    pub course_rad: Option<f64>,
+}
+
+/// What a recording's random numbers are keyed by.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Key<'a> {
+    /// The study's seed.
+    pub seed: u64,
+    /// The maneuver.
+    pub maneuver: &'a str,
+    /// Its repeat, from 0.
+    pub repeat: u32,
+}
+
+/// What was logged, a row per sample.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Recording {
+    /// North and east \[m\] at the rows with a fix.
+    pub fixes: Vec<Option<[f64; 2]>>,
+    /// Heading, from 0 to 2π \[rad\].
+    pub heading: Vec<f64>,
+    /// Per row and thruster: speed \[1/s\] and angle, from −π to π \[rad\].
+    pub settings: Vec<Vec<Setting>>,
+    /// Per thruster, how often it could not follow.
+    pub hits: Vec<Hits>,
+    /// What happened.
+    pub truth: Truth,
+}
+
+/// What happened while recording, a row per sample.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Truth {
+    /// u, v \[m/s\] over ground, r \[rad/s\].
+    pub states: Vec<[f64; 3]>,
+    /// Position and heading.
+    pub poses: Vec<Pose>,
+    /// Of the thrusters, in the model's units.
+    pub forces: Vec<[f64; 3]>,
+    /// The thrusters' settings.
+    pub settings: Vec<Vec<Setting>>,
+}
+
+/// Why there is no recording.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Failed {
+    /// The thrusters cannot make the forces of sample `sample`.
+    Unreachable {
+        /// The sample.
+        sample: usize,
+        /// What cannot be made, in N and N m.
+        what: Unreachable,
+    },
+    /// The motion leaves every bound.
+    Diverged(Diverged),
+}
+
+/// Channels of the random streams. A thruster has two from `THRUSTER` on.
+mod channel {
+    pub const HEADING_AT_START: u32 = 0;
+    pub const SCATTER: u32 = 1;
+    pub const CURRENT: [u32; 2] = [2, 3];
+    pub const GUST: u32 = 4;
+    pub const FIX: [u32; 2] = [5, 6];
+    pub const FIX_WANDER: [u32; 2] = [7, 8];
+    pub const HEADING: u32 = 9;
+    pub const HEADING_WANDER: u32 = 10;
+    pub const THRUSTER: u32 = 11;
+}
+
+/// Steps of the heading at the start, which is any.
+const HEADINGS: u32 = 3600;
+
+/// One keyed source of everything random in a recording.
+struct Draws<'a> {
+    streams: Streams,
+    key: Key<'a>,
+    rows: usize,
+    dt: f64,
+}
+
+impl Draws<'_> {
+    fn process(&self, channel: u32, std: f64, time_s: f64) -> Vec<f64> {
+        GaussMarkov { std, time_s }.samples(&self.streams, self.key.repeat, channel, self.rows, self.dt)
+    }
+
+    fn white(&self, channel: u32, std: f64) -> Vec<f64> {
+        self.process(channel, std, 0.0)
+    }
+
+    fn heading(&self) -> f64 {
+        let drawn = self.streams.choices(self.key.repeat, channel::HEADING_AT_START, HEADINGS, 1);
+        TAU * f64::from(drawn[0]) / f64::from(HEADINGS)
+    }
+}
+
+/// Water and air at every row.
+struct Sea {
+    /// Velocity of the water, north and east.
+    water: Vec<[f64; 2]>,
+    /// Velocity of the air, north and east; empty without wind.
+    air: Vec<[f64; 2]>,
+}
+
+impl Sea {
+    fn new(weather: &Weather, draws: &Draws) -> Self {
+        let drift = &weather.current;
+        let changing = channel::CURRENT.map(|c| draws.process(c, drift.std_m_s, drift.time_s.unwrap_or(0.0)));
+        let water = changing[0].iter().zip(&changing[1]);
+        let air = weather.wind.map_or(Vec::new(), |wind| {
+            let gusts = draws.process(channel::GUST, wind.gust_std_m_s, wind.gust_time_s.unwrap_or(0.0));
+            gusts.iter().map(|gust| wind.velocity(wind.speed_m_s + gust)).collect()
+        });
+        Self { water: water.map(|(n, e)| [drift.north_m_s + n, drift.east_m_s + e]).collect(), air }
+    }
+}
+
+/// North and east in the axes of a body with heading `psi`.
+fn in_body([north, east]: [f64; 2], psi: f64) -> [f64; 2] {
+    crate::body_velocity([north, east], psi)
+}
+
+impl Chain<'_> {
+    /// Sails `forces` (τ1, τ2, τ3 in the model's units, one row per sample) from `initial` (u, v over ground, r) in
+    /// `weather`, and logs what the instruments show from row `from` on.
+    ///
+    /// # Errors
+    /// Forces that the thrusters cannot make; motion without bounds.
+    pub fn record(
+        &self,
+        key: Key,
+        forces: &[[f64; 3]],
+        initial: [f64; 3],
+        weather: &Weather,
+        from: usize,
+    ) -> Result<Recording, Failed> {
+        let streams = Streams::new(key.seed, &format!("logs {}", key.maneuver));
+        let draws = Draws { streams, key, rows: forces.len(), dt: 1.0 / self.rate_hz };
+        let (truth, hits) = self.sail(&draws, forces, initial, weather)?;
+        Ok(self.logged(&draws, truth, hits, from))
+    }
+
+    fn sail(
+        &self,
+        draws: &Draws,
+        forces: &[[f64; 3]],
+        initial: [f64; 3],
+        weather: &Weather,
+    ) -> Result<(Truth, Vec<Hits>), Failed> {
+        let allocation = Allocation::new(self.actuators.iter().map(Actuator::thruster).collect());
+        let sea = Sea::new(weather, draws);
+        let scatter = 1.0 + self.scatter_std * draws.white(channel::SCATTER, 1.0).first().unwrap_or(&0.0);
+        let mut hits = vec![Hits::default(); self.actuators.len()];
+        let mut at: Option<Vec<Setting>> = None;
+        let mut truth = Truth::default();
+        let (mut state, mut pose) =
+            (initial, Pose { psi: self.course_rad.unwrap_or_else(|| draws.heading()), ..Pose::default() });
+        let still = vec![Setting::default(); self.actuators.len()];
+        for (sample, wanted) in forces.iter().enumerate() {
+            let newtons = [0, 1, 2].map(|i| scatter * wanted[i] / self.units[i]);
+            let near = at.as_deref().unwrap_or(&still);
+            let commanded =
+                allocation.settings(newtons, near).map_err(|what| Failed::Unreachable { sample, what })?;
+            let settings = self.follow(at.as_deref(), &commanded, draws.dt, &mut hits);
+            let made = self.made(allocation.thrusters(), &settings);
+            truth.states.push(state);
+            truth.poses.push(pose);
+            truth.forces.push([0, 1, 2].map(|i| made[i] * self.units[i]));
+            let next = self.step(state, pose.psi, made, &sea, sample);
+            if let Some(d) = (0..3).find(|d| next[*d].is_nan() || next[*d].abs() > DIVERGED) {
+                return Err(Failed::Diverged(Diverged { sample: sample + 1, state: d }));
+            }
+            pose = advance(pose, Pace { from: state, to: next }, draws.dt);
+            state = next;
+            truth.settings.push(settings.clone());
+            at = Some(settings);
+        }
+        Ok((truth, hits))
+    }
+
+    fn follow(
+        &self,
+        at: Option<&[Setting]>,
+        commanded: &[Setting],
+        dt: f64,
+        hits: &mut [Hits],
+    ) -> Vec<Setting> {
+        let of =
+            |i: usize, hits: &mut Hits| self.actuators[i].follow(at.map(|at| at[i]), commanded[i], dt, hits);
+        hits.iter_mut().enumerate().map(|(i, hits)| of(i, hits)).collect()
+    }
+
+    /// τ1, τ2 \[N\] and τ3 \[N m\] of all thrusters.
+    fn made(&self, thrusters: &[crate::Thruster], settings: &[Setting]) -> [f64; 3] {
+        let mut sum = [0.0; 3];
+        for (thruster, setting) in thrusters.iter().zip(settings) {
+            let forces = thruster.forces(setting.n, setting.alpha);
+            sum.iter_mut().zip(forces).for_each(|(sum, force)| *sum += force);
+        }
+        sum
+    }
+
+    /// The next state: the model with velocities through the water, under the forces of thrusters and wind \[N, N m\].
+    fn step(&self, state: [f64; 3], psi: f64, made: [f64; 3], sea: &Sea, sample: usize) -> [f64; 3] {
+        let water = in_body(sea.water[sample], psi);
+        let mut forces = made;
+        if let (Some(hull), Some(air)) = (&self.hull, sea.air.get(sample)) {
+            let air = in_body(*air, psi);
+            let wind = hull.forces([state[0] - air[0], state[1] - air[1]]);
+            forces.iter_mut().zip(wind).for_each(|(force, wind)| *force += wind);
+        }
+        let mut values = vec![0.0; self.model.variables.len()];
+        values[..3].copy_from_slice(&[state[0] - water[0], state[1] - water[1], state[2]]);
+        values.iter_mut().skip(3).zip(forces).zip(self.units).for_each(|((v, f), unit)| *v = f * unit);
+        let increments = self.model.increments(&values, self.parameters);
+        [0, 1, 2].map(|d| state[d] + increments[d])
+    }
+
+    /// What the sensors show of `truth`.
+    fn logged(&self, draws: &Draws, truth: Truth, hits: Vec<Hits>, from: usize) -> Recording {
+        let (gnss, compass) = (&self.gnss, &self.compass);
+        let error = |white: u32, wander: u32, stds: [f64; 2], time_s: Option<f64>| -> Vec<f64> {
+            let slow = draws.process(wander, stds[1], time_s.unwrap_or(0.0));
+            draws.white(white, stds[0]).iter().zip(slow).map(|(white, slow)| white + slow).collect()
+        };
+        let stds = [gnss.white_std_m, gnss.wander_std_m];
+        let place =
+            [0, 1].map(|i: usize| error(channel::FIX[i], channel::FIX_WANDER[i], stds, gnss.wander_time_s));
+        let stds = [compass.white_std_rad, compass.wander_std_rad];
+        let turn = error(channel::HEADING, channel::HEADING_WANDER, stds, compass.wander_time_s);
+        let every = gnss.every(self.rate_hz).unwrap_or(1);
+        let rows = from..truth.poses.len();
+        let fix = |k: usize| {
+            let pose = truth.poses[k];
+            let at = [pose.x + place[0][k], pose.y + place[1][k]];
+            ((k - from) % every == 0).then(|| at.map(|metres| quantised(metres, gnss.resolution_m)))
+        };
+        let heading =
+            |k: usize| quantised(truth.poses[k].psi + turn[k], compass.resolution_rad).rem_euclid(TAU);
+        Recording {
+            fixes: rows.clone().map(fix).collect(),
+            heading: rows.clone().map(heading).collect(),
+            settings: self.shown(draws, &truth, rows),
+            hits,
+            truth: truth.without(from),
+        }
+    }
+
+    /// What the thrusters' sensors show.
+    fn shown(&self, draws: &Draws, truth: &Truth, rows: std::ops::Range<usize>) -> Vec<Vec<Setting>> {
+        let noise: Vec<[Vec<f64>; 2]> = self
+            .actuators
+            .iter()
+            .zip((channel::THRUSTER..).step_by(2))
+            .map(|(a, c)| [draws.white(c, a.speed_std_rps), draws.white(c + 1, a.angle_std_rad)])
+            .collect();
+        let one = |k: usize, i: usize| {
+            let (actuator, setting, [speed, angle]) = (&self.actuators[i], truth.settings[k][i], &noise[i]);
+            let alpha = quantised(setting.alpha + angle[k], actuator.angle_resolution_rad);
+            Setting {
+                n: quantised(setting.n + speed[k], actuator.speed_resolution_rps),
+                alpha: (alpha + PI).rem_euclid(TAU) - PI,
+            }
+        };
+        rows.map(|k| (0..self.actuators.len()).map(|i| one(k, i)).collect()).collect()
+    }
+}
+
+impl Truth {
+    /// Without the first `from` rows.
+    fn without(mut self, from: usize) -> Self {
+        self.states.drain(..from);
+        self.poses.drain(..from);
+        self.forces.drain(..from);
+        self.settings.drain(..from);
+        self
+    }
+}

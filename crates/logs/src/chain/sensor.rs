@@ -1,0 +1,111 @@
+use serde::Deserialize;
+use vessel::Invalid;
+
+use super::{check, check_positive};
+
+/// A satellite receiver at the reference point.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Gnss {
+    /// Fixes per second; the samples per second are a multiple.
+    pub rate_hz: f64,
+    /// White noise of north and east \[m\].
+    pub white_std_m: f64,
+    /// Slow error of north and east \[m\].
+    #[serde(default)]
+    pub wander_std_m: f64,
+    /// Its correlation time \[s\].
+    pub wander_time_s: Option<f64>,
+    /// Step of the logged coordinates \[m\]; 0: none.
+    #[serde(default)]
+    pub resolution_m: f64,
+}
+
+/// A heading sensor.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Compass {
+    /// White noise \[rad\].
+    pub white_std_rad: f64,
+    /// Slow error \[rad\].
+    #[serde(default)]
+    pub wander_std_rad: f64,
+    /// Its correlation time \[s\].
+    pub wander_time_s: Option<f64>,
+    /// Step of the logged heading \[rad\]; 0: none.
+    #[serde(default)]
+    pub resolution_rad: f64,
+}
+
+impl Gnss {
+    /// Refuses numbers without meaning.
+    ///
+    /// # Errors
+    /// Names the key.
+    pub fn check(&self) -> Result<(), Invalid> {
+        check_positive(&[
+            ("gnss.rate_hz", self.rate_hz),
+            ("gnss.wander_time_s", self.wander_time_s.unwrap_or(1.0)),
+        ])?;
+        let numbers = [
+            ("gnss.white_std_m", self.white_std_m),
+            ("gnss.wander_std_m", self.wander_std_m),
+            ("gnss.resolution_m", self.resolution_m),
+        ];
+        check(0.0, &numbers)
+    }
+
+    /// Samples from fix to fix; none if that is no whole number.
+    pub fn every(&self, sample_rate_hz: f64) -> Option<usize> {
+        let every = (sample_rate_hz / self.rate_hz).round();
+        (every >= 1.0 && (every * self.rate_hz / sample_rate_hz - 1.0).abs() < 1e-9).then_some(every as usize)
+    }
+}
+
+impl Compass {
+    /// Refuses numbers without meaning.
+    ///
+    /// # Errors
+    /// Names the key.
+    pub fn check(&self) -> Result<(), Invalid> {
+        check_positive(&[("heading.wander_time_s", self.wander_time_s.unwrap_or(1.0))])?;
+        let numbers = [
+            ("heading.white_std_rad", self.white_std_rad),
+            ("heading.wander_std_rad", self.wander_std_rad),
+            ("heading.resolution_rad", self.resolution_rad),
+        ];
+        check(0.0, &numbers)
+    }
+}
+
+/// `value` to the nearest multiple of `resolution`; itself without one.
+pub fn quantised(value: f64, resolution: f64) -> f64 {
+    if resolution > 0.0 { (value / resolution).round() * resolution } else { value }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn fixes_come_every_so_many_samples() {
+        let gnss = |rate_hz| Gnss {
+            rate_hz,
+            white_std_m: 0.0,
+            wander_std_m: 0.0,
+            wander_time_s: None,
+            resolution_m: 0.0,
+        };
+        assert_eq!(gnss(8.0).every(8.0), Some(1));
+        assert_eq!(gnss(2.0).every(8.0), Some(4));
+        assert_eq!(gnss(3.0).every(8.0), None);
+        assert_eq!(gnss(16.0).every(8.0), None);
+    }
+
+    #[test]
+    fn resolution_rounds() {
+        assert_eq!(quantised(0.37, 0.25), 0.25);
+        assert_eq!(quantised(-0.38, 0.25), -0.5);
+        assert_eq!(quantised(0.37, 0.0), 0.37);
+    }
+}

@@ -1,0 +1,102 @@
+use serde::Deserialize;
+use vessel::{Invalid, Streams};
+
+use super::{Wind, check, check_positive};
+
+/// What moves the water and the air while recording.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Weather {
+    /// The current.
+    #[serde(default)]
+    pub current: Drift,
+    /// The wind, if any is felt.
+    pub wind: Option<Wind>,
+}
+
+/// A current in earth axes: constant, and a part that changes in time, independent north and east.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Drift {
+    /// Towards north \[m/s\].
+    #[serde(default)]
+    pub north_m_s: f64,
+    /// Towards east \[m/s\].
+    #[serde(default)]
+    pub east_m_s: f64,
+    /// Standard deviation of the changing part \[m/s\].
+    #[serde(default)]
+    pub std_m_s: f64,
+    /// Its correlation time \[s\].
+    pub time_s: Option<f64>,
+}
+
+impl Weather {
+    /// Refuses numbers without meaning.
+    ///
+    /// # Errors
+    /// Names the key.
+    pub fn check(&self) -> Result<(), Invalid> {
+        let drift = &self.current;
+        check(f64::MIN, &[("current.north_m_s", drift.north_m_s), ("current.east_m_s", drift.east_m_s)])?;
+        check(0.0, &[("current.std_m_s", drift.std_m_s)])?;
+        check_positive(&[("current.time_s", drift.time_s.unwrap_or(1.0))])?;
+        self.wind.map_or(Ok(()), |wind| wind.check())
+    }
+}
+
+/// A first-order Gauss-Markov process, x(k+1) = a x(k) + std √(1 − a²) w(k) with a = exp(−dt/time), stationary from its
+/// first sample on; white where `time_s` is 0.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GaussMarkov {
+    /// Standard deviation.
+    pub std: f64,
+    /// Correlation time \[s\].
+    pub time_s: f64,
+}
+
+impl GaussMarkov {
+    /// `samples` samples, `dt` seconds apart, from one channel of one run.
+    pub fn samples(&self, streams: &Streams, run: u32, channel: u32, samples: usize, dt: f64) -> Vec<f64> {
+        let mut out = vec![0.0; samples];
+        if self.std == 0.0 {
+            return out;
+        }
+        streams.normals(run, channel, &mut out);
+        let kept = if self.time_s > 0.0 { (-dt / self.time_s).exp() } else { 0.0 };
+        let new = (1.0 - kept * kept).sqrt();
+        let mut last = None;
+        for value in &mut out {
+            let next = last.map_or(*value, |last| kept * last + new * *value);
+            last = Some(next);
+            *value = self.std * next;
+        }
+        out
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn law_variance_and_correlation_are_those_asked_for() {
+        let process = GaussMarkov { std: 0.4, time_s: 2.0 };
+        let x = process.samples(&Streams::new(3, "here"), 1, 5, 400_000, 0.25);
+        let mean = |f: &dyn Fn(usize) -> f64| (0..390_000).map(f).sum::<f64>() / 390_000.0;
+        let variance = mean(&|k| x[k] * x[k]);
+        // 390,000 samples hold some 24,000 independent ones: 1 % of the variance is a standard error.
+        assert!((variance / 0.16 - 1.0).abs() < 0.04, "{variance}");
+        let correlation = mean(&|k| x[k] * x[k + 8]) / variance;
+        assert!((correlation - (-1.0_f64).exp()).abs() < 0.02, "{correlation}");
+    }
+
+    #[test]
+    fn without_time_it_is_white() {
+        let streams = Streams::new(3, "here");
+        let mut white = vec![0.0; 7];
+        streams.normals(1, 5, &mut white);
+        let found = GaussMarkov { std: 2.0, time_s: 0.0 }.samples(&streams, 1, 5, 7, 0.1);
+        assert_eq!(found, white.iter().map(|w| 2.0 * w).collect::<Vec<_>>());
+    }
+}

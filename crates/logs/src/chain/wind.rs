@@ -1,0 +1,131 @@
+use std::f64::consts::PI;
+
+use serde::Deserialize;
+use vessel::Invalid;
+
+use super::{check, check_positive};
+
+/// Density of air at 15 °C \[kg/m³\].
+const AIR: f64 = 1.225;
+
+/// What the wind sees of a ship that is symmetric fore and aft. Coefficients as in Fossen (Handbook of Marine Craft
+/// Hydrodynamics and Motion Control, 8.1.3): c_x 0.5 to 0.9, c_y 0.7 to 0.95, c_n 0.05 to 0.2.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Hull {
+    /// Area seen from ahead \[m²\].
+    pub frontal_area_m2: f64,
+    /// Area seen from the side \[m²\].
+    pub lateral_area_m2: f64,
+    /// Length over all \[m\].
+    pub length_m: f64,
+    /// Of the longitudinal force \[1\].
+    pub c_x: f64,
+    /// Of the lateral force \[1\].
+    pub c_y: f64,
+    /// Of the moment \[1\].
+    pub c_n: f64,
+}
+
+/// Wind: a mean with gusts along it.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Wind {
+    /// Mean speed \[m/s\].
+    pub speed_m_s: f64,
+    /// Where it comes from, clockwise from north \[rad\].
+    pub from_rad: f64,
+    /// Standard deviation of the gusts \[m/s\].
+    #[serde(default)]
+    pub gust_std_m_s: f64,
+    /// Their correlation time \[s\].
+    pub gust_time_s: Option<f64>,
+}
+
+impl Wind {
+    /// Velocity of the air, north and east \[m/s\], at speed `speed_m_s`.
+    pub fn velocity(&self, speed_m_s: f64) -> [f64; 2] {
+        let (sin, cos) = (self.from_rad + PI).sin_cos();
+        [speed_m_s * cos, speed_m_s * sin]
+    }
+
+    /// Refuses numbers without meaning.
+    ///
+    /// # Errors
+    /// Names the key.
+    pub fn check(&self) -> Result<(), Invalid> {
+        check(0.0, &[("wind.speed_m_s", self.speed_m_s), ("wind.gust_std_m_s", self.gust_std_m_s)])?;
+        check(f64::MIN, &[("wind.from_rad", self.from_rad)])?;
+        check_positive(&[("wind.gust_time_s", self.gust_time_s.unwrap_or(1.0))])
+    }
+}
+
+impl Hull {
+    /// Refuses numbers without meaning.
+    ///
+    /// # Errors
+    /// Names the key.
+    pub fn check(&self) -> Result<(), Invalid> {
+        check(
+            0.0,
+            &[
+                ("hull.frontal_area_m2", self.frontal_area_m2),
+                ("hull.lateral_area_m2", self.lateral_area_m2),
+                ("hull.length_m", self.length_m),
+                ("hull.c_x", self.c_x),
+                ("hull.c_y", self.c_y),
+                ("hull.c_n", self.c_n),
+            ],
+        )
+    }
+
+    /// Forward and starboard force \[N\] and moment \[N m\] when the ship moves through the air with `u`, `v` \[m/s\]
+    /// (body axes).
+    ///
+    /// With V² = u² + v² and γ = −atan2(v, u): X = −½ρV² c_x cos γ A_F, Y = ½ρV² c_y sin γ A_L, N = ½ρV² c_n sin 2γ A_L L.
+    pub fn forces(&self, [u, v]: [f64; 2]) -> [f64; 3] {
+        let pressure = 0.5 * AIR * (u * u + v * v);
+        let gamma = -v.atan2(u);
+        [
+            -pressure * self.c_x * gamma.cos() * self.frontal_area_m2,
+            pressure * self.c_y * gamma.sin() * self.lateral_area_m2,
+            pressure * self.c_n * (2.0 * gamma).sin() * self.lateral_area_m2 * self.length_m,
+        ]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const HULL: Hull =
+        Hull { frontal_area_m2: 40.0, lateral_area_m2: 120.0, length_m: 30.0, c_x: 0.7, c_y: 0.8, c_n: 0.1 };
+
+    #[test]
+    fn law_the_air_takes_energy_from_a_ship_that_moves_through_it() {
+        for k in 0..24 {
+            let (sin, cos) = (0.2618 * f64::from(k)).sin_cos();
+            let [x, y, _] = HULL.forces([5.0 * cos, 5.0 * sin]);
+            assert!(x * cos + y * sin < 0.0, "{k}");
+        }
+    }
+
+    #[test]
+    fn law_port_mirrors_starboard_and_twice_the_speed_is_four_times_the_force() {
+        let [x, y, n] = HULL.forces([3.0, 2.0]);
+        assert_eq!(HULL.forces([3.0, -2.0]), [x, -y, -n]);
+        for (twice, once) in HULL.forces([6.0, 4.0]).into_iter().zip([x, y, n]) {
+            approx::assert_relative_eq!(twice, 4.0 * once, max_relative = 1e-14);
+        }
+    }
+
+    #[test]
+    fn wind_from_the_north_blows_south() {
+        let north = Wind { speed_m_s: 8.0, from_rad: 0.0, gust_std_m_s: 0.0, gust_time_s: None };
+        let [to_north, to_east] = north.velocity(8.0);
+        approx::assert_abs_diff_eq!(to_north, -8.0, epsilon = 1e-14);
+        approx::assert_abs_diff_eq!(to_east, 0.0, epsilon = 1e-14);
+        // Heading north at rest, the air comes from ahead: it pushes aft.
+        assert!(HULL.forces([-to_north, -to_east])[0] < 0.0);
+    }
+}

@@ -1,0 +1,146 @@
+//! `logs.toml`.
+
+use std::collections::BTreeMap;
+
+use logs::chain::{Actuator, Compass, Drift, Gnss, Hull, Weather, Wind};
+use serde::Deserialize;
+use vessel::{Invalid, nearest};
+
+/// `logs.toml` as written: who sails what, on which day, with which instruments.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LogsFile {
+    /// Seed of every random number.
+    pub seed: u64,
+    /// Samples per second: those of the vessel.
+    pub sample_rate_hz: f64,
+    /// Samples per sub-experiment that velocities from differences are to have; two rows more are logged.
+    pub samples: u32,
+    /// Sub-experiments per maneuver.
+    pub repeats: u32,
+    /// Whether every other repeat is run to the other side.
+    #[serde(default)]
+    pub alternate_sides: bool,
+    /// Relative scatter of a repeat's forces.
+    #[serde(default)]
+    pub scatter_std: f64,
+    /// Heading at the start of every recording \[rad\]; without it each starts on a course of its own.
+    pub course_rad: Option<f64>,
+    /// Maneuver → how long it goes on before logging begins \[s\].
+    #[serde(default)]
+    pub settle_s: BTreeMap<String, f64>,
+    /// Position.
+    pub gnss: Gnss,
+    /// Heading.
+    pub heading: Compass,
+    /// Azimuth thrusters.
+    pub thruster: Vec<Actuator>,
+    /// What the wind acts on.
+    pub hull: Option<Hull>,
+    /// The days; a maneuver on several has its repeats dealt out in turn.
+    pub day: Vec<DaySpec>,
+}
+
+/// A day at sea.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct DaySpec {
+    /// Its name.
+    pub name: String,
+    /// What was run.
+    pub maneuvers: Vec<String>,
+    /// The current.
+    #[serde(default)]
+    pub current: Drift,
+    /// The wind, if any is felt.
+    pub wind: Option<Wind>,
+}
+
+impl DaySpec {
+    /// What moves water and air.
+    pub fn weather(&self) -> Weather {
+        Weather { current: self.current, wind: self.wind }
+    }
+}
+
+impl LogsFile {
+    /// Refuses numbers without meaning, and names that are not among `maneuvers`.
+    ///
+    /// # Errors
+    /// Names the key.
+    pub fn check(&self, maneuvers: &[&str], rate_hz: f64) -> Result<(), Invalid> {
+        self.check_numbers(rate_hz)?;
+        self.gnss.check()?;
+        self.heading.check()?;
+        self.hull.map_or(Ok(()), |hull| hull.check())?;
+        self.thruster.iter().try_for_each(Actuator::check)?;
+        if self.thruster.is_empty() {
+            let expected = "an azimuth thruster for the forces";
+            return Err(Invalid::new("[[thruster]]", "none", expected, "add one"));
+        }
+        for day in &self.day {
+            let named = |e: Invalid| Invalid { thing: format!("day `{}`, {}", day.name, e.thing), ..e };
+            day.weather().check().map_err(named)?;
+            if day.wind.is_some() && self.hull.is_none() {
+                let thing = format!("day `{}`, [day.wind]", day.name);
+                return Err(Invalid::new(thing, "a wind without [hull]", "what it acts on", "add [hull]"));
+            }
+        }
+        let listed = self.day.iter().flat_map(|day| day.maneuvers.iter().map(|m| (m, &day.name)));
+        for (name, day) in listed {
+            known(&format!("`maneuvers` of day `{day}`"), name, maneuvers)?;
+        }
+        self.settle_s.keys().try_for_each(|name| known("[settle_s]", name, maneuvers))?;
+        if self.day.iter().all(|day| day.maneuvers.is_empty()) {
+            return Err(Invalid::new("[[day]]", "no maneuver", "a day with `maneuvers`", "add one"));
+        }
+        Ok(())
+    }
+
+    fn check_numbers(&self, rate_hz: f64) -> Result<(), Invalid> {
+        let invalid = |key: &str, value: String, expected: String| {
+            Err(Invalid::new(format!("`{key}`"), value, expected, "correct it"))
+        };
+        if (self.sample_rate_hz / rate_hz - 1.0).abs() > 1e-9 || self.sample_rate_hz.is_nan() {
+            let expected = format!("{rate_hz} Hz, which the vessel's parameters hold for");
+            return invalid("sample_rate_hz", format!("{} Hz", self.sample_rate_hz), expected);
+        }
+        for (key, count) in [("samples", self.samples), ("repeats", self.repeats)] {
+            if !(1..=100_000).contains(&count) {
+                return invalid(key, count.to_string(), "a number from 1 to 100000".into());
+            }
+        }
+        if self.course_rad.is_some_and(|course| !course.is_finite()) {
+            return invalid("course_rad", "no finite number".into(), "a heading".into());
+        }
+        let settling = self.settle_s.iter().map(|(name, s)| (name.as_str(), *s));
+        for (key, value) in settling.chain([("scatter_std", self.scatter_std)]) {
+            if !(0.0..1e5).contains(&value) {
+                return invalid(key, value.to_string(), "a number from 0 on".into());
+            }
+        }
+        if self.gnss.every(rate_hz).is_none() {
+            let expected = format!("{rate_hz} Hz divided by a whole number");
+            return invalid("gnss.rate_hz", format!("{} Hz", self.gnss.rate_hz), expected);
+        }
+        Ok(())
+    }
+
+    /// The days on which `maneuver` is run, in order.
+    pub fn days_of(&self, maneuver: &str) -> Vec<usize> {
+        (0..self.day.len()).filter(|i| self.day[*i].maneuvers.iter().any(|name| name == maneuver)).collect()
+    }
+}
+
+fn known(thing: &str, name: &str, maneuvers: &[&str]) -> Result<(), Invalid> {
+    if maneuvers.contains(&name) {
+        return Ok(());
+    }
+    let near = nearest(name, maneuvers.iter().copied()).unwrap_or_default();
+    Err(Invalid::new(
+        thing,
+        format!("`{name}`, which the dictionary does not have"),
+        format!("one of {}", maneuvers.join(", ")),
+        format!("did you mean `{near}`?"),
+    ))
+}

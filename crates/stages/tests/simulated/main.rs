@@ -1,0 +1,50 @@
+//! Simulated logs, through the real binaries: `simulate logs` to the report.
+
+#[path = "../support/mod.rs"]
+mod support;
+
+mod golden;
+mod logs;
+mod refusals;
+mod study;
+
+use std::fs;
+
+use tempfile::TempDir;
+
+use crate::support::*;
+
+/// Simulates the logs of the small trial.
+pub const LOGS: &str =
+    "simulate logs --vessel vessel.toml --dictionary dictionary.toml --logs logs.toml --out logs/";
+/// Reads them.
+pub const INGEST: &str =
+    "ingest --config ingest.toml --vessel vessel.toml --logs logs --out trajectories.parquet";
+
+/// The stages of a study on simulated logs, in order.
+pub const STAGES: [&str; 7] = [
+    LOGS,
+    INGEST,
+    "moments --vessel vessel.toml --trajectories trajectories.parquet --nominal least-squares --out moments.json",
+    "design --moments moments.json --segments 4 --segment-samples 75 --available available.toml --out design.json",
+    "estimate --pool --vessel vessel.toml --trajectories trajectories.parquet --nominal least-squares --bootstrap 20 \
+     --out estimates.parquet",
+    "validate selection --vessel vessel.toml --trajectories trajectories.parquet --nominal least-squares \
+     --design design.json --estimator iv --realizations 16 --out selection.parquet",
+    "report --study . --results . --out report.html",
+];
+
+/// What the study of the model ship is written in.
+const WRITTEN: [&str; 5] = ["vessel.toml", "dictionary.toml", "logs.toml", "ingest.toml", "reference.toml"];
+
+/// The study of the model ship with two repeats.
+pub fn small() -> TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    let study = repository().join("pipelines/model-ship");
+    for name in WRITTEN {
+        fs::copy(study.join(name), folder.path().join(name)).unwrap();
+    }
+    edit(&folder, "logs.toml", "repeats = 5", "repeats = 2");
+    put(&folder, "available.toml", "[segments]\ndecelerate = 2\nspiral-fast = 2\n");
+    folder
+}

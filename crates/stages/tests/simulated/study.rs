@@ -1,0 +1,38 @@
+use crate::support::*;
+use crate::{STAGES, small};
+
+#[test]
+fn everything_that_is_made_of_simulated_logs_says_so() {
+    let folder = small();
+    STAGES.iter().for_each(|stage| drop(run(&folder, stage).succeeds()));
+    let made = ["ingest", "moments", "design", "estimate", "selection"];
+    for name in made {
+        assert_eq!(json(&folder, &format!("{name}.json"))["settings"]["data"], "simulated logs", "{name}");
+    }
+    assert_eq!(json(&folder, "ingest.json")["data"]["data"], "simulated logs");
+    assert_eq!(json(&folder, "estimate.json")["data"]["designs"][0]["design"], "simulated logs");
+    assert_eq!(json(&folder, "ingest.json")["data"]["runs"], 22);
+    let page = String::from_utf8(bytes(&folder, "report.html")).unwrap();
+    for piece in [
+        "Data: <b>simulated logs</b>. No real ship was measured",
+        "<section id=\"published\">",
+        "Ours: simulated logs.",
+        "more often in agreement",
+        "20\u{a0}%",
+    ] {
+        assert!(page.contains(piece), "{piece}");
+    }
+    assert!(folder.path().join("figures/published-norm.svg").is_file());
+}
+
+#[test]
+fn law_the_study_gives_the_same_bytes_for_any_number_of_threads() {
+    let (one, three) = (small(), small());
+    for stage in STAGES {
+        run(&one, &format!("{stage} --threads 1")).succeeds();
+        run(&three, &format!("{stage} --threads 3")).succeeds();
+    }
+    for name in ["trajectories.parquet", "moments.json", "design.json", "selection.parquet", "report.html"] {
+        assert!(bytes(&one, name) == bytes(&three, name), "{name} has other bytes");
+    }
+}
