@@ -1,5 +1,6 @@
 //! `campaign.toml`.
 
+use identification::predictor::{Flow, Levels};
 use serde::Deserialize;
 use vessel::{Current, DictionaryFile, Disturbances, Invalid, ManeuverSpec, Measurement, Source};
 
@@ -71,6 +72,17 @@ impl CampaignFile {
     /// Current and measurement noise.
     pub fn disturbances(&self) -> Disturbances {
         Disturbances { current: self.current, measurement: self.measurement }
+    }
+
+    /// The disturbances at `rate_hz`, as estimators take them.
+    pub fn levels(&self, rate_hz: f64) -> Levels {
+        let _ = rate_hz;
+        let m = self.measurement;
+        let current = match self.current {
+            Current::None => Flow::Still,
+            Current::White { std_m_s } => Flow::White { std: std_m_s },
+        };
+        Levels { measurement: [m.std_u_m_s, m.std_v_m_s, m.std_r_rad_s], current, force: None }
     }
 
     /// The validation maneuvers as a dictionary.

@@ -20,6 +20,7 @@ mod pose;
 mod program;
 mod simulate;
 mod steady;
+mod tangent;
 mod term;
 
 pub use disturbance::{Current, Disturbances, Measurement};
@@ -32,4 +33,5 @@ pub use noise::Streams;
 pub use pose::{Pose, track};
 pub use simulate::{DIVERGED, Diverged, check_diverged, follow, simulate, simulate_one};
 pub use steady::{Motion, steady_inputs};
+pub use tangent::Tangent;
 pub use term::{Factor, Term};

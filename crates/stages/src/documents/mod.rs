@@ -15,7 +15,7 @@ use artifact::{Document, json_schema};
 
 pub use crossval::{CrossvalDocument, EstimatorScore, SourceScore};
 pub use design::{Counts, CovarianceCriterion, DesignDocument, Efficiency, Start};
-pub use estimate::{DegreeSummary, DesignSummary, EstimateDocument, ParameterSummary};
+pub use estimate::{DegreeSummary, DesignSummary, EstimateDocument, EstimatorSummary, ParameterSummary};
 pub use ingest::{
     ChannelSummary, IngestDocument, ManeuverCount, MotionSummary, RecordingSummary, RowSummary,
 };
