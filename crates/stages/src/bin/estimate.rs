@@ -28,7 +28,7 @@ use vessel::{DegreeOfFreedom, Vessel};
 #[command(
     name = "estimate",
     version,
-    after_help = "Examples:\n  estimate --vessel pipelines/paper/vessel.toml \
+    after_help = "Example:\n  estimate --vessel pipelines/paper/vessel.toml \
     --trajectories campaign.parquet --out estimates.parquet\n  estimate --pool --vessel pipelines/kvlcc2/vessel.toml \
     --trajectories trajectories.parquet --nominal least-squares --estimator auto --bootstrap 500 --out results/"
 )]

@@ -76,7 +76,7 @@ struct CrossArguments {
     #[arg(long, value_name = "trajectories.parquet")]
     trajectories: PathBuf,
     /// The estimators to compare
-    #[arg(long, value_enum, value_delimiter = ',', default_value = "ls,iv,refined,auto,oe")]
+    #[arg(long, value_enum, value_delimiter = ',', default_value = "ls,iv,refined-iv,auto,output-error")]
     estimators: Vec<Method>,
     /// How the instruments' mean is removed
     #[arg(long, value_enum, default_value_t = Removal::Complete)]
@@ -148,7 +148,7 @@ enum Intercepts {
 #[command(
     name = "validate",
     version,
-    after_help = "Examples:\n  validate --vessel pipelines/paper/vessel.toml \
+    after_help = "Example:\n  validate --vessel pipelines/paper/vessel.toml \
     --campaign pipelines/paper/campaign.toml --estimates estimates.parquet --validation validation.parquet \
     --out scores.parquet\n  validate cross --vessel pipelines/kvlcc2/vessel.toml --trajectories trajectories.parquet \
     --out crossval.json\n  validate selection --vessel pipelines/esso-osaka/vessel.toml \
@@ -219,7 +219,7 @@ fn cross(a: &CrossArguments) -> Result<Summary, Failure> {
 fn select(a: &SelectionArguments) -> Result<Summary, Failure> {
     let mut provenance = provenance("validate");
     let vessel = read_vessel(&a.vessel, &mut provenance)?;
-    if matches!(a.estimator, Method::Refined | Method::Oe) {
+    if matches!(a.estimator, Method::RefinedIv | Method::OutputError) {
         let found = format!("--estimator: found {}, expected ls, iv or auto", name_of(a.estimator));
         return Err(Failure::Usage(format!("{found}; a selection study adds up sums per sub-experiment")));
     }

@@ -42,7 +42,7 @@ pub struct CrossvalDocument {
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct EstimatorScore {
-    /// `ls`, `iv`, `refined`, `auto` or `oe`.
+    /// `ls`, `iv`, `refined-iv`, `auto` or `output-error`.
     pub name: String,
     /// `scored`, `not identifiable` or `diverged`.
     pub status: String,

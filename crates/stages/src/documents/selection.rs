@@ -10,7 +10,7 @@ use super::Quantiles;
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SelectionDocument {
-    /// `iv`, `ls`, `refined` or `auto`.
+    /// `iv`, `ls`, `refined-iv` or `auto`.
     pub estimator: String,
     /// `none`, `batch` or `complete`.
     pub mean_removal: String,

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TrustDocument {
-    /// `iv`, `ls`, `refined`, `auto` or `oe`.
+    /// `iv`, `ls`, `refined-iv`, `auto` or `output-error`.
     pub estimator: String,
     /// `none`, `batch` or `complete`.
     pub mean_removal: String,
@@ -42,7 +42,7 @@ pub struct TrustDegree {
     pub status: String,
     /// Why it is not identifiable.
     pub reason: Option<String>,
-    /// What the estimate was made with: `iv`, `ls` or `oe`.
+    /// What the estimate was made with: `iv`, `ls` or `output-error`.
     pub estimator: String,
     /// Condition number of the correlations between instruments and regressors; null where singular.
     pub condition: Option<f64>,
@@ -74,7 +74,7 @@ pub struct TrustParameter {
     pub unit: String,
     /// The estimate.
     pub estimate: Option<f64>,
-    /// Its standard error: sandwich with autocorrelation; of `oe` with any correlation within a sub-experiment.
+    /// Its standard error: sandwich with autocorrelation; of `output-error` with any correlation within a sub-experiment.
     pub standard_error: Option<f64>,
     /// Its standard deviation over the resamples.
     pub bootstrap_std: Option<f64>,

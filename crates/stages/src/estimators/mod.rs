@@ -37,8 +37,8 @@ impl Estimator {
         match self {
             Self::Ls => Some(Method::Ls),
             Self::Iv => Some(Method::Iv),
-            Self::RefinedIv => Some(Method::Refined),
-            Self::OutputError => Some(Method::Oe),
+            Self::RefinedIv => Some(Method::RefinedIv),
+            Self::OutputError => Some(Method::OutputError),
             Self::Auto => Some(Method::Auto),
             Self::PredictionError => None,
         }

@@ -16,11 +16,11 @@ pub enum Method {
     /// Instrumental variables: instruments from the nominal model over the same inputs
     Iv,
     /// Instrumental variables whose instruments are simulated again with the estimate, three times
-    Refined,
+    RefinedIv,
     /// Instrumental variables where they identify a degree of freedom, least squares elsewhere
     Auto,
     /// Least errors of free simulations over the sub-experiments, started at `auto`
-    Oe,
+    OutputError,
 }
 
 /// What the estimate of a degree of freedom was made with.
@@ -31,13 +31,13 @@ pub enum Used {
     /// The regressors themselves.
     Ls,
     /// Free simulation.
-    Oe,
+    OutputError,
 }
 
 impl Used {
     /// As in files.
     pub fn name(self) -> &'static str {
-        ["iv", "ls", "oe"][self as usize]
+        ["iv", "ls", "output-error"][self as usize]
     }
 }
 
@@ -130,12 +130,12 @@ impl Pool<'_> {
         }
         match (found.nominal.as_ref().map(|n| Part::instrument(parts, self.lifted, n)), method) {
             (Some(Ok(())), _) => self.instrumented(parts, nominal, method, &mut found),
-            (Some(Err(diverged)), Method::Auto | Method::Oe) => found.diverged = Some(diverged),
+            (Some(Err(diverged)), Method::Auto | Method::OutputError) => found.diverged = Some(diverged),
             (Some(Err(diverged)), _) => return Err(diverged),
             // Least squares found no model to simulate, so nothing is identified either way.
             (None, _) => {}
         }
-        if method == Method::Oe {
+        if method == Method::OutputError {
             self.simulated(parts, &sums, &mut found);
         }
         Ok(found)
@@ -151,7 +151,7 @@ impl Pool<'_> {
         let theta = nominal.as_ref().map(|(theta, _)| theta.as_slice());
         let mut data = self.instrumented_regressions(parts);
         let mut degrees = self.fit_of(&data, theta, Used::Iv);
-        for _ in 0..if method == Method::Refined { ROUNDS } else { 0 } {
+        for _ in 0..if method == Method::RefinedIv { ROUNDS } else { 0 } {
             let own: Option<Vec<Vec<f64>>> =
                 degrees.iter().map(|d| d.solution.as_ref().map(|s| s.theta.clone())).collect();
             let Some(own) = own.map(|t| t.concat()) else { break };
@@ -168,7 +168,7 @@ impl Pool<'_> {
             (data, degrees) = (again, refitted);
         }
         for (d, degree) in degrees.into_iter().enumerate() {
-            if degree.solution.is_some() || !matches!(method, Method::Auto | Method::Oe) {
+            if degree.solution.is_some() || !matches!(method, Method::Auto | Method::OutputError) {
                 (found.degrees[d], found.used[d]) = (degree, Used::Iv);
             }
         }
@@ -189,7 +189,7 @@ impl Pool<'_> {
                 solution.theta = own[..degree.terms.len()].to_vec();
                 solution.intercept = own[degree.terms.len()];
             }
-            found.used[d] = Used::Oe;
+            found.used[d] = Used::OutputError;
             rest = after;
         }
         found.output_error = Some(best);

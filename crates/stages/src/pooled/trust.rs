@@ -38,7 +38,7 @@ impl Judge<'_> {
 
     /// Surge, sway, yaw.
     pub fn degrees(&self) -> Vec<TrustDegree> {
-        let mut resampled = [Used::Iv, Used::Ls, Used::Oe].map(|used| self.resampled(used));
+        let mut resampled = [Used::Iv, Used::Ls, Used::OutputError].map(|used| self.resampled(used));
         DegreeOfFreedom::ALL
             .into_iter()
             .map(|d| {
@@ -59,7 +59,8 @@ impl Judge<'_> {
 
     fn resampled(&self, used: Used) -> [Option<Bootstrap>; 3] {
         let of = |d: &usize| self.found.used[*d] == used && self.found.degrees[*d].solution.is_some();
-        let Some(d) = [0, 1, 2].into_iter().find(of).filter(|_| self.replicates > 0 && used != Used::Oe)
+        let Some(d) =
+            [0, 1, 2].into_iter().find(of).filter(|_| self.replicates > 0 && used != Used::OutputError)
         else {
             return [const { None }; 3];
         };
@@ -109,7 +110,8 @@ impl Judge<'_> {
     }
 
     fn covariance(&self, d: usize, degree: &Degree, solution: &Solution) -> Vec<f64> {
-        let Some(simulated) = self.found.output_error.as_ref().filter(|_| self.found.used[d] == Used::Oe)
+        let Some(simulated) =
+            self.found.output_error.as_ref().filter(|_| self.found.used[d] == Used::OutputError)
         else {
             return sandwich(&degree.data, &degree.centring, solution, d, self.bandwidth());
         };

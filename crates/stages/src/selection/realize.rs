@@ -54,13 +54,12 @@ impl Realizer<'_> {
                 }
             }
         }
-        let realization =
-            |((picked, model), [all, rest]): ((Vec<usize>, &Option<Vec<f64>>), [Score; 2])| Realization {
-                picked,
-                overlapping: model.as_ref().map(|_| all),
-                left_out: model.as_ref().map(|_| rest),
-            };
-        picked.into_iter().zip(&models).zip(scores).map(realization).collect()
+        let mut out = Vec::with_capacity(count);
+        for ((picked, model), [all, rest]) in picked.into_iter().zip(&models).zip(scores) {
+            let of_model = |score| model.as_ref().map(|_| score);
+            out.push(Realization { picked, overlapping: of_model(all), left_out: of_model(rest) });
+        }
+        out
     }
 
     /// The lifted parameters of the model from parts `picked`. Collinear picks are answered: what comes of them is what

@@ -17,7 +17,7 @@ fn every_run_is_left_out_once_and_windows_are_side_by_side() {
     assert!(data["recommended"].is_string());
     let found = estimators(&folder);
     let names: Vec<&str> = found.iter().map(|e| e["name"].as_str().unwrap()).collect();
-    assert_eq!(names, ["ls", "iv", "refined", "auto", "oe"]);
+    assert_eq!(names, ["ls", "iv", "refined-iv", "auto", "output-error"]);
     for estimator in &found {
         let sources: Vec<&Value> =
             estimator["sources"].as_array().unwrap().iter().map(|s| &s["source"]).collect();

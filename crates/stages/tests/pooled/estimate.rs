@@ -75,7 +75,7 @@ fn results_do_not_depend_on_threads() {
     let folder = with(&["campaign.parquet"]);
     for line in [
         format!(
-            "{POOL} --runs random/0,random/1 --estimator oe --nominal least-squares --bootstrap 20 --out out.parquet"
+            "{POOL} --runs random/0,random/1 --estimator output-error --nominal least-squares --bootstrap 20 --out out.parquet"
         ),
         format!("{} --estimators ls,auto --out crossval.json", crate::CROSS),
         format!("{} --out selection.parquet", crate::SELECTION),

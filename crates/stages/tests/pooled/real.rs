@@ -50,12 +50,12 @@ fn recordings_left_out_of_the_esso_osaka_are_followed_better_than_the_baseline()
     let Some(folder) = ingested("esso-osaka", "esso_osaka") else { return };
     let line = format!(
         "validate cross {LOGGED} --recordings ingest.json --nominal least-squares --window-s 100 \
-         --estimators ls,iv,oe --out crossval.json"
+         --estimators ls,iv,output-error --out crossval.json"
     );
     run(&folder, &line).succeeds();
     let data = json(&folder, "crossval.json")["data"].clone();
-    assert_eq!((&data["folds"], &data["recommended"]), (&23.into(), &"oe".into()));
-    for estimator in ["iv", "oe"] {
+    assert_eq!((&data["folds"], &data["recommended"]), (&23.into(), &"output-error".into()));
+    for estimator in ["iv", "output-error"] {
         at_least(fits(&folder, estimator), [71.0, 71.0, 62.0]);
     }
 }
@@ -114,6 +114,6 @@ fn surge_of_the_kvlcc2_is_not_identifiable_by_instruments_and_the_recommended_me
     assert!(degrees[0]["parameters"].as_array().unwrap().iter().all(|p| p["estimate"].is_null()));
     let line = format!("validate cross {LOGGED} --nominal least-squares --part-s 100 --out crossval.json");
     run(&folder, &line).succeeds();
-    assert_eq!(json(&folder, "crossval.json")["data"]["recommended"], "oe");
-    at_least(fits(&folder, "oe"), [66.0, 73.0, 76.0]);
+    assert_eq!(json(&folder, "crossval.json")["data"]["recommended"], "output-error");
+    at_least(fits(&folder, "output-error"), [66.0, 73.0, 76.0]);
 }

@@ -39,7 +39,12 @@ fn numbers_out_of_range_are_refused() {
         &format!("{} --out c.json", CROSS.replace(",random/1,optimized/2,optimized/3", "")),
         &["left out"],
     );
-    refused(&folder, 2, &format!("{SELECTION} --estimator oe --out s.parquet"), &["oe", "ls, iv or auto"]);
+    refused(
+        &folder,
+        2,
+        &format!("{SELECTION} --estimator output-error --out s.parquet"),
+        &["output-error", "ls, iv or auto"],
+    );
     let counts = |text: &str| format!("{} --out s.parquet", SELECTION.replace("decelerate=2", text));
     refused(&folder, 2, &counts("decelerrate=2"), &["`decelerrate`", "did you mean `decelerate`?"]);
     refused(&folder, 2, &counts("decelerate=2000"), &["2000 of `decelerate`"]);
