@@ -10,7 +10,7 @@ pub(crate) struct Gain<const N: usize> {
     /// Share of each error that each state takes: N × 3.
     rows: [[Lane; 3]; N],
     /// W with W Λ Wᵀ = 1 for the innovations' covariance Λ, lower triangle by rows.
-    pub whitening: [Lane; 6],
+    whitening: [Lane; 6],
 }
 
 impl<const N: usize> Gain<N> {
@@ -19,6 +19,11 @@ impl<const N: usize> Gain<N> {
         for (z, row) in z.iter_mut().zip(&self.rows) {
             *z += row[0] * error[0] + row[1] * error[1] + row[2] * error[2];
         }
+    }
+
+    /// The diagonal of W, whose product is 1/√det Λ.
+    pub(crate) fn scales(&self) -> [Lane; 3] {
+        [self.whitening[0], self.whitening[2], self.whitening[5]]
     }
 
     /// W e.

@@ -67,7 +67,7 @@ pub(crate) enum Ended {
 }
 
 /// Most steps that are tried.
-const STEPS: usize = 60;
+const STEPS: usize = 40;
 /// Newton decrement √(gᵀH⁻¹g) in standard deviations of the errors, at which a point is a minimum.
 const ENOUGH: f64 = 1e-7;
 /// Decrement that is good enough where rounding lets no step help any more.

@@ -7,12 +7,14 @@ use super::output_error::{Fit, InitialState, best_of, better, fit, side_by_side}
 use super::recordings::Recordings;
 use super::sums::{Linear, linearize};
 
-/// How often the filter's gains are computed again with the estimate.
+/// Most often that the filter's gains are computed, the first time at the start.
 const ROUNDS: usize = 3;
 
 /// Estimates by the errors of one-sample predictions: an extended Kalman filter whose states are the vessel's and those of
 /// the stated disturbances. Its gains are computed along the filter at the last estimate and held while whitened innovations
-/// are minimised over parameters and intercepts; three rounds. Standard errors are those of white innovations, scaled by
+/// are minimised over parameters and intercepts: three rounds, of which those after the first count where they raise the
+/// filter's likelihood. Without that guard gains that trust the measurements more and more lead to least squares. Standard
+/// errors are those of white innovations, scaled by
 /// their own variance. `starts` as for [`super::output_error`].
 pub fn prediction_error<X: Number>(
     recordings: &Recordings<X>,
@@ -80,11 +82,18 @@ fn rounds<X: Number, const N: usize>(
             };
         }
     }
+    let mut worth = likelihoods::<X, N>(recordings, &best, levels, known);
     for _ in 1..ROUNDS {
         let again = std::array::from_fn(|lane| best[lane].point.clone());
-        let steps: Vec<usize> = best.iter().map(|b| b.steps).collect();
-        best = round::<X, N>(recordings, again, &free, levels, known);
-        best.iter_mut().zip(steps).for_each(|(b, before)| b.steps += before);
+        let next = round::<X, N>(recordings, again, &free, levels, known);
+        let next_worth = likelihoods::<X, N>(recordings, &next, levels, known);
+        for (lane, next) in next.into_iter().enumerate() {
+            best[lane].steps += next.steps;
+            if next.status == Ended::Converged && next_worth[lane] > worth[lane] {
+                best[lane] = Minimum { steps: best[lane].steps, ..next };
+                worth[lane] = next_worth[lane];
+            }
+        }
     }
     best.iter().map(|minimum| fit(recordings, minimum, errors(minimum, free.len()))).collect()
 }
@@ -101,6 +110,28 @@ fn round<X: Number, const N: usize>(
     let (gains, _) = filter::<X, N>(recordings, &unknowns, levels, known);
     let problem = Predictions { recordings, levels, free: free.to_vec(), gains };
     best_of(&problem, &vec![Weighting::Fixed([1.0; 3]); LANES], &[points], free.len())
+}
+
+/// Twice the log-likelihood of every lane's innovations, up to a constant.
+fn likelihoods<X: Number, const N: usize>(
+    recordings: &Recordings<X>,
+    minima: &[Minimum],
+    levels: &Levels,
+    known: bool,
+) -> Vec<f64> {
+    let points: Vec<Vec<f64>> = minima.iter().map(|m| m.point.clone()).collect();
+    let unknowns = side_by_side(&points, recordings.unknowns());
+    let (gains, innovations) = filter::<X, N>(recordings, &unknowns, levels, known);
+    let mut worth = vec![0.0; LANES];
+    for (gain, error) in gains.iter().zip(innovations.as_chunks().0) {
+        let white = gain.white(error);
+        let [a, b, c] = gain.scales();
+        for (lane, worth) in worth.iter_mut().enumerate() {
+            *worth += 2.0 * (a[lane] * b[lane] * c[lane]).ln();
+            *worth -= white.iter().map(|w| w[lane] * w[lane]).sum::<f64>();
+        }
+    }
+    worth
 }
 
 /// √diag(σ̂² H⁻¹), σ̂² being the whitened innovations' variance, near 1 where the levels are right.

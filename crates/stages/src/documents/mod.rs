@@ -29,7 +29,7 @@ pub use selection::{SelectionDocument, SelectionErrors, SelectionScores};
 pub use trust::{
     FreeRunErrors, InstrumentResidual, TrustDegree, TrustDocument, TrustParameter, TrustRun, Whiteness,
 };
-pub use validation::{Bounds, DesignScores, Quantiles, ValidationDocument};
+pub use validation::{Bounds, DesignScores, EstimatorScores, Quantiles, ValidationDocument};
 
 /// JSON Schema of every document that a stage writes, by the document's id.
 pub fn schemas() -> Vec<(&'static str, serde_json::Value)> {

@@ -9,6 +9,7 @@ mod certificate;
 mod comparison;
 mod dictionary;
 mod errors;
+mod estimators;
 mod excitation;
 mod figures;
 mod headline;
@@ -36,4 +37,6 @@ mod trajectory_words;
 pub use load::{Sources, load};
 pub use page::{Rendered, render};
 pub use selection::SelectionStudy;
-pub use study::{ManeuverTrace, ParameterRow, PlannedTrial, ScoreSet, Study, Trajectory, VesselSummary};
+pub use study::{
+    ManeuverTrace, ParameterRow, PlannedTrial, Scenario, ScoreSet, Study, Trajectory, VesselSummary,
+};

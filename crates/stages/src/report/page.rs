@@ -6,6 +6,7 @@ use super::certificate::certificate;
 use super::comparison::comparison;
 use super::dictionary::dictionary;
 use super::errors::errors;
+use super::estimators::{self, estimators};
 use super::excitation::excitation;
 use super::figures::Figures;
 use super::headline::headline;
@@ -26,8 +27,9 @@ pub struct Rendered {
 
 const STYLE: &str = include_str!("style.css");
 
-const CONTENTS: [(&str, &str); 11] = [
+const CONTENTS: [(&str, &str); 12] = [
     ("comparison", "Result"),
+    ("estimators", "Estimators"),
     ("shares", "Shares"),
     ("certificate", "Certificate"),
     ("dictionary", "Dictionary"),
@@ -48,6 +50,7 @@ pub fn render(study: &Study) -> Result<Rendered, FigureError> {
     let mut figures = Figures::default();
     let sections = [
         comparison(study),
+        estimators(study),
         allocation(study, &mut figures)?,
         certificate(study),
         dictionary(study, &mut figures)?,
@@ -65,8 +68,12 @@ pub fn render(study: &Study) -> Result<Rendered, FigureError> {
 
 fn document(study: &Study, sections: &[Markup]) -> Markup {
     let planned = study.trajectory.is_some();
-    let shown =
-        |id: &str| (planned || id != "trajectory") && (study.selection.is_some() || id != "selection");
+    let shown = |id: &str| match id {
+        "trajectory" => planned,
+        "selection" => study.selection.is_some(),
+        "estimators" => estimators::shown(study),
+        _ => true,
+    };
     let contents = CONTENTS.iter().filter(|(id, _)| shown(id));
     html! {
         (DOCTYPE)

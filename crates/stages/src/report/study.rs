@@ -30,10 +30,23 @@ pub struct Study {
     pub reference: Option<Reference>,
     /// Models from picked sub-experiments; absent in a study without.
     pub selection: Option<super::SelectionStudy>,
+    /// Other studies' comparisons of estimators, to be shown side by side.
+    pub scenarios: Vec<Scenario>,
     /// The planned trajectory; absent in a study that plans none.
     pub trajectory: Option<Trajectory>,
     /// Name of a file, what it is, its digest.
     pub files: Vec<(String, String, String)>,
+}
+
+/// Estimators compared under one kind of disturbance.
+#[derive(Clone, Debug)]
+pub struct Scenario {
+    /// Name of its folder.
+    pub name: String,
+    /// Its `estimate.json`.
+    pub estimate: EstimateDocument,
+    /// Its `validation.json`.
+    pub validation: ValidationDocument,
 }
 
 /// A vessel's model structure.
