@@ -35,6 +35,7 @@ help:
 	@echo "make STUDY=<folder>    run another study: a folder with vessel.toml, dictionary.toml, campaign.toml"
 	@echo "make helsinki          plan a trial off Helsinki and draw it, into out/helsinki/"
 	@echo "make STUDY=pipelines/esso-osaka LOGS=<folder>   a study of measured logs (README: where they are published)"
+	@echo "make scenarios         compare the estimators under four kinds of disturbance, into out/scenarios/"
 	@echo "make smoke             the small study that the tests run, into out/smoke/"
 	@echo "make build             build the stages into $(BIN)/"
 	@echo "make test              format, clippy, all tests, the smoke study and the README's commands"
@@ -121,6 +122,18 @@ $(OUT)/report.html: $(OUT)/scores.parquet $(wildcard $(STUDY)/reference.toml) $(
 helsinki:
 	$(MAKE) STUDY=pipelines/helsinki OUT=out/helsinki study
 
+# Every estimator under four kinds of disturbance, and one page that puts them side by side.
+SCENARIOS := white current-constant current-gauss-markov wind-bias
+
+.PHONY: scenarios
+scenarios: build
+	@for name in $(SCENARIOS); do \
+	  $(MAKE) --no-print-directory STUDY=pipelines/scenarios/$$name OUT=out/scenarios/$$name study || exit 1; done
+	$(BIN)/report --study pipelines/scenarios/white --results out/scenarios/white \
+	  --scenarios $(SCENARIOS:%=out/scenarios/%) $(FLAGS) --out out/scenarios/report.html
+	@echo
+	@echo "Report: out/scenarios/report.html"
+
 .PHONY: smoke
 smoke:
 	$(MAKE) STUDY=pipelines/smoke OUT=out/smoke study
@@ -162,6 +175,7 @@ oracle:
 	$(PYTHON) scripts/independent/pooled.py --out fixtures/oracle/pooled.json
 	$(PYTHON) scripts/independent/criteria.py --study pipelines/paper --fixtures fixtures/oracle
 	$(PYTHON) scripts/independent/chain.py --oracle fixtures/oracle
+	$(PYTHON) scripts/independent/output_error.py --study pipelines/paper --fixtures fixtures/oracle
 
 .PHONY: schemas
 schemas:

@@ -78,7 +78,7 @@ impl<'a> Study<'a> {
         let mut good = (0, 0);
         for first in (0..RUNS).step_by(LANES) {
             let runs = std::array::from_fn(|lane| first + lane as u32);
-            let current = self.disturbances.current(&streams, runs, samples);
+            let current = self.disturbances.current(&streams, runs, samples, 8.0);
             simulate(
                 model,
                 &self.paper.truth,

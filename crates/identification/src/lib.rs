@@ -15,6 +15,7 @@ mod estimate;
 mod middle;
 mod moments;
 pub mod pooled;
+pub mod predictor;
 mod residual;
 mod solve;
 mod sums;

@@ -1,7 +1,8 @@
 //! `campaign.toml`.
 
+use identification::predictor::{Flow, Gusts, Levels};
 use serde::Deserialize;
-use vessel::{Current, DictionaryFile, Disturbances, Invalid, ManeuverSpec, Measurement, Source};
+use vessel::{Axes, Current, DictionaryFile, Disturbances, Invalid, ManeuverSpec, Measurement, Source, Wind};
 
 /// `campaign.toml` as written.
 #[derive(Clone, Debug, Deserialize)]
@@ -17,6 +18,8 @@ pub struct CampaignFile {
     pub current: Current,
     /// The measurement noise.
     pub measurement: Measurement,
+    /// A wind-like force, if there is to be one.
+    pub wind: Option<Wind>,
     /// The random design, if there is to be one.
     pub random: Option<RandomSpec>,
     /// What estimates are validated on.
@@ -53,6 +56,7 @@ impl CampaignFile {
     /// Names the key.
     pub fn check(&self) -> Result<(), Invalid> {
         self.disturbances().check()?;
+        self.wind.map_or(Ok(()), |wind| wind.check())?;
         let positive = [
             ("realizations", f64::from(self.realizations)),
             ("duration_s", self.duration_s),
@@ -71,6 +75,30 @@ impl CampaignFile {
     /// Current and measurement noise.
     pub fn disturbances(&self) -> Disturbances {
         Disturbances { current: self.current, measurement: self.measurement }
+    }
+
+    /// The disturbances at `rate_hz`, as estimators take them.
+    pub fn levels(&self, rate_hz: f64) -> Levels {
+        let m = self.measurement;
+        let turning = |axes: Axes| if axes == Axes::Earth { 1.0 / rate_hz } else { 0.0 };
+        let current = match self.current {
+            Current::None => Flow::Still,
+            Current::White { std_m_s } => Flow::White { std: std_m_s },
+            Current::Constant { std_m_s, axes } => {
+                Flow::Markov { std: std_m_s, factor: 1.0, turning: turning(axes) }
+            }
+            Current::GaussMarkov { std_m_s, time_constant_s, axes } => Flow::Markov {
+                std: std_m_s,
+                factor: (-1.0 / (time_constant_s * rate_hz)).exp(),
+                turning: turning(axes),
+            },
+        };
+        let gusts = |wind: Wind| Gusts { std: wind.std_per_sample(rate_hz), factor: wind.factor(rate_hz) };
+        Levels {
+            measurement: [m.std_u_m_s, m.std_v_m_s, m.std_r_rad_s],
+            current,
+            force: self.wind.map(gusts),
+        }
     }
 
     /// The validation maneuvers as a dictionary.

@@ -13,8 +13,39 @@ pub const ID: &str = "estimates";
 pub const VERSION: u32 = 1;
 /// `status` of a run with an estimate.
 pub const IDENTIFIED: &str = "identified";
+/// `status` of a run whose estimate could not be refined further.
+pub const KEPT: &str = "kept";
 /// `status` of a run without.
 pub const NOT_IDENTIFIABLE: &str = "not identifiable";
+/// `status` of a run whose search for an estimate ended nowhere.
+pub const NOT_CONVERGED: &str = "not converged";
+
+/// What became of a run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Status {
+    /// It has an estimate.
+    Identified,
+    /// It has one that could not be refined further: a simulation with it diverged.
+    Kept,
+    /// A direction is not excited.
+    NotIdentifiable,
+    /// The search for an estimate ended nowhere.
+    NotConverged,
+}
+
+impl Status {
+    const ALL: [Self; 4] = [Self::Identified, Self::Kept, Self::NotIdentifiable, Self::NotConverged];
+
+    /// As in files.
+    pub fn name(self) -> &'static str {
+        [IDENTIFIED, KEPT, NOT_IDENTIFIABLE, NOT_CONVERGED][self as usize]
+    }
+
+    /// Whether there is an estimate.
+    fn estimated(self) -> bool {
+        matches!(self, Self::Identified | Self::Kept)
+    }
+}
 
 /// One row.
 #[derive(Clone, Debug, PartialEq)]
@@ -23,9 +54,11 @@ pub struct Row {
     pub design: String,
     /// Number of the run.
     pub run: i32,
-    /// `iv` or `ls`.
+    /// `iv`, `ls`, `refined-iv`, `output-error` …
     pub estimator: String,
-    /// θ̂ and its standard errors; `None` where the run is not identifiable.
+    /// Whether there is an estimate, and if not why.
+    pub status: Status,
+    /// θ̂ and its standard errors, where there is one.
     pub estimate: Option<(Vec<f64>, Vec<f64>)>,
     /// Condition number per degree of freedom; infinite where a direction is not excited.
     pub condition: [f64; 3],
@@ -54,12 +87,11 @@ pub fn schema(vessel: &Vessel) -> TableSchema {
 
 /// Rows as a block of the table.
 pub fn table(vessel: &Vessel, rows: &[Row]) -> Table {
-    let status = |r: &Row| if r.estimate.is_some() { IDENTIFIED } else { NOT_IDENTIFIABLE };
     let mut columns = vec![
         labels(rows.iter().map(|r| r.design.as_str())),
         Column::i32(rows.iter().map(|r| r.run).collect()),
         labels(rows.iter().map(|r| r.estimator.as_str())),
-        labels(rows.iter().map(status)),
+        labels(rows.iter().map(|r| r.status.name())),
     ];
     for i in 0..vessel.model.parameters() {
         columns.push(optional(rows.iter().map(|r| r.estimate.as_ref().map(|(theta, _)| theta[i]))));
@@ -105,21 +137,19 @@ pub fn rows(reader: &TableReader, vessel: &Vessel, file: &Path, i: usize) -> Res
     let number = |column: usize, row: usize| table.columns[column].value_at(row);
     let row = |row: usize| {
         let (status, width) = (text(3, row), 4 + 2 * parameters);
-        let estimate = match status.as_str() {
-            IDENTIFIED => {
-                let every =
-                    |offset: usize| (0..parameters).map(|p| number(4 + 2 * p + offset, row)).collect();
-                let complete: Option<(Vec<f64>, Vec<f64>)> = Option::zip(every(0), every(1));
-                Some(complete.ok_or_else(|| refuse(file, row, "an absent parameter"))?)
-            }
-            NOT_IDENTIFIABLE => None,
-            other => return Err(refuse(file, row, &format!("status `{other}`"))),
-        };
+        let status = Status::ALL.into_iter().find(|known| known.name() == status);
+        let status = status.ok_or_else(|| refuse(file, row, &format!("status `{}`", text(3, row))))?;
+        let every = |offset: usize| (0..parameters).map(|p| number(4 + 2 * p + offset, row)).collect();
+        let complete: Option<(Vec<f64>, Vec<f64>)> = Option::zip(every(0), every(1));
+        if status.estimated() && complete.is_none() {
+            return Err(refuse(file, row, "an absent parameter"));
+        }
         Ok(Row {
             design: text(0, row),
             run: table.columns[1].as_i32().map_or(0, |runs| runs[row]),
             estimator: text(2, row),
-            estimate,
+            status,
+            estimate: complete.filter(|_| status.estimated()),
             condition: [0, 1, 2].map(|d| number(width + 2 * d, row).unwrap_or(f64::INFINITY)),
             weakest: [0, 1, 2].map(|d| text(width + 2 * d + 1, row)),
         })
@@ -128,6 +158,7 @@ pub fn rows(reader: &TableReader, vessel: &Vessel, file: &Path, i: usize) -> Res
 }
 
 fn refuse(file: &Path, row: usize, found: &str) -> Failure {
-    let expected = format!("`{IDENTIFIED}` with all parameters, or `{NOT_IDENTIFIABLE}`");
+    let expected =
+        format!("`{IDENTIFIED}` or `{KEPT}` with all parameters, `{NOT_IDENTIFIABLE}` or `{NOT_CONVERGED}`");
     Failure::refuse(file, &format!("row {row}"), found, &expected, "run `estimate` again")
 }

@@ -13,6 +13,7 @@ pub mod crossval;
 pub mod design;
 pub mod documents;
 pub mod estimates;
+pub mod estimators;
 pub mod failure;
 pub mod ingest;
 pub mod instruments;

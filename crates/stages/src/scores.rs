@@ -2,8 +2,8 @@
 
 use artifact::{Column, ColumnSpec, Kind, Table, TableReader, TableSchema};
 
-use crate::documents::{Bounds, DesignScores};
-use crate::estimates::{NOT_IDENTIFIABLE, labels, optional};
+use crate::documents::{Bounds, DesignScores, EstimatorScores};
+use crate::estimates::{NOT_CONVERGED, NOT_IDENTIFIABLE, labels, optional};
 use crate::failure::Failure;
 use crate::statistics::quantiles;
 
@@ -25,7 +25,7 @@ pub struct Row {
     pub run: i32,
     /// Its estimator.
     pub estimator: String,
-    /// [`SCORED`], [`DIVERGED`] or [`NOT_IDENTIFIABLE`].
+    /// [`SCORED`], [`DIVERGED`], [`NOT_IDENTIFIABLE`] or [`NOT_CONVERGED`].
     pub status: String,
     /// ‖(θ̂ − θ)/θ‖, where the run is identified and the truth known.
     pub parameter_error: Option<f64>,
@@ -94,15 +94,46 @@ pub fn rows(reader: &TableReader) -> Result<Vec<Row>, Failure> {
     Ok(rows)
 }
 
-/// What the scores of each design say together, in the order of the rows.
-pub fn summarize(rows: &[Row], bounds: Bounds) -> Vec<DesignScores> {
-    let mut designs: Vec<&str> = rows.iter().map(|r| r.design.as_str()).collect();
-    designs.dedup();
-    designs.iter().map(|design| design_scores(design, rows, bounds)).collect()
+/// The estimators of `rows`, in their order.
+pub fn estimators(rows: &[Row]) -> Vec<&str> {
+    let mut names: Vec<&str> = Vec::new();
+    for row in rows {
+        if !names.contains(&row.estimator.as_str()) {
+            names.push(&row.estimator);
+        }
+    }
+    names
 }
 
-fn design_scores(design: &str, rows: &[Row], bounds: Bounds) -> DesignScores {
-    let own = || rows.iter().filter(|r| r.design == design);
+/// The estimator that stands for a study: the only one, or `iv` where several are compared.
+pub fn leading(rows: &[Row]) -> &str {
+    let names = estimators(rows);
+    names.iter().find(|name| **name == "iv").or(names.first()).copied().unwrap_or("")
+}
+
+/// What the scores of each design say together, in the order of the rows, by the [`leading`] estimator.
+pub fn summarize(rows: &[Row], bounds: Bounds) -> Vec<DesignScores> {
+    by_estimator(rows, leading(rows), bounds)
+}
+
+/// The same for every estimator, where there are several.
+pub fn compare(rows: &[Row], bounds: Bounds) -> Option<Vec<EstimatorScores>> {
+    let names = estimators(rows);
+    let of = |name: &&str| EstimatorScores {
+        estimator: (*name).to_owned(),
+        designs: by_estimator(rows, name, bounds),
+    };
+    (names.len() > 1).then(|| names.iter().map(of).collect())
+}
+
+fn by_estimator(rows: &[Row], estimator: &str, bounds: Bounds) -> Vec<DesignScores> {
+    let mut designs: Vec<&str> = rows.iter().map(|r| r.design.as_str()).collect();
+    designs.dedup();
+    designs.iter().map(|design| design_scores(design, estimator, rows, bounds)).collect()
+}
+
+fn design_scores(design: &str, estimator: &str, rows: &[Row], bounds: Bounds) -> DesignScores {
+    let own = || rows.iter().filter(|r| r.design == design && r.estimator == estimator);
     let runs = own().count();
     let with = |status: &str| own().filter(|r| r.status == status).count() as u64;
     let below = |value: fn(&Row) -> Option<f64>, bound: f64| {
@@ -112,6 +143,7 @@ fn design_scores(design: &str, rows: &[Row], bounds: Bounds) -> DesignScores {
         design: design.to_owned(),
         runs: runs as u64,
         not_identifiable: with(NOT_IDENTIFIABLE),
+        not_converged: Some(with(NOT_CONVERGED)).filter(|_| estimator.ends_with("-error")),
         diverged: with(DIVERGED),
         parameter_error_share: below(|r| r.parameter_error, bounds.parameter_error),
         simulation_error_share: below(|r| r.simulation_error, bounds.simulation_error),

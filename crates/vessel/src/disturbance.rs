@@ -3,17 +3,61 @@ use serde::Deserialize;
 use crate::normals::Normals;
 use crate::{Invalid, LANES, Lane, Streams};
 
-/// A current in body axes.
+/// A current.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Current {
     /// Still water.
     None,
-    /// New independent surge and sway components at every sample.
+    /// New independent surge and sway components at every sample, in body axes.
     White {
         /// Standard deviation of each component \[m/s\].
         std_m_s: f64,
     },
+    /// Two components that a run keeps, drawn anew for every run.
+    Constant {
+        /// Standard deviation of each component \[m/s\].
+        std_m_s: f64,
+        /// Whose components they are.
+        #[serde(default)]
+        axes: Axes,
+    },
+    /// Two stationary Gauss–Markov processes, correlated as exp(−|t|/T).
+    GaussMarkov {
+        /// Standard deviation of each component \[m/s\].
+        std_m_s: f64,
+        /// Time constant T \[s\].
+        time_constant_s: f64,
+        /// Whose components they are.
+        #[serde(default)]
+        axes: Axes,
+    },
+}
+
+/// Axes that a current's components belong to.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Axes {
+    /// The earth's: the vessel turns in the current. Every run starts at heading zero.
+    #[default]
+    Earth,
+    /// The vessel's: the current turns with it.
+    Body,
+}
+
+/// A wind-like force: what it adds to the states, in body axes and independent of them.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Wind {
+    /// Standard deviation of the surge acceleration \[m/s²\].
+    pub std_surge_m_s2: f64,
+    /// Standard deviation of the sway acceleration \[m/s²\].
+    pub std_sway_m_s2: f64,
+    /// Standard deviation of the yaw acceleration \[rad/s²\].
+    pub std_yaw_rad_s2: f64,
+    /// Time constant of gusts \[s\]; without it a run keeps what is drawn for it.
+    #[serde(default)]
+    pub time_constant_s: Option<f64>,
 }
 
 /// White measurement noise.
@@ -37,8 +81,97 @@ pub struct Disturbances {
     pub measurement: Measurement,
 }
 
-/// Channels of the random streams: measurement noise of u, v, r, then the current's components.
+/// Channels of the random streams: measurement noise of u, v, r, then the current's components, then the wind's.
 const CURRENT_CHANNEL: u32 = 3;
+const WIND_CHANNEL: u32 = 5;
+
+impl Current {
+    /// Standard deviation of each component \[m/s\].
+    pub fn std_m_s(&self) -> f64 {
+        match self {
+            Self::None => 0.0,
+            Self::White { std_m_s } | Self::Constant { std_m_s, .. } | Self::GaussMarkov { std_m_s, .. } => *std_m_s,
+        }
+    }
+
+    /// Whether its components are the earth's.
+    pub fn in_earth_axes(&self) -> bool {
+        matches!(
+            self,
+            Self::Constant { axes: Axes::Earth, .. } | Self::GaussMarkov { axes: Axes::Earth, .. }
+        )
+    }
+}
+
+impl Wind {
+    /// Correlation of neighbouring samples at `rate_hz`; 1 where a run keeps what is drawn for it.
+    pub fn factor(&self, rate_hz: f64) -> f64 {
+        self.time_constant_s.map_or(1.0, |t| factor(t, rate_hz))
+    }
+
+    /// Standard deviations of what a sample adds to u, v \[m/s\] and r \[rad/s\] at `rate_hz`.
+    pub fn std_per_sample(&self, rate_hz: f64) -> [f64; 3] {
+        [self.std_surge_m_s2, self.std_sway_m_s2, self.std_yaw_rad_s2].map(|std| std / rate_hz)
+    }
+
+    /// What is added to the states of [`LANES`] runs after each of `samples` samples, samples × 3.
+    pub fn force(&self, streams: &Streams, runs: [u32; LANES], samples: usize, rate_hz: f64) -> Vec<Lane> {
+        markov(streams, runs, WIND_CHANNEL, self.std_per_sample(rate_hz), self.factor(rate_hz), samples)
+    }
+
+    /// Refuses numbers without meaning.
+    ///
+    /// # Errors
+    /// Names the key and its value.
+    pub fn check(&self) -> Result<(), Invalid> {
+        let all = [
+            ("wind.std_surge_m_s2", self.std_surge_m_s2),
+            ("wind.std_sway_m_s2", self.std_sway_m_s2),
+            ("wind.std_yaw_rad_s2", self.std_yaw_rad_s2),
+        ];
+        all.into_iter().try_for_each(|(key, value)| deviation(key, value))?;
+        self.time_constant_s.map_or(Ok(()), |t| time_constant("wind.time_constant_s", t))
+    }
+}
+
+/// Correlation of neighbouring samples of a process with time constant `time_constant_s`.
+pub(crate) fn factor(time_constant_s: f64, rate_hz: f64) -> f64 {
+    (-1.0 / (time_constant_s * rate_hz)).exp()
+}
+
+fn deviation(key: &str, value: f64) -> Result<(), Invalid> {
+    if value.is_finite() && value >= 0.0 {
+        return Ok(());
+    }
+    let expected = "a standard deviation, zero or more";
+    Err(Invalid::new(format!("`{key}`"), value.to_string(), expected, "correct it"))
+}
+
+fn time_constant(key: &str, value: f64) -> Result<(), Invalid> {
+    if value.is_finite() && value > 0.0 {
+        return Ok(());
+    }
+    Err(Invalid::new(format!("`{key}`"), value.to_string(), "more than zero seconds", "correct it"))
+}
+
+/// Stationary processes x(k+1) = factor · x(k) + white noise, samples × WIDTH; column i draws from channel `first + i`.
+fn markov<const WIDTH: usize>(
+    streams: &Streams,
+    runs: [u32; LANES],
+    first: u32,
+    std: [f64; WIDTH],
+    factor: f64,
+    samples: usize,
+) -> Vec<Lane> {
+    let fresh = (1.0 - factor * factor).max(0.0).sqrt();
+    let drawn = if fresh > 0.0 { samples } else { samples.min(1) };
+    let mut out = vec![Lane::ZERO; WIDTH * samples];
+    add_noise(streams, runs, first, std, &mut out[..WIDTH * drawn]);
+    for i in WIDTH..out.len() {
+        out[i] = Lane::splat(factor) * out[i - WIDTH] + Lane::splat(fresh) * out[i];
+    }
+    out
+}
 
 impl Disturbances {
     /// Refuses standard deviations that are negative or not finite.
@@ -47,35 +180,36 @@ impl Disturbances {
     /// Names the key and its value.
     pub fn check(&self) -> Result<(), Invalid> {
         let m = self.measurement;
-        let current = match self.current {
-            Current::None => 0.0,
-            Current::White { std_m_s } => std_m_s,
-        };
         let all = [
-            ("current.std_m_s", current),
+            ("current.std_m_s", self.current.std_m_s()),
             ("measurement.std_u_m_s", m.std_u_m_s),
             ("measurement.std_v_m_s", m.std_v_m_s),
             ("measurement.std_r_rad_s", m.std_r_rad_s),
         ];
-        match all.into_iter().find(|(_, value)| !(value.is_finite() && *value >= 0.0)) {
-            None => Ok(()),
-            Some((key, value)) => Err(Invalid::new(
-                format!("`{key}`"),
-                value.to_string(),
-                "a standard deviation, zero or more",
-                "correct it",
-            )),
+        all.into_iter().try_for_each(|(key, value)| deviation(key, value))?;
+        match self.current {
+            Current::GaussMarkov { time_constant_s, .. } => {
+                time_constant("current.time_constant_s", time_constant_s)
+            }
+            _ => Ok(()),
         }
     }
 
-    /// The current of [`LANES`] runs over `samples` samples, samples × 2; empty in still water.
-    pub fn current(&self, streams: &Streams, runs: [u32; LANES], samples: usize) -> Vec<Lane> {
+    /// The current of [`LANES`] runs over `samples` samples at `rate_hz`, samples × 2, in its own axes; empty in still water.
+    pub fn current(&self, streams: &Streams, runs: [u32; LANES], samples: usize, rate_hz: f64) -> Vec<Lane> {
         match self.current {
             Current::None => Vec::new(),
             Current::White { std_m_s } => {
                 let mut out = vec![Lane::ZERO; 2 * samples];
                 add_noise(streams, runs, CURRENT_CHANNEL, [std_m_s; 2], &mut out);
                 out
+            }
+            Current::Constant { std_m_s, .. } => {
+                markov(streams, runs, CURRENT_CHANNEL, [std_m_s; 2], 1.0, samples)
+            }
+            Current::GaussMarkov { std_m_s, time_constant_s, .. } => {
+                let factor = factor(time_constant_s, rate_hz);
+                markov(streams, runs, CURRENT_CHANNEL, [std_m_s; 2], factor, samples)
             }
         }
     }

@@ -29,6 +29,33 @@ impl Lane {
         }
         self
     }
+
+    /// −1, 0 or 1, lane by lane.
+    #[inline(always)]
+    pub fn sign(mut self) -> Self {
+        for value in &mut self.0 {
+            *value = if *value == 0.0 { 0.0 } else { 1.0_f64.copysign(*value) };
+        }
+        self
+    }
+
+    /// Square root, lane by lane.
+    #[inline(always)]
+    pub fn sqrt(mut self) -> Self {
+        for value in &mut self.0 {
+            *value = value.sqrt();
+        }
+        self
+    }
+
+    /// 1/x, lane by lane.
+    #[inline(always)]
+    pub fn recip(mut self) -> Self {
+        for value in &mut self.0 {
+            *value = 1.0 / *value;
+        }
+        self
+    }
 }
 
 macro_rules! lane_by_lane {

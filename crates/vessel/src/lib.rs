@@ -20,9 +20,10 @@ mod pose;
 mod program;
 mod simulate;
 mod steady;
+mod tangent;
 mod term;
 
-pub use disturbance::{Current, Disturbances, Measurement};
+pub use disturbance::{Axes, Current, Disturbances, Measurement, Wind};
 pub use file::{InputSpec, MeasuredSpec, Source, TermSpec, Vessel, VesselFile};
 pub use invalid::{Invalid, nearest};
 pub use lane::{LANES, Lane, Number};
@@ -30,6 +31,9 @@ pub use maneuver::{DictionaryFile, Generator, Kind, ManeuverSpec, Realized, Shap
 pub use model::{Degree, DegreeOfFreedom, Model, Variable};
 pub use noise::Streams;
 pub use pose::{Pose, track};
-pub use simulate::{DIVERGED, Diverged, check_diverged, follow, simulate, simulate_one};
+pub use simulate::{
+    DIVERGED, Diverged, Weather, check_diverged, follow, simulate, simulate_in, simulate_one,
+};
 pub use steady::{Motion, steady_inputs};
+pub use tangent::Tangent;
 pub use term::{Factor, Term};

@@ -90,6 +90,62 @@ impl<X: Number, F: FnMut(&[Lane; 3])> pulp::WithSimd for Simulation<'_, X, F> {
     }
 }
 
+/// What acts on [`crate::LANES`] runs besides their inputs.
+#[derive(Clone, Copy, Debug)]
+pub struct Weather<'a> {
+    /// Current \[m/s\], N × 2, or empty for still water.
+    pub current: &'a [Lane],
+    /// Sampling interval \[s\] where the current's components are the earth's and the heading starts at zero; 0 where they
+    /// are the vessel's.
+    pub turning: f64,
+    /// What is added to the states after each sample, N × 3, or empty.
+    pub force: &'a [Lane],
+}
+
+/// [`simulate`] in a current of either axes and under forces.
+pub fn simulate_in(
+    model: &Model,
+    parameters: &[Lane],
+    initial: [Lane; 3],
+    exogenous: &[impl Number],
+    weather: &Weather,
+    states: &mut [Lane],
+) {
+    let mut program = Program::new(model, parameters);
+    let width = model.exogenous().max(1);
+    let mut state = initial;
+    let mut heading = Lane::ZERO;
+    let mut currents = weather.current.chunks_exact(2);
+    let mut forces = weather.force.chunks_exact(3);
+    states[..3].copy_from_slice(&initial);
+    for (exogenous, row) in exogenous.chunks_exact(width).zip(states[3..].chunks_exact_mut(3)) {
+        let mut relative = state;
+        if let Some(current) = currents.next() {
+            let [along, across] = turned(current, heading);
+            relative[0] = state[0] - along;
+            relative[1] = state[1] - across;
+        }
+        heading += Lane::splat(weather.turning) * state[2];
+        let increments = program.increments(relative, exogenous);
+        state.iter_mut().zip(increments).for_each(|(state, increment)| *state += increment);
+        if let Some(force) = forces.next() {
+            state.iter_mut().zip(force).for_each(|(state, force)| *state += *force);
+        }
+        row.copy_from_slice(&state);
+    }
+}
+
+/// The components north and east along and across a heading.
+fn turned(current: &[Lane], heading: Lane) -> [Lane; 2] {
+    let mut out = [Lane::ZERO; 2];
+    for lane in 0..crate::LANES {
+        let (sin, cos) = heading[lane].sin_cos();
+        out[0][lane] = cos * current[0][lane] + sin * current[1][lane];
+        out[1][lane] = cos * current[1][lane] - sin * current[0][lane];
+    }
+    out
+}
+
 /// Simulates one run in still water. Shapes as in [`simulate`], one number per entry; returns (N+1) × 3 states.
 pub fn simulate_one(model: &Model, parameters: &[f64], initial: [f64; 3], exogenous: &[f64]) -> Vec<f64> {
     let lanes = |values: &[f64]| values.iter().map(|v| Lane::splat(*v)).collect::<Vec<_>>();

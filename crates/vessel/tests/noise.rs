@@ -106,7 +106,7 @@ fn law_a_runs_noise_does_not_depend_on_its_neighbours() {
     let measured = |runs: [u32; LANES]| {
         let mut states = vec![Lane::ZERO; 3 * 101];
         white.measure(&streams, runs, &mut states);
-        (white.current(&streams, runs, 100), states)
+        (white.current(&streams, runs, 100, 8.0), states)
     };
     let (one, other) = (measured([5; LANES]), measured([0, 1, 2, 3, 4, 5, 6, 7]));
     let alone = draws(7, "x", 5, 2, 101);

@@ -6,20 +6,21 @@ use std::process::ExitCode;
 use artifact::{
     EncodedBlock, Provenance, Staged, TableReader, TableWriter, commit, encode_block, gather, stage_document,
 };
-use clap::Parser;
-use identification::{Direction, Excitation, Outcome};
+use clap::{Parser, ValueEnum};
+use identification::predictor::{InitialState, Levels};
 use serde_json::json;
 use stages::cli::{Common, Sharding, Summary, beside, given, name_of, provenance, run};
-use stages::documents::{DegreeSummary, DesignSummary, EstimateDocument, ParameterSummary};
-use stages::estimates::{self, Row};
+use stages::documents::{DegreeSummary, DesignSummary, EstimateDocument, EstimatorSummary, ParameterSummary};
+use stages::estimates::{self, Row, Status};
+use stages::estimators::{Estimator, RunEstimators};
 use stages::failure::Failure;
-use stages::instruments::{InstrumentKind, Instruments, Removal};
+use stages::instruments::Removal;
 use stages::ordered::{joined, joined_blocks, ordered};
-use stages::pooled::{self, Method, PoolFlags, Wanted, collinear_run};
+use stages::pooled::{self, PoolFlags, Wanted};
 use stages::progress::Progress;
 use stages::statistics::{mean, quantile, sorted, spread};
-use stages::study_files::read_vessel;
-use stages::trajectories::{Layout, Run, TrajectoryReader};
+use stages::study_files::{read_campaign, read_vessel};
+use stages::trajectories::{Layout, TrajectoryReader};
 use vessel::{DegreeOfFreedom, Vessel};
 
 /// Estimates the parameters of every run, with standard errors; writes estimates.parquet and estimate.json
@@ -38,9 +39,19 @@ struct Arguments {
     /// The runs
     #[arg(long, required_unless_present = "gather", value_name = "campaign.parquet")]
     trajectories: Option<PathBuf>,
-    /// The estimator; `refined-iv`, `auto` and `output-error` with --pool
-    #[arg(long, value_enum, default_value_t = Method::Iv)]
-    estimator: Method,
+    /// The estimator
+    #[arg(long, value_enum, default_value_t = Estimator::Iv)]
+    estimator: Estimator,
+    /// Every estimator on the same runs
+    #[arg(long, conflicts_with_all = ["estimator", "pool"])]
+    compare: bool,
+    /// What disturbs the runs: for `prediction-error` and --compare, and for standard errors of `output-error`
+    #[arg(long, value_name = "campaign.toml")]
+    campaign: Option<PathBuf>,
+    /// Whether simulations of `output-error` and `prediction-error` start at a known state or estimate it (default: known
+    /// where the file has the true states)
+    #[arg(long, value_enum)]
+    initial_state: Option<Initial>,
     /// How the instruments' mean is removed
     #[arg(long, value_enum, default_value_t = Removal::Complete)]
     mean_removal: Removal,
@@ -61,6 +72,15 @@ struct Arguments {
     common: Common,
 }
 
+/// Where a simulation starts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Initial {
+    /// At the run's true initial state, or else its first measurement
+    Known,
+    /// At a state that is estimated
+    Estimated,
+}
+
 fn main() -> ExitCode {
     run(|a: &Arguments| &a.common, stage)
 }
@@ -76,6 +96,7 @@ fn stage(a: &Arguments) -> Result<Summary, Failure> {
         return pool(a, &vessel, out, provenance);
     }
     refuse_pool_flags(a)?;
+    let levels = levels(a, &vessel, &mut provenance)?;
     let document_file = beside(&out, "estimate.json");
     if a.sharding.gathers() {
         let table = gather(&a.sharding.gather, &out, estimates::ID, estimates::VERSION)?;
@@ -91,6 +112,14 @@ fn stage(a: &Arguments) -> Result<Summary, Failure> {
     reader.whole()?;
     provenance.inputs.insert("trajectories".into(), reader.digest());
     provenance.settings.insert("estimator".into(), json!(name_of(a.estimator)));
+    if a.compare {
+        let names: Vec<String> = Estimator::COMPARED.into_iter().map(name_of).collect();
+        provenance.settings.insert("compared".into(), json!(names));
+    }
+    let initial = initial(a, &reader);
+    if a.compare || matches!(a.estimator, Estimator::OutputError | Estimator::PredictionError) {
+        provenance.settings.insert("initial_state".into(), json!(name_of(initial)));
+    }
     provenance.settings.insert("mean_removal".into(), json!(name_of(a.mean_removal)));
     provenance.shard.clone_from(&a.sharding.shard);
     let schema = estimates::schema(&vessel);
@@ -100,12 +129,53 @@ fn stage(a: &Arguments) -> Result<Summary, Failure> {
         rows.extend(own);
         Ok(writer.push(block)?)
     };
-    estimate_blocks(a, &vessel, file, &reader, &schema, &mut each)?;
+    let estimators = RunEstimators {
+        vessel: &vessel,
+        vessel_file: &a.vessel,
+        file,
+        estimators: if a.compare { Estimator::COMPARED.to_vec() } else { vec![a.estimator] },
+        removal: a.mean_removal.into(),
+        initial: match initial {
+            Initial::Known => InitialState::Known,
+            Initial::Estimated => InitialState::Estimated,
+        },
+        levels,
+    };
+    estimate_blocks(a, &estimators, &reader, &schema, &mut each)?;
     if a.sharding.shard.is_none() {
-        refuse_if_all_collinear(a, &vessel, file, &reader, &rows)?;
+        refuse_if_all_collinear(&estimators, file, &reader, &rows)?;
         refuse_if_none_identified(file, &vessel, &rows)?;
     }
     publish(a, &vessel, &provenance, writer.finish()?, rows, &document_file)
+}
+
+/// What disturbs the runs, where that is stated.
+fn levels(a: &Arguments, vessel: &Vessel, provenance: &mut Provenance) -> Result<Option<Levels>, Failure> {
+    let Some(file) = a.campaign.as_deref() else {
+        let needed = [(a.compare, "--compare"), (a.estimator == Estimator::PredictionError, "prediction-error")];
+        return match needed.into_iter().find(|(needed, _)| *needed && !a.sharding.gathers()) {
+            None => Ok(None),
+            Some((_, what)) => Err(Failure::Usage(format!(
+                "--campaign: found none, expected the campaign.toml whose disturbances {what} needs; name it"
+            ))),
+        };
+    };
+    let levels = read_campaign(file, provenance)?.levels(vessel.sample_rate_hz);
+    let silent = levels.measurement.iter().position(|std| *std == 0.0);
+    match silent.filter(|_| a.compare || a.estimator == Estimator::PredictionError) {
+        None => Ok(Some(levels)),
+        Some(d) => Err(Failure::refuse(
+            file,
+            &format!("`measurement.{}`", ["std_u_m_s", "std_v_m_s", "std_r_rad_s"][d]),
+            "0",
+            "measurement noise in every state, which the filter of `prediction-error` weighs predictions with",
+            "state what the sensor has, however little",
+        )),
+    }
+}
+
+fn initial(a: &Arguments, reader: &TrajectoryReader) -> Initial {
+    a.initial_state.unwrap_or(if reader.true_states() { Initial::Known } else { Initial::Estimated })
 }
 
 /// One estimate from all runs.
@@ -114,11 +184,15 @@ fn pool(a: &Arguments, vessel: &Vessel, out: PathBuf, provenance: Provenance) ->
         let found = "--pool: found --shard or --gather, expected neither";
         return Err(Failure::Usage(format!("{found}; a pooled estimate is made in one piece")));
     }
+    let Some(method) = a.estimator.pooled() else {
+        let found = "--estimator: found prediction-error with --pool, expected ls, iv, refined-iv, auto or output-error";
+        return Err(Failure::Usage(format!("{found}; choose one of them")));
+    };
     let wanted = Wanted {
         vessel,
         trajectories: given(&a.trajectories, "trajectories")?,
         flags: &a.flags,
-        method: a.estimator,
+        method,
         removal: a.mean_removal,
         bandwidth: a.bandwidth.map(usize::from),
         replicates: a.bootstrap.unwrap_or(0),
@@ -130,9 +204,8 @@ fn pool(a: &Arguments, vessel: &Vessel, out: PathBuf, provenance: Provenance) ->
 
 /// Refuses flags that mean something to a pooled estimate only.
 fn refuse_pool_flags(a: &Arguments) -> Result<(), Failure> {
-    let estimator = !matches!(a.estimator, Method::Iv | Method::Ls);
     let given = [
-        (estimator, "--estimator refined-iv, auto or output-error"),
+        (a.estimator == Estimator::Auto, "--estimator auto"),
         (a.bootstrap.is_some(), "--bootstrap"),
         (a.bandwidth.is_some(), "--bandwidth"),
     ];
@@ -144,102 +217,29 @@ fn refuse_pool_flags(a: &Arguments) -> Result<(), Failure> {
 
 fn estimate_blocks(
     a: &Arguments,
-    vessel: &Vessel,
-    file: &Path,
+    estimators: &RunEstimators,
     reader: &TrajectoryReader,
     schema: &artifact::TableSchema,
     each: &mut dyn FnMut((EncodedBlock, Vec<Row>)) -> Result<(), Failure>,
 ) -> Result<(), Failure> {
-    let kind = match a.estimator {
-        Method::Ls => InstrumentKind::Regressors,
-        _ => InstrumentKind::Nominal,
-    };
-    let instruments = Instruments::new(vessel, &a.vessel, kind);
     let outputs = joined_blocks(reader.blocks());
     let mine = a.sharding.shard.map_or(0..outputs, |s| s.range(outputs));
     let progress = Progress::new("blocks of runs", reader.blocks(), a.common.quiet);
     let block = |i: usize| {
-        let rows = rows_of(a, vessel, file, &instruments, &reader.runs(i)?);
+        let rows = estimators.rows(&reader.runs(i)?);
         progress.advance(1);
         rows
     };
     let work = |i: usize| {
         let rows = joined(i, reader.blocks(), block)?;
-        Ok((encode_block(schema, &estimates::table(vessel, &rows))?, rows))
+        Ok((encode_block(schema, &estimates::table(estimators.vessel, &rows))?, rows))
     };
     ordered(mine, work, each)
 }
 
-fn rows_of(
-    a: &Arguments,
-    vessel: &Vessel,
-    file: &Path,
-    instruments: &Instruments,
-    runs: &[Run],
-) -> Result<Vec<Row>, Failure> {
-    let mut rows = Vec::with_capacity(runs.len());
-    instruments.estimates(runs, a.mean_removal.into(), |run, outcome, excitation| {
-        rows.push(row(a, vessel, file, run, outcome, excitation)?);
-        Ok(())
-    })?;
-    Ok(rows)
-}
-
-fn row(
-    a: &Arguments,
-    vessel: &Vessel,
-    file: &Path,
-    run: &Run,
-    outcome: Outcome,
-    excitation: [Excitation; 3],
-) -> Result<Row, Failure> {
-    let mut weakest = [0, 1, 2].map(|d: usize| excitation[d].weakest);
-    let mut condition = excitation.map(|e| e.condition);
-    let collinear = collinear(a, vessel, run);
-    if let Some(found) = &collinear {
-        weakest[found.degree] = found.parameter;
-        condition[found.degree] = f64::INFINITY;
-    }
-    let estimate = match outcome {
-        Outcome::Identified(_) if collinear.is_some() => None,
-        Outcome::Identified(found) => Some((found.parameters, found.standard_errors)),
-        Outcome::NotIdentifiable(Direction { degree, parameter }) => {
-            weakest[degree] = parameter;
-            condition[degree] = f64::INFINITY;
-            None
-        }
-        Outcome::TooShort => {
-            return Err(Failure::refuse(
-                file,
-                &format!("design {}, run {}", run.design, run.run),
-                &format!("{} samples", run.samples()),
-                "more samples than unknowns (parameters and intercepts of a degree of freedom)",
-                "lengthen the run, or remove the mean over the whole run",
-            ));
-        }
-    };
-    let named = |d: usize| vessel.model.degrees[d].parameters[weakest[d]].clone();
-    Ok(Row {
-        design: run.design.clone(),
-        run: run.run,
-        estimator: name_of(a.estimator),
-        estimate,
-        condition,
-        weakest: [0, 1, 2].map(named),
-    })
-}
-
-/// Instruments must not be collinear; other estimators project or simulate whatever the columns.
-fn collinear(a: &Arguments, vessel: &Vessel, run: &Run) -> Option<pooled::CollinearRun> {
-    matches!(a.estimator, Method::Iv | Method::RefinedIv)
-        .then(|| collinear_run(vessel, run, a.mean_removal.into()))
-        .flatten()
-}
-
 /// Refuses measured runs none of which is identified, in the words of the first.
 fn refuse_if_all_collinear(
-    a: &Arguments,
-    vessel: &Vessel,
+    estimators: &RunEstimators,
     file: &Path,
     reader: &TrajectoryReader,
     rows: &[Row],
@@ -248,7 +248,7 @@ fn refuse_if_all_collinear(
         return Ok(());
     }
     let runs = reader.runs(0)?;
-    let Some((run, found)) = runs.first().and_then(|run| Some((run.run, collinear(a, vessel, run)?))) else {
+    let Some((run, found)) = runs.first().and_then(|run| Some((run.run, estimators.collinear(run)?))) else {
         return Ok(());
     };
     Err(Failure::NoAnswer(format!(
@@ -263,6 +263,16 @@ fn refuse_if_all_collinear(
 fn refuse_if_none_identified(file: &Path, vessel: &Vessel, rows: &[Row]) -> Result<(), Failure> {
     if rows.is_empty() || rows.iter().any(|r| r.estimate.is_some()) {
         return Ok(());
+    }
+    let searched = rows.iter().filter(|r| r.status == Status::NotConverged).count();
+    if searched > 0 {
+        return Err(Failure::NoAnswer(format!(
+            "{}: estimates by {}: found {searched} of {} runs whose search ended nowhere and no estimate, expected a minimum; \
+             try `iv`, or a nominal model nearer to the vessel",
+            file.display(),
+            rows[0].estimator,
+            rows.len()
+        )));
     }
     let unexcited = (0..3).find(|d| rows[0].condition[*d].is_infinite()).unwrap_or(0);
     let parameter = &rows[0].weakest[unexcited];
@@ -286,38 +296,72 @@ fn publish(
 ) -> Result<Summary, Failure> {
     let out = table.path().to_owned();
     let (runs, identified) = (rows.len(), rows.iter().filter(|r| r.estimate.is_some()).count());
+    let count = |status: Status| rows.iter().filter(|r| r.status == status).count();
+    let (unexcited, unconverged, kept) =
+        (count(Status::NotIdentifiable), count(Status::NotConverged), count(Status::Kept));
+    let also = |count: usize, what: &str| if count > 0 { format!(", {count} {what}") } else { String::new() };
+    let searched = also(unconverged, estimates::NOT_CONVERGED) + &also(kept, "kept unrefined");
     let mut staged = vec![table];
     if provenance.shard.is_none() {
         let document = summarize(provenance, vessel, &rows);
         staged.push(stage_document(document_file, provenance, &document)?);
     }
     commit(staged)?;
+    let single = estimators(&rows).len() < 2;
+    let simple = single && unconverged + kept == 0;
+    let things = if single { "runs" } else { "estimates" };
     let part = a.sharding.shard.map_or(String::new(), |s| format!(", shard {s}"));
     Ok(Summary {
-        line: format!("{}: {runs} runs, {} not identifiable{part}", out.display(), runs - identified),
-        json: json!({"out": out, "runs": runs, "identified": identified}),
+        line: format!("{}: {runs} {things}, {unexcited} not identifiable{searched}{part}", out.display()),
+        json: if simple { json!({"out": out, "runs": runs, "identified": identified}) } else {
+            json!({"out": out, "estimates": runs, "identified": identified, "not_identifiable": unexcited,
+                "not_converged": unconverged, "kept": kept})
+        },
     })
 }
 
 fn summarize(provenance: &Provenance, vessel: &Vessel, rows: &[Row]) -> EstimateDocument {
     let setting = |key: &str| provenance.settings.get(key).and_then(|v| v.as_str()).unwrap_or("").to_owned();
-    let mut designs: Vec<&str> = rows.iter().map(|r| r.design.as_str()).collect();
-    designs.dedup();
-    let own = |design: &str| rows.iter().filter(|r| r.design == design).collect::<Vec<_>>();
+    let names = estimators(rows);
+    let of = |name: &str| design_summaries(vessel, &rows.iter().filter(|r| r.estimator == name).collect::<Vec<_>>());
+    let summary = |name: &&str| EstimatorSummary { estimator: (*name).to_owned(), designs: of(name) };
     EstimateDocument {
         estimator: setting("estimator"),
         mean_removal: setting("mean_removal"),
-        designs: designs.iter().map(|design| design_summary(vessel, design, &own(design))).collect(),
+        designs: of(&setting("estimator")),
+        compared: (names.len() > 1).then(|| names.iter().map(summary).collect()),
         trust: None,
     }
 }
 
+/// The estimators of the rows, in their order.
+fn estimators(rows: &[Row]) -> Vec<&str> {
+    let mut names: Vec<&str> = Vec::new();
+    for row in rows {
+        if !names.contains(&row.estimator.as_str()) {
+            names.push(&row.estimator);
+        }
+    }
+    names
+}
+
+fn design_summaries(vessel: &Vessel, rows: &[&Row]) -> Vec<DesignSummary> {
+    let mut designs: Vec<&str> = rows.iter().map(|r| r.design.as_str()).collect();
+    designs.dedup();
+    let own = |design: &str| rows.iter().copied().filter(|r| r.design == design).collect::<Vec<_>>();
+    designs.iter().map(|design| design_summary(vessel, design, &own(design))).collect()
+}
+
 fn design_summary(vessel: &Vessel, design: &str, rows: &[&Row]) -> DesignSummary {
     let names = vessel.model.parameter_names().zip(vessel.model.parameter_units()).enumerate();
+    let count = |status: Status| rows.iter().filter(|r| r.status == status).count() as u64;
+    let by = |names: &[&str]| rows.iter().any(|r| names.contains(&r.estimator.as_str()));
     DesignSummary {
         design: design.to_owned(),
         runs: rows.len() as u64,
         identified: rows.iter().filter(|r| r.estimate.is_some()).count() as u64,
+        not_converged: by(&["output-error", "prediction-error"]).then(|| count(Status::NotConverged)),
+        kept: by(&["refined-iv"]).then(|| count(Status::Kept)),
         parameters: names.map(|(i, (name, unit))| parameter_summary(vessel, i, name, unit, rows)).collect(),
         degrees: DegreeOfFreedom::ALL.into_iter().map(|d| degree_summary(d, rows)).collect(),
     }

@@ -24,6 +24,9 @@ struct Arguments {
     /// Folder that the stages wrote into; what is missing there is said on the page
     #[arg(long, value_name = "FOLDER")]
     results: PathBuf,
+    /// Results of studies that compare estimators, to be put side by side
+    #[arg(long, value_name = "FOLDER", num_args = 1..)]
+    scenarios: Vec<PathBuf>,
     #[command(flatten)]
     common: Common,
 }
@@ -33,7 +36,7 @@ fn main() -> ExitCode {
 }
 
 fn stage(a: &Arguments) -> Result<Summary, Failure> {
-    let sources = Sources { study: a.study.clone(), results: a.results.clone() };
+    let sources = Sources { study: a.study.clone(), results: a.results.clone(), scenarios: a.scenarios.clone() };
     let study = load(&sources)?;
     let page = render(&study).map_err(|e| Failure::Failed(format!("figures: {e}")))?;
     let out = a.common.main_output("report.html", &[])?;

@@ -300,7 +300,12 @@ fn publish(
     let json = json!({"out": out, "runs": rows.len(), "diverged": diverged, "designs": designs});
     let mut staged = vec![table];
     if provenance.shard.is_none() {
-        let document = ValidationDocument { bounds, samples: validation.samples(), designs };
+        let document = ValidationDocument {
+            bounds,
+            samples: validation.samples(),
+            designs,
+            compared: scores::compare(rows, bounds),
+        };
         staged.push(stage_document(beside(&out, "validation.json"), provenance, &document)?);
     }
     commit(staged)?;
@@ -362,7 +367,7 @@ impl<'a> Validation<'a> {
         let samples = self.samples() as f64;
         let rmse = squares.filter(|_| row.estimate.is_some()).map(|s| s.map(|x| (x / samples).sqrt()));
         let status = match (&row.estimate, rmse) {
-            (None, _) => estimates::NOT_IDENTIFIABLE,
+            (None, _) => row.status.name(),
             (Some(_), None) => scores::DIVERGED,
             (Some(_), Some(_)) => scores::SCORED,
         };

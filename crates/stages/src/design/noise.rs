@@ -30,7 +30,8 @@ impl NoiseModel {
         instruments: InstrumentKind,
         provenance: &mut Provenance,
     ) -> Result<Self, Failure> {
-        let disturbances = read_campaign(campaign, provenance)?.disturbances();
+        let config = read_campaign(campaign, provenance)?;
+        let disturbances = config.disturbances();
         let m = disturbances.measurement;
         let measurement = [m.std_u_m_s, m.std_v_m_s, m.std_r_rad_s];
         if instruments == InstrumentKind::Regressors && measurement.iter().any(|std| *std > 0.0) {
@@ -45,6 +46,7 @@ impl NoiseModel {
         let current = match disturbances.current {
             Current::None => 0.0,
             Current::White { std_m_s } => std_m_s,
+            Current::Constant { .. } | Current::GaussMarkov { .. } => return Err(lasting(campaign)),
         };
         let (source, parameters) = match vessel.parameters(Source::Value) {
             Ok(parameters) => (Source::Value, parameters),
@@ -72,4 +74,14 @@ impl NoiseModel {
             nominal: named(&vessel.nominal),
         }
     }
+}
+
+fn lasting(campaign: &Path) -> Failure {
+    Failure::refuse(
+        campaign,
+        "`current.kind`",
+        "a current that lasts",
+        "`none` or `white`, which the covariance of the estimate is predicted for",
+        "leave out --campaign",
+    )
 }

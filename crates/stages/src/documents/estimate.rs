@@ -6,16 +6,29 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct EstimateDocument {
-    /// `iv` or `ls`.
+    /// `iv`, `ls`, `refined-iv`, `output-error`, `prediction-error`.
     pub estimator: String,
     /// `none`, `batch` or `complete`.
     pub mean_removal: String,
     /// One entry per design, in the order of the trajectories.
     pub designs: Vec<DesignSummary>,
+    /// Every estimator on the same runs, where they were compared; `designs` then is that of `estimator`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub compared: Option<Vec<EstimatorSummary>>,
     /// What to know before using a pooled estimate, in words; `trust.json` has the numbers. Absent where every run has
     /// its own estimate.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub trust: Option<Vec<String>>,
+}
+
+/// The estimates of one estimator.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct EstimatorSummary {
+    /// `iv`, `ls`, `refined-iv`, `output-error`, `prediction-error`.
+    pub estimator: String,
+    /// One entry per design, in the order of the trajectories.
+    pub designs: Vec<DesignSummary>,
 }
 
 /// The estimates of one design.
@@ -28,6 +41,13 @@ pub struct DesignSummary {
     pub runs: u64,
     /// Runs with an estimate.
     pub identified: u64,
+    /// Runs whose search for an estimate ended nowhere; absent for estimators that search for none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub not_converged: Option<u64>,
+    /// Runs whose estimate could not be refined further, because a simulation with it diverged; absent for estimators
+    /// that refine none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub kept: Option<u64>,
     /// One entry per parameter, over the identified runs.
     pub parameters: Vec<ParameterSummary>,
     /// One entry per degree of freedom.
@@ -76,6 +96,8 @@ impl Document for EstimateDocument {
     const UNITS: &'static [(&'static str, &'static str)] = &[
         ("runs", "1"),
         ("identified", "1"),
+        ("not_converged", "1"),
+        ("kept", "1"),
         ("truth", "the parameter's unit"),
         ("nominal", "the parameter's unit"),
         ("mean", "the parameter's unit"),

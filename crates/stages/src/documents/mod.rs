@@ -17,7 +17,7 @@ use artifact::{Document, json_schema};
 
 pub use crossval::{CrossvalDocument, EstimatorScore, SourceScore};
 pub use design::{Counts, CovarianceCriterion, DesignDocument, Efficiency, Start};
-pub use estimate::{DegreeSummary, DesignSummary, EstimateDocument, ParameterSummary};
+pub use estimate::{DegreeSummary, DesignSummary, EstimateDocument, EstimatorSummary, ParameterSummary};
 pub use ingest::{
     ChannelSummary, IngestDocument, ManeuverCount, MotionSummary, RecordingSummary, RowSummary,
     WarningSummary,
@@ -34,7 +34,7 @@ pub use simulated::{SimulatedLogsDocument, SimulatedRecording};
 pub use trust::{
     FreeRunErrors, InstrumentResidual, TrustDegree, TrustDocument, TrustParameter, TrustRun, Whiteness,
 };
-pub use validation::{Bounds, DesignScores, Quantiles, ValidationDocument};
+pub use validation::{Bounds, DesignScores, EstimatorScores, Quantiles, ValidationDocument};
 
 /// JSON Schema of every document that a stage writes, by the document's id.
 pub fn schemas() -> Vec<(&'static str, serde_json::Value)> {

@@ -12,6 +12,19 @@ pub struct ValidationDocument {
     pub samples: u64,
     /// One entry per design.
     pub designs: Vec<DesignScores>,
+    /// Every estimator on the same runs, where they were compared; `designs` then is that of `iv`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub compared: Option<Vec<EstimatorScores>>,
+}
+
+/// The errors of one estimator.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct EstimatorScores {
+    /// `iv`, `ls`, `refined-iv`, `output-error`, `prediction-error`.
+    pub estimator: String,
+    /// One entry per design.
+    pub designs: Vec<DesignScores>,
 }
 
 /// Bounds under which an estimate counts as good.
@@ -35,6 +48,9 @@ pub struct DesignScores {
     pub runs: u64,
     /// Runs without an estimate.
     pub not_identifiable: u64,
+    /// Runs whose search for an estimate ended nowhere; absent for estimators that search for none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub not_converged: Option<u64>,
     /// Runs whose free simulation diverged.
     pub diverged: u64,
     /// Share of all runs below the bound on the parameter error.
@@ -78,6 +94,7 @@ impl Document for ValidationDocument {
         ("samples", "1"),
         ("runs", "1"),
         ("not_identifiable", "1"),
+        ("not_converged", "1"),
         ("diverged", "1"),
         ("parameter_error_share", "1"),
         ("simulation_error_share", "1"),

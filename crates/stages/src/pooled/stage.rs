@@ -13,7 +13,7 @@ use crate::cli::{Summary, beside, name_of};
 use crate::documents::{
     DegreeSummary, DesignSummary, EstimateDocument, ParameterSummary, TrustDegree, TrustDocument,
 };
-use crate::estimates::{self, Row};
+use crate::estimates::{self, Row, Status};
 use crate::failure::Failure;
 use crate::instruments::Removal;
 
@@ -225,11 +225,13 @@ fn row(data: &Data, trust: &TrustDocument) -> Row {
     let parameters = || trust.degrees.iter().flat_map(|d| &d.parameters);
     let theta: Option<Vec<f64>> = parameters().map(|p| p.estimate).collect();
     let errors: Option<Vec<f64>> = parameters().map(|p| p.standard_error).collect();
+    let estimate = theta.zip(errors);
     Row {
         design: data.design().to_owned(),
         run: 0,
         estimator: trust.estimator.clone(),
-        estimate: theta.zip(errors),
+        status: if estimate.is_some() { Status::Identified } else { Status::NotIdentifiable },
+        estimate,
         condition: [0, 1, 2].map(|d: usize| trust.degrees[d].condition.unwrap_or(f64::INFINITY)),
         weakest: [0, 1, 2].map(|d: usize| weakest_parameter(&trust.degrees[d])),
     }
@@ -271,9 +273,12 @@ fn document(vessel: &Vessel, data: &Data, trust: &TrustDocument) -> EstimateDocu
             design: data.design().to_owned(),
             runs: 1,
             identified: u64::from(whole),
+            not_converged: None,
+            kept: None,
             parameters: parameters.map(parameter).collect(),
             degrees: trust.degrees.iter().map(degree).collect(),
         }],
+        compared: None,
         trust: Some(trust.statements.clone()),
     }
 }

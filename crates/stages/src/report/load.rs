@@ -1,14 +1,14 @@
 //! Collects a study for the page from the folder that the stages wrote into.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use artifact::{Digest, Document, Loaded, Provenance, TableReader, read_document, read_toml};
 use vessel::{DegreeOfFreedom, DictionaryFile, Vessel, track};
 
 use super::trajectory_files::trajectory;
-use super::{ManeuverTrace, ParameterRow, ScoreSet, Study, VesselSummary};
+use super::{ManeuverTrace, ParameterRow, Scenario, ScoreSet, Study, VesselSummary};
 use crate::campaign_file::CampaignFile;
-use crate::documents::{IngestDocument, Reference};
+use crate::documents::{EstimateDocument, IngestDocument, Reference, ValidationDocument};
 use crate::failure::Failure;
 use crate::scores;
 use crate::study_files::read_vessel;
@@ -20,6 +20,8 @@ pub struct Sources {
     pub study: PathBuf,
     /// What the stages wrote.
     pub results: PathBuf,
+    /// Results of other studies whose estimators are to be shown side by side.
+    pub scenarios: Vec<PathBuf>,
 }
 
 /// Maneuvers beyond this many are not drawn.
@@ -51,6 +53,7 @@ pub fn load(sources: &Sources) -> Result<Study, Failure> {
         estimate: loader.document("estimate.json", "estimates of all runs together")?,
         validation: loader.document("validation.json", "errors of all runs together")?,
         scores: loader.scores()?,
+        scenarios: sources.scenarios.iter().map(|folder| scenario(folder)).collect::<Result<_, _>>()?,
         vessel: vessel.as_ref().map(summary),
         trajectory: trajectory(&mut loader)?,
         selection: super::selection::load(&mut loader)?,
@@ -71,6 +74,21 @@ pub fn load(sources: &Sources) -> Result<Study, Failure> {
         ));
     }
     Ok(Study { files: loader.files, ..study })
+}
+
+/// What the stages wrote into `folder` about its estimators.
+fn scenario(folder: &Path) -> Result<Scenario, Failure> {
+    let read = Scenario {
+        name: folder.file_name().map_or(String::new(), |n| n.to_string_lossy().into_owned()),
+        estimate: read_document::<EstimateDocument>(folder.join("estimate.json"))?.data,
+        validation: read_document::<ValidationDocument>(folder.join("validation.json"))?.data,
+    };
+    if read.estimate.compared.is_some() && read.validation.compared.is_some() {
+        return Ok(read);
+    }
+    let expected = "`compared`, several estimators on the same runs";
+    let remedy = "run `estimate --compare` and `validate` again";
+    Err(Failure::refuse(&folder.join("estimate.json"), "estimators", "one", expected, remedy))
 }
 
 /// Reads files and keeps a list of them.
@@ -137,8 +155,9 @@ impl Loader<'_> {
         let reader = TableReader::open(&path, scores::ID, scores::VERSION)?;
         self.note("scores.parquet", "errors of every run", reader.digest());
         let rows = scores::rows(&reader)?;
+        let leading = scores::leading(&rows).to_owned();
         let mut sets: Vec<ScoreSet> = Vec::new();
-        for row in rows {
+        for row in rows.into_iter().filter(|row| row.estimator == leading) {
             if sets.last().is_none_or(|set| set.design != row.design) {
                 sets.push(ScoreSet { design: row.design.clone(), ..ScoreSet::default() });
             }

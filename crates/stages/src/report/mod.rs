@@ -10,6 +10,7 @@ mod comparison;
 mod crossval;
 mod dictionary;
 mod errors;
+mod estimators;
 mod excitation;
 mod figures;
 mod headline;
@@ -42,4 +43,6 @@ pub use load::{Sources, load};
 pub use measured::Measured;
 pub use page::{Rendered, render};
 pub use selection::SelectionStudy;
-pub use study::{ManeuverTrace, ParameterRow, PlannedTrial, ScoreSet, Study, Trajectory, VesselSummary};
+pub use study::{
+    ManeuverTrace, ParameterRow, PlannedTrial, Scenario, ScoreSet, Study, Trajectory, VesselSummary,
+};

@@ -7,6 +7,7 @@ use super::comparison::comparison;
 use super::crossval::cross_validation;
 use super::dictionary::dictionary;
 use super::errors::errors;
+use super::estimators::{self, estimators};
 use super::excitation::excitation;
 use super::figures::Figures;
 use super::headline::{headline, kind};
@@ -52,12 +53,15 @@ pub fn render(study: &Study) -> Result<Rendered, FigureError> {
 
 /// The sections of a study of simulated trials.
 fn of_trials(study: &Study, figures: &mut Figures) -> Result<Vec<Section>, FigureError> {
-    let mut sections = vec![
-        ("comparison", "Result", comparison(study)),
+    let mut sections = vec![("comparison", "Result", comparison(study))];
+    if estimators::shown(study) {
+        sections.push(("estimators", "Estimators", estimators(study)));
+    }
+    sections.extend([
         ("shares", "Shares", allocation(study, figures)?),
         ("certificate", "Certificate", certificate(study)),
         ("dictionary", "Dictionary", dictionary(study, figures)?),
-    ];
+    ]);
     if study.trajectory.is_some() {
         sections.push(("trajectory", "Trajectory", trajectory(study, figures)?));
     }

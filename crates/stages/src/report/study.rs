@@ -32,12 +32,25 @@ pub struct Study {
     pub selection: Option<super::SelectionStudy>,
     /// What is known from measured logs; absent in a study of simulated trials.
     pub measured: Option<super::Measured>,
+    /// Other studies' comparisons of estimators, to be shown side by side.
+    pub scenarios: Vec<Scenario>,
     /// The planned trajectory; absent in a study that plans none.
     pub trajectory: Option<Trajectory>,
     /// What the data are labelled as: `simulated logs`; absent for those of real ships and for simulation studies.
     pub data: Option<String>,
     /// Name of a file, what it is, its digest.
     pub files: Vec<(String, String, String)>,
+}
+
+/// Estimators compared under one kind of disturbance.
+#[derive(Clone, Debug)]
+pub struct Scenario {
+    /// Name of its folder.
+    pub name: String,
+    /// Its `estimate.json`.
+    pub estimate: EstimateDocument,
+    /// Its `validation.json`.
+    pub validation: ValidationDocument,
 }
 
 /// A vessel's model structure.

@@ -7,7 +7,8 @@ use std::path::Path;
 use artifact::{EncodedBlock, Provenance, Shard, encode_block};
 use optimal_design::apportion;
 use vessel::{
-    Disturbances, Generator, LANES, Lane, Realized, Source, Streams, Vessel, check_diverged, simulate,
+    Disturbances, Generator, LANES, Lane, Realized, Source, Streams, Vessel, Weather, Wind, check_diverged, simulate,
+    simulate_in,
 };
 
 use super::{diverged, exogenous, publish, refuse_endless, writer};
@@ -32,6 +33,7 @@ pub struct Campaign<'a> {
     vessel_file: &'a Path,
     truth: Vec<Lane>,
     disturbances: Disturbances,
+    wind: Option<Wind>,
     samples: usize,
     realizations: u32,
     designs: Vec<Design>,
@@ -124,6 +126,7 @@ impl<'a> Campaign<'a> {
             vessel_file: files.vessel,
             truth: truth.into_iter().map(Lane::splat).collect(),
             disturbances: config.disturbances(),
+            wind: config.wind,
             samples,
             realizations: runs,
             designs,
@@ -168,6 +171,7 @@ impl<'a> Campaign<'a> {
             vessel_file,
             truth: truth.into_iter().map(Lane::splat).collect(),
             disturbances: config.disturbances(),
+            wind: config.wind,
             samples,
             realizations: config.realizations,
             realized: realized.collect(),
@@ -237,9 +241,19 @@ impl<'a> Campaign<'a> {
         let numbers: [u32; LANES] = std::array::from_fn(|lane| runs[lane.min(runs.len() - 1)] as u32);
         let start = |lane: usize| self.realized[&plans[lane.min(plans.len() - 1)][0]].initial;
         let initial = [0, 1, 2].map(|d| Lane(std::array::from_fn(|lane| start(lane)[d])));
-        let current = self.disturbances.current(&design.streams, numbers, self.samples);
+        let rate_hz = self.vessel.sample_rate_hz;
+        let current = self.disturbances.current(&design.streams, numbers, self.samples, rate_hz);
         let mut states = vec![Lane::ZERO; 3 * (self.samples + 1)];
-        simulate(model, &self.truth, initial, &lanes, &current, &mut states);
+        let turning = self.disturbances.current.in_earth_axes();
+        if turning || self.wind.is_some() {
+            let wind = self.wind.as_ref();
+            let force = wind.map(|w| w.force(&design.streams, numbers, self.samples, rate_hz)).unwrap_or_default();
+            let turning = if turning { 1.0 / rate_hz } else { 0.0 };
+            let weather = Weather { current: &current, turning, force: &force };
+            simulate_in(model, &self.truth, initial, &lanes, &weather, &mut states);
+        } else {
+            simulate(model, &self.truth, initial, &lanes, &current, &mut states);
+        }
         let mut measured = states.clone();
         self.disturbances.measure(&design.streams, numbers, &mut measured);
         for (lane, run) in runs.iter().enumerate() {

@@ -76,6 +76,11 @@ impl TrajectoryReader {
         self.table.blocks()
     }
 
+    /// Whether the file has the true states, and with them the state that a run starts from.
+    pub fn true_states(&self) -> bool {
+        self.truth
+    }
+
     /// Digest of the file.
     pub fn digest(&self) -> Digest {
         self.table.digest()

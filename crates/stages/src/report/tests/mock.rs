@@ -56,6 +56,7 @@ pub(super) fn study() -> Study {
         scores: Some(scores.into_iter().rev().collect()),
         validation_trace: Some(validation_trace()),
         reference: Some(reference()),
+        scenarios: Vec::new(),
         selection: None,
         measured: None,
         trajectory: None,
@@ -200,6 +201,7 @@ fn estimate() -> EstimateDocument {
         estimator: "iv".to_owned(),
         mean_removal: "complete".to_owned(),
         designs: vec![summary("optimized", |p| p.6, 1.0), summary("random", |p| p.7, 40.0)],
+        compared: None,
         trust: None,
     }
 }
@@ -225,6 +227,8 @@ fn summary(design: &str, spread: impl Fn(&Parameter) -> f64, condition: f64) -> 
         design: design.to_owned(),
         runs: 500,
         identified: 500,
+        not_converged: None,
+        kept: None,
         parameters: PARAMETERS.iter().map(parameter).collect(),
         degrees: [("surge", "X_uu"), ("sway", "Y_ur"), ("yaw", "N_uv")].into_iter().map(degree).collect(),
     }
@@ -238,6 +242,7 @@ fn validation() -> ValidationDocument {
             design_scores("optimized", 0.986, 0.971, 1.0),
             design_scores("random", 0.52, 0.604, 2.4),
         ],
+        compared: None,
     }
 }
 
@@ -253,6 +258,7 @@ fn design_scores(design: &str, parameter: f64, simulation: f64, factor: f64) -> 
         design: design.to_owned(),
         runs: 500,
         not_identifiable: 0,
+        not_converged: None,
         diverged: if factor > 1.0 { 31 } else { 0 },
         parameter_error_share: parameter,
         simulation_error_share: simulation,

@@ -1,0 +1,179 @@
+use vessel::{Lane, Number, Tangent};
+
+use super::dynamics::{Dynamics, Local};
+use super::levels::{Flow, Levels};
+use super::recordings::Recordings;
+
+/// What an extended Kalman filter does with a measurement.
+#[derive(Clone, Debug)]
+pub(crate) struct Gain<const N: usize> {
+    /// Share of each error that each state takes: N × 3.
+    rows: [[Lane; 3]; N],
+    /// W with W Λ Wᵀ = 1 for the innovations' covariance Λ, lower triangle by rows.
+    whitening: [Lane; 6],
+}
+
+impl<const N: usize> Gain<N> {
+    #[inline(always)]
+    pub(crate) fn correct(&self, z: &mut [Lane; N], error: &[Lane; 3]) {
+        for (z, row) in z.iter_mut().zip(&self.rows) {
+            *z += row[0] * error[0] + row[1] * error[1] + row[2] * error[2];
+        }
+    }
+
+    /// The diagonal of W, whose product is 1/√det Λ.
+    pub(crate) fn scales(&self) -> [Lane; 3] {
+        [self.whitening[0], self.whitening[2], self.whitening[5]]
+    }
+
+    /// W e.
+    #[inline(always)]
+    pub(crate) fn white(&self, e: &[Lane; 3]) -> [Lane; 3] {
+        let w = &self.whitening;
+        [w[0] * e[0], w[1] * e[0] + w[2] * e[1], w[3] * e[0] + w[4] * e[1] + w[5] * e[2]]
+    }
+}
+
+/// Variance of an unknown initial state over that of its measurement.
+const UNKNOWN: f64 = 1e6;
+
+/// An extended Kalman filter over recordings: its gains at samples 0 to N, and its innovations, (N+1) × 3.
+pub(crate) fn filter<X: Number, const N: usize>(
+    recordings: &Recordings<X>,
+    unknowns: &[Lane],
+    levels: &Levels,
+    known_start: bool,
+) -> (Vec<Gain<N>>, Vec<Lane>) {
+    pulp::Arch::new().dispatch(Filter::<X, N> { recordings, unknowns, levels, known_start })
+}
+
+struct Filter<'a, X, const N: usize> {
+    recordings: &'a Recordings<'a, X>,
+    unknowns: &'a [Lane],
+    levels: &'a Levels,
+    known_start: bool,
+}
+
+impl<X: Number, const N: usize> pulp::WithSimd for Filter<'_, X, N> {
+    type Output = (Vec<Gain<N>>, Vec<Lane>);
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _: S) -> (Vec<Gain<N>>, Vec<Lane>) {
+        let Self { recordings, unknowns, levels, known_start } = self;
+        let (theta, rest) = unknowns.split_at(recordings.model.parameters());
+        let mut dynamics = Dynamics::<N>::new(Tangent::new(recordings.model), Some(levels));
+        let noise = levels.measurement.map(|s| Lane::splat(s * s));
+        let mut z = [Lane::ZERO; N];
+        (0..3).for_each(|d| z[d] = recordings.initial[d] + rest[3 + d]);
+        let mut p = start::<N>(levels, known_start);
+        let (width, last) = (recordings.model.exogenous(), recordings.longest());
+        let mut gains = Vec::with_capacity(last + 1);
+        let mut innovations = Vec::with_capacity(3 * last + 3);
+        for k in 0..=last {
+            let error = [0, 1, 2].map(|d: usize| recordings.measured[3 * k + d] - z[d]);
+            let gain = gain(&p, &noise);
+            innovations.extend_from_slice(&error);
+            gain.correct(&mut z, &error);
+            shrink(&mut p, &gain);
+            gains.push(gain);
+            if k == last {
+                break;
+            }
+            let local = dynamics.at(&z, &recordings.exogenous[k * width..(k + 1) * width], theta);
+            z = dynamics.next(&z, &local, theta, &rest[..3]);
+            p = moved(&dynamics, &local, &p);
+            add_noise(&mut p, &local, levels);
+        }
+        (gains, innovations)
+    }
+}
+
+/// The covariance before the first measurement.
+fn start<const N: usize>(levels: &Levels, known: bool) -> [[Lane; N]; N] {
+    let mut p = [[Lane::ZERO; N]; N];
+    let mut set = |i: usize, variance: f64| p[i][i] = Lane::splat(variance);
+    for d in 0..3 {
+        set(d, if known { 0.0 } else { UNKNOWN * levels.measurement[d].powi(2) });
+    }
+    if let Flow::Markov { std, .. } = levels.current {
+        (3..5).for_each(|i| set(i, std * std));
+    }
+    if let Some(gusts) = levels.gusts() {
+        (0..3).for_each(|d| set(N - 3 + d, gusts.std[d].powi(2)));
+    }
+    p
+}
+
+/// K = P Hᵀ Λ⁻¹ by the Cholesky factor of Λ = H P Hᵀ + R.
+#[inline(always)]
+fn gain<const N: usize>(p: &[[Lane; N]; N], noise: &[Lane; 3]) -> Gain<N> {
+    let l00 = (p[0][0] + noise[0]).sqrt().recip();
+    let l10 = p[1][0] * l00;
+    let l20 = p[2][0] * l00;
+    let l11 = (p[1][1] + noise[1] - l10 * l10).sqrt().recip();
+    let l21 = (p[2][1] - l20 * l10) * l11;
+    let l22 = (p[2][2] + noise[2] - l20 * l20 - l21 * l21).sqrt().recip();
+    // The inverse of the lower factor; the diagonal is inverted already.
+    let w1 = Lane::ZERO - l11 * l10 * l00;
+    let w4 = Lane::ZERO - l22 * l21 * l11;
+    let w3 = Lane::ZERO - l22 * (l20 * l00 + l21 * w1);
+    let w = [l00, w1, l11, w3, w4, l22];
+    let row = |p: &[Lane; N]| {
+        let white = [w[0] * p[0], w[1] * p[0] + w[2] * p[1], w[3] * p[0] + w[4] * p[1] + w[5] * p[2]];
+        [
+            w[0] * white[0] + w[1] * white[1] + w[3] * white[2],
+            w[2] * white[1] + w[4] * white[2],
+            w[5] * white[2],
+        ]
+    };
+    Gain { rows: std::array::from_fn(|i| row(&p[i])), whitening: w }
+}
+
+/// P − K H P, symmetric.
+#[inline(always)]
+fn shrink<const N: usize>(p: &mut [[Lane; N]; N], gain: &Gain<N>) {
+    let known = [p[0], p[1], p[2]];
+    for i in 0..N {
+        for j in 0..=i {
+            let row = &gain.rows[i];
+            let less = p[i][j] - (row[0] * known[0][j] + row[1] * known[1][j] + row[2] * known[2][j]);
+            p[i][j] = less;
+            p[j][i] = less;
+        }
+    }
+}
+
+/// A P Aᵀ.
+#[inline(always)]
+fn moved<const N: usize>(dynamics: &Dynamics<N>, local: &Local, p: &[[Lane; N]; N]) -> [[Lane; N]; N] {
+    // P is symmetric: its rows are its columns.
+    let half: [[Lane; N]; N] = std::array::from_fn(|j| dynamics.forward(local, &p[j]));
+    std::array::from_fn(|i| {
+        let row: [Lane; N] = std::array::from_fn(|j| half[j][i]);
+        dynamics.forward(local, &row)
+    })
+}
+
+/// Adds what a sample's disturbances contribute to the covariance.
+#[inline(always)]
+fn add_noise<const N: usize>(p: &mut [[Lane; N]; N], local: &Local, levels: &Levels) {
+    match levels.current {
+        Flow::Still => {}
+        Flow::White { std } => {
+            let variance = Lane::splat(std * std);
+            for i in 0..3 {
+                for j in 0..3 {
+                    let (a, b) = (&local.slopes[i], &local.slopes[j]);
+                    p[i][j] += variance * (a[0] * b[0] + a[1] * b[1]);
+                }
+            }
+        }
+        Flow::Markov { std, factor, .. } => {
+            (3..5).for_each(|i| p[i][i] += Lane::splat(std * std * (1.0 - factor * factor)));
+        }
+    }
+    if let Some(gusts) = levels.gusts() {
+        let share = 1.0 - gusts.factor * gusts.factor;
+        (0..3).for_each(|d| p[N - 3 + d][N - 3 + d] += Lane::splat(gusts.std[d].powi(2) * share));
+    }
+}

@@ -1,0 +1,52 @@
+/// What disturbs a run, as far as it is known.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Levels {
+    /// Standard deviations of white noise in the measured u, v \[m/s\] and r \[rad/s\].
+    pub measurement: [f64; 3],
+    /// The current.
+    pub current: Flow,
+    /// Forces that no term tells of, such as wind.
+    pub force: Option<Gusts>,
+}
+
+/// A current's components, independent of each other.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Flow {
+    /// Still water.
+    Still,
+    /// New at every sample, in body axes.
+    White {
+        /// Standard deviation of each component \[m/s\].
+        std: f64,
+    },
+    /// A Gauss–Markov process c(k+1) = factor · c(k) + white noise, stationary.
+    Markov {
+        /// Standard deviation of each component \[m/s\].
+        std: f64,
+        /// Correlation of neighbouring samples; 1: constant over a run.
+        factor: f64,
+        /// Sampling interval \[s\] where the process lives in earth axes and turns with the heading, 0 in body axes.
+        turning: f64,
+    },
+}
+
+/// Forces as Gauss–Markov processes in body axes. A constant one is what the intercepts are for, and left to them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Gusts {
+    /// Standard deviations of what they add to u, v \[m/s\] and r \[rad/s\] in a sample.
+    pub std: [f64; 3],
+    /// Correlation of neighbouring samples, below 1.
+    pub factor: f64,
+}
+
+impl Levels {
+    /// Number of states of vessel and disturbances together: 3, and 2 for a current that lasts, and 3 for gusts.
+    pub(crate) fn states(&self) -> usize {
+        let current = if matches!(self.current, Flow::Markov { .. }) { 2 } else { 0 };
+        3 + current + if self.gusts().is_some() { 3 } else { 0 }
+    }
+
+    pub(crate) fn gusts(&self) -> Option<Gusts> {
+        self.force.filter(|force| force.factor < 1.0)
+    }
+}

@@ -1,0 +1,255 @@
+use argmin::core::{
+    Error, Executor, IterState, KV, Problem, Solver, TerminationReason, TerminationStatus,
+};
+use serde::{Deserialize, Serialize};
+
+use super::sums::Linear;
+
+/// Several least-squares problems that are linearised in one pass.
+pub(crate) trait Residuals {
+    /// Linearises every problem at its point; numbers that are not finite where the prediction leaves every bound.
+    fn linearize(&self, points: &[Vec<f64>]) -> Vec<Linear>;
+}
+
+/// How the squared errors of u, v, r are weighed against each other.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+pub(crate) enum Weighting {
+    /// Σ_d w_d Σ e_d².
+    Fixed([f64; 3]),
+    /// Σ_d N log(Σ e_d² + N floor_d): maximum likelihood of white errors with unknown variances, whose weights are one
+    /// over the errors' own mean squares.
+    Likelihood([f64; 3]),
+}
+
+impl Weighting {
+    fn cost(&self, linear: &Linear) -> f64 {
+        match self {
+            Self::Fixed(weights) => (0..3).map(|d| weights[d] * linear.squares[d]).sum(),
+            Self::Likelihood(floor) => {
+                let n = linear.samples;
+                (0..3).map(|d| n * (linear.squares[d] / n + floor[d]).ln()).sum()
+            }
+        }
+    }
+
+    pub(crate) fn weights(&self, linear: &Linear) -> [f64; 3] {
+        match self {
+            Self::Fixed(weights) => *weights,
+            Self::Likelihood(floor) => {
+                [0, 1, 2].map(|d| (linear.squares[d] / linear.samples + floor[d]).recip())
+            }
+        }
+    }
+}
+
+/// How a problem ended.
+#[derive(Clone, Debug)]
+pub(crate) struct Minimum {
+    pub point: Vec<f64>,
+    /// At the point.
+    pub linear: Linear,
+    pub status: Ended,
+    /// Steps tried.
+    pub steps: usize,
+}
+
+/// Why a problem ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) enum Ended {
+    /// The next step would change the prediction by less than [`ENOUGH`] standard errors.
+    Converged,
+    /// It would not, after [`STEPS`] steps or with none that helps.
+    Stalled,
+    /// The start's prediction leaves every bound.
+    Diverged,
+    /// This unknown does not change the prediction by itself.
+    Singular(usize),
+}
+
+/// Most steps that are tried.
+const STEPS: usize = 40;
+/// Newton decrement √(gᵀH⁻¹g) in standard deviations of the errors, at which a point is a minimum.
+const ENOUGH: f64 = 1e-7;
+/// Decrement that is good enough where rounding lets no step help any more.
+const ROUNDED: f64 = 1e-3;
+/// Damping of the first step and beyond which no step helps, on the scale of the normal matrix's diagonal.
+const DAMPING: [f64; 2] = [1e-4, 1e9];
+/// Condition number of the scaled normal matrix from which an unknown counts as without effect.
+const SINGULAR: f64 = 1e12;
+
+type State = IterState<Vec<Vec<f64>>, (), (), (), (), f64>;
+
+/// Levenberg and Marquardt's method on several problems side by side, an argmin [`Solver`]: the parameter is the list of
+/// points, the cost the sum of the problems'. Every problem has its own damping and end; problems that have ended stay.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct LevenbergMarquardt {
+    weighting: Vec<Weighting>,
+    #[serde(skip)]
+    problems: Vec<Progress>,
+}
+
+#[derive(Clone, Debug)]
+struct Progress {
+    point: Vec<f64>,
+    linear: Linear,
+    cost: f64,
+    damping: f64,
+    decrement: f64,
+    steps: usize,
+    ended: Option<Ended>,
+}
+
+/// Minimises the squared errors of every problem from its start.
+pub(crate) fn minimize(
+    residuals: &impl Residuals,
+    weighting: Vec<Weighting>,
+    starts: Vec<Vec<f64>>,
+) -> Option<Vec<Minimum>> {
+    let solver = LevenbergMarquardt { weighting, problems: Vec::new() };
+    let run = Executor::new(residuals, solver)
+        .configure(|state: State| state.param(starts).max_iters(STEPS as u64))
+        .timer(false)
+        .run();
+    let ended = |p: Progress| Minimum {
+        point: p.point,
+        linear: p.linear,
+        status: p.ended.unwrap_or(Ended::Stalled),
+        steps: p.steps,
+    };
+    Some(run.ok()?.solver.problems.into_iter().map(ended).collect())
+}
+
+impl<R: Residuals> Solver<&R, State> for LevenbergMarquardt {
+    fn name(&self) -> &str {
+        "Levenberg-Marquardt, several problems side by side"
+    }
+
+    fn init(&mut self, problem: &mut Problem<&R>, mut state: State) -> Result<(State, Option<KV>), Error> {
+        let points = state.take_param().ok_or_else(|| Error::msg("no start"))?;
+        let linears = problem.problem("linearizations", |r| Ok(r.linearize(&points)))?;
+        let starts = points.into_iter().zip(linears).zip(&self.weighting);
+        self.problems = starts.map(|((point, linear), w)| Progress::new(point, linear, w)).collect();
+        Ok((self.told(state), None))
+    }
+
+    fn next_iter(
+        &mut self,
+        problem: &mut Problem<&R>,
+        state: State,
+    ) -> Result<(State, Option<KV>), Error> {
+        let weighted = self.problems.iter_mut().zip(&self.weighting);
+        let trials: Vec<Vec<f64>> = weighted.map(|(p, w)| p.trial(w)).collect();
+        let linears = problem.problem("linearizations", |r| Ok(r.linearize(&trials)))?;
+        let found = self.problems.iter_mut().zip(&self.weighting).zip(trials.into_iter().zip(linears));
+        found.for_each(|((progress, weighting), (trial, linear))| progress.judge(weighting, trial, linear));
+        Ok((self.told(state), None))
+    }
+
+    fn terminate(&mut self, _state: &State) -> TerminationStatus {
+        if self.problems.iter().all(|p| p.ended.is_some()) {
+            return TerminationStatus::Terminated(TerminationReason::SolverConverged);
+        }
+        TerminationStatus::NotTerminated
+    }
+}
+
+impl LevenbergMarquardt {
+    fn told(&self, state: State) -> State {
+        let points = self.problems.iter().map(|p| p.point.clone()).collect();
+        state.param(points).cost(self.problems.iter().map(|p| p.cost).filter(|c| c.is_finite()).sum())
+    }
+}
+
+impl Progress {
+    fn new(point: Vec<f64>, linear: Linear, weighting: &Weighting) -> Self {
+        let cost = weighting.cost(&linear);
+        let mut progress = Self {
+            point,
+            linear,
+            cost,
+            damping: DAMPING[0],
+            decrement: f64::INFINITY,
+            steps: 0,
+            ended: None,
+        };
+        if cost.is_finite() && progress.linear.finite() {
+            progress.settle(weighting);
+        } else {
+            progress.ended = Some(Ended::Diverged);
+        }
+        progress
+    }
+
+    /// The point after a damped step.
+    fn trial(&mut self, weighting: &Weighting) -> Vec<f64> {
+        if self.ended.is_some() {
+            return self.point.clone();
+        }
+        self.steps += 1;
+        let (mut normal, mut step) = self.linear.weighted(weighting.weights(&self.linear));
+        let p = step.len();
+        (0..p).for_each(|i| normal[i * p + i] *= 1.0 + self.damping);
+        let mut trial = self.point.clone();
+        if small_matrix::solve(p, &mut normal, &mut step).is_some() {
+            trial.iter_mut().zip(step).for_each(|(x, step)| *x += step);
+        }
+        trial
+    }
+
+    /// Takes a step that does not raise the cost; rounding is no rise.
+    fn judge(&mut self, weighting: &Weighting, trial: Vec<f64>, linear: Linear) {
+        if self.ended.is_some() {
+            return;
+        }
+        let cost = weighting.cost(&linear);
+        if linear.finite() && cost <= self.cost + 1e-12 * self.cost.abs() {
+            (self.point, self.linear, self.cost) = (trial, linear, cost);
+            self.damping = (0.1 * self.damping).max(1e-12);
+            self.settle(weighting);
+        } else {
+            self.damping *= 10.0;
+            if self.damping > DAMPING[1] {
+                self.ended =
+                    Some(if self.decrement < ROUNDED { Ended::Converged } else { Ended::Stalled });
+            }
+        }
+    }
+
+    /// Looks whether the point is a minimum, or has none.
+    fn settle(&mut self, weighting: &Weighting) {
+        let weights = weighting.weights(&self.linear);
+        let (normal, gradient) = self.linear.weighted(weights);
+        match scaled_inverse(&normal, gradient.len()) {
+            Err(unknown) => self.ended = Some(Ended::Singular(unknown)),
+            Ok(inverse) => {
+                let p = gradient.len();
+                let square: f64 =
+                    (0..p * p).map(|k| gradient[k / p] * inverse[k] * gradient[k % p]).sum();
+                let scale: f64 = (0..3).map(|d| weights[d] * self.linear.squares[d]).sum();
+                let scale = scale / (3.0 * self.linear.samples).max(1.0);
+                self.decrement = (square.max(0.0) / scale.max(f64::MIN_POSITIVE)).sqrt();
+                if self.decrement < ENOUGH || square == 0.0 {
+                    self.ended = Some(Ended::Converged);
+                }
+            }
+        }
+    }
+}
+
+/// The inverse of a normal matrix, or the unknown that has no effect of its own.
+pub(crate) fn scaled_inverse(normal: &[f64], p: usize) -> Result<Vec<f64>, usize> {
+    let sizes: Vec<f64> = (0..p).map(|i| normal[i * p + i].sqrt()).collect();
+    if let Some(i) = sizes.iter().position(|s| !(*s > 0.0 && s.is_finite())) {
+        return Err(i);
+    }
+    let scaled: Vec<f64> = (0..p * p).map(|k| normal[k] / (sizes[k / p] * sizes[k % p])).collect();
+    let mut inverse = vec![0.0; p * p];
+    let regular = small_matrix::inverse(p, &mut scaled.clone(), &mut inverse).is_some();
+    if !regular || small_matrix::one_norm(p, &inverse) * small_matrix::one_norm(p, &scaled) > SINGULAR {
+        let direction = small_matrix::weakest(p, &scaled).map(|w| w.direction);
+        let largest = |d: &Vec<f64>| (0..p).max_by(|i, j| d[*i].abs().total_cmp(&d[*j].abs()));
+        return Err(direction.as_ref().and_then(largest).unwrap_or(0));
+    }
+    (0..p * p).for_each(|k| inverse[k] /= sizes[k / p] * sizes[k % p]);
+    Ok(inverse)
+}

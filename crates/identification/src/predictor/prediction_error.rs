@@ -1,0 +1,145 @@
+use vessel::{LANES, Lane, Number};
+
+use super::kalman::{Gain, filter};
+use super::levels::Levels;
+use super::levenberg_marquardt::{Ended, Minimum, Residuals, Weighting, scaled_inverse};
+use super::output_error::{Fit, InitialState, best_of, better, fit, side_by_side};
+use super::recordings::Recordings;
+use super::sums::{Linear, linearize};
+
+/// Most often that the filter's gains are computed, the first time at the start.
+const ROUNDS: usize = 3;
+
+/// Estimates by the errors of one-sample predictions: an extended Kalman filter whose states are the vessel's and those of
+/// the stated disturbances. Its gains are computed along the filter at the last estimate and held while whitened innovations
+/// are minimised over parameters and intercepts: three rounds, of which those after the first count where they raise the
+/// filter's likelihood. Without that guard gains that trust the measurements more and more lead to least squares. Standard
+/// errors are those of white innovations, scaled by
+/// their own variance. `starts` as for [`super::output_error`].
+pub fn prediction_error<X: Number>(
+    recordings: &Recordings<X>,
+    starts: &[[Vec<f64>; LANES]],
+    initial: InitialState,
+    levels: &Levels,
+) -> Vec<Fit> {
+    match levels.states() {
+        3 => rounds::<X, 3>(recordings, starts, initial, levels),
+        5 => rounds::<X, 5>(recordings, starts, initial, levels),
+        6 => rounds::<X, 6>(recordings, starts, initial, levels),
+        _ => rounds::<X, 8>(recordings, starts, initial, levels),
+    }
+}
+
+/// Innovations of the extended Kalman filter for `levels` at `unknowns` (see [`Recordings::unknowns`]), (N+1) × 3.
+pub fn innovations<X: Number>(
+    recordings: &Recordings<X>,
+    unknowns: &[Lane],
+    levels: &Levels,
+    initial: InitialState,
+) -> Vec<Lane> {
+    let known = initial == InitialState::Known;
+    match levels.states() {
+        3 => filter::<X, 3>(recordings, unknowns, levels, known).1,
+        5 => filter::<X, 5>(recordings, unknowns, levels, known).1,
+        6 => filter::<X, 6>(recordings, unknowns, levels, known).1,
+        _ => filter::<X, 8>(recordings, unknowns, levels, known).1,
+    }
+}
+
+struct Predictions<'a, X, const N: usize> {
+    recordings: &'a Recordings<'a, X>,
+    levels: &'a Levels,
+    free: Vec<usize>,
+    gains: Vec<Gain<N>>,
+}
+
+impl<X: Number, const N: usize> Residuals for Predictions<'_, X, N> {
+    fn linearize(&self, points: &[Vec<f64>]) -> Vec<Linear> {
+        let unknowns = side_by_side(points, self.recordings.unknowns());
+        linearize(self.recordings, &unknowns, &self.free, Some(self.levels), &self.gains, true)
+    }
+}
+
+fn rounds<X: Number, const N: usize>(
+    recordings: &Recordings<X>,
+    starts: &[[Vec<f64>; LANES]],
+    initial: InitialState,
+    levels: &Levels,
+) -> Vec<Fit> {
+    let free: Vec<usize> = (0..recordings.unknowns() - 3).collect();
+    let known = initial == InitialState::Known;
+    let mut best: Vec<Minimum> = Vec::new();
+    for starts in starts {
+        if best.is_empty() || best.iter().any(|b| b.status != Ended::Converged) {
+            let point = |lane: usize| match best.get(lane).filter(|b| b.status == Ended::Converged) {
+                Some(found) => found.point.clone(),
+                None => starts[lane].clone(),
+            };
+            let found = round::<X, N>(recordings, std::array::from_fn(point), &free, levels, known);
+            best = match best.is_empty() {
+                true => found,
+                false => best.into_iter().zip(found).map(|(a, b)| better(a, b)).collect(),
+            };
+        }
+    }
+    let mut worth = likelihoods::<X, N>(recordings, &best, levels, known);
+    for _ in 1..ROUNDS {
+        let again = std::array::from_fn(|lane| best[lane].point.clone());
+        let next = round::<X, N>(recordings, again, &free, levels, known);
+        let next_worth = likelihoods::<X, N>(recordings, &next, levels, known);
+        for (lane, next) in next.into_iter().enumerate() {
+            best[lane].steps += next.steps;
+            if next.status == Ended::Converged && next_worth[lane] > worth[lane] {
+                best[lane] = Minimum { steps: best[lane].steps, ..next };
+                worth[lane] = next_worth[lane];
+            }
+        }
+    }
+    best.iter().map(|minimum| fit(recordings, minimum, errors(minimum, free.len()))).collect()
+}
+
+/// Gains along the filter at `points`, and the minima of the innovations that they leave.
+fn round<X: Number, const N: usize>(
+    recordings: &Recordings<X>,
+    points: [Vec<f64>; LANES],
+    free: &[usize],
+    levels: &Levels,
+    known: bool,
+) -> Vec<Minimum> {
+    let unknowns = side_by_side(&points, recordings.unknowns());
+    let (gains, _) = filter::<X, N>(recordings, &unknowns, levels, known);
+    let problem = Predictions { recordings, levels, free: free.to_vec(), gains };
+    best_of(&problem, &vec![Weighting::Fixed([1.0; 3]); LANES], &[points], free.len())
+}
+
+/// Twice the log-likelihood of every lane's innovations, up to a constant.
+fn likelihoods<X: Number, const N: usize>(
+    recordings: &Recordings<X>,
+    minima: &[Minimum],
+    levels: &Levels,
+    known: bool,
+) -> Vec<f64> {
+    let points: Vec<Vec<f64>> = minima.iter().map(|m| m.point.clone()).collect();
+    let unknowns = side_by_side(&points, recordings.unknowns());
+    let (gains, innovations) = filter::<X, N>(recordings, &unknowns, levels, known);
+    let mut worth = vec![0.0; LANES];
+    for (gain, error) in gains.iter().zip(innovations.as_chunks().0) {
+        let white = gain.white(error);
+        let [a, b, c] = gain.scales();
+        for (lane, worth) in worth.iter_mut().enumerate() {
+            *worth += 2.0 * (a[lane] * b[lane] * c[lane]).ln();
+            *worth -= white.iter().map(|w| w[lane] * w[lane]).sum::<f64>();
+        }
+    }
+    worth
+}
+
+/// √diag(σ̂² H⁻¹), σ̂² being the whitened innovations' variance, near 1 where the levels are right.
+fn errors(minimum: &Minimum, p: usize) -> Option<Vec<f64>> {
+    let (normal, _) = minimum.linear.weighted([1.0; 3]);
+    let inverse = scaled_inverse(&normal, p).ok()?;
+    let freedom = (3.0 * minimum.linear.samples - p as f64).max(1.0);
+    let variance = minimum.linear.squares.iter().sum::<f64>() / freedom;
+    let errors: Vec<f64> = (0..p).map(|i| (variance * inverse[i * p + i]).max(0.0).sqrt()).collect();
+    errors.iter().all(|e| e.is_finite()).then_some(errors)
+}

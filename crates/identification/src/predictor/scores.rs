@@ -1,0 +1,96 @@
+use vessel::{Lane, Number};
+
+use super::recordings::Recordings;
+use super::sweep::{Step, sweep};
+
+/// A free simulation with its sensitivities, sample by sample.
+pub(crate) struct Kept {
+    /// Number of free unknowns.
+    pub free: usize,
+    /// Measured minus simulated, (N+1) × 3; zero where a sample does not count.
+    pub errors: Vec<Lane>,
+    /// Simulated states, (N+1) × 3.
+    pub states: Vec<Lane>,
+    /// ∂states/∂unknowns, (N+1) × free × 3; zero where a sample does not count.
+    pub sensitivities: Vec<Lane>,
+}
+
+impl Kept {
+    /// Of `recordings` simulated with `unknowns`.
+    pub(crate) fn of<X: Number>(
+        recordings: &Recordings<X>,
+        unknowns: &[Lane],
+        free: &[usize],
+        from_start: bool,
+    ) -> Self {
+        let rows = recordings.longest() + 1;
+        let mut kept = Self {
+            free: free.len(),
+            errors: Vec::with_capacity(3 * rows),
+            states: Vec::with_capacity(3 * rows),
+            sensitivities: Vec::with_capacity(3 * rows * free.len()),
+        };
+        sweep(
+            recordings,
+            unknowns,
+            free,
+            None,
+            &[],
+            #[inline(always)]
+            |step: Step<'_, 3>| {
+                let counts = if step.k == 0 && !from_start { Lane::ZERO } else { recordings.lasting(step.k) };
+                kept.errors.extend(step.error.map(|e| e * counts));
+                kept.states.extend_from_slice(step.states);
+                for s in step.sensitivities {
+                    kept.sensitivities.extend(s.map(|s| s * counts));
+                }
+            },
+        );
+        kept
+    }
+
+    /// Sensitivities at sample `k`: free × 3.
+    pub(crate) fn at(&self, k: usize) -> &[[Lane; 3]] {
+        let width = 3 * self.free;
+        self.sensitivities[k * width..(k + 1) * width].as_chunks().0
+    }
+}
+
+/// Covariance of Σ sᵀWe where errors are correlated over less than about 2√N samples: the mean over all windows of that
+/// many samples of (Σ over the window)(…)ᵀ per sample, which is what Bartlett's weights 1 − |lag|/L give. free × free lanes.
+pub(crate) fn correlated_scores<X: Number>(
+    recordings: &Recordings<X>,
+    kept: &Kept,
+    weights: [Lane; 3],
+) -> Vec<Lane> {
+    let (p, rows) = (kept.free, recordings.longest() + 1);
+    let window = (2.0 * (rows as f64).sqrt()).round().max(1.0) as usize;
+    let mut scores = Vec::with_capacity(rows * p);
+    for k in 0..rows {
+        let e = &kept.errors[3 * k..3 * k + 3];
+        let weighted = [weights[0] * e[0], weights[1] * e[1], weights[2] * e[2]];
+        let score = |s: &[Lane; 3]| s[0] * weighted[0] + s[1] * weighted[1] + s[2] * weighted[2];
+        scores.extend(kept.at(k).iter().map(score));
+    }
+    let mut sum = vec![Lane::ZERO; p];
+    let mut middle = vec![Lane::ZERO; p * p];
+    for k in 0..rows + window {
+        if k < rows {
+            sum.iter_mut().zip(&scores[k * p..]).for_each(|(sum, g)| *sum += *g);
+        }
+        if k >= window {
+            sum.iter_mut().zip(&scores[(k - window) * p..]).for_each(|(sum, g)| *sum = *sum - *g);
+        }
+        add_products(&mut middle, &sum, Lane::splat(1.0 / window as f64));
+    }
+    middle
+}
+
+/// Adds scale · g gᵀ.
+#[inline(always)]
+pub(super) fn add_products(middle: &mut [Lane], g: &[Lane], scale: Lane) {
+    for (row, a) in middle.chunks_exact_mut(g.len()).zip(g) {
+        let scaled = scale * *a;
+        row.iter_mut().zip(g).for_each(|(entry, b)| *entry += scaled * *b);
+    }
+}

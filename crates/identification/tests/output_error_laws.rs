@@ -1,0 +1,224 @@
+//! What must hold of estimates by simulation and prediction.
+
+mod support;
+
+use identification::predictor::{
+    Fit, Fitted, Flow, Gusts, InitialState, Levels, Recordings, Spread, output_error, prediction_error,
+    sensitivities,
+};
+use support::noise::Normals;
+use support::{Experiment, dictionary, paper, truth};
+use vessel::{LANES, Lane, Source, Vessel, Weather, simulate, simulate_in};
+
+const NOISE: f64 = 0.158_113_883_008_418_97;
+
+fn experiment(vessel: &Vessel) -> Experiment {
+    let plan = [(0, 193), (4, 43), (5, 229), (6, 101), (7, 85), (10, 349)];
+    Experiment::of_maneuvers(&dictionary(vessel), &plan)
+}
+
+fn splat(values: &[f64]) -> Vec<Lane> {
+    values.iter().copied().map(Lane::splat).collect()
+}
+
+fn recordings<'a>(vessel: &'a Vessel, experiment: &'a Experiment, measured: &'a [Lane]) -> Recordings<'a, f64> {
+    Recordings {
+        model: &vessel.model,
+        measured,
+        exogenous: &experiment.inputs,
+        initial: experiment.initial.map(Lane::splat),
+        samples: [experiment.inputs.len() / 3; LANES],
+    }
+}
+
+fn converged(fits: Vec<Fit>) -> Vec<Fitted> {
+    let found = |fit: Fit| match fit {
+        Fit::Converged(found) => found,
+        other => panic!("{other:?}"),
+    };
+    fits.into_iter().map(found).collect()
+}
+
+fn nominal(vessel: &Vessel) -> [[Vec<f64>; LANES]; 1] {
+    [std::array::from_fn(|_| vessel.nominal.clone())]
+}
+
+#[test]
+fn law_sensitivities_are_difference_quotients() {
+    let vessel = paper();
+    let experiment = experiment(&vessel);
+    let measured = splat(&experiment.states(&vessel, Source::Value));
+    let data = recordings(&vessel, &experiment, &measured);
+    let at: Vec<f64> = truth(&vessel).into_iter().chain([0.002, -0.001, 0.003, 0.05, -0.02, 0.01]).collect();
+    let free: Vec<usize> = (0..at.len()).collect();
+    let found = sensitivities(&data, &splat(&at), &free);
+    for i in &free {
+        let step = 1e-6 * at[*i].abs().max(1e-3);
+        let moved = |by: f64| {
+            let mut unknowns = at.clone();
+            unknowns[*i] += by;
+            sensitivities(&data, &splat(&unknowns), &[]).states
+        };
+        let (up, down) = (moved(step), moved(-step));
+        let quotient: Vec<f64> =
+            up.iter().zip(&down).map(|(up, down)| (up[2] - down[2]) / (2.0 * step)).collect();
+        let size = quotient.iter().fold(0.0_f64, |most, q| most.max(q.abs()));
+        for (k, expected) in quotient.iter().enumerate() {
+            let found = found.derivatives[(k / 3 * free.len() + i) * 3 + k % 3][2];
+            assert!((found - expected).abs() < 1e-6 * size, "unknown {i}, entry {k}: {found}, {expected}");
+        }
+    }
+}
+
+#[test]
+fn law_undisturbed_runs_give_the_truth_and_lanes_do_not_touch_each_other() {
+    let vessel = paper();
+    let experiment = experiment(&vessel);
+    let truth = truth(&vessel);
+    let mut measured = splat(&experiment.states(&vessel, Source::Value));
+    let clean = measured.clone();
+    let mut normals = Normals::new(4);
+    measured.iter_mut().for_each(|y| (1..LANES).for_each(|lane| y[lane] += NOISE * normals.next()));
+    let fit = |measured: &[Lane]| {
+        let data = recordings(&vessel, &experiment, measured);
+        converged(output_error(&data, &nominal(&vessel), InitialState::Known, Spread::Residuals))
+    };
+    let (alone, among) = (fit(&clean), fit(&measured));
+    assert_eq!(alone[0], among[0]);
+    for (found, truth) in alone[0].parameters.iter().zip(&truth) {
+        approx::assert_relative_eq!(*found, *truth, max_relative = 1e-7);
+    }
+}
+
+#[test]
+fn law_intercepts_take_a_constant_force_and_the_offset_an_unknown_start() {
+    let vessel = paper();
+    let experiment = experiment(&vessel);
+    let samples = experiment.inputs.len() / 3;
+    let (force, offset) = ([0.002, -0.001, 0.0005], [0.1, 0.02, -0.03]);
+    let forces: Vec<Lane> = (0..samples).flat_map(|_| force.map(Lane::splat)).collect();
+    let start = [0, 1, 2].map(|d: usize| Lane::splat(experiment.initial[d] + offset[d]));
+    let mut measured = vec![Lane::ZERO; 3 * (samples + 1)];
+    let weather = Weather { current: &[], turning: 0.0, force: &forces };
+    let parameters = splat(&truth(&vessel));
+    simulate_in(&vessel.model, &parameters, start, &experiment.inputs, &weather, &mut measured);
+    let data = recordings(&vessel, &experiment, &measured);
+    let found =
+        converged(output_error(&data, &nominal(&vessel), InitialState::Estimated, Spread::Residuals));
+    for d in 0..3 {
+        approx::assert_relative_eq!(found[1].intercepts[d], force[d], max_relative = 1e-5);
+        approx::assert_relative_eq!(found[1].offset[d], offset[d], max_relative = 1e-5);
+    }
+}
+
+#[test]
+fn a_run_that_never_turns_is_not_identifiable_and_a_wild_start_does_not_converge() {
+    let vessel = paper();
+    let experiment = Experiment::of_maneuvers(&dictionary(&vessel), &[(1, 300)]);
+    let measured = splat(&experiment.states(&vessel, Source::Value));
+    let data = recordings(&vessel, &experiment, &measured);
+    let fits = output_error(&data, &nominal(&vessel), InitialState::Known, Spread::Residuals);
+    assert!(matches!(fits[0], Fit::NotIdentifiable(_)), "{:?}", fits[0]);
+    let wild = [std::array::from_fn(|_| vec![5.0; vessel.model.parameters()])];
+    let fits = output_error(&data, &wild, InitialState::Known, Spread::Residuals);
+    assert!(matches!(fits[0], Fit::NotConverged(_)), "{:?}", fits[0]);
+}
+
+/// Without process noise the filter is a simulation: both estimate the same.
+#[test]
+fn law_prediction_error_without_disturbances_is_output_error() {
+    let vessel = paper();
+    let experiment = experiment(&vessel);
+    let mut normals = Normals::new(9);
+    let mut measured = splat(&experiment.states(&vessel, Source::Value));
+    measured.iter_mut().for_each(|y| (0..LANES).for_each(|lane| y[lane] += NOISE * normals.next()));
+    let data = recordings(&vessel, &experiment, &measured);
+    let free = converged(output_error(&data, &nominal(&vessel), InitialState::Known, Spread::Residuals));
+    let levels = |lane: usize| Levels { measurement: free[lane].rmse, current: Flow::Still, force: None };
+    let found = converged(prediction_error(&data, &nominal(&vessel), InitialState::Known, &levels(6)));
+    for (a, b) in found[6].parameters.iter().zip(&free[6].parameters) {
+        approx::assert_relative_eq!(*a, *b, max_relative = 1e-5);
+    }
+}
+
+/// Standard deviation of estimates over standard errors, parameter by parameter, over `runs` runs in `levels`.
+fn ratios(levels: &Levels, runs: usize, predict: bool, seed: u64) -> Vec<f64> {
+    let vessel = paper();
+    let experiment = experiment(&vessel);
+    let samples = experiment.inputs.len() / 3;
+    let mut normals = Normals::new(seed);
+    let Flow::White { std } = levels.current else { panic!("white") };
+    let mut all = Vec::new();
+    for _ in 0..runs / LANES {
+        let mut draw = |std: f64| Lane(std::array::from_fn(|_| std * normals.next()));
+        let current: Vec<Lane> = (0..2 * samples).map(|_| draw(std)).collect();
+        let mut measured = vec![Lane::ZERO; 3 * (samples + 1)];
+        let initial = experiment.initial.map(Lane::splat);
+        let parameters = splat(&truth(&vessel));
+        simulate(&vessel.model, &parameters, initial, &experiment.inputs, &current, &mut measured);
+        measured.iter_mut().enumerate().for_each(|(i, y)| *y += draw(levels.measurement[i % 3]));
+        let data = recordings(&vessel, &experiment, &measured);
+        let starts = [std::array::from_fn(|_| truth(&vessel))];
+        all.extend(converged(match predict {
+            false => output_error(&data, &starts, InitialState::Known, Spread::Stated(levels)),
+            true => prediction_error(&data, &starts, InitialState::Known, levels),
+        }));
+    }
+    let ratio = |i: usize| {
+        let mean = all.iter().map(|f| f.parameters[i]).sum::<f64>() / all.len() as f64;
+        let square = all.iter().map(|f| (f.parameters[i] - mean).powi(2)).sum::<f64>();
+        let spread = (square / (all.len() - 1) as f64).sqrt();
+        all.iter().map(|f| f.standard_errors[i]).sum::<f64>() / all.len() as f64 / spread
+    };
+    (0..truth(&vessel).len()).map(ratio).collect()
+}
+
+#[test]
+fn law_standard_errors_are_the_spread_of_estimates() {
+    let levels = Levels { measurement: [NOISE; 3], current: Flow::White { std: NOISE }, force: None };
+    for predict in [false, true] {
+        let ratios = ratios(&levels, 800, predict, 31);
+        println!("prediction error {predict}: predicted over spread {ratios:.3?}");
+        for (i, ratio) in ratios.iter().enumerate() {
+            assert!((ratio - 1.0).abs() < 0.15, "parameter {i}, prediction error {predict}: {ratio}");
+        }
+    }
+}
+
+/// A current in earth axes is what the filter turns with the heading: of its own levels the innovations are white.
+#[test]
+fn law_whitened_innovations_of_the_true_filter_have_unit_variance() {
+    let vessel = paper();
+    let experiment = experiment(&vessel);
+    let samples = experiment.inputs.len() / 3;
+    let mut normals = Normals::new(77);
+    let (std, factor, gust, keep) = (0.1, 0.98, [0.004, 0.003, 0.002], 0.95_f64);
+    let mut process = |width: usize, std: &[f64], factor: f64| {
+        let mut out: Vec<Lane> = Vec::new();
+        for i in 0..width * samples {
+            let fresh = if i < width { 1.0 } else { (1.0 - factor * factor).sqrt() };
+            let drawn = Lane(std::array::from_fn(|_| fresh * std[i % width] * normals.next()));
+            let before = if i < width { Lane::ZERO } else { out[i - width] };
+            out.push(Lane::splat(factor) * before + drawn);
+        }
+        out
+    };
+    let (current, force) = (process(2, &[std; 2], factor), process(3, &gust, keep));
+    let weather = Weather { current: &current, turning: 1.0 / 8.0, force: &force };
+    let mut measured = vec![Lane::ZERO; 3 * (samples + 1)];
+    let initial = experiment.initial.map(Lane::splat);
+    let parameters = splat(&truth(&vessel));
+    simulate_in(&vessel.model, &parameters, initial, &experiment.inputs, &weather, &mut measured);
+    measured.iter_mut().for_each(|y| *y += Lane(std::array::from_fn(|_| 0.05 * normals.next())));
+    let levels = Levels {
+        measurement: [0.05; 3],
+        current: Flow::Markov { std, factor, turning: 1.0 / 8.0 },
+        force: Some(Gusts { std: gust, factor: keep }),
+    };
+    let data = recordings(&vessel, &experiment, &measured);
+    let starts = [std::array::from_fn(|_| truth(&vessel))];
+    let found = converged(prediction_error(&data, &starts, InitialState::Known, &levels));
+    let mean = (0..LANES).flat_map(|lane| found[lane].rmse).map(|r| r * r).sum::<f64>() / (3 * LANES) as f64;
+    // 24,000 squares less 13 unknowns per run: a standard error of 0.009.
+    assert!((mean - (1.0 - 13.0 / 3003.0)).abs() < 0.04, "{mean}");
+}

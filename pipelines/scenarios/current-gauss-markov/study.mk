@@ -1,0 +1,4 @@
+# Flags of this study's stages; make reads this file where it exists.
+DESIGN_FLAGS = --segments 5 --segment-samples 200
+# Every estimator on the same runs; the campaign's disturbances are what prediction-error filters with.
+ESTIMATE_FLAGS = --compare --campaign $(STUDY)/campaign.toml
