@@ -50,8 +50,8 @@ struct Design {
 enum Rule {
     /// All the same.
     Fixed(Plan),
-    /// A maneuver drawn from `maneuvers` for each of the lengths.
-    Drawn { maneuvers: u32, lengths: Vec<usize> },
+    /// One of `maneuvers` drawn for each of the lengths.
+    Drawn { maneuvers: Vec<usize>, lengths: Vec<usize> },
 }
 
 impl Design {
@@ -59,8 +59,9 @@ impl Design {
         match &self.rule {
             Rule::Fixed(plan) => plan.clone(),
             Rule::Drawn { maneuvers, lengths } => {
-                let drawn = self.streams.choices(run, MANEUVER_CHANNEL, *maneuvers, lengths.len());
-                drawn.iter().zip(lengths).map(|(q, n)| (*q as usize, *n)).collect()
+                let count = maneuvers.len() as u32;
+                let drawn = self.streams.choices(run, MANEUVER_CHANNEL, count, lengths.len());
+                drawn.iter().zip(lengths).map(|(q, n)| (maneuvers[*q as usize], *n)).collect()
             }
         }
     }
@@ -108,7 +109,9 @@ impl<'a> Campaign<'a> {
             }
             let even = vec![1.0 / f64::from(random.segments); random.segments as usize];
             let lengths: Vec<usize> = apportion(&even, samples as u64).iter().map(|n| *n as usize).collect();
-            let rule = Rule::Drawn { maneuvers: names.len() as u32, lengths };
+            // Generated maneuvers that exceed their limits are in no design.
+            let known = |q: &usize| generator.limits(*q).is_none() || design.shares.contains_key(&names[*q]);
+            let rule = Rule::Drawn { maneuvers: (0..names.len()).filter(known).collect(), lengths };
             designs.push(Design { name: "random", streams: Streams::new(seed, "random"), rule });
         }
         let mut realized = BTreeMap::new();
