@@ -136,3 +136,42 @@ fn errors_before(model: &Model, place: usize) -> usize {
     let mut end = 0;
     model.degrees.iter().take_while(|degree| { end += degree.terms.len() + 1; end <= place }).count()
 }
+
+/// Finite differences of whole simulations agree to their own accuracy.
+#[test]
+fn oracle_information_of_every_maneuver() {
+    let oracle: serde_json::Value =
+        serde_json::from_str(include_str!("../../../fixtures/oracle/output_information.json")).unwrap();
+    let floats = |value: &serde_json::Value| -> Vec<f64> {
+        value.as_array().unwrap().iter().map(|x| x.as_f64().unwrap()).collect()
+    };
+    let vessel = paper();
+    let generator = dictionary(&vessel);
+    let (model, theta) = (&vessel.model, truth(&vessel));
+    let std = 0.158_113_883_008_418_97;
+    let noise = Noise { measurement: [std; 3], current: std };
+    let n = lifted(model);
+    for index in 0..generator.maneuvers().len() {
+        let run = generator.realize(index, 300).unwrap();
+        let found = output_information(model, &theta, run.initial, &run.inputs, &noise).unwrap();
+        for (name, found) in [("F", &found.information), ("P", &found.process)] {
+            let expected = floats(&oracle[name][index]);
+            for e in 0..n * n {
+                let size = (expected[e / n * (n + 1)] * expected[e % n * (n + 1)]).sqrt();
+                assert!(
+                    (found[e] - expected[e]).abs() <= 1e-6 * size + 1e-300,
+                    "{name} of {index}, {e}: {} {}",
+                    found[e],
+                    expected[e]
+                );
+            }
+        }
+    }
+    let run = generator.realize(0, 300).unwrap();
+    let found = prediction_weights(model, &theta, run.initial, &run.inputs).unwrap();
+    let expected = floats(&oracle["G"]);
+    for e in 0..n * n {
+        let size = (expected[e / n * (n + 1)] * expected[e % n * (n + 1)]).sqrt();
+        assert!((found[e] - expected[e]).abs() <= 1e-6 * size + 1e-300, "G {e}: {} {}", found[e], expected[e]);
+    }
+}

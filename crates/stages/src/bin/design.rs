@@ -7,15 +7,16 @@ use artifact::{Provenance, commit, read_document, stage_document};
 use clap::{Parser, ValueEnum};
 use optimal_design::{Bounds, CountOptions, Design, Options};
 use serde_json::json;
-use stages::cli::{Common, Summary, name_of, provenance, run};
+use stages::cli::{Common, Summary, given, name_of, provenance, run};
 use stages::design::accuracy::{self, Errors, Wanted};
 use stages::design::{
     Asked, Available, Criterion, CriterionName, Estimated, Experiment, Few, OverModels, Predicted, Relative, Segments,
-    Solved, counted, document, information, no_design, restricted, squares, weights,
+    Sequencing, Solved, counted, document, information, no_design, restricted, squares, weights,
 };
-use stages::documents::{Accuracy, DesignDocument, MomentsDocument};
+use stages::documents::{Accuracy, DesignDocument, MomentsDocument, Sequence};
 use stages::failure::Failure;
 use stages::instruments::Removal;
+use stages::study_files::{read_dictionary, read_vessel};
 
 /// Finds the shares of the experiment time that make the information largest (D-optimal), or a criterion of the estimate's
 /// covariance smallest, with a certificate
@@ -81,6 +82,16 @@ struct Arguments {
     /// Length of the experiment, where --segments does not tell it [s]
     #[arg(long, value_name = "S", conflicts_with = "segments")]
     duration_s: Option<f64>,
+    /// Find order and lengths of the maneuvers with the state carried over from one to the next; needs --vessel, --dictionary
+    /// and the length of the experiment
+    #[arg(long, requires = "vessel", requires = "dictionary")]
+    arrange: bool,
+    /// The vessel, for --arrange
+    #[arg(long, value_name = "vessel.toml", requires = "arrange")]
+    vessel: Option<PathBuf>,
+    /// The maneuvers, for --arrange
+    #[arg(long, value_name = "dictionary.toml", requires = "arrange")]
+    dictionary: Option<PathBuf>,
     /// Random starts besides equal shares
     #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(0..=1000))]
     starts: u32,
@@ -228,6 +239,7 @@ fn design(
         limits: limits(available.as_ref(), about.is_some().then_some(&design), total),
     });
     let count_options = CountOptions { random_starts: a.starts, seed: seed(a), ..CountOptions::default() };
+    let sequence = sequence(a, moments, &criterion, &design, experiment.samples, provenance)?;
     let count = |segments| counted(&criterion, &design, segments, &count_options, parameters);
     Ok(document(Solved {
         moments,
@@ -243,7 +255,46 @@ fn design(
         over: (!also.is_empty()).then_some(a.over),
         restricted: about,
         accuracy: timed.map(|timed| timed.accuracy),
+        sequence,
     }))
+}
+
+/// Order and lengths of the maneuvers of `design`, where they are asked for.
+fn sequence(
+    a: &Arguments,
+    moments: &MomentsDocument,
+    criterion: &Criterion,
+    design: &Design,
+    samples: Option<f64>,
+    provenance: &mut Provenance,
+) -> Result<Option<Sequence>, Failure> {
+    if !a.arrange {
+        return Ok(None);
+    }
+    let usage = |found: &str, expected: &str| Err(Failure::Usage(format!("--arrange: found {found}, expected {expected}")));
+    let Some(samples) = samples else {
+        return usage("no length of the experiment", "one to fill; add --duration-s, --accuracy, or --segments and --segment-samples");
+    };
+    if a.available.is_some() || a.most_maneuvers.is_some() || a.minimal_s.is_some() || a.mean_removal == Removal::Batch {
+        return usage(
+            "--available, --most-maneuvers, --minimal-s or --mean-removal batch, which the search does not keep",
+            "none of them; leave them out",
+        );
+    }
+    let (vessel_file, dictionary_file) = (given(&a.vessel, "vessel")?, given(&a.dictionary, "dictionary")?);
+    let vessel = read_vessel(vessel_file, provenance)?;
+    let generator = read_dictionary(dictionary_file, &vessel, provenance)?;
+    let sequencing = Sequencing {
+        vessel: &vessel,
+        generator: &generator,
+        dictionary_file,
+        moments,
+        name: criterion_name(a)?,
+        criterion,
+        estimated: estimated(a),
+        seed: seed(a),
+    };
+    sequencing.search(&design.shares, &design.sensitivities, samples.round() as usize).map(Some)
 }
 
 /// Most segments of every maneuver: none of those that a restricted design does not use.

@@ -8,7 +8,7 @@ use super::matrices::Estimated;
 use crate::cli::name_of;
 use crate::documents::{
     Accuracy, Counts, CovarianceCriterion as CovarianceDocument, DesignDocument, Efficiency, MomentsDocument, Restricted,
-    RobustModels, Start,
+    RobustModels, Sequence, Start,
 };
 use crate::instruments::Removal;
 
@@ -40,6 +40,8 @@ pub struct Solved<'a> {
     pub restricted: Option<Restricted>,
     /// About a wanted accuracy, where one was asked for.
     pub accuracy: Option<Accuracy>,
+    /// Order and lengths, where they were asked for.
+    pub sequence: Option<Sequence>,
 }
 
 /// `design.json`.
@@ -93,6 +95,7 @@ pub fn document(solved: Solved) -> DesignDocument {
         robust,
         restricted: solved.restricted,
         accuracy: solved.accuracy,
+        sequence: solved.sequence,
         order: names,
     }
 }

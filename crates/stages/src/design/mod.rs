@@ -11,6 +11,7 @@ mod output_error;
 mod refusal;
 mod restricted;
 mod segments;
+mod sequence;
 mod weights;
 
 pub use available::{Available, Experiment};
@@ -22,4 +23,5 @@ pub use output_error::{OutputErrorNoise, ParameterDraw, Predicted, SimulateWith}
 pub use refusal::no_design;
 pub use restricted::{Few, restricted};
 pub use segments::{Segments, counted};
+pub use sequence::Sequencing;
 pub use weights::{Relative, squares, weights};

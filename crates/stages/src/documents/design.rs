@@ -60,6 +60,33 @@ pub struct DesignDocument {
     /// How long the experiment has to be, where an accuracy was asked for.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub accuracy: Option<Accuracy>,
+    /// Order and lengths of the maneuvers, where `--arrange` asked for them: the optimized experiment follows them.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sequence: Option<Sequence>,
+}
+
+/// Maneuvers one after the other.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Sequence {
+    /// In order; a maneuver may occur more than once.
+    pub parts: Vec<SequencePart>,
+    /// Samples of all.
+    pub samples: u64,
+    /// Value of the criterion with the state carried over, as `starts` have it.
+    pub value: f64,
+    /// How it was found, in words.
+    pub statement: String,
+}
+
+/// One maneuver of a sequence.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SequencePart {
+    /// Name in the dictionary.
+    pub maneuver: String,
+    /// Its samples.
+    pub samples: u64,
 }
 
 /// A criterion over several models of the same maneuvers.
