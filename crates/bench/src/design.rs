@@ -44,6 +44,7 @@ pub fn generated(paper: &Paper, count: usize) -> anyhow::Result<Candidates> {
         duration_s: Some(12.5),
         inputs_from: Source::Value,
         maneuvers: (0..count).map(maneuver).collect(),
+        generate: None,
     };
     paper.candidates_of(&generator(&paper.vessel, &dictionary)?)
 }

@@ -12,6 +12,7 @@
 
 mod batch;
 mod estimate;
+mod fisher;
 mod middle;
 mod moments;
 pub mod pooled;
@@ -23,6 +24,7 @@ mod validate;
 
 pub use batch::Batch;
 pub use estimate::{Estimate, Instruments, MeanRemoval, Outcome, estimate};
+pub use fisher::{OutputInformation, lifted, output_information, prediction_weights, sensitivities};
 pub use middle::{Noise, middle};
 pub use moments::{ManeuverMoments, moments};
 pub use solve::{Direction, Excitation};

@@ -87,9 +87,7 @@ impl Counted {
     /// of `design`, the relaxed problem's: proved where that is proved global. `degree`: what the criterion gains per
     /// log of time.
     pub fn loss_bound(&self, design: &Design, degree: f64) -> f64 {
-        let gap = design.gap.max(0.0);
-        let above = if gap < 1.0 { -(-gap).ln_1p() } else { f64::INFINITY };
-        1.0 - ((self.value - design.log_det - above) / degree).exp().min(1.0)
+        crate::design::loss(self.value, design, degree)
     }
 }
 

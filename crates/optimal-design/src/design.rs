@@ -3,7 +3,7 @@ use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use crate::active_set::State;
-use crate::{ActiveSetNewton, Bounds, Candidates, Covariance, Error, Norm, Objective, is_concave};
+use crate::{ActiveSetNewton, Bounds, Candidates, Covariance, Error, Norm, Objective, Robust, is_concave};
 
 /// How to solve.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -106,6 +106,26 @@ pub fn solve_covariance(
     }
 }
 
+/// Shares that make a criterion over several models large, under upper bounds.
+///
+/// # Errors
+/// As [`solve_within`].
+pub fn solve_robust(robust: &Robust, bounds: &Bounds, options: &Options) -> Result<Design, Error> {
+    let mut points = starting_points(robust.len(), bounds, options)?;
+    for step in robust.approach() {
+        points = from_points(&step, bounds, options, false, points)?.starts.into_iter().map(|s| s.shares).collect();
+    }
+    from_points(robust, bounds, options, robust.is_concave(), points)
+}
+
+/// By how much at most, as a fraction of the experiment's time, a criterion of `value` is below what any shares within the
+/// gap of `relaxed` have.
+pub(crate) fn loss(value: f64, relaxed: &Design, degree: f64) -> f64 {
+    let gap = relaxed.gap.max(0.0);
+    let above = if gap < 1.0 { -(-gap).ln_1p() } else { f64::INFINITY };
+    1.0 - ((value - relaxed.log_det - above) / degree).exp().min(1.0)
+}
+
 /// The power means one after the other, each from where the one before ended. Starts that have met go on as one.
 fn through_powers(
     covariance: &Covariance,
@@ -147,7 +167,7 @@ fn optimise<O: Objective>(
     from_points(objective, bounds, options, concave, points)
 }
 
-fn from_points<O: Objective>(
+pub(crate) fn from_points<O: Objective>(
     objective: &O,
     bounds: &Bounds,
     options: &Options,

@@ -107,6 +107,7 @@ impl CampaignFile {
             duration_s: None,
             inputs_from: self.validation.inputs_from,
             maneuvers: self.validation.maneuver.clone(),
+            generate: None,
         }
     }
 }

@@ -27,7 +27,10 @@ pub use disturbance::{Axes, Current, Disturbances, Measurement, Wind};
 pub use file::{InputSpec, MeasuredSpec, Source, TermSpec, Vessel, VesselFile};
 pub use invalid::{Invalid, nearest};
 pub use lane::{LANES, Lane, Number};
-pub use maneuver::{DictionaryFile, Generator, Kind, ManeuverSpec, Realized, Shape, parse_inputs};
+pub use maneuver::{
+    CandidateKind, DictionaryFile, Exceeded, GenerateSpec, Generator, Kind, Limits, ManeuverSpec, Realized, Shape,
+    Signal, SignalShape, parse_inputs,
+};
 pub use model::{Degree, DegreeOfFreedom, Model, Variable};
 pub use noise::Streams;
 pub use pose::{Pose, track};

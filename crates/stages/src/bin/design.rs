@@ -4,17 +4,19 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use artifact::{Provenance, commit, read_document, stage_document};
-use clap::Parser;
-use optimal_design::{Bounds, CountOptions, Options};
+use clap::{Parser, ValueEnum};
+use optimal_design::{Bounds, CountOptions, Design, Options};
 use serde_json::json;
-use stages::cli::{Common, Summary, name_of, provenance, run};
+use stages::cli::{Common, Summary, given, name_of, provenance, run};
+use stages::design::accuracy::{self, Errors, Wanted};
 use stages::design::{
-    Available, Criterion, CriterionName, Experiment, Relative, Segments, Solved, counted, document,
-    information, no_design, weights,
+    Asked, Available, Criterion, CriterionName, Estimated, Experiment, Few, OverModels, Predicted, Relative, Segments,
+    Sequencing, Solved, counted, document, information, no_design, restricted, squares, weights,
 };
-use stages::documents::{DesignDocument, MomentsDocument};
+use stages::documents::{Accuracy, DesignDocument, MomentsDocument, Sequence};
 use stages::failure::Failure;
 use stages::instruments::Removal;
+use stages::study_files::{read_dictionary, read_vessel};
 
 /// Finds the shares of the experiment time that make the information largest (D-optimal), or a criterion of the estimate's
 /// covariance smallest, with a certificate
@@ -33,9 +35,41 @@ struct Arguments {
     /// How the estimator will remove the instruments' mean
     #[arg(long, value_enum, default_value_t = Removal::Complete)]
     mean_removal: Removal,
-    /// What the shares are best for; all but d-hessian need moments made with --campaign
-    #[arg(long, value_enum, default_value_t = CriterionName::DHessian)]
-    criterion: CriterionName,
+    /// What the shares are best for; all but d-hessian need moments made with --campaign (default: d-hessian; d for
+    /// output-error; a-relative with --accuracy)
+    #[arg(long, value_enum)]
+    criterion: Option<CriterionName>,
+    /// The estimator whose covariance the criterion is of; output-error needs moments made with --estimator output-error
+    #[arg(long = "for", value_enum, default_value_t = Predicted::Iv)]
+    estimator: Predicted,
+    /// What disturbs an output-error estimate: measurement errors and the current, or measurement errors alone (then the problem
+    /// is convex, and the certificate one of the global optimum)
+    #[arg(long, value_enum, default_value_t = OutputNoise::All)]
+    noise: OutputNoise,
+    /// Moments of the same maneuvers with other models, to be robust against
+    #[arg(long, value_name = "moments.json", num_args = 1..)]
+    also: Vec<PathBuf>,
+    /// How the criteria of several models become one
+    #[arg(long, value_enum, default_value_t = OverModels::Mean)]
+    over: OverModels,
+    /// Use at most so many maneuvers
+    #[arg(long, value_name = "K", value_parser = clap::value_parser!(u64).range(1..))]
+    most_maneuvers: Option<u64>,
+    /// Use a maneuver for at least so long or not at all; needs the length of the experiment [s]
+    #[arg(long, value_name = "S")]
+    minimal_s: Option<f64>,
+    /// Find the shortest experiment of this standard error, relative to the parameters (--relative-to)
+    #[arg(long, value_name = "SHARE", conflicts_with_all = ["segments", "duration_s"])]
+    accuracy: Option<f64>,
+    /// The accuracy is that of every parameter, not of all together (the root of the sum of squares)
+    #[arg(long, requires = "accuracy")]
+    per_parameter: bool,
+    /// The longest experiment for --accuracy [s]
+    #[arg(long, value_name = "S", default_value_t = 86_400.0)]
+    longest_s: f64,
+    /// Segments of the random designs that --accuracy compares with
+    #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    random_segments: u32,
     /// Which parameters the errors of a-relative are relative to
     #[arg(long, value_enum, default_value_t = Relative::Nominal)]
     relative_to: Relative,
@@ -48,6 +82,16 @@ struct Arguments {
     /// Length of the experiment, where --segments does not tell it [s]
     #[arg(long, value_name = "S", conflicts_with = "segments")]
     duration_s: Option<f64>,
+    /// Find order and lengths of the maneuvers with the state carried over from one to the next; needs --vessel, --dictionary
+    /// and the length of the experiment
+    #[arg(long, requires = "vessel", requires = "dictionary")]
+    arrange: bool,
+    /// The vessel, for --arrange
+    #[arg(long, value_name = "vessel.toml", requires = "arrange")]
+    vessel: Option<PathBuf>,
+    /// The maneuvers, for --arrange
+    #[arg(long, value_name = "dictionary.toml", requires = "arrange")]
+    dictionary: Option<PathBuf>,
     /// Random starts besides equal shares
     #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(0..=1000))]
     starts: u32,
@@ -71,6 +115,9 @@ fn main() -> ExitCode {
 fn stage(a: &Arguments) -> Result<Summary, Failure> {
     check_number("--tolerance", Some(a.tolerance))?;
     check_number("--duration-s", a.duration_s)?;
+    check_number("--minimal-s", a.minimal_s)?;
+    check_number("--accuracy", a.accuracy)?;
+    check_number("--longest-s", Some(a.longest_s))?;
     let loaded = read_document::<MomentsDocument>(&a.moments)?;
     let moments = loaded.data;
     let mut provenance = provenance("design");
@@ -82,7 +129,7 @@ fn stage(a: &Arguments) -> Result<Summary, Failure> {
     let document = design(a, &moments, &mut provenance)?;
     settings(a, &mut provenance);
     let inputs = [Some(&a.moments), a.weights.as_ref(), a.available.as_ref()];
-    let inputs: Vec<&Path> = inputs.into_iter().flatten().map(PathBuf::as_path).collect();
+    let inputs: Vec<&Path> = inputs.into_iter().flatten().chain(&a.also).map(PathBuf::as_path).collect();
     let out = a.common.main_output("design.json", &inputs)?;
     commit(vec![stage_document(&out, &provenance, &document)?])?;
     Ok(summary(&out, &document))
@@ -97,48 +144,293 @@ fn check_number(flag: &str, value: Option<f64>) -> Result<(), Failure> {
     }
 }
 
+/// What disturbs an output-error estimate.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum OutputNoise {
+    /// Measurement errors and the current
+    All,
+    /// Measurement errors alone
+    Measurement,
+}
+
+/// The criterion's name, the one that is asked for or the usual one.
+fn criterion_name(a: &Arguments) -> Result<CriterionName, Failure> {
+    let usage = |found: &str, expected: &str| {
+        Err(Failure::Usage(format!("--criterion: found {found}, expected {expected}; take another")))
+    };
+    match (a.criterion, a.estimator) {
+        (Some(CriterionName::DHessian), Predicted::OutputError) => {
+            usage("d-hessian for output-error, which has no instruments", "d, a, a-relative, e or v")
+        }
+        (Some(CriterionName::V), Predicted::Iv) => usage("v for iv", "v with --for output-error"),
+        (Some(CriterionName::DHessian), _) if !a.also.is_empty() => {
+            usage("d-hessian with --also", "a criterion of the covariance")
+        }
+        (Some(name), _) => Ok(name),
+        (None, _) if a.accuracy.is_some() => Ok(CriterionName::ARelative),
+        (None, Predicted::OutputError) => Ok(CriterionName::D),
+        (None, Predicted::Iv) if !a.also.is_empty() => Ok(CriterionName::D),
+        (None, Predicted::Iv) => Ok(CriterionName::DHessian),
+    }
+}
+
+fn estimated(a: &Arguments) -> Estimated {
+    match a.estimator {
+        Predicted::Iv => Estimated::Iv(a.mean_removal),
+        Predicted::OutputError => Estimated::OutputError { current: a.noise == OutputNoise::All },
+    }
+}
+
+/// Moments with other models.
+fn also(a: &Arguments, provenance: &mut Provenance) -> Result<Vec<(PathBuf, MomentsDocument)>, Failure> {
+    let mut out = Vec::new();
+    for (i, path) in a.also.iter().enumerate() {
+        let loaded = read_document::<MomentsDocument>(path)?;
+        provenance.inputs.insert(format!("moments:{}", i + 2), loaded.digest);
+        out.push((path.clone(), loaded.data));
+    }
+    Ok(out)
+}
+
 /// The design of `moments`: candidates, what is available, criterion, shares, counts.
 fn design(
     a: &Arguments,
     moments: &MomentsDocument,
     provenance: &mut Provenance,
 ) -> Result<DesignDocument, Failure> {
-    let refuse = |e| no_design(&a.moments, moments, e);
-    let information = information(&a.moments, moments, a.mean_removal)?;
-    let experiment = experiment(a, moments);
+    let (name, estimated) = (criterion_name(a)?, estimated(a));
+    let refuse = |e| no_design(&a.moments, moments, estimated, e);
+    let information = information(&a.moments, moments, estimated)?;
+    let weights = weights(name, a.relative_to, a.weights.as_deref(), &a.moments, moments, provenance)?;
+    let also = also(a, provenance)?;
+    let also: Vec<(&Path, MomentsDocument)> = also.iter().map(|(p, m)| (p.as_path(), m.clone())).collect();
+    let asked = Asked { name, estimated, weights, also: &also, over: a.over };
+    let criterion = Criterion::new(&asked, &a.moments, moments)?;
+    let options =
+        Options { tolerance: a.tolerance, random_starts: a.starts, seed: seed(a), ..Options::default() };
+    let timed = match a.accuracy {
+        Some(accuracy) => Some(timed(a, accuracy, moments, &criterion, estimated, &options, provenance)?),
+        None => None,
+    };
+    let experiment = match &timed {
+        Some(timed) => Experiment { samples: Some(timed.accuracy.samples as f64), segments: None },
+        None => experiment(a, moments),
+    };
     let available = match &a.available {
         Some(path) => Some(Available::read(path, moments, &experiment, provenance)?),
         None => None,
     };
-    let weights = weights(a.criterion, a.relative_to, a.weights.as_deref(), &a.moments, moments, provenance)?;
-    let criterion =
-        Criterion::new(a.criterion, &a.moments, moments, information.clone(), a.mean_removal, weights)?;
     let bounds = match &available {
         Some(available) => Bounds::new(&available.shares).map_err(refuse)?,
         None => Bounds::default(),
     };
-    let options =
-        Options { tolerance: a.tolerance, random_starts: a.starts, seed: seed(a), ..Options::default() };
-    let design = criterion.solve(&bounds, &options).map_err(refuse)?;
+    let parameters = moments.degrees.iter().map(|d| d.parameters.len()).sum();
+    let mut design = match &timed {
+        Some(timed) => timed.design.clone(),
+        None => criterion.solve(&bounds, &options).map_err(refuse)?,
+    };
+    let few = Few { most_maneuvers: a.most_maneuvers, minimal_s: a.minimal_s };
+    let mut about = None;
+    if few.most_maneuvers.is_some() || few.minimal_s.is_some() {
+        let duration_s = few_duration(a, moments, &experiment)?;
+        let found = restricted(&criterion, &design, &bounds, &few, duration_s, &options, parameters);
+        let (restricted, told) = found.map_err(|e| too_few(&a.moments, &few, &e))?;
+        (design, about) = (restricted, Some(told));
+    }
     let segments = experiment.segments.map(|(total, samples)| Segments {
         total,
         samples,
-        limits: available.as_ref().and_then(|available| available.counts.clone()),
+        limits: limits(available.as_ref(), about.is_some().then_some(&design), total),
     });
-    let parameters = moments.degrees.iter().map(|d| d.parameters.len()).sum();
     let count_options = CountOptions { random_starts: a.starts, seed: seed(a), ..CountOptions::default() };
+    let sequence = sequence(a, moments, &criterion, &design, experiment.samples, provenance)?;
     let count = |segments| counted(&criterion, &design, segments, &count_options, parameters);
     Ok(document(Solved {
         moments,
         information: &information,
-        name: a.criterion,
+        name,
         criterion: &criterion,
+        estimated,
         removal: a.mean_removal,
         design: &design,
         available: available.as_ref(),
         counted: segments.as_ref().map(count).transpose().map_err(refuse)?,
         samples: experiment.samples,
+        over: (!also.is_empty()).then_some(a.over),
+        restricted: about,
+        accuracy: timed.map(|timed| timed.accuracy),
+        sequence,
     }))
+}
+
+/// Order and lengths of the maneuvers of `design`, where they are asked for.
+fn sequence(
+    a: &Arguments,
+    moments: &MomentsDocument,
+    criterion: &Criterion,
+    design: &Design,
+    samples: Option<f64>,
+    provenance: &mut Provenance,
+) -> Result<Option<Sequence>, Failure> {
+    if !a.arrange {
+        return Ok(None);
+    }
+    let usage = |found: &str, expected: &str| Err(Failure::Usage(format!("--arrange: found {found}, expected {expected}")));
+    let Some(samples) = samples else {
+        return usage("no length of the experiment", "one to fill; add --duration-s, --accuracy, or --segments and --segment-samples");
+    };
+    if a.available.is_some() || a.most_maneuvers.is_some() || a.minimal_s.is_some() || a.mean_removal == Removal::Batch {
+        return usage(
+            "--available, --most-maneuvers, --minimal-s or --mean-removal batch, which the search does not keep",
+            "none of them; leave them out",
+        );
+    }
+    let (vessel_file, dictionary_file) = (given(&a.vessel, "vessel")?, given(&a.dictionary, "dictionary")?);
+    let vessel = read_vessel(vessel_file, provenance)?;
+    let generator = read_dictionary(dictionary_file, &vessel, provenance)?;
+    let sequencing = Sequencing {
+        vessel: &vessel,
+        generator: &generator,
+        dictionary_file,
+        moments,
+        name: criterion_name(a)?,
+        criterion,
+        estimated: estimated(a),
+        seed: seed(a),
+    };
+    sequencing.search(&design.shares, &design.sensitivities, samples.round() as usize).map(Some)
+}
+
+/// Most segments of every maneuver: none of those that a restricted design does not use.
+fn limits(available: Option<&Available>, restricted: Option<&Design>, total: u64) -> Option<Vec<u64>> {
+    let limits = available.and_then(|available| available.counts.clone());
+    let Some(design) = restricted else { return limits };
+    let limits = limits.unwrap_or_else(|| vec![total; design.shares.len()]);
+    Some(limits.iter().zip(&design.shares).map(|(limit, w)| if *w > 0.0 { *limit } else { 0 }).collect())
+}
+
+/// The experiment's duration, which --minimal-s needs.
+fn few_duration(a: &Arguments, moments: &MomentsDocument, experiment: &Experiment) -> Result<Option<f64>, Failure> {
+    let duration = experiment.samples.map(|samples| samples / moments.sample_rate_hz);
+    match (a.minimal_s, duration) {
+        (Some(_), None) => Err(Failure::Usage(
+            "--minimal-s: found no length of the experiment, expected one to relate it to; add --duration-s, or --segments and \
+             --segment-samples"
+                .into(),
+        )),
+        (Some(minimal), Some(duration)) if minimal > duration => Err(Failure::Usage(format!(
+            "--minimal-s: found {minimal}, expected no more than the experiment's {duration} s; lower it"
+        ))),
+        _ => Ok(duration),
+    }
+}
+
+fn too_few(file: &Path, few: &Few, error: &optimal_design::Error) -> Failure {
+    let asked = [
+        few.most_maneuvers.map(|k| format!("--most-maneuvers {k}")),
+        few.minimal_s.map(|s| format!("--minimal-s {s}")),
+    ];
+    Failure::NoAnswer(format!(
+        "{}: {}: found no such choice that excites every parameter ({error}), expected one; allow more or shorter maneuvers",
+        file.display(),
+        asked.into_iter().flatten().collect::<Vec<_>>().join(" ")
+    ))
+}
+
+/// A design of the shortest duration for an accuracy.
+struct Timed {
+    design: Design,
+    accuracy: Accuracy,
+}
+
+/// The shortest experiment of the wanted accuracy.
+fn timed(
+    a: &Arguments,
+    wanted: f64,
+    moments: &MomentsDocument,
+    criterion: &Criterion,
+    estimated: Estimated,
+    options: &Options,
+    provenance: &mut Provenance,
+) -> Result<Timed, Failure> {
+    let refuse = |e| no_design(&a.moments, moments, estimated, e);
+    let (file, rate) = (a.moments.as_path(), moments.sample_rate_hz);
+    let wanted = Wanted {
+        accuracy: wanted,
+        per_parameter: a.per_parameter,
+        longest_s: a.longest_s,
+        random_segments: a.random_segments,
+        seed: seed(a),
+    };
+    let squares = squares(a.relative_to, file, moments)?;
+    let own = accuracy::needs_covariance(criterion)?;
+    let errors = Errors::new(own, moments, estimated, &squares, a.per_parameter);
+    let solve = |bounds: &Bounds| -> Result<(Design, Option<f64>), Failure> {
+        let mut design = criterion.solve(bounds, options).map_err(refuse)?;
+        if !(a.per_parameter && a.criterion.is_none() && a.also.is_empty()) {
+            return Ok((design, None));
+        }
+        let make = |weights: &[f64]| accuracy::reweighted(file, moments, estimated, weights);
+        let (shares, bound) = accuracy::least_largest(&errors, bounds, options, make, refuse)?;
+        design.log_det = criterion.value(&shares).unwrap_or(f64::NEG_INFINITY);
+        design.shares = shares;
+        Ok((design, Some(bound)))
+    };
+    let bounds_of = |samples: f64, provenance: &mut Provenance| -> Result<Option<Bounds>, Failure> {
+        let experiment = Experiment { samples: Some(samples), segments: None };
+        match &a.available {
+            None => Ok(Some(Bounds::default())),
+            Some(path) => match Available::read(path, moments, &experiment, provenance) {
+                Ok(available) => Bounds::new(&available.shares).map(Some).map_err(refuse),
+                Err(Failure::NoAnswer(_)) => Ok(None),
+                Err(other) => Err(other),
+            },
+        }
+    };
+    let (mut design, mut bound) = solve(&Bounds::default())?;
+    let mut samples = match accuracy::reachable(file, &errors, &design.shares, &wanted, rate) {
+        Ok(samples) => samples,
+        Err(failure) => return Err(failure),
+    };
+    if a.available.is_some() {
+        // Between what is enough without limits and all that is available.
+        let (mut low, mut high) = (samples, samples);
+        while high < a.longest_s * rate && bounds_of(2.0 * high, provenance)?.is_some() {
+            high *= 2.0;
+        }
+        let mut step = high;
+        while step >= 1.0 {
+            if high + step <= a.longest_s * rate && bounds_of(high + step, provenance)?.is_some() {
+                high += step;
+            }
+            step = (0.5 * step).floor();
+        }
+        let Some(bounds) = bounds_of(high, provenance)? else {
+            return Err(refuse(optimal_design::Error::Infeasible { total: 0.0 }));
+        };
+        (design, bound) = solve(&bounds)?;
+        let longest = Wanted { longest_s: high / rate, ..wanted };
+        accuracy::reachable(file, &errors, &design.shares, &longest, rate)?;
+        while high - low > 1.0 {
+            let middle = (0.5 * (low + high)).floor();
+            let found = match bounds_of(middle, provenance)? {
+                Some(bounds) => Some(solve(&bounds)?),
+                None => None,
+            };
+            match found.filter(|(d, _)| accuracy::samples(&errors, &d.shares, &wanted) <= middle) {
+                Some(found) => {
+                    (design, bound) = found;
+                    high = middle;
+                }
+                None => low = middle,
+            }
+        }
+        samples = high;
+    }
+    let paper = accuracy::papers_shares(file, moments, a.mean_removal, &Bounds::default());
+    let accuracy =
+        accuracy::document(&errors, &design.shares, &wanted, moments, samples, bound, paper.as_deref());
+    Ok(Timed { design, accuracy })
 }
 
 fn experiment(a: &Arguments, moments: &MomentsDocument) -> Experiment {
@@ -157,11 +449,16 @@ fn settings(a: &Arguments, provenance: &mut Provenance) {
     settings.insert("seed".into(), json!(seed(a)));
     settings.insert("starts".into(), json!(a.starts));
     settings.insert("tolerance".into(), json!(a.tolerance));
-    if a.criterion != CriterionName::DHessian {
-        settings.insert("criterion".into(), json!(name_of(a.criterion)));
+    let name = criterion_name(a).unwrap_or(CriterionName::DHessian);
+    if name != CriterionName::DHessian {
+        settings.insert("criterion".into(), json!(name_of(name)));
     }
-    if a.criterion == CriterionName::ARelative && a.weights.is_none() {
+    if (name == CriterionName::ARelative && a.weights.is_none()) || a.accuracy.is_some() {
         settings.insert("relative_to".into(), json!(name_of(a.relative_to)));
+    }
+    if a.estimator == Predicted::OutputError {
+        settings.insert("estimator".into(), json!("output-error"));
+        settings.insert("noise".into(), json!(name_of(a.noise)));
     }
     if let Some(duration) = a.duration_s {
         settings.insert("duration_s".into(), json!(duration));

@@ -9,8 +9,10 @@ use identification::pooled::Regression;
 use identification::{MeanRemoval, Sums, middle, moments};
 use serde_json::json;
 use stages::cli::{Common, Summary, name_of, provenance, run};
-use stages::design::NoiseModel;
-use stages::documents::{DegreeMoments, DegreeStructure, ManeuverMoments, MomentsDocument};
+use stages::design::{NoiseModel, OutputErrorNoise, ParameterDraw, Predicted, SimulateWith};
+use stages::documents::{
+    DegreeMoments, DegreeStructure, ManeuverMoments, MomentsDocument, OutputErrorMoments,
+};
 use stages::failure::Failure;
 use stages::instruments::{InstrumentKind, Instruments};
 use stages::ordered::ordered;
@@ -27,7 +29,8 @@ use vessel::{DegreeOfFreedom, Model, Vessel};
     version,
     after_help = "Example:\n  moments --vessel pipelines/paper/vessel.toml \
     --trajectories dictionary.parquet --out moments.json\n  \
-    moments --vessel vessel.toml --trajectories dictionary.parquet --campaign campaign.toml --out moments.json"
+    moments --vessel vessel.toml --trajectories dictionary.parquet --campaign campaign.toml --out moments.json\n  \
+    moments --vessel vessel.toml --trajectories dictionary.parquet --campaign campaign.toml --estimator output-error --out moments.json"
 )]
 struct Arguments {
     /// The vessel
@@ -46,6 +49,18 @@ struct Arguments {
     /// The disturbances to expect: adds the matrices B that the estimate's covariance is made of
     #[arg(long, value_name = "campaign.toml")]
     campaign: Option<PathBuf>,
+    /// The estimator to predict besides: `output-error` adds the matrices F and P, and G of the campaign's validation maneuvers
+    #[arg(long, value_enum, default_value_t = Predicted::Iv, requires = "campaign")]
+    estimator: Predicted,
+    /// Which parameters the free simulations of `output-error` have (default: the true ones where the vessel has them)
+    #[arg(long, value_enum, value_name = "value|nominal")]
+    simulate_with: Option<SimulateWith>,
+    /// Draws these parameters instead, number K of the seed: each is scaled by a normal number about 1
+    #[arg(long, value_name = "K", requires = "spread")]
+    draw: Option<u32>,
+    /// Standard deviation of a drawn parameter, relative to it
+    #[arg(long, value_name = "SHARE", requires = "draw")]
+    spread: Option<f64>,
     #[command(flatten)]
     common: Common,
 }
@@ -75,11 +90,20 @@ fn stage(a: &Arguments) -> Result<Summary, Failure> {
         None => None,
     };
     provenance.settings.insert("instruments".into(), json!(kind));
+    let output_error = match (a.estimator, &noise, &a.campaign) {
+        (Predicted::OutputError, Some(noise), Some(campaign)) => {
+            let seed = a.common.seed.unwrap_or(1);
+            let draw = a.draw.zip(a.spread).map(|(number, spread)| ParameterDraw { number, spread, seed });
+            let files = [a.vessel.as_path(), campaign, &a.trajectories];
+            Some(OutputErrorNoise::new(files, &vessel, noise.noise, a.simulate_with, draw, &mut provenance)?)
+        }
+        _ => None,
+    };
     let instruments = Instruments::new(&vessel, &a.vessel, a.instruments);
     let progress = Progress::new("blocks", reader.blocks(), a.common.quiet);
     let mut maneuvers: Vec<ManeuverMoments> = Vec::new();
     let work = |block: usize| {
-        let found = maneuver_moments(&vessel, &instruments, noise.as_ref(), &reader.runs(block)?);
+        let found = maneuver_moments(&vessel, &instruments, noise.as_ref(), output_error.as_ref(), &reader.runs(block)?);
         progress.advance(1);
         found
     };
@@ -104,6 +128,7 @@ fn stage(a: &Arguments) -> Result<Summary, Failure> {
         degrees: structure(&vessel.model),
         maneuvers,
         disturbances: noise.map(|noise| noise.document(&vessel)),
+        output_error: output_error.map(|o| o.document()),
     };
     let inputs: Vec<&Path> =
         [&a.vessel, &a.trajectories].into_iter().chain(&a.campaign).map(PathBuf::as_path).collect();
@@ -146,6 +171,7 @@ fn maneuver_moments(
     vessel: &Vessel,
     instruments: &Instruments,
     noise: Option<&NoiseModel>,
+    output_error: Option<&OutputErrorNoise>,
     runs: &[Run],
 ) -> Result<Vec<(bool, ManeuverMoments)>, Failure> {
     let parts: Vec<Run> = runs.iter().flat_map(|run| segments(run, vessel.model.exogenous())).collect();
@@ -154,7 +180,8 @@ fn maneuver_moments(
         let mut middles = noise.map(|n| middle(batch, &n.parameters, &n.noise).into_iter());
         for (run, found) in members.iter().zip(moments(batch)) {
             let middle = middles.as_mut().and_then(Iterator::next);
-            out.push((run.design != DICTIONARY, document_of(run, found, middle)));
+            let output_error = output_error.map(|o| o.moments(run)).transpose()?;
+            out.push((run.design != DICTIONARY, document_of(run, found, middle, output_error)));
         }
         Ok(())
     })?;
@@ -193,6 +220,12 @@ fn pool(known: &mut ManeuverMoments, more: &ManeuverMoments) {
         }
         own.nonstationarity = own.nonstationarity.max(other.nonstationarity);
     }
+    if let (Some(own), Some(other)) = (&mut known.output_error, &more.output_error) {
+        let pairs = [(Some(&mut own.f), Some(&other.f)), (own.e.as_mut(), other.e.as_ref()), (own.p.as_mut(), other.p.as_ref())];
+        for (own, other) in pairs.into_iter().filter_map(|(own, other)| own.zip(other)) {
+            own.iter_mut().zip(other).for_each(|(f, o)| *f += share * (o - *f));
+        }
+    }
     known.samples = samples;
 }
 
@@ -221,12 +254,14 @@ fn document_of(
     run: &Run,
     found: identification::ManeuverMoments,
     middle: Option<Vec<Vec<f64>>>,
+    output_error: Option<OutputErrorMoments>,
 ) -> ManeuverMoments {
     let degrees = DegreeOfFreedom::ALL.into_iter().zip(found.matrices).zip(found.nonstationarity);
     let mut middle = middle.into_iter().flatten();
     ManeuverMoments {
         name: run.segments[0].maneuver.clone(),
         samples: found.samples,
+        output_error,
         degrees: degrees
             .map(|((d, m), nonstationarity)| DegreeMoments {
                 name: d.name().to_owned(),

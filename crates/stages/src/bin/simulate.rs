@@ -13,7 +13,7 @@ use stages::ingest::SIMULATED_FILE;
 use stages::plan::read_planned;
 use stages::simulate::campaign::{Campaign, CampaignFiles};
 use stages::simulate::logs::{Files, LogsFile, SimulatedLogs, publish};
-use stages::simulate::undisturbed::Undisturbed;
+use stages::simulate::undisturbed::{Undisturbed, Written};
 use stages::study_files::{generator, read_campaign, read_dictionary, read_vessel};
 use stages::trajectories::{ID, SIMULATED_LOGS, VERSION};
 use vessel::{Source, Vessel};
@@ -184,11 +184,20 @@ fn dictionary(a: &Dictionary) -> Result<Summary, Failure> {
         source,
         design: "dictionary",
     };
-    let (maneuvers, samples) = work.write(&out, &provenance, a.common.quiet)?;
-    Ok(Summary {
-        line: format!("{}: {maneuvers} maneuvers, {samples} samples", out.display()),
-        json: json!({"out": out, "maneuvers": maneuvers, "samples": samples}),
-    })
+    let written = work.write(&out, &provenance, a.common.quiet)?;
+    Ok(told(&out, &written))
+}
+
+fn told(out: &Path, written: &Written) -> Summary {
+    let Written { maneuvers, samples, .. } = written;
+    let mut summary = json!({"out": out, "maneuvers": maneuvers, "samples": samples});
+    if written.kept > 0 {
+        let left_out = written.left_out.iter().map(|(name, about)| (name.clone(), json!(about.count)));
+        summary["generated"] = json!(written.kept);
+        summary["left_out"] = left_out.collect::<serde_json::Map<_, _>>().into();
+    }
+    let line = format!("{}: {maneuvers} maneuvers, {samples} samples{}", out.display(), written.told());
+    Summary { line, json: summary }
 }
 
 fn best_known(vessel: &Vessel) -> Source {
@@ -311,9 +320,6 @@ fn validation(a: &Validation) -> Result<Summary, Failure> {
         source: Source::Value,
         design: "validation",
     };
-    let (maneuvers, samples) = work.write(&out, &provenance, a.common.quiet)?;
-    Ok(Summary {
-        line: format!("{}: {maneuvers} maneuvers, {samples} samples", out.display()),
-        json: json!({"out": out, "maneuvers": maneuvers, "samples": samples}),
-    })
+    let written = work.write(&out, &provenance, a.common.quiet)?;
+    Ok(told(&out, &written))
 }

@@ -1,20 +1,16 @@
 //! The criterion that shares are best for.
 
-use std::collections::BTreeMap;
 use std::path::Path;
 
-use artifact::{Provenance, read_toml};
 use clap::ValueEnum;
 use optimal_design::{
-    Bounds, Candidates, CountOptions, Counted, Covariance, Design, Error, Norm, Options, count_segments,
-    solve_covariance, solve_within,
+    Bounds, Candidates, CountOptions, Counted, Covariance, Design, Error, Norm, Objective, Options, Over,
+    Restriction, Robust, Selected, count_segments, select, solve_covariance, solve_robust, solve_within,
 };
-use serde::Deserialize;
-use vessel::nearest;
 
-use super::matrices::middle;
+use super::matrices::{Estimated, information, middle};
 use super::refusal::no_design;
-use crate::documents::{DegreeStructure, ExpectedDisturbances, MomentsDocument};
+use crate::documents::MomentsDocument;
 use crate::failure::Failure;
 use crate::instruments::Removal;
 
@@ -31,6 +27,8 @@ pub enum CriterionName {
     ARelative,
     /// Largest eigenvalue of the covariance
     E,
+    /// Variance of free runs over the validation maneuvers (with --for output-error)
+    V,
 }
 
 impl CriterionName {
@@ -42,69 +40,74 @@ impl CriterionName {
             Self::A => "covariance A",
             Self::ARelative => "covariance relative A",
             Self::E => "covariance E",
+            Self::V => "covariance V",
         }
     }
 }
 
-/// Which parameters relative errors are relative to.
+/// How the criteria of several models become one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Relative {
-    /// The nominal ones
-    Nominal,
-    /// Those that the disturbances were linearised with: the true ones where they are known
-    Value,
+pub enum OverModels {
+    /// The mean of their logarithms
+    Mean,
+    /// The worst one's
+    Worst,
 }
 
-/// `weights.toml`: parameter → weight of its variance.
-#[derive(Clone, Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct WeightsFile {
-    weight: BTreeMap<String, f64>,
+/// What is asked for.
+pub struct Asked<'a> {
+    /// The criterion.
+    pub name: CriterionName,
+    /// The estimate that it is about.
+    pub estimated: Estimated,
+    /// Weight of every parameter's variance.
+    pub weights: Vec<f64>,
+    /// Moments of the same maneuvers with other models, with their files.
+    pub also: &'a [(&'a Path, MomentsDocument)],
+    /// How the models become one.
+    pub over: OverModels,
 }
 
 /// Exponent of the power mean that stands for the largest eigenvalue: within log(eigenvalues)/s of it.
 const LARGEST: f64 = 16_777_216.0;
-/// What the search for the largest eigenvalue can reach.
+/// What the search for the largest eigenvalue, or for the worst model, can reach.
 const E_TOLERANCE: f64 = 1e-7;
+/// Sharpness of what stands for the worst model: within log(models)/s of it.
+const WORST: f64 = 1e5;
 
 /// What is maximised.
 pub enum Criterion {
     /// log|det| of the information matrix.
     Information(Candidates),
-    /// A criterion of the covariance, with the weight of every parameter.
-    Covariance {
-        /// The criterion.
-        covariance: Box<Covariance>,
-        /// In the order of the parameters.
-        weights: Vec<f64>,
-    },
+    /// A criterion of the covariance.
+    Covariance(Box<CovarianceCriterion>),
+}
+
+/// A criterion of the covariance, of one model or several.
+pub struct CovarianceCriterion {
+    /// The criterion for the model of the moments themselves.
+    pub covariance: Covariance,
+    /// Weights of the parameters' variances, in their order.
+    pub weights: Vec<f64>,
+    /// Over all models, where there are several.
+    pub robust: Option<Robust>,
 }
 
 impl Criterion {
-    /// The criterion `name` of `information`, the candidates of `moments`, which stand in `file`.
+    /// The criterion that is asked for, of `moments`, which stand in `file`.
     ///
     /// # Errors
-    /// Moments without expected disturbances, weights of unknown parameters or out of range, a parameter of zero that errors
-    /// are to be relative to; a covariance that is singular, naming the parameter.
-    pub fn new(
-        name: CriterionName,
-        file: &Path,
-        moments: &MomentsDocument,
-        information: Candidates,
-        removal: Removal,
-        weights: Vec<f64>,
-    ) -> Result<Self, Failure> {
-        let norm = match name {
-            CriterionName::DHessian => return Ok(Self::Information(information)),
-            CriterionName::D => Norm::LogDet,
-            CriterionName::A | CriterionName::ARelative => Norm::PowerMean(1.0),
-            CriterionName::E => Norm::PowerMean(LARGEST),
-        };
-        let middle = middle(file, moments, removal)?;
-        let rows = lifted(&moments.degrees, &weights, removal);
-        let covariance =
-            Covariance::new(&information, &middle, &rows, norm).map_err(|e| no_design(file, moments, e))?;
-        Ok(Self::Covariance { covariance: Box::new(covariance), weights })
+    /// Moments without expected disturbances or without what the estimator needs; a covariance that is singular, naming the
+    /// parameter; moments of other maneuvers among the other models.
+    pub fn new(asked: &Asked, file: &Path, moments: &MomentsDocument) -> Result<Self, Failure> {
+        let information = information(file, moments, asked.estimated)?;
+        if asked.name == CriterionName::DHessian {
+            return Ok(Self::Information(information));
+        }
+        let covariance = covariance(asked, file, moments, &information)?;
+        let robust = if asked.also.is_empty() { None } else { Some(robust(asked, moments, &covariance)?) };
+        let weights = asked.weights.clone();
+        Ok(Self::Covariance(Box::new(CovarianceCriterion { covariance, weights, robust })))
     }
 
     /// The best shares within `bounds`.
@@ -112,15 +115,42 @@ impl Criterion {
     /// # Errors
     /// As the solvers.
     pub fn solve(&self, bounds: &Bounds, options: &Options) -> Result<Design, Error> {
+        let rough = Options { tolerance: options.tolerance.max(E_TOLERANCE), ..*options };
         match self {
             Self::Information(candidates) => solve_within(candidates, bounds, options),
-            Self::Covariance { covariance, .. } => {
-                let mut options = *options;
-                if matches!(covariance.norm(), Norm::PowerMean(s) if s == LARGEST) {
-                    options.tolerance = options.tolerance.max(E_TOLERANCE);
-                }
-                solve_covariance(covariance, bounds, &options)
+            Self::Covariance(c) => match (&c.robust, c.covariance.norm()) {
+                (Some(robust), _) => solve_robust(robust, bounds, &rough),
+                (None, Norm::PowerMean(s)) if s == LARGEST => solve_covariance(&c.covariance, bounds, &rough),
+                (None, _) => solve_covariance(&c.covariance, bounds, options),
+            },
+        }
+    }
+
+    /// The best shares under a restriction.
+    ///
+    /// # Errors
+    /// As [`select`].
+    pub fn select(
+        &self,
+        relaxed: &Design,
+        bounds: &Bounds,
+        restriction: &Restriction,
+        options: &Options,
+    ) -> Result<Selected, Error> {
+        let options = &Options { tolerance: options.tolerance.max(E_TOLERANCE), ..*options };
+        match self {
+            Self::Information(candidates) => {
+                let (scaled, offset) = candidates.scaled()?;
+                let mut own = relaxed.clone();
+                own.log_det -= offset;
+                let mut found = select(&scaled, &own, bounds, restriction, options)?;
+                found.value += offset;
+                Ok(found)
             }
+            Self::Covariance(c) => match &c.robust {
+                Some(robust) => select(robust, relaxed, bounds, restriction, options),
+                None => select(&c.covariance, relaxed, bounds, restriction, options),
+            },
         }
     }
 
@@ -143,9 +173,29 @@ impl Criterion {
                 counted.apportioned += offset;
                 Ok(counted)
             }
-            Self::Covariance { covariance, .. } => {
-                count_segments(covariance.as_ref(), shares, total, limits, options)
-            }
+            Self::Covariance(c) => match &c.robust {
+                Some(robust) => count_segments(robust, shares, total, limits, options),
+                None => count_segments(&c.covariance, shares, total, limits, options),
+            },
+        }
+    }
+
+    /// The value at `shares`; `None` where it is not defined.
+    pub fn value(&self, shares: &[f64]) -> Option<f64> {
+        match self {
+            Self::Information(candidates) => candidates.value(shares, &mut optimal_design::Evaluation::default()),
+            Self::Covariance(c) => match &c.robust {
+                Some(robust) => robust.value(shares, &mut optimal_design::RobustPoint::default()),
+                None => c.covariance.value(shares, &mut optimal_design::CovariancePoint::default()),
+            },
+        }
+    }
+
+    /// What the criterion gains per log of time spent at fixed shares.
+    pub fn degree(&self) -> f64 {
+        match self {
+            Self::Information(candidates) => Objective::degree(candidates),
+            Self::Covariance(c) => c.covariance.degree(),
         }
     }
 
@@ -153,115 +203,99 @@ impl Criterion {
     pub fn efficiency(&self, design: &Design, shares: &[f64], parameters: usize) -> f64 {
         match self {
             Self::Information(candidates) => design.efficiency(candidates, shares, parameters),
-            Self::Covariance { covariance, .. } => covariance.efficiency(design, shares),
+            Self::Covariance(_) => {
+                let value = self.value(shares);
+                value.map_or(0.0, |value| ((value - design.log_det) / self.degree()).exp())
+            }
         }
     }
 
     /// [`Criterion::efficiency`] of every candidate on its own.
     pub fn single_efficiencies(&self, design: &Design, parameters: usize) -> Vec<f64> {
-        match self {
-            Self::Information(candidates) => design.single_efficiencies(candidates, parameters),
-            Self::Covariance { covariance, .. } => {
-                let mut alone = vec![0.0; design.shares.len()];
-                let mut single = |q: usize| {
-                    alone[q] = 1.0;
-                    let efficiency = covariance.efficiency(design, &alone);
-                    alone[q] = 0.0;
-                    efficiency
-                };
-                (0..design.shares.len()).map(&mut single).collect()
-            }
+        if let Self::Information(candidates) = self {
+            return design.single_efficiencies(candidates, parameters);
         }
-    }
-}
-
-/// The weight of every parameter: 1, 1/θ², or those of a file, in which parameters that are not named count nothing.
-///
-/// # Errors
-/// Usage where the criterion has no weights; a weight of an unknown parameter or below zero; a parameter of zero.
-pub fn weights(
-    name: CriterionName,
-    relative: Relative,
-    given: Option<&Path>,
-    file: &Path,
-    moments: &MomentsDocument,
-    provenance: &mut Provenance,
-) -> Result<Vec<f64>, Failure> {
-    let parameters: Vec<&str> =
-        moments.degrees.iter().flat_map(|d| d.parameters.iter().map(String::as_str)).collect();
-    match (given, name) {
-        (Some(path), CriterionName::A | CriterionName::ARelative | CriterionName::E) => {
-            let (written, digest) = read_toml::<WeightsFile>(path)?;
-            provenance.inputs.insert("weights".into(), digest);
-            check_weights(path, &written.weight, &parameters)?;
-            Ok(parameters.iter().map(|p| written.weight.get(*p).copied().unwrap_or(0.0)).collect())
-        }
-        (Some(_), _) => Err(Failure::Usage(
-            "--weights: found weights for a D-criterion, which no weights change, expected --criterion a, a-relative or e; \
-             leave them out"
-                .into(),
-        )),
-        (None, CriterionName::ARelative) => relative_weights(relative, file, moments, &parameters),
-        (None, _) => Ok(vec![1.0; parameters.len()]),
-    }
-}
-
-fn relative_weights(
-    relative: Relative,
-    file: &Path,
-    moments: &MomentsDocument,
-    parameters: &[&str],
-) -> Result<Vec<f64>, Failure> {
-    // Without disturbances the criterion itself is refused.
-    let Some(disturbances) = &moments.disturbances else { return Ok(vec![1.0; parameters.len()]) };
-    let of = |d: &ExpectedDisturbances, name: &str| match relative {
-        Relative::Nominal => d.nominal.get(name).copied(),
-        Relative::Value => d.parameters.get(name).copied(),
-    };
-    let weight = |name: &&str| match of(disturbances, name) {
-        Some(theta) if theta != 0.0 && theta.is_finite() => Ok(1.0 / (theta * theta)),
-        found => Err(Failure::refuse(
-            file,
-            &format!("parameter `{name}`"),
-            &found.map_or("no value".into(), |v| format!("{v}")),
-            "a value other than 0 that its error can be relative to",
-            match relative {
-                Relative::Nominal => "take --relative-to value, or name --weights",
-                Relative::Value => "name --weights",
-            },
-        )),
-    };
-    parameters.iter().map(weight).collect()
-}
-
-fn check_weights(path: &Path, written: &BTreeMap<String, f64>, parameters: &[&str]) -> Result<(), Failure> {
-    if let Some(unknown) = written.keys().find(|key| !parameters.contains(&key.as_str())) {
-        let remedy = match nearest(unknown, parameters.iter().copied()) {
-            Some(near) => format!("did you mean `{near}`?"),
-            None => "name one of them".into(),
+        let mut alone = vec![0.0; design.shares.len()];
+        let mut single = |q: usize| {
+            alone[q] = 1.0;
+            let efficiency = self.efficiency(design, &alone, parameters);
+            alone[q] = 0.0;
+            efficiency
         };
-        let expected = format!("a parameter: one of {}", parameters.join(", "));
-        return Err(Failure::refuse(path, "`weight`", &format!("`{unknown}`"), &expected, &remedy));
+        (0..design.shares.len()).map(&mut single).collect()
     }
-    if let Some((name, weight)) = written.iter().find(|(_, w)| !(w.is_finite() && **w >= 0.0)) {
-        let thing = format!("`weight` of `{name}`");
-        return Err(Failure::refuse(path, &thing, &weight.to_string(), "zero or more", "correct it"));
+}
+
+/// The criterion of one model.
+fn covariance(
+    asked: &Asked,
+    file: &Path,
+    moments: &MomentsDocument,
+    information: &Candidates,
+) -> Result<Covariance, Failure> {
+    let middle = middle(file, moments, asked.estimated)?;
+    let norm = match asked.name {
+        CriterionName::DHessian | CriterionName::D => Norm::LogDet,
+        CriterionName::A | CriterionName::ARelative | CriterionName::V => Norm::PowerMean(1.0),
+        CriterionName::E => Norm::PowerMean(LARGEST),
+    };
+    let built = match asked.name {
+        CriterionName::V => Covariance::of_matrices(information, &middle, &[validation(file, moments)?]),
+        _ => Covariance::new(information, &middle, &lifted(moments, asked), norm),
+    };
+    built.map_err(|e| no_design(file, moments, asked.estimated, e))
+}
+
+/// All models together.
+fn robust(asked: &Asked, moments: &MomentsDocument, own: &Covariance) -> Result<Robust, Failure> {
+    let mut models = vec![own.clone()];
+    for (file, other) in asked.also {
+        let names = |m: &MomentsDocument| m.maneuvers.iter().map(|m| m.name.clone()).collect::<Vec<_>>();
+        if names(other) != names(moments) || other.degrees.len() != moments.degrees.len() {
+            return Err(Failure::refuse(
+                file,
+                "`data.maneuvers`",
+                &format!("{} maneuvers of other names or in another order", other.maneuvers.len()),
+                &format!("the {} of --moments", moments.maneuvers.len()),
+                "run `moments` on the same trajectories",
+            ));
+        }
+        let information = information(file, other, asked.estimated)?;
+        models.push(covariance(asked, file, other, &information)?);
     }
-    match written.values().any(|w| *w > 0.0) {
-        true => Ok(()),
-        false => Err(Failure::refuse(path, "`weight`", "none above zero", "at least one", "add one")),
-    }
+    let over = match asked.over {
+        OverModels::Mean => Over::Mean,
+        OverModels::Worst => Over::Worst(WORST),
+    };
+    Robust::new(models, over).map_err(|e| Failure::NoAnswer(format!("models: found {e}, expected models alike; name others")))
+}
+
+fn validation(file: &Path, moments: &MomentsDocument) -> Result<Vec<f64>, Failure> {
+    moments.output_error.as_ref().and_then(|o| o.g.clone()).ok_or_else(|| {
+        Failure::refuse(
+            file,
+            "`data.output_error.G`",
+            "none",
+            "what free runs over the validation maneuvers depend on",
+            "run `moments` again with --campaign and --estimator output-error",
+        )
+    })
 }
 
 /// Weights of all rows: 0 for intercepts.
-fn lifted(degrees: &[DegreeStructure], weights: &[f64], removal: Removal) -> Vec<f64> {
-    let mut rest = weights.iter().copied();
+fn lifted(moments: &MomentsDocument, asked: &Asked) -> Vec<f64> {
+    let mut rest = asked.weights.iter().copied();
     let mut out = Vec::new();
-    for degree in degrees {
+    for degree in &moments.degrees {
         out.extend(rest.by_ref().take(degree.parameters.len()));
-        if removal == Removal::Complete {
+        if asked.estimated.has_intercepts() {
             out.push(0.0);
         }
     }
     out
+}
+
+/// Whether the instruments' mean leaves an intercept among the unknowns.
+pub(super) fn intercepts(removal: Removal) -> bool {
+    removal == Removal::Complete
 }

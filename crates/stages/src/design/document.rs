@@ -1,11 +1,15 @@
 use std::collections::BTreeMap;
 
-use optimal_design::{Bounds, Candidates, Design, Evaluation, Norm, Status};
+use optimal_design::{Bounds, Candidates, CovariancePoint, Design, Evaluation, Norm, Objective, Status};
 
 use super::available::Available;
-use super::criterion::{Criterion, CriterionName};
+use super::criterion::{CovarianceCriterion, Criterion, CriterionName, OverModels};
+use super::matrices::Estimated;
 use crate::cli::name_of;
-use crate::documents::{Counts, CovarianceCriterion, DesignDocument, Efficiency, MomentsDocument, Start};
+use crate::documents::{
+    Accuracy, Counts, CovarianceCriterion as CovarianceDocument, DesignDocument, Efficiency, MomentsDocument, Restricted,
+    RobustModels, Sequence, Start,
+};
 use crate::instruments::Removal;
 
 /// A solved design with what it was asked for.
@@ -18,6 +22,8 @@ pub struct Solved<'a> {
     pub name: CriterionName,
     /// The criterion.
     pub criterion: &'a Criterion,
+    /// The estimate that it is about.
+    pub estimated: Estimated,
     /// Mean removal.
     pub removal: Removal,
     /// The best shares.
@@ -28,6 +34,14 @@ pub struct Solved<'a> {
     pub counted: Option<(Vec<u64>, Counts)>,
     /// Samples of the experiment, where known.
     pub samples: Option<f64>,
+    /// How the models become one, where there are several.
+    pub over: Option<OverModels>,
+    /// About a restriction, where one was asked for.
+    pub restricted: Option<Restricted>,
+    /// About a wanted accuracy, where one was asked for.
+    pub accuracy: Option<Accuracy>,
+    /// Order and lengths, where they were asked for.
+    pub sequence: Option<Sequence>,
 }
 
 /// `design.json`.
@@ -38,30 +52,33 @@ pub fn document(solved: Solved) -> DesignDocument {
         |values: &[f64]| names.iter().cloned().zip(values.iter().copied()).collect::<BTreeMap<_, _>>();
     let parameters = moments.degrees.iter().map(|d| d.parameters.len()).sum();
     let count = names.len();
-    let p = degree(&solved);
+    let p = criterion.degree();
     let starts = starts(design);
     let covariance = covariance(&solved);
     let log_det = match criterion {
         Criterion::Information(_) => design.log_det,
-        Criterion::Covariance { .. } => log_det(solved.information, &design.shares),
+        Criterion::Covariance(_) => log_det(solved.information, &design.shares),
     };
+    let statement = statement(&solved, &starts, p);
+    let robust = robust(&solved);
     DesignDocument {
         criterion: solved.name.title().into(),
         mean_removal: name_of(solved.removal),
-        status: match design.status {
-            Status::Optimal => "optimal",
-            Status::Stationary => "stationary",
-            Status::Stalled => "stalled",
+        status: match (&solved.restricted, design.status) {
+            (Some(_), _) => "restricted",
+            (None, Status::Optimal) => "optimal",
+            (None, Status::Stationary) => "stationary",
+            (None, Status::Stalled) => "stalled",
         }
         .into(),
-        statement: statement(&solved, &starts, p),
+        statement,
         shares: named(&design.shares),
         sensitivities: named(&design.sensitivities),
         dimension: p as u64,
         gap: design.gap,
         relative_gap: design.gap / p,
         log_det,
-        proved_global: design.status == Status::Optimal,
+        proved_global: design.status == Status::Optimal && solved.restricted.is_none(),
         starts,
         efficiency: Efficiency {
             equal_shares: criterion.efficiency(design, &vec![1.0 / count as f64; count], parameters),
@@ -74,16 +91,19 @@ pub fn document(solved: Solved) -> DesignDocument {
         counted: solved.counted.map(|(_, about)| about),
         available: solved.available.map(|a| named(&a.shares)),
         covariance,
+        estimator: matches!(solved.estimated, Estimated::OutputError { .. }).then(|| "output-error".into()),
+        robust,
+        restricted: solved.restricted,
+        accuracy: solved.accuracy,
+        sequence: solved.sequence,
         order: names,
     }
 }
 
-/// Σ_q w_q g_q.
-fn degree(solved: &Solved) -> f64 {
-    match solved.criterion {
-        Criterion::Information(candidates) => candidates.dimension() as f64,
-        Criterion::Covariance { covariance, .. } => optimal_design::Objective::degree(covariance.as_ref()),
-    }
+fn robust(solved: &Solved) -> Option<RobustModels> {
+    let (Criterion::Covariance(c), Some(over)) = (solved.criterion, solved.over) else { return None };
+    let values = c.robust.as_ref()?.values(&solved.design.shares);
+    Some(RobustModels { over: name_of(over), values })
 }
 
 /// Of the information at `shares`, which the solver has found regular.
@@ -95,8 +115,9 @@ fn log_det(information: &Candidates, shares: &[f64]) -> f64 {
     value.unwrap_or(f64::MIN)
 }
 
-fn covariance(solved: &Solved) -> Option<CovarianceCriterion> {
-    let Criterion::Covariance { covariance, weights } = solved.criterion else { return None };
+fn covariance(solved: &Solved) -> Option<CovarianceDocument> {
+    let Criterion::Covariance(criterion) = solved.criterion else { return None };
+    let CovarianceCriterion { covariance, weights, .. } = criterion.as_ref();
     let samples = solved.samples.map_or(1.0, f64::round).max(1.0);
     let degrees = &solved.moments.degrees;
     let names = || degrees.iter().flat_map(|d| &d.parameters).cloned();
@@ -105,16 +126,17 @@ fn covariance(solved: &Solved) -> Option<CovarianceCriterion> {
     let mut variances = Vec::new();
     for degree in degrees {
         variances.extend(rest.by_ref().take(degree.parameters.len()));
-        if solved.removal == Removal::Complete {
+        if solved.estimated.has_intercepts() {
             rest.next();
         }
     }
     let errors = variances.iter().map(|v| (v.max(0.0) / samples).sqrt());
+    let value = covariance.value(&solved.design.shares, &mut CovariancePoint::default())?;
     let value = match covariance.norm() {
-        Norm::LogDet => -solved.design.log_det - weights.len() as f64 * samples.ln(),
-        Norm::PowerMean(_) => (-solved.design.log_det).exp() / samples,
+        Norm::LogDet => -value - weights.len() as f64 * samples.ln(),
+        Norm::PowerMean(_) => (-value).exp() / samples,
     };
-    Some(CovarianceCriterion {
+    Some(CovarianceDocument {
         name: name_of(solved.name),
         value,
         weights: names().zip(weights.iter().copied()).collect(),
@@ -137,6 +159,9 @@ fn starts(design: &Design) -> Vec<Start> {
 
 fn statement(solved: &Solved, starts: &[Start], p: f64) -> String {
     let design = solved.design;
+    if let Some(restricted) = &solved.restricted {
+        return restricted.statement.clone();
+    }
     let agreeing = starts.iter().filter(|s| s.agrees).count();
     let starts = format!("{agreeing} of {} starts reached this value", starts.len());
     let gap = design.gap / p;
@@ -150,11 +175,11 @@ fn statement(solved: &Solved, starts: &[Start], p: f64) -> String {
              {starts}.",
             design.gap.max(0.0)
         ),
-        (Status::Optimal, Criterion::Covariance { covariance, .. }) => {
+        (Status::Optimal, Criterion::Covariance(c)) => {
             // A power mean is above the largest eigenvalue by at most this.
-            let above = match covariance.norm() {
-                Norm::PowerMean(power) if power > 1.0 => (covariance.eigenvalues() as f64).ln() / power,
-                _ => 0.0,
+            let above = match c.covariance.norm() {
+                Norm::PowerMean(power) if power > 1.0 => (c.covariance.eigenvalues() as f64).ln() / power,
+                _ => c.robust.as_ref().map_or(0.0, optimal_design::Robust::excess),
             };
             format!(
                 "Globally optimal: the problem is convex, and no shares{within} save more than {:.1e} of the time; {starts}.",

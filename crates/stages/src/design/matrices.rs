@@ -5,26 +5,53 @@ use std::path::Path;
 
 use optimal_design::Candidates;
 
-use crate::documents::{DegreeMoments, ManeuverMoments, MomentsDocument};
+use super::criterion::intercepts;
+use crate::documents::{DegreeMoments, ManeuverMoments, MomentsDocument, OutputErrorMoments};
 use crate::failure::Failure;
 use crate::instruments::Removal;
 
-/// One candidate per maneuver: the matrices that add up under the chosen mean removal.
-///
-/// # Errors
-/// Moments that are not complete, finite and of one shape, maneuvers of the same name.
-pub fn information(file: &Path, moments: &MomentsDocument, removal: Removal) -> Result<Candidates, Failure> {
-    check_structure(file, moments)?;
-    let of = |degree: &DegreeMoments, n: usize| Ok(reduced(&degree.m, n, removal));
-    candidates(file, moments, removal, of)
+/// The estimate that a design is for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Estimated {
+    /// By instrumental variables, their mean removed like this.
+    Iv(Removal),
+    /// By output error; the covariance of measurement errors alone, or of the current too.
+    OutputError {
+        /// Whether the current counts.
+        current: bool,
+    },
 }
 
-/// The middle matrices B of [`information`]'s candidates under the same mean removal.
+impl Estimated {
+    /// Whether intercepts are among the unknowns.
+    pub fn has_intercepts(self) -> bool {
+        match self {
+            Self::Iv(removal) => intercepts(removal),
+            Self::OutputError { .. } => true,
+        }
+    }
+}
+
+/// One candidate per maneuver: the matrices that add up for the estimate.
+///
+/// # Errors
+/// Moments that are not complete, finite and of one shape, maneuvers of the same name, none for the estimator.
+pub fn information(file: &Path, moments: &MomentsDocument, estimated: Estimated) -> Result<Candidates, Failure> {
+    check_structure(file, moments)?;
+    match estimated {
+        Estimated::Iv(removal) => {
+            candidates(file, moments, removal, |degree, n| Ok(reduced(&degree.m, n, removal)))
+        }
+        Estimated::OutputError { .. } => output_error(file, moments, |o| Ok(o.f.clone())),
+    }
+}
+
+/// The middle matrices of [`information`]'s candidates for the same estimate.
 ///
 /// # Errors
 /// Moments without middle matrices, or with some that are no covariances.
-pub fn middle(file: &Path, moments: &MomentsDocument, removal: Removal) -> Result<Candidates, Failure> {
-    let of = |degree: &DegreeMoments, n: usize| match &degree.b {
+pub fn middle(file: &Path, moments: &MomentsDocument, estimated: Estimated) -> Result<Candidates, Failure> {
+    let of = |degree: &DegreeMoments, n: usize, removal: Removal| match &degree.b {
         None => Err("no middle matrix `B`".to_owned()),
         Some(b) if b.len() != n * n => Err(format!("{} entries of `B` in {}", b.len(), degree.name)),
         Some(b) if !is_covariance(b, n) => Err(format!("a `B` in {} that is no covariance", degree.name)),
@@ -39,7 +66,44 @@ pub fn middle(file: &Path, moments: &MomentsDocument, removal: Removal) -> Resul
             "run `moments` with --campaign campaign.toml, or take --criterion d-hessian",
         ));
     }
-    candidates(file, moments, removal, of)
+    match estimated {
+        Estimated::Iv(removal) => candidates(file, moments, removal, |degree, n| of(degree, n, removal)),
+        Estimated::OutputError { current } => output_error(file, moments, |o| {
+            let own = o.e.as_ref().unwrap_or(&o.f);
+            match (&o.p, current) {
+                (Some(p), true) if p.len() == own.len() => Ok(own.iter().zip(p).map(|(e, p)| e + p).collect()),
+                (Some(_), true) => Err("a `P` of another size than `F`".into()),
+                _ => Ok(own.clone()),
+            }
+        }),
+    }
+}
+
+/// One block per maneuver: all lifted parameters together.
+fn output_error(
+    file: &Path,
+    moments: &MomentsDocument,
+    of: impl Fn(&OutputErrorMoments) -> Result<Vec<f64>, String>,
+) -> Result<Candidates, Failure> {
+    let n: usize = moments.degrees.iter().map(|d| d.regressors.len()).sum();
+    let mut candidates = Candidates::new(vec![n]);
+    for maneuver in &moments.maneuvers {
+        let Some(own) = &maneuver.output_error else {
+            return Err(Failure::refuse(
+                file,
+                &format!("moments of `{}`", maneuver.name),
+                "no `output_error`",
+                "what an output-error estimate learns from it",
+                "run `moments` again with --campaign and --estimator output-error",
+            ));
+        };
+        let entries = of(own).map_err(|found| malformed(file, maneuver, &found))?;
+        if !is_covariance(&entries, n) {
+            return Err(malformed(file, maneuver, "an `F`, `E` or `P` that is no covariance"));
+        }
+        candidates.push(&entries).map_err(|e| malformed(file, maneuver, &e.to_string()))?;
+    }
+    Ok(candidates)
 }
 
 fn candidates(
@@ -136,6 +200,9 @@ fn centred(b: &[f64], m: &[f64], lifted: usize, removal: Removal) -> Vec<f64> {
 
 /// Finite and symmetric, no pair of instruments more than fully correlated.
 fn is_covariance(b: &[f64], n: usize) -> bool {
+    if b.len() != n * n {
+        return false;
+    }
     let size = |i: usize, j: usize| (b[i * n + i].max(0.0) * b[j * n + j].max(0.0)).sqrt();
     let pairs = (0..n * n).map(|k| (k / n, k % n));
     b.iter().all(|x| x.is_finite())

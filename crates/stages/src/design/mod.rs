@@ -1,18 +1,27 @@
 //! What `moments` and `design` share about designs: the noise that a covariance is predicted from, what is available, the
-//! criterion, counts, and the document.
+//! criterion, counts, how long an experiment has to be, and the document.
 
+pub mod accuracy;
 mod available;
 mod criterion;
 mod document;
 mod matrices;
 mod noise;
+mod output_error;
 mod refusal;
+mod restricted;
 mod segments;
+mod sequence;
+mod weights;
 
 pub use available::{Available, Experiment};
-pub use criterion::{Criterion, CriterionName, Relative, weights};
+pub use criterion::{Asked, CovarianceCriterion, Criterion, CriterionName, OverModels};
 pub use document::{Solved, document};
-pub use matrices::{information, middle};
+pub use matrices::{Estimated, information, middle};
 pub use noise::NoiseModel;
+pub use output_error::{OutputErrorNoise, ParameterDraw, Predicted, SimulateWith};
 pub use refusal::no_design;
+pub use restricted::{Few, restricted};
 pub use segments::{Segments, counted};
+pub use sequence::Sequencing;
+pub use weights::{Relative, squares, weights};

@@ -2,12 +2,43 @@ use std::path::Path;
 
 use optimal_design::Error;
 
+use super::matrices::Estimated;
 use crate::documents::MomentsDocument;
 use crate::failure::Failure;
 
-/// Why there is no design of the moments in `file`.
-pub fn no_design(file: &Path, moments: &MomentsDocument, error: Error) -> Failure {
+/// What concerns the one block of all parameters, told of the degree of freedom that it concerns most.
+fn by_degree(moments: &MomentsDocument, estimated: Estimated, error: Error) -> Error {
+    if let Estimated::Iv(_) = estimated {
+        return error;
+    }
+    let ends: Vec<usize> = moments
+        .degrees
+        .iter()
+        .scan(0, |end, d| {
+            *end += d.regressors.len();
+            Some(*end)
+        })
+        .collect();
+    let degree = |row: usize| ends.iter().position(|end| row < *end).unwrap_or(0);
+    let first = |d: usize| if d == 0 { 0 } else { ends[d - 1] };
     match error {
+        Error::Unexcited { direction, .. } => {
+            let largest = (0..direction.len()).max_by(|a, b| direction[*a].abs().total_cmp(&direction[*b].abs()));
+            let block = degree(largest.unwrap_or(0));
+            let direction = direction.get(first(block)..ends[block]).unwrap_or_default().to_vec();
+            Error::Unexcited { block, direction }
+        }
+        Error::SingularCovariance { row, .. } => {
+            let block = degree(row);
+            Error::SingularCovariance { block, row: row - first(block) }
+        }
+        other => other,
+    }
+}
+
+/// Why there is no design of the moments in `file`.
+pub fn no_design(file: &Path, moments: &MomentsDocument, estimated: Estimated, error: Error) -> Failure {
+    match by_degree(moments, estimated, error) {
         Error::Unexcited { block, direction } => {
             let degree = &moments.degrees[block];
             let weight = |i: &usize| direction[*i].abs();

@@ -69,7 +69,7 @@ fn singular(design: &Design, segments: &Segments) -> (Vec<u64>, Counts) {
 fn degree(criterion: &Criterion, parameters: usize) -> f64 {
     match criterion {
         Criterion::Information(_) => parameters as f64,
-        Criterion::Covariance { covariance, .. } => optimal_design::Objective::degree(covariance.as_ref()),
+        Criterion::Covariance(_) => criterion.degree(),
     }
 }
 

@@ -8,12 +8,12 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct DesignDocument {
-    /// `D`: log|det| of the information matrix; `covariance D`, `covariance A`, `covariance relative A` or `covariance E`:
+    /// `D`: log|det| of the information matrix; `covariance D`, `A`, `relative A`, `E` or `V`:
     /// a criterion of the estimate's covariance, see `covariance`.
     pub criterion: String,
     /// How the instruments' mean is removed: `none`, `batch` or `complete`.
     pub mean_removal: String,
-    /// `optimal` (proved global), `stationary` (first-order optimal, not proved global) or `stalled`.
+    /// `optimal` (proved global), `stationary` (first-order optimal, not proved global), `stalled`, or `restricted`.
     pub status: String,
     /// The certificate in words.
     pub statement: String,
@@ -48,16 +48,119 @@ pub struct DesignDocument {
     /// About a criterion of the covariance.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub covariance: Option<CovarianceCriterion>,
+    /// `output-error` where the covariance is that of an output-error estimate.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub estimator: Option<String>,
+    /// About several nominal models, where there are any.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub robust: Option<RobustModels>,
+    /// About few or long maneuvers, where they were asked for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub restricted: Option<Restricted>,
+    /// How long the experiment has to be, where an accuracy was asked for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub accuracy: Option<Accuracy>,
+    /// Order and lengths of the maneuvers, where `--arrange` asked for them: the optimized experiment follows them.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sequence: Option<Sequence>,
+}
+
+/// Maneuvers one after the other.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Sequence {
+    /// In order; a maneuver may occur more than once.
+    pub parts: Vec<SequencePart>,
+    /// Samples of all.
+    pub samples: u64,
+    /// Value of the criterion with the state carried over, as `starts` have it.
+    pub value: f64,
+    /// How it was found, in words.
+    pub statement: String,
+}
+
+/// One maneuver of a sequence.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SequencePart {
+    /// Name in the dictionary.
+    pub maneuver: String,
+    /// Its samples.
+    pub samples: u64,
+}
+
+/// A criterion over several models of the same maneuvers.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RobustModels {
+    /// `mean` of the criteria's logarithms, or the `worst`.
+    pub over: String,
+    /// Value of every model's criterion at the shares, as `starts` have it; that of --moments first.
+    pub values: Vec<f64>,
+}
+
+/// Shares of few maneuvers, each for a while at least.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Restricted {
+    /// At most so many maneuvers.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub most_maneuvers: Option<u64>,
+    /// Each for at least so long \[s\].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub minimal_s: Option<f64>,
+    /// `exhaustive`: every choice of maneuvers was tried; `exchange`: no exchange of one maneuver improves the criterion.
+    pub method: String,
+    /// The fraction of the experiment time that the restriction costs at most; see `statement`.
+    pub gap: f64,
+    /// What is known of it, in words.
+    pub statement: String,
+}
+
+/// The shortest experiment of a wanted accuracy.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Accuracy {
+    /// The wanted standard error, relative to the parameters.
+    pub wanted: f64,
+    /// `overall`: the root of the sum of the squared relative standard errors; `per-parameter`: the largest of them.
+    pub of: String,
+    /// Duration of the experiment \[s\].
+    pub duration_s: f64,
+    /// Its samples.
+    pub samples: u64,
+    /// The accuracy that it is predicted to have.
+    pub reached: f64,
+    /// Predicted accuracy against time.
+    pub curve: Vec<AccuracyPoint>,
+    /// The answer in words.
+    pub statement: String,
+}
+
+/// Predicted accuracy after some time; none where a design excites not every parameter.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct AccuracyPoint {
+    /// Duration of the experiment \[s\].
+    pub duration_s: f64,
+    /// Of this design.
+    pub design: f64,
+    /// Of equal shares.
+    pub equal: Option<f64>,
+    /// Of the shares that the paper's criterion has for the same maneuvers.
+    pub paper: Option<f64>,
+    /// Median of random designs.
+    pub random: Option<f64>,
 }
 
 /// A criterion of the covariance of the instrumental-variable estimate, as `moments --campaign` predicts it.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CovarianceCriterion {
-    /// `d`, `a`, `a-relative` or `e`.
+    /// `d`, `a`, `a-relative`, `e` or `v`.
     pub name: String,
     /// What is smallest at the shares, for an experiment of `samples`: Σ_d log det cov θ̂_d (d), Σ weight × variance
-    /// (a, a-relative) or the largest eigenvalue over the weighted cov θ̂_d (e).
+    /// (a, a-relative), the largest eigenvalue over the weighted cov θ̂_d (e), or the mean square of a free run's error (v).
     pub value: f64,
     /// Weight of every parameter's variance; with d whether it counts.
     pub weights: BTreeMap<String, f64>,
@@ -132,5 +235,10 @@ impl Document for DesignDocument {
         ("segments", "1"),
         ("segment_samples", "1"),
         ("efficiency", "1"),
+        ("minimal_s", "s"),
+        ("duration_s", "s"),
+        ("samples", "1"),
+        ("wanted", "1"),
+        ("reached", "1"),
     ];
 }

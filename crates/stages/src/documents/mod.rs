@@ -16,13 +16,19 @@ mod validation;
 use artifact::{Document, json_schema};
 
 pub use crossval::{CrossvalDocument, EstimatorScore, SourceScore};
-pub use design::{Counts, CovarianceCriterion, DesignDocument, Efficiency, Start};
+pub use design::{
+    Accuracy, AccuracyPoint, Counts, CovarianceCriterion, DesignDocument, Efficiency, Restricted, RobustModels, Sequence,
+    SequencePart, Start,
+};
 pub use estimate::{DegreeSummary, DesignSummary, EstimateDocument, EstimatorSummary, ParameterSummary};
 pub use ingest::{
     ChannelSummary, IngestDocument, ManeuverCount, MotionSummary, RecordingSummary, RowSummary,
     WarningSummary,
 };
-pub use moments::{DegreeMoments, DegreeStructure, ExpectedDisturbances, ManeuverMoments, MomentsDocument};
+pub use moments::{
+    DegreeMoments, DegreeStructure, ExpectedDisturbances, ManeuverMoments, MomentsDocument, OutputErrorModel,
+    OutputErrorMoments,
+};
 pub use plan::{
     Check, FrontPoint, Information, PlanDocument, PlanLattice, PlanPose, PlanStep, Primitive, Secondary,
     Voyage, VoyageLeg,

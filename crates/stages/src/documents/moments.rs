@@ -21,6 +21,40 @@ pub struct MomentsDocument {
     /// What the matrices `B` were computed from, where there are any.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub disturbances: Option<ExpectedDisturbances>,
+    /// What the matrices `F` and `P` of an output-error estimate are about, where there are any.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub output_error: Option<OutputErrorModel>,
+}
+
+/// The model whose free simulation the information of an output-error estimate is about.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct OutputErrorModel {
+    /// Which parameters it has: `value`, `nominal`, or `value, draw 3` for one drawn around them.
+    pub simulated_with: String,
+    /// These parameters, in units of the state's increment per unit of the term.
+    pub parameters: BTreeMap<String, f64>,
+    /// Rows and columns of the matrices: the parameters of surge, `intercept (surge)`, then sway and yaw.
+    pub rows: Vec<String>,
+    /// Mean of SᵀS over the validation maneuvers, row-major, S = ∂x/∂θ̃ summed over the states: the variance of a free run's
+    /// error is tr(cov G).
+    #[serde(rename = "G", default, skip_serializing_if = "Option::is_none")]
+    pub g: Option<Vec<f64>>,
+}
+
+/// What one maneuver tells an output-error estimate, per sample: matrices with `rows` of the model, row-major.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct OutputErrorMoments {
+    /// Mean of SᵀWS, W the channels' weights 1/variance: Fisher's information where only white measurement errors disturb.
+    #[serde(rename = "F")]
+    pub f: Vec<f64>,
+    /// What measurement errors add to the middle matrix of the covariance F⁻¹(E + P)F⁻¹/N; F where there is none.
+    #[serde(rename = "E", default, skip_serializing_if = "Option::is_none")]
+    pub e: Option<Vec<f64>>,
+    /// What the current adds.
+    #[serde(rename = "P", default, skip_serializing_if = "Option::is_none")]
+    pub p: Option<Vec<f64>>,
 }
 
 /// The disturbances that an estimate's covariance is predicted from, white per sample.
@@ -65,6 +99,9 @@ pub struct ManeuverMoments {
     pub samples: u64,
     /// One matrix per degree of freedom.
     pub degrees: Vec<DegreeMoments>,
+    /// For an output-error estimate.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub output_error: Option<OutputErrorMoments>,
 }
 
 /// M = mean of φ̃ ζ̃ᵀ = [[X̄, Ȳ], [Z̄ᵀ, 1]] of one maneuver and degree of freedom.

@@ -1,5 +1,6 @@
 //! Collects a study for the page from the folder that the stages wrote into.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use artifact::{Digest, Document, Loaded, Provenance, TableReader, read_document, read_toml};
@@ -37,10 +38,12 @@ pub fn load(sources: &Sources) -> Result<Study, Failure> {
     let campaign = loader.toml::<CampaignFile>("campaign.toml", "runs, disturbances, seed, validation")?;
     let descriptions = loader.toml::<DictionaryFile>("dictionary.toml", "the maneuvers")?;
     let reference = loader.toml::<Reference>("reference.toml", "published results, to compare with")?;
-    let described = |name: &str| {
-        let found = descriptions.iter().flat_map(|d| &d.maneuvers).find(|m| m.name == name);
-        found.map_or(String::new(), |m| m.description.clone())
-    };
+    let descriptions: BTreeMap<String, String> = descriptions
+        .iter()
+        .flat_map(|d| d.expanded().unwrap_or_default())
+        .map(|m| (m.name, m.description))
+        .collect();
+    let described = |name: &str| descriptions.get(name).cloned().unwrap_or_default();
     let study = Study {
         name: sources.study.file_name().map_or(String::new(), |n| n.to_string_lossy().into_owned()),
         experiment_s: campaign.map(|c| c.duration_s),

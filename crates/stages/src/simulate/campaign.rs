@@ -13,7 +13,7 @@ use vessel::{
 
 use super::{diverged, exogenous, publish, refuse_endless, writer};
 use crate::campaign_file::CampaignFile;
-use crate::documents::DesignDocument;
+use crate::documents::{DesignDocument, Sequence};
 use crate::failure::Failure;
 use crate::lanes::{interleave, lane_of};
 use crate::ordered::ordered;
@@ -52,8 +52,8 @@ struct Design {
 enum Rule {
     /// All the same.
     Fixed(Plan),
-    /// A maneuver drawn from `maneuvers` for each of the lengths.
-    Drawn { maneuvers: u32, lengths: Vec<usize> },
+    /// One of `maneuvers` drawn for each of the lengths.
+    Drawn { maneuvers: Vec<usize>, lengths: Vec<usize> },
 }
 
 impl Design {
@@ -61,8 +61,9 @@ impl Design {
         match &self.rule {
             Rule::Fixed(plan) => plan.clone(),
             Rule::Drawn { maneuvers, lengths } => {
-                let drawn = self.streams.choices(run, MANEUVER_CHANNEL, *maneuvers, lengths.len());
-                drawn.iter().zip(lengths).map(|(q, n)| (*q as usize, *n)).collect()
+                let count = maneuvers.len() as u32;
+                let drawn = self.streams.choices(run, MANEUVER_CHANNEL, count, lengths.len());
+                drawn.iter().zip(lengths).map(|(q, n)| (maneuvers[*q as usize], *n)).collect()
             }
         }
     }
@@ -110,7 +111,9 @@ impl<'a> Campaign<'a> {
             }
             let even = vec![1.0 / f64::from(random.segments); random.segments as usize];
             let lengths: Vec<usize> = apportion(&even, samples as u64).iter().map(|n| *n as usize).collect();
-            let rule = Rule::Drawn { maneuvers: names.len() as u32, lengths };
+            // Generated maneuvers that exceed their limits are in no design.
+            let known = |q: &usize| generator.limits(*q).is_none() || design.shares.contains_key(&names[*q]);
+            let rule = Rule::Drawn { maneuvers: (0..names.len()).filter(known).collect(), lengths };
             designs.push(Design { name: "random", streams: Streams::new(seed, "random"), rule });
         }
         let mut realized = BTreeMap::new();
@@ -314,12 +317,47 @@ fn optimized_plan(
         ));
     }
     check_shares(files.design, design)?;
+    if let Some(sequence) = &design.sequence {
+        return sequence_plan(files, names, sequence, samples);
+    }
     let shares: Vec<f64> = names.iter().map(|name| design.shares.get(name).copied().unwrap_or(0.0)).collect();
     let counts = apportion(&shares, samples as u64);
     if samples == 0 {
         return Err(too_short(files.campaign, samples, "duration_s"));
     }
     Ok(counts.iter().enumerate().filter(|(_, n)| **n > 0).map(|(q, n)| (q, *n as usize)).collect())
+}
+
+/// The design's own order and lengths.
+fn sequence_plan(
+    files: &CampaignFiles,
+    names: &[String],
+    sequence: &Sequence,
+    samples: usize,
+) -> Result<Plan, Failure> {
+    let refuse = |found: &str, expected: &str, remedy: &str| {
+        Err(Failure::refuse(files.design, "`data.sequence`", found, expected, remedy))
+    };
+    let total: u64 = sequence.parts.iter().map(|part| part.samples).sum();
+    if total != samples as u64 {
+        return refuse(
+            &format!("{total} samples"),
+            &format!("the {samples} samples of `duration_s` in {}", files.campaign.display()),
+            "arrange the design for this duration, or change `duration_s`",
+        );
+    }
+    let mut plan = Plan::new();
+    for part in &sequence.parts {
+        match names.iter().position(|name| *name == part.maneuver) {
+            Some(q) if part.samples > 0 => plan.push((q, part.samples as usize)),
+            Some(_) => return refuse(&format!("`{}` without a sample", part.maneuver), "at least one", "arrange it again"),
+            None => {
+                let expected = format!("maneuvers of {}", files.dictionary.display());
+                return refuse(&format!("maneuver `{}`", part.maneuver), &expected, "arrange it again");
+            }
+        }
+    }
+    Ok(plan)
 }
 
 /// Refuses shares that are no shares.

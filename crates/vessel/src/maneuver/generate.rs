@@ -1,7 +1,9 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use super::spec::{Kind, ManeuverSpec, check_all};
+use super::candidates::Limits;
+use super::signal::Wave;
+use super::spec::{Kind, ManeuverSpec};
 use crate::steady::{Motion, steady_inputs};
 use crate::{DictionaryFile, Invalid, Source, Streams, Vessel, parse_inputs};
 
@@ -20,6 +22,9 @@ pub struct Generator {
     vessel: Vessel,
     parameters: Vec<f64>,
     maneuvers: Vec<ManeuverSpec>,
+    /// How many of them are written by hand.
+    written: usize,
+    limits: Option<Limits>,
     default_s: Option<f64>,
     files: BTreeMap<usize, Vec<f64>>,
 }
@@ -34,7 +39,9 @@ impl Generator {
         dictionary: &DictionaryFile,
         read: impl Fn(&Path) -> Result<String, Invalid>,
     ) -> Result<Self, Invalid> {
-        check_all(&dictionary.maneuvers, dictionary.duration_s)?;
+        let maneuvers = dictionary.expanded()?;
+        let limits = dictionary.generate.as_ref().map(|generate| generate.limits.clone());
+        limits.as_ref().map_or(Ok(()), |limits| limits.check(&vessel.model))?;
         let source =
             if vessel.value.iter().all(Option::is_some) { dictionary.inputs_from } else { Source::Nominal };
         let mut files = BTreeMap::new();
@@ -48,7 +55,9 @@ impl Generator {
         Ok(Self {
             vessel: vessel.clone(),
             parameters: vessel.parameters(source)?,
-            maneuvers: dictionary.maneuvers.clone(),
+            maneuvers,
+            written: dictionary.maneuvers.len(),
+            limits,
             default_s: dictionary.duration_s,
             files,
         })
@@ -57,6 +66,16 @@ impl Generator {
     /// The maneuvers, in order.
     pub fn maneuvers(&self) -> &[ManeuverSpec] {
         &self.maneuvers
+    }
+
+    /// The limits that maneuver `index` has to keep, if it is generated.
+    pub fn limits(&self, index: usize) -> Option<&Limits> {
+        self.limits.as_ref().filter(|_| index >= self.written)
+    }
+
+    /// The parameters that turn maneuvers into inputs.
+    pub fn parameters(&self) -> &[f64] {
+        &self.parameters
     }
 
     /// Number of samples of maneuver `index` in the dictionary.
@@ -126,6 +145,8 @@ struct Plan<'a> {
     rate_hz: f64,
     samples: usize,
     signs: [Vec<f64>; 3],
+    /// Speed, yaw rate and sway speed of a combined maneuver.
+    waves: [Option<Wave>; 3],
 }
 
 impl<'a> Plan<'a> {
@@ -140,7 +161,18 @@ impl<'a> Plan<'a> {
             }
             _ => [const { Vec::new() }; 3],
         };
-        Self { kind, rate_hz, samples, signs }
+        let duration_s = samples as f64 / rate_hz;
+        let waves = match *kind {
+            Kind::Combined { speed_m_s, yaw_rate_rad_s, sway_m_s } => {
+                let mut channel = 0;
+                [Some(speed_m_s), yaw_rate_rad_s, sway_m_s].map(|signal| {
+                    channel += 1;
+                    signal.map(|signal| Wave::new(signal, channel, duration_s))
+                })
+            }
+            _ => [const { None }; 3],
+        };
+        Self { kind, rate_hz, samples, signs, waves }
     }
 
     fn start_speed(&self) -> f64 {
@@ -152,6 +184,7 @@ impl<'a> Plan<'a> {
             | Kind::SteadyTurn { speed_m_s, .. }
             | Kind::PseudoRandomBinary { speed_m_s, .. }
             | Kind::Inputs { speed_m_s, .. } => speed_m_s,
+            Kind::Combined { .. } => self.motion(0).u,
         }
     }
 
@@ -198,6 +231,11 @@ impl<'a> Plan<'a> {
                     v: sway_amplitude_m_s.map(|v| v * sign(1)),
                     r: yaw_rate_amplitude_rad_s * sign(2),
                 }
+            }
+            Kind::Combined { .. } => {
+                let done = (k as f64 + 0.5) / self.samples as f64;
+                let [u, r, v] = self.waves.each_ref().map(|wave| wave.as_ref().map(|wave| wave.at(t, done)));
+                Motion { u: u.unwrap_or(0.0), v, r: r.unwrap_or(0.0) }
             }
             Kind::Inputs { speed_m_s: u, .. } => Motion { u, v: None, r: 0.0 },
         }

@@ -4,6 +4,8 @@ use std::path::PathBuf;
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer};
 
+use super::candidates::GenerateSpec;
+use super::signal::Signal;
 use crate::{Invalid, Source};
 
 /// `dictionary.toml` as written.
@@ -16,8 +18,10 @@ pub struct DictionaryFile {
     #[serde(default)]
     pub inputs_from: Source,
     /// The maneuvers, in order.
-    #[serde(rename = "maneuver")]
+    #[serde(default, rename = "maneuver")]
     pub maneuvers: Vec<ManeuverSpec>,
+    /// More maneuvers, by generation.
+    pub generate: Option<GenerateSpec>,
 }
 
 /// One maneuver.
@@ -160,6 +164,15 @@ pub enum Kind {
         #[serde(default)]
         seed: u64,
     },
+    /// Speed, yaw rate and sway speed each follow a signal of their own.
+    Combined {
+        /// Surge speed \[m/s\].
+        speed_m_s: Signal,
+        /// Yaw rate \[rad/s\]; without it zero.
+        yaw_rate_rad_s: Option<Signal>,
+        /// Sway speed \[m/s\]; without it, whatever comes with the turn.
+        sway_m_s: Option<Signal>,
+    },
     /// Inputs from a file.
     Inputs {
         /// CSV with a column per input, a row per sample; relative to the dictionary's folder.
@@ -216,13 +229,24 @@ impl DictionaryFile {
     /// # Errors
     /// Names the maneuver and the key.
     pub fn check(&self) -> Result<(), Invalid> {
-        check_all(&self.maneuvers, self.duration_s)
+        self.expanded().map(|_| ())
+    }
+
+    /// The maneuvers with the generated ones after those written, each of a name of its own.
+    ///
+    /// # Errors
+    /// See [`DictionaryFile::check`].
+    pub fn expanded(&self) -> Result<Vec<ManeuverSpec>, Invalid> {
+        let generated = self.generate.as_ref().map(GenerateSpec::candidates).transpose()?;
+        let all: Vec<ManeuverSpec> = self.maneuvers.iter().cloned().chain(generated.into_iter().flatten()).collect();
+        check_all(&all, self.duration_s)?;
+        Ok(all)
     }
 }
 
 pub(crate) fn check_all(maneuvers: &[ManeuverSpec], default_s: Option<f64>) -> Result<(), Invalid> {
     if maneuvers.is_empty() {
-        return Err(Invalid::new("[[maneuver]]", "none", "at least one maneuver", "add one"));
+        return Err(Invalid::new("[[maneuver]]", "none", "at least one maneuver", "add one, or [generate]"));
     }
     let mut names = BTreeSet::new();
     for maneuver in maneuvers {
@@ -280,6 +304,12 @@ impl ManeuverSpec {
             }
             Kind::SwayZigZag { period_s, .. } => self.above_zero("period_s", period_s),
             Kind::PseudoRandomBinary { dwell_s, .. } => self.above_zero("dwell_s", dwell_s),
+            Kind::Combined { .. } => {
+                let with_period = self.kind.signals().into_iter().filter(|(_, signal)| signal.has_period());
+                with_period.into_iter().try_for_each(|(key, signal)| {
+                    self.above_zero(&format!("{key}.period_s"), signal.period_s)
+                })
+            }
             _ => Ok(()),
         }
     }
@@ -338,8 +368,20 @@ impl Kind {
                 ("yaw_rate_amplitude_rad_s", yaw_rate_amplitude_rad_s),
                 ("sway_amplitude_m_s", or_zero(sway_amplitude_m_s)),
             ],
+            Self::Combined { .. } => {
+                let numbers = |(key, s): (&'static str, Signal)| [s.mean, s.amplitude, s.phase].map(|x| (key, x));
+                self.signals().into_iter().flat_map(numbers).collect()
+            }
             Self::Inputs { speed_m_s, .. } => vec![("speed_m_s", speed_m_s)],
         }
+    }
+
+    /// The signals of a combined maneuver with their keys.
+    fn signals(&self) -> Vec<(&'static str, Signal)> {
+        let Self::Combined { speed_m_s, yaw_rate_rad_s, sway_m_s } = *self else { return Vec::new() };
+        let others = [("yaw_rate_rad_s", yaw_rate_rad_s), ("sway_m_s", sway_m_s)];
+        let others = others.into_iter().filter_map(|(key, signal)| signal.map(|signal| (key, signal)));
+        [("speed_m_s", speed_m_s)].into_iter().chain(others).collect()
     }
 
     /// Amplitude of the yaw rate of a zig-zag \[rad/s\].

@@ -1,0 +1,177 @@
+//! Sensitivities and predicted covariances of free simulation against difference quotients and simulated noise.
+
+mod support;
+
+use identification::{Noise, lifted, output_information, prediction_weights, sensitivities};
+use support::*;
+use vessel::{Lane, Model, simulate, simulate_one};
+
+/// A simulation in which every increment has an intercept: c joins through a step of the state itself.
+fn with_intercepts(model: &Model, theta: &[f64], initial: [f64; 3], exogenous: &[f64]) -> Vec<f64> {
+    let mut plain = Vec::new();
+    let mut intercepts = [0.0; 3];
+    let mut next = theta.iter();
+    for (d, degree) in model.degrees.iter().enumerate() {
+        plain.extend((&mut next).take(degree.terms.len()));
+        intercepts[d] = *next.next().unwrap();
+    }
+    let width = model.exogenous();
+    let mut states = initial.to_vec();
+    for row in exogenous.chunks_exact(width) {
+        let at = [states[states.len() - 3], states[states.len() - 2], states[states.len() - 1]];
+        let values: Vec<f64> = at.iter().chain(row).copied().collect();
+        let increments = model.increments(&values, &plain);
+        (0..3).for_each(|d| states.push(at[d] + increments[d] + intercepts[d]));
+    }
+    states
+}
+
+/// θ with zero intercepts.
+fn lift(model: &Model, theta: &[f64]) -> Vec<f64> {
+    let mut next = theta.iter().copied();
+    let of = |degree: &vessel::Degree| -> Vec<f64> { (&mut next).take(degree.terms.len()).chain([0.0]).collect() };
+    model.degrees.iter().flat_map(of).collect()
+}
+
+#[test]
+fn law_sensitivities_are_the_difference_quotients_of_free_simulation() {
+    let vessel = paper();
+    let generator = dictionary(&vessel);
+    let experiment = Experiment::of_maneuvers(&generator, &[(7, 60), (10, 60), (0, 40)]);
+    let (model, theta) = (&vessel.model, truth(&vessel));
+    let states = simulate_one(model, &theta, experiment.initial, &experiment.inputs);
+    let (s, _) = sensitivities(model, &theta, &states, &experiment.inputs);
+    let (n, at) = (lifted(model), lift(model, &theta));
+    for p in 0..n {
+        // Of a size that moves the states by about a hundredth.
+        let step = if at[p] == 0.0 { 1e-6 } else { 1e-5 * at[p].abs() };
+        let moved = |sign: f64| {
+            let mut theta = at.clone();
+            theta[p] += sign * step;
+            with_intercepts(model, &theta, experiment.initial, &experiment.inputs)
+        };
+        let (up, down) = (moved(1.0), moved(-1.0));
+        let size = s.iter().skip(p).step_by(n).fold(0.0_f64, |most, x| most.max(x.abs()));
+        for (row, found) in s.iter().skip(p).step_by(n).enumerate() {
+            let expected = (up[3 + row] - down[3 + row]) / (2.0 * step);
+            assert!((found - expected).abs() < 1e-6 * size, "parameter {p}, row {row}: {found} {expected}");
+        }
+    }
+}
+
+#[test]
+fn law_the_middle_matrix_is_what_every_single_draw_moves() {
+    let vessel = paper();
+    let generator = dictionary(&vessel);
+    let experiment = Experiment::of_maneuvers(&generator, &[(7, 25), (10, 25)]);
+    let (model, theta) = (&vessel.model, truth(&vessel));
+    let noise = Noise { measurement: [0.1, 0.2, 0.05], current: 0.3 };
+    let found = output_information(model, &theta, experiment.initial, &experiment.inputs, &noise).unwrap();
+    let states = simulate_one(model, &theta, experiment.initial, &experiment.inputs);
+    let (s, jacobians) = sensitivities(model, &theta, &states, &experiment.inputs);
+    let (n, samples) = (lifted(model), jacobians.len());
+    let weights = noise.measurement.map(|std| 1.0 / (std * std));
+    let mut expected = vec![0.0; n * n];
+    let mut information = vec![0.0; n * n];
+    let parameters: Vec<Lane> = theta.iter().map(|t| Lane::splat(*t)).collect();
+    for draw in 0..2 * samples {
+        let moved = |sign: f64| {
+            let mut current = vec![Lane::ZERO; 2 * samples];
+            current[draw] = Lane::splat(sign * 1e-5);
+            let mut states = vec![Lane::ZERO; 3 * (samples + 1)];
+            let initial = experiment.initial.map(Lane::splat);
+            simulate(model, &parameters, initial, &experiment.inputs, &current, &mut states);
+            states.iter().map(|lane| lane[0]).collect::<Vec<f64>>()
+        };
+        let (up, down) = (moved(1.0), moved(-1.0));
+        let mut g = vec![0.0; n];
+        for (row, gradient) in s.chunks_exact(n).enumerate() {
+            let change = (up[3 + row] - down[3 + row]) / 2e-5;
+            g.iter_mut().zip(gradient).for_each(|(g, s)| *g += weights[row % 3] * s * change);
+        }
+        (0..n * n).for_each(|e| expected[e] += 0.3 * 0.3 * g[e / n] * g[e % n] / samples as f64);
+    }
+    for (row, gradient) in s.chunks_exact(n).enumerate() {
+        let share = weights[row % 3] / samples as f64;
+        (0..n * n).for_each(|e| information[e] += share * gradient[e / n] * gradient[e % n]);
+    }
+    for (name, found, expected) in
+        [("P", &found.process, &expected), ("F", &found.information, &information), ("E", &found.measurement, &information)]
+    {
+        for e in 0..n * n {
+            let size = (expected[e / n * (n + 1)] * expected[e % n * (n + 1)]).sqrt();
+            assert!((found[e] - expected[e]).abs() < 1e-6 * size, "{name} {e}: {} {}", found[e], expected[e]);
+        }
+    }
+}
+
+#[test]
+fn law_the_variance_of_a_free_run_is_the_trace_of_weights_and_covariance() {
+    let vessel = paper();
+    let generator = dictionary(&vessel);
+    let experiment = Experiment::of_maneuvers(&generator, &[(8, 80)]);
+    let (model, theta) = (&vessel.model, truth(&vessel));
+    let weights = prediction_weights(model, &theta, experiment.initial, &experiment.inputs).unwrap();
+    let n = lifted(model);
+    // One direction of small errors: δᵀ G δ is the mean square of what it moves.
+    let (mut errors, mut place) = (vec![0.0; n], 0);
+    let mut moved = theta.clone();
+    for degree in &model.degrees {
+        for _ in &degree.terms {
+            let index = place - errors_before(model, place);
+            errors[place] = 1e-4 * theta[index] * if index % 2 == 0 { 1.0 } else { -0.5 };
+            moved[index] += errors[place];
+            place += 1;
+        }
+        place += 1;
+    }
+    let run = |theta: &[f64]| simulate_one(model, theta, experiment.initial, &experiment.inputs);
+    let difference = run(&moved).iter().zip(run(&theta)).map(|(a, b)| (a - b).powi(2)).sum::<f64>() / 80.0;
+    let predicted: f64 = (0..n * n).map(|e| errors[e / n] * weights[e] * errors[e % n]).sum();
+    assert!((difference - predicted).abs() < 1e-3 * predicted, "{difference} {predicted}");
+}
+
+/// Intercepts before a lifted place.
+fn errors_before(model: &Model, place: usize) -> usize {
+    let mut end = 0;
+    model.degrees.iter().take_while(|degree| { end += degree.terms.len() + 1; end <= place }).count()
+}
+
+/// Finite differences of whole simulations agree to their own accuracy.
+#[test]
+fn oracle_information_of_every_maneuver() {
+    let oracle: serde_json::Value =
+        serde_json::from_str(include_str!("../../../fixtures/oracle/output_information.json")).unwrap();
+    let floats = |value: &serde_json::Value| -> Vec<f64> {
+        value.as_array().unwrap().iter().map(|x| x.as_f64().unwrap()).collect()
+    };
+    let vessel = paper();
+    let generator = dictionary(&vessel);
+    let (model, theta) = (&vessel.model, truth(&vessel));
+    let std = 0.158_113_883_008_418_97;
+    let noise = Noise { measurement: [std; 3], current: std };
+    let n = lifted(model);
+    for index in 0..generator.maneuvers().len() {
+        let run = generator.realize(index, 300).unwrap();
+        let found = output_information(model, &theta, run.initial, &run.inputs, &noise).unwrap();
+        for (name, found) in [("F", &found.information), ("P", &found.process)] {
+            let expected = floats(&oracle[name][index]);
+            for e in 0..n * n {
+                let size = (expected[e / n * (n + 1)] * expected[e % n * (n + 1)]).sqrt();
+                assert!(
+                    (found[e] - expected[e]).abs() <= 1e-6 * size + 1e-300,
+                    "{name} of {index}, {e}: {} {}",
+                    found[e],
+                    expected[e]
+                );
+            }
+        }
+    }
+    let run = generator.realize(0, 300).unwrap();
+    let found = prediction_weights(model, &theta, run.initial, &run.inputs).unwrap();
+    let expected = floats(&oracle["G"]);
+    for e in 0..n * n {
+        let size = (expected[e / n * (n + 1)] * expected[e % n * (n + 1)]).sqrt();
+        assert!((found[e] - expected[e]).abs() <= 1e-6 * size + 1e-300, "G {e}: {} {}", found[e], expected[e]);
+    }
+}

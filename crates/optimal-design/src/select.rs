@@ -1,0 +1,195 @@
+//! Few candidates, and none for less than a least share.
+
+use crate::design::{from_points, loss};
+use crate::subset::Subset;
+use crate::{Bounds, Design, Error, Objective, Options};
+
+/// What shares have to keep besides their bounds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Restriction {
+    /// At most so many candidates have a share.
+    pub most: usize,
+    /// A candidate with a share has at least this.
+    pub least: f64,
+}
+
+/// Restricted shares.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Selected {
+    /// Shares of all candidates.
+    pub shares: Vec<f64>,
+    /// Φ of them.
+    pub value: f64,
+    /// g_q of every candidate.
+    pub sensitivities: Vec<f64>,
+    /// By how much no feasible direction, without the restriction, can ascend.
+    pub gap: f64,
+    /// Whether every choice of candidates was tried, so that none is better.
+    pub exhaustive: bool,
+    /// How many choices were tried.
+    pub tried: usize,
+}
+
+impl Selected {
+    /// By how much at most, as a fraction of the experiment's time, these shares are worse than any within the gap of
+    /// `relaxed`, the design without restriction: proved where that is proved global. `degree`: what the criterion gains per
+    /// log of time.
+    pub fn loss_bound(&self, relaxed: &Design, degree: f64) -> f64 {
+        loss(self.value, relaxed, degree)
+    }
+}
+
+/// All choices are tried where there are no more than this.
+const EXHAUSTIVE: f64 = 2000.0;
+/// Of the smallest shares, how many are tried to be dropped.
+const DROPPED: usize = 6;
+/// Unused candidates that are tried in an exchange, the most sensitive.
+const INCOMING: usize = 12;
+
+/// The best shares found that keep `restriction`: candidates are dropped from the support of `relaxed` one at a time, each
+/// time the one that costs least, then exchanged for others as long as that is better. All choices are tried where they are
+/// few and no least share is asked for.
+///
+/// # Errors
+/// [`Error::Infeasible`] where no shares keep the bounds; [`Error::Solver`] where so few candidates excite not every
+/// direction.
+pub fn select<O: Objective>(
+    objective: &O,
+    relaxed: &Design,
+    bounds: &Bounds,
+    restriction: &Restriction,
+    options: &Options,
+) -> Result<Selected, Error> {
+    let mut search = Search { objective, bounds, options, restriction, tried: 0 };
+    let most = restriction.most.min(objective.len());
+    if restriction.least <= 0.0 && choices(objective.len(), most) <= EXHAUSTIVE {
+        let best = search.all(most);
+        return search.found(best, true);
+    }
+    let used: Vec<usize> = (0..objective.len()).filter(|q| relaxed.shares[*q] > 0.0).collect();
+    let mut now = search.solve(&used);
+    while let Some(current) = now.take().filter(|current| !search.keeps(current)) {
+        now = search.drop_one(&current);
+    }
+    while let Some(better) = now.as_ref().and_then(|current| search.exchange(current)) {
+        now = Some(better);
+    }
+    search.found(now, false)
+}
+
+/// Number of sets of `k` out of `n`.
+fn choices(n: usize, k: usize) -> f64 {
+    (0..k).map(|i| (n - i) as f64 / (k - i) as f64).product()
+}
+
+/// Shares of a choice of candidates: all of the members' are above zero.
+struct Choice {
+    members: Vec<usize>,
+    shares: Vec<f64>,
+    value: f64,
+    sensitivities: Vec<f64>,
+}
+
+struct Search<'a, O> {
+    objective: &'a O,
+    bounds: &'a Bounds,
+    options: &'a Options,
+    restriction: &'a Restriction,
+    tried: usize,
+}
+
+impl<O: Objective> Search<'_, O> {
+    fn found(&self, best: Option<Choice>, exhaustive: bool) -> Result<Selected, Error> {
+        let best = best.ok_or_else(|| Error::Solver("every choice was singular".into()))?;
+        let mut shares = vec![0.0; self.objective.len()];
+        best.members.iter().zip(&best.shares).for_each(|(q, w)| shares[*q] = *w);
+        let gap = self.bounds.gap(&best.sensitivities, &shares, self.objective.degree());
+        let (value, sensitivities) = (best.value, best.sensitivities);
+        Ok(Selected { shares, value, sensitivities, gap, exhaustive, tried: self.tried })
+    }
+
+    fn keeps(&self, choice: &Choice) -> bool {
+        choice.members.len() <= self.restriction.most
+            && choice.shares.iter().all(|w| *w >= self.restriction.least - 1e-12)
+    }
+
+    /// The best shares of `members`; `None` where they are singular or have no room.
+    fn solve(&mut self, members: &[usize]) -> Option<Choice> {
+        self.tried += 1;
+        let upper: Vec<f64> = members.iter().map(|q| self.bounds.upper(*q)).collect();
+        let bounds = Bounds::new(&upper).ok()?;
+        let subset = Subset { objective: self.objective, members: members.to_vec() };
+        let mut start = vec![1.0 / members.len() as f64; members.len()];
+        bounds.fill(&mut start);
+        let design = from_points(&subset, &bounds, self.options, false, vec![start]).ok()?;
+        let kept: Vec<usize> = (0..members.len()).filter(|i| design.shares[*i] > 0.0).collect();
+        let whole = subset.whole(&design.shares);
+        let mut at = O::Point::default();
+        let value = self.objective.evaluate(&whole, &mut at)?;
+        let sensitivities = (0..self.objective.len()).map(|q| self.objective.sensitivity(q, &at)).collect();
+        Some(Choice {
+            members: kept.iter().map(|i| members[*i]).collect(),
+            shares: kept.iter().map(|i| design.shares[*i]).collect(),
+            value,
+            sensitivities,
+        })
+    }
+
+    /// Without the member that costs least.
+    fn drop_one(&mut self, from: &Choice) -> Option<Choice> {
+        let mut order: Vec<usize> = (0..from.members.len()).collect();
+        order.sort_by(|a, b| from.shares[*a].total_cmp(&from.shares[*b]));
+        let mut best: Option<Choice> = None;
+        for (place, out) in order.iter().enumerate() {
+            if place >= DROPPED && best.is_some() {
+                break;
+            }
+            let left: Vec<usize> =
+                from.members.iter().enumerate().filter(|(i, _)| i != out).map(|(_, q)| *q).collect();
+            let found = if left.is_empty() { None } else { self.solve(&left) };
+            if let Some(found) = found.filter(|f| best.as_ref().is_none_or(|b| f.value > b.value)) {
+                best = Some(found);
+            }
+        }
+        best
+    }
+
+    /// The best exchange of a member for an unused candidate that is better, or the best addition where there is room.
+    fn exchange(&mut self, from: &Choice) -> Option<Choice> {
+        let mut incoming: Vec<usize> = (0..self.objective.len()).filter(|q| !from.members.contains(q)).collect();
+        incoming.sort_by(|a, b| from.sensitivities[*b].total_cmp(&from.sensitivities[*a]).then(a.cmp(b)));
+        incoming.truncate(INCOMING);
+        let mut best: Option<Choice> = None;
+        for new in incoming {
+            let room = from.members.len() < self.restriction.most;
+            for out in (0..from.members.len()).map(Some).chain(room.then_some(None)) {
+                let kept = from.members.iter().enumerate().filter(|(i, _)| Some(*i) != out).map(|(_, q)| *q);
+                let mut members: Vec<usize> = kept.chain([new]).collect();
+                members.sort_unstable();
+                let least = best.as_ref().map_or(from.value, |b| b.value);
+                let better = least + 1e-9 * least.abs().max(1.0);
+                let found = self.solve(&members).filter(|f| f.value > better && self.keeps(f));
+                best = found.or(best);
+            }
+        }
+        best
+    }
+
+    /// The best of all choices of `most` candidates.
+    fn all(&mut self, most: usize) -> Option<Choice> {
+        let mut members: Vec<usize> = (0..most).collect();
+        let mut best: Option<Choice> = None;
+        loop {
+            if let Some(found) = self.solve(&members).filter(|f| best.as_ref().is_none_or(|b| f.value > b.value)) {
+                best = Some(found);
+            }
+            // The next combination in lexicographic order.
+            let last = self.objective.len() - most;
+            let Some(place) = (0..most).rev().find(|i| members[*i] < last + i) else { return best };
+            members[place] += 1;
+            for i in place + 1..most {
+                members[i] = members[i - 1] + 1;
+            }
+        }
+    }
+}
