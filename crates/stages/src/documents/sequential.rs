@@ -16,8 +16,6 @@ pub struct SequentialDocument {
     pub nominal_spread: f64,
     /// Predicted error at which a trial may stop.
     pub accuracy: f64,
-    /// What estimated.
-    pub estimator: String,
     /// The result in words.
     pub statements: Vec<String>,
     /// `sequential`, `one-shot`, `informed`, `random`.

@@ -1,14 +1,14 @@
+use identification::parameter_error;
+use identification::pooled::Lifted;
 use optimal_design::apportion;
 use vessel::{
     Disturbances, Generator, Invalid, LANES, Lane, Model, Realized, Streams, check_diverged, simulate,
 };
 
-use identification::parameter_error;
-
-use super::estimate::{Found, Leg, estimate, predicted_sums};
+use super::SequentialFile;
+use super::estimate::{Leg, estimate};
 use super::planner::Planner;
 use super::table::Row;
-use super::{SequentialEstimator, SequentialFile};
 use crate::simulate::exogenous;
 
 /// A way to spend the sea time.
@@ -56,8 +56,28 @@ pub struct Trial<'a> {
     pub random_segments: usize,
     /// Samples sailed by the end of every round.
     pub ends: Vec<usize>,
+    /// The model with intercepts.
+    pub lifted: Lifted,
+    /// Standard deviations that output errors are weighted by.
+    pub std: [f64; 3],
+    /// Sampling rate \[Hz\].
+    pub rate_hz: f64,
     /// Seed of all random numbers.
     pub seed: u64,
+}
+
+/// An estimate with its standard errors.
+struct Found {
+    theta: Vec<f64>,
+    standard_errors: Vec<f64>,
+}
+
+impl Found {
+    /// 2-norm over the parameters of standard error over estimate.
+    fn predicted_error(&self) -> f64 {
+        let relative = self.standard_errors.iter().zip(&self.theta).map(|(error, theta)| error / theta);
+        relative.map(|x| x * x).sum::<f64>().sqrt()
+    }
 }
 
 /// Channel of the random stream that draws maneuvers.
@@ -98,23 +118,26 @@ impl Trial<'_> {
         let total = self.ends.last().copied().unwrap_or(0);
         for (round, end) in self.ends.iter().enumerate() {
             let before = if round == 0 { 0 } else { self.ends[round - 1] };
-            let sailed = if round == 0 { None } else { predicted_sums(self.model, &legs, &known) };
+            let sailed = if round == 0 { None } else { self.planner.sailed(&legs, &known) };
             let shares = self.planner.shares(&known, sailed.as_ref(), total - before);
             let designed = shares.is_some();
             let rest = plan(&shares.unwrap_or_else(|| self.even()), total - before);
             let plan = first(longest_first(rest), end - before);
-            legs.push(self.sail(&format!("sequential {round}"), number, &plan, &known)?);
-            let found = estimate(self.model, &legs, self.config.estimator);
+            legs.push(self.sail(&format!("sequential {round}"), number, &plan)?);
+            let found = self.found(&legs, &known);
             if let Some(found) = &found {
-                let learnt = self.learnt(crude, found);
-                // A model that diverges over what was sailed is no model to design with.
-                if predicted_sums(self.model, &legs, &learnt).is_some() {
-                    known = learnt;
-                }
+                known = self.learnt(crude, found);
             }
             rows.push(self.row(Arm::Sequential, number, round, found.as_ref(), designed));
         }
         Ok(rows)
+    }
+
+    /// The estimate from `legs`, by a model that was known before, with its predicted error.
+    fn found(&self, legs: &[Leg], known: &[f64]) -> Option<Found> {
+        let theta = estimate(&self.lifted, self.model, legs, known, self.std)?;
+        let standard_errors = self.planner.sailed(legs, &theta)?.standard_errors(self.model)?;
+        Some(Found { theta, standard_errors })
     }
 
     /// The model to design with: each parameter between the crude and the estimated one, as their variances have it.
@@ -140,8 +163,8 @@ impl Trial<'_> {
         };
         let one = |(round, end): (usize, &usize)| {
             let plan = if arm == Arm::Random { self.drawn(number, *end) } else { plan(&shares, *end) };
-            let leg = self.sail(&format!("{} {round}", arm.name()), number, &plan, crude)?;
-            let found = estimate(self.model, &[leg], self.config.estimator);
+            let leg = self.sail(&format!("{} {round}", arm.name()), number, &plan)?;
+            let found = self.found(&[leg], crude);
             Ok(self.row(arm, number, round, found.as_ref(), designed))
         };
         self.ends.iter().enumerate().map(one).collect()
@@ -173,7 +196,7 @@ impl Trial<'_> {
     }
 
     /// Sails `plan` from its first maneuver's initial state under this leg's own disturbances.
-    fn sail(&self, leg: &str, number: u32, plan: &Plan, known: &[f64]) -> Result<Leg, Invalid> {
+    fn sail(&self, leg: &str, number: u32, plan: &Plan) -> Result<Leg, Invalid> {
         let parts: Vec<Realized> =
             plan.iter().map(|(q, n)| self.generator.realize(*q, *n)).collect::<Result<_, _>>()?;
         let exogenous: Vec<f64> = parts.iter().flat_map(|part| exogenous(self.model, &part.inputs)).collect();
@@ -181,7 +204,7 @@ impl Trial<'_> {
         let samples = plan.iter().map(|(_, n)| n).sum();
         let streams = Streams::new(self.seed, leg);
         let lanes = [number; LANES];
-        let current = self.disturbances.current(&streams, lanes, samples);
+        let current = self.disturbances.current(&streams, lanes, samples, self.rate_hz);
         let truth: Vec<Lane> = self.truth.iter().map(|t| Lane::splat(*t)).collect();
         let mut states = vec![Lane::ZERO; 3 * (samples + 1)];
         simulate(self.model, &truth, initial.map(Lane::splat), &exogenous, &current, &mut states);
@@ -194,8 +217,9 @@ impl Trial<'_> {
             ));
         }
         self.disturbances.measure(&streams, lanes, &mut states);
-        let measured = states.iter().map(|s| s[0]).collect();
-        Ok(Leg { initial, exogenous, measured, nominal: known.to_vec() })
+        let mut measured: Vec<f64> = states.iter().map(|s| s[0]).collect();
+        measured[..3].copy_from_slice(&initial);
+        Ok(Leg { initial, exogenous, measured })
     }
 }
 
@@ -220,11 +244,4 @@ fn first(plan: Plan, samples: usize) -> Plan {
         (n > 0).then_some((q, n))
     };
     plan.into_iter().filter_map(&mut take).collect()
-}
-
-/// Names the estimator for messages and files.
-impl std::fmt::Display for SequentialEstimator {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(self.name())
-    }
 }

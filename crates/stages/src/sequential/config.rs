@@ -1,4 +1,4 @@
-use serde::{Deserialize, Serialize};
+use serde::Deserialize;
 use vessel::Invalid;
 
 /// `sequential.toml`.
@@ -15,32 +15,8 @@ pub struct SequentialFile {
     /// anew for every realization.
     pub nominal_spread: f64,
     /// The trial may stop where the predicted error falls below this: 2-norm over the parameters of standard error over
-    /// estimate.
+    /// parameter.
     pub accuracy: f64,
-    /// What estimates after every round.
-    #[serde(default)]
-    pub estimator: SequentialEstimator,
-}
-
-/// An estimator that a trial in rounds can use.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum SequentialEstimator {
-    /// Instruments from the model that the leg was designed with.
-    Iv,
-    /// Instruments simulated again with the estimate until it stays.
-    #[default]
-    RefinedIv,
-}
-
-impl SequentialEstimator {
-    /// As in files.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Iv => "iv",
-            Self::RefinedIv => "refined-iv",
-        }
-    }
 }
 
 impl SequentialFile {

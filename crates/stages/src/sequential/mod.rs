@@ -8,6 +8,6 @@ mod stage;
 mod table;
 
 pub use arm::Arm;
-pub use config::{SequentialEstimator, SequentialFile};
+pub use config::SequentialFile;
 pub use stage::{Wanted, run};
 pub use table::{ID, Row, VERSION, schema};

@@ -2,12 +2,15 @@ use std::path::{Path, PathBuf};
 
 use artifact::{Provenance, TableWriter, commit, encode_block, read_toml, stage_document};
 use serde_json::json;
-use vessel::Source;
+use identification::Noise;
+use identification::pooled::Lifted;
+use vessel::{Current, Source};
 
 use super::SequentialFile;
 use super::arm::{Arm, Trial};
 use super::planner::Planner;
 use super::table::{Row, schema, table};
+use crate::campaign_file::CampaignFile;
 use crate::cli::{Summary, beside};
 use crate::documents::{ArmPoint, ArmSummary, SequentialDocument, Stopping};
 use crate::failure::Failure;
@@ -49,8 +52,9 @@ pub fn run(wanted: &Wanted, mut provenance: Provenance) -> Result<Summary, Failu
     provenance.inputs.insert("config".into(), digest);
     config.check().map_err(|e| Failure::invalid(wanted.config, &e))?;
     let truth = vessel.parameters(Source::Value).map_err(|e| Failure::invalid(wanted.vessel, &e))?;
-    let planner =
-        Planner::new(&vessel.model, &generator).map_err(|e| Failure::invalid(wanted.dictionary, &e))?;
+    let noise = noise(&campaign, wanted.campaign)?;
+    let planner = Planner::new(&vessel.model, &generator, noise)
+        .map_err(|e| Failure::invalid(wanted.dictionary, &e))?;
     let ends = ends(&config, vessel.samples(config.duration_s), wanted.config)?;
     let informed = planner.shares(&truth, None, ends[ends.len() - 1]).ok_or_else(|| {
         let (found, expected) = ("maneuvers that do not excite every parameter", "a dictionary that does");
@@ -69,6 +73,9 @@ pub fn run(wanted: &Wanted, mut provenance: Provenance) -> Result<Summary, Failu
         config: &config,
         random_segments: campaign.random.map_or(5, |random| random.segments as usize),
         ends,
+        lifted: Lifted::new(&vessel.model),
+        std: noise.measurement.map(|std| if std > 0.0 { std } else { 1.0 }),
+        rate_hz: vessel.sample_rate_hz,
         seed,
     };
     let rows = realizations(&trial, wanted)?;
@@ -82,6 +89,21 @@ pub fn run(wanted: &Wanted, mut provenance: Provenance) -> Result<Summary, Failu
         line: format!("{}: {} realizations; {said}", wanted.out.display(), config.realizations),
         json: json!({"out": wanted.out, "realizations": config.realizations, "statements": document.statements}),
     })
+}
+
+/// The levels that designs and standard errors are predicted from.
+fn noise(campaign: &CampaignFile, file: &Path) -> Result<Noise, Failure> {
+    let disturbances = campaign.disturbances();
+    let current = match disturbances.current {
+        Current::None | Current::White { .. } if campaign.wind.is_none() => disturbances.current.std_m_s(),
+        _ => {
+            let expected = "no current or a white one, which predicted standard errors are for";
+            let remedy = "take a campaign without wind and lasting currents";
+            return Err(Failure::refuse(file, "disturbances", "wind or a lasting current", expected, remedy));
+        }
+    };
+    let m = disturbances.measurement;
+    Ok(Noise { measurement: [m.std_u_m_s, m.std_v_m_s, m.std_r_rad_s], current })
 }
 
 /// Samples sailed by the end of every round.
@@ -128,7 +150,6 @@ fn document(trial: &Trial, rows: &[Row], rate_hz: f64) -> SequentialDocument {
         duration_s: trial.config.duration_s,
         nominal_spread: trial.config.nominal_spread,
         accuracy: trial.config.accuracy,
-        estimator: trial.config.estimator.to_string(),
         statements: statements(&arms, &stopping, trial.config.accuracy),
         arms,
         stopping,

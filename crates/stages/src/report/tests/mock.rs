@@ -58,6 +58,7 @@ pub(super) fn study() -> Study {
         reference: Some(reference()),
         scenarios: Vec::new(),
         selection: None,
+        data: None,
         measured: None,
         trajectory: None,
         files: files(),
@@ -164,6 +165,11 @@ fn design() -> DesignDocument {
         counted: None,
         available: None,
         covariance: None,
+        accuracy: None,
+        estimator: None,
+        restricted: None,
+        robust: None,
+        sequence: None,
     }
 }
 
@@ -180,6 +186,7 @@ fn moments() -> MomentsDocument {
         name: maneuver.0.to_owned(),
         samples: 300,
         degrees: degrees.iter().enumerate().map(|entry| degree(entry, seed)).collect(),
+        output_error: None,
     };
     let structure = |name: &&str| DegreeStructure {
         name: (*name).to_owned(),
@@ -193,6 +200,7 @@ fn moments() -> MomentsDocument {
         degrees: degrees.iter().map(structure).collect(),
         maneuvers: MANEUVERS.iter().enumerate().map(maneuver).collect(),
         disturbances: None,
+        output_error: None,
     }
 }
 
