@@ -169,15 +169,23 @@ fn statements(found: &Estimated, degrees: &[TrustDegree]) -> Vec<String> {
             ));
         }
         if let Some(white) = degree.whiteness.as_ref().filter(|w| w.p_value < UNLIKELY) {
+            let allowed = match found.used[i] {
+                super::Used::OutputError => "any correlation within a sub-experiment".to_owned(),
+                _ => format!("{} lags", white.lags),
+            };
             out.push(format!(
-                "{}: residuals are not white (neighbours correlate by {:.2}): the standard errors allow for {} lags",
-                degree.name, white.first_autocorrelation, white.lags
+                "{}: residuals are not white (neighbours correlate by {:.2}): the standard errors allow for {allowed}",
+                degree.name, white.first_autocorrelation
             ));
         }
         if let Some(crossed) = degree.instrument_residual.as_ref().filter(|c| c.p_value < UNLIKELY) {
             out.push(format!(
-                "{}: residuals correlate with `{}` {} samples before by {:.2}: the model lacks some motion",
-                degree.name, crossed.instrument, crossed.lag, crossed.strongest
+                "{}: residuals correlate by {:.2} with `{}` {} samples {}: the model lacks some motion",
+                degree.name,
+                crossed.strongest,
+                crossed.instrument,
+                crossed.lag.abs(),
+                if crossed.lag > 0 { "before" } else { "after" }
             ));
         }
     }

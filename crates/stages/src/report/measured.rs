@@ -39,6 +39,11 @@ pub(super) fn quantile(value: Option<f64>) -> String {
     value.map_or("infinite".to_owned(), |q| format!("{q:.2}"))
 }
 
+/// Words in which names stand between backticks.
+pub(super) fn coded(text: &str) -> Markup {
+    html! { @for (i, piece) in text.split('`').enumerate() { @if i % 2 == 1 { code { (piece) } } @else { (piece) } } }
+}
+
 impl Measured {
     /// The estimator that cross-validation recommends, with its errors.
     pub(super) fn recommended(&self) -> Option<(&EstimatorScore, FreeRunErrors)> {
@@ -79,7 +84,7 @@ impl Measured {
         if !refused.is_empty() {
             told.push(format!("Not identifiable: {}.", listed(&refused)));
         }
-        told.join(" ")
+        told.join(" ").replace('`', "")
     }
 
     /// Key figures.
