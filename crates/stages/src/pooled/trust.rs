@@ -11,6 +11,7 @@ use super::words::{unidentified, weakest};
 use super::{Data, Estimated, Pool, Stretch, Used};
 use crate::documents::{FreeRunErrors, InstrumentResidual, TrustDegree, TrustParameter, TrustRun, Whiteness};
 use crate::ordered::ordered;
+use crate::progress::Progress;
 use crate::statistics::spread;
 
 /// What the trust in an estimate is judged from.
@@ -22,6 +23,7 @@ pub struct Judge<'a> {
     pub bandwidth: Option<usize>,
     pub replicates: u32,
     pub seed: u64,
+    pub quiet: bool,
 }
 
 /// Numbers of one degree of freedom.
@@ -81,9 +83,12 @@ impl Judge<'_> {
     /// The bootstrap of an output-error estimate: every resample is simulated and fitted anew.
     fn simulated_again(&self, streams: &Streams) -> [Option<Bootstrap>; 3] {
         let mut found: [Vec<Vec<f64>>; 3] = Default::default();
+        let progress = Progress::new("resamples", self.replicates as usize, self.quiet);
         let work = |replicate: usize| {
             let drawn = redraw(streams, replicate as u32, self.parts.len());
-            Ok::<_, Infallible>(self.pool.simulated_again(self.parts, &drawn, self.found))
+            let thetas = self.pool.simulated_again(self.parts, &drawn, self.found);
+            progress.advance(1);
+            Ok::<_, Infallible>(thetas)
         };
         let Ok(()) = ordered(0..self.replicates as usize, work, |thetas| {
             for (own, theta) in found.iter_mut().zip(thetas.into_iter().flatten()) {

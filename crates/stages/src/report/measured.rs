@@ -1,3 +1,4 @@
+use identification::pooled::COLLINEAR;
 use maud::{Markup, html};
 
 use super::SelectionStudy;
@@ -83,6 +84,16 @@ impl Measured {
             self.trust.iter().flat_map(|t| &t.degrees).filter_map(|d| d.reason.clone()).collect();
         if !refused.is_empty() {
             told.push(format!("Not identifiable: {}.", listed(&refused)));
+        }
+        let collinear: Vec<String> = self
+            .trust
+            .iter()
+            .flat_map(|t| &t.degrees)
+            .filter(|d| d.reason.is_none() && d.condition_index.is_none_or(|index| index > COLLINEAR))
+            .map(|d| d.weakest.clone())
+            .collect();
+        if !collinear.is_empty() {
+            told.push(format!("Use it for similar motion only: {}.", listed(&collinear)));
         }
         told.join(" ").replace('`', "")
     }

@@ -50,7 +50,7 @@ fn tests(found: &TrustDocument) -> Markup {
                 th.number scope="col" { "Condition" } th.number scope="col" { "Condition index" }
                 th.number scope="col" { "Instruments follow" }
                 th.number scope="col" { "Neighbouring residuals" } th.number scope="col" { "White, p" }
-                th scope="col" { "Residual and instrument" } th.number scope="col" { "p" }
+                th scope="col" { "Residual and instrument" }
             } }
             tbody { @for d in &found.degrees { tr {
                 th scope="row" { (d.name) } td { (d.status) } td { (d.estimator) }
@@ -61,8 +61,8 @@ fn tests(found: &TrustDocument) -> Markup {
                     None => { td.number { "–" } td.number { "–" } }
                 }
                 @match &d.instrument_residual {
-                    Some(c) => { td { (three(c.strongest)) " with " (c.instrument) " at lag " (c.lag) } td.number { (probability(c.p_value)) } }
-                    None => { td { "–" } td.number { "–" } }
+                    Some(c) => td.wrap { (three(c.strongest)) " with " (c.instrument) " at lag " (c.lag) ", p " (probability(c.p_value)) },
+                    None => td { "–" },
                 }
             } } }
         } }
