@@ -4,7 +4,7 @@
 #   make STUDY=pipelines/model-ship
 #   make STUDY=pipelines/model-ship seeds     the selection study on logs of ten other seeds
 
-LOGS    := $(OUT)/logs
+override LOGS := $(OUT)/logs
 # Instruments restart with every sub-experiment; their nominal model is the least-squares fit of the same data, as in the
 # paper
 MOMENTS_FLAGS ?= --nominal least-squares
@@ -22,7 +22,7 @@ simulated: $(MEASURED)/estimates.parquet $(MEASURED)/report.html
 	@echo "Report: $(MEASURED)/report.html"
 
 $(LOGS)/simulated.json: $(STUDY)/vessel.toml $(STUDY)/dictionary.toml $(STUDY)/logs.toml $(BIN)/.built | $(OUT)
-	rm -rf $(LOGS)
+	rm -f $(LOGS)/*.csv
 	$(BIN)/simulate logs --vessel $(STUDY)/vessel.toml --dictionary $(STUDY)/dictionary.toml --logs $(STUDY)/logs.toml \
 	  $(SEED_FLAGS) $(FLAGS) --out $@
 
@@ -40,6 +40,7 @@ SEEDS ?= 1 2 3 4 5 6 7 8 9 10
 
 .PHONY: seeds
 seeds: $(BIN)/.built
+	@mkdir -p $(OUT)/seeds
 	@for seed in $(SEEDS); do \
 	  $(MAKE) --no-print-directory STUDY=$(STUDY) OUT=$(OUT)/seeds/$$seed SEED_FLAGS="--seed $$seed" FLAGS="$(FLAGS) --quiet" \
 	    $(OUT)/seeds/$$seed/measured/selection.parquet > $(OUT)/seeds/$$seed.log 2>&1 || { cat $(OUT)/seeds/$$seed.log; exit 1; }; \
