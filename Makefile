@@ -34,6 +34,7 @@ help:
 	@echo "make                   build, run the study in $(STUDY) into $(OUT)/, end with its report"
 	@echo "make STUDY=<folder>    run another study: a folder with vessel.toml, dictionary.toml, campaign.toml"
 	@echo "make helsinki          plan a trial off Helsinki and draw it, into out/helsinki/"
+	@echo "make STUDY=pipelines/esso-osaka LOGS=<folder>   a study of measured logs (README: where they are published)"
 	@echo "make smoke             the small study that the tests run, into out/smoke/"
 	@echo "make build             build the stages into $(BIN)/"
 	@echo "make test              format, clippy, all tests, the smoke study and the README's commands"
@@ -158,6 +159,8 @@ PYTHON ?= $(if $(wildcard .venv/bin/python),.venv/bin/python,python3)
 .PHONY: oracle
 oracle:
 	$(PYTHON) scripts/oracle.py --study pipelines/paper --fixtures fixtures/oracle
+	$(PYTHON) scripts/independent/pooled.py --out fixtures/oracle/pooled.json
+	$(PYTHON) scripts/independent/criteria.py --study pipelines/paper --fixtures fixtures/oracle
 	$(PYTHON) scripts/independent/chain.py --oracle fixtures/oracle
 
 .PHONY: schemas
@@ -166,7 +169,7 @@ schemas:
 
 .PHONY: golden
 golden:
-	$(CARGO) test --locked -p stages --test golden -- --ignored
+	$(CARGO) test --locked -p stages --test golden --test pooled -- --ignored
 
 .PHONY: clean
 clean:

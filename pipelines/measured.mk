@@ -2,32 +2,42 @@
 #
 #   make STUDY=pipelines/esso-osaka LOGS=<folder with the published logs>
 #
-# A study without design and selection (one recording per maneuver) ends with crossval.json, others with a report.
+# Ends with $(OUT)/measured/report.html. With SELECTED := yes sub-experiments are designed, picked and compared too.
 
 # Where the logs are
 LOGS            ?= logs
+# A file that the study's own rules make together with its logs, where it simulates them
+LOGS_FROM       ?=
 # Instruments restart with every sub-experiment; their nominal model is the least-squares fit of the same data
 POOL_FLAGS      ?= --nominal least-squares
 ESTIMATOR       ?= auto
 BOOTSTRAP       ?= 1000
 CROSS_FLAGS     ?=
 MOMENTS_FLAGS   ?= --instruments regressors
-SELECTION_FLAGS ?=
-# Report that the study ends with, if it has a selection study
+SELECTION_FLAGS ?= --estimator iv --nominal least-squares
 SELECTED        ?=
 
 MEASURED := $(OUT)/measured
 LOGGED   := --vessel $(STUDY)/vessel.toml --trajectories $(MEASURED)/trajectories.parquet
 RECORDED := --recordings $(MEASURED)/ingest.json
+NO_LOGS   = $(LOGS): no such folder; name that of the logs: make STUDY=$(STUDY) LOGS=<folder> (README: where they are published)
 
 .DEFAULT_GOAL := measured
 
-.PHONY: measured
-measured: $(MEASURED)/estimates.parquet $(MEASURED)/crossval.json $(if $(SELECTED),$(MEASURED)/report.html)
+# Said before anything is built.
+ifneq ($(filter measured,$(or $(MAKECMDGOALS),measured)),)
+  ifeq ($(LOGS_FROM)$(wildcard $(LOGS)/.),)
+    $(error $(NO_LOGS))
+  endif
+endif
 
-$(MEASURED)/trajectories.parquet: $(STUDY)/ingest.toml $(STUDY)/vessel.toml $(BIN)/.built
+.PHONY: measured
+measured: $(MEASURED)/report.html
+	@echo
+	@echo "Report: $(MEASURED)/report.html"
+
+$(MEASURED)/trajectories.parquet: $(STUDY)/ingest.toml $(STUDY)/vessel.toml $(LOGS_FROM) $(BIN)/.built
 	@mkdir -p $(@D)
-	@test -d "$(LOGS)" || { echo "$(LOGS): no such folder; name that of the logs: make STUDY=$(STUDY) LOGS=<folder>" >&2; exit 2; }
 	$(BIN)/ingest --config $(STUDY)/ingest.toml --vessel $(STUDY)/vessel.toml --logs "$(LOGS)" $(FLAGS) --out $@
 
 $(MEASURED)/estimates.parquet: $(MEASURED)/trajectories.parquet $(STUDY)/study.mk
@@ -39,11 +49,12 @@ $(MEASURED)/crossval.json: $(MEASURED)/trajectories.parquet $(STUDY)/study.mk
 $(MEASURED)/moments.json: $(MEASURED)/trajectories.parquet $(STUDY)/study.mk
 	$(BIN)/moments $(LOGGED) $(MOMENTS_FLAGS) $(FLAGS) --out $@
 
+# No more of a maneuver than was logged.
 $(MEASURED)/design.json: $(MEASURED)/moments.json
-	$(BIN)/design --moments $< $(DESIGN_FLAGS) $(FLAGS) --out $@
+	$(BIN)/design --moments $< --available $(MEASURED)/ingest.json $(DESIGN_FLAGS) $(FLAGS) --out $@
 
 $(MEASURED)/selection.parquet: $(MEASURED)/trajectories.parquet $(MEASURED)/design.json
 	$(BIN)/validate selection $(LOGGED) --design $(MEASURED)/design.json $(SELECTION_FLAGS) $(FLAGS) --out $@
 
-$(MEASURED)/report.html: $(MEASURED)/selection.parquet
+$(MEASURED)/report.html: $(MEASURED)/estimates.parquet $(MEASURED)/crossval.json $(if $(SELECTED),$(MEASURED)/selection.parquet) $(BIN)/.built
 	$(BIN)/report --study $(STUDY) --results $(MEASURED) $(FLAGS) --out $@

@@ -4,6 +4,5 @@ ESTIMATOR       ?= output-error
 CROSS_FLAGS     := --window-s 100
 # Six sub-experiments of a minute, at 1 Hz.
 DESIGN_FLAGS    := --segments 6 --segment-samples 60
-SELECTION_FLAGS := --estimator ls
 SELECTED        := yes
 include pipelines/measured.mk

@@ -102,6 +102,39 @@ fn what_is_available_bounds_shares_and_counts() {
 }
 
 #[test]
+fn what_ingest_cut_is_what_is_available() {
+    use stages::documents::{IngestDocument, ManeuverCount};
+    let folder = folder();
+    let moments = json(&folder, "moments.json")["data"]["maneuvers"].clone();
+    let names = || moments.as_array().unwrap().iter().map(|m| m["name"].as_str().unwrap());
+    let segments = |name: &str| if name.starts_with("zig-zag") { 3 } else { 1 };
+    let cut = |name: &str| ManeuverCount { name: name.to_owned(), segments: segments(name), samples: 100 };
+    let document = IngestDocument {
+        vessel: None,
+        design: "measured".to_owned(),
+        reference_point: None,
+        sample_rate_hz: 8.0,
+        runs: 11,
+        samples: 1100,
+        maneuvers: names().map(cut).collect(),
+        recordings: Vec::new(),
+    };
+    let file = folder.path().join("ingest.json");
+    artifact::commit(vec![artifact::stage_document(file, &Default::default(), &document).unwrap()]).unwrap();
+    let table: String = names().map(|name| format!("{name} = {}\n", segments(name))).collect();
+    put(&folder, "available.toml", &format!("[segments]\n{table}"));
+    let designed = |available: &str| {
+        let flags = "--segments 10 --segment-samples 100 --available";
+        run(&folder, &format!("{DESIGN} {flags} {available}")).succeeds();
+        data(&folder)
+    };
+    let found = designed("ingest.json");
+    assert_eq!(found, designed("available.toml"));
+    let within = |(name, count): (&String, &Value)| count.as_u64().unwrap() <= segments(name);
+    assert!(found["counts"].as_object().unwrap().iter().all(within), "{}", found["counts"]);
+}
+
+#[test]
 fn counts_are_better_than_shares_apportioned() {
     let folder = folder();
     for (segments, method) in [(5, "exhaustive"), (40, "exchange")] {

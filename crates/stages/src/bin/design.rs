@@ -42,8 +42,8 @@ struct Arguments {
     /// Weights of the parameters' variances for a, a-relative and e: a table `[weight]`; parameters not named count nothing
     #[arg(long, value_name = "weights.toml")]
     weights: Option<PathBuf>,
-    /// How much of each maneuver exists: tables `seconds` and `segments` by maneuver
-    #[arg(long, value_name = "available.toml|json")]
+    /// How much of each maneuver exists: tables `seconds` and `segments` by maneuver, or what `ingest` cut
+    #[arg(long, value_name = "available.toml|ingest.json")]
     available: Option<PathBuf>,
     /// Length of the experiment, where --segments does not tell it [s]
     #[arg(long, value_name = "S", conflicts_with = "segments")]

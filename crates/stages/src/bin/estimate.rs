@@ -15,7 +15,7 @@ use stages::estimates::{self, Row};
 use stages::failure::Failure;
 use stages::instruments::{InstrumentKind, Instruments, Removal};
 use stages::ordered::{joined, joined_blocks, ordered};
-use stages::pooled::{self, Method, PoolFlags, Wanted};
+use stages::pooled::{self, Method, PoolFlags, Wanted, collinear_run};
 use stages::progress::Progress;
 use stages::statistics::{mean, quantile, sorted, spread};
 use stages::study_files::read_vessel;
@@ -102,6 +102,7 @@ fn stage(a: &Arguments) -> Result<Summary, Failure> {
     };
     estimate_blocks(a, &vessel, file, &reader, &schema, &mut each)?;
     if a.sharding.shard.is_none() {
+        refuse_if_all_collinear(a, &vessel, file, &reader, &rows)?;
         refuse_if_none_identified(file, &vessel, &rows)?;
     }
     publish(a, &vessel, &provenance, writer.finish()?, rows, &document_file)
@@ -194,7 +195,13 @@ fn row(
 ) -> Result<Row, Failure> {
     let mut weakest = [0, 1, 2].map(|d: usize| excitation[d].weakest);
     let mut condition = excitation.map(|e| e.condition);
+    let collinear = collinear(a, vessel, run);
+    if let Some(found) = &collinear {
+        weakest[found.degree] = found.parameter;
+        condition[found.degree] = f64::INFINITY;
+    }
     let estimate = match outcome {
+        Outcome::Identified(_) if collinear.is_some() => None,
         Outcome::Identified(found) => Some((found.parameters, found.standard_errors)),
         Outcome::NotIdentifiable(Direction { degree, parameter }) => {
             weakest[degree] = parameter;
@@ -220,6 +227,37 @@ fn row(
         condition,
         weakest: [0, 1, 2].map(named),
     })
+}
+
+/// Instruments must not be collinear; other estimators project or simulate whatever the columns.
+fn collinear(a: &Arguments, vessel: &Vessel, run: &Run) -> Option<pooled::CollinearRun> {
+    matches!(a.estimator, Method::Iv | Method::RefinedIv)
+        .then(|| collinear_run(vessel, run, a.mean_removal.into()))
+        .flatten()
+}
+
+/// Refuses measured runs none of which is identified, in the words of the first.
+fn refuse_if_all_collinear(
+    a: &Arguments,
+    vessel: &Vessel,
+    file: &Path,
+    reader: &TrajectoryReader,
+    rows: &[Row],
+) -> Result<(), Failure> {
+    if rows.is_empty() || rows.iter().any(|r| r.estimate.is_some()) {
+        return Ok(());
+    }
+    let runs = reader.runs(0)?;
+    let Some((run, found)) = runs.first().and_then(|run| Some((run.run, collinear(a, vessel, run)?))) else {
+        return Ok(());
+    };
+    Err(Failure::NoAnswer(format!(
+        "{}: {} runs: found none that is identifiable (run {run}: {}), expected one; add maneuvers that vary these terms, \
+         or use --estimator ls, or --pool with --estimator auto",
+        file.display(),
+        rows.len(),
+        found.words
+    )))
 }
 
 fn refuse_if_none_identified(file: &Path, vessel: &Vessel, rows: &[Row]) -> Result<(), Failure> {

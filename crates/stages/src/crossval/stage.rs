@@ -13,7 +13,7 @@ use crate::failure::Failure;
 use crate::instruments::Removal;
 use crate::ordered::ordered;
 use crate::pooled::{
-    Data, Method, NominalModel, Pool, PoolFlags, Used, deviations, lost_instruments, unidentified,
+    Data, Method, NominalModel, Pool, PoolFlags, deviations, lost_instruments, unidentified,
 };
 use crate::progress::Progress;
 
@@ -71,7 +71,14 @@ pub fn cross(wanted: &Wanted, mut provenance: Provenance) -> Result<Summary, Fai
     let data = Data::read(wanted.trajectories, vessel, flags, &mut provenance)?;
     let lifted = Lifted::new(&vessel.model);
     let removal = MeanRemoval::from(wanted.removal);
-    let pool = Pool { model: &vessel.model, lifted: &lifted, removal, strength, nominal: &nominal };
+    let pool = Pool {
+        model: &vessel.model,
+        lifted: &lifted,
+        removal,
+        strength,
+        nominal: &nominal,
+        constant: data.constant(),
+    };
     let study = Study::new(wanted, pool, &data)?;
     let all = folds(study.sources.len(), wanted.folds);
     let progress = Progress::new("folds", all.len() * wanted.estimators.len(), wanted.quiet);
@@ -144,10 +151,15 @@ impl<'a> Study<'a> {
             }
         };
         tried.used =
-            [0, 1, 2].map(|d: usize| found.used[d] == Used::Iv && found.degrees[d].solution.is_some());
+            [0, 1, 2].map(|d: usize| found.used[d].by_instruments() && found.degrees[d].solution.is_some());
         let Some(theta) = found.theta() else {
             let why = DegreeOfFreedom::ALL.into_iter().filter_map(|d| {
-                unidentified(d, &self.pool.model.degrees[d as usize], &found.degrees[d as usize].status)
+                unidentified(
+                    d,
+                    &self.pool.model.degrees[d as usize],
+                    &found.degrees[d as usize].status,
+                    self.pool.constant,
+                )
             });
             let why = why.collect::<Vec<_>>().join("; ");
             tried.reason = Some(("not identifiable", format!("{without}: {why}")));
@@ -241,7 +253,7 @@ fn statements(best: Option<&EstimatorScore>, estimators: &[EstimatorScore]) -> V
                 let more = |d: usize| errors.fits()[d].zip(best.errors.and_then(|b| b.fits()[d]));
                 let ahead: Vec<String> = [("u", 0), ("v", 1), ("r", 2)]
                     .into_iter()
-                    .filter_map(|(name, d)| more(d).map(|(o, b)| format!("{name} {:+.1}", b - o)))
+                    .filter_map(|(name, d)| more(d).map(|(o, b)| format!("{name} {:+.2}", b - o)))
                     .collect();
                 out.push(format!("{} over {}: {} points of fit", best.name, other.name, ahead.join(", ")));
             }
@@ -257,7 +269,7 @@ fn statements(best: Option<&EstimatorScore>, estimators: &[EstimatorScore]) -> V
 /// `u 78.9 %, v 73.2 %, r 72.0 %`.
 fn fits(errors: &FreeRunErrors) -> String {
     let one = |(name, fit): (&str, Option<f64>)| match fit {
-        Some(fit) => format!("{name} {fit:.1} %"),
+        Some(fit) => format!("{name} {fit:.2} %"),
         None => format!("{name} –"),
     };
     ["u", "v", "r"].into_iter().zip(errors.fits()).map(one).collect::<Vec<_>>().join(", ")
@@ -284,7 +296,7 @@ fn note(wanted: &Wanted, strength: f64, provenance: &mut Provenance) {
 }
 
 fn summary(out: &Path, document: &CrossvalDocument) -> Summary {
-    let said = document.statements.first().cloned().unwrap_or_default();
+    let said = document.statements.join("; ");
     Summary {
         line: format!("{}: {} windows, {} folds; {said}", out.display(), document.windows, document.folds),
         json: json!({"out": out, "windows": document.windows, "folds": document.folds,

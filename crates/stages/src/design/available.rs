@@ -3,14 +3,14 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use artifact::{Digest, Provenance, read_toml};
+use artifact::{Digest, Provenance, read_document, read_toml};
 use serde::Deserialize;
 use vessel::nearest;
 
-use crate::documents::MomentsDocument;
+use crate::documents::{IngestDocument, MomentsDocument};
 use crate::failure::Failure;
 
-/// `available.toml` or `available.json` as written. Maneuvers in neither table are not limited.
+/// `available.toml` or `available.json` as written; or from `ingest.json` the segments it counts. Maneuvers in neither table are not limited.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct AvailableFile {
@@ -133,8 +133,19 @@ fn read(path: &Path) -> Result<(AvailableFile, Digest), Failure> {
             "correct it",
         )
     };
+    let value: serde_json::Value = serde_json::from_slice(&bytes).map_err(refuse)?;
+    if value.get("schema").is_some() {
+        return ingested(path);
+    }
     let file = serde_json::from_slice(&bytes).map_err(refuse)?;
     Ok((file, Digest::of_bytes(&bytes)))
+}
+
+/// What `ingest` cut of each maneuver.
+fn ingested(path: &Path) -> Result<(AvailableFile, Digest), Failure> {
+    let loaded = read_document::<IngestDocument>(path)?;
+    let segments = loaded.data.maneuvers.into_iter().map(|m| (m.name, m.segments)).collect();
+    Ok((AvailableFile { seconds: BTreeMap::new(), segments }, loaded.digest))
 }
 
 impl AvailableFile {

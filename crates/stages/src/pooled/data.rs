@@ -6,7 +6,7 @@ use identification::pooled::{Part, Window};
 use vessel::{Vessel, nearest};
 
 use super::PoolFlags;
-use crate::documents::IngestDocument;
+use crate::documents::{ChannelSummary, IngestDocument, RecordingSummary};
 use crate::failure::Failure;
 use crate::trajectories::{Layout, Run, TrajectoryReader, label};
 
@@ -15,6 +15,7 @@ pub struct Data {
     runs: Vec<(String, Run)>,
     rate_hz: f64,
     part_samples: Option<usize>,
+    constant: Vec<String>,
 }
 
 /// Consecutive samples of one source: a run, or runs of one recording that continue each other.
@@ -47,7 +48,7 @@ impl Data {
             runs.extend(reader.runs(block)?);
         }
         label(runs.iter().map(|run: &Run| run.design.as_str()), provenance);
-        let names = recordings(flags, provenance)?;
+        let (names, constant) = recordings(flags, provenance)?;
         let several = runs.iter().any(|run| run.design != runs[0].design);
         let name = |run: &Run| match names.get(&run.run) {
             Some(name) => name.clone(),
@@ -56,7 +57,7 @@ impl Data {
         };
         let runs = runs.into_iter().map(|run| (name(&run), run)).collect();
         let part_samples = flags.part_samples(vessel.sample_rate_hz)?;
-        let mut data = Self { runs, rate_hz: vessel.sample_rate_hz, part_samples };
+        let mut data = Self { runs, rate_hz: vessel.sample_rate_hz, part_samples, constant };
         data.select(file, flags)?;
         Ok(data)
     }
@@ -89,6 +90,11 @@ impl Data {
     /// Sampling rate \[Hz\].
     pub fn rate_hz(&self) -> f64 {
         self.rate_hz
+    }
+
+    /// Logged channels that never vary, with their value; none without `--recordings`.
+    pub fn constant(&self) -> &[String] {
+        &self.constant
     }
 
     /// Name of the design of the first run.
@@ -182,14 +188,35 @@ fn pieces(start: usize, end: usize, most: Option<usize>) -> Vec<(usize, usize)> 
     (0..count).map(|i| (start + i * length / count, start + (i + 1) * length / count)).collect()
 }
 
-/// Recording of every run, where `--recordings` tells.
-fn recordings(flags: &PoolFlags, provenance: &mut Provenance) -> Result<BTreeMap<i32, String>, Failure> {
-    let Some(path) = &flags.recordings else { return Ok(BTreeMap::new()) };
+/// Recording of every run and the channels that never vary, where `--recordings` tells.
+fn recordings(
+    flags: &PoolFlags,
+    provenance: &mut Provenance,
+) -> Result<(BTreeMap<i32, String>, Vec<String>), Failure> {
+    let Some(path) = &flags.recordings else { return Ok((BTreeMap::new(), Vec::new())) };
     let loaded = read_document::<IngestDocument>(path)?;
     provenance.inputs.insert("recordings".into(), loaded.digest);
-    let named = |r: &crate::documents::RecordingSummary| {
+    let named = |r: &RecordingSummary| {
         let name = r.name.clone();
         r.runs.iter().map(move |run| (*run as i32, name.clone())).collect::<Vec<_>>()
     };
-    Ok(loaded.data.recordings.iter().flat_map(named).collect())
+    let recordings = &loaded.data.recordings;
+    Ok((recordings.iter().flat_map(named).collect(), constant_channels(recordings)))
+}
+
+/// A channel whose range over all recordings is below this share of its size never varies.
+const STEADY: f64 = 1e-3;
+
+/// `n` at 10.23 1/s, for every channel that is constant and not 0 over all `recordings`.
+fn constant_channels(recordings: &[RecordingSummary]) -> Vec<String> {
+    let channels = || recordings.iter().flat_map(|r| &r.channels);
+    let constant = |channel: &&ChannelSummary| {
+        let own = || channels().filter(|c| c.name == channel.name);
+        let low = own().filter_map(|c| c.min).fold(f64::INFINITY, f64::min);
+        let high = own().filter_map(|c| c.max).fold(f64::NEG_INFINITY, f64::max);
+        let size = low.abs().max(high.abs());
+        own().count() == recordings.len() && size > 0.0 && high - low < STEADY * size
+    };
+    let told = |c: &ChannelSummary| format!("`{}` at {:.4} {}", c.name, c.max.unwrap_or(0.0), c.unit);
+    recordings.first().map_or(Vec::new(), |r| r.channels.iter().filter(constant).map(told).collect())
 }

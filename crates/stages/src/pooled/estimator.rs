@@ -32,12 +32,19 @@ pub enum Used {
     Ls,
     /// Free simulation.
     OutputError,
+    /// Instruments simulated again with the estimate.
+    RefinedIv,
 }
 
 impl Used {
+    /// Whether instruments were simulated for it.
+    pub fn by_instruments(self) -> bool {
+        matches!(self, Self::Iv | Self::RefinedIv)
+    }
+
     /// As in files.
     pub fn name(self) -> &'static str {
-        ["iv", "ls", "output-error"][self as usize]
+        ["iv", "ls", "output-error", "refined-iv"][self as usize]
     }
 }
 
@@ -57,6 +64,8 @@ pub struct Pool<'a> {
     pub strength: f64,
     /// Where instruments come from.
     pub nominal: &'a NominalModel,
+    /// Logged channels that never vary, to name where a term hardly does.
+    pub constant: &'a [String],
 }
 
 /// An estimate of pooled parts.
@@ -81,7 +90,7 @@ impl Estimated {
     /// The data that degree of freedom `d` was estimated from.
     pub fn data(&self, d: usize) -> &[Regression] {
         match (self.used[d], &self.iv) {
-            (Used::Iv, Some(iv)) => iv,
+            (Used::Iv | Used::RefinedIv, Some(iv)) => iv,
             _ => &self.ls,
         }
     }
@@ -167,9 +176,10 @@ impl Pool<'_> {
             }
             (data, degrees) = (again, refitted);
         }
+        let used = if method == Method::RefinedIv { Used::RefinedIv } else { Used::Iv };
         for (d, degree) in degrees.into_iter().enumerate() {
             if degree.solution.is_some() || !matches!(method, Method::Auto | Method::OutputError) {
-                (found.degrees[d], found.used[d]) = (degree, Used::Iv);
+                (found.degrees[d], found.used[d]) = (degree, used);
             }
         }
         found.iv = Some(data);
@@ -235,7 +245,7 @@ impl Pool<'_> {
         Options {
             removal: self.removal,
             prior: prior.map(|nominal| Prior { strength: self.strength, nominal }),
-            most: if used == Used::Iv { COLLINEAR } else { f64::INFINITY },
+            most: if used.by_instruments() { COLLINEAR } else { f64::INFINITY },
         }
     }
 }

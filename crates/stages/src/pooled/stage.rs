@@ -56,7 +56,14 @@ pub fn estimate(wanted: &Wanted, mut provenance: Provenance) -> Result<Summary, 
     note(wanted, strength, &mut provenance);
     let lifted = Lifted::new(&vessel.model);
     let removal = MeanRemoval::from(wanted.removal);
-    let pool = Pool { model: &vessel.model, lifted: &lifted, removal, strength, nominal: &nominal };
+    let pool = Pool {
+        model: &vessel.model,
+        lifted: &lifted,
+        removal,
+        strength,
+        nominal: &nominal,
+        constant: data.constant(),
+    };
     let mut parts = data.parts(vessel);
     let found = pool.estimate(&mut parts, wanted.method).map_err(|diverged| {
         let part = &parts[diverged.part];
@@ -67,7 +74,7 @@ pub fn estimate(wanted: &Wanted, mut provenance: Provenance) -> Result<Summary, 
             lost_instruments(&part.label, &part.source, diverged)
         ))
     })?;
-    refuse_without_any(wanted, &found)?;
+    refuse_without_any(wanted, &found, data.constant())?;
     let judge = Judge {
         vessel,
         pool: &pool,
@@ -119,12 +126,12 @@ fn note(wanted: &Wanted, strength: f64, provenance: &mut Provenance) {
     }
 }
 
-fn refuse_without_any(wanted: &Wanted, found: &Estimated) -> Result<(), Failure> {
+fn refuse_without_any(wanted: &Wanted, found: &Estimated, constant: &[String]) -> Result<(), Failure> {
     if found.degrees.iter().any(|d| d.solution.is_some()) {
         return Ok(());
     }
     let reasons = DegreeOfFreedom::ALL.into_iter().filter_map(|d| {
-        unidentified(d, &wanted.vessel.model.degrees[d as usize], &found.degrees[d as usize].status)
+        unidentified(d, &wanted.vessel.model.degrees[d as usize], &found.degrees[d as usize].status, constant)
     });
     Err(Failure::NoAnswer(format!(
         "{}: pooled estimate: found no degree of freedom that is identifiable ({}), expected one; add runs that vary \
@@ -154,7 +161,7 @@ fn statements(found: &Estimated, degrees: &[TrustDegree]) -> Vec<String> {
                     .map(|s| format!("`{}` {:.0} %", p.term, 100.0 * s))
             })
             .collect();
-        if !lost.is_empty() && found.used[i] == super::Used::Iv {
+        if !lost.is_empty() && found.used[i].by_instruments() {
             out.push(format!(
                 "{}: weak instruments: the nominal simulation tells of {}",
                 degree.name,

@@ -38,7 +38,8 @@ impl Judge<'_> {
 
     /// Surge, sway, yaw.
     pub fn degrees(&self) -> Vec<TrustDegree> {
-        let mut resampled = [Used::Iv, Used::Ls, Used::OutputError].map(|used| self.resampled(used));
+        let mut resampled =
+            [Used::Iv, Used::Ls, Used::OutputError, Used::RefinedIv].map(|used| self.resampled(used));
         DegreeOfFreedom::ALL
             .into_iter()
             .map(|d| {
@@ -96,11 +97,11 @@ impl Judge<'_> {
         TrustDegree {
             name: d.name().to_owned(),
             status: if fit.solution.is_some() { "identified" } else { "not identifiable" }.to_owned(),
-            reason: unidentified(d, model, &fit.status),
+            reason: unidentified(d, model, &fit.status, self.pool.constant),
             estimator: self.found.used[d as usize].name().to_owned(),
             condition: finite(degree.diagnosis.condition),
             condition_index: finite(degree.diagnosis.index),
-            weakest: weakest(d, model, &degree.diagnosis),
+            weakest: weakest(d, model, &degree.diagnosis, self.pool.constant),
             parameters: self.parameters(d, degree, fit.solution.as_ref(), covariance.as_deref()),
             correlation: covariance.as_deref().and_then(|c| correlation(c, model.terms.len())),
             whiteness: white,

@@ -1,4 +1,4 @@
-use identification::pooled::{Diagnosis, PartDiverged, Status};
+use identification::pooled::{COLLINEAR, Diagnosis, PartDiverged, Status};
 use vessel::{Degree, DegreeOfFreedom};
 
 /// Entries of a weakest direction below this share of its largest are not named.
@@ -6,29 +6,82 @@ const NAMED: f64 = 0.3;
 /// A regressor whose centred size is below this share of its size hardly varies.
 const HARDLY: f64 = 0.2;
 
-/// The weakest direction of `degree` in words: which terms cannot be told from which.
-pub fn weakest(d: DegreeOfFreedom, degree: &Degree, diagnosis: &Diagnosis) -> String {
-    let largest = diagnosis.direction.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
-    let involved = |i: &usize| diagnosis.direction.get(*i).is_some_and(|x| x.abs() >= NAMED * largest);
-    let parameters: Vec<usize> = (0..degree.parameters.len()).filter(involved).collect();
-    let mut names: Vec<String> = parameters.iter().map(|i| format!("`{}`", degree.parameters[*i])).collect();
-    let still: Vec<usize> = parameters.iter().copied().filter(|i| diagnosis.variation[*i] < HARDLY).collect();
-    if involved(&degree.parameters.len()) || still.len() == parameters.len() && !still.is_empty() {
-        names.push("the intercept".to_owned());
+/// What a weakest direction is about.
+struct Involved {
+    /// Regressors that hardly vary, those made of inputs alone first.
+    still: Vec<usize>,
+    /// The others.
+    varying: Vec<usize>,
+    /// Whether the intercept is part of it.
+    intercept: bool,
+}
+
+impl Involved {
+    fn new(degree: &Degree, diagnosis: &Diagnosis) -> Self {
+        let p = degree.parameters.len();
+        let largest = diagnosis.direction.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+        let named = |i: usize| diagnosis.direction.get(i).is_some_and(|x| x.abs() >= NAMED * largest);
+        let input = |i: usize| degree.terms[i].factors.iter().all(|f| f.variable >= 3);
+        let hardly = |i: &usize| diagnosis.variation[*i] < HARDLY;
+        let (mut still, varying): (Vec<usize>, Vec<usize>) =
+            (0..p).filter(|i| named(*i) || hardly(i) && input(*i)).partition(hardly);
+        still.sort_by_key(|i| !input(*i));
+        let intercept = named(p) || varying.is_empty() && !still.is_empty();
+        Self { still, varying, intercept }
     }
-    let told = format!("{} cannot be told apart", listed(&names));
-    if still.is_empty() {
-        let terms: Vec<String> = parameters.iter().map(|i| format!("`{}`", degree.terms[*i].text)).collect();
-        return format!("{}: {} go together: {told}", d.name(), listed(&terms));
+}
+
+/// The weakest direction of `degree` in words: which terms cannot be told from which. `constant` names logged channels that
+/// never vary.
+pub fn weakest(d: DegreeOfFreedom, degree: &Degree, diagnosis: &Diagnosis, constant: &[String]) -> String {
+    let about = Involved::new(degree, diagnosis);
+    let term = |i: &usize| format!("`{}`", degree.terms[*i].text);
+    if about.still.is_empty() || !about.intercept {
+        let all: Vec<usize> = about.still.iter().chain(&about.varying).copied().collect();
+        let terms: Vec<String> = all.iter().map(term).collect();
+        let mut names: Vec<String> = all.iter().map(|i| format!("`{}`", degree.parameters[*i])).collect();
+        names.extend(about.intercept.then(|| "the intercept".to_owned()));
+        return format!(
+            "{}: {} go together: {} cannot be told apart",
+            d.name(),
+            listed(&terms),
+            listed(&names)
+        );
     }
-    let varies =
-        |i: &usize| format!("`{}` by {:.1} %", degree.terms[*i].text, 100.0 * diagnosis.variation[*i]);
-    let varying: Vec<String> = still.iter().map(varies).collect();
-    format!("{}: hardly varies: {}: {told}", d.name(), listed(&varying))
+    let mut told = Vec::new();
+    for i in &about.still {
+        let varies = format!("by {:.1} %", 100.0 * diagnosis.variation[*i]);
+        told.push(match (told.is_empty(), constant) {
+            (true, []) => format!("{} (hardly varies, {varies})", term(i)),
+            (true, names) => {
+                format!("{} (hardly varies, {varies}; constant: {})", term(i), listed(names))
+            }
+            (false, _) => format!("{} ({varies})", term(i)),
+        });
+    }
+    told.extend(about.varying.iter().map(term));
+    format!("{}: {} cannot be told from the intercept", d.name(), listed(&told))
+}
+
+/// The parameter that [`weakest`] names first.
+pub fn first_named(degree: &Degree, diagnosis: &Diagnosis) -> usize {
+    let about = Involved::new(degree, diagnosis);
+    about.still.first().or(about.varying.first()).copied().unwrap_or(diagnosis.weakest)
+}
+
+/// [`weakest`] with how weak it is.
+pub fn collinear(d: DegreeOfFreedom, degree: &Degree, diagnosis: &Diagnosis, constant: &[String]) -> String {
+    let told = weakest(d, degree, diagnosis, constant);
+    format!("{told} (condition index {:.0}, from {COLLINEAR:.0} on collinear)", diagnosis.index)
 }
 
 /// Why degree of freedom `d` has no estimate.
-pub fn unidentified(d: DegreeOfFreedom, degree: &Degree, status: &Status) -> Option<String> {
+pub fn unidentified(
+    d: DegreeOfFreedom,
+    degree: &Degree,
+    status: &Status,
+    constant: &[String],
+) -> Option<String> {
     match status {
         Status::Identified => None,
         Status::TooShort => Some(format!("{}: no more samples than unknowns", d.name())),
@@ -38,12 +91,7 @@ pub fn unidentified(d: DegreeOfFreedom, degree: &Degree, status: &Status) -> Opt
             degree.parameters.get(*parameter).map_or("", String::as_str),
             degree.terms.get(*parameter).map_or("", |t| t.text.as_str()),
         )),
-        Status::Collinear(diagnosis) => Some(format!(
-            "{} (condition index {:.0}, from {:.0} on collinear)",
-            weakest(d, degree, diagnosis),
-            diagnosis.index,
-            identification::pooled::COLLINEAR
-        )),
+        Status::Collinear(diagnosis) => Some(collinear(d, degree, diagnosis, constant)),
     }
 }
 

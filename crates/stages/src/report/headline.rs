@@ -4,15 +4,24 @@ use super::number::{exact, percent, three};
 use super::shown::used as is_used;
 use super::study::Study;
 use super::trajectory_words::{cost, minutes};
-use crate::documents::{
-    Check, DesignDocument, DesignScores, PlanDocument, SelectionDocument, ValidationDocument,
-};
+use crate::documents::{Check, DesignDocument, DesignScores, PlanDocument, ValidationDocument};
+
+/// What the page is.
+pub(super) fn kind(study: &Study) -> &'static str {
+    if study.data.is_some() {
+        "Report on simulated logs"
+    } else if study.measured.is_some() {
+        "Report on measured logs"
+    } else {
+        "Experiment design report"
+    }
+}
 
 /// Title, the answer in two sentences, and the key figures.
 pub(super) fn headline(study: &Study) -> Markup {
     html! {
         header {
-            p.kicker { "Experiment design report" }
+            p.kicker { (kind(study)) }
             h1 { (study.name) }
             @if let Some(vessel) = &study.vessel {
                 p.about {
@@ -30,12 +39,12 @@ pub(super) fn headline(study: &Study) -> Markup {
 }
 
 fn answer(study: &Study) -> String {
+    if let Some(measured) = &study.measured {
+        return measured.answer(study.selection.as_ref());
+    }
     match (&study.validation, &study.design) {
         (Some(validation), _) if !validation.designs.is_empty() => compared(study, validation),
-        (_, Some(design)) => match &study.selection {
-            Some(found) => format!("{} {}", mix(design), picked(&found.summary)),
-            None => format!("{} {}", mix(design), worth(design)),
-        },
+        (_, Some(design)) => format!("{} {}", mix(design), worth(design)),
         _ if plan(study).is_some() => plan(study).map(planned).unwrap_or_default(),
         _ => "Nothing has been designed or validated yet. The sections below say which files are missing."
             .to_owned(),
@@ -129,20 +138,6 @@ fn mix(design: &DesignDocument) -> String {
     )
 }
 
-/// What picks by the design are worth beside random ones.
-fn picked(found: &SelectionDocument) -> String {
-    let each: Vec<String> = found
-        .designs
-        .iter()
-        .map(|d| format!("{} of {} {} ones", percent(d.degenerate_share), d.realizations, d.design))
-        .collect();
-    format!(
-        "Models from picks of {} sub-experiments are degenerate in {}.",
-        found.picks,
-        each.join(" and in ")
-    )
-}
-
 /// How much time equal shares waste.
 fn worth(design: &DesignDocument) -> String {
     let efficiency = design.efficiency.equal_shares;
@@ -157,6 +152,7 @@ fn cards(study: &Study) -> Markup {
     let scored = study.scored();
     html! {
         div.cards {
+            @if let Some(measured) = &study.measured { (measured.cards(study.selection.as_ref())) }
             @if let (Some(validation), false) = (&study.validation, scored.is_empty()) {
                 (share_card("Parameter error below", validation.bounds.parameter_error, &scored, |d| d.parameter_error_share))
                 (share_card("Simulation error below", validation.bounds.simulation_error, &scored, |d| d.simulation_error_share))

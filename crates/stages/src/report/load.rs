@@ -55,16 +55,17 @@ pub fn load(sources: &Sources) -> Result<Study, Failure> {
         trajectory: trajectory(&mut loader)?,
         selection: super::selection::load(&mut loader)?,
         data: loader.label()?,
+        measured: super::measured::load(&mut loader)?,
         reference,
         files: Vec::new(),
     };
     let planned = study.trajectory.as_ref().is_some_and(|t| t.main.is_some());
-    let planned = planned || study.selection.is_some();
+    let planned = planned || study.selection.is_some() || study.measured.is_some();
     if study.design.is_none() && study.dictionary.is_none() && study.validation.is_none() && !planned {
         return Err(Failure::refuse(
             &sources.results,
             "results",
-            "none of dictionary.parquet, design.json, plan.json, selection.json, validation.json",
+            "none of crossval.json, design.json, dictionary.parquet, plan.json, selection.json, trust.json, validation.json",
             "files that the stages wrote",
             "run `make` first, or name their folder with --results",
         ));
@@ -85,8 +86,11 @@ impl Loader<'_> {
 
     /// What `ingest` says that the logs are.
     fn label(&mut self) -> Result<Option<String>, Failure> {
-        let ingested = self.document::<IngestDocument>("ingest.json", "what the logs became")?;
-        Ok(ingested.and_then(|document| document.data))
+        let path = self.sources.results.join("ingest.json");
+        if !path.exists() {
+            return Ok(None);
+        }
+        Ok(read_document::<IngestDocument>(&path)?.data.data)
     }
 
     fn vessel(&mut self) -> Result<Option<Vessel>, Failure> {

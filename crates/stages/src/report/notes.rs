@@ -3,7 +3,10 @@ use maud::{Markup, html};
 use super::study::Study;
 
 /// What the words mean.
-pub(super) fn notation() -> Markup {
+pub(super) fn notation(study: &Study) -> Markup {
+    if study.measured.is_some() {
+        return notation_of_logs();
+    }
     html! {
         section #notation {
             h2 { "Notation" }
@@ -15,6 +18,24 @@ pub(super) fn notation() -> Markup {
                 (entry("Parameter error", html! { "2-norm over the parameters of (estimate − truth)/truth, one value per run." }))
                 (entry("Simulation error", html! { "2-norm of the root mean square errors in surge [m/s], sway [m/s] and yaw rate [rad/s] of the freely simulated model against the true one." }))
                 (entry("Run, realization", html! { "One experiment, simulated with its own disturbances and estimated on its own." }))
+                (entry("u, v, r", html! { "Surge and sway speed [m/s] and yaw rate [rad/s]; axes x forward, y starboard, z down." }))
+            }
+        }
+    }
+}
+
+fn notation_of_logs() -> Markup {
+    html! {
+        section #notation {
+            h2 { "Notation" }
+            dl.names {
+                (entry("Fit", html! { "100 (1 − RMSE/std) in percent, of a free simulation that starts at a measured state: 100 is perfect, 0 as good as the mean of the data." }))
+                (entry("Error norm", html! { "2-norm over surge, sway and yaw rate of RMSE/std; √3 is as bad as the mean of the data." }))
+                (entry("Recording, sub-experiment", html! { "What was logged in one go, and what it was cut into. Recordings are left out whole." }))
+                (entry("Condition index", html! { "Square root of the condition number of the normal matrix with the intercept, columns scaled, means left in; from 30 on collinear (Belsley, Kuh and Welsch)." }))
+                (entry("Standard error", html! { "Sandwich covariance with autocorrelation (Newey and West); of output-error with any correlation within a sub-experiment." }))
+                (entry("Partial R²", html! { "How much of a term its instruments tell beyond what they tell of the others (Shea): 1 least squares, near 0 lost." }))
+                (entry("Whiteness", html! { "Ljung and Box's test: probability of a larger statistic if the residuals were white." }))
                 (entry("u, v, r", html! { "Surge and sway speed [m/s] and yaw rate [rad/s]; axes x forward, y starboard, z down." }))
             }
         }

@@ -4,17 +4,21 @@ use report_figures::FigureError;
 use super::allocation::allocation;
 use super::certificate::certificate;
 use super::comparison::comparison;
+use super::crossval::cross_validation;
 use super::dictionary::dictionary;
 use super::errors::errors;
 use super::excitation::excitation;
 use super::figures::Figures;
-use super::headline::headline;
+use super::headline::{headline, kind};
+use super::logs::logs;
+use super::measured::Measured;
 use super::notes::{files, notation};
 use super::parameters::parameters;
 use super::published_selection::published_selection;
 use super::selection::selection;
 use super::study::Study;
 use super::trajectory::{self, trajectory};
+use super::trust::trust;
 
 /// The page and its figures.
 #[derive(Clone, Debug)]
@@ -27,20 +31,8 @@ pub struct Rendered {
 
 const STYLE: &str = include_str!("style.css");
 
-const CONTENTS: [(&str, &str); 12] = [
-    ("comparison", "Result"),
-    ("shares", "Shares"),
-    ("certificate", "Certificate"),
-    ("dictionary", "Dictionary"),
-    ("trajectory", "Trajectory"),
-    ("selection", "Selection"),
-    ("published", "Published"),
-    ("errors", "Errors"),
-    ("parameters", "Parameters"),
-    ("excitation", "Excitation"),
-    ("notation", "Notation"),
-    ("files", "Files"),
-];
+/// Id, title and content of a section.
+type Section = (&'static str, &'static str, Markup);
 
 /// Renders the page. What `study` lacks is named on it.
 ///
@@ -48,48 +40,64 @@ const CONTENTS: [(&str, &str); 12] = [
 /// A figure cannot be drawn.
 pub fn render(study: &Study) -> Result<Rendered, FigureError> {
     let mut figures = Figures::default();
-    // A study of picks from logs has no simulated campaign to validate: its sections are not missing.
-    let none = || html! {};
-    let sections = [
-        if campaign(study) { comparison(study) } else { none() },
-        allocation(study, &mut figures)?,
-        certificate(study),
-        if maneuvers(study) { dictionary(study, &mut figures)? } else { none() },
-        trajectory(study, &mut figures)?,
-        selection(study, &mut figures)?,
-        published_selection(study, &mut figures)?,
-        if campaign(study) { errors(study, &mut figures)? } else { none() },
-        parameters(study, &mut figures)?,
-        excitation(study),
-        notation(),
-        files(study),
-    ];
+    let mut sections = match &study.measured {
+        Some(measured) => of_logs(study, measured, &mut figures)?,
+        None => of_trials(study, &mut figures)?,
+    };
+    sections.push(("notation", "Notation", notation(study)));
+    sections.push(("files", "Files", files(study)));
     let html = document(study, &sections).into_string();
     Ok(Rendered { html, figures: figures.files })
 }
 
-/// Whether there is a campaign, or ought to be one.
-fn campaign(study: &Study) -> bool {
-    study.selection.is_none() || study.validation.is_some() || study.scores.is_some()
+/// The sections of a study of simulated trials.
+fn of_trials(study: &Study, figures: &mut Figures) -> Result<Vec<Section>, FigureError> {
+    let mut sections = vec![
+        ("comparison", "Result", comparison(study)),
+        ("shares", "Shares", allocation(study, figures)?),
+        ("certificate", "Certificate", certificate(study)),
+        ("dictionary", "Dictionary", dictionary(study, figures)?),
+    ];
+    if study.trajectory.is_some() {
+        sections.push(("trajectory", "Trajectory", trajectory(study, figures)?));
+    }
+    if study.selection.is_some() {
+        sections.push(("selection", "Selection", selection(study, figures)?));
+    }
+    if study.published_selection().is_some() {
+        sections.push(("published", "Published", published_selection(study, figures)?));
+    }
+    sections.push(("errors", "Errors", errors(study, figures)?));
+    sections.push(("parameters", "Parameters", parameters(study, figures)?));
+    sections.push(("excitation", "Excitation", excitation(study)));
+    Ok(sections)
 }
 
-/// Whether there are maneuvers to show, or ought to be.
-fn maneuvers(study: &Study) -> bool {
-    study.selection.is_none() || study.dictionary.is_some()
+/// The sections of a study of measured logs.
+fn of_logs(study: &Study, measured: &Measured, figures: &mut Figures) -> Result<Vec<Section>, FigureError> {
+    let mut sections = vec![
+        ("cross-validation", "Cross-validation", cross_validation(measured)),
+        ("trust", "Trust", trust(measured)),
+    ];
+    if study.selection.is_some() {
+        sections.push(("selection", "Selection", selection(study, figures)?));
+    }
+    if study.published_selection().is_some() {
+        sections.push(("published", "Published", published_selection(study, figures)?));
+    }
+    if study.design.is_some() {
+        sections.push(("shares", "Shares", allocation(study, figures)?));
+        sections.push(("certificate", "Certificate", certificate(study)));
+    }
+    if study.dictionary.is_some() {
+        sections.push(("dictionary", "Dictionary", dictionary(study, figures)?));
+    }
+    sections.push(("logs", "Logs", logs(measured)));
+    Ok(sections)
 }
 
-fn document(study: &Study, sections: &[Markup]) -> Markup {
+fn document(study: &Study, sections: &[Section]) -> Markup {
     let planned = study.trajectory.is_some();
-    let published = study.reference.as_ref().is_some_and(|r| r.selection.is_some());
-    let shown = |id: &str| match id {
-        "trajectory" => planned,
-        "selection" => study.selection.is_some(),
-        "comparison" | "errors" => campaign(study),
-        "dictionary" => maneuvers(study),
-        "published" => study.selection.is_some() && published,
-        _ => true,
-    };
-    let contents = CONTENTS.iter().filter(|(id, _)| shown(id));
     html! {
         (DOCTYPE)
         html lang="en" {
@@ -97,14 +105,14 @@ fn document(study: &Study, sections: &[Markup]) -> Markup {
                 meta charset="utf-8";
                 meta name="viewport" content="width=device-width, initial-scale=1";
                 meta name="color-scheme" content="light dark";
-                title { (study.name) " – experiment design report" }
+                title { (study.name) " – " (kind(study)) }
                 style { (PreEscaped(STYLE)) @if planned { (PreEscaped(trajectory::STYLE)) } }
             }
             body {
                 main {
                     (headline(study))
-                    nav aria-label="Contents" { @for (id, title) in contents { a href={ "#" (id) } { (title) } } }
-                    @for section in sections { (section) }
+                    nav aria-label="Contents" { @for (id, title, _) in sections { a href={ "#" (id) } { (title) } } }
+                    @for (_, _, section) in sections { (section) }
                 }
             }
         }

@@ -2,7 +2,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use artifact::{Provenance, TableWriter, commit, encode_block, stage_document};
-use identification::pooled::{Lifted, Part, Regression, Score, Window, Windows};
+use identification::pooled::{Centring, Lifted, Part, Regression, Score, Window, Windows, strength};
 use identification::{MeanRemoval, Sums};
 use serde_json::json;
 use vessel::{LANES, Vessel};
@@ -57,7 +57,7 @@ pub struct Wanted<'a> {
 /// Refused files; counts that there are not; a nominal simulation that diverges.
 pub fn select(wanted: &Wanted, mut provenance: Provenance) -> Result<Summary, Failure> {
     let (vessel, flags) = (wanted.vessel, wanted.flags);
-    let strength = flags.strength()?;
+    let prior = flags.strength()?;
     let nominal = NominalModel::read(&flags.nominal(), vessel, &mut provenance)?;
     let data = Data::read(wanted.trajectories, vessel, flags, &mut provenance)?;
     let parts = data.segments(vessel);
@@ -65,7 +65,14 @@ pub fn select(wanted: &Wanted, mut provenance: Provenance) -> Result<Summary, Fa
     let counts = counts(wanted.design, wanted.counts, wanted.picks, &available, &mut provenance)?;
     let lifted = Lifted::new(&vessel.model);
     let removal = MeanRemoval::from(wanted.removal);
-    let pool = Pool { model: &vessel.model, lifted: &lifted, removal, strength, nominal: &nominal };
+    let pool = Pool {
+        model: &vessel.model,
+        lifted: &lifted,
+        removal,
+        strength: prior,
+        nominal: &nominal,
+        constant: data.constant(),
+    };
     let prepared = Prepared::new(wanted, &pool, &data)?;
     let windows: Vec<Window> = parts
         .iter()
@@ -93,7 +100,7 @@ pub fn select(wanted: &Wanted, mut provenance: Provenance) -> Result<Summary, Fa
         estimator: name_of(wanted.method),
         mean_removal: name_of(wanted.removal),
         nominal: flags.nominal().to_string(),
-        prior: strength,
+        prior,
         intercepts: wanted.intercepts,
         picks,
         counts,
@@ -109,7 +116,7 @@ pub fn select(wanted: &Wanted, mut provenance: Provenance) -> Result<Summary, Fa
         instrument_fit: prepared.instrument_fit,
         designs: ["optimized", "random"].map(|design| scores(design, &rows, wanted.degenerate_from)).into(),
     };
-    note(wanted, strength, &mut provenance);
+    note(wanted, prior, &mut provenance);
     publish(&wanted.out, &provenance, &rows, concluded(document, prepared.statements))
 }
 
@@ -149,9 +156,11 @@ impl Prepared {
         let (false, Some((theta, c))) = (wanted.method == Method::Ls, &nominal) else { return Ok(prepared) };
         match Part::instrument(&mut parts, pool.lifted, &pool.lifted.parameters(theta, *c)) {
             Ok(()) => {
-                prepared.iv = Some(sums(pool.instrumented_regressions(&parts)));
+                let data = pool.instrumented_regressions(&parts);
                 prepared.instrument_fit = instrument_fit(&parts);
-                prepared.statements.extend(prepared.instrument_fit.and_then(poor));
+                let weakest = weakest_instrument(pool, &data);
+                prepared.statements.extend(prepared.instrument_fit.and_then(|fits| poor(fits, weakest)));
+                prepared.iv = Some(sums(data));
             }
             Err(diverged) => {
                 let lost =
@@ -173,18 +182,34 @@ impl Prepared {
 /// Below this the instruments have lost a state: the nominal simulation explains less than half of its deviations.
 const POOR: f64 = 50.0;
 
-fn poor(fits: [f64; 3]) -> Option<String> {
+/// The term that its instrument tells least of, with Shea's partial R².
+fn weakest_instrument(pool: &Pool, data: &[Regression]) -> Option<(String, f64)> {
+    let parts: Vec<&Regression> = data.iter().collect();
+    let sums: Vec<Sums> = data.iter().map(Regression::sums).collect();
+    let centring = Centring::new(&sums.iter().collect::<Vec<_>>(), pool.removal);
+    let degree = |d: usize| {
+        let terms = pool.model.degrees[d].terms.iter().map(|t| t.text.clone());
+        terms.zip(strength(&parts, &centring, d).unwrap_or_default()).collect::<Vec<_>>()
+    };
+    (0..3).flat_map(degree).min_by(|a, b| a.1.total_cmp(&b.1))
+}
+
+/// That the instruments have lost the motion, and what comes of it.
+fn poor(fits: [f64; 3], weakest: Option<(String, f64)>) -> Option<String> {
     let lost: Vec<String> = ["u", "v", "r"]
         .into_iter()
         .zip(fits)
         .filter(|(_, fit)| *fit < POOR)
         .map(|(name, fit)| format!("{name} to {fit:.0} %"))
         .collect();
+    let told = weakest.map_or(String::new(), |(term, share)| {
+        format!(" and tells {:.1} % of `{term}` (partial R²)", 100.0 * share)
+    });
     (!lost.is_empty()).then(|| {
         format!(
-            "poor instruments: simulated over whole parts the nominal model follows {} only, so that estimates from few \
-             parts are free to diverge: cut shorter parts (--part-s), improve the nominal model or the structure, name a \
-             --prior, or use --estimator ls",
+            "poor instruments: simulated from the first state of each part the nominal model follows {} only{told}; \
+             estimates divide by what instruments tell, so that those from few parts are free to diverge: cut shorter \
+             parts (--part-s), improve the nominal model or the structure, name a --prior, or use --estimator ls",
             crate::pooled::listed(&lost)
         )
     })

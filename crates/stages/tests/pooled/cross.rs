@@ -49,3 +49,18 @@ fn an_estimator_that_cannot_be_simulated_is_told_and_not_recommended() {
     );
     assert!(data["estimators"][0]["reason"].as_str().unwrap().contains("sway"), "{said}");
 }
+
+#[test]
+fn the_report_of_pooled_runs_shows_them_and_what_is_missing() {
+    let folder = with(&["campaign.parquet"]);
+    run(&folder, &format!("{} --bootstrap 9 --out estimates.parquet", crate::POOL)).succeeds();
+    run(&folder, &format!("{CROSS} --estimators ls,iv --out crossval.json")).succeeds();
+    run(&folder, REPORT).succeeds();
+    let page = String::from_utf8(bytes(&folder, "report.html")).unwrap();
+    for piece in
+        ["href=\"#cross-validation\"", "(recommended)", "Parameters of yaw", "<code>ingest.json</code>"]
+    {
+        assert!(page.contains(piece), "{piece}");
+    }
+    assert!(!page.contains("NaN") && !page.contains("id=\"dictionary\""));
+}

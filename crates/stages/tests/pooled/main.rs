@@ -5,6 +5,7 @@ mod support;
 
 mod cross;
 mod estimate;
+mod golden;
 mod moments;
 mod real;
 mod refusals;

@@ -52,6 +52,20 @@ fn numbers_out_of_range_are_refused() {
 }
 
 #[test]
+fn a_nominal_file_that_is_none_is_refused() {
+    let folder = with(&["campaign.parquet", "estimate.json"]);
+    let line = |nominal: &str| format!("{POOL} --runs random/0 --nominal {nominal} --out x.parquet");
+    refused(&folder, 1, &line("least-sqares"), &["least-sqares", "existing file"]);
+    refused(&folder, 3, &line("estimate.json"), &["estimate.json", "data.designs", "2 designs"]);
+    run(&folder, &format!("{POOL} --runs random/0,random/1 --out pooled.parquet")).succeeds();
+    put(&folder, "vessel.toml", include_str!("../../../../pipelines/kvlcc2/vessel.toml"));
+    refused(&folder, 3, &line("estimate.json"), &["estimate.json", "no estimate"]);
+    put(&folder, "vessel.toml", "preset = \"ljungberg-model-ship\"\n");
+    refused(&folder, 1, &format!("{POOL} --recordings none.json --out x.parquet"), &["none.json"]);
+    refused(&folder, 2, &format!("{POOL} --prior=inf --out x.parquet"), &["--prior", "inf"]);
+}
+
+#[test]
 fn a_nominal_model_that_diverges_is_told_with_part_and_sample() {
     let folder = with(&["campaign.parquet"]);
     put(&folder, "vessel.toml", "preset = \"ljungberg-model-ship\"\n[nominal]\nX_u = 2.5\n");

@@ -57,6 +57,7 @@ pub(super) fn study() -> Study {
         validation_trace: Some(validation_trace()),
         reference: Some(reference()),
         selection: None,
+        measured: None,
         trajectory: None,
         files: files(),
     }

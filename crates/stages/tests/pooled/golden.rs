@@ -1,0 +1,61 @@
+//! Frozen results of the small study, pooled. `make golden` writes fixtures/golden/pooled.json again.
+
+use std::fs;
+use std::path::PathBuf;
+
+use serde_json::{Map, Value};
+
+use crate::support::*;
+use crate::{CROSS, POOL, SELECTION};
+
+/// What it is called, in which document, and its JSON pointer.
+const NUMBERS: [(&str, &str, &str); 12] = [
+    ("X_u", "trust.json", "/data/degrees/0/parameters/0/estimate"),
+    ("X_u standard error", "trust.json", "/data/degrees/0/parameters/0/standard_error"),
+    ("X_u bootstrap", "trust.json", "/data/degrees/0/parameters/0/bootstrap_std"),
+    ("X_u partial R2", "trust.json", "/data/degrees/0/parameters/0/instrument_strength"),
+    ("yaw condition index", "trust.json", "/data/degrees/2/condition_index"),
+    ("yaw whiteness", "trust.json", "/data/degrees/2/whiteness/statistic"),
+    ("ls fit u", "crossval.json", "/data/estimators/0/errors/fit_u"),
+    ("iv fit v", "crossval.json", "/data/estimators/1/errors/fit_v"),
+    ("iv error norm", "crossval.json", "/data/estimators/1/error_norm"),
+    ("optimized error norm, median", "selection.json", "/data/designs/0/overlapping/error_norm/median"),
+    ("optimized error norm, left out", "selection.json", "/data/designs/0/left_out/error_norm/median"),
+    ("random error norm, median", "selection.json", "/data/designs/1/overlapping/error_norm/median"),
+];
+
+fn path() -> PathBuf {
+    repository().join("fixtures/golden/pooled.json")
+}
+
+fn numbers() -> Map<String, Value> {
+    let folder = with(&["campaign.parquet"]);
+    run(&folder, &format!("{POOL} --bootstrap 20 --out pooled.parquet")).succeeds();
+    run(&folder, &format!("{CROSS} --estimators ls,iv --out crossval.json")).succeeds();
+    run(&folder, &format!("{SELECTION} --estimator ls --out selection.parquet")).succeeds();
+    let pointed = |(name, file, pointer): (&str, &str, &str)| {
+        let found = json(&folder, file);
+        (name.to_owned(), found.pointer(pointer).unwrap_or_else(|| panic!("{file}: {pointer}")).clone())
+    };
+    NUMBERS.into_iter().map(pointed).collect()
+}
+
+#[test]
+fn golden_pooled_study() {
+    let remedy = "`make golden` writes it again, once you know why";
+    let text = fs::read_to_string(path()).unwrap_or_else(|e| panic!("{}: {e}; {remedy}", path().display()));
+    let golden: Map<String, Value> = serde_json::from_str(&text).unwrap();
+    let found = numbers();
+    assert!(golden.keys().eq(found.keys()), "other numbers than in {}; {remedy}", path().display());
+    for (name, golden) in &golden {
+        let (golden, found) = (golden.as_f64().unwrap(), found[name].as_f64().unwrap());
+        let same = approx::relative_eq!(golden, found, max_relative = 1e-8, epsilon = 1e-12);
+        assert!(same, "{name}: found {found}, golden {golden}; {remedy}");
+    }
+}
+
+#[test]
+#[ignore = "writes fixtures/golden/pooled.json"]
+fn write_golden_pooled_study() {
+    fs::write(path(), format!("{:#}\n", Value::Object(numbers()))).unwrap();
+}
