@@ -10,6 +10,7 @@ LOGS_FROM := $(LOGS)/simulated.json
 # paper
 MOMENTS_FLAGS ?= --nominal least-squares
 SEED_FLAGS    ?=
+SELECTION_FLAGS ?= --estimator iv --nominal least-squares --realizations 500
 SELECTED := yes
 include pipelines/measured.mk
 
