@@ -6,8 +6,6 @@
 
 # Where the logs are
 LOGS            ?= logs
-# A file that the study's own rules make together with its logs, where it simulates them
-LOGS_FROM       ?=
 # Instruments restart with every sub-experiment; their nominal model is the least-squares fit of the same data
 POOL_FLAGS      ?= --nominal least-squares
 ESTIMATOR       ?= auto
@@ -24,9 +22,9 @@ NO_LOGS   = $(LOGS): no such folder; name that of the logs: make STUDY=$(STUDY) 
 
 .DEFAULT_GOAL := measured
 
-# Said before anything is built.
+# Said before anything is built; logs in $(OUT) are made by the study itself.
 ifneq ($(filter measured,$(or $(MAKECMDGOALS),measured)),)
-  ifeq ($(LOGS_FROM)$(wildcard $(LOGS)/.),)
+  ifeq ($(filter $(OUT)/%,$(LOGS))$(wildcard $(LOGS)/.),)
     $(error $(NO_LOGS))
   endif
 endif
@@ -36,7 +34,7 @@ measured: $(MEASURED)/report.html
 	@echo
 	@echo "Report: $(MEASURED)/report.html"
 
-$(MEASURED)/trajectories.parquet: $(STUDY)/ingest.toml $(STUDY)/vessel.toml $(LOGS_FROM) $(BIN)/.built
+$(MEASURED)/trajectories.parquet: $(STUDY)/ingest.toml $(STUDY)/vessel.toml $(BIN)/.built
 	@mkdir -p $(@D)
 	$(BIN)/ingest --config $(STUDY)/ingest.toml --vessel $(STUDY)/vessel.toml --logs "$(LOGS)" $(FLAGS) --out $@
 
@@ -49,9 +47,11 @@ $(MEASURED)/crossval.json: $(MEASURED)/trajectories.parquet $(STUDY)/study.mk
 $(MEASURED)/moments.json: $(MEASURED)/trajectories.parquet $(STUDY)/study.mk
 	$(BIN)/moments $(LOGGED) $(MOMENTS_FLAGS) $(FLAGS) --out $@
 
-# No more of a maneuver than was logged.
+# No more of a maneuver than was logged, unless the study says what is available.
+WITHIN = $(if $(findstring --available,$(DESIGN_FLAGS)),,--available $(MEASURED)/ingest.json)
+
 $(MEASURED)/design.json: $(MEASURED)/moments.json
-	$(BIN)/design --moments $< --available $(MEASURED)/ingest.json $(DESIGN_FLAGS) $(FLAGS) --out $@
+	$(BIN)/design --moments $< $(WITHIN) $(DESIGN_FLAGS) $(FLAGS) --out $@
 
 $(MEASURED)/selection.parquet: $(MEASURED)/trajectories.parquet $(MEASURED)/design.json
 	$(BIN)/validate selection $(LOGGED) --design $(MEASURED)/design.json $(SELECTION_FLAGS) $(FLAGS) --out $@

@@ -1,6 +1,7 @@
 # The logs are those of SIMMAN 2008 (HSVA), converted to CSV: name their folder with LOGS=.
 LOGS       ?= ../shared/data/kvlcc2_hsva
 ESTIMATOR  ?= output-error
+BOOTSTRAP  ?= 200
 # Recordings of 66 to 210 s in pieces of at most 100 s. The propeller's speed is constant: `iv` refuses surge.
 POOL_FLAGS := --nominal least-squares --part-s 100
 include pipelines/measured.mk

@@ -34,13 +34,24 @@ pub fn bootstrap(
     let count = parts.len();
     let mut found: [Vec<Vec<f64>>; 3] = Default::default();
     for replicate in 0..replicates {
-        let drawn = streams.choices(replicate, 0, count.max(1) as u32, count);
-        let resample: Vec<&Sums> = drawn.iter().map(|i| parts[*i as usize]).collect();
+        let resample: Vec<&Sums> = redraw(streams, replicate, count).into_iter().map(|i| parts[i]).collect();
         for (d, degree) in fit(&resample, options).into_iter().enumerate() {
             found[d].extend(degree.solution.map(|s| s.theta));
         }
     }
-    found.map(|thetas| summary(&thetas, replicates as usize))
+    found.map(|thetas| Bootstrap::of(&thetas, replicates as usize))
+}
+
+/// Places of the parts that replicate number `replicate` draws from `count`: as many, with replacement.
+pub fn redraw(streams: &Streams, replicate: u32, count: usize) -> Vec<usize> {
+    streams.choices(replicate, 0, count.max(1) as u32, count).into_iter().map(|i| i as usize).collect()
+}
+
+impl Bootstrap {
+    /// Of the estimates `thetas` that `replicates` resamples gave; `None` from fewer than two.
+    pub fn of(thetas: &[Vec<f64>], replicates: usize) -> Option<Self> {
+        summary(thetas, replicates)
+    }
 }
 
 fn summary(thetas: &[Vec<f64>], replicates: usize) -> Option<Bootstrap> {

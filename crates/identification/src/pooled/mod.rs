@@ -20,7 +20,7 @@ mod sandwich;
 mod strength;
 mod windows;
 
-pub use bootstrap::{Bootstrap, Resampled, bootstrap};
+pub use bootstrap::{Bootstrap, Resampled, bootstrap, redraw};
 pub use centre::Centring;
 pub use chi_square::{chi_square_tail, normal_tails};
 pub use diagnosis::{Diagnosis, diagnose};

@@ -124,6 +124,7 @@ fn pool(a: &Arguments, vessel: &Vessel, out: PathBuf, provenance: Provenance) ->
         replicates: a.bootstrap.unwrap_or(0),
         seed: a.common.seed.unwrap_or(1),
         out,
+        quiet: a.common.quiet,
     };
     pooled::estimate(&wanted, provenance)
 }

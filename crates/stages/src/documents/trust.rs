@@ -42,7 +42,7 @@ pub struct TrustDegree {
     pub status: String,
     /// Why it is not identifiable.
     pub reason: Option<String>,
-    /// What the estimate was made with: `iv`, `ls` or `output-error`.
+    /// What the estimate was made with: `iv`, `refined-iv`, `ls` or `output-error`.
     pub estimator: String,
     /// Condition number of the correlations between instruments and regressors; null where singular.
     pub condition: Option<f64>,

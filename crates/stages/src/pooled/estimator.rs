@@ -68,6 +68,14 @@ pub struct Pool<'a> {
     pub constant: &'a [String],
 }
 
+/// What errors and steps of an output-error estimate are measured by.
+pub struct Scales {
+    /// Standard deviations of the measured u, v, r.
+    std: [f64; 3],
+    /// Per lifted parameter the change that would matter; 0 holds it.
+    sizes: Vec<f64>,
+}
+
 /// An estimate of pooled parts.
 pub struct Estimated {
     /// Surge, sway, yaw.
@@ -76,8 +84,8 @@ pub struct Estimated {
     pub used: [Used; 3],
     /// Nominal parameters, lifted; where there were any.
     pub nominal: Option<Vec<f64>>,
-    /// The output-error estimate, where it was asked for and found.
-    pub output_error: Option<OutputError>,
+    /// The output-error estimate and its scales, where it was asked for and found.
+    pub output_error: Option<(OutputError, Scales)>,
     /// Why no instruments were simulated with `auto`, which then is least squares.
     pub diverged: Option<PartDiverged>,
     /// The data with the regressors as instruments.
@@ -190,19 +198,44 @@ impl Pool<'_> {
         let Some(theta) = found.theta() else { return };
         let start = self.lifted.parameters(&theta, found.intercepts());
         let std = deviations(parts.iter().map(|p| p.measured.as_slice()));
-        let sizes = self.sizes(sums, std);
-        let Some(best) = output_error(self.lifted, parts, &start, std, &sizes) else { return };
-        let mut rest = best.parameters.as_slice();
-        for (d, degree) in self.model.degrees.iter().enumerate() {
-            let (own, after) = rest.split_at(degree.terms.len() + 1);
+        let scales = Scales { std, sizes: self.sizes(sums, std) };
+        let Some(best) = self.least_errors(parts, &start, &scales) else { return };
+        let degrees = self.split(&best.parameters);
+        for (d, (theta, intercept)) in degrees.into_iter().enumerate() {
             if let Some(solution) = &mut found.degrees[d].solution {
-                solution.theta = own[..degree.terms.len()].to_vec();
-                solution.intercept = own[degree.terms.len()];
+                (solution.theta, solution.intercept) = (theta, intercept);
             }
             found.used[d] = Used::OutputError;
-            rest = after;
         }
-        found.output_error = Some(best);
+        found.output_error = Some((best, scales));
+    }
+
+    fn least_errors(&self, parts: &[Part], start: &[f64], scales: &Scales) -> Option<OutputError> {
+        output_error(self.lifted, parts, start, scales.std, &scales.sizes)
+    }
+
+    /// The output-error estimate of the parts at `drawn`, started at that of all: θ̂ of surge, sway and yaw.
+    pub fn simulated_again(
+        &self,
+        parts: &[Part],
+        drawn: &[usize],
+        found: &Estimated,
+    ) -> Option<[Vec<f64>; 3]> {
+        let (all, scales) = found.output_error.as_ref()?;
+        let own: Vec<Part> = drawn.iter().map(|i| parts[*i].clone()).collect();
+        let best = self.least_errors(&own, &all.parameters, scales)?;
+        Some(self.split(&best.parameters).map(|(theta, _)| theta))
+    }
+
+    /// θ and intercept of surge, sway and yaw from lifted parameters.
+    fn split(&self, lifted: &[f64]) -> [(Vec<f64>, f64); 3] {
+        let mut first = 0;
+        [0, 1, 2].map(|d: usize| {
+            let end = first + self.model.degrees[d].terms.len();
+            let own = (lifted[first..end].to_vec(), lifted[end]);
+            first = end + 1;
+            own
+        })
     }
 
     /// Per lifted parameter the value with which its term alone would make up the state's deviation in a sample; 0 for an

@@ -60,7 +60,7 @@ mod tests {
 
     /// A zig-zag of the tanker, `thrust(k)` its thrust.
     fn zig_zag(vessel: &Vessel, design: &str, thrust: impl Fn(usize) -> f64) -> Run {
-        let rudder = |k: usize| if k / 25 % 2 == 0 { 0.35 } else { -0.35 };
+        let rudder = |k: usize| if (k / 25).is_multiple_of(2) { 0.35 } else { -0.35 };
         let exogenous: Vec<f64> = (0..400).flat_map(|k| [thrust(k), rudder(k)]).collect();
         let initial = [1.0, 0.0, 0.0];
         Run {
@@ -89,7 +89,7 @@ mod tests {
         assert!(found.words.starts_with("surge: `thrust` (hardly varies, by 1.6 %)"), "{}", found.words);
         assert!(found.words.contains("cannot be told from the intercept"), "{}", found.words);
         assert_eq!(judged("random", &steady), None);
-        let found = judged("measured", &|k| if k / 60 % 3 == 0 { 5.0 } else { 60.0 });
+        let found = judged("measured", &|k| if (k / 60).is_multiple_of(3) { 5.0 } else { 60.0 });
         assert!(found.is_none_or(|found| !found.words.contains("`thrust` (hardly")));
     }
 }

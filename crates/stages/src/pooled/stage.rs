@@ -42,6 +42,8 @@ pub struct Wanted<'a> {
     pub seed: u64,
     /// Main output.
     pub out: PathBuf,
+    /// No progress.
+    pub quiet: bool,
 }
 
 /// One estimate from all runs: estimates.parquet with one row, estimate.json, trust.json.
@@ -83,6 +85,7 @@ pub fn estimate(wanted: &Wanted, mut provenance: Provenance) -> Result<Summary, 
         bandwidth: wanted.bandwidth,
         replicates: wanted.replicates,
         seed: wanted.seed,
+        quiet: wanted.quiet,
     };
     let degrees = judge.degrees();
     let mut statements = statements(&found, &degrees);
@@ -169,15 +172,24 @@ fn statements(found: &Estimated, degrees: &[TrustDegree]) -> Vec<String> {
             ));
         }
         if let Some(white) = degree.whiteness.as_ref().filter(|w| w.p_value < UNLIKELY) {
+            let allowed = match found.used[i] {
+                super::Used::OutputError => "any correlation within a sub-experiment".to_owned(),
+                _ => format!("{} lags", white.lags),
+            };
             out.push(format!(
-                "{}: residuals are not white (neighbours correlate by {:.2}): the standard errors allow for {} lags",
-                degree.name, white.first_autocorrelation, white.lags
+                "{}: residuals are not white (neighbours correlate by {:.2}): the standard errors allow for {allowed}",
+                degree.name, white.first_autocorrelation
             ));
         }
         if let Some(crossed) = degree.instrument_residual.as_ref().filter(|c| c.p_value < UNLIKELY) {
             out.push(format!(
-                "{}: residuals correlate with `{}` {} samples before by {:.2}: the model lacks some motion",
-                degree.name, crossed.instrument, crossed.lag, crossed.strongest
+                "{}: residuals correlate by {:.2} with `{}` {} sample{} {}: the model lacks some motion",
+                degree.name,
+                crossed.strongest,
+                crossed.instrument,
+                crossed.lag.abs(),
+                if crossed.lag.abs() == 1 { "" } else { "s" },
+                if crossed.lag > 0 { "before" } else { "after" }
             ));
         }
     }

@@ -1,13 +1,17 @@
+use std::convert::Infallible;
+
 use identification::Sums;
 use identification::pooled::{
     Bootstrap, Centring, Diagnosis, Part, Regression, Score, Solution, Windows, bootstrap, cross_correlation,
-    default_bandwidth, diagnose, residuals, sandwich, strength, whiteness,
+    default_bandwidth, diagnose, redraw, residuals, sandwich, strength, whiteness,
 };
 use vessel::{DegreeOfFreedom, Lane, Streams, Vessel};
 
 use super::words::{unidentified, weakest};
 use super::{Data, Estimated, Pool, Stretch, Used};
 use crate::documents::{FreeRunErrors, InstrumentResidual, TrustDegree, TrustParameter, TrustRun, Whiteness};
+use crate::ordered::ordered;
+use crate::progress::Progress;
 use crate::statistics::spread;
 
 /// What the trust in an estimate is judged from.
@@ -19,6 +23,7 @@ pub struct Judge<'a> {
     pub bandwidth: Option<usize>,
     pub replicates: u32,
     pub seed: u64,
+    pub quiet: bool,
 }
 
 /// Numbers of one degree of freedom.
@@ -60,18 +65,38 @@ impl Judge<'_> {
 
     fn resampled(&self, used: Used) -> [Option<Bootstrap>; 3] {
         let of = |d: &usize| self.found.used[*d] == used && self.found.degrees[*d].solution.is_some();
-        let Some(d) =
-            [0, 1, 2].into_iter().find(of).filter(|_| self.replicates > 0 && used != Used::OutputError)
-        else {
+        let Some(d) = [0, 1, 2].into_iter().find(of).filter(|_| self.replicates > 0) else {
             return [const { None }; 3];
         };
+        let streams = Streams::new(self.seed, "bootstrap over sub-experiments");
+        if used == Used::OutputError {
+            return self.simulated_again(&streams);
+        }
         let sums: Vec<Sums> = self.found.data(d).iter().map(Regression::sums).collect();
         let nominal = self.nominal();
         let options = self.pool.options(nominal.as_deref(), used);
         // A resample is not refused for being collinear: its spread is what is asked for.
         let options = identification::pooled::Options { most: f64::INFINITY, ..options };
-        let streams = Streams::new(self.seed, "bootstrap over sub-experiments");
         bootstrap(&sums.iter().collect::<Vec<_>>(), &options, self.replicates, &streams)
+    }
+
+    /// The bootstrap of an output-error estimate: every resample is simulated and fitted anew.
+    fn simulated_again(&self, streams: &Streams) -> [Option<Bootstrap>; 3] {
+        let mut found: [Vec<Vec<f64>>; 3] = Default::default();
+        let progress = Progress::new("resamples", self.replicates as usize, self.quiet);
+        let work = |replicate: usize| {
+            let drawn = redraw(streams, replicate as u32, self.parts.len());
+            let thetas = self.pool.simulated_again(self.parts, &drawn, self.found);
+            progress.advance(1);
+            Ok::<_, Infallible>(thetas)
+        };
+        let Ok(()) = ordered(0..self.replicates as usize, work, |thetas| {
+            for (own, theta) in found.iter_mut().zip(thetas.into_iter().flatten()) {
+                own.push(theta);
+            }
+            Ok(())
+        });
+        found.map(|thetas| Bootstrap::of(&thetas, self.replicates as usize))
     }
 
     /// The nominal parameters without intercepts.
@@ -111,7 +136,7 @@ impl Judge<'_> {
     }
 
     fn covariance(&self, d: usize, degree: &Degree, solution: &Solution) -> Vec<f64> {
-        let Some(simulated) =
+        let Some((simulated, _)) =
             self.found.output_error.as_ref().filter(|_| self.found.used[d] == Used::OutputError)
         else {
             return sandwich(&degree.data, &degree.centring, solution, d, self.bandwidth());

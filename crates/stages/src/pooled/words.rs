@@ -35,18 +35,15 @@ impl Involved {
 /// never vary.
 pub fn weakest(d: DegreeOfFreedom, degree: &Degree, diagnosis: &Diagnosis, constant: &[String]) -> String {
     let about = Involved::new(degree, diagnosis);
+    let beyond = diagnosis.index > COLLINEAR;
     let term = |i: &usize| format!("`{}`", degree.terms[*i].text);
     if about.still.is_empty() || !about.intercept {
         let all: Vec<usize> = about.still.iter().chain(&about.varying).copied().collect();
         let terms: Vec<String> = all.iter().map(term).collect();
         let mut names: Vec<String> = all.iter().map(|i| format!("`{}`", degree.parameters[*i])).collect();
         names.extend(about.intercept.then(|| "the intercept".to_owned()));
-        return format!(
-            "{}: {} go together: {} cannot be told apart",
-            d.name(),
-            listed(&terms),
-            listed(&names)
-        );
+        let told = if beyond { "cannot be told apart" } else { "are hardest to tell apart" };
+        return format!("{}: {} go together: {} {told}", d.name(), listed(&terms), listed(&names));
     }
     let mut told = Vec::new();
     for i in &about.still {
@@ -60,7 +57,8 @@ pub fn weakest(d: DegreeOfFreedom, degree: &Degree, diagnosis: &Diagnosis, const
         });
     }
     told.extend(about.varying.iter().map(term));
-    format!("{}: {} cannot be told from the intercept", d.name(), listed(&told))
+    let verdict = if beyond { "cannot be told" } else { "are hardest to tell" };
+    format!("{}: {} {verdict} from the intercept", d.name(), listed(&told))
 }
 
 /// The parameter that [`weakest`] names first.

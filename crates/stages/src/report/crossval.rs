@@ -1,6 +1,6 @@
 use maud::{Markup, html};
 
-use super::measured::{Measured, fit};
+use super::measured::{Measured, coded, fit};
 use super::missing::missing;
 use super::number::{exact, three, three_or_dash};
 use crate::documents::{CrossvalDocument, EstimatorScore};
@@ -14,7 +14,7 @@ pub(super) fn cross_validation(measured: &Measured) -> Markup {
                 None => (missing("Cross-validation is", "crossval.json", "validate cross")),
                 Some(found) => {
                     (about(found))
-                    @for statement in &found.statements { p.note { (statement) } }
+                    @for statement in &found.statements { p.note { (coded(statement)) } }
                     (estimators(found))
                     @if let Some((score, _)) = measured.recommended() { (sources(score)) }
                 }

@@ -35,7 +35,7 @@ fn recordings(found: &IngestDocument) -> Markup {
         div.scroll { table.compact {
             thead { tr {
                 th scope="col" { "Recording" }
-                @for title in ["Length [s]", "Samples", "Segments", "Too short", "Splits at gaps", "Rows", "Empty", "Cut", "Without time", "Repeated", "Backwards"] {
+                @for title in ["Length [s]", "Samples", "Segments", "Too short", "Splits at gaps", "Rows", "Empty", "Cut", "Without, with repeated, with earlier time"] {
                     th.number scope="col" { (title) }
                 }
             } }
@@ -43,9 +43,10 @@ fn recordings(found: &IngestDocument) -> Markup {
                 th scope="row" { (r.name) }
                 td.number { (three(r.duration_s)) }
                 @let rows = &r.rows;
-                @for n in [r.samples, r.segments, r.short_segments, r.splits, rows.read, rows.empty, rows.cut, rows.without_time, rows.repeated, rows.backwards] {
+                @for n in [r.samples, r.segments, r.short_segments, r.splits, rows.read, rows.empty, rows.cut] {
                     td.number { (n) }
                 }
+                td.number { (rows.without_time) ", " (rows.repeated) ", " (rows.backwards) }
             } } }
         } }
     }

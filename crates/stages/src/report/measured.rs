@@ -1,3 +1,4 @@
+use identification::pooled::COLLINEAR;
 use maud::{Markup, html};
 
 use super::SelectionStudy;
@@ -37,6 +38,11 @@ pub(super) fn fit(fit: Option<f64>) -> String {
 /// A quantile over realizations, of which some may have no model.
 pub(super) fn quantile(value: Option<f64>) -> String {
     value.map_or("infinite".to_owned(), |q| format!("{q:.2}"))
+}
+
+/// Words in which names stand between backticks.
+pub(super) fn coded(text: &str) -> Markup {
+    html! { @for (i, piece) in text.split('`').enumerate() { @if i % 2 == 1 { code { (piece) } } @else { (piece) } } }
 }
 
 impl Measured {
@@ -79,7 +85,17 @@ impl Measured {
         if !refused.is_empty() {
             told.push(format!("Not identifiable: {}.", listed(&refused)));
         }
-        told.join(" ")
+        let collinear: Vec<String> = self
+            .trust
+            .iter()
+            .flat_map(|t| &t.degrees)
+            .filter(|d| d.reason.is_none() && d.condition_index.is_none_or(|index| index > COLLINEAR))
+            .map(|d| d.weakest.clone())
+            .collect();
+        if !collinear.is_empty() {
+            told.push(format!("Use it for similar motion only: {}.", listed(&collinear)));
+        }
+        told.join(" ").replace('`', "")
     }
 
     /// Key figures.

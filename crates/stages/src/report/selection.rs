@@ -56,19 +56,25 @@ pub(super) fn selection(study: &Study, figures: &mut Figures) -> Result<Markup, 
             figures,
             "selection-surge",
             "RMSE in surge [m/s]",
-            LIMIT * summary.std_u,
+            round_limit(summary.std_u),
             360.0,
             |r| r.rmse.map(|e| e[0]),
         )?,
-        figure(found, figures, "selection-sway", "RMSE in sway [m/s]", LIMIT * summary.std_v, 360.0, |r| {
-            r.rmse.map(|e| e[1])
-        })?,
+        figure(
+            found,
+            figures,
+            "selection-sway",
+            "RMSE in sway [m/s]",
+            round_limit(summary.std_v),
+            360.0,
+            |r| r.rmse.map(|e| e[1]),
+        )?,
         figure(
             found,
             figures,
             "selection-yaw",
             "RMSE in yaw rate [rad/s]",
-            LIMIT * summary.std_r,
+            round_limit(summary.std_r),
             360.0,
             |r| r.rmse.map(|e| e[2]),
         )?,
@@ -82,12 +88,17 @@ pub(super) fn selection(study: &Study, figures: &mut Figures) -> Result<Markup, 
                 "Models from " (summary.picks) " of " (summary.parts) " sub-experiments, simulated over all of them: "
                 (picked.join(", ")) " against as many at random. Estimator " (summary.estimator) "."
             }
-            @for statement in &summary.statements { p.note { (statement) } }
+            @for statement in &summary.statements { p.note { (super::measured::coded(statement)) } }
             div.scroll { (table(summary)) }
             div.pair { (norm) }
             div.triple { @for degree in degrees { (degree) } }
         }
     })
+}
+
+/// [`LIMIT`] standard deviations to two digits.
+fn round_limit(std: f64) -> f64 {
+    format!("{:.1e}", LIMIT * std).parse().unwrap_or(LIMIT * std)
 }
 
 fn table(summary: &SelectionDocument) -> Markup {

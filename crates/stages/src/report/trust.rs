@@ -1,6 +1,6 @@
 use maud::{Markup, html};
 
-use super::measured::{Measured, fit};
+use super::measured::{Measured, coded, fit};
 use super::missing::missing;
 use super::number::{percent, three, three_or_dash, unit};
 use crate::documents::{TrustDegree, TrustDocument, TrustParameter, TrustRun};
@@ -14,9 +14,9 @@ pub(super) fn trust(measured: &Measured) -> Markup {
                 None => (missing("Trust is", "trust.json", "estimate --pool")),
                 Some(found) => {
                     (about(found))
-                    @for statement in &found.statements { p.note { (statement) } }
+                    @for statement in &found.statements { p.note { (coded(statement)) } }
                     (tests(found))
-                    @for degree in &found.degrees { (parameters(degree, found.replicates > 0)) }
+                    @for degree in &found.degrees { (parameters(degree)) }
                     (runs(&found.runs))
                 }
             }
@@ -50,7 +50,7 @@ fn tests(found: &TrustDocument) -> Markup {
                 th.number scope="col" { "Condition" } th.number scope="col" { "Condition index" }
                 th.number scope="col" { "Instruments follow" }
                 th.number scope="col" { "Neighbouring residuals" } th.number scope="col" { "White, p" }
-                th scope="col" { "Residual and instrument" } th.number scope="col" { "p" }
+                th scope="col" { "Residual and instrument" }
             } }
             tbody { @for d in &found.degrees { tr {
                 th scope="row" { (d.name) } td { (d.status) } td { (d.estimator) }
@@ -61,48 +61,61 @@ fn tests(found: &TrustDocument) -> Markup {
                     None => { td.number { "–" } td.number { "–" } }
                 }
                 @match &d.instrument_residual {
-                    Some(c) => { td { (three(c.strongest)) " with " (c.instrument) " at lag " (c.lag) } td.number { (probability(c.p_value)) } }
-                    None => { td { "–" } td.number { "–" } }
+                    Some(c) => td.wrap { (three(c.strongest)) " with " (c.instrument) " at lag " (c.lag) ", p " (probability(c.p_value)) },
+                    None => td { "–" },
                 }
             } } }
         } }
         h3 { "Weakest directions" }
-        ul { @for d in &found.degrees { li { (d.weakest) } } }
+        ul { @for d in &found.degrees { li { (coded(&d.weakest)) } } }
     }
 }
 
-fn parameters(degree: &TrustDegree, resampled: bool) -> Markup {
+fn parameters(degree: &TrustDegree) -> Markup {
+    let resampled = degree.parameters.iter().any(|p| p.bootstrap_std.is_some());
     html! {
         h3 { "Parameters of " (degree.name) @if degree.reason.is_some() { ": not identifiable" } }
         div.scroll { table.compact {
             thead { tr {
                 th scope="col" { "Parameter" } th scope="col" { "Term" } th scope="col" { "Unit" }
                 th.number scope="col" { "Estimate" } th.number scope="col" { "Standard error" }
-                @if resampled { th.number scope="col" { "Bootstrap" } th scope="col" { "95 % of the resamples" } }
+                @if resampled {
+                    th.number scope="col" { "Bootstrap" } th.number scope="col" { "2.5 %" } th.number scope="col" { "97.5 %" }
+                }
                 th.number scope="col" { "Term varies" } th.number scope="col" { "Partial R²" }
-                @if degree.correlation.is_some() { @for p in &degree.parameters { th.number scope="col" { (p.name) } } }
             } }
-            tbody { @for (i, p) in degree.parameters.iter().enumerate() { (parameter(degree, i, p, resampled)) } }
+            tbody { @for p in &degree.parameters { (parameter(p, resampled)) } }
         } }
-        @if degree.correlation.is_some() { p.note { "Last columns: correlation between the estimates." } }
+        @if let Some(entries) = &degree.correlation { (correlation(degree, entries)) }
     }
 }
 
-fn parameter(degree: &TrustDegree, i: usize, p: &TrustParameter, resampled: bool) -> Markup {
-    let width = degree.parameters.len();
-    let row = degree.correlation.as_ref().and_then(|c| c.get(i * width..(i + 1) * width));
+fn parameter(p: &TrustParameter, resampled: bool) -> Markup {
     html! {
         tr {
             th scope="row" { (p.name) } td { (p.term) } td { (unit(&p.unit)) }
             td.number { (three_or_dash(p.estimate)) } td.number { (three_or_dash(p.standard_error)) }
             @if resampled {
-                td.number { (three_or_dash(p.bootstrap_std)) }
-                td { (three_or_dash(p.bootstrap_low)) " to " (three_or_dash(p.bootstrap_high)) }
+                @for x in [p.bootstrap_std, p.bootstrap_low, p.bootstrap_high] { td.number { (three_or_dash(x)) } }
             }
-            td.number { (percent(p.variation)) }
-            td.number { (three_or_dash(p.instrument_strength)) }
-            @for correlation in row.unwrap_or_default() { td.number { (format!("{correlation:.2}").replace('-', "−")) } }
+            td.number { (percent(p.variation)) } td.number { (three_or_dash(p.instrument_strength)) }
         }
+    }
+}
+
+/// Rows of `entries`, as many as parameters.
+fn correlation(degree: &TrustDegree, entries: &[f64]) -> Markup {
+    let rows = degree.parameters.iter().zip(entries.chunks(degree.parameters.len().max(1)));
+    html! {
+        div.scroll { table.compact {
+            thead { tr {
+                th scope="col" { "Correlation" } @for p in &degree.parameters { th.number scope="col" { (p.name) } }
+            } }
+            tbody { @for (p, row) in rows { tr {
+                th scope="row" { (p.name) }
+                @for x in row { td.number { (format!("{x:.2}").replace('-', "−")) } }
+            } } }
+        } }
     }
 }
 
