@@ -4,42 +4,33 @@
 #   make STUDY=pipelines/model-ship
 #   make STUDY=pipelines/model-ship seeds     the selection study on logs of ten other seeds
 
-LOGS    := $(OUT)/logs
+override LOGS := $(OUT)/logs
+LOGS_FROM := $(LOGS)/simulated.json
 # Instruments restart with every sub-experiment; their nominal model is the least-squares fit of the same data, as in the
 # paper
 MOMENTS_FLAGS ?= --nominal least-squares
-# As many sub-experiments of each maneuver as there are
-DESIGN_FLAGS  += --available $(STUDY)/available.toml
 SEED_FLAGS    ?=
+SELECTION_FLAGS ?= --estimator iv --nominal least-squares --realizations 500
 SELECTED := yes
 include pipelines/measured.mk
 
-.DEFAULT_GOAL := simulated
-
-.PHONY: simulated
-simulated: $(MEASURED)/estimates.parquet $(MEASURED)/report.html
-	@echo
-	@echo "Report: $(MEASURED)/report.html"
-
-$(LOGS)/simulated.json: $(STUDY)/vessel.toml $(STUDY)/dictionary.toml $(STUDY)/logs.toml $(BIN)/.built | $(OUT)
-	rm -rf $(LOGS)
+$(LOGS_FROM): $(STUDY)/vessel.toml $(STUDY)/dictionary.toml $(STUDY)/logs.toml $(BIN)/.built | $(OUT)
+	rm -f $(LOGS)/*.csv
 	$(BIN)/simulate logs --vessel $(STUDY)/vessel.toml --dictionary $(STUDY)/dictionary.toml --logs $(STUDY)/logs.toml \
 	  $(SEED_FLAGS) $(FLAGS) --out $@
-
-$(MEASURED)/trajectories.parquet: $(LOGS)/simulated.json
 
 # The maneuvers as they are meant, for the report
 $(MEASURED)/dictionary.parquet: $(STUDY)/vessel.toml $(STUDY)/dictionary.toml $(BIN)/.built
 	@mkdir -p $(@D)
 	$(BIN)/simulate dictionary --vessel $(STUDY)/vessel.toml --dictionary $(STUDY)/dictionary.toml $(FLAGS) --out $@
 
-$(MEASURED)/design.json: $(STUDY)/available.toml
-$(MEASURED)/report.html: $(STUDY)/reference.toml $(MEASURED)/dictionary.parquet $(MEASURED)/estimates.parquet
+$(MEASURED)/report.html: $(STUDY)/reference.toml $(MEASURED)/dictionary.parquet
 
 SEEDS ?= 1 2 3 4 5 6 7 8 9 10
 
 .PHONY: seeds
 seeds: $(BIN)/.built
+	@mkdir -p $(OUT)/seeds
 	@for seed in $(SEEDS); do \
 	  $(MAKE) --no-print-directory STUDY=$(STUDY) OUT=$(OUT)/seeds/$$seed SEED_FLAGS="--seed $$seed" FLAGS="$(FLAGS) --quiet" \
 	    $(OUT)/seeds/$$seed/measured/selection.parquet > $(OUT)/seeds/$$seed.log 2>&1 || { cat $(OUT)/seeds/$$seed.log; exit 1; }; \

@@ -1,5 +1,3 @@
 # Six sub-experiments of 75 samples, as in the paper.
 DESIGN_FLAGS    := --segments 6 --segment-samples 75
-ESTIMATOR       := iv
-SELECTION_FLAGS := --estimator iv --nominal least-squares --realizations 500
 include pipelines/simulated.mk

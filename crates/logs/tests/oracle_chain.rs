@@ -96,9 +96,11 @@ fn oracle_thrusters_wind_current_and_motion() {
     same(&settings, &oracle["settings"], 1e-9);
     same(truth.forces.as_flattened(), &oracle["forces"], 1e-6);
     same(truth.states.as_flattened(), &oracle["states"], 1e-10);
-    // Simpson's rule against an adaptive solver, over 20 s in steps of half a second.
+    // Simpson's rule against an adaptive solver: it errs by h^5/2880 times the fourth derivative, below 1e-5 m in a step of
+    // h = 0.5 s with speeds below 1 m/s and yaw accelerations below 0.6 rad/s^2; 40 steps. The trapezoidal rule would be off
+    // by up to 5e-3 m in one.
     let poses: Vec<f64> = truth.poses.iter().flat_map(|p| [p.x, p.y, p.psi]).collect();
-    same(&poses, &oracle["poses"], 1e-6);
+    same(&poses, &oracle["poses"], 4e-4);
     let hits: Vec<f64> =
         recording.hits.iter().flat_map(|h| [h.speed, h.speed_rate, h.angle_rate]).map(|n| n as f64).collect();
     same(&hits, &oracle["hits"], 0.0);

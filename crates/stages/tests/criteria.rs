@@ -110,6 +110,7 @@ fn what_ingest_cut_is_what_is_available() {
     let segments = |name: &str| if name.starts_with("zig-zag") { 3 } else { 1 };
     let cut = |name: &str| ManeuverCount { name: name.to_owned(), segments: segments(name), samples: 100 };
     let document = IngestDocument {
+        data: None,
         vessel: None,
         design: "measured".to_owned(),
         reference_point: None,

@@ -261,7 +261,7 @@ impl Chain<'_> {
         let fix = |k: usize| {
             let pose = truth.poses[k];
             let at = [pose.x + place[0][k], pose.y + place[1][k]];
-            ((k - from) % every == 0).then(|| at.map(|metres| quantised(metres, gnss.resolution_m)))
+            (k - from).is_multiple_of(every).then(|| at.map(|metres| quantised(metres, gnss.resolution_m)))
         };
         let heading =
             |k: usize| quantised(truth.poses[k].psi + turn[k], compass.resolution_rad).rem_euclid(TAU);

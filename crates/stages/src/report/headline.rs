@@ -4,13 +4,17 @@ use super::number::{exact, percent, three};
 use super::shown::used as is_used;
 use super::study::Study;
 use super::trajectory_words::{cost, minutes};
-use crate::documents::{
-    Check, DesignDocument, DesignScores, PlanDocument, SelectionDocument, ValidationDocument,
-};
+use crate::documents::{Check, DesignDocument, DesignScores, PlanDocument, ValidationDocument};
 
 /// What the page is.
 pub(super) fn kind(study: &Study) -> &'static str {
-    if study.measured.is_some() { "Report on measured logs" } else { "Experiment design report" }
+    if study.data.is_some() {
+        "Report on simulated logs"
+    } else if study.measured.is_some() {
+        "Report on measured logs"
+    } else {
+        "Experiment design report"
+    }
 }
 
 /// Title, the answer in two sentences, and the key figures.
@@ -40,10 +44,7 @@ fn answer(study: &Study) -> String {
     }
     match (&study.validation, &study.design) {
         (Some(validation), _) if !validation.designs.is_empty() => compared(study, validation),
-        (_, Some(design)) => match &study.selection {
-            Some(found) => format!("{} {}", mix(design), picked(&found.summary)),
-            None => format!("{} {}", mix(design), worth(design)),
-        },
+        (_, Some(design)) => format!("{} {}", mix(design), worth(design)),
         _ if plan(study).is_some() => plan(study).map(planned).unwrap_or_default(),
         _ => "Nothing has been designed or validated yet. The sections below say which files are missing."
             .to_owned(),
@@ -134,20 +135,6 @@ fn mix(design: &DesignDocument) -> String {
         used.len(),
         design.order.len(),
         listed.join(", ")
-    )
-}
-
-/// What picks by the design are worth beside random ones.
-fn picked(found: &SelectionDocument) -> String {
-    let each: Vec<String> = found
-        .designs
-        .iter()
-        .map(|d| format!("{} of {} {} ones", percent(d.degenerate_share), d.realizations, d.design))
-        .collect();
-    format!(
-        "Models from picks of {} sub-experiments are degenerate in {}.",
-        found.picks,
-        each.join(" and in ")
     )
 }
 

@@ -107,8 +107,11 @@ impl Loader<'_> {
 
     /// What `ingest` says that the logs are.
     fn label(&mut self) -> Result<Option<String>, Failure> {
-        let ingested = self.document::<IngestDocument>("ingest.json", "what the logs became")?;
-        Ok(ingested.and_then(|document| document.data))
+        let path = self.sources.results.join("ingest.json");
+        if !path.exists() {
+            return Ok(None);
+        }
+        Ok(read_document::<IngestDocument>(&path)?.data.data)
     }
 
     fn vessel(&mut self) -> Result<Option<Vessel>, Failure> {

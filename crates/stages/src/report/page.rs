@@ -68,6 +68,9 @@ fn of_trials(study: &Study, figures: &mut Figures) -> Result<Vec<Section>, Figur
     if study.selection.is_some() {
         sections.push(("selection", "Selection", selection(study, figures)?));
     }
+    if study.published_selection().is_some() {
+        sections.push(("published", "Published", published_selection(study, figures)?));
+    }
     sections.push(("errors", "Errors", errors(study, figures)?));
     sections.push(("parameters", "Parameters", parameters(study, figures)?));
     sections.push(("excitation", "Excitation", excitation(study)));
@@ -86,9 +89,15 @@ fn of_logs(study: &Study, measured: &Measured, figures: &mut Figures) -> Result<
             sections.push(("published", "Published", published_selection(study, figures)?));
         }
     }
+    if study.published_selection().is_some() {
+        sections.push(("published", "Published", published_selection(study, figures)?));
+    }
     if study.design.is_some() {
         sections.push(("shares", "Shares", allocation(study, figures)?));
         sections.push(("certificate", "Certificate", certificate(study)));
+    }
+    if study.dictionary.is_some() {
+        sections.push(("dictionary", "Dictionary", dictionary(study, figures)?));
     }
     sections.push(("logs", "Logs", logs(measured)));
     Ok(sections)

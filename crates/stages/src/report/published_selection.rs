@@ -13,9 +13,7 @@ const BINS: usize = 50;
 
 /// The selection study beside a published one: a table, and the figures cut where the published ones are.
 pub(super) fn published_selection(study: &Study, figures: &mut Figures) -> Result<Markup, FigureError> {
-    let reference = study.reference.as_ref();
-    let (Some(found), Some(reference)) = (&study.selection, reference) else { return Ok(html! {}) };
-    let Some(limits) = &reference.selection else { return Ok(html! {}) };
+    let Some((found, reference, limits)) = study.published_selection() else { return Ok(html! {}) };
     let norm = figure(found, figures, "published-norm", "norm of RMSE", limits.limit_norm, 460.0, norm)?;
     let degrees = [
         figure(found, figures, "published-surge", "RMSE in surge [m/s]", limits.limit_u, 360.0, |r| {

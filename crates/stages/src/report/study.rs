@@ -1,6 +1,6 @@
 use crate::documents::{
-    DesignDocument, DesignScores, EstimateDocument, MomentsDocument, PlanDocument, Reference,
-    ValidationDocument,
+    DesignDocument, DesignScores, EstimateDocument, MomentsDocument, PlanDocument, PublishedSelection,
+    Reference, ValidationDocument,
 };
 
 /// Everything that the page can show. What is absent is said to be missing.
@@ -163,5 +163,13 @@ impl Study {
     /// The designs of the validation, the optimized one first.
     pub(super) fn scored(&self) -> Vec<&DesignScores> {
         self.validation.iter().flat_map(|v| optimized_first(&v.designs, |d| &d.design)).collect()
+    }
+
+    /// The selection study, what was published, and where its figures end; none unless there are all three.
+    pub(super) fn published_selection(
+        &self,
+    ) -> Option<(&super::SelectionStudy, &Reference, &PublishedSelection)> {
+        let reference = self.reference.as_ref()?;
+        Some((self.selection.as_ref()?, reference, reference.selection.as_ref()?))
     }
 }

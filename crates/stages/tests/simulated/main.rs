@@ -26,7 +26,7 @@ pub const STAGES: [&str; 7] = [
     LOGS,
     INGEST,
     "moments --vessel vessel.toml --trajectories trajectories.parquet --nominal least-squares --out moments.json",
-    "design --moments moments.json --segments 4 --segment-samples 75 --available available.toml --out design.json",
+    "design --moments moments.json --segments 4 --segment-samples 75 --available ingest.json --out design.json",
     "estimate --pool --vessel vessel.toml --trajectories trajectories.parquet --nominal least-squares --bootstrap 20 \
      --out estimates.parquet",
     "validate selection --vessel vessel.toml --trajectories trajectories.parquet --nominal least-squares \
@@ -45,6 +45,5 @@ pub fn small() -> TempDir {
         fs::copy(study.join(name), folder.path().join(name)).unwrap();
     }
     edit(&folder, "logs.toml", "repeats = 5", "repeats = 2");
-    put(&folder, "available.toml", "[segments]\ndecelerate = 2\nspiral-fast = 2\n");
     folder
 }

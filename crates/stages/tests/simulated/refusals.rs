@@ -64,6 +64,7 @@ fn a_vessel_without_the_forces_of_azimuth_thrusters_is_refused() {
 #[test]
 fn a_failed_output_leaves_nothing_behind() {
     let folder = small();
+    edit(&folder, "logs.toml", "samples = 75", "samples = 2000");
     let before = listing(folder.path());
     run_on_full_disk(&folder, LOGS).refuses(1, &["logs"]);
     assert_eq!(listing(folder.path()), before);

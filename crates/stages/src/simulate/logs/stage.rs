@@ -182,17 +182,13 @@ impl<'a> SimulatedLogs<'a> {
 
     /// Which limits were hit, thruster by thruster.
     fn statements(&self, made: &[Made]) -> Vec<String> {
-        let kinds: [(&str, fn(&Hits) -> usize); 3] = [
-            ("highest speed", |hits| hits.speed),
-            ("fastest change of speed", |hits| hits.speed_rate),
-            ("fastest turn", |hits| hits.angle_rate),
-        ];
+        let kinds = ["highest speed", "fastest change of speed", "fastest turn"];
+        let counts = |hits: &Hits| [hits.speed, hits.speed_rate, hits.angle_rate];
         let mut statements = Vec::new();
         for thruster in 0..self.config.thruster.len() {
-            for (kind, of) in kinds {
-                let hit = made.iter().filter(|made| of(&made.hits[thruster]) > 0);
-                let samples: usize = made.iter().map(|made| of(&made.hits[thruster])).sum();
-                let logs = hit.count();
+            for (i, kind) in kinds.into_iter().enumerate() {
+                let each = || made.iter().map(|made| counts(&made.hits[thruster])[i]);
+                let (samples, logs) = (each().sum::<usize>(), each().filter(|count| *count > 0).count());
                 if logs > 0 {
                     statements.push(format!(
                         "thruster {} was held at its {kind} at {samples} samples of {logs} logs",
