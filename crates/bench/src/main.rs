@@ -4,6 +4,7 @@
 
 mod design;
 mod monte_carlo;
+mod output_error;
 mod paper;
 mod planner;
 mod table;
@@ -26,12 +27,14 @@ fn main() -> anyhow::Result<()> {
     let Arguments { json: _ } = Arguments::parse();
     let paper = paper::Paper::new()?;
     let monte_carlo = monte_carlo::measure(&paper)?;
+    let output_error = output_error::measure(&paper)?;
     let small = design::measure(&paper.candidates()?, 1e-10, 50)?;
     let large = design::measure(&design::generated(&paper, 10_000)?, 1e-6, 3)?;
     let table = table::measure(&paper)?;
     let planner = planner::measure()?;
     let object = json!({
         "monte_carlo": monte_carlo,
+        "output_error": output_error,
         "design_q11": small,
         "design_q10000": large,
         "table": table,

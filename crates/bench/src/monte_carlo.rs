@@ -8,7 +8,7 @@ use crate::fastest;
 use crate::paper::Paper;
 
 /// Samples per maneuver of the optimized experiment: the paper study's design.
-const OPTIMIZED: [(usize, usize); 6] = [(0, 193), (4, 43), (5, 229), (6, 101), (7, 85), (10, 349)];
+pub const OPTIMIZED: [(usize, usize); 6] = [(0, 193), (4, 43), (5, 229), (6, 101), (7, 85), (10, 349)];
 const RUNS: u32 = 2000;
 
 /// Realizations per second, and the shares below the paper's bounds.

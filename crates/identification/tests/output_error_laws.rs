@@ -177,7 +177,7 @@ fn ratios(levels: &Levels, runs: usize, predict: bool, seed: u64) -> Vec<f64> {
 fn law_standard_errors_are_the_spread_of_estimates() {
     let levels = Levels { measurement: [NOISE; 3], current: Flow::White { std: NOISE }, force: None };
     for predict in [false, true] {
-        let ratios = ratios(&levels, 800, predict, 31);
+        let ratios = ratios(&levels, 400, predict, 31);
         println!("prediction error {predict}: predicted over spread {ratios:.3?}");
         for (i, ratio) in ratios.iter().enumerate() {
             assert!((ratio - 1.0).abs() < 0.15, "parameter {i}, prediction error {predict}: {ratio}");

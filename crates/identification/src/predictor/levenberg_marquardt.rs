@@ -32,6 +32,14 @@ impl Weighting {
         }
     }
 
+    /// Of weighted errors; that of exact data counts as 1e-16.
+    fn variance(&self, linear: &Linear) -> f64 {
+        match self {
+            Self::Fixed(_) => (self.cost(linear) / (3.0 * linear.samples).max(1.0)).max(1e-16),
+            Self::Likelihood(_) => 1.0,
+        }
+    }
+
     pub(crate) fn weights(&self, linear: &Linear) -> [f64; 3] {
         match self {
             Self::Fixed(weights) => *weights,
@@ -225,9 +233,7 @@ impl Progress {
                 let p = gradient.len();
                 let square: f64 =
                     (0..p * p).map(|k| gradient[k / p] * inverse[k] * gradient[k % p]).sum();
-                let scale: f64 = (0..3).map(|d| weights[d] * self.linear.squares[d]).sum();
-                let scale = scale / (3.0 * self.linear.samples).max(1.0);
-                self.decrement = (square.max(0.0) / scale.max(f64::MIN_POSITIVE)).sqrt();
+                self.decrement = (square.max(0.0) / weighting.variance(&self.linear)).sqrt();
                 if self.decrement < ENOUGH || square == 0.0 {
                     self.ended = Some(Ended::Converged);
                 }
