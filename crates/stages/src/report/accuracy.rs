@@ -10,7 +10,7 @@ pub(super) fn accuracy_of(design: &DesignDocument, figures: &mut Figures) -> Res
     let Some(found) = &design.accuracy else { return Ok(html! {}) };
     let title =
         if found.of == "overall" { "root of Σ (std error/θ)² [1]" } else { "largest std error/θ [1]" };
-    let figure = accuracy(&curves(found), (found.duration_s, found.wanted), title)?;
+    let figure = accuracy(&curves(found), (found.duration_s, found.wanted), title);
     Ok(html! {
         h3 { "How long?" }
         p { (found.statement) }
