@@ -12,6 +12,7 @@ BIN     := target/release
 # Flags for every stage, such as FLAGS="--threads 1 --quiet"
 FLAGS   ?=
 # Flags for one stage, best set in the study's study.mk
+MOMENTS_FLAGS  ?=
 DESIGN_FLAGS   ?=
 ESTIMATE_FLAGS ?=
 PLAN_FLAGS     ?=
@@ -67,7 +68,7 @@ $(OUT)/dictionary.parquet: $(STUDY)/vessel.toml $(STUDY)/dictionary.toml $(BIN)/
 	$(BIN)/simulate dictionary --vessel $(STUDY)/vessel.toml --dictionary $(STUDY)/dictionary.toml $(FLAGS) --out $@
 
 $(OUT)/moments.json: $(STUDY)/vessel.toml $(OUT)/dictionary.parquet $(BIN)/moments
-	$(BIN)/moments --vessel $(STUDY)/vessel.toml --trajectories $(OUT)/dictionary.parquet $(FLAGS) --out $@
+	$(BIN)/moments --vessel $(STUDY)/vessel.toml --trajectories $(OUT)/dictionary.parquet $(MOMENTS_FLAGS) $(FLAGS) --out $@
 
 $(OUT)/design.json: $(OUT)/moments.json $(wildcard $(STUDY)/study.mk) $(BIN)/design
 	$(BIN)/design --moments $(OUT)/moments.json $(DESIGN_FLAGS) $(FLAGS) --out $@
@@ -176,6 +177,7 @@ oracle:
 	$(PYTHON) scripts/independent/criteria.py --study pipelines/paper --fixtures fixtures/oracle
 	$(PYTHON) scripts/independent/chain.py --oracle fixtures/oracle
 	$(PYTHON) scripts/independent/output_error.py --study pipelines/paper --fixtures fixtures/oracle
+	$(PYTHON) scripts/independent/output_information.py --study pipelines/paper --fixtures fixtures/oracle
 
 .PHONY: schemas
 schemas:

@@ -28,10 +28,10 @@ from independent.motion import increments, realize  # noqa: E402
 from independent.study import STATES, Study, Vessel, read_study  # noqa: E402
 from independent.text import pretty  # noqa: E402
 
-STEP = 1e-5
+STEP = 1e-6
 """Of central differences: relative to a parameter, or of a current [m/s]."""
 
-INTERCEPT_STEP = 1e-6
+INTERCEPT_STEP = 1e-8
 
 STARTS = 6
 

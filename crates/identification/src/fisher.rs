@@ -127,16 +127,17 @@ fn add_process(p: &mut [f64], s: &[f64], jacobians: &[[[f64; 3]; 3]], weights: &
         let mut next = vec![0.0; 3 * n];
         for d in 0..3 {
             for q in 0..n {
-                let carried: f64 = jacobians
-                    .get(k + 1)
-                    .map_or(0.0, |j| adjoint[d * n + q] + (0..3).map(|i| j[i][d] * adjoint[i * n + q]).sum::<f64>());
+                let carried: f64 = jacobians.get(k + 1).map_or(0.0, |j| {
+                    adjoint[d * n + q] + (0..3).map(|i| j[i][d] * adjoint[i * n + q]).sum::<f64>()
+                });
                 next[d * n + q] = weights[d] * s[(3 * k + d) * n + q] + carried;
             }
         }
         adjoint = next;
         for component in 0..2 {
-            let g: Vec<f64> =
-                (0..n).map(|q| (0..3).map(|i| jacobians[k][i][component] * adjoint[i * n + q]).sum()).collect();
+            let g: Vec<f64> = (0..n)
+                .map(|q| (0..3).map(|i| jacobians[k][i][component] * adjoint[i * n + q]).sum())
+                .collect();
             add_outer(p, variance, &g);
         }
     }

@@ -29,7 +29,8 @@ fn with_intercepts(model: &Model, theta: &[f64], initial: [f64; 3], exogenous: &
 /// θ with zero intercepts.
 fn lift(model: &Model, theta: &[f64]) -> Vec<f64> {
     let mut next = theta.iter().copied();
-    let of = |degree: &vessel::Degree| -> Vec<f64> { (&mut next).take(degree.terms.len()).chain([0.0]).collect() };
+    let of =
+        |degree: &vessel::Degree| -> Vec<f64> { (&mut next).take(degree.terms.len()).chain([0.0]).collect() };
     model.degrees.iter().flat_map(of).collect()
 }
 
@@ -95,9 +96,11 @@ fn law_the_middle_matrix_is_what_every_single_draw_moves() {
         let share = weights[row % 3] / samples as f64;
         (0..n * n).for_each(|e| information[e] += share * gradient[e / n] * gradient[e % n]);
     }
-    for (name, found, expected) in
-        [("P", &found.process, &expected), ("F", &found.information, &information), ("E", &found.measurement, &information)]
-    {
+    for (name, found, expected) in [
+        ("P", &found.process, &expected),
+        ("F", &found.information, &information),
+        ("E", &found.measurement, &information),
+    ] {
         for e in 0..n * n {
             let size = (expected[e / n * (n + 1)] * expected[e % n * (n + 1)]).sqrt();
             assert!((found[e] - expected[e]).abs() < 1e-6 * size, "{name} {e}: {} {}", found[e], expected[e]);
@@ -134,7 +137,14 @@ fn law_the_variance_of_a_free_run_is_the_trace_of_weights_and_covariance() {
 /// Intercepts before a lifted place.
 fn errors_before(model: &Model, place: usize) -> usize {
     let mut end = 0;
-    model.degrees.iter().take_while(|degree| { end += degree.terms.len() + 1; end <= place }).count()
+    model
+        .degrees
+        .iter()
+        .take_while(|degree| {
+            end += degree.terms.len() + 1;
+            end <= place
+        })
+        .count()
 }
 
 /// Finite differences of whole simulations agree to their own accuracy.
@@ -172,6 +182,11 @@ fn oracle_information_of_every_maneuver() {
     let expected = floats(&oracle["G"]);
     for e in 0..n * n {
         let size = (expected[e / n * (n + 1)] * expected[e % n * (n + 1)]).sqrt();
-        assert!((found[e] - expected[e]).abs() <= 1e-6 * size + 1e-300, "G {e}: {} {}", found[e], expected[e]);
+        assert!(
+            (found[e] - expected[e]).abs() <= 1e-6 * size + 1e-300,
+            "G {e}: {} {}",
+            found[e],
+            expected[e]
+        );
     }
 }

@@ -113,7 +113,11 @@ pub fn solve_covariance(
 pub fn solve_robust(robust: &Robust, bounds: &Bounds, options: &Options) -> Result<Design, Error> {
     let mut points = starting_points(robust.len(), bounds, options)?;
     for step in robust.approach() {
-        points = from_points(&step, bounds, options, false, points)?.starts.into_iter().map(|s| s.shares).collect();
+        points = from_points(&step, bounds, options, false, points)?
+            .starts
+            .into_iter()
+            .map(|s| s.shares)
+            .collect();
     }
     from_points(robust, bounds, options, robust.is_concave(), points)
 }

@@ -43,7 +43,8 @@ impl Robust {
 
     /// The models' criteria at `shares`, each as [`Objective::value`]; minus infinity where one is not defined.
     pub fn values(&self, shares: &[f64]) -> Vec<f64> {
-        let of = |m: &Covariance| m.value(shares, &mut CovariancePoint::default()).unwrap_or(f64::NEG_INFINITY);
+        let of =
+            |m: &Covariance| m.value(shares, &mut CovariancePoint::default()).unwrap_or(f64::NEG_INFINITY);
         self.models.iter().map(of).collect()
     }
 

@@ -43,6 +43,8 @@ impl Selected {
 const EXHAUSTIVE: f64 = 2000.0;
 /// Of the smallest shares, how many are tried to be dropped.
 const DROPPED: usize = 6;
+/// Exchanges at most.
+const EXCHANGES: usize = 60;
 /// Unused candidates that are tried in an exchange, the most sensitive.
 const INCOMING: usize = 12;
 
@@ -68,11 +70,14 @@ pub fn select<O: Objective>(
     }
     let used: Vec<usize> = (0..objective.len()).filter(|q| relaxed.shares[*q] > 0.0).collect();
     let mut now = search.solve(&used);
-    while let Some(current) = now.take().filter(|current| !search.keeps(current)) {
-        now = search.drop_one(&current);
+    while now.as_ref().is_some_and(|current| !search.keeps(current)) {
+        now = now.as_ref().and_then(|current| search.drop_one(current));
     }
-    while let Some(better) = now.as_ref().and_then(|current| search.exchange(current)) {
-        now = Some(better);
+    for _ in 0..EXCHANGES {
+        match now.as_ref().and_then(|current| search.exchange(current)) {
+            Some(better) => now = Some(better),
+            None => break,
+        }
     }
     search.found(now, false)
 }
@@ -156,7 +161,8 @@ impl<O: Objective> Search<'_, O> {
 
     /// The best exchange of a member for an unused candidate that is better, or the best addition where there is room.
     fn exchange(&mut self, from: &Choice) -> Option<Choice> {
-        let mut incoming: Vec<usize> = (0..self.objective.len()).filter(|q| !from.members.contains(q)).collect();
+        let mut incoming: Vec<usize> =
+            (0..self.objective.len()).filter(|q| !from.members.contains(q)).collect();
         incoming.sort_by(|a, b| from.sensitivities[*b].total_cmp(&from.sensitivities[*a]).then(a.cmp(b)));
         incoming.truncate(INCOMING);
         let mut best: Option<Choice> = None;
@@ -180,7 +186,9 @@ impl<O: Objective> Search<'_, O> {
         let mut members: Vec<usize> = (0..most).collect();
         let mut best: Option<Choice> = None;
         loop {
-            if let Some(found) = self.solve(&members).filter(|f| best.as_ref().is_none_or(|b| f.value > b.value)) {
+            if let Some(found) =
+                self.solve(&members).filter(|f| best.as_ref().is_none_or(|b| f.value > b.value))
+            {
                 best = Some(found);
             }
             // The next combination in lexicographic order.

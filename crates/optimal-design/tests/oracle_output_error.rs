@@ -1,7 +1,9 @@
 //! Designs for output-error estimates of the paper's eleven maneuvers against numbers computed independently
 //! (`fixtures/oracle/output_information.json`: SLSQP from six starts).
 
-use optimal_design::{Bounds, Candidates, Covariance, CovariancePoint, Norm, Objective, Options, Status, solve_covariance};
+use optimal_design::{
+    Bounds, Candidates, Covariance, CovariancePoint, Norm, Objective, Options, Status, solve_covariance,
+};
 use serde_json::Value;
 
 const ORACLE: &str = include_str!("../../../fixtures/oracle/output_information.json");
@@ -41,7 +43,9 @@ fn oracle_designs_for_output_error() {
     for noise in ["measurement", "all"] {
         for name in ["d", "a-relative", "v"] {
             let c = covariance(&oracle, noise, name);
-            let design = solve_covariance(&c, &Bounds::default(), &Options { tolerance: 1e-8, ..Options::default() }).unwrap();
+            let design =
+                solve_covariance(&c, &Bounds::default(), &Options { tolerance: 1e-8, ..Options::default() })
+                    .unwrap();
             // White measurement errors alone make the problem concave: the certificate is one of the global optimum.
             let status = if noise == "measurement" { Status::Optimal } else { Status::Stationary };
             assert_eq!(design.status, status, "{noise} {name}: {}", design.gap);

@@ -1,8 +1,8 @@
 //! Several models at once, and few candidates: derivatives, bounds and choices known by enumeration.
 
 use optimal_design::{
-    Bounds, Candidates, Covariance, CovariancePoint, Design, Norm, Objective, Options, Over, Restriction, Robust, RobustPoint,
-    Status, select, solve_covariance, solve_robust,
+    Bounds, Candidates, Covariance, CovariancePoint, Design, Norm, Objective, Options, Over, Restriction,
+    Robust, RobustPoint, Status, select, solve_covariance, solve_robust,
 };
 
 fn uniform(seed: u64) -> impl FnMut() -> f64 {
@@ -58,7 +58,10 @@ fn law_gradients_and_curvatures_over_models_are_those_of_finite_differences() {
             for r in 0..6 {
                 let second = -(up.1[r] - down.1[r]) / 2e-6;
                 let found = curvature[q * 6 + r];
-                assert!((found - second).abs() < 1e-5 * second.abs().max(1.0), "{over:?} {q} {r}: {found} {second}");
+                assert!(
+                    (found - second).abs() < 1e-5 * second.abs().max(1.0),
+                    "{over:?} {q} {r}: {found} {second}"
+                );
             }
         }
     }
@@ -101,7 +104,8 @@ fn law_the_best_choice_of_few_is_the_best_of_all_choices() {
                 let mut shares = vec![0.0; 8];
                 shares[a] = f64::from(step) / 400.0;
                 shares[b] = 1.0 - shares[a];
-                best = best.max(c.value(&shares, &mut CovariancePoint::default()).unwrap_or(f64::NEG_INFINITY));
+                best =
+                    best.max(c.value(&shares, &mut CovariancePoint::default()).unwrap_or(f64::NEG_INFINITY));
             }
         }
     }

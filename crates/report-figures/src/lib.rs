@@ -10,6 +10,7 @@
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 
+mod accuracy;
 mod axis;
 mod canvas;
 mod error;
@@ -28,6 +29,7 @@ mod traces;
 mod traces_legend;
 mod tracks;
 
+pub use accuracy::{AccuracyCurve, accuracy};
 pub use error::FigureError;
 pub use front::{FrontDot, front};
 pub use histogram::Histogram;

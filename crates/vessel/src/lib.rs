@@ -28,8 +28,8 @@ pub use file::{InputSpec, MeasuredSpec, Source, TermSpec, Vessel, VesselFile};
 pub use invalid::{Invalid, nearest};
 pub use lane::{LANES, Lane, Number};
 pub use maneuver::{
-    CandidateKind, DictionaryFile, Exceeded, GenerateSpec, Generator, Kind, Limits, ManeuverSpec, Realized, Shape,
-    Signal, SignalShape, parse_inputs,
+    CandidateKind, DictionaryFile, Exceeded, GenerateSpec, Generator, Kind, Limits, ManeuverSpec, Realized,
+    Shape, Signal, SignalShape, parse_inputs,
 };
 pub use model::{Degree, DegreeOfFreedom, Model, Variable};
 pub use noise::Streams;

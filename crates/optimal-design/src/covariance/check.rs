@@ -44,9 +44,8 @@ impl Covariance {
 /// The row that a direction in weighted units has most of.
 fn strongest(block: &Block<'_>, direction: &[f64]) -> usize {
     let n = block.n;
-    let part = |i: usize| {
-        direction.iter().enumerate().map(|(e, x)| x * block.root[e * n + i]).sum::<f64>().abs()
-    };
+    let part =
+        |i: usize| direction.iter().enumerate().map(|(e, x)| x * block.root[e * n + i]).sum::<f64>().abs();
     (0..n).max_by(|a, b| part(*a).total_cmp(&part(*b))).unwrap_or(0)
 }
 

@@ -10,8 +10,8 @@ use serde_json::json;
 use stages::cli::{Common, Summary, given, name_of, provenance, run};
 use stages::design::accuracy::{self, Errors, Wanted};
 use stages::design::{
-    Asked, Available, Criterion, CriterionName, Estimated, Experiment, Few, OverModels, Predicted, Relative, Segments,
-    Sequencing, Solved, counted, document, information, no_design, restricted, squares, weights,
+    Asked, Available, Criterion, CriterionName, Estimated, Experiment, Few, OverModels, Predicted, Relative,
+    Segments, Sequencing, Solved, counted, document, information, no_design, restricted, squares, weights,
 };
 use stages::documents::{Accuracy, DesignDocument, MomentsDocument, Sequence};
 use stages::failure::Failure;
@@ -275,11 +275,20 @@ fn sequence(
     if !a.arrange {
         return Ok(None);
     }
-    let usage = |found: &str, expected: &str| Err(Failure::Usage(format!("--arrange: found {found}, expected {expected}")));
-    let Some(samples) = samples else {
-        return usage("no length of the experiment", "one to fill; add --duration-s, --accuracy, or --segments and --segment-samples");
+    let usage = |found: &str, expected: &str| {
+        Err(Failure::Usage(format!("--arrange: found {found}, expected {expected}")))
     };
-    if a.available.is_some() || a.most_maneuvers.is_some() || a.minimal_s.is_some() || a.mean_removal == Removal::Batch {
+    let Some(samples) = samples else {
+        return usage(
+            "no length of the experiment",
+            "one to fill; add --duration-s, --accuracy, or --segments and --segment-samples",
+        );
+    };
+    if a.available.is_some()
+        || a.most_maneuvers.is_some()
+        || a.minimal_s.is_some()
+        || a.mean_removal == Removal::Batch
+    {
         return usage(
             "--available, --most-maneuvers, --minimal-s or --mean-removal batch, which the search does not keep",
             "none of them; leave them out",
@@ -310,7 +319,11 @@ fn limits(available: Option<&Available>, restricted: Option<&Design>, total: u64
 }
 
 /// The experiment's duration, which --minimal-s needs.
-fn few_duration(a: &Arguments, moments: &MomentsDocument, experiment: &Experiment) -> Result<Option<f64>, Failure> {
+fn few_duration(
+    a: &Arguments,
+    moments: &MomentsDocument,
+    experiment: &Experiment,
+) -> Result<Option<f64>, Failure> {
     let duration = experiment.samples.map(|samples| samples / moments.sample_rate_hz);
     match (a.minimal_s, duration) {
         (Some(_), None) => Err(Failure::Usage(
@@ -372,7 +385,9 @@ fn timed(
         }
         let make = |weights: &[f64]| accuracy::reweighted(file, moments, estimated, weights);
         let (shares, bound) = accuracy::least_largest(&errors, bounds, options, make, refuse)?;
-        design.log_det = criterion.value(&shares).unwrap_or(f64::NEG_INFINITY);
+        design.log_det = criterion.value(&shares).unwrap_or(f64::MIN);
+        design.sensitivities = criterion.sensitivities(&shares).unwrap_or(design.sensitivities);
+        design.gap = design.sensitivities.iter().copied().fold(f64::MIN, f64::max) - criterion.degree();
         design.shares = shares;
         Ok((design, Some(bound)))
     };
@@ -388,10 +403,7 @@ fn timed(
         }
     };
     let (mut design, mut bound) = solve(&Bounds::default())?;
-    let mut samples = match accuracy::reachable(file, &errors, &design.shares, &wanted, rate) {
-        Ok(samples) => samples,
-        Err(failure) => return Err(failure),
-    };
+    let mut samples = accuracy::reachable(file, &errors, &design.shares, &wanted, rate)?;
     if a.available.is_some() {
         // Between what is enough without limits and all that is available.
         let (mut low, mut high) = (samples, samples);

@@ -103,7 +103,13 @@ fn stage(a: &Arguments) -> Result<Summary, Failure> {
     let progress = Progress::new("blocks", reader.blocks(), a.common.quiet);
     let mut maneuvers: Vec<ManeuverMoments> = Vec::new();
     let work = |block: usize| {
-        let found = maneuver_moments(&vessel, &instruments, noise.as_ref(), output_error.as_ref(), &reader.runs(block)?);
+        let found = maneuver_moments(
+            &vessel,
+            &instruments,
+            noise.as_ref(),
+            output_error.as_ref(),
+            &reader.runs(block)?,
+        );
         progress.advance(1);
         found
     };
@@ -221,7 +227,11 @@ fn pool(known: &mut ManeuverMoments, more: &ManeuverMoments) {
         own.nonstationarity = own.nonstationarity.max(other.nonstationarity);
     }
     if let (Some(own), Some(other)) = (&mut known.output_error, &more.output_error) {
-        let pairs = [(Some(&mut own.f), Some(&other.f)), (own.e.as_mut(), other.e.as_ref()), (own.p.as_mut(), other.p.as_ref())];
+        let pairs = [
+            (Some(&mut own.f), Some(&other.f)),
+            (own.e.as_mut(), other.e.as_ref()),
+            (own.p.as_mut(), other.p.as_ref()),
+        ];
         for (own, other) in pairs.into_iter().filter_map(|(own, other)| own.zip(other)) {
             own.iter_mut().zip(other).for_each(|(f, o)| *f += share * (o - *f));
         }

@@ -127,7 +127,11 @@ pub fn reachable(
     }
     let best = (errors.of(shares) / (wanted.longest_s * rate_hz)).sqrt();
     let (of, needed) = (kind(wanted), samples / rate_hz);
-    let need = if needed.is_finite() { format!("which takes {needed:.1} s") } else { "which no time gives".to_owned() };
+    let need = if needed.is_finite() {
+        format!("which takes {needed:.1} s")
+    } else {
+        "which no time gives".to_owned()
+    };
     Err(Failure::NoAnswer(format!(
         "{}: --accuracy: found {} ({of}), {need}, expected one that {} s can reach: the best is {best:.4}; ask for that, or make \
          more time or better maneuvers available",
@@ -138,7 +142,11 @@ pub fn reachable(
 }
 
 fn kind(wanted: &Wanted) -> &'static str {
-    if wanted.per_parameter { "largest relative standard error" } else { "root of the sum of squared relative standard errors" }
+    if wanted.per_parameter {
+        "largest relative standard error"
+    } else {
+        "root of the sum of squared relative standard errors"
+    }
 }
 
 /// The answer with its curve.
@@ -181,7 +189,10 @@ pub fn document(
         told("the shares of the paper's criterion", paper),
         told("equal shares", Some(equal)),
         told(&format!("random designs of {} segments (median)", wanted.random_segments), random),
-        bound.map_or(String::new(), |b| format!("; no shares need less than {:.1} s where the problem is convex", needs(b))),
+        bound.map_or(String::new(), |b| format!(
+            "; no shares need less than {:.1} s where the problem is convex",
+            needs(b)
+        )),
     );
     Accuracy {
         wanted: wanted.accuracy,
@@ -189,6 +200,7 @@ pub fn document(
         duration_s: samples / rate,
         samples: samples as u64,
         reached: (own / samples).sqrt(),
+        bound_s: bound.map(needs),
         curve: curve.collect(),
         statement,
     }
@@ -211,7 +223,12 @@ fn random(errors: &Errors, count: usize, wanted: &Wanted) -> Option<f64> {
 }
 
 /// Shares of the paper's criterion for the same moments, where there are any.
-pub fn papers_shares(file: &Path, moments: &MomentsDocument, removal: Removal, bounds: &Bounds) -> Option<Vec<f64>> {
+pub fn papers_shares(
+    file: &Path,
+    moments: &MomentsDocument,
+    removal: Removal,
+    bounds: &Bounds,
+) -> Option<Vec<f64>> {
     let candidates = information(file, moments, Estimated::Iv(removal)).ok()?;
     let options = Options { random_starts: 0, tolerance: 1e-8, ..Options::default() };
     optimal_design::solve_within(&candidates, bounds, &options).ok().map(|design| design.shares)

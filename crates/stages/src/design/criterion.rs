@@ -183,11 +183,28 @@ impl Criterion {
     /// The value at `shares`; `None` where it is not defined.
     pub fn value(&self, shares: &[f64]) -> Option<f64> {
         match self {
-            Self::Information(candidates) => candidates.value(shares, &mut optimal_design::Evaluation::default()),
+            Self::Information(candidates) => {
+                candidates.value(shares, &mut optimal_design::Evaluation::default())
+            }
             Self::Covariance(c) => match &c.robust {
                 Some(robust) => robust.value(shares, &mut optimal_design::RobustPoint::default()),
                 None => c.covariance.value(shares, &mut optimal_design::CovariancePoint::default()),
             },
+        }
+    }
+
+    /// g_q of every candidate at `shares`; `None` where the criterion is not defined.
+    pub fn sensitivities(&self, shares: &[f64]) -> Option<Vec<f64>> {
+        fn of<O: Objective>(objective: &O, shares: &[f64]) -> Option<Vec<f64>> {
+            let mut at = O::Point::default();
+            objective.evaluate(shares, &mut at)?;
+            Some((0..objective.len()).map(|q| objective.sensitivity(q, &at)).collect())
+        }
+        match self {
+            Self::Information(candidates) => of(candidates, shares),
+            Self::Covariance(c) => {
+                c.robust.as_ref().map_or_else(|| of(&c.covariance, shares), |r| of(r, shares))
+            }
         }
     }
 
@@ -267,7 +284,8 @@ fn robust(asked: &Asked, moments: &MomentsDocument, own: &Covariance) -> Result<
         OverModels::Mean => Over::Mean,
         OverModels::Worst => Over::Worst(WORST),
     };
-    Robust::new(models, over).map_err(|e| Failure::NoAnswer(format!("models: found {e}, expected models alike; name others")))
+    Robust::new(models, over)
+        .map_err(|e| Failure::NoAnswer(format!("models: found {e}, expected models alike; name others")))
 }
 
 fn validation(file: &Path, moments: &MomentsDocument) -> Result<Vec<f64>, Failure> {

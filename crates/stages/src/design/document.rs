@@ -7,8 +7,8 @@ use super::criterion::{CovarianceCriterion, Criterion, CriterionName, OverModels
 use super::matrices::Estimated;
 use crate::cli::name_of;
 use crate::documents::{
-    Accuracy, Counts, CovarianceCriterion as CovarianceDocument, DesignDocument, Efficiency, MomentsDocument, Restricted,
-    RobustModels, Sequence, Start,
+    Accuracy, Counts, CovarianceCriterion as CovarianceDocument, DesignDocument, Efficiency, MomentsDocument,
+    Restricted, RobustModels, Sequence, Start,
 };
 use crate::instruments::Removal;
 
@@ -61,11 +61,14 @@ pub fn document(solved: Solved) -> DesignDocument {
     };
     let statement = statement(&solved, &starts, p);
     let robust = robust(&solved);
+    let certified = solved.restricted.is_none() && !least_largest(&solved);
+    let starts = if least_largest(&solved) { Vec::new() } else { starts };
     DesignDocument {
         criterion: solved.name.title().into(),
         mean_removal: name_of(solved.removal),
         status: match (&solved.restricted, design.status) {
             (Some(_), _) => "restricted",
+            (None, _) if least_largest(&solved) => "least largest",
             (None, Status::Optimal) => "optimal",
             (None, Status::Stationary) => "stationary",
             (None, Status::Stalled) => "stalled",
@@ -78,7 +81,7 @@ pub fn document(solved: Solved) -> DesignDocument {
         gap: design.gap,
         relative_gap: design.gap / p,
         log_det,
-        proved_global: design.status == Status::Optimal && solved.restricted.is_none(),
+        proved_global: design.status == Status::Optimal && certified,
         starts,
         efficiency: Efficiency {
             equal_shares: criterion.efficiency(design, &vec![1.0 / count as f64; count], parameters),
@@ -98,6 +101,11 @@ pub fn document(solved: Solved) -> DesignDocument {
         sequence: solved.sequence,
         order: names,
     }
+}
+
+/// Whether the shares are those of the least largest error, which no criterion's certificate is about.
+fn least_largest(solved: &Solved) -> bool {
+    solved.accuracy.as_ref().is_some_and(|accuracy| accuracy.bound_s.is_some())
 }
 
 fn robust(solved: &Solved) -> Option<RobustModels> {
@@ -161,6 +169,9 @@ fn statement(solved: &Solved, starts: &[Start], p: f64) -> String {
     let design = solved.design;
     if let Some(restricted) = &solved.restricted {
         return restricted.statement.clone();
+    }
+    if let Some(accuracy) = solved.accuracy.as_ref().filter(|_| least_largest(solved)) {
+        return accuracy.statement.clone();
     }
     let agreeing = starts.iter().filter(|s| s.agrees).count();
     let starts = format!("{agreeing} of {} starts reached this value", starts.len());

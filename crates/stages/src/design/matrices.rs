@@ -36,7 +36,11 @@ impl Estimated {
 ///
 /// # Errors
 /// Moments that are not complete, finite and of one shape, maneuvers of the same name, none for the estimator.
-pub fn information(file: &Path, moments: &MomentsDocument, estimated: Estimated) -> Result<Candidates, Failure> {
+pub fn information(
+    file: &Path,
+    moments: &MomentsDocument,
+    estimated: Estimated,
+) -> Result<Candidates, Failure> {
     check_structure(file, moments)?;
     match estimated {
         Estimated::Iv(removal) => {
@@ -71,7 +75,9 @@ pub fn middle(file: &Path, moments: &MomentsDocument, estimated: Estimated) -> R
         Estimated::OutputError { current } => output_error(file, moments, |o| {
             let own = o.e.as_ref().unwrap_or(&o.f);
             match (&o.p, current) {
-                (Some(p), true) if p.len() == own.len() => Ok(own.iter().zip(p).map(|(e, p)| e + p).collect()),
+                (Some(p), true) if p.len() == own.len() => {
+                    Ok(own.iter().zip(p).map(|(e, p)| e + p).collect())
+                }
                 (Some(_), true) => Err("a `P` of another size than `F`".into()),
                 _ => Ok(own.clone()),
             }

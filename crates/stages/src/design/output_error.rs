@@ -96,8 +96,11 @@ impl OutputErrorNoise {
     /// # Errors
     /// A simulation that diverges.
     pub fn moments(&self, run: &Run) -> Result<OutputErrorMoments, Failure> {
-        let found = output_information(&self.model, &self.parameters, run.initial, &run.exogenous, &self.noise)
-            .ok_or_else(|| diverges(&self.vessel_file, &format!("maneuver `{}`", run.segments[0].maneuver)))?;
+        let found =
+            output_information(&self.model, &self.parameters, run.initial, &run.exogenous, &self.noise)
+                .ok_or_else(|| {
+                    diverges(&self.vessel_file, &format!("maneuver `{}`", run.segments[0].maneuver))
+                })?;
         let weighted = self.noise.measurement.iter().all(|std| *std > 0.0);
         Ok(OutputErrorMoments {
             f: found.information,

@@ -23,7 +23,8 @@ fn by_degree(moments: &MomentsDocument, estimated: Estimated, error: Error) -> E
     let first = |d: usize| if d == 0 { 0 } else { ends[d - 1] };
     match error {
         Error::Unexcited { direction, .. } => {
-            let largest = (0..direction.len()).max_by(|a, b| direction[*a].abs().total_cmp(&direction[*b].abs()));
+            let largest =
+                (0..direction.len()).max_by(|a, b| direction[*a].abs().total_cmp(&direction[*b].abs()));
             let block = degree(largest.unwrap_or(0));
             let direction = direction.get(first(block)..ends[block]).unwrap_or_default().to_vec();
             Error::Unexcited { block, direction }

@@ -44,9 +44,14 @@ pub fn restricted(
     };
     let against = match relaxed.status {
         Status::Optimal => "at most, proved: the problem without it is concave",
-        Status::Stationary | Status::Stalled => "against the best shares found without it, which are not proved global",
+        Status::Stationary | Status::Stalled => {
+            "against the best shares found without it, which are not proved global"
+        }
     };
-    let statement = format!("{searched}: {used} maneuvers; the restriction costs {:.2} % of the time {against}.", 100.0 * loss);
+    let statement = format!(
+        "{searched}: {used} maneuvers; the restriction costs {:.2} % of the time {against}.",
+        100.0 * loss
+    );
     let design = Design {
         shares: found.shares,
         log_det: found.value,

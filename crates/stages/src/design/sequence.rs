@@ -104,11 +104,17 @@ impl Sequencing<'_> {
         let limits = match (self.limits(), exceeded) {
             (None, _) => String::new(),
             (Some(_), None) => "; it keeps the limits of the generated maneuvers".into(),
-            (Some(_), Some(e)) => format!("; between maneuvers it reaches {:.3} where {} allows {}", e.found, e.limit, e.allowed),
+            (Some(_), Some(e)) => format!(
+                "; between maneuvers it reaches {:.3} where {} allows {}",
+                e.found, e.limit, e.allowed
+            ),
         };
         let name = |q: usize| self.generator.maneuvers()[q].name.clone();
         Ok(Sequence {
-            parts: plan.iter().map(|(q, n)| SequencePart { maneuver: name(*q), samples: *n as u64 }).collect(),
+            parts: plan
+                .iter()
+                .map(|(q, n)| SequencePart { maneuver: name(*q), samples: *n as u64 })
+                .collect(),
             samples: plan.iter().map(|(_, n)| *n as u64).sum(),
             value,
             statement: format!(
@@ -176,7 +182,11 @@ impl Sequencing<'_> {
     }
 
     /// The criterion's value of every plan; minus infinity where it is not defined.
-    fn values(&self, plans: &[Plan], realized: &mut BTreeMap<(usize, usize), Realized>) -> Result<Vec<f64>, Failure> {
+    fn values(
+        &self,
+        plans: &[Plan],
+        realized: &mut BTreeMap<(usize, usize), Realized>,
+    ) -> Result<Vec<f64>, Failure> {
         let runs: Vec<([f64; 3], Vec<f64>)> =
             plans.iter().map(|plan| self.joined(plan, realized)).collect::<Result<_, _>>()?;
         let groups: Vec<Vec<f64>> = runs.par_chunks(LANES).map(|group| self.group(group)).collect();
@@ -273,7 +283,8 @@ impl Sequencing<'_> {
         let found = moments(&batch);
         let middles = self.disturbances().map(|(_, noise)| middle(&batch, &theta, &noise));
         let sizes: Vec<usize> = model.degrees.iter().map(|d| d.terms.len() + 1).collect();
-        let kept = sizes.iter().map(|n| if removal == Removal::Complete { *n } else { n - 1 }).collect::<Vec<_>>();
+        let kept =
+            sizes.iter().map(|n| if removal == Removal::Complete { *n } else { n - 1 }).collect::<Vec<_>>();
         let of = |i: usize| {
             let finite = |states: &[f64]| check_diverged(states.iter().copied()).is_none();
             if !(finite(&own[i]) && finite(&nominal[i])) {
@@ -309,7 +320,12 @@ impl Sequencing<'_> {
                 let weights = self.moments.output_error.as_ref()?.g.clone()?;
                 Covariance::of_matrices(&information, &middle, &[weights])
             }
-            _ => Covariance::new(&information, &middle, &self.rows(&criterion.weights), criterion.covariance.norm()),
+            _ => Covariance::new(
+                &information,
+                &middle,
+                &self.rows(&criterion.weights),
+                criterion.covariance.norm(),
+            ),
         };
         covariance.ok()?.value(&[1.0], &mut CovariancePoint::default())
     }

@@ -13,7 +13,8 @@ pub struct DesignDocument {
     pub criterion: String,
     /// How the instruments' mean is removed: `none`, `batch` or `complete`.
     pub mean_removal: String,
-    /// `optimal` (proved global), `stationary` (first-order optimal, not proved global), `stalled`, or `restricted`.
+    /// `optimal` (proved global), `stationary` (first-order optimal, not proved global), `stalled`, `restricted`, or
+    /// `least largest` (of the relative errors, see `accuracy`).
     pub status: String,
     /// The certificate in words.
     pub statement: String,
@@ -131,6 +132,9 @@ pub struct Accuracy {
     pub samples: u64,
     /// The accuracy that it is predicted to have.
     pub reached: f64,
+    /// With `per-parameter`: no shares need less time than this \[s\]; proved where the problem is convex.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub bound_s: Option<f64>,
     /// Predicted accuracy against time.
     pub curve: Vec<AccuracyPoint>,
     /// The answer in words.

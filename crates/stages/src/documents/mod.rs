@@ -17,8 +17,8 @@ use artifact::{Document, json_schema};
 
 pub use crossval::{CrossvalDocument, EstimatorScore, SourceScore};
 pub use design::{
-    Accuracy, AccuracyPoint, Counts, CovarianceCriterion, DesignDocument, Efficiency, Restricted, RobustModels, Sequence,
-    SequencePart, Start,
+    Accuracy, AccuracyPoint, Counts, CovarianceCriterion, DesignDocument, Efficiency, Restricted,
+    RobustModels, Sequence, SequencePart, Start,
 };
 pub use estimate::{DegreeSummary, DesignSummary, EstimateDocument, EstimatorSummary, ParameterSummary};
 pub use ingest::{

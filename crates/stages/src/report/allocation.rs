@@ -1,12 +1,13 @@
 use maud::{Markup, html};
 use report_figures::{FigureError, SensitivityRow, ShareRow, sensitivities, shares};
 
+use super::accuracy::accuracy_of;
 use super::figures::Figures;
 use super::missing::missing;
 use super::number::{exact, percent, published, three, three_or_dash};
 use super::shown::{omission, shown, used};
 use super::study::Study;
-use crate::documents::{DesignDocument, Reference};
+use crate::documents::{DesignDocument, Reference, Sequence, SequencePart};
 
 /// How long to run each maneuver, and how far the others are from being worth their time.
 pub(super) fn allocation(study: &Study, figures: &mut Figures) -> Result<Markup, FigureError> {
@@ -29,7 +30,15 @@ fn designed(study: &Study, design: &DesignDocument, figures: &mut Figures) -> Re
         }
         (omission(design.order.len(), names.len()))
         (table(&names, design, reference, study.experiment_s))
+        (accuracy_of(design, figures)?)
+        @if let Some(sequence) = &design.sequence { p.note { "Order: " (order(sequence)) ". " (sequence.statement) } }
     })
+}
+
+/// `spiral-slow 50, accelerate 4, …` in samples.
+fn order(sequence: &Sequence) -> String {
+    let part = |part: &SequencePart| format!("{} {}", part.maneuver, part.samples);
+    sequence.parts.iter().map(part).collect::<Vec<_>>().join(", ")
 }
 
 fn share_rows<'a>(

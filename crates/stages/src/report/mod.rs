@@ -3,6 +3,7 @@
 //! A [`Study`] holds whatever exists; [`render`] shows that and says what is missing and which stage makes it. The page
 //! has no script and no outside resource. The same study gives the same bytes.
 
+mod accuracy;
 mod allocation;
 mod caption;
 mod certificate;

@@ -350,7 +350,13 @@ fn sequence_plan(
     for part in &sequence.parts {
         match names.iter().position(|name| *name == part.maneuver) {
             Some(q) if part.samples > 0 => plan.push((q, part.samples as usize)),
-            Some(_) => return refuse(&format!("`{}` without a sample", part.maneuver), "at least one", "arrange it again"),
+            Some(_) => {
+                return refuse(
+                    &format!("`{}` without a sample", part.maneuver),
+                    "at least one",
+                    "arrange it again",
+                );
+            }
             None => {
                 let expected = format!("maneuvers of {}", files.dictionary.display());
                 return refuse(&format!("maneuver `{}`", part.maneuver), &expected, "arrange it again");

@@ -53,7 +53,8 @@ impl Undisturbed<'_> {
                 found.add(&self.push(index, &parameters, &mut builder)?);
             }
             progress.advance(BLOCK);
-            let encoded = if found.maneuvers > 0 { Some(encode_block(&schema, &builder.table())?) } else { None };
+            let encoded =
+                if found.maneuvers > 0 { Some(encode_block(&schema, &builder.table())?) } else { None };
             Ok::<_, Failure>((encoded, found))
         };
         ordered(0..count.div_ceil(BLOCK), work, |(block, found)| {
@@ -83,7 +84,8 @@ impl Undisturbed<'_> {
         builder: &mut BlockBuilder,
     ) -> Result<Pushed, Failure> {
         let model = &self.vessel.model;
-        let samples = self.generator.samples(index).map_err(|e| Failure::invalid(self.dictionary_file, &e))?;
+        let samples =
+            self.generator.samples(index).map_err(|e| Failure::invalid(self.dictionary_file, &e))?;
         let Ok(maneuver) = self.generator.realize(index, samples) else { return Ok(Pushed::Unsteady) };
         let exogenous = exogenous(model, &maneuver.inputs);
         // What the inputs were made with judges them, whatever moves the vessel in the table.
@@ -113,7 +115,8 @@ impl Undisturbed<'_> {
     /// Why no generated maneuver was left: the limit that most of them exceed, and the least that one exceeds it by.
     fn nothing_within(&self, written: &Written) -> Failure {
         let tightest = written.left_out.iter().max_by(|a, b| a.1.count.cmp(&b.1.count).then(b.0.cmp(a.0)));
-        let (name, about) = tightest.map_or(("", LeftOut::default()), |(name, about)| (name.as_str(), *about));
+        let (name, about) =
+            tightest.map_or(("", LeftOut::default()), |(name, about)| (name.as_str(), *about));
         let all: usize = written.left_out.values().map(|l| l.count).sum();
         if name == UNSTEADY {
             return Failure::refuse(
@@ -137,7 +140,12 @@ impl Undisturbed<'_> {
         )
     }
 
-    fn push_written(&self, index: usize, parameters: &[f64], builder: &mut BlockBuilder) -> Result<usize, Failure> {
+    fn push_written(
+        &self,
+        index: usize,
+        parameters: &[f64],
+        builder: &mut BlockBuilder,
+    ) -> Result<usize, Failure> {
         let invalid = |e| Failure::invalid(self.dictionary_file, &e);
         let samples = self.generator.samples(index).map_err(invalid)?;
         let thing = format!("maneuver `{}`, `duration_s`", self.generator.maneuvers()[index].name);
@@ -198,11 +206,9 @@ impl Written {
                 self.samples += samples;
                 self.kept += usize::from(matches!(pushed, Pushed::Kept(_)));
             }
-            Pushed::Exceeds(Exceeded { limit, allowed, found }) => self.leave_out(limit, LeftOut {
-                count: 1,
-                allowed: *allowed,
-                nearest: *found,
-            }),
+            Pushed::Exceeds(Exceeded { limit, allowed, found }) => {
+                self.leave_out(limit, LeftOut { count: 1, allowed: *allowed, nearest: *found })
+            }
             Pushed::Unsteady => self.leave_out(UNSTEADY, LeftOut { count: 1, ..LeftOut::default() }),
         }
     }
@@ -230,7 +236,8 @@ impl Written {
         if out == 0 {
             return String::new();
         }
-        let reasons: Vec<String> = self.left_out.iter().map(|(name, l)| format!("{} by {name}", l.count)).collect();
+        let reasons: Vec<String> =
+            self.left_out.iter().map(|(name, l)| format!("{} by {name}", l.count)).collect();
         format!("; {out} of {} generated left out: {}", out + self.kept, reasons.join(", "))
     }
 }

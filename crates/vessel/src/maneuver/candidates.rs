@@ -144,7 +144,11 @@ impl GenerateSpec {
         }
         let [shortest, longest] = self.period_s;
         if !(shortest > 0.0 && longest >= shortest && longest.is_finite()) {
-            return refuse("period_s", shortest, "a shortest period above 0 s and a longest one not below it");
+            return refuse(
+                "period_s",
+                shortest,
+                "a shortest period above 0 s and a longest one not below it",
+            );
         }
         match self.speed_m_s {
             Some([low, high]) if !(low.is_finite() && high.is_finite() && low <= high) => {

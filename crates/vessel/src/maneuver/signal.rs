@@ -126,7 +126,8 @@ mod tests {
         for shape in [Constant, Square, Sine, Triangle, Ramp, PseudoRandom, Multisine] {
             let signal = Signal { shape, mean: 0.3, amplitude: 0.2, period_s: 4.0, phase: 0.1, seed: 3 };
             let wave = Wave::new(signal, 1, 40.0);
-            let values: Vec<f64> = (0..400).map(|k| wave.at(f64::from(k) / 10.0, f64::from(k) / 400.0)).collect();
+            let values: Vec<f64> =
+                (0..400).map(|k| wave.at(f64::from(k) / 10.0, f64::from(k) / 400.0)).collect();
             let low = values.iter().copied().fold(f64::INFINITY, f64::min);
             let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
             assert!(low >= 0.1 - 1e-3 && high <= 0.5 + 1e-3, "{shape:?}: {low} {high}");
@@ -137,7 +138,14 @@ mod tests {
 
     #[test]
     fn signals_of_one_seed_move_apart_in_different_channels() {
-        let signal = Signal { shape: SignalShape::PseudoRandom, mean: 0.0, amplitude: 1.0, period_s: 1.0, phase: 0.0, seed: 3 };
+        let signal = Signal {
+            shape: SignalShape::PseudoRandom,
+            mean: 0.0,
+            amplitude: 1.0,
+            period_s: 1.0,
+            phase: 0.0,
+            seed: 3,
+        };
         let levels = |channel: u32| -> Vec<f64> {
             let wave = Wave::new(signal, channel, 30.0);
             (0..30).map(|k| wave.at(f64::from(k), 0.0)).collect()

@@ -238,7 +238,8 @@ impl DictionaryFile {
     /// See [`DictionaryFile::check`].
     pub fn expanded(&self) -> Result<Vec<ManeuverSpec>, Invalid> {
         let generated = self.generate.as_ref().map(GenerateSpec::candidates).transpose()?;
-        let all: Vec<ManeuverSpec> = self.maneuvers.iter().cloned().chain(generated.into_iter().flatten()).collect();
+        let all: Vec<ManeuverSpec> =
+            self.maneuvers.iter().cloned().chain(generated.into_iter().flatten()).collect();
         check_all(&all, self.duration_s)?;
         Ok(all)
     }
@@ -369,7 +370,8 @@ impl Kind {
                 ("sway_amplitude_m_s", or_zero(sway_amplitude_m_s)),
             ],
             Self::Combined { .. } => {
-                let numbers = |(key, s): (&'static str, Signal)| [s.mean, s.amplitude, s.phase].map(|x| (key, x));
+                let numbers =
+                    |(key, s): (&'static str, Signal)| [s.mean, s.amplitude, s.phase].map(|x| (key, x));
                 self.signals().into_iter().flat_map(numbers).collect()
             }
             Self::Inputs { speed_m_s, .. } => vec![("speed_m_s", speed_m_s)],
