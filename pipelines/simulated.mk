@@ -5,7 +5,6 @@
 #   make STUDY=pipelines/model-ship seeds     the selection study on logs of ten other seeds
 
 override LOGS := $(OUT)/logs
-LOGS_FROM := $(LOGS)/simulated.json
 # Instruments restart with every sub-experiment; their nominal model is the least-squares fit of the same data, as in the
 # paper
 MOMENTS_FLAGS ?= --nominal least-squares
@@ -14,10 +13,12 @@ SELECTION_FLAGS ?= --estimator iv --nominal least-squares --realizations 500
 SELECTED := yes
 include pipelines/measured.mk
 
-$(LOGS_FROM): $(STUDY)/vessel.toml $(STUDY)/dictionary.toml $(STUDY)/logs.toml $(BIN)/.built | $(OUT)
+$(LOGS)/simulated.json: $(STUDY)/vessel.toml $(STUDY)/dictionary.toml $(STUDY)/logs.toml $(BIN)/.built | $(OUT)
 	rm -f $(LOGS)/*.csv
 	$(BIN)/simulate logs --vessel $(STUDY)/vessel.toml --dictionary $(STUDY)/dictionary.toml --logs $(STUDY)/logs.toml \
 	  $(SEED_FLAGS) $(FLAGS) --out $@
+
+$(MEASURED)/trajectories.parquet: $(LOGS)/simulated.json
 
 # The maneuvers as they are meant, for the report
 $(MEASURED)/dictionary.parquet: $(STUDY)/vessel.toml $(STUDY)/dictionary.toml $(BIN)/.built
