@@ -67,9 +67,19 @@ pub fn output_error<X: Number>(
     spread: Spread,
 ) -> Vec<Fit> {
     let problem = Simulations { recordings, free: free(recordings, initial), initial };
-    let floor = floors(recordings);
-    let weighting: Vec<Weighting> = floor.into_iter().map(Weighting::Likelihood).collect();
-    let found = best_of(&problem, &weighting, starts, problem.free.len());
+    let sizes = mean_squares(recordings);
+    let weighting: Vec<Weighting> =
+        sizes.iter().map(|s| Weighting::Likelihood(s.map(|square| EXACT * square))).collect();
+    let mut found = best_of(&problem, &weighting, starts, problem.free.len());
+    if found.iter().any(|m| m.status != Ended::Converged) {
+        // Where one state is predicted far better than another its weight bars the way: begin with weights that stay.
+        let fixed: Vec<Weighting> =
+            sizes.iter().map(|s| Weighting::Fixed(s.map(|square| square.recip()))).collect();
+        let first = best_of(&problem, &fixed, starts, problem.free.len());
+        let again = [std::array::from_fn(|lane| first[lane].point.clone())];
+        let then = best_of(&problem, &weighting, &again, problem.free.len());
+        found = found.into_iter().zip(then).map(|(a, b)| better(a, b)).collect();
+    }
     let errors = problem.standard_errors(&found, &weighting, spread);
     found.iter().zip(errors).map(|(minimum, errors)| fit(recordings, minimum, errors)).collect()
 }
@@ -80,12 +90,14 @@ fn free<X: Number>(recordings: &Recordings<X>, initial: InitialState) -> Vec<usi
     (0..recordings.unknowns() - held).collect()
 }
 
-fn floors<X: Number>(recordings: &Recordings<X>) -> Vec<[f64; 3]> {
+/// Of the measured states.
+fn mean_squares<X: Number>(recordings: &Recordings<X>) -> Vec<[f64; 3]> {
     let mean_square = |lane: usize, d: usize| {
         let own = recordings.measured.iter().skip(d).step_by(3).take(recordings.samples[lane] + 1);
-        own.map(|y| y[lane] * y[lane]).sum::<f64>() / (recordings.samples[lane] + 1) as f64
+        let sum: f64 = own.map(|y| y[lane] * y[lane]).sum();
+        (sum / (recordings.samples[lane] + 1) as f64).max(1e-12)
     };
-    (0..LANES).map(|lane| [0, 1, 2].map(|d| (EXACT * mean_square(lane, d)).max(f64::MIN_POSITIVE))).collect()
+    (0..LANES).map(|lane| [0, 1, 2].map(|d| mean_square(lane, d))).collect()
 }
 
 /// Minimises from the first starts, then from the next those that found nothing. What a start lacks is zero.
