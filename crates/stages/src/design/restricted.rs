@@ -58,7 +58,10 @@ pub fn restricted(
     let used = found.shares.iter().filter(|w| **w > 0.0).count();
     let searched = match found.exhaustive {
         true => format!("Best of all choices of maneuvers ({} tried)", found.tried),
-        false => format!("No exchange of one maneuver for another is better ({} choices tried)", found.tried),
+        false => format!(
+            "No exchange of one maneuver for another saves 0.1 % of the time ({} choices tried)",
+            found.tried
+        ),
     };
     let against = match relaxed.status {
         Status::Optimal => "at most, proved: the problem without it is concave",
