@@ -44,7 +44,11 @@ const EXHAUSTIVE: f64 = 2000.0;
 /// Of the smallest shares, how many are tried to be dropped.
 const DROPPED: usize = 6;
 /// Exchanges at most.
-const EXCHANGES: usize = 60;
+const EXCHANGES: usize = 20;
+/// An exchange has to save more than this fraction of the time.
+const WORTHWHILE: f64 = 1e-3;
+/// Relative gap of the choices that are compared; the one that is taken is solved to the options' tolerance.
+const ROUGH: f64 = 1e-5;
 /// Unused candidates that are tried in an exchange, the most sensitive.
 const INCOMING: usize = 12;
 
@@ -62,9 +66,11 @@ pub fn select<O: Objective>(
     restriction: &Restriction,
     options: &Options,
 ) -> Result<Selected, Error> {
-    let mut search = Search { objective, bounds, options, restriction, tried: 0 };
+    let rough = Options { tolerance: options.tolerance.max(ROUGH), ..*options };
+    let mut search = Search { objective, bounds, options: &rough, restriction, tried: 0 };
     let most = restriction.most.min(objective.len());
     if restriction.least <= 0.0 && choices(objective.len(), most) <= EXHAUSTIVE {
+        search.options = options;
         let best = search.all(most);
         return search.found(best, true);
     }
@@ -79,7 +85,10 @@ pub fn select<O: Objective>(
             None => break,
         }
     }
-    search.found(now, false)
+    search.options = options;
+    let polished =
+        now.as_ref().and_then(|current| search.solve(&current.members)).filter(|p| search.keeps(p));
+    search.found(polished.or(now), false)
 }
 
 /// Number of sets of `k` out of `n`.
@@ -172,8 +181,8 @@ impl<O: Objective> Search<'_, O> {
                 let kept = from.members.iter().enumerate().filter(|(i, _)| Some(*i) != out).map(|(_, q)| *q);
                 let mut members: Vec<usize> = kept.chain([new]).collect();
                 members.sort_unstable();
-                let least = best.as_ref().map_or(from.value, |b| b.value);
-                let better = least + 1e-9 * least.abs().max(1.0);
+                let worthwhile = from.value + WORTHWHILE * self.objective.degree();
+                let better = best.as_ref().map_or(worthwhile, |b| b.value);
                 let found = self.solve(&members).filter(|f| f.value > better && self.keeps(f));
                 best = found.or(best);
             }

@@ -8,7 +8,7 @@ use serde_json::Value;
 use support::*;
 use tempfile::TempDir;
 
-const GENERATE: &str = "duration_s = 12.5\n[generate]\ncandidates = 120\nseed = 3\n[generate.limits]\nu_m_s = 1.2\nv_m_s = 0.25\n\
+const GENERATE: &str = "duration_s = 37.5\n[generate]\ncandidates = 120\nseed = 3\n[generate.limits]\nu_m_s = 1.2\nv_m_s = 0.25\n\
      r_rad_s = 0.6\ninputs = { tau2 = 1430.0 }\n";
 const OUTPUT_ERROR: &str = "moments --vessel vessel.toml --trajectories dictionary.parquet --campaign campaign.toml --estimator \
      output-error --out moments.json";
@@ -124,8 +124,8 @@ fn refusals_of_what_to_generate() {
     try_with("seed = 3", "seed = 3\nperiod_s = [4.0, 2.0]", &["generate.period_s"]);
     try_with(
         "tau2 = 1430.0",
-        "tau2 = 0.001",
-        &["generate.limits.inputs.tau2", "tightest", "raise `inputs.tau2`"],
+        "tau1 = 0.001",
+        &["generate.limits.inputs.tau1", "tightest", "120 of 120", "raise `inputs.tau1`"],
     );
     let clash =
         "[[maneuver]]\nname = \"combined-00000\"\nkind = \"accelerate\"\nfrom_m_s = 0.0\nto_m_s = 1.0\n";

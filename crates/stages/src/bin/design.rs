@@ -8,12 +8,12 @@ use clap::{Parser, ValueEnum};
 use optimal_design::{Bounds, CountOptions, Design, Options};
 use serde_json::json;
 use stages::cli::{Common, Summary, given, name_of, provenance, run};
-use stages::design::accuracy::{self, Errors, Wanted};
 use stages::design::{
-    Asked, Available, Criterion, CriterionName, Estimated, Experiment, Few, OverModels, Predicted, Relative,
-    Segments, Sequencing, Solved, counted, document, information, no_design, restricted, squares, weights,
+    Asked, Available, Criterion, CriterionName, Estimated, Experiment, Few, OverModels, Predicted, Question,
+    Relative, Segments, Sequencing, Solved, Wanted, counted, document, information, no_design, restricted,
+    squares, weights,
 };
-use stages::documents::{Accuracy, DesignDocument, MomentsDocument, Sequence};
+use stages::documents::{DesignDocument, MomentsDocument, Sequence};
 use stages::failure::Failure;
 use stages::instruments::Removal;
 use stages::study_files::{read_dictionary, read_vessel};
@@ -209,7 +209,20 @@ fn design(
     let options =
         Options { tolerance: a.tolerance, random_starts: a.starts, seed: seed(a), ..Options::default() };
     let timed = match a.accuracy {
-        Some(accuracy) => Some(timed(a, accuracy, moments, &criterion, estimated, &options, provenance)?),
+        Some(accuracy) => {
+            let question = Question {
+                file: &a.moments,
+                moments,
+                criterion: &criterion,
+                estimated,
+                removal: a.mean_removal,
+                squares: squares(a.relative_to, &a.moments, moments)?,
+                wanted: wanted(a, accuracy),
+                least_largest: a.per_parameter && a.criterion.is_none() && a.also.is_empty(),
+                available: a.available.as_deref(),
+            };
+            Some(question.shortest(&options, provenance)?)
+        }
         None => None,
     };
     let experiment = match &timed {
@@ -234,7 +247,7 @@ fn design(
     if few.most_maneuvers.is_some() || few.minimal_s.is_some() {
         let duration_s = few_duration(a, moments, &experiment)?;
         let found = restricted(&criterion, &design, &bounds, &few, duration_s, &options, parameters);
-        let (restricted, told) = found.map_err(|e| too_few(&a.moments, &few, &e))?;
+        let (restricted, told) = found.map_err(|e| few.refusal(&a.moments, &e))?;
         (design, about) = (restricted, Some(told));
     }
     let segments = experiment.segments.map(|(total, samples)| Segments {
@@ -338,111 +351,14 @@ fn few_duration(
     }
 }
 
-fn too_few(file: &Path, few: &Few, error: &optimal_design::Error) -> Failure {
-    let asked = [
-        few.most_maneuvers.map(|k| format!("--most-maneuvers {k}")),
-        few.minimal_s.map(|s| format!("--minimal-s {s}")),
-    ];
-    Failure::NoAnswer(format!(
-        "{}: {}: found no such choice that excites every parameter ({error}), expected one; allow more or shorter maneuvers",
-        file.display(),
-        asked.into_iter().flatten().collect::<Vec<_>>().join(" ")
-    ))
-}
-
-/// A design of the shortest duration for an accuracy.
-struct Timed {
-    design: Design,
-    accuracy: Accuracy,
-}
-
-/// The shortest experiment of the wanted accuracy.
-fn timed(
-    a: &Arguments,
-    wanted: f64,
-    moments: &MomentsDocument,
-    criterion: &Criterion,
-    estimated: Estimated,
-    options: &Options,
-    provenance: &mut Provenance,
-) -> Result<Timed, Failure> {
-    let refuse = |e| no_design(&a.moments, moments, estimated, e);
-    let (file, rate) = (a.moments.as_path(), moments.sample_rate_hz);
-    let wanted = Wanted {
-        accuracy: wanted,
+fn wanted(a: &Arguments, accuracy: f64) -> Wanted {
+    Wanted {
+        accuracy,
         per_parameter: a.per_parameter,
         longest_s: a.longest_s,
         random_segments: a.random_segments,
         seed: seed(a),
-    };
-    let squares = squares(a.relative_to, file, moments)?;
-    let own = accuracy::needs_covariance(criterion)?;
-    let errors = Errors::new(own, moments, estimated, &squares, a.per_parameter);
-    let solve = |bounds: &Bounds| -> Result<(Design, Option<f64>), Failure> {
-        let mut design = criterion.solve(bounds, options).map_err(refuse)?;
-        if !(a.per_parameter && a.criterion.is_none() && a.also.is_empty()) {
-            return Ok((design, None));
-        }
-        let make = |weights: &[f64]| accuracy::reweighted(file, moments, estimated, weights);
-        let (shares, bound) = accuracy::least_largest(&errors, bounds, options, make, refuse)?;
-        design.log_det = criterion.value(&shares).unwrap_or(f64::MIN);
-        design.sensitivities = criterion.sensitivities(&shares).unwrap_or(design.sensitivities);
-        design.gap = design.sensitivities.iter().copied().fold(f64::MIN, f64::max) - criterion.degree();
-        design.shares = shares;
-        Ok((design, Some(bound)))
-    };
-    let bounds_of = |samples: f64, provenance: &mut Provenance| -> Result<Option<Bounds>, Failure> {
-        let experiment = Experiment { samples: Some(samples), segments: None };
-        match &a.available {
-            None => Ok(Some(Bounds::default())),
-            Some(path) => match Available::read(path, moments, &experiment, provenance) {
-                Ok(available) => Bounds::new(&available.shares).map(Some).map_err(refuse),
-                Err(Failure::NoAnswer(_)) => Ok(None),
-                Err(other) => Err(other),
-            },
-        }
-    };
-    let (mut design, mut bound) = solve(&Bounds::default())?;
-    let mut samples = accuracy::reachable(file, &errors, &design.shares, &wanted, rate)?;
-    if a.available.is_some() {
-        // Between what is enough without limits and all that is available.
-        let (mut low, mut high) = (samples, samples);
-        while high < a.longest_s * rate && bounds_of(2.0 * high, provenance)?.is_some() {
-            high *= 2.0;
-        }
-        let mut step = high;
-        while step >= 1.0 {
-            if high + step <= a.longest_s * rate && bounds_of(high + step, provenance)?.is_some() {
-                high += step;
-            }
-            step = (0.5 * step).floor();
-        }
-        let Some(bounds) = bounds_of(high, provenance)? else {
-            return Err(refuse(optimal_design::Error::Infeasible { total: 0.0 }));
-        };
-        (design, bound) = solve(&bounds)?;
-        let longest = Wanted { longest_s: high / rate, ..wanted };
-        accuracy::reachable(file, &errors, &design.shares, &longest, rate)?;
-        while high - low > 1.0 {
-            let middle = (0.5 * (low + high)).floor();
-            let found = match bounds_of(middle, provenance)? {
-                Some(bounds) => Some(solve(&bounds)?),
-                None => None,
-            };
-            match found.filter(|(d, _)| accuracy::samples(&errors, &d.shares, &wanted) <= middle) {
-                Some(found) => {
-                    (design, bound) = found;
-                    high = middle;
-                }
-                None => low = middle,
-            }
-        }
-        samples = high;
     }
-    let paper = accuracy::papers_shares(file, moments, a.mean_removal, &Bounds::default());
-    let accuracy =
-        accuracy::document(&errors, &design.shares, &wanted, moments, samples, bound, paper.as_deref());
-    Ok(Timed { design, accuracy })
 }
 
 fn experiment(a: &Arguments, moments: &MomentsDocument) -> Experiment {

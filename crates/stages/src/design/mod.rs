@@ -1,19 +1,23 @@
 //! What `moments` and `design` share about designs: the noise that a covariance is predicted from, what is available, the
 //! criterion, counts, how long an experiment has to be, and the document.
 
-pub mod accuracy;
+mod accuracy;
 mod available;
 mod criterion;
 mod document;
 mod matrices;
+mod models;
 mod noise;
 mod output_error;
 mod refusal;
 mod restricted;
 mod segments;
 mod sequence;
+mod timed;
 mod weights;
+mod whole;
 
+pub use accuracy::Wanted;
 pub use available::{Available, Experiment};
 pub use criterion::{Asked, CovarianceCriterion, Criterion, CriterionName, OverModels};
 pub use document::{Solved, document};
@@ -24,4 +28,5 @@ pub use refusal::no_design;
 pub use restricted::{Few, restricted};
 pub use segments::{Segments, counted};
 pub use sequence::Sequencing;
+pub use timed::{Question, Timed};
 pub use weights::{Relative, squares, weights};

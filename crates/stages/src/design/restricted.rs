@@ -1,9 +1,12 @@
 //! Few maneuvers, each for a while at least.
 
+use std::path::Path;
+
 use optimal_design::{Bounds, Design, Error, Options, Restriction, Status};
 
 use super::criterion::Criterion;
 use crate::documents::Restricted;
+use crate::failure::Failure;
 
 /// What is asked for besides the criterion.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -12,6 +15,21 @@ pub struct Few {
     pub most_maneuvers: Option<u64>,
     /// Each for at least so long \[s\].
     pub minimal_s: Option<f64>,
+}
+
+impl Few {
+    /// Why there is none.
+    pub fn refusal(&self, file: &Path, error: &Error) -> Failure {
+        let asked = [
+            self.most_maneuvers.map(|k| format!("--most-maneuvers {k}")),
+            self.minimal_s.map(|s| format!("--minimal-s {s}")),
+        ];
+        Failure::NoAnswer(format!(
+            "{}: {}: found no such choice that excites every parameter ({error}), expected one; allow more or shorter maneuvers",
+            file.display(),
+            asked.into_iter().flatten().collect::<Vec<_>>().join(" ")
+        ))
+    }
 }
 
 /// The design that keeps `few`, in an experiment of `duration_s` where that is known, from the one that need not.
@@ -40,7 +58,10 @@ pub fn restricted(
     let used = found.shares.iter().filter(|w| **w > 0.0).count();
     let searched = match found.exhaustive {
         true => format!("Best of all choices of maneuvers ({} tried)", found.tried),
-        false => format!("No exchange of one maneuver for another is better ({} choices tried)", found.tried),
+        false => format!(
+            "No exchange of one maneuver for another saves 0.1 % of the time ({} choices tried)",
+            found.tried
+        ),
     };
     let against = match relaxed.status {
         Status::Optimal => "at most, proved: the problem without it is concave",

@@ -1,6 +1,7 @@
 //! Maneuvers in the terms of a trial, turned into inputs by the model.
 
 mod candidates;
+mod draw;
 mod generate;
 mod input_file;
 mod signal;

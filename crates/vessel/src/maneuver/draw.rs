@@ -1,0 +1,154 @@
+//! The random numbers of one candidate, turned into a maneuver.
+
+use rand::Rng;
+
+use super::candidates::{CandidateKind, GenerateSpec};
+use super::signal::{Signal, SignalShape};
+use super::spec::{Kind, Shape};
+
+/// The random numbers of one candidate.
+pub(super) struct Draw<'a, R> {
+    pub(super) rng: R,
+    pub(super) spec: &'a GenerateSpec,
+}
+
+impl<R: Rng> Draw<'_, R> {
+    /// Evenly from 0 to 1.
+    fn share(&mut self) -> f64 {
+        (self.rng.next_u64() >> 11) as f64 * 2.0_f64.powi(-53)
+    }
+
+    /// Evenly within a range, to three decimals.
+    fn within(&mut self, low: f64, high: f64) -> f64 {
+        let value = low + (high - low) * self.share();
+        // Rounded towards zero: never beyond a limit.
+        (value * 1000.0).trunc() / 1000.0
+    }
+
+    /// Of a modulus up to `most`, at least a quarter of it.
+    fn amplitude(&mut self, most: f64) -> f64 {
+        self.within(0.25 * most, most)
+    }
+
+    fn either(&mut self, most: f64) -> f64 {
+        let amplitude = self.amplitude(most);
+        if self.share() < 0.5 { -amplitude } else { amplitude }
+    }
+
+    /// Short ones as likely as long ones: evenly in the logarithm.
+    fn period(&mut self) -> f64 {
+        let [shortest, longest] = self.spec.period_s;
+        let period = shortest * (longest / shortest).powf(self.share());
+        ((period * 10.0).round() / 10.0).clamp(shortest, longest)
+    }
+
+    fn speeds(&self) -> [f64; 2] {
+        let limit = self.spec.limits.u_m_s;
+        let [low, high] = self.spec.speed_m_s.unwrap_or([0.0, limit]);
+        [low.max(-limit), high.min(limit)]
+    }
+
+    fn speed(&mut self) -> f64 {
+        let [low, high] = self.speeds();
+        self.within(low, high)
+    }
+
+    fn shape(&mut self) -> Shape {
+        [Shape::Square, Shape::Sine, Shape::Triangle][(3.0 * self.share()) as usize]
+    }
+
+    pub(super) fn kind(&mut self, kind: CandidateKind, index: u32) -> Kind {
+        let (sway, rate) = (self.spec.limits.v_m_s, self.spec.limits.r_rad_s);
+        let seed = u64::from(index);
+        match kind {
+            CandidateKind::Accelerate | CandidateKind::Decelerate => self.change(kind),
+            CandidateKind::ZigZag => Kind::ZigZag {
+                shape: self.shape(),
+                speed_m_s: self.speed(),
+                yaw_rate_amplitude_rad_s: Some(self.amplitude(rate)),
+                heading_amplitude_rad: None,
+                sway_amplitude_m_s: if self.share() < 0.5 { Some(self.either(sway)) } else { None },
+                period_s: self.period(),
+            },
+            CandidateKind::SwayZigZag => Kind::SwayZigZag {
+                shape: self.shape(),
+                speed_m_s: self.speed(),
+                sway_amplitude_m_s: self.amplitude(sway),
+                period_s: self.period(),
+            },
+            CandidateKind::Spiral => Kind::Spiral {
+                speed_m_s: self.speed(),
+                yaw_rate_from_rad_s: self.within(-0.5 * rate, 0.5 * rate),
+                yaw_rate_to_rad_s: self.either(rate),
+                sway_speed_m_s: Some(self.within(-sway, sway)),
+            },
+            CandidateKind::SteadyTurn => Kind::SteadyTurn {
+                speed_m_s: self.speed(),
+                yaw_rate_rad_s: self.either(rate),
+                sway_speed_m_s: Some(self.within(-sway, sway)),
+            },
+            CandidateKind::PseudoRandomBinary => {
+                let [low, high] = self.speeds();
+                let speed = self.within(low, high);
+                Kind::PseudoRandomBinary {
+                    speed_m_s: speed,
+                    speed_amplitude_m_s: self.within(0.0, (high - speed).min(speed - low)),
+                    yaw_rate_amplitude_rad_s: self.amplitude(rate),
+                    sway_amplitude_m_s: Some(self.amplitude(sway)),
+                    dwell_s: (0.5 * self.period()).max(0.1),
+                    seed,
+                }
+            }
+            CandidateKind::Multisine => {
+                let shape = |_: &mut Self| SignalShape::Multisine;
+                self.combined(seed, shape)
+            }
+            CandidateKind::Combined => self.combined(seed, Self::signal_shape),
+        }
+    }
+
+    fn signal_shape(&mut self) -> SignalShape {
+        use SignalShape::{Constant, PseudoRandom, Ramp, Sine, Square, Triangle};
+        [Constant, Square, Sine, Triangle, Ramp, PseudoRandom, Square][(7.0 * self.share()) as usize]
+    }
+
+    fn combined(&mut self, seed: u64, shape: impl Fn(&mut Self) -> SignalShape) -> Kind {
+        let [low, high] = self.speeds();
+        let (sway, rate) = (self.spec.limits.v_m_s, self.spec.limits.r_rad_s);
+        let mut drawn = |low: f64, high: f64| {
+            let shape = shape(self);
+            self.signal(shape, seed, low, high)
+        };
+        let speed_m_s = drawn(low, high);
+        let yaw_rate_rad_s = Some(drawn(-rate, rate));
+        let sway_m_s = drawn(-sway, sway);
+        let sway_m_s = (self.share() < 0.8).then_some(sway_m_s);
+        Kind::Combined { speed_m_s, yaw_rate_rad_s, sway_m_s }
+    }
+
+    /// A signal within a range.
+    fn signal(&mut self, shape: SignalShape, seed: u64, low: f64, high: f64) -> Signal {
+        let half = 0.5 * (high - low);
+        let amplitude = self.either(half);
+        let room = half - amplitude.abs();
+        let middle = 0.5 * (low + high);
+        let mean = match shape {
+            SignalShape::Constant => self.within(low, high),
+            _ => self.within(middle - room, middle + room),
+        };
+        let amplitude = if shape == SignalShape::Constant { 0.0 } else { amplitude };
+        Signal { shape, mean, amplitude, period_s: self.period(), phase: self.within(0.0, 1.0), seed }
+    }
+
+    /// From one speed to another at least a quarter of the range away.
+    fn change(&mut self, kind: CandidateKind) -> Kind {
+        let [low, high] = self.speeds();
+        let far = 0.25 * (high - low);
+        let slow = self.within(low, high - far);
+        let fast = self.within(slow + far, high);
+        match kind {
+            CandidateKind::Accelerate => Kind::Accelerate { from_m_s: slow, to_m_s: fast },
+            _ => Kind::Decelerate { from_m_s: fast, to_m_s: slow },
+        }
+    }
+}
