@@ -3,7 +3,7 @@ use maud::{Markup, html};
 use super::measured::Measured;
 use super::missing::missing;
 use super::number::{three, three_or_dash};
-use crate::documents::{ChannelSummary, IngestDocument, RecordingSummary};
+use crate::documents::{ChannelSummary, IngestDocument, RecordingSummary, WarningSummary};
 
 /// What was read from the logs: per recording its rows, the consistency of its velocities, and its channels.
 pub(super) fn logs(measured: &Measured) -> Markup {
@@ -20,6 +20,7 @@ pub(super) fn logs(measured: &Measured) -> Markup {
                         "."
                     }
                     (recordings(found))
+                    (warnings(found))
                     (motion(found))
                     h3 { "Channels" }
                     @for recording in &found.recordings { (channels(recording)) }
@@ -50,6 +51,30 @@ fn recordings(found: &IngestDocument) -> Markup {
             } } }
         } }
     }
+}
+
+/// What is odd about channels, with the recordings that it is so in.
+fn warnings(found: &IngestDocument) -> Markup {
+    let mut told: Vec<(&WarningSummary, Vec<&str>)> = Vec::new();
+    for recording in &found.recordings {
+        for warning in &recording.warnings {
+            let same = |(known, _): &&mut (&WarningSummary, Vec<&str>)| {
+                known.kind == warning.kind && known.channel == warning.channel
+            };
+            match told.iter_mut().find(same) {
+                Some((_, recordings)) => recordings.push(&recording.name),
+                None => told.push((warning, vec![&recording.name])),
+            }
+        }
+    }
+    html! { @if !told.is_empty() {
+        h3 { "Warnings" }
+        ul { @for (warning, recordings) in &told { li {
+            (warning.text) " (" (recordings[0])
+            @if recordings.len() > 1 { " and " (recordings.len() - 1) " more recordings" }
+            ")"
+        } } }
+    } }
 }
 
 fn motion(found: &IngestDocument) -> Markup {

@@ -17,6 +17,7 @@ use super::notes::{files, notation};
 use super::parameters::parameters;
 use super::published_selection::published_selection;
 use super::selection::selection;
+use super::sequential::sequential;
 use super::study::Study;
 use super::trajectory::{self, trajectory};
 use super::trust::trust;
@@ -41,9 +42,12 @@ type Section = (&'static str, &'static str, Markup);
 /// A figure cannot be drawn.
 pub fn render(study: &Study) -> Result<Rendered, FigureError> {
     let mut figures = Figures::default();
-    let mut sections = match &study.measured {
-        Some(measured) => of_logs(study, measured, &mut figures)?,
-        None => of_trials(study, &mut figures)?,
+    let mut sections = match (&study.measured, &study.sequential) {
+        (Some(measured), _) => of_logs(study, measured, &mut figures)?,
+        (None, Some(found)) if study.design.is_none() => {
+            vec![("sequential", "Designed in rounds", sequential(found, &mut figures)?)]
+        }
+        (None, _) => of_trials(study, &mut figures)?,
     };
     sections.push(("notation", "Notation", notation(study)));
     sections.push(("files", "Files", files(study)));
