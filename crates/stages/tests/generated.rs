@@ -216,7 +216,7 @@ fn refusals_of_accuracies_and_estimators() {
     put(&folder, "available.toml", &format!("[seconds]\n{all}"));
     let line = format!("{FOR} --accuracy 0.5 --available available.toml");
     refused(&folder, 4, &line, &["--accuracy", "the best is"]);
-    refused(&folder, 2, &format!("{FOR} --accuracy -1"), &["--accuracy"]);
+    refused(&folder, 2, &format!("{FOR} --accuracy 0"), &["--accuracy", "above 0"]);
     let hessian = "design --moments moments.json --criterion d-hessian --relative-to value --accuracy 0.5 --out design.json";
     refused(&folder, 2, hessian, &["--accuracy", "d-hessian", "a-relative"]);
     refused(
