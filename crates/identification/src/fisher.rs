@@ -134,10 +134,10 @@ fn add_process(p: &mut [f64], s: &[f64], jacobians: &[[[f64; 3]; 3]], weights: &
             }
         }
         adjoint = next;
-        for component in 0..2 {
-            let g: Vec<f64> = (0..n)
-                .map(|q| (0..3).map(|i| jacobians[k][i][component] * adjoint[i * n + q]).sum())
-                .collect();
+        let jacobian = &jacobians[k];
+        let moved =
+            |q: usize, component: usize| (0..3).map(|i| jacobian[i][component] * adjoint[i * n + q]).sum();
+        for g in [0, 1].map(|component| (0..n).map(|q| moved(q, component)).collect::<Vec<f64>>()) {
             add_outer(p, variance, &g);
         }
     }

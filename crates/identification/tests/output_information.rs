@@ -122,7 +122,7 @@ fn law_the_variance_of_a_free_run_is_the_trace_of_weights_and_covariance() {
     for degree in &model.degrees {
         for _ in &degree.terms {
             let index = place - errors_before(model, place);
-            errors[place] = 1e-4 * theta[index] * if index % 2 == 0 { 1.0 } else { -0.5 };
+            errors[place] = 1e-4 * theta[index] * if index.is_multiple_of(2) { 1.0 } else { -0.5 };
             moved[index] += errors[place];
             place += 1;
         }

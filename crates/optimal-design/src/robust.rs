@@ -136,9 +136,9 @@ impl Objective for Robust {
         let mean = |i: usize| gradients.iter().zip(&at.weights).map(|(g, w)| w * g[i]).sum::<f64>();
         let means: Vec<f64> = (0..k).map(mean).collect();
         for (gradient, weight) in gradients.iter().zip(&at.weights) {
-            for e in 0..k * k {
-                let (q, r) = (e / k, e % k);
-                curvature[e] += sharpness * weight * (gradient[q] - means[q]) * (gradient[r] - means[r]);
+            let apart = |i: usize| gradient[i] - means[i];
+            for (e, entry) in curvature.iter_mut().enumerate() {
+                *entry += sharpness * weight * apart(e / k) * apart(e % k);
             }
         }
         curvature
