@@ -57,7 +57,8 @@ impl Run {
     /// From the nominal model and from twice the truth, in turns.
     fn fits(&self, initial: InitialState, spread: Spread) -> Vec<Fitted> {
         let twice: Vec<f64> = truth(&self.vessel).iter().map(|t| 1.2 * t).collect();
-        let start = |lane: usize| if lane % 2 == 0 { self.vessel.nominal.clone() } else { twice.clone() };
+        let start =
+            |lane: usize| if lane.is_multiple_of(2) { self.vessel.nominal.clone() } else { twice.clone() };
         let starts = [std::array::from_fn(start)];
         let fits = output_error(&self.recordings(), &starts, initial, spread);
         let converged = |fit: Fit| match fit {

@@ -32,7 +32,7 @@ fn compared() -> TempDir {
 }
 
 /// The text column `index` of a table, row by row.
-fn texts(folder: &TempDir, file: &str, id: &str, index: usize) -> Vec<String> {
+fn texts(folder: &TempDir, file: &str, id: &'static str, index: usize) -> Vec<String> {
     let table = craft::read(&folder.path().join(file), id);
     let of = |block: &artifact::Table| {
         let column = &block.columns[index];

@@ -120,8 +120,9 @@ impl Tangent {
     pub fn increments(&self, parameters: &[Lane]) -> [Lane; 3] {
         let mut sums = [Lane::ZERO; 3];
         for (d, sum) in sums.iter_mut().enumerate() {
-            for i in self.degrees[d]..self.degrees[d + 1] {
-                *sum += parameters[i] * self.term(i);
+            let own = self.degrees[d]..self.degrees[d + 1];
+            for (i, parameter) in own.clone().zip(&parameters[own]) {
+                *sum += *parameter * self.term(i);
             }
         }
         sums
@@ -180,9 +181,9 @@ mod tests {
             let sum =
                 |f: &dyn Fn(&Term) -> f64| own.terms.iter().zip(theta).map(|(t, p)| p * f(t)).sum::<f64>();
             approx::assert_relative_eq!(found[d][3], sum(&|t| t.evaluate(&x)), max_relative = 1e-13);
-            for i in 0..3 {
+            for (i, slope) in slopes[d].iter().enumerate() {
                 let expected = sum(&|t| t.derivative(&x, i));
-                approx::assert_relative_eq!(slopes[d][i][5], expected, max_relative = 1e-13);
+                approx::assert_relative_eq!(slope[5], expected, max_relative = 1e-13);
             }
             assert!((first..first + own.terms.len()).all(|i| tangent.degree(i) == d));
             first += own.terms.len();

@@ -131,6 +131,7 @@ fn gain<const N: usize>(p: &[[Lane; N]; N], noise: &[Lane; 3]) -> Gain<N> {
 
 /// P − K H P, symmetric.
 #[inline(always)]
+#[allow(clippy::needless_range_loop)] // Both triangles at once.
 fn shrink<const N: usize>(p: &mut [[Lane; N]; N], gain: &Gain<N>) {
     let known = [p[0], p[1], p[2]];
     for i in 0..N {
@@ -161,10 +162,9 @@ fn add_noise<const N: usize>(p: &mut [[Lane; N]; N], local: &Local, levels: &Lev
         Flow::Still => {}
         Flow::White { std } => {
             let variance = Lane::splat(std * std);
-            for i in 0..3 {
-                for j in 0..3 {
-                    let (a, b) = (&local.slopes[i], &local.slopes[j]);
-                    p[i][j] += variance * (a[0] * b[0] + a[1] * b[1]);
+            for (row, a) in p.iter_mut().zip(&local.slopes) {
+                for (entry, b) in row.iter_mut().zip(&local.slopes) {
+                    *entry += variance * (a[0] * b[0] + a[1] * b[1]);
                 }
             }
         }

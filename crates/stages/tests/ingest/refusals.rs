@@ -239,8 +239,12 @@ fn turning(start: f64, angle: f64, rate: f64, speed: f64) -> (String, String) {
         let t = 0.1 * f64::from(k);
         let (psi, r) = (heading(t), 0.3 * (0.6 * t).cos());
         let u = 2.0 + 0.5 * (0.4 * t).sin();
-        csv +=
-            &format!("{t},{},0,{},60,{x},{y},{}\n", speed * u, rate * r, angle * psi.rem_euclid(6.283185307));
+        csv += &format!(
+            "{t},{},0,{},60,{x},{y},{}\n",
+            speed * u,
+            rate * r,
+            angle * psi.rem_euclid(std::f64::consts::TAU)
+        );
         x += 0.1 * u * psi.cos();
         y += 0.1 * u * psi.sin();
     }

@@ -45,7 +45,6 @@ const PARAMETERS: [Parameter; 10] = [
 pub(super) fn study() -> Study {
     let scores = vec![scores("random", 3.9, 1.35), scores("optimized", 1.9, 0.42)];
     Study {
-        data: None,
         name: "paper".to_owned(),
         experiment_s: Some(125.0),
         vessel: Some(vessel()),
