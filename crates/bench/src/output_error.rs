@@ -37,6 +37,7 @@ fn run(paper: &Paper) -> anyhow::Result<usize> {
         measurement: Measurement { std_u_m_s: std, std_v_m_s: std, std_r_rad_s: std },
     };
     let streams = Streams::new(1, "bench");
+    let inputs_of_all: Vec<Lane> = inputs.iter().copied().map(Lane::splat).collect();
     let mut measured = vec![Lane::ZERO; 3 * (samples + 1)];
     let mut converged = 0;
     for first in (0..RUNS).step_by(LANES) {
@@ -59,7 +60,7 @@ fn run(paper: &Paper) -> anyhow::Result<usize> {
         let recordings = Recordings {
             model,
             measured: &measured,
-            exogenous: &inputs,
+            exogenous: &inputs_of_all,
             initial: initial.map(Lane::splat),
             samples: [samples; LANES],
         };

@@ -21,15 +21,11 @@ fn splat(values: &[f64]) -> Vec<Lane> {
     values.iter().copied().map(Lane::splat).collect()
 }
 
-fn recordings<'a>(
-    vessel: &'a Vessel,
-    experiment: &'a Experiment,
-    measured: &'a [Lane],
-) -> Recordings<'a, f64> {
+fn recordings<'a>(vessel: &'a Vessel, experiment: &'a Experiment, measured: &'a [Lane]) -> Recordings<'a> {
     Recordings {
         model: &vessel.model,
         measured,
-        exogenous: &experiment.inputs,
+        exogenous: splat(&experiment.inputs).leak(),
         initial: experiment.initial.map(Lane::splat),
         samples: [experiment.inputs.len() / 3; LANES],
     }

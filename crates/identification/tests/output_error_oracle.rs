@@ -26,7 +26,7 @@ fn numbers(value: &Value) -> Vec<f64> {
 struct Run {
     vessel: Vessel,
     measured: Vec<Lane>,
-    inputs: Vec<f64>,
+    inputs: Vec<Lane>,
     initial: [Lane; 3],
     expected: Value,
 }
@@ -37,14 +37,14 @@ impl Run {
         let run = |run: &Value| Self {
             vessel: paper(),
             measured: numbers(&run["measured"]).into_iter().map(Lane::splat).collect(),
-            inputs: numbers(&run["inputs"]),
+            inputs: numbers(&run["inputs"]).into_iter().map(Lane::splat).collect(),
             initial: <[f64; 3]>::try_from(numbers(&run["initial"])).unwrap().map(Lane::splat),
             expected: run.clone(),
         };
         whole["runs"].as_array().unwrap().iter().map(run).collect()
     }
 
-    fn recordings(&self) -> Recordings<'_, f64> {
+    fn recordings(&self) -> Recordings<'_> {
         Recordings {
             model: &self.vessel.model,
             measured: &self.measured,

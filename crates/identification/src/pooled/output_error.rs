@@ -115,7 +115,7 @@ impl Problem<'_> {
                 initial: group.initial,
                 samples: group.samples,
             };
-            let mut found = linearize::<Lane, 3>(&recordings, &unknowns, &self.free, None, &[], false);
+            let mut found = linearize::<3>(&recordings, &unknowns, &self.free, None, &[], false);
             found.truncate(group.parts);
             all.extend(found);
         }

@@ -1,4 +1,4 @@
-use vessel::{Lane, Number, Tangent};
+use vessel::{Lane, Tangent};
 
 use super::dynamics::{Dynamics, Local};
 use super::levels::{Flow, Levels};
@@ -8,30 +8,30 @@ use super::scores::{Kept, add_products};
 /// Covariance of Σ sᵀWe where `levels` disturb the run, to first order around its simulation: measurement noise enters a
 /// sample's error as it is, every other draw enters the states and goes on with them; adjoints λ(k) = Aᵀλ(k+1) + s(k)ᵀW
 /// tell what a change of the states at k does to the scores. free × free lanes.
-pub(crate) fn disturbed_scores<X: Number>(
-    recordings: &Recordings<X>,
+pub(crate) fn disturbed_scores(
+    recordings: &Recordings,
     unknowns: &[Lane],
     kept: &Kept,
     weights: [Lane; 3],
     levels: &Levels,
 ) -> Vec<Lane> {
     match levels.states() {
-        3 => pulp::Arch::new().dispatch(Backward::<X, 3> { recordings, unknowns, kept, weights, levels }),
-        5 => pulp::Arch::new().dispatch(Backward::<X, 5> { recordings, unknowns, kept, weights, levels }),
-        6 => pulp::Arch::new().dispatch(Backward::<X, 6> { recordings, unknowns, kept, weights, levels }),
-        _ => pulp::Arch::new().dispatch(Backward::<X, 8> { recordings, unknowns, kept, weights, levels }),
+        3 => pulp::Arch::new().dispatch(Backward::<3> { recordings, unknowns, kept, weights, levels }),
+        5 => pulp::Arch::new().dispatch(Backward::<5> { recordings, unknowns, kept, weights, levels }),
+        6 => pulp::Arch::new().dispatch(Backward::<6> { recordings, unknowns, kept, weights, levels }),
+        _ => pulp::Arch::new().dispatch(Backward::<8> { recordings, unknowns, kept, weights, levels }),
     }
 }
 
-struct Backward<'a, X, const N: usize> {
-    recordings: &'a Recordings<'a, X>,
+struct Backward<'a, const N: usize> {
+    recordings: &'a Recordings<'a>,
     unknowns: &'a [Lane],
     kept: &'a Kept,
     weights: [Lane; 3],
     levels: &'a Levels,
 }
 
-impl<X: Number, const N: usize> pulp::WithSimd for Backward<'_, X, N> {
+impl<const N: usize> pulp::WithSimd for Backward<'_, N> {
     type Output = Vec<Lane>;
 
     #[inline(always)]

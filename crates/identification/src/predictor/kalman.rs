@@ -1,4 +1,4 @@
-use vessel::{Lane, Number, Tangent};
+use vessel::{Lane, Tangent};
 
 use super::dynamics::{Dynamics, Local};
 use super::levels::{Flow, Levels};
@@ -38,23 +38,23 @@ impl<const N: usize> Gain<N> {
 const UNKNOWN: f64 = 1e6;
 
 /// An extended Kalman filter over recordings: its gains at samples 0 to N, and its innovations, (N+1) × 3.
-pub(crate) fn filter<X: Number, const N: usize>(
-    recordings: &Recordings<X>,
+pub(crate) fn filter<const N: usize>(
+    recordings: &Recordings,
     unknowns: &[Lane],
     levels: &Levels,
     known_start: bool,
 ) -> (Vec<Gain<N>>, Vec<Lane>) {
-    pulp::Arch::new().dispatch(Filter::<X, N> { recordings, unknowns, levels, known_start })
+    pulp::Arch::new().dispatch(Filter::<N> { recordings, unknowns, levels, known_start })
 }
 
-struct Filter<'a, X, const N: usize> {
-    recordings: &'a Recordings<'a, X>,
+struct Filter<'a, const N: usize> {
+    recordings: &'a Recordings<'a>,
     unknowns: &'a [Lane],
     levels: &'a Levels,
     known_start: bool,
 }
 
-impl<X: Number, const N: usize> pulp::WithSimd for Filter<'_, X, N> {
+impl<const N: usize> pulp::WithSimd for Filter<'_, N> {
     type Output = (Vec<Gain<N>>, Vec<Lane>);
 
     #[inline(always)]

@@ -1,4 +1,4 @@
-use vessel::{LANES, Lane, Number};
+use vessel::{LANES, Lane};
 
 use super::adjoint::disturbed_scores;
 use super::levels::Levels;
@@ -60,8 +60,8 @@ const EXACT: f64 = 1e-16;
 /// Estimates by the errors of free simulations: minimises Σ_d N log Σ e_d², the likelihood of white errors with a variance
 /// of their own in u, v and r, over parameters, intercepts and, if so wanted, the initial state. Per run `starts` holds
 /// parameters to begin at; where the first ones diverge or lead to no minimum, the next are taken.
-pub fn output_error<X: Number>(
-    recordings: &Recordings<X>,
+pub fn output_error(
+    recordings: &Recordings,
     starts: &[[Vec<f64>; LANES]],
     initial: InitialState,
     spread: Spread,
@@ -85,13 +85,13 @@ pub fn output_error<X: Number>(
 }
 
 /// The unknowns that are estimated.
-fn free<X: Number>(recordings: &Recordings<X>, initial: InitialState) -> Vec<usize> {
+fn free(recordings: &Recordings, initial: InitialState) -> Vec<usize> {
     let held = if initial == InitialState::Known { 3 } else { 0 };
     (0..recordings.unknowns() - held).collect()
 }
 
 /// Of the measured states.
-fn mean_squares<X: Number>(recordings: &Recordings<X>) -> Vec<[f64; 3]> {
+fn mean_squares(recordings: &Recordings) -> Vec<[f64; 3]> {
     let mean_square = |lane: usize, d: usize| {
         let own = recordings.measured.iter().skip(d).step_by(3).take(recordings.samples[lane] + 1);
         let sum: f64 = own.map(|y| y[lane] * y[lane]).sum();
@@ -149,7 +149,7 @@ pub(super) fn side_by_side(points: &[Vec<f64>], all: usize) -> Vec<Lane> {
     (0..all).map(of).collect()
 }
 
-pub(super) fn fit<X: Number>(recordings: &Recordings<X>, minimum: &Minimum, errors: Option<Vec<f64>>) -> Fit {
+pub(super) fn fit(recordings: &Recordings, minimum: &Minimum, errors: Option<Vec<f64>>) -> Fit {
     let theta = recordings.model.parameters();
     let at = |i: usize| minimum.point.get(i).copied().unwrap_or(0.0);
     match (minimum.status, errors) {
@@ -175,21 +175,21 @@ pub(super) fn fit<X: Number>(recordings: &Recordings<X>, minimum: &Minimum, erro
     }
 }
 
-struct Simulations<'a, X> {
-    recordings: &'a Recordings<'a, X>,
+struct Simulations<'a> {
+    recordings: &'a Recordings<'a>,
     free: Vec<usize>,
     initial: InitialState,
 }
 
-impl<X: Number> Residuals for Simulations<'_, X> {
+impl Residuals for Simulations<'_> {
     fn linearize(&self, points: &[Vec<f64>]) -> Vec<Linear> {
         let unknowns = side_by_side(points, self.recordings.unknowns());
         let from_start = self.initial == InitialState::Estimated;
-        linearize::<X, 3>(self.recordings, &unknowns, &self.free, None, &[], from_start)
+        linearize::<3>(self.recordings, &unknowns, &self.free, None, &[], from_start)
     }
 }
 
-impl<X: Number> Simulations<'_, X> {
+impl Simulations<'_> {
     /// √diag(H⁻¹ B H⁻¹), H = Σ sᵀWs, B the covariance of the scores Σ sᵀWe.
     fn standard_errors(
         &self,

@@ -1,4 +1,4 @@
-use vessel::{LANES, Lane, Number};
+use vessel::{LANES, Lane};
 
 use super::kalman::{Gain, filter};
 use super::levels::Levels;
@@ -16,52 +16,52 @@ const ROUNDS: usize = 3;
 /// filter's likelihood. Without that guard gains that trust the measurements more and more lead to least squares. Standard
 /// errors are those of white innovations, scaled by
 /// their own variance. `starts` as for [`super::output_error`].
-pub fn prediction_error<X: Number>(
-    recordings: &Recordings<X>,
+pub fn prediction_error(
+    recordings: &Recordings,
     starts: &[[Vec<f64>; LANES]],
     initial: InitialState,
     levels: &Levels,
 ) -> Vec<Fit> {
     match levels.states() {
-        3 => rounds::<X, 3>(recordings, starts, initial, levels),
-        5 => rounds::<X, 5>(recordings, starts, initial, levels),
-        6 => rounds::<X, 6>(recordings, starts, initial, levels),
-        _ => rounds::<X, 8>(recordings, starts, initial, levels),
+        3 => rounds::<3>(recordings, starts, initial, levels),
+        5 => rounds::<5>(recordings, starts, initial, levels),
+        6 => rounds::<6>(recordings, starts, initial, levels),
+        _ => rounds::<8>(recordings, starts, initial, levels),
     }
 }
 
 /// Innovations of the extended Kalman filter for `levels` at `unknowns` (see [`Recordings::unknowns`]), (N+1) × 3.
-pub fn innovations<X: Number>(
-    recordings: &Recordings<X>,
+pub fn innovations(
+    recordings: &Recordings,
     unknowns: &[Lane],
     levels: &Levels,
     initial: InitialState,
 ) -> Vec<Lane> {
     let known = initial == InitialState::Known;
     match levels.states() {
-        3 => filter::<X, 3>(recordings, unknowns, levels, known).1,
-        5 => filter::<X, 5>(recordings, unknowns, levels, known).1,
-        6 => filter::<X, 6>(recordings, unknowns, levels, known).1,
-        _ => filter::<X, 8>(recordings, unknowns, levels, known).1,
+        3 => filter::<3>(recordings, unknowns, levels, known).1,
+        5 => filter::<5>(recordings, unknowns, levels, known).1,
+        6 => filter::<6>(recordings, unknowns, levels, known).1,
+        _ => filter::<8>(recordings, unknowns, levels, known).1,
     }
 }
 
-struct Predictions<'a, X, const N: usize> {
-    recordings: &'a Recordings<'a, X>,
+struct Predictions<'a, const N: usize> {
+    recordings: &'a Recordings<'a>,
     levels: &'a Levels,
     free: Vec<usize>,
     gains: Vec<Gain<N>>,
 }
 
-impl<X: Number, const N: usize> Residuals for Predictions<'_, X, N> {
+impl<const N: usize> Residuals for Predictions<'_, N> {
     fn linearize(&self, points: &[Vec<f64>]) -> Vec<Linear> {
         let unknowns = side_by_side(points, self.recordings.unknowns());
         linearize(self.recordings, &unknowns, &self.free, Some(self.levels), &self.gains, true)
     }
 }
 
-fn rounds<X: Number, const N: usize>(
-    recordings: &Recordings<X>,
+fn rounds<const N: usize>(
+    recordings: &Recordings,
     starts: &[[Vec<f64>; LANES]],
     initial: InitialState,
     levels: &Levels,
@@ -75,18 +75,18 @@ fn rounds<X: Number, const N: usize>(
                 Some(found) => found.point.clone(),
                 None => starts[lane].clone(),
             };
-            let found = round::<X, N>(recordings, std::array::from_fn(point), &free, levels, known);
+            let found = round::<N>(recordings, std::array::from_fn(point), &free, levels, known);
             best = match best.is_empty() {
                 true => found,
                 false => best.into_iter().zip(found).map(|(a, b)| better(a, b)).collect(),
             };
         }
     }
-    let mut worth = likelihoods::<X, N>(recordings, &best, levels, known);
+    let mut worth = likelihoods::<N>(recordings, &best, levels, known);
     for _ in 1..ROUNDS {
         let again = std::array::from_fn(|lane| best[lane].point.clone());
-        let next = round::<X, N>(recordings, again, &free, levels, known);
-        let next_worth = likelihoods::<X, N>(recordings, &next, levels, known);
+        let next = round::<N>(recordings, again, &free, levels, known);
+        let next_worth = likelihoods::<N>(recordings, &next, levels, known);
         for (lane, next) in next.into_iter().enumerate() {
             best[lane].steps += next.steps;
             if next.status == Ended::Converged && next_worth[lane] > worth[lane] {
@@ -99,29 +99,29 @@ fn rounds<X: Number, const N: usize>(
 }
 
 /// Gains along the filter at `points`, and the minima of the innovations that they leave.
-fn round<X: Number, const N: usize>(
-    recordings: &Recordings<X>,
+fn round<const N: usize>(
+    recordings: &Recordings,
     points: [Vec<f64>; LANES],
     free: &[usize],
     levels: &Levels,
     known: bool,
 ) -> Vec<Minimum> {
     let unknowns = side_by_side(&points, recordings.unknowns());
-    let (gains, _) = filter::<X, N>(recordings, &unknowns, levels, known);
+    let (gains, _) = filter::<N>(recordings, &unknowns, levels, known);
     let problem = Predictions { recordings, levels, free: free.to_vec(), gains };
     best_of(&problem, &vec![Weighting::Fixed([1.0; 3]); LANES], &[points], free.len())
 }
 
 /// Twice the log-likelihood of every lane's innovations, up to a constant.
-fn likelihoods<X: Number, const N: usize>(
-    recordings: &Recordings<X>,
+fn likelihoods<const N: usize>(
+    recordings: &Recordings,
     minima: &[Minimum],
     levels: &Levels,
     known: bool,
 ) -> Vec<f64> {
     let points: Vec<Vec<f64>> = minima.iter().map(|m| m.point.clone()).collect();
     let unknowns = side_by_side(&points, recordings.unknowns());
-    let (gains, innovations) = filter::<X, N>(recordings, &unknowns, levels, known);
+    let (gains, innovations) = filter::<N>(recordings, &unknowns, levels, known);
     let mut worth = vec![0.0; LANES];
     for (gain, error) in gains.iter().zip(innovations.as_chunks().0) {
         let white = gain.white(error);

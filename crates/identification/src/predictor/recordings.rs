@@ -1,22 +1,21 @@
-use vessel::{LANES, Lane, Model, Number};
+use vessel::{LANES, Lane, Model};
 
-/// [`LANES`] recordings side by side, all row-major, of N samples; shorter ones are filled up with anything. What they share
-/// (`X` = `f64`) is one number per entry.
+/// [`LANES`] recordings side by side, all row-major, of N samples; shorter ones are filled up with anything.
 #[derive(Clone, Copy, Debug)]
-pub struct Recordings<'a, X = Lane> {
+pub struct Recordings<'a> {
     /// The model structure.
     pub model: &'a Model,
     /// Measured states u, v \[m/s\], r \[rad/s\]: (N+1) × 3.
     pub measured: &'a [Lane],
     /// Inputs and measured disturbances: N × exogenous.
-    pub exogenous: &'a [X],
+    pub exogenous: &'a [Lane],
     /// State that each starts from.
     pub initial: [Lane; 3],
     /// Samples of each recording; what comes later counts for nothing.
     pub samples: [usize; LANES],
 }
 
-impl<X: Number> Recordings<'_, X> {
+impl Recordings<'_> {
     /// The longest recording's samples N.
     pub fn longest(&self) -> usize {
         self.measured.len() / 3 - 1

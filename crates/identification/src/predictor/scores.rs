@@ -1,4 +1,4 @@
-use vessel::{Lane, Number};
+use vessel::Lane;
 
 use super::recordings::Recordings;
 use super::sweep::{Step, sweep};
@@ -17,12 +17,7 @@ pub(crate) struct Kept {
 
 impl Kept {
     /// Of `recordings` simulated with `unknowns`.
-    pub(crate) fn of<X: Number>(
-        recordings: &Recordings<X>,
-        unknowns: &[Lane],
-        free: &[usize],
-        from_start: bool,
-    ) -> Self {
+    pub(crate) fn of(recordings: &Recordings, unknowns: &[Lane], free: &[usize], from_start: bool) -> Self {
         let rows = recordings.longest() + 1;
         let mut kept = Self {
             free: free.len(),
@@ -58,11 +53,7 @@ impl Kept {
 
 /// Covariance of Σ sᵀWe where errors are correlated over less than about 2√N samples: the mean over all windows of that
 /// many samples of (Σ over the window)(…)ᵀ per sample, which is what Bartlett's weights 1 − |lag|/L give. free × free lanes.
-pub(crate) fn correlated_scores<X: Number>(
-    recordings: &Recordings<X>,
-    kept: &Kept,
-    weights: [Lane; 3],
-) -> Vec<Lane> {
+pub(crate) fn correlated_scores(recordings: &Recordings, kept: &Kept, weights: [Lane; 3]) -> Vec<Lane> {
     let (p, rows) = (kept.free, recordings.longest() + 1);
     let window = (2.0 * (rows as f64).sqrt()).round().max(1.0) as usize;
     let mut scores = Vec::with_capacity(rows * p);

@@ -1,4 +1,4 @@
-use vessel::{LANES, Lane, Number};
+use vessel::{LANES, Lane};
 
 use super::kalman::Gain;
 use super::levels::Levels;
@@ -47,8 +47,8 @@ impl Linear {
 
 /// Linearises predictions at `unknowns`: what a sum of squared errors and its Gauss–Newton step are made of, per lane. With
 /// gains errors and sensitivities are whitened. Sample 0 counts where `from_start`.
-pub(crate) fn linearize<X: Number, const N: usize>(
-    recordings: &Recordings<X>,
+pub(crate) fn linearize<const N: usize>(
+    recordings: &Recordings,
     unknowns: &[Lane],
     free: &[usize],
     levels: Option<&Levels>,

@@ -1,4 +1,4 @@
-use vessel::{Lane, Number, Tangent};
+use vessel::{Lane, Tangent};
 
 use super::dynamics::Dynamics;
 use super::kalman::Gain;
@@ -8,8 +8,8 @@ use super::recordings::Recordings;
 /// One pass over recordings: predicts, compares, and carries the sensitivities along. `unknowns`: one lane each, as
 /// [`Recordings::unknowns`] orders them; `free`: those whose sensitivities are wanted; `levels`: what disturbs, and `gains`
 /// of every sample: neither for a free simulation. `each` is called with every sample from 0 to N.
-pub(crate) fn sweep<X: Number, const N: usize>(
-    recordings: &Recordings<X>,
+pub(crate) fn sweep<const N: usize>(
+    recordings: &Recordings,
     unknowns: &[Lane],
     free: &[usize],
     levels: Option<&Levels>,
@@ -21,8 +21,8 @@ pub(crate) fn sweep<X: Number, const N: usize>(
 
 /// [`sweep`] compiled for every instruction set that pulp picks from. Lanes are only added and multiplied, never fused, so
 /// that all give the same bits.
-struct Sweep<'a, X, F, const N: usize> {
-    recordings: &'a Recordings<'a, X>,
+struct Sweep<'a, F, const N: usize> {
+    recordings: &'a Recordings<'a>,
     unknowns: &'a [Lane],
     free: &'a [usize],
     levels: Option<&'a Levels>,
@@ -41,7 +41,7 @@ pub(crate) struct Step<'a, const N: usize> {
     pub sensitivities: &'a [[Lane; N]],
 }
 
-impl<X: Number, F: FnMut(Step<'_, N>), const N: usize> pulp::WithSimd for Sweep<'_, X, F, N> {
+impl<F: FnMut(Step<'_, N>), const N: usize> pulp::WithSimd for Sweep<'_, F, N> {
     type Output = ();
 
     #[inline(always)]
@@ -122,11 +122,7 @@ pub struct Sensitivities {
 }
 
 /// Simulates `recordings` freely with `unknowns`, and the sensitivities to those in `free`.
-pub fn sensitivities<X: Number>(
-    recordings: &Recordings<X>,
-    unknowns: &[Lane],
-    free: &[usize],
-) -> Sensitivities {
+pub fn sensitivities(recordings: &Recordings, unknowns: &[Lane], free: &[usize]) -> Sensitivities {
     let rows = recordings.longest() + 1;
     let mut found = Sensitivities {
         states: Vec::with_capacity(3 * rows),

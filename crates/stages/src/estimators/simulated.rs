@@ -3,11 +3,10 @@
 use identification::predictor::{
     Fit, InitialState, Levels, Recordings, Spread, output_error, prediction_error,
 };
-use vessel::{LANES, Lane, Number, Vessel};
+use vessel::{LANES, Lane, Vessel};
 
 use super::rows::{Found, Regressed};
 use crate::estimates::Status;
-use crate::instruments::alike;
 use crate::lanes::{groups, interleave};
 use crate::trajectories::Run;
 
@@ -25,26 +24,21 @@ pub(super) fn simulated(begin: &Begin, runs: &[Run], iv: &[Regressed], predict: 
     let mut all = Vec::with_capacity(runs.len());
     for group in groups(&lengths) {
         let (members, own) = (&runs[group.clone()], &iv[group]);
-        let fits = if members.iter().all(|run| alike(run, &members[0])) {
-            begin.fits(members, own, &members[0].exogenous, predict)
-        } else {
-            let exogenous: Vec<&[f64]> = members.iter().map(|r| r.exogenous.as_slice()).collect();
-            begin.fits(members, own, &interleave(&exogenous), predict)
-        };
-        all.extend(fits.into_iter().take(members.len()).map(Found::from));
+        all.extend(begin.fits(members, own, predict).into_iter().take(members.len()).map(Found::from));
     }
     all
 }
 
 impl Begin<'_> {
-    fn fits<X: Number>(&self, runs: &[Run], iv: &[Regressed], exogenous: &[X], predict: bool) -> Vec<Fit> {
+    fn fits(&self, runs: &[Run], iv: &[Regressed], predict: bool) -> Vec<Fit> {
+        let exogenous = interleave(&runs.iter().map(|r| r.exogenous.as_slice()).collect::<Vec<_>>());
         let measured = interleave(&runs.iter().map(|r| r.measured.as_slice()).collect::<Vec<_>>());
         let last = runs.len() - 1;
         let start = |d: usize| Lane(std::array::from_fn(|lane| runs[lane.min(last)].initial[d]));
         let recordings = Recordings {
             model: &self.vessel.model,
             measured: &measured,
-            exogenous,
+            exogenous: &exogenous,
             initial: [0, 1, 2].map(start),
             samples: [runs[0].samples(); LANES],
         };
