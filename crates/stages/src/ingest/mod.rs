@@ -11,8 +11,8 @@ mod quality;
 mod recording;
 mod rows;
 mod segments;
-mod suspicion;
 mod simulated;
+mod suspicion;
 mod totals;
 
 pub use channels::Plan;
