@@ -40,25 +40,27 @@ fn law_the_gradient_is_the_difference_quotient_of_the_criterion() {
             run.value.ln() + other
         };
         let size = [500.0, 100.0, 50.0];
-        let quotient = |direction: &[f64]| {
+        let quotient = |direction: &[f64], h: f64| {
             let moved = |h: f64| -> Vec<f64> {
                 experiment.inputs.iter().zip(direction).map(|(x, d)| x + h * d).collect()
             };
             // Richardson's: the error is of the fourth order.
             let central = |h: f64| (value(&moved(h)) - value(&moved(-h))) / (2.0 * h);
-            (4.0 * central(5e-4) - central(1e-3)) / 3.0
+            (4.0 * central(h / 2.0) - central(h)) / 3.0
         };
         for _ in 0..4 {
             let direction: Vec<f64> = (0..3 * samples).map(|e| size[e % 3] * normals.next()).collect();
             let along: f64 = slopes.iter().zip(&direction).map(|(g, d)| g * d).sum();
-            assert_relative_eq!(along, quotient(&direction), max_relative = 1e-6);
+            assert_relative_eq!(along, quotient(&direction, 2e-3), max_relative = 1e-6);
         }
         let largest = (0..3 * samples).map(|e| (size[e % 3] * slopes[e]).abs()).fold(0.0, f64::max);
         for e in [0, 1, 2, 100, 221, 307, 3 * samples - 4] {
             let mut direction = vec![0.0; 3 * samples];
             direction[e] = size[e % 3];
             let found = size[e % 3] * slopes[e];
-            assert!((found - quotient(&direction)).abs() < 1e-6 * largest, "input {e}");
+            // One sample moves the criterion little: a longer way, against rounding.
+            let expected = quotient(&direction, 0.05);
+            assert!((found - expected).abs() < 1e-6 * largest, "input {e}: {found} {expected} of {largest}");
         }
     }
 }
@@ -121,7 +123,6 @@ fn law_refined_inputs_keep_every_limit_and_make_the_criterion_smaller() {
         let found = run(limits, knot);
         assert!(limits.kept(&found.after.states, &found.inputs));
         assert!(found.after.value < 0.9 * found.before.value, "{} {}", found.after.value, found.before.value);
-        println!("{} {} {} {}", found.before.value, found.after.value, found.iterations, found.evaluations);
         values.push(found.after.value);
     }
     assert!(values[0] < values[1] && values[0] < values[2], "fewer freedoms are worth less: {values:?}");

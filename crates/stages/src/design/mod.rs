@@ -8,6 +8,7 @@ mod document;
 mod matrices;
 mod noise;
 mod output_error;
+pub mod refine;
 mod refusal;
 mod restricted;
 mod segments;
