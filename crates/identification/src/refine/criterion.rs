@@ -147,6 +147,9 @@ pub(super) fn pushed(n: usize, jacobian: &[[f64; 3]; 3], component: usize, adjoi
     (0..n).map(|q| (0..3).map(|i| jacobian[i][component] * adjoint[i * n + q]).sum()).collect()
 }
 
+/// An inverse of the matrix with a unit diagonal with an entry above this is that of a singular matrix.
+const SINGULAR: f64 = 1e13;
+
 /// F⁻¹, through the matrix with a unit diagonal.
 fn inverse(n: usize, information: &[f64]) -> Option<Vec<f64>> {
     let unit: Vec<f64> = (0..n).map(|i| information[i * n + i].sqrt().recip()).collect();
@@ -155,9 +158,10 @@ fn inverse(n: usize, information: &[f64]) -> Option<Vec<f64>> {
     scale(&mut scaled);
     let mut out = vec![0.0; n * n];
     small_matrix::inverse(n, &mut scaled, &mut out)?;
+    let regular = out.iter().all(|x| x.abs() <= SINGULAR);
     scale(&mut out);
     let positive = (0..n).all(|i| out[i * n + i] > 0.0);
-    (positive && out.iter().all(|x| x.is_finite())).then_some(out)
+    (regular && positive && out.iter().all(|x| x.is_finite())).then_some(out)
 }
 
 /// The diagonal of C B C, C symmetric.

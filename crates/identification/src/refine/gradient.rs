@@ -1,7 +1,7 @@
 //! The way back: the gradient of log tr(G cov θ̃) by all inputs of all samples.
 //!
 //! With C = F⁻¹, M = C G C and Q = −(M(E + P)C + its transpose), dφ = tr(M dE) + tr(M dP) + tr(Q dF). P's adjoints λ(k) (going back)
-//! are followed by κ(k) (going forward): κ(k+1) = (I + J(k)) κ(k) + Σ_c J_c(k) γ_c(k)ᵀ, γ_c = 2 σ_c² M Jᵀλ. Then Λ(k) = 2 W S Q +
+//! are followed by κ(k) (going forward): κ(k+1) = (I + J(k)) κ(k) + Σ_c J_c(k) γ_c(k)ᵀ, γ_c = 2 σ_c² M λᵀJ_c. Then Λ(k) = 2 W S Q +
 //! 2 W R W S M + W κ(k) + (I + J(k))ᵀ Λ(k+1) belongs to the sensitivities, and H weighs what J(k) changes.
 
 use super::criterion::{Forward, TraceCriterion, add_turned, pushed};

@@ -92,7 +92,7 @@ impl Limits {
         Ok(limits)
     }
 
-    /// The largest moduli of an experiment, in the limits' units. `rates_per_step`: sample rate \[Hz\].
+    /// The largest moduli of an experiment, in the limits' units. `rate_hz`: of the samples.
     pub fn moduli(&self, states: &[f64], inputs: &[f64], rate_hz: f64) -> Vec<f64> {
         let width = self.signal.inputs.len();
         let unit =

@@ -49,10 +49,10 @@ pub struct Refine {
     /// Which parameters errors are relative to (default: those that it is simulated with)
     #[arg(long, value_enum)]
     relative_to: Option<SimulateWith>,
-    /// Time between the knots of what is added to the start's inputs; corrections run straight between them [s] (default: one
-    /// sample)
-    #[arg(long, value_name = "S")]
-    knot_s: Option<f64>,
+    /// Time between the knots of what is added to the start's inputs, straight between them; below a sample every sample is
+    /// corrected on its own [s]
+    #[arg(long, value_name = "S", default_value_t = 1.0)]
+    knot_s: f64,
     /// Iterations at most
     #[arg(long, value_name = "N", default_value_t = 3000, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     iterations: u32,
@@ -102,9 +102,8 @@ pub fn refine(a: &Refine) -> Result<Summary, Failure> {
 /// Samples between knots.
 fn knot(a: &Refine, rate_hz: f64) -> Result<usize, Failure> {
     match a.knot_s {
-        None => Ok(1),
-        Some(s) if s.is_finite() && s > 0.0 => Ok(((s * rate_hz).round() as usize).max(1)),
-        Some(s) => Err(Failure::Usage(format!("--knot-s: found {s}, expected a number above 0; correct it"))),
+        s if s.is_finite() && s > 0.0 => Ok(((s * rate_hz).round() as usize).max(1)),
+        s => Err(Failure::Usage(format!("--knot-s: found {s}, expected a number above 0; correct it"))),
     }
 }
 
