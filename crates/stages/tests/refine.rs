@@ -119,7 +119,9 @@ fn rates_and_knots_limit_how_fast_inputs_change() {
     assert!(pairs(&free).iter().any(|(after, start)| after > start), "{free}");
     let allowed = format!("tau1 = {:?}\ntau2 = {:?}\ntau3 = {:?}\n", start[0], start[1], start[2]);
     put(&folder, "limits.toml", &format!("{LIMITS}[rates]\n{allowed}"));
-    run(&folder, &format!("{REFINE} --limits limits.toml --knot-s 0.1")).succeeds();
+    // Limits that the start touches take rounds to be kept again.
+    let longer = REFINE.replace("--iterations 120", "--iterations 900");
+    run(&folder, &format!("{longer} --limits limits.toml --knot-s 0.1")).succeeds();
     let slow = refined(&folder);
     assert!(pairs(&slow).iter().all(|(after, start)| *after <= start * (1.0 + 1e-9)), "{slow}");
     put(&folder, "limits.toml", LIMITS);
