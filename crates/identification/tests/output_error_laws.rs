@@ -21,11 +21,7 @@ fn splat(values: &[f64]) -> Vec<Lane> {
     values.iter().copied().map(Lane::splat).collect()
 }
 
-fn recordings<'a>(
-    vessel: &'a Vessel,
-    experiment: &'a Experiment,
-    measured: &'a [Lane],
-) -> Recordings<'a, f64> {
+fn recordings<'a>(vessel: &'a Vessel, experiment: &'a Experiment, measured: &'a [Lane]) -> Recordings<'a, f64> {
     Recordings {
         model: &vessel.model,
         measured,
@@ -107,7 +103,8 @@ fn law_intercepts_take_a_constant_force_and_the_offset_an_unknown_start() {
     let parameters = splat(&truth(&vessel));
     simulate_in(&vessel.model, &parameters, start, &experiment.inputs, &weather, &mut measured);
     let data = recordings(&vessel, &experiment, &measured);
-    let found = converged(output_error(&data, &nominal(&vessel), InitialState::Estimated, Spread::Residuals));
+    let found =
+        converged(output_error(&data, &nominal(&vessel), InitialState::Estimated, Spread::Residuals));
     for d in 0..3 {
         approx::assert_relative_eq!(found[1].intercepts[d], force[d], max_relative = 1e-5);
         approx::assert_relative_eq!(found[1].offset[d], offset[d], max_relative = 1e-5);

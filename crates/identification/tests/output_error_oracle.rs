@@ -86,7 +86,8 @@ fn levels(kind: &str) -> Levels {
         factor: factor("markov"),
         turning: step,
     };
-    let gusts = Gusts { std: numbers(&whole["gusts"]["std"]).try_into().unwrap(), factor: factor("gusts") };
+    let gusts =
+        Gusts { std: numbers(&whole["gusts"]["std"]).try_into().unwrap(), factor: factor("gusts") };
     let white = stated();
     match kind {
         "white" => white,
@@ -106,10 +107,7 @@ fn oracle_output_error_estimates_agree_with_least_squares_of_scipy() {
                 let errors = numbers(&run.expected["standard_errors"]);
                 for (i, (found, expected)) in unknowns.zip(&expected).enumerate() {
                     let size = expected.abs().max(errors.get(i).copied().unwrap_or(0.1));
-                    assert!(
-                        (found - expected).abs() < 1e-6 * size,
-                        "{key} {i}: {found}, expected {expected}"
-                    );
+                    assert!((found - expected).abs() < 1e-6 * size, "{key} {i}: {found}, expected {expected}");
                 }
                 for (found, expected) in found.rmse.iter().zip(&rmse) {
                     approx::assert_relative_eq!(*found, *expected, max_relative = 1e-9);
@@ -135,7 +133,8 @@ fn oracle_standard_errors_agree_with_the_response_to_every_draw() {
 #[test]
 fn oracle_innovations_agree_with_a_filter_in_plain_matrices() {
     for run in Run::all() {
-        let unknowns: Vec<Lane> = truth(&run.vessel).into_iter().chain([0.0; 6]).map(Lane::splat).collect();
+        let unknowns: Vec<Lane> =
+            truth(&run.vessel).into_iter().chain([0.0; 6]).map(Lane::splat).collect();
         for kind in ["white", "markov", "all"] {
             let expected = numbers(&run.expected["innovations"][kind]);
             let found = innovations(&run.recordings(), &unknowns, &levels(kind), InitialState::Known);

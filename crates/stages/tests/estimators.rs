@@ -20,15 +20,7 @@ static COMPARED: LazyLock<Study> = LazyLock::new(|| {
 });
 
 fn compared() -> TempDir {
-    COMPARED.with(&[
-        "campaign.parquet",
-        "validation.parquet",
-        "estimates.parquet",
-        "estimate.json",
-        "scores.parquet",
-        "validation.json",
-        "design.json",
-    ])
+    COMPARED.with(&["campaign.parquet", "validation.parquet", "estimates.parquet", "estimate.json", "scores.parquet", "validation.json", "design.json"])
 }
 
 /// The text column `index` of a table, row by row.
@@ -52,13 +44,11 @@ fn compare_has_a_row_per_run_and_estimator_and_alone_each_gives_the_same() {
     let whole = craft::read(&folder.path().join("estimates.parquet"), "estimates");
     let parameter = |table: &artifact::Table, row: usize| table.columns[4].value_at(row);
     for (i, name) in NAMES.iter().enumerate() {
-        let line = format!("{ESTIMATE} --estimator {name} --campaign campaign.toml")
-            .replace("estimates.parquet", "alone.parquet");
+        let line = format!("{ESTIMATE} --estimator {name} --campaign campaign.toml").replace("estimates.parquet", "alone.parquet");
         run(&folder, &line).succeeds();
         let alone = craft::read(&folder.path().join("alone.parquet"), "estimates");
         for row in 0..2 * RUNS as usize {
-            let (a, b) =
-                (parameter(&alone.blocks[0], row), parameter(&whole.blocks[0], row * NAMES.len() + i));
+            let (a, b) = (parameter(&alone.blocks[0], row), parameter(&whole.blocks[0], row * NAMES.len() + i));
             assert_eq!(a, b, "{name}, row {row}");
         }
     }
@@ -93,10 +83,7 @@ fn law_output_error_and_refined_instruments_are_better_than_the_papers_on_the_pa
         validation["data"]["compared"][i]["designs"][0]["parameter_error"]["median"].as_f64().unwrap()
     };
     let [ls, iv, refined, free, predicted] = [0, 1, 2, 3, 4].map(median);
-    assert!(
-        iv < 0.3 * ls && refined < iv && free < 0.8 * iv && predicted < 0.8 * iv,
-        "{ls} {iv} {refined} {free} {predicted}"
-    );
+    assert!(iv < 0.3 * ls && refined < iv && free < 0.8 * iv && predicted < 0.8 * iv, "{ls} {iv} {refined} {free} {predicted}");
 }
 
 #[test]
@@ -112,11 +99,7 @@ fn law_compared_estimates_have_the_same_bytes_for_all_threads_and_shards() {
     for k in [2, 1] {
         run(&folder, &format!("{line} --shard {k}/2 --out part-{k}.parquet")).succeeds();
     }
-    run(
-        &folder,
-        "estimate --vessel vessel.toml --gather part-2.parquet part-1.parquet --out estimates.parquet",
-    )
-    .succeeds();
+    run(&folder, "estimate --vessel vessel.toml --gather part-2.parquet part-1.parquet --out estimates.parquet").succeeds();
     assert!(bytes(&folder, "estimates.parquet") == whole && bytes(&folder, "estimate.json") == document);
 }
 
@@ -124,12 +107,7 @@ fn law_compared_estimates_have_the_same_bytes_for_all_threads_and_shards() {
 fn names_and_missing_disturbances_are_refused() {
     let folder = with(&["campaign.parquet"]);
     refused(&folder, 2, &format!("{ESTIMATE} --estimator output-eror"), &["output-eror", "output-error"]);
-    refused(
-        &folder,
-        2,
-        &format!("{ESTIMATE} --estimator prediction-error"),
-        &["--campaign", "prediction-error"],
-    );
+    refused(&folder, 2, &format!("{ESTIMATE} --estimator prediction-error"), &["--campaign", "prediction-error"]);
     refused(&folder, 2, &format!("{ESTIMATE} --compare"), &["--campaign", "--compare"]);
     refused(&folder, 2, &format!("{ESTIMATE} --estimator auto"), &["--estimator auto", "--pool"]);
     refused(&folder, 2, &format!("{ESTIMATE} --compare --estimator iv"), &["--compare", "--estimator"]);

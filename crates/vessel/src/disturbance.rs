@@ -90,15 +90,16 @@ impl Current {
     pub fn std_m_s(&self) -> f64 {
         match self {
             Self::None => 0.0,
-            Self::White { std_m_s } | Self::Constant { std_m_s, .. } | Self::GaussMarkov { std_m_s, .. } => {
-                *std_m_s
-            }
+            Self::White { std_m_s } | Self::Constant { std_m_s, .. } | Self::GaussMarkov { std_m_s, .. } => *std_m_s,
         }
     }
 
     /// Whether its components are the earth's.
     pub fn in_earth_axes(&self) -> bool {
-        matches!(self, Self::Constant { axes: Axes::Earth, .. } | Self::GaussMarkov { axes: Axes::Earth, .. })
+        matches!(
+            self,
+            Self::Constant { axes: Axes::Earth, .. } | Self::GaussMarkov { axes: Axes::Earth, .. }
+        )
     }
 }
 

@@ -177,8 +177,7 @@ mod tests {
         let mut first = 0;
         for (d, own) in model.degrees.iter().enumerate() {
             let theta = &theta[first..first + own.terms.len()];
-            let sum =
-                |f: &dyn Fn(&Term) -> f64| own.terms.iter().zip(theta).map(|(t, p)| p * f(t)).sum::<f64>();
+            let sum = |f: &dyn Fn(&Term) -> f64| own.terms.iter().zip(theta).map(|(t, p)| p * f(t)).sum::<f64>();
             approx::assert_relative_eq!(found[d][3], sum(&|t| t.evaluate(&x)), max_relative = 1e-13);
             for i in 0..3 {
                 let expected = sum(&|t| t.derivative(&x, i));

@@ -1,9 +1,7 @@
 use vessel::{LANES, Lane};
 
 use super::{Lifted, Part};
-use crate::predictor::{
-    Ended, Linear, Recordings, Residuals, Weighting, linearize, minimize, scaled_inverse,
-};
+use crate::predictor::{Ended, Linear, Recordings, Residuals, Weighting, linearize, minimize, scaled_inverse};
 
 /// An estimate that minimises the errors of free simulations.
 #[derive(Clone, Debug, PartialEq)]

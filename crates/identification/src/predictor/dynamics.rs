@@ -72,21 +72,15 @@ impl<const N: usize> Dynamics<N> {
         let angle = self.turning * z[2];
         let square = angle * angle;
         let cos = Lane::ONE + square * (Lane::splat(-0.5) + square * Lane::splat(1.0 / 24.0));
-        let sin =
-            angle * (Lane::ONE + square * (Lane::splat(-1.0 / 6.0) + square * Lane::splat(1.0 / 120.0)));
+        let sin = angle
+            * (Lane::ONE + square * (Lane::splat(-1.0 / 6.0) + square * Lane::splat(1.0 / 120.0)));
         let (along, across) = (cos * z[4] - sin * z[3], Lane::ZERO - (cos * z[3] + sin * z[4]));
         Turn { cos, sin, by_r: [self.turning * along, self.turning * across] }
     }
 
     /// The next states, after [`Self::at`] looked at `z`.
     #[inline(always)]
-    pub(crate) fn next(
-        &self,
-        z: &[Lane; N],
-        local: &Local,
-        theta: &[Lane],
-        intercepts: &[Lane],
-    ) -> [Lane; N] {
+    pub(crate) fn next(&self, z: &[Lane; N], local: &Local, theta: &[Lane], intercepts: &[Lane]) -> [Lane; N] {
         let mut next = *z;
         for (d, increment) in self.tangent.increments(theta).into_iter().enumerate() {
             next[d] = z[d] + (increment + intercepts[d]);

@@ -1,4 +1,6 @@
-use argmin::core::{Error, Executor, IterState, KV, Problem, Solver, TerminationReason, TerminationStatus};
+use argmin::core::{
+    Error, Executor, IterState, KV, Problem, Solver, TerminationReason, TerminationStatus,
+};
 use serde::{Deserialize, Serialize};
 
 use super::sums::Linear;
@@ -138,7 +140,11 @@ impl<R: Residuals> Solver<&R, State> for LevenbergMarquardt {
         Ok((self.told(state), None))
     }
 
-    fn next_iter(&mut self, problem: &mut Problem<&R>, state: State) -> Result<(State, Option<KV>), Error> {
+    fn next_iter(
+        &mut self,
+        problem: &mut Problem<&R>,
+        state: State,
+    ) -> Result<(State, Option<KV>), Error> {
         let weighted = self.problems.iter_mut().zip(&self.weighting);
         let trials: Vec<Vec<f64>> = weighted.map(|(p, w)| p.trial(w)).collect();
         let linears = problem.problem("linearizations", |r| Ok(r.linearize(&trials)))?;
@@ -211,7 +217,8 @@ impl Progress {
         } else {
             self.damping *= 10.0;
             if self.damping > DAMPING[1] {
-                self.ended = Some(if self.decrement < ROUNDED { Ended::Converged } else { Ended::Stalled });
+                self.ended =
+                    Some(if self.decrement < ROUNDED { Ended::Converged } else { Ended::Stalled });
             }
         }
     }
@@ -224,7 +231,8 @@ impl Progress {
             Err(unknown) => self.ended = Some(Ended::Singular(unknown)),
             Ok(inverse) => {
                 let p = gradient.len();
-                let square: f64 = (0..p * p).map(|k| gradient[k / p] * inverse[k] * gradient[k % p]).sum();
+                let square: f64 =
+                    (0..p * p).map(|k| gradient[k / p] * inverse[k] * gradient[k % p]).sum();
                 self.decrement = (square.max(0.0) / weighting.variance(&self.linear)).sqrt();
                 if self.decrement < ENOUGH || square == 0.0 {
                     self.ended = Some(Ended::Converged);

@@ -9,8 +9,8 @@
 mod adjoint;
 mod dynamics;
 mod kalman;
-mod levels;
 mod levenberg_marquardt;
+mod levels;
 mod output_error;
 mod prediction_error;
 mod recordings;
@@ -18,8 +18,8 @@ mod scores;
 mod sums;
 mod sweep;
 
-pub use levels::{Flow, Gusts, Levels};
 pub(crate) use levenberg_marquardt::{Ended, Residuals, Weighting, minimize, scaled_inverse};
+pub use levels::{Flow, Gusts, Levels};
 pub use output_error::{Fit, Fitted, InitialState, Spread, output_error};
 pub use prediction_error::{innovations, prediction_error};
 pub use recordings::Recordings;

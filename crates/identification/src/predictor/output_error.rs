@@ -149,7 +149,11 @@ pub(super) fn side_by_side(points: &[Vec<f64>], all: usize) -> Vec<Lane> {
     (0..all).map(of).collect()
 }
 
-pub(super) fn fit<X: Number>(recordings: &Recordings<X>, minimum: &Minimum, errors: Option<Vec<f64>>) -> Fit {
+pub(super) fn fit<X: Number>(
+    recordings: &Recordings<X>,
+    minimum: &Minimum,
+    errors: Option<Vec<f64>>,
+) -> Fit {
     let theta = recordings.model.parameters();
     let at = |i: usize| minimum.point.get(i).copied().unwrap_or(0.0);
     match (minimum.status, errors) {
@@ -199,13 +203,16 @@ impl<X: Number> Simulations<'_, X> {
     ) -> Vec<Option<Vec<f64>>> {
         let points: Vec<Vec<f64>> = found.iter().map(|m| m.point.clone()).collect();
         let unknowns = side_by_side(&points, self.recordings.unknowns());
-        let weights: Vec<[f64; 3]> = found.iter().zip(weighting).map(|(m, w)| w.weights(&m.linear)).collect();
+        let weights: Vec<[f64; 3]> =
+            found.iter().zip(weighting).map(|(m, w)| w.weights(&m.linear)).collect();
         let weights = [0, 1, 2].map(|d| Lane(std::array::from_fn(|lane| weights[lane][d])));
         let from_start = self.initial == InitialState::Estimated;
         let kept = Kept::of(self.recordings, &unknowns, &self.free, from_start);
         let middles = match spread {
             Spread::Residuals => correlated_scores(self.recordings, &kept, weights),
-            Spread::Stated(levels) => disturbed_scores(self.recordings, &unknowns, &kept, weights, levels),
+            Spread::Stated(levels) => {
+                disturbed_scores(self.recordings, &unknowns, &kept, weights, levels)
+            }
         };
         let p = self.free.len();
         let errors = |(lane, minimum): (usize, &Minimum)| {

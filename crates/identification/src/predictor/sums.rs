@@ -1,8 +1,8 @@
 use vessel::{LANES, Lane, Number};
 
 use super::kalman::Gain;
-use super::levels::Levels;
 use super::recordings::Recordings;
+use super::levels::Levels;
 use super::sweep::{Step, sweep};
 use crate::batch::{BLOCK, Block, accumulate};
 

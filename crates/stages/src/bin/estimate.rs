@@ -152,8 +152,7 @@ fn stage(a: &Arguments) -> Result<Summary, Failure> {
 /// What disturbs the runs, where that is stated.
 fn levels(a: &Arguments, vessel: &Vessel, provenance: &mut Provenance) -> Result<Option<Levels>, Failure> {
     let Some(file) = a.campaign.as_deref() else {
-        let needed =
-            [(a.compare, "--compare"), (a.estimator == Estimator::PredictionError, "prediction-error")];
+        let needed = [(a.compare, "--compare"), (a.estimator == Estimator::PredictionError, "prediction-error")];
         return match needed.into_iter().find(|(needed, _)| *needed && !a.sharding.gathers()) {
             None => Ok(None),
             Some((_, what)) => Err(Failure::Usage(format!(
@@ -315,9 +314,7 @@ fn publish(
     let part = a.sharding.shard.map_or(String::new(), |s| format!(", shard {s}"));
     Ok(Summary {
         line: format!("{}: {runs} {things}, {unexcited} not identifiable{searched}{part}", out.display()),
-        json: if simple {
-            json!({"out": out, "runs": runs, "identified": identified})
-        } else {
+        json: if simple { json!({"out": out, "runs": runs, "identified": identified}) } else {
             json!({"out": out, "estimates": runs, "identified": identified, "not_identifiable": unexcited,
                 "not_converged": unconverged, "kept": kept})
         },
@@ -327,9 +324,7 @@ fn publish(
 fn summarize(provenance: &Provenance, vessel: &Vessel, rows: &[Row]) -> EstimateDocument {
     let setting = |key: &str| provenance.settings.get(key).and_then(|v| v.as_str()).unwrap_or("").to_owned();
     let names = estimators(rows);
-    let of = |name: &str| {
-        design_summaries(vessel, &rows.iter().filter(|r| r.estimator == name).collect::<Vec<_>>())
-    };
+    let of = |name: &str| design_summaries(vessel, &rows.iter().filter(|r| r.estimator == name).collect::<Vec<_>>());
     let summary = |name: &&str| EstimatorSummary { estimator: (*name).to_owned(), designs: of(name) };
     EstimateDocument {
         estimator: setting("estimator"),

@@ -36,8 +36,7 @@ fn main() -> ExitCode {
 }
 
 fn stage(a: &Arguments) -> Result<Summary, Failure> {
-    let sources =
-        Sources { study: a.study.clone(), results: a.results.clone(), scenarios: a.scenarios.clone() };
+    let sources = Sources { study: a.study.clone(), results: a.results.clone(), scenarios: a.scenarios.clone() };
     let study = load(&sources)?;
     let page = render(&study).map_err(|e| Failure::Failed(format!("figures: {e}")))?;
     let out = a.common.main_output("report.html", &[])?;

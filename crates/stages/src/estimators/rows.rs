@@ -61,19 +61,22 @@ impl RunEstimators<'_> {
         for estimator in &self.estimators {
             columns.push(self.column(*estimator, runs, &iv)?.into_iter());
         }
-        Ok(runs
-            .iter()
-            .flat_map(|_| columns.iter_mut().filter_map(Iterator::next).collect::<Vec<_>>())
-            .collect())
+        Ok(runs.iter().flat_map(|_| columns.iter_mut().filter_map(Iterator::next).collect::<Vec<_>>()).collect())
     }
 
-    fn column(&self, estimator: Estimator, runs: &[Run], iv: &[Regressed]) -> Result<Vec<Row>, Failure> {
+    fn column(
+        &self,
+        estimator: Estimator,
+        runs: &[Run],
+        iv: &[Regressed],
+    ) -> Result<Vec<Row>, Failure> {
         let begin = Begin { vessel: self.vessel, initial: self.initial, levels: self.levels.as_ref() };
         let row = |((found, regressed), run): ((&Found, &Regressed), &Run)| {
             self.row(estimator, run, found, regressed)
         };
-        let plain =
-            |all: &[Regressed]| all.iter().map(|r| (&r.found, r)).zip(runs).map(row).collect::<Vec<_>>();
+        let plain = |all: &[Regressed]| {
+            all.iter().map(|r| (&r.found, r)).zip(runs).map(row).collect::<Vec<_>>()
+        };
         let found: Vec<Found> = match estimator {
             Estimator::Ls => return Ok(plain(&self.regressed(InstrumentKind::Regressors, runs)?)),
             Estimator::Iv | Estimator::Auto => return Ok(plain(iv)),
@@ -109,11 +112,7 @@ impl RunEstimators<'_> {
     /// whatever the columns.
     pub fn collinear(&self, run: &Run) -> Option<CollinearRun> {
         let instrumented = |e: &Estimator| matches!(e, Estimator::Iv | Estimator::RefinedIv);
-        self.estimators
-            .iter()
-            .any(instrumented)
-            .then(|| collinear_run(self.vessel, run, self.removal))
-            .flatten()
+        self.estimators.iter().any(instrumented).then(|| collinear_run(self.vessel, run, self.removal)).flatten()
     }
 
     fn row(&self, estimator: Estimator, run: &Run, found: &Found, excited: &Regressed) -> Row {
@@ -151,10 +150,9 @@ impl Regressed {
         let mut weakest = [0, 1, 2].map(|d: usize| excitation[d].weakest);
         let mut condition = excitation.map(|e| e.condition);
         let found = match outcome {
-            Outcome::Identified(found) => Found {
-                status: Status::Identified,
-                estimate: Some((found.parameters, found.standard_errors)),
-            },
+            Outcome::Identified(found) => {
+                Found { status: Status::Identified, estimate: Some((found.parameters, found.standard_errors)) }
+            }
             Outcome::NotIdentifiable(Direction { degree, parameter }) => {
                 weakest[degree] = parameter;
                 condition[degree] = f64::INFINITY;

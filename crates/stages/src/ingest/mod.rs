@@ -11,8 +11,8 @@ mod quality;
 mod recording;
 mod rows;
 mod segments;
-mod simulated;
 mod suspicion;
+mod simulated;
 mod totals;
 
 pub use channels::Plan;

@@ -50,17 +50,16 @@ fn recommended(scores: &[EstimatorScores]) -> Markup {
             "For these disturbances and the " (design) " design: " b { (name) } ", with the smallest median parameter error ("
             (three_or_dash(own.parameter_error.median)) ") of those that leave at most " (percent(FEW)) " of the runs without an estimate."
         } },
-        None => {
-            html! { p.missing { "No estimator can be recommended: each leaves too many runs without an estimate." } }
-        }
+        None => html! { p.missing { "No estimator can be recommended: each leaves too many runs without an estimate." } },
     }
 }
 
 /// The estimator with the smallest median parameter error, or simulation error where the truth is not known.
 fn best<'a>(scores: &'a [EstimatorScores], design: &str) -> Option<(&'a str, &'a DesignScores)> {
     let own = |s: &'a EstimatorScores| Some((s.estimator.as_str(), of_design(&s.designs, design)?));
-    let error =
-        |d: &DesignScores| d.parameter_error.median.or(d.simulation_error.median).unwrap_or(f64::INFINITY);
+    let error = |d: &DesignScores| {
+        d.parameter_error.median.or(d.simulation_error.median).unwrap_or(f64::INFINITY)
+    };
     let good = scores.iter().filter_map(own).filter(|(_, d)| lost(d) <= FEW && error(d).is_finite());
     good.min_by(|a, b| error(a.1).total_cmp(&error(b.1)))
 }
@@ -76,17 +75,8 @@ fn lost(d: &DesignScores) -> f64 {
 
 fn table(design: &str, estimates: &[EstimatorSummary], scores: &[EstimatorScores]) -> Markup {
     let heads = [
-        "Parameter error, median",
-        "90 %",
-        "RMS",
-        "Bias",
-        "Spread",
-        "Predicted / spread",
-        "Simulation error, median",
-        "Diverged",
-        "Not identifiable",
-        "Not converged",
-        "Kept",
+        "Parameter error, median", "90 %", "RMS", "Bias", "Spread", "Predicted / spread", "Simulation error, median",
+        "Diverged", "Not identifiable", "Not converged", "Kept",
     ];
     html! {
         h3 { "Estimators, " (design) }
@@ -103,11 +93,7 @@ fn table(design: &str, estimates: &[EstimatorSummary], scores: &[EstimatorScores
     }
 }
 
-fn summary<'a>(
-    estimates: &'a [EstimatorSummary],
-    estimator: &str,
-    design: &str,
-) -> Option<&'a DesignSummary> {
+fn summary<'a>(estimates: &'a [EstimatorSummary], estimator: &str, design: &str) -> Option<&'a DesignSummary> {
     estimates.iter().find(|e| e.estimator == estimator)?.designs.iter().find(|d| d.design == design)
 }
 
@@ -161,7 +147,8 @@ fn trust(design: &str, estimates: &[EstimatorSummary]) -> Markup {
     let wrong: Vec<String> = rows
         .iter()
         .filter_map(|(name, d)| {
-            let names: Vec<&str> = d.parameters.iter().filter(|p| off(p)).map(|p| p.name.as_str()).collect();
+            let names: Vec<&str> =
+                d.parameters.iter().filter(|p| off(p)).map(|p| p.name.as_str()).collect();
             (!names.is_empty()).then(|| format!("{name}: {}", names.join(", ")))
         })
         .collect();

@@ -28,13 +28,7 @@ impl Leg {
 /// θ̂ by the errors of free simulations over all legs together, with one intercept per degree of freedom, started at
 /// instrumental variables with instruments from the model with parameters `known`, and at that model where those lead
 /// nowhere. `std`: of the measured u, v, r. `None` where no search ends at a minimum.
-pub fn estimate(
-    lifted: &Lifted,
-    model: &Model,
-    legs: &[Leg],
-    known: &[f64],
-    std: [f64; 3],
-) -> Option<Vec<f64>> {
+pub fn estimate(lifted: &Lifted, model: &Model, legs: &[Leg], known: &[f64], std: [f64; 3]) -> Option<Vec<f64>> {
     let parts: Vec<Part> = legs.iter().map(Leg::part).collect();
     let free = vec![1.0; lifted.model.parameters()];
     let starts = [instrumental(model, legs, known), Some(known.to_vec())];

@@ -1,9 +1,9 @@
 use std::path::{Path, PathBuf};
 
 use artifact::{Provenance, TableWriter, commit, encode_block, read_toml, stage_document};
+use serde_json::json;
 use identification::Noise;
 use identification::pooled::Lifted;
-use serde_json::json;
 use vessel::{Current, Source};
 
 use super::SequentialFile;

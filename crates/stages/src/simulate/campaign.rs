@@ -7,8 +7,8 @@ use std::path::Path;
 use artifact::{EncodedBlock, Provenance, Shard, encode_block};
 use optimal_design::apportion;
 use vessel::{
-    Disturbances, Generator, LANES, Lane, Realized, Source, Streams, Vessel, Weather, Wind, check_diverged,
-    simulate, simulate_in,
+    Disturbances, Generator, LANES, Lane, Realized, Source, Streams, Vessel, Weather, Wind, check_diverged, simulate,
+    simulate_in,
 };
 
 use super::{diverged, exogenous, publish, refuse_endless, writer};
@@ -250,8 +250,7 @@ impl<'a> Campaign<'a> {
         let turning = self.disturbances.current.in_earth_axes();
         if turning || self.wind.is_some() {
             let wind = self.wind.as_ref();
-            let force =
-                wind.map(|w| w.force(&design.streams, numbers, self.samples, rate_hz)).unwrap_or_default();
+            let force = wind.map(|w| w.force(&design.streams, numbers, self.samples, rate_hz)).unwrap_or_default();
             let turning = if turning { 1.0 / rate_hz } else { 0.0 };
             let weather = Weather { current: &current, turning, force: &force };
             simulate_in(model, &self.truth, initial, &lanes, &weather, &mut states);
