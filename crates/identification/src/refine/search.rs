@@ -31,8 +31,9 @@ pub struct Refined {
     pub settled: bool,
 }
 
-/// Iterations of a round.
+/// Iterations of a round at most, and rounds that few iterations are shared among: the cost of violations has to grow.
 const ROUND: usize = 60;
+const ROUNDS: usize = 12;
 /// Cost of a violation in the first round, its growth by round, and its greatest.
 const WEIGHTS: [f64; 3] = [3.0, 2.0, 3e3];
 /// How far below limits of motion and rates the search aims.
@@ -67,7 +68,7 @@ pub fn refine(
     let (mut iterations, mut settled) = (0, false);
     while iterations < effort.iterations && !settled {
         let known = lagrangian.best.as_ref().map_or(f64::INFINITY, |(value, _)| *value);
-        let round = ROUND.min(effort.iterations - iterations);
+        let round = ROUND.min(effort.iterations.div_ceil(ROUNDS)).min(effort.iterations - iterations);
         iterations += minimise(&mut lagrangian, &mut x, [&low, &high], round).max(1);
         let violation = lagrangian.update(&x)?;
         let now = lagrangian.best.as_ref().map_or(f64::INFINITY, |(value, _)| *value);
