@@ -28,7 +28,7 @@ pub fn read_document<D: Document>(path: impl AsRef<Path>) -> Result<Loaded<D>> {
     header.check(path, D::ID, D::VERSION)?;
     let digests = check_seal(path, &text, header.seal())?;
     let envelope: Envelope<D> = parse(path, &text)?;
-    check_units::<D>(path, envelope.units())?;
+    check_units::<D>(path, envelope.units(), &text)?;
     let (data, provenance) = envelope.into_parts();
     Ok(Loaded { data, digest: digests.digest, provenance })
 }
@@ -42,8 +42,12 @@ fn check_seal(path: &Path, text: &str, seal: Option<Digest>) -> Result<FileDiges
     Ok(digests)
 }
 
-fn check_units<D: Document>(path: &Path, found: &BTreeMap<String, String>) -> Result<()> {
+/// A field that the document's version did not know yet has no unit, and does not occur.
+fn check_units<D: Document>(path: &Path, found: &BTreeMap<String, String>, text: &str) -> Result<()> {
     for (field, unit) in D::UNITS {
+        if !found.contains_key(*field) && !occurs(field, text) {
+            continue;
+        }
         if found.get(*field).map(String::as_str) != Some(unit) {
             let found = found.get(*field).map_or("no unit", String::as_str);
             let remedy = "convert the values and correct the unit";
@@ -57,6 +61,22 @@ fn check_units<D: Document>(path: &Path, found: &BTreeMap<String, String>) -> Re
         }
         None => Ok(()),
     }
+}
+
+/// Whether a field of this name (the last part of a path) stands anywhere in the document's data.
+fn occurs(field: &str, text: &str) -> bool {
+    fn within(value: &serde_json::Value, name: &str) -> bool {
+        match value {
+            serde_json::Value::Object(fields) => {
+                fields.iter().any(|(key, value)| key == name || within(value, name))
+            }
+            serde_json::Value::Array(entries) => entries.iter().any(|entry| within(entry, name)),
+            _ => false,
+        }
+    }
+    let name = field.rsplit('.').next().unwrap_or(field);
+    let whole: serde_json::Value = serde_json::from_str(text).unwrap_or_default();
+    whole.get("data").is_some_and(|data| within(data, name))
 }
 
 fn parse<T: DeserializeOwned>(path: &Path, text: &str) -> Result<T> {

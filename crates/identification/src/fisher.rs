@@ -170,7 +170,7 @@ pub fn prediction_weights(
 }
 
 /// Adds the upper triangle of weight × row rowᵀ.
-fn add_outer(sum: &mut [f64], weight: f64, row: &[f64]) {
+pub(crate) fn add_outer(sum: &mut [f64], weight: f64, row: &[f64]) {
     let n = row.len();
     if weight == 0.0 {
         return;
@@ -182,7 +182,7 @@ fn add_outer(sum: &mut [f64], weight: f64, row: &[f64]) {
 }
 
 /// Copies the upper triangle below.
-fn mirror(n: usize, matrix: &mut [f64]) {
+pub(crate) fn mirror(n: usize, matrix: &mut [f64]) {
     for i in 0..n {
         for j in 0..i {
             matrix[i * n + j] = matrix[j * n + i];

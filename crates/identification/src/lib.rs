@@ -17,6 +17,7 @@ mod middle;
 mod moments;
 pub mod pooled;
 pub mod predictor;
+pub mod refine;
 mod residual;
 mod solve;
 mod sums;

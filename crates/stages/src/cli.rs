@@ -1,5 +1,6 @@
 //! Flags that all stages share, and how a stage runs.
 
+use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -104,7 +105,16 @@ pub fn run<A: Parser>(
     common: impl Fn(&A) -> &Common,
     stage: impl FnOnce(&A) -> Result<Summary, Failure>,
 ) -> ExitCode {
-    let arguments = match A::try_parse() {
+    run_from(std::env::args_os(), common, stage)
+}
+
+/// [`run`] of a command line of one's own; its first word is the program.
+pub fn run_from<A: Parser>(
+    words: impl IntoIterator<Item = OsString>,
+    common: impl Fn(&A) -> &Common,
+    stage: impl FnOnce(&A) -> Result<Summary, Failure>,
+) -> ExitCode {
+    let arguments = match A::try_parse_from(words) {
         Ok(arguments) => arguments,
         Err(error) => return usage(&error),
     };

@@ -73,6 +73,23 @@ impl Term {
         }
         sum
     }
+
+    /// Adds `first` ∂φ/∂z + Σ_i `second`\[i\] ∂²φ/∂(state i)∂z to `out`\[z\] for every variable z (slope of a modulus at
+    /// zero: 0).
+    pub fn add_slopes(&self, values: &[f64], first: f64, second: [f64; 3], out: &mut [f64]) {
+        let inner = |f: Factor| if f.modulus { sign(values[f.variable]) } else { 1.0 };
+        for (b, factor) in self.factors.iter().enumerate() {
+            let others = |a: usize| -> f64 {
+                let rest = self.factors.iter().enumerate().filter(|(j, _)| *j != a && *j != b);
+                rest.map(|(_, f)| scalar(*f, values)).product()
+            };
+            let mut sum = first * others(b);
+            for (a, other) in self.factors.iter().enumerate().filter(|(a, f)| *a != b && f.variable < 3) {
+                sum += second[other.variable] * inner(*other) * others(a);
+            }
+            out[factor.variable] += inner(*factor) * sum;
+        }
+    }
 }
 
 fn sign(value: f64) -> f64 {
@@ -187,6 +204,27 @@ mod tests {
                     max_relative = 1e-6,
                     epsilon = 1e-8
                 );
+            }
+        }
+    }
+
+    #[test]
+    fn law_second_slopes_are_the_difference_quotients_of_first_ones() {
+        let x = [-0.7, 0.3, 0.2, 5.0, -0.4];
+        let (first, second) = (0.3, [1.2, -0.8, 0.5]);
+        for text in ["u |u|", "v r", "u^3 |v| delta", "|n| n u", "|u| |r| r^2"] {
+            let term = Term::parse(text, &VARIABLES).unwrap();
+            let weighted = |x: &[f64]| -> f64 {
+                first * term.evaluate(x) + (0..3).map(|i| second[i] * term.derivative(x, i)).sum::<f64>()
+            };
+            let mut out = [0.0; 5];
+            term.add_slopes(&x, first, second, &mut out);
+            for (i, found) in out.iter().enumerate() {
+                let (mut hi, mut lo) = (x, x);
+                hi[i] += 1e-5;
+                lo[i] -= 1e-5;
+                let numeric = (weighted(&hi) - weighted(&lo)) / 2e-5;
+                approx::assert_relative_eq!(*found, numeric, max_relative = 1e-8, epsilon = 1e-9);
             }
         }
     }

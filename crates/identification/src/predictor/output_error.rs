@@ -55,7 +55,7 @@ pub struct Fitted {
 }
 
 /// Variances of output errors are not taken below this share of the measured state's mean square: data without noise.
-const EXACT: f64 = 1e-16;
+const EXACT: f64 = 1e-12;
 
 /// Estimates by the errors of free simulations: minimises Σ_d N log Σ e_d², the likelihood of white errors with a variance
 /// of their own in u, v and r, over parameters, intercepts and, if so wanted, the initial state. Per run `starts` holds

@@ -7,7 +7,8 @@ use artifact::{Provenance, commit, read_document, stage_document};
 use clap::{Parser, ValueEnum};
 use optimal_design::{Bounds, CountOptions, Design, Options};
 use serde_json::json;
-use stages::cli::{Common, Summary, given, name_of, provenance, run};
+use stages::cli::{Common, Summary, given, name_of, provenance, run, run_from};
+use stages::design::refine::{Refine, refine};
 use stages::design::{
     Asked, Available, Criterion, CriterionName, Estimated, Experiment, Few, OverModels, Predicted, Question,
     Relative, Segments, Sequencing, Solved, Wanted, counted, document, information, no_design, restricted,
@@ -26,7 +27,8 @@ use stages::study_files::{read_dictionary, read_vessel};
     version,
     after_help = "Example:\n  design --moments moments.json --out design.json\n  \
     design --moments moments.json --segments 5 --segment-samples 200 --out design.json\n  \
-    design --moments moments.json --criterion a-relative --relative-to value --out design.json"
+    design --moments moments.json --criterion a-relative --relative-to value --out design.json\n\n\
+    The input signals themselves, from a design as a start: design refine --help"
 )]
 struct Arguments {
     /// The maneuvers' moments
@@ -109,6 +111,10 @@ struct Arguments {
 }
 
 fn main() -> ExitCode {
+    // Beside the flags, which stay as they are: a program of its own.
+    if std::env::args_os().nth(1).is_some_and(|word| word == "refine") {
+        return run_from(std::env::args_os().skip(1), |a: &Refine| &a.common, refine);
+    }
     run(|a: &Arguments| &a.common, stage)
 }
 

@@ -9,6 +9,7 @@ mod matrices;
 mod models;
 mod noise;
 mod output_error;
+pub mod refine;
 mod refusal;
 mod restricted;
 mod segments;

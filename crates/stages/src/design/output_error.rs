@@ -134,7 +134,7 @@ impl ParameterDraw {
 }
 
 /// Names of the lifted parameters.
-fn rows(model: &Model) -> Vec<String> {
+pub(super) fn rows(model: &Model) -> Vec<String> {
     let of = |(d, degree): (DegreeOfFreedom, &vessel::Degree)| {
         degree.parameters.iter().cloned().chain([format!("intercept ({})", d.name())]).collect::<Vec<_>>()
     };

@@ -13,8 +13,8 @@ pub struct DesignDocument {
     pub criterion: String,
     /// How the instruments' mean is removed: `none`, `batch` or `complete`.
     pub mean_removal: String,
-    /// `optimal` (proved global), `stationary` (first-order optimal, not proved global), `stalled`, `restricted`, or
-    /// `least largest` (of the relative errors, see `accuracy`).
+    /// `optimal` (proved global), `stationary` (first-order optimal, not proved global), `stalled`, `restricted`,
+    /// `least largest` (of the relative errors, see `accuracy`), or `refined` (one maneuver of refined inputs).
     pub status: String,
     /// The certificate in words.
     pub statement: String,

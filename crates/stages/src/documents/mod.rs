@@ -7,6 +7,7 @@ mod ingest;
 mod moments;
 mod plan;
 mod reference;
+mod refined;
 mod selection;
 mod sequential;
 mod simulated;
@@ -34,6 +35,7 @@ pub use plan::{
     Voyage, VoyageLeg,
 };
 pub use reference::{Published, PublishedPicks, PublishedSelection, PublishedShare, Reference};
+pub use refined::{RefinedDocument, RefinedExperiment, RefinedLimit};
 pub use selection::{SelectionDocument, SelectionErrors, SelectionScores};
 pub use sequential::{ArmPoint, ArmSummary, SequentialDocument, Stopping};
 pub use simulated::{SimulatedLogsDocument, SimulatedRecording};
@@ -47,6 +49,7 @@ pub fn schemas() -> Vec<(&'static str, serde_json::Value)> {
     vec![
         (MomentsDocument::ID, json_schema::<MomentsDocument>()),
         (DesignDocument::ID, json_schema::<DesignDocument>()),
+        (RefinedDocument::ID, json_schema::<RefinedDocument>()),
         (EstimateDocument::ID, json_schema::<EstimateDocument>()),
         (IngestDocument::ID, json_schema::<IngestDocument>()),
         (ValidationDocument::ID, json_schema::<ValidationDocument>()),

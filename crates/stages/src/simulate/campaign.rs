@@ -301,8 +301,12 @@ fn segments(plan: &Plan) -> Vec<(usize, usize)> {
     plan.iter().map(begin).collect()
 }
 
-/// The design's maneuvers in the dictionary's order, each for its share of the samples.
-fn optimized_plan(
+/// The design's maneuvers, (place in `names`, samples) one after the other: in its own order, or in the dictionary's, each for
+/// its share of the samples.
+///
+/// # Errors
+/// A design of other maneuvers, or of another length.
+pub fn optimized_plan(
     files: &CampaignFiles,
     names: &[String],
     design: &DesignDocument,

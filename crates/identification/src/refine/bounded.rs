@@ -1,0 +1,139 @@
+//! Minimisation within bounds: limited-memory BFGS on the free variables, steps projected onto the bounds.
+//!
+//! Source: Bertsekas 1982, Projected Newton methods for optimization problems with simple constraints.
+
+use std::collections::VecDeque;
+
+/// What is minimised.
+pub(super) trait Objective {
+    /// What a value leaves for the gradient.
+    type Point;
+    /// The value; `None` where it is not defined.
+    fn value(&mut self, x: &[f64]) -> Option<(f64, Self::Point)>;
+    /// The gradient there.
+    fn gradient(&self, point: &Self::Point) -> Vec<f64>;
+    /// Is told of every point that is kept.
+    fn keep(&mut self, x: &[f64], point: &Self::Point);
+}
+
+/// Pairs of steps and gradient differences that are remembered.
+const MEMORY: usize = 20;
+/// Halvings of a step before a direction is given up.
+const HALVINGS: usize = 30;
+/// The part of the promised decrease that a step has to bring.
+const SUFFICIENT: f64 = 1e-4;
+/// The first step moves no variable further than this.
+const FIRST: f64 = 0.01;
+/// A decrease below this, relative, ends the iterations.
+const SMALL: f64 = 1e-10;
+
+/// Minimises from `x`, where the objective must be defined, in at most `iterations`; returns how many it took.
+pub(super) fn minimise<O: Objective>(
+    objective: &mut O,
+    x: &mut Vec<f64>,
+    [low, high]: [&[f64]; 2],
+    iterations: usize,
+) -> usize {
+    let Some((mut value, point)) = objective.value(x) else { return 0 };
+    let mut gradient = objective.gradient(&point);
+    let mut memory: VecDeque<(Vec<f64>, Vec<f64>)> = VecDeque::with_capacity(MEMORY);
+    for iteration in 0..iterations {
+        let free: Vec<bool> = (0..x.len())
+            .map(|i| !((x[i] <= low[i] && gradient[i] > 0.0) || (x[i] >= high[i] && gradient[i] < 0.0)))
+            .collect();
+        let direction = direction(&gradient, &free, &memory);
+        let step = |share: f64| -> Vec<f64> {
+            (0..x.len()).map(|i| (x[i] + share * direction[i]).clamp(low[i], high[i])).collect()
+        };
+        let found = (0..HALVINGS).find_map(|halvings| {
+            let next = step(0.5_f64.powi(halvings as i32));
+            let promised: f64 = (0..x.len()).map(|i| gradient[i] * (x[i] - next[i])).sum();
+            let (new, point) = objective.value(&next)?;
+            (promised > 0.0 && new <= value - SUFFICIENT * promised).then_some((next, new, point))
+        });
+        let Some((next, new, point)) = found else {
+            if memory.is_empty() {
+                return iteration;
+            }
+            memory.clear();
+            continue;
+        };
+        objective.keep(&next, &point);
+        let slopes = objective.gradient(&point);
+        let moved: Vec<f64> = next.iter().zip(x.iter()).map(|(a, b)| a - b).collect();
+        let turned: Vec<f64> = slopes.iter().zip(&gradient).map(|(a, b)| a - b).collect();
+        if dot(&moved, &turned) > 1e-10 * dot(&turned, &turned).sqrt() * dot(&moved, &moved).sqrt() {
+            memory.truncate(MEMORY - 1);
+            memory.push_front((moved, turned));
+        }
+        let gained = value - new;
+        (*x, value, gradient) = (next, new, slopes);
+        if gained <= SMALL * value.abs().max(1.0) {
+            return iteration + 1;
+        }
+    }
+    iterations
+}
+
+/// −H g on the free variables, H by the two loops of limited-memory BFGS.
+fn direction(gradient: &[f64], free: &[bool], memory: &VecDeque<(Vec<f64>, Vec<f64>)>) -> Vec<f64> {
+    let masked =
+        |x: &[f64]| -> Vec<f64> { x.iter().zip(free).map(|(x, f)| if *f { *x } else { 0.0 }).collect() };
+    let pairs: Vec<(Vec<f64>, Vec<f64>, f64)> = memory
+        .iter()
+        .map(|(s, y)| (masked(s), masked(y)))
+        .map(|(s, y)| (dot(&s, &y), s, y))
+        .filter(|(sy, s, y)| *sy > 1e-10 * (dot(s, s) * dot(y, y)).sqrt() && *sy > 0.0)
+        .map(|(sy, s, y)| (s, y, sy))
+        .collect();
+    let mut q = masked(gradient);
+    let mut parts = Vec::with_capacity(pairs.len());
+    for (s, y, sy) in &pairs {
+        let part = dot(s, &q) / sy;
+        q.iter_mut().zip(y).for_each(|(q, y)| *q -= part * y);
+        parts.push(part);
+    }
+    let scale = match pairs.first() {
+        Some((_, y, sy)) => sy / dot(y, y),
+        None => FIRST / q.iter().fold(f64::MIN_POSITIVE, |most, g| most.max(g.abs())),
+    };
+    q.iter_mut().for_each(|q| *q *= scale);
+    for ((s, y, sy), part) in pairs.iter().zip(&parts).rev() {
+        let back = dot(y, &q) / sy;
+        q.iter_mut().zip(s).for_each(|(q, s)| *q += (part - back) * s);
+    }
+    q.iter().map(|q| -q).collect()
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    struct Rosenbrock;
+
+    impl Objective for Rosenbrock {
+        type Point = [f64; 2];
+        fn value(&mut self, x: &[f64]) -> Option<(f64, [f64; 2])> {
+            Some(((1.0 - x[0]).powi(2) + 100.0 * (x[1] - x[0] * x[0]).powi(2), [x[0], x[1]]))
+        }
+        fn gradient(&self, x: &[f64; 2]) -> Vec<f64> {
+            let inner = x[1] - x[0] * x[0];
+            vec![-2.0 * (1.0 - x[0]) - 400.0 * x[0] * inner, 200.0 * inner]
+        }
+        fn keep(&mut self, x: &[f64], _: &[f64; 2]) {
+            assert!(x[0] <= 0.5);
+        }
+    }
+
+    #[test]
+    fn law_the_bound_that_binds_is_reached_and_the_rest_is_minimal() {
+        let mut x = vec![-1.2, 1.0];
+        minimise(&mut Rosenbrock, &mut x, [&[-2.0, -2.0], &[0.5, 2.0]], 200);
+        // At x = 1/2 the best y is 1/4.
+        assert!((x[0] - 0.5).abs() < 1e-8 && (x[1] - 0.25).abs() < 1e-6, "{x:?}");
+    }
+}

@@ -1,0 +1,105 @@
+//! Inputs as a correction of those at the start: piecewise linear between knots.
+
+/// Corrections of inputs at knots, `knot` samples apart, in units of the inputs' limits.
+pub(super) struct Signal<'a> {
+    /// Inputs at the start, N × inputs.
+    start: &'a [f64],
+    /// Limit of every input.
+    limits: &'a [f64],
+    knot: usize,
+}
+
+impl<'a> Signal<'a> {
+    pub(super) fn new(start: &'a [f64], limits: &'a [f64], knot: usize) -> Self {
+        Self { start, limits, knot }
+    }
+
+    fn samples(&self) -> usize {
+        self.start.len() / self.limits.len().max(1)
+    }
+
+    /// Knots of every input: the first at sample 0, the last at the last sample or after it.
+    pub(super) fn knots(&self) -> usize {
+        self.samples().saturating_sub(1).div_ceil(self.knot) + 1
+    }
+
+    /// The knot before sample `k`, and how far the sample is on the way to the next.
+    fn place(&self, k: usize) -> (usize, f64) {
+        (k / self.knot, (k % self.knot) as f64 / self.knot as f64)
+    }
+
+    /// Bounds of the corrections that keep every sample within the limits: those of the nearest samples.
+    pub(super) fn bounds(&self) -> [Vec<f64>; 2] {
+        let width = self.limits.len();
+        let mut low = vec![f64::NEG_INFINITY; self.knots() * width];
+        let mut high = vec![f64::INFINITY; self.knots() * width];
+        for (k, row) in self.start.chunks_exact(width).enumerate() {
+            let (knot, share) = self.place(k);
+            let touched = if share > 0.0 { knot..knot + 2 } else { knot..knot + 1 };
+            for (i, x) in touched.flat_map(|m| row.iter().enumerate().map(move |(i, x)| (m * width + i, x))) {
+                let start = (x / self.limits[i % width]).clamp(-1.0, 1.0);
+                low[i] = low[i].max(-1.0 - start);
+                high[i] = high[i].min(1.0 - start);
+            }
+        }
+        let unused = |x: &f64| x.is_infinite();
+        low.iter_mut().chain(&mut high).filter(|x| unused(x)).for_each(|x| *x = 0.0);
+        [low, high]
+    }
+
+    /// The inputs of corrections, N × inputs, never beyond the limits by rounding.
+    pub(super) fn inputs(&self, corrections: &[f64]) -> Vec<f64> {
+        let width = self.limits.len();
+        let of = |(e, x): (usize, &f64)| {
+            let (knot, share) = self.place(e / width);
+            let at = |m: usize| corrections.get(m * width + e % width).copied().unwrap_or(0.0);
+            let correction =
+                if share > 0.0 { (1.0 - share) * at(knot) + share * at(knot + 1) } else { at(knot) };
+            let limit = self.limits[e % width];
+            if correction == 0.0 { *x } else { (x + limit * correction).clamp(-limit, limit) }
+        };
+        self.start.iter().enumerate().map(of).collect()
+    }
+
+    /// The slopes by the corrections that slopes by the inputs mean.
+    pub(super) fn gathered(&self, slopes: &[f64]) -> Vec<f64> {
+        let width = self.limits.len();
+        let mut out = vec![0.0; self.knots() * width];
+        for (e, slope) in slopes.iter().enumerate() {
+            let (knot, share) = self.place(e / width);
+            let slope = slope * self.limits[e % width];
+            out[knot * width + e % width] += (1.0 - share) * slope;
+            if share > 0.0 {
+                out[(knot + 1) * width + e % width] += share * slope;
+            }
+        }
+        out
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn law_corrections_within_their_bounds_keep_the_limits_and_slopes_are_the_transpose() {
+        let start: Vec<f64> =
+            (0..22).map(|k| if k % 10 < 5 { 2.0 } else { -1.0 + 0.1 * f64::from(k) }).collect();
+        let limits = [2.0, 4.0];
+        for knot in [1, 3, 4] {
+            let signal = Signal::new(&start, &limits, knot);
+            let [low, high] = signal.bounds();
+            for corrections in [&low, &high] {
+                let inputs = signal.inputs(corrections);
+                assert!(inputs.iter().enumerate().all(|(e, x)| x.abs() <= limits[e % 2]), "{inputs:?}");
+            }
+            assert_eq!(signal.inputs(&vec![0.0; low.len()]), start);
+            let slopes: Vec<f64> = (0..22).map(|e| f64::from(e * e % 7)).collect();
+            let inner: Vec<f64> = low.iter().zip(&high).map(|(l, h)| 0.3 * l + 0.2 * h).collect();
+            let moved = signal.inputs(&inner);
+            let one: f64 = (0..22).map(|e| slopes[e] * (moved[e] - start[e])).sum();
+            let other: f64 = signal.gathered(&slopes).iter().zip(&inner).map(|(g, c)| g * c).sum();
+            assert!((one - other).abs() < 1e-12, "{one} {other}");
+        }
+    }
+}
