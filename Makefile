@@ -18,7 +18,7 @@ ESTIMATE_FLAGS ?=
 PLAN_FLAGS     ?=
 -include $(STUDY)/study.mk
 
-STAGES  := ingest simulate moments design estimate validate plan sequential report
+STAGES  := ingest simulate moments design estimate validate plan report
 BINARIES := $(addprefix $(BIN)/,$(STAGES))
 
 # A target is written whole or not at all by its stage, so an interrupted make resumes with the next stage.
@@ -36,7 +36,6 @@ help:
 	@echo "make STUDY=<folder>    run another study: a folder with vessel.toml, dictionary.toml, campaign.toml"
 	@echo "make helsinki          plan a trial off Helsinki and draw it, into out/helsinki/"
 	@echo "make STUDY=pipelines/esso-osaka LOGS=<folder>   a study of measured logs (README: where they are published)"
-	@echo "make sequential        trials designed in rounds against trials designed once, into out/sequential/"
 	@echo "make scenarios         compare the estimators under four kinds of disturbance, into out/scenarios/"
 	@echo "make smoke             the small study that the tests run, into out/smoke/"
 	@echo "make build             build the stages into $(BIN)/"
@@ -135,22 +134,6 @@ scenarios: build
 	  --scenarios $(SCENARIOS:%=out/scenarios/%) $(FLAGS) --out out/scenarios/report.html
 	@echo
 	@echo "Report: out/scenarios/report.html"
-
-# The paper's vessel, dictionary and disturbances; only the rounds are this study's own.
-.PHONY: sequential
-sequential: out/sequential/report.html
-	@echo
-	@echo "Report: out/sequential/report.html"
-
-PAPER := pipelines/paper
-
-out/sequential/sequential.parquet: pipelines/sequential/sequential.toml $(PAPER)/vessel.toml $(PAPER)/dictionary.toml $(PAPER)/campaign.toml $(BIN)/sequential
-	@mkdir -p $(@D)
-	$(BIN)/sequential --vessel $(PAPER)/vessel.toml --dictionary $(PAPER)/dictionary.toml --campaign $(PAPER)/campaign.toml \
-	  --config $< $(FLAGS) --out $@
-
-out/sequential/report.html: out/sequential/sequential.parquet $(BIN)/report
-	$(BIN)/report --study pipelines/sequential --results out/sequential $(FLAGS) --out $@
 
 .PHONY: smoke
 smoke:

@@ -25,7 +25,6 @@ mod page;
 mod parameters;
 mod published_selection;
 mod selection;
-mod sequential;
 mod shown;
 mod study;
 #[cfg(test)]

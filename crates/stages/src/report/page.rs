@@ -17,7 +17,6 @@ use super::notes::{files, notation};
 use super::parameters::parameters;
 use super::published_selection::published_selection;
 use super::selection::selection;
-use super::sequential::sequential;
 use super::study::Study;
 use super::trajectory::{self, trajectory};
 use super::trust::trust;
@@ -42,12 +41,9 @@ type Section = (&'static str, &'static str, Markup);
 /// A figure cannot be drawn.
 pub fn render(study: &Study) -> Result<Rendered, FigureError> {
     let mut figures = Figures::default();
-    let mut sections = match (&study.measured, &study.sequential) {
-        (Some(measured), _) => of_logs(study, measured, &mut figures)?,
-        (None, Some(found)) if study.design.is_none() => {
-            vec![("sequential", "Designed in rounds", sequential(found, &mut figures)?)]
-        }
-        (None, _) => of_trials(study, &mut figures)?,
+    let mut sections = match &study.measured {
+        Some(measured) => of_logs(study, measured, &mut figures)?,
+        None => of_trials(study, &mut figures)?,
     };
     sections.push(("notation", "Notation", notation(study)));
     sections.push(("files", "Files", files(study)));
@@ -89,9 +85,6 @@ fn of_logs(study: &Study, measured: &Measured, figures: &mut Figures) -> Result<
     ];
     if study.selection.is_some() {
         sections.push(("selection", "Selection", selection(study, figures)?));
-        if study.reference.as_ref().is_some_and(|reference| reference.selection.is_some()) {
-            sections.push(("published", "Published", published_selection(study, figures)?));
-        }
     }
     if study.published_selection().is_some() {
         sections.push(("published", "Published", published_selection(study, figures)?));
