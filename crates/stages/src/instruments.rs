@@ -176,7 +176,7 @@ impl Prepared {
 }
 
 /// Whether two runs have the same instruments.
-pub(crate) fn alike(one: &Run, other: &Run) -> bool {
+fn alike(one: &Run, other: &Run) -> bool {
     one.initial == other.initial && one.segments == other.segments && one.exogenous == other.exogenous
 }
 

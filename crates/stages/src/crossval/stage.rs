@@ -277,7 +277,6 @@ fn fits(errors: &FreeRunErrors) -> String {
 
 fn note(wanted: &Wanted, strength: f64, provenance: &mut Provenance) {
     let names: Vec<String> = wanted.estimators.iter().map(|e| name_of(*e)).collect();
-    let flags = wanted.flags;
     let settings = [
         ("estimators", json!(names)),
         ("mean_removal", json!(name_of(wanted.removal))),
@@ -285,14 +284,8 @@ fn note(wanted: &Wanted, strength: f64, provenance: &mut Provenance) {
         ("intercepts", json!(wanted.intercepts)),
         ("window_samples", json!(wanted.window)),
         ("folds", json!(wanted.folds)),
-        ("runs", json!(flags.runs)),
-        ("leave_out", json!(flags.leave_out)),
-        ("part_s", json!(flags.part_s)),
     ];
-    let given = |(_, value): &(&str, serde_json::Value)| *value != json!([]) && !value.is_null();
-    provenance
-        .settings
-        .extend(settings.into_iter().filter(given).map(|(key, value)| (key.to_owned(), value)));
+    wanted.flags.note(settings, provenance);
 }
 
 fn summary(out: &Path, document: &CrossvalDocument) -> Summary {

@@ -1,6 +1,8 @@
 use std::path::PathBuf;
 
+use artifact::Provenance;
 use clap::Args;
+use serde_json::{Value, json};
 
 use super::Nominal;
 use crate::failure::Failure;
@@ -41,6 +43,18 @@ impl PoolFlags {
             (self.prior.is_some(), "--prior"),
         ];
         given.into_iter().find(|(given, _)| *given).map(|(_, name)| name)
+    }
+
+    /// Notes a stage's `own` settings, and which runs were pooled in what parts; none that is empty or absent.
+    pub fn note<const N: usize>(&self, own: [(&str, Value); N], provenance: &mut Provenance) {
+        let pooled = [
+            ("runs", json!(self.runs)),
+            ("leave_out", json!(self.leave_out)),
+            ("part_s", json!(self.part_s)),
+        ];
+        let given = |(_, value): &(&str, Value)| *value != json!([]) && !value.is_null();
+        let all = own.into_iter().chain(pooled).filter(given);
+        provenance.settings.extend(all.map(|(key, value)| (key.to_owned(), value)));
     }
 
     /// Strength of the prior.

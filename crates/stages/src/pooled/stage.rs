@@ -111,22 +111,16 @@ pub fn estimate(wanted: &Wanted, mut provenance: Provenance) -> Result<Summary, 
 }
 
 fn note(wanted: &Wanted, strength: f64, provenance: &mut Provenance) {
-    let flags = wanted.flags;
-    let mut set = |key: &str, value: serde_json::Value| drop(provenance.settings.insert(key.into(), value));
-    set("estimator", json!(name_of(wanted.method)));
-    set("mean_removal", json!(name_of(wanted.removal)));
-    set("pool", json!(true));
-    set("prior", json!(strength));
-    set("bootstrap", json!(wanted.replicates));
-    set("seed", json!(wanted.seed));
-    let optional = [("runs", json!(flags.runs)), ("leave_out", json!(flags.leave_out))];
-    optional.into_iter().filter(|(_, v)| *v != json!([])).for_each(|(key, value)| set(key, value));
-    if let Some(part_s) = flags.part_s {
-        set("part_s", json!(part_s));
-    }
-    if let Some(bandwidth) = wanted.bandwidth {
-        set("bandwidth", json!(bandwidth));
-    }
+    let settings = [
+        ("estimator", json!(name_of(wanted.method))),
+        ("mean_removal", json!(name_of(wanted.removal))),
+        ("pool", json!(true)),
+        ("prior", json!(strength)),
+        ("bootstrap", json!(wanted.replicates)),
+        ("seed", json!(wanted.seed)),
+        ("bandwidth", json!(wanted.bandwidth)),
+    ];
+    wanted.flags.note(settings, provenance);
 }
 
 fn refuse_without_any(wanted: &Wanted, found: &Estimated, constant: &[String]) -> Result<(), Failure> {

@@ -1,15 +1,12 @@
 use maud::{Markup, html};
-use report_figures::{FigureError, Histogram, HistogramAxis, HistogramPanel, histogram_pair};
+use report_figures::FigureError;
 
-use super::caption::truncation;
 use super::figures::Figures;
 use super::number::{exact, percent, published, three};
-use super::selection::SelectionStudy;
+use super::selection::{SelectionStudy, figure};
 use super::study::Study;
 use crate::documents::{PublishedPicks, PublishedSelection};
 use crate::selection::Row;
-
-const BINS: usize = 50;
 
 /// The selection study beside a published one: a table, and the figures cut where the published ones are.
 pub(super) fn published_selection(study: &Study, figures: &mut Figures) -> Result<Markup, FigureError> {
@@ -108,28 +105,4 @@ fn table(found: &SelectionStudy, limits: &PublishedSelection) -> Markup {
             }
         }
     }
-}
-
-fn figure(
-    found: &SelectionStudy,
-    figures: &mut Figures,
-    file: &str,
-    title: &str,
-    limit: f64,
-    width: f64,
-    value: fn(&Row) -> Option<f64>,
-) -> Result<Markup, FigureError> {
-    let axis = HistogramAxis { title, limit, bins: BINS, bound: None, width };
-    let names: Vec<&str> = found.summary.designs.iter().map(|d| d.design.as_str()).collect();
-    let own = |design: &&str| -> Vec<Option<f64>> {
-        found.rows.iter().filter(|r| r.design == **design).map(value).collect()
-    };
-    let values: Vec<Vec<Option<f64>>> = names.iter().map(own).collect();
-    let panels: Vec<HistogramPanel<'_>> = (0..names.len())
-        .map(|i| HistogramPanel { label: names[i], values: &values[i], note: None, colour: i })
-        .collect();
-    let counted: Vec<Histogram> = values.iter().map(|v| Histogram::new(v, limit, BINS)).collect();
-    let named: Vec<(&str, &Histogram)> = names.into_iter().zip(&counted).collect();
-    let caption = html! { b { (title) } " " (truncation(&named, limit)) };
-    figures.place(file, histogram_pair(&axis, &panels), &caption)
 }

@@ -132,7 +132,8 @@ fn table(summary: &SelectionDocument) -> Markup {
     }
 }
 
-fn figure(
+/// Errors of all realizations by design, optimized above random; cut at `limit`.
+pub(super) fn figure(
     found: &SelectionStudy,
     figures: &mut Figures,
     file: &str,

@@ -325,7 +325,6 @@ fn publish(
 }
 
 fn note(wanted: &Wanted, strength: f64, provenance: &mut Provenance) {
-    let flags = wanted.flags;
     let settings = [
         ("estimator", json!(name_of(wanted.method))),
         ("mean_removal", json!(name_of(wanted.removal))),
@@ -333,12 +332,6 @@ fn note(wanted: &Wanted, strength: f64, provenance: &mut Provenance) {
         ("intercepts", json!(wanted.intercepts)),
         ("realizations", json!(wanted.realizations)),
         ("seed", json!(wanted.seed)),
-        ("runs", json!(flags.runs)),
-        ("leave_out", json!(flags.leave_out)),
-        ("part_s", json!(flags.part_s)),
     ];
-    let given = |(_, value): &(&str, serde_json::Value)| *value != json!([]) && !value.is_null();
-    provenance
-        .settings
-        .extend(settings.into_iter().filter(given).map(|(key, value)| (key.to_owned(), value)));
+    wanted.flags.note(settings, provenance);
 }
