@@ -27,6 +27,7 @@ from independent.text import pretty  # noqa: E402
 SEED = 20250611
 PLANS = (((0, 60), (5, 100), (7, 100), (10, 100)), ((1, 80), (6, 120), (10, 120)))
 """Maneuver of the dictionary and samples, one run each."""
+REMOVALS = ("complete", "batch", "none")
 MARKOV = {"std": 0.12, "time_constant_s": 6.0}
 GUSTS = {"std": (0.01, 0.008, 0.006), "time_constant_s": 3.0}
 """Standard deviations of what a sample adds to u, v, r."""
@@ -61,6 +62,7 @@ def run_entry(study: Study, number: int) -> dict[str, Any]:
     current = study.current_std * rng.standard_normal((len(inputs), 2))
     states = simulate(vessel, vessel.value, initial, inputs, current)
     measured = states + np.array(study.measurement_std) * rng.standard_normal(states.shape)
+    still = simulate(vessel, vessel.value, initial, inputs, np.zeros_like(current))
     known = minimum(vessel, initial, inputs, measured, False)
     offset = minimum(vessel, initial, inputs, measured, True)
     print(f"run {number}: {len(inputs)} samples, gradients {known[1]:.1e} {offset[1]:.1e}", file=sys.stderr)
@@ -71,6 +73,7 @@ def run_entry(study: Study, number: int) -> dict[str, Any]:
         "known": entry(known[0], vessel, initial, inputs, measured, False),
         "estimated": entry(offset[0], vessel, initial, inputs, measured, True),
         "standard_errors": standard_errors(study, known[0], initial, inputs, measured),
+        "prefiltered": {removal: prefiltered(vessel, number, removal, inputs, measured, still) for removal in REMOVALS},
         "innovations": {kind: innovations(study, kind, initial, inputs, measured) for kind in ("white", "markov", "all")},
     }
 
@@ -150,6 +153,45 @@ def minimum(
     gradient = slope(x).T @ residual(x)
     left = float(np.max(np.abs(gradient) / np.linalg.norm(slope(x), axis=0)))
     return whole(x[None, :])[0], left
+
+
+def prefiltered(
+    vessel: Vessel, number: int, removal: str, inputs: np.ndarray, measured: np.ndarray, states: np.ndarray
+) -> dict[str, list[float]]:
+    """Estimates and standard errors by instruments of `states`, every signal multiplied with the inverse of the bidiagonal
+    matrix whose subdiagonal holds minus the poles 1 + d(increment)/d(own state) of the true parameters."""
+    n = len(inputs)
+    lengths = [samples for _, samples in PLANS[number]] if removal == "batch" else [n]
+    segment = np.repeat(np.arange(len(lengths)), lengths)
+    values = [dict(zip(("u", "v", "r"), x[:n].T)) | dict(zip(vessel.inputs, inputs.T)) for x in (measured, states)]
+    theta, errors = [], []
+    for d, terms in enumerate(vessel.terms):
+        phi, zeta = (np.column_stack([np.broadcast_to(t.value(v), n) for t in terms]) for v in values)
+        h = 1e-6
+        sides = [values[1] | {"uvr"[d]: values[1]["uvr"[d]] + e} for e in (h, -h)]
+        slope = sum(p * (t.value(sides[0]) - t.value(sides[1])) for p, t in zip(vessel.value[d], terms)) / (2 * h)
+        pole = np.where(segment == np.roll(segment, 1), 1.0 + slope, 0.0)
+        lower = np.eye(n) - np.diag(pole[1:], -1)
+        ones = (segment[:, None] == np.arange(len(lengths))).astype(float)
+        if removal == "none":
+            ones = ones[:, :0]
+        passed = [np.linalg.solve(lower, x) for x in (phi, zeta, np.diff(measured[:, d]), ones)]
+        regressors, instruments = (np.hstack([x, passed[3]]) for x in passed[:2])
+        solution = np.linalg.solve(instruments.T @ regressors, instruments.T @ passed[2])
+        residual = passed[2] - regressors @ solution
+        p = len(terms)
+        centred = passed[1] - passed[3] @ np.linalg.lstsq(passed[3], passed[1], rcond=None)[0] if len(ones.T) else passed[1]
+        middle = np.zeros((p, p))
+        for s, length in enumerate(lengths):
+            g = (centred * residual[:, None])[segment == s]
+            window = max(1, math.floor(2.0 * math.sqrt(length) + 0.5))
+            lag = np.abs(np.subtract.outer(np.arange(length), np.arange(length)))
+            middle += g.T @ np.maximum(0.0, 1.0 - lag / window) @ g
+        inverse = np.linalg.inv(centred.T @ passed[0])
+        variance = np.diag(inverse @ middle @ inverse.T) * n / (n - p - len(ones.T))
+        theta += solution[:p].tolist()
+        errors += np.sqrt(variance).tolist()
+    return {"theta": theta, "standard_errors": errors}
 
 
 def standard_errors(study: Study, x: np.ndarray, initial: Any, inputs: np.ndarray, measured: np.ndarray) -> list[float]:

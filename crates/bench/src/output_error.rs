@@ -1,6 +1,6 @@
 //! Output error in memory: realizations of the paper's optimized experiment, started at instrumental variables.
 
-use identification::predictor::{Fit, InitialState, Recordings, Spread, output_error};
+use identification::predictor::{Fit, InitialState, Recording, Spread, output_error};
 use identification::{Batch, MeanRemoval, Outcome, estimate};
 use serde_json::{Value, json};
 use vessel::{Current, Disturbances, LANES, Lane, Measurement, Source, Streams, simulate, simulate_one};
@@ -37,7 +37,6 @@ fn run(paper: &Paper) -> anyhow::Result<usize> {
         measurement: Measurement { std_u_m_s: std, std_v_m_s: std, std_r_rad_s: std },
     };
     let streams = Streams::new(1, "bench");
-    let inputs_of_all: Vec<Lane> = inputs.iter().copied().map(Lane::splat).collect();
     let mut measured = vec![Lane::ZERO; 3 * (samples + 1)];
     let mut converged = 0;
     for first in (0..RUNS).step_by(LANES) {
@@ -53,19 +52,15 @@ fn run(paper: &Paper) -> anyhow::Result<usize> {
             segments: [&[0]; LANES],
         };
         let regressed = estimate(&batch, MeanRemoval::Complete);
-        let start = |lane: usize| match &regressed[lane] {
-            Outcome::Identified(found) => found.parameters.clone(),
-            _ => nominal.clone(),
+        let start = |found: &Outcome| match found {
+            Outcome::Identified(found) => vec![found.parameters.clone()],
+            _ => vec![nominal.clone()],
         };
-        let recordings = Recordings {
-            model,
-            measured: &measured,
-            exogenous: &inputs_of_all,
-            initial: initial.map(Lane::splat),
-            samples: [samples; LANES],
-        };
-        let starts = [std::array::from_fn(start)];
-        let fits = output_error(&recordings, &starts, InitialState::Known, Spread::Residuals);
+        let starts: Vec<Vec<Vec<f64>>> = regressed.iter().map(start).collect();
+        let rows: Vec<Vec<f64>> = (0..LANES).map(|lane| measured.iter().map(|y| y[lane]).collect()).collect();
+        let recording = |measured| Recording { measured, exogenous: &inputs, initial };
+        let recordings: Vec<Recording> = rows.iter().map(|row| recording(row)).collect();
+        let fits = output_error(model, &recordings, &starts, InitialState::Known, Spread::Residuals);
         converged += fits.iter().filter(|fit| matches!(fit, Fit::Converged(_))).count();
     }
     Ok(converged)

@@ -115,7 +115,7 @@ impl Instruments {
 }
 
 /// First sample and end of each group of samples of a run that has an intercept of its own.
-fn ranges<X: Number>(
+pub(crate) fn ranges<X: Number>(
     batch: &Batch<X>,
     removal: MeanRemoval,
     lane: usize,
@@ -126,14 +126,14 @@ fn ranges<X: Number>(
 }
 
 /// The sums of one run, group by group.
-struct Run {
-    groups: Vec<Sums>,
-    centred: bool,
+pub(crate) struct Run {
+    pub groups: Vec<Sums>,
+    pub centred: bool,
 }
 
 /// θ̂ of one run and what its covariance needs.
-struct Solved {
-    theta: Vec<f64>,
+pub(crate) struct Solved {
+    pub theta: Vec<f64>,
     inverses: Vec<Vec<f64>>,
     intercepts: usize,
 }
@@ -143,9 +143,19 @@ impl Run {
         Normal::new(self.groups.iter().map(|s| &s.degrees[d]), self.centred)
     }
 
+    /// Number of regression pairs.
+    pub(crate) fn samples(&self) -> u64 {
+        self.groups.iter().map(|s| s.samples).sum()
+    }
+
+    /// θ̂ of all degrees of freedom.
+    pub(crate) fn solution(&self) -> Result<Solved, Outcome> {
+        self.solve(&[0, 1, 2].map(|d| self.normal(d)))
+    }
+
     /// Solves all degrees of freedom.
     fn solve(&self, normals: &[Normal; 3]) -> Result<Solved, Outcome> {
-        let samples: u64 = self.groups.iter().map(|s| s.samples).sum();
+        let samples = self.samples();
         let intercepts = if self.centred { self.groups.len() } else { 0 };
         let mut solved = Solved { theta: Vec::new(), inverses: Vec::new(), intercepts };
         for (d, normal) in normals.iter().enumerate() {
@@ -206,6 +216,18 @@ impl Solved {
             }
             standard_errors
                 .extend((0..p).map(|i| quadratic(&inverse[i * p..(i + 1) * p], &middle).max(0.0).sqrt()));
+        }
+        standard_errors
+    }
+
+    /// From A⁻¹ B A⁻ᵀ with B of each degree of freedom, p × p, for N samples.
+    pub(crate) fn spread(&self, middles: &[Vec<f64>], samples: u64) -> Vec<f64> {
+        let mut standard_errors = Vec::with_capacity(self.theta.len());
+        for (inverse, middle) in self.inverses.iter().zip(middles) {
+            let p = inverse.len().isqrt();
+            let factor = samples as f64 / (samples as f64 - (p + self.intercepts) as f64);
+            let variance = |row: &[f64]| (factor * quadratic(row, middle)).max(0.0);
+            standard_errors.extend(inverse.chunks_exact(p).map(|row| variance(row).sqrt()));
         }
         standard_errors
     }

@@ -3,7 +3,8 @@
 mod support;
 
 use identification::{
-    Batch, DegreeSums, FreeRun, Instruments, MeanRemoval, Outcome, Sums, estimate, free_runs, moments,
+    Batch, DegreeSums, FreeRun, Instruments, MeanRemoval, Outcome, Sums, estimate, estimate_prefiltered,
+    free_runs, moments,
 };
 use proptest::prelude::*;
 use support::explicit::{Regression, sizes};
@@ -289,4 +290,45 @@ fn law_the_direction_that_is_not_excited_is_named() {
     let found = estimate(&side_by_side.batch(&vessel.model), MeanRemoval::Complete).swap_remove(0);
     let Outcome::NotIdentifiable(direction) = found else { panic!("{found:?}") };
     assert_eq!((direction.degree, direction.parameter), (1, 0));
+}
+
+/// Runs with poles from `parameters`, their instruments simulated with the nominal model.
+fn prefiltered(runs: &[&Recording], parameters: &[f64], removal: MeanRemoval) -> Vec<Outcome> {
+    let vessel = paper();
+    let side_by_side = SideBySide::new(runs);
+    let parameters: Vec<Lane> = parameters.iter().copied().map(Lane::splat).collect();
+    let mut all = estimate_prefiltered(&side_by_side.batch(&vessel.model), &parameters, removal);
+    all.truncate(runs.len());
+    all
+}
+
+#[test]
+fn law_a_filter_without_memory_leaves_instrumental_variables_as_they_are() {
+    let runs: Vec<Recording> = (0..8).map(|seed| random_run(seed, &[130, 70, 100], 0.02)).collect();
+    let runs: Vec<&Recording> = runs.iter().collect();
+    // Increments that more than undo the own state: poles below zero, which count as none.
+    let mut damped = vec![0.0; paper().model.parameters()];
+    [0, 4, 7].iter().for_each(|own| damped[*own] = -2.0);
+    for removal in REMOVALS {
+        let plain = outcomes(&runs, removal);
+        for (found, plain) in prefiltered(&runs, &damped, removal).iter().zip(&plain) {
+            for (found, expected) in theta(found).iter().zip(theta(plain)) {
+                assert!(close(*found, *expected, 1e-8), "{removal:?}: found {found}, expected {expected}");
+            }
+        }
+    }
+}
+
+#[test]
+fn law_prefiltered_runs_without_noise_give_the_truth_and_lanes_do_not_touch_each_other() {
+    let vessel = paper();
+    let (clean, noisy) = (random_run(5, &[130, 170], 0.0), random_run(6, &[130, 170], 0.1));
+    for removal in REMOVALS {
+        let among = prefiltered(&[&clean, &noisy], &vessel.nominal, removal);
+        assert_eq!(among[..1], prefiltered(&[&clean], &vessel.nominal, removal));
+        assert_eq!(among[1..], prefiltered(&[&noisy], &vessel.nominal, removal));
+        for (found, truth) in theta(&among[0]).iter().zip(truth(&vessel)) {
+            assert!(close(*found, truth, 1e-7), "{removal:?}: found {found}, expected {truth}");
+        }
+    }
 }

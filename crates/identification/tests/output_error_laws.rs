@@ -3,8 +3,8 @@
 mod support;
 
 use identification::predictor::{
-    Fit, Fitted, Flow, Gusts, InitialState, Levels, Recordings, Spread, output_error, prediction_error,
-    sensitivities,
+    Fit, Fitted, Flow, Gusts, InitialState, Levels, Recording, Recordings, Spread, output_error,
+    prediction_error, sensitivities,
 };
 use support::noise::Normals;
 use support::{Experiment, dictionary, paper, truth};
@@ -39,8 +39,23 @@ fn converged(fits: Vec<Fit>) -> Vec<Fitted> {
     fits.into_iter().map(found).collect()
 }
 
-fn nominal(vessel: &Vessel) -> [[Vec<f64>; LANES]; 1] {
-    [std::array::from_fn(|_| vessel.nominal.clone())]
+/// Every lane a run of its own.
+fn runs<'a>(experiment: &'a Experiment, measured: &[Lane]) -> Vec<Recording<'a>> {
+    let one = |lane: usize| {
+        let own: Vec<f64> = measured.iter().map(|y| y[lane]).collect();
+        Recording { measured: own.leak(), exogenous: &experiment.inputs, initial: experiment.initial }
+    };
+    (0..LANES).map(one).collect()
+}
+
+fn starts(at: &[f64]) -> Vec<Vec<Vec<f64>>> {
+    vec![vec![at.to_vec()]; LANES]
+}
+
+/// Output error of every lane, from the nominal model.
+fn free_fits(vessel: &Vessel, experiment: &Experiment, measured: &[Lane], initial: InitialState) -> Vec<Fit> {
+    let runs = runs(experiment, measured);
+    output_error(&vessel.model, &runs, &starts(&vessel.nominal), initial, Spread::Residuals)
 }
 
 #[test]
@@ -79,10 +94,7 @@ fn law_undisturbed_runs_give_the_truth_and_lanes_do_not_touch_each_other() {
     let clean = measured.clone();
     let mut normals = Normals::new(4);
     measured.iter_mut().for_each(|y| (1..LANES).for_each(|lane| y[lane] += NOISE * normals.next()));
-    let fit = |measured: &[Lane]| {
-        let data = recordings(&vessel, &experiment, measured);
-        converged(output_error(&data, &nominal(&vessel), InitialState::Known, Spread::Residuals))
-    };
+    let fit = |measured: &[Lane]| converged(free_fits(&vessel, &experiment, measured, InitialState::Known));
     let (alone, among) = (fit(&clean), fit(&measured));
     assert_eq!(alone[0], among[0]);
     for (found, truth) in alone[0].parameters.iter().zip(&truth) {
@@ -102,8 +114,7 @@ fn law_intercepts_take_a_constant_force_and_the_offset_an_unknown_start() {
     let weather = Weather { current: &[], turning: 0.0, force: &forces };
     let parameters = splat(&truth(&vessel));
     simulate_in(&vessel.model, &parameters, start, &experiment.inputs, &weather, &mut measured);
-    let data = recordings(&vessel, &experiment, &measured);
-    let found = converged(output_error(&data, &nominal(&vessel), InitialState::Estimated, Spread::Residuals));
+    let found = converged(free_fits(&vessel, &experiment, &measured, InitialState::Estimated));
     for d in 0..3 {
         approx::assert_relative_eq!(found[1].intercepts[d], force[d], max_relative = 1e-5);
         approx::assert_relative_eq!(found[1].offset[d], offset[d], max_relative = 1e-5);
@@ -115,11 +126,11 @@ fn a_run_that_never_turns_is_not_identifiable_and_a_wild_start_does_not_converge
     let vessel = paper();
     let experiment = Experiment::of_maneuvers(&dictionary(&vessel), &[(1, 300)]);
     let measured = splat(&experiment.states(&vessel, Source::Value));
-    let data = recordings(&vessel, &experiment, &measured);
-    let fits = output_error(&data, &nominal(&vessel), InitialState::Known, Spread::Residuals);
+    let fits = free_fits(&vessel, &experiment, &measured, InitialState::Known);
     assert!(matches!(fits[0], Fit::NotIdentifiable(_)), "{:?}", fits[0]);
-    let wild = [std::array::from_fn(|_| vec![5.0; vessel.model.parameters()])];
-    let fits = output_error(&data, &wild, InitialState::Known, Spread::Residuals);
+    let wild = starts(&vec![5.0; vessel.model.parameters()]);
+    let runs = runs(&experiment, &measured);
+    let fits = output_error(&vessel.model, &runs, &wild, InitialState::Known, Spread::Residuals);
     assert!(matches!(fits[0], Fit::NotConverged(_)), "{:?}", fits[0]);
 }
 
@@ -131,13 +142,38 @@ fn law_prediction_error_without_disturbances_is_output_error() {
     let mut normals = Normals::new(9);
     let mut measured = splat(&experiment.states(&vessel, Source::Value));
     measured.iter_mut().for_each(|y| (0..LANES).for_each(|lane| y[lane] += NOISE * normals.next()));
-    let data = recordings(&vessel, &experiment, &measured);
-    let free = converged(output_error(&data, &nominal(&vessel), InitialState::Known, Spread::Residuals));
+    let free = converged(free_fits(&vessel, &experiment, &measured, InitialState::Known));
     let levels = |lane: usize| Levels { measurement: free[lane].rmse, current: Flow::Still, force: None };
-    let found = converged(prediction_error(&data, &nominal(&vessel), InitialState::Known, &levels(6)));
+    let (runs, from) = (runs(&experiment, &measured), starts(&vessel.nominal));
+    let found = converged(prediction_error(&vessel.model, &runs, &from, InitialState::Known, &levels(6)));
     for (a, b) in found[6].parameters.iter().zip(&free[6].parameters) {
         approx::assert_relative_eq!(*a, *b, max_relative = 1e-5);
     }
+}
+
+/// Cramér and Rao's bound from measurement noise alone, without intercepts, in still water: what the estimators are held
+/// against in README.md.
+#[test]
+fn law_measurement_noise_bounds_what_the_papers_experiment_can_tell() {
+    let vessel = paper();
+    let experiment = experiment(&vessel);
+    let measured = splat(&experiment.states(&vessel, Source::Value));
+    let data = recordings(&vessel, &experiment, &measured);
+    let truth = truth(&vessel);
+    let (p, unknowns) = (truth.len(), splat(&[&truth[..], &[0.0; 6]].concat()));
+    let found = sensitivities(&data, &unknowns, &(0..p).collect::<Vec<_>>());
+    let mut information = vec![0.0; p * p];
+    for s in found.derivatives.chunks_exact(3 * p) {
+        let relative = |i: usize, d: usize| s[3 * i + d][0] * truth[i] / NOISE;
+        for (k, entry) in information.iter_mut().enumerate() {
+            *entry += (0..3).map(|d| relative(k / p, d) * relative(k % p, d)).sum::<f64>();
+        }
+    }
+    let mut inverse = vec![0.0; p * p];
+    small_matrix::inverse(p, &mut information, &mut inverse).unwrap();
+    let bound = (0..p).map(|i| inverse[i * p + i]).sum::<f64>().sqrt();
+    println!("root mean square of the parameter error, at least: {bound:.3}");
+    assert!((bound - 1.28).abs() < 0.02, "{bound}");
 }
 
 /// Standard deviation of estimates over standard errors, parameter by parameter, over `runs` runs in `levels`.
@@ -156,11 +192,11 @@ fn ratios(levels: &Levels, runs: usize, predict: bool, seed: u64) -> Vec<f64> {
         let parameters = splat(&truth(&vessel));
         simulate(&vessel.model, &parameters, initial, &experiment.inputs, &current, &mut measured);
         measured.iter_mut().enumerate().for_each(|(i, y)| *y += draw(levels.measurement[i % 3]));
-        let data = recordings(&vessel, &experiment, &measured);
-        let starts = [std::array::from_fn(|_| truth(&vessel))];
+        let (runs, from, known) =
+            (self::runs(&experiment, &measured), starts(&truth(&vessel)), InitialState::Known);
         all.extend(converged(match predict {
-            false => output_error(&data, &starts, InitialState::Known, Spread::Stated(levels)),
-            true => prediction_error(&data, &starts, InitialState::Known, levels),
+            false => output_error(&vessel.model, &runs, &from, known, Spread::Stated(levels)),
+            true => prediction_error(&vessel.model, &runs, &from, known, levels),
         }));
     }
     let ratio = |i: usize| {
@@ -214,9 +250,8 @@ fn law_whitened_innovations_of_the_true_filter_have_unit_variance() {
         current: Flow::Markov { std, factor, turning: 1.0 / 8.0 },
         force: Some(Gusts { std: gust, factor: keep }),
     };
-    let data = recordings(&vessel, &experiment, &measured);
-    let starts = [std::array::from_fn(|_| truth(&vessel))];
-    let found = converged(prediction_error(&data, &starts, InitialState::Known, &levels));
+    let (runs, from) = (runs(&experiment, &measured), starts(&truth(&vessel)));
+    let found = converged(prediction_error(&vessel.model, &runs, &from, InitialState::Known, &levels));
     let mean = (0..LANES).flat_map(|lane| found[lane].rmse).map(|r| r * r).sum::<f64>() / (3 * LANES) as f64;
     // 24,000 squares less 13 unknowns per run: a standard error of 0.009.
     assert!((mean - (1.0 - 13.0 / 3003.0)).abs() < 0.04, "{mean}");

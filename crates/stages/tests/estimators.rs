@@ -94,7 +94,7 @@ fn law_output_error_and_refined_instruments_are_better_than_the_papers_on_the_pa
     };
     let [ls, iv, refined, free, predicted] = [0, 1, 2, 3, 4].map(median);
     assert!(
-        iv < 0.3 * ls && refined < iv && free < 0.8 * iv && predicted < 0.8 * iv,
+        iv < 0.3 * ls && refined < 0.8 * iv && free < 0.8 * iv && predicted < 0.8 * iv,
         "{ls} {iv} {refined} {free} {predicted}"
     );
 }

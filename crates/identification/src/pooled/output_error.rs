@@ -2,7 +2,7 @@ use vessel::{LANES, Lane};
 
 use super::{Lifted, Part};
 use crate::predictor::{
-    Ended, Linear, Recordings, Residuals, Weighting, linearize, minimize, scaled_inverse,
+    Ended, Linear, Recordings, Residuals, STEPS, Weighting, linearize, minimize, scaled_inverse,
 };
 
 /// An estimate that minimises the errors of free simulations.
@@ -37,7 +37,7 @@ pub fn output_error(
     };
     let weights = std.map(|s| if s > 0.0 { s.powi(-2) } else { 0.0 });
     let from = problem.free.iter().map(|i| start[*i]).collect();
-    let found = minimize(&problem, vec![Weighting::Fixed(weights)], vec![from])?.pop()?;
+    let found = minimize(&problem, vec![Weighting::Fixed(weights)], vec![from], STEPS)?.pop()?;
     if !matches!(found.status, Ended::Converged | Ended::Stalled) {
         return None;
     }

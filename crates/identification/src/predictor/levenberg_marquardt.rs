@@ -64,7 +64,7 @@ pub(crate) struct Minimum {
 pub(crate) enum Ended {
     /// The next step would change the prediction by less than [`ENOUGH`] standard errors.
     Converged,
-    /// It would not, after [`STEPS`] steps or with none that helps.
+    /// It would not, after all steps that were allowed or with none that helps.
     Stalled,
     /// The start's prediction leaves every bound.
     Diverged,
@@ -72,10 +72,10 @@ pub(crate) enum Ended {
     Singular(usize),
 }
 
-/// Most steps that are tried.
-const STEPS: usize = 40;
+/// Most steps that are worth trying.
+pub(crate) const STEPS: usize = 40;
 /// Newton decrement √(gᵀH⁻¹g) in standard deviations of the errors, at which a point is a minimum.
-const ENOUGH: f64 = 1e-7;
+const ENOUGH: f64 = 1e-5;
 /// Decrement that is good enough where rounding lets no step help any more.
 const ROUNDED: f64 = 1e-3;
 /// Damping of the first step and beyond which no step helps, on the scale of the normal matrix's diagonal.
@@ -105,15 +105,16 @@ struct Progress {
     ended: Option<Ended>,
 }
 
-/// Minimises the squared errors of every problem from its start.
+/// Minimises the squared errors of every problem from its start, with at most `steps` steps.
 pub(crate) fn minimize(
     residuals: &impl Residuals,
     weighting: Vec<Weighting>,
     starts: Vec<Vec<f64>>,
+    steps: usize,
 ) -> Option<Vec<Minimum>> {
     let solver = LevenbergMarquardt { weighting, problems: Vec::new() };
     let run = Executor::new(residuals, solver)
-        .configure(|state: State| state.param(starts).max_iters(STEPS as u64))
+        .configure(|state: State| state.param(starts).max_iters(steps as u64))
         .timer(false)
         .run();
     let ended = |p: Progress| Minimum {

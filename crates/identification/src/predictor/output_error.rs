@@ -1,9 +1,11 @@
-use vessel::{LANES, Lane};
+use std::collections::BTreeMap;
+
+use vessel::{LANES, Lane, Model};
 
 use super::adjoint::disturbed_scores;
 use super::levels::Levels;
-use super::levenberg_marquardt::{Ended, Minimum, Residuals, Weighting, minimize, scaled_inverse};
-use super::recordings::Recordings;
+use super::levenberg_marquardt::{Ended, Minimum, Residuals, STEPS, Weighting, minimize, scaled_inverse};
+use super::recordings::{Recording, Recordings, SideBySide, by_lane, groups};
 use super::scores::{Kept, correlated_scores};
 use super::sums::{Linear, linearize};
 use crate::Direction;
@@ -57,37 +59,108 @@ pub struct Fitted {
 /// Variances of output errors are not taken below this share of the measured state's mean square: data without noise.
 const EXACT: f64 = 1e-12;
 
-/// Estimates by the errors of free simulations: minimises Σ_d N log Σ e_d², the likelihood of white errors with a variance
-/// of their own in u, v and r, over parameters, intercepts and, if so wanted, the initial state. Per run `starts` holds
-/// parameters to begin at; where the first ones diverge or lead to no minimum, the next are taken.
+/// Steps after which searches that have not ended go on among themselves, so that none waits for its neighbours.
+const BRIEF: usize = 8;
+
+/// Estimates every run by the errors of free simulations: minimises Σ_d N log Σ e_d², the likelihood of white errors with a
+/// variance of their own in u, v and r, over parameters, intercepts and, if so wanted, the initial state. Per run `starts`
+/// holds parameters to begin at; where the first ones diverge or lead to no minimum, the next are taken.
 pub fn output_error(
-    recordings: &Recordings,
-    starts: &[[Vec<f64>; LANES]],
+    model: &Model,
+    runs: &[Recording],
+    starts: &[Vec<Vec<f64>>],
     initial: InitialState,
     spread: Spread,
 ) -> Vec<Fit> {
-    let problem = Simulations { recordings, free: free(recordings, initial), initial };
-    let sizes = mean_squares(recordings);
-    let weighting: Vec<Weighting> =
-        sizes.iter().map(|s| Weighting::Likelihood(s.map(|square| EXACT * square))).collect();
-    let mut found = best_of(&problem, &weighting, starts, problem.free.len());
-    if found.iter().any(|m| m.status != Ended::Converged) {
-        // Where one state is predicted far better than another its weight bars the way: begin with weights that stay.
-        let fixed: Vec<Weighting> =
-            sizes.iter().map(|s| Weighting::Fixed(s.map(|square| square.recip()))).collect();
-        let first = best_of(&problem, &fixed, starts, problem.free.len());
-        let again = [std::array::from_fn(|lane| first[lane].point.clone())];
-        let then = best_of(&problem, &weighting, &again, problem.free.len());
-        found = found.into_iter().zip(then).map(|(a, b)| better(a, b)).collect();
+    let mut searches = Searches { model, runs, initial, best: vec![None; runs.len()] };
+    let attempts = starts.iter().map(Vec::len).max().unwrap_or(0);
+    searches.attempt(Likelihood, BRIEF, |_, run| starts[run].first().cloned());
+    searches.attempt(Likelihood, STEPS, |best, _| best.map(|found| found.point.clone()));
+    for i in 1..attempts {
+        searches.attempt(Likelihood, STEPS, |_, run| starts[run].get(i).cloned());
     }
-    let errors = problem.standard_errors(&found, &weighting, spread);
-    found.iter().zip(errors).map(|(minimum, errors)| fit(recordings, minimum, errors)).collect()
+    // Where one state is predicted far better than another its weight bars the way: begin with weights that stay.
+    for i in 0..attempts {
+        let eased = searches.minima(Fixed, STEPS, |_, run| starts[run].get(i).cloned());
+        searches.attempt(Likelihood, STEPS, |_, run| eased.get(&run).map(|found| found.point.clone()));
+    }
+    searches.fits(spread)
 }
 
-/// The unknowns that are estimated.
-fn free(recordings: &Recordings, initial: InitialState) -> Vec<usize> {
-    let held = if initial == InitialState::Known { 3 } else { 0 };
-    (0..recordings.unknowns() - held).collect()
+/// How errors are weighed, see [`Weighting`].
+#[derive(Clone, Copy)]
+enum Weights {
+    Likelihood,
+    Fixed,
+}
+use Weights::{Fixed, Likelihood};
+
+/// Searches for the estimates of many runs, of which some end sooner than others.
+struct Searches<'a> {
+    model: &'a Model,
+    runs: &'a [Recording<'a>],
+    initial: InitialState,
+    best: Vec<Option<Minimum>>,
+}
+
+impl Searches<'_> {
+    /// Searches once more for those that have found nothing, from where `start` says; of what is found the better is kept.
+    fn attempt(
+        &mut self,
+        weights: Weights,
+        steps: usize,
+        start: impl Fn(Option<&Minimum>, usize) -> Option<Vec<f64>>,
+    ) {
+        for (run, found) in self.minima(weights, steps, start) {
+            let before = self.best[run].take();
+            self.best[run] = Some(match before {
+                Some(before) => better(before, found),
+                None => found,
+            });
+        }
+    }
+
+    /// By run, for those without a minimum that `start` has a point for.
+    fn minima(
+        &self,
+        weights: Weights,
+        steps: usize,
+        start: impl Fn(Option<&Minimum>, usize) -> Option<Vec<f64>>,
+    ) -> BTreeMap<usize, Minimum> {
+        let open = |run: &usize| self.best[*run].as_ref().is_none_or(|b| b.status != Ended::Converged);
+        let points: BTreeMap<usize, Vec<f64>> = (0..self.runs.len())
+            .filter(open)
+            .filter_map(|run| Some((run, start(self.best[run].as_ref(), run)?)))
+            .collect();
+        let mut found = BTreeMap::new();
+        for group in groups(self.runs, points.keys().copied()) {
+            let side_by_side = SideBySide::of(self.model, self.runs, &group);
+            let problem = Simulations::new(side_by_side.recordings(), self.initial);
+            let from = by_lane(&group, |run| {
+                let mut point = points[&run].clone();
+                point.resize(problem.free.len(), 0.0);
+                point
+            });
+            let minima = minimize(&problem, problem.weighting(weights), from.to_vec(), steps);
+            found.extend(group.into_iter().zip(minima.into_iter().flatten()));
+        }
+        found
+    }
+
+    fn fits(&self, spread: Spread) -> Vec<Fit> {
+        let mut fits = vec![Fit::NotConverged(0); self.runs.len()];
+        let searched = (0..self.runs.len()).filter(|run| self.best[*run].is_some());
+        for group in groups(self.runs, searched) {
+            let side_by_side = SideBySide::of(self.model, self.runs, &group);
+            let problem = Simulations::new(side_by_side.recordings(), self.initial);
+            let found: Vec<&Minimum> = group.iter().filter_map(|run| self.best[*run].as_ref()).collect();
+            let errors = problem.standard_errors(&found, spread);
+            for ((run, minimum), errors) in group.iter().zip(found).zip(errors) {
+                fits[*run] = fit(&problem.recordings, minimum, errors);
+            }
+        }
+        fits
+    }
 }
 
 /// Of the measured states.
@@ -98,38 +171,6 @@ fn mean_squares(recordings: &Recordings) -> Vec<[f64; 3]> {
         (sum / (recordings.samples[lane] + 1) as f64).max(1e-12)
     };
     (0..LANES).map(|lane| [0, 1, 2].map(|d| mean_square(lane, d))).collect()
-}
-
-/// Minimises from the first starts, then from the next those that found nothing. What a start lacks is zero.
-pub(super) fn best_of(
-    problem: &impl Residuals,
-    weighting: &[Weighting],
-    starts: &[[Vec<f64>; LANES]],
-    unknowns: usize,
-) -> Vec<Minimum> {
-    let mut best: Vec<Minimum> = Vec::new();
-    for starts in starts {
-        if best.iter().all(|b| b.status == Ended::Converged) && !best.is_empty() {
-            break;
-        }
-        let start = |lane: usize| -> Vec<f64> {
-            match best.get(lane).filter(|b| b.status == Ended::Converged) {
-                Some(found) => found.point.clone(),
-                None => {
-                    let mut point = starts[lane].clone();
-                    point.resize(unknowns, 0.0);
-                    point
-                }
-            }
-        };
-        let points: Vec<Vec<f64>> = (0..LANES).map(start).collect();
-        let Some(found) = minimize(problem, weighting.to_vec(), points) else { continue };
-        best = match best.is_empty() {
-            true => found,
-            false => best.into_iter().zip(found).map(|(a, b)| better(a, b)).collect(),
-        };
-    }
-    best
 }
 
 /// Whichever is a minimum; of two that are none, the first that got anywhere.
@@ -175,8 +216,9 @@ pub(super) fn fit(recordings: &Recordings, minimum: &Minimum, errors: Option<Vec
     }
 }
 
+/// Free simulations of runs side by side.
 struct Simulations<'a> {
-    recordings: &'a Recordings<'a>,
+    recordings: Recordings<'a>,
     free: Vec<usize>,
     initial: InitialState,
 }
@@ -185,34 +227,52 @@ impl Residuals for Simulations<'_> {
     fn linearize(&self, points: &[Vec<f64>]) -> Vec<Linear> {
         let unknowns = side_by_side(points, self.recordings.unknowns());
         let from_start = self.initial == InitialState::Estimated;
-        linearize::<3>(self.recordings, &unknowns, &self.free, None, &[], from_start)
+        linearize::<3>(&self.recordings, &unknowns, &self.free, None, &[], from_start)
     }
 }
 
-impl Simulations<'_> {
+impl<'a> Simulations<'a> {
+    fn new(recordings: Recordings<'a>, initial: InitialState) -> Self {
+        let held = if initial == InitialState::Known { 3 } else { 0 };
+        Self { free: (0..recordings.unknowns() - held).collect(), recordings, initial }
+    }
+
+    /// One per lane.
+    fn weighting(&self, weights: Weights) -> Vec<Weighting> {
+        let of = |sizes: [f64; 3]| match weights {
+            Likelihood => Weighting::Likelihood(sizes.map(|square| EXACT * square)),
+            Fixed => Weighting::Fixed(sizes.map(|square| square.recip())),
+        };
+        mean_squares(&self.recordings).into_iter().map(of).collect()
+    }
+
     /// √diag(H⁻¹ B H⁻¹), H = Σ sᵀWs, B the covariance of the scores Σ sᵀWe.
-    fn standard_errors(
-        &self,
-        found: &[Minimum],
-        weighting: &[Weighting],
-        spread: Spread,
-    ) -> Vec<Option<Vec<f64>>> {
-        let points: Vec<Vec<f64>> = found.iter().map(|m| m.point.clone()).collect();
+    fn standard_errors(&self, found: &[&Minimum], spread: Spread) -> Vec<Option<Vec<f64>>> {
+        let points: [Vec<f64>; LANES] =
+            std::array::from_fn(|lane| found[lane.min(found.len() - 1)].point.clone());
+        let weighting = self.weighting(Likelihood);
         let unknowns = side_by_side(&points, self.recordings.unknowns());
-        let weights: Vec<[f64; 3]> = found.iter().zip(weighting).map(|(m, w)| w.weights(&m.linear)).collect();
-        let weights = [0, 1, 2].map(|d| Lane(std::array::from_fn(|lane| weights[lane][d])));
+        let weights: Vec<[f64; 3]> =
+            found.iter().zip(&weighting).map(|(m, w)| w.weights(&m.linear)).collect();
+        let last = found.len() - 1;
+        let weights = [0, 1, 2].map(|d| Lane(std::array::from_fn(|lane| weights[lane.min(last)][d])));
         let from_start = self.initial == InitialState::Estimated;
-        let kept = Kept::of(self.recordings, &unknowns, &self.free, from_start);
+        let kept = Kept::of(&self.recordings, &unknowns, &self.free, from_start);
         let middles = match spread {
-            Spread::Residuals => correlated_scores(self.recordings, &kept, weights),
-            Spread::Stated(levels) => disturbed_scores(self.recordings, &unknowns, &kept, weights, levels),
+            Spread::Residuals => correlated_scores(&self.recordings, &kept, weights),
+            Spread::Stated(levels) => disturbed_scores(&self.recordings, &unknowns, &kept, weights, levels),
         };
         let p = self.free.len();
-        let errors = |(lane, minimum): (usize, &Minimum)| {
+        let errors = |(lane, minimum): (usize, &&Minimum)| {
             let own = [0, 1, 2].map(|d: usize| weights[d][lane]);
             let (normal, _) = minimum.linear.weighted(own);
             let inverse = scaled_inverse(&normal, p).ok()?;
-            let middle: Vec<f64> = middles.iter().map(|m| m[lane]).collect();
+            let mut middle: Vec<f64> = middles.iter().map(|m| m[lane]).collect();
+            if let Spread::Stated(levels) = spread {
+                let noise = [0, 1, 2].map(|d: usize| (own[d] * levels.measurement[d]).powi(2));
+                let (measured, _) = minimum.linear.weighted(noise);
+                middle.iter_mut().zip(measured).for_each(|(all, own)| *all += own);
+            }
             let variance = |i: usize| {
                 let row = &inverse[i * p..(i + 1) * p];
                 (0..p * p).map(|k| row[k / p] * middle[k] * row[k % p]).sum::<f64>()

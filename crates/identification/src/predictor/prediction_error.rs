@@ -1,14 +1,16 @@
-use vessel::{LANES, Lane};
+use vessel::{LANES, Lane, Model};
 
 use super::kalman::{Gain, filter};
 use super::levels::Levels;
-use super::levenberg_marquardt::{Ended, Minimum, Residuals, Weighting, scaled_inverse};
-use super::output_error::{Fit, InitialState, best_of, better, fit, side_by_side};
-use super::recordings::Recordings;
+use super::levenberg_marquardt::{Ended, Minimum, Residuals, STEPS, Weighting, minimize, scaled_inverse};
+use super::output_error::{Fit, InitialState, better, fit, side_by_side};
+use super::recordings::{Recording, Recordings, SideBySide, by_lane, groups};
 use super::sums::{Linear, linearize};
 
 /// Most often that the filter's gains are computed, the first time at the start.
 const ROUNDS: usize = 3;
+/// Rise of twice the log-likelihood below which a round is the last.
+const SETTLED: f64 = 0.01;
 
 /// Estimates by the errors of one-sample predictions: an extended Kalman filter whose states are the vessel's and those of
 /// the stated disturbances. Its gains are computed along the filter at the last estimate and held while whitened innovations
@@ -17,17 +19,29 @@ const ROUNDS: usize = 3;
 /// errors are those of white innovations, scaled by
 /// their own variance. `starts` as for [`super::output_error`].
 pub fn prediction_error(
-    recordings: &Recordings,
-    starts: &[[Vec<f64>; LANES]],
+    model: &Model,
+    runs: &[Recording],
+    starts: &[Vec<Vec<f64>>],
     initial: InitialState,
     levels: &Levels,
 ) -> Vec<Fit> {
-    match levels.states() {
-        3 => rounds::<3>(recordings, starts, initial, levels),
-        5 => rounds::<5>(recordings, starts, initial, levels),
-        6 => rounds::<6>(recordings, starts, initial, levels),
-        _ => rounds::<8>(recordings, starts, initial, levels),
+    let mut fits = vec![Fit::NotConverged(0); runs.len()];
+    for group in groups(runs, 0..runs.len()) {
+        let side_by_side = SideBySide::of(model, runs, &group);
+        let recordings = &side_by_side.recordings();
+        let attempts = group.iter().map(|run| starts[*run].len()).max().unwrap_or(0);
+        let at =
+            |run: usize, i: usize| starts[run].get(i).or(starts[run].last()).cloned().unwrap_or_default();
+        let starts: Vec<_> = (0..attempts).map(|i| by_lane(&group, |run| at(run, i))).collect();
+        let found = match levels.states() {
+            3 => rounds::<3>(recordings, &starts, initial, levels),
+            5 => rounds::<5>(recordings, &starts, initial, levels),
+            6 => rounds::<6>(recordings, &starts, initial, levels),
+            _ => rounds::<8>(recordings, &starts, initial, levels),
+        };
+        group.iter().zip(found).for_each(|(run, fit)| fits[*run] = fit);
     }
+    fits
 }
 
 /// Innovations of the extended Kalman filter for `levels` at `unknowns` (see [`Recordings::unknowns`]), (N+1) × 3.
@@ -82,14 +96,26 @@ fn rounds<const N: usize>(
             };
         }
     }
+    if best.is_empty() {
+        return vec![Fit::NotConverged(0); LANES];
+    }
     let mut worth = likelihoods::<N>(recordings, &best, levels, known);
+    let mut open = [true; LANES];
     for _ in 1..ROUNDS {
+        if !open.contains(&true) {
+            break;
+        }
         let again = std::array::from_fn(|lane| best[lane].point.clone());
         let next = round::<N>(recordings, again, &free, levels, known);
         let next_worth = likelihoods::<N>(recordings, &next, levels, known);
         for (lane, next) in next.into_iter().enumerate() {
+            if !open[lane] {
+                continue;
+            }
             best[lane].steps += next.steps;
-            if next.status == Ended::Converged && next_worth[lane] > worth[lane] {
+            let more = next_worth[lane] - worth[lane];
+            open[lane] = next.status == Ended::Converged && more > SETTLED;
+            if next.status == Ended::Converged && more > 0.0 {
                 best[lane] = Minimum { steps: best[lane].steps, ..next };
                 worth[lane] = next_worth[lane];
             }
@@ -109,7 +135,11 @@ fn round<const N: usize>(
     let unknowns = side_by_side(&points, recordings.unknowns());
     let (gains, _) = filter::<N>(recordings, &unknowns, levels, known);
     let problem = Predictions { recordings, levels, free: free.to_vec(), gains };
-    best_of(&problem, &vec![Weighting::Fixed([1.0; 3]); LANES], &[points], free.len())
+    let points = points.map(|mut point| {
+        point.resize(free.len(), 0.0);
+        point
+    });
+    minimize(&problem, vec![Weighting::Fixed([1.0; 3]); LANES], points.to_vec(), STEPS).unwrap_or_default()
 }
 
 /// Twice the log-likelihood of every lane's innovations, up to a constant.

@@ -1,5 +1,6 @@
 use vessel::Lane;
 
+use super::products::Products;
 use super::recordings::Recordings;
 use super::sweep::{Step, sweep};
 
@@ -63,25 +64,38 @@ pub(crate) fn correlated_scores(recordings: &Recordings, kept: &Kept, weights: [
         let score = |s: &[Lane; 3]| s[0] * weighted[0] + s[1] * weighted[1] + s[2] * weighted[2];
         scores.extend(kept.at(k).iter().map(score));
     }
-    let mut sum = vec![Lane::ZERO; p];
-    let mut middle = vec![Lane::ZERO; p * p];
-    for k in 0..rows + window {
-        if k < rows {
-            sum.iter_mut().zip(&scores[k * p..]).for_each(|(sum, g)| *sum += *g);
-        }
-        if k >= window {
-            sum.iter_mut().zip(&scores[(k - window) * p..]).for_each(|(sum, g)| *sum = *sum - *g);
-        }
-        add_products(&mut middle, &sum, Lane::splat(1.0 / window as f64));
-    }
-    middle
+    let windows = Windows { scores: &scores, p, window };
+    let share = Lane::splat(1.0 / window as f64);
+    pulp::Arch::new().dispatch(windows).finish().square().into_iter().map(|sum| share * sum).collect()
 }
 
-/// Adds scale · g gᵀ.
-#[inline(always)]
-pub(super) fn add_products(middle: &mut [Lane], g: &[Lane], scale: Lane) {
-    for (row, a) in middle.chunks_exact_mut(g.len()).zip(g) {
-        let scaled = scale * *a;
-        row.iter_mut().zip(g).for_each(|(entry, b)| *entry += scaled * *b);
+/// Products of sums over all windows.
+struct Windows<'a> {
+    /// Rows of `p`, sample by sample.
+    scores: &'a [Lane],
+    p: usize,
+    window: usize,
+}
+
+impl pulp::WithSimd for Windows<'_> {
+    type Output = Products;
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _: S) -> Products {
+        let Self { scores, p, window } = self;
+        let rows = scores.len() / p;
+        let mut sum = vec![Lane::ZERO; p];
+        let mut products = Products::new(p);
+        for k in 0..rows + window {
+            if k < rows {
+                sum.iter_mut().zip(&scores[k * p..]).for_each(|(sum, g)| *sum += *g);
+            }
+            if k >= window {
+                sum.iter_mut().zip(&scores[(k - window) * p..]).for_each(|(sum, g)| *sum = *sum - *g);
+            }
+            sum.iter().enumerate().for_each(|(i, sum)| products.set(i, *sum));
+            products.advance();
+        }
+        products
     }
 }

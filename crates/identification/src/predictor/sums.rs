@@ -2,9 +2,9 @@ use vessel::{LANES, Lane};
 
 use super::kalman::Gain;
 use super::levels::Levels;
+use super::products::Products;
 use super::recordings::Recordings;
 use super::sweep::{Step, sweep};
-use crate::batch::{BLOCK, Block, accumulate};
 
 /// Sums of squares and products of errors e and sensitivities s = ∂x̂/∂(unknown), per state u, v, r.
 #[derive(Clone, Debug, PartialEq)]
@@ -57,7 +57,7 @@ pub(crate) fn linearize<const N: usize>(
 ) -> Vec<Linear> {
     let longest = recordings.longest();
     let even = recordings.samples.iter().all(|n| *n == longest);
-    let mut sums = Triangles::new(free.len() + 1);
+    let mut products = [0; 3].map(|_| Products::new(free.len() + 1));
     sweep(
         recordings,
         unknowns,
@@ -71,100 +71,29 @@ pub(crate) fn linearize<const N: usize>(
             }
             let mask = if even { Lane::ONE } else { recordings.lasting(step.k) };
             let gain = gains.get(step.k);
-            let seen = |x: [Lane; 3]| {
-                let white = gain.map_or(x, |gain| gain.white(&x));
-                if even { white } else { white.map(|x| x * mask) }
+            let mut see = |i: usize, mut x: [Lane; 3]| {
+                if let Some(gain) = gain {
+                    x = gain.white(&x);
+                }
+                for d in 0..3 {
+                    products[d].set(i, if even { x[d] } else { x[d] * mask });
+                }
             };
             for (i, s) in step.sensitivities.iter().enumerate() {
-                sums.set(i, seen([s[0], s[1], s[2]]));
+                see(i, [s[0], s[1], s[2]]);
             }
-            sums.set(free.len(), seen(step.error));
-            sums.advance();
+            see(free.len(), step.error);
+            products.iter_mut().for_each(Products::advance);
         },
     );
-    sums.flush();
+    let sums = products.map(Products::finish);
     let first = usize::from(!from_start);
-    (0..LANES).map(|lane| sums.lane(lane, recordings.samples[lane] + 1 - first)).collect()
-}
-
-/// Σ of products of every two signals, per state, [`BLOCK`] samples at a time.
-struct Triangles {
-    signals: usize,
-    blocks: [Vec<Block<Lane>>; 3],
-    filled: usize,
-    sums: [Vec<Lane>; 3],
-}
-
-impl Triangles {
-    fn new(signals: usize) -> Self {
-        let each = || vec![[Lane::ZERO; BLOCK]; signals];
-        let sums = || vec![Lane::ZERO; signals * (signals + 1) / 2];
-        Self { signals, blocks: [each(), each(), each()], filled: 0, sums: [sums(), sums(), sums()] }
-    }
-
-    /// Signal `i` at this sample.
-    #[inline(always)]
-    fn set(&mut self, i: usize, values: [Lane; 3]) {
-        for (block, value) in self.blocks.iter_mut().zip(values) {
-            block[i][self.filled] = value;
-        }
-    }
-
-    #[inline(always)]
-    fn advance(&mut self) {
-        self.filled += 1;
-        if self.filled == BLOCK {
-            self.add();
-        }
-    }
-
-    /// Adds what is left.
-    fn flush(&mut self) {
-        for signal in self.blocks.iter_mut().flatten() {
-            signal[self.filled..].fill(Lane::ZERO);
-        }
-        pulp::Arch::new().dispatch(Rest(self));
-    }
-
-    #[inline(always)]
-    fn add(&mut self) {
-        self.filled = 0;
-        for (blocks, sums) in self.blocks.iter().zip(&mut self.sums) {
-            let mut place = 0;
-            for (i, own) in blocks.iter().enumerate() {
-                let entries = place..place + self.signals - i;
-                place = entries.end;
-                accumulate(
-                    &blocks[i..],
-                    &mut sums[entries],
-                    #[inline(always)]
-                    |t, other| own[t] * other,
-                );
-            }
-        }
-    }
-
-    fn lane(&self, lane: usize, samples: usize) -> Linear {
-        let p = self.signals - 1;
-        let place = |i: usize, j: usize| i * self.signals - i * (i + 1) / 2 + j;
-        let at = |d: usize, i: usize, j: usize| self.sums[d][place(i.min(j), i.max(j))][lane];
-        Linear {
-            samples: samples as f64,
-            squares: [0, 1, 2].map(|d| at(d, p, p)),
-            gradient: [0, 1, 2].map(|d| (0..p).map(|i| at(d, i, p)).collect()),
-            normal: [0, 1, 2].map(|d| (0..p * p).map(|k| at(d, k / p, k % p)).collect()),
-        }
-    }
-}
-
-/// The last block, compiled like the others.
-struct Rest<'a>(&'a mut Triangles);
-
-impl pulp::WithSimd for Rest<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: pulp::Simd>(self, _: S) {
-        self.0.add();
-    }
+    let p = free.len();
+    let linear = |lane: usize| Linear {
+        samples: (recordings.samples[lane] + 1 - first) as f64,
+        squares: [0, 1, 2].map(|d: usize| sums[d].at(p, p)[lane]),
+        gradient: [0, 1, 2].map(|d: usize| (0..p).map(|i| sums[d].at(i, p)[lane]).collect()),
+        normal: [0, 1, 2].map(|d: usize| (0..p * p).map(|k| sums[d].at(k / p, k % p)[lane]).collect()),
+    };
+    (0..LANES).map(linear).collect()
 }

@@ -17,7 +17,8 @@ pub enum Estimator {
     Ls,
     /// Instrumental variables: instruments from the nominal model over the same inputs
     Iv,
-    /// Instrumental variables whose instruments are simulated again with the estimate
+    /// Instrumental variables whose instruments are simulated again with the estimate, all signals filtered by its poles (with
+    /// --pool: without the filter)
     RefinedIv,
     /// Least errors of a free simulation, with intercepts
     OutputError,

@@ -1,4 +1,4 @@
-//! Instrumental variables whose instruments are simulated again with the estimate.
+//! Instrumental variables whose instruments and prefilter come from the estimate.
 
 use identification::{Batch, MeanRemoval, Outcome};
 use vessel::{LANES, Lane, Vessel, check_diverged, simulate};
@@ -9,22 +9,23 @@ use crate::lanes::{groups, interleave};
 use crate::trajectories::Run;
 
 /// Most often that instruments are simulated again.
-const ROUNDS: usize = 4;
+const ROUNDS: usize = 8;
 /// A round that moves no parameter by more than this share of its standard error is the last.
 const ENOUGH: f64 = 0.01;
 
-/// Refines the estimates `iv` of `runs`. Where a simulation diverges, or instruments made with it identify nothing, the last
-/// good estimate is kept and marked so.
+/// Refines the estimates `iv` of `runs`. Where the simulation with the first one diverges, the nominal model's instruments
+/// and filter are taken instead; where a later one does, or instruments made with it identify nothing, the last good estimate
+/// is kept and marked so.
 pub(super) fn refine(vessel: &Vessel, runs: &[Run], iv: &[Regressed], removal: MeanRemoval) -> Vec<Found> {
     let lengths: Vec<usize> = runs.iter().map(Run::samples).collect();
     let mut all = Vec::with_capacity(runs.len());
     for group in groups(&lengths) {
         let mut batch = Refinement::new(vessel, &runs[group.clone()], &iv[group], removal);
-        for _ in 0..ROUNDS {
+        for round in 0..ROUNDS {
             if batch.done.iter().all(|done| *done) {
                 break;
             }
-            batch.round();
+            batch.round(round == 0);
         }
         all.extend(batch.found);
     }
@@ -40,6 +41,8 @@ struct Refinement<'a> {
     exogenous: Vec<Lane>,
     starts: Vec<Vec<usize>>,
     found: Vec<Found>,
+    /// The models that simulations are made with.
+    models: Vec<Vec<f64>>,
     done: Vec<bool>,
 }
 
@@ -56,12 +59,13 @@ impl<'a> Refinement<'a> {
             exogenous: interleave(&runs.iter().map(|r| r.exogenous.as_slice()).collect::<Vec<_>>()),
             starts: runs.iter().map(Run::starts).collect(),
             found: found.collect(),
+            models: iv.iter().map(|r| r.theta().unwrap_or(&vessel.nominal).to_vec()).collect(),
             done: iv.iter().map(|r| r.theta().is_none()).collect(),
         }
     }
 
-    fn round(&mut self) {
-        let states = self.states();
+    fn round(&mut self, first: bool) {
+        let (parameters, states) = self.simulated();
         let last = self.starts.len() - 1;
         let batch = Batch {
             model: &self.vessel.model,
@@ -70,24 +74,26 @@ impl<'a> Refinement<'a> {
             exogenous: &self.exogenous,
             segments: std::array::from_fn(|lane| self.starts[lane.min(last)].as_slice()),
         };
-        let outcomes = identification::estimate(&batch, self.removal);
+        let outcomes = identification::estimate_prefiltered(&batch, &parameters, self.removal);
         for (lane, outcome) in outcomes.into_iter().enumerate().take(self.found.len()) {
             let diverged = check_diverged(states.iter().map(|s| s[lane])).is_some();
-            self.take(lane, (!diverged).then_some(outcome));
+            if diverged && first && self.models[lane] != self.vessel.nominal {
+                self.models[lane].clone_from(&self.vessel.nominal);
+            } else {
+                self.take(lane, (!diverged).then_some(outcome));
+            }
         }
     }
 
-    /// Simulates every run with its estimate.
-    fn states(&self) -> Vec<Lane> {
-        let theta = |lane: usize| {
-            let found = &self.found[lane.min(self.found.len() - 1)];
-            found.estimate.as_ref().map_or(self.vessel.nominal.as_slice(), |(theta, _)| theta.as_slice())
-        };
-        let parameter = |i: usize| Lane(std::array::from_fn::<f64, LANES, _>(|lane| theta(lane)[i]));
+    /// Every run simulated with its estimate, one lane per parameter.
+    fn simulated(&self) -> (Vec<Lane>, Vec<Lane>) {
+        let last = self.models.len() - 1;
+        let parameter =
+            |i: usize| Lane(std::array::from_fn::<f64, LANES, _>(|lane| self.models[lane.min(last)][i]));
         let parameters: Vec<Lane> = (0..self.vessel.model.parameters()).map(parameter).collect();
         let mut states = vec![Lane::ZERO; self.measured.len()];
         simulate(&self.vessel.model, &parameters, self.initial, &self.exogenous, &[], &mut states);
-        states
+        (parameters, states)
     }
 
     /// The outcome of a run's round; none where its simulation diverged.
@@ -104,6 +110,7 @@ impl<'a> Refinement<'a> {
             let moves = next.parameters.iter().zip(theta).zip(&next.standard_errors);
             self.done[lane] = moves.map(|((a, b), se)| (a - b).abs() / se).all(|moved| moved <= ENOUGH);
         }
+        self.models[lane].clone_from(&next.parameters);
         self.found[lane].estimate = Some((next.parameters, next.standard_errors));
     }
 }

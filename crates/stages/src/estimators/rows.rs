@@ -6,7 +6,7 @@ use vessel::Vessel;
 
 use super::Estimator;
 use super::refined::refine;
-use super::simulated::{Begin, simulated};
+use super::simulated::Begin;
 use crate::cli::name_of;
 use crate::estimates::{Row, Status};
 use crate::failure::Failure;
@@ -39,6 +39,13 @@ pub(super) struct Found {
     pub estimate: Option<(Vec<f64>, Vec<f64>)>,
 }
 
+impl Found {
+    /// θ̂, where there is one.
+    pub(super) fn theta(&self) -> Option<&[f64]> {
+        self.estimate.as_ref().map(|(theta, _)| theta.as_slice())
+    }
+}
+
 /// What instrumental variables, or least squares, make of one run.
 #[derive(Clone)]
 pub(super) struct Regressed {
@@ -47,41 +54,71 @@ pub(super) struct Regressed {
     weakest: [usize; 3],
 }
 
+/// What the estimators make of some runs; empty for those that nothing asks for.
+#[derive(Default)]
+struct Everything {
+    ls: Vec<Regressed>,
+    iv: Vec<Regressed>,
+    refined: Vec<Found>,
+    simulated: Vec<Found>,
+    predicted: Vec<Found>,
+}
+
+impl Everything {
+    /// The rows of one estimator.
+    fn column(&self, all: &RunEstimators, estimator: Estimator, runs: &[Run]) -> Vec<Row> {
+        let rows = |found: &mut dyn Iterator<Item = &Found>, excited: &[Regressed]| {
+            let each = found.zip(excited).zip(runs);
+            each.map(|((found, excited), run)| all.row(estimator, run, found, excited)).collect()
+        };
+        match estimator {
+            Estimator::Ls => rows(&mut self.ls.iter().map(|r| &r.found), &self.ls),
+            Estimator::Iv | Estimator::Auto => rows(&mut self.iv.iter().map(|r| &r.found), &self.iv),
+            Estimator::RefinedIv => rows(&mut self.refined.iter(), &self.iv),
+            Estimator::OutputError => rows(&mut self.simulated.iter(), &self.iv),
+            Estimator::PredictionError => rows(&mut self.predicted.iter(), &self.iv),
+        }
+    }
+}
+
 impl RunEstimators<'_> {
     /// One row per run and estimator.
     ///
     /// # Errors
     /// A nominal simulation that diverges, a run that is too short.
     pub fn rows(&self, runs: &[Run]) -> Result<Vec<Row>, Failure> {
-        let iv = match self.estimators.as_slice() {
-            [Estimator::Ls] => Vec::new(),
-            _ => self.regressed(InstrumentKind::Nominal, runs)?,
-        };
-        let mut columns = Vec::with_capacity(self.estimators.len());
-        for estimator in &self.estimators {
-            columns.push(self.column(*estimator, runs, &iv)?.into_iter());
-        }
-        Ok(runs
-            .iter()
-            .flat_map(|_| columns.iter_mut().filter_map(Iterator::next).collect::<Vec<_>>())
-            .collect())
+        let found = self.found(runs)?;
+        let columns: Vec<Vec<Row>> = self.estimators.iter().map(|e| found.column(self, *e, runs)).collect();
+        let mut columns: Vec<_> = columns.into_iter().map(Vec::into_iter).collect();
+        let row = |_| columns.iter_mut().filter_map(Iterator::next).collect::<Vec<_>>();
+        Ok(runs.iter().flat_map(row).collect())
     }
 
-    fn column(&self, estimator: Estimator, runs: &[Run], iv: &[Regressed]) -> Result<Vec<Row>, Failure> {
+    /// Everything that the wanted estimators need, each made once.
+    fn found(&self, runs: &[Run]) -> Result<Everything, Failure> {
+        use Estimator::{Ls, OutputError, PredictionError, RefinedIv};
+        let wanted = |any: &[Estimator]| self.estimators.iter().any(|e| any.contains(e));
+        let mut found = Everything::default();
+        if wanted(&[Ls]) {
+            found.ls = self.regressed(InstrumentKind::Regressors, runs)?;
+        }
+        if self.estimators.iter().any(|e| *e != Ls) {
+            found.iv = self.regressed(InstrumentKind::Nominal, runs)?;
+        }
+        if wanted(&[RefinedIv, OutputError, PredictionError]) {
+            found.refined = refine(self.vessel, runs, &found.iv, self.removal);
+        }
         let begin = Begin { vessel: self.vessel, initial: self.initial, levels: self.levels.as_ref() };
-        let row = |((found, regressed), run): ((&Found, &Regressed), &Run)| {
-            self.row(estimator, run, found, regressed)
-        };
-        let plain =
-            |all: &[Regressed]| all.iter().map(|r| (&r.found, r)).zip(runs).map(row).collect::<Vec<_>>();
-        let found: Vec<Found> = match estimator {
-            Estimator::Ls => return Ok(plain(&self.regressed(InstrumentKind::Regressors, runs)?)),
-            Estimator::Iv | Estimator::Auto => return Ok(plain(iv)),
-            Estimator::RefinedIv => refine(self.vessel, runs, iv, self.removal),
-            Estimator::OutputError => simulated(&begin, runs, iv, false),
-            Estimator::PredictionError => simulated(&begin, runs, iv, true),
-        };
-        Ok(found.iter().zip(iv).zip(runs).map(row).collect())
+        if wanted(&[OutputError, PredictionError]) {
+            let iv: Vec<Found> = found.iv.iter().map(|r| r.found.clone()).collect();
+            let free = begin.output_error(runs, &found.refined, &iv);
+            found.simulated = free.iter().map(Found::from).collect();
+            if let Some(levels) = self.levels.as_ref().filter(|_| wanted(&[PredictionError])) {
+                let fits = begin.prediction_error(runs, &free, &found.refined, levels);
+                found.predicted = fits.iter().map(Found::from).collect();
+            }
+        }
+        Ok(found)
     }
 
     fn regressed(&self, kind: InstrumentKind, runs: &[Run]) -> Result<Vec<Regressed>, Failure> {
@@ -167,6 +204,6 @@ impl Regressed {
 
     /// θ̂, where there is one.
     pub(super) fn theta(&self) -> Option<&[f64]> {
-        self.found.estimate.as_ref().map(|(theta, _)| theta.as_slice())
+        self.found.theta()
     }
 }

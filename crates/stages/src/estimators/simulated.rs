@@ -1,13 +1,12 @@
-//! Output error and prediction error over batches of runs.
+//! Output error and prediction error of single runs.
 
 use identification::predictor::{
-    Fit, InitialState, Levels, Recordings, Spread, output_error, prediction_error,
+    Fit, InitialState, Levels, Recording, Spread, output_error, prediction_error,
 };
-use vessel::{LANES, Lane, Vessel};
+use vessel::Vessel;
 
-use super::rows::{Found, Regressed};
+use super::rows::Found;
 use crate::estimates::Status;
-use crate::lanes::{groups, interleave};
 use crate::trajectories::Run;
 
 /// What all runs have in common.
@@ -17,53 +16,54 @@ pub(super) struct Begin<'a> {
     pub levels: Option<&'a Levels>,
 }
 
-/// Estimates `runs` by output error, or by prediction error started there. Searches begin at the instrumental-variable
-/// estimates `iv`, or at the nominal model where there are none or they lead nowhere.
-pub(super) fn simulated(begin: &Begin, runs: &[Run], iv: &[Regressed], predict: bool) -> Vec<Found> {
-    let lengths: Vec<usize> = runs.iter().map(Run::samples).collect();
-    let mut all = Vec::with_capacity(runs.len());
-    for group in groups(&lengths) {
-        let (members, own) = (&runs[group.clone()], &iv[group]);
-        all.extend(begin.fits(members, own, predict).into_iter().take(members.len()).map(Found::from));
-    }
-    all
-}
-
 impl Begin<'_> {
-    fn fits(&self, runs: &[Run], iv: &[Regressed], predict: bool) -> Vec<Fit> {
-        let exogenous = interleave(&runs.iter().map(|r| r.exogenous.as_slice()).collect::<Vec<_>>());
-        let measured = interleave(&runs.iter().map(|r| r.measured.as_slice()).collect::<Vec<_>>());
-        let last = runs.len() - 1;
-        let start = |d: usize| Lane(std::array::from_fn(|lane| runs[lane.min(last)].initial[d]));
-        let recordings = Recordings {
-            model: &self.vessel.model,
-            measured: &measured,
-            exogenous: &exogenous,
-            initial: [0, 1, 2].map(start),
-            samples: [runs[0].samples(); LANES],
-        };
-        let nominal = || self.vessel.nominal.clone();
-        let regressed: [Vec<f64>; LANES] =
-            std::array::from_fn(|lane| iv[lane.min(last)].theta().map_or_else(nominal, <[f64]>::to_vec));
-        let starts = [regressed, std::array::from_fn(|_| nominal())];
+    /// Least errors of free simulations of `runs`. Searches begin at the estimates `near`, then at those of `iv`, then at the
+    /// nominal model, where there is none or it leads nowhere.
+    pub(super) fn output_error(&self, runs: &[Run], near: &[Found], iv: &[Found]) -> Vec<Fit> {
+        let starts = |(near, iv): (&Found, &Found)| self.starts([near.theta(), iv.theta()]);
+        let starts: Vec<Vec<Vec<f64>>> = near.iter().zip(iv).map(starts).collect();
         let spread = self.levels.map_or(Spread::Residuals, Spread::Stated);
-        let free = output_error(&recordings, &starts, self.initial, spread);
-        let Some(levels) = self.levels.filter(|_| predict) else { return free };
-        let [regressed, nominal] = starts;
-        let from: [Vec<f64>; LANES] = std::array::from_fn(|lane| match &free[lane] {
-            Fit::Converged(found) => found.parameters.iter().chain(&found.intercepts).copied().collect(),
-            _ => regressed[lane].clone(),
-        });
-        prediction_error(&recordings, &[from, regressed, nominal], self.initial, levels)
+        output_error(&self.vessel.model, &recordings(runs), &starts, self.initial, spread)
+    }
+
+    /// Least errors of the predictions of `runs` by a filter for `levels`, from where free simulations have the least.
+    pub(super) fn prediction_error(
+        &self,
+        runs: &[Run],
+        free: &[Fit],
+        near: &[Found],
+        levels: &Levels,
+    ) -> Vec<Fit> {
+        let starts = |(free, near): (&Fit, &Found)| {
+            let lifted = match free {
+                Fit::Converged(found) => Some([&found.parameters[..], &found.intercepts].concat()),
+                _ => None,
+            };
+            self.starts([lifted.as_deref(), near.theta()])
+        };
+        let starts: Vec<Vec<Vec<f64>>> = free.iter().zip(near).map(starts).collect();
+        prediction_error(&self.vessel.model, &recordings(runs), &starts, self.initial, levels)
+    }
+
+    /// Those of `known` that there are, and the nominal model.
+    fn starts(&self, known: [Option<&[f64]>; 2]) -> Vec<Vec<f64>> {
+        known.into_iter().flatten().chain([self.vessel.nominal.as_slice()]).map(<[f64]>::to_vec).collect()
     }
 }
 
-impl From<Fit> for Found {
-    fn from(fit: Fit) -> Self {
+fn recordings(runs: &[Run]) -> Vec<Recording<'_>> {
+    runs.iter()
+        .map(|run| Recording { measured: &run.measured, exogenous: &run.exogenous, initial: run.initial })
+        .collect()
+}
+
+impl From<&Fit> for Found {
+    fn from(fit: &Fit) -> Self {
         match fit {
-            Fit::Converged(found) => {
-                Self { status: Status::Identified, estimate: Some((found.parameters, found.standard_errors)) }
-            }
+            Fit::Converged(found) => Self {
+                status: Status::Identified,
+                estimate: Some((found.parameters.clone(), found.standard_errors.clone())),
+            },
             Fit::NotConverged(_) => Self { status: Status::NotConverged, estimate: None },
             Fit::NotIdentifiable(_) => Self { status: Status::NotIdentifiable, estimate: None },
         }

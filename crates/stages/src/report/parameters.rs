@@ -64,7 +64,9 @@ fn estimator(code: &str) -> &str {
     match code {
         "iv" => "instrumental variables",
         "ls" => "least squares",
-        "refined-iv" => "instrumental variables, instruments simulated again with the estimate",
+        "refined-iv" => {
+            "instrumental variables, instruments simulated again with the estimate, all signals filtered by its poles"
+        }
         "output-error" => "output error: least errors of a free simulation",
         "prediction-error" => "prediction error: least errors of a Kalman filter's predictions",
         other => other,

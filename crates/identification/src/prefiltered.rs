@@ -1,0 +1,261 @@
+//! Instrumental variables through the model's own low-pass filter.
+//!
+//! With measurement noise e the residual of the regression is about e(k+1) − a(k) e(k), a = 1 + ∂(φᵀθ)/∂(own state): it
+//! is mostly differences of noise. Passed through the filter f(k) = a(k) f(k−1) + s(k), regressors, instruments and
+//! increments leave e itself, and the estimate comes close to that of least output error: the simplified refined
+//! instrumental variables of Young & Jakeman, *Int. J. Control* 29 (1979), with a pole that follows the states.
+
+use std::collections::BTreeMap;
+use std::ops::Range;
+
+use vessel::{LANES, Lane, Tangent};
+
+use crate::estimate::{Run, Solved, ranges};
+use crate::{Batch, DegreeSums, Estimate, MeanRemoval, Outcome, Sums};
+
+/// Estimates every run of `batch`, whose instrument states were simulated with `parameters`, one lane each: these set the
+/// filter's poles, kept between 0 and 1 − 1/N. The filter starts at rest with every group of samples that has an intercept
+/// of its own. Standard errors take filtered residuals as correlated over less than 2√N samples.
+pub fn estimate_prefiltered(batch: &Batch, parameters: &[Lane], removal: MeanRemoval) -> Vec<Outcome> {
+    let mut signals: BTreeMap<(usize, usize), Signals> = BTreeMap::new();
+    for (start, end) in (0..LANES).flat_map(|lane| ranges(batch, removal, lane)) {
+        signals.entry((start, end)).or_insert_with(|| Signals::of(batch, parameters, start..end));
+    }
+    let centred = removal != MeanRemoval::None;
+    let run = |lane: usize| {
+        let own = |range: (usize, usize)| signals[&range].degrees.each_ref().map(|degree| degree.sums(lane));
+        let sums = |(start, end): (usize, usize)| Sums {
+            samples: (end - start) as u64,
+            degrees: own((start, end)).to_vec(),
+        };
+        Run { groups: ranges(batch, removal, lane).map(sums).collect(), centred }
+    };
+    let runs: Vec<Run> = (0..LANES).map(run).collect();
+    let solved: Vec<Result<Solved, Outcome>> = runs.iter().map(Run::solution).collect();
+    let mut middles = [const { Middles([const { Vec::new() }; 3]) }; LANES];
+    for (range, signals) in &signals {
+        let own = |lane: usize| ranges(batch, removal, lane).position(|other| other == *range);
+        signals.add_middles(&mut middles, &runs, &solved, own);
+    }
+    let finish = |((solved, middles), run): ((Result<Solved, Outcome>, Middles), Run)| {
+        solved.map_or_else(std::convert::identity, |solved| {
+            let standard_errors = solved.spread(&middles.0, run.samples());
+            Outcome::Identified(Estimate { parameters: solved.theta, standard_errors })
+        })
+    };
+    solved.into_iter().zip(middles).zip(runs).map(finish).collect()
+}
+
+/// cov Σ ζᶜε of one run, p × p per degree of freedom; empty before anything was added.
+struct Middles([Vec<f64>; 3]);
+
+impl Middles {
+    fn add(&mut self, d: usize, own: impl Iterator<Item = f64>) {
+        if self.0[d].is_empty() {
+            self.0[d].extend(own);
+        } else {
+            self.0[d].iter_mut().zip(own).for_each(|(all, own)| *all += own);
+        }
+    }
+}
+
+/// The filtered signals of one group of samples.
+struct Signals {
+    degrees: [Degree; 3],
+}
+
+/// Those of a degree of freedom with p parameters, p̃ = p + 1, and their sums.
+struct Degree {
+    parameters: usize,
+    /// Filtered φ̃, ζ̃: N × p̃. The last column is the filtered one.
+    phi: Vec<Lane>,
+    zeta: Vec<Lane>,
+    /// Filtered Δy: N.
+    target: Vec<Lane>,
+    /// Σ ζ̃ φ̃ᵀ: p̃ × p̃; Σ ζ̃ Δy: p̃; Σ ζ²; Σ φ²: p each.
+    a: Vec<Lane>,
+    b: Vec<Lane>,
+    instrument_squares: Vec<Lane>,
+    regressor_squares: Vec<Lane>,
+}
+
+impl Signals {
+    fn of(batch: &Batch, parameters: &[Lane], range: Range<usize>) -> Self {
+        let mut signals = Self { degrees: [0, 1, 2].map(|d| Degree::new(batch, d, range.len())) };
+        pulp::Arch::new().dispatch(Filter { signals: &mut signals, batch, parameters, range });
+        signals
+    }
+
+    /// Adds what these samples contribute to `middles`, for runs with an estimate of which they are a group, as `group` says.
+    fn add_middles(
+        &self,
+        middles: &mut [Middles; LANES],
+        runs: &[Run],
+        solved: &[Result<Solved, Outcome>],
+        group: impl Fn(usize) -> Option<usize>,
+    ) {
+        let mut first = 0;
+        for (d, degree) in self.degrees.iter().enumerate() {
+            let (p, centred) = (degree.parameters, runs[0].centred);
+            let (mut theta, mut means) = (vec![Lane::ZERO; p + 1], vec![Lane::ZERO; p]);
+            let mut own = [false; LANES];
+            for lane in 0..LANES {
+                let (Some(group), Ok(solved)) = (group(lane), &solved[lane]) else { continue };
+                own[lane] = true;
+                let sums = &runs[lane].groups[group].degrees[d];
+                let found = &solved.theta[first..first + p];
+                theta.iter_mut().zip(found).for_each(|(lanes, value)| lanes[lane] = *value);
+                theta[p][lane] = sums.intercept(found, centred);
+                let centres = means.iter_mut().zip(sums.instrument_means(centred));
+                centres.for_each(|(lanes, mean)| lanes[lane] = mean);
+            }
+            let middle = pulp::Arch::new().dispatch(Scores { degree, theta: &theta, means: &means });
+            for lane in (0..LANES).filter(|lane| own[*lane]) {
+                middles[lane].add(d, middle.iter().map(|m| m[lane]));
+            }
+            first += p;
+        }
+    }
+}
+
+impl Degree {
+    fn new(batch: &Batch, d: usize, samples: usize) -> Self {
+        let p = batch.model.degrees[d].terms.len();
+        let signal = |width: usize| Vec::with_capacity(samples * width);
+        let zeros = |count: usize| vec![Lane::ZERO; count];
+        Self {
+            parameters: p,
+            phi: signal(p + 1),
+            zeta: signal(p + 1),
+            target: signal(1),
+            a: zeros((p + 1) * (p + 1)),
+            b: zeros(p + 1),
+            instrument_squares: zeros(p),
+            regressor_squares: zeros(p),
+        }
+    }
+
+    /// Adds the latest sample to the sums.
+    #[inline(always)]
+    fn add(&mut self) {
+        let p = self.parameters;
+        let (phi, zeta) = (&self.phi[self.phi.len() - p - 1..], &self.zeta[self.zeta.len() - p - 1..]);
+        let target = self.target[self.target.len() - 1];
+        for (i, z) in zeta.iter().enumerate() {
+            let row = &mut self.a[i * (p + 1)..(i + 1) * (p + 1)];
+            row.iter_mut().zip(phi).for_each(|(sum, f)| *sum += *z * *f);
+            self.b[i] += *z * target;
+        }
+        for i in 0..p {
+            self.instrument_squares[i] += zeta[i] * zeta[i];
+            self.regressor_squares[i] += phi[i] * phi[i];
+        }
+    }
+
+    fn sums(&self, lane: usize) -> DegreeSums {
+        let of = |lanes: &[Lane]| lanes.iter().map(|l| l[lane]).collect();
+        DegreeSums {
+            a: of(&self.a),
+            b: of(&self.b),
+            instrument_squares: of(&self.instrument_squares),
+            regressor_squares: of(&self.regressor_squares),
+        }
+    }
+}
+
+/// Fills the signals; compiled for every instruction set that pulp picks from.
+struct Filter<'a> {
+    signals: &'a mut Signals,
+    batch: &'a Batch<'a>,
+    parameters: &'a [Lane],
+    range: Range<usize>,
+}
+
+impl pulp::WithSimd for Filter<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _: S) {
+        let Self { signals, batch, parameters, range } = self;
+        let (mut simulated, mut measured) = (Tangent::new(batch.model), Tangent::new(batch.model));
+        let width = batch.model.exogenous();
+        let most = 1.0 - 1.0 / range.len() as f64;
+        let state = |states: &[Lane], k: usize| [states[3 * k], states[3 * k + 1], states[3 * k + 2]];
+        for k in range.clone() {
+            let exogenous = &batch.exogenous[width * k..width * (k + 1)];
+            simulated.set(state(batch.instrument_states, k), exogenous);
+            measured.set(state(batch.measured, k), exogenous);
+            let slopes = simulated.slopes(parameters);
+            let mut first = 0;
+            for (d, degree) in signals.degrees.iter_mut().enumerate() {
+                let p = degree.parameters;
+                let mut pole = Lane::ONE + slopes[d][d];
+                pole.0.iter_mut().for_each(|a| *a = if *a > 0.0 { a.min(most) } else { 0.0 });
+                for i in 0..=p {
+                    let (f, z) = match i < p {
+                        true => (measured.term(first + i), simulated.term(first + i)),
+                        false => (Lane::ONE, Lane::ONE),
+                    };
+                    passed(&mut degree.phi, p + 1, pole, f);
+                    passed(&mut degree.zeta, p + 1, pole, z);
+                }
+                let increment = batch.measured[3 * (k + 1) + d] - batch.measured[3 * k + d];
+                passed(&mut degree.target, 1, pole, increment);
+                degree.add();
+                first += p;
+            }
+        }
+    }
+}
+
+/// Appends pole · (the value `width` entries ago) + `input`.
+#[inline(always)]
+fn passed(signal: &mut Vec<Lane>, width: usize, pole: Lane, input: Lane) {
+    let before = signal.len().checked_sub(width).map_or(Lane::ZERO, |i| signal[i]);
+    signal.push(pole * before + input);
+}
+
+/// Σ over all windows of about 2√N samples of (Σ ζᶜε)(Σ ζᶜε)ᵀ, per sample: p × p. `theta`: with the intercept; `means`: of
+/// the instruments, in units of the filtered one.
+struct Scores<'a> {
+    degree: &'a Degree,
+    theta: &'a [Lane],
+    means: &'a [Lane],
+}
+
+impl pulp::WithSimd for Scores<'_> {
+    type Output = Vec<Lane>;
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _: S) -> Vec<Lane> {
+        let Self { degree, theta, means } = self;
+        let (p, samples) = (degree.parameters, degree.target.len());
+        let window = (2.0 * (samples as f64).sqrt()).round().max(1.0) as usize;
+        let share = Lane::splat(1.0 / window as f64);
+        let mut scores = Vec::with_capacity(samples * p);
+        let (mut sum, mut middle) = (vec![Lane::ZERO; p], vec![Lane::ZERO; p * p]);
+        for k in 0..samples + window - 1 {
+            if k < samples {
+                let phi = &degree.phi[k * (p + 1)..(k + 1) * (p + 1)];
+                let zeta = &degree.zeta[k * (p + 1)..(k + 1) * (p + 1)];
+                let mut residual = degree.target[k];
+                phi.iter().zip(theta).for_each(|(f, t)| residual = residual - *f * *t);
+                for i in 0..p {
+                    let score = (zeta[i] - means[i] * zeta[p]) * residual;
+                    scores.push(score);
+                    sum[i] += score;
+                }
+            }
+            if k >= window {
+                let left = &scores[(k - window) * p..(k - window + 1) * p];
+                sum.iter_mut().zip(left).for_each(|(sum, g)| *sum = *sum - *g);
+            }
+            for i in 0..p {
+                for j in 0..p {
+                    middle[i * p + j] += share * sum[i] * sum[j];
+                }
+            }
+        }
+        middle
+    }
+}
