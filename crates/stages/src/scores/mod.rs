@@ -1,11 +1,15 @@
 //! The table of scores: one row per run.
 
+mod free_runs;
+
 use artifact::{Column, ColumnSpec, Kind, Table, TableReader, TableSchema};
 
 use crate::documents::{Bounds, DesignScores, EstimatorScores};
 use crate::estimates::{NOT_CONVERGED, NOT_IDENTIFIABLE, labels, optional};
 use crate::failure::Failure;
 use crate::statistics::quantiles;
+
+pub use free_runs::ValidationRuns;
 
 /// Schema id of scores.
 pub const ID: &str = "scores";

@@ -1,11 +1,17 @@
 //! The table of estimates: one row per run.
 
+mod refusal;
+mod summary;
+
 use std::path::Path;
 
 use artifact::{Column, ColumnSpec, Kind, Table, TableReader, TableSchema};
 use vessel::{DegreeOfFreedom, Vessel};
 
 use crate::failure::Failure;
+
+pub use refusal::refuse_if_none;
+pub use summary::{estimators, summarize};
 
 /// Schema id of estimates.
 pub const ID: &str = "estimates";
