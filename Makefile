@@ -10,7 +10,8 @@ DICTIONARY ?= $(STUDY)/dictionary.toml
 NAME    := $(notdir $(patsubst %/,%,$(STUDY)))
 OUT     ?= out/$(NAME)
 CARGO   ?= cargo
-BIN     := target/release
+# The programs: built for speed; with BIN=target/debug those that `cargo test` builds anyway, which give the same bytes
+BIN     ?= target/release
 # Flags for every stage, such as FLAGS="--threads 1 --quiet"
 FLAGS   ?=
 # Flags for one stage, best set in the study's study.mk
@@ -55,8 +56,10 @@ build: $(BINARIES)
 
 SOURCES := Cargo.toml Cargo.lock $(shell find crates -name '*.rs' -o -name 'Cargo.toml' -o -name '*.css' -o -path '*/presets/*.toml')
 
+BUILD := $(if $(filter target/debug,$(BIN)),$(CARGO) test --workspace --locked --no-run,$(CARGO) build --release --locked -p stages)
+
 $(BIN)/.built: $(SOURCES)
-	$(CARGO) build --release --locked -p stages
+	$(BUILD)
 	@touch $@
 
 $(BINARIES): $(BIN)/.built ;
@@ -143,8 +146,10 @@ smoke:
 
 # --- checks
 
+# The small study and the README's commands run the programs that the unit tests have just run: nothing is compiled twice.
 .PHONY: test
-test: format-check clippy unit smoke readme-check
+test: format-check clippy unit
+	$(MAKE) BIN=target/debug smoke readme-check
 
 .PHONY: format-check
 format-check:
