@@ -1,7 +1,8 @@
 //! Files are written whole or not at all.
 
-use crate::sample::{encode, folder, names, provenance, refusal, schema, stage};
 use artifact::{Error, Staged, TableWriter, commit};
+
+use crate::sample::{encode, folder, names, provenance, refusal, schema, stage};
 
 #[test]
 fn dropped_files_leave_nothing() {

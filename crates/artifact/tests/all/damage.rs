@@ -4,8 +4,9 @@ use std::fs::OpenOptions;
 use std::io::{Seek, SeekFrom, Write};
 use std::path::Path;
 
-use crate::sample::{Design, design, folder, provenance, refusal, shard, write};
 use artifact::{Error, Result, TableReader, commit, read_document, stage_document};
+
+use crate::sample::{Design, design, folder, provenance, refusal, shard, write};
 
 /// Reads all that a file holds.
 fn read_table(path: &Path) -> Result<()> {

@@ -3,12 +3,13 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-use crate::sample::{Design, design, folder, names, provenance, refusal, shard};
 use artifact::{Digest, Document, Error, Loaded, Result, commit, json_schema, read_document, stage_document};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use tempfile::TempDir;
+
+use crate::sample::{Design, design, folder, names, provenance, refusal, shard};
 
 fn write(folder: &TempDir) -> PathBuf {
     let path = folder.path().join("design.json");

@@ -2,10 +2,11 @@
 
 use std::path::PathBuf;
 
-use crate::sample::{block, folder, names, provenance, refusal, schema, shard, write};
 use artifact::{Digest, Shard, TableReader, TableWriter, commit, encode_block, gather};
 use serde_json::json;
 use tempfile::TempDir;
+
+use crate::sample::{block, folder, names, provenance, refusal, schema, shard, write};
 
 const BLOCKS: usize = 10;
 

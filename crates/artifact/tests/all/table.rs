@@ -1,8 +1,9 @@
 //! Writing and reading tables.
 
-use crate::sample::{self, ROWS, block, folder, provenance, refusal, schema, spec, write};
 use artifact::{Column, Digest, Kind, Table, TableReader, TableSchema, TableWriter, encode_block};
 use proptest::prelude::*;
+
+use crate::sample::{self, ROWS, block, folder, provenance, refusal, schema, spec, write};
 
 fn bits(column: &Column) -> Vec<Option<u64>> {
     let values = column.as_f64().unwrap();

@@ -3,9 +3,10 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use crate::sample::{folder, refusal};
 use artifact::{Digest, Error, Result, parse_toml, read_toml};
 use serde::Deserialize;
+
+use crate::sample::{folder, refusal};
 
 #[derive(Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]

@@ -1,8 +1,9 @@
 //! Footprints against brute-force sampling of the moving hull.
 
-use crate::support::from_polygon;
 use chart::Footprint;
 use proptest::prelude::*;
+
+use crate::support::from_polygon;
 
 const TIMES: usize = 400;
 

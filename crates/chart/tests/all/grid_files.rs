@@ -1,7 +1,8 @@
 //! What ESRI ASCII grids are read and refused.
 
-use crate::support::fixture;
 use chart::{Crs, Grid, GridCell, GridDeclaration, GridKind};
+
+use crate::support::fixture;
 
 fn read(text: &str, kind: GridKind) -> Result<Grid, String> {
     let declared = GridDeclaration { kind, crs: Crs::new("EPSG:32635").unwrap(), open_sea: false };

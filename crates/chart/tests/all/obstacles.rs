@@ -1,11 +1,12 @@
 //! Occupancy, margins and clearance against independent geometry.
 
-use crate::support::{self, fixture, from_polygon, inside, land, land_chart, square};
 use chart::{
     Bounds, Causes, Chart, Crs, Filter, Footprint, Grid, GridDeclaration, GridKind, Layer, LayerKind,
     Obstacles, Plane, PolygonLayer, Raster, Uncharted,
 };
 use proptest::prelude::*;
+
+use crate::support::{self, fixture, from_polygon, inside, land, land_chart, square};
 
 fn channel(uncharted: Option<Uncharted>, half: f64) -> Chart {
     let text = fixture("channel.geojson");

@@ -1,9 +1,10 @@
 //! What GeoJSON files are read and refused.
 
-use crate::support::{fixture, land};
 use chart::ring::{RingFault, ring_fault};
 use chart::{Class, Filter, LayerKind, PolygonLayer};
 use proptest::prelude::*;
+
+use crate::support::{fixture, land};
 
 fn polygon(rings: &str) -> String {
     format!(

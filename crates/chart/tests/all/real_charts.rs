@@ -1,10 +1,11 @@
 //! Real charts: they pass the checks, and grids made of them elsewhere agree with what is rasterized here.
 
-use crate::support::{fixture, land, land_chart, shared, square};
 use chart::{
     Causes, Chart, Crs, Filter, Grid, GridCell, GridDeclaration, GridKind, Layer, LayerKind, Obstacles,
     Plane, PolygonLayer, Raster,
 };
+
+use crate::support::{fixture, land, land_chart, shared, square};
 
 fn declared(kind: GridKind, crs: &str) -> GridDeclaration {
     GridDeclaration { kind, crs: Crs::new(crs).unwrap(), open_sea: false }

@@ -1,8 +1,9 @@
 //! Both engines against brute force on random small problems.
 
-use crate::random::{Costs, Small, brute_force, proved, replay, small};
 use lattice_planner::{Engine, Front, Options, Outcome, Reason, front, plan};
 use proptest::prelude::*;
+
+use crate::random::{Costs, Small, brute_force, proved, replay, small};
 
 fn options(engine: Engine) -> Options {
     Options { engine, ..Options::default() }

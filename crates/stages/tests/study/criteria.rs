@@ -2,9 +2,10 @@
 
 use std::sync::OnceLock;
 
-use crate::support::*;
 use serde_json::Value;
 use tempfile::TempDir;
+
+use crate::support::*;
 
 const EXPECTED: &str = "moments --vessel vessel.toml --trajectories dictionary.parquet --campaign campaign.toml --out moments.json";
 

@@ -2,9 +2,10 @@
 
 use std::collections::BTreeSet;
 
-use crate::support::*;
 use serde_json::{Value, json};
 use stages::documents::schemas;
+
+use crate::support::*;
 
 /// A study whose design has whole segments, so that no field is absent.
 fn folder() -> tempfile::TempDir {

@@ -1,8 +1,9 @@
 //! What the estimates say: bias, mean removal, and runs that are not identifiable.
 
-use crate::support::*;
 use serde_json::Value;
 use tempfile::TempDir;
+
+use crate::support::*;
 
 /// The summary of design `name` in a document.
 fn design<'a>(document: &'a Value, name: &str) -> &'a Value {

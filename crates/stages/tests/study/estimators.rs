@@ -2,8 +2,9 @@
 
 use std::sync::LazyLock;
 
-use crate::support::*;
 use tempfile::TempDir;
+
+use crate::support::*;
 
 const COMPARE: &str = "estimate --vessel vessel.toml --trajectories campaign.parquet --compare --campaign campaign.toml \
      --out estimates.parquet";

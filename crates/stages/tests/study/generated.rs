@@ -2,9 +2,10 @@
 
 use std::sync::OnceLock;
 
-use crate::support::*;
 use serde_json::Value;
 use tempfile::TempDir;
+
+use crate::support::*;
 
 const GENERATE: &str = "duration_s = 37.5\n[generate]\ncandidates = 120\nseed = 3\n[generate.limits]\nu_m_s = 1.2\nv_m_s = 0.25\n\
      r_rad_s = 0.6\ninputs = { tau2 = 1430.0 }\n";

@@ -5,11 +5,12 @@
 use std::fs;
 use std::path::PathBuf;
 
-use crate::support::*;
 use serde_json::{Map, Value, json};
 use stages::trajectories::{Layout, TrajectoryReader};
 use stages::{estimates, scores, study_files};
 use tempfile::TempDir;
+
+use crate::support::*;
 
 /// Name in fixtures/schema and name in a study.
 const RELEASED: [(&str, &str); 7] = [

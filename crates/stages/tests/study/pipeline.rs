@@ -2,10 +2,11 @@
 
 use std::collections::BTreeMap;
 
-use crate::support::*;
 use artifact::{Digest, Provenance, TableReader};
 use serde_json::Value;
 use stages::documents::{DesignDocument, EstimateDocument, MomentsDocument, ValidationDocument};
+
+use crate::support::*;
 
 #[test]
 fn the_pipeline_writes_its_files_and_one_line_per_stage() {
@@ -161,4 +162,21 @@ fn no_file_tells_a_folder_or_a_thread_count() {
         let text = String::from_utf8_lossy(&bytes);
         assert!(!text.contains(&path) && !text.contains("threads"), "{name}");
     }
+}
+
+#[test]
+fn a_report_takes_maneuvers_from_a_dictionary_elsewhere() {
+    let folder = with(&MADE);
+    let report =
+        |out: &str| format!("report --study . --dictionary other/shared.toml --results . --out {out}");
+    let said = run(&folder, &report("none.html"));
+    assert_eq!(said.code, Some(1), "{said}");
+    assert!(said.stderr.contains("other/shared.toml") && !folder.path().join("none.html").exists(), "{said}");
+    std::fs::create_dir(folder.path().join("other")).unwrap();
+    std::fs::rename(folder.path().join("dictionary.toml"), folder.path().join("other/shared.toml")).unwrap();
+    run(&folder, &report("told.html")).succeeds();
+    assert!(bytes(&folder, "told.html") == study().bytes("report.html"), "the pages differ");
+    let without = "report --study . --results . --out without.html";
+    run(&folder, without).succeeds();
+    assert!(bytes(&folder, "without.html") != study().bytes("report.html"), "the descriptions are not shown");
 }

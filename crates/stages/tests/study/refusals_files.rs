@@ -2,8 +2,9 @@
 
 use std::fs;
 
-use crate::support::*;
 use tempfile::TempDir;
+
+use crate::support::*;
 
 /// Rewrites a table of the study, in place.
 fn rewrite(folder: &TempDir, name: &str, change: impl FnOnce(craft::Whole) -> craft::Whole) {

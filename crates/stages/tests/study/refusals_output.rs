@@ -2,8 +2,9 @@
 
 use std::fs;
 
-use crate::support::*;
 use tempfile::TempDir;
+
+use crate::support::*;
 
 /// What each stage reads.
 const READ: [&str; 7] = [

@@ -1,7 +1,8 @@
 //! Hand-written input that is refused, and models that diverge.
 
-use crate::support::*;
 use tempfile::TempDir;
+
+use crate::support::*;
 
 /// Refuses the study after `from` in `name` has become `to`.
 #[track_caller]

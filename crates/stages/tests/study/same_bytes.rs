@@ -2,8 +2,9 @@
 
 use std::sync::LazyLock;
 
-use crate::support::*;
 use tempfile::TempDir;
+
+use crate::support::*;
 
 /// A campaign of four blocks, two per design.
 static CAMPAIGN_STUDY: LazyLock<Study> = LazyLock::new(|| Study::make(70, &STAGES[..4]));
