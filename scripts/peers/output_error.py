@@ -2,7 +2,7 @@
 
 The realizations, their starts and the minimum are ours (`bench --realizations`): sum over u, v, r of log of the squared
 errors of samples 1 to N, over ten parameters and three intercepts. `least_squares` (MINPACK's lm) minimises squares, so
-the weights of u, v, r are those of the last errors and a fit is repeated until they stay. It ends where ours does: the
+the weights of u, v, r are those of the last errors and a fit is repeated until they stay to 1e-8. It ends where ours does: the
 errors' cosine with what the unknowns can change is below 1e-7 standard deviations over the errors' norm. Ours goes on to
 standard errors, the peer does not.
 """
@@ -20,6 +20,10 @@ from scipy.optimize import least_squares
 
 DECREMENT = 1e-7
 """Newton decrement in standard deviations of the errors at which ours calls a point a minimum."""
+FIRST = 1e-3
+"""Cosine that ends the first round."""
+STEADY = 1e-8
+"""Relative change of the weights that moves the minimum by less than that."""
 ROUNDS = 20
 AGREEMENT = 1e-4
 """Largest difference of an estimate from ours, in its standard errors."""
@@ -111,18 +115,17 @@ class OutputError:
 
         enough = DECREMENT / np.sqrt(3.0 * n)
         # The first weights are far from the last: no need to go far with them.
-        tolerance = 1e-3
+        tolerance = FIRST
         for _ in range(ROUNDS):
             residuals(x)
-            weights /= np.sqrt(np.mean(errors**2, axis=0))
+            change = 1.0 / np.sqrt(np.mean(errors**2, axis=0))
+            weights *= change
+            if tolerance == enough and np.max(np.abs(change - 1.0)) < STEADY:
+                return x
             found = least_squares(
                 residuals, x, jac=jacobian, method="lm", x_scale="jac", gtol=tolerance, xtol=1e-15, ftol=1e-15
             )
-            # MINPACK keeps the array that it was given.
-            x = found.x.copy()
-            if tolerance == enough and found.nfev <= 1:
-                return x
-            tolerance = max(enough, 1e-3 * tolerance)
+            x, tolerance = found.x, enough
         raise SystemExit(f"least_squares: no minimum after {ROUNDS} rounds of weights")
 
     def best_seconds(self) -> float:
