@@ -5,10 +5,13 @@
 #   make help                 all targets
 
 STUDY   ?= pipelines/paper
+# Its maneuvers; a study's study.mk may name another study's
+DICTIONARY ?= $(STUDY)/dictionary.toml
 NAME    := $(notdir $(patsubst %/,%,$(STUDY)))
 OUT     ?= out/$(NAME)
 CARGO   ?= cargo
-BIN     := target/release
+# The programs: built for speed; with BIN=target/debug those that `cargo test` builds anyway, which give the same bytes
+BIN     ?= target/release
 # Flags for every stage, such as FLAGS="--threads 1 --quiet"
 FLAGS   ?=
 # Flags for one stage, best set in the study's study.mk
@@ -53,8 +56,10 @@ build: $(BINARIES)
 
 SOURCES := Cargo.toml Cargo.lock $(shell find crates -name '*.rs' -o -name 'Cargo.toml' -o -name '*.css' -o -path '*/presets/*.toml')
 
+BUILD := $(if $(filter target/debug,$(BIN)),$(CARGO) test --workspace --locked --no-run,$(CARGO) build --release --locked -p stages)
+
 $(BIN)/.built: $(SOURCES)
-	$(CARGO) build --release --locked -p stages
+	$(BUILD)
 	@touch $@
 
 $(BINARIES): $(BIN)/.built ;
@@ -64,8 +69,8 @@ $(BINARIES): $(BIN)/.built ;
 $(OUT):
 	@mkdir -p $@
 
-$(OUT)/dictionary.parquet: $(STUDY)/vessel.toml $(STUDY)/dictionary.toml $(BIN)/simulate | $(OUT)
-	$(BIN)/simulate dictionary --vessel $(STUDY)/vessel.toml --dictionary $(STUDY)/dictionary.toml $(FLAGS) --out $@
+$(OUT)/dictionary.parquet: $(STUDY)/vessel.toml $(DICTIONARY) $(BIN)/simulate | $(OUT)
+	$(BIN)/simulate dictionary --vessel $(STUDY)/vessel.toml --dictionary $(DICTIONARY) $(FLAGS) --out $@
 
 $(OUT)/moments.json: $(STUDY)/vessel.toml $(OUT)/dictionary.parquet $(BIN)/moments
 	$(BIN)/moments --vessel $(STUDY)/vessel.toml --trajectories $(OUT)/dictionary.parquet $(MOMENTS_FLAGS) $(FLAGS) --out $@
@@ -73,8 +78,8 @@ $(OUT)/moments.json: $(STUDY)/vessel.toml $(OUT)/dictionary.parquet $(BIN)/momen
 $(OUT)/design.json: $(OUT)/moments.json $(wildcard $(STUDY)/study.mk) $(BIN)/design
 	$(BIN)/design --moments $(OUT)/moments.json $(DESIGN_FLAGS) $(FLAGS) --out $@
 
-$(OUT)/campaign.parquet: $(STUDY)/vessel.toml $(STUDY)/dictionary.toml $(STUDY)/campaign.toml $(OUT)/design.json $(BIN)/simulate
-	$(BIN)/simulate campaign --vessel $(STUDY)/vessel.toml --dictionary $(STUDY)/dictionary.toml \
+$(OUT)/campaign.parquet: $(STUDY)/vessel.toml $(DICTIONARY) $(STUDY)/campaign.toml $(OUT)/design.json $(BIN)/simulate
+	$(BIN)/simulate campaign --vessel $(STUDY)/vessel.toml --dictionary $(DICTIONARY) \
 	  --campaign $(STUDY)/campaign.toml --design $(OUT)/design.json $(FLAGS) --out $@
 
 $(OUT)/validation.parquet: $(STUDY)/vessel.toml $(STUDY)/campaign.toml $(BIN)/simulate | $(OUT)
@@ -117,7 +122,7 @@ $(OUT)/planned/scores.parquet: $(STUDY)/vessel.toml $(STUDY)/campaign.toml $(OUT
 	  --estimates $(OUT)/planned/estimates.parquet --validation $(OUT)/validation.parquet $(FLAGS) --out $@
 
 $(OUT)/report.html: $(OUT)/scores.parquet $(wildcard $(STUDY)/reference.toml) $(PLANS) $(BIN)/report
-	$(BIN)/report --study $(STUDY) --results $(OUT) $(FLAGS) --out $@
+	$(BIN)/report --study $(STUDY) --dictionary $(DICTIONARY) --results $(OUT) $(FLAGS) --out $@
 
 .PHONY: helsinki
 helsinki:
@@ -130,8 +135,8 @@ SCENARIOS := white current-constant current-gauss-markov wind-bias
 scenarios: build
 	@for name in $(SCENARIOS); do \
 	  $(MAKE) --no-print-directory STUDY=pipelines/scenarios/$$name OUT=out/scenarios/$$name study || exit 1; done
-	$(BIN)/report --study pipelines/scenarios/white --results out/scenarios/white \
-	  --scenarios $(SCENARIOS:%=out/scenarios/%) $(FLAGS) --out out/scenarios/report.html
+	$(BIN)/report --study pipelines/scenarios/white --dictionary pipelines/paper/dictionary.toml \
+	  --results out/scenarios/white --scenarios $(SCENARIOS:%=out/scenarios/%) $(FLAGS) --out out/scenarios/report.html
 	@echo
 	@echo "Report: out/scenarios/report.html"
 
@@ -141,8 +146,10 @@ smoke:
 
 # --- checks
 
+# The small study and the README's commands run the programs that the unit tests have just run: nothing is compiled twice.
 .PHONY: test
-test: format-check clippy unit smoke readme-check
+test: format-check clippy unit
+	$(MAKE) BIN=target/debug smoke readme-check
 
 .PHONY: format-check
 format-check:
@@ -185,7 +192,7 @@ schemas:
 
 .PHONY: golden
 golden:
-	$(CARGO) test --locked -p stages --test golden --test pooled -- --ignored
+	$(CARGO) test --locked -p stages --test study --test pooled -- --ignored
 
 .PHONY: clean
 clean:

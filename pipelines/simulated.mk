@@ -13,17 +13,17 @@ SELECTION_FLAGS ?= --estimator iv --nominal least-squares --realizations 500
 SELECTED := yes
 include pipelines/measured.mk
 
-$(LOGS)/simulated.json: $(STUDY)/vessel.toml $(STUDY)/dictionary.toml $(STUDY)/logs.toml $(BIN)/.built | $(OUT)
+$(LOGS)/simulated.json: $(STUDY)/vessel.toml $(DICTIONARY) $(STUDY)/logs.toml $(BIN)/.built | $(OUT)
 	rm -f $(LOGS)/*.csv
-	$(BIN)/simulate logs --vessel $(STUDY)/vessel.toml --dictionary $(STUDY)/dictionary.toml --logs $(STUDY)/logs.toml \
+	$(BIN)/simulate logs --vessel $(STUDY)/vessel.toml --dictionary $(DICTIONARY) --logs $(STUDY)/logs.toml \
 	  $(SEED_FLAGS) $(FLAGS) --out $@
 
 $(MEASURED)/trajectories.parquet: $(LOGS)/simulated.json
 
 # The maneuvers as they are meant, for the report
-$(MEASURED)/dictionary.parquet: $(STUDY)/vessel.toml $(STUDY)/dictionary.toml $(BIN)/.built
+$(MEASURED)/dictionary.parquet: $(STUDY)/vessel.toml $(DICTIONARY) $(BIN)/.built
 	@mkdir -p $(@D)
-	$(BIN)/simulate dictionary --vessel $(STUDY)/vessel.toml --dictionary $(STUDY)/dictionary.toml $(FLAGS) --out $@
+	$(BIN)/simulate dictionary --vessel $(STUDY)/vessel.toml --dictionary $(DICTIONARY) $(FLAGS) --out $@
 
 $(MEASURED)/report.html: $(STUDY)/reference.toml $(MEASURED)/dictionary.parquet
 

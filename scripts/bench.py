@@ -2,8 +2,8 @@
 
     python scripts/bench.py [--study pipelines/paper] [--ours target/release/bench] [--rounds 2]
 
-Builds nothing: `--ours` is run as it is with `--json`. The peers are numba (Monte Carlo loop), scipy SLSQP (design) and
-pyarrow (tables), all on one thread. Peers and ours take turns and the best of each counts. Needs numpy, scipy, numba
+Builds nothing: `--ours` is run as it is with `--json`. The peers are numba (Monte Carlo loop), scipy's least_squares over
+numba (output error), scipy SLSQP (design) and pyarrow (tables), all on one thread. Peers and ours take turns and the best of each counts. Needs numpy, scipy, numba
 and pyarrow; without them only our own figures are shown.
 """
 
@@ -15,6 +15,7 @@ import os
 import platform
 import subprocess
 import sys
+import tempfile
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -43,6 +44,7 @@ class Line:
 
 LINES = (
     Line("Monte Carlo, realizations per core", "monte_carlo", "1/s", True, 10.0),
+    Line("output error, realization of 1000", "output_error", "ms", False, None),
     Line("design, 11 maneuvers", "design_q11", "ms", False, 50.0),
     Line("  its relative gap", "design_q11_gap", "", False, None),
     Line("design, 10000 maneuvers", "design_q10000", "ms", False, None),
@@ -63,7 +65,7 @@ def main() -> None:
     arguments = parse_arguments()
     if not arguments.ours.is_file():
         raise SystemExit(f"{arguments.ours}: no such program; build it with `cargo build --release --bin bench`")
-    peers = load_peers(arguments.study)
+    peers = load_peers(arguments.study, arguments.ours)
     ours: list[Figures] = []
     theirs: list[Figures] = []
     for _ in range(arguments.rounds):
@@ -86,10 +88,11 @@ def parse_arguments() -> argparse.Namespace:
     return parser.parse_args()
 
 
-def load_peers(study: Path) -> Callable[[], Figures] | None:
+def load_peers(study: Path, program: Path) -> Callable[[], Figures] | None:
     """A measurement of all peers, compiled and warm; nothing if a package is missing."""
     try:
         from peers.monte_carlo import MonteCarlo
+        from peers.output_error import OutputError
         from peers.shares import Shares
         from peers.table import TableIo
     except ImportError as error:
@@ -97,6 +100,10 @@ def load_peers(study: Path) -> Callable[[], Figures] | None:
         return None
     print("compiling the peers", file=sys.stderr)
     monte_carlo, shares, table = MonteCarlo(study), Shares(study), TableIo()
+    with tempfile.TemporaryDirectory() as folder:
+        realizations = Path(folder) / "realizations.json"
+        call_ours(program, "--realizations", str(realizations))
+        output_error = OutputError(realizations)
 
     def measure() -> Figures:
         print("measuring the peers", file=sys.stderr)
@@ -104,6 +111,7 @@ def load_peers(study: Path) -> Callable[[], Figures] | None:
         write, read, size = table.best()
         return {
             "monte_carlo": monte_carlo.best_rate(),
+            "output_error": 1e3 * output_error.best_seconds(),
             "design_q11": 1e3 * seconds,
             "design_q11_gap": gap,
             **table_figures(table.raw_bytes, write, read, size),
@@ -115,13 +123,11 @@ def load_peers(study: Path) -> Callable[[], Figures] | None:
 def run_ours(program: Path) -> tuple[Figures, Figures]:
     """The figures of our own benchmark, from the JSON object that it prints, and of the peers that it runs itself."""
     print("measuring ours", file=sys.stderr)
-    done = subprocess.run([program.resolve(), "--json"], stdout=subprocess.PIPE, check=False)
-    if done.returncode != 0:
-        raise SystemExit(f"{program}: failed with exit code {done.returncode}")
-    found: dict[str, Any] = json.loads(done.stdout)
+    found: dict[str, Any] = json.loads(call_ours(program, "--json"))
     table = found["table"]
     own = {
         "monte_carlo": found["monte_carlo"]["realizations_per_s_per_core"],
+        "output_error": 1e3 * found["output_error"]["seconds_per_realization"],
         "design_q11": 1e3 * found["design_q11"]["seconds"],
         "design_q11_gap": found["design_q11"]["relative_gap"],
         "design_q10000": 1e3 * found["design_q10000"]["seconds"],
@@ -130,6 +136,14 @@ def run_ours(program: Path) -> tuple[Figures, Figures]:
     }
     planner, inside = planner_figures(found["planner"])
     return {**own, **planner}, inside
+
+
+def call_ours(program: Path, *flags: str) -> bytes:
+    """What our own benchmark prints."""
+    done = subprocess.run([program.resolve(), *flags], stdout=subprocess.PIPE, check=False)
+    if done.returncode != 0:
+        raise SystemExit(f"{program}: failed with exit code {done.returncode}")
+    return done.stdout
 
 
 def planner_figures(found: dict[str, Any]) -> tuple[Figures, Figures]:
@@ -168,7 +182,7 @@ def show(ours: Figures, theirs: Figures) -> None:
     for line in LINES:
         own, peer = ours[line.key], theirs.get(line.key)
         ratio = "-"
-        if peer and own and line.target is not None:
+        if peer and own and line.unit:
             ratio = f"{own / peer if line.more_is_better else peer / own:.2f}"
         target = "-" if line.target is None else f"{line.target:.2f}"
         shown = "-" if peer is None else number(peer)

@@ -10,7 +10,7 @@ commands=out/readme-commands.sh
 awk '/^```sh$/ { inside = 1; next } /^```/ { inside = 0 } inside && !/^(make|cp)/' README.md > "$commands"
 [ -s "$commands" ] || { echo "README.md: found no commands, expected sh blocks with stages" >&2; exit 1; }
 sh -eu "$commands"
-make --no-print-directory study
+make --no-print-directory BIN="$1" study
 for design in optimized random; do
   for error in parameter_error simulation_error; do
     value=$(awk -v design="\"$design\"" -v key="\"${error}_share\":" \

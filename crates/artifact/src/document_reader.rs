@@ -4,7 +4,6 @@ use std::collections::BTreeMap;
 use std::io::Cursor;
 use std::path::Path;
 
-use serde::de::DeserializeOwned;
 use serde_json::error::Category;
 
 use crate::digest::Digest;
@@ -22,15 +21,21 @@ use crate::toml_input::text_of;
 /// kind or version, does not fit its seal, has unknown, missing or mistyped keys, or other units.
 pub fn read_document<D: Document>(path: impl AsRef<Path>) -> Result<Loaded<D>> {
     let path = path.as_ref();
+    let (text, digest) = checked_text(path, D::ID, D::VERSION)?;
+    let envelope: Envelope<D> = serde_json::from_str(&text).map_err(|e| refusal(path, &text, &e))?;
+    check_units(path, D::UNITS, envelope.units(), &text)?;
+    let (data, provenance) = envelope.into_parts();
+    Ok(Loaded { data, digest, provenance })
+}
+
+/// The text of a document of this kind and version that fits its seal, and the file's digest.
+fn checked_text(path: &Path, id: &str, version: u32) -> Result<(String, Digest)> {
     let bytes = std::fs::read(path).map_err(|e| Error::io(path, "read", e))?;
     let text = text_of(path, bytes)?;
-    let header: Header = parse(path, &text)?;
-    header.check(path, D::ID, D::VERSION)?;
+    let header: Header = serde_json::from_str(&text).map_err(|e| refusal(path, &text, &e))?;
+    header.check(path, id, version)?;
     let digests = check_seal(path, &text, header.seal())?;
-    let envelope: Envelope<D> = parse(path, &text)?;
-    check_units::<D>(path, envelope.units(), &text)?;
-    let (data, provenance) = envelope.into_parts();
-    Ok(Loaded { data, digest: digests.digest, provenance })
+    Ok((text, digests.digest))
 }
 
 /// Refuses a seal that does not fit.
@@ -43,8 +48,13 @@ fn check_seal(path: &Path, text: &str, seal: Option<Digest>) -> Result<FileDiges
 }
 
 /// A field that the document's version did not know yet has no unit, and does not occur.
-fn check_units<D: Document>(path: &Path, found: &BTreeMap<String, String>, text: &str) -> Result<()> {
-    for (field, unit) in D::UNITS {
+fn check_units(
+    path: &Path,
+    units: &[(&str, &str)],
+    found: &BTreeMap<String, String>,
+    text: &str,
+) -> Result<()> {
+    for (field, unit) in units {
         if !found.contains_key(*field) && !occurs(field, text) {
             continue;
         }
@@ -54,7 +64,7 @@ fn check_units<D: Document>(path: &Path, found: &BTreeMap<String, String>, text:
             return Err(Error::refuse(path, format!("units.{field}"), found, *unit, remedy));
         }
     }
-    let strange = found.keys().find(|field| D::UNITS.iter().all(|(known, _)| known != field));
+    let strange = found.keys().find(|field| units.iter().all(|(known, _)| known != field));
     match strange {
         Some(field) => {
             Err(Error::refuse(path, format!("units.{field}"), "a unit", "no such field", "remove it"))
@@ -77,10 +87,6 @@ fn occurs(field: &str, text: &str) -> bool {
     let name = field.rsplit('.').next().unwrap_or(field);
     let whole: serde_json::Value = serde_json::from_str(text).unwrap_or_default();
     whole.get("data").is_some_and(|data| within(data, name))
-}
-
-fn parse<T: DeserializeOwned>(path: &Path, text: &str) -> Result<T> {
-    serde_json::from_str(text).map_err(|e| refusal(path, text, &e))
 }
 
 fn refusal(path: &Path, text: &str, error: &serde_json::Error) -> Error {

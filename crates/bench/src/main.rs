@@ -9,23 +9,30 @@ mod paper;
 mod planner;
 mod table;
 
+use std::path::PathBuf;
 use std::time::Instant;
 
 use clap::Parser;
 use serde_json::json;
 
-/// Measures Monte Carlo realizations, design solves, table throughput and plans on one thread
+/// Measures Monte Carlo realizations, output-error estimates, design solves, table throughput and plans on one thread
 #[derive(Parser)]
 #[command(version, after_help = "Example:\n  bench --json")]
 struct Arguments {
     /// One JSON object on stdout (the only format)
     #[arg(long)]
     json: bool,
+    /// Measures nothing: writes the realizations that output error is measured on, with starts and estimates, as JSON
+    #[arg(long, value_name = "FILE")]
+    realizations: Option<PathBuf>,
 }
 
 fn main() -> anyhow::Result<()> {
-    let Arguments { json: _ } = Arguments::parse();
+    let Arguments { json: _, realizations } = Arguments::parse();
     let paper = paper::Paper::new()?;
+    if let Some(file) = realizations {
+        return output_error::write(&paper, &file);
+    }
     let monte_carlo = monte_carlo::measure(&paper)?;
     let output_error = output_error::measure(&paper)?;
     let small = design::measure(&paper.candidates()?, 1e-10, 50)?;

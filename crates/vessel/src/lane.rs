@@ -95,6 +95,18 @@ pub trait Number:
     fn modulus(self) -> Self;
     /// The number of every run.
     fn lane(self) -> Lane;
+    /// Such numbers by what they are.
+    fn numbers(entries: &[Self]) -> Numbers<'_>;
+}
+
+/// Numbers of either kind. What takes one is compiled once, in the crate that it stands in; what is generic over
+/// [`Number`] is compiled, for every instruction set, in every crate and every test that calls it.
+#[derive(Clone, Copy, Debug)]
+pub enum Numbers<'a> {
+    /// A lane per entry.
+    Lanes(&'a [Lane]),
+    /// One number per entry, which all runs share.
+    Shared(&'a [f64]),
 }
 
 impl Number for Lane {
@@ -108,6 +120,9 @@ impl Number for Lane {
     fn lane(self) -> Lane {
         self
     }
+    fn numbers(entries: &[Self]) -> Numbers<'_> {
+        Numbers::Lanes(entries)
+    }
 }
 
 impl Number for f64 {
@@ -120,6 +135,9 @@ impl Number for f64 {
     #[inline(always)]
     fn lane(self) -> Lane {
         Lane::splat(self)
+    }
+    fn numbers(entries: &[Self]) -> Numbers<'_> {
+        Numbers::Shared(entries)
     }
 }
 

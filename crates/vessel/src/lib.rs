@@ -26,7 +26,7 @@ mod term;
 pub use disturbance::{Axes, Current, Disturbances, Measurement, Wind};
 pub use file::{InputSpec, MeasuredSpec, Source, TermSpec, Vessel, VesselFile};
 pub use invalid::{Invalid, nearest};
-pub use lane::{LANES, Lane, Number};
+pub use lane::{LANES, Lane, Number, Numbers};
 pub use maneuver::{
     CandidateKind, DictionaryFile, Exceeded, GenerateSpec, Generator, Kind, Limits, ManeuverSpec, Realized,
     Shape, Signal, SignalShape, parse_inputs,

@@ -1,5 +1,5 @@
 use crate::program::Program;
-use crate::{Lane, Model, Number};
+use crate::{Lane, Model, Number, Numbers};
 
 /// A speed \[m/s\] or yaw rate \[rad/s\] beyond which a simulation counts as diverged.
 pub const DIVERGED: f64 = 1e3;
@@ -19,6 +19,32 @@ pub struct Diverged {
 /// `current`: N × 2 surge and sway components in body axes \[m/s\], or empty for still water. `states`: filled with
 /// (N+1) × 3. All row-major.
 pub fn simulate(
+    model: &Model,
+    parameters: &[Lane],
+    initial: [Lane; 3],
+    exogenous: &[impl Number],
+    current: &[Lane],
+    states: &mut [Lane],
+) {
+    simulate_numbers(model, parameters, initial, Number::numbers(exogenous), current, states);
+}
+
+fn simulate_numbers(
+    model: &Model,
+    parameters: &[Lane],
+    initial: [Lane; 3],
+    exogenous: Numbers,
+    current: &[Lane],
+    states: &mut [Lane],
+) {
+    match exogenous {
+        Numbers::Lanes(lanes) => keep(model, parameters, initial, lanes, current, states),
+        Numbers::Shared(numbers) => keep(model, parameters, initial, numbers, current, states),
+    }
+}
+
+/// Follows the runs and keeps their states.
+fn keep(
     model: &Model,
     parameters: &[Lane],
     initial: [Lane; 3],

@@ -10,7 +10,6 @@ use clap::{Parser, ValueEnum};
 use identification::predictor::{InitialState, Levels};
 use serde_json::json;
 use stages::cli::{Common, Sharding, Summary, beside, given, name_of, provenance, run};
-use stages::documents::{DegreeSummary, DesignSummary, EstimateDocument, EstimatorSummary, ParameterSummary};
 use stages::estimates::{self, Row, Status};
 use stages::estimators::{Estimator, RunEstimators};
 use stages::failure::Failure;
@@ -18,10 +17,9 @@ use stages::instruments::Removal;
 use stages::ordered::{joined, joined_blocks, ordered};
 use stages::pooled::{self, PoolFlags, Wanted};
 use stages::progress::Progress;
-use stages::statistics::{mean, quantile, sorted, spread};
 use stages::study_files::{read_campaign, read_vessel};
 use stages::trajectories::{Layout, TrajectoryReader};
-use vessel::{DegreeOfFreedom, Vessel};
+use vessel::Vessel;
 
 /// Estimates the parameters of every run, with standard errors; writes estimates.parquet and estimate.json
 #[derive(Parser)]
@@ -144,7 +142,7 @@ fn stage(a: &Arguments) -> Result<Summary, Failure> {
     estimate_blocks(a, &estimators, &reader, &schema, &mut each)?;
     if a.sharding.shard.is_none() {
         refuse_if_all_collinear(&estimators, file, &reader, &rows)?;
-        refuse_if_none_identified(file, &vessel, &rows)?;
+        estimates::refuse_if_none(file, &vessel, &rows)?;
     }
     publish(a, &vessel, &provenance, writer.finish()?, rows, &document_file)
 }
@@ -262,32 +260,6 @@ fn refuse_if_all_collinear(
     )))
 }
 
-fn refuse_if_none_identified(file: &Path, vessel: &Vessel, rows: &[Row]) -> Result<(), Failure> {
-    if rows.is_empty() || rows.iter().any(|r| r.estimate.is_some()) {
-        return Ok(());
-    }
-    let searched = rows.iter().filter(|r| r.status == Status::NotConverged).count();
-    if searched > 0 {
-        return Err(Failure::NoAnswer(format!(
-            "{}: estimates by {}: found {searched} of {} runs whose search ended nowhere and no estimate, expected a minimum; \
-             try `iv`, or a nominal model nearer to the vessel",
-            file.display(),
-            rows[0].estimator,
-            rows.len()
-        )));
-    }
-    let unexcited = (0..3).find(|d| rows[0].condition[*d].is_infinite()).unwrap_or(0);
-    let parameter = &rows[0].weakest[unexcited];
-    let index = vessel.model.degrees[unexcited].parameters.iter().position(|p| p == parameter).unwrap_or(0);
-    Err(Failure::NoAnswer(format!(
-        "{}: parameter `{parameter}` ({}): found no run that excites it, expected its term `{}` to vary independently of \
-         the others; add a maneuver in which it does",
-        file.display(),
-        DegreeOfFreedom::ALL[unexcited].name(),
-        vessel.model.degrees[unexcited].terms[index].text
-    )))
-}
-
 fn publish(
     a: &Arguments,
     vessel: &Vessel,
@@ -305,11 +277,11 @@ fn publish(
     let searched = also(unconverged, estimates::NOT_CONVERGED) + &also(kept, "kept unrefined");
     let mut staged = vec![table];
     if provenance.shard.is_none() {
-        let document = summarize(provenance, vessel, &rows);
+        let document = estimates::summarize(provenance, vessel, &rows);
         staged.push(stage_document(document_file, provenance, &document)?);
     }
     commit(staged)?;
-    let single = estimators(&rows).len() < 2;
+    let single = estimates::estimators(&rows).len() < 2;
     let simple = single && unconverged + kept == 0;
     let things = if single { "runs" } else { "estimates" };
     let part = a.sharding.shard.map_or(String::new(), |s| format!(", shard {s}"));
@@ -322,84 +294,4 @@ fn publish(
                 "not_converged": unconverged, "kept": kept})
         },
     })
-}
-
-fn summarize(provenance: &Provenance, vessel: &Vessel, rows: &[Row]) -> EstimateDocument {
-    let setting = |key: &str| provenance.settings.get(key).and_then(|v| v.as_str()).unwrap_or("").to_owned();
-    let names = estimators(rows);
-    let of = |name: &str| {
-        design_summaries(vessel, &rows.iter().filter(|r| r.estimator == name).collect::<Vec<_>>())
-    };
-    let summary = |name: &&str| EstimatorSummary { estimator: (*name).to_owned(), designs: of(name) };
-    EstimateDocument {
-        estimator: setting("estimator"),
-        mean_removal: setting("mean_removal"),
-        designs: of(&setting("estimator")),
-        compared: (names.len() > 1).then(|| names.iter().map(summary).collect()),
-        trust: None,
-    }
-}
-
-/// The estimators of the rows, in their order.
-fn estimators(rows: &[Row]) -> Vec<&str> {
-    let mut names: Vec<&str> = Vec::new();
-    for row in rows {
-        if !names.contains(&row.estimator.as_str()) {
-            names.push(&row.estimator);
-        }
-    }
-    names
-}
-
-fn design_summaries(vessel: &Vessel, rows: &[&Row]) -> Vec<DesignSummary> {
-    let mut designs: Vec<&str> = rows.iter().map(|r| r.design.as_str()).collect();
-    designs.dedup();
-    let own = |design: &str| rows.iter().copied().filter(|r| r.design == design).collect::<Vec<_>>();
-    designs.iter().map(|design| design_summary(vessel, design, &own(design))).collect()
-}
-
-fn design_summary(vessel: &Vessel, design: &str, rows: &[&Row]) -> DesignSummary {
-    let names = vessel.model.parameter_names().zip(vessel.model.parameter_units()).enumerate();
-    let count = |status: Status| rows.iter().filter(|r| r.status == status).count() as u64;
-    let by = |names: &[&str]| rows.iter().any(|r| names.contains(&r.estimator.as_str()));
-    DesignSummary {
-        design: design.to_owned(),
-        runs: rows.len() as u64,
-        identified: rows.iter().filter(|r| r.estimate.is_some()).count() as u64,
-        not_converged: by(&["output-error", "prediction-error"]).then(|| count(Status::NotConverged)),
-        kept: by(&["refined-iv"]).then(|| count(Status::Kept)),
-        parameters: names.map(|(i, (name, unit))| parameter_summary(vessel, i, name, unit, rows)).collect(),
-        degrees: DegreeOfFreedom::ALL.into_iter().map(|d| degree_summary(d, rows)).collect(),
-    }
-}
-
-fn parameter_summary(vessel: &Vessel, i: usize, name: &str, unit: String, rows: &[&Row]) -> ParameterSummary {
-    let identified = || rows.iter().filter_map(|r| r.estimate.as_ref());
-    let values: Vec<f64> = identified().map(|(theta, _)| theta[i]).collect();
-    let errors = sorted(identified().map(|(_, se)| Some(se[i])));
-    ParameterSummary {
-        name: name.to_owned(),
-        unit,
-        truth: vessel.value[i],
-        nominal: vessel.nominal[i],
-        mean: mean(&values),
-        spread: spread(&values),
-        predicted_se: quantile(&errors, 0.5),
-    }
-}
-
-fn degree_summary(d: DegreeOfFreedom, rows: &[&Row]) -> DegreeSummary {
-    let conditions = sorted(rows.iter().map(|r| Some(r.condition[d as usize])));
-    let mut counts: std::collections::BTreeMap<&str, usize> = std::collections::BTreeMap::new();
-    for row in rows {
-        *counts.entry(row.weakest[d as usize].as_str()).or_default() += 1;
-    }
-    let (weakest, count) = counts.into_iter().max_by_key(|(_, count)| *count).unwrap_or(("", 0));
-    DegreeSummary {
-        name: d.name().to_owned(),
-        condition_median: quantile(&conditions, 0.5),
-        condition_max: quantile(&conditions, 1.0),
-        weakest_parameter: weakest.to_owned(),
-        weakest_share: count as f64 / rows.len().max(1) as f64,
-    }
 }

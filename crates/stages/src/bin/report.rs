@@ -21,6 +21,9 @@ struct Arguments {
     /// Folder of the study's hand-written files
     #[arg(long, value_name = "FOLDER")]
     study: PathBuf,
+    /// The maneuvers, where they are not in the study's folder
+    #[arg(long, value_name = "dictionary.toml")]
+    dictionary: Option<PathBuf>,
     /// Folder that the stages wrote into; what is missing there is said on the page
     #[arg(long, value_name = "FOLDER")]
     results: PathBuf,
@@ -36,8 +39,12 @@ fn main() -> ExitCode {
 }
 
 fn stage(a: &Arguments) -> Result<Summary, Failure> {
-    let sources =
-        Sources { study: a.study.clone(), results: a.results.clone(), scenarios: a.scenarios.clone() };
+    let sources = Sources {
+        study: a.study.clone(),
+        dictionary: a.dictionary.clone(),
+        results: a.results.clone(),
+        scenarios: a.scenarios.clone(),
+    };
     let study = load(&sources)?;
     let page = render(&study).map_err(|e| Failure::Failed(format!("figures: {e}")))?;
     let out = a.common.main_output("report.html", &[])?;

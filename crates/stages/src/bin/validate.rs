@@ -7,7 +7,6 @@ use artifact::{
     EncodedBlock, Provenance, Staged, TableReader, TableWriter, commit, encode_block, gather, stage_document,
 };
 use clap::{ArgMatches, Args, Command, CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum};
-use identification::{FreeRun, free_runs, parameter_error};
 use serde_json::json;
 use stages::campaign_file::CampaignFile;
 use stages::cli::{Common, Sharding, Summary, beside, given, name_of, provenance, run};
@@ -16,15 +15,13 @@ use stages::documents::{Bounds, ValidationDocument};
 use stages::estimates;
 use stages::failure::Failure;
 use stages::instruments::Removal;
-use stages::lanes::interleave;
 use stages::ordered::ordered;
 use stages::pooled::{Method, PoolFlags, not_below, samples};
 use stages::progress::Progress;
-use stages::scores::{self, Row};
+use stages::scores::{self, Row, ValidationRuns};
 use stages::selection;
 use stages::study_files::{read_campaign, read_vessel};
-use stages::trajectories::{Layout, Run, TrajectoryReader, refuse_shard};
-use vessel::{LANES, Vessel};
+use stages::trajectories::refuse_shard;
 
 /// Either the scores of estimates or a study of its own.
 enum Cli {
@@ -248,7 +245,7 @@ fn stage(a: &Arguments) -> Result<Summary, Failure> {
     let mut provenance = provenance("validate");
     let vessel = read_vessel(&a.vessel, &mut provenance)?;
     let config = read_campaign(&a.campaign, &mut provenance)?;
-    let validation = Validation::read(&a.validation, &vessel, &mut provenance)?;
+    let validation = ValidationRuns::read(&a.validation, &vessel, &mut provenance)?;
     let mut inputs = vec![a.vessel.as_path(), &a.campaign, &a.validation];
     inputs.extend(a.estimates.iter().chain(&a.sharding.gather).map(PathBuf::as_path));
     let out = a.common.main_output("scores.parquet", &inputs)?;
@@ -285,7 +282,7 @@ fn stage(a: &Arguments) -> Result<Summary, Failure> {
 
 fn publish(
     config: &CampaignFile,
-    validation: &Validation,
+    validation: &ValidationRuns,
     provenance: &Provenance,
     table: Staged,
     rows: &[Row],
@@ -310,87 +307,4 @@ fn publish(
     }
     commit(staged)?;
     Ok(Summary { line: format!("{}: {} runs, {diverged} diverged", out.display(), rows.len()), json })
-}
-
-/// The validation runs, ready to be simulated by several models at once.
-struct Validation<'a> {
-    vessel: &'a Vessel,
-    runs: Vec<Run>,
-}
-
-impl<'a> Validation<'a> {
-    fn read(file: &Path, vessel: &'a Vessel, provenance: &mut Provenance) -> Result<Self, Failure> {
-        let reader = TrajectoryReader::open(file, &Layout::new(&vessel.model), vessel.sample_rate_hz)?;
-        reader.whole()?;
-        provenance.inputs.insert("validation".into(), reader.digest());
-        let mut runs = Vec::new();
-        for block in 0..reader.blocks() {
-            runs.extend(reader.runs(block)?);
-        }
-        if runs.is_empty() {
-            return Err(Failure::refuse(
-                file,
-                "rows",
-                "none",
-                "at least one run",
-                "simulate the validation again",
-            ));
-        }
-        Ok(Self { vessel, runs })
-    }
-
-    fn samples(&self) -> u64 {
-        self.runs.iter().map(|run| run.samples() as u64).sum()
-    }
-
-    fn score(&self, rows: &[estimates::Row], truth: Option<&[f64]>) -> Vec<Row> {
-        rows.chunks(LANES).flat_map(|chunk| self.score_lanes(chunk, truth)).collect()
-    }
-
-    fn score_lanes(&self, rows: &[estimates::Row], truth: Option<&[f64]>) -> Vec<Row> {
-        let zero = vec![0.0; self.vessel.model.parameters()];
-        let own = |r: &'_ estimates::Row| r.estimate.as_ref().map(|(theta, _)| theta.clone());
-        let parameters: Vec<Vec<f64>> = rows.iter().map(|r| own(r).unwrap_or_else(|| zero.clone())).collect();
-        let lanes = interleave(&parameters.iter().map(Vec::as_slice).collect::<Vec<_>>());
-        let mut errors = vec![Some([0.0; 3]); rows.len()];
-        for run in &self.runs {
-            let found = free_runs(&self.vessel.model, &lanes, &run.exogenous, &run.measured);
-            for (total, found) in errors.iter_mut().zip(found) {
-                *total = add(*total, found, run.samples() as f64);
-            }
-        }
-        let score = |(row, error): (&estimates::Row, Option<[f64; 3]>)| self.row(row, error, truth);
-        rows.iter().zip(errors).map(score).collect()
-    }
-
-    fn row(&self, row: &estimates::Row, squares: Option<[f64; 3]>, truth: Option<&[f64]>) -> Row {
-        let samples = self.samples() as f64;
-        let rmse = squares.filter(|_| row.estimate.is_some()).map(|s| s.map(|x| (x / samples).sqrt()));
-        let status = match (&row.estimate, rmse) {
-            (None, _) => row.status.name(),
-            (Some(_), None) => scores::DIVERGED,
-            (Some(_), Some(_)) => scores::SCORED,
-        };
-        Row {
-            design: row.design.clone(),
-            run: row.run,
-            estimator: row.estimator.clone(),
-            status: status.to_owned(),
-            parameter_error: row
-                .estimate
-                .as_ref()
-                .zip(truth)
-                .and_then(|((theta, _), truth)| parameter_error(theta, truth)),
-            rmse: [0, 1, 2].map(|d| rmse.map(|r| r[d])),
-            simulation_error: rmse.and_then(|r| FreeRun::Rmse(r).norm()),
-        }
-    }
-}
-
-/// Adds the squared errors of one run; `None` once any diverged.
-fn add(total: Option<[f64; 3]>, found: FreeRun, samples: f64) -> Option<[f64; 3]> {
-    match found {
-        FreeRun::Rmse(rmse) => total.map(|t| [0, 1, 2].map(|d| t[d] + rmse[d] * rmse[d] * samples)),
-        FreeRun::Diverged(_) => None,
-    }
 }

@@ -1,7 +1,8 @@
 //! What `moments` and `design` share about designs: the noise that a covariance is predicted from, what is available, the
-//! criterion, counts, how long an experiment has to be, and the document.
+//! criterion, counts, how long an experiment has to be, and the document; and the stage `design` itself.
 
 mod accuracy;
+mod arguments;
 mod available;
 mod criterion;
 mod document;
@@ -14,11 +15,13 @@ mod refusal;
 mod restricted;
 mod segments;
 mod sequence;
+mod stage;
 mod timed;
 mod weights;
 mod whole;
 
 pub use accuracy::Wanted;
+pub use arguments::Arguments;
 pub use available::{Available, Experiment};
 pub use criterion::{Asked, CovarianceCriterion, Criterion, CriterionName, OverModels};
 pub use document::{Solved, document};
@@ -29,5 +32,6 @@ pub use refusal::no_design;
 pub use restricted::{Few, restricted};
 pub use segments::{Segments, counted};
 pub use sequence::Sequencing;
+pub use stage::stage;
 pub use timed::{Question, Timed};
 pub use weights::{Relative, squares, weights};

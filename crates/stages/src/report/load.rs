@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use artifact::{Digest, Document, Loaded, Provenance, TableReader, read_document, read_toml};
+use serde::de::DeserializeOwned;
 use vessel::{DegreeOfFreedom, DictionaryFile, Vessel, track};
 
 use super::trajectory_files::trajectory;
@@ -19,6 +20,8 @@ use crate::trajectories::{Layout, Run, TrajectoryReader};
 pub struct Sources {
     /// The hand-written files.
     pub study: PathBuf,
+    /// The maneuvers, where they are not the study's own `dictionary.toml`.
+    pub dictionary: Option<PathBuf>,
     /// What the stages wrote.
     pub results: PathBuf,
     /// Results of other studies whose estimators are to be shown side by side.
@@ -36,7 +39,7 @@ pub fn load(sources: &Sources) -> Result<Study, Failure> {
     let mut loader = Loader { sources, files: Vec::new() };
     let vessel = loader.vessel()?;
     let campaign = loader.toml::<CampaignFile>("campaign.toml", "runs, disturbances, seed, validation")?;
-    let descriptions = loader.toml::<DictionaryFile>("dictionary.toml", "the maneuvers")?;
+    let descriptions = loader.dictionary()?;
     let reference = loader.toml::<Reference>("reference.toml", "published results, to compare with")?;
     let descriptions: BTreeMap<String, String> = descriptions
         .iter()
@@ -124,14 +127,23 @@ impl Loader<'_> {
         Ok(Some(vessel))
     }
 
-    fn toml<T: serde::de::DeserializeOwned>(&mut self, name: &str, what: &str) -> Result<Option<T>, Failure> {
-        let path = self.sources.study.join(name);
-        if !path.exists() {
-            return Ok(None);
+    /// The maneuvers; a file that was named must be there.
+    fn dictionary(&mut self) -> Result<Option<DictionaryFile>, Failure> {
+        match &self.sources.dictionary {
+            Some(path) => self.toml_at(path, "dictionary.toml", "the maneuvers").map(Some),
+            None => self.toml("dictionary.toml", "the maneuvers"),
         }
-        let (value, digest) = read_toml(&path)?;
+    }
+
+    fn toml<T: DeserializeOwned>(&mut self, name: &str, what: &str) -> Result<Option<T>, Failure> {
+        let path = self.sources.study.join(name);
+        path.exists().then(|| self.toml_at(&path, name, what)).transpose()
+    }
+
+    fn toml_at<T: DeserializeOwned>(&mut self, path: &Path, name: &str, what: &str) -> Result<T, Failure> {
+        let (value, digest) = read_toml(path)?;
         self.note(name, what, digest);
-        Ok(Some(value))
+        Ok(value)
     }
 
     pub(super) fn document<D: Document>(&mut self, name: &str, what: &str) -> Result<Option<D>, Failure> {

@@ -1,0 +1,85 @@
+//! Files are written whole or not at all.
+
+use artifact::{Error, Staged, TableWriter, commit};
+
+use crate::sample::{encode, folder, names, provenance, refusal, schema, stage};
+
+#[test]
+fn dropped_files_leave_nothing() {
+    let folder = folder();
+    let path = folder.path().join("t.parquet");
+    let mut writer = TableWriter::create(&path, &schema(), &provenance()).unwrap();
+    writer.push(encode(0..1).remove(0)).unwrap();
+    assert_eq!(names(&folder).len(), 1);
+    drop(writer);
+    assert!(names(&folder).is_empty());
+    let staged = stage(&path, &provenance(), encode(0..2)).unwrap();
+    assert_eq!(staged.path(), path);
+    assert!(!path.exists());
+    drop(staged);
+    assert!(names(&folder).is_empty());
+}
+
+#[test]
+fn a_committed_file_replaces_the_one_before() {
+    let folder = folder();
+    let path = folder.path().join("a.txt");
+    for text in ["one", "two"] {
+        commit(vec![Staged::bytes(&path, text.as_bytes()).unwrap()]).unwrap();
+        assert_eq!(std::fs::read_to_string(&path).unwrap(), text);
+    }
+    assert_eq!(names(&folder), ["a.txt"]);
+}
+
+#[test]
+fn a_missing_folder_is_told_with_its_remedy() {
+    let folder = folder();
+    let path = folder.path().join("none/t.parquet");
+    let error = TableWriter::create(&path, &schema(), &provenance()).unwrap_err();
+    assert!(matches!(&error, Error::Io { path: p, action: "create", .. } if *p == path));
+    let line = error.to_string();
+    assert!(line.contains("t.parquet: create: found no folder `"), "{line}");
+    assert!(line.ends_with("expected an existing folder; create the folder first"), "{line}");
+    assert!(names(&folder).is_empty());
+}
+
+#[test]
+fn a_folder_as_target_is_refused_before_anything_is_written() {
+    let folder = folder();
+    assert!(matches!(Staged::bytes(folder.path(), b"x"), Err(Error::Io { action: "create", .. })));
+    assert!(matches!(Staged::bytes("", b"x"), Err(Error::Io { action: "create", .. })));
+    assert!(names(&folder).is_empty());
+}
+
+#[test]
+fn a_failed_rename_takes_back_the_ones_before() {
+    let folder = folder();
+    let paths = ["a", "b", "c"].map(|name| folder.path().join(name));
+    let staged = paths.iter().map(|path| Staged::bytes(path, b"x").unwrap()).collect();
+    std::fs::create_dir(&paths[1]).unwrap();
+    std::fs::write(paths[1].join("occupied"), b"x").unwrap();
+    let error = commit(staged).unwrap_err();
+    assert!(matches!(error, Error::Io { path, action: "rename", .. } if path == paths[1]));
+    assert_eq!(names(&folder), ["b"]);
+}
+
+#[test]
+fn two_files_of_one_name_are_refused() {
+    let folder = folder();
+    let path = folder.path().join("a");
+    let staged = vec![Staged::bytes(&path, b"1").unwrap(), Staged::bytes(&path, b"2").unwrap()];
+    assert!(refusal(commit(staged)).contains("a: output: found two files of this name"));
+    assert!(names(&folder).is_empty());
+}
+
+#[cfg(unix)]
+#[test]
+fn a_file_has_ordinary_permissions() {
+    use std::os::unix::fs::PermissionsExt;
+    let folder = folder();
+    let (path, plain) = (folder.path().join("a"), folder.path().join("b"));
+    commit(vec![Staged::bytes(&path, b"x").unwrap()]).unwrap();
+    std::fs::write(&plain, b"x").unwrap();
+    let mode = |path| std::fs::metadata(path).unwrap().permissions().mode();
+    assert_eq!(mode(path), mode(plain));
+}

@@ -1,0 +1,114 @@
+//! Hand-written TOML.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use artifact::{Digest, Error, Result, parse_toml, read_toml};
+use serde::Deserialize;
+
+use crate::sample::{folder, refusal};
+
+#[derive(Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Study {
+    sample_rate_hz: f64,
+    seed: u64,
+    shape: Shape,
+    #[serde(default)]
+    maneuver: Vec<Maneuver>,
+    #[serde(default)]
+    limits: BTreeMap<String, f64>,
+}
+
+#[derive(Debug, PartialEq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum Shape {
+    Square,
+    Sine,
+}
+
+#[derive(Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Maneuver {
+    name: String,
+}
+
+const GOOD: &str = "# rate of the log\nsample_rate_hz = 8.0\nseed = 18446744073709551615\nshape = \"sine\"\n";
+
+fn parse(text: &str) -> Result<Study> {
+    parse_toml(text, Path::new("study.toml"))
+}
+
+fn refused(text: &str) -> String {
+    refusal(parse(text))
+}
+
+#[test]
+fn a_good_file_is_read_with_its_digest() {
+    let folder = folder();
+    let path = folder.path().join("study.toml");
+    std::fs::write(&path, GOOD).unwrap();
+    let (study, digest): (Study, _) = read_toml(&path).unwrap();
+    assert_eq!((study.sample_rate_hz, study.seed, study.shape), (8.0, u64::MAX, Shape::Sine));
+    assert_eq!(digest, Digest::of_bytes(GOOD.as_bytes()));
+    assert!(matches!(read_toml::<Study>(folder.path().join("none")), Err(Error::Io { action: "read", .. })));
+}
+
+#[test]
+fn an_unknown_key_is_refused_with_the_nearest() {
+    let line = refused(&format!("{GOOD}sample_rate = 8\n"));
+    let expected = "study.toml: key: found key `sample_rate` (line 5), expected a known key: `sample_rate_hz`, `seed`, \
+                    `shape`, `maneuver`, `limits`; did you mean `sample_rate_hz`?";
+    assert_eq!(line, expected);
+    let line = refused(&format!("{GOOD}[[maneuver]]\nNAEM = \"a\"\n"));
+    assert!(
+        line.contains("found key `NAEM` (line 6), expected the key `name`; did you mean `name`?"),
+        "{line}"
+    );
+}
+
+#[test]
+fn an_unknown_choice_is_refused_with_the_nearest() {
+    let line = refused(&GOOD.replace("sine", "sinus"));
+    assert_eq!(
+        line,
+        "study.toml: shape: found `sinus` (line 4), expected a known value: `square`, `sine`; did you mean `sine`?"
+    );
+}
+
+#[test]
+fn a_missing_key_is_named() {
+    let line = refused("seed = 1\nshape = \"sine\"\n");
+    assert!(
+        line.contains("found no key `sample_rate_hz`") && line.ends_with("add `sample_rate_hz`"),
+        "{line}"
+    );
+    let line = refused(&format!("{GOOD}\n[[maneuver]]\n"));
+    assert!(line.contains("found no key `name` (line 6)"), "{line}");
+}
+
+#[test]
+fn a_wrong_type_is_told_with_key_and_line() {
+    let line = refused(&GOOD.replace("8.0", "\"8\""));
+    assert_eq!(
+        line,
+        "study.toml: sample_rate_hz: found string \"8\" (line 2), expected f64; correct the value"
+    );
+    let line = refused(&GOOD.replace("18446744073709551615", "-1"));
+    assert!(line.contains("seed: found integer `-1` (line 3), expected u64"), "{line}");
+}
+
+#[test]
+fn broken_syntax_is_told_with_its_line() {
+    for broken in ["seed = ", "seed = 1\nseed = 2\n", "[", "x = [1,\n", "= 3", "a = \"\u{7f}\nb"] {
+        assert!(refused(broken).contains("(line "), "{}", refused(broken));
+    }
+}
+
+#[test]
+fn a_file_that_is_not_text_is_refused() {
+    let folder = folder();
+    let path = folder.path().join("study.toml");
+    std::fs::write(&path, b"a = 1\nb = \"\xe4\"\n").unwrap();
+    assert!(refusal(read_toml::<Study>(&path)).contains("found a byte that is not UTF-8 (line 2)"));
+}

@@ -1,0 +1,10 @@
+//! Charts as they are read, what they leave free, and routes.
+
+mod footprints;
+mod geodesy;
+mod grid_files;
+mod obstacles;
+mod polygon_files;
+mod real_charts;
+mod routes;
+mod support;

@@ -1,0 +1,7 @@
+//! Plans, why there are none, and problems that are refused.
+
+mod brute_force;
+mod files;
+mod random;
+mod reasons;
+mod refusals;

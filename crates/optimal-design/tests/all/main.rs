@@ -1,0 +1,9 @@
+//! Designs known by theory, by enumeration and by independent computation.
+
+mod counts;
+mod covariance;
+mod designs;
+mod oracle;
+mod oracle_covariance;
+mod oracle_output_error;
+mod restrictions;

@@ -1,0 +1,6 @@
+//! Figures and the map.
+
+mod archipelago;
+mod drawing;
+mod figures;
+mod map;

@@ -1,0 +1,204 @@
+//! Estimators by name, one by one and compared, through the real binaries.
+
+use std::sync::LazyLock;
+
+use tempfile::TempDir;
+
+use crate::support::*;
+
+const COMPARE: &str = "estimate --vessel vessel.toml --trajectories campaign.parquet --compare --campaign campaign.toml \
+     --out estimates.parquet";
+const NAMES: [&str; 5] = ["ls", "iv", "refined-iv", "output-error", "prediction-error"];
+
+/// The small study with all estimators compared.
+static COMPARED: LazyLock<Study> = LazyLock::new(|| {
+    let folder = with(&["campaign.parquet", "validation.parquet", "design.json"]);
+    run(&folder, COMPARE).succeeds();
+    run(&folder, VALIDATE).succeeds();
+    Study::of(&folder)
+});
+
+fn compared() -> TempDir {
+    COMPARED.with(&[
+        "campaign.parquet",
+        "validation.parquet",
+        "estimates.parquet",
+        "estimate.json",
+        "scores.parquet",
+        "validation.json",
+        "design.json",
+    ])
+}
+
+/// The text column `index` of a table, row by row.
+fn texts(folder: &TempDir, file: &str, id: &'static str, index: usize) -> Vec<String> {
+    let table = craft::read(&folder.path().join(file), id);
+    let of = |block: &artifact::Table| {
+        let column = &block.columns[index];
+        (0..column.len()).map(|row| column.text_at(row).unwrap().to_owned()).collect::<Vec<_>>()
+    };
+    table.blocks.iter().flat_map(of).collect()
+}
+
+#[test]
+fn compare_has_a_row_per_run_and_estimator_and_alone_each_gives_the_same() {
+    let folder = compared();
+    for (file, id) in [("estimates.parquet", "estimates"), ("scores.parquet", "scores")] {
+        let estimators = texts(&folder, file, id, 2);
+        assert_eq!(estimators.len(), 2 * RUNS as usize * NAMES.len(), "{file}");
+        assert!(estimators.chunks(NAMES.len()).all(|own| own == NAMES), "{file}");
+    }
+    let whole = craft::read(&folder.path().join("estimates.parquet"), "estimates");
+    let parameter = |table: &artifact::Table, row: usize| table.columns[4].value_at(row);
+    for (i, name) in NAMES.iter().enumerate() {
+        let line = format!("{ESTIMATE} --estimator {name} --campaign campaign.toml")
+            .replace("estimates.parquet", "alone.parquet");
+        run(&folder, &line).succeeds();
+        let alone = craft::read(&folder.path().join("alone.parquet"), "estimates");
+        for row in 0..2 * RUNS as usize {
+            let (a, b) =
+                (parameter(&alone.blocks[0], row), parameter(&whole.blocks[0], row * NAMES.len() + i));
+            assert_eq!(a, b, "{name}, row {row}");
+        }
+    }
+}
+
+#[test]
+fn documents_and_page_tell_of_every_estimator_and_the_study_stays_that_of_instrumental_variables() {
+    let folder = compared();
+    let (estimate, validation) = (json(&folder, "estimate.json"), json(&folder, "validation.json"));
+    for document in [&estimate, &validation] {
+        let all = document["data"]["compared"].as_array().unwrap();
+        let names: Vec<&str> = all.iter().map(|e| e["estimator"].as_str().unwrap()).collect();
+        assert_eq!(names, NAMES);
+        assert_eq!(all[1]["designs"], document["data"]["designs"], "the study is that of iv");
+        for searched in &all[3..] {
+            assert!(searched["designs"][0]["not_converged"].is_u64());
+        }
+    }
+    let plain = with(&["validation.json"]);
+    assert_eq!(json(&plain, "validation.json")["data"]["designs"], validation["data"]["designs"]);
+    run(&folder, REPORT).succeeds();
+    let page = String::from_utf8(bytes(&folder, "report.html")).unwrap();
+    for name in NAMES {
+        assert!(page.contains(&format!("<th scope=\"row\">{name}</th>")), "{name}");
+    }
+}
+
+#[test]
+fn law_output_error_and_refined_instruments_are_better_than_the_papers_on_the_papers_disturbances() {
+    let validation = json(&compared(), "validation.json");
+    let median = |i: usize| {
+        validation["data"]["compared"][i]["designs"][0]["parameter_error"]["median"].as_f64().unwrap()
+    };
+    let [ls, iv, refined, free, predicted] = [0, 1, 2, 3, 4].map(median);
+    assert!(
+        iv < 0.3 * ls && refined < 0.8 * iv && free < 0.8 * iv && predicted < 0.8 * iv,
+        "{ls} {iv} {refined} {free} {predicted}"
+    );
+}
+
+#[test]
+fn law_compared_estimates_have_the_same_bytes_for_all_threads_and_shards() {
+    let folder = compared();
+    let whole = bytes(&folder, "estimates.parquet");
+    for threads in [1, 2] {
+        run(&folder, &format!("{COMPARE} --threads {threads}")).succeeds();
+        assert!(bytes(&folder, "estimates.parquet") == whole, "{threads} threads");
+    }
+    let document = bytes(&folder, "estimate.json");
+    let (line, _) = COMPARE.split_once(" --out ").unwrap();
+    for k in [2, 1] {
+        run(&folder, &format!("{line} --shard {k}/2 --out part-{k}.parquet")).succeeds();
+    }
+    run(
+        &folder,
+        "estimate --vessel vessel.toml --gather part-2.parquet part-1.parquet --out estimates.parquet",
+    )
+    .succeeds();
+    assert!(bytes(&folder, "estimates.parquet") == whole && bytes(&folder, "estimate.json") == document);
+}
+
+#[test]
+fn names_and_missing_disturbances_are_refused() {
+    let folder = with(&["campaign.parquet"]);
+    refused(&folder, 2, &format!("{ESTIMATE} --estimator output-eror"), &["output-eror", "output-error"]);
+    refused(
+        &folder,
+        2,
+        &format!("{ESTIMATE} --estimator prediction-error"),
+        &["--campaign", "prediction-error"],
+    );
+    refused(&folder, 2, &format!("{ESTIMATE} --compare"), &["--campaign", "--compare"]);
+    refused(&folder, 2, &format!("{ESTIMATE} --estimator auto"), &["--estimator auto", "--pool"]);
+    refused(&folder, 2, &format!("{ESTIMATE} --compare --estimator iv"), &["--compare", "--estimator"]);
+    edit(&folder, "campaign.toml", "std_v_m_s = 0.15811388300841897", "std_v_m_s = 0.0");
+    refused(&folder, 3, COMPARE, &["campaign.toml", "`measurement.std_v_m_s`", "found 0"]);
+    edit(&folder, "campaign.toml", "kind = \"white\"", "kind = \"gauss-markov\"\ntime_constant_s = 0.0");
+    refused(&folder, 3, CAMPAIGN, &["campaign.toml"]);
+}
+
+/// Straight ahead no sensitivity tells of sway and yaw; runs of too few samples are refused as for every estimator.
+#[test]
+fn unexcited_runs_are_counted_and_runs_that_are_too_short_refused() {
+    let folder = with(&["dictionary.parquet"]);
+    let line = ESTIMATE.replace("campaign.parquet", "dictionary.parquet");
+    let ran = run(&folder, &format!("{line} --estimator output-error --json")).succeeds();
+    let said: serde_json::Value = serde_json::from_str(&ran.stdout).unwrap();
+    let statuses = texts(&folder, "estimates.parquet", "estimates", 3);
+    assert_eq!(statuses[..2], ["not identifiable", "not identifiable"], "{ran}");
+    let count = |status: &str| statuses.iter().filter(|own| *own == status).count();
+    assert_eq!(statuses.len(), 11);
+    assert_eq!(said["identified"], count("identified"), "{ran}");
+    let summary = json(&folder, "estimate.json");
+    assert_eq!(summary["data"]["designs"][0]["identified"], count("identified"));
+    assert_eq!(summary["data"]["designs"][0]["not_converged"], count("not converged"));
+}
+
+/// A model that is unstable whatever its parameters' signs leaves every start diverging.
+#[test]
+fn searches_that_end_nowhere_are_counted_and_reported() {
+    let folder = with(&["campaign.parquet", "validation.parquet"]);
+    let table = craft::read(&folder.path().join("campaign.parquet"), "trajectories");
+    assert!(!table.blocks.is_empty());
+    // Few, noisy samples per run: many searches find no minimum.
+    edit(&folder, "campaign.toml", "duration_s = 125.0", "duration_s = 6.0");
+    let made = with(&["design.json"]);
+    std::fs::copy(made.path().join("design.json"), folder.path().join("design.json")).unwrap();
+    run(&folder, CAMPAIGN).succeeds();
+    let ran = run(&folder, &format!("{ESTIMATE} --estimator output-error --json")).succeeds();
+    let said: serde_json::Value = serde_json::from_str(&ran.stdout).unwrap();
+    let lost = said["not_converged"].as_u64().unwrap();
+    assert!(lost > 0, "{ran}");
+    let statuses = texts(&folder, "estimates.parquet", "estimates", 3);
+    assert_eq!(statuses.iter().filter(|s| *s == "not converged").count() as u64, lost);
+    run(&folder, VALIDATE).succeeds();
+    let designs = json(&folder, "validation.json")["data"]["designs"].clone();
+    let told: u64 = designs.as_array().unwrap().iter().map(|d| d["not_converged"].as_u64().unwrap()).sum();
+    assert_eq!(told, lost);
+}
+
+#[test]
+fn lasting_currents_and_wind_disturb_and_leave_other_channels_as_they_are() {
+    let folder = with(&["design.json"]);
+    let measured = |folder: &TempDir| {
+        run(folder, CAMPAIGN).succeeds();
+        craft::read(&folder.path().join("campaign.parquet"), "trajectories")
+    };
+    let white = measured(&folder);
+    edit(&folder, "campaign.toml", "kind = \"white\"", "kind = \"gauss-markov\"\ntime_constant_s = 20.0");
+    let text = std::fs::read_to_string(folder.path().join("campaign.toml")).unwrap();
+    let wind = "[wind]\nstd_surge_m_s2 = 0.01\nstd_sway_m_s2 = 0.01\nstd_yaw_rad_s2 = 0.01\n\n[measurement]";
+    put(&folder, "campaign.toml", &text.replacen("[measurement]", wind, 1));
+    let lasting = measured(&folder);
+    let place = |name: &str| white.schema.columns.iter().position(|c| c.name == name).unwrap();
+    let noise = |table: &craft::Whole, row: usize| {
+        let value = |name: &str| table.blocks[0].columns[place(name)].as_f64().unwrap()[row];
+        value("y_u") - value("u")
+    };
+    for row in [0, 17, 900] {
+        assert!((noise(&white, row) - noise(&lasting, row)).abs() < 1e-12);
+    }
+    let u = |table: &craft::Whole| table.blocks[0].columns[place("u")].as_f64().unwrap()[900];
+    assert!((u(&white) - u(&lasting)).abs() > 1e-4);
+}

@@ -1,0 +1,282 @@
+//! Generated dictionaries and designs for output-error estimates, through the binaries.
+
+use std::sync::OnceLock;
+
+use serde_json::Value;
+use tempfile::TempDir;
+
+use crate::support::*;
+
+const GENERATE: &str = "duration_s = 37.5\n[generate]\ncandidates = 120\nseed = 3\n[generate.limits]\nu_m_s = 1.2\nv_m_s = 0.25\n\
+     r_rad_s = 0.6\ninputs = { tau2 = 1430.0 }\n";
+const OUTPUT_ERROR: &str = "moments --vessel vessel.toml --trajectories dictionary.parquet --campaign campaign.toml --estimator \
+     output-error --out moments.json";
+const FOR: &str = "design --moments moments.json --for output-error --criterion a-relative --relative-to value --tolerance 1e-8 --out design.json";
+
+/// A folder with a generated dictionary and its moments.
+fn generated() -> TempDir {
+    static MADE: OnceLock<Study> = OnceLock::new();
+    let make = || {
+        let folder = written(2);
+        put(&folder, "dictionary.toml", GENERATE);
+        [DICTIONARY, OUTPUT_ERROR].iter().for_each(|line| drop(run(&folder, line).succeeds()));
+        Study::of(&folder)
+    };
+    MADE.get_or_init(make).with(&["dictionary.parquet", "moments.json"])
+}
+
+/// A folder with the paper's dictionary and its moments.
+fn papers() -> TempDir {
+    static MADE: OnceLock<Study> = OnceLock::new();
+    MADE.get_or_init(|| Study::make(2, &[DICTIONARY, OUTPUT_ERROR]))
+        .with(&["dictionary.parquet", "moments.json"])
+}
+
+fn data(folder: &TempDir) -> Value {
+    json(folder, "design.json")["data"].clone()
+}
+
+fn names(folder: &TempDir) -> Vec<String> {
+    let moments = json(folder, "moments.json");
+    let maneuvers = moments["data"]["maneuvers"].as_array().unwrap();
+    maneuvers.iter().map(|m| m["name"].as_str().unwrap().to_owned()).collect()
+}
+
+fn used(design: &Value) -> Vec<f64> {
+    design["shares"].as_object().unwrap().values().map(|w| w.as_f64().unwrap()).filter(|w| *w > 0.0).collect()
+}
+
+#[test]
+fn candidates_keep_their_limits_and_are_counted_by_reason() {
+    let folder = generated();
+    let ran = run(&folder, &format!("{DICTIONARY} --json")).succeeds();
+    let told: Value = serde_json::from_str(&ran.stdout).unwrap();
+    let left_out: u64 = told["left_out"].as_object().unwrap().values().map(|n| n.as_u64().unwrap()).sum();
+    assert_eq!(told["generated"].as_u64().unwrap() + left_out, 120);
+    assert!(told["left_out"]["inputs.tau2"].as_u64().unwrap() > 0, "{told}");
+    assert_eq!(names(&folder).len() as u64, told["generated"].as_u64().unwrap());
+    let kinds =
+        ["combined", "zig-zag", "pseudo-random-binary", "multisine", "spiral", "accelerate", "decelerate"];
+    for kind in kinds {
+        assert!(names(&folder).iter().any(|name| name.starts_with(kind)), "no {kind}");
+    }
+}
+
+#[test]
+fn law_names_and_inputs_of_candidates_do_not_depend_on_their_number_or_the_limits() {
+    let folder = generated();
+    let before = names(&folder);
+    edit(&folder, "dictionary.toml", "candidates = 120", "candidates = 60");
+    edit(&folder, "dictionary.toml", "tau2 = 1430.0", "tau2 = 1000.0");
+    run(&folder, DICTIONARY).succeeds();
+    let known = json(&folder, "moments.json");
+    run(&folder, OUTPUT_ERROR).succeeds();
+    let after = json(&folder, "moments.json");
+    let fewer = names(&folder);
+    assert!(!fewer.is_empty() && fewer.len() < before.len());
+    let of = |document: &Value, name: &str| {
+        let all = document["data"]["maneuvers"].as_array().unwrap();
+        all.iter().find(|m| m["name"] == name).cloned()
+    };
+    for name in &fewer {
+        assert_eq!(of(&known, name), of(&after, name), "{name}");
+    }
+}
+
+#[test]
+fn a_campaign_runs_the_generated_maneuvers_in_the_designs_order() {
+    let folder = generated();
+    let line = format!("{FOR} --duration-s 125 --starts 0");
+    let arrange = "--arrange --vessel vessel.toml --dictionary dictionary.toml";
+    run(&folder, &line).succeeds();
+    let plain = data(&folder);
+    run(&folder, CAMPAIGN).succeeds();
+    run(&folder, &format!("{line} {arrange}")).succeeds();
+    let arranged = data(&folder);
+    assert_eq!(plain["shares"], arranged["shares"]);
+    let sequence = &arranged["sequence"];
+    let parts = sequence["parts"].as_array().unwrap();
+    assert_eq!(parts.iter().map(|p| p["samples"].as_u64().unwrap()).sum::<u64>(), 1000);
+    assert!(sequence["statement"].as_str().unwrap().contains("keeps the limits"), "{sequence}");
+    run(&folder, CAMPAIGN).succeeds();
+    edit(&folder, "campaign.toml", "duration_s = 125.0", "duration_s = 100.0");
+    std::fs::remove_file(folder.path().join("campaign.parquet")).unwrap();
+    refused(&folder, 3, CAMPAIGN, &["design.json", "`data.sequence`", "1000 samples", "800 samples"]);
+    refused(&folder, 2, &format!("{FOR} {arrange}"), &["--arrange", "--duration-s"]);
+    refused(&folder, 2, &format!("{line} --arrange"), &["--vessel"]);
+    refused(&folder, 2, &format!("{line} {arrange} --most-maneuvers 9"), &["--arrange", "--most-maneuvers"]);
+}
+
+#[test]
+fn refusals_of_what_to_generate() {
+    let folder = written(2);
+    let try_with = |from: &str, to: &str, pieces: &[&str]| {
+        assert!(GENERATE.contains(from));
+        put(&folder, "dictionary.toml", &GENERATE.replace(from, to));
+        refused(&folder, 3, DICTIONARY, pieces);
+    };
+    try_with("r_rad_s = 0.6", "r_rad_s = 0.6\nw_m_s = 1.0", &["dictionary.toml", "w_m_s", "v_m_s"]);
+    try_with("tau2 = 1430.0", "tau4 = 1430.0", &["dictionary.toml", "`tau4`", "tau1, tau2, tau3"]);
+    try_with("u_m_s = 1.2", "u_m_s = -1.2", &["generate.limits.u_m_s", "-1.2"]);
+    try_with("candidates = 120", "candidates = 0", &["generate.candidates", "found 0"]);
+    try_with("seed = 3", "seed = 3\nkinds = [\"zigzag\"]", &["zigzag", "zig-zag"]);
+    try_with("seed = 3", "seed = 3\nperiod_s = [4.0, 2.0]", &["generate.period_s"]);
+    try_with(
+        "tau2 = 1430.0",
+        "tau1 = 0.001",
+        &["generate.limits.inputs.tau1", "tightest", "120 of 120", "raise `inputs.tau1`"],
+    );
+    let clash =
+        "[[maneuver]]\nname = \"combined-00000\"\nkind = \"accelerate\"\nfrom_m_s = 0.0\nto_m_s = 1.0\n";
+    put(&folder, "dictionary.toml", &format!("{GENERATE}{clash}"));
+    refused(&folder, 3, DICTIONARY, &["combined-00000", "used twice"]);
+    put(&folder, "dictionary.toml", "duration_s = 12.5\n");
+    refused(&folder, 3, DICTIONARY, &["[[maneuver]]", "[generate]"]);
+}
+
+#[test]
+fn designs_for_output_error_are_proved_where_only_measurement_errors_count() {
+    let folder = papers();
+    for name in ["d", "a", "a-relative", "v"] {
+        let line = FOR.replace("a-relative", name);
+        run(&folder, &line).succeeds();
+        assert_eq!(data(&folder)["status"], "stationary");
+        assert_eq!(data(&folder)["estimator"], "output-error");
+        run(&folder, &format!("{line} --noise measurement")).succeeds();
+        assert_eq!(data(&folder)["status"], "optimal", "{name}: {}", data(&folder)["statement"]);
+        assert_eq!(data(&folder)["proved_global"], true);
+    }
+}
+
+#[test]
+fn few_maneuvers_and_long_ones_cost_what_they_say() {
+    let folder = generated();
+    let line = format!("{FOR} --noise measurement --starts 0 --duration-s 125");
+    run(&folder, &format!("{line} --most-maneuvers 4")).succeeds();
+    let found = data(&folder);
+    assert!(used(&found).len() <= 4 && found["status"] == "restricted", "{}", found["statement"]);
+    assert!(found["statement"].as_str().unwrap().contains("proved"), "{}", found["statement"]);
+    let loss = found["restricted"]["gap"].as_f64().unwrap();
+    assert!(loss > 0.0 && loss < 0.9, "{loss}");
+    run(&folder, &format!("{line} --minimal-s 15")).succeeds();
+    let found = data(&folder);
+    assert!(used(&found).iter().all(|w| *w >= 15.0 / 125.0 - 1e-9), "{}", found["shares"]);
+    let papers = papers();
+    run(&papers, &format!("{FOR} --most-maneuvers 3 --segments 10 --segment-samples 100")).succeeds();
+    let found = data(&papers);
+    assert_eq!(found["restricted"]["method"], "exhaustive");
+    let counts = found["counts"].as_object().unwrap();
+    let counted: Vec<u64> = counts.values().map(|n| n.as_u64().unwrap()).filter(|n| *n > 0).collect();
+    assert!(counted.len() <= 3 && counted.iter().sum::<u64>() == 10, "{counts:?}");
+    refused(&folder, 2, &format!("{FOR} --minimal-s 15"), &["--minimal-s", "--duration-s"]);
+    refused(&folder, 2, &format!("{line} --minimal-s 150"), &["--minimal-s", "125"]);
+    refused(&folder, 2, &format!("{line} --minimal-s 0"), &["--minimal-s", "above 0"]);
+}
+
+#[test]
+fn the_time_for_an_accuracy_is_that_of_its_own_prediction() {
+    let folder = papers();
+    run(&folder, &format!("{FOR} --accuracy 0.5")).succeeds();
+    let found = data(&folder);
+    let accuracy = &found["accuracy"];
+    let seconds = accuracy["duration_s"].as_f64().unwrap();
+    let reached = accuracy["reached"].as_f64().unwrap();
+    assert!(reached <= 0.5 && reached > 0.4999, "{accuracy}");
+    run(&folder, &format!("{FOR} --duration-s {seconds}")).succeeds();
+    let again = data(&folder)["covariance"]["value"].as_f64().unwrap().sqrt();
+    assert!((again - reached).abs() < 1e-6, "{again} {reached}");
+    for point in accuracy["curve"].as_array().unwrap() {
+        let own = point["design"].as_f64().unwrap();
+        for other in ["paper", "equal", "random"] {
+            assert!(point[other].as_f64().is_none_or(|other| other >= own * (1.0 - 1e-9)), "{point}");
+        }
+    }
+    let each = FOR.replace("--criterion a-relative", "--accuracy 0.3 --per-parameter");
+    run(&folder, &each).succeeds();
+    let found = data(&folder);
+    assert_eq!(found["status"], "least largest");
+    let (took, bound) =
+        (found["accuracy"]["duration_s"].as_f64().unwrap(), found["accuracy"]["bound_s"].as_f64().unwrap());
+    assert!(bound <= took && took < 1.05 * bound, "{took} {bound}");
+    // Half of the time that spiral-fast would take is there.
+    put(&folder, "available.toml", &format!("[seconds]\nspiral-fast = {}\n", 0.2 * seconds));
+    run(&folder, &format!("{FOR} --accuracy 0.5 --available available.toml")).succeeds();
+    let limited = data(&folder)["accuracy"]["duration_s"].as_f64().unwrap();
+    assert!(limited > seconds, "{limited} {seconds}");
+    assert!(data(&folder)["shares"]["spiral-fast"].as_f64().unwrap() * limited <= 0.2 * seconds + 1e-6);
+}
+
+#[test]
+fn refusals_of_accuracies_and_estimators() {
+    let folder = papers();
+    let far = format!("{FOR} --accuracy 0.001 --longest-s 1000");
+    refused(&folder, 4, &far, &["moments.json", "--accuracy", "0.001", "the best is 0.5"]);
+    let all: String = names(&folder).iter().map(|name| format!("{name} = 20.0\n")).collect();
+    put(&folder, "available.toml", &format!("[seconds]\n{all}"));
+    let line = format!("{FOR} --accuracy 0.5 --available available.toml");
+    refused(&folder, 4, &line, &["--accuracy", "the best is"]);
+    refused(&folder, 2, &format!("{FOR} --accuracy 0"), &["--accuracy", "above 0"]);
+    let hessian = "design --moments moments.json --criterion d-hessian --relative-to value --accuracy 0.5 --out design.json";
+    refused(&folder, 2, hessian, &["--accuracy", "d-hessian", "a-relative"]);
+    refused(
+        &folder,
+        2,
+        &FOR.replace("a-relative", "d-hessian"),
+        &["--criterion", "d-hessian", "output-error"],
+    );
+    refused(
+        &folder,
+        2,
+        "design --moments moments.json --criterion v --out design.json",
+        &["--criterion", "v", "output-error"],
+    );
+    refused(&folder, 2, &OUTPUT_ERROR.replace("--campaign campaign.toml", ""), &["--campaign"]);
+    refused(&folder, 2, &format!("{OUTPUT_ERROR} --draw 1 --spread 1.5"), &["--spread", "1.5"]);
+    run(&folder, MOMENTS).succeeds();
+    refused(&folder, 3, FOR, &["moments.json", "no `output_error`", "--estimator output-error"]);
+}
+
+#[test]
+fn several_models_are_designed_for_together() {
+    let folder = papers();
+    let draws: Vec<String> = (1..=3).map(|k| format!("draw{k}.json")).collect();
+    for (k, name) in draws.iter().enumerate() {
+        let line = OUTPUT_ERROR.replace("moments.json", name);
+        run(&folder, &format!("{line} --draw {} --spread 0.35", k + 1)).succeeds();
+    }
+    assert_eq!(json(&folder, "draw2.json")["data"]["output_error"]["simulated_with"], "value, draw 2");
+    let also = draws.join(" ");
+    let values = |flags: &str| -> Vec<f64> {
+        run(&folder, &format!("{FOR} --noise measurement --also {also} {flags}")).succeeds();
+        let found = data(&folder);
+        assert_eq!(found["status"], "optimal", "{}", found["statement"]);
+        found["robust"]["values"].as_array().unwrap().iter().map(|v| v.as_f64().unwrap()).collect()
+    };
+    let (mean, worst) = (values("--over mean"), values("--over worst"));
+    assert_eq!(mean.len(), 4);
+    let least = |values: &[f64]| values.iter().copied().fold(f64::INFINITY, f64::min);
+    assert!(least(&worst) >= least(&mean) - 1e-6, "{worst:?} {mean:?}");
+    assert!(worst.iter().sum::<f64>() <= mean.iter().sum::<f64>() + 1e-6);
+    std::fs::remove_file(folder.path().join("design.json")).unwrap();
+    put(&folder, "dictionary.toml", GENERATE);
+    run(&folder, &DICTIONARY.replace("dictionary.parquet", "other.parquet")).succeeds();
+    let line =
+        OUTPUT_ERROR.replace("dictionary.parquet", "other.parquet").replace("moments.json", "draw1.json");
+    run(&folder, &line).succeeds();
+    refused(&folder, 3, &format!("{FOR} --also draw1.json"), &["draw1.json", "maneuvers", "11"]);
+}
+
+#[test]
+fn the_report_shows_how_long_and_in_which_order() {
+    let folder = papers();
+    run(
+        &folder,
+        &format!("{FOR} --accuracy 1.0 --arrange --vessel vessel.toml --dictionary dictionary.toml"),
+    )
+    .succeeds();
+    run(&folder, REPORT).succeeds();
+    let page = String::from_utf8(bytes(&folder, "report.html")).unwrap();
+    for piece in ["How long?", "paper&#39;s criterion", "with the state carried over"] {
+        assert!(page.contains(piece) || page.contains(&piece.replace("&#39;", "'")), "{piece}");
+    }
+}

@@ -1,0 +1,18 @@
+//! A small study through the real binaries: what the stages write, refuse and repeat.
+
+#[path = "../support/mod.rs"]
+mod support;
+
+mod criteria;
+mod documents;
+mod estimates;
+mod estimators;
+mod generated;
+mod golden;
+mod oracle;
+mod pipeline;
+mod refine;
+mod refusals_files;
+mod refusals_output;
+mod refusals_toml;
+mod same_bytes;

@@ -1,0 +1,184 @@
+//! `design refine` through the binaries, on a short experiment of the paper's maneuvers.
+
+use std::sync::OnceLock;
+
+use serde_json::Value;
+use tempfile::TempDir;
+
+use crate::support::*;
+
+const OUTPUT_ERROR: &str = "moments --vessel vessel.toml --trajectories dictionary.parquet --campaign campaign.toml --estimator \
+     output-error --out moments.json";
+const DESIGN_FOR: &str = "design --moments moments.json --for output-error --criterion a-relative --relative-to value --tolerance 1e-6 --out design.json";
+const REFINE: &str = "design refine --vessel vessel.toml --dictionary dictionary.toml --design design.json --campaign campaign.toml \
+     --iterations 120 --out refined/";
+const LIMITS: &str =
+    "u_m_s = 1.2\nv_m_s = 0.3\nr_rad_s = 0.7\n[inputs]\ntau1 = 6500.0\ntau2 = 1600.0\ntau3 = 800.0\n";
+
+/// A folder with a design and limits, and a folder for what is refined.
+fn designed() -> TempDir {
+    static MADE: OnceLock<Study> = OnceLock::new();
+    let make = || {
+        let folder = written(8);
+        edit(&folder, "campaign.toml", "duration_s = 125.0", "duration_s = 40.0");
+        put(&folder, "limits.toml", LIMITS);
+        [DICTIONARY, OUTPUT_ERROR, DESIGN_FOR].iter().for_each(|line| drop(run(&folder, line).succeeds()));
+        Study::of(&folder)
+    };
+    let folder = MADE.get_or_init(make).with(&["design.json", "moments.json", "limits.toml"]);
+    std::fs::create_dir(folder.path().join("refined")).unwrap();
+    folder
+}
+
+fn refined(folder: &TempDir) -> Value {
+    json(folder, "refined/refined.json")["data"].clone()
+}
+
+const WRITES: [&str; 4] = ["refined.json", "inputs.csv", "refined-dictionary.toml", "design.json"];
+
+#[test]
+fn refined_inputs_are_worth_more_keep_the_limits_and_run_as_a_campaign() {
+    let folder = designed();
+    run(&folder, &format!("{REFINE} --limits limits.toml")).succeeds();
+    let found = refined(&folder);
+    let of = |experiment: &str, key: &str| found[experiment][key].as_f64().unwrap();
+    assert!(of("after", "value") < 0.8 * of("before", "value"), "{found}");
+    assert!(of("after", "measurement_value") < of("after", "value"));
+    assert!((found["worth"].as_f64().unwrap() - of("before", "value") / of("after", "value")).abs() < 1e-9);
+    let limits = found["limits"].as_array().unwrap();
+    let moved = limits.iter().filter(|l| l["before"] != l["after"]).count();
+    assert!(moved > 3, "{found}");
+    for limit in limits.iter().filter(|l| l["allowed"].is_number()) {
+        assert!(
+            limit["after"].as_f64().unwrap() <= limit["allowed"].as_f64().unwrap() * (1.0 + 1e-9),
+            "{limit}"
+        );
+    }
+    // The predicted errors of the start are those of the design's own criterion, but for the state that carries over.
+    let design = json(&folder, "refined/design.json")["data"].clone();
+    assert_eq!(design["shares"]["refined"], 1.0);
+    assert_eq!(design["covariance"]["standard_errors"], found["after"]["standard_errors"]);
+    // What a campaign simulates is what was refined.
+    run(
+        &folder,
+        "simulate campaign --vessel vessel.toml --dictionary refined/refined-dictionary.toml --campaign campaign.toml --design \
+         refined/design.json --out campaign.parquet",
+    )
+    .succeeds();
+    run(
+        &folder,
+        "simulate dictionary --vessel vessel.toml --dictionary refined/refined-dictionary.toml --out refined/alone.parquet",
+    )
+    .succeeds();
+    run(
+        &folder,
+        "moments --vessel vessel.toml --trajectories refined/alone.parquet --campaign campaign.toml --estimator output-error --out \
+         refined/moments.json",
+    )
+    .succeeds();
+    run(
+        &folder,
+        "design --moments refined/moments.json --for output-error --criterion a-relative --relative-to value --duration-s 40 --out \
+         refined/again.json",
+    )
+    .succeeds();
+    let again = json(&folder, "refined/again.json")["data"]["covariance"]["value"].as_f64().unwrap();
+    assert!((again / of("after", "value") - 1.0).abs() < 1e-6, "{again} {found}");
+}
+
+#[test]
+fn law_the_same_bytes_for_any_number_of_threads() {
+    let folder = designed();
+    std::fs::create_dir(folder.path().join("other")).unwrap();
+    run(&folder, &format!("{REFINE} --threads 1")).succeeds();
+    run(&folder, &REFINE.replace("refined/", "other/ --threads 3")).succeeds();
+    for name in WRITES {
+        assert_eq!(
+            bytes(&folder, &format!("refined/{name}")),
+            bytes(&folder, &format!("other/{name}")),
+            "{name}"
+        );
+    }
+}
+
+#[test]
+fn rates_and_knots_limit_how_fast_inputs_change() {
+    let folder = designed();
+    let rates = |found: &Value, when: &str| -> Vec<f64> {
+        let limits = found["limits"].as_array().unwrap().iter();
+        let rates = limits.filter(|l| l["limit"].as_str().unwrap().starts_with("rates."));
+        rates.map(|l| l[when].as_f64().unwrap()).collect()
+    };
+    let value = |found: &Value| found["after"]["value"].as_f64().unwrap();
+    put(&folder, "limits.toml", LIMITS);
+    run(&folder, &format!("{REFINE} --limits limits.toml --knot-s 0.1")).succeeds();
+    let free = refined(&folder);
+    let start = rates(&free, "before");
+    let pairs = |found: &Value| rates(found, "after").into_iter().zip(start.clone()).collect::<Vec<_>>();
+    assert!(pairs(&free).iter().any(|(after, start)| after > start), "{free}");
+    let allowed = format!("tau1 = {:?}\ntau2 = {:?}\ntau3 = {:?}\n", start[0], start[1], start[2]);
+    put(&folder, "limits.toml", &format!("{LIMITS}[rates]\n{allowed}"));
+    // Limits that the start touches take rounds to be kept again.
+    let longer = REFINE.replace("--iterations 120", "--iterations 900");
+    run(&folder, &format!("{longer} --limits limits.toml --knot-s 0.1")).succeeds();
+    let slow = refined(&folder);
+    assert!(pairs(&slow).iter().all(|(after, start)| *after <= start * (1.0 + 1e-9)), "{slow}");
+    put(&folder, "limits.toml", LIMITS);
+    run(&folder, &format!("{REFINE} --limits limits.toml --knot-s 2")).succeeds();
+    let smooth = refined(&folder);
+    assert_eq!((free["knot_s"].as_f64(), smooth["knot_s"].as_f64()), (Some(0.125), Some(2.0)));
+    for found in [&free, &slow, &smooth] {
+        assert!(value(found) < 0.8 * found["before"]["value"].as_f64().unwrap(), "{found}");
+    }
+}
+
+#[test]
+fn refusals_of_what_to_refine() {
+    let folder = designed();
+    let with = format!("{REFINE} --limits limits.toml");
+    let try_with = |from: &str, to: &str, pieces: &[&str]| {
+        assert!(LIMITS.contains(from));
+        put(&folder, "limits.toml", &LIMITS.replace(from, to));
+        refused(&folder, 3, &with, pieces);
+    };
+    try_with(
+        "u_m_s = 1.2",
+        "u_m_s = 0.5",
+        &["limits.toml", "`u_m_s`", "in the design's experiment", "at most 0.5"],
+    );
+    try_with("tau3 = 800.0", "tau3 = 100.0", &["limits.toml", "`inputs.tau3`", "at most 100"]);
+    try_with("tau3 = 800.0", "tau3 = 800.0\n[rates]\ntau1 = 1.0", &["`rates.tau1`", "at most 1"]);
+    try_with("tau2 = 1600.0", "tau4 = 1600.0", &["limits.toml", "`tau4`", "did you mean `tau"]);
+    try_with("v_m_s = 0.3", "w_m_s = 0.3", &["limits.toml", "w_m_s", "v_m_s"]);
+    try_with("v_m_s = 0.3", "v_m_s = -0.3", &["limits.toml", "`v_m_s`", "-0.3", "above 0"]);
+    // Nominal parameters of zero have no relative error.
+    refused(
+        &folder,
+        3,
+        &format!("{REFINE} --relative-to nominal"),
+        &["vessel.toml", "`N_uv`", "--relative-to value"],
+    );
+    refused(&folder, 2, &format!("{REFINE} --knot-s 0"), &["--knot-s", "found 0"]);
+    refused(&folder, 2, &REFINE.replace("refined/", "."), &["--out", "design.json", "also an input"]);
+    refused(&folder, 2, "design refine --out refined/", &["--vessel", "--help"]);
+    let text = std::fs::read_to_string(folder.path().join("campaign.toml")).unwrap();
+    put(&folder, "campaign.toml", &text.replace("kind = \"white\"", "kind = \"constant\""));
+    refused(&folder, 3, REFINE, &["campaign.toml", "`current.kind`", "a current that lasts"]);
+    put(&folder, "campaign.toml", &text);
+    edit(&folder, "dictionary.toml", "name = \"", "name = \"renamed ");
+    refused(&folder, 3, REFINE, &["design.json", "`data.shares`"]);
+    assert!(WRITES.iter().all(|name| !folder.path().join("refined").join(name).exists()));
+}
+
+#[test]
+fn a_start_that_excites_not_every_parameter_is_no_start() {
+    let folder = designed();
+    let mut design = json(&folder, "design.json");
+    design["seal"] = Value::Null;
+    let shares = design["data"]["shares"].as_object_mut().unwrap();
+    let first = shares.keys().next().unwrap().clone();
+    shares.iter_mut().for_each(|(name, share)| *share = f64::from(u8::from(*name == first)).into());
+    put(&folder, "design.json", &design.to_string());
+    put(&folder, "limits.toml", LIMITS);
+    refused(&folder, 4, &format!("{REFINE} --limits limits.toml"), &["design.json", "does not tell"]);
+}

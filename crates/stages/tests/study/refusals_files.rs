@@ -1,0 +1,249 @@
+//! Tables and documents that are refused: what is in them, and what accidents do to them.
+
+use std::fs;
+
+use tempfile::TempDir;
+
+use crate::support::*;
+
+/// Rewrites a table of the study, in place.
+fn rewrite(folder: &TempDir, name: &str, change: impl FnOnce(craft::Whole) -> craft::Whole) {
+    let path = folder.path().join(name);
+    change(craft::read(&path, "trajectories")).write(&path);
+}
+
+#[test]
+fn a_column_in_another_unit_is_refused_with_both_units() {
+    let folder = with(&["dictionary.parquet", "campaign.parquet"]);
+    for (name, stage) in [("dictionary.parquet", MOMENTS), ("campaign.parquet", ESTIMATE)] {
+        rewrite(&folder, name, |mut table| {
+            table.column("y_u").unit = "kn".into();
+            table
+        });
+        let pieces = [name, "column `y_u`", "in unit kn", "in unit m/s", "convert"];
+        refused(&folder, 3, stage, &pieces);
+    }
+}
+
+#[test]
+fn missing_columns_are_named_all_at_once() {
+    let folder = with(&["dictionary.parquet", "validation.parquet", "estimates.parquet"]);
+    for (name, stage) in [("dictionary.parquet", MOMENTS), ("validation.parquet", VALIDATE)] {
+        rewrite(&folder, name, |table| table.without(&["tau2", "y_u", "segment"]));
+        refused(
+            &folder,
+            3,
+            stage,
+            &[name, "columns", "also `segment`, `tau2`, `y_u`", "write the file again"],
+        );
+    }
+}
+
+#[test]
+fn columns_that_no_stage_needs_may_be_missing() {
+    let folder = with(&["dictionary.parquet"]);
+    rewrite(&folder, "dictionary.parquet", |table| table.without(&["x", "y", "psi"]));
+    run(&folder, MOMENTS).succeeds();
+}
+
+#[test]
+fn values_that_are_not_finite_are_refused_with_column_and_row() {
+    for (value, found) in [(f64::NAN, "NaN"), (f64::INFINITY, "inf"), (f64::NEG_INFINITY, "-inf")] {
+        for column in ["y_r", "tau1", "t"] {
+            let folder = with(&["dictionary.parquet"]);
+            let path = folder.path().join("dictionary.parquet");
+            craft::read(&path, "trajectories").write_foreign(&path, column, 77, value);
+            let pieces =
+                ["dictionary.parquet", &format!("column `{column}`, row 77"), found, "a finite number"];
+            refused(&folder, 3, MOMENTS, &pieces);
+        }
+    }
+}
+
+#[test]
+fn an_unsealed_table_of_another_program_is_read() {
+    let folder = with(&["dictionary.parquet"]);
+    let path = folder.path().join("dictionary.parquet");
+    let moments = json(&with(&["moments.json"]), "moments.json")["data"].clone();
+    let table = craft::read(&path, "trajectories");
+    let first = table.blocks[0].columns[9].as_f64().unwrap()[0];
+    table.write_foreign(&path, "y_u", 0, first);
+    run(&folder, MOMENTS).succeeds();
+    assert_eq!(json(&folder, "moments.json")["data"], moments);
+}
+
+#[test]
+fn a_later_version_is_refused_with_both_versions_and_the_remedy() {
+    let folder = with(&[
+        "dictionary.parquet",
+        "moments.json",
+        "design.json",
+        "estimates.parquet",
+        "validation.parquet",
+    ]);
+    let file = |name: &str| folder.path().join(name);
+    for (name, id, stage) in [
+        ("dictionary.parquet", "trajectories", MOMENTS),
+        ("moments.json", "moments", DESIGN),
+        ("design.json", "design", CAMPAIGN),
+        ("estimates.parquet", "estimates", VALIDATE),
+    ] {
+        craft::patch(&file(name), &format!("{id}/1"), &format!("{id}/2"));
+        let (found, expected) = (format!("found {id}/2"), format!("expected {id}/1"));
+        refused(&folder, 3, stage, &[name, "schema", &found, &expected, "upgrade"]);
+    }
+}
+
+#[test]
+fn a_file_of_another_kind_is_refused() {
+    let folder = with(&[
+        "dictionary.parquet",
+        "estimates.parquet",
+        "moments.json",
+        "design.json",
+        "validation.parquet",
+    ]);
+    let line = MOMENTS.replace("dictionary.parquet", "estimates.parquet");
+    refused(&folder, 3, &line, &["estimates.parquet", "found estimates/1", "expected trajectories/1"]);
+    let line = DESIGN.replace("moments.json --out", "design.json --out");
+    refused(&folder, 3, &line, &["design.json", "found design/1", "expected moments/1"]);
+    let line = VALIDATE.replace("estimates.parquet", "validation.parquet");
+    refused(&folder, 3, &line, &["validation.parquet", "found trajectories/1", "expected estimates/1"]);
+}
+
+#[test]
+fn fewer_samples_than_unknowns_are_refused() {
+    let folder = with(&["design.json"]);
+    edit(&folder, "dictionary.toml", "name = \"accelerate\"", "name = \"accelerate\"\nduration_s = 0.375");
+    run(&folder, DICTIONARY).succeeds();
+    let pieces = ["dictionary.parquet", "maneuver `accelerate`", "3 samples", "at least 5", "lengthen"];
+    refused(&folder, 3, MOMENTS, &pieces);
+    edit(&folder, "campaign.toml", "duration_s = 125.0", "duration_s = 0.375");
+    edit(&folder, "campaign.toml", "segments = 5", "segments = 1");
+    run(&folder, CAMPAIGN).succeeds();
+    refused(&folder, 3, ESTIMATE, &["campaign.parquet", "run 0", "3 samples", "lengthen the run"]);
+}
+
+/// A dictionary that moves straight ahead only.
+fn straight_ahead(folder: &TempDir) {
+    put(
+        folder,
+        "dictionary.toml",
+        "duration_s = 37.5\n[[maneuver]]\nname = \"decelerate\"\nkind = \"decelerate\"\nfrom_m_s = 1.0\nto_m_s = 0.0\n\
+         [[maneuver]]\nname = \"accelerate\"\nkind = \"accelerate\"\nfrom_m_s = 0.0\nto_m_s = 1.0\n",
+    );
+}
+
+#[test]
+fn directions_that_nothing_excites_have_no_design_and_no_estimate() {
+    let folder = with(&[]);
+    straight_ahead(&folder);
+    run(&folder, DICTIONARY).succeeds();
+    run(&folder, MOMENTS).succeeds();
+    refused(&folder, 4, DESIGN, &["moments.json", "parameter `X_vr` (surge)", "`v r` varies"]);
+    let line = ESTIMATE.replace("campaign.parquet", "dictionary.parquet");
+    refused(&folder, 4, &line, &["dictionary.parquet", "parameter `", "add a maneuver"]);
+}
+
+#[test]
+fn noisy_runs_that_excite_too_little_have_no_estimate() {
+    let folder = with(&["design.json"]);
+    straight_ahead(&folder);
+    let mut design = json(&folder, "design.json");
+    design["seal"] = serde_json::Value::Null;
+    design["data"]["shares"] = serde_json::json!({"accelerate": 0.5, "decelerate": 0.5});
+    put(&folder, "design.json", &design.to_string());
+    run(&folder, CAMPAIGN).succeeds();
+    refused(&folder, 4, ESTIMATE, &["campaign.parquet", "parameter `", "add a maneuver"]);
+}
+
+#[test]
+fn a_design_of_another_dictionary_is_refused() {
+    let folder = with(&["design.json"]);
+    edit(&folder, "dictionary.toml", "\"spiral-fast\"", "\"spiral-rapid\"");
+    let pieces = ["design.json", "maneuver `spiral-fast`", "dictionary.toml", "make the design again"];
+    refused(&folder, 3, CAMPAIGN, &pieces);
+}
+
+/// Refuses a damaged file.
+#[track_caller]
+fn damaged(folder: &TempDir, name: &str, bytes: &[u8], stage: &str) {
+    fs::write(folder.path().join(name), bytes).unwrap();
+    refused(folder, 3, stage, &[name]);
+}
+
+/// Who reads what.
+const READERS: [(&str, &str); 5] = [
+    ("dictionary.parquet", MOMENTS),
+    ("moments.json", DESIGN),
+    ("design.json", CAMPAIGN),
+    ("estimates.parquet", VALIDATE),
+    ("scores.parquet", REPORT),
+];
+
+/// Every file that is read.
+const ALL: [&str; 6] = [
+    "dictionary.parquet",
+    "moments.json",
+    "design.json",
+    "estimates.parquet",
+    "scores.parquet",
+    "validation.parquet",
+];
+
+#[test]
+fn truncated_files_are_refused() {
+    for (name, stage) in READERS {
+        let folder = with(&ALL);
+        let whole = bytes(&folder, name);
+        let n = whole.len();
+        for length in [0, 1, 4, 11, 12, 100, n / 3, n / 2, n - 9, n - 8, n - 4, n - 2] {
+            damaged(&folder, name, &whole[..length], stage);
+        }
+    }
+}
+
+#[test]
+fn a_flipped_bit_anywhere_is_refused() {
+    for (name, stage) in READERS {
+        let folder = with(&ALL);
+        let whole = bytes(&folder, name);
+        let n = whole.len();
+        let spread = (0..10).map(|i| 5 + i * (n - 20) / 10);
+        for (i, at) in spread.chain([0, n - 1, n - 5, n - 12, n - 300]).enumerate() {
+            let mut bytes = whole.clone();
+            bytes[at] ^= 1 << (i % 8);
+            damaged(&folder, name, &bytes, stage);
+        }
+    }
+}
+
+#[test]
+fn empty_files_and_text_instead_of_tables_are_refused() {
+    for (name, stage) in READERS {
+        let folder = with(&ALL);
+        damaged(&folder, name, b"", stage);
+        damaged(&folder, name, b"u,v,r\n1,2,3\n", stage);
+        damaged(&folder, name, &[0; 4096], stage);
+        let other = if name.ends_with(".json") { "dictionary.parquet" } else { "moments.json" };
+        damaged(&folder, name, study().bytes(other), stage);
+    }
+}
+
+#[test]
+fn absent_files_and_folders_instead_of_files_fail() {
+    for (name, stage) in READERS {
+        let folder = with(&ALL);
+        fs::remove_file(folder.path().join(name)).unwrap();
+        if stage != REPORT {
+            refused(&folder, 1, stage, &[name, "read", "an existing file", "check the path"]);
+        }
+        fs::create_dir(folder.path().join(name)).unwrap();
+        refused(&folder, 1, stage, &[name, "read", "name a file"]);
+    }
+    for name in WRITTEN {
+        let folder = with(&ALL);
+        fs::remove_file(folder.path().join(name)).unwrap();
+        refused(&folder, 1, CAMPAIGN, &[name, "read", "an existing file"]);
+    }
+}

@@ -1,0 +1,5 @@
+//! Maneuvers, disturbances and motion.
+
+mod maneuvers;
+mod noise;
+mod oracle;

@@ -1,0 +1,131 @@
+//! Maneuvers become inputs that make the vessel move as asked.
+
+use approx::assert_relative_eq;
+use vessel::{DictionaryFile, Generator, Invalid, Source, Vessel, simulate_one};
+
+const PAPER_DICTIONARY: &str = include_str!("../../../../pipelines/paper/dictionary.toml");
+
+fn vessel() -> Vessel {
+    Vessel::from_file(toml::from_str("preset = \"ljungberg-model-ship\"").unwrap()).unwrap()
+}
+
+fn generator(dictionary: &str) -> Result<Generator, Invalid> {
+    let file: DictionaryFile = toml::from_str(dictionary).unwrap();
+    Generator::new(&vessel(), &file, |path| Ok(std::fs::read_to_string(path).unwrap()))
+}
+
+/// States (N+1) × 3 of maneuver `index`, undisturbed, by the true model.
+fn states(generator: &Generator, index: usize, samples: usize) -> Vec<[f64; 3]> {
+    let vessel = vessel();
+    let run = generator.realize(index, samples).unwrap();
+    let truth = vessel.parameters(Source::Value).unwrap();
+    let states = simulate_one(&vessel.model, &truth, run.initial, &run.inputs);
+    states.chunks(3).map(|s| [s[0], s[1], s[2]]).collect()
+}
+
+fn column(states: &[[f64; 3]], i: usize) -> impl Iterator<Item = f64> + Clone {
+    states.iter().map(move |s| s[i])
+}
+
+fn spread(values: impl Iterator<Item = f64> + Clone) -> (f64, f64) {
+    (values.clone().fold(f64::INFINITY, f64::min), values.fold(f64::NEG_INFINITY, f64::max))
+}
+
+/// The ranges that the paper prints: for u the printed value (± 0.05 m/s for "≈") or the printed way, for v and r the
+/// printed interval. Zig-zags must also use their interval: at least two thirds of it.
+#[test]
+fn law_the_papers_maneuvers_stay_in_the_ranges_that_it_prints() {
+    let generator = generator(PAPER_DICTIONARY).unwrap();
+    let zig_zags = [
+        (2, 0.35, 0.1, 0.2),
+        (3, 0.8, 0.1, 0.2),
+        (4, 1.15, 0.1, 0.2),
+        (5, 0.35, 0.15, 0.35),
+        (6, 0.7, 0.15, 0.35),
+        (7, 1.0, 0.15, 0.35),
+    ];
+    for (index, u, v, r) in zig_zags {
+        let states = states(&generator, index, 300);
+        let (u_low, u_high) = spread(column(&states, 0));
+        assert!(u_low > u - 0.05 && u_high < u + 0.05, "{index}: u {u_low} {u_high}");
+        for (i, bound) in [(1, v), (2, r)] {
+            let (low, high) = spread(column(&states, i));
+            assert!(low >= -bound && high <= bound, "{index}: state {i} {low} {high}");
+            assert!(
+                low < -bound * 0.66 && high > bound * 0.66,
+                "{index}: state {i} {low} {high} uses little of its range"
+            );
+        }
+    }
+    for (index, u, v) in [(8, 0.4, 0.05), (9, 0.75, 0.125), (10, 1.0, 0.2)] {
+        let states = states(&generator, index, 300);
+        let (u_low, u_high) = spread(column(&states, 0));
+        assert!(u_low > u - 0.05 && u_high < u + 0.05, "{index}: u {u_low} {u_high}");
+        let (v_low, v_high) = spread(column(&states[60..], 1));
+        assert!(v_low > v - 0.02 && v_high < v + 0.02, "{index}: v {v_low} {v_high}");
+        assert!(states[0][2] == 0.0 && (states[300][2] + 0.6).abs() < 0.02, "{index}: r {}", states[300][2]);
+    }
+    for (index, from, to) in [(0, 1.0, 0.0), (1, 0.0, 1.0)] {
+        let states = states(&generator, index, 300);
+        assert!((states[0][0] - from).abs() < 1e-12 && (states[300][0] - to).abs() < 0.01, "{index}");
+        assert!(states.iter().all(|s| s[1] == 0.0 && s[2] == 0.0), "{index}: sway or yaw");
+    }
+}
+
+#[test]
+fn law_inputs_of_a_steady_turn_hold_it() {
+    let dictionary = "duration_s = 100.0\n[[maneuver]]\nname = \"turn\"\nkind = \"steady-turn\"\nspeed_m_s = 0.7\nyaw_rate_rad_s = 0.3\n";
+    let last = *states(&generator(dictionary).unwrap(), 0, 800).last().unwrap();
+    assert_relative_eq!(last[0], 0.7, max_relative = 1e-9);
+    assert_relative_eq!(last[2], 0.3, max_relative = 1e-9);
+    assert!(last[1] < 0.0, "a turn to starboard drifts to port: {}", last[1]);
+}
+
+#[test]
+fn law_a_heading_amplitude_is_the_integral_of_the_yaw_rate() {
+    for shape in ["sine", "square", "triangle"] {
+        let text = format!(
+            "duration_s = 400.0\n[[maneuver]]\nname = \"z\"\nkind = \"zig-zag\"\nshape = \"{shape}\"\nspeed_m_s = 0.5\nheading_amplitude_rad = 0.35\nperiod_s = 200.0\n"
+        );
+        let states = states(&generator(&text).unwrap(), 0, 3200);
+        let mut heading = 0.0;
+        let track: Vec<f64> = column(&states[1600..], 2)
+            .map(|r| {
+                heading += r / 8.0;
+                heading
+            })
+            .collect();
+        let (low, high) = spread(track.iter().copied());
+        assert_relative_eq!((high - low) / 2.0, 0.35, max_relative = 0.02);
+    }
+}
+
+#[test]
+fn a_sway_zig_zag_keeps_the_heading_and_a_pseudo_random_one_switches() {
+    let text = "duration_s = 30.0\n[[maneuver]]\nname = \"s\"\nkind = \"sway-zig-zag\"\nsway_amplitude_m_s = 0.2\nperiod_s = 20.0\n\
+         [[maneuver]]\nname = \"p\"\nkind = \"pseudo-random-binary\"\nspeed_m_s = 0.6\nyaw_rate_amplitude_rad_s = 0.3\ndwell_s = 2.0\n";
+    let generator = generator(text).unwrap();
+    let sway = states(&generator, 0, 240);
+    assert!(column(&sway, 2).all(|r| r.abs() < 1e-12));
+    assert!(spread(column(&sway, 1)).1 > 0.15);
+    let binary = generator.realize(1, 240).unwrap();
+    let levels: std::collections::BTreeSet<u64> = binary.inputs.chunks(3).map(|i| i[2].to_bits()).collect();
+    assert_eq!(levels.len(), 2);
+}
+
+#[test]
+fn dictionaries_that_cannot_be_meant_are_refused() {
+    let zig_zag = "[[maneuver]]\nname = \"a\"\nkind = \"zig-zag\"\nspeed_m_s = 1.0\nperiod_s = 10.0\nyaw_rate_amplitude_rad_s = 0.2\n";
+    let refused = |text: &str| generator(text).unwrap_err().to_string();
+    assert!(refused(&format!("duration_s = 0.0\n{zig_zag}")).contains("`duration_s`"));
+    assert!(refused(&format!("duration_s = 9.0\n{zig_zag}{zig_zag}")).contains("used twice"));
+    assert!(
+        refused(&format!("duration_s = 9.0\n{zig_zag}heading_amplitude_rad = 0.1\n")).contains("one of them")
+    );
+    assert!(refused("duration_s = 9.0\n[[maneuver]]\nname = \"a\"\nkind = \"accelerate\"\nfrom_m_s = 1.0\nto_m_s = 0.5\n").contains("more than from_m_s"));
+    let misspelt = format!("duration_s = 9.0\n{}", zig_zag.replace("period_s", "preiod_s"));
+    let error = toml::from_str::<DictionaryFile>(&misspelt).unwrap_err().to_string();
+    assert!(error.contains("unknown field `preiod_s`") && error.contains("`period_s`"), "{error}");
+    let short = generator("duration_s = 0.01\n[[maneuver]]\nname = \"a\"\nkind = \"steady-turn\"\nspeed_m_s = 1.0\nyaw_rate_rad_s = 0.1\n").unwrap();
+    assert!(short.samples(0).unwrap_err().to_string().contains("zero samples"));
+}
