@@ -100,7 +100,7 @@ fn law_the_same_bytes_for_any_number_of_threads() {
 #[test]
 fn generated_maneuvers_beyond_their_limits_are_in_no_trial_and_the_report_shows_the_rounds() {
     let folder = folder(&CONFIG.replace("= 16", "= 8").replace("rounds = 3", "rounds = 2"));
-    let generate = "duration_s = 10.0\n[generate]\ncandidates = 40\n[generate.limits]\nu_m_s = 1.2\nv_m_s = 0.25\nr_rad_s = 0.6\n";
+    let generate = "duration_s = 10.0\n[generate]\ncandidates = 40\n[generate.limits]\nu_m_s = 1.2\nv_m_s = 0.25\nr_rad_s = 0.6\ninputs = { tau2 = 1000.0 }\n";
     put(&folder, "dictionary.toml", generate);
     run(&folder, SEQUENTIAL).succeeds();
     let maneuvers = found(&folder).maneuvers;

@@ -98,7 +98,7 @@ fn gained(gain: &RoundGain) -> Option<String> {
         (low, _) if low > 1.0 => {
             format!("designing in rounds makes it {:.0} % larger", 100.0 * (ratio - 1.0))
         }
-        _ => format!("{pairs} realizations show no gain from designing in rounds"),
+        _ => format!("{pairs} realizations do not tell this from no gain at all"),
     };
     Some(format!(
         "at equal time ({time_s:.0} s) the error in rounds is {ratio:.3} times the one-shot error (95 % interval {low:.3} to \
