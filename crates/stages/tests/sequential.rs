@@ -107,7 +107,7 @@ fn generated_maneuvers_beyond_their_limits_are_in_no_trial_and_the_report_shows_
     assert!((10..40).contains(&maneuvers), "{maneuvers}");
     run(&folder, REPORT).succeeds();
     let page = String::from_utf8(bytes(&folder, "report.html")).unwrap();
-    for piece in ["At equal time", "When to stop", "in rounds", "one-shot, crude model", "Not converged"] {
+    for piece in ["At equal time", "When to stop", "from the truth", "Not converged"] {
         assert!(page.contains(piece), "{piece}");
     }
 }

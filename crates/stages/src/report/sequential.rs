@@ -10,8 +10,8 @@ use crate::documents::{ArmPoint, ArmSummary, RoundGain, SequentialDocument, Stop
 /// What the arms are called.
 const LABELS: [(&str, &str); 4] = [
     ("sequential", "in rounds"),
-    ("one-shot", "one-shot, crude model"),
-    ("informed", "one-shot, from the truth"),
+    ("one-shot", "one-shot"),
+    ("informed", "from the truth"),
     ("random", "random"),
 ];
 
@@ -59,8 +59,8 @@ fn about(found: &SequentialDocument) -> Markup {
             (found.maneuvers) " maneuvers to design with. Before each trial a crude model is known: the " (about)
             " parameters, each times e to the " (exact(found.nominal_spread)) " times a standard normal number. A trial in rounds \
              is one run that goes on: after every round its model is estimated anew from all that was sailed (output error), \
-             and the next round is designed with it. The other trials are laid out at once for the time that they take. All \
-             meet the same disturbances."
+             and the next round is designed with it. The one-shot trial is designed with the crude model and laid out \
+             for the time that it takes, the one from the truth (which nobody knows) likewise. All meet the same disturbances."
         }
     }
 }

@@ -75,7 +75,7 @@ fn statements(
              {one_shot:.2}, once from the truth {informed:.2}, at random {random:.2}"
         ));
     }
-    out.extend(gains.last().and_then(gained));
+    out.extend(gained(gains));
     let [rounds, one_shot] = [Arm::Sequential, Arm::OneShot]
         .map(|arm| stopping.iter().find(|s| s.arm == arm.name()).map(|s| ended(s, realizations)));
     if let (Some(rounds), Some(one_shot)) = (rounds, one_shot) {
@@ -87,22 +87,26 @@ fn statements(
     out
 }
 
-/// What rounds gain at equal time, in words.
-fn gained(gain: &RoundGain) -> Option<String> {
-    let RoundGain { time_s, ratio, low, high, pairs } = *gain;
-    let (ratio, low, high) = (ratio?, low?, high?);
-    let verdict = match (low, high) {
-        (_, high) if high < 1.0 => {
-            format!("designing in rounds makes it {:.0} % smaller", 100.0 * (1.0 - ratio))
-        }
-        (low, _) if low > 1.0 => {
-            format!("designing in rounds makes it {:.0} % larger", 100.0 * (ratio - 1.0))
-        }
-        _ => format!("{pairs} realizations do not tell this from no gain at all"),
+/// What rounds gain at equal time, in words; the first round is the one-shot trial.
+fn gained(gains: &[RoundGain]) -> Option<String> {
+    let told = |gain: &RoundGain| {
+        let RoundGain { time_s, ratio, low, high, .. } = *gain;
+        Some(format!("{:.2} after {time_s:.0} s ({:.2} to {:.2})", ratio?, low?, high?))
     };
+    let each: Vec<String> = gains.iter().skip(1).filter_map(told).collect();
+    let last = gains.last().filter(|_| !each.is_empty())?;
+    let verdict = match (last.ratio?, last.low?, last.high?) {
+        (ratio, _, high) if high < 1.0 => {
+            format!("at the end designing in rounds makes it {:.0} % smaller", 100.0 * (1.0 - ratio))
+        }
+        (ratio, low, _) if low > 1.0 => {
+            format!("at the end designing in rounds makes it {:.0} % larger", 100.0 * (ratio - 1.0))
+        }
+        _ => format!("at the end {} realizations do not tell this from no gain at all", last.pairs),
+    };
+    let each = each.join(", ");
     Some(format!(
-        "at equal time ({time_s:.0} s) the error in rounds is {ratio:.3} times the one-shot error (95 % interval {low:.3} to \
-         {high:.3}): {verdict}"
+        "at equal time the error in rounds over the one-shot error is {each}, with 95 % intervals: {verdict}"
     ))
 }
 
@@ -117,4 +121,29 @@ fn ended(found: &Stopping, realizations: u32) -> String {
          within it",
         100.0 * within
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_gain_is_told_only_where_its_interval_excludes_none() {
+        let gain = |time_s: f64, ratio: f64, half: f64| RoundGain {
+            time_s,
+            pairs: 40,
+            ratio: Some(ratio),
+            low: Some(ratio - half),
+            high: Some(ratio + half),
+        };
+        let first = gain(10.0, 1.0, 0.0);
+        let said = |last: RoundGain| gained(&[first, last]).unwrap();
+        assert!(said(gain(20.0, 0.75, 0.125)).ends_with("makes it 25 % smaller"));
+        assert!(said(gain(20.0, 1.25, 0.125)).ends_with("makes it 25 % larger"));
+        assert!(said(gain(20.0, 0.75, 0.5)).contains("0.75 after 20 s (0.25 to 1.25)"));
+        assert!(
+            said(gain(20.0, 0.75, 0.5)).ends_with("40 realizations do not tell this from no gain at all")
+        );
+        assert_eq!(gained(&[first]), None);
+    }
 }

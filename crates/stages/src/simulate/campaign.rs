@@ -254,7 +254,7 @@ struct BlockOfRuns {
 }
 
 /// Maneuver and first sample of each part of a plan.
-pub(crate) fn segments(plan: &Plan) -> Vec<(usize, usize)> {
+fn segments(plan: &Plan) -> Vec<(usize, usize)> {
     let mut start = 0;
     let begin = |(maneuver, samples): &(usize, usize)| {
         start += samples;
