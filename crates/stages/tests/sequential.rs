@@ -173,3 +173,15 @@ fn crude_models_about_the_nominal_one_take_floors_for_what_is_zero() {
     assert_eq!(found.crude_about, "nominal");
     assert!(found.arms.iter().all(|arm| arm.points.iter().all(|point| point.undesigned == 0)));
 }
+
+#[test]
+fn crude_models_that_diverge_share_the_time_evenly_and_are_counted() {
+    let wild = CONFIG.replace("rounds = 3", "rounds = 2").replace("= 0.4", "= 1.5");
+    let folder = folder(&wild);
+    run(&folder, SEQUENTIAL).succeeds();
+    let undesigned = |arm: usize, round: usize| found(&folder).arms[arm].points[round].undesigned;
+    assert!((1..16).contains(&undesigned(1, 0)), "{}", undesigned(1, 0));
+    assert_eq!((undesigned(0, 0), undesigned(1, 1)), (undesigned(1, 0), undesigned(1, 0)));
+    assert!(undesigned(0, 1) < undesigned(0, 0), "what was sailed evenly makes a design");
+    assert_eq!((undesigned(2, 1), undesigned(3, 1)), (0, 0), "the truth designs, chance draws");
+}
