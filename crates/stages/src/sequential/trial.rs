@@ -72,6 +72,14 @@ struct Start {
     shares: Option<Vec<f64>>,
 }
 
+/// A realization at sea.
+struct Aboard<'a> {
+    start: &'a Start,
+    /// Parameters of the model that plans.
+    known: Vec<f64>,
+    voyage: Voyage,
+}
+
 /// An estimate of a voyage.
 struct Found {
     outcome: Outcome,
@@ -101,34 +109,22 @@ impl Trial<'_> {
         Start { number, crude, shares }
     }
 
-    /// Rounds in order: plan, sail, estimate, learn. The sequential trial is one voyage that grows; the others are laid out
-    /// for the time that they end after.
+    /// Rounds in order: plan, sail, estimate, learn.
     fn arm(&self, arm: Arm, starts: &[Start]) -> Result<Vec<Row>, Failure> {
-        let vessel = self.sea.vessel();
-        let mut known: Vec<Vec<f64>> = starts.iter().map(|s| self.first_model(arm, s)).collect();
-        let mut voyages = vec![Voyage::default(); starts.len()];
+        let begin = |start| Aboard { start, known: self.first_model(arm, start), voyage: Voyage::default() };
+        let mut all: Vec<Aboard> = starts.iter().map(begin).collect();
         let mut rows = Vec::with_capacity(starts.len() * self.ends.len());
         for (round, end) in self.ends.iter().enumerate() {
             let mut before = Vec::with_capacity(starts.len());
-            for ((start, voyage), known) in starts.iter().zip(&mut voyages).zip(&known) {
-                if arm != Arm::Sequential {
-                    *voyage = Voyage::default();
-                }
-                let coming = end - voyage.samples(vessel);
-                let (plan, shared) = self.plan(arm, start, known, voyage, coming);
-                let went = voyage.go_on(vessel, self.generator, &plan);
-                went.map_err(|e| Failure::invalid(self.dictionary_file, &e))?;
-                before.push((shared, self.expected(arm, known, voyage)));
+            for aboard in &mut all {
+                let shared = self.go_on(arm, aboard, *end)?;
+                before.push((shared, self.expected(arm, aboard)));
             }
-            let found = self.found(arm, starts, &voyages)?;
-            for (lane, (found, (shared, expected_error))) in found.into_iter().zip(before).enumerate() {
-                let learnt = found
-                    .estimate
-                    .as_ref()
-                    .map(|(theta, errors)| self.knowledge.learnt(&starts[lane].crude, theta, errors));
+            let found = self.found(arm, &all)?;
+            for ((aboard, found), (shared, expected_error)) in all.iter_mut().zip(found).zip(before) {
                 rows.push(Row {
                     arm,
-                    realization: starts[lane].number,
+                    realization: aboard.start.number,
                     round: round as u32,
                     samples: *end,
                     shared,
@@ -140,16 +136,36 @@ impl Trial<'_> {
                     predicted_error: found
                         .estimate
                         .as_ref()
-                        .zip(learnt.as_ref())
-                        .map(|((_, errors), learnt)| self.knowledge.relative(errors, learnt)),
+                        .map(|(t, errors)| self.learn(arm, aboard, t, errors)),
                     expected_error,
                 });
-                if let (Arm::Sequential, Some(learnt)) = (arm, learnt) {
-                    known[lane] = learnt;
-                }
             }
         }
         Ok(rows)
+    }
+
+    /// Plans and adds what is sailed until `end`. The sequential trial is one voyage that grows; the others are laid out for
+    /// the time that they end after.
+    fn go_on(&self, arm: Arm, aboard: &mut Aboard, end: usize) -> Result<Shared, Failure> {
+        let vessel = self.sea.vessel();
+        if arm != Arm::Sequential {
+            aboard.voyage = Voyage::default();
+        }
+        let coming = end - aboard.voyage.samples(vessel);
+        let (plan, shared) = self.plan(arm, aboard, coming);
+        let went = aboard.voyage.go_on(vessel, self.generator, &plan);
+        went.map_err(|e| Failure::invalid(self.dictionary_file, &e))?;
+        Ok(shared)
+    }
+
+    /// The error that an estimate promises of itself; in rounds the next is planned with what is learnt.
+    fn learn(&self, arm: Arm, aboard: &mut Aboard, theta: &[f64], standard_errors: &[f64]) -> f64 {
+        let learnt = self.knowledge.learnt(&aboard.start.crude, theta, standard_errors);
+        let promised = self.knowledge.relative(standard_errors, &learnt);
+        if arm == Arm::Sequential {
+            aboard.known = learnt;
+        }
+        promised
     }
 
     /// The model that the first plan is made with.
@@ -158,13 +174,14 @@ impl Trial<'_> {
     }
 
     /// What the coming samples hold, and how it was chosen.
-    fn plan(&self, arm: Arm, start: &Start, known: &[f64], so_far: &Voyage, coming: usize) -> (Plan, Shared) {
-        let first = so_far.exogenous.is_empty();
+    fn plan(&self, arm: Arm, aboard: &Aboard, coming: usize) -> (Plan, Shared) {
+        let Aboard { start, known, voyage } = aboard;
+        let first = voyage.exogenous.is_empty();
         let shares = match arm {
             Arm::Random => return (self.drawn(start.number, coming), Shared::Drawn),
             Arm::Informed => Some(self.informed.clone()),
             Arm::Sequential if !first => {
-                self.planner.shares(known, &self.knowledge.sizes(known), so_far, coming)
+                self.planner.shares(known, &self.knowledge.sizes(known), voyage, coming)
             }
             Arm::Sequential | Arm::OneShot => start.shares.clone(),
         };
@@ -186,29 +203,31 @@ impl Trial<'_> {
     }
 
     /// The error after `voyage` that the crude model expects, by which a one-shot trial is sized.
-    fn expected(&self, arm: Arm, known: &[f64], voyage: &Voyage) -> Option<f64> {
+    fn expected(&self, arm: Arm, aboard: &Aboard) -> Option<f64> {
         if arm != Arm::OneShot {
             return None;
         }
+        let Aboard { known, voyage, .. } = aboard;
         let errors = self.planner.standard_errors(known, &self.knowledge.sizes(known), voyage)?;
         Some(self.knowledge.relative(&errors, known))
     }
 
     /// Sails all voyages side by side and estimates from each. All arms meet the same disturbances in a realization.
-    fn found(&self, arm: Arm, starts: &[Start], voyages: &[Voyage]) -> Result<Vec<Found>, Failure> {
-        let runs: Vec<u32> = starts.iter().map(|start| start.number).collect();
+    fn found(&self, arm: Arm, all: &[Aboard]) -> Result<Vec<Found>, Failure> {
+        let numbers: Vec<u32> = all.iter().map(|aboard| aboard.start.number).collect();
         let sailed = self.sea.sail(&Departures {
             design: arm.name(),
             streams: &Streams::new(self.seed, "trial"),
-            runs: &runs,
-            initial: voyages.iter().map(|voyage| voyage.initial).collect(),
-            exogenous: voyages.iter().map(|voyage| voyage.exogenous.as_slice()).collect(),
+            runs: &numbers,
+            initial: all.iter().map(|aboard| aboard.voyage.initial).collect(),
+            exogenous: all.iter().map(|aboard| aboard.voyage.exogenous.as_slice()).collect(),
         })?;
-        let run = |(lane, voyage): (usize, &Voyage)| {
-            voyage.run(self.generator, arm.name(), runs[lane], lane_of(&sailed.measured, lane))
+        let run = |(lane, aboard): (usize, &Aboard)| {
+            let measured = lane_of(&sailed.measured, lane);
+            aboard.voyage.run(self.generator, arm.name(), numbers[lane], measured)
         };
-        let runs: Vec<Run> = voyages.iter().enumerate().map(run).collect();
-        let bounded: Vec<bool> = voyages.iter().map(|voyage| self.bounded(voyage)).collect();
+        let runs: Vec<Run> = all.iter().enumerate().map(run).collect();
+        let bounded: Vec<bool> = all.iter().map(|aboard| self.bounded(&aboard.voyage)).collect();
         let kept: Vec<Run> =
             runs.into_iter().zip(&bounded).filter(|(_, b)| **b).map(|(run, _)| run).collect();
         let mut rows = self.estimators.rows(&kept)?.into_iter();
