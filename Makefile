@@ -21,7 +21,7 @@ ESTIMATE_FLAGS ?=
 PLAN_FLAGS     ?=
 -include $(STUDY)/study.mk
 
-STAGES  := ingest simulate moments design estimate validate plan report
+STAGES  := ingest simulate moments design estimate validate plan sequential report
 BINARIES := $(addprefix $(BIN)/,$(STAGES))
 
 # A target is written whole or not at all by its stage, so an interrupted make resumes with the next stage.
@@ -39,6 +39,7 @@ help:
 	@echo "make STUDY=<folder>    run another study: a folder with vessel.toml, dictionary.toml, campaign.toml"
 	@echo "make helsinki          plan a trial off Helsinki and draw it, into out/helsinki/"
 	@echo "make STUDY=pipelines/esso-osaka LOGS=<folder>   a study of measured logs (README: where they are published)"
+	@echo "make sequential        trials designed in rounds against trials designed once, into out/sequential/"
 	@echo "make scenarios         compare the estimators under four kinds of disturbance, into out/scenarios/"
 	@echo "make smoke             the small study that the tests run, into out/smoke/"
 	@echo "make build             build the stages into $(BIN)/"
@@ -139,6 +140,22 @@ scenarios: build
 	  --results out/scenarios/white --scenarios $(SCENARIOS:%=out/scenarios/%) $(FLAGS) --out out/scenarios/report.html
 	@echo
 	@echo "Report: out/scenarios/report.html"
+
+# Trials designed in rounds against trials designed once.
+ROUNDS := pipelines/sequential
+
+.PHONY: sequential
+sequential: out/sequential/report.html
+	@echo
+	@echo "Report: out/sequential/report.html"
+
+out/sequential/sequential.parquet: $(ROUNDS)/vessel.toml $(ROUNDS)/dictionary.toml $(ROUNDS)/campaign.toml $(ROUNDS)/sequential.toml $(BIN)/sequential
+	@mkdir -p $(@D)
+	$(BIN)/sequential --vessel $(ROUNDS)/vessel.toml --dictionary $(ROUNDS)/dictionary.toml \
+	  --campaign $(ROUNDS)/campaign.toml --config $(ROUNDS)/sequential.toml $(FLAGS) --out $@
+
+out/sequential/report.html: out/sequential/sequential.parquet $(BIN)/report
+	$(BIN)/report --study $(ROUNDS) --results out/sequential $(FLAGS) --out $@
 
 .PHONY: smoke
 smoke:

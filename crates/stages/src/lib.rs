@@ -25,6 +25,7 @@ pub mod progress;
 pub mod report;
 pub mod scores;
 pub mod selection;
+pub mod sequential;
 pub mod simulate;
 pub mod statistics;
 pub mod study_files;

@@ -9,6 +9,7 @@ mod plan;
 mod reference;
 mod refined;
 mod selection;
+mod sequential;
 mod simulated;
 mod trust;
 mod validation;
@@ -36,6 +37,7 @@ pub use plan::{
 pub use reference::{Published, PublishedPicks, PublishedSelection, PublishedShare, Reference};
 pub use refined::{RefinedDocument, RefinedExperiment, RefinedLimit};
 pub use selection::{SelectionDocument, SelectionErrors, SelectionScores};
+pub use sequential::{ArmPoint, ArmSummary, RoundGain, SequentialDocument, Stopping};
 pub use simulated::{SimulatedLogsDocument, SimulatedRecording};
 pub use trust::{
     FreeRunErrors, InstrumentResidual, TrustDegree, TrustDocument, TrustParameter, TrustRun, Whiteness,
@@ -55,6 +57,7 @@ pub fn schemas() -> Vec<(&'static str, serde_json::Value)> {
         (TrustDocument::ID, json_schema::<TrustDocument>()),
         (CrossvalDocument::ID, json_schema::<CrossvalDocument>()),
         (SelectionDocument::ID, json_schema::<SelectionDocument>()),
+        (SequentialDocument::ID, json_schema::<SequentialDocument>()),
         (SimulatedLogsDocument::ID, json_schema::<SimulatedLogsDocument>()),
     ]
 }

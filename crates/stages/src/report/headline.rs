@@ -42,6 +42,10 @@ fn answer(study: &Study) -> String {
     if let Some(measured) = &study.measured {
         return measured.answer(study.selection.as_ref());
     }
+    if let (Some(found), None) = (&study.sequential, &study.design) {
+        let last = found.statements.len().saturating_sub(2);
+        return found.statements[last..].iter().map(|said| format!("{}. ", capital(said))).collect();
+    }
     match (&study.validation, &study.design) {
         (Some(validation), _) if !validation.designs.is_empty() => compared(study, validation),
         (_, Some(design)) => format!("{} {}", mix(design), worth(design)),
@@ -49,6 +53,12 @@ fn answer(study: &Study) -> String {
         _ => "Nothing has been designed or validated yet. The sections below say which files are missing."
             .to_owned(),
     }
+}
+
+/// With a capital first letter.
+pub(super) fn capital(said: &str) -> String {
+    let mut letters = said.chars();
+    letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
 }
 
 /// The study's planned trajectory.

@@ -64,17 +64,19 @@ pub fn load(sources: &Sources) -> Result<Study, Failure> {
         trajectory: trajectory(&mut loader)?,
         selection: super::selection::load(&mut loader)?,
         measured: super::measured::load(&mut loader)?,
+        sequential: loader.document("sequential.json", "trials designed in rounds and at once")?,
         data: loader.label()?,
         reference,
         files: Vec::new(),
     };
     let planned = study.trajectory.as_ref().is_some_and(|t| t.main.is_some());
     let planned = planned || study.selection.is_some() || study.measured.is_some();
+    let planned = planned || study.sequential.is_some();
     if study.design.is_none() && study.dictionary.is_none() && study.validation.is_none() && !planned {
         return Err(Failure::refuse(
             &sources.results,
             "results",
-            "none of crossval.json, design.json, dictionary.parquet, plan.json, selection.json, trust.json, validation.json",
+            "none of crossval.json, design.json, dictionary.parquet, plan.json, selection.json, sequential.json, trust.json, validation.json",
             "files that the stages wrote",
             "run `make` first, or name their folder with --results",
         ));

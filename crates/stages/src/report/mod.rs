@@ -25,6 +25,7 @@ mod page;
 mod parameters;
 mod published_selection;
 mod selection;
+mod sequential;
 mod shown;
 mod study;
 #[cfg(test)]

@@ -17,6 +17,7 @@ use super::notes::{files, notation};
 use super::parameters::parameters;
 use super::published_selection::published_selection;
 use super::selection::selection;
+use super::sequential::sequential;
 use super::study::Study;
 use super::trajectory::{self, trajectory};
 use super::trust::trust;
@@ -33,7 +34,7 @@ pub struct Rendered {
 const STYLE: &str = include_str!("style.css");
 
 /// Id, title and content of a section.
-type Section = (&'static str, &'static str, Markup);
+pub(super) type Section = (&'static str, &'static str, Markup);
 
 /// Renders the page. What `study` lacks is named on it.
 ///
@@ -41,9 +42,10 @@ type Section = (&'static str, &'static str, Markup);
 /// A figure cannot be drawn.
 pub fn render(study: &Study) -> Result<Rendered, FigureError> {
     let mut figures = Figures::default();
-    let mut sections = match &study.measured {
-        Some(measured) => of_logs(study, measured, &mut figures)?,
-        None => of_trials(study, &mut figures)?,
+    let mut sections = match (&study.measured, &study.sequential, &study.design) {
+        (Some(measured), ..) => of_logs(study, measured, &mut figures)?,
+        (None, Some(found), None) => sequential(found, &mut figures)?,
+        _ => of_trials(study, &mut figures)?,
     };
     sections.push(("notation", "Notation", notation(study)));
     sections.push(("files", "Files", files(study)));

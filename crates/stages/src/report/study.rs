@@ -1,6 +1,6 @@
 use crate::documents::{
     DesignDocument, DesignScores, EstimateDocument, MomentsDocument, PlanDocument, PublishedSelection,
-    Reference, ValidationDocument,
+    Reference, SequentialDocument, ValidationDocument,
 };
 
 /// Everything that the page can show. What is absent is said to be missing.
@@ -32,6 +32,8 @@ pub struct Study {
     pub selection: Option<super::SelectionStudy>,
     /// What is known from measured logs; absent in a study of simulated trials.
     pub measured: Option<super::Measured>,
+    /// Trials designed in rounds against trials designed once.
+    pub sequential: Option<SequentialDocument>,
     /// Other studies' comparisons of estimators, to be shown side by side.
     pub scenarios: Vec<Scenario>,
     /// The planned trajectory; absent in a study that plans none.

@@ -6,34 +6,29 @@ use std::path::Path;
 
 use artifact::{EncodedBlock, Provenance, Shard, encode_block};
 use optimal_design::apportion;
-use vessel::{
-    Disturbances, Generator, LANES, Lane, Realized, Source, Streams, Vessel, Weather, Wind, check_diverged,
-    simulate, simulate_in,
-};
+use vessel::{Generator, LANES, Realized, Streams, Vessel};
 
-use super::{diverged, exogenous, publish, refuse_endless, writer};
+use super::sea::{Departures, Sea};
+use super::{exogenous, publish, refuse_endless, writer};
 use crate::campaign_file::CampaignFile;
 use crate::documents::{DesignDocument, Sequence};
 use crate::failure::Failure;
-use crate::lanes::{interleave, lane_of};
+use crate::lanes::lane_of;
 use crate::ordered::ordered;
 use crate::plan::Track;
 use crate::progress::Progress;
 use crate::trajectories::{BlockBuilder, Layout, NewRun, rows_per_block};
 
 /// Channel of the random stream that draws a random design's maneuvers.
-const MANEUVER_CHANNEL: u32 = 100;
+pub(crate) const MANEUVER_CHANNEL: u32 = 100;
 
 /// What happens in a run: maneuver and samples, one after the other.
-type Plan = Vec<(usize, usize)>;
+pub(crate) type Plan = Vec<(usize, usize)>;
 
 /// Everything that the runs of a campaign share.
 pub struct Campaign<'a> {
     vessel: &'a Vessel,
-    vessel_file: &'a Path,
-    truth: Vec<Lane>,
-    disturbances: Disturbances,
-    wind: Option<Wind>,
+    sea: Sea<'a>,
     samples: usize,
     realizations: u32,
     designs: Vec<Design>,
@@ -94,7 +89,7 @@ impl<'a> Campaign<'a> {
         design: &DesignDocument,
         seed: u64,
     ) -> Result<Self, Failure> {
-        let truth = vessel.parameters(Source::Value).map_err(|e| Failure::invalid(files.vessel, &e))?;
+        let sea = Sea::new(files.vessel, vessel, config)?;
         let samples = vessel.samples(config.duration_s);
         refuse_endless(files.campaign, "`duration_s`", samples)?;
         let names: Vec<String> = generator.maneuvers().iter().map(|m| m.name.clone()).collect();
@@ -124,18 +119,7 @@ impl<'a> Campaign<'a> {
                 entry.insert(maneuver);
             }
         }
-        Ok(Self {
-            vessel,
-            vessel_file: files.vessel,
-            truth: truth.into_iter().map(Lane::splat).collect(),
-            disturbances: config.disturbances(),
-            wind: config.wind,
-            samples,
-            realizations: runs,
-            designs,
-            realized,
-            names,
-        })
+        Ok(Self { vessel, sea, samples, realizations: runs, designs, realized, names })
     }
 
     /// Number of runs of all designs.
@@ -159,7 +143,7 @@ impl<'a> Campaign<'a> {
         config: &CampaignFile,
         seed: u64,
     ) -> Result<Self, Failure> {
-        let truth = vessel.parameters(Source::Value).map_err(|e| Failure::invalid(vessel_file, &e))?;
+        let sea = Sea::new(vessel_file, vessel, config)?;
         let width = vessel.model.inputs;
         let samples = track.inputs.len() / width;
         let starts = track.stretches.iter().map(|(start, _)| *start);
@@ -171,10 +155,7 @@ impl<'a> Campaign<'a> {
         });
         Ok(Self {
             vessel,
-            vessel_file,
-            truth: truth.into_iter().map(Lane::splat).collect(),
-            disturbances: config.disturbances(),
-            wind: config.wind,
+            sea,
             samples,
             realizations: config.realizations,
             realized: realized.collect(),
@@ -237,44 +218,25 @@ impl<'a> Campaign<'a> {
         runs: &[usize],
         builder: &mut BlockBuilder,
     ) -> Result<(), Failure> {
-        let model = &self.vessel.model;
         let plans: Vec<Plan> = runs.iter().map(|run| design.plan(*run as u32)).collect();
         let exogenous: Vec<Vec<f64>> = plans.iter().map(|plan| self.exogenous(plan)).collect();
-        let lanes = interleave(&exogenous.iter().map(Vec::as_slice).collect::<Vec<_>>());
-        let numbers: [u32; LANES] = std::array::from_fn(|lane| runs[lane.min(runs.len() - 1)] as u32);
-        let start = |lane: usize| self.realized[&plans[lane.min(plans.len() - 1)][0]].initial;
-        let initial = [0, 1, 2].map(|d| Lane(std::array::from_fn(|lane| start(lane)[d])));
-        let rate_hz = self.vessel.sample_rate_hz;
-        let current = self.disturbances.current(&design.streams, numbers, self.samples, rate_hz);
-        let mut states = vec![Lane::ZERO; 3 * (self.samples + 1)];
-        let turning = self.disturbances.current.in_earth_axes();
-        if turning || self.wind.is_some() {
-            let wind = self.wind.as_ref();
-            let force =
-                wind.map(|w| w.force(&design.streams, numbers, self.samples, rate_hz)).unwrap_or_default();
-            let turning = if turning { 1.0 / rate_hz } else { 0.0 };
-            let weather = Weather { current: &current, turning, force: &force };
-            simulate_in(model, &self.truth, initial, &lanes, &weather, &mut states);
-        } else {
-            simulate(model, &self.truth, initial, &lanes, &current, &mut states);
-        }
-        let mut measured = states.clone();
-        self.disturbances.measure(&design.streams, numbers, &mut measured);
+        let numbers: Vec<u32> = runs.iter().map(|run| *run as u32).collect();
+        let departures = Departures {
+            design: design.name,
+            streams: &design.streams,
+            runs: &numbers,
+            initial: plans.iter().map(|plan| self.realized[&plan[0]].initial).collect(),
+            exogenous: exogenous.iter().map(Vec::as_slice).collect(),
+        };
+        let sailed = self.sea.sail(&departures)?;
         for (lane, run) in runs.iter().enumerate() {
-            if let Some(at) = check_diverged(states.iter().map(|s| s[lane])) {
-                return Err(diverged(
-                    self.vessel_file,
-                    &format!("model in design {}, run {run}", design.name),
-                    at,
-                ));
-            }
             builder.push(&NewRun {
                 design: design.name,
                 run: *run as u32,
                 segments: &segments(&plans[lane]),
                 exogenous: &exogenous[lane],
-                measured: &lane_of(&measured, lane),
-                states: &lane_of(&states, lane),
+                measured: &lane_of(&sailed.measured, lane),
+                states: &lane_of(&sailed.states, lane),
             });
         }
         Ok(())

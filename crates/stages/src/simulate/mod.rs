@@ -2,6 +2,7 @@
 
 pub mod campaign;
 pub mod logs;
+pub(crate) mod sea;
 pub mod undisturbed;
 
 use std::path::Path;

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use artifact::{Provenance, encode_block};
-use vessel::{Exceeded, Generator, Limits, Source, Vessel, check_diverged, simulate_one};
+use vessel::{Exceeded, Generator, Limits, Realized, Source, Vessel, check_diverged, simulate_one};
 
 use super::{diverged, exogenous, publish, refuse_endless, writer};
 use crate::failure::Failure;
@@ -83,17 +83,14 @@ impl Undisturbed<'_> {
         parameters: &[f64],
         builder: &mut BlockBuilder,
     ) -> Result<Pushed, Failure> {
-        let model = &self.vessel.model;
         let samples =
             self.generator.samples(index).map_err(|e| Failure::invalid(self.dictionary_file, &e))?;
-        let Ok(maneuver) = self.generator.realize(index, samples) else { return Ok(Pushed::Unsteady) };
-        let exogenous = exogenous(model, &maneuver.inputs);
-        // What the inputs were made with judges them, whatever moves the vessel in the table.
-        let judged = simulate_one(model, self.generator.parameters(), maneuver.initial, &exogenous);
-        if let Some(exceeded) = limits.exceeded(model, &judged, &maneuver.inputs) {
-            return Ok(Pushed::Exceeds(exceeded));
-        }
-        let states = simulate_one(model, parameters, maneuver.initial, &exogenous);
+        let (initial, exogenous) = match judge(self.vessel, self.generator, index, limits, samples) {
+            Judged::Within { initial, exogenous } => (initial, exogenous),
+            Judged::Exceeds(exceeded) => return Ok(Pushed::Exceeds(exceeded)),
+            Judged::Unsteady => return Ok(Pushed::Unsteady),
+        };
+        let states = simulate_one(&self.vessel.model, parameters, initial, &exogenous);
         if check_diverged(states.iter().copied()).is_some() {
             return Ok(Pushed::Unsteady);
         }
@@ -159,6 +156,33 @@ impl Undisturbed<'_> {
         }
         self.push_run(index, &exogenous, &states, builder);
         Ok(samples)
+    }
+}
+
+/// A generated maneuver beside its limits.
+pub(crate) enum Judged {
+    /// It keeps them: initial state, N × exogenous.
+    Within { initial: [f64; 3], exogenous: Vec<f64> },
+    /// It does not.
+    Exceeds(Exceeded),
+    /// No inputs hold its motion.
+    Unsteady,
+}
+
+/// Judges maneuver `index` in `samples` samples by what its inputs were made with, whatever moves the vessel.
+pub(crate) fn judge(
+    vessel: &Vessel,
+    generator: &Generator,
+    index: usize,
+    limits: &Limits,
+    samples: usize,
+) -> Judged {
+    let Ok(Realized { initial, inputs }) = generator.realize(index, samples) else { return Judged::Unsteady };
+    let exogenous = exogenous(&vessel.model, &inputs);
+    let states = simulate_one(&vessel.model, generator.parameters(), initial, &exogenous);
+    match limits.exceeded(&vessel.model, &states, &inputs) {
+        Some(exceeded) => Judged::Exceeds(exceeded),
+        None => Judged::Within { initial, exogenous },
     }
 }
 

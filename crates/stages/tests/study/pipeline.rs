@@ -52,7 +52,8 @@ fn quiet_stages_print_nothing_on_stderr() {
 fn help_shows_an_example() {
     let folder = tempfile::tempdir().unwrap();
     let simulate = ["simulate", "simulate dictionary", "simulate campaign", "simulate validation"];
-    for command in simulate.into_iter().chain(["moments", "design", "estimate", "validate", "report"]) {
+    let others = ["moments", "design", "estimate", "validate", "sequential", "report"];
+    for command in simulate.into_iter().chain(others) {
         let ran = run(&folder, &format!("{command} --help")).succeeds();
         assert!(ran.stdout.contains("Example:") && ran.stderr.is_empty(), "{ran}");
         let binary = command.split(' ').next().unwrap();
@@ -64,7 +65,7 @@ fn help_shows_an_example() {
 #[test]
 fn every_binary_tells_its_version() {
     let folder = tempfile::tempdir().unwrap();
-    for binary in ["simulate", "moments", "design", "estimate", "validate", "report"] {
+    for binary in ["simulate", "moments", "design", "estimate", "validate", "sequential", "report"] {
         let ran = run(&folder, &format!("{binary} --version")).succeeds();
         assert_eq!(ran.stdout.trim(), format!("{binary} {}", env!("CARGO_PKG_VERSION")), "{ran}");
     }

@@ -241,6 +241,7 @@ fn binary(name: &str) -> &'static Path {
         "report" => cargo_bin!("report"),
         "plan" => cargo_bin!("plan"),
         "ingest" => cargo_bin!("ingest"),
+        "sequential" => cargo_bin!("sequential"),
         other => panic!("no binary `{other}`"),
     }
 }

@@ -56,6 +56,7 @@ pub(super) fn study() -> Study {
         scores: Some(scores.into_iter().rev().collect()),
         validation_trace: Some(validation_trace()),
         reference: Some(reference()),
+        sequential: None,
         scenarios: Vec::new(),
         selection: None,
         data: None,

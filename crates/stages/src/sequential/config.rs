@@ -1,0 +1,98 @@
+use std::collections::BTreeMap;
+
+use serde::Deserialize;
+use vessel::{Invalid, Vessel, nearest};
+
+/// `sequential.toml`.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SequentialFile {
+    /// Realizations of every arm.
+    pub realizations: u32,
+    /// Sea time in all \[s\].
+    pub duration_s: f64,
+    /// Rounds of equal length that it is cut into.
+    pub rounds: u32,
+    /// How crude the model before the trial is: its parameters are those it is drawn about times e^(this times a standard
+    /// normal number), anew for every realization.
+    pub nominal_spread: f64,
+    /// What crude models are drawn about.
+    #[serde(default)]
+    pub crude_about: CrudeAbout,
+    /// The trial may stop where the predicted error falls to this: 2-norm over the parameters of standard error over
+    /// parameter.
+    pub accuracy: f64,
+    /// Smallest moduli of parameters by name, in their units: errors of a smaller parameter are taken relative to this, and
+    /// the crude model is uncertain by this at least.
+    #[serde(default)]
+    pub floor: BTreeMap<String, f64>,
+}
+
+/// What crude models are drawn about.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum CrudeAbout {
+    /// The true parameters.
+    #[default]
+    Value,
+    /// The nominal ones. Those that are zero stay zero and need a floor.
+    Nominal,
+}
+
+impl CrudeAbout {
+    /// As in files.
+    pub fn name(self) -> &'static str {
+        ["value", "nominal"][self as usize]
+    }
+}
+
+impl SequentialFile {
+    /// Refuses numbers without meaning.
+    ///
+    /// # Errors
+    /// Names the key.
+    pub fn check(&self) -> Result<(), Invalid> {
+        let keys = [
+            ("realizations", f64::from(self.realizations)),
+            ("duration_s", self.duration_s),
+            ("rounds", f64::from(self.rounds)),
+            ("accuracy", self.accuracy),
+        ];
+        let floors = self.floor.iter().map(|(name, value)| (format!("floor.{name}"), *value));
+        let positive = keys.into_iter().map(|(key, value)| (key.to_owned(), value)).chain(floors);
+        let wrong = positive.into_iter().find(|(_, value)| !(value.is_finite() && *value > 0.0));
+        if let Some((key, value)) = wrong {
+            return Err(Invalid::new(format!("`{key}`"), value.to_string(), "more than zero", "correct it"));
+        }
+        if !(self.nominal_spread.is_finite() && (0.0..=2.0).contains(&self.nominal_spread)) {
+            let found = self.nominal_spread.to_string();
+            return Err(Invalid::new("`nominal_spread`", found, "a number from 0 to 2", "correct it"));
+        }
+        Ok(())
+    }
+
+    /// The floor of every parameter of `vessel`, 0 where none is stated.
+    ///
+    /// # Errors
+    /// A floor of no parameter; a parameter of `about`, which crude models are drawn about, that is zero and has no floor.
+    pub fn floors(&self, vessel: &Vessel, about: &[f64]) -> Result<Vec<f64>, Invalid> {
+        let names = || vessel.model.parameter_names();
+        if let Some(unknown) = self.floor.keys().find(|key| names().all(|name| name != key.as_str())) {
+            let remedy = format!("did you mean `{}`?", nearest(unknown, names()).unwrap_or_default());
+            let expected = names().collect::<Vec<_>>().join(", ");
+            return Err(Invalid::new("`floor`", format!("`{unknown}`"), expected, remedy));
+        }
+        let floors: Vec<f64> = names().map(|name| self.floor.get(name).copied().unwrap_or(0.0)).collect();
+        let zero =
+            names().zip(about).zip(&floors).find(|((_, about), floor)| **about == 0.0 && **floor == 0.0);
+        match zero {
+            None => Ok(floors),
+            Some(((name, _), _)) => Err(Invalid::new(
+                format!("`floor.{name}`"),
+                format!("none, and `{}` of `{name}` is zero", self.crude_about.name()),
+                "the smallest modulus that counts, since errors are relative",
+                "state it, or take `crude_about = \"value\"`",
+            )),
+        }
+    }
+}

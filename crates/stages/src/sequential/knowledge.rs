@@ -1,0 +1,75 @@
+use vessel::Streams;
+
+/// What is known of the parameters before a trial, and with its estimates.
+pub(super) struct Knowledge {
+    /// Parameters that crude models are drawn about.
+    pub about: Vec<f64>,
+    /// Standard deviation of the logarithm of crude over these.
+    pub spread: f64,
+    /// Smallest moduli that errors are taken relative to; 0 for none.
+    pub floor: Vec<f64>,
+    /// Seed of the draws.
+    pub seed: u64,
+}
+
+impl Knowledge {
+    /// The crude model of a realization.
+    pub fn crude(&self, realization: u32) -> Vec<f64> {
+        let mut normals = vec![0.0; self.about.len()];
+        Streams::new(self.seed, "crude model").normals(realization, 0, &mut normals);
+        self.about.iter().zip(normals).map(|(theta, z)| theta * (self.spread * z).exp()).collect()
+    }
+
+    /// Each parameter between the crude and the estimated one, as their variances have it: the crude one's is
+    /// (spread × parameter)², of the floor squared at least.
+    pub fn learnt(&self, crude: &[f64], estimate: &[f64], standard_errors: &[f64]) -> Vec<f64> {
+        let between = |(i, error): (usize, &f64)| {
+            let before = (self.spread * crude[i]).abs().max(self.floor[i]).powi(2);
+            let sum = before + error * error;
+            if sum > 0.0 { crude[i] + before / sum * (estimate[i] - crude[i]) } else { estimate[i] }
+        };
+        standard_errors.iter().enumerate().map(between).collect()
+    }
+
+    /// What errors of every parameter are taken relative to.
+    pub fn sizes(&self, theta: &[f64]) -> Vec<f64> {
+        theta.iter().zip(&self.floor).map(|(theta, floor)| theta.abs().max(*floor)).collect()
+    }
+
+    /// 2-norm over the parameters of `standard_errors` over the sizes of `theta`.
+    pub fn relative(&self, standard_errors: &[f64], theta: &[f64]) -> f64 {
+        let relative = standard_errors.iter().zip(self.sizes(theta)).map(|(error, size)| error / size);
+        relative.map(|x| x * x).sum::<f64>().sqrt()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn knowledge(spread: f64, floor: [f64; 2]) -> Knowledge {
+        Knowledge { about: vec![2.0, -0.5], spread, floor: floor.to_vec(), seed: 1 }
+    }
+
+    #[test]
+    fn law_what_is_learnt_lies_nearer_to_what_is_known_better() {
+        let known = knowledge(0.5, [0.0; 2]);
+        let learnt = known.learnt(&[2.0, -0.5], &[4.0, -1.5], &[1.0, 1e-9]);
+        assert!((learnt[0] - 3.0).abs() < 1e-12, "equal variances: halfway, {learnt:?}");
+        assert!((learnt[1] + 1.5).abs() < 1e-6, "an exact estimate is taken as it is, {learnt:?}");
+    }
+
+    #[test]
+    fn law_without_spread_crude_models_are_exact_and_nothing_is_learnt() {
+        let known = knowledge(0.0, [0.0; 2]);
+        assert_eq!(known.crude(7), known.about);
+        assert_eq!(known.learnt(&known.about, &[4.0, -1.5], &[1.0, 1.0]), known.about);
+        assert_ne!(knowledge(0.3, [0.0; 2]).crude(7), known.about);
+    }
+
+    #[test]
+    fn small_parameters_count_as_large_as_their_floor() {
+        let known = knowledge(0.5, [0.0, 1.0]);
+        assert_eq!(known.relative(&[0.6, 0.8], &[-1.0, 0.0]), 1.0);
+    }
+}
