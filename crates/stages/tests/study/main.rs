@@ -16,3 +16,4 @@ mod refusals_files;
 mod refusals_output;
 mod refusals_toml;
 mod same_bytes;
+mod sequential;

@@ -1,12 +1,11 @@
 //! Trials in rounds, through the binary.
 
-mod support;
-
 use artifact::TableReader;
 use stages::documents::SequentialDocument;
 use stages::sequential::{ID, VERSION};
-use support::*;
 use tempfile::TempDir;
+
+use crate::support::*;
 
 const SEQUENTIAL: &str = "sequential --vessel vessel.toml --dictionary dictionary.toml --campaign campaign.toml --config \
      sequential.toml --out sequential.parquet";
