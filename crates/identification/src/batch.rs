@@ -1,4 +1,4 @@
-use vessel::{LANES, Lane, Model, Number};
+use vessel::{LANES, Lane, Model, Number, Numbers};
 
 /// [`LANES`] runs of N samples side by side. All row-major. What the runs share (`X` = `f64`) is one number per entry
 /// instead of a lane; the results are the same bits.
@@ -15,6 +15,29 @@ pub struct Batch<'a, X = Lane> {
     pub exogenous: &'a [X],
     /// Per run, the first sample of each segment, ascending from 0.
     pub segments: [&'a [usize]; LANES],
+}
+
+/// A batch by what its runs share: passes over one are compiled here, not in every crate and test that calls them.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum AnyBatch<'a> {
+    Lanes(Batch<'a, Lane>),
+    Shared(Batch<'a, f64>),
+}
+
+impl<'a, X: Number> Batch<'a, X> {
+    /// The same batch, `X` told.
+    pub(crate) fn any(&self) -> AnyBatch<'a> {
+        let Self { model, measured, segments, .. } = *self;
+        match (X::numbers(self.instrument_states), X::numbers(self.exogenous)) {
+            (Numbers::Lanes(instrument_states), Numbers::Lanes(exogenous)) => {
+                AnyBatch::Lanes(Batch { model, measured, instrument_states, exogenous, segments })
+            }
+            (Numbers::Shared(instrument_states), Numbers::Shared(exogenous)) => {
+                AnyBatch::Shared(Batch { model, measured, instrument_states, exogenous, segments })
+            }
+            _ => unreachable!("both are made of X"),
+        }
+    }
 }
 
 impl<X: Number> Batch<'_, X> {

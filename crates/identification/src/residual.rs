@@ -6,7 +6,7 @@
 use vessel::{LANES, Lane, Number};
 
 use crate::Batch;
-use crate::batch::{BLOCK, Block, Regressors, accumulate};
+use crate::batch::{AnyBatch, BLOCK, Block, Regressors, accumulate};
 
 /// A group of samples that shares its intercepts: its first sample, and a constant per signal.
 #[derive(Clone, Debug)]
@@ -24,7 +24,14 @@ pub(crate) struct InstrumentSquares {
 impl InstrumentSquares {
     /// `means`: the instruments' means per run and group.
     pub(crate) fn over<X: Number>(batch: &Batch<X>, means: [&[Group]; LANES]) -> Self {
-        pulp::Arch::new().dispatch(InstrumentPass { batch, means })
+        Self::over_any(batch.any(), means)
+    }
+
+    fn over_any(batch: AnyBatch, means: [&[Group]; LANES]) -> Self {
+        match &batch {
+            AnyBatch::Lanes(batch) => pulp::Arch::new().dispatch(InstrumentPass { batch, means }),
+            AnyBatch::Shared(batch) => pulp::Arch::new().dispatch(InstrumentPass { batch, means }),
+        }
     }
 }
 
@@ -98,7 +105,14 @@ pub(crate) struct ResidualSums {
 impl ResidualSums {
     /// `theta`: one lane per parameter. `intercepts`: three per run and group.
     pub(crate) fn over<X: Number>(batch: &Batch<X>, theta: &[Lane], intercepts: [&[Group]; LANES]) -> Self {
-        pulp::Arch::new().dispatch(ResidualPass { batch, theta, intercepts })
+        Self::over_any(batch.any(), theta, intercepts)
+    }
+
+    fn over_any(batch: AnyBatch, theta: &[Lane], intercepts: [&[Group]; LANES]) -> Self {
+        match &batch {
+            AnyBatch::Lanes(batch) => pulp::Arch::new().dispatch(ResidualPass { batch, theta, intercepts }),
+            AnyBatch::Shared(batch) => pulp::Arch::new().dispatch(ResidualPass { batch, theta, intercepts }),
+        }
     }
 }
 

@@ -3,7 +3,7 @@ use std::ops::Range;
 use vessel::{Lane, Number, Term};
 
 use crate::Batch;
-use crate::batch::{BLOCK, Regressors, accumulate};
+use crate::batch::{AnyBatch, BLOCK, Regressors, accumulate};
 
 /// Sums over regression pairs of all degrees of freedom. The sums of two pieces of data add to those of both.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -95,15 +95,29 @@ impl LaneSums {
             batch.model.degrees[d].terms.iter().rposition(of_state).map_or(0, |last| last + 1)
         });
         let mut sums = Self { entries: vec![Lane::ZERO; size], parameters, measured, range };
-        pulp::Arch::new().dispatch(AddInstruments { sums: &mut sums, batch });
+        sums.add_instruments(batch.any());
         sums
+    }
+
+    fn add_instruments(&mut self, batch: AnyBatch) {
+        match &batch {
+            AnyBatch::Lanes(batch) => pulp::Arch::new().dispatch(AddInstruments { sums: self, batch }),
+            AnyBatch::Shared(batch) => pulp::Arch::new().dispatch(AddInstruments { sums: self, batch }),
+        }
     }
 
     /// These sums of instruments with all the others.
     pub(crate) fn with_measured<X: Number>(&self, batch: &Batch<X>) -> Self {
         let mut sums = self.clone();
-        pulp::Arch::new().dispatch(AddMeasured { sums: &mut sums, batch });
+        sums.add_measured(batch.any());
         sums
+    }
+
+    fn add_measured(&mut self, batch: AnyBatch) {
+        match &batch {
+            AnyBatch::Lanes(batch) => pulp::Arch::new().dispatch(AddMeasured { sums: self, batch }),
+            AnyBatch::Shared(batch) => pulp::Arch::new().dispatch(AddMeasured { sums: self, batch }),
+        }
     }
 
     /// The sums of one lane.
