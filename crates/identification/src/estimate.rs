@@ -220,12 +220,17 @@ impl Solved {
         standard_errors
     }
 
-    /// From A⁻¹ B A⁻ᵀ with B of each degree of freedom, p × p, for N samples.
-    pub(crate) fn spread(&self, middles: &[Vec<f64>], samples: u64) -> Vec<f64> {
+    /// N over N less unknowns, per degree of freedom: what residuals that were fitted are too small by.
+    pub(crate) fn fitted(&self, samples: u64) -> [f64; 3] {
+        let unknowns = |d: usize| self.inverses[d].len().isqrt() + self.intercepts;
+        [0, 1, 2].map(|d| samples as f64 / (samples as f64 - unknowns(d) as f64))
+    }
+
+    /// From A⁻¹ B A⁻ᵀ with B of each degree of freedom, p × p, times `factors`.
+    pub(crate) fn spread(&self, middles: &[Vec<f64>; 3], factors: [f64; 3]) -> Vec<f64> {
         let mut standard_errors = Vec::with_capacity(self.theta.len());
-        for (inverse, middle) in self.inverses.iter().zip(middles) {
+        for ((inverse, middle), factor) in self.inverses.iter().zip(middles).zip(factors) {
             let p = inverse.len().isqrt();
-            let factor = samples as f64 / (samples as f64 - (p + self.intercepts) as f64);
             let variance = |row: &[f64]| (factor * quadratic(row, middle)).max(0.0);
             standard_errors.extend(inverse.chunks_exact(p).map(|row| variance(row).sqrt()));
         }

@@ -11,12 +11,18 @@ use std::ops::Range;
 use vessel::{LANES, Lane, Tangent};
 
 use crate::estimate::{Run, Solved, ranges};
-use crate::{Batch, DegreeSums, Estimate, MeanRemoval, Outcome, Sums};
+use crate::{Batch, DegreeSums, Estimate, MeanRemoval, Noise, Outcome, Sums};
 
 /// Estimates every run of `batch`, whose instrument states were simulated with `parameters`, one lane each: these set the
 /// filter's poles, kept between 0 and 1 − 1/N. The filter starts at rest with every group of samples that has an intercept
-/// of its own. Standard errors take filtered residuals as correlated over less than 2√N samples.
-pub fn estimate_prefiltered(batch: &Batch, parameters: &[Lane], removal: MeanRemoval) -> Vec<Outcome> {
+/// of its own. Standard errors follow from `noise` where it is stated (a draw at a joint of groups counts for each of them),
+/// else from filtered residuals, taken as correlated over less than 2√N samples.
+pub fn estimate_prefiltered(
+    batch: &Batch,
+    parameters: &[Lane],
+    removal: MeanRemoval,
+    noise: Option<&Noise>,
+) -> Vec<Outcome> {
     let mut signals: BTreeMap<(usize, usize), Signals> = BTreeMap::new();
     for (start, end) in (0..LANES).flat_map(|lane| ranges(batch, removal, lane)) {
         signals.entry((start, end)).or_insert_with(|| Signals::of(batch, parameters, start..end));
@@ -35,11 +41,12 @@ pub fn estimate_prefiltered(batch: &Batch, parameters: &[Lane], removal: MeanRem
     let mut middles = [const { Middles([const { Vec::new() }; 3]) }; LANES];
     for (range, signals) in &signals {
         let own = |lane: usize| ranges(batch, removal, lane).position(|other| other == *range);
-        signals.add_middles(&mut middles, &runs, &solved, own);
+        signals.add_middles(&mut middles, &runs, &solved, noise, own);
     }
     let finish = |((solved, middles), run): ((Result<Solved, Outcome>, Middles), Run)| {
         solved.map_or_else(std::convert::identity, |solved| {
-            let standard_errors = solved.spread(&middles.0, run.samples());
+            let fitted = if noise.is_some() { [1.0; 3] } else { solved.fitted(run.samples()) };
+            let standard_errors = solved.spread(&middles.0, fitted);
             Outcome::Identified(Estimate { parameters: solved.theta, standard_errors })
         })
     };
@@ -72,6 +79,9 @@ struct Degree {
     zeta: Vec<Lane>,
     /// Filtered Δy: N.
     target: Vec<Lane>,
+    /// The filter's poles: N; ∂(increment)/∂(u, v, r): N × 3.
+    poles: Vec<Lane>,
+    slopes: Vec<Lane>,
     /// Σ ζ̃ φ̃ᵀ: p̃ × p̃; Σ ζ̃ Δy: p̃; Σ ζ²; Σ φ²: p each.
     a: Vec<Lane>,
     b: Vec<Lane>,
@@ -92,6 +102,7 @@ impl Signals {
         middles: &mut [Middles; LANES],
         runs: &[Run],
         solved: &[Result<Solved, Outcome>],
+        noise: Option<&Noise>,
         group: impl Fn(usize) -> Option<usize>,
     ) {
         let mut first = 0;
@@ -109,7 +120,11 @@ impl Signals {
                 let centres = means.iter_mut().zip(sums.instrument_means(centred));
                 centres.for_each(|(lanes, mean)| lanes[lane] = mean);
             }
-            let middle = pulp::Arch::new().dispatch(Scores { degree, theta: &theta, means: &means });
+            let means = &means;
+            let middle = match noise {
+                Some(noise) => pulp::Arch::new().dispatch(Responses { degree, d, means, noise }),
+                None => pulp::Arch::new().dispatch(Scores { degree, theta: &theta, means }),
+            };
             for lane in (0..LANES).filter(|lane| own[*lane]) {
                 middles[lane].add(d, middle.iter().map(|m| m[lane]));
             }
@@ -128,6 +143,8 @@ impl Degree {
             phi: signal(p + 1),
             zeta: signal(p + 1),
             target: signal(1),
+            poles: signal(1),
+            slopes: signal(3),
             a: zeros((p + 1) * (p + 1)),
             b: zeros(p + 1),
             instrument_squares: zeros(p),
@@ -150,6 +167,13 @@ impl Degree {
             self.instrument_squares[i] += zeta[i] * zeta[i];
             self.regressor_squares[i] += phi[i] * phi[i];
         }
+    }
+
+    /// ζᶜ of instrument `i` at sample `k`; `mean` in units of the filtered one.
+    #[inline(always)]
+    fn centred(&self, k: usize, i: usize, mean: Lane) -> Lane {
+        let row = &self.zeta[k * (self.parameters + 1)..(k + 1) * (self.parameters + 1)];
+        row[i] - mean * row[self.parameters]
     }
 
     fn sums(&self, lane: usize) -> DegreeSums {
@@ -201,6 +225,8 @@ impl pulp::WithSimd for Filter<'_> {
                 }
                 let increment = batch.measured[3 * (k + 1) + d] - batch.measured[3 * k + d];
                 passed(&mut degree.target, 1, pole, increment);
+                degree.poles.push(pole);
+                degree.slopes.extend(slopes[d]);
                 degree.add();
                 first += p;
             }
@@ -237,11 +263,10 @@ impl pulp::WithSimd for Scores<'_> {
         for k in 0..samples + window - 1 {
             if k < samples {
                 let phi = &degree.phi[k * (p + 1)..(k + 1) * (p + 1)];
-                let zeta = &degree.zeta[k * (p + 1)..(k + 1) * (p + 1)];
                 let mut residual = degree.target[k];
                 phi.iter().zip(theta).for_each(|(f, t)| residual = residual - *f * *t);
                 for i in 0..p {
-                    let score = (zeta[i] - means[i] * zeta[p]) * residual;
+                    let score = degree.centred(k, i, means[i]) * residual;
                     scores.push(score);
                     sum[i] += score;
                 }
@@ -253,6 +278,53 @@ impl pulp::WithSimd for Scores<'_> {
             for i in 0..p {
                 for j in 0..p {
                     middle[i * p + j] += share * sum[i] * sum[j];
+                }
+            }
+        }
+        middle
+    }
+}
+
+/// The same from stated noise, to first order. With η(k) = ζᶜ(k) + a(k+1) η(k+1), Σ ζᶜε is Σ η times the residuals before the
+/// filter (see [`crate::middle`]): a draw of the own state's measurement counts ζᶜ, of others and of the current slope times η.
+struct Responses<'a> {
+    degree: &'a Degree,
+    d: usize,
+    means: &'a [Lane],
+    noise: &'a Noise,
+}
+
+impl pulp::WithSimd for Responses<'_> {
+    type Output = Vec<Lane>;
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _: S) -> Vec<Lane> {
+        let Self { degree, d, means, noise } = self;
+        let p = degree.parameters;
+        let own = Lane::splat(noise.measurement[d].powi(2));
+        let others: [Lane; 3] = std::array::from_fn(|i| {
+            let measured = if i == d { 0.0 } else { noise.measurement[i].powi(2) };
+            let current = if i < 2 { noise.current.powi(2) } else { 0.0 };
+            Lane::splat(measured + current)
+        });
+        let (mut pole, mut eta) = (Lane::ZERO, vec![Lane::ZERO; p]);
+        let (mut centred, mut middle) = (eta.clone(), vec![Lane::ZERO; p * p]);
+        for k in (0..degree.poles.len()).rev() {
+            for i in 0..p {
+                centred[i] = degree.centred(k, i, means[i]);
+                eta[i] = centred[i] + pole * eta[i];
+            }
+            pole = degree.poles[k];
+            let slopes = &degree.slopes[3 * k..3 * k + 3];
+            let mut share = Lane::ZERO;
+            (0..3).for_each(|i| share += others[i] * slopes[i] * slopes[i]);
+            if k == 0 {
+                share += own * pole * pole;
+            }
+            for i in 0..p {
+                let (by_own, by_others) = (own * centred[i], share * eta[i]);
+                for j in 0..p {
+                    middle[i * p + j] += by_own * centred[j] + by_others * eta[j];
                 }
             }
         }

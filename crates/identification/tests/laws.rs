@@ -297,7 +297,7 @@ fn prefiltered(runs: &[&Recording], parameters: &[f64], removal: MeanRemoval) ->
     let vessel = paper();
     let side_by_side = SideBySide::new(runs);
     let parameters: Vec<Lane> = parameters.iter().copied().map(Lane::splat).collect();
-    let mut all = estimate_prefiltered(&side_by_side.batch(&vessel.model), &parameters, removal);
+    let mut all = estimate_prefiltered(&side_by_side.batch(&vessel.model), &parameters, removal, None);
     all.truncate(runs.len());
     all
 }

@@ -6,6 +6,7 @@ use identification::predictor::{
     Fit, Fitted, Flow, Gusts, InitialState, Levels, Recording, Recordings, Spread, output_error,
     prediction_error, sensitivities,
 };
+use identification::{Batch, MeanRemoval, Outcome, estimate_prefiltered};
 use support::noise::Normals;
 use support::{Experiment, dictionary, paper, truth};
 use vessel::{LANES, Lane, Source, Vessel, Weather, simulate, simulate_in};
@@ -176,8 +177,48 @@ fn law_measurement_noise_bounds_what_the_papers_experiment_can_tell() {
     assert!((bound - 1.28).abs() < 0.02, "{bound}");
 }
 
-/// Standard deviation of estimates over standard errors, parameter by parameter, over `runs` runs in `levels`.
-fn ratios(levels: &Levels, runs: usize, predict: bool, seed: u64) -> Vec<f64> {
+/// Estimators whose standard errors follow from stated levels.
+#[derive(Clone, Copy, Debug)]
+enum By {
+    PrefilteredInstruments,
+    OutputError,
+    PredictionError,
+}
+
+/// Parameters and standard errors of the lanes of `measured`, searched for from the truth.
+fn estimates(
+    by: By,
+    vessel: &Vessel,
+    experiment: &Experiment,
+    measured: &[Lane],
+    levels: &Levels,
+) -> Vec<(Vec<f64>, Vec<f64>)> {
+    let (runs, from, known) = (runs(experiment, measured), starts(&truth(vessel)), InitialState::Known);
+    let fits = match by {
+        By::PrefilteredInstruments => {
+            let batch = Batch {
+                model: &vessel.model,
+                measured,
+                instrument_states: &splat(&experiment.states(vessel, Source::Value)),
+                exogenous: &splat(&experiment.inputs),
+                segments: [&[0]; LANES],
+            };
+            let (poles, noise) = (splat(&truth(vessel)), levels.white());
+            let found = estimate_prefiltered(&batch, &poles, MeanRemoval::Complete, noise.as_ref());
+            let identified = |outcome| match outcome {
+                Outcome::Identified(found) => (found.parameters, found.standard_errors),
+                other => panic!("{other:?}"),
+            };
+            return found.into_iter().map(identified).collect();
+        }
+        By::OutputError => output_error(&vessel.model, &runs, &from, known, Spread::Stated(levels)),
+        By::PredictionError => prediction_error(&vessel.model, &runs, &from, known, levels),
+    };
+    converged(fits).into_iter().map(|found| (found.parameters, found.standard_errors)).collect()
+}
+
+/// Mean standard error over the standard deviation of estimates, parameter by parameter, over `runs` runs in `levels`.
+fn ratios(levels: &Levels, runs: usize, by: By, seed: u64) -> Vec<f64> {
     let vessel = paper();
     let experiment = experiment(&vessel);
     let samples = experiment.inputs.len() / 3;
@@ -192,18 +233,13 @@ fn ratios(levels: &Levels, runs: usize, predict: bool, seed: u64) -> Vec<f64> {
         let parameters = splat(&truth(&vessel));
         simulate(&vessel.model, &parameters, initial, &experiment.inputs, &current, &mut measured);
         measured.iter_mut().enumerate().for_each(|(i, y)| *y += draw(levels.measurement[i % 3]));
-        let (runs, from, known) =
-            (self::runs(&experiment, &measured), starts(&truth(&vessel)), InitialState::Known);
-        all.extend(converged(match predict {
-            false => output_error(&vessel.model, &runs, &from, known, Spread::Stated(levels)),
-            true => prediction_error(&vessel.model, &runs, &from, known, levels),
-        }));
+        all.extend(estimates(by, &vessel, &experiment, &measured, levels));
     }
     let ratio = |i: usize| {
-        let mean = all.iter().map(|f| f.parameters[i]).sum::<f64>() / all.len() as f64;
-        let square = all.iter().map(|f| (f.parameters[i] - mean).powi(2)).sum::<f64>();
+        let mean = all.iter().map(|(theta, _)| theta[i]).sum::<f64>() / all.len() as f64;
+        let square = all.iter().map(|(theta, _)| (theta[i] - mean).powi(2)).sum::<f64>();
         let spread = (square / (all.len() - 1) as f64).sqrt();
-        all.iter().map(|f| f.standard_errors[i]).sum::<f64>() / all.len() as f64 / spread
+        all.iter().map(|(_, errors)| errors[i]).sum::<f64>() / all.len() as f64 / spread
     };
     (0..truth(&vessel).len()).map(ratio).collect()
 }
@@ -211,11 +247,11 @@ fn ratios(levels: &Levels, runs: usize, predict: bool, seed: u64) -> Vec<f64> {
 #[test]
 fn law_standard_errors_are_the_spread_of_estimates() {
     let levels = Levels { measurement: [NOISE; 3], current: Flow::White { std: NOISE }, force: None };
-    for predict in [false, true] {
-        let ratios = ratios(&levels, 400, predict, 31);
-        println!("prediction error {predict}: predicted over spread {ratios:.3?}");
+    for by in [By::PrefilteredInstruments, By::OutputError, By::PredictionError] {
+        let ratios = ratios(&levels, 400, by, 31);
+        println!("{by:?}: predicted over spread {ratios:.3?}");
         for (i, ratio) in ratios.iter().enumerate() {
-            assert!((ratio - 1.0).abs() < 0.15, "parameter {i}, prediction error {predict}: {ratio}");
+            assert!((ratio - 1.0).abs() < 0.15, "parameter {i}, {by:?}: {ratio}");
         }
     }
 }

@@ -160,7 +160,7 @@ fn oracle_prefiltered_instrumental_variables_agree_with_triangular_matrices() {
         for (key, removal) in removals {
             let expected = &run.expected["prefiltered"][key];
             let (theta, errors) = (numbers(&expected["theta"]), numbers(&expected["standard_errors"]));
-            for outcome in estimate_prefiltered(&batch, &lanes, removal) {
+            for outcome in estimate_prefiltered(&batch, &lanes, removal, None) {
                 let Outcome::Identified(found) = outcome else { panic!("{key}: {outcome:?}") };
                 for i in 0..theta.len() {
                     assert!(

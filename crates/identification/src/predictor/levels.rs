@@ -1,3 +1,5 @@
+use crate::Noise;
+
 /// What disturbs a run, as far as it is known.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Levels {
@@ -40,6 +42,16 @@ pub struct Gusts {
 }
 
 impl Levels {
+    /// The same where every draw is new, which no force and no current that lasts is.
+    pub fn white(&self) -> Option<Noise> {
+        let current = match (self.current, self.force) {
+            (Flow::Still, None) => 0.0,
+            (Flow::White { std }, None) => std,
+            _ => return None,
+        };
+        Some(Noise { measurement: self.measurement, current })
+    }
+
     /// Number of states of vessel and disturbances together: 3, and 2 for a current that lasts, and 3 for gusts.
     pub(crate) fn states(&self) -> usize {
         let current = if matches!(self.current, Flow::Markov { .. }) { 2 } else { 0 };

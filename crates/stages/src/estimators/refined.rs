@@ -1,6 +1,7 @@
 //! Instrumental variables whose instruments and prefilter come from the estimate.
 
-use identification::{Batch, MeanRemoval, Outcome};
+use identification::predictor::Levels;
+use identification::{Batch, MeanRemoval, Noise, Outcome};
 use vessel::{LANES, Lane, Vessel, check_diverged, simulate};
 
 use super::rows::{Found, Regressed};
@@ -16,11 +17,18 @@ const ENOUGH: f64 = 0.01;
 /// Refines the estimates `iv` of `runs`. Where the simulation with the first one diverges, the nominal model's instruments
 /// and filter are taken instead; where a later one does, or instruments made with it identify nothing, the last good estimate
 /// is kept and marked so.
-pub(super) fn refine(vessel: &Vessel, runs: &[Run], iv: &[Regressed], removal: MeanRemoval) -> Vec<Found> {
+pub(super) fn refine(
+    vessel: &Vessel,
+    runs: &[Run],
+    iv: &[Regressed],
+    removal: MeanRemoval,
+    levels: Option<&Levels>,
+) -> Vec<Found> {
+    let noise = levels.and_then(Levels::white);
     let lengths: Vec<usize> = runs.iter().map(Run::samples).collect();
     let mut all = Vec::with_capacity(runs.len());
     for group in groups(&lengths) {
-        let mut batch = Refinement::new(vessel, &runs[group.clone()], &iv[group], removal);
+        let mut batch = Refinement::new(vessel, &runs[group.clone()], &iv[group], removal, noise);
         for round in 0..ROUNDS {
             if batch.done.iter().all(|done| *done) {
                 break;
@@ -36,6 +44,7 @@ pub(super) fn refine(vessel: &Vessel, runs: &[Run], iv: &[Regressed], removal: M
 struct Refinement<'a> {
     vessel: &'a Vessel,
     removal: MeanRemoval,
+    noise: Option<Noise>,
     initial: [Lane; 3],
     measured: Vec<Lane>,
     exogenous: Vec<Lane>,
@@ -47,13 +56,20 @@ struct Refinement<'a> {
 }
 
 impl<'a> Refinement<'a> {
-    fn new(vessel: &'a Vessel, runs: &[Run], iv: &[Regressed], removal: MeanRemoval) -> Self {
+    fn new(
+        vessel: &'a Vessel,
+        runs: &[Run],
+        iv: &[Regressed],
+        removal: MeanRemoval,
+        noise: Option<Noise>,
+    ) -> Self {
         let last = runs.len() - 1;
         let start = |d: usize| Lane(std::array::from_fn(|lane| runs[lane.min(last)].initial[d]));
         let found = iv.iter().map(|r| Found { status: r.found.status, estimate: r.found.estimate.clone() });
         Self {
             vessel,
             removal,
+            noise,
             initial: [0, 1, 2].map(start),
             measured: interleave(&runs.iter().map(|r| r.measured.as_slice()).collect::<Vec<_>>()),
             exogenous: interleave(&runs.iter().map(|r| r.exogenous.as_slice()).collect::<Vec<_>>()),
@@ -74,7 +90,8 @@ impl<'a> Refinement<'a> {
             exogenous: &self.exogenous,
             segments: std::array::from_fn(|lane| self.starts[lane.min(last)].as_slice()),
         };
-        let outcomes = identification::estimate_prefiltered(&batch, &parameters, self.removal);
+        let outcomes =
+            identification::estimate_prefiltered(&batch, &parameters, self.removal, self.noise.as_ref());
         for (lane, outcome) in outcomes.into_iter().enumerate().take(self.found.len()) {
             let diverged = check_diverged(states.iter().map(|s| s[lane])).is_some();
             if diverged && first && self.models[lane] != self.vessel.nominal {

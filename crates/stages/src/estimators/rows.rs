@@ -106,7 +106,7 @@ impl RunEstimators<'_> {
             found.iv = self.regressed(InstrumentKind::Nominal, runs)?;
         }
         if wanted(&[RefinedIv, OutputError, PredictionError]) {
-            found.refined = refine(self.vessel, runs, &found.iv, self.removal);
+            found.refined = refine(self.vessel, runs, &found.iv, self.removal, self.levels.as_ref());
         }
         let begin = Begin { vessel: self.vessel, initial: self.initial, levels: self.levels.as_ref() };
         if wanted(&[OutputError, PredictionError]) {

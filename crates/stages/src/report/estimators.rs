@@ -194,7 +194,8 @@ fn reason() -> &'static str {
     "Standard errors hold to first order around the truth: where a few runs are far off, the runs of a design are different \
      experiments, or errors exceed the parameters themselves, the spread is larger. Those of ls and iv take the \
      residual for a moving average of order one, which a lasting current or gusts are not; least squares is biased besides. \
-     Those of refined-iv know nothing of the disturbances: they are made of residuals, which the estimate itself has fitted."
+     Where the \
+     disturbances last, those of refined-iv are made of residuals, which the estimate itself has fitted."
 }
 
 fn scenarios(scenarios: &[Scenario]) -> Markup {

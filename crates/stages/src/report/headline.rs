@@ -4,7 +4,9 @@ use super::number::{exact, percent, three};
 use super::shown::used as is_used;
 use super::study::Study;
 use super::trajectory_words::{cost, minutes};
-use crate::documents::{Check, DesignDocument, DesignScores, PlanDocument, ValidationDocument};
+use crate::documents::{
+    Check, DesignDocument, DesignScores, PlanDocument, RoundGain, SequentialDocument, ValidationDocument,
+};
 
 /// What the page is.
 pub(super) fn kind(study: &Study) -> &'static str {
@@ -43,8 +45,7 @@ fn answer(study: &Study) -> String {
         return measured.answer(study.selection.as_ref());
     }
     if let (Some(found), None) = (&study.sequential, &study.design) {
-        let last = found.statements.len().saturating_sub(2);
-        return found.statements[last..].iter().map(|said| format!("{}. ", capital(said))).collect();
+        return in_rounds(found);
     }
     match (&study.validation, &study.design) {
         (Some(validation), _) if !validation.designs.is_empty() => compared(study, validation),
@@ -53,6 +54,31 @@ fn answer(study: &Study) -> String {
         _ => "Nothing has been designed or validated yet. The sections below say which files are missing."
             .to_owned(),
     }
+}
+
+/// What designing in rounds is worth.
+fn in_rounds(found: &SequentialDocument) -> String {
+    let arm = |name: &str| found.stopping.iter().find(|s| s.arm == name);
+    let mut said = String::new();
+    if let (Some(rounds), Some(once)) = (arm("sequential"), arm("one-shot")) {
+        said += &format!(
+            "Trials in rounds, stopped by their own estimates, take {:.0} s on average and {} of them end within the wanted \
+             error of {}; trials designed once, sized beforehand by the crude model, {:.0} s and {}.",
+            rounds.mean_time_s,
+            percent(rounds.within),
+            three(found.accuracy),
+            once.mean_time_s,
+            percent(once.within)
+        );
+    }
+    if let Some(RoundGain { time_s, ratio: Some(ratio), low: Some(low), high: Some(high), .. }) =
+        found.gains.last()
+    {
+        said += &format!(
+            " After {time_s:.0} s the error in rounds is {ratio:.2} of that of designing once ({low:.2} to {high:.2})."
+        );
+    }
+    said
 }
 
 /// With a capital first letter.
