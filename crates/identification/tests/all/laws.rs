@@ -1,15 +1,13 @@
 //! What must hold by theory, whatever the data.
 
-mod support;
-
+use crate::support::explicit::{Regression, sizes};
+use crate::support::noise::Normals;
+use crate::support::{self, Experiment, Recording, SideBySide, dictionary, lanes, paper, truth};
 use identification::{
     Batch, DegreeSums, FreeRun, Instruments, MeanRemoval, Outcome, Sums, estimate, estimate_prefiltered,
     free_runs, moments,
 };
 use proptest::prelude::*;
-use support::explicit::{Regression, sizes};
-use support::noise::Normals;
-use support::{Experiment, Recording, SideBySide, dictionary, lanes, paper, truth};
 use vessel::{DIVERGED, LANES, Lane, Source};
 
 const REMOVALS: [MeanRemoval; 3] = [MeanRemoval::Complete, MeanRemoval::Batch, MeanRemoval::None];

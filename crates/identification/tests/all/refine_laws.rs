@@ -1,12 +1,10 @@
 //! Gradients by adjoints against difference quotients; limits of what is refined.
 
-mod support;
-
+use crate::support::noise::Normals;
+use crate::support::*;
 use approx::assert_relative_eq;
 use identification::refine::{Effort, SignalLimits, TraceCriterion, refine};
 use identification::{Noise, lifted, output_information};
-use support::noise::Normals;
-use support::*;
 
 /// 1/θ².
 fn relative(theta: &[f64]) -> Vec<f64> {

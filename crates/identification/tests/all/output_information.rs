@@ -1,9 +1,7 @@
 //! Sensitivities and predicted covariances of free simulation against difference quotients and simulated noise.
 
-mod support;
-
+use crate::support::*;
 use identification::{Noise, lifted, output_information, prediction_weights, sensitivities};
-use support::*;
 use vessel::{Lane, Model, simulate, simulate_one};
 
 /// A simulation in which every increment has an intercept: c joins through a step of the state itself.
@@ -151,7 +149,7 @@ fn errors_before(model: &Model, place: usize) -> usize {
 #[test]
 fn oracle_information_of_every_maneuver() {
     let oracle: serde_json::Value =
-        serde_json::from_str(include_str!("../../../fixtures/oracle/output_information.json")).unwrap();
+        serde_json::from_str(include_str!("../../../../fixtures/oracle/output_information.json")).unwrap();
     let floats = |value: &serde_json::Value| -> Vec<f64> {
         value.as_array().unwrap().iter().map(|x| x.as_f64().unwrap()).collect()
     };

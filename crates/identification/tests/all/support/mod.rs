@@ -9,8 +9,8 @@ use identification::Batch;
 use noise::Normals;
 use vessel::{DictionaryFile, Generator, LANES, Lane, Model, Source, Vessel, simulate_one};
 
-const VESSEL: &str = include_str!("../../../../pipelines/paper/vessel.toml");
-const DICTIONARY: &str = include_str!("../../../../pipelines/paper/dictionary.toml");
+const VESSEL: &str = include_str!("../../../../../pipelines/paper/vessel.toml");
+const DICTIONARY: &str = include_str!("../../../../../pipelines/paper/dictionary.toml");
 
 /// The vessel of the paper's simulation study.
 pub fn paper() -> Vessel {

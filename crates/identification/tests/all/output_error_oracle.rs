@@ -1,16 +1,14 @@
 //! Output error and the Kalman filter against numbers computed independently: `fixtures/oracle/output_error.json`.
 
-mod support;
-
+use crate::support::{paper, truth};
 use identification::predictor::{
     Fit, Fitted, Flow, Gusts, InitialState, Levels, Recording, Recordings, Spread, innovations, output_error,
 };
 use identification::{Batch, MeanRemoval, Outcome, estimate_prefiltered};
 use serde_json::Value;
-use support::{paper, truth};
 use vessel::{LANES, Lane, Vessel, simulate};
 
-const ORACLE: &str = include_str!("../../../fixtures/oracle/output_error.json");
+const ORACLE: &str = include_str!("../../../../fixtures/oracle/output_error.json");
 
 fn oracle() -> Value {
     serde_json::from_str(ORACLE).unwrap()

@@ -1,14 +1,12 @@
 //! What must hold of estimates by simulation and prediction.
 
-mod support;
-
+use crate::support::noise::Normals;
+use crate::support::{Experiment, dictionary, paper, truth};
 use identification::predictor::{
     Fit, Fitted, Flow, Gusts, InitialState, Levels, Recording, Recordings, Spread, output_error,
     prediction_error, sensitivities,
 };
 use identification::{Batch, MeanRemoval, Outcome, estimate_prefiltered};
-use support::noise::Normals;
-use support::{Experiment, dictionary, paper, truth};
 use vessel::{LANES, Lane, Source, Vessel, Weather, simulate, simulate_in};
 
 const NOISE: f64 = 0.158_113_883_008_418_97;

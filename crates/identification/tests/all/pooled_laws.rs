@@ -1,15 +1,12 @@
 //! What must hold of pooled estimates by theory.
 
-#[path = "support/noise.rs"]
-mod noise;
-
+use crate::support::noise::Normals;
 use approx::assert_relative_eq;
 use identification::pooled::{
     COLLINEAR, Centring, Lifted, Options, Part, Prior, Regression, Status, bootstrap, fit, output_error,
     sandwich,
 };
 use identification::{MeanRemoval, Sums};
-use noise::Normals;
 use vessel::{Streams, Vessel};
 
 const TRUTH: [f64; 8] = [-0.06, 0.7, 0.01, -0.25, -0.3, -0.2, -0.08, 0.1];
@@ -17,7 +14,7 @@ const COMPLETE: Options = Options { removal: MeanRemoval::Complete, prior: None,
 
 fn craft() -> Vessel {
     let oracle: serde_json::Value =
-        serde_json::from_str(include_str!("../../../fixtures/oracle/pooled.json")).unwrap();
+        serde_json::from_str(include_str!("../../../../fixtures/oracle/pooled.json")).unwrap();
     Vessel::from_file(toml::from_str(oracle["vessel"].as_str().unwrap()).unwrap()).unwrap()
 }
 

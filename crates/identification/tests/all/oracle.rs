@@ -1,15 +1,13 @@
 //! Moments and validation errors against numbers computed independently: `fixtures/oracle/oracle.json`.
 
-mod support;
-
+use crate::support::explicit::{Regression, sizes};
+use crate::support::{self, Experiment, Recording, SideBySide, dictionary, lanes, paper};
 use approx::assert_relative_eq;
 use identification::{FreeRun, free_runs, moments};
 use serde_json::Value;
-use support::explicit::{Regression, sizes};
-use support::{Experiment, Recording, SideBySide, dictionary, lanes, paper};
 use vessel::{LANES, Lane, Source, simulate_one};
 
-const ORACLE: &str = include_str!("../../../fixtures/oracle/oracle.json");
+const ORACLE: &str = include_str!("../../../../fixtures/oracle/oracle.json");
 
 fn oracle(key: &str) -> Value {
     let mut whole: Value = serde_json::from_str(ORACLE).unwrap();

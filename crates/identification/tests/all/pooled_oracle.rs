@@ -13,7 +13,7 @@ const REMOVALS: [(&str, MeanRemoval); 3] =
     [("none", MeanRemoval::None), ("batch", MeanRemoval::Batch), ("complete", MeanRemoval::Complete)];
 
 fn oracle() -> Value {
-    serde_json::from_str(include_str!("../../../fixtures/oracle/pooled.json")).unwrap()
+    serde_json::from_str(include_str!("../../../../fixtures/oracle/pooled.json")).unwrap()
 }
 
 fn craft(oracle: &Value) -> Vessel {

@@ -3,15 +3,13 @@
 //! With u(k) = ũ(k) ± ū and ũ repeated in both halves, Σu = 0. Complete subtraction leaves ζ = u, batchwise leaves
 //! ζ = ũ. θ̂ − θ₀ = Σζe / Σζu, so its variance is σ² Σζ² / (Σζu)²: σ² / (Σũ² + N ū²) and σ² / Σũ².
 
-mod support;
-
+use crate::support::noise::Normals;
+use crate::support::{Recording, SideBySide};
 use identification::{MeanRemoval, Outcome, estimate};
 use serde_json::Value;
-use support::noise::Normals;
-use support::{Recording, SideBySide};
 use vessel::{LANES, Vessel};
 
-const ORACLE: &str = include_str!("../../../fixtures/oracle/oracle.json");
+const ORACLE: &str = include_str!("../../../../fixtures/oracle/oracle.json");
 const BATCHES: usize = 1000;
 
 /// A vessel whose increments are its inputs times a parameter: in surge the example, in sway and yaw anything.

@@ -1,0 +1,14 @@
+//! What must hold of estimates, and what independent computations found.
+
+mod laws;
+mod oracle;
+mod output_error_laws;
+mod output_error_oracle;
+mod output_information;
+mod pooled_laws;
+mod pooled_oracle;
+mod predicted_errors;
+mod refine_laws;
+mod scalar_example;
+mod standard_errors;
+mod support;
