@@ -11,6 +11,7 @@ use std::ops::Range;
 use vessel::{LANES, Lane, Tangent};
 
 use crate::estimate::{Run, Solved, ranges};
+use crate::predictor::windowed;
 use crate::{Batch, DegreeSums, Estimate, MeanRemoval, Noise, Outcome, Sums};
 
 /// Estimates every run of `batch`, whose instrument states were simulated with `parameters`, one lane each: these set the
@@ -29,10 +30,9 @@ pub fn estimate_prefiltered(
     }
     let centred = removal != MeanRemoval::None;
     let run = |lane: usize| {
-        let own = |range: (usize, usize)| signals[&range].degrees.each_ref().map(|degree| degree.sums(lane));
         let sums = |(start, end): (usize, usize)| Sums {
             samples: (end - start) as u64,
-            degrees: own((start, end)).to_vec(),
+            degrees: signals[&(start, end)].degrees.iter().map(|degree| degree.sums(lane)).collect(),
         };
         Run { groups: ranges(batch, removal, lane).map(sums).collect(), centred }
     };
@@ -74,7 +74,7 @@ struct Signals {
 /// Those of a degree of freedom with p parameters, p̃ = p + 1, and their sums.
 struct Degree {
     parameters: usize,
-    /// Filtered φ̃, ζ̃: N × p̃. The last column is the filtered one.
+    /// Filtered φ̃, ζ̃: N × p̃. The last column is the filtered 1.
     phi: Vec<Lane>,
     zeta: Vec<Lane>,
     /// Filtered Δy: N.
@@ -123,7 +123,7 @@ impl Signals {
             let means = &means;
             let middle = match noise {
                 Some(noise) => pulp::Arch::new().dispatch(Responses { degree, d, means, noise }),
-                None => pulp::Arch::new().dispatch(Scores { degree, theta: &theta, means }),
+                None => windowed(&pulp::Arch::new().dispatch(Scores { degree, theta: &theta, means }), p),
             };
             for lane in (0..LANES).filter(|lane| own[*lane]) {
                 middles[lane].add(d, middle.iter().map(|m| m[lane]));
@@ -169,7 +169,7 @@ impl Degree {
         }
     }
 
-    /// ζᶜ of instrument `i` at sample `k`; `mean` in units of the filtered one.
+    /// ζᶜ of instrument `i` at sample `k`; `mean` in units of the filtered 1.
     #[inline(always)]
     fn centred(&self, k: usize, i: usize, mean: Lane) -> Lane {
         let row = &self.zeta[k * (self.parameters + 1)..(k + 1) * (self.parameters + 1)];
@@ -241,8 +241,7 @@ fn passed(signal: &mut Vec<Lane>, width: usize, pole: Lane, input: Lane) {
     signal.push(pole * before + input);
 }
 
-/// Σ over all windows of about 2√N samples of (Σ ζᶜε)(Σ ζᶜε)ᵀ, per sample: p × p. `theta`: with the intercept; `means`: of
-/// the instruments, in units of the filtered one.
+/// ζᶜε of every sample: N × p. `theta`: with the intercept; `means`: of the instruments, in units of the filtered 1.
 struct Scores<'a> {
     degree: &'a Degree,
     theta: &'a [Lane],
@@ -255,37 +254,21 @@ impl pulp::WithSimd for Scores<'_> {
     #[inline(always)]
     fn with_simd<S: pulp::Simd>(self, _: S) -> Vec<Lane> {
         let Self { degree, theta, means } = self;
-        let (p, samples) = (degree.parameters, degree.target.len());
-        let window = (2.0 * (samples as f64).sqrt()).round().max(1.0) as usize;
-        let share = Lane::splat(1.0 / window as f64);
-        let mut scores = Vec::with_capacity(samples * p);
-        let (mut sum, mut middle) = (vec![Lane::ZERO; p], vec![Lane::ZERO; p * p]);
-        for k in 0..samples + window - 1 {
-            if k < samples {
-                let phi = &degree.phi[k * (p + 1)..(k + 1) * (p + 1)];
-                let mut residual = degree.target[k];
-                phi.iter().zip(theta).for_each(|(f, t)| residual = residual - *f * *t);
-                for i in 0..p {
-                    let score = degree.centred(k, i, means[i]) * residual;
-                    scores.push(score);
-                    sum[i] += score;
-                }
-            }
-            if k >= window {
-                let left = &scores[(k - window) * p..(k - window + 1) * p];
-                sum.iter_mut().zip(left).for_each(|(sum, g)| *sum = *sum - *g);
-            }
-            for i in 0..p {
-                for j in 0..p {
-                    middle[i * p + j] += share * sum[i] * sum[j];
-                }
+        let p = degree.parameters;
+        let mut scores = Vec::with_capacity(degree.target.len() * p);
+        for (k, target) in degree.target.iter().enumerate() {
+            let phi = &degree.phi[k * (p + 1)..(k + 1) * (p + 1)];
+            let mut residual = *target;
+            phi.iter().zip(theta).for_each(|(f, t)| residual = residual - *f * *t);
+            for (i, mean) in means.iter().enumerate() {
+                scores.push(degree.centred(k, i, *mean) * residual);
             }
         }
-        middle
+        scores
     }
 }
 
-/// The same from stated noise, to first order. With η(k) = ζᶜ(k) + a(k+1) η(k+1), Σ ζᶜε is Σ η times the residuals before the
+/// cov Σ ζᶜε from stated noise, to first order, p × p. With η(k) = ζᶜ(k) + a(k+1) η(k+1), Σ ζᶜε is Σ η times the residuals before the
 /// filter (see [`crate::middle`]): a draw of the own state's measurement counts ζᶜ, of others and of the current slope times η.
 struct Responses<'a> {
     degree: &'a Degree,

@@ -24,6 +24,7 @@ pub(crate) use levenberg_marquardt::{Ended, Residuals, STEPS, Weighting, minimiz
 pub use output_error::{Fit, Fitted, InitialState, Spread, output_error};
 pub use prediction_error::{innovations, prediction_error};
 pub use recordings::{Recording, Recordings};
+pub(crate) use scores::windowed;
 pub use sums::Linear;
 pub(crate) use sums::linearize;
 pub use sweep::{Sensitivities, sensitivities};

@@ -16,8 +16,7 @@ const SETTLED: f64 = 0.01;
 /// the stated disturbances. Its gains are computed along the filter at the last estimate and held while whitened innovations
 /// are minimised over parameters and intercepts: three rounds, of which those after the first count where they raise the
 /// filter's likelihood. Without that guard gains that trust the measurements more and more lead to least squares. Standard
-/// errors are those of white innovations, scaled by
-/// their own variance. `starts` as for [`super::output_error`].
+/// errors are those of white innovations, scaled by their own variance. `starts` as for [`super::output_error`].
 pub fn prediction_error(
     model: &Model,
     runs: &[Recording],

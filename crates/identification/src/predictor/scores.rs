@@ -52,11 +52,9 @@ impl Kept {
     }
 }
 
-/// Covariance of Σ sᵀWe where errors are correlated over less than about 2√N samples: the mean over all windows of that
-/// many samples of (Σ over the window)(…)ᵀ per sample, which is what Bartlett's weights 1 − |lag|/L give. free × free lanes.
+/// Covariance of Σ sᵀWe where errors are correlated over less than about 2√N samples. free × free lanes.
 pub(crate) fn correlated_scores(recordings: &Recordings, kept: &Kept, weights: [Lane; 3]) -> Vec<Lane> {
     let (p, rows) = (kept.free, recordings.longest() + 1);
-    let window = (2.0 * (rows as f64).sqrt()).round().max(1.0) as usize;
     let mut scores = Vec::with_capacity(rows * p);
     for k in 0..rows {
         let e = &kept.errors[3 * k..3 * k + 3];
@@ -64,7 +62,14 @@ pub(crate) fn correlated_scores(recordings: &Recordings, kept: &Kept, weights: [
         let score = |s: &[Lane; 3]| s[0] * weighted[0] + s[1] * weighted[1] + s[2] * weighted[2];
         scores.extend(kept.at(k).iter().map(score));
     }
-    let windows = Windows { scores: &scores, p, window };
+    windowed(&scores, p)
+}
+
+/// Covariance of the sum of the rows of `scores`, `p` entries each, correlated over less than about 2√N rows: the mean over all
+/// windows of that many rows of (Σ over the window)(…)ᵀ per row, which is what Bartlett's weights 1 − |lag|/L give. p × p lanes.
+pub(crate) fn windowed(scores: &[Lane], p: usize) -> Vec<Lane> {
+    let window = (2.0 * ((scores.len() / p) as f64).sqrt()).round().max(1.0) as usize;
+    let windows = Windows { scores, p, window };
     let share = Lane::splat(1.0 / window as f64);
     pulp::Arch::new().dispatch(windows).finish().square().into_iter().map(|sum| share * sum).collect()
 }
