@@ -1,5 +1,6 @@
 //! `campaign.toml`.
 
+use identification::Noise;
 use identification::predictor::{Flow, Gusts, Levels};
 use serde::Deserialize;
 use vessel::{Axes, Current, DictionaryFile, Disturbances, Invalid, ManeuverSpec, Measurement, Source, Wind};
@@ -99,6 +100,17 @@ impl CampaignFile {
             current,
             force: self.wind.map(gusts),
         }
+    }
+
+    /// The noise of every sample; `None` where the current lasts. What wind adds is not in it.
+    pub fn noise(&self) -> Option<Noise> {
+        let m = self.measurement;
+        let current = match self.current {
+            Current::None => 0.0,
+            Current::White { std_m_s } => std_m_s,
+            Current::Constant { .. } | Current::GaussMarkov { .. } => return None,
+        };
+        Some(Noise { measurement: [m.std_u_m_s, m.std_v_m_s, m.std_r_rad_s], current })
     }
 
     /// The validation maneuvers as a dictionary.

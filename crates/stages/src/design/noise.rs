@@ -2,7 +2,7 @@ use std::path::Path;
 
 use artifact::Provenance;
 use identification::Noise;
-use vessel::{Current, Source, Vessel};
+use vessel::{Source, Vessel};
 
 use crate::documents::ExpectedDisturbances;
 use crate::failure::Failure;
@@ -31,10 +31,9 @@ impl NoiseModel {
         provenance: &mut Provenance,
     ) -> Result<Self, Failure> {
         let config = read_campaign(campaign, provenance)?;
-        let disturbances = config.disturbances();
-        let m = disturbances.measurement;
-        let measurement = [m.std_u_m_s, m.std_v_m_s, m.std_r_rad_s];
-        if instruments == InstrumentKind::Regressors && measurement.iter().any(|std| *std > 0.0) {
+        let m = config.measurement;
+        let noisy = [m.std_u_m_s, m.std_v_m_s, m.std_r_rad_s].iter().any(|std| *std > 0.0);
+        if instruments == InstrumentKind::Regressors && noisy {
             return Err(Failure::refuse(
                 campaign,
                 "`measurement`",
@@ -43,16 +42,12 @@ impl NoiseModel {
                 "take --instruments nominal, or leave out --campaign",
             ));
         }
-        let current = match disturbances.current {
-            Current::None => 0.0,
-            Current::White { std_m_s } => std_m_s,
-            Current::Constant { .. } | Current::GaussMarkov { .. } => return Err(lasting(campaign)),
-        };
+        let noise = config.noise().ok_or_else(|| lasting(campaign, "leave out --campaign"))?;
         let (source, parameters) = match vessel.parameters(Source::Value) {
             Ok(parameters) => (Source::Value, parameters),
             Err(_) => (Source::Nominal, vessel.nominal.clone()),
         };
-        Ok(Self { noise: Noise { measurement, current }, parameters, source })
+        Ok(Self { noise, parameters, source })
     }
 
     /// As it stands in `moments.json`.
@@ -76,12 +71,12 @@ impl NoiseModel {
     }
 }
 
-fn lasting(campaign: &Path) -> Failure {
+pub(super) fn lasting(campaign: &Path, remedy: &str) -> Failure {
     Failure::refuse(
         campaign,
         "`current.kind`",
         "a current that lasts",
         "`none` or `white`, which the covariance of the estimate is predicted for",
-        "leave out --campaign",
+        remedy,
     )
 }

@@ -4,7 +4,7 @@ use artifact::{Provenance, TableWriter, commit, encode_block, read_toml, stage_d
 use identification::predictor::InitialState;
 use identification::{MeanRemoval, Noise};
 use serde_json::json;
-use vessel::{Current, LANES, Source, Vessel};
+use vessel::{LANES, Source, Vessel};
 
 use super::knowledge::Knowledge;
 use super::planner::Planner;
@@ -151,23 +151,19 @@ fn knowledge(
 
 /// The levels that designs and expected errors are predicted from.
 fn noise(campaign: &CampaignFile, file: &Path) -> Result<Noise, Failure> {
-    let disturbances = campaign.disturbances();
-    let m = disturbances.measurement;
-    let measurement = [m.std_u_m_s, m.std_v_m_s, m.std_r_rad_s];
     let refuse = |thing: &str, found: &str, expected: &str, remedy: &str| {
         Err(Failure::refuse(file, thing, found, expected, remedy))
     };
-    let white = matches!(disturbances.current, Current::None | Current::White { .. });
-    if !white || campaign.wind.is_some() {
+    let Some(noise) = campaign.noise().filter(|_| campaign.wind.is_none()) else {
         let expected = "no current or a white one, which errors are predicted for";
         let remedy = "take a campaign without wind and lasting currents";
         return refuse("disturbances", "wind or a lasting current", expected, remedy);
-    }
-    if measurement.contains(&0.0) {
+    };
+    if noise.measurement.contains(&0.0) {
         let expected = "noise in u, v and r, which errors are predicted from";
         return refuse("`measurement`", "a standard deviation of 0", expected, "state what the sensors have");
     }
-    Ok(Noise { measurement, current: disturbances.current.std_m_s() })
+    Ok(noise)
 }
 
 /// Samples sailed by the end of every round.

@@ -5,10 +5,11 @@ use std::path::Path;
 
 use identification::refine::TraceCriterion;
 use identification::{Noise, lifted, output_information};
-use vessel::{Current, Generator, Realized, Source, Vessel, check_diverged, simulate_one};
+use vessel::{Generator, Realized, Source, Vessel, check_diverged, simulate_one};
 
 use super::Refine;
 use crate::campaign_file::CampaignFile;
+use crate::design::noise::lasting;
 use crate::design::output_error::{SimulateWith, rows};
 use crate::documents::DesignDocument;
 use crate::failure::Failure;
@@ -136,25 +137,10 @@ fn weights(file: &Path, vessel: &Vessel, relative_to: SimulateWith) -> Result<Ve
 }
 
 fn noise(file: &Path, config: &CampaignFile) -> Result<Noise, Failure> {
-    let disturbances = config.disturbances();
-    let m = disturbances.measurement;
-    let measurement = [m.std_u_m_s, m.std_v_m_s, m.std_r_rad_s];
-    let current = match disturbances.current {
-        Current::None => 0.0,
-        Current::White { std_m_s } => std_m_s,
-        Current::Constant { .. } | Current::GaussMarkov { .. } => {
-            return Err(Failure::refuse(
-                file,
-                "`current.kind`",
-                "a current that lasts",
-                "`none` or `white`, which the covariance of the estimate is predicted for",
-                "name a campaign with one of these",
-            ));
-        }
-    };
-    if current == 0.0 && measurement == [0.0; 3] {
+    let noise = config.noise().ok_or_else(|| lasting(file, "name a campaign with one of these"))?;
+    if noise.current == 0.0 && noise.measurement == [0.0; 3] {
         let expected = "errors of measurement or a current, without which every experiment is as good";
         return Err(Failure::refuse(file, "`measurement`", "no disturbance at all", expected, "state them"));
     }
-    Ok(Noise { measurement, current })
+    Ok(noise)
 }
