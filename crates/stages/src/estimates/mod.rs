@@ -11,7 +11,7 @@ use vessel::{DegreeOfFreedom, Vessel};
 use crate::failure::Failure;
 
 pub use refusal::refuse_if_none;
-pub use summary::{estimators, summarize};
+pub use summary::{distinct, estimators, summarize};
 
 /// Schema id of estimates.
 pub const ID: &str = "estimates";

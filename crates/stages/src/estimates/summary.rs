@@ -28,13 +28,18 @@ pub fn summarize(provenance: &Provenance, vessel: &Vessel, rows: &[Row]) -> Esti
 
 /// The estimators of the rows, in their order.
 pub fn estimators(rows: &[Row]) -> Vec<&str> {
-    let mut names: Vec<&str> = Vec::new();
-    for row in rows {
-        if !names.contains(&row.estimator.as_str()) {
-            names.push(&row.estimator);
+    distinct(rows.iter().map(|row| row.estimator.as_str()))
+}
+
+/// Every one of `names` once, in their order.
+pub fn distinct<'a>(names: impl Iterator<Item = &'a str>) -> Vec<&'a str> {
+    let mut once: Vec<&str> = Vec::new();
+    for name in names {
+        if !once.contains(&name) {
+            once.push(name);
         }
     }
-    names
+    once
 }
 
 fn design_summaries(vessel: &Vessel, rows: &[&Row]) -> Vec<DesignSummary> {

@@ -5,7 +5,7 @@ mod free_runs;
 use artifact::{Column, ColumnSpec, Kind, Table, TableReader, TableSchema};
 
 use crate::documents::{Bounds, DesignScores, EstimatorScores};
-use crate::estimates::{NOT_CONVERGED, NOT_IDENTIFIABLE, labels, optional};
+use crate::estimates::{NOT_CONVERGED, NOT_IDENTIFIABLE, distinct, labels, optional};
 use crate::failure::Failure;
 use crate::statistics::quantiles;
 
@@ -100,13 +100,7 @@ pub fn rows(reader: &TableReader) -> Result<Vec<Row>, Failure> {
 
 /// The estimators of `rows`, in their order.
 pub fn estimators(rows: &[Row]) -> Vec<&str> {
-    let mut names: Vec<&str> = Vec::new();
-    for row in rows {
-        if !names.contains(&row.estimator.as_str()) {
-            names.push(&row.estimator);
-        }
-    }
-    names
+    distinct(rows.iter().map(|row| row.estimator.as_str()))
 }
 
 /// The estimator that stands for a study: the only one, or `iv` where several are compared.
