@@ -57,7 +57,7 @@ build: $(BINARIES)
 
 SOURCES := Cargo.toml Cargo.lock $(shell find crates -name '*.rs' -o -name 'Cargo.toml' -o -name '*.css' -o -path '*/presets/*.toml')
 
-BUILD := $(if $(filter target/debug,$(BIN)),$(CARGO) test --workspace --locked --no-run,$(CARGO) build --release --locked -p stages)
+BUILD := $(if $(filter target/debug,$(BIN)),$(CARGO) test --workspace --locked --no-run,$(CARGO) build --release --locked -p seatrial)
 
 $(BIN)/.built: $(SOURCES)
 	$(BUILD)
@@ -205,11 +205,11 @@ oracle:
 
 .PHONY: schemas
 schemas:
-	$(CARGO) run --locked -p stages --example write_schemas -- schemas
+	$(CARGO) run --locked -p study --example write_schemas -- schemas
 
 .PHONY: golden
 golden:
-	$(CARGO) test --locked -p stages --test study --test pooled -- --ignored
+	$(CARGO) test --locked -p seatrial --test study --test pooled -- --ignored
 
 .PHONY: clean
 clean:

@@ -1,6 +1,6 @@
 //! Solving designs.
 
-use optimal_design::{Candidates, Options, solve};
+use design::{Candidates, Options, solve};
 use serde_json::{Value, json};
 use vessel::{DictionaryFile, Kind, ManeuverSpec, Shape, Source};
 

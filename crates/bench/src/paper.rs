@@ -1,7 +1,7 @@
 //! The paper's study in memory.
 
+use design::Candidates;
 use identification::{Batch, moments};
-use optimal_design::Candidates;
 use vessel::{DictionaryFile, Generator, Invalid, LANES, Lane, Realized, Source, Vessel, simulate};
 
 /// Vessel and dictionary of the paper.

@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use anyhow::{Context, ensure};
-use lattice_planner::{MoveId, Options, Outcome, Pose, Problem, Status, plan, synthetic};
+use lattice::{MoveId, Options, Outcome, Pose, Problem, Status, plan, synthetic};
 use pathfinding::prelude::{astar, dijkstra};
 use serde_json::{Value, json};
 
@@ -109,7 +109,7 @@ impl Peer {
                 }
             }
         }
-        let lattice_planner::Goal::Poses(goals) = problem.goal() else { anyhow::bail!("a goal is wanted") };
+        let lattice::Goal::Poses(goals) = problem.goal() else { anyhow::bail!("a goal is wanted") };
         let goal = (number(goals[0]), (0..informative).map(|slot| count << (8 * slot)).sum());
         let to_go = to_go(&ways, goal.0);
         Ok(Self { ways, start: (number(problem.start()), 0), goal, to_go, count })

@@ -2,7 +2,7 @@
 
 use artifact::{Column, Provenance, Table, TableReader, TableWriter, commit, encode_block};
 use serde_json::{Value, json};
-use stages::trajectories::{ID, Layout, VERSION};
+use study::trajectories::{ID, Layout, VERSION};
 use vessel::Streams;
 
 use crate::fastest;

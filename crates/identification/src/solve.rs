@@ -78,9 +78,9 @@ impl Normal {
         let p = self.b.len();
         let mut scaled = self.scaled()?;
         let mut inverse = vec![0.0; p * p];
-        let norm = small_matrix::one_norm(p, &scaled);
-        let regular = small_matrix::inverse(p, &mut scaled, &mut inverse).is_some();
-        if !regular || small_matrix::one_norm(p, &inverse) * norm > SINGULAR {
+        let norm = numerics::one_norm(p, &scaled);
+        let regular = numerics::inverse(p, &mut scaled, &mut inverse).is_some();
+        if !regular || numerics::one_norm(p, &inverse) * norm > SINGULAR {
             return Err(self.excitation().weakest);
         }
         for i in 0..p {
@@ -99,7 +99,7 @@ impl Normal {
             Ok(scaled) => scaled,
             Err(weakest) => return Excitation { condition: f64::INFINITY, weakest },
         };
-        match small_matrix::weakest(p, &scaled) {
+        match numerics::weakest(p, &scaled) {
             Some(found) => Excitation {
                 condition: if found.ratio * SINGULAR < 1.0 { f64::INFINITY } else { 1.0 / found.ratio },
                 weakest: largest(&found.direction),

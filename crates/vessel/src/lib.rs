@@ -12,12 +12,14 @@ mod disturbance;
 mod file;
 mod invalid;
 mod lane;
+pub mod lanes;
 mod maneuver;
 mod model;
 mod noise;
 mod normals;
 mod pose;
 mod program;
+mod run;
 mod simulate;
 mod steady;
 mod tangent;
@@ -34,6 +36,7 @@ pub use maneuver::{
 pub use model::{Degree, DegreeOfFreedom, Model, Variable};
 pub use noise::Streams;
 pub use pose::{Pose, track};
+pub use run::{Run, Segment};
 pub use simulate::{
     DIVERGED, Diverged, Weather, check_diverged, follow, simulate, simulate_in, simulate_one,
 };

@@ -124,7 +124,7 @@ fn solve(rows: &[Vec<f64>]) -> Option<Vec<f64>> {
         a.extend(row[..n].iter().map(|x| x / scale));
         b.push(row[n] / scale);
     }
-    small_matrix::solve(n, &mut a, &mut b).map(|_| b)
+    numerics::solve(n, &mut a, &mut b).map(|_| b)
 }
 
 fn unreachable_motion(motion: Motion) -> Invalid {

@@ -46,7 +46,7 @@ pub fn diagnose(parts: &[&Sums], removal: MeanRemoval, d: usize) -> Diagnosis {
     let mut diagnosis = unknown(p);
     diagnosis.condition = normal.excitation().condition;
     diagnosis.variation = variation(&whole, d);
-    match small_matrix::weakest(width, &scaled) {
+    match numerics::weakest(width, &scaled) {
         Some(found) => {
             diagnosis.index = (1.0 / found.ratio).sqrt();
             diagnosis.weakest = largest(&found.direction[..p]);

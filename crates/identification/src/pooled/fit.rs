@@ -117,7 +117,7 @@ fn solve(normal: &Normal, prior: Option<(f64, &[f64])>) -> Result<(Vec<f64>, Vec
     }
     // (ÂᵀÂ + s² I) X = Âᵀ, then the scales taken out again.
     let mut gain: Vec<f64> = (0..p * p).map(|k| scaled[(k % p) * p + k / p]).collect();
-    small_matrix::solve(p, &mut square, &mut gain).ok_or(0_usize)?;
+    numerics::solve(p, &mut square, &mut gain).ok_or(0_usize)?;
     for i in 0..p {
         for j in 0..p {
             let size = normal.phi[i] * normal.zeta[j];

@@ -22,7 +22,7 @@ pub fn strength(parts: &[&Regression], centring: &Centring, d: usize) -> Option<
     };
     let (regressors, instruments, mixed) = (scaled(0, 0, 0), scaled(1, 1, 1), scaled(2, 1, 0));
     let mut projected = mixed.clone();
-    small_matrix::solve(p, &mut instruments.clone(), &mut projected)?;
+    numerics::solve(p, &mut instruments.clone(), &mut projected)?;
     let explained: Vec<f64> =
         (0..p * p).map(|k| (0..p).map(|l| mixed[l * p + k / p] * projected[l * p + k % p]).sum()).collect();
     let (own, told) = (inverse_diagonal(p, &regressors)?, inverse_diagonal(p, &explained)?);
@@ -39,6 +39,6 @@ fn add_products(sum: &mut [f64], left: &[f64], right: &[f64]) {
 
 fn inverse_diagonal(p: usize, a: &[f64]) -> Option<Vec<f64>> {
     let (mut destroyed, mut inverse) = (a.to_vec(), vec![0.0; p * p]);
-    small_matrix::inverse(p, &mut destroyed, &mut inverse)?;
+    numerics::inverse(p, &mut destroyed, &mut inverse)?;
     Some((0..p).map(|i| inverse[i * p + i]).collect())
 }

@@ -193,7 +193,7 @@ impl Progress {
         let p = step.len();
         (0..p).for_each(|i| normal[i * p + i] *= 1.0 + self.damping);
         let mut trial = self.point.clone();
-        if small_matrix::solve(p, &mut normal, &mut step).is_some() {
+        if numerics::solve(p, &mut normal, &mut step).is_some() {
             trial.iter_mut().zip(step).for_each(|(x, step)| *x += step);
         }
         trial
@@ -243,9 +243,9 @@ pub(crate) fn scaled_inverse(normal: &[f64], p: usize) -> Result<Vec<f64>, usize
     }
     let scaled: Vec<f64> = (0..p * p).map(|k| normal[k] / (sizes[k / p] * sizes[k % p])).collect();
     let mut inverse = vec![0.0; p * p];
-    let regular = small_matrix::inverse(p, &mut scaled.clone(), &mut inverse).is_some();
-    if !regular || small_matrix::one_norm(p, &inverse) * small_matrix::one_norm(p, &scaled) > SINGULAR {
-        let direction = small_matrix::weakest(p, &scaled).map(|w| w.direction);
+    let regular = numerics::inverse(p, &mut scaled.clone(), &mut inverse).is_some();
+    if !regular || numerics::one_norm(p, &inverse) * numerics::one_norm(p, &scaled) > SINGULAR {
+        let direction = numerics::weakest(p, &scaled).map(|w| w.direction);
         let largest = |d: &Vec<f64>| (0..p).max_by(|i, j| d[*i].abs().total_cmp(&d[*j].abs()));
         return Err(direction.as_ref().and_then(largest).unwrap_or(0));
     }

@@ -157,7 +157,7 @@ fn inverse(n: usize, information: &[f64]) -> Option<Vec<f64>> {
     let mut scaled = information.to_vec();
     scale(&mut scaled);
     let mut out = vec![0.0; n * n];
-    small_matrix::inverse(n, &mut scaled, &mut out)?;
+    numerics::inverse(n, &mut scaled, &mut out)?;
     let regular = out.iter().all(|x| x.abs() <= SINGULAR);
     scale(&mut out);
     let positive = (0..n).all(|i| out[i * n + i] > 0.0);

@@ -169,7 +169,7 @@ fn law_measurement_noise_bounds_what_the_papers_experiment_can_tell() {
         }
     }
     let mut inverse = vec![0.0; p * p];
-    small_matrix::inverse(p, &mut information, &mut inverse).unwrap();
+    numerics::inverse(p, &mut information, &mut inverse).unwrap();
     let bound = (0..p).map(|i| inverse[i * p + i]).sum::<f64>().sqrt();
     println!("root mean square of the parameter error, at least: {bound:.3}");
     assert!((bound - 1.28).abs() < 0.02, "{bound}");

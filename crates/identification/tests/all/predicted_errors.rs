@@ -35,7 +35,7 @@ fn predicted(vessel: &Vessel, experiment: &Experiment, noise: &Noise) -> Vec<f64
         let n = m.len().isqrt();
         let mut inverse = vec![0.0; n * n];
         // M is Aᵀ: row i of A⁻¹ is column i of M⁻¹.
-        small_matrix::inverse(n, &mut m.clone(), &mut inverse).unwrap();
+        numerics::inverse(n, &mut m.clone(), &mut inverse).unwrap();
         for i in 0..n - 1 {
             let row: Vec<f64> = (0..n).map(|j| inverse[j * n + i]).collect();
             let variance: f64 = (0..n * n).map(|k| row[k / n] * b[k] * row[k % n]).sum();

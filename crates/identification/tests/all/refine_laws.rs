@@ -76,7 +76,7 @@ fn law_the_criterion_is_that_of_the_predicted_covariance() {
     let (n, samples) = (lifted(model), (experiment.inputs.len() / 3) as f64);
     let middle: Vec<f64> = predicted.measurement.iter().zip(&predicted.process).map(|(e, p)| e + p).collect();
     let mut inverse = vec![0.0; n * n];
-    small_matrix::inverse(n, &mut predicted.information.clone(), &mut inverse).unwrap();
+    numerics::inverse(n, &mut predicted.information.clone(), &mut inverse).unwrap();
     let variance = |i: usize| -> f64 {
         let pairs = (0..n * n).map(|e| inverse[i * n + e / n] * middle[e] * inverse[e % n * n + i]);
         pairs.sum::<f64>() / samples

@@ -1,0 +1,289 @@
+use std::ops::Range;
+
+use thiserror::Error;
+
+/// Candidate information matrices that are no design problem.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum Error {
+    /// A candidate with another number of entries than the blocks have.
+    #[error("a candidate with {found} entries, expected {expected}")]
+    Shape {
+        /// Entries given.
+        found: usize,
+        /// Entries that the blocks have together.
+        expected: usize,
+    },
+    /// An entry that is not finite.
+    #[error("candidate {candidate} has an entry that is not finite")]
+    NotFinite {
+        /// Its index.
+        candidate: usize,
+    },
+    /// No candidate.
+    #[error("no candidate")]
+    Empty,
+    /// No mixture of the candidates excites a direction.
+    #[error("no candidate excites a direction of block {block}: {direction:?}")]
+    Unexcited {
+        /// Index of the block.
+        block: usize,
+        /// The direction, in rows scaled to size one.
+        direction: Vec<f64>,
+    },
+    /// A covariance that is singular, so that its criterion is not defined.
+    #[error("row {row} of block {block} has no variance of its own")]
+    SingularCovariance {
+        /// Index of the block.
+        block: usize,
+        /// Row of the block that the direction without variance has most of.
+        row: usize,
+    },
+    /// A weight that is negative or not finite.
+    #[error("weight {found} of row {row}")]
+    Weight {
+        /// Index of the row over all blocks.
+        row: usize,
+        /// The weight.
+        found: f64,
+    },
+    /// An upper bound that is negative or not a number.
+    #[error("bound {found} of candidate {candidate}")]
+    Bound {
+        /// Index of the candidate.
+        candidate: usize,
+        /// The bound.
+        found: f64,
+    },
+    /// Upper bounds that leave no shares that sum to 1.
+    #[error("the bounds sum to {total}")]
+    Infeasible {
+        /// Their sum.
+        total: f64,
+    },
+    /// The solver failed.
+    #[error("the solver failed: {0}")]
+    Solver(String),
+}
+
+/// Information matrices of all candidates, one row-major matrix per block, side by side.
+#[derive(Clone, Debug)]
+pub struct Candidates {
+    dimensions: Vec<usize>,
+    entries: Vec<f64>,
+}
+
+/// Candidates with rows and columns divided by factors.
+pub(crate) struct Balanced {
+    pub candidates: Candidates,
+    /// What log|det| of the original is above theirs.
+    pub offset: f64,
+    /// One factor per row over all blocks.
+    pub rows: Vec<f64>,
+    /// One factor per column over all blocks.
+    pub columns: Vec<f64>,
+}
+
+/// Buffers for evaluating the criterion, reused over evaluations.
+#[derive(Clone, Debug, Default)]
+pub struct Evaluation {
+    /// Σ_b log|det M_b(w)|.
+    pub log_det: f64,
+    /// (M_b(w)⁻¹)ᵀ per block, so that g_q is a dot product.
+    pub inverse_transposed: Vec<f64>,
+    sum: Vec<f64>,
+    inverse: Vec<f64>,
+}
+
+impl Candidates {
+    /// No candidates yet; `dimensions` are the rows of each block.
+    pub fn new(dimensions: Vec<usize>) -> Self {
+        Self { dimensions, entries: Vec::new() }
+    }
+
+    /// Appends a candidate: all blocks' entries, row-major, one block after the other.
+    ///
+    /// # Errors
+    /// [`Error::Shape`], [`Error::NotFinite`].
+    pub fn push(&mut self, entries: &[f64]) -> Result<(), Error> {
+        if entries.len() != self.size() {
+            return Err(Error::Shape { found: entries.len(), expected: self.size() });
+        }
+        if !entries.iter().all(|x| x.is_finite()) {
+            return Err(Error::NotFinite { candidate: self.len() });
+        }
+        self.entries.extend_from_slice(entries);
+        Ok(())
+    }
+
+    /// Number of candidates Q.
+    pub fn len(&self) -> usize {
+        self.entries.len() / self.size().max(1)
+    }
+
+    /// Whether there is no candidate.
+    pub fn is_empty(&self) -> bool {
+        self.entries.is_empty()
+    }
+
+    /// Total dimension p: the sum of the blocks' rows.
+    pub fn dimension(&self) -> usize {
+        self.dimensions.iter().sum()
+    }
+
+    /// Entries per candidate.
+    pub fn size(&self) -> usize {
+        self.dimensions.iter().map(|n| n * n).sum()
+    }
+
+    /// Entries of candidate `q`.
+    pub fn candidate(&self, q: usize) -> &[f64] {
+        &self.entries[q * self.size()..(q + 1) * self.size()]
+    }
+
+    /// Per block: its rows n and where its entries are.
+    pub fn blocks(&self) -> impl Iterator<Item = (usize, Range<usize>)> + '_ {
+        let mut start = 0;
+        self.dimensions.iter().map(move |n| {
+            start += n * n;
+            (*n, start - n * n..start)
+        })
+    }
+
+    /// M(w) = Σ_q w_q M_q into `out`.
+    pub fn sum(&self, shares: &[f64], out: &mut Vec<f64>) {
+        out.clear();
+        out.resize(self.size(), 0.0);
+        for (entries, share) in self.entries.chunks_exact(self.size()).zip(shares) {
+            if *share != 0.0 {
+                out.iter_mut().zip(entries).for_each(|(o, e)| *o += share * e);
+            }
+        }
+    }
+
+    /// The criterion and its gradient's ingredients at `shares`. `None` where a block is singular.
+    pub fn evaluate(&self, shares: &[f64], at: &mut Evaluation) -> Option<f64> {
+        let mut sum = std::mem::take(&mut at.sum);
+        self.sum(shares, &mut sum);
+        at.inverse.resize(self.size(), 0.0);
+        at.inverse_transposed.resize(self.size(), 0.0);
+        at.log_det = 0.0;
+        let mut regular = true;
+        for (n, range) in self.blocks() {
+            match numerics::inverse(n, &mut sum[range.clone()], &mut at.inverse[range.clone()]) {
+                Some(det) => at.log_det += det.log_abs,
+                None => regular = false,
+            }
+            transpose(n, &at.inverse[range.clone()], &mut at.inverse_transposed[range]);
+        }
+        at.sum = sum;
+        regular.then_some(at.log_det)
+    }
+
+    /// Σ_b log|det M_b(w)| alone. `None` where a block is singular.
+    pub(crate) fn log_abs_det(&self, shares: &[f64], at: &mut Evaluation) -> Option<f64> {
+        self.sum(shares, &mut at.sum);
+        let mut sum = 0.0;
+        for (n, range) in self.blocks() {
+            sum += numerics::log_det(n, &mut at.sum[range])?.log_abs;
+        }
+        Some(sum)
+    }
+
+    /// g_q = Σ_b tr(M_b(w)⁻¹ M_q,b) of candidate `q` at an evaluated point.
+    pub fn sensitivity(&self, q: usize, at: &Evaluation) -> f64 {
+        at.inverse_transposed.iter().zip(self.candidate(q)).map(|(a, b)| a * b).sum()
+    }
+
+    /// Rows and columns scaled so that the mean candidate has rows and columns of size one, and what log|det| of the
+    /// original is above that of the scaled. Shares and sensitivities do not change.
+    ///
+    /// # Errors
+    /// [`Error::Empty`]; [`Error::Unexcited`] for a row that is zero in every candidate.
+    pub fn scaled(&self) -> Result<(Self, f64), Error> {
+        self.balanced().map(|balanced| (balanced.candidates, balanced.offset))
+    }
+
+    /// [`Candidates::scaled`] with the factors of rows and columns.
+    pub(crate) fn balanced(&self) -> Result<Balanced, Error> {
+        if self.is_empty() {
+            return Err(Error::Empty);
+        }
+        let ones = vec![1.0; self.dimension()];
+        let mut out = Balanced { candidates: self.clone(), offset: 0.0, rows: ones.clone(), columns: ones };
+        for by_row in [true, false, true] {
+            let mut first = 0;
+            for (block, (n, range)) in self.blocks().enumerate() {
+                for i in 0..n {
+                    let places: Vec<usize> =
+                        (0..n).map(|j| range.start + if by_row { i * n + j } else { j * n + i }).collect();
+                    let norm = out.candidates.root_mean_square(&places);
+                    if norm == 0.0 {
+                        let direction = (0..n).map(|j| f64::from(u8::from(i == j))).collect();
+                        return Err(Error::Unexcited { block, direction });
+                    }
+                    out.offset += norm.ln();
+                    out.candidates.divide(&places, norm);
+                    let factors = if by_row { &mut out.rows } else { &mut out.columns };
+                    factors[first + i] *= norm;
+                }
+                first += n;
+            }
+        }
+        Ok(out)
+    }
+
+    /// Every entry divided by the factors of its row and of its column.
+    pub(crate) fn congruent(&self, factors: &[f64]) -> Self {
+        let mut out = self.clone();
+        let mut first = 0;
+        for (n, range) in self.blocks() {
+            for e in 0..n * n {
+                out.divide(&[range.start + e], factors[first + e / n] * factors[first + e % n]);
+            }
+            first += n;
+        }
+        out
+    }
+
+    /// Refuses candidates, balanced, whose equal mixture leaves a direction without excitation.
+    pub(crate) fn check_excitation(&self) -> Result<(), Error> {
+        let mut sum = Vec::new();
+        self.sum(&vec![1.0 / self.len() as f64; self.len()], &mut sum);
+        for (block, (n, range)) in self.blocks().enumerate() {
+            // Rows belong to regressors: what no row combination reaches is a left singular direction.
+            let own = &sum[range];
+            if numerics::condition(n, own) < 1e9 {
+                continue;
+            }
+            let transposed: Vec<f64> = (0..n * n).map(|k| own[(k % n) * n + k / n]).collect();
+            let direction = match numerics::weakest(n, &transposed) {
+                Some(found) if found.ratio > 1e-12 => continue,
+                Some(found) => found.direction,
+                None => vec![1.0; n],
+            };
+            return Err(Error::Unexcited { block, direction });
+        }
+        Ok(())
+    }
+
+    fn root_mean_square(&self, places: &[usize]) -> f64 {
+        let squares =
+            self.entries.chunks_exact(self.size()).map(|e| places.iter().map(|p| e[*p] * e[*p]).sum::<f64>());
+        (squares.sum::<f64>() / self.len() as f64).sqrt()
+    }
+
+    fn divide(&mut self, places: &[usize], norm: f64) {
+        let size = self.size();
+        for entries in self.entries.chunks_exact_mut(size) {
+            places.iter().for_each(|p| entries[*p] /= norm);
+        }
+    }
+}
+
+fn transpose(n: usize, from: &[f64], to: &mut [f64]) {
+    for i in 0..n {
+        for j in 0..n {
+            to[j * n + i] = from[i * n + j];
+        }
+    }
+}

@@ -1,0 +1,289 @@
+use argmin::core::{Executor, State as _};
+use rand::{Rng, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+use crate::active_set::State;
+use crate::{ActiveSetNewton, Bounds, Candidates, Covariance, Error, Norm, Objective, Robust, is_concave};
+
+/// How to solve.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Options {
+    /// Relative Kiefer–Wolfowitz gap to stop at.
+    pub tolerance: f64,
+    /// Starts besides equal shares.
+    pub random_starts: u32,
+    /// Seed of the random starts.
+    pub seed: u64,
+    /// Limit on iterations per start.
+    pub max_iterations: u64,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self { tolerance: 1e-10, random_starts: 5, seed: 1, max_iterations: 500 }
+    }
+}
+
+/// What is known of the shares.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Status {
+    /// Globally optimal to the gap: the problem is concave.
+    Optimal,
+    /// First-order optimal to the gap; the problem is not concave, so another optimum may be better.
+    Stationary,
+    /// The gap was not reached.
+    Stalled,
+}
+
+/// Where one start ended.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Start {
+    /// Shares.
+    pub shares: Vec<f64>,
+    /// Value of the criterion.
+    pub log_det: f64,
+    /// max_q g_q / p − 1.
+    pub relative_gap: f64,
+    /// Iterations.
+    pub iterations: u64,
+}
+
+/// The best shares and what is known of them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Design {
+    /// Shares of the candidates; sum to 1.
+    pub shares: Vec<f64>,
+    /// Σ_b log|det M_b(w)|.
+    pub log_det: f64,
+    /// g_q of every candidate.
+    pub sensitivities: Vec<f64>,
+    /// max_q g_q − p.
+    pub gap: f64,
+    /// Optimal, stationary or stalled.
+    pub status: Status,
+    /// Equal shares first, then the random starts. A start from a singular mixture is left out.
+    pub starts: Vec<Start>,
+}
+
+/// Shares that maximise the D-criterion of the information matrix, from equal shares and from random starts.
+///
+/// # Errors
+/// [`Error::Empty`]; [`Error::Unexcited`] where no mixture of the candidates is regular.
+pub fn solve(candidates: &Candidates, options: &Options) -> Result<Design, Error> {
+    solve_within(candidates, &Bounds::default(), options)
+}
+
+/// [`solve`] under upper bounds on the shares.
+///
+/// # Errors
+/// As [`solve`]; [`Error::Shape`] for another number of bounds than candidates.
+pub fn solve_within(candidates: &Candidates, bounds: &Bounds, options: &Options) -> Result<Design, Error> {
+    let (scaled, offset) = candidates.scaled()?;
+    scaled.check_excitation()?;
+    let mut design = optimise(&scaled, bounds, options, is_concave(candidates))?;
+    design.log_det += offset;
+    design.starts.iter_mut().for_each(|s| s.log_det += offset);
+    Ok(design)
+}
+
+/// Exponents of the power means that lead to the largest eigenvalue.
+const POWERS: [f64; 13] =
+    [1.0, 2.0, 4.0, 8.0, 16.0, 64.0, 256.0, 1024.0, 4096.0, 16_384.0, 65_536.0, 1_048_576.0, 16_777_216.0];
+
+/// Shares that make a criterion of the covariance small, under upper bounds. [`Design::log_det`] is minus the norm. A
+/// power mean above 16 is approached through smaller ones.
+///
+/// # Errors
+/// As [`solve_within`].
+pub fn solve_covariance(
+    covariance: &Covariance,
+    bounds: &Bounds,
+    options: &Options,
+) -> Result<Design, Error> {
+    match covariance.norm() {
+        Norm::PowerMean(power) if power > 16.0 => through_powers(covariance, power, bounds, options),
+        _ => optimise(covariance, bounds, options, covariance.is_concave()),
+    }
+}
+
+/// Shares that make a criterion over several models large, under upper bounds.
+///
+/// # Errors
+/// As [`solve_within`].
+pub fn solve_robust(robust: &Robust, bounds: &Bounds, options: &Options) -> Result<Design, Error> {
+    let mut points = starting_points(robust.len(), bounds, options)?;
+    for step in robust.approach() {
+        points = from_points(&step, bounds, options, false, points)?
+            .starts
+            .into_iter()
+            .map(|s| s.shares)
+            .collect();
+    }
+    from_points(robust, bounds, options, robust.is_concave(), points)
+}
+
+/// By how much at most, as a fraction of the experiment's time, a criterion of `value` is below what any shares within the
+/// gap of `relaxed` have.
+pub(crate) fn loss(value: f64, relaxed: &Design, degree: f64) -> f64 {
+    let gap = relaxed.gap.max(0.0);
+    let above = if gap < 1.0 { -(-gap).ln_1p() } else { f64::INFINITY };
+    1.0 - ((value - relaxed.log_det - above) / degree).exp().min(1.0)
+}
+
+/// The power means one after the other, each from where the one before ended. Starts that have met go on as one.
+fn through_powers(
+    covariance: &Covariance,
+    power: f64,
+    bounds: &Bounds,
+    options: &Options,
+) -> Result<Design, Error> {
+    let solve = |power: f64, points: Vec<Vec<f64>>| {
+        let own = covariance.with_power(power);
+        from_points(&own, bounds, options, own.is_concave(), points)
+    };
+    let mut design = solve(POWERS[0], starting_points(covariance.len(), bounds, options)?)?;
+    let (mut distinct, mut place): (Vec<Vec<f64>>, Vec<usize>) = (Vec::new(), Vec::new());
+    for start in &design.starts {
+        let near = |known: &Vec<f64>| known.iter().zip(&start.shares).all(|(a, b)| (a - b).abs() < MET);
+        place.push(distinct.iter().position(near).unwrap_or(distinct.len()));
+        if place.last() == Some(&distinct.len()) {
+            distinct.push(start.shares.clone());
+        }
+    }
+    for step in POWERS.into_iter().skip(1).filter(|p| *p < power).chain([power]) {
+        design = solve(step, distinct)?;
+        distinct = design.starts.iter().map(|s| s.shares.clone()).collect();
+    }
+    design.starts = place.into_iter().filter_map(|i| design.starts.get(i).cloned()).collect();
+    Ok(design)
+}
+
+/// Starts whose shares differ by less than this have met.
+const MET: f64 = 1e-6;
+
+fn optimise<O: Objective>(
+    objective: &O,
+    bounds: &Bounds,
+    options: &Options,
+    concave: bool,
+) -> Result<Design, Error> {
+    let points = starting_points(objective.len(), bounds, options)?;
+    from_points(objective, bounds, options, concave, points)
+}
+
+pub(crate) fn from_points<O: Objective>(
+    objective: &O,
+    bounds: &Bounds,
+    options: &Options,
+    concave: bool,
+    points: Vec<Vec<f64>>,
+) -> Result<Design, Error> {
+    let mut starts = Vec::new();
+    for from in points {
+        if objective.evaluate(&from, &mut O::Point::default()).is_some() {
+            starts.push(run(objective, bounds, from, options)?);
+        }
+    }
+    let best = starts
+        .iter()
+        .max_by(|a, b| a.log_det.total_cmp(&b.log_det))
+        .ok_or_else(|| Error::Solver("every start was singular".into()))?;
+    let mut at = O::Point::default();
+    objective.evaluate(&best.shares, &mut at);
+    let sensitivities: Vec<f64> = (0..objective.len()).map(|q| objective.sensitivity(q, &at)).collect();
+    let p = objective.degree();
+    let gap = bounds.gap(&sensitivities, &best.shares, p);
+    let status = match (gap <= options.tolerance * p, concave) {
+        (false, _) => Status::Stalled,
+        (true, true) => Status::Optimal,
+        (true, false) => Status::Stationary,
+    };
+    let (shares, log_det) = (best.shares.clone(), best.log_det);
+    Ok(Design { shares, log_det, sensitivities, gap, status, starts })
+}
+
+/// Equal shares and random ones, brought within the bounds.
+fn starting_points(count: usize, bounds: &Bounds, options: &Options) -> Result<Vec<Vec<f64>>, Error> {
+    if let Some(found) = bounds.count().filter(|found| *found != count) {
+        return Err(Error::Shape { found, expected: count });
+    }
+    let mut points = free_points(count, options);
+    if bounds.bind() {
+        points.iter_mut().for_each(|p| {
+            bounds.fill(p);
+        });
+    }
+    Ok(points)
+}
+
+fn free_points(count: usize, options: &Options) -> Vec<Vec<f64>> {
+    let mut points = vec![vec![1.0 / count as f64; count]];
+    for start in 0..options.random_starts {
+        let mut rng = ChaCha8Rng::seed_from_u64(options.seed);
+        rng.set_stream(u64::from(start));
+        // Exponential draws, normalised: uniform on the simplex.
+        let mut draw = || -(((rng.next_u64() >> 11) as f64 + 0.5) * 2.0_f64.powi(-53)).ln();
+        let shares: Vec<f64> = (0..count).map(|_| draw()).collect();
+        let total: f64 = shares.iter().sum();
+        points.push(shares.iter().map(|w| w / total).collect());
+    }
+    points
+}
+
+fn run<O: Objective>(
+    objective: &O,
+    bounds: &Bounds,
+    from: Vec<f64>,
+    options: &Options,
+) -> Result<Start, Error> {
+    let failed = |e: argmin::core::Error| Error::Solver(e.to_string());
+    let result = Executor::new(objective, ActiveSetNewton::new(options.tolerance).within(bounds.clone()))
+        .configure(|state: State| state.param(from).max_iters(options.max_iterations))
+        .timer(false)
+        .run()
+        .map_err(failed)?;
+    let relative_gap = result.solver.relative_gap().unwrap_or(f64::INFINITY);
+    let iterations = result.state.get_iter();
+    let mut state = result.state;
+    let shares = state.take_param().ok_or_else(|| Error::Solver("no shares".into()))?;
+    Ok(Start { log_det: -state.cost, shares, relative_gap, iterations })
+}
+
+impl Design {
+    /// D-efficiency of other shares against these: |det M(w)/det M(w*)|^(1/`parameters`), the fraction of the experiment
+    /// time that these shares would need for the same information. 0 where a block is singular.
+    pub fn efficiency(&self, candidates: &Candidates, shares: &[f64], parameters: usize) -> f64 {
+        let Ok((scaled, offset)) = candidates.scaled() else { return 0.0 };
+        self.efficiency_scaled(&scaled, offset, shares, parameters)
+    }
+
+    /// [`Design::efficiency`] of every candidate on its own.
+    pub fn single_efficiencies(&self, candidates: &Candidates, parameters: usize) -> Vec<f64> {
+        let Ok((scaled, offset)) = candidates.scaled() else { return vec![0.0; candidates.len()] };
+        let mut alone = vec![0.0; candidates.len()];
+        let mut single = |q: usize| {
+            alone[q] = 1.0;
+            let efficiency = self.efficiency_scaled(&scaled, offset, &alone, parameters);
+            alone[q] = 0.0;
+            efficiency
+        };
+        (0..scaled.len()).map(&mut single).collect()
+    }
+
+    fn efficiency_scaled(&self, scaled: &Candidates, offset: f64, shares: &[f64], parameters: usize) -> f64 {
+        let mut sum = Vec::new();
+        scaled.sum(shares, &mut sum);
+        let mut log_det = offset;
+        for (n, range) in scaled.blocks() {
+            let block = &mut sum[range];
+            if numerics::weakest(n, block).is_none_or(|w| w.ratio < 1e-12) {
+                return 0.0;
+            }
+            match numerics::log_det(n, block) {
+                Some(det) => log_det += det.log_abs,
+                None => return 0.0,
+            }
+        }
+        ((log_det - self.log_det) / parameters as f64).exp()
+    }
+}

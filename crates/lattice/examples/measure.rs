@@ -1,0 +1,42 @@
+//! Times the planner on made-up archipelagos: `measure [nx ny headings informative count seed engine limit_s costs]`.
+
+use std::time::Instant;
+
+use lattice::{Engine, Options, Outcome, plan, synthetic};
+
+fn main() {
+    let given: Vec<String> = std::env::args().skip(1).collect();
+    let number = |k: usize, usual: u64| given.get(k).and_then(|text| text.parse().ok()).unwrap_or(usual);
+    let engine = match given.get(6).map(String::as_str) {
+        Some("exhaustive") => Engine::Exhaustive,
+        Some("lagrangian") => Engine::Lagrangian,
+        _ => Engine::Auto,
+    };
+    let size = |k: usize, usual: u64| number(k, usual) as usize;
+    let (nx, ny, headings) = (size(0, 35), size(1, 44), size(2, 4));
+    let mut file = synthetic::archipelago(nx, ny, headings, size(3, 3), number(4, 3) as u32, number(5, 1));
+    if given.get(8).is_some_and(|costs| costs == "seconds") {
+        (file.basic[0].cost, file.basic[1].cost, file.basic[2].cost) = (12.5, 31.7, 31.7);
+    }
+    let started = Instant::now();
+    let problem = file.into_problem().expect("a valid problem");
+    let table = started.elapsed();
+    let limit = std::time::Duration::from_secs(number(7, 60));
+    let options = Options { engine, memory_bytes: 8 << 30, ..Options::default() };
+    let outcome = plan(&problem, &options, &mut |_| started.elapsed() < limit);
+    let total = started.elapsed();
+    println!(
+        "{} boxes, {} allowed moves, {} states",
+        file.obstacles.len(),
+        problem.allowed_moves(),
+        problem.states()
+    );
+    println!("start {} goal {:?}", problem.start(), problem.goal());
+    println!("table {table:?}, all {total:?}");
+    match outcome {
+        Outcome::Solved(s) => {
+            println!("{:?} cost {:?} bound {:?} steps {}", s.status, s.cost, s.lower_bound, s.steps.len());
+        }
+        other => println!("{other:?}"),
+    }
+}

@@ -1,0 +1,150 @@
+use crate::graph::{Graph, Reach};
+use crate::lagrangian::{self, Depth};
+use crate::watch::{self, Verdict, Watch};
+use crate::{
+    Cost, Engine, Limit, Options, Outcome, Problem, Progress, Reason, Solution, Status, Step, dense, layered,
+    reason,
+};
+
+/// States up to which `Auto` searches exhaustively without a look at bounds first.
+const SMALL: u128 = 2_000_000_000;
+/// States up to which `Auto` searches exhaustively at all.
+const LARGE_BITS: u128 = 20_000_000_000;
+const LARGE_DENSE: u128 = 200_000_000;
+/// A state kept as a distance takes as long as so many kept as bits, about.
+const DENSE_WEIGHT: u128 = 10;
+
+/// Finds the cheapest plan. `keep_going` is asked from time to time and ends the search by saying no; a plan found by
+/// then is returned with a lower bound. One narrow beam may still be searched after that, if there is no plan yet.
+///
+/// ```
+/// use lattice::{Action, Cost, Goal, Lattice, Move, Options, Outcome, Pose, Problem, plan};
+/// let east = |di, cost| Move { from: 0, di, dj: 0, to: 0, cost: Cost::primary(cost) };
+/// let actions = vec![
+///     Action { name: "zigzag".into(), required: 2, moves: vec![east(3, 0.0)] },
+///     Action { name: "forward".into(), required: 0, moves: vec![east(1, 1.0)] },
+/// ];
+/// let pose = |i| Pose { i, j: 0, layer: 0 };
+/// let lattice = Lattice { nx: 9, ny: 1, layers: 1 };
+/// let problem = Problem::new(lattice, actions, pose(0), Goal::Poses(vec![pose(8)]), |_, _, _| true)?;
+/// let Outcome::Solved(solution) = plan(&problem, &Options::default(), &mut |_| true) else { unreachable!() };
+/// assert_eq!((solution.cost.primary, solution.steps.len()), (2.0, 4));
+/// # Ok::<(), lattice::Invalid>(())
+/// ```
+pub fn plan(problem: &Problem, options: &Options, keep_going: &mut dyn FnMut(Progress) -> bool) -> Outcome {
+    let reach = Reach::new(problem);
+    if let Some(reason) = reason::from_map(problem, &reach) {
+        return Outcome::Infeasible(reason);
+    }
+    let Some(graph) = Graph::new(problem, &reach) else {
+        unreachable!("where the start does not reach the goal, the map gives a reason")
+    };
+    let mut watch = Watch::new(problem, options.poll_every, keep_going);
+    match engine(&graph, options) {
+        Chosen::TooLarge(bytes) => Outcome::TooLarge { states: watch::states(&graph), bytes },
+        Chosen::Exhaustive => outcome(problem, exhaustive(&graph, options, false, &mut watch)),
+        Chosen::BoundsFirst => outcome(problem, bounds_first(&graph, options, &mut watch)),
+        Chosen::Lagrangian => {
+            outcome(problem, lagrangian::search(&graph, memory(&graph, options), Depth::Proof, &mut watch))
+        }
+    }
+}
+
+enum Chosen {
+    Exhaustive,
+    /// Exhaustive, after bounds and beams have tried.
+    BoundsFirst,
+    Lagrangian,
+    TooLarge(u128),
+}
+
+fn memory(graph: &Graph, options: &Options) -> u64 {
+    options.memory_bytes.saturating_sub(graph.bytes())
+}
+
+/// Bytes that the exhaustive search takes.
+pub(crate) fn exhaustive_bytes(graph: &Graph) -> u128 {
+    match layered::step(graph) {
+        Some(_) => layered::bytes(graph),
+        None if dense::fits(graph) => dense::bytes(graph),
+        None => u128::MAX,
+    }
+}
+
+fn engine(graph: &Graph, options: &Options) -> Chosen {
+    let (states, bytes) = (watch::states(graph), exhaustive_bytes(graph));
+    let fits = bytes <= u128::from(memory(graph, options));
+    let (weight, large) = match layered::step(graph) {
+        Some(_) => (1, LARGE_BITS),
+        None => (DENSE_WEIGHT, LARGE_DENSE),
+    };
+    match options.engine {
+        Engine::Exhaustive if fits => Chosen::Exhaustive,
+        Engine::Exhaustive => Chosen::TooLarge(bytes),
+        Engine::Lagrangian => Chosen::Lagrangian,
+        Engine::Auto if !fits || states > large => Chosen::Lagrangian,
+        Engine::Auto if states * weight <= SMALL => Chosen::Exhaustive,
+        Engine::Auto => Chosen::BoundsFirst,
+    }
+}
+
+/// If told to stop and there is no plan yet, one narrow beam looks for one.
+fn exhaustive(graph: &Graph, options: &Options, has_plan: bool, watch: &mut Watch) -> Verdict {
+    let memory = memory(graph, options);
+    let verdict = match layered::step(graph) {
+        Some(step) => layered::search(graph, step, memory, watch),
+        None => dense::search(graph, watch),
+    };
+    match verdict.stopped_by {
+        Some(Limit::Memory) => lagrangian::search(graph, memory, Depth::Proof, watch),
+        Some(Limit::Time) if !has_plan => {
+            let plan = lagrangian::glimpse(graph, &mut Watch::new(graph.problem, u64::MAX, &mut |_| true));
+            Verdict::stopped(plan, verdict.lower, Limit::Time)
+        }
+        _ => verdict,
+    }
+}
+
+/// Bounds and beams, and if they leave a gap the exhaustive search.
+pub(crate) fn bounds_first(graph: &Graph, options: &Options, watch: &mut Watch) -> Verdict {
+    let root = lagrangian::search(graph, memory(graph, options), Depth::Root, watch);
+    if root.stopped_by.is_none() || !watch.go_on(0) {
+        return root;
+    }
+    let verdict = exhaustive(graph, options, root.plan.is_some(), watch);
+    let Some(limit) = verdict.stopped_by else { return verdict };
+    let plan = verdict.plan.into_iter().chain(root.plan).min_by_key(|plan| plan.0);
+    Verdict::stopped(plan, watch.lower, limit)
+}
+
+fn outcome(problem: &Problem, verdict: Verdict) -> Outcome {
+    let lower_bound = problem.cost(verdict.lower, &problem.required());
+    match (verdict.plan, verdict.stopped_by) {
+        (Some((_, walk)), stopped_by) => Outcome::Solved(solution(problem, &walk, stopped_by, lower_bound)),
+        (None, None) => Outcome::Infeasible(Reason::CountsCannotBeCombined { possible: verdict.possible }),
+        (None, Some(Limit::Time)) => Outcome::OutOfTime { lower_bound },
+        (None, Some(Limit::Memory)) => Outcome::OutOfMemory { lower_bound },
+    }
+}
+
+/// Makes the moves one after the other from the start.
+fn solution(problem: &Problem, walk: &[u32], stopped_by: Option<Limit>, lower_bound: Cost) -> Solution {
+    let (mut from, mut cost) = (problem.start(), Cost::default());
+    let mut steps = Vec::with_capacity(walk.len());
+    for &step in walk {
+        let known = &problem.moves[step as usize];
+        let shape = &problem.actions()[known.id.action].moves[known.id.index];
+        let Some(to) = problem.lattice().end(from, shape) else {
+            unreachable!("the searches follow allowed moves, and those stay in the lattice")
+        };
+        let (action, variant) = (known.id.action, known.variant as usize);
+        steps.push(Step { action, variant, from, to, cost: shape.cost });
+        cost.primary += shape.cost.primary;
+        cost.secondary += shape.cost.secondary;
+        from = to;
+    }
+    match stopped_by {
+        None => Solution { status: Status::Optimal, cost, lower_bound: cost, steps },
+        Some(stopped_by) => Solution { status: Status::Feasible { stopped_by }, cost, lower_bound, steps },
+    }
+}

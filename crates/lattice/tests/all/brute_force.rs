@@ -1,0 +1,100 @@
+//! Both engines against brute force on random small problems.
+
+use lattice::{Engine, Front, Options, Outcome, Reason, front, plan};
+use proptest::prelude::*;
+
+use crate::random::{Costs, Small, brute_force, proved, replay, small};
+
+fn options(engine: Engine) -> Options {
+    Options { engine, ..Options::default() }
+}
+
+fn agrees(small: &Small) {
+    let problem = small.problem();
+    let least = brute_force(small);
+    let expected = *least.last().unwrap();
+    for engine in [Engine::Exhaustive, Engine::Lagrangian, Engine::Auto] {
+        let outcome = plan(&problem, &options(engine), &mut |_| true);
+        assert_eq!(proved(small, &outcome), expected, "{engine:?}");
+        if let Outcome::Infeasible(Reason::CountsCannotBeCombined { possible: Some(counts) }) = outcome {
+            let most = (0..least.len()).filter(|&v| least[v].is_some()).map(|v| uses(small, v)).max();
+            assert_eq!(most, Some(counts.iter().sum()), "counts of most uses");
+        }
+    }
+    let Front::Known(points) = front(&problem, &options(Engine::Auto), &mut |_| true) else {
+        panic!("a small front is known");
+    };
+    let tenths = |cost: f64| (cost * 10.0).round() as u64;
+    let found: Vec<_> = points
+        .iter()
+        .map(|point| point.cost.map(|cost| (tenths(cost.primary), tenths(cost.secondary))))
+        .collect();
+    assert_eq!(found, least, "front");
+}
+
+/// Uses in total of a mixed-radix number.
+fn uses(small: &Small, mut vector: usize) -> u32 {
+    let mut sum = 0;
+    for action in small.actions.iter().filter(|action| action.required > 0) {
+        let radix = action.required as usize + 1;
+        sum += (vector % radix) as u32;
+        vector /= radix;
+    }
+    sum
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 400, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn oracle_paper_costs(small in small(Costs::Paper)) {
+        agrees(&small);
+    }
+
+    #[test]
+    fn oracle_free_basic_moves(small in small(Costs::SomeFree)) {
+        agrees(&small);
+    }
+
+    #[test]
+    fn oracle_seconds(small in small(Costs::Seconds)) {
+        agrees(&small);
+    }
+
+    #[test]
+    fn oracle_two_criteria(small in small(Costs::Both)) {
+        agrees(&small);
+    }
+
+    /// Whatever is known when the search is stopped is true.
+    #[test]
+    fn law_stopped_searches_bound_the_optimum(
+        small in prop_oneof![small(Costs::Paper), small(Costs::Both)],
+        polls in 0..400u32,
+        lagrangian in any::<bool>(),
+    ) {
+        let engine = if lagrangian { Engine::Lagrangian } else { Engine::Exhaustive };
+        let mut left = polls;
+        let mut keep_going = |_| { left = left.saturating_sub(1); left > 0 };
+        let outcome = plan(&small.problem(), &Options { poll_every: 1, ..options(engine) }, &mut keep_going);
+        let optimum = brute_force(&small).last().copied().flatten();
+        let tenths = |cost: lattice::Cost| ((cost.primary * 10.0).round() as u64, (cost.secondary * 10.0).round() as u64);
+        match outcome {
+            Outcome::Solved(solution) => {
+                let cost = replay(&small, &solution);
+                let optimum = optimum.expect("a replayed plan exists");
+                prop_assert!(tenths(solution.lower_bound) <= optimum && optimum <= cost);
+                if solution.status == lattice::Status::Optimal {
+                    prop_assert_eq!(cost, optimum);
+                }
+            }
+            Outcome::OutOfTime { lower_bound } => {
+                if let Some(optimum) = optimum {
+                    prop_assert!(tenths(lower_bound) <= optimum);
+                }
+            }
+            Outcome::Infeasible(_) => prop_assert_eq!(optimum, None),
+            other => prop_assert!(false, "{other:?}"),
+        }
+    }
+}

@@ -1,0 +1,131 @@
+//! Why there is no plan, and what is said when memory or time is short.
+
+use lattice::{
+    Action, Cost, Engine, Goal, Lattice, Limit, Move, MoveId, Options, Outcome, Pose, Problem, Reason,
+    Status, plan, synthetic,
+};
+
+const LATTICE: Lattice = Lattice { nx: 8, ny: 1, layers: 1 };
+
+fn pose(i: usize) -> Pose {
+    Pose { i, j: 0, layer: 0 }
+}
+
+/// Forward and back by one cell, jump by two; `allowed(action, i)`.
+fn outcome(required: u32, goal: usize, allowed: impl Fn(usize, usize) -> bool) -> Outcome {
+    let step = |di, cost| Move { from: 0, di, dj: 0, to: 0, cost: Cost::primary(cost) };
+    let actions = vec![
+        Action { name: "jump".into(), required, moves: vec![step(2, 0.0)] },
+        Action { name: "forward".into(), required: 0, moves: vec![step(1, 1.0)] },
+        Action { name: "back".into(), required: 0, moves: vec![step(-1, 1.0)] },
+    ];
+    let goal = Goal::Poses(vec![pose(goal)]);
+    let allowed = |id: MoveId, i, _| allowed(id.action, i);
+    let problem = Problem::new(LATTICE, actions, pose(1), goal, allowed).unwrap();
+    let outcomes = [Engine::Exhaustive, Engine::Lagrangian]
+        .map(|engine| plan(&problem, &Options { engine, ..Options::default() }, &mut |_| true));
+    assert_eq!(std::mem::discriminant(&outcomes[0]), std::mem::discriminant(&outcomes[1]));
+    let [exhaustive, _] = outcomes;
+    exhaustive
+}
+
+fn reason(required: u32, goal: usize, allowed: impl Fn(usize, usize) -> bool) -> Reason {
+    match outcome(required, goal, allowed) {
+        Outcome::Infeasible(reason) => reason,
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn an_enclosed_start_names_the_nearest_room() {
+    let found = reason(1, 6, |_, i| i > 3);
+    assert_eq!(found, Reason::StartEnclosed { start: pose(1), nearest: Some((pose(4), 3.0)) });
+    assert!(found.to_string().contains("(4, 0, 0), 3.0 cells away"));
+}
+
+#[test]
+fn an_enclosed_goal_names_the_nearest_room() {
+    let found = reason(0, 6, |_, i| i < 3);
+    assert_eq!(found, Reason::GoalEnclosed { goal: pose(6), nearest: Some((pose(4), 2.0)) });
+}
+
+#[test]
+fn a_goal_that_cannot_be_reached_names_the_nearest_pose_that_is() {
+    let found = reason(0, 6, |_, i| !(2..=4).contains(&i));
+    assert_eq!(found, Reason::GoalUnreachable { nearest: Some((pose(3), 3.0)) });
+}
+
+#[test]
+fn an_action_that_fits_nowhere_is_named() {
+    let found = reason(1, 6, |action, _| action > 0);
+    assert_eq!(found, Reason::FitsNowhere { action: 0, name: "jump".into(), elsewhere: None });
+}
+
+#[test]
+fn an_action_that_fits_out_of_reach_is_named_with_a_place() {
+    let found = reason(1, 2, |action, i| if action == 0 { i == 5 } else { i < 3 });
+    assert_eq!(found, Reason::FitsNowhere { action: 0, name: "jump".into(), elsewhere: Some(pose(5)) });
+}
+
+#[test]
+fn an_action_without_a_way_back_is_named() {
+    let found = reason(1, 2, |action, i| if action == 0 { i == 3 } else { i < 4 });
+    assert_eq!(found, Reason::NoWayBack { action: 0, name: "jump".into() });
+}
+
+#[test]
+fn counts_that_cannot_be_combined_come_with_counts_that_can() {
+    // Forward only: three jumps pass the goal, two are possible.
+    let found = reason(3, 6, |action, _| action < 2);
+    assert_eq!(found, Reason::CountsCannotBeCombined { possible: Some(vec![2]) });
+}
+
+#[test]
+fn a_start_without_room_that_is_the_goal_needs_no_moves() {
+    let Outcome::Solved(solution) = outcome(0, 1, |_, i| i > 3) else { panic!("solved by staying") };
+    assert!(solution.steps.is_empty() && solution.cost == Cost::default());
+}
+
+fn archipelago() -> Problem {
+    synthetic::archipelago(20, 20, 4, 3, 2, 5).into_problem().unwrap()
+}
+
+#[test]
+fn an_exhaustive_search_beyond_the_memory_is_refused() {
+    let options = Options { engine: Engine::Exhaustive, memory_bytes: 100_000, ..Options::default() };
+    let Outcome::TooLarge { states, bytes } = plan(&archipelago(), &options, &mut |_| true) else { panic!() };
+    assert!(states > 10_000 && bytes > 100_000);
+}
+
+#[test]
+fn memory_that_is_too_small_is_said_and_bounds_stay_true() {
+    let Outcome::Solved(best) = plan(&archipelago(), &Options::default(), &mut |_| true) else { panic!() };
+    assert_eq!(best.status, Status::Optimal);
+    for kilobytes in (0..4000).step_by(50) {
+        let options = Options { engine: Engine::Auto, memory_bytes: kilobytes << 10, ..Options::default() };
+        match plan(&archipelago(), &options, &mut |_| true) {
+            Outcome::Solved(found) => {
+                assert!(
+                    found.lower_bound.primary <= best.cost.primary && found.cost.primary >= best.cost.primary
+                );
+                match found.status {
+                    Status::Optimal => assert_eq!(found.cost, best.cost),
+                    Status::Feasible { stopped_by } => assert_eq!(stopped_by, Limit::Memory),
+                }
+            }
+            Outcome::OutOfMemory { lower_bound } => assert!(lower_bound.primary <= best.cost.primary),
+            other => panic!("{kilobytes} kB: {other:?}"),
+        }
+    }
+}
+
+#[test]
+fn a_search_told_to_stop_at_once_says_so() {
+    for engine in [Engine::Exhaustive, Engine::Lagrangian] {
+        let options = Options { engine, poll_every: 1, ..Options::default() };
+        match plan(&archipelago(), &options, &mut |_| false) {
+            Outcome::Solved(found) => assert_eq!(found.status, Status::Feasible { stopped_by: Limit::Time }),
+            other => assert_eq!(other, Outcome::OutOfTime { lower_bound: Cost::default() }),
+        }
+    }
+}

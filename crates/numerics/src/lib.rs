@@ -1,0 +1,14 @@
+//! Linear algebra on small dense square blocks (2 to about 20 rows), row-major in slices.
+//!
+//! The LU kernels work in place and allocate nothing, for use in hot loops: a general library spends most of its time on
+//! such blocks in set-up. They are checked against faer, which does everything else.
+
+#![forbid(unsafe_code)]
+#![warn(missing_docs)]
+
+mod lu;
+pub mod statistics;
+mod weakest;
+
+pub use lu::{LogDet, condition, inverse, log_det, one_norm, solve};
+pub use weakest::{Weakest, weakest};

@@ -1,0 +1,44 @@
+//! Quantiles and spread over runs.
+
+/// Mean, `None` of nothing.
+pub fn mean(values: &[f64]) -> Option<f64> {
+    (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
+}
+
+/// Standard deviation, `None` below two values.
+pub fn spread(values: &[f64]) -> Option<f64> {
+    let mean = mean(values)?;
+    let squares: f64 = values.iter().map(|x| (x - mean) * (x - mean)).sum();
+    (values.len() > 1).then(|| (squares / (values.len() - 1) as f64).sqrt())
+}
+
+/// The quantile `q` of ascending `sorted`, interpolated; `None` of nothing or among infinite values.
+pub fn quantile(sorted: &[f64], q: f64) -> Option<f64> {
+    let last = sorted.len().checked_sub(1)?;
+    let place = q * last as f64;
+    let (low, high) = (place.floor() as usize, place.ceil() as usize);
+    let value = if low == high {
+        sorted[low]
+    } else {
+        sorted[low] + (place - low as f64) * (sorted[high] - sorted[low])
+    };
+    value.is_finite().then_some(value)
+}
+
+/// Ascending, absent values last as infinity.
+pub fn sorted(values: impl Iterator<Item = Option<f64>>) -> Vec<f64> {
+    let mut all: Vec<f64> = values.map(|v| v.unwrap_or(f64::INFINITY)).collect();
+    all.sort_by(f64::total_cmp);
+    all
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn law_spread_is_the_sample_standard_deviation() {
+        assert_eq!(spread(&[1.0, 3.0]), Some(2.0_f64.sqrt()));
+        assert_eq!(spread(&[1.0]), None);
+    }
+}

@@ -1,0 +1,36 @@
+use crate::figures::{AccuracyCurve, FigureError, accuracy};
+use maud::{Markup, html};
+
+use super::number::three;
+use super::placed::Figures;
+use study::documents::{Accuracy, AccuracyPoint, DesignDocument};
+
+/// How long the experiment has to be, and what other designs would need.
+pub(super) fn accuracy_of(design: &DesignDocument, figures: &mut Figures) -> Result<Markup, FigureError> {
+    let Some(found) = &design.accuracy else { return Ok(html! {}) };
+    let title =
+        if found.of == "overall" { "root of Σ (std error/θ)² [1]" } else { "largest std error/θ [1]" };
+    let figure = accuracy(&curves(found), (found.duration_s, found.wanted), title);
+    Ok(html! {
+        h3 { "How long?" }
+        p { (found.statement) }
+        (figures.place("accuracy", figure, &html! {
+            b { "Predicted standard error against the duration of the experiment." }
+            " The dot is the wanted error, " (three(found.wanted)) ", reached after " (three(found.duration_s)) " s."
+        })?)
+    })
+}
+
+fn curves(found: &Accuracy) -> Vec<AccuracyCurve<'static>> {
+    let curve = |label: &'static str, of: fn(&AccuracyPoint) -> Option<f64>| {
+        let points = found.curve.iter().filter_map(|p| of(p).map(|error| (p.duration_s, error))).collect();
+        AccuracyCurve { label, points }
+    };
+    let all = [
+        curve("this design", |p| Some(p.design)),
+        curve("paper's criterion", |p| p.paper),
+        curve("random, median", |p| p.random),
+        curve("equal shares", |p| p.equal),
+    ];
+    all.into_iter().filter(|curve| !curve.points.is_empty()).collect()
+}

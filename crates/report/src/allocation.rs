@@ -1,0 +1,164 @@
+use crate::figures::{FigureError, SensitivityRow, ShareRow, sensitivities, shares};
+use maud::{Markup, html};
+
+use super::accuracy::accuracy_of;
+use super::missing::missing;
+use super::number::{exact, percent, published, three, three_or_dash};
+use super::placed::Figures;
+use super::shown::{omission, shown, used};
+use super::study::Study;
+use study::documents::{DesignDocument, Reference, Sequence, SequencePart};
+
+/// How long to run each maneuver, and how far the others are from being worth their time.
+pub(super) fn allocation(study: &Study, figures: &mut Figures) -> Result<Markup, FigureError> {
+    let body = match &study.design {
+        Some(design) => designed(study, design, figures)?,
+        None => missing("The optimal shares are", "design.json", "design"),
+    };
+    Ok(html! { section #shares { h2 { "Optimal shares of the experiment time" } (body) } })
+}
+
+fn designed(study: &Study, design: &DesignDocument, figures: &mut Figures) -> Result<Markup, FigureError> {
+    let reference = study.reference.as_ref();
+    let names = shown(design.order.iter().map(String::as_str), Some(design));
+    let bars = shares(&share_rows(&names, design, reference));
+    let dots = sensitivities(&sensitivity_rows(&names, design), dimension(design));
+    Ok(html! {
+        div.pair {
+            (figures.place("shares", bars, &share_caption(reference))?)
+            (figures.place("sensitivities", dots, &sensitivity_caption(design))?)
+        }
+        (omission(design.order.len(), names.len()))
+        (table(&names, design, reference, study.experiment_s))
+        (accuracy_of(design, figures)?)
+        @if let Some(sequence) = &design.sequence { p.note { "Order: " (order(sequence)) ". " (sequence.statement) } }
+    })
+}
+
+/// `spiral-slow 50, accelerate 4, …` in samples.
+fn order(sequence: &Sequence) -> String {
+    let part = |part: &SequencePart| format!("{} {}", part.maneuver, part.samples);
+    sequence.parts.iter().map(part).collect::<Vec<_>>().join(", ")
+}
+
+fn share_rows<'a>(
+    names: &[&'a str],
+    design: &DesignDocument,
+    reference: Option<&Reference>,
+) -> Vec<ShareRow<'a>> {
+    let row = |&name: &&'a str| ShareRow {
+        name,
+        share: design.shares.get(name).copied().unwrap_or(f64::NAN),
+        published: published_share(reference, name),
+    };
+    names.iter().map(row).collect()
+}
+
+/// The published share of a maneuver. One that is not listed has none, unless the listed ones make up the whole.
+fn published_share(reference: Option<&Reference>, name: &str) -> Option<f64> {
+    let shares = &reference?.shares;
+    let whole = shares.values().sum::<f64>() > 0.995;
+    shares.get(name).copied().or(whole.then_some(0.0))
+}
+
+fn sensitivity_rows<'a>(names: &[&'a str], design: &DesignDocument) -> Vec<SensitivityRow<'a>> {
+    let row = |&name: &&'a str| SensitivityRow {
+        name,
+        sensitivity: design.sensitivities.get(name).copied().unwrap_or(f64::NAN),
+        used: used(design, name),
+    };
+    names.iter().map(row).collect()
+}
+
+fn dimension(design: &DesignDocument) -> f64 {
+    design.dimension as f64
+}
+
+fn share_caption(reference: Option<&Reference>) -> Markup {
+    html! {
+        b { "Share of the experiment time per maneuver." }
+        @if reference.is_some_and(|r| !r.shares.is_empty()) {
+            " Solid: this design; outlined: published."
+        }
+    }
+}
+
+fn sensitivity_caption(design: &DesignDocument) -> Markup {
+    html! {
+        b { "Sensitivity g of every maneuver." }
+        " A maneuver in use (filled) sits at the line g = p = " (design.dimension) "; one to the left of it (open) would \
+          return less information per second than the mix does, and gets no time."
+    }
+}
+
+fn table(
+    names: &[&str],
+    design: &DesignDocument,
+    reference: Option<&Reference>,
+    experiment_s: Option<f64>,
+) -> Markup {
+    let counts = design.counts.as_ref();
+    let printed = reference.is_some_and(|r| !r.shares.is_empty());
+    html! {
+        div.scroll { table {
+            thead { tr {
+                th scope="col" { "Maneuver" }
+                th.number scope="col" { "Share" }
+                @if experiment_s.is_some() { th.number scope="col" { "Time [s]" } }
+                @if counts.is_some() { th.number scope="col" { "Segments" } }
+                @if printed { th.number.published scope="col" { "Published share" } }
+                th.number scope="col" { "Sensitivity g" }
+                th.number scope="col" { "Efficiency alone" }
+            } }
+            tbody { @for &name in names {
+                tr.unused[!used(design, name)] {
+                    th scope="row" { (name) }
+                    td.number { (share_of(design, name)) }
+                    @if let Some(length) = experiment_s { td.number { (time_of(design, name, length)) } }
+                    @if let Some(counts) = counts { td.number { (counts.get(name).copied().unwrap_or(0)) } }
+                    @if printed { td.number.published { (published_share(reference, name).map_or("–".to_owned(), published)) } }
+                    td.number { (three_or_dash(design.sensitivities.get(name).copied())) }
+                    td.number { (alone(design, name)) }
+                }
+            } }
+        } }
+        (footnotes(design))
+    }
+}
+
+fn share_of(design: &DesignDocument, name: &str) -> String {
+    match design.shares.get(name) {
+        None => "–".to_owned(),
+        Some(share) if used(design, name) => percent(*share),
+        Some(_) => "0".to_owned(),
+    }
+}
+
+fn time_of(design: &DesignDocument, name: &str, length: f64) -> String {
+    let share = design.shares.get(name).filter(|_| used(design, name));
+    share.map_or("–".to_owned(), |share| three(share * length))
+}
+
+fn alone(design: &DesignDocument, name: &str) -> String {
+    match design.efficiency.single.get(name) {
+        None => "–".to_owned(),
+        Some(efficiency) if *efficiency <= 1e-9 => "0".to_owned(),
+        Some(efficiency) => percent(*efficiency),
+    }
+}
+
+fn footnotes(design: &DesignDocument) -> Markup {
+    html! {
+        p.note {
+            "Efficiency alone: the fraction of the experiment time that the optimal shares would need for the information of \
+             that maneuver on its own; 0 where it leaves some direction without excitation."
+        }
+        @if let Some(counted) = &design.counted {
+            p.note {
+                "Segments: the shares approximated by " (counted.segments) " segments of " (counted.segment_samples)
+                " samples; their efficiency against the exact shares is " (percent(counted.efficiency)) "."
+            }
+        }
+        p.note { "Value of the criterion: log|det| = " (exact((design.log_det * 1e4).round() / 1e4)) "." }
+    }
+}

@@ -1,0 +1,143 @@
+use crate::figures::{Curve, FigureError, TraceColumn, TraceRow, Track, palette, traces, tracks};
+use maud::{Markup, html};
+
+use super::missing::missing;
+use super::number::{percent, three};
+use super::placed::Figures;
+use super::shown::{omission, shown, used};
+use super::study::{ManeuverTrace, Study};
+use study::documents::DesignDocument;
+
+/// Every maneuver over time and in the plane.
+pub(super) fn dictionary(study: &Study, figures: &mut Figures) -> Result<Markup, FigureError> {
+    let body = match study.dictionary.as_deref() {
+        Some(maneuvers) if !maneuvers.is_empty() => drawn(maneuvers, study.design.as_ref(), figures)?,
+        _ => missing("The maneuvers are", "dictionary.parquet", "simulate dictionary"),
+    };
+    Ok(html! { section #dictionary { h2 { "Dictionary of maneuvers" } (body) } })
+}
+
+fn drawn(
+    all: &[ManeuverTrace],
+    design: Option<&DesignDocument>,
+    figures: &mut Figures,
+) -> Result<Markup, FigureError> {
+    let names = shown(all.iter().map(|maneuver| maneuver.name.as_str()), design);
+    let maneuvers: Vec<&ManeuverTrace> = all.iter().filter(|m| names.contains(&m.name.as_str())).collect();
+    let over_time = small_multiples(&maneuvers, design);
+    let plane = tracks(&maneuvers.iter().map(|maneuver| track(maneuver)).collect::<Vec<_>>());
+    Ok(html! {
+        (omission(all.len(), maneuvers.len()))
+        (figures.place_wide("dictionary", over_time, &time_caption())?)
+        (figures.place_wide("tracks", plane, &track_caption())?)
+        (descriptions(&maneuvers))
+    })
+}
+
+/// The validation input as a single row of the same small multiples.
+pub(super) fn validation_input(trace: &ManeuverTrace, figures: &mut Figures) -> Result<Markup, FigureError> {
+    let svg = small_multiples(&[trace], None);
+    let caption = html! {
+        b { "Validation input and the true response." }
+        " The estimated models are simulated freely on this input and compared with this response."
+    };
+    figures.place_wide("validation-input", svg, &caption)
+}
+
+fn small_multiples(
+    maneuvers: &[&ManeuverTrace],
+    design: Option<&DesignDocument>,
+) -> Result<String, FigureError> {
+    let inputs = Inputs::of(maneuvers);
+    let columns = [
+        TraceColumn { title: "inputs, each over its largest", legend: inputs.legend() },
+        TraceColumn { title: "surge speed u [m/s]", legend: Vec::new() },
+        TraceColumn { title: "sway speed v [m/s]", legend: Vec::new() },
+        TraceColumn { title: "yaw rate r [rad/s]", legend: Vec::new() },
+    ];
+    let rows: Vec<TraceRow<'_>> = maneuvers.iter().map(|maneuver| row(maneuver, &inputs, design)).collect();
+    traces(&columns, &rows)
+}
+
+fn row<'a>(
+    maneuver: &'a ManeuverTrace,
+    inputs: &Inputs<'_>,
+    design: Option<&DesignDocument>,
+) -> TraceRow<'a> {
+    let design = design.filter(|design| used(design, &maneuver.name));
+    let share = design.and_then(|design| design.shares.get(&maneuver.name));
+    let states = [&maneuver.u, &maneuver.v, &maneuver.r];
+    let states = states.map(|values| vec![Curve { values: values.clone(), colour: None }]);
+    TraceRow {
+        name: &maneuver.name,
+        note: share.map(|share| format!("{} of the optimal experiment", percent(*share))),
+        t: &maneuver.t,
+        cells: std::iter::once(inputs.curves(maneuver)).chain(states).collect(),
+    }
+}
+
+/// The inputs of all maneuvers: name, unit and largest modulus.
+struct Inputs<'a> {
+    all: Vec<(&'a str, &'a str, f64)>,
+}
+
+impl<'a> Inputs<'a> {
+    fn of(maneuvers: &[&'a ManeuverTrace]) -> Self {
+        let mut all: Vec<(&str, &str, f64)> = Vec::new();
+        for (name, unit, values) in maneuvers.iter().flat_map(|maneuver| &maneuver.inputs) {
+            let largest = values.iter().filter(|v| v.is_finite()).fold(0.0, |most: f64, v| most.max(v.abs()));
+            match all.iter_mut().find(|(known, ..)| known == name) {
+                Some((_, _, most)) => *most = most.max(largest),
+                None => all.push((name, unit, largest)),
+            }
+        }
+        Self { all }
+    }
+
+    fn legend(&self) -> Vec<(String, palette::Rgb)> {
+        let entry = |(index, (name, unit, largest)): (usize, &(&str, &str, f64))| {
+            (format!("{name}, 1 = {} {unit}", three(*largest)), palette::input(index))
+        };
+        self.all.iter().enumerate().map(entry).collect()
+    }
+
+    fn curves(&self, maneuver: &ManeuverTrace) -> Vec<Curve> {
+        let curve = |(name, _, values): &(String, String, Vec<f64>)| {
+            let index = self.all.iter().position(|(known, ..)| known == name)?;
+            let largest = self.all[index].2;
+            let scale = if largest > 0.0 { 1.0 / largest } else { 0.0 };
+            let values = values.iter().map(|value| scale * value).collect();
+            Some(Curve { values, colour: Some(palette::input(index)) })
+        };
+        maneuver.inputs.iter().filter_map(curve).collect()
+    }
+}
+
+fn track(maneuver: &ManeuverTrace) -> Track<'_> {
+    Track { name: &maneuver.name, x: &maneuver.x, y: &maneuver.y }
+}
+
+fn time_caption() -> Markup {
+    html! {
+        b { "Inputs and undisturbed states of every maneuver." }
+        " All rows of a column share one axis. Each input is divided by its largest modulus over all maneuvers, named above."
+    }
+}
+
+fn track_caption() -> Markup {
+    html! {
+        b { "Plan view of every maneuver at one scale." }
+        " Up is the heading at the start (x), right is starboard (y); the dot marks the start."
+    }
+}
+
+fn descriptions(maneuvers: &[&ManeuverTrace]) -> Markup {
+    let described: Vec<_> = maneuvers.iter().filter(|m| !m.description.is_empty()).collect();
+    html! {
+        @if !described.is_empty() {
+            dl.names { @for maneuver in described {
+                div { dt { (maneuver.name) } dd { (maneuver.description) } }
+            } }
+        }
+    }
+}

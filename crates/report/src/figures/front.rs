@@ -1,0 +1,142 @@
+use crate::figures::FigureError;
+use crate::figures::axis::{Axis, Tick, extent};
+use crate::figures::canvas::{Anchor, Canvas, Lettering, Paint, Point, drawn};
+use crate::figures::layout::{BASE, COLUMN, GRID, LABEL, note};
+use crate::figures::palette::BLUE;
+use crate::figures::text;
+
+/// One point of a front of information against cost.
+#[derive(Clone, Debug)]
+pub struct FrontDot<'a> {
+    /// What it costs.
+    pub cost: f64,
+    /// log|det| of what it tells.
+    pub log_det: f64,
+    /// Name beside the dot; may be empty.
+    pub label: &'a str,
+    /// Whether it is the one that was chosen.
+    pub chosen: bool,
+}
+
+const HEIGHT: f64 = 300.0;
+const LEFT: f64 = 62.0;
+const RIGHT: f64 = COLUMN - 16.0;
+const TOP: f64 = 16.0;
+const BOTTOM: f64 = HEIGHT - 48.0;
+/// With more dots than this only the chosen one is named.
+const MOST_NAMED: usize = 12;
+
+/// Dots of log|det| against cost, and the steps of what each cost can buy; the chosen dot is filled. Dots in any order;
+/// those that are not finite are left out.
+///
+/// # Errors
+/// The drawing library fails.
+pub fn front(dots: &[FrontDot<'_>], cost_title: &str) -> Result<String, FigureError> {
+    let mut known: Vec<&FrontDot<'_>> =
+        dots.iter().filter(|dot| dot.cost.is_finite() && dot.log_det.is_finite()).collect();
+    known.sort_by(|a, b| a.cost.total_cmp(&b.cost).then(a.log_det.total_cmp(&b.log_det)));
+    drawn(COLUMN, HEIGHT, "Information against cost", |canvas| {
+        let across = axis(known.iter().map(|dot| dot.cost), (LEFT, RIGHT));
+        let up = axis(known.iter().map(|dot| dot.log_det), (BOTTOM, TOP));
+        let whole = known.iter().all(|dot| dot.cost.fract() == 0.0);
+        frame(canvas, &cost_ticks(&across, whole), &across, &up, cost_title);
+        canvas.path(&steps(&known, &across, &up), Paint::solid(BLUE).faded(0.55), 1.6);
+        for dot in &known {
+            draw_dot(canvas, (across.at(dot.cost), up.at(dot.log_det)), dot, known.len());
+        }
+    })
+}
+
+/// The range of `values` with room on both sides.
+fn axis(values: impl Iterator<Item = f64>, (from, to): (f64, f64)) -> Axis {
+    let (low, high) = extent(values).unwrap_or((0.0, 1.0));
+    let air = if high > low { 0.14 * (high - low) } else { 0.5 };
+    Axis::linear(low - air, high + air, from, to)
+}
+
+/// Round costs; of moves, which cannot be parted, whole numbers only.
+fn cost_ticks(across: &Axis, whole: bool) -> Vec<Tick> {
+    let mut ticks = across.ticks(4);
+    if whole {
+        ticks.retain(|tick| tick.value.fract() == 0.0);
+        ticks.iter_mut().for_each(|tick| tick.label = text::number(tick.value, 1.0));
+    }
+    ticks
+}
+
+fn frame(canvas: &mut Canvas<'_>, ticks: &[Tick], across: &Axis, up: &Axis, cost_title: &str) {
+    for Tick { value, label } in ticks {
+        let x = across.at(*value);
+        canvas.line((x, TOP), (x, BOTTOM), GRID, 1.0);
+        canvas.text(label, (x, BOTTOM + 13.0), note(Anchor::Middle));
+    }
+    for Tick { value, label } in up.ticks(4) {
+        let y = up.at(value);
+        canvas.line((LEFT, y), (RIGHT, y), GRID, 1.0);
+        canvas.text(&label, (LEFT - 8.0, y), note(Anchor::End));
+    }
+    canvas.line((LEFT, BOTTOM), (RIGHT, BOTTOM), BASE, 1.0);
+    canvas.line((LEFT, TOP), (LEFT, BOTTOM), BASE, 1.0);
+    let title = Lettering::new(LABEL, Anchor::Middle);
+    canvas.text(cost_title, ((LEFT + RIGHT) / 2.0, BOTTOM + 36.0), title);
+    canvas.text("log|det| of the moments [1]", (14.0, (TOP + BOTTOM) / 2.0), title.upwards());
+}
+
+/// What a cost can buy at most: level until the next better dot.
+fn steps(known: &[&FrontDot<'_>], across: &Axis, up: &Axis) -> Vec<Point> {
+    let mut corners: Vec<Point> = Vec::new();
+    let mut best = f64::NEG_INFINITY;
+    for dot in known.iter().filter(|dot| dot.log_det.is_finite()) {
+        if dot.log_det > best {
+            let x = across.at(dot.cost);
+            corners.extend((best > f64::NEG_INFINITY).then(|| (x, up.at(best))));
+            corners.push((x, up.at(dot.log_det)));
+            best = dot.log_det;
+        }
+    }
+    corners.extend((best > f64::NEG_INFINITY).then(|| (RIGHT, up.at(best))));
+    corners
+}
+
+fn draw_dot(canvas: &mut Canvas<'_>, (x, y): Point, dot: &FrontDot<'_>, dots: usize) {
+    if dot.chosen {
+        canvas.dot((x, y), 6.0, Paint::solid(BLUE));
+    } else {
+        canvas.ring((x, y), 4.8, Paint::solid(BLUE), 1.6);
+    }
+    if dot.chosen || dots <= MOST_NAMED {
+        let (anchor, aside) = if x > 0.7 * RIGHT { (Anchor::End, -9.0) } else { (Anchor::Start, 9.0) };
+        let lettering = note(anchor);
+        let lettering = if dot.chosen { lettering.bold() } else { lettering };
+        canvas.text(dot.label, (x + aside, y - 11.0), lettering);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn dot(cost: f64, log_det: f64) -> FrontDot<'static> {
+        FrontDot { cost, log_det, label: "", chosen: false }
+    }
+
+    #[test]
+    fn whole_costs_have_whole_ticks() {
+        let axis = axis([8.0, 10.0].into_iter(), (0.0, 100.0));
+        let labels: Vec<String> = cost_ticks(&axis, true).into_iter().map(|tick| tick.label).collect();
+        assert_eq!(labels, ["8", "9", "10"]);
+        assert!(cost_ticks(&axis, false).len() > 3);
+    }
+
+    #[test]
+    fn law_the_steps_never_fall_and_skip_what_is_beaten() {
+        let dots = [dot(8.0, 60.0), dot(9.0, 59.0), dot(10.0, 63.0)];
+        let known: Vec<&FrontDot<'_>> = dots.iter().collect();
+        let (across, up) = (Axis::linear(0.0, 10.0, 0.0, 10.0), Axis::linear(0.0, 100.0, 0.0, 100.0));
+        let corners = steps(&known, &across, &up);
+        let expected = [(8.0, 60.0), (10.0, 60.0), (10.0, 63.0), (RIGHT, 63.0)];
+        assert_eq!(corners.len(), expected.len());
+        let off = |(a, b): (&Point, &Point)| (a.0 - b.0).abs().max((a.1 - b.1).abs());
+        assert!(corners.iter().zip(&expected).map(off).all(|off| off < 1e-9), "{corners:?}");
+    }
+}

@@ -1,0 +1,185 @@
+use crate::figures::FigureError;
+use crate::figures::axis::Axis;
+use crate::figures::canvas::{Anchor, Canvas, Lettering, Paint, drawn};
+use crate::figures::histogram::Histogram;
+use crate::figures::layout::{BASE, GRID, LABEL, note};
+use crate::figures::palette::series;
+use crate::figures::text;
+
+/// The horizontal axis that all panels share.
+#[derive(Clone, Debug)]
+pub struct HistogramAxis<'a> {
+    /// Quantity and unit: `parameter error [1]`.
+    pub title: &'a str,
+    /// Values at or above it go to the last bar (in the values' unit).
+    pub limit: f64,
+    /// Number of bins below the limit.
+    pub bins: usize,
+    /// Drawn as a line: below it a run counts as good.
+    pub bound: Option<f64>,
+    /// Width of the figure \[px\], at least 240: its letters are 12 to 13 pixels high at this width.
+    pub width: f64,
+}
+
+/// One panel: the runs of one design.
+#[derive(Clone, Debug)]
+pub struct HistogramPanel<'a> {
+    /// Name of the design.
+    pub label: &'a str,
+    /// One value per run; none for a run without one.
+    pub values: &'a [Option<f64>],
+    /// Beside the bound: `98.6 % below 5`.
+    pub note: Option<String>,
+    /// Number of the design's colour in [`crate::figures::palette::series`].
+    pub colour: usize,
+}
+
+const LEFT: f64 = 54.0;
+/// Pixels from the right edge: end of the axis, beginning and end of the last bar.
+const ENDS: [f64; 3] = [64.0, 50.0, 18.0];
+const HEAD: f64 = 28.0;
+const PLOT: f64 = 128.0;
+const PANEL: f64 = HEAD + PLOT + 12.0;
+const FOOT: f64 = 44.0;
+
+/// Histograms one above the other with the same bins and the same two axes. Values at or above the limit are in a bar
+/// of their own at the right, paler and outlined; a bar that would dwarf the others is broken and carries its count.
+///
+/// # Errors
+/// The drawing library fails.
+pub fn histogram_pair(
+    axis: &HistogramAxis<'_>,
+    panels: &[HistogramPanel<'_>],
+) -> Result<String, FigureError> {
+    let counted: Vec<Histogram> =
+        panels.iter().map(|p| Histogram::new(p.values, axis.limit, axis.bins)).collect();
+    let top = ceiling(&counted);
+    let label = format!("Histograms of {}", axis.title);
+    drawn(axis.width.max(240.0), panels.len() as f64 * PANEL + FOOT, &label, |canvas| {
+        for (index, (panel, histogram)) in panels.iter().zip(&counted).enumerate() {
+            let floor = index as f64 * PANEL + HEAD + PLOT;
+            Plot::new(axis, top, floor).draw(canvas, axis, panel, histogram);
+        }
+        Plot::new(axis, top, 0.0).foot(canvas, axis, panels.len() as f64 * PANEL);
+    })
+}
+
+/// Upper end of the vertical axis: the tallest bin, and the last bar up to half as much again.
+fn ceiling(counted: &[Histogram]) -> f64 {
+    let tallest = counted.iter().map(Histogram::tallest).max().unwrap_or(0) as f64;
+    let beyond = counted.iter().map(|h| h.beyond).max().unwrap_or(0) as f64;
+    let wanted = if tallest > 0.0 { tallest.max(beyond.min(1.5 * tallest)) } else { beyond };
+    (1.06 * wanted).max(1.0)
+}
+
+struct Plot {
+    across: Axis,
+    up: Axis,
+    floor: f64,
+    right: f64,
+    overflow: (f64, f64),
+}
+
+impl Plot {
+    fn new(axis: &HistogramAxis<'_>, top: f64, floor: f64) -> Self {
+        let [right, from, to] = ENDS.map(|end| axis.width.max(240.0) - end);
+        let across = Axis::linear(0.0, axis.limit, LEFT, right);
+        Self { across, up: Axis::linear(0.0, top, floor, floor - PLOT), floor, right, overflow: (from, to) }
+    }
+
+    fn draw(
+        &self,
+        canvas: &mut Canvas<'_>,
+        axis: &HistogramAxis<'_>,
+        panel: &HistogramPanel<'_>,
+        counted: &Histogram,
+    ) {
+        let paint = Paint::solid(series(panel.colour));
+        self.grid(canvas);
+        self.bins(canvas, axis, counted, paint);
+        self.overflow(canvas, counted.beyond, paint);
+        canvas.line((LEFT, self.floor), (self.right, self.floor), BASE, 1.0);
+        self.heading(canvas, panel);
+        if let Some(bound) = axis.bound.filter(|bound| *bound < axis.limit) {
+            self.bound(canvas, bound, panel.note.as_deref());
+        }
+    }
+
+    fn grid(&self, canvas: &mut Canvas<'_>) {
+        for tick in self.up.ticks(3).iter().filter(|tick| tick.value.fract() == 0.0) {
+            let y = self.up.at(tick.value);
+            canvas.line((LEFT, y), (self.right, y), GRID, 1.0);
+            canvas.text(&tick.label, (LEFT - 7.0, y), note(Anchor::End));
+        }
+        let middle = self.floor - 0.5 * PLOT;
+        canvas.text("runs", (11.0, middle), Lettering::new(LABEL, Anchor::Middle).upwards());
+    }
+
+    fn bins(&self, canvas: &mut Canvas<'_>, axis: &HistogramAxis<'_>, counted: &Histogram, paint: Paint) {
+        let width = axis.limit / counted.counts.len() as f64;
+        for (bin, &count) in counted.counts.iter().enumerate().filter(|(_, count)| **count > 0) {
+            let from = self.across.at(bin as f64 * width) + 0.4;
+            let to = self.across.at((bin + 1) as f64 * width) - 0.4;
+            canvas.bar((from, self.floor), (to, self.up.at(count as f64)), paint);
+        }
+    }
+
+    fn overflow(&self, canvas: &mut Canvas<'_>, beyond: usize, paint: Paint) {
+        let (from, to) = self.overflow;
+        let top = self.up.inside(beyond as f64);
+        canvas.line((from - 3.0, self.floor), (to + 3.0, self.floor), BASE, 1.0);
+        if beyond > 0 {
+            canvas.bar((from, self.floor), (to, top), paint.faded(0.3));
+            canvas.frame((from, self.floor), (to, top), paint, 1.4);
+        }
+        if beyond as f64 > self.up.high() {
+            self.breaks(canvas, from, to);
+        }
+        canvas.text(&beyond.to_string(), ((from + to) / 2.0, top - 9.0), note(Anchor::Middle));
+    }
+
+    /// Two slanted strokes across the last bar: it goes on beyond the axis.
+    fn breaks(&self, canvas: &mut Canvas<'_>, from: f64, to: f64) {
+        for drop in [14.0, 20.0] {
+            let y = self.floor - PLOT + drop;
+            canvas.line((from - 5.0, y + 4.0), (to + 5.0, y - 4.0), Paint::ink(0.8), 1.6);
+        }
+    }
+
+    fn heading(&self, canvas: &mut Canvas<'_>, panel: &HistogramPanel<'_>) {
+        let y = self.floor - PLOT - 14.0;
+        canvas.bar((LEFT, y - 5.0), (LEFT + 10.0, y + 5.0), Paint::solid(series(panel.colour)));
+        canvas.text(panel.label, (LEFT + 16.0, y), Lettering::new(LABEL, Anchor::Start).bold());
+    }
+
+    fn bound(&self, canvas: &mut Canvas<'_>, bound: f64, text: Option<&str>) {
+        let x = self.across.at(bound);
+        canvas.line((x, self.floor), (x, self.floor - PLOT - 3.0), Paint::ink(0.85), 1.4);
+        if let Some(text) = text {
+            let at = (x + 7.0, self.floor - PLOT + 7.0);
+            canvas.text(text, at, Lettering::new(LABEL, Anchor::Start));
+        }
+    }
+
+    /// Ticks and title below the last panel. The limit is named below the last bar only.
+    fn foot(&self, canvas: &mut Canvas<'_>, axis: &HistogramAxis<'_>, top: f64) {
+        for tick in self.across.ticks(4) {
+            let x = self.across.at(tick.value);
+            canvas.line((x, top - 12.0), (x, top - 8.0), BASE, 1.0);
+            if x < self.right - 16.0 {
+                canvas.text(&tick.label, (x, top), note(Anchor::Middle));
+            }
+        }
+        let (from, to) = self.overflow;
+        let limit = format!("≥ {}", text::number(axis.limit, finest(axis.limit)));
+        canvas.text(&limit, ((from + to) / 2.0, top), note(Anchor::Middle));
+        let middle = (LEFT + self.right) / 2.0;
+        canvas.text(axis.title, (middle, top + 24.0), Lettering::new(LABEL, Anchor::Middle));
+    }
+}
+
+/// The place of the last digit that `limit` needs, down to thousandths.
+fn finest(limit: f64) -> f64 {
+    let exact = |step: &f64| ((limit / step).round() * step - limit).abs() < 1e-9 * limit.abs();
+    [1.0, 0.1, 0.01].into_iter().find(exact).unwrap_or(0.001)
+}

@@ -1,0 +1,94 @@
+//! A chart with a planned or simulated trial on it. Coordinates in metres, x east, y north.
+//!
+//! The map knows no ships and no projections: it draws polygons, cells, lines and marks in a frame, with equal scales
+//! along both axes, and explains every class it drew in a legend. It keeps its light colours on a dark page; only the
+//! text around it follows the page.
+
+mod areas;
+mod cells;
+mod check;
+mod clip;
+mod colours;
+mod error;
+mod grid;
+mod input;
+mod legend;
+mod legend_entries;
+mod margins;
+mod marks;
+mod numbers;
+mod outline;
+mod path;
+mod sheet;
+mod simplify;
+mod surround;
+mod tracks;
+mod view;
+
+use crate::figures::canvas::escaped;
+
+pub use error::MapError;
+pub use input::{
+    Area, Background, Cells, Class, Frame, Graticule, Grid, Maneuver, Map, Margin, Purpose, Track, TrackStyle,
+};
+
+use legend::Legend;
+use sheet::{Sheet, units};
+use view::{LABEL, View, WIDTH};
+
+/// Draws `map` as one SVG element that scales to the width of whatever holds it.
+///
+/// From below: cells, areas of water (the shoalest above), margins, no-go areas, land, graticule, tracks, hulls, goal
+/// and start, step numbers. Coordinates are exact to a tenth of a pixel of a drawing 560 pixels wide. Cells finer than
+/// a pixel, and cells too ragged to keep the file small, are merged in blocks that show their most dangerous class.
+///
+/// ```
+/// use report::figures::map::{Map, Track, TrackStyle, map_figure};
+/// let track = Track { style: TrackStyle::Basic, points: vec![[100.0, 200.0], [900.0, 700.0]], number: None };
+/// let map = Map { title: "Transit".to_owned(), tracks: vec![track], ..Map::default() };
+/// let svg = map_figure(&map)?;
+/// assert!(svg.contains("<title>Transit</title>") && svg.contains(">basic move</text>"));
+/// # Ok::<(), report::figures::map::MapError>(())
+/// ```
+///
+/// # Errors
+/// A coordinate that is not finite or absurdly large, a ring of less than three points, a grid whose cells do not match
+/// its size, a maneuver that is not declared, depth limits that do not increase, a frame without area or very long.
+pub fn map_figure(map: &Map) -> Result<String, MapError> {
+    check::check(map)?;
+    let view = View::new(&map.frame);
+    let mut sheet = Sheet::default();
+    draw(&mut sheet, &view, map);
+    surround::draw(&mut sheet, &view, &map.graticule);
+    let legend = Legend::new(map);
+    let top = view.bottom() + surround::FOOT;
+    legend.draw(&mut sheet, top);
+    Ok(whole(map, &sheet, top + legend.height()))
+}
+
+fn draw(sheet: &mut Sheet, view: &View, map: &Map) {
+    sheet.bar(view.corner(), view.opposite(), colours::background(map.background));
+    if let Some(cells) = &map.cells {
+        cells::draw(sheet, view, cells, &map.depth_limits_m);
+    }
+    areas::water(sheet, view, map);
+    map.margins.iter().for_each(|margin| margins::draw(sheet, view, margin));
+    areas::obstacles(sheet, view, map);
+    surround::graticule(sheet, view, &map.graticule);
+    tracks::draw(sheet, view, map);
+    marks::hulls(sheet, view, &map.hulls);
+    marks::ends(sheet, view, map);
+    numbers::draw(sheet, view, map);
+}
+
+fn whole(map: &Map, sheet: &Sheet, height: f64) -> String {
+    let title = escaped(&sheet::printable(&map.title));
+    let described = escaped(&sheet::printable(&map.description));
+    let (width, height, size) = (units(WIDTH), units(height), units(LABEL));
+    format!(
+        "<svg role=\"img\" aria-label=\"{title}\" stroke-linejoin=\"round\" stroke-linecap=\"round\" \
+         font-family=\"sans-serif\" font-size=\"{size}\" viewBox=\"0 0 {width} {height}\" \
+         xmlns=\"http://www.w3.org/2000/svg\">\n<title>{title}</title>\n<desc>{described}</desc>\n{}</svg>\n",
+        sheet.body()
+    )
+}

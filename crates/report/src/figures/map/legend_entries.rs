@@ -1,0 +1,113 @@
+use super::areas::{band, bands};
+use super::input::{Background, Class, Map, Purpose, TrackStyle};
+use super::tracks::MOST_REALIZATIONS;
+use crate::figures::text;
+
+/// What a legend shows beside a label.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Sample {
+    Track(TrackStyle),
+    Hull,
+    Start,
+    Goal,
+    Land,
+    NoGo,
+    Depth { band: usize, bands: usize },
+    Background(Background),
+    Margin(Purpose),
+}
+
+/// A line of a legend.
+pub(crate) type Entry = (Sample, String);
+
+/// Every maneuver, with its number of uses.
+pub(crate) fn maneuvers(map: &Map) -> Vec<Entry> {
+    let entries = map.maneuvers.iter().enumerate();
+    entries
+        .map(|(k, maneuver)| {
+            let count = format!(" × {}", maneuver.count);
+            let name = text::shortened(&maneuver.name, 29_usize.saturating_sub(count.chars().count()));
+            (Sample::Track(TrackStyle::Maneuver(k)), name + &count)
+        })
+        .collect()
+}
+
+/// Every other kind of line, and the marks.
+pub(crate) fn tracks(map: &Map) -> Vec<Entry> {
+    let count = |style| map.tracks.iter().filter(|track| track.style == style).count();
+    let realizations = match count(TrackStyle::Realization) {
+        many if many > MOST_REALIZATIONS => format!("Monte Carlo, {MOST_REALIZATIONS} of {many}"),
+        few => format!("Monte Carlo, {few}"),
+    };
+    let lines = [
+        (TrackStyle::Basic, "basic move".to_owned()),
+        (TrackStyle::RunIn, "run-in".to_owned()),
+        (TrackStyle::Simulated, "simulated".to_owned()),
+        (TrackStyle::Realization, realizations),
+    ];
+    let present = lines.into_iter().filter(|(style, _)| count(*style) > 0);
+    let mut entries: Vec<Entry> = present.map(|(style, label)| (Sample::Track(style), label)).collect();
+    let marks = [
+        (!map.hulls.is_empty(), Sample::Hull, "hull"),
+        (map.start.is_some(), Sample::Start, "start"),
+        (map.goal.is_some(), Sample::Goal, "goal"),
+    ];
+    let present = marks.into_iter().filter(|mark| mark.0);
+    entries.extend(present.map(|(_, sample, label)| (sample, label.to_owned())));
+    entries
+}
+
+/// Every class of the chart that the map has.
+pub(crate) fn chart(map: &Map) -> Vec<Entry> {
+    let limits = &map.depth_limits_m;
+    let bands = bands(limits);
+    let mut present = Present { land: false, no_go: false, bands: vec![false; bands] };
+    map.areas.iter().for_each(|area| present.add(area.class, limits));
+    let cells = map.cells.iter().flat_map(|cells| &cells.classes).flatten();
+    cells.for_each(|class| present.add(*class, limits));
+    let margin = |purpose| map.margins.iter().any(|margin| margin.purpose == purpose);
+    let dangers = [
+        (present.land, Sample::Land, "land"),
+        (present.no_go, Sample::NoGo, "no-go"),
+        (margin(Purpose::Transit), Sample::Margin(Purpose::Transit), "safety margin, transit"),
+        (margin(Purpose::Trial), Sample::Margin(Purpose::Trial), "safety margin, trial"),
+    ];
+    let dangers = dangers.into_iter().filter(|danger| danger.0);
+    let mut entries: Vec<Entry> = dangers.map(|(_, sample, label)| (sample, label.to_owned())).collect();
+    let charted = present.bands.iter().enumerate().filter(|(_, present)| **present);
+    entries.extend(charted.map(|(band, _)| (Sample::Depth { band, bands }, depth(band, limits))));
+    let background = match map.background {
+        Background::Water => "water, no depth charted",
+        Background::Uncharted => "not charted",
+    };
+    entries.push((Sample::Background(map.background), background.to_owned()));
+    entries
+}
+
+struct Present {
+    land: bool,
+    no_go: bool,
+    bands: Vec<bool>,
+}
+
+impl Present {
+    fn add(&mut self, class: Class, limits: &[f64]) {
+        match class {
+            Class::Land => self.land = true,
+            Class::NoGo => self.no_go = true,
+            Class::Depth { least_m } => self.bands[band(least_m, limits)] = true,
+        }
+    }
+}
+
+/// `least depth below 5 m`, `least depth 5–10 m`, `least depth 10 m and more`.
+fn depth(band: usize, limits: &[f64]) -> String {
+    let metres = |value: f64| format!("{value}").replace('-', "−");
+    let above = band.checked_sub(1).map(|below| metres(limits[below]));
+    match (above, limits.get(band).map(|limit| metres(*limit))) {
+        (None, None) => "charted water".to_owned(),
+        (None, Some(to)) => format!("least depth below {to} m"),
+        (Some(from), Some(to)) => format!("least depth {from}–{to} m"),
+        (Some(from), None) => format!("least depth {from} m and more"),
+    }
+}

@@ -1,0 +1,34 @@
+use super::input::Map;
+use super::path::Path;
+use super::sheet::Sheet;
+use super::view::View;
+use super::{clip, colours};
+use crate::figures::canvas::Point;
+
+/// Radius of the start's disc [px]: smaller than the goal's, so that both show where the trial ends at home.
+pub(crate) const START: f64 = 5.0;
+/// Radius of the goal's disc [px].
+pub(crate) const GOAL: f64 = 8.0;
+
+/// Outlines of the hull.
+pub(crate) fn hulls(sheet: &mut Sheet, view: &View, hulls: &[Vec<[f64; 2]>]) {
+    let mut path = Path::default();
+    hulls.iter().for_each(|hull| path.ring(&clip::ring(view, &view.placed(hull))));
+    sheet.path(&path, colours::hull());
+}
+
+/// Goal and start, where they are in the frame.
+pub(crate) fn ends(sheet: &mut Sheet, view: &View, map: &Map) {
+    for (at, radius, look, title) in
+        [(map.goal, GOAL, colours::goal(), "goal"), (map.start, START, colours::start(), "start")]
+    {
+        if let Some(at) = placed(view, at) {
+            sheet.titled(title, |sheet| sheet.disc(at, radius, look));
+        }
+    }
+}
+
+/// Pixel of a mark that is in the frame.
+pub(crate) fn placed(view: &View, at: Option<[f64; 2]>) -> Option<Point> {
+    at.map(|at| view.place(at)).filter(|&at| view.holds(at, 0.0))
+}

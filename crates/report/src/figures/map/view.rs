@@ -1,0 +1,79 @@
+use super::input::Frame;
+use crate::figures::canvas::Point;
+
+/// Width of the figure \[px\]: on a phone its text is two thirds as large.
+pub(crate) const WIDTH: f64 = 560.0;
+/// Size of the legend's text [px]: legible where the whole figure is 390 pixels wide.
+pub(crate) const LABEL: f64 = 14.5;
+/// Size of the text along the frame [px].
+pub(crate) const NOTE: f64 = 13.5;
+/// Room left of the frame \[px\], for labels written upwards.
+const LEFT: f64 = 26.0;
+const RIGHT: f64 = 4.0;
+const TOP: f64 = 4.0;
+const TALLEST: f64 = 760.0;
+
+/// The map's place on the sheet: metres to pixels, the same scale along both axes.
+pub(crate) struct View {
+    frame: Frame,
+    scale: f64,
+    corner: Point,
+    opposite: Point,
+}
+
+impl View {
+    /// As large as the sheet allows.
+    pub(crate) fn new(frame: &Frame) -> Self {
+        let room = WIDTH - LEFT - RIGHT;
+        let (width, height) = (frame.east - frame.west, frame.north - frame.south);
+        let scale = (room / width).min(TALLEST / height);
+        let left = LEFT + 0.5 * (room - scale * width);
+        let opposite = (left + scale * width, TOP + scale * height);
+        Self { frame: *frame, scale, corner: (left, TOP), opposite }
+    }
+
+    pub(crate) fn place(&self, at: [f64; 2]) -> Point {
+        (
+            self.corner.0 + self.scale * (at[0] - self.frame.west),
+            self.corner.1 + self.scale * (self.frame.north - at[1]),
+        )
+    }
+
+    pub(crate) fn placed(&self, points: &[[f64; 2]]) -> Vec<Point> {
+        points.iter().map(|&at| self.place(at)).collect()
+    }
+
+    pub(crate) fn frame(&self) -> Frame {
+        self.frame
+    }
+
+    /// Pixels per metre.
+    pub(crate) fn scale(&self) -> f64 {
+        self.scale
+    }
+
+    /// Upper left corner of the frame.
+    pub(crate) fn corner(&self) -> Point {
+        self.corner
+    }
+
+    /// Lower right corner of the frame.
+    pub(crate) fn opposite(&self) -> Point {
+        self.opposite
+    }
+
+    pub(crate) fn bottom(&self) -> f64 {
+        self.opposite.1
+    }
+
+    /// Whether a pixel is inside the frame by at least `inset` pixels.
+    pub(crate) fn holds(&self, at: Point, inset: f64) -> bool {
+        let (low, high) = (self.corner, self.opposite);
+        at.0 >= low.0 + inset && at.0 <= high.0 - inset && at.1 >= low.1 + inset && at.1 <= high.1 - inset
+    }
+
+    /// The pixel of the frame nearest to `at`.
+    pub(crate) fn nearest(&self, at: Point) -> Point {
+        (at.0.clamp(self.corner.0, self.opposite.0), at.1.clamp(self.corner.1, self.opposite.1))
+    }
+}

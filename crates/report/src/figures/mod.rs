@@ -1,0 +1,40 @@
+//! Figures of the report as SVG text.
+//!
+//! Every function takes numbers and labels and returns one whole `<svg>` element. It has a `viewBox` and no fixed size,
+//! so it scales to the width of whatever holds it; it has no ids and no style sheet, so that many of them fit on one
+//! page. Ink is `currentColor` and follows the page; the other colours are those of [`palette`], which a page may
+//! restyle for a dark background by attribute selectors such as `[fill="#0072B2"]`.
+//!
+//! Values that are not finite are left out, but refused by [`map`]. The same input gives the same bytes.
+
+mod accuracy;
+mod axis;
+mod canvas;
+mod error;
+mod front;
+mod histogram;
+mod histogram_figure;
+mod layout;
+pub mod map;
+pub mod palette;
+mod relative_errors;
+mod sensitivities;
+mod shares;
+mod text;
+mod thin;
+mod traces;
+mod traces_legend;
+mod tracks;
+
+pub use accuracy::{AccuracyCurve, accuracy};
+pub use error::FigureError;
+pub use front::{FrontDot, front};
+pub use histogram::Histogram;
+pub use histogram_figure::{HistogramAxis, HistogramPanel, histogram_pair};
+pub use map::{Map, map_figure};
+pub use relative_errors::{ErrorRow, relative_errors};
+pub use sensitivities::{SensitivityRow, sensitivities};
+pub use shares::{ShareRow, shares};
+pub use text::number as tick_number;
+pub use traces::{Curve, TraceColumn, TraceRow, traces};
+pub use tracks::{Track, tracks};

@@ -1,0 +1,42 @@
+use crate::figures::canvas::Point;
+
+/// At most about `most` points of a curve that keep its peaks: of each stretch the first, lowest and highest point.
+/// Points that are not finite are dropped.
+pub(crate) fn thinned(points: impl IntoIterator<Item = Point>, most: usize) -> Vec<Point> {
+    let finite = points.into_iter().filter(|(x, y)| x.is_finite() && y.is_finite());
+    let points: Vec<Point> = finite.collect();
+    if points.len() <= most {
+        return points;
+    }
+    let stretch = (3 * points.len()).div_ceil(most.max(3));
+    let mut kept: Vec<Point> = points.chunks(stretch).flat_map(landmarks).collect();
+    kept.extend(points.last());
+    kept
+}
+
+fn landmarks(stretch: &[Point]) -> Vec<Point> {
+    let height = |i: &usize, j: &usize| stretch[*i].1.total_cmp(&stretch[*j].1);
+    let lowest = (0..stretch.len()).min_by(height).unwrap_or(0);
+    let highest = (0..stretch.len()).max_by(height).unwrap_or(0);
+    let mut kept = vec![0, lowest, highest];
+    kept.sort_unstable();
+    kept.dedup();
+    kept.into_iter().map(|i| stretch[i]).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn peaks_survive_and_gaps_are_dropped() {
+        let mut curve: Vec<Point> = (0..10_000).map(|i| (f64::from(i), 0.0)).collect();
+        curve[4321].1 = 7.0;
+        curve[77].1 = f64::NAN;
+        let kept = thinned(curve, 300);
+        assert!(kept.len() <= 304);
+        assert!(kept.contains(&(4321.0, 7.0)));
+        assert!(kept.iter().all(|p| p.1.is_finite()));
+        assert_eq!(kept.last(), Some(&(9999.0, 0.0)));
+    }
+}

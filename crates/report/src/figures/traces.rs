@@ -1,0 +1,149 @@
+use crate::figures::FigureError;
+use crate::figures::axis::{Axis, extent};
+use crate::figures::canvas::{Anchor, Canvas, Lettering, Paint, drawn};
+use crate::figures::layout::{BASE, GRID, LABEL, NOTE, note};
+use crate::figures::palette::{INK, Rgb};
+use crate::figures::thin::thinned;
+use crate::figures::traces_legend;
+
+/// One column of the small multiples: a quantity whose vertical axis all rows share.
+#[derive(Clone, Debug)]
+pub struct TraceColumn<'a> {
+    /// Quantity and unit: `surge u [m/s]`.
+    pub title: &'a str,
+    /// What its curves are called, in order; empty for a single black curve.
+    pub legend: Vec<(String, Rgb)>,
+}
+
+/// One curve of a cell.
+#[derive(Clone, Debug)]
+pub struct Curve {
+    /// One value per time of the row; values that are not finite are left out.
+    pub values: Vec<f64>,
+    /// Its colour; none for ink.
+    pub colour: Option<Rgb>,
+}
+
+/// One row of the small multiples.
+#[derive(Clone, Debug)]
+pub struct TraceRow<'a> {
+    /// Name of the maneuver.
+    pub name: &'a str,
+    /// Said beside the name, above the second column.
+    pub note: Option<String>,
+    /// Times \[s\].
+    pub t: &'a [f64],
+    /// One cell per column.
+    pub cells: Vec<Vec<Curve>>,
+}
+
+/// Width of the figure \[px\]: it needs a desk, or a container that scrolls.
+const WIDTH: f64 = 960.0;
+const MARGIN: f64 = 46.0;
+const GAP: f64 = 44.0;
+const ROW: f64 = 84.0;
+const CELL: f64 = 54.0;
+const FOOT: f64 = 42.0;
+const MOST_POINTS: usize = 600;
+
+/// Small multiples over time: a row per maneuver, a column per quantity, the same axes everywhere in a column.
+///
+/// # Errors
+/// The drawing library fails.
+pub fn traces(columns: &[TraceColumn<'_>], rows: &[TraceRow<'_>]) -> Result<String, FigureError> {
+    let head = traces_legend::height(columns);
+    let height = head + rows.len() as f64 * ROW + FOOT;
+    drawn(WIDTH, height, "Inputs and states over time per maneuver", |canvas| {
+        let grid = Grid::new(columns, rows, head);
+        for (index, column) in columns.iter().enumerate() {
+            traces_legend::draw(canvas, column, grid.across[index].ends().0);
+        }
+        for (index, row) in rows.iter().enumerate() {
+            grid.draw_row(canvas, index, row);
+        }
+        grid.foot(canvas, rows.len());
+    })
+}
+
+struct Grid {
+    across: Vec<Axis>,
+    ranges: Vec<(f64, f64)>,
+    head: f64,
+}
+
+impl Grid {
+    fn new(columns: &[TraceColumn<'_>], rows: &[TraceRow<'_>], head: f64) -> Self {
+        let end = extent(rows.iter().flat_map(|row| row.t.iter().copied())).map_or(1.0, |(_, end)| end);
+        let width = (WIDTH - MARGIN - 12.0 + GAP) / columns.len().max(1) as f64;
+        let left = |index: usize| MARGIN + index as f64 * width;
+        let across =
+            (0..columns.len()).map(|i| Axis::linear(0.0, end, left(i), left(i) + width - GAP)).collect();
+        let ranges = (0..columns.len()).map(|index| range(rows, index)).collect();
+        Self { across, ranges, head }
+    }
+
+    fn draw_row(&self, canvas: &mut Canvas<'_>, index: usize, row: &TraceRow<'_>) {
+        let top = self.head + index as f64 * ROW;
+        canvas.line((0.0, top), (WIDTH, top), GRID, 1.0);
+        let name = (2.0, top + 13.0);
+        canvas.text(row.name, name, Lettering::new(LABEL, Anchor::Start).bold());
+        if let Some(text) = &row.note {
+            let after = self.across.get(1).map_or(WIDTH / 2.0, |across| across.ends().0);
+            canvas.text(text, (after, top + 13.0), note(Anchor::Start));
+        }
+        for ((across, &range), curves) in self.across.iter().zip(&self.ranges).zip(&row.cells) {
+            let up = Axis::linear(range.0, range.1, top + ROW - 6.0, top + ROW - 6.0 - CELL);
+            let cell = Cell { across, up };
+            cell.axes(canvas);
+            curves.iter().for_each(|curve| cell.curve(canvas, row.t, curve));
+        }
+    }
+
+    fn foot(&self, canvas: &mut Canvas<'_>, rows: usize) {
+        let top = self.head + rows as f64 * ROW;
+        for across in &self.across {
+            for tick in across.ticks(4) {
+                canvas.text(&tick.label, (across.at(tick.value), top + 8.0), note(Anchor::Middle));
+            }
+            let (left, right) = across.ends();
+            let middle = ((left + right) / 2.0, top + 28.0);
+            canvas.text("time [s]", middle, Lettering::new(NOTE, Anchor::Middle));
+        }
+    }
+}
+
+/// Range of one column over all rows, with zero inside and some air.
+fn range(rows: &[TraceRow<'_>], column: usize) -> (f64, f64) {
+    let cells = rows.iter().filter_map(|row| row.cells.get(column)).flatten();
+    let values = cells.flat_map(|curve| curve.values.iter().copied());
+    let (low, high) = extent(values.chain([0.0])).unwrap_or((0.0, 1.0));
+    let air = 0.05 * (high - low).max(1e-9);
+    (low - air, high + air)
+}
+
+struct Cell<'a> {
+    across: &'a Axis,
+    up: Axis,
+}
+
+impl Cell<'_> {
+    fn axes(&self, canvas: &mut Canvas<'_>) {
+        let (left, right) = self.across.ends();
+        for tick in self.up.ticks(2) {
+            let y = self.up.at(tick.value);
+            let paint = if tick.value == 0.0 { BASE } else { GRID };
+            canvas.line((left, y), (right, y), paint, 1.0);
+            canvas.text(
+                &tick.label,
+                (left - 5.0, y),
+                Lettering::new(11.0, Anchor::End).painted(Paint::ink(0.7)),
+            );
+        }
+    }
+
+    fn curve(&self, canvas: &mut Canvas<'_>, t: &[f64], curve: &Curve) {
+        let points = t.iter().zip(&curve.values).map(|(t, value)| (self.across.at(*t), self.up.at(*value)));
+        let paint = Paint::solid(curve.colour.unwrap_or(INK));
+        canvas.path(&thinned(points, MOST_POINTS), paint, 1.5);
+    }
+}

@@ -1,0 +1,105 @@
+use crate::figures::FigureError;
+use crate::figures::axis::{extent, round_step};
+use crate::figures::canvas::{Anchor, Canvas, Paint, Point, drawn};
+use crate::figures::layout::{GRID, NOTE, note};
+use crate::figures::palette::BLUE;
+use crate::figures::text;
+use crate::figures::thin::thinned;
+
+/// A track in the plane.
+#[derive(Clone, Debug)]
+pub struct Track<'a> {
+    /// Name of the maneuver.
+    pub name: &'a str,
+    /// Position along the initial heading \[m\].
+    pub x: &'a [f64],
+    /// Position to starboard of it \[m\].
+    pub y: &'a [f64],
+}
+
+const WIDTH: f64 = 960.0;
+const NARROWEST: f64 = 150.0;
+const TALLEST: f64 = 230.0;
+const HEAD: f64 = 26.0;
+const PAD: f64 = 10.0;
+
+/// Plan views, all at the same scale: x upwards, y to the right, a dot at the start.
+///
+/// # Errors
+/// The drawing library fails.
+pub fn tracks(tracks: &[Track<'_>]) -> Result<String, FigureError> {
+    let sheet = Sheet::new(tracks);
+    let rows = tracks.len().div_ceil(sheet.columns);
+    let height = rows as f64 * sheet.cell.1 + 34.0;
+    drawn(WIDTH, height, "Plan view of every maneuver", |canvas| {
+        for (index, track) in tracks.iter().enumerate() {
+            sheet.draw(canvas, index, track);
+        }
+        sheet.scale_bar(canvas, height - 16.0);
+    })
+}
+
+/// How many cells abreast, how large they are [px], and pixels per metre.
+struct Sheet {
+    columns: usize,
+    cell: (f64, f64),
+    scale: f64,
+}
+
+impl Sheet {
+    fn new(tracks: &[Track<'_>]) -> Self {
+        let widest = tracks.iter().map(|t| length(t.y)).fold(1e-3, f64::max);
+        let longest = tracks.iter().map(|t| length(t.x)).fold(1e-3, f64::max);
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a handful")]
+        let most = (WIDTH / NARROWEST) as usize;
+        let candidates = (1..=most.min(tracks.len().max(1))).map(|columns| {
+            let room = WIDTH / columns as f64 - 2.0 * PAD;
+            (columns, (room / widest).min(TALLEST / longest))
+        });
+        let best = candidates.max_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)));
+        let (columns, scale) = best.unwrap_or((1, 1.0));
+        let cell = (WIDTH / columns as f64, HEAD + longest * scale + 3.0 * PAD);
+        Self { columns, cell, scale }
+    }
+
+    fn draw(&self, canvas: &mut Canvas<'_>, index: usize, track: &Track<'_>) {
+        let left = (index % self.columns) as f64 * self.cell.0;
+        let top = (index / self.columns) as f64 * self.cell.1;
+        canvas.frame((left + 3.0, top + 3.0), (left + self.cell.0 - 3.0, top + self.cell.1 - 3.0), GRID, 1.0);
+        canvas.text(&text::shortened(track.name, 24), (left + PAD, top + 16.0), note(Anchor::Start));
+        let centre = (left + 0.5 * self.cell.0, top + HEAD + 0.5 * (self.cell.1 - HEAD));
+        let points = self.placed(track, centre);
+        canvas.path(&thinned(points.iter().copied(), 600), Paint::solid(BLUE), 1.8);
+        if let Some(start) = points.iter().find(|p| p.0.is_finite() && p.1.is_finite()) {
+            canvas.dot(*start, 3.5, Paint::ink(0.9));
+        }
+    }
+
+    /// Pixels of the track with the middle of its extent at `centre`.
+    fn placed(&self, track: &Track<'_>, centre: Point) -> Vec<Point> {
+        let (north, east) = (middle(track.x), middle(track.y));
+        let pairs = track.x.iter().zip(track.y);
+        pairs
+            .map(|(x, y)| (centre.0 + self.scale * (y - east), centre.1 - self.scale * (x - north)))
+            .collect()
+    }
+
+    fn scale_bar(&self, canvas: &mut Canvas<'_>, y: f64) {
+        let metres = round_step(0.5 * 100.0 / self.scale);
+        let end = 4.0 + metres * self.scale;
+        canvas.line((4.0, y), (end, y), Paint::ink(0.8), 2.0);
+        for x in [4.0, end] {
+            canvas.line((x, y - 4.0), (x, y + 4.0), Paint::ink(0.8), 1.4);
+        }
+        let label = format!("{} m", text::number(metres, metres));
+        canvas.text(&label, (end + 0.7 * NOTE, y), note(Anchor::Start));
+    }
+}
+
+fn length(values: &[f64]) -> f64 {
+    extent(values.iter().copied()).map_or(0.0, |(low, high)| high - low)
+}
+
+fn middle(values: &[f64]) -> f64 {
+    extent(values.iter().copied()).map_or(0.0, |(low, high)| 0.5 * (low + high))
+}

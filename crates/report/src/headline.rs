@@ -1,0 +1,251 @@
+use maud::{Markup, html};
+
+use super::number::{exact, percent, three};
+use super::shown::used as is_used;
+use super::study::Study;
+use super::trajectory_words::{cost, minutes};
+use study::documents::{
+    Check, DesignDocument, DesignScores, PlanDocument, RoundGain, SequentialDocument, ValidationDocument,
+};
+
+/// What the page is.
+pub(super) fn kind(study: &Study) -> &'static str {
+    if study.data.is_some() {
+        "Report on simulated logs"
+    } else if study.measured.is_some() {
+        "Report on measured logs"
+    } else {
+        "Experiment design report"
+    }
+}
+
+/// Title, the answer in two sentences, and the key figures.
+pub(super) fn headline(study: &Study) -> Markup {
+    html! {
+        header {
+            p.kicker { (kind(study)) }
+            h1 { (study.name) }
+            @if let Some(vessel) = &study.vessel {
+                p.about {
+                    (vessel.name) ", " (vessel.parameters.len()) " parameters, sampled at "
+                    (exact(vessel.sample_rate_hz)) "\u{a0}Hz"
+                }
+            }
+            @if let Some(label) = &study.data {
+                p.label { "Data: " b { (label) } ". No real ship was measured; the logs that everything here is made of were simulated." }
+            }
+            p.answer { (answer(study)) }
+            (cards(study))
+        }
+    }
+}
+
+fn answer(study: &Study) -> String {
+    if let Some(measured) = &study.measured {
+        return measured.answer(study.selection.as_ref());
+    }
+    if let (Some(found), None) = (&study.sequential, &study.design) {
+        return in_rounds(found);
+    }
+    match (&study.validation, &study.design) {
+        (Some(validation), _) if !validation.designs.is_empty() => compared(study, validation),
+        (_, Some(design)) => format!("{} {}", mix(design), worth(design)),
+        _ if plan(study).is_some() => plan(study).map(planned).unwrap_or_default(),
+        _ => "Nothing has been designed or validated yet. The sections below say which files are missing."
+            .to_owned(),
+    }
+}
+
+/// What designing in rounds is worth.
+fn in_rounds(found: &SequentialDocument) -> String {
+    let arm = |name: &str| found.stopping.iter().find(|s| s.arm == name);
+    let mut said = String::new();
+    if let (Some(rounds), Some(once)) = (arm("sequential"), arm("one-shot")) {
+        said += &format!(
+            "Trials in rounds, stopped by their own estimates, take {:.0} s on average and {} of them end within the wanted \
+             error of {}; trials designed once, sized beforehand by the crude model, {:.0} s and {}.",
+            rounds.mean_time_s,
+            percent(rounds.within),
+            three(found.accuracy),
+            once.mean_time_s,
+            percent(once.within)
+        );
+    }
+    if let Some(RoundGain { time_s, ratio: Some(ratio), low: Some(low), high: Some(high), .. }) =
+        found.gains.last()
+    {
+        said += &format!(
+            " After {time_s:.0} s the error in rounds is {ratio:.2} of that of designing once ({low:.2} to {high:.2})."
+        );
+    }
+    said
+}
+
+/// With a capital first letter.
+pub(super) fn capital(said: &str) -> String {
+    let mut letters = said.chars();
+    letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
+}
+
+/// The study's planned trajectory.
+fn plan(study: &Study) -> Option<&PlanDocument> {
+    study.trajectory.as_ref()?.main.as_ref().map(|main| &main.plan)
+}
+
+/// Both sentences about a trial that has been planned and no more.
+fn planned(plan: &PlanDocument) -> String {
+    let cost = cost(plan.cost, &plan.cost_unit);
+    let proof = if plan.status == "optimal" { ", and no plan costs less" } else { ", not proved optimal" };
+    let uses: u64 = plan.counts.values().sum();
+    let Some(voyage) = &plan.voyage else {
+        return format!("The plan uses {uses} informative maneuvers and costs {cost}{proof}.");
+    };
+    let check = &voyage.check;
+    let hull = if check.clear { format!("stays {}", clear(check)) } else { clear(check) };
+    format!(
+        "The planned trial of {} holds {uses} informative maneuvers and costs {cost}{proof}. In simulation the hull {hull}; \
+         in unknown current of up to {}\u{a0}m/s, {} of {} runs touch an obstacle.",
+        minutes(voyage.duration_s),
+        exact(check.unknown_current_m_s),
+        check.aground,
+        check.runs,
+    )
+}
+
+/// How far the simulated plan stays from obstacles. The distance is measured on a raster that never overstates it.
+fn clear(check: &Check) -> String {
+    if check.clear {
+        format!("at least {}\u{a0}m clear", three(check.clearance_m))
+    } else {
+        "touches an obstacle".to_owned()
+    }
+}
+
+/// Both sentences about the designs that were validated.
+fn compared(study: &Study, validation: &ValidationDocument) -> String {
+    let scored = study.scored();
+    let (bounds, first, others) = (validation.bounds, scored[0], &scored[1..]);
+    let length = study.experiment_s.map_or(String::new(), |s| format!(" of {}\u{a0}s", three(s)));
+    let parameters = format!(
+        "The {} experiment{length} keeps the parameter error below {} in {} of {} realizations{}.",
+        first.design,
+        exact(bounds.parameter_error),
+        percent(first.parameter_error_share),
+        first.runs,
+        counterparts(others, |d| d.parameter_error_share, study.experiment_s.is_some()),
+    );
+    let simulation = format!(
+        "The error of the free simulation stays below {} in {}{}.",
+        exact(bounds.simulation_error),
+        percent(first.simulation_error_share),
+        against(others, |d| d.simulation_error_share),
+    );
+    format!("{parameters} {simulation}")
+}
+
+fn counterparts(others: &[&DesignScores], share: impl Fn(&DesignScores) -> f64, same_length: bool) -> String {
+    let length = if same_length { " of the same length" } else { "" };
+    let each =
+        others.iter().map(|d| format!("; {} experiments{length} do so in {}", d.design, percent(share(d))));
+    each.collect()
+}
+
+fn against(others: &[&DesignScores], share: impl Fn(&DesignScores) -> f64) -> String {
+    let each: Vec<String> = others.iter().map(|d| format!("{} ({})", percent(share(d)), d.design)).collect();
+    if each.is_empty() {
+        String::new()
+    } else {
+        format!(" of the realizations, against {}", each.join(" and "))
+    }
+}
+
+/// The first sentence about a design that has not been validated.
+fn mix(design: &DesignDocument) -> String {
+    let mut used: Vec<(&String, f64)> = design.shares.iter().map(|(name, share)| (name, *share)).collect();
+    used.retain(|(name, _)| is_used(design, name));
+    used.sort_by(|a, b| b.1.total_cmp(&a.1));
+    let listed: Vec<String> =
+        used.iter().take(3).map(|(name, share)| format!("{name} {}", percent(*share))).collect();
+    format!(
+        "The optimal experiment uses {} of {} maneuvers, most of all {}.",
+        used.len(),
+        design.order.len(),
+        listed.join(", ")
+    )
+}
+
+/// How much time equal shares waste.
+fn worth(design: &DesignDocument) -> String {
+    let efficiency = design.efficiency.equal_shares;
+    if efficiency > 0.0 && efficiency.is_finite() {
+        let factor = three(1.0 / efficiency);
+        return format!("Equal shares would need {factor} times as long for the same information.");
+    }
+    "Equal shares would leave some direction without excitation.".to_owned()
+}
+
+fn cards(study: &Study) -> Markup {
+    let scored = study.scored();
+    html! {
+        div.cards {
+            @if let Some(measured) = &study.measured { (measured.cards(study.selection.as_ref())) }
+            @if let (Some(validation), false) = (&study.validation, scored.is_empty()) {
+                (share_card("Parameter error below", validation.bounds.parameter_error, &scored, |d| d.parameter_error_share))
+                (share_card("Simulation error below", validation.bounds.simulation_error, &scored, |d| d.simulation_error_share))
+            }
+            @if let Some(design) = &study.design { (design_cards(design)) }
+            @if let Some(plan) = plan(study) { (plan_card(plan)) }
+        }
+    }
+}
+
+fn share_card(
+    what: &str,
+    bound: f64,
+    scored: &[&DesignScores],
+    share: impl Fn(&DesignScores) -> f64,
+) -> Markup {
+    html! {
+        div.card {
+            p.what { (what) " " (exact(bound)) }
+            p.figure-line {
+                span.big { (percent(share(scored[0]))) } " " span.who { (scored[0].design) }
+            }
+            @for other in &scored[1..] {
+                p.other { (percent(share(other))) " " (other.design) }
+            }
+        }
+    }
+}
+
+fn design_cards(design: &DesignDocument) -> Markup {
+    let used = design.order.iter().filter(|name| is_used(design, name)).count();
+    html! {
+        div.card {
+            p.what { "Efficiency of equal shares" }
+            p.figure-line { span.big { (percent(design.efficiency.equal_shares)) } }
+            p.other { (used) " of " (design.order.len()) " maneuvers are worth their time" }
+        }
+        div.card {
+            p.what { "Optimality" }
+            p.figure-line { span.big { (three(design.relative_gap)) } " " span.who { "relative gap" } }
+            p.other { (design.status) @if !design.proved_global { ", not proved global" } }
+        }
+    }
+}
+
+fn plan_card(plan: &PlanDocument) -> Markup {
+    let cost = cost(plan.cost, &plan.cost_unit);
+    let (figure, unit) = cost.split_once([' ', '\u{a0}']).unwrap_or((&cost, "cost"));
+    html! {
+        div.card {
+            p.what { "Trajectory" }
+            p.figure-line {
+                span.big { (figure) } " " span.who { (unit) ", " (plan.status) }
+            }
+            @if let Some(voyage) = &plan.voyage {
+                p.other { (minutes(voyage.duration_s)) " at sea, " (clear(&voyage.check)) }
+            }
+        }
+    }
+}

@@ -1,0 +1,54 @@
+//! Figures as SVG, and one self-contained HTML page about a study.
+//!
+//! A [`Study`] holds whatever exists; [`render`] shows that and says what is missing and which stage makes it. The page
+//! has no script and no outside resource. The same study gives the same bytes.
+
+#![forbid(unsafe_code)]
+#![warn(missing_docs)]
+
+mod accuracy;
+mod allocation;
+mod caption;
+mod certificate;
+mod comparison;
+mod crossval;
+mod dictionary;
+mod errors;
+mod estimators;
+mod excitation;
+pub mod figures;
+mod headline;
+mod load;
+mod logs;
+mod measured;
+mod missing;
+mod notes;
+mod number;
+mod page;
+mod parameters;
+mod placed;
+mod published_selection;
+mod selection;
+mod sequential;
+mod shown;
+mod study;
+#[cfg(test)]
+mod tests;
+mod trajectory;
+mod trajectory_facts;
+mod trajectory_files;
+mod trajectory_front;
+mod trajectory_map;
+mod trajectory_moves;
+mod trajectory_sheet;
+mod trajectory_trials;
+mod trajectory_words;
+mod trust;
+
+pub use load::{Sources, load};
+pub use measured::Measured;
+pub use page::{Rendered, render};
+pub use selection::SelectionStudy;
+pub use study::{
+    ManeuverTrace, ParameterRow, PlannedTrial, Scenario, ScoreSet, Study, Trajectory, VesselSummary,
+};

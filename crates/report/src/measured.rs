@@ -1,0 +1,135 @@
+use identification::pooled::COLLINEAR;
+use maud::{Markup, html};
+
+use super::SelectionStudy;
+use super::load::Loader;
+use super::number::percent;
+use artifact::Error;
+use study::documents::{CrossvalDocument, EstimatorScore, FreeRunErrors, IngestDocument, TrustDocument};
+use study::listed;
+
+/// What there is about measured logs.
+#[derive(Clone, Debug, Default)]
+pub struct Measured {
+    /// `ingest.json`.
+    pub ingest: Option<IngestDocument>,
+    /// `trust.json`.
+    pub trust: Option<TrustDocument>,
+    /// `crossval.json`.
+    pub crossval: Option<CrossvalDocument>,
+}
+
+/// Reads `ingest.json`, `trust.json` and `crossval.json`; none where there is none of the last two.
+pub(super) fn load(loader: &mut Loader) -> Result<Option<Measured>, Error> {
+    let crossval = loader.document("crossval.json", "free simulation over recordings left out")?;
+    let trust = loader.document("trust.json", "how far the pooled estimate can be trusted")?;
+    if crossval.is_none() && trust.is_none() {
+        return Ok(None);
+    }
+    let ingest = loader.document("ingest.json", "what was read from the logs, and its quality")?;
+    Ok(Some(Measured { ingest, trust, crossval }))
+}
+
+/// `79.2 %`, or a dash.
+pub(super) fn fit(fit: Option<f64>) -> String {
+    percent(fit.map_or(f64::NAN, |fit| fit / 100.0))
+}
+
+/// A quantile over realizations, of which some may have no model.
+pub(super) fn quantile(value: Option<f64>) -> String {
+    value.map_or("infinite".to_owned(), |q| format!("{q:.2}"))
+}
+
+/// Words in which names stand between backticks.
+pub(super) fn coded(text: &str) -> Markup {
+    html! { @for (i, piece) in text.split('`').enumerate() { @if i % 2 == 1 { code { (piece) } } @else { (piece) } } }
+}
+
+impl Measured {
+    /// The estimator that cross-validation recommends, with its errors.
+    pub(super) fn recommended(&self) -> Option<(&EstimatorScore, FreeRunErrors)> {
+        let crossval = self.crossval.as_ref()?;
+        let name = crossval.recommended.as_ref()?;
+        let score = crossval.estimators.iter().find(|e| e.name == *name)?;
+        Some((score, score.errors?))
+    }
+
+    /// The answer in a few sentences.
+    pub(super) fn answer(&self, selection: Option<&SelectionStudy>) -> String {
+        let mut told = Vec::new();
+        if let (Some((score, errors)), Some(crossval)) = (self.recommended(), &self.crossval) {
+            let over =
+                crossval.window_s.map_or("whole recordings".to_owned(), |s| format!("windows of {s} s"));
+            told.push(format!(
+                "Fitted by {} to the other recordings, the model follows those left out, over {over}, with a fit of {} in \
+                 surge, {} in sway and {} in yaw rate.",
+                score.name,
+                fit(errors.fit_u),
+                fit(errors.fit_v),
+                fit(errors.fit_r)
+            ));
+        }
+        if let Some(found) = selection {
+            let q90 =
+                |i: usize| quantile(found.summary.designs.get(i).and_then(|d| d.overlapping.error_norm.q90));
+            told.push(format!(
+                "Of models from {} sub-experiments, 90 % have an error norm below {} where the design picks them; picked at \
+                 random the bound is {}.",
+                found.summary.picks,
+                q90(0),
+                q90(1)
+            ));
+        }
+        let refused: Vec<String> =
+            self.trust.iter().flat_map(|t| &t.degrees).filter_map(|d| d.reason.clone()).collect();
+        if !refused.is_empty() {
+            told.push(format!("Not identifiable: {}.", listed(&refused)));
+        }
+        let collinear: Vec<String> = self
+            .trust
+            .iter()
+            .flat_map(|t| &t.degrees)
+            .filter(|d| d.reason.is_none() && d.condition_index.is_none_or(|index| index > COLLINEAR))
+            .map(|d| d.weakest.clone())
+            .collect();
+        if !collinear.is_empty() {
+            told.push(format!("Use it for similar motion only: {}.", listed(&collinear)));
+        }
+        told.join(" ").replace('`', "")
+    }
+
+    /// Key figures.
+    pub(super) fn cards(&self, selection: Option<&SelectionStudy>) -> Markup {
+        html! {
+            @if let Some((score, errors)) = self.recommended() {
+                @for (what, own) in [("surge", errors.fit_u), ("sway", errors.fit_v), ("yaw rate", errors.fit_r)] {
+                    div.card {
+                        p.what { "Fit of " (what) ", left out" }
+                        p.figure-line { span.big { (fit(own)) } " " span.who { (score.name) } }
+                    }
+                }
+            }
+            @if let Some(found) = selection { (selection_card(found)) }
+            @if let Some(trust) = &self.trust {
+                div.card {
+                    p.what { "Data" }
+                    p.figure-line { span.big { (trust.sources) } " " span.who { "recordings" } }
+                    p.other { (trust.parts) " sub-experiments, " (trust.samples) " samples" }
+                }
+            }
+        }
+    }
+}
+
+fn selection_card(found: &SelectionStudy) -> Markup {
+    let q90 = |i: usize| quantile(found.summary.designs.get(i).and_then(|d| d.overlapping.error_norm.q90));
+    let degenerate = |i: usize| found.summary.designs.get(i).map_or(f64::NAN, |d| d.degenerate_share);
+    html! {
+        div.card {
+            p.what { "Error norm, 90 % quantile" }
+            p.figure-line { span.big { (q90(0)) } " " span.who { "optimized" } }
+            p.other { (q90(1)) " random" }
+            p.other { "degenerate: " (percent(degenerate(0))) " against " (percent(degenerate(1))) }
+        }
+    }
+}

@@ -1,0 +1,158 @@
+use crate::figures::{FigureError, Histogram, HistogramAxis, HistogramPanel, histogram_pair};
+use artifact::TableReader;
+use maud::{Markup, html};
+
+use super::caption::truncation;
+use super::load::Loader;
+use super::number::percent;
+use super::placed::Figures;
+use super::study::Study;
+use artifact::Error;
+use study::documents::{SelectionDocument, SelectionScores};
+use study::selection::{self, Row};
+
+/// What there is about a selection study.
+#[derive(Clone, Debug)]
+pub struct SelectionStudy {
+    /// `selection.json`.
+    pub summary: SelectionDocument,
+    /// `selection.parquet`.
+    pub rows: Vec<Row>,
+}
+
+const BINS: usize = 50;
+/// The figures end at this many standard deviations of a state.
+const LIMIT: f64 = 3.0;
+
+/// Reads `selection.json` and `selection.parquet`, where both exist.
+pub(super) fn load(loader: &mut Loader) -> Result<Option<SelectionStudy>, Error> {
+    let path = loader.sources.results.join("selection.parquet");
+    if !path.exists() {
+        return Ok(None);
+    }
+    let summary = loader.document("selection.json", "picked sub-experiments against random ones")?;
+    let Some(summary) = summary else { return Ok(None) };
+    let reader = TableReader::open(&path, selection::ID, selection::VERSION)?;
+    loader.note("selection.parquet", "errors of every realization", reader.digest());
+    Ok(Some(SelectionStudy { summary, rows: selection::rows(&reader)? }))
+}
+
+/// The section: what was picked, quantiles, histograms with the optimized selection above the random one.
+pub(super) fn selection(study: &Study, figures: &mut Figures) -> Result<Markup, FigureError> {
+    let Some(found) = &study.selection else { return Ok(html! {}) };
+    let summary = &found.summary;
+    let norm = figure(
+        found,
+        figures,
+        "selection-error",
+        "norm of RMSE over standard deviation [1]",
+        LIMIT,
+        460.0,
+        |r| r.error_norm,
+    )?;
+    let degrees = [
+        figure(
+            found,
+            figures,
+            "selection-surge",
+            "RMSE in surge [m/s]",
+            round_limit(summary.std_u),
+            360.0,
+            |r| r.rmse.map(|e| e[0]),
+        )?,
+        figure(
+            found,
+            figures,
+            "selection-sway",
+            "RMSE in sway [m/s]",
+            round_limit(summary.std_v),
+            360.0,
+            |r| r.rmse.map(|e| e[1]),
+        )?,
+        figure(
+            found,
+            figures,
+            "selection-yaw",
+            "RMSE in yaw rate [rad/s]",
+            round_limit(summary.std_r),
+            360.0,
+            |r| r.rmse.map(|e| e[2]),
+        )?,
+    ];
+    let picked: Vec<String> =
+        summary.counts.iter().map(|(name, count)| format!("{count} × {name}")).collect();
+    Ok(html! {
+        section #selection {
+            h2 { "Selection of sub-experiments" }
+            p {
+                "Models from " (summary.picks) " of " (summary.parts) " sub-experiments, simulated over all of them: "
+                (picked.join(", ")) " against as many at random. Estimator " (summary.estimator) "."
+            }
+            @for statement in &summary.statements { p.note { (super::measured::coded(statement)) } }
+            div.scroll { (table(summary)) }
+            div.pair { (norm) }
+            div.triple { @for degree in degrees { (degree) } }
+        }
+    })
+}
+
+/// [`LIMIT`] standard deviations to two digits.
+fn round_limit(std: f64) -> f64 {
+    format!("{:.1e}", LIMIT * std).parse().unwrap_or(LIMIT * std)
+}
+
+fn table(summary: &SelectionDocument) -> Markup {
+    let told = |q: Option<f64>| q.map_or("∞".to_owned(), |q| format!("{q:.2}"));
+    let row = |d: &SelectionScores| {
+        html! {
+            tr {
+                th scope="row" { (d.design) }
+                td { (told(d.overlapping.error_norm.median)) }
+                td { (told(d.overlapping.error_norm.q90)) }
+                td { (told(d.left_out.error_norm.median)) }
+                td { (told(d.left_out.error_norm.q90)) }
+                td { (percent(d.degenerate_share)) }
+            }
+        }
+    };
+    html! {
+        table {
+            thead {
+                tr {
+                    th scope="col" { "norm of RMSE/std" }
+                    th scope="col" { "median" }
+                    th scope="col" { "90 %" }
+                    th scope="col" { "median, picked left out" }
+                    th scope="col" { "90 %, picked left out" }
+                    th scope="col" { "degenerate" }
+                }
+            }
+            tbody { @for design in &summary.designs { (row(design)) } }
+        }
+    }
+}
+
+/// Errors of all realizations by design, optimized above random; cut at `limit`.
+pub(super) fn figure(
+    found: &SelectionStudy,
+    figures: &mut Figures,
+    file: &str,
+    title: &str,
+    limit: f64,
+    width: f64,
+    value: fn(&Row) -> Option<f64>,
+) -> Result<Markup, FigureError> {
+    let axis = HistogramAxis { title, limit, bins: BINS, bound: None, width };
+    let own = |design: &str| -> Vec<Option<f64>> {
+        found.rows.iter().filter(|r| r.design == design).map(value).collect()
+    };
+    let names: Vec<&str> = found.summary.designs.iter().map(|d| d.design.as_str()).collect();
+    let values: Vec<Vec<Option<f64>>> = names.iter().map(|name| own(name)).collect();
+    let panels: Vec<HistogramPanel<'_>> = (0..names.len())
+        .map(|i| HistogramPanel { label: names[i], values: &values[i], note: None, colour: i })
+        .collect();
+    let counted: Vec<Histogram> = values.iter().map(|v| Histogram::new(v, limit, BINS)).collect();
+    let named: Vec<(&str, &Histogram)> = names.into_iter().zip(&counted).collect();
+    let caption = html! { b { (title) } " " (truncation(&named, limit)) };
+    figures.place(file, histogram_pair(&axis, &panels), &caption)
+}

@@ -1,0 +1,177 @@
+use study::documents::{
+    DesignDocument, DesignScores, EstimateDocument, MomentsDocument, PlanDocument, PublishedSelection,
+    Reference, SequentialDocument, ValidationDocument,
+};
+
+/// Everything that the page can show. What is absent is said to be missing.
+#[derive(Clone, Debug, Default)]
+pub struct Study {
+    /// Name of the study: `paper`.
+    pub name: String,
+    /// Length of one experiment \[s\].
+    pub experiment_s: Option<f64>,
+    /// The model structure.
+    pub vessel: Option<VesselSummary>,
+    /// Every maneuver of the dictionary, in its order.
+    pub dictionary: Option<Vec<ManeuverTrace>>,
+    /// `moments.json`.
+    pub moments: Option<MomentsDocument>,
+    /// `design.json`.
+    pub design: Option<DesignDocument>,
+    /// `estimate.json`.
+    pub estimate: Option<EstimateDocument>,
+    /// `validation.json`.
+    pub validation: Option<ValidationDocument>,
+    /// The errors of every run, per design.
+    pub scores: Option<Vec<ScoreSet>>,
+    /// The input that the estimated models were validated on.
+    pub validation_trace: Option<ManeuverTrace>,
+    /// Published results to compare with.
+    pub reference: Option<Reference>,
+    /// Models from picked sub-experiments; absent in a study without.
+    pub selection: Option<super::SelectionStudy>,
+    /// What is known from measured logs; absent in a study of simulated trials.
+    pub measured: Option<super::Measured>,
+    /// Trials designed in rounds against trials designed once.
+    pub sequential: Option<SequentialDocument>,
+    /// Other studies' comparisons of estimators, to be shown side by side.
+    pub scenarios: Vec<Scenario>,
+    /// The planned trajectory; absent in a study that plans none.
+    pub trajectory: Option<Trajectory>,
+    /// What the data are labelled as: `simulated logs`; absent for those of real ships and for simulation studies.
+    pub data: Option<String>,
+    /// Name of a file, what it is, its digest.
+    pub files: Vec<(String, String, String)>,
+}
+
+/// Estimators compared under one kind of disturbance.
+#[derive(Clone, Debug)]
+pub struct Scenario {
+    /// Name of its folder.
+    pub name: String,
+    /// Its `estimate.json`.
+    pub estimate: EstimateDocument,
+    /// Its `validation.json`.
+    pub validation: ValidationDocument,
+}
+
+/// A vessel's model structure.
+#[derive(Clone, Debug, Default)]
+pub struct VesselSummary {
+    /// Name of the vessel.
+    pub name: String,
+    /// Sampling rate \[Hz\].
+    pub sample_rate_hz: f64,
+    /// Name and unit of every input.
+    pub inputs: Vec<(String, String)>,
+    /// Its parameters, in the order of `vessel.toml`.
+    pub parameters: Vec<ParameterRow>,
+}
+
+/// What there is about a planned trajectory.
+#[derive(Clone, Debug, Default)]
+pub struct Trajectory {
+    /// `plan.json`; absent where only `plan.toml` asks for it.
+    pub main: Option<PlannedTrial>,
+    /// `plan-*/plan.json`: the same trial planned otherwise.
+    pub variants: Vec<PlannedTrial>,
+    /// `planned/estimate.json`: estimates from simulated trials of the plan.
+    pub estimate: Option<EstimateDocument>,
+    /// `planned/validation.json`: errors of those estimates.
+    pub validation: Option<ValidationDocument>,
+}
+
+/// A plan with its map.
+#[derive(Clone, Debug)]
+pub struct PlannedTrial {
+    /// Name of its folder, `plan-4-headings`; empty for the study's own plan.
+    pub name: String,
+    /// `plan.json`.
+    pub plan: PlanDocument,
+    /// `map.svg`, free of scripts and links.
+    pub map: Option<String>,
+    /// Files of this study that are not those that the plan was made from.
+    pub stale: Vec<String>,
+}
+
+/// One parameter of the model structure.
+#[derive(Clone, Debug, Default)]
+pub struct ParameterRow {
+    /// Name as in `vessel.toml`.
+    pub name: String,
+    /// Its unit.
+    pub unit: String,
+    /// The term that it multiplies: `u |u|`.
+    pub term: String,
+    /// `surge`, `sway` or `yaw`.
+    pub degree: String,
+    /// True value, where known.
+    pub truth: Option<f64>,
+    /// Nominal value.
+    pub nominal: f64,
+}
+
+/// One maneuver over time. All vectors are as long as `t`; a value that is not finite is left out of the figures.
+#[derive(Clone, Debug, Default)]
+pub struct ManeuverTrace {
+    /// Name in the dictionary.
+    pub name: String,
+    /// What the dictionary says about it; may be empty.
+    pub description: String,
+    /// Times \[s\].
+    pub t: Vec<f64>,
+    /// Name, unit and values of every input.
+    pub inputs: Vec<(String, String, Vec<f64>)>,
+    /// Surge speed \[m/s\].
+    pub u: Vec<f64>,
+    /// Sway speed \[m/s\].
+    pub v: Vec<f64>,
+    /// Yaw rate \[rad/s\].
+    pub r: Vec<f64>,
+    /// Position along the initial heading \[m\].
+    pub x: Vec<f64>,
+    /// Position to starboard of it \[m\].
+    pub y: Vec<f64>,
+}
+
+/// The errors of every run of one design; none for a run that was not identifiable or whose simulation diverged.
+#[derive(Clone, Debug, Default)]
+pub struct ScoreSet {
+    /// Name of the design.
+    pub design: String,
+    /// 2-norm of the relative parameter errors \[1\].
+    pub parameter_error: Vec<Option<f64>>,
+    /// 2-norm of the three RMSE.
+    pub simulation_error: Vec<Option<f64>>,
+    /// RMSE in surge \[m/s\].
+    pub rmse_u: Vec<Option<f64>>,
+    /// RMSE in sway \[m/s\].
+    pub rmse_v: Vec<Option<f64>>,
+    /// RMSE in yaw rate \[rad/s\].
+    pub rmse_r: Vec<Option<f64>>,
+}
+
+/// The design that is shown first wherever designs are compared.
+const FIRST: &str = "optimized";
+
+/// `designs` in their order, but the optimized one first.
+pub(super) fn optimized_first<T>(designs: &[T], name: impl Fn(&T) -> &str) -> Vec<&T> {
+    let mut ordered: Vec<&T> = designs.iter().collect();
+    ordered.sort_by_key(|design| name(design) != FIRST);
+    ordered
+}
+
+impl Study {
+    /// The designs of the validation, the optimized one first.
+    pub(super) fn scored(&self) -> Vec<&DesignScores> {
+        self.validation.iter().flat_map(|v| optimized_first(&v.designs, |d| &d.design)).collect()
+    }
+
+    /// The selection study, what was published, and where its figures end; none unless there are all three.
+    pub(super) fn published_selection(
+        &self,
+    ) -> Option<(&super::SelectionStudy, &Reference, &PublishedSelection)> {
+        let reference = self.reference.as_ref()?;
+        Some((self.selection.as_ref()?, reference, reference.selection.as_ref()?))
+    }
+}

@@ -1,0 +1,166 @@
+//! A made-up trial: two maneuvers with moves between them, one of them run to the other side.
+
+use std::collections::BTreeMap;
+
+use super::mock;
+use crate::{PlannedTrial, Study, Trajectory};
+use study::documents::{
+    Check, FrontPoint, Information, PlanDocument, PlanLattice, PlanPose, PlanStep, Primitive, Secondary,
+    ValidationDocument, Voyage, VoyageLeg,
+};
+
+pub(super) const MAP: &str = "<svg role=\"img\" aria-label=\"Planned trial\" viewBox=\"0 0 5600 8370\" \
+    xmlns=\"http://www.w3.org/2000/svg\">\n<title>Planned trial</title>\n<path d=\"M1 2l3 4\" fill=\"none\" \
+    stroke=\"currentColor\"/>\n</svg>\n";
+
+/// The study of [`mock::study`] with a plan, one variant and simulated trials.
+pub(super) fn study() -> Study {
+    let mut study = mock::study();
+    let designs = |name: &str| name == "optimized";
+    let validation = study.validation.clone().map(|mut planned| {
+        planned.designs.retain(|d| designs(&d.design));
+        planned.designs.iter_mut().for_each(|d| {
+            d.design = "planned".to_owned();
+            d.runs = 200;
+            d.parameter_error_share = 0.875;
+            d.parameter_error.median = Some(0.777);
+            d.not_identifiable = 3;
+        });
+        planned
+    });
+    let estimate = study.estimate.clone().map(|mut planned| {
+        planned.designs.retain(|d| designs(&d.design));
+        planned.designs.iter_mut().for_each(|d| d.design = "planned".to_owned());
+        planned
+    });
+    study.trajectory = Some(Trajectory {
+        main: Some(trial("")),
+        variants: vec![trial("plan-4-headings")],
+        estimate,
+        validation,
+    });
+    study
+}
+
+/// Validation of the planned trial with other bounds than the study's.
+pub(super) fn otherwise_bounded(study: &mut Study) {
+    let planned = study.trajectory.as_mut().and_then(|own| own.validation.as_mut());
+    planned.into_iter().for_each(|v: &mut ValidationDocument| v.bounds.parameter_error = 4.0);
+}
+
+fn trial(name: &str) -> PlannedTrial {
+    PlannedTrial { name: name.to_owned(), plan: plan(), map: Some(MAP.to_owned()), stale: Vec::new() }
+}
+
+fn counts(steep: u64, sway: u64) -> BTreeMap<String, u64> {
+    BTreeMap::from([("steep".to_owned(), steep), ("sway".to_owned(), sway)])
+}
+
+pub(super) fn plan() -> PlanDocument {
+    PlanDocument {
+        status: "optimal".to_owned(),
+        statement: "Proved: no plan over the 1234 states of the lattice costs less.".to_owned(),
+        cost_unit: "basic-moves".to_owned(),
+        cost: 4.0,
+        lower_bound: 4.0,
+        secondary: Some(Secondary { name: "seconds".to_owned(), value: 701.0 }),
+        counts: counts(1, 1),
+        steps: vec![
+            step("faster", (0, "at rest"), (0, "half")),
+            step("steep", (0, "half"), (1, "half")),
+            step("turn-port", (1, "half"), (2, "half")),
+            step("slower", (2, "half"), (2, "at rest")),
+            step("sway", (2, "at rest"), (2, "at rest")),
+            step("turn-starboard", (2, "at rest"), (1, "at rest")),
+        ],
+        voyage: Some(voyage()),
+    }
+}
+
+fn step(action: &str, from: (u64, &str), to: (u64, &str)) -> PlanStep {
+    let pose = |(h, mode): (u64, &str)| PlanPose { i: 3, j: 4, h, mode: Some(mode.to_owned()) };
+    PlanStep { action: action.to_owned(), variant: 0, from: pose(from), to: pose(to), cost: 1.0 }
+}
+
+fn voyage() -> Voyage {
+    Voyage {
+        lattice: PlanLattice {
+            nx: 60,
+            ny: 50,
+            headings: 8,
+            cell_m: 120.0,
+            longitude_deg: 24.9,
+            latitude_deg: 60.1,
+            modes: BTreeMap::from([("at rest".to_owned(), 0.0), ("half".to_owned(), 1.5)]),
+        },
+        legs: vec![
+            leg("faster", None, 0.0, 90.0, 0.0),
+            leg("steep", Some("mirrored"), 90.0, 200.0, 1.5),
+            leg("turn-port", None, 290.0, 60.0, 1.5),
+            leg("slower", None, 350.0, 70.0, 1.5),
+            leg("sway", Some("as designed"), 420.0, 280.0, 0.0),
+            leg("turn-starboard", None, 700.0, 22.0, 0.0),
+        ],
+        primitives: vec![primitive("steep", 1513), primitive("sway", 0)],
+        duration_s: 722.0,
+        informative_s: 400.0,
+        check: Check {
+            clearance_m: 61.5,
+            clear: true,
+            unknown_current_m_s: 0.15,
+            runs: 64,
+            aground: 2,
+            clearance_quantiles_m: [0.0, 12.5, 60.0],
+            aground_open_loop: 17,
+        },
+        information: Information {
+            predicted_log_det: Some(62.9),
+            realised_log_det: Some(61.6),
+            whole_log_det: Some(75.9),
+            efficiency: Some((-0.1_f64).exp()),
+            design_efficiency: Some(0.913),
+            dimension: 13,
+        },
+        front: vec![point(1, 0, 2.0, 55.0), point(1, 1, 4.0, 62.9)],
+    }
+}
+
+fn leg(name: &str, side: Option<&str>, start_s: f64, duration_s: f64, speed_m_s: f64) -> VoyageLeg {
+    let inputs = [("tau1", 19.66), ("tau2", 1.2e-13), ("tau3", if side.is_some() { 212.12 } else { 3e-12 })];
+    VoyageLeg {
+        name: name.to_owned(),
+        informative: side.is_some(),
+        side: side.map(str::to_owned),
+        start_s,
+        duration_s,
+        maneuver_start_s: side.map(|_| start_s + 31.0),
+        maneuver_s: side.map(|_| duration_s - 80.0),
+        longitude_deg: 24.953_519_2,
+        latitude_deg: 60.148_635_85,
+        heading_deg: 45.0,
+        speed_m_s,
+        end_error_m: 0.4,
+        largest_inputs: inputs.into_iter().map(|(name, most)| (name.to_owned(), most)).collect(),
+    }
+}
+
+fn primitive(maneuver: &str, fits: u64) -> Primitive {
+    Primitive {
+        maneuver: maneuver.to_owned(),
+        side: "as designed".to_owned(),
+        h: 7,
+        di: 3,
+        dj: -1,
+        to_h: 0,
+        maneuver_s: 180.0,
+        leg_s: 266.0,
+        residual_m: 1.21,
+        residual_deg: 0.252,
+        drift_margin_m: 27.0,
+        fits,
+    }
+}
+
+fn point(steep: u64, sway: u64, cost: f64, log_det: f64) -> FrontPoint {
+    FrontPoint { counts: counts(steep, sway), cost, informative_s: 200.0 * (steep + sway) as f64, log_det }
+}

@@ -1,0 +1,115 @@
+use crate::figures::FigureError;
+use maud::{Markup, html};
+
+use super::missing::missing;
+use super::number::three;
+use super::placed::Figures;
+use super::study::{PlannedTrial, Study};
+use super::trajectory_facts::{facts, information};
+use super::trajectory_front::front;
+use super::trajectory_map::is_tall;
+use super::trajectory_moves::moves;
+use super::trajectory_sheet::sheet;
+use super::trajectory_trials::trials;
+use super::trajectory_words::{cost, minutes};
+
+/// What the section adds to the page's style; a page without a trajectory goes without it.
+pub(super) const STYLE: &str = include_str!("trajectory.css");
+
+/// The plan on its chart, at sea, for the crew, and what it is worth. Nothing in a study that plans no trajectory.
+pub(super) fn trajectory(study: &Study, figures: &mut Figures) -> Result<Markup, FigureError> {
+    let Some(own) = &study.trajectory else { return Ok(html! {}) };
+    let body = match &own.main {
+        Some(main) => planned(study, main, figures)?,
+        None => missing("The planned trajectory is", "plan.json", "plan"),
+    };
+    Ok(html! {
+        section #trajectory {
+            h2 { "Trajectory" }
+            (body)
+            (variants(&own.variants, figures)?)
+            (trials(study, own))
+        }
+    })
+}
+
+fn planned(study: &Study, main: &PlannedTrial, figures: &mut Figures) -> Result<Markup, FigureError> {
+    let map = map(main, figures)?;
+    let tall = main.map.as_deref().is_some_and(is_tall);
+    let voyage = main.plan.voyage.as_ref();
+    Ok(html! {
+        p.caution {
+            b { "Not for navigation." }
+            " The plan was checked in simulation against the charts that are named under "
+            a href="#files" { "Files" }
+            " and against nothing else. The master decides."
+        }
+        (outdated(main))
+        div.map-and-facts.tall[tall] { (map) div { (facts(&main.plan)) } }
+        @match voyage {
+            Some(voyage) => {
+                (information(&voyage.information, study.design.is_some()))
+                (sheet(study, &main.plan, voyage))
+                (front(&main.plan, voyage, figures)?)
+                (moves(voyage))
+            }
+            None => p.missing { "Times, places and clearances not shown: the plan solves a lattice problem without a chart or a vessel." }
+        }
+    })
+}
+
+fn outdated(main: &PlannedTrial) -> Markup {
+    html! {
+        @if !main.stale.is_empty() {
+            p.missing {
+                "The plan is older than this study: it was made from another " code { (main.stale.join(", ")) }
+                "; run the stage " code { "plan" } " again."
+            }
+        }
+    }
+}
+
+fn map(main: &PlannedTrial, figures: &mut Figures) -> Result<Markup, FigureError> {
+    let caption = html! {
+        b { "The trial on its chart." } " " (main.plan.statement)
+        " Numbers: informative maneuvers, as in the maneuver sheet."
+    };
+    match &main.map {
+        Some(svg) => Ok(html! { div.map { (figures.place("map", Ok(svg.clone()), &caption)?) } }),
+        None => Ok(missing("The map is", "map.svg", "plan")),
+    }
+}
+
+/// The same trial planned otherwise: a smaller map and one line each.
+fn variants(all: &[PlannedTrial], figures: &mut Figures) -> Result<Markup, FigureError> {
+    if all.is_empty() {
+        return Ok(html! {});
+    }
+    let mut placed = Vec::new();
+    for variant in all {
+        placed.push(match &variant.map {
+            Some(svg) => {
+                let file = variant.name.replacen("plan", "map", 1);
+                html! { div.map { (figures.place(&file, Ok(svg.clone()), &in_one_line(variant))?) } }
+            }
+            None => html! { p.note { (in_one_line(variant)) " No map.svg." } },
+        });
+    }
+    Ok(html! {
+        h3 { "Planned otherwise" }
+        div.variants { @for variant in placed { (variant) } }
+    })
+}
+
+fn in_one_line(variant: &PlannedTrial) -> Markup {
+    let plan = &variant.plan;
+    let title = variant.name.strip_prefix("plan-").unwrap_or(&variant.name).replace('-', " ");
+    html! {
+        b { (title) ":" } " "
+        (plan.status) ", " (cost(plan.cost, &plan.cost_unit)) " (at least " (cost(plan.lower_bound, &plan.cost_unit)) "), "
+        (plan.steps.len()) " steps"
+        @if let Some(voyage) = &plan.voyage { ", " (minutes(voyage.duration_s)) " at sea (" (three(voyage.duration_s)) "\u{a0}s)" }
+        "."
+        @if !variant.stale.is_empty() { " Made from another " (variant.stale.join(", ")) "." }
+    }
+}

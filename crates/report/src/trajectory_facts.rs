@@ -1,0 +1,145 @@
+use maud::{Markup, html};
+
+use super::number::{exact, percent, three, three_or_dash};
+use super::trajectory_words::{cost, minutes, part};
+use study::documents::{Check, Information, PlanDocument, Secondary, Voyage};
+
+/// What is known about the plan and about the vessel at sea.
+pub(super) fn facts(plan: &PlanDocument) -> Markup {
+    html! {
+        (search(plan))
+        @if let Some(voyage) = &plan.voyage {
+            (at_sea(plan, voyage))
+            (currents(&voyage.check))
+        }
+    }
+}
+
+fn fact(term: &str, value: &str, note: &str) -> Markup {
+    html! { div { dt { (term) } dd { (value) @if !note.is_empty() { " " span.aside { (note) } } } } }
+}
+
+fn search(plan: &PlanDocument) -> Markup {
+    let unit = &plan.cost_unit;
+    let proof = if plan.status == "optimal" { "proved" } else { "not proved optimal" };
+    html! {
+        h3 { "Plan" }
+        dl.facts {
+            (fact("Status", &plan.status, proof))
+            (fact("Cost", &cost(plan.cost, unit), &format!("no plan costs less than {}", cost(plan.lower_bound, unit))))
+            (fact("Steps", &plan.steps.len().to_string(), &uses(plan)))
+            @if let Some(secondary) = &plan.secondary { (ties(secondary)) }
+        }
+    }
+}
+
+fn uses(plan: &PlanDocument) -> String {
+    let each: Vec<String> =
+        plan.counts.iter().map(|(name, count)| format!("{count}\u{a0}× {name}")).collect();
+    if each.is_empty() { String::new() } else { format!("with {}", each.join(", ")) }
+}
+
+fn ties(secondary: &Secondary) -> Markup {
+    let value = exact((secondary.value * 1e3).round() / 1e3);
+    match secondary.name.as_str() {
+        "seconds" => {
+            fact("Ties broken by", &format!("{value}\u{a0}s"), "of moves, each as rehearsed on its own")
+        }
+        "turns" => fact("Ties broken by", &format!("{value} turns"), ""),
+        "clearance" => fact("Ties broken by", &value, "classes of nearness to obstacles, summed"),
+        name => fact("Ties broken by", &value, name),
+    }
+}
+
+fn at_sea(plan: &PlanDocument, voyage: &Voyage) -> Markup {
+    let maneuvers: u64 = plan.counts.values().sum();
+    let share = voyage.informative_s / voyage.duration_s;
+    html! {
+        h3 { "At sea, simulated by the nominal model" }
+        dl.facts {
+            (fact("Duration", &minutes(voyage.duration_s), &format!("{}\u{a0}s", exact(voyage.duration_s))))
+            (fact("In informative maneuvers", &minutes(voyage.informative_s),
+                &format!("{} of the time, {maneuvers} maneuvers", percent(share))))
+            (fact("Clearance", &clearance(&voyage.check), "of the hull from anything charted as an obstacle"))
+        }
+    }
+}
+
+/// The distance is measured on a raster that never overstates it.
+fn clearance(check: &Check) -> String {
+    if check.clear {
+        format!("at least {}\u{a0}m", three(check.clearance_m))
+    } else {
+        "none: the hull touches an obstacle".to_owned()
+    }
+}
+
+fn currents(check: &Check) -> Markup {
+    if check.runs == 0 {
+        return html! { h3 { "In unknown current" } p.missing { "Not simulated: the plan asks for no runs." } };
+    }
+    let [least, low, median] = check.clearance_quantiles_m.map(three);
+    let unmoved = check.clearance_quantiles_m.iter().all(|c| *c == check.clearance_m);
+    html! {
+        h3 { "In unknown current" }
+        p.note {
+            (check.runs) " simulations, each with a constant current of its own, up to "
+            (exact(check.unknown_current_m_s)) "\u{a0}m/s and from any side, and with the true parameters where the vessel has them."
+        }
+        dl.facts {
+            (fact("Aground", &part(check.aground, check.runs), "position corrected between the maneuvers"))
+            (fact("Aground if sailed open loop", &part(check.aground_open_loop, check.runs), "the planned inputs, never corrected"))
+            (fact("Least clearance of a run", &format!("{least}\u{a0}m"),
+                &format!("5\u{a0}% of runs: {low}\u{a0}m; median: {median}\u{a0}m")))
+        }
+        @if unmoved {
+            p.note {
+                "Every run has the clearance of the undisturbed plan: distances are measured in steps of the chart's raster, and the nearest \
+                 point may be one that no current moves, such as the start."
+            }
+        }
+    }
+}
+
+/// What the trial tells against what its counts promise.
+pub(super) fn information(information: &Information, designed: bool) -> Markup {
+    let dimension = information.dimension;
+    let whole = efficiency(information.whole_log_det, information);
+    html! {
+        h3 { "Information of the trial, log|det|" }
+        dl.facts.information {
+            (fact("Promised by the counts", &three_or_dash(information.predicted_log_det), ""))
+            (fact("In the maneuvers as sailed", &three_or_dash(information.realised_log_det), &against(information.efficiency)))
+            (fact("In the whole track", &three_or_dash(information.whole_log_det), &against(whole)))
+            (fact("Efficiency of the counts", &design(information.design_efficiency), &reason(information.design_efficiency, designed)))
+        }
+        p.note {
+            "Efficiency: the ratio of the determinants to the power 1/" (dimension) ". Above 100\u{a0}%, what is sailed tells more than \
+             the maneuvers of the dictionary on their own, for example because the vessel enters them at other speeds."
+        }
+    }
+}
+
+/// exp((log det − promised)/p).
+fn efficiency(log_det: Option<f64>, information: &Information) -> Option<f64> {
+    let gain = log_det? - information.predicted_log_det?;
+    Some((gain / information.dimension as f64).exp())
+}
+
+fn against(efficiency: Option<f64>) -> String {
+    efficiency.map_or("not comparable: a direction is not excited".to_owned(), |e| {
+        format!("{} of the promise", percent(e))
+    })
+}
+
+fn design(efficiency: Option<f64>) -> String {
+    efficiency.map_or("–".to_owned(), percent)
+}
+
+fn reason(efficiency: Option<f64>, designed: bool) -> String {
+    match (efficiency, designed) {
+        (Some(_), _) => "against the design's shares over the same time in maneuvers".to_owned(),
+        (None, false) => "no design was given to compare with".to_owned(),
+        (None, true) => "not compared: plan.json was made without design.json".to_owned(),
+    }
+}

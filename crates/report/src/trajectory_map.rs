@@ -1,0 +1,175 @@
+//! `map.svg` comes from a file and goes onto the page as it is, so it may hold shapes and text only.
+
+/// Elements that a map may have.
+const ELEMENTS: [&str; 12] =
+    ["svg", "g", "title", "desc", "path", "rect", "circle", "ellipse", "line", "polyline", "polygon", "text"];
+/// Attributes that it may have: none of them loads, links, runs or names anything.
+const ATTRIBUTES: [&str; 42] = [
+    "aria-label",
+    "cx",
+    "cy",
+    "d",
+    "dominant-baseline",
+    "dx",
+    "dy",
+    "fill",
+    "fill-opacity",
+    "fill-rule",
+    "font-family",
+    "font-size",
+    "font-style",
+    "font-weight",
+    "height",
+    "letter-spacing",
+    "opacity",
+    "paint-order",
+    "points",
+    "preserveAspectRatio",
+    "r",
+    "role",
+    "rx",
+    "ry",
+    "stroke",
+    "stroke-dasharray",
+    "stroke-linecap",
+    "stroke-linejoin",
+    "stroke-miterlimit",
+    "stroke-opacity",
+    "stroke-width",
+    "text-anchor",
+    "transform",
+    "vector-effect",
+    "viewBox",
+    "width",
+    "x",
+    "x1",
+    "x2",
+    "y",
+    "y1",
+    "y2",
+];
+const NAMESPACE: &str = "http://www.w3.org/2000/svg";
+
+/// What a page must not take over from `svg`; none where it is one plain drawing with balanced tags.
+pub(super) fn refused(svg: &str) -> Option<String> {
+    if !svg.starts_with("<svg ") || !svg.trim_end().ends_with("</svg>") {
+        return Some("text that is not one <svg> element".to_owned());
+    }
+    let mut open: Vec<&str> = Vec::new();
+    for (index, piece) in svg.split('<').skip(1).enumerate() {
+        if index > 0 && open.is_empty() {
+            return Some("more than one element".to_owned());
+        }
+        let tag = piece.split_once('>').map(|(tag, _)| tag);
+        let step = tag.map_or(Err("a tag that is not closed".to_owned()), |tag| enter(tag, &mut open));
+        if let Err(found) = step {
+            return Some(found);
+        }
+    }
+    open.last().map(|name| format!("<{name}> without its end"))
+}
+
+/// Follows one tag.
+fn enter<'a>(tag: &'a str, open: &mut Vec<&'a str>) -> Result<(), String> {
+    if let Some(name) = tag.strip_prefix('/') {
+        return if open.pop() == Some(name) { Ok(()) } else { Err(format!("</{name}> out of place")) };
+    }
+    let (tag, closed) = tag.strip_suffix('/').map_or((tag, false), |tag| (tag, true));
+    let (name, attributes) = tag.split_once(' ').unwrap_or((tag, ""));
+    if !ELEMENTS.contains(&name) {
+        return Err(format!("<{name}>"));
+    }
+    check(attributes).map_err(|found| format!("{found} in <{name}>"))?;
+    open.extend((!closed).then_some(name));
+    Ok(())
+}
+
+fn check(attributes: &str) -> Result<(), String> {
+    let mut rest = attributes.trim();
+    while !rest.is_empty() {
+        let parts = rest.split_once("=\"").and_then(|(name, after)| Some((name, after.split_once('"')?)));
+        let Some((name, (value, after))) = parts else {
+            return Err("an attribute without quotes".to_owned());
+        };
+        let known = ATTRIBUTES.contains(&name) || (name == "xmlns" && value == NAMESPACE);
+        if !known || value.to_ascii_lowercase().contains("url(") {
+            return Err(format!("the attribute `{name}=\"{value}\"`"));
+        }
+        if !after.is_empty() && !after.starts_with(' ') {
+            return Err("attributes that touch".to_owned());
+        }
+        rest = after.trim_start();
+    }
+    Ok(())
+}
+
+/// Whether the drawing is clearly higher than wide.
+pub(super) fn is_tall(svg: &str) -> bool {
+    let text = svg.split_once("viewBox=\"").and_then(|(_, after)| after.split_once('"'));
+    let sizes =
+        text.map(|(numbers, _)| numbers.split(' ').filter_map(|n| n.parse().ok()).collect::<Vec<f64>>());
+    sizes.is_some_and(|sizes| matches!(sizes[..], [_, _, width, height] if height > 1.15 * width))
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::figures::map::{Area, Class, Map, Track, TrackStyle, map_figure};
+
+    use super::*;
+
+    fn map() -> String {
+        let track =
+            Track { style: TrackStyle::Basic, points: vec![[100.0, 200.0], [900.0, 700.0]], number: Some(1) };
+        let ring = vec![[0.0, 0.0], [300.0, 0.0], [0.0, 300.0]];
+        let island = Area { class: Class::Land, ring, holes: Vec::new() };
+        let description = "10 basic moves <proved> & \"done\"".to_owned();
+        let title = "Planned trial".to_owned();
+        let whole = Map {
+            title,
+            description,
+            areas: vec![island],
+            tracks: vec![track],
+            hulls: vec![vec![[5.0, 5.0], [9.0, 5.0], [5.0, 9.0]]],
+            start: Some([100.0, 200.0]),
+            goal: Some([900.0, 700.0]),
+            ..Map::default()
+        };
+        map_figure(&whole).expect("the map can be drawn")
+    }
+
+    #[test]
+    fn a_map_as_drawn_is_taken_over() {
+        assert_eq!(refused(&map()), None);
+        assert!(is_tall(&map()));
+    }
+
+    #[test]
+    fn a_map_that_could_load_link_or_run_is_refused() {
+        let damages = [
+            ("<title>", "<script>alert(1)</script><title>"),
+            ("<title>", "<style>@import 'x'</style><title>"),
+            ("<title>", "<foreignObject/><title>"),
+            ("<title>", "<image href=\"x\"/><title>"),
+            ("<title>", "<!-- --><title>"),
+            ("<title>", "<title id=\"files\">"),
+            ("<title>", "<title onload=\"x\">"),
+            ("<title>", "<title onload=x>"),
+            ("<title>", "<title\tonload=\"x\">"),
+            ("<title>", "</svg><title>"),
+            ("<title>", "</main><title>"),
+            ("<title>", "<g><title>"),
+            ("fill=\"none\"", "fill=\"URL(x)\""),
+            ("<svg ", "<svg x=\"1\"y=\"2\" "),
+            ("http://www.w3.org/2000/svg", "http://example.org"),
+        ];
+        for (whole, damage) in damages {
+            let damaged = map().replacen(whole, damage, 1);
+            assert_ne!(damaged, map(), "{whole}");
+            assert!(refused(&damaged).is_some(), "{damage}");
+        }
+        let double = map().trim_end().repeat(2);
+        for text in ["", "text", "<svg ", double.as_str()] {
+            assert!(refused(text).is_some());
+        }
+    }
+}

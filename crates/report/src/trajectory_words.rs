@@ -1,0 +1,162 @@
+//! Times, places and moves as the crew reads them.
+
+use super::number::{exact, percent, three};
+use study::documents::{PlanLattice, PlanPose, PlanStep, VoyageLeg};
+
+/// One knot \[m/s\].
+const KNOT: f64 = 1852.0 / 3600.0;
+/// Below this a speed counts as rest \[m/s\].
+const REST: f64 = 5e-3;
+
+/// A time since the start: `01:04:52`.
+pub(super) fn clock(seconds: f64) -> String {
+    if !(seconds.is_finite() && seconds >= 0.0) {
+        return "–".to_owned();
+    }
+    let whole = seconds.round();
+    let (hours, minutes) = ((whole / 3600.0).floor(), (whole / 60.0).floor() % 60.0);
+    format!("{hours:02.0}:{minutes:02.0}:{:02.0}", whole % 60.0)
+}
+
+/// A duration: `64 min 52 s`.
+pub(super) fn minutes(seconds: f64) -> String {
+    if !(seconds.is_finite() && seconds >= 0.0) {
+        return "–".to_owned();
+    }
+    let whole = seconds.round();
+    format!("{:.0}\u{a0}min {:02.0}\u{a0}s", (whole / 60.0).floor(), whole % 60.0)
+}
+
+/// Degrees and decimal minutes, to a thousandth of a minute: `60° 08.918′ N`.
+pub(super) fn latitude(degrees: f64) -> String {
+    place(degrees, 2, ["N", "S"])
+}
+
+/// As [`latitude`]: `024° 57.211′ E`.
+pub(super) fn longitude(degrees: f64) -> String {
+    place(degrees, 3, ["E", "W"])
+}
+
+fn place(degrees: f64, digits: usize, sides: [&str; 2]) -> String {
+    if !degrees.is_finite() {
+        return "–".to_owned();
+    }
+    let thousandths = (degrees.abs() * 60_000.0).round();
+    let side = sides[usize::from(degrees < 0.0 && thousandths > 0.0)];
+    let (whole, rest) = ((thousandths / 60_000.0).floor(), thousandths % 60_000.0 / 1000.0);
+    format!("{whole:0digits$.0}°\u{a0}{rest:06.3}′\u{a0}{side}")
+}
+
+/// A compass heading of three digits: `045°`.
+pub(super) fn heading(degrees: f64) -> String {
+    if degrees.is_finite() {
+        format!("{:03.0}°", degrees.rem_euclid(360.0).round() % 360.0)
+    } else {
+        "–".to_owned()
+    }
+}
+
+/// Compass heading of level `h` of the lattice, which counts counter-clockwise from east.
+pub(super) fn level(lattice: &PlanLattice, h: i64) -> f64 {
+    (90.0 - h as f64 * 360.0 / lattice.headings as f64).rem_euclid(360.0)
+}
+
+/// A speed in knots: `2.9`.
+pub(super) fn knots(speed_m_s: f64) -> String {
+    if speed_m_s.is_finite() { format!("{:.1}", speed_m_s / KNOT) } else { "–".to_owned() }
+}
+
+/// A cost with its unit: `10 basic moves`, `3629 s`.
+pub(super) fn cost(value: f64, unit: &str) -> String {
+    let number = exact((value * 1e3).round() / 1e3);
+    match unit {
+        "basic-moves" if value == 1.0 => "1 basic move".to_owned(),
+        "basic-moves" => format!("{number} basic moves"),
+        "seconds" => format!("{number}\u{a0}s"),
+        _ => number,
+    }
+}
+
+/// What the cost counts, as the head of a column or an axis.
+pub(super) fn cost_title(unit: &str) -> &'static str {
+    match unit {
+        "basic-moves" => "basic moves",
+        "seconds" => "cost [s]",
+        _ => "cost",
+    }
+}
+
+/// A part of a whole: `17 of 64 (26.6 %)`.
+pub(super) fn part(count: u64, of: u64) -> String {
+    if of == 0 {
+        return "none simulated".to_owned();
+    }
+    format!("{count} of {of} ({})", percent(count as f64 / of as f64))
+}
+
+/// What is done on a leg, in plain words.
+pub(super) fn action(step: &PlanStep, leg: &VoyageLeg, lattice: &PlanLattice) -> String {
+    if leg.informative {
+        return match leg.side.as_deref() {
+            Some("mirrored") => format!("{}, mirrored (starts to the other side)", leg.name),
+            Some(side) => format!("{}, {side}", leg.name),
+            None => leg.name.clone(),
+        };
+    }
+    match leg.name.as_str() {
+        "straight" => "straight ahead".to_owned(),
+        "turn-port" => format!("turn to port {}", turn(step, leg, lattice)),
+        "turn-starboard" => format!("turn to starboard {}", turn(step, leg, lattice)),
+        "faster" => format!("faster{}", reached(&step.to, lattice)),
+        "slower" => format!("slower{}", reached(&step.to, lattice)),
+        other => other.to_owned(),
+    }
+}
+
+fn turn(step: &PlanStep, leg: &VoyageLeg, lattice: &PlanLattice) -> String {
+    let how = if leg.speed_m_s.abs() < REST { "on the spot" } else { "under way" };
+    format!("{how}, to\u{a0}{}", heading(level(lattice, step.to.h as i64)))
+}
+
+fn reached(to: &PlanPose, lattice: &PlanLattice) -> String {
+    match to.mode.as_ref().and_then(|mode| lattice.modes.get(mode)) {
+        Some(speed) if speed.abs() < REST => ", to a stop".to_owned(),
+        Some(speed) => format!(", to {}\u{a0}m/s ({}\u{a0}kn)", three(*speed), knots(*speed)),
+        None => String::new(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn times_carry_into_minutes_and_hours() {
+        assert_eq!(
+            [0.0, 59.6, 3892.0, 360_000.0].map(clock),
+            ["00:00:00", "00:01:00", "01:04:52", "100:00:00"]
+        );
+        assert_eq!(minutes(3892.4), "64\u{a0}min 52\u{a0}s");
+        assert_eq!(minutes(59.7), "1\u{a0}min 00\u{a0}s");
+        assert_eq!([f64::NAN, -1.0].map(clock), ["–", "–"]);
+    }
+
+    #[test]
+    fn places_carry_into_degrees_and_name_their_side() {
+        assert_eq!(latitude(60.148_635_853), "60°\u{a0}08.918′\u{a0}N");
+        assert_eq!(longitude(24.953_519_201), "024°\u{a0}57.211′\u{a0}E");
+        assert_eq!(longitude(-0.999_999_99), "001°\u{a0}00.000′\u{a0}W");
+        assert_eq!(latitude(-1e-9), "00°\u{a0}00.000′\u{a0}N");
+        assert_eq!(latitude(f64::NAN), "–");
+    }
+
+    #[test]
+    fn headings_have_three_digits_and_no_360() {
+        assert_eq!([45.0, 359.7, -90.0, 360.0, f64::NAN].map(heading), ["045°", "000°", "270°", "000°", "–"]);
+    }
+
+    #[test]
+    fn knots_are_nautical_miles_per_hour() {
+        assert_eq!([0.0, 1.5, 3.0].map(knots), ["0.0", "2.9", "5.8"]);
+    }
+}

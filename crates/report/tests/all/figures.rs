@@ -1,0 +1,175 @@
+//! Every figure is well-formed, scalable and free of numbers that cannot be drawn.
+
+use report::figures::{
+    Curve, ErrorRow, FrontDot, HistogramAxis, HistogramPanel, SensitivityRow, ShareRow, TraceColumn,
+    TraceRow, Track, front, histogram_pair, palette, relative_errors, sensitivities, shares, traces, tracks,
+};
+
+/// Tags balance, quotes close, the root scales, nothing is NaN or infinite.
+fn check(svg: &str) {
+    assert!(svg.starts_with("<svg role=\"img\" aria-label=\""), "{}", &svg[..60]);
+    let root = &svg[..svg.find('>').unwrap()];
+    assert!(root.contains("viewBox=\"0 0 "), "{root}");
+    assert!(!root.contains(" width=") && !root.contains(" height="), "{root}");
+    for wrong in ["NaN", "inf", "id=\"", "#000000"] {
+        assert!(!svg.contains(wrong), "{wrong} in the drawing");
+    }
+    assert_eq!(open_tags(svg), Vec::<String>::new());
+}
+
+fn open_tags(svg: &str) -> Vec<String> {
+    let mut open = Vec::new();
+    let mut rest = svg;
+    while let Some(start) = rest.find('<') {
+        let end = start + rest[start..].find('>').expect("a tag is not closed");
+        let tag = &rest[start + 1..end];
+        assert!(tag.matches('"').count().is_multiple_of(2), "{tag}");
+        let name = tag.trim_start_matches('/').split([' ', '/']).next().unwrap_or_default().to_owned();
+        if tag.starts_with('/') {
+            assert_eq!(open.pop(), Some(name));
+        } else if !tag.ends_with('/') {
+            open.push(name);
+        }
+        rest = &rest[end + 1..];
+    }
+    open
+}
+
+fn panel<'a>(label: &'a str, values: &'a [Option<f64>], colour: usize) -> HistogramPanel<'a> {
+    HistogramPanel { label, values, note: Some("50.0 % below 5".to_owned()), colour }
+}
+
+const AXIS: HistogramAxis<'_> =
+    HistogramAxis { title: "parameter error [1]", limit: 25.0, bins: 50, bound: Some(5.0), width: 520.0 };
+
+#[test]
+fn the_histograms_name_their_designs_and_count_the_last_bar() {
+    let optimized = [Some(1.0), Some(2.0), None, Some(30.0), Some(f64::NAN)];
+    let random = [Some(f64::INFINITY), None, Some(40.0), Some(41.0), Some(42.0)];
+    let svg =
+        histogram_pair(&AXIS, &[panel("optimized", &optimized, 0), panel("random", &random, 1)]).unwrap();
+    check(&svg);
+    for label in ["optimized", "random", "≥ 25", "parameter error [1]", "50.0 % below 5", "runs", ">\n3\n<"]
+    {
+        assert!(svg.contains(label), "{label}");
+    }
+    assert!(svg.contains(&palette::hex(palette::BLUE)) && svg.contains(&palette::hex(palette::VERMILION)));
+}
+
+#[test]
+fn histograms_without_runs_or_panels_are_drawn_empty() {
+    check(&histogram_pair(&AXIS, &[]).unwrap());
+    check(&histogram_pair(&AXIS, &[panel("none", &[], 0), panel("all missing", &[None; 3], 1)]).unwrap());
+    let endless = HistogramAxis { limit: f64::NAN, bins: 0, width: f64::NAN, ..AXIS };
+    check(&histogram_pair(&endless, &[panel("none", &[Some(1.0)], 0)]).unwrap());
+}
+
+#[test]
+fn shares_show_ours_and_the_published_ones() {
+    let rows = [
+        ShareRow { name: "spiral-fast", share: 0.352, published: Some(0.25) },
+        ShareRow { name: "zig-zag <&> \"steep\"", share: 0.0, published: None },
+        ShareRow { name: "odd", share: f64::NAN, published: Some(f64::INFINITY) },
+    ];
+    let svg = shares(&rows).unwrap();
+    for label in [
+        "spiral-fast",
+        "35.2 %",
+        "published",
+        "share of the experiment time [%]",
+        "&lt;&amp;&gt; &quot;steep",
+    ] {
+        assert!(svg.contains(label), "{label}");
+    }
+    check(&svg);
+    check(&shares(&[]).unwrap());
+}
+
+#[test]
+fn sensitivities_show_the_line_that_is_worth_the_time() {
+    let rows = [
+        SensitivityRow { name: "spiral-fast", sensitivity: 13.0, used: true },
+        SensitivityRow { name: "spiral-slow", sensitivity: 6.25, used: false },
+        SensitivityRow { name: "broken", sensitivity: f64::NAN, used: false },
+    ];
+    let svg = sensitivities(&rows, 13.0).unwrap();
+    check(&svg);
+    for label in ["spiral-slow", "6.2", "g = p = 13"] {
+        assert!(svg.contains(label), "{label}");
+    }
+    check(&sensitivities(&[], f64::NAN).unwrap());
+}
+
+#[test]
+fn relative_errors_name_parameters_and_designs() {
+    let rows = [
+        ErrorRow { name: "X_u", errors: vec![Some((0.02, 0.1)), Some((-3.0, 40.0))] },
+        ErrorRow { name: "X_uu", errors: vec![None, Some((f64::NAN, 1.0))] },
+    ];
+    let svg = relative_errors(&["optimized", "random"], &rows).unwrap();
+    check(&svg);
+    for label in ["X_uu", "optimized", "random", "−10", "relative error"] {
+        assert!(svg.contains(label), "{label}");
+    }
+    check(&relative_errors(&[], &[]).unwrap());
+}
+
+#[test]
+fn traces_survive_gaps_and_unequal_lengths() {
+    let t: Vec<f64> = (0..300).map(|i| f64::from(i) / 8.0).collect();
+    let mut values: Vec<f64> = t.iter().map(|t| t.sin()).collect();
+    values[10] = f64::NAN;
+    let columns = [
+        TraceColumn { title: "inputs", legend: vec![("tau1, 1 = 4.3 kN".to_owned(), palette::input(0))] },
+        TraceColumn { title: "surge u [m/s]", legend: Vec::new() },
+    ];
+    let cells = vec![
+        vec![Curve { values, colour: Some(palette::input(0)) }],
+        vec![Curve { values: vec![1.0; 7], colour: None }],
+    ];
+    let row = TraceRow { name: "zig-zag", note: Some("10.0 % of the time".to_owned()), t: &t, cells };
+    let svg = traces(&columns, &[row]).unwrap();
+    check(&svg);
+    for label in ["zig-zag", "surge u [m/s]", "tau1, 1 = 4.3 kN", "time [s]", "10.0 % of the time"] {
+        assert!(svg.contains(label), "{label}");
+    }
+    check(&traces(&[], &[]).unwrap());
+}
+
+#[test]
+fn tracks_share_one_scale() {
+    let x: Vec<f64> = (0..100).map(f64::from).collect();
+    let y = vec![0.0; 100];
+    let svg =
+        tracks(&[Track { name: "straight", x: &x, y: &y }, Track { name: "none", x: &[], y: &[] }]).unwrap();
+    check(&svg);
+    assert!(svg.contains("straight") && svg.contains(" m\n"));
+    check(&tracks(&[]).unwrap());
+}
+
+#[test]
+fn a_front_names_its_dots_and_fills_the_chosen_one() {
+    let dots = [
+        FrontDot { cost: 8.0, log_det: 60.7, label: "3 <2> 3", chosen: false },
+        FrontDot { cost: 10.0, log_det: 62.9, label: "3 3 3", chosen: true },
+        FrontDot { cost: f64::NAN, log_det: 61.0, label: "broken", chosen: false },
+        FrontDot { cost: 9.0, log_det: f64::INFINITY, label: "endless", chosen: false },
+    ];
+    let svg = front(&dots, "basic moves").unwrap();
+    check(&svg);
+    for label in ["3 &lt;2&gt; 3", "3 3 3", "basic moves", "log|det| of the moments [1]"] {
+        assert!(svg.contains(label), "{label}");
+    }
+    assert!(!svg.contains("broken") && !svg.contains("endless"));
+    let filled = format!("fill=\"{}\"", palette::hex(palette::BLUE));
+    assert_eq!(svg.matches("<circle").count(), 2);
+    assert_eq!(svg.matches("<circle").count() - 1, svg.matches(&filled).count());
+    check(&front(&[], "cost").unwrap());
+    check(&front(&dots[1..2], "cost").unwrap());
+}
+
+#[test]
+fn the_same_input_gives_the_same_bytes() {
+    let rows = [ShareRow { name: "a", share: 0.5, published: Some(0.4) }];
+    assert_eq!(shares(&rows).unwrap(), shares(&rows).unwrap());
+}

@@ -1,0 +1,297 @@
+//! `estimate`: parameters of every run.
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use artifact::{
+    EncodedBlock, Provenance, Staged, TableReader, TableWriter, commit, encode_block, gather, stage_document,
+};
+use clap::{Parser, ValueEnum};
+use identification::predictor::{InitialState, Levels};
+use seatrial::cli::{Common, Sharding, Summary, beside, given, name_of, provenance, run};
+use seatrial::estimators::{Estimator, RunEstimators, refuse_if_none};
+use seatrial::failure::Failure;
+use seatrial::instruments::Removal;
+use seatrial::ordered::{joined, joined_blocks, ordered};
+use seatrial::pooled::{self, PoolFlags, Wanted};
+use seatrial::progress::Progress;
+use serde_json::json;
+use study::estimates::{self, Row, Status};
+use study::files::{read_campaign, read_vessel};
+use study::trajectories::{Layout, TrajectoryReader};
+use vessel::Vessel;
+
+/// Estimates the parameters of every run, with standard errors; writes estimates.parquet and estimate.json
+#[derive(Parser)]
+#[command(
+    name = "estimate",
+    version,
+    after_help = "Example:\n  estimate --vessel pipelines/paper/vessel.toml \
+    --trajectories campaign.parquet --out estimates.parquet\n  estimate --pool --vessel pipelines/kvlcc2/vessel.toml \
+    --trajectories trajectories.parquet --nominal least-squares --estimator auto --bootstrap 500 --out results/"
+)]
+struct Arguments {
+    /// The vessel
+    #[arg(long, value_name = "vessel.toml")]
+    vessel: PathBuf,
+    /// The runs
+    #[arg(long, required_unless_present = "gather", value_name = "campaign.parquet")]
+    trajectories: Option<PathBuf>,
+    /// The estimator
+    #[arg(long, value_enum, default_value_t = Estimator::Iv)]
+    estimator: Estimator,
+    /// Every estimator on the same runs
+    #[arg(long, conflicts_with_all = ["estimator", "pool"])]
+    compare: bool,
+    /// What disturbs the runs: for `prediction-error` and --compare, and for standard errors of `output-error`
+    #[arg(long, value_name = "campaign.toml")]
+    campaign: Option<PathBuf>,
+    /// Whether simulations of `output-error` and `prediction-error` start at a known state or estimate it (default: known
+    /// where the file has the true states)
+    #[arg(long, value_enum)]
+    initial_state: Option<Initial>,
+    /// How the instruments' mean is removed
+    #[arg(long, value_enum, default_value_t = Removal::Complete)]
+    mean_removal: Removal,
+    /// One estimate from all runs, whose segments each get instruments of their own; also writes trust.json
+    #[arg(long)]
+    pool: bool,
+    /// Resamples of the bootstrap over sub-experiments (with --pool)
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=1_000_000))]
+    bootstrap: Option<u32>,
+    /// Lags of the standard errors (with --pool; default 4 (samples/100)^(2/9))
+    #[arg(long, value_name = "LAGS")]
+    bandwidth: Option<u16>,
+    #[command(flatten)]
+    flags: PoolFlags,
+    #[command(flatten)]
+    sharding: Sharding,
+    #[command(flatten)]
+    common: Common,
+}
+
+/// Where a simulation starts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Initial {
+    /// At the run's true initial state, or else its first measurement
+    Known,
+    /// At a state that is estimated
+    Estimated,
+}
+
+fn main() -> ExitCode {
+    run(|a: &Arguments| &a.common, stage)
+}
+
+fn stage(a: &Arguments) -> Result<Summary, Failure> {
+    let mut provenance = provenance("estimate");
+    let vessel = read_vessel(&a.vessel, &mut provenance)?;
+    let mut inputs = vec![a.vessel.as_path()];
+    inputs.extend(a.flags.recordings.as_deref());
+    inputs.extend(a.trajectories.iter().chain(&a.sharding.gather).map(PathBuf::as_path));
+    let out = a.common.main_output("estimates.parquet", &inputs)?;
+    if a.pool {
+        return pool(a, &vessel, out, provenance);
+    }
+    refuse_pool_flags(a)?;
+    let levels = levels(a, &vessel, &mut provenance)?;
+    let document_file = beside(&out, "estimate.json");
+    if a.sharding.gathers() {
+        let table = gather(&a.sharding.gather, &out, estimates::ID, estimates::VERSION)?;
+        let gathered = TableReader::open(table.temporary(), estimates::ID, estimates::VERSION)?;
+        gathered.require(&estimates::schema(&vessel).columns)?;
+        let blocks = 0..gathered.blocks();
+        let rows: Vec<Vec<Row>> =
+            blocks.map(|i| estimates::rows(&gathered, &vessel, &out, i)).collect::<Result<_, _>>()?;
+        return publish(a, &vessel, gathered.provenance(), table, rows.concat(), &document_file);
+    }
+    let file = given(&a.trajectories, "trajectories")?;
+    let reader = TrajectoryReader::open(file, &Layout::new(&vessel.model), vessel.sample_rate_hz)?;
+    reader.whole()?;
+    provenance.inputs.insert("trajectories".into(), reader.digest());
+    provenance.settings.insert("estimator".into(), json!(name_of(a.estimator)));
+    if a.compare {
+        let names: Vec<String> = Estimator::COMPARED.into_iter().map(name_of).collect();
+        provenance.settings.insert("compared".into(), json!(names));
+    }
+    let initial = initial(a, &reader);
+    if a.compare || matches!(a.estimator, Estimator::OutputError | Estimator::PredictionError) {
+        provenance.settings.insert("initial_state".into(), json!(name_of(initial)));
+    }
+    provenance.settings.insert("mean_removal".into(), json!(name_of(a.mean_removal)));
+    provenance.shard.clone_from(&a.sharding.shard);
+    let schema = estimates::schema(&vessel);
+    let mut writer = TableWriter::create(&out, &schema, &provenance)?;
+    let mut rows = Vec::new();
+    let mut each = |(block, own): (EncodedBlock, Vec<Row>)| {
+        rows.extend(own);
+        Ok(writer.push(block)?)
+    };
+    let estimators = RunEstimators {
+        vessel: &vessel,
+        vessel_file: &a.vessel,
+        file,
+        estimators: if a.compare { Estimator::COMPARED.to_vec() } else { vec![a.estimator] },
+        removal: a.mean_removal.into(),
+        initial: match initial {
+            Initial::Known => InitialState::Known,
+            Initial::Estimated => InitialState::Estimated,
+        },
+        levels,
+    };
+    estimate_blocks(a, &estimators, &reader, &schema, &mut each)?;
+    if a.sharding.shard.is_none() {
+        refuse_if_all_collinear(&estimators, file, &reader, &rows)?;
+        refuse_if_none(file, &vessel, &rows)?;
+    }
+    publish(a, &vessel, &provenance, writer.finish()?, rows, &document_file)
+}
+
+/// What disturbs the runs, where that is stated.
+fn levels(a: &Arguments, vessel: &Vessel, provenance: &mut Provenance) -> Result<Option<Levels>, Failure> {
+    let Some(file) = a.campaign.as_deref() else {
+        let needed =
+            [(a.compare, "--compare"), (a.estimator == Estimator::PredictionError, "prediction-error")];
+        return match needed.into_iter().find(|(needed, _)| *needed && !a.sharding.gathers()) {
+            None => Ok(None),
+            Some((_, what)) => Err(Failure::Usage(format!(
+                "--campaign: found none, expected the campaign.toml whose disturbances {what} needs; name it"
+            ))),
+        };
+    };
+    let levels = read_campaign(file, provenance)?.levels(vessel.sample_rate_hz);
+    let silent = levels.measurement.iter().position(|std| *std == 0.0);
+    match silent.filter(|_| a.compare || a.estimator == Estimator::PredictionError) {
+        None => Ok(Some(levels)),
+        Some(d) => Err(Failure::refuse(
+            file,
+            &format!("`measurement.{}`", ["std_u_m_s", "std_v_m_s", "std_r_rad_s"][d]),
+            "0",
+            "measurement noise in every state, which the filter of `prediction-error` weighs predictions with",
+            "state what the sensor has, however little",
+        )),
+    }
+}
+
+fn initial(a: &Arguments, reader: &TrajectoryReader) -> Initial {
+    a.initial_state.unwrap_or(if reader.true_states() { Initial::Known } else { Initial::Estimated })
+}
+
+/// One estimate from all runs.
+fn pool(a: &Arguments, vessel: &Vessel, out: PathBuf, provenance: Provenance) -> Result<Summary, Failure> {
+    if a.sharding.gathers() || a.sharding.shard.is_some() {
+        let found = "--pool: found --shard or --gather, expected neither";
+        return Err(Failure::Usage(format!("{found}; a pooled estimate is made in one piece")));
+    }
+    let Some(method) = a.estimator.pooled() else {
+        let found = "--estimator: found prediction-error with --pool, expected ls, iv, refined-iv, auto or output-error";
+        return Err(Failure::Usage(format!("{found}; choose one of them")));
+    };
+    let wanted = Wanted {
+        vessel,
+        trajectories: given(&a.trajectories, "trajectories")?,
+        flags: &a.flags,
+        method,
+        removal: a.mean_removal,
+        bandwidth: a.bandwidth.map(usize::from),
+        replicates: a.bootstrap.unwrap_or(0),
+        seed: a.common.seed.unwrap_or(1),
+        out,
+        quiet: a.common.quiet,
+    };
+    pooled::estimate(&wanted, provenance)
+}
+
+/// Refuses flags that mean something to a pooled estimate only.
+fn refuse_pool_flags(a: &Arguments) -> Result<(), Failure> {
+    let given = [
+        (a.estimator == Estimator::Auto, "--estimator auto"),
+        (a.bootstrap.is_some(), "--bootstrap"),
+        (a.bandwidth.is_some(), "--bandwidth"),
+    ];
+    let first = given.into_iter().find(|(given, _)| *given).map(|(_, name)| name).or(a.flags.first_given());
+    first.map_or(Ok(()), |flag| {
+        Err(Failure::Usage(format!("{flag}: found it without --pool, expected both; add --pool")))
+    })
+}
+
+fn estimate_blocks(
+    a: &Arguments,
+    estimators: &RunEstimators,
+    reader: &TrajectoryReader,
+    schema: &artifact::TableSchema,
+    each: &mut dyn FnMut((EncodedBlock, Vec<Row>)) -> Result<(), Failure>,
+) -> Result<(), Failure> {
+    let outputs = joined_blocks(reader.blocks());
+    let mine = a.sharding.shard.map_or(0..outputs, |s| s.range(outputs));
+    let progress = Progress::new("blocks of runs", reader.blocks(), a.common.quiet);
+    let block = |i: usize| {
+        let rows = estimators.rows(&reader.runs(i)?);
+        progress.advance(1);
+        rows
+    };
+    let work = |i: usize| {
+        let rows = joined(i, reader.blocks(), block)?;
+        Ok((encode_block(schema, &estimates::table(estimators.vessel, &rows))?, rows))
+    };
+    ordered(mine, work, each)
+}
+
+/// Refuses measured runs none of which is identified, in the words of the first.
+fn refuse_if_all_collinear(
+    estimators: &RunEstimators,
+    file: &Path,
+    reader: &TrajectoryReader,
+    rows: &[Row],
+) -> Result<(), Failure> {
+    if rows.is_empty() || rows.iter().any(|r| r.estimate.is_some()) {
+        return Ok(());
+    }
+    let runs = reader.runs(0)?;
+    let Some((run, found)) = runs.first().and_then(|run| Some((run.run, estimators.collinear(run)?))) else {
+        return Ok(());
+    };
+    Err(Failure::NoAnswer(format!(
+        "{}: {} runs: found none that is identifiable (run {run}: {}), expected one; add maneuvers that vary these terms, \
+         or use --estimator ls, or --pool with --estimator auto",
+        file.display(),
+        rows.len(),
+        found.words
+    )))
+}
+
+fn publish(
+    a: &Arguments,
+    vessel: &Vessel,
+    provenance: &Provenance,
+    table: Staged,
+    rows: Vec<Row>,
+    document_file: &Path,
+) -> Result<Summary, Failure> {
+    let out = table.path().to_owned();
+    let (runs, identified) = (rows.len(), rows.iter().filter(|r| r.estimate.is_some()).count());
+    let count = |status: Status| rows.iter().filter(|r| r.status == status).count();
+    let (unexcited, unconverged, kept) =
+        (count(Status::NotIdentifiable), count(Status::NotConverged), count(Status::Kept));
+    let also = |count: usize, what: &str| if count > 0 { format!(", {count} {what}") } else { String::new() };
+    let searched = also(unconverged, estimates::NOT_CONVERGED) + &also(kept, "kept unrefined");
+    let mut staged = vec![table];
+    if provenance.shard.is_none() {
+        let document = estimates::summarize(provenance, vessel, &rows);
+        staged.push(stage_document(document_file, provenance, &document)?);
+    }
+    commit(staged)?;
+    let single = estimates::estimators(&rows).len() < 2;
+    let simple = single && unconverged + kept == 0;
+    let things = if single { "runs" } else { "estimates" };
+    let part = a.sharding.shard.map_or(String::new(), |s| format!(", shard {s}"));
+    Ok(Summary {
+        line: format!("{}: {runs} {things}, {unexcited} not identifiable{searched}{part}", out.display()),
+        json: if simple {
+            json!({"out": out, "runs": runs, "identified": identified})
+        } else {
+            json!({"out": out, "estimates": runs, "identified": identified, "not_identifiable": unexcited,
+                "not_converged": unconverged, "kept": kept})
+        },
+    })
+}

@@ -1,0 +1,97 @@
+//! `plan`: one trajectory that uses every maneuver as often as the design wants.
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::time::Duration;
+
+use clap::{Parser, ValueEnum};
+use lattice::Engine;
+use seatrial::cli::{Common, Summary, given, run};
+use seatrial::failure::Failure;
+use seatrial::plan::{Limits, VoyageFiles, plan_problem, plan_voyage};
+
+/// Plans a trial as one trajectory on a chart, provably the cheapest, with routes for the bridge; or solves a lattice problem
+#[derive(Parser)]
+#[command(
+    name = "plan",
+    version,
+    after_help = "Examples:\n  plan --vessel pipelines/helsinki/vessel.toml --trajectories out/helsinki/dictionary.parquet \
+    --config pipelines/helsinki/plan.toml --out out/helsinki/plan.json\n  \
+    plan --problem fixtures/lattice/channel.json --out plan.json"
+)]
+struct Arguments {
+    /// A lattice problem to solve instead of a chart (schema experiment-lattice-planning/1)
+    #[arg(long, value_name = "problem.json", conflicts_with_all = ["vessel", "trajectories", "config", "design"])]
+    problem: Option<PathBuf>,
+    /// The vessel
+    #[arg(long, required_unless_present = "problem", value_name = "vessel.toml")]
+    vessel: Option<PathBuf>,
+    /// The maneuvers' trajectories (simulate dictionary)
+    #[arg(long, required_unless_present = "problem", value_name = "dictionary.parquet")]
+    trajectories: Option<PathBuf>,
+    /// Chart, lattice, safety, counts, start and goal
+    #[arg(long, required_unless_present = "problem", value_name = "plan.toml")]
+    config: Option<PathBuf>,
+    /// The design, for counts that follow from its shares
+    #[arg(long, value_name = "design.json")]
+    design: Option<PathBuf>,
+    /// Stop searching after this time, with the best plan so far and its gap
+    #[arg(long, value_name = "SECONDS")]
+    time_limit_s: Option<f64>,
+    /// Memory for the search
+    #[arg(long, value_name = "MIB", default_value_t = 4096, value_parser = clap::value_parser!(u64).range(1..))]
+    memory_mib: u64,
+    /// How to search
+    #[arg(long, value_enum, default_value_t = EngineChoice::Auto)]
+    engine: EngineChoice,
+    #[command(flatten)]
+    common: Common,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum EngineChoice {
+    /// Exhaustive where it fits in the memory, otherwise Lagrangian
+    Auto,
+    /// Every state in order of cost
+    Exhaustive,
+    /// Bounds from priced counts, a beam for plans, A* for the proof
+    Lagrangian,
+}
+
+fn main() -> ExitCode {
+    run(|a: &Arguments| &a.common, stage)
+}
+
+fn stage(a: &Arguments) -> Result<Summary, Failure> {
+    let time = match a.time_limit_s {
+        Some(s) if !(s.is_finite() && s > 0.0 && s < 1e9) => {
+            let message = format!("--time-limit-s: found {s}, expected seconds above 0; correct it");
+            return Err(Failure::Usage(message));
+        }
+        time => time.map(Duration::from_secs_f64),
+    };
+    let limits = Limits {
+        engine: match a.engine {
+            EngineChoice::Auto => Engine::Auto,
+            EngineChoice::Exhaustive => Engine::Exhaustive,
+            EngineChoice::Lagrangian => Engine::Lagrangian,
+        },
+        memory_bytes: a.memory_mib.saturating_mul(1 << 20),
+        time,
+        quiet: a.common.quiet,
+    };
+    if let Some(problem) = &a.problem {
+        let out = a.common.main_output("plan.json", &[problem])?;
+        return plan_problem(problem, &out, &limits);
+    }
+    let files = VoyageFiles {
+        vessel: given(&a.vessel, "vessel")?,
+        config: given(&a.config, "config")?,
+        trajectories: given(&a.trajectories, "trajectories")?,
+        design: a.design.as_deref(),
+    };
+    let inputs: Vec<&Path> =
+        [files.vessel, files.config, files.trajectories].into_iter().chain(files.design).collect();
+    let out = a.common.main_output("plan.json", &inputs)?;
+    plan_voyage(&files, &out, &limits, a.common.seed.unwrap_or(1))
+}

@@ -1,0 +1,228 @@
+//! The command line of `design`.
+
+use std::path::PathBuf;
+
+use artifact::Provenance;
+use clap::{Parser, ValueEnum};
+use serde_json::json;
+
+use super::{CriterionName, Estimated, Experiment, OverModels, Predicted, Relative, Wanted};
+use crate::cli::{Common, name_of};
+use crate::failure::Failure;
+use crate::instruments::Removal;
+use study::documents::MomentsDocument;
+
+/// Finds the shares of the experiment time that make the information largest (D-optimal), or a criterion of the estimate's
+/// covariance smallest, with a certificate
+#[derive(Parser)]
+#[command(
+    name = "design",
+    version,
+    after_help = "Example:\n  design --moments moments.json --out design.json\n  \
+    design --moments moments.json --segments 5 --segment-samples 200 --out design.json\n  \
+    design --moments moments.json --criterion a-relative --relative-to value --out design.json\n\n\
+    The input signals themselves, from a design as a start: design refine --help"
+)]
+pub struct Arguments {
+    /// The maneuvers' moments
+    #[arg(long, value_name = "moments.json")]
+    pub(super) moments: PathBuf,
+    /// How the estimator will remove the instruments' mean
+    #[arg(long, value_enum, default_value_t = Removal::Complete)]
+    pub(super) mean_removal: Removal,
+    /// What the shares are best for; all but d-hessian need moments made with --campaign (default: d-hessian; d for
+    /// output-error; a-relative with --accuracy)
+    #[arg(long, value_enum)]
+    pub(super) criterion: Option<CriterionName>,
+    /// The estimator whose covariance the criterion is of; output-error needs moments made with --estimator output-error
+    #[arg(long = "for", value_enum, default_value_t = Predicted::Iv)]
+    pub(super) estimator: Predicted,
+    /// What disturbs an output-error estimate: measurement errors and the current, or measurement errors alone (then the problem
+    /// is convex, and the certificate one of the global optimum)
+    #[arg(long, value_enum, default_value_t = OutputNoise::All)]
+    noise: OutputNoise,
+    /// Moments of the same maneuvers with other models, to be robust against
+    #[arg(long, value_name = "moments.json", num_args = 1..)]
+    pub(super) also: Vec<PathBuf>,
+    /// How the criteria of several models become one
+    #[arg(long, value_enum, default_value_t = OverModels::Mean)]
+    pub(super) over: OverModels,
+    /// Use at most so many maneuvers
+    #[arg(long, value_name = "K", value_parser = clap::value_parser!(u64).range(1..))]
+    pub(super) most_maneuvers: Option<u64>,
+    /// Use a maneuver for at least so long or not at all; needs the length of the experiment [s]
+    #[arg(long, value_name = "S")]
+    pub(super) minimal_s: Option<f64>,
+    /// Find the shortest experiment of this standard error, relative to the parameters (--relative-to)
+    #[arg(long, value_name = "SHARE", conflicts_with_all = ["segments", "duration_s"])]
+    pub(super) accuracy: Option<f64>,
+    /// The accuracy is that of every parameter, not of all together (the root of the sum of squares)
+    #[arg(long, requires = "accuracy")]
+    pub(super) per_parameter: bool,
+    /// The longest experiment for --accuracy [s]
+    #[arg(long, value_name = "S", default_value_t = 86_400.0)]
+    pub(super) longest_s: f64,
+    /// Segments of the random designs that --accuracy compares with
+    #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    pub(super) random_segments: u32,
+    /// Which parameters the errors of a-relative are relative to
+    #[arg(long, value_enum, default_value_t = Relative::Nominal)]
+    pub(super) relative_to: Relative,
+    /// Weights of the parameters' variances for a, a-relative and e: a table `[weight]`; parameters not named count nothing
+    #[arg(long, value_name = "weights.toml")]
+    pub(super) weights: Option<PathBuf>,
+    /// How much of each maneuver exists: tables `seconds` and `segments` by maneuver, or what `ingest` cut
+    #[arg(long, value_name = "available.toml|ingest.json")]
+    pub(super) available: Option<PathBuf>,
+    /// Length of the experiment, where --segments does not tell it [s]
+    #[arg(long, value_name = "S", conflicts_with = "segments")]
+    pub(super) duration_s: Option<f64>,
+    /// Find order and lengths of the maneuvers with the state carried over from one to the next; needs --vessel, --dictionary
+    /// and the length of the experiment
+    #[arg(long, requires = "vessel", requires = "dictionary")]
+    pub(super) arrange: bool,
+    /// The vessel, for --arrange
+    #[arg(long, value_name = "vessel.toml", requires = "arrange")]
+    pub(super) vessel: Option<PathBuf>,
+    /// The maneuvers, for --arrange
+    #[arg(long, value_name = "dictionary.toml", requires = "arrange")]
+    pub(super) dictionary: Option<PathBuf>,
+    /// Random starts besides equal shares
+    #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(0..=1000))]
+    pub(super) starts: u32,
+    /// Stop at this gap, relative to the dimension
+    #[arg(long, value_name = "GAP", default_value_t = 1e-10)]
+    pub(super) tolerance: f64,
+    /// Find the best counts of this many whole segments
+    #[arg(long, value_name = "N", requires = "segment_samples", value_parser = clap::value_parser!(u64).range(1..))]
+    pub(super) segments: Option<u64>,
+    /// Samples per segment
+    #[arg(long, value_name = "N", requires = "segments", value_parser = clap::value_parser!(u64).range(1..))]
+    pub(super) segment_samples: Option<u64>,
+    /// Flags of every stage
+    #[command(flatten)]
+    pub common: Common,
+}
+
+/// What disturbs an output-error estimate.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum OutputNoise {
+    /// Measurement errors and the current
+    All,
+    /// Measurement errors alone
+    Measurement,
+}
+
+impl Arguments {
+    /// Refuses numbers that mean nothing.
+    pub(super) fn check(&self) -> Result<(), Failure> {
+        check_number("--tolerance", Some(self.tolerance))?;
+        check_number("--duration-s", self.duration_s)?;
+        check_number("--minimal-s", self.minimal_s)?;
+        check_number("--accuracy", self.accuracy)?;
+        check_number("--longest-s", Some(self.longest_s))
+    }
+
+    /// The criterion's name, the one that is asked for or the usual one.
+    pub(super) fn criterion_name(&self) -> Result<CriterionName, Failure> {
+        let usage = |found: &str, expected: &str| {
+            Err(Failure::Usage(format!("--criterion: found {found}, expected {expected}; take another")))
+        };
+        match (self.criterion, self.estimator) {
+            (Some(CriterionName::DHessian), Predicted::OutputError) => {
+                usage("d-hessian for output-error, which has no instruments", "d, a, a-relative, e or v")
+            }
+            (Some(CriterionName::V), Predicted::Iv) => usage("v for iv", "v with --for output-error"),
+            (Some(CriterionName::DHessian), _) if !self.also.is_empty() => {
+                usage("d-hessian with --also", "a criterion of the covariance")
+            }
+            (Some(name), _) => Ok(name),
+            (None, _) if self.accuracy.is_some() => Ok(CriterionName::ARelative),
+            (None, Predicted::OutputError) => Ok(CriterionName::D),
+            (None, Predicted::Iv) if !self.also.is_empty() => Ok(CriterionName::D),
+            (None, Predicted::Iv) => Ok(CriterionName::DHessian),
+        }
+    }
+
+    /// The estimator whose covariance the criterion is of.
+    pub(super) fn estimated(&self) -> Estimated {
+        match self.estimator {
+            Predicted::Iv => Estimated::Iv(self.mean_removal),
+            Predicted::OutputError => Estimated::OutputError { current: self.noise == OutputNoise::All },
+        }
+    }
+
+    /// The experiment's duration, which --minimal-s needs.
+    pub(super) fn few_duration(
+        &self,
+        moments: &MomentsDocument,
+        experiment: &Experiment,
+    ) -> Result<Option<f64>, Failure> {
+        let duration = experiment.samples.map(|samples| samples / moments.sample_rate_hz);
+        match (self.minimal_s, duration) {
+            (Some(_), None) => Err(Failure::Usage(
+                "--minimal-s: found no length of the experiment, expected one to relate it to; add --duration-s, or --segments and \
+                 --segment-samples"
+                    .into(),
+            )),
+            (Some(minimal), Some(duration)) if minimal > duration => Err(Failure::Usage(format!(
+                "--minimal-s: found {minimal}, expected no more than the experiment's {duration} s; lower it"
+            ))),
+            _ => Ok(duration),
+        }
+    }
+
+    /// What --accuracy asks for.
+    pub(super) fn wanted(&self, accuracy: f64) -> Wanted {
+        Wanted {
+            accuracy,
+            per_parameter: self.per_parameter,
+            longest_s: self.longest_s,
+            random_segments: self.random_segments,
+            seed: self.seed(),
+        }
+    }
+
+    /// The experiment's length, as far as it is told.
+    pub(super) fn experiment(&self, moments: &MomentsDocument) -> Experiment {
+        let segments = self.segments.zip(self.segment_samples);
+        let counted = segments.map(|(n, samples)| n as f64 * samples as f64);
+        Experiment { samples: self.duration_s.map(|s| s * moments.sample_rate_hz).or(counted), segments }
+    }
+
+    /// Of random starts and random designs.
+    pub(super) fn seed(&self) -> u64 {
+        self.common.seed.unwrap_or(1)
+    }
+
+    /// What the result depends on besides the inputs; a criterion only where it is not the default.
+    pub(super) fn settings(&self, provenance: &mut Provenance) {
+        let settings = &mut provenance.settings;
+        settings.insert("seed".into(), json!(self.seed()));
+        settings.insert("starts".into(), json!(self.starts));
+        settings.insert("tolerance".into(), json!(self.tolerance));
+        let name = self.criterion_name().unwrap_or(CriterionName::DHessian);
+        if name != CriterionName::DHessian {
+            settings.insert("criterion".into(), json!(name_of(name)));
+        }
+        if (name == CriterionName::ARelative && self.weights.is_none()) || self.accuracy.is_some() {
+            settings.insert("relative_to".into(), json!(name_of(self.relative_to)));
+        }
+        if self.estimator == Predicted::OutputError {
+            settings.insert("estimator".into(), json!("output-error"));
+            settings.insert("noise".into(), json!(name_of(self.noise)));
+        }
+        if let Some(duration) = self.duration_s {
+            settings.insert("duration_s".into(), json!(duration));
+        }
+    }
+}
+
+fn check_number(flag: &str, value: Option<f64>) -> Result<(), Failure> {
+    match value.filter(|value| !(value.is_finite() && *value > 0.0)) {
+        Some(value) => {
+            Err(Failure::Usage(format!("{flag}: found {value}, expected a number above 0; correct it")))
+        }
+        None => Ok(()),
+    }
+}

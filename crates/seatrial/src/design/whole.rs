@@ -1,0 +1,151 @@
+//! What a whole experiment is worth, its state carried over from maneuver to maneuver.
+
+use std::collections::BTreeMap;
+
+use design::{Candidates, Covariance, CovariancePoint, Evaluation, Objective};
+use identification::{Batch, Noise, middle, moments, output_information};
+use vessel::{LANES, Lane, check_diverged, simulate_one};
+
+use super::criterion::{Criterion, CriterionName};
+use super::matrices::Estimated;
+use super::sequence::Sequencing;
+use crate::instruments::Removal;
+use crate::simulate::exogenous;
+use study::documents::ExpectedDisturbances;
+
+/// What exceeding a limit by all of it costs, in the criterion's value.
+const PENALTY: f64 = 20.0;
+
+impl Sequencing<'_> {
+    /// Values of up to [`LANES`] runs of equal length.
+    pub(super) fn group(&self, runs: &[([f64; 3], Vec<f64>)]) -> Vec<f64> {
+        let model = &self.vessel.model;
+        let exogenous: Vec<Vec<f64>> = runs.iter().map(|(_, inputs)| exogenous(model, inputs)).collect();
+        let penalty = |i: usize| {
+            let Some(limits) = self.limits() else { return 0.0 };
+            let states = simulate_one(model, self.generator.parameters(), runs[i].0, &exogenous[i]);
+            limits.exceeded(model, &states, &runs[i].1).map_or(0.0, |e| PENALTY * (e.found / e.allowed - 1.0))
+        };
+        let values = match self.estimated {
+            Estimated::Iv(removal) => self.instrumental(runs, &exogenous, removal),
+            Estimated::OutputError { current } => {
+                (0..runs.len()).map(|i| self.output_error(runs[i].0, &exogenous[i], current)).collect()
+            }
+        };
+        let judged = |(i, value): (usize, Option<f64>)| value.map_or(f64::NEG_INFINITY, |v| v - penalty(i));
+        values.into_iter().enumerate().map(judged).collect()
+    }
+
+    fn disturbances(&self) -> Option<(&ExpectedDisturbances, Noise)> {
+        let d = self.moments.disturbances.as_ref()?;
+        let measurement = [d.std_u_m_s, d.std_v_m_s, d.std_r_rad_s];
+        Some((d, Noise { measurement, current: d.current_std_m_s }))
+    }
+
+    /// θ in the model's order.
+    fn ordered(&self, by_name: &BTreeMap<String, f64>) -> Option<Vec<f64>> {
+        self.vessel.model.parameter_names().map(|name| by_name.get(name).copied()).collect()
+    }
+
+    fn output_error(&self, initial: [f64; 3], exogenous: &[f64], current: bool) -> Option<f64> {
+        let (_, noise) = self.disturbances()?;
+        let theta = self.ordered(&self.moments.output_error.as_ref()?.parameters)?;
+        let noise = if current { noise } else { Noise { current: 0.0, ..noise } };
+        let found = output_information(&self.vessel.model, &theta, initial, exogenous, &noise)?;
+        let middle: Vec<f64> = found.measurement.iter().zip(&found.process).map(|(e, p)| e + p).collect();
+        self.judge(vec![found.information.len().isqrt()], &found.information, Some(&middle))
+    }
+
+    fn instrumental(
+        &self,
+        runs: &[([f64; 3], Vec<f64>)],
+        exogenous: &[Vec<f64>],
+        removal: Removal,
+    ) -> Vec<Option<f64>> {
+        let nothing = vec![None; runs.len()];
+        let model = &self.vessel.model;
+        let theta = match self.disturbances() {
+            Some((d, _)) => self.ordered(&d.parameters),
+            None => Some(self.generator.parameters().to_vec()),
+        };
+        let Some(theta) = theta else { return nothing };
+        let last = runs.len() - 1;
+        let simulated = |theta: &[f64]| -> Vec<Vec<f64>> {
+            let run = |i: usize| simulate_one(model, theta, runs[i].0, &exogenous[i]);
+            (0..runs.len()).map(run).collect()
+        };
+        let lanes = |rows: &[Vec<f64>]| -> Vec<Lane> {
+            (0..rows[0].len()).map(|k| Lane(std::array::from_fn(|lane| rows[lane.min(last)][k]))).collect()
+        };
+        let (own, nominal) = (simulated(&theta), simulated(&self.vessel.nominal));
+        let (measured, instrument_states, inputs) = (lanes(&own), lanes(&nominal), lanes(exogenous));
+        let batch = Batch {
+            model,
+            measured: &measured,
+            instrument_states: &instrument_states,
+            exogenous: &inputs,
+            segments: [&[0]; LANES],
+        };
+        let found = moments(&batch);
+        let middles = self.disturbances().map(|(_, noise)| middle(&batch, &theta, &noise));
+        let sizes: Vec<usize> = model.degrees.iter().map(|d| d.terms.len() + 1).collect();
+        let kept =
+            sizes.iter().map(|n| if removal == Removal::Complete { *n } else { n - 1 }).collect::<Vec<_>>();
+        let of = |i: usize| {
+            let finite = |states: &[f64]| check_diverged(states.iter().copied()).is_none();
+            if !(finite(&own[i]) && finite(&nominal[i])) {
+                return None;
+            }
+            let cut = |matrices: &[Vec<f64>]| -> Vec<f64> {
+                let of = |(matrix, (n, kept)): (&Vec<f64>, (&usize, &usize))| {
+                    let (n, kept) = (*n, *kept);
+                    (0..kept * kept).map(|e| matrix[e / kept * n + e % kept]).collect::<Vec<f64>>()
+                };
+                matrices.iter().zip(sizes.iter().zip(&kept)).flat_map(of).collect()
+            };
+            let middle = middles.as_ref().map(|m| cut(&m[i]));
+            self.judge(kept.clone(), &cut(&found[i].matrices), middle.as_deref())
+        };
+        (0..runs.len()).map(of).collect()
+    }
+
+    /// The criterion of one experiment.
+    fn judge(&self, dimensions: Vec<usize>, information: &[f64], middle: Option<&[f64]>) -> Option<f64> {
+        let one = |entries: &[f64]| {
+            let mut candidates = Candidates::new(dimensions.clone());
+            candidates.push(entries).ok().map(|()| candidates)
+        };
+        let information = one(information)?;
+        let Criterion::Covariance(criterion) = self.criterion else {
+            let (scaled, offset) = information.scaled().ok()?;
+            return scaled.value(&[1.0], &mut Evaluation::default()).map(|value| value + offset);
+        };
+        let middle = one(middle?)?;
+        let covariance = match self.name {
+            CriterionName::V => {
+                let weights = self.moments.output_error.as_ref()?.g.clone()?;
+                Covariance::of_matrices(&information, &middle, &[weights])
+            }
+            _ => Covariance::new(
+                &information,
+                &middle,
+                &self.rows(&criterion.weights),
+                criterion.covariance.norm(),
+            ),
+        };
+        covariance.ok()?.value(&[1.0], &mut CovariancePoint::default())
+    }
+
+    /// Weights of all rows: 0 for intercepts.
+    fn rows(&self, weights: &[f64]) -> Vec<f64> {
+        let mut rest = weights.iter().copied();
+        let mut rows = Vec::new();
+        for degree in &self.vessel.model.degrees {
+            rows.extend(rest.by_ref().take(degree.terms.len()));
+            if self.estimated.has_intercepts() {
+                rows.push(0.0);
+            }
+        }
+        rows
+    }
+}

@@ -1,0 +1,133 @@
+//! Instrumental variables whose instruments and prefilter come from the estimate.
+
+use identification::predictor::Levels;
+use identification::{Batch, MeanRemoval, Noise, Outcome};
+use vessel::{LANES, Lane, Vessel, check_diverged, simulate};
+
+use super::rows::{Found, Regressed};
+use study::estimates::Status;
+use vessel::Run;
+use vessel::lanes::{groups, interleave};
+
+/// Most often that instruments are simulated again.
+const ROUNDS: usize = 8;
+/// A round that moves no parameter by more than this share of its standard error is the last.
+const ENOUGH: f64 = 0.01;
+
+/// Refines the estimates `iv` of `runs`. Where the simulation with the first one diverges, the nominal model's instruments
+/// and filter are taken instead; where a later one does, or instruments made with it identify nothing, the last good estimate
+/// is kept and marked so.
+pub(super) fn refine(
+    vessel: &Vessel,
+    runs: &[Run],
+    iv: &[Regressed],
+    removal: MeanRemoval,
+    levels: Option<&Levels>,
+) -> Vec<Found> {
+    let noise = levels.and_then(Levels::white);
+    let lengths: Vec<usize> = runs.iter().map(Run::samples).collect();
+    let mut all = Vec::with_capacity(runs.len());
+    for group in groups(&lengths) {
+        let mut batch = Refinement::new(vessel, &runs[group.clone()], &iv[group], removal, noise);
+        for round in 0..ROUNDS {
+            if batch.done.iter().all(|done| *done) {
+                break;
+            }
+            batch.round(round == 0);
+        }
+        all.extend(batch.found);
+    }
+    all
+}
+
+/// Up to [`LANES`] runs.
+struct Refinement<'a> {
+    vessel: &'a Vessel,
+    removal: MeanRemoval,
+    noise: Option<Noise>,
+    initial: [Lane; 3],
+    measured: Vec<Lane>,
+    exogenous: Vec<Lane>,
+    starts: Vec<Vec<usize>>,
+    found: Vec<Found>,
+    /// The models that simulations are made with.
+    models: Vec<Vec<f64>>,
+    done: Vec<bool>,
+}
+
+impl<'a> Refinement<'a> {
+    fn new(
+        vessel: &'a Vessel,
+        runs: &[Run],
+        iv: &[Regressed],
+        removal: MeanRemoval,
+        noise: Option<Noise>,
+    ) -> Self {
+        let last = runs.len() - 1;
+        let start = |d: usize| Lane(std::array::from_fn(|lane| runs[lane.min(last)].initial[d]));
+        let found = iv.iter().map(|r| Found { status: r.found.status, estimate: r.found.estimate.clone() });
+        Self {
+            vessel,
+            removal,
+            noise,
+            initial: [0, 1, 2].map(start),
+            measured: interleave(&runs.iter().map(|r| r.measured.as_slice()).collect::<Vec<_>>()),
+            exogenous: interleave(&runs.iter().map(|r| r.exogenous.as_slice()).collect::<Vec<_>>()),
+            starts: runs.iter().map(Run::starts).collect(),
+            found: found.collect(),
+            models: iv.iter().map(|r| r.theta().unwrap_or(&vessel.nominal).to_vec()).collect(),
+            done: iv.iter().map(|r| r.theta().is_none()).collect(),
+        }
+    }
+
+    fn round(&mut self, first: bool) {
+        let (parameters, states) = self.simulated();
+        let last = self.starts.len() - 1;
+        let batch = Batch {
+            model: &self.vessel.model,
+            measured: &self.measured,
+            instrument_states: &states,
+            exogenous: &self.exogenous,
+            segments: std::array::from_fn(|lane| self.starts[lane.min(last)].as_slice()),
+        };
+        let outcomes =
+            identification::estimate_prefiltered(&batch, &parameters, self.removal, self.noise.as_ref());
+        for (lane, outcome) in outcomes.into_iter().enumerate().take(self.found.len()) {
+            let diverged = check_diverged(states.iter().map(|s| s[lane])).is_some();
+            if diverged && first && self.models[lane] != self.vessel.nominal {
+                self.models[lane].clone_from(&self.vessel.nominal);
+            } else {
+                self.take(lane, (!diverged).then_some(outcome));
+            }
+        }
+    }
+
+    /// Every run simulated with its estimate, one lane per parameter.
+    fn simulated(&self) -> (Vec<Lane>, Vec<Lane>) {
+        let last = self.models.len() - 1;
+        let parameter =
+            |i: usize| Lane(std::array::from_fn::<f64, LANES, _>(|lane| self.models[lane.min(last)][i]));
+        let parameters: Vec<Lane> = (0..self.vessel.model.parameters()).map(parameter).collect();
+        let mut states = vec![Lane::ZERO; self.measured.len()];
+        simulate(&self.vessel.model, &parameters, self.initial, &self.exogenous, &[], &mut states);
+        (parameters, states)
+    }
+
+    /// The outcome of a run's round; none where its simulation diverged.
+    fn take(&mut self, lane: usize, outcome: Option<Outcome>) {
+        if self.done[lane] {
+            return;
+        }
+        let Some(Outcome::Identified(next)) = outcome else {
+            self.found[lane].status = Status::Kept;
+            self.done[lane] = true;
+            return;
+        };
+        if let Some((theta, _)) = &self.found[lane].estimate {
+            let moves = next.parameters.iter().zip(theta).zip(&next.standard_errors);
+            self.done[lane] = moves.map(|((a, b), se)| (a - b).abs() / se).all(|moved| moved <= ENOUGH);
+        }
+        self.models[lane].clone_from(&next.parameters);
+        self.found[lane].estimate = Some((next.parameters, next.standard_errors));
+    }
+}

@@ -1,0 +1,44 @@
+//! Logs that were simulated: sealed and labelled by `simulated.json` beside them.
+
+use std::path::Path;
+
+use artifact::{Digest, Provenance, read_document};
+
+use super::files::Source;
+use crate::failure::Failure;
+use study::documents::SimulatedLogsDocument;
+
+/// Name of the document that `simulate logs` writes beside its logs.
+pub const SIMULATED_FILE: &str = "simulated.json";
+
+/// What the logs in `folder` are labelled as, if they are labelled as simulated: then each of `sources` must be as it was
+/// written, and its digest is noted.
+///
+/// # Errors
+/// A log that was changed, or that is none of those that the document lists.
+pub fn simulated_label(
+    folder: &Path,
+    sources: &[Source],
+    provenance: &mut Provenance,
+) -> Result<Option<String>, Failure> {
+    let path = folder.join(SIMULATED_FILE);
+    if !path.is_file() {
+        return Ok(None);
+    }
+    let loaded = read_document::<SimulatedLogsDocument>(&path)?;
+    for file in sources.iter().flat_map(|source| &source.files) {
+        let log = folder.join(file);
+        let listed = loaded.data.recordings.iter().find(|recording| recording.file == *file);
+        let expected = match listed {
+            Some(recording) if recording.digest == Digest::of_file(&log)? => continue,
+            Some(_) => "the log as it was simulated",
+            None => "one of the logs that were simulated together",
+        };
+        let found = if listed.is_some() { "another digest" } else { "a log that is not listed" };
+        let remedy = "simulate the logs again into an empty folder, or keep other logs elsewhere";
+        let expected = format!("{expected}, as {} says", path.display());
+        return Err(Failure::refuse(&log, "simulated log", found, &expected, remedy));
+    }
+    provenance.inputs.insert("simulated".into(), loaded.digest);
+    Ok(Some(loaded.data.label))
+}

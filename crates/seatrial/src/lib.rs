@@ -1,0 +1,24 @@
+//! What the pipeline's binaries share: parse, read, call the science, write.
+
+#![forbid(unsafe_code)]
+#![warn(missing_docs)]
+
+/// Returns freed blocks of tables to the system: with the C library's allocator memory grows with the number of runs.
+#[global_allocator]
+static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
+
+pub mod cli;
+pub mod crossval;
+pub mod design;
+pub mod estimators;
+pub mod failure;
+pub mod free_runs;
+pub mod ingest;
+pub mod instruments;
+pub mod ordered;
+pub mod plan;
+pub mod pooled;
+pub mod progress;
+pub mod selection;
+pub mod sequential;
+pub mod simulate;

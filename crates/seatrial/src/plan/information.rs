@@ -1,0 +1,75 @@
+//! What a stretch of trajectory tells about the parameters: sums of lifted moments per degree of freedom.
+
+use identification::{Batch, moments};
+use vessel::{LANES, Lane, Vessel, simulate_one};
+
+use crate::simulate::exogenous;
+
+/// Σ φ̃ ζ̃ᵀ per degree of freedom, row-major. The sums of two stretches add to those of both.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Information {
+    degrees: Vec<Vec<f64>>,
+}
+
+impl Information {
+    /// Of N samples: `inputs` N × inputs, `states` (N+1) × 3. Instruments: the nominal model over the same inputs from the
+    /// same initial state.
+    pub(super) fn of(vessel: &Vessel, inputs: &[f64], states: &[f64]) -> Self {
+        let exogenous = exogenous(&vessel.model, inputs);
+        let initial = [states[0], states[1], states[2]];
+        let instruments = simulate_one(&vessel.model, &vessel.nominal, initial, &exogenous);
+        let lanes = |values: &[f64]| values.iter().map(|v| Lane::splat(*v)).collect::<Vec<_>>();
+        let (measured, instruments, exogenous) = (lanes(states), lanes(&instruments), lanes(&exogenous));
+        let batch = Batch {
+            model: &vessel.model,
+            measured: &measured,
+            instrument_states: &instruments,
+            exogenous: &exogenous,
+            segments: [&[0]; LANES],
+        };
+        let found = moments(&batch).swap_remove(0);
+        let scale = found.samples as f64;
+        let degrees =
+            found.matrices.into_iter().map(|m| m.into_iter().map(|x| x * scale).collect()).collect();
+        Self { degrees }
+    }
+
+    /// Of a piece of a maneuver run by the nominal model in still water.
+    pub(super) fn of_piece(vessel: &Vessel, piece: &trial::Piece) -> Self {
+        let exogenous = exogenous(&vessel.model, &piece.inputs);
+        let initial = [piece.speed_m_s, 0.0, 0.0];
+        let states = simulate_one(&vessel.model, &vessel.nominal, initial, &exogenous);
+        Self::of(vessel, &piece.inputs, &states)
+    }
+
+    /// Adds `times` of another.
+    pub(super) fn add(&mut self, other: &Self, times: f64) {
+        if self.degrees.is_empty() {
+            self.degrees = other.degrees.iter().map(|m| vec![0.0; m.len()]).collect();
+        }
+        for (own, other) in self.degrees.iter_mut().zip(&other.degrees) {
+            own.iter_mut().zip(other).for_each(|(a, b)| *a += times * b);
+        }
+    }
+
+    /// Σ over degrees of freedom of log|det|; −∞ where a direction is not excited.
+    pub(super) fn log_det(&self) -> f64 {
+        let one = |m: &Vec<f64>| {
+            let n = m.len().isqrt();
+            // Rows and columns to size one first: forces and speeds differ by many powers of ten.
+            let size: Vec<f64> = (0..n).map(|i| m[i * n + i].abs().sqrt()).collect();
+            let mut scaled: Vec<f64> = (0..n * n).map(|k| m[k] / (size[k / n] * size[k % n])).collect();
+            let shift: f64 = size.iter().map(|s| 2.0 * s.ln()).sum();
+            match numerics::log_det(n, &mut scaled) {
+                Some(det) if det.log_abs.is_finite() && det.log_abs > -60.0 => det.log_abs + shift,
+                _ => f64::NEG_INFINITY,
+            }
+        };
+        if self.degrees.is_empty() { f64::NEG_INFINITY } else { self.degrees.iter().map(one).sum() }
+    }
+
+    /// Number of rows of all degrees of freedom.
+    pub(super) fn dimension(&self) -> usize {
+        self.degrees.iter().map(|m| m.len().isqrt()).sum()
+    }
+}

@@ -1,0 +1,230 @@
+//! `map.svg`: the plan on its chart.
+
+use std::path::Path;
+
+use artifact::Staged;
+use chart::{Bounds, Causes, Chart, Class, GridCell, Obstacles, PlacedGrid, Plane};
+use report::figures::map as figure;
+use trial::{Grid, Sailed, Sample};
+
+use crate::cli::beside;
+use crate::failure::Failure;
+use study::documents::PlanDocument;
+
+/// What is drawn.
+pub(super) struct Drawing<'a> {
+    pub chart: &'a Chart,
+    pub grid: &'a Grid,
+    pub document: &'a PlanDocument,
+    pub sailed: &'a Sailed,
+    /// The same in unknown currents.
+    pub runs: &'a [Sailed],
+    /// Obstacles of transit and of informative maneuvers, with the margin that is kept in transit.
+    pub transit: &'a Obstacles,
+    pub trial: &'a Obstacles,
+    pub outline: &'a [[f64; 2]],
+}
+
+/// Stages `map.svg` beside `out`.
+pub(super) fn stage_map(out: &Path, drawing: &Drawing) -> Result<Staged, Failure> {
+    let svg = figure::map_figure(&drawing.map()).map_err(|e| Failure::Failed(format!("map: {e}")))?;
+    Ok(Staged::bytes(beside(out, "map.svg"), svg.as_bytes())?)
+}
+
+impl Drawing<'_> {
+    fn map(&self) -> figure::Map {
+        let bounds = self.frame();
+        let frame = figure::Frame {
+            west: bounds.min[0],
+            south: bounds.min[1],
+            east: bounds.max[0],
+            north: bounds.max[1],
+        };
+        let ends: Vec<[f64; 2]> = self.sailed.ends.iter().map(|(pose, _)| [pose.y, pose.x]).collect();
+        figure::Map {
+            title: "Planned trial".to_owned(),
+            description: format!(
+                "{} steps, {} {}: {}",
+                self.document.steps.len(),
+                self.document.cost,
+                self.document.cost_unit,
+                self.document.statement
+            ),
+            frame,
+            background: match self.chart.uncharted() {
+                chart::Uncharted::Water => figure::Background::Water,
+                chart::Uncharted::Obstacle => figure::Background::Uncharted,
+            },
+            depth_limits_m: if self.chart.has_depth() {
+                vec![0.0, 2.0, 5.0, 10.0, 20.0, 50.0]
+            } else {
+                Vec::new()
+            },
+            cells: self.cells(),
+            areas: self.areas(&bounds),
+            margins: self.margins(),
+            maneuvers: self.maneuvers(),
+            tracks: self.tracks(),
+            hulls: self.hulls(),
+            start: self.sailed.samples.first().map(place),
+            goal: ends.last().copied(),
+            graticule: graticule(self.chart.plane(), &bounds),
+        }
+    }
+
+    /// The lattice's area.
+    fn frame(&self) -> Bounds {
+        let half = self.grid.cell_m / 2.0;
+        let far = [
+            self.grid.origin_m[0] + self.grid.cell_m * (self.grid.nx as f64 - 0.5),
+            self.grid.origin_m[1] + self.grid.cell_m * (self.grid.ny as f64 - 0.5),
+        ];
+        Bounds { min: self.grid.origin_m.map(|o| o - half), max: far }
+    }
+
+    /// Gridded charts, as classes on the raster of the obstacles.
+    fn cells(&self) -> Option<figure::Cells> {
+        let grids = self.chart.grids();
+        if grids.is_empty() {
+            return None;
+        }
+        let raster = self.transit.raster();
+        let class = |k: usize| {
+            let at = raster.node(k % raster.nx, k / raster.nx).map(|o| o + raster.cell_m / 2.0);
+            grids.iter().find_map(|grid| match cell_at(grid, at)? {
+                GridCell::Missing => None,
+                GridCell::Land => Some(figure::Class::Land),
+                GridCell::Water => Some(figure::Class::Depth { least_m: 0.0 }),
+                GridCell::Depth(least_m) => Some(figure::Class::Depth { least_m }),
+            })
+        };
+        let classes = (0..raster.nx * raster.ny).map(class).collect();
+        Some(figure::Cells { grid: self.cells_grid(), classes })
+    }
+
+    fn cells_grid(&self) -> figure::Grid {
+        let raster = self.transit.raster();
+        figure::Grid { origin: raster.origin, cell_m: raster.cell_m, nx: raster.nx, ny: raster.ny }
+    }
+
+    fn areas(&self, bounds: &Bounds) -> Vec<figure::Area> {
+        let area = |polygon: chart::Polygon| {
+            let class = match polygon.class {
+                Class::Land => figure::Class::Land,
+                Class::NoGo => figure::Class::NoGo,
+                Class::Depth { least_m, .. } => figure::Class::Depth { least_m: least_m? },
+            };
+            let mut rings = polygon.rings.into_iter();
+            let ring = rings.next().filter(|ring| ring.len() >= 3)?;
+            Some(figure::Area { class, ring, holes: rings.filter(|ring| ring.len() >= 3).collect() })
+        };
+        self.chart.drawn(bounds).into_iter().filter_map(area).collect()
+    }
+
+    /// What only depth (of water that is charted) or margin blocks.
+    fn margins(&self) -> Vec<figure::Margin> {
+        let margin = |purpose: figure::Purpose, obstacles: &Obstacles| {
+            let raster = obstacles.raster();
+            let own = |k: usize| {
+                let (col, row) = (k % raster.nx, k / raster.nx);
+                let causes = obstacles.causes(col, row);
+                let solid = [Causes::LAND, Causes::NO_GO, Causes::UNCHARTED].iter().any(|c| causes.has(*c));
+                obstacles.is_blocked(col, row) && !solid
+            };
+            let blocked = (0..raster.nx * raster.ny).map(own).collect();
+            figure::Margin { purpose, grid: self.cells_grid(), blocked }
+        };
+        vec![margin(figure::Purpose::Trial, self.trial), margin(figure::Purpose::Transit, self.transit)]
+    }
+
+    fn maneuvers(&self) -> Vec<figure::Maneuver> {
+        let named =
+            |(name, count): (&String, &u64)| figure::Maneuver { name: name.clone(), count: *count as u32 };
+        self.document.counts.iter().map(named).collect()
+    }
+
+    fn tracks(&self) -> Vec<figure::Track> {
+        let mut tracks: Vec<figure::Track> = self.runs.iter().map(realization).collect();
+        let names: Vec<&String> = self.document.counts.keys().collect();
+        let mut number = 0;
+        let samples = &self.sailed.samples;
+        let mut start = 0;
+        for stretch in samples.chunk_by(|a, b| a.leg == b.leg && a.informative == b.informative) {
+            let leg = &self.document.voyage.as_ref().map(|v| &v.legs[stretch[0].leg]);
+            let maneuver = leg.and_then(|leg| names.iter().position(|name| **name == leg.name));
+            let style = match (stretch[0].informative, maneuver) {
+                (true, Some(maneuver)) => figure::TrackStyle::Maneuver(maneuver),
+                (false, Some(_)) => figure::TrackStyle::RunIn,
+                _ => figure::TrackStyle::Basic,
+            };
+            number += u32::from(stretch[0].informative);
+            let end = start + stretch.len();
+            let mut points: Vec<[f64; 2]> = stretch.iter().map(place).collect();
+            points.push(samples.get(end).map_or_else(|| self.end(), place));
+            start = end;
+            tracks.push(figure::Track { style, points, number: stretch[0].informative.then_some(number) });
+        }
+        tracks
+    }
+
+    fn end(&self) -> [f64; 2] {
+        self.sailed.ends.last().map_or([0.0; 2], |(pose, _)| [pose.y, pose.x])
+    }
+
+    /// The hull where a maneuver begins.
+    fn hulls(&self) -> Vec<Vec<[f64; 2]>> {
+        let begins =
+            self.sailed.samples.windows(2).filter(|pair| !pair[0].informative && pair[1].informative);
+        let corner = |sample: &Sample, [x, y]: [f64; 2]| {
+            let (sin, cos) = sample.pose.psi.sin_cos();
+            [sample.pose.y + x * sin + y * cos, sample.pose.x + x * cos - y * sin]
+        };
+        begins.map(|pair| self.outline.iter().map(|p| corner(&pair[1], *p)).collect()).collect()
+    }
+}
+
+fn place(sample: &Sample) -> [f64; 2] {
+    [sample.pose.y, sample.pose.x]
+}
+
+/// The cell of a grid that holds a place, its edges taken as straight: near enough for drawing.
+fn cell_at(grid: &PlacedGrid, place: [f64; 2]) -> Option<GridCell> {
+    let corner = |column: usize, row: usize| grid.corners[row * (grid.columns + 1) + column];
+    let origin = corner(0, 0);
+    let along = |end: [f64; 2], count: usize| [0, 1].map(|k| (end[k] - origin[k]) / count as f64);
+    let (a, b) = (along(corner(grid.columns, 0), grid.columns), along(corner(0, grid.rows), grid.rows));
+    let p = [place[0] - origin[0], place[1] - origin[1]];
+    let det = a[0] * b[1] - a[1] * b[0];
+    let column = ((p[0] * b[1] - p[1] * b[0]) / det).floor();
+    let row = ((a[0] * p[1] - a[1] * p[0]) / det).floor();
+    let inside = column >= 0.0 && row >= 0.0 && column < grid.columns as f64 && row < grid.rows as f64;
+    inside.then(|| grid.cells[row as usize * grid.columns + column as usize])
+}
+
+fn realization(sailed: &Sailed) -> figure::Track {
+    let points = sailed.samples.iter().step_by(5).map(place).collect();
+    figure::Track { style: figure::TrackStyle::Realization, points, number: None }
+}
+
+/// Longitudes and latitudes at round minutes.
+fn graticule(plane: &Plane, bounds: &Bounds) -> figure::Graticule {
+    let (west, south) = plane.to_geographic(bounds.min);
+    let (east, north) = plane.to_geographic(bounds.max);
+    let middle = [(west + east) / 2.0, (south + north) / 2.0];
+    let lines = |from: f64, to: f64| {
+        let steps = [0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 30.0, 60.0].map(|minutes| minutes / 60.0);
+        let step = steps.into_iter().find(|step| (to - from) / step <= 6.0).unwrap_or(1.0);
+        (0..).map(move |k| (from / step).ceil() * step + f64::from(k) * step).take_while(move |at| *at <= to)
+    };
+    let label = |degrees: f64, names: [&str; 2]| {
+        let minutes = (degrees.abs() * 600.0).round() / 10.0;
+        let (whole, rest) = ((minutes / 60.0).floor(), minutes % 60.0);
+        format!("{whole:.0}° {rest:.1}′ {}", names[usize::from(degrees < 0.0)])
+    };
+    figure::Graticule {
+        x: lines(west, east).map(|lon| (plane.to_plane(lon, middle[1])[0], label(lon, ["E", "W"]))).collect(),
+        y: lines(south, north)
+            .map(|lat| (plane.to_plane(middle[0], lat)[1], label(lat, ["N", "S"])))
+            .collect(),
+    }
+}

@@ -1,0 +1,183 @@
+//! The plan as files for others: GeoJSON track, RTZ and GPX route.
+
+use std::path::Path;
+
+use artifact::Staged;
+use chart::Plane;
+use chart::route::{Feature, Geometry, Route, Track, TrackPoint, Waypoint, geojson, gpx, rtz};
+use serde_json::{Value, json};
+use trial::{Sailed, Sample};
+
+use super::chart_layers::invalid;
+use crate::cli::beside;
+use crate::failure::Failure;
+use study::documents::{PlanDocument, Voyage, VoyageLeg};
+
+/// A plan's track on the globe.
+pub(super) struct Geographic<'a> {
+    pub plane: &'a Plane,
+    pub document: &'a PlanDocument,
+    pub voyage: &'a Voyage,
+    pub sailed: &'a Sailed,
+    pub rate_hz: f64,
+}
+
+/// Stages `track.geojson`, `route.rtz` and `route.gpx` beside `out`.
+pub(super) fn stage_routes(out: &Path, own: &Geographic) -> Result<Vec<Staged>, Failure> {
+    let mut route = Route { name: "route".to_owned(), waypoints: own.waypoints(), departure_utc: None };
+    route.fit_radii();
+    let refuse = |name: &str, e: chart::Invalid| match invalid(&beside(out, name), &e) {
+        Failure::Refused(message) => Failure::Failed(message),
+        other => other,
+    };
+    let files = [
+        ("track.geojson", geojson(&own.features())),
+        ("route.rtz", rtz(&route)),
+        ("route.gpx", gpx(&route, &[own.track()])),
+    ];
+    let stage = |(name, text): (&str, Result<String, chart::Invalid>)| {
+        Ok(Staged::bytes(beside(out, name), text.map_err(|e| refuse(name, e))?.as_bytes())?)
+    };
+    files.into_iter().map(stage).collect()
+}
+
+impl Geographic<'_> {
+    fn place(&self, sample: &Sample) -> [f64; 2] {
+        self.position([sample.pose.y, sample.pose.x])
+    }
+
+    fn position(&self, place: [f64; 2]) -> [f64; 2] {
+        let (longitude, latitude) = self.plane.to_geographic(place);
+        [longitude, latitude]
+    }
+
+    /// Where the track ends.
+    fn end(&self) -> [f64; 2] {
+        self.sailed.ends.last().map_or([0.0; 2], |(pose, _)| self.position([pose.y, pose.x]))
+    }
+
+    /// The nodes that the plan passes, each where the course or what is done may change.
+    fn waypoints(&self) -> Vec<Waypoint> {
+        let mut waypoints: Vec<Waypoint> = Vec::new();
+        let legs = &self.voyage.legs;
+        let after =
+            |k: usize| legs.get(k + 1).map_or(self.end(), |leg| [leg.longitude_deg, leg.latitude_deg]);
+        if let Some(first) = legs.first() {
+            waypoints.push(Waypoint {
+                name: "start".to_owned(),
+                lon_deg: first.longitude_deg,
+                lat_deg: first.latitude_deg,
+                t_s: Some(0.0),
+                ..Waypoint::default()
+            });
+        }
+        for (k, leg) in legs.iter().enumerate() {
+            let [lon_deg, lat_deg] = after(k);
+            let from = waypoints.last().map_or([0.0; 2], |w| [w.lon_deg, w.lat_deg]);
+            let way = geodesic(self.plane, from, [lon_deg, lat_deg]);
+            let t_s = Some(leg.start_s + leg.duration_s);
+            if way < 1.0 {
+                // Turns on the spot and maneuvers that end where they began are told at the waypoint itself.
+                if let Some(last) = waypoints.last_mut() {
+                    let note = if last.note.is_empty() {
+                        what(leg)
+                    } else {
+                        format!("{}, {}", last.note, what(leg))
+                    };
+                    (last.note, last.t_s) = (note, t_s);
+                }
+                continue;
+            }
+            let id = waypoints.len() as u32;
+            waypoints.push(Waypoint {
+                id,
+                name: format!("{id}"),
+                lon_deg,
+                lat_deg,
+                turn_radius_m: Some(way / 4.0),
+                speed_m_s: Some((way / leg.duration_s).max(0.01)),
+                t_s,
+                note: what(leg),
+                ..Waypoint::default()
+            });
+        }
+        if waypoints.len() == 1 {
+            // A trial that stays at its node still needs a leg: to where it strays farthest.
+            let from = [waypoints[0].lon_deg, waypoints[0].lat_deg];
+            let away = |place: &[f64; 2]| geodesic(self.plane, from, *place);
+            let places = self.sailed.samples.iter().map(|s| self.place(s));
+            let farthest = places.max_by(|a, b| away(a).total_cmp(&away(b))).unwrap_or(from);
+            let [lon_deg, lat_deg] = farthest;
+            waypoints.push(Waypoint { id: 1, name: "1".to_owned(), lon_deg, lat_deg, ..Waypoint::default() });
+        }
+        waypoints
+    }
+
+    fn track(&self) -> Track {
+        let point = |(k, s): (usize, &Sample)| {
+            let [lon_deg, lat_deg] = self.place(s);
+            TrackPoint { lon_deg, lat_deg, t_s: Some(k as f64 / self.rate_hz) }
+        };
+        let [lon_deg, lat_deg] = self.end();
+        let t_s = Some(self.sailed.samples.len() as f64 / self.rate_hz);
+        let mut points: Vec<TrackPoint> = self.sailed.samples.iter().enumerate().map(point).collect();
+        points.push(TrackPoint { lon_deg, lat_deg, t_s });
+        Track { name: "planned track".to_owned(), points }
+    }
+
+    fn features(&self) -> Vec<Feature> {
+        let mut features = Vec::new();
+        let samples = &self.sailed.samples;
+        for (k, (step, leg)) in self.document.steps.iter().zip(&self.voyage.legs).enumerate() {
+            let own = samples.iter().skip_while(|s| s.leg != k).take_while(|s| s.leg == k);
+            let mut line: Vec<[f64; 2]> = own.map(|s| self.place(s)).collect();
+            line.push(samples.iter().find(|s| s.leg == k + 1).map_or(self.end(), |s| self.place(s)));
+            if line.len() < 2 {
+                continue;
+            }
+            features.push(Feature {
+                geometry: Geometry::Line(line),
+                properties: object(json!({
+                    "step": k + 1,
+                    "action": step.action,
+                    "variant": step.variant,
+                    "informative": leg.informative,
+                    "side": leg.side,
+                    "start_s": leg.start_s,
+                    "duration_s": leg.duration_s,
+                    "heading_deg": leg.heading_deg,
+                    "speed_m_s": leg.speed_m_s,
+                })),
+            });
+        }
+        let point = |name: &str, place: [f64; 2]| Feature {
+            geometry: Geometry::Point(place),
+            properties: object(json!({ "name": name })),
+        };
+        if let Some(first) = samples.first() {
+            features.push(point("start", self.place(first)));
+            features.push(point("goal", self.end()));
+        }
+        features
+    }
+}
+
+/// What is done on a leg, in words.
+pub(super) fn what(leg: &VoyageLeg) -> String {
+    match leg.side.as_deref() {
+        Some("mirrored") => format!("{} (mirrored)", leg.name),
+        _ => leg.name.clone(),
+    }
+}
+
+fn geodesic(plane: &Plane, a: [f64; 2], b: [f64; 2]) -> f64 {
+    let (a, b) = (plane.to_plane(a[0], a[1]), plane.to_plane(b[0], b[1]));
+    (a[0] - b[0]).hypot(a[1] - b[1])
+}
+
+fn object(value: Value) -> serde_json::Map<String, Value> {
+    match value {
+        Value::Object(object) => object,
+        _ => serde_json::Map::new(),
+    }
+}

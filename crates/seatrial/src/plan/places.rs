@@ -1,0 +1,80 @@
+//! Places on the chart as poses of the lattice.
+
+use std::path::Path;
+
+use chart::Plane;
+use lattice::{Goal, Pose};
+use trial::Grid;
+
+use super::config::{GoalSpec, Place, PlanFile};
+use crate::failure::Failure;
+
+/// Turns places into poses.
+pub(super) struct Places<'a> {
+    pub config_file: &'a Path,
+    pub grid: &'a Grid,
+    pub plane: &'a Plane,
+}
+
+impl Places<'_> {
+    /// The node and heading level nearest to a place, in its speed mode (the slowest, unless it says).
+    pub(super) fn pose(&self, key: &str, place: &Place) -> Result<Pose, Failure> {
+        let [east, north] = self.plane.to_plane(place.longitude_deg, place.latitude_deg);
+        let node = |at: f64, origin: f64| ((at - origin) / self.grid.cell_m).round();
+        let (i, j) = (node(east, self.grid.origin_m[0]), node(north, self.grid.origin_m[1]));
+        let inside = |n: f64, count: usize| n >= 0.0 && n < count as f64;
+        if !inside(i, self.grid.nx) || !inside(j, self.grid.ny) || !place.heading_deg.is_finite() {
+            let found = format!(
+                "longitude {}, latitude {}, heading {}",
+                place.longitude_deg, place.latitude_deg, place.heading_deg
+            );
+            let expected = "a place inside `area` and a compass heading";
+            return Err(self.refuse(key, &found, expected, "move it, or widen `area`"));
+        }
+        let level = self.grid.nearest_level(place.heading_deg.to_radians());
+        Ok(Pose { i: i as usize, j: j as usize, layer: self.grid.layer(level, self.mode(key, place)?) })
+    }
+
+    fn mode(&self, key: &str, place: &Place) -> Result<usize, Failure> {
+        let Some(name) = &place.mode else { return Ok(0) };
+        let names = || self.grid.modes.iter().map(|m| m.name.as_str()).collect::<Vec<_>>().join(", ");
+        self.grid.modes.iter().position(|m| m.name == *name).ok_or_else(|| {
+            self.refuse(&format!("{key}.mode"), &format!("`{name}`"), &names(), "name one of these")
+        })
+    }
+
+    /// Where the trial may end.
+    pub(super) fn goal(&self, config: &PlanFile, start: Pose) -> Result<Goal, Failure> {
+        match &config.goal {
+            GoalSpec::Any {} => Ok(Goal::Any),
+            GoalSpec::Home {} => Ok(Goal::Poses(vec![start])),
+            GoalSpec::Places { places } if places.is_empty() => Err(self.refuse(
+                "goal.places",
+                "none",
+                "at least one place",
+                "add one, or take kind = \"any\"",
+            )),
+            GoalSpec::Places { places } => {
+                let poses = places.iter().map(|place| self.pose("goal.places", place));
+                Ok(Goal::Poses(poses.collect::<Result<_, _>>()?))
+            }
+        }
+    }
+
+    fn refuse(&self, key: &str, found: &str, expected: &str, remedy: &str) -> Failure {
+        Failure::refuse(self.config_file, &format!("`{key}`"), found, expected, remedy)
+    }
+
+    /// A pose in words: its place in degrees, and its compass heading.
+    pub(super) fn words(&self, pose: Pose) -> String {
+        let (level, _) = self.grid.level_and_mode(pose.layer);
+        let at = self.grid.pose(pose.i, pose.j, level);
+        let (longitude, latitude) = self.plane.to_geographic([at.y, at.x]);
+        format!("{latitude:.4} N {longitude:.4} E heading {:.0}°", compass_deg(at.psi))
+    }
+}
+
+/// A heading in degrees from 0 to 360.
+pub(super) fn compass_deg(heading_rad: f64) -> f64 {
+    heading_rad.to_degrees().rem_euclid(360.0)
+}

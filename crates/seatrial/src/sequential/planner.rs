@@ -1,0 +1,185 @@
+use std::path::Path;
+
+use design::{Bounds, Candidates, Covariance, Norm, Options, solve_covariance};
+use identification::{Noise, OutputInformation, lifted, output_information};
+use vessel::{Generator, Vessel};
+
+use super::voyage::Voyage;
+use crate::failure::Failure;
+use crate::simulate::exogenous;
+use crate::simulate::undisturbed::{Judged, judge};
+
+/// Designs for output-error estimates, from a model and from what was sailed before.
+pub(super) struct Planner<'a> {
+    vessel: &'a Vessel,
+    noise: Noise,
+    maneuvers: Vec<Maneuver>,
+}
+
+/// A maneuver at its own length.
+struct Maneuver {
+    /// Its place in the dictionary.
+    index: usize,
+    initial: [f64; 3],
+    exogenous: Vec<f64>,
+}
+
+impl<'a> Planner<'a> {
+    /// Over the maneuvers of `generator`, which stands in `file`, but generated ones that exceed their limits.
+    ///
+    /// # Errors
+    /// A maneuver that the model cannot hold; limits that leave none.
+    pub fn new(
+        file: &Path,
+        vessel: &'a Vessel,
+        generator: &Generator,
+        noise: Noise,
+    ) -> Result<Self, Failure> {
+        let invalid = |e| Failure::invalid(file, &e);
+        let mut maneuvers = Vec::new();
+        for index in 0..generator.maneuvers().len() {
+            let samples = generator.samples(index).map_err(invalid)?;
+            let (initial, exogenous) = match generator.limits(index) {
+                None => {
+                    let written = generator.realize(index, samples).map_err(invalid)?;
+                    (written.initial, exogenous(&vessel.model, &written.inputs))
+                }
+                Some(limits) => match judge(vessel, generator, index, limits, samples) {
+                    Judged::Within { initial, exogenous } => (initial, exogenous),
+                    Judged::Exceeds(_) | Judged::Unsteady => continue,
+                },
+            };
+            maneuvers.push(Maneuver { index, initial, exogenous });
+        }
+        if maneuvers.is_empty() {
+            let (found, expected) = ("none within the limits", "at least one");
+            let remedy = "see what `simulate dictionary` says of its limits";
+            return Err(Failure::refuse(file, "maneuvers", found, expected, remedy));
+        }
+        Ok(Self { vessel, noise, maneuvers })
+    }
+
+    /// Places in the dictionary of the maneuvers that shares are for.
+    pub fn maneuvers(&self) -> impl ExactSizeIterator<Item = usize> + '_ {
+        self.maneuvers.iter().map(|maneuver| maneuver.index)
+    }
+
+    /// Shares of the `coming` samples that make Σ var/size² of the parameters' estimates smallest at their end, for the model
+    /// with parameters `theta`, beside what the voyage so far tells: every candidate's matrix is that of the whole,
+    /// (N_sailed M_sailed + N_coming M_q)/N. `None` where the model diverges in every maneuver or they do not excite it.
+    pub fn shares(&self, theta: &[f64], sizes: &[f64], so_far: &Voyage, coming: usize) -> Option<Vec<f64>> {
+        let sailed = so_far.samples(self.vessel);
+        let past = match sailed {
+            0 => None,
+            _ => Some(self.information(theta, so_far.initial, &so_far.exogenous)?),
+        };
+        let share = coming as f64 / (sailed + coming) as f64;
+        let found: Vec<Option<OutputInformation>> =
+            self.maneuvers.iter().map(|m| self.information(theta, m.initial, &m.exogenous)).collect();
+        let whole = found.iter().flatten().map(|own| match &past {
+            None => (own.information.clone(), middle(own)),
+            Some(past) => {
+                (mixed(&past.information, &own.information, share), mixed(&middle(past), &middle(own), share))
+            }
+        });
+        let criterion = self.criterion(whole, sizes)?;
+        let options = Options { random_starts: 0, tolerance: 1e-4, ..Options::default() };
+        let mut designed =
+            solve_covariance(&criterion, &Bounds::default(), &options).ok()?.shares.into_iter();
+        Some(found.iter().map(|own| own.as_ref().and_then(|_| designed.next()).unwrap_or(0.0)).collect())
+    }
+
+    /// Standard errors of the parameters that an output-error estimate from `voyage` has if the parameters are `theta`.
+    /// `None` where the model diverges or a direction is not excited.
+    pub fn standard_errors(&self, theta: &[f64], sizes: &[f64], voyage: &Voyage) -> Option<Vec<f64>> {
+        let own = self.information(theta, voyage.initial, &voyage.exogenous)?;
+        let samples = voyage.samples(self.vessel) as f64;
+        let criterion = self.criterion([(own.information.clone(), middle(&own))].into_iter(), sizes)?;
+        let variances = criterion.variances(&[1.0])?;
+        let kept = self.weights(sizes);
+        let errors = variances.iter().zip(kept).filter(|(_, weight)| *weight > 0.0);
+        Some(errors.map(|(variance, _)| (variance.max(0.0) / samples).sqrt()).collect())
+    }
+
+    fn information(&self, theta: &[f64], initial: [f64; 3], exogenous: &[f64]) -> Option<OutputInformation> {
+        output_information(&self.vessel.model, theta, initial, exogenous, &self.noise)
+    }
+
+    /// The sum of var/size² over candidates' information and middle matrices.
+    fn criterion(
+        &self,
+        candidates: impl Iterator<Item = (Vec<f64>, Vec<f64>)>,
+        sizes: &[f64],
+    ) -> Option<Covariance> {
+        let dimensions = vec![lifted(&self.vessel.model)];
+        let (mut information, mut middle) =
+            (Candidates::new(dimensions.clone()), Candidates::new(dimensions));
+        for (own, noise) in candidates {
+            information.push(&own).ok()?;
+            middle.push(&noise).ok()?;
+        }
+        Covariance::new(&information, &middle, &self.weights(sizes), Norm::PowerMean(1.0)).ok()
+    }
+
+    /// 1/size² of the lifted parameters, none for intercepts.
+    fn weights(&self, sizes: &[f64]) -> Vec<f64> {
+        let mut sizes = sizes.iter();
+        let degrees = self.vessel.model.degrees.iter();
+        degrees
+            .flat_map(|d| {
+                sizes.by_ref().take(d.terms.len()).map(|s| s.powi(-2)).chain([0.0]).collect::<Vec<_>>()
+            })
+            .collect()
+    }
+}
+
+/// E + P.
+fn middle(own: &OutputInformation) -> Vec<f64> {
+    own.measurement.iter().zip(&own.process).map(|(e, p)| e + p).collect()
+}
+
+/// (1 − share) past + share × own.
+fn mixed(past: &[f64], own: &[f64], share: f64) -> Vec<f64> {
+    past.iter().zip(own).map(|(past, own)| (1.0 - share) * past + share * own).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use artifact::Provenance;
+    use design::apportion;
+    use study::files::{read_dictionary, read_vessel};
+    use vessel::Source;
+
+    const NOISE: Noise = Noise { measurement: [0.1, 0.1, 0.1], current: 0.1 };
+
+    #[test]
+    fn law_a_design_beats_equal_shares_and_makes_good_what_was_missed() {
+        let paper = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../pipelines/paper");
+        let mut noted = Provenance::default();
+        let vessel = read_vessel(&paper.join("vessel.toml"), &mut noted).unwrap();
+        let generator = read_dictionary(&paper.join("dictionary.toml"), &vessel, &mut noted).unwrap();
+        let planner = Planner::new(&paper, &vessel, &generator, NOISE).unwrap();
+        let theta = vessel.parameters(Source::Value).unwrap();
+        let sizes: Vec<f64> = theta.iter().map(|t| t.abs()).collect();
+        let go_on = |voyage: &Voyage, shares: &[f64]| {
+            let counts = apportion(shares, 500).into_iter().enumerate().filter(|(_, n)| *n > 0);
+            let mut longer = voyage.clone();
+            longer.go_on(&vessel, &generator, &counts.map(|(q, n)| (q, n as usize)).collect()).unwrap();
+            longer
+        };
+        let error = |voyage: &Voyage| {
+            let errors = planner.standard_errors(&theta, &sizes, voyage).unwrap();
+            errors.iter().zip(&sizes).map(|(e, s)| (e / s).powi(2)).sum::<f64>().sqrt()
+        };
+        let new = Voyage::default();
+        let once = planner.shares(&theta, &sizes, &new, 500).unwrap();
+        let equal = vec![1.0 / 11.0; 11];
+        assert!(error(&go_on(&new, &once)) < error(&go_on(&new, &equal)));
+        // The same maneuver for a while: the best rest is another one than the best whole.
+        let lopsided = go_on(&new, &[1.0].iter().chain(&[0.0; 10]).copied().collect::<Vec<_>>());
+        let rest = planner.shares(&theta, &sizes, &lopsided, 500).unwrap();
+        assert!(rest[0] < once[0], "{rest:?} {once:?}");
+        assert!(error(&go_on(&lopsided, &rest)) < error(&go_on(&lopsided, &equal)));
+    }
+}

@@ -1,0 +1,116 @@
+use super::table::Row;
+use super::trial::Arm;
+use numerics::statistics::{mean, quantile, sorted, spread};
+use study::documents::{RoundGain, Stopping};
+
+/// Where trials of `arm` end that stop with the first round after which `promised` is within `accuracy`, or else after
+/// the whole time. `rows`: rounds in order.
+pub(super) fn stopping(
+    rows: &[Row],
+    arm: Arm,
+    promised: impl Fn(&Row) -> Option<f64>,
+    accuracy: f64,
+    rate_hz: f64,
+) -> Stopping {
+    let kept = |row: &Row| promised(row).is_some_and(|error| error <= accuracy);
+    let own: Vec<&Row> = rows.iter().filter(|row| row.arm == arm).collect();
+    let trials = own.chunk_by(|a, b| a.realization == b.realization);
+    let ends: Vec<&Row> =
+        trials.filter_map(|rounds| rounds.iter().find(|row| kept(row)).or(rounds.last()).copied()).collect();
+    let stopped: Vec<&Row> = ends.iter().copied().filter(|row| kept(row)).collect();
+    let within = |rows: &[&Row]| {
+        let good = rows.iter().filter(|row| row.parameter_error.is_some_and(|error| error <= accuracy));
+        (!rows.is_empty()).then(|| good.count() as f64 / rows.len() as f64)
+    };
+    let squares: Vec<f64> =
+        stopped.iter().filter_map(|row| Some((row.parameter_error? / accuracy).powi(2))).collect();
+    let times: Vec<f64> = ends.iter().map(|row| row.samples as f64 / rate_hz).collect();
+    Stopping {
+        arm: arm.name().to_owned(),
+        stopped: stopped.len() as u64,
+        mean_time_s: mean(&times).unwrap_or(0.0),
+        median_error: quantile(&sorted(ends.iter().map(|row| row.parameter_error)), 0.5),
+        within: within(&ends).unwrap_or(0.0),
+        within_stopped: within(&stopped),
+        rms_over_accuracy: mean(&squares).map(f64::sqrt),
+        without_estimate: (stopped.len() - squares.len()) as u64,
+    }
+}
+
+/// Normal quantile of a two-sided 95 % interval.
+const TWO_SIDED: f64 = 1.96;
+
+/// Errors of the trial in rounds over those of the one-shot trial after `round`, which end after `samples`.
+pub(super) fn gain(rows: &[Row], round: usize, samples: usize, rate_hz: f64) -> RoundGain {
+    let errors = |arm: Arm| {
+        let own = rows.iter().filter(move |row| row.arm == arm && row.round as usize == round);
+        own.map(|row| row.parameter_error)
+    };
+    let pairs = errors(Arm::Sequential).zip(errors(Arm::OneShot));
+    let logs: Vec<f64> =
+        pairs.filter_map(|(a, b)| Some((a? / b?).ln())).filter(|log| log.is_finite()).collect();
+    let (middle, error) = (mean(&logs), spread(&logs).map(|s| s / (logs.len() as f64).sqrt()));
+    let end = |sign: f64| Some((middle? + sign * TWO_SIDED * error?).exp());
+    RoundGain {
+        time_s: samples as f64 / rate_hz,
+        pairs: logs.len() as u64,
+        ratio: middle.map(f64::exp),
+        low: end(-1.0),
+        high: end(1.0),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::table::{Outcome, Shared};
+    use super::*;
+
+    fn row(arm: Arm, realization: u32, round: u32, error: Option<f64>, predicted: f64) -> Row {
+        Row {
+            arm,
+            realization,
+            round,
+            samples: 10 * (round as usize + 1),
+            shared: Shared::Designed,
+            outcome: if error.is_some() { Outcome::Identified } else { Outcome::NotConverged },
+            parameter_error: error,
+            predicted_error: Some(predicted),
+            expected_error: None,
+        }
+    }
+
+    #[test]
+    fn trials_end_with_the_first_promise_or_after_the_whole_time() {
+        let of = |realization: u32, rounds: [(Option<f64>, f64); 2]| {
+            let one = |(round, (error, predicted)): (usize, (Option<f64>, f64))| {
+                row(Arm::Sequential, realization, round as u32, error, predicted)
+            };
+            rounds.into_iter().enumerate().map(one).collect::<Vec<_>>()
+        };
+        let early = of(0, [(Some(0.5), 0.9), (Some(0.1), 0.1)]);
+        let late = of(1, [(Some(3.0), 2.0), (Some(2.0), 1.0)]);
+        let never = of(2, [(Some(4.0), 2.0), (Some(0.8), 1.1)]);
+        let lost = of(3, [(None, 0.5), (None, 0.5)]);
+        let rows = [early, late, never, lost].concat();
+        let found = stopping(&rows, Arm::Sequential, |row| row.predicted_error, 1.0, 1.0);
+        assert_eq!((found.stopped, found.mean_time_s), (3, 15.0));
+        assert_eq!((found.within, found.within_stopped), (0.5, Some(1.0 / 3.0)));
+        assert_eq!(found.rms_over_accuracy, Some((4.25_f64 / 2.0).sqrt()));
+        assert_eq!((found.without_estimate, found.median_error), (1, Some(1.4)));
+        let none = stopping(&rows, Arm::OneShot, |row| row.expected_error, 1.0, 1.0);
+        assert_eq!((none.stopped, none.within_stopped), (0, None));
+    }
+
+    #[test]
+    fn law_a_gain_is_the_geometric_mean_of_ratios_in_the_same_realization() {
+        let pair = |n: u32, a: Option<f64>, b: f64| {
+            [row(Arm::Sequential, n, 0, a, 1.0), row(Arm::OneShot, n, 0, Some(b), 1.0)]
+        };
+        let rows = [pair(0, Some(1.0), 2.0), pair(1, Some(8.0), 2.0), pair(2, None, 1.0)].concat();
+        let found = gain(&rows, 0, 10, 2.0);
+        assert_eq!((found.pairs, found.time_s), (2, 5.0));
+        assert!((found.ratio.unwrap() - 2f64.sqrt()).abs() < 1e-12);
+        let (low, high) = (found.low.unwrap(), found.high.unwrap());
+        assert!((low * high - 2.0).abs() < 1e-9 && low < 1.0 && high > 2.0, "{low} {high}");
+    }
+}

@@ -1,0 +1,55 @@
+use vessel::{Generator, Invalid, Vessel};
+
+use crate::simulate::campaign::Plan;
+use crate::simulate::exogenous;
+use vessel::{Run, Segment};
+
+/// One realization's run so far: it grows, the ship does not start again.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Voyage {
+    /// State at its first sample: u, v \[m/s\], r \[rad/s\].
+    pub initial: [f64; 3],
+    /// Inputs and measured disturbances, N × exogenous, row-major.
+    pub exogenous: Vec<f64>,
+    /// Maneuver and first sample of every segment.
+    segments: Vec<(usize, usize)>,
+}
+
+impl Voyage {
+    /// Number of samples N.
+    pub fn samples(&self, vessel: &Vessel) -> usize {
+        self.exogenous.len() / vessel.model.exogenous().max(1)
+    }
+
+    /// Goes on with `plan`, from the state that the vessel is in; a voyage that is new starts at its first maneuver's.
+    ///
+    /// # Errors
+    /// A motion that the model cannot hold.
+    pub fn go_on(&mut self, vessel: &Vessel, generator: &Generator, plan: &Plan) -> Result<(), Invalid> {
+        for (maneuver, samples) in plan {
+            let part = generator.realize(*maneuver, *samples)?;
+            if self.segments.is_empty() {
+                self.initial = part.initial;
+            }
+            self.segments.push((*maneuver, self.samples(vessel)));
+            self.exogenous.extend(exogenous(&vessel.model, &part.inputs));
+        }
+        Ok(())
+    }
+
+    /// As a run of `design` with its measured states, (N+1) × 3.
+    pub fn run(&self, generator: &Generator, design: &str, run: u32, measured: Vec<f64>) -> Run {
+        let segment = |(maneuver, start): &(usize, usize)| Segment {
+            maneuver: generator.maneuvers()[*maneuver].name.clone(),
+            start: *start,
+        };
+        Run {
+            design: design.to_owned(),
+            run: run as i32,
+            segments: self.segments.iter().map(segment).collect(),
+            exogenous: self.exogenous.clone(),
+            measured,
+            initial: self.initial,
+        }
+    }
+}

@@ -1,0 +1,57 @@
+//! `ingest.json` as a document.
+
+use artifact::Document;
+use serde_json::Value;
+use study::documents::{IngestDocument, schemas};
+
+use crate::runner::*;
+
+/// The names of all fields that hold numbers, or lists of numbers.
+fn numeric(value: &Value, name: &str, found: &mut Vec<String>) {
+    match value {
+        Value::Number(_) => found.push(name.to_owned()),
+        Value::Array(items) => items.iter().for_each(|item| numeric(item, name, found)),
+        Value::Object(fields) => fields.iter().for_each(|(name, field)| numeric(field, name, found)),
+        _ => {}
+    }
+}
+
+#[test]
+fn every_number_has_a_unit() {
+    let made = ingest(&repository("fixtures/logs"), &["--config", "ingest.toml"]);
+    let mut found = Vec::new();
+    numeric(&serde_json::to_value(&made.summary).unwrap(), "", &mut found);
+    // Rows have the unit of their count.
+    let rows = ["read", "empty", "cut", "without_time", "repeated", "backwards"];
+    for name in found.iter().filter(|name| !rows.contains(&name.as_str())) {
+        assert!(IngestDocument::UNITS.iter().any(|(known, _)| known == name), "`{name}` has no unit");
+    }
+    assert!(
+        found.iter().any(|name| name == "lag_s") && IngestDocument::UNITS.iter().any(|(n, _)| *n == "rows")
+    );
+}
+
+#[test]
+fn its_schema_is_kept() {
+    let kept = std::fs::read_to_string(repository("schemas/ingest.schema.json")).unwrap();
+    let (_, schema) = schemas().into_iter().find(|(id, _)| *id == "ingest").unwrap();
+    let kept: Value = serde_json::from_str(&kept).unwrap();
+    assert_eq!(kept, schema, "it has drifted; run `make schemas`");
+}
+
+#[test]
+fn its_schema_names_every_key_of_the_file() {
+    let out = tempfile::tempdir().unwrap();
+    let target = out.path().join("t.parquet");
+    let ran =
+        run(&repository("fixtures/logs"), &["--config", "ingest.toml", "--out", target.to_str().unwrap()]);
+    assert_eq!(ran.code, Some(0), "{}", ran.stderr);
+    let text = std::fs::read_to_string(out.path().join("ingest.json")).unwrap();
+    let document: Value = serde_json::from_str(&text).unwrap();
+    let (_, schema) = schemas().into_iter().find(|(id, _)| *id == "ingest").unwrap();
+    for (key, _) in document.as_object().unwrap() {
+        assert!(schema["properties"][key].is_object(), "{key}");
+    }
+    assert_eq!(schema["properties"]["units"]["const"], document["units"]);
+    assert_eq!(schema["properties"]["schema"]["const"], document["schema"]);
+}

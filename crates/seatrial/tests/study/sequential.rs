@@ -1,0 +1,186 @@
+//! Trials in rounds, through the binary.
+
+use artifact::TableReader;
+use seatrial::sequential::{ID, VERSION};
+use study::documents::SequentialDocument;
+use tempfile::TempDir;
+
+use crate::support::*;
+
+const SEQUENTIAL: &str = "sequential --vessel vessel.toml --dictionary dictionary.toml --campaign campaign.toml --config \
+     sequential.toml --out sequential.parquet";
+const CONFIG: &str =
+    "realizations = 16\nduration_s = 90.0\nrounds = 3\nnominal_spread = 0.4\naccuracy = 0.5\n";
+
+/// The paper's study with a sixth of its noise, where few realizations tell, and rounds.
+fn folder(config: &str) -> TempDir {
+    let folder = written(2);
+    for _ in 0..4 {
+        edit(&folder, "campaign.toml", "0.15811388300841897", "0.025");
+    }
+    put(&folder, "sequential.toml", config);
+    folder
+}
+
+/// Arm, realization, round, status, parameter error of every row.
+fn rows(folder: &TempDir) -> Vec<(String, i32, i32, String, Option<f64>)> {
+    let table = TableReader::open(folder.path().join("sequential.parquet"), ID, VERSION).unwrap();
+    let names = ["arm", "realization", "round", "status", "parameter_error"];
+    let block = table.read_block(0, &names).unwrap();
+    let [arm, realization, round, status, error] = [0, 1, 2, 3, 4].map(|i| &block.columns[i]);
+    let row = |i: usize| {
+        let text = |column: &artifact::Column| column.text_at(i).unwrap().to_owned();
+        (
+            text(arm),
+            realization.as_i32().unwrap()[i],
+            round.as_i32().unwrap()[i],
+            text(status),
+            error.value_at(i),
+        )
+    };
+    (0..table.block_rows(0)).map(row).collect()
+}
+
+fn found(folder: &TempDir) -> SequentialDocument {
+    document::<SequentialDocument>(folder, "sequential.json").data
+}
+
+#[test]
+fn law_more_time_and_a_design_leave_less_error_and_every_outcome_is_counted() {
+    let folder = folder(CONFIG);
+    let ran = run(&folder, SEQUENTIAL).succeeds();
+    assert!(ran.stdout.contains("at equal time") && ran.stdout.contains("sizes beforehand"), "{ran}");
+    let found = found(&folder);
+    let names: Vec<&str> = found.arms.iter().map(|arm| arm.name.as_str()).collect();
+    assert_eq!(names, ["sequential", "one-shot", "informed", "random"]);
+    let median = |arm: usize, round: usize| found.arms[arm].points[round].median.unwrap_or(f64::INFINITY);
+    (0..4).for_each(|arm| assert!(median(arm, 2) < median(arm, 0), "{:?}", found.arms[arm]));
+    (0..3).for_each(|arm| assert!(median(arm, 2) < median(3, 2), "{:?} beats chance", found.arms[arm]));
+    let rows = rows(&folder);
+    assert_eq!(rows.len(), 16 * 4 * 3);
+    for (arm, round) in found.arms.iter().flat_map(|arm| (0..3).map(move |round| (arm, round))) {
+        let own = rows.iter().filter(|row| row.0 == arm.name && row.2 == round);
+        let lost = own.filter(|row| row.4.is_none()).count() as u64;
+        let point = &arm.points[round as usize];
+        assert_eq!(point.not_converged + point.not_identifiable + point.diverged, lost, "{point:?}");
+    }
+    assert!(rows.iter().all(|row| row.4.is_some() == (row.3 == "identified")));
+    let [rounds, one_shot] = [&found.stopping[0], &found.stopping[1]];
+    assert_eq!((rounds.arm.as_str(), one_shot.arm.as_str()), ("sequential", "one-shot"));
+    assert!(rounds.stopped > 0 && rounds.mean_time_s < 90.0, "{rounds:?}");
+}
+
+#[test]
+fn law_the_first_round_is_the_one_shot_trial_and_without_spread_the_informed_one() {
+    let folder = folder(&CONFIG.replace("= 16", "= 8").replace("= 0.4", "= 0.0"));
+    run(&folder, SEQUENTIAL).succeeds();
+    let rows = rows(&folder);
+    let first = |arm: &str| {
+        let own = rows.iter().filter(|row| row.0 == arm && row.2 == 0);
+        own.map(|row| (row.1, row.4.map(f64::to_bits))).collect::<Vec<_>>()
+    };
+    assert_eq!(first("sequential").len(), 8);
+    assert_eq!(first("sequential"), first("one-shot"));
+    assert_eq!(first("sequential"), first("informed"));
+    assert_ne!(first("sequential"), first("random"));
+    assert_eq!(found(&folder).gains[0].ratio, Some(1.0));
+}
+
+#[test]
+fn law_the_same_bytes_for_any_number_of_threads() {
+    let made = |threads: &str| {
+        let folder = folder(&CONFIG.replace("rounds = 3", "rounds = 2"));
+        run(&folder, &format!("{SEQUENTIAL} --threads {threads}")).succeeds();
+        ["sequential.parquet", "sequential.json"].map(|name| bytes(&folder, name))
+    };
+    assert!(made("1") == made("2"));
+}
+
+#[test]
+fn generated_maneuvers_beyond_their_limits_are_in_no_trial_and_the_report_shows_the_rounds() {
+    let folder = folder(&CONFIG.replace("= 16", "= 8").replace("rounds = 3", "rounds = 2"));
+    let generate = "duration_s = 10.0\n[generate]\ncandidates = 40\n[generate.limits]\nu_m_s = 1.2\nv_m_s = 0.25\nr_rad_s = 0.6\ninputs = { tau2 = 1000.0 }\n";
+    put(&folder, "dictionary.toml", generate);
+    run(&folder, SEQUENTIAL).succeeds();
+    let maneuvers = found(&folder).maneuvers;
+    assert!((10..40).contains(&maneuvers), "{maneuvers}");
+    run(&folder, REPORT).succeeds();
+    let page = String::from_utf8(bytes(&folder, "report.html")).unwrap();
+    for piece in ["At equal time", "When to stop", "from the truth", "Not converged"] {
+        assert!(page.contains(piece), "{piece}");
+    }
+}
+
+#[test]
+fn configurations_without_meaning_are_refused() {
+    let folder = folder(CONFIG);
+    let nominal = "accuracy = 0.5\ncrude_about = \"nominal\"";
+    for (from, to, pieces) in [
+        ("rounds = 3", "rounds = 0", vec!["`rounds`", "found 0", "more than zero"]),
+        ("rounds = 3", "rounds = 50", vec!["`rounds`", "50 rounds of 720 samples", "26 samples per round"]),
+        ("rounds = 3", "rouns = 3", vec!["`rouns`", "did you mean `rounds`?"]),
+        ("accuracy = 0.5", "accuracy = nan", vec!["`accuracy`", "NaN"]),
+        ("nominal_spread = 0.4", "nominal_spread = -1.0", vec!["`nominal_spread`", "0 to 2"]),
+        (
+            "accuracy = 0.5",
+            "accuracy = 0.5\ncrude_about = \"truth\"",
+            vec!["`truth`", "`value`", "`nominal`"],
+        ),
+        ("accuracy = 0.5", nominal, vec!["`floor.X_uu`", "`nominal` of `X_uu` is zero", "state it"]),
+        ("accuracy = 0.5", "accuracy = 0.5\n[floor]\nX_u = 0.0", vec!["`floor.X_u`", "found 0"]),
+        ("accuracy = 0.5", "accuracy = 0.5\n[floor]\nX_vv = 1.0", vec!["`X_vv`", "did you mean `X_"]),
+    ] {
+        assert!(CONFIG.contains(from));
+        put(&folder, "sequential.toml", &CONFIG.replace(from, to));
+        refused(&folder, 3, SEQUENTIAL, &[&["sequential.toml"], pieces.as_slice()].concat());
+    }
+}
+
+#[test]
+fn vessels_and_disturbances_that_the_study_is_not_for_are_refused() {
+    let folder = folder(&CONFIG.replace("= 16", "= 2"));
+    let paper = std::fs::read_to_string(folder.path().join("campaign.toml")).unwrap();
+    for (from, to, pieces) in [
+        ("kind = \"white\"", "kind = \"constant\"", vec!["campaign.toml", "a lasting current"]),
+        ("std_v_m_s = 0.025", "std_v_m_s = 0.0", vec!["campaign.toml", "`measurement`"]),
+        ("realizations = 2", "realization = 2", vec!["campaign.toml", "`realizations`"]),
+    ] {
+        assert!(paper.contains(from));
+        put(&folder, "campaign.toml", &paper.replacen(from, to, 1));
+        refused(&folder, 3, SEQUENTIAL, &pieces);
+    }
+    put(&folder, "campaign.toml", &paper);
+    let vessel = std::fs::read_to_string(repository().join("pipelines/paper/vessel.toml")).unwrap();
+    for (from, to, code, pieces) in [
+        ("value = -0.01\n", "", 3, vec!["vessel.toml", "X_uu", "`value`"]),
+        ("value = -0.01\n", "value = 0.0\n", 3, vec!["vessel.toml", "X_uu", "relative"]),
+        ("nominal = -0.08", "nominal = 0.08", 4, vec!["no estimate in any of 2", "`duration_s`"]),
+    ] {
+        assert!(vessel.contains(from));
+        put(&folder, "vessel.toml", &vessel.replacen(from, to, 1));
+        refused(&folder, code, SEQUENTIAL, &pieces);
+    }
+}
+
+#[test]
+fn crude_models_about_the_nominal_one_take_floors_for_what_is_zero() {
+    let floors = "crude_about = \"nominal\"\n[floor]\nX_uu = 0.01\nX_vr = 0.05\nY_ur = 0.01\nN_uv = 0.03\n";
+    let folder =
+        folder(&format!("{}{floors}", CONFIG.replace("= 16", "= 8").replace("rounds = 3", "rounds = 2")));
+    run(&folder, SEQUENTIAL).succeeds();
+    let found = found(&folder);
+    assert_eq!(found.crude_about, "nominal");
+    assert!(found.arms.iter().all(|arm| arm.points.iter().all(|point| point.undesigned == 0)));
+}
+
+#[test]
+fn crude_models_that_diverge_share_the_time_evenly_and_are_counted() {
+    let wild = CONFIG.replace("rounds = 3", "rounds = 2").replace("= 0.4", "= 1.5");
+    let folder = folder(&wild);
+    run(&folder, SEQUENTIAL).succeeds();
+    let undesigned = |arm: usize, round: usize| found(&folder).arms[arm].points[round].undesigned;
+    assert!((1..16).contains(&undesigned(1, 0)), "{}", undesigned(1, 0));
+    assert_eq!((undesigned(0, 0), undesigned(1, 1)), (undesigned(1, 0), undesigned(1, 0)));
+    assert!(undesigned(0, 1) < undesigned(0, 0), "what was sailed evenly makes a design");
+    assert_eq!((undesigned(2, 1), undesigned(3, 1)), (0, 0), "the truth designs, chance draws");
+}

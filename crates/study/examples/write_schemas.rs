@@ -1,0 +1,31 @@
+//! Writes the JSON Schema of every document into a folder: `cargo run -p study --example write_schemas -- schemas`.
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use study::documents::schemas;
+
+fn main() -> ExitCode {
+    let Some(folder) = std::env::args_os().nth(1).map(PathBuf::from) else {
+        eprintln!("error: folder: found none, expected the folder for the schemas; name it");
+        return ExitCode::from(2);
+    };
+    match write(&folder) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(e) => {
+            eprintln!(
+                "error: {}: write: found {e}, expected a writable folder; write elsewhere",
+                folder.display()
+            );
+            ExitCode::from(1)
+        }
+    }
+}
+
+fn write(folder: &Path) -> std::io::Result<()> {
+    std::fs::create_dir_all(folder)?;
+    for (name, schema) in schemas() {
+        std::fs::write(folder.join(format!("{name}.schema.json")), format!("{schema:#}\n"))?;
+    }
+    Ok(())
+}

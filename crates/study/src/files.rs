@@ -1,0 +1,61 @@
+//! The hand-written files of a study, read and checked.
+
+use std::path::Path;
+
+use artifact::{Digest, Provenance, read_toml};
+use vessel::{DictionaryFile, Generator, Invalid, Vessel, VesselFile};
+
+use crate::campaign_file::CampaignFile;
+use artifact::Error;
+
+/// Reads `vessel.toml` and notes its digest.
+pub fn read_vessel(path: &Path, provenance: &mut Provenance) -> Result<Vessel, Error> {
+    let (file, digest) = read_toml::<VesselFile>(path)?;
+    provenance.inputs.insert("vessel".into(), digest);
+    Vessel::from_file(file).map_err(|e| crate::invalid(path, &e))
+}
+
+/// Reads `dictionary.toml` and notes its digest.
+pub fn read_dictionary(
+    path: &Path,
+    vessel: &Vessel,
+    provenance: &mut Provenance,
+) -> Result<Generator, Error> {
+    let (file, digest) = read_toml::<DictionaryFile>(path)?;
+    provenance.inputs.insert("dictionary".into(), digest);
+    generator(path, vessel, &file, provenance)
+}
+
+/// Reads `campaign.toml` and notes its digest.
+pub fn read_campaign(path: &Path, provenance: &mut Provenance) -> Result<CampaignFile, Error> {
+    let (file, digest) = read_toml::<CampaignFile>(path)?;
+    provenance.inputs.insert("campaign".into(), digest);
+    file.check().map_err(|e| crate::invalid(path, &e))?;
+    Ok(file)
+}
+
+/// Turns the maneuvers of `file`, which stands in `path`, into a generator; notes the digests of its input files.
+pub fn generator(
+    path: &Path,
+    vessel: &Vessel,
+    file: &DictionaryFile,
+    provenance: &mut Provenance,
+) -> Result<Generator, Error> {
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let digests = std::cell::RefCell::new(Vec::new());
+    let read = |name: &Path| {
+        let text = std::fs::read_to_string(folder.join(name)).map_err(|e| {
+            Invalid::new(
+                format!("`file` {}", name.display()),
+                e.to_string(),
+                "a readable CSV file",
+                "check the path",
+            )
+        })?;
+        digests.borrow_mut().push((format!("inputs:{}", name.display()), Digest::of_bytes(text.as_bytes())));
+        Ok(text)
+    };
+    let generator = Generator::new(vessel, file, read).map_err(|e| crate::invalid(path, &e))?;
+    provenance.inputs.extend(digests.into_inner());
+    Ok(generator)
+}

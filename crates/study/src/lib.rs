@@ -1,0 +1,17 @@
+//! The contracts of a study: JSON documents, Parquet tables and hand-written TOML files, and what they mean to the science.
+
+#![forbid(unsafe_code)]
+#![warn(missing_docs)]
+
+pub mod campaign_file;
+pub mod documents;
+pub mod estimates;
+pub mod files;
+mod refusal;
+pub mod scores;
+pub mod selection;
+pub mod trajectories;
+mod words;
+
+pub use refusal::{invalid, refuse};
+pub use words::listed;

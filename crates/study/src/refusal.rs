@@ -1,0 +1,14 @@
+use std::path::Path;
+
+use artifact::Error;
+use vessel::Invalid;
+
+/// What is invalid in `file`.
+pub fn invalid(file: &Path, invalid: &Invalid) -> Error {
+    refuse(file, &invalid.thing, &invalid.found, &invalid.expected, &invalid.remedy)
+}
+
+/// A refusal of `file`.
+pub fn refuse(file: &Path, thing: &str, found: &str, expected: &str, remedy: &str) -> Error {
+    Error::refuse(file, thing, found, expected, remedy)
+}

@@ -1,0 +1,11 @@
+//! The table of trajectories: one row per sample, N + 1 rows per run of N samples.
+
+mod label;
+mod layout;
+mod read;
+mod write;
+
+pub use label::{SIMULATED_LOGS, label};
+pub use layout::{ID, Layout, VERSION};
+pub use read::{TrajectoryReader, refuse_shard};
+pub use write::{BlockBuilder, NewRun, rows_per_block};

@@ -1,0 +1,219 @@
+use std::path::{Path, PathBuf};
+
+use artifact::{Column, Digest, Shard, Table, TableReader};
+
+use vessel::{Run, Segment};
+
+use super::{ID, Layout, VERSION};
+use artifact::Error;
+
+/// Reads trajectories block by block; every run lies within a block.
+pub struct TrajectoryReader {
+    table: TableReader,
+    path: PathBuf,
+    columns: Vec<String>,
+    width: usize,
+    truth: bool,
+    rate_hz: f64,
+}
+
+impl TrajectoryReader {
+    /// Opens `path` and checks its columns and units.
+    ///
+    /// # Errors
+    /// See [`TableReader::open`] and [`TableReader::require`].
+    pub fn open(path: &Path, layout: &Layout, rate_hz: f64) -> Result<Self, Error> {
+        let table = TableReader::open(path, ID, VERSION)?;
+        let required = layout.required();
+        table.require(&required)?;
+        let mut columns: Vec<String> = required.iter().map(|c| c.name.clone()).collect();
+        let truth = ["u", "v", "r"].iter().all(|name| table.columns().iter().any(|c| c.name == *name));
+        if truth {
+            columns.extend(["u", "v", "r"].map(str::to_owned));
+        }
+        let width = layout.exogenous.len();
+        Ok(Self { table, path: path.to_owned(), columns, width, truth, rate_hz })
+    }
+
+    /// Number of blocks.
+    pub fn blocks(&self) -> usize {
+        self.table.blocks()
+    }
+
+    /// Whether the file has the true states, and with them the state that a run starts from.
+    pub fn true_states(&self) -> bool {
+        self.truth
+    }
+
+    /// Digest of the file.
+    pub fn digest(&self) -> Digest {
+        self.table.digest()
+    }
+
+    /// Refuses one shard of several.
+    ///
+    /// # Errors
+    /// Names the shard.
+    pub fn whole(&self) -> Result<(), Error> {
+        match &self.table.provenance().shard {
+            None => Ok(()),
+            Some(shard) => Err(refuse_shard(&self.path, shard)),
+        }
+    }
+
+    /// The runs of block `i`.
+    ///
+    /// # Errors
+    /// A run that is cut at the block's edge, samples out of order, an absent value, another sampling rate.
+    pub fn runs(&self, i: usize) -> Result<Vec<Run>, Error> {
+        let names: Vec<&str> = self.columns.iter().map(String::as_str).collect();
+        let table = self.table.read_block(i, &names)?;
+        let block = Block::new(&table, self)?;
+        let first_row: usize = (0..i).map(|b| self.table.block_rows(b)).sum();
+        let mut runs = Vec::new();
+        let mut start = 0;
+        while start < block.rows() {
+            let end = block.end_of_run(start);
+            runs.push(block.run(start, end, first_row)?);
+            start = end;
+        }
+        Ok(runs)
+    }
+}
+
+/// Says that `file` is one shard of several.
+pub fn refuse_shard(file: &Path, shard: &Shard) -> Error {
+    let found = format!("shard {shard}");
+    crate::refuse(file, "file", &found, "the whole table", "put all shards together with --gather first")
+}
+
+/// The columns of a block.
+struct Block<'a> {
+    reader: &'a TrajectoryReader,
+    design: &'a Column,
+    run: &'a [i32],
+    segment: &'a [i32],
+    maneuver: &'a Column,
+    sample: &'a [i32],
+    t: &'a [f64],
+    exogenous: &'a [Column],
+    states: Vec<&'a [f64]>,
+}
+
+impl<'a> Block<'a> {
+    fn new(table: &'a Table, reader: &'a TrajectoryReader) -> Result<Self, Error> {
+        let columns = &table.columns;
+        let i32s = |i: usize| columns[i].as_i32().ok_or_else(|| reader.wrong_kind(i));
+        let f64s = |i: usize| columns[i].as_f64().ok_or_else(|| reader.wrong_kind(i));
+        Ok(Self {
+            reader,
+            design: &columns[0],
+            run: i32s(1)?,
+            segment: i32s(2)?,
+            maneuver: &columns[3],
+            sample: i32s(4)?,
+            t: f64s(5)?,
+            exogenous: &columns[6..6 + reader.width],
+            states: (6 + reader.width..columns.len()).map(f64s).collect::<Result<_, _>>()?,
+        })
+    }
+
+    fn rows(&self) -> usize {
+        self.run.len()
+    }
+
+    /// One past the last row of the run that starts at `start`.
+    fn end_of_run(&self, start: usize) -> usize {
+        let same = |row: &usize| {
+            self.run[*row] == self.run[start]
+                && self.sample[*row] != 0
+                && self.design.text_at(*row) == self.design.text_at(start)
+        };
+        (start + 1..self.rows()).find(|row| !same(row)).unwrap_or(self.rows())
+    }
+
+    fn run(&self, start: usize, end: usize, first_row: usize) -> Result<Run, Error> {
+        let label =
+            || format!("design {}, run {}", self.design.text_at(start).unwrap_or(""), self.run[start]);
+        let row = |r: usize| format!("row {} ({})", first_row + r, label());
+        if let Some(r) = (start..end).find(|r| self.sample[*r] != (*r - start) as i32) {
+            return Err(self.reader.refuse(
+                &format!("column `sample`, {}", row(r)),
+                &self.sample[r].to_string(),
+                &(r - start).to_string(),
+                "number each run's samples from 0 without gaps and keep a run within one row group",
+            ));
+        }
+        if end - start < 2 {
+            return Err(self.reader.refuse(
+                &row(start),
+                "a run of one row",
+                "at least one sample and a last state",
+                "remove it",
+            ));
+        }
+        self.check_rate(start, end, &row)?;
+        for (column, name) in self.exogenous.iter().zip(&self.reader.columns[6..]) {
+            if let Some(r) = (start..end - 1).find(|r| column.is_null(*r)) {
+                return Err(self.reader.refuse(
+                    &format!("column `{name}`, {}", row(r)),
+                    "no value",
+                    "a value at every sample but the run's last",
+                    "fill it in or remove the run",
+                ));
+            }
+        }
+        let initial = if self.reader.truth { 3 } else { 0 };
+        Ok(Run {
+            design: self.design.text_at(start).unwrap_or("").to_owned(),
+            run: self.run[start],
+            segments: self.segments(start, end),
+            exogenous: self.exogenous_rows(start, end),
+            measured: (start..end).flat_map(|r| (0..3).map(move |i| self.states[i][r])).collect(),
+            initial: [0, 1, 2].map(|i| self.states[initial + i][start]),
+        })
+    }
+
+    fn check_rate(&self, start: usize, end: usize, row: &dyn Fn(usize) -> String) -> Result<(), Error> {
+        let step = 1.0 / self.reader.rate_hz;
+        let off = |r: &usize| ((self.t[r + 1] - self.t[*r]) / step - 1.0).abs() > 1e-3;
+        match (start..end - 1).find(off) {
+            None => Ok(()),
+            Some(r) => Err(self.reader.refuse(
+                &format!("column `t`, {}", row(r)),
+                &format!("a step of {} s", self.t[r + 1] - self.t[r]),
+                &format!("{step} s, the vessel's sampling interval"),
+                "resample the trajectories or correct `sample_rate_hz`",
+            )),
+        }
+    }
+
+    fn segments(&self, start: usize, end: usize) -> Vec<Segment> {
+        let begins = |r: &usize| *r == start || self.segment[*r] != self.segment[*r - 1];
+        let segment = |r: usize| Segment {
+            maneuver: self.maneuver.text_at(r).unwrap_or("").to_owned(),
+            start: r - start,
+        };
+        (start..end - 1).filter(begins).map(segment).collect()
+    }
+
+    fn exogenous_rows(&self, start: usize, end: usize) -> Vec<f64> {
+        let columns: Vec<&[f64]> = self.exogenous.iter().filter_map(Column::as_f64).collect();
+        (start..end - 1).flat_map(|r| columns.iter().map(move |c| c[r])).collect()
+    }
+}
+
+impl TrajectoryReader {
+    fn refuse(&self, thing: &str, found: &str, expected: &str, remedy: &str) -> Error {
+        crate::refuse(&self.path, thing, found, expected, remedy)
+    }
+
+    fn wrong_kind(&self, column: usize) -> Error {
+        self.refuse(
+            &format!("column `{}`", self.columns[column]),
+            "another type",
+            "the type of its schema",
+            "write it again",
+        )
+    }
+}
