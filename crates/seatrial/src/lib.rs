@@ -7,6 +7,7 @@
 #[global_allocator]
 static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
 
+pub mod choice;
 pub mod cli;
 pub mod crossval;
 pub mod design;
