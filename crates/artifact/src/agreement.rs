@@ -4,10 +4,10 @@ use std::path::Path;
 
 use parquet::basic::Type as Physical;
 use parquet::schema::types::{ColumnDescriptor, SchemaDescriptor};
+use refusal::nearest;
 
 use crate::error::{Error, Result};
 use crate::metadata::ColumnEntry;
-use crate::nearest::nearest;
 use crate::schema::{ColumnSpec, Kind};
 
 /// The columns of a file, if its envelope and its Parquet schema agree about them.
@@ -72,10 +72,10 @@ pub(crate) fn places(path: &Path, columns: &[ColumnSpec], names: &[&str]) -> Res
     if missing.is_empty() {
         return Ok(names.iter().filter_map(place).collect());
     }
-    let known: Vec<String> = columns.iter().map(|column| column.name.clone()).collect();
-    let near: Vec<&str> = missing.iter().filter_map(|name| nearest(name, &known)).collect();
+    let known = || columns.iter().map(|column| column.name.as_str());
+    let near: Vec<&str> = missing.iter().filter_map(|name| nearest(name, known())).collect();
     let remedy = format!("write the file again with them (nearest in the file: {})", list(&near));
-    let known: Vec<&str> = known.iter().map(String::as_str).collect();
+    let known: Vec<&str> = known().collect();
     Err(Error::refuse(path, "columns", list(&known), format!("also {}", list(&missing)), remedy))
 }
 

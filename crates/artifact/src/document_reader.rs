@@ -6,11 +6,11 @@ use std::path::Path;
 
 use serde_json::error::Category;
 
+use crate::complaint::Complaint;
 use crate::digest::Digest;
 use crate::document::{Document, Envelope, Loaded};
 use crate::error::{Error, Result};
 use crate::identity::Header;
-use crate::nearest::Complaint;
 use crate::seal::{self, FileDigests};
 use crate::toml_input::text_of;
 

@@ -1,8 +1,9 @@
 //! What can go wrong, told in one line.
 
-use std::fmt;
 use std::io;
 use std::path::PathBuf;
+
+use refusal::{Invalid, one_line};
 
 /// Result of this crate's functions.
 pub type Result<T> = std::result::Result<T, Error>;
@@ -11,8 +12,13 @@ pub type Result<T> = std::result::Result<T, Error>;
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
     /// The contents of a file, or what was to be written, are not acceptable.
-    #[error("{0}")]
-    Refused(Refusal),
+    #[error("{}", one_line(&format!("{}: {invalid}", file.display())))]
+    Refused {
+        /// The file that holds the thing; for a block not yet in a file, the table's schema id.
+        file: PathBuf,
+        /// What is wrong in it.
+        invalid: Invalid,
+    },
     /// The operating system refused to read or write.
     #[error("{}", io_line(.path, .action, .source))]
     Io {
@@ -25,21 +31,6 @@ pub enum Error {
     },
 }
 
-/// Why an input is not acceptable, and what to do about it.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Refusal {
-    /// The file that holds the thing; for a block not yet in a file, the table's schema id.
-    pub file: PathBuf,
-    /// The thing that is wrong: a key, a column, a row, the seal.
-    pub thing: String,
-    /// What is there.
-    pub found: String,
-    /// What should be there.
-    pub expected: String,
-    /// What the user can do.
-    pub remedy: String,
-}
-
 impl Error {
     /// An [`Error::Refused`] from its parts.
     pub fn refuse(
@@ -49,34 +40,18 @@ impl Error {
         expected: impl Into<String>,
         remedy: impl Into<String>,
     ) -> Self {
-        Self::Refused(Refusal {
-            file: file.into(),
-            thing: thing.into(),
-            found: found.into(),
-            expected: expected.into(),
-            remedy: remedy.into(),
-        })
+        Self::invalid(file, Invalid::new(thing, found, expected, remedy))
+    }
+
+    /// An [`Error::Refused`]: what is invalid in `file`.
+    pub fn invalid(file: impl Into<PathBuf>, invalid: Invalid) -> Self {
+        Self::Refused { file: file.into(), invalid }
     }
 
     /// An [`Error::Io`] from its parts.
     pub fn io(path: impl Into<PathBuf>, action: &'static str, source: io::Error) -> Self {
         Self::Io { path: path.into(), action, source }
     }
-}
-
-impl fmt::Display for Refusal {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let file = self.file.display();
-        let Self { thing, found, expected, remedy, .. } = self;
-        let line = format!("{file}: {thing}: found {found}, expected {expected}; {remedy}");
-        f.write_str(&one_line(&line))
-    }
-}
-
-/// `text` with every run of line breaks and other control characters replaced by one space.
-fn one_line(text: &str) -> String {
-    let parts = text.split(|c: char| c.is_control() || c == '\u{2028}' || c == '\u{2029}');
-    parts.filter(|part| !part.is_empty()).collect::<Vec<_>>().join(" ")
 }
 
 fn io_line(path: &std::path::Path, action: &str, source: &io::Error) -> String {

@@ -36,6 +36,7 @@
 
 mod agreement;
 mod columns;
+mod complaint;
 mod decode;
 mod digest;
 mod document;
@@ -49,7 +50,6 @@ mod gather;
 mod identity;
 mod layout;
 mod metadata;
-mod nearest;
 mod pretty;
 mod provenance;
 mod schema;
@@ -66,7 +66,7 @@ pub use digest::Digest;
 pub use document::{Document, Loaded, json_schema, stage_document};
 pub use document_reader::read_document;
 pub use encode::{EncodedBlock, encode_block};
-pub use error::{Error, Refusal, Result};
+pub use error::{Error, Result};
 pub use foreign::ForeignTable;
 pub use gather::gather;
 pub use provenance::Provenance;

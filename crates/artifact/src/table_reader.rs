@@ -13,13 +13,13 @@ use parquet::file::metadata::{
 use serde::de::DeserializeOwned;
 
 use crate::columns::Column;
+use crate::complaint::Complaint;
 use crate::decode::decode_column;
 use crate::digest::Digest;
 use crate::error::{Error, Result};
 use crate::footer::Footer;
 use crate::identity::Header;
 use crate::metadata::TableMetadata;
-use crate::nearest::Complaint;
 use crate::provenance::Provenance;
 use crate::schema::{ColumnSpec, Table};
 use crate::seal;

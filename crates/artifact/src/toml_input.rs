@@ -4,9 +4,9 @@ use std::path::Path;
 
 use serde::de::DeserializeOwned;
 
+use crate::complaint::Complaint;
 use crate::digest::Digest;
 use crate::error::{Error, Result};
-use crate::nearest::Complaint;
 
 /// Reads a TOML file.
 ///

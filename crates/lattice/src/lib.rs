@@ -24,7 +24,6 @@ mod fan;
 mod file;
 mod front;
 mod graph;
-mod invalid;
 mod lagrangian;
 mod lattice;
 #[cfg(test)]
@@ -47,9 +46,9 @@ mod watch;
 
 pub use file::{BasicFile, InformativeFile, LatticeFile, MoveFile, ProblemFile, SCHEMA, SchemaId};
 pub use front::{Front, FrontPoint, front};
-pub use invalid::Invalid;
 pub use lattice::{Action, Cost, Goal, Lattice, Move, MoveId, Pose};
 pub use outcome::{Engine, Limit, Options, Outcome, Progress, Solution, Status, Step};
 pub use plan::plan;
 pub use problem::Problem;
 pub use reason::Reason;
+pub use refusal::Invalid;

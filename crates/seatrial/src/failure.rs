@@ -40,14 +40,14 @@ impl Failure {
 
     /// What is invalid in `file`.
     pub fn invalid(file: &Path, invalid: &Invalid) -> Self {
-        Self::refuse(file, &invalid.thing, &invalid.found, &invalid.expected, &invalid.remedy)
+        artifact::Error::invalid(file, invalid.clone()).into()
     }
 }
 
 impl From<artifact::Error> for Failure {
     fn from(error: artifact::Error) -> Self {
         match error {
-            artifact::Error::Refused(_) => Self::Refused(error.to_string()),
+            artifact::Error::Refused { .. } => Self::Refused(error.to_string()),
             artifact::Error::Io { .. } => Self::Failed(error.to_string()),
         }
     }

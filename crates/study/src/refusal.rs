@@ -5,7 +5,7 @@ use vessel::Invalid;
 
 /// What is invalid in `file`.
 pub fn invalid(file: &Path, invalid: &Invalid) -> Error {
-    refuse(file, &invalid.thing, &invalid.found, &invalid.expected, &invalid.remedy)
+    Error::invalid(file, invalid.clone())
 }
 
 /// A refusal of `file`.

@@ -10,7 +10,6 @@
 
 mod disturbance;
 mod file;
-mod invalid;
 mod lane;
 pub mod lanes;
 mod maneuver;
@@ -27,7 +26,6 @@ mod term;
 
 pub use disturbance::{Axes, Current, Disturbances, Measurement, Wind};
 pub use file::{InputSpec, MeasuredSpec, Source, TermSpec, Vessel, VesselFile};
-pub use invalid::{Invalid, nearest};
 pub use lane::{LANES, Lane, Number, Numbers};
 pub use maneuver::{
     CandidateKind, DictionaryFile, Exceeded, GenerateSpec, Generator, Kind, Limits, ManeuverSpec, Realized,
@@ -36,6 +34,7 @@ pub use maneuver::{
 pub use model::{Degree, DegreeOfFreedom, Model, Variable};
 pub use noise::Streams;
 pub use pose::{Pose, track};
+pub use refusal::{Invalid, nearest};
 pub use run::{Run, Segment};
 pub use simulate::{
     DIVERGED, Diverged, Weather, check_diverged, follow, simulate, simulate_in, simulate_one,

@@ -28,7 +28,7 @@ fn refused(path: &Path, bytes: &[u8], read: fn(&Path) -> Result<()>) -> Option<S
 fn refused_as_it_is(path: &Path, read: fn(&Path) -> Result<()>) -> Option<String> {
     match read(path) {
         Ok(()) => None,
-        Err(error @ Error::Refused(_)) => Some(error.to_string()),
+        Err(error @ Error::Refused { .. }) => Some(error.to_string()),
         Err(other) => panic!("{other}"),
     }
 }

@@ -93,7 +93,7 @@ pub fn write(
 /// The single line of a refusal, which must be one.
 pub fn refusal<T>(result: Result<T>) -> String {
     match result {
-        Err(error @ artifact::Error::Refused(_)) => {
+        Err(error @ artifact::Error::Refused { .. }) => {
             let line = error.to_string();
             assert!(!line.contains('\n'), "{line}");
             line

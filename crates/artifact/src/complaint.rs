@@ -2,6 +2,8 @@
 
 use std::path::Path;
 
+use refusal::nearest;
+
 use crate::error::Error;
 
 /// A message of serde, with where it arose.
@@ -87,21 +89,8 @@ fn one_of(thing: &str, known: &[String]) -> String {
 }
 
 fn suggestion(word: &str, known: &[String]) -> String {
-    match nearest(word, known) {
+    match nearest(word, known.iter().map(String::as_str)) {
         Some(near) => format!("did you mean `{near}`?"),
         None => format!("remove `{word}`"),
     }
-}
-
-/// The word of `known` most like `word` (Jaro–Winkler; the first of equals).
-pub(crate) fn nearest<'a>(word: &str, known: &'a [String]) -> Option<&'a str> {
-    let likeness = |candidate: &str| strsim::jaro_winkler(&word.to_lowercase(), &candidate.to_lowercase());
-    let mut best: Option<(f64, &str)> = None;
-    for candidate in known {
-        let score = likeness(candidate);
-        if best.is_none_or(|(top, _)| score > top) {
-            best = Some((score, candidate));
-        }
-    }
-    best.map(|(_, candidate)| candidate)
 }

@@ -1,0 +1,10 @@
+//! The one form of a refusal: what is wrong, what was found, what was expected, and the remedy, in one line.
+
+#![forbid(unsafe_code)]
+#![warn(missing_docs)]
+
+mod invalid;
+mod nearest;
+
+pub use invalid::{Invalid, one_line};
+pub use nearest::nearest;

@@ -1,0 +1,24 @@
+/// The name of `known` most like `word`, whatever their case (Jaro–Winkler; the first of equals).
+pub fn nearest<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    let word = word.to_lowercase();
+    let mut best: Option<(f64, &str)> = None;
+    for candidate in known {
+        let likeness = strsim::jaro_winkler(&word, &candidate.to_lowercase());
+        if best.is_none_or(|(top, _)| likeness > top) {
+            best = Some((likeness, candidate));
+        }
+    }
+    best.map(|(_, candidate)| candidate)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_first_of_the_likest_names_is_suggested_whatever_the_case() {
+        assert_eq!(nearest("SURGE", ["yaw", "surge", "sway"]), Some("surge"));
+        assert_eq!(nearest("x", ["a", "b"]), Some("a"));
+        assert_eq!(nearest("x", []), None);
+    }
+}
