@@ -7,6 +7,13 @@ use arrow2::bitmap::Bitmap;
 
 use crate::schema::Kind;
 
+/// One block of a table: its columns, all of the same length.
+#[derive(Clone, Debug, Default)]
+pub struct Table {
+    /// Columns in schema order; on reading, in the order in which they were asked for.
+    pub columns: Vec<Column>,
+}
+
 /// Values of one column. Clones share the values.
 #[derive(Clone, Debug)]
 pub enum Column {

@@ -9,10 +9,10 @@ use parquet::data_type::ByteArray;
 use parquet::errors::{ParquetError, Result as ParquetResult};
 use parquet::file::writer::{SerializedPageWriter, TrackedWrite};
 
-use crate::columns::Column;
+use crate::columns::{Column, Table};
 use crate::error::{Error, Result};
 use crate::layout::{Layout, write_error};
-use crate::schema::{ColumnSpec, Table, TableSchema};
+use crate::schema::{ColumnSpec, TableSchema};
 
 /// One block in the form in which it stands in the file: a row group.
 #[derive(Debug)]

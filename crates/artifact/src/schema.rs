@@ -4,8 +4,6 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-use crate::columns::Column;
-
 /// Type of a column's values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
@@ -57,11 +55,4 @@ pub struct TableSchema {
     pub version: u32,
     /// Columns in file order.
     pub columns: Vec<ColumnSpec>,
-}
-
-/// One block of a table: its columns, all of the same length.
-#[derive(Clone, Debug, Default)]
-pub struct Table {
-    /// Columns in schema order; on reading, in the order in which they were asked for.
-    pub columns: Vec<Column>,
 }

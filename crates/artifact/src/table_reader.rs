@@ -12,7 +12,7 @@ use parquet::file::metadata::{
 };
 use serde::de::DeserializeOwned;
 
-use crate::columns::Column;
+use crate::columns::{Column, Table};
 use crate::complaint::Complaint;
 use crate::decode::decode_column;
 use crate::digest::Digest;
@@ -21,7 +21,7 @@ use crate::footer::Footer;
 use crate::identity::Header;
 use crate::metadata::TableMetadata;
 use crate::provenance::Provenance;
-use crate::schema::{ColumnSpec, Table};
+use crate::schema::ColumnSpec;
 use crate::seal;
 use crate::source::Source;
 

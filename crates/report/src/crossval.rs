@@ -1,6 +1,7 @@
 use maud::{Markup, html};
 
-use super::measured::{Measured, coded, fit};
+use super::coded::coded;
+use super::measured::{Measured, fit};
 use super::missing::missing;
 use super::number::{exact, three, three_or_dash};
 use study::documents::{CrossvalDocument, EstimatorScore};

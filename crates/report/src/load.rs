@@ -1,33 +1,20 @@
 //! Collects a study for the page from the folder that the stages wrote into.
 
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use artifact::{Digest, Document, Loaded, Provenance, TableReader, read_document, read_toml};
-use serde::de::DeserializeOwned;
-use vessel::{DegreeOfFreedom, DictionaryFile, Vessel, track};
+use artifact::{TableReader, read_document};
+use vessel::{DegreeOfFreedom, Vessel, track};
 
+use super::loader::{Loader, Sources};
 use super::trajectory_files::trajectory;
 use super::{ManeuverTrace, ParameterRow, Scenario, ScoreSet, Study, VesselSummary};
 use artifact::Error;
 use study::campaign_file::CampaignFile;
 use study::documents::{EstimateDocument, IngestDocument, Reference, ValidationDocument};
-use study::files::read_vessel;
 use study::scores;
 use study::trajectories::{Layout, TrajectoryReader};
 use vessel::Run;
-
-/// Where a study's files are.
-pub struct Sources {
-    /// The hand-written files.
-    pub study: PathBuf,
-    /// The maneuvers, where they are not the study's own `dictionary.toml`.
-    pub dictionary: Option<PathBuf>,
-    /// What the stages wrote.
-    pub results: PathBuf,
-    /// Results of other studies whose estimators are to be shown side by side.
-    pub scenarios: Vec<PathBuf>,
-}
 
 /// Maneuvers beyond this many are not drawn.
 const MOST_TRACES: usize = 400;
@@ -100,17 +87,7 @@ fn scenario(folder: &Path) -> Result<Scenario, Error> {
     Err(study::refuse(&folder.join("estimate.json"), "estimators", "one", expected, remedy))
 }
 
-/// Reads files and keeps a list of them.
-pub(super) struct Loader<'a> {
-    pub(super) sources: &'a Sources,
-    pub(super) files: Vec<(String, String, String)>,
-}
-
 impl Loader<'_> {
-    pub(super) fn note(&mut self, name: &str, what: &str, digest: Digest) {
-        self.files.push((name.to_owned(), what.to_owned(), digest.to_string()));
-    }
-
     /// What `ingest` says that the logs are.
     fn label(&mut self) -> Result<Option<String>, Error> {
         let path = self.sources.results.join("ingest.json");
@@ -118,50 +95,6 @@ impl Loader<'_> {
             return Ok(None);
         }
         Ok(read_document::<IngestDocument>(&path)?.data.data)
-    }
-
-    fn vessel(&mut self) -> Result<Option<Vessel>, Error> {
-        let path = self.sources.study.join("vessel.toml");
-        if !path.exists() {
-            return Ok(None);
-        }
-        let vessel = read_vessel(&path, &mut Provenance::default())?;
-        self.note("vessel.toml", "model structure and parameters", Digest::of_file(&path)?);
-        Ok(Some(vessel))
-    }
-
-    /// The maneuvers; a file that was named must be there.
-    fn dictionary(&mut self) -> Result<Option<DictionaryFile>, Error> {
-        match &self.sources.dictionary {
-            Some(path) => self.toml_at(path, "dictionary.toml", "the maneuvers").map(Some),
-            None => self.toml("dictionary.toml", "the maneuvers"),
-        }
-    }
-
-    fn toml<T: DeserializeOwned>(&mut self, name: &str, what: &str) -> Result<Option<T>, Error> {
-        let path = self.sources.study.join(name);
-        path.exists().then(|| self.toml_at(&path, name, what)).transpose()
-    }
-
-    fn toml_at<T: DeserializeOwned>(&mut self, path: &Path, name: &str, what: &str) -> Result<T, Error> {
-        let (value, digest) = read_toml(path)?;
-        self.note(name, what, digest);
-        Ok(value)
-    }
-
-    pub(super) fn document<D: Document>(&mut self, name: &str, what: &str) -> Result<Option<D>, Error> {
-        Ok(self.loaded(name, what)?.map(|loaded| loaded.data))
-    }
-
-    /// A document with where it comes from.
-    pub(super) fn loaded<D: Document>(&mut self, name: &str, what: &str) -> Result<Option<Loaded<D>>, Error> {
-        let path = self.sources.results.join(name);
-        if !path.exists() {
-            return Ok(None);
-        }
-        let loaded = read_document::<D>(&path)?;
-        self.note(name, what, loaded.digest);
-        Ok(Some(loaded))
     }
 
     fn scores(&mut self) -> Result<Option<Vec<ScoreSet>>, Error> {

@@ -2,7 +2,7 @@ use identification::pooled::COLLINEAR;
 use maud::{Markup, html};
 
 use super::SelectionStudy;
-use super::load::Loader;
+use super::loader::Loader;
 use super::number::percent;
 use artifact::Error;
 use study::documents::{CrossvalDocument, EstimatorScore, FreeRunErrors, IngestDocument, TrustDocument};
@@ -38,11 +38,6 @@ pub(super) fn fit(fit: Option<f64>) -> String {
 /// A quantile over realizations, of which some may have no model.
 pub(super) fn quantile(value: Option<f64>) -> String {
     value.map_or("infinite".to_owned(), |q| format!("{q:.2}"))
-}
-
-/// Words in which names stand between backticks.
-pub(super) fn coded(text: &str) -> Markup {
-    html! { @for (i, piece) in text.split('`').enumerate() { @if i % 2 == 1 { code { (piece) } } @else { (piece) } } }
 }
 
 impl Measured {

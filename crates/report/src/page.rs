@@ -14,7 +14,7 @@ use super::logs::logs;
 use super::measured::Measured;
 use super::notes::{files, notation};
 use super::parameters::parameters;
-use super::placed::Figures;
+use super::placed::{Figures, Section};
 use super::published_selection::published_selection;
 use super::selection::selection;
 use super::sequential::sequential;
@@ -32,9 +32,6 @@ pub struct Rendered {
 }
 
 const STYLE: &str = include_str!("style.css");
-
-/// Id, title and content of a section.
-pub(super) type Section = (&'static str, &'static str, Markup);
 
 /// Renders the page. What `study` lacks is named on it.
 ///

@@ -1,6 +1,9 @@
 use crate::figures::FigureError;
 use maud::{Markup, PreEscaped, html};
 
+/// Id, title and content of a section.
+pub(super) type Section = (&'static str, &'static str, Markup);
+
 /// The figures made so far, under the names of their files.
 #[derive(Debug, Default)]
 pub(super) struct Figures {

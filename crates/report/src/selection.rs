@@ -3,7 +3,8 @@ use artifact::TableReader;
 use maud::{Markup, html};
 
 use super::caption::truncation;
-use super::load::Loader;
+use super::coded::coded;
+use super::loader::Loader;
 use super::number::percent;
 use super::placed::Figures;
 use super::study::Study;
@@ -88,7 +89,7 @@ pub(super) fn selection(study: &Study, figures: &mut Figures) -> Result<Markup, 
                 "Models from " (summary.picks) " of " (summary.parts) " sub-experiments, simulated over all of them: "
                 (picked.join(", ")) " against as many at random. Estimator " (summary.estimator) "."
             }
-            @for statement in &summary.statements { p.note { (super::measured::coded(statement)) } }
+            @for statement in &summary.statements { p.note { (coded(statement)) } }
             div.scroll { (table(summary)) }
             div.pair { (norm) }
             div.triple { @for degree in degrees { (degree) } }

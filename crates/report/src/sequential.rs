@@ -3,8 +3,7 @@ use maud::{Markup, html};
 
 use super::headline::capital;
 use super::number::{exact, percent, three, three_or_dash};
-use super::page::Section;
-use super::placed::Figures;
+use super::placed::{Figures, Section};
 use study::documents::{ArmPoint, ArmSummary, RoundGain, SequentialDocument, Stopping};
 
 /// What the arms are called.

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use artifact::{Digest, Loaded};
 
-use super::load::Loader;
+use super::loader::Loader;
 use super::study::{PlannedTrial, Trajectory};
 use super::trajectory_map::refused;
 use artifact::Error;

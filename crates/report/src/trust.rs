@@ -1,6 +1,7 @@
 use maud::{Markup, html};
 
-use super::measured::{Measured, coded, fit};
+use super::coded::coded;
+use super::measured::{Measured, fit};
 use super::missing::missing;
 use super::number::{percent, three, three_or_dash, unit};
 use study::documents::{TrustDegree, TrustDocument, TrustParameter, TrustRun};

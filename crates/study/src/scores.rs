@@ -1,10 +1,10 @@
 //! The table of scores: one row per run.
 
-use artifact::{Column, ColumnSpec, Kind, Table, TableReader, TableSchema};
+use artifact::{Columns, Error, Table, TableReader, TableSchema};
+use vessel::DegreeOfFreedom;
 
 use crate::documents::{Bounds, DesignScores, EstimatorScores, Quantiles};
-use crate::estimates::{NOT_CONVERGED, NOT_IDENTIFIABLE, distinct, labels, optional};
-use artifact::Error;
+use crate::estimates::{NOT_CONVERGED, NOT_IDENTIFIABLE, distinct};
 
 /// Schema id of scores.
 pub const ID: &str = "scores";
@@ -16,7 +16,7 @@ pub const SCORED: &str = "scored";
 pub const DIVERGED: &str = "diverged";
 
 /// One row.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Row {
     /// Its design.
     pub design: String,
@@ -36,35 +36,31 @@ pub struct Row {
 
 /// The columns.
 pub fn schema() -> TableSchema {
-    TableSchema {
-        id: ID,
-        version: VERSION,
-        columns: vec![
-            ColumnSpec::new("design", "1", Kind::Text, false),
-            ColumnSpec::new("run", "1", Kind::I32, false),
-            ColumnSpec::new("estimator", "1", Kind::Text, false),
-            ColumnSpec::new("status", "1", Kind::Text, false),
-            ColumnSpec::new("parameter_error", "1", Kind::F64, true),
-            ColumnSpec::new("rmse_u", "m/s", Kind::F64, true),
-            ColumnSpec::new("rmse_v", "m/s", Kind::F64, true),
-            ColumnSpec::new("rmse_r", "rad/s", Kind::F64, true),
-            ColumnSpec::new("simulation_error", "m/s, m/s and rad/s as numbers", Kind::F64, true),
-        ],
-    }
+    columns().schema().clone()
 }
 
 /// Rows as a block of the table.
 pub fn table(rows: &[Row]) -> Table {
-    let mut columns = vec![
-        labels(rows.iter().map(|r| r.design.as_str())),
-        Column::i32(rows.iter().map(|r| r.run).collect()),
-        labels(rows.iter().map(|r| r.estimator.as_str())),
-        labels(rows.iter().map(|r| r.status.as_str())),
-        optional(rows.iter().map(|r| r.parameter_error)),
-    ];
-    columns.extend((0..3).map(|d| optional(rows.iter().map(|r| r.rmse[d]))));
-    columns.push(optional(rows.iter().map(|r| r.simulation_error)));
-    Table { columns }
+    columns().table(rows)
+}
+
+fn columns() -> Columns<Row> {
+    let columns = Columns::<Row>::new(ID, VERSION)
+        .text("design", |r| &r.design, |r, design| r.design = design.to_owned())
+        .integer("run", "1", |r| r.run, |r, run| r.run = run)
+        .text("estimator", |r| &r.estimator, |r, estimator| r.estimator = estimator.to_owned())
+        .text("status", |r| &r.status, |r, status| r.status = status.to_owned())
+        .optional("parameter_error", "1", |r| r.parameter_error, |r, error| r.parameter_error = error);
+    let rmse = |columns: Columns<Row>, degree: DegreeOfFreedom| {
+        let (name, d) = (format!("rmse_{}", degree.state()), degree as usize);
+        columns.optional(name, degree.unit(), move |r| r.rmse[d], move |r, rmse| r.rmse[d] = rmse)
+    };
+    DegreeOfFreedom::ALL.into_iter().fold(columns, rmse).optional(
+        "simulation_error",
+        "m/s, m/s and rad/s as numbers",
+        |r| r.simulation_error,
+        |r, error| r.simulation_error = error,
+    )
 }
 
 /// Reads the whole table.
@@ -72,25 +68,7 @@ pub fn table(rows: &[Row]) -> Table {
 /// # Errors
 /// Missing columns, damaged blocks.
 pub fn rows(reader: &TableReader) -> Result<Vec<Row>, Error> {
-    let schema = schema();
-    reader.require(&schema.columns)?;
-    let names: Vec<&str> = schema.columns.iter().map(|c| c.name.as_str()).collect();
-    let mut rows = Vec::with_capacity(reader.rows());
-    for block in 0..reader.blocks() {
-        let table = reader.read_block(block, &names)?;
-        let text = |column: usize, row: usize| table.columns[column].text_at(row).unwrap_or("").to_owned();
-        let number = |column: usize, row: usize| table.columns[column].value_at(row);
-        rows.extend((0..reader.block_rows(block)).map(|row| Row {
-            design: text(0, row),
-            run: table.columns[1].as_i32().map_or(0, |runs| runs[row]),
-            estimator: text(2, row),
-            status: text(3, row),
-            parameter_error: number(4, row),
-            rmse: [5, 6, 7].map(|column| number(column, row)),
-            simulation_error: number(8, row),
-        }));
-    }
-    Ok(rows)
+    columns().read(reader, &Row::default())
 }
 
 /// The estimators of `rows`, in their order.

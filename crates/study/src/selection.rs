@@ -1,10 +1,8 @@
 //! The table of realizations of a selection study.
 
-use artifact::{Column, ColumnSpec, Kind, Table, TableReader, TableSchema};
-
-use crate::estimates::{NOT_IDENTIFIABLE, labels, optional};
-use crate::scores::{DIVERGED, SCORED};
-use artifact::Error;
+use artifact::{Columns, Error, Table, TableReader, TableSchema};
+use serde::{Deserialize, Serialize};
+use vessel::DegreeOfFreedom;
 
 /// Schema id of the realizations of a selection study.
 pub const ID: &str = "selection-realizations";
@@ -12,7 +10,7 @@ pub const ID: &str = "selection-realizations";
 pub const VERSION: u32 = 1;
 
 /// One realization.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Row {
     /// `optimized` or `random`.
     pub design: String,
@@ -32,47 +30,35 @@ pub struct Row {
     pub left_out_norm: Option<f64>,
 }
 
+/// What became of a realization.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+enum Status {
+    #[serde(rename = "not identifiable")]
+    NotIdentifiable,
+    #[serde(rename = "diverged")]
+    Diverged,
+    #[serde(rename = "scored")]
+    Scored,
+}
+
+impl Row {
+    fn status(&self) -> Status {
+        match (self.identified, self.rmse) {
+            (false, _) => Status::NotIdentifiable,
+            (true, None) => Status::Diverged,
+            (true, Some(_)) => Status::Scored,
+        }
+    }
+}
+
 /// The columns.
 pub fn schema() -> TableSchema {
-    let rmse = |name: &str, unit: &str| ColumnSpec::new(name, unit, Kind::F64, true);
-    TableSchema {
-        id: ID,
-        version: VERSION,
-        columns: vec![
-            ColumnSpec::new("design", "1", Kind::Text, false),
-            ColumnSpec::new("realization", "1", Kind::I32, false),
-            ColumnSpec::new("picked", "1", Kind::Text, false),
-            ColumnSpec::new("status", "1", Kind::Text, false),
-            rmse("rmse_u", "m/s"),
-            rmse("rmse_v", "m/s"),
-            rmse("rmse_r", "rad/s"),
-            rmse("error_norm", "1"),
-            rmse("left_out_rmse_u", "m/s"),
-            rmse("left_out_rmse_v", "m/s"),
-            rmse("left_out_rmse_r", "rad/s"),
-            rmse("left_out_error_norm", "1"),
-        ],
-    }
+    columns().schema().clone()
 }
 
 /// Rows as a block of the table.
 pub fn table(rows: &[Row]) -> Table {
-    let status = |r: &Row| match (r.identified, r.rmse) {
-        (false, _) => NOT_IDENTIFIABLE,
-        (true, None) => DIVERGED,
-        (true, Some(_)) => SCORED,
-    };
-    let mut columns = vec![
-        labels(rows.iter().map(|r| r.design.as_str())),
-        Column::i32(rows.iter().map(|r| r.realization).collect()),
-        labels(rows.iter().map(|r| r.picked.as_str())),
-        labels(rows.iter().map(status)),
-    ];
-    columns.extend((0..3).map(|d| optional(rows.iter().map(|r| r.rmse.map(|e| e[d])))));
-    columns.push(optional(rows.iter().map(|r| r.error_norm)));
-    columns.extend((0..3).map(|d| optional(rows.iter().map(|r| r.left_out_rmse.map(|e| e[d])))));
-    columns.push(optional(rows.iter().map(|r| r.left_out_norm)));
-    Table { columns }
+    columns().table(rows)
 }
 
 /// Reads the whole table.
@@ -80,27 +66,47 @@ pub fn table(rows: &[Row]) -> Table {
 /// # Errors
 /// Missing columns, damaged blocks.
 pub fn rows(reader: &TableReader) -> Result<Vec<Row>, Error> {
-    let schema = schema();
-    reader.require(&schema.columns)?;
-    let names: Vec<&str> = schema.columns.iter().map(|c| c.name.as_str()).collect();
-    let mut rows = Vec::with_capacity(reader.rows());
-    for block in 0..reader.blocks() {
-        let table = reader.read_block(block, &names)?;
-        let text = |column: usize, row: usize| table.columns[column].text_at(row).unwrap_or("").to_owned();
-        let number = |column: usize, row: usize| table.columns[column].value_at(row);
-        let three = |first: usize, row: usize| -> Option<[f64; 3]> {
-            Some([number(first, row)?, number(first + 1, row)?, number(first + 2, row)?])
+    let blank = Row { rmse: Some([0.0; 3]), left_out_rmse: Some([0.0; 3]), ..Row::default() };
+    columns().read(reader, &blank)
+}
+
+fn columns() -> Columns<Row> {
+    let columns = Columns::<Row>::new(ID, VERSION)
+        .text("design", |r| &r.design, |r, design| r.design = design.to_owned())
+        .integer("realization", "1", |r| r.realization, |r, number| r.realization = number)
+        .text("picked", |r| &r.picked, |r, picked| r.picked = picked.to_owned())
+        .choice("status", Row::status, |r, status| r.identified = status != Status::NotIdentifiable);
+    let columns = errors(columns, "", |r| r.rmse, |r| &mut r.rmse).optional(
+        "error_norm",
+        "1",
+        |r| r.error_norm,
+        |r, norm| r.error_norm = norm,
+    );
+    errors(columns, "left_out_", |r| r.left_out_rmse, |r| &mut r.left_out_rmse).optional(
+        "left_out_error_norm",
+        "1",
+        |r| r.left_out_norm,
+        |r, norm| r.left_out_norm = norm,
+    )
+}
+
+/// Adds a column per state; a row has all three errors or none.
+fn errors(
+    columns: Columns<Row>,
+    prefix: &str,
+    get: fn(&Row) -> Option<[f64; 3]>,
+    of: fn(&mut Row) -> &mut Option<[f64; 3]>,
+) -> Columns<Row> {
+    DegreeOfFreedom::ALL.into_iter().fold(columns, |columns, degree| {
+        let d = degree as usize;
+        let set = move |r: &mut Row, value: Option<f64>| {
+            let errors = of(r);
+            *errors = errors.zip(value).map(|(mut errors, value)| {
+                errors[d] = value;
+                errors
+            });
         };
-        rows.extend((0..reader.block_rows(block)).map(|row| Row {
-            design: text(0, row),
-            realization: table.columns[1].as_i32().map_or(0, |all| all[row]),
-            picked: text(2, row),
-            identified: text(3, row) != NOT_IDENTIFIABLE,
-            rmse: three(4, row),
-            error_norm: number(7, row),
-            left_out_rmse: three(8, row),
-            left_out_norm: number(11, row),
-        }));
-    }
-    Ok(rows)
+        let name = format!("{prefix}rmse_{}", degree.state());
+        columns.optional(name, degree.unit(), move |r| get(r).map(|errors| errors[d]), set)
+    })
 }

@@ -36,5 +36,6 @@ pub use relative_errors::{ErrorRow, relative_errors};
 pub use sensitivities::{SensitivityRow, sensitivities};
 pub use shares::{ShareRow, shares};
 pub use text::number as tick_number;
-pub use traces::{Curve, TraceColumn, TraceRow, traces};
+pub use traces::{Curve, TraceRow, traces};
+pub use traces_legend::TraceColumn;
 pub use tracks::{Track, tracks};

@@ -4,16 +4,7 @@ use crate::figures::canvas::{Anchor, Canvas, Lettering, Paint, drawn};
 use crate::figures::layout::{BASE, GRID, LABEL, NOTE, note};
 use crate::figures::palette::{INK, Rgb};
 use crate::figures::thin::thinned;
-use crate::figures::traces_legend;
-
-/// One column of the small multiples: a quantity whose vertical axis all rows share.
-#[derive(Clone, Debug)]
-pub struct TraceColumn<'a> {
-    /// Quantity and unit: `surge u [m/s]`.
-    pub title: &'a str,
-    /// What its curves are called, in order; empty for a single black curve.
-    pub legend: Vec<(String, Rgb)>,
-}
+use crate::figures::traces_legend::{self, TraceColumn};
 
 /// One curve of a cell.
 #[derive(Clone, Debug)]

@@ -1,6 +1,15 @@
 use crate::figures::canvas::{Anchor, Canvas, Lettering, Paint};
 use crate::figures::layout::{LABEL, note};
-use crate::figures::traces::TraceColumn;
+use crate::figures::palette::Rgb;
+
+/// One column of the small multiples: a quantity whose vertical axis all rows share.
+#[derive(Clone, Debug)]
+pub struct TraceColumn<'a> {
+    /// Quantity and unit: `surge u [m/s]`.
+    pub title: &'a str,
+    /// What its curves are called, in order; empty for a single black curve.
+    pub legend: Vec<(String, Rgb)>,
+}
 
 const TITLE: f64 = 26.0;
 const LINE: f64 = 17.0;

@@ -4,10 +4,9 @@ mod summary;
 
 use std::path::Path;
 
-use artifact::{Column, ColumnSpec, Kind, Table, TableReader, TableSchema};
+use artifact::{Column, Columns, Error, Table, TableReader, TableSchema};
+use serde::{Deserialize, Serialize};
 use vessel::{DegreeOfFreedom, Vessel};
-
-use artifact::Error;
 
 pub use summary::{distinct, estimators, summarize};
 
@@ -25,21 +24,23 @@ pub const NOT_IDENTIFIABLE: &str = "not identifiable";
 pub const NOT_CONVERGED: &str = "not converged";
 
 /// What became of a run.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Status {
     /// It has an estimate.
+    #[serde(rename = "identified")]
     Identified,
     /// It has one that could not be refined further: a simulation with it diverged.
+    #[serde(rename = "kept")]
     Kept,
     /// A direction is not excited.
+    #[serde(rename = "not identifiable")]
     NotIdentifiable,
     /// The search for an estimate ended nowhere.
+    #[serde(rename = "not converged")]
     NotConverged,
 }
 
 impl Status {
-    const ALL: [Self; 4] = [Self::Identified, Self::Kept, Self::NotIdentifiable, Self::NotConverged];
-
     /// As in files.
     pub fn name(self) -> &'static str {
         [IDENTIFIED, KEPT, NOT_IDENTIFIABLE, NOT_CONVERGED][self as usize]
@@ -72,40 +73,64 @@ pub struct Row {
 
 /// The columns for `vessel`.
 pub fn schema(vessel: &Vessel) -> TableSchema {
-    let mut columns = vec![
-        ColumnSpec::new("design", "1", Kind::Text, false),
-        ColumnSpec::new("run", "1", Kind::I32, false),
-        ColumnSpec::new("estimator", "1", Kind::Text, false),
-        ColumnSpec::new("status", "1", Kind::Text, false),
-    ];
-    for (name, unit) in vessel.model.parameter_names().zip(vessel.model.parameter_units()) {
-        columns.push(ColumnSpec::new(name, &unit, Kind::F64, true));
-        columns.push(ColumnSpec::new(format!("{name}_se"), &unit, Kind::F64, true));
-    }
-    for d in DegreeOfFreedom::ALL {
-        columns.push(ColumnSpec::new(format!("condition_{}", d.name()), "1", Kind::F64, true));
-        columns.push(ColumnSpec::new(format!("weakest_{}", d.name()), "1", Kind::Text, false));
-    }
-    TableSchema { id: ID, version: VERSION, columns }
+    columns(vessel).schema().clone()
 }
 
 /// Rows as a block of the table.
 pub fn table(vessel: &Vessel, rows: &[Row]) -> Table {
-    let mut columns = vec![
-        labels(rows.iter().map(|r| r.design.as_str())),
-        Column::i32(rows.iter().map(|r| r.run).collect()),
-        labels(rows.iter().map(|r| r.estimator.as_str())),
-        labels(rows.iter().map(|r| r.status.name())),
-    ];
-    for i in 0..vessel.model.parameters() {
-        columns.push(optional(rows.iter().map(|r| r.estimate.as_ref().map(|(theta, _)| theta[i]))));
-        columns.push(optional(rows.iter().map(|r| r.estimate.as_ref().map(|(_, se)| se[i]))));
+    columns(vessel).table(rows)
+}
+
+fn columns(vessel: &Vessel) -> Columns<Row> {
+    let mut columns = Columns::<Row>::new(ID, VERSION)
+        .text("design", |r| &r.design, |r, design| r.design = design.to_owned())
+        .integer("run", "1", |r| r.run, |r, run| r.run = run)
+        .text("estimator", |r| &r.estimator, |r, estimator| r.estimator = estimator.to_owned())
+        .choice("status", |r| r.status, |r, status| r.status = status);
+    let parameters = vessel.model.parameter_names().zip(vessel.model.parameter_units());
+    for (i, (name, unit)) in parameters.enumerate() {
+        columns = columns
+            .optional(
+                name,
+                &unit,
+                move |r| theta(r, i),
+                move |r, value| {
+                    r.estimate.iter_mut().for_each(|(theta, _)| theta[i] = value.unwrap_or(f64::NAN));
+                },
+            )
+            .optional(
+                format!("{name}_se"),
+                &unit,
+                move |r| error(r, i),
+                move |r, value| {
+                    r.estimate.iter_mut().for_each(|(_, se)| se[i] = value.unwrap_or(f64::NAN));
+                },
+            );
     }
-    for d in 0..3 {
-        columns.push(optional(rows.iter().map(|r| Some(r.condition[d]).filter(|c| c.is_finite()))));
-        columns.push(labels(rows.iter().map(|r| r.weakest[d].as_str())));
+    for degree in DegreeOfFreedom::ALL {
+        let (name, d) = (degree.name(), degree as usize);
+        let finite = move |r: &Row| Some(r.condition[d]).filter(|c| c.is_finite());
+        columns = columns
+            .optional(format!("condition_{name}"), "1", finite, move |r, condition| {
+                r.condition[d] = condition.unwrap_or(f64::INFINITY);
+            })
+            .text(
+                format!("weakest_{name}"),
+                move |r| &r.weakest[d],
+                move |r, weakest| {
+                    r.weakest[d] = weakest.to_owned();
+                },
+            );
     }
-    Table { columns }
+    columns
+}
+
+fn theta(row: &Row, i: usize) -> Option<f64> {
+    row.estimate.as_ref().map(|(theta, _)| theta[i])
+}
+
+fn error(row: &Row, i: usize) -> Option<f64> {
+    row.estimate.as_ref().map(|(_, se)| se[i])
 }
 
 /// A text column.
@@ -131,38 +156,32 @@ pub fn optional(values: impl Iterator<Item = Option<f64>>) -> Column {
 /// Reads block `i` of `reader`.
 ///
 /// # Errors
-/// Damaged blocks.
+/// Damaged blocks; an estimate that lacks a parameter.
 pub fn rows(reader: &TableReader, vessel: &Vessel, file: &Path, i: usize) -> Result<Vec<Row>, Error> {
-    let schema = schema(vessel);
-    let names: Vec<&str> = schema.columns.iter().map(|c| c.name.as_str()).collect();
-    let table = reader.read_block(i, &names)?;
-    let parameters = vessel.model.parameters();
-    let text = |column: usize, row: usize| table.columns[column].text_at(row).unwrap_or("").to_owned();
-    let number = |column: usize, row: usize| table.columns[column].value_at(row);
-    let row = |row: usize| {
-        let (status, width) = (text(3, row), 4 + 2 * parameters);
-        let status = Status::ALL.into_iter().find(|known| known.name() == status);
-        let status = status.ok_or_else(|| refuse(file, row, &format!("status `{}`", text(3, row))))?;
-        let every = |offset: usize| (0..parameters).map(|p| number(4 + 2 * p + offset, row)).collect();
-        let complete: Option<(Vec<f64>, Vec<f64>)> = Option::zip(every(0), every(1));
-        if status.estimated() && complete.is_none() {
-            return Err(refuse(file, row, "an absent parameter"));
-        }
-        Ok(Row {
-            design: text(0, row),
-            run: table.columns[1].as_i32().map_or(0, |runs| runs[row]),
-            estimator: text(2, row),
-            status,
-            estimate: complete.filter(|_| status.estimated()),
-            condition: [0, 1, 2].map(|d| number(width + 2 * d, row).unwrap_or(f64::INFINITY)),
-            weakest: [0, 1, 2].map(|d| text(width + 2 * d + 1, row)),
-        })
+    let absent = vec![f64::NAN; vessel.model.parameters()];
+    let blank = Row {
+        design: String::new(),
+        run: 0,
+        estimator: String::new(),
+        status: Status::NotIdentifiable,
+        estimate: Some((absent.clone(), absent)),
+        condition: [f64::INFINITY; 3],
+        weakest: [const { String::new() }; 3],
     };
-    (0..reader.block_rows(i)).map(row).collect()
+    let mut rows = columns(vessel).read_block(reader, i, &blank)?;
+    for (number, row) in rows.iter_mut().enumerate() {
+        let whole =
+            |(theta, se): &(Vec<f64>, Vec<f64>)| theta.iter().chain(se).all(|value| value.is_finite());
+        if !row.status.estimated() {
+            row.estimate = None;
+        } else if !row.estimate.as_ref().is_some_and(whole) {
+            return Err(incomplete(file, number));
+        }
+    }
+    Ok(rows)
 }
 
-fn refuse(file: &Path, row: usize, found: &str) -> Error {
-    let expected =
-        format!("`{IDENTIFIED}` or `{KEPT}` with all parameters, `{NOT_IDENTIFIABLE}` or `{NOT_CONVERGED}`");
-    crate::refuse(file, &format!("row {row}"), found, &expected, "run `estimate` again")
+fn incomplete(file: &Path, row: usize) -> Error {
+    let expected = format!("all parameters where the status is `{IDENTIFIED}` or `{KEPT}`");
+    crate::refuse(file, &format!("row {row}"), "an absent parameter", &expected, "run `estimate` again")
 }

@@ -1,0 +1,353 @@
+//! Tables of rows: each column is listed once, with its name, its unit, and how its value is taken from a row and put back.
+
+use std::borrow::Cow;
+use std::collections::HashMap;
+use std::fmt::{self, Display};
+
+use serde::Serialize;
+use serde::de::value::StrDeserializer;
+use serde::de::{DeserializeOwned, IntoDeserializer};
+use serde_json::Value;
+
+use crate::columns::{Column, Table};
+use crate::encode::{EncodedBlock, encode_block};
+use crate::error::{Error, Result};
+use crate::schema::{ColumnSpec, Kind, TableSchema};
+use crate::table_reader::TableReader;
+
+/// The columns of a table whose rows are of type `Row`: its schema, its writer and its reader.
+///
+/// ```
+/// use artifact::Columns;
+/// #[derive(Clone, Default)]
+/// struct Speed { place: String, run: i32, u: Option<f64> }
+///
+/// let columns = Columns::<Speed>::new("speeds", 1)
+///     .text("place", |row| &row.place, |row, place| row.place = place.to_owned())
+///     .integer("run", "1", |row| row.run, |row, run| row.run = run)
+///     .optional("u", "m/s", |row| row.u, |row, u| row.u = u);
+/// assert_eq!(columns.table(&[Speed::default()]).columns.len(), columns.schema().columns.len());
+/// ```
+pub struct Columns<Row> {
+    schema: TableSchema,
+    fields: Vec<Field<Row>>,
+}
+
+type Get<Row, T> = Box<dyn Fn(&Row) -> T + Send + Sync>;
+type Set<Row, T> = Box<dyn Fn(&mut Row, T) + Send + Sync>;
+type GetText<Row> = Box<dyn for<'a> Fn(&'a Row) -> Cow<'a, str> + Send + Sync>;
+/// Answers what would have been expected where the text means nothing.
+type SetText<Row> = Box<dyn Fn(&mut Row, &str) -> std::result::Result<(), Unknown> + Send + Sync>;
+
+/// How the values of one column are taken from rows and put back.
+enum Field<Row> {
+    Text(GetText<Row>, SetText<Row>),
+    Integer(Get<Row, i32>, Set<Row, i32>),
+    Number(Get<Row, f64>, Set<Row, f64>),
+    Optional(Get<Row, Option<f64>>, Set<Row, Option<f64>>),
+}
+
+impl<Row: 'static> Columns<Row> {
+    /// A table of this kind that has no columns yet.
+    pub fn new(id: &'static str, version: u32) -> Self {
+        Self { schema: TableSchema { id, version, columns: Vec::new() }, fields: Vec::new() }
+    }
+
+    /// Adds a column of text.
+    #[must_use]
+    pub fn text(
+        self,
+        name: impl Into<String>,
+        get: impl for<'a> Fn(&'a Row) -> &'a str + Send + Sync + 'static,
+        set: impl Fn(&mut Row, &str) + Send + Sync + 'static,
+    ) -> Self {
+        let set = move |row: &mut Row, text: &str| {
+            set(row, text);
+            Ok(())
+        };
+        self.with(name, "1", Field::Text(Box::new(move |row| Cow::Borrowed(get(row))), Box::new(set)))
+    }
+
+    /// Adds a column of names: those by which serde knows the variants of `T`, an enum without fields.
+    #[must_use]
+    pub fn choice<T: Serialize + DeserializeOwned>(
+        self,
+        name: impl Into<String>,
+        get: impl Fn(&Row) -> T + Send + Sync + 'static,
+        set: impl Fn(&mut Row, T) + Send + Sync + 'static,
+    ) -> Self {
+        let set = move |row: &mut Row, text: &str| {
+            let known: StrDeserializer<'_, Unknown> = text.into_deserializer();
+            set(row, T::deserialize(known)?);
+            Ok(())
+        };
+        self.with(name, "1", Field::Text(Box::new(move |row| name_of(&get(row)).into()), Box::new(set)))
+    }
+
+    /// Adds a column of integers.
+    #[must_use]
+    pub fn integer(
+        self,
+        name: impl Into<String>,
+        unit: &str,
+        get: impl Fn(&Row) -> i32 + Send + Sync + 'static,
+        set: impl Fn(&mut Row, i32) + Send + Sync + 'static,
+    ) -> Self {
+        self.with(name, unit, Field::Integer(Box::new(get), Box::new(set)))
+    }
+
+    /// Adds a column of numbers that every row has.
+    #[must_use]
+    pub fn number(
+        self,
+        name: impl Into<String>,
+        unit: &str,
+        get: impl Fn(&Row) -> f64 + Send + Sync + 'static,
+        set: impl Fn(&mut Row, f64) + Send + Sync + 'static,
+    ) -> Self {
+        self.with(name, unit, Field::Number(Box::new(get), Box::new(set)))
+    }
+
+    /// Adds a column of numbers that some rows may lack.
+    #[must_use]
+    pub fn optional(
+        self,
+        name: impl Into<String>,
+        unit: &str,
+        get: impl Fn(&Row) -> Option<f64> + Send + Sync + 'static,
+        set: impl Fn(&mut Row, Option<f64>) + Send + Sync + 'static,
+    ) -> Self {
+        self.with(name, unit, Field::Optional(Box::new(get), Box::new(set)))
+    }
+
+    fn with(mut self, name: impl Into<String>, unit: &str, field: Field<Row>) -> Self {
+        let nullable = matches!(field, Field::Optional(..));
+        self.schema.columns.push(ColumnSpec::new(name, unit, field.kind(), nullable));
+        self.fields.push(field);
+        self
+    }
+
+    /// Id, version and columns of the table.
+    pub fn schema(&self) -> &TableSchema {
+        &self.schema
+    }
+
+    /// `rows` as one block of the table.
+    pub fn table(&self, rows: &[Row]) -> Table {
+        Table { columns: self.fields.iter().map(|field| field.column(rows)).collect() }
+    }
+
+    /// `rows` as one block of the table, as it stands in the file.
+    ///
+    /// # Errors
+    /// See [`encode_block`].
+    pub fn encode(&self, rows: &[Row]) -> Result<EncodedBlock> {
+        encode_block(&self.schema, &self.table(rows))
+    }
+}
+
+impl<Row: Clone + 'static> Columns<Row> {
+    /// The rows of block `block`, each made from `blank` by setting every column.
+    ///
+    /// # Errors
+    /// [`Error::Refused`] for a damaged block, or a name that a column of names does not know.
+    pub fn read_block(&self, reader: &TableReader, block: usize, blank: &Row) -> Result<Vec<Row>> {
+        let names: Vec<&str> = self.schema.columns.iter().map(|column| column.name.as_str()).collect();
+        let table = reader.read_block(block, &names)?;
+        let mut rows = vec![blank.clone(); reader.block_rows(block)];
+        for ((field, spec), column) in self.fields.iter().zip(&self.schema.columns).zip(&table.columns) {
+            field.fill(&mut rows, column).map_err(|(row, expected)| {
+                let before: usize = (0..block).map(|earlier| reader.block_rows(earlier)).sum();
+                let thing = format!("column `{}`, row {}", spec.name, before + row);
+                let found = format!("`{}`", column.text_at(row).unwrap_or_default());
+                Error::refuse(reader.path(), thing, found, expected, "write the table again")
+            })?;
+        }
+        Ok(rows)
+    }
+
+    /// All rows of a table whose columns are checked first.
+    ///
+    /// # Errors
+    /// As [`Columns::read_block`]; columns that are missing.
+    pub fn read(&self, reader: &TableReader, blank: &Row) -> Result<Vec<Row>> {
+        reader.require(&self.schema.columns)?;
+        let blocks = (0..reader.blocks()).map(|block| self.read_block(reader, block, blank));
+        Ok(blocks.collect::<Result<Vec<_>>>()?.concat())
+    }
+}
+
+impl<Row> fmt::Debug for Columns<Row> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Columns").field("schema", &self.schema).finish_non_exhaustive()
+    }
+}
+
+impl<Row> Field<Row> {
+    fn kind(&self) -> Kind {
+        match self {
+            Self::Text(..) => Kind::Text,
+            Self::Integer(..) => Kind::I32,
+            Self::Number(..) | Self::Optional(..) => Kind::F64,
+        }
+    }
+
+    fn column(&self, rows: &[Row]) -> Column {
+        match self {
+            Self::Text(get, _) => labelled(rows.iter().map(get)),
+            Self::Integer(get, _) => Column::i32(rows.iter().map(get).collect()),
+            Self::Number(get, _) => Column::f64(rows.iter().map(get).collect()),
+            Self::Optional(get, _) => {
+                let values = rows.iter().map(get).map(|v| (v.unwrap_or(f64::NAN), v.is_some()));
+                let (values, present) = values.unzip();
+                Column::nullable_f64(values, present)
+            }
+        }
+    }
+
+    /// Sets this field of every row; else the row whose text is unknown, and what was expected there.
+    fn fill(&self, rows: &mut [Row], column: &Column) -> std::result::Result<(), (usize, String)> {
+        for (i, row) in rows.iter_mut().enumerate() {
+            match self {
+                Self::Text(_, set) => {
+                    set(row, column.text_at(i).unwrap_or_default()).map_err(|unknown| (i, unknown.0))?;
+                }
+                Self::Integer(_, set) => set(row, column.as_i32().map_or(0, |all| all[i])),
+                Self::Number(_, set) => set(row, column.value_at(i).unwrap_or(f64::NAN)),
+                Self::Optional(_, set) => set(row, column.value_at(i)),
+            }
+        }
+        Ok(())
+    }
+}
+
+/// A text column whose labels are numbered in order of appearance.
+fn labelled<'a>(texts: impl Iterator<Item = Cow<'a, str>>) -> Column {
+    let mut numbers: HashMap<Cow<'a, str>, u32> = HashMap::new();
+    let mut labels = Vec::new();
+    let code = |text: Cow<'a, str>| match numbers.get(&text) {
+        Some(&code) => code,
+        None => {
+            labels.push(text.clone().into_owned());
+            numbers.insert(text, labels.len() as u32 - 1);
+            labels.len() as u32 - 1
+        }
+    };
+    let codes = texts.map(code).collect();
+    Column::text(labels, codes)
+}
+
+/// The name that serde gives to a variant without fields.
+fn name_of<T: Serialize>(variant: &T) -> String {
+    match serde_json::to_value(variant) {
+        Ok(Value::String(name)) => name,
+        other => unreachable!("a variant without fields is written as its name, not as {other:?}"),
+    }
+}
+
+/// The names that serde knows, where a text is none of them.
+#[derive(Debug)]
+struct Unknown(String);
+
+impl Display for Unknown {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+impl std::error::Error for Unknown {}
+
+impl serde::de::Error for Unknown {
+    fn custom<T: Display>(message: T) -> Self {
+        Self(message.to_string())
+    }
+
+    fn unknown_variant(_: &str, expected: &'static [&'static str]) -> Self {
+        let quoted: Vec<String> = expected.iter().map(|name| format!("`{name}`")).collect();
+        Self(format!("one of {}", quoted.join(", ")))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use serde::Deserialize;
+
+    use super::*;
+    use crate::provenance::Provenance;
+    use crate::staged::commit;
+    use crate::table_writer::TableWriter;
+
+    #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+    enum Sky {
+        #[serde(rename = "half cloudy")]
+        Half,
+        Clear,
+    }
+
+    #[derive(Clone, Debug, PartialEq)]
+    struct Row {
+        place: String,
+        sky: Sky,
+        run: i32,
+        depth: f64,
+        speeds: Vec<Option<f64>>,
+    }
+
+    fn columns(speeds: usize) -> Columns<Row> {
+        let fixed = Columns::<Row>::new("places", 1)
+            .text("place", |row| &row.place, |row, place| row.place = place.to_owned())
+            .choice("sky", |row| row.sky, |row, sky| row.sky = sky)
+            .integer("run", "1", |row| row.run, |row, run| row.run = run)
+            .number("depth", "m", |row| row.depth, |row, depth| row.depth = depth);
+        (0..speeds).fold(fixed, |columns, i| {
+            columns.optional(
+                format!("u{i}"),
+                "m/s",
+                move |row| row.speeds[i],
+                move |row, u| row.speeds[i] = u,
+            )
+        })
+    }
+
+    fn row(place: &str, sky: Sky, run: i32, depth: f64, speeds: [Option<f64>; 2]) -> Row {
+        Row { place: place.to_owned(), sky, run, depth, speeds: speeds.into() }
+    }
+
+    /// Writes `blocks` with the columns of `columns` and opens the file.
+    fn written<R: 'static>(columns: &Columns<R>, blocks: &[&[R]]) -> (tempfile::TempDir, TableReader) {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("places.parquet");
+        let mut writer = TableWriter::create(&path, columns.schema(), &Provenance::default()).unwrap();
+        blocks.iter().for_each(|rows| writer.push(columns.encode(rows).unwrap()).unwrap());
+        commit(vec![writer.finish().unwrap()]).unwrap();
+        let reader = TableReader::open(&path, "places", 1).unwrap();
+        (folder, reader)
+    }
+
+    #[test]
+    fn law_rows_come_back_as_they_were_written() {
+        let first = [
+            row("Utö", Sky::Half, 0, 4.5, [Some(1.0), None]),
+            row("", Sky::Clear, -7, 0.0, [None, Some(-2.5)]),
+            row("Utö", Sky::Clear, 1, 1e-9, [None, None]),
+        ];
+        let second = [row("Hanko", Sky::Half, i32::MAX, -3.0, [Some(0.0), Some(1.0)])];
+        let columns = columns(2);
+        let (_folder, reader) = written(&columns, &[&first, &second]);
+        let blank = row("blank", Sky::Half, 99, 99.0, [Some(99.0); 2]);
+        assert_eq!(columns.read(&reader, &blank).unwrap(), [&first[..], &second[..]].concat());
+        assert_eq!(columns.read_block(&reader, 1, &blank).unwrap(), second);
+    }
+
+    #[test]
+    fn an_unknown_name_is_refused_with_its_row_in_the_file_and_the_known_ones() {
+        let sky =
+            || Columns::<String>::new("places", 1).text("sky", |sky| sky, |row, sky| *row = sky.to_owned());
+        let text = |sky: &str| sky.to_owned();
+        let (_folder, reader) = written(&sky(), &[&[text("Clear")], &[text("half cloudy"), text("dark")]]);
+        let read = Columns::<Sky>::new("places", 1).choice("sky", |sky| *sky, |row, sky| *row = sky);
+        let line = read.read(&reader, &Sky::Half).unwrap_err().to_string();
+        let told = "column `sky`, row 2: found `dark`, expected one of `half cloudy`, `Clear`";
+        assert!(line.contains(told), "{line}");
+    }
+}
