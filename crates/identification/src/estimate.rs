@@ -5,18 +5,7 @@ use vessel::{LANES, Lane, Number};
 use crate::residual::{Group, InstrumentSquares, ResidualSums};
 use crate::solve::Normal;
 use crate::sums::LaneSums;
-use crate::{Batch, DegreeSums, Direction, Excitation, Sums};
-
-/// How the instruments' mean is removed: how many intercepts a degree of freedom has.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum MeanRemoval {
-    /// Not at all.
-    None,
-    /// Segment by segment: an intercept per segment.
-    Batch,
-    /// Over the whole run: one intercept.
-    Complete,
-}
+use crate::{Batch, DegreeSums, Direction, Excitation, MeanRemoval, Sums};
 
 /// An estimate of one run.
 #[derive(Clone, Debug, PartialEq)]

@@ -12,7 +12,10 @@
 
 mod batch;
 mod estimate;
+mod estimator;
 mod fisher;
+mod instrument_kind;
+mod mean_removal;
 mod middle;
 mod moments;
 pub mod pooled;
@@ -21,15 +24,20 @@ mod prefiltered;
 pub mod refine;
 mod residual;
 mod solve;
+mod status;
 mod sums;
 mod validate;
 
 pub use batch::Batch;
-pub use estimate::{Estimate, Instruments, MeanRemoval, Outcome, estimate};
+pub use estimate::{Estimate, Instruments, Outcome, estimate};
+pub use estimator::Estimator;
 pub use fisher::{OutputInformation, lifted, output_information, prediction_weights, sensitivities};
+pub use instrument_kind::InstrumentKind;
+pub use mean_removal::MeanRemoval;
 pub use middle::{Noise, middle};
 pub use moments::{ManeuverMoments, moments};
 pub use prefiltered::estimate_prefiltered;
 pub use solve::{Direction, Excitation};
+pub use status::{EstimateStatus, ScoreStatus};
 pub use sums::{DegreeSums, Sums};
 pub use validate::{FreeRun, free_runs, parameter_error};

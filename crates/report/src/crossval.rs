@@ -56,7 +56,7 @@ fn estimators(found: &CrossvalDocument) -> Markup {
 }
 
 fn estimator(e: &EstimatorScore, found: &CrossvalDocument) -> Markup {
-    let best = found.recommended.as_ref() == Some(&e.name);
+    let best = found.recommended == Some(e.name);
     let [u, v, r] = e.by_instruments;
     html! {
         tr.main[best] {

@@ -1,3 +1,4 @@
+use identification::Estimator;
 use maud::{Markup, html};
 
 use super::number::{percent, three, three_or_dash};
@@ -57,8 +58,8 @@ fn recommended(scores: &[EstimatorScores]) -> Markup {
 }
 
 /// The estimator with the smallest median parameter error, or simulation error where the truth is not known.
-fn best<'a>(scores: &'a [EstimatorScores], design: &str) -> Option<(&'a str, &'a DesignScores)> {
-    let own = |s: &'a EstimatorScores| Some((s.estimator.as_str(), of_design(&s.designs, design)?));
+fn best<'a>(scores: &'a [EstimatorScores], design: &str) -> Option<(Estimator, &'a DesignScores)> {
+    let own = |s: &'a EstimatorScores| Some((s.estimator, of_design(&s.designs, design)?));
     let error =
         |d: &DesignScores| d.parameter_error.median.or(d.simulation_error.median).unwrap_or(f64::INFINITY);
     let good = scores.iter().filter_map(own).filter(|(_, d)| lost(d) <= FEW && error(d).is_finite());
@@ -94,7 +95,7 @@ fn table(design: &str, estimates: &[EstimatorSummary], scores: &[EstimatorScores
             thead { tr { th scope="col" { "Estimator" } @for head in heads { th.number scope="col" { (head) } } } }
             tbody {
                 @for score in scores {
-                    @if let (Some(d), Some(e)) = (of_design(&score.designs, design), summary(estimates, &score.estimator, design)) {
+                    @if let (Some(d), Some(e)) = (of_design(&score.designs, design), summary(estimates, score.estimator, design)) {
                         tr { th scope="row" { (score.estimator) } @for cell in cells(d, e) { td.number { (cell) } } }
                     }
                 }
@@ -105,7 +106,7 @@ fn table(design: &str, estimates: &[EstimatorSummary], scores: &[EstimatorScores
 
 fn summary<'a>(
     estimates: &'a [EstimatorSummary],
-    estimator: &str,
+    estimator: Estimator,
     design: &str,
 ) -> Option<&'a DesignSummary> {
     estimates.iter().find(|e| e.estimator == estimator)?.designs.iter().find(|d| d.design == design)
@@ -154,8 +155,8 @@ fn ratio(parameter: &ParameterSummary) -> Option<f64> {
 /// Predicted over observed standard errors, parameter by parameter.
 fn trust(design: &str, estimates: &[EstimatorSummary]) -> Markup {
     let of = |e: &EstimatorSummary| e.designs.iter().find(|d| d.design == design).cloned();
-    let rows: Vec<(&str, DesignSummary)> =
-        estimates.iter().filter_map(|e| Some((e.estimator.as_str(), of(e)?))).collect();
+    let rows: Vec<(Estimator, DesignSummary)> =
+        estimates.iter().filter_map(|e| Some((e.estimator, of(e)?))).collect();
     let Some((_, first)) = rows.first() else { return html! {} };
     let off = |p: &ParameterSummary| ratio(p).is_none_or(|r| (r - 1.0).abs() > TRUSTED);
     let wrong: Vec<String> = rows
@@ -219,10 +220,10 @@ fn scenario_rows(name: &str, estimate: &EstimateDocument, validation: &Validatio
     let (estimates, scores) =
         (estimate.compared.as_deref().unwrap_or(&[]), validation.compared.as_deref().unwrap_or(&[]));
     let design = designs(scores).first().copied().unwrap_or("");
-    let first = best(scores, design).map_or("", |(name, _)| name);
+    let first = best(scores, design).map(|(estimator, _)| estimator);
     html! {
         @for (i, score) in scores.iter().enumerate() {
-            @if let (Some(d), Some(e)) = (of_design(&score.designs, design), summary(estimates, &score.estimator, design)) {
+            @if let (Some(d), Some(e)) = (of_design(&score.designs, design), summary(estimates, score.estimator, design)) {
                 tr {
                     th scope="row" { @if i == 0 { (name) } }
                     td { (score.estimator) }
@@ -231,7 +232,7 @@ fn scenario_rows(name: &str, estimate: &EstimateDocument, validation: &Validatio
                     td.number { (three(norms(&e.parameters).0)) }
                     td.number { (three_or_dash(d.simulation_error.median)) }
                     td.number { (percent(lost(d))) }
-                    td { @if score.estimator == first { b { "recommended" } } }
+                    td { @if Some(score.estimator) == first { b { "recommended" } } }
                 }
             }
         }

@@ -105,9 +105,9 @@ impl Loader<'_> {
         let reader = TableReader::open(&path, scores::ID, scores::VERSION)?;
         self.note("scores.parquet", "errors of every run", reader.digest());
         let rows = scores::rows(&reader)?;
-        let leading = scores::leading(&rows).to_owned();
+        let leading = scores::leading(&rows);
         let mut sets: Vec<ScoreSet> = Vec::new();
-        for row in rows.into_iter().filter(|row| row.estimator == leading) {
+        for row in rows.into_iter().filter(|row| Some(row.estimator) == leading) {
             if sets.last().is_none_or(|set| set.design != row.design) {
                 sets.push(ScoreSet { design: row.design.clone(), ..ScoreSet::default() });
             }

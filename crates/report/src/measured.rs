@@ -44,8 +44,8 @@ impl Measured {
     /// The estimator that cross-validation recommends, with its errors.
     pub(super) fn recommended(&self) -> Option<(&EstimatorScore, FreeRunErrors)> {
         let crossval = self.crossval.as_ref()?;
-        let name = crossval.recommended.as_ref()?;
-        let score = crossval.estimators.iter().find(|e| e.name == *name)?;
+        let name = crossval.recommended?;
+        let score = crossval.estimators.iter().find(|e| e.name == name)?;
         Some((score, score.errors?))
     }
 

@@ -1,4 +1,5 @@
 use crate::figures::{ErrorRow, FigureError, relative_errors};
+use identification::Estimator;
 use maud::{Markup, html};
 
 use super::missing::missing;
@@ -48,7 +49,7 @@ fn estimated(
 fn facts(estimate: &EstimateDocument, designs: &[&DesignSummary]) -> Markup {
     html! {
         dl.facts {
-            div { dt { "Estimator" } dd { (estimator(&estimate.estimator)) } }
+            div { dt { "Estimator" } dd { (estimator(estimate.estimator)) } }
             div { dt { "Mean of the instruments removed" } dd { (estimate.mean_removal) } }
             @for design in designs {
                 div { dt { "Identified, " (design.design) } dd { (design.identified) " of " (design.runs) " runs" } }
@@ -60,16 +61,16 @@ fn facts(estimate: &EstimateDocument, designs: &[&DesignSummary]) -> Markup {
     }
 }
 
-fn estimator(code: &str) -> &str {
-    match code {
-        "iv" => "instrumental variables",
-        "ls" => "least squares",
-        "refined-iv" => {
+fn estimator(estimator: Estimator) -> &'static str {
+    match estimator {
+        Estimator::Iv => "instrumental variables",
+        Estimator::Ls => "least squares",
+        Estimator::RefinedIv => {
             "instrumental variables, instruments simulated again with the estimate, all signals filtered by its poles"
         }
-        "output-error" => "output error: least errors of a free simulation",
-        "prediction-error" => "prediction error: least errors of a Kalman filter's predictions",
-        other => other,
+        Estimator::OutputError => "output error: least errors of a free simulation",
+        Estimator::PredictionError => "prediction error: least errors of a Kalman filter's predictions",
+        Estimator::Auto => estimator.name(),
     }
 }
 

@@ -3,12 +3,12 @@
 use std::path::Path;
 
 use artifact::Provenance;
-use identification::{FreeRun, free_runs, parameter_error};
+use identification::{EstimateStatus, FreeRun, ScoreStatus, free_runs, parameter_error};
 use vessel::{LANES, Vessel};
 
 use crate::failure::Failure;
 use study::estimates;
-use study::scores::{DIVERGED, Row, SCORED};
+use study::scores::Row;
 use study::trajectories::{Layout, TrajectoryReader};
 use vessel::Run;
 use vessel::lanes::interleave;
@@ -74,15 +74,16 @@ impl<'a> ValidationRuns<'a> {
         let samples = self.samples() as f64;
         let rmse = squares.filter(|_| row.estimate.is_some()).map(|s| s.map(|x| (x / samples).sqrt()));
         let status = match (&row.estimate, rmse) {
-            (None, _) => row.status.name(),
-            (Some(_), None) => DIVERGED,
-            (Some(_), Some(_)) => SCORED,
+            (None, _) if row.status == EstimateStatus::NotConverged => ScoreStatus::NotConverged,
+            (None, _) => ScoreStatus::NotIdentifiable,
+            (Some(_), None) => ScoreStatus::Diverged,
+            (Some(_), Some(_)) => ScoreStatus::Scored,
         };
         Row {
             design: row.design.clone(),
             run: row.run,
-            estimator: row.estimator.clone(),
-            status: status.to_owned(),
+            estimator: row.estimator,
+            status,
             parameter_error: row
                 .estimate
                 .as_ref()

@@ -2,44 +2,14 @@
 
 use std::path::Path;
 
-use clap::ValueEnum;
-use identification::{Batch, Excitation, MeanRemoval, Outcome};
+use identification::{Batch, Excitation, Outcome};
+pub use identification::{InstrumentKind, MeanRemoval, MeanRemoval as Removal};
 use vessel::{Diverged, LANES, Lane, Vessel, check_diverged, simulate, simulate_one};
 
 use crate::failure::Failure;
 use crate::simulate::diverged;
 use vessel::Run;
 use vessel::lanes::{groups, interleave};
-
-/// What the instruments are made of.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum InstrumentKind {
-    /// The nominal model simulated over the run's inputs from the run's initial state
-    Nominal,
-    /// The measured regressors themselves: least squares
-    Regressors,
-}
-
-/// How the instruments' mean is removed, on the command line.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Removal {
-    /// Not at all
-    None,
-    /// Segment by segment
-    Batch,
-    /// Over the whole experiment
-    Complete,
-}
-
-impl From<Removal> for MeanRemoval {
-    fn from(removal: Removal) -> Self {
-        match removal {
-            Removal::None => Self::None,
-            Removal::Batch => Self::Batch,
-            Removal::Complete => Self::Complete,
-        }
-    }
-}
 
 /// Makes batches of runs with their instruments.
 pub struct Instruments<'a> {

@@ -1,31 +1,27 @@
 //! The table of scores: one row per run.
 
 use artifact::{Columns, Error, Table, TableReader, TableSchema};
+use identification::{Estimator, ScoreStatus};
 use vessel::DegreeOfFreedom;
 
 use crate::documents::{Bounds, DesignScores, EstimatorScores, Quantiles};
-use crate::estimates::{NOT_CONVERGED, NOT_IDENTIFIABLE, distinct};
+use crate::estimates::distinct;
 
 /// Schema id of scores.
 pub const ID: &str = "scores";
 /// Version of the schema.
 pub const VERSION: u32 = 1;
-/// `status` of a run whose model was simulated.
-pub const SCORED: &str = "scored";
-/// `status` of a run whose model diverged in free simulation.
-pub const DIVERGED: &str = "diverged";
-
 /// One row.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Row {
     /// Its design.
     pub design: String,
     /// Number of the run.
     pub run: i32,
     /// Its estimator.
-    pub estimator: String,
-    /// [`SCORED`], [`DIVERGED`], [`NOT_IDENTIFIABLE`] or [`NOT_CONVERGED`].
-    pub status: String,
+    pub estimator: Estimator,
+    /// What became of its model.
+    pub status: ScoreStatus,
     /// ‖(θ̂ − θ)/θ‖, where the run is identified and the truth known.
     pub parameter_error: Option<f64>,
     /// RMSE in u, v \[m/s\] and r \[rad/s\], where the simulation did not diverge.
@@ -48,8 +44,8 @@ fn columns() -> Columns<Row> {
     let columns = Columns::<Row>::new(ID, VERSION)
         .text("design", |r| &r.design, |r, design| r.design = design.to_owned())
         .integer("run", "1", |r| r.run, |r, run| r.run = run)
-        .text("estimator", |r| &r.estimator, |r, estimator| r.estimator = estimator.to_owned())
-        .text("status", |r| &r.status, |r, status| r.status = status.to_owned())
+        .choice("estimator", |r| r.estimator, |r, estimator| r.estimator = estimator)
+        .choice("status", |r| r.status, |r, status| r.status = status)
         .optional("parameter_error", "1", |r| r.parameter_error, |r, error| r.parameter_error = error);
     let rmse = |columns: Columns<Row>, degree: DegreeOfFreedom| {
         let (name, d) = (format!("rmse_{}", degree.state()), degree as usize);
@@ -68,54 +64,63 @@ fn columns() -> Columns<Row> {
 /// # Errors
 /// Missing columns, damaged blocks.
 pub fn rows(reader: &TableReader) -> Result<Vec<Row>, Error> {
-    columns().read(reader, &Row::default())
+    let blank = Row {
+        design: String::new(),
+        run: 0,
+        estimator: Estimator::Iv,
+        status: ScoreStatus::NotIdentifiable,
+        parameter_error: None,
+        rmse: [None; 3],
+        simulation_error: None,
+    };
+    columns().read(reader, &blank)
 }
 
 /// The estimators of `rows`, in their order.
-pub fn estimators(rows: &[Row]) -> Vec<&str> {
-    distinct(rows.iter().map(|row| row.estimator.as_str()))
+pub fn estimators(rows: &[Row]) -> Vec<Estimator> {
+    distinct(rows.iter().map(|row| row.estimator))
 }
 
 /// The estimator that stands for a study: the only one, or `iv` where several are compared.
-pub fn leading(rows: &[Row]) -> &str {
-    let names = estimators(rows);
-    names.iter().find(|name| **name == "iv").or(names.first()).copied().unwrap_or("")
+pub fn leading(rows: &[Row]) -> Option<Estimator> {
+    let known = estimators(rows);
+    known.iter().find(|e| **e == Estimator::Iv).or(known.first()).copied()
 }
 
 /// What the scores of each design say together, in the order of the rows, by the [`leading`] estimator.
 pub fn summarize(rows: &[Row], bounds: Bounds) -> Vec<DesignScores> {
-    by_estimator(rows, leading(rows), bounds)
+    leading(rows).map_or(Vec::new(), |estimator| by_estimator(rows, estimator, bounds))
 }
 
 /// The same for every estimator, where there are several.
 pub fn compare(rows: &[Row], bounds: Bounds) -> Option<Vec<EstimatorScores>> {
-    let names = estimators(rows);
-    let of = |name: &&str| EstimatorScores {
-        estimator: (*name).to_owned(),
-        designs: by_estimator(rows, name, bounds),
+    let all = estimators(rows);
+    let of = |estimator: &Estimator| EstimatorScores {
+        estimator: *estimator,
+        designs: by_estimator(rows, *estimator, bounds),
     };
-    (names.len() > 1).then(|| names.iter().map(of).collect())
+    (all.len() > 1).then(|| all.iter().map(of).collect())
 }
 
-fn by_estimator(rows: &[Row], estimator: &str, bounds: Bounds) -> Vec<DesignScores> {
+fn by_estimator(rows: &[Row], estimator: Estimator, bounds: Bounds) -> Vec<DesignScores> {
     let mut designs: Vec<&str> = rows.iter().map(|r| r.design.as_str()).collect();
     designs.dedup();
     designs.iter().map(|design| design_scores(design, estimator, rows, bounds)).collect()
 }
 
-fn design_scores(design: &str, estimator: &str, rows: &[Row], bounds: Bounds) -> DesignScores {
+fn design_scores(design: &str, estimator: Estimator, rows: &[Row], bounds: Bounds) -> DesignScores {
     let own = || rows.iter().filter(|r| r.design == design && r.estimator == estimator);
     let runs = own().count();
-    let with = |status: &str| own().filter(|r| r.status == status).count() as u64;
+    let with = |status: ScoreStatus| own().filter(|r| r.status == status).count() as u64;
     let below = |value: fn(&Row) -> Option<f64>, bound: f64| {
         own().filter(|r| value(r).is_some_and(|v| v < bound)).count() as f64 / runs.max(1) as f64
     };
     DesignScores {
         design: design.to_owned(),
         runs: runs as u64,
-        not_identifiable: with(NOT_IDENTIFIABLE),
-        not_converged: Some(with(NOT_CONVERGED)).filter(|_| estimator.ends_with("-error")),
-        diverged: with(DIVERGED),
+        not_identifiable: with(ScoreStatus::NotIdentifiable),
+        not_converged: estimator.searches().then(|| with(ScoreStatus::NotConverged)),
+        diverged: with(ScoreStatus::Diverged),
         parameter_error_share: below(|r| r.parameter_error, bounds.parameter_error),
         simulation_error_share: below(|r| r.simulation_error, bounds.simulation_error),
         parameter_error: Quantiles::of(own().map(|r| r.parameter_error)),

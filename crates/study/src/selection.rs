@@ -1,7 +1,7 @@
 //! The table of realizations of a selection study.
 
 use artifact::{Columns, Error, Table, TableReader, TableSchema};
-use serde::{Deserialize, Serialize};
+use identification::ScoreStatus;
 use vessel::DegreeOfFreedom;
 
 /// Schema id of the realizations of a selection study.
@@ -30,23 +30,12 @@ pub struct Row {
     pub left_out_norm: Option<f64>,
 }
 
-/// What became of a realization.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-enum Status {
-    #[serde(rename = "not identifiable")]
-    NotIdentifiable,
-    #[serde(rename = "diverged")]
-    Diverged,
-    #[serde(rename = "scored")]
-    Scored,
-}
-
 impl Row {
-    fn status(&self) -> Status {
+    fn status(&self) -> ScoreStatus {
         match (self.identified, self.rmse) {
-            (false, _) => Status::NotIdentifiable,
-            (true, None) => Status::Diverged,
-            (true, Some(_)) => Status::Scored,
+            (false, _) => ScoreStatus::NotIdentifiable,
+            (true, None) => ScoreStatus::Diverged,
+            (true, Some(_)) => ScoreStatus::Scored,
         }
     }
 }
@@ -75,7 +64,7 @@ fn columns() -> Columns<Row> {
         .text("design", |r| &r.design, |r, design| r.design = design.to_owned())
         .integer("realization", "1", |r| r.realization, |r, number| r.realization = number)
         .text("picked", |r| &r.picked, |r, picked| r.picked = picked.to_owned())
-        .choice("status", Row::status, |r, status| r.identified = status != Status::NotIdentifiable);
+        .choice("status", Row::status, |r, status| r.identified = status != ScoreStatus::NotIdentifiable);
     let columns = errors(columns, "", |r| r.rmse, |r| &mut r.rmse).optional(
         "error_norm",
         "1",

@@ -1,6 +1,7 @@
 //! What must hold of estimates, and what independent computations found.
 
 mod laws;
+mod names;
 mod oracle;
 mod output_error_laws;
 mod output_error_oracle;

@@ -207,8 +207,8 @@ fn moments() -> MomentsDocument {
 
 fn estimate() -> EstimateDocument {
     EstimateDocument {
-        estimator: "iv".to_owned(),
-        mean_removal: "complete".to_owned(),
+        estimator: identification::Estimator::Iv,
+        mean_removal: identification::MeanRemoval::Complete,
         designs: vec![summary("optimized", |p| p.6, 1.0), summary("random", |p| p.7, 40.0)],
         compared: None,
         trust: None,

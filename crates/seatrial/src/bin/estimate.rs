@@ -8,15 +8,16 @@ use artifact::{
 };
 use clap::{Parser, ValueEnum};
 use identification::predictor::{InitialState, Levels};
+use identification::{EstimateStatus as Status, MeanRemoval};
+use seatrial::choice::choice;
 use seatrial::cli::{Common, Sharding, Summary, beside, given, name_of, provenance, run};
 use seatrial::estimators::{Estimator, RunEstimators, refuse_if_none};
 use seatrial::failure::Failure;
-use seatrial::instruments::Removal;
 use seatrial::ordered::{joined, joined_blocks, ordered};
 use seatrial::pooled::{self, PoolFlags, Wanted};
 use seatrial::progress::Progress;
 use serde_json::json;
-use study::estimates::{self, Row, Status};
+use study::estimates::{self, Row};
 use study::files::{read_campaign, read_vessel};
 use study::trajectories::{Layout, TrajectoryReader};
 use vessel::Vessel;
@@ -38,7 +39,7 @@ struct Arguments {
     #[arg(long, required_unless_present = "gather", value_name = "campaign.parquet")]
     trajectories: Option<PathBuf>,
     /// The estimator
-    #[arg(long, value_enum, default_value_t = Estimator::Iv)]
+    #[arg(long, value_parser = choice(&Estimator::ALL, Estimator::name, Estimator::description), default_value_t = Estimator::Iv)]
     estimator: Estimator,
     /// Every estimator on the same runs
     #[arg(long, conflicts_with_all = ["estimator", "pool"])]
@@ -51,8 +52,8 @@ struct Arguments {
     #[arg(long, value_enum)]
     initial_state: Option<Initial>,
     /// How the instruments' mean is removed
-    #[arg(long, value_enum, default_value_t = Removal::Complete)]
-    mean_removal: Removal,
+    #[arg(long, value_parser = choice(&MeanRemoval::ALL, MeanRemoval::name, MeanRemoval::description), default_value_t = MeanRemoval::Complete)]
+    mean_removal: MeanRemoval,
     /// One estimate from all runs, whose segments each get instruments of their own; also writes trust.json
     #[arg(long)]
     pool: bool,
@@ -109,16 +110,15 @@ fn stage(a: &Arguments) -> Result<Summary, Failure> {
     let reader = TrajectoryReader::open(file, &Layout::new(&vessel.model), vessel.sample_rate_hz)?;
     reader.whole()?;
     provenance.inputs.insert("trajectories".into(), reader.digest());
-    provenance.settings.insert("estimator".into(), json!(name_of(a.estimator)));
+    provenance.settings.insert("estimator".into(), json!(a.estimator));
     if a.compare {
-        let names: Vec<String> = Estimator::COMPARED.into_iter().map(name_of).collect();
-        provenance.settings.insert("compared".into(), json!(names));
+        provenance.settings.insert("compared".into(), json!(Estimator::OF_RUNS));
     }
     let initial = initial(a, &reader);
     if a.compare || matches!(a.estimator, Estimator::OutputError | Estimator::PredictionError) {
         provenance.settings.insert("initial_state".into(), json!(name_of(initial)));
     }
-    provenance.settings.insert("mean_removal".into(), json!(name_of(a.mean_removal)));
+    provenance.settings.insert("mean_removal".into(), json!(a.mean_removal));
     provenance.shard.clone_from(&a.sharding.shard);
     let schema = estimates::schema(&vessel);
     let mut writer = TableWriter::create(&out, &schema, &provenance)?;
@@ -131,8 +131,8 @@ fn stage(a: &Arguments) -> Result<Summary, Failure> {
         vessel: &vessel,
         vessel_file: &a.vessel,
         file,
-        estimators: if a.compare { Estimator::COMPARED.to_vec() } else { vec![a.estimator] },
-        removal: a.mean_removal.into(),
+        estimators: if a.compare { Estimator::OF_RUNS.to_vec() } else { vec![a.estimator] },
+        removal: a.mean_removal,
         initial: match initial {
             Initial::Known => InitialState::Known,
             Initial::Estimated => InitialState::Estimated,
@@ -183,15 +183,15 @@ fn pool(a: &Arguments, vessel: &Vessel, out: PathBuf, provenance: Provenance) ->
         let found = "--pool: found --shard or --gather, expected neither";
         return Err(Failure::Usage(format!("{found}; a pooled estimate is made in one piece")));
     }
-    let Some(method) = a.estimator.pooled() else {
+    if !Estimator::POOLED.contains(&a.estimator) {
         let found = "--estimator: found prediction-error with --pool, expected ls, iv, refined-iv, auto or output-error";
         return Err(Failure::Usage(format!("{found}; choose one of them")));
-    };
+    }
     let wanted = Wanted {
         vessel,
         trajectories: given(&a.trajectories, "trajectories")?,
         flags: &a.flags,
-        method,
+        method: a.estimator,
         removal: a.mean_removal,
         bandwidth: a.bandwidth.map(usize::from),
         replicates: a.bootstrap.unwrap_or(0),
@@ -274,10 +274,10 @@ fn publish(
     let (unexcited, unconverged, kept) =
         (count(Status::NotIdentifiable), count(Status::NotConverged), count(Status::Kept));
     let also = |count: usize, what: &str| if count > 0 { format!(", {count} {what}") } else { String::new() };
-    let searched = also(unconverged, estimates::NOT_CONVERGED) + &also(kept, "kept unrefined");
+    let searched = also(unconverged, Status::NotConverged.name()) + &also(kept, "kept unrefined");
     let mut staged = vec![table];
     if provenance.shard.is_none() {
-        let document = estimates::summarize(provenance, vessel, &rows);
+        let document = estimates::summarize(&out, provenance, vessel, &rows)?;
         staged.push(stage_document(document_file, provenance, &document)?);
     }
     commit(staged)?;

@@ -7,7 +7,8 @@ use artifact::{Provenance, commit, stage_document};
 use clap::Parser;
 use identification::pooled::Regression;
 use identification::{MeanRemoval, Sums, middle, moments};
-use seatrial::cli::{Common, Summary, name_of, provenance, run};
+use seatrial::choice::choice;
+use seatrial::cli::{Common, Summary, provenance, run};
 use seatrial::design::{NoiseModel, OutputErrorNoise, ParameterDraw, Predicted, SimulateWith};
 use seatrial::failure::Failure;
 use seatrial::instruments::{InstrumentKind, Instruments};
@@ -45,7 +46,7 @@ struct Arguments {
     #[arg(long, value_name = "given|least-squares|FILE")]
     nominal: Option<Nominal>,
     /// What the instruments are made of
-    #[arg(long, value_enum, default_value_t = InstrumentKind::Nominal)]
+    #[arg(long, value_parser = choice(&InstrumentKind::ALL, InstrumentKind::name, InstrumentKind::description), default_value_t = InstrumentKind::Nominal)]
     instruments: InstrumentKind,
     /// The disturbances to expect: adds the matrices B that the estimate's covariance is made of
     #[arg(long, value_name = "campaign.toml")]
@@ -85,7 +86,7 @@ fn stage(a: &Arguments) -> Result<Summary, Failure> {
     if reader.blocks() > 0 {
         label(reader.runs(0)?.iter().map(|run| run.design.as_str()), &mut provenance);
     }
-    let kind = name_of(a.instruments);
+    let kind = a.instruments.name().to_owned();
     let noise = match &a.campaign {
         Some(campaign) => Some(NoiseModel::read(campaign, &vessel, a.instruments, &mut provenance)?),
         None => None,

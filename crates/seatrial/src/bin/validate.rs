@@ -7,13 +7,14 @@ use artifact::{
     EncodedBlock, Provenance, Staged, TableReader, TableWriter, commit, encode_block, gather, stage_document,
 };
 use clap::{ArgMatches, Args, Command, CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum};
-use seatrial::cli::{Common, Sharding, Summary, beside, given, name_of, provenance, run};
+use identification::{Estimator, MeanRemoval};
+use seatrial::choice::choice;
+use seatrial::cli::{Common, Sharding, Summary, beside, given, provenance, run};
 use seatrial::crossval;
 use seatrial::failure::Failure;
 use seatrial::free_runs::ValidationRuns;
-use seatrial::instruments::Removal;
 use seatrial::ordered::ordered;
-use seatrial::pooled::{Method, PoolFlags, not_below, samples};
+use seatrial::pooled::{PoolFlags, not_below, samples};
 use seatrial::progress::Progress;
 use seatrial::selection;
 use serde_json::json;
@@ -74,11 +75,11 @@ struct CrossArguments {
     #[arg(long, value_name = "trajectories.parquet")]
     trajectories: PathBuf,
     /// The estimators to compare
-    #[arg(long, value_enum, value_delimiter = ',', default_value = "ls,iv,refined-iv,auto,output-error")]
-    estimators: Vec<Method>,
+    #[arg(long, value_parser = choice(&Estimator::POOLED, Estimator::name, Estimator::description), value_delimiter = ',', default_values_t = Estimator::POOLED)]
+    estimators: Vec<Estimator>,
     /// How the instruments' mean is removed
-    #[arg(long, value_enum, default_value_t = Removal::Complete)]
-    mean_removal: Removal,
+    #[arg(long, value_parser = choice(&MeanRemoval::ALL, MeanRemoval::name, MeanRemoval::description), default_value_t = MeanRemoval::Complete)]
+    mean_removal: MeanRemoval,
     /// Whether the estimated intercepts are part of the simulated models
     #[arg(long, value_enum, default_value_t = Intercepts::Keep)]
     intercepts: Intercepts,
@@ -115,11 +116,11 @@ struct SelectionArguments {
     #[arg(long, value_name = "N", default_value_t = 500, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     realizations: u32,
     /// The estimator: `ls`, `iv` or `auto`
-    #[arg(long, value_enum, default_value_t = Method::Iv)]
-    estimator: Method,
+    #[arg(long, value_parser = choice(&Estimator::POOLED, Estimator::name, Estimator::description), default_value_t = Estimator::Iv)]
+    estimator: Estimator,
     /// How the instruments' mean is removed
-    #[arg(long, value_enum, default_value_t = Removal::Complete)]
-    mean_removal: Removal,
+    #[arg(long, value_parser = choice(&MeanRemoval::ALL, MeanRemoval::name, MeanRemoval::description), default_value_t = MeanRemoval::Complete)]
+    mean_removal: MeanRemoval,
     /// Whether the estimated intercepts are part of the simulated models
     #[arg(long, value_enum, default_value_t = Intercepts::Keep)]
     intercepts: Intercepts,
@@ -217,8 +218,8 @@ fn cross(a: &CrossArguments) -> Result<Summary, Failure> {
 fn select(a: &SelectionArguments) -> Result<Summary, Failure> {
     let mut provenance = provenance("validate");
     let vessel = read_vessel(&a.vessel, &mut provenance)?;
-    if matches!(a.estimator, Method::RefinedIv | Method::OutputError) {
-        let found = format!("--estimator: found {}, expected ls, iv or auto", name_of(a.estimator));
+    if matches!(a.estimator, Estimator::RefinedIv | Estimator::OutputError) {
+        let found = format!("--estimator: found {}, expected ls, iv or auto", a.estimator);
         return Err(Failure::Usage(format!("{found}; a selection study adds up sums per sub-experiment")));
     }
     let files = [&a.vessel, &a.trajectories].into_iter().chain(&a.design).chain(&a.flags.recordings);

@@ -1,13 +1,13 @@
 use std::path::{Path, PathBuf};
 
 use artifact::{Provenance, commit, stage_document};
-use identification::MeanRemoval;
+use identification::ScoreStatus;
 use identification::pooled::{Lifted, Part, Score, Window, Windows};
 use serde_json::json;
 use vessel::{DegreeOfFreedom, Lane, Vessel};
 
 use super::{Fold, folds};
-use crate::cli::{Summary, name_of};
+use crate::cli::Summary;
 use crate::failure::Failure;
 use crate::instruments::Removal;
 use crate::ordered::ordered;
@@ -57,7 +57,7 @@ struct Tried {
     /// Per source that was left out.
     scores: Vec<(usize, Score)>,
     used: [bool; 3],
-    reason: Option<(&'static str, String)>,
+    reason: Option<(ScoreStatus, String)>,
 }
 
 /// Leaves sources out, estimates from the others, simulates over those left out: crossval.json.
@@ -70,7 +70,7 @@ pub fn cross(wanted: &Wanted, mut provenance: Provenance) -> Result<Summary, Fai
     let nominal = NominalModel::read(&flags.nominal(), vessel, &mut provenance)?;
     let data = Data::read(wanted.trajectories, vessel, flags, &mut provenance)?;
     let lifted = Lifted::new(&vessel.model);
-    let removal = MeanRemoval::from(wanted.removal);
+    let removal = wanted.removal;
     let pool = Pool {
         model: &vessel.model,
         lifted: &lifted,
@@ -146,7 +146,7 @@ impl<'a> Study<'a> {
             Err(diverged) => {
                 let part = &parts[diverged.part];
                 let lost = lost_instruments(&part.label, &part.source, diverged);
-                tried.reason = Some(("diverged", format!("{without}: {lost}")));
+                tried.reason = Some((ScoreStatus::Diverged, format!("{without}: {lost}")));
                 return tried;
             }
         };
@@ -162,7 +162,7 @@ impl<'a> Study<'a> {
                 )
             });
             let why = why.collect::<Vec<_>>().join("; ");
-            tried.reason = Some(("not identifiable", format!("{without}: {why}")));
+            tried.reason = Some((ScoreStatus::NotIdentifiable, format!("{without}: {why}")));
             return tried;
         };
         let intercepts = if self.wanted.intercepts { found.intercepts() } else { [0.0; 3] };
@@ -203,13 +203,15 @@ impl<'a> Study<'a> {
         let rmse = whole.rmse().filter(|_| reason.is_none());
         let (status, reason) = match reason {
             Some((status, why)) => (status, Some(format!("{failed} of {} folds, {why}", tried.len()))),
-            None if whole.diverged > 0 => ("diverged", Some(format!("{} windows diverge", whole.diverged))),
-            None => ("scored", None),
+            None if whole.diverged > 0 => {
+                (ScoreStatus::Diverged, Some(format!("{} windows diverge", whole.diverged)))
+            }
+            None => (ScoreStatus::Scored, None),
         };
         let norm = |rmse: [f64; 3]| (0..3).map(|d| (rmse[d] / self.std[d]).powi(2)).sum::<f64>().sqrt();
         EstimatorScore {
-            name: name_of(method),
-            status: status.to_owned(),
+            name: method,
+            status,
             reason,
             errors: rmse.map(|rmse| FreeRunErrors::new(rmse, self.std)),
             error_norm: rmse.map(norm).filter(|norm| norm.is_finite()),
@@ -226,7 +228,7 @@ impl<'a> Study<'a> {
             .min_by(|a, b| a.0.total_cmp(&b.0))
             .map(|(_, e)| e);
         CrossvalDocument {
-            mean_removal: name_of(self.wanted.removal),
+            mean_removal: self.wanted.removal,
             nominal: self.wanted.flags.nominal().to_string(),
             prior: self.pool.strength,
             intercepts: self.wanted.intercepts,
@@ -237,7 +239,7 @@ impl<'a> Study<'a> {
             std_u: self.std[0],
             std_v: self.std[1],
             std_r: self.std[2],
-            recommended: best.map(|e| e.name.clone()),
+            recommended: best.map(|e| e.name),
             statements: statements(best, &estimators),
             estimators,
         }
@@ -259,7 +261,7 @@ fn statements(best: Option<&EstimatorScore>, estimators: &[EstimatorScore]) -> V
             }
         }
     }
-    for failed in estimators.iter().filter(|e| e.status != "scored") {
+    for failed in estimators.iter().filter(|e| e.status != ScoreStatus::Scored) {
         let reason = failed.reason.as_deref().unwrap_or("");
         out.push(format!("{}: {}: {reason}", failed.name, failed.status));
     }
@@ -276,10 +278,10 @@ fn fits(errors: &FreeRunErrors) -> String {
 }
 
 fn note(wanted: &Wanted, strength: f64, provenance: &mut Provenance) {
-    let names: Vec<String> = wanted.estimators.iter().map(|e| name_of(*e)).collect();
+    let names = wanted.estimators;
     let settings = [
         ("estimators", json!(names)),
-        ("mean_removal", json!(name_of(wanted.removal))),
+        ("mean_removal", json!(wanted.removal)),
         ("prior", json!(strength)),
         ("intercepts", json!(wanted.intercepts)),
         ("window_samples", json!(wanted.window)),

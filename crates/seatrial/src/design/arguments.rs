@@ -7,6 +7,7 @@ use clap::{Parser, ValueEnum};
 use serde_json::json;
 
 use super::{CriterionName, Estimated, Experiment, OverModels, Predicted, Relative, Wanted};
+use crate::choice::choice;
 use crate::cli::{Common, name_of};
 use crate::failure::Failure;
 use crate::instruments::Removal;
@@ -28,7 +29,7 @@ pub struct Arguments {
     #[arg(long, value_name = "moments.json")]
     pub(super) moments: PathBuf,
     /// How the estimator will remove the instruments' mean
-    #[arg(long, value_enum, default_value_t = Removal::Complete)]
+    #[arg(long, value_parser = choice(&Removal::ALL, Removal::name, Removal::description), default_value_t = Removal::Complete)]
     pub(super) mean_removal: Removal,
     /// What the shares are best for; all but d-hessian need moments made with --campaign (default: d-hessian; d for
     /// output-error; a-relative with --accuracy)

@@ -65,7 +65,7 @@ pub fn document(solved: Solved) -> DesignDocument {
     let starts = if least_largest(&solved) { Vec::new() } else { starts };
     DesignDocument {
         criterion: solved.name.title().into(),
-        mean_removal: name_of(solved.removal),
+        mean_removal: solved.removal.name().to_owned(),
         status: match (&solved.restricted, design.status) {
             (Some(_), _) => "restricted",
             (None, _) if least_largest(&solved) => "least largest",

@@ -5,7 +5,7 @@ use identification::{Batch, MeanRemoval, Noise, Outcome};
 use vessel::{LANES, Lane, Vessel, check_diverged, simulate};
 
 use super::rows::{Found, Regressed};
-use study::estimates::Status;
+use identification::EstimateStatus as Status;
 use vessel::Run;
 use vessel::lanes::{groups, interleave};
 

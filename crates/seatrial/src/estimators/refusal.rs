@@ -3,7 +3,8 @@ use std::path::Path;
 use vessel::{DegreeOfFreedom, Vessel};
 
 use crate::failure::Failure;
-use study::estimates::{Row, Status};
+use identification::EstimateStatus as Status;
+use study::estimates::Row;
 
 /// Refuses runs none of which has an estimate.
 ///

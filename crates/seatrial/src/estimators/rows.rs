@@ -7,11 +7,11 @@ use vessel::Vessel;
 use super::Estimator;
 use super::refined::refine;
 use super::simulated::Begin;
-use crate::cli::name_of;
 use crate::failure::Failure;
 use crate::instruments::{InstrumentKind, Instruments};
 use crate::pooled::{CollinearRun, collinear_run};
-use study::estimates::{Row, Status};
+use identification::EstimateStatus as Status;
+use study::estimates::Row;
 use vessel::Run;
 
 /// Estimates runs one by one, each by every estimator that is asked for.
@@ -173,7 +173,7 @@ impl RunEstimators<'_> {
         Row {
             design: run.design.clone(),
             run: run.run,
-            estimator: name_of(estimator),
+            estimator,
             status: found.status,
             estimate: found.estimate.clone(),
             condition: excited.condition,

@@ -6,7 +6,7 @@ use identification::predictor::{
 use vessel::Vessel;
 
 use super::rows::Found;
-use study::estimates::Status;
+use identification::EstimateStatus as Status;
 use vessel::Run;
 
 /// What all runs have in common.

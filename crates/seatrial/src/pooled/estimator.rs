@@ -1,52 +1,12 @@
-use clap::ValueEnum;
 use identification::pooled::{
     COLLINEAR, DegreeFit, Lifted, Options, OutputError, Part, PartDiverged, Prior, Regression, fit,
     output_error,
 };
 use identification::{DegreeSums, MeanRemoval, Sums};
+pub use identification::{Estimator as Method, Estimator as Used};
 use vessel::Model;
 
 use super::{NominalModel, deviations};
-
-/// An estimator for pooled parts.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Method {
-    /// Least squares (biased by measurement noise)
-    Ls,
-    /// Instrumental variables: instruments from the nominal model over the same inputs
-    Iv,
-    /// Instrumental variables whose instruments are simulated again with the estimate, three times
-    RefinedIv,
-    /// Instrumental variables where they identify a degree of freedom, least squares elsewhere
-    Auto,
-    /// Least errors of free simulations over the sub-experiments, started at `auto`
-    OutputError,
-}
-
-/// What the estimate of a degree of freedom was made with.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Used {
-    /// Simulated instruments.
-    Iv,
-    /// The regressors themselves.
-    Ls,
-    /// Free simulation.
-    OutputError,
-    /// Instruments simulated again with the estimate.
-    RefinedIv,
-}
-
-impl Used {
-    /// Whether instruments were simulated for it.
-    pub fn by_instruments(self) -> bool {
-        matches!(self, Self::Iv | Self::RefinedIv)
-    }
-
-    /// As in files.
-    pub fn name(self) -> &'static str {
-        ["iv", "ls", "output-error", "refined-iv"][self as usize]
-    }
-}
 
 /// How often refined instruments are simulated again.
 const ROUNDS: usize = 3;

@@ -1,7 +1,6 @@
 use std::path::{Path, PathBuf};
 
 use artifact::{Provenance, TableWriter, commit, encode_block, stage_document};
-use identification::MeanRemoval;
 use identification::pooled::Lifted;
 use serde_json::json;
 use vessel::{DegreeOfFreedom, Vessel};
@@ -9,13 +8,14 @@ use vessel::{DegreeOfFreedom, Vessel};
 use super::trust::Judge;
 use super::words::{lost_instruments, unidentified};
 use super::{Data, Estimated, Method, NominalModel, Pool, PoolFlags};
-use crate::cli::{Summary, beside, name_of};
+use crate::cli::{Summary, beside};
 use crate::failure::Failure;
 use crate::instruments::Removal;
+use identification::EstimateStatus as Status;
 use study::documents::{
     DegreeSummary, DesignSummary, EstimateDocument, ParameterSummary, TrustDegree, TrustDocument,
 };
-use study::estimates::{self, Row, Status};
+use study::estimates::{self, Row};
 
 /// Below this share of a regressor its instruments count as lost.
 const WEAK: f64 = 0.1;
@@ -57,7 +57,7 @@ pub fn estimate(wanted: &Wanted, mut provenance: Provenance) -> Result<Summary, 
     let data = Data::read(wanted.trajectories, vessel, flags, &mut provenance)?;
     note(wanted, strength, &mut provenance);
     let lifted = Lifted::new(&vessel.model);
-    let removal = MeanRemoval::from(wanted.removal);
+    let removal = wanted.removal;
     let pool = Pool {
         model: &vessel.model,
         lifted: &lifted,
@@ -94,8 +94,8 @@ pub fn estimate(wanted: &Wanted, mut provenance: Provenance) -> Result<Summary, 
         statements.insert(0, lost_instruments(&part.label, &part.source, diverged));
     }
     let trust = TrustDocument {
-        estimator: name_of(wanted.method),
-        mean_removal: name_of(wanted.removal),
+        estimator: wanted.method,
+        mean_removal: wanted.removal,
         nominal: flags.nominal().to_string(),
         prior: strength,
         parts: parts.len() as u64,
@@ -112,8 +112,8 @@ pub fn estimate(wanted: &Wanted, mut provenance: Provenance) -> Result<Summary, 
 
 fn note(wanted: &Wanted, strength: f64, provenance: &mut Provenance) {
     let settings = [
-        ("estimator", json!(name_of(wanted.method))),
-        ("mean_removal", json!(name_of(wanted.removal))),
+        ("estimator", json!(wanted.method)),
+        ("mean_removal", json!(wanted.removal)),
         ("pool", json!(true)),
         ("prior", json!(strength)),
         ("bootstrap", json!(wanted.replicates)),
@@ -235,7 +235,7 @@ fn row(data: &Data, trust: &TrustDocument) -> Row {
     Row {
         design: data.design().to_owned(),
         run: 0,
-        estimator: trust.estimator.clone(),
+        estimator: trust.estimator,
         status: if estimate.is_some() { Status::Identified } else { Status::NotIdentifiable },
         estimate,
         condition: [0, 1, 2].map(|d: usize| trust.degrees[d].condition.unwrap_or(f64::INFINITY)),
@@ -273,8 +273,8 @@ fn document(vessel: &Vessel, data: &Data, trust: &TrustDocument) -> EstimateDocu
         weakest_share: 1.0,
     };
     EstimateDocument {
-        estimator: trust.estimator.clone(),
-        mean_removal: trust.mean_removal.clone(),
+        estimator: trust.estimator,
+        mean_removal: trust.mean_removal,
         designs: vec![DesignSummary {
             design: data.design().to_owned(),
             runs: 1,

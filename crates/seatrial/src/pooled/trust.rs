@@ -1,10 +1,10 @@
 use std::convert::Infallible;
 
-use identification::Sums;
 use identification::pooled::{
     Bootstrap, Centring, Diagnosis, Part, Regression, Score, Solution, Windows, bootstrap, cross_correlation,
     default_bandwidth, diagnose, redraw, residuals, sandwich, strength, whiteness,
 };
+use identification::{EstimateStatus, Sums};
 use vessel::{DegreeOfFreedom, Lane, Streams, Vessel};
 
 use super::words::{unidentified, weakest};
@@ -43,8 +43,7 @@ impl Judge<'_> {
 
     /// Surge, sway, yaw.
     pub fn degrees(&self) -> Vec<TrustDegree> {
-        let mut resampled =
-            [Used::Iv, Used::Ls, Used::OutputError, Used::RefinedIv].map(|used| self.resampled(used));
+        let mut resampled = Used::ALL.map(|used| self.resampled(used));
         DegreeOfFreedom::ALL
             .into_iter()
             .map(|d| {
@@ -121,9 +120,12 @@ impl Judge<'_> {
         let (white, crossed) = tests.map_or((None, None), |(w, c)| (Some(w), c));
         TrustDegree {
             name: d.name().to_owned(),
-            status: if fit.solution.is_some() { "identified" } else { "not identifiable" }.to_owned(),
+            status: match fit.solution {
+                Some(_) => EstimateStatus::Identified,
+                None => EstimateStatus::NotIdentifiable,
+            },
             reason: unidentified(d, model, &fit.status, self.pool.constant),
-            estimator: self.found.used[d as usize].name().to_owned(),
+            estimator: self.found.used[d as usize],
             condition: finite(degree.diagnosis.condition),
             condition_index: finite(degree.diagnosis.index),
             weakest: weakest(d, model, &degree.diagnosis, self.pool.constant),

@@ -2,15 +2,15 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use artifact::{Provenance, TableWriter, commit, encode_block, stage_document};
+use identification::Sums;
 use identification::pooled::{Centring, Lifted, Part, Regression, Score, Window, Windows, strength};
-use identification::{MeanRemoval, Sums};
 use serde_json::json;
 use vessel::{LANES, Vessel};
 
 use study::selection::{Row, schema, table};
 
 use super::{Draw, Realization, Realizer, counts};
-use crate::cli::{Summary, beside, name_of};
+use crate::cli::{Summary, beside};
 use crate::failure::Failure;
 use crate::instruments::Removal;
 use crate::ordered::ordered;
@@ -65,7 +65,7 @@ pub fn select(wanted: &Wanted, mut provenance: Provenance) -> Result<Summary, Fa
     let available = available(&parts);
     let counts = counts(wanted.design, wanted.counts, wanted.picks, &available, &mut provenance)?;
     let lifted = Lifted::new(&vessel.model);
-    let removal = MeanRemoval::from(wanted.removal);
+    let removal = wanted.removal;
     let pool = Pool {
         model: &vessel.model,
         lifted: &lifted,
@@ -98,8 +98,8 @@ pub fn select(wanted: &Wanted, mut provenance: Provenance) -> Result<Summary, Fa
     let std = deviations(parts.iter().map(|p| p.measured.as_slice()));
     let rows = realized(wanted, &realizer, &draws, std)?;
     let document = SelectionDocument {
-        estimator: name_of(wanted.method),
-        mean_removal: name_of(wanted.removal),
+        estimator: wanted.method,
+        mean_removal: wanted.removal,
         nominal: flags.nominal().to_string(),
         prior,
         intercepts: wanted.intercepts,
@@ -327,8 +327,8 @@ fn publish(
 
 fn note(wanted: &Wanted, strength: f64, provenance: &mut Provenance) {
     let settings = [
-        ("estimator", json!(name_of(wanted.method))),
-        ("mean_removal", json!(name_of(wanted.removal))),
+        ("estimator", json!(wanted.method)),
+        ("mean_removal", json!(wanted.removal)),
         ("prior", json!(strength)),
         ("intercepts", json!(wanted.intercepts)),
         ("realizations", json!(wanted.realizations)),

@@ -1,7 +1,8 @@
 use artifact::{Column, ColumnSpec, Kind, Table, TableSchema};
 
 use super::Arm;
-use study::estimates::{self, Status, labels, optional};
+use identification::EstimateStatus as Status;
+use study::estimates::{labels, optional};
 
 /// Schema id.
 pub const ID: &str = "sequential";
@@ -63,8 +64,7 @@ impl Shared {
 
 impl Outcome {
     fn name(self) -> &'static str {
-        [estimates::IDENTIFIED, estimates::NOT_IDENTIFIABLE, estimates::NOT_CONVERGED, "diverged"]
-            [self as usize]
+        ["identified", "not identifiable", "not converged", "diverged"][self as usize]
     }
 }
 

@@ -94,7 +94,7 @@ fn oracle_estimates_standard_errors_and_conditions_of_every_run() {
             for (row, run) in rows.iter().zip(runs) {
                 let what = format!("{estimator} {removal} run {}", row.run);
                 assert_eq!(i64::from(row.run), run["run"].as_i64().unwrap());
-                assert_eq!(row.estimator, estimator);
+                assert_eq!(row.estimator.name(), estimator);
                 compare(row, &run["estimates"][estimator][removal], &what);
             }
         }

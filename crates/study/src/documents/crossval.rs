@@ -2,14 +2,16 @@ use artifact::Document;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use identification::{Estimator, MeanRemoval, ScoreStatus};
+
 use super::trust::FreeRunErrors;
 
 /// `crossval.json`: free simulation over runs or recordings that were left out of the estimate.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CrossvalDocument {
-    /// `none`, `batch` or `complete`.
-    pub mean_removal: String,
+    /// How the instruments' mean is removed.
+    pub mean_removal: MeanRemoval,
     /// Where the instruments' nominal model comes from.
     pub nominal: String,
     /// Strength of the pull towards it.
@@ -31,7 +33,7 @@ pub struct CrossvalDocument {
     /// Of yaw rate.
     pub std_r: f64,
     /// The estimator with the smallest norm of RMSE/std over all windows; null where none could be simulated.
-    pub recommended: Option<String>,
+    pub recommended: Option<Estimator>,
     /// That, and what went wrong, in words.
     pub statements: Vec<String>,
     /// One entry per estimator.
@@ -42,10 +44,10 @@ pub struct CrossvalDocument {
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct EstimatorScore {
-    /// `ls`, `iv`, `refined-iv`, `auto` or `output-error`.
-    pub name: String,
-    /// `scored`, `not identifiable` or `diverged`.
-    pub status: String,
+    /// The estimator.
+    pub name: Estimator,
+    /// What became of its models.
+    pub status: ScoreStatus,
     /// Why there are no errors.
     pub reason: Option<String>,
     /// Over all windows of all folds.

@@ -1,4 +1,5 @@
 use artifact::Document;
+use identification::{Estimator, MeanRemoval};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -6,10 +7,10 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct EstimateDocument {
-    /// `iv`, `ls`, `refined-iv`, `output-error`, `prediction-error`.
-    pub estimator: String,
-    /// `none`, `batch` or `complete`.
-    pub mean_removal: String,
+    /// The estimator.
+    pub estimator: Estimator,
+    /// How the instruments' mean is removed.
+    pub mean_removal: MeanRemoval,
     /// One entry per design, in the order of the trajectories.
     pub designs: Vec<DesignSummary>,
     /// Every estimator on the same runs, where they were compared; `designs` then is that of `estimator`.
@@ -25,8 +26,8 @@ pub struct EstimateDocument {
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct EstimatorSummary {
-    /// `iv`, `ls`, `refined-iv`, `output-error`, `prediction-error`.
-    pub estimator: String,
+    /// The estimator.
+    pub estimator: Estimator,
     /// One entry per design, in the order of the trajectories.
     pub designs: Vec<DesignSummary>,
 }

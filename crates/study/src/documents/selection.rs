@@ -4,16 +4,18 @@ use artifact::Document;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use identification::{Estimator, MeanRemoval};
+
 use super::Quantiles;
 
 /// `selection.json`: models from sub-experiments picked by a design, against random picks of the same number.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SelectionDocument {
-    /// `iv`, `ls`, `refined-iv` or `auto`.
-    pub estimator: String,
-    /// `none`, `batch` or `complete`.
-    pub mean_removal: String,
+    /// The estimator.
+    pub estimator: Estimator,
+    /// How the instruments' mean is removed.
+    pub mean_removal: MeanRemoval,
     /// Where the instruments' nominal model comes from; `least-squares` is the fit of all sub-experiments.
     pub nominal: String,
     /// Strength of the pull towards it.

@@ -1,4 +1,5 @@
 use artifact::Document;
+use identification::{EstimateStatus, Estimator, MeanRemoval};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -6,10 +7,10 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TrustDocument {
-    /// `iv`, `ls`, `refined-iv`, `auto` or `output-error`.
-    pub estimator: String,
-    /// `none`, `batch` or `complete`.
-    pub mean_removal: String,
+    /// The estimator.
+    pub estimator: Estimator,
+    /// How the instruments' mean is removed.
+    pub mean_removal: MeanRemoval,
     /// Where the instruments' nominal model comes from: `given`, `least-squares` or `estimate`.
     pub nominal: String,
     /// Strength of the pull towards the nominal model.
@@ -38,12 +39,12 @@ pub struct TrustDocument {
 pub struct TrustDegree {
     /// `surge`, `sway` or `yaw`.
     pub name: String,
-    /// `identified` or `not identifiable`.
-    pub status: String,
+    /// Whether there is an estimate.
+    pub status: EstimateStatus,
     /// Why it is not identifiable.
     pub reason: Option<String>,
-    /// What the estimate was made with: `iv`, `refined-iv`, `ls` or `output-error`.
-    pub estimator: String,
+    /// What the estimate was made with: `auto` takes one for each degree of freedom.
+    pub estimator: Estimator,
     /// Condition number of the correlations between instruments and regressors; null where singular.
     pub condition: Option<f64>,
     /// Condition index of instruments and regressors with the intercept; from 30 on collinear. Null where singular.

@@ -1,4 +1,5 @@
 use artifact::Document;
+use identification::Estimator;
 use numerics::statistics::{quantile, sorted};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -22,8 +23,8 @@ pub struct ValidationDocument {
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct EstimatorScores {
-    /// `iv`, `ls`, `refined-iv`, `output-error`, `prediction-error`.
-    pub estimator: String,
+    /// The estimator.
+    pub estimator: Estimator,
     /// One entry per design.
     pub designs: Vec<DesignScores>,
 }

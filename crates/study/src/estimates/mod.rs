@@ -5,7 +5,7 @@ mod summary;
 use std::path::Path;
 
 use artifact::{Column, Columns, Error, Table, TableReader, TableSchema};
-use serde::{Deserialize, Serialize};
+use identification::{EstimateStatus, Estimator};
 use vessel::{DegreeOfFreedom, Vessel};
 
 pub use summary::{distinct, estimators, summarize};
@@ -14,44 +14,6 @@ pub use summary::{distinct, estimators, summarize};
 pub const ID: &str = "estimates";
 /// Version of the schema.
 pub const VERSION: u32 = 1;
-/// `status` of a run with an estimate.
-pub const IDENTIFIED: &str = "identified";
-/// `status` of a run whose estimate could not be refined further.
-pub const KEPT: &str = "kept";
-/// `status` of a run without.
-pub const NOT_IDENTIFIABLE: &str = "not identifiable";
-/// `status` of a run whose search for an estimate ended nowhere.
-pub const NOT_CONVERGED: &str = "not converged";
-
-/// What became of a run.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Status {
-    /// It has an estimate.
-    #[serde(rename = "identified")]
-    Identified,
-    /// It has one that could not be refined further: a simulation with it diverged.
-    #[serde(rename = "kept")]
-    Kept,
-    /// A direction is not excited.
-    #[serde(rename = "not identifiable")]
-    NotIdentifiable,
-    /// The search for an estimate ended nowhere.
-    #[serde(rename = "not converged")]
-    NotConverged,
-}
-
-impl Status {
-    /// As in files.
-    pub fn name(self) -> &'static str {
-        [IDENTIFIED, KEPT, NOT_IDENTIFIABLE, NOT_CONVERGED][self as usize]
-    }
-
-    /// Whether there is an estimate.
-    fn estimated(self) -> bool {
-        matches!(self, Self::Identified | Self::Kept)
-    }
-}
-
 /// One row.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Row {
@@ -59,10 +21,10 @@ pub struct Row {
     pub design: String,
     /// Number of the run.
     pub run: i32,
-    /// `iv`, `ls`, `refined-iv`, `output-error` …
-    pub estimator: String,
+    /// Its estimator.
+    pub estimator: Estimator,
     /// Whether there is an estimate, and if not why.
-    pub status: Status,
+    pub status: EstimateStatus,
     /// θ̂ and its standard errors, where there is one.
     pub estimate: Option<(Vec<f64>, Vec<f64>)>,
     /// Condition number per degree of freedom; infinite where a direction is not excited.
@@ -85,7 +47,7 @@ fn columns(vessel: &Vessel) -> Columns<Row> {
     let mut columns = Columns::<Row>::new(ID, VERSION)
         .text("design", |r| &r.design, |r, design| r.design = design.to_owned())
         .integer("run", "1", |r| r.run, |r, run| r.run = run)
-        .text("estimator", |r| &r.estimator, |r, estimator| r.estimator = estimator.to_owned())
+        .choice("estimator", |r| r.estimator, |r, estimator| r.estimator = estimator)
         .choice("status", |r| r.status, |r, status| r.status = status);
     let parameters = vessel.model.parameter_names().zip(vessel.model.parameter_units());
     for (i, (name, unit)) in parameters.enumerate() {
@@ -162,8 +124,8 @@ pub fn rows(reader: &TableReader, vessel: &Vessel, file: &Path, i: usize) -> Res
     let blank = Row {
         design: String::new(),
         run: 0,
-        estimator: String::new(),
-        status: Status::NotIdentifiable,
+        estimator: Estimator::Iv,
+        status: EstimateStatus::NotIdentifiable,
         estimate: Some((absent.clone(), absent)),
         condition: [f64::INFINITY; 3],
         weakest: [const { String::new() }; 3],
@@ -182,6 +144,10 @@ pub fn rows(reader: &TableReader, vessel: &Vessel, file: &Path, i: usize) -> Res
 }
 
 fn incomplete(file: &Path, row: usize) -> Error {
-    let expected = format!("all parameters where the status is `{IDENTIFIED}` or `{KEPT}`");
+    let expected = format!(
+        "all parameters where the status is `{}` or `{}`",
+        EstimateStatus::Identified,
+        EstimateStatus::Kept
+    );
     crate::refuse(file, &format!("row {row}"), "an absent parameter", &expected, "run `estimate` again")
 }

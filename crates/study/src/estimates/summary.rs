@@ -1,42 +1,62 @@
 //! What the estimates of all runs say together: `estimate.json`.
 
 use std::collections::BTreeMap;
+use std::path::Path;
 
-use artifact::Provenance;
+use artifact::{Error, Provenance};
+use identification::{EstimateStatus, Estimator};
+use serde::de::DeserializeOwned;
 use vessel::{DegreeOfFreedom, Vessel};
 
-use super::{Row, Status};
+use super::Row;
 use crate::documents::{DegreeSummary, DesignSummary, EstimateDocument, EstimatorSummary, ParameterSummary};
 use numerics::statistics::{mean, quantile, sorted, spread};
 
-/// The document of all `rows`, which the settings of `provenance` name the leading estimator of.
-pub fn summarize(provenance: &Provenance, vessel: &Vessel, rows: &[Row]) -> EstimateDocument {
-    let setting = |key: &str| provenance.settings.get(key).and_then(|v| v.as_str()).unwrap_or("").to_owned();
+/// The document of all `rows` of `file`, whose `provenance` has settings that name the leading estimator and how the mean
+/// was removed.
+///
+/// # Errors
+/// Settings that name neither.
+pub fn summarize(
+    file: &Path,
+    provenance: &Provenance,
+    vessel: &Vessel,
+    rows: &[Row],
+) -> Result<EstimateDocument, Error> {
     let names = estimators(rows);
-    let of = |name: &str| {
-        design_summaries(vessel, &rows.iter().filter(|r| r.estimator == name).collect::<Vec<_>>())
+    let of = |estimator: Estimator| {
+        design_summaries(vessel, &rows.iter().filter(|r| r.estimator == estimator).collect::<Vec<_>>())
     };
-    let summary = |name: &&str| EstimatorSummary { estimator: (*name).to_owned(), designs: of(name) };
-    EstimateDocument {
-        estimator: setting("estimator"),
-        mean_removal: setting("mean_removal"),
-        designs: of(&setting("estimator")),
+    let summary = |estimator: &Estimator| EstimatorSummary { estimator: *estimator, designs: of(*estimator) };
+    let leading = setting(file, provenance, "estimator")?;
+    Ok(EstimateDocument {
+        estimator: leading,
+        mean_removal: setting(file, provenance, "mean_removal")?,
+        designs: of(leading),
         compared: (names.len() > 1).then(|| names.iter().map(summary).collect()),
         trust: None,
-    }
+    })
+}
+
+fn setting<T: DeserializeOwned>(file: &Path, provenance: &Provenance, key: &str) -> Result<T, Error> {
+    let found = provenance.settings.get(key).cloned().unwrap_or_default();
+    serde_json::from_value(found.clone()).map_err(|_| {
+        let (thing, found) = (format!("setting `{key}`"), found.to_string());
+        crate::refuse(file, &thing, &found, "one that `estimate` writes", "run `estimate` again")
+    })
 }
 
 /// The estimators of the rows, in their order.
-pub fn estimators(rows: &[Row]) -> Vec<&str> {
-    distinct(rows.iter().map(|row| row.estimator.as_str()))
+pub fn estimators(rows: &[Row]) -> Vec<Estimator> {
+    distinct(rows.iter().map(|row| row.estimator))
 }
 
-/// Every one of `names` once, in their order.
-pub fn distinct<'a>(names: impl Iterator<Item = &'a str>) -> Vec<&'a str> {
-    let mut once: Vec<&str> = Vec::new();
-    for name in names {
-        if !once.contains(&name) {
-            once.push(name);
+/// Every one of `all` once, in their order.
+pub fn distinct<T: PartialEq>(all: impl Iterator<Item = T>) -> Vec<T> {
+    let mut once: Vec<T> = Vec::new();
+    for one in all {
+        if !once.contains(&one) {
+            once.push(one);
         }
     }
     once
@@ -51,14 +71,14 @@ fn design_summaries(vessel: &Vessel, rows: &[&Row]) -> Vec<DesignSummary> {
 
 fn design_summary(vessel: &Vessel, design: &str, rows: &[&Row]) -> DesignSummary {
     let names = vessel.model.parameter_names().zip(vessel.model.parameter_units()).enumerate();
-    let count = |status: Status| rows.iter().filter(|r| r.status == status).count() as u64;
-    let by = |names: &[&str]| rows.iter().any(|r| names.contains(&r.estimator.as_str()));
+    let count = |status: EstimateStatus| rows.iter().filter(|r| r.status == status).count() as u64;
+    let by = |which: fn(Estimator) -> bool| rows.iter().any(|r| which(r.estimator));
     DesignSummary {
         design: design.to_owned(),
         runs: rows.len() as u64,
         identified: rows.iter().filter(|r| r.estimate.is_some()).count() as u64,
-        not_converged: by(&["output-error", "prediction-error"]).then(|| count(Status::NotConverged)),
-        kept: by(&["refined-iv"]).then(|| count(Status::Kept)),
+        not_converged: by(Estimator::searches).then(|| count(EstimateStatus::NotConverged)),
+        kept: by(|e| e == Estimator::RefinedIv).then(|| count(EstimateStatus::Kept)),
         parameters: names.map(|(i, (name, unit))| parameter_summary(vessel, i, name, unit, rows)).collect(),
         degrees: DegreeOfFreedom::ALL.into_iter().map(|d| degree_summary(d, rows)).collect(),
     }
