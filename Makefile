@@ -22,7 +22,7 @@ PLAN_FLAGS     ?=
 -include $(STUDY)/study.mk
 
 STAGES  := ingest simulate moments design estimate validate plan sequential report
-BINARIES := $(addprefix $(BIN)/,$(STAGES))
+BINARIES := $(addprefix $(BIN)/,$(STAGES) seatrial)
 
 # A target is written whole or not at all by its stage, so an interrupted make resumes with the next stage.
 .DELETE_ON_ERROR:
@@ -57,7 +57,7 @@ build: $(BINARIES)
 
 SOURCES := Cargo.toml Cargo.lock $(shell find crates -name '*.rs' -o -name 'Cargo.toml' -o -name '*.css' -o -path '*/presets/*.toml')
 
-BUILD := $(if $(filter target/debug,$(BIN)),$(CARGO) test --workspace --locked --no-run,$(CARGO) build --release --locked -p seatrial)
+BUILD := $(if $(filter target/debug,$(BIN)),$(CARGO) test --workspace --locked --no-run,$(CARGO) build --release --locked -p seatrial -p programs)
 
 $(BIN)/.built: $(SOURCES)
 	$(BUILD)

@@ -39,7 +39,7 @@ $(MEASURED)/trajectories.parquet: $(STUDY)/ingest.toml $(STUDY)/vessel.toml $(BI
 	$(BIN)/ingest --config $(STUDY)/ingest.toml --vessel $(STUDY)/vessel.toml --logs "$(LOGS)" $(FLAGS) --out $@
 
 $(MEASURED)/estimates.parquet: $(MEASURED)/trajectories.parquet $(STUDY)/study.mk
-	$(BIN)/estimate --pool $(LOGGED) $(RECORDED) --estimator $(ESTIMATOR) $(POOL_FLAGS) --bootstrap $(BOOTSTRAP) $(FLAGS) --out $@
+	$(BIN)/estimate pool $(LOGGED) $(RECORDED) --estimator $(ESTIMATOR) $(POOL_FLAGS) --bootstrap $(BOOTSTRAP) $(FLAGS) --out $@
 
 $(MEASURED)/crossval.json: $(MEASURED)/trajectories.parquet $(STUDY)/study.mk
 	$(BIN)/validate cross $(LOGGED) $(RECORDED) $(POOL_FLAGS) $(CROSS_FLAGS) $(FLAGS) --out $@

@@ -122,8 +122,7 @@ case ${1:-} in
     for side in base head; do
       [ $side = base ] && revision=$1 || revision=$2
       git worktree add --quiet --detach "$work/$side" "$revision"
-      [ -d "$work/$side/crates/seatrial" ] && package=seatrial || package=stages
-      (cd "$work/$side" && cargo build --quiet --release --locked -p $package)
+      (cd "$work/$side" && cargo build --quiet --release --locked --workspace --bins)
       run "$work/$side" "$work/$side/target/release" "$work/$side-out"
     done
     STRICT=1 compare "$work/base-out" "$work/head-out" ;;

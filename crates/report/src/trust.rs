@@ -12,7 +12,7 @@ pub(super) fn trust(measured: &Measured) -> Markup {
         section #trust {
             h2 { "Trust in the estimate from all recordings" }
             @match &measured.trust {
-                None => (missing("Trust is", "trust.json", "estimate --pool")),
+                None => (missing("Trust is", "trust.json", "estimate pool")),
                 Some(found) => {
                     (about(found))
                     @for statement in &found.statements { p.note { (coded(statement)) } }

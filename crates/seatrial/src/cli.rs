@@ -1,13 +1,9 @@
-//! Flags that all stages share, and how a stage runs.
+//! Flags that all stages share.
 
-use std::ffi::OsString;
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
 use artifact::{Provenance, Shard};
-use clap::error::ErrorKind;
-use clap::{Args, Parser, ValueEnum};
-use serde_json::{Value, json};
+use clap::{Args, ValueEnum};
 
 use crate::failure::Failure;
 
@@ -18,16 +14,16 @@ pub struct Common {
     #[arg(long, value_name = "PATH")]
     pub out: PathBuf,
     /// Threads to use (default: all cores); results do not depend on it
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
+    #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
     pub threads: Option<u32>,
     /// Replaces the seed of the configuration
-    #[arg(long, value_name = "SEED")]
+    #[arg(long, global = true, value_name = "SEED")]
     pub seed: Option<u64>,
     /// No progress on stderr
-    #[arg(long)]
+    #[arg(long, global = true)]
     pub quiet: bool,
     /// One JSON object on stdout instead of a summary line
-    #[arg(long)]
+    #[arg(long, global = true)]
     pub json: bool,
 }
 
@@ -90,80 +86,4 @@ pub fn beside(main: &Path, name: &str) -> PathBuf {
 /// Provenance of what stage `stage` writes, without inputs and settings yet.
 pub fn provenance(stage: &str) -> Provenance {
     Provenance { producer: format!("{stage} {}", env!("CARGO_PKG_VERSION")), ..Provenance::default() }
-}
-
-/// What a stage says when it is done.
-pub struct Summary {
-    /// One line for people.
-    pub line: String,
-    /// The same for programs.
-    pub json: Value,
-}
-
-/// Runs a stage: parses its arguments, starts its threads, prints its summary or its failure.
-pub fn run<A: Parser>(
-    common: impl Fn(&A) -> &Common,
-    stage: impl FnOnce(&A) -> Result<Summary, Failure>,
-) -> ExitCode {
-    run_from(std::env::args_os(), common, stage)
-}
-
-/// [`run`] of a command line of one's own; its first word is the program.
-pub fn run_from<A: Parser>(
-    words: impl IntoIterator<Item = OsString>,
-    common: impl Fn(&A) -> &Common,
-    stage: impl FnOnce(&A) -> Result<Summary, Failure>,
-) -> ExitCode {
-    let arguments = match A::try_parse_from(words) {
-        Ok(arguments) => arguments,
-        Err(error) => return usage(&error),
-    };
-    let (json, threads) = (common(&arguments).json, common(&arguments).threads);
-    let result = start_threads(threads).and_then(|()| stage(&arguments));
-    match result {
-        Ok(summary) if json => println!("{}", summary.json),
-        Ok(summary) => println!("{}", summary.line),
-        Err(failure) => {
-            tell(&failure, json);
-            return ExitCode::from(failure.exit_code());
-        }
-    }
-    ExitCode::SUCCESS
-}
-
-/// Prints the help that was asked for, or what is wrong with the command line, in one line.
-fn usage(error: &clap::Error) -> ExitCode {
-    if !error.use_stderr() {
-        // Whoever closed the pipe has read enough.
-        let _ = error.print();
-        return ExitCode::SUCCESS;
-    }
-    let failure = match error.kind() {
-        ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => {
-            Failure::Usage("subcommand: found none, expected one; see --help".to_owned())
-        }
-        _ => Failure::Usage(one_line(&error.render().to_string())),
-    };
-    tell(&failure, std::env::args_os().any(|argument| argument == "--json"));
-    ExitCode::from(failure.exit_code())
-}
-
-/// What stands in clap's `message` above its usage.
-fn one_line(message: &str) -> String {
-    let above = message.split("\n\nUsage:").next().unwrap_or_default();
-    let above = above.split("\n\nFor more information").next().unwrap_or_default();
-    let words: Vec<&str> = above.trim_start_matches("error: ").split_whitespace().collect();
-    format!("{}; see --help", words.join(" "))
-}
-
-fn tell(failure: &Failure, json: bool) {
-    eprintln!("error: {failure}");
-    if json {
-        println!("{}", json!({"exit_code": failure.exit_code(), "error": failure.to_string()}));
-    }
-}
-
-fn start_threads(threads: Option<u32>) -> Result<(), Failure> {
-    let builder = rayon::ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0) as usize);
-    builder.build_global().map_err(|e| Failure::Failed(format!("threads: {e}")))
 }

@@ -9,6 +9,7 @@ static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
 
 pub mod choice;
 pub mod cli;
+pub mod commands;
 pub mod crossval;
 pub mod design;
 pub mod estimators;
@@ -23,3 +24,5 @@ pub mod progress;
 pub mod selection;
 pub mod sequential;
 pub mod simulate;
+pub mod stage;
+pub mod umbrella;

@@ -7,7 +7,6 @@ use serde_json::json;
 use vessel::{DegreeOfFreedom, Lane, Vessel};
 
 use super::{Fold, folds};
-use crate::cli::Summary;
 use crate::failure::Failure;
 use crate::instruments::Removal;
 use crate::ordered::ordered;
@@ -15,6 +14,7 @@ use crate::pooled::{
     Data, Method, NominalModel, Pool, PoolFlags, deviations, lost_instruments, unidentified,
 };
 use crate::progress::Progress;
+use crate::stage::Summary;
 use study::documents::{CrossvalDocument, EstimatorScore, FreeRunErrors, SourceScore};
 
 /// What `validate cross` was asked for.

@@ -21,8 +21,7 @@ use study::documents::MomentsDocument;
     version,
     after_help = "Example:\n  design --moments moments.json --out design.json\n  \
     design --moments moments.json --segments 5 --segment-samples 200 --out design.json\n  \
-    design --moments moments.json --criterion a-relative --relative-to value --out design.json\n\n\
-    The input signals themselves, from a design as a start: design refine --help"
+    design --moments moments.json --criterion a-relative --relative-to value --out design.json"
 )]
 pub struct Arguments {
     /// The maneuvers' moments

@@ -10,9 +10,10 @@ use super::{
     Arguments, Asked, Available, Criterion, Experiment, Few, Question, Segments, Sequencing, Solved, counted,
     document, information, no_design, restricted, squares, weights,
 };
-use crate::cli::{Summary, given, provenance};
+use crate::cli::{given, provenance};
 use crate::failure::Failure;
 use crate::instruments::Removal;
+use crate::stage::Summary;
 use study::documents::{DesignDocument, MomentsDocument, Sequence};
 use study::files::{read_dictionary, read_vessel};
 

@@ -7,8 +7,9 @@ use lattice::ProblemFile;
 use serde_json::json;
 
 use super::search::{Limits, search, status, steps, uses};
-use crate::cli::{Summary, provenance};
+use crate::cli::provenance;
 use crate::failure::Failure;
+use crate::stage::Summary;
 use study::documents::{PlanDocument, PlanPose};
 
 /// Solves the problem in `file` and writes the plan to `out`.

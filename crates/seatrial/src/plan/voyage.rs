@@ -12,8 +12,9 @@ use super::search::{Limits, status, steps, uses};
 use super::solve::Solved;
 use super::track::stage_track;
 use super::trial::{Trial, VoyageFiles};
-use crate::cli::{Summary, beside, provenance};
+use crate::cli::{beside, provenance};
 use crate::failure::Failure;
+use crate::stage::Summary;
 use study::documents::{PlanDocument, PlanPose, Secondary};
 
 /// Plans a trial and writes `plan.json` to `out`; beside it `track.parquet`, `track.geojson`, `route.rtz`, `route.gpx` and

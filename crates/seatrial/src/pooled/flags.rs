@@ -32,19 +32,6 @@ pub struct PoolFlags {
 }
 
 impl PoolFlags {
-    /// The first of the flags that is given.
-    pub fn first_given(&self) -> Option<&'static str> {
-        let given = [
-            (self.recordings.is_some(), "--recordings"),
-            (!self.runs.is_empty(), "--runs"),
-            (!self.leave_out.is_empty(), "--leave-out"),
-            (self.part_s.is_some(), "--part-s"),
-            (self.nominal.is_some(), "--nominal"),
-            (self.prior.is_some(), "--prior"),
-        ];
-        given.into_iter().find(|(given, _)| *given).map(|(_, name)| name)
-    }
-
     /// Notes a stage's `own` settings, and which runs were pooled in what parts; none that is empty or absent.
     pub fn note<const N: usize>(&self, own: [(&str, Value); N], provenance: &mut Provenance) {
         let pooled = [

@@ -90,7 +90,7 @@ impl NominalModel {
 fn previous(path: &Path, document: &EstimateDocument, vessel: &Vessel) -> Result<Vec<f64>, Failure> {
     let [design] = document.designs.as_slice() else {
         let found = format!("{} designs", document.designs.len());
-        let remedy = "name an estimate.json of `estimate --pool`";
+        let remedy = "name an estimate.json of `estimate pool`";
         return Err(Failure::refuse(path, "data.designs", &found, "one", remedy));
     };
     let value = |name: &str| {

@@ -8,9 +8,10 @@ use vessel::{DegreeOfFreedom, Vessel};
 use super::trust::Judge;
 use super::words::{lost_instruments, unidentified};
 use super::{Data, Estimated, Method, NominalModel, Pool, PoolFlags};
-use crate::cli::{Summary, beside};
+use crate::cli::beside;
 use crate::failure::Failure;
 use crate::instruments::Removal;
+use crate::stage::Summary;
 use identification::EstimateStatus as Status;
 use study::documents::{
     DegreeSummary, DesignSummary, EstimateDocument, ParameterSummary, TrustDegree, TrustDocument,
@@ -22,7 +23,7 @@ const WEAK: f64 = 0.1;
 /// Below this probability a test counts as failed.
 const UNLIKELY: f64 = 0.01;
 
-/// What `estimate --pool` was asked for.
+/// What `estimate pool` was asked for.
 pub struct Wanted<'a> {
     /// The vessel.
     pub vessel: &'a Vessel,

@@ -10,7 +10,7 @@ use vessel::{LANES, Vessel};
 use study::selection::{Row, schema, table};
 
 use super::{Draw, Realization, Realizer, counts};
-use crate::cli::{Summary, beside};
+use crate::cli::beside;
 use crate::failure::Failure;
 use crate::instruments::Removal;
 use crate::ordered::ordered;
@@ -18,6 +18,7 @@ use crate::pooled::{
     Data, Method, NominalModel, Pool, PoolFlags, deviations, instrument_fit, lost_instruments,
 };
 use crate::progress::Progress;
+use crate::stage::Summary;
 use study::documents::{Quantiles, SelectionDocument, SelectionErrors, SelectionScores};
 
 /// What `validate selection` was asked for.

@@ -13,13 +13,14 @@ use super::table::{Row, schema, table};
 use super::trial::Trial;
 use super::voyage::Voyage;
 use super::{CrudeAbout, SequentialFile};
-use crate::cli::{Summary, beside};
+use crate::cli::beside;
 use crate::estimators::{Estimator, RunEstimators};
 use crate::failure::Failure;
 use crate::ordered::ordered;
 use crate::progress::Progress;
 use crate::simulate::refuse_endless;
 use crate::simulate::sea::Sea;
+use crate::stage::Summary;
 use study::campaign_file::CampaignFile;
 use study::files::{read_campaign, read_dictionary, read_vessel};
 

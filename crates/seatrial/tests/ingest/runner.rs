@@ -23,8 +23,14 @@ pub struct Ran {
 
 /// Runs `ingest` in `folder`.
 pub fn run(folder: &Path, arguments: &[&str]) -> Ran {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_ingest"));
-    let output = command.args(arguments).current_dir(folder).env("RUST_BACKTRACE", "0").output().unwrap();
+    let mut command = Command::new(env!("CARGO_BIN_EXE_seatrial"));
+    let output = command
+        .arg("ingest")
+        .args(arguments)
+        .current_dir(folder)
+        .env("RUST_BACKTRACE", "0")
+        .output()
+        .unwrap();
     let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
     Ran { code: output.status.code(), stdout: text(output.stdout), stderr: text(output.stderr) }
 }

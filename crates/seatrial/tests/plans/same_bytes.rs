@@ -69,12 +69,3 @@ fn one_line_or_one_object_and_nothing_on_stderr() {
         assert!(bytes(&folder, name) == bytes(&folder, &format!("out/{name}")), "{name}");
     }
 }
-
-#[test]
-fn help_shows_examples() {
-    let folder = tempfile::tempdir().unwrap();
-    for command in ["plan", "simulate plan"] {
-        let ran = run(&folder, &format!("{command} --help")).succeeds();
-        assert!(ran.stdout.contains("Example") && ran.stderr.is_empty(), "{ran}");
-    }
-}

@@ -93,8 +93,7 @@ fn results_do_not_depend_on_threads() {
 #[test]
 fn what_is_not_excited_is_not_answered_and_the_rest_is() {
     let folder = with(&["dictionary.parquet", "campaign.parquet"]);
-    let line =
-        "estimate --pool --vessel vessel.toml --trajectories dictionary.parquet --out estimates.parquet";
+    let line = "estimate pool --vessel vessel.toml --trajectories dictionary.parquet --out estimates.parquet";
     refused(&folder, 4, &format!("{line} --runs 0,1"), &["`X_vr` is not excited", "sway", "yaw", "--prior"]);
     let vessel = std::fs::read_to_string(repository().join("pipelines/paper/vessel.toml")).unwrap();
     let twice = "\n[[surge]]\nparameter = \"X_again\"\nterm = \"u |u|\"\nnominal = -0.01\n";

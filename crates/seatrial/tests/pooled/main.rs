@@ -13,7 +13,7 @@ mod selection;
 mod units;
 
 /// Pools the runs of the small study; add flags and an output.
-pub const POOL: &str = "estimate --pool --vessel vessel.toml --trajectories campaign.parquet";
+pub const POOL: &str = "estimate pool --vessel vessel.toml --trajectories campaign.parquet";
 /// Cross-validation over a few of its runs.
 pub const CROSS: &str = "validate cross --vessel vessel.toml --trajectories campaign.parquet \
      --runs random/0,random/1,optimized/2,optimized/3 --window-s 25";

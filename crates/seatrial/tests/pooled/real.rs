@@ -17,8 +17,9 @@ fn ingested(study: &str, data: &str) -> Option<TempDir> {
     let folder = tempfile::tempdir().unwrap();
     let pipeline = repository().join("pipelines").join(study);
     std::fs::copy(pipeline.join("vessel.toml"), folder.path().join("vessel.toml")).unwrap();
-    let mut ingest = Command::new(env!("CARGO_BIN_EXE_ingest"));
+    let mut ingest = Command::new(SEATRIAL);
     ingest.current_dir(&folder).args([
+        "ingest",
         "--vessel",
         "vessel.toml",
         "--out",
@@ -114,8 +115,7 @@ fn poor_instruments_are_told() {
 fn surge_of_the_kvlcc2_is_not_identifiable_by_instruments() {
     let Some(folder) = ingested("kvlcc2", "kvlcc2_hsva") else { return };
     for flags in ["", "--part-s 100", "--part-s 30"] {
-        let line =
-            format!("estimate --pool {LOGGED} --recordings ingest.json --nominal least-squares {flags}");
+        let line = format!("estimate pool {LOGGED} --recordings ingest.json --nominal least-squares {flags}");
         run(&folder, &format!("{line} --out estimates.parquet")).succeeds();
         let degrees = json(&folder, "trust.json")["data"]["degrees"].clone();
         let status: Vec<&Value> = degrees.as_array().unwrap().iter().map(|d| &d["status"]).collect();
@@ -153,7 +153,7 @@ fn the_method_recommended_for_the_kvlcc2_reaches_the_baseline() {
 fn the_report_of_measured_logs_shows_what_they_tell() {
     let Some(folder) = ingested("kvlcc2", "kvlcc2_hsva") else { return };
     let recorded = format!("{LOGGED} --recordings ingest.json --nominal least-squares --part-s 100");
-    run(&folder, &format!("estimate --pool {recorded} --bootstrap 20 --out estimates.parquet")).succeeds();
+    run(&folder, &format!("estimate pool {recorded} --bootstrap 20 --out estimates.parquet")).succeeds();
     run(&folder, &format!("validate cross {recorded} --estimators ls,iv --folds 3 --out crossval.json"))
         .succeeds();
     run(&folder, REPORT).succeeds();

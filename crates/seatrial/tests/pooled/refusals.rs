@@ -4,11 +4,9 @@ use crate::{CROSS, POOL, SELECTION};
 #[test]
 fn flags_of_a_pooled_estimate_need_it() {
     let folder = with(&["campaign.parquet"]);
-    for flag in
-        ["--bootstrap 9", "--prior 0.1", "--runs 1", "--nominal given", "--estimator auto", "--bandwidth 3"]
-    {
+    for flag in ["--bootstrap 9", "--prior 0.1", "--runs 1", "--nominal given", "--bandwidth 3"] {
         let name = flag.split(' ').next().unwrap();
-        refused(&folder, 2, &format!("{ESTIMATE} {flag}"), &[name, "--pool"]);
+        refused(&folder, 2, &format!("{ESTIMATE} {flag}"), &[name, "unexpected"]);
     }
     refused(&folder, 2, &format!("{POOL} --shard 1/2 --out x.parquet"), &["--shard"]);
 }

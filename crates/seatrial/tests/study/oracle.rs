@@ -11,6 +11,8 @@ use study::files::read_vessel;
 use tempfile::TempDir;
 use vessel::Vessel;
 
+use crate::support::SEATRIAL;
+
 const ORACLE: &str = include_str!("../../../../fixtures/oracle/oracle.json");
 const REMOVALS: [&str; 3] = ["complete", "batch", "none"];
 
@@ -31,9 +33,9 @@ fn numbers(value: &Value) -> Vec<f64> {
 struct Stage(Command);
 
 impl Stage {
-    fn new(program: &str) -> Self {
-        let mut command = Command::new(program);
-        command.arg("--quiet");
+    fn new(words: &[&str]) -> Self {
+        let mut command = Command::new(SEATRIAL);
+        command.args(words).arg("--quiet");
         Self(command)
     }
 
@@ -62,7 +64,7 @@ fn vessel() -> Vessel {
 /// `estimate` over the oracle's runs.
 fn estimate(folder: &Path, estimator: &str, removal: &str) -> Vec<Row> {
     let out = folder.join(format!("{estimator}-{removal}.parquet"));
-    Stage::new(env!("CARGO_BIN_EXE_estimate"))
+    Stage::new(&["estimate"])
         .file("--vessel", &repository("pipelines/paper/vessel.toml"))
         .file("--trajectories", &repository("fixtures/oracle/runs.parquet"))
         .words(&["--estimator", estimator, "--mean-removal", removal])
@@ -114,14 +116,12 @@ fn compare(row: &Row, expected: &Value, what: &str) {
 fn moments(folder: &Path) -> PathBuf {
     let (trajectories, out) = (folder.join("dictionary.parquet"), folder.join("moments.json"));
     let vessel = repository("pipelines/paper/vessel.toml");
-    let simulate = Command::new(env!("CARGO_BIN_EXE_simulate"));
-    Stage(simulate)
-        .words(&["dictionary", "--quiet"])
+    Stage::new(&["simulate", "dictionary"])
         .file("--vessel", &vessel)
         .file("--dictionary", &repository("pipelines/paper/dictionary.toml"))
         .file("--out", &trajectories)
         .run();
-    Stage::new(env!("CARGO_BIN_EXE_moments"))
+    Stage::new(&["moments"])
         .file("--vessel", &vessel)
         .file("--trajectories", &trajectories)
         .file("--out", &out)
@@ -165,7 +165,7 @@ fn assert_matrix_close(n: usize, found: &[f64], expected: &[f64], what: &str) {
 }
 
 fn check_design(moments: &Path, out: &Path, removal: &str) {
-    Stage::new(env!("CARGO_BIN_EXE_design"))
+    Stage::new(&["design"])
         .file("--moments", moments)
         .words(&["--mean-removal", removal])
         .file("--out", out)

@@ -49,29 +49,6 @@ fn quiet_stages_print_nothing_on_stderr() {
 }
 
 #[test]
-fn help_shows_an_example() {
-    let folder = tempfile::tempdir().unwrap();
-    let simulate = ["simulate", "simulate dictionary", "simulate campaign", "simulate validation"];
-    let others = ["moments", "design", "estimate", "validate", "sequential", "report"];
-    for command in simulate.into_iter().chain(others) {
-        let ran = run(&folder, &format!("{command} --help")).succeeds();
-        assert!(ran.stdout.contains("Example:") && ran.stderr.is_empty(), "{ran}");
-        let binary = command.split(' ').next().unwrap();
-        let example = ran.stdout.split_once("Example:").unwrap().1;
-        assert!(example.trim_start().starts_with(binary), "{ran}");
-    }
-}
-
-#[test]
-fn every_binary_tells_its_version() {
-    let folder = tempfile::tempdir().unwrap();
-    for binary in ["simulate", "moments", "design", "estimate", "validate", "sequential", "report"] {
-        let ran = run(&folder, &format!("{binary} --version")).succeeds();
-        assert_eq!(ran.stdout.trim(), format!("{binary} {}", env!("CARGO_PKG_VERSION")), "{ran}");
-    }
-}
-
-#[test]
 fn a_folder_as_output_gets_the_usual_names() {
     let folder = with(&MADE);
     std::fs::create_dir(folder.path().join("out")).unwrap();

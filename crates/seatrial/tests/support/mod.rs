@@ -1,4 +1,4 @@
-//! A small study on real files, and a runner of the real binaries.
+//! A small study on real files, and a runner of the real program.
 #![allow(dead_code)]
 
 pub mod craft;
@@ -11,7 +11,6 @@ use std::sync::OnceLock;
 
 use artifact::Document;
 use assert_cmd::Command;
-use assert_cmd::cargo::cargo_bin;
 use serde_json::Value;
 use tempfile::TempDir;
 
@@ -204,20 +203,21 @@ impl Ran {
     }
 }
 
-/// Runs a command line in `folder`; its first word names the binary.
+/// The one program over all stages.
+pub const SEATRIAL: &str = env!("CARGO_BIN_EXE_seatrial");
+
+/// Runs a command line of `seatrial` in `folder`; its first word names the stage.
 pub fn run(folder: &TempDir, line: &str) -> Ran {
-    let mut words = line.split_whitespace();
-    let mut command = Command::new(binary(words.next().unwrap()));
-    command.args(words);
+    let mut command = Command::new(SEATRIAL);
+    command.args(line.split_whitespace());
     finish(folder, line, command)
 }
 
 /// Runs a command line where no file can grow beyond 32 KiB, as on a full disk.
 pub fn run_on_full_disk(folder: &TempDir, line: &str) -> Ran {
-    let mut words = line.split_whitespace();
     let mut command = Command::new("sh");
     command.args(["-c", "trap '' XFSZ; ulimit -f 64; exec \"$0\" \"$@\""]);
-    command.arg(binary(words.next().unwrap())).args(words);
+    command.arg(SEATRIAL).args(line.split_whitespace());
     finish(folder, line, command)
 }
 
@@ -230,21 +230,6 @@ fn finish(folder: &TempDir, line: &str, mut command: Command) -> Ran {
         code: output.status.code(),
         stdout: text(output.stdout),
         stderr: text(output.stderr),
-    }
-}
-
-fn binary(name: &str) -> &'static Path {
-    match name {
-        "simulate" => cargo_bin!("simulate"),
-        "moments" => cargo_bin!("moments"),
-        "design" => cargo_bin!("design"),
-        "estimate" => cargo_bin!("estimate"),
-        "validate" => cargo_bin!("validate"),
-        "report" => cargo_bin!("report"),
-        "plan" => cargo_bin!("plan"),
-        "ingest" => cargo_bin!("ingest"),
-        "sequential" => cargo_bin!("sequential"),
-        other => panic!("no binary `{other}`"),
     }
 }
 

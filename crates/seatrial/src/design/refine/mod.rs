@@ -7,22 +7,20 @@ mod start;
 use std::path::{Path, PathBuf};
 
 use artifact::{Provenance, commit, read_document};
-use clap::Parser;
+use clap::Args;
 use identification::refine::{Effort, refine as search};
 use serde_json::json;
 
 use super::output_error::SimulateWith;
-use crate::cli::{Common, Summary, beside, name_of, provenance};
+use crate::cli::{Common, beside, name_of, provenance};
 use crate::failure::Failure;
+use crate::stage::Summary;
 use study::documents::DesignDocument;
 use study::files::{read_campaign, read_dictionary, read_vessel};
 
-/// Makes the input signals of a design's experiment better for an output-error estimate, within limits of inputs and motion
-#[derive(Parser)]
+/// The command line of `design refine`.
+#[derive(Args)]
 #[command(
-    name = "design refine",
-    bin_name = "design refine",
-    version,
     after_help = "Writes refined.json, and inputs.csv, refined-dictionary.toml and design.json for `simulate campaign`.\n\n\
     Example:\n  design refine --vessel vessel.toml --dictionary dictionary.toml --design design.json --campaign campaign.toml --out refined/"
 )]

@@ -1,20 +1,20 @@
 //! `moments`: what each maneuver tells about the parameters.
 
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
+use crate::choice::choice;
+use crate::cli::{Common, provenance};
+use crate::design::{NoiseModel, OutputErrorNoise, ParameterDraw, Predicted, SimulateWith};
+use crate::failure::Failure;
+use crate::instruments::{InstrumentKind, Instruments};
+use crate::ordered::ordered;
+use crate::pooled::{Data, Nominal, NominalModel, PoolFlags};
+use crate::progress::Progress;
+use crate::stage::{Summary, Task};
 use artifact::{Provenance, commit, stage_document};
 use clap::Parser;
 use identification::pooled::Regression;
 use identification::{MeanRemoval, Sums, middle, moments};
-use seatrial::choice::choice;
-use seatrial::cli::{Common, Summary, provenance, run};
-use seatrial::design::{NoiseModel, OutputErrorNoise, ParameterDraw, Predicted, SimulateWith};
-use seatrial::failure::Failure;
-use seatrial::instruments::{InstrumentKind, Instruments};
-use seatrial::ordered::ordered;
-use seatrial::pooled::{Data, Nominal, NominalModel, PoolFlags};
-use seatrial::progress::Progress;
 use serde_json::json;
 use study::documents::{
     DegreeMoments, DegreeStructure, ManeuverMoments, MomentsDocument, OutputErrorMoments,
@@ -34,7 +34,7 @@ use vessel::{Run, Segment};
     moments --vessel vessel.toml --trajectories dictionary.parquet --campaign campaign.toml --out moments.json\n  \
     moments --vessel vessel.toml --trajectories dictionary.parquet --campaign campaign.toml --estimator output-error --out moments.json"
 )]
-struct Arguments {
+pub struct Arguments {
     /// The vessel
     #[arg(long, value_name = "vessel.toml")]
     vessel: PathBuf,
@@ -70,8 +70,14 @@ struct Arguments {
 /// Name of the design of a dictionary's runs.
 const DICTIONARY: &str = "dictionary";
 
-fn main() -> ExitCode {
-    run(|a: &Arguments| &a.common, stage)
+impl Task for Arguments {
+    fn common(&self) -> &Common {
+        &self.common
+    }
+
+    fn run(&self) -> Result<Summary, Failure> {
+        stage(self)
+    }
 }
 
 fn stage(a: &Arguments) -> Result<Summary, Failure> {

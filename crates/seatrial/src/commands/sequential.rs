@@ -1,12 +1,12 @@
 //! `sequential`: trials designed in rounds.
 
 use std::path::PathBuf;
-use std::process::ExitCode;
 
+use crate::cli::{Common, provenance};
+use crate::failure::Failure;
+use crate::sequential;
+use crate::stage::{Summary, Task};
 use clap::Parser;
-use seatrial::cli::{Common, Summary, provenance, run};
-use seatrial::failure::Failure;
-use seatrial::sequential;
 
 /// Designs, sails and estimates in rounds, from a crude model, against designs made once, over Monte Carlo; writes
 /// sequential.parquet and sequential.json
@@ -17,7 +17,7 @@ use seatrial::sequential;
     after_help = "Example:\n  sequential --vessel pipelines/paper/vessel.toml --dictionary pipelines/paper/dictionary.toml \
     --campaign pipelines/paper/campaign.toml --config pipelines/sequential/sequential.toml --out sequential.parquet"
 )]
-struct Arguments {
+pub struct Arguments {
     /// The vessel, with its true parameters
     #[arg(long, value_name = "vessel.toml")]
     vessel: PathBuf,
@@ -34,8 +34,14 @@ struct Arguments {
     common: Common,
 }
 
-fn main() -> ExitCode {
-    run(|a: &Arguments| &a.common, stage)
+impl Task for Arguments {
+    fn common(&self) -> &Common {
+        &self.common
+    }
+
+    fn run(&self) -> Result<Summary, Failure> {
+        stage(self)
+    }
 }
 
 fn stage(a: &Arguments) -> Result<Summary, Failure> {

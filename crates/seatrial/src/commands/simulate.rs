@@ -1,17 +1,17 @@
 //! `simulate`: trajectories from a vessel and its maneuvers.
 
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
+use crate::cli::{Common, Sharding, beside, given, provenance};
+use crate::failure::Failure;
+use crate::ingest::SIMULATED_FILE;
+use crate::plan::read_planned;
+use crate::simulate::campaign::{Campaign, CampaignFiles};
+use crate::simulate::logs::{Files, LogsFile, SimulatedLogs, publish};
+use crate::simulate::undisturbed::{Undisturbed, Written};
+use crate::stage::{Summary, Task};
 use artifact::{Provenance, Shard, commit, gather, read_document, read_toml};
 use clap::{Args, Parser, Subcommand, ValueEnum};
-use seatrial::cli::{Common, Sharding, Summary, beside, given, provenance, run};
-use seatrial::failure::Failure;
-use seatrial::ingest::SIMULATED_FILE;
-use seatrial::plan::read_planned;
-use seatrial::simulate::campaign::{Campaign, CampaignFiles};
-use seatrial::simulate::logs::{Files, LogsFile, SimulatedLogs, publish};
-use seatrial::simulate::undisturbed::{Undisturbed, Written};
 use serde_json::json;
 use study::documents::DesignDocument;
 use study::files::{generator, read_campaign, read_dictionary, read_vessel};
@@ -26,7 +26,7 @@ use vessel::{Source, Vessel};
     after_help = "Example:\n  simulate dictionary --vessel pipelines/paper/vessel.toml \
     --dictionary pipelines/paper/dictionary.toml --out dictionary.parquet"
 )]
-struct Arguments {
+pub struct Arguments {
     #[command(subcommand)]
     what: What,
 }
@@ -143,23 +143,25 @@ struct LogsArguments {
     common: Common,
 }
 
-fn main() -> ExitCode {
-    run(common, |arguments: &Arguments| match &arguments.what {
-        What::Dictionary(a) => dictionary(a),
-        What::Campaign(a) => campaign(a),
-        What::Validation(a) => validation(a),
-        What::Plan(a) => plan(a),
-        What::Logs(a) => logs(a),
-    })
-}
+impl Task for Arguments {
+    fn common(&self) -> &Common {
+        match &self.what {
+            What::Dictionary(a) => &a.common,
+            What::Campaign(a) => &a.common,
+            What::Validation(a) => &a.common,
+            What::Plan(a) => &a.common,
+            What::Logs(a) => &a.common,
+        }
+    }
 
-fn common(arguments: &Arguments) -> &Common {
-    match &arguments.what {
-        What::Dictionary(a) => &a.common,
-        What::Campaign(a) => &a.common,
-        What::Validation(a) => &a.common,
-        What::Plan(a) => &a.common,
-        What::Logs(a) => &a.common,
+    fn run(&self) -> Result<Summary, Failure> {
+        match &self.what {
+            What::Dictionary(a) => dictionary(a),
+            What::Campaign(a) => campaign(a),
+            What::Validation(a) => validation(a),
+            What::Plan(a) => plan(a),
+            What::Logs(a) => logs(a),
+        }
     }
 }
 

@@ -1,13 +1,13 @@
 //! `report`: a study on one page.
 
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
+use crate::cli::{Common, beside};
+use crate::failure::Failure;
+use crate::stage::{Summary, Task};
 use artifact::{Staged, commit};
 use clap::Parser;
 use report::{Rendered, Sources, load, render};
-use seatrial::cli::{Common, Summary, beside, run};
-use seatrial::failure::Failure;
 use serde_json::json;
 
 /// Puts a study's results on one self-contained HTML page, with its figures as SVG beside it in figures/
@@ -17,7 +17,7 @@ use serde_json::json;
     version,
     after_help = "Example:\n  report --study pipelines/paper --results out/paper --out out/paper/report.html"
 )]
-struct Arguments {
+pub struct Arguments {
     /// Folder of the study's hand-written files
     #[arg(long, value_name = "FOLDER")]
     study: PathBuf,
@@ -34,8 +34,14 @@ struct Arguments {
     common: Common,
 }
 
-fn main() -> ExitCode {
-    run(|a: &Arguments| &a.common, stage)
+impl Task for Arguments {
+    fn common(&self) -> &Common {
+        &self.common
+    }
+
+    fn run(&self) -> Result<Summary, Failure> {
+        stage(self)
+    }
 }
 
 fn stage(a: &Arguments) -> Result<Summary, Failure> {

@@ -1,26 +1,66 @@
 //! `estimate`: parameters of every run.
 
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
+use crate::choice::choice;
+use crate::cli::{Common, Sharding, beside, given, name_of, provenance};
+use crate::estimators::{Estimator, RunEstimators, refuse_if_none};
+use crate::failure::Failure;
+use crate::ordered::{joined, joined_blocks, ordered};
+use crate::pooled::{self, PoolFlags, Wanted};
+use crate::progress::Progress;
+use crate::stage::{Either, Summary, Task};
 use artifact::{
     EncodedBlock, Provenance, Staged, TableReader, TableWriter, commit, encode_block, gather, stage_document,
 };
-use clap::{Parser, ValueEnum};
+use clap::{Args, Parser, Subcommand, ValueEnum};
 use identification::predictor::{InitialState, Levels};
 use identification::{EstimateStatus as Status, MeanRemoval};
-use seatrial::choice::choice;
-use seatrial::cli::{Common, Sharding, Summary, beside, given, name_of, provenance, run};
-use seatrial::estimators::{Estimator, RunEstimators, refuse_if_none};
-use seatrial::failure::Failure;
-use seatrial::ordered::{joined, joined_blocks, ordered};
-use seatrial::pooled::{self, PoolFlags, Wanted};
-use seatrial::progress::Progress;
 use serde_json::json;
 use study::estimates::{self, Row};
 use study::files::{read_campaign, read_vessel};
 use study::trajectories::{Layout, TrajectoryReader};
 use vessel::Vessel;
+
+/// An estimate of every run, or a subcommand.
+pub type Arguments = Either<Runs, Study>;
+
+/// What `estimate` does besides single runs.
+#[derive(Subcommand)]
+pub enum Study {
+    /// One estimate from all runs, whose segments each get instruments of their own; writes estimates.parquet, estimate.json
+    /// and trust.json
+    Pool(PoolArguments),
+}
+
+/// The command line of `estimate pool`.
+#[derive(Args)]
+#[command(after_help = "Example:\n  estimate pool --vessel pipelines/kvlcc2/vessel.toml \
+    --trajectories trajectories.parquet --nominal least-squares --estimator auto --bootstrap 500 --out results/")]
+pub struct PoolArguments {
+    /// The vessel
+    #[arg(long, value_name = "vessel.toml")]
+    vessel: PathBuf,
+    /// The runs
+    #[arg(long, value_name = "trajectories.parquet")]
+    trajectories: PathBuf,
+    /// The estimator
+    #[arg(long, value_parser = choice(&Estimator::POOLED, Estimator::name, Estimator::description), default_value_t = Estimator::Iv)]
+    estimator: Estimator,
+    /// How the instruments' mean is removed
+    #[arg(long, value_parser = choice(&MeanRemoval::ALL, MeanRemoval::name, MeanRemoval::description), default_value_t = MeanRemoval::Complete)]
+    mean_removal: MeanRemoval,
+    /// Resamples of the bootstrap over sub-experiments
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=1_000_000))]
+    bootstrap: Option<u32>,
+    /// Lags of the standard errors (default 4 (samples/100)^(2/9))
+    #[arg(long, value_name = "LAGS")]
+    bandwidth: Option<u16>,
+    #[command(flatten)]
+    flags: PoolFlags,
+    #[command(flatten)]
+    common: Common,
+}
 
 /// Estimates the parameters of every run, with standard errors; writes estimates.parquet and estimate.json
 #[derive(Parser)]
@@ -28,10 +68,9 @@ use vessel::Vessel;
     name = "estimate",
     version,
     after_help = "Example:\n  estimate --vessel pipelines/paper/vessel.toml \
-    --trajectories campaign.parquet --out estimates.parquet\n  estimate --pool --vessel pipelines/kvlcc2/vessel.toml \
-    --trajectories trajectories.parquet --nominal least-squares --estimator auto --bootstrap 500 --out results/"
+    --trajectories campaign.parquet --out estimates.parquet"
 )]
-struct Arguments {
+pub struct Runs {
     /// The vessel
     #[arg(long, value_name = "vessel.toml")]
     vessel: PathBuf,
@@ -42,7 +81,7 @@ struct Arguments {
     #[arg(long, value_parser = choice(&Estimator::ALL, Estimator::name, Estimator::description), default_value_t = Estimator::Iv)]
     estimator: Estimator,
     /// Every estimator on the same runs
-    #[arg(long, conflicts_with_all = ["estimator", "pool"])]
+    #[arg(long, conflicts_with = "estimator")]
     compare: bool,
     /// What disturbs the runs: for `prediction-error` and --compare, and for standard errors of `output-error`
     #[arg(long, value_name = "campaign.toml")]
@@ -54,17 +93,6 @@ struct Arguments {
     /// How the instruments' mean is removed
     #[arg(long, value_parser = choice(&MeanRemoval::ALL, MeanRemoval::name, MeanRemoval::description), default_value_t = MeanRemoval::Complete)]
     mean_removal: MeanRemoval,
-    /// One estimate from all runs, whose segments each get instruments of their own; also writes trust.json
-    #[arg(long)]
-    pool: bool,
-    /// Resamples of the bootstrap over sub-experiments (with --pool)
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=1_000_000))]
-    bootstrap: Option<u32>,
-    /// Lags of the standard errors (with --pool; default 4 (samples/100)^(2/9))
-    #[arg(long, value_name = "LAGS")]
-    bandwidth: Option<u16>,
-    #[command(flatten)]
-    flags: PoolFlags,
     #[command(flatten)]
     sharding: Sharding,
     #[command(flatten)]
@@ -80,21 +108,38 @@ enum Initial {
     Estimated,
 }
 
-fn main() -> ExitCode {
-    run(|a: &Arguments| &a.common, stage)
+impl Task for Runs {
+    fn common(&self) -> &Common {
+        &self.common
+    }
+
+    fn run(&self) -> Result<Summary, Failure> {
+        stage(self)
+    }
 }
 
-fn stage(a: &Arguments) -> Result<Summary, Failure> {
+impl Task for Study {
+    fn common(&self) -> &Common {
+        let Self::Pool(a) = self;
+        &a.common
+    }
+
+    fn run(&self) -> Result<Summary, Failure> {
+        let Self::Pool(a) = self;
+        pool(a)
+    }
+}
+
+fn stage(a: &Runs) -> Result<Summary, Failure> {
     let mut provenance = provenance("estimate");
     let vessel = read_vessel(&a.vessel, &mut provenance)?;
     let mut inputs = vec![a.vessel.as_path()];
-    inputs.extend(a.flags.recordings.as_deref());
     inputs.extend(a.trajectories.iter().chain(&a.sharding.gather).map(PathBuf::as_path));
     let out = a.common.main_output("estimates.parquet", &inputs)?;
-    if a.pool {
-        return pool(a, &vessel, out, provenance);
+    if a.estimator == Estimator::Auto {
+        let found = "--estimator: found auto, expected ls, iv, refined-iv, output-error or prediction-error";
+        return Err(Failure::Usage(format!("{found}; for auto use estimate pool")));
     }
-    refuse_pool_flags(a)?;
     let levels = levels(a, &vessel, &mut provenance)?;
     let document_file = beside(&out, "estimate.json");
     if a.sharding.gathers() {
@@ -148,7 +193,7 @@ fn stage(a: &Arguments) -> Result<Summary, Failure> {
 }
 
 /// What disturbs the runs, where that is stated.
-fn levels(a: &Arguments, vessel: &Vessel, provenance: &mut Provenance) -> Result<Option<Levels>, Failure> {
+fn levels(a: &Runs, vessel: &Vessel, provenance: &mut Provenance) -> Result<Option<Levels>, Failure> {
     let Some(file) = a.campaign.as_deref() else {
         let needed =
             [(a.compare, "--compare"), (a.estimator == Estimator::PredictionError, "prediction-error")];
@@ -173,50 +218,32 @@ fn levels(a: &Arguments, vessel: &Vessel, provenance: &mut Provenance) -> Result
     }
 }
 
-fn initial(a: &Arguments, reader: &TrajectoryReader) -> Initial {
+fn initial(a: &Runs, reader: &TrajectoryReader) -> Initial {
     a.initial_state.unwrap_or(if reader.true_states() { Initial::Known } else { Initial::Estimated })
 }
 
-/// One estimate from all runs.
-fn pool(a: &Arguments, vessel: &Vessel, out: PathBuf, provenance: Provenance) -> Result<Summary, Failure> {
-    if a.sharding.gathers() || a.sharding.shard.is_some() {
-        let found = "--pool: found --shard or --gather, expected neither";
-        return Err(Failure::Usage(format!("{found}; a pooled estimate is made in one piece")));
-    }
-    if !Estimator::POOLED.contains(&a.estimator) {
-        let found = "--estimator: found prediction-error with --pool, expected ls, iv, refined-iv, auto or output-error";
-        return Err(Failure::Usage(format!("{found}; choose one of them")));
-    }
+fn pool(a: &PoolArguments) -> Result<Summary, Failure> {
+    let mut provenance = provenance("estimate");
+    let vessel = read_vessel(&a.vessel, &mut provenance)?;
+    let inputs = [&a.vessel, &a.trajectories].into_iter().chain(&a.flags.recordings);
+    let inputs: Vec<&Path> = inputs.map(PathBuf::as_path).collect();
     let wanted = Wanted {
-        vessel,
-        trajectories: given(&a.trajectories, "trajectories")?,
+        vessel: &vessel,
+        trajectories: &a.trajectories,
         flags: &a.flags,
         method: a.estimator,
         removal: a.mean_removal,
         bandwidth: a.bandwidth.map(usize::from),
         replicates: a.bootstrap.unwrap_or(0),
         seed: a.common.seed.unwrap_or(1),
-        out,
+        out: a.common.main_output("estimates.parquet", &inputs)?,
         quiet: a.common.quiet,
     };
     pooled::estimate(&wanted, provenance)
 }
 
-/// Refuses flags that mean something to a pooled estimate only.
-fn refuse_pool_flags(a: &Arguments) -> Result<(), Failure> {
-    let given = [
-        (a.estimator == Estimator::Auto, "--estimator auto"),
-        (a.bootstrap.is_some(), "--bootstrap"),
-        (a.bandwidth.is_some(), "--bandwidth"),
-    ];
-    let first = given.into_iter().find(|(given, _)| *given).map(|(_, name)| name).or(a.flags.first_given());
-    first.map_or(Ok(()), |flag| {
-        Err(Failure::Usage(format!("{flag}: found it without --pool, expected both; add --pool")))
-    })
-}
-
 fn estimate_blocks(
-    a: &Arguments,
+    a: &Runs,
     estimators: &RunEstimators,
     reader: &TrajectoryReader,
     schema: &artifact::TableSchema,
@@ -253,7 +280,7 @@ fn refuse_if_all_collinear(
     };
     Err(Failure::NoAnswer(format!(
         "{}: {} runs: found none that is identifiable (run {run}: {}), expected one; add maneuvers that vary these terms, \
-         or use --estimator ls, or --pool with --estimator auto",
+         or use --estimator ls, or estimate pool --estimator auto",
         file.display(),
         rows.len(),
         found.words
@@ -261,7 +288,7 @@ fn refuse_if_all_collinear(
 }
 
 fn publish(
-    a: &Arguments,
+    a: &Runs,
     vessel: &Vessel,
     provenance: &Provenance,
     table: Staged,

@@ -1,25 +1,25 @@
 //! `plan`: one trajectory that uses every maneuver as often as the design wants.
 
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 use std::time::Duration;
 
+use crate::cli::{Common, given};
+use crate::failure::Failure;
+use crate::plan::{Limits, VoyageFiles, plan_problem, plan_voyage};
+use crate::stage::{Summary, Task};
 use clap::{Parser, ValueEnum};
 use lattice::Engine;
-use seatrial::cli::{Common, Summary, given, run};
-use seatrial::failure::Failure;
-use seatrial::plan::{Limits, VoyageFiles, plan_problem, plan_voyage};
 
 /// Plans a trial as one trajectory on a chart, provably the cheapest, with routes for the bridge; or solves a lattice problem
 #[derive(Parser)]
 #[command(
     name = "plan",
     version,
-    after_help = "Examples:\n  plan --vessel pipelines/helsinki/vessel.toml --trajectories out/helsinki/dictionary.parquet \
+    after_help = "Example:\n  plan --vessel pipelines/helsinki/vessel.toml --trajectories out/helsinki/dictionary.parquet \
     --config pipelines/helsinki/plan.toml --out out/helsinki/plan.json\n  \
     plan --problem fixtures/lattice/channel.json --out plan.json"
 )]
-struct Arguments {
+pub struct Arguments {
     /// A lattice problem to solve instead of a chart (schema experiment-lattice-planning/1)
     #[arg(long, value_name = "problem.json", conflicts_with_all = ["vessel", "trajectories", "config", "design"])]
     problem: Option<PathBuf>,
@@ -58,8 +58,14 @@ enum EngineChoice {
     Lagrangian,
 }
 
-fn main() -> ExitCode {
-    run(|a: &Arguments| &a.common, stage)
+impl Task for Arguments {
+    fn common(&self) -> &Common {
+        &self.common
+    }
+
+    fn run(&self) -> Result<Summary, Failure> {
+        stage(self)
+    }
 }
 
 fn stage(a: &Arguments) -> Result<Summary, Failure> {

@@ -1,22 +1,22 @@
 //! `validate`: how far the estimated models can be trusted.
 
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
+use crate::choice::choice;
+use crate::cli::{Common, Sharding, beside, given, provenance};
+use crate::crossval;
+use crate::failure::Failure;
+use crate::free_runs::ValidationRuns;
+use crate::ordered::ordered;
+use crate::pooled::{PoolFlags, not_below, samples};
+use crate::progress::Progress;
+use crate::selection;
+use crate::stage::{Either, Summary, Task};
 use artifact::{
     EncodedBlock, Provenance, Staged, TableReader, TableWriter, commit, encode_block, gather, stage_document,
 };
-use clap::{ArgMatches, Args, Command, CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum};
+use clap::{Args, Parser, Subcommand, ValueEnum};
 use identification::{Estimator, MeanRemoval};
-use seatrial::choice::choice;
-use seatrial::cli::{Common, Sharding, Summary, beside, given, provenance, run};
-use seatrial::crossval;
-use seatrial::failure::Failure;
-use seatrial::free_runs::ValidationRuns;
-use seatrial::ordered::ordered;
-use seatrial::pooled::{PoolFlags, not_below, samples};
-use seatrial::progress::Progress;
-use seatrial::selection;
 use serde_json::json;
 use study::campaign_file::CampaignFile;
 use study::documents::{Bounds, ValidationDocument};
@@ -25,49 +25,23 @@ use study::files::{read_campaign, read_vessel};
 use study::scores::{self, Row};
 use study::trajectories::refuse_shard;
 
-/// Either the scores of estimates or a study of its own.
-enum Cli {
-    Scores(Arguments),
-    Study(Study),
-}
+/// The scores of estimates, or a study of its own.
+pub type Arguments = Either<Scores, Study>;
 
-impl Parser for Cli {}
-
-impl CommandFactory for Cli {
-    fn command() -> Command {
-        let scores = Arguments::command().args_conflicts_with_subcommands(true).subcommand_negates_reqs(true);
-        Study::augment_subcommands(scores)
-    }
-
-    fn command_for_update() -> Command {
-        Self::command()
-    }
-}
-
-impl FromArgMatches for Cli {
-    fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
-        match matches.subcommand_name() {
-            Some(_) => Study::from_arg_matches(matches).map(Self::Study),
-            None => Arguments::from_arg_matches(matches).map(Self::Scores),
-        }
-    }
-
-    fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
-        *self = Self::from_arg_matches(matches)?;
-        Ok(())
-    }
-}
-
+/// What `validate` does besides scores.
 #[derive(Subcommand)]
-enum Study {
+pub enum Study {
     /// Leaves runs or recordings out of a pooled estimate and simulates over them; writes crossval.json
     Cross(CrossArguments),
     /// Models from sub-experiments that a design picked against random picks; writes selection.parquet, selection.json
     Selection(SelectionArguments),
 }
 
+/// The command line of `validate cross`.
 #[derive(Args)]
-struct CrossArguments {
+#[command(after_help = "Example:\n  validate cross --vessel pipelines/kvlcc2/vessel.toml \
+    --trajectories trajectories.parquet --out crossval.json")]
+pub struct CrossArguments {
     /// The vessel
     #[arg(long, value_name = "vessel.toml")]
     vessel: PathBuf,
@@ -95,8 +69,11 @@ struct CrossArguments {
     common: Common,
 }
 
+/// The command line of `validate selection`.
 #[derive(Args)]
-struct SelectionArguments {
+#[command(after_help = "Example:\n  validate selection --vessel pipelines/esso-osaka/vessel.toml \
+    --trajectories trajectories.parquet --design design.json --out selection.parquet")]
+pub struct SelectionArguments {
     /// The vessel
     #[arg(long, value_name = "vessel.toml")]
     vessel: PathBuf,
@@ -149,11 +126,9 @@ enum Intercepts {
     version,
     after_help = "Example:\n  validate --vessel pipelines/paper/vessel.toml \
     --campaign pipelines/paper/campaign.toml --estimates estimates.parquet --validation validation.parquet \
-    --out scores.parquet\n  validate cross --vessel pipelines/kvlcc2/vessel.toml --trajectories trajectories.parquet \
-    --out crossval.json\n  validate selection --vessel pipelines/esso-osaka/vessel.toml \
-    --trajectories trajectories.parquet --design design.json --out selection.parquet"
+    --out scores.parquet"
 )]
-struct Arguments {
+pub struct Scores {
     /// The vessel
     #[arg(long, value_name = "vessel.toml")]
     vessel: PathBuf,
@@ -172,24 +147,28 @@ struct Arguments {
     common: Common,
 }
 
-fn main() -> ExitCode {
-    run(Cli::common, Cli::stage)
+impl Task for Scores {
+    fn common(&self) -> &Common {
+        &self.common
+    }
+
+    fn run(&self) -> Result<Summary, Failure> {
+        stage(self)
+    }
 }
 
-impl Cli {
+impl Task for Study {
     fn common(&self) -> &Common {
         match self {
-            Self::Scores(a) => &a.common,
-            Self::Study(Study::Cross(a)) => &a.common,
-            Self::Study(Study::Selection(a)) => &a.common,
+            Self::Cross(a) => &a.common,
+            Self::Selection(a) => &a.common,
         }
     }
 
-    fn stage(&self) -> Result<Summary, Failure> {
+    fn run(&self) -> Result<Summary, Failure> {
         match self {
-            Self::Scores(a) => stage(a),
-            Self::Study(Study::Cross(a)) => cross(a),
-            Self::Study(Study::Selection(a)) => select(a),
+            Self::Cross(a) => cross(a),
+            Self::Selection(a) => select(a),
         }
     }
 }
@@ -243,7 +222,7 @@ fn select(a: &SelectionArguments) -> Result<Summary, Failure> {
     selection::select(&wanted, provenance)
 }
 
-fn stage(a: &Arguments) -> Result<Summary, Failure> {
+fn stage(a: &Scores) -> Result<Summary, Failure> {
     let mut provenance = provenance("validate");
     let vessel = read_vessel(&a.vessel, &mut provenance)?;
     let config = read_campaign(&a.campaign, &mut provenance)?;

@@ -1,18 +1,18 @@
 //! `ingest`: measured logs to trajectories.
 
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
-use artifact::{EncodedBlock, Provenance, TableWriter, commit, encode_block, read_toml, stage_document};
-use clap::Parser;
-use seatrial::cli::{Common, Summary, beside, provenance, run};
-use seatrial::failure::Failure;
-use seatrial::ingest::{
+use crate::cli::{Common, beside, provenance};
+use crate::failure::Failure;
+use crate::ingest::{
     IngestFile, Outcome, Plan, RowsBuilder, Source, Totals, check_segments, find, ingest, line, schema,
     simulated_label,
 };
-use seatrial::ordered::ordered;
-use seatrial::progress::Progress;
+use crate::ordered::ordered;
+use crate::progress::Progress;
+use crate::stage::{Summary, Task};
+use artifact::{EncodedBlock, Provenance, TableWriter, commit, encode_block, read_toml, stage_document};
+use clap::Parser;
 use serde_json::json;
 use study::documents::IngestDocument;
 use study::files::read_vessel;
@@ -26,7 +26,7 @@ use vessel::Vessel;
     after_help = "Example:\n  ingest --config pipelines/esso-osaka/ingest.toml --logs LOGS \
     --vessel pipelines/esso-osaka/vessel.toml --out trajectories.parquet"
 )]
-struct Arguments {
+pub struct Arguments {
     /// What is in the logs
     #[arg(long, value_name = "ingest.toml")]
     config: PathBuf,
@@ -40,8 +40,14 @@ struct Arguments {
     common: Common,
 }
 
-fn main() -> ExitCode {
-    run(|a: &Arguments| &a.common, stage)
+impl Task for Arguments {
+    fn common(&self) -> &Common {
+        &self.common
+    }
+
+    fn run(&self) -> Result<Summary, Failure> {
+        stage(self)
+    }
 }
 
 fn stage(a: &Arguments) -> Result<Summary, Failure> {

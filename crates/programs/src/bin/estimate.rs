@@ -1,0 +1,7 @@
+//! `estimate`: parameters of every run.
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    seatrial::commands::ESTIMATE.main()
+}

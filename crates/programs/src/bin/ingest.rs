@@ -1,0 +1,7 @@
+//! `ingest`: measured logs to trajectories.
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    seatrial::commands::INGEST.main()
+}

@@ -1,0 +1,7 @@
+//! `report`: a study on one page.
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    seatrial::commands::REPORT.main()
+}

@@ -1,0 +1,36 @@
+//! The stages as programs: their flags, and what is read, called and written.
+
+mod design;
+mod estimate;
+mod ingest;
+mod moments;
+mod plan;
+mod report;
+mod sequential;
+mod simulate;
+mod validate;
+
+use crate::stage::Stage;
+
+/// Trajectories from a vessel and its maneuvers.
+pub const SIMULATE: Stage = Stage::of::<simulate::Arguments>();
+/// Measured logs to trajectories.
+pub const INGEST: Stage = Stage::of::<ingest::Arguments>();
+/// What each maneuver tells about the parameters.
+pub const MOMENTS: Stage = Stage::of::<moments::Arguments>();
+/// How long to run each maneuver.
+pub const DESIGN: Stage = Stage::of::<design::Arguments>();
+/// Parameters of every run, or of all runs together.
+pub const ESTIMATE: Stage = Stage::of::<estimate::Arguments>();
+/// How far the estimated models can be trusted.
+pub const VALIDATE: Stage = Stage::of::<validate::Arguments>();
+/// One trajectory that uses every maneuver as often as the design wants.
+pub const PLAN: Stage = Stage::of::<plan::Arguments>();
+/// Trials designed in rounds.
+pub const SEQUENTIAL: Stage = Stage::of::<sequential::Arguments>();
+/// A study on one page.
+pub const REPORT: Stage = Stage::of::<report::Arguments>();
+
+/// Every stage, in the order in which a study runs them.
+pub const STAGES: [&Stage; 9] =
+    [&SIMULATE, &INGEST, &MOMENTS, &DESIGN, &ESTIMATE, &VALIDATE, &PLAN, &SEQUENTIAL, &REPORT];

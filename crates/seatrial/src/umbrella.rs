@@ -1,0 +1,102 @@
+//! `seatrial`: every stage as a subcommand, and what shells and manuals want to know about them.
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use artifact::{Staged, commit};
+use clap::{Arg, Command, value_parser};
+use clap_complete::Shell;
+use clap_mangen::Man;
+
+use crate::commands::STAGES;
+use crate::failure::Failure;
+use crate::stage::{dressed, ended, matches};
+
+/// The program `seatrial`.
+pub fn main() -> ExitCode {
+    let mut command = command();
+    let matches = match matches(&mut command, std::env::args_os()) {
+        Ok(matches) => matches,
+        Err(code) => return code,
+    };
+    let done = match matches.subcommand() {
+        Some(("completions", own)) => completions(own.get_one("shell").copied(), command),
+        Some(("manual", own)) => manual(own.get_one::<PathBuf>("folder"), command),
+        Some((name, own)) => {
+            let stage = STAGES.into_iter().find(|stage| stage.command().get_name() == name);
+            return stage.map_or(ExitCode::FAILURE, |stage| stage.run(own));
+        }
+        None => Ok(()),
+    };
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => ended(&failure, false),
+    }
+}
+
+/// Its command line.
+pub fn command() -> Command {
+    let shell = Arg::new("shell").required(true).value_parser(value_parser!(Shell)).help("The shell");
+    let completions = Command::new("completions")
+        .about("Prints what a shell completes this program's command lines with")
+        .arg(shell)
+        .after_help("Example:\n  completions bash > ~/.local/share/bash-completion/completions/seatrial");
+    let folder = Arg::new("folder").required(true).value_name("FOLDER").value_parser(value_parser!(PathBuf));
+    let manual = Command::new("manual")
+        .about("Writes the manual pages of this program and its subcommands")
+        .arg(folder.help("Where to write them; made if there is none"))
+        .after_help("Example:\n  manual ~/.local/share/man/man1/");
+    let all = Command::new("seatrial")
+        .about("Plans the shortest sea trial that identifies a ship's manoeuvring model")
+        .after_help(
+            "Example:\n  simulate dictionary --vessel pipelines/smoke/vessel.toml \
+            --dictionary pipelines/smoke/dictionary.toml --out dictionary.parquet",
+        )
+        .subcommand_required(true)
+        .arg_required_else_help(true)
+        .subcommands(STAGES.map(|stage| stage.command()))
+        .subcommands([completions, manual]);
+    named(dressed(all))
+}
+
+/// `command` with examples that begin with `seatrial`.
+fn named(command: Command) -> Command {
+    let help = command.get_after_help().map(ToString::to_string).unwrap_or_default();
+    let lines = help.lines().map(|line| match line.strip_prefix("  ") {
+        Some(example) => format!("  seatrial {example}"),
+        None => line.to_owned(),
+    });
+    let help = lines.collect::<Vec<_>>().join("\n");
+    command.after_help(help).mut_subcommands(named)
+}
+
+fn completions(shell: Option<Shell>, mut command: Command) -> Result<(), Failure> {
+    let mut script = Vec::new();
+    if let Some(shell) = shell {
+        clap_complete::generate(shell, &mut command, "seatrial", &mut script);
+    }
+    std::io::stdout().write_all(&script).map_err(|e| Failure::Failed(format!("stdout: {e}")))
+}
+
+fn manual(folder: Option<&PathBuf>, command: Command) -> Result<(), Failure> {
+    let folder = folder.map_or(Path::new("."), PathBuf::as_path);
+    std::fs::create_dir_all(folder).map_err(|e| artifact::Error::io(folder, "create", e))?;
+    let mut command = command.disable_help_subcommand(true);
+    command.build();
+    let mut staged = Vec::new();
+    pages(&command, folder, &mut staged)?;
+    let count = staged.len();
+    commit(staged)?;
+    println!("{}: {count} pages", folder.display());
+    Ok(())
+}
+
+/// A page for `command` and each of its subcommands.
+fn pages(command: &Command, folder: &Path, staged: &mut Vec<Staged>) -> Result<(), Failure> {
+    let man = Man::new(command.clone());
+    let mut page = Vec::new();
+    man.render(&mut page).map_err(|e| Failure::Failed(format!("{}: {e}", man.get_filename())))?;
+    staged.push(Staged::bytes(folder.join(man.get_filename()), &page)?);
+    command.get_subcommands().try_for_each(|own| pages(own, folder, staged))
+}

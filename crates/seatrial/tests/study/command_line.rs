@@ -1,0 +1,95 @@
+//! The shape of the command line: help, versions, flags before and after subcommands, completions, manual pages.
+
+use clap::Command;
+
+use crate::support::*;
+
+/// Every command line of `command`, without flags: the stages and their subcommands.
+fn all(command: &Command, before: &str) -> Vec<(String, Command)> {
+    let own = command.get_subcommands().flat_map(|own| {
+        let line = format!("{before}{} ", own.get_name());
+        let below = all(own, &line);
+        [(line.trim_end().to_owned(), own.clone())].into_iter().chain(below)
+    });
+    own.collect()
+}
+
+#[test]
+fn every_help_has_an_example_that_parses_and_the_exit_codes() {
+    let folder = tempfile::tempdir().unwrap();
+    let commands = all(&seatrial::umbrella::command(), "");
+    assert!(commands.iter().any(|(line, _)| line == "design refine"));
+    assert!(commands.iter().any(|(line, _)| line == "estimate pool"));
+    for (line, _) in &commands {
+        let ran = run(&folder, &format!("{line} --help")).succeeds();
+        assert!(ran.stderr.is_empty() && ran.stdout.contains("Exit codes: 0 written, 1 failed"), "{ran}");
+        let examples = ran.stdout.split_once("Example:").unwrap_or_else(|| panic!("no example{ran}")).1;
+        assert!(examples.trim_start().starts_with(&format!("seatrial {line}")), "{ran}");
+    }
+    for (_, command) in &commands {
+        let help = command.get_after_help().unwrap().to_string();
+        for example in help.lines().filter(|line| line.trim_start().starts_with("seatrial ")) {
+            let words = example.split_whitespace().take_while(|word| *word != ">");
+            let parsed = seatrial::umbrella::command().try_get_matches_from(words);
+            assert!(parsed.is_ok(), "{example}: {}", parsed.unwrap_err());
+        }
+    }
+}
+
+#[test]
+fn every_command_tells_its_version() {
+    let folder = tempfile::tempdir().unwrap();
+    for (line, _) in all(&seatrial::umbrella::command(), "") {
+        for flag in ["-V", "--version"] {
+            let ran = run(&folder, &format!("{line} {flag}")).succeeds();
+            let name = format!("seatrial-{}", line.replace(' ', "-"));
+            assert_eq!(ran.stdout.trim(), format!("{name} {}", env!("CARGO_PKG_VERSION")), "{ran}");
+        }
+    }
+}
+
+#[test]
+fn common_flags_may_stand_before_a_subcommand() {
+    let folder = with(&["moments.json"]);
+    let line = DICTIONARY.replace("simulate ", "--quiet simulate --threads 1 --json ");
+    let ran = run(&folder, &line).succeeds();
+    let said: serde_json::Value = serde_json::from_str(&ran.stdout).unwrap();
+    assert_eq!((said["out"].as_str(), ran.stderr.as_str()), (Some("dictionary.parquet"), ""), "{ran}");
+    for line in ["design --quiet refine", "validate --quiet cross", "estimate --quiet pool"] {
+        refused(&folder, 2, line, &["required arguments", "--vessel"]);
+    }
+    let one = run(&folder, &format!("--seed 7 {DESIGN}")).succeeds();
+    let seed = json(&folder, "design.json")["settings"]["seed"].clone();
+    assert_eq!(seed, 7, "{one}");
+}
+
+#[test]
+fn a_flag_of_the_stage_before_its_subcommand_is_refused() {
+    let folder = with(&["moments.json", "campaign.parquet"]);
+    let pool = "pool --vessel vessel.toml --trajectories campaign.parquet --out x.parquet";
+    refused(
+        &folder,
+        2,
+        &format!("estimate --estimator ls {pool}"),
+        &["--estimator", "before `pool`", "estimate pool --estimator"],
+    );
+}
+
+#[test]
+fn shells_and_manuals_know_every_command() {
+    let folder = tempfile::tempdir().unwrap();
+    for shell in ["bash", "zsh", "fish", "elvish", "powershell"] {
+        let ran = run(&folder, &format!("completions {shell}")).succeeds();
+        for word in ["simulate", "refine", "--mean-removal"] {
+            let word = if shell == "fish" { word.trim_start_matches("--") } else { word };
+            assert!(ran.stdout.contains(word), "{word}{ran}");
+        }
+    }
+    run(&folder, "completions cshell").refuses(2, &["cshell", "bash"]);
+    run(&folder, "manual man/").succeeds();
+    for (line, _) in all(&seatrial::umbrella::command(), "") {
+        let page =
+            std::fs::read_to_string(folder.path().join(format!("man/seatrial-{}.1", line.replace(' ', "-"))));
+        assert!(page.unwrap_or_else(|e| panic!("{line}: {e}")).contains("Exit codes"), "{line}");
+    }
+}
