@@ -2,10 +2,10 @@
 
 use std::path::Path;
 
-use identification::predictor::{Fit, InitialState, Recording, Spread, output_error};
+use identification::predictor::{Fit, InitialState, Spread, output_error};
 use identification::{Batch, MeanRemoval, Outcome, estimate};
 use serde_json::{Value, json};
-use vessel::{Current, Disturbances, LANES, Lane, Measurement, Source, Streams, simulate, simulate_one};
+use vessel::{Current, Disturbances, LANES, Lane, Measurement, RunView, Source, Streams, simulate, simulate_one};
 
 use crate::fastest;
 use crate::monte_carlo::OPTIMIZED;
@@ -96,13 +96,15 @@ impl<'a> Realizations<'a> {
     }
 
     fn fits(&self) -> Vec<Fit> {
-        let runs: Vec<Recording> = self.runs.iter().map(|run| self.recording(run)).collect();
-        let starts: Vec<Vec<Vec<f64>>> = self.runs.iter().map(|run| vec![run.start.clone()]).collect();
-        output_error(&self.paper.vessel.model, &runs, &starts, InitialState::Known, Spread::Residuals)
+        let runs: Vec<RunView> = self.runs.iter().map(|run| self.recording(run)).collect();
+        let model = self.paper.vessel.model.with_intercepts();
+        let start = |run: &Measured| vec![model.layout().woven(&run.start, [0.0; 3])];
+        let starts: Vec<Vec<Vec<f64>>> = self.runs.iter().map(start).collect();
+        output_error(&model, &runs, &starts, InitialState::Known, Spread::Residuals)
     }
 
-    fn recording<'b>(&'b self, run: &'b Measured) -> Recording<'b> {
-        Recording { measured: &run.measured, exogenous: &self.inputs, initial: self.initial }
+    fn recording<'b>(&'b self, run: &'b Measured) -> RunView<'b> {
+        RunView { measured: &run.measured, exogenous: &self.inputs, initial: self.initial }
     }
 
     fn told(&self, run: usize, fit: &Fit) -> Value {

@@ -2,6 +2,7 @@
 
 use design::Candidates;
 use identification::{Batch, moments};
+use vessel::lanes::{interleave, lane};
 use vessel::{DictionaryFile, Generator, Invalid, LANES, Lane, Realized, Source, Vessel, simulate};
 
 /// Vessel and dictionary of the paper.
@@ -38,10 +39,8 @@ impl Paper {
             let samples = generator.samples(start)?;
             let maneuvers: Vec<Realized> =
                 (0..LANES).map(|lane| generator.realize(index(lane), samples)).collect::<Result<_, _>>()?;
-            let inputs: Vec<Lane> = (0..3 * samples)
-                .map(|i| Lane(std::array::from_fn(|lane| maneuvers[lane].inputs[i])))
-                .collect();
-            let initial = [0, 1, 2].map(|d| Lane(std::array::from_fn(|lane| maneuvers[lane].initial[d])));
+            let inputs = interleave(&maneuvers.iter().map(|m| m.inputs.as_slice()).collect::<Vec<_>>());
+            let initial = [0, 1, 2].map(|d: usize| lane(LANES, |i| maneuvers[i].initial[d]));
             let states = |parameters: &[Lane]| {
                 let mut states = vec![Lane::ZERO; 3 * (samples + 1)];
                 simulate(&self.vessel.model, parameters, initial, &inputs, &[], &mut states);

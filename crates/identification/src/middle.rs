@@ -6,7 +6,7 @@
 //! Σ_k ζ̃ ε is therefore a sum over independent draws: of e_d(k) times ζ̃(k−1) − (1 + J_dd(k)) ζ̃(k), and of every other
 //! draw times J_di(k) ζ̃(k).
 
-use vessel::{LANES, Lane, Model};
+use vessel::{Compiled, LANES, Lane};
 
 use crate::Batch;
 
@@ -24,64 +24,83 @@ pub struct Noise {
 /// measured states, which must be undisturbed. The draws before the first and after the last regressor belong to the
 /// batch: B of a whole run is exact, sums over maneuvers leave out that neighbours share a draw.
 pub fn middle(batch: &Batch, theta: &[f64], noise: &Noise) -> Vec<Vec<Vec<f64>>> {
-    (0..LANES).map(|lane| of_lane(batch, theta, noise, lane)).collect()
+    let theta: Vec<Lane> = theta.iter().copied().map(Lane::splat).collect();
+    let own = Compiled::new(batch.model, &theta);
+    let degrees = pulp::Arch::new().dispatch(Draws { batch, nominal: own.clone(), own, noise });
+    let of = |lane: usize| degrees.iter().map(|d| d.sum.iter().map(|entry| entry[lane]).collect()).collect();
+    (0..LANES).map(of).collect()
 }
 
-fn of_lane(batch: &Batch, theta: &[f64], noise: &Noise, lane: usize) -> Vec<Vec<f64>> {
-    let sizes: Vec<usize> = batch.model.degrees.iter().map(|d| d.terms.len() + 1).collect();
-    let mut sums: Vec<Vec<f64>> = sizes.iter().map(|n| vec![0.0; n * n]).collect();
-    // ζ̃(k−1), zero before the run.
-    let mut before: Vec<Vec<f64>> = sizes.iter().map(|n| vec![0.0; *n]).collect();
-    let mut own = vec![0.0; batch.model.variables.len()];
-    let mut nominal = own.clone();
-    for k in 0..batch.samples() {
-        variables(batch.model, batch.measured, batch.exogenous, k, lane, &mut own);
-        variables(batch.model, batch.instrument_states, batch.exogenous, k, lane, &mut nominal);
-        let mut first = 0;
-        for (d, degree) in batch.model.degrees.iter().enumerate() {
-            let theta = &theta[first..first + degree.terms.len()];
-            let slope = |i: usize| -> f64 {
-                degree.terms.iter().zip(theta).map(|(term, t)| t * term.derivative(&own, i)).sum()
-            };
-            let slopes = [slope(0), slope(1), slope(2)];
-            let zeta: Vec<f64> =
-                degree.terms.iter().map(|term| term.evaluate(&nominal)).chain([1.0]).collect();
-            let difference: Vec<f64> =
-                before[d].iter().zip(&zeta).map(|(b, z)| b - (1.0 + slopes[d]) * z).collect();
-            add_outer(&mut sums[d], noise.measurement[d].powi(2), &difference);
-            add_outer(&mut sums[d], others(d, &slopes, noise), &zeta);
-            before[d] = zeta;
-            first += degree.terms.len();
+/// The draws of all samples; compiled for every instruction set that pulp picks from.
+struct Draws<'a> {
+    batch: &'a Batch<'a>,
+    own: Compiled<'a, Lane>,
+    nominal: Compiled<'a, Lane>,
+    noise: &'a Noise,
+}
+
+/// Those of one degree of freedom.
+struct Degree {
+    /// B: p̃ × p̃.
+    sum: Vec<Lane>,
+    /// ζ̃ at this sample and the one before, zero before the run.
+    zeta: [Vec<Lane>; 2],
+}
+
+impl pulp::WithSimd for Draws<'_> {
+    type Output = [Degree; 3];
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(mut self, _: S) -> [Degree; 3] {
+        let Batch { model, measured, instrument_states, exogenous, .. } = *self.batch;
+        let (width, samples) = (model.exogenous(), self.batch.samples());
+        let zeros = |count: usize| vec![Lane::ZERO; count];
+        let sizes = model.degrees.each_ref().map(|degree| degree.terms.len() + 1);
+        let mut degrees = sizes.map(|n| Degree { sum: zeros(n * n), zeta: [zeros(n), zeros(n)] });
+        let state = |states: &[Lane], k: usize| [states[3 * k], states[3 * k + 1], states[3 * k + 2]];
+        for k in 0..samples {
+            let exogenous = &exogenous[width * k..width * (k + 1)];
+            self.own.look(state(measured, k), exogenous, None);
+            self.nominal.look(state(instrument_states, k), exogenous, None);
+            let slopes = self.own.slopes();
+            let mut first = 0;
+            for (d, Degree { sum, zeta: [before, zeta] }) in degrees.iter_mut().enumerate() {
+                let p = zeta.len() - 1;
+                (0..p).for_each(|i| zeta[i] = self.nominal.term(first + i));
+                zeta[p] = Lane::ONE;
+                first += p;
+                let pole = Lane::ONE + slopes[d][d];
+                before.iter_mut().zip(&*zeta).for_each(|(b, z)| *b = *b - pole * *z);
+                add_outer(sum, Lane::splat(self.noise.measurement[d].powi(2)), before);
+                add_outer(sum, others(d, &slopes[d], self.noise), zeta);
+                std::mem::swap(before, zeta);
+            }
         }
+        let share = Lane::splat(1.0 / samples.max(1) as f64);
+        for (d, Degree { sum, zeta: [before, _] }) in degrees.iter_mut().enumerate() {
+            // The last error ends an increment and is in no regressor.
+            add_outer(sum, Lane::splat(self.noise.measurement[d].powi(2)), before);
+            sum.iter_mut().for_each(|entry| *entry = *entry * share);
+        }
+        degrees
     }
-    let share = 1.0 / batch.samples().max(1) as f64;
-    for (d, sum) in sums.iter_mut().enumerate() {
-        // The last error ends an increment and is in no regressor.
-        add_outer(sum, noise.measurement[d].powi(2), &before[d]);
-        sum.iter_mut().for_each(|entry| *entry *= share);
-    }
-    sums
 }
 
 /// Variance of what multiplies ζ̃(k) alone: errors of the other states and the current.
-fn others(d: usize, slopes: &[f64; 3], noise: &Noise) -> f64 {
-    let measurement = |i: usize| if i == d { 0.0 } else { noise.measurement[i] };
-    let current = |i: usize| if i < 2 { noise.current } else { 0.0 };
-    (0..3).map(|i| slopes[i].powi(2) * (measurement(i).powi(2) + current(i).powi(2))).sum()
+#[inline(always)]
+fn others(d: usize, slopes: &[Lane; 3], noise: &Noise) -> Lane {
+    let measurement = |i: usize| if i == d { 0.0 } else { noise.measurement[i].powi(2) };
+    let current = |i: usize| if i < 2 { noise.current.powi(2) } else { 0.0 };
+    let mut sum = Lane::ZERO;
+    (0..3).for_each(|i| sum += slopes[i] * slopes[i] * Lane::splat(measurement(i) + current(i)));
+    sum
 }
 
-/// Values of all variables of one lane at sample `k`.
-fn variables(model: &Model, states: &[Lane], exogenous: &[Lane], k: usize, lane: usize, out: &mut [f64]) {
-    let width = model.exogenous();
-    let all = states[3 * k..3 * k + 3].iter().chain(&exogenous[width * k..width * (k + 1)]);
-    out.iter_mut().zip(all).for_each(|(o, value)| *o = value[lane]);
-}
-
-fn add_outer(sum: &mut [f64], variance: f64, g: &[f64]) {
-    if variance == 0.0 {
-        return;
-    }
+/// Adds variance × ggᵀ.
+#[inline(always)]
+fn add_outer(sum: &mut [Lane], variance: Lane, g: &[Lane]) {
     for (row, a) in sum.chunks_exact_mut(g.len()).zip(g) {
-        row.iter_mut().zip(g).for_each(|(entry, b)| *entry += variance * a * b);
+        let scaled = variance * *a;
+        row.iter_mut().zip(g).for_each(|(entry, b)| *entry += scaled * *b);
     }
 }

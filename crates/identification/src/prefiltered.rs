@@ -8,7 +8,7 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-use vessel::{LANES, Lane, Tangent};
+use vessel::{Compiled, LANES, Lane};
 
 use crate::estimate::{Run, Solved, ranges};
 use crate::predictor::windowed;
@@ -201,15 +201,16 @@ impl pulp::WithSimd for Filter<'_> {
     #[inline(always)]
     fn with_simd<S: pulp::Simd>(self, _: S) {
         let Self { signals, batch, parameters, range } = self;
-        let (mut simulated, mut measured) = (Tangent::new(batch.model), Tangent::new(batch.model));
+        let mut simulated = Compiled::new(batch.model, parameters);
+        let mut measured = simulated.clone();
         let width = batch.model.exogenous();
         let most = 1.0 - 1.0 / range.len() as f64;
         let state = |states: &[Lane], k: usize| [states[3 * k], states[3 * k + 1], states[3 * k + 2]];
         for k in range.clone() {
             let exogenous = &batch.exogenous[width * k..width * (k + 1)];
-            simulated.set(state(batch.instrument_states, k), exogenous);
-            measured.set(state(batch.measured, k), exogenous);
-            let slopes = simulated.slopes(parameters);
+            simulated.look(state(batch.instrument_states, k), exogenous, None);
+            measured.look(state(batch.measured, k), exogenous, None);
+            let slopes = simulated.slopes();
             let mut first = 0;
             for (d, degree) in signals.degrees.iter_mut().enumerate() {
                 let p = degree.parameters;

@@ -1,4 +1,4 @@
-use vessel::{DIVERGED, LANES, Lane, Model, Number, check_diverged, follow, simulate};
+use vessel::{DIVERGED, LANES, Lane, Model, Number, Weather, check_diverged, follow, simulate};
 
 /// Errors of a free simulation.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -38,7 +38,7 @@ pub fn free_runs(
         parameters,
         initial,
         exogenous,
-        &[],
+        &Weather::CALM,
         #[inline(always)]
         |state| {
             let Some(truth) = truths.next() else { return };

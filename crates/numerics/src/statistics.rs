@@ -1,5 +1,9 @@
 //! Quantiles and spread over runs.
 
+mod interval;
+
+pub use interval::{paired_median, quantile_interval, wilson};
+
 /// Mean, `None` of nothing.
 pub fn mean(values: &[f64]) -> Option<f64> {
     (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)

@@ -1,4 +1,4 @@
-use crate::figures::{AccuracyCurve, FigureError, accuracy};
+use crate::figures::{AccuracyCurve, accuracy};
 use maud::{Markup, html};
 
 use super::number::three;
@@ -6,19 +6,19 @@ use super::placed::Figures;
 use study::documents::{Accuracy, AccuracyPoint, DesignDocument};
 
 /// How long the experiment has to be, and what other designs would need.
-pub(super) fn accuracy_of(design: &DesignDocument, figures: &mut Figures) -> Result<Markup, FigureError> {
-    let Some(found) = &design.accuracy else { return Ok(html! {}) };
+pub(super) fn accuracy_of(design: &DesignDocument, figures: &mut Figures) -> Markup {
+    let Some(found) = &design.accuracy else { return html! {} };
     let title =
         if found.of == "overall" { "root of Σ (std error/θ)² [1]" } else { "largest std error/θ [1]" };
     let figure = accuracy(&curves(found), (found.duration_s, found.wanted), title);
-    Ok(html! {
+    html! {
         h3 { "How long?" }
         p { (found.statement) }
         (figures.place("accuracy", figure, &html! {
             b { "Predicted standard error against the duration of the experiment." }
             " The dot is the wanted error, " (three(found.wanted)) ", reached after " (three(found.duration_s)) " s."
-        })?)
-    })
+        }))
+    }
 }
 
 fn curves(found: &Accuracy) -> Vec<AccuracyCurve<'static>> {

@@ -1,4 +1,4 @@
-use crate::figures::{FigureError, SensitivityRow, ShareRow, sensitivities, shares};
+use crate::figures::{SensitivityRow, ShareRow, sensitivities, shares};
 use maud::{Markup, html};
 
 use super::accuracy::accuracy_of;
@@ -10,29 +10,29 @@ use super::study::Study;
 use study::documents::{DesignDocument, Reference, Sequence, SequencePart};
 
 /// How long to run each maneuver, and how far the others are from being worth their time.
-pub(super) fn allocation(study: &Study, figures: &mut Figures) -> Result<Markup, FigureError> {
+pub(super) fn allocation(study: &Study, figures: &mut Figures) -> Markup {
     let body = match &study.design {
-        Some(design) => designed(study, design, figures)?,
+        Some(design) => designed(study, design, figures),
         None => missing("The optimal shares are", "design.json", "design"),
     };
-    Ok(html! { section #shares { h2 { "Optimal shares of the experiment time" } (body) } })
+    html! { section #shares { h2 { "Optimal shares of the experiment time" } (body) } }
 }
 
-fn designed(study: &Study, design: &DesignDocument, figures: &mut Figures) -> Result<Markup, FigureError> {
+fn designed(study: &Study, design: &DesignDocument, figures: &mut Figures) -> Markup {
     let reference = study.reference.as_ref();
     let names = shown(design.order.iter().map(String::as_str), Some(design));
     let bars = shares(&share_rows(&names, design, reference));
     let dots = sensitivities(&sensitivity_rows(&names, design), dimension(design));
-    Ok(html! {
+    html! {
         div.pair {
-            (figures.place("shares", bars, &share_caption(reference))?)
-            (figures.place("sensitivities", dots, &sensitivity_caption(design))?)
+            (figures.place("shares", bars, &share_caption(reference)))
+            (figures.place("sensitivities", dots, &sensitivity_caption(design)))
         }
         (omission(design.order.len(), names.len()))
         (table(&names, design, reference, study.experiment_s))
-        (accuracy_of(design, figures)?)
+        (accuracy_of(design, figures))
         @if let Some(sequence) = &design.sequence { p.note { "Order: " (order(sequence)) ". " (sequence.statement) } }
-    })
+    }
 }
 
 /// `spiral-slow 50, accelerate 4, …` in samples.

@@ -1,4 +1,4 @@
-use crate::figures::{Curve, FigureError, TraceColumn, TraceRow, Track, palette, traces, tracks};
+use crate::figures::{Curve, TraceColumn, TraceRow, Track, palette, traces, tracks};
 use maud::{Markup, html};
 
 use super::missing::missing;
@@ -9,33 +9,29 @@ use super::study::{ManeuverTrace, Study};
 use study::documents::DesignDocument;
 
 /// Every maneuver over time and in the plane.
-pub(super) fn dictionary(study: &Study, figures: &mut Figures) -> Result<Markup, FigureError> {
+pub(super) fn dictionary(study: &Study, figures: &mut Figures) -> Markup {
     let body = match study.dictionary.as_deref() {
-        Some(maneuvers) if !maneuvers.is_empty() => drawn(maneuvers, study.design.as_ref(), figures)?,
+        Some(maneuvers) if !maneuvers.is_empty() => drawn(maneuvers, study.design.as_ref(), figures),
         _ => missing("The maneuvers are", "dictionary.parquet", "simulate dictionary"),
     };
-    Ok(html! { section #dictionary { h2 { "Dictionary of maneuvers" } (body) } })
+    html! { section #dictionary { h2 { "Dictionary of maneuvers" } (body) } }
 }
 
-fn drawn(
-    all: &[ManeuverTrace],
-    design: Option<&DesignDocument>,
-    figures: &mut Figures,
-) -> Result<Markup, FigureError> {
+fn drawn(all: &[ManeuverTrace], design: Option<&DesignDocument>, figures: &mut Figures) -> Markup {
     let names = shown(all.iter().map(|maneuver| maneuver.name.as_str()), design);
     let maneuvers: Vec<&ManeuverTrace> = all.iter().filter(|m| names.contains(&m.name.as_str())).collect();
     let over_time = small_multiples(&maneuvers, design);
     let plane = tracks(&maneuvers.iter().map(|maneuver| track(maneuver)).collect::<Vec<_>>());
-    Ok(html! {
+    html! {
         (omission(all.len(), maneuvers.len()))
-        (figures.place_wide("dictionary", over_time, &time_caption())?)
-        (figures.place_wide("tracks", plane, &track_caption())?)
+        (figures.place_wide("dictionary", over_time, &time_caption()))
+        (figures.place_wide("tracks", plane, &track_caption()))
         (descriptions(&maneuvers))
-    })
+    }
 }
 
 /// The validation input as a single row of the same small multiples.
-pub(super) fn validation_input(trace: &ManeuverTrace, figures: &mut Figures) -> Result<Markup, FigureError> {
+pub(super) fn validation_input(trace: &ManeuverTrace, figures: &mut Figures) -> Markup {
     let svg = small_multiples(&[trace], None);
     let caption = html! {
         b { "Validation input and the true response." }
@@ -44,10 +40,7 @@ pub(super) fn validation_input(trace: &ManeuverTrace, figures: &mut Figures) -> 
     figures.place_wide("validation-input", svg, &caption)
 }
 
-fn small_multiples(
-    maneuvers: &[&ManeuverTrace],
-    design: Option<&DesignDocument>,
-) -> Result<String, FigureError> {
+fn small_multiples(maneuvers: &[&ManeuverTrace], design: Option<&DesignDocument>) -> String {
     let inputs = Inputs::of(maneuvers);
     let columns = [
         TraceColumn { title: "inputs, each over its largest", legend: inputs.legend() },

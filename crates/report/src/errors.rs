@@ -1,4 +1,4 @@
-use crate::figures::{FigureError, Histogram, HistogramAxis, HistogramPanel, histogram_pair};
+use crate::figures::{Histogram, HistogramAxis, HistogramPanel, histogram_pair};
 use maud::{Markup, html};
 
 use super::caption::{below, truncation};
@@ -63,37 +63,32 @@ const DEGREES: [Quantity; 3] = [
 ];
 
 /// The histograms of all errors over the runs, and the input of the validation.
-pub(super) fn errors(study: &Study, figures: &mut Figures) -> Result<Markup, FigureError> {
+pub(super) fn errors(study: &Study, figures: &mut Figures) -> Markup {
     let body = match study.scores.as_deref() {
-        Some(scores) if !scores.is_empty() => drawn(study, scores, figures)?,
+        Some(scores) if !scores.is_empty() => drawn(study, scores, figures),
         _ => missing("The histograms are", "scores.parquet", "validate"),
     };
     let input = match &study.validation_trace {
-        Some(trace) => validation_input(trace, figures)?,
+        Some(trace) => validation_input(trace, figures),
         None => missing("The validation input is", "validation.parquet", "simulate validation"),
     };
-    Ok(html! { section #errors { h2 { "Errors of the estimated models" } (body) (input) } })
+    html! { section #errors { h2 { "Errors of the estimated models" } (body) (input) } }
 }
 
-fn drawn(study: &Study, scores: &[ScoreSet], figures: &mut Figures) -> Result<Markup, FigureError> {
+fn drawn(study: &Study, scores: &[ScoreSet], figures: &mut Figures) -> Markup {
     let scores = optimized_first(scores, |s| &s.design);
     let bounds = study.validation.as_ref().map(|v| v.bounds);
     let mut place = |quantity: &Quantity, bound: Option<f64>| place(quantity, &scores, bound, figures);
-    let parameter = place(&PARAMETER, bounds.map(|b| b.parameter_error))?;
-    let simulation = place(&SIMULATION, bounds.map(|b| b.simulation_error))?;
-    let degrees = [place(&DEGREES[0], None)?, place(&DEGREES[1], None)?, place(&DEGREES[2], None)?];
-    Ok(html! {
+    let parameter = place(&PARAMETER, bounds.map(|b| b.parameter_error));
+    let simulation = place(&SIMULATION, bounds.map(|b| b.simulation_error));
+    let degrees = [place(&DEGREES[0], None), place(&DEGREES[1], None), place(&DEGREES[2], None)];
+    html! {
         div.pair { (parameter) (simulation) }
         div.triple { @for degree in degrees { (degree) } }
-    })
+    }
 }
 
-fn place(
-    quantity: &Quantity,
-    scores: &[&ScoreSet],
-    bound: Option<f64>,
-    figures: &mut Figures,
-) -> Result<Markup, FigureError> {
+fn place(quantity: &Quantity, scores: &[&ScoreSet], bound: Option<f64>, figures: &mut Figures) -> Markup {
     let axis = HistogramAxis {
         title: quantity.title,
         limit: quantity.limit,

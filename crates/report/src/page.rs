@@ -1,4 +1,3 @@
-use crate::figures::FigureError;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use super::allocation::allocation;
@@ -34,69 +33,66 @@ pub struct Rendered {
 const STYLE: &str = include_str!("style.css");
 
 /// Renders the page. What `study` lacks is named on it.
-///
-/// # Errors
-/// A figure cannot be drawn.
-pub fn render(study: &Study) -> Result<Rendered, FigureError> {
+pub fn render(study: &Study) -> Rendered {
     let mut figures = Figures::default();
     let mut sections = match (&study.measured, &study.sequential, &study.design) {
-        (Some(measured), ..) => of_logs(study, measured, &mut figures)?,
-        (None, Some(found), None) => sequential(found, &mut figures)?,
-        _ => of_trials(study, &mut figures)?,
+        (Some(measured), ..) => of_logs(study, measured, &mut figures),
+        (None, Some(found), None) => sequential(found, &mut figures),
+        _ => of_trials(study, &mut figures),
     };
     sections.push(("notation", "Notation", notation(study)));
     sections.push(("files", "Files", files(study)));
     let html = document(study, &sections).into_string();
-    Ok(Rendered { html, figures: figures.files })
+    Rendered { html, figures: figures.files }
 }
 
 /// The sections of a study of simulated trials.
-fn of_trials(study: &Study, figures: &mut Figures) -> Result<Vec<Section>, FigureError> {
+fn of_trials(study: &Study, figures: &mut Figures) -> Vec<Section> {
     let mut sections = vec![("comparison", "Result", comparison(study))];
     if estimators::shown(study) {
         sections.push(("estimators", "Estimators", estimators(study)));
     }
     sections.extend([
-        ("shares", "Shares", allocation(study, figures)?),
+        ("shares", "Shares", allocation(study, figures)),
         ("certificate", "Certificate", certificate(study)),
-        ("dictionary", "Dictionary", dictionary(study, figures)?),
+        ("dictionary", "Dictionary", dictionary(study, figures)),
     ]);
     if study.trajectory.is_some() {
-        sections.push(("trajectory", "Trajectory", trajectory(study, figures)?));
+        sections.push(("trajectory", "Trajectory", trajectory(study, figures)));
     }
     if study.selection.is_some() {
-        sections.push(("selection", "Selection", selection(study, figures)?));
+        sections.push(("selection", "Selection", selection(study, figures)));
     }
     if study.published_selection().is_some() {
-        sections.push(("published", "Published", published_selection(study, figures)?));
+        sections.push(("published", "Published", published_selection(study, figures)));
     }
-    sections.push(("errors", "Errors", errors(study, figures)?));
-    sections.push(("parameters", "Parameters", parameters(study, figures)?));
+    sections.push(("errors", "Errors", errors(study, figures)));
+    sections.push(("parameters", "Parameters", parameters(study, figures)));
     sections.push(("excitation", "Excitation", excitation(study)));
-    Ok(sections)
+    sections
 }
 
 /// The sections of a study of measured logs.
-fn of_logs(study: &Study, measured: &Measured, figures: &mut Figures) -> Result<Vec<Section>, FigureError> {
+fn of_logs(study: &Study, measured: &Measured, figures: &mut Figures) -> Vec<Section> {
     let mut sections = vec![
         ("cross-validation", "Cross-validation", cross_validation(measured)),
         ("trust", "Trust", trust(measured)),
     ];
     if study.selection.is_some() {
-        sections.push(("selection", "Selection", selection(study, figures)?));
+        sections.push(("selection", "Selection", selection(study, figures)));
     }
     if study.published_selection().is_some() {
-        sections.push(("published", "Published", published_selection(study, figures)?));
+        sections.push(("published", "Published", published_selection(study, figures)));
     }
     if study.design.is_some() {
-        sections.push(("shares", "Shares", allocation(study, figures)?));
+        sections.push(("shares", "Shares", allocation(study, figures)));
         sections.push(("certificate", "Certificate", certificate(study)));
     }
     if study.dictionary.is_some() {
-        sections.push(("dictionary", "Dictionary", dictionary(study, figures)?));
+        sections.push(("dictionary", "Dictionary", dictionary(study, figures)));
     }
     sections.push(("logs", "Logs", logs(measured)));
-    Ok(sections)
+    sections
 }
 
 fn document(study: &Study, sections: &[Section]) -> Markup {

@@ -1,4 +1,4 @@
-use crate::figures::{ErrorRow, FigureError, relative_errors};
+use crate::figures::{ErrorRow, relative_errors};
 use identification::Estimator;
 use maud::{Markup, html};
 
@@ -9,23 +9,19 @@ use super::study::{ParameterRow, Study, VesselSummary, optimized_first};
 use study::documents::{DesignSummary, EstimateDocument, ParameterSummary};
 
 /// What the estimates say about every parameter.
-pub(super) fn parameters(study: &Study, figures: &mut Figures) -> Result<Markup, FigureError> {
+pub(super) fn parameters(study: &Study, figures: &mut Figures) -> Markup {
     let body = match (&study.estimate, &study.vessel) {
-        (Some(estimate), vessel) => estimated(estimate, vessel.as_ref(), figures)?,
+        (Some(estimate), vessel) => estimated(estimate, vessel.as_ref(), figures),
         (None, Some(vessel)) => html! {
             (missing("The estimates are", "estimate.json", "estimate"))
             (structure(vessel))
         },
         (None, None) => missing("The parameters are", "estimate.json", "estimate"),
     };
-    Ok(html! { section #parameters { h2 { "Parameters" } (body) } })
+    html! { section #parameters { h2 { "Parameters" } (body) } }
 }
 
-fn estimated(
-    estimate: &EstimateDocument,
-    vessel: Option<&VesselSummary>,
-    figures: &mut Figures,
-) -> Result<Markup, FigureError> {
+fn estimated(estimate: &EstimateDocument, vessel: Option<&VesselSummary>, figures: &mut Figures) -> Markup {
     let designs = optimized_first(&estimate.designs, |d| &d.design);
     let rows = error_rows(&designs);
     let names: Vec<&str> = designs.iter().map(|d| d.design.as_str()).collect();
@@ -33,17 +29,17 @@ fn estimated(
         b { "Relative error of every parameter: mean (dot) and standard deviation (bar) over the runs." }
         " The axis is linear within ±10\u{a0}% and logarithmic beyond."
     };
-    Ok(html! {
+    html! {
         div.pair {
             @if rows.is_empty() {
                 p.missing { "Relative errors are not shown: no parameter has a known true value other than zero." }
             } @else {
-                (figures.place("relative-errors", relative_errors(&names, &rows), &caption)?)
+                (figures.place("relative-errors", relative_errors(&names, &rows), &caption))
             }
             (facts(estimate, &designs))
         }
         @for design in designs { (table(design, vessel)) }
-    })
+    }
 }
 
 fn facts(estimate: &EstimateDocument, designs: &[&DesignSummary]) -> Markup {

@@ -1,4 +1,3 @@
-use crate::figures::FigureError;
 use maud::{Markup, PreEscaped, html};
 
 /// Id, title and content of a section.
@@ -12,39 +11,22 @@ pub(super) struct Figures {
 
 impl Figures {
     /// Keeps the drawing as `<name>.svg` and places it on the page with its caption.
-    pub(super) fn place(
-        &mut self,
-        name: &str,
-        svg: Result<String, FigureError>,
-        caption: &Markup,
-    ) -> Result<Markup, FigureError> {
+    pub(super) fn place(&mut self, name: &str, svg: String, caption: &Markup) -> Markup {
         self.placed(name, svg, caption, "figure")
     }
 
     /// As [`Figures::place`], for a drawing too wide for a phone: it scrolls there.
-    pub(super) fn place_wide(
-        &mut self,
-        name: &str,
-        svg: Result<String, FigureError>,
-        caption: &Markup,
-    ) -> Result<Markup, FigureError> {
+    pub(super) fn place_wide(&mut self, name: &str, svg: String, caption: &Markup) -> Markup {
         self.placed(name, svg, caption, "figure wide")
     }
 
-    fn placed(
-        &mut self,
-        name: &str,
-        svg: Result<String, FigureError>,
-        caption: &Markup,
-        class: &str,
-    ) -> Result<Markup, FigureError> {
-        let svg = svg?;
+    fn placed(&mut self, name: &str, svg: String, caption: &Markup, class: &str) -> Markup {
         self.files.push((format!("{name}.svg"), svg.clone()));
-        Ok(html! {
+        html! {
             figure class=(class) {
                 div.scroll { (PreEscaped(svg)) }
                 figcaption { (caption) }
             }
-        })
+        }
     }
 }

@@ -1,4 +1,3 @@
-use crate::figures::FigureError;
 use maud::{Markup, html};
 
 use super::number::{exact, percent, published, three};
@@ -9,21 +8,19 @@ use study::documents::{PublishedPicks, PublishedSelection};
 use study::selection::Row;
 
 /// The selection study beside a published one: a table, and the figures cut where the published ones are.
-pub(super) fn published_selection(study: &Study, figures: &mut Figures) -> Result<Markup, FigureError> {
-    let Some((found, reference, limits)) = study.published_selection() else { return Ok(html! {}) };
-    let norm = figure(found, figures, "published-norm", "norm of RMSE", limits.limit_norm, 460.0, norm)?;
+pub(super) fn published_selection(study: &Study, figures: &mut Figures) -> Markup {
+    let Some((found, reference, limits)) = study.published_selection() else { return html! {} };
+    let norm = figure(found, figures, "published-norm", "norm of RMSE", limits.limit_norm, 460.0, norm);
     let degrees = [
         figure(found, figures, "published-surge", "RMSE in surge [m/s]", limits.limit_u, 360.0, |r| {
             rmse(r, 0)
-        })?,
-        figure(found, figures, "published-sway", "RMSE in sway [m/s]", limits.limit_v, 360.0, |r| {
-            rmse(r, 1)
-        })?,
+        }),
+        figure(found, figures, "published-sway", "RMSE in sway [m/s]", limits.limit_v, 360.0, |r| rmse(r, 1)),
         figure(found, figures, "published-yaw", "RMSE in yaw rate [rad/s]", limits.limit_r, 360.0, |r| {
             rmse(r, 2)
-        })?,
+        }),
     ];
-    Ok(html! {
+    html! {
         section #published {
             h2 { "Selection beside the published one" }
             @if let Some(label) = &study.data {
@@ -35,7 +32,7 @@ pub(super) fn published_selection(study: &Study, figures: &mut Figures) -> Resul
             div.pair { (norm) }
             div.triple { @for degree in degrees { (degree) } }
         }
-    })
+    }
 }
 
 fn rmse(row: &Row, degree: usize) -> Option<f64> {

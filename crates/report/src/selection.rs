@@ -1,4 +1,4 @@
-use crate::figures::{FigureError, Histogram, HistogramAxis, HistogramPanel, histogram_pair};
+use crate::figures::{Histogram, HistogramAxis, HistogramPanel, histogram_pair};
 use artifact::TableReader;
 use maud::{Markup, html};
 
@@ -39,8 +39,8 @@ pub(super) fn load(loader: &mut Loader) -> Result<Option<SelectionStudy>, Error>
 }
 
 /// The section: what was picked, quantiles, histograms with the optimized selection above the random one.
-pub(super) fn selection(study: &Study, figures: &mut Figures) -> Result<Markup, FigureError> {
-    let Some(found) = &study.selection else { return Ok(html! {}) };
+pub(super) fn selection(study: &Study, figures: &mut Figures) -> Markup {
+    let Some(found) = &study.selection else { return html! {} };
     let summary = &found.summary;
     let norm = figure(
         found,
@@ -50,7 +50,7 @@ pub(super) fn selection(study: &Study, figures: &mut Figures) -> Result<Markup, 
         LIMIT,
         460.0,
         |r| r.error_norm,
-    )?;
+    );
     let degrees = [
         figure(
             found,
@@ -60,7 +60,7 @@ pub(super) fn selection(study: &Study, figures: &mut Figures) -> Result<Markup, 
             round_limit(summary.std_u),
             360.0,
             |r| r.rmse.map(|e| e[0]),
-        )?,
+        ),
         figure(
             found,
             figures,
@@ -69,7 +69,7 @@ pub(super) fn selection(study: &Study, figures: &mut Figures) -> Result<Markup, 
             round_limit(summary.std_v),
             360.0,
             |r| r.rmse.map(|e| e[1]),
-        )?,
+        ),
         figure(
             found,
             figures,
@@ -78,11 +78,11 @@ pub(super) fn selection(study: &Study, figures: &mut Figures) -> Result<Markup, 
             round_limit(summary.std_r),
             360.0,
             |r| r.rmse.map(|e| e[2]),
-        )?,
+        ),
     ];
     let picked: Vec<String> =
         summary.counts.iter().map(|(name, count)| format!("{count} × {name}")).collect();
-    Ok(html! {
+    html! {
         section #selection {
             h2 { "Selection of sub-experiments" }
             p {
@@ -94,7 +94,7 @@ pub(super) fn selection(study: &Study, figures: &mut Figures) -> Result<Markup, 
             div.pair { (norm) }
             div.triple { @for degree in degrees { (degree) } }
         }
-    })
+    }
 }
 
 /// [`LIMIT`] standard deviations to two digits.
@@ -142,7 +142,7 @@ pub(super) fn figure(
     limit: f64,
     width: f64,
     value: fn(&Row) -> Option<f64>,
-) -> Result<Markup, FigureError> {
+) -> Markup {
     let axis = HistogramAxis { title, limit, bins: BINS, bound: None, width };
     let own = |design: &str| -> Vec<Option<f64>> {
         found.rows.iter().filter(|r| r.design == design).map(value).collect()

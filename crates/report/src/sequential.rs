@@ -1,4 +1,4 @@
-use crate::figures::{AccuracyCurve, FigureError, accuracy};
+use crate::figures::{AccuracyCurve, accuracy};
 use maud::{Markup, html};
 
 use super::headline::capital;
@@ -15,10 +15,7 @@ const LABELS: [(&str, &str); 4] = [
 ];
 
 /// Trials designed in rounds beside trials designed once: at equal time, and when they stop.
-pub(super) fn sequential(
-    found: &SequentialDocument,
-    figures: &mut Figures,
-) -> Result<Vec<Section>, FigureError> {
+pub(super) fn sequential(found: &SequentialDocument, figures: &mut Figures) -> Vec<Section> {
     let (stops, compares) = match found.statements.split_last() {
         Some((last, others)) => (std::slice::from_ref(last), others),
         None => (&[][..], &[][..]),
@@ -29,13 +26,13 @@ pub(super) fn sequential(
         html! {
             (about(found))
             (sentences(compares))
-            (figure(found, figures)?)
+            (figure(found, figures))
             (gains(&found.gains))
             (errors(found))
         },
     );
     let stopped = section("stopping", "When to stop", html! { (sentences(stops)) (stopping(found)) });
-    Ok(vec![compared, stopped])
+    vec![compared, stopped]
 }
 
 fn section(id: &'static str, title: &'static str, content: Markup) -> Section {
@@ -64,7 +61,7 @@ fn about(found: &SequentialDocument) -> Markup {
     }
 }
 
-fn figure(found: &SequentialDocument, figures: &mut Figures) -> Result<Markup, FigureError> {
+fn figure(found: &SequentialDocument, figures: &mut Figures) -> Markup {
     let curves: Vec<AccuracyCurve> = found.arms.iter().map(curve).collect();
     let stop = found.stopping.first().map_or(found.duration_s, |s| s.mean_time_s);
     let figure = accuracy(&curves, (stop, found.accuracy), "median parameter error [1]");

@@ -1,4 +1,3 @@
-use crate::figures::FigureError;
 use maud::{Markup, html};
 
 use super::missing::missing;
@@ -17,27 +16,27 @@ use super::trajectory_words::{cost, minutes};
 pub(super) const STYLE: &str = include_str!("trajectory.css");
 
 /// The plan on its chart, at sea, for the crew, and what it is worth. Nothing in a study that plans no trajectory.
-pub(super) fn trajectory(study: &Study, figures: &mut Figures) -> Result<Markup, FigureError> {
-    let Some(own) = &study.trajectory else { return Ok(html! {}) };
+pub(super) fn trajectory(study: &Study, figures: &mut Figures) -> Markup {
+    let Some(own) = &study.trajectory else { return html! {} };
     let body = match &own.main {
-        Some(main) => planned(study, main, figures)?,
+        Some(main) => planned(study, main, figures),
         None => missing("The planned trajectory is", "plan.json", "plan"),
     };
-    Ok(html! {
+    html! {
         section #trajectory {
             h2 { "Trajectory" }
             (body)
-            (variants(&own.variants, figures)?)
+            (variants(&own.variants, figures))
             (trials(study, own))
         }
-    })
+    }
 }
 
-fn planned(study: &Study, main: &PlannedTrial, figures: &mut Figures) -> Result<Markup, FigureError> {
-    let map = map(main, figures)?;
+fn planned(study: &Study, main: &PlannedTrial, figures: &mut Figures) -> Markup {
+    let map = map(main, figures);
     let tall = main.map.as_deref().is_some_and(is_tall);
     let voyage = main.plan.voyage.as_ref();
-    Ok(html! {
+    html! {
         p.caution {
             b { "Not for navigation." }
             " The plan was checked in simulation against the charts that are named under "
@@ -50,12 +49,12 @@ fn planned(study: &Study, main: &PlannedTrial, figures: &mut Figures) -> Result<
             Some(voyage) => {
                 (information(&voyage.information, study.design.is_some()))
                 (sheet(study, &main.plan, voyage))
-                (front(&main.plan, voyage, figures)?)
+                (front(&main.plan, voyage, figures))
                 (moves(voyage))
             }
             None => p.missing { "Times, places and clearances not shown: the plan solves a lattice problem without a chart or a vessel." }
         }
-    })
+    }
 }
 
 fn outdated(main: &PlannedTrial) -> Markup {
@@ -69,36 +68,36 @@ fn outdated(main: &PlannedTrial) -> Markup {
     }
 }
 
-fn map(main: &PlannedTrial, figures: &mut Figures) -> Result<Markup, FigureError> {
+fn map(main: &PlannedTrial, figures: &mut Figures) -> Markup {
     let caption = html! {
         b { "The trial on its chart." } " " (main.plan.statement)
         " Numbers: informative maneuvers, as in the maneuver sheet."
     };
     match &main.map {
-        Some(svg) => Ok(html! { div.map { (figures.place("map", Ok(svg.clone()), &caption)?) } }),
-        None => Ok(missing("The map is", "map.svg", "plan")),
+        Some(svg) => html! { div.map { (figures.place("map", svg.clone(), &caption)) } },
+        None => missing("The map is", "map.svg", "plan"),
     }
 }
 
 /// The same trial planned otherwise: a smaller map and one line each.
-fn variants(all: &[PlannedTrial], figures: &mut Figures) -> Result<Markup, FigureError> {
+fn variants(all: &[PlannedTrial], figures: &mut Figures) -> Markup {
     if all.is_empty() {
-        return Ok(html! {});
+        return html! {};
     }
     let mut placed = Vec::new();
     for variant in all {
         placed.push(match &variant.map {
             Some(svg) => {
                 let file = variant.name.replacen("plan", "map", 1);
-                html! { div.map { (figures.place(&file, Ok(svg.clone()), &in_one_line(variant))?) } }
+                html! { div.map { (figures.place(&file, svg.clone(), &in_one_line(variant))) } }
             }
             None => html! { p.note { (in_one_line(variant)) " No map.svg." } },
         });
     }
-    Ok(html! {
+    html! {
         h3 { "Planned otherwise" }
         div.variants { @for variant in placed { (variant) } }
-    })
+    }
 }
 
 fn in_one_line(variant: &PlannedTrial) -> Markup {

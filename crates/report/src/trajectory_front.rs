@@ -1,6 +1,6 @@
 use std::collections::BTreeMap;
 
-use crate::figures::{FigureError, FrontDot, front as drawing};
+use crate::figures::{FrontDot, front as drawing};
 use maud::{Markup, html};
 
 use super::number::{exact, percent, three};
@@ -9,20 +9,16 @@ use super::trajectory_words::{cost_title, minutes};
 use study::documents::{FrontPoint, PlanDocument, Voyage};
 
 /// Fewer uses for less cost: the counts that no others beat.
-pub(super) fn front(
-    plan: &PlanDocument,
-    voyage: &Voyage,
-    figures: &mut Figures,
-) -> Result<Markup, FigureError> {
+pub(super) fn front(plan: &PlanDocument, voyage: &Voyage, figures: &mut Figures) -> Markup {
     let body = if voyage.front.is_empty() {
         html! { p.missing { "Not shown: the search was not exhaustive, so what fewer uses would cost is not known." } }
     } else {
-        shown(plan, voyage, figures)?
+        shown(plan, voyage, figures)
     };
-    Ok(html! { h3 { "Information against cost" } (body) })
+    html! { h3 { "Information against cost" } (body) }
 }
 
-fn shown(plan: &PlanDocument, voyage: &Voyage, figures: &mut Figures) -> Result<Markup, FigureError> {
+fn shown(plan: &PlanDocument, voyage: &Voyage, figures: &mut Figures) -> Markup {
     let names: Vec<String> = voyage.front.iter().map(|point| uses(&point.counts)).collect();
     let dot = |(point, name): (&FrontPoint, &'_ String)| {
         (point.cost, point.log_det, name.clone(), is_own(plan, point))
@@ -42,12 +38,12 @@ fn shown(plan: &PlanDocument, voyage: &Voyage, figures: &mut Figures) -> Result<
         b { "Fewer uses for less." } " Each dot is the best plan with other counts (" (order.join(", "))
         "); counts that cost more and tell less are left out. Filled: this plan."
     };
-    Ok(html! {
+    html! {
         div.pair.front {
-            (figures.place("front", drawing(&dots, cost_title(&plan.cost_unit)), &caption)?)
+            (figures.place("front", drawing(&dots, cost_title(&plan.cost_unit)), &caption))
             (table(plan, voyage))
         }
-    })
+    }
 }
 
 /// `3·2·3`, in the order of the names.

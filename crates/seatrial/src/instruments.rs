@@ -9,7 +9,7 @@ use vessel::{Diverged, LANES, Lane, Vessel, check_diverged, simulate, simulate_o
 use crate::failure::Failure;
 use crate::simulate::diverged;
 use vessel::Run;
-use vessel::lanes::{groups, interleave};
+use vessel::lanes::{SideBySide, by_lane, groups, interleave};
 
 /// Makes batches of runs with their instruments.
 pub struct Instruments<'a> {
@@ -21,9 +21,8 @@ pub struct Instruments<'a> {
 
 /// Up to [`LANES`] runs side by side, with their instruments.
 pub struct Prepared {
-    measured: Vec<Lane>,
+    runs: SideBySide,
     instrument_states: Vec<Lane>,
-    exogenous: Vec<Lane>,
     starts: Vec<Vec<usize>>,
 }
 
@@ -104,25 +103,17 @@ impl<'a> Instruments<'a> {
     }
 
     fn prepare(&self, runs: &[Run]) -> Result<Prepared, Failure> {
-        let measured = interleave(&runs.iter().map(|r| r.measured.as_slice()).collect::<Vec<_>>());
-        let exogenous = interleave(&runs.iter().map(|r| r.exogenous.as_slice()).collect::<Vec<_>>());
+        let own = SideBySide::of(&runs.iter().map(Run::view).collect::<Vec<_>>());
         let instrument_states = match self.kind {
-            InstrumentKind::Regressors => measured.clone(),
-            InstrumentKind::Nominal => self.nominal_states(runs, &exogenous)?,
+            InstrumentKind::Regressors => own.measured.clone(),
+            InstrumentKind::Nominal => self.nominal_states(runs, &own)?,
         };
-        Ok(Prepared {
-            measured,
-            instrument_states,
-            exogenous,
-            starts: runs.iter().map(Run::starts).collect(),
-        })
+        Ok(Prepared { runs: own, instrument_states, starts: runs.iter().map(Run::starts).collect() })
     }
 
-    fn nominal_states(&self, runs: &[Run], exogenous: &[Lane]) -> Result<Vec<Lane>, Failure> {
-        let run = |lane: usize| &runs[lane.min(runs.len() - 1)];
-        let initial = [0, 1, 2].map(|d| Lane(std::array::from_fn(|lane| run(lane).initial[d])));
-        let mut states = vec![Lane::ZERO; 3 * (run(0).samples() + 1)];
-        simulate(&self.vessel.model, &self.nominal, initial, exogenous, &[], &mut states);
+    fn nominal_states(&self, runs: &[Run], own: &SideBySide) -> Result<Vec<Lane>, Failure> {
+        let mut states = vec![Lane::ZERO; own.measured.len()];
+        simulate(&self.vessel.model, &self.nominal, own.initial, &own.exogenous, &[], &mut states);
         for (lane, run) in runs.iter().enumerate() {
             if let Some(at) = check_diverged(states.iter().map(|s| s[lane])) {
                 return Err(self.diverged(run, at));
@@ -134,13 +125,12 @@ impl<'a> Instruments<'a> {
 
 impl Prepared {
     fn batch<'b>(&'b self, vessel: &'b Vessel) -> Batch<'b> {
-        let last = self.starts.len() - 1;
         Batch {
             model: &vessel.model,
-            measured: &self.measured,
+            measured: &self.runs.measured,
             instrument_states: &self.instrument_states,
-            exogenous: &self.exogenous,
-            segments: std::array::from_fn::<&[usize], LANES, _>(|lane| &self.starts[lane.min(last)]),
+            exogenous: &self.runs.exogenous,
+            segments: by_lane(self.starts.len(), |run| self.starts[run].as_slice()),
         }
     }
 }

@@ -1,5 +1,5 @@
 use serde::Deserialize;
-use vessel::{Invalid, Motion, Pose, Vessel, steady_inputs};
+use vessel::{Invalid, Motion, Pose, Steady, Vessel};
 
 use crate::grid::wrap;
 use crate::{Phase, Ship};
@@ -49,8 +49,8 @@ impl Handling {
 /// becomes the inputs that hold it steady.
 #[derive(Clone, Debug)]
 pub struct Autopilot<'a> {
-    vessel: &'a Vessel,
-    parameters: &'a [f64],
+    steady: Steady<'a>,
+    inputs: usize,
     handling: Handling,
     /// North and east components of the current that it reckons with \[m/s\].
     pub known_current_m_s: [f64; 2],
@@ -70,9 +70,9 @@ struct Command {
 
 impl<'a> Autopilot<'a> {
     /// An autopilot that knows the vessel by `parameters`.
-    pub fn new(vessel: &'a Vessel, parameters: &'a [f64], handling: Handling) -> Self {
-        let unknowns = vec![0.0; vessel.model.inputs + 1];
-        Self { vessel, parameters, handling, known_current_m_s: [0.0; 2], unknowns }
+    pub fn new(vessel: &'a Vessel, parameters: &[f64], handling: Handling) -> Self {
+        let (steady, inputs) = (Steady::new(vessel, parameters), vessel.model.inputs);
+        Self { steady, inputs, handling, known_current_m_s: [0.0; 2], unknowns: vec![0.0; inputs + 1] }
     }
 
     /// Inputs for the next sample on `phase`, whose positions are relative to `node` (north, east); `start` is where the
@@ -101,14 +101,14 @@ impl<'a> Autopilot<'a> {
     fn hold(&mut self, motion: Motion) -> Result<&[f64], Invalid> {
         // From the last solution if that leads somewhere, else afresh.
         let last = self.unknowns.clone();
-        if steady_inputs(self.vessel, self.parameters, motion, &mut self.unknowns).is_err() {
+        if self.steady.solve(motion, &mut self.unknowns).is_err() {
             self.unknowns.fill(0.0);
-            if let Err(refusal) = steady_inputs(self.vessel, self.parameters, motion, &mut self.unknowns) {
+            if let Err(refusal) = self.steady.solve(motion, &mut self.unknowns) {
                 self.unknowns = last;
                 return Err(refusal);
             }
         }
-        Ok(&self.unknowns[..self.vessel.model.inputs])
+        Ok(&self.unknowns[..self.inputs])
     }
 
     /// Whether `phase` is done, `elapsed_s` after it began.

@@ -1,4 +1,4 @@
-use vessel::Vessel;
+use vessel::{Compiled, Vessel};
 
 /// The signs of the inputs that mirror the vessel's motion about its centre plane: u, −v, −r under `signs` · inputs
 /// is the mirrored motion of u, v, r under inputs. `None` where the model is not symmetric.
@@ -27,7 +27,9 @@ fn is_mirrored(vessel: &Vessel, signs: &[f64], point: u32) -> bool {
 }
 
 fn increments(vessel: &Vessel, states: [f64; 3], exogenous: &[f64]) -> [f64; 3] {
-    vessel.model.increments(&[&states, exogenous].concat(), &vessel.nominal)
+    let mut model = Compiled::new(&vessel.model, &vessel.nominal);
+    model.look(states, exogenous, None);
+    model.increments()
 }
 
 #[cfg(test)]

@@ -34,7 +34,7 @@ impl Lane {
     #[inline(always)]
     pub fn sign(mut self) -> Self {
         for value in &mut self.0 {
-            *value = if *value == 0.0 { 0.0 } else { 1.0_f64.copysign(*value) };
+            *value = Number::sign(*value);
         }
         self
     }
@@ -83,9 +83,25 @@ impl AddAssign for Lane {
     }
 }
 
-/// What a signal is made of: a [`Lane`], or one number that all runs share. Both give the same bits.
+impl From<f64> for Lane {
+    #[inline(always)]
+    fn from(value: f64) -> Self {
+        Self::splat(value)
+    }
+}
+
+/// What a signal is made of: a [`Lane`], or one number, of a single run or of all. Both give the same bits.
 pub trait Number:
-    Copy + std::fmt::Debug + Send + Sync + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self>
+    Copy
+    + std::fmt::Debug
+    + Send
+    + Sync
+    + Add<Output = Self>
+    + AddAssign
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + From<f64>
+    + Into<Lane>
 {
     /// Zero.
     const ZERO: Self;
@@ -93,6 +109,8 @@ pub trait Number:
     const ONE: Self;
     /// |x|.
     fn modulus(self) -> Self;
+    /// −1, 0 or 1.
+    fn sign(self) -> Self;
     /// The number of every run.
     fn lane(self) -> Lane;
     /// Such numbers by what they are.
@@ -117,6 +135,10 @@ impl Number for Lane {
         self.abs()
     }
     #[inline(always)]
+    fn sign(self) -> Self {
+        self.sign()
+    }
+    #[inline(always)]
     fn lane(self) -> Lane {
         self
     }
@@ -131,6 +153,10 @@ impl Number for f64 {
     #[inline(always)]
     fn modulus(self) -> Self {
         self.abs()
+    }
+    #[inline(always)]
+    fn sign(self) -> Self {
+        if self == 0.0 { 0.0 } else { 1.0_f64.copysign(self) }
     }
     #[inline(always)]
     fn lane(self) -> Lane {

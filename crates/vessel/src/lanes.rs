@@ -1,17 +1,58 @@
 //! Runs side by side: between one run's rows and [`Lane`]s.
 
-use crate::{LANES, Lane};
+use crate::{LANES, Lane, RunView};
 
-/// Puts rows of up to [`LANES`] runs side by side; unused lanes repeat the last run.
+/// What belongs to each lane where `count` runs, up to [`LANES`], stand side by side; lanes that are left repeat the last run.
+pub fn by_lane<T>(count: usize, mut of: impl FnMut(usize) -> T) -> [T; LANES] {
+    std::array::from_fn(|lane| of(lane.min(count - 1)))
+}
+
+/// A number of each of `count` runs.
+pub fn lane(count: usize, of: impl FnMut(usize) -> f64) -> Lane {
+    Lane(by_lane(count, of))
+}
+
+/// Puts rows of up to [`LANES`] runs side by side. Shorter ones are filled up with zeros.
 pub fn interleave(runs: &[&[f64]]) -> Vec<Lane> {
-    let length = runs.first().map_or(0, |run| run.len());
-    let run = |lane: usize| runs[lane.min(runs.len() - 1)];
-    (0..length).map(|i| Lane(std::array::from_fn(|lane| run(lane)[i]))).collect()
+    let length = runs.iter().map(|run| run.len()).max().unwrap_or(0);
+    let entry = |run: usize, i: usize| runs[run].get(i).copied().unwrap_or(0.0);
+    (0..length).map(|i| lane(runs.len(), |run| entry(run, i))).collect()
 }
 
 /// The rows of one lane.
 pub fn lane_of(values: &[Lane], lane: usize) -> Vec<f64> {
     values.iter().map(|v| v[lane]).collect()
+}
+
+/// Up to [`LANES`] runs side by side, all row-major, as long as the longest of them.
+#[derive(Clone, Debug)]
+pub struct SideBySide {
+    /// How many runs there are.
+    pub runs: usize,
+    /// Measured states: (N+1) × 3.
+    pub measured: Vec<Lane>,
+    /// Inputs and measured disturbances: N × exogenous.
+    pub exogenous: Vec<Lane>,
+    /// State that simulations start from.
+    pub initial: [Lane; 3],
+    /// Samples of each run.
+    pub samples: [usize; LANES],
+}
+
+impl SideBySide {
+    /// Of `runs`; lanes that are left repeat the last one.
+    pub fn of(runs: &[RunView]) -> Self {
+        let rows = |of: for<'a> fn(&RunView<'a>) -> &'a [f64]| -> Vec<Lane> {
+            interleave(&runs.iter().map(of).collect::<Vec<_>>())
+        };
+        Self {
+            runs: runs.len(),
+            measured: rows(|run| run.measured),
+            exogenous: rows(|run| run.exogenous),
+            initial: [0, 1, 2].map(|d: usize| lane(runs.len(), |run| runs[run].initial[d])),
+            samples: by_lane(runs.len(), |run| runs[run].samples()),
+        }
+    }
 }
 
 /// Indices of neighbours with the same key, in groups of at most [`LANES`].

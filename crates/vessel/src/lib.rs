@@ -8,25 +8,27 @@
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 
+mod compiled;
 mod disturbance;
 mod file;
 mod lane;
 pub mod lanes;
+mod layout;
 mod maneuver;
 mod model;
 mod noise;
 mod normals;
 mod pose;
-mod program;
 mod run;
 mod simulate;
 mod steady;
-mod tangent;
 mod term;
 
+pub use compiled::{Ambient, Compiled};
 pub use disturbance::{Axes, Current, Disturbances, Measurement, Wind};
 pub use file::{InputSpec, MeasuredSpec, Source, TermSpec, Vessel, VesselFile};
 pub use lane::{LANES, Lane, Number, Numbers};
+pub use layout::ParameterLayout;
 pub use maneuver::{
     CandidateKind, DictionaryFile, Exceeded, GenerateSpec, Generator, Kind, Limits, ManeuverSpec, Realized,
     Shape, Signal, SignalShape, parse_inputs,
@@ -35,10 +37,9 @@ pub use model::{Degree, DegreeOfFreedom, Model, Variable};
 pub use noise::Streams;
 pub use pose::{Pose, track};
 pub use refusal::{Invalid, nearest};
-pub use run::{Run, Segment};
+pub use run::{Run, RunView, Segment};
 pub use simulate::{
     DIVERGED, Diverged, Weather, check_diverged, follow, simulate, simulate_in, simulate_one,
 };
-pub use steady::{Motion, steady_inputs};
-pub use tangent::Tangent;
+pub use steady::{Motion, Steady};
 pub use term::{Factor, Term};

@@ -71,15 +71,6 @@ impl Model {
         self.degrees.iter().map(|d| d.terms.len()).sum()
     }
 
-    /// θᵀφ of each degree of freedom for one run. `values`: u, v relative to the water, r, then the inputs and measured
-    /// disturbances.
-    pub fn increments(&self, values: &[f64], parameters: &[f64]) -> [f64; 3] {
-        let mut parameters = parameters.iter();
-        self.degrees
-            .each_ref()
-            .map(|degree| degree.terms.iter().zip(&mut parameters).map(|(t, p)| p * t.evaluate(values)).sum())
-    }
-
     /// Names of all parameters: surge, sway, yaw.
     pub fn parameter_names(&self) -> impl Iterator<Item = &str> {
         self.degrees.iter().flat_map(|d| d.parameters.iter().map(String::as_str))

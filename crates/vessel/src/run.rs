@@ -24,7 +24,42 @@ pub struct Segment {
     pub start: usize,
 }
 
+/// A recorded run, or a part of one: N samples, row-major.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RunView<'a> {
+    /// Measured states u, v \[m/s\], r \[rad/s\]: (N+1) × 3.
+    pub measured: &'a [f64],
+    /// Inputs and measured disturbances: N × exogenous.
+    pub exogenous: &'a [f64],
+    /// State that simulations start from.
+    pub initial: [f64; 3],
+}
+
+impl<'a> RunView<'a> {
+    /// What was measured, which simulations start from the first state of.
+    pub fn measured(measured: &'a [f64], exogenous: &'a [f64]) -> Self {
+        Self { measured, exogenous, initial: [0, 1, 2].map(|d| measured[d]) }
+    }
+
+    /// Number of samples N.
+    pub fn samples(&self) -> usize {
+        self.measured.len() / 3 - 1
+    }
+
+    /// `samples` of it; simulations start from the first measured state there.
+    pub fn part(&self, samples: std::ops::Range<usize>) -> Self {
+        let width = self.exogenous.len() / self.samples().max(1);
+        let exogenous = &self.exogenous[samples.start * width..samples.end * width];
+        Self::measured(&self.measured[3 * samples.start..3 * (samples.end + 1)], exogenous)
+    }
+}
+
 impl Run {
+    /// All of it.
+    pub fn view(&self) -> RunView<'_> {
+        RunView { measured: &self.measured, exogenous: &self.exogenous, initial: self.initial }
+    }
+
     /// Number of regression pairs N.
     pub fn samples(&self) -> usize {
         self.measured.len() / 3 - 1

@@ -1,5 +1,4 @@
-use crate::program::Program;
-use crate::{Lane, Model, Number, Numbers};
+use crate::{Ambient, Compiled, Lane, Model, Number, Numbers};
 
 /// A speed \[m/s\] or yaw rate \[rad/s\] beyond which a simulation counts as diverged.
 pub const DIVERGED: f64 = 1e3;
@@ -26,94 +25,8 @@ pub fn simulate(
     current: &[Lane],
     states: &mut [Lane],
 ) {
-    simulate_numbers(model, parameters, initial, Number::numbers(exogenous), current, states);
-}
-
-fn simulate_numbers(
-    model: &Model,
-    parameters: &[Lane],
-    initial: [Lane; 3],
-    exogenous: Numbers,
-    current: &[Lane],
-    states: &mut [Lane],
-) {
-    match exogenous {
-        Numbers::Lanes(lanes) => keep(model, parameters, initial, lanes, current, states),
-        Numbers::Shared(numbers) => keep(model, parameters, initial, numbers, current, states),
-    }
-}
-
-/// Follows the runs and keeps their states.
-fn keep(
-    model: &Model,
-    parameters: &[Lane],
-    initial: [Lane; 3],
-    exogenous: &[impl Number],
-    current: &[Lane],
-    states: &mut [Lane],
-) {
-    states[..3].copy_from_slice(&initial);
-    let mut rows = states[3..].chunks_exact_mut(3);
-    follow(
-        model,
-        parameters,
-        initial,
-        exogenous,
-        current,
-        #[inline(always)]
-        |state| {
-            if let Some(row) = rows.next() {
-                row.copy_from_slice(state);
-            }
-        },
-    );
-}
-
-/// [`simulate`] that calls `each` with the states after every sample, 1 to N, instead of keeping them.
-pub fn follow(
-    model: &Model,
-    parameters: &[Lane],
-    initial: [Lane; 3],
-    exogenous: &[impl Number],
-    current: &[Lane],
-    each: impl FnMut(&[Lane; 3]),
-) {
-    let program = Program::new(model, parameters);
-    let width = model.exogenous();
-    pulp::Arch::new().dispatch(Simulation { program, width, initial, exogenous, current, each });
-}
-
-/// [`follow`] compiled for every instruction set that pulp picks from. Lanes are only added and multiplied, never fused,
-/// so that all give the same bits.
-struct Simulation<'a, X, F> {
-    program: Program,
-    width: usize,
-    initial: [Lane; 3],
-    exogenous: &'a [X],
-    current: &'a [Lane],
-    each: F,
-}
-
-impl<X: Number, F: FnMut(&[Lane; 3])> pulp::WithSimd for Simulation<'_, X, F> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: pulp::Simd>(mut self, _: S) {
-        let mut state = self.initial;
-        let mut current = self.current.chunks_exact(2);
-        for exogenous in self.exogenous.chunks_exact(self.width.max(1)) {
-            let mut relative = state;
-            if let Some(current) = current.next() {
-                relative[0] = state[0] - current[0];
-                relative[1] = state[1] - current[1];
-            }
-            let increments = self.program.increments(relative, exogenous);
-            for (state, increment) in state.iter_mut().zip(increments) {
-                *state += increment;
-            }
-            (self.each)(&state);
-        }
-    }
+    let weather = Weather { current, ..Weather::CALM };
+    simulate_in(model, parameters, initial, exogenous, &weather, states);
 }
 
 /// What acts on [`crate::LANES`] runs besides their inputs.
@@ -128,6 +41,11 @@ pub struct Weather<'a> {
     pub force: &'a [Lane],
 }
 
+impl Weather<'_> {
+    /// Still water, no force.
+    pub const CALM: Self = Self { current: &[], turning: 0.0, force: &[] };
+}
+
 /// [`simulate`] in a current of either axes and under forces.
 pub fn simulate_in(
     model: &Model,
@@ -137,32 +55,86 @@ pub fn simulate_in(
     weather: &Weather,
     states: &mut [Lane],
 ) {
-    let mut program = Program::new(model, parameters);
-    let width = model.exogenous().max(1);
-    let mut state = initial;
-    let mut heading = Lane::ZERO;
-    let mut currents = weather.current.chunks_exact(2);
-    let mut forces = weather.force.chunks_exact(3);
-    states[..3].copy_from_slice(&initial);
-    for (exogenous, row) in exogenous.chunks_exact(width).zip(states[3..].chunks_exact_mut(3)) {
-        let mut relative = state;
-        if let Some(current) = currents.next() {
-            let [along, across] = turned(current, heading);
-            relative[0] = state[0] - along;
-            relative[1] = state[1] - across;
-        }
-        heading += Lane::splat(weather.turning) * state[2];
-        let increments = program.increments(relative, exogenous);
-        state.iter_mut().zip(increments).for_each(|(state, increment)| *state += increment);
-        if let Some(force) = forces.next() {
-            state.iter_mut().zip(force).for_each(|(state, force)| *state += *force);
-        }
-        row.copy_from_slice(&state);
+    match Number::numbers(exogenous) {
+        Numbers::Lanes(lanes) => keep(model, parameters, initial, lanes, weather, states),
+        Numbers::Shared(numbers) => keep(model, parameters, initial, numbers, weather, states),
     }
 }
 
-/// The components north and east along and across a heading.
-fn turned(current: &[Lane], heading: Lane) -> [Lane; 2] {
+/// Follows the runs and keeps their states.
+fn keep(
+    model: &Model,
+    parameters: &[Lane],
+    initial: [Lane; 3],
+    exogenous: &[impl Number],
+    weather: &Weather,
+    states: &mut [Lane],
+) {
+    states[..3].copy_from_slice(&initial);
+    let mut rows = states[3..].chunks_exact_mut(3);
+    follow(
+        model,
+        parameters,
+        initial,
+        exogenous,
+        weather,
+        #[inline(always)]
+        |state| {
+            if let Some(row) = rows.next() {
+                row.copy_from_slice(state);
+            }
+        },
+    );
+}
+
+/// [`simulate_in`] that calls `each` with the states after every sample, 1 to N, instead of keeping them.
+pub fn follow(
+    model: &Model,
+    parameters: &[Lane],
+    initial: [Lane; 3],
+    exogenous: &[impl Number],
+    weather: &Weather,
+    each: impl FnMut(&[Lane; 3]),
+) {
+    let (model, width) = (Compiled::new(model, parameters), model.exogenous());
+    pulp::Arch::new().dispatch(Simulation { model, width, initial, exogenous, weather, each });
+}
+
+/// [`follow`] compiled for every instruction set that pulp picks from. Lanes are only added and multiplied, never fused,
+/// so that all give the same bits.
+struct Simulation<'a, X, F> {
+    model: Compiled<'a, Lane>,
+    width: usize,
+    initial: [Lane; 3],
+    exogenous: &'a [X],
+    weather: &'a Weather<'a>,
+    each: F,
+}
+
+impl<X: Number, F: FnMut(&[Lane; 3])> pulp::WithSimd for Simulation<'_, X, F> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(mut self, _: S) {
+        let Weather { current, turning, force } = *self.weather;
+        let (mut state, mut heading) = (self.initial, Lane::ZERO);
+        let (mut currents, mut forces) = (current.chunks_exact(2), force.chunks_exact(3));
+        for exogenous in self.exogenous.chunks_exact(self.width.max(1)) {
+            let current = currents.next().map(|own| match turning == 0.0 {
+                true => [own[0], own[1]],
+                false => turned(own, &heading),
+            });
+            let force = forces.next().map(|own| [own[0], own[1], own[2]]);
+            heading += Lane::splat(turning) * state[2];
+            state = self.model.step(state, exogenous, Ambient { current, force });
+            (self.each)(&state);
+        }
+    }
+}
+
+/// The components north and east along and across a heading. Called: sines and cosines are no vectors.
+#[inline(never)]
+fn turned(current: &[Lane], heading: &Lane) -> [Lane; 2] {
     let mut out = [Lane::ZERO; 2];
     for lane in 0..crate::LANES {
         let (sin, cos) = heading[lane].sin_cos();
@@ -174,11 +146,16 @@ fn turned(current: &[Lane], heading: Lane) -> [Lane; 2] {
 
 /// Simulates one run in still water. Shapes as in [`simulate`], one number per entry; returns (N+1) × 3 states.
 pub fn simulate_one(model: &Model, parameters: &[f64], initial: [f64; 3], exogenous: &[f64]) -> Vec<f64> {
-    let lanes = |values: &[f64]| values.iter().map(|v| Lane::splat(*v)).collect::<Vec<_>>();
-    let samples = exogenous.len() / model.exogenous().max(1);
-    let mut states = vec![Lane::ZERO; 3 * (samples + 1)];
-    simulate(model, &lanes(parameters), initial.map(Lane::splat), exogenous, &[], &mut states);
-    states.iter().map(|lane| lane[0]).collect()
+    let width = model.exogenous().max(1);
+    let mut model = Compiled::new(model, parameters);
+    let mut states = Vec::with_capacity(3 * (exogenous.len() / width + 1));
+    states.extend(initial);
+    let mut state = initial;
+    for exogenous in exogenous.chunks_exact(width) {
+        state = model.step(state, exogenous, Ambient::default());
+        states.extend(state);
+    }
+    states
 }
 
 /// First sample at which one run's `states`, (N+1) × 3 row-major, are beyond [`DIVERGED`] or not finite.

@@ -1,6 +1,6 @@
 //! Which inputs hold a wanted motion steady: the inverse of the model at equilibrium.
 
-use crate::{Invalid, Vessel};
+use crate::{Compiled, Invalid, Vessel};
 
 /// A motion through the water to hold.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -13,49 +13,93 @@ pub struct Motion {
     pub r: f64,
 }
 
-/// Steady inputs of `vessel` with `parameters`, by Newton's method from `start` (inputs, then sway speed).
-///
-/// The unknowns are the inputs and, where the vessel has too few independent inputs to command it, the sway speed.
-/// The equations are zero increments and the couplings between inputs; a commanded sway speed releases the couplings.
-///
-/// # Errors
-/// A vessel without the inputs to command the motion; a motion that no inputs hold.
-pub fn steady_inputs(
-    vessel: &Vessel,
-    parameters: &[f64],
-    motion: Motion,
-    start: &mut [f64],
-) -> Result<(), Invalid> {
-    let problem = Problem::new(vessel, parameters, motion)?;
-    for _ in 0..50 {
-        let Some(step) = problem.newton_step(start) else {
-            break;
-        };
-        let mut change: f64 = 0.0;
-        for (x, dx) in start.iter_mut().zip(&step) {
-            change = change.max(dx.abs() / (x.abs() + 1e-9));
-            *x += dx;
-        }
-        if !start.iter().all(|x| x.is_finite()) {
-            break;
-        }
-        if change < 1e-13 {
-            return Ok(());
-        }
-    }
-    Err(unreachable_motion(motion))
+/// A vessel's steady inputs for wanted motions.
+#[derive(Clone, Debug)]
+pub struct Steady<'a> {
+    vessel: &'a Vessel,
+    model: Compiled<'a, f64>,
+    /// Inputs, then measured disturbances, which are zero.
+    exogenous: Vec<f64>,
+    gradients: Vec<[f64; 3]>,
 }
 
-struct Problem<'a> {
-    vessel: &'a Vessel,
-    parameters: &'a [f64],
+impl<'a> Steady<'a> {
+    /// Of `vessel` with `parameters`.
+    pub fn new(vessel: &'a Vessel, parameters: &[f64]) -> Self {
+        let gradients = vec![[0.0; 3]; vessel.model.variables.len()];
+        let exogenous = vec![0.0; vessel.model.exogenous()];
+        Self { vessel, model: Compiled::new(&vessel.model, parameters), exogenous, gradients }
+    }
+
+    /// The inputs that hold `motion`, by Newton's method from `unknowns` (inputs, then sway speed), which become the solution.
+    ///
+    /// The unknowns are the inputs and, where the vessel has too few independent inputs to command it, the sway speed.
+    /// The equations are zero increments and the couplings between inputs; a commanded sway speed releases the couplings.
+    ///
+    /// # Errors
+    /// A vessel without the inputs to command the motion; a motion that no inputs hold.
+    pub fn solve(&mut self, motion: Motion, unknowns: &mut [f64]) -> Result<(), Invalid> {
+        let wanted = Wanted::of(motion, self.vessel)?;
+        for _ in 0..50 {
+            let Some(step) = self.newton_step(&wanted, unknowns) else {
+                break;
+            };
+            let mut change: f64 = 0.0;
+            for (x, dx) in unknowns.iter_mut().zip(&step) {
+                change = change.max(dx.abs() / (x.abs() + 1e-9));
+                *x += dx;
+            }
+            if !unknowns.iter().all(|x| x.is_finite()) {
+                break;
+            }
+            if change < 1e-13 {
+                return Ok(());
+            }
+        }
+        Err(unreachable_motion(wanted.motion))
+    }
+
+    /// Solves Jacobian · step = −residual; `None` where the Jacobian is singular.
+    fn newton_step(&mut self, wanted: &Wanted, unknowns: &[f64]) -> Option<Vec<f64>> {
+        let inputs = self.vessel.model.inputs;
+        let n = inputs + usize::from(wanted.sway_free);
+        let Motion { u, v, r } = wanted.motion;
+        self.exogenous[..inputs].copy_from_slice(&unknowns[..inputs]);
+        self.model.look([u, v.unwrap_or(unknowns[inputs]), r], &self.exogenous, None);
+        self.model.gradients(&mut self.gradients);
+        let increments = self.model.increments();
+        let row = |d: usize| {
+            let mut row = vec![-increments[d]; n + 1];
+            row[..n].iter_mut().enumerate().for_each(|(j, entry)| {
+                *entry = self.gradients[if j < inputs { 3 + j } else { 1 }][d];
+            });
+            row
+        };
+        let mut rows: Vec<Vec<f64>> = (0..3).map(row).collect();
+        if wanted.coupled {
+            for (i, coupling) in self.vessel.couplings.iter().enumerate() {
+                if let Some((leader, factor)) = coupling {
+                    let mut row = vec![0.0; n + 1];
+                    row[i] = 1.0;
+                    row[*leader] = -factor;
+                    row[n] = factor * unknowns[*leader] - unknowns[i];
+                    rows.push(row);
+                }
+            }
+        }
+        solve(&rows)
+    }
+}
+
+/// A motion, and which unknowns and equations it leaves.
+struct Wanted {
     motion: Motion,
     sway_free: bool,
     coupled: bool,
 }
 
-impl<'a> Problem<'a> {
-    fn new(vessel: &'a Vessel, parameters: &'a [f64], motion: Motion) -> Result<Self, Invalid> {
+impl Wanted {
+    fn of(motion: Motion, vessel: &Vessel) -> Result<Self, Invalid> {
         let couplings = vessel.couplings.iter().flatten().count();
         let coupled = motion.v.is_none();
         let free = vessel.model.inputs - if coupled { couplings } else { 0 };
@@ -69,48 +113,7 @@ impl<'a> Problem<'a> {
             ));
         }
         let motion = Motion { v: if sway_free { None } else { Some(motion.v.unwrap_or(0.0)) }, ..motion };
-        Ok(Self { vessel, parameters, motion, sway_free, coupled })
-    }
-
-    fn values(&self, unknowns: &[f64]) -> Vec<f64> {
-        let inputs = self.vessel.model.inputs;
-        let mut values = vec![self.motion.u, self.motion.v.unwrap_or(unknowns[inputs]), self.motion.r];
-        values.extend_from_slice(&unknowns[..inputs]);
-        values.resize(self.vessel.model.variables.len(), 0.0);
-        values
-    }
-
-    /// Solves Jacobian · step = −residual; `None` where the Jacobian is singular.
-    fn newton_step(&self, unknowns: &[f64]) -> Option<Vec<f64>> {
-        let inputs = self.vessel.model.inputs;
-        let n = inputs + usize::from(self.sway_free);
-        let values = self.values(unknowns);
-        let mut rows: Vec<Vec<f64>> = Vec::with_capacity(n);
-        let mut next = 0;
-        for degree in &self.vessel.model.degrees {
-            let mut row = vec![0.0; n + 1];
-            for term in &degree.terms {
-                let parameter = self.parameters[next];
-                next += 1;
-                row[n] -= parameter * term.evaluate(&values);
-                for (j, entry) in row[..n].iter_mut().enumerate() {
-                    *entry += parameter * term.derivative(&values, if j < inputs { 3 + j } else { 1 });
-                }
-            }
-            rows.push(row);
-        }
-        if self.coupled {
-            for (i, coupling) in self.vessel.couplings.iter().enumerate() {
-                if let Some((leader, factor)) = coupling {
-                    let mut row = vec![0.0; n + 1];
-                    row[i] = 1.0;
-                    row[*leader] = -factor;
-                    row[n] = factor * unknowns[*leader] - unknowns[i];
-                    rows.push(row);
-                }
-            }
-        }
-        solve(&rows)
+        Ok(Self { motion, sway_free, coupled })
     }
 }
 

@@ -14,7 +14,7 @@ pub struct Factor {
 pub struct Term {
     /// As written.
     pub text: String,
-    /// At least one factor.
+    /// Its factors; none make the constant 1.
     pub factors: Vec<Factor>,
 }
 
@@ -37,16 +37,29 @@ impl Term {
         Ok(Self { text: text.split_whitespace().collect::<Vec<_>>().join(" "), factors })
     }
 
+    /// The constant 1, which no text stands for.
+    pub(crate) fn constant() -> Self {
+        Self { text: "1".to_owned(), factors: Vec::new() }
+    }
+
+    /// Whether it is the constant 1.
+    pub fn is_constant(&self) -> bool {
+        self.factors.is_empty()
+    }
+
     /// The term's values at `N` samples at once; `values` holds one array per variable.
     #[inline(always)]
     pub fn values<X: Number, const N: usize>(&self, values: &[[X; N]], out: &mut [X; N]) {
         // What is decided per factor stays out of the loops, so that they are whole vectors.
-        let first = self.factors[0];
+        let Some((first, others)) = self.factors.split_first() else {
+            *out = [X::ONE; N];
+            return;
+        };
         *out = values[first.variable];
         if first.modulus {
             out.iter_mut().for_each(|o| *o = o.modulus());
         }
-        for factor in &self.factors[1..] {
+        for factor in others {
             let pairs = out.iter_mut().zip(&values[factor.variable]);
             if factor.modulus {
                 pairs.for_each(|(o, value)| *o = *o * value.modulus());
@@ -55,50 +68,6 @@ impl Term {
             }
         }
     }
-
-    /// The term's value for one set of variables.
-    pub fn evaluate(&self, values: &[f64]) -> f64 {
-        self.factors.iter().map(|f| scalar(*f, values)).product()
-    }
-
-    /// Partial derivative with respect to variable `variable` (at a zero modulus: 0).
-    pub fn derivative(&self, values: &[f64], variable: usize) -> f64 {
-        let mut sum = 0.0;
-        for (i, factor) in self.factors.iter().enumerate() {
-            if factor.variable == variable {
-                let inner = if factor.modulus { sign(values[variable]) } else { 1.0 };
-                let others = self.factors.iter().enumerate().filter(|(j, _)| *j != i);
-                sum += inner * others.map(|(_, f)| scalar(*f, values)).product::<f64>();
-            }
-        }
-        sum
-    }
-
-    /// Adds `first` ∂φ/∂z + Σ_i `second`\[i\] ∂²φ/∂(state i)∂z to `out`\[z\] for every variable z (slope of a modulus at
-    /// zero: 0).
-    pub fn add_slopes(&self, values: &[f64], first: f64, second: [f64; 3], out: &mut [f64]) {
-        let inner = |f: Factor| if f.modulus { sign(values[f.variable]) } else { 1.0 };
-        for (b, factor) in self.factors.iter().enumerate() {
-            let others = |a: usize| -> f64 {
-                let rest = self.factors.iter().enumerate().filter(|(j, _)| *j != a && *j != b);
-                rest.map(|(_, f)| scalar(*f, values)).product()
-            };
-            let mut sum = first * others(b);
-            for (a, other) in self.factors.iter().enumerate().filter(|(a, f)| *a != b && f.variable < 3) {
-                sum += second[other.variable] * inner(*other) * others(a);
-            }
-            out[factor.variable] += inner(*factor) * sum;
-        }
-    }
-}
-
-fn sign(value: f64) -> f64 {
-    if value == 0.0 { 0.0 } else { value.signum() }
-}
-
-fn scalar(factor: Factor, values: &[f64]) -> f64 {
-    let value = values[factor.variable];
-    if factor.modulus { value.abs() } else { value }
 }
 
 fn parse_factor<'a>(
@@ -160,7 +129,9 @@ mod tests {
     const VARIABLES: [&str; 5] = ["u", "v", "r", "n", "delta"];
 
     fn at(text: &str, values: [f64; 5]) -> f64 {
-        Term::parse(text, &VARIABLES).map_or(f64::NAN, |t| t.evaluate(&values))
+        let mut out = [f64::NAN];
+        Term::parse(text, &VARIABLES).unwrap().values(&values.map(|value| [value]), &mut out);
+        out[0]
     }
 
     #[test]
@@ -184,48 +155,13 @@ mod tests {
     }
 
     #[test]
-    fn law_lanes_and_derivatives_agree_with_the_scalar_value() {
+    fn law_many_samples_and_lanes_have_the_values_of_one() {
         let x = [-0.7, 0.3, 0.2, 5.0, -0.4];
-        let lanes: Vec<Lane> = x.iter().map(|v| Lane::splat(*v)).collect();
         for text in ["u |u|", "v r", "u^2 |v| delta", "|n| n"] {
             let term = Term::parse(text, &VARIABLES).unwrap();
-            let (mut many, mut one) = ([Lane::ZERO; 2], [0.0; 2]);
-            term.values(&lanes.iter().map(|lane| [*lane; 2]).collect::<Vec<_>>(), &mut many);
-            term.values(&x.map(|x| [x; 2]), &mut one);
-            assert_eq!((many[1][3], one[1]), (term.evaluate(&x), term.evaluate(&x)), "{text}");
-            for i in 0..5 {
-                let (mut hi, mut lo) = (x, x);
-                hi[i] += 1e-6;
-                lo[i] -= 1e-6;
-                let numeric = (term.evaluate(&hi) - term.evaluate(&lo)) / 2e-6;
-                approx::assert_relative_eq!(
-                    term.derivative(&x, i),
-                    numeric,
-                    max_relative = 1e-6,
-                    epsilon = 1e-8
-                );
-            }
-        }
-    }
-
-    #[test]
-    fn law_second_slopes_are_the_difference_quotients_of_first_ones() {
-        let x = [-0.7, 0.3, 0.2, 5.0, -0.4];
-        let (first, second) = (0.3, [1.2, -0.8, 0.5]);
-        for text in ["u |u|", "v r", "u^3 |v| delta", "|n| n u", "|u| |r| r^2"] {
-            let term = Term::parse(text, &VARIABLES).unwrap();
-            let weighted = |x: &[f64]| -> f64 {
-                first * term.evaluate(x) + (0..3).map(|i| second[i] * term.derivative(x, i)).sum::<f64>()
-            };
-            let mut out = [0.0; 5];
-            term.add_slopes(&x, first, second, &mut out);
-            for (i, found) in out.iter().enumerate() {
-                let (mut hi, mut lo) = (x, x);
-                hi[i] += 1e-5;
-                lo[i] -= 1e-5;
-                let numeric = (weighted(&hi) - weighted(&lo)) / 2e-5;
-                approx::assert_relative_eq!(*found, numeric, max_relative = 1e-8, epsilon = 1e-9);
-            }
+            let mut many = [Lane::ZERO; 2];
+            term.values(&x.map(|x| [Lane::ZERO, Lane::splat(x)]), &mut many);
+            assert_eq!((many[0][3], many[1][3]), (0.0, at(text, x)), "{text}");
         }
     }
 }

@@ -1,6 +1,7 @@
-use vessel::{LANES, Lane};
+use vessel::lanes::SideBySide;
+use vessel::{LANES, Lane, Model, RunView};
 
-use super::{Lifted, Part};
+use super::Part;
 use crate::predictor::{
     Ended, Linear, Recordings, Residuals, STEPS, Weighting, linearize, minimize, scaled_inverse,
 };
@@ -8,7 +9,7 @@ use crate::predictor::{
 /// An estimate that minimises the errors of free simulations.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OutputError {
-    /// Lifted parameters.
+    /// Of the model, in its order.
     pub parameters: Vec<f64>,
     /// Their covariance, as many rows: H⁻¹ (Σ s sᵀ) H⁻¹ with the gradient s of each part, so that errors may be correlated
     /// in any way within a part. Zero for parameters held.
@@ -20,18 +21,18 @@ pub struct OutputError {
 }
 
 /// Minimises Σ (e_d/std_d)² of free simulations over `parts`, each from its first measured state, by Levenberg and
-/// Marquardt's method from `start` (lifted parameters). `std`: of measured u, v, r. `sizes`: per lifted parameter the change
+/// Marquardt's method from `start` (parameters of `model`). `std`: of measured u, v, r. `sizes`: per parameter the change
 /// that would matter; 0 holds it. `None` where the start diverges or a parameter has no effect of its own.
 pub fn output_error(
-    lifted: &Lifted,
+    model: &Model,
     parts: &[Part],
     start: &[f64],
     std: [f64; 3],
     sizes: &[f64],
 ) -> Option<OutputError> {
     let problem = Problem {
-        lifted,
-        groups: Group::of(lifted, parts),
+        model,
+        groups: side_by_side(parts),
         held: start.to_vec(),
         free: (0..sizes.len()).filter(|i| sizes[*i] > 0.0).collect(),
     };
@@ -51,51 +52,21 @@ pub fn output_error(
 
 /// One problem: the free simulations over all parts, [`LANES`] of them at a time.
 struct Problem<'a> {
-    lifted: &'a Lifted,
-    groups: Vec<Group>,
+    model: &'a Model,
+    groups: Vec<SideBySide>,
     held: Vec<f64>,
     free: Vec<usize>,
 }
 
-/// Parts of similar length side by side; shorter ones are filled up with zeros.
-struct Group {
-    parts: usize,
-    measured: Vec<Lane>,
-    exogenous: Vec<Lane>,
-    initial: [Lane; 3],
-    samples: [usize; LANES],
-}
-
-impl Group {
-    fn of(lifted: &Lifted, parts: &[Part]) -> Vec<Self> {
-        let mut order: Vec<&Part> = parts.iter().collect();
-        order.sort_by_key(|part| std::cmp::Reverse(part.samples()));
-        order.chunks(LANES).map(|own| Self::new(lifted, own)).collect()
-    }
-
-    /// `own`: the longest first.
-    fn new(lifted: &Lifted, own: &[&Part]) -> Self {
-        let (rows, width) = (own[0].samples(), lifted.model.exogenous());
-        let mut group = Self {
-            parts: own.len(),
-            measured: vec![Lane::ZERO; 3 * (rows + 1)],
-            exogenous: vec![Lane::ZERO; width * rows],
-            initial: [Lane::ZERO; 3],
-            samples: [0; LANES],
-        };
-        for (lane, part) in own.iter().enumerate() {
-            group.samples[lane] = part.samples();
-            (0..3).for_each(|d| group.initial[d][lane] = part.measured[d]);
-            group.measured.iter_mut().zip(&part.measured).for_each(|(to, from)| to[lane] = *from);
-            let exogenous = lifted.exogenous(&part.exogenous, part.samples());
-            group.exogenous.iter_mut().zip(exogenous).for_each(|(to, from)| to[lane] = from);
-        }
-        group
-    }
+/// Parts of similar length side by side.
+fn side_by_side(parts: &[Part]) -> Vec<SideBySide> {
+    let mut order: Vec<RunView> = parts.iter().map(Part::view).collect();
+    order.sort_by_key(|part| std::cmp::Reverse(part.samples()));
+    order.chunks(LANES).map(SideBySide::of).collect()
 }
 
 impl Problem<'_> {
-    /// All lifted parameters of a point.
+    /// All parameters of a point.
     fn whole(&self, point: &[f64]) -> Vec<f64> {
         let mut whole = self.held.clone();
         self.free.iter().zip(point).for_each(|(i, value)| whole[*i] = *value);
@@ -104,19 +75,13 @@ impl Problem<'_> {
 
     /// Part by part.
     fn linears(&self, point: &[f64]) -> Vec<Linear> {
-        let lifted = self.whole(point).into_iter().chain([0.0; 6]);
-        let unknowns: Vec<Lane> = lifted.map(Lane::splat).collect();
+        let whole = self.whole(point).into_iter().chain([0.0; 3]);
+        let unknowns: Vec<Lane> = whole.map(Lane::splat).collect();
         let mut all = Vec::new();
         for group in &self.groups {
-            let recordings = Recordings {
-                model: &self.lifted.model,
-                measured: &group.measured,
-                exogenous: &group.exogenous,
-                initial: group.initial,
-                samples: group.samples,
-            };
+            let recordings = Recordings::of(self.model, group);
             let mut found = linearize::<3>(&recordings, &unknowns, &self.free, None, &[], false);
-            found.truncate(group.parts);
+            found.truncate(group.runs);
             all.extend(found);
         }
         all

@@ -1,6 +1,4 @@
-use vessel::{Diverged, check_diverged};
-
-use super::Lifted;
+use vessel::{Diverged, Model, RunView, check_diverged, simulate_one};
 
 /// One sub-experiment of N samples.
 #[derive(Clone, Debug, PartialEq)]
@@ -38,20 +36,20 @@ impl Part {
         self.measured.len() / 3 - 1
     }
 
-    /// The first measured state.
-    pub fn initial(&self) -> [f64; 3] {
-        [0, 1, 2].map(|d| self.measured[d])
+    /// What was measured.
+    pub fn view(&self) -> RunView<'_> {
+        RunView::measured(&self.measured, &self.exogenous)
     }
 
-    /// Simulates `parameters` of `lifted` over every part, each from its first measured state, and takes the states as
+    /// Simulates `model` with `parameters` over every part, each from its first measured state, and takes the states as
     /// instruments.
     ///
     /// # Errors
     /// The first part whose simulation diverges; no part is changed then.
-    pub fn instrument(parts: &mut [Self], lifted: &Lifted, parameters: &[f64]) -> Result<(), PartDiverged> {
+    pub fn instrument(parts: &mut [Self], model: &Model, parameters: &[f64]) -> Result<(), PartDiverged> {
         let simulated: Vec<Vec<f64>> = parts
             .iter()
-            .map(|p| lifted.simulate(parameters, p.initial(), &p.exogenous, p.samples()))
+            .map(|p| simulate_one(model, parameters, p.view().initial, &p.exogenous))
             .collect();
         for (part, states) in simulated.iter().enumerate() {
             if let Some(at) = check_diverged(states.iter().copied()) {

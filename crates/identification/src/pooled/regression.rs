@@ -1,4 +1,4 @@
-use vessel::Model;
+use vessel::{Compiled, Model};
 
 use super::Part;
 use crate::{DegreeSums, Sums};
@@ -28,13 +28,17 @@ pub struct DegreeRegression {
 impl Regression {
     /// Evaluates the terms of `model` over `part`.
     pub fn of(model: &Model, part: &Part) -> Self {
-        let degrees = [0, 1, 2].map(|d| DegreeRegression {
-            parameters: model.degrees[d].terms.len(),
-            phi: terms(model, d, part, &part.measured),
-            zeta: terms(model, d, part, &part.instrument_states),
-            target: (0..part.samples())
-                .map(|k| part.measured[3 * (k + 1) + d] - part.measured[3 * k + d])
-                .collect(),
+        let (phi, zeta) = (terms(model, part, &part.measured), terms(model, part, &part.instrument_states));
+        let mut signals = phi.into_iter().zip(zeta);
+        let degrees = [0, 1, 2].map(|d| {
+            let (phi, zeta) = signals.next().unwrap_or_default();
+            let increment = |k: usize| part.measured[3 * (k + 1) + d] - part.measured[3 * k + d];
+            DegreeRegression {
+                parameters: model.degrees[d].terms.len(),
+                phi,
+                zeta,
+                target: (0..part.samples()).map(increment).collect(),
+            }
         });
         Self { samples: part.samples(), degrees }
     }
@@ -62,15 +66,19 @@ impl Regression {
     }
 }
 
-/// The terms of degree of freedom `d` at `states`, N × p.
-fn terms(model: &Model, d: usize, part: &Part, states: &[f64]) -> Vec<f64> {
+/// The terms of surge, sway and yaw at `states`: N × p each.
+fn terms(model: &Model, part: &Part, states: &[f64]) -> [Vec<f64>; 3] {
     let width = model.exogenous();
-    let mut values = vec![0.0; 3 + width];
-    let mut out = Vec::with_capacity(part.samples() * model.degrees[d].terms.len());
-    for k in 0..part.samples() {
-        values[..3].copy_from_slice(&states[3 * k..3 * k + 3]);
-        values[3..].copy_from_slice(&part.exogenous[width * k..width * (k + 1)]);
-        out.extend(model.degrees[d].terms.iter().map(|term| term.evaluate(&values)));
+    let mut compiled = Compiled::new(model, &vec![0.0; model.parameters()]);
+    let mut out = model.degrees.each_ref().map(|d| Vec::with_capacity(part.samples() * d.terms.len()));
+    for (k, state) in states.as_chunks().0.iter().take(part.samples()).enumerate() {
+        compiled.look(*state, &part.exogenous[width * k..width * (k + 1)], None);
+        let mut first = 0;
+        for (out, degree) in out.iter_mut().zip(&model.degrees) {
+            let own = first..first + degree.terms.len();
+            first = own.end;
+            out.extend(own.map(|i| compiled.term(i)));
+        }
     }
     out
 }

@@ -1,6 +1,5 @@
 use vessel::{LANES, Lane, Model};
 
-use super::Lifted;
 use crate::{FreeRun, free_runs};
 
 /// A piece of measured data that models are simulated over.
@@ -23,19 +22,18 @@ impl Window {
 #[derive(Clone, Debug)]
 pub struct Windows {
     model: Model,
-    windows: Vec<(Vec<f64>, Vec<f64>)>,
+    windows: Vec<Window>,
 }
 
 impl Windows {
-    /// For models of `lifted`.
-    pub fn new(lifted: &Lifted, windows: &[Window]) -> Self {
-        let rows = |w: &Window| (lifted.exogenous(&w.exogenous, w.samples()), w.measured.clone());
-        Self { model: lifted.model.clone(), windows: windows.iter().map(rows).collect() }
+    /// For parameters of `model`.
+    pub fn new(model: &Model, windows: &[Window]) -> Self {
+        Self { model: model.clone(), windows: windows.to_vec() }
     }
 
-    /// Simulates up to [`LANES`] models (lifted parameters) over window `i`.
+    /// Simulates up to [`LANES`] models (one lane per parameter) over window `i`.
     pub fn run(&self, models: &[Lane], i: usize) -> [FreeRun; LANES] {
-        let (exogenous, measured) = &self.windows[i];
+        let Window { exogenous, measured } = &self.windows[i];
         free_runs(&self.model, models, exogenous, measured)
     }
 
@@ -51,7 +49,7 @@ impl Windows {
 
     /// Samples of window `i`.
     pub fn samples(&self, i: usize) -> usize {
-        self.windows[i].1.len() / 3 - 1
+        self.windows[i].samples()
     }
 }
 

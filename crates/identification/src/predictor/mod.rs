@@ -1,30 +1,21 @@
 //! Estimates that minimise the errors of predicted states.
 //!
-//! A predictor goes from sample to sample with the model, x̂(k+1) = x̂(k) + φ(x̂(k))ᵀθ + c. Without gains it is a free
+//! A predictor goes from sample to sample with the model, x̂(k+1) = x̂(k) + φ(x̂(k))ᵀθ. Without gains it is a free
 //! simulation, and the estimate one of *output error*; with the gains of an extended Kalman filter it corrects itself at
 //! every sample, and the estimate is one of *prediction error*, for runs that are disturbed on their way. Forward
-//! sensitivities ∂x̂/∂(θ, c, x̂(0)) go along ([`sweep`]), [`vessel::LANES`] runs side by side; Levenberg and Marquardt's
+//! sensitivities ∂x̂/∂(θ, x̂(0)) go along (`sensitivity`), [`vessel::LANES`] runs side by side; Levenberg and Marquardt's
 //! method takes the steps.
 
-mod adjoint;
-mod dynamics;
-mod kalman;
-mod levels;
 mod levenberg_marquardt;
 mod output_error;
 mod prediction_error;
-mod products;
-mod recordings;
 mod scores;
 mod sums;
-mod sweep;
 
-pub use levels::{Flow, Gusts, Levels};
+pub use crate::sensitivity::{Flow, Gusts, Levels, Recordings, Sensitivities};
 pub(crate) use levenberg_marquardt::{Ended, Residuals, STEPS, Weighting, minimize, scaled_inverse};
 pub use output_error::{Fit, Fitted, InitialState, Spread, output_error};
 pub use prediction_error::{innovations, prediction_error};
-pub use recordings::{Recording, Recordings};
 pub(crate) use scores::windowed;
 pub use sums::Linear;
 pub(crate) use sums::linearize;
-pub use sweep::{Sensitivities, sensitivities};

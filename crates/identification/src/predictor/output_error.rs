@@ -1,14 +1,13 @@
 use std::collections::BTreeMap;
 
-use vessel::{LANES, Lane, Model};
+use vessel::lanes::{by_lane, lane};
+use vessel::{LANES, Lane, Model, RunView};
 
-use super::adjoint::disturbed_scores;
-use super::levels::Levels;
 use super::levenberg_marquardt::{Ended, Minimum, Residuals, STEPS, Weighting, minimize, scaled_inverse};
-use super::recordings::{Recording, Recordings, SideBySide, by_lane, groups};
-use super::scores::{Kept, correlated_scores};
+use super::scores::{correlated_scores, disturbed_scores};
 use super::sums::{Linear, linearize};
 use crate::Direction;
+use crate::sensitivity::{Levels, Recordings, Sensitivities, groups};
 
 /// Where a simulation starts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -46,7 +45,7 @@ pub struct Fitted {
     pub parameters: Vec<f64>,
     /// Standard error of each.
     pub standard_errors: Vec<f64>,
-    /// One per degree of freedom.
+    /// One per degree of freedom; zero where the model has none.
     pub intercepts: [f64; 3],
     /// Estimated minus given initial state.
     pub offset: [f64; 3],
@@ -63,11 +62,11 @@ const EXACT: f64 = 1e-12;
 const BRIEF: usize = 8;
 
 /// Estimates every run by the errors of free simulations: minimises Σ_d N log Σ e_d², the likelihood of white errors with a
-/// variance of their own in u, v and r, over parameters, intercepts and, if so wanted, the initial state. Per run `starts`
-/// holds parameters to begin at; where the first ones diverge or lead to no minimum, the next are taken.
+/// variance of their own in u, v and r, over the model's parameters (with or without intercepts) and, if so wanted, the
+/// initial state. Per run `starts` holds parameters to begin at; where the first ones diverge or lead to no minimum, the next are taken.
 pub fn output_error(
     model: &Model,
-    runs: &[Recording],
+    runs: &[RunView],
     starts: &[Vec<Vec<f64>>],
     initial: InitialState,
     spread: Spread,
@@ -98,7 +97,7 @@ use Weights::{Fixed, Likelihood};
 /// Searches for the estimates of many runs, of which some end sooner than others.
 struct Searches<'a> {
     model: &'a Model,
-    runs: &'a [Recording<'a>],
+    runs: &'a [RunView<'a>],
     initial: InitialState,
     best: Vec<Option<Minimum>>,
 }
@@ -133,11 +132,10 @@ impl Searches<'_> {
             .filter_map(|run| Some((run, start(self.best[run].as_ref(), run)?)))
             .collect();
         let mut found = BTreeMap::new();
-        for group in groups(self.runs, points.keys().copied()) {
-            let side_by_side = SideBySide::of(self.model, self.runs, &group);
-            let problem = Simulations::new(side_by_side.recordings(), self.initial);
-            let from = by_lane(&group, |run| {
-                let mut point = points[&run].clone();
+        for (group, runs) in groups(self.runs, points.keys().copied()) {
+            let problem = Simulations::new(Recordings::of(self.model, &runs), self.initial);
+            let from = by_lane(group.len(), |i| {
+                let mut point = points[&group[i]].clone();
                 point.resize(problem.free.len(), 0.0);
                 point
             });
@@ -150,9 +148,8 @@ impl Searches<'_> {
     fn fits(&self, spread: Spread) -> Vec<Fit> {
         let mut fits = vec![Fit::NotConverged(0); self.runs.len()];
         let searched = (0..self.runs.len()).filter(|run| self.best[*run].is_some());
-        for group in groups(self.runs, searched) {
-            let side_by_side = SideBySide::of(self.model, self.runs, &group);
-            let problem = Simulations::new(side_by_side.recordings(), self.initial);
+        for (group, runs) in groups(self.runs, searched) {
+            let problem = Simulations::new(Recordings::of(self.model, &runs), self.initial);
             let found: Vec<&Minimum> = group.iter().filter_map(|run| self.best[*run].as_ref()).collect();
             let errors = problem.standard_errors(&found, spread);
             for ((run, minimum), errors) in group.iter().zip(found).zip(errors) {
@@ -186,29 +183,26 @@ pub(super) fn better(a: Minimum, b: Minimum) -> Minimum {
 
 /// One lane per unknown; the lanes' points hold the free ones.
 pub(super) fn side_by_side(points: &[Vec<f64>], all: usize) -> Vec<Lane> {
-    let of = |i: usize| Lane(std::array::from_fn(|lane| points[lane].get(i).copied().unwrap_or(0.0)));
-    (0..all).map(of).collect()
+    (0..all).map(|i| lane(points.len(), |run| points[run].get(i).copied().unwrap_or(0.0))).collect()
 }
 
 pub(super) fn fit(recordings: &Recordings, minimum: &Minimum, errors: Option<Vec<f64>>) -> Fit {
-    let theta = recordings.model.parameters();
-    let at = |i: usize| minimum.point.get(i).copied().unwrap_or(0.0);
+    let layout = recordings.model.layout();
+    let (point, all) = (&minimum.point, layout.parameters());
+    let place = |unknown: usize| {
+        let mut terms = (0..3).map(|d| (d, layout.terms(d)));
+        terms.find(|(_, terms)| terms.contains(&unknown)).map(|(d, terms)| (d, unknown - terms.start))
+    };
     match (minimum.status, errors) {
-        (Ended::Singular(unknown), _) if unknown < theta => {
-            let mut parameter = unknown;
-            let sizes = recordings.model.degrees.each_ref().map(|d| d.terms.len());
-            let mut degree = 0;
-            while parameter >= sizes[degree] {
-                parameter -= sizes[degree];
-                degree += 1;
-            }
-            Fit::NotIdentifiable(Direction { degree, parameter })
-        }
+        (Ended::Singular(unknown), _) => place(unknown)
+            .map_or(Fit::NotConverged(minimum.steps), |(degree, parameter)| {
+                Fit::NotIdentifiable(Direction { degree, parameter })
+            }),
         (Ended::Converged, Some(errors)) => Fit::Converged(Fitted {
-            parameters: minimum.point[..theta].to_vec(),
-            standard_errors: errors[..theta].to_vec(),
-            intercepts: [0, 1, 2].map(|d| at(theta + d)),
-            offset: [0, 1, 2].map(|d| at(theta + 3 + d)),
+            parameters: layout.theta(&point[..all]),
+            standard_errors: layout.theta(&errors[..all]),
+            intercepts: layout.intercepts(point),
+            offset: [0, 1, 2].map(|d| point.get(all + d).copied().unwrap_or(0.0)),
             rmse: minimum.linear.squares.map(|s| (s / minimum.linear.samples).sqrt()),
             steps: minimum.steps,
         }),
@@ -248,16 +242,14 @@ impl<'a> Simulations<'a> {
 
     /// √diag(H⁻¹ B H⁻¹), H = Σ sᵀWs, B the covariance of the scores Σ sᵀWe.
     fn standard_errors(&self, found: &[&Minimum], spread: Spread) -> Vec<Option<Vec<f64>>> {
-        let points: [Vec<f64>; LANES] =
-            std::array::from_fn(|lane| found[lane.min(found.len() - 1)].point.clone());
+        let points: Vec<Vec<f64>> = found.iter().map(|minimum| minimum.point.clone()).collect();
         let weighting = self.weighting(Likelihood);
         let unknowns = side_by_side(&points, self.recordings.unknowns());
         let weights: Vec<[f64; 3]> =
             found.iter().zip(&weighting).map(|(m, w)| w.weights(&m.linear)).collect();
-        let last = found.len() - 1;
-        let weights = [0, 1, 2].map(|d| Lane(std::array::from_fn(|lane| weights[lane.min(last)][d])));
+        let weights = [0, 1, 2].map(|d: usize| lane(weights.len(), |run| weights[run][d]));
         let from_start = self.initial == InitialState::Estimated;
-        let kept = Kept::of(&self.recordings, &unknowns, &self.free, from_start);
+        let kept = Sensitivities::of(&self.recordings, &unknowns, &self.free, from_start);
         let middles = match spread {
             Spread::Residuals => correlated_scores(&self.recordings, &kept, weights),
             Spread::Stated(levels) => disturbed_scores(&self.recordings, &unknowns, &kept, weights, levels),

@@ -1,11 +1,10 @@
-use vessel::{LANES, Lane, Model};
+use vessel::lanes::by_lane;
+use vessel::{LANES, Lane, Model, RunView};
 
-use super::kalman::{Gain, filter};
-use super::levels::Levels;
 use super::levenberg_marquardt::{Ended, Minimum, Residuals, STEPS, Weighting, minimize, scaled_inverse};
 use super::output_error::{Fit, InitialState, better, fit, side_by_side};
-use super::recordings::{Recording, Recordings, SideBySide, by_lane, groups};
 use super::sums::{Linear, linearize};
+use crate::sensitivity::{Gain, Levels, Recordings, filter, groups};
 
 /// Most often that the filter's gains are computed, the first time at the start.
 const ROUNDS: usize = 3;
@@ -14,24 +13,23 @@ const SETTLED: f64 = 0.01;
 
 /// Estimates by the errors of one-sample predictions: an extended Kalman filter whose states are the vessel's and those of
 /// the stated disturbances. Its gains are computed along the filter at the last estimate and held while whitened innovations
-/// are minimised over parameters and intercepts: three rounds, of which those after the first count where they raise the
+/// are minimised over the parameters: three rounds, of which those after the first count where they raise the
 /// filter's likelihood. Without that guard gains that trust the measurements more and more lead to least squares. Standard
 /// errors are those of white innovations, scaled by their own variance. `starts` as for [`super::output_error`].
 pub fn prediction_error(
     model: &Model,
-    runs: &[Recording],
+    runs: &[RunView],
     starts: &[Vec<Vec<f64>>],
     initial: InitialState,
     levels: &Levels,
 ) -> Vec<Fit> {
     let mut fits = vec![Fit::NotConverged(0); runs.len()];
-    for group in groups(runs, 0..runs.len()) {
-        let side_by_side = SideBySide::of(model, runs, &group);
-        let recordings = &side_by_side.recordings();
+    for (group, runs) in groups(runs, 0..runs.len()) {
+        let recordings = &Recordings::of(model, &runs);
         let attempts = group.iter().map(|run| starts[*run].len()).max().unwrap_or(0);
         let at =
             |run: usize, i: usize| starts[run].get(i).or(starts[run].last()).cloned().unwrap_or_default();
-        let starts: Vec<_> = (0..attempts).map(|i| by_lane(&group, |run| at(run, i))).collect();
+        let starts: Vec<_> = (0..attempts).map(|i| by_lane(group.len(), |run| at(group[run], i))).collect();
         let found = match levels.states() {
             3 => rounds::<3>(recordings, &starts, initial, levels),
             5 => rounds::<5>(recordings, &starts, initial, levels),
@@ -63,7 +61,7 @@ struct Predictions<'a, const N: usize> {
     recordings: &'a Recordings<'a>,
     levels: &'a Levels,
     free: Vec<usize>,
-    gains: Vec<Gain<N>>,
+    gains: Vec<Gain<Lane, N>>,
 }
 
 impl<const N: usize> Residuals for Predictions<'_, N> {

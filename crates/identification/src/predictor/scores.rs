@@ -1,60 +1,10 @@
 use vessel::Lane;
 
-use super::products::Products;
-use super::recordings::Recordings;
-use super::sweep::{Step, sweep};
-
-/// A free simulation with its sensitivities, sample by sample.
-pub(crate) struct Kept {
-    /// Number of free unknowns.
-    pub free: usize,
-    /// Measured minus simulated, (N+1) × 3; zero where a sample does not count.
-    pub errors: Vec<Lane>,
-    /// Simulated states, (N+1) × 3.
-    pub states: Vec<Lane>,
-    /// ∂states/∂unknowns, (N+1) × free × 3; zero where a sample does not count.
-    pub sensitivities: Vec<Lane>,
-}
-
-impl Kept {
-    /// Of `recordings` simulated with `unknowns`.
-    pub(crate) fn of(recordings: &Recordings, unknowns: &[Lane], free: &[usize], from_start: bool) -> Self {
-        let rows = recordings.longest() + 1;
-        let mut kept = Self {
-            free: free.len(),
-            errors: Vec::with_capacity(3 * rows),
-            states: Vec::with_capacity(3 * rows),
-            sensitivities: Vec::with_capacity(3 * rows * free.len()),
-        };
-        sweep(
-            recordings,
-            unknowns,
-            free,
-            None,
-            &[],
-            #[inline(always)]
-            |step: Step<'_, 3>| {
-                let counts = if step.k == 0 && !from_start { Lane::ZERO } else { recordings.lasting(step.k) };
-                kept.errors.extend(step.error.map(|e| e * counts));
-                kept.states.extend_from_slice(step.states);
-                for s in step.sensitivities {
-                    kept.sensitivities.extend(s.map(|s| s * counts));
-                }
-            },
-        );
-        kept
-    }
-
-    /// Sensitivities at sample `k`: free × 3.
-    pub(crate) fn at(&self, k: usize) -> &[[Lane; 3]] {
-        let width = 3 * self.free;
-        self.sensitivities[k * width..(k + 1) * width].as_chunks().0
-    }
-}
+use crate::sensitivity::{Levels, Products, Recordings, Sensitivities, add_draws, add_start, backward};
 
 /// Covariance of Σ sᵀWe where errors are correlated over less than about 2√N samples. free × free lanes.
-pub(crate) fn correlated_scores(recordings: &Recordings, kept: &Kept, weights: [Lane; 3]) -> Vec<Lane> {
-    let (p, rows) = (kept.free, recordings.longest() + 1);
+pub(crate) fn correlated_scores(recordings: &Recordings, kept: &Sensitivities<Lane>, weights: [Lane; 3]) -> Vec<Lane> {
+    let (p, rows) = (kept.free(), recordings.longest() + 1);
     let mut scores = Vec::with_capacity(rows * p);
     for k in 0..rows {
         let e = &kept.errors[3 * k..3 * k + 3];
@@ -63,6 +13,46 @@ pub(crate) fn correlated_scores(recordings: &Recordings, kept: &Kept, weights: [
         scores.extend(kept.at(k).iter().map(score));
     }
     windowed(&scores, p)
+}
+
+/// What `levels` add to the covariance of Σ sᵀWe beside measurement noise, to first order around the run's simulation: every
+/// draw enters the states and goes on with them; adjoints tell what a change of the states does to the scores. free × free
+/// lanes.
+pub(crate) fn disturbed_scores(
+    recordings: &Recordings,
+    unknowns: &[Lane],
+    kept: &Sensitivities<Lane>,
+    weights: [Lane; 3],
+    levels: &Levels,
+) -> Vec<Lane> {
+    let of = match levels.states() {
+        3 => disturbed::<3>,
+        5 => disturbed::<5>,
+        6 => disturbed::<6>,
+        _ => disturbed::<8>,
+    };
+    of(recordings, unknowns, kept, weights, levels)
+}
+
+fn disturbed<const N: usize>(
+    recordings: &Recordings,
+    unknowns: &[Lane],
+    kept: &Sensitivities<Lane>,
+    weights: [Lane; 3],
+    levels: &Levels,
+) -> Vec<Lane> {
+    let mut draws = Products::new(kept.free());
+    let start = backward::<Lane, N>(
+        recordings,
+        unknowns,
+        kept,
+        weights,
+        Some(levels),
+        #[inline(always)]
+        |local, adjoints: &[[Lane; N]]| add_draws(&mut draws, adjoints, local, levels),
+    );
+    add_start(&mut draws, &start, levels);
+    draws.finish().square()
 }
 
 /// Covariance of the sum of the rows of `scores`, `p` entries each, correlated over less than about 2√N rows: the mean over all
@@ -83,10 +73,10 @@ struct Windows<'a> {
 }
 
 impl pulp::WithSimd for Windows<'_> {
-    type Output = Products;
+    type Output = Products<Lane>;
 
     #[inline(always)]
-    fn with_simd<S: pulp::Simd>(self, _: S) -> Products {
+    fn with_simd<S: pulp::Simd>(self, _: S) -> Products<Lane> {
         let Self { scores, p, window } = self;
         let rows = scores.len() / p;
         let mut sum = vec![Lane::ZERO; p];

@@ -1,10 +1,6 @@
 use vessel::{LANES, Lane};
 
-use super::kalman::Gain;
-use super::levels::Levels;
-use super::products::Products;
-use super::recordings::Recordings;
-use super::sweep::{Step, sweep};
+use crate::sensitivity::{Gain, Levels, Products, Recordings, Step, sweep};
 
 /// Sums of squares and products of errors e and sensitivities s = ∂x̂/∂(unknown), per state u, v, r.
 #[derive(Clone, Debug, PartialEq)]
@@ -52,12 +48,12 @@ pub(crate) fn linearize<const N: usize>(
     unknowns: &[Lane],
     free: &[usize],
     levels: Option<&Levels>,
-    gains: &[Gain<N>],
+    gains: &[Gain<Lane, N>],
     from_start: bool,
 ) -> Vec<Linear> {
     let longest = recordings.longest();
     let even = recordings.samples.iter().all(|n| *n == longest);
-    let mut products = [0; 3].map(|_| Products::new(free.len() + 1));
+    let mut products = [0; 3].map(|_| Products::<Lane>::new(free.len() + 1));
     sweep(
         recordings,
         unknowns,
@@ -65,7 +61,7 @@ pub(crate) fn linearize<const N: usize>(
         levels,
         gains,
         #[inline(always)]
-        |step: Step<'_, N>| {
+        |step: Step<'_, Lane, N>| {
             if step.k == 0 && !from_start {
                 return;
             }

@@ -3,170 +3,223 @@
 //! With C = F⁻¹, M = C G C and Q = −(M(E + P)C + its transpose), dφ = tr(M dE) + tr(M dP) + tr(Q dF). P's adjoints λ(k) (going back)
 //! are followed by κ(k) (going forward): κ(k+1) = (I + J(k)) κ(k) + Σ_c J_c(k) γ_c(k)ᵀ, γ_c = 2 σ_c² M λᵀJ_c. Then Λ(k) = 2 W S Q +
 //! 2 W R W S M + W κ(k) + (I + J(k))ᵀ Λ(k+1) belongs to the sensitivities, and H weighs what J(k) changes.
+//!
+//! S, λ, κ and Λ are columns of lanes, parameters beside each other.
 
-use super::criterion::{Forward, TraceCriterion, add_turned, pushed};
-use crate::lifted;
+use vessel::{Compiled, LANES, Lane, Model};
 
-/// The matrices of the way back, n × n, divided by φ.
-struct Weighing {
-    m: Vec<f64>,
-    q: Vec<f64>,
+use super::criterion::{Forward, TraceCriterion};
+use crate::sensitivity::{Dynamics, Recordings, channels};
+
+/// A matrix of n rows, padded with zeros to whole lanes.
+struct Rows {
+    columns: usize,
+    rows: Vec<Lane>,
+}
+
+impl Rows {
+    /// Of an n × n matrix.
+    fn of(n: usize, matrix: &[f64]) -> Self {
+        let columns = n.div_ceil(LANES);
+        let mut rows = vec![Lane::ZERO; n * columns];
+        for (e, entry) in matrix.iter().enumerate() {
+            rows[e / n * columns + e % n / LANES][e % n % LANES] = *entry;
+        }
+        Self { columns, rows }
+    }
+
+    /// Adds x × the matrix; x as columns, whose entries `x` picks.
+    #[inline(always)]
+    fn add_times(&self, x: impl Fn(usize) -> Lane, mut to: impl FnMut(usize, Lane)) {
+        for (i, row) in self.rows.chunks_exact(self.columns).enumerate() {
+            let own = Lane::splat(x(i / LANES)[i % LANES]);
+            row.iter().enumerate().for_each(|(c, entry)| to(c, own * *entry));
+        }
+    }
 }
 
 impl TraceCriterion<'_> {
     /// ∂(log tr(G cov θ̃) + h)/∂inputs, N × inputs, at a run that `forward` went through, with `exogenous` as there.
     /// `state_slopes`: ∂h/∂x of anything else that depends on the states, (N+1) × 3.
     pub fn gradient(&self, forward: &Forward, exogenous: &[f64], state_slopes: &[f64]) -> Vec<f64> {
-        let (n, width) = (lifted(self.model), self.model.exogenous());
-        let samples = forward.jacobians.len();
-        let weighing = self.weighing(n, forward);
-        let (forced, followed) = self.follow(n, forward, &weighing);
-        let (mut big, mut small) = (vec![0.0; 3 * n], [0.0; 3]);
-        let mut values = vec![0.0; 3 + width];
-        let mut out = vec![0.0; samples * self.model.inputs];
-        for k in (0..samples).rev() {
-            let mut next = vec![0.0; 3 * n];
-            self.add_sources(n, forward, &weighing, &followed, k, &mut next);
-            if let Some(j) = forward.jacobians.get(k + 1) {
-                add_turned(n, j, &big, &mut next);
-            }
-            big = next;
-            (0..3).for_each(|d| small[d] += state_slopes[3 * (k + 1) + d]);
-            values[..3].copy_from_slice(&forward.states[3 * k..3 * k + 3]);
-            values[3..].copy_from_slice(&exogenous[width * k..width * (k + 1)]);
-            let seconds = weight_of_jacobian(n, forward, &big, &forced, &followed, k);
-            let slopes = self.step(n, &values, &big, small, &seconds);
-            (0..3).for_each(|d| small[d] += slopes[d]);
-            let own = &mut out[k * self.model.inputs..(k + 1) * self.model.inputs];
-            own.copy_from_slice(&slopes[3..3 + self.model.inputs]);
-        }
-        out
+        let (model, parameters) = self.lifted();
+        let run = &Recordings::simulated(&model, self.initial, exogenous);
+        let (m, q) = self.weighing(&model, forward);
+        let n = parameters.len();
+        let (weights, variances) = channels(&self.noise);
+        let source = |d: usize| -> Vec<f64> {
+            let (of_q, of_m) = (2.0 * weights[d], 2.0 * weights[d] * weights[d] * variances[d]);
+            q.iter().zip(&m).map(|(q, m)| of_q * q + of_m * m).collect()
+        };
+        let sources = [0, 1, 2].map(|d| Rows::of(n, &source(d)));
+        let factor = 2.0 * self.noise.current * self.noise.current;
+        let response = Rows::of(n, &m.iter().map(|m| factor * m).collect::<Vec<f64>>());
+        let parameters = &parameters[..];
+        let followed = pulp::Arch::new().dispatch(Follow { run, parameters, forward, response });
+        pulp::Arch::new().dispatch(Back { run, parameters, forward, state_slopes, followed, sources, weights })
     }
 
-    fn weighing(&self, n: usize, forward: &Forward) -> Weighing {
-        let c = &forward.inverse;
-        let g = self.lifted_weights();
-        let share = forward.value.recip();
+    /// M and Q, n × n, divided by φ.
+    fn weighing(&self, model: &Model, forward: &Forward) -> (Vec<f64>, Vec<f64>) {
+        let (c, g) = (&forward.inverse, model.layout().woven(self.weights, [0.0; 3]));
+        let (n, share) = (g.len(), forward.value.recip());
         let m: Vec<f64> = (0..n * n)
             .map(|e| share * (0..n).map(|k| c[e / n * n + k] * g[k] * c[k * n + e % n]).sum::<f64>())
             .collect();
         let x = product(n, &product(n, &m, &forward.middle), c);
         let q = (0..n * n).map(|e| -(x[e] + x[e % n * n + e / n])).collect();
-        Weighing { m, q }
+        (m, q)
+    }
+}
+
+impl Forward {
+    fn state(&self, k: usize) -> &[f64; 3] {
+        &self.states.as_chunks().0[k]
     }
 
-    /// γ(k), N × 2 × n, and κ(k+1), N × 3 × n; empty without current.
-    fn follow(&self, n: usize, forward: &Forward, weighing: &Weighing) -> (Vec<f64>, Vec<f64>) {
-        let factor = 2.0 * self.noise.current * self.noise.current;
-        let (mut forced, mut followed) = (Vec::new(), Vec::new());
-        let mut now = vec![0.0; 3 * n];
-        for (adjoint, j) in forward.adjoints.chunks_exact(3 * n).zip(&forward.jacobians) {
-            let mut next = now.clone();
-            for d in 0..3 {
-                for q in 0..n {
-                    next[d * n + q] += (0..3).map(|i| j[d][i] * now[i * n + q]).sum::<f64>();
-                }
-            }
-            for component in 0..2 {
-                let mut force = vec![0.0; n];
-                add_times(n, factor, &pushed(n, j, component, adjoint), &weighing.m, &mut force);
-                for (d, row) in j.iter().enumerate() {
-                    let to = &mut next[d * n..(d + 1) * n];
-                    to.iter_mut().zip(&force).for_each(|(to, f)| *to += row[component] * f);
-                }
-                forced.extend(force);
-            }
-            followed.extend_from_slice(&next);
-            now = next;
+    /// λ(k + 1); empty without current.
+    fn adjoint(&self, k: usize) -> &[[Lane; 3]] {
+        let columns = self.path.columns();
+        match self.adjoints.len().checked_sub((k + 1) * columns) {
+            Some(first) if !self.adjoints.is_empty() => &self.adjoints[first..first + columns],
+            _ => &[],
         }
-        (forced, followed)
     }
+}
 
+/// By sample, columns of γ(k), one for each component of the current, and of κ(k+1); empty without current.
+struct Followed {
+    forced: Vec<[Lane; 2]>,
+    followed: Vec<[Lane; 3]>,
+}
+
+/// Goes forward; compiled for every instruction set that pulp picks from.
+struct Follow<'a> {
+    run: &'a Recordings<'a, f64>,
+    parameters: &'a [f64],
+    forward: &'a Forward,
+    /// 2 σ_c² M.
+    response: Rows,
+}
+
+impl pulp::WithSimd for Follow<'_> {
+    type Output = Followed;
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _: S) -> Followed {
+        let Self { run, parameters, forward, response } = self;
+        let mut all = Followed { forced: Vec::new(), followed: Vec::new() };
+        if forward.adjoints.is_empty() {
+            return all;
+        }
+        let mut dynamics = Dynamics::<f64, 3>::new(run.model, parameters, None);
+        let columns = forward.path.columns();
+        let mut now = vec![[Lane::ZERO; 3]; columns];
+        let mut pushed = vec![[Lane::ZERO; 2]; columns];
+        for k in 0..run.longest() {
+            let local = dynamics.at(forward.state(k), run.exogenous(k));
+            let slopes = local.slopes.map(|row| row.map(Lane::splat));
+            for (pushed, l) in pushed.iter_mut().zip(forward.adjoint(k)) {
+                for (i, pushed) in pushed.iter_mut().enumerate() {
+                    *pushed = slopes[0][i] * l[0] + slopes[1][i] * l[1] + slopes[2][i] * l[2];
+                }
+            }
+            now.iter_mut().for_each(|own| *own = dynamics.forward(&local, own));
+            let first = all.forced.len();
+            all.forced.resize(first + columns, [Lane::ZERO; 2]);
+            let forced = &mut all.forced[first..];
+            for i in 0..2 {
+                response.add_times(|c| pushed[c][i], |c, x| forced[c][i] += x);
+            }
+            for (own, force) in now.iter_mut().zip(forced) {
+                (0..3).for_each(|d| own[d] += slopes[d][0] * force[0] + slopes[d][1] * force[1]);
+            }
+            all.followed.extend_from_slice(&now);
+        }
+        all
+    }
+}
+
+/// Goes back; compiled for every instruction set that pulp picks from.
+struct Back<'a> {
+    run: &'a Recordings<'a, f64>,
+    parameters: &'a [f64],
+    forward: &'a Forward,
+    state_slopes: &'a [f64],
+    followed: Followed,
+    /// 2 W Q + 2 W R W M, of each channel.
+    sources: [Rows; 3],
+    weights: [f64; 3],
+}
+
+impl pulp::WithSimd for Back<'_> {
+    type Output = Vec<f64>;
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _: S) -> Vec<f64> {
+        let Self { run, parameters, forward, .. } = self;
+        let (samples, inputs) = (run.longest(), run.model.inputs);
+        let mut dynamics = Dynamics::<f64, 3>::new(run.model, parameters, None);
+        let mut model = Compiled::new(run.model, parameters);
+        let degrees: Vec<usize> = run.model.layout().degrees().collect();
+        let (mut big, mut small) = (vec![[Lane::ZERO; 3]; forward.path.columns()], [0.0; 3]);
+        let mut terms = vec![0.0; parameters.len()];
+        let mut slopes = vec![0.0; run.model.variables.len()];
+        let mut after = None;
+        let mut out = vec![0.0; samples * inputs];
+        for k in (0..samples).rev() {
+            if let Some(local) = &after {
+                big.iter_mut().for_each(|own| *own = dynamics.backward(local, own));
+            }
+            self.add_sources(k, &mut big);
+            (0..3).for_each(|d| small[d] += self.state_slopes[3 * (k + 1) + d]);
+            for (p, (term, d)) in terms.iter_mut().zip(&degrees).enumerate() {
+                *term = big[p / LANES][*d][p % LANES] + small[*d] * parameters[p];
+            }
+            model.look(*forward.state(k), run.exogenous(k), None);
+            model.pull_back(&terms, &self.by_slopes(k, &big), &mut slopes);
+            (0..3).for_each(|d| small[d] += slopes[d]);
+            out[k * inputs..(k + 1) * inputs].copy_from_slice(&slopes[3..3 + inputs]);
+            after = Some(dynamics.at(forward.state(k), run.exogenous(k)));
+        }
+        out
+    }
+}
+
+impl Back<'_> {
     /// Adds what depends on S(k+1) itself.
-    fn add_sources(
-        &self,
-        n: usize,
-        forward: &Forward,
-        weighing: &Weighing,
-        followed: &[f64],
-        k: usize,
-        to: &mut [f64],
-    ) {
-        let (weights, variances) = self.channels();
-        for d in 0..3 {
-            let rows = (3 * k + d) * n..(3 * k + d + 1) * n;
-            let (s, to, w) = (&forward.s[rows.clone()], &mut to[d * n..(d + 1) * n], weights[d]);
-            add_times(n, 2.0 * w, s, &weighing.q, to);
-            add_times(n, 2.0 * w * w * variances[d], s, &weighing.m, to);
-            if let Some(own) = followed.get(rows) {
-                to.iter_mut().zip(own).for_each(|(to, x)| *to += w * x);
+    #[inline(always)]
+    fn add_sources(&self, k: usize, to: &mut [[Lane; 3]]) {
+        let s = self.forward.path.at(k + 1);
+        for (d, rows) in self.sources.iter().enumerate() {
+            rows.add_times(|c| s[c][d], |c, x| to[c][d] += x);
+        }
+        let columns = to.len();
+        if let Some(followed) = self.followed.followed.get(k * columns..(k + 1) * columns) {
+            for (to, own) in to.iter_mut().zip(followed) {
+                (0..3).for_each(|d| to[d] += Lane::splat(self.weights[d]) * own[d]);
             }
         }
     }
 
-    /// Slopes by every variable of one step: through the states, the sensitivities and the Jacobian.
-    fn step(
-        &self,
-        n: usize,
-        values: &[f64],
-        big: &[f64],
-        small: [f64; 3],
-        seconds: &[[f64; 3]; 3],
-    ) -> Vec<f64> {
-        let mut slopes = vec![0.0; values.len()];
-        let mut theta = self.parameters.iter();
-        let mut place = 0;
-        for (d, degree) in self.model.degrees.iter().enumerate() {
-            for (term, t) in degree.terms.iter().zip(&mut theta) {
-                let first = big[d * n + place] + small[d] * t;
-                term.add_slopes(values, first, seconds[d].map(|h| t * h), &mut slopes);
-                place += 1;
-            }
-            place += 1;
-        }
-        slopes
-    }
-}
-
-/// H\[d\]\[i\], the slope by J(k)\[d\]\[i\].
-fn weight_of_jacobian(
-    n: usize,
-    forward: &Forward,
-    big: &[f64],
-    forced: &[f64],
-    followed: &[f64],
-    k: usize,
-) -> [[f64; 3]; 3] {
-    let mut h = [[0.0; 3]; 3];
-    for (d, row) in h.iter_mut().enumerate() {
-        for (i, entry) in row.iter_mut().enumerate() {
-            let before = |rows: &[f64], of: &[f64]| match k {
-                0 => 0.0,
-                _ => dot(&rows[d * n..(d + 1) * n], &of[(3 * (k - 1) + i) * n..(3 * (k - 1) + i + 1) * n]),
-            };
-            *entry = before(big, &forward.s);
-            if forward.adjoints.is_empty() {
-                continue;
-            }
-            let adjoint = &forward.adjoints[3 * k * n..3 * (k + 1) * n];
-            *entry += before(adjoint, followed);
-            if i < 2 {
-                *entry += dot(&adjoint[d * n..(d + 1) * n], &forced[(2 * k + i) * n..(2 * k + i + 1) * n]);
+    /// H\[d\]\[i\], the slope by J(k)\[d\]\[i\].
+    #[inline(always)]
+    fn by_slopes(&self, k: usize, big: &[[Lane; 3]]) -> [[f64; 3]; 3] {
+        let Followed { forced, followed } = &self.followed;
+        let (s, adjoint, columns) = (self.forward.path.at(k), self.forward.adjoint(k), big.len());
+        let before = k.checked_sub(1).and_then(|k| followed.get(k * columns..(k + 1) * columns)).unwrap_or(&[]);
+        let forced = forced.get(k * columns..(k + 1) * columns).unwrap_or(&[]);
+        let mut h = [[Lane::ZERO; 3]; 3];
+        for (d, row) in h.iter_mut().enumerate() {
+            for (i, entry) in row.iter_mut().enumerate() {
+                big.iter().zip(s).for_each(|(b, s)| *entry += b[d] * s[i]);
+                adjoint.iter().zip(before).for_each(|(l, own)| *entry += l[d] * own[i]);
+                if i < 2 {
+                    adjoint.iter().zip(forced).for_each(|(l, force)| *entry += l[d] * force[i]);
+                }
             }
         }
-    }
-    h
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
-}
-
-/// Adds factor × row × matrix, the matrix symmetric.
-fn add_times(n: usize, factor: f64, row: &[f64], matrix: &[f64], to: &mut [f64]) {
-    for (x, line) in row.iter().zip(matrix.chunks_exact(n)) {
-        let x = factor * x;
-        to.iter_mut().zip(line).for_each(|(to, m)| *to += x * m);
+        h.map(|row| row.map(|entry| entry.0.iter().sum()))
     }
 }
 

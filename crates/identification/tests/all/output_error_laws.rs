@@ -3,11 +3,11 @@
 use crate::support::noise::Normals;
 use crate::support::{Experiment, dictionary, paper, truth};
 use identification::predictor::{
-    Fit, Fitted, Flow, Gusts, InitialState, Levels, Recording, Recordings, Spread, output_error,
-    prediction_error, sensitivities,
+    Fit, Fitted, Flow, Gusts, InitialState, Levels, Recordings, Sensitivities, Spread,
+    output_error, prediction_error,
 };
 use identification::{Batch, MeanRemoval, Outcome, estimate_prefiltered};
-use vessel::{LANES, Lane, Source, Vessel, Weather, simulate, simulate_in};
+use vessel::{LANES, Lane, Model, RunView, Source, Vessel, Weather, simulate, simulate_in};
 
 const NOISE: f64 = 0.158_113_883_008_418_97;
 
@@ -20,9 +20,9 @@ fn splat(values: &[f64]) -> Vec<Lane> {
     values.iter().copied().map(Lane::splat).collect()
 }
 
-fn recordings<'a>(vessel: &'a Vessel, experiment: &'a Experiment, measured: &'a [Lane]) -> Recordings<'a> {
+fn recordings<'a>(model: &'a Model, experiment: &'a Experiment, measured: &'a [Lane]) -> Recordings<'a> {
     Recordings {
-        model: &vessel.model,
+        model,
         measured,
         exogenous: splat(&experiment.inputs).leak(),
         initial: experiment.initial.map(Lane::splat),
@@ -39,22 +39,24 @@ fn converged(fits: Vec<Fit>) -> Vec<Fitted> {
 }
 
 /// Every lane a run of its own.
-fn runs<'a>(experiment: &'a Experiment, measured: &[Lane]) -> Vec<Recording<'a>> {
+fn runs<'a>(experiment: &'a Experiment, measured: &[Lane]) -> Vec<RunView<'a>> {
     let one = |lane: usize| {
         let own: Vec<f64> = measured.iter().map(|y| y[lane]).collect();
-        Recording { measured: own.leak(), exogenous: &experiment.inputs, initial: experiment.initial }
+        RunView { measured: own.leak(), exogenous: &experiment.inputs, initial: experiment.initial }
     };
     (0..LANES).map(one).collect()
 }
 
-fn starts(at: &[f64]) -> Vec<Vec<Vec<f64>>> {
-    vec![vec![at.to_vec()]; LANES]
+/// From `theta` and no intercepts in every lane.
+fn starts(vessel: &Vessel, theta: &[f64]) -> Vec<Vec<Vec<f64>>> {
+    vec![vec![vessel.model.layout().with_intercepts().woven(theta, [0.0; 3])]; LANES]
 }
 
 /// Output error of every lane, from the nominal model.
 fn free_fits(vessel: &Vessel, experiment: &Experiment, measured: &[Lane], initial: InitialState) -> Vec<Fit> {
     let runs = runs(experiment, measured);
-    output_error(&vessel.model, &runs, &starts(&vessel.nominal), initial, Spread::Residuals)
+    let (model, starts) = (vessel.model.with_intercepts(), starts(vessel, &vessel.nominal));
+    output_error(&model, &runs, &starts, initial, Spread::Residuals)
 }
 
 #[test]
@@ -62,23 +64,24 @@ fn law_sensitivities_are_difference_quotients() {
     let vessel = paper();
     let experiment = experiment(&vessel);
     let measured = splat(&experiment.states(&vessel, Source::Value));
-    let data = recordings(&vessel, &experiment, &measured);
-    let at: Vec<f64> = truth(&vessel).into_iter().chain([0.002, -0.001, 0.003, 0.05, -0.02, 0.01]).collect();
+    let model = vessel.model.with_intercepts();
+    let data = recordings(&model, &experiment, &measured);
+    let at = [model.layout().woven(&truth(&vessel), [0.002, -0.001, 0.003]), vec![0.05, -0.02, 0.01]].concat();
     let free: Vec<usize> = (0..at.len()).collect();
-    let found = sensitivities(&data, &splat(&at), &free);
+    let found = Sensitivities::of(&data, &splat(&at), &free, true);
     for i in &free {
         let step = 1e-6 * at[*i].abs().max(1e-3);
         let moved = |by: f64| {
             let mut unknowns = at.clone();
             unknowns[*i] += by;
-            sensitivities(&data, &splat(&unknowns), &[]).states
+            Sensitivities::of(&data, &splat(&unknowns), &[], true).states
         };
         let (up, down) = (moved(step), moved(-step));
         let quotient: Vec<f64> =
             up.iter().zip(&down).map(|(up, down)| (up[2] - down[2]) / (2.0 * step)).collect();
         let size = quotient.iter().fold(0.0_f64, |most, q| most.max(q.abs()));
         for (k, expected) in quotient.iter().enumerate() {
-            let found = found.derivatives[(k / 3 * free.len() + i) * 3 + k % 3][2];
+            let found = found.by(k / 3, *i)[k % 3][2];
             assert!((found - expected).abs() < 1e-6 * size, "unknown {i}, entry {k}: {found}, {expected}");
         }
     }
@@ -127,9 +130,9 @@ fn a_run_that_never_turns_is_not_identifiable_and_a_wild_start_does_not_converge
     let measured = splat(&experiment.states(&vessel, Source::Value));
     let fits = free_fits(&vessel, &experiment, &measured, InitialState::Known);
     assert!(matches!(fits[0], Fit::NotIdentifiable(_)), "{:?}", fits[0]);
-    let wild = starts(&vec![5.0; vessel.model.parameters()]);
+    let wild = starts(&vessel, &vec![5.0; vessel.model.parameters()]);
     let runs = runs(&experiment, &measured);
-    let fits = output_error(&vessel.model, &runs, &wild, InitialState::Known, Spread::Residuals);
+    let fits = output_error(&vessel.model.with_intercepts(), &runs, &wild, InitialState::Known, Spread::Residuals);
     assert!(matches!(fits[0], Fit::NotConverged(_)), "{:?}", fits[0]);
 }
 
@@ -143,8 +146,9 @@ fn law_prediction_error_without_disturbances_is_output_error() {
     measured.iter_mut().for_each(|y| (0..LANES).for_each(|lane| y[lane] += NOISE * normals.next()));
     let free = converged(free_fits(&vessel, &experiment, &measured, InitialState::Known));
     let levels = |lane: usize| Levels { measurement: free[lane].rmse, current: Flow::Still, force: None };
-    let (runs, from) = (runs(&experiment, &measured), starts(&vessel.nominal));
-    let found = converged(prediction_error(&vessel.model, &runs, &from, InitialState::Known, &levels(6)));
+    let (runs, from) = (runs(&experiment, &measured), starts(&vessel, &vessel.nominal));
+    let model = vessel.model.with_intercepts();
+    let found = converged(prediction_error(&model, &runs, &from, InitialState::Known, &levels(6)));
     for (a, b) in found[6].parameters.iter().zip(&free[6].parameters) {
         approx::assert_relative_eq!(*a, *b, max_relative = 1e-5);
     }
@@ -157,13 +161,13 @@ fn law_measurement_noise_bounds_what_the_papers_experiment_can_tell() {
     let vessel = paper();
     let experiment = experiment(&vessel);
     let measured = splat(&experiment.states(&vessel, Source::Value));
-    let data = recordings(&vessel, &experiment, &measured);
+    let data = recordings(&vessel.model, &experiment, &measured);
     let truth = truth(&vessel);
-    let (p, unknowns) = (truth.len(), splat(&[&truth[..], &[0.0; 6]].concat()));
-    let found = sensitivities(&data, &unknowns, &(0..p).collect::<Vec<_>>());
+    let (p, unknowns) = (truth.len(), splat(&[&truth[..], &[0.0; 3]].concat()));
+    let found = Sensitivities::of(&data, &unknowns, &(0..p).collect::<Vec<_>>(), true);
     let mut information = vec![0.0; p * p];
-    for s in found.derivatives.chunks_exact(3 * p) {
-        let relative = |i: usize, d: usize| s[3 * i + d][0] * truth[i] / NOISE;
+    for k in 0..=data.longest() {
+        let relative = |i: usize, d: usize| found.by(k, i)[d][0] * truth[i] / NOISE;
         for (k, entry) in information.iter_mut().enumerate() {
             *entry += (0..3).map(|d| relative(k / p, d) * relative(k % p, d)).sum::<f64>();
         }
@@ -191,7 +195,8 @@ fn estimates(
     measured: &[Lane],
     levels: &Levels,
 ) -> Vec<(Vec<f64>, Vec<f64>)> {
-    let (runs, from, known) = (runs(experiment, measured), starts(&truth(vessel)), InitialState::Known);
+    let (runs, from) = (runs(experiment, measured), starts(vessel, &truth(vessel)));
+    let (model, known) = (vessel.model.with_intercepts(), InitialState::Known);
     let fits = match by {
         By::PrefilteredInstruments => {
             let batch = Batch {
@@ -209,8 +214,8 @@ fn estimates(
             };
             return found.into_iter().map(identified).collect();
         }
-        By::OutputError => output_error(&vessel.model, &runs, &from, known, Spread::Stated(levels)),
-        By::PredictionError => prediction_error(&vessel.model, &runs, &from, known, levels),
+        By::OutputError => output_error(&model, &runs, &from, known, Spread::Stated(levels)),
+        By::PredictionError => prediction_error(&model, &runs, &from, known, levels),
     };
     converged(fits).into_iter().map(|found| (found.parameters, found.standard_errors)).collect()
 }
@@ -284,8 +289,9 @@ fn law_whitened_innovations_of_the_true_filter_have_unit_variance() {
         current: Flow::Markov { std, factor, turning: 1.0 / 8.0 },
         force: Some(Gusts { std: gust, factor: keep }),
     };
-    let (runs, from) = (runs(&experiment, &measured), starts(&truth(&vessel)));
-    let found = converged(prediction_error(&vessel.model, &runs, &from, InitialState::Known, &levels));
+    let (runs, from) = (runs(&experiment, &measured), starts(&vessel, &truth(&vessel)));
+    let model = vessel.model.with_intercepts();
+    let found = converged(prediction_error(&model, &runs, &from, InitialState::Known, &levels));
     let mean = (0..LANES).flat_map(|lane| found[lane].rmse).map(|r| r * r).sum::<f64>() / (3 * LANES) as f64;
     // 24,000 squares less 13 unknowns per run: a standard error of 0.009.
     assert!((mean - (1.0 - 13.0 / 3003.0)).abs() < 0.04, "{mean}");

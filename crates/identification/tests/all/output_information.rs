@@ -1,35 +1,25 @@
 //! Sensitivities and predicted covariances of free simulation against difference quotients and simulated noise.
 
 use crate::support::*;
-use identification::{Noise, lifted, output_information, prediction_weights, sensitivities};
+use identification::predictor::{Recordings, Sensitivities};
+use identification::{Noise, output_information, prediction_weights};
 use vessel::{Lane, Model, simulate, simulate_one};
 
-/// A simulation in which every increment has an intercept: c joins through a step of the state itself.
-fn with_intercepts(model: &Model, theta: &[f64], initial: [f64; 3], exogenous: &[f64]) -> Vec<f64> {
-    let mut plain = Vec::new();
-    let mut intercepts = [0.0; 3];
-    let mut next = theta.iter();
-    for (d, degree) in model.degrees.iter().enumerate() {
-        plain.extend((&mut next).take(degree.terms.len()));
-        intercepts[d] = *next.next().unwrap();
-    }
-    let width = model.exogenous();
-    let mut states = initial.to_vec();
-    for row in exogenous.chunks_exact(width) {
-        let at = [states[states.len() - 3], states[states.len() - 2], states[states.len() - 1]];
-        let values: Vec<f64> = at.iter().chain(row).copied().collect();
-        let increments = model.increments(&values, &plain);
-        (0..3).for_each(|d| states.push(at[d] + increments[d] + intercepts[d]));
-    }
-    states
+/// The sensitivities of one run to all parameters, ∂x_d(k)/∂θ̃ for k = 1 to N: N × 3 × n, row-major.
+fn sensitivities(lifted: &Model, parameters: &[f64], experiment: &Experiment) -> Vec<f64> {
+    let n = parameters.len();
+    let run = Recordings::simulated(lifted, experiment.initial, &experiment.inputs);
+    let unknowns = [parameters, &[0.0; 3]].concat();
+    let found = Sensitivities::of(&run, &unknowns, &(0..n).collect::<Vec<_>>(), false);
+    let row = |k: usize, d: usize| (0..n).map(|i| found.by(k, i)[d]).collect::<Vec<f64>>();
+    (1..=run.longest()).flat_map(|k| (0..3).flat_map(|d| row(k, d)).collect::<Vec<_>>()).collect()
 }
 
-/// θ with zero intercepts.
-fn lift(model: &Model, theta: &[f64]) -> Vec<f64> {
-    let mut next = theta.iter().copied();
-    let of =
-        |degree: &vessel::Degree| -> Vec<f64> { (&mut next).take(degree.terms.len()).chain([0.0]).collect() };
-    model.degrees.iter().flat_map(of).collect()
+/// The model with intercepts, which are zero.
+fn lifted(model: &Model, theta: &[f64]) -> (Model, Vec<f64>) {
+    let lifted = model.with_intercepts();
+    let parameters = lifted.layout().woven(theta, [0.0; 3]);
+    (lifted, parameters)
 }
 
 #[test]
@@ -37,17 +27,15 @@ fn law_sensitivities_are_the_difference_quotients_of_free_simulation() {
     let vessel = paper();
     let generator = dictionary(&vessel);
     let experiment = Experiment::of_maneuvers(&generator, &[(7, 60), (10, 60), (0, 40)]);
-    let (model, theta) = (&vessel.model, truth(&vessel));
-    let states = simulate_one(model, &theta, experiment.initial, &experiment.inputs);
-    let (s, _) = sensitivities(model, &theta, &states, &experiment.inputs);
-    let (n, at) = (lifted(model), lift(model, &theta));
+    let (model, at) = lifted(&vessel.model, &truth(&vessel));
+    let (s, n) = (sensitivities(&model, &at, &experiment), at.len());
     for p in 0..n {
         // Of a size that moves the states by about a hundredth.
         let step = if at[p] == 0.0 { 1e-6 } else { 1e-5 * at[p].abs() };
         let moved = |sign: f64| {
             let mut theta = at.clone();
             theta[p] += sign * step;
-            with_intercepts(model, &theta, experiment.initial, &experiment.inputs)
+            simulate_one(&model, &theta, experiment.initial, &experiment.inputs)
         };
         let (up, down) = (moved(1.0), moved(-1.0));
         let size = s.iter().skip(p).step_by(n).fold(0.0_f64, |most, x| most.max(x.abs()));
@@ -66,9 +54,9 @@ fn law_the_middle_matrix_is_what_every_single_draw_moves() {
     let (model, theta) = (&vessel.model, truth(&vessel));
     let noise = Noise { measurement: [0.1, 0.2, 0.05], current: 0.3 };
     let found = output_information(model, &theta, experiment.initial, &experiment.inputs, &noise).unwrap();
-    let states = simulate_one(model, &theta, experiment.initial, &experiment.inputs);
-    let (s, jacobians) = sensitivities(model, &theta, &states, &experiment.inputs);
-    let (n, samples) = (lifted(model), jacobians.len());
+    let (own, at) = lifted(model, &theta);
+    let s = sensitivities(&own, &at, &experiment);
+    let (n, samples) = (at.len(), experiment.inputs.len() / 3);
     let weights = noise.measurement.map(|std| 1.0 / (std * std));
     let mut expected = vec![0.0; n * n];
     let mut information = vec![0.0; n * n];
@@ -113,36 +101,16 @@ fn law_the_variance_of_a_free_run_is_the_trace_of_weights_and_covariance() {
     let experiment = Experiment::of_maneuvers(&generator, &[(8, 80)]);
     let (model, theta) = (&vessel.model, truth(&vessel));
     let weights = prediction_weights(model, &theta, experiment.initial, &experiment.inputs).unwrap();
-    let n = lifted(model);
+    let n = model.layout().with_intercepts().parameters();
     // One direction of small errors: δᵀ G δ is the mean square of what it moves.
-    let (mut errors, mut place) = (vec![0.0; n], 0);
-    let mut moved = theta.clone();
-    for degree in &model.degrees {
-        for _ in &degree.terms {
-            let index = place - errors_before(model, place);
-            errors[place] = 1e-4 * theta[index] * if index.is_multiple_of(2) { 1.0 } else { -0.5 };
-            moved[index] += errors[place];
-            place += 1;
-        }
-        place += 1;
-    }
+    let error = |(i, t): (usize, &f64)| 1e-4 * t * if i.is_multiple_of(2) { 1.0 } else { -0.5 };
+    let by: Vec<f64> = theta.iter().enumerate().map(error).collect();
+    let moved: Vec<f64> = theta.iter().zip(&by).map(|(t, e)| t + e).collect();
+    let errors = model.layout().with_intercepts().woven(&by, [0.0; 3]);
     let run = |theta: &[f64]| simulate_one(model, theta, experiment.initial, &experiment.inputs);
     let difference = run(&moved).iter().zip(run(&theta)).map(|(a, b)| (a - b).powi(2)).sum::<f64>() / 80.0;
     let predicted: f64 = (0..n * n).map(|e| errors[e / n] * weights[e] * errors[e % n]).sum();
     assert!((difference - predicted).abs() < 1e-3 * predicted, "{difference} {predicted}");
-}
-
-/// Intercepts before a lifted place.
-fn errors_before(model: &Model, place: usize) -> usize {
-    let mut end = 0;
-    model
-        .degrees
-        .iter()
-        .take_while(|degree| {
-            end += degree.terms.len() + 1;
-            end <= place
-        })
-        .count()
 }
 
 /// Finite differences of whole simulations agree to their own accuracy.
@@ -158,7 +126,7 @@ fn oracle_information_of_every_maneuver() {
     let (model, theta) = (&vessel.model, truth(&vessel));
     let std = 0.158_113_883_008_418_97;
     let noise = Noise { measurement: [std; 3], current: std };
-    let n = lifted(model);
+    let n = model.layout().with_intercepts().parameters();
     for index in 0..generator.maneuvers().len() {
         let run = generator.realize(index, 300).unwrap();
         let found = output_information(model, &theta, run.initial, &run.inputs, &noise).unwrap();

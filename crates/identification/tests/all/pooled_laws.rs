@@ -3,11 +3,11 @@
 use crate::support::noise::Normals;
 use approx::assert_relative_eq;
 use identification::pooled::{
-    COLLINEAR, Centring, Lifted, Options, Part, Prior, Regression, Status, bootstrap, fit, output_error,
+    COLLINEAR, Centring, Options, Part, Prior, Regression, Status, bootstrap, fit, output_error,
     sandwich,
 };
 use identification::{MeanRemoval, Sums};
-use vessel::{Streams, Vessel};
+use vessel::{Streams, Vessel, simulate_one};
 
 const TRUTH: [f64; 8] = [-0.06, 0.7, 0.01, -0.25, -0.3, -0.2, -0.08, 0.1];
 const COMPLETE: Options = Options { removal: MeanRemoval::Complete, prior: None, most: f64::INFINITY };
@@ -20,7 +20,7 @@ fn craft() -> Vessel {
 
 /// A part of `samples` samples with forces that are correlated in time and no measurement noise, or none at all.
 fn part(vessel: &Vessel, samples: usize, number: usize, normals: &mut Normals, disturbed: bool) -> Part {
-    let lifted = Lifted::new(&vessel.model);
+    let lifted = vessel.model.with_intercepts();
     let phase = number as f64;
     let (mut exogenous, mut measured) = (Vec::new(), vec![1.2, 0.0, 0.0]);
     let mut force = [0.0; 3];
@@ -33,7 +33,7 @@ fn part(vessel: &Vessel, samples: usize, number: usize, normals: &mut Normals, d
             *f = 0.5 * *f + if disturbed { size * normals.next() } else { 0.0 };
         }
         let state = [0, 1, 2].map(|d| measured[measured.len() - 3 + d]);
-        let next = lifted.simulate(&lifted.parameters(&TRUTH, force), state, &row, 1);
+        let next = simulate_one(&lifted, &lifted.layout().woven(&TRUTH, force), state, &row);
         measured.extend(&next[3..]);
     }
     Part::new("zigzag", "a", exogenous, measured)
@@ -42,8 +42,8 @@ fn part(vessel: &Vessel, samples: usize, number: usize, normals: &mut Normals, d
 fn many(vessel: &Vessel, count: usize, samples: usize, seed: u64) -> Vec<Part> {
     let mut normals = Normals::new(seed);
     let mut parts: Vec<Part> = (0..count).map(|i| part(vessel, samples, i, &mut normals, true)).collect();
-    let lifted = Lifted::new(&vessel.model);
-    Part::instrument(&mut parts, &lifted, &lifted.parameters(&vessel.nominal, [0.0; 3])).unwrap();
+    let lifted = vessel.model.with_intercepts();
+    Part::instrument(&mut parts, &lifted, &lifted.layout().woven(&vessel.nominal, [0.0; 3])).unwrap();
     parts
 }
 
@@ -152,14 +152,14 @@ fn law_output_errors_vanish_at_the_truth_that_undisturbed_data_came_from() {
     let vessel = craft();
     let mut normals = Normals::new(1);
     let parts: Vec<Part> = (0..3).map(|i| part(&vessel, 60, i, &mut normals, false)).collect();
-    let lifted = Lifted::new(&vessel.model);
-    let start = lifted.parameters(&vessel.nominal, [0.0; 3]);
-    let sizes = lifted.parameters(&TRUTH.map(f64::abs), [1e-3; 3]);
+    let lifted = vessel.model.with_intercepts();
+    let start = lifted.layout().woven(&vessel.nominal, [0.0; 3]);
+    let sizes = lifted.layout().woven(&TRUTH.map(f64::abs), [1e-3; 3]);
     let found = output_error(&lifted, &parts, &start, [0.2, 0.1, 0.05], &sizes).unwrap();
-    for (found, truth) in found.parameters.iter().zip(lifted.parameters(&TRUTH, [0.0; 3])) {
+    for (found, truth) in found.parameters.iter().zip(lifted.layout().woven(&TRUTH, [0.0; 3])) {
         assert_relative_eq!(*found, truth, max_relative = 1e-4, epsilon = 1e-6);
     }
-    let held = lifted.parameters(&[1.0; 8], [0.0; 3]);
+    let held = lifted.layout().woven(&[1.0; 8], [0.0; 3]);
     let found = output_error(&lifted, &parts, &start, [0.2, 0.1, 0.05], &held).unwrap();
     assert_eq!([3, 6, 10].map(|i: usize| found.parameters[i]), [0.0; 3]);
 }
@@ -186,8 +186,8 @@ fn a_nominal_simulation_that_diverges_is_told_with_part_and_sample() {
     let mut parts = many(&vessel, 3, 60, 5);
     let kept = parts.clone();
     parts[1].measured[0] = -1e4;
-    let lifted = Lifted::new(&vessel.model);
-    let wild = lifted.parameters(&vessel.nominal, [0.0; 3]);
+    let lifted = vessel.model.with_intercepts();
+    let wild = lifted.layout().woven(&vessel.nominal, [0.0; 3]);
     let diverged = Part::instrument(&mut parts, &lifted, &wild).unwrap_err();
     assert_eq!((diverged.part, diverged.at.sample, diverged.at.state), (1, 0, 0));
     assert_eq!(parts[0], kept[0]);

@@ -2,7 +2,7 @@
 
 use approx::assert_relative_eq;
 use identification::pooled::{
-    Centring, Lifted, Options, Part, Prior, Regression, Score, Window, Windows, chi_square_tail, diagnose,
+    Centring, Options, Part, Prior, Regression, Score, Window, Windows, chi_square_tail, diagnose,
     fit, residuals, sandwich, strength, whiteness,
 };
 use identification::{MeanRemoval, Sums};
@@ -47,8 +47,8 @@ fn close(found: &[f64], expected: &Value, what: &str) {
 fn regressions(oracle: &Value, vessel: &Vessel, estimator: &str) -> Vec<Regression> {
     let mut parts = parts(oracle);
     if estimator == "iv" {
-        let lifted = Lifted::new(&vessel.model);
-        let nominal = lifted.parameters(&vessel.nominal, [0.0; 3]);
+        let lifted = vessel.model.with_intercepts();
+        let nominal = lifted.layout().woven(&vessel.nominal, [0.0; 3]);
         Part::instrument(&mut parts, &lifted, &nominal).unwrap();
     }
     parts.iter().map(|part| Regression::of(&vessel.model, part)).collect()
@@ -109,7 +109,7 @@ fn oracle_pooled_estimates_priors_covariances_and_tests() {
 fn oracle_cross_validation() {
     let oracle = oracle();
     let vessel = craft(&oracle);
-    let lifted = Lifted::new(&vessel.model);
+    let lifted = vessel.model.with_intercepts();
     let all = parts(&oracle);
     let window = oracle["window"].as_u64().unwrap() as usize;
     let options = Options { removal: MeanRemoval::Complete, prior: None, most: f64::INFINITY };
@@ -117,7 +117,7 @@ fn oracle_cross_validation() {
         let sums: Vec<Sums> = parts.iter().map(|p| Regression::of(&vessel.model, p).sums()).collect();
         let found = fit(&sums.iter().collect::<Vec<_>>(), &options).map(|d| d.solution.unwrap());
         let theta: Vec<f64> = found.iter().flat_map(|s| s.theta.clone()).collect();
-        lifted.parameters(&theta, [0, 1, 2].map(|d: usize| found[d].intercept))
+        lifted.layout().woven(&theta, [0, 1, 2].map(|d: usize| found[d].intercept))
     };
     for estimator in ["ls", "iv"] {
         let mut score = Score::default();

@@ -112,9 +112,14 @@ fn law_of_a_model_without_states_the_residual_is_a_difference_of_errors() {
     for (d, degree) in vessel.model.degrees.iter().enumerate() {
         let zeta = |k: usize| -> Vec<f64> {
             let states = recording.instrument_states[3 * k..3 * k + 3].iter();
-            let values: Vec<f64> =
-                states.chain(&recording.exogenous[width * k..width * (k + 1)]).copied().collect();
-            degree.terms.iter().map(|t| t.evaluate(&values)).chain([1.0]).collect()
+            let all = states.chain(&recording.exogenous[width * k..width * (k + 1)]);
+            let values: Vec<[f64; 1]> = all.map(|value| [*value]).collect();
+            let mut term = |term: &vessel::Term| {
+                let mut out = [0.0];
+                term.values(&values, &mut out);
+                out[0]
+            };
+            degree.terms.iter().map(&mut term).chain([1.0]).collect()
         };
         let p = degree.terms.len() + 1;
         assert_eq!(found[0][d].len(), p * p);

@@ -4,7 +4,7 @@ use crate::support::noise::Normals;
 use crate::support::*;
 use approx::assert_relative_eq;
 use identification::refine::{Effort, SignalLimits, TraceCriterion, refine};
-use identification::{Noise, lifted, output_information};
+use identification::{Noise, output_information};
 
 /// 1/θ².
 fn relative(theta: &[f64]) -> Vec<f64> {
@@ -73,7 +73,8 @@ fn law_the_criterion_is_that_of_the_predicted_covariance() {
     let criterion = TraceCriterion { model, parameters: &theta, weights: &weights, noise, initial };
     let found = criterion.forward(&experiment.inputs).unwrap();
     let predicted = output_information(model, &theta, initial, &experiment.inputs, &noise).unwrap();
-    let (n, samples) = (lifted(model), (experiment.inputs.len() / 3) as f64);
+    let n = model.layout().with_intercepts().parameters();
+    let samples = (experiment.inputs.len() / 3) as f64;
     let middle: Vec<f64> = predicted.measurement.iter().zip(&predicted.process).map(|(e, p)| e + p).collect();
     let mut inverse = vec![0.0; n * n];
     numerics::inverse(n, &mut predicted.information.clone(), &mut inverse).unwrap();

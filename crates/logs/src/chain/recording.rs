@@ -1,6 +1,6 @@
 use std::f64::consts::{PI, TAU};
 
-use vessel::{DIVERGED, Diverged, Model, Pose, Streams};
+use vessel::{Ambient, Compiled, DIVERGED, Diverged, Model, Pose, Streams};
 
 use super::{Actuator, Compass, GaussMarkov, Gnss, Hits, Hull, Pace, Weather, advance, quantised};
 use crate::{Allocation, Setting, Unreachable};
@@ -141,6 +141,15 @@ impl Sea {
         });
         Self { water: water.map(|(n, e)| [drift.north_m_s + n, drift.east_m_s + e]).collect(), air }
     }
+
+    /// The current in body axes, and the wind's forces \[N, N m\], on a ship at `state` with heading `psi`.
+    fn acts(&self, sample: usize, state: [f64; 3], psi: f64, hull: Option<&Hull>) -> ([f64; 2], [f64; 3]) {
+        let forces = hull.zip(self.air.get(sample)).map_or([0.0; 3], |(hull, air)| {
+            let air = in_body(*air, psi);
+            hull.forces([state[0] - air[0], state[1] - air[1]])
+        });
+        (in_body(self.water[sample], psi), forces)
+    }
 }
 
 /// North and east in the axes of a body with heading `psi`.
@@ -184,6 +193,7 @@ impl Chain<'_> {
         let (mut state, mut pose) =
             (initial, Pose { psi: self.course_rad.unwrap_or_else(|| draws.heading()), ..Pose::default() });
         let still = vec![Setting::default(); self.actuators.len()];
+        let mut model = Compiled::new(self.model, self.parameters);
         for (sample, wanted) in forces.iter().enumerate() {
             let newtons = [0, 1, 2].map(|i| scatter * wanted[i] / self.units[i]);
             let near = at.as_deref().unwrap_or(&still);
@@ -194,7 +204,9 @@ impl Chain<'_> {
             truth.states.push(state);
             truth.poses.push(pose);
             truth.forces.push([0, 1, 2].map(|i| made[i] * self.units[i]));
-            let next = self.step(state, pose.psi, made, &sea, sample);
+            let (current, forces) = sea.acts(sample, state, pose.psi, self.hull.as_ref());
+            let exogenous = self.exogenous([0, 1, 2].map(|i| made[i] + forces[i]));
+            let next = model.step(state, &exogenous, Ambient { current: Some(current), force: None });
             if let Some(d) = (0..3).find(|d| next[*d].is_nan() || next[*d].abs() > DIVERGED) {
                 return Err(Failed::Diverged(Diverged { sample: sample + 1, state: d }));
             }
@@ -228,20 +240,11 @@ impl Chain<'_> {
         sum
     }
 
-    /// The next state: the model with velocities through the water, under the forces of thrusters and wind \[N, N m\].
-    fn step(&self, state: [f64; 3], psi: f64, made: [f64; 3], sea: &Sea, sample: usize) -> [f64; 3] {
-        let water = in_body(sea.water[sample], psi);
-        let mut forces = made;
-        if let (Some(hull), Some(air)) = (&self.hull, sea.air.get(sample)) {
-            let air = in_body(*air, psi);
-            let wind = hull.forces([state[0] - air[0], state[1] - air[1]]);
-            forces.iter_mut().zip(wind).for_each(|(force, wind)| *force += wind);
-        }
-        let mut values = vec![0.0; self.model.variables.len()];
-        values[..3].copy_from_slice(&[state[0] - water[0], state[1] - water[1], state[2]]);
-        values.iter_mut().skip(3).zip(forces).zip(self.units).for_each(|((v, f), unit)| *v = f * unit);
-        let increments = self.model.increments(&values, self.parameters);
-        [0, 1, 2].map(|d| state[d] + increments[d])
+    /// The model's inputs and measured disturbances under forces of thrusters and wind \[N, N m\].
+    fn exogenous(&self, forces: [f64; 3]) -> Vec<f64> {
+        let mut exogenous = vec![0.0; self.model.exogenous()];
+        exogenous.iter_mut().zip(forces).zip(self.units).for_each(|((to, f), unit)| *to = f * unit);
+        exogenous
     }
 
     /// What the sensors show of `truth`.

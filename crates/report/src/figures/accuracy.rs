@@ -1,8 +1,7 @@
-use crate::figures::FigureError;
 use crate::figures::axis::{Axis, extent};
-use crate::figures::canvas::{Anchor, Canvas, Lettering, Paint, Point, drawn};
 use crate::figures::layout::{BASE, COLUMN, GRID, LABEL, note};
 use crate::figures::palette::series;
+use crate::figures::svg::{Anchor, Lettering, Paint, Point, Sheet};
 use crate::figures::text;
 
 /// How accurate one design is after some time.
@@ -22,14 +21,7 @@ const BOTTOM: f64 = HEIGHT - 48.0;
 
 /// Curves of the standard error against the duration of the experiment, both logarithmic, and the wanted error with the
 /// duration that reaches it. Points that are not above zero are left out.
-///
-/// # Errors
-/// The drawing library fails.
-pub fn accuracy(
-    curves: &[AccuracyCurve<'_>],
-    wanted: (f64, f64),
-    title: &str,
-) -> Result<String, FigureError> {
+pub fn accuracy(curves: &[AccuracyCurve<'_>], wanted: (f64, f64), title: &str) -> String {
     let known: Vec<(&str, Vec<(f64, f64)>)> = curves
         .iter()
         .map(|c| {
@@ -42,19 +34,19 @@ pub fn accuracy(
     let all = || known.iter().flat_map(|(_, points)| points).chain([&wanted]);
     let across = Scale::new(all().map(|p| p.0), LEFT, RIGHT);
     let up = Scale::new(all().map(|p| p.1), BOTTOM, TOP);
-    drawn(COLUMN, HEIGHT, "Standard error against duration", |canvas| {
-        frame(canvas, &across, &up, title);
+    Sheet::figure(COLUMN, HEIGHT, "Standard error against duration", |sheet| {
+        frame(sheet, &across, &up, title);
         let target = (across.at(wanted.0), up.at(wanted.1));
-        canvas.line((LEFT, target.1), target, Paint::ink(0.5), 1.2);
-        canvas.line((target.0, BOTTOM), target, Paint::ink(0.5), 1.2);
+        sheet.line((LEFT, target.1), target, (Paint::ink(0.5), 1.2));
+        sheet.line((target.0, BOTTOM), target, (Paint::ink(0.5), 1.2));
         for (i, (label, points)) in known.iter().enumerate() {
             let path: Vec<Point> = points.iter().map(|(s, e)| (across.at(*s), up.at(*e))).collect();
-            canvas.path(&path, Paint::solid(series(i)), 2.0);
+            sheet.polyline(&path, (Paint::solid(series(i)), 2.0));
             let y = TOP + 12.0 + 16.0 * i as f64;
-            canvas.line((RIGHT - 150.0, y), (RIGHT - 128.0, y), Paint::solid(series(i)), 2.4);
-            canvas.text(label, (RIGHT - 121.0, y), note(Anchor::Start));
+            sheet.line((RIGHT - 150.0, y), (RIGHT - 128.0, y), (Paint::solid(series(i)), 2.4));
+            sheet.text(label, (RIGHT - 121.0, y), note(Anchor::Start));
         }
-        canvas.dot(target, 5.0, Paint::solid(series(0)));
+        sheet.disc(target, 5.0, Paint::solid(series(0)));
     })
 }
 
@@ -88,23 +80,23 @@ impl Scale {
     }
 }
 
-fn frame(canvas: &mut Canvas<'_>, across: &Scale, up: &Scale, title: &str) {
+fn frame(sheet: &mut Sheet, across: &Scale, up: &Scale, title: &str) {
     let label = |value: f64| text::number(value, 10f64.powf(value.log10().floor()));
     for value in across.ticks() {
         let x = across.at(value);
-        canvas.line((x, TOP), (x, BOTTOM), GRID, 1.0);
-        canvas.text(&label(value), (x, BOTTOM + 13.0), note(Anchor::Middle));
+        sheet.line((x, TOP), (x, BOTTOM), (GRID, 1.0));
+        sheet.text(&label(value), (x, BOTTOM + 13.0), note(Anchor::Middle));
     }
     for value in up.ticks() {
         let y = up.at(value);
-        canvas.line((LEFT, y), (RIGHT, y), GRID, 1.0);
-        canvas.text(&label(value), (LEFT - 8.0, y), note(Anchor::End));
+        sheet.line((LEFT, y), (RIGHT, y), (GRID, 1.0));
+        sheet.text(&label(value), (LEFT - 8.0, y), note(Anchor::End));
     }
-    canvas.line((LEFT, BOTTOM), (RIGHT, BOTTOM), BASE, 1.0);
-    canvas.line((LEFT, TOP), (LEFT, BOTTOM), BASE, 1.0);
+    sheet.line((LEFT, BOTTOM), (RIGHT, BOTTOM), (BASE, 1.0));
+    sheet.line((LEFT, TOP), (LEFT, BOTTOM), (BASE, 1.0));
     let lettering = Lettering::new(LABEL, Anchor::Middle);
-    canvas.text("duration of the experiment [s]", ((LEFT + RIGHT) / 2.0, BOTTOM + 36.0), lettering);
-    canvas.text(title, (14.0, (TOP + BOTTOM) / 2.0), lettering.upwards());
+    sheet.text("duration of the experiment [s]", ((LEFT + RIGHT) / 2.0, BOTTOM + 36.0), lettering);
+    sheet.text(title, (14.0, (TOP + BOTTOM) / 2.0), lettering.upwards());
 }
 
 #[cfg(test)]
@@ -125,7 +117,7 @@ mod tests {
     fn law_a_curve_of_one_over_the_root_of_time_is_straight() {
         let points: Vec<(f64, f64)> = (1..=8).map(|i| (f64::from(i * i), 1.0 / f64::from(i))).collect();
         let curve = AccuracyCurve { label: "design", points };
-        let svg = accuracy(&[curve], (16.0, 0.25), "error [1]").unwrap();
+        let svg = accuracy(&[curve], (16.0, 0.25), "error [1]");
         assert!(svg.starts_with("<svg") && svg.contains("duration of the experiment"));
         let (across, up) =
             (Scale::new([1.0, 64.0].into_iter(), 0.0, 1.0), Scale::new([1.0, 0.125].into_iter(), 0.0, 1.0));

@@ -1,8 +1,7 @@
-use crate::figures::FigureError;
 use crate::figures::axis::{Axis, Tick, extent};
-use crate::figures::canvas::{Anchor, Canvas, Lettering, Paint, Point, drawn};
 use crate::figures::layout::{BASE, COLUMN, GRID, LABEL, note};
 use crate::figures::palette::BLUE;
+use crate::figures::svg::{Anchor, Lettering, Paint, Point, Sheet};
 use crate::figures::text;
 
 /// One point of a front of information against cost.
@@ -28,21 +27,18 @@ const MOST_NAMED: usize = 12;
 
 /// Dots of log|det| against cost, and the steps of what each cost can buy; the chosen dot is filled. Dots in any order;
 /// those that are not finite are left out.
-///
-/// # Errors
-/// The drawing library fails.
-pub fn front(dots: &[FrontDot<'_>], cost_title: &str) -> Result<String, FigureError> {
+pub fn front(dots: &[FrontDot<'_>], cost_title: &str) -> String {
     let mut known: Vec<&FrontDot<'_>> =
         dots.iter().filter(|dot| dot.cost.is_finite() && dot.log_det.is_finite()).collect();
     known.sort_by(|a, b| a.cost.total_cmp(&b.cost).then(a.log_det.total_cmp(&b.log_det)));
-    drawn(COLUMN, HEIGHT, "Information against cost", |canvas| {
+    Sheet::figure(COLUMN, HEIGHT, "Information against cost", |sheet| {
         let across = axis(known.iter().map(|dot| dot.cost), (LEFT, RIGHT));
         let up = axis(known.iter().map(|dot| dot.log_det), (BOTTOM, TOP));
         let whole = known.iter().all(|dot| dot.cost.fract() == 0.0);
-        frame(canvas, &cost_ticks(&across, whole), &across, &up, cost_title);
-        canvas.path(&steps(&known, &across, &up), Paint::solid(BLUE).faded(0.55), 1.6);
+        frame(sheet, &cost_ticks(&across, whole), &across, &up, cost_title);
+        sheet.polyline(&steps(&known, &across, &up), (Paint::solid(BLUE).faded(0.55), 1.6));
         for dot in &known {
-            draw_dot(canvas, (across.at(dot.cost), up.at(dot.log_det)), dot, known.len());
+            draw_dot(sheet, (across.at(dot.cost), up.at(dot.log_det)), dot, known.len());
         }
     })
 }
@@ -64,22 +60,22 @@ fn cost_ticks(across: &Axis, whole: bool) -> Vec<Tick> {
     ticks
 }
 
-fn frame(canvas: &mut Canvas<'_>, ticks: &[Tick], across: &Axis, up: &Axis, cost_title: &str) {
+fn frame(sheet: &mut Sheet, ticks: &[Tick], across: &Axis, up: &Axis, cost_title: &str) {
     for Tick { value, label } in ticks {
         let x = across.at(*value);
-        canvas.line((x, TOP), (x, BOTTOM), GRID, 1.0);
-        canvas.text(label, (x, BOTTOM + 13.0), note(Anchor::Middle));
+        sheet.line((x, TOP), (x, BOTTOM), (GRID, 1.0));
+        sheet.text(label, (x, BOTTOM + 13.0), note(Anchor::Middle));
     }
     for Tick { value, label } in up.ticks(4) {
         let y = up.at(value);
-        canvas.line((LEFT, y), (RIGHT, y), GRID, 1.0);
-        canvas.text(&label, (LEFT - 8.0, y), note(Anchor::End));
+        sheet.line((LEFT, y), (RIGHT, y), (GRID, 1.0));
+        sheet.text(&label, (LEFT - 8.0, y), note(Anchor::End));
     }
-    canvas.line((LEFT, BOTTOM), (RIGHT, BOTTOM), BASE, 1.0);
-    canvas.line((LEFT, TOP), (LEFT, BOTTOM), BASE, 1.0);
+    sheet.line((LEFT, BOTTOM), (RIGHT, BOTTOM), (BASE, 1.0));
+    sheet.line((LEFT, TOP), (LEFT, BOTTOM), (BASE, 1.0));
     let title = Lettering::new(LABEL, Anchor::Middle);
-    canvas.text(cost_title, ((LEFT + RIGHT) / 2.0, BOTTOM + 36.0), title);
-    canvas.text("log|det| of the moments [1]", (14.0, (TOP + BOTTOM) / 2.0), title.upwards());
+    sheet.text(cost_title, ((LEFT + RIGHT) / 2.0, BOTTOM + 36.0), title);
+    sheet.text("log|det| of the moments [1]", (14.0, (TOP + BOTTOM) / 2.0), title.upwards());
 }
 
 /// What a cost can buy at most: level until the next better dot.
@@ -98,17 +94,17 @@ fn steps(known: &[&FrontDot<'_>], across: &Axis, up: &Axis) -> Vec<Point> {
     corners
 }
 
-fn draw_dot(canvas: &mut Canvas<'_>, (x, y): Point, dot: &FrontDot<'_>, dots: usize) {
+fn draw_dot(sheet: &mut Sheet, (x, y): Point, dot: &FrontDot<'_>, dots: usize) {
     if dot.chosen {
-        canvas.dot((x, y), 6.0, Paint::solid(BLUE));
+        sheet.disc((x, y), 6.0, Paint::solid(BLUE));
     } else {
-        canvas.ring((x, y), 4.8, Paint::solid(BLUE), 1.6);
+        sheet.disc((x, y), 4.8, (Paint::solid(BLUE), 1.6));
     }
     if dot.chosen || dots <= MOST_NAMED {
         let (anchor, aside) = if x > 0.7 * RIGHT { (Anchor::End, -9.0) } else { (Anchor::Start, 9.0) };
         let lettering = note(anchor);
         let lettering = if dot.chosen { lettering.bold() } else { lettering };
-        canvas.text(dot.label, (x + aside, y - 11.0), lettering);
+        sheet.text(dot.label, (x + aside, y - 11.0), lettering);
     }
 }
 

@@ -1,9 +1,8 @@
-use crate::figures::FigureError;
 use crate::figures::axis::Axis;
-use crate::figures::canvas::{Anchor, Canvas, Lettering, Paint, drawn};
 use crate::figures::histogram::Histogram;
 use crate::figures::layout::{BASE, GRID, LABEL, note};
 use crate::figures::palette::series;
+use crate::figures::svg::{Anchor, Lettering, Paint, Sheet};
 use crate::figures::text;
 
 /// The horizontal axis that all panels share.
@@ -44,23 +43,17 @@ const FOOT: f64 = 44.0;
 
 /// Histograms one above the other with the same bins and the same two axes. Values at or above the limit are in a bar
 /// of their own at the right, paler and outlined; a bar that would dwarf the others is broken and carries its count.
-///
-/// # Errors
-/// The drawing library fails.
-pub fn histogram_pair(
-    axis: &HistogramAxis<'_>,
-    panels: &[HistogramPanel<'_>],
-) -> Result<String, FigureError> {
+pub fn histogram_pair(axis: &HistogramAxis<'_>, panels: &[HistogramPanel<'_>]) -> String {
     let counted: Vec<Histogram> =
         panels.iter().map(|p| Histogram::new(p.values, axis.limit, axis.bins)).collect();
     let top = ceiling(&counted);
     let label = format!("Histograms of {}", axis.title);
-    drawn(axis.width.max(240.0), panels.len() as f64 * PANEL + FOOT, &label, |canvas| {
+    Sheet::figure(axis.width.max(240.0), panels.len() as f64 * PANEL + FOOT, &label, |sheet| {
         for (index, (panel, histogram)) in panels.iter().zip(&counted).enumerate() {
             let floor = index as f64 * PANEL + HEAD + PLOT;
-            Plot::new(axis, top, floor).draw(canvas, axis, panel, histogram);
+            Plot::new(axis, top, floor).draw(sheet, axis, panel, histogram);
         }
-        Plot::new(axis, top, 0.0).foot(canvas, axis, panels.len() as f64 * PANEL);
+        Plot::new(axis, top, 0.0).foot(sheet, axis, panels.len() as f64 * PANEL);
     })
 }
 
@@ -89,92 +82,92 @@ impl Plot {
 
     fn draw(
         &self,
-        canvas: &mut Canvas<'_>,
+        sheet: &mut Sheet,
         axis: &HistogramAxis<'_>,
         panel: &HistogramPanel<'_>,
         counted: &Histogram,
     ) {
         let paint = Paint::solid(series(panel.colour));
-        self.grid(canvas);
-        self.bins(canvas, axis, counted, paint);
-        self.overflow(canvas, counted.beyond, paint);
-        canvas.line((LEFT, self.floor), (self.right, self.floor), BASE, 1.0);
-        self.heading(canvas, panel);
+        self.grid(sheet);
+        self.bins(sheet, axis, counted, paint);
+        self.overflow(sheet, counted.beyond, paint);
+        sheet.line((LEFT, self.floor), (self.right, self.floor), (BASE, 1.0));
+        self.heading(sheet, panel);
         if let Some(bound) = axis.bound.filter(|bound| *bound < axis.limit) {
-            self.bound(canvas, bound, panel.note.as_deref());
+            self.bound(sheet, bound, panel.note.as_deref());
         }
     }
 
-    fn grid(&self, canvas: &mut Canvas<'_>) {
+    fn grid(&self, sheet: &mut Sheet) {
         for tick in self.up.ticks(3).iter().filter(|tick| tick.value.fract() == 0.0) {
             let y = self.up.at(tick.value);
-            canvas.line((LEFT, y), (self.right, y), GRID, 1.0);
-            canvas.text(&tick.label, (LEFT - 7.0, y), note(Anchor::End));
+            sheet.line((LEFT, y), (self.right, y), (GRID, 1.0));
+            sheet.text(&tick.label, (LEFT - 7.0, y), note(Anchor::End));
         }
         let middle = self.floor - 0.5 * PLOT;
-        canvas.text("runs", (11.0, middle), Lettering::new(LABEL, Anchor::Middle).upwards());
+        sheet.text("runs", (11.0, middle), Lettering::new(LABEL, Anchor::Middle).upwards());
     }
 
-    fn bins(&self, canvas: &mut Canvas<'_>, axis: &HistogramAxis<'_>, counted: &Histogram, paint: Paint) {
+    fn bins(&self, sheet: &mut Sheet, axis: &HistogramAxis<'_>, counted: &Histogram, paint: Paint) {
         let width = axis.limit / counted.counts.len() as f64;
         for (bin, &count) in counted.counts.iter().enumerate().filter(|(_, count)| **count > 0) {
             let from = self.across.at(bin as f64 * width) + 0.4;
             let to = self.across.at((bin + 1) as f64 * width) - 0.4;
-            canvas.bar((from, self.floor), (to, self.up.at(count as f64)), paint);
+            sheet.bar((from, self.floor), (to, self.up.at(count as f64)), paint);
         }
     }
 
-    fn overflow(&self, canvas: &mut Canvas<'_>, beyond: usize, paint: Paint) {
+    fn overflow(&self, sheet: &mut Sheet, beyond: usize, paint: Paint) {
         let (from, to) = self.overflow;
         let top = self.up.inside(beyond as f64);
-        canvas.line((from - 3.0, self.floor), (to + 3.0, self.floor), BASE, 1.0);
+        sheet.line((from - 3.0, self.floor), (to + 3.0, self.floor), (BASE, 1.0));
         if beyond > 0 {
-            canvas.bar((from, self.floor), (to, top), paint.faded(0.3));
-            canvas.frame((from, self.floor), (to, top), paint, 1.4);
+            sheet.bar((from, self.floor), (to, top), paint.faded(0.3));
+            sheet.bar((from, self.floor), (to, top), (paint, 1.4));
         }
         if beyond as f64 > self.up.high() {
-            self.breaks(canvas, from, to);
+            self.breaks(sheet, from, to);
         }
-        canvas.text(&beyond.to_string(), ((from + to) / 2.0, top - 9.0), note(Anchor::Middle));
+        sheet.text(&beyond.to_string(), ((from + to) / 2.0, top - 9.0), note(Anchor::Middle));
     }
 
     /// Two slanted strokes across the last bar: it goes on beyond the axis.
-    fn breaks(&self, canvas: &mut Canvas<'_>, from: f64, to: f64) {
+    fn breaks(&self, sheet: &mut Sheet, from: f64, to: f64) {
         for drop in [14.0, 20.0] {
             let y = self.floor - PLOT + drop;
-            canvas.line((from - 5.0, y + 4.0), (to + 5.0, y - 4.0), Paint::ink(0.8), 1.6);
+            sheet.line((from - 5.0, y + 4.0), (to + 5.0, y - 4.0), (Paint::ink(0.8), 1.6));
         }
     }
 
-    fn heading(&self, canvas: &mut Canvas<'_>, panel: &HistogramPanel<'_>) {
+    fn heading(&self, sheet: &mut Sheet, panel: &HistogramPanel<'_>) {
         let y = self.floor - PLOT - 14.0;
-        canvas.bar((LEFT, y - 5.0), (LEFT + 10.0, y + 5.0), Paint::solid(series(panel.colour)));
-        canvas.text(panel.label, (LEFT + 16.0, y), Lettering::new(LABEL, Anchor::Start).bold());
+        sheet.bar((LEFT, y - 5.0), (LEFT + 10.0, y + 5.0), Paint::solid(series(panel.colour)));
+        sheet.text(panel.label, (LEFT + 16.0, y), Lettering::new(LABEL, Anchor::Start).bold());
     }
 
-    fn bound(&self, canvas: &mut Canvas<'_>, bound: f64, text: Option<&str>) {
+    fn bound(&self, sheet: &mut Sheet, bound: f64, text: Option<&str>) {
         let x = self.across.at(bound);
-        canvas.line((x, self.floor), (x, self.floor - PLOT - 3.0), Paint::ink(0.85), 1.4);
+        sheet.line((x, self.floor), (x, self.floor - PLOT - 3.0), (Paint::ink(0.85), 1.4));
         if let Some(text) = text {
             let at = (x + 7.0, self.floor - PLOT + 7.0);
-            canvas.text(text, at, Lettering::new(LABEL, Anchor::Start));
+            sheet.text(text, at, Lettering::new(LABEL, Anchor::Start));
         }
     }
 
     /// Ticks and title below the last panel. The limit is named below the last bar only.
-    fn foot(&self, canvas: &mut Canvas<'_>, axis: &HistogramAxis<'_>, top: f64) {
+    fn foot(&self, sheet: &mut Sheet, axis: &HistogramAxis<'_>, top: f64) {
         for tick in self.across.ticks(4) {
             let x = self.across.at(tick.value);
-            canvas.line((x, top - 12.0), (x, top - 8.0), BASE, 1.0);
+            sheet.line((x, top - 12.0), (x, top - 8.0), (BASE, 1.0));
             if x < self.right - 16.0 {
-                canvas.text(&tick.label, (x, top), note(Anchor::Middle));
+                sheet.text(&tick.label, (x, top), note(Anchor::Middle));
             }
         }
         let (from, to) = self.overflow;
         let limit = format!("≥ {}", text::number(axis.limit, finest(axis.limit)));
-        canvas.text(&limit, ((from + to) / 2.0, top), note(Anchor::Middle));
+        sheet.text(&limit, ((from + to) / 2.0, top), note(Anchor::Middle));
         let middle = (LEFT + self.right) / 2.0;
-        canvas.text(axis.title, (middle, top + 24.0), Lettering::new(LABEL, Anchor::Middle));
+        sheet.text(axis.title, (middle, top + 24.0), Lettering::new(LABEL, Anchor::Middle));
     }
 }
 

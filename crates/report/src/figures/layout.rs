@@ -1,5 +1,5 @@
 use crate::figures::axis::{Axis, Tick};
-use crate::figures::canvas::{Anchor, Canvas, Lettering, Paint};
+use crate::figures::svg::{Anchor, Lettering, Paint, Sheet};
 use crate::figures::text;
 
 /// Width of a figure that stands alone on a phone and two abreast on a desk [px].
@@ -60,17 +60,17 @@ impl Rows {
     }
 
     /// Names, grid and axis.
-    pub(crate) fn draw(&self, canvas: &mut Canvas<'_>, axis: &Axis, ticks: &[Tick], title: &str) {
+    pub(crate) fn draw(&self, sheet: &mut Sheet, axis: &Axis, ticks: &[Tick], title: &str) {
         for tick in ticks {
             let x = axis.at(tick.value);
-            canvas.line((x, TOP), (x, self.bottom()), GRID, 1.0);
-            canvas.text(&tick.label, (x, self.bottom() + 12.0), note(Anchor::Middle));
+            sheet.line((x, TOP), (x, self.bottom()), (GRID, 1.0));
+            sheet.text(&tick.label, (x, self.bottom() + 12.0), note(Anchor::Middle));
         }
         for (index, name) in self.names.iter().enumerate() {
             let at = (self.left - 10.0, self.middle(index));
-            canvas.text(name, at, Lettering::new(LABEL, Anchor::End));
+            sheet.text(name, at, Lettering::new(LABEL, Anchor::End));
         }
         let middle = (self.left + self.right) / 2.0;
-        canvas.text(title, (middle, self.bottom() + 34.0), Lettering::new(LABEL, Anchor::Middle));
+        sheet.text(title, (middle, self.bottom() + 34.0), Lettering::new(LABEL, Anchor::Middle));
     }
 }

@@ -18,14 +18,12 @@ mod margins;
 mod marks;
 mod numbers;
 mod outline;
-mod path;
-mod sheet;
 mod simplify;
 mod surround;
 mod tracks;
 mod view;
 
-use crate::figures::canvas::escaped;
+use crate::figures::svg::{self, Colours, Sheet};
 
 pub use error::MapError;
 pub use input::{
@@ -33,7 +31,6 @@ pub use input::{
 };
 
 use legend::Legend;
-use sheet::{Sheet, units};
 use view::{LABEL, View, WIDTH};
 
 /// Draws `map` as one SVG element that scales to the width of whatever holds it.
@@ -57,7 +54,7 @@ use view::{LABEL, View, WIDTH};
 pub fn map_figure(map: &Map) -> Result<String, MapError> {
     check::check(map)?;
     let view = View::new(&map.frame);
-    let mut sheet = Sheet::default();
+    let mut sheet = Sheet::new(Colours::Kept);
     draw(&mut sheet, &view, map);
     surround::draw(&mut sheet, &view, &map.graticule);
     let legend = Legend::new(map);
@@ -82,13 +79,9 @@ fn draw(sheet: &mut Sheet, view: &View, map: &Map) {
 }
 
 fn whole(map: &Map, sheet: &Sheet, height: f64) -> String {
-    let title = escaped(&sheet::printable(&map.title));
-    let described = escaped(&sheet::printable(&map.description));
-    let (width, height, size) = (units(WIDTH), units(height), units(LABEL));
-    format!(
-        "<svg role=\"img\" aria-label=\"{title}\" stroke-linejoin=\"round\" stroke-linecap=\"round\" \
-         font-family=\"sans-serif\" font-size=\"{size}\" viewBox=\"0 0 {width} {height}\" \
-         xmlns=\"http://www.w3.org/2000/svg\">\n<title>{title}</title>\n<desc>{described}</desc>\n{}</svg>\n",
-        sheet.body()
-    )
+    let attributes =
+        format!(" stroke-linecap=\"round\" font-family=\"sans-serif\" font-size=\"{}\"", svg::units(LABEL));
+    let (title, described) = (Sheet::written(&map.title), Sheet::written(&map.description));
+    let head = format!("<title>{title}</title>\n<desc>{described}</desc>\n");
+    sheet.svg((WIDTH, height), &map.title, &attributes, &head)
 }

@@ -9,8 +9,7 @@
 
 mod accuracy;
 mod axis;
-mod canvas;
-mod error;
+
 mod front;
 mod histogram;
 mod histogram_figure;
@@ -20,6 +19,7 @@ pub mod palette;
 mod relative_errors;
 mod sensitivities;
 mod shares;
+mod svg;
 mod text;
 mod thin;
 mod traces;
@@ -27,7 +27,6 @@ mod traces_legend;
 mod tracks;
 
 pub use accuracy::{AccuracyCurve, accuracy};
-pub use error::FigureError;
 pub use front::{FrontDot, front};
 pub use histogram::Histogram;
 pub use histogram_figure::{HistogramAxis, HistogramPanel, histogram_pair};

@@ -1,8 +1,7 @@
-use crate::figures::FigureError;
 use crate::figures::axis::{Axis, Tick};
-use crate::figures::canvas::{Anchor, Canvas, Paint, drawn};
 use crate::figures::layout::{COLUMN, Rows, note};
 use crate::figures::palette::series;
+use crate::figures::svg::{Anchor, Paint, Sheet};
 use crate::figures::text;
 
 /// One parameter's relative error under each design.
@@ -21,21 +20,18 @@ const BESIDE: f64 = 11.0;
 
 /// Mean ± standard deviation of the relative error per parameter, one colour per design. The axis is linear within
 /// ±10 % and logarithmic beyond.
-///
-/// # Errors
-/// The drawing library fails.
-pub fn relative_errors(designs: &[&str], rows: &[ErrorRow<'_>]) -> Result<String, FigureError> {
+pub fn relative_errors(designs: &[&str], rows: &[ErrorRow<'_>]) -> String {
     let layout = Rows::new(rows.iter().map(|row| row.name), 14.0 + BESIDE * designs.len() as f64, 18.0);
-    drawn(COLUMN, layout.height(), "Relative error per parameter, mean and spread", |canvas| {
+    Sheet::figure(COLUMN, layout.height(), "Relative error per parameter, mean and spread", |sheet| {
         let (left, right) = layout.span();
         let axis = Axis::symmetric(most(rows), LINEAR, left, right);
-        layout.draw(canvas, &axis, &ticks(&axis), "relative error of the estimates [%]");
+        layout.draw(sheet, &axis, &ticks(&axis), "relative error of the estimates [%]");
         let zero = axis.at(0.0);
-        canvas.line((zero, layout.top()), (zero, layout.bottom()), Paint::ink(0.7), 1.2);
+        sheet.line((zero, layout.top()), (zero, layout.bottom()), (Paint::ink(0.7), 1.2));
         for (index, row) in rows.iter().enumerate() {
-            draw_row(canvas, &axis, layout.middle(index), row);
+            draw_row(sheet, &axis, layout.middle(index), row);
         }
-        key(canvas, designs, left);
+        key(sheet, designs, left);
     })
 }
 
@@ -57,35 +53,35 @@ fn ticks(axis: &Axis) -> Vec<Tick> {
     values.map(|value| Tick { value, label: text::number(100.0 * value, 1.0) }).collect()
 }
 
-fn draw_row(canvas: &mut Canvas<'_>, axis: &Axis, middle: f64, row: &ErrorRow<'_>) {
+fn draw_row(sheet: &mut Sheet, axis: &Axis, middle: f64, row: &ErrorRow<'_>) {
     let first = middle - 0.5 * BESIDE * (row.errors.len() as f64 - 1.0);
     for (index, error) in row.errors.iter().enumerate() {
         if let Some((mean, spread)) = error {
             let y = first + BESIDE * index as f64;
-            whisker(canvas, axis, y, (*mean, *spread), Paint::solid(series(index)));
+            whisker(sheet, axis, y, (*mean, *spread), Paint::solid(series(index)));
         }
     }
 }
 
-fn whisker(canvas: &mut Canvas<'_>, axis: &Axis, y: f64, (mean, spread): (f64, f64), paint: Paint) {
+fn whisker(sheet: &mut Sheet, axis: &Axis, y: f64, (mean, spread): (f64, f64), paint: Paint) {
     if !(mean.is_finite() && spread.is_finite()) {
         return;
     }
     let (from, to) = (axis.inside(mean - spread), axis.inside(mean + spread));
-    canvas.line((from, y), (to, y), paint, 2.2);
+    sheet.line((from, y), (to, y), (paint, 2.2));
     for end in [from, to] {
-        canvas.line((end, y - 3.5), (end, y + 3.5), paint, 1.6);
+        sheet.line((end, y - 3.5), (end, y + 3.5), (paint, 1.6));
     }
-    canvas.dot((axis.inside(mean), y), 4.0, paint);
+    sheet.disc((axis.inside(mean), y), 4.0, paint);
 }
 
-fn key(canvas: &mut Canvas<'_>, designs: &[&str], left: f64) {
+fn key(sheet: &mut Sheet, designs: &[&str], left: f64) {
     let mut x = left;
     for (index, design) in designs.iter().enumerate() {
         let paint = Paint::solid(series(index));
-        canvas.line((x, 11.0), (x + 22.0, 11.0), paint, 2.2);
-        canvas.dot((x + 11.0, 11.0), 4.0, paint);
-        canvas.text(design, (x + 28.0, 11.0), note(Anchor::Start));
+        sheet.line((x, 11.0), (x + 22.0, 11.0), (paint, 2.2));
+        sheet.disc((x + 11.0, 11.0), 4.0, paint);
+        sheet.text(design, (x + 28.0, 11.0), note(Anchor::Start));
         x += 44.0 + text::width(design, 12.0);
     }
 }

@@ -1,8 +1,7 @@
-use crate::figures::FigureError;
 use crate::figures::axis::{Axis, extent};
-use crate::figures::canvas::{Anchor, Canvas, Paint, drawn};
 use crate::figures::layout::{COLUMN, Rows, note};
 use crate::figures::palette::BLUE;
+use crate::figures::svg::{Anchor, Paint, Sheet};
 use crate::figures::text;
 
 /// One maneuver's sensitivity.
@@ -20,17 +19,14 @@ const ROW: f64 = 32.0;
 
 /// Dots of the sensitivities against the line at `dimension` that a maneuver in use touches. The rows are as high as
 /// those of [`crate::figures::shares`], so that the two figures match side by side.
-///
-/// # Errors
-/// The drawing library fails.
-pub fn sensitivities(rows: &[SensitivityRow<'_>], dimension: f64) -> Result<String, FigureError> {
+pub fn sensitivities(rows: &[SensitivityRow<'_>], dimension: f64) -> String {
     let layout = Rows::new(rows.iter().map(|row| row.name), ROW, 24.0);
-    drawn(COLUMN, layout.height(), "Sensitivity per maneuver", |canvas| {
+    Sheet::figure(COLUMN, layout.height(), "Sensitivity per maneuver", |sheet| {
         let axis = axis(rows, dimension, layout.span());
-        layout.draw(canvas, &axis, &axis.ticks(6), "sensitivity g [1]");
-        threshold(canvas, &layout, axis.at(dimension), dimension);
+        layout.draw(sheet, &axis, &axis.ticks(6), "sensitivity g [1]");
+        threshold(sheet, &layout, axis.at(dimension), dimension);
         for (index, row) in rows.iter().enumerate() {
-            draw_row(canvas, &axis, layout.middle(index), row, dimension);
+            draw_row(sheet, &axis, layout.middle(index), row, dimension);
         }
     })
 }
@@ -42,20 +38,20 @@ fn axis(rows: &[SensitivityRow<'_>], dimension: f64, (left, right): (f64, f64)) 
     Axis::linear(if low < 0.0 { low - air } else { 0.0 }, high + air, left, right)
 }
 
-fn threshold(canvas: &mut Canvas<'_>, layout: &Rows, x: f64, dimension: f64) {
-    canvas.line((x, layout.top() - 5.0), (x, layout.bottom()), Paint::ink(0.8), 1.4);
+fn threshold(sheet: &mut Sheet, layout: &Rows, x: f64, dimension: f64) {
+    sheet.line((x, layout.top() - 5.0), (x, layout.bottom()), (Paint::ink(0.8), 1.4));
     let label = format!("worth its time: g = p = {}", text::number(dimension, 1.0));
-    canvas.text(&label, (x + 2.0, 11.0), note(Anchor::End));
+    sheet.text(&label, (x + 2.0, 11.0), note(Anchor::End));
 }
 
-fn draw_row(canvas: &mut Canvas<'_>, axis: &Axis, y: f64, row: &SensitivityRow<'_>, dimension: f64) {
+fn draw_row(sheet: &mut Sheet, axis: &Axis, y: f64, row: &SensitivityRow<'_>, dimension: f64) {
     let x = axis.at(row.sensitivity);
     if row.used {
-        canvas.dot((x, y), 5.5, Paint::solid(BLUE));
+        sheet.disc((x, y), 5.5, Paint::solid(BLUE));
     } else {
-        canvas.line((x, y), (axis.at(dimension), y), Paint::ink(0.35), 1.0);
-        canvas.ring((x, y), 4.8, Paint::solid(BLUE), 1.6);
+        sheet.line((x, y), (axis.at(dimension), y), (Paint::ink(0.35), 1.0));
+        sheet.disc((x, y), 4.8, (Paint::solid(BLUE), 1.6));
         let label = text::number(row.sensitivity, 0.1);
-        canvas.text(&label, (x - 10.0, y), note(Anchor::End));
+        sheet.text(&label, (x - 10.0, y), note(Anchor::End));
     }
 }

@@ -1,8 +1,7 @@
-use crate::figures::FigureError;
 use crate::figures::axis::Axis;
-use crate::figures::canvas::{Anchor, Canvas, Lettering, Paint, drawn};
 use crate::figures::layout::{BASE, COLUMN, LABEL, Rows, note};
 use crate::figures::palette::BLUE;
+use crate::figures::svg::{Anchor, Lettering, Paint, Sheet};
 use crate::figures::text::percent;
 
 /// One maneuver's share of the experiment time.
@@ -21,21 +20,18 @@ const OURS: f64 = 13.0;
 const PUBLISHED: f64 = 9.0;
 
 /// Horizontal bars of the shares; published shares as outlined bars below ours.
-///
-/// # Errors
-/// The drawing library fails.
-pub fn shares(rows: &[ShareRow<'_>]) -> Result<String, FigureError> {
+pub fn shares(rows: &[ShareRow<'_>]) -> String {
     let layout = Rows::new(rows.iter().map(|row| row.name), ROW, 58.0);
     let published = rows.iter().any(|row| row.published.is_some());
-    drawn(COLUMN, layout.height(), "Optimal share of the experiment time per maneuver", |canvas| {
+    Sheet::figure(COLUMN, layout.height(), "Optimal share of the experiment time per maneuver", |sheet| {
         let (left, right) = layout.span();
         let axis = Axis::linear(0.0, 100.0 * greatest(rows), left, right);
-        layout.draw(canvas, &axis, &axis.ticks(5), "share of the experiment time [%]");
-        canvas.line((left, layout.top()), (left, layout.bottom()), BASE, 1.0);
+        layout.draw(sheet, &axis, &axis.ticks(5), "share of the experiment time [%]");
+        sheet.line((left, layout.top()), (left, layout.bottom()), (BASE, 1.0));
         for (index, row) in rows.iter().enumerate() {
-            draw_row(canvas, &axis, layout.middle(index), row, published);
+            draw_row(sheet, &axis, layout.middle(index), row, published);
         }
-        key(canvas, left, published);
+        key(sheet, left, published);
     })
 }
 
@@ -44,38 +40,38 @@ fn greatest(rows: &[ShareRow<'_>]) -> f64 {
     both.filter(|share| share.is_finite()).fold(0.05, f64::max)
 }
 
-fn draw_row(canvas: &mut Canvas<'_>, axis: &Axis, middle: f64, row: &ShareRow<'_>, published: bool) {
+fn draw_row(sheet: &mut Sheet, axis: &Axis, middle: f64, row: &ShareRow<'_>, published: bool) {
     let lift = if published { 0.5 * PUBLISHED } else { 0.0 };
     if row.share.is_finite() {
-        bar(canvas, axis, middle - lift, row.share);
+        bar(sheet, axis, middle - lift, row.share);
     }
     if let Some(share) = row.published.filter(|share| *share > 0.0 && share.is_finite()) {
-        outline(canvas, axis, middle - lift + 0.5 * OURS + 0.5, share);
+        outline(sheet, axis, middle - lift + 0.5 * OURS + 0.5, share);
     }
 }
 
-fn bar(canvas: &mut Canvas<'_>, axis: &Axis, middle: f64, share: f64) {
+fn bar(sheet: &mut Sheet, axis: &Axis, middle: f64, share: f64) {
     let (from, to) = (axis.at(0.0), axis.inside(100.0 * share));
-    canvas.bar((from, middle - 0.5 * OURS), (to, middle + 0.5 * OURS), Paint::solid(BLUE));
+    sheet.bar((from, middle - 0.5 * OURS), (to, middle + 0.5 * OURS), Paint::solid(BLUE));
     let (label, weight) =
         if share < 5e-4 { ("0".to_owned(), note(Anchor::Start)) } else { (percent(share), value()) };
-    canvas.text(&label, (to + 5.0, middle), weight);
+    sheet.text(&label, (to + 5.0, middle), weight);
 }
 
 fn value() -> Lettering {
     Lettering::new(LABEL - 1.0, Anchor::Start).bold()
 }
 
-fn outline(canvas: &mut Canvas<'_>, axis: &Axis, top: f64, share: f64) {
+fn outline(sheet: &mut Sheet, axis: &Axis, top: f64, share: f64) {
     let end = axis.inside(100.0 * share);
-    canvas.frame((axis.at(0.0), top), (end, top + PUBLISHED), Paint::ink(0.6), 1.2);
+    sheet.bar((axis.at(0.0), top), (end, top + PUBLISHED), (Paint::ink(0.6), 1.2));
 }
 
-fn key(canvas: &mut Canvas<'_>, left: f64, published: bool) {
-    canvas.bar((left, 6.0), (left + 22.0, 16.0), Paint::solid(BLUE));
-    canvas.text("here", (left + 28.0, 11.0), note(Anchor::Start));
+fn key(sheet: &mut Sheet, left: f64, published: bool) {
+    sheet.bar((left, 6.0), (left + 22.0, 16.0), Paint::solid(BLUE));
+    sheet.text("here", (left + 28.0, 11.0), note(Anchor::Start));
     if published {
-        canvas.frame((left + 76.0, 6.0), (left + 98.0, 16.0), Paint::ink(0.6), 1.2);
-        canvas.text("published", (left + 104.0, 11.0), note(Anchor::Start));
+        sheet.bar((left + 76.0, 6.0), (left + 98.0, 16.0), (Paint::ink(0.6), 1.2));
+        sheet.text("published", (left + 104.0, 11.0), note(Anchor::Start));
     }
 }

@@ -1,4 +1,4 @@
-use crate::figures::canvas::Point;
+use crate::figures::svg::Point;
 
 /// At most about `most` points of a curve that keep its peaks: of each stretch the first, lowest and highest point.
 /// Points that are not finite are dropped.

@@ -1,8 +1,7 @@
-use crate::figures::FigureError;
 use crate::figures::axis::{Axis, extent};
-use crate::figures::canvas::{Anchor, Canvas, Lettering, Paint, drawn};
 use crate::figures::layout::{BASE, GRID, LABEL, NOTE, note};
 use crate::figures::palette::{INK, Rgb};
+use crate::figures::svg::{Anchor, Lettering, Paint, Sheet};
 use crate::figures::thin::thinned;
 use crate::figures::traces_legend::{self, TraceColumn};
 
@@ -38,21 +37,18 @@ const FOOT: f64 = 42.0;
 const MOST_POINTS: usize = 600;
 
 /// Small multiples over time: a row per maneuver, a column per quantity, the same axes everywhere in a column.
-///
-/// # Errors
-/// The drawing library fails.
-pub fn traces(columns: &[TraceColumn<'_>], rows: &[TraceRow<'_>]) -> Result<String, FigureError> {
+pub fn traces(columns: &[TraceColumn<'_>], rows: &[TraceRow<'_>]) -> String {
     let head = traces_legend::height(columns);
     let height = head + rows.len() as f64 * ROW + FOOT;
-    drawn(WIDTH, height, "Inputs and states over time per maneuver", |canvas| {
+    Sheet::figure(WIDTH, height, "Inputs and states over time per maneuver", |sheet| {
         let grid = Grid::new(columns, rows, head);
         for (index, column) in columns.iter().enumerate() {
-            traces_legend::draw(canvas, column, grid.across[index].ends().0);
+            traces_legend::draw(sheet, column, grid.across[index].ends().0);
         }
         for (index, row) in rows.iter().enumerate() {
-            grid.draw_row(canvas, index, row);
+            grid.draw_row(sheet, index, row);
         }
-        grid.foot(canvas, rows.len());
+        grid.foot(sheet, rows.len());
     })
 }
 
@@ -73,32 +69,32 @@ impl Grid {
         Self { across, ranges, head }
     }
 
-    fn draw_row(&self, canvas: &mut Canvas<'_>, index: usize, row: &TraceRow<'_>) {
+    fn draw_row(&self, sheet: &mut Sheet, index: usize, row: &TraceRow<'_>) {
         let top = self.head + index as f64 * ROW;
-        canvas.line((0.0, top), (WIDTH, top), GRID, 1.0);
+        sheet.line((0.0, top), (WIDTH, top), (GRID, 1.0));
         let name = (2.0, top + 13.0);
-        canvas.text(row.name, name, Lettering::new(LABEL, Anchor::Start).bold());
+        sheet.text(row.name, name, Lettering::new(LABEL, Anchor::Start).bold());
         if let Some(text) = &row.note {
             let after = self.across.get(1).map_or(WIDTH / 2.0, |across| across.ends().0);
-            canvas.text(text, (after, top + 13.0), note(Anchor::Start));
+            sheet.text(text, (after, top + 13.0), note(Anchor::Start));
         }
         for ((across, &range), curves) in self.across.iter().zip(&self.ranges).zip(&row.cells) {
             let up = Axis::linear(range.0, range.1, top + ROW - 6.0, top + ROW - 6.0 - CELL);
             let cell = Cell { across, up };
-            cell.axes(canvas);
-            curves.iter().for_each(|curve| cell.curve(canvas, row.t, curve));
+            cell.axes(sheet);
+            curves.iter().for_each(|curve| cell.curve(sheet, row.t, curve));
         }
     }
 
-    fn foot(&self, canvas: &mut Canvas<'_>, rows: usize) {
+    fn foot(&self, sheet: &mut Sheet, rows: usize) {
         let top = self.head + rows as f64 * ROW;
         for across in &self.across {
             for tick in across.ticks(4) {
-                canvas.text(&tick.label, (across.at(tick.value), top + 8.0), note(Anchor::Middle));
+                sheet.text(&tick.label, (across.at(tick.value), top + 8.0), note(Anchor::Middle));
             }
             let (left, right) = across.ends();
             let middle = ((left + right) / 2.0, top + 28.0);
-            canvas.text("time [s]", middle, Lettering::new(NOTE, Anchor::Middle));
+            sheet.text("time [s]", middle, Lettering::new(NOTE, Anchor::Middle));
         }
     }
 }
@@ -118,13 +114,13 @@ struct Cell<'a> {
 }
 
 impl Cell<'_> {
-    fn axes(&self, canvas: &mut Canvas<'_>) {
+    fn axes(&self, sheet: &mut Sheet) {
         let (left, right) = self.across.ends();
         for tick in self.up.ticks(2) {
             let y = self.up.at(tick.value);
             let paint = if tick.value == 0.0 { BASE } else { GRID };
-            canvas.line((left, y), (right, y), paint, 1.0);
-            canvas.text(
+            sheet.line((left, y), (right, y), (paint, 1.0));
+            sheet.text(
                 &tick.label,
                 (left - 5.0, y),
                 Lettering::new(11.0, Anchor::End).painted(Paint::ink(0.7)),
@@ -132,9 +128,9 @@ impl Cell<'_> {
         }
     }
 
-    fn curve(&self, canvas: &mut Canvas<'_>, t: &[f64], curve: &Curve) {
+    fn curve(&self, sheet: &mut Sheet, t: &[f64], curve: &Curve) {
         let points = t.iter().zip(&curve.values).map(|(t, value)| (self.across.at(*t), self.up.at(*value)));
         let paint = Paint::solid(curve.colour.unwrap_or(INK));
-        canvas.path(&thinned(points, MOST_POINTS), paint, 1.5);
+        sheet.polyline(&thinned(points, MOST_POINTS), (paint, 1.5));
     }
 }

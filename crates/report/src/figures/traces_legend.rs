@@ -1,6 +1,6 @@
-use crate::figures::canvas::{Anchor, Canvas, Lettering, Paint};
 use crate::figures::layout::{LABEL, note};
 use crate::figures::palette::Rgb;
+use crate::figures::svg::{Anchor, Lettering, Paint, Sheet};
 
 /// One column of the small multiples: a quantity whose vertical axis all rows share.
 #[derive(Clone, Debug)]
@@ -21,11 +21,11 @@ pub(crate) fn height(columns: &[TraceColumn<'_>]) -> f64 {
 }
 
 /// Title and legend of one column whose cells begin at pixel `left`.
-pub(crate) fn draw(canvas: &mut Canvas<'_>, column: &TraceColumn<'_>, left: f64) {
-    canvas.text(column.title, (left, 12.0), Lettering::new(LABEL, Anchor::Start).bold());
+pub(crate) fn draw(sheet: &mut Sheet, column: &TraceColumn<'_>, left: f64) {
+    sheet.text(column.title, (left, 12.0), Lettering::new(LABEL, Anchor::Start).bold());
     for (index, (name, colour)) in column.legend.iter().enumerate() {
         let y = TITLE + LINE * (index as f64 + 0.4);
-        canvas.line((left, y), (left + 18.0, y), Paint::solid(*colour), 2.4);
-        canvas.text(name, (left + 24.0, y), note(Anchor::Start));
+        sheet.line((left, y), (left + 18.0, y), (Paint::solid(*colour), 2.4));
+        sheet.text(name, (left + 24.0, y), note(Anchor::Start));
     }
 }

@@ -1,8 +1,7 @@
-use crate::figures::FigureError;
 use crate::figures::axis::{extent, round_step};
-use crate::figures::canvas::{Anchor, Canvas, Paint, Point, drawn};
 use crate::figures::layout::{GRID, NOTE, note};
 use crate::figures::palette::BLUE;
+use crate::figures::svg::{Anchor, Paint, Point, Sheet};
 use crate::figures::text;
 use crate::figures::thin::thinned;
 
@@ -24,29 +23,26 @@ const HEAD: f64 = 26.0;
 const PAD: f64 = 10.0;
 
 /// Plan views, all at the same scale: x upwards, y to the right, a dot at the start.
-///
-/// # Errors
-/// The drawing library fails.
-pub fn tracks(tracks: &[Track<'_>]) -> Result<String, FigureError> {
-    let sheet = Sheet::new(tracks);
-    let rows = tracks.len().div_ceil(sheet.columns);
-    let height = rows as f64 * sheet.cell.1 + 34.0;
-    drawn(WIDTH, height, "Plan view of every maneuver", |canvas| {
+pub fn tracks(tracks: &[Track<'_>]) -> String {
+    let cells = Cells::new(tracks);
+    let rows = tracks.len().div_ceil(cells.columns);
+    let height = rows as f64 * cells.cell.1 + 34.0;
+    Sheet::figure(WIDTH, height, "Plan view of every maneuver", |sheet| {
         for (index, track) in tracks.iter().enumerate() {
-            sheet.draw(canvas, index, track);
+            cells.draw(sheet, index, track);
         }
-        sheet.scale_bar(canvas, height - 16.0);
+        cells.scale_bar(sheet, height - 16.0);
     })
 }
 
 /// How many cells abreast, how large they are [px], and pixels per metre.
-struct Sheet {
+struct Cells {
     columns: usize,
     cell: (f64, f64),
     scale: f64,
 }
 
-impl Sheet {
+impl Cells {
     fn new(tracks: &[Track<'_>]) -> Self {
         let widest = tracks.iter().map(|t| length(t.y)).fold(1e-3, f64::max);
         let longest = tracks.iter().map(|t| length(t.x)).fold(1e-3, f64::max);
@@ -62,16 +58,16 @@ impl Sheet {
         Self { columns, cell, scale }
     }
 
-    fn draw(&self, canvas: &mut Canvas<'_>, index: usize, track: &Track<'_>) {
+    fn draw(&self, sheet: &mut Sheet, index: usize, track: &Track<'_>) {
         let left = (index % self.columns) as f64 * self.cell.0;
         let top = (index / self.columns) as f64 * self.cell.1;
-        canvas.frame((left + 3.0, top + 3.0), (left + self.cell.0 - 3.0, top + self.cell.1 - 3.0), GRID, 1.0);
-        canvas.text(&text::shortened(track.name, 24), (left + PAD, top + 16.0), note(Anchor::Start));
+        sheet.bar((left + 3.0, top + 3.0), (left + self.cell.0 - 3.0, top + self.cell.1 - 3.0), (GRID, 1.0));
+        sheet.text(&text::shortened(track.name, 24), (left + PAD, top + 16.0), note(Anchor::Start));
         let centre = (left + 0.5 * self.cell.0, top + HEAD + 0.5 * (self.cell.1 - HEAD));
         let points = self.placed(track, centre);
-        canvas.path(&thinned(points.iter().copied(), 600), Paint::solid(BLUE), 1.8);
+        sheet.polyline(&thinned(points.iter().copied(), 600), (Paint::solid(BLUE), 1.8));
         if let Some(start) = points.iter().find(|p| p.0.is_finite() && p.1.is_finite()) {
-            canvas.dot(*start, 3.5, Paint::ink(0.9));
+            sheet.disc(*start, 3.5, Paint::ink(0.9));
         }
     }
 
@@ -84,15 +80,15 @@ impl Sheet {
             .collect()
     }
 
-    fn scale_bar(&self, canvas: &mut Canvas<'_>, y: f64) {
+    fn scale_bar(&self, sheet: &mut Sheet, y: f64) {
         let metres = round_step(0.5 * 100.0 / self.scale);
         let end = 4.0 + metres * self.scale;
-        canvas.line((4.0, y), (end, y), Paint::ink(0.8), 2.0);
+        sheet.line((4.0, y), (end, y), (Paint::ink(0.8), 2.0));
         for x in [4.0, end] {
-            canvas.line((x, y - 4.0), (x, y + 4.0), Paint::ink(0.8), 1.4);
+            sheet.line((x, y - 4.0), (x, y + 4.0), (Paint::ink(0.8), 1.4));
         }
         let label = format!("{} m", text::number(metres, metres));
-        canvas.text(&label, (end + 0.7 * NOTE, y), note(Anchor::Start));
+        sheet.text(&label, (end + 0.7 * NOTE, y), note(Anchor::Start));
     }
 }
 

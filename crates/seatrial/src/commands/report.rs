@@ -52,7 +52,7 @@ fn stage(a: &Arguments) -> Result<Summary, Failure> {
         scenarios: a.scenarios.clone(),
     };
     let study = load(&sources)?;
-    let page = render(&study).map_err(|e| Failure::Failed(format!("figures: {e}")))?;
+    let page = render(&study);
     let out = a.common.main_output("report.html", &[])?;
     let figures = beside(&out, "figures");
     let existed = figures.is_dir();

@@ -2,7 +2,7 @@ use std::path::{Path, PathBuf};
 
 use artifact::{Provenance, commit, stage_document};
 use identification::ScoreStatus;
-use identification::pooled::{Lifted, Part, Score, Window, Windows};
+use identification::pooled::{Part, Score, Window, Windows};
 use serde_json::json;
 use vessel::{DegreeOfFreedom, Lane, Vessel};
 
@@ -69,7 +69,7 @@ pub fn cross(wanted: &Wanted, mut provenance: Provenance) -> Result<Summary, Fai
     let strength = flags.strength()?;
     let nominal = NominalModel::read(&flags.nominal(), vessel, &mut provenance)?;
     let data = Data::read(wanted.trajectories, vessel, flags, &mut provenance)?;
-    let lifted = Lifted::new(&vessel.model);
+    let lifted = vessel.model.with_intercepts();
     let removal = wanted.removal;
     let pool = Pool {
         model: &vessel.model,
@@ -166,7 +166,7 @@ impl<'a> Study<'a> {
             return tried;
         };
         let intercepts = if self.wanted.intercepts { found.intercepts() } else { [0.0; 3] };
-        let theta = self.pool.lifted.parameters(&theta, intercepts);
+        let theta = self.pool.lifted.layout().woven(&theta, intercepts);
         let lanes: Vec<Lane> = theta.into_iter().map(Lane::splat).collect();
         tried.scores = fold.left_out.iter().map(|source| (*source, self.simulate(*source, &lanes))).collect();
         tried

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use artifact::Provenance;
 use clap::ValueEnum;
-use identification::{Noise, lifted, output_information, prediction_weights};
+use identification::{Noise, output_information, prediction_weights};
 use serde_json::json;
 use vessel::{DegreeOfFreedom, Model, Source, Streams, Vessel};
 
@@ -151,7 +151,7 @@ fn validation_weights(
     let config = read_campaign(campaign, provenance)?;
     let generator = generator(campaign, vessel, &config.validation_dictionary(), provenance)?;
     let invalid = |e| Failure::invalid(campaign, &e);
-    let n = lifted(&vessel.model);
+    let n = vessel.model.layout().with_intercepts().parameters();
     let (mut sum, mut total) = (vec![0.0; n * n], 0.0);
     for index in 0..generator.maneuvers().len() {
         let samples = generator.samples(index).map_err(invalid)?;

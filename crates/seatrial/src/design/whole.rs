@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use design::{Candidates, Covariance, CovariancePoint, Evaluation, Objective};
 use identification::{Batch, Noise, middle, moments, output_information};
+use vessel::lanes::interleave;
 use vessel::{LANES, Lane, check_diverged, simulate_one};
 
 use super::criterion::{Criterion, CriterionName};
@@ -69,13 +70,12 @@ impl Sequencing<'_> {
             None => Some(self.generator.parameters().to_vec()),
         };
         let Some(theta) = theta else { return nothing };
-        let last = runs.len() - 1;
         let simulated = |theta: &[f64]| -> Vec<Vec<f64>> {
             let run = |i: usize| simulate_one(model, theta, runs[i].0, &exogenous[i]);
             (0..runs.len()).map(run).collect()
         };
         let lanes = |rows: &[Vec<f64>]| -> Vec<Lane> {
-            (0..rows[0].len()).map(|k| Lane(std::array::from_fn(|lane| rows[lane.min(last)][k]))).collect()
+            interleave(&rows.iter().map(Vec::as_slice).collect::<Vec<_>>())
         };
         let (own, nominal) = (simulated(&theta), simulated(&self.vessel.nominal));
         let (measured, instrument_states, inputs) = (lanes(&own), lanes(&nominal), lanes(exogenous));
@@ -138,14 +138,8 @@ impl Sequencing<'_> {
 
     /// Weights of all rows: 0 for intercepts.
     fn rows(&self, weights: &[f64]) -> Vec<f64> {
-        let mut rest = weights.iter().copied();
-        let mut rows = Vec::new();
-        for degree in &self.vessel.model.degrees {
-            rows.extend(rest.by_ref().take(degree.terms.len()));
-            if self.estimated.has_intercepts() {
-                rows.push(0.0);
-            }
-        }
-        rows
+        let plain = self.vessel.model.layout();
+        let layout = if self.estimated.has_intercepts() { plain.with_intercepts() } else { plain };
+        layout.woven(weights, [0.0; 3])
     }
 }

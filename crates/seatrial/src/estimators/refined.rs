@@ -2,12 +2,12 @@
 
 use identification::predictor::Levels;
 use identification::{Batch, MeanRemoval, Noise, Outcome};
-use vessel::{LANES, Lane, Vessel, check_diverged, simulate};
+use vessel::{Lane, Vessel, check_diverged, simulate};
 
 use super::rows::{Found, Regressed};
 use identification::EstimateStatus as Status;
 use vessel::Run;
-use vessel::lanes::{groups, interleave};
+use vessel::lanes::{SideBySide, by_lane, groups, interleave};
 
 /// Most often that instruments are simulated again.
 const ROUNDS: usize = 8;
@@ -45,9 +45,7 @@ struct Refinement<'a> {
     vessel: &'a Vessel,
     removal: MeanRemoval,
     noise: Option<Noise>,
-    initial: [Lane; 3],
-    measured: Vec<Lane>,
-    exogenous: Vec<Lane>,
+    runs: SideBySide,
     starts: Vec<Vec<usize>>,
     found: Vec<Found>,
     /// The models that simulations are made with.
@@ -63,16 +61,12 @@ impl<'a> Refinement<'a> {
         removal: MeanRemoval,
         noise: Option<Noise>,
     ) -> Self {
-        let last = runs.len() - 1;
-        let start = |d: usize| Lane(std::array::from_fn(|lane| runs[lane.min(last)].initial[d]));
         let found = iv.iter().map(|r| Found { status: r.found.status, estimate: r.found.estimate.clone() });
         Self {
             vessel,
             removal,
             noise,
-            initial: [0, 1, 2].map(start),
-            measured: interleave(&runs.iter().map(|r| r.measured.as_slice()).collect::<Vec<_>>()),
-            exogenous: interleave(&runs.iter().map(|r| r.exogenous.as_slice()).collect::<Vec<_>>()),
+            runs: SideBySide::of(&runs.iter().map(Run::view).collect::<Vec<_>>()),
             starts: runs.iter().map(Run::starts).collect(),
             found: found.collect(),
             models: iv.iter().map(|r| r.theta().unwrap_or(&vessel.nominal).to_vec()).collect(),
@@ -82,13 +76,12 @@ impl<'a> Refinement<'a> {
 
     fn round(&mut self, first: bool) {
         let (parameters, states) = self.simulated();
-        let last = self.starts.len() - 1;
         let batch = Batch {
             model: &self.vessel.model,
-            measured: &self.measured,
+            measured: &self.runs.measured,
             instrument_states: &states,
-            exogenous: &self.exogenous,
-            segments: std::array::from_fn(|lane| self.starts[lane.min(last)].as_slice()),
+            exogenous: &self.runs.exogenous,
+            segments: by_lane(self.starts.len(), |run| self.starts[run].as_slice()),
         };
         let outcomes =
             identification::estimate_prefiltered(&batch, &parameters, self.removal, self.noise.as_ref());
@@ -104,12 +97,10 @@ impl<'a> Refinement<'a> {
 
     /// Every run simulated with its estimate, one lane per parameter.
     fn simulated(&self) -> (Vec<Lane>, Vec<Lane>) {
-        let last = self.models.len() - 1;
-        let parameter =
-            |i: usize| Lane(std::array::from_fn::<f64, LANES, _>(|lane| self.models[lane.min(last)][i]));
-        let parameters: Vec<Lane> = (0..self.vessel.model.parameters()).map(parameter).collect();
-        let mut states = vec![Lane::ZERO; self.measured.len()];
-        simulate(&self.vessel.model, &parameters, self.initial, &self.exogenous, &[], &mut states);
+        let parameters = interleave(&self.models.iter().map(Vec::as_slice).collect::<Vec<_>>());
+        let SideBySide { measured, exogenous, initial, .. } = &self.runs;
+        let mut states = vec![Lane::ZERO; measured.len()];
+        simulate(&self.vessel.model, &parameters, *initial, exogenous, &[], &mut states);
         (parameters, states)
     }
 

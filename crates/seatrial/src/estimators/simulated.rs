@@ -1,13 +1,13 @@
 //! Output error and prediction error of single runs.
 
 use identification::predictor::{
-    Fit, InitialState, Levels, Recording, Spread, output_error, prediction_error,
+    Fit, InitialState, Levels, Spread, output_error, prediction_error,
 };
 use vessel::Vessel;
 
 use super::rows::Found;
 use identification::EstimateStatus as Status;
-use vessel::Run;
+use vessel::{Run, RunView};
 
 /// What all runs have in common.
 pub(super) struct Begin<'a> {
@@ -20,10 +20,10 @@ impl Begin<'_> {
     /// Least errors of free simulations of `runs`. Searches begin at the estimates `near`, then at those of `iv`, then at the
     /// nominal model, where there is none or it leads nowhere.
     pub(super) fn output_error(&self, runs: &[Run], near: &[Found], iv: &[Found]) -> Vec<Fit> {
-        let starts = |(near, iv): (&Found, &Found)| self.starts([near.theta(), iv.theta()]);
+        let starts = |(near, iv): (&Found, &Found)| self.starts([near, iv].map(|found| found.theta().map(without)));
         let starts: Vec<Vec<Vec<f64>>> = near.iter().zip(iv).map(starts).collect();
         let spread = self.levels.map_or(Spread::Residuals, Spread::Stated);
-        output_error(&self.vessel.model, &recordings(runs), &starts, self.initial, spread)
+        output_error(&self.vessel.model.with_intercepts(), &views(runs), &starts, self.initial, spread)
     }
 
     /// Least errors of the predictions of `runs` by a filter for `levels`, from where free simulations have the least.
@@ -35,26 +35,34 @@ impl Begin<'_> {
         levels: &Levels,
     ) -> Vec<Fit> {
         let starts = |(free, near): (&Fit, &Found)| {
-            let lifted = match free {
-                Fit::Converged(found) => Some([&found.parameters[..], &found.intercepts].concat()),
+            let free = match free {
+                Fit::Converged(found) => Some((&found.parameters[..], found.intercepts)),
                 _ => None,
             };
-            self.starts([lifted.as_deref(), near.theta()])
+            self.starts([free, near.theta().map(without)])
         };
         let starts: Vec<Vec<Vec<f64>>> = free.iter().zip(near).map(starts).collect();
-        prediction_error(&self.vessel.model, &recordings(runs), &starts, self.initial, levels)
+        let model = self.vessel.model.with_intercepts();
+        prediction_error(&model, &views(runs), &starts, self.initial, levels)
     }
 
     /// Those of `known` that there are, and the nominal model.
-    fn starts(&self, known: [Option<&[f64]>; 2]) -> Vec<Vec<f64>> {
-        known.into_iter().flatten().chain([self.vessel.nominal.as_slice()]).map(<[f64]>::to_vec).collect()
+    fn starts(&self, known: [Option<Start>; 2]) -> Vec<Vec<f64>> {
+        let layout = self.vessel.model.layout().with_intercepts();
+        let all = known.into_iter().flatten().chain([without(&self.vessel.nominal)]);
+        all.map(|(theta, intercepts)| layout.woven(theta, intercepts)).collect()
     }
 }
 
-fn recordings(runs: &[Run]) -> Vec<Recording<'_>> {
-    runs.iter()
-        .map(|run| Recording { measured: &run.measured, exogenous: &run.exogenous, initial: run.initial })
-        .collect()
+/// Parameters of the terms, and intercepts.
+type Start<'a> = (&'a [f64], [f64; 3]);
+
+fn without(theta: &[f64]) -> Start<'_> {
+    (theta, [0.0; 3])
+}
+
+fn views(runs: &[Run]) -> Vec<RunView<'_>> {
+    runs.iter().map(Run::view).collect()
 }
 
 impl From<&Fit> for Found {

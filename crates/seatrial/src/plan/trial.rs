@@ -5,7 +5,7 @@ use std::path::Path;
 use artifact::{Provenance, read_document, read_toml};
 use chart::{Bounds, Chart, Plane};
 use trial::{Approach, Grid, Piece, Repertoire, mirror};
-use vessel::{Invalid, Motion, Streams, Vessel, steady_inputs};
+use vessel::{Invalid, Motion, Steady, Streams, Vessel};
 
 use super::chart_layers::{invalid, layers};
 use super::config::PlanFile;
@@ -223,5 +223,5 @@ fn check_shown(
 fn can_hold(vessel: &Vessel) -> bool {
     let mut unknowns = vec![0.0; vessel.model.inputs + 1];
     let turning = Motion { u: 0.0, v: Some(0.01), r: 0.01 };
-    steady_inputs(vessel, &vessel.nominal, turning, &mut unknowns).is_ok()
+    Steady::new(vessel, &vessel.nominal).solve(turning, &mut unknowns).is_ok()
 }

@@ -1,5 +1,5 @@
 use identification::pooled::{
-    COLLINEAR, DegreeFit, Lifted, Options, OutputError, Part, PartDiverged, Prior, Regression, fit,
+    COLLINEAR, DegreeFit, Options, OutputError, Part, PartDiverged, Prior, Regression, fit,
     output_error,
 };
 use identification::{DegreeSums, MeanRemoval, Sums};
@@ -17,7 +17,7 @@ pub struct Pool<'a> {
     /// The model structure.
     pub model: &'a Model,
     /// The same with intercepts.
-    pub lifted: &'a Lifted,
+    pub lifted: &'a Model,
     /// How many intercepts.
     pub removal: MeanRemoval,
     /// Strength of the prior.
@@ -91,7 +91,7 @@ impl Pool<'_> {
         let ls = self.regressions(parts);
         let sums: Vec<Sums> = ls.iter().map(Regression::sums).collect();
         let nominal = self.nominal.parameters(&sums.iter().collect::<Vec<_>>(), self.removal);
-        let lifted = nominal.as_ref().map(|(theta, c)| self.lifted.parameters(theta, *c));
+        let lifted = nominal.as_ref().map(|(theta, c)| self.lifted.layout().woven(theta, *c));
         let fitted = self.fit(&sums, nominal.as_ref().map(|(theta, _)| theta.as_slice()), Used::Ls);
         let mut found = Estimated {
             degrees: fitted,
@@ -134,7 +134,8 @@ impl Pool<'_> {
             let Some(own) = own.map(|t| t.concat()) else { break };
             let intercepts =
                 [0, 1, 2].map(|d: usize| degrees[d].solution.as_ref().map_or(0.0, |s| s.intercept));
-            if Part::instrument(parts, self.lifted, &self.lifted.parameters(&own, intercepts)).is_err() {
+            let woven = self.lifted.layout().woven(&own, intercepts);
+            if Part::instrument(parts, self.lifted, &woven).is_err() {
                 break;
             }
             let again = self.instrumented_regressions(parts);
@@ -156,7 +157,7 @@ impl Pool<'_> {
     /// Goes on from the estimate at hand to the least errors of free simulations. Where those diverge, it stays.
     fn simulated(&self, parts: &[Part], sums: &[Sums], found: &mut Estimated) {
         let Some(theta) = found.theta() else { return };
-        let start = self.lifted.parameters(&theta, found.intercepts());
+        let start = self.lifted.layout().woven(&theta, found.intercepts());
         let std = deviations(parts.iter().map(|p| p.measured.as_slice()));
         let scales = Scales { std, sizes: self.sizes(sums, std) };
         let Some(best) = self.least_errors(parts, &start, &scales) else { return };
@@ -189,13 +190,9 @@ impl Pool<'_> {
 
     /// θ and intercept of surge, sway and yaw from lifted parameters.
     fn split(&self, lifted: &[f64]) -> [(Vec<f64>, f64); 3] {
-        let mut first = 0;
-        [0, 1, 2].map(|d: usize| {
-            let end = first + self.model.degrees[d].terms.len();
-            let own = (lifted[first..end].to_vec(), lifted[end]);
-            first = end + 1;
-            own
-        })
+        let layout = self.lifted.layout();
+        let intercepts = layout.intercepts(lifted);
+        [0, 1, 2].map(|d| (lifted[layout.terms(d)].to_vec(), intercepts[d]))
     }
 
     /// Per lifted parameter the value with which its term alone would make up the state's deviation in a sample; 0 for an

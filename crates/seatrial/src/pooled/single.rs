@@ -1,5 +1,5 @@
 use identification::MeanRemoval;
-use identification::pooled::{COLLINEAR, Lifted, Part, Regression, diagnose};
+use identification::pooled::{COLLINEAR, Part, Regression, diagnose};
 use vessel::{DegreeOfFreedom, Vessel};
 
 use super::words::{collinear, first_named};
@@ -28,8 +28,7 @@ pub fn collinear_run(vessel: &Vessel, run: &Run, removal: MeanRemoval) -> Option
     }
     let label = &run.segments.first()?.maneuver;
     let mut parts = [Part::new(label, "", run.exogenous.clone(), run.measured.clone())];
-    let lifted = Lifted::new(&vessel.model);
-    Part::instrument(&mut parts, &lifted, &lifted.parameters(&vessel.nominal, [0.0; 3])).ok()?;
+    Part::instrument(&mut parts, &vessel.model, &vessel.nominal).ok()?;
     let sums = Regression::of(&vessel.model, &parts[0]).sums();
     let mut found: Option<CollinearRun> = None;
     for d in DegreeOfFreedom::ALL {

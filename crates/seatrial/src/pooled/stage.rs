@@ -1,7 +1,6 @@
 use std::path::{Path, PathBuf};
 
 use artifact::{Provenance, TableWriter, commit, encode_block, stage_document};
-use identification::pooled::Lifted;
 use serde_json::json;
 use vessel::{DegreeOfFreedom, Vessel};
 
@@ -57,7 +56,7 @@ pub fn estimate(wanted: &Wanted, mut provenance: Provenance) -> Result<Summary, 
     let nominal = NominalModel::read(&flags.nominal(), vessel, &mut provenance)?;
     let data = Data::read(wanted.trajectories, vessel, flags, &mut provenance)?;
     note(wanted, strength, &mut provenance);
-    let lifted = Lifted::new(&vessel.model);
+    let lifted = vessel.model.with_intercepts();
     let removal = wanted.removal;
     let pool = Pool {
         model: &vessel.model,

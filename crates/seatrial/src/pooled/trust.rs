@@ -100,15 +100,7 @@ impl Judge<'_> {
 
     /// The nominal parameters without intercepts.
     fn nominal(&self) -> Option<Vec<f64>> {
-        let lifted = self.found.nominal.as_ref()?;
-        let mut out = Vec::with_capacity(lifted.len());
-        let mut rest = lifted.as_slice();
-        for degree in &self.vessel.model.degrees {
-            let (own, after) = rest.split_at(degree.terms.len() + 1);
-            out.extend_from_slice(&own[..degree.terms.len()]);
-            rest = after;
-        }
-        Some(out)
+        self.found.nominal.as_ref().map(|nominal| self.pool.lifted.layout().theta(nominal))
     }
 
     fn degree(&self, d: DegreeOfFreedom, degree: &Degree) -> TrustDegree {
@@ -214,8 +206,8 @@ impl Judge<'_> {
 
     /// Free simulation over every source; `None` errors without a whole model.
     pub fn runs(&self, data: &Data) -> Vec<TrustRun> {
-        let theta =
-            self.found.theta().map(|theta| self.pool.lifted.parameters(&theta, self.found.intercepts()));
+        let woven = |theta: Vec<f64>| self.pool.lifted.layout().woven(&theta, self.found.intercepts());
+        let theta = self.found.theta().map(woven);
         let stretches = data.stretches();
         data.sources().iter().map(|source| self.run(source, &stretches, theta.as_deref())).collect()
     }

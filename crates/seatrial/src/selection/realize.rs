@@ -39,7 +39,7 @@ impl Realizer<'_> {
     pub fn chunk(&self, draw: &Draw, first: u32, count: usize) -> Vec<Realization> {
         let picked: Vec<Vec<usize>> = (0..count as u32).map(|i| draw.realization(first + i)).collect();
         let models: Vec<Option<Vec<f64>>> = picked.iter().map(|own| self.model(own)).collect();
-        let zero = vec![0.0; self.pool.lifted.model.parameters()];
+        let zero = vec![0.0; self.pool.lifted.parameters()];
         let model = |lane: usize| models.get(lane).and_then(Option::as_deref).unwrap_or(&zero);
         let lanes: Vec<Lane> = (0..zero.len())
             .map(|i| Lane(std::array::from_fn::<f64, LANES, _>(|lane| model(lane)[i])))
@@ -88,6 +88,6 @@ impl Realizer<'_> {
             .map(|d: usize| solutions[d].as_ref().filter(|_| self.intercepts).map_or(0.0, |s| s.intercept));
         let theta: Option<Vec<Vec<f64>>> =
             solutions.into_iter().map(|solution| solution.map(|s| s.theta)).collect();
-        Some(self.pool.lifted.parameters(&theta?.concat(), intercepts))
+        Some(self.pool.lifted.layout().woven(&theta?.concat(), intercepts))
     }
 }

@@ -3,7 +3,7 @@ use std::path::{Path, PathBuf};
 
 use artifact::{Provenance, TableWriter, commit, encode_block, stage_document};
 use identification::Sums;
-use identification::pooled::{Centring, Lifted, Part, Regression, Score, Window, Windows, strength};
+use identification::pooled::{Centring, Part, Regression, Score, Window, Windows, strength};
 use serde_json::json;
 use vessel::{LANES, Vessel};
 
@@ -65,7 +65,7 @@ pub fn select(wanted: &Wanted, mut provenance: Provenance) -> Result<Summary, Fa
     let parts = data.segments(vessel);
     let available = available(&parts);
     let counts = counts(wanted.design, wanted.counts, wanted.picks, &available, &mut provenance)?;
-    let lifted = Lifted::new(&vessel.model);
+    let lifted = vessel.model.with_intercepts();
     let removal = wanted.removal;
     let pool = Pool {
         model: &vessel.model,
@@ -156,7 +156,7 @@ impl Prepared {
             statements: Vec::new(),
         };
         let (false, Some((theta, c))) = (wanted.method == Method::Ls, &nominal) else { return Ok(prepared) };
-        match Part::instrument(&mut parts, pool.lifted, &pool.lifted.parameters(theta, *c)) {
+        match Part::instrument(&mut parts, pool.lifted, &pool.lifted.layout().woven(theta, *c)) {
             Ok(()) => {
                 let data = pool.instrumented_regressions(&parts);
                 prepared.instrument_fit = instrument_fit(&parts);

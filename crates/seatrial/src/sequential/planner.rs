@@ -1,8 +1,8 @@
 use std::path::Path;
 
 use design::{Bounds, Candidates, Covariance, Norm, Options, solve_covariance};
-use identification::{Noise, OutputInformation, lifted, output_information};
-use vessel::{Generator, Vessel};
+use identification::{Noise, OutputInformation, output_information};
+use vessel::{Generator, ParameterLayout, Vessel};
 
 use super::voyage::Voyage;
 use crate::failure::Failure;
@@ -111,7 +111,7 @@ impl<'a> Planner<'a> {
         candidates: impl Iterator<Item = (Vec<f64>, Vec<f64>)>,
         sizes: &[f64],
     ) -> Option<Covariance> {
-        let dimensions = vec![lifted(&self.vessel.model)];
+        let dimensions = vec![self.layout().parameters()];
         let (mut information, mut middle) =
             (Candidates::new(dimensions.clone()), Candidates::new(dimensions));
         for (own, noise) in candidates {
@@ -123,13 +123,13 @@ impl<'a> Planner<'a> {
 
     /// 1/size² of the lifted parameters, none for intercepts.
     fn weights(&self, sizes: &[f64]) -> Vec<f64> {
-        let mut sizes = sizes.iter();
-        let degrees = self.vessel.model.degrees.iter();
-        degrees
-            .flat_map(|d| {
-                sizes.by_ref().take(d.terms.len()).map(|s| s.powi(-2)).chain([0.0]).collect::<Vec<_>>()
-            })
-            .collect()
+        let weights: Vec<f64> = sizes.iter().map(|size| size.powi(-2)).collect();
+        self.layout().woven(&weights, [0.0; 3])
+    }
+
+    /// The order of information matrices' rows.
+    fn layout(&self) -> ParameterLayout {
+        self.vessel.model.layout().with_intercepts()
     }
 }
 

@@ -9,7 +9,7 @@ use vessel::{
 use super::diverged;
 use crate::failure::Failure;
 use study::campaign_file::CampaignFile;
-use vessel::lanes::interleave;
+use vessel::lanes::{by_lane, interleave, lane};
 
 /// What moves a vessel and what disturbs it.
 pub(crate) struct Sea<'a> {
@@ -64,9 +64,8 @@ impl<'a> Sea<'a> {
         let Departures { design, streams, runs, initial, exogenous } = departures;
         let (model, rate_hz) = (&self.vessel.model, self.vessel.sample_rate_hz);
         let samples = exogenous.first().map_or(0, |e| e.len() / model.exogenous().max(1));
-        let own = |lane: usize| lane.min(runs.len() - 1);
-        let numbers: [u32; LANES] = std::array::from_fn(|lane| runs[own(lane)]);
-        let start = [0, 1, 2].map(|d| Lane(std::array::from_fn(|lane| initial[own(lane)][d])));
+        let numbers: [u32; LANES] = by_lane(runs.len(), |run| runs[run]);
+        let start = [0, 1, 2].map(|d: usize| lane(runs.len(), |run| initial[run][d]));
         let lanes = interleave(exogenous);
         let current = self.disturbances.current(streams, numbers, samples, rate_hz);
         let mut states = vec![Lane::ZERO; 3 * (samples + 1)];

@@ -4,7 +4,7 @@ use std::path::Path;
 use super::candidates::Limits;
 use super::signal::Wave;
 use super::spec::{Kind, ManeuverSpec};
-use crate::steady::{Motion, steady_inputs};
+use crate::steady::{Motion, Steady};
 use crate::{DictionaryFile, Invalid, Source, Streams, Vessel, parse_inputs};
 
 /// A maneuver turned into inputs.
@@ -118,12 +118,13 @@ impl Generator {
         let width = self.vessel.model.inputs;
         let mut inputs = Vec::with_capacity(samples * width);
         let mut unknowns = vec![0.0; width + 1];
+        let mut steady = Steady::new(&self.vessel, &self.parameters);
         let mut held: Option<Motion> = None;
         for k in 0..samples {
             let motion = plan.motion(k);
             if held != Some(motion) {
                 unknowns.fill(0.0);
-                steady_inputs(&self.vessel, &self.parameters, motion, &mut unknowns)?;
+                steady.solve(motion, &mut unknowns)?;
                 held = Some(motion);
             }
             inputs.extend_from_slice(&unknowns[..width]);

@@ -1,10 +1,10 @@
 use super::input::{Area, Class, Map};
-use super::path::Path;
-use super::sheet::{Look, Sheet};
 use super::simplify::simplified;
 use super::view::View;
 use super::{clip, colours};
-use crate::figures::canvas::Point;
+use crate::figures::svg::Path;
+use crate::figures::svg::Point;
+use crate::figures::svg::{Look, Sheet};
 
 /// A border may be this far off \[px\].
 const TOLERANCE: f64 = 0.08;

@@ -2,9 +2,9 @@ use super::areas::{band, bands};
 use super::colours;
 use super::grid::Ranks;
 use super::input::{Cells, Class};
-use super::path::Path;
-use super::sheet::{Look, Sheet};
 use super::view::View;
+use crate::figures::svg::Path;
+use crate::figures::svg::{Look, Sheet};
 
 /// Characters that all cells together may take.
 const ROOM: usize = 300_000;

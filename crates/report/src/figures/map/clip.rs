@@ -1,5 +1,5 @@
 use super::view::View;
-use crate::figures::canvas::Point;
+use crate::figures::svg::Point;
 
 /// The parts of a polyline inside the frame.
 pub(crate) fn line(view: &View, points: &[Point]) -> Vec<Vec<Point>> {

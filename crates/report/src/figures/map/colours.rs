@@ -1,7 +1,7 @@
 use super::input::{Background, Purpose};
-use super::sheet::Look;
-use crate::figures::canvas::Paint;
 use crate::figures::palette;
+use crate::figures::svg::Look;
+use crate::figures::svg::Paint;
 
 /// Ink on the map, which stays light on a dark page.
 pub(crate) const DARK: Paint = Paint::solid((0x1d, 0x24, 0x2b));

@@ -2,9 +2,9 @@ use std::ops::RangeBounds;
 
 use super::input::{Frame, Grid};
 use super::outline::{Vertex, outlines};
-use super::path::Path;
 use super::view::View;
-use crate::figures::canvas::Point;
+use crate::figures::svg::Path;
+use crate::figures::svg::Point;
 
 /// Cells finer than this many pixels are merged.
 const FINEST: f64 = 0.7;

@@ -1,10 +1,10 @@
 use super::input::{Map, Purpose, TrackStyle};
 use super::legend_entries::{self, Entry, Sample};
-use super::path::Path;
-use super::sheet::{Letters, Look, Sheet};
 use super::view::{LABEL, WIDTH};
 use super::{colours, marks};
-use crate::figures::canvas::{Anchor, Paint, Point};
+use crate::figures::svg::Path;
+use crate::figures::svg::{Anchor, Paint, Point};
+use crate::figures::svg::{Lettering, Look, Sheet};
 
 const COLUMNS: usize = 2;
 const LINE: f64 = 22.0;
@@ -36,14 +36,14 @@ impl Legend {
     pub(crate) fn draw(&self, sheet: &mut Sheet, top: f64) {
         let mut top = top;
         for (heading, entries) in &self.sections {
-            let letters = Letters::new(LABEL, Anchor::Start, Paint::ink(1.0)).bold();
+            let letters = Lettering::new(LABEL, Anchor::Start).painted(Paint::ink(1.0)).bold();
             sheet.text(heading, (LEFT, top + 0.45 * HEADING), letters);
             let lines = entries.len().div_ceil(COLUMNS);
             for (index, (sample, label)) in entries.iter().enumerate() {
                 let left = LEFT + (index / lines) as f64 * WIDTH / COLUMNS as f64;
                 let y = top + HEADING + LINE * ((index % lines) as f64 + 0.45);
                 draw_sample(sheet, *sample, (left + CHIP.0, y));
-                let letters = Letters::new(LABEL, Anchor::Start, Paint::ink(0.9));
+                let letters = Lettering::new(LABEL, Anchor::Start).painted(Paint::ink(0.9));
                 sheet.text(label, (left + 2.0 * CHIP.0 + 8.0, y), letters);
             }
             top += height(entries);

@@ -2,9 +2,9 @@ use super::clip;
 use super::colours;
 use super::grid::Ranks;
 use super::input::{Margin, Purpose};
-use super::path::Path;
-use super::sheet::Sheet;
 use super::view::View;
+use crate::figures::svg::Path;
+use crate::figures::svg::Sheet;
 
 /// Characters that one margin may take.
 const ROOM: usize = 120_000;

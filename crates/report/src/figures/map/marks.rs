@@ -1,9 +1,9 @@
 use super::input::Map;
-use super::path::Path;
-use super::sheet::Sheet;
 use super::view::View;
 use super::{clip, colours};
-use crate::figures::canvas::Point;
+use crate::figures::svg::Path;
+use crate::figures::svg::Point;
+use crate::figures::svg::Sheet;
 
 /// Radius of the start's disc [px]: smaller than the goal's, so that both show where the trial ends at home.
 pub(crate) const START: f64 = 5.0;

@@ -1,10 +1,10 @@
 use std::f64::consts::TAU;
 
 use super::input::{Map, TrackStyle};
-use super::sheet::{Letters, Look, Sheet};
 use super::view::View;
 use super::{colours, marks};
-use crate::figures::canvas::{Anchor, Point};
+use crate::figures::svg::{Anchor, Point};
+use crate::figures::svg::{Lettering, Look, Sheet};
 
 /// Radius of a number's disc [px].
 const DISC: f64 = 8.0;
@@ -31,7 +31,7 @@ pub(crate) fn draw(sheet: &mut Sheet, view: &View, map: &Map) {
         sheet.disc(from, DOT, Look::filled(colours::DARK));
         sheet.disc(at, DISC, Look::filled(colours::WHITE).outlined(paint, 1.8));
         let size = if number < 100 { DIGITS } else { 0.75 * DIGITS };
-        let letters = Letters::new(size, Anchor::Middle, colours::DARK).bold();
+        let letters = Lettering::new(size, Anchor::Middle).painted(colours::DARK).bold();
         sheet.text(&number.to_string(), at, letters);
     }
 }

@@ -1,4 +1,4 @@
-use crate::figures::canvas::Point;
+use crate::figures::svg::Point;
 
 /// The points of a line that keep it within `tolerance` of itself (Douglas and Peucker 1973).
 pub(crate) fn simplified(points: &[Point], tolerance: f64) -> Vec<Point> {

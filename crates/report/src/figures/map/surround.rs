@@ -1,10 +1,10 @@
 use super::colours;
 use super::input::Graticule;
-use super::path::Path;
-use super::sheet::{Letters, Look, Sheet};
 use super::view::{NOTE, View};
 use crate::figures::axis::round_step;
-use crate::figures::canvas::{Anchor, Paint, Point};
+use crate::figures::svg::Path;
+use crate::figures::svg::{Anchor, Paint, Point};
+use crate::figures::svg::{Lettering, Look, Sheet};
 use crate::figures::text;
 
 /// Room below the frame for labels, scale bar and north arrow [px].
@@ -54,7 +54,7 @@ fn rows<'a>(view: &View, graticule: &'a Graticule) -> impl Iterator<Item = (f64,
 fn labels(sheet: &mut Sheet, view: &View, graticule: &Graticule) {
     let (low, high) = (view.corner(), view.opposite());
     let tick = Look::drawn(ink(0.6), 1.0);
-    let letters = Letters::new(NOTE, Anchor::Middle, ink(0.75));
+    let letters = Lettering::new(NOTE, Anchor::Middle).painted(ink(0.75));
     let mut free = Free::new(low.0 - 20.0, high.0 + 4.0);
     for (x, label) in columns(view, graticule) {
         sheet.line((x, high.1), (x, high.1 + TICK), tick);
@@ -114,7 +114,7 @@ fn scale_bar(sheet: &mut Sheet, view: &View, y: f64) {
             let at = |k: i32| left + width * f64::from(k) / f64::from(parts);
             sheet.bar((at(part), y), (at(part + 1), y + BAR), Look::filled(ink(1.0)));
         }
-        let letters = Letters::new(NOTE, Anchor::Start, ink(0.85));
+        let letters = Lettering::new(NOTE, Anchor::Start).painted(ink(0.85));
         sheet.text(&label, (left + width + 8.0, y + 0.5 * BAR), letters);
     });
 }
@@ -142,6 +142,6 @@ fn north_arrow(sheet: &mut Sheet, (x, y): Point) {
         light.ring(&[(x, y - 9.0), (x + 6.0, y + 11.0), (x, y + 6.0)]);
         sheet.path(&dark, Look::filled(ink(1.0)).outlined(ink(1.0), 1.0));
         sheet.path(&light, Look::drawn(ink(1.0), 1.0));
-        sheet.text("N", (x - 18.0, y + 2.0), Letters::new(NOTE, Anchor::Middle, ink(0.85)).bold());
+        sheet.text("N", (x - 18.0, y + 2.0), Lettering::new(NOTE, Anchor::Middle).painted(ink(0.85)).bold());
     });
 }

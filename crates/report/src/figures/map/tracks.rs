@@ -1,9 +1,9 @@
 use super::input::{Map, Track, TrackStyle};
-use super::path::Path;
-use super::sheet::{Look, Sheet};
 use super::simplify::simplified;
 use super::view::View;
 use super::{clip, colours};
+use crate::figures::svg::Path;
+use crate::figures::svg::{Look, Sheet};
 
 /// A line may be this far off [px].
 const TOLERANCE: f64 = 0.06;

@@ -1,5 +1,5 @@
 use super::input::Frame;
-use crate::figures::canvas::Point;
+use crate::figures::svg::Point;
 
 /// Width of the figure \[px\]: on a phone its text is two thirds as large.
 pub(crate) const WIDTH: f64 = 560.0;

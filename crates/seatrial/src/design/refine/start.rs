@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use identification::refine::TraceCriterion;
-use identification::{Noise, lifted, output_information};
+use identification::{Noise, output_information};
 use vessel::{Generator, Realized, Source, Vessel, check_diverged, simulate_one};
 
 use super::Refine;
@@ -94,7 +94,7 @@ impl Start {
         let found =
             output_information(&vessel.model, &self.parameters, self.initial, &exogenous, &self.noise);
         let f = found.map(|found| found.information).unwrap_or_default();
-        let n = lifted(&vessel.model);
+        let n = vessel.model.layout().with_intercepts().parameters();
         let size = |i: usize| f.get(i * n + i).copied().unwrap_or(0.0).max(0.0).sqrt();
         let nothing = (0..n).find(|i| size(*i) == 0.0);
         let strongest = || -> Option<usize> {

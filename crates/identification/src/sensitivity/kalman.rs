@@ -1,26 +1,39 @@
-use vessel::{Lane, Tangent};
+use vessel::Lane;
 
+use super::Unknowns;
 use super::dynamics::{Dynamics, Local};
 use super::levels::{Flow, Levels};
 use super::recordings::Recordings;
 
 /// What an extended Kalman filter does with a measurement.
 #[derive(Clone, Debug)]
-pub(crate) struct Gain<const N: usize> {
+pub(crate) struct Gain<X, const N: usize> {
     /// Share of each error that each state takes: N × 3.
-    rows: [[Lane; 3]; N],
+    rows: [[X; 3]; N],
     /// W with W Λ Wᵀ = 1 for the innovations' covariance Λ, lower triangle by rows.
-    whitening: [Lane; 6],
+    whitening: [X; 6],
 }
 
-impl<const N: usize> Gain<N> {
+impl<X: Unknowns, const N: usize> Gain<X, N> {
+    /// Corrects the states.
     #[inline(always)]
-    pub(crate) fn correct(&self, z: &mut [Lane; N], error: &[Lane; 3]) {
+    pub(crate) fn correct(&self, z: &mut [X; N], error: &[X; 3]) {
         for (z, row) in z.iter_mut().zip(&self.rows) {
             *z += row[0] * error[0] + row[1] * error[1] + row[2] * error[2];
         }
     }
 
+    /// What a correction leaves of a column of sensitivities.
+    #[inline(always)]
+    pub(crate) fn correct_column(&self, s: &mut [Lane; N]) {
+        let known = [s[0], s[1], s[2]].map(|x| Lane::ZERO - x);
+        for (s, row) in s.iter_mut().zip(&self.rows) {
+            *s += row[0].lane() * known[0] + row[1].lane() * known[1] + row[2].lane() * known[2];
+        }
+    }
+}
+
+impl<const N: usize> Gain<Lane, N> {
     /// The diagonal of W, whose product is 1/√det Λ.
     pub(crate) fn scales(&self) -> [Lane; 3] {
         [self.whitening[0], self.whitening[2], self.whitening[5]]
@@ -43,7 +56,7 @@ pub(crate) fn filter<const N: usize>(
     unknowns: &[Lane],
     levels: &Levels,
     known_start: bool,
-) -> (Vec<Gain<N>>, Vec<Lane>) {
+) -> (Vec<Gain<Lane, N>>, Vec<Lane>) {
     pulp::Arch::new().dispatch(Filter::<N> { recordings, unknowns, levels, known_start })
 }
 
@@ -55,18 +68,18 @@ struct Filter<'a, const N: usize> {
 }
 
 impl<const N: usize> pulp::WithSimd for Filter<'_, N> {
-    type Output = (Vec<Gain<N>>, Vec<Lane>);
+    type Output = (Vec<Gain<Lane, N>>, Vec<Lane>);
 
     #[inline(always)]
-    fn with_simd<S: pulp::Simd>(self, _: S) -> (Vec<Gain<N>>, Vec<Lane>) {
+    fn with_simd<S: pulp::Simd>(self, _: S) -> (Vec<Gain<Lane, N>>, Vec<Lane>) {
         let Self { recordings, unknowns, levels, known_start } = self;
-        let (theta, rest) = unknowns.split_at(recordings.model.parameters());
-        let mut dynamics = Dynamics::<N>::new(Tangent::new(recordings.model), Some(levels));
+        let (theta, offsets) = unknowns.split_at(recordings.model.parameters());
+        let mut dynamics = Dynamics::<Lane, N>::new(recordings.model, theta, Some(levels));
         let noise = levels.measurement.map(|s| Lane::splat(s * s));
         let mut z = [Lane::ZERO; N];
-        (0..3).for_each(|d| z[d] = recordings.initial[d] + rest[3 + d]);
+        (0..3).for_each(|d| z[d] = recordings.initial[d] + offsets[d]);
         let mut p = start::<N>(levels, known_start);
-        let (width, last) = (recordings.model.exogenous(), recordings.longest());
+        let last = recordings.longest();
         let mut gains = Vec::with_capacity(last + 1);
         let mut innovations = Vec::with_capacity(3 * last + 3);
         for k in 0..=last {
@@ -79,8 +92,8 @@ impl<const N: usize> pulp::WithSimd for Filter<'_, N> {
             if k == last {
                 break;
             }
-            let local = dynamics.at(&z, &recordings.exogenous[k * width..(k + 1) * width], theta);
-            z = dynamics.next(&z, &local, theta, &rest[..3]);
+            let local = dynamics.at(&z, recordings.exogenous(k));
+            z = dynamics.next(&z, &local);
             p = moved(&dynamics, &local, &p);
             add_noise(&mut p, &local, levels);
         }
@@ -106,7 +119,7 @@ fn start<const N: usize>(levels: &Levels, known: bool) -> [[Lane; N]; N] {
 
 /// K = P Hᵀ Λ⁻¹ by the Cholesky factor of Λ = H P Hᵀ + R.
 #[inline(always)]
-fn gain<const N: usize>(p: &[[Lane; N]; N], noise: &[Lane; 3]) -> Gain<N> {
+fn gain<const N: usize>(p: &[[Lane; N]; N], noise: &[Lane; 3]) -> Gain<Lane, N> {
     let l00 = (p[0][0] + noise[0]).sqrt().recip();
     let l10 = p[1][0] * l00;
     let l20 = p[2][0] * l00;
@@ -132,7 +145,7 @@ fn gain<const N: usize>(p: &[[Lane; N]; N], noise: &[Lane; 3]) -> Gain<N> {
 /// P − K H P, symmetric.
 #[inline(always)]
 #[allow(clippy::needless_range_loop)] // Both triangles at once.
-fn shrink<const N: usize>(p: &mut [[Lane; N]; N], gain: &Gain<N>) {
+fn shrink<const N: usize>(p: &mut [[Lane; N]; N], gain: &Gain<Lane, N>) {
     let known = [p[0], p[1], p[2]];
     for i in 0..N {
         for j in 0..=i {
@@ -146,7 +159,11 @@ fn shrink<const N: usize>(p: &mut [[Lane; N]; N], gain: &Gain<N>) {
 
 /// A P Aᵀ.
 #[inline(always)]
-fn moved<const N: usize>(dynamics: &Dynamics<N>, local: &Local, p: &[[Lane; N]; N]) -> [[Lane; N]; N] {
+fn moved<const N: usize>(
+    dynamics: &Dynamics<Lane, N>,
+    local: &Local<Lane>,
+    p: &[[Lane; N]; N],
+) -> [[Lane; N]; N] {
     // P is symmetric: its rows are its columns.
     let half: [[Lane; N]; N] = std::array::from_fn(|j| dynamics.forward(local, &p[j]));
     std::array::from_fn(|i| {
@@ -157,7 +174,7 @@ fn moved<const N: usize>(dynamics: &Dynamics<N>, local: &Local, p: &[[Lane; N]; 
 
 /// Adds what a sample's disturbances contribute to the covariance.
 #[inline(always)]
-fn add_noise<const N: usize>(p: &mut [[Lane; N]; N], local: &Local, levels: &Levels) {
+fn add_noise<const N: usize>(p: &mut [[Lane; N]; N], local: &Local<Lane>, levels: &Levels) {
     match levels.current {
         Flow::Still => {}
         Flow::White { std } => {

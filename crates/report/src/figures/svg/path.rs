@@ -1,5 +1,4 @@
-use super::sheet::units;
-use crate::figures::canvas::Point;
+use super::units::{Point, units};
 
 /// The `d` of a path: whole units of the sheet, relative steps, as short as they can be written.
 #[derive(Default)]

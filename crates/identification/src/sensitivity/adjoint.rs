@@ -1,0 +1,116 @@
+use vessel::Lane;
+
+use super::dynamics::{Dynamics, Local};
+use super::levels::{Flow, Levels};
+use super::products::Products;
+use super::recordings::Recordings;
+use super::sweep::Sensitivities;
+use super::Unknowns;
+
+/// Goes back over `path`, which `recordings` took with `unknowns`: adjoints λ(k) = Aᵀλ(k+1) + W s(k), a column each, tell what
+/// a change of the states at k does to Σ sᵀWx. `between` is called for k from N − 1 to 0 with the dynamics at k and λ(k+1);
+/// λ(0) is returned.
+pub(crate) fn backward<X: Unknowns, const N: usize>(
+    recordings: &Recordings<X>,
+    unknowns: &[X],
+    path: &Sensitivities<X>,
+    weights: [X; 3],
+    levels: Option<&Levels>,
+    between: impl FnMut(&Local<X>, &[[Lane; N]]),
+) -> Vec<[Lane; N]> {
+    pulp::Arch::new().dispatch(Backward { recordings, unknowns, path, weights, levels, between })
+}
+
+struct Backward<'a, X, F, const N: usize> {
+    recordings: &'a Recordings<'a, X>,
+    unknowns: &'a [X],
+    path: &'a Sensitivities<X>,
+    weights: [X; 3],
+    levels: Option<&'a Levels>,
+    between: F,
+}
+
+impl<X: Unknowns, F: FnMut(&Local<X>, &[[Lane; N]]), const N: usize> pulp::WithSimd for Backward<'_, X, F, N> {
+    type Output = Vec<[Lane; N]>;
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _: S) -> Vec<[Lane; N]> {
+        let Self { recordings, unknowns, path, weights, levels, mut between } = self;
+        let theta = &unknowns[..recordings.model.parameters()];
+        let mut dynamics = Dynamics::<X, N>::new(recordings.model, theta, levels);
+        let weights = weights.map(X::lane);
+        let mut adjoints = vec![[Lane::ZERO; N]; path.columns()];
+        for k in (0..=recordings.longest()).rev() {
+            if k < recordings.longest() {
+                let mut z = [X::ZERO; N];
+                z[..3].copy_from_slice(path.state(k));
+                let local = dynamics.at(&z, recordings.exogenous(k));
+                between(&local, &adjoints);
+                adjoints.iter_mut().for_each(|a| *a = dynamics.backward(&local, a));
+            }
+            for (a, s) in adjoints.iter_mut().zip(path.at(k)) {
+                (0..3).for_each(|d| a[d] += weights[d] * s[d]);
+            }
+        }
+        adjoints
+    }
+}
+
+/// Adds what the draws between two samples do; `adjoints` are those of the later one.
+#[inline(always)]
+pub(crate) fn add_draws<X: Unknowns, const N: usize>(
+    draws: &mut Products<X>,
+    adjoints: &[[Lane; N]],
+    local: &Local<X>,
+    levels: &Levels,
+) {
+    match levels.current {
+        Flow::Still => {}
+        Flow::White { std } => {
+            for i in 0..2 {
+                let column = local.slopes.each_ref().map(|row| (X::from(std) * row[i]).lane());
+                for (place, a) in adjoints.iter().enumerate() {
+                    draws.set(place, column[0] * a[0] + column[1] * a[1] + column[2] * a[2]);
+                }
+                draws.advance();
+            }
+        }
+        Flow::Markov { std, factor, .. } => {
+            let fresh = std * (1.0 - factor * factor).max(0.0).sqrt();
+            (3..5).for_each(|i| add_state(draws, adjoints, i, fresh));
+        }
+    }
+    if let Some(gusts) = levels.gusts() {
+        let share = (1.0 - gusts.factor * gusts.factor).sqrt();
+        (0..3).for_each(|d| add_state(draws, adjoints, N - 3 + d, gusts.std[d] * share));
+    }
+}
+
+/// Adds what the disturbances' first values do.
+pub(crate) fn add_start<X: Unknowns, const N: usize>(
+    draws: &mut Products<X>,
+    adjoints: &[[Lane; N]],
+    levels: &Levels,
+) {
+    if let Flow::Markov { std, .. } = levels.current {
+        (3..5).for_each(|i| add_state(draws, adjoints, i, std));
+    }
+    if let Some(gusts) = levels.gusts() {
+        (0..3).for_each(|d| add_state(draws, adjoints, N - 3 + d, gusts.std[d]));
+    }
+}
+
+/// Adds what a change of standard deviation `std` in state `i` does.
+#[inline(always)]
+fn add_state<X: Unknowns, const N: usize>(
+    draws: &mut Products<X>,
+    adjoints: &[[Lane; N]],
+    i: usize,
+    std: f64,
+) {
+    if std > 0.0 {
+        let scaled = adjoints.iter().map(|a| Lane::splat(std) * a[i]);
+        scaled.enumerate().for_each(|(place, value)| draws.set(place, value));
+        draws.advance();
+    }
+}

@@ -1,0 +1,146 @@
+use vessel::{Compiled, Lane, Model};
+
+use super::Unknowns;
+use super::levels::{Flow, Levels};
+
+/// How the N states move on: u, v, r, then the current's two components (N = 5, 8), then three forces (N = 6, 8).
+#[derive(Clone, Debug)]
+pub(crate) struct Dynamics<'m, X, const N: usize> {
+    model: Compiled<'m, X>,
+    current: X,
+    turning: X,
+    force: X,
+}
+
+/// The dynamics at one sample: what their derivative is made of.
+pub(crate) struct Local<X> {
+    pub slopes: [[X; 3]; 3],
+    turn: Turn<X>,
+}
+
+/// A current that turns against the vessel by its heading's change: cosine and sine, and what r changes in its components.
+struct Turn<X> {
+    cos: X,
+    sin: X,
+    by_r: [X; 2],
+}
+
+const fn current(n: usize) -> bool {
+    n == 5 || n == 8
+}
+
+const fn force(n: usize) -> bool {
+    n == 6 || n == 8
+}
+
+impl<'m, X: Unknowns, const N: usize> Dynamics<'m, X, N> {
+    /// Of `model` with `theta`, one number per parameter.
+    pub(crate) fn new(model: &'m Model, theta: &[X], levels: Option<&Levels>) -> Self {
+        let (factor, turning) = match levels.map(|l| l.current) {
+            Some(Flow::Markov { factor, turning, .. }) => (factor, turning),
+            _ => (0.0, 0.0),
+        };
+        let gusts = levels.and_then(Levels::gusts).map_or(0.0, |g| g.factor);
+        Self {
+            model: Compiled::new(model, theta),
+            current: X::from(factor),
+            turning: X::from(turning),
+            force: X::from(gusts),
+        }
+    }
+
+    /// φ of parameter `i`.
+    #[inline(always)]
+    pub(crate) fn term(&self, i: usize) -> X {
+        self.model.term(i)
+    }
+
+    /// Looks at the states `z`.
+    #[inline(always)]
+    pub(crate) fn at(&mut self, z: &[X; N], exogenous: &[X]) -> Local<X> {
+        let water = if current(N) { Some([z[3], z[4]]) } else { None };
+        self.model.look([z[0], z[1], z[2]], exogenous, water);
+        Local { slopes: self.model.slopes(), turn: self.turn(z) }
+    }
+
+    #[inline(always)]
+    fn turn(&self, z: &[X; N]) -> Turn<X> {
+        if !current(N) {
+            return Turn { cos: X::ONE, sin: X::ZERO, by_r: [X::ZERO; 2] };
+        }
+        // Polynomials: to 1e-9 for turns of up to 0.15 rad per sample.
+        let angle = self.turning * z[2];
+        let square = angle * angle;
+        let cos = X::ONE + square * (X::from(-0.5) + square * X::from(1.0 / 24.0));
+        let sin = angle * (X::ONE + square * (X::from(-1.0 / 6.0) + square * X::from(1.0 / 120.0)));
+        let (along, across) = (cos * z[4] - sin * z[3], X::ZERO - (cos * z[3] + sin * z[4]));
+        Turn { cos, sin, by_r: [self.turning * along, self.turning * across] }
+    }
+
+    /// The next states, after [`Self::at`] looked at `z`.
+    #[inline(always)]
+    pub(crate) fn next(&self, z: &[X; N], local: &Local<X>) -> [X; N] {
+        let forces = force(N).then(|| [z[N - 3], z[N - 2], z[N - 1]]);
+        let mut next = *z;
+        next[..3].copy_from_slice(&self.model.next([z[0], z[1], z[2]], forces));
+        if current(N) {
+            next[3] = self.current * (local.turn.cos * z[3] + local.turn.sin * z[4]);
+            next[4] = self.current * (local.turn.cos * z[4] - local.turn.sin * z[3]);
+        }
+        if force(N) {
+            (N - 3..N).for_each(|i| next[i] = self.force * z[i]);
+        }
+        next
+    }
+
+    /// A s, A being the derivative of the next states, for a column of s.
+    #[inline(always)]
+    pub(crate) fn forward(&self, local: &Local<X>, s: &[Lane; N]) -> [Lane; N] {
+        let mut out = *s;
+        let (x, y) = if current(N) { (s[0] - s[3], s[1] - s[4]) } else { (s[0], s[1]) };
+        for (d, slope) in local.slopes.iter().enumerate() {
+            let [by_x, by_y, by_r] = slope.map(X::lane);
+            out[d] = s[d] + (by_x * x + by_y * y + by_r * s[2]);
+            if force(N) {
+                out[d] += s[N - 3 + d];
+            }
+        }
+        if current(N) {
+            let (kept, [cos, sin, along, across]) = (self.current.lane(), local.turn.lanes());
+            out[3] = kept * (cos * s[3] + sin * s[4] + along * s[2]);
+            out[4] = kept * (cos * s[4] - sin * s[3] + across * s[2]);
+        }
+        if force(N) {
+            (N - 3..N).for_each(|i| out[i] = self.force.lane() * s[i]);
+        }
+        out
+    }
+
+    /// Aᵀ λ for a column of λ.
+    #[inline(always)]
+    pub(crate) fn backward(&self, local: &Local<X>, adjoint: &[Lane; N]) -> [Lane; N] {
+        let mut out = *adjoint;
+        let through: [Lane; 3] = std::array::from_fn(|i| {
+            let column = local.slopes.each_ref().map(|row| row[i].lane());
+            column[0] * adjoint[0] + column[1] * adjoint[1] + column[2] * adjoint[2]
+        });
+        (0..3).for_each(|i| out[i] = adjoint[i] + through[i]);
+        if current(N) {
+            let (kept, [cos, sin, along, across]) = (self.current.lane(), local.turn.lanes());
+            out[2] += kept * (along * adjoint[3] + across * adjoint[4]);
+            out[3] = kept * (cos * adjoint[3] - sin * adjoint[4]) - through[0];
+            out[4] = kept * (sin * adjoint[3] + cos * adjoint[4]) - through[1];
+        }
+        if force(N) {
+            (0..3).for_each(|d| out[N - 3 + d] = adjoint[d] + self.force.lane() * adjoint[N - 3 + d]);
+        }
+        out
+    }
+}
+
+impl<X: Unknowns> Turn<X> {
+    #[inline(always)]
+    fn lanes(&self) -> [Lane; 4] {
+        [self.cos, self.sin, self.by_r[0], self.by_r[1]].map(X::lane)
+    }
+}

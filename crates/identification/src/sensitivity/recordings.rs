@@ -1,0 +1,87 @@
+use std::collections::BTreeMap;
+
+use vessel::lanes::SideBySide;
+use vessel::{LANES, Lane, Model, RunView};
+
+use super::Unknowns;
+
+/// Recordings of N samples, all row-major: [`LANES`] of them side by side, or a single one (`X` = `f64`). Shorter ones are
+/// filled up with anything.
+#[derive(Clone, Copy, Debug)]
+pub struct Recordings<'a, X = Lane> {
+    /// The model structure, with or without intercepts.
+    pub model: &'a Model,
+    /// Measured states u, v \[m/s\], r \[rad/s\]: (N+1) × 3; empty where nothing was measured.
+    pub measured: &'a [X],
+    /// Inputs and measured disturbances: N × exogenous.
+    pub exogenous: &'a [X],
+    /// State that each starts from.
+    pub initial: [X; 3],
+    /// Samples of each recording; what comes later counts for nothing.
+    pub samples: [usize; LANES],
+}
+
+impl<'a> Recordings<'a, f64> {
+    /// A run that was not measured.
+    pub fn simulated(model: &'a Model, initial: [f64; 3], exogenous: &'a [f64]) -> Self {
+        let samples = [exogenous.len() / model.exogenous().max(1); LANES];
+        Self { model, measured: &[], exogenous, initial, samples }
+    }
+}
+
+impl<'a, X: Unknowns> Recordings<'a, X> {
+    /// The longest recording's samples N.
+    pub fn longest(&self) -> usize {
+        self.exogenous.len() / self.model.exogenous().max(1)
+    }
+
+    /// Number of unknowns: the model's parameters, then three offsets of the initial state.
+    pub fn unknowns(&self) -> usize {
+        self.model.parameters() + 3
+    }
+
+    /// Inputs and measured disturbances at sample `k`.
+    #[inline(always)]
+    pub(crate) fn exogenous(&self, k: usize) -> &'a [X] {
+        let width = self.model.exogenous();
+        &self.exogenous[k * width..(k + 1) * width]
+    }
+
+    /// What was measured less `state` at sample `k`; zero where nothing was.
+    #[inline(always)]
+    pub(crate) fn error(&self, k: usize, state: [X; 3]) -> [X; 3] {
+        match self.measured.is_empty() {
+            true => [X::ZERO; 3],
+            false => [0, 1, 2].map(|d: usize| self.measured[3 * k + d] - state[d]),
+        }
+    }
+
+    /// 1 for recordings that last to sample `k`, 0 for others.
+    #[inline(always)]
+    pub(crate) fn lasting(&self, k: usize) -> X {
+        X::by_lane(|lane| if k <= self.samples[lane] { 1.0 } else { 0.0 })
+    }
+}
+
+impl<'a> Recordings<'a> {
+    /// Runs side by side.
+    pub fn of(model: &'a Model, runs: &'a SideBySide) -> Self {
+        let SideBySide { measured, exogenous, initial, samples, .. } = runs;
+        Self { model, measured, exogenous, initial: *initial, samples: *samples }
+    }
+}
+
+/// The runs at `chosen` in groups of up to [`LANES`] of equal length, and each group side by side.
+pub(crate) fn groups(
+    all: &[RunView],
+    chosen: impl Iterator<Item = usize>,
+) -> impl Iterator<Item = (Vec<usize>, SideBySide)> {
+    let mut by_length: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+    chosen.for_each(|run| by_length.entry(all[run].samples()).or_default().push(run));
+    let groups: Vec<Vec<usize>> =
+        by_length.values().flat_map(|runs| runs.chunks(LANES).map(<[usize]>::to_vec)).collect();
+    groups.into_iter().map(|group| {
+        let own: Vec<RunView> = group.iter().map(|run| all[*run]).collect();
+        (group, SideBySide::of(&own))
+    })
+}

@@ -1,0 +1,185 @@
+use vessel::{Lane, Model};
+
+use super::Unknowns;
+use super::dynamics::Dynamics;
+use super::kalman::Gain;
+use super::levels::Levels;
+use super::recordings::Recordings;
+
+/// One pass over recordings: predicts, compares, and carries the sensitivities along. `unknowns`: one number each, as
+/// [`Recordings::unknowns`] orders them; `free`: those whose sensitivities are wanted; `levels`: what disturbs, and `gains`
+/// of every sample: neither for a free simulation. `each` is called with every sample from 0 to N.
+pub(crate) fn sweep<X: Unknowns, const N: usize>(
+    recordings: &Recordings<X>,
+    unknowns: &[X],
+    free: &[usize],
+    levels: Option<&Levels>,
+    gains: &[Gain<X, N>],
+    each: impl FnMut(Step<'_, X, N>),
+) {
+    pulp::Arch::new().dispatch(Sweep { recordings, unknowns, free, levels, gains, each });
+}
+
+/// [`sweep`] compiled for every instruction set that pulp picks from. Lanes are only added and multiplied, never fused, so
+/// that all give the same bits.
+struct Sweep<'a, X, F, const N: usize> {
+    recordings: &'a Recordings<'a, X>,
+    unknowns: &'a [X],
+    free: &'a [usize],
+    levels: Option<&'a Levels>,
+    gains: &'a [Gain<X, N>],
+    each: F,
+}
+
+/// What a sweep finds at a sample, before the sample's measurement corrects it.
+pub(crate) struct Step<'a, X, const N: usize> {
+    pub k: usize,
+    /// Measured minus predicted.
+    pub error: [X; 3],
+    /// Predicted states.
+    pub states: &'a [X; N],
+    /// Columns of ∂(predicted states)/∂(free unknowns).
+    pub sensitivities: &'a [[Lane; N]],
+}
+
+impl<X: Unknowns, F: FnMut(Step<'_, X, N>), const N: usize> pulp::WithSimd for Sweep<'_, X, F, N> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _: S) {
+        let Self { recordings, unknowns, free, levels, gains, mut each } = self;
+        let model = recordings.model;
+        let (theta, offsets) = unknowns.split_at(model.parameters());
+        let mut dynamics = Dynamics::<X, N>::new(model, theta, levels);
+        let mut z = [X::ZERO; N];
+        (0..3).for_each(|d| z[d] = recordings.initial[d] + offsets[d]);
+        let mut sensitivities = vec![[Lane::ZERO; N]; free.len().div_ceil(X::PER_COLUMN)];
+        let effects: Vec<Effect> = free.iter().map(|i| Effect::of(*i, model)).collect();
+        for (i, effect) in effects.iter().enumerate() {
+            if let Effect::Initial(d) = effect {
+                X::ONE.add_to(&mut sensitivities[i / X::PER_COLUMN][*d], i);
+            }
+        }
+        let last = recordings.longest();
+        for k in 0..=last {
+            let error = recordings.error(k, [z[0], z[1], z[2]]);
+            each(Step { k, error, states: &z, sensitivities: &sensitivities });
+            if k == last {
+                return;
+            }
+            let gain = gains.get(k);
+            if let Some(gain) = gain {
+                gain.correct(&mut z, &error);
+            }
+            let local = dynamics.at(&z, recordings.exogenous(k));
+            z = dynamics.next(&z, &local);
+            for s in &mut sensitivities {
+                if let Some(gain) = gain {
+                    gain.correct_column(s);
+                }
+                *s = dynamics.forward(&local, s);
+            }
+            for (i, effect) in effects.iter().enumerate() {
+                if let Effect::Term(parameter, d) = effect {
+                    dynamics.term(*parameter).add_to(&mut sensitivities[i / X::PER_COLUMN][*d], i);
+                }
+            }
+        }
+    }
+}
+
+/// What an unknown does to the next state.
+enum Effect {
+    /// Multiplies its term in this degree of freedom.
+    Term(usize, usize),
+    /// Shifts this state once, at the start.
+    Initial(usize),
+}
+
+impl Effect {
+    fn of(unknown: usize, model: &Model) -> Self {
+        match model.layout().degrees().nth(unknown) {
+            Some(d) => Self::Term(unknown, d),
+            None => Self::Initial(unknown - model.parameters()),
+        }
+    }
+}
+
+/// A free simulation with its sensitivities, sample by sample.
+#[derive(Clone, Debug)]
+pub struct Sensitivities<X> {
+    free: usize,
+    /// Measured minus simulated states, (N+1) × 3; zero where a sample does not count.
+    pub errors: Vec<X>,
+    /// Simulated states, (N+1) × 3.
+    pub states: Vec<X>,
+    /// By sample the columns of ∂states/∂(free unknowns); zero where a sample does not count.
+    columns: Vec<[Lane; 3]>,
+}
+
+impl<X: Unknowns> Sensitivities<X> {
+    /// Of `recordings` simulated with `unknowns`, to those in `free`. Sample 0 counts where `from_start`.
+    pub fn of(recordings: &Recordings<X>, unknowns: &[X], free: &[usize], from_start: bool) -> Self {
+        let mut kept = Self::with_room(free.len(), recordings.longest());
+        sweep(
+            recordings,
+            unknowns,
+            free,
+            None,
+            &[],
+            #[inline(always)]
+            |step: Step<'_, X, 3>| {
+                kept.keep(&step, if step.k == 0 && !from_start { X::ZERO } else { recordings.lasting(step.k) });
+            },
+        );
+        kept
+    }
+
+    pub(crate) fn with_room(free: usize, samples: usize) -> Self {
+        let rows = samples + 1;
+        Self {
+            free,
+            errors: Vec::with_capacity(3 * rows),
+            states: Vec::with_capacity(3 * rows),
+            columns: Vec::with_capacity(rows * free.div_ceil(X::PER_COLUMN)),
+        }
+    }
+
+    /// Keeps a sample, which counts as much as `counts` says.
+    #[inline(always)]
+    pub(crate) fn keep(&mut self, step: &Step<'_, X, 3>, counts: X) {
+        self.errors.extend(step.error.map(|e| e * counts));
+        self.states.extend_from_slice(step.states);
+        let counts = counts.lane();
+        for s in step.sensitivities {
+            self.columns.push(s.map(|s| s * counts));
+        }
+    }
+
+    /// Number of free unknowns.
+    pub fn free(&self) -> usize {
+        self.free
+    }
+
+    /// ∂(u, v, r)/∂(free unknown `i`) at sample `k`.
+    pub fn by(&self, k: usize, i: usize) -> [X; 3] {
+        self.at(k)[i / X::PER_COLUMN].map(|column| X::of_column(column, i))
+    }
+
+    /// Number of columns.
+    pub(crate) fn columns(&self) -> usize {
+        self.free.div_ceil(X::PER_COLUMN)
+    }
+
+    /// The columns of sample `k`.
+    #[inline(always)]
+    pub(crate) fn at(&self, k: usize) -> &[[Lane; 3]] {
+        &self.columns[k * self.columns()..(k + 1) * self.columns()]
+    }
+
+    /// The states at sample `k`.
+    #[inline(always)]
+    pub(crate) fn state(&self, k: usize) -> &[X; 3] {
+        &self.states.as_chunks().0[k]
+    }
+}

@@ -1,0 +1,158 @@
+//! 95 % intervals of shares, quantiles and paired differences.
+
+use super::{quantile, sorted};
+
+/// The 97.5 % quantile of the standard normal distribution.
+const Z: f64 = 1.959_963_984_540_054;
+/// Probability with which each end of an interval may miss.
+const TAIL: f64 = 0.025;
+
+/// Wilson's score interval of a share: 95 % `[low, high]` after `count` successes in `total` trials; `None` of nothing.
+///
+/// It holds for shares near 0 and 1 too, where an estimate ± 1.96 standard errors does not.
+pub fn wilson(count: u64, total: u64) -> Option<[f64; 2]> {
+    if total == 0 {
+        return None;
+    }
+    let (share, weight) = (count as f64 / total as f64, Z * Z / total as f64);
+    let middle = share + 0.5 * weight;
+    let half = (weight * (share * (1.0 - share) + 0.25 * weight)).sqrt();
+    // The ends are exact where nothing or everything succeeded; rounding must not leave them beside 0 and 1.
+    let low = if count == 0 { 0.0 } else { (middle - half) / (1.0 + weight) };
+    let high = if count == total { 1.0 } else { (middle + half) / (1.0 + weight) };
+    Some([low, high])
+}
+
+/// 95 % interval `[low, high]` of the quantile `q` that ascending `sorted` values were drawn from: two of the values, of
+/// which each misses the quantile with a probability of at most 2.5 %, whatever the distribution. An end is `None` where
+/// there are too few values for it, or where it falls among infinite ones.
+pub fn quantile_interval(sorted: &[f64], q: f64) -> [Option<f64>; 2] {
+    ranks(sorted.len(), q)
+        .map(|rank| sorted.get(rank?.checked_sub(1)?).copied().filter(|value| value.is_finite()))
+}
+
+/// Ranks, from 1, of the values that enclose the quantile `q` of `n` draws.
+///
+/// The number of draws below the quantile is binomial: the value of rank l lies above the quantile where fewer than l draws
+/// lie below it, and the value of rank u lies below it where at least u do.
+fn ranks(n: usize, q: f64) -> [Option<usize>; 2] {
+    let masses = binomial(n, q);
+    let tail = |masses: &mut dyn Iterator<Item = f64>| {
+        let mut sum = 0.0;
+        masses.take_while(|mass| within(&mut sum, *mass)).count()
+    };
+    let below = tail(&mut masses.iter().copied());
+    let above = tail(&mut masses.iter().rev().copied());
+    [(below > 0).then_some(below), (above > 0).then(|| n + 1 - above)]
+}
+
+/// Adds `mass` to the `sum` of a tail; whether it still is at most [`TAIL`].
+fn within(sum: &mut f64, mass: f64) -> bool {
+    *sum += mass;
+    *sum <= TAIL
+}
+
+/// Probabilities of 0 … n successes in `n` trials that each succeed with probability `q`.
+fn binomial(n: usize, q: f64) -> Vec<f64> {
+    let odds = (q / (1.0 - q)).ln();
+    let mut logarithm = n as f64 * (1.0 - q).ln();
+    let mut masses = vec![logarithm.exp()];
+    for k in 1..=n {
+        logarithm += ((n + 1 - k) as f64 / k as f64).ln() + odds;
+        masses.push(logarithm.exp());
+    }
+    masses
+}
+
+/// Median of the differences `other − one` over pairs and its 95 % interval: `[low, median, high]`, where an end is infinite
+/// that falls among infinite differences or that there are too few pairs for. A value that is absent counts as infinite;
+/// pairs without both do not differ. `None` of nothing.
+pub fn paired_median(pairs: impl Iterator<Item = [Option<f64>; 2]>) -> Option<[f64; 3]> {
+    let difference = |[one, other]: [Option<f64>; 2]| match (one, other) {
+        (Some(one), Some(other)) => other - one,
+        (Some(_), None) => f64::INFINITY,
+        (None, Some(_)) => f64::NEG_INFINITY,
+        (None, None) => 0.0,
+    };
+    let differences = sorted(pairs.map(|pair| Some(difference(pair))));
+    let median = median(&differences)?;
+    let [low, high] =
+        ranks(differences.len(), 0.5).map(|rank| rank.and_then(|r| differences.get(r - 1)).copied());
+    Some([low.unwrap_or(f64::NEG_INFINITY), median, high.unwrap_or(f64::INFINITY)])
+}
+
+/// The median of ascending values, infinite where it falls among infinite ones.
+fn median(sorted: &[f64]) -> Option<f64> {
+    let upper = *sorted.get(sorted.len() / 2)?;
+    Some(quantile(sorted, 0.5).unwrap_or(upper))
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::Value;
+
+    use super::*;
+
+    const ORACLE: &str = include_str!("../../../../fixtures/oracle/intervals.json");
+
+    fn cases(name: &str) -> Vec<Value> {
+        serde_json::from_str::<Value>(ORACLE).unwrap()[name].as_array().unwrap().clone()
+    }
+
+    #[test]
+    fn oracle_wilsons_limits_are_the_shares_that_a_score_test_just_keeps() {
+        for case in cases("shares") {
+            let [low, high] =
+                wilson(case["count"].as_u64().unwrap(), case["total"].as_u64().unwrap()).unwrap();
+            let expected = [0, 1].map(|end| case["interval"][end].as_f64().unwrap());
+            assert!(
+                (low - expected[0]).abs() < 1e-9 && (high - expected[1]).abs() < 1e-9,
+                "{case}: {low} {high}"
+            );
+        }
+        assert_eq!(wilson(0, 0), None);
+    }
+
+    #[test]
+    fn oracle_ranks_of_quantiles_are_those_of_exact_rational_sums() {
+        for case in cases("quantiles") {
+            let expected = [0, 1].map(|end| case["ranks"][end].as_u64().map(|rank| rank as usize));
+            let n = case["values"].as_u64().unwrap() as usize;
+            assert_eq!(ranks(n, case["quantile"].as_f64().unwrap()), expected, "{case}");
+        }
+    }
+
+    #[test]
+    fn law_nineteen_of_twenty_intervals_hold_the_median_they_were_drawn_from() {
+        // A multiplicative generator modulo a Mersenne prime: draws of an even distribution over (0, 1).
+        let mut state = 1_u64;
+        let mut draw = || {
+            state = state * 48_271 % 2_147_483_647;
+            state as f64 / 2_147_483_647.0
+        };
+        let held = (0..2000).filter(|_| {
+            let values = sorted((0..96).map(|_| Some(draw())));
+            let [low, high] = quantile_interval(&values, 0.5).map(Option::unwrap);
+            low <= 0.5 && 0.5 <= high
+        });
+        let share = held.count() as f64 / 2000.0;
+        assert!((0.945..0.985).contains(&share), "{share}");
+    }
+
+    #[test]
+    fn an_end_among_absent_values_is_absent() {
+        let values = sorted((0..20).map(|i| (i < 12).then_some(f64::from(i))));
+        assert_eq!(quantile_interval(&values, 0.5), [Some(5.0), None]);
+        assert_eq!(quantile_interval(&values[..5], 0.5), [None, None]);
+    }
+
+    #[test]
+    fn pairs_differ_by_their_median() {
+        let close = (0..20).map(|i| [Some(f64::from(i)), Some(f64::from(i) + 1.0)]);
+        assert_eq!(paired_median(close), Some([1.0, 1.0, 1.0]));
+        let lost = (0..20).map(|i| [Some(1.0), (i < 4).then_some(0.0)]);
+        assert_eq!(paired_median(lost), Some([f64::INFINITY; 3]));
+        let few = [[Some(1.0), Some(2.0)], [None, None]].into_iter();
+        assert_eq!(paired_median(few), Some([f64::NEG_INFINITY, 0.5, f64::INFINITY]));
+    }
+}
