@@ -38,9 +38,10 @@ help:
 	@echo "make                   build, run the study in $(STUDY) into $(OUT)/, end with its report"
 	@echo "make STUDY=<folder>    run another study: a folder with vessel.toml, dictionary.toml, campaign.toml"
 	@echo "make helsinki          plan a trial off Helsinki and draw it, into out/helsinki/"
-	@echo "make STUDY=pipelines/esso-osaka LOGS=<folder>   a study of measured logs (README: where they are published)"
+	@echo "make STUDY=pipelines/esso-osaka LOGS=<folder>   a study of measured logs (docs/own-logs.md: where they are published)"
 	@echo "make sequential        trials designed in rounds against trials designed once, into out/sequential/"
 	@echo "make scenarios         compare the estimators under four kinds of disturbance, into out/scenarios/"
+	@echo "make results           run all studies, write docs/results.md and the front page's table and picture (takes a while)"
 	@echo "make smoke             the small study that the tests run, into out/smoke/"
 	@echo "make build             build the stages into $(BIN)/"
 	@echo "make test              format, clippy, all tests, the smoke study and the README's commands"
@@ -142,20 +143,53 @@ scenarios: build
 	@echo "Report: out/scenarios/report.html"
 
 # Trials designed in rounds against trials designed once.
-ROUNDS := pipelines/sequential
+ROUNDS            := pipelines/sequential
+ROUNDS_DICTIONARY ?= $(ROUNDS)/dictionary.toml
+ROUNDS_OUT        ?= out/sequential
 
 .PHONY: sequential
-sequential: out/sequential/report.html
+sequential: $(ROUNDS_OUT)/report.html
 	@echo
-	@echo "Report: out/sequential/report.html"
+	@echo "Report: $(ROUNDS_OUT)/report.html"
 
-out/sequential/sequential.parquet: $(ROUNDS)/vessel.toml $(ROUNDS)/dictionary.toml $(ROUNDS)/campaign.toml $(ROUNDS)/sequential.toml $(BIN)/sequential
+$(ROUNDS_OUT)/sequential.parquet: $(ROUNDS)/vessel.toml $(ROUNDS_DICTIONARY) $(ROUNDS)/campaign.toml $(ROUNDS)/sequential.toml $(BIN)/sequential
 	@mkdir -p $(@D)
-	$(BIN)/sequential --vessel $(ROUNDS)/vessel.toml --dictionary $(ROUNDS)/dictionary.toml \
+	$(BIN)/sequential --vessel $(ROUNDS)/vessel.toml --dictionary $(ROUNDS_DICTIONARY) \
 	  --campaign $(ROUNDS)/campaign.toml --config $(ROUNDS)/sequential.toml $(FLAGS) --out $@
 
-out/sequential/report.html: out/sequential/sequential.parquet $(BIN)/report
-	$(BIN)/report --study $(ROUNDS) --results out/sequential $(FLAGS) --out $@
+$(ROUNDS_OUT)/report.html: $(ROUNDS_OUT)/sequential.parquet $(BIN)/report
+	$(BIN)/report --study $(ROUNDS) --dictionary $(ROUNDS_DICTIONARY) --results $(ROUNDS_OUT) $(FLAGS) --out $@
+
+# Every study that docs/results.md has a table of, then that page, the front page's table and its picture. Takes a while.
+# Measured logs take part where their folders are.
+ESSO_OSAKA_LOGS ?= ../shared/data/esso_osaka
+KVLCC2_LOGS     ?= ../shared/data/kvlcc2_hsva
+LOGGED_STUDIES   = $(if $(wildcard $(ESSO_OSAKA_LOGS)/.),esso-osaka) $(if $(wildcard $(KVLCC2_LOGS)/.),kvlcc2)
+SELECTED_STUDIES := model-ship full-scale
+ELEVEN           := out/sequential-eleven
+
+.PHONY: results
+results: build
+	$(MAKE) study
+	$(MAKE) helsinki
+	$(MAKE) STUDY=pipelines/generated study
+	$(MAKE) scenarios
+	$(MAKE) sequential
+	$(MAKE) ROUNDS_DICTIONARY=pipelines/paper/dictionary.toml ROUNDS_OUT=$(ELEVEN) sequential
+	for name in $(SELECTED_STUDIES); do $(MAKE) STUDY=pipelines/$$name OUT=out/$$name seeds || exit 1; done
+	for name in $(LOGGED_STUDIES); do \
+	  case $$name in esso-osaka) logs="$(ESSO_OSAKA_LOGS)" ;; *) logs="$(KVLCC2_LOGS)" ;; esac; \
+	  $(MAKE) STUDY=pipelines/$$name LOGS="$$logs" out/$$name/measured/crossval.json || exit 1; done
+	$(MAKE) docs
+
+.PHONY: docs
+docs: $(BIN)/report
+	$(BIN)/report results --written pipelines --studies out/paper out/generated out/helsinki out/helsinki/planned \
+	  --scenarios $(SCENARIOS:%=out/scenarios/%) --rounds out/sequential $(ELEVEN) \
+	  --selections $(foreach name,$(SELECTED_STUDIES),$(foreach seed,1 2 3 4 5 6 7 8 9 10,out/$(name)/seeds/$(seed)/measured)) \
+	  --logs out/esso-osaka/measured out/kvlcc2/measured --out docs/results.md
+	sh scripts/front-table.sh docs/results.md README.md
+	$(BIN)/report picture --plan out/helsinki --study out/paper --out docs/trial.svg
 
 .PHONY: smoke
 smoke:

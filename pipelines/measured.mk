@@ -18,7 +18,7 @@ SELECTED        ?=
 MEASURED := $(OUT)/measured
 LOGGED   := --vessel $(STUDY)/vessel.toml --trajectories $(MEASURED)/trajectories.parquet
 RECORDED := --recordings $(MEASURED)/ingest.json
-NO_LOGS   = $(LOGS): no such folder; name that of the logs: make STUDY=$(STUDY) LOGS=<folder> (README: where they are published)
+NO_LOGS   = $(LOGS): no such folder; name that of the logs: make STUDY=$(STUDY) LOGS=<folder> (docs/own-logs.md: where they are published)
 
 .DEFAULT_GOAL := measured
 

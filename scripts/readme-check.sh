@@ -1,25 +1,25 @@
 #!/bin/sh
-# Runs what README.md says: the stages' commands of its sh blocks, with the built programs in front of PATH, and the
-# paper's study, whose shares must be those of README's table.   Usage: sh scripts/readme-check.sh target/release
+# Runs what README.md and docs/ say: the stages' commands of their sh blocks, with the built programs in front of PATH, and
+# the paper's study, of which README.md and docs/results.md must have what its documents say.
+#   Usage: sh scripts/readme-check.sh target/release
 set -eu
 cd "$(dirname "$0")/.."
 PATH="$PWD/$1:$PATH"
 export PATH
 mkdir -p out
 commands=out/readme-commands.sh
-awk '/^```sh$/ { inside = 1; next } /^```/ { inside = 0 } inside && !/^(make|cp)/' README.md > "$commands"
+pages="README.md docs/own-ship.md docs/own-chart.md docs/own-cluster.md docs/own-logs.md docs/design.md docs/estimators.md"
+for page in $pages; do
+  awk '/^```sh$/ { inside = 1; next } /^```/ { inside = 0 } inside && !/^(make|cp|cargo)/' "$page"
+done > "$commands"
 [ -s "$commands" ] || { echo "README.md: found no commands, expected sh blocks with stages" >&2; exit 1; }
 sh -eu "$commands"
 make --no-print-directory BIN="$1" study
-for design in optimized random; do
-  for error in parameter_error simulation_error; do
-    value=$(awk -v design="\"$design\"" -v key="\"${error}_share\":" \
-      '$1 == "\"design\":" { own = ($2 == design ",") } own && $1 == key { sub(",", "", $2); printf "%.1f %%", 100 * $2 }' \
-      out/paper/validation.json)
-    case $design in optimized) column=3 ;; random) column=5 ;; esac
-    said=$(awk -F'|' -v name="$(echo $error | tr _ ' ') below" -v column=$column \
-      'index($2, name) { gsub(/^ +| +$/, "", $column); print $column }' README.md)
-    [ "$value" = "$said" ] || { echo "README.md: $design, $error: found $said, expected $value; correct the table" >&2; exit 1; }
-  done
+seatrial report results --studies out/paper --written pipelines --out out/readme/results.md
+grep '^| paper |' out/readme/results.md > out/readme/rows
+for page in README.md docs/results.md; do
+  while read -r row; do
+    grep -qxF "$row" "$page" || { echo "$page: found no such row, expected: $row; make results writes it" >&2; exit 1; }
+  done < out/readme/rows
 done
-echo "README.md: commands run, table holds"
+echo "README.md, docs/: commands run, tables hold"

@@ -58,7 +58,7 @@ def main() -> None:
 CONVENTIONS = {
     "B": "per maneuver and degree of freedom (1/N) Σ ζ̃ E[εε] ζ̃ᵀ, row-major, intercept last",
     "criteria": "shares in the order of the maneuvers; value for one sample: d: Σ_d log det cov θ̂_d, a: Σ var, a-relative: "
-    "Σ var/θ², e: largest eigenvalue of all cov θ̂_d; standard_errors for one sample, surge first",
+    "Σ var/θ²; standard_errors for one sample, surge first",
 }
 
 
@@ -116,7 +116,6 @@ def criteria(study: Study) -> dict[str, Callable[[Blocks], float]]:
         "d": lambda blocks: float(sum(np.linalg.slogdet(c)[1] for c in blocks)),
         "a": lambda blocks: float(variances(blocks).sum()),
         "a-relative": lambda blocks: float((variances(blocks) / squares).sum()),
-        "e": lambda blocks: float(max(np.linalg.eigvalsh(c)[-1] for c in blocks)),
     }
 
 

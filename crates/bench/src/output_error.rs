@@ -5,7 +5,9 @@ use std::path::Path;
 use identification::predictor::{Fit, InitialState, Spread, output_error};
 use identification::{Batch, MeanRemoval, Outcome, estimate};
 use serde_json::{Value, json};
-use vessel::{Current, Disturbances, LANES, Lane, Measurement, RunView, Source, Streams, simulate, simulate_one};
+use vessel::{
+    Current, Disturbances, LANES, Lane, Measurement, RunView, Source, Streams, simulate, simulate_one,
+};
 
 use crate::fastest;
 use crate::monte_carlo::OPTIMIZED;

@@ -2,6 +2,8 @@
 
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
 use crate::{Design, Error, Objective, apportion};
 
@@ -22,12 +24,13 @@ impl Default for CountOptions {
     }
 }
 
-/// How counts were found.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// How counts, or choices of candidates, were found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
 pub enum Method {
-    /// All counts were tried: none is better.
+    /// All were tried: none is better.
     Exhaustive,
-    /// No exchange of one segment for another improves them (among the most promising where there are many candidates).
+    /// No exchange of one segment or candidate for another improves them (among the most promising where there are many).
     Exchange,
 }
 

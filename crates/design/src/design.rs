@@ -3,7 +3,7 @@ use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use crate::active_set::State;
-use crate::{ActiveSetNewton, Bounds, Candidates, Covariance, Error, Norm, Objective, Robust, is_concave};
+use crate::{ActiveSetNewton, Bounds, Candidates, Covariance, Error, Objective, is_concave};
 
 /// How to solve.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -86,12 +86,7 @@ pub fn solve_within(candidates: &Candidates, bounds: &Bounds, options: &Options)
     Ok(design)
 }
 
-/// Exponents of the power means that lead to the largest eigenvalue.
-const POWERS: [f64; 13] =
-    [1.0, 2.0, 4.0, 8.0, 16.0, 64.0, 256.0, 1024.0, 4096.0, 16_384.0, 65_536.0, 1_048_576.0, 16_777_216.0];
-
-/// Shares that make a criterion of the covariance small, under upper bounds. [`Design::log_det`] is minus the norm. A
-/// power mean above 16 is approached through smaller ones.
+/// Shares that make a criterion of the covariance small, under upper bounds. [`Design::log_det`] is minus the norm.
 ///
 /// # Errors
 /// As [`solve_within`].
@@ -100,26 +95,7 @@ pub fn solve_covariance(
     bounds: &Bounds,
     options: &Options,
 ) -> Result<Design, Error> {
-    match covariance.norm() {
-        Norm::PowerMean(power) if power > 16.0 => through_powers(covariance, power, bounds, options),
-        _ => optimise(covariance, bounds, options, covariance.is_concave()),
-    }
-}
-
-/// Shares that make a criterion over several models large, under upper bounds.
-///
-/// # Errors
-/// As [`solve_within`].
-pub fn solve_robust(robust: &Robust, bounds: &Bounds, options: &Options) -> Result<Design, Error> {
-    let mut points = starting_points(robust.len(), bounds, options)?;
-    for step in robust.approach() {
-        points = from_points(&step, bounds, options, false, points)?
-            .starts
-            .into_iter()
-            .map(|s| s.shares)
-            .collect();
-    }
-    from_points(robust, bounds, options, robust.is_concave(), points)
+    optimise(covariance, bounds, options, covariance.is_concave())
 }
 
 /// By how much at most, as a fraction of the experiment's time, a criterion of `value` is below what any shares within the
@@ -129,37 +105,6 @@ pub(crate) fn loss(value: f64, relaxed: &Design, degree: f64) -> f64 {
     let above = if gap < 1.0 { -(-gap).ln_1p() } else { f64::INFINITY };
     1.0 - ((value - relaxed.log_det - above) / degree).exp().min(1.0)
 }
-
-/// The power means one after the other, each from where the one before ended. Starts that have met go on as one.
-fn through_powers(
-    covariance: &Covariance,
-    power: f64,
-    bounds: &Bounds,
-    options: &Options,
-) -> Result<Design, Error> {
-    let solve = |power: f64, points: Vec<Vec<f64>>| {
-        let own = covariance.with_power(power);
-        from_points(&own, bounds, options, own.is_concave(), points)
-    };
-    let mut design = solve(POWERS[0], starting_points(covariance.len(), bounds, options)?)?;
-    let (mut distinct, mut place): (Vec<Vec<f64>>, Vec<usize>) = (Vec::new(), Vec::new());
-    for start in &design.starts {
-        let near = |known: &Vec<f64>| known.iter().zip(&start.shares).all(|(a, b)| (a - b).abs() < MET);
-        place.push(distinct.iter().position(near).unwrap_or(distinct.len()));
-        if place.last() == Some(&distinct.len()) {
-            distinct.push(start.shares.clone());
-        }
-    }
-    for step in POWERS.into_iter().skip(1).filter(|p| *p < power).chain([power]) {
-        design = solve(step, distinct)?;
-        distinct = design.starts.iter().map(|s| s.shares.clone()).collect();
-    }
-    design.starts = place.into_iter().filter_map(|i| design.starts.get(i).cloned()).collect();
-    Ok(design)
-}
-
-/// Starts whose shares differ by less than this have met.
-const MET: f64 = 1e-6;
 
 fn optimise<O: Objective>(
     objective: &O,

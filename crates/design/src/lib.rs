@@ -21,30 +21,42 @@
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 
+mod accuracy;
 mod active_set;
 mod bounds;
 mod candidates;
 mod certificate;
 mod counts;
 mod covariance;
+mod criterion;
 mod design;
+mod dictionary;
 mod eigen;
 mod objective;
 mod product;
-mod robust;
+mod restricted;
 mod rounding;
+mod segments;
 mod select;
+mod shortest;
 mod spectrum;
+mod stock;
 mod subset;
 
+pub use accuracy::{AccuracyOf, Errors, OutOfReach, Wanted};
 pub use active_set::ActiveSetNewton;
 pub use bounds::Bounds;
 pub use candidates::{Candidates, Error, Evaluation};
 pub use certificate::is_concave;
 pub use counts::{CountOptions, Counted, Method, count_segments};
 pub use covariance::{Covariance, CovariancePoint, Norm};
-pub use design::{Design, Options, Start, Status, solve, solve_covariance, solve_robust, solve_within};
+pub use criterion::{CovarianceCriterion, Criterion, CriterionName};
+pub use design::{Design, Options, Start, Status, solve, solve_covariance, solve_within};
+pub use dictionary::{Degree, Dictionary, NoDesign};
 pub use objective::Objective;
-pub use robust::{Over, Robust, RobustPoint};
+pub use restricted::{Restricted, restricted};
 pub use rounding::apportion;
+pub use segments::{Segments, Whole, counted};
 pub use select::{Restriction, Selected, select};
+pub use shortest::{Accuracy, AccuracyPoint, Question, Rivals, Shortest};
+pub use stock::{Available, Length, Scarce, Stock};

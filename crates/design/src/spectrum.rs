@@ -8,8 +8,7 @@ pub(crate) struct Spectrum {
     /// The norm.
     pub value: f64,
     blocks: Vec<Eigen>,
-    /// Exponent of the power mean; none for log det.
-    power: Option<f64>,
+    norm: Norm,
 }
 
 #[derive(Clone, Debug, Default)]
@@ -28,12 +27,11 @@ pub(crate) fn value(norm: Norm, blocks: &[Vec<f64>]) -> Option<f64> {
             let det = numerics::log_det(block.len().isqrt(), &mut block.clone())?;
             (det.sign > 0.0).then_some(sum + det.log_abs)
         }),
-        Norm::PowerMean(1.0) => {
+        Norm::Trace => {
             let trace = |b: &Vec<f64>| b.iter().step_by(b.len().isqrt() + 1).sum::<f64>();
             let sum: f64 = blocks.iter().map(trace).sum();
             (sum > 0.0).then(|| sum.ln())
         }
-        norm => Spectrum::of(norm, blocks.to_vec()).map(|s| s.value),
     }
 }
 
@@ -53,19 +51,19 @@ impl Spectrum {
                 for block in &mut blocks {
                     block.slopes = block.values.iter().map(|v| 1.0 / v).collect();
                 }
-                value.is_finite().then_some(Self { value, blocks, power: None })
+                value.is_finite().then_some(Self { value, blocks, norm })
             }
-            Norm::PowerMean(power) => {
+            Norm::Trace => {
+                // Relative to the largest eigenvalue, so that nothing overflows.
                 let largest = blocks.iter().flat_map(|b| &b.values).copied().fold(0.0, f64::max);
                 if !(largest > 0.0 && largest.is_finite()) {
                     return None;
                 }
-                let sum: f64 = blocks.iter().flat_map(|b| &b.values).map(|v| (v / largest).powf(power)).sum();
+                let sum: f64 = blocks.iter().flat_map(|b| &b.values).map(|v| v / largest).sum();
                 for block in &mut blocks {
-                    let slope = |v: &f64| (v / largest).powf(power - 1.0) / (largest * sum);
-                    block.slopes = block.values.iter().map(slope).collect();
+                    block.slopes = vec![1.0 / (largest * sum); block.k];
                 }
-                Some(Self { value: largest.ln() + sum.ln() / power, blocks, power: Some(power) })
+                Some(Self { value: largest.ln() + sum.ln(), blocks, norm })
             }
         }
     }
@@ -85,24 +83,18 @@ impl Spectrum {
     /// block and member; `first`: the norm's derivative by each member.
     pub(crate) fn add_curvature(&self, changes: &[Vec<Vec<f64>>], first: &[f64], curvature: &mut [f64]) {
         let members = first.len();
-        for (block, changes) in self.blocks.iter().zip(changes) {
-            let k = block.k;
-            let vectors_t = transposed(k, &block.vectors);
-            let turned: Vec<Vec<f64>> =
-                changes.iter().map(|c| product(k, &product(k, &vectors_t, c), &block.vectors)).collect();
-            let quotients: Vec<f64> = (0..k * k).map(|e| block.quotient(e / k, e % k, self.power)).collect();
-            let scaled: Vec<Vec<f64>> =
-                turned.iter().map(|t| t.iter().zip(&quotients).map(|(t, h)| t * h).collect()).collect();
-            for (q, a) in scaled.iter().enumerate() {
-                for (r, b) in turned.iter().enumerate() {
-                    curvature[q * members + r] += dot(a, b);
+        match self.norm {
+            // The trace is linear; only its logarithm bends.
+            Norm::Trace => {
+                for (q, a) in first.iter().enumerate() {
+                    for (r, b) in first.iter().enumerate() {
+                        curvature[q * members + r] -= a * b;
+                    }
                 }
             }
-        }
-        if let Some(power) = self.power {
-            for q in 0..members {
-                for r in 0..members {
-                    curvature[q * members + r] -= power * first[q] * first[r];
+            Norm::LogDet => {
+                for (block, changes) in self.blocks.iter().zip(changes) {
+                    block.add_log_det_curvature(changes, curvature);
                 }
             }
         }
@@ -110,21 +102,22 @@ impl Spectrum {
 }
 
 impl Eigen {
-    /// (ψ_i − ψ_j)/(λ_i − λ_j) of the slopes ψ, and its limit for equal eigenvalues.
-    fn quotient(&self, i: usize, j: usize, power: Option<f64>) -> f64 {
-        let (a, b) = (self.values[i].max(self.values[j]), self.values[i].min(self.values[j]));
-        match power {
-            None => -1.0 / (a * b),
-            Some(1.0) => 0.0,
-            Some(power) => {
-                let top = self.slopes[i].max(self.slopes[j]);
-                let gap = (a - b) / a;
-                if gap <= 0.0 {
-                    return if a > 0.0 { (power - 1.0) * top / a } else { 0.0 };
-                }
-                // ψ_j = ψ_i (λ_j/λ_i)^(s−1)
-                let fall = if b > 0.0 { -((power - 1.0) * (-gap).ln_1p()).exp_m1() } else { 1.0 };
-                top * fall / (a * gap)
+    /// −tr(C⁻¹ C_q C⁻¹ C_r) of all members.
+    fn add_log_det_curvature(&self, changes: &[Vec<f64>], curvature: &mut [f64]) {
+        let (k, members) = (self.k, changes.len());
+        let vectors_t = transposed(k, &self.vectors);
+        let turned: Vec<Vec<f64>> =
+            changes.iter().map(|c| product(k, &product(k, &vectors_t, c), &self.vectors)).collect();
+        let inverse = |i: usize, j: usize| {
+            let (a, b) = (self.values[i].max(self.values[j]), self.values[i].min(self.values[j]));
+            -1.0 / (a * b)
+        };
+        let quotients: Vec<f64> = (0..k * k).map(|e| inverse(e / k, e % k)).collect();
+        let scaled: Vec<Vec<f64>> =
+            turned.iter().map(|t| t.iter().zip(&quotients).map(|(t, h)| t * h).collect()).collect();
+        for (q, a) in scaled.iter().enumerate() {
+            for (r, b) in turned.iter().enumerate() {
+                curvature[q * members + r] += dot(a, b);
             }
         }
     }

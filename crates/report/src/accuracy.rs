@@ -1,4 +1,5 @@
 use crate::figures::{AccuracyCurve, accuracy};
+use design::AccuracyOf;
 use maud::{Markup, html};
 
 use super::number::three;
@@ -8,8 +9,10 @@ use study::documents::{Accuracy, AccuracyPoint, DesignDocument};
 /// How long the experiment has to be, and what other designs would need.
 pub(super) fn accuracy_of(design: &DesignDocument, figures: &mut Figures) -> Markup {
     let Some(found) = &design.accuracy else { return html! {} };
-    let title =
-        if found.of == "overall" { "root of Σ (std error/θ)² [1]" } else { "largest std error/θ [1]" };
+    let title = match found.of {
+        AccuracyOf::Overall => "root of Σ (std error/θ)² [1]",
+        AccuracyOf::PerParameter => "largest std error/θ [1]",
+    };
     let figure = accuracy(&curves(found), (found.duration_s, found.wanted), title);
     html! {
         h3 { "How long?" }

@@ -22,11 +22,11 @@ fn designed(study: &Study, design: &DesignDocument, figures: &mut Figures) -> Ma
     let reference = study.reference.as_ref();
     let names = shown(design.order.iter().map(String::as_str), Some(design));
     let bars = shares(&share_rows(&names, design, reference));
-    let dots = sensitivities(&sensitivity_rows(&names, design), dimension(design));
+    let dots = |p: u64| sensitivities(&sensitivity_rows(&names, design), p as f64);
     html! {
         div.pair {
             (figures.place("shares", bars, &share_caption(reference)))
-            (figures.place("sensitivities", dots, &sensitivity_caption(design)))
+            @if let Some(p) = design.dimension { (figures.place("sensitivities", dots(p), &sensitivity_caption(p))) }
         }
         (omission(design.order.len(), names.len()))
         (table(&names, design, reference, study.experiment_s))
@@ -70,10 +70,6 @@ fn sensitivity_rows<'a>(names: &[&'a str], design: &DesignDocument) -> Vec<Sensi
     names.iter().map(row).collect()
 }
 
-fn dimension(design: &DesignDocument) -> f64 {
-    design.dimension as f64
-}
-
 fn share_caption(reference: Option<&Reference>) -> Markup {
     html! {
         b { "Share of the experiment time per maneuver." }
@@ -83,10 +79,10 @@ fn share_caption(reference: Option<&Reference>) -> Markup {
     }
 }
 
-fn sensitivity_caption(design: &DesignDocument) -> Markup {
+fn sensitivity_caption(p: u64) -> Markup {
     html! {
         b { "Sensitivity g of every maneuver." }
-        " A maneuver in use (filled) sits at the line g = p = " (design.dimension) "; one to the left of it (open) would \
+        " A maneuver in use (filled) sits at the line g = p = " (p) "; one to the left of it (open) would \
           return less information per second than the mix does, and gets no time."
     }
 }
@@ -140,7 +136,7 @@ fn time_of(design: &DesignDocument, name: &str, length: f64) -> String {
 }
 
 fn alone(design: &DesignDocument, name: &str) -> String {
-    match design.efficiency.single.get(name) {
+    match design.efficiency.as_ref().and_then(|efficiency| efficiency.single.get(name)) {
         None => "–".to_owned(),
         Some(efficiency) if *efficiency <= 1e-9 => "0".to_owned(),
         Some(efficiency) => percent(*efficiency),
@@ -149,16 +145,18 @@ fn alone(design: &DesignDocument, name: &str) -> String {
 
 fn footnotes(design: &DesignDocument) -> Markup {
     html! {
-        p.note {
+        @if design.efficiency.is_some() { p.note {
             "Efficiency alone: the fraction of the experiment time that the optimal shares would need for the information of \
              that maneuver on its own; 0 where it leaves some direction without excitation."
-        }
+        } }
         @if let Some(counted) = &design.counted {
             p.note {
                 "Segments: the shares approximated by " (counted.segments) " segments of " (counted.segment_samples)
                 " samples; their efficiency against the exact shares is " (percent(counted.efficiency)) "."
             }
         }
-        p.note { "Value of the criterion: log|det| = " (exact((design.log_det * 1e4).round() / 1e4)) "." }
+        @if let Some(log_det) = design.log_det {
+            p.note { "Value of the criterion: log|det| = " (exact((log_det * 1e4).round() / 1e4)) "." }
+        }
     }
 }

@@ -34,10 +34,17 @@ fn facts(design: &DesignDocument) -> Markup {
         dl.facts {
             div { dt { "Status" } dd { (design.status) } }
             div { dt { "Global optimum" } dd { (proof(design)) } }
-            div { dt { "Gap max g − p" } dd { (three(design.gap)) " (p = " (design.dimension) ")" } }
-            div { dt { "Relative gap" } dd { (three(design.relative_gap)) } }
-            div { dt { "Efficiency of equal shares" } dd { (percent(design.efficiency.equal_shares)) } }
-            div { dt { "Criterion" } dd { (design.criterion) "-optimality, instruments' mean removed: " (design.mean_removal) } }
+            @if let (Some(gap), Some(p)) = (design.gap, design.dimension) {
+                div { dt { "Gap max g − p" } dd { (three(gap)) " (p = " (p) ")" } }
+            }
+            @if let Some(gap) = design.relative_gap { div { dt { "Relative gap" } dd { (three(gap)) } } }
+            @if let Some(efficiency) = &design.efficiency {
+                div { dt { "Efficiency of equal shares" } dd { (percent(efficiency.equal_shares)) } }
+            }
+            div { dt { "Criterion" } dd {
+                (design.criterion.title()) "-optimality"
+                @if let Some(removal) = design.mean_removal { ", instruments' mean removed: " (removal) }
+            } }
         }
     }
 }

@@ -176,7 +176,7 @@ fn mix(design: &DesignDocument) -> String {
 
 /// How much time equal shares waste.
 fn worth(design: &DesignDocument) -> String {
-    let efficiency = design.efficiency.equal_shares;
+    let Some(efficiency) = design.efficiency.as_ref().map(|e| e.equal_shares) else { return String::new() };
     if efficiency > 0.0 && efficiency.is_finite() {
         let factor = three(1.0 / efficiency);
         return format!("Equal shares would need {factor} times as long for the same information.");
@@ -221,15 +221,19 @@ fn share_card(
 fn design_cards(design: &DesignDocument) -> Markup {
     let used = design.order.iter().filter(|name| is_used(design, name)).count();
     html! {
-        div.card {
-            p.what { "Efficiency of equal shares" }
-            p.figure-line { span.big { (percent(design.efficiency.equal_shares)) } }
-            p.other { (used) " of " (design.order.len()) " maneuvers are worth their time" }
+        @if let Some(efficiency) = &design.efficiency {
+            div.card {
+                p.what { "Efficiency of equal shares" }
+                p.figure-line { span.big { (percent(efficiency.equal_shares)) } }
+                p.other { (used) " of " (design.order.len()) " maneuvers are worth their time" }
+            }
         }
-        div.card {
-            p.what { "Optimality" }
-            p.figure-line { span.big { (three(design.relative_gap)) } " " span.who { "relative gap" } }
-            p.other { (design.status) @if !design.proved_global { ", not proved global" } }
+        @if let Some(gap) = design.relative_gap {
+            div.card {
+                p.what { "Optimality" }
+                p.figure-line { span.big { (three(gap)) } " " span.who { "relative gap" } }
+                p.other { (design.status) @if !design.proved_global { ", not proved global" } }
+            }
         }
     }
 }

@@ -28,8 +28,10 @@ mod notes;
 mod number;
 mod page;
 mod parameters;
+mod picture;
 mod placed;
 mod published_selection;
+pub mod results;
 mod selection;
 mod sequential;
 mod shown;
@@ -51,6 +53,7 @@ pub use load::load;
 pub use loader::Sources;
 pub use measured::Measured;
 pub use page::{Rendered, render};
+pub use picture::picture;
 pub use selection::SelectionStudy;
 pub use study::{
     ManeuverTrace, ParameterRow, PlannedTrial, Scenario, ScoreSet, Study, Trajectory, VesselSummary,

@@ -113,6 +113,16 @@ impl CampaignFile {
         Some(Noise { measurement: [m.std_u_m_s, m.std_v_m_s, m.std_r_rad_s], current })
     }
 
+    /// [`CampaignFile::noise`] for what is predicted for white noise alone; `remedy` for other disturbances.
+    ///
+    /// # Errors
+    /// A current that lasts.
+    pub fn white_noise(&self, remedy: &str) -> Result<Noise, Invalid> {
+        let expected = "`none` or `white`, which the covariance of the estimate is predicted for";
+        let lasting = || Invalid::new("`current.kind`", "a current that lasts", expected, remedy);
+        self.noise().ok_or_else(lasting)
+    }
+
     /// The validation maneuvers as a dictionary.
     pub fn validation_dictionary(&self) -> DictionaryFile {
         DictionaryFile {

@@ -4,6 +4,7 @@
 #![warn(missing_docs)]
 
 pub mod campaign_file;
+pub mod design_files;
 pub mod documents;
 pub mod estimates;
 pub mod files;

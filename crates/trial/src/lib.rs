@@ -7,12 +7,15 @@
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 
+pub mod arranging;
 mod autopilot;
 mod basic;
 mod grid;
 mod informative;
 mod leg;
+pub mod moments;
 mod piece;
+pub mod refining;
 mod sail;
 mod ship;
 mod symmetry;

@@ -170,7 +170,13 @@ impl Derivatives<Curve> {
                 for (j, Factor { variable, .. }) in term.factors.iter().enumerate() {
                     if *state < 3 && i != j {
                         let places = own.rest(model, term, &[i, j]);
-                        own.parts.push(Curve { parameter, degree, state: *state, variable: *variable, places });
+                        own.parts.push(Curve {
+                            parameter,
+                            degree,
+                            state: *state,
+                            variable: *variable,
+                            places,
+                        });
                     }
                 }
             }
@@ -207,7 +213,19 @@ impl<'m, X: Number> Compiled<'m, X> {
         let places = vec![X::ONE; products.first + products.pairs.len()];
         let parameters = parameters.to_vec();
         let (by_state, by_exogenous, twice) = (None, None, None);
-        Self { model, variables, parameters, moduli, products, terms, sums, by_state, by_exogenous, twice, places }
+        Self {
+            model,
+            variables,
+            parameters,
+            moduli,
+            products,
+            terms,
+            sums,
+            by_state,
+            by_exogenous,
+            twice,
+            places,
+        }
     }
 
     /// The model.
@@ -270,12 +288,7 @@ impl<'m, X: Number> Compiled<'m, X> {
 
     /// One sample on: x(k+1) = x(k) + θᵀφ(x(k) − x_c(k), exogenous(k)) + f(k).
     #[inline(always)]
-    pub fn step<E: Copy + Into<X>>(
-        &mut self,
-        state: [X; 3],
-        exogenous: &[E],
-        ambient: Ambient<X>,
-    ) -> [X; 3] {
+    pub fn step<E: Copy + Into<X>>(&mut self, state: [X; 3], exogenous: &[E], ambient: Ambient<X>) -> [X; 3] {
         self.look(state, exogenous, ambient.current);
         self.next(state, ambient.force)
     }

@@ -1,6 +1,7 @@
 use std::collections::BTreeMap;
 
-use serde::Deserialize;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
 use crate::{Degree, DegreeOfFreedom, Invalid, Model, Term, Variable, nearest};
 
@@ -76,7 +77,7 @@ pub struct TermSpec {
 }
 
 /// Which of the two parameter sets is meant.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Source {
     /// The true values.
@@ -84,6 +85,16 @@ pub enum Source {
     Value,
     /// The nominal values.
     Nominal,
+}
+
+impl Source {
+    /// Both of them.
+    pub const ALL: [Self; 2] = [Self::Value, Self::Nominal];
+
+    /// As in files and on the command line.
+    pub fn name(self) -> &'static str {
+        ["value", "nominal"][self as usize]
+    }
 }
 
 /// A vessel: structure, true and nominal parameters. Valid by construction.
@@ -140,6 +151,19 @@ impl Vessel {
         vessel.replace(&file)?;
         vessel.check_parameters()?;
         Ok(vessel)
+    }
+
+    /// One of the built-in vessels, by name.
+    ///
+    /// # Errors
+    /// An unknown name.
+    pub fn preset(name: &str) -> Result<Self, Invalid> {
+        Self::from_file(VesselFile { preset: Some(name.to_owned()), ..VesselFile::default() })
+    }
+
+    /// The true values where every parameter has one, else the nominal ones.
+    pub fn best_known(&self) -> Source {
+        if self.value.iter().all(Option::is_some) { Source::Value } else { Source::Nominal }
     }
 
     /// The parameters of `source`.

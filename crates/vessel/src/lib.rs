@@ -3,7 +3,7 @@
 //! States are surge `u`, sway `v` \[m/s\] and yaw rate `r` \[rad/s\] in body axes (x forward, y starboard, z down).
 //! A model structure lists per degree of freedom terms that are products of powers and moduli of states, inputs and
 //! measured disturbances; the parameter of a term multiplies it, and the sum is the state's increment per sample:
-//! `x_d(k+1) = x_d(k) + φ_d(k)ᵀ θ_d`. See `NOTATION.md` at the top of the repository.
+//! `x_d(k+1) = x_d(k) + φ_d(k)ᵀ θ_d`. See `docs/notation.md`.
 
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
@@ -19,6 +19,7 @@ mod model;
 mod noise;
 mod normals;
 mod pose;
+mod refusals;
 mod run;
 mod simulate;
 mod steady;
@@ -37,6 +38,7 @@ pub use model::{Degree, DegreeOfFreedom, Model, Variable};
 pub use noise::Streams;
 pub use pose::{Pose, track};
 pub use refusal::{Invalid, nearest};
+pub use refusals::{MOST_SAMPLES, refuse_endless};
 pub use run::{Run, RunView, Segment};
 pub use simulate::{
     DIVERGED, Diverged, Weather, check_diverged, follow, simulate, simulate_in, simulate_one,

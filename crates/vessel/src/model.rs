@@ -71,6 +71,13 @@ impl Model {
         self.degrees.iter().map(|d| d.terms.len()).sum()
     }
 
+    /// Inputs, N × inputs, beside measured disturbances of zero: N × exogenous, row-major.
+    pub fn undisturbed(&self, inputs: &[f64]) -> Vec<f64> {
+        let calm = self.exogenous() - self.inputs;
+        let rows = inputs.chunks_exact(self.inputs);
+        rows.flat_map(|row| row.iter().copied().chain(std::iter::repeat_n(0.0, calm))).collect()
+    }
+
     /// Names of all parameters: surge, sway, yaw.
     pub fn parameter_names(&self) -> impl Iterator<Item = &str> {
         self.degrees.iter().flat_map(|d| d.parameters.iter().map(String::as_str))

@@ -11,13 +11,13 @@ mod objective;
 use check::is_proportional;
 
 /// What of a covariance matrix is made small.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Norm {
     /// log det: D-optimality.
+    #[default]
     LogDet,
-    /// log (Σ λ_i^s)^(1/s) over the eigenvalues of all blocks: s = 1 is A-optimality, E-optimality is approached as s
-    /// grows and lies between this and this less log(number of eigenvalues)/s.
-    PowerMean(f64),
+    /// log of the trace: A-optimality.
+    Trace,
 }
 
 /// A criterion of the covariance A(w)⁻¹ B(w) A(w)⁻ᵀ, A(w) = Σ w_q M_qᵀ, B(w) = Σ w_q B_q, one block of parameters after
@@ -81,7 +81,7 @@ impl Covariance {
         Self::built(information, middle, norm, |n, rows| {
             let root = |i: usize| match norm {
                 Norm::LogDet => 1.0,
-                Norm::PowerMean(_) => weights[rows.start + i].sqrt(),
+                Norm::Trace => weights[rows.start + i].sqrt(),
             };
             let kept: Vec<usize> = (0..n).filter(|i| weights[rows.start + i] > 0.0).collect();
             kept.iter().flat_map(|i| (0..n).map(move |j| if *i == j { root(j) } else { 0.0 })).collect()
@@ -105,7 +105,7 @@ impl Covariance {
             return Err(Error::Shape { found, expected });
         }
         let mut block = 0;
-        Self::built(information, middle, Norm::PowerMean(1.0), |n, _| {
+        Self::built(information, middle, Norm::Trace, |n, _| {
             block += 1;
             let (values, vectors) = symmetric(n, &weights[block - 1]);
             let least = 1e-14 * values.iter().copied().fold(0.0, f64::max);
@@ -135,7 +135,7 @@ impl Covariance {
                 for (entry, unit) in row.iter_mut().zip(&balanced.rows[first..]).filter(|(e, _)| **e != 0.0) {
                     match norm {
                         Norm::LogDet => offset -= 2.0 * unit.ln(),
-                        Norm::PowerMean(_) => *entry /= unit,
+                        Norm::Trace => *entry /= unit,
                     }
                 }
             }
@@ -156,11 +156,6 @@ impl Covariance {
         Ok(built)
     }
 
-    /// The same with another norm of the same kind of weights.
-    pub(crate) fn with_power(&self, power: f64) -> Self {
-        Self { norm: Norm::PowerMean(power), ..self.clone() }
-    }
-
     /// Whether the criterion is concave up to a monotone function: B_q is proportional to the information, and that is
     /// symmetric positive semidefinite up to row factors. Then a small gap bounds the distance to the global optimum.
     pub fn is_concave(&self) -> bool {
@@ -173,7 +168,7 @@ impl Covariance {
     }
 
     /// Number of eigenvalues of the weighted covariance.
-    pub fn eigenvalues(&self) -> usize {
+    fn eigenvalues(&self) -> usize {
         self.blocks().map(|block| block.kept()).sum()
     }
 

@@ -15,7 +15,7 @@ impl Objective for Covariance {
     fn degree(&self) -> f64 {
         match self.norm {
             Norm::LogDet => self.eigenvalues() as f64,
-            Norm::PowerMean(_) => 1.0,
+            Norm::Trace => 1.0,
         }
     }
 
@@ -26,7 +26,7 @@ impl Objective for Covariance {
     fn exponent(&self) -> f64 {
         match self.norm {
             Norm::LogDet => 1.0,
-            Norm::PowerMean(_) => 0.5,
+            Norm::Trace => 0.5,
         }
     }
 

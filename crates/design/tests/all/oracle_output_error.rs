@@ -33,7 +33,7 @@ fn covariance(oracle: &Value, noise: &str, name: &str) -> Covariance {
         None => 0.0,
     };
     let weights: Vec<f64> = ROWS.iter().map(weight).collect();
-    let norm = if name == "d" { Norm::LogDet } else { Norm::PowerMean(1.0) };
+    let norm = if name == "d" { Norm::LogDet } else { Norm::Trace };
     Covariance::new(&information, &middle, &weights, norm).unwrap()
 }
 

@@ -47,10 +47,8 @@ impl Part {
     /// # Errors
     /// The first part whose simulation diverges; no part is changed then.
     pub fn instrument(parts: &mut [Self], model: &Model, parameters: &[f64]) -> Result<(), PartDiverged> {
-        let simulated: Vec<Vec<f64>> = parts
-            .iter()
-            .map(|p| simulate_one(model, parameters, p.view().initial, &p.exogenous))
-            .collect();
+        let simulated: Vec<Vec<f64>> =
+            parts.iter().map(|p| simulate_one(model, parameters, p.view().initial, &p.exogenous)).collect();
         for (part, states) in simulated.iter().enumerate() {
             if let Some(at) = check_diverged(states.iter().copied()) {
                 return Err(PartDiverged { part, at });

@@ -3,7 +3,11 @@ use vessel::Lane;
 use crate::sensitivity::{Levels, Products, Recordings, Sensitivities, add_draws, add_start, backward};
 
 /// Covariance of Σ sᵀWe where errors are correlated over less than about 2√N samples. free × free lanes.
-pub(crate) fn correlated_scores(recordings: &Recordings, kept: &Sensitivities<Lane>, weights: [Lane; 3]) -> Vec<Lane> {
+pub(crate) fn correlated_scores(
+    recordings: &Recordings,
+    kept: &Sensitivities<Lane>,
+    weights: [Lane; 3],
+) -> Vec<Lane> {
     let (p, rows) = (kept.free(), recordings.longest() + 1);
     let mut scores = Vec::with_capacity(rows * p);
     for k in 0..rows {

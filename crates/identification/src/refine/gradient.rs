@@ -56,7 +56,15 @@ impl TraceCriterion<'_> {
         let response = Rows::of(n, &m.iter().map(|m| factor * m).collect::<Vec<f64>>());
         let parameters = &parameters[..];
         let followed = pulp::Arch::new().dispatch(Follow { run, parameters, forward, response });
-        pulp::Arch::new().dispatch(Back { run, parameters, forward, state_slopes, followed, sources, weights })
+        pulp::Arch::new().dispatch(Back {
+            run,
+            parameters,
+            forward,
+            state_slopes,
+            followed,
+            sources,
+            weights,
+        })
     }
 
     /// M and Q, n × n, divided by φ.
@@ -207,7 +215,8 @@ impl Back<'_> {
     fn by_slopes(&self, k: usize, big: &[[Lane; 3]]) -> [[f64; 3]; 3] {
         let Followed { forced, followed } = &self.followed;
         let (s, adjoint, columns) = (self.forward.path.at(k), self.forward.adjoint(k), big.len());
-        let before = k.checked_sub(1).and_then(|k| followed.get(k * columns..(k + 1) * columns)).unwrap_or(&[]);
+        let before =
+            k.checked_sub(1).and_then(|k| followed.get(k * columns..(k + 1) * columns)).unwrap_or(&[]);
         let forced = forced.get(k * columns..(k + 1) * columns).unwrap_or(&[]);
         let mut h = [[Lane::ZERO; 3]; 3];
         for (d, row) in h.iter_mut().enumerate() {

@@ -16,15 +16,15 @@ mod sweep;
 
 pub(crate) use adjoint::{add_draws, add_start, backward};
 pub(crate) use dynamics::Dynamics;
-pub(crate) use information::{Told, channels};
 pub use information::{OutputInformation, output_information, prediction_weights};
+pub(crate) use information::{Told, channels};
 pub(crate) use kalman::{Gain, filter};
 pub use levels::{Flow, Gusts, Levels};
 pub(crate) use products::Products;
 pub use recordings::Recordings;
 pub(crate) use recordings::groups;
-pub(crate) use sweep::{Step, sweep};
 pub use sweep::Sensitivities;
+pub(crate) use sweep::{Step, sweep};
 
 use vessel::{LANES, Lane, Number};
 

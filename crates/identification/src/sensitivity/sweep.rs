@@ -129,7 +129,10 @@ impl<X: Unknowns> Sensitivities<X> {
             &[],
             #[inline(always)]
             |step: Step<'_, X, 3>| {
-                kept.keep(&step, if step.k == 0 && !from_start { X::ZERO } else { recordings.lasting(step.k) });
+                kept.keep(
+                    &step,
+                    if step.k == 0 && !from_start { X::ZERO } else { recordings.lasting(step.k) },
+                );
             },
         );
         kept

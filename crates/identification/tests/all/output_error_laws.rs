@@ -3,8 +3,8 @@
 use crate::support::noise::Normals;
 use crate::support::{Experiment, dictionary, paper, truth};
 use identification::predictor::{
-    Fit, Fitted, Flow, Gusts, InitialState, Levels, Recordings, Sensitivities, Spread,
-    output_error, prediction_error,
+    Fit, Fitted, Flow, Gusts, InitialState, Levels, Recordings, Sensitivities, Spread, output_error,
+    prediction_error,
 };
 use identification::{Batch, MeanRemoval, Outcome, estimate_prefiltered};
 use vessel::{LANES, Lane, Model, RunView, Source, Vessel, Weather, simulate, simulate_in};
@@ -66,7 +66,8 @@ fn law_sensitivities_are_difference_quotients() {
     let measured = splat(&experiment.states(&vessel, Source::Value));
     let model = vessel.model.with_intercepts();
     let data = recordings(&model, &experiment, &measured);
-    let at = [model.layout().woven(&truth(&vessel), [0.002, -0.001, 0.003]), vec![0.05, -0.02, 0.01]].concat();
+    let at =
+        [model.layout().woven(&truth(&vessel), [0.002, -0.001, 0.003]), vec![0.05, -0.02, 0.01]].concat();
     let free: Vec<usize> = (0..at.len()).collect();
     let found = Sensitivities::of(&data, &splat(&at), &free, true);
     for i in &free {
@@ -132,7 +133,8 @@ fn a_run_that_never_turns_is_not_identifiable_and_a_wild_start_does_not_converge
     assert!(matches!(fits[0], Fit::NotIdentifiable(_)), "{:?}", fits[0]);
     let wild = starts(&vessel, &vec![5.0; vessel.model.parameters()]);
     let runs = runs(&experiment, &measured);
-    let fits = output_error(&vessel.model.with_intercepts(), &runs, &wild, InitialState::Known, Spread::Residuals);
+    let fits =
+        output_error(&vessel.model.with_intercepts(), &runs, &wild, InitialState::Known, Spread::Residuals);
     assert!(matches!(fits[0], Fit::NotConverged(_)), "{:?}", fits[0]);
 }
 

@@ -62,8 +62,7 @@ impl Run {
         let starts: Vec<Vec<Vec<f64>>> = (0..LANES).map(|run| vec![woven(run)]).collect();
         let first = |lanes: &[Lane]| lanes.iter().map(|lane| lane[0]).collect::<Vec<f64>>();
         let (measured, exogenous) = (first(&self.measured), first(&self.inputs));
-        let run =
-            RunView { measured: &measured, exogenous: &exogenous, initial: self.initial.map(|x| x[0]) };
+        let run = RunView { measured: &measured, exogenous: &exogenous, initial: self.initial.map(|x| x[0]) };
         let fits = output_error(&model, &[run; LANES], &starts, initial, spread);
         let converged = |fit: Fit| match fit {
             Fit::Converged(found) => found,

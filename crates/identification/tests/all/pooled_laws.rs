@@ -3,8 +3,7 @@
 use crate::support::noise::Normals;
 use approx::assert_relative_eq;
 use identification::pooled::{
-    COLLINEAR, Centring, Options, Part, Prior, Regression, Status, bootstrap, fit, output_error,
-    sandwich,
+    COLLINEAR, Centring, Options, Part, Prior, Regression, Status, bootstrap, fit, output_error, sandwich,
 };
 use identification::{MeanRemoval, Sums};
 use vessel::{Streams, Vessel, simulate_one};

@@ -2,8 +2,8 @@
 
 use approx::assert_relative_eq;
 use identification::pooled::{
-    Centring, Options, Part, Prior, Regression, Score, Window, Windows, chi_square_tail, diagnose,
-    fit, residuals, sandwich, strength, whiteness,
+    Centring, Options, Part, Prior, Regression, Score, Window, Windows, chi_square_tail, diagnose, fit,
+    residuals, sandwich, strength, whiteness,
 };
 use identification::{MeanRemoval, Sums};
 use serde_json::Value;

@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 
 use crate::{ManeuverTrace, ParameterRow, ScoreSet, Study, VesselSummary};
 use study::documents::{
-    Bounds, DegreeMoments, DegreeStructure, DegreeSummary, DesignDocument, DesignScores, DesignSummary,
-    Efficiency, EstimateDocument, ManeuverMoments, MomentsDocument, ParameterSummary, Published,
-    PublishedShare, Quantiles, Reference, Start, ValidationDocument,
+    Bounds, DegreeMoments, DegreeStructure, DegreeSummary, DesignDocument, DesignScores, DesignStatus,
+    DesignSummary, Efficiency, EstimateDocument, ManeuverMoments, MomentsDocument, ParameterSummary,
+    Published, PublishedShare, Quantiles, Reference, Start, ValidationDocument,
 };
 
 /// Name, share, sensitivity, efficiency alone, speed from, speed to, yaw rate, whether it sweeps.
@@ -146,22 +146,22 @@ fn design() -> DesignDocument {
         agrees: true,
     };
     DesignDocument {
-        criterion: "D".to_owned(),
-        mean_removal: "complete".to_owned(),
-        status: "stationary".to_owned(),
+        criterion: design::CriterionName::DHessian,
+        mean_removal: Some(identification::MeanRemoval::Complete),
+        status: DesignStatus::Stationary,
         statement: "The shares are first-order optimal to a relative gap of 3e-10. The problem is not concave, so this does \
                     not prove a global optimum; all 6 starts reached the same value."
             .to_owned(),
         shares: by_name(|m| m.1),
         order: MANEUVERS.iter().map(|m| m.0.to_owned()).collect(),
         sensitivities: by_name(|m| m.2),
-        dimension: 13,
-        gap: 4.1e-9,
-        relative_gap: 3.15e-10,
-        log_det: -41.273_918_24,
+        dimension: Some(13),
+        gap: Some(4.1e-9),
+        relative_gap: Some(3.15e-10),
+        log_det: Some(-41.273_918_24),
         proved_global: false,
         starts: (0..6).map(start).collect(),
-        efficiency: Efficiency { equal_shares: 0.571, single: by_name(|m| m.3) },
+        efficiency: Some(Efficiency { equal_shares: 0.571, single: by_name(|m| m.3) }),
         counts: None,
         counted: None,
         available: None,
@@ -169,7 +169,6 @@ fn design() -> DesignDocument {
         accuracy: None,
         estimator: None,
         restricted: None,
-        robust: None,
         sequence: None,
     }
 }
@@ -197,7 +196,7 @@ fn moments() -> MomentsDocument {
     MomentsDocument {
         vessel: "Ljungberg model ship".to_owned(),
         sample_rate_hz: 8.0,
-        instruments: "nominal simulation".to_owned(),
+        instruments: identification::InstrumentKind::Nominal,
         degrees: degrees.iter().map(structure).collect(),
         maneuvers: MANEUVERS.iter().enumerate().map(maneuver).collect(),
         disturbances: None,

@@ -2,27 +2,29 @@
 
 use std::path::{Path, PathBuf};
 
+use artifact::{Provenance, commit, stage_document};
+use clap::Parser;
+use identification::pooled::Regression;
+use identification::{Estimator, MeanRemoval, Sums};
+use serde_json::json;
+use study::campaign_file::CampaignFile;
+use study::documents::MomentsDocument;
+use study::files::{generator, read_campaign, read_vessel};
+use study::trajectories::{Layout, TrajectoryReader, label};
+use trial::moments::{
+    Expected, FreeRunModel, ManeuverMoments, Moments, Pool, Prediction, Unpredictable, by_name, rows,
+    structure, validation_weights,
+};
+use vessel::{Invalid, Run, Vessel};
+
 use crate::choice::choice;
 use crate::cli::{Common, provenance};
-use crate::design::{NoiseModel, OutputErrorNoise, ParameterDraw, Predicted, SimulateWith};
 use crate::failure::Failure;
 use crate::instruments::{InstrumentKind, Instruments};
 use crate::ordered::ordered;
 use crate::pooled::{Data, Nominal, NominalModel, PoolFlags};
 use crate::progress::Progress;
 use crate::stage::{Summary, Task};
-use artifact::{Provenance, commit, stage_document};
-use clap::Parser;
-use identification::pooled::Regression;
-use identification::{MeanRemoval, Sums, middle, moments};
-use serde_json::json;
-use study::documents::{
-    DegreeMoments, DegreeStructure, ManeuverMoments, MomentsDocument, OutputErrorMoments,
-};
-use study::files::read_vessel;
-use study::trajectories::{Layout, TrajectoryReader, label};
-use vessel::{DegreeOfFreedom, Model, Vessel};
-use vessel::{Run, Segment};
 
 /// Computes the lifted moment matrices of every maneuver, M = mean of φ̃ζ̃ᵀ per degree of freedom
 #[derive(Parser)]
@@ -52,23 +54,11 @@ pub struct Arguments {
     #[arg(long, value_name = "campaign.toml")]
     campaign: Option<PathBuf>,
     /// The estimator to predict besides: `output-error` adds the matrices F and P, and G of the campaign's validation maneuvers
-    #[arg(long, value_enum, default_value_t = Predicted::Iv, requires = "campaign")]
-    estimator: Predicted,
-    /// Which parameters the free simulations of `output-error` have (default: the true ones where the vessel has them)
-    #[arg(long, value_enum, value_name = "value|nominal")]
-    simulate_with: Option<SimulateWith>,
-    /// Draws these parameters instead, number K of the seed: each is scaled by a normal number about 1
-    #[arg(long, value_name = "K", requires = "spread")]
-    draw: Option<u32>,
-    /// Standard deviation of a drawn parameter, relative to it
-    #[arg(long, value_name = "SHARE", requires = "draw")]
-    spread: Option<f64>,
+    #[arg(long, value_parser = choice(&Estimator::PREDICTED, Estimator::name, Estimator::description), default_value_t = Estimator::Iv, requires = "campaign")]
+    estimator: Estimator,
     #[command(flatten)]
     common: Common,
 }
-
-/// Name of the design of a dictionary's runs.
-const DICTIONARY: &str = "dictionary";
 
 impl Task for Arguments {
     fn common(&self) -> &Common {
@@ -92,58 +82,18 @@ fn stage(a: &Arguments) -> Result<Summary, Failure> {
     if reader.blocks() > 0 {
         label(reader.runs(0)?.iter().map(|run| run.design.as_str()), &mut provenance);
     }
-    let kind = a.instruments.name().to_owned();
-    let noise = match &a.campaign {
-        Some(campaign) => Some(NoiseModel::read(campaign, &vessel, a.instruments, &mut provenance)?),
-        None => None,
-    };
-    provenance.settings.insert("instruments".into(), json!(kind));
-    let output_error = match (a.estimator, &noise, &a.campaign) {
-        (Predicted::OutputError, Some(noise), Some(campaign)) => {
-            let seed = a.common.seed.unwrap_or(1);
-            let draw = a.draw.zip(a.spread).map(|(number, spread)| ParameterDraw { number, spread, seed });
-            let files = [a.vessel.as_path(), campaign, &a.trajectories];
-            Some(OutputErrorNoise::new(files, &vessel, noise.noise, a.simulate_with, draw, &mut provenance)?)
-        }
-        _ => None,
-    };
-    let instruments = Instruments::new(&vessel, &a.vessel, a.instruments);
-    let progress = Progress::new("blocks", reader.blocks(), a.common.quiet);
-    let mut maneuvers: Vec<ManeuverMoments> = Vec::new();
-    let work = |block: usize| {
-        let found = maneuver_moments(
-            &vessel,
-            &instruments,
-            noise.as_ref(),
-            output_error.as_ref(),
-            &reader.runs(block)?,
-        );
-        progress.advance(1);
-        found
-    };
-    ordered(0..reader.blocks(), work, |found| {
-        for (pooled, maneuver) in found {
-            match maneuvers.iter_mut().find(|m| m.name == maneuver.name) {
-                None => maneuvers.push(maneuver),
-                Some(known) if pooled => pool(known, &maneuver),
-                Some(_) => return Err(twice(&a.trajectories, &maneuver.name)),
-            }
-        }
-        Ok(())
-    })?;
-    let short = maneuvers.iter().find(|m| (m.samples as usize) < unknowns(&vessel.model));
-    if let Some(short) = short {
-        return Err(too_short(&a.trajectories, &short.name, short.samples, unknowns(&vessel.model)));
-    }
-    let document = MomentsDocument {
+    provenance.settings.insert("instruments".into(), json!(a.instruments));
+    let (expected, output_error) = predicted(a, &vessel, &mut provenance)?;
+    let maneuvers = maneuvers(a, &vessel, expected.as_ref(), output_error.as_ref(), &reader)?;
+    let document = MomentsDocument::from(Moments {
         vessel: vessel.name.clone(),
         sample_rate_hz: vessel.sample_rate_hz,
-        instruments: kind,
+        instruments: a.instruments,
         degrees: structure(&vessel.model),
         maneuvers,
-        disturbances: noise.map(|noise| noise.document(&vessel)),
-        output_error: output_error.map(|o| o.document()),
-    };
+        expected,
+        output_error,
+    });
     let inputs: Vec<&Path> =
         [&a.vessel, &a.trajectories].into_iter().chain(&a.campaign).map(PathBuf::as_path).collect();
     let out = a.common.main_output("moments.json", &inputs)?;
@@ -155,96 +105,86 @@ fn stage(a: &Arguments) -> Result<Summary, Failure> {
     })
 }
 
-fn structure(model: &Model) -> Vec<DegreeStructure> {
-    let of = |(d, degree): (DegreeOfFreedom, &vessel::Degree)| DegreeStructure {
-        name: d.name().to_owned(),
-        regressors: degree.terms.iter().map(|t| t.text.clone()).chain(["1".to_owned()]).collect(),
-        parameters: degree.parameters.clone(),
-    };
-    DegreeOfFreedom::ALL.into_iter().zip(&model.degrees).map(of).collect()
-}
-
-/// Unknowns of the largest degree of freedom.
-fn unknowns(model: &Model) -> usize {
-    model.degrees.iter().map(|d| d.terms.len() + 1).max().unwrap_or(0)
-}
-
-fn too_short(file: &Path, maneuver: &str, samples: u64, most: usize) -> Failure {
-    Failure::refuse(
-        file,
-        &format!("maneuver `{maneuver}`"),
-        &format!("{samples} samples"),
-        &format!("at least {most}, the unknowns of a degree of freedom"),
-        "lengthen the maneuver",
-    )
-}
-
-/// The moments of every maneuver in `runs`, and whether they may be pooled with others of the same name: those of measured
-/// runs, segment by segment, but not those of a dictionary, where a name stands for one run.
-fn maneuver_moments(
+/// The moments of all maneuvers in the table.
+fn maneuvers(
+    a: &Arguments,
     vessel: &Vessel,
-    instruments: &Instruments,
-    noise: Option<&NoiseModel>,
-    output_error: Option<&OutputErrorNoise>,
-    runs: &[Run],
-) -> Result<Vec<(bool, ManeuverMoments)>, Failure> {
-    let parts: Vec<Run> = runs.iter().flat_map(|run| segments(run, vessel.model.exogenous())).collect();
-    let mut out = Vec::with_capacity(parts.len());
-    instruments.batches(&parts, |batch, members| {
-        let mut middles = noise.map(|n| middle(batch, &n.parameters, &n.noise).into_iter());
-        for (run, found) in members.iter().zip(moments(batch)) {
-            let middle = middles.as_mut().and_then(Iterator::next);
-            let output_error = output_error.map(|o| o.moments(run)).transpose()?;
-            out.push((run.design != DICTIONARY, document_of(run, found, middle, output_error)));
-        }
-        Ok(())
-    })?;
-    Ok(out)
-}
-
-/// A measured run as one run per segment, each from its first measured state; a run of a dictionary as it is.
-fn segments(run: &Run, width: usize) -> Vec<Run> {
-    if run.design == DICTIONARY || run.segments.len() < 2 {
-        return vec![run.clone()];
-    }
-    let ends = run.segments.iter().skip(1).map(|s| s.start).chain([run.samples()]);
-    let part = |(segment, end): (&Segment, usize)| {
-        let measured = run.measured[3 * segment.start..3 * (end + 1)].to_vec();
-        let initial = if segment.start == 0 { run.initial } else { [0, 1, 2].map(|d| measured[d]) };
-        Run {
-            design: run.design.clone(),
-            run: run.run,
-            segments: vec![Segment { maneuver: segment.maneuver.clone(), start: 0 }],
-            exogenous: run.exogenous[segment.start * width..end * width].to_vec(),
-            measured,
-            initial,
-        }
+    expected: Option<&Expected>,
+    output_error: Option<&FreeRunModel>,
+    reader: &TrajectoryReader,
+) -> Result<Vec<ManeuverMoments>, Failure> {
+    let theta = |by_name: &std::collections::BTreeMap<String, f64>| -> Vec<f64> {
+        vessel.model.parameter_names().map(|name| by_name[name]).collect()
     };
-    run.segments.iter().zip(ends).map(part).collect()
+    let prediction = Prediction {
+        model: &vessel.model,
+        noise: expected.map(|e| (e.noise, theta(&e.parameters))),
+        free_runs: output_error.map(|o| theta(&o.parameters)),
+    };
+    let instruments = Instruments::new(vessel, &a.vessel, a.instruments);
+    let progress = Progress::new("blocks", reader.blocks(), a.common.quiet);
+    let mut pool = Pool::default();
+    let work = |block: usize| {
+        let runs: Vec<Run> = prediction.runs(&reader.runs(block)?);
+        let mut found = Vec::with_capacity(runs.len());
+        instruments.batches(&runs, |batch, members| {
+            let moments = prediction.moments(batch, members);
+            found.extend(moments.map_err(|e| Failure::invalid(&a.vessel, &e))?);
+            Ok(())
+        })?;
+        progress.advance(1);
+        Ok::<_, Failure>(found)
+    };
+    let refused = |e: Invalid| Failure::invalid(&a.trajectories, &e);
+    ordered(0..reader.blocks(), work, |found| {
+        found.into_iter().try_for_each(|(pooled, more)| pool.add(pooled, more)).map_err(refused)
+    })?;
+    pool.finish(&vessel.model).map_err(refused)
 }
 
-/// Adds the moments of more samples of the same maneuver.
-fn pool(known: &mut ManeuverMoments, more: &ManeuverMoments) {
-    let samples = known.samples + more.samples;
-    let share = more.samples as f64 / samples.max(1) as f64;
-    for (own, other) in known.degrees.iter_mut().zip(&more.degrees) {
-        own.m.iter_mut().zip(&other.m).for_each(|(m, o)| *m += share * (o - *m));
-        if let (Some(own), Some(other)) = (&mut own.b, &other.b) {
-            own.iter_mut().zip(other).for_each(|(b, o)| *b += share * (o - *b));
-        }
-        own.nonstationarity = own.nonstationarity.max(other.nonstationarity);
+/// The disturbances to expect, and the model of free simulations, where they are asked for.
+fn predicted(
+    a: &Arguments,
+    vessel: &Vessel,
+    provenance: &mut Provenance,
+) -> Result<(Option<Expected>, Option<FreeRunModel>), Failure> {
+    let Some(campaign) = &a.campaign else { return Ok((None, None)) };
+    let config = read_campaign(campaign, provenance)?;
+    let source = vessel.best_known();
+    let theta = vessel.parameters(source).map_err(|e| Failure::invalid(&a.vessel, &e))?;
+    let parameters = by_name(&vessel.model, &theta);
+    let expected = Expected {
+        noise: noise(a, campaign, &config)?,
+        linearised_at: source,
+        parameters: parameters.clone(),
+        nominal: by_name(&vessel.model, &vessel.nominal),
+    };
+    if a.estimator != Estimator::OutputError {
+        return Ok((Some(expected), None));
     }
-    if let (Some(own), Some(other)) = (&mut known.output_error, &more.output_error) {
-        let pairs = [
-            (Some(&mut own.f), Some(&other.f)),
-            (own.e.as_mut(), other.e.as_ref()),
-            (own.p.as_mut(), other.p.as_ref()),
-        ];
-        for (own, other) in pairs.into_iter().filter_map(|(own, other)| own.zip(other)) {
-            own.iter_mut().zip(other).for_each(|(f, o)| *f += share * (o - *f));
-        }
+    let validation = generator(campaign, vessel, &config.validation_dictionary(), provenance)?;
+    let g = validation_weights(&vessel.model, &theta, &validation).map_err(|e| match e {
+        Unpredictable::Maneuver(e) => Failure::invalid(campaign, &e),
+        Unpredictable::Vessel(e) => Failure::invalid(&a.vessel, &e),
+    })?;
+    let model = FreeRunModel { simulated_with: source, parameters, rows: rows(&vessel.model), g };
+    Ok((Some(expected), Some(model)))
+}
+
+/// The noise of every sample. The measured regressors as instruments may have none: a covariance does not tell how far least
+/// squares is off.
+fn noise(a: &Arguments, campaign: &Path, config: &CampaignFile) -> Result<identification::Noise, Failure> {
+    let refused = |e: Invalid| Failure::invalid(campaign, &e);
+    let noise = config.white_noise("leave out --campaign").map_err(refused)?;
+    if a.instruments == InstrumentKind::Regressors && noise.measurement.iter().any(|std| *std > 0.0) {
+        return Err(refused(Invalid::new(
+            "`measurement`",
+            "noise in the regressors that --instruments regressors makes the instruments of",
+            "instruments free of noise: a covariance does not tell how far least squares is off",
+            "take --instruments nominal, or leave out --campaign",
+        )));
     }
-    known.samples = samples;
+    Ok(noise)
 }
 
 /// The nominal parameters that `--nominal` asks for, without intercepts.
@@ -266,33 +206,4 @@ fn nominal_of(
             a.trajectories.display()
         ))
     })
-}
-
-fn document_of(
-    run: &Run,
-    found: identification::ManeuverMoments,
-    middle: Option<Vec<Vec<f64>>>,
-    output_error: Option<OutputErrorMoments>,
-) -> ManeuverMoments {
-    let degrees = DegreeOfFreedom::ALL.into_iter().zip(found.matrices).zip(found.nonstationarity);
-    let mut middle = middle.into_iter().flatten();
-    ManeuverMoments {
-        name: run.segments[0].maneuver.clone(),
-        samples: found.samples,
-        output_error,
-        degrees: degrees
-            .map(|((d, m), nonstationarity)| DegreeMoments {
-                name: d.name().to_owned(),
-                shape: [m.len().isqrt() as u64; 2],
-                m,
-                nonstationarity,
-                b: middle.next(),
-            })
-            .collect(),
-    }
-}
-
-fn twice(file: &Path, name: &str) -> Failure {
-    let (found, expected) = ("two runs of it", "one run per maneuver");
-    Failure::refuse(file, &format!("maneuver `{name}`"), found, expected, "name each maneuver once")
 }

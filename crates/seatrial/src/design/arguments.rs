@@ -4,14 +4,15 @@ use std::path::PathBuf;
 
 use artifact::Provenance;
 use clap::{Parser, ValueEnum};
+use design::{AccuracyOf, CriterionName, Dictionary, Length, Wanted};
+use identification::{Estimator, MeanRemoval};
 use serde_json::json;
+use trial::moments::Estimated;
+use vessel::Source;
 
-use super::{CriterionName, Estimated, Experiment, OverModels, Predicted, Relative, Wanted};
 use crate::choice::choice;
 use crate::cli::{Common, name_of};
 use crate::failure::Failure;
-use crate::instruments::Removal;
-use study::documents::MomentsDocument;
 
 /// Finds the shares of the experiment time that make the information largest (D-optimal), or a criterion of the estimate's
 /// covariance smallest, with a certificate
@@ -28,25 +29,19 @@ pub struct Arguments {
     #[arg(long, value_name = "moments.json")]
     pub(super) moments: PathBuf,
     /// How the estimator will remove the instruments' mean
-    #[arg(long, value_parser = choice(&Removal::ALL, Removal::name, Removal::description), default_value_t = Removal::Complete)]
-    pub(super) mean_removal: Removal,
+    #[arg(long, value_parser = choice(&MeanRemoval::ALL, MeanRemoval::name, MeanRemoval::description), default_value_t = MeanRemoval::Complete)]
+    pub(super) mean_removal: MeanRemoval,
     /// What the shares are best for; all but d-hessian need moments made with --campaign (default: d-hessian; d for
     /// output-error; a-relative with --accuracy)
-    #[arg(long, value_enum)]
+    #[arg(long, value_parser = choice(&CriterionName::ALL, CriterionName::name, CriterionName::description))]
     pub(super) criterion: Option<CriterionName>,
     /// The estimator whose covariance the criterion is of; output-error needs moments made with --estimator output-error
-    #[arg(long = "for", value_enum, default_value_t = Predicted::Iv)]
-    pub(super) estimator: Predicted,
+    #[arg(long = "for", value_parser = choice(&Estimator::PREDICTED, Estimator::name, Estimator::description), default_value_t = Estimator::Iv)]
+    pub(super) estimator: Estimator,
     /// What disturbs an output-error estimate: measurement errors and the current, or measurement errors alone (then the problem
     /// is convex, and the certificate one of the global optimum)
     #[arg(long, value_enum, default_value_t = OutputNoise::All)]
     noise: OutputNoise,
-    /// Moments of the same maneuvers with other models, to be robust against
-    #[arg(long, value_name = "moments.json", num_args = 1..)]
-    pub(super) also: Vec<PathBuf>,
-    /// How the criteria of several models become one
-    #[arg(long, value_enum, default_value_t = OverModels::Mean)]
-    pub(super) over: OverModels,
     /// Use at most so many maneuvers
     #[arg(long, value_name = "K", value_parser = clap::value_parser!(u64).range(1..))]
     pub(super) most_maneuvers: Option<u64>,
@@ -66,9 +61,9 @@ pub struct Arguments {
     #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub(super) random_segments: u32,
     /// Which parameters the errors of a-relative are relative to
-    #[arg(long, value_enum, default_value_t = Relative::Nominal)]
-    pub(super) relative_to: Relative,
-    /// Weights of the parameters' variances for a, a-relative and e: a table `[weight]`; parameters not named count nothing
+    #[arg(long, value_parser = choice(&Source::ALL, Source::name, relative_to), default_value = "nominal")]
+    pub(super) relative_to: Source,
+    /// Weights of the parameters' variances for a and a-relative: a table `[weight]`; parameters not named count nothing
     #[arg(long, value_name = "weights.toml")]
     pub(super) weights: Option<PathBuf>,
     /// How much of each maneuver exists: tables `seconds` and `segments` by maneuver, or what `ingest` cut
@@ -113,6 +108,16 @@ enum OutputNoise {
     Measurement,
 }
 
+/// Parameters that errors are relative to, in a line.
+fn relative_to(source: Source) -> &'static str {
+    match source {
+        Source::Nominal => "The nominal ones",
+        Source::Value => {
+            "Those that the disturbances were linearised with: the true ones where they are known"
+        }
+    }
+}
+
 impl Arguments {
     /// Refuses numbers that mean nothing.
     pub(super) fn check(&self) -> Result<(), Failure> {
@@ -128,37 +133,39 @@ impl Arguments {
         let usage = |found: &str, expected: &str| {
             Err(Failure::Usage(format!("--criterion: found {found}, expected {expected}; take another")))
         };
-        match (self.criterion, self.estimator) {
-            (Some(CriterionName::DHessian), Predicted::OutputError) => {
-                usage("d-hessian for output-error, which has no instruments", "d, a, a-relative, e or v")
+        let output_error = self.estimator == Estimator::OutputError;
+        match self.criterion {
+            Some(CriterionName::DHessian) if output_error => {
+                usage("d-hessian for output-error, which has no instruments", "d, a, a-relative or v")
             }
-            (Some(CriterionName::V), Predicted::Iv) => usage("v for iv", "v with --for output-error"),
-            (Some(CriterionName::DHessian), _) if !self.also.is_empty() => {
-                usage("d-hessian with --also", "a criterion of the covariance")
-            }
-            (Some(name), _) => Ok(name),
-            (None, _) if self.accuracy.is_some() => Ok(CriterionName::ARelative),
-            (None, Predicted::OutputError) => Ok(CriterionName::D),
-            (None, Predicted::Iv) if !self.also.is_empty() => Ok(CriterionName::D),
-            (None, Predicted::Iv) => Ok(CriterionName::DHessian),
+            Some(CriterionName::V) if !output_error => usage("v for iv", "v with --for output-error"),
+            Some(CriterionName::DHessian) if self.accuracy.is_some() => Err(Failure::Usage(
+                "--accuracy: found --criterion d-hessian, which predicts no standard errors, expected a criterion of the \
+                 covariance; leave --criterion out or take a-relative"
+                    .into(),
+            )),
+            Some(name) => Ok(name),
+            None if self.accuracy.is_some() => Ok(CriterionName::ARelative),
+            None if output_error => Ok(CriterionName::D),
+            None => Ok(CriterionName::DHessian),
         }
     }
 
     /// The estimator whose covariance the criterion is of.
     pub(super) fn estimated(&self) -> Estimated {
         match self.estimator {
-            Predicted::Iv => Estimated::Iv(self.mean_removal),
-            Predicted::OutputError => Estimated::OutputError { current: self.noise == OutputNoise::All },
+            Estimator::OutputError => Estimated::OutputError { current: self.noise == OutputNoise::All },
+            _ => Estimated::Iv(self.mean_removal),
         }
     }
 
     /// The experiment's duration, which --minimal-s needs.
     pub(super) fn few_duration(
         &self,
-        moments: &MomentsDocument,
-        experiment: &Experiment,
+        dictionary: &Dictionary,
+        length: &Length,
     ) -> Result<Option<f64>, Failure> {
-        let duration = experiment.samples.map(|samples| samples / moments.sample_rate_hz);
+        let duration = length.samples.map(|samples| samples / dictionary.sample_rate_hz);
         match (self.minimal_s, duration) {
             (Some(_), None) => Err(Failure::Usage(
                 "--minimal-s: found no length of the experiment, expected one to relate it to; add --duration-s, or --segments and \
@@ -174,20 +181,15 @@ impl Arguments {
 
     /// What --accuracy asks for.
     pub(super) fn wanted(&self, accuracy: f64) -> Wanted {
-        Wanted {
-            accuracy,
-            per_parameter: self.per_parameter,
-            longest_s: self.longest_s,
-            random_segments: self.random_segments,
-            seed: self.seed(),
-        }
+        let of = if self.per_parameter { AccuracyOf::PerParameter } else { AccuracyOf::Overall };
+        Wanted { accuracy, of, longest_s: self.longest_s }
     }
 
     /// The experiment's length, as far as it is told.
-    pub(super) fn experiment(&self, moments: &MomentsDocument) -> Experiment {
+    pub(super) fn length(&self, dictionary: &Dictionary) -> Length {
         let segments = self.segments.zip(self.segment_samples);
         let counted = segments.map(|(n, samples)| n as f64 * samples as f64);
-        Experiment { samples: self.duration_s.map(|s| s * moments.sample_rate_hz).or(counted), segments }
+        Length { samples: self.duration_s.map(|s| s * dictionary.sample_rate_hz).or(counted), segments }
     }
 
     /// Of random starts and random designs.
@@ -203,13 +205,13 @@ impl Arguments {
         settings.insert("tolerance".into(), json!(self.tolerance));
         let name = self.criterion_name().unwrap_or(CriterionName::DHessian);
         if name != CriterionName::DHessian {
-            settings.insert("criterion".into(), json!(name_of(name)));
+            settings.insert("criterion".into(), json!(name));
         }
         if (name == CriterionName::ARelative && self.weights.is_none()) || self.accuracy.is_some() {
-            settings.insert("relative_to".into(), json!(name_of(self.relative_to)));
+            settings.insert("relative_to".into(), json!(self.relative_to));
         }
-        if self.estimator == Predicted::OutputError {
-            settings.insert("estimator".into(), json!("output-error"));
+        if self.estimator == Estimator::OutputError {
+            settings.insert("estimator".into(), json!(self.estimator));
             settings.insert("noise".into(), json!(name_of(self.noise)));
         }
         if let Some(duration) = self.duration_s {

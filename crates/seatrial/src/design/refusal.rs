@@ -1,77 +1,73 @@
 use std::path::Path;
 
-use design::Error;
+use design::{NoDesign, Scarce};
+use trial::refining::Refusal;
 
-use super::matrices::Estimated;
+use super::refine::Refine;
 use crate::failure::Failure;
-use study::documents::MomentsDocument;
 
-/// What concerns the one block of all parameters, told of the degree of freedom that it concerns most.
-fn by_degree(moments: &MomentsDocument, estimated: Estimated, error: Error) -> Error {
-    if let Estimated::Iv(_) = estimated {
-        return error;
-    }
-    let ends: Vec<usize> = moments
-        .degrees
-        .iter()
-        .scan(0, |end, d| {
-            *end += d.regressors.len();
-            Some(*end)
-        })
-        .collect();
-    let degree = |row: usize| ends.iter().position(|end| row < *end).unwrap_or(0);
-    let first = |d: usize| if d == 0 { 0 } else { ends[d - 1] };
-    match error {
-        Error::Unexcited { direction, .. } => {
-            let largest =
-                (0..direction.len()).max_by(|a, b| direction[*a].abs().total_cmp(&direction[*b].abs()));
-            let block = degree(largest.unwrap_or(0));
-            let direction = direction.get(first(block)..ends[block]).unwrap_or_default().to_vec();
-            Error::Unexcited { block, direction }
-        }
-        Error::SingularCovariance { row, .. } => {
-            let block = degree(row);
-            Error::SingularCovariance { block, row: row - first(block) }
-        }
-        other => other,
+/// Why there is no design of the moments in `moments`, where what is available stands in `available`.
+pub(super) fn no_design(moments: &Path, available: Option<&Path>, why: NoDesign) -> Failure {
+    let file = moments.display();
+    match why {
+        NoDesign::Unexcited { degree, parameter, regressor } => Failure::NoAnswer(format!(
+            "{file}: parameter `{parameter}` ({degree}): found a direction that no maneuver excites, expected every parameter to \
+             be excited by some maneuver; add a maneuver in which `{regressor}` varies independently of the other terms of \
+             {degree}"
+        )),
+        NoDesign::Singular { degree, parameter } => Failure::NoAnswer(format!(
+            "{file}: parameter `{parameter}` ({degree}): found a covariance that is singular, with no variance of its own, \
+             expected the disturbances to reach every parameter; expect noise in {degree} too, or take --criterion d-hessian"
+        )),
+        NoDesign::Scarce(why) => scarce(available.unwrap_or(moments), why),
+        NoDesign::OutOfReach(found) => Failure::NoAnswer(format!(
+            "{file}: --accuracy: {found}; ask for that, or make more time or better maneuvers available"
+        )),
+        NoDesign::Search(other) => Failure::NoAnswer(format!(
+            "{file}: design: found {other}, expected a convergent search; raise --starts or --tolerance"
+        )),
     }
 }
 
-/// Why there is no design of the moments in `file`.
-pub fn no_design(file: &Path, moments: &MomentsDocument, estimated: Estimated, error: Error) -> Failure {
-    match by_degree(moments, estimated, error) {
-        Error::Unexcited { block, direction } => {
-            let degree = &moments.degrees[block];
-            let weight = |i: &usize| direction[*i].abs();
-            let parameter =
-                (0..degree.parameters.len()).max_by(|a, b| weight(a).total_cmp(&weight(b))).unwrap_or(0);
-            Failure::NoAnswer(format!(
-                "{}: parameter `{}` ({}): found a direction that no maneuver excites, expected every parameter to be \
-                 excited by some maneuver; add a maneuver in which `{}` varies independently of the other terms of {}",
-                file.display(),
-                degree.parameters[parameter],
-                degree.name,
-                degree.regressors[parameter],
-                degree.name
-            ))
-        }
-        Error::SingularCovariance { block, row } => {
-            let degree = &moments.degrees[block];
-            Failure::NoAnswer(format!(
-                "{}: parameter `{}` ({}): found a covariance that is singular, with no variance of its own, expected the \
-                 disturbances to reach every parameter; expect noise in {} too, or take --criterion d-hessian",
-                file.display(),
-                degree.parameters.get(row).or(degree.parameters.last()).map_or("", String::as_str),
-                degree.name,
-                degree.name
-            ))
-        }
-        Error::Empty => {
-            Failure::refuse(file, "`data.maneuvers`", "none", "at least one maneuver", "run `moments` again")
-        }
-        other => Failure::NoAnswer(format!(
-            "{}: design: found {other}, expected a convergent search; raise --starts or --tolerance",
+/// Why no experiment can be made of what is available.
+pub(super) fn scarce(file: &Path, why: Scarce) -> Failure {
+    let usage = |table: &str, flags: &str| {
+        Failure::Usage(format!(
+            "--available: found `{table}` in {}, expected {flags} to relate them to; add it",
             file.display()
+        ))
+    };
+    let too_little = |found: String, expected: String| {
+        Failure::NoAnswer(format!(
+            "{}: what is available: found {found}, expected at least {expected}; shorten the experiment or make more \
+             available",
+            file.display()
+        ))
+    };
+    match why {
+        Scarce::NoSegments => usage("segments", "--segments and --segment-samples"),
+        Scarce::NoLength => usage("seconds", "--duration-s, or --segments and --segment-samples,"),
+        Scarce::Time { share } => too_little(
+            format!("{:.1} % of the experiment's time in all maneuvers together", 100.0 * share),
+            "100 %".into(),
+        ),
+        Scarce::Segments { found, expected } => {
+            too_little(format!("{found} whole segments"), expected.to_string())
+        }
+    }
+}
+
+/// Why an experiment is not refined.
+pub(super) fn not_refined(a: &Refine, why: Refusal) -> Failure {
+    match why {
+        Refusal::Vessel(e) => Failure::invalid(&a.vessel, &e),
+        Refusal::Dictionary(e) => Failure::invalid(&a.dictionary, &e),
+        Refusal::Design(e) => Failure::invalid(&a.design, &e),
+        Refusal::Limits(e) => Failure::invalid(a.limits.as_ref().unwrap_or(&a.dictionary), &e),
+        Refusal::NotIdentifiable { parameter } => Failure::NoAnswer(format!(
+            "{}: the design's experiment: found one that does not tell `{parameter}` from the other parameters, expected a \
+             start that excites all; begin with another design",
+            a.design.display()
         )),
     }
 }

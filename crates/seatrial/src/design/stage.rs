@@ -1,21 +1,17 @@
-//! `design`: how long to run each maneuver.
-
 use std::path::{Path, PathBuf};
 
 use artifact::{Provenance, commit, read_document, stage_document};
-use design::{Bounds, CountOptions, Design, Options};
+use design::{Available, Bounds, CountOptions, Design, Length, Options, Segments, counted};
 use serde_json::json;
 
-use super::{
-    Arguments, Asked, Available, Criterion, Experiment, Few, Question, Segments, Sequencing, Solved, counted,
-    document, information, no_design, restricted, squares, weights,
-};
-use crate::cli::{given, provenance};
+use super::Arguments;
+use super::problem::Problem;
+use super::refusal::scarce;
+use crate::cli::provenance;
 use crate::failure::Failure;
-use crate::instruments::Removal;
 use crate::stage::Summary;
-use study::documents::{DesignDocument, MomentsDocument, Sequence};
-use study::files::{read_dictionary, read_vessel};
+use study::documents::{DesignDocument, MomentsDocument, Solved};
+use trial::moments::Moments;
 
 /// Finds the shares that are asked for and writes them.
 ///
@@ -24,7 +20,7 @@ use study::files::{read_dictionary, read_vessel};
 pub fn stage(a: &Arguments) -> Result<Summary, Failure> {
     a.check()?;
     let loaded = read_document::<MomentsDocument>(&a.moments)?;
-    let moments = loaded.data;
+    let moments = loaded.data.moments().map_err(|e| Failure::invalid(&a.moments, &e))?;
     let mut provenance = provenance("design");
     provenance.inputs.insert("moments".into(), loaded.digest);
     // Moments of simulated logs say so, and so does the design.
@@ -34,152 +30,59 @@ pub fn stage(a: &Arguments) -> Result<Summary, Failure> {
     let document = design(a, &moments, &mut provenance)?;
     a.settings(&mut provenance);
     let inputs = [Some(&a.moments), a.weights.as_ref(), a.available.as_ref()];
-    let inputs: Vec<&Path> = inputs.into_iter().flatten().chain(&a.also).map(PathBuf::as_path).collect();
+    let inputs: Vec<&Path> = inputs.into_iter().flatten().map(PathBuf::as_path).collect();
     let out = a.common.main_output("design.json", &inputs)?;
     commit(vec![stage_document(&out, &provenance, &document)?])?;
     Ok(summary(&out, &document))
 }
 
-/// Moments with other models.
-fn also(a: &Arguments, provenance: &mut Provenance) -> Result<Vec<(PathBuf, MomentsDocument)>, Failure> {
-    let mut out = Vec::new();
-    for (i, path) in a.also.iter().enumerate() {
-        let loaded = read_document::<MomentsDocument>(path)?;
-        provenance.inputs.insert(format!("moments:{}", i + 2), loaded.digest);
-        out.push((path.clone(), loaded.data));
-    }
-    Ok(out)
-}
-
-/// The design of `moments`: candidates, what is available, criterion, shares, counts.
-fn design(
-    a: &Arguments,
-    moments: &MomentsDocument,
-    provenance: &mut Provenance,
-) -> Result<DesignDocument, Failure> {
-    let (name, estimated) = (a.criterion_name()?, a.estimated());
-    let refuse = |e| no_design(&a.moments, moments, estimated, e);
-    let information = information(&a.moments, moments, estimated)?;
-    let weights = weights(name, a.relative_to, a.weights.as_deref(), &a.moments, moments, provenance)?;
-    let also = also(a, provenance)?;
-    let also: Vec<(&Path, MomentsDocument)> = also.iter().map(|(p, m)| (p.as_path(), m.clone())).collect();
-    let asked = Asked { name, estimated, weights, also: &also, over: a.over };
-    let criterion = Criterion::new(&asked, &a.moments, moments)?;
+/// The design of `moments`: criterion, what is available, shares, counts, order.
+fn design(a: &Arguments, moments: &Moments, provenance: &mut Provenance) -> Result<DesignDocument, Failure> {
+    let problem = Problem::read(a, moments, provenance)?;
+    let (dictionary, criterion) = (&problem.dictionary, &problem.criterion);
+    let refuse = |e| problem.refuse(dictionary.explain(e));
     let options =
         Options { tolerance: a.tolerance, random_starts: a.starts, seed: a.seed(), ..Options::default() };
-    let timed = match a.accuracy {
-        Some(accuracy) => {
-            let question = Question {
-                file: &a.moments,
-                moments,
-                criterion: &criterion,
-                estimated,
-                removal: a.mean_removal,
-                squares: squares(a.relative_to, &a.moments, moments)?,
-                wanted: a.wanted(accuracy),
-                least_largest: a.per_parameter && a.criterion.is_none() && a.also.is_empty(),
-                available: a.available.as_deref(),
-            };
-            Some(question.shortest(&options, provenance)?)
-        }
-        None => None,
+    let shortest = problem.shortest(&options)?;
+    let length = match &shortest {
+        Some((_, accuracy)) => Length { samples: Some(accuracy.samples as f64), segments: None },
+        None => a.length(dictionary),
     };
-    let experiment = match &timed {
-        Some(timed) => Experiment { samples: Some(timed.accuracy.samples as f64), segments: None },
-        None => a.experiment(moments),
+    let available = match (&problem.stock, &a.available) {
+        (Some(stock), Some(path)) => Some(stock.within(dictionary, &length).map_err(|e| scarce(path, e))?),
+        _ => None,
     };
-    let available = match &a.available {
-        Some(path) => Some(Available::read(path, moments, &experiment, provenance)?),
-        None => None,
+    let bounds = available.as_ref().map_or(Ok(Bounds::default()), |a| Bounds::new(&a.shares));
+    let bounds = bounds.map_err(refuse)?;
+    let (relaxed, accuracy) = match shortest {
+        Some((design, accuracy)) => (design, Some(accuracy)),
+        None => (criterion.solve(&bounds, &options).map_err(refuse)?, None),
     };
-    let bounds = match &available {
-        Some(available) => Bounds::new(&available.shares).map_err(refuse)?,
-        None => Bounds::default(),
-    };
-    let parameters = moments.degrees.iter().map(|d| d.parameters.len()).sum();
-    let mut design = match &timed {
-        Some(timed) => timed.design.clone(),
-        None => criterion.solve(&bounds, &options).map_err(refuse)?,
-    };
-    let few = Few { most_maneuvers: a.most_maneuvers, minimal_s: a.minimal_s };
-    let mut about = None;
-    if few.most_maneuvers.is_some() || few.minimal_s.is_some() {
-        let duration_s = a.few_duration(moments, &experiment)?;
-        let found = restricted(&criterion, &design, &bounds, &few, duration_s, &options, parameters);
-        let (restricted, told) = found.map_err(|e| few.refusal(&a.moments, &e))?;
-        (design, about) = (restricted, Some(told));
-    }
-    let segments = experiment.segments.map(|(total, samples)| Segments {
-        total,
-        samples,
-        limits: limits(available.as_ref(), about.is_some().then_some(&design), total),
-    });
+    let few = problem.few(&relaxed, &bounds, a.few_duration(dictionary, &length)?, &options)?;
+    let restricted = few.as_ref().map(|(_, found)| &found.design);
+    let design = restricted.unwrap_or(&relaxed);
     let count_options = CountOptions { random_starts: a.starts, seed: a.seed(), ..CountOptions::default() };
-    let sequence = sequence(a, moments, &criterion, &design, experiment.samples, provenance)?;
-    let count = |segments| counted(&criterion, &design, segments, &count_options, parameters);
-    Ok(document(Solved {
-        moments,
-        information: &information,
-        name,
-        criterion: &criterion,
-        estimated,
-        removal: a.mean_removal,
-        design: &design,
-        available: available.as_ref(),
-        counted: segments.as_ref().map(count).transpose().map_err(refuse)?,
-        samples: experiment.samples,
-        over: (!also.is_empty()).then_some(a.over),
-        restricted: about,
-        accuracy: timed.map(|timed| timed.accuracy),
-        sequence,
-    }))
-}
-
-/// Order and lengths of the maneuvers of `design`, where they are asked for.
-fn sequence(
-    a: &Arguments,
-    moments: &MomentsDocument,
-    criterion: &Criterion,
-    design: &Design,
-    samples: Option<f64>,
-    provenance: &mut Provenance,
-) -> Result<Option<Sequence>, Failure> {
-    if !a.arrange {
-        return Ok(None);
-    }
-    let usage = |found: &str, expected: &str| {
-        Err(Failure::Usage(format!("--arrange: found {found}, expected {expected}")))
-    };
-    let Some(samples) = samples else {
-        return usage(
-            "no length of the experiment",
-            "one to fill; add --duration-s, --accuracy, or --segments and --segment-samples",
-        );
-    };
-    if a.available.is_some()
-        || a.most_maneuvers.is_some()
-        || a.minimal_s.is_some()
-        || a.mean_removal == Removal::Batch
-    {
-        return usage(
-            "--available, --most-maneuvers, --minimal-s or --mean-removal batch, which the search does not keep",
-            "none of them; leave them out",
-        );
-    }
-    let (vessel_file, dictionary_file) = (given(&a.vessel, "vessel")?, given(&a.dictionary, "dictionary")?);
-    let vessel = read_vessel(vessel_file, provenance)?;
-    let generator = read_dictionary(dictionary_file, &vessel, provenance)?;
-    let sequencing = Sequencing {
-        vessel: &vessel,
-        generator: &generator,
-        dictionary_file,
-        moments,
-        name: a.criterion_name()?,
+    let sequence = problem.arranged(design, length.samples, provenance)?;
+    let segments = length.segments.map(|(total, samples)| {
+        let segments = Segments { total, samples, limits: limits(available.as_ref(), restricted, total) };
+        let whole = counted(criterion, design, &segments, &count_options, dictionary.parameters());
+        whole.map(|whole| (segments, whole))
+    });
+    Ok(Solved {
+        dictionary,
+        name: problem.name,
         criterion,
-        estimated: a.estimated(),
-        seed: a.seed(),
-    };
-    sequencing.search(&design.shares, &design.sensitivities, samples.round() as usize).map(Some)
+        estimated: problem.estimated,
+        removal: a.mean_removal,
+        design,
+        available: available.as_ref(),
+        segments: segments.transpose().map_err(refuse)?,
+        samples: length.samples,
+        restricted: few.as_ref().map(|(few, found)| (*few, found)),
+        accuracy: accuracy.as_ref(),
+        sequence,
+    }
+    .into())
 }
 
 /// Most segments of every maneuver: none of those that a restricted design does not use.
@@ -192,15 +95,16 @@ fn limits(available: Option<&Available>, restricted: Option<&Design>, total: u64
 
 fn summary(out: &Path, document: &DesignDocument) -> Summary {
     let used = document.shares.values().filter(|w| **w > 0.0).count();
+    let gap = document.relative_gap;
     Summary {
         line: format!(
-            "{}: {} of {} maneuvers, {}, relative gap {:.1e}",
+            "{}: {} of {} maneuvers, {}{}",
             out.display(),
             used,
             document.shares.len(),
             document.status,
-            document.relative_gap
+            gap.map_or(String::new(), |gap| format!(", relative gap {gap:.1e}"))
         ),
-        json: json!({"out": out, "status": document.status, "relative_gap": document.relative_gap, "used": used}),
+        json: json!({"out": out, "status": document.status, "relative_gap": gap, "used": used}),
     }
 }

@@ -1,8 +1,6 @@
 //! Output error and prediction error of single runs.
 
-use identification::predictor::{
-    Fit, InitialState, Levels, Spread, output_error, prediction_error,
-};
+use identification::predictor::{Fit, InitialState, Levels, Spread, output_error, prediction_error};
 use vessel::Vessel;
 
 use super::rows::Found;
@@ -20,7 +18,8 @@ impl Begin<'_> {
     /// Least errors of free simulations of `runs`. Searches begin at the estimates `near`, then at those of `iv`, then at the
     /// nominal model, where there is none or it leads nowhere.
     pub(super) fn output_error(&self, runs: &[Run], near: &[Found], iv: &[Found]) -> Vec<Fit> {
-        let starts = |(near, iv): (&Found, &Found)| self.starts([near, iv].map(|found| found.theta().map(without)));
+        let starts =
+            |(near, iv): (&Found, &Found)| self.starts([near, iv].map(|found| found.theta().map(without)));
         let starts: Vec<Vec<Vec<f64>>> = near.iter().zip(iv).map(starts).collect();
         let spread = self.levels.map_or(Spread::Residuals, Spread::Stated);
         output_error(&self.vessel.model.with_intercepts(), &views(runs), &starts, self.initial, spread)

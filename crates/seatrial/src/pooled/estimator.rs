@@ -1,6 +1,5 @@
 use identification::pooled::{
-    COLLINEAR, DegreeFit, Options, OutputError, Part, PartDiverged, Prior, Regression, fit,
-    output_error,
+    COLLINEAR, DegreeFit, Options, OutputError, Part, PartDiverged, Prior, Regression, fit, output_error,
 };
 use identification::{DegreeSums, MeanRemoval, Sums};
 pub use identification::{Estimator as Method, Estimator as Used};

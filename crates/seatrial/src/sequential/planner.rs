@@ -118,7 +118,7 @@ impl<'a> Planner<'a> {
             information.push(&own).ok()?;
             middle.push(&noise).ok()?;
         }
-        Covariance::new(&information, &middle, &self.weights(sizes), Norm::PowerMean(1.0)).ok()
+        Covariance::new(&information, &middle, &self.weights(sizes), Norm::Trace).ok()
     }
 
     /// 1/size² of the lifted parameters, none for intercepts.

@@ -231,39 +231,8 @@ fn refusals_of_accuracies_and_estimators() {
         &["--criterion", "v", "output-error"],
     );
     refused(&folder, 2, &OUTPUT_ERROR.replace("--campaign campaign.toml", ""), &["--campaign"]);
-    refused(&folder, 2, &format!("{OUTPUT_ERROR} --draw 1 --spread 1.5"), &["--spread", "1.5"]);
     run(&folder, MOMENTS).succeeds();
     refused(&folder, 3, FOR, &["moments.json", "no `output_error`", "--estimator output-error"]);
-}
-
-#[test]
-fn several_models_are_designed_for_together() {
-    let folder = papers();
-    let draws: Vec<String> = (1..=3).map(|k| format!("draw{k}.json")).collect();
-    for (k, name) in draws.iter().enumerate() {
-        let line = OUTPUT_ERROR.replace("moments.json", name);
-        run(&folder, &format!("{line} --draw {} --spread 0.35", k + 1)).succeeds();
-    }
-    assert_eq!(json(&folder, "draw2.json")["data"]["output_error"]["simulated_with"], "value, draw 2");
-    let also = draws.join(" ");
-    let values = |flags: &str| -> Vec<f64> {
-        run(&folder, &format!("{FOR} --noise measurement --also {also} {flags}")).succeeds();
-        let found = data(&folder);
-        assert_eq!(found["status"], "optimal", "{}", found["statement"]);
-        found["robust"]["values"].as_array().unwrap().iter().map(|v| v.as_f64().unwrap()).collect()
-    };
-    let (mean, worst) = (values("--over mean"), values("--over worst"));
-    assert_eq!(mean.len(), 4);
-    let least = |values: &[f64]| values.iter().copied().fold(f64::INFINITY, f64::min);
-    assert!(least(&worst) >= least(&mean) - 1e-6, "{worst:?} {mean:?}");
-    assert!(worst.iter().sum::<f64>() <= mean.iter().sum::<f64>() + 1e-6);
-    std::fs::remove_file(folder.path().join("design.json")).unwrap();
-    put(&folder, "dictionary.toml", GENERATE);
-    run(&folder, &DICTIONARY.replace("dictionary.parquet", "other.parquet")).succeeds();
-    let line =
-        OUTPUT_ERROR.replace("dictionary.parquet", "other.parquet").replace("moments.json", "draw1.json");
-    run(&folder, &line).succeeds();
-    refused(&folder, 3, &format!("{FOR} --also draw1.json"), &["draw1.json", "maneuvers", "11"]);
 }
 
 #[test]

@@ -58,6 +58,10 @@ fn refined_inputs_are_worth_more_keep_the_limits_and_run_as_a_campaign() {
     let design = json(&folder, "refined/design.json")["data"].clone();
     assert_eq!(design["shares"]["refined"], 1.0);
     assert_eq!(design["covariance"]["standard_errors"], found["after"]["standard_errors"]);
+    // What only a choice of shares has is absent.
+    for key in ["sensitivities", "dimension", "gap", "relative_gap", "efficiency", "mean_removal", "starts"] {
+        assert!(design.get(key).is_none(), "{key}: {design}");
+    }
     // What a campaign simulates is what was refined.
     run(
         &folder,
@@ -151,13 +155,6 @@ fn refusals_of_what_to_refine() {
     try_with("tau2 = 1600.0", "tau4 = 1600.0", &["limits.toml", "`tau4`", "did you mean `tau"]);
     try_with("v_m_s = 0.3", "w_m_s = 0.3", &["limits.toml", "w_m_s", "v_m_s"]);
     try_with("v_m_s = 0.3", "v_m_s = -0.3", &["limits.toml", "`v_m_s`", "-0.3", "above 0"]);
-    // Nominal parameters of zero have no relative error.
-    refused(
-        &folder,
-        3,
-        &format!("{REFINE} --relative-to nominal"),
-        &["vessel.toml", "`N_uv`", "--relative-to value"],
-    );
     refused(&folder, 2, &format!("{REFINE} --knot-s 0"), &["--knot-s", "found 0"]);
     refused(&folder, 2, &REFINE.replace("refined/", "."), &["--out", "design.json", "also an input"]);
     refused(&folder, 2, "design refine --out refined/", &["--vessel", "--help"]);
@@ -165,6 +162,13 @@ fn refusals_of_what_to_refine() {
     put(&folder, "campaign.toml", &text.replace("kind = \"white\"", "kind = \"constant\""));
     refused(&folder, 3, REFINE, &["campaign.toml", "`current.kind`", "a current that lasts"]);
     put(&folder, "campaign.toml", &text);
+    // Parameters of zero have no relative error.
+    let vessel = std::fs::read_to_string(folder.path().join("vessel.toml")).unwrap();
+    let paper = std::fs::read_to_string(repository().join("pipelines/paper/vessel.toml")).unwrap();
+    assert!(paper.contains("\nvalue = -0.03\n"));
+    put(&folder, "vessel.toml", &paper.replace("\nvalue = -0.03\n", "\nvalue = 0.0\n"));
+    refused(&folder, 3, REFINE, &["vessel.toml", "`N_uv`", "found 0", "other than 0"]);
+    put(&folder, "vessel.toml", &vessel);
     edit(&folder, "dictionary.toml", "name = \"", "name = \"renamed ");
     refused(&folder, 3, REFINE, &["design.json", "`data.shares`"]);
     assert!(WRITES.iter().all(|name| !folder.path().join("refined").join(name).exists()));

@@ -1,21 +1,30 @@
 use std::collections::BTreeMap;
 
 use artifact::Document;
+use design::{AccuracyOf, CriterionName, Method};
+use identification::{Estimator, MeanRemoval};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+
+use super::design_status::DesignStatus;
+use super::titles;
+
+pub use design::AccuracyPoint;
 
 /// `design.json`: how long to run each maneuver, and how good that is.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct DesignDocument {
-    /// `D`: log|det| of the information matrix; `covariance D`, `A`, `relative A`, `E` or `V`:
-    /// a criterion of the estimate's covariance, see `covariance`.
-    pub criterion: String,
-    /// How the instruments' mean is removed: `none`, `batch` or `complete`.
-    pub mean_removal: String,
-    /// `optimal` (proved global), `stationary` (first-order optimal, not proved global), `stalled`, `restricted`,
-    /// `least largest` (of the relative errors, see `accuracy`), or `refined` (one maneuver of refined inputs).
-    pub status: String,
+    /// `D`: log|det| of the information matrix; `covariance D`, `A`, `relative A` or `V`: a criterion of the estimate's
+    /// covariance, see `covariance`.
+    #[serde(with = "titles")]
+    #[schemars(schema_with = "titles::schema")]
+    pub criterion: CriterionName,
+    /// How the instruments' mean is removed, where there are instruments.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub mean_removal: Option<MeanRemoval>,
+    /// What is known of it.
+    pub status: DesignStatus,
     /// The certificate in words.
     pub statement: String,
     /// Share of the experiment time per maneuver, in the dictionary's order; sums to 1.
@@ -23,22 +32,31 @@ pub struct DesignDocument {
     /// Maneuver names in the dictionary's order.
     pub order: Vec<String>,
     /// The criterion's derivative by every share, for `D` g_q = Σ_d tr(M_d(w)⁻¹ M_d,q): above `dimension` a maneuver is
-    /// worth more time (above what the maneuvers between their bounds have, where `available` binds).
+    /// worth more time (above what the maneuvers between their bounds have, where `available` binds). Absent where inputs
+    /// were refined instead of shares.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub sensitivities: BTreeMap<String, f64>,
-    /// p = Σ_q w_q g_q: the total dimension for `D`, the number of parameters for `covariance D`, 1 for A and E.
-    pub dimension: u64,
+    /// p = Σ_q w_q g_q: the total dimension for `D`, the number of parameters for `covariance D`, 1 for A and V; with the
+    /// sensitivities.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub dimension: Option<u64>,
     /// Kiefer–Wolfowitz gap max_q g_q − p; where `available` binds, max Σ g_q v_q − p over the shares v that it allows.
-    pub gap: f64,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub gap: Option<f64>,
     /// The gap divided by p.
-    pub relative_gap: f64,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub relative_gap: Option<f64>,
     /// log|det| of the information matrix at the shares, whatever the criterion.
-    pub log_det: f64,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub log_det: Option<f64>,
     /// Whether the problem is concave, so that the gap bounds the distance to the global optimum.
     pub proved_global: bool,
-    /// Equal shares first, then the random starts.
+    /// Equal shares first, then the random starts; absent where no start's end is the design.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub starts: Vec<Start>,
-    /// D-efficiency of other experiments of the same length against this one.
-    pub efficiency: Efficiency,
+    /// Efficiency of other shares of the same maneuvers against these.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub efficiency: Option<Efficiency>,
     /// Whole segments, where `--segments` asked for them.
     pub counts: Option<BTreeMap<String, u64>>,
     /// About the counts.
@@ -51,10 +69,7 @@ pub struct DesignDocument {
     pub covariance: Option<CovarianceCriterion>,
     /// `output-error` where the covariance is that of an output-error estimate.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub estimator: Option<String>,
-    /// About several nominal models, where there are any.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub robust: Option<RobustModels>,
+    pub estimator: Option<Estimator>,
     /// About few or long maneuvers, where they were asked for.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub restricted: Option<Restricted>,
@@ -90,16 +105,6 @@ pub struct SequencePart {
     pub samples: u64,
 }
 
-/// A criterion over several models of the same maneuvers.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct RobustModels {
-    /// `mean` of the criteria's logarithms, or the `worst`.
-    pub over: String,
-    /// Value of every model's criterion at the shares, as `starts` have it; that of --moments first.
-    pub values: Vec<f64>,
-}
-
 /// Shares of few maneuvers, each for a while at least.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -111,7 +116,7 @@ pub struct Restricted {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub minimal_s: Option<f64>,
     /// `exhaustive`: every choice of maneuvers was tried; `exchange`: no exchange of one maneuver improves the criterion.
-    pub method: String,
+    pub method: Method,
     /// The fraction of the experiment time that the restriction costs at most; see `statement`.
     pub gap: f64,
     /// What is known of it, in words.
@@ -124,8 +129,8 @@ pub struct Restricted {
 pub struct Accuracy {
     /// The wanted standard error, relative to the parameters.
     pub wanted: f64,
-    /// `overall`: the root of the sum of the squared relative standard errors; `per-parameter`: the largest of them.
-    pub of: String,
+    /// Which relative standard error.
+    pub of: AccuracyOf,
     /// Duration of the experiment \[s\].
     pub duration_s: f64,
     /// Its samples.
@@ -141,30 +146,14 @@ pub struct Accuracy {
     pub statement: String,
 }
 
-/// Predicted accuracy after some time; none where a design excites not every parameter.
-#[derive(Clone, Copy, Debug, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct AccuracyPoint {
-    /// Duration of the experiment \[s\].
-    pub duration_s: f64,
-    /// Of this design.
-    pub design: f64,
-    /// Of equal shares.
-    pub equal: Option<f64>,
-    /// Of the shares that the paper's criterion has for the same maneuvers.
-    pub paper: Option<f64>,
-    /// Median of random designs.
-    pub random: Option<f64>,
-}
-
 /// A criterion of the covariance of the instrumental-variable estimate, as `moments --campaign` predicts it.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CovarianceCriterion {
-    /// `d`, `a`, `a-relative`, `e` or `v`.
-    pub name: String,
+    /// Its name on the command line.
+    pub name: CriterionName,
     /// What is smallest at the shares, for an experiment of `samples`: Σ_d log det cov θ̂_d (d), Σ weight × variance
-    /// (a, a-relative), the largest eigenvalue over the weighted cov θ̂_d (e), or the mean square of a free run's error (v).
+    /// (a, a-relative), or the mean square of a free run's error (v).
     pub value: f64,
     /// Weight of every parameter's variance; with d whether it counts.
     pub weights: BTreeMap<String, f64>,
@@ -213,7 +202,7 @@ pub struct Counts {
     pub efficiency: f64,
     /// `exhaustive`: no other counts have a better criterion; `exchange`: no exchange of a segment improves it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub method: Option<String>,
+    pub method: Option<Method>,
     /// The fraction of the experiment time that the counts waste at most against the best shares; see `statement`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub gap: Option<f64>,

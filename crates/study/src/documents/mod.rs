@@ -2,15 +2,20 @@
 
 mod crossval;
 mod design;
+mod design_status;
 mod estimate;
 mod ingest;
 mod moments;
 mod plan;
 mod reference;
 mod refined;
+mod refinement;
 mod selection;
 mod sequential;
 mod simulated;
+mod solved;
+mod statements;
+mod titles;
 mod trust;
 mod validation;
 
@@ -18,9 +23,10 @@ use artifact::{Document, json_schema};
 
 pub use crossval::{CrossvalDocument, EstimatorScore, SourceScore};
 pub use design::{
-    Accuracy, AccuracyPoint, Counts, CovarianceCriterion, DesignDocument, Efficiency, Restricted,
-    RobustModels, Sequence, SequencePart, Start,
+    Accuracy, AccuracyPoint, Counts, CovarianceCriterion, DesignDocument, Efficiency, Restricted, Sequence,
+    SequencePart, Start,
 };
+pub use design_status::DesignStatus;
 pub use estimate::{DegreeSummary, DesignSummary, EstimateDocument, EstimatorSummary, ParameterSummary};
 pub use ingest::{
     ChannelSummary, IngestDocument, ManeuverCount, MotionSummary, RecordingSummary, RowSummary,
@@ -36,9 +42,11 @@ pub use plan::{
 };
 pub use reference::{Published, PublishedPicks, PublishedSelection, PublishedShare, Reference};
 pub use refined::{RefinedDocument, RefinedExperiment, RefinedLimit};
+pub use refinement::RefinedFiles;
 pub use selection::{SelectionDocument, SelectionErrors, SelectionScores};
 pub use sequential::{ArmPoint, ArmSummary, RoundGain, SequentialDocument, Stopping};
 pub use simulated::{SimulatedLogsDocument, SimulatedRecording};
+pub use solved::{Few, Solved};
 pub use trust::{
     FreeRunErrors, InstrumentResidual, TrustDegree, TrustDocument, TrustParameter, TrustRun, Whiteness,
 };

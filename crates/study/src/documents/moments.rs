@@ -1,8 +1,12 @@
 use std::collections::BTreeMap;
 
 use artifact::Document;
+use design::Degree;
+use identification::{InstrumentKind, Noise};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use trial::moments::{self, Expected, FreeRunModel, Moments};
+use vessel::{Invalid, Source};
 
 /// `moments.json`: the lifted moment matrices of every maneuver.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
@@ -12,8 +16,8 @@ pub struct MomentsDocument {
     pub vessel: String,
     /// Sampling rate \[Hz\].
     pub sample_rate_hz: f64,
-    /// Where the instruments come from: `nominal simulation` or `regressors` (least squares).
-    pub instruments: String,
+    /// What the instruments are made of.
+    pub instruments: InstrumentKind,
     /// What each row and column of the matrices stands for.
     pub degrees: Vec<DegreeStructure>,
     /// One entry per maneuver, in the dictionary's order.
@@ -30,8 +34,8 @@ pub struct MomentsDocument {
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct OutputErrorModel {
-    /// Which parameters it has: `value`, `nominal`, or `value, draw 3` for one drawn around them.
-    pub simulated_with: String,
+    /// Which parameters it has.
+    pub simulated_with: Source,
     /// These parameters, in units of the state's increment per unit of the term.
     pub parameters: BTreeMap<String, f64>,
     /// Rows and columns of the matrices: the parameters of surge, `intercept (surge)`, then sway and yaw.
@@ -69,8 +73,8 @@ pub struct ExpectedDisturbances {
     pub std_r_rad_s: f64,
     /// Standard deviation of each component of the current in body axes \[m/s\].
     pub current_std_m_s: f64,
-    /// Which parameters the residual was linearised with: `value` or `nominal`.
-    pub linearised_at: String,
+    /// Which parameters the residual was linearised with.
+    pub linearised_at: Source,
     /// These parameters, in units of the state's increment per unit of the term.
     pub parameters: BTreeMap<String, f64>,
     /// The nominal parameters, in the same units.
@@ -134,4 +138,131 @@ impl Document for MomentsDocument {
         ("M", "unit of regressor i times unit of instrument j"),
         ("nonstationarity", "1"),
     ];
+}
+
+impl From<Moments> for MomentsDocument {
+    fn from(from: Moments) -> Self {
+        let degrees = from.degrees;
+        Self {
+            vessel: from.vessel,
+            sample_rate_hz: from.sample_rate_hz,
+            instruments: from.instruments,
+            maneuvers: from.maneuvers.into_iter().map(|m| ManeuverMoments::of(m, &degrees)).collect(),
+            disturbances: from.expected.map(Into::into),
+            output_error: from.output_error.map(Into::into),
+            degrees: degrees.into_iter().map(DegreeStructure::of).collect(),
+        }
+    }
+}
+
+impl MomentsDocument {
+    /// What the document says.
+    ///
+    /// # Errors
+    /// A matrix of another shape than its degree of freedom has.
+    pub fn moments(&self) -> Result<Moments, Invalid> {
+        Ok(Moments {
+            vessel: self.vessel.clone(),
+            sample_rate_hz: self.sample_rate_hz,
+            instruments: self.instruments,
+            degrees: self.degrees.iter().cloned().map(Degree::from).collect(),
+            maneuvers: self.maneuvers.iter().map(ManeuverMoments::moments).collect::<Result<_, _>>()?,
+            expected: self.disturbances.clone().map(Into::into),
+            output_error: self.output_error.clone().map(Into::into),
+        })
+    }
+}
+
+impl DegreeStructure {
+    fn of(Degree { name, regressors, parameters }: Degree) -> Self {
+        Self { name, regressors, parameters }
+    }
+}
+
+impl From<DegreeStructure> for Degree {
+    fn from(DegreeStructure { name, regressors, parameters }: DegreeStructure) -> Self {
+        Self { name, regressors, parameters }
+    }
+}
+
+impl From<Expected> for ExpectedDisturbances {
+    fn from(from: Expected) -> Self {
+        let [std_u_m_s, std_v_m_s, std_r_rad_s] = from.noise.measurement;
+        Self {
+            std_u_m_s,
+            std_v_m_s,
+            std_r_rad_s,
+            current_std_m_s: from.noise.current,
+            linearised_at: from.linearised_at,
+            parameters: from.parameters,
+            nominal: from.nominal,
+        }
+    }
+}
+
+impl From<ExpectedDisturbances> for Expected {
+    fn from(from: ExpectedDisturbances) -> Self {
+        let measurement = [from.std_u_m_s, from.std_v_m_s, from.std_r_rad_s];
+        Self {
+            noise: Noise { measurement, current: from.current_std_m_s },
+            linearised_at: from.linearised_at,
+            parameters: from.parameters,
+            nominal: from.nominal,
+        }
+    }
+}
+
+impl From<FreeRunModel> for OutputErrorModel {
+    fn from(FreeRunModel { simulated_with, parameters, rows, g }: FreeRunModel) -> Self {
+        Self { simulated_with, parameters, rows, g }
+    }
+}
+
+impl From<OutputErrorModel> for FreeRunModel {
+    fn from(OutputErrorModel { simulated_with, parameters, rows, g }: OutputErrorModel) -> Self {
+        Self { simulated_with, parameters, rows, g }
+    }
+}
+
+impl ManeuverMoments {
+    fn of(from: moments::ManeuverMoments, degrees: &[Degree]) -> Self {
+        let degree = |(degree, own): (&Degree, moments::DegreeMoments)| DegreeMoments {
+            name: degree.name.clone(),
+            shape: [own.m.len().isqrt() as u64; 2],
+            m: own.m,
+            nonstationarity: own.nonstationarity,
+            b: own.b,
+        };
+        let output_error = |moments::OutputErrorMoments { f, e, p }: moments::OutputErrorMoments| {
+            OutputErrorMoments { f, e, p }
+        };
+        Self {
+            name: from.name,
+            samples: from.samples,
+            degrees: degrees.iter().zip(from.degrees).map(degree).collect(),
+            output_error: from.output_error.map(output_error),
+        }
+    }
+
+    fn moments(&self) -> Result<moments::ManeuverMoments, Invalid> {
+        let degree = |own: &DegreeMoments| {
+            let [rows, columns] = own.shape;
+            if rows != columns || rows.checked_mul(columns) != Some(own.m.len() as u64) {
+                let found = format!("{} entries in {}", own.m.len(), own.name);
+                return Err(moments::malformed(&self.name, &found));
+            }
+            let (m, b) = (own.m.clone(), own.b.clone());
+            Ok(moments::DegreeMoments { m, nonstationarity: own.nonstationarity, b })
+        };
+        let output_error = |o: &OutputErrorMoments| {
+            let OutputErrorMoments { f, e, p } = o.clone();
+            moments::OutputErrorMoments { f, e, p }
+        };
+        Ok(moments::ManeuverMoments {
+            name: self.name.clone(),
+            samples: self.samples,
+            degrees: self.degrees.iter().map(degree).collect::<Result<_, _>>()?,
+            output_error: self.output_error.as_ref().map(output_error),
+        })
+    }
 }

@@ -1,19 +1,25 @@
 use std::collections::BTreeMap;
 
 use artifact::Document;
+use design::CriterionName;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use vessel::Source;
+
+use super::titles;
 
 /// `refined.json`: an experiment whose input signals were refined, against the one that it began as.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RefinedDocument {
     /// `covariance relative A`: Σ variance/θ² of an output-error estimate.
-    pub criterion: String,
-    /// The parameters that the experiment was simulated with: `value` or `nominal`.
-    pub simulated_with: String,
-    /// The parameters that errors are relative to: `value` or `nominal`.
-    pub relative_to: String,
+    #[serde(with = "titles")]
+    #[schemars(schema_with = "titles::schema")]
+    pub criterion: CriterionName,
+    /// The parameters that the experiment was simulated with.
+    pub simulated_with: Source,
+    /// The parameters that errors are relative to.
+    pub relative_to: Source,
     /// Samples of the experiment.
     pub samples: u64,
     /// Its duration \[s\].

@@ -1,0 +1,162 @@
+//! Standard errors relative to the parameters, and how long an experiment takes to reach them.
+
+use std::fmt;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::{
+    Bounds, Candidates, Covariance, CovarianceCriterion, Dictionary, Error, NoDesign, Norm, Options,
+    solve_covariance,
+};
+
+/// Which relative standard error is meant.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum AccuracyOf {
+    /// The root of the sum of the squared relative standard errors.
+    Overall,
+    /// The largest relative standard error.
+    PerParameter,
+}
+
+impl fmt::Display for AccuracyOf {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Overall => "root of the sum of squared relative standard errors",
+            Self::PerParameter => "largest relative standard error",
+        })
+    }
+}
+
+/// The accuracy that is wanted.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Wanted {
+    /// The standard error, relative to the parameters.
+    pub accuracy: f64,
+    /// Which one.
+    pub of: AccuracyOf,
+    /// The longest experiment \[s\].
+    pub longest_s: f64,
+}
+
+/// An accuracy that the longest experiment does not reach.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OutOfReach {
+    /// What was wanted.
+    pub wanted: Wanted,
+    /// How long that takes; infinite where no time is enough \[s\].
+    pub needed_s: f64,
+    /// What the longest experiment reaches.
+    pub best: f64,
+}
+
+impl fmt::Display for OutOfReach {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { wanted, needed_s, best } = self;
+        write!(f, "found {} ({}), ", wanted.accuracy, wanted.of)?;
+        match needed_s.is_finite() {
+            true => write!(f, "which takes {needed_s:.1} s")?,
+            false => f.write_str("which no time gives")?,
+        }
+        write!(f, ", expected one that {} s can reach: the best is {best:.4}", wanted.longest_s)
+    }
+}
+
+/// Rounds of the search for the least largest error.
+const ROUNDS: usize = 30;
+
+/// What predicts relative standard errors.
+#[derive(Clone, Debug)]
+pub struct Errors<'a> {
+    dictionary: &'a Dictionary,
+    middle: &'a Candidates,
+    covariance: &'a Covariance,
+    rows: Vec<usize>,
+    /// What the variances are relative to, one per parameter.
+    squares: &'a [f64],
+    of: AccuracyOf,
+}
+
+impl<'a> Errors<'a> {
+    /// `middle`: B_q of the dictionary's candidates. `squares`: of the parameters.
+    pub fn new(
+        dictionary: &'a Dictionary,
+        middle: &'a Candidates,
+        criterion: &'a CovarianceCriterion,
+        squares: &'a [f64],
+        of: AccuracyOf,
+    ) -> Self {
+        let (covariance, rows) = (&criterion.covariance, dictionary.parameter_rows());
+        Self { dictionary, middle, covariance, rows, squares, of }
+    }
+
+    /// The variance of every parameter relative to its square, per sample.
+    fn relative(&self, shares: &[f64]) -> Option<Vec<f64>> {
+        let variances = self.covariance.variances(shares)?;
+        Some(self.rows.iter().zip(self.squares).map(|(row, s)| variances[*row].max(0.0) / s).collect())
+    }
+
+    /// The squared accuracy for one sample; infinite where the shares excite not every parameter.
+    pub fn squared(&self, shares: &[f64]) -> f64 {
+        let Some(relative) = self.relative(shares) else { return f64::INFINITY };
+        match self.of {
+            AccuracyOf::PerParameter => relative.iter().copied().fold(0.0, f64::max),
+            AccuracyOf::Overall => relative.iter().sum(),
+        }
+    }
+
+    /// Samples that reach the wanted accuracy at fixed shares.
+    pub fn samples(&self, shares: &[f64], wanted: &Wanted) -> f64 {
+        (self.squared(shares) / (wanted.accuracy * wanted.accuracy)).ceil()
+    }
+
+    /// [`Errors::samples`], where they are no more than the longest experiment has.
+    ///
+    /// # Errors
+    /// [`NoDesign::OutOfReach`].
+    pub fn reachable(&self, shares: &[f64], wanted: &Wanted) -> Result<f64, NoDesign> {
+        let rate_hz = self.dictionary.sample_rate_hz;
+        let samples = self.samples(shares, wanted);
+        if samples <= wanted.longest_s * rate_hz {
+            return Ok(samples);
+        }
+        let best = (self.squared(shares) / (wanted.longest_s * rate_hz)).sqrt();
+        Err(NoDesign::OutOfReach(OutOfReach { wanted: *wanted, needed_s: samples / rate_hz, best }))
+    }
+
+    /// Shares whose largest relative error is least, and a bound on its square for one sample that no shares are below
+    /// (proved where the criterion is concave): the weights of the sum of relative variances grow where they are largest.
+    ///
+    /// # Errors
+    /// As the solver.
+    pub fn least_largest(&self, bounds: &Bounds, options: &Options) -> Result<(Vec<f64>, f64), NoDesign> {
+        let mut weights = vec![1.0 / self.squares.len() as f64; self.squares.len()];
+        let (mut best, mut bound): (Option<(f64, Vec<f64>)>, f64) = (None, 0.0);
+        let options = Options { random_starts: 0, tolerance: options.tolerance.max(1e-6), ..*options };
+        for _ in 0..ROUNDS {
+            let covariance = self.reweighted(&weights)?;
+            let design =
+                solve_covariance(&covariance, bounds, &options).map_err(|e| self.dictionary.explain(e))?;
+            let relative =
+                self.relative(&design.shares).unwrap_or_else(|| vec![f64::INFINITY; weights.len()]);
+            bound = bound.max((-design.log_det).exp() * (1.0 - design.gap.max(0.0)));
+            let largest = relative.iter().copied().fold(0.0, f64::max);
+            if best.as_ref().is_none_or(|(known, _)| largest < *known) {
+                best = Some((largest, design.shares));
+            }
+            weights.iter_mut().zip(&relative).for_each(|(w, r)| *w *= r / largest);
+            let sum: f64 = weights.iter().sum();
+            weights.iter_mut().for_each(|w| *w /= sum);
+        }
+        best.map(|(_, shares)| (shares, bound)).ok_or(NoDesign::Search(Error::Empty))
+    }
+
+    /// The sum of the relative variances with other weights.
+    fn reweighted(&self, weights: &[f64]) -> Result<Covariance, NoDesign> {
+        let scaled: Vec<f64> = weights.iter().zip(self.squares).map(|(w, s)| w / s).collect();
+        let rows = self.dictionary.by_row(&scaled);
+        let built = Covariance::new(&self.dictionary.information, self.middle, &rows, Norm::Trace);
+        built.map_err(|e| self.dictionary.explain(e))
+    }
+}

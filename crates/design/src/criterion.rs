@@ -1,0 +1,246 @@
+//! The criterion that shares are best for.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::{
+    Bounds, Candidates, CountOptions, Counted, Covariance, CovariancePoint, Design, Dictionary, Error,
+    Evaluation, NoDesign, Norm, Objective, Options, Restriction, Selected, count_segments, select,
+    solve_covariance, solve_within,
+};
+
+/// The criteria by name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum CriterionName {
+    /// log|det| of the information matrix (the paper's).
+    DHessian,
+    /// log det of the estimate's covariance.
+    D,
+    /// Sum of the variances.
+    A,
+    /// Sum of the variances relative to the parameters' squares.
+    ARelative,
+    /// Variance of free runs over the validation maneuvers.
+    V,
+}
+
+impl CriterionName {
+    /// All of them.
+    pub const ALL: [Self; 5] = [Self::DHessian, Self::D, Self::A, Self::ARelative, Self::V];
+
+    /// On the command line.
+    pub fn name(self) -> &'static str {
+        ["d-hessian", "d", "a", "a-relative", "v"][self as usize]
+    }
+
+    /// On a page.
+    pub fn title(self) -> &'static str {
+        ["D", "covariance D", "covariance A", "covariance relative A", "covariance V"][self as usize]
+    }
+
+    /// What it is, in a line.
+    pub fn description(self) -> &'static str {
+        match self {
+            Self::DHessian => "log|det| of the information matrix (the paper's)",
+            Self::D => "log det of the estimate's covariance",
+            Self::A => "Sum of the variances",
+            Self::ARelative => "Sum of the variances relative to the parameters' squares",
+            Self::V => "Variance of free runs over the validation maneuvers (with --for output-error)",
+        }
+    }
+}
+
+/// What is maximised.
+#[derive(Clone, Debug)]
+pub enum Criterion {
+    /// log|det| of the information matrix.
+    Information(Candidates),
+    /// A criterion of the covariance.
+    Covariance(Box<CovarianceCriterion>),
+}
+
+/// A criterion of the covariance.
+#[derive(Clone, Debug)]
+pub struct CovarianceCriterion {
+    /// The criterion.
+    pub covariance: Covariance,
+    /// Weights of the parameters' variances, in their order.
+    pub weights: Vec<f64>,
+    /// G of the free runs whose error the criterion is of, where it is.
+    g: Option<Vec<f64>>,
+}
+
+/// Gap to which restricted shares are solved at best.
+const RESTRICTED_TOLERANCE: f64 = 1e-7;
+
+impl Criterion {
+    /// A norm of the covariance. `middle`: B_q of the dictionary's candidates. `weights`: of the parameters' variances.
+    ///
+    /// # Errors
+    /// A covariance that is singular, naming the parameter.
+    pub fn of_covariance(
+        dictionary: &Dictionary,
+        middle: &Candidates,
+        weights: Vec<f64>,
+        norm: Norm,
+    ) -> Result<Self, NoDesign> {
+        let rows = dictionary.by_row(&weights);
+        let built = Covariance::new(&dictionary.information, middle, &rows, norm);
+        let covariance = built.map_err(|e| dictionary.explain(e))?;
+        Ok(Self::Covariance(Box::new(CovarianceCriterion { covariance, weights, g: None })))
+    }
+
+    /// The mean square of a free run's error: tr(cov G), one block of all rows.
+    ///
+    /// # Errors
+    /// As [`Criterion::of_covariance`].
+    pub fn of_free_runs(dictionary: &Dictionary, middle: &Candidates, g: Vec<f64>) -> Result<Self, NoDesign> {
+        let g = [g];
+        let built = Covariance::of_matrices(&dictionary.information, middle, &g);
+        let covariance = built.map_err(|e| dictionary.explain(e))?;
+        let weights = vec![1.0; dictionary.parameters()];
+        let [g] = g;
+        Ok(Self::Covariance(Box::new(CovarianceCriterion { covariance, weights, g: Some(g) })))
+    }
+
+    /// The best shares within `bounds`.
+    ///
+    /// # Errors
+    /// As the solvers.
+    pub fn solve(&self, bounds: &Bounds, options: &Options) -> Result<Design, Error> {
+        match self {
+            Self::Information(candidates) => solve_within(candidates, bounds, options),
+            Self::Covariance(c) => solve_covariance(&c.covariance, bounds, options),
+        }
+    }
+
+    /// The best shares under a restriction.
+    ///
+    /// # Errors
+    /// As [`select`].
+    pub fn select(
+        &self,
+        relaxed: &Design,
+        bounds: &Bounds,
+        restriction: &Restriction,
+        options: &Options,
+    ) -> Result<Selected, Error> {
+        let options = &Options { tolerance: options.tolerance.max(RESTRICTED_TOLERANCE), ..*options };
+        match self {
+            Self::Information(candidates) => {
+                let (scaled, offset) = candidates.scaled()?;
+                let mut own = relaxed.clone();
+                own.log_det -= offset;
+                let mut found = select(&scaled, &own, bounds, restriction, options)?;
+                found.value += offset;
+                Ok(found)
+            }
+            Self::Covariance(c) => select(&c.covariance, relaxed, bounds, restriction, options),
+        }
+    }
+
+    /// The best counts.
+    ///
+    /// # Errors
+    /// As [`count_segments`].
+    pub fn count(
+        &self,
+        shares: &[f64],
+        total: u64,
+        limits: Option<&[u64]>,
+        options: &CountOptions,
+    ) -> Result<Counted, Error> {
+        match self {
+            Self::Information(candidates) => {
+                let (scaled, offset) = candidates.scaled()?;
+                let mut counted = count_segments(&scaled, shares, total, limits, options)?;
+                counted.value += offset;
+                counted.apportioned += offset;
+                Ok(counted)
+            }
+            Self::Covariance(c) => count_segments(&c.covariance, shares, total, limits, options),
+        }
+    }
+
+    /// The value at `shares`; `None` where it is not defined.
+    pub fn value(&self, shares: &[f64]) -> Option<f64> {
+        match self {
+            Self::Information(candidates) => candidates.value(shares, &mut Evaluation::default()),
+            Self::Covariance(c) => c.covariance.value(shares, &mut CovariancePoint::default()),
+        }
+    }
+
+    /// The value of one whole experiment among those of `dictionary`, from its own matrices; `None` where it is not defined.
+    pub fn of_experiment(
+        &self,
+        dictionary: &Dictionary,
+        information: &Candidates,
+        middle: Option<&Candidates>,
+    ) -> Option<f64> {
+        let Self::Covariance(c) = self else {
+            let (scaled, offset) = information.scaled().ok()?;
+            return scaled.value(&[1.0], &mut Evaluation::default()).map(|value| value + offset);
+        };
+        let covariance = match &c.g {
+            Some(g) => Covariance::of_matrices(information, middle?, std::slice::from_ref(g)),
+            None => {
+                Covariance::new(information, middle?, &dictionary.by_row(&c.weights), c.covariance.norm())
+            }
+        };
+        covariance.ok()?.value(&[1.0], &mut CovariancePoint::default())
+    }
+
+    /// g_q of every candidate at `shares`; `None` where the criterion is not defined.
+    pub fn sensitivities(&self, shares: &[f64]) -> Option<Vec<f64>> {
+        fn of<O: Objective>(objective: &O, shares: &[f64]) -> Option<Vec<f64>> {
+            let mut at = O::Point::default();
+            objective.evaluate(shares, &mut at)?;
+            Some((0..objective.len()).map(|q| objective.sensitivity(q, &at)).collect())
+        }
+        match self {
+            Self::Information(candidates) => of(candidates, shares),
+            Self::Covariance(c) => of(&c.covariance, shares),
+        }
+    }
+
+    /// What the criterion gains per log of time spent at fixed shares: p = Σ w_q g_q.
+    pub fn degree(&self) -> f64 {
+        match self {
+            Self::Information(candidates) => Objective::degree(candidates),
+            Self::Covariance(c) => c.covariance.degree(),
+        }
+    }
+
+    /// What a loss of the criterion is divided by to be one of time. For log|det| of the information, to which intercepts
+    /// add rows but no parameters that count, their number `parameters`; else the degree.
+    pub fn per_time(&self, parameters: usize) -> f64 {
+        match self {
+            Self::Information(_) => parameters as f64,
+            Self::Covariance(_) => self.degree(),
+        }
+    }
+
+    /// The efficiency of other shares against `design`'s. `parameters`: their number.
+    pub fn efficiency(&self, design: &Design, shares: &[f64], parameters: usize) -> f64 {
+        match self {
+            Self::Information(candidates) => design.efficiency(candidates, shares, parameters),
+            Self::Covariance(c) => c.covariance.efficiency(design, shares),
+        }
+    }
+
+    /// [`Criterion::efficiency`] of every candidate on its own.
+    pub fn single_efficiencies(&self, design: &Design, parameters: usize) -> Vec<f64> {
+        if let Self::Information(candidates) = self {
+            return design.single_efficiencies(candidates, parameters);
+        }
+        let mut alone = vec![0.0; design.shares.len()];
+        let mut single = |q: usize| {
+            alone[q] = 1.0;
+            let efficiency = self.efficiency(design, &alone, parameters);
+            alone[q] = 0.0;
+            efficiency
+        };
+        (0..design.shares.len()).map(&mut single).collect()
+    }
+}

@@ -1,0 +1,143 @@
+use thiserror::Error;
+
+use crate::{Candidates, Error};
+
+/// One degree of freedom of a model.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Degree {
+    /// `surge`, `sway` or `yaw`.
+    pub name: String,
+    /// What each parameter multiplies; the intercept, `1`, may follow.
+    pub regressors: Vec<String>,
+    /// Its parameters.
+    pub parameters: Vec<String>,
+}
+
+/// What the maneuvers of a dictionary tell an estimator about a model's parameters.
+#[derive(Clone, Debug)]
+pub struct Dictionary {
+    /// The degrees of freedom.
+    pub degrees: Vec<Degree>,
+    /// Names of the maneuvers, in the candidates' order.
+    pub maneuvers: Vec<String>,
+    /// Samples per second \[Hz\].
+    pub sample_rate_hz: f64,
+    /// Whether an intercept follows the parameters of every degree of freedom.
+    pub intercepts: bool,
+    /// The information of one sample of every maneuver: the rows of the degrees of freedom one after the other, in a block
+    /// each or in one together.
+    pub information: Candidates,
+}
+
+/// Why there is no design.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum NoDesign {
+    /// A direction of the parameters that no maneuver excites.
+    #[error("no maneuver excites `{parameter}` ({degree}) apart from the other parameters")]
+    Unexcited {
+        /// Degree of freedom.
+        degree: String,
+        /// The parameter that the direction has most of.
+        parameter: String,
+        /// What that parameter multiplies.
+        regressor: String,
+    },
+    /// A covariance that is singular: the disturbances do not reach a parameter.
+    #[error("the covariance gives `{parameter}` ({degree}) no variance of its own")]
+    Singular {
+        /// Degree of freedom.
+        degree: String,
+        /// The parameter.
+        parameter: String,
+    },
+    /// Not enough of the maneuvers exists.
+    #[error(transparent)]
+    Scarce(#[from] crate::Scarce),
+    /// A standard error that takes longer than there is time.
+    #[error("{0}")]
+    OutOfReach(crate::OutOfReach),
+    /// The problem or its search, without a parameter to name.
+    #[error(transparent)]
+    Search(Error),
+}
+
+impl Dictionary {
+    /// Number of parameters, intercepts not counted.
+    pub fn parameters(&self) -> usize {
+        self.degrees.iter().map(|d| d.parameters.len()).sum()
+    }
+
+    /// Names of the parameters, intercepts not among them.
+    pub fn parameter_names(&self) -> impl Iterator<Item = &str> {
+        self.degrees.iter().flat_map(|d| d.parameters.iter().map(String::as_str))
+    }
+
+    /// One value per row: those of the parameters, 0 for the intercepts.
+    pub fn by_row(&self, of_parameters: &[f64]) -> Vec<f64> {
+        let mut rest = of_parameters.iter().copied();
+        let mut rows = Vec::new();
+        for degree in &self.degrees {
+            rows.extend(rest.by_ref().take(degree.parameters.len()));
+            rows.extend(self.intercepts.then_some(0.0));
+        }
+        rows
+    }
+
+    /// The rows of the parameters.
+    pub fn parameter_rows(&self) -> Vec<usize> {
+        let (mut rows, mut next) = (Vec::new(), 0);
+        for degree in &self.degrees {
+            rows.extend(next..next + degree.parameters.len());
+            next += self.width(degree);
+        }
+        rows
+    }
+
+    /// Rows of a degree of freedom.
+    fn width(&self, degree: &Degree) -> usize {
+        degree.parameters.len() + usize::from(self.intercepts)
+    }
+
+    /// The degree of freedom of a row over all blocks, and the degree's first row.
+    fn degree(&self, row: usize) -> (&Degree, usize) {
+        let mut first = 0;
+        for degree in &self.degrees {
+            if row < first + self.width(degree) {
+                return (degree, first);
+            }
+            first += self.width(degree);
+        }
+        (&self.degrees[0], 0)
+    }
+
+    /// What the parameters have to do with `error`, which is about the information's blocks and rows.
+    pub fn explain(&self, error: Error) -> NoDesign {
+        let first_row = |block: usize| self.information.blocks().take(block).map(|(n, _)| n).sum::<usize>();
+        match error {
+            Error::Unexcited { block, direction } => {
+                let size = |i: usize| direction.get(i).copied().unwrap_or(0.0).abs();
+                let largest = (0..direction.len()).max_by(|a, b| size(*a).total_cmp(&size(*b))).unwrap_or(0);
+                let (degree, first) = self.degree(first_row(block) + largest);
+                // In a block of all degrees of freedom the direction's rows are those of all.
+                let offset = first - first_row(block);
+                let own = |i: &usize| size(offset + *i);
+                let parameter =
+                    (0..degree.parameters.len()).max_by(|a, b| own(a).total_cmp(&own(b))).unwrap_or(0);
+                NoDesign::Unexcited {
+                    degree: degree.name.clone(),
+                    parameter: degree.parameters[parameter].clone(),
+                    regressor: degree.regressors[parameter].clone(),
+                }
+            }
+            Error::SingularCovariance { block, row } => {
+                let (degree, first) = self.degree(first_row(block) + row);
+                let own = degree.parameters.get(first_row(block) + row - first).or(degree.parameters.last());
+                NoDesign::Singular {
+                    degree: degree.name.clone(),
+                    parameter: own.cloned().unwrap_or_default(),
+                }
+            }
+            other => NoDesign::Search(other),
+        }
+    }
+}

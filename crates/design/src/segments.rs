@@ -1,0 +1,58 @@
+//! Whole segments of a design.
+
+use crate::{CountOptions, Counted, Criterion, Design, Error, apportion};
+
+/// The whole segments that are asked for.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Segments {
+    /// Their number n.
+    pub total: u64,
+    /// Samples of each.
+    pub samples: u64,
+    /// At most so many of every maneuver.
+    pub limits: Option<Vec<u64>>,
+}
+
+/// Counts of whole segments, and what they are worth against the shares.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Whole {
+    /// Segments of every maneuver.
+    pub counts: Vec<u64>,
+    /// What the search found; none where so few segments are singular whichever they are: then the shares are apportioned.
+    pub found: Option<Counted>,
+    /// Efficiency of the counts against the shares.
+    pub efficiency: f64,
+    /// The fraction of the experiment's time that the counts waste at most against the best shares.
+    pub loss: f64,
+    /// What fraction of the time the counts need for what the shares give when apportioned.
+    pub apportioned: f64,
+}
+
+/// The best counts. `parameters`: their number.
+///
+/// # Errors
+/// As [`Criterion::count`].
+pub fn counted(
+    criterion: &Criterion,
+    design: &Design,
+    segments: &Segments,
+    options: &CountOptions,
+    parameters: usize,
+) -> Result<Whole, Error> {
+    let found = match criterion.count(&design.shares, segments.total, segments.limits.as_deref(), options) {
+        Err(Error::Solver(_)) => {
+            let counts = apportion(&design.shares, segments.total);
+            return Ok(Whole { counts, found: None, efficiency: 0.0, loss: 1.0, apportioned: 0.0 });
+        }
+        found => found?,
+    };
+    let shares: Vec<f64> = found.counts.iter().map(|n| *n as f64 / segments.total as f64).collect();
+    let degree = criterion.per_time(parameters);
+    Ok(Whole {
+        counts: found.counts.clone(),
+        efficiency: criterion.efficiency(design, &shares, parameters),
+        loss: found.loss_bound(design, degree),
+        apportioned: ((found.apportioned - found.value) / degree).exp(),
+        found: Some(found),
+    })
+}

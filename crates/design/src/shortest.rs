@@ -1,0 +1,255 @@
+//! The shortest experiment of a wanted accuracy.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::{
+    Bounds, Criterion, Design, Dictionary, Error, Errors, Length, NoDesign, Options, Scarce, Stock, Wanted,
+};
+
+/// How long has an experiment to be?
+pub struct Question<'a> {
+    /// The maneuvers.
+    pub dictionary: &'a Dictionary,
+    /// The criterion, one of the covariance.
+    pub criterion: &'a Criterion,
+    /// What predicts the accuracy.
+    pub errors: Errors<'a>,
+    /// The accuracy.
+    pub wanted: Wanted,
+    /// Whether the largest relative error is made small instead of the criterion.
+    pub least_largest: bool,
+    /// How much of every maneuver exists.
+    pub stock: Option<&'a Stock>,
+}
+
+/// A design of the shortest experiment for an accuracy.
+#[derive(Clone, Debug)]
+pub struct Shortest {
+    /// The design.
+    pub design: Design,
+    /// Samples of the experiment.
+    pub samples: f64,
+    /// With the least largest error: its square for one sample that no shares are below, proved where the problem is convex.
+    pub bound: Option<f64>,
+}
+
+/// Other shares, to compare with.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Rivals {
+    /// Of the paper's criterion for the same maneuvers, where there are any.
+    pub paper: Option<Vec<f64>>,
+    /// Designs at random, of which the median counts.
+    pub random: Vec<Vec<f64>>,
+    /// Segments of each of these.
+    pub random_segments: u32,
+}
+
+/// The answer in time, with rivals beside it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Accuracy {
+    /// What was wanted.
+    pub wanted: Wanted,
+    /// Samples of the experiment.
+    pub samples: u64,
+    /// Duration of the experiment \[s\].
+    pub duration_s: f64,
+    /// The accuracy that it is predicted to have.
+    pub reached: f64,
+    /// No shares need less time than this \[s\]; proved where the problem is convex.
+    pub bound_s: Option<f64>,
+    /// How long the shares of the paper's criterion take \[s\].
+    pub paper_s: Option<f64>,
+    /// How long equal shares take \[s\].
+    pub equal_s: Option<f64>,
+    /// How long the median of random designs takes \[s\].
+    pub random_s: Option<f64>,
+    /// Segments of each of these.
+    pub random_segments: u32,
+    /// Predicted accuracy against time.
+    pub curve: Vec<AccuracyPoint>,
+}
+
+/// Predicted accuracy after some time; none where a design excites not every parameter.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct AccuracyPoint {
+    /// Duration of the experiment \[s\].
+    pub duration_s: f64,
+    /// Of this design.
+    pub design: f64,
+    /// Of equal shares.
+    pub equal: Option<f64>,
+    /// Of the shares that the paper's criterion has for the same maneuvers.
+    pub paper: Option<f64>,
+    /// Median of random designs.
+    pub random: Option<f64>,
+}
+
+/// Durations of the curve.
+const POINTS: usize = 25;
+
+impl Question<'_> {
+    /// The answer.
+    ///
+    /// # Errors
+    /// An accuracy out of reach, telling the best; as the solvers.
+    pub fn shortest(&self, options: &Options) -> Result<Shortest, NoDesign> {
+        if let Some(stock) = self.stock {
+            return self.within_what_is_available(stock, options);
+        }
+        let (design, bound) = self.solve(&Bounds::default(), options)?;
+        let samples = self.errors.reachable(&design.shares, &self.wanted)?;
+        Ok(Shortest { design, samples, bound })
+    }
+
+    /// The best shares within bounds, and a bound on the least largest error where that is asked for.
+    fn solve(&self, bounds: &Bounds, options: &Options) -> Result<(Design, Option<f64>), NoDesign> {
+        let mut design = self.criterion.solve(bounds, options).map_err(|e| self.dictionary.explain(e))?;
+        if !self.least_largest {
+            return Ok((design, None));
+        }
+        let (shares, bound) = self.errors.least_largest(bounds, options)?;
+        let singular =
+            || NoDesign::Search(Error::Solver("the least largest error is at singular shares".into()));
+        design.log_det = self.criterion.value(&shares).ok_or_else(singular)?;
+        design.sensitivities = self.criterion.sensitivities(&shares).ok_or_else(singular)?;
+        let largest = design.sensitivities.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        design.gap = largest - self.criterion.degree();
+        design.shares = shares;
+        Ok((design, Some(bound)))
+    }
+
+    /// What limits the shares of an experiment of so many samples; `None` where not so much is available.
+    fn bounds(&self, stock: &Stock, samples: f64) -> Result<Option<Bounds>, NoDesign> {
+        let length = Length { samples: Some(samples), segments: None };
+        match stock.within(self.dictionary, &length) {
+            Ok(available) => Bounds::new(&available.shares).map(Some).map_err(|e| self.dictionary.explain(e)),
+            Err(Scarce::Time { .. } | Scarce::Segments { .. }) => Ok(None),
+            Err(other) => Err(other.into()),
+        }
+    }
+
+    /// By halving: the longest experiment that is available, then the shortest that is accurate enough.
+    fn within_what_is_available(&self, stock: &Stock, options: &Options) -> Result<Shortest, NoDesign> {
+        let rate = self.dictionary.sample_rate_hz;
+        let (mut longest, mut beyond) = (1.0, (self.wanted.longest_s * rate).floor() + 1.0);
+        while beyond - longest > 1.0 {
+            let middle = (0.5 * (longest + beyond)).floor();
+            match self.bounds(stock, middle)? {
+                Some(_) => longest = middle,
+                None => beyond = middle,
+            }
+        }
+        let Some(bounds) = self.bounds(stock, longest)? else {
+            return Err(NoDesign::Search(Error::Infeasible { total: 0.0 }));
+        };
+        let (mut design, mut bound) = self.solve(&bounds, options)?;
+        let at_most = Wanted { longest_s: longest / rate, ..self.wanted };
+        self.errors.reachable(&design.shares, &at_most)?;
+        let (mut low, mut high) = (0.0, longest);
+        while high - low > 1.0 {
+            let middle = (0.5 * (low + high)).floor();
+            let found = match self.bounds(stock, middle)? {
+                Some(bounds) => Some(self.solve(&bounds, options)?),
+                None => None,
+            };
+            match found.filter(|(d, _)| self.errors.samples(&d.shares, &self.wanted) <= middle) {
+                Some(found) => ((design, bound), high) = (found, middle),
+                None => low = middle,
+            }
+        }
+        Ok(Shortest { design, samples: high, bound })
+    }
+
+    /// `shortest` in time, beside rivals.
+    pub fn compare(&self, shortest: &Shortest, rivals: &Rivals) -> Accuracy {
+        let (rate, samples, wanted) = (self.dictionary.sample_rate_hz, shortest.samples, self.wanted);
+        let (own, count) = (self.errors.squared(&shortest.design.shares), self.dictionary.maneuvers.len());
+        let paper = rivals.paper.as_deref().map(|shares| self.errors.squared(shares));
+        let equal = self.errors.squared(&vec![1.0 / count as f64; count]);
+        let random = self.median(&rivals.random);
+        let at = |one: f64, samples: f64| Some((one / samples).sqrt()).filter(|a| a.is_finite());
+        let point = |i: usize| {
+            let factor = 16.0_f64.powf(2.0 * i as f64 / (POINTS - 1) as f64 - 1.0);
+            let n = (samples * factor).max(1.0);
+            AccuracyPoint {
+                duration_s: n / rate,
+                design: (own / n).sqrt(),
+                equal: at(equal, n),
+                paper: paper.and_then(|p| at(p, n)),
+                random: random.and_then(|r| at(r, n)),
+            }
+        };
+        let needs = |one: f64| one / (wanted.accuracy * wanted.accuracy) / rate;
+        let told = |one: Option<f64>| one.map(needs).filter(|s| s.is_finite());
+        Accuracy {
+            wanted,
+            samples: samples as u64,
+            duration_s: samples / rate,
+            reached: (own / samples).sqrt(),
+            bound_s: shortest.bound.map(needs),
+            paper_s: told(paper),
+            equal_s: told(Some(equal)),
+            random_s: told(random),
+            random_segments: rivals.random_segments,
+            curve: (0..POINTS).map(point).collect(),
+        }
+    }
+
+    /// Median of the squared accuracies of designs.
+    fn median(&self, designs: &[Vec<f64>]) -> Option<f64> {
+        let mut all: Vec<f64> = designs.iter().map(|shares| self.errors.squared(shares)).collect();
+        all.sort_by(f64::total_cmp);
+        all.get(all.len() / 2).copied().filter(|m| m.is_finite())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{AccuracyOf, Candidates, Degree, Norm};
+
+    /// Straight lines with intercept through −1 and 1, white noise of unit variance.
+    fn line() -> Dictionary {
+        let mut information = Candidates::new(vec![2]);
+        information.push(&[1.0, -1.0, -1.0, 1.0]).unwrap();
+        information.push(&[1.0, 1.0, 1.0, 1.0]).unwrap();
+        let degree =
+            Degree { name: "surge".into(), regressors: vec!["x".into()], parameters: vec!["slope".into()] };
+        let maneuvers = vec!["left".into(), "right".into()];
+        Dictionary { degrees: vec![degree], maneuvers, sample_rate_hz: 2.0, intercepts: true, information }
+    }
+
+    #[test]
+    fn law_the_time_for_an_accuracy_falls_as_its_square_and_what_exists_limits_it() {
+        let dictionary = line();
+        let middle = &dictionary.information;
+        let criterion = Criterion::of_covariance(&dictionary, middle, vec![1.0], Norm::Trace).unwrap();
+        let Criterion::Covariance(own) = &criterion else { panic!() };
+        let asked = |accuracy: f64, longest_s: f64, stock: Option<&Stock>| {
+            let wanted = Wanted { accuracy, of: AccuracyOf::Overall, longest_s };
+            let errors = Errors::new(&dictionary, middle, own, &[1.0], wanted.of);
+            let question = Question {
+                dictionary: &dictionary,
+                criterion: &criterion,
+                errors,
+                wanted,
+                least_largest: false,
+                stock,
+            };
+            question.shortest(&Options::default())
+        };
+        // The slope of half the samples at either end has the variance 1/N.
+        assert!((asked(0.1, 1e3, None).unwrap().samples - 100.0).abs() <= 1.0);
+        assert!((asked(0.05, 1e3, None).unwrap().samples - 400.0).abs() <= 1.0);
+        let Err(NoDesign::OutOfReach(found)) = asked(0.1, 25.0, None) else { panic!() };
+        assert!((found.best - 50f64.recip().sqrt()).abs() < 1e-9);
+        // 20 s, 40 samples, on the left: of N samples 40 there, var = 1/(4 w (1 − w) N).
+        let stock = Stock { seconds: [("left".to_owned(), 20.0)].into(), ..Stock::default() };
+        let limited = asked(0.1, 1e3, Some(&stock)).unwrap();
+        let share = 40.0 / limited.samples;
+        assert!((4.0 * share * (1.0 - share) * limited.samples - 100.0).abs() < 1.0, "{limited:?}");
+        assert!(limited.samples > 100.0 && limited.design.shares[0] <= share + 1e-9);
+    }
+}

@@ -1,0 +1,118 @@
+use std::collections::BTreeMap;
+
+use serde::Deserialize;
+use thiserror::Error;
+
+use crate::Dictionary;
+
+/// How much of every maneuver exists. Maneuvers in neither table are not limited.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Stock {
+    /// Maneuver → at most so long \[s\].
+    #[serde(default)]
+    pub seconds: BTreeMap<String, f64>,
+    /// Maneuver → at most so many whole segments.
+    #[serde(default)]
+    pub segments: BTreeMap<String, u64>,
+}
+
+/// The length of the experiment that shares are of.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Length {
+    /// Its samples, where that is known.
+    pub samples: Option<f64>,
+    /// Whole segments and the samples of each, where there are to be any.
+    pub segments: Option<(u64, u64)>,
+}
+
+/// Upper bounds, one per maneuver in the dictionary's order.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Available {
+    /// On the share; 1 where there is no limit.
+    pub shares: Vec<f64>,
+    /// On the count of whole segments; the number of segments where there is no limit.
+    pub counts: Option<Vec<u64>>,
+}
+
+/// Why an experiment cannot be made of what is available.
+#[derive(Clone, Copy, Debug, Error, PartialEq)]
+pub enum Scarce {
+    /// Segments are limited, and the experiment has none.
+    #[error("whole segments are limited, but the experiment has none")]
+    NoSegments,
+    /// Seconds are limited, and the length of the experiment is not known.
+    #[error("seconds are limited, but the length of the experiment is not known")]
+    NoLength,
+    /// All maneuvers together do not fill the experiment.
+    #[error("what is available fills {share} of the experiment")]
+    Time {
+        /// The share of the experiment that they fill, below 1.
+        share: f64,
+    },
+    /// All maneuvers together have too few whole segments.
+    #[error("{found} of {expected} whole segments are available")]
+    Segments {
+        /// Whole segments that exist.
+        found: u128,
+        /// Whole segments of the experiment.
+        expected: u64,
+    },
+}
+
+impl Stock {
+    /// What is available for an experiment of `length`.
+    ///
+    /// # Errors
+    /// [`Scarce`].
+    pub fn within(&self, dictionary: &Dictionary, length: &Length) -> Result<Available, Scarce> {
+        if !self.segments.is_empty() && length.segments.is_none() {
+            return Err(Scarce::NoSegments);
+        }
+        let samples = match length.samples {
+            Some(samples) => samples,
+            None if self.seconds.is_empty() => 1.0,
+            None => return Err(Scarce::NoLength),
+        };
+        let rate = dictionary.sample_rate_hz;
+        let share = |name: &String| match (self.seconds.get(name), self.segments.get(name)) {
+            (Some(seconds), _) => seconds * rate / samples,
+            (_, Some(segments)) => *segments as f64 / length.segments.map_or(1.0, |(n, _)| n as f64),
+            _ => 1.0,
+        };
+        let count = |name: &String, (total, each): (u64, u64)| match (
+            self.seconds.get(name),
+            self.segments.get(name),
+        ) {
+            // Rounding must not cost a segment that just fits.
+            (Some(seconds), _) => (seconds * rate / each as f64 + 1e-9).floor() as u64,
+            (_, Some(segments)) => *segments,
+            _ => total,
+        };
+        let names = || dictionary.maneuvers.iter();
+        let found = Available {
+            shares: names().map(|name| share(name).min(1.0)).collect(),
+            counts: length
+                .segments
+                .map(|about| names().map(|name| count(name, about).min(about.0)).collect()),
+        };
+        found.check_enough(length)?;
+        Ok(found)
+    }
+}
+
+impl Available {
+    fn check_enough(&self, length: &Length) -> Result<(), Scarce> {
+        let share: f64 = self.shares.iter().sum();
+        if share < 1.0 - 1e-12 {
+            return Err(Scarce::Time { share });
+        }
+        if let (Some(counts), Some((expected, _))) = (&self.counts, length.segments) {
+            let found: u128 = counts.iter().map(|a| u128::from(*a)).sum();
+            if found < u128::from(expected) {
+                return Err(Scarce::Segments { found, expected });
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,44 @@
+//! A plan's map beside histograms, as one picture for a front page.
+
+/// Width and height of the map's place, of a histogram's, and the gap between, in units of the picture.
+const MAP: [u32; 2] = [660, 960];
+const HISTOGRAM: [u32; 2] = [560, 470];
+const GAP: u32 = 20;
+
+/// `map` on the left, `histograms` above each other on the right, on white: whole `<svg>` elements as this crate draws them.
+pub fn picture(map: &str, histograms: &[&str; 2]) -> String {
+    let (width, height) = (MAP[0] + HISTOGRAM[0] + 3 * GAP, MAP[1] + 2 * GAP);
+    let right = MAP[0] + 2 * GAP;
+    let placed = [
+        placed(map, [GAP, GAP], MAP),
+        placed(histograms[0], [right, GAP], HISTOGRAM),
+        placed(histograms[1], [right, 2 * GAP + HISTOGRAM[1]], HISTOGRAM),
+    ];
+    format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" color=\"#1d242b\">\n\
+        <rect width=\"{width}\" height=\"{height}\" fill=\"#ffffff\"/>\n{}</svg>\n",
+        placed.concat()
+    )
+}
+
+/// `figure` in a place of its own; its `viewBox` scales it.
+fn placed(figure: &str, at: [u32; 2], size: [u32; 2]) -> String {
+    let place = format!("<svg x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" ", at[0], at[1], size[0], size[1]);
+    figure.trim_end().replacen("<svg ", &place, 1) + "\n"
+}
+
+#[cfg(test)]
+mod tests {
+    use super::picture;
+
+    #[test]
+    fn each_figure_has_a_place_of_its_own() {
+        let figure = |name: &str| format!("<svg viewBox=\"0 0 10 10\"><title>{name}</title></svg>\n");
+        let made = picture(&figure("map"), &[&figure("one"), &figure("two")]);
+        assert_eq!(made.matches("<svg ").count(), 4);
+        assert_eq!(made.matches("</svg>").count(), 4);
+        for place in ["x=\"20\" y=\"20\" width=\"660\"", "x=\"700\" y=\"20\"", "x=\"700\" y=\"510\""] {
+            assert!(made.contains(place), "{place}");
+        }
+    }
+}

@@ -1,0 +1,62 @@
+//! A folder that the stages wrote into.
+
+use std::path::{Component, Path, PathBuf};
+
+use artifact::{Document, Error, Provenance, TableReader, read_document, read_toml};
+use serde_json::Value;
+use study::documents::Reference;
+use study::trajectories;
+
+/// The document `name` in `folder`, if there is one.
+pub(super) fn document<D: Document>(folder: &Path, name: &str) -> Result<Option<D>, Error> {
+    let path = folder.join(name);
+    path.exists().then(|| Ok(read_document::<D>(path)?.data)).transpose()
+}
+
+/// The folders with a document `name`, and the names of those without.
+pub(super) fn documents<D: Document>(
+    folders: &[PathBuf],
+    name: &str,
+) -> Result<(Vec<(PathBuf, D)>, Vec<String>), Error> {
+    let (mut found, mut missing) = (Vec::new(), Vec::new());
+    for folder in folders {
+        match document(folder, name)? {
+            Some(document) => found.push((folder.clone(), document)),
+            None => missing.push(label(folder)),
+        }
+    }
+    Ok((found, missing))
+}
+
+/// What is not in the table.
+pub(super) fn left_out(missing: &[String], why: &str) -> String {
+    if missing.is_empty() { String::new() } else { format!("\nNot here: {} ({why}).\n", missing.join(", ")) }
+}
+
+/// A study's name: its folder below `out`, without what all studies have.
+pub(super) fn label(folder: &Path) -> String {
+    let names = folder.components().filter_map(|component| match component {
+        Component::Normal(name) => name.to_str(),
+        _ => None,
+    });
+    names.filter(|name| !["out", "seeds", "measured"].contains(name)).collect::<Vec<_>>().join(" ")
+}
+
+/// The seed of the simulated trials in `folder`.
+pub(super) fn seed(folder: &Path) -> Result<Option<u64>, Error> {
+    let names = ["campaign.parquet", "trajectories.parquet"].map(|name| folder.join(name));
+    let Some(path) = names.into_iter().find(|path| path.exists()) else { return Ok(None) };
+    Ok(seed_of(TableReader::open(&path, trajectories::ID, trajectories::VERSION)?.provenance()))
+}
+
+/// The seed in what a file says about its making.
+pub(super) fn seed_of(provenance: &Provenance) -> Option<u64> {
+    provenance.settings.get("seed").and_then(Value::as_u64)
+}
+
+/// What is published of the study `name`, whose folder is in `written`.
+pub(super) fn reference(written: Option<&Path>, name: &str) -> Result<Option<Reference>, Error> {
+    let study = name.split(' ').next().unwrap_or(name);
+    let path = written.map(|written| written.join(study).join("reference.toml"));
+    path.filter(|path| path.exists()).map(|path| Ok(read_toml(path)?.0)).transpose()
+}

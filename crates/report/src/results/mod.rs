@@ -1,0 +1,51 @@
+//! The results of many studies as tables in Markdown, for documentation: every number is one of a document.
+
+mod designs;
+mod estimators;
+mod folder;
+mod logs;
+mod rounds;
+mod selections;
+mod table;
+
+use std::path::PathBuf;
+
+use artifact::Error;
+
+/// Folders that the stages wrote into. Those that do not exist are said to be missing.
+#[derive(Clone, Debug, Default)]
+pub struct Folders {
+    /// Folder of the studies' hand-written files, a folder each: their reference.toml holds published results.
+    pub written: Option<PathBuf>,
+    /// Simulated trials of designs: validation.json, estimate.json.
+    pub studies: Vec<PathBuf>,
+    /// The same, where estimators were compared.
+    pub scenarios: Vec<PathBuf>,
+    /// Trials in rounds: sequential.json.
+    pub rounds: Vec<PathBuf>,
+    /// Picks of sub-experiments: selection.json.
+    pub selections: Vec<PathBuf>,
+    /// Measured logs: crossval.json.
+    pub logs: Vec<PathBuf>,
+}
+
+/// The tables of whatever is asked for, a section each.
+///
+/// # Errors
+/// A document that exists and is refused.
+pub fn tables(folders: &Folders) -> Result<String, Error> {
+    let sections = [
+        designs::section(&folders.studies, folders.written.as_deref())?,
+        estimators::section(&folders.scenarios)?,
+        rounds::section(&folders.rounds)?,
+        selections::section(&folders.selections, folders.written.as_deref())?,
+        logs::section(&folders.logs)?,
+    ];
+    Ok(format!("{HEAD}\n{}", sections.into_iter().flatten().collect::<Vec<_>>().join("\n")))
+}
+
+const HEAD: &str = "# Results
+
+Written by `make results` from the documents of the studies; not to be edited. In brackets stands the interval at 95 %: repeated with
+other noise, a study would give a value in such an interval 95 times of 100. A dash stands where a document has none.
+";

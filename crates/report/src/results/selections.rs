@@ -1,0 +1,64 @@
+//! Models from sub-experiments that a design picked against random picks.
+
+use std::path::{Path, PathBuf};
+
+use artifact::{Error, read_document};
+use study::documents::{SelectionDocument, SelectionScores, SimulatedLogsDocument};
+
+use super::folder::{documents, label, left_out, reference, seed_of};
+use super::table::{Table, quantile, share, whole};
+
+const HEADS: [&str; 8] =
+    ["study", "seed of the logs", "picks", "realizations", "median", "90 %", "worst", "degenerate"];
+
+pub(super) fn section(folders: &[PathBuf], written: Option<&Path>) -> Result<Option<String>, Error> {
+    let (found, missing) = documents::<SelectionDocument>(folders, "selection.json")?;
+    let mut table = Table::new(&HEADS);
+    let mut told: Vec<String> = Vec::new();
+    for (folder, selection) in &found {
+        let (name, seed) = (label(folder), seed(folder)?);
+        for scores in &selection.designs {
+            table.row(&row(&name, seed, scores));
+        }
+        let published = reference(written, &name)?.and_then(|r| r.selection);
+        let statements = published.map_or(Vec::new(), |published| published.statements);
+        let statements =
+            statements.into_iter().map(|said| format!("- Published of {}: {said}", study(&name)));
+        let new: Vec<String> = statements.filter(|said| !told.contains(said)).collect();
+        told.extend(new);
+    }
+    let told = if told.is_empty() { String::new() } else { format!("\n{}\n", told.join("\n")) };
+    let note = left_out(&missing, "not computed");
+    let about = "Norm of the RMSE of surge, sway and yaw rate (m/s, m/s, rad/s as numbers) over all sub-experiments, of models from as many \
+        sub-experiments each: picked by the design's counts, or at random. ∞: its simulation diverges.";
+    Ok(table.text().map(|table| format!("## Selected sub-experiments\n\n{about}\n\n{table}{told}{note}")))
+}
+
+/// The study's name without the seed.
+fn study(label: &str) -> &str {
+    label.split(' ').next().unwrap_or(label)
+}
+
+/// The seed of simulated logs, which lie beside what is made of them.
+fn seed(folder: &Path) -> Result<Option<u64>, Error> {
+    let path = folder.parent().unwrap_or(folder).join("logs/simulated.json");
+    path.exists()
+        .then(|| read_document::<SimulatedLogsDocument>(path))
+        .transpose()
+        .map(|d| seed_of(&d?.provenance))
+}
+
+fn row(name: &str, seed: Option<u64>, scores: &SelectionScores) -> [String; HEADS.len()] {
+    let norm = &scores.overlapping.rmse_norm;
+    let plain = |value: Option<f64>| value.map_or("∞".to_owned(), crate::number::three);
+    [
+        study(name).to_owned(),
+        whole(seed),
+        scores.design.clone(),
+        scores.realizations.to_string(),
+        quantile(norm.median, None),
+        plain(norm.q90),
+        plain(norm.max),
+        share(scores.degenerate_share, None),
+    ]
+}

@@ -1,0 +1,193 @@
+//! What `design` is asked, read and checked.
+
+use artifact::Provenance;
+use design::{Accuracy, Design};
+use design::{
+    Bounds, Candidates, Criterion, CriterionName, Dictionary, Errors, NoDesign, Norm, Options, Question,
+    Restricted, Restriction, Stock, restricted,
+};
+use identification::MeanRemoval;
+use study::design_files::{read_stock, read_weights};
+use study::documents::Few;
+use study::files::{read_dictionary, read_vessel};
+use trial::arranging::{Arranged, Arranging};
+use trial::moments::{Estimated, Moments};
+use vessel::Invalid;
+
+use super::Arguments;
+use super::refusal::no_design;
+use crate::cli::given;
+use crate::failure::Failure;
+
+/// Maneuvers and a criterion.
+pub(super) struct Problem<'a> {
+    pub a: &'a Arguments,
+    pub moments: &'a Moments,
+    pub dictionary: Dictionary,
+    pub name: CriterionName,
+    pub estimated: Estimated,
+    pub criterion: Criterion,
+    /// How much of every maneuver exists.
+    pub stock: Option<Stock>,
+    /// Of a criterion of the covariance.
+    middle: Option<Candidates>,
+}
+
+impl<'a> Problem<'a> {
+    pub fn read(
+        a: &'a Arguments,
+        moments: &'a Moments,
+        provenance: &mut Provenance,
+    ) -> Result<Self, Failure> {
+        let (name, estimated) = (a.criterion_name()?, a.estimated());
+        let invalid = |e: Invalid| Failure::invalid(&a.moments, &e);
+        let dictionary = moments.dictionary(estimated).map_err(invalid)?;
+        let weights = weights(a, name, moments, &dictionary, provenance)?;
+        let (criterion, middle) = match name {
+            CriterionName::DHessian => (Ok(Criterion::Information(dictionary.information.clone())), None),
+            _ => {
+                let middle = moments.middle(estimated).map_err(invalid)?;
+                let criterion = match name {
+                    CriterionName::V => {
+                        let g = moments.free_run_weights().map_err(invalid)?;
+                        Criterion::of_free_runs(&dictionary, &middle, g)
+                    }
+                    CriterionName::D => Criterion::of_covariance(&dictionary, &middle, weights, Norm::LogDet),
+                    _ => Criterion::of_covariance(&dictionary, &middle, weights, Norm::Trace),
+                };
+                (criterion, Some(middle))
+            }
+        };
+        let criterion = criterion.map_err(|e| no_design(&a.moments, None, e))?;
+        let stock = a.available.as_ref().map(|path| read_stock(path, &dictionary.maneuvers, provenance));
+        let stock = stock.transpose()?;
+        Ok(Self { a, moments, dictionary, name, estimated, criterion, stock, middle })
+    }
+
+    pub fn refuse(&self, why: NoDesign) -> Failure {
+        no_design(&self.a.moments, self.a.available.as_deref(), why)
+    }
+
+    /// A design of the shortest experiment for the accuracy that is asked for.
+    pub fn shortest(&self, options: &Options) -> Result<Option<(Design, Accuracy)>, Failure> {
+        let a = self.a;
+        let (Some(accuracy), Criterion::Covariance(own), Some(middle)) =
+            (a.accuracy, &self.criterion, &self.middle)
+        else {
+            return Ok(None);
+        };
+        let squares = self.moments.squares(a.relative_to).map_err(|e| Failure::invalid(&a.moments, &e))?;
+        let wanted = a.wanted(accuracy);
+        let question = Question {
+            dictionary: &self.dictionary,
+            criterion: &self.criterion,
+            errors: Errors::new(&self.dictionary, middle, own, &squares, wanted.of),
+            wanted,
+            least_largest: a.per_parameter && a.criterion.is_none(),
+            stock: self.stock.as_ref(),
+        };
+        let shortest = question.shortest(options).map_err(|e| self.refuse(e))?;
+        let rivals = self.moments.rivals(a.mean_removal, a.random_segments, a.seed());
+        let accuracy = question.compare(&shortest, &rivals);
+        Ok(Some((shortest.design, accuracy)))
+    }
+
+    /// Few maneuvers, or long ones, where they are asked for. `duration_s`: of the experiment, where known.
+    pub fn few(
+        &self,
+        relaxed: &Design,
+        bounds: &Bounds,
+        duration_s: Option<f64>,
+        options: &Options,
+    ) -> Result<Option<(Few, Restricted)>, Failure> {
+        let few = Few { most_maneuvers: self.a.most_maneuvers, minimal_s: self.a.minimal_s };
+        if few == Few::default() {
+            return Ok(None);
+        }
+        let least = few.minimal_s.zip(duration_s).map_or(0.0, |(minimal, duration)| minimal / duration);
+        let most = few.most_maneuvers.map_or(usize::MAX, |k| k as usize).min(relaxed.shares.len());
+        let (restriction, parameters) = (Restriction { most, least }, self.dictionary.parameters());
+        let found = restricted(&self.criterion, relaxed, bounds, &restriction, options, parameters);
+        found.map(|found| Some((few, found))).map_err(|e| {
+            let asked = [
+                few.most_maneuvers.map(|k| format!("--most-maneuvers {k}")),
+                few.minimal_s.map(|s| format!("--minimal-s {s}")),
+            ];
+            Failure::NoAnswer(format!(
+                "{}: {}: found no such choice that excites every parameter ({e}), expected one; allow more or shorter maneuvers",
+                self.a.moments.display(),
+                asked.into_iter().flatten().collect::<Vec<_>>().join(" ")
+            ))
+        })
+    }
+
+    /// Order and lengths of the maneuvers of `design`, where they are asked for.
+    pub fn arranged(
+        &self,
+        design: &Design,
+        samples: Option<f64>,
+        provenance: &mut Provenance,
+    ) -> Result<Option<Arranged>, Failure> {
+        let a = self.a;
+        if !a.arrange {
+            return Ok(None);
+        }
+        let usage = |found: &str, expected: &str| {
+            Err(Failure::Usage(format!("--arrange: found {found}, expected {expected}")))
+        };
+        let Some(samples) = samples else {
+            return usage(
+                "no length of the experiment",
+                "one to fill; add --duration-s, --accuracy, or --segments and --segment-samples",
+            );
+        };
+        let unkept = [a.available.is_some(), a.most_maneuvers.is_some(), a.minimal_s.is_some()];
+        if unkept.contains(&true) || a.mean_removal == MeanRemoval::Batch {
+            return usage(
+                "--available, --most-maneuvers, --minimal-s or --mean-removal batch, which the search does not keep",
+                "none of them; leave them out",
+            );
+        }
+        let (vessel, dictionary) = (given(&a.vessel, "vessel")?, given(&a.dictionary, "dictionary")?);
+        let vessel = read_vessel(vessel, provenance)?;
+        let generator = read_dictionary(dictionary, &vessel, provenance)?;
+        let arranging = Arranging {
+            vessel: &vessel,
+            generator: &generator,
+            moments: self.moments,
+            dictionary: &self.dictionary,
+            criterion: &self.criterion,
+            estimated: self.estimated,
+            seed: a.seed(),
+        };
+        let found = arranging.search(&design.shares, &design.sensitivities, samples.round() as usize);
+        found.map(Some).map_err(|e| Failure::invalid(dictionary, &e))
+    }
+}
+
+/// The weight of every parameter's variance: 1, 1/θ², or those of a file.
+fn weights(
+    a: &Arguments,
+    name: CriterionName,
+    moments: &Moments,
+    dictionary: &Dictionary,
+    provenance: &mut Provenance,
+) -> Result<Vec<f64>, Failure> {
+    match (&a.weights, name) {
+        (Some(path), CriterionName::A | CriterionName::ARelative) => {
+            let parameters: Vec<&str> = dictionary.parameter_names().collect();
+            Ok(read_weights(path, &parameters, provenance)?)
+        }
+        (Some(_), _) => Err(Failure::Usage(
+            "--weights: found weights for a criterion that no weights change, expected --criterion a or a-relative; leave \
+             them out"
+                .into(),
+        )),
+        (None, CriterionName::ARelative) => {
+            let squares =
+                moments.squares(a.relative_to).map_err(|e| Failure::invalid(&a.moments, &e))?;
+            Ok(squares.iter().map(|s| 1.0 / s).collect())
+        }
+        (None, _) => Ok(vec![1.0; dictionary.parameters()]),
+    }
+}

@@ -1,0 +1,159 @@
+//! `design refine`: the input signals of an experiment themselves, from a design as a start.
+
+use std::path::{Path, PathBuf};
+
+use artifact::{Provenance, Staged, commit, read_document, stage_document};
+use clap::Args;
+use identification::Noise;
+use identification::refine::Effort;
+use serde_json::json;
+use study::campaign_file::CampaignFile;
+use study::design_files::read_limits;
+use study::documents::{DesignDocument, RefinedFiles};
+use study::files::{read_campaign, read_dictionary, read_vessel};
+use trial::refining::{Limits, Refinement, Start, StatedLimits};
+use vessel::{Generator, Invalid, Vessel};
+
+use super::refusal::not_refined;
+use crate::cli::{Common, beside, provenance};
+use crate::failure::Failure;
+use crate::simulate::campaign::{CampaignFiles, optimized_plan};
+use crate::simulate::refuse_endless;
+use crate::stage::Summary;
+
+/// The command line of `design refine`.
+#[derive(Args)]
+#[command(
+    after_help = "Writes refined.json, and inputs.csv, refined-dictionary.toml and design.json for `simulate campaign`.\n\n\
+    Example:\n  design refine --vessel vessel.toml --dictionary dictionary.toml --design design.json --campaign campaign.toml --out refined/"
+)]
+pub struct Refine {
+    /// The vessel
+    #[arg(long, value_name = "vessel.toml")]
+    pub(super) vessel: PathBuf,
+    /// The maneuvers that the design is of
+    #[arg(long, value_name = "dictionary.toml")]
+    pub(super) dictionary: PathBuf,
+    /// The design whose experiment is the start
+    #[arg(long, value_name = "design.json")]
+    pub(super) design: PathBuf,
+    /// Disturbances, and the experiment's duration
+    #[arg(long, value_name = "campaign.toml")]
+    campaign: PathBuf,
+    /// Limits: u_m_s, v_m_s, r_rad_s, tables `inputs` and `rates` (per second) by input; default: those of [generate] in the
+    /// dictionary, else what the start reaches
+    #[arg(long, value_name = "limits.toml")]
+    pub(super) limits: Option<PathBuf>,
+    /// Time between the knots of what is added to the start's inputs, straight between them; below a sample every sample is
+    /// corrected on its own [s]
+    #[arg(long, value_name = "S", default_value_t = 1.0)]
+    knot_s: f64,
+    /// Maximum number of iterations
+    #[arg(long, value_name = "N", default_value_t = 3000, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    iterations: u32,
+    /// Flags of every stage
+    #[command(flatten)]
+    pub common: Common,
+}
+
+/// Runs `design refine`.
+///
+/// # Errors
+/// Files that are refused; limits that the start breaks; a start that excites not every parameter.
+pub fn refine(a: &Refine) -> Result<Summary, Failure> {
+    let mut provenance = provenance("design refine");
+    let inputs =
+        [Some(&a.vessel), Some(&a.dictionary), Some(&a.design), Some(&a.campaign), a.limits.as_ref()];
+    let inputs: Vec<&Path> = inputs.into_iter().flatten().map(PathBuf::as_path).collect();
+    let out = a.common.main_output("refined.json", &inputs)?;
+    let others = ["inputs.csv", "refined-dictionary.toml", "design.json"].map(|name| beside(&out, name));
+    for path in &others {
+        Common { out: path.clone(), ..a.common.clone() }.main_output("", &inputs)?;
+    }
+    let vessel = read_vessel(&a.vessel, &mut provenance)?;
+    let found = search(a, &vessel, &mut provenance)?;
+    settings(a, &vessel, &found, &mut provenance);
+    let files = RefinedFiles { vessel: &vessel, found: &found };
+    let document = files.document();
+    let [csv, dictionary, design] = &others;
+    commit(vec![
+        stage_document(&out, &provenance, &document)?,
+        Staged::bytes(csv, files.inputs().as_bytes())?,
+        Staged::bytes(dictionary, files.dictionary().as_bytes())?,
+        stage_document(design, &provenance, &files.design(&document))?,
+    ])?;
+    let line = format!("{}: {}", out.display(), document.statement);
+    let json = json!({
+        "out": out, "before": document.before.value, "after": document.after.value, "worth": document.worth,
+        "iterations": document.iterations, "settled": document.settled,
+    });
+    Ok(Summary { line, json })
+}
+
+/// Reads the design's experiment and its limits, and refines it.
+fn search(a: &Refine, vessel: &Vessel, provenance: &mut Provenance) -> Result<Refinement, Failure> {
+    let generator = read_dictionary(&a.dictionary, vessel, provenance)?;
+    let config = read_campaign(&a.campaign, provenance)?;
+    let design = read_document::<DesignDocument>(&a.design)?;
+    provenance.inputs.insert("design".into(), design.digest);
+    let plan = plan(a, vessel, &generator, &config, &design.data)?;
+    let noise = noise(&config).map_err(|e| Failure::invalid(&a.campaign, &e))?;
+    let refused = |e| not_refined(a, e);
+    let start = Start::new(vessel, &generator, &plan, noise).map_err(refused)?;
+    let model = &vessel.model;
+    let inputs: Vec<&str> = model.variables[3..3 + model.inputs].iter().map(|v| v.name.as_str()).collect();
+    let stated = match &a.limits {
+        Some(path) => read_limits(path, &inputs, provenance)?,
+        None => StatedLimits::default(),
+    };
+    let limits = Limits::new(&stated, vessel, &generator, &start).map_err(refused)?;
+    let effort = Effort { knot: knot(a, vessel.sample_rate_hz)?, iterations: a.iterations as usize };
+    Refinement::search(vessel, start, limits, &effort).map_err(refused)
+}
+
+/// The experiment that a campaign would make of the design.
+fn plan(
+    a: &Refine,
+    vessel: &Vessel,
+    generator: &Generator,
+    config: &CampaignFile,
+    design: &DesignDocument,
+) -> Result<Vec<(usize, usize)>, Failure> {
+    let samples = vessel.samples(config.duration_s);
+    refuse_endless(&a.campaign, "`duration_s`", samples)?;
+    let files = CampaignFiles {
+        vessel: &a.vessel,
+        dictionary: &a.dictionary,
+        campaign: &a.campaign,
+        design: &a.design,
+    };
+    let names: Vec<String> = generator.maneuvers().iter().map(|m| m.name.clone()).collect();
+    optimized_plan(&files, &names, design, samples)
+}
+
+/// Disturbances that a covariance is predicted for.
+fn noise(config: &CampaignFile) -> Result<Noise, Invalid> {
+    let noise = config.white_noise("name a campaign with one of these")?;
+    if noise.current == 0.0 && noise.measurement == [0.0; 3] {
+        let expected = "errors of measurement or a current, without which every experiment is as good";
+        return Err(Invalid::new("`measurement`", "no disturbance at all", expected, "state them"));
+    }
+    Ok(noise)
+}
+
+/// Samples between knots.
+fn knot(a: &Refine, rate_hz: f64) -> Result<usize, Failure> {
+    match a.knot_s {
+        s if s.is_finite() && s > 0.0 => Ok(((s * rate_hz).round() as usize).max(1)),
+        s => Err(Failure::Usage(format!("--knot-s: found {s}, expected a number above 0; correct it"))),
+    }
+}
+
+/// What the result depends on besides the inputs.
+fn settings(a: &Refine, vessel: &Vessel, found: &Refinement, provenance: &mut Provenance) {
+    let settings = &mut provenance.settings;
+    settings.insert("simulate_with".into(), json!(found.start.source));
+    settings.insert("relative_to".into(), json!(found.start.source));
+    settings.insert("knot_s".into(), json!(found.knot as f64 / vessel.sample_rate_hz));
+    settings.insert("iterations".into(), json!(a.iterations));
+}

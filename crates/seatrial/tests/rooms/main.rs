@@ -1,0 +1,146 @@
+//! The house of ARCHITECTURE.md as it is built: which crate may use which, what the science may know, how large a room is.
+
+mod pages;
+mod source;
+
+use std::collections::BTreeMap;
+
+use source::Crate;
+
+/// Crates from the ground up: one may use those of the rows above its own.
+const FLOORS: [&[&str]; 10] = [
+    &["refusal", "numerics"],
+    &["artifact"],
+    &["vessel", "design", "lattice", "chart"],
+    &["identification", "logs"],
+    &["trial"],
+    &["study"],
+    &["report"],
+    &["seatrial"],
+    &["programs"],
+    &["bench"],
+];
+
+/// The crates that compute.
+const SCIENCE: &[&str] =
+    &["numerics", "vessel", "identification", "design", "lattice", "chart", "logs", "trial"];
+
+/// What the sources of some crates must not contain: crates, words, why.
+const WORDS: [(&[&str], &[&str], &str); 5] = [
+    (SCIENCE, &["Path", "PathBuf", "fs"], "science knows no files"),
+    (SCIENCE, &["clap", "ValueEnum"], "science has no command line"),
+    (SCIENCE, &["artifact", "study"], "science takes and gives domain types, no documents"),
+    (SCIENCE, &["println", "eprintln", "indicatif"], "science prints nothing"),
+    (SCIENCE, &["ThreadPoolBuilder", "spawn"], "science starts no threads"),
+];
+
+/// What some crates must not depend on: crates, dependencies, why.
+const DEPENDENCIES: [(&[&str], &[&str], &str); 3] = [
+    (SCIENCE, &["artifact", "study", "clap", "indicatif"], "science knows no files and no command line"),
+    (
+        &["design"],
+        &["vessel", "chart", "lattice", "logs", "trial"],
+        "a design is of information, not of ships",
+    ),
+    (
+        &["study", "report"],
+        &["clap", "indicatif", "rayon"],
+        "only the programs have flags, progress and threads",
+    ),
+];
+
+/// Most lines below `src/` that a crate may have.
+const LINES: [(&str, usize); 1] = [("seatrial", 5_000)];
+
+/// Most lines below `src/` of all crates together, and the largest share of one.
+const TOTAL: usize = 53_000;
+const SHARE: f64 = 0.2;
+
+/// What does not hold yet: rule, crate, how much of it is left.
+const NOT_YET: &[(&str, &str, usize)] = &[];
+
+/// What breaks the rules, by rule and crate.
+#[derive(Default)]
+struct Broken(BTreeMap<(String, String), (usize, String)>);
+
+impl Broken {
+    /// `amount` too much of what `rule` forbids in `room`.
+    fn add(&mut self, rule: &str, room: &str, amount: usize, example: &str) {
+        let known = self.0.entry((rule.to_owned(), room.to_owned())).or_insert((0, example.to_owned()));
+        known.0 += amount;
+    }
+
+    /// Fails if there is more of anything than what is known not to hold yet.
+    fn check(self) {
+        let allowed = |rule: &str, room: &str| {
+            NOT_YET.iter().find(|(r, c, _)| *r == rule && *c == room).map_or(0, |(_, _, count)| *count)
+        };
+        let told: Vec<String> = self
+            .0
+            .iter()
+            .filter(|((rule, room), (amount, _))| *amount > allowed(rule, room))
+            .map(|((rule, room), (amount, example))| format!("{room}: {rule}: {amount} ({example})"))
+            .collect();
+        assert!(told.is_empty(), "\n{}\n", told.join("\n"));
+    }
+}
+
+#[test]
+fn arrows_between_crates_go_down() {
+    let mut broken = Broken::default();
+    let floor = |name: &str| FLOORS.iter().position(|floor| floor.contains(&name));
+    let all = source::crates();
+    for one in &all {
+        let Some(own) = floor(&one.name) else {
+            panic!("crates/{}: on no floor; name it in FLOORS", one.name)
+        };
+        let ours = one.dependencies.iter().filter_map(|other| Some((other, floor(other)?)));
+        for (other, _) in ours.filter(|(_, floor)| *floor >= own) {
+            broken.add("arrows go down", &one.name, 1, other);
+        }
+        for (_, forbidden, why) in DEPENDENCIES.iter().filter(|(of, _, _)| of.contains(&&*one.name)) {
+            for other in one.dependencies.iter().filter(|other| forbidden.contains(&&***other)) {
+                broken.add(why, &one.name, 1, other);
+            }
+        }
+    }
+    assert!(all.len() >= SCIENCE.len() && SCIENCE.iter().all(|name| all.iter().any(|c| c.name == *name)));
+    broken.check();
+}
+
+#[test]
+fn science_knows_no_files_and_no_command_line() {
+    let mut broken = Broken::default();
+    for one in source::crates() {
+        for (_, forbidden, why) in WORDS.iter().filter(|(of, _, _)| of.contains(&&*one.name)) {
+            for (file, line) in
+                one.lines().filter(|(_, line)| source::words(line).any(|w| forbidden.contains(&w)))
+            {
+                broken.add(why, &one.name, 1, &format!("{file}: {}", line.trim()));
+            }
+        }
+    }
+    broken.check();
+}
+
+#[test]
+fn no_crate_is_too_large() {
+    let mut broken = Broken::default();
+    let sizes: Vec<(String, usize)> =
+        source::crates().iter().map(|c: &Crate| (c.name.clone(), c.size)).collect();
+    let total: usize = sizes.iter().map(|(_, lines)| lines).sum();
+    for (name, lines) in &sizes {
+        let most = LINES.iter().find(|(own, _)| own == name).map_or(usize::MAX, |(_, most)| *most);
+        let excess = |most: usize| lines.saturating_sub(most);
+        let (own, shared) = (excess(most), excess((SHARE * total as f64) as usize));
+        for (rule, excess) in [("lines of the programs", own), ("share of all lines", shared)] {
+            if excess > 0 {
+                broken.add(rule, name, excess, &format!("lines too many of {lines}, {total} in all"));
+            }
+        }
+    }
+    if total > TOTAL {
+        broken.add("lines of all crates", "all", total - TOTAL, "lines too many");
+    }
+    broken.check();
+}

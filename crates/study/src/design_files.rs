@@ -1,0 +1,165 @@
+//! The hand-written files of a design: weights, what is available, limits.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use artifact::{Digest, Error, Provenance, read_document, read_toml};
+use design::Stock;
+use serde::Deserialize;
+use trial::refining::{STATES, StatedLimits};
+use vessel::{Invalid, nearest};
+
+use crate::documents::IngestDocument;
+use crate::{invalid, refuse};
+
+/// `weights.toml`: parameter → weight of its variance.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct WeightsFile {
+    weight: BTreeMap<String, f64>,
+}
+
+/// Reads `weights.toml` and notes its digest: the weight of each of `parameters`, 0 for those that it does not name.
+///
+/// # Errors
+/// A file that is refused; a weight of an unknown parameter or below zero; none above zero.
+pub fn read_weights(
+    path: &Path,
+    parameters: &[&str],
+    provenance: &mut Provenance,
+) -> Result<Vec<f64>, Error> {
+    let (WeightsFile { weight }, digest) = read_toml::<WeightsFile>(path)?;
+    provenance.inputs.insert("weights".into(), digest);
+    check_weights(&weight, parameters).map_err(|e| invalid(path, &e))?;
+    Ok(parameters.iter().map(|p| weight.get(*p).copied().unwrap_or(0.0)).collect())
+}
+
+fn check_weights(written: &BTreeMap<String, f64>, parameters: &[&str]) -> Result<(), Invalid> {
+    if let Some(unknown) = written.keys().find(|key| !parameters.contains(&key.as_str())) {
+        let expected = format!("a parameter: one of {}", parameters.join(", "));
+        let remedy = meant(unknown, parameters.iter().copied());
+        return Err(Invalid::new("`weight`", format!("`{unknown}`"), expected, remedy));
+    }
+    if let Some((name, weight)) = written.iter().find(|(_, w)| !(w.is_finite() && **w >= 0.0)) {
+        let thing = format!("`weight` of `{name}`");
+        return Err(Invalid::new(thing, weight.to_string(), "zero or more", "correct it"));
+    }
+    match written.values().any(|w| *w > 0.0) {
+        true => Ok(()),
+        false => Err(Invalid::new("`weight`", "none above zero", "at least one", "add one")),
+    }
+}
+
+/// Reads how much of every maneuver exists and notes the file's digest: tables `seconds` and `segments` in TOML or JSON, or the
+/// segments that `ingest.json` counts.
+///
+/// # Errors
+/// A file that is refused, a maneuver that is not among `maneuvers` or that is limited twice, a negative time.
+pub fn read_stock(path: &Path, maneuvers: &[String], provenance: &mut Provenance) -> Result<Stock, Error> {
+    let json = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("json"));
+    let (stock, digest) = if json { stock_of_json(path)? } else { read_toml::<Stock>(path)? };
+    provenance.inputs.insert("available".into(), digest);
+    check_stock(&stock, maneuvers).map_err(|e| invalid(path, &e))?;
+    Ok(stock)
+}
+
+fn stock_of_json(path: &Path) -> Result<(Stock, Digest), Error> {
+    let bytes = std::fs::read(path).map_err(|source| Error::io(path, "read", source))?;
+    let refused = |e: serde_json::Error| {
+        refuse(
+            path,
+            &format!("line {}", e.line()),
+            e.to_string().lines().next().unwrap_or_default(),
+            "{\"seconds\": {maneuver: number}, \"segments\": {maneuver: whole number}}",
+            "correct it",
+        )
+    };
+    let value: serde_json::Value = serde_json::from_slice(&bytes).map_err(refused)?;
+    if value.get("schema").is_some() {
+        let loaded = read_document::<IngestDocument>(path)?;
+        let segments = loaded.data.maneuvers.into_iter().map(|m| (m.name, m.segments)).collect();
+        return Ok((Stock { seconds: BTreeMap::new(), segments }, loaded.digest));
+    }
+    Ok((serde_json::from_slice(&bytes).map_err(refused)?, Digest::of_bytes(&bytes)))
+}
+
+fn check_stock(stock: &Stock, maneuvers: &[String]) -> Result<(), Invalid> {
+    let mut keys = stock.seconds.keys().chain(stock.segments.keys());
+    if let Some(unknown) = keys.find(|key| !maneuvers.contains(key)) {
+        let remedy = meant(unknown, maneuvers.iter().map(String::as_str));
+        return Err(Invalid::new("maneuver", format!("`{unknown}`"), "a maneuver of the moments", remedy));
+    }
+    if let Some(twice) = stock.seconds.keys().find(|key| stock.segments.contains_key(*key)) {
+        let thing = format!("maneuver `{twice}`");
+        let found = "a limit in `seconds` and one in `segments`";
+        return Err(Invalid::new(thing, found, "one limit", "remove one"));
+    }
+    match stock.seconds.iter().find(|(_, s)| !(s.is_finite() && **s >= 0.0)) {
+        None => Ok(()),
+        Some((name, seconds)) => Err(Invalid::new(
+            format!("`seconds` of `{name}`"),
+            seconds.to_string(),
+            "a time of 0 s or more",
+            "correct it",
+        )),
+    }
+}
+
+fn meant<'a>(unknown: &str, known: impl Iterator<Item = &'a str>) -> String {
+    match nearest(unknown, known) {
+        Some(near) => format!("did you mean `{near}`?"),
+        None => "name one of them".into(),
+    }
+}
+
+/// `limits.toml` as written: largest moduli.
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct LimitsFile {
+    u_m_s: Option<f64>,
+    v_m_s: Option<f64>,
+    r_rad_s: Option<f64>,
+    #[serde(default)]
+    inputs: BTreeMap<String, f64>,
+    /// Of the inputs' rates, per second.
+    #[serde(default)]
+    rates: BTreeMap<String, f64>,
+}
+
+/// Reads `limits.toml` and notes its digest. `inputs`: their names.
+///
+/// # Errors
+/// A file that is refused; a limit of an unknown input, or one that is not above 0.
+pub fn read_limits(path: &Path, inputs: &[&str], provenance: &mut Provenance) -> Result<StatedLimits, Error> {
+    let (file, digest) = read_toml::<LimitsFile>(path)?;
+    provenance.inputs.insert("limits".into(), digest);
+    let LimitsFile { u_m_s, v_m_s, r_rad_s, inputs: amplitudes, rates } = file;
+    let limits = StatedLimits { states: [u_m_s, v_m_s, r_rad_s], inputs: amplitudes, rates };
+    check_limits(&limits, inputs).map_err(|e| invalid(path, &e))?;
+    Ok(limits)
+}
+
+fn check_limits(limits: &StatedLimits, inputs: &[&str]) -> Result<(), Invalid> {
+    let tables = [("inputs", &limits.inputs), ("rates", &limits.rates)];
+    for (table, values) in tables {
+        if let Some(unknown) = values.keys().find(|key| !inputs.contains(&key.as_str())) {
+            let remedy = meant(unknown, inputs.iter().copied());
+            let (thing, found) = (format!("`{table}`"), format!("`{unknown}`"));
+            return Err(Invalid::new(thing, found, inputs.join(", "), remedy));
+        }
+    }
+    let states = STATES.iter().zip(limits.states);
+    let states = states.filter_map(|(key, limit)| Some(((*key).to_owned(), limit?)));
+    let named = |(table, values): (&str, &BTreeMap<String, f64>)| {
+        values.iter().map(|(key, limit)| (format!("{table}.{key}"), *limit)).collect::<Vec<_>>()
+    };
+    match states.chain(tables.into_iter().flat_map(named)).find(|(_, l)| !(l.is_finite() && *l > 0.0)) {
+        None => Ok(()),
+        Some((key, limit)) => Err(Invalid::new(
+            format!("`{key}`"),
+            limit.to_string(),
+            "a number above 0",
+            "correct it, or leave it out",
+        )),
+    }
+}

@@ -1,0 +1,142 @@
+//! From refined inputs to `refined.json`, and to what a campaign needs of them.
+
+use std::collections::BTreeMap;
+
+use design::CriterionName;
+use identification::Estimator;
+use identification::refine::Forward;
+use trial::refining::Refinement;
+use vessel::Vessel;
+
+use super::design::{CovarianceCriterion, DesignDocument, Sequence, SequencePart};
+use super::design_status::DesignStatus;
+use super::refined::{RefinedDocument, RefinedExperiment, RefinedLimit};
+use super::statements;
+
+/// The maneuver's name.
+const NAME: &str = "refined";
+
+/// A refined experiment of a vessel, as files state it.
+pub struct RefinedFiles<'a> {
+    /// The vessel.
+    pub vessel: &'a Vessel,
+    /// The experiment.
+    pub found: &'a Refinement,
+}
+
+impl RefinedFiles<'_> {
+    /// `refined.json`.
+    pub fn document(&self) -> RefinedDocument {
+        let (start, limits, refined) = (&self.found.start, &self.found.limits, &self.found.refined);
+        let rate_hz = self.vessel.sample_rate_hz;
+        let moduli = |forward: &Forward, inputs: &[f64]| limits.moduli(&forward.states, inputs, rate_hz);
+        let (first, last) = (moduli(&refined.before, &start.inputs), moduli(&refined.after, &refined.inputs));
+        let limit = |i: usize| RefinedLimit {
+            limit: limits.names[i].clone(),
+            allowed: Some(limits.allowed[i]).filter(|limit| limit.is_finite()),
+            before: first[i],
+            after: last[i],
+        };
+        RefinedDocument {
+            criterion: CriterionName::ARelative,
+            simulated_with: start.source,
+            relative_to: start.source,
+            samples: self.samples() as u64,
+            duration_s: self.samples() as f64 / rate_hz,
+            before: self.experiment(&refined.before),
+            after: self.experiment(&refined.after),
+            worth: self.found.efficiency(),
+            limits: (0..limits.names.len()).map(limit).collect(),
+            knot_s: self.found.knot as f64 / rate_hz,
+            iterations: refined.iterations as u64,
+            simulations: refined.evaluations as u64,
+            settled: refined.settled,
+            statement: statements::refinement(self.found),
+        }
+    }
+
+    fn samples(&self) -> usize {
+        self.found.refined.inputs.len() / self.vessel.model.inputs.max(1)
+    }
+
+    fn by_parameter(&self, values: impl Iterator<Item = f64>) -> BTreeMap<String, f64> {
+        self.vessel.model.parameter_names().map(str::to_owned).zip(values).collect()
+    }
+
+    fn experiment(&self, forward: &Forward) -> RefinedExperiment {
+        RefinedExperiment {
+            value: forward.value,
+            measurement_value: forward.measurement_value,
+            parameter_error: forward.value.sqrt(),
+            standard_errors: self.by_parameter(forward.variances.iter().map(|v| v.max(0.0).sqrt())),
+        }
+    }
+
+    /// `inputs.csv`: a column per input, digits that give the same numbers again.
+    pub fn inputs(&self) -> String {
+        let model = &self.vessel.model;
+        let names: Vec<&str> = model.variables[3..3 + model.inputs].iter().map(|v| v.name.as_str()).collect();
+        let mut text = names.join(",");
+        for row in self.found.refined.inputs.chunks_exact(model.inputs.max(1)) {
+            let cells: Vec<String> = row.iter().map(f64::to_string).collect();
+            text.push('\n');
+            text.push_str(&cells.join(","));
+        }
+        text.push('\n');
+        text
+    }
+
+    /// `refined-dictionary.toml`: the experiment as one maneuver, whose inputs stand in `inputs.csv`.
+    pub fn dictionary(&self) -> String {
+        format!(
+            "# Written by design refine: the refined experiment as one maneuver.\n[[maneuver]]\nname = \"{NAME}\"\nkind = \
+             \"inputs\"\nfile = \"inputs.csv\"\nspeed_m_s = {:?}\nduration_s = {:?}\n",
+            self.found.start.initial[0],
+            self.samples() as f64 / self.vessel.sample_rate_hz
+        )
+    }
+
+    /// The design that has nothing but the refined maneuver. Where shares are not chosen there are no sensitivities, no gap
+    /// and no efficiencies.
+    pub fn design(&self, document: &RefinedDocument) -> DesignDocument {
+        let forward = &self.found.refined.after;
+        let samples = self.samples() as u64;
+        let n = forward.information.len().isqrt();
+        let mut mean: Vec<f64> = forward.information.iter().map(|f| f / samples as f64).collect();
+        DesignDocument {
+            criterion: CriterionName::ARelative,
+            mean_removal: None,
+            status: DesignStatus::Refined,
+            statement: document.statement.clone(),
+            shares: BTreeMap::from([(NAME.to_owned(), 1.0)]),
+            order: vec![NAME.into()],
+            sensitivities: BTreeMap::new(),
+            dimension: None,
+            gap: None,
+            relative_gap: None,
+            log_det: numerics::log_det(n, &mut mean).map(|found| found.log_abs),
+            proved_global: false,
+            starts: Vec::new(),
+            efficiency: None,
+            counts: None,
+            counted: None,
+            available: None,
+            covariance: Some(CovarianceCriterion {
+                name: CriterionName::ARelative,
+                value: forward.value,
+                weights: self.by_parameter(self.found.start.weights.iter().copied()),
+                samples,
+                standard_errors: document.after.standard_errors.clone(),
+            }),
+            estimator: Some(Estimator::OutputError),
+            restricted: None,
+            accuracy: None,
+            sequence: Some(Sequence {
+                parts: vec![SequencePart { maneuver: NAME.into(), samples }],
+                samples,
+                value: -(forward.value * samples as f64).ln(),
+                statement: document.statement.clone(),
+            }),
+        }
+    }
+}

@@ -1,0 +1,216 @@
+//! From a solved design to `design.json`.
+
+use std::collections::BTreeMap;
+
+use design::{
+    Accuracy, Available, Bounds, Candidates, CovariancePoint, Criterion, CriterionName, Design, Dictionary,
+    Evaluation, Norm, Objective, Restricted, Segments, Status, Whole,
+};
+use identification::{Estimator, MeanRemoval};
+use trial::arranging::Arranged;
+use trial::moments::Estimated;
+
+use super::design::{
+    Accuracy as AccuracyDocument, Counts, CovarianceCriterion, DesignDocument, Efficiency,
+    Restricted as RestrictedDocument, Sequence, SequencePart, Start,
+};
+use super::design_status::DesignStatus;
+use super::statements;
+
+/// A solved design with what it was asked for.
+pub struct Solved<'a> {
+    /// The maneuvers.
+    pub dictionary: &'a Dictionary,
+    /// Name of the criterion.
+    pub name: CriterionName,
+    /// The criterion.
+    pub criterion: &'a Criterion,
+    /// The estimate that it is about.
+    pub estimated: Estimated,
+    /// Mean removal.
+    pub removal: MeanRemoval,
+    /// The best shares.
+    pub design: &'a Design,
+    /// What is available, where that is limited.
+    pub available: Option<&'a Available>,
+    /// Whole segments, where they were asked for.
+    pub segments: Option<(Segments, Whole)>,
+    /// Samples of the experiment, where known.
+    pub samples: Option<f64>,
+    /// A restriction, where one was asked for.
+    pub restricted: Option<(Few, &'a Restricted)>,
+    /// The time for a wanted accuracy, where one was asked for.
+    pub accuracy: Option<&'a Accuracy>,
+    /// Order and lengths, where they were asked for.
+    pub sequence: Option<Arranged>,
+}
+
+/// A restriction as it was asked for.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Few {
+    /// At most so many maneuvers.
+    pub most_maneuvers: Option<u64>,
+    /// Each for at least so long \[s\].
+    pub minimal_s: Option<f64>,
+}
+
+impl From<Solved<'_>> for DesignDocument {
+    fn from(solved: Solved) -> Self {
+        let Solved { dictionary, criterion, design, .. } = solved;
+        let named = |values: &[f64]| by_name(&dictionary.maneuvers, values);
+        let (count, p) = (dictionary.maneuvers.len(), criterion.degree());
+        let starts = starts(design);
+        let statement = statement(&solved, &starts);
+        let parameters = dictionary.parameters();
+        let log_det = match criterion {
+            Criterion::Information(_) => Some(design.log_det),
+            Criterion::Covariance(_) => log_det(&dictionary.information, &design.shares),
+        };
+        let least_largest = least_largest(&solved);
+        Self {
+            criterion: solved.name,
+            mean_removal: Some(solved.removal),
+            status: match &solved.restricted {
+                Some(_) => DesignStatus::Restricted,
+                None if least_largest => DesignStatus::LeastLargest,
+                None => design.status.into(),
+            },
+            statement,
+            shares: named(&design.shares),
+            sensitivities: named(&design.sensitivities),
+            dimension: Some(p as u64),
+            gap: Some(design.gap),
+            relative_gap: Some(design.gap / p),
+            log_det,
+            proved_global: design.status == Status::Optimal && solved.restricted.is_none() && !least_largest,
+            starts: if least_largest { Vec::new() } else { starts },
+            efficiency: Some(Efficiency {
+                equal_shares: criterion.efficiency(design, &vec![1.0 / count as f64; count], parameters),
+                single: named(&criterion.single_efficiencies(design, parameters)),
+            }),
+            counts: solved.segments.as_ref().map(|(_, whole)| by_name(&dictionary.maneuvers, &whole.counts)),
+            counted: solved.segments.as_ref().map(|(segments, whole)| counts(design, segments, whole)),
+            available: solved.available.map(|a| named(&a.shares)),
+            covariance: covariance(&solved),
+            estimator: matches!(solved.estimated, Estimated::OutputError { .. })
+                .then_some(Estimator::OutputError),
+            restricted: solved.restricted.map(|(few, found)| restriction(few, found)),
+            accuracy: solved.accuracy.map(accuracy),
+            sequence: solved.sequence.map(Into::into),
+            order: dictionary.maneuvers.clone(),
+        }
+    }
+}
+
+fn by_name<T: Copy>(names: &[String], values: &[T]) -> BTreeMap<String, T> {
+    names.iter().cloned().zip(values.iter().copied()).collect()
+}
+
+/// Whether the shares are those of the least largest error, which no criterion's certificate is about.
+fn least_largest(solved: &Solved) -> bool {
+    solved.accuracy.is_some_and(|accuracy| accuracy.bound_s.is_some())
+}
+
+/// Of the information at `shares`; `None` where it is singular.
+fn log_det(information: &Candidates, shares: &[f64]) -> Option<f64> {
+    let (scaled, offset) = information.scaled().ok()?;
+    scaled.evaluate(shares, &mut Evaluation::default()).map(|value| value + offset)
+}
+
+fn covariance(solved: &Solved) -> Option<CovarianceCriterion> {
+    let Criterion::Covariance(criterion) = solved.criterion else { return None };
+    let covariance = &criterion.covariance;
+    let samples = solved.samples.map_or(1.0, f64::round).max(1.0);
+    let names = || solved.dictionary.parameter_names().map(str::to_owned);
+    let variances = covariance.variances(&solved.design.shares)?;
+    let rows = solved.dictionary.parameter_rows();
+    let errors = rows.iter().map(|row| (variances[*row].max(0.0) / samples).sqrt());
+    let value = covariance.value(&solved.design.shares, &mut CovariancePoint::default())?;
+    let value = match covariance.norm() {
+        Norm::LogDet => -value - criterion.weights.len() as f64 * samples.ln(),
+        Norm::Trace => (-value).exp() / samples,
+    };
+    Some(CovarianceCriterion {
+        name: solved.name,
+        value,
+        weights: names().zip(criterion.weights.iter().copied()).collect(),
+        samples: samples as u64,
+        standard_errors: names().zip(errors).collect(),
+    })
+}
+
+fn starts(design: &Design) -> Vec<Start> {
+    let agrees = |log_det: f64| (design.log_det - log_det).abs() <= 1e-8 * design.log_det.abs().max(1.0);
+    let start = |(i, s): (usize, &design::Start)| Start {
+        name: if i == 0 { "equal".into() } else { format!("random {i}") },
+        log_det: s.log_det,
+        relative_gap: s.relative_gap,
+        iterations: s.iterations,
+        agrees: agrees(s.log_det),
+    };
+    design.starts.iter().enumerate().map(start).collect()
+}
+
+fn statement(solved: &Solved, starts: &[Start]) -> String {
+    let accuracy = solved.accuracy.filter(|_| least_largest(solved));
+    match (&solved.restricted, accuracy) {
+        (Some((_, restricted)), _) => statements::restricted(restricted),
+        (None, Some(accuracy)) => statements::accuracy(accuracy),
+        (None, None) => {
+            let binds = |a: &Available| Bounds::new(&a.shares).is_ok_and(|bounds| bounds.bind());
+            statements::certificate(
+                solved.design,
+                solved.criterion,
+                starts,
+                solved.available.is_some_and(binds),
+            )
+        }
+    }
+}
+
+fn restriction(few: Few, found: &Restricted) -> RestrictedDocument {
+    RestrictedDocument {
+        most_maneuvers: few.most_maneuvers,
+        minimal_s: few.minimal_s,
+        method: found.method,
+        gap: found.loss,
+        statement: statements::restricted(found),
+    }
+}
+
+fn counts(design: &Design, segments: &Segments, whole: &Whole) -> Counts {
+    Counts {
+        segments: segments.total,
+        segment_samples: segments.samples,
+        efficiency: whole.efficiency,
+        method: whole.found.as_ref().map(|found| found.method),
+        gap: Some(whole.loss),
+        statement: Some(statements::counts(design, whole)),
+    }
+}
+
+fn accuracy(accuracy: &Accuracy) -> AccuracyDocument {
+    AccuracyDocument {
+        wanted: accuracy.wanted.accuracy,
+        of: accuracy.wanted.of,
+        duration_s: accuracy.duration_s,
+        samples: accuracy.samples,
+        reached: accuracy.reached,
+        bound_s: accuracy.bound_s,
+        curve: accuracy.curve.clone(),
+        statement: statements::accuracy(accuracy),
+    }
+}
+
+impl From<Arranged> for Sequence {
+    fn from(arranged: Arranged) -> Self {
+        let part =
+            |(maneuver, n): &(String, usize)| SequencePart { maneuver: maneuver.clone(), samples: *n as u64 };
+        Self {
+            parts: arranged.parts.iter().map(part).collect(),
+            samples: arranged.parts.iter().map(|(_, n)| *n as u64).sum(),
+            value: arranged.value,
+            statement: statements::sequence(&arranged),
+        }
+    }
+}

@@ -1,0 +1,136 @@
+//! What is known of designs, in words.
+
+use design::{Accuracy, Criterion, Design, Method, Restricted, Status, Whole};
+use trial::arranging::{Arranged, Kept};
+use trial::refining::Refinement;
+use vessel::Source;
+
+use super::design::Start;
+
+/// Of shares. `bound`: whether what is available limits them.
+pub(super) fn certificate(design: &Design, criterion: &Criterion, starts: &[Start], bound: bool) -> String {
+    let agreeing = starts.iter().filter(|s| s.agrees).count();
+    let starts = format!("{agreeing} of {} starts reached this value", starts.len());
+    let gap = design.gap / criterion.degree();
+    let within = if bound { " that are available" } else { "" };
+    match (design.status, criterion) {
+        (Status::Optimal, Criterion::Information(_)) => format!(
+            "Globally optimal: the problem is concave, and no shares{within} have a criterion more than {:.1e} higher; \
+             {starts}.",
+            design.gap.max(0.0)
+        ),
+        (Status::Optimal, Criterion::Covariance(_)) => format!(
+            "Globally optimal: the problem is convex, and no shares{within} save more than {:.1e} of the time; {starts}.",
+            gap.max(0.0)
+        ),
+        (Status::Stationary, _) => format!(
+            "Stationary{} to a relative gap of {gap:.1e}, not proved global (the problem is not concave); {starts}.",
+            if bound { " within what is available" } else { "" }
+        ),
+        (Status::Stalled, _) => {
+            format!("The search stalled at a relative gap of {gap:.1e}: not optimal; {starts}.")
+        }
+    }
+}
+
+/// Of few or long maneuvers.
+pub(super) fn restricted(found: &Restricted) -> String {
+    let used = found.design.shares.iter().filter(|w| **w > 0.0).count();
+    let searched = match found.method {
+        Method::Exhaustive => format!("Best of all choices of maneuvers ({} tried)", found.tried),
+        Method::Exchange => format!(
+            "No exchange of one maneuver for another saves 0.1 % of the time ({} choices tried)",
+            found.tried
+        ),
+    };
+    let against = match found.design.status {
+        Status::Optimal => "at most, proved: the problem without it is concave",
+        Status::Stationary | Status::Stalled => {
+            "against the best shares found without it, which are not proved global"
+        }
+    };
+    format!(
+        "{searched}: {used} maneuvers; the restriction costs {:.2} % of the time {against}.",
+        100.0 * found.loss
+    )
+}
+
+/// Of whole segments of `design`.
+pub(super) fn counts(design: &Design, whole: &Whole) -> String {
+    let Some(found) = &whole.found else {
+        return "So few segments excite not every parameter, whichever maneuvers they are.".into();
+    };
+    let searched = match found.method {
+        Method::Exhaustive => format!("Best of all counts ({} tried)", found.tried),
+        Method::Exchange => {
+            format!("No exchange of one segment for another is better ({} counts tried)", found.tried)
+        }
+    };
+    let against = match design.status {
+        Status::Optimal => "at most, proved: the problem is concave",
+        Status::Stationary | Status::Stalled => "against the best shares found, which are not proved global",
+    };
+    format!(
+        "{searched}; whole segments cost {:.2} % of the time {against}; apportioned shares would be worth {:.2} % of these \
+         counts.",
+        100.0 * whole.loss,
+        100.0 * whole.apportioned
+    )
+}
+
+/// Of the time that an accuracy takes.
+pub(super) fn accuracy(accuracy: &Accuracy) -> String {
+    let told = |what: &str, seconds: Option<f64>| {
+        seconds.map_or(String::new(), |seconds| format!("; {what} need {seconds:.1} s"))
+    };
+    format!(
+        "{:.1} s reach a {} of {}{}{}{}{}.",
+        accuracy.duration_s,
+        accuracy.wanted.of,
+        accuracy.wanted.accuracy,
+        told("the shares of the paper's criterion", accuracy.paper_s),
+        told("equal shares", accuracy.equal_s),
+        told(&format!("random designs of {} segments (median)", accuracy.random_segments), accuracy.random_s),
+        accuracy.bound_s.map_or(String::new(), |b| format!(
+            "; no shares need less than {b:.1} s where the problem is convex"
+        )),
+    )
+}
+
+/// Of a sequence of maneuvers.
+pub(super) fn sequence(arranged: &Arranged) -> String {
+    let limits = match &arranged.limits {
+        Kept::Unlimited => String::new(),
+        Kept::Within => "; it keeps the limits of the generated maneuvers".into(),
+        Kept::Beyond(e) => {
+            format!("; between maneuvers it reaches {:.3} where {} allows {}", e.found, e.limit, e.allowed)
+        }
+    };
+    format!(
+        "The best of {} sequences that a local search judged with the state carried over: worth {:.1} % more time than \
+         the same shares in the dictionary's order; not proved best{limits}.",
+        arranged.tried,
+        100.0 * arranged.gain
+    )
+}
+
+/// Of refined inputs.
+pub(super) fn refinement(found: &Refinement) -> String {
+    if found.unchanged() {
+        return "Nothing better was found within the limits: the inputs are the start's.".into();
+    }
+    let refined = &found.refined;
+    let ended = if refined.settled { "settled" } else { "stopped at its limit of iterations" };
+    format!(
+        "Predicted parameter error {:.3} instead of {:.3}, worth {:.0} % more time; a local search that {ended} after {} \
+         iterations, not proved best; the simulation with {} parameters and without disturbances keeps every limit.",
+        refined.after.value.sqrt(),
+        refined.before.value.sqrt(),
+        100.0 * (found.efficiency() - 1.0),
+        refined.iterations,
+        match found.start.source {
+            Source::Value => "true",
+            Source::Nominal => "nominal",
+        }
+    )
+}

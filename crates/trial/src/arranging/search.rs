@@ -1,0 +1,170 @@
+//! A local search over sequences.
+
+use std::collections::BTreeMap;
+
+use design::apportion;
+use rayon::prelude::*;
+use vessel::{Generator, Invalid, LANES, Realized, Streams, simulate_one};
+
+use super::{Arranged, Arranging, Kept, generated_limits};
+
+/// Maneuver (its place in the generator) and samples, one after the other.
+pub type Plan = Vec<(usize, usize)>;
+
+/// Neighbours that are judged in one round.
+const NEIGHBOURS: usize = 48;
+/// Rounds of the search at most.
+const ROUNDS: usize = 90;
+/// Rounds without a better neighbour before steps become smaller.
+const PATIENCE: usize = 3;
+/// Maneuvers that may join, the most sensitive.
+const JOINING: usize = 12;
+
+/// Maneuvers at the lengths that occur, made once.
+struct Realizations<'a> {
+    generator: &'a Generator,
+    made: BTreeMap<(usize, usize), Realized>,
+}
+
+impl Arranging<'_> {
+    /// The best sequence that a local search finds from the dictionary's order: segments trade samples, change places, or make
+    /// room for others. `shares`: of the maneuvers, with their `sensitivities`.
+    ///
+    /// # Errors
+    /// A generator without the dictionary's maneuvers; a motion that the model cannot hold.
+    pub fn search(&self, shares: &[f64], sensitivities: &[f64], samples: usize) -> Result<Arranged, Invalid> {
+        let places = self.places()?;
+        let counts = apportion(shares, samples as u64);
+        let used = (0..counts.len()).filter(|q| counts[*q] > 0);
+        let mut now: Plan = used.map(|q| (places[q], counts[q] as usize)).collect();
+        now.sort_unstable();
+        let mut order: Vec<usize> = (0..places.len()).collect();
+        order.sort_by(|a, b| sensitivities[*b].total_cmp(&sensitivities[*a]).then(a.cmp(b)));
+        let joining: Vec<usize> = order.into_iter().take(JOINING).map(|q| places[q]).collect();
+        let mut realized = Realizations { generator: self.generator, made: BTreeMap::new() };
+        let start = self.values(std::slice::from_ref(&now), &mut realized)?[0];
+        let (mut value, mut step, mut idle, mut tried) = (start, samples / 8, 0, 1);
+        for round in 0..ROUNDS {
+            let neighbours = self.neighbours(&now, &joining, step, round as u32);
+            let values = self.values(&neighbours, &mut realized)?;
+            tried += values.len();
+            let best = (0..values.len()).max_by(|a, b| values[*a].total_cmp(&values[*b]));
+            match best.filter(|best| values[*best] > value + 1e-9 * value.abs().max(1.0)) {
+                Some(best) => (now, value, idle) = (neighbours[best].clone(), values[best], 0),
+                None => idle += 1,
+            }
+            if idle == PATIENCE {
+                (step, idle) = (step / 2, 0);
+                if step < 2 {
+                    break;
+                }
+            }
+        }
+        let gain = ((value - start) / self.criterion.degree()).exp() - 1.0;
+        let limits = self.kept(&now, &mut realized)?;
+        let name = |(q, n): &(usize, usize)| (self.generator.maneuvers()[*q].name.clone(), *n);
+        Ok(Arranged { parts: now.iter().map(name).collect(), value, gain, tried, limits })
+    }
+
+    /// Whether the motion of `plan` keeps the limits.
+    fn kept(&self, plan: &Plan, realized: &mut Realizations) -> Result<Kept, Invalid> {
+        let Some(limits) = generated_limits(self.generator) else { return Ok(Kept::Unlimited) };
+        let (initial, inputs) = realized.joined(plan)?;
+        let model = &self.vessel.model;
+        let states = simulate_one(model, self.generator.parameters(), initial, &model.undisturbed(&inputs));
+        Ok(limits.exceeded(model, &states, &inputs).map_or(Kept::Within, Kept::Beyond))
+    }
+
+    /// The generator's place of every maneuver of the dictionary.
+    fn places(&self) -> Result<Vec<usize>, Invalid> {
+        let known: BTreeMap<&str, usize> =
+            self.generator.maneuvers().iter().enumerate().map(|(i, m)| (m.name.as_str(), i)).collect();
+        let place = |name: &String| {
+            known.get(name.as_str()).copied().ok_or_else(|| {
+                let (found, remedy) =
+                    (format!("no `{name}`"), "name the dictionary that the moments were made with");
+                Invalid::new("maneuvers", found, "the maneuvers of the moments", remedy)
+            })
+        };
+        self.dictionary.maneuvers.iter().map(place).collect()
+    }
+
+    /// Plans a step away, each by one to three moves.
+    fn neighbours(&self, plan: &Plan, joining: &[usize], step: usize, round: u32) -> Vec<Plan> {
+        let streams = Streams::new(self.seed, "sequence");
+        let mut bits = streams.choices(round, 0, u32::MAX, 16 * NEIGHBOURS).into_iter();
+        let mut draw = move |below: usize| bits.next().unwrap_or(0) as usize % below.max(1);
+        (0..NEIGHBOURS)
+            .map(|_| {
+                let mut plan = plan.clone();
+                for _ in 0..1 + draw(3) {
+                    let (from, to) = (draw(plan.len()), draw(plan.len()));
+                    match draw(5) {
+                        0 => plan.swap(from, to),
+                        1 => {
+                            let part = plan.remove(from);
+                            plan.insert(to.min(plan.len()), part);
+                        }
+                        2 => {
+                            let taken = plan[from].1.min(step.max(4));
+                            let new = joining[draw(joining.len())];
+                            plan[from].1 -= taken;
+                            plan.insert(to, (new, taken));
+                        }
+                        _ => {
+                            let taken = plan[from].1.min(1 + draw(step));
+                            plan[from].1 -= taken;
+                            plan[to].1 += taken;
+                        }
+                    }
+                }
+                merged(plan)
+            })
+            .collect()
+    }
+
+    /// The criterion's value of every plan; minus infinity where it is not defined.
+    fn values(&self, plans: &[Plan], realized: &mut Realizations) -> Result<Vec<f64>, Invalid> {
+        let runs: Vec<([f64; 3], Vec<f64>)> =
+            plans.iter().map(|plan| realized.joined(plan)).collect::<Result<_, _>>()?;
+        let groups: Vec<Vec<f64>> = runs.par_chunks(LANES).map(|group| self.group(group)).collect();
+        Ok(groups.into_iter().flatten().collect())
+    }
+}
+
+impl Realizations<'_> {
+    /// Initial state and inputs of a plan.
+    fn joined(&mut self, plan: &Plan) -> Result<([f64; 3], Vec<f64>), Invalid> {
+        let mut inputs = Vec::new();
+        for part in plan {
+            if !self.made.contains_key(part) {
+                self.made.insert(*part, self.generator.realize(part.0, part.1)?);
+            }
+            inputs.extend_from_slice(&self.made[part].inputs);
+        }
+        let initial = plan.first().map_or([0.0; 3], |part| self.made[part].initial);
+        Ok((initial, inputs))
+    }
+}
+
+/// Without parts of no samples; neighbours of the same maneuver become one.
+fn merged(plan: Plan) -> Plan {
+    let mut out: Plan = Vec::with_capacity(plan.len());
+    for (maneuver, samples) in plan.into_iter().filter(|(_, n)| *n > 0) {
+        match out.last_mut().filter(|(last, _)| *last == maneuver) {
+            Some(last) => last.1 += samples,
+            None => out.push((maneuver, samples)),
+        }
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn parts_without_samples_go_and_neighbours_of_one_maneuver_become_one() {
+        assert_eq!(merged(vec![(1, 3), (2, 0), (1, 4), (0, 2)]), [(1, 7), (0, 2)]);
+    }
+}

@@ -1,0 +1,112 @@
+//! What a whole experiment is worth, its state carried over from maneuver to maneuver.
+
+use std::collections::BTreeMap;
+
+use design::Candidates;
+use identification::{Batch, MeanRemoval, Noise, middle, moments, output_information};
+use vessel::lanes::interleave;
+use vessel::{LANES, check_diverged, simulate_one};
+
+use super::{Arranging, generated_limits};
+use crate::moments::Estimated;
+
+/// What exceeding a limit by all of it costs, in the criterion's value.
+const PENALTY: f64 = 20.0;
+
+impl Arranging<'_> {
+    /// Values of up to [`LANES`] runs of equal length.
+    pub(super) fn group(&self, runs: &[([f64; 3], Vec<f64>)]) -> Vec<f64> {
+        let model = &self.vessel.model;
+        let exogenous: Vec<Vec<f64>> = runs.iter().map(|(_, inputs)| model.undisturbed(inputs)).collect();
+        let penalty = |i: usize| {
+            let Some(limits) = generated_limits(self.generator) else { return 0.0 };
+            let states = simulate_one(model, self.generator.parameters(), runs[i].0, &exogenous[i]);
+            limits.exceeded(model, &states, &runs[i].1).map_or(0.0, |e| PENALTY * (e.found / e.allowed - 1.0))
+        };
+        let values = match self.estimated {
+            Estimated::Iv(removal) => self.instrumental(runs, &exogenous, removal),
+            Estimated::OutputError { current } => {
+                (0..runs.len()).map(|i| self.output_error(runs[i].0, &exogenous[i], current)).collect()
+            }
+        };
+        let judged = |(i, value): (usize, Option<f64>)| value.map_or(f64::NEG_INFINITY, |v| v - penalty(i));
+        values.into_iter().enumerate().map(judged).collect()
+    }
+
+    fn noise(&self) -> Option<Noise> {
+        self.moments.expected.as_ref().map(|expected| expected.noise)
+    }
+
+    /// θ in the model's order.
+    fn ordered(&self, by_name: &BTreeMap<String, f64>) -> Option<Vec<f64>> {
+        self.vessel.model.parameter_names().map(|name| by_name.get(name).copied()).collect()
+    }
+
+    fn output_error(&self, initial: [f64; 3], exogenous: &[f64], current: bool) -> Option<f64> {
+        let noise = self.noise()?;
+        let theta = self.ordered(&self.moments.output_error.as_ref()?.parameters)?;
+        let noise = if current { noise } else { Noise { current: 0.0, ..noise } };
+        let found = output_information(&self.vessel.model, &theta, initial, exogenous, &noise)?;
+        let middle: Vec<f64> = found.measurement.iter().zip(&found.process).map(|(e, p)| e + p).collect();
+        self.judge(vec![found.information.len().isqrt()], &found.information, Some(&middle))
+    }
+
+    fn instrumental(
+        &self,
+        runs: &[([f64; 3], Vec<f64>)],
+        exogenous: &[Vec<f64>],
+        removal: MeanRemoval,
+    ) -> Vec<Option<f64>> {
+        let model = &self.vessel.model;
+        let theta = match &self.moments.expected {
+            Some(expected) => self.ordered(&expected.parameters),
+            None => Some(self.generator.parameters().to_vec()),
+        };
+        let Some(theta) = theta else { return vec![None; runs.len()] };
+        let simulated = |theta: &[f64]| -> Vec<Vec<f64>> {
+            let run = |i: usize| simulate_one(model, theta, runs[i].0, &exogenous[i]);
+            (0..runs.len()).map(run).collect()
+        };
+        let (own, nominal) = (simulated(&theta), simulated(&self.vessel.nominal));
+        let lanes = |rows: &[Vec<f64>]| interleave(&rows.iter().map(Vec::as_slice).collect::<Vec<_>>());
+        let (measured, instrument_states, inputs) = (lanes(&own), lanes(&nominal), lanes(exogenous));
+        let batch = Batch {
+            model,
+            measured: &measured,
+            instrument_states: &instrument_states,
+            exogenous: &inputs,
+            segments: [&[0]; LANES],
+        };
+        let found = moments(&batch);
+        let middles = self.noise().map(|noise| middle(&batch, &theta, &noise));
+        let sizes: Vec<usize> = model.degrees.iter().map(|d| d.terms.len() + 1).collect();
+        let kept: Vec<usize> =
+            sizes.iter().map(|n| if removal == MeanRemoval::Complete { *n } else { n - 1 }).collect();
+        let of = |i: usize| {
+            let finite = |states: &[f64]| check_diverged(states.iter().copied()).is_none();
+            if !(finite(&own[i]) && finite(&nominal[i])) {
+                return None;
+            }
+            let cut = |matrices: &[Vec<f64>]| -> Vec<f64> {
+                let of = |(matrix, (n, kept)): (&Vec<f64>, (&usize, &usize))| {
+                    let (n, kept) = (*n, *kept);
+                    (0..kept * kept).map(|e| matrix[e / kept * n + e % kept]).collect::<Vec<f64>>()
+                };
+                matrices.iter().zip(sizes.iter().zip(&kept)).flat_map(of).collect()
+            };
+            let middle = middles.as_ref().map(|m| cut(&m[i]));
+            self.judge(kept.clone(), &cut(&found[i].matrices), middle.as_deref())
+        };
+        (0..runs.len()).map(of).collect()
+    }
+
+    /// The criterion of one experiment.
+    fn judge(&self, dimensions: Vec<usize>, information: &[f64], middle: Option<&[f64]>) -> Option<f64> {
+        let one = |entries: &[f64]| {
+            let mut candidates = Candidates::new(dimensions.clone());
+            candidates.push(entries).ok().map(|()| candidates)
+        };
+        let (information, middle) = (one(information)?, middle.and_then(one));
+        self.criterion.of_experiment(self.dictionary, &information, middle.as_ref())
+    }
+}

@@ -1,0 +1,264 @@
+//! From moments to what designs choose from.
+
+use std::collections::BTreeSet;
+
+use design::{Candidates, Dictionary};
+use identification::MeanRemoval;
+use vessel::{Invalid, Source};
+
+use super::{DegreeMoments, Moments, OutputErrorMoments};
+
+/// The estimate that a design is for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Estimated {
+    /// By instrumental variables, their mean removed like this.
+    Iv(MeanRemoval),
+    /// By output error; the covariance of measurement errors alone, or of the current too.
+    OutputError {
+        /// Whether the current counts.
+        current: bool,
+    },
+}
+
+impl Estimated {
+    /// Whether intercepts are among the unknowns.
+    fn has_intercepts(self) -> bool {
+        match self {
+            Self::Iv(removal) => removal == MeanRemoval::Complete,
+            Self::OutputError { .. } => true,
+        }
+    }
+}
+
+impl Moments {
+    /// One candidate per maneuver: the matrices that add up for the estimate.
+    ///
+    /// # Errors
+    /// Moments that are not complete, finite and of one shape, maneuvers of the same name, none for the estimator.
+    pub fn dictionary(&self, estimated: Estimated) -> Result<Dictionary, Invalid> {
+        self.check_structure()?;
+        let information = match estimated {
+            Estimated::Iv(removal) => {
+                self.blocks(removal, |degree, _, n| Ok(reduced(&degree.m, n, removal)))?
+            }
+            Estimated::OutputError { .. } => self.whole(|o| Ok(o.f.clone()))?,
+        };
+        Ok(Dictionary {
+            degrees: self.degrees.clone(),
+            maneuvers: self.maneuvers.iter().map(|m| m.name.clone()).collect(),
+            sample_rate_hz: self.sample_rate_hz,
+            intercepts: estimated.has_intercepts(),
+            information,
+        })
+    }
+
+    /// The middle matrices of the candidates of [`Moments::dictionary`].
+    ///
+    /// # Errors
+    /// Moments without middle matrices, or with some that are no covariances.
+    pub fn middle(&self, estimated: Estimated) -> Result<Candidates, Invalid> {
+        if self.expected.is_none() {
+            return Err(Invalid::new(
+                "`data.disturbances`",
+                "no expected disturbances",
+                "those that the covariance of the estimate is predicted from",
+                "run `moments` with --campaign campaign.toml, or take --criterion d-hessian",
+            ));
+        }
+        match estimated {
+            Estimated::Iv(removal) => self.blocks(removal, |degree, name, n| match &degree.b {
+                None => Err("no middle matrix `B`".to_owned()),
+                Some(b) if b.len() != n * n => Err(format!("{} entries of `B` in {name}", b.len())),
+                Some(b) if !is_covariance(b, n) => Err(format!("a `B` in {name} that is no covariance")),
+                Some(b) => Ok(centred(b, &degree.m, n, removal)),
+            }),
+            Estimated::OutputError { current } => self.whole(|o| {
+                let own = o.e.as_ref().unwrap_or(&o.f);
+                match (&o.p, current) {
+                    (Some(p), true) if p.len() == own.len() => {
+                        Ok(own.iter().zip(p).map(|(e, p)| e + p).collect())
+                    }
+                    (Some(_), true) => Err("a `P` of another size than `F`".into()),
+                    _ => Ok(own.clone()),
+                }
+            }),
+        }
+    }
+
+    /// G of the mean square of a free run's error.
+    ///
+    /// # Errors
+    /// Moments without it.
+    pub fn free_run_weights(&self) -> Result<Vec<f64>, Invalid> {
+        self.output_error.as_ref().and_then(|o| o.g.clone()).ok_or_else(|| {
+            Invalid::new(
+                "`data.output_error.G`",
+                "none",
+                "what free runs over the validation maneuvers depend on",
+                "run `moments` again with --campaign and --estimator output-error",
+            )
+        })
+    }
+
+    /// The squares of the parameters that errors are relative to: the nominal ones, or those that the disturbances were
+    /// linearised with.
+    ///
+    /// # Errors
+    /// A parameter of zero.
+    pub fn squares(&self, relative_to: Source) -> Result<Vec<f64>, Invalid> {
+        let parameters = self.degrees.iter().flat_map(|d| &d.parameters);
+        // Without disturbances the criterion itself is refused.
+        let Some(expected) = &self.expected else { return Ok(parameters.map(|_| 1.0).collect()) };
+        let (values, remedy) = match relative_to {
+            Source::Nominal => (&expected.nominal, "take --relative-to value, or name --weights"),
+            Source::Value => (&expected.parameters, "name --weights"),
+        };
+        let square = |name: &String| match values.get(name) {
+            Some(theta) if *theta != 0.0 && theta.is_finite() => Ok(theta * theta),
+            found => Err(Invalid::new(
+                format!("parameter `{name}`"),
+                found.map_or("no value".into(), |v| format!("{v}")),
+                "a value other than 0 that its error can be relative to",
+                remedy,
+            )),
+        };
+        parameters.map(square).collect()
+    }
+
+    /// One block per maneuver: all lifted parameters together.
+    fn whole(
+        &self,
+        of: impl Fn(&OutputErrorMoments) -> Result<Vec<f64>, String>,
+    ) -> Result<Candidates, Invalid> {
+        let n: usize = self.degrees.iter().map(|d| d.regressors.len()).sum();
+        let mut candidates = Candidates::new(vec![n]);
+        for maneuver in &self.maneuvers {
+            let Some(own) = &maneuver.output_error else {
+                return Err(Invalid::new(
+                    format!("moments of `{}`", maneuver.name),
+                    "no `output_error`",
+                    "what an output-error estimate learns from it",
+                    "run `moments` again with --campaign and --estimator output-error",
+                ));
+            };
+            let entries = of(own).map_err(|found| malformed(&maneuver.name, &found))?;
+            if !is_covariance(&entries, n) {
+                return Err(malformed(&maneuver.name, "an `F`, `E` or `P` that is no covariance"));
+            }
+            candidates.push(&entries).map_err(|e| malformed(&maneuver.name, &e.to_string()))?;
+        }
+        Ok(candidates)
+    }
+
+    /// A block per degree of freedom and maneuver: `entries_of` its moments, its name and its lifted parameters.
+    fn blocks(
+        &self,
+        removal: MeanRemoval,
+        entries_of: impl Fn(&DegreeMoments, &str, usize) -> Result<Vec<f64>, String>,
+    ) -> Result<Candidates, Invalid> {
+        let lifted: Vec<usize> = self.degrees.iter().map(|d| d.regressors.len()).collect();
+        let kept = |n: &usize| if removal == MeanRemoval::Complete { *n } else { n - 1 };
+        let mut candidates = Candidates::new(lifted.iter().map(kept).collect());
+        for maneuver in &self.maneuvers {
+            if maneuver.degrees.len() != lifted.len() {
+                return Err(malformed(
+                    &maneuver.name,
+                    &format!("{} degrees of freedom", maneuver.degrees.len()),
+                ));
+            }
+            let mut entries = Vec::with_capacity(candidates.size());
+            for ((own, degree), n) in maneuver.degrees.iter().zip(&self.degrees).zip(&lifted) {
+                if own.m.len() != n * n {
+                    let found = format!("{} entries in {}", own.m.len(), degree.name);
+                    return Err(malformed(&maneuver.name, &found));
+                }
+                entries.extend(
+                    entries_of(own, &degree.name, *n).map_err(|found| malformed(&maneuver.name, &found))?,
+                );
+            }
+            candidates.push(&entries).map_err(|e| malformed(&maneuver.name, &e.to_string()))?;
+        }
+        Ok(candidates)
+    }
+
+    /// Refuses degrees of freedom without one parameter per regressor, and maneuvers of the same name.
+    fn check_structure(&self) -> Result<(), Invalid> {
+        let refuse = |thing: String, found: &str, expected: &str| {
+            Err(Invalid::new(thing, found, expected, "run `moments` again"))
+        };
+        for degree in &self.degrees {
+            let (regressors, parameters) = (degree.regressors.len(), degree.parameters.len());
+            if parameters == 0 || regressors != parameters + 1 {
+                let found = format!("{regressors} regressors and {parameters} parameters");
+                let thing = format!("`data.degrees` {}", degree.name);
+                return refuse(thing, &found, "one regressor more than parameters");
+            }
+        }
+        if self.maneuvers.is_empty() {
+            return refuse("`data.maneuvers`".into(), "none", "at least one maneuver");
+        }
+        let mut names = BTreeSet::new();
+        match self.maneuvers.iter().find(|maneuver| !names.insert(&maneuver.name)) {
+            Some(twice) => {
+                refuse(format!("maneuver `{}`", twice.name), "its moments twice", "every maneuver once")
+            }
+            None => Ok(()),
+        }
+    }
+}
+
+/// Moments of `maneuver` that are not those of its model.
+pub fn malformed(maneuver: &str, found: &str) -> Invalid {
+    Invalid::new(
+        format!("moments of `{maneuver}`"),
+        found,
+        "a finite p̃ × p̃ matrix per degree of freedom",
+        "run `moments` again",
+    )
+}
+
+/// From M = \[\[X̄, Ȳ\], \[Z̄ᵀ, 1\]\]: M itself, X̄ − Ȳ Z̄ᵀ or X̄.
+fn reduced(m: &[f64], lifted: usize, removal: MeanRemoval) -> Vec<f64> {
+    let p = lifted - 1;
+    let entry = |i: usize, j: usize| m[i * lifted + j];
+    match removal {
+        MeanRemoval::Complete => m.to_vec(),
+        MeanRemoval::Batch => {
+            (0..p * p).map(|k| entry(k / p, k % p) - entry(k / p, p) * entry(p, k % p)).collect()
+        }
+        MeanRemoval::None => (0..p * p).map(|k| entry(k / p, k % p)).collect(),
+    }
+}
+
+/// From B of ζ̃ = \[ζ; 1\]: B itself, that of ζ − Z̄, or that of ζ.
+fn centred(b: &[f64], m: &[f64], lifted: usize, removal: MeanRemoval) -> Vec<f64> {
+    let p = lifted - 1;
+    let entry = |i: usize, j: usize| b[i * lifted + j];
+    let mean = |i: usize| m[p * lifted + i];
+    match removal {
+        MeanRemoval::Complete => b.to_vec(),
+        MeanRemoval::Batch => (0..p * p)
+            .map(|k| (k / p, k % p))
+            .map(|(i, j)| {
+                entry(i, j) - mean(i) * entry(p, j) - entry(i, p) * mean(j) + mean(i) * entry(p, p) * mean(j)
+            })
+            .collect(),
+        MeanRemoval::None => (0..p * p).map(|k| entry(k / p, k % p)).collect(),
+    }
+}
+
+/// Finite and symmetric, no pair of instruments more than fully correlated.
+fn is_covariance(b: &[f64], n: usize) -> bool {
+    if b.len() != n * n {
+        return false;
+    }
+    let size = |i: usize, j: usize| (b[i * n + i].max(0.0) * b[j * n + j].max(0.0)).sqrt();
+    let pairs = (0..n * n).map(|k| (k / n, k % n));
+    b.iter().all(|x| x.is_finite())
+        && pairs.into_iter().all(|(i, j)| {
+            let (one, other) = (b[i * n + j], b[j * n + i]);
+            b[i * n + i] >= 0.0
+                && one.abs() <= size(i, j) * (1.0 + 1e-9)
+                && (one - other).abs() <= 1e-9 * size(i, j)
+        })
+}

@@ -1,0 +1,62 @@
+use std::collections::BTreeMap;
+
+use identification::prediction_weights;
+use vessel::{Generator, Invalid, Model, Source};
+
+/// The model whose free simulation the information of an output-error estimate is about.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FreeRunModel {
+    /// Which parameters it has.
+    pub simulated_with: Source,
+    /// These, by name.
+    pub parameters: BTreeMap<String, f64>,
+    /// Rows and columns of the matrices, see [`super::rows`].
+    pub rows: Vec<String>,
+    /// Mean of SᵀS over the validation maneuvers, row-major, where these can be simulated: the variance of a free run's
+    /// error is tr(cov G).
+    pub g: Option<Vec<f64>>,
+}
+
+/// G of the maneuvers of `generator`, for the model with parameters `theta`; `None` where there are no samples.
+///
+/// # Errors
+/// A maneuver that the model cannot hold, or that diverges.
+pub fn validation_weights(
+    model: &Model,
+    theta: &[f64],
+    generator: &Generator,
+) -> Result<Option<Vec<f64>>, Unpredictable> {
+    let n = model.layout().with_intercepts().parameters();
+    let (mut sum, mut total) = (vec![0.0; n * n], 0.0);
+    for (index, maneuver) in generator.maneuvers().iter().enumerate() {
+        let samples = generator.samples(index).map_err(Unpredictable::Maneuver)?;
+        let run = generator.realize(index, samples).map_err(Unpredictable::Maneuver)?;
+        let what = || diverges(&format!("validation maneuver `{}`", maneuver.name));
+        let own = prediction_weights(model, theta, run.initial, &model.undisturbed(&run.inputs))
+            .ok_or_else(|| Unpredictable::Vessel(what()))?;
+        sum.iter_mut().zip(&own).for_each(|(s, o)| *s += samples as f64 * o);
+        total += samples as f64;
+    }
+    Ok((total > 0.0).then(|| sum.iter().map(|s| s / total).collect()))
+}
+
+/// Why free runs over validation maneuvers cannot be predicted, by what is at fault.
+#[derive(Clone, Debug, thiserror::Error, PartialEq)]
+pub enum Unpredictable {
+    /// A validation maneuver that the model cannot hold.
+    #[error("{0}")]
+    Maneuver(Invalid),
+    /// Parameters with which a maneuver diverges.
+    #[error("{0}")]
+    Vessel(Invalid),
+}
+
+/// A vessel whose free simulation of `what` diverges.
+pub fn diverges(what: &str) -> Invalid {
+    Invalid::new(
+        format!("free simulation of {what}"),
+        "one that diverges",
+        "bounded motion",
+        "take other parameters, or milder maneuvers",
+    )
+}

@@ -1,0 +1,135 @@
+use vessel::{Invalid, Model};
+
+/// The moments of one maneuver.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ManeuverMoments {
+    /// Its name.
+    pub name: String,
+    /// Number of regression pairs N.
+    pub samples: u64,
+    /// One entry per degree of freedom.
+    pub degrees: Vec<DegreeMoments>,
+    /// For an output-error estimate.
+    pub output_error: Option<OutputErrorMoments>,
+}
+
+/// M = mean of φ̃ζ̃ᵀ = \[\[X̄, Ȳ\], \[Z̄ᵀ, 1\]\] of one degree of freedom, p̃ × p̃, row-major.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DegreeMoments {
+    /// M: row i belongs to regressor i, column j to instrument j.
+    pub m: Vec<f64>,
+    /// Largest change of an entry between the halves of the maneuver, relative to the root mean squares of its regressor and
+    /// instrument.
+    pub nonstationarity: f64,
+    /// B = (1/N) Σ ζ̃ E\[εε\] ζ̃ᵀ, the middle matrix of the estimate's covariance, where disturbances are expected.
+    pub b: Option<Vec<f64>>,
+}
+
+/// What one maneuver tells an output-error estimate, per sample: all lifted parameters, row-major.
+#[derive(Clone, Debug, PartialEq)]
+pub struct OutputErrorMoments {
+    /// Mean of SᵀWS.
+    pub f: Vec<f64>,
+    /// What measurement errors add to the middle matrix; F where there is none.
+    pub e: Option<Vec<f64>>,
+    /// What the current adds.
+    pub p: Option<Vec<f64>>,
+}
+
+impl ManeuverMoments {
+    /// Adds the moments of more samples of the same maneuver.
+    pub fn pool(&mut self, more: &Self) {
+        let samples = self.samples + more.samples;
+        let share = more.samples as f64 / samples.max(1) as f64;
+        let towards = |own: &mut [f64], other: &[f64]| {
+            own.iter_mut().zip(other).for_each(|(m, o)| *m += share * (o - *m));
+        };
+        for (own, other) in self.degrees.iter_mut().zip(&more.degrees) {
+            towards(&mut own.m, &other.m);
+            if let (Some(own), Some(other)) = (&mut own.b, &other.b) {
+                towards(own, other);
+            }
+            own.nonstationarity = own.nonstationarity.max(other.nonstationarity);
+        }
+        if let (Some(own), Some(other)) = (&mut self.output_error, &more.output_error) {
+            towards(&mut own.f, &other.f);
+            for (own, other) in [(&mut own.e, &other.e), (&mut own.p, &other.p)] {
+                if let (Some(own), Some(other)) = (own, other) {
+                    towards(own, other);
+                }
+            }
+        }
+        self.samples = samples;
+    }
+}
+
+/// Moments by maneuver, in the order in which maneuvers were first seen.
+#[derive(Clone, Debug, Default)]
+pub struct Pool {
+    maneuvers: Vec<ManeuverMoments>,
+}
+
+impl Pool {
+    /// Adds the moments of a run, which may be `pooled` with others of the same maneuver or not.
+    ///
+    /// # Errors
+    /// A second run of a maneuver that stands for one.
+    pub fn add(&mut self, pooled: bool, more: ManeuverMoments) -> Result<(), Invalid> {
+        match self.maneuvers.iter_mut().find(|m| m.name == more.name) {
+            None => self.maneuvers.push(more),
+            Some(known) if pooled => known.pool(&more),
+            Some(_) => {
+                let thing = format!("maneuver `{}`", more.name);
+                let (found, expected) = ("two runs of it", "one run per maneuver");
+                return Err(Invalid::new(thing, found, expected, "name each maneuver once"));
+            }
+        }
+        Ok(())
+    }
+
+    /// All maneuvers.
+    ///
+    /// # Errors
+    /// One with fewer samples than a degree of freedom of `model` has unknowns.
+    pub fn finish(self, model: &Model) -> Result<Vec<ManeuverMoments>, Invalid> {
+        let unknowns = model.degrees.iter().map(|d| d.terms.len() + 1).max().unwrap_or(0);
+        match self.maneuvers.iter().find(|m| (m.samples as usize) < unknowns) {
+            None => Ok(self.maneuvers),
+            Some(short) => Err(Invalid::new(
+                format!("maneuver `{}`", short.name),
+                format!("{} samples", short.samples),
+                format!("at least {unknowns}, the unknowns of a degree of freedom"),
+                "lengthen the maneuver",
+            )),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn moments(samples: u64, entry: f64) -> ManeuverMoments {
+        let degree = DegreeMoments { m: vec![entry], nonstationarity: entry, b: Some(vec![2.0 * entry]) };
+        let output_error = OutputErrorMoments { f: vec![entry], e: None, p: Some(vec![-entry]) };
+        ManeuverMoments {
+            name: "turn".into(),
+            samples,
+            degrees: vec![degree],
+            output_error: Some(output_error),
+        }
+    }
+
+    #[test]
+    fn law_pooled_moments_are_means_over_all_samples() {
+        let mut pool = Pool::default();
+        pool.add(true, moments(10, 1.0)).unwrap();
+        pool.add(true, moments(30, 5.0)).unwrap();
+        let found = &pool.maneuvers[0];
+        assert_eq!((found.samples, found.degrees[0].m[0], found.degrees[0].nonstationarity), (40, 4.0, 5.0));
+        assert_eq!(found.degrees[0].b, Some(vec![8.0]));
+        let expected = OutputErrorMoments { f: vec![4.0], e: None, p: Some(vec![-4.0]) };
+        assert_eq!(found.output_error, Some(expected));
+        assert!(pool.add(false, moments(1, 0.0)).unwrap_err().to_string().contains("two runs"));
+    }
+}

@@ -1,0 +1,82 @@
+use identification::{Batch, Noise, middle, moments, output_information};
+use vessel::{Invalid, Model, Run, Segment};
+
+use super::free_runs::diverges;
+use super::{DegreeMoments, ManeuverMoments, OutputErrorMoments};
+
+/// Name of the design of a dictionary's runs.
+const DICTIONARY: &str = "dictionary";
+
+/// What is predicted of estimates, besides the moments themselves.
+#[derive(Clone, Debug)]
+pub struct Prediction<'a> {
+    /// The model.
+    pub model: &'a Model,
+    /// The disturbances to expect and the parameters that the residual is linearised with: for the matrices B.
+    pub noise: Option<(Noise, Vec<f64>)>,
+    /// The parameters of free simulations: for output error, which takes the same disturbances.
+    pub free_runs: Option<Vec<f64>>,
+}
+
+/// A measured run as one run per segment, each from its first measured state; a run of a dictionary as it is.
+fn segments(run: &Run, width: usize) -> Vec<Run> {
+    if run.design == DICTIONARY || run.segments.len() < 2 {
+        return vec![run.clone()];
+    }
+    let ends = run.segments.iter().skip(1).map(|s| s.start).chain([run.samples()]);
+    let part = |(segment, end): (&Segment, usize)| {
+        let measured = run.measured[3 * segment.start..3 * (end + 1)].to_vec();
+        let initial = if segment.start == 0 { run.initial } else { [0, 1, 2].map(|d| measured[d]) };
+        Run {
+            design: run.design.clone(),
+            run: run.run,
+            segments: vec![Segment { maneuver: segment.maneuver.clone(), start: 0 }],
+            exogenous: run.exogenous[segment.start * width..end * width].to_vec(),
+            measured,
+            initial,
+        }
+    };
+    run.segments.iter().zip(ends).map(part).collect()
+}
+
+impl Prediction<'_> {
+    /// The runs that moments are computed of: the segments of measured ones, each with instruments of its own.
+    pub fn runs(&self, recorded: &[Run]) -> Vec<Run> {
+        recorded.iter().flat_map(|run| segments(run, self.model.exogenous())).collect()
+    }
+
+    /// The moments of every run of a batch, each one maneuver, and whether they may be pooled with others of the same name:
+    /// those of measured runs, but not those of a dictionary, where a name stands for one run.
+    ///
+    /// # Errors
+    /// A free simulation that diverges.
+    pub fn moments(&self, batch: &Batch, runs: &[Run]) -> Result<Vec<(bool, ManeuverMoments)>, Invalid> {
+        let mut middles = self.noise.as_ref().map(|(noise, theta)| middle(batch, theta, noise).into_iter());
+        let of = |(run, found): (&Run, identification::ManeuverMoments)| {
+            let mut middle = middles.as_mut().and_then(Iterator::next).into_iter().flatten();
+            let degree = |(m, nonstationarity)| DegreeMoments { m, nonstationarity, b: middle.next() };
+            let maneuver = ManeuverMoments {
+                name: run.segments[0].maneuver.clone(),
+                samples: found.samples,
+                degrees: found.matrices.into_iter().zip(found.nonstationarity).map(degree).collect(),
+                output_error: self.output_error(run)?,
+            };
+            Ok((run.design != DICTIONARY, maneuver))
+        };
+        runs.iter().zip(moments(batch)).map(of).collect()
+    }
+
+    fn output_error(&self, run: &Run) -> Result<Option<OutputErrorMoments>, Invalid> {
+        let Some(((noise, _), theta)) = self.noise.as_ref().zip(self.free_runs.as_ref()) else {
+            return Ok(None);
+        };
+        let found = output_information(self.model, theta, run.initial, &run.exogenous, noise)
+            .ok_or_else(|| diverges(&format!("maneuver `{}`", run.segments[0].maneuver)))?;
+        let weighted = noise.measurement.iter().all(|std| *std > 0.0);
+        Ok(Some(OutputErrorMoments {
+            f: found.information,
+            e: (!weighted).then_some(found.measurement),
+            p: (noise.current > 0.0).then_some(found.process),
+        }))
+    }
+}

@@ -1,0 +1,35 @@
+use design::{Bounds, Options, Rivals, solve_within};
+use identification::MeanRemoval;
+use vessel::Streams;
+
+use super::{Estimated, Moments};
+
+/// Random designs that a median is of.
+const RANDOM: u32 = 400;
+
+impl Moments {
+    /// What designs of these maneuvers are compared with: the shares of the paper's criterion, and random designs of
+    /// `segments` equally long segments, each any maneuver.
+    pub fn rivals(&self, removal: MeanRemoval, segments: u32, seed: u64) -> Rivals {
+        let streams = Streams::new(seed, "random designs");
+        let count = self.maneuvers.len();
+        let random = |run: u32| {
+            let mut shares = vec![0.0; count];
+            for q in streams.choices(run, 0, count as u32, segments as usize) {
+                shares[q as usize] += 1.0 / f64::from(segments);
+            }
+            shares
+        };
+        Rivals {
+            paper: self.papers_shares(removal),
+            random: (0..RANDOM).map(random).collect(),
+            random_segments: segments,
+        }
+    }
+
+    fn papers_shares(&self, removal: MeanRemoval) -> Option<Vec<f64>> {
+        let dictionary = self.dictionary(Estimated::Iv(removal)).ok()?;
+        let options = Options { random_starts: 0, tolerance: 1e-8, ..Options::default() };
+        solve_within(&dictionary.information, &Bounds::default(), &options).ok().map(|design| design.shares)
+    }
+}

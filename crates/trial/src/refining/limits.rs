@@ -1,0 +1,113 @@
+//! Limits of inputs, rates and motion: stated, those that candidates were generated within, or what the start reaches.
+
+use std::collections::BTreeMap;
+
+use identification::refine::SignalLimits;
+use vessel::{Generator, Invalid, Vessel};
+
+use super::{Refusal, Start};
+use crate::arranging::generated_limits;
+
+/// Limits that were stated: largest moduli.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct StatedLimits {
+    /// Of u, v \[m/s\] and r \[rad/s\].
+    pub states: [Option<f64>; 3],
+    /// Of inputs by name, in their units.
+    pub inputs: BTreeMap<String, f64>,
+    /// Of the inputs' rates by name, per second.
+    pub rates: BTreeMap<String, f64>,
+}
+
+/// The limits with their names.
+#[derive(Clone, Debug)]
+pub struct Limits {
+    /// `u_m_s`, `v_m_s`, `r_rad_s`, `inputs.…`, `rates.…`.
+    pub names: Vec<String>,
+    /// In the same order, in the limits' units; infinite without limit.
+    pub allowed: Vec<f64>,
+    /// As the search has them.
+    pub signal: SignalLimits,
+}
+
+/// The states' keys.
+pub const STATES: [&str; 3] = ["u_m_s", "v_m_s", "r_rad_s"];
+
+impl Limits {
+    /// Limits that `start` keeps.
+    ///
+    /// # Errors
+    /// One that the start breaks; something without a limit that never moves in the start.
+    pub fn new(
+        stated: &StatedLimits,
+        vessel: &Vessel,
+        generator: &Generator,
+        start: &Start,
+    ) -> Result<Self, Refusal> {
+        let model = &vessel.model;
+        let inputs: Vec<&str> =
+            model.variables[3..3 + model.inputs].iter().map(|v| v.name.as_str()).collect();
+        let generated = generated_limits(generator);
+        let largest = |values: &[f64], i: usize, width: usize| {
+            values.iter().skip(i).step_by(width).fold(0.0_f64, |most, x| most.max(x.abs()))
+        };
+        let generated_states = generated.map(|g| [g.u_m_s, g.v_m_s, g.r_rad_s]);
+        let state = |d: usize| {
+            stated.states[d]
+                .or(generated_states.map(|g| g[d]))
+                .unwrap_or_else(|| largest(&start.states, d, 3))
+        };
+        let input = |(i, name): (usize, &&str)| {
+            let known = stated.inputs.get(*name).or_else(|| generated?.inputs.get(*name)).copied();
+            known.unwrap_or_else(|| largest(&start.inputs, i, inputs.len()))
+        };
+        let rate = |name: &&str| stated.rates.get(*name).copied().unwrap_or(f64::INFINITY);
+        let states = [0, 1, 2].map(state);
+        let amplitudes: Vec<f64> = inputs.iter().enumerate().map(input).collect();
+        let rates: Vec<f64> = inputs.iter().map(rate).collect();
+        let steps = rates.iter().map(|rate| rate / vessel.sample_rate_hz).collect();
+        let under = |table: &'static str| inputs.iter().map(move |name| format!("{table}.{name}"));
+        let limits = Self {
+            names: STATES
+                .map(str::to_owned)
+                .into_iter()
+                .chain(under("inputs"))
+                .chain(under("rates"))
+                .collect(),
+            allowed: states.iter().chain(&amplitudes).chain(&rates).copied().collect(),
+            signal: SignalLimits { states, inputs: amplitudes, steps },
+        };
+        limits.check(start)?;
+        Ok(limits)
+    }
+
+    /// The largest moduli of an experiment, in the limits' units. `rate_hz`: of the samples.
+    pub fn moduli(&self, states: &[f64], inputs: &[f64], rate_hz: f64) -> Vec<f64> {
+        let width = self.signal.inputs.len();
+        let unit =
+            SignalLimits { states: [1.0; 3], inputs: vec![1.0; width], steps: vec![1.0 / rate_hz; width] };
+        unit.reached(states, inputs)
+    }
+
+    fn check(&self, start: &Start) -> Result<(), Refusal> {
+        if let Some(i) = self.allowed.iter().position(|limit| *limit == 0.0) {
+            return Err(Refusal::Design(Invalid::new(
+                format!("`{}` of the design's experiment", self.names[i]),
+                "zero all the time, and no limit is stated",
+                "a limit, or an experiment that moves it",
+                "state it in --limits limits.toml",
+            )));
+        }
+        let reached = self.signal.reached(&start.states, &start.inputs);
+        let most = (0..reached.len()).max_by(|i, j| reached[*i].total_cmp(&reached[*j])).unwrap_or(0);
+        if reached[most] <= 1.0 + 1e-9 {
+            return Ok(());
+        }
+        Err(Refusal::Limits(Invalid::new(
+            format!("limit `{}`", self.names[most]),
+            format!("{} in the design's experiment", reached[most] * self.allowed[most]),
+            format!("at most {}", self.allowed[most]),
+            "begin with a design that keeps it, or state a wider one in --limits",
+        )))
+    }
+}

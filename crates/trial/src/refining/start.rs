@@ -1,0 +1,98 @@
+//! The experiment that refinement begins with.
+
+use std::collections::BTreeMap;
+
+use identification::refine::TraceCriterion;
+use identification::{Noise, output_information};
+use vessel::{Generator, Invalid, Realized, Source, Vessel, check_diverged, simulate_one};
+
+use super::Refusal;
+use crate::moments::rows;
+
+/// Inputs, initial state and what they are judged by.
+#[derive(Clone, Debug)]
+pub struct Start {
+    /// N × inputs.
+    pub inputs: Vec<f64>,
+    /// u, v \[m/s\], r \[rad/s\].
+    pub initial: [f64; 3],
+    /// Of the simulation, (N+1) × 3.
+    pub states: Vec<f64>,
+    /// Which parameters it is simulated with, and errors are relative to: the true ones where the vessel has them.
+    pub source: Source,
+    /// These.
+    pub parameters: Vec<f64>,
+    /// Weight of every parameter's variance, 1/θ².
+    pub weights: Vec<f64>,
+    /// What disturbs the experiment.
+    pub noise: Noise,
+}
+
+impl Start {
+    /// The experiment of `plan`: maneuvers of `generator` and their samples.
+    ///
+    /// # Errors
+    /// A maneuver that the model cannot hold; parameters of zero; a simulation that diverges.
+    pub fn new(
+        vessel: &Vessel,
+        generator: &Generator,
+        plan: &[(usize, usize)],
+        noise: Noise,
+    ) -> Result<Self, Refusal> {
+        let realize = |(q, n): &(usize, usize)| generator.realize(*q, *n).map_err(Refusal::Dictionary);
+        let parts: Vec<Realized> = plan.iter().map(realize).collect::<Result<_, _>>()?;
+        let initial = parts.first().map_or([0.0; 3], |part| part.initial);
+        let inputs: Vec<f64> = parts.into_iter().flat_map(|part| part.inputs).collect();
+        let source = vessel.best_known();
+        let parameters = vessel.parameters(source).map_err(Refusal::Vessel)?;
+        let weights = weights(vessel, &parameters)?;
+        let states = simulate_one(&vessel.model, &parameters, initial, &vessel.model.undisturbed(&inputs));
+        if let Some(at) = check_diverged(states.iter().copied()) {
+            return Err(Refusal::Vessel(at.invalid("the design's experiment")));
+        }
+        Ok(Self { inputs, initial, states, source, parameters, weights, noise })
+    }
+
+    /// The criterion of runs from the same initial state.
+    pub fn criterion<'a>(&'a self, vessel: &'a Vessel) -> TraceCriterion<'a> {
+        TraceCriterion {
+            model: &vessel.model,
+            parameters: &self.parameters,
+            weights: &self.weights,
+            noise: self.noise,
+            initial: self.initial,
+        }
+    }
+
+    /// The parameter that the experiment tells least about.
+    pub(super) fn weakest(&self, vessel: &Vessel) -> String {
+        let exogenous = vessel.model.undisturbed(&self.inputs);
+        let found =
+            output_information(&vessel.model, &self.parameters, self.initial, &exogenous, &self.noise);
+        let f = found.map(|found| found.information).unwrap_or_default();
+        let n = vessel.model.layout().with_intercepts().parameters();
+        let size = |i: usize| f.get(i * n + i).copied().unwrap_or(0.0).max(0.0).sqrt();
+        let nothing = (0..n).find(|i| size(*i) == 0.0);
+        let strongest = || -> Option<usize> {
+            let correlation: Vec<f64> = (0..n * n).map(|e| f[e] / (size(e / n) * size(e % n))).collect();
+            let direction = numerics::weakest(n, &correlation)?.direction;
+            (0..n).max_by(|i, j| direction[*i].abs().total_cmp(&direction[*j].abs()))
+        };
+        nothing.or_else(strongest).map_or_else(String::new, |i| rows(&vessel.model)[i].clone())
+    }
+}
+
+/// 1/θ².
+fn weights(vessel: &Vessel, parameters: &[f64]) -> Result<Vec<f64>, Refusal> {
+    let by_name: BTreeMap<&str, f64> =
+        vessel.model.parameter_names().zip(parameters.iter().copied()).collect();
+    match by_name.iter().find(|(_, theta)| **theta == 0.0) {
+        None => Ok(parameters.iter().map(|theta| 1.0 / (theta * theta)).collect()),
+        Some((name, _)) => Err(Refusal::Vessel(Invalid::new(
+            format!("parameter `{name}`"),
+            "0",
+            "a value other than 0 that its error can be relative to",
+            "give it another value, or leave the term out",
+        ))),
+    }
+}
