@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use anyhow::{Context, ensure};
-use lattice::{MoveId, Options, Outcome, Pose, Problem, Status, plan, synthetic};
+use lattice::{MoveId, Options, Pose, Problem, Status, plan, synthetic};
 use pathfinding::prelude::{astar, dijkstra};
 use serde_json::{Value, json};
 
@@ -42,7 +42,7 @@ fn problem([nx, ny, headings, informative, count]: [usize; 5]) -> anyhow::Result
 fn solve(problem: &Problem) -> anyhow::Result<f64> {
     let options = Options { memory_bytes: MEMORY_BYTES, ..Options::default() };
     match plan(problem, &options, &mut |_| true) {
-        Outcome::Solved(solution) if solution.status == Status::Optimal => Ok(solution.cost.primary),
+        Ok(solution) if solution.status == Status::Optimal => Ok(solution.cost.primary),
         other => anyhow::bail!("no proved plan: {other:?}"),
     }
 }

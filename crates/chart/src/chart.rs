@@ -96,7 +96,7 @@ impl Chart {
     /// into parts, thin bridges run along the cut.
     pub fn drawn(&self, bounds: &Bounds) -> Vec<Polygon> {
         let cut = |p: &Polygon| {
-            let rings = p.rings.iter().map(|r| crate::clip::clip(r, bounds)).filter(|r| r.len() > 2);
+            let rings = p.rings.iter().map(|r| crate::clip::clip_ring(r, bounds)).filter(|r| r.len() > 2);
             Polygon::of_rings(p.class, rings.collect())
         };
         self.polygons.iter().filter(|p| p.bounds.meets(bounds)).filter_map(cut).collect()

@@ -60,6 +60,7 @@ pub mod route;
 pub use bounds::Bounds;
 pub use causes::Causes;
 pub use chart::Chart;
+pub use clip::clip_ring;
 pub use crs::Crs;
 pub use footprint::{Footprint, Run};
 pub use grid::{Grid, GridCell, GridDeclaration, GridKind};

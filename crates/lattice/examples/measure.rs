@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use lattice::{Engine, Options, Outcome, plan, synthetic};
+use lattice::{Engine, Options, plan, synthetic};
 
 fn main() {
     let given: Vec<String> = std::env::args().skip(1).collect();
@@ -34,7 +34,7 @@ fn main() {
     println!("start {} goal {:?}", problem.start(), problem.goal());
     println!("table {table:?}, all {total:?}");
     match outcome {
-        Outcome::Solved(s) => {
+        Ok(s) => {
             println!("{:?} cost {:?} bound {:?} steps {}", s.status, s.cost, s.lower_bound, s.steps.len());
         }
         other => println!("{other:?}"),

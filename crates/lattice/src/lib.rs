@@ -47,7 +47,7 @@ mod watch;
 pub use file::{BasicFile, InformativeFile, LatticeFile, MoveFile, ProblemFile, SCHEMA, SchemaId};
 pub use front::{Front, FrontPoint, front};
 pub use lattice::{Action, Cost, Goal, Lattice, Move, MoveId, Pose};
-pub use outcome::{Engine, Limit, Options, Outcome, Progress, Solution, Status, Step};
+pub use outcome::{Engine, Limit, NoPlan, Options, Progress, Solution, Status, Step};
 pub use plan::plan;
 pub use problem::Problem;
 pub use reason::Reason;

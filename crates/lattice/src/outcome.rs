@@ -40,11 +40,9 @@ pub struct Progress {
     pub best: Option<Cost>,
 }
 
-/// What a search ended with.
+/// Why a search ended without a plan.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Outcome {
-    /// A plan.
-    Solved(Solution),
+pub enum NoPlan {
     /// No plan exists: proved.
     Infeasible(Reason),
     /// Told to stop before any plan was found.

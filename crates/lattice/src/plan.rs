@@ -2,7 +2,7 @@ use crate::graph::{Graph, Reach};
 use crate::lagrangian::{self, Depth};
 use crate::watch::{self, Verdict, Watch};
 use crate::{
-    Cost, Engine, Limit, Options, Outcome, Problem, Progress, Reason, Solution, Status, Step, dense, layered,
+    Cost, Engine, Limit, NoPlan, Options, Problem, Progress, Reason, Solution, Status, Step, dense, layered,
     reason,
 };
 
@@ -17,8 +17,11 @@ const DENSE_WEIGHT: u128 = 10;
 /// Finds the cheapest plan. `keep_going` is asked from time to time and ends the search by saying no; a plan found by
 /// then is returned with a lower bound. One narrow beam may still be searched after that, if there is no plan yet.
 ///
+/// # Errors
+/// No plan, proved or for want of time or memory.
+///
 /// ```
-/// use lattice::{Action, Cost, Goal, Lattice, Move, Options, Outcome, Pose, Problem, plan};
+/// use lattice::{Action, Cost, Goal, Lattice, Move, Options, Pose, Problem, plan};
 /// let east = |di, cost| Move { from: 0, di, dj: 0, to: 0, cost: Cost::primary(cost) };
 /// let actions = vec![
 ///     Action { name: "zigzag".into(), required: 2, moves: vec![east(3, 0.0)] },
@@ -27,21 +30,25 @@ const DENSE_WEIGHT: u128 = 10;
 /// let pose = |i| Pose { i, j: 0, layer: 0 };
 /// let lattice = Lattice { nx: 9, ny: 1, layers: 1 };
 /// let problem = Problem::new(lattice, actions, pose(0), Goal::Poses(vec![pose(8)]), |_, _, _| true)?;
-/// let Outcome::Solved(solution) = plan(&problem, &Options::default(), &mut |_| true) else { unreachable!() };
+/// let solution = plan(&problem, &Options::default(), &mut |_| true).expect("four steps east");
 /// assert_eq!((solution.cost.primary, solution.steps.len()), (2.0, 4));
 /// # Ok::<(), lattice::Invalid>(())
 /// ```
-pub fn plan(problem: &Problem, options: &Options, keep_going: &mut dyn FnMut(Progress) -> bool) -> Outcome {
+pub fn plan(
+    problem: &Problem,
+    options: &Options,
+    keep_going: &mut dyn FnMut(Progress) -> bool,
+) -> Result<Solution, NoPlan> {
     let reach = Reach::new(problem);
     if let Some(reason) = reason::from_map(problem, &reach) {
-        return Outcome::Infeasible(reason);
+        return Err(NoPlan::Infeasible(reason));
     }
     let Some(graph) = Graph::new(problem, &reach) else {
         unreachable!("where the start does not reach the goal, the map gives a reason")
     };
     let mut watch = Watch::new(problem, options.poll_every, keep_going);
     match engine(&graph, options) {
-        Chosen::TooLarge(bytes) => Outcome::TooLarge { states: watch::states(&graph), bytes },
+        Chosen::TooLarge(bytes) => Err(NoPlan::TooLarge { states: watch::states(&graph), bytes }),
         Chosen::Exhaustive => outcome(problem, exhaustive(&graph, options, false, &mut watch)),
         Chosen::BoundsFirst => outcome(problem, bounds_first(&graph, options, &mut watch)),
         Chosen::Lagrangian => {
@@ -117,13 +124,15 @@ pub(crate) fn bounds_first(graph: &Graph, options: &Options, watch: &mut Watch) 
     Verdict::stopped(plan, watch.lower, limit)
 }
 
-fn outcome(problem: &Problem, verdict: Verdict) -> Outcome {
+fn outcome(problem: &Problem, verdict: Verdict) -> Result<Solution, NoPlan> {
     let lower_bound = problem.cost(verdict.lower, &problem.required());
     match (verdict.plan, verdict.stopped_by) {
-        (Some((_, walk)), stopped_by) => Outcome::Solved(solution(problem, &walk, stopped_by, lower_bound)),
-        (None, None) => Outcome::Infeasible(Reason::CountsCannotBeCombined { possible: verdict.possible }),
-        (None, Some(Limit::Time)) => Outcome::OutOfTime { lower_bound },
-        (None, Some(Limit::Memory)) => Outcome::OutOfMemory { lower_bound },
+        (Some((_, walk)), stopped_by) => Ok(solution(problem, &walk, stopped_by, lower_bound)),
+        (None, None) => {
+            Err(NoPlan::Infeasible(Reason::CountsCannotBeCombined { possible: verdict.possible }))
+        }
+        (None, Some(Limit::Time)) => Err(NoPlan::OutOfTime { lower_bound }),
+        (None, Some(Limit::Memory)) => Err(NoPlan::OutOfMemory { lower_bound }),
     }
 }
 

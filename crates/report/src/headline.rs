@@ -5,8 +5,9 @@ use super::shown::used as is_used;
 use super::study::Study;
 use super::trajectory_words::{cost, minutes};
 use study::documents::{
-    Check, DesignDocument, DesignScores, PlanDocument, RoundGain, SequentialDocument, ValidationDocument,
+    DesignDocument, DesignScores, PlanDocument, PlanStatus, RoundGain, SequentialDocument, ValidationDocument,
 };
+use trial::voyage::Check;
 
 /// What the page is.
 pub(super) fn kind(study: &Study) -> &'static str {
@@ -94,8 +95,9 @@ fn plan(study: &Study) -> Option<&PlanDocument> {
 
 /// Both sentences about a trial that has been planned and no more.
 fn planned(plan: &PlanDocument) -> String {
-    let cost = cost(plan.cost, &plan.cost_unit);
-    let proof = if plan.status == "optimal" { ", and no plan costs less" } else { ", not proved optimal" };
+    let cost = cost(plan.cost, plan.cost_unit);
+    let proof =
+        if plan.status == PlanStatus::Optimal { ", and no plan costs less" } else { ", not proved optimal" };
     let uses: u64 = plan.counts.values().sum();
     let Some(voyage) = &plan.voyage else {
         return format!("The plan uses {uses} informative maneuvers and costs {cost}{proof}.");
@@ -239,13 +241,13 @@ fn design_cards(design: &DesignDocument) -> Markup {
 }
 
 fn plan_card(plan: &PlanDocument) -> Markup {
-    let cost = cost(plan.cost, &plan.cost_unit);
+    let cost = cost(plan.cost, plan.cost_unit);
     let (figure, unit) = cost.split_once([' ', '\u{a0}']).unwrap_or((&cost, "cost"));
     html! {
         div.card {
             p.what { "Trajectory" }
             p.figure-line {
-                span.big { (figure) } " " span.who { (unit) ", " (plan.status) }
+                span.big { (figure) } " " span.who { (unit) ", " (plan.status.name()) }
             }
             @if let Some(voyage) = &plan.voyage {
                 p.other { (minutes(voyage.duration_s)) " at sea, " (clear(&voyage.check)) }

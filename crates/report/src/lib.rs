@@ -30,6 +30,7 @@ mod page;
 mod parameters;
 mod picture;
 mod placed;
+mod plan_map;
 mod published_selection;
 pub mod results;
 mod selection;
@@ -54,6 +55,7 @@ pub use loader::Sources;
 pub use measured::Measured;
 pub use page::{Rendered, render};
 pub use picture::picture;
+pub use plan_map::PlanMap;
 pub use selection::SelectionStudy;
 pub use study::{
     ManeuverTrace, ParameterRow, PlannedTrial, Scenario, ScoreSet, Study, Trajectory, VesselSummary,

@@ -105,7 +105,7 @@ fn in_one_line(variant: &PlannedTrial) -> Markup {
     let title = variant.name.strip_prefix("plan-").unwrap_or(&variant.name).replace('-', " ");
     html! {
         b { (title) ":" } " "
-        (plan.status) ", " (cost(plan.cost, &plan.cost_unit)) " (at least " (cost(plan.lower_bound, &plan.cost_unit)) "), "
+        (plan.status.name()) ", " (cost(plan.cost, plan.cost_unit)) " (at least " (cost(plan.lower_bound, plan.cost_unit)) "), "
         (plan.steps.len()) " steps"
         @if let Some(voyage) = &plan.voyage { ", " (minutes(voyage.duration_s)) " at sea (" (three(voyage.duration_s)) "\u{a0}s)" }
         "."

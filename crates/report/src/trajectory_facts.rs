@@ -2,7 +2,8 @@ use maud::{Markup, html};
 
 use super::number::{exact, percent, three, three_or_dash};
 use super::trajectory_words::{cost, minutes, part};
-use study::documents::{Check, Information, PlanDocument, Secondary, Voyage};
+use study::documents::{PlanDocument, PlanStatus, SecondaryCost, Voyage};
+use trial::voyage::{Check, Information, Secondary};
 
 /// What is known about the plan and about the vessel at sea.
 pub(super) fn facts(plan: &PlanDocument) -> Markup {
@@ -20,12 +21,12 @@ fn fact(term: &str, value: &str, note: &str) -> Markup {
 }
 
 fn search(plan: &PlanDocument) -> Markup {
-    let unit = &plan.cost_unit;
-    let proof = if plan.status == "optimal" { "proved" } else { "not proved optimal" };
+    let unit = plan.cost_unit;
+    let proof = if plan.status == PlanStatus::Optimal { "proved" } else { "not proved optimal" };
     html! {
         h3 { "Plan" }
         dl.facts {
-            (fact("Status", &plan.status, proof))
+            (fact("Status", plan.status.name(), proof))
             (fact("Cost", &cost(plan.cost, unit), &format!("no plan costs less than {}", cost(plan.lower_bound, unit))))
             (fact("Steps", &plan.steps.len().to_string(), &uses(plan)))
             @if let Some(secondary) = &plan.secondary { (ties(secondary)) }
@@ -39,15 +40,14 @@ fn uses(plan: &PlanDocument) -> String {
     if each.is_empty() { String::new() } else { format!("with {}", each.join(", ")) }
 }
 
-fn ties(secondary: &Secondary) -> Markup {
+fn ties(secondary: &SecondaryCost) -> Markup {
     let value = exact((secondary.value * 1e3).round() / 1e3);
-    match secondary.name.as_str() {
-        "seconds" => {
+    match secondary.name {
+        Secondary::Seconds => {
             fact("Ties broken by", &format!("{value}\u{a0}s"), "of moves, each as rehearsed on its own")
         }
-        "turns" => fact("Ties broken by", &format!("{value} turns"), ""),
-        "clearance" => fact("Ties broken by", &value, "classes of nearness to obstacles, summed"),
-        name => fact("Ties broken by", &value, name),
+        Secondary::Turns => fact("Ties broken by", &format!("{value} turns"), ""),
+        Secondary::Clearance => fact("Ties broken by", &value, "classes of nearness to obstacles, summed"),
     }
 }
 

@@ -6,7 +6,8 @@ use maud::{Markup, html};
 use super::number::{exact, percent, three};
 use super::placed::Figures;
 use super::trajectory_words::{cost_title, minutes};
-use study::documents::{FrontPoint, PlanDocument, Voyage};
+use study::documents::{PlanDocument, Voyage};
+use trial::voyage::FrontPoint;
 
 /// Fewer uses for less cost: the counts that no others beat.
 pub(super) fn front(plan: &PlanDocument, voyage: &Voyage, figures: &mut Figures) -> Markup {
@@ -40,7 +41,7 @@ fn shown(plan: &PlanDocument, voyage: &Voyage, figures: &mut Figures) -> Markup 
     };
     html! {
         div.pair.front {
-            (figures.place("front", drawing(&dots, cost_title(&plan.cost_unit)), &caption))
+            (figures.place("front", drawing(&dots, cost_title(plan.cost_unit)), &caption))
             (table(plan, voyage))
         }
     }
@@ -63,7 +64,7 @@ fn table(plan: &PlanDocument, voyage: &Voyage) -> Markup {
             div.scroll { table.compact.tight {
                 thead { tr {
                     @for name in plan.counts.keys() { th.number scope="col" { (name) } }
-                    th.number scope="col" { (cost_title(&plan.cost_unit)) }
+                    th.number scope="col" { (cost_title(plan.cost_unit)) }
                     th.number scope="col" { "Informative legs" }
                     th.number scope="col" { "log|det|" }
                     @if own.is_some() { th.number scope="col" { "Efficiency" } }

@@ -81,7 +81,7 @@ fn row(primitive: &Primitive, lattice: &PlanLattice, first: bool) -> Markup {
     html! {
         tr.first[first].stray[primitive.fits == 0] {
             th scope="row" { (primitive.maneuver) }
-            td { (primitive.side) }
+            td { (primitive.side.name()) }
             td.number { (heading(level(lattice, primitive.h as i64))) }
             td.number { (heading(level(lattice, primitive.to_h as i64))) }
             td.number { (metres(primitive.di)) }

@@ -1,7 +1,8 @@
 //! Times, places and moves as the crew reads them.
 
 use super::number::{exact, percent, three};
-use study::documents::{PlanLattice, PlanPose, PlanStep, VoyageLeg};
+use study::documents::{CostUnit, PlanLattice, PlanPose, PlanStep, VoyageLeg};
+use trial::Side;
 
 /// One knot \[m/s\].
 const KNOT: f64 = 1852.0 / 3600.0;
@@ -67,22 +68,22 @@ pub(super) fn knots(speed_m_s: f64) -> String {
 }
 
 /// A cost with its unit: `10 basic moves`, `3629 s`.
-pub(super) fn cost(value: f64, unit: &str) -> String {
+pub(super) fn cost(value: f64, unit: CostUnit) -> String {
     let number = exact((value * 1e3).round() / 1e3);
     match unit {
-        "basic-moves" if value == 1.0 => "1 basic move".to_owned(),
-        "basic-moves" => format!("{number} basic moves"),
-        "seconds" => format!("{number}\u{a0}s"),
-        _ => number,
+        CostUnit::BasicMoves if value == 1.0 => "1 basic move".to_owned(),
+        CostUnit::BasicMoves => format!("{number} basic moves"),
+        CostUnit::Seconds => format!("{number}\u{a0}s"),
+        CostUnit::Cost => number,
     }
 }
 
 /// What the cost counts, as the head of a column or an axis.
-pub(super) fn cost_title(unit: &str) -> &'static str {
+pub(super) fn cost_title(unit: CostUnit) -> &'static str {
     match unit {
-        "basic-moves" => "basic moves",
-        "seconds" => "cost [s]",
-        _ => "cost",
+        CostUnit::BasicMoves => "basic moves",
+        CostUnit::Seconds => "cost [s]",
+        CostUnit::Cost => "cost",
     }
 }
 
@@ -97,9 +98,9 @@ pub(super) fn part(count: u64, of: u64) -> String {
 /// What is done on a leg, in plain words.
 pub(super) fn action(step: &PlanStep, leg: &VoyageLeg, lattice: &PlanLattice) -> String {
     if leg.informative {
-        return match leg.side.as_deref() {
-            Some("mirrored") => format!("{}, mirrored (starts to the other side)", leg.name),
-            Some(side) => format!("{}, {side}", leg.name),
+        return match leg.side {
+            Some(Side::Mirrored) => format!("{}, mirrored (starts to the other side)", leg.name),
+            Some(side) => format!("{}, {}", leg.name, side.name()),
             None => leg.name.clone(),
         };
     }

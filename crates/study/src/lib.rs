@@ -8,9 +8,11 @@ pub mod design_files;
 pub mod documents;
 pub mod estimates;
 pub mod files;
+pub mod plan;
 mod refusal;
 pub mod scores;
 pub mod selection;
+pub mod track;
 pub mod trajectories;
 mod words;
 

@@ -1,5 +1,6 @@
 use std::f64::consts::{FRAC_PI_2, TAU};
 
+use serde::Deserialize;
 use vessel::Pose;
 
 /// The lattice at sea: nodes, heading levels, and the speeds that a vessel may have at a node.
@@ -20,7 +21,8 @@ pub struct Grid {
 }
 
 /// A speed that the vessel holds at a node.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Mode {
     /// Its name.
     pub name: String,

@@ -1,7 +1,7 @@
 use vessel::{Invalid, Pose, Vessel};
 
 use crate::grid::wrap;
-use crate::{Autopilot, Grid, Handling, Leg, Phase, Piece, Purpose, Sailed, Ship, sail};
+use crate::{Autopilot, Grid, Handling, Leg, Phase, Piece, Purpose, Sailed, Ship, Side, sail};
 
 /// What comes before and after an informative maneuver.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -42,10 +42,10 @@ impl Repertoire<'_> {
     pub fn informative(&self, index: usize) -> Result<Vec<Leg>, Invalid> {
         let search = Search { repertoire: self, index };
         let mode = search.mode_of(self.pieces[index].speed_m_s)?;
-        let sides: &[bool] =
-            if self.mirror.is_none() || search.is_straight() { &[false] } else { &[false, true] };
-        let legs = sides.iter().flat_map(|side| (0..self.grid.headings).map(move |level| (level, *side)));
-        legs.map(|(level, mirrored)| search.leg(level, mode, mirrored)).collect()
+        let mirrored = (self.mirror.is_some() && !search.is_straight()).then_some(Side::Mirrored);
+        let sides = [Side::AsDesigned].into_iter().chain(mirrored);
+        let legs = sides.flat_map(|side| (0..self.grid.headings).map(move |level| (level, side)));
+        legs.map(|(level, side)| search.leg(level, mode, side)).collect()
     }
 
     /// Carries out one leg from a node at the origin by the nominal model, as slow or fast as its mode says.
@@ -109,12 +109,12 @@ impl Search<'_> {
         rows.flat_map(|row| row.iter().zip(signs)).all(|(u, s)| *s > 0.0 || *u == 0.0)
     }
 
-    fn leg(&self, level: usize, mode: usize, mirrored: bool) -> Result<Leg, Invalid> {
+    fn leg(&self, level: usize, mode: usize, side: Side) -> Result<Leg, Invalid> {
         let heading = self.repertoire.grid.heading_rad(level);
         let speed = self.piece().speed_m_s;
         let run_in = speed * self.repertoire.approach.run_in_s;
         let mut leg = Leg {
-            purpose: Purpose::Informative { piece: self.index, mirrored },
+            purpose: Purpose::Informative { piece: self.index, side },
             from: self.repertoire.grid.layer(level, mode),
             di: 0,
             dj: 0,

@@ -1,3 +1,6 @@
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
 /// One move of the lattice as a script for the autopilot. Positions are north and east of the start node \[m\],
 /// headings compass \[rad\].
 #[derive(Clone, Debug, PartialEq)]
@@ -21,13 +24,41 @@ pub struct Leg {
 pub enum Purpose {
     /// Getting somewhere: name of the action.
     Basic(String),
-    /// Using piece `piece`, mirrored or as in the dictionary.
+    /// Using a piece of a maneuver.
     Informative {
         /// Index of the piece.
         piece: usize,
-        /// To the other side.
-        mirrored: bool,
+        /// Which way.
+        side: Side,
     },
+}
+
+impl Purpose {
+    /// Which way a maneuver is run.
+    pub fn side(&self) -> Option<Side> {
+        match self {
+            Self::Informative { side, .. } => Some(*side),
+            Self::Basic(_) => None,
+        }
+    }
+}
+
+/// Which way a maneuver is run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub enum Side {
+    /// As in the dictionary.
+    #[serde(rename = "as designed")]
+    AsDesigned,
+    /// To the other side.
+    #[serde(rename = "mirrored")]
+    Mirrored,
+}
+
+impl Side {
+    /// As in files.
+    pub fn name(self) -> &'static str {
+        ["as designed", "mirrored"][self as usize]
+    }
 }
 
 /// A part of a leg.

@@ -19,12 +19,13 @@ pub mod refining;
 mod sail;
 mod ship;
 mod symmetry;
+pub mod voyage;
 
 pub use autopilot::{Autopilot, Handling};
 pub use basic::{BASIC_MOVES, basic_legs};
 pub use grid::{Grid, Mode};
 pub use informative::{Approach, Repertoire};
-pub use leg::{Leg, Phase, Purpose};
+pub use leg::{Leg, Phase, Purpose, Side};
 pub use piece::{Piece, period};
 pub use sail::{Sailed, Sample, sail};
 pub use ship::Ship;

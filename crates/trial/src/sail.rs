@@ -1,6 +1,6 @@
 use vessel::Invalid;
 
-use crate::{Autopilot, Leg, Phase, Piece, Purpose, Ship};
+use crate::{Autopilot, Leg, Phase, Piece, Purpose, Ship, Side};
 
 /// One sample under way.
 #[derive(Clone, Debug, PartialEq)]
@@ -42,11 +42,14 @@ pub fn sail<'l>(
     for (index, (node, leg)) in legs.into_iter().enumerate() {
         for phase in &leg.phases {
             match (phase, &leg.purpose) {
-                (Phase::Maneuver, Purpose::Informative { piece, mirrored }) => {
+                (Phase::Maneuver, Purpose::Informative { piece, side }) => {
                     let piece = &pieces[*piece];
                     let width = piece.inputs.len() / piece.samples;
                     for row in piece.inputs.chunks_exact(width) {
-                        let sign = |i: usize| if *mirrored { mirror[i] } else { 1.0 };
+                        let sign = |i: usize| match side {
+                            Side::AsDesigned => 1.0,
+                            Side::Mirrored => mirror[i],
+                        };
                         let inputs = row.iter().enumerate().map(|(i, u)| sign(i) * u).collect();
                         advance(ship, index, true, inputs, &mut sailed)?;
                     }

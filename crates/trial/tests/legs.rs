@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use trial::{Approach, Grid, Handling, Leg, Mode, Piece, Purpose, Repertoire, basic_legs, mirror};
+use trial::{Approach, Grid, Handling, Leg, Mode, Piece, Repertoire, Side, basic_legs, mirror};
 use vessel::{DictionaryFile, Generator, Invalid, Vessel};
 
 const HANDLING: Handling = Handling {
@@ -101,12 +101,6 @@ fn every_basic_leg_ends_at_about_the_speed_that_its_mode_is_under_way_at() {
 #[test]
 fn informative_legs_have_a_mirror_image() {
     let all = legs(8, [0.0, 0.0]);
-    let count = |side: bool| {
-        all.iter()
-            .filter(
-                |(leg, ..)| matches!(leg.purpose, Purpose::Informative { mirrored, .. } if mirrored == side),
-            )
-            .count()
-    };
-    assert_eq!((count(false), count(true)), (24, 24));
+    let count = |side: Side| all.iter().filter(|(leg, ..)| leg.purpose.side() == Some(side)).count();
+    assert_eq!((count(Side::AsDesigned), count(Side::Mirrored)), (24, 24));
 }

@@ -1,6 +1,6 @@
 //! Both engines against brute force on random small problems.
 
-use lattice::{Engine, Front, Options, Outcome, Reason, front, plan};
+use lattice::{Engine, Front, NoPlan, Options, Reason, front, plan};
 use proptest::prelude::*;
 
 use crate::random::{Costs, Small, brute_force, proved, replay, small};
@@ -16,7 +16,7 @@ fn agrees(small: &Small) {
     for engine in [Engine::Exhaustive, Engine::Lagrangian, Engine::Auto] {
         let outcome = plan(&problem, &options(engine), &mut |_| true);
         assert_eq!(proved(small, &outcome), expected, "{engine:?}");
-        if let Outcome::Infeasible(Reason::CountsCannotBeCombined { possible: Some(counts) }) = outcome {
+        if let Err(NoPlan::Infeasible(Reason::CountsCannotBeCombined { possible: Some(counts) })) = outcome {
             let most = (0..least.len()).filter(|&v| least[v].is_some()).map(|v| uses(small, v)).max();
             assert_eq!(most, Some(counts.iter().sum()), "counts of most uses");
         }
@@ -80,7 +80,7 @@ proptest! {
         let optimum = brute_force(&small).last().copied().flatten();
         let tenths = |cost: lattice::Cost| ((cost.primary * 10.0).round() as u64, (cost.secondary * 10.0).round() as u64);
         match outcome {
-            Outcome::Solved(solution) => {
+            Ok(solution) => {
                 let cost = replay(&small, &solution);
                 let optimum = optimum.expect("a replayed plan exists");
                 prop_assert!(tenths(solution.lower_bound) <= optimum && optimum <= cost);
@@ -88,12 +88,12 @@ proptest! {
                     prop_assert_eq!(cost, optimum);
                 }
             }
-            Outcome::OutOfTime { lower_bound } => {
+            Err(NoPlan::OutOfTime { lower_bound }) => {
                 if let Some(optimum) = optimum {
                     prop_assert!(tenths(lower_bound) <= optimum);
                 }
             }
-            Outcome::Infeasible(_) => prop_assert_eq!(optimum, None),
+            Err(NoPlan::Infeasible(_)) => prop_assert_eq!(optimum, None),
             other => prop_assert!(false, "{other:?}"),
         }
     }

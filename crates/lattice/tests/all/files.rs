@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use lattice::{Front, Options, Outcome, Problem, ProblemFile, Reason, Solution, Status, front, plan};
+use lattice::{Front, NoPlan, Options, Problem, ProblemFile, Reason, Solution, Status, front, plan};
 use serde_json::Value;
 
 fn json_files(folder: &Path) -> Vec<PathBuf> {
@@ -35,13 +35,13 @@ fn check(file: &Path) {
     let expected = &raw["expected"];
     let problem = serde_json::from_str::<ProblemFile>(&text).unwrap().into_problem().unwrap();
     match (plan(&problem, &Options::default(), &mut |_| true), expected["status"].as_str()) {
-        (Outcome::Solved(solution), Some("optimal")) => {
+        (Ok(solution), Some("optimal")) => {
             assert_eq!(solution.status, Status::Optimal);
             let cost = replay(&raw, &problem, &solution);
             assert!((cost - solution.cost.primary).abs() < 1e-9, "{}", file.display());
             assert!((cost - expected["cost"].as_f64().unwrap()).abs() < 1e-9, "{}", file.display());
         }
-        (Outcome::Infeasible(Reason::CountsCannotBeCombined { .. }), Some("infeasible")) => {}
+        (Err(NoPlan::Infeasible(Reason::CountsCannotBeCombined { .. })), Some("infeasible")) => {}
         (outcome, expected) => panic!("{}: {outcome:?}, expected {expected:?}", file.display()),
     }
     let Front::Known(points) = front(&problem, &Options::default(), &mut |_| true) else {

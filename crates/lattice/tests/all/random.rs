@@ -1,6 +1,6 @@
 //! Small random problems, written down plainly, and what plain means say about them.
 
-use lattice::{Action, Cost, Goal, Lattice, Move, MoveId, Outcome, Pose, Problem, Solution};
+use lattice::{Action, Cost, Goal, Lattice, Move, MoveId, NoPlan, Pose, Problem, Solution};
 use proptest::prelude::*;
 
 /// Costs in tenths: (primary, secondary).
@@ -194,10 +194,10 @@ pub fn replay(small: &Small, solution: &Solution) -> Tenths {
 
 /// Cost of an outcome after its plan was replayed; nothing if proved infeasible. Anything else fails.
 #[allow(dead_code)]
-pub fn proved(small: &Small, outcome: &Outcome) -> Option<Tenths> {
+pub fn proved(small: &Small, outcome: &Result<Solution, NoPlan>) -> Option<Tenths> {
     match outcome {
-        Outcome::Infeasible(_) => None,
-        Outcome::Solved(solution) => {
+        Err(NoPlan::Infeasible(_)) => None,
+        Ok(solution) => {
             assert_eq!(solution.status, lattice::Status::Optimal);
             assert_eq!(solution.lower_bound, solution.cost);
             Some(replay(small, solution))

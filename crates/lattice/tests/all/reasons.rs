@@ -1,8 +1,8 @@
 //! Why there is no plan, and what is said when memory or time is short.
 
 use lattice::{
-    Action, Cost, Engine, Goal, Lattice, Limit, Move, MoveId, Options, Outcome, Pose, Problem, Reason,
-    Status, plan, synthetic,
+    Action, Cost, Engine, Goal, Lattice, Limit, Move, MoveId, NoPlan, Options, Pose, Problem, Reason,
+    Solution, Status, plan, synthetic,
 };
 
 const LATTICE: Lattice = Lattice { nx: 8, ny: 1, layers: 1 };
@@ -12,7 +12,7 @@ fn pose(i: usize) -> Pose {
 }
 
 /// Forward and back by one cell, jump by two; `allowed(action, i)`.
-fn outcome(required: u32, goal: usize, allowed: impl Fn(usize, usize) -> bool) -> Outcome {
+fn outcome(required: u32, goal: usize, allowed: impl Fn(usize, usize) -> bool) -> Result<Solution, NoPlan> {
     let step = |di, cost| Move { from: 0, di, dj: 0, to: 0, cost: Cost::primary(cost) };
     let actions = vec![
         Action { name: "jump".into(), required, moves: vec![step(2, 0.0)] },
@@ -31,7 +31,7 @@ fn outcome(required: u32, goal: usize, allowed: impl Fn(usize, usize) -> bool) -
 
 fn reason(required: u32, goal: usize, allowed: impl Fn(usize, usize) -> bool) -> Reason {
     match outcome(required, goal, allowed) {
-        Outcome::Infeasible(reason) => reason,
+        Err(NoPlan::Infeasible(reason)) => reason,
         other => panic!("{other:?}"),
     }
 }
@@ -82,7 +82,7 @@ fn counts_that_cannot_be_combined_come_with_counts_that_can() {
 
 #[test]
 fn a_start_without_room_that_is_the_goal_needs_no_moves() {
-    let Outcome::Solved(solution) = outcome(0, 1, |_, i| i > 3) else { panic!("solved by staying") };
+    let Ok(solution) = outcome(0, 1, |_, i| i > 3) else { panic!("solved by staying") };
     assert!(solution.steps.is_empty() && solution.cost == Cost::default());
 }
 
@@ -93,18 +93,20 @@ fn archipelago() -> Problem {
 #[test]
 fn an_exhaustive_search_beyond_the_memory_is_refused() {
     let options = Options { engine: Engine::Exhaustive, memory_bytes: 100_000, ..Options::default() };
-    let Outcome::TooLarge { states, bytes } = plan(&archipelago(), &options, &mut |_| true) else { panic!() };
+    let Err(NoPlan::TooLarge { states, bytes }) = plan(&archipelago(), &options, &mut |_| true) else {
+        panic!()
+    };
     assert!(states > 10_000 && bytes > 100_000);
 }
 
 #[test]
 fn memory_that_is_too_small_is_said_and_bounds_stay_true() {
-    let Outcome::Solved(best) = plan(&archipelago(), &Options::default(), &mut |_| true) else { panic!() };
+    let Ok(best) = plan(&archipelago(), &Options::default(), &mut |_| true) else { panic!() };
     assert_eq!(best.status, Status::Optimal);
     for kilobytes in (0..4000).step_by(50) {
         let options = Options { engine: Engine::Auto, memory_bytes: kilobytes << 10, ..Options::default() };
         match plan(&archipelago(), &options, &mut |_| true) {
-            Outcome::Solved(found) => {
+            Ok(found) => {
                 assert!(
                     found.lower_bound.primary <= best.cost.primary && found.cost.primary >= best.cost.primary
                 );
@@ -113,7 +115,7 @@ fn memory_that_is_too_small_is_said_and_bounds_stay_true() {
                     Status::Feasible { stopped_by } => assert_eq!(stopped_by, Limit::Memory),
                 }
             }
-            Outcome::OutOfMemory { lower_bound } => assert!(lower_bound.primary <= best.cost.primary),
+            Err(NoPlan::OutOfMemory { lower_bound }) => assert!(lower_bound.primary <= best.cost.primary),
             other => panic!("{kilobytes} kB: {other:?}"),
         }
     }
@@ -124,8 +126,8 @@ fn a_search_told_to_stop_at_once_says_so() {
     for engine in [Engine::Exhaustive, Engine::Lagrangian] {
         let options = Options { engine, poll_every: 1, ..Options::default() };
         match plan(&archipelago(), &options, &mut |_| false) {
-            Outcome::Solved(found) => assert_eq!(found.status, Status::Feasible { stopped_by: Limit::Time }),
-            other => assert_eq!(other, Outcome::OutOfTime { lower_bound: Cost::default() }),
+            Ok(found) => assert_eq!(found.status, Status::Feasible { stopped_by: Limit::Time }),
+            other => assert_eq!(other, Err(NoPlan::OutOfTime { lower_bound: Cost::default() })),
         }
     }
 }

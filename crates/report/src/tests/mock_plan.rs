@@ -5,9 +5,11 @@ use std::collections::BTreeMap;
 use super::mock;
 use crate::{PlannedTrial, Study, Trajectory};
 use study::documents::{
-    Check, FrontPoint, Information, PlanDocument, PlanLattice, PlanPose, PlanStep, Primitive, Secondary,
+    CostUnit, PlanDocument, PlanLattice, PlanPose, PlanStatus, PlanStep, Primitive, SecondaryCost,
     ValidationDocument, Voyage, VoyageLeg,
 };
+use trial::Side;
+use trial::voyage::{Check, FrontPoint, Information, Secondary};
 
 pub(super) const MAP: &str = "<svg role=\"img\" aria-label=\"Planned trial\" viewBox=\"0 0 5600 8370\" \
     xmlns=\"http://www.w3.org/2000/svg\">\n<title>Planned trial</title>\n<path d=\"M1 2l3 4\" fill=\"none\" \
@@ -58,12 +60,12 @@ fn counts(steep: u64, sway: u64) -> BTreeMap<String, u64> {
 
 pub(super) fn plan() -> PlanDocument {
     PlanDocument {
-        status: "optimal".to_owned(),
+        status: PlanStatus::Optimal,
         statement: "Proved: no plan over the 1234 states of the lattice costs less.".to_owned(),
-        cost_unit: "basic-moves".to_owned(),
+        cost_unit: CostUnit::BasicMoves,
         cost: 4.0,
         lower_bound: 4.0,
-        secondary: Some(Secondary { name: "seconds".to_owned(), value: 701.0 }),
+        secondary: Some(SecondaryCost { name: Secondary::Seconds, value: 701.0 }),
         counts: counts(1, 1),
         steps: vec![
             step("faster", (0, "at rest"), (0, "half")),
@@ -95,10 +97,10 @@ fn voyage() -> Voyage {
         },
         legs: vec![
             leg("faster", None, 0.0, 90.0, 0.0),
-            leg("steep", Some("mirrored"), 90.0, 200.0, 1.5),
+            leg("steep", Some(Side::Mirrored), 90.0, 200.0, 1.5),
             leg("turn-port", None, 290.0, 60.0, 1.5),
             leg("slower", None, 350.0, 70.0, 1.5),
-            leg("sway", Some("as designed"), 420.0, 280.0, 0.0),
+            leg("sway", Some(Side::AsDesigned), 420.0, 280.0, 0.0),
             leg("turn-starboard", None, 700.0, 22.0, 0.0),
         ],
         primitives: vec![primitive("steep", 1513), primitive("sway", 0)],
@@ -125,12 +127,12 @@ fn voyage() -> Voyage {
     }
 }
 
-fn leg(name: &str, side: Option<&str>, start_s: f64, duration_s: f64, speed_m_s: f64) -> VoyageLeg {
+fn leg(name: &str, side: Option<Side>, start_s: f64, duration_s: f64, speed_m_s: f64) -> VoyageLeg {
     let inputs = [("tau1", 19.66), ("tau2", 1.2e-13), ("tau3", if side.is_some() { 212.12 } else { 3e-12 })];
     VoyageLeg {
         name: name.to_owned(),
         informative: side.is_some(),
-        side: side.map(str::to_owned),
+        side,
         start_s,
         duration_s,
         maneuver_start_s: side.map(|_| start_s + 31.0),
@@ -147,7 +149,7 @@ fn leg(name: &str, side: Option<&str>, start_s: f64, duration_s: f64, speed_m_s:
 fn primitive(maneuver: &str, fits: u64) -> Primitive {
     Primitive {
         maneuver: maneuver.to_owned(),
-        side: "as designed".to_owned(),
+        side: Side::AsDesigned,
         h: 7,
         di: 3,
         dj: -1,

@@ -1,6 +1,6 @@
 use super::{FIGURES, mock, mock_plan, rendered};
 use crate::{Study, Trajectory};
-use study::documents::{PlanDocument, Voyage};
+use study::documents::{PlanDocument, PlanStatus, Voyage};
 
 /// Edits the study's own plan.
 fn with(change: impl Fn(&mut PlanDocument)) -> Study {
@@ -174,7 +174,7 @@ fn what_is_missing_of_a_plan_is_said() {
 #[test]
 fn a_plan_that_is_not_proved_or_not_clear_is_not_praised() {
     let study = with(|plan| {
-        plan.status = "feasible".to_owned();
+        plan.status = PlanStatus::Feasible;
         plan.lower_bound = 3.0;
         plan.voyage.iter_mut().for_each(|v| v.check.clear = false);
     });

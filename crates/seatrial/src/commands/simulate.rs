@@ -5,7 +5,6 @@ use std::path::{Path, PathBuf};
 use crate::cli::{Common, Sharding, beside, given, provenance};
 use crate::failure::Failure;
 use crate::ingest::SIMULATED_FILE;
-use crate::plan::read_planned;
 use crate::simulate::campaign::{Campaign, CampaignFiles};
 use crate::simulate::logs::{Files, LogsFile, SimulatedLogs, publish};
 use crate::simulate::undisturbed::{Undisturbed, Written};
@@ -15,6 +14,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use serde_json::json;
 use study::documents::DesignDocument;
 use study::files::{generator, read_campaign, read_dictionary, read_vessel};
+use study::track::read_planned;
 use study::trajectories::{ID, SIMULATED_LOGS, VERSION};
 use vessel::{Source, Vessel};
 

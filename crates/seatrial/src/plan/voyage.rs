@@ -1,21 +1,21 @@
-//! `plan` on a chart: the algorithm box.
+//! `plan` on a chart: read, plan, write.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use artifact::{Provenance, Staged, commit, stage_document};
+use report::PlanMap;
 use serde_json::json;
+use study::documents::{PlanDocument, Voyage};
+use study::plan::{Routes, of_voyage};
+use study::track::stage_track;
+use trial::voyage::{Prepared, Sailing, Search, Solved};
 
-use super::map::{Drawing, stage_map};
-use super::outputs::{Geographic, stage_routes};
-use super::sailing::Sailing;
-use super::search::{Limits, status, steps, uses};
-use super::solve::Solved;
-use super::track::stage_track;
-use super::trial::{Trial, VoyageFiles};
+use super::files::VoyageFiles;
+use super::limits::Limits;
+use super::refusals;
 use crate::cli::{beside, provenance};
 use crate::failure::Failure;
 use crate::stage::Summary;
-use study::documents::{PlanDocument, PlanPose, Secondary};
 
 /// Plans a trial and writes `plan.json` to `out`; beside it `track.parquet`, `track.geojson`, `route.rtz`, `route.gpx` and
 /// `map.svg`.
@@ -25,114 +25,82 @@ use study::documents::{PlanDocument, PlanPose, Secondary};
 pub fn plan_voyage(files: &VoyageFiles, out: &Path, limits: &Limits, seed: u64) -> Result<Summary, Failure> {
     let mut provenance = provenance("plan");
     provenance.settings.insert("seed".into(), json!(seed));
-    check_names(out)?;
-    let trial = Trial::read(files, &mut provenance, seed)?;
-    check_charts(files, &trial, out)?;
-    let solved = trial.solve(files, limits)?;
-    let sailing = trial.sail(files, &solved, limits, seed)?;
-    trial.write(out, &provenance, &solved, sailing)
+    let brief = files.read(out, &mut provenance, seed)?;
+    let refuse = |error| refusals::voyage(files, error);
+    let search = Search { options: limits.options(), watch: &|| limits.watch() };
+    let prepared = Prepared::new(brief).map_err(refuse)?;
+    let solved = prepared.solve(&search).map_err(refuse)?;
+    let sailing = prepared.sail(&solved).map_err(refuse)?;
+    let document = of_voyage(&prepared, &solved, &sailing);
+    let planned = Planned { prepared: &prepared, solved: &solved, sailing: &sailing, document: &document };
+    commit(planned.stage(out, &provenance)?)?;
+    Ok(summary(out, &document))
 }
 
-/// What is written beside `plan.json`.
-const BESIDE: [&str; 5] = ["track.parquet", "track.geojson", "route.rtz", "route.gpx", "map.svg"];
-
-/// Refuses a main output under the name of one beside it.
-fn check_names(out: &Path) -> Result<(), Failure> {
-    let name = BESIDE.iter().find(|name| out.file_name().is_some_and(|own| own == **name));
-    name.map_or(Ok(()), |name| {
-        let message =
-            format!("--out: found {name}, which is written beside it, expected another name; take plan.json");
-        Err(Failure::Usage(message))
-    })
+/// All that is written.
+struct Planned<'a> {
+    prepared: &'a Prepared,
+    solved: &'a Solved,
+    sailing: &'a Sailing,
+    document: &'a PlanDocument,
 }
 
-/// Refuses to write over an input: any of them beside `out`, and charts under its own name.
-fn check_charts(files: &VoyageFiles, trial: &Trial, out: &Path) -> Result<(), Failure> {
-    let folder = files.config.parent().unwrap_or(Path::new(""));
-    let charts = trial.config.chart.iter().map(|spec| folder.join(&spec.file));
-    let others = [Some(files.vessel), Some(files.config), Some(files.trajectories), files.design];
-    let inputs: Vec<PathBuf> = charts.chain(others.into_iter().flatten().map(Path::to_path_buf)).collect();
-    let outputs = BESIDE.iter().map(|name| beside(out, name)).chain([out.to_path_buf()]);
-    for output in outputs.filter_map(|path| path.canonicalize().ok()) {
-        let same = |input: &&PathBuf| input.canonicalize().is_ok_and(|path| path == output);
-        if let Some(input) = inputs.iter().find(same) {
-            return Err(Failure::Usage(format!(
-                "--out: found {}, an input that what is written beside it would replace, expected another folder; name one",
-                input.display()
-            )));
-        }
-    }
-    Ok(())
-}
-
-impl Trial {
-    fn write(
-        &self,
-        out: &Path,
-        provenance: &Provenance,
-        solved: &Solved,
-        sailing: Sailing,
-    ) -> Result<Summary, Failure> {
-        let Solved { waters, problem, solution, .. } = solved;
-        let (status, statement) = status(problem, solution);
-        let pose = |p: lattice::Pose| {
-            let (level, mode) = self.grid.level_and_mode(p.layer);
-            let mode = Some(self.grid.modes[mode].name.clone());
-            PlanPose { i: p.i as u64, j: p.j as u64, h: level as u64, mode }
-        };
-        let names: Vec<String> = sailing.voyage.legs.iter().map(|leg| leg.name.clone()).collect();
-        let document = PlanDocument {
-            status,
-            statement,
-            cost_unit: self.config.cost.primary.name().into(),
-            cost: solution.cost.primary,
-            lower_bound: solution.lower_bound.primary,
-            secondary: Some(Secondary {
-                name: self.config.cost.secondary.name().into(),
-                value: solution.cost.secondary,
-            }),
-            counts: uses(problem, solution),
-            steps: steps(problem, solution, pose),
-            voyage: Some(sailing.voyage),
-        };
-        let mut staged: Vec<Staged> = vec![stage_document(out, provenance, &document)?];
-        let track = beside(out, "track.parquet");
-        let plane = self.chart.plane();
-        staged.push(stage_track(&track, provenance, &self.vessel, plane, &names, &sailing.sailed)?);
+impl Planned<'_> {
+    fn stage(&self, out: &Path, provenance: &Provenance) -> Result<Vec<Staged>, Failure> {
+        let Self { prepared, sailing, document, .. } = self;
+        let (plane, vessel) = (prepared.chart.plane(), &prepared.brief.vessel);
+        let mut staged = vec![stage_document(out, provenance, *document)?];
         if let Some(voyage) = &document.voyage {
-            let rate_hz = self.vessel.sample_rate_hz;
-            let sailed = &sailing.sailed;
-            let own = Geographic { plane, document: &document, voyage, sailed, rate_hz };
-            staged.extend(stage_routes(out, &own)?);
+            let names: Vec<String> = voyage.legs.iter().map(|leg| leg.name.clone()).collect();
+            let track = beside(out, "track.parquet");
+            staged.push(stage_track(&track, provenance, vessel, plane, &names, &sailing.sailed)?);
+            staged.extend(self.stage_routes(out, voyage)?);
         }
-        let drawing = Drawing {
-            chart: &self.chart,
-            grid: &self.grid,
-            document: &document,
-            sailed: &sailing.sailed,
-            runs: &sailing.runs,
-            transit: &waters.obstacles[waters.layer_of_leg[0]],
-            trial: waters.deepest(&self.rehearsed),
-            outline: &self.config.hull.outline(),
+        staged.push(self.stage_map(out)?);
+        Ok(staged)
+    }
+
+    fn stage_routes(&self, out: &Path, voyage: &Voyage) -> Result<Vec<Staged>, Failure> {
+        let routes = Routes {
+            plane: self.prepared.chart.plane(),
+            document: self.document,
+            voyage,
+            sailed: &self.sailing.sailed,
+            rate_hz: self.prepared.brief.vessel.sample_rate_hz,
         };
-        staged.push(stage_map(out, &drawing)?);
-        commit(staged)?;
-        let PlanDocument { status, cost, cost_unit, lower_bound, .. } = &document;
-        let seconds = document.voyage.as_ref().map_or(0.0, |v| v.duration_s);
-        let clearance = document.voyage.as_ref().map_or(0.0, |v| v.check.clearance_m);
-        let (aground, runs) = document.voyage.as_ref().map_or((0, 0), |v| (v.check.aground, v.check.runs));
-        let astray = match aground {
-            0 => String::new(),
-            _ => format!(", but {aground} of {runs} runs in unknown current aground"),
-        };
-        Ok(Summary {
-            line: format!(
-                "{}: {status}, {cost} {cost_unit}, {} steps, {seconds} s at sea, {clearance:.0} m clear{astray}",
-                out.display(),
-                document.steps.len()
-            ),
-            json: json!({"out": out, "status": status, "cost": cost, "lower_bound": lower_bound,
-                "steps": document.steps.len(), "duration_s": seconds, "clearance_m": clearance, "aground": aground, "runs": runs}),
-        })
+        let files = routes.files().map_err(|(name, invalid)| {
+            Failure::Failed(artifact::Error::invalid(beside(out, name), invalid).to_string())
+        })?;
+        let stage = |(name, text): (&str, String)| Ok(Staged::bytes(beside(out, name), text.as_bytes())?);
+        files.into_iter().map(stage).collect()
+    }
+
+    fn stage_map(&self, out: &Path) -> Result<Staged, Failure> {
+        let Self { prepared, solved, sailing, document } = *self;
+        let map = PlanMap { prepared, solved, sailing, document };
+        let svg = map.svg().map_err(|e| Failure::Failed(format!("map: {e}")))?;
+        Ok(Staged::bytes(beside(out, "map.svg"), svg.as_bytes())?)
+    }
+}
+
+fn summary(out: &Path, document: &PlanDocument) -> Summary {
+    let PlanDocument { status, cost, cost_unit, lower_bound, .. } = document;
+    let steps = document.steps.len();
+    let voyage = document.voyage.as_ref();
+    let (seconds, clearance) = voyage.map_or((0.0, 0.0), |v| (v.duration_s, v.check.clearance_m));
+    let (aground, runs) = voyage.map_or((0, 0), |v| (v.check.aground, v.check.runs));
+    let astray = match aground {
+        0 => String::new(),
+        _ => format!(", but {aground} of {runs} runs in unknown current aground"),
+    };
+    Summary {
+        line: format!(
+            "{}: {}, {cost} {}, {steps} steps, {seconds} s at sea, {clearance:.0} m clear{astray}",
+            out.display(),
+            status.name(),
+            cost_unit.name()
+        ),
+        json: json!({"out": out, "status": status, "cost": cost, "lower_bound": lower_bound, "steps": steps,
+            "duration_s": seconds, "clearance_m": clearance, "aground": aground, "runs": runs}),
     }
 }

@@ -12,10 +12,10 @@ use super::sea::{Departures, Sea};
 use super::{exogenous, publish, refuse_endless, writer};
 use crate::failure::Failure;
 use crate::ordered::ordered;
-use crate::plan::Track;
 use crate::progress::Progress;
 use study::campaign_file::CampaignFile;
 use study::documents::{DesignDocument, Sequence};
+use study::track::Track;
 use study::trajectories::{BlockBuilder, Layout, NewRun, rows_per_block};
 use vessel::lanes::lane_of;
 

@@ -37,8 +37,8 @@ pub use moments::{
     OutputErrorMoments,
 };
 pub use plan::{
-    Check, FrontPoint, Information, PlanDocument, PlanLattice, PlanPose, PlanStep, Primitive, Secondary,
-    Voyage, VoyageLeg,
+    CostUnit, PlanDocument, PlanLattice, PlanPose, PlanStatus, PlanStep, Primitive, SecondaryCost, Voyage,
+    VoyageLeg,
 };
 pub use reference::{Published, PublishedPicks, PublishedSelection, PublishedShare, Reference};
 pub use refined::{RefinedDocument, RefinedExperiment, RefinedLimit};

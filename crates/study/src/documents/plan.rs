@@ -3,23 +3,25 @@ use std::collections::BTreeMap;
 use artifact::Document;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use trial::Side;
+use trial::voyage::{Check, FrontPoint, Information, Primary, Secondary};
 
 /// `plan.json`: a walk over the lattice that uses every maneuver as often as asked, and what becomes of it at sea.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PlanDocument {
-    /// `optimal` (proved) or `feasible`.
-    pub status: String,
+    /// Whether the plan is proved to be the best.
+    pub status: PlanStatus,
     /// The status in words.
     pub statement: String,
-    /// What the cost counts: `basic-moves`, `seconds` or, for a problem file, `cost`.
-    pub cost_unit: String,
+    /// What the cost counts.
+    pub cost_unit: CostUnit,
     /// Cost of the plan.
     pub cost: f64,
     /// No plan costs less.
     pub lower_bound: f64,
     /// What breaks ties, and its value; minimal among the cheapest plans where the status is `optimal`.
-    pub secondary: Option<Secondary>,
+    pub secondary: Option<SecondaryCost>,
     /// Uses of every informative maneuver.
     pub counts: BTreeMap<String, u64>,
     /// The plan.
@@ -28,12 +30,57 @@ pub struct PlanDocument {
     pub voyage: Option<Voyage>,
 }
 
+/// What is known of a plan.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum PlanStatus {
+    /// No plan is cheaper: proved.
+    Optimal,
+    /// The plan is valid; the lower bound says how much cheaper another one might be.
+    Feasible,
+}
+
+impl PlanStatus {
+    /// As in the file.
+    pub fn name(self) -> &'static str {
+        ["optimal", "feasible"][self as usize]
+    }
+}
+
+/// What the cost of a plan counts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum CostUnit {
+    /// Basic moves.
+    BasicMoves,
+    /// Seconds.
+    Seconds,
+    /// Whatever a problem file counts.
+    Cost,
+}
+
+impl CostUnit {
+    /// As in the file.
+    pub fn name(self) -> &'static str {
+        ["basic-moves", "seconds", "cost"][self as usize]
+    }
+}
+
+impl From<Primary> for CostUnit {
+    fn from(primary: Primary) -> Self {
+        match primary {
+            Primary::BasicMoves => Self::BasicMoves,
+            Primary::Seconds => Self::Seconds,
+        }
+    }
+}
+
 /// What breaks ties between plans of the same cost.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct Secondary {
-    /// `turns`, `clearance` or `seconds`.
-    pub name: String,
+pub struct SecondaryCost {
+    /// What it counts.
+    pub name: Secondary,
     /// Its value.
     pub value: f64,
 }
@@ -118,8 +165,8 @@ pub struct VoyageLeg {
     pub name: String,
     /// Whether it is an informative maneuver.
     pub informative: bool,
-    /// `as designed` or `mirrored`, for an informative maneuver.
-    pub side: Option<String>,
+    /// Which way, for an informative maneuver.
+    pub side: Option<Side>,
     /// When it begins \[s\].
     pub start_s: f64,
     /// How long it takes \[s\].
@@ -148,8 +195,8 @@ pub struct VoyageLeg {
 pub struct Primitive {
     /// Name of the maneuver.
     pub maneuver: String,
-    /// `as designed` or `mirrored`.
-    pub side: String,
+    /// Which way.
+    pub side: Side,
     /// Heading level at its start.
     pub h: u64,
     /// Displacement in nodes, east.
@@ -170,58 +217,6 @@ pub struct Primitive {
     pub drift_margin_m: f64,
     /// Nodes of the lattice at which it fits on the chart.
     pub fits: u64,
-}
-
-/// The plan simulated in continuous space.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct Check {
-    /// Least distance of the hull from anything charted as an obstacle, nominal model, known current \[m\].
-    pub clearance_m: f64,
-    /// Whether the hull stays clear.
-    pub clear: bool,
-    /// Bound on the unknown current \[m/s\].
-    pub unknown_current_m_s: f64,
-    /// Simulations with a constant current of that strength from every side and less, and the true parameters where known.
-    pub runs: u64,
-    /// Of which touched an obstacle.
-    pub aground: u64,
-    /// Least clearance of each run: smallest, 5 %, median \[m\].
-    pub clearance_quantiles_m: [f64; 3],
-    /// The same runs without corrections between maneuvers (the autopilot reckons with the nominal track only).
-    pub aground_open_loop: u64,
-}
-
-/// log|det| of the information, per the nominal model; none where a direction is not excited at all.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct Information {
-    /// Promised by the counts: each use adds the moments of its piece.
-    pub predicted_log_det: Option<f64>,
-    /// Of the informative parts of the trajectory actually sailed.
-    pub realised_log_det: Option<f64>,
-    /// The same, with everything between them.
-    pub whole_log_det: Option<f64>,
-    /// exp((realised − predicted)/p).
-    pub efficiency: Option<f64>,
-    /// exp((predicted − optimum)/p) for the design's shares over the same time, where a design was given.
-    pub design_efficiency: Option<f64>,
-    /// p.
-    pub dimension: u64,
-}
-
-/// Counts with what they cost and tell.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct FrontPoint {
-    /// Uses of every maneuver.
-    pub counts: BTreeMap<String, u64>,
-    /// Cost of the best plan with them.
-    pub cost: f64,
-    /// Time in informative legs \[s\].
-    pub informative_s: f64,
-    /// log|det| of their information.
-    pub log_det: f64,
 }
 
 impl Document for PlanDocument {

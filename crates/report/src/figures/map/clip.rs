@@ -1,3 +1,5 @@
+use chart::{Bounds, clip_ring};
+
 use super::view::View;
 use crate::figures::svg::Point;
 
@@ -46,33 +48,12 @@ pub(crate) fn segment(view: &View, from: Point, to: Point) -> Option<(Point, Poi
     (enter <= leave).then_some((start, end))
 }
 
-/// The part of a ring inside the frame, closed along the frame's sides (Sutherland and Hodgman 1974).
+/// The part of a ring inside the frame, closed along the frame's sides.
 pub(crate) fn ring(view: &View, ring: &[Point]) -> Vec<Point> {
     let (low, high) = (view.corner(), view.opposite());
-    let ring = half(ring, |p| p.0 - low.0);
-    let ring = half(&ring, |p| high.0 - p.0);
-    let ring = half(&ring, |p| p.1 - low.1);
-    half(&ring, |p| high.1 - p.1)
-}
-
-/// The part of a ring where `inside` is not negative.
-fn half(ring: &[Point], inside: impl Fn(Point) -> f64) -> Vec<Point> {
-    let mut kept = Vec::with_capacity(ring.len());
-    let Some(&last) = ring.last() else { return kept };
-    let mut before = (last, inside(last));
-    for &point in ring {
-        let now = (point, inside(point));
-        if (before.1 < 0.0) != (now.1 < 0.0) {
-            let share = before.1 / (before.1 - now.1);
-            let (from, to) = (before.0, point);
-            kept.push((from.0 + share * (to.0 - from.0), from.1 + share * (to.1 - from.1)));
-        }
-        if now.1 >= 0.0 {
-            kept.push(point);
-        }
-        before = now;
-    }
-    kept
+    let frame = Bounds { min: [low.0, low.1], max: [high.0, high.1] };
+    let ring: Vec<[f64; 2]> = ring.iter().map(|&(x, y)| [x, y]).collect();
+    clip_ring(&ring, &frame).into_iter().map(|[x, y]| (x, y)).collect()
 }
 
 #[cfg(test)]

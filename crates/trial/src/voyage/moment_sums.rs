@@ -3,19 +3,19 @@
 use identification::{Batch, moments};
 use vessel::{LANES, Lane, Vessel, simulate_one};
 
-use crate::simulate::exogenous;
+use crate::Piece;
 
 /// Σ φ̃ ζ̃ᵀ per degree of freedom, row-major. The sums of two stretches add to those of both.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Information {
+pub(super) struct MomentSums {
     degrees: Vec<Vec<f64>>,
 }
 
-impl Information {
+impl MomentSums {
     /// Of N samples: `inputs` N × inputs, `states` (N+1) × 3. Instruments: the nominal model over the same inputs from the
     /// same initial state.
     pub(super) fn of(vessel: &Vessel, inputs: &[f64], states: &[f64]) -> Self {
-        let exogenous = exogenous(&vessel.model, inputs);
+        let exogenous = vessel.model.undisturbed(inputs);
         let initial = [states[0], states[1], states[2]];
         let instruments = simulate_one(&vessel.model, &vessel.nominal, initial, &exogenous);
         let lanes = |values: &[f64]| values.iter().map(|v| Lane::splat(*v)).collect::<Vec<_>>();
@@ -35,8 +35,8 @@ impl Information {
     }
 
     /// Of a piece of a maneuver run by the nominal model in still water.
-    pub(super) fn of_piece(vessel: &Vessel, piece: &trial::Piece) -> Self {
-        let exogenous = exogenous(&vessel.model, &piece.inputs);
+    pub(super) fn of_piece(vessel: &Vessel, piece: &Piece) -> Self {
+        let exogenous = vessel.model.undisturbed(&piece.inputs);
         let initial = [piece.speed_m_s, 0.0, 0.0];
         let states = simulate_one(&vessel.model, &vessel.nominal, initial, &exogenous);
         Self::of(vessel, &piece.inputs, &states)

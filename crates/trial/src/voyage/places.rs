@@ -1,24 +1,22 @@
 //! Places on the chart as poses of the lattice.
 
-use std::path::Path;
-
 use chart::Plane;
-use lattice::{Goal, Pose};
-use trial::Grid;
+use lattice::Pose;
+use vessel::Invalid;
 
-use super::config::{GoalSpec, Place, PlanFile};
-use crate::failure::Failure;
+use super::task::{Goal, Place};
+use crate::Grid;
 
 /// Turns places into poses.
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Places<'a> {
-    pub config_file: &'a Path,
     pub grid: &'a Grid,
     pub plane: &'a Plane,
 }
 
 impl Places<'_> {
     /// The node and heading level nearest to a place, in its speed mode (the slowest, unless it says).
-    pub(super) fn pose(&self, key: &str, place: &Place) -> Result<Pose, Failure> {
+    pub(super) fn pose(&self, key: &str, place: &Place) -> Result<Pose, Invalid> {
         let [east, north] = self.plane.to_plane(place.longitude_deg, place.latitude_deg);
         let node = |at: f64, origin: f64| ((at - origin) / self.grid.cell_m).round();
         let (i, j) = (node(east, self.grid.origin_m[0]), node(north, self.grid.origin_m[1]));
@@ -29,40 +27,33 @@ impl Places<'_> {
                 place.longitude_deg, place.latitude_deg, place.heading_deg
             );
             let expected = "a place inside `area` and a compass heading";
-            return Err(self.refuse(key, &found, expected, "move it, or widen `area`"));
+            return Err(refuse(key, &found, expected, "move it, or widen `area`"));
         }
         let level = self.grid.nearest_level(place.heading_deg.to_radians());
         Ok(Pose { i: i as usize, j: j as usize, layer: self.grid.layer(level, self.mode(key, place)?) })
     }
 
-    fn mode(&self, key: &str, place: &Place) -> Result<usize, Failure> {
+    fn mode(&self, key: &str, place: &Place) -> Result<usize, Invalid> {
         let Some(name) = &place.mode else { return Ok(0) };
         let names = || self.grid.modes.iter().map(|m| m.name.as_str()).collect::<Vec<_>>().join(", ");
         self.grid.modes.iter().position(|m| m.name == *name).ok_or_else(|| {
-            self.refuse(&format!("{key}.mode"), &format!("`{name}`"), &names(), "name one of these")
+            refuse(&format!("{key}.mode"), &format!("`{name}`"), &names(), "name one of these")
         })
     }
 
     /// Where the trial may end.
-    pub(super) fn goal(&self, config: &PlanFile, start: Pose) -> Result<Goal, Failure> {
-        match &config.goal {
-            GoalSpec::Any {} => Ok(Goal::Any),
-            GoalSpec::Home {} => Ok(Goal::Poses(vec![start])),
-            GoalSpec::Places { places } if places.is_empty() => Err(self.refuse(
-                "goal.places",
-                "none",
-                "at least one place",
-                "add one, or take kind = \"any\"",
-            )),
-            GoalSpec::Places { places } => {
+    pub(super) fn goal(&self, goal: &Goal, start: Pose) -> Result<lattice::Goal, Invalid> {
+        match goal {
+            Goal::Any {} => Ok(lattice::Goal::Any),
+            Goal::Home {} => Ok(lattice::Goal::Poses(vec![start])),
+            Goal::Places { places } if places.is_empty() => {
+                Err(refuse("goal.places", "none", "at least one place", "add one, or take kind = \"any\""))
+            }
+            Goal::Places { places } => {
                 let poses = places.iter().map(|place| self.pose("goal.places", place));
-                Ok(Goal::Poses(poses.collect::<Result<_, _>>()?))
+                Ok(lattice::Goal::Poses(poses.collect::<Result<_, _>>()?))
             }
         }
-    }
-
-    fn refuse(&self, key: &str, found: &str, expected: &str, remedy: &str) -> Failure {
-        Failure::refuse(self.config_file, &format!("`{key}`"), found, expected, remedy)
     }
 
     /// A pose in words: its place in degrees, and its compass heading.
@@ -74,7 +65,11 @@ impl Places<'_> {
     }
 }
 
+fn refuse(key: &str, found: &str, expected: &str, remedy: &str) -> Invalid {
+    Invalid::new(format!("`{key}`"), found, expected, remedy)
+}
+
 /// A heading in degrees from 0 to 360.
-pub(super) fn compass_deg(heading_rad: f64) -> f64 {
+pub fn compass_deg(heading_rad: f64) -> f64 {
     heading_rad.to_degrees().rem_euclid(360.0)
 }

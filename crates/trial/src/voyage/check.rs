@@ -1,46 +1,42 @@
 //! The finished plan in continuous space: how near the hull comes to what is charted as an obstacle.
 
+use chart::Obstacles;
 use rayon::prelude::*;
-use trial::{Autopilot, Handling, Leg, Piece, Sailed, Ship, sail};
-use vessel::{Invalid, Pose, Streams, Vessel};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use vessel::{Invalid, Pose, Streams};
 
-use study::documents::Check;
+use super::script::Script;
+use crate::Sailed;
 
-/// What is sailed: legs from their nodes (north, east), in order.
-pub(super) struct Script<'a> {
-    pub vessel: &'a Vessel,
-    pub handling: Handling,
-    pub pieces: &'a [Piece],
-    pub mirror: &'a [f64],
-    pub legs: &'a [([f64; 2], Leg)],
-    pub start: Pose,
-    pub speed_m_s: f64,
-    pub known_current_m_s: [f64; 2],
-}
-
-impl Script<'_> {
-    /// Carried out by a vessel with `parameters` in the known current and `unknown` (north, east).
-    pub(super) fn sail(&self, parameters: &[f64], unknown: [f64; 2]) -> Result<Sailed, Invalid> {
-        let mut ship = self.ship(parameters, unknown);
-        let mut autopilot = Autopilot::new(self.vessel, &self.vessel.nominal, self.handling);
-        autopilot.known_current_m_s = self.known_current_m_s;
-        let legs = self.legs.iter().map(|(node, leg)| (*node, leg));
-        sail(legs, self.pieces, self.mirror, &mut ship, &mut autopilot)
-    }
-
-    fn ship<'s>(&'s self, parameters: &[f64], unknown: [f64; 2]) -> Ship<'s> {
-        let mut ship = Ship::new(self.vessel, parameters, self.start, self.speed_m_s);
-        ship.current_m_s = [0, 1].map(|d| self.known_current_m_s[d] + unknown[d]);
-        ship
-    }
+/// The plan simulated in continuous space.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Check {
+    /// Least distance of the hull from anything charted as an obstacle, nominal model, known current \[m\].
+    pub clearance_m: f64,
+    /// Whether the hull stays clear.
+    pub clear: bool,
+    /// Bound on the unknown current \[m/s\].
+    pub unknown_current_m_s: f64,
+    /// Simulations with a constant current of that strength from every side and less, and the true parameters where known.
+    pub runs: u64,
+    /// Of which touched an obstacle.
+    pub aground: u64,
+    /// Least clearance of each run: smallest, 5 %, median \[m\].
+    pub clearance_quantiles_m: [f64; 3],
+    /// The same runs without corrections between maneuvers (the autopilot reckons with the nominal track only).
+    pub aground_open_loop: u64,
 }
 
 /// Distance of the hull from obstacles.
 pub(super) struct Clearance<'a> {
     /// Outline about the reference point, x forward, y to starboard \[m\].
     pub outline: &'a [[f64; 2]],
-    /// Distance of a place (east, north) from the nearest obstacle \[m\]: for transit, and for informative maneuvers.
-    pub distance_m: [&'a (dyn Fn([f64; 2]) -> f64 + Sync); 2],
+    /// In transit.
+    pub transit: &'a Obstacles,
+    /// In informative maneuvers.
+    pub trial: &'a Obstacles,
 }
 
 impl Clearance<'_> {
@@ -48,10 +44,11 @@ impl Clearance<'_> {
     fn at(&self, pose: Pose, informative: bool) -> f64 {
         let (sin, cos) = pose.psi.sin_cos();
         let place = |[x, y]: [f64; 2]| [pose.y + x * sin + y * cos, pose.x + x * cos - y * sin];
-        let distance = self.distance_m[usize::from(informative)];
+        let obstacles = if informative { self.trial } else { self.transit };
         let next = |i: usize| self.outline[(i + 1) % self.outline.len()];
         let between = |a: [f64; 2], b: [f64; 2]| [(a[0] + b[0]) / 2.0, (a[1] + b[1]) / 2.0];
         let points = self.outline.iter().enumerate().flat_map(|(i, p)| [*p, between(*p, next(i))]);
+        let distance = |[east, north]: [f64; 2]| obstacles.distance_m(east, north);
         points.map(|p| distance(place(p))).fold(f64::INFINITY, f64::min)
     }
 
@@ -83,7 +80,7 @@ impl Trials<'_> {
         let one = |run: u32| {
             let unknown = self.current(run);
             let sailed = self.script.sail(&truth, unknown)?;
-            let open = self.open_loop(nominal, &truth, unknown);
+            let open = self.script.repeat(nominal, &truth, unknown);
             Ok((self.clearance.least(&sailed), self.clearance.least(&open), sailed))
         };
         let found: Vec<(f64, f64, Sailed)> =
@@ -115,16 +112,5 @@ impl Trials<'_> {
         let (sin, cos) = (std::f64::consts::TAU * part(0)).sin_cos();
         let speed = self.unknown_current_m_s * part(1);
         [speed * cos, speed * sin]
-    }
-
-    /// The nominal track's inputs, sample by sample, without corrections.
-    fn open_loop(&self, nominal: &Sailed, truth: &[f64], unknown: [f64; 2]) -> Sailed {
-        let mut ship = self.script.ship(truth, unknown);
-        let mut sailed = Sailed { samples: Vec::with_capacity(nominal.samples.len()), ends: Vec::new() };
-        for sample in &nominal.samples {
-            sailed.samples.push(trial::Sample { pose: ship.pose, state: ship.state, ..sample.clone() });
-            ship.step(&sample.inputs);
-        }
-        sailed
     }
 }

@@ -3,16 +3,14 @@
 use std::path::Path;
 
 use artifact::{
-    Column, ColumnSpec, Kind, Provenance, Staged, Table, TableReader, TableSchema, TableWriter, encode_block,
-    read_document,
+    Column, ColumnSpec, Error, Kind, Provenance, Staged, Table, TableReader, TableSchema, TableWriter,
+    encode_block, read_document,
 };
 use chart::Plane;
 use trial::Sailed;
 use vessel::{Pose, Vessel};
 
-use crate::cli::beside;
-use crate::failure::Failure;
-use study::documents::PlanDocument;
+use crate::documents::PlanDocument;
 
 /// Schema id.
 pub const TRACK: &str = "track";
@@ -49,14 +47,17 @@ fn inputs(vessel: &Vessel) -> Vec<ColumnSpec> {
 }
 
 /// Writes the samples and the end; `names`: of every leg.
-pub(super) fn stage_track(
+///
+/// # Errors
+/// Output that fails.
+pub fn stage_track(
     out: &Path,
     provenance: &Provenance,
     vessel: &Vessel,
     plane: &Plane,
     names: &[String],
     sailed: &Sailed,
-) -> Result<Staged, Failure> {
+) -> Result<Staged, Error> {
     let schema = schema(vessel);
     let mut labels: Vec<String> = names.to_vec();
     labels.sort();
@@ -93,7 +94,7 @@ pub(super) fn stage_track(
     }
     let mut writer = TableWriter::create(out, &schema, provenance)?;
     writer.push(encode_block(&schema, &Table { columns })?)?;
-    Ok(writer.finish()?)
+    writer.finish()
 }
 
 /// A planned trajectory, as read.
@@ -110,20 +111,20 @@ pub struct Track {
 ///
 /// # Errors
 /// A plan of a lattice problem, which has no track; a track that was not written with the plan; as [`read_track`].
-pub fn read_planned(plan: &Path, vessel: &Vessel, provenance: &mut Provenance) -> Result<Track, Failure> {
+pub fn read_planned(plan: &Path, vessel: &Vessel, provenance: &mut Provenance) -> Result<Track, Error> {
     let document = read_document::<PlanDocument>(plan)?;
     if document.data.voyage.is_none() {
         let found = "none: the plan of a lattice problem";
         let remedy = "plan on a chart, with --vessel, --trajectories and --config";
-        return Err(Failure::refuse(plan, "`data.voyage`", found, "a plan on a chart", remedy));
+        return Err(Error::refuse(plan, "`data.voyage`", found, "a plan on a chart", remedy));
     }
-    let path = beside(plan, "track.parquet");
+    let path = plan.with_file_name("track.parquet");
     let track = TableReader::open(&path, TRACK, TRACK_VERSION)?;
     let of = |p: &Provenance| (p.inputs.clone(), p.settings.clone());
     if of(track.provenance()) != of(&document.provenance) {
         let expected = format!("the track that was written with {}", plan.display());
         let found = "a track planned from other inputs or with another seed";
-        return Err(Failure::refuse(&path, "provenance", found, &expected, "plan again"));
+        return Err(Error::refuse(&path, "provenance", found, expected, "plan again"));
     }
     provenance.inputs.insert("plan".into(), document.digest);
     read_track(&path, vessel, provenance)
@@ -133,7 +134,7 @@ pub fn read_planned(plan: &Path, vessel: &Vessel, provenance: &mut Provenance) -
 ///
 /// # Errors
 /// A file that is no track of this vessel.
-pub fn read_track(path: &Path, vessel: &Vessel, provenance: &mut Provenance) -> Result<Track, Failure> {
+pub fn read_track(path: &Path, vessel: &Vessel, provenance: &mut Provenance) -> Result<Track, Error> {
     let reader = TableReader::open(path, TRACK, TRACK_VERSION)?;
     let required = schema(vessel).columns;
     reader.require(&required)?;
@@ -149,7 +150,7 @@ pub fn read_track(path: &Path, vessel: &Vessel, provenance: &mut Provenance) -> 
         let table = reader.read_block(block, &names)?;
         let wrong = |i: usize| {
             let thing = format!("column `{}`", names[i]);
-            Failure::refuse(path, &thing, "another type", "the type of its schema", "plan again")
+            Error::refuse(path, thing, "another type", "the type of its schema", "plan again")
         };
         let steps = table.columns[0].as_i32().ok_or_else(|| wrong(0))?;
         let informative = table.columns[2].as_i32().ok_or_else(|| wrong(2))?;
@@ -168,9 +169,9 @@ pub fn read_track(path: &Path, vessel: &Vessel, provenance: &mut Provenance) -> 
             for (i, column) in table.columns[6..].iter().enumerate() {
                 let thing = || format!("column `{}`, row {}", own[i].name, row + 1);
                 let missing = || {
-                    Failure::refuse(
+                    Error::refuse(
                         path,
-                        &thing(),
+                        thing(),
                         "no value",
                         "a number in every row but the last",
                         "plan again",
@@ -181,7 +182,7 @@ pub fn read_track(path: &Path, vessel: &Vessel, provenance: &mut Provenance) -> 
         }
     }
     if track.inputs.is_empty() {
-        return Err(Failure::refuse(path, "rows", "none", "at least one sample", "plan again"));
+        return Err(Error::refuse(path, "rows", "none", "at least one sample", "plan again"));
     }
     Ok(track)
 }

@@ -1,37 +1,33 @@
 //! `map.svg`: the plan on its chart.
 
-use std::path::Path;
-
-use artifact::Staged;
-use chart::{Bounds, Causes, Chart, Class, GridCell, Obstacles, PlacedGrid, Plane};
-use report::figures::map as figure;
-use trial::{Grid, Sailed, Sample};
-
-use crate::cli::beside;
-use crate::failure::Failure;
+use chart::{Bounds, Causes, Class, GridCell, Obstacles, PlacedGrid, Plane};
 use study::documents::PlanDocument;
+use trial::voyage::{Prepared, Sailing, Solved};
+use trial::{Sailed, Sample};
 
-/// What is drawn.
-pub(super) struct Drawing<'a> {
-    pub chart: &'a Chart,
-    pub grid: &'a Grid,
+use crate::figures::map as figure;
+
+/// A planned trial to be drawn.
+pub struct PlanMap<'a> {
+    /// Chart and lattice.
+    pub prepared: &'a Prepared,
+    /// What is blocked.
+    pub solved: &'a Solved,
+    /// What is sailed.
+    pub sailing: &'a Sailing,
+    /// The plan.
     pub document: &'a PlanDocument,
-    pub sailed: &'a Sailed,
-    /// The same in unknown currents.
-    pub runs: &'a [Sailed],
-    /// Obstacles of transit and of informative maneuvers, with the margin that is kept in transit.
-    pub transit: &'a Obstacles,
-    pub trial: &'a Obstacles,
-    pub outline: &'a [[f64; 2]],
 }
 
-/// Stages `map.svg` beside `out`.
-pub(super) fn stage_map(out: &Path, drawing: &Drawing) -> Result<Staged, Failure> {
-    let svg = figure::map_figure(&drawing.map()).map_err(|e| Failure::Failed(format!("map: {e}")))?;
-    Ok(Staged::bytes(beside(out, "map.svg"), svg.as_bytes())?)
-}
+impl PlanMap<'_> {
+    /// The map as SVG.
+    ///
+    /// # Errors
+    /// As [`figure::map_figure`].
+    pub fn svg(&self) -> Result<String, figure::MapError> {
+        figure::map_figure(&self.map())
+    }
 
-impl Drawing<'_> {
     fn map(&self) -> figure::Map {
         let bounds = self.frame();
         let frame = figure::Frame {
@@ -40,22 +36,22 @@ impl Drawing<'_> {
             east: bounds.max[0],
             north: bounds.max[1],
         };
-        let ends: Vec<[f64; 2]> = self.sailed.ends.iter().map(|(pose, _)| [pose.y, pose.x]).collect();
+        let ends: Vec<[f64; 2]> = self.sailing.sailed.ends.iter().map(|(pose, _)| [pose.y, pose.x]).collect();
         figure::Map {
             title: "Planned trial".to_owned(),
             description: format!(
                 "{} steps, {} {}: {}",
                 self.document.steps.len(),
                 self.document.cost,
-                self.document.cost_unit,
+                self.document.cost_unit.name(),
                 self.document.statement
             ),
             frame,
-            background: match self.chart.uncharted() {
+            background: match self.prepared.chart.uncharted() {
                 chart::Uncharted::Water => figure::Background::Water,
                 chart::Uncharted::Obstacle => figure::Background::Uncharted,
             },
-            depth_limits_m: if self.chart.has_depth() {
+            depth_limits_m: if self.prepared.chart.has_depth() {
                 vec![0.0, 2.0, 5.0, 10.0, 20.0, 50.0]
             } else {
                 Vec::new()
@@ -66,29 +62,29 @@ impl Drawing<'_> {
             maneuvers: self.maneuvers(),
             tracks: self.tracks(),
             hulls: self.hulls(),
-            start: self.sailed.samples.first().map(place),
+            start: self.sailing.sailed.samples.first().map(place),
             goal: ends.last().copied(),
-            graticule: graticule(self.chart.plane(), &bounds),
+            graticule: graticule(self.prepared.chart.plane(), &bounds),
         }
     }
 
     /// The lattice's area.
     fn frame(&self) -> Bounds {
-        let half = self.grid.cell_m / 2.0;
+        let half = self.prepared.grid.cell_m / 2.0;
         let far = [
-            self.grid.origin_m[0] + self.grid.cell_m * (self.grid.nx as f64 - 0.5),
-            self.grid.origin_m[1] + self.grid.cell_m * (self.grid.ny as f64 - 0.5),
+            self.prepared.grid.origin_m[0] + self.prepared.grid.cell_m * (self.prepared.grid.nx as f64 - 0.5),
+            self.prepared.grid.origin_m[1] + self.prepared.grid.cell_m * (self.prepared.grid.ny as f64 - 0.5),
         ];
-        Bounds { min: self.grid.origin_m.map(|o| o - half), max: far }
+        Bounds { min: self.prepared.grid.origin_m.map(|o| o - half), max: far }
     }
 
     /// Gridded charts, as classes on the raster of the obstacles.
     fn cells(&self) -> Option<figure::Cells> {
-        let grids = self.chart.grids();
+        let grids = self.prepared.chart.grids();
         if grids.is_empty() {
             return None;
         }
-        let raster = self.transit.raster();
+        let raster = self.solved.waters.transit().raster();
         let class = |k: usize| {
             let at = raster.node(k % raster.nx, k / raster.nx).map(|o| o + raster.cell_m / 2.0);
             grids.iter().find_map(|grid| match cell_at(grid, at)? {
@@ -103,7 +99,7 @@ impl Drawing<'_> {
     }
 
     fn cells_grid(&self) -> figure::Grid {
-        let raster = self.transit.raster();
+        let raster = self.solved.waters.transit().raster();
         figure::Grid { origin: raster.origin, cell_m: raster.cell_m, nx: raster.nx, ny: raster.ny }
     }
 
@@ -118,7 +114,7 @@ impl Drawing<'_> {
             let ring = rings.next().filter(|ring| ring.len() >= 3)?;
             Some(figure::Area { class, ring, holes: rings.filter(|ring| ring.len() >= 3).collect() })
         };
-        self.chart.drawn(bounds).into_iter().filter_map(area).collect()
+        self.prepared.chart.drawn(bounds).into_iter().filter_map(area).collect()
     }
 
     /// What only depth (of water that is charted) or margin blocks.
@@ -134,7 +130,11 @@ impl Drawing<'_> {
             let blocked = (0..raster.nx * raster.ny).map(own).collect();
             figure::Margin { purpose, grid: self.cells_grid(), blocked }
         };
-        vec![margin(figure::Purpose::Trial, self.trial), margin(figure::Purpose::Transit, self.transit)]
+        let waters = &self.solved.waters;
+        vec![
+            margin(figure::Purpose::Trial, waters.deepest(&self.prepared.rehearsed)),
+            margin(figure::Purpose::Transit, waters.transit()),
+        ]
     }
 
     fn maneuvers(&self) -> Vec<figure::Maneuver> {
@@ -144,10 +144,10 @@ impl Drawing<'_> {
     }
 
     fn tracks(&self) -> Vec<figure::Track> {
-        let mut tracks: Vec<figure::Track> = self.runs.iter().map(realization).collect();
+        let mut tracks: Vec<figure::Track> = self.sailing.runs.iter().map(realization).collect();
         let names: Vec<&String> = self.document.counts.keys().collect();
         let mut number = 0;
-        let samples = &self.sailed.samples;
+        let samples = &self.sailing.sailed.samples;
         let mut start = 0;
         for stretch in samples.chunk_by(|a, b| a.leg == b.leg && a.informative == b.informative) {
             let leg = &self.document.voyage.as_ref().map(|v| &v.legs[stretch[0].leg]);
@@ -168,18 +168,19 @@ impl Drawing<'_> {
     }
 
     fn end(&self) -> [f64; 2] {
-        self.sailed.ends.last().map_or([0.0; 2], |(pose, _)| [pose.y, pose.x])
+        self.sailing.sailed.ends.last().map_or([0.0; 2], |(pose, _)| [pose.y, pose.x])
     }
 
     /// The hull where a maneuver begins.
     fn hulls(&self) -> Vec<Vec<[f64; 2]>> {
         let begins =
-            self.sailed.samples.windows(2).filter(|pair| !pair[0].informative && pair[1].informative);
+            self.sailing.sailed.samples.windows(2).filter(|pair| !pair[0].informative && pair[1].informative);
+        let outline = self.prepared.brief.task.hull.outline();
         let corner = |sample: &Sample, [x, y]: [f64; 2]| {
             let (sin, cos) = sample.pose.psi.sin_cos();
             [sample.pose.y + x * sin + y * cos, sample.pose.x + x * cos - y * sin]
         };
-        begins.map(|pair| self.outline.iter().map(|p| corner(&pair[1], *p)).collect()).collect()
+        begins.map(|pair| outline.iter().map(|p| corner(&pair[1], *p)).collect()).collect()
     }
 }
 

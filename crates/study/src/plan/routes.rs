@@ -1,47 +1,46 @@
 //! The plan as files for others: GeoJSON track, RTZ and GPX route.
 
-use std::path::Path;
-
-use artifact::Staged;
-use chart::Plane;
 use chart::route::{Feature, Geometry, Route, Track, TrackPoint, Waypoint, geojson, gpx, rtz};
+use chart::{Invalid, Plane};
 use serde_json::{Value, json};
-use trial::{Sailed, Sample};
+use trial::{Sailed, Sample, Side};
 
-use super::chart_layers::invalid;
-use crate::cli::beside;
-use crate::failure::Failure;
-use study::documents::{PlanDocument, Voyage, VoyageLeg};
+use crate::documents::{PlanDocument, Voyage, VoyageLeg};
 
 /// A plan's track on the globe.
-pub(super) struct Geographic<'a> {
+pub struct Routes<'a> {
+    /// The plane that it was sailed on.
     pub plane: &'a Plane,
+    /// The plan.
     pub document: &'a PlanDocument,
+    /// Its part at sea.
     pub voyage: &'a Voyage,
+    /// What was sailed.
     pub sailed: &'a Sailed,
+    /// Samples per second.
     pub rate_hz: f64,
 }
 
-/// Stages `track.geojson`, `route.rtz` and `route.gpx` beside `out`.
-pub(super) fn stage_routes(out: &Path, own: &Geographic) -> Result<Vec<Staged>, Failure> {
-    let mut route = Route { name: "route".to_owned(), waypoints: own.waypoints(), departure_utc: None };
-    route.fit_radii();
-    let refuse = |name: &str, e: chart::Invalid| match invalid(&beside(out, name), &e) {
-        Failure::Refused(message) => Failure::Failed(message),
-        other => other,
-    };
-    let files = [
-        ("track.geojson", geojson(&own.features())),
-        ("route.rtz", rtz(&route)),
-        ("route.gpx", gpx(&route, &[own.track()])),
-    ];
-    let stage = |(name, text): (&str, Result<String, chart::Invalid>)| {
-        Ok(Staged::bytes(beside(out, name), text.map_err(|e| refuse(name, e))?.as_bytes())?)
-    };
-    files.into_iter().map(stage).collect()
-}
+impl Routes<'_> {
+    /// Names and contents of `track.geojson`, `route.rtz` and `route.gpx`.
+    ///
+    /// # Errors
+    /// A route that the format cannot hold, with the name of its file.
+    pub fn files(&self) -> Result<Vec<(&'static str, String)>, (&'static str, Invalid)> {
+        let mut route = Route { name: "route".to_owned(), waypoints: self.waypoints(), departure_utc: None };
+        route.fit_radii();
+        let files = [
+            ("track.geojson", geojson(&self.features())),
+            ("route.rtz", rtz(&route)),
+            ("route.gpx", gpx(&route, &[self.track()])),
+        ];
+        let named = |(name, text): (&'static str, Result<String, Invalid>)| match text {
+            Ok(text) => Ok((name, text)),
+            Err(invalid) => Err((name, invalid)),
+        };
+        files.into_iter().map(named).collect()
+    }
 
-impl Geographic<'_> {
     fn place(&self, sample: &Sample) -> [f64; 2] {
         self.position([sample.pose.y, sample.pose.x])
     }
@@ -163,9 +162,9 @@ impl Geographic<'_> {
 }
 
 /// What is done on a leg, in words.
-pub(super) fn what(leg: &VoyageLeg) -> String {
-    match leg.side.as_deref() {
-        Some("mirrored") => format!("{} (mirrored)", leg.name),
+fn what(leg: &VoyageLeg) -> String {
+    match leg.side {
+        Some(Side::Mirrored) => format!("{} (mirrored)", leg.name),
         _ => leg.name.clone(),
     }
 }

@@ -1,0 +1,93 @@
+//! The files of a plan on a chart: read, and guarded from being overwritten.
+
+use std::path::{Path, PathBuf};
+
+use artifact::{Provenance, read_document, read_toml};
+use study::documents::DesignDocument;
+use study::files::read_vessel;
+use study::plan::{PlanFile, read_charts};
+use study::trajectories::{Layout, TrajectoryReader};
+use trial::voyage::{Brief, Shares};
+use vessel::{Run, Vessel};
+
+use crate::cli::beside;
+use crate::failure::Failure;
+
+/// The files of a plan on a chart.
+pub struct VoyageFiles<'a> {
+    /// `vessel.toml`.
+    pub vessel: &'a Path,
+    /// `plan.toml`.
+    pub config: &'a Path,
+    /// The dictionary's trajectories.
+    pub trajectories: &'a Path,
+    /// `design.json`, for counts that follow from its shares.
+    pub design: Option<&'a Path>,
+}
+
+/// What is written beside `plan.json`.
+const BESIDE: [&str; 5] = ["track.parquet", "track.geojson", "route.rtz", "route.gpx", "map.svg"];
+
+impl VoyageFiles<'_> {
+    /// Reads everything for a plan that is to be written to `out`.
+    pub(super) fn read(&self, out: &Path, provenance: &mut Provenance, seed: u64) -> Result<Brief, Failure> {
+        check_names(out)?;
+        let vessel = read_vessel(self.vessel, provenance)?;
+        let (config, digest) = read_toml::<PlanFile>(self.config)?;
+        provenance.inputs.insert("plan".into(), digest);
+        let task = config.task().map_err(|e| Failure::invalid(self.config, &e))?;
+        let dictionary = dictionary(self.trajectories, &vessel, provenance)?;
+        let design = self.design.map(|path| shares(path, provenance)).transpose()?;
+        let layers = read_charts(self.config, &config, provenance)?;
+        self.check_inputs(&config, out)?;
+        Ok(Brief { vessel, task, layers, dictionary, design, seed })
+    }
+
+    /// Refuses to write over an input: any of them beside `out`, and charts under its own name.
+    fn check_inputs(&self, config: &PlanFile, out: &Path) -> Result<(), Failure> {
+        let folder = self.config.parent().unwrap_or(Path::new(""));
+        let charts = config.chart.iter().map(|spec| folder.join(&spec.file));
+        let others = [Some(self.vessel), Some(self.config), Some(self.trajectories), self.design];
+        let inputs: Vec<PathBuf> =
+            charts.chain(others.into_iter().flatten().map(Path::to_path_buf)).collect();
+        let outputs = BESIDE.iter().map(|name| beside(out, name)).chain([out.to_path_buf()]);
+        for output in outputs.filter_map(|path| path.canonicalize().ok()) {
+            let same = |input: &&PathBuf| input.canonicalize().is_ok_and(|path| path == output);
+            if let Some(input) = inputs.iter().find(same) {
+                return Err(Failure::Usage(format!(
+                    "--out: found {}, an input that what is written beside it would replace, expected another folder; name one",
+                    input.display()
+                )));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Refuses a main output under the name of one beside it.
+fn check_names(out: &Path) -> Result<(), Failure> {
+    let name = BESIDE.iter().find(|name| out.file_name().is_some_and(|own| own == **name));
+    name.map_or(Ok(()), |name| {
+        let message =
+            format!("--out: found {name}, which is written beside it, expected another name; take plan.json");
+        Err(Failure::Usage(message))
+    })
+}
+
+/// All runs of the dictionary's trajectories.
+fn dictionary(path: &Path, vessel: &Vessel, provenance: &mut Provenance) -> Result<Vec<Run>, Failure> {
+    let reader = TrajectoryReader::open(path, &Layout::new(&vessel.model), vessel.sample_rate_hz)?;
+    reader.whole()?;
+    provenance.inputs.insert("trajectories".into(), reader.digest());
+    let mut runs = Vec::new();
+    for block in 0..reader.blocks() {
+        runs.extend(reader.runs(block)?);
+    }
+    Ok(runs)
+}
+
+fn shares(path: &Path, provenance: &mut Provenance) -> Result<Shares, Failure> {
+    let design = read_document::<DesignDocument>(path)?;
+    provenance.inputs.insert("design".into(), design.digest);
+    Ok(Shares { order: design.data.order, share: design.data.shares })
+}

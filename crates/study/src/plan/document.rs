@@ -1,0 +1,100 @@
+//! `plan.json` of what was planned.
+
+use std::collections::BTreeMap;
+
+use lattice::{Pose, Problem, Solution, Status, Step};
+use trial::voyage::{Prepared, Sailing, Solved};
+
+use super::legs::Legs;
+use crate::documents::{CostUnit, PlanDocument, PlanPose, PlanStatus, PlanStep, SecondaryCost, Voyage};
+
+/// The plan of a lattice problem.
+pub fn of_problem(problem: &Problem, solution: &Solution) -> PlanDocument {
+    let pose = |p: Pose| PlanPose { i: p.i as u64, j: p.j as u64, h: p.layer as u64, mode: None };
+    plan(problem, solution, CostUnit::Cost, pose)
+}
+
+/// The plan of a trial on a chart, as sailed.
+pub fn of_voyage(prepared: &Prepared, solved: &Solved, sailing: &Sailing) -> PlanDocument {
+    let (grid, cost) = (&prepared.grid, prepared.brief.task.cost);
+    let pose = |p: Pose| {
+        let (level, mode) = grid.level_and_mode(p.layer);
+        let mode = Some(grid.modes[mode].name.clone());
+        PlanPose { i: p.i as u64, j: p.j as u64, h: level as u64, mode }
+    };
+    let Solved { problem, solution, .. } = solved;
+    PlanDocument {
+        secondary: Some(SecondaryCost { name: cost.secondary, value: solution.cost.secondary }),
+        voyage: Some(voyage(prepared, solved, sailing)),
+        ..plan(problem, solution, cost.primary.into(), pose)
+    }
+}
+
+fn plan(
+    problem: &Problem,
+    solution: &Solution,
+    cost_unit: CostUnit,
+    pose: impl Fn(Pose) -> PlanPose,
+) -> PlanDocument {
+    let step = |s: &Step| PlanStep {
+        action: problem.actions()[s.action].name.clone(),
+        variant: s.variant as u64,
+        from: pose(s.from),
+        to: pose(s.to),
+        cost: s.cost.primary,
+    };
+    let (status, statement) = status(problem, solution);
+    PlanDocument {
+        status,
+        statement,
+        cost_unit,
+        cost: solution.cost.primary,
+        lower_bound: solution.lower_bound.primary,
+        secondary: None,
+        counts: uses(problem, solution),
+        steps: solution.steps.iter().map(step).collect(),
+        voyage: None,
+    }
+}
+
+/// What is known of the plan, and the same in words.
+fn status(problem: &Problem, solution: &Solution) -> (PlanStatus, String) {
+    match solution.status {
+        Status::Optimal => {
+            let states = problem.states();
+            let statement = format!("Proved: no plan over the {states} states of the lattice costs less.");
+            (PlanStatus::Optimal, statement)
+        }
+        Status::Feasible { .. } => (
+            PlanStatus::Feasible,
+            format!(
+                "Not proved optimal: no plan costs less than {}, so this one is at most {} dearer than the best.",
+                solution.lower_bound.primary,
+                solution.gap()
+            ),
+        ),
+    }
+}
+
+/// Uses of every informative action.
+fn uses(problem: &Problem, solution: &Solution) -> BTreeMap<String, u64> {
+    let used = |index: usize| solution.steps.iter().filter(|s| s.action == index).count() as u64;
+    let informative = problem.actions().iter().enumerate().filter(|(_, action)| action.required > 0);
+    informative.map(|(index, action)| (action.name.clone(), used(index))).collect()
+}
+
+fn voyage(prepared: &Prepared, solved: &Solved, sailing: &Sailing) -> Voyage {
+    let samples = &sailing.sailed.samples;
+    let rate_hz = prepared.brief.vessel.sample_rate_hz;
+    let legs = Legs { prepared, solved, sailing };
+    Voyage {
+        lattice: legs.lattice(),
+        legs: legs.as_sailed(),
+        primitives: legs.primitives(),
+        duration_s: samples.len() as f64 / rate_hz,
+        informative_s: samples.iter().filter(|s| s.informative).count() as f64 / rate_hz,
+        check: sailing.check.clone(),
+        information: sailing.information.clone(),
+        front: solved.front.clone(),
+    }
+}

@@ -1,0 +1,129 @@
+//! `plan.toml`.
+
+use std::path::PathBuf;
+
+use serde::Deserialize;
+use trial::voyage::{Area, CostRule, Goal, Hull, ManeuverUse, Place, Safety};
+use trial::{Handling, Mode};
+
+/// `plan.toml` as written.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PlanFile {
+    /// Distance of neighbouring nodes of the lattice \[m\].
+    pub cell_m: f64,
+    /// Heading levels: 4, 8 or 16.
+    pub headings: usize,
+    /// Raster cells per lattice cell, even: how finely the chart and the hull's swept area are compared.
+    #[serde(default = "raster_per_cell")]
+    pub raster_per_cell: usize,
+    /// Corners of the lattice.
+    pub area: Area,
+    /// Charts, all of them at once.
+    pub chart: Vec<ChartSpec>,
+    /// What uncharted places count as: obstacles as soon as a chart has depths, else water.
+    pub uncharted: Option<chart::Uncharted>,
+    /// The hull.
+    pub hull: Hull,
+    /// Depths and distances to keep.
+    pub safety: Safety,
+    /// The current that is known.
+    pub known_current: Option<KnownCurrent>,
+    /// How the vessel is handled between maneuvers.
+    pub handling: Handling,
+    /// What comes before and after a maneuver.
+    #[serde(default)]
+    pub approach: ApproachSpec,
+    /// Speeds that the vessel may have at a node, besides being at rest.
+    #[serde(default)]
+    pub speed_mode: Vec<Mode>,
+    /// The maneuvers to place; without any, those of the design.
+    #[serde(default)]
+    pub maneuver: Vec<ManeuverUse>,
+    /// Time in informative maneuvers, for counts that follow from the design's shares \[s\].
+    pub informative_s: Option<f64>,
+    /// Where the trial begins.
+    pub start: Place,
+    /// Where it may end.
+    pub goal: Goal,
+    /// What is minimised.
+    #[serde(default)]
+    pub cost: CostRule,
+}
+
+fn raster_per_cell() -> usize {
+    4
+}
+
+/// One chart.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ChartSpec {
+    /// GeoJSON (`.geojson`, `.json`) or ESRI ASCII grid (`.asc`), relative to this file.
+    pub file: PathBuf,
+    /// What it shows.
+    pub kind: ChartKind,
+    /// Its coordinates; GeoJSON is always in WGS84.
+    pub crs: Option<String>,
+    /// Property with the least depth of an area.
+    #[serde(default = "least")]
+    pub least: String,
+    /// Property with its greatest depth, for drawing.
+    #[serde(default = "greatest")]
+    pub greatest: String,
+    /// Only these features.
+    pub only: Option<chart::Filter>,
+    /// A grid of open sea, without land or missing cells.
+    #[serde(default)]
+    pub open_sea: bool,
+}
+
+fn least() -> String {
+    "DRVAL1".to_owned()
+}
+
+fn greatest() -> String {
+    "DRVAL2".to_owned()
+}
+
+/// What a chart shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ChartKind {
+    /// Polygons of land, or a grid of 1 (land) and 0 (water of unknown depth).
+    Land,
+    /// Polygons to keep out of.
+    NoGo,
+    /// Depth areas, or a grid of depths, positive down.
+    Depth,
+    /// A grid of elevations, negative down.
+    Elevation,
+}
+
+/// A current, by where it sets.
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct KnownCurrent {
+    /// Speed \[m/s\].
+    pub speed_m_s: f64,
+    /// Compass direction that it sets towards.
+    pub towards_deg: f64,
+}
+
+/// What comes before and after a maneuver.
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct ApproachSpec {
+    /// Steady approach \[s\].
+    pub run_in_s: f64,
+    /// Largest distance from the node at the end of a leg, as a fraction of the cell.
+    pub tolerance_cells: f64,
+    /// Largest difference of heading at the end of a leg.
+    pub tolerance_deg: f64,
+}
+
+impl Default for ApproachSpec {
+    fn default() -> Self {
+        Self { run_in_s: 30.0, tolerance_cells: 0.1, tolerance_deg: 6.0 }
+    }
+}

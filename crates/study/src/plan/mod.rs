@@ -1,0 +1,14 @@
+//! A plan on a chart: what `plan.toml` asks, and the files that tell the plan.
+
+mod charts;
+mod check;
+mod document;
+mod file;
+mod legs;
+mod routes;
+mod task;
+
+pub use charts::read_charts;
+pub use document::{of_problem, of_voyage};
+pub use file::{ApproachSpec, ChartKind, ChartSpec, KnownCurrent, PlanFile};
+pub use routes::Routes;

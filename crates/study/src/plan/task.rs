@@ -1,0 +1,54 @@
+//! What `plan.toml` asks, as the science takes it.
+
+use trial::Approach;
+use trial::voyage::Task;
+use vessel::Invalid;
+
+use super::file::{ApproachSpec, KnownCurrent, PlanFile};
+
+impl PlanFile {
+    /// What is asked.
+    ///
+    /// # Errors
+    /// Numbers without meaning: names the key.
+    pub fn task(&self) -> Result<Task, Invalid> {
+        self.check()?;
+        Ok(Task {
+            area: self.area,
+            cell_m: self.cell_m,
+            headings: self.headings,
+            raster_per_cell: self.raster_per_cell,
+            uncharted: self.uncharted,
+            hull: self.hull,
+            safety: self.safety,
+            known_current_m_s: self.known_current.map_or([0.0; 2], |current| current.components_m_s()),
+            handling: self.handling,
+            approach: self.approach.on_cells(self.cell_m),
+            modes: self.speed_mode.clone(),
+            maneuvers: self.maneuver.clone(),
+            informative_s: self.informative_s,
+            start: self.start.clone(),
+            goal: self.goal.clone(),
+            cost: self.cost,
+        })
+    }
+}
+
+impl KnownCurrent {
+    /// North and east \[m/s\].
+    fn components_m_s(self) -> [f64; 2] {
+        let (sin, cos) = self.towards_deg.to_radians().sin_cos();
+        [self.speed_m_s * cos, self.speed_m_s * sin]
+    }
+}
+
+impl ApproachSpec {
+    /// With tolerances in metres and radians, on cells of `cell_m`.
+    fn on_cells(self, cell_m: f64) -> Approach {
+        Approach {
+            run_in_s: self.run_in_s,
+            tolerance_m: self.tolerance_cells * cell_m,
+            tolerance_rad: self.tolerance_deg.to_radians(),
+        }
+    }
+}

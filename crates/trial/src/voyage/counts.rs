@@ -1,0 +1,127 @@
+//! Which pieces, how often: from the design's shares or as the task says.
+
+use std::collections::BTreeMap;
+
+use vessel::{Invalid, Run, Vessel};
+
+use super::error::VoyageError;
+use super::task::{ManeuverUse, Task};
+use crate::{BASIC_MOVES, Piece};
+
+/// Most uses of a maneuver that a share may come to.
+const MOST_USES: f64 = 1e6;
+
+/// A piece with the number of its uses.
+#[derive(Clone, Debug)]
+pub struct Wanted {
+    /// What is run open loop as one use.
+    pub piece: Piece,
+    /// How often.
+    pub count: u32,
+}
+
+/// A design's shares of the time in maneuvers.
+#[derive(Clone, Debug, Default)]
+pub struct Shares {
+    /// The design's maneuvers, in its order.
+    pub order: Vec<String>,
+    /// N_q/N by maneuver.
+    pub share: BTreeMap<String, f64>,
+}
+
+/// Where counts come from.
+pub(super) struct Counts<'a> {
+    pub task: &'a Task,
+    pub vessel: &'a Vessel,
+    /// One run per maneuver.
+    pub dictionary: &'a [Run],
+    pub design: Option<&'a Shares>,
+}
+
+impl Counts<'_> {
+    /// The pieces of the maneuvers that the task names (without any, of those that the design uses) with their counts.
+    pub(super) fn wanted(&self) -> Result<Vec<Wanted>, VoyageError> {
+        let mut all: Vec<Wanted> = Vec::new();
+        for maneuver in &self.named()? {
+            check_name(&maneuver.name, &all)?;
+            let piece = self.piece(maneuver)?;
+            let count = maneuver.count.map_or_else(|| self.count(&piece), Ok)?;
+            if count > 0 {
+                all.push(Wanted { piece, count });
+            }
+        }
+        if all.is_empty() {
+            let found = "no maneuver that is used at least once";
+            let remedy = "raise a `count`, lengthen `informative_s` or shorten `piece_s`";
+            return Err(Invalid::new("counts", found, "at least one use", remedy).into());
+        }
+        Ok(all)
+    }
+
+    fn named(&self) -> Result<Vec<ManeuverUse>, Invalid> {
+        match (&self.task.maneuvers[..], self.design) {
+            ([], Some(design)) => Ok(design.used()),
+            ([], None) => Err(Invalid::new(
+                "[[maneuver]]",
+                "none, and no design",
+                "maneuvers with their counts, or a design that has shares",
+                "add [[maneuver]] tables, or give --design",
+            )),
+            (named, _) => Ok(named.to_vec()),
+        }
+    }
+
+    fn piece(&self, wanted: &ManeuverUse) -> Result<Piece, VoyageError> {
+        let names = || self.dictionary.iter().map(|run| run.segments[0].maneuver.clone());
+        let Some(run) = self.dictionary.iter().find(|run| run.segments[0].maneuver == wanted.name) else {
+            return Err(VoyageError::UnknownManeuver { name: wanted.name.clone(), known: names().collect() });
+        };
+        let (width, all) = (self.vessel.model.inputs, self.vessel.model.exogenous());
+        let rows = run.exogenous.chunks_exact(all);
+        let inputs: Vec<f64> = rows.flat_map(|row| row[..width].to_vec()).collect();
+        let target = wanted.piece_s.map(|s| self.vessel.samples(s));
+        Ok(Piece::cut(&wanted.name, run.initial[0], &inputs, width, target)?)
+    }
+
+    /// n_q = N_q / N′_q to the nearest, N_q = share × time.
+    fn count(&self, piece: &Piece) -> Result<u32, VoyageError> {
+        let refuse = |found: &str, remedy: &str| {
+            let thing = format!("maneuver `{}`", piece.maneuver);
+            Err(Invalid::new(thing, found, "a `count`, or a design's share of `informative_s`", remedy)
+                .into())
+        };
+        let Some(design) = self.design else {
+            return refuse("no `count` and no design", "add `count` or give --design");
+        };
+        let Some(time) = self.task.informative_s else {
+            return refuse("no `count` and no `informative_s`", "add one of them");
+        };
+        let Some(share) = design.share.get(&piece.maneuver) else {
+            let (maneuver, known) = (piece.maneuver.clone(), design.order.clone());
+            return Err(VoyageError::NoShare { maneuver, known });
+        };
+        let uses = share * time * self.vessel.sample_rate_hz / piece.samples as f64;
+        Ok(uses.round().min(MOST_USES) as u32)
+    }
+}
+
+impl Shares {
+    /// What the design takes time for.
+    fn used(&self) -> Vec<ManeuverUse> {
+        let used = self.order.iter().filter(|name| self.share.get(*name).is_some_and(|w| *w > 0.0));
+        used.map(|name| ManeuverUse { name: name.clone(), count: None, piece_s: None }).collect()
+    }
+}
+
+fn check_name(name: &str, earlier: &[Wanted]) -> Result<(), Invalid> {
+    let thing = || format!("maneuver `{name}`");
+    if BASIC_MOVES.contains(&name) {
+        let expected = "a name that is no basic move's";
+        let remedy = "rename it in the dictionary, and here";
+        return Err(Invalid::new(thing(), "the name of a basic move", expected, remedy));
+    }
+    match earlier.iter().any(|w| w.piece.maneuver == name) {
+        true => Err(Invalid::new(thing(), "it twice", "every maneuver once", "remove one")),
+        false => Ok(()),
+    }
+}

@@ -1,0 +1,36 @@
+use lattice::NoPlan;
+use thiserror::Error;
+use vessel::Invalid;
+
+/// Why a trial on a chart cannot be planned.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum VoyageError {
+    /// A value of the task makes no sense for this vessel, dictionary or chart.
+    #[error(transparent)]
+    Invalid(#[from] Invalid),
+    /// The task names a maneuver that the dictionary lacks.
+    #[error("maneuver `{name}`: found none of that name, expected one of {}", known.join(", "))]
+    UnknownManeuver {
+        /// The name.
+        name: String,
+        /// Names of the dictionary.
+        known: Vec<String>,
+    },
+    /// A maneuver without a count has no share in the design.
+    #[error("maneuver `{maneuver}`: found no share of it, expected one; the design has {}", known.join(", "))]
+    NoShare {
+        /// The maneuver.
+        maneuver: String,
+        /// Maneuvers of the design.
+        known: Vec<String>,
+    },
+    /// The task is sound and has no answer: a hull that is not clear at the start, or on the way.
+    #[error("{0}")]
+    NoAnswer(Invalid),
+    /// No walk over the lattice does what is asked: proved; why, in places of the chart.
+    #[error("no feasible plan (proved): {0}")]
+    Infeasible(String),
+    /// The search ended before it found a plan.
+    #[error("no plan: {0:?}")]
+    NoPlan(NoPlan),
+}

@@ -1,0 +1,116 @@
+//! The chart on its plane, and the lattice laid over the task's area.
+
+use chart::{Bounds, Chart, Layer, Plane, Raster};
+use vessel::{Invalid, Motion, Steady, Vessel};
+
+use super::task::{Area, Task};
+use crate::{Grid, Mode};
+
+/// Name of the mode of a vessel that is held in place.
+pub const AT_REST: &str = "at rest";
+/// How far beyond the lattice and the hull's margin the chart is read \[m\].
+const CHART_BEYOND_M: f64 = 1000.0;
+
+impl Task {
+    /// The chart of `layers` around the area, and the lattice over it.
+    ///
+    /// # Errors
+    /// An area without room for a lattice, charts that show nothing of it, no speed that the vessel can hold at a node.
+    pub(super) fn ground(&self, vessel: &Vessel, layers: &[Layer]) -> Result<(Chart, Grid), Invalid> {
+        let plane = self.area.plane()?;
+        let (corner, nx, ny) = self.nodes(&plane)?;
+        let far = [corner[0] + nx as f64 * self.cell_m, corner[1] + ny as f64 * self.cell_m];
+        let margin = self.safety.margin_m + 2.0 * self.cell_m + CHART_BEYOND_M;
+        let bounds = Bounds::new(corner, far)?.grown(margin);
+        let chart = Chart::new(plane, bounds, layers, self.uncharted)?;
+        self.area.check_shown(layers, &chart)?;
+        let modes = self.modes_of(vessel);
+        if modes.is_empty() {
+            let expected = "at least one, for a vessel that cannot turn on the spot";
+            return Err(Invalid::new("[[speed_mode]]", "none", expected, "add one"));
+        }
+        let origin_m = corner.map(|c| c + self.cell_m / 2.0);
+        Ok((chart, Grid { nx, ny, headings: self.headings, cell_m: self.cell_m, origin_m, modes }))
+    }
+
+    /// South-western corner of the lattice's cells (east, north) \[m\], and the numbers of nodes eastward and northward.
+    fn nodes(&self, plane: &Plane) -> Result<([f64; 2], usize, usize), Invalid> {
+        let corners = self.area.corners().map(|[lon, lat]| plane.to_plane(lon, lat));
+        let least = |k: usize| corners.iter().map(|c| c[k]).fold(f64::INFINITY, f64::min);
+        let most = |k: usize| corners.iter().map(|c| c[k]).fold(f64::NEG_INFINITY, f64::max);
+        let count = |k: usize| ((most(k) - least(k)) / self.cell_m).floor();
+        let (nx, ny) = (count(0), count(1));
+        if nx >= 2.0 && ny >= 2.0 && nx * ny <= 4e6 {
+            return Ok(([least(0), least(1)], nx as usize, ny as usize));
+        }
+        let found = format!("{nx} × {ny} nodes");
+        let expected = "from 2 × 2 to four million nodes";
+        Err(Invalid::new("`area` and `cell_m`", found, expected, "correct one of them"))
+    }
+
+    /// The speed modes, slowest first; at rest first of all where the vessel can turn on the spot.
+    fn modes_of(&self, vessel: &Vessel) -> Vec<Mode> {
+        let rest = can_hold(vessel).then(|| Mode { name: AT_REST.to_owned(), speed_m_s: 0.0 });
+        let mut modes: Vec<Mode> = rest.into_iter().chain(self.modes.iter().cloned()).collect();
+        modes.sort_by(|a, b| a.speed_m_s.total_cmp(&b.speed_m_s));
+        modes
+    }
+
+    /// The raster that chart and footprints are compared on: whole cells of the lattice.
+    pub(super) fn raster(&self, grid: &Grid) -> Raster {
+        let cell_m = self.cell_m / self.raster_per_cell as f64;
+        let origin = grid.origin_m.map(|o| o - self.cell_m / 2.0);
+        let count = |n: usize| n * self.raster_per_cell;
+        Raster { origin, cell_m, nx: count(grid.nx), ny: count(grid.ny) }
+    }
+}
+
+impl Area {
+    /// A plane about its middle.
+    fn plane(&self) -> Result<Plane, Invalid> {
+        Plane::new((self.west_deg + self.east_deg) / 2.0, (self.south_deg + self.north_deg) / 2.0)
+    }
+
+    /// Longitude and latitude of the corners \[deg\].
+    fn corners(&self) -> [[f64; 2]; 4] {
+        [
+            [self.west_deg, self.south_deg],
+            [self.east_deg, self.south_deg],
+            [self.west_deg, self.north_deg],
+            [self.east_deg, self.north_deg],
+        ]
+    }
+
+    /// Refuses charts of which none shows anything of the area: they are of another place, or in another system.
+    fn check_shown(&self, layers: &[Layer], chart: &Chart) -> Result<(), Invalid> {
+        let on_chart = !chart.polygons().is_empty() || !chart.grids().is_empty();
+        if on_chart || layers.iter().any(|layer| self.is_within(layer)) {
+            return Ok(());
+        }
+        Err(Invalid::new(
+            "[[chart]]",
+            "nothing within `area`",
+            "charts that cover the area, or lie around it",
+            "check the charts' `crs`, and the corners of `area`",
+        ))
+    }
+
+    /// Whether the polygons of a layer lie around the area: one without any of them near is all water then.
+    fn is_within(&self, layer: &Layer) -> bool {
+        let Layer::Polygons(layer) = layer else { return false };
+        let all = || layer.areas.iter().flat_map(|area| area.rings.iter().flatten());
+        let low = |k: usize| all().map(|p| p[k]).fold(f64::INFINITY, f64::min);
+        let high = |k: usize| all().map(|p| p[k]).fold(f64::NEG_INFINITY, f64::max);
+        low(0) <= self.east_deg
+            && high(0) >= self.west_deg
+            && low(1) <= self.north_deg
+            && high(1) >= self.south_deg
+    }
+}
+
+/// Whether the vessel can be held at a place while it turns.
+fn can_hold(vessel: &Vessel) -> bool {
+    let mut unknowns = vec![0.0; vessel.model.inputs + 1];
+    let turning = Motion { u: 0.0, v: Some(0.01), r: 0.01 };
+    Steady::new(vessel, &vessel.nominal).solve(turning, &mut unknowns).is_ok()
+}

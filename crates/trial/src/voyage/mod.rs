@@ -1,0 +1,39 @@
+//! A trial on a chart: one walk over the lattice that uses every maneuver as often as asked, and what becomes of it at
+//! sea.
+//!
+//! [`Prepared::new`] lays out chart and lattice and rehearses every leg, [`Prepared::solve`] finds the cheapest walk
+//! with its proof, [`Prepared::sail`] carries it out in simulation, in the known current and in unknown ones.
+
+mod check;
+mod counts;
+mod error;
+mod front;
+mod ground;
+mod moment_sums;
+mod moves;
+mod places;
+mod prepared;
+mod rehearsed;
+mod sailing;
+mod script;
+mod search;
+mod solve;
+mod task;
+mod told;
+mod waters;
+
+pub use check::Check;
+pub use counts::{Shares, Wanted};
+pub use error::VoyageError;
+pub use front::FrontPoint;
+pub use ground::AT_REST;
+pub use moves::Moves;
+pub use places::compass_deg;
+pub use prepared::{Brief, Prepared};
+pub use rehearsed::Rehearsed;
+pub use sailing::Sailing;
+pub use search::{Search, Watch};
+pub use solve::Solved;
+pub use task::{Area, CostRule, Goal, Hull, ManeuverUse, Place, Primary, Safety, Secondary, Task};
+pub use told::Information;
+pub use waters::Waters;

@@ -1,0 +1,77 @@
+//! Legs at sea as moves of the lattice, and what they cost.
+
+use lattice::{Action, Cost, Move, MoveId, Step};
+
+use super::counts::Wanted;
+use super::rehearsed::Rehearsed;
+use super::task::{CostRule, Primary, Secondary};
+use super::waters::CLEARANCE_CLASSES;
+use crate::{Leg, Purpose};
+
+/// The lattice's actions, and which leg stands behind each of their moves.
+#[derive(Clone, Debug)]
+pub struct Moves {
+    /// The actions.
+    pub actions: Vec<Action>,
+    /// Per action and move: index of the leg, and the clearance class that it stands for.
+    pub(super) legs: Vec<Vec<(usize, usize)>>,
+}
+
+impl Moves {
+    /// Groups legs by name; the costs as `rule` says.
+    pub(super) fn new(rehearsed: &[Rehearsed], wanted: &[Wanted], rule: &CostRule, rate_hz: f64) -> Self {
+        let mut moves = Self { actions: Vec::new(), legs: Vec::new() };
+        let classes = if rule.secondary == Secondary::Clearance { CLEARANCE_CLASSES } else { 1 };
+        for (index, own) in rehearsed.iter().enumerate() {
+            let action = moves.action(own, wanted);
+            for class in 0..classes {
+                let cost = cost(own, rule, class, rate_hz);
+                let Leg { from, di, dj, to, .. } = own.leg;
+                moves.actions[action].moves.push(Move { from, di, dj, to, cost });
+                moves.legs[action].push((index, class));
+            }
+        }
+        moves
+    }
+
+    fn action(&mut self, own: &Rehearsed, wanted: &[Wanted]) -> usize {
+        if let Some(known) = self.actions.iter().position(|a| a.name == own.name) {
+            return known;
+        }
+        let required = match own.leg.purpose {
+            Purpose::Informative { piece, .. } => wanted[piece].count,
+            Purpose::Basic(_) => 0,
+        };
+        self.actions.push(Action { name: own.name.clone(), required, moves: Vec::new() });
+        self.legs.push(Vec::new());
+        self.actions.len() - 1
+    }
+
+    /// The leg behind a move.
+    fn leg(&self, id: MoveId) -> usize {
+        self.legs[id.action][id.index].0
+    }
+
+    /// The leg behind a step.
+    pub(super) fn leg_of_step(&self, step: &Step) -> usize {
+        let moves = self.actions[step.action].moves.iter().enumerate();
+        let own = moves.filter(|(_, m)| m.from == step.from.layer);
+        let index = own.map(|(index, _)| index).nth(step.variant).unwrap_or(0);
+        self.leg(MoveId { action: step.action, index })
+    }
+}
+
+fn cost(own: &Rehearsed, rule: &CostRule, class: usize, rate_hz: f64) -> Cost {
+    let seconds = own.seconds(rate_hz);
+    let primary = match rule.primary {
+        Primary::BasicMoves => f64::from(u8::from(!own.is_informative())),
+        Primary::Seconds => seconds,
+    };
+    let secondary = match rule.secondary {
+        Secondary::Seconds if rule.primary == Primary::Seconds => 0.0,
+        Secondary::Seconds => seconds,
+        Secondary::Turns => f64::from(u8::from(own.name.starts_with("turn-"))),
+        Secondary::Clearance => class as f64,
+    };
+    Cost { primary, secondary }
+}

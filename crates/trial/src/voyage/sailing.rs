@@ -1,0 +1,80 @@
+//! The plan in continuous space: sailed, checked against the chart, and what it tells.
+
+use chart::Obstacles;
+use vessel::Invalid;
+
+use super::check::{Check, Clearance, Trials};
+use super::error::VoyageError;
+use super::prepared::Prepared;
+use super::script::Script;
+use super::solve::Solved;
+use super::told::Information;
+use crate::Sailed;
+
+/// A plan as sailed in simulation.
+#[derive(Clone, Debug)]
+pub struct Sailing {
+    /// Of every step: index into the rehearsed legs.
+    pub legs: Vec<usize>,
+    /// By the nominal model in the known current.
+    pub sailed: Sailed,
+    /// In unknown currents, too.
+    pub runs: Vec<Sailed>,
+    /// Against the chart.
+    pub check: Check,
+    /// What it tells against what the counts promise.
+    pub information: Information,
+}
+
+impl Prepared {
+    /// Sails the plan in continuous space, checks it against the chart and says what it tells.
+    ///
+    /// # Errors
+    /// A command that the model cannot hold, a simulation that diverges; a hull on an obstacle.
+    pub fn sail(&self, solved: &Solved) -> Result<Sailing, VoyageError> {
+        let task = &self.brief.task;
+        let legs: Vec<usize> =
+            solved.solution.steps.iter().map(|step| solved.moves.leg_of_step(step)).collect();
+        let script = self.script(solved, &legs);
+        let sailed = script.sail(&self.brief.vessel.nominal, [0.0; 2])?;
+        let charted = |depth| Obstacles::new(&self.chart, task.raster(&self.grid), depth, 0.0);
+        let transit = charted(task.safety.transit_depth_m)?;
+        let trial = charted(task.safety.trial_depth_m)?;
+        let outline = task.hull.outline();
+        let trials = Trials {
+            script: &script,
+            clearance: &Clearance { outline: &outline, transit: &transit, trial: &trial },
+            unknown_current_m_s: task.safety.unknown_current_m_s,
+            runs: task.safety.runs,
+            seed: self.brief.seed,
+        };
+        let (check, runs) = trials.check(&sailed)?;
+        if !check.clear {
+            return Err(VoyageError::NoAnswer(Invalid::new(
+                "plan at sea",
+                "the hull on an obstacle in the simulated plan",
+                "it clear",
+                "raise `safety.margin_m` or lower `approach.tolerance_cells`",
+            )));
+        }
+        let information = self.told(&legs, &sailed);
+        Ok(Sailing { legs, sailed, runs, check, information })
+    }
+
+    fn script<'a>(&'a self, solved: &Solved, legs: &[usize]) -> Script<'a> {
+        let task = &self.brief.task;
+        let steps = solved.solution.steps.iter().zip(legs);
+        let start = solved.problem.start();
+        let (level, mode) = self.grid.level_and_mode(start.layer);
+        Script {
+            vessel: &self.brief.vessel,
+            handling: task.handling,
+            pieces: &self.pieces,
+            mirror: &self.mirror,
+            legs: steps.map(|(step, leg)| (self.node(step.from), &self.rehearsed[*leg].leg)).collect(),
+            start: self.grid.pose(start.i, start.j, level),
+            speed_m_s: self.grid.modes[mode].speed_m_s,
+            known_current_m_s: task.known_current_m_s,
+        }
+    }
+}

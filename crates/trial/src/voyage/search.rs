@@ -1,0 +1,66 @@
+//! How a search is carried out, and why it found nothing, in places of the chart.
+
+use lattice::{Front, Options, Pose, Problem, Progress, Reason, Solution, front, plan};
+
+/// Asked from time to time whether a search goes on.
+pub type Watch = Box<dyn FnMut(Progress) -> bool>;
+
+/// How to search the lattice.
+#[derive(Clone)]
+pub struct Search<'a> {
+    /// Engine and memory.
+    pub options: Options,
+    /// Makes a watch for every search: of a plan, and of the front.
+    pub watch: &'a dyn Fn() -> Watch,
+}
+
+impl Search<'_> {
+    /// The cheapest plan.
+    ///
+    /// # Errors
+    /// As [`plan`].
+    pub fn plan(&self, problem: &Problem) -> Result<Solution, lattice::NoPlan> {
+        plan(problem, &self.options, &mut *(self.watch)())
+    }
+
+    /// The least cost of every count vector that can be sailed; nothing where the exhaustive search does not fit.
+    pub(super) fn affordable(&self, problem: &Problem) -> Vec<(Vec<u32>, f64)> {
+        match front(problem, &self.options, &mut *(self.watch)()) {
+            Front::Known(points) => {
+                points.into_iter().filter_map(|p| Some((p.counts, p.cost?.primary))).collect()
+            }
+            Front::OutOfTime | Front::TooLarge { .. } => Vec::new(),
+        }
+    }
+}
+
+/// Why there is no plan, with poses as `pose` tells them.
+pub(super) fn in_words(reason: &Reason, pose: impl Fn(Pose) -> String, cell_m: f64) -> String {
+    let near = |what: &str, nearest: &Option<(Pose, f64)>| match nearest {
+        Some((at, cells)) => format!("; {what} is {:.0} m away, {}", cells * cell_m, pose(*at)),
+        None => "; no pose of the lattice has any".to_owned(),
+    };
+    let room = "the nearest pose with room";
+    match reason {
+        Reason::StartEnclosed { start, nearest } => {
+            format!("no move has room at the start, {}{}", pose(*start), near(room, nearest))
+        }
+        Reason::GoalEnclosed { goal, nearest } => {
+            format!("no move has room to end at the goal, {}{}", pose(*goal), near(room, nearest))
+        }
+        Reason::GoalUnreachable { nearest } => {
+            let what = "the nearest pose that is reached";
+            format!("no moves lead from the start to the goal{}", near(what, nearest))
+        }
+        Reason::FitsNowhere { name, elsewhere: Some(at), .. } => {
+            format!("`{name}` fits nowhere that can be reached, though it would at {}", pose(*at))
+        }
+        Reason::FitsNowhere { name, .. } => format!("`{name}` fits nowhere on the chart"),
+        Reason::NoWayBack { name, .. } => {
+            format!("after `{name}` there is no way to the goal, wherever it is used")
+        }
+        Reason::CountsCannotBeCombined { .. } => {
+            "each maneuver can be used, but the counts cannot be combined on any way to the goal".to_owned()
+        }
+    }
+}

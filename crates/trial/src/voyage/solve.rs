@@ -1,0 +1,77 @@
+//! The lattice problem of a trial, and its solution.
+
+use lattice::{Lattice, MoveId, NoPlan, Problem, Reason, Solution};
+
+use super::error::VoyageError;
+use super::front::FrontPoint;
+use super::moves::Moves;
+use super::prepared::Prepared;
+use super::search::{Search, in_words};
+use super::waters::Waters;
+
+/// A solved trial.
+#[derive(Clone, Debug)]
+pub struct Solved {
+    /// Where legs fit.
+    pub waters: Waters,
+    /// The lattice's moves and the legs behind them.
+    pub moves: Moves,
+    /// What was searched.
+    pub problem: Problem,
+    /// The plan.
+    pub solution: Solution,
+    /// Counts that no others beat in both cost and information, cheapest first; empty where the search was not exhaustive.
+    pub front: Vec<FrontPoint>,
+}
+
+impl Prepared {
+    /// Puts the trial on the lattice and searches.
+    ///
+    /// # Errors
+    /// A start or goal outside the lattice or without room; no plan.
+    pub fn solve(&self, search: &Search) -> Result<Solved, VoyageError> {
+        let (task, rate_hz) = (&self.brief.task, self.brief.vessel.sample_rate_hz);
+        let waters = self.waters()?;
+        let moves = Moves::new(&self.rehearsed, &self.wanted, &task.cost, rate_hz);
+        let problem = self.problem(&waters, &moves)?;
+        let solution = search.plan(&problem).map_err(|why| match why {
+            NoPlan::Infeasible(reason) => {
+                VoyageError::Infeasible(self.infeasible(&reason, &self.front(&problem, &moves, search)))
+            }
+            limit => VoyageError::NoPlan(limit),
+        })?;
+        let front = self.front(&problem, &moves, search);
+        Ok(Solved { waters, moves, problem, solution, front })
+    }
+
+    fn problem(&self, waters: &Waters, moves: &Moves) -> Result<Problem, VoyageError> {
+        let task = &self.brief.task;
+        let start = self.places().pose("start", &task.start)?;
+        let goal = self.places().goal(&task.goal, start)?;
+        self.check_water(waters, "start", start)?;
+        if let lattice::Goal::Poses(poses) = &goal {
+            poses.iter().try_for_each(|pose| self.check_water(waters, "goal", *pose))?;
+        }
+        let lattice = Lattice { nx: self.grid.nx, ny: self.grid.ny, layers: self.grid.layers() };
+        let allowed = |id: MoveId, i: usize, j: usize| {
+            let (leg, class) = moves.legs[id.action][id.index];
+            let shared = moves.legs[id.action].iter().any(|(other, c)| *other == leg && *c != class);
+            (!shared || waters.class(i, j) == class) && waters.fits(leg, i, j)
+        };
+        Ok(Problem::new(lattice, moves.actions.clone(), start, goal, allowed)?)
+    }
+
+    /// Why there is no plan, and the most that could be sailed instead.
+    fn infeasible(&self, reason: &Reason, front: &[FrontPoint]) -> String {
+        let text = in_words(reason, |pose| self.places().words(pose), self.grid.cell_m);
+        match front.last().filter(|point| point.counts.values().any(|n| *n > 0)) {
+            None => text,
+            Some(point) => {
+                let counts: Vec<String> =
+                    point.counts.iter().map(|(name, n)| format!("{name} × {n}")).collect();
+                let counts = counts.join(", ");
+                format!("{text}; the most informative counts that can be sailed are {counts}")
+            }
+        }
+    }
+}

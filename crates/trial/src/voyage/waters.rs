@@ -1,0 +1,162 @@
+//! Where legs fit on the chart.
+
+use chart::{Footprint, Obstacles};
+use lattice::Pose;
+use rayon::prelude::*;
+use vessel::Invalid;
+
+use super::error::VoyageError;
+use super::prepared::Prepared;
+use super::rehearsed::Rehearsed;
+
+/// How near a node is to obstacles, in classes that cost 0, 1, 2, 3.
+pub(super) const CLEARANCE_CLASSES: usize = 4;
+
+/// The chart as legs see it.
+#[derive(Clone, Debug)]
+pub struct Waters {
+    /// Raster cells per lattice cell.
+    per_cell: usize,
+    /// Where each leg's footprint may be: index into `obstacles`.
+    layer_of_leg: Vec<usize>,
+    /// One per depth and margin.
+    obstacles: Vec<Obstacles>,
+    /// Of every leg.
+    footprints: Vec<Footprint>,
+    /// Pitch of the lattice \[m\].
+    cell_m: f64,
+    /// Distance of the node (i, j) to the nearest obstacle \[m\], at j · nx + i.
+    node_distance_m: Vec<f64>,
+    nx: usize,
+    ny: usize,
+}
+
+impl Waters {
+    /// Whether leg `index` may start at node (i, j).
+    pub fn fits(&self, index: usize, i: usize, j: usize) -> bool {
+        self.is_free(self.layer_of_leg[index], &self.footprints[index], i, j)
+    }
+
+    /// The number of nodes at which leg `index` may start.
+    pub fn fits_at(&self, index: usize) -> usize {
+        nodes(self.nx, self.ny).filter(|(i, j)| self.fits(index, *i, *j)).count()
+    }
+
+    fn is_free(&self, layer: usize, footprint: &Footprint, i: usize, j: usize) -> bool {
+        let at = |n: usize| n * self.per_cell + self.per_cell / 2;
+        self.obstacles[layer].is_free(footprint, at(i), at(j))
+    }
+
+    /// Obstacles of getting about.
+    pub fn transit(&self) -> &Obstacles {
+        &self.obstacles[self.layer_of_leg[0]]
+    }
+
+    /// Obstacles of informative maneuvers, with the widest margin.
+    pub fn deepest(&self, rehearsed: &[Rehearsed]) -> &Obstacles {
+        let blocked = |index: &usize| {
+            self.obstacles[self.layer_of_leg[*index]].blocked().iter().filter(|b| **b).count()
+        };
+        let informative = (0..rehearsed.len()).filter(|index| rehearsed[*index].is_informative());
+        let widest = informative.max_by_key(blocked).unwrap_or(0);
+        &self.obstacles[self.layer_of_leg[widest]]
+    }
+
+    /// The clearance class of a node: 0 far from obstacles, 3 near.
+    pub(super) fn class(&self, i: usize, j: usize) -> usize {
+        let cells = self.node_distance_m[j * self.nx + i] / self.cell_m;
+        (CLEARANCE_CLASSES - 1).saturating_sub(cells.max(0.0) as usize)
+    }
+}
+
+fn nodes(nx: usize, ny: usize) -> impl Iterator<Item = (usize, usize)> {
+    (0..nx).flat_map(move |i| (0..ny).map(move |j| (i, j)))
+}
+
+impl Prepared {
+    /// Footprints of all legs, and the obstacles that each of them has to keep clear of.
+    pub(super) fn waters(&self) -> Result<Waters, Invalid> {
+        let (task, grid) = (&self.brief.task, &self.grid);
+        let raster = task.raster(grid);
+        let hull = task.hull.outline();
+        let footprints: Vec<Footprint> = self
+            .rehearsed
+            .par_iter()
+            .map(|own| own.footprint(&hull, raster.cell_m))
+            .collect::<Result<_, _>>()?;
+        let (kinds, layer_of_leg) = self.obstacle_kinds(raster.cell_m);
+        let obstacles: Vec<Obstacles> = kinds
+            .par_iter()
+            .map(|(depth, margin)| Obstacles::new(&self.chart, raster, *depth, *margin))
+            .collect::<Result<_, _>>()?;
+        let node = |k: usize| {
+            let at = grid.pose(k % grid.nx, k / grid.nx, 0);
+            obstacles[0].distance_m(at.y, at.x)
+        };
+        Ok(Waters {
+            per_cell: task.raster_per_cell,
+            layer_of_leg,
+            node_distance_m: (0..grid.nx * grid.ny).map(node).collect(),
+            obstacles,
+            footprints,
+            cell_m: task.cell_m,
+            nx: grid.nx,
+            ny: grid.ny,
+        })
+    }
+
+    /// The different depths and margins that legs keep, margins of maneuvers in whole raster cells; and which of them
+    /// each leg keeps.
+    fn obstacle_kinds(&self, raster_m: f64) -> (Vec<(f64, f64)>, Vec<usize>) {
+        let safety = &self.brief.task.safety;
+        let mut kinds: Vec<(f64, f64)> = Vec::new();
+        let kind_of = |own: &Rehearsed| match own.is_informative() {
+            true => {
+                let margin = ((safety.margin_m + self.drift_margin_m(own)) / raster_m).ceil() * raster_m;
+                (safety.trial_depth_m, margin)
+            }
+            false => (safety.transit_depth_m, safety.margin_m),
+        };
+        let of_leg = |own: &Rehearsed| {
+            let kind = kind_of(own);
+            kinds.iter().position(|k| *k == kind).unwrap_or_else(|| {
+                kinds.push(kind);
+                kinds.len() - 1
+            })
+        };
+        let layer_of_leg = self.rehearsed.iter().map(of_leg).collect();
+        (kinds, layer_of_leg)
+    }
+
+    /// Refuses a pose whose hull is not clear, and says where the nearest clear node is.
+    pub(super) fn check_water(&self, waters: &Waters, what: &str, pose: Pose) -> Result<(), VoyageError> {
+        let (grid, task) = (&self.grid, &self.brief.task);
+        let (level, _) = grid.level_and_mode(pose.layer);
+        let still = (0.0, 0.0, grid.heading_rad(level));
+        let hull = Footprint::swept(&task.hull.outline(), &[still], task.raster(grid).cell_m)?;
+        let transit = self.rehearsed.iter().position(|own| !own.is_informative()).unwrap_or(0);
+        let layer = waters.layer_of_leg[transit];
+        let is_free = |(i, j): (usize, usize)| waters.is_free(layer, &hull, i, j);
+        if is_free((pose.i, pose.j)) {
+            return Ok(());
+        }
+        let away = |(i, j): (usize, usize)| {
+            let (di, dj) = (i.abs_diff(pose.i) as f64, j.abs_diff(pose.j) as f64);
+            di.hypot(dj) * grid.cell_m
+        };
+        let free = nodes(grid.nx, grid.ny).filter(|node| is_free(*node));
+        let places = self.places();
+        let remedy = match free.min_by(|a, b| away(*a).total_cmp(&away(*b))) {
+            Some((i, j)) => {
+                let near = places.words(Pose { i, j, ..pose });
+                format!("the nearest clear node is {:.0} m away, {near}", away((i, j)))
+            }
+            None => "no node of the lattice is clear: check depths, margin and the chart's kind".to_owned(),
+        };
+        let own = grid.pose(pose.i, pose.j, level);
+        let gap = waters.obstacles[layer].distance_m(own.y, own.x);
+        let found = format!("{}, {gap:.0} m from an obstacle", places.words(pose));
+        let expected = format!("the hull at least {} m clear of obstacles", task.safety.margin_m);
+        Err(VoyageError::NoAnswer(Invalid::new(format!("`{what}`"), found, expected, remedy)))
+    }
+}
