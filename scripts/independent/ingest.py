@@ -36,7 +36,6 @@ def main() -> None:
         "smoother": smoother(),
         "noise": noise(),
         "resampling": resampling(),
-        "local_plane": local_plane(),
         "lever": lever(),
         "azimuth": azimuth(),
         "lag": lag(),
@@ -158,18 +157,6 @@ def radii(latitude: float, longitude: float) -> tuple[float, float]:
         return float(np.linalg.norm((8.0 * (point(1) - point(-1)) - (point(2) - point(-2))) / (12.0 * h)))
 
     return length((1.0, 0.0)), length((0.0, 1.0))
-
-
-def local_plane() -> list[dict]:
-    cases = []
-    for latitude, longitude, d_latitude, d_longitude in (
-        (60.1, 24.9, 0.01, -0.02), (-33.9, 151.2, -0.003, 0.004), (0.0, 0.0, 0.01, 0.01), (78.2, 15.6, 0.002, 0.03),
-    ):  # fmt: skip
-        origin = np.radians([latitude, longitude])
-        point = origin + np.radians([d_latitude, d_longitude])
-        north, east = radii(*origin)
-        cases.append({"origin": origin, "point": point, "north_east": (point - origin) * np.array([north, east])})
-    return cases
 
 
 def lever() -> list[dict]:

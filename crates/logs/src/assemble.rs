@@ -1,4 +1,4 @@
-use std::fmt;
+use thiserror::Error;
 
 use crate::{Channels, Conventions, Grid, Method, Series, Stretch, body_velocity, euler, prepare, stretches};
 
@@ -37,30 +37,24 @@ pub struct Assembled {
 }
 
 /// Why there is nothing on one clock.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, Error, PartialEq, Eq)]
 pub enum Unassembled {
     /// A channel is missing.
+    #[error("no channel `{0}`")]
     NoChannel(String),
     /// A channel has no value at all.
+    #[error("no value in channel `{0}`")]
     Empty(String),
+    /// Geographic positions that start beyond 89° of latitude, where a plane has no north.
+    #[error("positions that start beyond 89 deg of latitude")]
+    NoPlane,
     /// There is no moment at which all channels are known: they start after others end, or there is a gap everywhere.
+    #[error("no two neighbouring samples at which all channels are known")]
     NoOverlap,
     /// The clocks span more than a hundred million rows: one of them jumped.
+    #[error("clocks that span more than {MOST_ROWS} rows")]
     TooLong,
 }
-
-impl fmt::Display for Unassembled {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::NoChannel(name) => write!(f, "no channel `{name}`"),
-            Self::Empty(name) => write!(f, "no value in channel `{name}`"),
-            Self::NoOverlap => f.write_str("no two neighbouring samples at which all channels are known"),
-            Self::TooLong => write!(f, "clocks that span more than {MOST_ROWS} rows"),
-        }
-    }
-}
-
-impl std::error::Error for Unassembled {}
 
 /// Puts measured channels on one clock: [`prepare`], velocities, averages, linear interpolation, stretches. The clock
 /// starts where the last of the needed channels does.

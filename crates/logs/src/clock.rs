@@ -1,3 +1,6 @@
+use jiff::Timestamp;
+use jiff::civil::DateTime;
+use jiff::tz::TimeZone;
 use serde::Deserialize;
 
 /// What a time column counts.
@@ -28,64 +31,15 @@ impl TimeUnit {
         }
     }
 
-    /// Seconds since 1970-01-01 UTC of a text in ISO 8601.
+    /// Seconds since 1970-01-01 UTC of a date and time in ISO 8601; UTC where it names no zone.
     pub fn of_text(text: &str) -> Option<f64> {
-        let (date, rest) = text.trim().split_at_checked(10)?;
-        let time = rest.strip_prefix(['T', 't', ' '])?;
-        let (clock, zone_s) = split_zone(time)?;
-        let date: Vec<&str> = date.split('-').collect();
-        let [year, month, day] = date.as_slice() else { return None };
-        let days = days_from_civil(digits(year)?, digits(month)?, digits(day)?)?;
-        Some(days as f64 * 86_400.0 + clock_s(clock)? - zone_s)
+        let text = text.trim();
+        let in_utc =
+            || text.parse::<DateTime>().ok()?.to_zoned(TimeZone::UTC).ok().map(|time| time.timestamp());
+        let has_time = text.get(10..).is_some_and(|rest| rest.starts_with(['T', 't', ' ']));
+        let time = has_time.then(|| text.parse::<Timestamp>().ok().or_else(in_utc))??;
+        Some(time.as_duration().as_secs_f64())
     }
-}
-
-/// Splits `13:04:24.5+09:00` before the zone; the zone's offset \[s\].
-fn split_zone(time: &str) -> Option<(&str, f64)> {
-    if let Some(clock) = time.strip_suffix(['Z', 'z']) {
-        return Some((clock, 0.0));
-    }
-    let Some(at) = time.rfind(['+', '-']) else { return Some((time, 0.0)) };
-    let (clock, zone) = time.split_at(at);
-    let number = zone[1..].replace(':', "");
-    let (hours, minutes) = match number.len() {
-        2 => (digits(&number)?, 0),
-        4 => (digits(&number[..2])?, digits(&number[2..])?),
-        _ => return None,
-    };
-    let offset = (hours * 3600 + minutes * 60) as f64;
-    Some((clock, if zone.starts_with('-') { -offset } else { offset }))
-}
-
-fn clock_s(clock: &str) -> Option<f64> {
-    let parts: Vec<&str> = clock.split(':').collect();
-    let (hours, minutes, seconds) = match parts.as_slice() {
-        [h, m] => (digits(h)?, digits(m)?, 0.0),
-        [h, m, s] if s.starts_with(|c: char| c.is_ascii_digit()) => {
-            (digits(h)?, digits(m)?, s.replace(',', ".").parse::<f64>().ok()?)
-        }
-        _ => return None,
-    };
-    let valid = (0..=24).contains(&hours) && (0..60).contains(&minutes) && (0.0..61.0).contains(&seconds);
-    valid.then(|| (hours * 3600 + minutes * 60) as f64 + seconds)
-}
-
-fn digits(text: &str) -> Option<i64> {
-    (text.len() <= 4 && text.bytes().all(|b| b.is_ascii_digit())).then(|| text.parse().ok())?
-}
-
-/// Days since 1970-01-01 in the proleptic Gregorian calendar.
-fn days_from_civil(year: i64, month: i64, day: i64) -> Option<i64> {
-    let leap = year % 4 == 0 && (year % 100 != 0 || year % 400 == 0);
-    let february = if leap { 29 } else { 28 };
-    let lengths = [31, february, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31];
-    let month_index = usize::try_from(month - 1).ok()?;
-    if !(1..=*lengths.get(month_index)?).contains(&day) || year < 1 {
-        return None;
-    }
-    let before = year - 1;
-    let to_year = before * 365 + before / 4 - before / 100 + before / 400;
-    Some(to_year + lengths[..month_index].iter().sum::<i64>() + day - 1 - 719_162)
 }
 
 /// What to do with rows whose time is before that of an earlier row.

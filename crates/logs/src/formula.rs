@@ -1,4 +1,4 @@
-use std::fmt;
+use thiserror::Error;
 
 /// What is applied to a channel before it is multiplied with the others.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -38,19 +38,12 @@ pub struct Formula {
 }
 
 /// Why a text is no [`Formula`].
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, Error, PartialEq, Eq)]
+#[error("{0}")]
 pub struct Malformed(
     /// What is wrong with it.
     pub String,
 );
-
-impl fmt::Display for Malformed {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.0)
-    }
-}
-
-impl std::error::Error for Malformed {}
 
 impl Formula {
     /// Parses `text`.

@@ -3,8 +3,12 @@
 //! Knows no files. Axes: earth x north, y east, heading `psi` clockwise from north; body x forward, y starboard, z down
 //! (NED and FRD). Numbers are in SI units and radians once [`unit()`] has converted them.
 //!
+//! A [`Setup`] says how the logs were made; a [`Plan`] decides which channels a vessel needs of them. [`sources`] finds the
+//! files of each recording by their names, [`read_csv`] their columns, [`Log`] puts these on a clock, and [`record`] makes
+//! runs of the logs of a recording and says how good their data are.
+//!
 //! A recording is a set of [`Series`], one per channel, each with a clock of its own. [`assemble`] turns it into channels
-//! on one clock; [`cut`] finds the sub-experiments; [`consistency`] and [`noise_std`] say how good the data are.
+//! on one clock; [`Segmentation`] cuts them into sub-experiments; [`consistency`] and [`noise_std`] say how good they are.
 //!
 //! The other way round, [`Allocation`] turns forces into thruster settings, and [`chain`] into what a ship's instruments
 //! would have logged.
@@ -17,34 +21,52 @@ mod angle;
 mod assemble;
 pub mod chain;
 mod clock;
+mod columns;
+mod csv;
 mod formula;
 mod frame;
-mod geodesy;
 mod grid;
 mod kinematics;
 mod lever;
+mod log;
+mod pattern;
+mod plan;
 mod prepare;
 mod quality;
+mod record;
 mod segment;
 mod series;
+mod setup;
 mod smoother;
+mod source;
+mod suspicion;
 mod thruster;
+mod totals;
 mod unit;
 
 pub use allocation::{Allocation, Setting, Unreachable};
 pub use angle::unwrap;
 pub use assemble::{Assembled, Recipe, Unassembled, assemble};
 pub use clock::{Backwards, NonMonotonic, Order, TimeUnit, order};
+pub use columns::{Cells, Columns, MissingColumns, Wanted, places};
+pub use csv::{CsvError, read_csv};
 pub use formula::{Formula, Malformed};
 pub use frame::{Body, Frame, Heading};
-pub use geodesy::LocalPlane;
 pub use grid::{Grid, Stretch, stretches};
 pub use kinematics::{Method, body_velocity, euler};
 pub use lever::Lever;
+pub use log::{Log, LogError, RowCounts};
+pub use pattern::{Pattern, Template};
+pub use plan::{ChannelError, Exogenous, Plan};
 pub use prepare::{Channels, Conventions, KINEMATIC, prepare};
 pub use quality::{Consistency, consistency, lag, noise_std};
-pub use segment::{Cut, Part, SpeedClasses, cut, labelled, within};
+pub use record::{ChannelQuality, Quality, RecordError, Recorded, record};
+pub use segment::{Cut, Interval, IntervalError, Part, Segmentation, SpeedClasses, check_intervals};
 pub use series::Series;
+pub use setup::{ChannelSpec, DerivedSpec, Group, Setup, ThrusterSpec, TimeSpec, VelocitySpec};
 pub use smoother::{local_quadratic, window_samples};
+pub use source::{Kind, Naming, Source, SourceError};
+pub use suspicion::{Oddity, Turned, UnitRatio, Warning};
 pub use thruster::{Law, Thruster};
+pub use totals::{ManeuverCount, Totals};
 pub use unit::{UNITS, Unit, factor, unit};

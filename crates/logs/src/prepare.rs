@@ -1,14 +1,24 @@
 use std::collections::BTreeMap;
 use std::f64::consts::FRAC_PI_2;
 
-use crate::{Body, Formula, Frame, Heading, Lever, LocalPlane, Series, Thruster, Unassembled};
+use chart::Plane;
+
+use crate::{Body, Formula, Frame, Heading, Lever, Series, Thruster, Unassembled};
 
 /// Channels by name, each on its own clock.
 pub type Channels = BTreeMap<String, Series>;
 
-/// Channels of motion: velocities over ground in body axes \[m/s, m/s, rad/s\], position \[m\] and heading \[rad\], or
-/// geographic position \[rad\].
-pub const KINEMATIC: [&str; 8] = ["y_u", "y_v", "y_r", "x", "y", "psi", "latitude_deg", "longitude_deg"];
+/// Channels of motion and their units: velocities over ground in body axes, position and heading, or geographic position.
+pub const KINEMATIC: [(&str, &str); 8] = [
+    ("y_u", "m/s"),
+    ("y_v", "m/s"),
+    ("y_r", "rad/s"),
+    ("x", "m"),
+    ("y", "m"),
+    ("psi", "rad"),
+    ("latitude_deg", "rad"),
+    ("longitude_deg", "rad"),
+];
 
 /// Names of the channels that thrusters add to.
 const FORCES: [&str; 3] = ["tau1", "tau2", "tau3"];
@@ -38,9 +48,9 @@ pub struct Conventions {
 /// the others are interpolated.
 ///
 /// # Errors
-/// A source that is missing.
+/// A source that is missing; positions that start at no place on Earth, or at a pole.
 pub fn prepare(mut channels: Channels, conventions: &Conventions) -> Result<Channels, Unassembled> {
-    let frame = if plane(&mut channels) { Frame::Ned } else { conventions.frame };
+    let frame = if plane(&mut channels)? { Frame::Ned } else { conventions.frame };
     turn(&mut channels, frame, conventions);
     move_to_reference(&mut channels, conventions);
     for (name, formula) in &conventions.derived {
@@ -51,26 +61,25 @@ pub fn prepare(mut channels: Channels, conventions: &Conventions) -> Result<Chan
     Ok(channels)
 }
 
-/// Latitude and longitude to x north and y east on the plane that touches at the first point; whether there are any.
-fn plane(channels: &mut Channels) -> bool {
+/// Latitude and longitude to x north and y east on the plane about the first point; whether there are any.
+fn plane(channels: &mut Channels) -> Result<bool, Unassembled> {
     let (Some(latitude), Some(longitude)) =
         (channels.remove("latitude_deg"), channels.remove("longitude_deg"))
     else {
-        return false;
+        return Ok(false);
     };
     let longitudes = longitude.at(&latitude.t);
-    let first = latitude.values.iter().zip(&longitudes).find(|(_, longitude)| longitude.is_finite());
-    let plane = first.map_or(LocalPlane::at(0.0, 0.0), |(lat, lon)| LocalPlane::at(*lat, *lon));
-    let point = |(latitude, longitude): (&f64, &f64)| match longitude.is_finite() {
-        true => plane.north_east(*latitude, *longitude),
-        false => [f64::NAN; 2],
-    };
-    let points: Vec<[f64; 2]> = latitude.values.iter().zip(&longitudes).map(point).collect();
-    for (i, name) in ["x", "y"].into_iter().enumerate() {
-        let values: Vec<f64> = points.iter().map(|point| point[i]).collect();
+    let points =
+        || latitude.values.iter().zip(&longitudes).map(|(lat, lon)| [*lat, *lon].map(f64::to_degrees));
+    let [lat, lon] = points().find(|[_, lon]| lon.is_finite()).unwrap_or_default();
+    let plane = Plane::new((lon + 180.0).rem_euclid(360.0) - 180.0, lat).map_err(|_| Unassembled::NoPlane)?;
+    let place = |[lat, lon]: [f64; 2]| if lon.is_finite() { plane.to_plane(lon, lat) } else { [f64::NAN; 2] };
+    let places: Vec<[f64; 2]> = points().map(place).collect();
+    for (name, i) in [("x", 1), ("y", 0)] {
+        let values: Vec<f64> = places.iter().map(|place| place[i]).collect();
         channels.insert(name.to_owned(), latitude.with(&values));
     }
-    true
+    Ok(true)
 }
 
 fn turn(channels: &mut Channels, frame: Frame, conventions: &Conventions) {

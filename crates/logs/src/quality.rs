@@ -1,3 +1,5 @@
+use numerics::statistics::median;
+
 use crate::{Channels, Grid, Series, body_velocity, local_quadratic};
 
 /// Samples of the parabolas that noise is measured against.
@@ -21,18 +23,6 @@ pub fn noise_std(series: &Series) -> Option<f64> {
     }
     let median = median(residuals)?;
     Some(FROM_MEDIAN * median / (1.0 - FOLLOWED).sqrt())
-}
-
-pub(crate) fn median(mut values: Vec<f64>) -> Option<f64> {
-    let n = values.len();
-    if n == 0 {
-        return None;
-    }
-    let (below, middle, _) = values.select_nth_unstable_by(n / 2, f64::total_cmp);
-    match below.iter().copied().max_by(f64::total_cmp) {
-        Some(before) if n.is_multiple_of(2) => Some(0.5 * (before + *middle)),
-        _ => Some(*middle),
-    }
 }
 
 /// Median distance from the median; 0 for no values.
@@ -207,14 +197,6 @@ mod tests {
             ("y_r".to_owned(), series(&|t| 1e-3 * (7.0 * t).sin())),
         ]);
         assert_eq!(consistency(&still, 1.0)[2].unwrap().gain, None);
-    }
-
-    #[test]
-    fn law_the_median_halves_what_is_there() {
-        assert_eq!(median(vec![]), None);
-        assert_eq!(median(vec![3.0]), Some(3.0));
-        assert_eq!(median(vec![5.0, 1.0, 4.0, 2.0]), Some(3.0));
-        assert_eq!(median(vec![5.0, 1.0, 4.0, 2.0, -9.0]), Some(2.0));
     }
 
     #[test]

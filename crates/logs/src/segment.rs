@@ -1,6 +1,11 @@
+//! Where the sub-experiments of a recording are.
+
 use std::ops::Range;
 
-use crate::{Grid, Stretch};
+use serde::Deserialize;
+use thiserror::Error;
+
+use crate::{Assembled, Grid, Source, Stretch};
 
 /// A stretch of samples that is to be one sub-experiment.
 #[derive(Clone, Debug, PartialEq)]
@@ -11,25 +16,79 @@ pub struct Part {
     pub maneuver: String,
 }
 
-/// How a recording becomes sub-experiments.
+/// How recordings become runs.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Segmentation {
+    /// Where the sub-experiments are.
+    pub cut: Cut,
+    /// Sub-experiments of fewer samples are left out.
+    pub least: usize,
+    /// Whether every sub-experiment becomes a run of its own.
+    pub each_is_a_run: bool,
+}
+
+/// Where the sub-experiments of recordings are.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Cut {
-    /// All of it is one.
-    Whole {
-        /// Its maneuver.
-        maneuver: String,
-    },
-    /// Windows of equal length, one after the other; what is left at the end of a stretch is too short.
+    /// Each recording is one.
+    Whole,
+    /// Windows of equal length, one after the other; what is left at the end of a stretch is too short. Their maneuvers'
+    /// names begin with the recording's kind.
     Windows {
         /// Samples per window.
         samples: usize,
-        /// What the maneuvers' names begin with.
-        kind: String,
-        /// Speed classes that their names end with.
+        /// Speed classes that the names end with.
         classes: Option<SpeedClasses>,
     },
-    /// As labelled: rows and maneuver; in order, without overlap.
-    Labels(Vec<Part>),
+    /// As a column of the logs labels them.
+    Labels,
+    /// By time.
+    Intervals(Vec<Interval>),
+}
+
+/// A sub-experiment by time.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Interval {
+    /// Name of the recording.
+    pub run: String,
+    /// Where it begins, from the recording's first row \[s\].
+    pub from_s: f64,
+    /// Where it ends \[s\].
+    pub to_s: f64,
+    /// Its maneuver.
+    pub maneuver: String,
+}
+
+/// Why intervals do not fit the recordings.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum IntervalError {
+    /// A recording that there is not.
+    #[error("an interval of run `{run}`, which no file has")]
+    NoRecording {
+        /// The recording.
+        run: String,
+        /// Those that there are.
+        known: Vec<String>,
+    },
+    /// Two intervals of a recording that overlap.
+    #[error("{first:?} and {second:?} s of run `{run}` overlap")]
+    Overlap {
+        /// The recording.
+        run: String,
+        /// Beginning and end of one \[s\].
+        first: [f64; 2],
+        /// Beginning and end of the other \[s\].
+        second: [f64; 2],
+    },
+}
+
+/// Labels of a recording, from their times on.
+pub(crate) struct Labels {
+    /// Times on the recording's clock \[s\].
+    pub times: Vec<f64>,
+    /// One per time.
+    pub labels: Vec<String>,
 }
 
 /// Names for ranges of the mean speed over ground.
@@ -49,30 +108,97 @@ impl SpeedClasses {
     }
 }
 
-/// The sub-experiments of one stretch, in order, and how many were left out for having fewer than `least` samples.
-/// `u` and `v` are surge and sway on the grid \[m/s\].
-pub fn cut(cut: &Cut, stretch: &Stretch, [u, v]: [&[f64]; 2], least: usize) -> (Vec<Part>, usize) {
-    let all = stretch.start..stretch.start + stretch.samples;
-    let parts = match cut {
-        Cut::Whole { maneuver } => vec![Part { samples: all, maneuver: maneuver.clone() }],
-        Cut::Windows { samples, kind, classes } => {
-            let window = |start: usize| {
-                let range = start..(start + samples).min(all.end);
-                let maneuver = match classes {
-                    Some(classes) => format!("{kind}/{}", classes.of(&u[range.clone()], &v[range.clone()])),
-                    None => kind.clone(),
-                };
-                Part { samples: range, maneuver }
-            };
-            all.clone().step_by((*samples).max(1)).map(window).collect()
+impl Segmentation {
+    /// The runs of a recording, each a sequence of sub-experiments that follow each other without a break, and how many
+    /// sub-experiments were too short.
+    pub(crate) fn runs(
+        &self,
+        source: &Source,
+        made: &Assembled,
+        labels: Option<&Labels>,
+    ) -> (Vec<Vec<Part>>, usize) {
+        let marked = self.cut.marked(source, &made.grid, labels);
+        let (mut runs, mut short) = (Vec::new(), 0);
+        for stretch in &made.stretches {
+            let speeds = [made.measured[0].as_slice(), made.measured[1].as_slice()];
+            let parts = self.cut.parts(&source.kind, &marked, stretch, speeds);
+            let found = parts.len();
+            let kept = self.long_enough(parts);
+            short += found - kept.len();
+            let joined = |a: &Part, b: &Part| !self.each_is_a_run && a.samples.end == b.samples.start;
+            runs.extend(kept.chunk_by(joined).map(<[Part]>::to_vec));
         }
-        Cut::Labels(parts) => parts.iter().filter_map(|part| overlap(part, &all)).collect(),
-    };
-    let found = parts.len();
-    let least = if let Cut::Windows { samples, .. } = cut { least.max(*samples) } else { least };
-    let kept: Vec<Part> = parts.into_iter().filter(|part| part.samples.len() >= least.max(1)).collect();
-    let short = found - kept.len();
-    (kept, short)
+        (runs, short)
+    }
+
+    fn long_enough(&self, parts: Vec<Part>) -> Vec<Part> {
+        let least = match self.cut {
+            Cut::Windows { samples, .. } => self.least.max(samples),
+            _ => self.least.max(1),
+        };
+        parts.into_iter().filter(|part| part.samples.len() >= least).collect()
+    }
+}
+
+impl Cut {
+    /// The sub-experiments of a recording that are marked in it, in order, whatever is known of the channels there.
+    fn marked(&self, source: &Source, grid: &Grid, labels: Option<&Labels>) -> Vec<Part> {
+        match (self, labels) {
+            (Self::Labels, Some(labels)) => labelled(grid, labels),
+            (Self::Intervals(intervals), _) => {
+                let own = intervals.iter().filter(|interval| interval.run == source.name);
+                let mut parts: Vec<Part> = own.map(|interval| within(grid, interval)).collect();
+                parts.sort_by_key(|part| part.samples.start);
+                parts
+            }
+            _ => Vec::new(),
+        }
+    }
+
+    /// The sub-experiments of one stretch, in order. `u` and `v` are surge and sway on the grid \[m/s\].
+    fn parts(&self, kind: &str, marked: &[Part], stretch: &Stretch, [u, v]: [&[f64]; 2]) -> Vec<Part> {
+        let all = stretch.start..stretch.start + stretch.samples;
+        match self {
+            Self::Whole => vec![Part { samples: all, maneuver: kind.to_owned() }],
+            Self::Windows { samples, classes } => {
+                let window = |start: usize| {
+                    let range = start..(start + samples).min(all.end);
+                    let maneuver = match classes {
+                        Some(classes) => {
+                            format!("{kind}/{}", classes.of(&u[range.clone()], &v[range.clone()]))
+                        }
+                        None => kind.to_owned(),
+                    };
+                    Part { samples: range, maneuver }
+                };
+                all.clone().step_by((*samples).max(1)).map(window).collect()
+            }
+            Self::Labels | Self::Intervals(_) => {
+                marked.iter().filter_map(|part| overlap(part, &all)).collect()
+            }
+        }
+    }
+}
+
+/// Refuses intervals of recordings that there are not, and such that overlap.
+///
+/// # Errors
+/// Names the first.
+pub fn check_intervals(intervals: &[Interval], sources: &[Source]) -> Result<(), IntervalError> {
+    for (i, interval) in intervals.iter().enumerate() {
+        if !sources.iter().any(|source| source.name == interval.run) {
+            let known = sources.iter().map(|source| source.name.clone()).collect();
+            return Err(IntervalError::NoRecording { run: interval.run.clone(), known });
+        }
+        let overlaps = |other: &&Interval| {
+            other.run == interval.run && other.from_s < interval.to_s && interval.from_s < other.to_s
+        };
+        if let Some(other) = intervals[..i].iter().find(overlaps) {
+            let [first, second] = [other, interval].map(|interval| [interval.from_s, interval.to_s]);
+            return Err(IntervalError::Overlap { run: interval.run.clone(), first, second });
+        }
+    }
+    Ok(())
 }
 
 fn overlap(part: &Part, all: &Range<usize>) -> Option<Part> {
@@ -80,15 +206,16 @@ fn overlap(part: &Part, all: &Range<usize>) -> Option<Part> {
     (!samples.is_empty()).then(|| Part { samples, maneuver: part.maneuver.clone() })
 }
 
-/// The samples from `from_s` to `to_s` \[s\], both rows included, as one sub-experiment.
-pub fn within(grid: &Grid, from_s: f64, to_s: f64, maneuver: &str) -> Part {
-    let rows = grid.rows_within(from_s, to_s);
-    Part { samples: rows.start..rows.end.saturating_sub(1).max(rows.start), maneuver: maneuver.to_owned() }
+/// The samples of `interval`, both its rows included, as one sub-experiment.
+fn within(grid: &Grid, interval: &Interval) -> Part {
+    let rows = grid.rows_within(interval.from_s, interval.to_s);
+    let samples = rows.start..rows.end.saturating_sub(1).max(rows.start);
+    Part { samples, maneuver: interval.maneuver.clone() }
 }
 
-/// One sub-experiment per stretch of equal labels; `labels` hold from their time in `times` on. Rows under an empty label,
-/// or before the first label, belong to none.
-pub fn labelled(grid: &Grid, times: &[f64], labels: &[String]) -> Vec<Part> {
+/// One sub-experiment per stretch of equal labels, which hold from their times on. Rows under an empty label, or before the
+/// first label, belong to none.
+fn labelled(grid: &Grid, Labels { times, labels }: &Labels) -> Vec<Part> {
     let mut parts: Vec<Part> = Vec::new();
     for (row, time) in grid.times().into_iter().enumerate() {
         let place = times.partition_point(|t| *t <= time + 1e-6);
@@ -110,37 +237,78 @@ mod tests {
         parts.iter().map(|p| (p.samples.start, p.samples.end, p.maneuver.as_str())).collect()
     }
 
+    fn source() -> Source {
+        Source { name: "a".into(), files: Vec::new(), kind: "zigzag".into() }
+    }
+
+    fn made(u: Vec<f64>, rate_hz: f64, stretches: Vec<Stretch>) -> Assembled {
+        let still = || vec![0.0; u.len()];
+        Assembled {
+            grid: Grid { start_s: 0.0, rate_hz, rows: u.len() },
+            measured: [u.clone(), still(), still()],
+            exogenous: Vec::new(),
+            further: Vec::new(),
+            stretches,
+            channels: crate::Channels::new(),
+        }
+    }
+
     #[test]
     fn windows_are_whole_and_named_by_speed() {
         let u: Vec<f64> = (0..26).map(|k| 0.02 * f64::from(k)).collect();
-        let v = vec![0.0; 26];
-        let classes = SpeedClasses {
-            bounds_m_s: vec![0.15, 0.3],
-            names: ["slow", "medium", "fast"].map(String::from).into(),
-        };
-        let windows = Cut::Windows { samples: 10, kind: "zigzag".into(), classes: Some(classes) };
-        let stretch = Stretch { start: 1, samples: 24 };
-        let (parts, short) = cut(&windows, &stretch, [&u, &v], 1);
-        assert_eq!(ranges(&parts), [(1, 11, "zigzag/slow"), (11, 21, "zigzag/fast")]);
-        assert_eq!(short, 1);
+        let names = ["slow", "medium", "fast"].map(String::from).into();
+        let classes = Some(SpeedClasses { bounds_m_s: vec![0.15, 0.3], names });
+        let cut = Cut::Windows { samples: 10, classes };
+        let made = made(u, 1.0, vec![Stretch { start: 1, samples: 24 }]);
+        let windows = Segmentation { cut, least: 1, each_is_a_run: false };
+        let (runs, short) = windows.runs(&source(), &made, None);
+        assert_eq!(ranges(&runs[0]), [(1, 11, "zigzag/slow"), (11, 21, "zigzag/fast")]);
+        assert_eq!((runs.len(), short), (1, 1));
+        let (runs, _) = Segmentation { each_is_a_run: true, ..windows }.runs(&source(), &made, None);
+        assert_eq!(runs.len(), 2);
     }
 
     #[test]
     fn labels_hold_until_the_next_and_empty_ones_belong_to_nothing() {
-        let grid = Grid { start_s: 0.0, rate_hz: 1.0, rows: 9 };
-        let labels = ["a", "a", "", "b"].map(String::from);
-        let parts = labelled(&grid, &[1.0, 2.0, 4.0, 5.5], &labels);
-        assert_eq!(ranges(&parts), [(1, 4, "a"), (6, 9, "b")]);
-        let (parts, short) =
-            cut(&Cut::Labels(parts), &Stretch { start: 2, samples: 5 }, [&[0.0; 9], &[0.0; 9]], 2);
-        assert_eq!(ranges(&parts), [(2, 4, "a")]);
-        assert_eq!(short, 1);
+        let labels = ["a", "a", "", "b"].map(String::from).into();
+        let labels = Labels { times: vec![1.0, 2.0, 4.0, 5.5], labels };
+        let made = made(vec![0.0; 9], 1.0, vec![Stretch { start: 2, samples: 5 }]);
+        assert_eq!(ranges(&labelled(&made.grid, &labels)), [(1, 4, "a"), (6, 9, "b")]);
+        let segmentation = Segmentation { cut: Cut::Labels, least: 2, each_is_a_run: false };
+        let (runs, short) = segmentation.runs(&source(), &made, Some(&labels));
+        assert_eq!(ranges(&runs[0]), [(2, 4, "a")]);
+        assert_eq!((runs.len(), short), (1, 1));
     }
 
     #[test]
     fn an_interval_of_ten_seconds_has_ten_samples() {
         let grid = Grid { start_s: 0.0, rate_hz: 2.0, rows: 100 };
-        assert_eq!(within(&grid, 5.0, 15.0, "turn").samples, 10..30);
-        assert!(within(&grid, 500.0, 600.0, "turn").samples.is_empty());
+        let interval = |from_s, to_s| Interval { run: "a".into(), from_s, to_s, maneuver: "turn".into() };
+        assert_eq!(within(&grid, &interval(5.0, 15.0)).samples, 10..30);
+        assert!(within(&grid, &interval(500.0, 600.0)).samples.is_empty());
+    }
+
+    #[test]
+    fn neighbours_make_one_run_and_others_do_not() {
+        let interval = |from_s: f64, to_s: f64| Interval {
+            run: "a".into(),
+            from_s,
+            to_s,
+            maneuver: format!("from {from_s}"),
+        };
+        let cut = Cut::Intervals(vec![
+            interval(5.0, 8.0),
+            interval(0.0, 5.0),
+            interval(9.0, 12.0),
+            interval(12.0, 14.0),
+        ]);
+        // The recording is split within the last row of the third interval.
+        let stretches = vec![Stretch { start: 0, samples: 12 }, Stretch { start: 12, samples: 4 }];
+        let joined = Segmentation { cut, least: 1, each_is_a_run: false };
+        let (runs, short) = joined.runs(&source(), &made(vec![0.0; 17], 1.0, stretches), None);
+        let found: Vec<_> = runs.iter().map(|run| ranges(run)).collect();
+        assert_eq!(found[0], [(0, 5, "from 0"), (5, 8, "from 5")]);
+        assert_eq!(found[1..], [[(9, 12, "from 9")], [(12, 14, "from 12")]]);
+        assert_eq!(short, 0);
     }
 }

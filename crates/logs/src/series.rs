@@ -1,5 +1,7 @@
 use std::ops::Range;
 
+use numerics::statistics::median;
+
 use crate::unwrap;
 
 /// Times that differ by less are the same \[s\]: what remains of a time since 1970 in 64 bits.
@@ -42,12 +44,7 @@ impl Series {
 
     /// Samples per second: the inverse of the median step. None for fewer than two samples.
     pub fn rate_hz(&self) -> Option<f64> {
-        let mut steps: Vec<f64> = self.t.windows(2).map(|pair| pair[1] - pair[0]).collect();
-        if steps.is_empty() {
-            return None;
-        }
-        let middle = steps.len() / 2;
-        Some(1.0 / *steps.select_nth_unstable_by(middle, f64::total_cmp).1)
+        median(self.t.windows(2).map(|pair| pair[1] - pair[0]).collect()).map(|step| 1.0 / step)
     }
 
     /// The stretches of samples without a gap between neighbours.

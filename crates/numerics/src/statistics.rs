@@ -29,6 +29,17 @@ pub fn quantile(sorted: &[f64], q: f64) -> Option<f64> {
     value.is_finite().then_some(value)
 }
 
+/// The quantile 0.5 of `values` in any order: selected, which many values gain by over being sorted.
+pub fn median(mut values: Vec<f64>) -> Option<f64> {
+    let last = values.len().checked_sub(1)?;
+    let (_, low, above) = values.select_nth_unstable_by(last / 2, f64::total_cmp);
+    let low = *low;
+    match above.iter().copied().min_by(f64::total_cmp).filter(|_| last % 2 == 1) {
+        Some(high) => quantile(&[low, high], 0.5),
+        None => quantile(&[low], 0.5),
+    }
+}
+
 /// Ascending, absent values last as infinity.
 pub fn sorted(values: impl Iterator<Item = Option<f64>>) -> Vec<f64> {
     let mut all: Vec<f64> = values.map(|v| v.unwrap_or(f64::INFINITY)).collect();
@@ -44,5 +55,15 @@ mod tests {
     fn law_spread_is_the_sample_standard_deviation() {
         assert_eq!(spread(&[1.0, 3.0]), Some(2.0_f64.sqrt()));
         assert_eq!(spread(&[1.0]), None);
+    }
+
+    #[test]
+    fn law_the_median_halves_what_is_there() {
+        assert_eq!(median(vec![]), None);
+        assert_eq!(median(vec![3.0]), Some(3.0));
+        assert_eq!(median(vec![5.0, 1.0, 4.0, 2.0]), Some(3.0));
+        assert_eq!(median(vec![5.0, 1.0, 4.0, 2.0, -9.0]), Some(2.0));
+        let values = [0.3, 0.1, 0.7, 0.2];
+        assert_eq!(median(values.to_vec()), quantile(&sorted(values.into_iter().map(Some)), 0.5));
     }
 }

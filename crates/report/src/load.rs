@@ -94,7 +94,7 @@ impl Loader<'_> {
         if !path.exists() {
             return Ok(None);
         }
-        Ok(read_document::<IngestDocument>(&path)?.data.data)
+        Ok(read_document::<IngestDocument>(&path)?.data.data.map(|label| label.to_string()))
     }
 
     fn scores(&mut self) -> Result<Option<Vec<ScoreSet>>, Error> {

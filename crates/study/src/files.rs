@@ -6,6 +6,7 @@ use artifact::{Digest, Provenance, read_toml};
 use vessel::{DictionaryFile, Generator, Invalid, Vessel, VesselFile};
 
 use crate::campaign_file::CampaignFile;
+use crate::ingest_file::IngestFile;
 use artifact::Error;
 
 /// Reads `vessel.toml` and notes its digest.
@@ -30,6 +31,14 @@ pub fn read_dictionary(
 pub fn read_campaign(path: &Path, provenance: &mut Provenance) -> Result<CampaignFile, Error> {
     let (file, digest) = read_toml::<CampaignFile>(path)?;
     provenance.inputs.insert("campaign".into(), digest);
+    file.check().map_err(|e| crate::invalid(path, &e))?;
+    Ok(file)
+}
+
+/// Reads `ingest.toml` and notes its digest.
+pub fn read_ingest(path: &Path, provenance: &mut Provenance) -> Result<IngestFile, Error> {
+    let (file, digest) = read_toml::<IngestFile>(path)?;
+    provenance.inputs.insert("config".into(), digest);
     file.check().map_err(|e| crate::invalid(path, &e))?;
     Ok(file)
 }

@@ -8,6 +8,8 @@ pub mod design_files;
 pub mod documents;
 pub mod estimates;
 pub mod files;
+pub mod ingest_file;
+pub mod logs_file;
 pub mod plan;
 mod refusal;
 pub mod scores;

@@ -1,17 +1,21 @@
 //! What a ship's instruments would have logged: forces to thruster commands, thrusters with limits, a ship in current and
 //! wind, sensors with noise and resolution.
 //!
-//! A [`Chain`] is the ship with its thrusters and sensors; [`Chain::record`] sails one sub-experiment. Every random number
-//! is keyed by (seed, maneuver, repeat, channel), so that a recording depends on no other.
+//! A [`Chain`] is the ship with its thrusters and sensors; [`Chain::record`] sails one sub-experiment, a [`Logbook`] all
+//! those of a [`Schedule`]. Every random number is keyed by (seed, maneuver, repeat, channel), so that a recording depends
+//! on no other.
 
 mod actuator;
+mod logbook;
 mod motion;
 mod recording;
 mod sensor;
+mod text;
 mod weather;
 mod wind;
 
 pub use actuator::{Actuator, Hits};
+pub use logbook::{Day, Entry, FORCES, Logbook, LogbookError, Schedule, force_factors};
 pub use motion::{Pace, advance};
 pub use recording::{Chain, Failed, Key, Recording, Truth};
 pub use sensor::{Compass, Gnss, quantised};

@@ -1,6 +1,6 @@
 //! Against numbers computed by numpy and scipy: `fixtures/oracle/ingest.json`, written by `scripts/independent/ingest.py`.
 
-use logs::{Law, Lever, LocalPlane, Series, Thruster, euler, lag, local_quadratic, noise_std};
+use logs::{Law, Lever, Series, Thruster, euler, lag, local_quadratic, noise_std};
 use serde_json::Value;
 
 const ORACLE: &str = include_str!("../../../../fixtures/oracle/ingest.json");
@@ -73,15 +73,6 @@ fn oracle_resampling() {
     let grid = numbers(&case["grid"]);
     same(&series.at(&grid), &numbers(&case["plain"]), 1e-12);
     same(&series.averaged(number(&case["average_s"])).at(&grid), &numbers(&case["averaged"]), 1e-12);
-}
-
-#[test]
-fn oracle_local_plane() {
-    for case in oracle("local_plane").as_array().unwrap() {
-        let ([latitude, longitude], point) = (pair(&case["origin"]), pair(&case["point"]));
-        let found = LocalPlane::at(latitude, longitude).north_east(point[0], point[1]);
-        same(&found, &pair(&case["north_east"]), 1e-5);
-    }
 }
 
 #[test]

@@ -4,19 +4,18 @@ use std::path::{Path, PathBuf};
 
 use crate::cli::{Common, beside, provenance};
 use crate::failure::Failure;
-use crate::ingest::{
-    IngestFile, Outcome, Plan, RowsBuilder, Source, Totals, check_segments, find, ingest, line, schema,
-    simulated_label,
-};
+use crate::ingest::{find, recorded, simulated_label};
 use crate::ordered::ordered;
 use crate::progress::Progress;
 use crate::stage::{Summary, Task};
-use artifact::{EncodedBlock, Provenance, TableWriter, commit, encode_block, read_toml, stage_document};
+use artifact::{EncodedBlock, Provenance, TableWriter, commit, encode_block, stage_document};
 use clap::Parser;
+use logs::{Plan, Source, Totals, check_intervals};
 use serde_json::json;
-use study::documents::IngestDocument;
-use study::files::read_vessel;
-use vessel::Vessel;
+use study::documents::{IngestDocument, RecordingSummary};
+use study::files::{read_ingest, read_vessel};
+use study::ingest_file::{IngestFile, about_channels, about_intervals};
+use study::trajectories::{Layout, MeasuredBlock};
 
 /// Turns log files into trajectories: one clock, SI units, body velocities, sub-experiments; says how good the data are
 #[derive(Parser)]
@@ -52,37 +51,36 @@ impl Task for Arguments {
 
 fn stage(a: &Arguments) -> Result<Summary, Failure> {
     let mut provenance = provenance("ingest");
-    let (mut config, digest) = read_toml::<IngestFile>(&a.config)?;
-    provenance.inputs.insert("config".into(), digest);
-    config.check().map_err(|e| Failure::invalid(&a.config, &e))?;
+    let refuse = |invalid| Failure::invalid(&a.config, &invalid);
+    let mut config = read_ingest(&a.config, &mut provenance)?;
     let vessel = a.vessel.as_deref().map(|path| read_vessel(path, &mut provenance)).transpose()?;
-    let plan = Plan::new(&config, &a.config, vessel.as_ref().zip(a.vessel.as_deref()))?;
+    let vessel_file = a.vessel.as_deref().unwrap_or(Path::new("")).display();
+    let plan =
+        Plan::new(config.setup(), vessel.as_ref()).map_err(|e| refuse(about_channels(&e, vessel_file)))?;
     let folder = a.logs.clone().unwrap_or_else(|| a.config.parent().unwrap_or(Path::new("")).to_owned());
-    let sources = find(&config, &a.config, &folder)?;
-    check_segments(&config, &a.config, &sources)?;
+    let naming = config.naming().map_err(refuse)?;
+    let sources = find(&config, &naming, &a.config, &folder)?;
+    check_intervals(&config.segment, &sources).map_err(|e| refuse(about_intervals(&e)))?;
     let out = output(a, &folder, &sources)?;
     let label = simulated_label(&folder, &sources, &mut provenance)?;
-    if let Some(label) = &label {
-        config.design.clone_from(label);
-        provenance.settings.insert("data".into(), json!(label));
+    if let Some(label) = label {
+        config.design = label.to_string();
+        label.label(&mut provenance);
     }
-    let (blocks, totals) = all(a, &config, &plan, &folder, &sources, &mut provenance)?;
-    write(a, &out, &config, &plan, vessel.as_ref(), &provenance, blocks, &totals, label.clone())?;
-    let told = label.map_or(String::new(), |label| format!("; {label}"));
-    Ok(Summary {
-        line: line(&out, &totals) + &told,
-        json: json!({
-            "out": out,
-            "runs": totals.runs,
-            "samples": totals.samples,
-            "recordings": totals.recordings.len(),
-            "maneuvers": totals.maneuvers.len(),
-            "dropped_rows": totals.dropped_rows(),
-            "splits": totals.sum(|r| r.splits),
-            "short_segments": totals.sum(|r| r.short_segments),
-            "warnings": totals.sum(|r| r.warnings.iter().map(|w| w.count).sum()),
-        }),
-    })
+    let made = all(a, &config, &plan, &folder, sources, &mut provenance)?;
+    let document = IngestDocument {
+        vessel: vessel.map(|vessel| vessel.name),
+        design: config.design,
+        data: label,
+        reference_point: config.reference_point,
+        sample_rate_hz: config.sample_rate_hz,
+        runs: u64::from(made.totals.runs),
+        samples: made.totals.samples as u64,
+        maneuvers: made.totals.maneuvers.iter().map(Into::into).collect(),
+        recordings: made.recordings,
+    };
+    write(a, &out, &plan, &provenance, made.blocks, &document)?;
+    Ok(summary(&out, &document))
 }
 
 /// Where the trajectories go; none of the files that are read.
@@ -92,87 +90,104 @@ fn output(a: &Arguments, folder: &Path, sources: &[Source]) -> Result<PathBuf, F
     a.common.main_output("trajectories.parquet", &read.collect::<Vec<_>>())
 }
 
+fn layout(plan: &Plan) -> Layout {
+    Layout {
+        exogenous: plan.exogenous.iter().map(|input| (input.name.clone(), input.unit.clone())).collect(),
+    }
+}
+
+/// What became of all recordings.
+struct Ingested {
+    blocks: Vec<EncodedBlock>,
+    totals: Totals,
+    recordings: Vec<RecordingSummary>,
+}
+
 /// Reads all recordings in parallel and collects their runs in order.
 fn all(
     a: &Arguments,
     config: &IngestFile,
     plan: &Plan,
     folder: &Path,
-    sources: &[Source],
+    sources: Vec<Source>,
     provenance: &mut Provenance,
-) -> Result<(Vec<EncodedBlock>, Totals), Failure> {
-    let schema = schema(plan);
+) -> Result<Ingested, Failure> {
+    let (layout, segmentation) = (layout(plan), config.segmentation());
+    let separators: Vec<char> = config.file.iter().map(|file| file.separator).collect();
+    let schema = layout.measured(&plan.further);
+    let empty = || MeasuredBlock::new(&layout, plan.further.len(), plan.setup.rate_hz);
+    let (mut totals, mut recordings) = (Totals::of(&config.design), Vec::with_capacity(sources.len()));
+    let (mut block, mut blocks) = (empty(), Vec::new());
     let progress = Progress::new("recordings", sources.len(), a.common.quiet);
-    let (mut totals, mut blocks) = (Totals::default(), Vec::new());
-    let mut rows = RowsBuilder::new(plan, &config.design);
     let work = |i: usize| {
-        let outcome = ingest(config, plan, folder, &sources[i]);
+        let found = recorded(plan, &separators, &segmentation, folder, &sources[i]);
         progress.advance(1);
-        outcome
+        found.map(|(recorded, digests)| (i, recorded, digests))
     };
-    ordered(0..sources.len(), work, |outcome: Outcome| {
-        let Outcome { made, runs, mut summary, digests } = outcome;
+    ordered(0..sources.len(), work, |(i, mut recorded, digests)| {
         provenance.inputs.extend(digests);
-        for run in &runs {
-            rows.push(totals.number(run, &mut summary), &made, run);
-            if rows.is_full() {
-                let full = std::mem::replace(&mut rows, RowsBuilder::new(plan, &config.design));
-                blocks.push(encode_block(&schema, &full.table())?);
+        for (run, further) in recorded.runs.iter_mut().zip(&recorded.further) {
+            totals.number(run);
+            block.push(run, further);
+            if block.is_full() {
+                blocks.push(encode_block(&schema, &std::mem::replace(&mut block, empty()).table())?);
             }
         }
-        totals.recordings.push(summary);
+        recordings.push(RecordingSummary::of(&sources[i], &recorded));
         Ok::<(), Failure>(())
     })?;
-    if !rows.is_empty() {
-        blocks.push(encode_block(&schema, &rows.table())?);
+    if !block.is_empty() {
+        blocks.push(encode_block(&schema, &block.table())?);
     }
     if blocks.is_empty() {
         let found = format!("none of {} recordings", sources.len());
+        let expected = "at least one that is long enough";
         let remedy = "lower `min_s` or `window_s`, or correct the segments";
-        return Err(Failure::refuse(
-            &a.config,
-            "sub-experiments",
-            &found,
-            "at least one that is long enough",
-            remedy,
-        ));
+        return Err(Failure::refuse(&a.config, "sub-experiments", &found, expected, remedy));
     }
-    Ok((blocks, totals))
+    Ok(Ingested { blocks, totals, recordings })
 }
 
-#[allow(clippy::too_many_arguments)]
 fn write(
     a: &Arguments,
     out: &Path,
-    config: &IngestFile,
     plan: &Plan,
-    vessel: Option<&Vessel>,
     provenance: &Provenance,
     blocks: Vec<EncodedBlock>,
-    totals: &Totals,
-    data: Option<String>,
+    document: &IngestDocument,
 ) -> Result<(), Failure> {
-    let document = IngestDocument {
-        vessel: vessel.map(|vessel| vessel.name.clone()),
-        design: config.design.clone(),
-        data,
-        reference_point: config.reference_point.clone(),
-        sample_rate_hz: config.sample_rate_hz,
-        runs: u64::from(totals.runs),
-        samples: totals.samples,
-        maneuvers: totals.maneuvers.clone(),
-        recordings: totals.recordings.clone(),
-    };
     let summary = beside(out, "ingest.json");
     if summary == a.config {
         return Err(Failure::Usage(
             "--out: found a folder whose ingest.json is the configuration; name another".into(),
         ));
     }
-    let mut writer = TableWriter::create(out, &schema(plan), provenance)?;
+    let mut writer = TableWriter::create(out, &layout(plan).measured(&plan.further), provenance)?;
     for block in blocks {
         writer.push(block)?;
     }
-    commit(vec![writer.finish()?, stage_document(&summary, provenance, &document)?])?;
+    commit(vec![writer.finish()?, stage_document(&summary, provenance, document)?])?;
     Ok(())
+}
+
+fn summary(out: &Path, document: &IngestDocument) -> Summary {
+    let IngestDocument { runs, samples, maneuvers, recordings, .. } = document;
+    let sum = |count: fn(&RecordingSummary) -> u64| recordings.iter().map(count).sum::<u64>();
+    let dropped = sum(|r| r.rows.empty + r.rows.cut + r.rows.without_time + r.rows.repeated);
+    let (splits, short) = (sum(|r| r.splits), sum(|r| r.short_segments));
+    let warnings = sum(|r| r.warnings.iter().map(|w| w.count).sum());
+    let warned = if warnings > 0 { format!("; {warnings} warnings, see ingest.json") } else { String::new() };
+    let label = document.data.map_or(String::new(), |label| format!("; {label}"));
+    let line = format!(
+        "{}: {runs} runs, {samples} samples, {} maneuvers from {} recordings; {dropped} rows dropped, {splits} gaps \
+         that split a recording, {short} segments too short{warned}{label}",
+        out.display(),
+        maneuvers.len(),
+        recordings.len(),
+    );
+    let json = json!({
+        "out": out, "runs": runs, "samples": samples, "recordings": recordings.len(), "maneuvers": maneuvers.len(),
+        "dropped_rows": dropped, "splits": splits, "short_segments": short, "warnings": warnings,
+    });
+    Summary { line, json }
 }

@@ -4,18 +4,18 @@ use std::path::{Path, PathBuf};
 
 use crate::cli::{Common, Sharding, beside, given, provenance};
 use crate::failure::Failure;
-use crate::ingest::SIMULATED_FILE;
 use crate::simulate::campaign::{Campaign, CampaignFiles};
-use crate::simulate::logs::{Files, LogsFile, SimulatedLogs, publish};
+use crate::simulate::logs::{Files, publish, simulate};
 use crate::simulate::undisturbed::{Undisturbed, Written};
 use crate::stage::{Summary, Task};
 use artifact::{Provenance, Shard, commit, gather, read_document, read_toml};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use serde_json::json;
-use study::documents::DesignDocument;
+use study::documents::{DesignDocument, SIMULATED_FILE, SimulatedLogsDocument};
 use study::files::{generator, read_campaign, read_dictionary, read_vessel};
+use study::logs_file::LogsFile;
 use study::track::read_planned;
-use study::trajectories::{ID, SIMULATED_LOGS, VERSION};
+use study::trajectories::{DataLabel, ID, VERSION};
 use vessel::{Source, Vessel};
 
 /// Simulates a vessel's trajectories
@@ -286,14 +286,14 @@ fn logs(a: &LogsArguments) -> Result<Summary, Failure> {
     provenance.inputs.insert("logs".into(), digest);
     let seed = a.common.seed.unwrap_or(config.seed);
     provenance.settings.insert("seed".into(), json!(seed));
-    provenance.settings.insert("data".into(), json!(SIMULATED_LOGS));
+    DataLabel::SimulatedLogs.label(&mut provenance);
     let out = a.common.main_output(SIMULATED_FILE, &[&a.vessel, &a.dictionary, &a.logs])?;
     let files = Files { vessel: &a.vessel, dictionary: &a.dictionary, logs: &a.logs };
-    let work = SimulatedLogs::new(files, &vessel, &generator, &config, seed)?;
-    let made = work.all()?;
-    let document = work.document(&made);
-    publish(&out, &made, &document, &provenance)?;
-    let (maneuvers, recordings) = (work.maneuvers().len(), work.recordings());
+    let entries = simulate(&files, &vessel, &generator, &config, seed)?;
+    let document = SimulatedLogsDocument::of(&vessel, &config, &entries);
+    publish(&out, &entries, &document, &provenance)?;
+    let recordings = entries.len();
+    let maneuvers = recordings / config.repeats as usize;
     let told: String = document.statements.iter().map(|statement| format!("; {statement}")).collect();
     Ok(Summary {
         line: format!(

@@ -4,12 +4,11 @@ use std::path::Path;
 
 use artifact::{Digest, Provenance, read_document};
 
-use super::files::Source;
-use crate::failure::Failure;
-use study::documents::SimulatedLogsDocument;
+use logs::Source;
+use study::documents::{SIMULATED_FILE, SimulatedLogsDocument};
+use study::trajectories::DataLabel;
 
-/// Name of the document that `simulate logs` writes beside its logs.
-pub const SIMULATED_FILE: &str = "simulated.json";
+use crate::failure::Failure;
 
 /// What the logs in `folder` are labelled as, if they are labelled as simulated: then each of `sources` must be as it was
 /// written, and its digest is noted.
@@ -20,7 +19,7 @@ pub fn simulated_label(
     folder: &Path,
     sources: &[Source],
     provenance: &mut Provenance,
-) -> Result<Option<String>, Failure> {
+) -> Result<Option<DataLabel>, Failure> {
     let path = folder.join(SIMULATED_FILE);
     if !path.is_file() {
         return Ok(None);

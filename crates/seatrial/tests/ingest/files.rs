@@ -4,6 +4,7 @@ use std::io::Write;
 
 use flate2::Compression;
 use flate2::write::GzEncoder;
+use study::documents::WarningKind;
 
 use crate::runner::*;
 
@@ -136,12 +137,12 @@ fn what_is_odd_but_usable_is_counted_and_told() {
     }
     let made = ingest(folder(&[("ingest.toml", &text), ("a.csv", &csv)]).path(), &CONFIG);
     let warnings = &made.summary.recordings[0].warnings;
-    let of = |kind: &str| -> Vec<(&str, u64)> {
+    let of = |kind: WarningKind| -> Vec<(&str, u64)> {
         warnings.iter().filter(|w| w.kind == kind).map(|w| (w.channel.as_str(), w.count)).collect()
     };
-    assert_eq!(of("constant"), [("y_u", 1), ("y_r", 1), ("n", 1), ("rudder", 1)]);
-    assert_eq!(of("jump"), [("psi", 2)]);
-    assert_eq!(of("unit"), [("rudder", 1)]);
-    assert_eq!(of("rate").len(), 6);
+    assert_eq!(of(WarningKind::Constant), [("y_u", 1), ("y_r", 1), ("n", 1), ("rudder", 1)]);
+    assert_eq!(of(WarningKind::Jump), [("psi", 2)]);
+    assert_eq!(of(WarningKind::Unit), [("rudder", 1)]);
+    assert_eq!(of(WarningKind::Rate).len(), 6);
     assert!(made.line.contains("; 13 warnings, see ingest.json"), "{}", made.line);
 }

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use study::documents::RecordingSummary;
+use study::documents::{MotionSummary, RecordingSummary, State};
 
 use crate::runner::*;
 
@@ -24,7 +24,7 @@ fn ingest_study(study: &str, logs: &Path, vessel: bool) -> Made {
     ingest(&pipeline, &more)
 }
 
-fn state<'a>(recording: &'a RecordingSummary, state: &str) -> &'a study::documents::MotionSummary {
+fn state<'a>(recording: &'a RecordingSummary, state: State) -> &'a MotionSummary {
     recording.motion.iter().find(|m| m.state == state).unwrap()
 }
 
@@ -58,13 +58,13 @@ fn the_esso_osakas_measured_velocities_lag_the_derivative_of_its_position() {
     let Some(logs) = data("esso_osaka") else { return };
     let made = ingest_study("esso-osaka", &logs, false);
     for r in &made.summary.recordings {
-        for name in ["u", "v"] {
+        for name in [State::U, State::V] {
             let found = state(r, name);
             assert!(found.rms <= 0.04, "{}: {found:?}", r.name);
             let lag = found.lag_s.unwrap();
             assert!((0.2..1.5).contains(&lag), "{}: {found:?}", r.name);
         }
-        assert!(state(r, "r").rms < 0.015, "{}: {:?}", r.name, state(r, "r"));
+        assert!(state(r, State::R).rms < 0.015, "{}: {:?}", r.name, state(r, State::R));
     }
 }
 

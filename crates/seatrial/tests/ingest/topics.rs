@@ -1,5 +1,6 @@
 //! The made-up logs in `fixtures/logs`: one file per topic, several clocks, formats and conventions at once.
 
+use study::documents::State;
 use study::files::read_vessel;
 use study::trajectories::{Layout, TrajectoryReader};
 
@@ -107,7 +108,7 @@ fn the_summary_tells_rates_noise_and_lags() {
     assert!((channel("speed").max.unwrap() - 11.0).abs() < 0.01 && channel("speed").unit == "1/s");
     assert!((channel("psi").min.unwrap() - 4.7).abs() < 0.1, "unwrapped: {:?}", channel("psi"));
     let yaw = &a.motion[0];
-    assert_eq!(yaw.state, "r");
+    assert_eq!(yaw.state, State::R);
     assert!(yaw.rms < 2e-3 && yaw.lag_s.unwrap().abs() < 0.02, "{yaw:?}");
 }
 

@@ -1,6 +1,11 @@
+use std::fmt;
+
 use artifact::Document;
+use logs::{ChannelQuality, Oddity, Recorded, RowCounts, Source, Warning};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+
+use crate::trajectories::DataLabel;
 
 /// `ingest.json`: what log files became, and how good their data are.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
@@ -10,9 +15,9 @@ pub struct IngestDocument {
     pub vessel: Option<String>,
     /// Name of the design that the runs belong to.
     pub design: String,
-    /// `simulated logs` where they are not those of a real ship.
+    /// What the logs are where they are not those of a real ship.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub data: Option<String>,
+    pub data: Option<DataLabel>,
     /// What positions and velocities are those of.
     pub reference_point: Option<String>,
     /// The common rate \[Hz\].
@@ -74,14 +79,28 @@ pub struct RecordingSummary {
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct WarningSummary {
-    /// `constant`, `unit` (it may be in another), `rate` (it is logged less often than the common rate), `jump`.
-    pub kind: String,
+    /// What is odd.
+    pub kind: WarningKind,
     /// The channel.
     pub channel: String,
     /// How often.
     pub count: u64,
     /// In words.
     pub text: String,
+}
+
+/// What is odd about a channel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum WarningKind {
+    /// It has one value.
+    Constant,
+    /// It may be in another unit.
+    Unit,
+    /// It is logged less often than the common rate.
+    Rate,
+    /// It jumps.
+    Jump,
 }
 
 /// Rows that were read, and left out.
@@ -128,8 +147,8 @@ pub struct ChannelSummary {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MotionSummary {
-    /// `u`, `v` or `r`.
-    pub state: String,
+    /// The velocity.
+    pub state: State,
     /// Root mean square of measured − derivative.
     pub rms: f64,
     /// Robust standard deviation of measured − derivative: where it is far below `rms`, a few jumps of the position make up
@@ -143,6 +162,106 @@ pub struct MotionSummary {
     /// Slope of the line of measured over derivative, 1 where both are in the same unit; null where they are not correlated.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub gain: Option<f64>,
+}
+
+/// A velocity.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum State {
+    /// Surge.
+    U,
+    /// Sway.
+    V,
+    /// Yaw rate.
+    R,
+}
+
+impl fmt::Display for State {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.serialize(f)
+    }
+}
+
+impl RecordingSummary {
+    /// What became of `source`; its runs have their numbers.
+    pub fn of(source: &Source, recorded: &Recorded) -> Self {
+        let Recorded { runs, quality, .. } = recorded;
+        let states = [State::U, State::V, State::R].into_iter().zip(quality.motion);
+        let motion = |(state, found): (State, Option<logs::Consistency>)| {
+            let logs::Consistency { rms, robust_std, bias, lag_s, gain } = found?;
+            Some(MotionSummary { state, rms, robust_std, bias, lag_s, gain })
+        };
+        Self {
+            name: source.name.clone(),
+            files: source.files.clone(),
+            runs: runs.iter().map(|run| run.run as u64).collect(),
+            duration_s: quality.duration_s,
+            samples: runs.iter().map(|run| run.samples() as u64).sum(),
+            segments: runs.iter().map(|run| run.segments.len() as u64).sum(),
+            splits: quality.splits as u64,
+            short_segments: quality.short as u64,
+            rows: quality.rows.into(),
+            channels: quality.channels.iter().map(ChannelSummary::from).collect(),
+            motion: states.filter_map(motion).collect(),
+            warnings: quality.warnings.iter().map(WarningSummary::from).collect(),
+        }
+    }
+}
+
+impl From<&ChannelQuality> for ChannelSummary {
+    fn from(channel: &ChannelQuality) -> Self {
+        Self {
+            name: channel.name.clone(),
+            unit: channel.unit.clone(),
+            rate_hz: channel.rate_hz,
+            missing: channel.missing as u64,
+            gaps: channel.gaps as u64,
+            noise: channel.noise,
+            min: channel.min,
+            max: channel.max,
+        }
+    }
+}
+
+impl From<RowCounts> for RowSummary {
+    fn from(rows: RowCounts) -> Self {
+        Self {
+            read: rows.read as u64,
+            empty: rows.empty as u64,
+            cut: rows.cut as u64,
+            without_time: rows.without_time as u64,
+            repeated: rows.repeated as u64,
+            backwards: rows.backwards as u64,
+        }
+    }
+}
+
+impl From<&logs::ManeuverCount> for ManeuverCount {
+    fn from(count: &logs::ManeuverCount) -> Self {
+        Self { name: count.name.clone(), segments: count.segments as u64, samples: count.samples as u64 }
+    }
+}
+
+impl From<&Warning> for WarningSummary {
+    fn from(Warning { channel, oddity }: &Warning) -> Self {
+        use WarningKind::{Constant, Jump, Rate, Unit};
+        let (kind, count, text) = match oddity {
+            Oddity::Constant(value) => (Constant, 1, format!("is {value} throughout")),
+            Oddity::BeyondTurn(rad) => {
+                (Unit, 1, format!("reaches {rad:.1} rad, more than a turn: it may be in degrees"))
+            }
+            Oddity::WithinTurn(deg) => (Unit, 1, format!("stays within {deg:.2} deg: it may be in radians")),
+            Oddity::Slow { own_hz, common_hz } => {
+                (Rate, 1, format!("is logged at {own_hz:.3} Hz and interpolated to {common_hz} Hz"))
+            }
+            Oddity::Jumps { count, above } => (
+                Jump,
+                *count as u64,
+                format!("jumps by more than {:.1} deg {count} times", above.to_degrees()),
+            ),
+        };
+        Self { kind, channel: channel.clone(), count, text: format!("`{channel}` {text}") }
+    }
 }
 
 impl Document for IngestDocument {

@@ -29,8 +29,8 @@ pub use design::{
 pub use design_status::DesignStatus;
 pub use estimate::{DegreeSummary, DesignSummary, EstimateDocument, EstimatorSummary, ParameterSummary};
 pub use ingest::{
-    ChannelSummary, IngestDocument, ManeuverCount, MotionSummary, RecordingSummary, RowSummary,
-    WarningSummary,
+    ChannelSummary, IngestDocument, ManeuverCount, MotionSummary, RecordingSummary, RowSummary, State,
+    WarningKind, WarningSummary,
 };
 pub use moments::{
     DegreeMoments, DegreeStructure, ExpectedDisturbances, ManeuverMoments, MomentsDocument, OutputErrorModel,
@@ -45,7 +45,7 @@ pub use refined::{RefinedDocument, RefinedExperiment, RefinedLimit};
 pub use refinement::RefinedFiles;
 pub use selection::{SelectionDocument, SelectionErrors, SelectionScores};
 pub use sequential::{ArmPoint, ArmSummary, RoundGain, SequentialDocument, Stopping};
-pub use simulated::{SimulatedLogsDocument, SimulatedRecording};
+pub use simulated::{SIMULATED_FILE, SimulatedLogsDocument, SimulatedRecording};
 pub use solved::{Few, Solved};
 pub use trust::{
     FreeRunErrors, InstrumentResidual, TrustDegree, TrustDocument, TrustParameter, TrustRun, Whiteness,

@@ -1,13 +1,21 @@
 use artifact::{Digest, Document};
+use logs::chain::{Entry, Hits};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use vessel::Vessel;
+
+use crate::logs_file::LogsFile;
+use crate::trajectories::DataLabel;
+
+/// Name of the document that seals simulated logs, beside which they stand.
+pub const SIMULATED_FILE: &str = "simulated.json";
 
 /// `simulated.json`: seals a folder of simulated logs, and labels them as what they are.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SimulatedLogsDocument {
-    /// `simulated logs`, as everything that is made of them is labelled.
-    pub label: String,
+    /// As everything that is made of them is labelled.
+    pub label: DataLabel,
     /// Name of the vessel.
     pub vessel: String,
     /// Rows per second.
@@ -40,6 +48,52 @@ pub struct SimulatedRecording {
     pub heading: f64,
     /// Share of the samples at which each thruster could not follow its command.
     pub limited: Vec<f64>,
+}
+
+impl SimulatedLogsDocument {
+    /// What was logged on `vessel` as `config` says.
+    pub fn of(vessel: &Vessel, config: &LogsFile, entries: &[Entry]) -> Self {
+        Self {
+            label: DataLabel::SimulatedLogs,
+            vessel: vessel.name.clone(),
+            sample_rate_hz: vessel.sample_rate_hz,
+            samples: u64::from(config.samples),
+            recordings: entries.iter().map(SimulatedRecording::from).collect(),
+            statements: (0..config.thruster.len()).flat_map(|i| statements(i, entries)).collect(),
+        }
+    }
+}
+
+impl From<&Entry> for SimulatedRecording {
+    fn from(entry: &Entry) -> Self {
+        Self {
+            file: format!("{}_{:02}.csv", entry.maneuver, entry.repeat),
+            digest: Digest::of_bytes(entry.text.as_bytes()),
+            maneuver: entry.maneuver.clone(),
+            repeat: u64::from(entry.repeat),
+            mirrored: entry.mirrored,
+            day: entry.day.clone(),
+            heading: entry.heading,
+            limited: entry.limited.clone(),
+        }
+    }
+}
+
+/// Which limits thruster `i` was held at.
+fn statements(i: usize, entries: &[Entry]) -> Vec<String> {
+    let limits: [(&str, fn(&Hits) -> usize); 3] = [
+        ("highest speed", |hits| hits.speed),
+        ("fastest change of speed", |hits| hits.speed_rate),
+        ("fastest turn", |hits| hits.angle_rate),
+    ];
+    let statement = |(limit, count): (&str, fn(&Hits) -> usize)| {
+        let each = || entries.iter().map(|entry| count(&entry.hits[i])).filter(|count| *count > 0);
+        let (samples, logs) = (each().sum::<usize>(), each().count());
+        let text =
+            || format!("thruster {} was held at its {limit} at {samples} samples of {logs} logs", i + 1);
+        (logs > 0).then(text)
+    };
+    limits.into_iter().filter_map(statement).collect()
 }
 
 impl Document for SimulatedLogsDocument {

@@ -29,6 +29,13 @@ impl Layout {
         TableSchema { id: ID, version: VERSION, columns }
     }
 
+    /// The table of measured runs, of which no truth is known: `further` channels by name and unit instead.
+    pub fn measured(&self, further: &[(String, String)]) -> TableSchema {
+        let mut columns = self.required();
+        columns.extend(further.iter().map(|(name, unit)| ColumnSpec::new(name, unit, Kind::F64, true)));
+        TableSchema { id: ID, version: VERSION, columns }
+    }
+
     /// The columns that every stage needs.
     pub fn required(&self) -> Vec<ColumnSpec> {
         let mut columns = vec![

@@ -2,10 +2,12 @@
 
 mod label;
 mod layout;
+mod measured;
 mod read;
 mod write;
 
-pub use label::{SIMULATED_LOGS, label};
+pub use label::{DataLabel, label};
 pub use layout::{ID, Layout, VERSION};
+pub use measured::MeasuredBlock;
 pub use read::{TrajectoryReader, refuse_shard};
 pub use write::{BlockBuilder, NewRun, rows_per_block};

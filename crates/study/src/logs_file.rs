@@ -1,10 +1,11 @@
-//! `logs.toml`.
+//! `logs.toml`: the ship, the sensors and the days of simulated logs.
 
 use std::collections::BTreeMap;
 
-use logs::chain::{Actuator, Compass, Drift, Gnss, Hull, Weather, Wind};
+use logs::chain::{Actuator, Chain, Compass, Day, Gnss, Hull, Schedule};
+use refusal::{Invalid, nearest};
 use serde::Deserialize;
-use vessel::{Invalid, nearest};
+use vessel::Vessel;
 
 /// `logs.toml` as written: who sails what, on which day, with which instruments.
 #[derive(Clone, Debug, Deserialize)]
@@ -38,29 +39,7 @@ pub struct LogsFile {
     /// What the wind acts on.
     pub hull: Option<Hull>,
     /// The days; a maneuver on several has its repeats dealt out in turn.
-    pub day: Vec<DaySpec>,
-}
-
-/// A day at sea.
-#[derive(Clone, Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct DaySpec {
-    /// Its name.
-    pub name: String,
-    /// What was run.
-    pub maneuvers: Vec<String>,
-    /// The current.
-    #[serde(default)]
-    pub current: Drift,
-    /// The wind, if any is felt.
-    pub wind: Option<Wind>,
-}
-
-impl DaySpec {
-    /// What moves water and air.
-    pub fn weather(&self) -> Weather {
-        Weather { current: self.current, wind: self.wind }
-    }
+    pub day: Vec<Day>,
 }
 
 impl LogsFile {
@@ -126,9 +105,32 @@ impl LogsFile {
         Ok(())
     }
 
-    /// The days on which `maneuver` is run, in order.
-    pub fn days_of(&self, maneuver: &str) -> Vec<usize> {
-        (0..self.day.len()).filter(|i| self.day[*i].maneuvers.iter().any(|name| name == maneuver)).collect()
+    /// The vessel, moved by `parameters`, with its thrusters and sensors; `units` are what newtons and newton metres are
+    /// multiplied by to be its inputs.
+    pub fn chain<'a>(&'a self, vessel: &'a Vessel, parameters: &'a [f64], units: [f64; 3]) -> Chain<'a> {
+        Chain {
+            model: &vessel.model,
+            parameters,
+            rate_hz: vessel.sample_rate_hz,
+            units,
+            actuators: &self.thruster,
+            gnss: self.gnss,
+            compass: self.heading,
+            hull: self.hull,
+            scatter_std: self.scatter_std,
+            course_rad: self.course_rad,
+        }
+    }
+
+    /// What is recorded, how often, and on which days.
+    pub fn schedule(&self) -> Schedule {
+        Schedule {
+            samples: self.samples,
+            repeats: self.repeats,
+            alternate_sides: self.alternate_sides,
+            settle_s: self.settle_s.clone(),
+            days: self.day.clone(),
+        }
     }
 }
 

@@ -1,8 +1,9 @@
 //! Refusing an `ingest.toml` whose keys cannot be followed, before any log is read.
 
-use vessel::Invalid;
+use logs::Interval;
+use refusal::Invalid;
 
-use super::config::{IngestFile, SegmentSpec};
+use super::IngestFile;
 
 impl IngestFile {
     /// Refuses numbers without meaning and keys that exclude each other.
@@ -140,7 +141,7 @@ impl IngestFile {
                 "remove one",
             ));
         }
-        let wrong = |s: &&SegmentSpec| !(s.from_s.is_finite() && s.to_s.is_finite() && s.from_s < s.to_s);
+        let wrong = |s: &&Interval| !(s.from_s.is_finite() && s.to_s.is_finite() && s.from_s < s.to_s);
         match self.segment.iter().find(wrong) {
             Some(segment) => Err(Invalid::new(
                 format!("[[segment]] of run `{}`", segment.run),

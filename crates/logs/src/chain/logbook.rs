@@ -1,0 +1,209 @@
+use std::collections::BTreeMap;
+
+use rayon::prelude::*;
+use refusal::Invalid;
+use serde::Deserialize;
+use thiserror::Error;
+use vessel::{Diverged, Generator, Vessel};
+
+use super::{Chain, Drift, Failed, Hits, Key, Weather, Wind};
+use crate::{Unreachable, factor};
+
+/// What azimuth thrusters make, by the names that [`crate::Plan`] gives it.
+pub const FORCES: [(&str, &str); 3] = [("tau1", "N"), ("tau2", "N"), ("tau3", "N m")];
+
+/// Which maneuvers are recorded, how often, and on which days.
+#[derive(Clone, Debug)]
+pub struct Schedule {
+    /// Samples per sub-experiment that velocities from differences are to have; two rows more are logged.
+    pub samples: u32,
+    /// Sub-experiments per maneuver.
+    pub repeats: u32,
+    /// Whether every other repeat is run to the other side.
+    pub alternate_sides: bool,
+    /// Maneuver → how long it goes on before logging begins \[s\].
+    pub settle_s: BTreeMap<String, f64>,
+    /// The days; a maneuver on several has its repeats dealt out in turn.
+    pub days: Vec<Day>,
+}
+
+/// A day at sea.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Day {
+    /// Its name.
+    pub name: String,
+    /// What was run.
+    pub maneuvers: Vec<String>,
+    /// The current.
+    #[serde(default)]
+    pub current: Drift,
+    /// The wind, if any is felt.
+    pub wind: Option<Wind>,
+}
+
+impl Day {
+    /// What moves water and air.
+    pub fn weather(&self) -> Weather {
+        Weather { current: self.current, wind: self.wind }
+    }
+}
+
+/// A ship that carries out maneuvers day by day, and logs them.
+#[derive(Clone, Debug)]
+pub struct Logbook<'a> {
+    chain: Chain<'a>,
+    generator: &'a Generator,
+    schedule: Schedule,
+    seed: u64,
+}
+
+/// One simulated log, and what there is to know of it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Entry {
+    /// The log as CSV.
+    pub text: String,
+    /// Its maneuver.
+    pub maneuver: String,
+    /// Its number among the maneuver's, from 1.
+    pub repeat: u32,
+    /// Whether it is run to the other side.
+    pub mirrored: bool,
+    /// The day.
+    pub day: String,
+    /// Heading at the start of the log \[rad\].
+    pub heading: f64,
+    /// Share of the samples at which each thruster could not follow its command.
+    pub limited: Vec<f64>,
+    /// How often it could not.
+    pub hits: Vec<Hits>,
+}
+
+/// Why there are no logs.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum LogbookError {
+    /// A vessel whose inputs are not the forces of azimuth thrusters: their names and units.
+    #[error("the inputs {}", .0.join(", "))]
+    Inputs(Vec<String>),
+    /// A maneuver whose name is no name of a file.
+    #[error("maneuver `{0}` has another character than letters, digits, - and .")]
+    Name(String),
+    /// A maneuver that the model cannot hold.
+    #[error(transparent)]
+    Maneuver(#[from] Invalid),
+    /// Forces that the thrusters cannot make.
+    #[error("maneuver `{maneuver}` needs forces at sample {sample} that the thrusters cannot make")]
+    Unreachable {
+        /// The maneuver.
+        maneuver: String,
+        /// The sample.
+        sample: usize,
+        /// What cannot be made.
+        what: Unreachable,
+    },
+    /// A motion without bounds.
+    #[error("the model diverges in log {repeat} of maneuver `{maneuver}`")]
+    Diverged {
+        /// The maneuver.
+        maneuver: String,
+        /// Its repeat, from 1.
+        repeat: u32,
+        /// Where it leaves every bound.
+        at: Diverged,
+    },
+}
+
+/// What N and N m are multiplied by to be the inputs of `vessel`.
+///
+/// # Errors
+/// Other inputs than the forces of azimuth thrusters.
+pub fn force_factors(vessel: &Vessel) -> Result<[f64; 3], LogbookError> {
+    let inputs = &vessel.model.variables[3..3 + vessel.model.inputs];
+    let fits = inputs.len() == 3 && inputs.iter().zip(FORCES).all(|(input, (name, _))| input.name == name);
+    let factors = inputs.iter().zip(FORCES).map(|(input, (_, unit))| factor(unit, &input.unit));
+    match factors.collect::<Option<Vec<f64>>>().as_deref() {
+        Some([surge, sway, yaw]) if fits => Ok([*surge, *sway, *yaw]),
+        _ => Err(LogbookError::Inputs(inputs.iter().map(|i| format!("{} [{}]", i.name, i.unit)).collect())),
+    }
+}
+
+impl<'a> Logbook<'a> {
+    /// The maneuvers of `generator`, carried out by `chain` as `schedule` says.
+    ///
+    /// # Errors
+    /// Maneuvers whose names are no names of files.
+    pub fn new(
+        chain: Chain<'a>,
+        generator: &'a Generator,
+        schedule: Schedule,
+        seed: u64,
+    ) -> Result<Self, LogbookError> {
+        let plain = |name: &str| name.chars().all(|c| c.is_ascii_alphanumeric() || "-.".contains(c));
+        match generator.maneuvers().iter().find(|maneuver| !plain(&maneuver.name)) {
+            Some(maneuver) => Err(LogbookError::Name(maneuver.name.clone())),
+            None => Ok(Self { chain, generator, schedule, seed }),
+        }
+    }
+
+    /// The maneuvers that are run on some day, in the dictionary's order.
+    pub fn maneuvers(&self) -> Vec<usize> {
+        let maneuvers = self.generator.maneuvers();
+        (0..maneuvers.len()).filter(|i| self.days_of(&maneuvers[*i].name).next().is_some()).collect()
+    }
+
+    fn days_of(&self, maneuver: &str) -> impl Iterator<Item = &Day> {
+        self.schedule.days.iter().filter(move |day| day.maneuvers.iter().any(|name| name == maneuver))
+    }
+
+    /// Simulates all logs: maneuver by maneuver, repeat by repeat.
+    ///
+    /// # Errors
+    /// A maneuver that the model cannot hold, forces that the thrusters cannot make, a motion without bounds.
+    pub fn entries(&self) -> Result<Vec<Entry>, LogbookError> {
+        let repeats = 0..self.schedule.repeats;
+        let each = self.maneuvers().into_iter().flat_map(|index| repeats.clone().map(move |r| (index, r)));
+        let each: Vec<(usize, u32)> = each.collect();
+        // Collected before the first failure is looked for, so that it is the first in order.
+        let made: Vec<_> = each.into_par_iter().map(|(index, repeat)| self.entry(index, repeat)).collect();
+        made.into_iter().collect()
+    }
+
+    fn entry(&self, index: usize, repeat: u32) -> Result<Entry, LogbookError> {
+        let (chain, schedule) = (&self.chain, &self.schedule);
+        let name = self.generator.maneuvers()[index].name.as_str();
+        let settle = schedule.settle_s.get(name).map_or(0, |s| (s * chain.rate_hz).round() as usize);
+        let rows = settle + schedule.samples as usize + 2;
+        let realized = self.generator.realize(index, rows)?;
+        let mirrored = schedule.alternate_sides && repeat % 2 == 1;
+        let side = if mirrored { -1.0 } else { 1.0 };
+        let inputs = realized.inputs.chunks_exact(chain.model.inputs);
+        let forces: Vec<[f64; 3]> = inputs.map(|row| [row[0], side * row[1], side * row[2]]).collect();
+        let days: Vec<&Day> = self.days_of(name).collect();
+        let day = days[repeat as usize % days.len()];
+        let key = Key { seed: self.seed, maneuver: name, repeat };
+        let recording = chain
+            .record(key, &forces, realized.initial, &day.weather(), settle)
+            .map_err(|failed| LogbookError::of(failed, name, repeat + 1))?;
+        let share = |hits: &Hits| hits.speed.max(hits.speed_rate).max(hits.angle_rate) as f64 / rows as f64;
+        Ok(Entry {
+            text: recording.csv(chain.rate_hz),
+            maneuver: name.to_owned(),
+            repeat: repeat + 1,
+            mirrored,
+            day: day.name.clone(),
+            heading: recording.truth.poses.first().map_or(0.0, |pose| pose.psi),
+            limited: recording.hits.iter().map(share).collect(),
+            hits: recording.hits,
+        })
+    }
+}
+
+impl LogbookError {
+    fn of(failed: Failed, maneuver: &str, repeat: u32) -> Self {
+        let maneuver = maneuver.to_owned();
+        match failed {
+            Failed::Diverged(at) => Self::Diverged { maneuver, repeat, at },
+            Failed::Unreachable { sample, what } => Self::Unreachable { maneuver, sample, what },
+        }
+    }
+}

@@ -1,0 +1,177 @@
+//! One log file: its clock, its channels, what was left out.
+
+use rayon::prelude::*;
+use thiserror::Error;
+
+use crate::suspicion::{Turned, check_turns};
+use crate::{Cells, ChannelSpec, Columns, Plan, Series, TimeSpec, TimeUnit, Unit, order};
+
+/// A file's channels on its own clock.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Log {
+    /// Its times, increasing \[s\].
+    pub times: Vec<f64>,
+    /// One series per channel of the group, in order, in SI units.
+    pub channels: Vec<Series>,
+    /// Labels of sub-experiments, one per time.
+    pub labels: Option<Vec<String>>,
+    /// What was read and left out.
+    pub counts: RowCounts,
+}
+
+/// What was read of a recording's files, and what of it was left out.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct RowCounts {
+    /// Rows in the files.
+    pub read: usize,
+    /// Rows without any value.
+    pub empty: usize,
+    /// Rows cut short at the end.
+    pub cut: usize,
+    /// Rows with values but no time.
+    pub without_time: usize,
+    /// Rows whose time an earlier row has.
+    pub repeated: usize,
+    /// Rows earlier than a row before them: left out, or put in order.
+    pub backwards: usize,
+}
+
+impl std::ops::AddAssign for RowCounts {
+    fn add_assign(&mut self, other: Self) {
+        self.read += other.read;
+        self.empty += other.empty;
+        self.cut += other.cut;
+        self.without_time += other.without_time;
+        self.repeated += other.repeated;
+        self.backwards += other.backwards;
+    }
+}
+
+/// Why columns are no log.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum LogError {
+    /// No row has a time.
+    #[error("no rows with a time ({read} read, {empty} empty)")]
+    NoRows {
+        /// Rows in the file.
+        read: usize,
+        /// Rows without any value.
+        empty: usize,
+    },
+    /// A text that is no date and time.
+    #[error("line {line}, column `{column}`: `{found}` is no date and time")]
+    NoTime {
+        /// The line, from 1.
+        line: usize,
+        /// The column.
+        column: String,
+        /// The cell.
+        found: String,
+    },
+    /// Time goes backwards.
+    #[error("line {line}, column `{column}`: {time} s after {latest} s")]
+    Backwards {
+        /// The line, from 1.
+        line: usize,
+        /// The column.
+        column: String,
+        /// Its time \[s\].
+        time: f64,
+        /// The latest time before it \[s\].
+        latest: f64,
+    },
+    /// An angle that is in another unit.
+    #[error(transparent)]
+    Turned(#[from] Turned),
+}
+
+impl Log {
+    /// The log that stands in `columns`, those that [`Plan::wanted`] names for `group`.
+    ///
+    /// # Errors
+    /// A time that is none, time going backwards, no rows, angles in another unit.
+    pub fn new(columns: &Columns, group: usize, plan: &Plan) -> Result<Self, LogError> {
+        let spec = &plan.setup.groups[group];
+        let times = times(&spec.time, columns)?;
+        let timed: Vec<usize> = (0..times.len()).filter(|row| times[*row].is_finite()).collect();
+        let mut counts = RowCounts {
+            read: columns.lines.len() + columns.empty_rows + columns.cut_rows,
+            empty: columns.empty_rows,
+            cut: columns.cut_rows,
+            without_time: times.len() - timed.len(),
+            ..RowCounts::default()
+        };
+        if timed.is_empty() {
+            return Err(LogError::NoRows { read: counts.read, empty: counts.empty });
+        }
+        let clock: Vec<f64> = timed.iter().map(|row| times[*row]).collect();
+        let ordered = order(&clock, plan.setup.non_monotonic).map_err(|back| LogError::Backwards {
+            line: columns.lines[timed[back.row]],
+            column: spec.time.column.clone(),
+            time: back.time,
+            latest: back.latest,
+        })?;
+        (counts.repeated, counts.backwards) = (ordered.repeated, ordered.backwards);
+        let rows: Vec<usize> = ordered.rows.iter().map(|row| timed[*row]).collect();
+        let times: Vec<f64> = rows.iter().map(|row| times[*row]).collect();
+        let rows = Rows { columns, rows: &rows, times: &times };
+        let specs: Vec<(&ChannelSpec, &Unit)> = spec.channels.iter().zip(&plan.units[group]).collect();
+        let channel = |(i, (spec, unit))| rows.channel(1 + i, spec, unit, plan.setup.max_gap_s);
+        let channels = specs.into_par_iter().enumerate().map(channel).collect::<Result<_, _>>()?;
+        let labels = spec.label_column.is_some().then(|| rows.labels());
+        Ok(Self { times, channels, labels, counts })
+    }
+}
+
+/// The rows that stay of a file, in the order of time.
+struct Rows<'a> {
+    columns: &'a Columns,
+    rows: &'a [usize],
+    times: &'a [f64],
+}
+
+impl Rows<'_> {
+    /// The channel in column `place` in SI units; angles are unwrapped before they are scaled.
+    fn channel(
+        &self,
+        place: usize,
+        spec: &ChannelSpec,
+        unit: &Unit,
+        max_gap_s: f64,
+    ) -> Result<Series, Turned> {
+        let Cells::Numbers(numbers) = &self.columns.cells[place] else {
+            unreachable!("channels are read as numbers")
+        };
+        let mut values: Vec<f64> = self.rows.iter().map(|row| numbers[*row]).collect();
+        check_turns(&spec.column, unit, &values, |i| self.columns.lines[self.rows[i]])?;
+        values.iter_mut().for_each(|value| *value *= unit.factor);
+        let times: Vec<f64> = self.times.iter().map(|time| time - spec.delay_s).collect();
+        let series = Series::new(&times, &values, spec.max_gap_s.unwrap_or(max_gap_s));
+        let series = if unit.si == "rad" { series.unwrapped() } else { series };
+        Ok(series.map(|value| spec.sign * spec.scale * value + spec.offset))
+    }
+
+    /// The last column.
+    fn labels(&self) -> Vec<String> {
+        match self.columns.cells.last() {
+            Some(Cells::Texts(texts)) => self.rows.iter().map(|row| texts[*row].clone()).collect(),
+            _ => Vec::new(),
+        }
+    }
+}
+
+fn times(spec: &TimeSpec, columns: &Columns) -> Result<Vec<f64>, LogError> {
+    let texts = match (&columns.cells[0], spec.unit.seconds()) {
+        (Cells::Numbers(numbers), Some(unit)) => {
+            return Ok(numbers.iter().map(|n| n * unit + spec.offset_s).collect());
+        }
+        (Cells::Texts(texts), _) => texts,
+        (Cells::Numbers(_), None) => unreachable!("dates are read as text"),
+    };
+    let time = |(text, line): (&String, &usize)| match TimeUnit::of_text(text) {
+        Some(time) => Ok(time + spec.offset_s),
+        None if text.is_empty() => Ok(f64::NAN),
+        None => Err(LogError::NoTime { line: *line, column: spec.column.clone(), found: text.clone() }),
+    };
+    texts.iter().zip(&columns.lines).map(time).collect()
+}

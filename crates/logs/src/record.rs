@@ -1,0 +1,180 @@
+//! One recording: logs to channels, channels to runs, and how good they are.
+
+use rayon::prelude::*;
+use thiserror::Error;
+use vessel::{Run, Segment};
+
+use crate::segment::Labels;
+use crate::suspicion::{check_ratios, warnings};
+use crate::{
+    Assembled, Channels, Consistency, Log, Part, Plan, RowCounts, Segmentation, Series, Source, Unassembled,
+    UnitRatio, Warning, assemble, consistency, noise_std,
+};
+
+/// What became of a recording.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Recorded {
+    /// Its runs, without design and number; none where all sub-experiments were too short.
+    pub runs: Vec<Run>,
+    /// Per run the channels of [`Plan::further`] at its N + 1 rows; NaN where absent.
+    pub further: Vec<Vec<Vec<f64>>>,
+    /// How good its data are.
+    pub quality: Quality,
+}
+
+/// How good the data of a recording are.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Quality {
+    /// From the moment at which all needed channels have begun to the end of the first that ends, in whole samples \[s\].
+    pub duration_s: f64,
+    /// Gaps that split it.
+    pub splits: usize,
+    /// Sub-experiments that were left out for being too short.
+    pub short: usize,
+    /// Rows of all its files.
+    pub rows: RowCounts,
+    /// Its channels, measured and computed.
+    pub channels: Vec<ChannelQuality>,
+    /// Measured surge, sway and yaw rate beside derivatives.
+    pub motion: [Option<Consistency>; 3],
+    /// What is odd about its channels.
+    pub warnings: Vec<Warning>,
+}
+
+/// How good a channel is, on its own clock.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ChannelQuality {
+    /// Its name.
+    pub name: String,
+    /// Its unit.
+    pub unit: String,
+    /// See [`Series::rate_hz`] \[Hz\].
+    pub rate_hz: Option<f64>,
+    /// Rows without a value.
+    pub missing: usize,
+    /// Gaps longer than is interpolated over.
+    pub gaps: usize,
+    /// See [`noise_std`].
+    pub noise: Option<f64>,
+    /// Smallest value.
+    pub min: Option<f64>,
+    /// Largest value.
+    pub max: Option<f64>,
+}
+
+/// Why a recording becomes no runs.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum RecordError {
+    /// Its channels have no clock in common.
+    #[error("{why}")]
+    Unassembled {
+        /// Why not.
+        why: Unassembled,
+        /// The channel with the longest step, and that step \[s\].
+        slowest: Option<(String, f64)>,
+    },
+    /// Velocities in another unit than they should be.
+    #[error(transparent)]
+    Unit(#[from] UnitRatio),
+}
+
+/// Makes runs of the `logs` of `source`, one per group of files.
+///
+/// # Errors
+/// A recording without a stretch in which all channels are known; velocities in another unit than they should be.
+pub fn record(
+    source: &Source,
+    logs: Vec<Log>,
+    plan: &Plan,
+    segmentation: &Segmentation,
+) -> Result<Recorded, RecordError> {
+    let start_s = logs.iter().filter_map(|log| log.times.first()).copied().fold(f64::INFINITY, f64::min);
+    let labels = logs.iter().find_map(|log| labels(log, start_s));
+    let missing = missing(plan, &logs);
+    let mut rows = RowCounts::default();
+    logs.iter().for_each(|log| rows += log.counts);
+    let channels = channels(plan, logs, start_s);
+    let slowest = slowest(&channels);
+    let made = assemble(channels, &plan.recipe).map_err(|why| RecordError::Unassembled { why, slowest })?;
+    let motion = consistency(&made.channels, plan.setup.velocities.window_s);
+    check_ratios(&motion)?;
+    let (parts, short) = segmentation.runs(source, &made, labels.as_ref());
+    let (runs, further) = parts.iter().map(|parts| run(plan, &made, parts)).unzip();
+    let channels = qualities(plan, &made.channels, &missing);
+    let quality = Quality {
+        duration_s: made.grid.rows.saturating_sub(1) as f64 / made.grid.rate_hz,
+        splits: made.stretches.len().saturating_sub(1),
+        short,
+        rows,
+        warnings: warnings(&plan.setup, &made.channels, &channels),
+        channels,
+        motion,
+    };
+    Ok(Recorded { runs, further, quality })
+}
+
+fn labels(log: &Log, start_s: f64) -> Option<Labels> {
+    let labels = log.labels.clone()?;
+    Some(Labels { times: log.times.iter().map(|time| time - start_s).collect(), labels })
+}
+
+/// Per channel of the files, how many rows have no value.
+fn missing(plan: &Plan, logs: &[Log]) -> Vec<(String, usize)> {
+    let series = logs.iter().flat_map(|log| log.channels.iter().map(|series| (log.times.len(), series)));
+    let lacking = series.map(|(rows, series)| rows - series.t.len());
+    plan.setup.channels().map(|spec| spec.channel.clone()).zip(lacking).collect()
+}
+
+/// All channels by name, on the recording's clock.
+fn channels(plan: &Plan, logs: Vec<Log>, start_s: f64) -> Channels {
+    let names = plan.setup.channels().map(|spec| spec.channel.clone());
+    let on_clock = |mut series: Series| {
+        series.t.iter_mut().for_each(|time| *time -= start_s);
+        series
+    };
+    names.zip(logs.into_iter().flat_map(|log| log.channels).map(on_clock)).collect()
+}
+
+/// The channel with the longest step, and that step \[s\].
+fn slowest(channels: &Channels) -> Option<(String, f64)> {
+    let steps = channels.iter().filter_map(|(name, series)| Some((name.clone(), 1.0 / series.rate_hz()?)));
+    steps.max_by(|a, b| a.1.total_cmp(&b.1))
+}
+
+/// The run that consists of `parts`, which follow each other, and its further channels.
+fn run(plan: &Plan, made: &Assembled, parts: &[Part]) -> (Run, Vec<Vec<f64>>) {
+    let samples = parts[0].samples.start..parts[parts.len() - 1].samples.end;
+    let rows = samples.start..samples.end + 1;
+    let inputs =
+        |k: usize| made.exogenous.iter().zip(&plan.exogenous).map(move |(c, input)| input.factor * c[k]);
+    let measured: Vec<f64> = rows.clone().flat_map(|k| made.measured.each_ref().map(|c| c[k])).collect();
+    let segment =
+        |part: &Part| Segment { maneuver: part.maneuver.clone(), start: part.samples.start - samples.start };
+    let run = Run {
+        design: String::new(),
+        run: 0,
+        segments: parts.iter().map(segment).collect(),
+        exogenous: samples.clone().flat_map(inputs).collect(),
+        initial: [measured[0], measured[1], measured[2]],
+        measured,
+    };
+    (run, made.further.iter().map(|channel| channel[rows.clone()].to_vec()).collect())
+}
+
+fn qualities(plan: &Plan, channels: &Channels, missing: &[(String, usize)]) -> Vec<ChannelQuality> {
+    let channels: Vec<(&String, &Series)> = channels.iter().collect();
+    let of = |(name, series): (&String, &Series)| {
+        let extreme = |f: fn(f64, f64) -> f64| series.values.iter().copied().reduce(f);
+        ChannelQuality {
+            name: name.clone(),
+            unit: plan.unit_of(name).to_owned(),
+            rate_hz: series.rate_hz(),
+            missing: missing.iter().find(|(known, _)| known == name).map_or(0, |(_, count)| *count),
+            gaps: series.gaps(),
+            noise: noise_std(series),
+            min: extreme(f64::min),
+            max: extreme(f64::max),
+        }
+    };
+    channels.into_par_iter().map(of).collect()
+}

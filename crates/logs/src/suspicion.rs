@@ -1,0 +1,175 @@
+//! Data that can be read but may not be what they are said to be: wrong units are refused, the rest is counted and told.
+
+use std::f64::consts::TAU;
+
+use numerics::statistics::median;
+use thiserror::Error;
+
+use crate::{ChannelQuality, Channels, Consistency, Setup, Unit};
+
+/// Units of angles and how many of them a turn has.
+const TURNS: [(&str, f64); 2] = [("deg", 360.0), ("rad", TAU)];
+
+/// What a velocity is multiplied by where it is in this unit instead of m/s.
+const SPEEDS: [(&str, f64); 5] =
+    [("knot", 3600.0 / 1852.0), ("km/h", 3.6), ("mm/s", 1e3), ("cm/s", 1e2), ("ft/s", 1.0 / 0.3048)];
+
+/// What a rate of turn is multiplied by where it is in this unit instead of rad/s.
+const RATES: [(&str, f64); 2] = [("deg/s", 360.0 / TAU), ("deg/min", 60.0 * 360.0 / TAU)];
+
+/// How far a ratio may be off that of two units.
+const SAME_RATIO: f64 = 0.02;
+
+/// An angle that wraps by a turn of another unit than its own.
+#[derive(Clone, Debug, Error, PartialEq)]
+#[error("line {line}, column `{column}`: {after} after {before}, a turn in {turn} of angles in {unit}")]
+pub struct Turned {
+    /// The line where it wraps, from 1.
+    pub line: usize,
+    /// The column.
+    pub column: String,
+    /// The value before.
+    pub before: f64,
+    /// The value after.
+    pub after: f64,
+    /// The unit that it wraps in.
+    pub turn: &'static str,
+    /// Its own unit.
+    pub unit: &'static str,
+}
+
+/// Refuses an angle that wraps by a turn of another unit than its own. `numbers` as they stand in `column` of the file,
+/// number `i` on line `line(i)`.
+pub(crate) fn check_turns(
+    column: &str,
+    unit: &Unit,
+    numbers: &[f64],
+    line: impl Fn(usize) -> usize,
+) -> Result<(), Turned> {
+    if unit.si != "rad" {
+        return Ok(());
+    }
+    let own = TAU / unit.factor;
+    let largest = numbers.iter().filter(|n| n.is_finite()).fold(0.0, |most: f64, n| most.max(n.abs()));
+    for (name, turn) in TURNS.into_iter().filter(|(_, turn)| (turn / own - 1.0).abs() > 0.1) {
+        if largest > 1.02 * turn {
+            continue;
+        }
+        let wraps = |pair: &[f64]| ((pair[1] - pair[0]).abs() / turn - 1.0).abs() < 0.08;
+        if let Some(i) = numbers.windows(2).position(wraps) {
+            return Err(Turned {
+                line: line(i + 1),
+                column: column.to_owned(),
+                before: numbers[i],
+                after: numbers[i + 1],
+                turn: name,
+                unit: unit.name,
+            });
+        }
+    }
+    Ok(())
+}
+
+/// A measured velocity that is a unit's ratio off the derivative of position or heading.
+#[derive(Clone, Copy, Debug, Error, PartialEq)]
+#[error("`{channel}` is {gain:.4} times the derivative of position or heading, as if one were in {unit}")]
+pub struct UnitRatio {
+    /// `y_u`, `y_v` or `y_r`.
+    pub channel: &'static str,
+    /// Velocity over derivative.
+    pub gain: f64,
+    /// The unit that may be meant.
+    pub unit: &'static str,
+    /// Whether the velocity may be in it, or else what it is compared with.
+    pub of_velocity: bool,
+}
+
+/// Refuses velocities that are a unit's ratio off the derivative of position or heading.
+pub(crate) fn check_ratios(motion: &[Option<Consistency>; 3]) -> Result<(), UnitRatio> {
+    let units = [("y_u", &SPEEDS[..]), ("y_v", &SPEEDS), ("y_r", &RATES)];
+    for ((channel, units), found) in units.into_iter().zip(motion) {
+        let Some(gain) = found.and_then(|found| found.gain) else { continue };
+        let same = |ratio: f64| (gain / ratio - 1.0).abs() < SAME_RATIO;
+        if let Some((unit, ratio)) = units.iter().find(|(_, ratio)| same(*ratio) || same(1.0 / ratio)) {
+            return Err(UnitRatio { channel, gain, unit, of_velocity: same(*ratio) });
+        }
+    }
+    Ok(())
+}
+
+/// Something odd about a channel that does not hinder its use.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Warning {
+    /// The channel.
+    pub channel: String,
+    /// What is odd.
+    pub oddity: Oddity,
+}
+
+/// What is odd about a channel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Oddity {
+    /// It has this one value.
+    Constant(f64),
+    /// An angle beyond a turn, at most so far from zero \[rad\]: it may be in degrees.
+    BeyondTurn(f64),
+    /// An angle in degrees that stays within a turn in radians, at most so far from zero \[deg\].
+    WithinTurn(f64),
+    /// It is logged less often \[Hz\] than the common rate \[Hz\].
+    Slow {
+        /// Its own rate \[Hz\].
+        own_hz: f64,
+        /// The common rate \[Hz\].
+        common_hz: f64,
+    },
+    /// Steps of the heading that no turn explains.
+    Jumps {
+        /// Number of steps.
+        count: usize,
+        /// Steps are larger than this \[rad\].
+        above: f64,
+    },
+}
+
+/// What is odd about the channels of a recording.
+pub(crate) fn warnings(setup: &Setup, channels: &Channels, found: &[ChannelQuality]) -> Vec<Warning> {
+    let mut warnings = Vec::new();
+    for spec in setup.channels() {
+        let Some(channel) = found.iter().find(|channel| channel.name == spec.channel) else { continue };
+        let oddities = [constant(channel), angle(&spec.unit, channel), slow(setup.rate_hz, channel)];
+        let named = |oddity| Warning { channel: channel.name.clone(), oddity };
+        warnings.extend(oddities.into_iter().flatten().map(named));
+    }
+    warnings.extend(jumps(channels).map(|oddity| Warning { channel: "psi".to_owned(), oddity }));
+    warnings
+}
+
+fn constant(channel: &ChannelQuality) -> Option<Oddity> {
+    channel.min.filter(|min| channel.max == Some(*min)).map(Oddity::Constant)
+}
+
+/// An angle beyond a turn (but for the heading, which may go round), or one in degrees that stays within a turn in radians.
+fn angle(unit: &str, channel: &ChannelQuality) -> Option<Oddity> {
+    let largest = channel.min?.abs().max(channel.max?.abs());
+    let degrees = largest.to_degrees();
+    match unit {
+        "rad" if largest > TAU && channel.name != "psi" => Some(Oddity::BeyondTurn(largest)),
+        "deg" if degrees <= TAU && largest > 0.0 => Some(Oddity::WithinTurn(degrees)),
+        _ => None,
+    }
+}
+
+/// A channel that is logged less often than the common rate.
+fn slow(common_hz: f64, channel: &ChannelQuality) -> Option<Oddity> {
+    let own_hz = channel.rate_hz.filter(|own| *own < 0.75 * common_hz)?;
+    Some(Oddity::Slow { own_hz, common_hz })
+}
+
+/// Steps of the heading over 0.2 rad and twelve times the median step.
+fn jumps(channels: &Channels) -> Option<Oddity> {
+    let steps: Vec<f64> =
+        channels.get("psi")?.values.windows(2).map(|pair| (pair[1] - pair[0]).abs()).collect();
+    let above = (12.0 * median(steps.clone())?).max(0.2);
+    let count = steps.iter().filter(|step| **step > above).count();
+    (count > 0).then_some(Oddity::Jumps { count, above })
+}

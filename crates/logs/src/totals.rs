@@ -1,0 +1,54 @@
+use vessel::Run;
+
+/// Numbers the runs of one design and counts them.
+#[derive(Clone, Debug, Default)]
+pub struct Totals {
+    /// Name of the design.
+    pub design: String,
+    /// Runs so far; the number of the next run.
+    pub runs: u32,
+    /// Samples of all runs.
+    pub samples: usize,
+    /// Per maneuver, in the order of appearance.
+    pub maneuvers: Vec<ManeuverCount>,
+}
+
+/// How much there is of a maneuver.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ManeuverCount {
+    /// Its name.
+    pub name: String,
+    /// Number of segments.
+    pub segments: usize,
+    /// Their samples.
+    pub samples: usize,
+}
+
+impl Totals {
+    /// Nothing yet of `design`.
+    pub fn of(design: &str) -> Self {
+        Self { design: design.to_owned(), ..Self::default() }
+    }
+
+    /// Counts `run` and gives it design and number.
+    pub fn number(&mut self, run: &mut Run) {
+        run.design.clone_from(&self.design);
+        run.run = self.runs as i32;
+        self.runs += 1;
+        self.samples += run.samples();
+        let ends = run.segments.iter().skip(1).map(|next| next.start).chain([run.samples()]);
+        for (segment, end) in run.segments.iter().zip(ends) {
+            let count = self.count(&segment.maneuver);
+            count.segments += 1;
+            count.samples += end - segment.start;
+        }
+    }
+
+    fn count(&mut self, maneuver: &str) -> &mut ManeuverCount {
+        let place = self.maneuvers.iter().position(|count| count.name == maneuver).unwrap_or_else(|| {
+            self.maneuvers.push(ManeuverCount { name: maneuver.to_owned(), segments: 0, samples: 0 });
+            self.maneuvers.len() - 1
+        });
+        &mut self.maneuvers[place]
+    }
+}

@@ -1,0 +1,186 @@
+//! `ingest.toml`: what is in measured logs.
+
+mod check;
+mod explain;
+
+use logs::{
+    Body, ChannelSpec, Cut, DerivedSpec, Frame, Group, Heading, Interval, Kind, Lever, Naming, NonMonotonic,
+    Segmentation, Setup, SpeedClasses, Template, ThrusterSpec, TimeSpec, VelocitySpec,
+};
+use refusal::Invalid;
+use serde::Deserialize;
+
+pub use explain::{
+    about_channels, about_columns, about_csv, about_intervals, about_log, about_recording, about_sources,
+};
+
+/// `ingest.toml` as written.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct IngestFile {
+    /// Name of the design that the runs belong to.
+    #[serde(default = "measured")]
+    pub design: String,
+    /// The common rate \[Hz\].
+    pub sample_rate_hz: f64,
+    /// Channels are not interpolated over longer gaps: the recording is split there \[s\].
+    pub max_gap_s: f64,
+    /// Every channel is averaged over this long before it is resampled \[s\].
+    pub average_s: Option<f64>,
+    /// What to do where time goes backwards.
+    #[serde(default)]
+    pub non_monotonic: NonMonotonic,
+    /// Axes of `x` and `y`.
+    #[serde(default)]
+    pub frame: Frame,
+    /// How `psi` counts, if not as in `frame`.
+    pub heading: Option<Heading>,
+    /// Axes of `y_u`, `y_v`, `y_r`.
+    #[serde(default)]
+    pub body: Body,
+    /// The antenna, or whatever positions and velocities were measured at, from the reference point: forward, to starboard
+    /// \[m\].
+    #[serde(default)]
+    pub antenna_m: [f64; 2],
+    /// What the trajectories' positions and velocities are those of, in words.
+    pub reference_point: Option<String>,
+    /// How velocities are made from positions.
+    #[serde(default)]
+    pub velocities: VelocitySpec,
+    /// Files, one group per kind of file.
+    pub file: Vec<FileSpec>,
+    /// Computed channels.
+    #[serde(default)]
+    pub derived: Vec<DerivedSpec>,
+    /// Thrusters, whose forces make up `tau1`, `tau2`, `tau3`.
+    #[serde(default)]
+    pub thruster: Vec<ThrusterSpec>,
+    /// The maneuver of all recordings.
+    pub maneuver: Option<String>,
+    /// Template that finds `{kind}` in a file's name, or in its path where the template has a `/`.
+    pub maneuver_from_file: Option<String>,
+    /// Sub-experiments are windows of this length \[s\] …
+    pub window_s: Option<f64>,
+    /// … named by kind and class of mean speed, with these bounds \[m/s\].
+    #[serde(default)]
+    pub speed_classes_m_s: Vec<f64>,
+    /// Names of the speed classes, one more than bounds.
+    pub speed_class_names: Option<Vec<String>>,
+    /// Sub-experiments by time.
+    #[serde(default)]
+    pub segment: Vec<Interval>,
+    /// Shorter sub-experiments are left out \[s\].
+    pub min_s: Option<f64>,
+    /// Whether every sub-experiment becomes a run of its own.
+    #[serde(default)]
+    pub each_segment_is_a_run: bool,
+}
+
+fn measured() -> String {
+    "measured".to_owned()
+}
+
+/// Files of one kind.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FileSpec {
+    /// Patterns with `*`, relative to the folder of the logs.
+    pub pattern: Vec<String>,
+    /// Template that finds `{run}` in a file's name (in its path where it has a `/`): files of several groups with the
+    /// same `{run}` are one recording. Without it each file is a recording, named as the file.
+    pub run_from_file: Option<String>,
+    /// Separator of CSV files.
+    #[serde(default = "comma")]
+    pub separator: char,
+    /// Column with labels of sub-experiments.
+    pub label_column: Option<String>,
+    /// The clock.
+    pub time: TimeSpec,
+    /// The channels.
+    #[serde(default)]
+    pub channel: Vec<ChannelSpec>,
+}
+
+fn comma() -> char {
+    ','
+}
+
+impl IngestFile {
+    /// How the logs were made.
+    pub fn setup(&self) -> Setup {
+        let group = |file: &FileSpec| Group {
+            time: file.time.clone(),
+            channels: file.channel.clone(),
+            label_column: file.label_column.clone(),
+        };
+        Setup {
+            groups: self.file.iter().map(group).collect(),
+            derived: self.derived.clone(),
+            thrusters: self.thruster.clone(),
+            frame: self.frame,
+            heading: self.heading.unwrap_or(self.frame.heading()),
+            body: self.body,
+            lever: Lever(self.antenna_m),
+            velocities: self.velocities,
+            rate_hz: self.sample_rate_hz,
+            average_s: self.average_s,
+            max_gap_s: self.max_gap_s,
+            non_monotonic: self.non_monotonic,
+        }
+    }
+
+    /// How recordings become runs.
+    pub fn segmentation(&self) -> Segmentation {
+        let cut = if self.file.iter().any(|file| file.label_column.is_some()) {
+            Cut::Labels
+        } else if let Some(window_s) = self.window_s {
+            let samples = ((window_s * self.sample_rate_hz).round() as usize).max(1);
+            Cut::Windows { samples, classes: self.speed_classes() }
+        } else if self.segment.is_empty() {
+            Cut::Whole
+        } else {
+            Cut::Intervals(self.segment.clone())
+        };
+        let least = self.min_s.map_or(1, |min_s| (min_s * self.sample_rate_hz - 1e-6).ceil() as usize);
+        Segmentation { cut, least, each_is_a_run: self.each_segment_is_a_run }
+    }
+
+    fn speed_classes(&self) -> Option<SpeedClasses> {
+        let bounds_m_s = self.speed_classes_m_s.clone();
+        let usual = || match bounds_m_s.len() {
+            0 => None,
+            1 => Some(["slow", "fast"].map(String::from).into()),
+            _ => Some(["slow", "medium", "fast"].map(String::from).into()),
+        };
+        let names = self.speed_class_names.clone().or_else(usual)?;
+        Some(SpeedClasses { bounds_m_s, names })
+    }
+
+    /// How recordings are known by the names of their files.
+    ///
+    /// # Errors
+    /// A template without the part that it is for.
+    pub fn naming(&self) -> Result<Naming, Invalid> {
+        let recording = |file: &FileSpec| {
+            file.run_from_file.as_deref().map(|text| template("run_from_file", text, "run")).transpose()
+        };
+        let kind = match (&self.maneuver_from_file, &self.maneuver) {
+            (Some(text), _) => Kind::Named(template("maneuver_from_file", text, "kind")?),
+            (None, Some(maneuver)) => Kind::Given(maneuver.clone()),
+            (None, None) => Kind::Recording,
+        };
+        Ok(Naming { recordings: self.file.iter().map(recording).collect::<Result<_, _>>()?, kind })
+    }
+}
+
+/// The template under `key`, which names a part `part`.
+fn template(key: &str, text: &str, part: &str) -> Result<Template, Invalid> {
+    Template::new(text, part).ok_or_else(|| {
+        Invalid::new(
+            format!("`{key}`"),
+            format!("`{text}`"),
+            format!("a template such as `{{{part}}}_*.csv`"),
+            format!("say where `{{{part}}}` is"),
+        )
+    })
+}
