@@ -64,8 +64,5 @@ impl Paper {
 
 /// A generator of maneuvers without input files.
 pub fn generator(vessel: &Vessel, dictionary: &DictionaryFile) -> Result<Generator, Invalid> {
-    let no_file = |path: &std::path::Path| {
-        Err(Invalid::new(path.display().to_string(), "an input file", "none", "use generated maneuvers"))
-    };
-    Generator::new(vessel, dictionary, no_file)
+    Generator::without_tables(vessel, dictionary)
 }

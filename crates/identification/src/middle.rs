@@ -66,11 +66,15 @@ impl pulp::WithSimd for Draws<'_> {
             let mut first = 0;
             for (d, Degree { sum, zeta: [before, zeta] }) in degrees.iter_mut().enumerate() {
                 let p = zeta.len() - 1;
-                (0..p).for_each(|i| zeta[i] = self.nominal.term(first + i));
+                for (i, z) in zeta[..p].iter_mut().enumerate() {
+                    *z = self.nominal.term(first + i);
+                }
                 zeta[p] = Lane::ONE;
                 first += p;
                 let pole = Lane::ONE + slopes[d][d];
-                before.iter_mut().zip(&*zeta).for_each(|(b, z)| *b = *b - pole * *z);
+                for (b, z) in before.iter_mut().zip(&*zeta) {
+                    *b = *b - pole * *z;
+                }
                 add_outer(sum, Lane::splat(self.noise.measurement[d].powi(2)), before);
                 add_outer(sum, others(d, &slopes[d], self.noise), zeta);
                 std::mem::swap(before, zeta);
@@ -92,7 +96,9 @@ fn others(d: usize, slopes: &[Lane; 3], noise: &Noise) -> Lane {
     let measurement = |i: usize| if i == d { 0.0 } else { noise.measurement[i].powi(2) };
     let current = |i: usize| if i < 2 { noise.current.powi(2) } else { 0.0 };
     let mut sum = Lane::ZERO;
-    (0..3).for_each(|i| sum += slopes[i] * slopes[i] * Lane::splat(measurement(i) + current(i)));
+    for i in 0..3 {
+        sum += slopes[i] * slopes[i] * Lane::splat(measurement(i) + current(i));
+    }
     sum
 }
 
@@ -101,6 +107,8 @@ fn others(d: usize, slopes: &[Lane; 3], noise: &Noise) -> Lane {
 fn add_outer(sum: &mut [Lane], variance: Lane, g: &[Lane]) {
     for (row, a) in sum.chunks_exact_mut(g.len()).zip(g) {
         let scaled = variance * *a;
-        row.iter_mut().zip(g).for_each(|(entry, b)| *entry += scaled * *b);
+        for (entry, b) in row.iter_mut().zip(g) {
+            *entry += scaled * *b;
+        }
     }
 }

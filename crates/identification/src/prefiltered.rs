@@ -160,7 +160,9 @@ impl Degree {
         let target = self.target[self.target.len() - 1];
         for (i, z) in zeta.iter().enumerate() {
             let row = &mut self.a[i * (p + 1)..(i + 1) * (p + 1)];
-            row.iter_mut().zip(phi).for_each(|(sum, f)| *sum += *z * *f);
+            for (sum, f) in row.iter_mut().zip(phi) {
+                *sum += *z * *f;
+            }
             self.b[i] += *z * target;
         }
         for i in 0..p {
@@ -215,7 +217,9 @@ impl pulp::WithSimd for Filter<'_> {
             for (d, degree) in signals.degrees.iter_mut().enumerate() {
                 let p = degree.parameters;
                 let mut pole = Lane::ONE + slopes[d][d];
-                pole.0.iter_mut().for_each(|a| *a = if *a > 0.0 { a.min(most) } else { 0.0 });
+                for a in &mut pole.0 {
+                    *a = if *a > 0.0 { a.min(most) } else { 0.0 };
+                }
                 for i in 0..=p {
                     let (f, z) = match i < p {
                         true => (measured.term(first + i), simulated.term(first + i)),
@@ -260,7 +264,9 @@ impl pulp::WithSimd for Scores<'_> {
         for (k, target) in degree.target.iter().enumerate() {
             let phi = &degree.phi[k * (p + 1)..(k + 1) * (p + 1)];
             let mut residual = *target;
-            phi.iter().zip(theta).for_each(|(f, t)| residual = residual - *f * *t);
+            for (f, t) in phi.iter().zip(theta) {
+                residual = residual - *f * *t;
+            }
             for (i, mean) in means.iter().enumerate() {
                 scores.push(degree.centred(k, i, *mean) * residual);
             }
@@ -301,7 +307,9 @@ impl pulp::WithSimd for Responses<'_> {
             pole = degree.poles[k];
             let slopes = &degree.slopes[3 * k..3 * k + 3];
             let mut share = Lane::ZERO;
-            (0..3).for_each(|i| share += others[i] * slopes[i] * slopes[i]);
+            for i in 0..3 {
+                share += others[i] * slopes[i] * slopes[i];
+            }
             if k == 0 {
                 share += own * pole * pole;
             }

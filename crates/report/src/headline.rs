@@ -5,8 +5,9 @@ use super::shown::used as is_used;
 use super::study::Study;
 use super::trajectory_words::{cost, minutes};
 use study::documents::{
-    DesignDocument, DesignScores, PlanDocument, PlanStatus, RoundGain, SequentialDocument, ValidationDocument,
+    DesignDocument, DesignScores, PlanDocument, PlanStatus, SequentialDocument, ValidationDocument,
 };
+use trial::rounds::{Arm, RoundGain};
 use trial::voyage::Check;
 
 /// What the page is.
@@ -59,9 +60,9 @@ fn answer(study: &Study) -> String {
 
 /// What designing in rounds is worth.
 fn in_rounds(found: &SequentialDocument) -> String {
-    let arm = |name: &str| found.stopping.iter().find(|s| s.arm == name);
+    let arm = |arm: Arm| found.stopping.iter().find(|s| s.arm == arm);
     let mut said = String::new();
-    if let (Some(rounds), Some(once)) = (arm("sequential"), arm("one-shot")) {
+    if let (Some(rounds), Some(once)) = (arm(Arm::Sequential), arm(Arm::OneShot)) {
         said += &format!(
             "Trials in rounds, stopped by their own estimates, take {:.0} s on average and {} of them end within the wanted \
              error of {}; trials designed once, sized beforehand by the crude model, {:.0} s and {}.",

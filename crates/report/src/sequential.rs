@@ -4,15 +4,9 @@ use maud::{Markup, html};
 use super::headline::capital;
 use super::number::{exact, percent, three, three_or_dash};
 use super::placed::{Figures, Section};
-use study::documents::{ArmPoint, ArmSummary, RoundGain, SequentialDocument, Stopping};
-
-/// What the arms are called.
-const LABELS: [(&str, &str); 4] = [
-    ("sequential", "in rounds"),
-    ("one-shot", "one-shot"),
-    ("informed", "from the truth"),
-    ("random", "random"),
-];
+use study::documents::SequentialDocument;
+use trial::rounds::{Arm, ArmPoint, ArmSummary, RoundGain, Stopping};
+use vessel::Source;
 
 /// Trials designed in rounds beside trials designed once: at equal time, and when they stop.
 pub(super) fn sequential(found: &SequentialDocument, figures: &mut Figures) -> Vec<Section> {
@@ -43,12 +37,18 @@ fn sentences(statements: &[String]) -> Markup {
     html! { @for said in statements { p { (capital(said)) "." } } }
 }
 
-fn label(arm: &str) -> &'static str {
-    LABELS.iter().find(|(name, _)| *name == arm).map_or("other", |(_, label)| *label)
+/// What an arm is called.
+fn label(arm: Arm) -> &'static str {
+    match arm {
+        Arm::Sequential => "in rounds",
+        Arm::OneShot => "one-shot",
+        Arm::Informed => "from the truth",
+        Arm::Random => "random",
+    }
 }
 
 fn about(found: &SequentialDocument) -> Markup {
-    let about = if found.crude_about == "nominal" { "nominal" } else { "true" };
+    let about = if found.crude_about == Source::Nominal { "nominal" } else { "true" };
     html! {
         p {
             (found.realizations) " realizations of " (exact(found.duration_s)) "\u{a0}s in " (found.rounds) " rounds, "
@@ -73,7 +73,7 @@ fn figure(found: &SequentialDocument, figures: &mut Figures) -> Markup {
 
 fn curve(arm: &ArmSummary) -> AccuracyCurve<'static> {
     let points = arm.points.iter().filter_map(|point| Some((point.time_s, point.median?))).collect();
-    AccuracyCurve { label: label(&arm.name), points }
+    AccuracyCurve { label: label(arm.name), points }
 }
 
 fn head(first: &str, titles: &[&str]) -> Markup {
@@ -112,7 +112,7 @@ fn errors(found: &SequentialDocument) -> Markup {
             (head("Design", &titles))
             tbody { @for arm in &found.arms {
                 @for (i, point) in arm.points.iter().enumerate() { tr.first[i == 0] {
-                    th scope="row" { @if i == 0 { (label(&arm.name)) } }
+                    th scope="row" { @if i == 0 { (label(arm.name)) } }
                     (point_cells(point))
                 } }
             } }
@@ -146,7 +146,7 @@ fn stopping(found: &SequentialDocument) -> Markup {
     ];
     let cells = |s: &Stopping| {
         html! {
-            th scope="row" { (label(&s.arm)) }
+            th scope="row" { (label(s.arm)) }
             td.number { (s.stopped) } td.number { (three(s.mean_time_s)) }
             td.number { (three_or_dash(s.median_error)) } td.number { (percent(s.within)) }
             td.number { (percent(s.within_stopped.unwrap_or(f64::NAN))) }

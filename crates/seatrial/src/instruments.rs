@@ -7,7 +7,6 @@ pub use identification::{InstrumentKind, MeanRemoval, MeanRemoval as Removal};
 use vessel::{Diverged, LANES, Lane, Vessel, check_diverged, simulate, simulate_one};
 
 use crate::failure::Failure;
-use crate::simulate::diverged;
 use vessel::Run;
 use vessel::lanes::{SideBySide, by_lane, groups, interleave};
 
@@ -99,7 +98,7 @@ impl<'a> Instruments<'a> {
 
     fn diverged(&self, run: &Run, at: Diverged) -> Failure {
         let what = format!("nominal model (`nominal`) over design {}, run {}", run.design, run.run);
-        diverged(self.vessel_file, &what, at)
+        Failure::invalid(self.vessel_file, &at.invalid(what))
     }
 
     fn prepare(&self, runs: &[Run]) -> Result<Prepared, Failure> {

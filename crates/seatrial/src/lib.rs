@@ -22,7 +22,6 @@ pub mod plan;
 pub mod pooled;
 pub mod progress;
 pub mod selection;
-pub mod sequential;
 pub mod simulate;
 pub mod stage;
 pub mod umbrella;

@@ -3,7 +3,10 @@
 use identification::Noise;
 use identification::predictor::{Flow, Gusts, Levels};
 use serde::Deserialize;
-use vessel::{Axes, Current, DictionaryFile, Disturbances, Invalid, ManeuverSpec, Measurement, Source, Wind};
+use trial::campaign::{Sea, Settings};
+use vessel::{
+    Axes, Current, DictionaryFile, Disturbances, Invalid, ManeuverSpec, Measurement, Source, Vessel, Wind,
+};
 
 /// `campaign.toml` as written.
 #[derive(Clone, Debug, Deserialize)]
@@ -78,6 +81,24 @@ impl CampaignFile {
         Disturbances { current: self.current, measurement: self.measurement }
     }
 
+    /// Size and seed of the campaign; `seed` replaces the file's.
+    pub fn settings(&self, seed: Option<u64>) -> Settings {
+        Settings {
+            duration_s: self.duration_s,
+            realizations: self.realizations,
+            random_segments: self.random.map(|random| random.segments),
+            seed: seed.unwrap_or(self.seed),
+        }
+    }
+
+    /// `vessel` among the campaign's disturbances.
+    ///
+    /// # Errors
+    /// A vessel without true parameters.
+    pub fn sea<'a>(&self, vessel: &'a Vessel) -> Result<Sea<'a>, Invalid> {
+        Sea::new(vessel, self.disturbances(), self.wind)
+    }
+
     /// The disturbances at `rate_hz`, as estimators take them.
     pub fn levels(&self, rate_hz: f64) -> Levels {
         let m = self.measurement;
@@ -111,6 +132,30 @@ impl CampaignFile {
             Current::Constant { .. } | Current::GaussMarkov { .. } => return None,
         };
         Some(Noise { measurement: [m.std_u_m_s, m.std_v_m_s, m.std_r_rad_s], current })
+    }
+
+    /// The noise of every sample, for studies that predict the errors of output-error estimates from it.
+    ///
+    /// # Errors
+    /// Disturbances that no errors are predicted for: wind, a lasting current, a velocity without noise.
+    pub fn predictable_noise(&self) -> Result<Noise, Invalid> {
+        let Some(noise) = self.noise().filter(|_| self.wind.is_none()) else {
+            return Err(Invalid::new(
+                "disturbances",
+                "wind or a lasting current",
+                "no current or a white one, which errors are predicted for",
+                "take a campaign without wind and lasting currents",
+            ));
+        };
+        if noise.measurement.contains(&0.0) {
+            return Err(Invalid::new(
+                "`measurement`",
+                "a standard deviation of 0",
+                "noise in u, v and r, which errors are predicted from",
+                "state what the sensors have",
+            ));
+        }
+        Ok(noise)
     }
 
     /// [`CampaignFile::noise`] for what is predicted for white noise alone; `remedy` for other disturbances.

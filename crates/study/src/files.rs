@@ -7,6 +7,7 @@ use vessel::{DictionaryFile, Generator, Invalid, Vessel, VesselFile};
 
 use crate::campaign_file::CampaignFile;
 use crate::ingest_file::IngestFile;
+use crate::sequential::SequentialFile;
 use artifact::Error;
 
 /// Reads `vessel.toml` and notes its digest.
@@ -43,6 +44,14 @@ pub fn read_ingest(path: &Path, provenance: &mut Provenance) -> Result<IngestFil
     Ok(file)
 }
 
+/// Reads `sequential.toml` and notes its digest.
+pub fn read_sequential(path: &Path, provenance: &mut Provenance) -> Result<SequentialFile, Error> {
+    let (file, digest) = read_toml::<SequentialFile>(path)?;
+    provenance.inputs.insert("config".into(), digest);
+    file.check().map_err(|e| crate::invalid(path, &e))?;
+    Ok(file)
+}
+
 /// Turns the maneuvers of `file`, which stands in `path`, into a generator; notes the digests of its input files.
 pub fn generator(
     path: &Path,
@@ -52,16 +61,11 @@ pub fn generator(
 ) -> Result<Generator, Error> {
     let folder = path.parent().unwrap_or(Path::new(""));
     let digests = std::cell::RefCell::new(Vec::new());
-    let read = |name: &Path| {
+    let read = |name: &str| {
         let text = std::fs::read_to_string(folder.join(name)).map_err(|e| {
-            Invalid::new(
-                format!("`file` {}", name.display()),
-                e.to_string(),
-                "a readable CSV file",
-                "check the path",
-            )
+            Invalid::new(format!("`file` {name}"), e.to_string(), "a readable CSV file", "check the path")
         })?;
-        digests.borrow_mut().push((format!("inputs:{}", name.display()), Digest::of_bytes(text.as_bytes())));
+        digests.borrow_mut().push((format!("inputs:{name}"), Digest::of_bytes(text.as_bytes())));
         Ok(text)
     };
     let generator = Generator::new(vessel, file, read).map_err(|e| crate::invalid(path, &e))?;

@@ -14,6 +14,7 @@ pub mod plan;
 mod refusal;
 pub mod scores;
 pub mod selection;
+pub mod sequential;
 pub mod track;
 pub mod trajectories;
 mod words;

@@ -10,12 +10,14 @@
 pub mod arranging;
 mod autopilot;
 mod basic;
+pub mod campaign;
 mod grid;
 mod informative;
 mod leg;
 pub mod moments;
 mod piece;
 pub mod refining;
+pub mod rounds;
 mod sail;
 mod ship;
 mod symmetry;

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use trial::{Approach, Grid, Handling, Leg, Mode, Piece, Repertoire, Side, basic_legs, mirror};
-use vessel::{DictionaryFile, Generator, Invalid, Vessel};
+use vessel::{DictionaryFile, Generator, Vessel};
 
 const HANDLING: Handling = Handling {
     turn_rate_rad_s: 0.05,
@@ -19,8 +19,7 @@ fn study() -> (Vessel, Vec<Piece>) {
     let text = |name: &str| std::fs::read_to_string(folder.join(name)).unwrap();
     let vessel = Vessel::from_file(toml::from_str(&text("vessel.toml")).unwrap()).unwrap();
     let dictionary: DictionaryFile = toml::from_str(&text("dictionary.toml")).unwrap();
-    let none = |_: &Path| Err(Invalid::new("file", "one", "none", "none"));
-    let generator = Generator::new(&vessel, &dictionary, none).unwrap();
+    let generator = Generator::without_tables(&vessel, &dictionary).unwrap();
     let piece = |q: usize| {
         let realized = generator.realize(q, generator.samples(q).unwrap()).unwrap();
         Piece::cut(&generator.maneuvers()[q].name, realized.initial[0], &realized.inputs, 3, None).unwrap()

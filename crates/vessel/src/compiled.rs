@@ -243,7 +243,9 @@ impl<'m, X: Number> Compiled<'m, X> {
             places[1] = state[0] - along;
             places[2] = state[1] - across;
         }
-        places[4..=*variables].iter_mut().zip(exogenous).for_each(|(place, value)| *place = (*value).into());
+        for (place, value) in places[4..=*variables].iter_mut().zip(exogenous) {
+            *place = (*value).into();
+        }
         for variable in moduli {
             places[1 + *variables + *variable] = places[1 + *variable].modulus();
         }
@@ -262,13 +264,9 @@ impl<'m, X: Number> Compiled<'m, X> {
     pub fn increments(&self) -> [X; 3] {
         let mut sums = [X::ZERO; 3];
         for (sum, terms) in sums.iter_mut().zip(&self.sums) {
-            let mut add = |Weighted { parameter, places: [one, two] }: &Weighted<X>| {
+            for Weighted { parameter, places: [one, two] } in terms {
                 *sum += *parameter * (self.places[*one] * self.places[*two]);
-            };
-            // Fours are unrolled.
-            let (fours, rest) = terms.as_chunks::<4>();
-            fours.iter().for_each(|[a, b, c, d]| [a, b, c, d].into_iter().for_each(&mut add));
-            rest.iter().for_each(add);
+            }
         }
         sums
     }
@@ -276,14 +274,12 @@ impl<'m, X: Number> Compiled<'m, X> {
     /// The state after `state`, which was looked at, under a force as in [`Ambient`].
     #[inline(always)]
     pub fn next(&self, state: [X; 3], force: Option<[X; 3]>) -> [X; 3] {
-        let mut next = self.increments();
-        for d in 0..3 {
-            next[d] = state[d] + next[d];
+        let [u, v, r] = self.increments();
+        let next = [state[0] + u, state[1] + v, state[2] + r];
+        match force {
+            Some(force) => [next[0] + force[0], next[1] + force[1], next[2] + force[2]],
+            None => next,
         }
-        if let Some(force) = force {
-            (0..3).for_each(|d| next[d] += force[d]);
-        }
-        next
     }
 
     /// One sample on: x(k+1) = x(k) + θᵀφ(x(k) − x_c(k), exogenous(k)) + f(k).

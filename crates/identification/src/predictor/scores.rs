@@ -87,12 +87,18 @@ impl pulp::WithSimd for Windows<'_> {
         let mut products = Products::new(p);
         for k in 0..rows + window {
             if k < rows {
-                sum.iter_mut().zip(&scores[k * p..]).for_each(|(sum, g)| *sum += *g);
+                for (sum, g) in sum.iter_mut().zip(&scores[k * p..]) {
+                    *sum += *g;
+                }
             }
             if k >= window {
-                sum.iter_mut().zip(&scores[(k - window) * p..]).for_each(|(sum, g)| *sum = *sum - *g);
+                for (sum, g) in sum.iter_mut().zip(&scores[(k - window) * p..]) {
+                    *sum = *sum - *g;
+                }
             }
-            sum.iter().enumerate().for_each(|(i, sum)| products.set(i, *sum));
+            for (i, sum) in sum.iter().enumerate() {
+                products.set(i, *sum);
+            }
             products.advance();
         }
         products

@@ -65,21 +65,14 @@ pub(crate) fn linearize<const N: usize>(
             if step.k == 0 && !from_start {
                 return;
             }
-            let mask = if even { Lane::ONE } else { recordings.lasting(step.k) };
-            let gain = gains.get(step.k);
-            let mut see = |i: usize, mut x: [Lane; 3]| {
-                if let Some(gain) = gain {
-                    x = gain.white(&x);
-                }
-                for d in 0..3 {
-                    products[d].set(i, if even { x[d] } else { x[d] * mask });
-                }
-            };
+            let (gain, mask) = (gains.get(step.k), (!even).then(|| recordings.lasting(step.k)));
             for (i, s) in step.sensitivities.iter().enumerate() {
-                see(i, [s[0], s[1], s[2]]);
+                set(&mut products, i, [s[0], s[1], s[2]], gain, mask);
             }
-            see(free.len(), step.error);
-            products.iter_mut().for_each(Products::advance);
+            set(&mut products, free.len(), step.error, gain, mask);
+            for products in &mut products {
+                products.advance();
+            }
         },
     );
     let sums = products.map(Products::finish);
@@ -92,4 +85,22 @@ pub(crate) fn linearize<const N: usize>(
         normal: [0, 1, 2].map(|d: usize| (0..p * p).map(|k| sums[d].at(k / p, k % p)[lane]).collect()),
     };
     (0..LANES).map(linear).collect()
+}
+
+/// Sets signal `i` of every state, white with a gain, as much as `mask` says.
+#[inline(always)]
+fn set<const N: usize>(
+    products: &mut [Products<Lane>; 3],
+    i: usize,
+    signal: [Lane; 3],
+    gain: Option<&Gain<Lane, N>>,
+    mask: Option<Lane>,
+) {
+    let white = match gain {
+        Some(gain) => gain.white(&signal),
+        None => signal,
+    };
+    for (d, products) in products.iter_mut().enumerate() {
+        products.set(i, if let Some(mask) = mask { white[d] * mask } else { white[d] });
+    }
 }

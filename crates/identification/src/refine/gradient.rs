@@ -6,7 +6,7 @@
 //!
 //! S, λ, κ and Λ are columns of lanes, parameters beside each other.
 
-use vessel::{Compiled, LANES, Lane, Model};
+use vessel::{LANES, Lane, Model};
 
 use super::criterion::{Forward, TraceCriterion};
 use crate::sensitivity::{Dynamics, Recordings, channels};
@@ -28,12 +28,14 @@ impl Rows {
         Self { columns, rows }
     }
 
-    /// Adds x × the matrix; x as columns, whose entries `x` picks.
+    /// Adds x × the matrix, x and what it is added to being entry `d` of columns.
     #[inline(always)]
-    fn add_times(&self, x: impl Fn(usize) -> Lane, mut to: impl FnMut(usize, Lane)) {
+    fn add_times<const M: usize>(&self, x: &[[Lane; M]], to: &mut [[Lane; M]], d: usize) {
         for (i, row) in self.rows.chunks_exact(self.columns).enumerate() {
-            let own = Lane::splat(x(i / LANES)[i % LANES]);
-            row.iter().enumerate().for_each(|(c, entry)| to(c, own * *entry));
+            let own = Lane::splat(x[i / LANES][d][i % LANES]);
+            for (to, entry) in to.iter_mut().zip(row) {
+                to[d] += own * *entry;
+            }
         }
     }
 }
@@ -126,21 +128,25 @@ impl pulp::WithSimd for Follow<'_> {
         let mut pushed = vec![[Lane::ZERO; 2]; columns];
         for k in 0..run.longest() {
             let local = dynamics.at(forward.state(k), run.exogenous(k));
-            let slopes = local.slopes.map(|row| row.map(Lane::splat));
+            let slope = |d: usize, i: usize| Lane::splat(local.slopes[d][i]);
             for (pushed, l) in pushed.iter_mut().zip(forward.adjoint(k)) {
                 for (i, pushed) in pushed.iter_mut().enumerate() {
-                    *pushed = slopes[0][i] * l[0] + slopes[1][i] * l[1] + slopes[2][i] * l[2];
+                    *pushed = slope(0, i) * l[0] + slope(1, i) * l[1] + slope(2, i) * l[2];
                 }
             }
-            now.iter_mut().for_each(|own| *own = dynamics.forward(&local, own));
+            for own in &mut now {
+                *own = dynamics.forward(&local, own);
+            }
             let first = all.forced.len();
             all.forced.resize(first + columns, [Lane::ZERO; 2]);
             let forced = &mut all.forced[first..];
             for i in 0..2 {
-                response.add_times(|c| pushed[c][i], |c, x| forced[c][i] += x);
+                response.add_times(&pushed, forced, i);
             }
             for (own, force) in now.iter_mut().zip(forced) {
-                (0..3).for_each(|d| own[d] += slopes[d][0] * force[0] + slopes[d][1] * force[1]);
+                for d in 0..3 {
+                    own[d] += slope(d, 0) * force[0] + slope(d, 1) * force[1];
+                }
             }
             all.followed.extend_from_slice(&now);
         }
@@ -168,7 +174,6 @@ impl pulp::WithSimd for Back<'_> {
         let Self { run, parameters, forward, .. } = self;
         let (samples, inputs) = (run.longest(), run.model.inputs);
         let mut dynamics = Dynamics::<f64, 3>::new(run.model, parameters, None);
-        let mut model = Compiled::new(run.model, parameters);
         let degrees: Vec<usize> = run.model.layout().degrees().collect();
         let (mut big, mut small) = (vec![[Lane::ZERO; 3]; forward.path.columns()], [0.0; 3]);
         let mut terms = vec![0.0; parameters.len()];
@@ -177,18 +182,24 @@ impl pulp::WithSimd for Back<'_> {
         let mut out = vec![0.0; samples * inputs];
         for k in (0..samples).rev() {
             if let Some(local) = &after {
-                big.iter_mut().for_each(|own| *own = dynamics.backward(local, own));
+                for own in &mut big {
+                    *own = dynamics.backward(local, own);
+                }
             }
             self.add_sources(k, &mut big);
-            (0..3).for_each(|d| small[d] += self.state_slopes[3 * (k + 1) + d]);
+            for d in 0..3 {
+                small[d] += self.state_slopes[3 * (k + 1) + d];
+            }
             for (p, (term, d)) in terms.iter_mut().zip(&degrees).enumerate() {
                 *term = big[p / LANES][*d][p % LANES] + small[*d] * parameters[p];
             }
-            model.look(*forward.state(k), run.exogenous(k), None);
-            model.pull_back(&terms, &self.by_slopes(k, &big), &mut slopes);
-            (0..3).for_each(|d| small[d] += slopes[d]);
+            let local = dynamics.at(forward.state(k), run.exogenous(k));
+            dynamics.pull_back(&terms, &self.by_slopes(k, &big), &mut slopes);
+            for d in 0..3 {
+                small[d] += slopes[d];
+            }
             out[k * inputs..(k + 1) * inputs].copy_from_slice(&slopes[3..3 + inputs]);
-            after = Some(dynamics.at(forward.state(k), run.exogenous(k)));
+            after = Some(local);
         }
         out
     }
@@ -200,12 +211,14 @@ impl Back<'_> {
     fn add_sources(&self, k: usize, to: &mut [[Lane; 3]]) {
         let s = self.forward.path.at(k + 1);
         for (d, rows) in self.sources.iter().enumerate() {
-            rows.add_times(|c| s[c][d], |c, x| to[c][d] += x);
+            rows.add_times(s, to, d);
         }
         let columns = to.len();
         if let Some(followed) = self.followed.followed.get(k * columns..(k + 1) * columns) {
             for (to, own) in to.iter_mut().zip(followed) {
-                (0..3).for_each(|d| to[d] += Lane::splat(self.weights[d]) * own[d]);
+                for d in 0..3 {
+                    to[d] += Lane::splat(self.weights[d]) * own[d];
+                }
             }
         }
     }
@@ -221,10 +234,14 @@ impl Back<'_> {
         let mut h = [[Lane::ZERO; 3]; 3];
         for (d, row) in h.iter_mut().enumerate() {
             for (i, entry) in row.iter_mut().enumerate() {
-                big.iter().zip(s).for_each(|(b, s)| *entry += b[d] * s[i]);
-                adjoint.iter().zip(before).for_each(|(l, own)| *entry += l[d] * own[i]);
-                if i < 2 {
-                    adjoint.iter().zip(forced).for_each(|(l, force)| *entry += l[d] * force[i]);
+                for (b, s) in big.iter().zip(s) {
+                    *entry += b[d] * s[i];
+                }
+                for (l, own) in adjoint.iter().zip(before) {
+                    *entry += l[d] * own[i];
+                }
+                for (l, force) in adjoint.iter().zip(forced).filter(|_| i < 2) {
+                    *entry += l[d] * force[i];
                 }
             }
         }

@@ -48,10 +48,14 @@ impl<X: Unknowns, F: FnMut(&Local<X>, &[[Lane; N]]), const N: usize> pulp::WithS
                 z[..3].copy_from_slice(path.state(k));
                 let local = dynamics.at(&z, recordings.exogenous(k));
                 between(&local, &adjoints);
-                adjoints.iter_mut().for_each(|a| *a = dynamics.backward(&local, a));
+                for a in &mut adjoints {
+                    *a = dynamics.backward(&local, a);
+                }
             }
             for (a, s) in adjoints.iter_mut().zip(path.at(k)) {
-                (0..3).for_each(|d| a[d] += weights[d] * s[d]);
+                for d in 0..3 {
+                    a[d] += weights[d] * s[d];
+                }
             }
         }
         adjoints
@@ -70,21 +74,27 @@ pub(crate) fn add_draws<X: Unknowns, const N: usize>(
         Flow::Still => {}
         Flow::White { std } => {
             for i in 0..2 {
-                let column = local.slopes.each_ref().map(|row| (X::from(std) * row[i]).lane());
+                let [surge, sway, yaw] = &local.slopes;
+                let std = X::from(std);
+                let (by_u, by_v, by_r) = (std * surge[i], std * sway[i], std * yaw[i]);
                 for (place, a) in adjoints.iter().enumerate() {
-                    draws.set(place, column[0] * a[0] + column[1] * a[1] + column[2] * a[2]);
+                    draws.set(place, by_u.lane() * a[0] + by_v.lane() * a[1] + by_r.lane() * a[2]);
                 }
                 draws.advance();
             }
         }
         Flow::Markov { std, factor, .. } => {
             let fresh = std * (1.0 - factor * factor).max(0.0).sqrt();
-            (3..5).for_each(|i| add_state(draws, adjoints, i, fresh));
+            for i in 3..5 {
+                add_state(draws, adjoints, i, fresh);
+            }
         }
     }
     if let Some(gusts) = levels.gusts() {
         let share = (1.0 - gusts.factor * gusts.factor).sqrt();
-        (0..3).for_each(|d| add_state(draws, adjoints, N - 3 + d, gusts.std[d] * share));
+        for d in 0..3 {
+            add_state(draws, adjoints, N - 3 + d, gusts.std[d] * share);
+        }
     }
 }
 
@@ -95,10 +105,14 @@ pub(crate) fn add_start<X: Unknowns, const N: usize>(
     levels: &Levels,
 ) {
     if let Flow::Markov { std, .. } = levels.current {
-        (3..5).for_each(|i| add_state(draws, adjoints, i, std));
+        for i in 3..5 {
+            add_state(draws, adjoints, i, std);
+        }
     }
     if let Some(gusts) = levels.gusts() {
-        (0..3).for_each(|d| add_state(draws, adjoints, N - 3 + d, gusts.std[d]));
+        for d in 0..3 {
+            add_state(draws, adjoints, N - 3 + d, gusts.std[d]);
+        }
     }
 }
 
@@ -111,8 +125,9 @@ fn add_state<X: Unknowns, const N: usize>(
     std: f64,
 ) {
     if std > 0.0 {
-        let scaled = adjoints.iter().map(|a| Lane::splat(std) * a[i]);
-        scaled.enumerate().for_each(|(place, value)| draws.set(place, value));
+        for (place, a) in adjoints.iter().enumerate() {
+            draws.set(place, Lane::splat(std) * a[i]);
+        }
         draws.advance();
     }
 }

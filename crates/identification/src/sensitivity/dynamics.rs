@@ -55,6 +55,12 @@ impl<'m, X: Unknowns, const N: usize> Dynamics<'m, X, N> {
         self.model.term(i)
     }
 
+    /// Transposed products where [`Self::at`] looked last: see [`Compiled::pull_back`].
+    #[inline(always)]
+    pub(crate) fn pull_back(&mut self, terms: &[X], slopes: &[[X; 3]; 3], out: &mut [X]) {
+        self.model.pull_back(terms, slopes, out);
+    }
+
     /// Looks at the states `z`.
     #[inline(always)]
     pub(crate) fn at(&mut self, z: &[X; N], exogenous: &[X]) -> Local<X> {
@@ -88,7 +94,9 @@ impl<'m, X: Unknowns, const N: usize> Dynamics<'m, X, N> {
             next[4] = self.current * (local.turn.cos * z[4] - local.turn.sin * z[3]);
         }
         if force(N) {
-            (N - 3..N).for_each(|i| next[i] = self.force * z[i]);
+            for i in N - 3..N {
+                next[i] = self.force * z[i];
+            }
         }
         next
     }
@@ -99,8 +107,7 @@ impl<'m, X: Unknowns, const N: usize> Dynamics<'m, X, N> {
         let mut out = *s;
         let (x, y) = if current(N) { (s[0] - s[3], s[1] - s[4]) } else { (s[0], s[1]) };
         for (d, slope) in local.slopes.iter().enumerate() {
-            let [by_x, by_y, by_r] = slope.map(X::lane);
-            out[d] = s[d] + (by_x * x + by_y * y + by_r * s[2]);
+            out[d] = s[d] + (slope[0].lane() * x + slope[1].lane() * y + slope[2].lane() * s[2]);
             if force(N) {
                 out[d] += s[N - 3 + d];
             }
@@ -111,7 +118,9 @@ impl<'m, X: Unknowns, const N: usize> Dynamics<'m, X, N> {
             out[4] = kept * (cos * s[4] - sin * s[3] + across * s[2]);
         }
         if force(N) {
-            (N - 3..N).for_each(|i| out[i] = self.force.lane() * s[i]);
+            for i in N - 3..N {
+                out[i] = self.force.lane() * s[i];
+            }
         }
         out
     }
@@ -120,11 +129,13 @@ impl<'m, X: Unknowns, const N: usize> Dynamics<'m, X, N> {
     #[inline(always)]
     pub(crate) fn backward(&self, local: &Local<X>, adjoint: &[Lane; N]) -> [Lane; N] {
         let mut out = *adjoint;
-        let through: [Lane; 3] = std::array::from_fn(|i| {
-            let column = local.slopes.each_ref().map(|row| row[i].lane());
-            column[0] * adjoint[0] + column[1] * adjoint[1] + column[2] * adjoint[2]
-        });
-        (0..3).for_each(|i| out[i] = adjoint[i] + through[i]);
+        let [surge, sway, yaw] = &local.slopes;
+        let mut through = [Lane::ZERO; 3];
+        for i in 0..3 {
+            through[i] =
+                surge[i].lane() * adjoint[0] + sway[i].lane() * adjoint[1] + yaw[i].lane() * adjoint[2];
+            out[i] = adjoint[i] + through[i];
+        }
         if current(N) {
             let (kept, [cos, sin, along, across]) = (self.current.lane(), local.turn.lanes());
             out[2] += kept * (along * adjoint[3] + across * adjoint[4]);
@@ -132,7 +143,9 @@ impl<'m, X: Unknowns, const N: usize> Dynamics<'m, X, N> {
             out[4] = kept * (sin * adjoint[3] + cos * adjoint[4]) - through[1];
         }
         if force(N) {
-            (0..3).for_each(|d| out[N - 3 + d] = adjoint[d] + self.force.lane() * adjoint[N - 3 + d]);
+            for d in 0..3 {
+                out[N - 3 + d] = adjoint[d] + self.force.lane() * adjoint[N - 3 + d];
+            }
         }
         out
     }
@@ -141,6 +154,6 @@ impl<'m, X: Unknowns, const N: usize> Dynamics<'m, X, N> {
 impl<X: Unknowns> Turn<X> {
     #[inline(always)]
     fn lanes(&self) -> [Lane; 4] {
-        [self.cos, self.sin, self.by_r[0], self.by_r[1]].map(X::lane)
+        [self.cos.lane(), self.sin.lane(), self.by_r[0].lane(), self.by_r[1].lane()]
     }
 }

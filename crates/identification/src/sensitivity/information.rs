@@ -138,7 +138,9 @@ fn followed(run: &Recordings<f64>, parameters: &[f64]) -> (Sensitivities<f64>, [
         |step: Step<'_, f64, 3>| {
             path.keep(&step, 1.0);
             for (d, squares) in squares.iter_mut().enumerate() {
-                step.sensitivities.iter().enumerate().for_each(|(c, s)| squares.set(c, s[d]));
+                for (c, s) in step.sensitivities.iter().enumerate() {
+                    squares.set(c, s[d]);
+                }
                 squares.advance();
             }
         },

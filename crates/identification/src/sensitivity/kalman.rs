@@ -26,9 +26,9 @@ impl<X: Unknowns, const N: usize> Gain<X, N> {
     /// What a correction leaves of a column of sensitivities.
     #[inline(always)]
     pub(crate) fn correct_column(&self, s: &mut [Lane; N]) {
-        let known = [s[0], s[1], s[2]].map(|x| Lane::ZERO - x);
+        let (u, v, r) = (Lane::ZERO - s[0], Lane::ZERO - s[1], Lane::ZERO - s[2]);
         for (s, row) in s.iter_mut().zip(&self.rows) {
-            *s += row[0].lane() * known[0] + row[1].lane() * known[1] + row[2].lane() * known[2];
+            *s += row[0].lane() * u + row[1].lane() * v + row[2].lane() * r;
         }
     }
 }
@@ -77,7 +77,9 @@ impl<const N: usize> pulp::WithSimd for Filter<'_, N> {
         let mut dynamics = Dynamics::<Lane, N>::new(recordings.model, theta, Some(levels));
         let noise = levels.measurement.map(|s| Lane::splat(s * s));
         let mut z = [Lane::ZERO; N];
-        (0..3).for_each(|d| z[d] = recordings.initial[d] + offsets[d]);
+        for d in 0..3 {
+            z[d] = recordings.initial[d] + offsets[d];
+        }
         let mut p = start::<N>(levels, known_start);
         let last = recordings.longest();
         let mut gains = Vec::with_capacity(last + 1);
@@ -109,10 +111,14 @@ fn start<const N: usize>(levels: &Levels, known: bool) -> [[Lane; N]; N] {
         set(d, if known { 0.0 } else { UNKNOWN * levels.measurement[d].powi(2) });
     }
     if let Flow::Markov { std, .. } = levels.current {
-        (3..5).for_each(|i| set(i, std * std));
+        for i in 3..5 {
+            set(i, std * std);
+        }
     }
     if let Some(gusts) = levels.gusts() {
-        (0..3).for_each(|d| set(N - 3 + d, gusts.std[d].powi(2)));
+        for d in 0..3 {
+            set(N - 3 + d, gusts.std[d].powi(2));
+        }
     }
     p
 }
@@ -191,6 +197,8 @@ fn add_noise<const N: usize>(p: &mut [[Lane; N]; N], local: &Local<Lane>, levels
     }
     if let Some(gusts) = levels.gusts() {
         let share = 1.0 - gusts.factor * gusts.factor;
-        (0..3).for_each(|d| p[N - 3 + d][N - 3 + d] += Lane::splat(gusts.std[d].powi(2) * share));
+        for d in 0..3 {
+            p[N - 3 + d][N - 3 + d] += Lane::splat(gusts.std[d].powi(2) * share);
+        }
     }
 }

@@ -49,14 +49,14 @@ impl<X: Unknowns> Products<X> {
         let mut rest = &mut self.sums[..];
         for i in 0..self.signals {
             let others = &self.columns[i / X::PER_COLUMN..];
-            let own = others[0].map(|column| X::of_column(column, i).lane());
+            let own = &others[0];
             let (row, after) = std::mem::take(&mut rest).split_at_mut(others.len());
             rest = after;
             accumulate(
                 others,
                 row,
                 #[inline(always)]
-                |t, other| own[t] * other,
+                |t, other| X::of_column(own[t], i).lane() * other,
             );
         }
     }

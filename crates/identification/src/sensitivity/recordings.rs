@@ -52,7 +52,10 @@ impl<'a, X: Unknowns> Recordings<'a, X> {
     pub(crate) fn error(&self, k: usize, state: [X; 3]) -> [X; 3] {
         match self.measured.is_empty() {
             true => [X::ZERO; 3],
-            false => [0, 1, 2].map(|d: usize| self.measured[3 * k + d] - state[d]),
+            false => {
+                let measured = &self.measured[3 * k..3 * k + 3];
+                [measured[0] - state[0], measured[1] - state[1], measured[2] - state[2]]
+            }
         }
     }
 

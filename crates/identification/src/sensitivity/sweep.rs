@@ -151,11 +151,12 @@ impl<X: Unknowns> Sensitivities<X> {
     /// Keeps a sample, which counts as much as `counts` says.
     #[inline(always)]
     pub(crate) fn keep(&mut self, step: &Step<'_, X, 3>, counts: X) {
-        self.errors.extend(step.error.map(|e| e * counts));
+        let [u, v, r] = step.error;
+        self.errors.extend_from_slice(&[u * counts, v * counts, r * counts]);
         self.states.extend_from_slice(step.states);
         let counts = counts.lane();
-        for s in step.sensitivities {
-            self.columns.push(s.map(|s| s * counts));
+        for [u, v, r] in step.sensitivities {
+            self.columns.push([*u * counts, *v * counts, *r * counts]);
         }
     }
 

@@ -3,7 +3,8 @@
 use std::path::PathBuf;
 
 use artifact::{Error, read_document};
-use study::documents::{ArmPoint, SequentialDocument, Stopping};
+use study::documents::SequentialDocument;
+use trial::rounds::{ArmPoint, Stopping};
 
 use super::folder::{documents, label, left_out, seed_of};
 use super::table::{Table, quantile, share, whole};
@@ -35,7 +36,7 @@ pub(super) fn section(folders: &[PathBuf]) -> Result<Option<String>, Error> {
 
 /// A row per time, a column per arm.
 fn errors(document: &SequentialDocument) -> Option<String> {
-    let names = document.arms.iter().map(|arm| arm.name.as_str());
+    let names = document.arms.iter().map(|arm| arm.name.name());
     let heads: Vec<&str> = ["after"].into_iter().chain(names).chain(["rounds / once", "pairs"]).collect();
     let mut table = Table::new(&heads);
     for (i, gain) in document.gains.iter().enumerate() {
@@ -63,7 +64,7 @@ fn stopping(document: &SequentialDocument) -> Option<String> {
     for arm in &document.stopping {
         let Stopping { stopped, mean_time_s, within, within_stopped, rms_over_accuracy, .. } = arm;
         table.row(&[
-            arm.arm.clone(),
+            arm.arm.name().to_owned(),
             format!("{stopped} of {}", document.realizations),
             format!("{mean_time_s:.0} s"),
             within_stopped.map_or("–".to_owned(), |value| share(value, None)),

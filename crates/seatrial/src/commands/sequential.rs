@@ -1,14 +1,27 @@
 //! `sequential`: trials designed in rounds.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-use crate::cli::{Common, provenance};
-use crate::failure::Failure;
-use crate::sequential;
-use crate::stage::{Summary, Task};
+use artifact::{Provenance, TableWriter, commit, stage_document};
 use clap::Parser;
+use identification::MeanRemoval;
+use identification::predictor::InitialState;
+use serde_json::json;
+use study::files::{read_campaign, read_dictionary, read_sequential, read_vessel};
+use study::sequential::{SequentialFile, columns, document};
+use trial::campaign::Refusal;
+use trial::rounds::{self, Estimated, Row, Trial};
+use vessel::{Invalid, LANES, Run};
 
-/// Designs, sails and estimates in rounds, from a crude model, against designs made once, over Monte Carlo; writes
+use crate::cli::{Common, beside, provenance};
+use crate::estimators::{Estimator, RunEstimators};
+use crate::failure::Failure;
+use crate::ordered::ordered;
+use crate::progress::Progress;
+use crate::simulate::Files;
+use crate::stage::{Summary, Task};
+
+/// Designs, simulates and estimates in rounds, from a crude model, against designs made once, over Monte Carlo; writes
 /// sequential.parquet and sequential.json
 #[derive(Parser)]
 #[command(
@@ -45,15 +58,97 @@ impl Task for Arguments {
 }
 
 fn stage(a: &Arguments) -> Result<Summary, Failure> {
+    let mut provenance = provenance("sequential");
     let inputs = [a.vessel.as_path(), &a.dictionary, &a.campaign, &a.config];
-    let wanted = sequential::Wanted {
-        vessel: &a.vessel,
-        dictionary: &a.dictionary,
-        campaign: &a.campaign,
-        config: &a.config,
-        seed: a.common.seed,
-        out: a.common.main_output("sequential.parquet", &inputs)?,
-        quiet: a.common.quiet,
+    let out = a.common.main_output("sequential.parquet", &inputs)?;
+    let vessel = read_vessel(&a.vessel, &mut provenance)?;
+    let generator = read_dictionary(&a.dictionary, &vessel, &mut provenance)?;
+    let campaign = read_campaign(&a.campaign, &mut provenance)?;
+    let config = read_sequential(&a.config, &mut provenance)?;
+    let seed = a.common.seed.unwrap_or(campaign.seed);
+    provenance.settings.insert("seed".into(), json!(seed));
+    let of = |file: &'_ Path| {
+        let file = file.to_owned();
+        move |e: Invalid| Failure::invalid(&file, &e)
     };
-    sequential::run(&wanted, provenance("sequential"))
+    rounds::truth(&vessel).map_err(of(&a.vessel))?;
+    let knowledge = config.knowledge(&vessel, seed).map_err(of(&a.config))?;
+    let rounds = config.rounds as usize;
+    let ends = rounds::ends(&vessel, config.duration_s, rounds).map_err(of(&a.config))?;
+    let noise = campaign.predictable_noise().map_err(of(&a.campaign))?;
+    let sea = campaign.sea(&vessel).map_err(of(&a.vessel))?;
+    let estimators = RunEstimators {
+        vessel: &vessel,
+        vessel_file: &a.vessel,
+        file: &a.config,
+        estimators: vec![Estimator::OutputError],
+        removal: MeanRemoval::Complete,
+        initial: InitialState::Known,
+        levels: Some(campaign.levels(vessel.sample_rate_hz)),
+    };
+    let estimate = |runs: &[Run]| estimated(&estimators, runs);
+    let segments = campaign.random.map_or(5, |random| random.segments as usize);
+    let files =
+        Files { vessel: &a.vessel, dictionary: &a.dictionary, campaign: &a.config, design: &a.config };
+    let trial = Trial::new(sea, &generator, noise, &estimate, knowledge, ends, segments)
+        .map_err(|e| files.refused(e))?;
+    let rows = realizations(&trial, &files, config.realizations, a.common.quiet)?;
+    publish((a, &out), &provenance, &trial, &config, &rows, vessel.sample_rate_hz)
+}
+
+/// Output error of single runs.
+fn estimated(estimators: &RunEstimators, runs: &[Run]) -> Result<Vec<Estimated>, Refusal> {
+    let rows = estimators.rows(runs).map_err(|e| {
+        Refusal::Campaign(Invalid::new("estimates", e.to_string(), "estimates", "lengthen the rounds"))
+    })?;
+    let each = rows.into_iter();
+    Ok(each.map(|row| Estimated { outcome: row.status.into(), estimate: row.estimate }).collect())
+}
+
+fn publish(
+    (a, out): (&Arguments, &Path),
+    provenance: &Provenance,
+    trial: &Trial,
+    config: &SequentialFile,
+    rows: &[Row],
+    rate_hz: f64,
+) -> Result<Summary, Failure> {
+    if rows.iter().all(|row| row.parameter_error.is_none()) {
+        return Err(Failure::NoAnswer(format!(
+            "{}: rounds: found no estimate in any of {} realizations, expected some that converge; lengthen `duration_s`, or \
+             give the vessel a nominal model nearer to it",
+            a.config.display(),
+            config.realizations
+        )));
+    }
+    let summary = rounds::Summary::new(rows, trial.ends(), config.accuracy, rate_hz);
+    let document = document(config, summary, trial.maneuvers());
+    let columns = columns(rate_hz);
+    let mut writer = TableWriter::create(out, columns.schema(), provenance)?;
+    writer.push(columns.encode(rows)?)?;
+    let beside = beside(out, "sequential.json");
+    commit(vec![writer.finish()?, stage_document(beside, provenance, &document)?])?;
+    let said = document.statements.join("; ");
+    Ok(Summary {
+        line: format!("{}: {} realizations; {said}", out.display(), config.realizations),
+        json: json!({"out": out, "realizations": config.realizations, "statements": document.statements}),
+    })
+}
+
+fn realizations(trial: &Trial, files: &Files, count: u32, quiet: bool) -> Result<Vec<Row>, Failure> {
+    let progress = Progress::new("realizations", count as usize, quiet);
+    let work = |group: usize| {
+        let first = (group * LANES) as u32;
+        let numbers = first..count.min(first + LANES as u32);
+        let advance = numbers.len();
+        let rows = trial.realizations(numbers).map_err(|e| files.refused(e));
+        progress.advance(advance);
+        rows
+    };
+    let mut rows = Vec::new();
+    ordered(0..(count as usize).div_ceil(LANES), work, |own| {
+        rows.extend(own);
+        Ok::<(), Failure>(())
+    })?;
+    Ok(rows)
 }

@@ -4,19 +4,18 @@ use std::path::{Path, PathBuf};
 
 use crate::cli::{Common, Sharding, beside, given, provenance};
 use crate::failure::Failure;
-use crate::simulate::campaign::{Campaign, CampaignFiles};
-use crate::simulate::logs::{Files, publish, simulate};
-use crate::simulate::undisturbed::{Undisturbed, Written};
+use crate::simulate::{Files, logs, write_campaign, write_maneuvers};
 use crate::stage::{Summary, Task};
 use artifact::{Provenance, Shard, commit, gather, read_document, read_toml};
-use clap::{Args, Parser, Subcommand, ValueEnum};
+use clap::{Args, Parser, Subcommand};
 use serde_json::json;
 use study::documents::{DesignDocument, SIMULATED_FILE, SimulatedLogsDocument};
 use study::files::{generator, read_campaign, read_dictionary, read_vessel};
 use study::logs_file::LogsFile;
 use study::track::read_planned;
 use study::trajectories::{DataLabel, ID, VERSION};
-use vessel::{Source, Vessel};
+use trial::campaign::{Campaign, Maneuvers, Tally};
+use vessel::{Segment, Source};
 
 /// Simulates a vessel's trajectories
 #[derive(Parser)]
@@ -64,19 +63,8 @@ struct Dictionary {
     /// The maneuvers
     #[arg(long, value_name = "dictionary.toml")]
     dictionary: PathBuf,
-    /// Which parameters move the vessel (default: the true ones where the vessel has them)
-    #[arg(long, value_enum)]
-    model: Option<ModelChoice>,
     #[command(flatten)]
     common: Common,
-}
-
-#[derive(Clone, Copy, ValueEnum)]
-enum ModelChoice {
-    /// The true parameters
-    Value,
-    /// The nominal parameters
-    Nominal,
 }
 
 #[derive(Args)]
@@ -169,41 +157,29 @@ fn dictionary(a: &Dictionary) -> Result<Summary, Failure> {
     let mut provenance = provenance("simulate");
     let vessel = read_vessel(&a.vessel, &mut provenance)?;
     let generator = read_dictionary(&a.dictionary, &vessel, &mut provenance)?;
-    let source = match a.model {
-        Some(ModelChoice::Value) => Source::Value,
-        Some(ModelChoice::Nominal) => Source::Nominal,
-        None => best_known(&vessel),
-    };
-    provenance
-        .settings
-        .insert("model".into(), json!(if source == Source::Value { "value" } else { "nominal" }));
+    let source = vessel.best_known();
+    provenance.settings.insert("model".into(), json!(source.name()));
     let out = a.common.main_output("dictionary.parquet", &[&a.vessel, &a.dictionary])?;
-    let work = Undisturbed {
-        vessel: &vessel,
-        vessel_file: &a.vessel,
-        dictionary_file: &a.dictionary,
-        generator: &generator,
-        source,
-        design: "dictionary",
-    };
-    let written = work.write(&out, &provenance, a.common.quiet)?;
-    Ok(told(&out, &written))
+    let files = undisturbed(&a.vessel, &a.dictionary);
+    let maneuvers =
+        Maneuvers::new(&vessel, &generator, source, "dictionary").map_err(|e| files.refused(e))?;
+    let tally = write_maneuvers(&maneuvers, &files, &out, &provenance, a.common.quiet)?;
+    Ok(told(&out, &tally))
 }
 
-fn told(out: &Path, written: &Written) -> Summary {
-    let Written { maneuvers, samples, .. } = written;
-    let mut summary = json!({"out": out, "maneuvers": maneuvers, "samples": samples});
-    if written.kept > 0 {
-        let left_out = written.left_out.iter().map(|(name, about)| (name.clone(), json!(about.count)));
-        summary["generated"] = json!(written.kept);
+/// The files of undisturbed maneuvers: `dictionary` alone says what is simulated.
+fn undisturbed<'a>(vessel: &'a Path, dictionary: &'a Path) -> Files<'a> {
+    Files { vessel, dictionary, campaign: dictionary, design: dictionary }
+}
+
+fn told(out: &Path, tally: &Tally) -> Summary {
+    let mut summary = json!({"out": out, "maneuvers": tally.maneuvers, "samples": tally.samples});
+    if tally.kept > 0 {
+        let left_out = tally.left_out.iter().map(|(name, about)| (name.clone(), json!(about.count)));
+        summary["generated"] = json!(tally.kept);
         summary["left_out"] = left_out.collect::<serde_json::Map<_, _>>().into();
     }
-    let line = format!("{}: {maneuvers} maneuvers, {samples} samples{}", out.display(), written.told());
-    Summary { line, json: summary }
-}
-
-fn best_known(vessel: &Vessel) -> Source {
-    if vessel.value.iter().all(Option::is_some) { Source::Value } else { Source::Nominal }
+    Summary { line: format!("{}: {tally}", out.display()), json: summary }
 }
 
 fn campaign(a: &CampaignArguments) -> Result<Summary, Failure> {
@@ -215,7 +191,7 @@ fn campaign(a: &CampaignArguments) -> Result<Summary, Failure> {
         return gathered(&a.sharding, &out);
     }
     let mut provenance = provenance("simulate");
-    let files = CampaignFiles {
+    let files = Files {
         vessel: given(&a.vessel, "vessel")?,
         dictionary: given(&a.dictionary, "dictionary")?,
         campaign: given(&a.campaign, "campaign")?,
@@ -226,11 +202,13 @@ fn campaign(a: &CampaignArguments) -> Result<Summary, Failure> {
     let config = read_campaign(files.campaign, &mut provenance)?;
     let design = read_document::<DesignDocument>(files.design)?;
     provenance.inputs.insert("design".into(), design.digest);
-    let seed = a.common.seed.unwrap_or(config.seed);
-    provenance.settings.insert("seed".into(), json!(seed));
+    let settings = config.settings(a.common.seed);
+    provenance.settings.insert("seed".into(), json!(settings.seed));
     provenance.shard.clone_from(&a.sharding.shard);
-    let campaign = Campaign::new(&files, &vessel, &generator, &config, &design.data, seed)?;
-    written(&campaign, &out, &provenance, &a.sharding, &a.common)
+    let sea = config.sea(&vessel).map_err(|e| Failure::invalid(files.vessel, &e))?;
+    let campaign =
+        Campaign::new(sea, &generator, &design.data.designed(), &settings).map_err(|e| files.refused(e))?;
+    written(&campaign, &files, &out, &provenance, &a.common)
 }
 
 fn plan(a: &PlanArguments) -> Result<Summary, Failure> {
@@ -247,11 +225,15 @@ fn plan(a: &PlanArguments) -> Result<Summary, Failure> {
     let vessel = read_vessel(vessel_file, &mut provenance)?;
     let config = read_campaign(given(&a.campaign, "campaign")?, &mut provenance)?;
     let track = read_planned(plan, &vessel, &mut provenance)?;
-    let seed = a.common.seed.unwrap_or(config.seed);
-    provenance.settings.insert("seed".into(), json!(seed));
+    let settings = config.settings(a.common.seed);
+    provenance.settings.insert("seed".into(), json!(settings.seed));
     provenance.shard.clone_from(&a.sharding.shard);
-    let campaign = Campaign::planned(vessel_file, &vessel, &track, &config, seed)?;
-    written(&campaign, &out, &provenance, &a.sharding, &a.common)
+    let sea = config.sea(&vessel).map_err(|e| Failure::invalid(vessel_file, &e))?;
+    let segment = |(start, maneuver): &(usize, String)| Segment { maneuver: maneuver.clone(), start: *start };
+    let segments: Vec<Segment> = track.stretches.iter().map(segment).collect();
+    let campaign = Campaign::planned(sea, track.initial, &track.inputs, &segments, &settings);
+    let files = Files { vessel: vessel_file, dictionary: plan, campaign: plan, design: plan };
+    written(&campaign, &files, &out, &provenance, &a.common)
 }
 
 fn gathered(sharding: &Sharding, out: &Path) -> Result<Summary, Failure> {
@@ -265,13 +247,13 @@ fn gathered(sharding: &Sharding, out: &Path) -> Result<Summary, Failure> {
 
 fn written(
     campaign: &Campaign,
+    files: &Files,
     out: &Path,
     provenance: &Provenance,
-    sharding: &Sharding,
     common: &Common,
 ) -> Result<Summary, Failure> {
-    campaign.write(out, provenance, sharding.shard, common.quiet)?;
-    let part = sharding.shard.map_or(String::new(), |s: Shard| format!(", shard {s}"));
+    write_campaign(campaign, files, out, provenance, common.quiet)?;
+    let part = provenance.shard.map_or(String::new(), |s: Shard| format!(", shard {s}"));
     Ok(Summary {
         line: format!("{}: {} runs of {} samples{part}", out.display(), campaign.runs(), campaign.samples()),
         json: json!({"out": out, "runs": campaign.runs(), "samples": campaign.samples()}),
@@ -288,10 +270,10 @@ fn logs(a: &LogsArguments) -> Result<Summary, Failure> {
     provenance.settings.insert("seed".into(), json!(seed));
     DataLabel::SimulatedLogs.label(&mut provenance);
     let out = a.common.main_output(SIMULATED_FILE, &[&a.vessel, &a.dictionary, &a.logs])?;
-    let files = Files { vessel: &a.vessel, dictionary: &a.dictionary, logs: &a.logs };
-    let entries = simulate(&files, &vessel, &generator, &config, seed)?;
+    let files = logs::Files { vessel: &a.vessel, dictionary: &a.dictionary, logs: &a.logs };
+    let entries = logs::simulate(&files, &vessel, &generator, &config, seed)?;
     let document = SimulatedLogsDocument::of(&vessel, &config, &entries);
-    publish(&out, &entries, &document, &provenance)?;
+    logs::publish(&out, &entries, &document, &provenance)?;
     let recordings = entries.len();
     let maneuvers = recordings / config.repeats as usize;
     let told: String = document.statements.iter().map(|statement| format!("; {statement}")).collect();
@@ -314,14 +296,9 @@ fn validation(a: &Validation) -> Result<Summary, Failure> {
     let config = read_campaign(&a.campaign, &mut provenance)?;
     let generator = generator(&a.campaign, &vessel, &config.validation_dictionary(), &mut provenance)?;
     let out = a.common.main_output("validation.parquet", &[&a.vessel, &a.campaign])?;
-    let work = Undisturbed {
-        vessel: &vessel,
-        vessel_file: &a.vessel,
-        dictionary_file: &a.campaign,
-        generator: &generator,
-        source: Source::Value,
-        design: "validation",
-    };
-    let written = work.write(&out, &provenance, a.common.quiet)?;
-    Ok(told(&out, &written))
+    let files = undisturbed(&a.vessel, &a.campaign);
+    let maneuvers =
+        Maneuvers::new(&vessel, &generator, Source::Value, "validation").map_err(|e| files.refused(e))?;
+    let tally = write_maneuvers(&maneuvers, &files, &out, &provenance, a.common.quiet)?;
+    Ok(told(&out, &tally))
 }

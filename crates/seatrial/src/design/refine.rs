@@ -11,14 +11,14 @@ use study::campaign_file::CampaignFile;
 use study::design_files::read_limits;
 use study::documents::{DesignDocument, RefinedFiles};
 use study::files::{read_campaign, read_dictionary, read_vessel};
+use trial::campaign::Plan;
 use trial::refining::{Limits, Refinement, Start, StatedLimits};
-use vessel::{Generator, Invalid, Vessel};
+use vessel::{Generator, Invalid, Vessel, refuse_endless};
 
 use super::refusal::not_refined;
 use crate::cli::{Common, beside, provenance};
 use crate::failure::Failure;
-use crate::simulate::campaign::{CampaignFiles, optimized_plan};
-use crate::simulate::refuse_endless;
+use crate::simulate::Files;
 use crate::stage::Summary;
 
 /// The command line of `design refine`.
@@ -118,17 +118,13 @@ fn plan(
     generator: &Generator,
     config: &CampaignFile,
     design: &DesignDocument,
-) -> Result<Vec<(usize, usize)>, Failure> {
+) -> Result<Plan, Failure> {
     let samples = vessel.samples(config.duration_s);
-    refuse_endless(&a.campaign, "`duration_s`", samples)?;
-    let files = CampaignFiles {
-        vessel: &a.vessel,
-        dictionary: &a.dictionary,
-        campaign: &a.campaign,
-        design: &a.design,
-    };
+    refuse_endless("`duration_s`", samples).map_err(|e| Failure::invalid(&a.campaign, &e))?;
+    let files =
+        Files { vessel: &a.vessel, dictionary: &a.dictionary, campaign: &a.campaign, design: &a.design };
     let names: Vec<String> = generator.maneuvers().iter().map(|m| m.name.clone()).collect();
-    optimized_plan(&files, &names, design, samples)
+    design.designed().plan(&names, samples).map_err(|e| files.refused(e))
 }
 
 /// Disturbances that a covariance is predicted for.

@@ -8,7 +8,6 @@ use study::documents::SimulatedLogsDocument;
 use study::logs_file::LogsFile;
 use vessel::{Generator, Source, Vessel};
 
-use super::diverged;
 use crate::cli::beside;
 use crate::failure::Failure;
 
@@ -57,9 +56,10 @@ fn failure(files: &Files, error: LogbookError) -> Failure {
             Failure::refuse(files.dictionary, &thing, "another character", expected, "rename it")
         }
         LogbookError::Maneuver(invalid) => Failure::invalid(files.dictionary, &invalid),
-        LogbookError::Diverged { maneuver, repeat, at } => {
-            diverged(files.vessel, &format!("model in log {repeat} of maneuver `{maneuver}`"), at)
-        }
+        LogbookError::Diverged { maneuver, repeat, at } => Failure::invalid(
+            files.vessel,
+            &at.invalid(format!("model in log {repeat} of maneuver `{maneuver}`")),
+        ),
         LogbookError::Unreachable { maneuver, sample, what } => {
             let (force, unit) = FORCES[what.force.min(2)];
             let found = format!(

@@ -1,61 +1,134 @@
 //! `simulate`: trajectories of dictionaries, campaigns and validation maneuvers.
 
-pub mod campaign;
 pub mod logs;
-pub(crate) mod sea;
-pub mod undisturbed;
 
+use std::ops::Range;
 use std::path::Path;
 
-use artifact::{Provenance, TableWriter, commit};
-use vessel::{Diverged, Model, Vessel};
+use artifact::{EncodedBlock, Provenance, Shard, TableWriter, commit, encode_block};
+use study::trajectories::{BlockBuilder, Layout, rows_per_block};
+use trial::campaign::{Campaign, Maneuvers, Refusal, SimulatedRun, Tally};
+use vessel::Vessel;
 
 use crate::failure::Failure;
-use study::trajectories::Layout;
+use crate::ordered::ordered;
+use crate::progress::Progress;
 
-/// The longest run that is simulated \[samples\].
-pub(crate) const MOST_SAMPLES: usize = 1 << 22;
+/// The files of a simulation, for messages.
+pub struct Files<'a> {
+    /// `vessel.toml`.
+    pub vessel: &'a Path,
+    /// `dictionary.toml`.
+    pub dictionary: &'a Path,
+    /// `campaign.toml`.
+    pub campaign: &'a Path,
+    /// `design.json`.
+    pub design: &'a Path,
+}
 
-/// Refuses runs of more than [`MOST_SAMPLES`] samples, which `file` asks for in `thing`.
-pub(crate) fn refuse_endless(file: &Path, thing: &str, samples: usize) -> Result<(), Failure> {
-    if samples <= MOST_SAMPLES {
-        return Ok(());
+impl Files<'_> {
+    /// Names the file that is at fault.
+    pub fn refused(&self, refusal: Refusal) -> Failure {
+        let thing = |ordered| if ordered { "`data.sequence`" } else { "`data.shares`" };
+        match refusal {
+            Refusal::Vessel(e) => Failure::invalid(self.vessel, &e),
+            Refusal::Dictionary(e) => Failure::invalid(self.dictionary, &e),
+            Refusal::Campaign(e) => Failure::invalid(self.campaign, &e),
+            Refusal::Design(e) => Failure::invalid(self.design, &e),
+            Refusal::UnknownManeuver { name, ordered } => Failure::refuse(
+                self.design,
+                thing(ordered),
+                &format!("maneuver `{name}`"),
+                &format!("maneuvers of {}", self.dictionary.display()),
+                if ordered { "arrange it again" } else { "make the design again from this dictionary" },
+            ),
+            Refusal::OtherLength { ordered, samples } => Failure::refuse(
+                self.design,
+                thing(true),
+                &format!("{ordered} samples"),
+                &format!("the {samples} samples of `duration_s` in {}", self.campaign.display()),
+                "arrange the design for this duration, or change `duration_s`",
+            ),
+        }
     }
-    let (found, expected) = (format!("{samples} samples"), format!("at most {MOST_SAMPLES} samples"));
-    Err(Failure::refuse(file, thing, &found, &expected, "shorten it"))
 }
 
-/// Inputs N × inputs with zeros appended for the measured disturbances: N × exogenous.
-pub(crate) fn exogenous(model: &Model, inputs: &[f64]) -> Vec<f64> {
-    let rows = inputs.chunks_exact(model.inputs);
-    rows.flat_map(|row| row.iter().copied().chain(std::iter::repeat_n(0.0, model.exogenous() - model.inputs)))
-        .collect()
-}
+/// Maneuvers per block.
+const BLOCK: usize = 64;
 
-/// Says where a simulation of `what` diverged.
-pub(crate) fn diverged(vessel_file: &Path, what: &str, at: Diverged) -> Failure {
-    let state = ["u", "v", "r"][at.state.min(2)];
-    Failure::refuse(
-        vessel_file,
-        what,
-        &format!("a simulation that diverges: {state} leaves every bound at sample {}", at.sample),
-        "bounded motion",
-        "make the damping terms stronger (per sample between -1 and 0 for a linear one), or the inputs or the sampling interval smaller",
-    )
-}
-
-/// Opens the output table.
-pub(crate) fn writer(
+/// Simulates every maneuver into `out`, and says what was left out.
+///
+/// # Errors
+/// See [`Maneuvers::simulate`]; limits that no generated maneuver keeps; output that fails.
+pub fn write_maneuvers(
+    maneuvers: &Maneuvers,
+    files: &Files,
     out: &Path,
-    vessel: &Vessel,
     provenance: &Provenance,
-) -> Result<(Layout, TableWriter), Failure> {
+    quiet: bool,
+) -> Result<Tally, Failure> {
+    let (layout, mut writer) = writer(out, maneuvers.vessel(), provenance)?;
+    let count = maneuvers.count();
+    let progress = Progress::new("maneuvers", count, quiet);
+    let mut tally = Tally::default();
+    let work = |block: usize| {
+        let found = maneuvers.simulate(block * BLOCK..count.min((block + 1) * BLOCK));
+        let (runs, tally) = found.map_err(|e| files.refused(e))?;
+        progress.advance(BLOCK);
+        let block = if runs.is_empty() { None } else { Some(encoded(&layout, maneuvers.vessel(), &runs)?) };
+        Ok::<_, Failure>((block, tally))
+    };
+    ordered(0..count.div_ceil(BLOCK), work, |(block, own)| {
+        tally.merge(&own);
+        Ok(block.map_or(Ok(()), |block| writer.push(block))?)
+    })?;
+    tally.check().map_err(|e| Failure::invalid(files.dictionary, &e))?;
+    commit(vec![writer.finish()?])?;
+    Ok(tally)
+}
+
+/// Simulates the runs of `shard` (or all) into `out`.
+///
+/// # Errors
+/// A simulation that diverges; output that fails.
+pub fn write_campaign(
+    campaign: &Campaign,
+    files: &Files,
+    out: &Path,
+    provenance: &Provenance,
+    quiet: bool,
+) -> Result<(), Failure> {
+    let (layout, mut writer) = writer(out, campaign.vessel(), provenance)?;
+    let blocks = blocks(campaign);
+    let mine = provenance.shard.as_ref().map_or(0..blocks.len(), |s: &Shard| s.range(blocks.len()));
+    let progress =
+        Progress::new("runs", blocks[mine.clone()].iter().map(|(_, runs)| runs.len()).sum(), quiet);
+    let work = |i: usize| {
+        let (design, runs) = blocks[i].clone();
+        progress.advance(runs.len());
+        let runs = campaign.simulate(design, runs).map_err(|e| files.refused(e))?;
+        encoded(&layout, campaign.vessel(), &runs)
+    };
+    ordered(mine, work, |block| Ok(writer.push(block)?))?;
+    Ok(commit(vec![writer.finish()?])?)
+}
+
+/// Runs of one design that are written together.
+fn blocks(campaign: &Campaign) -> Vec<(usize, Range<usize>)> {
+    let (size, runs) = (rows_per_block(campaign.samples()), campaign.realizations());
+    let of =
+        |design: usize| (0..runs.div_ceil(size)).map(move |b| (design, b * size..runs.min((b + 1) * size)));
+    (0..campaign.designs()).flat_map(of).collect()
+}
+
+fn writer(out: &Path, vessel: &Vessel, provenance: &Provenance) -> Result<(Layout, TableWriter), Failure> {
     let layout = Layout::new(&vessel.model);
     let writer = TableWriter::create(out, &layout.schema(), provenance)?;
     Ok((layout, writer))
 }
 
-/// Finishes and publishes a table.
-pub(crate) fn publish(writer: TableWriter) -> Result<(), Failure> {
-    Ok(commit(vec![writer.finish()?])?)
+fn encoded(layout: &Layout, vessel: &Vessel, runs: &[SimulatedRun]) -> Result<EncodedBlock, Failure> {
+    let mut builder = BlockBuilder::new(layout, vessel.sample_rate_hz);
+    runs.iter().for_each(|run| builder.push(run));
+    Ok(encode_block(&layout.schema(), &builder.table())?)
 }

@@ -1,9 +1,11 @@
 //! Trials in rounds, through the binary.
 
 use artifact::TableReader;
-use seatrial::sequential::{ID, VERSION};
 use study::documents::SequentialDocument;
+use study::sequential::{ID, VERSION};
 use tempfile::TempDir;
+use trial::rounds::Arm;
+use vessel::Source;
 
 use crate::support::*;
 
@@ -51,7 +53,7 @@ fn law_more_time_and_a_design_leave_less_error_and_every_outcome_is_counted() {
     let ran = run(&folder, SEQUENTIAL).succeeds();
     assert!(ran.stdout.contains("at equal time") && ran.stdout.contains("sizes beforehand"), "{ran}");
     let found = found(&folder);
-    let names: Vec<&str> = found.arms.iter().map(|arm| arm.name.as_str()).collect();
+    let names: Vec<&str> = found.arms.iter().map(|arm| arm.name.name()).collect();
     assert_eq!(names, ["sequential", "one-shot", "informed", "random"]);
     let median = |arm: usize, round: usize| found.arms[arm].points[round].median.unwrap_or(f64::INFINITY);
     (0..4).for_each(|arm| assert!(median(arm, 2) < median(arm, 0), "{:?}", found.arms[arm]));
@@ -59,14 +61,14 @@ fn law_more_time_and_a_design_leave_less_error_and_every_outcome_is_counted() {
     let rows = rows(&folder);
     assert_eq!(rows.len(), 16 * 4 * 3);
     for (arm, round) in found.arms.iter().flat_map(|arm| (0..3).map(move |round| (arm, round))) {
-        let own = rows.iter().filter(|row| row.0 == arm.name && row.2 == round);
+        let own = rows.iter().filter(|row| row.0 == arm.name.name() && row.2 == round);
         let lost = own.filter(|row| row.4.is_none()).count() as u64;
         let point = &arm.points[round as usize];
         assert_eq!(point.not_converged + point.not_identifiable + point.diverged, lost, "{point:?}");
     }
     assert!(rows.iter().all(|row| row.4.is_some() == (row.3 == "identified")));
     let [rounds, one_shot] = [&found.stopping[0], &found.stopping[1]];
-    assert_eq!((rounds.arm.as_str(), one_shot.arm.as_str()), ("sequential", "one-shot"));
+    assert_eq!((rounds.arm, one_shot.arm), (Arm::Sequential, Arm::OneShot));
     assert!(rounds.stopped > 0 && rounds.mean_time_s < 90.0, "{rounds:?}");
 }
 
@@ -169,7 +171,7 @@ fn crude_models_about_the_nominal_one_take_floors_for_what_is_zero() {
         folder(&format!("{}{floors}", CONFIG.replace("= 16", "= 8").replace("rounds = 3", "rounds = 2")));
     run(&folder, SEQUENTIAL).succeeds();
     let found = found(&folder);
-    assert_eq!(found.crude_about, "nominal");
+    assert_eq!(found.crude_about, Source::Nominal);
     assert!(found.arms.iter().all(|arm| arm.points.iter().all(|point| point.undesigned == 0)));
 }
 

@@ -5,6 +5,7 @@ use design::{AccuracyOf, CriterionName, Method};
 use identification::{Estimator, MeanRemoval};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use trial::campaign::Designed;
 
 use super::design_status::DesignStatus;
 use super::titles;
@@ -79,6 +80,15 @@ pub struct DesignDocument {
     /// Order and lengths of the maneuvers, where `--arrange` asked for them: the optimized experiment follows them.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sequence: Option<Sequence>,
+}
+
+impl DesignDocument {
+    /// The experiment that it states.
+    pub fn designed(&self) -> Designed {
+        let part = |part: &SequencePart| (part.maneuver.clone(), part.samples as usize);
+        let order = self.sequence.as_ref().map(|sequence| sequence.parts.iter().map(part).collect());
+        Designed { shares: self.shares.clone(), order }
+    }
 }
 
 /// Maneuvers one after the other.

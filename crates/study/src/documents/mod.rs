@@ -44,7 +44,7 @@ pub use reference::{Published, PublishedPicks, PublishedSelection, PublishedShar
 pub use refined::{RefinedDocument, RefinedExperiment, RefinedLimit};
 pub use refinement::RefinedFiles;
 pub use selection::{SelectionDocument, SelectionErrors, SelectionScores};
-pub use sequential::{ArmPoint, ArmSummary, RoundGain, SequentialDocument, Stopping};
+pub use sequential::SequentialDocument;
 pub use simulated::{SIMULATED_FILE, SimulatedLogsDocument, SimulatedRecording};
 pub use solved::{Few, Solved};
 pub use trust::{

@@ -10,4 +10,4 @@ pub use label::{DataLabel, label};
 pub use layout::{ID, Layout, VERSION};
 pub use measured::MeasuredBlock;
 pub use read::{TrajectoryReader, refuse_shard};
-pub use write::{BlockBuilder, NewRun, rows_per_block};
+pub use write::{BlockBuilder, rows_per_block};

@@ -8,8 +8,6 @@ use vessel::{Exceeded, Generator, Limits, Vessel};
 
 use crate::moments::{Estimated, Moments};
 
-pub use search::Plan;
-
 /// What a sequence of maneuvers is judged with.
 pub struct Arranging<'a> {
     /// The vessel.

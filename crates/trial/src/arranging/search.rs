@@ -6,10 +6,9 @@ use design::apportion;
 use rayon::prelude::*;
 use vessel::{Generator, Invalid, LANES, Realized, Streams, simulate_one};
 
-use super::{Arranged, Arranging, Kept, generated_limits};
+use crate::campaign::Plan;
 
-/// Maneuver (its place in the generator) and samples, one after the other.
-pub type Plan = Vec<(usize, usize)>;
+use super::{Arranged, Arranging, Kept, generated_limits};
 
 /// Neighbours that are judged in one round.
 const NEIGHBOURS: usize = 48;

@@ -1,5 +1,4 @@
 use std::collections::BTreeMap;
-use std::path::Path;
 
 use super::candidates::Limits;
 use super::signal::Wave;
@@ -30,25 +29,27 @@ pub struct Generator {
 }
 
 impl Generator {
-    /// Checks the dictionary and reads its input files through `read` (path relative to the dictionary → content).
+    /// Checks the dictionary and takes its tables of inputs from `read` (name → CSV).
     ///
     /// # Errors
-    /// See [`DictionaryFile::check`]; an input file that is refused; true values that are needed and missing.
+    /// See [`DictionaryFile::check`]; a table of inputs that is refused; true values that are needed and missing.
     pub fn new(
         vessel: &Vessel,
         dictionary: &DictionaryFile,
-        read: impl Fn(&Path) -> Result<String, Invalid>,
+        read: impl Fn(&str) -> Result<String, Invalid>,
     ) -> Result<Self, Invalid> {
         let maneuvers = dictionary.expanded()?;
         let limits = dictionary.generate.as_ref().map(|generate| generate.limits.clone());
         limits.as_ref().map_or(Ok(()), |limits| limits.check(&vessel.model))?;
-        let source =
-            if vessel.value.iter().all(Option::is_some) { dictionary.inputs_from } else { Source::Nominal };
+        let source = match vessel.best_known() {
+            Source::Value => dictionary.inputs_from,
+            Source::Nominal => Source::Nominal,
+        };
         let mut files = BTreeMap::new();
         for (index, maneuver) in dictionary.maneuvers.iter().enumerate() {
             if let Kind::Inputs { file, .. } = &maneuver.kind {
                 let inputs = parse_inputs(&read(file)?, &vessel.model)
-                    .map_err(|e| Invalid { thing: format!("{}: {}", file.display(), e.thing), ..e })?;
+                    .map_err(|e| Invalid { thing: format!("{file}: {}", e.thing), ..e })?;
                 files.insert(index, inputs);
             }
         }
@@ -61,6 +62,22 @@ impl Generator {
             default_s: dictionary.duration_s,
             files,
         })
+    }
+
+    /// The same for a dictionary without tables of inputs.
+    ///
+    /// # Errors
+    /// See [`Generator::new`]; a maneuver whose inputs stand in a table.
+    pub fn without_tables(vessel: &Vessel, dictionary: &DictionaryFile) -> Result<Self, Invalid> {
+        let none = |name: &str| {
+            Err(Invalid::new(
+                format!("inputs `{name}`"),
+                "a table",
+                "none",
+                "use maneuvers that are generated",
+            ))
+        };
+        Self::new(vessel, dictionary, none)
     }
 
     /// The maneuvers, in order.

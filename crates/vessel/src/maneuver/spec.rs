@@ -1,5 +1,4 @@
 use std::collections::BTreeSet;
-use std::path::PathBuf;
 
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer};
@@ -175,8 +174,8 @@ pub enum Kind {
     },
     /// Inputs from a file.
     Inputs {
-        /// CSV with a column per input, a row per sample; relative to the dictionary's folder.
-        file: PathBuf,
+        /// Name of the table with a column per input, a row per sample.
+        file: String,
         /// Speed at the start \[m/s\].
         #[serde(default)]
         speed_m_s: f64,

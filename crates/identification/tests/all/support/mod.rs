@@ -20,7 +20,7 @@ pub fn paper() -> Vessel {
 /// Its eleven maneuvers.
 pub fn dictionary(vessel: &Vessel) -> Generator {
     let file: DictionaryFile = toml::from_str(DICTIONARY).unwrap();
-    Generator::new(vessel, &file, |path| panic!("no input file expected: {}", path.display())).unwrap()
+    Generator::without_tables(vessel, &file).unwrap()
 }
 
 pub fn truth(vessel: &Vessel) -> Vec<f64> {

@@ -1,7 +1,8 @@
 use std::collections::BTreeMap;
 
 use serde::Deserialize;
-use vessel::{Invalid, Vessel, nearest};
+use trial::rounds::Knowledge;
+use vessel::{Invalid, Source, Vessel, nearest};
 
 /// `sequential.toml`.
 #[derive(Clone, Debug, Deserialize)]
@@ -16,9 +17,9 @@ pub struct SequentialFile {
     /// How crude the model before the trial is: its parameters are those it is drawn about times e^(this times a standard
     /// normal number), anew for every realization.
     pub nominal_spread: f64,
-    /// What crude models are drawn about.
+    /// What crude models are drawn about; of the nominal parameters those that are zero stay zero and need a floor.
     #[serde(default)]
-    pub crude_about: CrudeAbout,
+    pub crude_about: Source,
     /// The trial may stop where the predicted error falls to this: 2-norm over the parameters of standard error over
     /// parameter.
     pub accuracy: f64,
@@ -26,24 +27,6 @@ pub struct SequentialFile {
     /// the crude model is uncertain by this at least.
     #[serde(default)]
     pub floor: BTreeMap<String, f64>,
-}
-
-/// What crude models are drawn about.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum CrudeAbout {
-    /// The true parameters.
-    #[default]
-    Value,
-    /// The nominal ones. Those that are zero stay zero and need a floor.
-    Nominal,
-}
-
-impl CrudeAbout {
-    /// As in files.
-    pub fn name(self) -> &'static str {
-        ["value", "nominal"][self as usize]
-    }
 }
 
 impl SequentialFile {
@@ -71,11 +54,21 @@ impl SequentialFile {
         Ok(())
     }
 
+    /// What is known of the parameters before a trial; `seed`: of the crude models.
+    ///
+    /// # Errors
+    /// See [`SequentialFile::floors`]; a vessel without the parameters that crude models are drawn about.
+    pub fn knowledge(&self, vessel: &Vessel, seed: u64) -> Result<Knowledge, Invalid> {
+        let about = vessel.parameters(self.crude_about)?;
+        let floor = self.floors(vessel, &about)?;
+        Ok(Knowledge { about, spread: self.nominal_spread, floor, seed })
+    }
+
     /// The floor of every parameter of `vessel`, 0 where none is stated.
     ///
     /// # Errors
     /// A floor of no parameter; a parameter of `about`, which crude models are drawn about, that is zero and has no floor.
-    pub fn floors(&self, vessel: &Vessel, about: &[f64]) -> Result<Vec<f64>, Invalid> {
+    fn floors(&self, vessel: &Vessel, about: &[f64]) -> Result<Vec<f64>, Invalid> {
         let names = || vessel.model.parameter_names();
         if let Some(unknown) = self.floor.keys().find(|key| names().all(|name| name != key.as_str())) {
             let remedy = format!("did you mean `{}`?", nearest(unknown, names()).unwrap_or_default());

@@ -1,7 +1,47 @@
-use super::table::Row;
-use super::trial::Arm;
 use numerics::statistics::{mean, quantile, sorted, spread};
-use study::documents::{RoundGain, Stopping};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::row::{Arm, Row};
+
+/// Errors of the trial in rounds over those of the one-shot trial after the same time in the same realization.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RoundGain {
+    /// Time at sea.
+    pub time_s: f64,
+    /// Realizations in which both have an estimate.
+    pub pairs: u64,
+    /// Geometric mean of the ratio; below 1 rounds are better.
+    pub ratio: Option<f64>,
+    /// Lower end of its 95 % interval.
+    pub low: Option<f64>,
+    /// Upper end.
+    pub high: Option<f64>,
+}
+
+/// Trials that end with the first round after which the error is said to be within the accuracy, or else after the whole
+/// time: in rounds by the estimate's own word, one-shot by the crude model's, beforehand.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Stopping {
+    /// `sequential` or `one-shot`.
+    pub arm: Arm,
+    /// Trials that end because the accuracy is promised.
+    pub stopped: u64,
+    /// Mean time at sea of all trials.
+    pub mean_time_s: f64,
+    /// Median parameter error of all trials at their end.
+    pub median_error: Option<f64>,
+    /// Share of all trials whose error at their end is within the accuracy.
+    pub within: f64,
+    /// The same of those that were promised it.
+    pub within_stopped: Option<f64>,
+    /// Root mean square error over accuracy of those that were promised it: at most 1 where promises are kept.
+    pub rms_over_accuracy: Option<f64>,
+    /// Of those that were promised it, how many have no estimate and are in no mean square.
+    pub without_estimate: u64,
+}
 
 /// Where trials of `arm` end that stop with the first round after which `promised` is within `accuracy`, or else after
 /// the whole time. `rows`: rounds in order.
@@ -26,7 +66,7 @@ pub(super) fn stopping(
         stopped.iter().filter_map(|row| Some((row.parameter_error? / accuracy).powi(2))).collect();
     let times: Vec<f64> = ends.iter().map(|row| row.samples as f64 / rate_hz).collect();
     Stopping {
-        arm: arm.name().to_owned(),
+        arm,
         stopped: stopped.len() as u64,
         mean_time_s: mean(&times).unwrap_or(0.0),
         median_error: quantile(&sorted(ends.iter().map(|row| row.parameter_error)), 0.5),
@@ -62,7 +102,7 @@ pub(super) fn gain(rows: &[Row], round: usize, samples: usize, rate_hz: f64) -> 
 
 #[cfg(test)]
 mod tests {
-    use super::super::table::{Outcome, Shared};
+    use super::super::row::{Outcome, Shared};
     use super::*;
 
     fn row(arm: Arm, realization: u32, round: u32, error: Option<f64>, predicted: f64) -> Row {

@@ -1,62 +1,24 @@
-use super::SequentialFile;
-use super::stopping::{gain, stopping};
-use super::table::{Outcome, Row, Shared};
-use super::trial::Arm;
-use numerics::statistics::{quantile, sorted};
-use study::documents::{ArmPoint, ArmSummary, RoundGain, SequentialDocument, Stopping};
+use trial::rounds::{Arm, ArmSummary, RoundGain, Stopping, Summary};
 
-/// `rows` in words and figures. `ends`: samples by the end of every round.
-pub(super) fn document(
-    config: &SequentialFile,
-    rows: &[Row],
-    ends: &[usize],
-    maneuvers: usize,
-    rate_hz: f64,
-) -> SequentialDocument {
-    let accuracy = config.accuracy;
-    let arms: Vec<ArmSummary> =
-        Arm::ALL.into_iter().map(|arm| summary(rows, arm, ends, accuracy, rate_hz)).collect();
-    let gains: Vec<RoundGain> =
-        ends.iter().enumerate().map(|(round, end)| gain(rows, round, *end, rate_hz)).collect();
-    let stopping = vec![
-        stopping(rows, Arm::Sequential, |row| row.predicted_error, accuracy, rate_hz),
-        stopping(rows, Arm::OneShot, |row| row.expected_error, accuracy, rate_hz),
-    ];
+use super::SequentialFile;
+use crate::documents::SequentialDocument;
+
+/// The summary in words and figures; `maneuvers`: how many there are to design with.
+pub fn document(config: &SequentialFile, summary: Summary, maneuvers: usize) -> SequentialDocument {
+    let Summary { arms, gains, stopping } = summary;
     SequentialDocument {
         realizations: u64::from(config.realizations),
         rounds: u64::from(config.rounds),
         duration_s: config.duration_s,
-        crude_about: config.crude_about.name().to_owned(),
+        crude_about: config.crude_about,
         nominal_spread: config.nominal_spread,
-        accuracy,
+        accuracy: config.accuracy,
         maneuvers: maneuvers as u64,
-        statements: statements(&arms, &gains, &stopping, accuracy, config.realizations),
+        statements: statements(&arms, &gains, &stopping, config.accuracy, config.realizations),
         arms,
         gains,
         stopping,
     }
-}
-
-fn summary(rows: &[Row], arm: Arm, ends: &[usize], accuracy: f64, rate_hz: f64) -> ArmSummary {
-    let point = |(round, end): (usize, &usize)| {
-        let own: Vec<&Row> =
-            rows.iter().filter(|row| row.arm == arm && row.round as usize == round).collect();
-        let errors = sorted(own.iter().map(|row| row.parameter_error));
-        let count = |wanted: &dyn Fn(&Row) -> bool| own.iter().filter(|row| wanted(row)).count() as u64;
-        let within = count(&|row| row.parameter_error.is_some_and(|error| error <= accuracy));
-        ArmPoint {
-            time_s: *end as f64 / rate_hz,
-            median: quantile(&errors, 0.5),
-            q90: quantile(&errors, 0.9),
-            predicted: quantile(&sorted(own.iter().map(|row| row.predicted_error)), 0.5),
-            within: within as f64 / own.len().max(1) as f64,
-            not_identifiable: count(&|row| row.outcome == Outcome::NotIdentifiable),
-            not_converged: count(&|row| row.outcome == Outcome::NotConverged),
-            diverged: count(&|row| row.outcome == Outcome::Diverged),
-            undesigned: count(&|row| row.shared == Shared::Even),
-        }
-    };
-    ArmSummary { name: arm.name().to_owned(), points: ends.iter().enumerate().map(point).collect() }
 }
 
 fn statements(
@@ -77,7 +39,7 @@ fn statements(
     }
     out.extend(gained(gains));
     let [rounds, one_shot] = [Arm::Sequential, Arm::OneShot]
-        .map(|arm| stopping.iter().find(|s| s.arm == arm.name()).map(|s| ended(s, realizations)));
+        .map(|arm| stopping.iter().find(|s| s.arm == arm).map(|s| ended(s, realizations)));
     if let (Some(rounds), Some(one_shot)) = (rounds, one_shot) {
         out.push(format!(
             "to an error of {accuracy}, trials in rounds that their own estimates stop {rounds}; one-shot trials that the crude \

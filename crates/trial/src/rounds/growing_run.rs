@@ -1,12 +1,10 @@
-use vessel::{Generator, Invalid, Vessel};
+use vessel::{Generator, Invalid, Run, Segment, Vessel};
 
-use crate::simulate::campaign::Plan;
-use crate::simulate::exogenous;
-use vessel::{Run, Segment};
+use crate::campaign::Plan;
 
 /// One realization's run so far: it grows, the ship does not start again.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Voyage {
+pub struct GrowingRun {
     /// State at its first sample: u, v \[m/s\], r \[rad/s\].
     pub initial: [f64; 3],
     /// Inputs and measured disturbances, N × exogenous, row-major.
@@ -15,13 +13,13 @@ pub(super) struct Voyage {
     segments: Vec<(usize, usize)>,
 }
 
-impl Voyage {
+impl GrowingRun {
     /// Number of samples N.
     pub fn samples(&self, vessel: &Vessel) -> usize {
         self.exogenous.len() / vessel.model.exogenous().max(1)
     }
 
-    /// Goes on with `plan`, from the state that the vessel is in; a voyage that is new starts at its first maneuver's.
+    /// Goes on with `plan`, from the state that the vessel is in; a run that is new starts at its first maneuver's.
     ///
     /// # Errors
     /// A motion that the model cannot hold.
@@ -32,13 +30,13 @@ impl Voyage {
                 self.initial = part.initial;
             }
             self.segments.push((*maneuver, self.samples(vessel)));
-            self.exogenous.extend(exogenous(&vessel.model, &part.inputs));
+            self.exogenous.extend(vessel.model.undisturbed(&part.inputs));
         }
         Ok(())
     }
 
     /// As a run of `design` with its measured states, (N+1) × 3.
-    pub fn run(&self, generator: &Generator, design: &str, run: u32, measured: Vec<f64>) -> Run {
+    pub fn recorded(&self, generator: &Generator, design: &str, run: u32, measured: Vec<f64>) -> Run {
         let segment = |(maneuver, start): &(usize, usize)| Segment {
             maneuver: generator.maneuvers()[*maneuver].name.clone(),
             start: *start,

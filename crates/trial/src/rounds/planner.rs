@@ -1,16 +1,12 @@
-use std::path::Path;
-
 use design::{Bounds, Candidates, Covariance, Norm, Options, solve_covariance};
 use identification::{Noise, OutputInformation, output_information};
-use vessel::{Generator, ParameterLayout, Vessel};
+use vessel::{Generator, Invalid, ParameterLayout, Vessel};
 
-use super::voyage::Voyage;
-use crate::failure::Failure;
-use crate::simulate::exogenous;
-use crate::simulate::undisturbed::{Judged, judge};
+use super::growing_run::GrowingRun;
+use crate::campaign::{Judged, judge};
 
-/// Designs for output-error estimates, from a model and from what was sailed before.
-pub(super) struct Planner<'a> {
+/// Designs for output-error estimates, from a model and from the run so far.
+pub struct Planner<'a> {
     vessel: &'a Vessel,
     noise: Noise,
     maneuvers: Vec<Maneuver>,
@@ -25,24 +21,18 @@ struct Maneuver {
 }
 
 impl<'a> Planner<'a> {
-    /// Over the maneuvers of `generator`, which stands in `file`, but generated ones that exceed their limits.
+    /// Over the maneuvers of `generator`, but generated ones that exceed their limits.
     ///
     /// # Errors
     /// A maneuver that the model cannot hold; limits that leave none.
-    pub fn new(
-        file: &Path,
-        vessel: &'a Vessel,
-        generator: &Generator,
-        noise: Noise,
-    ) -> Result<Self, Failure> {
-        let invalid = |e| Failure::invalid(file, &e);
+    pub fn new(vessel: &'a Vessel, generator: &Generator, noise: Noise) -> Result<Self, Invalid> {
         let mut maneuvers = Vec::new();
         for index in 0..generator.maneuvers().len() {
-            let samples = generator.samples(index).map_err(invalid)?;
+            let samples = generator.samples(index)?;
             let (initial, exogenous) = match generator.limits(index) {
                 None => {
-                    let written = generator.realize(index, samples).map_err(invalid)?;
-                    (written.initial, exogenous(&vessel.model, &written.inputs))
+                    let written = generator.realize(index, samples)?;
+                    (written.initial, vessel.model.undisturbed(&written.inputs))
                 }
                 Some(limits) => match judge(vessel, generator, index, limits, samples) {
                     Judged::Within { initial, exogenous } => (initial, exogenous),
@@ -54,7 +44,7 @@ impl<'a> Planner<'a> {
         if maneuvers.is_empty() {
             let (found, expected) = ("none within the limits", "at least one");
             let remedy = "see what `simulate dictionary` says of its limits";
-            return Err(Failure::refuse(file, "maneuvers", found, expected, remedy));
+            return Err(Invalid::new("maneuvers", found, expected, remedy));
         }
         Ok(Self { vessel, noise, maneuvers })
     }
@@ -65,15 +55,21 @@ impl<'a> Planner<'a> {
     }
 
     /// Shares of the `coming` samples that make Σ var/size² of the parameters' estimates smallest at their end, for the model
-    /// with parameters `theta`, beside what the voyage so far tells: every candidate's matrix is that of the whole,
-    /// (N_sailed M_sailed + N_coming M_q)/N. `None` where the model diverges in every maneuver or they do not excite it.
-    pub fn shares(&self, theta: &[f64], sizes: &[f64], so_far: &Voyage, coming: usize) -> Option<Vec<f64>> {
-        let sailed = so_far.samples(self.vessel);
-        let past = match sailed {
+    /// with parameters `theta`, beside what the run so far tells: every candidate's matrix is that of the whole,
+    /// (N_past M_past + N_coming M_q)/N. `None` where the model diverges in every maneuver or they do not excite it.
+    pub fn shares(
+        &self,
+        theta: &[f64],
+        sizes: &[f64],
+        so_far: &GrowingRun,
+        coming: usize,
+    ) -> Option<Vec<f64>> {
+        let before = so_far.samples(self.vessel);
+        let past = match before {
             0 => None,
             _ => Some(self.information(theta, so_far.initial, &so_far.exogenous)?),
         };
-        let share = coming as f64 / (sailed + coming) as f64;
+        let share = coming as f64 / (before + coming) as f64;
         let found: Vec<Option<OutputInformation>> =
             self.maneuvers.iter().map(|m| self.information(theta, m.initial, &m.exogenous)).collect();
         let whole = found.iter().flatten().map(|own| match &past {
@@ -89,11 +85,11 @@ impl<'a> Planner<'a> {
         Some(found.iter().map(|own| own.as_ref().and_then(|_| designed.next()).unwrap_or(0.0)).collect())
     }
 
-    /// Standard errors of the parameters that an output-error estimate from `voyage` has if the parameters are `theta`.
+    /// Standard errors of the parameters that an output-error estimate from `run` has if the parameters are `theta`.
     /// `None` where the model diverges or a direction is not excited.
-    pub fn standard_errors(&self, theta: &[f64], sizes: &[f64], voyage: &Voyage) -> Option<Vec<f64>> {
-        let own = self.information(theta, voyage.initial, &voyage.exogenous)?;
-        let samples = voyage.samples(self.vessel) as f64;
+    pub fn standard_errors(&self, theta: &[f64], sizes: &[f64], run: &GrowingRun) -> Option<Vec<f64>> {
+        let own = self.information(theta, run.initial, &run.exogenous)?;
+        let samples = run.samples(self.vessel) as f64;
         let criterion = self.criterion([(own.information.clone(), middle(&own))].into_iter(), sizes)?;
         let variances = criterion.variances(&[1.0])?;
         let kept = self.weights(sizes);
@@ -146,33 +142,31 @@ fn mixed(past: &[f64], own: &[f64], share: f64) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use artifact::Provenance;
     use design::apportion;
-    use study::files::{read_dictionary, read_vessel};
-    use vessel::Source;
+    use vessel::{DictionaryFile, Source};
 
     const NOISE: Noise = Noise { measurement: [0.1, 0.1, 0.1], current: 0.1 };
 
     #[test]
     fn law_a_design_beats_equal_shares_and_makes_good_what_was_missed() {
-        let paper = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../pipelines/paper");
-        let mut noted = Provenance::default();
-        let vessel = read_vessel(&paper.join("vessel.toml"), &mut noted).unwrap();
-        let generator = read_dictionary(&paper.join("dictionary.toml"), &vessel, &mut noted).unwrap();
-        let planner = Planner::new(&paper, &vessel, &generator, NOISE).unwrap();
+        let vessel = Vessel::preset("ljungberg-model-ship").unwrap();
+        let dictionary: DictionaryFile =
+            toml::from_str(include_str!("../../../../pipelines/paper/dictionary.toml")).unwrap();
+        let generator = Generator::without_tables(&vessel, &dictionary).unwrap();
+        let planner = Planner::new(&vessel, &generator, NOISE).unwrap();
         let theta = vessel.parameters(Source::Value).unwrap();
         let sizes: Vec<f64> = theta.iter().map(|t| t.abs()).collect();
-        let go_on = |voyage: &Voyage, shares: &[f64]| {
+        let go_on = |run: &GrowingRun, shares: &[f64]| {
             let counts = apportion(shares, 500).into_iter().enumerate().filter(|(_, n)| *n > 0);
-            let mut longer = voyage.clone();
+            let mut longer = run.clone();
             longer.go_on(&vessel, &generator, &counts.map(|(q, n)| (q, n as usize)).collect()).unwrap();
             longer
         };
-        let error = |voyage: &Voyage| {
-            let errors = planner.standard_errors(&theta, &sizes, voyage).unwrap();
+        let error = |run: &GrowingRun| {
+            let errors = planner.standard_errors(&theta, &sizes, run).unwrap();
             errors.iter().zip(&sizes).map(|(e, s)| (e / s).powi(2)).sum::<f64>().sqrt()
         };
-        let new = Voyage::default();
+        let new = GrowingRun::default();
         let once = planner.shares(&theta, &sizes, &new, 500).unwrap();
         let equal = vec![1.0 / 11.0; 11];
         assert!(error(&go_on(&new, &once)) < error(&go_on(&new, &equal)));

@@ -1,7 +1,7 @@
 use vessel::Streams;
 
 /// What is known of the parameters before a trial, and with its estimates.
-pub(super) struct Knowledge {
+pub struct Knowledge {
     /// Parameters that crude models are drawn about.
     pub about: Vec<f64>,
     /// Standard deviation of the logarithm of crude over these.

@@ -1,0 +1,113 @@
+use std::collections::BTreeMap;
+
+use design::apportion;
+use vessel::Invalid;
+
+use super::Refusal;
+
+/// What happens in a run: maneuver (its place in the dictionary) and samples, one after the other.
+pub type Plan = Vec<(usize, usize)>;
+
+/// An experiment as a design states it.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Designed {
+    /// Share of the samples of each maneuver, by name. Those that are not named have none.
+    pub shares: BTreeMap<String, f64>,
+    /// Maneuvers and samples in an order of the design's own; without it maneuvers stand in the dictionary's order.
+    pub order: Option<Vec<(String, usize)>>,
+}
+
+impl Designed {
+    /// The maneuvers for a run of `samples` samples; `names`: those of the dictionary.
+    ///
+    /// # Errors
+    /// A maneuver that the dictionary does not have, shares that are none, an order of another length, no sample.
+    pub fn plan(&self, names: &[String], samples: usize) -> Result<Plan, Refusal> {
+        if let Some(unknown) = self.shares.keys().find(|name| !names.contains(name)) {
+            return Err(Refusal::UnknownManeuver { name: unknown.clone(), ordered: false });
+        }
+        self.check_shares().map_err(Refusal::Design)?;
+        if let Some(order) = &self.order {
+            return ordered(order, names, samples);
+        }
+        if samples == 0 {
+            return Err(too_short(samples, "duration_s"));
+        }
+        let shares: Vec<f64> =
+            names.iter().map(|name| self.shares.get(name).copied().unwrap_or(0.0)).collect();
+        let counts = apportion(&shares, samples as u64).into_iter().enumerate();
+        Ok(counts.filter(|(_, n)| *n > 0).map(|(q, n)| (q, n as usize)).collect())
+    }
+
+    fn check_shares(&self) -> Result<(), Invalid> {
+        let refuse = |thing: String, found: f64, expected: &str| {
+            Err(Invalid::new(thing, found.to_string(), expected, "make the design again"))
+        };
+        if let Some((name, share)) = self.shares.iter().find(|(_, share)| !(0.0..=1.0).contains(*share)) {
+            return refuse(format!("`data.shares` of `{name}`"), *share, "a share from 0 to 1");
+        }
+        let sum = self.shares.values().fold(0.0, |sum, share| sum + share);
+        if (sum - 1.0).abs() > 1e-6 { refuse("sum of `data.shares`".into(), sum, "1") } else { Ok(()) }
+    }
+}
+
+/// The design's own order and lengths.
+fn ordered(order: &[(String, usize)], names: &[String], samples: usize) -> Result<Plan, Refusal> {
+    let total = order.iter().map(|(_, n)| n).sum();
+    if total != samples {
+        return Err(Refusal::OtherLength { ordered: total, samples });
+    }
+    let part = |(name, n): &(String, usize)| match names.iter().position(|known| known == name) {
+        Some(q) if *n > 0 => Ok((q, *n)),
+        Some(_) => Err(Refusal::Design(Invalid::new(
+            "`data.sequence`",
+            format!("`{name}` without a sample"),
+            "at least one",
+            "arrange it again",
+        ))),
+        None => Err(Refusal::UnknownManeuver { name: name.clone(), ordered: true }),
+    };
+    order.iter().map(part).collect()
+}
+
+/// Runs of `samples` samples that `key` makes too short.
+pub(super) fn too_short(samples: usize, key: &str) -> Refusal {
+    Refusal::Campaign(Invalid::new(
+        format!("`{key}`"),
+        format!("runs of {samples} samples"),
+        "at least one sample per segment",
+        "lengthen `duration_s` or take fewer segments",
+    ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn names() -> Vec<String> {
+        ["turn", "zig-zag"].map(str::to_owned).to_vec()
+    }
+
+    fn designed(shares: [(&str, f64); 2]) -> Designed {
+        Designed { shares: shares.map(|(name, share)| (name.to_owned(), share)).into(), order: None }
+    }
+
+    #[test]
+    fn samples_are_shared_out_in_the_dictionarys_order_or_taken_in_the_designs_own() {
+        let design = designed([("zig-zag", 0.75), ("turn", 0.25)]);
+        assert_eq!(design.plan(&names(), 8).unwrap(), [(0, 2), (1, 6)]);
+        let order = Some(vec![("zig-zag".to_owned(), 5), ("turn".to_owned(), 3)]);
+        let arranged = Designed { order, ..design };
+        assert_eq!(arranged.plan(&names(), 8).unwrap(), [(1, 5), (0, 3)]);
+        let other = Refusal::OtherLength { ordered: 8, samples: 9 };
+        assert_eq!(arranged.plan(&names(), 9), Err(other));
+    }
+
+    #[test]
+    fn shares_that_are_none_are_refused() {
+        let refused = |design: Designed| design.plan(&names(), 8).unwrap_err().to_string();
+        assert!(refused(designed([("turn", 0.5), ("zig-zag", 0.4)])).contains("sum of `data.shares`"));
+        assert!(refused(designed([("turn", 1.5), ("zig-zag", -0.5)])).contains("a share from 0 to 1"));
+        assert!(refused(designed([("turn", 0.5), ("spiral", 0.5)])).contains("`spiral`"));
+    }
+}

@@ -1,0 +1,16 @@
+//! Simulated trials: undisturbed maneuvers, and many disturbed realizations of an experiment.
+
+mod designed;
+mod maneuvers;
+mod realizations;
+mod refusal;
+mod sea;
+mod tally;
+
+pub use designed::{Designed, Plan};
+pub use maneuvers::{Judged, Maneuvers, judge};
+pub(crate) use realizations::even_lengths;
+pub use realizations::{Campaign, Settings, random_segments};
+pub use refusal::Refusal;
+pub use sea::{Group, Sea, SimulatedRun, States};
+pub use tally::{LeftOut, Tally};

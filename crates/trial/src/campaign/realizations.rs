@@ -1,0 +1,242 @@
+use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
+use std::ops::Range;
+
+use design::apportion;
+use rayon::prelude::*;
+use vessel::{Generator, LANES, Realized, Run, Segment, Streams, Vessel, refuse_endless};
+
+use super::Refusal;
+use super::designed::{Designed, Plan, too_short};
+use super::sea::{Group, Sea, SimulatedRun};
+
+/// Channel of the random stream that draws a random design's maneuvers.
+const MANEUVER_CHANNEL: u32 = 100;
+
+/// Size and seed of a campaign.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Settings {
+    /// Duration of every run \[s\].
+    pub duration_s: f64,
+    /// Runs per design.
+    pub realizations: u32,
+    /// Segments of the random design, if there is to be one.
+    pub random_segments: Option<u32>,
+    /// Seed of all random numbers.
+    pub seed: u64,
+}
+
+/// A campaign: many disturbed runs of each of its designs.
+pub struct Campaign<'a> {
+    sea: Sea<'a>,
+    samples: usize,
+    realizations: u32,
+    designs: Vec<Design>,
+    /// Every maneuver at every length that occurs.
+    realized: BTreeMap<(usize, usize), Realized>,
+    names: Vec<String>,
+}
+
+struct Design {
+    name: &'static str,
+    streams: Streams,
+    rule: Rule,
+}
+
+/// What the runs of a design do.
+enum Rule {
+    /// All the same.
+    Fixed(Plan),
+    /// One of `maneuvers` drawn for each of the lengths.
+    Drawn { maneuvers: Vec<usize>, lengths: Vec<usize> },
+}
+
+impl Design {
+    fn new(name: &'static str, seed: u64, rule: Rule) -> Self {
+        Self { name, streams: Streams::new(seed, name), rule }
+    }
+
+    fn plan(&self, run: u32) -> Plan {
+        match &self.rule {
+            Rule::Fixed(plan) => plan.clone(),
+            Rule::Drawn { maneuvers, lengths } => random_segments(&self.streams, run, maneuvers, lengths),
+        }
+    }
+}
+
+/// Any of `maneuvers`, drawn at random for each of the lengths of a run.
+pub fn random_segments(streams: &Streams, run: u32, maneuvers: &[usize], lengths: &[usize]) -> Plan {
+    let drawn = streams.choices(run, MANEUVER_CHANNEL, maneuvers.len() as u32, lengths.len());
+    drawn.iter().zip(lengths).map(|(q, n)| (maneuvers[*q as usize], *n)).collect()
+}
+
+impl<'a> Campaign<'a> {
+    /// Runs of `design` (`optimized`) and of maneuvers drawn at random (`random`).
+    ///
+    /// # Errors
+    /// A design of other maneuvers, a run shorter than its segments, a maneuver that the model cannot hold.
+    pub fn new(
+        sea: Sea<'a>,
+        generator: &Generator,
+        design: &Designed,
+        settings: &Settings,
+    ) -> Result<Self, Refusal> {
+        let samples = sea.vessel().samples(settings.duration_s);
+        refuse_endless("`duration_s`", samples).map_err(Refusal::Campaign)?;
+        let names: Vec<String> = generator.maneuvers().iter().map(|m| m.name.clone()).collect();
+        let optimized = design.plan(&names, samples)?;
+        let mut designs = vec![Design::new("optimized", settings.seed, Rule::Fixed(optimized))];
+        if let Some(segments) = settings.random_segments {
+            if segments as usize > samples {
+                return Err(too_short(samples, "random.segments"));
+            }
+            // Generated maneuvers that exceed their limits are in no design.
+            let known = |q: &usize| generator.limits(*q).is_none() || design.shares.contains_key(&names[*q]);
+            let maneuvers = (0..names.len()).filter(known).collect();
+            let rule = Rule::Drawn { maneuvers, lengths: even_lengths(segments as usize, samples) };
+            designs.push(Design::new("random", settings.seed, rule));
+        }
+        let realized = realized(generator, &designs, settings.realizations)?;
+        Ok(Self { sea, samples, realizations: settings.realizations, designs, realized, names })
+    }
+
+    /// Repeats `inputs` (N × inputs) from `initial`, open loop, as design `planned`.
+    pub fn planned(
+        sea: Sea<'a>,
+        initial: [f64; 3],
+        inputs: &[f64],
+        segments: &[Segment],
+        settings: &Settings,
+    ) -> Self {
+        let width = sea.vessel().model.inputs;
+        let samples = inputs.len() / width;
+        let ends = segments.iter().skip(1).map(|segment| segment.start).chain([samples]);
+        let parts = segments.iter().zip(ends).enumerate();
+        let plan: Plan = parts.map(|(i, (segment, end))| (i, end - segment.start)).collect();
+        let realize = |(part, segment): (&(usize, usize), &Segment)| {
+            let own = &inputs[segment.start * width..(segment.start + part.1) * width];
+            (*part, Realized { initial, inputs: own.to_vec() })
+        };
+        let realized = plan.iter().zip(segments).map(realize).collect();
+        let names = segments.iter().map(|segment| segment.maneuver.clone()).collect();
+        let designs = vec![Design::new("planned", settings.seed, Rule::Fixed(plan))];
+        Self { sea, samples, realizations: settings.realizations, designs, realized, names }
+    }
+
+    /// The vessel.
+    pub fn vessel(&self) -> &'a Vessel {
+        self.sea.vessel()
+    }
+
+    /// Number of designs.
+    pub fn designs(&self) -> usize {
+        self.designs.len()
+    }
+
+    /// Runs per design.
+    pub fn realizations(&self) -> usize {
+        self.realizations as usize
+    }
+
+    /// Number of runs of all designs.
+    pub fn runs(&self) -> usize {
+        self.designs.len() * self.realizations()
+    }
+
+    /// Samples per run.
+    pub fn samples(&self) -> usize {
+        self.samples
+    }
+
+    /// Simulates all runs, design by design.
+    ///
+    /// # Errors
+    /// A simulation that diverges.
+    pub fn simulate_all(&self) -> Result<Vec<SimulatedRun>, Refusal> {
+        let groups = self.realizations().div_ceil(LANES);
+        let group = |i: usize| {
+            let (design, first) = (i / groups, i % groups * LANES);
+            self.simulate(design, first..self.realizations().min(first + LANES))
+        };
+        let found: Vec<_> = (0..self.designs.len() * groups).into_par_iter().map(group).collect();
+        found.into_iter().try_fold(Vec::with_capacity(self.runs()), |mut all, runs| {
+            all.extend(runs?);
+            Ok(all)
+        })
+    }
+
+    /// Simulates some runs of one design.
+    ///
+    /// # Errors
+    /// A simulation that diverges.
+    pub fn simulate(&self, design: usize, runs: Range<usize>) -> Result<Vec<SimulatedRun>, Refusal> {
+        let numbers: Vec<u32> = runs.map(|run| run as u32).collect();
+        let mut all = Vec::with_capacity(numbers.len());
+        for group in numbers.chunks(LANES) {
+            all.extend(self.group(&self.designs[design], group)?);
+        }
+        Ok(all)
+    }
+
+    fn group(&self, design: &Design, runs: &[u32]) -> Result<Vec<SimulatedRun>, Refusal> {
+        let plans: Vec<Plan> = runs.iter().map(|run| design.plan(*run)).collect();
+        let exogenous: Vec<Vec<f64>> = plans.iter().map(|plan| self.exogenous(plan)).collect();
+        let initial: Vec<[f64; 3]> = plans.iter().map(|plan| self.realized[&plan[0]].initial).collect();
+        let states = self.sea.simulate(&Group {
+            design: design.name,
+            streams: &design.streams,
+            runs,
+            initial: initial.clone(),
+            exogenous: exogenous.iter().map(Vec::as_slice).collect(),
+        });
+        let states = states.map_err(Refusal::Vessel)?;
+        let each = plans.iter().zip(exogenous).enumerate();
+        let run = |(lane, (plan, exogenous)): (usize, (&Plan, Vec<f64>))| {
+            let [states, measured] = states.of(lane);
+            let run = Run {
+                design: design.name.to_owned(),
+                run: runs[lane] as i32,
+                segments: self.segments(plan),
+                exogenous,
+                measured,
+                initial: initial[lane],
+            };
+            SimulatedRun { run, states }
+        };
+        Ok(each.map(run).collect())
+    }
+
+    fn exogenous(&self, plan: &Plan) -> Vec<f64> {
+        let model = &self.sea.vessel().model;
+        plan.iter().flat_map(|part| model.undisturbed(&self.realized[part].inputs)).collect()
+    }
+
+    fn segments(&self, plan: &Plan) -> Vec<Segment> {
+        let mut start = 0;
+        let begin = |(maneuver, samples): &(usize, usize)| {
+            start += samples;
+            Segment { maneuver: self.names[*maneuver].clone(), start: start - samples }
+        };
+        plan.iter().map(begin).collect()
+    }
+}
+
+/// Lengths of `segments` equally long segments of a run.
+pub(crate) fn even_lengths(segments: usize, samples: usize) -> Vec<usize> {
+    let even = vec![1.0 / segments as f64; segments];
+    apportion(&even, samples as u64).into_iter().map(|n| n as usize).collect()
+}
+
+fn realized(
+    generator: &Generator,
+    designs: &[Design],
+    runs: u32,
+) -> Result<BTreeMap<(usize, usize), Realized>, Refusal> {
+    let mut realized = BTreeMap::new();
+    for (index, samples) in designs.iter().flat_map(|d| (0..runs).flat_map(|run| d.plan(run))) {
+        if let Entry::Vacant(entry) = realized.entry((index, samples)) {
+            entry.insert(generator.realize(index, samples).map_err(Refusal::Dictionary)?);
+        }
+    }
+    Ok(realized)
+}

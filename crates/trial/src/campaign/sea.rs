@@ -1,0 +1,137 @@
+use vessel::lanes::{by_lane, interleave, lane, lane_of};
+use vessel::{
+    Disturbances, Invalid, LANES, Lane, Run, Source, Streams, Vessel, Weather, Wind, check_diverged,
+    simulate, simulate_in,
+};
+
+/// The true vessel and what disturbs it. Simulates up to [`LANES`] runs side by side.
+pub struct Sea<'a> {
+    vessel: &'a Vessel,
+    truth: Vec<Lane>,
+    disturbances: Disturbances,
+    wind: Option<Wind>,
+}
+
+/// Runs of one design that are simulated side by side.
+pub struct Group<'a> {
+    /// Name of the design.
+    pub design: &'a str,
+    /// What the disturbances are drawn from.
+    pub streams: &'a Streams,
+    /// Numbers of the runs, up to [`LANES`].
+    pub runs: &'a [u32],
+    /// Initial state of each: u, v \[m/s\], r \[rad/s\].
+    pub initial: Vec<[f64; 3]>,
+    /// Of each, N × exogenous, row-major; N is the same for all.
+    pub exogenous: Vec<&'a [f64]>,
+}
+
+/// States of a group's runs, (N+1) × 3, row-major.
+pub struct States {
+    /// The true ones.
+    pub truth: Vec<Lane>,
+    /// With measurement noise.
+    pub measured: Vec<Lane>,
+}
+
+/// A run as it would be recorded, with the truth behind it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SimulatedRun {
+    /// The recording.
+    pub run: Run,
+    /// True states, (N+1) × 3, row-major.
+    pub states: Vec<f64>,
+}
+
+impl States {
+    /// True and measured states of one run, (N+1) × 3.
+    pub fn of(&self, lane: usize) -> [Vec<f64>; 2] {
+        [&self.truth, &self.measured].map(|states| lane_of(states, lane))
+    }
+}
+
+impl<'a> Sea<'a> {
+    /// The true parameters of `vessel` among these disturbances.
+    ///
+    /// # Errors
+    /// A vessel without true parameters.
+    pub fn new(vessel: &'a Vessel, disturbances: Disturbances, wind: Option<Wind>) -> Result<Self, Invalid> {
+        let truth = vessel.parameters(Source::Value)?.into_iter().map(Lane::splat).collect();
+        Ok(Self { vessel, truth, disturbances, wind })
+    }
+
+    /// The vessel.
+    pub fn vessel(&self) -> &'a Vessel {
+        self.vessel
+    }
+
+    /// Simulates a group. What disturbs a run's first samples does not depend on how long it is.
+    ///
+    /// # Errors
+    /// A vessel whose motion diverges.
+    pub fn simulate(&self, group: &Group) -> Result<States, Invalid> {
+        let truth = self.truth(group);
+        for (lane, run) in group.runs.iter().enumerate() {
+            if let Some(at) = check_diverged(truth.iter().map(|s| s[lane])) {
+                return Err(at.invalid(format!("model in design {}, run {run}", group.design)));
+            }
+        }
+        let mut measured = truth.clone();
+        self.disturbances.measure(group.streams, group.numbers(), &mut measured);
+        Ok(States { truth, measured })
+    }
+
+    fn truth(&self, group: &Group) -> Vec<Lane> {
+        let Group { streams, exogenous, .. } = group;
+        let (model, rate_hz, numbers) = (&self.vessel.model, self.vessel.sample_rate_hz, group.numbers());
+        let samples = exogenous.first().map_or(0, |e| e.len() / model.exogenous().max(1));
+        let (start, lanes) = (group.start(), interleave(exogenous));
+        let current = self.disturbances.current(streams, numbers, samples, rate_hz);
+        let mut states = vec![Lane::ZERO; 3 * (samples + 1)];
+        let turning = self.disturbances.current.in_earth_axes();
+        if turning || self.wind.is_some() {
+            let force = self.wind.as_ref().map(|w| w.force(streams, numbers, samples, rate_hz));
+            let turning = if turning { 1.0 / rate_hz } else { 0.0 };
+            let weather = Weather { current: &current, turning, force: &force.unwrap_or_default() };
+            simulate_in(model, &self.truth, start, &lanes, &weather, &mut states);
+        } else {
+            simulate(model, &self.truth, start, &lanes, &current, &mut states);
+        }
+        states
+    }
+}
+
+impl Group<'_> {
+    fn numbers(&self) -> [u32; LANES] {
+        by_lane(self.runs.len(), |run| self.runs[run])
+    }
+
+    fn start(&self) -> [Lane; 3] {
+        [0, 1, 2].map(|d: usize| lane(self.runs.len(), |run| self.initial[run][d]))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use vessel::{Current, Measurement};
+
+    #[test]
+    fn law_a_run_that_goes_on_keeps_its_past() {
+        let vessel = Vessel::preset("ljungberg-model-ship").unwrap();
+        let measurement = Measurement { std_u_m_s: 0.1, std_v_m_s: 0.1, std_r_rad_s: 0.1 };
+        let disturbances = Disturbances { current: Current::White { std_m_s: 0.1 }, measurement };
+        let sea = Sea::new(&vessel, disturbances, None).unwrap();
+        let (streams, exogenous) = (Streams::new(1, "trial"), vec![100.0; 3 * 41]);
+        let simulate = |samples: usize| {
+            let exogenous = vec![&exogenous[..3 * samples]; 2];
+            let initial = vec![[1.0, 0.0, 0.0]; 2];
+            sea.simulate(&Group { design: "d", streams: &streams, runs: &[3, 4], initial, exogenous })
+                .unwrap()
+        };
+        let (short, long) = (simulate(20), simulate(41));
+        assert_eq!(short.truth[..], long.truth[..3 * 21]);
+        assert_eq!(short.measured[..], long.measured[..3 * 21]);
+        assert!(short.measured[1][0] != short.measured[1][1], "runs differ");
+    }
+}

@@ -1,0 +1,16 @@
+//! Trials in rounds: design from what is known, run, estimate, design the next round; against designs made once.
+
+mod growing_run;
+mod knowledge;
+mod planner;
+mod row;
+mod stopping;
+mod summary;
+mod trial;
+
+pub use knowledge::Knowledge;
+pub use planner::Planner;
+pub use row::{Arm, Outcome, Row, Shared};
+pub use stopping::{RoundGain, Stopping};
+pub use summary::{ArmPoint, ArmSummary, Summary};
+pub use trial::{Estimated, Estimator, Trial, ends, truth};
