@@ -53,8 +53,11 @@ WITHIN = $(if $(findstring --available,$(DESIGN_FLAGS)),,--available $(MEASURED)
 $(MEASURED)/design.json: $(MEASURED)/moments.json
 	$(BIN)/design --moments $< $(WITHIN) $(DESIGN_FLAGS) $(FLAGS) --out $@
 
-$(MEASURED)/selection.parquet: $(MEASURED)/trajectories.parquet $(MEASURED)/design.json
-	$(BIN)/validate selection $(LOGGED) --design $(MEASURED)/design.json $(SELECTION_FLAGS) $(FLAGS) --out $@
+# Published results, where the study has some to compare with
+PUBLISHED = $(wildcard $(STUDY)/reference.toml)
+
+$(MEASURED)/selection.parquet: $(MEASURED)/trajectories.parquet $(MEASURED)/design.json $(PUBLISHED)
+	$(BIN)/validate selection $(LOGGED) --design $(MEASURED)/design.json $(addprefix --reference ,$(PUBLISHED)) $(SELECTION_FLAGS) $(FLAGS) --out $@
 
 $(MEASURED)/report.html: $(MEASURED)/estimates.parquet $(MEASURED)/crossval.json $(if $(SELECTED),$(MEASURED)/selection.parquet) $(BIN)/.built
 	$(BIN)/report --study $(STUDY) --results $(MEASURED) $(FLAGS) --out $@

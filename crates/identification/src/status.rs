@@ -60,6 +60,11 @@ impl ScoreStatus {
     pub fn name(self) -> &'static str {
         ["scored", "diverged", "not identifiable", "not converged"][self as usize]
     }
+
+    /// Whether there is an estimate.
+    pub fn estimated(self) -> bool {
+        matches!(self, Self::Scored | Self::Diverged)
+    }
 }
 
 impl fmt::Display for EstimateStatus {

@@ -6,6 +6,7 @@ use super::dictionary::validation_input;
 use super::missing::missing;
 use super::placed::Figures;
 use super::study::{ScoreSet, Study, optimized_first};
+use study::documents::DesignScores;
 
 /// One histogram figure: which value, its axis, its width [px] and the name of its file.
 struct Quantity {
@@ -78,44 +79,46 @@ pub(super) fn errors(study: &Study, figures: &mut Figures) -> Markup {
 fn drawn(study: &Study, scores: &[ScoreSet], figures: &mut Figures) -> Markup {
     let scores = optimized_first(scores, |s| &s.design);
     let bounds = study.validation.as_ref().map(|v| v.bounds);
-    let mut place = |quantity: &Quantity, bound: Option<f64>| place(quantity, &scores, bound, figures);
-    let parameter = place(&PARAMETER, bounds.map(|b| b.parameter_error));
-    let simulation = place(&SIMULATION, bounds.map(|b| b.simulation_error));
-    let degrees = [place(&DEGREES[0], None), place(&DEGREES[1], None), place(&DEGREES[2], None)];
+    let shares = |share: fn(&DesignScores) -> f64| -> Vec<Option<f64>> {
+        let own = |s: &&ScoreSet| study.scored().into_iter().find(|d| d.design == s.design).map(share);
+        scores.iter().map(own).collect()
+    };
+    let mut place = |quantity: &Quantity, bound: Option<f64>, shares: &[Option<f64>]| {
+        let panels = panels(quantity, &scores, bound, shares);
+        let drawing = histogram_pair(&quantity.axis(bound), &panels);
+        figures.place(quantity.file, drawing, &caption(quantity, &scores))
+    };
+    let parameter =
+        place(&PARAMETER, bounds.map(|b| b.parameter_error), &shares(|d| d.parameter_error_share));
+    let simulation =
+        place(&SIMULATION, bounds.map(|b| b.simulation_error), &shares(|d| d.simulation_error_share));
+    let degrees = [0, 1, 2].map(|d: usize| place(&DEGREES[d], None, &[]));
     html! {
         div.pair { (parameter) (simulation) }
         div.triple { @for degree in degrees { (degree) } }
     }
 }
 
-fn place(quantity: &Quantity, scores: &[&ScoreSet], bound: Option<f64>, figures: &mut Figures) -> Markup {
-    let axis = HistogramAxis {
-        title: quantity.title,
-        limit: quantity.limit,
-        bins: BINS,
-        bound,
-        width: quantity.width,
-    };
-    let panels: Vec<HistogramPanel<'_>> =
-        scores.iter().enumerate().map(|(index, scores)| panel(quantity, index, scores, bound)).collect();
-    figures.place(quantity.file, histogram_pair(&axis, &panels), &caption(quantity, scores))
+impl Quantity {
+    fn axis(&self, bound: Option<f64>) -> HistogramAxis<'static> {
+        HistogramAxis { title: self.title, limit: self.limit, bins: BINS, bound, width: self.width }
+    }
 }
 
-fn panel<'a>(
+/// A panel per design; `shares` of the runs are below the bound.
+fn panels<'a>(
     quantity: &Quantity,
-    index: usize,
-    scores: &'a ScoreSet,
+    scores: &[&'a ScoreSet],
     bound: Option<f64>,
-) -> HistogramPanel<'a> {
-    let values = (quantity.values)(scores);
-    let note = bound.map(|bound| below(share_below(values, bound), bound));
-    HistogramPanel { label: &scores.design, values, note, colour: index }
-}
-
-/// Share of all runs, those without a value included, that are below `bound`.
-fn share_below(values: &[Option<f64>], bound: f64) -> f64 {
-    let good = values.iter().flatten().filter(|value| **value < bound).count();
-    good as f64 / values.len() as f64
+    shares: &[Option<f64>],
+) -> Vec<HistogramPanel<'a>> {
+    let panel = |(colour, scores): (usize, &&'a ScoreSet)| HistogramPanel {
+        label: &scores.design,
+        values: (quantity.values)(scores),
+        note: bound.zip(shares.get(colour).copied().flatten()).map(|(bound, share)| below(share, bound)),
+        colour,
+    };
+    scores.iter().enumerate().map(panel).collect()
 }
 
 fn caption(quantity: &Quantity, scores: &[&ScoreSet]) -> Markup {

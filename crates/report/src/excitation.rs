@@ -1,7 +1,7 @@
 use maud::{Markup, html};
 
 use super::missing::missing;
-use super::number::{percent, three, three_or_dash};
+use super::number::{percent_within, three, three_or_dash, three_within};
 use super::shown::{omission, shown};
 use super::study::{Study, optimized_first};
 use study::documents::{DesignDocument, EstimateDocument, MomentsDocument};
@@ -40,9 +40,9 @@ fn conditioning(estimate: &EstimateDocument) -> Markup {
                         tr.first[index == 0] {
                             th scope="row" { @if index == 0 { (design.design) } }
                             td { (degree.name) }
-                            td.number { (three_or_dash(degree.condition_median)) }
+                            td.number { (three_within(degree.condition_median, degree.condition_median_interval)) }
                             td.number { (three_or_dash(degree.condition_max)) }
-                            td { (degree.weakest_parameter) ", " (percent(degree.weakest_share)) }
+                            td { (degree.weakest_parameter) ", " (percent_within(degree.weakest_share, degree.weakest_share_interval)) }
                         }
                     }
                 }

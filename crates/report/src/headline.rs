@@ -1,6 +1,6 @@
 use maud::{Markup, html};
 
-use super::number::{exact, percent, three};
+use super::number::{exact, percent, percent_within, three};
 use super::shown::used as is_used;
 use super::study::Study;
 use super::trajectory_words::{cost, minutes};
@@ -129,32 +129,44 @@ fn compared(study: &Study, validation: &ValidationDocument) -> String {
     let scored = study.scored();
     let (bounds, first, others) = (validation.bounds, scored[0], &scored[1..]);
     let length = study.experiment_s.map_or(String::new(), |s| format!(" of {}\u{a0}s", three(s)));
+    let seed = validation.seed.map_or(String::new(), |seed| format!(" (seed {seed})"));
     let parameters = format!(
-        "The {} experiment{length} keeps the parameter error below {} in {} of {} realizations{}.",
+        "The {} experiment{length} keeps the parameter error below {} in {} of {} realizations{seed}{}.",
         first.design,
         exact(bounds.parameter_error),
-        percent(first.parameter_error_share),
+        parameter_share(first),
         first.runs,
-        counterparts(others, |d| d.parameter_error_share, study.experiment_s.is_some()),
+        counterparts(others, parameter_share, study.experiment_s.is_some()),
     );
     let simulation = format!(
         "The error of the free simulation stays below {} in {}{}.",
         exact(bounds.simulation_error),
-        percent(first.simulation_error_share),
-        against(others, |d| d.simulation_error_share),
+        simulation_share(first),
+        against(others, simulation_share),
     );
     format!("{parameters} {simulation}")
 }
 
-fn counterparts(others: &[&DesignScores], share: impl Fn(&DesignScores) -> f64, same_length: bool) -> String {
+fn parameter_share(scores: &DesignScores) -> String {
+    percent_within(scores.parameter_error_share, scores.parameter_error_share_interval)
+}
+
+fn simulation_share(scores: &DesignScores) -> String {
+    percent_within(scores.simulation_error_share, scores.simulation_error_share_interval)
+}
+
+fn counterparts(
+    others: &[&DesignScores],
+    share: impl Fn(&DesignScores) -> String,
+    same_length: bool,
+) -> String {
     let length = if same_length { " of the same length" } else { "" };
-    let each =
-        others.iter().map(|d| format!("; {} experiments{length} do so in {}", d.design, percent(share(d))));
+    let each = others.iter().map(|d| format!("; {} experiments{length} do so in {}", d.design, share(d)));
     each.collect()
 }
 
-fn against(others: &[&DesignScores], share: impl Fn(&DesignScores) -> f64) -> String {
-    let each: Vec<String> = others.iter().map(|d| format!("{} ({})", percent(share(d)), d.design)).collect();
+fn against(others: &[&DesignScores], share: impl Fn(&DesignScores) -> String) -> String {
+    let each: Vec<String> = others.iter().map(|d| format!("{} ({})", share(d), d.design)).collect();
     if each.is_empty() {
         String::new()
     } else {
@@ -181,8 +193,8 @@ fn mix(design: &DesignDocument) -> String {
 fn worth(design: &DesignDocument) -> String {
     let Some(efficiency) = design.efficiency.as_ref().map(|e| e.equal_shares) else { return String::new() };
     if efficiency > 0.0 && efficiency.is_finite() {
-        let factor = three(1.0 / efficiency);
-        return format!("Equal shares would need {factor} times as long for the same information.");
+        let part = percent(efficiency);
+        return format!("It needs {part} of the time that equal shares would need for the same information.");
     }
     "Equal shares would leave some direction without excitation.".to_owned()
 }
@@ -193,8 +205,8 @@ fn cards(study: &Study) -> Markup {
         div.cards {
             @if let Some(measured) = &study.measured { (measured.cards(study.selection.as_ref())) }
             @if let (Some(validation), false) = (&study.validation, scored.is_empty()) {
-                (share_card("Parameter error below", validation.bounds.parameter_error, &scored, |d| d.parameter_error_share))
-                (share_card("Simulation error below", validation.bounds.simulation_error, &scored, |d| d.simulation_error_share))
+                (share_card("Parameter error below", validation.bounds.parameter_error, &scored, |d| (d.parameter_error_share, d.parameter_error_share_interval)))
+                (share_card("Simulation error below", validation.bounds.simulation_error, &scored, |d| (d.simulation_error_share, d.simulation_error_share_interval)))
             }
             @if let Some(design) = &study.design { (design_cards(design)) }
             @if let Some(plan) = plan(study) { (plan_card(plan)) }
@@ -206,16 +218,19 @@ fn share_card(
     what: &str,
     bound: f64,
     scored: &[&DesignScores],
-    share: impl Fn(&DesignScores) -> f64,
+    share: impl Fn(&DesignScores) -> (f64, Option<[f64; 2]>),
 ) -> Markup {
+    let (first, interval) = share(scored[0]);
     html! {
         div.card {
             p.what { (what) " " (exact(bound)) }
             p.figure-line {
-                span.big { (percent(share(scored[0]))) } " " span.who { (scored[0].design) }
+                span.big { (percent(first)) } " " span.who { (scored[0].design) }
             }
+            @if let Some([low, high]) = interval { p.other { (percent(low)) " to " (percent(high)) } }
             @for other in &scored[1..] {
-                p.other { (percent(share(other))) " " (other.design) }
+                @let (share, interval) = share(other);
+                p.other { (percent_within(share, interval)) " " (other.design) }
             }
         }
     }

@@ -33,6 +33,7 @@ mod placed;
 mod plan_map;
 mod published_selection;
 pub mod results;
+mod sample;
 mod selection;
 mod sequential;
 mod shown;

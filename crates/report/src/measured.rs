@@ -3,9 +3,11 @@ use maud::{Markup, html};
 
 use super::SelectionStudy;
 use super::loader::Loader;
-use super::number::percent;
+use super::number::{percent, percent_within};
 use artifact::Error;
-use study::documents::{CrossvalDocument, EstimatorScore, FreeRunErrors, IngestDocument, TrustDocument};
+use study::documents::{
+    CrossvalDocument, EstimatorScore, FreeRunErrors, IngestDocument, SelectionScores, TrustDocument,
+};
 use study::listed;
 
 /// What there is about measured logs.
@@ -118,13 +120,16 @@ impl Measured {
 
 fn selection_card(found: &SelectionStudy) -> Markup {
     let q90 = |i: usize| quantile(found.summary.designs.get(i).and_then(|d| d.overlapping.error_norm.q90));
-    let degenerate = |i: usize| found.summary.designs.get(i).map_or(f64::NAN, |d| d.degenerate_share);
+    let degenerate = |i: usize| {
+        let share = |d: &SelectionScores| percent_within(d.degenerate_share, d.degenerate_share_interval);
+        found.summary.designs.get(i).map_or("–".to_owned(), share)
+    };
     html! {
         div.card {
             p.what { "Error norm, 90 % quantile" }
             p.figure-line { span.big { (q90(0)) } " " span.who { "optimized" } }
             p.other { (q90(1)) " random" }
-            p.other { "degenerate: " (percent(degenerate(0))) " against " (percent(degenerate(1))) }
+            p.other { "degenerate: " (degenerate(0)) " against " (degenerate(1)) }
         }
     }
 }

@@ -34,6 +34,25 @@ pub(super) fn percent(share: f64) -> String {
     }
 }
 
+/// A share with its 95 % interval: `98.6 % (97.9 to 99.1 %)`; without where there is none.
+pub(super) fn percent_within(share: f64, interval: Option<[f64; 2]>) -> String {
+    let Some([low, high]) = interval else { return percent(share) };
+    let bare = |share: f64| percent(share).replace("\u{a0}%", "");
+    format!("{} ({} to {})", percent(share), bare(low), percent(high))
+}
+
+/// A quantile with its 95 % interval: `1.43 (1.31 to 1.60)`; `∞` at an end that the values do not bound.
+pub(super) fn three_within(value: Option<f64>, interval: Option<[Option<f64>; 2]>) -> String {
+    let end = |end: Option<f64>| end.map_or("∞".to_owned(), three);
+    match (value, interval) {
+        (Some(value), Some([Some(low), high])) => {
+            format!("{} ({} to {})", three(value), three(low), end(high))
+        }
+        (Some(value), Some([None, Some(high)])) => format!("{} (up to {})", three(value), three(high)),
+        _ => three_or_dash(value),
+    }
+}
+
 /// A share in percent as published: no more decimals than it has.
 pub(super) fn published(share: f64) -> String {
     let rounded = (share * 1e6).round() / 1e4;
@@ -76,6 +95,17 @@ mod tests {
     fn three_significant_digits() {
         let printed = [-0.06, 125.0, 1.4e-5, 0.9996, 12_345.0, 1.234e7, 0.0, f64::NAN].map(three);
         assert_eq!(printed, ["−0.0600", "125", "1.40·10⁻⁵", "1.00", "12345", "1.23·10⁷", "0", "–"]);
+    }
+
+    #[test]
+    fn intervals_stand_in_brackets() {
+        assert_eq!(percent_within(0.5, Some([0.4, 0.6])), "50.0\u{a0}% (40.0 to 60.0\u{a0}%)");
+        assert_eq!(percent_within(0.5, None), "50.0\u{a0}%");
+        assert_eq!(three_within(Some(1.43), Some([Some(1.31), Some(1.6)])), "1.43 (1.31 to 1.60)");
+        assert_eq!(three_within(Some(1.43), Some([Some(1.31), None])), "1.43 (1.31 to ∞)");
+        assert_eq!(three_within(Some(1.43), Some([None, Some(2.0)])), "1.43 (up to 2.00)");
+        assert_eq!(three_within(Some(1.43), Some([None; 2])), "1.43");
+        assert_eq!(three_within(None, None), "–");
     }
 
     #[test]

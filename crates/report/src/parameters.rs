@@ -6,7 +6,7 @@ use super::missing::missing;
 use super::number::{three, three_or_dash, unit};
 use super::placed::Figures;
 use super::study::{ParameterRow, Study, VesselSummary, optimized_first};
-use study::documents::{DesignSummary, EstimateDocument, ParameterSummary};
+use study::documents::{DesignSummary, EstimateDocument};
 
 /// What the estimates say about every parameter.
 pub(super) fn parameters(study: &Study, figures: &mut Figures) -> Markup {
@@ -72,17 +72,14 @@ fn estimator(estimator: Estimator) -> &'static str {
 
 fn error_rows<'a>(designs: &[&'a DesignSummary]) -> Vec<ErrorRow<'a>> {
     let parameters = designs.first().map_or(&[][..], |d| &d.parameters);
-    let row = |parameter: &'a ParameterSummary| {
-        let truth = parameter.truth.filter(|truth| *truth != 0.0)?;
-        let errors = designs.iter().map(|d| relative(d, &parameter.name, truth)).collect();
-        Some(ErrorRow { name: &parameter.name, errors })
-    };
-    parameters.iter().filter_map(row).collect()
+    let known = parameters.iter().filter(|parameter| parameter.relative_bias.is_some());
+    let errors = |name: &str| designs.iter().map(|d| relative(d, name)).collect();
+    known.map(|parameter| ErrorRow { name: &parameter.name, errors: errors(&parameter.name) }).collect()
 }
 
-fn relative(design: &DesignSummary, name: &str, truth: f64) -> Option<(f64, f64)> {
+fn relative(design: &DesignSummary, name: &str) -> Option<(f64, f64)> {
     let parameter = design.parameters.iter().find(|p| p.name == name)?;
-    Some(((parameter.mean? - truth) / truth.abs(), parameter.spread? / truth.abs()))
+    parameter.relative_bias.zip(parameter.relative_spread)
 }
 
 fn table(design: &DesignSummary, vessel: Option<&VesselSummary>) -> Markup {
@@ -105,16 +102,11 @@ fn table(design: &DesignSummary, vessel: Option<&VesselSummary>) -> Markup {
                     td.number { (three_or_dash(parameter.mean)) }
                     td.number { (three_or_dash(parameter.spread)) }
                     td.number { (three_or_dash(parameter.predicted_se)) }
-                    td.number { (three_or_dash(ratio(parameter))) }
+                    td.number { (three_or_dash(parameter.se_ratio)) }
                 }
             } }
         } }
     }
-}
-
-fn ratio(parameter: &ParameterSummary) -> Option<f64> {
-    let spread = parameter.spread.filter(|spread| *spread > 0.0)?;
-    Some(parameter.predicted_se? / spread)
 }
 
 fn term(vessel: Option<&VesselSummary>, name: &str) -> String {

@@ -1,10 +1,10 @@
 use maud::{Markup, html};
 
-use super::number::{exact, percent, published, three};
+use super::number::{exact, percent_within, published, three};
 use super::placed::Figures;
 use super::selection::{SelectionStudy, figure};
 use super::study::Study;
-use study::documents::{PublishedPicks, PublishedSelection};
+use study::documents::{PublishedLimits, PublishedPicks, PublishedSelection, Quantiles, Share, SharesBeyond};
 use study::selection::Row;
 
 /// The selection study beside a published one: a table, and the figures cut where the published ones are.
@@ -44,24 +44,6 @@ fn norm(row: &Row) -> Option<f64> {
     row.rmse.map(|errors| errors.iter().map(|e| e * e).sum::<f64>().sqrt())
 }
 
-/// Errors of one design, infinite without a model or where its simulation diverged; ascending.
-fn sorted(found: &SelectionStudy, design: &str, value: impl Fn(&Row) -> Option<f64>) -> Vec<f64> {
-    let own = found.rows.iter().filter(|r| r.design == design);
-    let mut errors: Vec<f64> = own.map(|r| value(r).unwrap_or(f64::INFINITY)).collect();
-    errors.sort_by(f64::total_cmp);
-    errors
-}
-
-fn at_or_above(errors: &[f64], limit: f64) -> f64 {
-    errors.iter().filter(|e| **e >= limit).count() as f64 / errors.len().max(1) as f64
-}
-
-fn quantile(errors: &[f64], q: f64) -> String {
-    let place = (q * errors.len().saturating_sub(1) as f64).round() as usize;
-    let value = errors.get(place).copied().unwrap_or(f64::NAN);
-    if value == f64::INFINITY { "∞".to_owned() } else { three(value) }
-}
-
 fn table(found: &SelectionStudy, limits: &PublishedSelection) -> Markup {
     let designs: Vec<&str> = found.summary.designs.iter().map(|d| d.design.as_str()).collect();
     let told = |design: &str| if design == "optimized" { &limits.optimized } else { &limits.random };
@@ -77,11 +59,16 @@ fn table(found: &SelectionStudy, limits: &PublishedSelection) -> Markup {
                 }
             }
         };
-    let of_norm = |design: &str| sorted(found, design, norm);
-    let cut = |limit: f64, degree: usize| {
-        move |design: &str| percent(at_or_above(&sorted(found, design, |r| rmse(r, degree)), limit))
+    let of = |design: &str| found.summary.designs.iter().find(|d| d.design == design);
+    let norm = |design: &str, value: fn(&Quantiles) -> Option<f64>| {
+        of(design).and_then(|d| value(&d.overlapping.rmse_norm)).map_or("∞".to_owned(), three)
+    };
+    let beyond = |design: &str, share: fn(&SharesBeyond) -> Share| {
+        let own = of(design).and_then(|d| d.beyond_published.as_ref()).map(share);
+        own.map_or("–".to_owned(), |own| percent_within(own.share, own.interval))
     };
     let nothing = |_: &PublishedPicks| None;
+    let at = found.summary.published_limits.unwrap_or(PublishedLimits::from(limits));
     html! {
         table {
             thead { tr {
@@ -89,16 +76,15 @@ fn table(found: &SelectionStudy, limits: &PublishedSelection) -> Markup {
                 @for design in &designs { th.number scope="col" { (design) } th.number.published scope="col" { "published" } }
             } }
             tbody {
-                (row(format!("Degenerate: at or above {}", exact(limits.limit_norm)),
-                    &|d| percent(at_or_above(&of_norm(d), limits.limit_norm)),
-                    &|p| p.degenerate_share.map(published)))
-                (row("Best".into(), &|d| quantile(&of_norm(d), 0.0), &|p| p.best.clone()))
-                (row("Median".into(), &|d| quantile(&of_norm(d), 0.5), &nothing))
-                (row("90 % quantile".into(), &|d| quantile(&of_norm(d), 0.9), &nothing))
-                (row("Worst".into(), &|d| quantile(&of_norm(d), 1.0), &|p| p.worst.clone()))
-                (row(format!("Surge at or above {} m/s", exact(limits.limit_u)), &cut(limits.limit_u, 0), &nothing))
-                (row(format!("Sway at or above {} m/s", exact(limits.limit_v)), &cut(limits.limit_v, 1), &nothing))
-                (row(format!("Yaw rate at or above {} rad/s", exact(limits.limit_r)), &cut(limits.limit_r, 2), &nothing))
+                (row(format!("At or above {} (published as degenerate)", exact(at.rmse_norm)),
+                    &|d| beyond(d, |b| b.norm), &|p| p.degenerate_share.map(published)))
+                (row("Best".into(), &|d| norm(d, |q| q.min), &|p| p.best.clone()))
+                (row("Median".into(), &|d| norm(d, |q| q.median), &nothing))
+                (row("90 % quantile".into(), &|d| norm(d, |q| q.q90), &nothing))
+                (row("Worst".into(), &|d| norm(d, |q| q.max), &|p| p.worst.clone()))
+                (row(format!("Surge at or above {} m/s", exact(at.rmse_u)), &|d| beyond(d, |b| b.surge), &nothing))
+                (row(format!("Sway at or above {} m/s", exact(at.rmse_v)), &|d| beyond(d, |b| b.sway), &nothing))
+                (row(format!("Yaw rate at or above {} rad/s", exact(at.rmse_r)), &|d| beyond(d, |b| b.yaw), &nothing))
             }
         }
     }

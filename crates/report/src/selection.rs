@@ -5,11 +5,13 @@ use maud::{Markup, html};
 use super::caption::truncation;
 use super::coded::coded;
 use super::loader::Loader;
-use super::number::percent;
+use super::number::{percent_within, three_within};
 use super::placed::Figures;
+use super::sample::INTERVALS;
 use super::study::Study;
 use artifact::Error;
-use study::documents::{SelectionDocument, SelectionScores};
+use study::documents::{Quantiles, SelectionDocument, SelectionScores};
+use study::listed;
 use study::selection::{self, Row};
 
 /// What there is about a selection study.
@@ -91,10 +93,23 @@ pub(super) fn selection(study: &Study, figures: &mut Figures) -> Markup {
             }
             @for statement in &summary.statements { p.note { (coded(statement)) } }
             div.scroll { (table(summary)) }
+            p.note { (sample(summary)) ". " (INTERVALS) }
             div.pair { (norm) }
             div.triple { @for degree in degrees { (degree) } }
         }
     }
+}
+
+/// How many realizations the numbers are drawn from, and what counts as degenerate.
+fn sample(summary: &SelectionDocument) -> String {
+    let counts: Vec<String> =
+        summary.designs.iter().map(|d| format!("{} {}", d.realizations, d.design)).collect();
+    let seed = summary.seed.map_or(String::new(), |seed| format!(", seed {seed}"));
+    format!(
+        "{} realizations{seed}; degenerate: a norm of RMSE/std of {:.3} or more, or no model",
+        listed(&counts),
+        summary.degenerate_from
+    )
 }
 
 /// [`LIMIT`] standard deviations to two digits.
@@ -103,16 +118,21 @@ fn round_limit(std: f64) -> f64 {
 }
 
 fn table(summary: &SelectionDocument) -> Markup {
-    let told = |q: Option<f64>| q.map_or("∞".to_owned(), |q| format!("{q:.2}"));
+    let told = |q: &Quantiles, of: fn(&Quantiles) -> (Option<f64>, Option<[Option<f64>; 2]>)| match of(q) {
+        (None, _) => "∞".to_owned(),
+        (value, interval) => three_within(value, interval),
+    };
+    let median = |q: &Quantiles| told(q, |q| (q.median, q.median_interval));
+    let q90 = |q: &Quantiles| told(q, |q| (q.q90, q.q90_interval));
     let row = |d: &SelectionScores| {
         html! {
             tr {
                 th scope="row" { (d.design) }
-                td { (told(d.overlapping.error_norm.median)) }
-                td { (told(d.overlapping.error_norm.q90)) }
-                td { (told(d.left_out.error_norm.median)) }
-                td { (told(d.left_out.error_norm.q90)) }
-                td { (percent(d.degenerate_share)) }
+                td.number { (median(&d.overlapping.error_norm)) }
+                td.number { (q90(&d.overlapping.error_norm)) }
+                td.number { (median(&d.left_out.error_norm)) }
+                td.number { (q90(&d.left_out.error_norm)) }
+                td.number { (percent_within(d.degenerate_share, d.degenerate_share_interval)) }
             }
         }
     };

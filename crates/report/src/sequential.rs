@@ -52,9 +52,9 @@ fn about(found: &SequentialDocument) -> Markup {
     html! {
         p {
             (found.realizations) " realizations of " (exact(found.duration_s)) "\u{a0}s in " (found.rounds) " rounds, "
-            (found.maneuvers) " maneuvers to design with. Before each trial a crude model is known: the " (about)
-            " parameters, each times e to the " (exact(found.nominal_spread)) " times a standard normal number. A trial in rounds \
-             is one run that goes on: after every round its model is estimated anew from all that was sailed (output error), \
+            (found.maneuvers) " candidate maneuvers. Each trial starts from a crude model: the " (about)
+            " parameters, each multiplied by exp(" (exact(found.nominal_spread)) "\u{a0}z) with z standard normal. A trial in rounds \
+             is one continuous run: after every round the model is estimated again from everything sailed so far (output error), \
              and the next round is designed with it. The one-shot trial is designed with the crude model and laid out \
              for the time that it takes, the one from the truth (which nobody knows) likewise. All meet the same disturbances."
         }

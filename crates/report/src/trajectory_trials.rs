@@ -1,7 +1,7 @@
 use maud::{Markup, html};
 
 use super::missing::missing;
-use super::number::{exact, percent, three, three_or_dash};
+use super::number::{exact, percent_within, three_or_dash, three_within};
 use super::study::{Study, Trajectory, optimized_first};
 use study::documents::{Bounds, DesignScores, DesignSummary, ParameterSummary};
 
@@ -88,12 +88,12 @@ fn row(scores: &DesignScores, planned: bool) -> Markup {
         tr.main[planned] {
             th scope="row" { (scores.design) }
             td.number { (scores.runs) }
-            td.number { (percent(scores.parameter_error_share)) }
-            td.number { (three_or_dash(scores.parameter_error.median)) }
-            td.number { (three_or_dash(scores.parameter_error.q90)) }
-            td.number { (percent(scores.simulation_error_share)) }
-            td.number { (three_or_dash(scores.simulation_error.median)) }
-            td.number { (three_or_dash(scores.simulation_error.q90)) }
+            td.number { (percent_within(scores.parameter_error_share, scores.parameter_error_share_interval)) }
+            td.number { (three_within(scores.parameter_error.median, scores.parameter_error.median_interval)) }
+            td.number { (three_within(scores.parameter_error.q90, scores.parameter_error.q90_interval)) }
+            td.number { (percent_within(scores.simulation_error_share, scores.simulation_error_share_interval)) }
+            td.number { (three_within(scores.simulation_error.median, scores.simulation_error.median_interval)) }
+            td.number { (three_within(scores.simulation_error.q90, scores.simulation_error.q90_interval)) }
             td.number { (scores.not_identifiable + scores.diverged) }
         }
     }
@@ -103,7 +103,7 @@ fn row(scores: &DesignScores, planned: bool) -> Markup {
 fn spreads(study: &Study, planned: &[DesignSummary]) -> Markup {
     let others = study.estimate.iter().flat_map(|e| optimized_first(&e.designs, |d| &d.design));
     let designs: Vec<&DesignSummary> = others.chain(planned).collect();
-    let known = |p: &&ParameterSummary| p.truth.is_some_and(|truth| truth != 0.0);
+    let known = |p: &&ParameterSummary| p.relative_spread.is_some();
     let parameters: Vec<&ParameterSummary> =
         planned.first().into_iter().flat_map(|d| &d.parameters).filter(known).collect();
     html! {
@@ -127,6 +127,5 @@ fn spreads(study: &Study, planned: &[DesignSummary]) -> Markup {
 
 fn spread(design: &DesignSummary, name: &str) -> String {
     let own = design.parameters.iter().find(|p| p.name == name);
-    let ratio = own.and_then(|p| Some(p.spread? / p.truth?.abs()));
-    ratio.map_or("–".to_owned(), three)
+    three_or_dash(own.and_then(|p| p.relative_spread))
 }

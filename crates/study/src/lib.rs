@@ -11,13 +11,17 @@ pub mod files;
 pub mod ingest_file;
 pub mod logs_file;
 pub mod plan;
+mod recommendation;
 mod refusal;
 pub mod scores;
+mod seed;
 pub mod selection;
 pub mod sequential;
 pub mod track;
 pub mod trajectories;
 mod words;
 
+pub use recommendation::recommendations;
 pub use refusal::{invalid, refuse};
+pub use seed::{note_seed, seed};
 pub use words::listed;

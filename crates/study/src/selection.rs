@@ -4,6 +4,8 @@ use artifact::{Columns, Error, Table, TableReader, TableSchema};
 use identification::ScoreStatus;
 use vessel::DegreeOfFreedom;
 
+use crate::documents::{PublishedLimits, Quantiles, SelectionErrors, SelectionScores, Share, SharesBeyond};
+
 /// Schema id of the realizations of a selection study.
 pub const ID: &str = "selection-realizations";
 /// Version of the schema.
@@ -98,4 +100,56 @@ fn errors(
         let name = format!("{prefix}rmse_{}", degree.state());
         columns.optional(name, degree.unit(), move |r| get(r).map(|errors| errors[d]), set)
     })
+}
+
+/// What the realizations of one design say together. A realization is degenerate from this norm of RMSE/std on.
+pub fn summarize(
+    design: &str,
+    rows: &[Row],
+    degenerate_from: f64,
+    limits: Option<PublishedLimits>,
+) -> SelectionScores {
+    let own = || rows.iter().filter(move |r| r.design == design);
+    let count = own().count();
+    let degenerate = own().filter(|r| r.error_norm.is_none_or(|norm| norm >= degenerate_from)).count();
+    let degenerate = Share::of(degenerate, count);
+    let errors = |rmse: fn(&Row) -> Option<[f64; 3]>, relative: fn(&Row) -> Option<f64>| {
+        let state = |d: usize| Quantiles::of(own().map(move |r| rmse(r).map(|e| e[d])));
+        SelectionErrors {
+            error_norm: Quantiles::of(own().map(relative)),
+            rmse_norm: Quantiles::of(own().map(|r| rmse(r).map(norm))),
+            rmse_u: state(0),
+            rmse_v: state(1),
+            rmse_r: state(2),
+        }
+    };
+    SelectionScores {
+        design: design.to_owned(),
+        realizations: count as u64,
+        not_identifiable: own().filter(|r| !r.identified).count() as u64,
+        diverged: own().filter(|r| r.identified && r.rmse.is_none()).count() as u64,
+        degenerate_share: degenerate.share,
+        degenerate_share_interval: degenerate.interval,
+        beyond_published: limits.map(|limits| beyond(&own().collect::<Vec<_>>(), limits)),
+        overlapping: errors(|r| r.rmse, |r| r.error_norm),
+        left_out: errors(|r| r.left_out_rmse, |r| r.left_out_norm),
+    }
+}
+
+/// Shares of `rows` at or above the published limits.
+fn beyond(rows: &[&Row], limits: PublishedLimits) -> SharesBeyond {
+    let share = |limit: f64, error: &dyn Fn([f64; 3]) -> f64| {
+        Share::of(rows.iter().filter(|r| r.rmse.is_none_or(|rmse| error(rmse) >= limit)).count(), rows.len())
+    };
+    SharesBeyond {
+        norm: share(limits.rmse_norm, &norm),
+        surge: share(limits.rmse_u, &|rmse| rmse[0]),
+        sway: share(limits.rmse_v, &|rmse| rmse[1]),
+        yaw: share(limits.rmse_r, &|rmse| rmse[2]),
+    }
+}
+
+/// Norm of the three RMSE as numbers.
+fn norm(rmse: [f64; 3]) -> f64 {
+    rmse.iter().map(|e| e * e).sum::<f64>().sqrt()
 }

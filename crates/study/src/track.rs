@@ -2,13 +2,10 @@
 
 use std::path::Path;
 
-use artifact::{
-    Column, ColumnSpec, Error, Kind, Provenance, Staged, Table, TableReader, TableSchema, TableWriter,
-    encode_block, read_document,
-};
+use artifact::{Columns, Error, Provenance, Staged, TableReader, TableWriter, read_document};
 use chart::Plane;
-use trial::Sailed;
-use vessel::{Pose, Vessel};
+use trial::{Sailed, Sample};
+use vessel::{Pose, Variable, Vessel};
 
 use crate::documents::PlanDocument;
 
@@ -29,21 +26,50 @@ const FLOATS: [(&str, &str); 9] = [
     ("latitude", "deg"),
 ];
 
-fn schema(vessel: &Vessel) -> TableSchema {
-    let mut columns = vec![
-        ColumnSpec::new("step", "1", Kind::I32, false),
-        ColumnSpec::new("maneuver", "1", Kind::Text, false),
-        ColumnSpec::new("informative", "1", Kind::I32, false),
-    ];
-    columns.extend(FLOATS.map(|(name, unit)| ColumnSpec::new(name, unit, Kind::F64, false)));
-    columns.extend(inputs(vessel));
-    TableSchema { id: TRACK, version: TRACK_VERSION, columns }
+/// One sample of the planned trajectory. The last row is the end of the trial.
+#[derive(Clone)]
+struct Row {
+    /// Number of the leg's step in the plan.
+    step: i32,
+    /// Name of its maneuver.
+    maneuver: String,
+    /// Whether it is an informative one.
+    informative: bool,
+    /// What [`FLOATS`] lists.
+    floats: [f64; FLOATS.len()],
+    /// The vessel's inputs; none at the end, where the trial is over.
+    inputs: Vec<Option<f64>>,
 }
 
-/// The inputs' columns; null in the last row, where the trial is over.
-fn inputs(vessel: &Vessel) -> Vec<ColumnSpec> {
-    let own = &vessel.model.variables[3..3 + vessel.model.inputs];
-    own.iter().map(|v| ColumnSpec::new(&v.name, &v.unit, Kind::F64, true)).collect()
+impl Row {
+    fn blank(vessel: &Vessel) -> Self {
+        Self {
+            step: 0,
+            maneuver: String::new(),
+            informative: false,
+            floats: [0.0; FLOATS.len()],
+            inputs: vec![None; vessel.model.inputs],
+        }
+    }
+}
+
+fn columns(vessel: &Vessel) -> Columns<Row> {
+    let mut columns = Columns::<Row>::new(TRACK, TRACK_VERSION)
+        .integer("step", "1", |r| r.step, |r, step| r.step = step)
+        .text("maneuver", |r| &r.maneuver, |r, maneuver| r.maneuver = maneuver.to_owned())
+        .integer("informative", "1", |r| i32::from(r.informative), |r, yes| r.informative = yes == 1);
+    for (i, (name, unit)) in FLOATS.into_iter().enumerate() {
+        columns = columns.number(name, unit, move |r| r.floats[i], move |r, value| r.floats[i] = value);
+    }
+    for (i, input) in inputs(vessel).iter().enumerate() {
+        let (get, set) = (move |r: &Row| r.inputs[i], move |r: &mut Row, value| r.inputs[i] = value);
+        columns = columns.optional(&input.name, &input.unit, get, set);
+    }
+    columns
+}
+
+fn inputs(vessel: &Vessel) -> &[Variable] {
+    &vessel.model.variables[3..3 + vessel.model.inputs]
 }
 
 /// Writes the samples and the end; `names`: of every leg.
@@ -58,42 +84,27 @@ pub fn stage_track(
     names: &[String],
     sailed: &Sailed,
 ) -> Result<Staged, Error> {
-    let schema = schema(vessel);
-    let mut labels: Vec<String> = names.to_vec();
-    labels.sort();
-    labels.dedup();
-    let code = |leg: usize| labels.iter().position(|l| *l == names[leg]).unwrap_or(0) as u32;
-    let last_leg = sailed.samples.last().map_or(0, |s| s.leg);
-    let rows = sailed.samples.len() + 1;
-    let end = sailed.ends.last().copied().unwrap_or_default();
-    let row = |k: usize| -> (usize, bool, Pose, [f64; 3]) {
-        sailed
-            .samples
-            .get(k)
-            .map_or((last_leg, false, end.0, end.1), |s| (s.leg, s.informative, s.pose, s.state))
-    };
-    let mut floats = vec![Vec::with_capacity(rows); FLOATS.len()];
-    for k in 0..rows {
-        let (_, _, pose, state) = row(k);
+    let row = |k: usize, leg: usize, pose: Pose, [u, v, r]: [f64; 3]| {
         let (longitude, latitude) = plane.to_geographic([pose.y, pose.x]);
-        let [u, v, r] = state;
-        let values =
-            [k as f64 / vessel.sample_rate_hz, pose.x, pose.y, pose.psi, u, v, r, longitude, latitude];
-        floats.iter_mut().zip(values).for_each(|(column, value)| column.push(value));
-    }
-    let mut columns = vec![
-        Column::i32((0..rows).map(|k| row(k).0 as i32).collect()),
-        Column::text(labels.clone(), (0..rows).map(|k| code(row(k).0)).collect()),
-        Column::i32((0..rows).map(|k| i32::from(row(k).1)).collect()),
-    ];
-    columns.extend(floats.into_iter().map(Column::f64));
-    let present: Vec<bool> = (0..rows).map(|k| k + 1 < rows).collect();
-    for i in 0..vessel.model.inputs {
-        let values = (0..rows).map(|k| sailed.samples.get(k).map_or(0.0, |s| s.inputs[i])).collect();
-        columns.push(Column::nullable_f64(values, present.clone()));
-    }
-    let mut writer = TableWriter::create(out, &schema, provenance)?;
-    writer.push(encode_block(&schema, &Table { columns })?)?;
+        let t = k as f64 / vessel.sample_rate_hz;
+        Row {
+            step: leg as i32,
+            maneuver: names[leg].clone(),
+            floats: [t, pose.x, pose.y, pose.psi, u, v, r, longitude, latitude],
+            ..Row::blank(vessel)
+        }
+    };
+    let sample = |(k, s): (usize, &Sample)| Row {
+        informative: s.informative,
+        inputs: s.inputs.iter().copied().map(Some).collect(),
+        ..row(k, s.leg, s.pose, s.state)
+    };
+    let mut rows: Vec<Row> = sailed.samples.iter().enumerate().map(sample).collect();
+    let (pose, state) = sailed.ends.last().copied().unwrap_or_default();
+    rows.push(row(rows.len(), sailed.samples.last().map_or(0, |s| s.leg), pose, state));
+    let columns = columns(vessel);
+    let mut writer = TableWriter::create(out, columns.schema(), provenance)?;
+    writer.push(columns.encode(&rows)?)?;
     writer.finish()
 }
 
@@ -136,53 +147,29 @@ pub fn read_planned(plan: &Path, vessel: &Vessel, provenance: &mut Provenance) -
 /// A file that is no track of this vessel.
 pub fn read_track(path: &Path, vessel: &Vessel, provenance: &mut Provenance) -> Result<Track, Error> {
     let reader = TableReader::open(path, TRACK, TRACK_VERSION)?;
-    let required = schema(vessel).columns;
-    reader.require(&required)?;
+    let rows = columns(vessel).read(&reader, &Row::blank(vessel))?;
     provenance.inputs.insert("track".into(), reader.digest());
-    let mut track = Track { inputs: Vec::new(), stretches: Vec::new(), initial: [0.0; 3] };
-    let states = ["u", "v", "r"];
-    let own = inputs(vessel);
-    let mut names = vec!["step", "maneuver", "informative"];
-    names.extend(states);
-    names.extend(own.iter().map(|c| c.name.as_str()));
-    let mut key = None;
-    for block in 0..reader.blocks() {
-        let table = reader.read_block(block, &names)?;
-        let wrong = |i: usize| {
-            let thing = format!("column `{}`", names[i]);
-            Error::refuse(path, thing, "another type", "the type of its schema", "plan again")
-        };
-        let steps = table.columns[0].as_i32().ok_or_else(|| wrong(0))?;
-        let informative = table.columns[2].as_i32().ok_or_else(|| wrong(2))?;
-        let whole = reader.blocks() == block + 1;
-        for row in 0..steps.len() - usize::from(whole) {
-            if track.inputs.is_empty() {
-                track.initial = [3, 4, 5].map(|i| table.columns[i].value_at(row).unwrap_or(0.0));
-            }
-            let now = (informative[row] == 1).then_some(steps[row]);
-            if key != Some(now) {
-                let name =
-                    if now.is_some() { table.columns[1].text_at(row).unwrap_or("") } else { "between" };
-                track.stretches.push((track.inputs.len() / vessel.model.inputs, name.to_owned()));
-                key = Some(now);
-            }
-            for (i, column) in table.columns[6..].iter().enumerate() {
-                let thing = || format!("column `{}`, row {}", own[i].name, row + 1);
-                let missing = || {
-                    Error::refuse(
-                        path,
-                        thing(),
-                        "no value",
-                        "a number in every row but the last",
-                        "plan again",
-                    )
-                };
-                track.inputs.push(column.value_at(row).ok_or_else(missing)?);
-            }
-        }
-    }
-    if track.inputs.is_empty() {
+    let samples = rows.split_last().map_or(&[][..], |(_, samples)| samples);
+    let Some(first) = samples.first() else {
         return Err(Error::refuse(path, "rows", "none", "at least one sample", "plan again"));
+    };
+    let [_, _, _, _, u, v, r, ..] = first.floats;
+    let mut track = Track { inputs: Vec::new(), stretches: Vec::new(), initial: [u, v, r] };
+    let mut key = None;
+    for (k, row) in samples.iter().enumerate() {
+        let now = row.informative.then_some(row.step);
+        if key != Some(now) {
+            let name = if row.informative { row.maneuver.as_str() } else { "between" };
+            track.stretches.push((k, name.to_owned()));
+            key = Some(now);
+        }
+        for (input, variable) in row.inputs.iter().zip(inputs(vessel)) {
+            let missing = || {
+                let thing = format!("column `{}`, row {}", variable.name, k + 1);
+                Error::refuse(path, thing, "no value", "a number in every row but the last", "plan again")
+            };
+            track.inputs.push(input.ok_or_else(missing)?);
+        }
     }
     Ok(track)
 }

@@ -55,10 +55,12 @@ fn row(
         d.design.clone(),
         d.runs.to_string(),
         whole(seed),
-        share(d.parameter_error_share, None) + &told(published.map(|p| p.parameter_error_share)),
-        share(d.simulation_error_share, None) + &told(published.map(|p| p.simulation_error_share)),
-        quantile(d.parameter_error.median, None),
-        quantile(d.simulation_error.median, None),
+        share(d.parameter_error_share, d.parameter_error_share_interval)
+            + &told(published.map(|p| p.parameter_error_share)),
+        share(d.simulation_error_share, d.simulation_error_share_interval)
+            + &told(published.map(|p| p.simulation_error_share)),
+        quantile(d.parameter_error.median, d.parameter_error.median_interval),
+        quantile(d.simulation_error.median, d.simulation_error.median_interval),
     ]
 }
 

@@ -26,8 +26,8 @@ pub(super) fn section(folders: &[PathBuf]) -> Result<Option<String>, Error> {
         let own: Vec<Option<&DesignScores>> =
             estimators.iter().map(|estimator| of(scores, *estimator)).collect();
         let runs = own.iter().flatten().next().map(|d| d.runs);
-        let errors =
-            own.iter().map(|d| d.map_or("–".to_owned(), |d| quantile(d.parameter_error.median, None)));
+        let median = |d: &DesignScores| quantile(d.parameter_error.median, d.parameter_error.median_interval);
+        let errors = own.iter().map(|d| d.map_or("–".to_owned(), median));
         table.row(
             &[label(folder), whole(runs), whole(seed(folder)?)].into_iter().chain(errors).collect::<Vec<_>>(),
         );

@@ -56,9 +56,9 @@ fn row(name: &str, seed: Option<u64>, scores: &SelectionScores) -> [String; HEAD
         whole(seed),
         scores.design.clone(),
         scores.realizations.to_string(),
-        quantile(norm.median, None),
+        quantile(norm.median, norm.median_interval),
         plain(norm.q90),
         plain(norm.max),
-        share(scores.degenerate_share, None),
+        share(scores.degenerate_share, scores.degenerate_share_interval),
     ]
 }

@@ -1,6 +1,6 @@
 //! A table in Markdown.
 
-use crate::number::{percent, three, three_or_dash};
+use crate::number::{percent_within, three_within};
 
 /// Heads and rows of one table.
 pub(super) struct Table {
@@ -27,24 +27,14 @@ impl Table {
     }
 }
 
-/// A share and its interval.
+/// A share and its interval; a dash where the document has none.
 pub(super) fn share(value: f64, interval: Option<[f64; 2]>) -> String {
-    let within = interval.map(|[low, high]| [percent(low), percent(high)]);
-    with_interval(&percent(value), within)
+    percent_within(value, interval) + if interval.is_some() { "" } else { " (–)" }
 }
 
-/// A quantile and its interval; an end that is infinite has no number.
+/// A quantile and its interval; a dash where the document has none.
 pub(super) fn quantile(value: Option<f64>, interval: Option<[Option<f64>; 2]>) -> String {
-    let end = |end: Option<f64>| end.map_or("∞".to_owned(), three);
-    with_interval(&three_or_dash(value), interval.map(|ends| ends.map(end)))
-}
-
-/// A value and its interval, or a dash for none.
-fn with_interval(value: &str, interval: Option<[String; 2]>) -> String {
-    match interval {
-        Some([low, high]) => format!("{value} ({low} to {high})"),
-        None => format!("{value} (–)"),
-    }
+    three_within(value, interval) + if interval.is_some() { "" } else { " (–)" }
 }
 
 /// A number, or a dash for none.

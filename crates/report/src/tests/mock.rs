@@ -209,6 +209,8 @@ fn estimate() -> EstimateDocument {
         estimator: identification::Estimator::Iv,
         mean_removal: identification::MeanRemoval::Complete,
         designs: vec![summary("optimized", |p| p.6, 1.0), summary("random", |p| p.7, 40.0)],
+        seed: Some(1),
+        trusted_within: Some(0.15),
         compared: None,
         trust: None,
     }
@@ -223,6 +225,10 @@ fn summary(design: &str, spread: impl Fn(&Parameter) -> f64, condition: f64) -> 
         mean: Some(p.4 * (1.0 + 0.1 * spread(p))),
         spread: Some(spread(p) * p.4.abs()),
         predicted_se: Some(0.97 * spread(p) * p.4.abs()),
+        relative_bias: Some(0.1 * spread(p) * p.4.signum()),
+        relative_spread: Some(spread(p)),
+        se_ratio: Some(0.97),
+        se_trusted: Some(true),
     };
     let degree = |(name, weakest): (&str, &str)| DegreeSummary {
         name: name.to_owned(),
@@ -230,15 +236,15 @@ fn summary(design: &str, spread: impl Fn(&Parameter) -> f64, condition: f64) -> 
         condition_max: Some(61.0 * condition * condition),
         weakest_parameter: weakest.to_owned(),
         weakest_share: 0.87,
+        ..DegreeSummary::default()
     };
     DesignSummary {
         design: design.to_owned(),
         runs: 500,
         identified: 500,
-        not_converged: None,
-        kept: None,
         parameters: PARAMETERS.iter().map(parameter).collect(),
         degrees: [("surge", "X_uu"), ("sway", "Y_ur"), ("yaw", "N_uv")].into_iter().map(degree).collect(),
+        ..DesignSummary::default()
     }
 }
 
@@ -246,6 +252,8 @@ fn validation() -> ValidationDocument {
     ValidationDocument {
         bounds: Bounds { parameter_error: 5.0, simulation_error: 0.15 },
         samples: 1000,
+        seed: Some(1),
+        recommendations: None,
         designs: vec![
             design_scores("optimized", 0.986, 0.971, 1.0),
             design_scores("random", 0.52, 0.604, 2.4),
@@ -258,23 +266,23 @@ fn design_scores(design: &str, parameter: f64, simulation: f64, factor: f64) -> 
     let quantiles = |median: f64| Quantiles {
         q10: Some(0.4 * median),
         median: Some(median),
+        median_interval: Some([Some(0.9 * median), Some(1.2 * median)]),
         q90: Some(2.1 * median),
-        q99: None,
-        max: None,
+        ..Quantiles::default()
     };
     DesignScores {
         design: design.to_owned(),
         runs: 500,
-        not_identifiable: 0,
-        not_converged: None,
         diverged: if factor > 1.0 { 31 } else { 0 },
         parameter_error_share: parameter,
+        parameter_error_share_interval: Some([parameter - 0.02, parameter + 0.01]),
         simulation_error_share: simulation,
         parameter_error: quantiles(1.98 * factor),
         simulation_error: quantiles(0.0612 * factor),
         rmse_u: quantiles(0.0511 * factor),
         rmse_v: quantiles(0.0204 * factor),
         rmse_r: quantiles(0.0142 * factor),
+        ..DesignScores::default()
     }
 }
 

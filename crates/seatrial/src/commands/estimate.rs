@@ -155,6 +155,7 @@ fn stage(a: &Runs) -> Result<Summary, Failure> {
     let reader = TrajectoryReader::open(file, &Layout::new(&vessel.model), vessel.sample_rate_hz)?;
     reader.whole()?;
     provenance.inputs.insert("trajectories".into(), reader.digest());
+    study::note_seed(reader.provenance(), &mut provenance);
     provenance.settings.insert("estimator".into(), json!(a.estimator));
     if a.compare {
         provenance.settings.insert("compared".into(), json!(Estimator::OF_RUNS));

@@ -13,13 +13,14 @@ use crate::progress::Progress;
 use crate::selection;
 use crate::stage::{Either, Summary, Task};
 use artifact::{
-    EncodedBlock, Provenance, Staged, TableReader, TableWriter, commit, encode_block, gather, stage_document,
+    EncodedBlock, Provenance, Staged, TableReader, TableWriter, commit, encode_block, gather, read_toml,
+    stage_document,
 };
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use identification::{Estimator, MeanRemoval};
 use serde_json::json;
 use study::campaign_file::CampaignFile;
-use study::documents::{Bounds, ValidationDocument};
+use study::documents::{Bounds, PublishedLimits, Reference, ValidationDocument};
 use study::estimates;
 use study::files::{read_campaign, read_vessel};
 use study::scores::{self, Row};
@@ -101,6 +102,9 @@ pub struct SelectionArguments {
     /// Whether the estimated intercepts are part of the simulated models
     #[arg(long, value_enum, default_value_t = Intercepts::Keep)]
     intercepts: Intercepts,
+    /// Published results to compare with: counts realizations beyond the errors at which their figures end
+    #[arg(long, value_name = "reference.toml")]
+    reference: Option<PathBuf>,
     /// Norm of RMSE over standard deviations from which a model is degenerate (default √3: no better than the mean)
     #[arg(long, value_name = "NORM")]
     degenerate_from: Option<f64>,
@@ -201,7 +205,8 @@ fn select(a: &SelectionArguments) -> Result<Summary, Failure> {
         let found = format!("--estimator: found {}, expected ls, iv or auto", a.estimator);
         return Err(Failure::Usage(format!("{found}; a selection study adds up sums per sub-experiment")));
     }
-    let files = [&a.vessel, &a.trajectories].into_iter().chain(&a.design).chain(&a.flags.recordings);
+    let files = [&a.vessel, &a.trajectories].into_iter().chain(&a.design).chain(&a.reference);
+    let files = files.chain(&a.flags.recordings);
     let inputs: Vec<&Path> = files.map(PathBuf::as_path).collect();
     let wanted = selection::Wanted {
         vessel: &vessel,
@@ -215,11 +220,20 @@ fn select(a: &SelectionArguments) -> Result<Summary, Failure> {
         removal: a.mean_removal,
         intercepts: a.intercepts == Intercepts::Keep,
         degenerate_from: not_below("--degenerate-from", a.degenerate_from.unwrap_or(3f64.sqrt()), 0.0)?,
+        published: published(a.reference.as_deref(), &mut provenance)?,
         seed: a.common.seed.unwrap_or(1),
         out: a.common.main_output("selection.parquet", &inputs)?,
         quiet: a.common.quiet,
     };
     selection::select(&wanted, provenance)
+}
+
+/// Where the figures of a published selection study end.
+fn published(file: Option<&Path>, provenance: &mut Provenance) -> Result<Option<PublishedLimits>, Failure> {
+    let Some(file) = file else { return Ok(None) };
+    let (reference, digest) = read_toml::<Reference>(file)?;
+    provenance.inputs.insert("reference".into(), digest);
+    Ok(reference.selection.as_ref().map(PublishedLimits::from))
 }
 
 fn stage(a: &Scores) -> Result<Summary, Failure> {
@@ -243,6 +257,7 @@ fn stage(a: &Scores) -> Result<Summary, Failure> {
         return Err(refuse_shard(file, shard).into());
     }
     provenance.inputs.insert("estimates".into(), reader.digest());
+    study::note_seed(reader.provenance(), &mut provenance);
     provenance.shard.clone_from(&a.sharding.shard);
     let truth: Option<Vec<f64>> = vessel.value.iter().copied().collect();
     let mut writer = TableWriter::create(&out, &scores::schema(), &provenance)?;
@@ -281,7 +296,9 @@ fn publish(
         let document = ValidationDocument {
             bounds,
             samples: validation.samples(),
+            seed: study::seed(provenance),
             designs,
+            recommendations: study::recommendations(rows),
             compared: scores::compare(rows, bounds),
         };
         staged.push(stage_document(beside(&out, "validation.json"), provenance, &document)?);

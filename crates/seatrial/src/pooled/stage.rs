@@ -264,6 +264,7 @@ fn document(vessel: &Vessel, data: &Data, trust: &TrustDocument) -> EstimateDocu
         mean: p.estimate,
         spread: None,
         predicted_se: p.standard_error,
+        ..ParameterSummary::default()
     };
     let degree = |d: &TrustDegree| DegreeSummary {
         name: d.name.clone(),
@@ -271,18 +272,20 @@ fn document(vessel: &Vessel, data: &Data, trust: &TrustDocument) -> EstimateDocu
         condition_max: d.condition,
         weakest_parameter: weakest_parameter(d),
         weakest_share: 1.0,
+        ..DegreeSummary::default()
     };
     EstimateDocument {
         estimator: trust.estimator,
         mean_removal: trust.mean_removal,
+        seed: None,
+        trusted_within: None,
         designs: vec![DesignSummary {
             design: data.design().to_owned(),
             runs: 1,
             identified: u64::from(whole),
-            not_converged: None,
-            kept: None,
             parameters: parameters.map(parameter).collect(),
             degrees: trust.degrees.iter().map(degree).collect(),
+            ..DesignSummary::default()
         }],
         compared: None,
         trust: Some(trust.statements.clone()),

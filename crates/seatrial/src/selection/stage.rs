@@ -7,7 +7,7 @@ use identification::pooled::{Centring, Part, Regression, Score, Window, Windows,
 use serde_json::json;
 use vessel::{LANES, Vessel};
 
-use study::selection::{Row, schema, table};
+use study::selection::{Row, schema, summarize, table};
 
 use super::{Draw, Realization, Realizer, counts};
 use crate::cli::beside;
@@ -19,7 +19,7 @@ use crate::pooled::{
 };
 use crate::progress::Progress;
 use crate::stage::Summary;
-use study::documents::{Quantiles, SelectionDocument, SelectionErrors, SelectionScores};
+use study::documents::{PublishedLimits, SelectionDocument};
 
 /// What `validate selection` was asked for.
 pub struct Wanted<'a> {
@@ -45,6 +45,8 @@ pub struct Wanted<'a> {
     pub intercepts: bool,
     /// Norm of RMSE/std from which a model is degenerate.
     pub degenerate_from: f64,
+    /// Errors at which the figures of a published study end.
+    pub published: Option<PublishedLimits>,
     /// Seed of the picks.
     pub seed: u64,
     /// Main output.
@@ -105,6 +107,7 @@ pub fn select(wanted: &Wanted, mut provenance: Provenance) -> Result<Summary, Fa
         prior,
         intercepts: wanted.intercepts,
         picks,
+        seed: Some(wanted.seed),
         counts,
         available,
         parts: parts.len() as u64,
@@ -116,7 +119,10 @@ pub fn select(wanted: &Wanted, mut provenance: Provenance) -> Result<Summary, Fa
         ratio_q90: None,
         statements: Vec::new(),
         instrument_fit: prepared.instrument_fit,
-        designs: ["optimized", "random"].map(|design| scores(design, &rows, wanted.degenerate_from)).into(),
+        published_limits: wanted.published,
+        designs: ["optimized", "random"]
+            .map(|design| summarize(design, &rows, wanted.degenerate_from, wanted.published))
+            .into(),
     };
     note(wanted, prior, &mut provenance);
     publish(&wanted.out, &provenance, &rows, concluded(document, prepared.statements))
@@ -263,32 +269,6 @@ fn row(design: &str, number: usize, found: &Realization, std: [f64; 3]) -> Row {
         error_norm: overlapping.map(norm).filter(finite),
         left_out_rmse: left_out,
         left_out_norm: left_out.map(norm).filter(finite),
-    }
-}
-
-fn scores(design: &str, rows: &[Row], degenerate_from: f64) -> SelectionScores {
-    let own = || rows.iter().filter(move |r| r.design == design);
-    let count = own().count();
-    let degenerate = own().filter(|r| r.error_norm.is_none_or(|norm| norm >= degenerate_from)).count();
-    let errors = |rmse: fn(&Row) -> Option<[f64; 3]>, norm: fn(&Row) -> Option<f64>| {
-        let state = |d: usize| Quantiles::of(own().map(move |r| rmse(r).map(|e| e[d])));
-        let plain = |e: [f64; 3]| e.iter().map(|x| x * x).sum::<f64>().sqrt();
-        SelectionErrors {
-            error_norm: Quantiles::of(own().map(norm)),
-            rmse_norm: Quantiles::of(own().map(|r| rmse(r).map(plain))),
-            rmse_u: state(0),
-            rmse_v: state(1),
-            rmse_r: state(2),
-        }
-    };
-    SelectionScores {
-        design: design.to_owned(),
-        realizations: count as u64,
-        not_identifiable: own().filter(|r| !r.identified).count() as u64,
-        diverged: own().filter(|r| r.identified && r.rmse.is_none()).count() as u64,
-        degenerate_share: degenerate as f64 / count.max(1) as f64,
-        overlapping: errors(|r| r.rmse, |r| r.error_norm),
-        left_out: errors(|r| r.left_out_rmse, |r| r.left_out_norm),
     }
 }
 

@@ -12,8 +12,8 @@ fn numbers(value: &Value, name: &str, maps: &[&str], found: &mut BTreeSet<String
         Value::Array(items) => items.iter().for_each(|item| numbers(item, name, maps, found)),
         Value::Object(fields) => {
             for (key, field) in fields {
-                let own =
-                    maps.contains(&name) || key.starts_with('q') || ["median", "max"].contains(&key.as_str());
+                let quantile = key.starts_with('q') || key.starts_with("median");
+                let own = maps.contains(&name) || quantile || ["min", "max"].contains(&key.as_str());
                 numbers(field, if own { name } else { key }, maps, found);
             }
         }
@@ -26,7 +26,9 @@ fn every_number_has_a_unit_and_every_unit_a_number() {
     let folder = with(&["campaign.parquet"]);
     run(&folder, &format!("{POOL} --runs random/0,random/1 --bootstrap 9 --out x.parquet")).succeeds();
     run(&folder, &format!("{CROSS} --estimators ls,iv --out crossval.json")).succeeds();
-    run(&folder, &format!("{SELECTION} --out selection.parquet")).succeeds();
+    run(&folder, &format!("{SELECTION} --out selection.parquet"))
+        .file("--reference", &repository("pipelines/model-ship/reference.toml"))
+        .succeeds();
     for name in ["trust.json", "crossval.json", "selection.json"] {
         let document = json(&folder, name);
         let mut found = BTreeSet::new();

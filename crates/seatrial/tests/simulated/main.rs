@@ -30,7 +30,7 @@ pub const STAGES: [&str; 7] = [
     "estimate pool --vessel vessel.toml --trajectories trajectories.parquet --nominal least-squares --bootstrap 20 \
      --out estimates.parquet",
     "validate selection --vessel vessel.toml --trajectories trajectories.parquet --nominal least-squares \
-     --design design.json --estimator iv --realizations 16 --out selection.parquet",
+     --design design.json --reference reference.toml --estimator iv --realizations 16 --out selection.parquet",
     "report --study . --results . --out report.html",
 ];
 

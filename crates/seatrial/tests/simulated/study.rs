@@ -23,6 +23,14 @@ fn everything_that_is_made_of_simulated_logs_says_so() {
         assert!(page.contains(piece), "{piece}");
     }
     assert!(folder.path().join("figures/published-norm.svg").is_file());
+    for design in json(&folder, "selection.json")["data"]["designs"].as_array().unwrap() {
+        let (share, norm) = (&design["beyond_published"]["norm"], &design["overlapping"]["rmse_norm"]);
+        let (share, ends) =
+            (share["share"].as_f64().unwrap(), [0, 1].map(|i| share["interval"][i].as_f64().unwrap()));
+        assert!(ends[0] <= share && share <= ends[1] && ends[0] < ends[1], "{design}");
+        let below = norm["median"].as_f64().is_some_and(|median| median < 1.0);
+        assert!(share == 0.5 || below == (share < 0.5), "a median below the limit where most are: {design}");
+    }
 }
 
 #[test]

@@ -78,11 +78,22 @@ fn documents_and_page_tell_of_every_estimator_and_the_study_stays_that_of_instru
     }
     let plain = with(&["validation.json"]);
     assert_eq!(json(&plain, "validation.json")["data"]["designs"], validation["data"]["designs"]);
+    for recommendation in validation["data"]["recommendations"].as_array().unwrap() {
+        let (found, candidates) =
+            (&recommendation["estimator"], recommendation["candidates"].as_array().unwrap());
+        assert_eq!(found.is_string(), candidates.len() == 1, "{recommendation}");
+        for other in recommendation["others"].as_array().unwrap() {
+            let told_apart = other["interval"][0].as_f64().is_some_and(|low| low > 0.0);
+            assert_eq!(told_apart, !candidates.contains(&other["estimator"]), "{other}");
+        }
+    }
     run(&folder, REPORT).succeeds();
     let page = String::from_utf8(bytes(&folder, "report.html")).unwrap();
     for name in NAMES {
         assert!(page.contains(&format!("<th scope=\"row\">{name}</th>")), "{name}");
     }
+    let said = validation["data"]["recommendations"][0]["statement"].as_str().unwrap();
+    assert!(page.contains(said), "{said}");
 }
 
 #[test]

@@ -11,6 +11,12 @@ pub struct EstimateDocument {
     pub estimator: Estimator,
     /// How the instruments' mean is removed.
     pub mean_removal: MeanRemoval,
+    /// Seed of the campaign that the runs come from; absent for runs that were not simulated.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub seed: Option<u64>,
+    /// How far `se_ratio` may be from 1 for standard errors to be trusted.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub trusted_within: Option<f64>,
     /// One entry per design, in the order of the trajectories.
     pub designs: Vec<DesignSummary>,
     /// Every estimator on the same runs, where they were compared; `designs` then is that of `estimator`.
@@ -33,7 +39,7 @@ pub struct EstimatorSummary {
 }
 
 /// The estimates of one design.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct DesignSummary {
     /// Name of the design: `optimized`, `random` …
@@ -49,6 +55,21 @@ pub struct DesignSummary {
     /// that refine none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub kept: Option<u64>,
+    /// 2-norm of `relative_bias` over the parameters that have one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub relative_bias: Option<f64>,
+    /// 2-norm of `relative_spread` over the parameters that have one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub relative_spread: Option<f64>,
+    /// Root of the sum of their squares.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub relative_rms: Option<f64>,
+    /// Least `se_ratio` of all parameters.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub se_ratio_min: Option<f64>,
+    /// Largest `se_ratio` of all parameters.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub se_ratio_max: Option<f64>,
     /// One entry per parameter, over the identified runs.
     pub parameters: Vec<ParameterSummary>,
     /// One entry per degree of freedom.
@@ -56,7 +77,7 @@ pub struct DesignSummary {
 }
 
 /// One parameter over the runs of one design. The unit stands beside it.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ParameterSummary {
     /// Name as in `vessel.toml`.
@@ -73,22 +94,40 @@ pub struct ParameterSummary {
     pub spread: Option<f64>,
     /// Median of the predicted standard errors.
     pub predicted_se: Option<f64>,
+    /// (mean − truth)/|truth|; absent where the truth is not known or 0.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub relative_bias: Option<f64>,
+    /// spread/|truth|; absent as well.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub relative_spread: Option<f64>,
+    /// Predicted standard error over the spread: near 1 where standard errors can be trusted.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub se_ratio: Option<f64>,
+    /// Whether it is within `trusted_within` of 1.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub se_trusted: Option<bool>,
 }
 
 /// How well one degree of freedom was excited.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct DegreeSummary {
     /// `surge`, `sway` or `yaw`.
     pub name: String,
     /// Median condition number of the scaled normal matrix over the runs.
     pub condition_median: Option<f64>,
+    /// 95 % interval of that median; null at an end that there are too few runs for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub condition_median_interval: Option<[Option<f64>; 2]>,
     /// Its largest value.
     pub condition_max: Option<f64>,
     /// The parameter that dominates the weakest direction most often.
     pub weakest_parameter: String,
     /// Share of the runs in which it does.
     pub weakest_share: f64,
+    /// 95 % interval of that share (Wilson's); absent without runs.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub weakest_share_interval: Option<[f64; 2]>,
 }
 
 impl Document for EstimateDocument {
@@ -107,5 +146,15 @@ impl Document for EstimateDocument {
         ("condition_median", "1"),
         ("condition_max", "1"),
         ("weakest_share", "1"),
+        ("weakest_share_interval", "1"),
+        ("condition_median_interval", "1"),
+        ("seed", "1"),
+        ("trusted_within", "1"),
+        ("relative_bias", "1"),
+        ("relative_spread", "1"),
+        ("relative_rms", "1"),
+        ("se_ratio", "1"),
+        ("se_ratio_min", "1"),
+        ("se_ratio_max", "1"),
     ];
 }

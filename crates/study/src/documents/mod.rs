@@ -43,14 +43,19 @@ pub use plan::{
 pub use reference::{Published, PublishedPicks, PublishedSelection, PublishedShare, Reference};
 pub use refined::{RefinedDocument, RefinedExperiment, RefinedLimit};
 pub use refinement::RefinedFiles;
-pub use selection::{SelectionDocument, SelectionErrors, SelectionScores};
+pub use selection::{
+    PublishedLimits, SelectionDocument, SelectionErrors, SelectionScores, Share, SharesBeyond,
+};
 pub use sequential::SequentialDocument;
 pub use simulated::{SIMULATED_FILE, SimulatedLogsDocument, SimulatedRecording};
 pub use solved::{Few, Solved};
 pub use trust::{
     FreeRunErrors, InstrumentResidual, TrustDegree, TrustDocument, TrustParameter, TrustRun, Whiteness,
 };
-pub use validation::{Bounds, DesignScores, EstimatorScores, Quantiles, ValidationDocument};
+pub use validation::{
+    Bounds, ComparedError, DesignScores, EstimatorRecommendation, EstimatorScores, PairedDifference,
+    Quantiles, ValidationDocument,
+};
 
 /// JSON Schema of every document that a stage writes, by the document's id.
 pub fn schemas() -> Vec<(&'static str, serde_json::Value)> {

@@ -2,7 +2,10 @@ use std::collections::BTreeMap;
 
 use serde::Deserialize;
 
-/// `reference.toml` of a study: results published elsewhere, shown beside ours and used for nothing else.
+use super::PublishedLimits;
+
+/// `reference.toml` of a study: results published elsewhere, for comparison. They change no result: the limits of a selection
+/// study only say from where on realizations are counted.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Reference {
@@ -39,6 +42,17 @@ pub struct PublishedSelection {
     /// The random selection.
     #[serde(default)]
     pub random: PublishedPicks,
+}
+
+impl From<&PublishedSelection> for PublishedLimits {
+    fn from(published: &PublishedSelection) -> Self {
+        Self {
+            rmse_norm: published.limit_norm,
+            rmse_u: published.limit_u,
+            rmse_v: published.limit_v,
+            rmse_r: published.limit_r,
+        }
+    }
 }
 
 /// What was published of one way of picking.

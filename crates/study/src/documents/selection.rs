@@ -1,6 +1,7 @@
 use std::collections::BTreeMap;
 
 use artifact::Document;
+use numerics::statistics::wilson;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -24,6 +25,9 @@ pub struct SelectionDocument {
     pub intercepts: bool,
     /// Sub-experiments per realization.
     pub picks: u64,
+    /// Seed of the picks.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub seed: Option<u64>,
     /// Of each maneuver in the optimized selection.
     pub counts: BTreeMap<String, u64>,
     /// Sub-experiments there are of each maneuver.
@@ -40,6 +44,9 @@ pub struct SelectionDocument {
     pub std_r: f64,
     /// Norm of RMSE/std from which a model counts as degenerate; √3 is as bad as the mean of the data.
     pub degenerate_from: f64,
+    /// Errors at which the figures of a published study end; absent where there is none to compare with.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub published_limits: Option<PublishedLimits>,
     /// 90 % quantile of the optimized error norm over that of the random one; null where either is infinite.
     pub ratio_q90: Option<f64>,
     /// The result, and what went wrong, in words.
@@ -51,7 +58,7 @@ pub struct SelectionDocument {
 }
 
 /// The realizations of one design. One without model, or whose simulation diverged, counts as infinite (null).
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SelectionScores {
     /// `optimized` or `random`.
@@ -64,14 +71,66 @@ pub struct SelectionScores {
     pub diverged: u64,
     /// Share of the realizations that are degenerate.
     pub degenerate_share: f64,
+    /// 95 % interval of that share (Wilson's); absent without realizations.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub degenerate_share_interval: Option<[f64; 2]>,
+    /// Shares of the realizations at or above `published_limits`, over all sub-experiments; one without model, or whose
+    /// simulation diverged, is above all of them.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub beyond_published: Option<SharesBeyond>,
     /// Over all sub-experiments, those picked included: the paper's protocol.
     pub overlapping: SelectionErrors,
     /// Over those that were not picked.
     pub left_out: SelectionErrors,
 }
 
-/// Quantiles over the realizations.
+/// Errors at which the figures of a published study end.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct PublishedLimits {
+    /// Norm of the RMSE as numbers.
+    pub rmse_norm: f64,
+    /// RMSE in surge.
+    pub rmse_u: f64,
+    /// RMSE in sway.
+    pub rmse_v: f64,
+    /// RMSE in yaw rate.
+    pub rmse_r: f64,
+}
+
+/// Shares of the realizations that are at or above [`PublishedLimits`].
+#[derive(Clone, Copy, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SharesBeyond {
+    /// By the norm of the RMSE as numbers.
+    pub norm: Share,
+    /// In surge.
+    pub surge: Share,
+    /// In sway.
+    pub sway: Share,
+    /// In yaw rate.
+    pub yaw: Share,
+}
+
+/// A share of realizations.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Share {
+    /// The share.
+    pub share: f64,
+    /// Its 95 % interval (Wilson's); null without realizations.
+    pub interval: Option<[f64; 2]>,
+}
+
+impl Share {
+    /// `count` of `total`.
+    pub fn of(count: usize, total: usize) -> Self {
+        Self { share: count as f64 / total.max(1) as f64, interval: wilson(count as u64, total as u64) }
+    }
+}
+
+/// Quantiles over the realizations.
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SelectionErrors {
     /// Norm of RMSE/std.
@@ -106,6 +165,10 @@ impl Document for SelectionDocument {
         ("not_identifiable", "1"),
         ("diverged", "1"),
         ("degenerate_share", "1"),
+        ("degenerate_share_interval", "1"),
+        ("share", "1"),
+        ("interval", "1"),
+        ("seed", "1"),
         ("error_norm", "1"),
         ("rmse_norm", "m/s, m/s and rad/s as numbers"),
         ("rmse_u", "m/s"),

@@ -1,6 +1,6 @@
 use artifact::Document;
 use identification::Estimator;
-use numerics::statistics::{quantile, sorted};
+use numerics::statistics::{quantile, quantile_interval, sorted};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -12,8 +12,14 @@ pub struct ValidationDocument {
     pub bounds: Bounds,
     /// Samples of the validation trajectory.
     pub samples: u64,
+    /// Seed of the campaign that the runs come from; absent for runs that were not simulated.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub seed: Option<u64>,
     /// One entry per design.
     pub designs: Vec<DesignScores>,
+    /// Which estimator to use for each design, where several were compared.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub recommendations: Option<Vec<EstimatorRecommendation>>,
     /// Every estimator on the same runs, where they were compared; `designs` then is that of `iv`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub compared: Option<Vec<EstimatorScores>>,
@@ -41,7 +47,7 @@ pub struct Bounds {
 
 /// The errors of one design. A run without an estimate, or whose free simulation diverged, counts as above every bound
 /// and as infinite in the quantiles (written null).
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct DesignScores {
     /// Name of the design.
@@ -57,8 +63,17 @@ pub struct DesignScores {
     pub diverged: u64,
     /// Share of all runs below the bound on the parameter error.
     pub parameter_error_share: f64,
+    /// 95 % interval of that share (Wilson's); absent without runs.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub parameter_error_share_interval: Option<[f64; 2]>,
     /// Share of all runs below the bound on the simulation error.
     pub simulation_error_share: f64,
+    /// 95 % interval of that share (Wilson's); absent without runs.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub simulation_error_share_interval: Option<[f64; 2]>,
+    /// Share of all runs that have no estimate.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub without_estimate_share: Option<f64>,
     /// Of the parameter error.
     pub parameter_error: Quantiles,
     /// Of the simulation error.
@@ -71,16 +86,70 @@ pub struct DesignScores {
     pub rmse_r: Quantiles,
 }
 
-/// Quantiles over the runs; null where the quantile falls among runs without a value.
+/// Which estimator to use for one design.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct EstimatorRecommendation {
+    /// Name of the design.
+    pub design: String,
+    /// The error that is compared, run by run.
+    pub error: ComparedError,
+    /// Number of runs.
+    pub runs: u64,
+    /// Estimators that leave a larger share of the runs without an estimate are not considered.
+    pub most_without_estimate: f64,
+    /// The estimator of least median error; null where the runs cannot tell it from another, or all are not considered.
+    pub estimator: Option<Estimator>,
+    /// The estimator of least median error, and those that the runs cannot tell from it.
+    pub candidates: Vec<Estimator>,
+    /// The other estimators that are considered, against that of least median error.
+    pub others: Vec<PairedDifference>,
+    /// That in words.
+    pub statement: String,
+}
+
+/// What estimators are compared by.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum ComparedError {
+    /// The parameter error.
+    ParameterError,
+    /// The simulation error, where the truth is not known.
+    SimulationError,
+}
+
+/// The error of one estimator less that of another on the same runs.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+pub struct PairedDifference {
+    /// Which.
+    pub estimator: Estimator,
+    /// Median over the runs; null where it is infinite.
+    pub median: Option<f64>,
+    /// 95 % interval of that median; null at an infinite end. An interval that contains 0 tells no difference.
+    pub interval: [Option<f64>; 2],
+}
+
+/// Quantiles over the runs; null where the quantile falls among runs without a value.
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
 pub struct Quantiles {
+    /// The smallest.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub min: Option<f64>,
     /// 10 %.
     pub q10: Option<f64>,
     /// 50 %.
     pub median: Option<f64>,
+    /// 95 % interval of the median: two of the values, by their ranks; null at an end that there are too few values for or
+    /// that falls among runs without a value.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub median_interval: Option<[Option<f64>; 2]>,
     /// 90 %.
     pub q90: Option<f64>,
+    /// The same of the 90 % quantile.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub q90_interval: Option<[Option<f64>; 2]>,
     /// 99 %.
     pub q99: Option<f64>,
     /// The largest.
@@ -92,9 +161,12 @@ impl Quantiles {
     pub fn of(values: impl Iterator<Item = Option<f64>>) -> Self {
         let sorted = sorted(values);
         Self {
+            min: quantile(&sorted, 0.0),
             q10: quantile(&sorted, 0.1),
             median: quantile(&sorted, 0.5),
+            median_interval: Some(quantile_interval(&sorted, 0.5)),
             q90: quantile(&sorted, 0.9),
+            q90_interval: Some(quantile_interval(&sorted, 0.9)),
             q99: quantile(&sorted, 0.99),
             max: quantile(&sorted, 1.0),
         }
@@ -113,6 +185,12 @@ impl Document for ValidationDocument {
         ("not_converged", "1"),
         ("diverged", "1"),
         ("parameter_error_share", "1"),
+        ("parameter_error_share_interval", "1"),
+        ("simulation_error_share_interval", "1"),
+        ("without_estimate_share", "1"),
+        ("seed", "1"),
+        ("most_without_estimate", "1"),
+        ("others", "the compared error's unit"),
         ("simulation_error_share", "1"),
         ("parameter_error", "1"),
         ("simulation_error", "m/s, m/s and rad/s as numbers"),

@@ -4,13 +4,13 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use artifact::{Error, Provenance};
-use identification::{EstimateStatus, Estimator};
+use identification::{EstimateStatus, Estimator, RepeatedEstimates, TRUSTED, relative_norms};
 use serde::de::DeserializeOwned;
 use vessel::{DegreeOfFreedom, Vessel};
 
 use super::Row;
 use crate::documents::{DegreeSummary, DesignSummary, EstimateDocument, EstimatorSummary, ParameterSummary};
-use numerics::statistics::{mean, quantile, sorted, spread};
+use numerics::statistics::{quantile, quantile_interval, sorted, wilson};
 
 /// The document of all `rows` of `file`, whose `provenance` has settings that name the leading estimator and how the mean
 /// was removed.
@@ -32,6 +32,8 @@ pub fn summarize(
     Ok(EstimateDocument {
         estimator: leading,
         mean_removal: setting(file, provenance, "mean_removal")?,
+        seed: crate::seed(provenance),
+        trusted_within: Some(TRUSTED),
         designs: of(leading),
         compared: (names.len() > 1).then(|| names.iter().map(summary).collect()),
         trust: None,
@@ -70,33 +72,52 @@ fn design_summaries(vessel: &Vessel, rows: &[&Row]) -> Vec<DesignSummary> {
 }
 
 fn design_summary(vessel: &Vessel, design: &str, rows: &[&Row]) -> DesignSummary {
-    let names = vessel.model.parameter_names().zip(vessel.model.parameter_units()).enumerate();
     let count = |status: EstimateStatus| rows.iter().filter(|r| r.status == status).count() as u64;
     let by = |which: fn(Estimator) -> bool| rows.iter().any(|r| which(r.estimator));
+    let found: Vec<RepeatedEstimates> =
+        (0..vessel.model.parameters()).map(|i| repeated(i, rows, vessel.value[i])).collect();
+    let norms = relative_norms(&found);
+    let ratios = || found.iter().filter_map(RepeatedEstimates::se_ratio);
     DesignSummary {
         design: design.to_owned(),
         runs: rows.len() as u64,
         identified: rows.iter().filter(|r| r.estimate.is_some()).count() as u64,
         not_converged: by(Estimator::searches).then(|| count(EstimateStatus::NotConverged)),
         kept: by(|e| e == Estimator::RefinedIv).then(|| count(EstimateStatus::Kept)),
-        parameters: names.map(|(i, (name, unit))| parameter_summary(vessel, i, name, unit, rows)).collect(),
+        relative_bias: norms.map(|[bias, _]| bias),
+        relative_spread: norms.map(|[_, spread]| spread),
+        relative_rms: norms.map(|[bias, spread]| bias.hypot(spread)),
+        se_ratio_min: ratios().reduce(f64::min),
+        se_ratio_max: ratios().reduce(f64::max),
+        parameters: parameters(vessel, &found),
         degrees: DegreeOfFreedom::ALL.into_iter().map(|d| degree_summary(d, rows)).collect(),
     }
 }
 
-fn parameter_summary(vessel: &Vessel, i: usize, name: &str, unit: String, rows: &[&Row]) -> ParameterSummary {
+fn repeated(i: usize, rows: &[&Row], truth: Option<f64>) -> RepeatedEstimates {
     let identified = || rows.iter().filter_map(|r| r.estimate.as_ref());
     let values: Vec<f64> = identified().map(|(theta, _)| theta[i]).collect();
-    let errors = sorted(identified().map(|(_, se)| Some(se[i])));
-    ParameterSummary {
-        name: name.to_owned(),
-        unit,
-        truth: vessel.value[i],
-        nominal: vessel.nominal[i],
-        mean: mean(&values),
-        spread: spread(&values),
-        predicted_se: quantile(&errors, 0.5),
-    }
+    let errors: Vec<f64> = identified().map(|(_, se)| se[i]).collect();
+    RepeatedEstimates::new(&values, &errors, truth)
+}
+
+fn parameters(vessel: &Vessel, found: &[RepeatedEstimates]) -> Vec<ParameterSummary> {
+    let names = vessel.model.parameter_names().zip(vessel.model.parameter_units());
+    let summary =
+        |(i, ((name, unit), found)): (usize, ((&str, String), &RepeatedEstimates))| ParameterSummary {
+            name: name.to_owned(),
+            unit,
+            truth: vessel.value[i],
+            nominal: vessel.nominal[i],
+            mean: found.mean,
+            spread: found.spread,
+            predicted_se: found.predicted_se,
+            relative_bias: found.relative_bias,
+            relative_spread: found.relative_spread,
+            se_ratio: found.se_ratio(),
+            se_trusted: Some(found.se_trusted()),
+        };
+    names.zip(found).enumerate().map(summary).collect()
 }
 
 fn degree_summary(d: DegreeOfFreedom, rows: &[&Row]) -> DegreeSummary {
@@ -109,8 +130,10 @@ fn degree_summary(d: DegreeOfFreedom, rows: &[&Row]) -> DegreeSummary {
     DegreeSummary {
         name: d.name().to_owned(),
         condition_median: quantile(&conditions, 0.5),
+        condition_median_interval: Some(quantile_interval(&conditions, 0.5)),
         condition_max: quantile(&conditions, 1.0),
         weakest_parameter: weakest.to_owned(),
         weakest_share: count as f64 / rows.len().max(1) as f64,
+        weakest_share_interval: wilson(count as u64, rows.len() as u64),
     }
 }

@@ -1,6 +1,6 @@
 use std::path::{Path, PathBuf};
 
-use artifact::{Column, Digest, Shard, Table, TableReader};
+use artifact::{Column, Digest, Provenance, Shard, Table, TableReader};
 
 use vessel::{Run, Segment};
 
@@ -43,6 +43,11 @@ impl TrajectoryReader {
     /// Whether the file has the true states, and with them the state that a run starts from.
     pub fn true_states(&self) -> bool {
         self.truth
+    }
+
+    /// Where the trajectories come from.
+    pub fn provenance(&self) -> &Provenance {
+        self.table.provenance()
     }
 
     /// Digest of the file.

@@ -1,0 +1,135 @@
+//! Which of several estimators to use, from their errors on the same runs.
+
+use numerics::statistics::{paired_median, quantile, sorted};
+
+use crate::Estimator;
+
+/// An estimator that leaves a larger share of the runs without an estimate is not recommended.
+pub const MOST_WITHOUT_ESTIMATE: f64 = 0.01;
+
+/// An estimator on the runs of one design.
+#[derive(Clone, Debug)]
+pub struct Contender {
+    /// Which.
+    pub estimator: Estimator,
+    /// Its errors, in the same order of runs for all contenders; none where there is no error to tell.
+    pub errors: Vec<Option<f64>>,
+    /// Runs without an estimate.
+    pub without_estimate: usize,
+}
+
+/// What the runs say.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Recommendation {
+    /// The estimator of least median error among those that estimate nearly every run.
+    pub least: Estimator,
+    /// Its median error.
+    pub median: f64,
+    /// The others of those.
+    pub others: Vec<Other>,
+}
+
+/// An estimator beside that of least median error.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Other {
+    /// Which.
+    pub estimator: Estimator,
+    /// Median over the runs of its error less that of the least.
+    pub difference: f64,
+    /// 95 % interval of that median; infinite where there are too few runs for an end.
+    pub interval: [f64; 2],
+}
+
+impl Recommendation {
+    /// Compares the contenders run by run; `None` where each leaves too many runs without an estimate.
+    pub fn new(contenders: &[Contender]) -> Option<Self> {
+        let median = |c: &&Contender| quantile(&sorted(c.errors.iter().copied()), 0.5);
+        let admitted: Vec<(&Contender, f64)> =
+            contenders.iter().filter(|c| c.admitted()).filter_map(|c| Some((c, median(&c)?))).collect();
+        let &(least, median) = admitted.iter().min_by(|a, b| a.1.total_cmp(&b.1))?;
+        let others = admitted.iter().filter(|(c, _)| c.estimator != least.estimator);
+        Some(Self {
+            least: least.estimator,
+            median,
+            others: others.filter_map(|(c, _)| Other::new(least, c)).collect(),
+        })
+    }
+
+    /// The recommended estimator: that of least median error, where the runs can tell it from each of the others.
+    pub fn estimator(&self) -> Option<Estimator> {
+        self.others.iter().all(Other::is_told_apart).then_some(self.least)
+    }
+
+    /// The estimator of least median error, and those that the runs cannot tell from it.
+    pub fn candidates(&self) -> Vec<Estimator> {
+        let close = self.others.iter().filter(|other| !other.is_told_apart()).map(|other| other.estimator);
+        std::iter::once(self.least).chain(close).collect()
+    }
+}
+
+impl Contender {
+    fn admitted(&self) -> bool {
+        self.without_estimate as f64 <= MOST_WITHOUT_ESTIMATE * self.errors.len() as f64
+    }
+}
+
+impl Other {
+    fn new(least: &Contender, other: &Contender) -> Option<Self> {
+        let pairs = least.errors.iter().zip(&other.errors).map(|(least, other)| [*least, *other]);
+        let [low, difference, high] = paired_median(pairs)?;
+        Some(Self { estimator: other.estimator, difference, interval: [low, high] })
+    }
+
+    /// Whether its errors are the larger ones beyond chance: the interval of the difference lies above 0.
+    fn is_told_apart(&self) -> bool {
+        self.interval[0] > 0.0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn contender(estimator: Estimator, errors: impl Fn(usize) -> Option<f64>) -> Contender {
+        let errors: Vec<Option<f64>> = (0..96).map(errors).collect();
+        let without_estimate = errors.iter().filter(|e| e.is_none()).count();
+        Contender { estimator, errors, without_estimate }
+    }
+
+    /// Errors that vary far more from run to run than between estimators.
+    fn varied(i: usize) -> f64 {
+        1.0 + (i * 37 % 96) as f64 / 10.0
+    }
+
+    #[test]
+    fn law_a_small_difference_in_every_run_is_told_and_a_chance_one_is_not() {
+        let iv = contender(Estimator::Iv, |i| Some(varied(i)));
+        let worse = contender(Estimator::Ls, |i| Some(varied(i) + 0.01));
+        let found = Recommendation::new(&[worse.clone(), iv.clone()]).unwrap();
+        assert_eq!((found.estimator(), found.candidates()), (Some(Estimator::Iv), vec![Estimator::Iv]));
+        let chance =
+            contender(Estimator::RefinedIv, |i| Some(varied(i) + if i % 2 == 0 { 0.3 } else { -0.29 }));
+        let found = Recommendation::new(&[worse, iv, chance]).unwrap();
+        assert_eq!((found.estimator(), found.candidates().len()), (None, 2));
+    }
+
+    #[test]
+    fn an_estimator_that_leaves_runs_without_an_estimate_is_not_considered() {
+        let better = contender(Estimator::OutputError, |i| (i > 0).then(|| 0.5 * varied(i)));
+        let iv = contender(Estimator::Iv, |i| Some(varied(i)));
+        let found = Recommendation::new(&[better.clone(), iv]).unwrap();
+        assert_eq!((found.least, found.others), (Estimator::Iv, vec![]));
+        assert_eq!(Recommendation::new(&[better]), None);
+    }
+
+    #[test]
+    fn five_runs_tell_no_difference() {
+        let few = |estimator, shift: f64| Contender {
+            estimator,
+            errors: (0..5).map(|i| Some(varied(i) + shift)).collect(),
+            without_estimate: 0,
+        };
+        let found = Recommendation::new(&[few(Estimator::Iv, 0.0), few(Estimator::Ls, 1.0)]).unwrap();
+        assert_eq!((found.least, found.estimator()), (Estimator::Iv, None));
+    }
+}

@@ -1,0 +1,77 @@
+//! Estimates of the same parameters from many runs of one design.
+
+use numerics::statistics::{mean, quantile, sorted, spread};
+
+/// Standard errors are trusted where they are this close to the spread that they predict, relatively.
+pub const TRUSTED: f64 = 0.15;
+
+/// One parameter over the runs that have an estimate. Relative figures are over the modulus of the truth, and absent where it
+/// is not known or 0.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RepeatedEstimates {
+    /// Mean estimate.
+    pub mean: Option<f64>,
+    /// Standard deviation of the estimates; none below two runs.
+    pub spread: Option<f64>,
+    /// Median of the standard errors that the runs report.
+    pub predicted_se: Option<f64>,
+    /// (mean − truth)/|truth|.
+    pub relative_bias: Option<f64>,
+    /// spread/|truth|.
+    pub relative_spread: Option<f64>,
+}
+
+impl RepeatedEstimates {
+    /// From the estimates and the standard errors of all runs.
+    pub fn new(estimates: &[f64], standard_errors: &[f64], truth: Option<f64>) -> Self {
+        let (mean, spread) = (mean(estimates), spread(estimates));
+        let known = truth.filter(|truth| *truth != 0.0);
+        Self {
+            mean,
+            spread,
+            predicted_se: quantile(&sorted(standard_errors.iter().copied().map(Some)), 0.5),
+            relative_bias: mean.zip(known).map(|(mean, truth)| (mean - truth) / truth.abs()),
+            relative_spread: spread.zip(known).map(|(spread, truth)| spread / truth.abs()),
+        }
+    }
+
+    /// Predicted standard error over the spread: near 1 where standard errors can be trusted.
+    pub fn se_ratio(&self) -> Option<f64> {
+        let spread = self.spread.filter(|spread| *spread > 0.0)?;
+        Some(self.predicted_se? / spread)
+    }
+
+    /// Whether the standard errors are within [`TRUSTED`] of the spread.
+    pub fn se_trusted(&self) -> bool {
+        self.se_ratio().is_some_and(|ratio| (ratio - 1.0).abs() <= TRUSTED)
+    }
+}
+
+/// 2-norms of relative bias and relative spread over the parameters that have both; `None` where none has.
+pub fn relative_norms(parameters: &[RepeatedEstimates]) -> Option<[f64; 2]> {
+    let both: Vec<[f64; 2]> =
+        parameters.iter().filter_map(|p| Some([p.relative_bias?, p.relative_spread?])).collect();
+    let norm = |i: usize| both.iter().map(|x| x[i] * x[i]).sum::<f64>().sqrt();
+    (!both.is_empty()).then(|| [norm(0), norm(1)])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn law_errors_are_relative_to_the_modulus_of_the_truth() {
+        let found = RepeatedEstimates::new(&[-1.0, -3.0], &[1.0, 2.0, 3.0], Some(-4.0));
+        assert_eq!((found.relative_bias, found.relative_spread), (Some(0.5), Some(2f64.sqrt() / 4.0)));
+        assert_eq!((found.predicted_se, found.se_ratio()), (Some(2.0), Some(2.0 / 2f64.sqrt())));
+        assert!(!found.se_trusted() && RepeatedEstimates::new(&[1.0, 3.0], &[1.5], None).se_trusted());
+    }
+
+    #[test]
+    fn norms_take_the_parameters_with_a_known_truth() {
+        let of = |truth| RepeatedEstimates::new(&[1.0, 3.0], &[1.0], truth);
+        assert_eq!(relative_norms(&[of(None), of(Some(0.0))]), None);
+        let norms = relative_norms(&[of(None), of(Some(-1.0)), of(Some(0.5))]).unwrap();
+        assert_eq!(norms, [18f64.sqrt(), 10f64.sqrt()]);
+    }
+}

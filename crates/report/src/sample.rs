@@ -1,0 +1,19 @@
+use study::documents::ValidationDocument;
+use study::listed;
+
+/// What the brackets beside numbers are.
+pub(super) const INTERVALS: &str =
+    "In brackets: 95 % intervals, of shares by Wilson's score, of quantiles by ranks.";
+
+/// How many runs the numbers of a validation are drawn from, and their seed: `500 runs per design, seed 1`.
+pub(super) fn drawn_from(validation: &ValidationDocument) -> String {
+    let counts: Vec<u64> = validation.designs.iter().map(|d| d.runs).collect();
+    let runs = match counts.split_first() {
+        Some((first, others)) if others.iter().all(|count| count == first) => {
+            format!("{first} runs per design")
+        }
+        _ => format!("{} runs", listed(&counts.iter().map(u64::to_string).collect::<Vec<_>>())),
+    };
+    let seed = validation.seed.map_or(String::new(), |seed| format!(", seed {seed}"));
+    format!("{runs}{seed}")
+}
