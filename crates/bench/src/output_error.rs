@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use identification::predictor::{Fit, InitialState, Spread, output_error};
-use identification::{Batch, MeanRemoval, Outcome, estimate};
+use identification::{Batch, Instruments, MeanRemoval, Outcome};
 use serde_json::{Value, json};
 use vessel::{
     Current, Disturbances, LANES, Lane, Measurement, RunView, Source, Streams, simulate, simulate_one,
@@ -94,7 +94,8 @@ impl<'a> Realizations<'a> {
                 _ => nominal.to_vec(),
             },
         };
-        estimate(&batch, MeanRemoval::Complete).into_iter().enumerate().map(one).collect()
+        let outcomes = Instruments::new(&batch, MeanRemoval::Complete).estimate(&batch);
+        outcomes.into_iter().enumerate().map(one).collect()
     }
 
     fn fits(&self) -> Vec<Fit> {

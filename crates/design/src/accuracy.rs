@@ -1,67 +1,9 @@
 //! Standard errors relative to the parameters, and how long an experiment takes to reach them.
 
-use std::fmt;
-
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
-
-use crate::{
-    Bounds, Candidates, Covariance, CovarianceCriterion, Dictionary, Error, NoDesign, Norm, Options,
-    solve_covariance,
-};
-
-/// Which relative standard error is meant.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-pub enum AccuracyOf {
-    /// The root of the sum of the squared relative standard errors.
-    Overall,
-    /// The largest relative standard error.
-    PerParameter,
-}
-
-impl fmt::Display for AccuracyOf {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Overall => "root of the sum of squared relative standard errors",
-            Self::PerParameter => "largest relative standard error",
-        })
-    }
-}
-
-/// The accuracy that is wanted.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Wanted {
-    /// The standard error, relative to the parameters.
-    pub accuracy: f64,
-    /// Which one.
-    pub of: AccuracyOf,
-    /// The longest experiment \[s\].
-    pub longest_s: f64,
-}
-
-/// An accuracy that the longest experiment does not reach.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct OutOfReach {
-    /// What was wanted.
-    pub wanted: Wanted,
-    /// How long that takes; infinite where no time is enough \[s\].
-    pub needed_s: f64,
-    /// What the longest experiment reaches.
-    pub best: f64,
-}
-
-impl fmt::Display for OutOfReach {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { wanted, needed_s, best } = self;
-        write!(f, "found {} ({}), ", wanted.accuracy, wanted.of)?;
-        match needed_s.is_finite() {
-            true => write!(f, "which takes {needed_s:.1} s")?,
-            false => f.write_str("which no time gives")?,
-        }
-        write!(f, ", expected one that {} s can reach: the best is {best:.4}", wanted.longest_s)
-    }
-}
+use crate::dictionary::Dictionary;
+use crate::no_design::NoDesign;
+use crate::wanted::{AccuracyOf, OutOfReach, Wanted};
+use crate::{Bounds, Candidates, Covariance, CovarianceCriterion, Error, Norm, Options, solve_covariance};
 
 /// Rounds of the search for the least largest error.
 const ROUNDS: usize = 30;

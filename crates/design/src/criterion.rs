@@ -225,7 +225,10 @@ impl Criterion {
     pub fn efficiency(&self, design: &Design, shares: &[f64], parameters: usize) -> f64 {
         match self {
             Self::Information(candidates) => design.efficiency(candidates, shares, parameters),
-            Self::Covariance(c) => c.covariance.efficiency(design, shares),
+            Self::Covariance(_) => {
+                let value = self.value(shares);
+                value.map_or(0.0, |value| ((value - design.log_det) / self.degree()).exp())
+            }
         }
     }
 

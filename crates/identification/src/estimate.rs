@@ -27,12 +27,6 @@ pub enum Outcome {
     TooShort,
 }
 
-/// Estimates every run of a batch: instrumental variables, or least squares where the instruments are the measured
-/// states.
-pub fn estimate<X: Number>(batch: &Batch<X>, removal: MeanRemoval) -> Vec<Outcome> {
-    Instruments::new(batch, removal).estimate(batch)
-}
-
 /// What an estimate needs to know of the instruments alone: computed once for all batches that share model, instrument
 /// states, inputs and segments.
 pub struct Instruments {
@@ -63,7 +57,8 @@ impl Instruments {
         Self { removal, sums, means, squares }
     }
 
-    /// [`estimate`] for a batch with these instruments.
+    /// Estimates every run of a batch with these instruments: instrumental variables, or least squares where they are the
+    /// measured states.
     pub fn estimate<X: Number>(&self, batch: &Batch<X>) -> Vec<Outcome> {
         self.fit(batch, |_| ()).into_iter().map(|(outcome, ())| outcome).collect()
     }

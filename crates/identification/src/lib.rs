@@ -11,6 +11,7 @@
 #![warn(missing_docs)]
 
 mod batch;
+pub mod crossval;
 mod estimate;
 mod estimator;
 mod instrument_kind;
@@ -24,14 +25,18 @@ mod recommendation;
 pub mod refine;
 mod repeated;
 mod residual;
+mod run_estimate;
+pub mod runs;
+pub mod selection;
 mod sensitivity;
 mod solve;
 mod status;
 mod sums;
 mod validate;
+mod validation_runs;
 
 pub use batch::Batch;
-pub use estimate::{Estimate, Instruments, Outcome, estimate};
+pub use estimate::{Estimate, Instruments, Outcome};
 pub use estimator::Estimator;
 pub use instrument_kind::InstrumentKind;
 pub use mean_removal::MeanRemoval;
@@ -40,8 +45,10 @@ pub use moments::{ManeuverMoments, moments};
 pub use prefiltered::estimate_prefiltered;
 pub use recommendation::{Contender, MOST_WITHOUT_ESTIMATE, Other, Recommendation};
 pub use repeated::{RepeatedEstimates, TRUSTED, relative_norms};
+pub use run_estimate::RunEstimate;
 pub use sensitivity::{OutputInformation, output_information, prediction_weights};
 pub use solve::{Direction, Excitation};
 pub use status::{EstimateStatus, ScoreStatus};
 pub use sums::{DegreeSums, Sums};
 pub use validate::{FreeRun, free_runs, parameter_error};
+pub use validation_runs::{RunScore, ValidationRuns};

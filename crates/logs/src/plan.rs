@@ -3,9 +3,7 @@
 use thiserror::Error;
 use vessel::Vessel;
 
-use crate::{
-    ChannelSpec, Group, KINEMATIC, Malformed, Recipe, Setup, ThrusterSpec, Unit, Wanted, factor, unit,
-};
+use crate::{ChannelSpec, Conventions, Derived, Group, KINEMATIC, Recipe, Setup, Unit, Wanted, factor, unit};
 
 /// What is made of every recording.
 #[derive(Clone, Debug)]
@@ -59,16 +57,6 @@ pub enum ChannelError {
         source_channel: String,
         /// What is provided.
         known: Vec<String>,
-    },
-    /// A formula that cannot be read.
-    #[error("the formula `{formula}` of channel `{channel}` has {malformed}")]
-    Formula {
-        /// The computed channel.
-        channel: String,
-        /// Its formula.
-        formula: String,
-        /// What is wrong with it.
-        malformed: Malformed,
     },
     /// A name that is given twice.
     #[error("channel `{0}` is given twice")]
@@ -138,8 +126,7 @@ impl Plan {
     /// without one all channels that are not optional.
     ///
     /// # Errors
-    /// An unknown unit, a channel that is given twice or has no usable name or another unit than needed, a formula that
-    /// cannot be read, a source that nothing provides, and all channels that the vessel needs and nothing provides at once.
+    /// An unknown unit, a channel that is given twice or has no usable name or another unit than needed, a source that nothing provides, and all channels that the vessel needs and nothing provides at once.
     pub fn new(setup: Setup, vessel: Option<&Vessel>) -> Result<Self, ChannelError> {
         let units = setup.groups.iter().map(units).collect::<Result<Vec<_>, _>>()?;
         let mut provided = measured(&setup, &units);
@@ -152,8 +139,8 @@ impl Plan {
         };
         let further = further(&provided, &exogenous);
         let recipe = Recipe {
-            conventions: setup.conventions()?,
-            method: setup.velocities.method,
+            conventions: setup.conventions.clone(),
+            method: setup.method,
             rate_hz: setup.rate_hz,
             average_s: setup.average_s,
             exogenous: exogenous.iter().map(|channel| channel.name.clone()).collect(),
@@ -208,15 +195,15 @@ fn measured(setup: &Setup, units: &[Vec<Unit>]) -> Vec<Provided> {
 
 /// Adds derived channels and the forces of thrusters; their sources must be there.
 fn computed(setup: &Setup, provided: &mut Vec<Provided>) -> Result<(), ChannelError> {
-    for derived in &setup.derived {
-        let formula = derived.parse()?;
-        formula.channels.iter().try_for_each(|source| check_source(&derived.channel, source, provided))?;
-        provided.push(Provided::new(&derived.channel, &derived.unit));
+    let Conventions { derived, thrusters, .. } = &setup.conventions;
+    for Derived { channel, formula, unit } in derived {
+        formula.channels.iter().try_for_each(|source| check_source(channel, source, provided))?;
+        provided.push(Provided::new(channel, unit));
     }
-    for (_, speed, angle) in setup.thrusters.iter().map(ThrusterSpec::parts) {
-        [speed].iter().chain(&angle).try_for_each(|source| check_source("tau1", source, provided))?;
+    for (_, speed, angle) in thrusters {
+        [speed].into_iter().chain(angle).try_for_each(|source| check_source("tau1", source, provided))?;
     }
-    if !setup.thrusters.is_empty() {
+    if !thrusters.is_empty() {
         let forces = [("tau1", "N"), ("tau2", "N"), ("tau3", "N m")];
         provided.extend(forces.map(|(name, unit)| Provided::new(name, unit)));
     }
@@ -266,7 +253,7 @@ fn check_motion(setup: &Setup, provided: &[Provided]) -> Result<(), ChannelError
     if !lacking.is_empty() {
         return Err(ChannelError::NoMotion(lacking));
     }
-    if placed && !has("psi") && !setup.lever.is_zero() {
+    if placed && !has("psi") && !setup.conventions.lever.is_zero() {
         return Err(ChannelError::NoHeading);
     }
     Ok(())

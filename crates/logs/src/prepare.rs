@@ -36,11 +36,22 @@ pub struct Conventions {
     pub lever: Lever,
     /// Length of the parabolas that yaw rates are taken from where the lever arm needs one and none is measured \[s\].
     pub window_s: f64,
-    /// Names and formulas of computed channels; each may use those before it.
-    pub derived: Vec<(String, Formula)>,
+    /// Computed channels; each may use those before it.
+    pub derived: Vec<Derived>,
     /// Thrusters with the channels of their speed and, for azimuth thrusters, angle \[rad\] from forward to starboard;
     /// their forces make up `tau1`, `tau2`, `tau3`.
     pub thrusters: Vec<(Thruster, String, Option<String>)>,
+}
+
+/// A channel computed from others.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Derived {
+    /// Its name.
+    pub channel: String,
+    /// What it is.
+    pub formula: Formula,
+    /// Its unit.
+    pub unit: String,
 }
 
 /// Brings measured channels into x north, y east, psi clockwise from north, body x forward, y starboard, z down, moves
@@ -53,9 +64,9 @@ pub fn prepare(mut channels: Channels, conventions: &Conventions) -> Result<Chan
     let frame = if plane(&mut channels)? { Frame::Ned } else { conventions.frame };
     turn(&mut channels, frame, conventions);
     move_to_reference(&mut channels, conventions);
-    for (name, formula) in &conventions.derived {
+    for Derived { channel, formula, .. } in &conventions.derived {
         let series = combine(&channels, &formula.channels, |values| formula.evaluate(values))?;
-        channels.insert(name.clone(), series);
+        channels.insert(channel.clone(), series);
     }
     add_forces(&mut channels, conventions)?;
     Ok(channels)
@@ -223,17 +234,19 @@ mod tests {
         assert_eq!(found.len(), 2);
     }
 
+    fn computed(name: &str, text: &str) -> Derived {
+        Derived { channel: name.into(), formula: Formula::parse(text).unwrap(), unit: "1".into() }
+    }
+
     #[test]
     fn computed_channels_may_use_those_before_them() {
         let formulas = [("back", "negative(n)"), ("square", "back^2")];
-        let derived = formulas.map(|(name, text)| (name.to_owned(), Formula::parse(text).unwrap())).into();
+        let derived = formulas.map(|(name, text)| computed(name, text)).into();
         let found =
             prepare(channels(&[("n", &[-3.0, 2.0])]), &Conventions { derived, ..conventions() }).unwrap();
         assert_eq!(found["square"].values, [9.0, 0.0]);
-        let lacking = prepare(
-            channels(&[]),
-            &Conventions { derived: vec![("a".to_owned(), Formula::parse("b").unwrap())], ..conventions() },
-        );
+        let lacking =
+            prepare(channels(&[]), &Conventions { derived: vec![computed("a", "b")], ..conventions() });
         assert_eq!(lacking, Err(Unassembled::NoChannel("b".to_owned())));
     }
 

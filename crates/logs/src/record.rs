@@ -96,7 +96,7 @@ pub fn record(
     let channels = channels(plan, logs, start_s);
     let slowest = slowest(&channels);
     let made = assemble(channels, &plan.recipe).map_err(|why| RecordError::Unassembled { why, slowest })?;
-    let motion = consistency(&made.channels, plan.setup.velocities.window_s);
+    let motion = consistency(&made.channels, plan.setup.conventions.window_s);
     check_ratios(&motion)?;
     let (parts, short) = segmentation.runs(source, &made, labels.as_ref());
     let (runs, further) = parts.iter().map(|parts| run(plan, &made, parts)).unzip();

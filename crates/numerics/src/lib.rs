@@ -6,6 +6,7 @@
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 
+pub mod distributions;
 mod lu;
 pub mod statistics;
 mod weakest;

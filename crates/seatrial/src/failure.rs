@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use identification::runs::RunError;
 use thiserror::Error;
 use vessel::Invalid;
 
@@ -36,6 +37,12 @@ impl Failure {
     /// A refusal of `file`.
     pub fn refuse(file: &Path, thing: &str, found: &str, expected: &str, remedy: &str) -> Self {
         artifact::Error::refuse(file, thing, found, expected, remedy).into()
+    }
+
+    /// That a run of `file` cannot be estimated.
+    pub fn of_run(error: &RunError, vessel_file: &Path, file: &Path) -> Self {
+        let diverged = matches!(error, RunError::Diverged(_));
+        Self::invalid(if diverged { vessel_file } else { file }, &error.invalid())
     }
 
     /// What is invalid in `file`.

@@ -19,9 +19,8 @@ pub mod selection;
 pub mod sequential;
 pub mod track;
 pub mod trajectories;
-mod words;
 
+pub use identification::pooled::listed;
 pub use recommendation::recommendations;
 pub use refusal::{invalid, refuse};
 pub use seed::{note_seed, seed};
-pub use words::listed;

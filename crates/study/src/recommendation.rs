@@ -2,8 +2,8 @@ use identification::{Contender, Estimator, MOST_WITHOUT_ESTIMATE, Other, Recomme
 
 use crate::documents::{ComparedError, EstimatorRecommendation, PairedDifference};
 use crate::estimates::distinct;
+use crate::listed;
 use crate::scores::{Row, estimators};
-use crate::words::listed;
 
 /// Which estimator to use for each design, where the rows are of several.
 pub fn recommendations(rows: &[Row]) -> Option<Vec<EstimatorRecommendation>> {
@@ -41,7 +41,7 @@ fn contender(estimator: Estimator, rows: &[&Row], error: ComparedError) -> Conte
     };
     Contender {
         estimator,
-        errors: own().map(|row| value(row)).collect(),
+        errors: own().map(value).collect(),
         without_estimate: own().filter(|row| !row.status.estimated()).count(),
     }
 }

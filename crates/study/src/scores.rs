@@ -5,6 +5,8 @@ use identification::{Estimator, ScoreStatus};
 use numerics::statistics::wilson;
 use vessel::DegreeOfFreedom;
 
+pub use identification::RunScore as Row;
+
 use crate::documents::{Bounds, DesignScores, EstimatorScores, Quantiles};
 use crate::estimates::distinct;
 
@@ -12,25 +14,6 @@ use crate::estimates::distinct;
 pub const ID: &str = "scores";
 /// Version of the schema.
 pub const VERSION: u32 = 1;
-/// One row.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Row {
-    /// Its design.
-    pub design: String,
-    /// Number of the run.
-    pub run: i32,
-    /// Its estimator.
-    pub estimator: Estimator,
-    /// What became of its model.
-    pub status: ScoreStatus,
-    /// ‖(θ̂ − θ)/θ‖, where the run is identified and the truth known.
-    pub parameter_error: Option<f64>,
-    /// RMSE in u, v \[m/s\] and r \[rad/s\], where the simulation did not diverge.
-    pub rmse: [Option<f64>; 3],
-    /// Their norm.
-    pub simulation_error: Option<f64>,
-}
-
 /// The columns.
 pub fn schema() -> TableSchema {
     columns().schema().clone()

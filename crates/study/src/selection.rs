@@ -2,9 +2,13 @@
 
 use artifact::{Columns, Error, Table, TableReader, TableSchema};
 use identification::ScoreStatus;
+use identification::pooled::{NominalSource, Pool};
+use identification::selection::{DEGENERATE, Realization, Selected, Selection, SelectionOptions};
 use vessel::DegreeOfFreedom;
 
-use crate::documents::{PublishedLimits, Quantiles, SelectionErrors, SelectionScores, Share, SharesBeyond};
+use crate::documents::{
+    PublishedLimits, Quantiles, SelectionDocument, SelectionErrors, SelectionScores, Share, SharesBeyond,
+};
 
 /// Schema id of the realizations of a selection study.
 pub const ID: &str = "selection-realizations";
@@ -33,6 +37,22 @@ pub struct Row {
 }
 
 impl Row {
+    /// What became of a realization of `design`.
+    pub fn of(design: &str, realization: &Realization) -> Self {
+        let picked: Vec<String> = realization.picked.iter().map(usize::to_string).collect();
+        let Realization { number, overlapping, left_out, status, .. } = realization;
+        Self {
+            design: design.to_owned(),
+            realization: *number as i32,
+            picked: picked.join(" "),
+            identified: *status != ScoreStatus::NotIdentifiable,
+            rmse: overlapping.map(|e| e.rmse),
+            error_norm: overlapping.and_then(|e| e.norm()),
+            left_out_rmse: left_out.map(|e| e.rmse),
+            left_out_norm: left_out.and_then(|e| e.norm()),
+        }
+    }
+
     fn status(&self) -> ScoreStatus {
         match (self.identified, self.rmse) {
             (false, _) => ScoreStatus::NotIdentifiable,
@@ -102,8 +122,51 @@ fn errors(
     })
 }
 
+/// One row per realization.
+pub fn rows_of(found: &Selection) -> Vec<Row> {
+    let of = |selected: &Selected| {
+        selected.realizations.iter().map(|r| Row::of(selected.design, r)).collect::<Vec<_>>()
+    };
+    found.designs.iter().flat_map(of).collect()
+}
+
+/// What `found` says, of which `rows` are the realizations, with instruments from `nominal`.
+pub fn document(
+    pool: &Pool,
+    nominal: NominalSource,
+    options: &SelectionOptions,
+    found: &Selection,
+    rows: &[Row],
+    published_limits: Option<PublishedLimits>,
+) -> SelectionDocument {
+    let [std_u, std_v, std_r] = found.std;
+    let design = |selected: &Selected| summarize(selected.design, rows, DEGENERATE, published_limits);
+    SelectionDocument {
+        estimator: options.estimator,
+        mean_removal: pool.removal,
+        nominal,
+        prior: pool.strength,
+        intercepts: true,
+        picks: found.picks,
+        seed: Some(options.seed),
+        counts: options.counts.clone(),
+        available: found.available.clone(),
+        parts: found.parts as u64,
+        samples: found.samples,
+        std_u,
+        std_v,
+        std_r,
+        degenerate_from: DEGENERATE,
+        published_limits,
+        ratio_q90: found.ratio_q90,
+        statements: found.statements.clone(),
+        instrument_fit: found.instrument_fit,
+        designs: found.designs.iter().map(design).collect(),
+    }
+}
+
 /// What the realizations of one design say together. A realization is degenerate from this norm of RMSE/std on.
-pub fn summarize(
+fn summarize(
     design: &str,
     rows: &[Row],
     degenerate_from: f64,

@@ -1,44 +1,30 @@
 //! What candidates a criterion of the covariance is defined for, and where it is concave.
 
-use super::{Block, Covariance, CovariancePoint, Norm};
+use super::block::Block;
+use crate::Candidates;
 use crate::certificate::{is_concave, row_scaling};
 use crate::product::dot;
-use crate::{Candidates, Error};
 
-impl Covariance {
-    /// Refuses a dictionary whose equal mixture gives a weighted direction no variance (or, for a mean of eigenvalues, none
-    /// at all).
-    pub(super) fn check_covariance(&self) -> Result<(), Error> {
-        let count = self.information.len();
-        let mut at = CovariancePoint::default();
-        self.invert(&vec![1.0 / count as f64; count], &mut at)
-            .ok_or_else(|| Error::Solver("equal shares are singular".into()))?;
-        let weighted = self.weighted_blocks(&at);
-        let nothing = weighted.iter().flatten().all(|c| *c == 0.0);
-        for (index, (block, matrix)) in self.blocks().zip(&weighted).enumerate() {
-            let k = block.kept();
-            if k == 0 || (self.norm != Norm::LogDet && !nothing) {
-                continue;
-            }
-            // In correlations, so that units do not count.
-            let size = |i: usize| matrix[i * k + i].max(0.0).sqrt();
-            let zero = (0..k).find(|i| size(*i) == 0.0);
-            let direction = match zero {
-                Some(i) => (0..k).map(|j| f64::from(u8::from(i == j))).collect(),
-                None => {
-                    let correlation: Vec<f64> =
-                        (0..k * k).map(|e| matrix[e] / (size(e / k) * size(e % k))).collect();
-                    match numerics::weakest(k, &correlation) {
-                        Some(found) if found.ratio > 1e-12 => continue,
-                        Some(found) => found.direction,
-                        None => vec![1.0; k],
-                    }
-                }
-            };
-            return Err(Error::SingularCovariance { block: index, row: strongest(&block, &direction) });
-        }
-        Ok(())
+/// The row that a direction without variance has most of, where the weighted covariance `matrix` of a block has such a one.
+pub(super) fn row_without_variance(block: &Block<'_>, matrix: &[f64]) -> Option<usize> {
+    let k = block.kept();
+    if k == 0 {
+        return None;
     }
+    // In correlations, so that units do not count.
+    let size = |i: usize| matrix[i * k + i].max(0.0).sqrt();
+    let direction = match (0..k).find(|i| size(*i) == 0.0) {
+        Some(i) => (0..k).map(|j| f64::from(u8::from(i == j))).collect(),
+        None => {
+            let correlation: Vec<f64> = (0..k * k).map(|e| matrix[e] / (size(e / k) * size(e % k))).collect();
+            match numerics::weakest(k, &correlation) {
+                Some(found) if found.ratio > 1e-12 => return None,
+                Some(found) => found.direction,
+                None => vec![1.0; k],
+            }
+        }
+    };
+    Some(strongest(block, &direction))
 }
 
 /// The row that a direction in weighted units has most of.

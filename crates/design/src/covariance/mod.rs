@@ -1,24 +1,16 @@
 use std::ops::Range;
 
 use crate::eigen::symmetric;
-use crate::product::{congruence, dot, transposed};
+use crate::product::{congruence, transposed};
 use crate::spectrum::Spectrum;
-use crate::{Candidates, Design, Error, Objective};
+use crate::{Candidates, Error, Norm};
 
+mod block;
 mod check;
 mod objective;
 
-use check::is_proportional;
-
-/// What of a covariance matrix is made small.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Norm {
-    /// log det: D-optimality.
-    #[default]
-    LogDet,
-    /// log of the trace: A-optimality.
-    Trace,
-}
+use block::Block;
+use check::{is_proportional, row_without_variance};
 
 /// A criterion of the covariance A(w)⁻¹ B(w) A(w)⁻ᵀ, A(w) = Σ w_q M_qᵀ, B(w) = Σ w_q B_q, one block of parameters after
 /// the other. As an [`Objective`] it is minus the [`Norm`] of the weighted covariance.
@@ -167,16 +159,26 @@ impl Covariance {
         self.norm
     }
 
+    /// Refuses a dictionary whose equal mixture gives a weighted direction no variance (or, for the trace, none at all).
+    fn check_covariance(&self) -> Result<(), Error> {
+        let count = self.information.len();
+        let mut at = CovariancePoint::default();
+        self.invert(&vec![1.0 / count as f64; count], &mut at)
+            .ok_or_else(|| Error::Solver("equal shares are singular".into()))?;
+        let weighted = self.weighted_blocks(&at);
+        let nothing = weighted.iter().flatten().all(|c| *c == 0.0);
+        if self.norm != Norm::LogDet && !nothing {
+            return Ok(());
+        }
+        let row = |(index, (block, matrix)): (usize, (Block<'_>, &Vec<f64>))| {
+            row_without_variance(&block, matrix).map(|row| Error::SingularCovariance { block: index, row })
+        };
+        self.blocks().zip(&weighted).enumerate().find_map(row).map_or(Ok(()), Err)
+    }
+
     /// Number of eigenvalues of the weighted covariance.
     fn eigenvalues(&self) -> usize {
         self.blocks().map(|block| block.kept()).sum()
-    }
-
-    /// What fraction of the experiment's time the shares of `design`, solved for this criterion, need for what `shares`
-    /// give; 0 where these leave a direction without excitation.
-    pub fn efficiency(&self, design: &Design, shares: &[f64]) -> f64 {
-        let value = self.value(shares, &mut CovariancePoint::default());
-        value.map_or(0.0, |value| ((value - design.log_det) / self.degree()).exp())
     }
 
     fn blocks(&self) -> impl Iterator<Item = Block<'_>> + '_ {
@@ -222,54 +224,5 @@ impl Covariance {
             (0..block.n).map(diagonal).collect::<Vec<_>>()
         };
         Some(self.blocks().flat_map(of).collect())
-    }
-}
-
-/// The rows of one block: `range` in the matrices, `rows` over all blocks; the root V of its weights, k × n.
-struct Block<'a> {
-    n: usize,
-    range: Range<usize>,
-    rows: Range<usize>,
-    root: &'a [f64],
-}
-
-impl Block<'_> {
-    /// Rows of the root.
-    fn kept(&self) -> usize {
-        self.root.len() / self.n.max(1)
-    }
-
-    /// V C Vᵀ, k × k.
-    fn weighted(&self, matrix: &[f64]) -> Vec<f64> {
-        let (n, k) = (self.n, self.kept());
-        let mut half = vec![0.0; k * n];
-        multiply(k, n, self.root, matrix, &mut half);
-        let rows = |i: usize| &half[i * n..(i + 1) * n];
-        let root = |j: usize| &self.root[j * n..(j + 1) * n];
-        (0..k * k).map(|e| dot(rows(e / k), root(e % k))).collect()
-    }
-
-    /// Vᵀ K V, n × n.
-    fn unweighted(&self, kept: &[f64]) -> Vec<f64> {
-        let (n, k) = (self.n, self.kept());
-        let mut half = vec![0.0; k * n];
-        multiply(k, k, kept, self.root, &mut half);
-        let mut out = vec![0.0; n * n];
-        for (row, root) in half.chunks_exact(n).zip(self.root.chunks_exact(n)) {
-            for (line, r) in out.chunks_exact_mut(n).zip(root).filter(|(_, r)| **r != 0.0) {
-                line.iter_mut().zip(row).for_each(|(o, x)| *o += r * x);
-            }
-        }
-        out
-    }
-}
-
-/// A B of a rows × m and an m × n matrix; zeros in A cost nothing.
-fn multiply(rows: usize, m: usize, a: &[f64], b: &[f64], out: &mut [f64]) {
-    let n = out.len() / rows.max(1);
-    for (line, left) in out.chunks_exact_mut(n.max(1)).zip(a.chunks_exact(m.max(1))) {
-        for (factor, right) in left.iter().zip(b.chunks_exact(n.max(1))).filter(|(f, _)| **f != 0.0) {
-            line.iter_mut().zip(right).for_each(|(o, r)| *o += factor * r);
-        }
     }
 }

@@ -1,9 +1,10 @@
 //! The criterion with its first and second derivatives.
 
-use super::{Block, Covariance, CovariancePoint, Norm};
-use crate::Objective;
+use super::block::Block;
+use super::{Covariance, CovariancePoint};
 use crate::product::{congruence, dot, product, transposed};
 use crate::spectrum::Spectrum;
+use crate::{Norm, Objective};
 
 impl Objective for Covariance {
     type Point = CovariancePoint;

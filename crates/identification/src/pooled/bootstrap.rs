@@ -1,3 +1,4 @@
+use numerics::statistics::{quantile, sorted, spread};
 use vessel::Streams;
 
 use super::{Options, fit};
@@ -50,32 +51,12 @@ pub fn redraw(streams: &Streams, replicate: u32, count: usize) -> Vec<usize> {
 impl Bootstrap {
     /// Of the estimates `thetas` that `replicates` resamples gave; `None` from fewer than two.
     pub fn of(thetas: &[Vec<f64>], replicates: usize) -> Option<Self> {
-        summary(thetas, replicates)
+        let parameter = |i: usize| {
+            let values = sorted(thetas.iter().map(|theta| Some(theta[i])));
+            let at = |q: f64| quantile(&values, q);
+            Some(Resampled { std: spread(&values)?, low: at(0.025)?, high: at(0.975)? })
+        };
+        let parameters: Option<Vec<Resampled>> = (0..thetas.first()?.len()).map(parameter).collect();
+        Some(Self { parameters: parameters?, failed: replicates - thetas.len() })
     }
-}
-
-fn summary(thetas: &[Vec<f64>], replicates: usize) -> Option<Bootstrap> {
-    let first = thetas.first().filter(|_| thetas.len() > 1)?;
-    let parameter = |i: usize| {
-        let mut values: Vec<f64> = thetas.iter().map(|theta| theta[i]).collect();
-        values.sort_by(f64::total_cmp);
-        Resampled { std: std(&values), low: quantile(&values, 0.025), high: quantile(&values, 0.975) }
-    };
-    Some(Bootstrap {
-        parameters: (0..first.len()).map(parameter).collect(),
-        failed: replicates - thetas.len(),
-    })
-}
-
-fn std(values: &[f64]) -> f64 {
-    let n = values.len() as f64;
-    let mean = values.iter().sum::<f64>() / n;
-    (values.iter().map(|x| (x - mean) * (x - mean)).sum::<f64>() / (n - 1.0)).sqrt()
-}
-
-/// Interpolated, of ascending values.
-fn quantile(sorted: &[f64], q: f64) -> f64 {
-    let place = q * (sorted.len() - 1) as f64;
-    let (low, high) = (sorted[place.floor() as usize], sorted[place.ceil() as usize]);
-    low + (place - place.floor()) * (high - low)
 }

@@ -8,29 +8,41 @@
 
 mod bootstrap;
 mod centre;
-mod chi_square;
 mod diagnosis;
+mod estimate;
 mod fit;
+mod nominal;
 mod output_error;
 mod part;
+mod pool;
 mod regression;
 mod residual_tests;
+mod runs;
 mod sandwich;
+mod statements;
 mod strength;
+mod trust;
 mod windows;
+mod words;
 
 pub use bootstrap::{Bootstrap, Resampled, bootstrap, redraw};
 pub use centre::Centring;
-pub use chi_square::{chi_square_tail, normal_tails};
 pub use diagnosis::{Diagnosis, diagnose};
+pub use estimate::{PoolError, Pooled, estimate};
 pub use fit::{DegreeFit, Options, Prior, Solution, Status, fit};
+pub use nominal::{NominalModel, NominalSource};
 pub use output_error::{OutputError, output_error};
-pub use part::{Part, PartDiverged};
+pub use part::{LostInstruments, Part};
+pub use pool::{Estimated, Pool};
 pub use regression::{DegreeRegression, Regression};
 pub use residual_tests::{CrossCorrelation, Whiteness, cross_correlation, residuals, whiteness};
+pub use runs::{PooledRuns, SelectError};
 pub use sandwich::{default_bandwidth, sandwich};
 pub use strength::strength;
-pub use windows::{Score, Window, Windows};
+pub use trust::{DegreeTrust, Judgement, ParameterTrust, SourceErrors};
+pub use windows::{Errors, Score, Window, Windows, deviations};
+pub use words::listed;
+pub(crate) use words::{collinear, first_named, unidentified, weakest};
 
 /// Condition index above which columns count as collinear: Belsley, Kuh & Welsch, *Regression Diagnostics*, 1980. A just
 /// identified instrumental-variable estimate has no moments: in such a direction it answers with noise.

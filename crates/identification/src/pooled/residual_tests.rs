@@ -1,4 +1,6 @@
-use super::{Centring, Regression, Solution, chi_square_tail, normal_tails};
+use numerics::distributions::{chi_square_tail, normal_tails};
+
+use super::{Centring, Regression, Solution};
 
 /// Ljung and Box's test: whether residuals are white.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,3 +1,4 @@
+use numerics::statistics::spread;
 use vessel::{LANES, Lane, Model};
 
 use crate::{FreeRun, free_runs};
@@ -35,6 +36,16 @@ impl Windows {
     pub fn run(&self, models: &[Lane], i: usize) -> [FreeRun; LANES] {
         let Window { exogenous, measured } = &self.windows[i];
         free_runs(&self.model, models, exogenous, measured)
+    }
+
+    /// Simulates one model over all windows.
+    pub fn score(&self, model: &[f64]) -> Score {
+        let lanes: Vec<Lane> = model.iter().copied().map(Lane::splat).collect();
+        let mut score = Score::default();
+        for i in 0..self.len() {
+            score.add(self.run(&lanes, i)[0], self.samples(i));
+        }
+        score
     }
 
     /// Number of windows.
@@ -89,4 +100,45 @@ impl Score {
         let whole = self.diverged == 0 && self.samples > 0;
         whole.then(|| self.squares.map(|s| (s / self.samples as f64).sqrt()))
     }
+}
+
+/// Errors of free simulations beside the standard deviations of what was measured.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Errors {
+    /// Root mean square errors in u, v \[m/s\], r \[rad/s\].
+    pub rmse: [f64; 3],
+    /// Standard deviations of the measured states, see [`deviations`].
+    pub std: [f64; 3],
+}
+
+impl Errors {
+    /// Of a [`Score`] without divergence, against `std`.
+    pub fn of(score: &Score, std: [f64; 3]) -> Option<Self> {
+        score.rmse().map(|rmse| Self { rmse, std })
+    }
+
+    /// 100 (1 − RMSE/std): 0 is as good as the mean of the data \[%\]. `None` for a state that does not vary.
+    pub fn fits(&self) -> [Option<f64>; 3] {
+        [0, 1, 2].map(|d: usize| (self.std[d] > 0.0).then(|| 100.0 * (1.0 - self.rmse[d] / self.std[d])))
+    }
+
+    /// The 2-norm of RMSE/std; `None` where a state does not vary.
+    pub fn norm(&self) -> Option<f64> {
+        let norm = (0..3).map(|d| (self.rmse[d] / self.std[d]).powi(2)).sum::<f64>().sqrt();
+        norm.is_finite().then_some(norm)
+    }
+}
+
+/// Standard deviations of u, v, r over samples 1 to N of several (N+1) × 3 states, as of a whole population.
+pub fn deviations<'a>(measured: impl Iterator<Item = &'a [f64]>) -> [f64; 3] {
+    let mut states: [Vec<f64>; 3] = Default::default();
+    for rows in measured {
+        for row in rows.chunks_exact(3).skip(1) {
+            (0..3).for_each(|d| states[d].push(row[d]));
+        }
+    }
+    states.map(|values| {
+        let n = values.len() as f64;
+        spread(&values).map_or(0.0, |s| s * ((n - 1.0) / n).sqrt())
+    })
 }

@@ -18,6 +18,13 @@ pub enum InitialState {
     Estimated,
 }
 
+impl InitialState {
+    /// As in files.
+    pub fn name(self) -> &'static str {
+        ["known", "estimated"][self as usize]
+    }
+}
+
 /// What standard errors are made of.
 #[derive(Clone, Copy, Debug)]
 pub enum Spread<'a> {

@@ -1,5 +1,6 @@
 //! Names in files are those on the command line.
 
+use identification::pooled::NominalSource;
 use identification::{EstimateStatus, Estimator, InstrumentKind, MeanRemoval, ScoreStatus};
 use serde::Serialize;
 
@@ -14,6 +15,7 @@ fn choices_are_called_in_files_what_their_names_say() {
     check(&Estimator::ALL, Estimator::name);
     check(&MeanRemoval::ALL, MeanRemoval::name);
     check(&InstrumentKind::ALL, InstrumentKind::name);
+    check(&NominalSource::ALL, NominalSource::name);
     check(&EstimateStatus::ALL, EstimateStatus::name);
     check(&ScoreStatus::ALL, ScoreStatus::name);
 }

@@ -185,10 +185,11 @@ fn a_nominal_simulation_that_diverges_is_told_with_part_and_sample() {
     let mut parts = many(&vessel, 3, 60, 5);
     let kept = parts.clone();
     parts[1].measured[0] = -1e4;
+    parts[1].source = "second".to_owned();
     let lifted = vessel.model.with_intercepts();
     let wild = lifted.layout().woven(&vessel.nominal, [0.0; 3]);
     let diverged = Part::instrument(&mut parts, &lifted, &wild).unwrap_err();
-    assert_eq!((diverged.part, diverged.at.sample, diverged.at.state), (1, 0, 0));
+    assert_eq!((diverged.recording.as_str(), diverged.at.sample, diverged.at.state), ("second", 0, 0));
     assert_eq!(parts[0], kept[0]);
 }
 

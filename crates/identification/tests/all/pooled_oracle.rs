@@ -2,10 +2,11 @@
 
 use approx::assert_relative_eq;
 use identification::pooled::{
-    Centring, Options, Part, Prior, Regression, Score, Window, Windows, chi_square_tail, diagnose, fit,
-    residuals, sandwich, strength, whiteness,
+    Centring, Options, Part, Prior, Regression, Score, Window, Windows, diagnose, fit, residuals, sandwich,
+    strength, whiteness,
 };
 use identification::{MeanRemoval, Sums};
+use numerics::distributions::chi_square_tail;
 use serde_json::Value;
 use vessel::{Lane, Vessel};
 

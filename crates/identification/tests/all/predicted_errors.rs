@@ -1,8 +1,8 @@
 //! The covariance predicted from stated disturbances against the spread of estimates, and against its definition.
 
 use crate::support::noise::Normals;
-use crate::support::{Experiment, Recording, SideBySide, dictionary, paper, truth};
-use identification::{Estimate, MeanRemoval, Noise, Outcome, estimate, middle, moments};
+use crate::support::{Experiment, Recording, SideBySide, dictionary, estimate, paper, truth};
+use identification::{Estimate, MeanRemoval, Noise, Outcome, middle, moments};
 use vessel::{LANES, Lane, Source, Vessel, simulate};
 
 const REALIZATIONS: usize = 2000;

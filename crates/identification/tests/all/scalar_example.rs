@@ -4,8 +4,8 @@
 //! ζ = ũ. θ̂ − θ₀ = Σζe / Σζu, so its variance is σ² Σζ² / (Σζu)²: σ² / (Σũ² + N ū²) and σ² / Σũ².
 
 use crate::support::noise::Normals;
-use crate::support::{Recording, SideBySide};
-use identification::{MeanRemoval, Outcome, estimate};
+use crate::support::{Recording, SideBySide, estimate};
+use identification::{MeanRemoval, Outcome};
 use serde_json::Value;
 use vessel::{LANES, Vessel};
 

@@ -1,8 +1,8 @@
 //! Standard errors against the spread of estimates over many realizations.
 
 use crate::support::noise::Normals;
-use crate::support::{Experiment, Recording, SideBySide, dictionary, paper, truth};
-use identification::{Estimate, MeanRemoval, Outcome, estimate};
+use crate::support::{Experiment, Recording, SideBySide, dictionary, estimate, paper, truth};
+use identification::{Estimate, MeanRemoval, Outcome};
 use vessel::{LANES, Lane, Source, Vessel, simulate};
 
 /// Enough that the spread itself is known to 1.6 %.

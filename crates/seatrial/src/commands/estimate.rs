@@ -2,25 +2,27 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::choice::choice;
-use crate::cli::{Common, Sharding, beside, given, name_of, provenance};
-use crate::estimators::{Estimator, RunEstimators, refuse_if_none};
-use crate::failure::Failure;
-use crate::ordered::{joined, joined_blocks, ordered};
-use crate::pooled::{self, PoolFlags, Wanted};
-use crate::progress::Progress;
-use crate::stage::{Either, Summary, Task};
 use artifact::{
     EncodedBlock, Provenance, Staged, TableReader, TableWriter, commit, encode_block, gather, stage_document,
 };
-use clap::{Args, Parser, Subcommand, ValueEnum};
+use clap::{Parser, Subcommand};
 use identification::predictor::{InitialState, Levels};
-use identification::{EstimateStatus as Status, MeanRemoval};
+use identification::runs::RunEstimators;
+use identification::{EstimateStatus, Estimator, MeanRemoval};
 use serde_json::json;
 use study::estimates::{self, Row};
 use study::files::{read_campaign, read_vessel};
 use study::trajectories::{Layout, TrajectoryReader};
 use vessel::Vessel;
+
+use super::estimate_pool;
+use super::unidentified::{refuse_if_all_collinear, refuse_if_none};
+use crate::choice::choice;
+use crate::cli::{Common, Sharding, beside, given, provenance};
+use crate::failure::Failure;
+use crate::ordered::{joined, joined_blocks, ordered};
+use crate::progress::Progress;
+use crate::stage::{Either, Summary, Task};
 
 /// An estimate of every run, or a subcommand.
 pub type Arguments = Either<Runs, Study>;
@@ -30,36 +32,7 @@ pub type Arguments = Either<Runs, Study>;
 pub enum Study {
     /// One estimate from all runs, whose segments each get instruments of their own; writes estimates.parquet, estimate.json
     /// and trust.json
-    Pool(PoolArguments),
-}
-
-/// The command line of `estimate pool`.
-#[derive(Args)]
-#[command(after_help = "Example:\n  estimate pool --vessel pipelines/kvlcc2/vessel.toml \
-    --trajectories trajectories.parquet --nominal least-squares --estimator auto --bootstrap 500 --out results/")]
-pub struct PoolArguments {
-    /// The vessel
-    #[arg(long, value_name = "vessel.toml")]
-    vessel: PathBuf,
-    /// The runs
-    #[arg(long, value_name = "trajectories.parquet")]
-    trajectories: PathBuf,
-    /// The estimator
-    #[arg(long, value_parser = choice(&Estimator::POOLED, Estimator::name, Estimator::description), default_value_t = Estimator::Iv)]
-    estimator: Estimator,
-    /// How the instruments' mean is removed
-    #[arg(long, value_parser = choice(&MeanRemoval::ALL, MeanRemoval::name, MeanRemoval::description), default_value_t = MeanRemoval::Complete)]
-    mean_removal: MeanRemoval,
-    /// Resamples of the bootstrap over sub-experiments
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=1_000_000))]
-    bootstrap: Option<u32>,
-    /// Lags of the standard errors (default 4 (samples/100)^(2/9))
-    #[arg(long, value_name = "LAGS")]
-    bandwidth: Option<u16>,
-    #[command(flatten)]
-    flags: PoolFlags,
-    #[command(flatten)]
-    common: Common,
+    Pool(estimate_pool::Arguments),
 }
 
 /// Estimates the parameters of every run, with standard errors; writes estimates.parquet and estimate.json
@@ -86,10 +59,6 @@ pub struct Runs {
     /// What disturbs the runs: for `prediction-error` and --compare, and for standard errors of `output-error`
     #[arg(long, value_name = "campaign.toml")]
     campaign: Option<PathBuf>,
-    /// Whether simulations of `output-error` and `prediction-error` start at a known state or estimate it (default: known
-    /// where the file has the true states)
-    #[arg(long, value_enum)]
-    initial_state: Option<Initial>,
     /// How the instruments' mean is removed
     #[arg(long, value_parser = choice(&MeanRemoval::ALL, MeanRemoval::name, MeanRemoval::description), default_value_t = MeanRemoval::Complete)]
     mean_removal: MeanRemoval,
@@ -97,15 +66,6 @@ pub struct Runs {
     sharding: Sharding,
     #[command(flatten)]
     common: Common,
-}
-
-/// Where a simulation starts.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum Initial {
-    /// At the run's true initial state, or else its first measurement
-    Known,
-    /// At a state that is estimated
-    Estimated,
 }
 
 impl Task for Runs {
@@ -121,12 +81,12 @@ impl Task for Runs {
 impl Task for Study {
     fn common(&self) -> &Common {
         let Self::Pool(a) = self;
-        &a.common
+        a.common()
     }
 
     fn run(&self) -> Result<Summary, Failure> {
         let Self::Pool(a) = self;
-        pool(a)
+        a.run()
     }
 }
 
@@ -160,9 +120,9 @@ fn stage(a: &Runs) -> Result<Summary, Failure> {
     if a.compare {
         provenance.settings.insert("compared".into(), json!(Estimator::OF_RUNS));
     }
-    let initial = initial(a, &reader);
-    if a.compare || matches!(a.estimator, Estimator::OutputError | Estimator::PredictionError) {
-        provenance.settings.insert("initial_state".into(), json!(name_of(initial)));
+    let initial = if reader.true_states() { InitialState::Known } else { InitialState::Estimated };
+    if a.compare || a.estimator.searches() {
+        provenance.settings.insert("initial_state".into(), json!(initial.name()));
     }
     provenance.settings.insert("mean_removal".into(), json!(a.mean_removal));
     provenance.shard.clone_from(&a.sharding.shard);
@@ -175,17 +135,12 @@ fn stage(a: &Runs) -> Result<Summary, Failure> {
     };
     let estimators = RunEstimators {
         vessel: &vessel,
-        vessel_file: &a.vessel,
-        file,
         estimators: if a.compare { Estimator::OF_RUNS.to_vec() } else { vec![a.estimator] },
         removal: a.mean_removal,
-        initial: match initial {
-            Initial::Known => InitialState::Known,
-            Initial::Estimated => InitialState::Estimated,
-        },
+        initial,
         levels,
     };
-    estimate_blocks(a, &estimators, &reader, &schema, &mut each)?;
+    estimate_blocks(a, &estimators, file, &reader, &schema, &mut each)?;
     if a.sharding.shard.is_none() {
         refuse_if_all_collinear(&estimators, file, &reader, &rows)?;
         refuse_if_none(file, &vessel, &rows)?;
@@ -219,33 +174,10 @@ fn levels(a: &Runs, vessel: &Vessel, provenance: &mut Provenance) -> Result<Opti
     }
 }
 
-fn initial(a: &Runs, reader: &TrajectoryReader) -> Initial {
-    a.initial_state.unwrap_or(if reader.true_states() { Initial::Known } else { Initial::Estimated })
-}
-
-fn pool(a: &PoolArguments) -> Result<Summary, Failure> {
-    let mut provenance = provenance("estimate");
-    let vessel = read_vessel(&a.vessel, &mut provenance)?;
-    let inputs = [&a.vessel, &a.trajectories].into_iter().chain(&a.flags.recordings);
-    let inputs: Vec<&Path> = inputs.map(PathBuf::as_path).collect();
-    let wanted = Wanted {
-        vessel: &vessel,
-        trajectories: &a.trajectories,
-        flags: &a.flags,
-        method: a.estimator,
-        removal: a.mean_removal,
-        bandwidth: a.bandwidth.map(usize::from),
-        replicates: a.bootstrap.unwrap_or(0),
-        seed: a.common.seed.unwrap_or(1),
-        out: a.common.main_output("estimates.parquet", &inputs)?,
-        quiet: a.common.quiet,
-    };
-    pooled::estimate(&wanted, provenance)
-}
-
 fn estimate_blocks(
     a: &Runs,
     estimators: &RunEstimators,
+    file: &Path,
     reader: &TrajectoryReader,
     schema: &artifact::TableSchema,
     each: &mut dyn FnMut((EncodedBlock, Vec<Row>)) -> Result<(), Failure>,
@@ -254,38 +186,15 @@ fn estimate_blocks(
     let mine = a.sharding.shard.map_or(0..outputs, |s| s.range(outputs));
     let progress = Progress::new("blocks of runs", reader.blocks(), a.common.quiet);
     let block = |i: usize| {
-        let rows = estimators.rows(&reader.runs(i)?);
+        let rows = estimators.estimates(&reader.runs(i)?);
         progress.advance(1);
-        rows
+        rows.map_err(|e| Failure::of_run(&e, &a.vessel, file))
     };
     let work = |i: usize| {
         let rows = joined(i, reader.blocks(), block)?;
         Ok((encode_block(schema, &estimates::table(estimators.vessel, &rows))?, rows))
     };
     ordered(mine, work, each)
-}
-
-/// Refuses measured runs none of which is identified, in the words of the first.
-fn refuse_if_all_collinear(
-    estimators: &RunEstimators,
-    file: &Path,
-    reader: &TrajectoryReader,
-    rows: &[Row],
-) -> Result<(), Failure> {
-    if rows.is_empty() || rows.iter().any(|r| r.estimate.is_some()) {
-        return Ok(());
-    }
-    let runs = reader.runs(0)?;
-    let Some((run, found)) = runs.first().and_then(|run| Some((run.run, estimators.collinear(run)?))) else {
-        return Ok(());
-    };
-    Err(Failure::NoAnswer(format!(
-        "{}: {} runs: found none that is identifiable (run {run}: {}), expected one; add maneuvers that vary these terms, \
-         or use --estimator ls, or estimate pool --estimator auto",
-        file.display(),
-        rows.len(),
-        found.words
-    )))
 }
 
 fn publish(
@@ -298,11 +207,14 @@ fn publish(
 ) -> Result<Summary, Failure> {
     let out = table.path().to_owned();
     let (runs, identified) = (rows.len(), rows.iter().filter(|r| r.estimate.is_some()).count());
-    let count = |status: Status| rows.iter().filter(|r| r.status == status).count();
-    let (unexcited, unconverged, kept) =
-        (count(Status::NotIdentifiable), count(Status::NotConverged), count(Status::Kept));
+    let count = |status: EstimateStatus| rows.iter().filter(|r| r.status == status).count();
+    let (unexcited, unconverged, kept) = (
+        count(EstimateStatus::NotIdentifiable),
+        count(EstimateStatus::NotConverged),
+        count(EstimateStatus::Kept),
+    );
     let also = |count: usize, what: &str| if count > 0 { format!(", {count} {what}") } else { String::new() };
-    let searched = also(unconverged, Status::NotConverged.name()) + &also(kept, "kept unrefined");
+    let searched = also(unconverged, EstimateStatus::NotConverged.name()) + &also(kept, "kept unrefined");
     let mut staged = vec![table];
     if provenance.shard.is_none() {
         let document = estimates::summarize(&out, provenance, vessel, &rows)?;

@@ -55,8 +55,8 @@ fn stage(a: &Arguments) -> Result<Summary, Failure> {
     let mut config = read_ingest(&a.config, &mut provenance)?;
     let vessel = a.vessel.as_deref().map(|path| read_vessel(path, &mut provenance)).transpose()?;
     let vessel_file = a.vessel.as_deref().unwrap_or(Path::new("")).display();
-    let plan =
-        Plan::new(config.setup(), vessel.as_ref()).map_err(|e| refuse(about_channels(&e, vessel_file)))?;
+    let plan = Plan::new(config.setup().map_err(refuse)?, vessel.as_ref())
+        .map_err(|e| refuse(about_channels(&e, vessel_file)))?;
     let folder = a.logs.clone().unwrap_or_else(|| a.config.parent().unwrap_or(Path::new("")).to_owned());
     let naming = config.naming().map_err(refuse)?;
     let sources = find(&config, &naming, &a.config, &folder)?;

@@ -1,13 +1,18 @@
 //! The stages as programs: their flags, and what is read, called and written.
 
+mod counts;
+mod cross;
 mod design;
 mod estimate;
+mod estimate_pool;
 mod ingest;
 mod moments;
 mod plan;
 mod report;
+mod selection;
 mod sequential;
 mod simulate;
+mod unidentified;
 mod validate;
 
 use crate::stage::Stage;

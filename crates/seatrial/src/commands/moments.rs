@@ -1,28 +1,28 @@
 //! `moments`: what each maneuver tells about the parameters.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use artifact::{Provenance, commit, stage_document};
 use clap::Parser;
-use identification::pooled::Regression;
-use identification::{Estimator, MeanRemoval, Sums};
+use identification::pooled::{PooledRuns, Regression};
+use identification::runs::RunInstruments;
+use identification::{Estimator, InstrumentKind, MeanRemoval, Sums};
 use serde_json::json;
 use study::campaign_file::CampaignFile;
 use study::documents::MomentsDocument;
 use study::files::{generator, read_campaign, read_vessel};
 use study::trajectories::{Layout, TrajectoryReader, label};
 use trial::moments::{
-    Expected, FreeRunModel, ManeuverMoments, Moments, Pool, Prediction, Unpredictable, by_name, rows,
-    structure, validation_weights,
+    Expected, FreeRunModel, ManeuverMoments, Moments, Pool, Prediction, Unpredictable, structure,
 };
 use vessel::{Invalid, Run, Vessel};
 
 use crate::choice::choice;
 use crate::cli::{Common, provenance};
 use crate::failure::Failure;
-use crate::instruments::{InstrumentKind, Instruments};
 use crate::ordered::ordered;
-use crate::pooled::{Data, Nominal, NominalModel, PoolFlags};
+use crate::pool::{Nominal, labelled_runs};
 use crate::progress::Progress;
 use crate::stage::{Summary, Task};
 
@@ -113,25 +113,18 @@ fn maneuvers(
     output_error: Option<&FreeRunModel>,
     reader: &TrajectoryReader,
 ) -> Result<Vec<ManeuverMoments>, Failure> {
-    let theta = |by_name: &std::collections::BTreeMap<String, f64>| -> Vec<f64> {
-        vessel.model.parameter_names().map(|name| by_name[name]).collect()
-    };
-    let prediction = Prediction {
-        model: &vessel.model,
-        noise: expected.map(|e| (e.noise, theta(&e.parameters))),
-        free_runs: output_error.map(|o| theta(&o.parameters)),
-    };
-    let instruments = Instruments::new(vessel, &a.vessel, a.instruments);
+    let prediction = Prediction::new(&vessel.model, expected, output_error);
+    let instruments = RunInstruments::new(vessel, a.instruments);
     let progress = Progress::new("blocks", reader.blocks(), a.common.quiet);
     let mut pool = Pool::default();
     let work = |block: usize| {
         let runs: Vec<Run> = prediction.runs(&reader.runs(block)?);
         let mut found = Vec::with_capacity(runs.len());
-        instruments.batches(&runs, |batch, members| {
-            let moments = prediction.moments(batch, members);
+        for batch in instruments.batches(&runs) {
+            let (prepared, members) = batch.map_err(|e| Failure::invalid(&a.vessel, &e.invalid()))?;
+            let moments = prediction.moments(&prepared.batch(), members);
             found.extend(moments.map_err(|e| Failure::invalid(&a.vessel, &e))?);
-            Ok(())
-        })?;
+        }
         progress.advance(1);
         Ok::<_, Failure>(found)
     };
@@ -150,24 +143,16 @@ fn predicted(
 ) -> Result<(Option<Expected>, Option<FreeRunModel>), Failure> {
     let Some(campaign) = &a.campaign else { return Ok((None, None)) };
     let config = read_campaign(campaign, provenance)?;
-    let source = vessel.best_known();
-    let theta = vessel.parameters(source).map_err(|e| Failure::invalid(&a.vessel, &e))?;
-    let parameters = by_name(&vessel.model, &theta);
-    let expected = Expected {
-        noise: noise(a, campaign, &config)?,
-        linearised_at: source,
-        parameters: parameters.clone(),
-        nominal: by_name(&vessel.model, &vessel.nominal),
-    };
+    let expected = Expected::new(vessel, noise(a, campaign, &config)?);
+    let expected = expected.map_err(|e| Failure::invalid(&a.vessel, &e))?;
     if a.estimator != Estimator::OutputError {
         return Ok((Some(expected), None));
     }
     let validation = generator(campaign, vessel, &config.validation_dictionary(), provenance)?;
-    let g = validation_weights(&vessel.model, &theta, &validation).map_err(|e| match e {
+    let model = FreeRunModel::new(vessel, &validation).map_err(|e| match e {
         Unpredictable::Maneuver(e) => Failure::invalid(campaign, &e),
         Unpredictable::Vessel(e) => Failure::invalid(&a.vessel, &e),
     })?;
-    let model = FreeRunModel { simulated_with: source, parameters, rows: rows(&vessel.model), g };
     Ok((Some(expected), Some(model)))
 }
 
@@ -194,10 +179,10 @@ fn nominal_of(
     vessel: &Vessel,
     provenance: &mut Provenance,
 ) -> Result<Vec<f64>, Failure> {
-    let model = NominalModel::read(nominal, vessel, provenance)?;
-    let data = Data::read(&a.trajectories, vessel, &PoolFlags::default(), provenance)?;
-    let sums: Vec<Sums> =
-        data.parts(vessel).iter().map(|p| Regression::of(&vessel.model, p).sums()).collect();
+    let model = nominal.read(vessel, provenance)?;
+    let runs = PooledRuns::new(labelled_runs(&a.trajectories, vessel, provenance)?, &BTreeMap::new());
+    let parts = runs.segments(vessel, None).concat();
+    let sums: Vec<Sums> = parts.iter().map(|p| Regression::of(&vessel.model, p).sums()).collect();
     let found = model.parameters(&sums.iter().collect::<Vec<_>>(), MeanRemoval::None);
     found.map(|(theta, _)| theta).ok_or_else(|| {
         Failure::NoAnswer(format!(

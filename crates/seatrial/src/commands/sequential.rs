@@ -4,8 +4,9 @@ use std::path::{Path, PathBuf};
 
 use artifact::{Provenance, TableWriter, commit, stage_document};
 use clap::Parser;
-use identification::MeanRemoval;
 use identification::predictor::InitialState;
+use identification::runs::{RunError, RunEstimators};
+use identification::{Estimator, MeanRemoval};
 use serde_json::json;
 use study::files::{read_campaign, read_dictionary, read_sequential, read_vessel};
 use study::sequential::{SequentialFile, columns, document};
@@ -14,7 +15,6 @@ use trial::rounds::{self, Estimated, Row, Trial};
 use vessel::{Invalid, LANES, Run};
 
 use crate::cli::{Common, beside, provenance};
-use crate::estimators::{Estimator, RunEstimators};
 use crate::failure::Failure;
 use crate::ordered::ordered;
 use crate::progress::Progress;
@@ -79,8 +79,6 @@ fn stage(a: &Arguments) -> Result<Summary, Failure> {
     let sea = campaign.sea(&vessel).map_err(of(&a.vessel))?;
     let estimators = RunEstimators {
         vessel: &vessel,
-        vessel_file: &a.vessel,
-        file: &a.config,
         estimators: vec![Estimator::OutputError],
         removal: MeanRemoval::Complete,
         initial: InitialState::Known,
@@ -98,9 +96,11 @@ fn stage(a: &Arguments) -> Result<Summary, Failure> {
 
 /// Output error of single runs.
 fn estimated(estimators: &RunEstimators, runs: &[Run]) -> Result<Vec<Estimated>, Refusal> {
-    let rows = estimators.rows(runs).map_err(|e| {
-        Refusal::Campaign(Invalid::new("estimates", e.to_string(), "estimates", "lengthen the rounds"))
-    })?;
+    let refused = |e: RunError| match e {
+        RunError::Diverged(_) => Refusal::Vessel(e.invalid()),
+        RunError::TooShort { .. } => Refusal::Campaign(e.invalid()),
+    };
+    let rows = estimators.estimates(runs).map_err(refused)?;
     let each = rows.into_iter();
     Ok(each.map(|row| Estimated { outcome: row.status.into(), estimate: row.estimate }).collect())
 }

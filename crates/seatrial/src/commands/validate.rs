@@ -2,29 +2,27 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::choice::choice;
-use crate::cli::{Common, Sharding, beside, given, provenance};
-use crate::crossval;
-use crate::failure::Failure;
-use crate::free_runs::ValidationRuns;
-use crate::ordered::ordered;
-use crate::pooled::{PoolFlags, not_below, samples};
-use crate::progress::Progress;
-use crate::selection;
-use crate::stage::{Either, Summary, Task};
 use artifact::{
-    EncodedBlock, Provenance, Staged, TableReader, TableWriter, commit, encode_block, gather, read_toml,
-    stage_document,
+    EncodedBlock, Provenance, Staged, TableReader, TableWriter, commit, encode_block, gather, stage_document,
 };
-use clap::{Args, Parser, Subcommand, ValueEnum};
-use identification::{Estimator, MeanRemoval};
+use clap::{Parser, Subcommand};
+use identification::ValidationRuns;
 use serde_json::json;
 use study::campaign_file::CampaignFile;
-use study::documents::{Bounds, PublishedLimits, Reference, ValidationDocument};
+use study::documents::{Bounds, ValidationDocument};
 use study::estimates;
 use study::files::{read_campaign, read_vessel};
 use study::scores::{self, Row};
 use study::trajectories::refuse_shard;
+use vessel::Vessel;
+
+use super::{cross, selection};
+use crate::cli::{Common, Sharding, beside, given, provenance};
+use crate::failure::Failure;
+use crate::ordered::ordered;
+use crate::pool::all_runs;
+use crate::progress::Progress;
+use crate::stage::{Either, Summary, Task};
 
 /// The scores of estimates, or a study of its own.
 pub type Arguments = Either<Scores, Study>;
@@ -33,94 +31,9 @@ pub type Arguments = Either<Scores, Study>;
 #[derive(Subcommand)]
 pub enum Study {
     /// Leaves runs or recordings out of a pooled estimate and simulates over them; writes crossval.json
-    Cross(CrossArguments),
+    Cross(cross::Arguments),
     /// Models from sub-experiments that a design picked against random picks; writes selection.parquet, selection.json
-    Selection(SelectionArguments),
-}
-
-/// The command line of `validate cross`.
-#[derive(Args)]
-#[command(after_help = "Example:\n  validate cross --vessel pipelines/kvlcc2/vessel.toml \
-    --trajectories trajectories.parquet --out crossval.json")]
-pub struct CrossArguments {
-    /// The vessel
-    #[arg(long, value_name = "vessel.toml")]
-    vessel: PathBuf,
-    /// The runs
-    #[arg(long, value_name = "trajectories.parquet")]
-    trajectories: PathBuf,
-    /// The estimators to compare
-    #[arg(long, value_parser = choice(&Estimator::POOLED, Estimator::name, Estimator::description), value_delimiter = ',', default_values_t = Estimator::POOLED)]
-    estimators: Vec<Estimator>,
-    /// How the instruments' mean is removed
-    #[arg(long, value_parser = choice(&MeanRemoval::ALL, MeanRemoval::name, MeanRemoval::description), default_value_t = MeanRemoval::Complete)]
-    mean_removal: MeanRemoval,
-    /// Whether the estimated intercepts are part of the simulated models
-    #[arg(long, value_enum, default_value_t = Intercepts::Keep)]
-    intercepts: Intercepts,
-    /// Simulates over windows of this length, side by side [s]; whole runs without it
-    #[arg(long, value_name = "S")]
-    window_s: Option<f64>,
-    /// Deals runs or recordings in turns into N folds; without it each is left out on its own
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(2..))]
-    folds: Option<u16>,
-    #[command(flatten)]
-    flags: PoolFlags,
-    #[command(flatten)]
-    common: Common,
-}
-
-/// The command line of `validate selection`.
-#[derive(Args)]
-#[command(after_help = "Example:\n  validate selection --vessel pipelines/esso-osaka/vessel.toml \
-    --trajectories trajectories.parquet --design design.json --out selection.parquet")]
-pub struct SelectionArguments {
-    /// The vessel
-    #[arg(long, value_name = "vessel.toml")]
-    vessel: PathBuf,
-    /// The runs
-    #[arg(long, value_name = "trajectories.parquet")]
-    trajectories: PathBuf,
-    /// The design whose counts, or shares of --picks, are picked
-    #[arg(long, required_unless_present = "counts", conflicts_with = "counts", value_name = "design.json")]
-    design: Option<PathBuf>,
-    /// How many of each maneuver are picked, instead
-    #[arg(long, value_name = "NAME=N,…", value_delimiter = ',')]
-    counts: Vec<String>,
-    /// Sub-experiments per realization, where the design has no counts
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
-    picks: Option<u16>,
-    /// Realizations per design
-    #[arg(long, value_name = "N", default_value_t = 500, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
-    realizations: u32,
-    /// The estimator: `ls`, `iv` or `auto`
-    #[arg(long, value_parser = choice(&Estimator::POOLED, Estimator::name, Estimator::description), default_value_t = Estimator::Iv)]
-    estimator: Estimator,
-    /// How the instruments' mean is removed
-    #[arg(long, value_parser = choice(&MeanRemoval::ALL, MeanRemoval::name, MeanRemoval::description), default_value_t = MeanRemoval::Complete)]
-    mean_removal: MeanRemoval,
-    /// Whether the estimated intercepts are part of the simulated models
-    #[arg(long, value_enum, default_value_t = Intercepts::Keep)]
-    intercepts: Intercepts,
-    /// Published results to compare with: counts realizations beyond the errors at which their figures end
-    #[arg(long, value_name = "reference.toml")]
-    reference: Option<PathBuf>,
-    /// Norm of RMSE over standard deviations from which a model is degenerate (default √3: no better than the mean)
-    #[arg(long, value_name = "NORM")]
-    degenerate_from: Option<f64>,
-    #[command(flatten)]
-    flags: PoolFlags,
-    #[command(flatten)]
-    common: Common,
-}
-
-/// Whether estimated intercepts are simulated.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum Intercepts {
-    /// They stand for steady forces
-    Keep,
-    /// The model is its parameters only, as in the paper
-    Drop,
+    Selection(selection::Arguments),
 }
 
 /// Scores every estimate: parameter error and free-run simulation error; writes scores.parquet and validation.json
@@ -164,83 +77,24 @@ impl Task for Scores {
 impl Task for Study {
     fn common(&self) -> &Common {
         match self {
-            Self::Cross(a) => &a.common,
-            Self::Selection(a) => &a.common,
+            Self::Cross(a) => a.common(),
+            Self::Selection(a) => a.common(),
         }
     }
 
     fn run(&self) -> Result<Summary, Failure> {
         match self {
-            Self::Cross(a) => cross(a),
-            Self::Selection(a) => select(a),
+            Self::Cross(a) => a.run(),
+            Self::Selection(a) => a.run(),
         }
     }
-}
-
-fn cross(a: &CrossArguments) -> Result<Summary, Failure> {
-    let mut provenance = provenance("validate");
-    let vessel = read_vessel(&a.vessel, &mut provenance)?;
-    let inputs: Vec<&Path> =
-        [&a.vessel, &a.trajectories].into_iter().chain(&a.flags.recordings).map(PathBuf::as_path).collect();
-    let window = a.window_s.map(|s| samples("--window-s", s, vessel.sample_rate_hz)).transpose()?;
-    let wanted = crossval::Wanted {
-        vessel: &vessel,
-        trajectories: &a.trajectories,
-        flags: &a.flags,
-        estimators: &a.estimators,
-        removal: a.mean_removal,
-        intercepts: a.intercepts == Intercepts::Keep,
-        window,
-        folds: a.folds.map(usize::from),
-        out: a.common.main_output("crossval.json", &inputs)?,
-        quiet: a.common.quiet,
-    };
-    crossval::cross(&wanted, provenance)
-}
-
-fn select(a: &SelectionArguments) -> Result<Summary, Failure> {
-    let mut provenance = provenance("validate");
-    let vessel = read_vessel(&a.vessel, &mut provenance)?;
-    if matches!(a.estimator, Estimator::RefinedIv | Estimator::OutputError) {
-        let found = format!("--estimator: found {}, expected ls, iv or auto", a.estimator);
-        return Err(Failure::Usage(format!("{found}; a selection study adds up sums per sub-experiment")));
-    }
-    let files = [&a.vessel, &a.trajectories].into_iter().chain(&a.design).chain(&a.reference);
-    let files = files.chain(&a.flags.recordings);
-    let inputs: Vec<&Path> = files.map(PathBuf::as_path).collect();
-    let wanted = selection::Wanted {
-        vessel: &vessel,
-        trajectories: &a.trajectories,
-        flags: &a.flags,
-        design: a.design.as_deref(),
-        counts: &a.counts,
-        picks: a.picks.map(u64::from),
-        realizations: a.realizations,
-        method: a.estimator,
-        removal: a.mean_removal,
-        intercepts: a.intercepts == Intercepts::Keep,
-        degenerate_from: not_below("--degenerate-from", a.degenerate_from.unwrap_or(3f64.sqrt()), 0.0)?,
-        published: published(a.reference.as_deref(), &mut provenance)?,
-        seed: a.common.seed.unwrap_or(1),
-        out: a.common.main_output("selection.parquet", &inputs)?,
-        quiet: a.common.quiet,
-    };
-    selection::select(&wanted, provenance)
-}
-
-/// Where the figures of a published selection study end.
-fn published(file: Option<&Path>, provenance: &mut Provenance) -> Result<Option<PublishedLimits>, Failure> {
-    let Some(file) = file else { return Ok(None) };
-    let (reference, digest) = read_toml::<Reference>(file)?;
-    provenance.inputs.insert("reference".into(), digest);
-    Ok(reference.selection.as_ref().map(PublishedLimits::from))
 }
 
 fn stage(a: &Scores) -> Result<Summary, Failure> {
     let mut provenance = provenance("validate");
     let vessel = read_vessel(&a.vessel, &mut provenance)?;
     let config = read_campaign(&a.campaign, &mut provenance)?;
-    let validation = ValidationRuns::read(&a.validation, &vessel, &mut provenance)?;
+    let validation = validation_runs(&a.validation, &vessel, &mut provenance)?;
     let mut inputs = vec![a.vessel.as_path(), &a.campaign, &a.validation];
     inputs.extend(a.estimates.iter().chain(&a.sharding.gather).map(PathBuf::as_path));
     let out = a.common.main_output("scores.parquet", &inputs)?;
@@ -274,6 +128,17 @@ fn stage(a: &Scores) -> Result<Summary, Failure> {
         Ok(writer.push(block)?)
     })?;
     publish(&config, &validation, &provenance, writer.finish()?, &rows)
+}
+
+fn validation_runs<'a>(
+    file: &Path,
+    vessel: &'a Vessel,
+    provenance: &mut Provenance,
+) -> Result<ValidationRuns<'a>, Failure> {
+    let runs = all_runs(file, "validation", vessel, provenance)?;
+    ValidationRuns::new(vessel, runs).ok_or_else(|| {
+        Failure::refuse(file, "rows", "none", "at least one run", "simulate the validation again")
+    })
 }
 
 fn publish(

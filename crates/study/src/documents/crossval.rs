@@ -2,6 +2,8 @@ use artifact::Document;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use identification::crossval::{self, CrossValidation};
+use identification::pooled::{NominalSource, Pool, SourceErrors};
 use identification::{Estimator, MeanRemoval, ScoreStatus};
 
 use super::trust::FreeRunErrors;
@@ -13,7 +15,7 @@ pub struct CrossvalDocument {
     /// How the instruments' mean is removed.
     pub mean_removal: MeanRemoval,
     /// Where the instruments' nominal model comes from.
-    pub nominal: String,
+    pub nominal: NominalSource,
     /// Strength of the pull towards it.
     pub prior: f64,
     /// Whether the estimated intercepts were simulated too.
@@ -74,6 +76,55 @@ pub struct SourceScore {
     pub diverged: u64,
     /// Null where one diverged, there is no window, or no model.
     pub errors: Option<FreeRunErrors>,
+}
+
+impl CrossvalDocument {
+    /// What was found with instruments from `nominal` over windows of `window_s` seconds.
+    pub fn new(pool: &Pool, nominal: NominalSource, window_s: Option<f64>, found: &CrossValidation) -> Self {
+        let [std_u, std_v, std_r] = found.std;
+        Self {
+            mean_removal: pool.removal,
+            nominal,
+            prior: pool.strength,
+            intercepts: true,
+            window_s,
+            windows: found.windows,
+            samples: found.samples,
+            folds: found.folds as u64,
+            std_u,
+            std_v,
+            std_r,
+            recommended: found.recommended,
+            statements: found.statements.clone(),
+            estimators: found.scores.iter().map(EstimatorScore::from).collect(),
+        }
+    }
+}
+
+impl From<&crossval::EstimatorScore> for EstimatorScore {
+    fn from(found: &crossval::EstimatorScore) -> Self {
+        Self {
+            name: found.estimator,
+            status: found.status,
+            reason: found.reason.clone(),
+            errors: found.errors.as_ref().map(FreeRunErrors::from),
+            error_norm: found.errors.and_then(|e| e.norm()),
+            diverged: found.diverged,
+            by_instruments: found.by_instruments,
+            sources: found.sources.iter().map(SourceScore::from).collect(),
+        }
+    }
+}
+
+impl From<&SourceErrors> for SourceScore {
+    fn from(found: &SourceErrors) -> Self {
+        Self {
+            source: found.source.clone(),
+            windows: found.windows as u64,
+            diverged: found.diverged,
+            errors: found.errors.as_ref().map(FreeRunErrors::from),
+        }
+    }
 }
 
 impl Document for CrossvalDocument {

@@ -1,7 +1,9 @@
 use artifact::Document;
+use identification::pooled::{DegreeTrust, ParameterTrust, Pooled};
 use identification::{Estimator, MeanRemoval};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use vessel::{Invalid, Vessel};
 
 /// `estimate.json`: what the estimates of all runs say together.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
@@ -128,6 +130,73 @@ pub struct DegreeSummary {
     /// 95 % interval of that share (Wilson's); absent without runs.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub weakest_share_interval: Option<[f64; 2]>,
+}
+
+impl EstimateDocument {
+    /// The mean estimate of its only design: θ in the order of `vessel`.
+    ///
+    /// # Errors
+    /// Several designs; a parameter without an estimate.
+    pub fn mean(&self, vessel: &Vessel) -> Result<Vec<f64>, Invalid> {
+        let [design] = self.designs.as_slice() else {
+            let found = format!("{} designs", self.designs.len());
+            let remedy = "name an estimate.json of `estimate pool`";
+            return Err(Invalid::new("data.designs", found, "one", remedy));
+        };
+        let value = |name: &str| {
+            let found = design.parameters.iter().find(|p| p.name == name).and_then(|p| p.mean);
+            found.ok_or_else(|| {
+                let remedy = "estimate it, or name the vessel that the estimate is of";
+                Invalid::new(format!("parameter `{name}`"), "no estimate", "one", remedy)
+            })
+        };
+        vessel.model.parameter_names().map(value).collect()
+    }
+
+    /// One estimate from all runs.
+    pub fn pooled(vessel: &Vessel, estimator: Estimator, mean_removal: MeanRemoval, found: &Pooled) -> Self {
+        let parameters = found.degrees.iter().flat_map(|d| &d.parameters).enumerate();
+        let parameter = |(i, p): (usize, &ParameterTrust)| ParameterSummary {
+            name: p.name.clone(),
+            unit: p.unit.clone(),
+            truth: vessel.value[i],
+            nominal: vessel.nominal[i],
+            mean: p.estimate,
+            predicted_se: p.standard_error,
+            ..ParameterSummary::default()
+        };
+        let design = DesignSummary {
+            design: found.design.clone(),
+            runs: 1,
+            identified: u64::from(found.degrees.iter().all(|d| d.reason.is_none())),
+            parameters: parameters.map(parameter).collect(),
+            degrees: found.degrees.iter().map(DegreeSummary::from).collect(),
+            ..DesignSummary::default()
+        };
+        Self {
+            estimator,
+            mean_removal,
+            seed: None,
+            trusted_within: None,
+            designs: vec![design],
+            compared: None,
+            trust: Some(found.statements.clone()),
+        }
+    }
+}
+
+impl From<&DegreeTrust> for DegreeSummary {
+    fn from(found: &DegreeTrust) -> Self {
+        let condition = Some(found.condition).filter(|x| x.is_finite());
+        Self {
+            name: found.degree.name().to_owned(),
+            condition_median: condition,
+            condition_max: condition,
+            weakest_parameter: found.weakest_parameter().to_owned(),
+            weakest_share: 1.0,
+            ..Self::default()
+        }
+    }
 }
 
 impl Document for EstimateDocument {

@@ -1,3 +1,4 @@
+use std::collections::BTreeMap;
 use std::fmt;
 
 use artifact::Document;
@@ -162,6 +163,34 @@ pub struct MotionSummary {
     /// Slope of the line of measured over derivative, 1 where both are in the same unit; null where they are not correlated.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub gain: Option<f64>,
+}
+
+/// A channel whose range over all recordings is below this share of its size never varies.
+const STEADY: f64 = 1e-3;
+
+impl IngestDocument {
+    /// By number of a run, the name of the recording that it was cut from.
+    pub fn recordings_by_run(&self) -> BTreeMap<i32, String> {
+        let named = |r: &RecordingSummary| {
+            let name = r.name.clone();
+            r.runs.iter().map(move |run| (*run as i32, name.clone())).collect::<Vec<_>>()
+        };
+        self.recordings.iter().flat_map(named).collect()
+    }
+
+    /// `n` at 10.23 1/s, for every channel that is constant and not 0 over all recordings.
+    pub fn constant_channels(&self) -> Vec<String> {
+        let channels = || self.recordings.iter().flat_map(|r| &r.channels);
+        let constant = |channel: &&ChannelSummary| {
+            let own = || channels().filter(|c| c.name == channel.name);
+            let low = own().filter_map(|c| c.min).fold(f64::INFINITY, f64::min);
+            let high = own().filter_map(|c| c.max).fold(f64::NEG_INFINITY, f64::max);
+            let size = low.abs().max(high.abs());
+            own().count() == self.recordings.len() && size > 0.0 && high - low < STEADY * size
+        };
+        let told = |c: &ChannelSummary| format!("`{}` at {:.4} {}", c.name, c.max.unwrap_or(0.0), c.unit);
+        self.recordings.first().map_or(Vec::new(), |r| r.channels.iter().filter(constant).map(told).collect())
+    }
 }
 
 /// A velocity.

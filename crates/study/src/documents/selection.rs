@@ -5,6 +5,7 @@ use numerics::statistics::wilson;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use identification::pooled::NominalSource;
 use identification::{Estimator, MeanRemoval};
 
 use super::Quantiles;
@@ -18,7 +19,7 @@ pub struct SelectionDocument {
     /// How the instruments' mean is removed.
     pub mean_removal: MeanRemoval,
     /// Where the instruments' nominal model comes from; `least-squares` is the fit of all sub-experiments.
-    pub nominal: String,
+    pub nominal: NominalSource,
     /// Strength of the pull towards it.
     pub prior: f64,
     /// Whether the estimated intercepts were simulated too.

@@ -1,4 +1,7 @@
 use artifact::Document;
+use identification::pooled::{
+    self, CrossCorrelation, DegreeTrust, Errors, NominalSource, ParameterTrust, Pool, Pooled, SourceErrors,
+};
 use identification::{EstimateStatus, Estimator, MeanRemoval};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -11,8 +14,8 @@ pub struct TrustDocument {
     pub estimator: Estimator,
     /// How the instruments' mean is removed.
     pub mean_removal: MeanRemoval,
-    /// Where the instruments' nominal model comes from: `given`, `least-squares` or `estimate`.
-    pub nominal: String,
+    /// Where the instruments' nominal model comes from.
+    pub nominal: NominalSource,
     /// Strength of the pull towards the nominal model.
     pub prior: f64,
     /// Number of sub-experiments.
@@ -149,23 +152,111 @@ pub struct FreeRunErrors {
     pub fit_r: Option<f64>,
 }
 
-impl FreeRunErrors {
-    /// From errors and the standard deviations of the data.
-    pub fn new(rmse: [f64; 3], std: [f64; 3]) -> Self {
-        let fit = |d: usize| (std[d] > 0.0).then(|| 100.0 * (1.0 - rmse[d] / std[d]));
-        Self {
-            rmse_u: rmse[0],
-            rmse_v: rmse[1],
-            rmse_r: rmse[2],
-            fit_u: fit(0),
-            fit_v: fit(1),
-            fit_r: fit(2),
-        }
+impl From<&Errors> for FreeRunErrors {
+    fn from(errors: &Errors) -> Self {
+        let ([rmse_u, rmse_v, rmse_r], [fit_u, fit_v, fit_r]) = (errors.rmse, errors.fits());
+        Self { rmse_u, rmse_v, rmse_r, fit_u, fit_v, fit_r }
     }
+}
 
+impl FreeRunErrors {
     /// Fits of u, v, r.
     pub fn fits(&self) -> [Option<f64>; 3] {
         [self.fit_u, self.fit_v, self.fit_r]
+    }
+}
+
+impl TrustDocument {
+    /// What is known of `found`, which `estimator` found from `pool` with instruments from `nominal`.
+    pub fn new(
+        pool: &Pool,
+        nominal: NominalSource,
+        estimator: Estimator,
+        replicates: u32,
+        found: &Pooled,
+    ) -> Self {
+        Self {
+            estimator,
+            mean_removal: pool.removal,
+            nominal,
+            prior: pool.strength,
+            parts: found.parts as u64,
+            sources: found.sources.len() as u64,
+            samples: found.samples,
+            bandwidth: found.bandwidth as u64,
+            replicates: u64::from(replicates),
+            statements: found.statements.clone(),
+            degrees: found.degrees.iter().map(TrustDegree::from).collect(),
+            runs: found.sources.iter().map(TrustRun::from).collect(),
+        }
+    }
+}
+
+impl From<&DegreeTrust> for TrustDegree {
+    fn from(found: &DegreeTrust) -> Self {
+        let finite = |x: f64| Some(x).filter(|x| x.is_finite());
+        let residual = |c: &CrossCorrelation| InstrumentResidual {
+            instrument: found.parameters[c.instrument].term.clone(),
+            lag: c.lag,
+            strongest: c.correlation,
+            p_value: c.p_value,
+        };
+        Self {
+            name: found.degree.name().to_owned(),
+            status: match found.reason {
+                None => EstimateStatus::Identified,
+                Some(_) => EstimateStatus::NotIdentifiable,
+            },
+            reason: found.reason.clone(),
+            estimator: found.estimator,
+            condition: finite(found.condition),
+            condition_index: finite(found.index),
+            weakest: found.weakest.clone(),
+            parameters: found.parameters.iter().map(TrustParameter::from).collect(),
+            correlation: found.correlation.clone(),
+            whiteness: found.whiteness.as_ref().map(Whiteness::from),
+            instrument_residual: found.instrument_residual.as_ref().map(residual),
+            instrument_fit: found.instrument_fit,
+        }
+    }
+}
+
+impl From<&ParameterTrust> for TrustParameter {
+    fn from(found: &ParameterTrust) -> Self {
+        Self {
+            name: found.name.clone(),
+            term: found.term.clone(),
+            unit: found.unit.clone(),
+            estimate: found.estimate,
+            standard_error: found.standard_error,
+            bootstrap_std: found.resampled.map(|r| r.std),
+            bootstrap_low: found.resampled.map(|r| r.low),
+            bootstrap_high: found.resampled.map(|r| r.high),
+            variation: found.variation,
+            instrument_strength: found.instrument_strength,
+        }
+    }
+}
+
+impl From<&pooled::Whiteness> for Whiteness {
+    fn from(found: &pooled::Whiteness) -> Self {
+        Self {
+            statistic: found.statistic,
+            lags: found.lags as u64,
+            p_value: found.p_value,
+            first_autocorrelation: found.first,
+        }
+    }
+}
+
+impl From<&SourceErrors> for TrustRun {
+    fn from(found: &SourceErrors) -> Self {
+        Self {
+            source: found.source.clone(),
+            samples: found.samples,
+            diverged: found.diverged,
+            errors: found.errors.as_ref().map(FreeRunErrors::from),
+        }
     }
 }
 

@@ -4,35 +4,17 @@ mod summary;
 
 use std::path::Path;
 
-use artifact::{Column, Columns, Error, Table, TableReader, TableSchema};
+use artifact::{Columns, Error, Table, TableReader, TableSchema};
 use identification::{EstimateStatus, Estimator};
 use vessel::{DegreeOfFreedom, Vessel};
 
+pub use identification::RunEstimate as Row;
 pub use summary::{distinct, estimators, summarize};
 
 /// Schema id of estimates.
 pub const ID: &str = "estimates";
 /// Version of the schema.
 pub const VERSION: u32 = 1;
-/// One row.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Row {
-    /// Its design.
-    pub design: String,
-    /// Number of the run.
-    pub run: i32,
-    /// Its estimator.
-    pub estimator: Estimator,
-    /// Whether there is an estimate, and if not why.
-    pub status: EstimateStatus,
-    /// θ̂ and its standard errors, where there is one.
-    pub estimate: Option<(Vec<f64>, Vec<f64>)>,
-    /// Condition number per degree of freedom; infinite where a direction is not excited.
-    pub condition: [f64; 3],
-    /// Name of the parameter that dominates the weakest direction, per degree of freedom.
-    pub weakest: [String; 3],
-}
-
 /// The columns for `vessel`.
 pub fn schema(vessel: &Vessel) -> TableSchema {
     columns(vessel).schema().clone()
@@ -93,26 +75,6 @@ fn theta(row: &Row, i: usize) -> Option<f64> {
 
 fn error(row: &Row, i: usize) -> Option<f64> {
     row.estimate.as_ref().map(|(_, se)| se[i])
-}
-
-/// A text column.
-pub fn labels<'a>(values: impl Iterator<Item = &'a str>) -> Column {
-    let mut known: Vec<String> = Vec::new();
-    let mut code = |value: &str| match known.iter().position(|k| k == value) {
-        Some(code) => code as u32,
-        None => {
-            known.push(value.to_owned());
-            known.len() as u32 - 1
-        }
-    };
-    let codes = values.map(&mut code).collect();
-    Column::text(known, codes)
-}
-
-/// A column of values that may be absent.
-pub fn optional(values: impl Iterator<Item = Option<f64>>) -> Column {
-    let (values, present) = values.map(|v| (v.unwrap_or(0.0), v.is_some())).unzip();
-    Column::nullable_f64(values, present)
 }
 
 /// Reads block `i` of `reader`.

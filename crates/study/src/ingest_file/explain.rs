@@ -35,12 +35,6 @@ pub fn about_channels(error: &ChannelError, vessel_file: impl Display) -> Invali
             format!("one of {}", known.join(", ")),
             format!("did you mean `{}`?", nearest_of(source_channel, known)),
         ),
-        ChannelError::Formula { channel, formula, malformed } => Invalid::new(
-            format!("`formula` of channel `{channel}`"),
-            format!("`{formula}` with {malformed}"),
-            "a product such as `n |n|`, `negative(n)` or `-1 wind^2 cos(gamma)`",
-            "write the formula again",
-        ),
         ChannelError::Twice(name) => about_name(name, "given twice"),
         ChannelError::Name(name) => about_name(name, "a name that is taken or no plain name"),
         ChannelError::TwoPositions => Invalid::new(

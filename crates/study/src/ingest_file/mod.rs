@@ -4,8 +4,8 @@ mod check;
 mod explain;
 
 use logs::{
-    Body, ChannelSpec, Cut, DerivedSpec, Frame, Group, Heading, Interval, Kind, Lever, Naming, NonMonotonic,
-    Segmentation, Setup, SpeedClasses, Template, ThrusterSpec, TimeSpec, VelocitySpec,
+    Body, ChannelSpec, Conventions, Cut, Derived, Formula, Frame, Group, Heading, Interval, Kind, Law, Lever,
+    Method, Naming, NonMonotonic, Segmentation, Setup, SpeedClasses, Template, Thruster, TimeSpec,
 };
 use refusal::Invalid;
 use serde::Deserialize;
@@ -105,28 +105,95 @@ fn comma() -> char {
     ','
 }
 
+/// A channel computed from others.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct DerivedSpec {
+    /// Its name.
+    pub channel: String,
+    /// A product, such as `negative(n)` or `-1 wind^2 cos(gamma)`.
+    pub formula: String,
+    /// Its unit.
+    pub unit: String,
+}
+
+/// How velocities are made from positions.
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct VelocitySpec {
+    /// Explicit Euler differences, or slopes of local parabolas.
+    pub method: Method,
+    /// Length of the parabolas \[s\]; also of those that measured velocities are compared with.
+    pub window_s: f64,
+}
+
+impl Default for VelocitySpec {
+    fn default() -> Self {
+        Self { method: Method::default(), window_s: 1.0 }
+    }
+}
+
+/// A thruster. Axes: x forward, y starboard, z down.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(tag = "kind", rename_all = "lowercase", deny_unknown_fields)]
+pub enum ThrusterSpec {
+    /// Turns about the vertical.
+    Azimuth {
+        /// Channel of its speed.
+        speed: String,
+        /// Channel of its angle: where it pushes, from forward to starboard.
+        angle: String,
+        /// Force per speed squared, or per speed \[N\].
+        coefficient: f64,
+        /// Force from speed.
+        #[serde(default)]
+        law: Law,
+        /// Forward and to starboard of the reference point \[m\].
+        position_m: [f64; 2],
+    },
+    /// Pushes to starboard for positive speed.
+    Tunnel {
+        /// Channel of its speed.
+        speed: String,
+        /// Force per speed squared, or per speed \[N\].
+        coefficient: f64,
+        /// Force from speed.
+        #[serde(default)]
+        law: Law,
+        /// Forward and to starboard of the reference point \[m\].
+        position_m: [f64; 2],
+    },
+}
+
 impl IngestFile {
     /// How the logs were made.
-    pub fn setup(&self) -> Setup {
+    ///
+    /// # Errors
+    /// A formula that cannot be read.
+    pub fn setup(&self) -> Result<Setup, Invalid> {
         let group = |file: &FileSpec| Group {
             time: file.time.clone(),
             channels: file.channel.clone(),
             label_column: file.label_column.clone(),
         };
-        Setup {
-            groups: self.file.iter().map(group).collect(),
-            derived: self.derived.clone(),
-            thrusters: self.thruster.clone(),
+        let conventions = Conventions {
             frame: self.frame,
             heading: self.heading.unwrap_or(self.frame.heading()),
             body: self.body,
             lever: Lever(self.antenna_m),
-            velocities: self.velocities,
+            window_s: self.velocities.window_s,
+            derived: self.derived.iter().map(derived).collect::<Result<_, _>>()?,
+            thrusters: self.thruster.iter().cloned().map(thruster).collect(),
+        };
+        Ok(Setup {
+            groups: self.file.iter().map(group).collect(),
+            conventions,
+            method: self.velocities.method,
             rate_hz: self.sample_rate_hz,
             average_s: self.average_s,
             max_gap_s: self.max_gap_s,
             non_monotonic: self.non_monotonic,
-        }
+        })
     }
 
     /// How recordings become runs.
@@ -170,6 +237,30 @@ impl IngestFile {
             (None, None) => Kind::Recording,
         };
         Ok(Naming { recordings: self.file.iter().map(recording).collect::<Result<_, _>>()?, kind })
+    }
+}
+
+fn derived(spec: &DerivedSpec) -> Result<Derived, Invalid> {
+    let formula = Formula::parse(&spec.formula).map_err(|malformed| {
+        Invalid::new(
+            format!("`formula` of channel `{}`", spec.channel),
+            format!("`{}` with {malformed}", spec.formula),
+            "a product such as `n |n|`, `negative(n)` or `-1 wind^2 cos(gamma)`",
+            "write the formula again",
+        )
+    })?;
+    Ok(Derived { channel: spec.channel.clone(), formula, unit: spec.unit.clone() })
+}
+
+/// The thruster, the channel of its speed, and for an azimuth thruster that of its angle.
+fn thruster(spec: ThrusterSpec) -> (Thruster, String, Option<String>) {
+    match spec {
+        ThrusterSpec::Azimuth { speed, angle, coefficient, law, position_m } => {
+            (Thruster { law, coefficient, position_m }, speed, Some(angle))
+        }
+        ThrusterSpec::Tunnel { speed, coefficient, law, position_m } => {
+            (Thruster { law, coefficient, position_m }, speed, None)
+        }
     }
 }
 

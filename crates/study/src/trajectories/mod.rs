@@ -2,12 +2,11 @@
 
 mod label;
 mod layout;
-mod measured;
 mod read;
+mod rows;
 mod write;
 
 pub use label::{DataLabel, label};
 pub use layout::{ID, Layout, VERSION};
-pub use measured::MeasuredBlock;
 pub use read::{TrajectoryReader, refuse_shard};
-pub use write::{BlockBuilder, rows_per_block};
+pub use write::{BlockBuilder, MeasuredBlock, rows_per_block};

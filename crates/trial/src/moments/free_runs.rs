@@ -1,7 +1,9 @@
 use std::collections::BTreeMap;
 
 use identification::prediction_weights;
-use vessel::{Generator, Invalid, Model, Source};
+use vessel::{Generator, Invalid, Model, Source, Vessel};
+
+use super::{by_name, rows};
 
 /// The model whose free simulation the information of an output-error estimate is about.
 #[derive(Clone, Debug, PartialEq)]
@@ -10,18 +12,28 @@ pub struct FreeRunModel {
     pub simulated_with: Source,
     /// These, by name.
     pub parameters: BTreeMap<String, f64>,
-    /// Rows and columns of the matrices, see [`super::rows`].
+    /// Rows and columns of the matrices: the parameters of surge, its intercept, then sway and yaw.
     pub rows: Vec<String>,
     /// Mean of SᵀS over the validation maneuvers, row-major, where these can be simulated: the variance of a free run's
     /// error is tr(cov G).
     pub g: Option<Vec<f64>>,
 }
 
+impl FreeRunModel {
+    /// The model with the best known parameters of `vessel`. `validation`: the validation maneuvers.
+    ///
+    /// # Errors
+    /// A maneuver that the model cannot hold, or that diverges.
+    pub fn new(vessel: &Vessel, validation: &Generator) -> Result<Self, Unpredictable> {
+        let (model, simulated_with) = (&vessel.model, vessel.best_known());
+        let theta = vessel.parameters(simulated_with).map_err(Unpredictable::Vessel)?;
+        let g = validation_weights(model, &theta, validation)?;
+        Ok(Self { simulated_with, parameters: by_name(model, &theta), rows: rows(model), g })
+    }
+}
+
 /// G of the maneuvers of `generator`, for the model with parameters `theta`; `None` where there are no samples.
-///
-/// # Errors
-/// A maneuver that the model cannot hold, or that diverges.
-pub fn validation_weights(
+fn validation_weights(
     model: &Model,
     theta: &[f64],
     generator: &Generator,
@@ -52,7 +64,7 @@ pub enum Unpredictable {
 }
 
 /// A vessel whose free simulation of `what` diverges.
-pub fn diverges(what: &str) -> Invalid {
+pub(super) fn diverges(what: &str) -> Invalid {
     Invalid::new(
         format!("free simulation of {what}"),
         "one that diverges",

@@ -11,10 +11,10 @@ use std::collections::BTreeMap;
 
 use design::Degree;
 use identification::{InstrumentKind, Noise};
-use vessel::{DegreeOfFreedom, Model, Source};
+use vessel::{DegreeOfFreedom, Invalid, Model, Source, Vessel};
 
 pub use dictionary::{Estimated, malformed};
-pub use free_runs::{FreeRunModel, Unpredictable, validation_weights};
+pub use free_runs::{FreeRunModel, Unpredictable};
 pub use matrices::{DegreeMoments, ManeuverMoments, OutputErrorMoments, Pool};
 pub use prediction::Prediction;
 
@@ -50,8 +50,20 @@ pub struct Expected {
     pub nominal: BTreeMap<String, f64>,
 }
 
+impl Expected {
+    /// `noise`, and the best known parameters of `vessel`.
+    ///
+    /// # Errors
+    /// A vessel without parameters.
+    pub fn new(vessel: &Vessel, noise: Noise) -> Result<Self, Invalid> {
+        let linearised_at = vessel.best_known();
+        let parameters = by_name(&vessel.model, &vessel.parameters(linearised_at)?);
+        Ok(Self { noise, linearised_at, parameters, nominal: by_name(&vessel.model, &vessel.nominal) })
+    }
+}
+
 /// `values` of the model's parameters by name.
-pub fn by_name(model: &Model, values: &[f64]) -> BTreeMap<String, f64> {
+fn by_name(model: &Model, values: &[f64]) -> BTreeMap<String, f64> {
     model.parameter_names().map(str::to_owned).zip(values.iter().copied()).collect()
 }
 
@@ -66,7 +78,7 @@ pub fn structure(model: &Model) -> Vec<Degree> {
 }
 
 /// Names of the parameters with an intercept per degree of freedom, as the matrices for output error have them.
-pub fn rows(model: &Model) -> Vec<String> {
+pub(crate) fn rows(model: &Model) -> Vec<String> {
     let of = |(d, degree): (DegreeOfFreedom, &vessel::Degree)| {
         degree.parameters.iter().cloned().chain([format!("intercept ({})", d.name())]).collect::<Vec<_>>()
     };

@@ -1,8 +1,10 @@
+use std::collections::BTreeMap;
+
 use identification::{Batch, Noise, middle, moments, output_information};
 use vessel::{Invalid, Model, Run, Segment};
 
 use super::free_runs::diverges;
-use super::{DegreeMoments, ManeuverMoments, OutputErrorMoments};
+use super::{DegreeMoments, Expected, FreeRunModel, ManeuverMoments, OutputErrorMoments};
 
 /// Name of the design of a dictionary's runs.
 const DICTIONARY: &str = "dictionary";
@@ -10,12 +12,11 @@ const DICTIONARY: &str = "dictionary";
 /// What is predicted of estimates, besides the moments themselves.
 #[derive(Clone, Debug)]
 pub struct Prediction<'a> {
-    /// The model.
-    pub model: &'a Model,
+    model: &'a Model,
     /// The disturbances to expect and the parameters that the residual is linearised with: for the matrices B.
-    pub noise: Option<(Noise, Vec<f64>)>,
+    noise: Option<(Noise, Vec<f64>)>,
     /// The parameters of free simulations: for output error, which takes the same disturbances.
-    pub free_runs: Option<Vec<f64>>,
+    free_runs: Option<Vec<f64>>,
 }
 
 /// A measured run as one run per segment, each from its first measured state; a run of a dictionary as it is.
@@ -39,7 +40,16 @@ fn segments(run: &Run, width: usize) -> Vec<Run> {
     run.segments.iter().zip(ends).map(part).collect()
 }
 
-impl Prediction<'_> {
+impl<'a> Prediction<'a> {
+    /// The matrices B where disturbances are `expected`, and what output error learns where there is a model for it.
+    pub fn new(model: &'a Model, expected: Option<&Expected>, output_error: Option<&FreeRunModel>) -> Self {
+        let theta = |by_name: &BTreeMap<String, f64>| -> Vec<f64> {
+            model.parameter_names().map(|name| by_name[name]).collect()
+        };
+        let noise = expected.map(|e| (e.noise, theta(&e.parameters)));
+        Self { model, noise, free_runs: output_error.map(|o| theta(&o.parameters)) }
+    }
+
     /// The runs that moments are computed of: the segments of measured ones, each with instruments of its own.
     pub fn runs(&self, recorded: &[Run]) -> Vec<Run> {
         recorded.iter().flat_map(|run| segments(run, self.model.exogenous())).collect()

@@ -5,9 +5,9 @@
 pub mod explicit;
 pub mod noise;
 
-use identification::Batch;
+use identification::{Batch, Instruments, MeanRemoval, Outcome};
 use noise::Normals;
-use vessel::{DictionaryFile, Generator, LANES, Lane, Model, Source, Vessel, simulate_one};
+use vessel::{DictionaryFile, Generator, LANES, Lane, Model, Number, Source, Vessel, simulate_one};
 
 const VESSEL: &str = include_str!("../../../../../pipelines/paper/vessel.toml");
 const DICTIONARY: &str = include_str!("../../../../../pipelines/paper/dictionary.toml");
@@ -15,6 +15,11 @@ const DICTIONARY: &str = include_str!("../../../../../pipelines/paper/dictionary
 /// The vessel of the paper's simulation study.
 pub fn paper() -> Vessel {
     Vessel::from_file(toml::from_str(VESSEL).unwrap()).unwrap()
+}
+
+/// Every run of `batch` estimated.
+pub fn estimate<X: Number>(batch: &Batch<X>, removal: MeanRemoval) -> Vec<Outcome> {
+    Instruments::new(batch, removal).estimate(batch)
 }
 
 /// Its eleven maneuvers.

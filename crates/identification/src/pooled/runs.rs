@@ -1,0 +1,147 @@
+use std::collections::BTreeMap;
+
+use thiserror::Error;
+use vessel::{Run, Vessel, nearest};
+
+use super::{Part, Window};
+
+/// Measured runs, each with the name of the source that it was cut from: a recording, or the run itself.
+#[derive(Clone, Debug)]
+pub struct PooledRuns {
+    runs: Vec<(String, Run)>,
+}
+
+/// Why runs cannot be selected by name.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+pub enum SelectError {
+    /// No run or recording is called that.
+    #[error("no run or recording `{name}` among {runs} runs; the nearest is `{nearest}`")]
+    Unknown {
+        /// The name.
+        name: String,
+        /// Number of runs there are.
+        runs: usize,
+        /// The nearest known name.
+        nearest: String,
+    },
+    /// All were left out.
+    #[error("no run is left")]
+    NoneLeft,
+}
+
+impl PooledRuns {
+    /// `runs`, by number the `recordings` that they were cut from; others are sources of their own.
+    pub fn new(runs: Vec<Run>, recordings: &BTreeMap<i32, String>) -> Self {
+        let several = runs.iter().any(|run| run.design != runs[0].design);
+        let name = |run: &Run| match recordings.get(&run.run) {
+            Some(name) => name.clone(),
+            None if several => format!("{}/{}", run.design, run.run),
+            None => run.run.to_string(),
+        };
+        Self { runs: runs.into_iter().map(|run| (name(&run), run)).collect() }
+    }
+
+    /// Keeps the runs or recordings called `only` (all where there are none) without those of `without`.
+    ///
+    /// # Errors
+    /// A name that no run has; nothing left.
+    pub fn select(&mut self, only: &[String], without: &[String]) -> Result<(), SelectError> {
+        let named = |name: &String, source: &str, run: &Run| name == source || *name == run.run.to_string();
+        for name in only.iter().chain(without) {
+            if !self.runs.iter().any(|(source, run)| named(name, source, run)) {
+                let sources = self.runs.iter().map(|(source, _)| source.as_str());
+                let nearest = nearest(name, sources).unwrap_or_default().to_owned();
+                return Err(SelectError::Unknown { name: name.clone(), runs: self.runs.len(), nearest });
+            }
+        }
+        self.runs.retain(|(source, run)| {
+            let within = |names: &[String]| names.iter().any(|name| named(name, source, run));
+            (only.is_empty() || within(only)) && !within(without)
+        });
+        if self.runs.is_empty() { Err(SelectError::NoneLeft) } else { Ok(()) }
+    }
+
+    /// Name of the design of the first run.
+    pub fn design(&self) -> &str {
+        self.runs.first().map_or("", |(_, run)| run.design.as_str())
+    }
+
+    /// The sources, in the order of appearance.
+    pub fn sources(&self) -> Vec<String> {
+        let mut sources: Vec<String> = Vec::new();
+        for (source, _) in &self.runs {
+            if !sources.contains(source) {
+                sources.push(source.clone());
+            }
+        }
+        sources
+    }
+
+    /// The segments, each cut into equal parts of at most `most` samples.
+    pub fn segments(&self, vessel: &Vessel, most: Option<usize>) -> Vec<Vec<Part>> {
+        let width = vessel.model.exogenous();
+        let mut segments = Vec::new();
+        for (source, run) in &self.runs {
+            let ends = run.segments.iter().skip(1).map(|s| s.start).chain([run.samples()]);
+            for (segment, end) in run.segments.iter().zip(ends) {
+                let part = |(start, end): (usize, usize)| {
+                    let exogenous = run.exogenous[start * width..end * width].to_vec();
+                    let measured = run.measured[3 * start..3 * (end + 1)].to_vec();
+                    Part::new(&segment.maneuver, source, exogenous, measured)
+                };
+                segments.push(equal(segment.start, end, most).into_iter().map(part).collect());
+            }
+        }
+        segments
+    }
+
+    /// Windows of `length` samples of every source, side by side from where its runs begin, which are joined where one
+    /// begins with the state that the last one ended with. Whatever is left is no window; without a length all of it is.
+    pub fn windows(&self, vessel: &Vessel, length: Option<usize>) -> Vec<(String, Vec<Window>)> {
+        let joined = self.joined();
+        let width = vessel.model.exogenous();
+        let of = |source: String| {
+            let own = joined.iter().filter(|(name, _)| **name == source);
+            let windows = own.flat_map(|(_, whole)| cut(whole, width, length)).collect();
+            (source, windows)
+        };
+        self.sources().into_iter().map(of).collect()
+    }
+
+    fn joined(&self) -> Vec<(&String, Window)> {
+        let mut joined: Vec<(&String, Window)> = Vec::new();
+        for (source, run) in &self.runs {
+            let continues = |(name, last): &&mut (&String, Window)| {
+                *name == source && last.measured[last.measured.len() - 3..] == run.measured[..3]
+            };
+            match joined.last_mut().filter(continues) {
+                Some((_, last)) => {
+                    last.exogenous.extend_from_slice(&run.exogenous);
+                    last.measured.extend_from_slice(&run.measured[3..]);
+                }
+                None => {
+                    let (exogenous, measured) = (run.exogenous.clone(), run.measured.clone());
+                    joined.push((source, Window { exogenous, measured }));
+                }
+            }
+        }
+        joined
+    }
+}
+
+fn cut(whole: &Window, width: usize, length: Option<usize>) -> Vec<Window> {
+    let samples = whole.samples();
+    let length = length.unwrap_or(samples);
+    let window = |i: usize| Window {
+        exogenous: whole.exogenous[i * length * width..(i + 1) * length * width].to_vec(),
+        measured: whole.measured[3 * i * length..3 * ((i + 1) * length + 1)].to_vec(),
+    };
+    (0..samples / length.max(1)).map(window).collect()
+}
+
+/// `start..end` in equal pieces of at most `most` samples.
+fn equal(start: usize, end: usize, most: Option<usize>) -> Vec<(usize, usize)> {
+    let length = end - start;
+    let count = most.map_or(1, |most| length.div_ceil(most.max(1))).max(1);
+    (0..count).map(|i| (start + i * length / count, start + (i + 1) * length / count)).collect()
+}

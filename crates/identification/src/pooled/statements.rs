@@ -1,0 +1,68 @@
+use super::{COLLINEAR, CrossCorrelation, DegreeTrust, Whiteness, listed};
+use crate::Estimator;
+
+/// Below this share of a regressor its instruments count as lost.
+const WEAK: f64 = 0.1;
+/// Below this probability a test counts as failed.
+const UNLIKELY: f64 = 0.01;
+
+/// What to know before using an estimate, in words.
+pub fn statements(degrees: &[DegreeTrust]) -> Vec<String> {
+    degrees.iter().flat_map(of_degree).collect()
+}
+
+fn of_degree(degree: &DegreeTrust) -> Vec<String> {
+    if let Some(reason) = &degree.reason {
+        return vec![format!("not identifiable: {reason}")];
+    }
+    let collinear = (degree.index.is_nan() || degree.index > COLLINEAR)
+        .then(|| format!("collinear, use for similar motion only: {}", degree.weakest));
+    let whiteness = degree.whiteness.as_ref().filter(|w| w.p_value < UNLIKELY);
+    let crossed = degree.instrument_residual.as_ref().filter(|c| c.p_value < UNLIKELY);
+    let statements = [
+        collinear,
+        weak(degree),
+        whiteness.map(|w| not_white(degree, w)),
+        crossed.map(|c| correlated(degree, c)),
+    ];
+    statements.into_iter().flatten().collect()
+}
+
+fn weak(degree: &DegreeTrust) -> Option<String> {
+    let lost = degree.parameters.iter().filter_map(|p| {
+        let strength = p.instrument_strength.filter(|s| *s < WEAK)?;
+        Some(format!("`{}` {:.0} %", p.term, 100.0 * strength))
+    });
+    let lost: Vec<String> = lost.collect();
+    (!lost.is_empty() && degree.estimator.by_instruments()).then(|| {
+        format!(
+            "{}: weak instruments: the nominal simulation tells of {}",
+            degree.degree.name(),
+            listed(&lost)
+        )
+    })
+}
+
+fn not_white(degree: &DegreeTrust, white: &Whiteness) -> String {
+    let allowed = match degree.estimator {
+        Estimator::OutputError => "any correlation within a sub-experiment".to_owned(),
+        _ => format!("{} lags", white.lags),
+    };
+    format!(
+        "{}: residuals are not white (neighbours correlate by {:.2}): the standard errors allow for {allowed}",
+        degree.degree.name(),
+        white.first
+    )
+}
+
+fn correlated(degree: &DegreeTrust, crossed: &CrossCorrelation) -> String {
+    format!(
+        "{}: residuals correlate by {:.2} with `{}` {} sample{} {}: the model lacks some motion",
+        degree.degree.name(),
+        crossed.correlation,
+        degree.parameters[crossed.instrument].term,
+        crossed.lag.abs(),
+        if crossed.lag.abs() == 1 { "" } else { "s" },
+        if crossed.lag > 0 { "before" } else { "after" }
+    )
+}

@@ -1,0 +1,106 @@
+//! What a diagnosis means, in words.
+
+use vessel::{Degree, DegreeOfFreedom};
+
+use super::{COLLINEAR, Diagnosis, Status};
+
+/// Entries of a weakest direction below this share of its largest are not named.
+const NAMED: f64 = 0.3;
+/// A regressor whose centred size is below this share of its size hardly varies.
+const HARDLY: f64 = 0.2;
+
+/// What a weakest direction is about.
+struct Involved {
+    /// Regressors that hardly vary, those made of inputs alone first.
+    still: Vec<usize>,
+    /// The others.
+    varying: Vec<usize>,
+    /// Whether the intercept is part of it.
+    intercept: bool,
+}
+
+impl Involved {
+    fn new(degree: &Degree, diagnosis: &Diagnosis) -> Self {
+        let p = degree.parameters.len();
+        let largest = diagnosis.direction.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+        let named = |i: usize| diagnosis.direction.get(i).is_some_and(|x| x.abs() >= NAMED * largest);
+        let input = |i: usize| degree.terms[i].factors.iter().all(|f| f.variable >= 3);
+        let hardly = |i: &usize| diagnosis.variation[*i] < HARDLY;
+        let (mut still, varying): (Vec<usize>, Vec<usize>) =
+            (0..p).filter(|i| named(*i) || hardly(i) && input(*i)).partition(hardly);
+        still.sort_by_key(|i| !input(*i));
+        let intercept = named(p) || varying.is_empty() && !still.is_empty();
+        Self { still, varying, intercept }
+    }
+}
+
+/// The weakest direction of `degree` in words: which terms cannot be told from which. `constant` names logged channels that
+/// never vary.
+pub fn weakest(d: DegreeOfFreedom, degree: &Degree, diagnosis: &Diagnosis, constant: &[String]) -> String {
+    let about = Involved::new(degree, diagnosis);
+    let beyond = diagnosis.index > COLLINEAR;
+    let term = |i: &usize| format!("`{}`", degree.terms[*i].text);
+    if about.still.is_empty() || !about.intercept {
+        let all: Vec<usize> = about.still.iter().chain(&about.varying).copied().collect();
+        let terms: Vec<String> = all.iter().map(term).collect();
+        let mut names: Vec<String> = all.iter().map(|i| format!("`{}`", degree.parameters[*i])).collect();
+        names.extend(about.intercept.then(|| "the intercept".to_owned()));
+        let told = if beyond { "cannot be told apart" } else { "are hardest to tell apart" };
+        return format!("{}: {} go together: {} {told}", d.name(), listed(&terms), listed(&names));
+    }
+    let mut told = Vec::new();
+    for i in &about.still {
+        let varies = format!("by {:.1} %", 100.0 * diagnosis.variation[*i]);
+        told.push(match (told.is_empty(), constant) {
+            (true, []) => format!("{} (hardly varies, {varies})", term(i)),
+            (true, names) => {
+                format!("{} (hardly varies, {varies}; constant: {})", term(i), listed(names))
+            }
+            (false, _) => format!("{} ({varies})", term(i)),
+        });
+    }
+    told.extend(about.varying.iter().map(term));
+    let verdict = if beyond { "cannot be told" } else { "are hardest to tell" };
+    format!("{}: {} {verdict} from the intercept", d.name(), listed(&told))
+}
+
+/// The parameter that [`weakest`] names first.
+pub fn first_named(degree: &Degree, diagnosis: &Diagnosis) -> usize {
+    let about = Involved::new(degree, diagnosis);
+    about.still.first().or(about.varying.first()).copied().unwrap_or(diagnosis.weakest)
+}
+
+/// [`weakest`] with how weak it is.
+pub fn collinear(d: DegreeOfFreedom, degree: &Degree, diagnosis: &Diagnosis, constant: &[String]) -> String {
+    let told = weakest(d, degree, diagnosis, constant);
+    format!("{told} (condition index {:.0}, from {COLLINEAR:.0} on collinear)", diagnosis.index)
+}
+
+/// Why degree of freedom `d` has no estimate.
+pub fn unidentified(
+    d: DegreeOfFreedom,
+    degree: &Degree,
+    status: &Status,
+    constant: &[String],
+) -> Option<String> {
+    match status {
+        Status::Identified => None,
+        Status::TooShort => Some(format!("{}: no more samples than unknowns", d.name())),
+        Status::NotExcited(parameter) => Some(format!(
+            "{}: `{}` is not excited: its term `{}` does not vary by itself",
+            d.name(),
+            degree.parameters.get(*parameter).map_or("", String::as_str),
+            degree.terms.get(*parameter).map_or("", |t| t.text.as_str()),
+        )),
+        Status::Collinear(diagnosis) => Some(collinear(d, degree, diagnosis, constant)),
+    }
+}
+
+/// `a`, `a and b`, `a, b and c`.
+pub fn listed(items: &[String]) -> String {
+    match items {
+        [] => String::new(),
+        [one] => one.clone(),
+        [most @ .., last] => format!("{} and {last}", most.join(", ")),
+    }
+}

@@ -1,0 +1,116 @@
+use vessel::{Run, Vessel};
+
+use super::collinear::{CollinearRun, collinear_run};
+use super::error::RunError;
+use super::found::{Found, Regressed};
+use super::instruments::RunInstruments;
+use super::refined::refine;
+use super::searched::Begin;
+use crate::predictor::{InitialState, Levels};
+use crate::{Estimator, InstrumentKind, MeanRemoval, RunEstimate};
+
+/// Estimates runs one by one, each by every estimator that is asked for.
+pub struct RunEstimators<'a> {
+    /// The vessel.
+    pub vessel: &'a Vessel,
+    /// In the order of the estimates.
+    pub estimators: Vec<Estimator>,
+    /// How the instruments' mean is removed.
+    pub removal: MeanRemoval,
+    /// Where simulations start.
+    pub initial: InitialState,
+    /// What disturbs the runs, as far as it is stated.
+    pub levels: Option<Levels>,
+}
+
+/// What the estimators make of some runs; empty for those that nothing asks for.
+#[derive(Default)]
+struct Everything {
+    ls: Vec<Regressed>,
+    iv: Vec<Regressed>,
+    refined: Vec<Found>,
+    simulated: Vec<Found>,
+    predicted: Vec<Found>,
+}
+
+impl Everything {
+    /// The estimates by one estimator.
+    fn by(&self, all: &RunEstimators, estimator: Estimator, runs: &[Run]) -> Vec<RunEstimate> {
+        let rows = |found: &mut dyn Iterator<Item = &Found>, excited: &[Regressed]| {
+            let each = found.zip(excited).zip(runs);
+            each.map(|((found, excited), run)| all.estimate(estimator, run, found, excited)).collect()
+        };
+        match estimator {
+            Estimator::Ls => rows(&mut self.ls.iter().map(|r| &r.found), &self.ls),
+            Estimator::Iv | Estimator::Auto => rows(&mut self.iv.iter().map(|r| &r.found), &self.iv),
+            Estimator::RefinedIv => rows(&mut self.refined.iter(), &self.iv),
+            Estimator::OutputError => rows(&mut self.simulated.iter(), &self.iv),
+            Estimator::PredictionError => rows(&mut self.predicted.iter(), &self.iv),
+        }
+    }
+}
+
+impl RunEstimators<'_> {
+    /// One estimate per run and estimator, run by run.
+    ///
+    /// # Errors
+    /// A nominal simulation that diverges, a run that is too short.
+    pub fn estimates(&self, runs: &[Run]) -> Result<Vec<RunEstimate>, RunError> {
+        let found = self.found(runs)?;
+        let columns = self.estimators.iter().map(|e| found.by(self, *e, runs).into_iter());
+        let mut columns: Vec<_> = columns.collect();
+        let row = |_| columns.iter_mut().filter_map(Iterator::next).collect::<Vec<_>>();
+        Ok(runs.iter().flat_map(row).collect())
+    }
+
+    /// Everything that the wanted estimators need, each made once.
+    fn found(&self, runs: &[Run]) -> Result<Everything, RunError> {
+        use Estimator::{Ls, OutputError, PredictionError, RefinedIv};
+        let wanted = |any: &[Estimator]| self.estimators.iter().any(|e| any.contains(e));
+        let mut found = Everything::default();
+        if wanted(&[Ls]) {
+            found.ls = self.regressed(InstrumentKind::Regressors, runs)?;
+        }
+        if self.estimators.iter().any(|e| *e != Ls) {
+            found.iv = self.regressed(InstrumentKind::Nominal, runs)?;
+        }
+        if wanted(&[RefinedIv, OutputError, PredictionError]) {
+            found.refined = refine(self.vessel, runs, &found.iv, self.removal, self.levels.as_ref());
+        }
+        let begin = Begin { vessel: self.vessel, initial: self.initial, levels: self.levels.as_ref() };
+        if wanted(&[OutputError, PredictionError]) {
+            let iv: Vec<Found> = found.iv.iter().map(|r| r.found.clone()).collect();
+            let free = begin.output_error(runs, &found.refined, &iv);
+            found.simulated = free.iter().map(Found::from).collect();
+            if let Some(levels) = self.levels.as_ref().filter(|_| wanted(&[PredictionError])) {
+                let fits = begin.prediction_error(runs, &free, &found.refined, levels);
+                found.predicted = fits.iter().map(Found::from).collect();
+            }
+        }
+        Ok(found)
+    }
+
+    fn regressed(&self, kind: InstrumentKind, runs: &[Run]) -> Result<Vec<Regressed>, RunError> {
+        let outcomes = RunInstruments::new(self.vessel, kind).estimates(runs, self.removal)?;
+        let each = runs.iter().zip(outcomes);
+        each.map(|(run, (outcome, excitation))| Regressed::new(run, outcome, excitation)).collect()
+    }
+
+    /// What a measured run's instruments cannot tell apart; for estimators that need instruments. Others project or simulate
+    /// whatever the columns.
+    pub fn collinear(&self, run: &Run) -> Option<CollinearRun> {
+        let instrumented = self.estimators.iter().any(|e| e.by_instruments());
+        instrumented.then(|| collinear_run(self.vessel, run, self.removal)).flatten()
+    }
+
+    fn estimate(&self, estimator: Estimator, run: &Run, found: &Found, excited: &Regressed) -> RunEstimate {
+        let collinear = estimator.by_instruments().then(|| self.collinear(run)).flatten();
+        match collinear {
+            Some(at) => {
+                let none = excited.clone().unidentified(at.degree, at.parameter);
+                none.estimate(self.vessel, run, estimator, &none.found)
+            }
+            None => excited.estimate(self.vessel, run, estimator, found),
+        }
+    }
+}

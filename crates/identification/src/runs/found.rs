@@ -1,0 +1,98 @@
+use vessel::{Run, Vessel};
+
+use super::error::RunError;
+use crate::predictor::Fit;
+use crate::{Direction, EstimateStatus, Estimator, Excitation, Outcome, RunEstimate};
+
+/// What an estimator makes of one run.
+#[derive(Clone)]
+pub(super) struct Found {
+    pub status: EstimateStatus,
+    pub estimate: Option<(Vec<f64>, Vec<f64>)>,
+}
+
+/// What instrumental variables, or least squares, make of one run, and how it was excited.
+#[derive(Clone)]
+pub(super) struct Regressed {
+    pub found: Found,
+    pub condition: [f64; 3],
+    /// Per degree of freedom the index of the parameter.
+    pub weakest: [usize; 3],
+}
+
+impl Found {
+    /// θ̂, where there is one.
+    pub(super) fn theta(&self) -> Option<&[f64]> {
+        self.estimate.as_ref().map(|(theta, _)| theta.as_slice())
+    }
+
+    fn none(status: EstimateStatus) -> Self {
+        Self { status, estimate: None }
+    }
+}
+
+impl From<&Fit> for Found {
+    fn from(fit: &Fit) -> Self {
+        match fit {
+            Fit::Converged(found) => Self {
+                status: EstimateStatus::Identified,
+                estimate: Some((found.parameters.clone(), found.standard_errors.clone())),
+            },
+            Fit::NotConverged(_) => Self::none(EstimateStatus::NotConverged),
+            Fit::NotIdentifiable(_) => Self::none(EstimateStatus::NotIdentifiable),
+        }
+    }
+}
+
+impl Regressed {
+    /// The `outcome` of `run`.
+    ///
+    /// # Errors
+    /// A run that is too short.
+    pub(super) fn new(run: &Run, outcome: Outcome, excitation: [Excitation; 3]) -> Result<Self, RunError> {
+        let weakest = [0, 1, 2].map(|d: usize| excitation[d].weakest);
+        let condition = excitation.map(|e| e.condition);
+        match outcome {
+            Outcome::Identified(found) => {
+                let estimate = Some((found.parameters, found.standard_errors));
+                let found = Found { status: EstimateStatus::Identified, estimate };
+                Ok(Self { found, condition, weakest })
+            }
+            Outcome::NotIdentifiable(Direction { degree, parameter }) => {
+                let found = Found::none(EstimateStatus::NotIdentifiable);
+                Ok(Self { found, condition, weakest }.unidentified(degree, parameter))
+            }
+            Outcome::TooShort => {
+                Err(RunError::TooShort { design: run.design.clone(), run: run.run, samples: run.samples() })
+            }
+        }
+    }
+
+    /// The same without an estimate, because of this parameter.
+    pub(super) fn unidentified(mut self, degree: usize, parameter: usize) -> Self {
+        self.found = Found::none(EstimateStatus::NotIdentifiable);
+        self.weakest[degree] = parameter;
+        self.condition[degree] = f64::INFINITY;
+        self
+    }
+
+    /// The estimate `found` of `run`, which was excited in this way.
+    pub(super) fn estimate(
+        &self,
+        vessel: &Vessel,
+        run: &Run,
+        estimator: Estimator,
+        found: &Found,
+    ) -> RunEstimate {
+        let named = |d: usize| vessel.model.degrees[d].parameters[self.weakest[d]].clone();
+        RunEstimate {
+            design: run.design.clone(),
+            run: run.run,
+            estimator,
+            status: found.status,
+            estimate: found.estimate.clone(),
+            condition: self.condition,
+            weakest: [0, 1, 2].map(named),
+        }
+    }
+}

@@ -1,0 +1,121 @@
+//! Instrumental variables whose instruments and prefilter come from the estimate.
+
+use vessel::lanes::{SideBySide, by_lane, groups, interleave};
+use vessel::{Lane, Run, Vessel, check_diverged, simulate};
+
+use super::found::{Found, Regressed};
+use crate::predictor::Levels;
+use crate::{Batch, EstimateStatus, MeanRemoval, Noise, Outcome, estimate_prefiltered};
+
+/// Maximum number of refinement iterations.
+const ROUNDS: usize = 8;
+/// A round that moves no parameter by more than this share of its standard error is the last.
+const ENOUGH: f64 = 0.01;
+
+/// Refines the estimates `iv` of `runs`. Where the simulation with the first one diverges, the nominal model's instruments
+/// and filter are taken instead; where a later one does, or instruments made with it identify nothing, the last good estimate
+/// is kept and marked so.
+pub(super) fn refine(
+    vessel: &Vessel,
+    runs: &[Run],
+    iv: &[Regressed],
+    removal: MeanRemoval,
+    levels: Option<&Levels>,
+) -> Vec<Found> {
+    let noise = levels.and_then(Levels::white);
+    let lengths: Vec<usize> = runs.iter().map(Run::samples).collect();
+    let mut all = Vec::with_capacity(runs.len());
+    for group in groups(&lengths) {
+        let mut batch = Refinement::new(vessel, &runs[group.clone()], &iv[group], removal, noise);
+        for round in 0..ROUNDS {
+            if batch.done.iter().all(|done| *done) {
+                break;
+            }
+            batch.round(round == 0);
+        }
+        all.extend(batch.found);
+    }
+    all
+}
+
+/// Up to [`vessel::LANES`] runs.
+struct Refinement<'a> {
+    vessel: &'a Vessel,
+    removal: MeanRemoval,
+    noise: Option<Noise>,
+    runs: SideBySide,
+    starts: Vec<Vec<usize>>,
+    found: Vec<Found>,
+    /// The models that simulations are made with.
+    models: Vec<Vec<f64>>,
+    done: Vec<bool>,
+}
+
+impl<'a> Refinement<'a> {
+    fn new(
+        vessel: &'a Vessel,
+        runs: &[Run],
+        iv: &[Regressed],
+        removal: MeanRemoval,
+        noise: Option<Noise>,
+    ) -> Self {
+        let found = iv.iter().map(|r| r.found.clone());
+        Self {
+            vessel,
+            removal,
+            noise,
+            runs: SideBySide::of(&runs.iter().map(Run::view).collect::<Vec<_>>()),
+            starts: runs.iter().map(Run::starts).collect(),
+            found: found.collect(),
+            models: iv.iter().map(|r| r.found.theta().unwrap_or(&vessel.nominal).to_vec()).collect(),
+            done: iv.iter().map(|r| r.found.theta().is_none()).collect(),
+        }
+    }
+
+    fn round(&mut self, first: bool) {
+        let (parameters, states) = self.simulated();
+        let batch = Batch {
+            model: &self.vessel.model,
+            measured: &self.runs.measured,
+            instrument_states: &states,
+            exogenous: &self.runs.exogenous,
+            segments: by_lane(self.starts.len(), |run| self.starts[run].as_slice()),
+        };
+        let outcomes = estimate_prefiltered(&batch, &parameters, self.removal, self.noise.as_ref());
+        for (lane, outcome) in outcomes.into_iter().enumerate().take(self.found.len()) {
+            let diverged = check_diverged(states.iter().map(|s| s[lane])).is_some();
+            if diverged && first && self.models[lane] != self.vessel.nominal {
+                self.models[lane].clone_from(&self.vessel.nominal);
+            } else {
+                self.take(lane, (!diverged).then_some(outcome));
+            }
+        }
+    }
+
+    /// Every run simulated with its estimate, one lane per parameter.
+    fn simulated(&self) -> (Vec<Lane>, Vec<Lane>) {
+        let parameters = interleave(&self.models.iter().map(Vec::as_slice).collect::<Vec<_>>());
+        let SideBySide { measured, exogenous, initial, .. } = &self.runs;
+        let mut states = vec![Lane::ZERO; measured.len()];
+        simulate(&self.vessel.model, &parameters, *initial, exogenous, &[], &mut states);
+        (parameters, states)
+    }
+
+    /// The outcome of a run's round; none where its simulation diverged.
+    fn take(&mut self, lane: usize, outcome: Option<Outcome>) {
+        if self.done[lane] {
+            return;
+        }
+        let Some(Outcome::Identified(next)) = outcome else {
+            self.found[lane].status = EstimateStatus::Kept;
+            self.done[lane] = true;
+            return;
+        };
+        if let Some((theta, _)) = &self.found[lane].estimate {
+            let moves = next.parameters.iter().zip(theta).zip(&next.standard_errors);
+            self.done[lane] = moves.map(|((a, b), se)| (a - b).abs() / se).all(|moved| moved <= ENOUGH);
+        }
+        self.models[lane].clone_from(&next.parameters);
+        self.found[lane].estimate = Some((next.parameters, next.standard_errors));
+    }
+}

@@ -1,0 +1,67 @@
+use std::collections::BTreeMap;
+
+use vessel::Streams;
+
+/// What is drawn for a realization.
+pub(super) struct Draw {
+    streams: Streams,
+    /// Per maneuver that is picked: the parts there are, and how many.
+    groups: Vec<(Vec<usize>, usize)>,
+}
+
+impl Draw {
+    /// Of each maneuver as many as `counts` says, of parts with these `labels`.
+    pub(super) fn by_design(seed: u64, labels: &[&str], counts: &BTreeMap<String, u64>) -> Self {
+        let group = |(name, count): (&String, &u64)| {
+            let own = (0..labels.len()).filter(|i| labels[*i] == name).collect();
+            (own, *count as usize)
+        };
+        Self {
+            streams: Streams::new(seed, "selection optimized"),
+            groups: counts.iter().map(group).collect(),
+        }
+    }
+
+    /// `picks` of all `parts`.
+    pub(super) fn at_random(seed: u64, parts: usize, picks: usize) -> Self {
+        Self { streams: Streams::new(seed, "selection random"), groups: vec![((0..parts).collect(), picks)] }
+    }
+
+    /// The parts of a realization, ascending, none twice. Depends on the seed and the realization's number alone.
+    pub(super) fn realization(&self, number: u32) -> Vec<usize> {
+        let mut picked = Vec::new();
+        for (channel, (parts, count)) in self.groups.iter().enumerate() {
+            let mut rest = parts.clone();
+            for pick in 0..(*count).min(parts.len()) {
+                let channel = (channel << 16 | pick) as u32;
+                let place = self.streams.choices(number, channel, rest.len() as u32, 1)[0];
+                picked.push(rest.swap_remove(place as usize));
+            }
+        }
+        picked.sort_unstable();
+        picked
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn law_picks_are_those_counted_and_none_comes_twice() {
+        let labels = ["a", "b", "a", "a", "b", "c"];
+        let counts: BTreeMap<String, u64> = [("a".to_owned(), 2), ("b".to_owned(), 1)].into();
+        let draw = Draw::by_design(7, &labels, &counts);
+        let mut seen = [0; 6];
+        for number in 0..200 {
+            let picked = draw.realization(number);
+            let of = |label: &str| picked.iter().filter(|i| labels[**i] == label).count();
+            assert_eq!((picked.len(), of("a"), of("b")), (3, 2, 1));
+            assert!(picked.windows(2).all(|w| w[0] < w[1]));
+            picked.iter().for_each(|i| seen[*i] += 1);
+        }
+        assert!(seen[..5].iter().all(|n| *n > 60) && seen[5] == 0, "{seen:?}");
+        assert_eq!(draw.realization(3), Draw::by_design(7, &labels, &counts).realization(3));
+        assert_eq!(Draw::at_random(7, 6, 6).realization(0), [0, 1, 2, 3, 4, 5]);
+    }
+}

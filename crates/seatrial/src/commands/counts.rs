@@ -1,0 +1,95 @@
+//! How many sub-experiments of each maneuver `validate selection` picks.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use artifact::{Provenance, read_document};
+use identification::selection::apportioned;
+use study::documents::DesignDocument;
+use vessel::nearest;
+
+use crate::failure::Failure;
+
+/// How many sub-experiments of each maneuver to pick: as `--counts label=n` says, or `design.json` by its counts or its
+/// shares of `picks` in whole numbers (largest remainders), and no more than there are.
+///
+/// # Errors
+/// Usage: a count that is none, or for a maneuver that there is not. Refused: more than there are.
+pub fn counts(
+    design: Option<&Path>,
+    written: &[String],
+    picks: Option<u64>,
+    available: &BTreeMap<String, u64>,
+    provenance: &mut Provenance,
+) -> Result<BTreeMap<String, u64>, Failure> {
+    let Some(path) = design else { return parsed(written, available) };
+    let loaded = read_document::<DesignDocument>(path)?;
+    provenance.inputs.insert("design".into(), loaded.digest);
+    let counted = loaded.data.counts.filter(|counts| picks.is_none_or(|p| counts.values().sum::<u64>() == p));
+    let counts = match (counted, picks) {
+        (Some(counts), _) => counts,
+        (None, Some(picks)) => apportioned(&loaded.data.shares, picks, available),
+        (None, None) => {
+            let flag = "--picks: found none and no counts in the design, expected a number";
+            return Err(Failure::Usage(format!("{flag}; name --picks, or use `design --segments`")));
+        }
+    };
+    for (name, count) in counts.iter().filter(|(_, count)| **count > 0) {
+        let there = available.get(name).copied().unwrap_or(0);
+        if *count > there {
+            let found = format!("{count} of `{name}`");
+            let remedy = "bound the design by what there is, or name --counts";
+            return Err(Failure::refuse(path, "counts", &found, &format!("at most {there}"), remedy));
+        }
+    }
+    Ok(counts.into_iter().filter(|(_, count)| *count > 0).collect())
+}
+
+fn parsed(written: &[String], available: &BTreeMap<String, u64>) -> Result<BTreeMap<String, u64>, Failure> {
+    let mut counts = BTreeMap::new();
+    for text in written {
+        let pair =
+            text.rsplit_once('=').and_then(|(name, n)| Some((name.trim(), n.trim().parse::<u64>().ok()?)));
+        let Some((name, count)) = pair else {
+            return Err(Failure::Usage(format!(
+                "--counts: found `{text}`, expected name=number; correct it"
+            )));
+        };
+        let Some(there) = available.get(name) else {
+            let near = nearest(name, available.keys().map(String::as_str)).unwrap_or_default();
+            return Err(Failure::Usage(format!(
+                "--counts: found maneuver `{name}`, expected one of the trajectories'; did you mean `{near}`?"
+            )));
+        };
+        if count > *there {
+            let found = format!("--counts: found {count} of `{name}`, expected at most {there}");
+            return Err(Failure::Usage(format!("{found}; lower it")));
+        }
+        *counts.entry(name.to_owned()).or_default() += count;
+    }
+    if counts.values().sum::<u64>() == 0 {
+        let found = "--counts: found none, expected name=number or --design";
+        return Err(Failure::Usage(format!("{found}; name what to pick")));
+    }
+    Ok(counts)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn map<T: Copy>(entries: &[(&str, T)]) -> BTreeMap<String, T> {
+        entries.iter().map(|(name, value)| ((*name).to_owned(), *value)).collect()
+    }
+
+    #[test]
+    fn counts_are_read_and_bounded() {
+        let there = map(&[("zigzag/fast", 4), ("turning/slow", 2)]);
+        let read =
+            |texts: &[&str]| parsed(&texts.iter().map(|t| (*t).to_owned()).collect::<Vec<_>>(), &there);
+        assert_eq!(read(&["zigzag/fast=4", "turning/slow=1"]).unwrap().len(), 2);
+        for wrong in ["zigzag/fast", "zigzag/fast=5", "zigzag/fats=1", "turning/slow=0", "turning/slow=x"] {
+            assert_eq!(read(&[wrong]).unwrap_err().exit_code(), 2, "{wrong}");
+        }
+    }
+}

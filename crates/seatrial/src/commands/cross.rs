@@ -1,0 +1,86 @@
+//! `validate cross`: estimators compared over runs or recordings that are left out.
+
+use std::path::Path;
+
+use artifact::{commit, stage_document};
+use clap::Args;
+use identification::Estimator;
+use identification::crossval::{CrossError, CrossOptions, cross_validate};
+use serde_json::json;
+use study::documents::CrossvalDocument;
+use study::files::read_vessel;
+
+use crate::choice::choice;
+use crate::cli::{Common, provenance};
+use crate::failure::Failure;
+use crate::pool::{PoolFlags, samples};
+use crate::progress::Progress;
+use crate::stage::{Summary, Task};
+
+/// The command line of `validate cross`.
+#[derive(Args)]
+#[command(after_help = "Example:\n  validate cross --vessel pipelines/kvlcc2/vessel.toml \
+    --trajectories trajectories.parquet --out crossval.json")]
+pub struct Arguments {
+    #[command(flatten)]
+    flags: PoolFlags,
+    /// The estimators to compare
+    #[arg(long, value_parser = choice(&Estimator::POOLED, Estimator::name, Estimator::description), value_delimiter = ',', default_values_t = Estimator::POOLED)]
+    estimators: Vec<Estimator>,
+    /// Simulates over windows of this length, side by side [s]; whole runs without it
+    #[arg(long, value_name = "S")]
+    window_s: Option<f64>,
+    /// Deals runs or recordings in turns into N folds; without it each is left out on its own
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(2..))]
+    folds: Option<u16>,
+    #[command(flatten)]
+    common: Common,
+}
+
+impl Task for Arguments {
+    fn common(&self) -> &Common {
+        &self.common
+    }
+
+    fn run(&self) -> Result<Summary, Failure> {
+        let mut provenance = provenance("validate");
+        let vessel = read_vessel(&self.flags.vessel, &mut provenance)?;
+        let window = self.window_s.map(|s| samples("--window-s", s, vessel.sample_rate_hz)).transpose()?;
+        let out = self.common.main_output("crossval.json", &self.flags.inputs())?;
+        let (runs, pool) = self.flags.read(&vessel, &mut provenance)?;
+        let options =
+            CrossOptions { estimators: self.estimators.clone(), window, folds: self.folds.map(usize::from) };
+        let folds = options.folds.unwrap_or(usize::MAX).min(runs.sources().len());
+        let progress = Progress::new("folds", folds * self.estimators.len(), self.common.quiet);
+        let found = cross_validate(&pool, &runs, &options, &|count| progress.advance(count));
+        let found = found.map_err(|e| refused(&self.flags.trajectories, e))?;
+        let settings = [
+            ("estimators", json!(self.estimators)),
+            ("intercepts", json!(true)),
+            ("window_samples", json!(window)),
+            ("folds", json!(options.folds)),
+        ];
+        self.flags.note(settings, &mut provenance);
+        let window_s = window.map(|samples| samples as f64 / vessel.sample_rate_hz);
+        let document = CrossvalDocument::new(&pool, self.flags.nominal().source(), window_s, &found);
+        commit(vec![stage_document(&out, &provenance, &document)?])?;
+        let (windows, folds, said) = (found.windows, found.folds, found.statements.join("; "));
+        Ok(Summary {
+            line: format!("{}: {windows} windows, {folds} folds; {said}", out.display()),
+            json: json!({"out": out, "windows": windows, "folds": folds,
+                "recommended": found.recommended, "statements": found.statements}),
+        })
+    }
+}
+
+fn refused(file: &Path, error: CrossError) -> Failure {
+    let [thing, found, expected, remedy] = match error {
+        CrossError::OneSource => {
+            ["runs or recordings", "one", "at least two, so that one can be left out", "add runs"]
+        }
+        CrossError::NoWindow => {
+            ["windows", "no run as long as a window", "at least one", "shorten --window-s"]
+        }
+    };
+    Failure::refuse(file, thing, found, expected, remedy)
+}

@@ -1,0 +1,127 @@
+//! `estimate pool`: one estimate from all runs.
+
+use std::path::Path;
+
+use artifact::{Provenance, TableWriter, commit, encode_block, stage_document};
+use clap::Args;
+use identification::Estimator;
+use identification::pooled::{Judgement, Pool, PoolError, Pooled, estimate};
+use serde_json::json;
+use study::documents::{EstimateDocument, TrustDocument};
+use study::estimates;
+use study::files::read_vessel;
+
+use crate::choice::choice;
+use crate::cli::{Common, beside, provenance};
+use crate::failure::Failure;
+use crate::pool::{PoolFlags, lost};
+use crate::progress::Progress;
+use crate::stage::{Summary, Task};
+
+/// The command line of `estimate pool`.
+#[derive(Args)]
+#[command(after_help = "Example:\n  estimate pool --vessel pipelines/kvlcc2/vessel.toml \
+    --trajectories trajectories.parquet --nominal least-squares --estimator auto --bootstrap 500 --out results/")]
+pub struct Arguments {
+    #[command(flatten)]
+    flags: PoolFlags,
+    /// The estimator
+    #[arg(long, value_parser = choice(&Estimator::POOLED, Estimator::name, Estimator::description), default_value_t = Estimator::Iv)]
+    estimator: Estimator,
+    /// Resamples of the bootstrap over sub-experiments
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=1_000_000))]
+    bootstrap: Option<u32>,
+    /// Lags of the standard errors (default 4 (samples/100)^(2/9))
+    #[arg(long, value_name = "LAGS")]
+    bandwidth: Option<u16>,
+    #[command(flatten)]
+    common: Common,
+}
+
+impl Task for Arguments {
+    fn common(&self) -> &Common {
+        &self.common
+    }
+
+    fn run(&self) -> Result<Summary, Failure> {
+        let mut provenance = provenance("estimate");
+        let vessel = read_vessel(&self.flags.vessel, &mut provenance)?;
+        let out = self.common.main_output("estimates.parquet", &self.flags.inputs())?;
+        let (runs, pool) = self.flags.read(&vessel, &mut provenance)?;
+        let judgement = self.judgement();
+        self.note(&judgement, &mut provenance);
+        let progress = Progress::new("resamples", judgement.replicates as usize, self.common.quiet);
+        let resampled = |count: usize| progress.advance(count);
+        let found = estimate(&pool, &runs, self.estimator, &judgement, &resampled);
+        let found = found.map_err(|e| self.failed(e))?;
+        self.publish(&out, &provenance, &pool, &found)
+    }
+}
+
+impl Arguments {
+    fn judgement(&self) -> Judgement {
+        Judgement {
+            bandwidth: self.bandwidth.map(usize::from),
+            replicates: self.bootstrap.unwrap_or(0),
+            seed: self.common.seed.unwrap_or(1),
+        }
+    }
+
+    fn note(&self, judgement: &Judgement, provenance: &mut Provenance) {
+        let settings = [
+            ("estimator", json!(self.estimator)),
+            ("pool", json!(true)),
+            ("bootstrap", json!(judgement.replicates)),
+            ("seed", json!(judgement.seed)),
+            ("bandwidth", json!(judgement.bandwidth)),
+        ];
+        self.flags.note(settings, provenance);
+    }
+
+    fn failed(&self, error: PoolError) -> Failure {
+        match error {
+            PoolError::Lost(instruments) => lost(&self.flags.trajectories, &instruments),
+            PoolError::NotIdentifiable(reasons) => Failure::NoAnswer(format!(
+                "{}: pooled estimate: found no degree of freedom that is identifiable ({}), expected one; add runs that vary \
+                 these terms, name a --prior, or use --estimator ls",
+                self.flags.trajectories.display(),
+                reasons.join("; ")
+            )),
+        }
+    }
+
+    fn publish(
+        &self,
+        out: &Path,
+        provenance: &Provenance,
+        pool: &Pool,
+        found: &Pooled,
+    ) -> Result<Summary, Failure> {
+        let (vessel, estimator) = (pool.vessel, self.estimator);
+        let schema = estimates::schema(vessel);
+        let mut writer = TableWriter::create(out, &schema, provenance)?;
+        writer.push(encode_block(&schema, &estimates::table(vessel, &[found.as_run(estimator)]))?)?;
+        let document = EstimateDocument::pooled(vessel, estimator, pool.removal, found);
+        let replicates = self.judgement().replicates;
+        let trust = TrustDocument::new(pool, self.flags.nominal().source(), estimator, replicates, found);
+        commit(vec![
+            writer.finish()?,
+            stage_document(beside(out, "estimate.json"), provenance, &document)?,
+            stage_document(beside(out, "trust.json"), provenance, &trust)?,
+        ])?;
+        let refused: Vec<&str> = found.degrees.iter().filter_map(|d| d.reason.as_deref()).collect();
+        let rest = match refused.as_slice() {
+            [] => String::new(),
+            reasons => format!("; not identifiable: {}", reasons.join("; ")),
+        };
+        let (parts, sources, samples) = (found.parts, found.sources.len(), found.samples);
+        Ok(Summary {
+            line: format!(
+                "{}: {estimator} from {parts} parts of {sources} runs, {samples} samples{rest}",
+                out.display()
+            ),
+            json: json!({"out": out, "parts": parts, "sources": sources, "samples": samples,
+                "not_identifiable": refused, "statements": found.statements}),
+        })
+    }
+}

@@ -1,0 +1,125 @@
+//! `validate selection`: models from sub-experiments that a design picked against random picks.
+
+use std::path::{Path, PathBuf};
+
+use artifact::{Provenance, TableWriter, commit, encode_block, read_toml, stage_document};
+use clap::Args;
+use identification::Estimator;
+use identification::selection::{SelectionOptions, available, select};
+use serde_json::json;
+use study::documents::{PublishedLimits, Reference, SelectionDocument};
+use study::files::read_vessel;
+use study::selection::{Row, document, rows_of, schema, table};
+
+use super::counts::counts;
+use crate::choice::choice;
+use crate::cli::{Common, beside, provenance};
+use crate::failure::Failure;
+use crate::pool::{PoolFlags, lost};
+use crate::progress::Progress;
+use crate::stage::{Summary, Task};
+
+/// The estimators that sums per sub-experiment are enough for.
+const ESTIMATORS: [Estimator; 3] = [Estimator::Ls, Estimator::Iv, Estimator::Auto];
+
+/// The command line of `validate selection`.
+#[derive(Args)]
+#[command(after_help = "Example:\n  validate selection --vessel pipelines/esso-osaka/vessel.toml \
+    --trajectories trajectories.parquet --design design.json --out selection.parquet")]
+pub struct Arguments {
+    #[command(flatten)]
+    flags: PoolFlags,
+    /// The design whose counts, or shares of --picks, are picked
+    #[arg(long, required_unless_present = "counts", conflicts_with = "counts", value_name = "design.json")]
+    design: Option<PathBuf>,
+    /// How many of each maneuver are picked, instead
+    #[arg(long, value_name = "NAME=N,…", value_delimiter = ',')]
+    counts: Vec<String>,
+    /// Sub-experiments per realization, where the design has no counts
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    picks: Option<u16>,
+    /// Realizations per design
+    #[arg(long, value_name = "N", default_value_t = 500, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    realizations: u32,
+    /// The estimator: `ls`, `iv` or `auto`
+    #[arg(long, value_parser = choice(&Estimator::POOLED, Estimator::name, Estimator::description), default_value_t = Estimator::Iv)]
+    estimator: Estimator,
+    /// Published results to compare with: counts realizations beyond the errors at which their figures end
+    #[arg(long, value_name = "reference.toml")]
+    reference: Option<PathBuf>,
+    #[command(flatten)]
+    common: Common,
+}
+
+impl Task for Arguments {
+    fn common(&self) -> &Common {
+        &self.common
+    }
+
+    fn run(&self) -> Result<Summary, Failure> {
+        let mut provenance = provenance("validate");
+        let vessel = read_vessel(&self.flags.vessel, &mut provenance)?;
+        if !ESTIMATORS.contains(&self.estimator) {
+            let found = format!("--estimator: found {}, expected ls, iv or auto", self.estimator);
+            return Err(Failure::Usage(format!(
+                "{found}; a selection study adds up sums per sub-experiment"
+            )));
+        }
+        let mut inputs = self.flags.inputs();
+        inputs.extend(self.design.iter().chain(&self.reference).map(PathBuf::as_path));
+        let out = self.common.main_output("selection.parquet", &inputs)?;
+        let (runs, pool) = self.flags.read(&vessel, &mut provenance)?;
+        let there = available(&runs.segments(&vessel, None).concat());
+        let picks = self.picks.map(u64::from);
+        let options = SelectionOptions {
+            estimator: self.estimator,
+            counts: counts(self.design.as_deref(), &self.counts, picks, &there, &mut provenance)?,
+            realizations: self.realizations,
+            seed: self.common.seed.unwrap_or(1),
+        };
+        let progress = Progress::new("realizations", 2 * self.realizations as usize, self.common.quiet);
+        let found = select(&pool, &runs, &options, &|count| progress.advance(count));
+        let found = found.map_err(|e| lost(&self.flags.trajectories, &e))?;
+        self.note(&options, &mut provenance);
+        let published = self.published(&mut provenance)?;
+        let (rows, nominal) = (rows_of(&found), self.flags.nominal().source());
+        let document = document(&pool, nominal, &options, &found, &rows, published);
+        publish(&out, &provenance, &rows, &document)
+    }
+}
+
+impl Arguments {
+    /// Where the figures of a published selection study end.
+    fn published(&self, provenance: &mut Provenance) -> Result<Option<PublishedLimits>, Failure> {
+        let Some(file) = &self.reference else { return Ok(None) };
+        let (reference, digest) = read_toml::<Reference>(file)?;
+        provenance.inputs.insert("reference".into(), digest);
+        Ok(reference.selection.as_ref().map(PublishedLimits::from))
+    }
+
+    fn note(&self, options: &SelectionOptions, provenance: &mut Provenance) {
+        let settings = [
+            ("estimator", json!(options.estimator)),
+            ("intercepts", json!(true)),
+            ("realizations", json!(options.realizations)),
+            ("seed", json!(options.seed)),
+        ];
+        self.flags.note(settings, provenance);
+    }
+}
+
+fn publish(
+    out: &Path,
+    provenance: &Provenance,
+    rows: &[Row],
+    document: &SelectionDocument,
+) -> Result<Summary, Failure> {
+    let mut writer = TableWriter::create(out, &schema(), provenance)?;
+    writer.push(encode_block(&schema(), &table(rows))?)?;
+    let staged = stage_document(beside(out, "selection.json"), provenance, document)?;
+    commit(vec![writer.finish()?, staged])?;
+    Ok(Summary {
+        line: format!("{}: {}", out.display(), document.statements.join("; ")),
+        json: json!({"out": out, "ratio_q90": document.ratio_q90, "statements": document.statements}),
+    })
+}

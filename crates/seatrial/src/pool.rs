@@ -1,0 +1,235 @@
+//! What stages that pool sub-experiments read.
+
+use std::convert::Infallible;
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+
+use artifact::{Provenance, read_document};
+use clap::Args;
+use identification::MeanRemoval;
+use identification::pooled::{LostInstruments, NominalModel, NominalSource, Pool, PooledRuns, SelectError};
+use serde_json::{Value, json};
+use study::documents::{EstimateDocument, IngestDocument};
+use study::trajectories::{Layout, TrajectoryReader, label};
+use vessel::{Run, Vessel};
+
+use crate::choice::choice;
+use crate::failure::Failure;
+
+/// The nominal model that is asked for.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub enum Nominal {
+    /// The nominal values of `vessel.toml`.
+    #[default]
+    Given,
+    /// The least-squares fit of the same data.
+    LeastSquares,
+    /// The mean estimate of a previous `estimate.json`.
+    File(PathBuf),
+}
+
+/// Flags of stages that pool sub-experiments.
+#[derive(Clone, Debug, Args)]
+pub struct PoolFlags {
+    /// The vessel
+    #[arg(long, value_name = "vessel.toml")]
+    pub vessel: PathBuf,
+    /// The runs
+    #[arg(long, value_name = "trajectories.parquet")]
+    pub trajectories: PathBuf,
+    /// How the instruments' mean is removed
+    #[arg(long, value_parser = choice(&MeanRemoval::ALL, MeanRemoval::name, MeanRemoval::description), default_value_t = MeanRemoval::Complete)]
+    pub mean_removal: MeanRemoval,
+    /// What `ingest` wrote beside the trajectories: names the recordings that runs were cut from
+    #[arg(long, value_name = "ingest.json")]
+    pub recordings: Option<PathBuf>,
+    /// Only these runs or recordings
+    #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
+    pub runs: Vec<String>,
+    /// All but these runs or recordings
+    #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
+    pub leave_out: Vec<String>,
+    /// Cuts longer sub-experiments, so that instruments start anew at least this often [s]
+    #[arg(long, value_name = "S")]
+    pub part_s: Option<f64>,
+    /// The nominal model that instruments are simulated with: `given` in vessel.toml, `least-squares` (the fit of the same
+    /// data), or a previous estimate.json
+    #[arg(long, value_name = "given|least-squares|FILE")]
+    pub nominal: Option<Nominal>,
+    /// Pull towards the nominal model, on the scale of correlations; 0.03 is mild
+    #[arg(long, value_name = "STRENGTH")]
+    pub prior: Option<f64>,
+}
+
+impl PoolFlags {
+    /// Notes a stage's `own` settings, and which runs were pooled in what parts; none that is empty or absent.
+    pub fn note<const N: usize>(&self, own: [(&str, Value); N], provenance: &mut Provenance) {
+        let pooled = [
+            ("runs", json!(self.runs)),
+            ("leave_out", json!(self.leave_out)),
+            ("part_s", json!(self.part_s)),
+            ("mean_removal", json!(self.mean_removal)),
+            ("prior", json!(self.prior.unwrap_or(0.0))),
+        ];
+        let given = |(_, value): &(&str, Value)| *value != json!([]) && !value.is_null();
+        let all = own.into_iter().chain(pooled).filter(given);
+        provenance.settings.extend(all.map(|(key, value)| (key.to_owned(), value)));
+    }
+
+    /// The files that are read.
+    pub fn inputs(&self) -> Vec<&Path> {
+        let files = [&self.vessel, &self.trajectories].into_iter();
+        files.chain(&self.recordings).map(PathBuf::as_path).collect()
+    }
+
+    /// Reads the runs and what instruments are simulated with.
+    ///
+    /// # Errors
+    /// Values that cannot be; files that are refused; names that no run has.
+    pub fn read<'a>(
+        &self,
+        vessel: &'a Vessel,
+        provenance: &mut Provenance,
+    ) -> Result<(PooledRuns, Pool<'a>), Failure> {
+        let strength = not_below("--prior", self.prior.unwrap_or(0.0), 0.0)?;
+        let nominal = self.nominal().read(vessel, provenance)?;
+        let runs = labelled_runs(&self.trajectories, vessel, provenance)?;
+        let recordings = self.recordings(provenance)?;
+        let rate_hz = vessel.sample_rate_hz;
+        let part_samples = self.part_s.map(|s| samples("--part-s", s, rate_hz)).transpose()?;
+        let named = recordings.as_ref().map(IngestDocument::recordings_by_run).unwrap_or_default();
+        let mut runs = PooledRuns::new(runs, &named);
+        runs.select(&self.runs, &self.leave_out).map_err(|e| unselected(&self.trajectories, e))?;
+        let (model, removal) = (vessel.model.with_intercepts(), self.mean_removal);
+        let constant = recordings.as_ref().map(IngestDocument::constant_channels).unwrap_or_default();
+        Ok((runs, Pool { vessel, model, removal, strength, nominal, part_samples, constant }))
+    }
+
+    /// Where instruments come from.
+    pub fn nominal(&self) -> Nominal {
+        self.nominal.clone().unwrap_or_default()
+    }
+
+    fn recordings(&self, provenance: &mut Provenance) -> Result<Option<IngestDocument>, Failure> {
+        let Some(path) = &self.recordings else { return Ok(None) };
+        let loaded = read_document::<IngestDocument>(path)?;
+        provenance.inputs.insert("recordings".into(), loaded.digest);
+        Ok(Some(loaded.data))
+    }
+}
+
+impl Nominal {
+    /// What it is called in files.
+    pub fn source(&self) -> NominalSource {
+        match self {
+            Self::Given => NominalSource::Given,
+            Self::LeastSquares => NominalSource::LeastSquares,
+            Self::File(_) => NominalSource::Estimate,
+        }
+    }
+
+    /// The model that it names.
+    ///
+    /// # Errors
+    /// A file that is refused, of several designs, or of other parameters.
+    pub fn read(&self, vessel: &Vessel, provenance: &mut Provenance) -> Result<NominalModel, Failure> {
+        provenance.settings.insert("nominal".into(), json!(self.source()));
+        match self {
+            Self::Given => Ok(NominalModel::Known(vessel.nominal.clone())),
+            Self::LeastSquares => Ok(NominalModel::Fitted),
+            Self::File(path) => {
+                let loaded = read_document::<EstimateDocument>(path)?;
+                provenance.inputs.insert("nominal".into(), loaded.digest);
+                let mean = loaded.data.mean(vessel).map_err(|e| Failure::invalid(path, &e))?;
+                Ok(NominalModel::Known(mean))
+            }
+        }
+    }
+}
+
+impl FromStr for Nominal {
+    type Err = Infallible;
+
+    fn from_str(text: &str) -> Result<Self, Infallible> {
+        Ok(match text {
+            "given" => Self::Given,
+            "least-squares" => Self::LeastSquares,
+            file => Self::File(file.into()),
+        })
+    }
+}
+
+/// All runs of `file`, noted as the input `key`.
+///
+/// # Errors
+/// A file that is refused, or is a shard.
+pub fn all_runs(
+    file: &Path,
+    key: &str,
+    vessel: &Vessel,
+    provenance: &mut Provenance,
+) -> Result<Vec<Run>, Failure> {
+    let reader = TrajectoryReader::open(file, &Layout::new(&vessel.model), vessel.sample_rate_hz)?;
+    reader.whole()?;
+    provenance.inputs.insert(key.to_owned(), reader.digest());
+    let blocks: Vec<Vec<Run>> = (0..reader.blocks()).map(|i| reader.runs(i)).collect::<Result<_, _>>()?;
+    Ok(blocks.concat())
+}
+
+/// Those of trajectories. What is made of them is labelled as made of simulated logs, if they are.
+///
+/// # Errors
+/// A file that is refused, or is a shard.
+pub fn labelled_runs(file: &Path, vessel: &Vessel, provenance: &mut Provenance) -> Result<Vec<Run>, Failure> {
+    let runs = all_runs(file, "trajectories", vessel, provenance)?;
+    label(runs.iter().map(|run| run.design.as_str()), provenance);
+    Ok(runs)
+}
+
+fn unselected(file: &Path, error: SelectError) -> Failure {
+    match error {
+        SelectError::Unknown { name, runs, nearest } => Failure::refuse(
+            file,
+            &format!("run `{name}`"),
+            "no such run or recording",
+            &format!("one of {runs} runs, by number or recording"),
+            &format!("did you mean `{nearest}`?"),
+        ),
+        SelectError::NoneLeft => {
+            Failure::refuse(file, "runs", "none left", "at least one", "leave out fewer runs")
+        }
+    }
+}
+
+/// That there are no instruments for runs of `file`.
+pub fn lost(file: &Path, lost: &LostInstruments) -> Failure {
+    Failure::NoAnswer(format!(
+        "{}: {lost}: found no instruments, expected a nominal model that follows the data; cut shorter parts with \
+         --part-s, name another --nominal, or use --estimator ls",
+        file.display()
+    ))
+}
+
+/// `value`, which must not be below `least`.
+///
+/// # Errors
+/// Usage, naming the flag.
+pub fn not_below(flag: &str, value: f64, least: f64) -> Result<f64, Failure> {
+    if value.is_finite() && value >= least {
+        return Ok(value);
+    }
+    Err(Failure::Usage(format!("{flag}: found {value}, expected a number from {least} on; correct it")))
+}
+
+/// Seconds in samples.
+///
+/// # Errors
+/// Usage: less than a sample.
+pub fn samples(flag: &str, seconds: f64, rate_hz: f64) -> Result<usize, Failure> {
+    let samples = (seconds * rate_hz).round();
+    if (1.0..1e9).contains(&samples) {
+        return Ok(samples as usize);
+    }
+    let expected = format!("at least a sample, {} s", 1.0 / rate_hz);
+    Err(Failure::Usage(format!("{flag}: found {seconds}, expected {expected}; correct it")))
+}
