@@ -96,8 +96,8 @@ fn others(d: usize, slopes: &[Lane; 3], noise: &Noise) -> Lane {
     let measurement = |i: usize| if i == d { 0.0 } else { noise.measurement[i].powi(2) };
     let current = |i: usize| if i < 2 { noise.current.powi(2) } else { 0.0 };
     let mut sum = Lane::ZERO;
-    for i in 0..3 {
-        sum += slopes[i] * slopes[i] * Lane::splat(measurement(i) + current(i));
+    for (i, slope) in slopes.iter().enumerate() {
+        sum += *slope * *slope * Lane::splat(measurement(i) + current(i));
     }
     sum
 }

@@ -1,11 +1,13 @@
-/// The name of `known` most like `word`, whatever their case (Jaro–Winkler; the first of equals).
+/// The name of `known` most like `word`, whatever their case: by Jaro–Winkler, then by the fewest edits (the first of
+/// equals).
 pub fn nearest<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let word = word.to_lowercase();
-    let mut best: Option<(f64, &str)> = None;
+    let mut best: Option<((f64, usize), &str)> = None;
     for candidate in known {
-        let likeness = strsim::jaro_winkler(&word, &candidate.to_lowercase());
-        if best.is_none_or(|(top, _)| likeness > top) {
-            best = Some((likeness, candidate));
+        let lower = candidate.to_lowercase();
+        let found = (strsim::jaro_winkler(&word, &lower), strsim::levenshtein(&word, &lower));
+        if best.is_none_or(|(top, _)| found.0 > top.0 || (found.0 == top.0 && found.1 < top.1)) {
+            best = Some((found, candidate));
         }
     }
     best.map(|(_, candidate)| candidate)

@@ -118,12 +118,12 @@ fn round_limit(std: f64) -> f64 {
 }
 
 fn table(summary: &SelectionDocument) -> Markup {
-    let told = |q: &Quantiles, of: fn(&Quantiles) -> (Option<f64>, Option<[Option<f64>; 2]>)| match of(q) {
-        (None, _) => "∞".to_owned(),
-        (value, interval) => three_within(value, interval),
+    let told = |value: Option<f64>, interval| match value {
+        None => "∞".to_owned(),
+        value => three_within(value, interval),
     };
-    let median = |q: &Quantiles| told(q, |q| (q.median, q.median_interval));
-    let q90 = |q: &Quantiles| told(q, |q| (q.q90, q.q90_interval));
+    let median = |q: &Quantiles| told(q.median, q.median_interval);
+    let q90 = |q: &Quantiles| told(q.q90, q.q90_interval);
     let row = |d: &SelectionScores| {
         html! {
             tr {

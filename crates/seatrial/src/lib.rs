@@ -12,6 +12,7 @@ pub mod cli;
 pub mod commands;
 pub mod design;
 pub mod failure;
+pub mod in_memory;
 pub mod ingest;
 pub mod ordered;
 pub mod plan;
@@ -20,3 +21,8 @@ pub mod progress;
 pub mod simulate;
 pub mod stage;
 pub mod umbrella;
+
+pub use identification::{Estimator, RunEstimate, RunScore};
+pub use in_memory::{Optimum, Study, StudyError};
+pub use study::campaign_file::CampaignFile;
+pub use vessel::{DictionaryFile, Vessel};

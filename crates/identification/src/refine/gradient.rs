@@ -144,8 +144,8 @@ impl pulp::WithSimd for Follow<'_> {
                 response.add_times(&pushed, forced, i);
             }
             for (own, force) in now.iter_mut().zip(forced) {
-                for d in 0..3 {
-                    own[d] += slope(d, 0) * force[0] + slope(d, 1) * force[1];
+                for (d, state) in own.iter_mut().enumerate() {
+                    *state += slope(d, 0) * force[0] + slope(d, 1) * force[1];
                 }
             }
             all.followed.extend_from_slice(&now);
@@ -187,16 +187,16 @@ impl pulp::WithSimd for Back<'_> {
                 }
             }
             self.add_sources(k, &mut big);
-            for d in 0..3 {
-                small[d] += self.state_slopes[3 * (k + 1) + d];
+            for (own, slope) in small.iter_mut().zip(&self.state_slopes[3 * (k + 1)..]) {
+                *own += slope;
             }
             for (p, (term, d)) in terms.iter_mut().zip(&degrees).enumerate() {
                 *term = big[p / LANES][*d][p % LANES] + small[*d] * parameters[p];
             }
             let local = dynamics.at(forward.state(k), run.exogenous(k));
             dynamics.pull_back(&terms, &self.by_slopes(k, &big), &mut slopes);
-            for d in 0..3 {
-                small[d] += slopes[d];
+            for (own, slope) in small.iter_mut().zip(&slopes) {
+                *own += slope;
             }
             out[k * inputs..(k + 1) * inputs].copy_from_slice(&slopes[3..3 + inputs]);
             after = Some(local);

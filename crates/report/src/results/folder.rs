@@ -13,11 +13,11 @@ pub(super) fn document<D: Document>(folder: &Path, name: &str) -> Result<Option<
     path.exists().then(|| Ok(read_document::<D>(path)?.data)).transpose()
 }
 
+/// Folders with what was read there, and the names of those without.
+type Read<D> = (Vec<(PathBuf, D)>, Vec<String>);
+
 /// The folders with a document `name`, and the names of those without.
-pub(super) fn documents<D: Document>(
-    folders: &[PathBuf],
-    name: &str,
-) -> Result<(Vec<(PathBuf, D)>, Vec<String>), Error> {
+pub(super) fn documents<D: Document>(folders: &[PathBuf], name: &str) -> Result<Read<D>, Error> {
     let (mut found, mut missing) = (Vec::new(), Vec::new());
     for folder in folders {
         match document(folder, name)? {

@@ -118,7 +118,7 @@ fn moves_front_variants_and_trials_are_shown() {
             "1 0 2 3 min 20 s 55.0 54.5 %",
             "1 1 4 6 min 40 s 62.9 100.0 %",
             "4 headings: optimal, 4 basic moves (at least 4 basic moves), 6 steps, 12 min 02 s at sea",
-            "planned 200 87.5 % 0.777",
+            "planned 200 87.5 % (96.6 to 99.6 %) 0.777 (1.78 to 2.38)",
             "optimized 500 98.6 %",
             "it also contains the legs between the maneuvers",
         ],

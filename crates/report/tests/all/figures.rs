@@ -140,7 +140,7 @@ fn tracks_share_one_scale() {
     let y = vec![0.0; 100];
     let svg = tracks(&[Track { name: "straight", x: &x, y: &y }, Track { name: "none", x: &[], y: &[] }]);
     check(&svg);
-    assert!(svg.contains("straight") && svg.contains(" m\n"));
+    assert!(svg.contains("straight") && svg.contains(" m</text>"));
     check(&tracks(&[]));
 }
 

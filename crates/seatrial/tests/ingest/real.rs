@@ -24,7 +24,7 @@ fn ingest_study(study: &str, logs: &Path, vessel: bool) -> Made {
     ingest(&pipeline, &more)
 }
 
-fn state<'a>(recording: &'a RecordingSummary, state: State) -> &'a MotionSummary {
+fn state(recording: &RecordingSummary, state: State) -> &MotionSummary {
     recording.motion.iter().find(|m| m.state == state).unwrap()
 }
 

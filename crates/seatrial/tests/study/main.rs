@@ -10,6 +10,7 @@ mod estimates;
 mod estimators;
 mod generated;
 mod golden;
+mod in_memory;
 mod oracle;
 mod pipeline;
 mod refine;

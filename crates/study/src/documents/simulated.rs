@@ -79,14 +79,17 @@ impl From<&Entry> for SimulatedRecording {
     }
 }
 
+/// How often one limit was met.
+type Count = fn(&Hits) -> usize;
+
 /// Which limits thruster `i` was held at.
 fn statements(i: usize, entries: &[Entry]) -> Vec<String> {
-    let limits: [(&str, fn(&Hits) -> usize); 3] = [
+    let limits: [(&str, Count); 3] = [
         ("highest speed", |hits| hits.speed),
         ("fastest change of speed", |hits| hits.speed_rate),
         ("fastest turn", |hits| hits.angle_rate),
     ];
-    let statement = |(limit, count): (&str, fn(&Hits) -> usize)| {
+    let statement = |(limit, count): (&str, Count)| {
         let each = || entries.iter().map(|entry| count(&entry.hits[i])).filter(|count| *count > 0);
         let (samples, logs) = (each().sum::<usize>(), each().count());
         let text =
