@@ -12,10 +12,9 @@ use study::design_files::read_limits;
 use study::documents::{DesignDocument, RefinedFiles};
 use study::files::{read_campaign, read_dictionary, read_vessel};
 use trial::campaign::Plan;
-use trial::refining::{Limits, Refinement, Start, StatedLimits};
+use trial::refining::{Limits, Refinement, Refusal, Start, StatedLimits};
 use vessel::{Generator, Invalid, Vessel, refuse_endless};
 
-use super::refusal::not_refined;
 use crate::cli::{Common, beside, provenance};
 use crate::failure::Failure;
 use crate::simulate::Files;
@@ -152,4 +151,19 @@ fn settings(a: &Refine, vessel: &Vessel, found: &Refinement, provenance: &mut Pr
     settings.insert("relative_to".into(), json!(found.start.source));
     settings.insert("knot_s".into(), json!(found.knot as f64 / vessel.sample_rate_hz));
     settings.insert("iterations".into(), json!(a.iterations));
+}
+
+/// Why an experiment is not refined.
+fn not_refined(a: &Refine, why: Refusal) -> Failure {
+    match why {
+        Refusal::Vessel(e) => Failure::invalid(&a.vessel, &e),
+        Refusal::Dictionary(e) => Failure::invalid(&a.dictionary, &e),
+        Refusal::Design(e) => Failure::invalid(&a.design, &e),
+        Refusal::Limits(e) => Failure::invalid(a.limits.as_ref().unwrap_or(&a.dictionary), &e),
+        Refusal::NotIdentifiable { parameter } => Failure::NoAnswer(format!(
+            "{}: the design's experiment: found one that does not tell `{parameter}` from the other parameters, expected a \
+             start that excites all; begin with another design",
+            a.design.display()
+        )),
+    }
 }

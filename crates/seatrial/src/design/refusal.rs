@@ -1,9 +1,7 @@
 use std::path::Path;
 
 use design::{NoDesign, Scarce};
-use trial::refining::Refusal;
 
-use super::refine::Refine;
 use crate::failure::Failure;
 
 /// Why there is no design of the moments in `moments`, where what is available stands in `available`.
@@ -54,20 +52,5 @@ pub(super) fn scarce(file: &Path, why: Scarce) -> Failure {
         Scarce::Segments { found, expected } => {
             too_little(format!("{found} whole segments"), expected.to_string())
         }
-    }
-}
-
-/// Why an experiment is not refined.
-pub(super) fn not_refined(a: &Refine, why: Refusal) -> Failure {
-    match why {
-        Refusal::Vessel(e) => Failure::invalid(&a.vessel, &e),
-        Refusal::Dictionary(e) => Failure::invalid(&a.dictionary, &e),
-        Refusal::Design(e) => Failure::invalid(&a.design, &e),
-        Refusal::Limits(e) => Failure::invalid(a.limits.as_ref().unwrap_or(&a.dictionary), &e),
-        Refusal::NotIdentifiable { parameter } => Failure::NoAnswer(format!(
-            "{}: the design's experiment: found one that does not tell `{parameter}` from the other parameters, expected a \
-             start that excites all; begin with another design",
-            a.design.display()
-        )),
     }
 }

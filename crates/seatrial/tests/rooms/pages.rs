@@ -84,3 +84,12 @@ fn links_between_pages_lead_somewhere() {
         }
     }
 }
+
+#[test]
+fn places_named_in_architecture_exist() {
+    let text = fs::read_to_string(top().join("ARCHITECTURE.md")).unwrap();
+    let named: Vec<&str> = text.split('`').filter(|part| part.starts_with("crates/")).collect();
+    let missing: Vec<&str> =
+        named.iter().copied().filter(|name| !name.contains('<') && !top().join(name).exists()).collect();
+    assert!(named.len() > 20 && missing.is_empty(), "{missing:?}");
+}

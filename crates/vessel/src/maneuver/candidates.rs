@@ -1,82 +1,9 @@
 //! Candidates by generation: a table `[generate]` in `dictionary.toml` instead of maneuvers written by hand.
 
-use std::collections::BTreeMap;
-
-use serde::Deserialize;
-
 use super::draw::Draw;
+use super::generate_spec::{CandidateKind, GenerateSpec};
 use super::spec::ManeuverSpec;
-use crate::{Invalid, Model, Streams, nearest};
-
-/// `[generate]` as written.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct GenerateSpec {
-    /// How many are drawn. Fewer are left within the limits.
-    pub candidates: u32,
-    /// Seed: candidate i of a seed is the same whatever their number and the limits.
-    #[serde(default = "one")]
-    pub seed: u64,
-    /// Duration of every candidate \[s\]; without it the dictionary's.
-    pub duration_s: Option<f64>,
-    /// Kinds, in turn; all where there are none.
-    #[serde(default)]
-    pub kinds: Vec<CandidateKind>,
-    /// Speeds to draw from \[m/s\]: lowest and highest; without it from standstill to the limit.
-    pub speed_m_s: Option<[f64; 2]>,
-    /// Periods to draw from \[s\]: shortest and longest.
-    #[serde(default = "periods")]
-    pub period_s: [f64; 2],
-    /// What no candidate may exceed.
-    pub limits: Limits,
-}
-
-fn one() -> u64 {
-    1
-}
-
-fn periods() -> [f64; 2] {
-    [4.0, 40.0]
-}
-
-/// Largest moduli that a candidate may reach.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Limits {
-    /// Of the surge speed \[m/s\].
-    pub u_m_s: f64,
-    /// Of the sway speed \[m/s\].
-    pub v_m_s: f64,
-    /// Of the yaw rate \[rad/s\].
-    pub r_rad_s: f64,
-    /// Of inputs by name, in their units; an input that is not named has no limit.
-    #[serde(default)]
-    pub inputs: BTreeMap<String, f64>,
-}
-
-/// The kinds that candidates are drawn of.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum CandidateKind {
-    /// From rest or slow to faster.
-    Accelerate,
-    /// To a lower speed.
-    Decelerate,
-    /// The yaw rate swings.
-    ZigZag,
-    /// The sway speed swings.
-    SwayZigZag,
-    /// The yaw rate is swept.
-    Spiral,
-    /// A turning circle.
-    SteadyTurn,
-    /// All speeds switch at random.
-    PseudoRandomBinary,
-    /// All speeds are sums of sines.
-    Multisine,
-    /// Speed, sway and yaw rate each in a shape of its own.
-    Combined,
-}
+use crate::{Invalid, Streams};
 
 const ALL: [CandidateKind; 9] = [
     CandidateKind::Combined,
@@ -89,17 +16,6 @@ const ALL: [CandidateKind; 9] = [
     CandidateKind::Decelerate,
     CandidateKind::SteadyTurn,
 ];
-
-/// Which limit a motion exceeds most.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Exceeded {
-    /// Key of the limit.
-    pub limit: String,
-    /// Its value.
-    pub allowed: f64,
-    /// What the motion reaches.
-    pub found: f64,
-}
 
 impl GenerateSpec {
     /// All candidates, within the limits or not.
@@ -121,95 +37,5 @@ impl GenerateSpec {
             }
         };
         Ok((0..self.candidates).map(one).collect())
-    }
-
-    fn check(&self) -> Result<(), Invalid> {
-        let refuse = |key: &str, found: f64, expected: &str| {
-            Err(Invalid::new(format!("`generate.{key}`"), found.to_string(), expected, "correct it"))
-        };
-        if self.candidates == 0 || self.candidates > MOST {
-            return refuse("candidates", f64::from(self.candidates), &format!("1 to {MOST}"));
-        }
-        let limits = &self.limits;
-        let named = [("u_m_s", limits.u_m_s), ("v_m_s", limits.v_m_s), ("r_rad_s", limits.r_rad_s)];
-        let inputs = limits.inputs.iter().map(|(name, limit)| (name.as_str(), *limit));
-        for (key, value) in named.into_iter().chain(inputs) {
-            if !(value.is_finite() && value > 0.0) {
-                return refuse(&format!("limits.{key}"), value, "more than zero");
-            }
-        }
-        if let Some(duration) = self.duration_s.filter(|d| !(d.is_finite() && *d > 0.0)) {
-            return refuse("duration_s", duration, "more than 0 s");
-        }
-        let [shortest, longest] = self.period_s;
-        if !(shortest > 0.0 && longest >= shortest && longest.is_finite()) {
-            return refuse(
-                "period_s",
-                shortest,
-                "a shortest period above 0 s and a longest one not below it",
-            );
-        }
-        match self.speed_m_s {
-            Some([low, high]) if !(low.is_finite() && high.is_finite() && low <= high) => {
-                refuse("speed_m_s", low, "a lowest speed and a highest one not below it")
-            }
-            _ => Ok(()),
-        }
-    }
-}
-
-/// Most candidates of a dictionary.
-const MOST: u32 = 1_000_000;
-
-impl Limits {
-    /// Refuses limits of inputs that `model` does not have.
-    pub(crate) fn check(&self, model: &Model) -> Result<(), Invalid> {
-        let names = || model.variables[3..3 + model.inputs].iter().map(|v| v.name.as_str());
-        match self.inputs.keys().find(|key| names().all(|name| name != key.as_str())) {
-            None => Ok(()),
-            Some(unknown) => Err(Invalid::new(
-                "`generate.limits.inputs`",
-                format!("`{unknown}`"),
-                names().collect::<Vec<_>>().join(", "),
-                format!("did you mean `{}`?", nearest(unknown, names()).unwrap_or_default()),
-            )),
-        }
-    }
-
-    /// The limit that `states` (rows × 3) or `inputs` (rows × inputs) exceed most, if any. A state that is no number
-    /// exceeds every limit.
-    pub fn exceeded(&self, model: &Model, states: &[f64], inputs: &[f64]) -> Option<Exceeded> {
-        let largest = |values: &[f64], column: usize, width: usize| {
-            let moduli = values.iter().skip(column).step_by(width.max(1)).map(|x| x.abs());
-            moduli.fold(0.0, |most: f64, x| if x.is_nan() { f64::INFINITY } else { most.max(x) })
-        };
-        let states = [("u_m_s", self.u_m_s), ("v_m_s", self.v_m_s), ("r_rad_s", self.r_rad_s)]
-            .into_iter()
-            .enumerate()
-            .map(|(d, (key, allowed))| (key.to_owned(), allowed, largest(states, d, 3)));
-        let inputs = model.variables[3..3 + model.inputs].iter().enumerate().filter_map(|(i, v)| {
-            let allowed = *self.inputs.get(&v.name)?;
-            Some((format!("inputs.{}", v.name), allowed, largest(inputs, i, model.inputs)))
-        });
-        let most = states.chain(inputs).max_by(|a, b| (a.2 / a.1).total_cmp(&(b.2 / b.1)))?;
-        let (limit, allowed, found) = most;
-        // What is asked to reach a limit may pass it by rounding.
-        (found > allowed * (1.0 + 1e-9)).then_some(Exceeded { limit, allowed, found })
-    }
-}
-
-impl CandidateKind {
-    fn name(self) -> &'static str {
-        match self {
-            Self::Accelerate => "accelerate",
-            Self::Decelerate => "decelerate",
-            Self::ZigZag => "zig-zag",
-            Self::SwayZigZag => "sway-zig-zag",
-            Self::Spiral => "spiral",
-            Self::SteadyTurn => "steady-turn",
-            Self::PseudoRandomBinary => "pseudo-random-binary",
-            Self::Multisine => "multisine",
-            Self::Combined => "combined",
-        }
     }
 }

@@ -2,9 +2,10 @@
 
 use rand::Rng;
 
-use super::candidates::{CandidateKind, GenerateSpec};
+use super::generate_spec::{CandidateKind, GenerateSpec};
+use super::shape::Shape;
 use super::signal::{Signal, SignalShape};
-use super::spec::{Kind, Shape};
+use super::spec::Kind;
 
 /// The random numbers of one candidate.
 pub(super) struct Draw<'a, R> {

@@ -1,6 +1,6 @@
 use std::collections::BTreeMap;
 
-use super::candidates::Limits;
+use super::generate_spec::Limits;
 use super::signal::Wave;
 use super::spec::{Kind, ManeuverSpec};
 use crate::steady::{Motion, Steady};

@@ -1,14 +1,19 @@
 //! Maneuvers in the terms of a trial, turned into inputs by the model.
 
 mod candidates;
+mod dictionary;
 mod draw;
 mod generate;
+mod generate_spec;
 mod input_file;
+mod shape;
 mod signal;
 mod spec;
 
-pub use candidates::{CandidateKind, Exceeded, GenerateSpec, Limits};
+pub use dictionary::DictionaryFile;
 pub use generate::{Generator, Realized};
+pub use generate_spec::{CandidateKind, Exceeded, GenerateSpec, Limits};
 pub use input_file::parse_inputs;
+pub use shape::Shape;
 pub use signal::{Signal, SignalShape};
-pub use spec::{DictionaryFile, Kind, ManeuverSpec, Shape};
+pub use spec::{Kind, ManeuverSpec};

@@ -3,7 +3,7 @@
 use rand::Rng;
 use serde::Deserialize;
 
-use super::spec::Shape;
+use super::shape::Shape;
 use crate::Streams;
 
 /// What one speed does over a combined maneuver, in the unit of the key that it stands under.

@@ -1,27 +1,9 @@
-use std::collections::BTreeSet;
-
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer};
 
-use super::candidates::GenerateSpec;
+use super::shape::Shape;
 use super::signal::Signal;
-use crate::{Invalid, Source};
-
-/// `dictionary.toml` as written.
-#[derive(Clone, Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct DictionaryFile {
-    /// Duration of every maneuver that gives none of its own \[s\].
-    pub duration_s: Option<f64>,
-    /// Which parameters turn maneuvers into inputs.
-    #[serde(default)]
-    pub inputs_from: Source,
-    /// The maneuvers, in order.
-    #[serde(default, rename = "maneuver")]
-    pub maneuvers: Vec<ManeuverSpec>,
-    /// More maneuvers, by generation.
-    pub generate: Option<GenerateSpec>,
-}
+use crate::Invalid;
 
 /// One maneuver.
 #[derive(Clone, Debug, PartialEq)]
@@ -182,94 +164,13 @@ pub enum Kind {
     },
 }
 
-/// How a zig-zag swings.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Shape {
-    /// Between two levels.
-    Square,
-    /// As a sine.
-    #[default]
-    Sine,
-    /// In straight ramps.
-    Triangle,
-}
-
-impl Shape {
-    /// Value at `phase` (in periods), within −1 and 1, starting upwards.
-    pub fn at(self, phase: f64) -> f64 {
-        let phase = phase - phase.floor();
-        match self {
-            Self::Square => {
-                if phase < 0.5 {
-                    1.0
-                } else {
-                    -1.0
-                }
-            }
-            Self::Sine => (std::f64::consts::TAU * phase).sin(),
-            Self::Triangle => 1.0 - 4.0 * ((phase + 0.75) % 1.0 - 0.5).abs(),
-        }
-    }
-
-    /// Amplitude of a signal whose derivative swings like this with amplitude 1 and period 1 s.
-    fn integral(self) -> f64 {
-        match self {
-            Self::Square => 0.25,
-            Self::Sine => 1.0 / std::f64::consts::TAU,
-            Self::Triangle => 0.125,
-        }
-    }
-}
-
-impl DictionaryFile {
-    /// Refuses an empty dictionary, a name used twice and numbers without meaning.
-    ///
-    /// # Errors
-    /// Names the maneuver and the key.
-    pub fn check(&self) -> Result<(), Invalid> {
-        self.expanded().map(|_| ())
-    }
-
-    /// The maneuvers with the generated ones after those written, each of a name of its own.
-    ///
-    /// # Errors
-    /// See [`DictionaryFile::check`].
-    pub fn expanded(&self) -> Result<Vec<ManeuverSpec>, Invalid> {
-        let generated = self.generate.as_ref().map(GenerateSpec::candidates).transpose()?;
-        let all: Vec<ManeuverSpec> =
-            self.maneuvers.iter().cloned().chain(generated.into_iter().flatten()).collect();
-        check_all(&all, self.duration_s)?;
-        Ok(all)
-    }
-}
-
-pub(crate) fn check_all(maneuvers: &[ManeuverSpec], default_s: Option<f64>) -> Result<(), Invalid> {
-    if maneuvers.is_empty() {
-        return Err(Invalid::new("[[maneuver]]", "none", "at least one maneuver", "add one, or [generate]"));
-    }
-    let mut names = BTreeSet::new();
-    for maneuver in maneuvers {
-        if maneuver.name.is_empty() || !names.insert(maneuver.name.as_str()) {
-            return Err(Invalid::new(
-                format!("maneuver `{}`", maneuver.name),
-                "a name that is empty or used twice",
-                "a name of its own for every maneuver",
-                "rename one of them",
-            ));
-        }
-        maneuver.check(default_s)?;
-    }
-    Ok(())
-}
-
 impl ManeuverSpec {
     /// Its duration \[s\], or the default.
     pub fn duration(&self, default_s: Option<f64>) -> Option<f64> {
         self.duration_s.or(default_s)
     }
 
-    fn check(&self, default_s: Option<f64>) -> Result<(), Invalid> {
+    pub(super) fn check(&self, default_s: Option<f64>) -> Result<(), Invalid> {
         if !matches!(self.kind, Kind::Inputs { .. }) {
             let missing = || {
                 let thing = format!("maneuver `{}`, `duration_s`", self.name);

@@ -1,0 +1,64 @@
+use std::collections::BTreeSet;
+
+use serde::Deserialize;
+
+use super::generate_spec::GenerateSpec;
+use super::spec::ManeuverSpec;
+use crate::{Invalid, Source};
+
+/// `dictionary.toml` as written.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct DictionaryFile {
+    /// Duration of every maneuver that gives none of its own \[s\].
+    pub duration_s: Option<f64>,
+    /// Which parameters turn maneuvers into inputs.
+    #[serde(default)]
+    pub inputs_from: Source,
+    /// The maneuvers, in order.
+    #[serde(default, rename = "maneuver")]
+    pub maneuvers: Vec<ManeuverSpec>,
+    /// More maneuvers, by generation.
+    pub generate: Option<GenerateSpec>,
+}
+
+impl DictionaryFile {
+    /// Refuses an empty dictionary, a name used twice and numbers without meaning.
+    ///
+    /// # Errors
+    /// Names the maneuver and the key.
+    pub fn check(&self) -> Result<(), Invalid> {
+        self.expanded().map(|_| ())
+    }
+
+    /// The maneuvers with the generated ones after those written, each of a name of its own.
+    ///
+    /// # Errors
+    /// See [`DictionaryFile::check`].
+    pub fn expanded(&self) -> Result<Vec<ManeuverSpec>, Invalid> {
+        let generated = self.generate.as_ref().map(GenerateSpec::candidates).transpose()?;
+        let all: Vec<ManeuverSpec> =
+            self.maneuvers.iter().cloned().chain(generated.into_iter().flatten()).collect();
+        check_all(&all, self.duration_s)?;
+        Ok(all)
+    }
+}
+
+pub(crate) fn check_all(maneuvers: &[ManeuverSpec], default_s: Option<f64>) -> Result<(), Invalid> {
+    if maneuvers.is_empty() {
+        return Err(Invalid::new("[[maneuver]]", "none", "at least one maneuver", "add one, or [generate]"));
+    }
+    let mut names = BTreeSet::new();
+    for maneuver in maneuvers {
+        if maneuver.name.is_empty() || !names.insert(maneuver.name.as_str()) {
+            return Err(Invalid::new(
+                format!("maneuver `{}`", maneuver.name),
+                "a name that is empty or used twice",
+                "a name of its own for every maneuver",
+                "rename one of them",
+            ));
+        }
+        maneuver.check(default_s)?;
+    }
+    Ok(())
+}
