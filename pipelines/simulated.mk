@@ -33,7 +33,7 @@ SEEDS ?= 1 2 3 4 5 6 7 8 9 10
 seeds: $(BIN)/.built
 	@mkdir -p $(OUT)/seeds
 	@for seed in $(SEEDS); do \
-	  $(MAKE) --no-print-directory STUDY=$(STUDY) OUT=$(OUT)/seeds/$$seed SEED_FLAGS="--seed $$seed" FLAGS="$(FLAGS) --quiet" \
+	  $(MAKE) --no-print-directory STUDY=$(STUDY) OUT=$(OUT)/seeds/$$seed SEED_FLAGS="--seed $$seed" FLAGS="$(filter-out --quiet,$(FLAGS)) --quiet" \
 	    $(OUT)/seeds/$$seed/measured/selection.parquet > $(OUT)/seeds/$$seed.log 2>&1 || { cat $(OUT)/seeds/$$seed.log; exit 1; }; \
 	  echo "seed $$seed: $$(tail -n 1 $(OUT)/seeds/$$seed.log)"; \
 	done
