@@ -3,6 +3,7 @@
 use std::ffi::OsString;
 use std::process::ExitCode;
 
+use clap::builder::Resettable;
 use clap::error::ErrorKind;
 use clap::parser::ValueSource;
 use clap::{Arg, ArgMatches, Args, Command, CommandFactory, FromArgMatches, Parser, Subcommand};
@@ -80,7 +81,11 @@ impl<A: Parser, S: Subcommand> Parser for Either<A, S> {}
 
 impl<A: Parser, S: Subcommand> CommandFactory for Either<A, S> {
     fn command() -> Command {
-        S::augment_subcommands(A::command().subcommand_negates_reqs(true))
+        let alone = A::command().subcommand_negates_reqs(true);
+        let [about, long] = [alone.get_about(), alone.get_long_about()]
+            .map(|text| text.cloned().map_or(Resettable::Reset, Resettable::Value));
+        // The subcommands' own description would replace that of the stage.
+        S::augment_subcommands(alone).about(about).long_about(long)
     }
 
     fn command_for_update() -> Command {

@@ -26,7 +26,9 @@ fn every_help_has_an_example_that_parses_and_the_exit_codes() {
         let examples = ran.stdout.split_once("Example:").unwrap_or_else(|| panic!("no example{ran}")).1;
         assert!(examples.trim_start().starts_with(&format!("seatrial {line}")), "{ran}");
     }
-    for (_, command) in &commands {
+    for (line, command) in &commands {
+        let about = command.get_about().unwrap().to_string();
+        assert!(!about.contains("besides"), "{line}: {about}");
         let help = command.get_after_help().unwrap().to_string();
         for example in help.lines().filter(|line| line.trim_start().starts_with("seatrial ")) {
             let words = example.split_whitespace().take_while(|word| *word != ">");
