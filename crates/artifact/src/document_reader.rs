@@ -11,7 +11,9 @@ use crate::digest::Digest;
 use crate::document::{Document, Envelope, Loaded};
 use crate::error::{Error, Result};
 use crate::identity::Header;
+use crate::leftover::recover;
 use crate::seal::{self, FileDigests};
+use crate::staged::folder_of;
 use crate::toml_input::text_of;
 
 /// Reads a document.
@@ -30,6 +32,7 @@ pub fn read_document<D: Document>(path: impl AsRef<Path>) -> Result<Loaded<D>> {
 
 /// The text of a document of this kind and version that fits its seal, and the file's digest.
 fn checked_text(path: &Path, id: &str, version: u32) -> Result<(String, Digest)> {
+    recover(folder_of(path));
     let bytes = std::fs::read(path).map_err(|e| Error::io(path, "read", e))?;
     let text = text_of(path, bytes)?;
     let header: Header = serde_json::from_str(&text).map_err(|e| refusal(path, &text, &e))?;

@@ -1,20 +1,27 @@
 //! Files that are complete but not yet under their names: written whole or not at all.
 
-use std::fs::{File, Permissions};
+use std::fs::{File, Permissions, TryLockError};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use tempfile::{Builder, NamedTempFile, TempPath};
 
 use crate::error::{Error, Result};
+use crate::fault;
+use crate::leftover;
+
+/// How the names of files begin that no stage has finished.
+pub(crate) const UNFINISHED: &str = ".unfinished-";
 
 /// A complete file beside its target, under a temporary name and flushed to the disk.
 ///
-/// [`commit`] gives it its name; dropped without that, it disappears.
+/// [`crate::commit`] gives it its name; dropped without that, it disappears.
 #[derive(Debug)]
 pub struct Staged {
     temporary: TempPath,
     target: PathBuf,
+    /// Holds the lock that tells others that this file's process is alive.
+    _held: File,
 }
 
 impl Staged {
@@ -31,24 +38,48 @@ impl Staged {
     /// Stages `bytes` as they are, for files of other formats (HTML, SVG, GPX).
     ///
     /// # Errors
-    /// [`Error::Io`] if the file cannot be created or written.
+    /// [`Error::Io`] if the file cannot be created or written; [`Error::Refused`] for a target that is no file.
     pub fn bytes(path: impl AsRef<Path>, bytes: &[u8]) -> Result<Self> {
         let path = path.as_ref();
-        let file = create_temporary(path)?;
+        Self::written(create_temporary(path)?, path, bytes)
+    }
+
+    /// As [`Staged::bytes`], by whoever holds the folder of `path`.
+    pub(crate) fn held_bytes(path: &Path, bytes: &[u8]) -> Result<Self> {
+        Self::written(create_held(path)?, path, bytes)
+    }
+
+    fn written(file: NamedTempFile, path: &Path, bytes: &[u8]) -> Result<Self> {
         // Through the file itself: the temporary file's own errors name it, which tells the user nothing.
-        file.as_file().write_all(bytes).map_err(|e| Error::io(path, "write", e))?;
+        let written = fault::point("write").and_then(|()| file.as_file().write_all(bytes));
+        written.map_err(|e| Error::io(path, "write", e))?;
         Self::complete(file, path)
     }
 
-    /// Flushes a temporary file to the disk and closes it.
+    /// Flushes a temporary file to the disk.
     pub(crate) fn complete(file: NamedTempFile, target: &Path) -> Result<Self> {
-        file.as_file().sync_all().map_err(|e| Error::io(target, "write", e))?;
-        Ok(Self { temporary: file.into_temp_path(), target: target.to_owned() })
+        let flushed = fault::point("flush").and_then(|()| file.as_file().sync_all());
+        flushed.map_err(|e| Error::io(target, "write", e))?;
+        let (held, temporary) = file.into_parts();
+        Ok(Self { temporary, target: target.to_owned(), _held: held })
+    }
+
+    /// Gives the file its name, replacing the file that has it.
+    pub(crate) fn rename(self) -> Result<()> {
+        let Self { temporary, target, .. } = self;
+        fault::point("rename").map_err(|e| Error::io(&target, "rename", e))?;
+        temporary.persist(&target).map_err(|failure| Error::io(target, "rename", failure.error))
     }
 }
 
-/// Creates an empty temporary file, open for reading and writing, in the folder of `target`.
+/// Creates an empty temporary file, open for reading and writing, in the folder of `target`. First it removes what killed
+/// processes left there.
 pub(crate) fn create_temporary(target: &Path) -> Result<NamedTempFile> {
+    leftover::sweep(folder_of(target));
+    create_held(target)
+}
+
+fn create_held(target: &Path) -> Result<NamedTempFile> {
     let folder = folder_of(target);
     let fail = |kind: io::ErrorKind, what: String| Error::io(target, "create", io::Error::new(kind, what));
     if target.file_name().is_none() || target.is_dir() {
@@ -58,16 +89,40 @@ pub(crate) fn create_temporary(target: &Path) -> Result<NamedTempFile> {
         let what = format!("no folder `{}`", folder.display());
         return Err(fail(io::ErrorKind::NotFound, what));
     }
+    refuse_special(target)?;
     let mut builder = Builder::new();
-    builder.prefix(".unfinished-");
+    builder.prefix(UNFINISHED);
     if let Some(permissions) = ordinary_permissions() {
         builder.permissions(permissions);
     }
-    // The error's own text names the temporary file, which tells the user nothing: keep its kind.
-    builder.tempfile_in(folder).map_err(|e| Error::io(target, "create", e.kind().into()))
+    loop {
+        // The error's own text names the temporary file, which tells the user nothing: keep its kind.
+        let created = fault::point("create").and_then(|()| builder.tempfile_in(folder));
+        let file = created.map_err(|e| Error::io(target, "create", e.kind().into()))?;
+        match file.as_file().try_lock() {
+            // Another process took it for a leftover before it was locked.
+            Err(TryLockError::WouldBlock) => {}
+            // Where a file system knows no locks, nothing is ever taken for a leftover.
+            Ok(()) | Err(TryLockError::Error(_)) => return Ok(file),
+        }
+    }
 }
 
-fn folder_of(target: &Path) -> &Path {
+/// Refuses to replace what is no ordinary file: a device, a pipe, a link.
+fn refuse_special(target: &Path) -> Result<()> {
+    let Ok(metadata) = target.symlink_metadata() else { return Ok(()) };
+    if metadata.is_file() {
+        return Ok(());
+    }
+    let (found, remedy) = match target.read_link() {
+        Ok(to) => (format!("a link to {}", to.display()), "name the file itself, or remove the link"),
+        Err(_) => ("a device or pipe".to_owned(), "name a file"),
+    };
+    Err(Error::refuse(target, "output", found, "an ordinary file, or none", remedy))
+}
+
+/// The folder that `target` stands in.
+pub(crate) fn folder_of(target: &Path) -> &Path {
     match target.parent() {
         Some(folder) if folder != Path::new("") => folder,
         _ => Path::new("."),
@@ -83,46 +138,4 @@ fn ordinary_permissions() -> Option<Permissions> {
 #[cfg(not(unix))]
 fn ordinary_permissions() -> Option<Permissions> {
     None
-}
-
-/// Gives every file its name, replacing files of the same name.
-///
-/// If one cannot be renamed, those already renamed are removed again, so that nothing of this
-/// set stands under its name.
-///
-/// # Errors
-/// [`Error::Refused`] if two files have the same target; [`Error::Io`] if one cannot be renamed.
-pub fn commit(files: Vec<Staged>) -> Result<()> {
-    refuse_same_targets(&files)?;
-    let mut done: Vec<PathBuf> = Vec::new();
-    for Staged { temporary, target } in files {
-        if let Err(failure) = temporary.persist(&target) {
-            for renamed in done {
-                // Nothing better can be done if this fails too; the first failure is reported.
-                let _ = std::fs::remove_file(renamed);
-            }
-            return Err(Error::io(target, "rename", failure.error));
-        }
-        done.push(target);
-    }
-    done.iter().for_each(|target| flush_folder(folder_of(target)));
-    Ok(())
-}
-
-fn refuse_same_targets(files: &[Staged]) -> Result<()> {
-    for (i, file) in files.iter().enumerate() {
-        if files[..i].iter().any(|other| other.target == file.target) {
-            let (found, expected) = ("two files of this name", "one file per name");
-            return Err(Error::refuse(&file.target, "output", found, expected, "name another output"));
-        }
-    }
-    Ok(())
-}
-
-/// Flushes the new name to the disk where the system knows how; elsewhere the name may be lost in
-/// a power cut, but never half a file.
-fn flush_folder(folder: &Path) {
-    if let Ok(folder) = File::open(folder) {
-        let _ = folder.sync_all();
-    }
 }

@@ -19,11 +19,13 @@ use crate::digest::Digest;
 use crate::error::{Error, Result};
 use crate::footer::Footer;
 use crate::identity::Header;
+use crate::leftover::recover;
 use crate::metadata::TableMetadata;
 use crate::provenance::Provenance;
 use crate::schema::ColumnSpec;
 use crate::seal;
 use crate::source::Source;
+use crate::staged::folder_of;
 
 /// A table whose kind, version, seal and schema have been checked.
 pub struct TableReader {
@@ -46,6 +48,7 @@ impl TableReader {
     pub fn open(path: impl AsRef<Path>, id: &'static str, version: u32) -> Result<Self> {
         let path = path.as_ref();
         let unreadable = |e| Error::io(path, "read", e);
+        recover(folder_of(path));
         let mut file = File::open(path).map_err(unreadable)?;
         let footer = Footer::read(path, &mut file)?;
         let envelope = footer.envelope(path)?;
@@ -208,10 +211,10 @@ fn damaged(path: &Path, found: &str) -> Error {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::commit::commit;
     use crate::encode::encode_checked;
     use crate::layout::Layout;
     use crate::schema::{Kind, TableSchema};
-    use crate::staged::commit;
     use crate::table_writer::TableWriter;
 
     /// A file such as only another program could write: the second block has a NaN in row 3.

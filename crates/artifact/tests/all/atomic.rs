@@ -52,15 +52,34 @@ fn a_folder_as_target_is_refused_before_anything_is_written() {
 }
 
 #[test]
-fn a_failed_rename_takes_back_the_ones_before() {
+fn a_failed_rename_gives_back_the_files_before() {
     let folder = folder();
-    let paths = ["a", "b", "c"].map(|name| folder.path().join(name));
-    let staged = paths.iter().map(|path| Staged::bytes(path, b"x").unwrap()).collect();
-    std::fs::create_dir(&paths[1]).unwrap();
-    std::fs::write(paths[1].join("occupied"), b"x").unwrap();
+    let paths = ["a", "b", "c", "d"].map(|name| folder.path().join(name));
+    std::fs::write(&paths[1], b"old").unwrap();
+    let staged = paths.iter().map(|path| Staged::bytes(path, b"new").unwrap()).collect();
+    std::fs::create_dir(&paths[3]).unwrap();
+    std::fs::write(paths[3].join("occupied"), b"x").unwrap();
     let error = commit(staged).unwrap_err();
-    assert!(matches!(error, Error::Io { path, action: "rename", .. } if path == paths[1]));
-    assert_eq!(names(&folder), ["b"]);
+    assert!(matches!(error, Error::Io { path, action: "rename", .. } if path == paths[3]));
+    assert_eq!(names(&folder), ["b", "d"]);
+    assert_eq!(std::fs::read(&paths[1]).unwrap(), b"old");
+}
+
+#[cfg(unix)]
+#[test]
+fn a_link_or_a_device_is_refused_and_stays() {
+    let folder = folder();
+    let (target, link) = (folder.path().join("target"), folder.path().join("link"));
+    std::fs::write(&target, b"old").unwrap();
+    std::os::unix::fs::symlink(&target, &link).unwrap();
+    let line = refusal(Staged::bytes(&link, b"x"));
+    assert!(
+        line.contains("link: output: found a link to ") && line.ends_with("or remove the link"),
+        "{line}"
+    );
+    assert!(refusal(Staged::bytes("/dev/null", b"x")).contains("/dev/null: output: found a device or pipe"));
+    assert!(link.is_symlink());
+    assert_eq!(std::fs::read(&target).unwrap(), b"old");
 }
 
 #[test]

@@ -4,6 +4,7 @@ mod atomic;
 mod damage;
 mod digest;
 mod document;
+mod faults;
 mod foreign;
 mod rows;
 mod sample;

@@ -1,0 +1,110 @@
+//! Giving a set of files their names, all or none.
+
+use std::fs::{self, File};
+use std::path::{Path, PathBuf};
+
+use crate::error::{Error, Result};
+use crate::fault;
+use crate::journal::Journal;
+use crate::leftover::hold;
+use crate::staged::{Staged, UNFINISHED, folder_of};
+
+/// Gives every file its name, replacing files of the same name. The first file is the main one: it gets its name last, so
+/// that what waits for it (make) finds the whole set.
+///
+/// Sets of the same folder wait for each other. If a process ends between two renames, the next to read or write in the
+/// folder of the main file completes the set. If a file cannot be renamed, those before it are what they were.
+///
+/// # Errors
+/// [`Error::Refused`] if two files have the same target; [`Error::Io`] if one cannot be renamed.
+pub fn commit(mut files: Vec<Staged>) -> Result<()> {
+    refuse_same_targets(&files)?;
+    let folders: Vec<PathBuf> = files.iter().map(|file| folder_of(file.path()).to_owned()).collect();
+    if files.len() < 2 {
+        files.into_iter().try_for_each(Staged::rename)?;
+    } else {
+        let main = files.remove(0);
+        files.push(main);
+        commit_set(files)?;
+    }
+    folders.iter().for_each(|folder| flush(folder));
+    Ok(())
+}
+
+/// Renames `files` in their order, the last of which is the main one.
+fn commit_set(files: Vec<Staged>) -> Result<()> {
+    let Some(main) = files.last().map(|main| main.path().to_owned()) else { return Ok(()) };
+    let folder = folder_of(&main);
+    let _held = hold(folder);
+    let journal = Journal::path(&main);
+    Staged::held_bytes(&journal, &Journal::of(&files, folder).text())?.rename()?;
+    flush(folder);
+    let mut replaced: Vec<Replaced> = Vec::new();
+    for file in files {
+        let before = Replaced::keep(file.path());
+        if let Err(failure) = file.rename() {
+            // Without the journal first: nobody may go on with what is being taken back.
+            let _ = fs::remove_file(&journal);
+            replaced.into_iter().rev().for_each(Replaced::restore);
+            return Err(failure);
+        }
+        replaced.push(before);
+    }
+    let _ = fault::point("forget");
+    let _ = fs::remove_file(journal);
+    Ok(())
+}
+
+/// What had a name before a set took it.
+struct Replaced {
+    target: PathBuf,
+    /// The same file under another name; none where there was none.
+    kept: Option<PathBuf>,
+}
+
+impl Replaced {
+    fn keep(target: &Path) -> Self {
+        let name = target.file_name().unwrap_or_default().to_string_lossy();
+        let other = folder_of(target).join(format!("{UNFINISHED}old-{name}"));
+        let _ = fs::remove_file(&other);
+        // A second name costs nothing; where the file system knows none, a copy does.
+        let kept =
+            fs::hard_link(target, &other).is_ok() || target.is_file() && fs::copy(target, &other).is_ok();
+        Self { target: target.to_owned(), kept: kept.then_some(other) }
+    }
+
+    /// Gives the name back.
+    fn restore(mut self) {
+        // Nothing better can be done if this fails too; the first failure is reported.
+        let _ = match self.kept.take() {
+            Some(kept) => fs::rename(kept, &self.target),
+            None => fs::remove_file(&self.target),
+        };
+    }
+}
+
+impl Drop for Replaced {
+    fn drop(&mut self) {
+        if let Some(kept) = self.kept.take() {
+            let _ = fs::remove_file(kept);
+        }
+    }
+}
+
+fn refuse_same_targets(files: &[Staged]) -> Result<()> {
+    for (i, file) in files.iter().enumerate() {
+        if files[..i].iter().any(|other| other.path() == file.path()) {
+            let (found, expected) = ("two files of this name", "one file per name");
+            return Err(Error::refuse(file.path(), "output", found, expected, "name another output"));
+        }
+    }
+    Ok(())
+}
+
+/// Flushes the new name to the disk where the system knows how; elsewhere the name may be lost in
+/// a power cut, but never half a file.
+fn flush(folder: &Path) {
+    if let Ok(folder) = File::open(folder) {
+        let _ = folder.sync_all();
+    }
+}

@@ -1,0 +1,57 @@
+//! Places where a test lets writing fail, or the process end. A release build has none.
+
+use std::io;
+
+/// What happens at a place.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Fault {
+    /// The system refuses.
+    Error,
+    /// The process is killed.
+    Kill,
+}
+
+/// Lets `fault` happen when the process comes to its `count`-th place, from 1. Only in builds with debug assertions.
+pub fn inject(fault: Fault, count: u32) {
+    #[cfg(debug_assertions)]
+    place::set(fault, count);
+    #[cfg(not(debug_assertions))]
+    let _ = (fault, count);
+}
+
+/// A place: `create`, `write`, `flush`, `rename`, `forget`.
+#[cfg(debug_assertions)]
+pub(crate) fn point(name: &str) -> io::Result<()> {
+    match place::next() {
+        None => Ok(()),
+        Some(Fault::Error) => Err(io::Error::other(format!("a fault put there by a test ({name})"))),
+        Some(Fault::Kill) => std::process::abort(),
+    }
+}
+
+#[cfg(not(debug_assertions))]
+#[inline(always)]
+pub(crate) fn point(_: &str) -> io::Result<()> {
+    Ok(())
+}
+
+#[cfg(debug_assertions)]
+mod place {
+    use std::sync::Mutex;
+
+    use super::Fault;
+
+    static NEXT: Mutex<Option<(Fault, u32)>> = Mutex::new(None);
+
+    pub fn set(fault: Fault, count: u32) {
+        *NEXT.lock().unwrap_or_else(|e| e.into_inner()) = Some((fault, count));
+    }
+
+    /// The fault of the place that is reached now.
+    pub fn next() -> Option<Fault> {
+        let mut next = NEXT.lock().unwrap_or_else(|e| e.into_inner());
+        let (fault, left) = (*next)?;
+        *next = (left > 1).then_some((fault, left - 1));
+        (left == 1).then_some(fault)
+    }
+}

@@ -1,0 +1,65 @@
+//! The list of renames that make a set: once it stands in the folder, the set will be complete, whoever completes it.
+
+use std::fs;
+use std::path::{Component, Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+use crate::staged::{Staged, UNFINISHED, folder_of};
+
+/// How the name of a journal goes on after [`UNFINISHED`].
+const MARK: &str = "set-";
+
+/// Renames within a folder: paths relative to it.
+#[derive(Debug, Serialize, Deserialize)]
+pub(crate) struct Journal(Vec<[PathBuf; 2]>);
+
+/// Whether `name` is that of a journal.
+pub(crate) fn is_one(name: &str) -> bool {
+    name.strip_prefix(UNFINISHED).is_some_and(|rest| rest.starts_with(MARK))
+}
+
+impl Journal {
+    /// The renames of `files` below `folder`, in their order.
+    pub fn of(files: &[Staged], folder: &Path) -> Self {
+        let below = |path: &Path| {
+            Some(path.strip_prefix(folder).ok().unwrap_or(path).to_owned()).filter(|p| inside(p))
+        };
+        let renames = files.iter().filter_map(|file| Some([below(file.temporary())?, below(file.path())?]));
+        Self(renames.collect())
+    }
+
+    /// The journal of the set whose main file is `main`.
+    pub fn path(main: &Path) -> PathBuf {
+        let name = main.file_name().unwrap_or_default().to_string_lossy();
+        folder_of(main).join(format!("{UNFINISHED}{MARK}{name}"))
+    }
+
+    /// As it stands in its file.
+    pub fn text(&self) -> Vec<u8> {
+        serde_json::to_vec(self).unwrap_or_default()
+    }
+
+    /// What stands in a file; none of what could not have been written here.
+    pub fn read(path: &Path) -> Option<Self> {
+        let journal: Self = serde_json::from_slice(&fs::read(path).ok()?).ok()?;
+        let ours = |[from, to]: &[PathBuf; 2]| {
+            let unfinished =
+                from.file_name().is_some_and(|name| name.to_string_lossy().starts_with(UNFINISHED));
+            unfinished && inside(from) && inside(to) && from.parent() == to.parent()
+        };
+        journal.0.iter().all(ours).then_some(journal)
+    }
+
+    /// Renames whatever has not been renamed yet.
+    pub fn rename_all(&self, folder: &Path) {
+        for [from, to] in &self.0 {
+            let _ = fs::rename(folder.join(from), folder.join(to));
+        }
+    }
+}
+
+/// Whether a relative path stays below where it starts.
+fn inside(path: &Path) -> bool {
+    path.components().all(|part| matches!(part, Component::Normal(_)))
+}

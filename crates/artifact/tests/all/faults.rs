@@ -1,0 +1,86 @@
+//! Sets of files after faults at every place where one can be: all old or all new, and nothing beside them.
+
+use std::path::Path;
+use std::process::Command;
+
+use artifact::fault::{Fault, inject};
+use artifact::{Error, Staged, TableReader, commit, read_document, stage_document};
+
+use crate::sample::{Design, design, encode, folder, names, provenance, stage};
+
+/// What the process of [`set_of_another_process`] is told.
+const FOLDER: &str = "ARTIFACT_TEST_FOLDER";
+const COUNT: &str = "ARTIFACT_TEST_COUNT";
+const KILL: &str = "ARTIFACT_TEST_KILL";
+
+/// Writes a table of `blocks` blocks, a document that says how many, and a picture.
+fn write_set(folder: &Path, blocks: usize) -> Result<(), Error> {
+    let table = stage(&folder.join("t.parquet"), &provenance(), encode(0..blocks))?;
+    let document =
+        stage_document(folder.join("t.json"), &provenance(), &Design { gap: blocks as f64, ..design() })?;
+    let picture = Staged::bytes(folder.join("t.svg"), blocks.to_string().as_bytes())?;
+    commit(vec![table, document, picture])
+}
+
+/// How many blocks each file of the set in `folder` is of.
+fn read_set(folder: &Path) -> [usize; 3] {
+    let table = TableReader::open(folder.join("t.parquet"), "trajectories", 2).unwrap().blocks();
+    let document = read_document::<Design>(folder.join("t.json")).unwrap().data.gap as usize;
+    let picture = std::fs::read_to_string(folder.join("t.svg")).unwrap().parse().unwrap();
+    [table, document, picture]
+}
+
+/// Not a test of its own: the process that [`faulty`] starts.
+#[test]
+fn set_of_another_process() {
+    let Ok(folder) = std::env::var(FOLDER) else { return };
+    let fault = if std::env::var(KILL).is_ok() { Fault::Kill } else { Fault::Error };
+    inject(fault, std::env::var(COUNT).unwrap().parse().unwrap());
+    write_set(Path::new(&folder), 2).unwrap();
+}
+
+/// Writes the set in another process, which meets `fault` at place `count`; whether it came to its end.
+fn faulty(folder: &Path, fault: Fault, count: u32) -> bool {
+    let mut child = Command::new(std::env::current_exe().unwrap());
+    child.args(["faults::set_of_another_process", "--exact", "--test-threads=1"]);
+    child.env(FOLDER, folder).env(COUNT, count.to_string());
+    if fault == Fault::Kill {
+        child.env(KILL, "1");
+    }
+    child.output().unwrap().status.success()
+}
+
+/// At how many places `fault` left the old set, and at how many the new one.
+fn after_every(fault: Fault) -> [u32; 2] {
+    let mut counted = [0; 2];
+    for count in 1.. {
+        let folder = folder();
+        write_set(folder.path(), 1).unwrap();
+        let ended = faulty(folder.path(), fault, count);
+        let found = read_set(folder.path());
+        assert!(found == [1; 3] || found == [2; 3], "place {count}: {found:?}");
+        counted[usize::from(found == [2; 3])] += 1;
+        assert!(fault == Fault::Kill || ended == (found == [2; 3]), "place {count}");
+        if fault == Fault::Kill {
+            // The next process to write there clears away what the killed one left.
+            write_set(folder.path(), 3).unwrap();
+        }
+        assert_eq!(names(&folder), ["t.json", "t.parquet", "t.svg"], "place {count}");
+        if ended {
+            break;
+        }
+    }
+    counted
+}
+
+#[test]
+fn law_a_killed_process_leaves_the_old_set_or_the_new_one() {
+    let [old, new] = after_every(Fault::Kill);
+    assert!(old > 10 && new > 4, "{old} {new}");
+}
+
+#[test]
+fn law_a_process_that_fails_leaves_the_old_set() {
+    let [old, new] = after_every(Fault::Error);
+    assert!(old > 10 && new == 1, "{old} {new}");
+}
