@@ -7,7 +7,8 @@ use crate::error::{Error, Result};
 use crate::fault;
 use crate::journal::Journal;
 use crate::leftover::hold;
-use crate::staged::{Staged, UNFINISHED, folder_of};
+use crate::names::{UNFINISHED, folder_of};
+use crate::staged::Staged;
 
 /// Gives every file its name, replacing files of the same name. The first file is the main one: it gets its name last, so
 /// that what waits for it (make) finds the whole set.
@@ -37,7 +38,8 @@ fn commit_set(files: Vec<Staged>) -> Result<()> {
     let folder = folder_of(&main);
     let _held = hold(folder);
     let journal = Journal::path(&main);
-    Staged::held_bytes(&journal, &Journal::of(&files, folder).text())?.rename()?;
+    let renames = files.iter().map(|file| [file.temporary(), file.path()]);
+    Staged::held_bytes(&journal, &Journal::of(renames, folder).text())?.rename()?;
     flush(folder);
     let mut replaced: Vec<Replaced> = Vec::new();
     for file in files {

@@ -16,6 +16,7 @@ use crate::identity;
 use crate::pretty::pretty;
 use crate::provenance::Provenance;
 use crate::seal;
+use crate::set;
 use crate::shard::Shard;
 use crate::staged::Staged;
 
@@ -62,6 +63,9 @@ pub(crate) struct Envelope<D> {
     /// Which part of the whole this is, if it is a part.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     shard: Option<Shard>,
+    /// Digests of the files that were written together with this one, by their names beside it.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    members: BTreeMap<String, Digest>,
     /// Unit of each numeric field, by field name.
     units: BTreeMap<String, String>,
     /// The contents.
@@ -69,6 +73,11 @@ pub(crate) struct Envelope<D> {
 }
 
 impl<D> Envelope<D> {
+    /// The files that were written together with this one.
+    pub fn members(&self) -> &BTreeMap<String, Digest> {
+        &self.members
+    }
+
     /// The units of the fields.
     pub fn units(&self) -> &BTreeMap<String, String> {
         &self.units
@@ -91,6 +100,20 @@ pub fn stage_document<D: Document>(
     provenance: &Provenance,
     data: &D,
 ) -> Result<Staged> {
+    stage_set_document(path, provenance, data, &[])
+}
+
+/// As [`stage_document`], for a document that vouches for `files` of its set: it holds their digests, which
+/// [`crate::read_document`] compares with what then stands beside it.
+///
+/// # Errors
+/// As [`stage_document`]; [`Error::Io`] if one of `files` cannot be read.
+pub fn stage_set_document<D: Document>(
+    path: impl AsRef<Path>,
+    provenance: &Provenance,
+    data: &D,
+    files: &[Staged],
+) -> Result<Staged> {
     let path = path.as_ref();
     if let Some((field, value)) = first_not_finite(data) {
         let remedy = "leave the field out or correct the computation";
@@ -103,6 +126,7 @@ pub fn stage_document<D: Document>(
         inputs: provenance.inputs.clone(),
         settings: provenance.settings.clone(),
         shard: provenance.shard,
+        members: set::members(path, files)?,
         units: units::<D>(),
         data,
     };

@@ -12,20 +12,23 @@ use crate::document::{Document, Envelope, Loaded};
 use crate::error::{Error, Result};
 use crate::identity::Header;
 use crate::leftover::recover;
+use crate::names::folder_of;
 use crate::seal::{self, FileDigests};
-use crate::staged::folder_of;
+use crate::set::check_members;
 use crate::toml_input::text_of;
 
 /// Reads a document.
 ///
 /// # Errors
 /// [`Error::Io`] if the file cannot be read; [`Error::Refused`] if it is not JSON, is of another
-/// kind or version, does not fit its seal, has unknown, missing or mistyped keys, or other units.
+/// kind or version, does not fit its seal, has unknown, missing or mistyped keys, or other units, or if beside it
+/// stand other files than those written with it.
 pub fn read_document<D: Document>(path: impl AsRef<Path>) -> Result<Loaded<D>> {
     let path = path.as_ref();
     let (text, digest) = checked_text(path, D::ID, D::VERSION)?;
     let envelope: Envelope<D> = serde_json::from_str(&text).map_err(|e| refusal(path, &text, &e))?;
     check_units(path, D::UNITS, envelope.units(), &text)?;
+    check_members(path, envelope.members())?;
     let (data, provenance) = envelope.into_parts();
     Ok(Loaded { data, digest, provenance })
 }

@@ -20,13 +20,19 @@ const MOST_NAMED: usize = 1000;
 
 /// Puts the shards of a table together, in the order of their numbers whatever the order of
 /// `shards`. Blocks are copied byte for byte: the result has the bytes that the table would have
-/// had without shards.
+/// had without shards. `document` is the one beside it that will vouch for it.
 ///
 /// # Errors
 /// As [`TableReader::open`] for every shard; [`Error::Refused`] if a shard is missing (all missing
 /// numbers are named), occurs twice, or comes from another computation (what differs is named);
 /// [`Error::Io`] if a file cannot be read or written.
-pub fn gather(shards: &[PathBuf], out: &Path, id: &'static str, version: u32) -> Result<Staged> {
+pub fn gather(
+    shards: &[PathBuf],
+    out: &Path,
+    document: Option<&Path>,
+    id: &'static str,
+    version: u32,
+) -> Result<Staged> {
     let mut readers = Vec::with_capacity(shards.len());
     for path in shards {
         let reader = TableReader::open(path, id, version)?;
@@ -41,6 +47,9 @@ pub fn gather(shards: &[PathBuf], out: &Path, id: &'static str, version: u32) ->
     let schema = TableSchema { id, version, columns: first.columns().to_vec() };
     let provenance = Provenance { shard: None, ..first.provenance().clone() };
     let mut writer = TableWriter::create(out, &schema, &provenance)?;
+    if let Some(document) = document {
+        writer = writer.with_document(document);
+    }
     for (_, reader) in &readers {
         for group in reader.row_groups() {
             writer.append(reader.source(), chunks(group))?;

@@ -41,6 +41,8 @@ pub(crate) struct Header {
     schema: Value,
     #[serde(default)]
     seal: Value,
+    #[serde(default)]
+    members: Value,
 }
 
 impl Header {
@@ -55,6 +57,11 @@ impl Header {
     /// The seal. One that is absent or no digest is left to the strict reading of the envelope.
     pub fn seal(&self) -> Option<Digest> {
         self.seal.as_str().and_then(|text| text.parse().ok())
+    }
+
+    /// The digest of the file `name` that was written together with this one.
+    pub fn member(&self, name: &str) -> Option<Digest> {
+        self.members.get(name)?.as_str()?.parse().ok()
     }
 }
 

@@ -5,7 +5,7 @@ use std::path::{Component, Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use crate::staged::{Staged, UNFINISHED, folder_of};
+use crate::names::{UNFINISHED, folder_of};
 
 /// How the name of a journal goes on after [`UNFINISHED`].
 const MARK: &str = "set-";
@@ -20,13 +20,12 @@ pub(crate) fn is_one(name: &str) -> bool {
 }
 
 impl Journal {
-    /// The renames of `files` below `folder`, in their order.
-    pub fn of(files: &[Staged], folder: &Path) -> Self {
+    /// Those of `renames`, from and to, that stay below `folder`, in their order.
+    pub fn of<'a>(renames: impl Iterator<Item = [&'a Path; 2]>, folder: &Path) -> Self {
         let below = |path: &Path| {
             Some(path.strip_prefix(folder).ok().unwrap_or(path).to_owned()).filter(|p| inside(p))
         };
-        let renames = files.iter().filter_map(|file| Some([below(file.temporary())?, below(file.path())?]));
-        Self(renames.collect())
+        Self(renames.filter_map(|[from, to]| Some([below(from)?, below(to)?])).collect())
     }
 
     /// The journal of the set whose main file is `main`.

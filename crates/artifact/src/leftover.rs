@@ -4,7 +4,7 @@ use std::fs::{self, File, OpenOptions};
 use std::path::Path;
 
 use crate::journal::{self, Journal};
-use crate::staged::UNFINISHED;
+use crate::names::UNFINISHED;
 
 /// Completes half renamed sets in `folder` and removes the unfinished files of processes that are no more.
 ///

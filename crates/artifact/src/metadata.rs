@@ -27,6 +27,9 @@ pub(crate) struct TableMetadata {
     settings: BTreeMap<String, Value>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     shard: Option<Shard>,
+    /// The document beside the table that vouches for it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub document: Option<String>,
     /// Columns in file order.
     pub columns: Vec<ColumnEntry>,
 }
@@ -51,6 +54,7 @@ impl TableMetadata {
             inputs,
             settings,
             shard,
+            document: None,
             columns: schema.columns.iter().map(ColumnEntry::from).collect(),
         }
     }

@@ -9,9 +9,7 @@ use tempfile::{Builder, NamedTempFile, TempPath};
 use crate::error::{Error, Result};
 use crate::fault;
 use crate::leftover;
-
-/// How the names of files begin that no stage has finished.
-pub(crate) const UNFINISHED: &str = ".unfinished-";
+use crate::names::{UNFINISHED, folder_of};
 
 /// A complete file beside its target, under a temporary name and flushed to the disk.
 ///
@@ -119,14 +117,6 @@ fn refuse_special(target: &Path) -> Result<()> {
         Err(_) => ("a device or pipe".to_owned(), "name a file"),
     };
     Err(Error::refuse(target, "output", found, "an ordinary file, or none", remedy))
-}
-
-/// The folder that `target` stands in.
-pub(crate) fn folder_of(target: &Path) -> &Path {
-    match target.parent() {
-        Some(folder) if folder != Path::new("") => folder,
-        _ => Path::new("."),
-    }
 }
 
 /// What the user's umask makes of a new file, instead of a private temporary file's permissions.

@@ -21,11 +21,12 @@ use crate::footer::Footer;
 use crate::identity::Header;
 use crate::leftover::recover;
 use crate::metadata::TableMetadata;
+use crate::names::folder_of;
 use crate::provenance::Provenance;
 use crate::schema::ColumnSpec;
 use crate::seal;
+use crate::set::check_companion;
 use crate::source::Source;
-use crate::staged::folder_of;
 
 /// A table whose kind, version, seal and schema have been checked.
 pub struct TableReader {
@@ -44,7 +45,7 @@ impl TableReader {
     ///
     /// # Errors
     /// [`Error::Io`] if the file cannot be read; [`Error::Refused`] if it is not Parquet, not
-    /// of this kind and version, or does not fit its seal.
+    /// of this kind and version, does not fit its seal, or is not the table that the document beside it was written with.
     pub fn open(path: impl AsRef<Path>, id: &'static str, version: u32) -> Result<Self> {
         let path = path.as_ref();
         let unreadable = |e| Error::io(path, "read", e);
@@ -57,7 +58,9 @@ impl TableReader {
         let digits_at = header.seal().map(|seal| footer.seal_digits_at(path, seal)).transpose()?.flatten();
         let digests = seal::digests(&mut file, digits_at).map_err(unreadable)?;
         seal::check(path, header.seal(), digests)?;
-        let (entries, provenance) = parse::<TableMetadata>(path, envelope)?.into_parts();
+        let own = parse::<TableMetadata>(path, envelope)?;
+        check_companion(path, digests.digest, own.document.as_deref())?;
+        let (entries, provenance) = own.into_parts();
         let metadata = guarded(path, || decode_metadata(&footer.bytes))?;
         let columns = crate::agreement::columns(path, entries, metadata.file_metadata().schema_descr())?;
         let blocks = block_rows(path, metadata.row_groups())?;

@@ -15,6 +15,7 @@ use tempfile::NamedTempFile;
 use crate::digest::Digest;
 use crate::encode::EncodedBlock;
 use crate::error::{Error, Result};
+use crate::fault;
 use crate::footer::Footer;
 use crate::layout::{Layout, write_error};
 use crate::metadata::{KEY, TableMetadata};
@@ -30,6 +31,7 @@ const PIECE: usize = 1 << 18;
 pub struct TableWriter {
     path: PathBuf,
     columns: Vec<ColumnSpec>,
+    metadata: TableMetadata,
     writer: SerializedFileWriter<BufWriter<Hashed>>,
 }
 
@@ -42,14 +44,20 @@ impl TableWriter {
     pub fn create(path: impl AsRef<Path>, schema: &TableSchema, provenance: &Provenance) -> Result<Self> {
         let path = path.as_ref();
         let layout = Layout::new(path, &schema.columns)?;
-        let metadata = serde_json::to_string(&TableMetadata::new(schema, provenance));
-        let metadata = metadata.map_err(|e| Error::io(path, "write", e.into()))?;
+        let metadata = TableMetadata::new(schema, provenance);
         let file = Hashed { file: create_temporary(path)?, hasher: blake3::Hasher::new() };
         let pieces = BufWriter::with_capacity(PIECE, file);
         let writer = SerializedFileWriter::new(pieces, layout.root, layout.properties);
-        let mut writer = writer.map_err(|e| write_error(path, e))?;
-        writer.append_key_value_metadata(KeyValue::new(KEY.to_owned(), metadata));
-        Ok(Self { path: path.to_owned(), columns: schema.columns.clone(), writer })
+        let writer = writer.map_err(|e| write_error(path, e))?;
+        Ok(Self { path: path.to_owned(), columns: schema.columns.clone(), metadata, writer })
+    }
+
+    /// Names the document beside the table that vouches for it (see [`crate::stage_set_document`]).
+    #[must_use]
+    pub fn with_document(mut self, document: &Path) -> Self {
+        let name = document.file_name().unwrap_or_default();
+        self.metadata.document = Some(name.to_string_lossy().into_owned());
+        self
     }
 
     /// Appends a block. Blocks stand in the file in the order in which they are pushed; one without
@@ -79,8 +87,11 @@ impl TableWriter {
     ///
     /// # Errors
     /// [`Error::Io`] if the file cannot be written.
-    pub fn finish(self) -> Result<Staged> {
+    pub fn finish(mut self) -> Result<Staged> {
         let path = self.path;
+        let metadata = serde_json::to_string(&self.metadata);
+        let metadata = metadata.map_err(|e| Error::io(&path, "write", e.into()))?;
+        self.writer.append_key_value_metadata(KeyValue::new(KEY.to_owned(), metadata));
         let pieces = self.writer.into_inner().map_err(|e| write_error(&path, e))?;
         let Hashed { mut file, hasher } =
             pieces.into_inner().map_err(|e| Error::io(&path, "write", e.into_error()))?;
@@ -126,6 +137,7 @@ struct Hashed {
 
 impl Write for Hashed {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        fault::point("write")?;
         let written = self.file.as_file_mut().write(bytes)?;
         self.hasher.update(&bytes[..written]);
         Ok(written)

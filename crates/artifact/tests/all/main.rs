@@ -8,6 +8,7 @@ mod faults;
 mod foreign;
 mod rows;
 mod sample;
+mod sets;
 mod shard;
 mod shards;
 mod table;

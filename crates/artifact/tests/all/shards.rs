@@ -19,7 +19,7 @@ fn write_shards(folder: &TempDir, count: u32) -> Vec<PathBuf> {
 }
 
 fn try_gather(folder: &TempDir, shards: &[PathBuf]) -> artifact::Result<artifact::Staged> {
-    gather(shards, &folder.path().join("whole"), "trajectories", 2)
+    gather(shards, &folder.path().join("whole"), None, "trajectories", 2)
 }
 
 #[test]
