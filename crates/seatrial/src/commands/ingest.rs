@@ -14,7 +14,7 @@ use logs::{Plan, Source, Totals, check_intervals};
 use serde_json::json;
 use study::documents::{IngestDocument, RecordingSummary};
 use study::files::{read_ingest, read_vessel};
-use study::ingest_file::{IngestFile, about_channels, about_intervals};
+use study::ingest_file::IngestFile;
 use study::trajectories::{Layout, MeasuredBlock};
 
 /// Turns log files into trajectories: one clock, SI units, body velocities, sub-experiments; says how good the data are
@@ -54,13 +54,13 @@ fn stage(a: &Arguments) -> Result<Summary, Failure> {
     let refuse = |invalid| Failure::invalid(&a.config, &invalid);
     let mut config = read_ingest(&a.config, &mut provenance)?;
     let vessel = a.vessel.as_deref().map(|path| read_vessel(path, &mut provenance)).transpose()?;
-    let vessel_file = a.vessel.as_deref().unwrap_or(Path::new("")).display();
-    let plan = Plan::new(config.setup().map_err(refuse)?, vessel.as_ref())
-        .map_err(|e| refuse(about_channels(&e, vessel_file)))?;
+    let vessel_file = a.vessel.as_deref().unwrap_or(Path::new("")).display().to_string();
+    let named = vessel.as_ref().map(|vessel| (vessel, vessel_file.as_str()));
+    let plan = Plan::new(config.setup().map_err(refuse)?, named).map_err(refuse)?;
     let folder = a.logs.clone().unwrap_or_else(|| a.config.parent().unwrap_or(Path::new("")).to_owned());
     let naming = config.naming().map_err(refuse)?;
     let sources = find(&config, &naming, &a.config, &folder)?;
-    check_intervals(&config.segment, &sources).map_err(|e| refuse(about_intervals(&e)))?;
+    check_intervals(&config.segment, &sources).map_err(refuse)?;
     let out = output(a, &folder, &sources)?;
     let label = simulated_label(&folder, &sources, &mut provenance)?;
     if let Some(label) = label {
@@ -113,14 +113,13 @@ fn all(
     provenance: &mut Provenance,
 ) -> Result<Ingested, Failure> {
     let (layout, segmentation) = (layout(plan), config.segmentation());
-    let separators: Vec<char> = config.file.iter().map(|file| file.separator).collect();
     let schema = layout.measured(&plan.further);
-    let empty = || MeasuredBlock::new(&layout, plan.further.len(), plan.setup.rate_hz);
+    let empty = || MeasuredBlock::new(&layout, plan.further.len(), plan.setup.conventions.rate_hz);
     let (mut totals, mut recordings) = (Totals::of(&config.design), Vec::with_capacity(sources.len()));
     let (mut block, mut blocks) = (empty(), Vec::new());
     let progress = Progress::new("recordings", sources.len(), a.common.quiet);
     let work = |i: usize| {
-        let found = recorded(plan, &separators, &segmentation, folder, &sources[i]);
+        let found = recorded(plan, &segmentation, folder, &sources[i]);
         progress.advance(1);
         found.map(|(recorded, digests)| (i, recorded, digests))
     };
