@@ -98,14 +98,13 @@ fn all(
     provenance: &mut Provenance,
 ) -> Result<Ingested, Failure> {
     let (layout, segmentation) = (layout(plan), config.segmentation());
-    let separators: Vec<char> = config.file.iter().map(|file| file.separator).collect();
     let schema = layout.measured(&plan.further);
-    let empty = || MeasuredBlock::new(&layout, plan.further.len(), plan.setup.rate_hz);
+    let empty = || MeasuredBlock::new(&layout, plan.further.len(), plan.setup.conventions.rate_hz);
     let (mut totals, mut recordings) = (Totals::of(&config.design), Vec::with_capacity(sources.len()));
     let (mut block, mut blocks) = (empty(), Vec::new());
     let progress = Progress::new("recordings", sources.len(), common.quiet);
     let work = |i: usize| {
-        let found = recorded(plan, &separators, &segmentation, folder, &sources[i]);
+        let found = recorded(plan, &segmentation, folder, &sources[i]);
         progress.advance(1);
         found.map(|(recorded, digests)| (i, recorded, digests))
     };
