@@ -3,11 +3,13 @@
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 
+use crate::document::{Document, stage_set_document};
 use crate::error::{Error, Result};
 use crate::fault;
 use crate::journal::Journal;
 use crate::leftover::hold;
 use crate::names::{UNFINISHED, folder_of};
+use crate::provenance::Provenance;
 use crate::staged::Staged;
 
 /// Gives every file its name, replacing files of the same name. The first file is the main one: it gets its name last, so
@@ -30,6 +32,21 @@ pub fn commit(mut files: Vec<Staged>) -> Result<()> {
     }
     folders.iter().for_each(|folder| flush(folder));
     Ok(())
+}
+
+/// Gives `table` its name, and `document` beside it the data that vouch for it.
+///
+/// # Errors
+/// See [`stage_set_document`] and [`commit`].
+pub fn commit_with_document<D: Document>(
+    table: Staged,
+    document: &Path,
+    provenance: &Provenance,
+    data: &D,
+) -> Result<()> {
+    let mut files = vec![table];
+    files.push(stage_set_document(document, provenance, data, &files)?);
+    commit(files)
 }
 
 /// Renames `files` in their order, the last of which is the main one.

@@ -68,7 +68,7 @@ mod table_reader;
 mod table_writer;
 mod toml_input;
 
-pub use self::commit::commit;
+pub use self::commit::{commit, commit_with_document};
 pub use columns::{Column, FloatColumn, IntegerColumn, Table, TextColumn};
 pub use digest::Digest;
 pub use document::{Document, Loaded, json_schema, stage_document, stage_set_document};

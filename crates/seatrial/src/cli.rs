@@ -83,9 +83,25 @@ pub fn name_of(choice: impl ValueEnum) -> String {
     choice.to_possible_value().map_or(String::new(), |value| value.get_name().to_owned())
 }
 
-/// `name` beside `main`.
-pub fn beside(main: &Path, name: &str) -> PathBuf {
-    main.parent().unwrap_or(Path::new("")).join(name)
+/// The file that is called `name` beside a main file that is called `usual`, beside `main`: where `main` is called otherwise,
+/// so is the file, so that two sets in one folder share none.
+///
+/// `estimate.json` stands beside `estimates.parquet`, `estimate-2.json` beside `estimates-2.parquet`, and `tank-estimate.json`
+/// beside `tank.parquet`.
+pub fn beside(main: &Path, usual: &str, name: &str) -> PathBuf {
+    let stem = |path: &Path| path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    let (own, usual) = (stem(main), stem(Path::new(usual)));
+    let (start, end) = name.split_once('.').unwrap_or((name, ""));
+    let name = match own.strip_prefix(&usual) {
+        Some(rest) => format!("{start}{rest}.{end}"),
+        None => format!("{own}-{name}"),
+    };
+    folder_of(main).join(name)
+}
+
+/// The folder that `main` stands in.
+pub fn folder_of(main: &Path) -> &Path {
+    main.parent().unwrap_or(Path::new(""))
 }
 
 /// Provenance of what stage `stage` writes, without inputs and settings yet.

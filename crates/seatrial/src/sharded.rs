@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use artifact::{
-    EncodedBlock, Error, Provenance, Staged, Table, TableReader, TableSchema, TableWriter, encode_block,
-    gather,
+    Document, EncodedBlock, Error, Provenance, Staged, Table, TableReader, TableSchema, TableWriter, commit,
+    commit_with_document, encode_block, gather,
 };
 
 use crate::failure::Failure;
@@ -27,22 +27,23 @@ impl<R: Send> Made<R> {
     /// Files that are no shards of one table, or not all of them.
     pub fn gathered(
         shards: &[PathBuf],
-        out: &Path,
+        [out, document]: [&Path; 2],
         schema: &TableSchema,
         rows: impl FnOnce(&TableReader) -> Result<Vec<R>, Error>,
     ) -> Result<Self, Failure> {
-        let table = gather(shards, out, schema.id, schema.version)?;
+        let table = gather(shards, out, Some(document), schema.id, schema.version)?;
         let reader = TableReader::open(table.temporary(), schema.id, schema.version)?;
         reader.require(&schema.columns)?;
         Ok(Self { rows: rows(&reader)?, provenance: reader.provenance().clone(), table })
     }
 
-    /// Computes the rows of every block of this shard in parallel; `encoded` makes a block of the table of them.
+    /// Computes the rows of every block of this shard in parallel; `encoded` makes a block of the table of them. The whole
+    /// table names the document that [`Made::commit`] puts beside it.
     ///
     /// # Errors
     /// The first failure of `rows`, in the order of blocks; output that fails.
     pub fn computed(
-        out: &Path,
+        [out, document]: [&Path; 2],
         schema: &TableSchema,
         provenance: Provenance,
         blocks: usize,
@@ -50,6 +51,9 @@ impl<R: Send> Made<R> {
         encoded: impl Fn(&[R]) -> Table + Sync,
     ) -> Result<Self, Failure> {
         let mut writer = TableWriter::create(out, schema, &provenance)?;
+        if provenance.shard.is_none() {
+            writer = writer.with_document(document);
+        }
         let mut all = Vec::new();
         let work = |i: usize| {
             let own = rows(i)?;
@@ -61,5 +65,21 @@ impl<R: Send> Made<R> {
             Ok::<_, Failure>(writer.push(block)?)
         })?;
         Ok(Self { table: writer.finish()?, provenance, rows: all })
+    }
+
+    /// Gives the table its name, and where it is whole, `document` beside it.
+    ///
+    /// # Errors
+    /// Output that fails.
+    pub fn commit<D: Document>(
+        table: Staged,
+        document: &Path,
+        provenance: &Provenance,
+        data: impl FnOnce() -> Result<D, Failure>,
+    ) -> Result<(), Failure> {
+        match provenance.shard {
+            Some(_) => Ok(commit(vec![table])?),
+            None => Ok(commit_with_document(table, document, provenance, &data()?)?),
+        }
     }
 }

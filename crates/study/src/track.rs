@@ -77,7 +77,7 @@ fn inputs(vessel: &Vessel) -> &[Variable] {
 /// # Errors
 /// Output that fails.
 pub fn stage_track(
-    out: &Path,
+    [out, plan]: [&Path; 2],
     provenance: &Provenance,
     vessel: &Vessel,
     plane: &Plane,
@@ -103,7 +103,7 @@ pub fn stage_track(
     let (pose, state) = sailed.ends.last().copied().unwrap_or_default();
     rows.push(row(rows.len(), sailed.samples.last().map_or(0, |s| s.leg), pose, state));
     let columns = columns(vessel);
-    let mut writer = TableWriter::create(out, columns.schema(), provenance)?;
+    let mut writer = TableWriter::create(out, columns.schema(), provenance)?.with_document(plan);
     writer.push(columns.encode(&rows)?)?;
     writer.finish()
 }

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use artifact::{Provenance, commit, stage_document};
+use artifact::Provenance;
 use clap::Parser;
 use identification::predictor::{InitialState, Levels};
 use identification::runs::RunEstimators;
@@ -52,23 +52,27 @@ pub struct Arguments {
     sharding: Sharding,
 }
 
+/// What the table is usually called.
+pub const MAIN: &str = "estimates.parquet";
+
 impl Task for Arguments {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
         let mut provenance = provenance("estimate");
         let vessel = read_vessel(&self.vessel, &mut provenance)?;
         let inputs = [&self.vessel].into_iter().chain(&self.trajectories).chain(&self.sharding.gather);
-        let out = common.main_output("estimates.parquet", inputs)?;
+        let out = common.main_output(MAIN, inputs)?;
         if self.estimator == Estimator::Auto {
             let found =
                 "--estimator: found auto, expected ls, iv, refined-iv, output-error or prediction-error";
             return Err(Failure::Usage(format!("{found}; for auto use estimate pool")));
         }
         let levels = levels(self, &vessel, &mut provenance)?;
+        let document = beside(&out, MAIN, "estimate.json");
         let made = match self.sharding.gathers() {
-            true => gathered(&self.sharding.gather, &vessel, &out)?,
-            false => self.computed(&vessel, levels, provenance, &out, common.quiet)?,
+            true => gathered(&self.sharding.gather, &vessel, [&out, &document])?,
+            false => self.computed(&vessel, levels, provenance, [&out, &document], common.quiet)?,
         };
-        publish(&vessel, made)
+        publish(&vessel, &document, made)
     }
 }
 
@@ -79,7 +83,7 @@ impl Arguments {
         vessel: &Vessel,
         levels: Option<Levels>,
         mut provenance: Provenance,
-        out: &Path,
+        out: [&Path; 2],
         quiet: bool,
     ) -> Result<Made<Row>, Failure> {
         let file = given(&self.trajectories, "trajectories")?;
@@ -131,9 +135,9 @@ impl Arguments {
 }
 
 /// The estimates of all shards.
-fn gathered(shards: &[PathBuf], vessel: &Vessel, out: &Path) -> Result<Made<Row>, Failure> {
+fn gathered(shards: &[PathBuf], vessel: &Vessel, out: [&Path; 2]) -> Result<Made<Row>, Failure> {
     Made::gathered(shards, out, &estimates::schema(vessel), |reader| {
-        let blocks = (0..reader.blocks()).map(|i| estimates::rows(reader, vessel, out, i));
+        let blocks = (0..reader.blocks()).map(|i| estimates::rows(reader, vessel, out[0], i));
         Ok(blocks.collect::<Result<Vec<_>, _>>()?.concat())
     })
 }
@@ -164,7 +168,7 @@ fn levels(a: &Arguments, vessel: &Vessel, provenance: &mut Provenance) -> Result
     }
 }
 
-fn publish(vessel: &Vessel, made: Made<Row>) -> Result<Summary, Failure> {
+fn publish(vessel: &Vessel, document: &Path, made: Made<Row>) -> Result<Summary, Failure> {
     let Made { table, provenance, rows } = made;
     let out = table.path().to_owned();
     let (runs, identified) = (rows.len(), rows.iter().filter(|r| r.estimate.is_some()).count());
@@ -176,12 +180,9 @@ fn publish(vessel: &Vessel, made: Made<Row>) -> Result<Summary, Failure> {
     );
     let also = |count: usize, what: &str| if count > 0 { format!(", {count} {what}") } else { String::new() };
     let searched = also(unconverged, EstimateStatus::NotConverged.name()) + &also(kept, "kept unrefined");
-    let mut staged = vec![table];
-    if provenance.shard.is_none() {
-        let document = estimates::summarize(&out, &provenance, vessel, &rows)?;
-        staged.push(stage_document(beside(&out, "estimate.json"), &provenance, &document)?);
-    }
-    commit(staged)?;
+    Made::<Row>::commit(table, document, &provenance, || {
+        Ok(estimates::summarize(&out, &provenance, vessel, &rows)?)
+    })?;
     let single = estimates::estimators(&rows).len() < 2;
     let things = if single { "runs" } else { "estimates" };
     let part = provenance.shard.map_or(String::new(), |s| format!(", shard {s}"));

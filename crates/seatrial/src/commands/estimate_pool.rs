@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use artifact::{Provenance, TableWriter, commit, encode_block, stage_document};
+use artifact::{Provenance, TableWriter, commit, encode_block, stage_document, stage_set_document};
 use clap::Parser;
 use identification::Estimator;
 use identification::pooled::{Judgement, Pool, PoolError, Pooled, estimate};
@@ -11,6 +11,7 @@ use study::documents::{EstimateDocument, TrustDocument};
 use study::estimates;
 use study::files::read_vessel;
 
+use super::estimate::MAIN;
 use crate::choice::choice;
 use crate::cli::{Common, beside, provenance};
 use crate::failure::Failure;
@@ -44,7 +45,7 @@ impl Task for Arguments {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
         let mut provenance = provenance("estimate");
         let vessel = read_vessel(&self.flags.vessel, &mut provenance)?;
-        let out = common.main_output("estimates.parquet", self.flags.inputs())?;
+        let out = common.main_output(MAIN, self.flags.inputs())?;
         let (runs, pool) = self.flags.read(&vessel, &mut provenance)?;
         let judgement = Judgement {
             bandwidth: self.bandwidth.map(usize::from),
@@ -93,16 +94,16 @@ impl Arguments {
     ) -> Result<Summary, Failure> {
         let (vessel, estimator) = (pool.vessel, self.estimator);
         let schema = estimates::schema(vessel);
-        let mut writer = TableWriter::create(out, &schema, provenance)?;
+        let name = |name| beside(out, MAIN, name);
+        let summary = name("estimate.json");
+        let mut writer = TableWriter::create(out, &schema, provenance)?.with_document(&summary);
         writer.push(encode_block(&schema, &estimates::table(vessel, &[found.as_run(estimator)]))?)?;
         let document = EstimateDocument::pooled(vessel, estimator, pool.removal, found);
         let replicates = self.bootstrap.unwrap_or(0);
         let trust = TrustDocument::new(pool, self.flags.nominal().source(), estimator, replicates, found);
-        commit(vec![
-            writer.finish()?,
-            stage_document(beside(out, "estimate.json"), provenance, &document)?,
-            stage_document(beside(out, "trust.json"), provenance, &trust)?,
-        ])?;
+        let mut staged = vec![writer.finish()?, stage_document(name("trust.json"), provenance, &trust)?];
+        staged.push(stage_set_document(&summary, provenance, &document, &staged)?);
+        commit(staged)?;
         let refused: Vec<&str> = found.degrees.iter().filter_map(|d| d.reason.as_deref()).collect();
         let rest = match refused.as_slice() {
             [] => String::new(),

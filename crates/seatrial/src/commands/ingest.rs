@@ -8,7 +8,7 @@ use crate::ingest::{find, recorded, simulated_label};
 use crate::ordered::ordered;
 use crate::progress::Progress;
 use crate::stage::{Summary, Task};
-use artifact::{EncodedBlock, Provenance, TableWriter, commit, encode_block, stage_document};
+use artifact::{EncodedBlock, Provenance, TableWriter, commit_with_document, encode_block};
 use clap::Parser;
 use logs::{Plan, Source, Totals, check_intervals};
 use serde_json::json;
@@ -140,18 +140,19 @@ fn write(
     blocks: Vec<EncodedBlock>,
     document: &IngestDocument,
 ) -> Result<(), Failure> {
-    let summary = beside(out, "ingest.json");
+    let summary = beside(out, "trajectories.parquet", "ingest.json");
     if summary == a.config {
         return Err(Failure::Usage(
             "--out: found a folder whose ingest.json is the configuration; name another".into(),
         ));
     }
-    let mut writer = TableWriter::create(out, &layout(plan).measured(&plan.further), provenance)?;
+    let mut writer =
+        TableWriter::create(out, &layout(plan).measured(&plan.further), provenance)?.with_document(&summary);
     for block in blocks {
         writer.push(block)?;
     }
-    commit(vec![writer.finish()?, stage_document(&summary, provenance, document)?])?;
-    Ok(())
+    let table = writer.finish()?;
+    Ok(commit_with_document(table, &summary, provenance, document)?)
 }
 
 fn summary(out: &Path, document: &IngestDocument) -> Summary {

@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use crate::cli::{Common, given};
 use crate::failure::Failure;
-use crate::plan::{Limits, VoyageFiles, plan_problem, plan_voyage};
+use crate::plan::{Limits, MAIN, VoyageFiles, plan_problem, plan_voyage};
 use crate::stage::{Summary, Task};
 use clap::{Parser, ValueEnum};
 use lattice::Engine;
@@ -75,7 +75,7 @@ impl Task for Arguments {
             quiet: common.quiet,
         };
         if let Some(problem) = &self.problem {
-            let out = common.main_output("plan.json", [problem])?;
+            let out = common.main_output(MAIN, [problem])?;
             return plan_problem(problem, &out, &limits);
         }
         let files = VoyageFiles {
@@ -85,7 +85,7 @@ impl Task for Arguments {
             design: self.design.as_deref(),
         };
         let inputs = [files.vessel, files.config, files.trajectories].into_iter().chain(files.design);
-        let out = common.main_output("plan.json", inputs)?;
+        let out = common.main_output(MAIN, inputs)?;
         plan_voyage(&files, &out, &limits, common.seed.unwrap_or(1))
     }
 }

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::cli::{Common, beside};
+use crate::cli::{Common, folder_of};
 use crate::failure::Failure;
 use crate::stage::{Summary, Task};
 use artifact::{Staged, commit};
@@ -89,7 +89,7 @@ impl Task for Arguments {
         let study = load(&sources)?;
         let page = render(&study);
         let out = common.main_output("report.html", NO_FILES)?;
-        let figures = beside(&out, "figures");
+        let figures = folder_of(&out).join("figures");
         let existed = figures.is_dir();
         write(&page, &out, &figures).inspect_err(|_| {
             if !existed {
@@ -143,6 +143,6 @@ fn write(page: &Rendered, out: &Path, figures: &Path) -> Result<(), Failure> {
     for (name, svg) in &page.figures {
         staged.push(Staged::bytes(figures.join(name), svg.as_bytes())?);
     }
-    staged.push(Staged::bytes(out, page.html.as_bytes())?);
+    staged.insert(0, Staged::bytes(out, page.html.as_bytes())?);
     Ok(commit(staged)?)
 }

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use artifact::{Provenance, TableWriter, commit, encode_block, stage_document};
+use artifact::{Provenance, TableWriter, commit_with_document, encode_block};
 use clap::Parser;
 use identification::Estimator;
 use identification::selection::{SelectionOptions, available, select};
@@ -110,10 +110,10 @@ fn publish(
     rows: &[Row],
     document: &SelectionDocument,
 ) -> Result<Summary, Failure> {
-    let mut writer = TableWriter::create(out, &schema(), provenance)?;
+    let summary = beside(out, "selection.parquet", "selection.json");
+    let mut writer = TableWriter::create(out, &schema(), provenance)?.with_document(&summary);
     writer.push(encode_block(&schema(), &table(rows))?)?;
-    let staged = stage_document(beside(out, "selection.json"), provenance, document)?;
-    commit(vec![writer.finish()?, staged])?;
+    commit_with_document(writer.finish()?, &summary, provenance, document)?;
     let told = json!({"ratio_q90": document.ratio_q90, "statements": document.statements});
     Ok(Summary::of(out, document.statements.join("; "), told))
 }

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use artifact::{Provenance, TableWriter, commit, stage_document};
+use artifact::{Provenance, TableWriter, commit_with_document};
 use clap::Parser;
 use identification::predictor::InitialState;
 use identification::runs::RunEstimators;
@@ -104,10 +104,10 @@ fn publish(
     let summary = rounds::Summary::new(rows, trial.ends(), config.accuracy, rate_hz);
     let document = document(config, summary, trial.maneuvers());
     let columns = columns(rate_hz);
-    let mut writer = TableWriter::create(out, columns.schema(), provenance)?;
+    let summary = beside(out, "sequential.parquet", "sequential.json");
+    let mut writer = TableWriter::create(out, columns.schema(), provenance)?.with_document(&summary);
     writer.push(columns.encode(rows)?)?;
-    let beside = beside(out, "sequential.json");
-    commit(vec![writer.finish()?, stage_document(beside, provenance, &document)?])?;
+    commit_with_document(writer.finish()?, &summary, provenance, &document)?;
     let (count, said) = (config.realizations, document.statements.join("; "));
     let told = json!({"realizations": count, "statements": document.statements});
     Ok(Summary::of(out, format!("{count} realizations; {said}"), told))

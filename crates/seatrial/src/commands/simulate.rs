@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use crate::cli::{Common, Sharding, beside, given, provenance};
 use crate::failure::Failure;
 use crate::inputs;
+use crate::plan::MAIN;
 use crate::simulate::{Files, logs, write_campaign, write_maneuvers};
 use crate::stage::{Summary, Task};
 use artifact::{Provenance, Shard, commit, gather};
@@ -199,7 +200,7 @@ impl Task for Campaign {
 
 impl Task for Plan {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
-        let track = self.plan.as_deref().map(|plan| beside(plan, "track.parquet"));
+        let track = self.plan.as_deref().map(|plan| beside(plan, MAIN, "track.parquet"));
         let own = [&self.vessel, &self.campaign, &self.plan, &track].into_iter().flatten();
         let out = common.main_output("planned.parquet", own.chain(&self.sharding.gather))?;
         if self.sharding.gathers() {
@@ -235,7 +236,7 @@ fn settings(
 }
 
 fn gathered(sharding: &Sharding, out: &Path) -> Result<Summary, Failure> {
-    commit(vec![gather(&sharding.gather, out, ID, VERSION)?])?;
+    commit(vec![gather(&sharding.gather, out, None, ID, VERSION)?])?;
     let shards = sharding.gather.len();
     Ok(Summary::of(out, format!("gathered {shards} shards"), json!({"shards": shards})))
 }

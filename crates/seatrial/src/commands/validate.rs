@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use artifact::{Provenance, TableReader, commit, stage_document};
+use artifact::{Provenance, TableReader};
 use clap::Parser;
 use identification::ValidationRuns;
 use serde_json::json;
@@ -46,6 +46,9 @@ pub struct Arguments {
     sharding: Sharding,
 }
 
+/// What the table is usually called.
+const MAIN: &str = "scores.parquet";
+
 impl Task for Arguments {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
         let mut provenance = provenance("validate");
@@ -54,12 +57,15 @@ impl Task for Arguments {
         let validation = validation_runs(&self.validation, &vessel, &mut provenance)?;
         let inputs = [&self.vessel, &self.campaign, &self.validation].into_iter();
         let inputs = inputs.chain(&self.estimates).chain(&self.sharding.gather);
-        let out = common.main_output("scores.parquet", inputs)?;
+        let out = common.main_output(MAIN, inputs)?;
+        let document = beside(&out, MAIN, "validation.json");
         let made = match self.sharding.gathers() {
-            true => Made::gathered(&self.sharding.gather, &out, &scores::schema(), scores::rows)?,
-            false => self.computed(&vessel, &validation, provenance, &out, common.quiet)?,
+            true => {
+                Made::gathered(&self.sharding.gather, [&out, &document], &scores::schema(), scores::rows)?
+            }
+            false => self.computed(&vessel, &validation, provenance, [&out, &document], common.quiet)?,
         };
-        publish(&config, &validation, made)
+        publish(&config, &validation, &document, made)
     }
 }
 
@@ -70,7 +76,7 @@ impl Arguments {
         vessel: &Vessel,
         validation: &ValidationRuns,
         mut provenance: Provenance,
-        out: &Path,
+        out: [&Path; 2],
         quiet: bool,
     ) -> Result<Made<Row>, Failure> {
         let file = given(&self.estimates, "estimates")?;
@@ -105,7 +111,12 @@ fn validation_runs<'a>(
     })
 }
 
-fn publish(config: &CampaignFile, validation: &ValidationRuns, made: Made<Row>) -> Result<Summary, Failure> {
+fn publish(
+    config: &CampaignFile,
+    validation: &ValidationRuns,
+    document: &Path,
+    made: Made<Row>,
+) -> Result<Summary, Failure> {
     let Made { table, provenance, rows } = made;
     let out = table.path().to_owned();
     let bounds = Bounds {
@@ -119,18 +130,15 @@ fn publish(config: &CampaignFile, validation: &ValidationRuns, made: Made<Row>) 
         format!("{} runs, {diverged} diverged", rows.len()),
         json!({"runs": rows.len(), "diverged": diverged, "designs": designs}),
     );
-    let mut staged = vec![table];
-    if provenance.shard.is_none() {
-        let document = ValidationDocument {
+    Made::<Row>::commit(table, document, &provenance, || {
+        Ok(ValidationDocument {
             bounds,
             samples: validation.samples(),
             seed: study::seed(&provenance),
             designs,
             recommendations: study::recommendations(&rows),
             compared: scores::compare(&rows, bounds),
-        };
-        staged.push(stage_document(beside(&out, "validation.json"), &provenance, &document)?);
-    }
-    commit(staged)?;
+        })
+    })?;
     Ok(summary)
 }

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use artifact::{Provenance, Staged, commit, stage_document};
+use artifact::{Provenance, Staged, commit, stage_document, stage_set_document};
 use clap::Parser;
 use identification::Noise;
 use identification::refine::Effort;
@@ -62,7 +62,8 @@ impl Task for Refine {
             all.into_iter().chain(&self.limits)
         };
         let out = common.main_output("refined.json", inputs())?;
-        let others = ["inputs.csv", "refined-dictionary.toml", "design.json"].map(|name| beside(&out, name));
+        let others = ["inputs.csv", "refined-dictionary.toml", "design.json"]
+            .map(|name| beside(&out, "refined.json", name));
         for path in &others {
             Common { out: path.clone(), ..common.clone() }.main_output("", inputs())?;
         }
@@ -72,12 +73,13 @@ impl Task for Refine {
         let files = RefinedFiles { vessel: &vessel, found: &found };
         let document = files.document();
         let [csv, dictionary, design] = &others;
-        commit(vec![
-            stage_document(&out, &provenance, &document)?,
+        let mut staged = vec![
             Staged::bytes(csv, files.inputs().as_bytes())?,
             Staged::bytes(dictionary, files.dictionary().as_bytes())?,
             stage_document(design, &provenance, &files.design(&document))?,
-        ])?;
+        ];
+        staged.insert(0, stage_set_document(&out, &provenance, &document, &staged)?);
+        commit(staged)?;
         let told = json!({
             "before": document.before.value, "after": document.after.value, "worth": document.worth,
             "iterations": document.iterations, "settled": document.settled,

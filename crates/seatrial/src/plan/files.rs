@@ -24,6 +24,9 @@ pub struct VoyageFiles<'a> {
     pub design: Option<&'a Path>,
 }
 
+/// What a plan is usually called.
+pub const MAIN: &str = "plan.json";
+
 /// What is written beside `plan.json`.
 const BESIDE: [&str; 5] = ["track.parquet", "track.geojson", "route.rtz", "route.gpx", "map.svg"];
 
@@ -48,7 +51,7 @@ impl VoyageFiles<'_> {
         let others = [Some(self.vessel), Some(self.config), Some(self.trajectories), self.design];
         let inputs: Vec<PathBuf> =
             charts.chain(others.into_iter().flatten().map(Path::to_path_buf)).collect();
-        let outputs = BESIDE.iter().map(|name| beside(out, name)).chain([out.to_path_buf()]);
+        let outputs = BESIDE.iter().map(|name| beside(out, MAIN, name)).chain([out.to_path_buf()]);
         for output in outputs.filter_map(|path| path.canonicalize().ok()) {
             let same = |input: &&PathBuf| input.canonicalize().is_ok_and(|path| path == output);
             if let Some(input) = inputs.iter().find(same) {

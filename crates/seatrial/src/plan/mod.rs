@@ -6,7 +6,7 @@ mod problem;
 mod refusals;
 mod voyage;
 
-pub use files::VoyageFiles;
+pub use files::{MAIN, VoyageFiles};
 pub use limits::Limits;
 pub use problem::plan_problem;
 pub use voyage::plan_voyage;

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use artifact::{Provenance, Staged, commit, stage_document};
+use artifact::{Provenance, Staged, commit, stage_set_document};
 use report::PlanMap;
 use serde_json::json;
 use study::documents::{PlanDocument, Voyage};
@@ -10,7 +10,7 @@ use study::plan::{Routes, of_voyage};
 use study::track::stage_track;
 use trial::voyage::{Prepared, Sailing, Search, Solved};
 
-use super::files::VoyageFiles;
+use super::files::{MAIN, VoyageFiles};
 use super::limits::Limits;
 use super::refusals;
 use crate::cli::{beside, provenance};
@@ -49,14 +49,15 @@ impl Planned<'_> {
     fn stage(&self, out: &Path, provenance: &Provenance) -> Result<Vec<Staged>, Failure> {
         let Self { prepared, sailing, document, .. } = self;
         let (plane, vessel) = (prepared.chart.plane(), &prepared.brief.vessel);
-        let mut staged = vec![stage_document(out, provenance, *document)?];
+        let mut staged = Vec::new();
         if let Some(voyage) = &document.voyage {
             let names: Vec<String> = voyage.legs.iter().map(|leg| leg.name.clone()).collect();
-            let track = beside(out, "track.parquet");
-            staged.push(stage_track(&track, provenance, vessel, plane, &names, &sailing.sailed)?);
+            let track = beside(out, MAIN, "track.parquet");
+            staged.push(stage_track([&track, out], provenance, vessel, plane, &names, &sailing.sailed)?);
             staged.extend(self.stage_routes(out, voyage)?);
         }
         staged.push(self.stage_map(out)?);
+        staged.insert(0, stage_set_document(out, provenance, *document, &staged)?);
         Ok(staged)
     }
 
@@ -69,9 +70,10 @@ impl Planned<'_> {
             rate_hz: self.prepared.brief.vessel.sample_rate_hz,
         };
         let files = routes.files().map_err(|(name, invalid)| {
-            Failure::Failed(artifact::Error::invalid(beside(out, name), invalid).to_string())
+            Failure::Failed(artifact::Error::invalid(beside(out, MAIN, name), invalid).to_string())
         })?;
-        let stage = |(name, text): (&str, String)| Ok(Staged::bytes(beside(out, name), text.as_bytes())?);
+        let stage =
+            |(name, text): (&str, String)| Ok(Staged::bytes(beside(out, MAIN, name), text.as_bytes())?);
         files.into_iter().map(stage).collect()
     }
 
@@ -79,7 +81,7 @@ impl Planned<'_> {
         let Self { prepared, solved, sailing, document } = *self;
         let map = PlanMap { prepared, solved, sailing, document };
         let svg = map.svg().map_err(|e| Failure::Failed(format!("map: {e}")))?;
-        Ok(Staged::bytes(beside(out, "map.svg"), svg.as_bytes())?)
+        Ok(Staged::bytes(beside(out, MAIN, "map.svg"), svg.as_bytes())?)
     }
 }
 

@@ -2,13 +2,13 @@
 
 use std::path::Path;
 
-use artifact::{Error, Provenance, Staged, commit, stage_document};
+use artifact::{Error, Provenance, Staged, commit, stage_set_document};
 use logs::chain::{Entry, FORCES, Logbook, LogbookError, force_factors};
 use study::documents::SimulatedLogsDocument;
 use study::logs_file::LogsFile;
 use vessel::{Generator, Source, Vessel};
 
-use crate::cli::beside;
+use crate::cli::folder_of;
 use crate::failure::Failure;
 
 /// The hand-written files, for messages.
@@ -91,9 +91,9 @@ pub fn publish(
     let staged = || -> Result<(), Failure> {
         let mut files = Vec::with_capacity(entries.len() + 1);
         for (entry, recording) in entries.iter().zip(&document.recordings) {
-            files.push(Staged::bytes(beside(out, &recording.file), entry.text.as_bytes())?);
+            files.push(Staged::bytes(folder_of(out).join(&recording.file), entry.text.as_bytes())?);
         }
-        files.push(stage_document(out, provenance, document)?);
+        files.insert(0, stage_set_document(out, provenance, document, &files)?);
         Ok(commit(files)?)
     };
     staged().inspect_err(|_| {
