@@ -4,7 +4,7 @@ use super::coded::coded;
 use super::measured::{Measured, fit};
 use super::missing::missing;
 use super::number::{percent, three, three_or_dash, unit};
-use study::documents::{TrustDegree, TrustDocument, TrustParameter, TrustRun};
+use study::documents::{DegreeTrust, ParameterTrust, SourceErrors, TrustDocument};
 
 /// How far the pooled estimate can be trusted.
 pub(super) fn trust(measured: &Measured) -> Markup {
@@ -72,7 +72,7 @@ fn tests(found: &TrustDocument) -> Markup {
     }
 }
 
-fn parameters(degree: &TrustDegree) -> Markup {
+fn parameters(degree: &DegreeTrust) -> Markup {
     let resampled = degree.parameters.iter().any(|p| p.bootstrap_std.is_some());
     html! {
         h3 { "Parameters of " (degree.name) @if degree.reason.is_some() { ": not identifiable" } }
@@ -91,7 +91,7 @@ fn parameters(degree: &TrustDegree) -> Markup {
     }
 }
 
-fn parameter(p: &TrustParameter, resampled: bool) -> Markup {
+fn parameter(p: &ParameterTrust, resampled: bool) -> Markup {
     html! {
         tr {
             th scope="row" { (p.name) } td { (p.term) } td { (unit(&p.unit)) }
@@ -105,7 +105,7 @@ fn parameter(p: &TrustParameter, resampled: bool) -> Markup {
 }
 
 /// Rows of `entries`, as many as parameters.
-fn correlation(degree: &TrustDegree, entries: &[f64]) -> Markup {
+fn correlation(degree: &DegreeTrust, entries: &[f64]) -> Markup {
     let rows = degree.parameters.iter().zip(entries.chunks(degree.parameters.len().max(1)));
     html! {
         div.scroll { table.compact {
@@ -120,7 +120,7 @@ fn correlation(degree: &TrustDegree, entries: &[f64]) -> Markup {
     }
 }
 
-fn runs(runs: &[TrustRun]) -> Markup {
+fn runs(runs: &[SourceErrors]) -> Markup {
     html! {
         h3 { "Free simulation over every recording, itself part of the estimate" }
         div.scroll { table.compact {

@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 
 use crate::{ManeuverTrace, ParameterRow, ScoreSet, Study, VesselSummary};
 use study::documents::{
-    Bounds, DegreeMoments, DegreeStructure, DegreeSummary, DesignDocument, DesignScores, DesignStatus,
-    DesignSummary, Efficiency, EstimateDocument, ManeuverMoments, MomentsDocument, ParameterSummary,
-    Published, PublishedShare, Quantiles, Reference, Start, ValidationDocument,
+    Bounds, Degree, DegreeMoments, DegreeSummary, DesignDocument, DesignScores, DesignStatus, DesignSummary,
+    Efficiency, EstimateDocument, ManeuverMoments, MomentsDocument, ParameterSummary, Published,
+    PublishedShare, Quantiles, Reference, Start, ValidationDocument,
 };
 
 /// Name, share, sensitivity, efficiency alone, speed from, speed to, yaw rate, whether it sweeps.
@@ -188,7 +188,7 @@ fn moments() -> MomentsDocument {
         degrees: degrees.iter().enumerate().map(|entry| degree(entry, seed)).collect(),
         output_error: None,
     };
-    let structure = |name: &&str| DegreeStructure {
+    let structure = |name: &&str| Degree {
         name: (*name).to_owned(),
         regressors: vec!["u".to_owned(), "1".to_owned()],
         parameters: vec!["X_u".to_owned()],

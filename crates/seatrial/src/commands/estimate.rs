@@ -51,7 +51,7 @@ pub struct Runs {
     #[arg(long, required_unless_present = "gather", value_name = "campaign.parquet")]
     trajectories: Option<PathBuf>,
     /// The estimator
-    #[arg(long, value_parser = choice(&Estimator::ALL, Estimator::name, Estimator::description), default_value_t = Estimator::Iv)]
+    #[arg(long, value_parser = choice(&Estimator::OF_RUNS, Estimator::name, Estimator::description), default_value_t = Estimator::Iv)]
     estimator: Estimator,
     /// Every estimator on the same runs
     #[arg(long, conflicts_with = "estimator")]
@@ -96,10 +96,6 @@ fn stage(a: &Runs) -> Result<Summary, Failure> {
     let mut inputs = vec![a.vessel.as_path()];
     inputs.extend(a.trajectories.iter().chain(&a.sharding.gather).map(PathBuf::as_path));
     let out = a.common.main_output("estimates.parquet", &inputs)?;
-    if a.estimator == Estimator::Auto {
-        let found = "--estimator: found auto, expected ls, iv, refined-iv, output-error or prediction-error";
-        return Err(Failure::Usage(format!("{found}; for auto use estimate pool")));
-    }
     let levels = levels(a, &vessel, &mut provenance)?;
     let document_file = beside(&out, "estimate.json");
     if a.sharding.gathers() {
