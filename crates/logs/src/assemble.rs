@@ -2,23 +2,6 @@ use thiserror::Error;
 
 use crate::{Channels, Conventions, Grid, Method, Series, Stretch, body_velocity, euler, prepare, stretches};
 
-/// How channels become trajectories.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Recipe {
-    /// Axes, reference point, computed channels, and the length of the parabolas that velocities are taken from.
-    pub conventions: Conventions,
-    /// How velocities that are not measured are made from positions.
-    pub method: Method,
-    /// The common rate \[Hz\].
-    pub rate_hz: f64,
-    /// Every channel is averaged over this long before it is resampled \[s\].
-    pub average_s: Option<f64>,
-    /// Inputs and measured disturbances.
-    pub exogenous: Vec<String>,
-    /// Channels that may be absent at some samples.
-    pub further: Vec<String>,
-}
-
 /// A recording on one clock. All channels have `grid.rows` values, NaN where unknown.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Assembled {
@@ -26,9 +9,9 @@ pub struct Assembled {
     pub grid: Grid,
     /// Surge, sway \[m/s\] and yaw rate \[rad/s\].
     pub measured: [Vec<f64>; 3],
-    /// As in [`Recipe::exogenous`].
+    /// The inputs and measured disturbances that were asked for.
     pub exogenous: Vec<Vec<f64>>,
-    /// As in [`Recipe::further`].
+    /// The further channels that were asked for.
     pub further: Vec<Vec<f64>>,
     /// Where all but the further channels are known.
     pub stretches: Vec<Stretch>,
@@ -57,19 +40,24 @@ pub enum Unassembled {
 }
 
 /// Puts measured channels on one clock: [`prepare`], velocities, averages, linear interpolation, stretches. The clock
-/// starts where the last of the needed channels does.
+/// starts where the last of the needed channels does: `exogenous` are the inputs and measured disturbances, `further`
+/// channels may be absent at some samples.
 ///
 /// # Errors
 /// See [`Unassembled`].
-pub fn assemble(channels: Channels, recipe: &Recipe) -> Result<Assembled, Unassembled> {
-    let channels = prepare(channels, &recipe.conventions)?;
-    let sources = sources(&channels);
-    let needed = || sources.iter().copied().chain(recipe.exogenous.iter().map(String::as_str));
-    let grid = common_clock(&channels, needed(), recipe.rate_hz)?;
-    let on_grid = OnGrid { channels: &channels, recipe, times: grid.times() };
+pub fn assemble(
+    channels: Channels,
+    conventions: &Conventions,
+    exogenous: &[&str],
+    further: &[&str],
+) -> Result<Assembled, Unassembled> {
+    let channels = prepare(channels, conventions)?;
+    let needed = sources(&channels).into_iter().chain(exogenous.iter().copied());
+    let grid = common_clock(&channels, needed, conventions.rate_hz)?;
+    let on_grid = OnGrid { channels: &channels, conventions, times: grid.times() };
     let measured = on_grid.velocities()?;
-    let exogenous = on_grid.all(&recipe.exogenous)?;
-    let further = on_grid.all(&recipe.further)?;
+    let exogenous = on_grid.all(exogenous)?;
+    let further = on_grid.all(further)?;
     let stretches = stretches(&measured, &exogenous);
     if stretches.is_empty() {
         return Err(Unassembled::NoOverlap);
@@ -125,7 +113,7 @@ fn common_clock<'a>(
 
 struct OnGrid<'a> {
     channels: &'a Channels,
-    recipe: &'a Recipe,
+    conventions: &'a Conventions,
     times: Vec<f64>,
 }
 
@@ -135,7 +123,7 @@ impl OnGrid<'_> {
     }
 
     fn resampled(&self, series: &Series) -> Vec<f64> {
-        match self.recipe.average_s {
+        match self.conventions.average_s {
             Some(width_s) => series.averaged(width_s).at(&self.times),
             None => series.at(&self.times),
         }
@@ -145,7 +133,7 @@ impl OnGrid<'_> {
         self.series(name).map(|series| self.resampled(series))
     }
 
-    fn all(&self, names: &[String]) -> Result<Vec<Vec<f64>>, Unassembled> {
+    fn all(&self, names: &[&str]) -> Result<Vec<Vec<f64>>, Unassembled> {
         names.iter().map(|name| self.named(name)).collect()
     }
 
@@ -153,7 +141,7 @@ impl OnGrid<'_> {
     fn velocities(&self) -> Result<[Vec<f64>; 3], Unassembled> {
         let names = ["y_u", "y_v", "y_r"];
         let absent = names.map(|name| !self.channels.contains_key(name));
-        let mut made = match self.recipe.method {
+        let mut made = match self.conventions.method {
             _ if absent == [false; 3] => [const { Vec::new() }; 3],
             Method::Euler => self.euler(absent[0] || absent[1])?,
             Method::Smoother => self.slopes(absent[0] || absent[1])?,
@@ -170,11 +158,11 @@ impl OnGrid<'_> {
         let psi = self.named("psi")?;
         let still = || vec![0.0; psi.len()];
         let (x, y) = if positions { (self.named("x")?, self.named("y")?) } else { (still(), still()) };
-        Ok(euler(&x, &y, &psi, 1.0 / self.recipe.rate_hz))
+        Ok(euler(&x, &y, &psi, 1.0 / self.conventions.rate_hz))
     }
 
     fn slopes(&self, positions: bool) -> Result<[Vec<f64>; 3], Unassembled> {
-        let window_s = self.recipe.conventions.window_s;
+        let window_s = self.conventions.window_s;
         let (psi, r) = self.series("psi")?.smoothed(window_s);
         let r = self.resampled(&r);
         if !positions {
@@ -194,8 +182,8 @@ mod tests {
     use super::*;
     use crate::{Body, Frame, Heading, Lever};
 
-    fn recipe(method: Method) -> Recipe {
-        let conventions = Conventions {
+    fn conventions(method: Method) -> Conventions {
+        Conventions {
             frame: Frame::Ned,
             heading: Heading::NorthClockwise,
             body: Body::Frd,
@@ -203,15 +191,14 @@ mod tests {
             window_s: 1.0,
             derived: Vec::new(),
             thrusters: Vec::new(),
-        };
-        Recipe {
-            conventions,
             method,
             rate_hz: 10.0,
             average_s: None,
-            exogenous: vec!["n".into()],
-            further: vec![],
         }
+    }
+
+    fn with_n(channels: Channels, conventions: &Conventions) -> Result<Assembled, Unassembled> {
+        assemble(channels, conventions, &["n"], &[])
     }
 
     /// A steady turn with surge 2, sway −0.3 and yaw rate 0.05, at 10 Hz.
@@ -234,8 +221,8 @@ mod tests {
     fn law_a_steady_turn_gives_the_same_velocities_by_both_methods() {
         // Euler's chord lies half a step of turning ahead of the tangent: v is off by u r dt/2, u by −v r dt/2.
         let (r_dt, [u, v]) = (0.05 * 0.1, [2.0, -0.3]);
-        let euler = assemble(turn(), &recipe(Method::Euler)).unwrap();
-        let smooth = assemble(turn(), &recipe(Method::Smoother)).unwrap();
+        let euler = with_n(turn(), &conventions(Method::Euler)).unwrap();
+        let smooth = with_n(turn(), &conventions(Method::Smoother)).unwrap();
         for k in 0..599 {
             approx::assert_abs_diff_eq!(euler.measured[0][k], u - v * r_dt / 2.0, epsilon = 1e-4);
             approx::assert_abs_diff_eq!(euler.measured[1][k], v + u * r_dt / 2.0, epsilon = 1e-4);
@@ -252,9 +239,8 @@ mod tests {
 
     #[test]
     fn law_the_velocities_are_those_of_the_reference_point() {
-        let mut recipe = recipe(Method::Smoother);
-        recipe.conventions.lever = Lever([4.0, 1.0]);
-        let moved = assemble(turn(), &recipe).unwrap();
+        let moved = Conventions { lever: Lever([4.0, 1.0]), ..conventions(Method::Smoother) };
+        let moved = with_n(turn(), &moved).unwrap();
         approx::assert_abs_diff_eq!(moved.measured[0][300], 2.0 + 0.05 * 1.0, epsilon = 1e-3);
         approx::assert_abs_diff_eq!(moved.measured[1][300], -0.3 - 0.05 * 4.0, epsilon = 1e-3);
     }
@@ -264,7 +250,7 @@ mod tests {
         let mut channels = turn();
         let gyro = channels["psi"].clone().map(|_| 0.06);
         channels.insert("y_r".into(), gyro);
-        let made = assemble(channels, &recipe(Method::Euler)).unwrap();
+        let made = with_n(channels, &conventions(Method::Euler)).unwrap();
         assert_eq!(made.measured[2][10], 0.06);
         assert!((made.measured[0][10] - 2.0).abs() < 0.01);
     }
@@ -274,12 +260,12 @@ mod tests {
         let mut channels = turn();
         let late = channels["n"].t.iter().map(|t| t + 1000.0).collect::<Vec<_>>();
         channels.insert("n".into(), Series::new(&late, &vec![1.0; late.len()], 0.5));
-        assert_eq!(assemble(channels, &recipe(Method::Euler)), Err(Unassembled::NoOverlap));
+        assert_eq!(with_n(channels, &conventions(Method::Euler)), Err(Unassembled::NoOverlap));
         let mut channels = turn();
         channels.insert("n".into(), Series::new(&[], &[], 0.5));
-        assert_eq!(assemble(channels, &recipe(Method::Euler)), Err(Unassembled::Empty("n".into())));
+        assert_eq!(with_n(channels, &conventions(Method::Euler)), Err(Unassembled::Empty("n".into())));
         let mut channels = turn();
         channels.remove("psi");
-        assert_eq!(assemble(channels, &recipe(Method::Euler)), Err(Unassembled::NoChannel("psi".into())));
+        assert_eq!(with_n(channels, &conventions(Method::Euler)), Err(Unassembled::NoChannel("psi".into())));
     }
 }

@@ -1,3 +1,5 @@
+use refusal::{Invalid, nearest};
+
 /// A column that is asked for.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Wanted {
@@ -29,31 +31,35 @@ pub struct Columns {
     pub cut_rows: usize,
 }
 
-/// Columns that a file does not have.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("no `{}` among `{}`", missing.join("`, `"), header.join("`, `"))]
-pub struct MissingColumns {
-    /// All that are missing, each once.
-    pub missing: Vec<String>,
-    /// Those that there are.
-    pub header: Vec<String>,
+/// What messages call a cell.
+pub(crate) fn cell_of(line: usize, column: &str) -> String {
+    format!("line {line}, column `{column}`")
 }
 
 /// The place of each wanted column in `header`.
 ///
 /// # Errors
 /// Names all columns that are missing at once.
-pub fn places(header: &[String], wanted: &[Wanted]) -> Result<Vec<usize>, MissingColumns> {
+pub fn places(header: &[String], wanted: &[Wanted]) -> Result<Vec<usize>, Invalid> {
     let place = |wanted: &Wanted| header.iter().position(|column| *column == wanted.column);
     let places: Vec<usize> = wanted.iter().filter_map(place).collect();
     if places.len() == wanted.len() {
         return Ok(places);
     }
-    let mut missing: Vec<String> = Vec::new();
+    let mut missing: Vec<&str> = Vec::new();
     for Wanted { column, .. } in wanted {
-        if !header.contains(column) && !missing.contains(column) {
-            missing.push(column.clone());
+        if !header.contains(column) && !missing.contains(&column.as_str()) {
+            missing.push(column);
         }
     }
-    Err(MissingColumns { missing, header: header.to_vec() })
+    let remedy = |column: &&str| match nearest(column, header.iter().map(String::as_str)) {
+        Some(near) => format!("did you mean `{near}` instead of `{column}`?"),
+        None => format!("add `{column}`"),
+    };
+    Err(Invalid::new(
+        if missing.len() == 1 { "column" } else { "columns" },
+        format!("no `{}`", missing.join("`, `")),
+        format!("columns among `{}`", header.join("`, `")),
+        missing.iter().map(remedy).collect::<Vec<_>>().join(" "),
+    ))
 }

@@ -4,54 +4,32 @@
 //! an editor shows, and blank lines are counted. Hence no general reader of CSV, whose rows go on over lines and which
 //! passes over blank ones in silence.
 
-use std::io::BufRead;
+use std::io::{self, BufRead};
 
-use thiserror::Error;
+use refusal::Invalid;
 
-use crate::columns::{Cells, Columns, MissingColumns, Wanted, places};
+use crate::Plan;
+use crate::columns::{Cells, Columns, Wanted, cell_of, places};
 
 /// Why a text is no log.
-#[derive(Debug, Error)]
+#[derive(Debug)]
 pub enum CsvError {
     /// The bytes cannot be read.
-    #[error("{0}")]
-    Unreadable(#[from] std::io::Error),
-    /// A line that is not UTF-8.
-    #[error("a byte that is not UTF-8 (line {0})")]
-    NotText(usize),
-    /// A line with more or fewer cells than the header.
-    #[error("line {line}: {found} cells instead of {expected}")]
-    Width {
-        /// The line, from 1.
-        line: usize,
-        /// Its cells.
-        found: usize,
-        /// Those of the header.
-        expected: usize,
-    },
-    /// A cell that is no number.
-    #[error("line {line}, column `{column}`: `{found}` is no number")]
-    NoNumber {
-        /// The line, from 1.
-        line: usize,
-        /// The column.
-        column: String,
-        /// The cell.
-        found: String,
-    },
-    /// The whole header is one cell, with another separator in it.
-    #[error("{cells} cells separated by {found:?} instead of {expected:?}")]
-    Separator {
-        /// Cells between separators as they are.
-        cells: usize,
-        /// The separator as it is.
-        found: char,
-        /// The separator that was named.
-        expected: char,
-    },
-    /// Columns that are not there.
-    #[error(transparent)]
-    Columns(#[from] MissingColumns),
+    Unreadable(io::Error),
+    /// They can, and are no log.
+    Invalid(Invalid),
+}
+
+impl From<io::Error> for CsvError {
+    fn from(error: io::Error) -> Self {
+        Self::Unreadable(error)
+    }
+}
+
+impl From<Invalid> for CsvError {
+    fn from(invalid: Invalid) -> Self {
+        Self::Invalid(invalid)
+    }
 }
 
 /// What stands for no value.
@@ -60,24 +38,27 @@ const NOTHING: [&str; 8] = ["", "nan", "na", "n/a", "null", "inf", "+inf", "-inf
 /// What separates cells in files that do not separate them as was said.
 const SEPARATORS: [char; 4] = [';', '\t', ',', '|'];
 
-/// Reads the `wanted` columns of CSV with a header.
+/// Reads the columns of CSV with a header that `plan` wants of files of group `group`.
 ///
 /// # Errors
 /// Bytes that cannot be read or are no text, missing columns (all at once), a cell that is no number, a row that is too
 /// long or too short. The last row may be too short: then it is left out and counted.
-pub fn read_csv(bytes: impl BufRead, separator: char, wanted: &[Wanted]) -> Result<Columns, CsvError> {
+pub fn read_csv(bytes: impl BufRead, plan: &Plan, group: usize) -> Result<Columns, CsvError> {
+    let (wanted, separator, written_in) =
+        (plan.wanted(group), plan.setup.files[group].separator, plan.setup.written_in);
     let mut lines = Lines { bytes, line: Vec::new(), number: 0 };
     let mut row = Row::default();
     row.split(lines.next()?.unwrap_or_default().trim_start_matches('\u{feff}'), separator);
     let header: Vec<String> = row.cells().map(|cell| cell.trim().to_owned()).collect();
-    let places = places(&header, wanted).map_err(|missing| other_separator(&header, separator, missing))?;
+    let places = places(&header, &wanted)
+        .map_err(|missing| other_separator(&header, separator, written_in).unwrap_or(missing))?;
     let empty = |w: &Wanted| if w.text { Cells::Texts(Vec::new()) } else { Cells::Numbers(Vec::new()) };
     let cells = wanted.iter().map(empty).collect();
     let mut columns = Columns { cells, lines: Vec::new(), empty_rows: 0, cut_rows: 0 };
     let mut short = None;
     while let Some(line) = lines.next()? {
         if let Some(short) = short {
-            return Err(short);
+            return Err(CsvError::Invalid(short));
         }
         row.split(line, separator);
         let (line, found, expected) = (lines.number, row.ends.len(), header.len());
@@ -86,19 +67,33 @@ pub fn read_csv(bytes: impl BufRead, separator: char, wanted: &[Wanted]) -> Resu
         } else if found == expected {
             columns.lines.push(line);
             for (cells, place) in columns.cells.iter_mut().zip(&places) {
-                push(cells, row.cell(*place).trim()).map_err(|found| {
-                    let column = header[*place].clone();
-                    CsvError::NoNumber { line, column, found }
-                })?;
+                push(cells, row.cell(*place).trim())
+                    .map_err(|cell| no_number(line, &header[*place], &cell))?;
             }
         } else if found < expected {
-            short = Some(CsvError::Width { line, found, expected });
+            short = Some(wrong_width(line, found, expected, written_in));
         } else {
-            return Err(CsvError::Width { line, found, expected });
+            return Err(CsvError::Invalid(wrong_width(line, found, expected, written_in)));
         }
     }
     columns.cut_rows = usize::from(short.is_some());
     Ok(columns)
+}
+
+fn wrong_width(line: usize, found: usize, expected: usize, written_in: &str) -> Invalid {
+    let comma = if found > expected { " (decimal commas: export with decimal points)" } else { "" };
+    Invalid::new(
+        format!("line {line}"),
+        format!("{found} cells"),
+        format!("{expected}, as in the header"),
+        format!("correct the line, or `separator` in {written_in}{comma}"),
+    )
+}
+
+fn no_number(line: usize, column: &str, found: &str) -> Invalid {
+    let comma = found.replacen(',', ".", 1).parse::<f64>().is_ok();
+    let remedy = if comma { "export with decimal points" } else { "correct the cell or leave it empty" };
+    Invalid::new(cell_of(line, column), format!("`{found}`"), "a number", remedy)
 }
 
 /// The lines of a text, one at a time.
@@ -119,7 +114,10 @@ impl<B: BufRead> Lines<B> {
         self.number += 1;
         let line = self.line.strip_suffix(b"\n").unwrap_or(&self.line);
         let line = line.strip_suffix(b"\r").unwrap_or(line);
-        std::str::from_utf8(line).map(Some).map_err(|_| CsvError::NotText(self.number))
+        std::str::from_utf8(line).map(Some).map_err(|_| {
+            let found = format!("a byte that is not UTF-8 (line {})", self.number);
+            CsvError::Invalid(Invalid::new("text", found, "UTF-8 text", "save the file as UTF-8"))
+        })
     }
 }
 
@@ -180,14 +178,14 @@ fn push(cells: &mut Cells, cell: &str) -> Result<(), String> {
     Ok(())
 }
 
-/// Whether columns are missing because the header, one cell as a whole, is separated by something else.
-fn other_separator(header: &[String], expected: char, missing: MissingColumns) -> CsvError {
-    let within = |only: &String| SEPARATORS.into_iter().find(|c| *c != expected && only.contains(*c));
-    match header {
-        [only] => match within(only) {
-            Some(found) => CsvError::Separator { cells: only.matches(found).count() + 1, found, expected },
-            None => missing.into(),
-        },
-        _ => missing.into(),
-    }
+/// What is said where columns are missing because the header, one cell as a whole, is separated by something else.
+fn other_separator(header: &[String], expected: char, written_in: &str) -> Option<Invalid> {
+    let [only] = header else { return None };
+    let found = SEPARATORS.into_iter().find(|c| *c != expected && only.contains(*c))?;
+    Some(Invalid::new(
+        "line 1",
+        format!("{} cells separated by {found:?}", only.matches(found).count() + 1),
+        format!("cells separated by {expected:?}"),
+        format!("set `separator = {:?}` in {written_in}", found.to_string()),
+    ))
 }

@@ -1,10 +1,11 @@
 //! One log file: its clock, its channels, what was left out.
 
 use rayon::prelude::*;
-use thiserror::Error;
+use refusal::Invalid;
 
-use crate::suspicion::{Turned, check_turns};
-use crate::{Cells, ChannelSpec, Columns, Plan, Series, TimeSpec, TimeUnit, Unit, order};
+use crate::columns::cell_of;
+use crate::suspicion::check_turns;
+use crate::{Backwards, Cells, ChannelSpec, Columns, Plan, Series, TimeSpec, TimeUnit, Unit, order};
 
 /// A file's channels on its own clock.
 #[derive(Clone, Debug, PartialEq)]
@@ -47,52 +48,14 @@ impl std::ops::AddAssign for RowCounts {
     }
 }
 
-/// Why columns are no log.
-#[derive(Clone, Debug, Error, PartialEq)]
-pub enum LogError {
-    /// No row has a time.
-    #[error("no rows with a time ({read} read, {empty} empty)")]
-    NoRows {
-        /// Rows in the file.
-        read: usize,
-        /// Rows without any value.
-        empty: usize,
-    },
-    /// A text that is no date and time.
-    #[error("line {line}, column `{column}`: `{found}` is no date and time")]
-    NoTime {
-        /// The line, from 1.
-        line: usize,
-        /// The column.
-        column: String,
-        /// The cell.
-        found: String,
-    },
-    /// Time goes backwards.
-    #[error("line {line}, column `{column}`: {time} s after {latest} s")]
-    Backwards {
-        /// The line, from 1.
-        line: usize,
-        /// The column.
-        column: String,
-        /// Its time \[s\].
-        time: f64,
-        /// The latest time before it \[s\].
-        latest: f64,
-    },
-    /// An angle that is in another unit.
-    #[error(transparent)]
-    Turned(#[from] Turned),
-}
-
 impl Log {
     /// The log that stands in `columns`, those that [`Plan::wanted`] names for `group`.
     ///
     /// # Errors
     /// A time that is none, time going backwards, no rows, angles in another unit.
-    pub fn new(columns: &Columns, group: usize, plan: &Plan) -> Result<Self, LogError> {
-        let spec = &plan.setup.groups[group];
-        let times = times(&spec.time, columns)?;
+    pub fn new(columns: &Columns, group: usize, plan: &Plan) -> Result<Self, Invalid> {
+        let spec = &plan.setup.files[group];
+        let times = times(&spec.time, columns, plan.setup.written_in)?;
         let timed: Vec<usize> = (0..times.len()).filter(|row| times[*row].is_finite()).collect();
         let mut counts = RowCounts {
             read: columns.lines.len() + columns.empty_rows + columns.cut_rows,
@@ -102,20 +65,25 @@ impl Log {
             ..RowCounts::default()
         };
         if timed.is_empty() {
-            return Err(LogError::NoRows { read: counts.read, empty: counts.empty });
+            let found = format!("no rows with a time ({} read, {} empty)", counts.read, counts.empty);
+            let remedy = "remove the file or narrow the pattern";
+            return Err(Invalid::new("file", found, "at least one row", remedy));
         }
         let clock: Vec<f64> = timed.iter().map(|row| times[*row]).collect();
-        let ordered = order(&clock, plan.setup.non_monotonic).map_err(|back| LogError::Backwards {
-            line: columns.lines[timed[back.row]],
-            column: spec.time.column.clone(),
-            time: back.time,
-            latest: back.latest,
-        })?;
+        let ordered =
+            order(&clock, plan.setup.non_monotonic).map_err(|Backwards { row, time, latest }| {
+                Invalid::new(
+                    cell_of(columns.lines[timed[row]], &spec.time.column),
+                    format!("{time} s after {latest} s"),
+                    "time that does not go backwards",
+                    "set `non_monotonic` to \"sort\" or \"drop\", or correct the file",
+                )
+            })?;
         (counts.repeated, counts.backwards) = (ordered.repeated, ordered.backwards);
         let rows: Vec<usize> = ordered.rows.iter().map(|row| timed[*row]).collect();
         let times: Vec<f64> = rows.iter().map(|row| times[*row]).collect();
         let rows = Rows { columns, rows: &rows, times: &times };
-        let specs: Vec<(&ChannelSpec, &Unit)> = spec.channels.iter().zip(&plan.units[group]).collect();
+        let specs: Vec<(&ChannelSpec, &Unit)> = spec.channel.iter().zip(&plan.units[group]).collect();
         let channel = |(i, (spec, unit))| rows.channel(1 + i, spec, unit, plan.setup.max_gap_s);
         let channels = specs.into_par_iter().enumerate().map(channel).collect::<Result<_, _>>()?;
         let labels = spec.label_column.is_some().then(|| rows.labels());
@@ -138,7 +106,7 @@ impl Rows<'_> {
         spec: &ChannelSpec,
         unit: &Unit,
         max_gap_s: f64,
-    ) -> Result<Series, Turned> {
+    ) -> Result<Series, Invalid> {
         let Cells::Numbers(numbers) = &self.columns.cells[place] else {
             unreachable!("channels are read as numbers")
         };
@@ -160,7 +128,7 @@ impl Rows<'_> {
     }
 }
 
-fn times(spec: &TimeSpec, columns: &Columns) -> Result<Vec<f64>, LogError> {
+fn times(spec: &TimeSpec, columns: &Columns, written_in: &str) -> Result<Vec<f64>, Invalid> {
     let texts = match (&columns.cells[0], spec.unit.seconds()) {
         (Cells::Numbers(numbers), Some(unit)) => {
             return Ok(numbers.iter().map(|n| n * unit + spec.offset_s).collect());
@@ -171,7 +139,12 @@ fn times(spec: &TimeSpec, columns: &Columns) -> Result<Vec<f64>, LogError> {
     let time = |(text, line): (&String, &usize)| match TimeUnit::of_text(text) {
         Some(time) => Ok(time + spec.offset_s),
         None if text.is_empty() => Ok(f64::NAN),
-        None => Err(LogError::NoTime { line: *line, column: spec.column.clone(), found: text.clone() }),
+        None => Err(Invalid::new(
+            cell_of(*line, &spec.column),
+            format!("`{text}`"),
+            "a date and time such as 2020-07-31T13:04:24.5Z",
+            format!("correct the cell, or the time's `unit` in {written_in}"),
+        )),
     };
     texts.iter().zip(&columns.lines).map(time).collect()
 }

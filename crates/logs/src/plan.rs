@@ -1,20 +1,20 @@
 //! Which channels there are, what the vessel needs of them, and in which units.
 
-use thiserror::Error;
-use vessel::Vessel;
+use refusal::{Invalid, nearest};
+use vessel::{Variable, Vessel};
 
-use crate::{ChannelSpec, Conventions, Derived, Group, KINEMATIC, Recipe, Setup, Unit, Wanted, factor, unit};
+use crate::{
+    ChannelSpec, Conventions, Derived, FileSpec, KINEMATIC, Setup, UNITS, Unit, Wanted, factor, unit,
+};
 
 /// What is made of every recording.
 #[derive(Clone, Debug)]
 pub struct Plan {
     /// How the logs were made.
     pub setup: Setup,
-    /// How channels become trajectories.
-    pub recipe: Recipe,
-    /// Inputs and measured disturbances, as in [`Recipe::exogenous`].
+    /// Inputs and measured disturbances.
     pub exogenous: Vec<Exogenous>,
-    /// Channels that may be absent, as in [`Recipe::further`]: name and unit.
+    /// Channels that may be absent at some samples: name and unit.
     pub further: Vec<(String, String)>,
     /// Units of the channels of every group of files.
     pub(crate) units: Vec<Vec<Unit>>,
@@ -30,78 +30,6 @@ pub struct Exogenous {
     pub unit: String,
     /// What a channel's value is multiplied by to be in that unit.
     pub factor: f64,
-}
-
-/// Why channels do not become trajectories.
-#[derive(Clone, Debug, Error, PartialEq)]
-pub enum ChannelError {
-    /// A unit that is not in [`crate::UNITS`].
-    #[error("unknown unit `{0}`")]
-    UnknownUnit(String),
-    /// A channel of motion in a unit of something else.
-    #[error("channel `{channel}` is in `{unit}`, which does not convert to {expected}")]
-    Unit {
-        /// The channel.
-        channel: String,
-        /// Its unit.
-        unit: String,
-        /// The unit of the motion.
-        expected: &'static str,
-    },
-    /// A source that nothing before it provides.
-    #[error("channel `{of}` is computed from `{source_channel}`, which nothing before it provides")]
-    NoSource {
-        /// The computed channel.
-        of: String,
-        /// Its source.
-        source_channel: String,
-        /// What is provided.
-        known: Vec<String>,
-    },
-    /// A name that is given twice.
-    #[error("channel `{0}` is given twice")]
-    Twice(String),
-    /// A name that is no plain word, or that of another column of trajectories.
-    #[error("channel `{0}` has a name that is taken or no plain name")]
-    Name(String),
-    /// Both kinds of positions.
-    #[error("both x, y and latitude_deg, longitude_deg")]
-    TwoPositions,
-    /// One coordinate of two.
-    #[error("a position with one coordinate")]
-    OneCoordinate,
-    /// Velocities that are neither measured nor follow from positions.
-    #[error("nothing that provides `{}`", .0.join("`, `"))]
-    NoMotion(Vec<&'static str>),
-    /// An antenna off the reference point, and no heading to turn its place by.
-    #[error("positions of an antenna without a heading")]
-    NoHeading,
-    /// Another rate than the vessel's parameters hold for.
-    #[error("a rate of {found} Hz for a model at {expected} Hz")]
-    Rate {
-        /// That of the trajectories \[Hz\].
-        found: f64,
-        /// That of the vessel \[Hz\].
-        expected: f64,
-    },
-    /// Channels that the vessel needs and nothing provides.
-    #[error("nothing that provides `{}`", missing.join("`, `"))]
-    Missing {
-        /// The channels.
-        missing: Vec<String>,
-        /// What is provided.
-        provided: Vec<String>,
-    },
-    /// A channel whose unit does not convert to the vessel's.
-    #[error("channel `{channel}` is in `{unit}`, which does not convert to `{expected}`")]
-    VesselUnit {
-        /// The channel.
-        channel: String,
-        /// Its unit.
-        unit: String,
-        /// The vessel's.
-        expected: String,
-    },
 }
 
 /// A channel that something provides.
@@ -122,36 +50,28 @@ impl Provided {
 const RESERVED: [&str; 9] = ["design", "run", "segment", "maneuver", "sample", "t", "u", "v", "r"];
 
 impl Plan {
-    /// Decides what becomes of the channels of `setup`; with a vessel, its inputs and measured disturbances are needed,
-    /// without one all channels that are not optional.
+    /// Decides what becomes of the channels of `setup`; with a vessel (and what messages call it), its inputs and measured
+    /// disturbances are needed, without one all channels that are not optional.
     ///
     /// # Errors
     /// An unknown unit, a channel that is given twice or has no usable name or another unit than needed, a source that nothing provides, and all channels that the vessel needs and nothing provides at once.
-    pub fn new(setup: Setup, vessel: Option<&Vessel>) -> Result<Self, ChannelError> {
-        let units = setup.groups.iter().map(units).collect::<Result<Vec<_>, _>>()?;
+    pub fn new(setup: Setup, vessel: Option<(&Vessel, &str)>) -> Result<Self, Invalid> {
+        let units = setup.files.iter().map(units).collect::<Result<Vec<_>, _>>()?;
         let mut provided = measured(&setup, &units);
         computed(&setup, &mut provided)?;
         check_names(&provided)?;
         check_motion(&setup, &provided)?;
         let exogenous = match vessel {
-            Some(vessel) => of_vessel(vessel, setup.rate_hz, &provided)?,
+            Some((vessel, called)) => of_vessel(vessel, called, setup.conventions.rate_hz, &provided)?,
             None => everything(&provided),
         };
         let further = further(&provided, &exogenous);
-        let recipe = Recipe {
-            conventions: setup.conventions.clone(),
-            method: setup.method,
-            rate_hz: setup.rate_hz,
-            average_s: setup.average_s,
-            exogenous: exogenous.iter().map(|channel| channel.name.clone()).collect(),
-            further: further.iter().map(|(name, _)| name.clone()).collect(),
-        };
-        Ok(Self { setup, recipe, exogenous, further, units, provided })
+        Ok(Self { setup, exogenous, further, units, provided })
     }
 
     /// The columns of a file of group `group`: time, the channels, and the labels if there are any.
     pub fn wanted(&self, group: usize) -> Vec<Wanted> {
-        let Group { time, channels, label_column } = &self.setup.groups[group];
+        let FileSpec { time, channel: channels, label_column, .. } = &self.setup.files[group];
         let wanted = |column: &String, text: bool| Wanted { column: column.clone(), text };
         let channels = channels.iter().map(|channel| wanted(&channel.column, false));
         let labels = label_column.iter().map(|column| wanted(column, true));
@@ -171,18 +91,34 @@ fn motion_unit(name: &str) -> Option<&'static str> {
     KINEMATIC.into_iter().find(|(known, _)| *known == name).map(|(_, unit)| unit)
 }
 
-fn units(group: &Group) -> Result<Vec<Unit>, ChannelError> {
-    let known = |spec: &ChannelSpec| {
-        unit(&spec.unit).copied().ok_or_else(|| ChannelError::UnknownUnit(spec.unit.clone()))
-    };
-    let units: Vec<Unit> = group.channels.iter().map(known).collect::<Result<_, _>>()?;
-    for (spec, unit) in group.channels.iter().zip(&units) {
+fn units(file: &FileSpec) -> Result<Vec<Unit>, Invalid> {
+    let units: Vec<Unit> = file.channel.iter().map(known_unit).collect::<Result<_, _>>()?;
+    for (spec, unit) in file.channel.iter().zip(&units) {
         if let Some(expected) = motion_unit(&spec.channel).filter(|expected| *expected != unit.si) {
-            let (channel, unit) = (spec.channel.clone(), spec.unit.clone());
-            return Err(ChannelError::Unit { channel, unit, expected });
+            let expected = format!("a unit that converts to {expected}");
+            return Err(wrong_unit(&spec.channel, &spec.unit, expected, "correct the unit or the channel"));
         }
     }
     Ok(units)
+}
+
+fn known_unit(spec: &ChannelSpec) -> Result<Unit, Invalid> {
+    let names = || UNITS.iter().map(|unit| unit.name);
+    unit(&spec.unit).copied().ok_or_else(|| {
+        Invalid::new(
+            format!("unit `{}`", spec.unit),
+            "no unit that is known",
+            names().collect::<Vec<_>>().join(", "),
+            format!(
+                "did you mean `{}`? (or use \"1\" with a `scale`)",
+                nearest(&spec.unit, names()).unwrap_or_default()
+            ),
+        )
+    })
+}
+
+fn wrong_unit(channel: &str, unit: &str, expected: String, remedy: &str) -> Invalid {
+    Invalid::new(format!("unit of channel `{channel}`"), format!("`{unit}`"), expected, remedy)
 }
 
 fn measured(setup: &Setup, units: &[Vec<Unit>]) -> Vec<Provided> {
@@ -194,7 +130,7 @@ fn measured(setup: &Setup, units: &[Vec<Unit>]) -> Vec<Provided> {
 }
 
 /// Adds derived channels and the forces of thrusters; their sources must be there.
-fn computed(setup: &Setup, provided: &mut Vec<Provided>) -> Result<(), ChannelError> {
+fn computed(setup: &Setup, provided: &mut Vec<Provided>) -> Result<(), Invalid> {
     let Conventions { derived, thrusters, .. } = &setup.conventions;
     for Derived { channel, formula, unit } in derived {
         formula.channels.iter().try_for_each(|source| check_source(channel, source, provided))?;
@@ -210,80 +146,117 @@ fn computed(setup: &Setup, provided: &mut Vec<Provided>) -> Result<(), ChannelEr
     Ok(())
 }
 
-fn names(provided: &[Provided]) -> Vec<String> {
-    provided.iter().map(|channel| channel.name.clone()).collect()
+fn names(provided: &[Provided]) -> Vec<&str> {
+    provided.iter().map(|channel| channel.name.as_str()).collect()
 }
 
-fn check_source(of: &str, source: &str, provided: &[Provided]) -> Result<(), ChannelError> {
-    if provided.iter().any(|channel| channel.name == source) && !source.ends_with("_deg") {
+fn check_source(of: &str, source: &str, provided: &[Provided]) -> Result<(), Invalid> {
+    let known = names(provided);
+    if known.contains(&source) && !source.ends_with("_deg") {
         return Ok(());
     }
-    let (of, source_channel) = (of.to_owned(), source.to_owned());
-    Err(ChannelError::NoSource { of, source_channel, known: names(provided) })
+    Err(Invalid::new(
+        format!("source of channel `{of}`"),
+        format!("`{source}`, which nothing before it provides"),
+        format!("one of {}", known.join(", ")),
+        format!("did you mean `{}`?", nearest(source, known).unwrap_or_default()),
+    ))
 }
 
-fn check_names(provided: &[Provided]) -> Result<(), ChannelError> {
+fn check_names(provided: &[Provided]) -> Result<(), Invalid> {
     for (i, channel) in provided.iter().enumerate() {
         let name = channel.name.as_str();
-        if provided[..i].iter().any(|other| other.name == name) {
-            return Err(ChannelError::Twice(name.to_owned()));
-        }
         let plain = !name.is_empty() && name.chars().all(|c| c.is_alphanumeric() || c == '_');
-        if !plain || RESERVED.contains(&name) {
-            return Err(ChannelError::Name(name.to_owned()));
-        }
+        let found = if provided[..i].iter().any(|other| other.name == name) {
+            "given twice"
+        } else if !plain || RESERVED.contains(&name) {
+            "a name that is taken or no plain name"
+        } else {
+            continue;
+        };
+        let expected = "letters, digits and _, each name once, no column of the trajectories";
+        let remedy = match name {
+            "u" | "v" | "r" => format!("measured states are called y_{name}"),
+            _ => "rename it".to_owned(),
+        };
+        return Err(Invalid::new(format!("channel `{name}`"), found, expected, remedy));
     }
     Ok(())
 }
 
 /// Whether surge, sway and yaw rate are measured or follow from positions.
-fn check_motion(setup: &Setup, provided: &[Provided]) -> Result<(), ChannelError> {
+fn check_motion(setup: &Setup, provided: &[Provided]) -> Result<(), Invalid> {
     let has = |name: &str| provided.iter().any(|channel| channel.name == name);
     let places = [["x", "y"], ["latitude_deg", "longitude_deg"]].map(|pair| pair.map(has));
     if places[0].contains(&true) && places[1].contains(&true) {
-        return Err(ChannelError::TwoPositions);
+        let found = "both x, y and latitude_deg, longitude_deg";
+        return Err(Invalid::new("position", found, "one of the two", "remove one"));
     }
     let placed = places.contains(&[true; 2]);
     if !placed && places.as_flattened().contains(&true) {
-        return Err(ChannelError::OneCoordinate);
+        let expected = "x and y, or latitude_deg and longitude_deg";
+        return Err(Invalid::new("position", "one coordinate", expected, "add the other"));
     }
     let mut lacking: Vec<&str> =
         ["y_u", "y_v"].into_iter().filter(|name| !(has(name) || placed && has("psi"))).collect();
     lacking.extend(["y_r"].into_iter().filter(|name| !has(name) && !has("psi")));
     if !lacking.is_empty() {
-        return Err(ChannelError::NoMotion(lacking));
+        let expected = "y_u, y_v, y_r, or x, y (or latitude_deg, longitude_deg) and psi to make them from";
+        let remedy = "add a [[file.channel]] for each";
+        return Err(Invalid::new("channels", nothing_provides(&lacking), expected, remedy));
     }
     if placed && !has("psi") && !setup.conventions.lever.is_zero() {
-        return Err(ChannelError::NoHeading);
+        let remedy = "add psi or remove the positions";
+        return Err(Invalid::new("`antenna_m`", "positions without psi", "a heading to turn it by", remedy));
     }
     Ok(())
 }
 
-/// The vessel's inputs and measured disturbances.
-fn of_vessel(vessel: &Vessel, rate_hz: f64, provided: &[Provided]) -> Result<Vec<Exogenous>, ChannelError> {
+fn nothing_provides(channels: &[&str]) -> String {
+    format!("nothing that provides `{}`", channels.join("`, `"))
+}
+
+/// The inputs and measured disturbances of the vessel that messages call `called`.
+fn of_vessel(
+    vessel: &Vessel,
+    called: &str,
+    rate_hz: f64,
+    provided: &[Provided],
+) -> Result<Vec<Exogenous>, Invalid> {
     if (vessel.sample_rate_hz / rate_hz - 1.0).abs() > 1e-9 {
-        return Err(ChannelError::Rate { found: rate_hz, expected: vessel.sample_rate_hz });
+        let expected = format!("{} Hz, which the parameters in {called} hold for", vessel.sample_rate_hz);
+        return Err(Invalid::new("`sample_rate_hz`", format!("{rate_hz} Hz"), expected, "make them equal"));
     }
     let needed = &vessel.model.variables[3..];
     let find = |name: &str| provided.iter().find(|channel| channel.name == name);
-    let missing: Vec<String> =
-        needed.iter().map(|v| v.name.clone()).filter(|name| find(name).is_none()).collect();
+    let missing: Vec<&str> =
+        needed.iter().map(|v| v.name.as_str()).filter(|name| find(name).is_none()).collect();
     if !missing.is_empty() {
-        return Err(ChannelError::Missing { missing, provided: names(provided) });
+        return Err(Invalid::new(
+            "channels",
+            format!("{}, which {called} needs", nothing_provides(&missing)),
+            format!("channels among {}", names(provided).join(", ")),
+            missing.iter().map(|name| add_channel(name, provided)).collect::<Vec<_>>().join(" "),
+        ));
     }
     let found = needed.iter().filter_map(|variable| Some((variable, find(&variable.name)?)));
     found
-        .map(|(variable, channel)| match factor(&channel.unit, &variable.unit) {
-            Some(factor) => {
-                Ok(Exogenous { name: variable.name.clone(), unit: variable.unit.clone(), factor })
+        .map(|(Variable { name, unit, .. }, channel)| match factor(&channel.unit, unit) {
+            Some(factor) => Ok(Exogenous { name: name.clone(), unit: unit.clone(), factor }),
+            None => {
+                let expected = format!("`{unit}`, as declared in {called}");
+                Err(wrong_unit(name, &channel.unit, expected, "correct one of them"))
             }
-            None => Err(ChannelError::VesselUnit {
-                channel: channel.name.clone(),
-                unit: channel.unit.clone(),
-                expected: variable.unit.clone(),
-            }),
         })
         .collect()
+}
+
+fn add_channel(name: &str, provided: &[Provided]) -> String {
+    let others = names(provided).into_iter().filter(|other| motion_unit(other).is_none());
+    match nearest(name, others) {
+        Some(near) => format!("did you mean `{name}` by `{near}`?"),
+        None => format!("add a [[file.channel]] for `{name}`"),
+    }
 }
 
 /// All channels but those of motion and the optional ones.

@@ -3,7 +3,7 @@ use std::f64::consts::FRAC_PI_2;
 
 use chart::Plane;
 
-use crate::{Body, Formula, Frame, Heading, Lever, Series, Thruster, Unassembled};
+use crate::{Body, Formula, Frame, Heading, Lever, Method, Series, Thruster, Unassembled};
 
 /// Channels by name, each on its own clock.
 pub type Channels = BTreeMap<String, Series>;
@@ -23,7 +23,8 @@ pub const KINEMATIC: [(&str, &str); 8] = [
 /// Names of the channels that thrusters add to.
 const FORCES: [&str; 3] = ["tau1", "tau2", "tau3"];
 
-/// In which axes and about which point the channels were measured, and what is computed from them.
+/// In which axes and about which point the channels were measured, what is computed from them, and how they are put on one
+/// clock.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Conventions {
     /// Axes of `x` and `y`.
@@ -34,13 +35,20 @@ pub struct Conventions {
     pub body: Body,
     /// From the reference point to the antenna.
     pub lever: Lever,
-    /// Length of the parabolas that yaw rates are taken from where the lever arm needs one and none is measured \[s\].
+    /// Length of the parabolas that velocities are taken from: where [`Method::Smoother`] is asked for, and yaw rates where
+    /// the lever arm needs one and none is measured \[s\].
     pub window_s: f64,
     /// Computed channels; each may use those before it.
     pub derived: Vec<Derived>,
     /// Thrusters with the channels of their speed and, for azimuth thrusters, angle \[rad\] from forward to starboard;
     /// their forces make up `tau1`, `tau2`, `tau3`.
     pub thrusters: Vec<(Thruster, String, Option<String>)>,
+    /// How velocities that are not measured are made from positions.
+    pub method: Method,
+    /// The common rate \[Hz\].
+    pub rate_hz: f64,
+    /// Every channel is averaged over this long before it is resampled \[s\].
+    pub average_s: Option<f64>,
 }
 
 /// A channel computed from others.
@@ -198,6 +206,9 @@ mod tests {
             window_s: 1.0,
             derived: Vec::new(),
             thrusters: Vec::new(),
+            method: Method::Smoother,
+            rate_hz: 1.0,
+            average_s: None,
         }
     }
 

@@ -1,14 +1,15 @@
 //! One recording: logs to channels, channels to runs, and how good they are.
 
 use rayon::prelude::*;
-use thiserror::Error;
+use refusal::Invalid;
 use vessel::{Run, Segment};
 
 use crate::segment::Labels;
+use crate::source::called;
 use crate::suspicion::{check_ratios, warnings};
 use crate::{
     Assembled, Channels, Consistency, Log, Part, Plan, RowCounts, Segmentation, Series, Source, Unassembled,
-    UnitRatio, Warning, assemble, consistency, noise_std,
+    Warning, assemble, consistency, noise_std,
 };
 
 /// What became of a recording.
@@ -62,22 +63,6 @@ pub struct ChannelQuality {
     pub max: Option<f64>,
 }
 
-/// Why a recording becomes no runs.
-#[derive(Clone, Debug, Error, PartialEq)]
-pub enum RecordError {
-    /// Its channels have no clock in common.
-    #[error("{why}")]
-    Unassembled {
-        /// Why not.
-        why: Unassembled,
-        /// The channel with the longest step, and that step \[s\].
-        slowest: Option<(String, f64)>,
-    },
-    /// Velocities in another unit than they should be.
-    #[error(transparent)]
-    Unit(#[from] UnitRatio),
-}
-
 /// Makes runs of the `logs` of `source`, one per group of files.
 ///
 /// # Errors
@@ -87,7 +72,7 @@ pub fn record(
     logs: Vec<Log>,
     plan: &Plan,
     segmentation: &Segmentation,
-) -> Result<Recorded, RecordError> {
+) -> Result<Recorded, Invalid> {
     let start_s = logs.iter().filter_map(|log| log.times.first()).copied().fold(f64::INFINITY, f64::min);
     let labels = logs.iter().find_map(|log| labels(log, start_s));
     let missing = missing(plan, &logs);
@@ -95,7 +80,10 @@ pub fn record(
     logs.iter().for_each(|log| rows += log.counts);
     let channels = channels(plan, logs, start_s);
     let slowest = slowest(&channels);
-    let made = assemble(channels, &plan.recipe).map_err(|why| RecordError::Unassembled { why, slowest })?;
+    let exogenous: Vec<&str> = plan.exogenous.iter().map(|channel| channel.name.as_str()).collect();
+    let further: Vec<&str> = plan.further.iter().map(|(name, _)| name.as_str()).collect();
+    let made = assemble(channels, &plan.setup.conventions, &exogenous, &further)
+        .map_err(|why| refused(source, &why, slowest))?;
     let motion = consistency(&made.channels, plan.setup.conventions.window_s);
     check_ratios(&motion)?;
     let (parts, short) = segmentation.runs(source, &made, labels.as_ref());
@@ -111,6 +99,20 @@ pub fn record(
         motion,
     };
     Ok(Recorded { runs, further, quality })
+}
+
+/// Why `source` becomes no runs; `slowest` is the channel with the longest step, and that step \[s\].
+fn refused(source: &Source, why: &Unassembled, slowest: Option<(String, f64)>) -> Invalid {
+    let remedy = match slowest {
+        Some((name, step)) if *why == Unassembled::NoOverlap => {
+            format!(
+                "compare `max_gap_s` with the longest step, {step:.3} s in `{name}`, and check the clocks"
+            )
+        }
+        _ => "check the file's columns and clocks".to_owned(),
+    };
+    let expected = "a stretch without gaps in which all needed channels are known";
+    Invalid::new(called(&source.name), why.to_string(), expected, remedy)
 }
 
 fn labels(log: &Log, start_s: f64) -> Option<Labels> {

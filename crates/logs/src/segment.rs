@@ -2,8 +2,8 @@
 
 use std::ops::Range;
 
+use refusal::{Invalid, nearest};
 use serde::Deserialize;
-use thiserror::Error;
 
 use crate::{Assembled, Grid, Source, Stretch};
 
@@ -58,29 +58,6 @@ pub struct Interval {
     pub to_s: f64,
     /// Its maneuver.
     pub maneuver: String,
-}
-
-/// Why intervals do not fit the recordings.
-#[derive(Clone, Debug, Error, PartialEq)]
-pub enum IntervalError {
-    /// A recording that there is not.
-    #[error("an interval of run `{run}`, which no file has")]
-    NoRecording {
-        /// The recording.
-        run: String,
-        /// Those that there are.
-        known: Vec<String>,
-    },
-    /// Two intervals of a recording that overlap.
-    #[error("{first:?} and {second:?} s of run `{run}` overlap")]
-    Overlap {
-        /// The recording.
-        run: String,
-        /// Beginning and end of one \[s\].
-        first: [f64; 2],
-        /// Beginning and end of the other \[s\].
-        second: [f64; 2],
-    },
 }
 
 /// Labels of a recording, from their times on.
@@ -184,18 +161,25 @@ impl Cut {
 ///
 /// # Errors
 /// Names the first.
-pub fn check_intervals(intervals: &[Interval], sources: &[Source]) -> Result<(), IntervalError> {
-    for (i, interval) in intervals.iter().enumerate() {
-        if !sources.iter().any(|source| source.name == interval.run) {
-            let known = sources.iter().map(|source| source.name.clone()).collect();
-            return Err(IntervalError::NoRecording { run: interval.run.clone(), known });
+pub fn check_intervals(intervals: &[Interval], sources: &[Source]) -> Result<(), Invalid> {
+    let known: Vec<&str> = sources.iter().map(|source| source.name.as_str()).collect();
+    for (i, Interval { run, from_s, to_s, .. }) in intervals.iter().enumerate() {
+        if !known.contains(&run.as_str()) {
+            return Err(Invalid::new(
+                "`run` of a [[segment]]",
+                format!("`{run}`, which no file has"),
+                format!("one of {}", known.join(", ")),
+                format!("did you mean `{}`?", nearest(run, known).unwrap_or_default()),
+            ));
         }
-        let overlaps = |other: &&Interval| {
-            other.run == interval.run && other.from_s < interval.to_s && interval.from_s < other.to_s
-        };
+        let overlaps = |other: &&Interval| other.run == *run && other.from_s < *to_s && *from_s < other.to_s;
         if let Some(other) = intervals[..i].iter().find(overlaps) {
-            let [first, second] = [other, interval].map(|interval| [interval.from_s, interval.to_s]);
-            return Err(IntervalError::Overlap { run: interval.run.clone(), first, second });
+            return Err(Invalid::new(
+                format!("[[segment]] of run `{run}`"),
+                format!("{} to {} s and {from_s} to {to_s} s", other.from_s, other.to_s),
+                "intervals without overlap",
+                "correct one of them",
+            ));
         }
     }
     Ok(())

@@ -1,20 +1,16 @@
 use serde::Deserialize;
 
-use crate::{Conventions, Method, NonMonotonic, TimeUnit};
+use crate::{Conventions, NonMonotonic, TimeUnit};
 
-/// How the logs of a ship were made, and at which rate they become trajectories.
+/// How the logs of a ship were made.
 #[derive(Clone, Debug)]
 pub struct Setup {
+    /// What messages call the file whose keys say so.
+    pub written_in: &'static str,
     /// Kinds of files; a recording has one file of each.
-    pub groups: Vec<Group>,
-    /// In which axes and about which point the channels were measured, and what is computed from them.
+    pub files: Vec<FileSpec>,
+    /// How channels become trajectories.
     pub conventions: Conventions,
-    /// How velocities that are not measured are made from positions.
-    pub method: Method,
-    /// The common rate \[Hz\].
-    pub rate_hz: f64,
-    /// Every channel is averaged over this long before it is resampled \[s\].
-    pub average_s: Option<f64>,
     /// Channels are not interpolated over longer gaps \[s\].
     pub max_gap_s: f64,
     /// What to do where time goes backwards.
@@ -22,14 +18,28 @@ pub struct Setup {
 }
 
 /// Files of one kind.
-#[derive(Clone, Debug)]
-pub struct Group {
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FileSpec {
+    /// Patterns with `*`, relative to the folder of the logs.
+    pub pattern: Vec<String>,
+    /// Template that finds `{run}` in a file's name (in its path where it has a `/`): files of several groups with the
+    /// same `{run}` are one recording. Without it each file is a recording, named as the file.
+    pub run_from_file: Option<String>,
+    /// Separator of CSV files.
+    #[serde(default = "comma")]
+    pub separator: char,
+    /// Column with labels of sub-experiments.
+    pub label_column: Option<String>,
     /// The clock.
     pub time: TimeSpec,
     /// The channels.
-    pub channels: Vec<ChannelSpec>,
-    /// Column with labels of sub-experiments.
-    pub label_column: Option<String>,
+    #[serde(default)]
+    pub channel: Vec<ChannelSpec>,
+}
+
+fn comma() -> char {
+    ','
 }
 
 /// The clock of a kind of files.
@@ -81,6 +91,6 @@ fn one() -> f64 {
 impl Setup {
     /// The channels as they stand in the files, group by group.
     pub(crate) fn channels(&self) -> impl Iterator<Item = &ChannelSpec> {
-        self.groups.iter().flat_map(|group| &group.channels)
+        self.files.iter().flat_map(|file| &file.channel)
     }
 }

@@ -2,9 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use thiserror::Error;
+use refusal::Invalid;
 
-use crate::Template;
+use crate::{FileSpec, Template};
 
 /// The files of one recording.
 #[derive(Clone, Debug, PartialEq)]
@@ -38,41 +38,12 @@ pub enum Kind {
     Recording,
 }
 
-/// Why files make no recordings.
-#[derive(Clone, Debug, Error, PartialEq)]
-pub enum SourceError {
-    /// A file whose name has no such part.
-    #[error("the name of `{file}` does not fit `{template}`")]
-    Unnamed {
-        /// The file.
-        file: String,
-        /// The template.
-        template: String,
-    },
-    /// Two files of a group for one recording.
-    #[error("`{}` and `{}` for run `{run}`", .files[0], .files[1])]
-    Two {
-        /// The recording.
-        run: String,
-        /// The files.
-        files: [String; 2],
-    },
-    /// No file of a group for a recording.
-    #[error("no file of group {group} for run `{run}`")]
-    NoFile {
-        /// The recording.
-        run: String,
-        /// The group, from 0.
-        group: usize,
-    },
-}
-
 impl Naming {
-    /// The recordings that `files`, group by group, are of, in the order of their names.
+    /// The recordings that the `files` of `specs`, group by group, are of, in the order of their names.
     ///
     /// # Errors
     /// A template that does not fit a file, a recording that lacks a file of one of the groups or has two.
-    pub fn sources(&self, files: &[Vec<String>]) -> Result<Vec<Source>, SourceError> {
+    pub fn sources(&self, specs: &[FileSpec], files: &[Vec<String>]) -> Result<Vec<Source>, Invalid> {
         let mut recordings: BTreeMap<String, Vec<Option<String>>> = BTreeMap::new();
         for (group, (template, files)) in self.recordings.iter().zip(files).enumerate() {
             for file in files {
@@ -83,18 +54,27 @@ impl Naming {
                 let own = recordings.entry(name.clone()).or_insert_with(|| vec![None; self.recordings.len()]);
                 match own[group].replace(file.clone()) {
                     Some(other) if other != *file => {
-                        return Err(SourceError::Two { run: name, files: [other, file.clone()] });
+                        let remedy = "correct `run_from_file` or rename a file";
+                        let found = format!("`{other}` and `{file}`");
+                        return Err(Invalid::new(called(&name), found, "one file of each group", remedy));
                     }
                     _ => {}
                 }
             }
         }
-        recordings.into_iter().map(|(name, files)| self.source(name, files)).collect()
+        recordings.into_iter().map(|(name, files)| self.source(name, specs, files)).collect()
     }
 
-    fn source(&self, name: String, files: Vec<Option<String>>) -> Result<Source, SourceError> {
-        if let Some(group) = files.iter().position(Option::is_none) {
-            return Err(SourceError::NoFile { run: name, group });
+    fn source(
+        &self,
+        name: String,
+        specs: &[FileSpec],
+        files: Vec<Option<String>>,
+    ) -> Result<Source, Invalid> {
+        if let Some((spec, _)) = specs.iter().zip(&files).find(|(_, file)| file.is_none()) {
+            let expected = format!("a file of every group; none of `{}`", spec.pattern.join("`, `"));
+            let remedy = "add the file or narrow the patterns";
+            return Err(Invalid::new(called(&name), "some of its files", expected, remedy));
         }
         let files: Vec<String> = files.into_iter().flatten().collect();
         let kind = match &self.kind {
@@ -107,12 +87,18 @@ impl Naming {
 }
 
 /// The part of a file's name, or of its path where the template has a `/`.
-fn named(template: &Template, file: &str) -> Result<String, SourceError> {
+fn named(template: &Template, file: &str) -> Result<String, Invalid> {
     let subject = if template.text().contains('/') { file } else { base(file) };
     template.part(subject).map(str::to_owned).ok_or_else(|| {
-        let template = template.text().to_owned();
-        SourceError::Unnamed { file: file.to_owned(), template }
+        let expected = format!("a name that fits `{}`", template.text());
+        let remedy = "correct the template or narrow the pattern";
+        Invalid::new("file name", format!("`{file}`"), expected, remedy)
     })
+}
+
+/// What messages call a recording.
+pub(crate) fn called(name: &str) -> String {
+    format!("run `{name}`")
 }
 
 fn base(file: &str) -> &str {

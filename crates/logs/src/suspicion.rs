@@ -3,8 +3,9 @@
 use std::f64::consts::TAU;
 
 use numerics::statistics::median;
-use thiserror::Error;
+use refusal::Invalid;
 
+use crate::columns::cell_of;
 use crate::{ChannelQuality, Channels, Consistency, Setup, Unit};
 
 /// Units of angles and how many of them a turn has.
@@ -20,24 +21,6 @@ const RATES: [(&str, f64); 2] = [("deg/s", 360.0 / TAU), ("deg/min", 60.0 * 360.
 /// How far a ratio may be off that of two units.
 const SAME_RATIO: f64 = 0.02;
 
-/// An angle that wraps by a turn of another unit than its own.
-#[derive(Clone, Debug, Error, PartialEq)]
-#[error("line {line}, column `{column}`: {after} after {before}, a turn in {turn} of angles in {unit}")]
-pub struct Turned {
-    /// The line where it wraps, from 1.
-    pub line: usize,
-    /// The column.
-    pub column: String,
-    /// The value before.
-    pub before: f64,
-    /// The value after.
-    pub after: f64,
-    /// The unit that it wraps in.
-    pub turn: &'static str,
-    /// Its own unit.
-    pub unit: &'static str,
-}
-
 /// Refuses an angle that wraps by a turn of another unit than its own. `numbers` as they stand in `column` of the file,
 /// number `i` on line `line(i)`.
 pub(crate) fn check_turns(
@@ -45,7 +28,7 @@ pub(crate) fn check_turns(
     unit: &Unit,
     numbers: &[f64],
     line: impl Fn(usize) -> usize,
-) -> Result<(), Turned> {
+) -> Result<(), Invalid> {
     if unit.si != "rad" {
         return Ok(());
     }
@@ -57,44 +40,41 @@ pub(crate) fn check_turns(
         }
         let wraps = |pair: &[f64]| ((pair[1] - pair[0]).abs() / turn - 1.0).abs() < 0.08;
         if let Some(i) = numbers.windows(2).position(wraps) {
-            return Err(Turned {
-                line: line(i + 1),
-                column: column.to_owned(),
-                before: numbers[i],
-                after: numbers[i + 1],
-                turn: name,
-                unit: unit.name,
-            });
+            return Err(Invalid::new(
+                cell_of(line(i + 1), column),
+                format!("{} after {}, a turn in {name}", numbers[i + 1], numbers[i]),
+                format!("angles in {}, as its `unit` says", unit.name),
+                format!("it looks like {name}: set `unit = \"{name}\"`"),
+            ));
         }
     }
     Ok(())
 }
 
-/// A measured velocity that is a unit's ratio off the derivative of position or heading.
-#[derive(Clone, Copy, Debug, Error, PartialEq)]
-#[error("`{channel}` is {gain:.4} times the derivative of position or heading, as if one were in {unit}")]
-pub struct UnitRatio {
-    /// `y_u`, `y_v` or `y_r`.
-    pub channel: &'static str,
-    /// Velocity over derivative.
-    pub gain: f64,
-    /// The unit that may be meant.
-    pub unit: &'static str,
-    /// Whether the velocity may be in it, or else what it is compared with.
-    pub of_velocity: bool,
-}
-
 /// Refuses velocities that are a unit's ratio off the derivative of position or heading.
-pub(crate) fn check_ratios(motion: &[Option<Consistency>; 3]) -> Result<(), UnitRatio> {
+pub(crate) fn check_ratios(motion: &[Option<Consistency>; 3]) -> Result<(), Invalid> {
     let units = [("y_u", &SPEEDS[..]), ("y_v", &SPEEDS), ("y_r", &RATES)];
     for ((channel, units), found) in units.into_iter().zip(motion) {
         let Some(gain) = found.and_then(|found| found.gain) else { continue };
         let same = |ratio: f64| (gain / ratio - 1.0).abs() < SAME_RATIO;
         if let Some((unit, ratio)) = units.iter().find(|(_, ratio)| same(*ratio) || same(1.0 / ratio)) {
-            return Err(UnitRatio { channel, gain, unit, of_velocity: same(*ratio) });
+            return Err(other_unit(channel, gain, same(*ratio).then_some(*unit)));
         }
     }
     Ok(())
+}
+
+/// `channel` is `gain` times the derivative of position or heading: it may be in `unit`, or else what it is compared with
+/// in another.
+fn other_unit(channel: &str, gain: f64, unit: Option<&str>) -> Invalid {
+    let of = if channel == "y_r" { "`psi`" } else { "`x` and `y`" };
+    let remedy = match (unit, channel) {
+        (Some(unit), _) => format!("`{channel}` may be in {unit}: correct its `unit`, or that of {of}"),
+        (None, "y_r") => format!("{of} may be in deg: correct its `unit`, or that of `{channel}`"),
+        (None, _) => format!("{of} may be in another unit: correct it, or that of `{channel}`"),
+    };
+    let found = format!("{gain:.4} times the derivative of {of}");
+    Invalid::new(format!("unit of channel `{channel}`"), found, "about 1 times it", remedy)
 }
 
 /// Something odd about a channel that does not hinder its use.
@@ -136,7 +116,8 @@ pub(crate) fn warnings(setup: &Setup, channels: &Channels, found: &[ChannelQuali
     let mut warnings = Vec::new();
     for spec in setup.channels() {
         let Some(channel) = found.iter().find(|channel| channel.name == spec.channel) else { continue };
-        let oddities = [constant(channel), angle(&spec.unit, channel), slow(setup.rate_hz, channel)];
+        let oddities =
+            [constant(channel), angle(&spec.unit, channel), slow(setup.conventions.rate_hz, channel)];
         let named = |oddity| Warning { channel: channel.name.clone(), oddity };
         warnings.extend(oddities.into_iter().flatten().map(named));
     }

@@ -2,7 +2,7 @@
 
 use logs::chain::{Actuator, Chain, Compass, Drift, Gnss, Hull, Key, Recording, Weather, Wind};
 use logs::{
-    Body, Channels, Conventions, Frame, Heading, Law, Lever, Method, Recipe, Series, assemble, body_velocity,
+    Body, Channels, Conventions, Frame, Heading, Law, Lever, Method, Series, assemble, body_velocity,
 };
 use vessel::{Source, Vessel, VesselFile};
 
@@ -121,16 +121,11 @@ fn back(recording: &Recording, actuators: &[Actuator]) -> logs::Assembled {
         window_s: 1.0,
         derived: Vec::new(),
         thrusters,
-    };
-    let recipe = Recipe {
-        conventions,
         method: Method::Euler,
         rate_hz: RATE_HZ,
         average_s: None,
-        exogenous: ["tau1", "tau2", "tau3"].map(String::from).into(),
-        further: Vec::new(),
     };
-    assemble(channels, &recipe).unwrap()
+    assemble(channels, &conventions, &["tau1", "tau2", "tau3"], &[]).unwrap()
 }
 
 #[test]

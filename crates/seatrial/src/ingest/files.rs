@@ -5,7 +5,7 @@ use std::path::Path;
 use artifact::Error;
 use logs::{Naming, Pattern, Source};
 use refusal::{Invalid, nearest};
-use study::ingest_file::{IngestFile, about_sources};
+use study::ingest_file::IngestFile;
 
 use crate::failure::Failure;
 
@@ -31,7 +31,7 @@ pub fn find(
         }
         files.push(group);
     }
-    naming.sources(&files).map_err(|e| Failure::invalid(config_path, &about_sources(&e, config)))
+    naming.sources(&config.file, &files).map_err(|e| Failure::invalid(config_path, &e))
 }
 
 /// The files below `folder` that fit `pattern`, sorted.

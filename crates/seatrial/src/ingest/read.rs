@@ -11,40 +11,38 @@ use flate2::read::MultiGzDecoder;
 use logs::{
     Cells, Columns, CsvError, Log, Plan, Recorded, Segmentation, Source, Wanted, places, read_csv, record,
 };
-use study::ingest_file::{about_columns, about_csv, about_log, about_recording};
+use refusal::Invalid;
 
 use crate::failure::Failure;
 
-/// Reads the files of `source`, which stand in `folder`, and makes runs of them; also the files' digests. `separators` are
-/// those of CSV files, group by group.
+/// Reads the files of `source`, which stand in `folder`, and makes runs of them; also the files' digests.
 ///
 /// # Errors
 /// Files that cannot be read; what [`read_csv`], [`Log::new`] and [`record`] refuse.
 pub fn recorded(
     plan: &Plan,
-    separators: &[char],
     segmentation: &Segmentation,
     folder: &Path,
     source: &Source,
 ) -> Result<(Recorded, Vec<(String, Digest)>), Failure> {
     let mut logs = Vec::with_capacity(source.files.len());
     let mut digests = Vec::with_capacity(source.files.len());
-    for (group, (name, separator)) in source.files.iter().zip(separators).enumerate() {
+    for (group, name) in source.files.iter().enumerate() {
         let path = folder.join(name);
-        let columns = columns(&path, *separator, &plan.wanted(group))?;
+        let columns = columns(&path, plan, group)?;
         let log = Log::new(&columns, group, plan);
-        logs.push(log.map_err(|e| Failure::invalid(&path, &about_log(&e)))?);
+        logs.push(log.map_err(|e| Failure::invalid(&path, &e))?);
         digests.push((format!("log:{name}"), Digest::of_file(&path)?));
     }
     let recorded = record(source, logs, plan, segmentation)
-        .map_err(|e| Failure::invalid(&folder.join(&source.files[0]), &about_recording(&e, &source.name)))?;
+        .map_err(|e| Failure::invalid(&folder.join(&source.files[0]), &e))?;
     Ok((recorded, digests))
 }
 
-fn columns(path: &Path, separator: char, wanted: &[Wanted]) -> Result<Columns, Failure> {
+fn columns(path: &Path, plan: &Plan, group: usize) -> Result<Columns, Failure> {
     let extension = path.extension().and_then(|extension| extension.to_str());
     if let Some("parquet" | "parq" | "pq") = extension {
-        return parquet(path, wanted);
+        return parquet(path, &plan.wanted(group));
     }
     const BUFFER: usize = 1 << 18;
     let file = File::open(path).map_err(|e| Error::io(path, "read", e))?;
@@ -52,9 +50,10 @@ fn columns(path: &Path, separator: char, wanted: &[Wanted]) -> Result<Columns, F
         Some("gz") => Box::new(BufReader::with_capacity(BUFFER, MultiGzDecoder::new(file))),
         _ => Box::new(BufReader::with_capacity(BUFFER, file)),
     };
-    read_csv(bytes, separator, wanted).map_err(|error| match error {
-        CsvError::Unreadable(error) if !is_damage(&error) => Error::io(path, "read", error).into(),
-        error => Failure::invalid(path, &about_csv(&error)),
+    read_csv(bytes, plan, group).map_err(|error| match error {
+        CsvError::Unreadable(error) if is_damage(&error) => Failure::invalid(path, &damaged(&error)),
+        CsvError::Unreadable(error) => Error::io(path, "read", error).into(),
+        CsvError::Invalid(invalid) => Failure::invalid(path, &invalid),
     })
 }
 
@@ -63,9 +62,15 @@ fn is_damage(error: &std::io::Error) -> bool {
     matches!(error.kind(), ErrorKind::UnexpectedEof | ErrorKind::InvalidData | ErrorKind::InvalidInput)
 }
 
+fn damaged(error: &std::io::Error) -> Invalid {
+    let cut = error.kind() == ErrorKind::UnexpectedEof;
+    let found = if cut { "an end within the compressed data".to_owned() } else { error.to_string() };
+    Invalid::new("file", found, "a whole gzip file", "the file is truncated or damaged: copy it again")
+}
+
 fn parquet(path: &Path, wanted: &[Wanted]) -> Result<Columns, Failure> {
     let table = ForeignTable::open(path)?;
-    places(table.columns(), wanted).map_err(|e| Failure::invalid(path, &about_columns(&e)))?;
+    places(table.columns(), wanted).map_err(|e| Failure::invalid(path, &e))?;
     let column = |w: &Wanted| {
         Ok::<_, Failure>(match w.text {
             true => Cells::Texts(texts(&table, &w.column)?),

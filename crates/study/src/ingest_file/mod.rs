@@ -1,18 +1,13 @@
 //! `ingest.toml`: what is in measured logs.
 
 mod check;
-mod explain;
 
 use logs::{
-    Body, ChannelSpec, Conventions, Cut, Derived, Formula, Frame, Group, Heading, Interval, Kind, Law, Lever,
-    Method, Naming, NonMonotonic, Segmentation, Setup, SpeedClasses, Template, Thruster, TimeSpec,
+    Body, Conventions, Cut, Derived, FileSpec, Formula, Frame, Heading, Interval, Kind, Law, Lever, Method,
+    Naming, NonMonotonic, Segmentation, Setup, SpeedClasses, Template, Thruster,
 };
 use refusal::Invalid;
 use serde::Deserialize;
-
-pub use explain::{
-    about_channels, about_columns, about_csv, about_intervals, about_log, about_recording, about_sources,
-};
 
 /// `ingest.toml` as written.
 #[derive(Clone, Debug, Deserialize)]
@@ -78,31 +73,6 @@ pub struct IngestFile {
 
 fn measured() -> String {
     "measured".to_owned()
-}
-
-/// Files of one kind.
-#[derive(Clone, Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct FileSpec {
-    /// Patterns with `*`, relative to the folder of the logs.
-    pub pattern: Vec<String>,
-    /// Template that finds `{run}` in a file's name (in its path where it has a `/`): files of several groups with the
-    /// same `{run}` are one recording. Without it each file is a recording, named as the file.
-    pub run_from_file: Option<String>,
-    /// Separator of CSV files.
-    #[serde(default = "comma")]
-    pub separator: char,
-    /// Column with labels of sub-experiments.
-    pub label_column: Option<String>,
-    /// The clock.
-    pub time: TimeSpec,
-    /// The channels.
-    #[serde(default)]
-    pub channel: Vec<ChannelSpec>,
-}
-
-fn comma() -> char {
-    ','
 }
 
 /// A channel computed from others.
@@ -171,11 +141,6 @@ impl IngestFile {
     /// # Errors
     /// A formula that cannot be read.
     pub fn setup(&self) -> Result<Setup, Invalid> {
-        let group = |file: &FileSpec| Group {
-            time: file.time.clone(),
-            channels: file.channel.clone(),
-            label_column: file.label_column.clone(),
-        };
         let conventions = Conventions {
             frame: self.frame,
             heading: self.heading.unwrap_or(self.frame.heading()),
@@ -184,13 +149,14 @@ impl IngestFile {
             window_s: self.velocities.window_s,
             derived: self.derived.iter().map(derived).collect::<Result<_, _>>()?,
             thrusters: self.thruster.iter().cloned().map(thruster).collect(),
-        };
-        Ok(Setup {
-            groups: self.file.iter().map(group).collect(),
-            conventions,
             method: self.velocities.method,
             rate_hz: self.sample_rate_hz,
             average_s: self.average_s,
+        };
+        Ok(Setup {
+            written_in: "ingest.toml",
+            files: self.file.clone(),
+            conventions,
             max_gap_s: self.max_gap_s,
             non_monotonic: self.non_monotonic,
         })
