@@ -29,7 +29,7 @@ pub(super) fn headline(study: &Study) -> Markup {
             h1 { (study.name) }
             @if let Some(vessel) = &study.vessel {
                 p.about {
-                    (vessel.name) ", " (vessel.parameters.len()) " parameters, sampled at "
+                    (vessel.name) ", " (vessel.model.parameters()) " parameters, sampled at "
                     (exact(vessel.sample_rate_hz)) "\u{a0}Hz"
                 }
             }

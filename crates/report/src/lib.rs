@@ -55,4 +55,4 @@ pub use page::{Rendered, render};
 pub use picture::picture;
 pub use plan_map::PlanMap;
 pub use selection::SelectionStudy;
-pub use study::{ManeuverTrace, ParameterRow, PlannedTrial, Scenario, Study, Trajectory, VesselSummary};
+pub use study::{ManeuverTrace, PlannedTrial, Scenario, Study, Trajectory};

@@ -3,12 +3,12 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use artifact::{TableReader, read_document};
-use vessel::{DegreeOfFreedom, Vessel, track};
+use artifact::read_document;
+use vessel::{Vessel, track};
 
-use super::loader::{Loader, Sources};
+use super::loader::{Loader, Sources, document_at};
 use super::trajectory_files::trajectory;
-use super::{ManeuverTrace, ParameterRow, Scenario, Study, VesselSummary};
+use super::{ManeuverTrace, Scenario, Study};
 use artifact::Error;
 use study::campaign_file::CampaignFile;
 use study::documents::{EstimateDocument, IngestDocument, Reference, ValidationDocument};
@@ -48,7 +48,7 @@ pub fn load(sources: &Sources) -> Result<Study, Error> {
         validation: loader.document("validation.json", "errors of all runs together")?,
         scores: loader.scores()?,
         scenarios: sources.scenarios.iter().map(|folder| scenario(folder)).collect::<Result<_, _>>()?,
-        vessel: vessel.as_ref().map(summary),
+        vessel,
         trajectory: trajectory(&mut loader)?,
         selection: super::selection::load(&mut loader)?,
         measured: super::measured::load(&mut loader)?,
@@ -90,20 +90,15 @@ fn scenario(folder: &Path) -> Result<Scenario, Error> {
 impl Loader<'_> {
     /// What `ingest` says that the logs are.
     fn label(&mut self) -> Result<Option<String>, Error> {
-        let path = self.sources.results.join("ingest.json");
-        if !path.exists() {
-            return Ok(None);
-        }
-        Ok(read_document::<IngestDocument>(&path)?.data.data.map(|label| label.to_string()))
+        let ingest = document_at::<IngestDocument>(self.sources.results.join("ingest.json"))?;
+        Ok(ingest.and_then(|ingest| ingest.data.data).map(|label| label.to_string()))
     }
 
     fn scores(&mut self) -> Result<Option<Vec<scores::Row>>, Error> {
-        let path = self.sources.results.join("scores.parquet");
-        if !path.exists() {
+        let schema = (scores::ID, scores::VERSION);
+        let Some(reader) = self.table("scores.parquet", "errors of every run", schema)? else {
             return Ok(None);
-        }
-        let reader = TableReader::open(&path, scores::ID, scores::VERSION)?;
-        self.note("scores.parquet", "errors of every run", reader.digest());
+        };
         let mut rows = scores::rows(&reader)?;
         let leading = scores::leading(&rows);
         rows.retain(|row| Some(row.estimator) == leading);
@@ -152,27 +147,5 @@ fn trace(vessel: &Vessel, run: &Run, described: &dyn Fn(&str) -> String) -> Mane
         r: state(2),
         x: poses.iter().take(samples).map(|p| p.x).collect(),
         y: poses.iter().take(samples).map(|p| p.y).collect(),
-    }
-}
-
-fn summary(vessel: &Vessel) -> VesselSummary {
-    let units = vessel.model.parameter_units();
-    let terms = DegreeOfFreedom::ALL.into_iter().zip(&vessel.model.degrees);
-    let named = terms
-        .flat_map(|(d, degree)| degree.parameters.iter().zip(&degree.terms).map(move |(p, t)| (d, p, t)));
-    let parameter = |(i, (d, name, term)): (usize, (DegreeOfFreedom, &String, &vessel::Term))| ParameterRow {
-        name: name.clone(),
-        unit: units[i].clone(),
-        term: term.text.clone(),
-        degree: d.name().to_owned(),
-        truth: vessel.value[i],
-        nominal: vessel.nominal[i],
-    };
-    let inputs = &vessel.model.variables[3..3 + vessel.model.inputs];
-    VesselSummary {
-        name: vessel.name.clone(),
-        sample_rate_hz: vessel.sample_rate_hz,
-        inputs: inputs.iter().map(|v| (v.name.clone(), v.unit.clone())).collect(),
-        parameters: named.enumerate().map(parameter).collect(),
     }
 }

@@ -1,8 +1,8 @@
-use artifact::{Error, TableReader};
+use artifact::Error;
 use maud::html;
 
 use super::histograms::{DesignErrors, ErrorFigure};
-use super::loader::Loader;
+use super::loader::{Loader, existing};
 use super::number::{median, percent_within, q90};
 use super::parts::{Figures, Section, statements};
 use super::sample::INTERVALS;
@@ -26,15 +26,15 @@ const LIMIT: f64 = 3.0;
 
 /// Reads `selection.json` and `selection.parquet`, where both exist.
 pub(super) fn load(loader: &mut Loader) -> Result<Option<SelectionStudy>, Error> {
-    let path = loader.sources.results.join("selection.parquet");
-    if !path.exists() {
+    if existing(loader.sources.results.join("selection.parquet")).is_none() {
         return Ok(None);
     }
     let summary = loader.document("selection.json", "picked sub-experiments against random ones")?;
+    let schema = (selection::ID, selection::VERSION);
     let Some(summary) = summary else { return Ok(None) };
-    let reader = TableReader::open(&path, selection::ID, selection::VERSION)?;
-    loader.note("selection.parquet", "errors of every realization", reader.digest());
-    Ok(Some(SelectionStudy { summary, rows: selection::rows(&reader)? }))
+    let reader = loader.table("selection.parquet", "errors of every realization", schema)?;
+    let rows = reader.map(|reader| selection::rows(&reader)).transpose()?.unwrap_or_default();
+    Ok(Some(SelectionStudy { summary, rows }))
 }
 
 /// The section: what was picked, quantiles, histograms with the optimized selection above the random one.

@@ -63,15 +63,15 @@ struct Inputs {
 
 impl Inputs {
     fn of(study: &Study, voyage: &Voyage) -> Self {
-        let declared = study.vessel.as_ref().map(|vessel| vessel.inputs.as_slice()).unwrap_or_default();
-        let mut names: Vec<&str> = declared.iter().map(|(name, _)| name.as_str()).collect();
+        let declared = study.inputs();
+        let mut names: Vec<&str> = declared.iter().map(|input| input.name.as_str()).collect();
         for name in voyage.legs.iter().flat_map(|leg| leg.largest_inputs.keys()) {
             if !names.contains(&name.as_str()) {
                 names.push(name);
             }
         }
         let one = |name: &str| {
-            let own = declared.iter().find(|(known, _)| known == name).map(|(_, unit)| unit.clone());
+            let own = declared.iter().find(|input| input.name == name).map(|input| input.unit.clone());
             (name.to_owned(), own.unwrap_or_default(), decimals(voyage, name))
         };
         Self { all: names.into_iter().map(one).collect(), known: study.vessel.is_some() }

@@ -25,7 +25,7 @@ pub(super) fn section(folders: &[PathBuf], written: Option<&Path>) -> Result<Opt
     let mut table = Table::new(&HEADS);
     let mut bounds = Vec::new();
     for (folder, validation) in &found {
-        let (name, seed) = (label(folder), seed(folder)?);
+        let (name, seed, validation) = (label(folder), seed(folder)?, &validation.data);
         let reference = reference(written, &name)?;
         for d in &validation.designs {
             let published = reference.as_ref().and_then(|r| r.designs.get(&d.design));

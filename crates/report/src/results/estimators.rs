@@ -15,7 +15,7 @@ const DESIGN: &str = "optimized";
 pub(super) fn section(folders: &[PathBuf]) -> Result<Option<String>, Error> {
     let (found, missing) = documents::<ValidationDocument>(folders, "validation.json")?;
     let compared: Vec<&[EstimatorScores]> =
-        found.iter().map(|(_, v)| v.compared.as_deref().unwrap_or_default()).collect();
+        found.iter().map(|(_, v)| v.data.compared.as_deref().unwrap_or_default()).collect();
     let given = |estimator: &Estimator| compared.iter().any(|scores| of(scores, *estimator).is_some());
     let estimators: Vec<Estimator> = Estimator::OF_RUNS.into_iter().filter(given).collect();
     let heads: Vec<String> = estimators.iter().map(|estimator| format!("`{estimator}`")).collect();

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use artifact::Error;
+use artifact::{Error, Loaded};
 use study::documents::{CrossvalDocument, EstimatorScore};
 
 use super::folder::{documents, label, left_out};
@@ -15,7 +15,7 @@ const HEADS: [&str; 7] =
 pub(super) fn section(folders: &[PathBuf]) -> Result<Option<String>, Error> {
     let (found, missing) = documents::<CrossvalDocument>(folders, "crossval.json")?;
     let mut table = Table::new(&HEADS);
-    for (folder, document) in &found {
+    for (folder, Loaded { data: document, .. }) in &found {
         for score in &document.estimators {
             let length = document.window_s.map_or("whole".to_owned(), |s| format!("{} s", exact(s)));
             table.row(&[

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use artifact::{Error, read_document};
+use artifact::{Error, Loaded};
 use study::documents::SequentialDocument;
 use trial::rounds::{ArmPoint, Stopping};
 
@@ -10,20 +10,16 @@ use super::folder::{documents, label, left_out, seed_of};
 use super::table::{Table, quantile, share, whole};
 use crate::number::{exact, three, three_or_dash};
 
-/// The document of trials in rounds.
-const FILE: &str = "sequential.json";
-
 pub(super) fn section(folders: &[PathBuf]) -> Result<Option<String>, Error> {
-    let (found, missing) = documents::<SequentialDocument>(folders, FILE)?;
+    let (found, missing) = documents::<SequentialDocument>(folders, "sequential.json")?;
     let mut text = String::new();
-    for (folder, document) in &found {
-        let seed = seed_of(&read_document::<SequentialDocument>(folder.join(FILE))?.provenance);
+    for (folder, Loaded { data: document, provenance, .. }) in &found {
         text += &format!(
             "\n{}: {} maneuvers, {} realizations, seed {}.\n\n{}{}",
             label(folder),
             document.maneuvers,
             document.realizations,
-            whole(seed),
+            whole(seed_of(provenance)),
             errors(document).unwrap_or_default(),
             stopping(document).map_or(String::new(), |table| format!("\n{table}"))
         );

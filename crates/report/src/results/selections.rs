@@ -2,11 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
-use artifact::{Error, read_document};
+use artifact::{Error, Loaded};
 use study::documents::{SelectionDocument, SelectionScores, SimulatedLogsDocument};
 
 use super::folder::{documents, label, left_out, reference, seed_of};
 use super::table::{Table, quantile, share, whole};
+use crate::loader::document_at;
 
 const HEADS: [&str; 8] =
     ["study", "seed of the logs", "picks", "realizations", "median", "90 %", "worst", "degenerate"];
@@ -15,7 +16,7 @@ pub(super) fn section(folders: &[PathBuf], written: Option<&Path>) -> Result<Opt
     let (found, missing) = documents::<SelectionDocument>(folders, "selection.json")?;
     let mut table = Table::new(&HEADS);
     let mut told: Vec<String> = Vec::new();
-    for (folder, selection) in &found {
+    for (folder, Loaded { data: selection, .. }) in &found {
         let (name, seed) = (label(folder), seed(folder)?);
         for scores in &selection.designs {
             table.row(&row(&name, seed, scores));
@@ -42,10 +43,7 @@ fn study(label: &str) -> &str {
 /// The seed of simulated logs, which lie beside what is made of them.
 fn seed(folder: &Path) -> Result<Option<u64>, Error> {
     let path = folder.parent().unwrap_or(folder).join("logs/simulated.json");
-    path.exists()
-        .then(|| read_document::<SimulatedLogsDocument>(path))
-        .transpose()
-        .map(|d| seed_of(&d?.provenance))
+    Ok(document_at::<SimulatedLogsDocument>(path)?.and_then(|logs| seed_of(&logs.provenance)))
 }
 
 fn row(name: &str, seed: Option<u64>, scores: &SelectionScores) -> [String; HEADS.len()] {

@@ -5,8 +5,7 @@ use chart::Raster;
 use super::input::Frame;
 use super::outline::{Vertex, outlines};
 use super::view::View;
-use crate::figures::svg::Path;
-use crate::figures::svg::Point;
+use crate::figures::svg::{Path, Point};
 
 /// Cells finer than this many pixels are merged.
 const FINEST: f64 = 0.7;

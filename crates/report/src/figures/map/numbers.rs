@@ -3,8 +3,7 @@ use std::f64::consts::TAU;
 use super::input::{Map, TrackStyle};
 use super::view::View;
 use super::{colours, marks};
-use crate::figures::svg::{Anchor, Point};
-use crate::figures::svg::{Lettering, Look, Sheet};
+use crate::figures::svg::{Anchor, Lettering, Look, Point, Sheet};
 
 /// Radius of a number's disc [px].
 const DISC: f64 = 8.0;

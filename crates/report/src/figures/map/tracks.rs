@@ -2,8 +2,7 @@ use super::input::{Map, Track, TrackStyle};
 use super::simplify::simplified;
 use super::view::View;
 use super::{clip, colours};
-use crate::figures::svg::Path;
-use crate::figures::svg::{Look, Sheet};
+use crate::figures::svg::{Look, Path, Sheet};
 
 /// A line may be this far off [px].
 const TOLERANCE: f64 = 0.06;
@@ -19,8 +18,8 @@ pub(crate) fn draw(sheet: &mut Sheet, view: &View, map: &Map) {
     let look = colours::realization(sheaf.len());
     sheaf.iter().for_each(|track| sheet.path(&path(view, track, COARSE), look));
     for (style, look, halo) in [
-        (TrackStyle::Basic, colours::basic(), colours::halo(3.6)),
-        (TrackStyle::RunIn, colours::run_in(), colours::halo(2.4)),
+        (TrackStyle::Basic, colours::BASIC, colours::halo(3.6)),
+        (TrackStyle::RunIn, colours::RUN_IN, colours::halo(2.4)),
     ] {
         let paths: Vec<Path> = styled(style).map(|track| path(view, track, TOLERANCE)).collect();
         paths.iter().for_each(|path| sheet.path(path, halo));
@@ -28,7 +27,7 @@ pub(crate) fn draw(sheet: &mut Sheet, view: &View, map: &Map) {
     }
     map.tracks.iter().for_each(|track| maneuver(sheet, view, map, track));
     styled(TrackStyle::Simulated)
-        .for_each(|track| sheet.path(&path(view, track, TOLERANCE), colours::simulated()));
+        .for_each(|track| sheet.path(&path(view, track, TOLERANCE), colours::SIMULATED));
 }
 
 /// A maneuver with its name as a title.
