@@ -13,11 +13,8 @@ const PARAMETER: ErrorFigure<'_> = ErrorFigure::half("parameter-error", "paramet
 const SIMULATION: ErrorFigure<'_> =
     ErrorFigure::half("simulation-error", "norm of the simulation RMSE [m/s, m/s, rad/s]", 0.5)
         .captioned("Norm of the simulation errors.");
-const DEGREES: [ErrorFigure<'_>; 3] = [
-    ErrorFigure::third("rmse-surge", "RMSE in surge [m/s]", 1.0).captioned("Simulation error in surge."),
-    ErrorFigure::third("rmse-sway", "RMSE in sway [m/s]", 0.25).captioned("Simulation error in sway."),
-    ErrorFigure::third("rmse-yaw", "RMSE in yaw rate [rad/s]", 0.15).captioned("Simulation error in yaw."),
-];
+const CAPTIONS: [&str; 3] =
+    ["Simulation error in surge.", "Simulation error in sway.", "Simulation error in yaw."];
 
 /// The histograms of all errors over the runs, and the input of the validation.
 pub(super) fn errors(study: &Study, figures: &mut Figures) -> Section {
@@ -46,13 +43,16 @@ fn drawn(study: &Study, scores: &[Row], figures: &mut Figures) -> Markup {
     let bounds = study.validation.as_ref().map(|v| v.bounds);
     let parameter = PARAMETER.bounded(bounds.map(|b| b.parameter_error));
     let simulation = SIMULATION.bounded(bounds.map(|b| b.simulation_error));
+    let degrees = ErrorFigure::thirds(["rmse-surge", "rmse-sway", "rmse-yaw"], [1.0, 0.25, 0.15]);
     html! {
         div.pair {
             (parameter.place(&errors(&|r| r.parameter_error, Some(|d| d.parameter_error_share)), figures))
             (simulation.place(&errors(&|r| r.simulation_error, Some(|d| d.simulation_error_share)), figures))
         }
         div.triple {
-            @for (d, figure) in DEGREES.iter().enumerate() { (figure.place(&errors(&|r| r.rmse[d], None), figures)) }
+            @for (d, figure) in degrees.iter().enumerate() {
+                (figure.captioned(CAPTIONS[d]).place(&errors(&|r| r.rmse[d], None), figures))
+            }
         }
     }
 }

@@ -3,7 +3,7 @@ use maud::{Markup, Render, html};
 use super::number::{exact, parameter_share, percent, percent_within, simulation_share, three};
 use super::shown::used as is_used;
 use super::study::Study;
-use super::trajectory_words::{cost, minutes};
+use super::trajectory::words::{cost, minutes};
 use study::documents::{
     DesignDocument, DesignScores, PlanDocument, PlanStatus, SequentialDocument, ValidationDocument, Voyage,
 };

@@ -33,9 +33,14 @@ impl<'a> ErrorFigure<'a> {
         Self { file, title, caption: title, limit, bound: None, width: 460.0 }
     }
 
-    /// As [`ErrorFigure::half`], for a third of the page.
-    pub(super) const fn third(file: &'a str, title: &'a str, limit: f64) -> Self {
-        Self { width: 360.0, ..Self::half(file, title, limit) }
+    /// For a third of the page each: the errors in surge, sway and yaw rate.
+    pub(super) fn thirds(files: [&'a str; 3], [u, v, r]: [f64; 3]) -> [Self; 3] {
+        let third = |file, title, limit| Self { width: 360.0, ..Self::half(file, title, limit) };
+        [
+            third(files[0], "RMSE in surge [m/s]", u),
+            third(files[1], "RMSE in sway [m/s]", v),
+            third(files[2], "RMSE in yaw rate [rad/s]", r),
+        ]
     }
 
     /// With a caption of its own.

@@ -38,14 +38,6 @@ mod shown;
 mod study;
 mod table;
 mod trajectory;
-mod trajectory_facts;
-mod trajectory_files;
-mod trajectory_front;
-mod trajectory_map;
-mod trajectory_moves;
-mod trajectory_sheet;
-mod trajectory_trials;
-mod trajectory_words;
 mod trust;
 
 pub use load::load;

@@ -7,7 +7,7 @@ use artifact::read_document;
 use vessel::{Vessel, track};
 
 use super::loader::{Loader, Sources, document_at};
-use super::trajectory_files::trajectory;
+use super::trajectory::files::trajectory;
 use super::{ManeuverTrace, Scenario, Study};
 use artifact::Error;
 use study::campaign_file::CampaignFile;

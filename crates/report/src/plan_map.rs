@@ -106,8 +106,7 @@ impl PlanMap<'_> {
                 Class::Depth { least_m, .. } => figure::Class::Depth { least_m: least_m? },
             };
             let mut rings = polygon.rings.into_iter();
-            let ring = rings.next().filter(|ring| ring.len() >= 3)?;
-            Some(figure::Area { class, ring, holes: rings.filter(|ring| ring.len() >= 3).collect() })
+            Some(figure::Area { class, ring: rings.next()?, holes: rings.collect() })
         };
         self.prepared.chart.drawn(bounds).into_iter().filter_map(area).collect()
     }

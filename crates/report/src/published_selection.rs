@@ -17,11 +17,8 @@ pub(super) fn published_selection(study: &Study, figures: &mut Figures) -> Optio
     let (found, reference) = (study.selection.as_ref()?, study.reference.as_ref()?);
     let limits = reference.selection.as_ref()?;
     let whole = ErrorFigure::half("published-norm", "norm of RMSE", limits.limit_norm);
-    let degrees = [
-        ErrorFigure::third("published-surge", "RMSE in surge [m/s]", limits.limit_u),
-        ErrorFigure::third("published-sway", "RMSE in sway [m/s]", limits.limit_v),
-        ErrorFigure::third("published-yaw", "RMSE in yaw rate [rad/s]", limits.limit_r),
-    ];
+    let files = ["published-surge", "published-sway", "published-yaw"];
+    let degrees = ErrorFigure::thirds(files, [limits.limit_u, limits.limit_v, limits.limit_r]);
     let body = html! {
         @if let Some(label) = &study.data {
             p.note { b { "Ours: " (label) "." } " The published study used logs of a real ship that were never published." }

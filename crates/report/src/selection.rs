@@ -42,11 +42,8 @@ pub(super) fn selection(study: &Study, figures: &mut Figures) -> Option<Section>
     let found = study.selection.as_ref()?;
     let summary = &found.summary;
     let norm = ErrorFigure::half("selection-error", "norm of RMSE over standard deviation [1]", LIMIT);
-    let degrees = [
-        ErrorFigure::third("selection-surge", "RMSE in surge [m/s]", round_limit(summary.std_u)),
-        ErrorFigure::third("selection-sway", "RMSE in sway [m/s]", round_limit(summary.std_v)),
-        ErrorFigure::third("selection-yaw", "RMSE in yaw rate [rad/s]", round_limit(summary.std_r)),
-    ];
+    let limits = [summary.std_u, summary.std_v, summary.std_r].map(round_limit);
+    let degrees = ErrorFigure::thirds(["selection-surge", "selection-sway", "selection-yaw"], limits);
     let picked: Vec<String> =
         summary.counts.iter().map(|(name, count)| format!("{count} × {name}")).collect();
     let body = html! {

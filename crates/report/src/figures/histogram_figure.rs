@@ -121,7 +121,7 @@ impl<'a> Plot<'a> {
             sheet.bar((from, self.floor), (to, top), paint.faded(0.3));
             sheet.bar((from, self.floor), (to, top), (paint, 1.4));
         }
-        if beyond as f64 > self.up.high() {
+        if beyond as f64 > self.up.high {
             self.breaks(sheet, from, to);
         }
         sheet.text(&beyond.to_string(), ((from + to) / 2.0, top - 9.0), note(Anchor::Middle));

@@ -85,7 +85,6 @@ pub(crate) fn maneuver_paint(index: usize) -> Paint {
 
 pub(crate) const BASIC: Look = Look::drawn(GREY, 2.0);
 pub(crate) const RUN_IN: Look = Look::drawn(DARK, 1.0);
-pub(crate) const SIMULATED: Look = Look::drawn(DARK, 1.3).dashed(4.5, 3.0);
 
 /// One of `drawn` realizations: the more there are, the fainter each.
 pub(crate) fn realization(drawn: usize) -> Look {

@@ -85,7 +85,6 @@ fn track(sheet: &mut Sheet, style: TrackStyle, (x, y): Point) {
         TrackStyle::Maneuver(index) => colours::maneuver(index),
         TrackStyle::Basic => (colours::BASIC, None),
         TrackStyle::RunIn => (colours::RUN_IN, None),
-        TrackStyle::Simulated => (colours::SIMULATED, None),
         TrackStyle::Realization => return sheaf(sheet, (x, y)),
     };
     [Some(look), within].into_iter().flatten().for_each(|look| sheet.line(ends.0, ends.1, look));

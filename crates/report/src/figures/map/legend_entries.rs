@@ -42,7 +42,6 @@ pub(crate) fn tracks(map: &Map) -> Vec<Entry> {
     let lines = [
         (TrackStyle::Basic, "basic move".to_owned()),
         (TrackStyle::RunIn, "run-in".to_owned()),
-        (TrackStyle::Simulated, "simulated".to_owned()),
         (TrackStyle::Realization, realizations),
     ];
     let present = lines.into_iter().filter(|(style, _)| count(*style) > 0);

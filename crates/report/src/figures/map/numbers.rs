@@ -45,7 +45,7 @@ struct Taken {
 
 impl Taken {
     fn new(view: &View, map: &Map) -> Self {
-        let (corner, opposite) = (view.corner(), view.opposite());
+        let (corner, opposite) = (view.corner, view.opposite);
         let wide = square(opposite.0 - corner.0) + 1;
         let high = square(opposite.1 - corner.1) + 1;
         let ends = [(map.start, marks::START), (map.goal, marks::GOAL)];

@@ -14,7 +14,7 @@ const LEAST_SHARE: f64 = 0.16;
 
 /// Fine lines across the map.
 pub(crate) fn graticule(sheet: &mut Sheet, view: &View, graticule: &Graticule) {
-    let (low, high) = (view.corner(), view.opposite());
+    let (low, high) = (view.corner, view.opposite);
     let mut path = Path::default();
     for (x, _) in columns(view, graticule) {
         path.line(&[(x, low.1), (x, high.1)]);
@@ -27,7 +27,7 @@ pub(crate) fn graticule(sheet: &mut Sheet, view: &View, graticule: &Graticule) {
 
 /// The frame with its labels, and below it the scale bar and the north arrow.
 pub(crate) fn draw(sheet: &mut Sheet, view: &View, graticule: &Graticule) {
-    let (low, high) = (view.corner(), view.opposite());
+    let (low, high) = (view.corner, view.opposite);
     sheet.bar(low, high, Look::drawn(colours::DARK, 1.3));
     labels(sheet, view, graticule);
     scale_bar(sheet, view, high.1 + 38.0);
@@ -36,12 +36,12 @@ pub(crate) fn draw(sheet: &mut Sheet, view: &View, graticule: &Graticule) {
 
 /// Pixels of the labels below the frame.
 fn columns<'a>(view: &View, graticule: &'a Graticule) -> Vec<(f64, &'a str)> {
-    within(&graticule.x, (view.corner().0, view.opposite().0), |x| view.place([x, 0.0]).0)
+    within(&graticule.x, (view.corner.0, view.opposite.0), |x| view.place([x, 0.0]).0)
 }
 
 /// Pixels of the labels left of it.
 fn rows<'a>(view: &View, graticule: &'a Graticule) -> Vec<(f64, &'a str)> {
-    within(&graticule.y, (view.corner().1, view.opposite().1), |y| view.place([0.0, y]).1)
+    within(&graticule.y, (view.corner.1, view.opposite.1), |y| view.place([0.0, y]).1)
 }
 
 fn within(labels: &[(f64, String)], (low, high): (f64, f64), pixel: impl Fn(f64) -> f64) -> Vec<(f64, &str)> {
@@ -51,7 +51,7 @@ fn within(labels: &[(f64, String)], (low, high): (f64, f64), pixel: impl Fn(f64)
 
 /// Ticks outwards, each with its label where it does not run into the last one or beyond the frame.
 fn labels(sheet: &mut Sheet, view: &View, graticule: &Graticule) {
-    let (low, high) = (view.corner(), view.opposite());
+    let (low, high) = (view.corner, view.opposite);
     let tick = Look::drawn(Paint::ink(0.6), 1.0);
     let letters = Lettering::new(NOTE, Anchor::Middle).painted(Paint::ink(0.75));
     let mut free = Free::new(low.0 - 20.0, high.0 + 4.0);
@@ -97,9 +97,9 @@ impl Free {
 
 /// A bar of a round length, in alternating parts.
 fn scale_bar(sheet: &mut Sheet, view: &View, y: f64) {
-    let (left, right) = (view.corner().0, view.opposite().0);
-    let metres = round_step(LEAST_SHARE * (right - left) / view.scale());
-    let width = metres * view.scale();
+    let (left, right) = (view.corner.0, view.opposite.0);
+    let metres = round_step(LEAST_SHARE * (right - left) / view.scale);
+    let width = metres * view.scale;
     let label = length(metres);
     sheet.titled(&format!("scale: {label}"), |sheet| {
         sheet.bar((left, y), (left + width, y + BAR), Look::drawn(Paint::ink(1.0), 0.8));

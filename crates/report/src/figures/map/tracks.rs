@@ -11,7 +11,7 @@ const COARSE: f64 = 0.25;
 /// Realizations drawn at most.
 pub(crate) const MOST_REALIZATIONS: usize = 200;
 
-/// Draws the tracks: realizations below, then basic moves, run-ins, maneuvers, and the simulated track on top.
+/// Draws the tracks: realizations below, then basic moves, run-ins, and maneuvers on top.
 pub(crate) fn draw(sheet: &mut Sheet, view: &View, map: &Map) {
     let styled = |style| map.tracks.iter().filter(move |track| track.style == style);
     let sheaf = chosen(&styled(TrackStyle::Realization).collect::<Vec<_>>());
@@ -26,8 +26,6 @@ pub(crate) fn draw(sheet: &mut Sheet, view: &View, map: &Map) {
         paths.iter().for_each(|path| sheet.path(path, look));
     }
     map.tracks.iter().for_each(|track| maneuver(sheet, view, map, track));
-    styled(TrackStyle::Simulated)
-        .for_each(|track| sheet.path(&path(view, track, TOLERANCE), colours::SIMULATED));
 }
 
 /// A maneuver with its name as a title.

@@ -4,9 +4,9 @@ use std::path::Path;
 
 use artifact::{Digest, Loaded};
 
-use super::loader::Loader;
-use super::study::{PlannedTrial, Trajectory};
-use super::trajectory_map::refused;
+use super::map::refused;
+use crate::loader::Loader;
+use crate::study::{PlannedTrial, Trajectory};
 use artifact::Error;
 use study::documents::PlanDocument;
 
@@ -19,7 +19,7 @@ const BESIDE: [(&str, &str); 4] = [
 ];
 
 /// The trajectory that the study plans; none where there is neither `plan.toml` nor `plan.json`.
-pub(super) fn trajectory(loader: &mut Loader) -> Result<Option<Trajectory>, Error> {
+pub(crate) fn trajectory(loader: &mut Loader) -> Result<Option<Trajectory>, Error> {
     let config = loader.sources.study.join("plan.toml");
     if config.exists() {
         loader.note("plan.toml", "chart, lattice, safety, counts, start and goal", Digest::of_file(&config)?);

@@ -1,8 +1,8 @@
 use maud::{Markup, html};
 
-use super::number::three;
-use super::table::Table;
-use super::trajectory_words::{heading, level};
+use super::words::{heading, level};
+use crate::number::three;
+use crate::table::Table;
 use study::documents::{PlanLattice, Primitive, Voyage};
 
 /// How the maneuvers became moves of the lattice, folded away.

@@ -1,9 +1,9 @@
 use crate::figures::palette;
 use maud::{Markup, html};
 
-use super::number::{three, unit};
-use super::study::Study;
-use super::trajectory_words::{action, clock, heading, knots, latitude, level, longitude, minutes};
+use super::words::{action, clock, heading, knots, latitude, level, longitude, minutes};
+use crate::number::{three, unit};
+use crate::study::Study;
 use study::documents::{PlanDocument, PlanStep, Voyage, VoyageLeg};
 
 /// An input that never exceeds this is none: what is left of rounding, in any unit.

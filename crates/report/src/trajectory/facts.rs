@@ -1,8 +1,8 @@
 use maud::{Markup, html};
 
-use super::number::{exact, percent, three, three_or_dash};
-use super::parts::entry;
-use super::trajectory_words::{cost, minutes, part};
+use super::words::{cost, minutes, part};
+use crate::number::{exact, percent, three, three_or_dash};
+use crate::parts::entry;
 use study::documents::{PlanDocument, PlanStatus, SecondaryCost, Voyage};
 use trial::voyage::{Check, Information, Secondary};
 
