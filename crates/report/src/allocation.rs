@@ -2,7 +2,7 @@ use crate::figures::{SensitivityRow, ShareRow, sensitivities, shares};
 use maud::{Markup, html};
 
 use super::accuracy::accuracy_of;
-use super::number::{exact, percent, published, three, three_or_dash};
+use super::number::{exact, or_dash, percent, published, three_or_dash};
 use super::parts::{Figures, Section, missing};
 use super::shown::{omission, shown, used};
 use super::study::Study;
@@ -105,7 +105,7 @@ fn table(
     }
     if reference.is_some_and(|r| !r.shares.is_empty()) {
         table = table.classed("number published", "Published share", |name| {
-            published_share(reference, name).map_or("–".to_owned(), published)
+            or_dash(published_share(reference, name).map(published))
         });
     }
     table = table
@@ -115,24 +115,18 @@ fn table(
 }
 
 fn share_of(design: &DesignDocument, name: &str) -> String {
-    match design.shares.get(name) {
-        None => "–".to_owned(),
-        Some(share) if used(design, name) => percent(*share),
-        Some(_) => "0".to_owned(),
-    }
+    let printed = |share: &f64| if used(design, name) { percent(*share) } else { "0".to_owned() };
+    or_dash(design.shares.get(name).map(printed))
 }
 
 fn time_of(design: &DesignDocument, name: &str, length: f64) -> String {
     let share = design.shares.get(name).filter(|_| used(design, name));
-    share.map_or("–".to_owned(), |share| three(share * length))
+    three_or_dash(share.map(|share| share * length))
 }
 
 fn alone(design: &DesignDocument, name: &str) -> String {
-    match design.efficiency.as_ref().and_then(|efficiency| efficiency.single.get(name)) {
-        None => "–".to_owned(),
-        Some(efficiency) if *efficiency <= 1e-9 => "0".to_owned(),
-        Some(efficiency) => percent(*efficiency),
-    }
+    let printed = |own: &f64| if *own <= 1e-9 { "0".to_owned() } else { percent(*own) };
+    or_dash(design.efficiency.as_ref().and_then(|all| all.single.get(name)).map(printed))
 }
 
 fn footnotes(design: &DesignDocument) -> Markup {

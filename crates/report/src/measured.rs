@@ -4,7 +4,7 @@ use maud::{Markup, display, html};
 use super::SelectionStudy;
 use super::headline::card;
 use super::loader::Loader;
-use super::number::{percent, percent_within, three_or_dash};
+use super::number::{or_dash, percent, percent_within, three_or_dash};
 use super::table::Table;
 use artifact::Error;
 use study::documents::{
@@ -133,7 +133,7 @@ impl Measured {
 fn selection_card(found: &SelectionStudy) -> Markup {
     let degenerate = |i: usize| {
         let share = |d: &SelectionScores| percent_within(d.degenerate_share, d.degenerate_share_interval);
-        found.summary.designs.get(i).map_or("–".to_owned(), share)
+        or_dash(found.summary.designs.get(i).map(share))
     };
     let others = [
         format!("{} random", found.q90(1)),

@@ -2,7 +2,7 @@ use crate::figures::{ErrorRow, relative_errors};
 use identification::Estimator;
 use maud::{Markup, Render, display, html};
 
-use super::number::{three, three_or_dash, unit};
+use super::number::{or_dash, three, three_or_dash, unit};
 use super::parts::{Figures, Section, entry, missing};
 use super::study::{Study, optimized_first};
 use super::table::Table;
@@ -98,8 +98,7 @@ fn table(design: &DesignSummary, vessel: Option<&Vessel>) -> Markup {
 }
 
 fn term(vessel: Option<&Vessel>, name: &str) -> String {
-    let own = vessel.and_then(|v| terms(v).into_iter().find(|(_, parameter, _)| *parameter == name));
-    own.map_or("–".to_owned(), |(.., term)| term.to_owned())
+    or_dash(vessel.and_then(|v| terms(v).into_iter().find(|(_, own, _)| *own == name)).map(|(.., term)| term))
 }
 
 /// Every parameter with its degree of freedom and its term, in the order of `vessel.toml`.

@@ -1,7 +1,7 @@
 use maud::{Markup, Render, html};
 
 use super::histograms::ErrorFigure;
-use super::number::{exact, percent_within, published, three};
+use super::number::{exact, or_dash, percent_within, published, three};
 use super::parts::{Figures, Section};
 use super::selection::SelectionStudy;
 use super::study::Study;
@@ -56,7 +56,7 @@ fn table(found: &SelectionStudy, limits: &PublishedSelection) -> Markup {
     };
     let beyond = |d: &SelectionScores, share: fn(&SharesBeyond) -> Share| {
         let own = d.beyond_published.as_ref().map(share);
-        own.map_or("–".to_owned(), |own| percent_within(own.share, own.interval))
+        or_dash(own.map(|own| percent_within(own.share, own.interval)))
     };
     let lines: [Line<'_>; 8] = [
         (&labels[0], &|d| beyond(d, |b| b.norm), Some(|p| p.degenerate_share.map(published))),
@@ -74,7 +74,7 @@ fn table(found: &SelectionStudy, limits: &PublishedSelection) -> Markup {
         table.number(&d.design, |(_, ours, _)| ours(d)).classed(
             "number published",
             "published",
-            |(.., theirs)| theirs.and_then(|theirs| theirs(told)).unwrap_or_else(|| "–".to_owned()),
+            |(.., theirs)| or_dash(theirs.and_then(|theirs| theirs(told))),
         )
     });
     table.render()

@@ -6,8 +6,8 @@ use artifact::{Error, Loaded};
 use study::documents::{Bounds, PublishedShare, ValidationDocument};
 
 use super::folder::{documents, label, left_out, reference, seed};
-use super::table::{Table, median, share, whole};
-use crate::number::{exact, published};
+use super::table::{Table, median, share};
+use crate::number::{exact, or_dash, published};
 
 pub(super) fn section(folders: &[PathBuf], written: Option<&Path>) -> Result<Option<String>, Error> {
     let (found, missing) = documents::<ValidationDocument>(folders, "validation.json")?;
@@ -24,7 +24,7 @@ pub(super) fn section(folders: &[PathBuf], written: Option<&Path>) -> Result<Opt
         .column("study", |(name, ..)| name.clone())
         .column("design", |(_, _, d, _)| d.design.clone())
         .column("trials", |(_, _, d, _)| d.runs.to_string())
-        .column("seed", |(_, seed, ..)| whole(*seed))
+        .column("seed", |(_, seed, ..)| or_dash(*seed))
         .column("parameter error below the bound", |(_, _, d, published)| {
             share(d.parameter_error_share, d.parameter_error_share_interval)
                 + &told(published.map(|p| p.parameter_error_share))

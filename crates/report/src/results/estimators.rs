@@ -7,7 +7,8 @@ use identification::Estimator;
 use study::documents::{DesignScores, EstimatorScores, ValidationDocument};
 
 use super::folder::{documents, label, left_out, seed};
-use super::table::{Table, median, whole};
+use super::table::{Table, median};
+use crate::number::or_dash;
 
 /// The design whose errors the table has.
 const DESIGN: &str = "optimized";
@@ -26,11 +27,10 @@ pub(super) fn section(folders: &[PathBuf]) -> Result<Option<String>, Error> {
     }
     let table = Table::of(rows)
         .column("scenario", |(name, ..)| name.clone())
-        .column("trials", |(.., own)| whole(own.iter().flatten().next().map(|d| d.runs)))
-        .column("seed", |(_, seed, _)| whole(*seed));
+        .column("trials", |(.., own)| or_dash(own.iter().flatten().next().map(|d| d.runs)))
+        .column("seed", |(_, seed, _)| or_dash(*seed));
     let table = estimators.iter().enumerate().fold(table, |table, (i, estimator)| {
-        let error =
-            |own: &[Option<&DesignScores>]| own[i].map_or("–".to_owned(), |d| median(&d.parameter_error));
+        let error = |own: &[Option<&DesignScores>]| or_dash(own[i].map(|d| median(&d.parameter_error)));
         table.column(&format!("`{estimator}`"), |(.., own)| error(own))
     });
     let note = left_out(&missing, "not computed");

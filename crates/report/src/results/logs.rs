@@ -7,7 +7,7 @@ use study::documents::{CrossvalDocument, EstimatorScore};
 
 use super::folder::{documents, label, left_out};
 use super::table::Table;
-use crate::number::{exact, three_or_dash};
+use crate::number::{exact, or_dash, three_or_dash};
 
 pub(super) fn section(folders: &[PathBuf]) -> Result<Option<String>, Error> {
     let (found, missing) = documents::<CrossvalDocument>(folders, "crossval.json")?;
@@ -34,7 +34,7 @@ pub(super) fn section(folders: &[PathBuf]) -> Result<Option<String>, Error> {
 }
 
 fn fits(score: &EstimatorScore) -> String {
-    let fit = |fit: Option<f64>| fit.map_or("–".to_owned(), |fit| format!("{fit:.1}"));
+    let fit = |fit: Option<f64>| or_dash(fit.map(|fit| format!("{fit:.1}")));
     match &score.errors {
         Some(e) => format!("{} / {} / {} %", fit(e.fit_u), fit(e.fit_v), fit(e.fit_r)),
         None => score.status.to_string(),

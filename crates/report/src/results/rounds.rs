@@ -6,8 +6,8 @@ use artifact::{Error, Loaded};
 use study::documents::SequentialDocument;
 
 use super::folder::{documents, label, left_out, seed_of};
-use super::table::{Table, quantile, share, whole};
-use crate::number::{exact, three, three_or_dash};
+use super::table::{Table, quantile, share};
+use crate::number::{exact, or_dash, three, three_or_dash};
 
 pub(super) fn section(folders: &[PathBuf]) -> Result<Option<String>, Error> {
     let (found, missing) = documents::<SequentialDocument>(folders, "sequential.json")?;
@@ -18,7 +18,7 @@ pub(super) fn section(folders: &[PathBuf]) -> Result<Option<String>, Error> {
             label(folder),
             document.maneuvers,
             document.realizations,
-            whole(seed_of(provenance)),
+            or_dash(seed_of(provenance)),
             errors(document).unwrap_or_default(),
             stopping(document).map_or(String::new(), |table| format!("\n{table}"))
         );
@@ -35,7 +35,7 @@ fn errors(document: &SequentialDocument) -> Option<String> {
         .column("after", |(_, gain)| format!("{} s", exact(gain.time_s)));
     let arms = document.arms.iter().fold(times, |table, arm| {
         table.column(arm.name.name(), |(i, _)| {
-            arm.points.get(*i).map_or("–".to_owned(), |point| quantile(point.median, None))
+            or_dash(arm.points.get(*i).map(|point| quantile(point.median, None)))
         })
     });
     let table = arms
@@ -55,7 +55,7 @@ fn stopping(document: &SequentialDocument) -> Option<String> {
         .column("", |arm| arm.arm.name().to_owned())
         .column("promised in time", |arm| format!("{} of {}", arm.stopped, document.realizations))
         .column("mean time", |arm| format!("{:.0} s", arm.mean_time_s))
-        .column(&within, |arm| arm.within_stopped.map_or("–".to_owned(), |value| share(value, None)))
+        .column(&within, |arm| or_dash(arm.within_stopped.map(|value| share(value, None))))
         .column("of all", |arm| share(arm.within, None))
         .column("error over promise, root mean square", |arm| three_or_dash(arm.rms_over_accuracy));
     table.text()

@@ -6,9 +6,9 @@ use artifact::{Error, Loaded};
 use study::documents::{SelectionDocument, SimulatedLogsDocument};
 
 use super::folder::{documents, label, left_out, reference, seed_of};
-use super::table::{Table, median, share, whole};
+use super::table::{Table, median, share};
 use crate::loader::document_at;
-use crate::number::three;
+use crate::number::{or_dash, three};
 
 pub(super) fn section(folders: &[PathBuf], written: Option<&Path>) -> Result<Option<String>, Error> {
     let (found, missing) = documents::<SelectionDocument>(folders, "selection.json")?;
@@ -27,7 +27,7 @@ pub(super) fn section(folders: &[PathBuf], written: Option<&Path>) -> Result<Opt
     let plain = |value: Option<f64>| value.map_or("∞".to_owned(), three);
     let table = Table::of(rows)
         .column("study", |(name, ..)| name.clone())
-        .column("seed of the logs", |(_, seed, _)| whole(*seed))
+        .column("seed of the logs", |(_, seed, _)| or_dash(*seed))
         .column("picks", |(.., d)| d.design.clone())
         .column("realizations", |(.., d)| d.realizations.to_string())
         .column("median", |(.., d)| median(&d.overlapping.rmse_norm))

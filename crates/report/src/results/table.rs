@@ -46,8 +46,3 @@ pub(super) fn quantile(value: Option<f64>, interval: Option<[Option<f64>; 2]>) -
 pub(super) fn median(errors: &Quantiles) -> String {
     quantile(errors.median, errors.median_interval)
 }
-
-/// A number, or a dash for none.
-pub(super) fn whole(value: Option<u64>) -> String {
-    value.map_or("–".to_owned(), |value| value.to_string())
-}

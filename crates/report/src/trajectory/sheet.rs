@@ -2,7 +2,7 @@ use crate::figures::palette;
 use maud::{Markup, html};
 
 use super::words::{action, clock, heading, knots, latitude, level, longitude, minutes};
-use crate::number::{three, unit};
+use crate::number::{or_dash, three, unit};
 use crate::study::Study;
 use study::documents::{PlanDocument, PlanStep, Voyage, VoyageLeg};
 
@@ -149,7 +149,7 @@ fn end(plan: &PlanDocument, voyage: &Voyage, inputs: &Inputs) -> Markup {
             th scope="row" { "" }
             td.time { (clock(voyage.duration_s)) }
             td { "" }
-            td.number { (to.unwrap_or_else(|| "–".to_owned())) }
+            td.number { (or_dash(to)) }
             td colspan=(6 + inputs.all.len()) { "end of the trial, after " (minutes(voyage.duration_s)) }
         }
     }
@@ -160,10 +160,10 @@ fn rounded(speed_m_s: f64) -> String {
 }
 
 fn seconds(value: Option<f64>) -> String {
-    value.filter(|s| s.is_finite()).map_or("–".to_owned(), |s| format!("{s:.0}"))
+    or_dash(value.filter(|s| s.is_finite()).map(|s| format!("{s:.0}")))
 }
 
 fn largest(leg: &VoyageLeg, name: &str, decimals: usize) -> String {
     let value = leg.largest_inputs.get(name).filter(|v| v.is_finite());
-    value.map_or("–".to_owned(), |v| format!("{v:.decimals$}"))
+    or_dash(value.map(|v| format!("{v:.decimals$}")))
 }
