@@ -1,3 +1,5 @@
+use std::collections::BTreeMap;
+
 use crate::figures::{SensitivityRow, ShareRow, sensitivities, shares};
 use maud::{Markup, html};
 
@@ -21,12 +23,23 @@ pub(super) fn allocation(study: &Study, figures: &mut Figures) -> Section {
 fn designed(study: &Study, design: &DesignDocument, figures: &mut Figures) -> Markup {
     let reference = study.reference.as_ref();
     let names = shown(design.order.iter().map(String::as_str), Some(design));
-    let bars = shares(&share_rows(&names, design, reference));
-    let dots = |p: u64| sensitivities(&sensitivity_rows(&names, design), p as f64);
+    let of = |values: &BTreeMap<String, f64>, name: &str| values.get(name).copied().unwrap_or(f64::NAN);
+    let share = |name| {
+        let published = published_share(reference, name);
+        ShareRow { name, share: of(&design.shares, name), published }
+    };
+    let sensitivity = |name| {
+        let sensitivity = of(&design.sensitivities, name);
+        SensitivityRow { name, sensitivity, used: used(design, name) }
+    };
+    let bars: Vec<ShareRow<'_>> = names.iter().copied().map(share).collect();
+    let dots: Vec<SensitivityRow<'_>> = names.iter().copied().map(sensitivity).collect();
     html! {
         div.pair {
-            (figures.place("shares", bars, &share_caption(reference)))
-            @if let Some(p) = design.dimension { (figures.place("sensitivities", dots(p), &sensitivity_caption(p))) }
+            (figures.place("shares", shares(&bars), &share_caption(reference)))
+            @if let Some(p) = design.dimension {
+                (figures.place("sensitivities", sensitivities(&dots, p as f64), &sensitivity_caption(p)))
+            }
         }
         (omission(design.order.len(), names.len()))
         (table(&names, design, reference, study.experiment_s))
@@ -41,33 +54,11 @@ fn order(sequence: &Sequence) -> String {
     sequence.parts.iter().map(part).collect::<Vec<_>>().join(", ")
 }
 
-fn share_rows<'a>(
-    names: &[&'a str],
-    design: &DesignDocument,
-    reference: Option<&Reference>,
-) -> Vec<ShareRow<'a>> {
-    let row = |&name: &&'a str| ShareRow {
-        name,
-        share: design.shares.get(name).copied().unwrap_or(f64::NAN),
-        published: published_share(reference, name),
-    };
-    names.iter().map(row).collect()
-}
-
 /// The published share of a maneuver. One that is not listed has none, unless the listed ones make up the whole.
 fn published_share(reference: Option<&Reference>, name: &str) -> Option<f64> {
     let shares = &reference?.shares;
     let whole = shares.values().sum::<f64>() > 0.995;
     shares.get(name).copied().or(whole.then_some(0.0))
-}
-
-fn sensitivity_rows<'a>(names: &[&'a str], design: &DesignDocument) -> Vec<SensitivityRow<'a>> {
-    let row = |&name: &&'a str| SensitivityRow {
-        name,
-        sensitivity: design.sensitivities.get(name).copied().unwrap_or(f64::NAN),
-        used: used(design, name),
-    };
-    names.iter().map(row).collect()
 }
 
 fn share_caption(reference: Option<&Reference>) -> Markup {

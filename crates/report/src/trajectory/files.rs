@@ -2,12 +2,11 @@
 
 use std::path::Path;
 
-use artifact::{Digest, Loaded};
+use artifact::{Digest, Error, Loaded};
 
 use super::map::refused;
 use crate::loader::Loader;
 use crate::study::{PlannedTrial, Trajectory};
-use artifact::Error;
 use study::documents::PlanDocument;
 
 /// What `plan` writes beside `plan.json`.
@@ -113,7 +112,7 @@ fn map(loader: &mut Loader, name: &str) -> Result<Option<String>, Error> {
     if !path.exists() {
         return Ok(None);
     }
-    let bytes = std::fs::read(&path).map_err(|e| artifact::Error::io(&path, "read", e))?;
+    let bytes = std::fs::read(&path).map_err(|e| Error::io(&path, "read", e))?;
     let digest = Digest::of_bytes(&bytes);
     let text = String::from_utf8(bytes).map_err(|_| "bytes that are not UTF-8".to_owned());
     let checked = text.and_then(|text| refused(&text).map_or(Ok(text), Err));

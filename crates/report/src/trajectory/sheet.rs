@@ -143,7 +143,7 @@ fn badge(row: &Row) -> Markup {
 }
 
 fn end(plan: &PlanDocument, voyage: &Voyage, inputs: &Inputs) -> Markup {
-    let to = plan.steps.last().map(|step| heading(level(&voyage.lattice, step.to.h as i64)));
+    let to = plan.steps.last().map(|step| level(&voyage.lattice, step.to.h));
     html! {
         tr.end {
             th scope="row" { "" }

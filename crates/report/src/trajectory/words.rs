@@ -58,8 +58,8 @@ pub(crate) fn heading(degrees: f64) -> String {
 }
 
 /// Compass heading of level `h` of the lattice, which counts counter-clockwise from east.
-pub(crate) fn level(lattice: &PlanLattice, h: i64) -> f64 {
-    (90.0 - h as f64 * 360.0 / lattice.headings as f64).rem_euclid(360.0)
+pub(crate) fn level(lattice: &PlanLattice, h: u64) -> String {
+    heading((90.0 - h as f64 * 360.0 / lattice.headings as f64).rem_euclid(360.0))
 }
 
 /// A speed in knots: `2.9`.
@@ -116,7 +116,7 @@ pub(crate) fn action(step: &PlanStep, leg: &VoyageLeg, lattice: &PlanLattice) ->
 
 fn turn(step: &PlanStep, leg: &VoyageLeg, lattice: &PlanLattice) -> String {
     let how = if leg.speed_m_s.abs() < REST { "on the spot" } else { "under way" };
-    format!("{how}, to\u{a0}{}", heading(level(lattice, step.to.h as i64)))
+    format!("{how}, to\u{a0}{}", level(lattice, step.to.h))
 }
 
 fn reached(to: &PlanPose, lattice: &PlanLattice) -> String {
