@@ -1,13 +1,14 @@
 use artifact::Error;
 use maud::html;
 
-use super::histograms::{DesignErrors, ErrorFigure};
+use super::histograms::ErrorFigure;
 use super::loader::{Loader, existing};
 use super::number::{median, percent_within, q90};
 use super::parts::{Figures, Section, statements};
 use super::sample::INTERVALS;
 use super::study::Study;
 use super::table::Table;
+use crate::figures::HistogramPanel;
 use study::documents::{Quantiles, SelectionDocument, SelectionScores};
 use study::listed;
 use study::selection::{self, Row};
@@ -64,15 +65,15 @@ pub(super) fn selection(study: &Study, figures: &mut Figures) -> Option<Section>
 
 impl SelectionStudy {
     /// An error of all realizations by design, optimized before random.
-    pub(super) fn errors<'a>(&'a self, value: impl Fn(&Row) -> Option<f64>) -> Vec<DesignErrors<'a>> {
+    pub(super) fn errors<'a>(&'a self, value: impl Fn(&Row) -> Option<f64>) -> Vec<HistogramPanel<'a>> {
         let own =
             |d: &SelectionScores| self.rows.iter().filter(|r| r.design == d.design).map(&value).collect();
-        let errors = |d: &'a SelectionScores| DesignErrors { design: &d.design, values: own(d), below: None };
+        let errors = |d: &'a SelectionScores| HistogramPanel { label: &d.design, values: own(d), note: None };
         self.summary.designs.iter().map(errors).collect()
     }
 
     /// The error of surge, sway or yaw.
-    pub(super) fn rmse(&self, degree: usize) -> Vec<DesignErrors<'_>> {
+    pub(super) fn rmse(&self, degree: usize) -> Vec<HistogramPanel<'_>> {
         self.errors(|row| row.rmse.map(|errors| errors[degree]))
     }
 }

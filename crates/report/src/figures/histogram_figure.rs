@@ -6,7 +6,7 @@ use crate::figures::svg::{Anchor, Lettering, Paint, Sheet};
 use crate::figures::text;
 
 /// The horizontal axis that all panels share.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 pub struct HistogramAxis<'a> {
     /// Quantity and unit: `parameter error [1]`.
     pub title: &'a str,
@@ -20,17 +20,15 @@ pub struct HistogramAxis<'a> {
     pub width: f64,
 }
 
-/// One panel: the runs of one design.
+/// One panel: the runs of one design, in the colour of its place among the panels.
 #[derive(Clone, Debug)]
 pub struct HistogramPanel<'a> {
     /// Name of the design.
     pub label: &'a str,
     /// One value per run; none for a run without one.
-    pub values: &'a [Option<f64>],
+    pub values: Vec<Option<f64>>,
     /// Beside the bound: `98.6 % below 5`.
     pub note: Option<String>,
-    /// Number of the design's colour in [`crate::figures::palette::series`].
-    pub colour: usize,
 }
 
 const LEFT: f64 = 54.0;
@@ -45,13 +43,13 @@ const FOOT: f64 = 44.0;
 /// of their own at the right, paler and outlined; a bar that would dwarf the others is broken and carries its count.
 pub fn histogram_pair(axis: &HistogramAxis<'_>, panels: &[HistogramPanel<'_>]) -> String {
     let counted: Vec<Histogram> =
-        panels.iter().map(|p| Histogram::new(p.values, axis.limit, axis.bins)).collect();
+        panels.iter().map(|p| Histogram::new(&p.values, axis.limit, axis.bins)).collect();
     let top = ceiling(&counted);
     let label = format!("Histograms of {}", axis.title);
     Sheet::figure(axis.width.max(240.0), panels.len() as f64 * PANEL + FOOT, &label, |sheet| {
         for (index, (panel, histogram)) in panels.iter().zip(&counted).enumerate() {
             let floor = index as f64 * PANEL + HEAD + PLOT;
-            Plot::new(axis, top, floor).draw(sheet, panel, histogram);
+            Plot::new(axis, top, floor).draw(sheet, panel, histogram, Paint::solid(series(index)));
         }
         Plot::new(axis, top, 0.0).foot(sheet, panels.len() as f64 * PANEL);
     })
@@ -82,8 +80,7 @@ impl<'a> Plot<'a> {
         Self { axis, across, up, floor, right, overflow: (from, to) }
     }
 
-    fn draw(&self, sheet: &mut Sheet, panel: &HistogramPanel<'_>, counted: &Histogram) {
-        let paint = Paint::solid(series(panel.colour));
+    fn draw(&self, sheet: &mut Sheet, panel: &HistogramPanel<'_>, counted: &Histogram, paint: Paint) {
         self.grid(sheet);
         self.bins(sheet, counted, paint);
         self.overflow(sheet, counted.beyond, paint);
