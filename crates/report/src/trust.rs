@@ -1,7 +1,7 @@
 use maud::{Markup, display, html};
 
 use super::measured::{Measured, fit, free_runs};
-use super::number::{percent, three, three_or_dash, unit};
+use super::number::{or_dash, percent, three, three_or_dash, unit};
 use super::parts::{Section, coded, missing, statements};
 use super::table::Table;
 use study::documents::{DegreeTrust, SourceErrors, TrustDocument};
@@ -51,7 +51,7 @@ fn tests(found: &TrustDocument) -> Markup {
         .number("Neighbouring residuals", |d| {
             three_or_dash(d.whiteness.as_ref().map(|w| w.first_autocorrelation))
         })
-        .number("White, p", |d| d.whiteness.as_ref().map_or("–".to_owned(), |w| probability(w.p_value)))
+        .number("White, p", |d| or_dash(d.whiteness.as_ref().map(|w| probability(w.p_value))))
         .with(html! { th scope="col" { "Residual and instrument" } }, leak);
     html! {
         (table)
