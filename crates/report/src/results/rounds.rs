@@ -40,8 +40,9 @@ fn errors(document: &SequentialDocument) -> Option<String> {
     let heads: Vec<&str> = ["after"].into_iter().chain(names).chain(["rounds / once", "pairs"]).collect();
     let mut table = Table::new(&heads);
     for (i, gain) in document.gains.iter().enumerate() {
-        let cell =
-            |point: Option<&ArmPoint>| point.map_or("–".to_owned(), |point| quantile(point.median, None));
+        let cell = |point: Option<&ArmPoint>| {
+            point.map_or("–".to_owned(), |point| quantile(point.median, point.median_interval))
+        };
         let arms = document.arms.iter().map(|arm| cell(arm.points.get(i)));
         let within =
             gain.low.zip(gain.high).map(|(low, high)| format!(" ({} to {})", three(low), three(high)));
@@ -62,15 +63,19 @@ fn stopping(document: &SequentialDocument) -> Option<String> {
         ["", "promised in time", "mean time", &within, "of all", "error over promise, root mean square"];
     let mut table = Table::new(&heads);
     for arm in &document.stopping {
-        let Stopping { stopped, mean_time_s, within, within_stopped, rms_over_accuracy, .. } = arm;
         table.row(&[
             arm.arm.name().to_owned(),
-            format!("{stopped} of {}", document.realizations),
-            format!("{mean_time_s:.0} s"),
-            within_stopped.map_or("–".to_owned(), |value| share(value, None)),
-            share(*within, None),
-            three_or_dash(*rms_over_accuracy),
+            format!("{} of {}", arm.stopped, document.realizations),
+            mean_time(arm),
+            arm.within_stopped.map_or("–".to_owned(), |value| share(value, arm.within_stopped_interval)),
+            share(arm.within, arm.within_interval),
+            quantile(arm.rms_over_accuracy, arm.rms_over_accuracy_interval.map(|ends| ends.map(Some))),
         ]);
     }
     table.text()
+}
+
+fn mean_time(arm: &Stopping) -> String {
+    let within = arm.mean_time_interval_s.map(|[low, high]| format!("{low:.0} to {high:.0}"));
+    format!("{:.0} s ({})", arm.mean_time_s, within.as_deref().unwrap_or("–"))
 }

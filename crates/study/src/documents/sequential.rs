@@ -61,5 +61,12 @@ impl Document for SequentialDocument {
         ("within_stopped", "1"),
         ("rms_over_accuracy", "1"),
         ("without_estimate", "1"),
+        ("median_interval", "1"),
+        ("q90_interval", "1"),
+        ("within_interval", "1"),
+        ("mean_time_interval_s", "s"),
+        ("median_error_interval", "1"),
+        ("within_stopped_interval", "1"),
+        ("rms_over_accuracy_interval", "1"),
     ];
 }
