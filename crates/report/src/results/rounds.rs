@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use artifact::{Error, Loaded};
 use study::documents::SequentialDocument;
+use trial::rounds::Stopping;
 
 use super::folder::{documents, label, left_out, seed_of};
 use super::table::{Table, quantile, share};
@@ -35,7 +36,7 @@ fn errors(document: &SequentialDocument) -> Option<String> {
         .column("after", |(_, gain)| format!("{} s", exact(gain.time_s)));
     let arms = document.arms.iter().fold(times, |table, arm| {
         table.column(arm.name.name(), |(i, _)| {
-            or_dash(arm.points.get(*i).map(|point| quantile(point.median, None)))
+            or_dash(arm.points.get(*i).map(|point| quantile(point.median, point.median_interval)))
         })
     });
     let table = arms
@@ -54,9 +55,18 @@ fn stopping(document: &SequentialDocument) -> Option<String> {
     let table = Table::of(&document.stopping)
         .column("", |arm| arm.arm.name().to_owned())
         .column("promised in time", |arm| format!("{} of {}", arm.stopped, document.realizations))
-        .column("mean time", |arm| format!("{:.0} s", arm.mean_time_s))
-        .column(&within, |arm| or_dash(arm.within_stopped.map(|value| share(value, None))))
-        .column("of all", |arm| share(arm.within, None))
-        .column("error over promise, root mean square", |arm| three_or_dash(arm.rms_over_accuracy));
+        .column("mean time", mean_time)
+        .column(&within, |arm| {
+            or_dash(arm.within_stopped.map(|value| share(value, arm.within_stopped_interval)))
+        })
+        .column("of all", |arm| share(arm.within, arm.within_interval))
+        .column("error over promise, root mean square", |arm| {
+            quantile(arm.rms_over_accuracy, arm.rms_over_accuracy_interval.map(|ends| ends.map(Some)))
+        });
     table.text()
+}
+
+fn mean_time(arm: &Stopping) -> String {
+    let within = arm.mean_time_interval_s.map(|[low, high]| format!("{low:.0} to {high:.0}"));
+    format!("{:.0} s ({})", arm.mean_time_s, within.as_deref().unwrap_or("–"))
 }

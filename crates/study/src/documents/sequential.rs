@@ -39,6 +39,8 @@ impl Document for SequentialDocument {
         ("1", "realizations rounds nominal_spread accuracy maneuvers median q90 predicted within"),
         ("1", "not_identifiable not_converged diverged undesigned pairs ratio low high stopped"),
         ("1", "median_error within_stopped rms_over_accuracy without_estimate"),
-        ("s", "duration_s time_s mean_time_s"),
+        ("1", "median_interval q90_interval within_interval median_error_interval"),
+        ("1", "within_stopped_interval rms_over_accuracy_interval"),
+        ("s", "duration_s time_s mean_time_s mean_time_interval_s"),
     ];
 }
