@@ -1,4 +1,4 @@
-use identification::pooled::COLLINEAR;
+use identification::pooled::{COLLINEAR, DegreeTrust};
 use maud::{Markup, display, html};
 
 use super::SelectionStudy;
@@ -8,8 +8,7 @@ use super::number::{or_dash, percent, percent_within, three_or_dash};
 use super::table::Table;
 use artifact::Error;
 use study::documents::{
-    CrossvalDocument, EstimatorScore, FreeRunErrors, IngestDocument, SelectionScores, TrustDegree,
-    TrustDocument,
+    CrossvalDocument, EstimatorScore, FreeRunErrors, IngestDocument, SelectionScores, TrustDocument,
 };
 use study::listed;
 
@@ -101,7 +100,7 @@ impl Measured {
         if !refused.is_empty() {
             told.push(format!("Not identifiable: {}.", listed(&refused)));
         }
-        let unsure = |d: &&TrustDegree| d.reason.is_none() && d.condition_index.is_none_or(|c| c > COLLINEAR);
+        let unsure = |d: &&DegreeTrust| d.reason.is_none() && d.condition_index.is_none_or(|c| c > COLLINEAR);
         let collinear: Vec<String> = degrees().filter(unsure).map(|d| d.weakest.clone()).collect();
         if !collinear.is_empty() {
             told.push(format!("Use it for similar motion only: {}.", listed(&collinear)));

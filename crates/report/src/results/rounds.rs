@@ -55,7 +55,7 @@ fn stopping(document: &SequentialDocument) -> Option<String> {
     let table = Table::of(&document.stopping)
         .column("", |arm| arm.arm.name().to_owned())
         .column("promised in time", |arm| format!("{} of {}", arm.stopped, document.realizations))
-        .column("mean time", mean_time)
+        .column("mean time", |arm| mean_time(arm))
         .column(&within, |arm| {
             or_dash(arm.within_stopped.map(|value| share(value, arm.within_stopped_interval)))
         })
