@@ -5,6 +5,8 @@
 
 mod invalid;
 mod nearest;
+mod numbers;
 
 pub use invalid::{Invalid, one_line};
 pub use nearest::nearest;
+pub use numbers::check_numbers;
