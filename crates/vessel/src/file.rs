@@ -20,7 +20,7 @@ pub struct VesselFile {
     pub input: Vec<InputSpec>,
     /// Measured disturbances, in order.
     #[serde(default)]
-    pub measured: Vec<MeasuredSpec>,
+    pub measured: Vec<Variable>,
     /// Terms of the surge equation.
     #[serde(default)]
     pub surge: Vec<TermSpec>,
@@ -50,16 +50,6 @@ pub struct InputSpec {
     pub follows: Option<String>,
     /// … by this factor.
     pub factor: Option<f64>,
-}
-
-/// A measured disturbance.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct MeasuredSpec {
-    /// Name as used in terms and as a column.
-    pub name: String,
-    /// Its unit.
-    pub unit: String,
 }
 
 /// One term of an equation.
@@ -268,8 +258,7 @@ fn variables(file: &VesselFile) -> Result<Vec<Variable>, Invalid> {
     let variable = |name: &str, unit: &str| Variable { name: name.to_owned(), unit: unit.to_owned() };
     let states = DegreeOfFreedom::ALL.into_iter().map(|d| variable(d.state(), d.unit()));
     let inputs = file.input.iter().map(|i| variable(&i.name, &i.unit));
-    let measured = file.measured.iter().map(|m| variable(&m.name, &m.unit));
-    let all: Vec<Variable> = states.chain(inputs).chain(measured).collect();
+    let all: Vec<Variable> = states.chain(inputs).chain(file.measured.iter().cloned()).collect();
     for (i, v) in all.iter().enumerate() {
         let reserved = i >= 3 && RESERVED.contains(&v.name.as_str());
         let plain = v.name.chars().all(|c| c.is_alphanumeric() || c == '_') && !v.name.is_empty();
