@@ -64,7 +64,7 @@ mod toml_input;
 
 pub use columns::{Column, FloatColumn, IntegerColumn, Table, TextColumn};
 pub use digest::Digest;
-pub use document::{Document, Loaded, json_schema, stage_document};
+pub use document::{Document, Loaded, Units, json_schema, stage_document, units};
 pub use document_reader::read_document;
 pub use encode::{EncodedBlock, encode_block};
 pub use error::{Error, Result};

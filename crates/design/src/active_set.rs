@@ -97,7 +97,7 @@ pub(crate) fn relative_gap<O: Objective>(
     shares: &[f64],
     at: &O::Point,
 ) -> f64 {
-    let sensitivities: Vec<f64> = (0..objective.len()).map(|q| objective.sensitivity(q, at)).collect();
+    let sensitivities = objective.sensitivities(at);
     bounds.gap(&sensitivities, shares, objective.degree()) / objective.degree()
 }
 
@@ -137,7 +137,7 @@ struct Step {
 fn improve<O: Objective>(objective: &O, bounds: &Bounds, shares: &[f64], tolerance: f64) -> Option<Step> {
     let mut at = O::Point::default();
     let before = objective.evaluate(shares, &mut at)?;
-    let sensitivities: Vec<f64> = (0..objective.len()).map(|q| objective.sensitivity(q, &at)).collect();
+    let sensitivities = objective.sensitivities(&at);
     let members = members(bounds, shares, &sensitivities, objective.degree(), tolerance);
     let quadratic = Quadratic {
         shares: members.iter().map(|q| shares[*q]).collect(),

@@ -2,6 +2,8 @@ use std::ops::Range;
 
 use thiserror::Error;
 
+use crate::product::transposed;
+
 /// Candidate information matrices that are no design problem.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum Error {
@@ -90,8 +92,8 @@ pub struct Evaluation {
     pub log_det: f64,
     /// (M_b(w)⁻¹)ᵀ per block, so that g_q is a dot product.
     pub inverse_transposed: Vec<f64>,
-    sum: Vec<f64>,
-    inverse: Vec<f64>,
+    pub(crate) sum: Vec<f64>,
+    pub(crate) inverse: Vec<f64>,
 }
 
 impl Candidates {
@@ -160,40 +162,6 @@ impl Candidates {
         }
     }
 
-    /// The criterion and its gradient's ingredients at `shares`. `None` where a block is singular.
-    pub fn evaluate(&self, shares: &[f64], at: &mut Evaluation) -> Option<f64> {
-        let mut sum = std::mem::take(&mut at.sum);
-        self.sum(shares, &mut sum);
-        at.inverse.resize(self.size(), 0.0);
-        at.inverse_transposed.resize(self.size(), 0.0);
-        at.log_det = 0.0;
-        let mut regular = true;
-        for (n, range) in self.blocks() {
-            match numerics::inverse(n, &mut sum[range.clone()], &mut at.inverse[range.clone()]) {
-                Some(det) => at.log_det += det.log_abs,
-                None => regular = false,
-            }
-            transpose(n, &at.inverse[range.clone()], &mut at.inverse_transposed[range]);
-        }
-        at.sum = sum;
-        regular.then_some(at.log_det)
-    }
-
-    /// Σ_b log|det M_b(w)| alone. `None` where a block is singular.
-    pub(crate) fn log_abs_det(&self, shares: &[f64], at: &mut Evaluation) -> Option<f64> {
-        self.sum(shares, &mut at.sum);
-        let mut sum = 0.0;
-        for (n, range) in self.blocks() {
-            sum += numerics::log_det(n, &mut at.sum[range])?.log_abs;
-        }
-        Some(sum)
-    }
-
-    /// g_q = Σ_b tr(M_b(w)⁻¹ M_q,b) of candidate `q` at an evaluated point.
-    pub fn sensitivity(&self, q: usize, at: &Evaluation) -> f64 {
-        at.inverse_transposed.iter().zip(self.candidate(q)).map(|(a, b)| a * b).sum()
-    }
-
     /// Rows and columns scaled so that the mean candidate has rows and columns of size one, and what log|det| of the
     /// original is above that of the scaled. Shares and sensitivities do not change.
     ///
@@ -255,8 +223,7 @@ impl Candidates {
             if numerics::condition(n, own) < 1e9 {
                 continue;
             }
-            let transposed: Vec<f64> = (0..n * n).map(|k| own[(k % n) * n + k / n]).collect();
-            let direction = match numerics::weakest(n, &transposed) {
+            let direction = match numerics::weakest(n, &transposed(n, own)) {
                 Some(found) if found.ratio > 1e-12 => continue,
                 Some(found) => found.direction,
                 None => vec![1.0; n],
@@ -276,14 +243,6 @@ impl Candidates {
         let size = self.size();
         for entries in self.entries.chunks_exact_mut(size) {
             places.iter().for_each(|p| entries[*p] /= norm);
-        }
-    }
-}
-
-fn transpose(n: usize, from: &[f64], to: &mut [f64]) {
-    for i in 0..n {
-        for j in 0..n {
-            to[j * n + i] = from[i * n + j];
         }
     }
 }

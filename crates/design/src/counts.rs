@@ -276,8 +276,7 @@ impl<O: Objective> Search<'_, O> {
         }
         let shares = self.shares(counts);
         if self.objective.evaluate(&shares, &mut self.at).is_some() {
-            let worth: Vec<f64> =
-                (0..counts.len()).map(|q| self.objective.sensitivity(q, &self.at)).collect();
+            let worth = self.objective.sensitivities(&self.at);
             open.sort_by(|a, b| worth[*b].total_cmp(&worth[*a]).then(a.cmp(b)));
         }
         open.truncate(INCOMING);

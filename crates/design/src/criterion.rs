@@ -5,8 +5,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::{
     Bounds, Candidates, CountOptions, Counted, Covariance, CovariancePoint, Design, Dictionary, Error,
-    Evaluation, NoDesign, Norm, Objective, Options, Restriction, Selected, count_segments, select,
-    solve_covariance, solve_within,
+    Evaluation, Method, NoDesign, Norm, Objective, Options, Restricted, Restriction, Selected,
+    count_segments, select, solve_covariance, solve_within,
 };
 
 /// The criteria by name.
@@ -115,11 +115,32 @@ impl Criterion {
         }
     }
 
-    /// The best shares under a restriction.
+    /// The design that keeps `restriction`, from `relaxed`, the one that need not. `parameters`: their number.
     ///
     /// # Errors
     /// As [`select`].
-    pub fn select(
+    pub fn restricted(
+        &self,
+        relaxed: &Design,
+        bounds: &Bounds,
+        restriction: &Restriction,
+        options: &Options,
+        parameters: usize,
+    ) -> Result<Restricted, Error> {
+        let found = self.selected(relaxed, bounds, restriction, options)?;
+        let loss = found.loss_bound(relaxed, self.per_time(parameters));
+        let method = if found.exhaustive { Method::Exhaustive } else { Method::Exchange };
+        let design = Design {
+            shares: found.shares,
+            log_det: found.value,
+            sensitivities: found.sensitivities,
+            gap: found.gap,
+            ..relaxed.clone()
+        };
+        Ok(Restricted { design, method, tried: found.tried, loss })
+    }
+
+    fn selected(
         &self,
         relaxed: &Design,
         bounds: &Bounds,
@@ -195,8 +216,7 @@ impl Criterion {
     pub fn sensitivities(&self, shares: &[f64]) -> Option<Vec<f64>> {
         fn of<O: Objective>(objective: &O, shares: &[f64]) -> Option<Vec<f64>> {
             let mut at = O::Point::default();
-            objective.evaluate(shares, &mut at)?;
-            Some((0..objective.len()).map(|q| objective.sensitivity(q, &at)).collect())
+            objective.evaluate(shares, &mut at).map(|_| objective.sensitivities(&at))
         }
         match self {
             Self::Information(candidates) => of(candidates, shares),

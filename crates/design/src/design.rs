@@ -135,7 +135,7 @@ pub(crate) fn from_points<O: Objective>(
         .ok_or_else(|| Error::Solver("every start was singular".into()))?;
     let mut at = O::Point::default();
     objective.evaluate(&best.shares, &mut at);
-    let sensitivities: Vec<f64> = (0..objective.len()).map(|q| objective.sensitivity(q, &at)).collect();
+    let sensitivities = objective.sensitivities(&at);
     let p = objective.degree();
     let gap = bounds.gap(&sensitivities, &best.shares, p);
     let status = match (gap <= options.tolerance * p, concave) {

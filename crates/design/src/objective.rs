@@ -1,3 +1,4 @@
+use crate::product::{dot, product, transposed};
 use crate::{Candidates, Evaluation};
 
 /// What is maximised over shares: a function Φ of the mixture of candidates with Φ(tw) = Φ(w) + degree · log t, so that
@@ -32,6 +33,11 @@ pub trait Objective {
     /// g_q = ∂Φ/∂w_q at an evaluated point.
     fn sensitivity(&self, q: usize, at: &Self::Point) -> f64;
 
+    /// g_q of all candidates.
+    fn sensitivities(&self, at: &Self::Point) -> Vec<f64> {
+        (0..self.len()).map(|q| self.sensitivity(q, at)).collect()
+    }
+
     /// −∂²Φ/∂w_q∂w_r at an evaluated point, members × members, row-major.
     fn curvature(&self, members: &[usize], at: &Self::Point) -> Vec<f64>;
 }
@@ -57,45 +63,49 @@ impl Objective for Candidates {
     }
 
     fn evaluate(&self, shares: &[f64], at: &mut Evaluation) -> Option<f64> {
-        Self::evaluate(self, shares, at)
+        self.sum(shares, &mut at.sum);
+        at.inverse.resize(self.size(), 0.0);
+        at.inverse_transposed.clear();
+        at.log_det = 0.0;
+        let mut regular = true;
+        for (n, range) in self.blocks() {
+            match numerics::inverse(n, &mut at.sum[range.clone()], &mut at.inverse[range.clone()]) {
+                Some(det) => at.log_det += det.log_abs,
+                None => regular = false,
+            }
+            at.inverse_transposed.extend(transposed(n, &at.inverse[range]));
+        }
+        regular.then_some(at.log_det)
     }
 
     fn value(&self, shares: &[f64], at: &mut Evaluation) -> Option<f64> {
-        self.log_abs_det(shares, at)
+        self.sum(shares, &mut at.sum);
+        let mut sum = 0.0;
+        for (n, range) in self.blocks() {
+            sum += numerics::log_det(n, &mut at.sum[range])?.log_abs;
+        }
+        Some(sum)
     }
 
+    /// g_q = Σ_b tr(M_b(w)⁻¹ M_q,b).
     fn sensitivity(&self, q: usize, at: &Evaluation) -> f64 {
-        Self::sensitivity(self, q, at)
+        dot(&at.inverse_transposed, self.candidate(q))
     }
 
+    /// Σ_b tr(M⁻¹ M_q M⁻¹ M_r).
     fn curvature(&self, members: &[usize], at: &Evaluation) -> Vec<f64> {
-        curvature(self, members, at)
-    }
-}
-
-/// −∂²/∂w_q∂w_r Σ_b log|det M_b| = Σ_b tr(M⁻¹ M_q M⁻¹ M_r), members × members.
-fn curvature(candidates: &Candidates, members: &[usize], at: &Evaluation) -> Vec<f64> {
-    let size = candidates.size();
-    let (mut products, mut transposed) = (vec![0.0; members.len() * size], vec![0.0; members.len() * size]);
-    for (m, q) in members.iter().enumerate() {
-        let entries = candidates.candidate(*q);
-        for (n, range) in candidates.blocks() {
-            let inverse_t = &at.inverse_transposed[range.clone()];
-            let matrix = &entries[range.clone()];
-            for i in 0..n {
-                for j in 0..n {
-                    let product: f64 = (0..n).map(|k| inverse_t[k * n + i] * matrix[k * n + j]).sum();
-                    products[m * size + range.start + i * n + j] = product;
-                    transposed[m * size + range.start + j * n + i] = product;
-                }
+        let (mut products, mut turned) = (Vec::new(), Vec::new());
+        for q in members {
+            let entries = self.candidate(*q);
+            for (n, range) in self.blocks() {
+                let inverse = transposed(n, &at.inverse_transposed[range.clone()]);
+                let relative = product(n, &inverse, &entries[range]);
+                turned.extend(transposed(n, &relative));
+                products.extend(relative);
             }
         }
+        let rows = || products.chunks_exact(self.size());
+        let columns = || turned.chunks_exact(self.size());
+        rows().flat_map(|row| columns().map(|column| dot(row, column))).collect()
     }
-    let mut curvature = vec![0.0; members.len() * members.len()];
-    for (q, row) in products.chunks_exact(size).enumerate() {
-        for (r, column) in transposed.chunks_exact(size).enumerate() {
-            curvature[q * members.len() + r] = row.iter().zip(column).map(|(a, b)| a * b).sum();
-        }
-    }
-    curvature
 }

@@ -2,7 +2,7 @@
 
 use crate::design::{from_points, loss};
 use crate::subset::Subset;
-use crate::{Bounds, Design, Error, Objective, Options};
+use crate::{Bounds, Design, Error, Method, Objective, Options};
 
 /// What shares have to keep besides their bounds.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,6 +37,19 @@ impl Selected {
     pub fn loss_bound(&self, relaxed: &Design, degree: f64) -> f64 {
         loss(self.value, relaxed, degree)
     }
+}
+
+/// Shares that keep a restriction, and what that costs.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Restricted {
+    /// The shares, as a design.
+    pub design: Design,
+    /// How they were found.
+    pub method: Method,
+    /// Choices of maneuvers that were tried.
+    pub tried: usize,
+    /// The fraction of the experiment's time that the restriction costs at most; proved where the design without it is.
+    pub loss: f64,
 }
 
 /// All choices are tried where there are no more than this.
@@ -140,7 +153,7 @@ impl<O: Objective> Search<'_, O> {
         let whole = subset.whole(&design.shares);
         let mut at = O::Point::default();
         let value = self.objective.evaluate(&whole, &mut at)?;
-        let sensitivities = (0..self.objective.len()).map(|q| self.objective.sensitivity(q, &at)).collect();
+        let sensitivities = self.objective.sensitivities(&at);
         Some(Choice {
             members: kept.iter().map(|i| members[*i]).collect(),
             shares: kept.iter().map(|i| design.shares[*i]).collect(),

@@ -3,7 +3,7 @@ use design::AccuracyOf;
 use maud::{Markup, html};
 
 use super::number::three;
-use super::placed::Figures;
+use super::parts::Figures;
 use study::documents::{Accuracy, AccuracyPoint, DesignDocument};
 
 /// How long the experiment has to be, and what other designs would need.

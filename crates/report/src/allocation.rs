@@ -2,20 +2,20 @@ use crate::figures::{SensitivityRow, ShareRow, sensitivities, shares};
 use maud::{Markup, html};
 
 use super::accuracy::accuracy_of;
-use super::missing::missing;
 use super::number::{exact, percent, published, three, three_or_dash};
-use super::placed::Figures;
+use super::parts::{Figures, Section, missing};
 use super::shown::{omission, shown, used};
 use super::study::Study;
+use super::table::Table;
 use study::documents::{DesignDocument, Reference, Sequence, SequencePart};
 
 /// How long to run each maneuver, and how far the others are from being worth their time.
-pub(super) fn allocation(study: &Study, figures: &mut Figures) -> Markup {
+pub(super) fn allocation(study: &Study, figures: &mut Figures) -> Section {
     let body = match &study.design {
         Some(design) => designed(study, design, figures),
         None => missing("The optimal shares are", "design.json", "design"),
     };
-    html! { section #shares { h2 { "Optimal shares of the experiment time" } (body) } }
+    Section::new("shares", "Shares", "Optimal shares of the experiment time", body)
 }
 
 fn designed(study: &Study, design: &DesignDocument, figures: &mut Figures) -> Markup {
@@ -93,33 +93,25 @@ fn table(
     reference: Option<&Reference>,
     experiment_s: Option<f64>,
 ) -> Markup {
-    let counts = design.counts.as_ref();
-    let printed = reference.is_some_and(|r| !r.shares.is_empty());
-    html! {
-        div.scroll { table {
-            thead { tr {
-                th scope="col" { "Maneuver" }
-                th.number scope="col" { "Share" }
-                @if experiment_s.is_some() { th.number scope="col" { "Time [s]" } }
-                @if counts.is_some() { th.number scope="col" { "Segments" } }
-                @if printed { th.number.published scope="col" { "Published share" } }
-                th.number scope="col" { "Sensitivity g" }
-                th.number scope="col" { "Efficiency alone" }
-            } }
-            tbody { @for &name in names {
-                tr.unused[!used(design, name)] {
-                    th scope="row" { (name) }
-                    td.number { (share_of(design, name)) }
-                    @if let Some(length) = experiment_s { td.number { (time_of(design, name, length)) } }
-                    @if let Some(counts) = counts { td.number { (counts.get(name).copied().unwrap_or(0)) } }
-                    @if printed { td.number.published { (published_share(reference, name).map_or("–".to_owned(), published)) } }
-                    td.number { (three_or_dash(design.sensitivities.get(name).copied())) }
-                    td.number { (alone(design, name)) }
-                }
-            } }
-        } }
-        (footnotes(design))
+    let mut table = Table::of(names.iter().copied())
+        .mark("unused", |name| !used(design, name))
+        .name("Maneuver", |name| name)
+        .number("Share", |name| share_of(design, name));
+    if let Some(length) = experiment_s {
+        table = table.number("Time [s]", |name| time_of(design, name, length));
     }
+    if let Some(counts) = &design.counts {
+        table = table.number("Segments", |name| counts.get(name).copied().unwrap_or(0));
+    }
+    if reference.is_some_and(|r| !r.shares.is_empty()) {
+        table = table.classed("number published", "Published share", |name| {
+            published_share(reference, name).map_or("–".to_owned(), published)
+        });
+    }
+    table = table
+        .number("Sensitivity g", |name| three_or_dash(design.sensitivities.get(name).copied()))
+        .number("Efficiency alone", |name| alone(design, name));
+    html! { (table) (footnotes(design)) }
 }
 
 fn share_of(design: &DesignDocument, name: &str) -> String {

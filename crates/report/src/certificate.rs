@@ -1,21 +1,18 @@
-use maud::{Markup, html};
+use maud::{Markup, display, html};
 
-use super::missing::missing;
 use super::number::{exact, percent, three};
+use super::parts::{Section, entry, missing};
 use super::study::Study;
+use super::table::Table;
 use study::documents::{DesignDocument, Start};
 
 /// How good the design is known to be.
-pub(super) fn certificate(study: &Study) -> Markup {
-    html! {
-        section #certificate {
-            h2 { "Certificate" }
-            @match &study.design {
-                Some(design) => (certified(design)),
-                None => (missing("The certificate is", "design.json", "design")),
-            }
-        }
-    }
+pub(super) fn certificate(study: &Study) -> Section {
+    let body = match &study.design {
+        Some(design) => certified(design),
+        None => missing("The certificate is", "design.json", "design"),
+    };
+    Section::new("certificate", "Certificate", "Certificate", body)
 }
 
 fn certified(design: &DesignDocument) -> Markup {
@@ -32,19 +29,19 @@ fn certified(design: &DesignDocument) -> Markup {
 fn facts(design: &DesignDocument) -> Markup {
     html! {
         dl.facts {
-            div { dt { "Status" } dd { (design.status) } }
-            div { dt { "Global optimum" } dd { (proof(design)) } }
+            (entry("Status", display(design.status)))
+            (entry("Global optimum", proof(design)))
             @if let (Some(gap), Some(p)) = (design.gap, design.dimension) {
-                div { dt { "Gap max g − p" } dd { (three(gap)) " (p = " (p) ")" } }
+                (entry("Gap max g − p", format!("{} (p = {p})", three(gap))))
             }
-            @if let Some(gap) = design.relative_gap { div { dt { "Relative gap" } dd { (three(gap)) } } }
+            @if let Some(gap) = design.relative_gap { (entry("Relative gap", three(gap))) }
             @if let Some(efficiency) = &design.efficiency {
-                div { dt { "Efficiency of equal shares" } dd { (percent(efficiency.equal_shares)) } }
+                (entry("Efficiency of equal shares", percent(efficiency.equal_shares)))
             }
-            div { dt { "Criterion" } dd {
+            (entry("Criterion", html! {
                 (design.criterion.title()) "-optimality"
                 @if let Some(removal) = design.mean_removal { ", instruments' mean removed: " (removal) }
-            } }
+            }))
         }
     }
 }
@@ -68,25 +65,13 @@ fn agreement(starts: &[Start]) -> String {
     }
 }
 
-fn starts(starts: &[Start]) -> Markup {
-    html! {
-        div.scroll { table.compact {
-            thead { tr {
-                th scope="col" { "Start" }
-                th.number scope="col" { "log|det|" }
-                th.number scope="col" { "Relative gap" }
-                th.number scope="col" { "Iterations" }
-                th scope="col" { "Agrees" }
-            } }
-            tbody { @for start in starts {
-                tr.stray[!start.agrees] {
-                    th scope="row" { (start.name) }
-                    td.number { (exact((start.log_det * 1e8).round() / 1e8)) }
-                    td.number { (three(start.relative_gap)) }
-                    td.number { (start.iterations) }
-                    td { @if start.agrees { "yes" } @else { "no" } }
-                }
-            } }
-        } }
-    }
+fn starts(starts: &[Start]) -> Table<&Start> {
+    Table::of(starts)
+        .compact()
+        .mark("stray", |start| !start.agrees)
+        .name("Start", |start| &start.name)
+        .number("log|det|", |start| exact((start.log_det * 1e8).round() / 1e8))
+        .number("Relative gap", |start| three(start.relative_gap))
+        .number("Iterations", |start| start.iterations)
+        .text("Agrees", |start| if start.agrees { "yes" } else { "no" })
 }

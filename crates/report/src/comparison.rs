@@ -1,94 +1,62 @@
 use maud::{Markup, html};
 
-use super::missing::missing;
-use super::number::{exact, percent_within, published, three_within};
+use super::number::{exact, median, parameter_share, published, q90, simulation_share};
+use super::parts::{Section, missing};
 use super::sample::{INTERVALS, drawn_from};
 use super::study::Study;
-use study::documents::{DesignScores, Published, PublishedShare, Quantiles, Reference, ValidationDocument};
+use super::table::Table;
+use study::documents::{DesignScores, Published, PublishedShare, Reference, ValidationDocument};
 
 /// Our shares under the bounds, quantiles and failures per design, beside the published shares.
-pub(super) fn comparison(study: &Study) -> Markup {
-    html! {
-        section #comparison {
-            h2 { @if study.reference.is_some() { "Result beside the published one" } @else { "Result" } }
-            @match &study.validation {
-                Some(validation) => (table(&study.scored(), validation, study.reference.as_ref())),
-                None => (missing("The comparison of designs is", "validation.json", "validate")),
-            }
-            @if let Some(reference) = &study.reference {
-                p.note { "Published: " (reference.source) ". Published numbers are shown for comparison and used for nothing else." }
-            }
+pub(super) fn comparison(study: &Study) -> Section {
+    let heading = if study.reference.is_some() { "Result beside the published one" } else { "Result" };
+    let body = html! {
+        @match &study.validation {
+            Some(validation) => (table(&study.scored(), validation, study.reference.as_ref())),
+            None => (missing("The comparison of designs is", "validation.json", "validate")),
         }
-    }
+        @if let Some(reference) = &study.reference {
+            p.note { "Published: " (reference.source) ". Published numbers are shown for comparison and used for nothing else." }
+        }
+    };
+    Section::new("comparison", "Result", heading, body)
 }
+
+/// What a row says of a design, and what is published of it.
+type Line<'a> = (&'a str, fn(&DesignScores) -> String, Option<fn(&Published) -> PublishedShare>);
 
 fn table(scored: &[&DesignScores], validation: &ValidationDocument, reference: Option<&Reference>) -> Markup {
     let bounds = validation.bounds;
-    let of = |design: &str| reference.and_then(|r| r.designs.get(design));
+    let parameter = format!("Runs with parameter error below {}", exact(bounds.parameter_error));
+    let simulation = format!("Runs with simulation error below {}", exact(bounds.simulation_error));
+    let lines: [Line<'_>; 12] = [
+        (&parameter, parameter_share, Some(|p| p.parameter_error_share)),
+        (&simulation, simulation_share, Some(|p| p.simulation_error_share)),
+        ("Parameter error, median", |d| median(&d.parameter_error), None),
+        ("Parameter error, 90 % quantile", |d| q90(&d.parameter_error), None),
+        ("Simulation error, median", |d| median(&d.simulation_error), None),
+        ("Simulation error, 90 % quantile", |d| q90(&d.simulation_error), None),
+        ("RMSE in surge, median [m/s]", |d| median(&d.rmse_u), None),
+        ("RMSE in sway, median [m/s]", |d| median(&d.rmse_v), None),
+        ("RMSE in yaw rate, median [rad/s]", |d| median(&d.rmse_r), None),
+        ("Runs", |d| d.runs.to_string(), None),
+        ("Free simulation diverged", |d| d.diverged.to_string(), None),
+        ("Not identifiable", |d| d.not_identifiable.to_string(), None),
+    ];
+    let labelled =
+        Table::of(lines).set_off("main", |(.., theirs)| theirs.is_some()).name("", |(label, ..)| label);
+    let table = scored.iter().fold(labelled, |table, d| {
+        let table = table.number(&d.design, |(_, ours, _)| ours(d));
+        let Some(reference) = reference else { return table };
+        let own = reference.designs.get(&d.design);
+        table.classed("number published", "published", |(.., theirs)| {
+            printed(own.zip(theirs).map(|(own, share)| share(own)))
+        })
+    });
     html! {
-        div.scroll { table {
-            thead { tr {
-                th scope="col" { "" }
-                @for d in scored { th.number scope="col" { (d.design) } @if reference.is_some() { th.number.published scope="col" { "published" } } }
-            } }
-            tbody {
-                (share_row(&format!("Runs with parameter error below {}", exact(bounds.parameter_error)), scored, reference.is_some(),
-                    |d| percent_within(d.parameter_error_share, d.parameter_error_share_interval), |d| of(d).map(|p| p.parameter_error_share)))
-                (share_row(&format!("Runs with simulation error below {}", exact(bounds.simulation_error)), scored, reference.is_some(),
-                    |d| percent_within(d.simulation_error_share, d.simulation_error_share_interval), |d| of(d).map(|p: &Published| p.simulation_error_share)))
-                (plain_row("Parameter error, median", scored, reference.is_some(), |d| median(&d.parameter_error)))
-                (plain_row("Parameter error, 90 % quantile", scored, reference.is_some(), |d| q90(&d.parameter_error)))
-                (plain_row("Simulation error, median", scored, reference.is_some(), |d| median(&d.simulation_error)))
-                (plain_row("Simulation error, 90 % quantile", scored, reference.is_some(), |d| q90(&d.simulation_error)))
-                (plain_row("RMSE in surge, median [m/s]", scored, reference.is_some(), |d| median(&d.rmse_u)))
-                (plain_row("RMSE in sway, median [m/s]", scored, reference.is_some(), |d| median(&d.rmse_v)))
-                (plain_row("RMSE in yaw rate, median [rad/s]", scored, reference.is_some(), |d| median(&d.rmse_r)))
-                (plain_row("Runs", scored, reference.is_some(), |d| d.runs.to_string()))
-                (plain_row("Free simulation diverged", scored, reference.is_some(), |d| d.diverged.to_string()))
-                (plain_row("Not identifiable", scored, reference.is_some(), |d| d.not_identifiable.to_string()))
-            }
-        } }
+        (table)
         p.note { "A run without an estimate, or whose free simulation diverged, counts as above every bound and as infinite in the quantiles (a dash). " (drawn_from(validation)) ". " (INTERVALS) }
     }
-}
-
-fn share_row(
-    label: &str,
-    scored: &[&DesignScores],
-    with_published: bool,
-    ours: impl Fn(&DesignScores) -> String,
-    theirs: impl Fn(&str) -> Option<PublishedShare>,
-) -> Markup {
-    html! { tr.main {
-        th scope="row" { (label) }
-        @for d in scored {
-            td.number { (ours(d)) }
-            @if with_published { td.number.published { (printed(theirs(&d.design))) } }
-        }
-    } }
-}
-
-fn plain_row(
-    label: &str,
-    scored: &[&DesignScores],
-    with_published: bool,
-    cell: impl Fn(&DesignScores) -> String,
-) -> Markup {
-    html! { tr {
-        th scope="row" { (label) }
-        @for d in scored {
-            td.number { (cell(d)) }
-            @if with_published { td.number.published { "–" } }
-        }
-    } }
-}
-
-fn median(errors: &Quantiles) -> String {
-    three_within(errors.median, errors.median_interval)
-}
-
-fn q90(errors: &Quantiles) -> String {
-    three_within(errors.q90, errors.q90_interval)
 }
 
 fn printed(share: Option<PublishedShare>) -> String {

@@ -1,27 +1,23 @@
-use maud::{Markup, html};
+use maud::{Markup, display, html};
 
-use super::coded::coded;
-use super::measured::{Measured, fit};
-use super::missing::missing;
+use super::measured::{Measured, free_runs};
 use super::number::{exact, three, three_or_dash};
+use super::parts::{Section, missing, statements};
+use super::table::Table;
 use study::documents::{CrossvalDocument, EstimatorScore};
 
 /// The estimators beside each other on recordings that were left out, and the recommended one recording by recording.
-pub(super) fn cross_validation(measured: &Measured) -> Markup {
-    html! {
-        section #cross-validation {
-            h2 { "Cross-validation" }
-            @match &measured.crossval {
-                None => (missing("Cross-validation is", "crossval.json", "validate cross")),
-                Some(found) => {
-                    (about(found))
-                    @for statement in &found.statements { p.note { (coded(statement)) } }
-                    (estimators(found))
-                    @if let Some((score, _)) = measured.recommended() { (sources(score)) }
-                }
-            }
-        }
-    }
+pub(super) fn cross_validation(measured: &Measured) -> Section {
+    let body = match &measured.crossval {
+        None => missing("Cross-validation is", "crossval.json", "validate cross"),
+        Some(found) => html! {
+            (about(found))
+            (statements(&found.statements))
+            (estimators(found))
+            @if let Some((score, _)) = measured.recommended() { (sources(score)) }
+        },
+    };
+    Section::new("cross-validation", "Cross-validation", "Cross-validation", body)
 }
 
 fn about(found: &CrossvalDocument) -> Markup {
@@ -40,62 +36,31 @@ fn about(found: &CrossvalDocument) -> Markup {
 }
 
 fn estimators(found: &CrossvalDocument) -> Markup {
+    let best = |e: &EstimatorScore| found.recommended == Some(e.name);
+    let named = Table::of(&found.estimators)
+        .mark("main", best)
+        .name("Estimator", |e| html! { (e.name) @if best(e) { " (recommended)" } });
+    let table = free_runs(named, |e| e.errors)
+        .number("Error norm", |e| three_or_dash(e.error_norm))
+        .text("By instruments, folds", |e| e.by_instruments.map(|folds| folds.to_string()).join(", "))
+        .text("Status", |e| display(e.status));
     html! {
-        div.scroll { table {
-            thead { tr {
-                th scope="col" { "Estimator" }
-                @for title in ["Fit u", "Fit v", "Fit r", "RMSE u [m/s]", "RMSE v [m/s]", "RMSE r [rad/s]", "Error norm"] {
-                    th.number scope="col" { (title) }
-                }
-                th scope="col" { "By instruments, folds" } th scope="col" { "Status" }
-            } }
-            tbody { @for e in &found.estimators { (estimator(e, found)) } }
-        } }
+        (table)
         p.note { "By instruments: folds in which surge, sway and yaw were estimated with simulated instruments." }
     }
 }
 
-fn estimator(e: &EstimatorScore, found: &CrossvalDocument) -> Markup {
-    let best = found.recommended == Some(e.name);
-    let [u, v, r] = e.by_instruments;
-    html! {
-        tr.main[best] {
-            th scope="row" { (e.name) @if best { " (recommended)" } }
-            @for d in 0..3 { td.number { (fit(e.errors.and_then(|x| x.fits()[d]))) } }
-            td.number { (three_or_dash(e.errors.map(|x| x.rmse_u))) }
-            td.number { (three_or_dash(e.errors.map(|x| x.rmse_v))) }
-            td.number { (three_or_dash(e.errors.map(|x| x.rmse_r))) }
-            td.number { (three_or_dash(e.error_norm)) }
-            td { (u) ", " (v) ", " (r) }
-            td { (e.status) }
-        }
-    }
-}
-
 fn sources(score: &EstimatorScore) -> Markup {
+    let (simulated, without): (Vec<_>, Vec<_>) = score.sources.iter().partition(|s| s.windows > 0);
+    let named =
+        Table::of(simulated).compact().name("Recording", |s| &s.source).number("Windows", |s| s.windows);
     html! {
         h3 { "Recordings left out, " (score.name) }
-        div.scroll { table.compact {
-            thead { tr {
-                th scope="col" { "Recording" }
-                @for title in ["Windows", "Fit u", "Fit v", "Fit r", "RMSE u [m/s]", "RMSE v [m/s]", "RMSE r [rad/s]"] {
-                    th.number scope="col" { (title) }
-                }
-            } }
-            tbody { @for s in score.sources.iter().filter(|s| s.windows > 0) { tr {
-                th scope="row" { (s.source) }
-                td.number { (s.windows) }
-                @for d in 0..3 { td.number { (fit(s.errors.and_then(|x| x.fits()[d]))) } }
-                td.number { (three_or_dash(s.errors.map(|x| x.rmse_u))) }
-                td.number { (three_or_dash(s.errors.map(|x| x.rmse_v))) }
-                td.number { (three_or_dash(s.errors.map(|x| x.rmse_r))) }
-            } } }
-        } }
+        (free_runs(named, |s| s.errors))
         p.note {
             "Fits of a recording are against the standard deviations of its own states: a state that hardly varies in it has \
              a low fit whatever the error."
-            @let without = score.sources.iter().filter(|s| s.windows == 0).count();
-            @if without > 0 { " " (without) " recordings are shorter than a window." }
+            @if !without.is_empty() { " " (without.len()) " recordings are shorter than a window." }
         }
     }
 }

@@ -1,20 +1,19 @@
 use crate::figures::{Curve, TraceColumn, TraceRow, Track, palette, traces, tracks};
 use maud::{Markup, html};
 
-use super::missing::missing;
 use super::number::{percent, three};
-use super::placed::Figures;
+use super::parts::{Figures, Section, entry, missing};
 use super::shown::{omission, shown, used};
 use super::study::{ManeuverTrace, Study};
 use study::documents::DesignDocument;
 
 /// Every maneuver over time and in the plane.
-pub(super) fn dictionary(study: &Study, figures: &mut Figures) -> Markup {
+pub(super) fn dictionary(study: &Study, figures: &mut Figures) -> Section {
     let body = match study.dictionary.as_deref() {
         Some(maneuvers) if !maneuvers.is_empty() => drawn(maneuvers, study.design.as_ref(), figures),
         _ => missing("The maneuvers are", "dictionary.parquet", "simulate dictionary"),
     };
-    html! { section #dictionary { h2 { "Dictionary of maneuvers" } (body) } }
+    Section::new("dictionary", "Dictionary", "Dictionary of maneuvers", body)
 }
 
 fn drawn(all: &[ManeuverTrace], design: Option<&DesignDocument>, figures: &mut Figures) -> Markup {
@@ -128,9 +127,7 @@ fn descriptions(maneuvers: &[&ManeuverTrace]) -> Markup {
     let described: Vec<_> = maneuvers.iter().filter(|m| !m.description.is_empty()).collect();
     html! {
         @if !described.is_empty() {
-            dl.names { @for maneuver in described {
-                div { dt { (maneuver.name) } dd { (maneuver.description) } }
-            } }
+            dl.names { @for maneuver in described { (entry(&maneuver.name, &maneuver.description)) } }
         }
     }
 }

@@ -1,22 +1,27 @@
 use identification::Estimator;
-use maud::{Markup, html};
+use maud::{Markup, display, html};
 
-use super::number::{percent, three_or_dash, three_within};
+use super::number::{median, percent, q90, three_or_dash};
+use super::parts::{Section, section};
 use super::sample::{INTERVALS, drawn_from};
 use super::study::{Scenario, Study, optimized_first};
+use super::table::Table;
 use study::documents::{
     DesignScores, DesignSummary, EstimateDocument, EstimatorRecommendation, EstimatorScores,
     EstimatorSummary, ParameterSummary, ValidationDocument,
 };
 
-/// Every estimator on the same runs, where they were compared.
-pub(super) fn estimators(study: &Study) -> Markup {
+/// Every estimator on the same runs, where they were compared; then other studies' comparisons.
+pub(super) fn estimators(study: &Study) -> Option<Section> {
+    let own = study.validation.as_ref().is_some_and(|v| v.compared.is_some());
+    if !own && study.scenarios.is_empty() {
+        return None;
+    }
     let both = study.estimate.as_ref().zip(study.validation.as_ref());
     let compared = both.and_then(|(e, v)| Some((e, e.compared.as_deref()?, v, v.compared.as_deref()?)));
-    html! {
+    let content = html! {
         @if let Some((estimate, estimates, validation, scores)) = compared {
-            section #estimators {
-                h2 { "Estimators on the same runs" }
+            (section("estimators", "Estimators on the same runs", html! {
                 (recommended(validation))
                 @for design in designs(scores) { (table(design, estimates, scores)) (trust(design, estimate)) }
                 p.note { (drawn_from(validation)) ". " (INTERVALS) }
@@ -25,15 +30,11 @@ pub(super) fn estimators(study: &Study) -> Markup {
                      modulus, over the runs with an estimate. Parameter and simulation errors count a run without an estimate as infinite. \
                      Kept: the last estimate before a simulation with refined instruments diverged."
                 }
-            }
+            }))
         }
         @if !study.scenarios.is_empty() { (scenarios(&study.scenarios)) }
-    }
-}
-
-/// Whether there is anything to show.
-pub(super) fn shown(study: &Study) -> bool {
-    study.validation.as_ref().is_some_and(|v| v.compared.is_some()) || !study.scenarios.is_empty()
+    };
+    Some(Section { id: "estimators", title: "Estimators", content })
 }
 
 fn designs(scores: &[EstimatorScores]) -> Vec<&str> {
@@ -55,71 +56,48 @@ fn recommendation(validation: &ValidationDocument) -> Option<&EstimatorRecommend
     optimized_first(all, |found| &found.design).into_iter().next()
 }
 
-fn of_design<'a>(designs: &'a [DesignScores], name: &str) -> Option<&'a DesignScores> {
-    designs.iter().find(|d| d.design == name)
+/// Scores and estimates of one estimator.
+type Both<'a> = (Estimator, &'a DesignScores, &'a DesignSummary);
+
+/// The estimators that have scores and estimates of a design.
+fn of_both<'a>(
+    design: &str,
+    estimates: &'a [EstimatorSummary],
+    scores: &'a [EstimatorScores],
+) -> Vec<Both<'a>> {
+    let both = |score: &'a EstimatorScores| {
+        let scored = score.designs.iter().find(|d| d.design == design)?;
+        let estimated = estimates.iter().find(|e| e.estimator == score.estimator)?;
+        Some((score.estimator, scored, estimated.designs.iter().find(|d| d.design == design)?))
+    };
+    scores.iter().filter_map(both).collect()
 }
 
 fn table(design: &str, estimates: &[EstimatorSummary], scores: &[EstimatorScores]) -> Markup {
-    let heads = [
-        "Parameter error, median",
-        "90 %",
-        "RMS",
-        "Bias",
-        "Spread",
-        "Predicted / spread",
-        "Simulation error, median",
-        "Diverged",
-        "Not identifiable",
-        "Not converged",
-        "Kept",
-    ];
-    html! {
-        h3 { "Estimators, " (design) }
-        div.scroll { table {
-            thead { tr { th scope="col" { "Estimator" } @for head in heads { th.number scope="col" { (head) } } } }
-            tbody {
-                @for score in scores {
-                    @if let (Some(d), Some(e)) = (of_design(&score.designs, design), summary(estimates, score.estimator, design)) {
-                        tr { th scope="row" { (score.estimator) } @for cell in cells(d, e) { td.number { (cell) } } }
-                    }
-                }
-            }
-        } }
-    }
-}
-
-fn summary<'a>(
-    estimates: &'a [EstimatorSummary],
-    estimator: Estimator,
-    design: &str,
-) -> Option<&'a DesignSummary> {
-    estimates.iter().find(|e| e.estimator == estimator)?.designs.iter().find(|d| d.design == design)
-}
-
-fn cells(scores: &DesignScores, estimates: &DesignSummary) -> [String; 11] {
     let count = |count: Option<u64>| count.map_or("–".to_owned(), |c| c.to_string());
-    let (least, most) = (estimates.se_ratio_min, estimates.se_ratio_max);
-    [
-        three_within(scores.parameter_error.median, scores.parameter_error.median_interval),
-        three_within(scores.parameter_error.q90, scores.parameter_error.q90_interval),
-        three_or_dash(estimates.relative_rms),
-        three_or_dash(estimates.relative_bias),
-        three_or_dash(estimates.relative_spread),
-        format!("{} to {}", three_or_dash(least), three_or_dash(most)),
-        three_within(scores.simulation_error.median, scores.simulation_error.median_interval),
-        scores.diverged.to_string(),
-        scores.not_identifiable.to_string(),
-        count(scores.not_converged),
-        count(estimates.kept),
-    ]
+    let table = Table::of(of_both(design, estimates, scores))
+        .name("Estimator", |(estimator, ..)| display(estimator))
+        .number("Parameter error, median", |(_, d, _)| median(&d.parameter_error))
+        .number("90 %", |(_, d, _)| q90(&d.parameter_error))
+        .number("RMS", |(.., e)| three_or_dash(e.relative_rms))
+        .number("Bias", |(.., e)| three_or_dash(e.relative_bias))
+        .number("Spread", |(.., e)| three_or_dash(e.relative_spread))
+        .number("Predicted / spread", |(.., e)| {
+            format!("{} to {}", three_or_dash(e.se_ratio_min), three_or_dash(e.se_ratio_max))
+        })
+        .number("Simulation error, median", |(_, d, _)| median(&d.simulation_error))
+        .number("Diverged", |(_, d, _)| d.diverged)
+        .number("Not identifiable", |(_, d, _)| d.not_identifiable)
+        .number("Not converged", |(_, d, _)| count(d.not_converged))
+        .number("Kept", |(.., e)| count(e.kept));
+    html! { h3 { "Estimators, " (design) } (table) }
 }
 
 /// Predicted over observed standard errors, parameter by parameter.
 fn trust(design: &str, document: &EstimateDocument) -> Markup {
     let compared = document.compared.as_deref().unwrap_or(&[]);
-    let of = |e: &EstimatorSummary| e.designs.iter().find(|d| d.design == design).cloned();
-    let rows: Vec<(Estimator, DesignSummary)> =
-        compared.iter().filter_map(|e| Some((e.estimator, of(e)?))).collect();
+    let own = compared.iter().flat_map(|e| e.designs.iter().map(move |d| (e.estimator, d)));
+    let rows: Vec<(Estimator, &DesignSummary)> = own.filter(|(_, d)| d.design == design).collect();
     let Some((_, first)) = rows.first() else { return html! {} };
     let wrong: Vec<String> = rows
         .iter()
@@ -129,20 +107,18 @@ fn trust(design: &str, document: &EstimateDocument) -> Markup {
         })
         .collect();
     let within = percent(document.trusted_within.unwrap_or(f64::NAN));
+    let named = Table::of(rows.iter().copied())
+        .compact()
+        .name("Predicted / observed standard error", |(estimator, _)| display(estimator));
+    let table = first.parameters.iter().enumerate().fold(named, |table, (i, p)| {
+        table.number(&p.name, |(_, d)| d.parameters.get(i).map(cell).unwrap_or_default())
+    });
     html! {
-        div.scroll { table.compact {
-            thead { tr {
-                th scope="col" { "Predicted / observed standard error" }
-                @for p in &first.parameters { th.number scope="col" { (p.name) } }
-            } }
-            tbody { @for (estimator, d) in &rows {
-                tr { th scope="row" { (estimator) } @for p in &d.parameters { td.number { (cell(p)) } } }
-            } }
-        } }
+        (table)
         @if wrong.is_empty() {
             p.note { "All within " (within) " of 1." }
         } @else {
-            p.note { "More than " (within) " off (bold): " (wrong.join("; ")) ". " (reason()) }
+            p.note { "More than " (within) " off (bold): " (wrong.join("; ")) ". " (REASON) }
         }
     }
 }
@@ -157,33 +133,43 @@ fn cell(parameter: &ParameterSummary) -> Markup {
     html! { @if off(parameter) { b { (ratio) } } @else { (ratio) } }
 }
 
-fn reason() -> &'static str {
-    "Standard errors hold to first order around the truth: where a few runs are far off, the runs of a design are different \
+const REASON: &str = "Standard errors hold to first order around the truth: where a few runs are far off, the runs of a design are different \
      experiments, or errors exceed the parameters themselves, the spread is larger. Those of ls and iv take the \
      residual for a moving average of order one, which a lasting current or gusts are not; least squares is biased besides. \
-     Where the \
-     disturbances last, those of refined-iv are made of residuals, which the estimate itself has fitted."
+     Where the disturbances last, those of refined-iv are made of residuals, which the estimate itself has fitted.";
+
+/// A row per scenario and estimator.
+fn scenarios(scenarios: &[Scenario]) -> Markup {
+    let rows: Vec<(bool, &Scenario, Both<'_>)> = scenarios.iter().flat_map(of_first_design).collect();
+    let table = Table::of(rows)
+        .name("Scenario", |(first, s, _)| {
+            html! { @if first { (s.name) ", " (drawn_from(&s.validation)) } }
+        })
+        .text("Estimator", |(.., (estimator, ..))| display(estimator))
+        .number("Parameter error, median", |(.., (_, d, _))| median(&d.parameter_error))
+        .number("RMS", |(.., (.., e))| three_or_dash(e.relative_rms))
+        .number("Bias", |(.., (.., e))| three_or_dash(e.relative_bias))
+        .number("Simulation error, median", |(.., (_, d, _))| median(&d.simulation_error))
+        .number("No estimate", |(.., (_, d, _))| percent(d.without_estimate_share.unwrap_or(f64::NAN)))
+        .text("Recommended", |(_, s, (estimator, ..))| verdict(recommendation(&s.validation), estimator));
+    let body = html! {
+        (table)
+        p.note {
+            "Of the first design of each scenario. Recommended: the estimator of least median error among those that estimate nearly \
+             every run, where paired differences from all others are larger than chance; else all that the runs cannot tell apart. "
+            (INTERVALS)
+        }
+    };
+    section("scenarios", "Which estimator for which disturbances", body)
 }
 
-fn scenarios(scenarios: &[Scenario]) -> Markup {
-    html! {
-        section #scenarios {
-            h2 { "Which estimator for which disturbances" }
-            div.scroll { table {
-                thead { tr {
-                    th scope="col" { "Scenario" } th scope="col" { "Estimator" } th.number scope="col" { "Parameter error, median" }
-                    th.number scope="col" { "RMS" } th.number scope="col" { "Bias" } th.number scope="col" { "Simulation error, median" }
-                    th.number scope="col" { "No estimate" } th scope="col" { "Recommended" }
-                } }
-                tbody { @for scenario in scenarios { (scenario_rows(&scenario.name, &scenario.estimate, &scenario.validation)) } }
-            } }
-            p.note {
-                "Of the first design of each scenario. Recommended: the estimator of least median error among those that estimate nearly \
-                 every run, where paired differences from all others are larger than chance; else all that the runs cannot tell apart. "
-                (INTERVALS)
-            }
-        }
-    }
+/// The estimators of a scenario, and whether each is the first that was compared.
+fn of_first_design(scenario: &Scenario) -> impl Iterator<Item = (bool, &Scenario, Both<'_>)> {
+    let estimates = scenario.estimate.compared.as_deref().unwrap_or(&[]);
+    let scores = scenario.validation.compared.as_deref().unwrap_or(&[]);
+    let design = designs(scores).first().copied().unwrap_or("");
+    let first = scores.first().map(|score| score.estimator);
+    of_both(design, estimates, scores).into_iter().map(move |both| (first == Some(both.0), scenario, both))
 }
 
 fn verdict(found: Option<&EstimatorRecommendation>, estimator: Estimator) -> Markup {
@@ -191,28 +177,5 @@ fn verdict(found: Option<&EstimatorRecommendation>, estimator: Estimator) -> Mar
     match found.estimator {
         Some(_) => html! { b { "recommended" } },
         None => html! { "no difference that " (found.runs) " runs can tell" },
-    }
-}
-
-fn scenario_rows(name: &str, estimate: &EstimateDocument, validation: &ValidationDocument) -> Markup {
-    let (estimates, scores) =
-        (estimate.compared.as_deref().unwrap_or(&[]), validation.compared.as_deref().unwrap_or(&[]));
-    let design = designs(scores).first().copied().unwrap_or("");
-    let found = recommendation(validation);
-    html! {
-        @for (i, score) in scores.iter().enumerate() {
-            @if let (Some(d), Some(e)) = (of_design(&score.designs, design), summary(estimates, score.estimator, design)) {
-                tr {
-                    th scope="row" { @if i == 0 { (name) ", " (drawn_from(validation)) } }
-                    td { (score.estimator) }
-                    td.number { (three_within(d.parameter_error.median, d.parameter_error.median_interval)) }
-                    td.number { (three_or_dash(e.relative_rms)) }
-                    td.number { (three_or_dash(e.relative_bias)) }
-                    td.number { (three_within(d.simulation_error.median, d.simulation_error.median_interval)) }
-                    td.number { (percent(d.without_estimate_share.unwrap_or(f64::NAN))) }
-                    td { (verdict(found, score.estimator)) }
-                }
-            }
-        }
     }
 }

@@ -1,11 +1,11 @@
-use maud::{Markup, html};
+use maud::{Markup, Render, html};
 
-use super::number::{exact, percent, percent_within, three};
+use super::number::{exact, parameter_share, percent, percent_within, simulation_share, three};
 use super::shown::used as is_used;
 use super::study::Study;
 use super::trajectory_words::{cost, minutes};
 use study::documents::{
-    DesignDocument, DesignScores, PlanDocument, PlanStatus, SequentialDocument, ValidationDocument,
+    DesignDocument, DesignScores, PlanDocument, PlanStatus, SequentialDocument, ValidationDocument, Voyage,
 };
 use trial::rounds::{Arm, RoundGain};
 use trial::voyage::Check;
@@ -83,12 +83,6 @@ fn in_rounds(found: &SequentialDocument) -> String {
     said
 }
 
-/// With a capital first letter.
-pub(super) fn capital(said: &str) -> String {
-    let mut letters = said.chars();
-    letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
-}
-
 /// The study's planned trajectory.
 fn plan(study: &Study) -> Option<&PlanDocument> {
     study.trajectory.as_ref()?.main.as_ref().map(|main| &main.plan)
@@ -145,14 +139,6 @@ fn compared(study: &Study, validation: &ValidationDocument) -> String {
         against(others, simulation_share),
     );
     format!("{parameters} {simulation}")
-}
-
-fn parameter_share(scores: &DesignScores) -> String {
-    percent_within(scores.parameter_error_share, scores.parameter_error_share_interval)
-}
-
-fn simulation_share(scores: &DesignScores) -> String {
-    percent_within(scores.simulation_error_share, scores.simulation_error_share_interval)
 }
 
 fn counterparts(
@@ -214,6 +200,17 @@ fn cards(study: &Study) -> Markup {
     }
 }
 
+/// A key figure with what it is of, and lines below it.
+pub(super) fn card(what: &str, figure: impl Render, of: impl Render, others: &[String]) -> Markup {
+    html! {
+        div.card {
+            p.what { (what) }
+            p.figure-line { span.big { (figure) } " " span.who { (of) } }
+            @for other in others { p.other { (other) } }
+        }
+    }
+}
+
 fn share_card(
     what: &str,
     bound: f64,
@@ -221,19 +218,13 @@ fn share_card(
     share: impl Fn(&DesignScores) -> (f64, Option<[f64; 2]>),
 ) -> Markup {
     let (first, interval) = share(scored[0]);
-    html! {
-        div.card {
-            p.what { (what) " " (exact(bound)) }
-            p.figure-line {
-                span.big { (percent(first)) } " " span.who { (scored[0].design) }
-            }
-            @if let Some([low, high]) = interval { p.other { (percent(low)) " to " (percent(high)) } }
-            @for other in &scored[1..] {
-                @let (share, interval) = share(other);
-                p.other { (percent_within(share, interval)) " " (other.design) }
-            }
-        }
-    }
+    let own = interval.map(|[low, high]| format!("{} to {}", percent(low), percent(high)));
+    let other = |design: &&DesignScores| {
+        let (share, interval) = share(design);
+        format!("{} {}", percent_within(share, interval), design.design)
+    };
+    let others: Vec<String> = own.into_iter().chain(scored[1..].iter().map(other)).collect();
+    card(&format!("{what} {}", exact(bound)), percent(first), &scored[0].design, &others)
 }
 
 fn design_cards(design: &DesignDocument) -> Markup {
@@ -247,11 +238,8 @@ fn design_cards(design: &DesignDocument) -> Markup {
             }
         }
         @if let Some(gap) = design.relative_gap {
-            div.card {
-                p.what { "Optimality" }
-                p.figure-line { span.big { (three(gap)) } " " span.who { "relative gap" } }
-                p.other { (design.status) @if !design.proved_global { ", not proved global" } }
-            }
+            @let proof = if design.proved_global { "" } else { ", not proved global" };
+            (card("Optimality", three(gap), "relative gap", &[format!("{}{proof}", design.status)]))
         }
     }
 }
@@ -259,15 +247,7 @@ fn design_cards(design: &DesignDocument) -> Markup {
 fn plan_card(plan: &PlanDocument) -> Markup {
     let cost = cost(plan.cost, plan.cost_unit);
     let (figure, unit) = cost.split_once([' ', '\u{a0}']).unwrap_or((&cost, "cost"));
-    html! {
-        div.card {
-            p.what { "Trajectory" }
-            p.figure-line {
-                span.big { (figure) } " " span.who { (unit) ", " (plan.status.name()) }
-            }
-            @if let Some(voyage) = &plan.voyage {
-                p.other { (minutes(voyage.duration_s)) " at sea, " (clear(&voyage.check)) }
-            }
-        }
-    }
+    let sailed = |voyage: &Voyage| format!("{} at sea, {}", minutes(voyage.duration_s), clear(&voyage.check));
+    let others: Vec<String> = plan.voyage.iter().map(sailed).collect();
+    card("Trajectory", figure, format!("{unit}, {}", plan.status.name()), &others)
 }

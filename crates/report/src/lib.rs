@@ -8,9 +8,7 @@
 
 mod accuracy;
 mod allocation;
-mod caption;
 mod certificate;
-mod coded;
 mod comparison;
 mod crossval;
 mod dictionary;
@@ -19,17 +17,17 @@ mod estimators;
 mod excitation;
 pub mod figures;
 mod headline;
+mod histograms;
 mod load;
 mod loader;
 mod logs;
 mod measured;
-mod missing;
 mod notes;
 mod number;
 mod page;
 mod parameters;
+mod parts;
 mod picture;
-mod placed;
 mod plan_map;
 mod published_selection;
 pub mod results;
@@ -38,8 +36,7 @@ mod selection;
 mod sequential;
 mod shown;
 mod study;
-#[cfg(test)]
-mod tests;
+mod table;
 mod trajectory;
 mod trajectory_facts;
 mod trajectory_files;
@@ -58,6 +55,4 @@ pub use page::{Rendered, render};
 pub use picture::picture;
 pub use plan_map::PlanMap;
 pub use selection::SelectionStudy;
-pub use study::{
-    ManeuverTrace, ParameterRow, PlannedTrial, Scenario, ScoreSet, Study, Trajectory, VesselSummary,
-};
+pub use study::{ManeuverTrace, ParameterRow, PlannedTrial, Scenario, Study, Trajectory, VesselSummary};

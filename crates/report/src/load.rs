@@ -8,7 +8,7 @@ use vessel::{DegreeOfFreedom, Vessel, track};
 
 use super::loader::{Loader, Sources};
 use super::trajectory_files::trajectory;
-use super::{ManeuverTrace, ParameterRow, Scenario, ScoreSet, Study, VesselSummary};
+use super::{ManeuverTrace, ParameterRow, Scenario, Study, VesselSummary};
 use artifact::Error;
 use study::campaign_file::CampaignFile;
 use study::documents::{EstimateDocument, IngestDocument, Reference, ValidationDocument};
@@ -97,29 +97,17 @@ impl Loader<'_> {
         Ok(read_document::<IngestDocument>(&path)?.data.data.map(|label| label.to_string()))
     }
 
-    fn scores(&mut self) -> Result<Option<Vec<ScoreSet>>, Error> {
+    fn scores(&mut self) -> Result<Option<Vec<scores::Row>>, Error> {
         let path = self.sources.results.join("scores.parquet");
         if !path.exists() {
             return Ok(None);
         }
         let reader = TableReader::open(&path, scores::ID, scores::VERSION)?;
         self.note("scores.parquet", "errors of every run", reader.digest());
-        let rows = scores::rows(&reader)?;
+        let mut rows = scores::rows(&reader)?;
         let leading = scores::leading(&rows);
-        let mut sets: Vec<ScoreSet> = Vec::new();
-        for row in rows.into_iter().filter(|row| Some(row.estimator) == leading) {
-            if sets.last().is_none_or(|set| set.design != row.design) {
-                sets.push(ScoreSet { design: row.design.clone(), ..ScoreSet::default() });
-            }
-            if let Some(set) = sets.last_mut() {
-                set.parameter_error.push(row.parameter_error);
-                set.simulation_error.push(row.simulation_error);
-                set.rmse_u.push(row.rmse[0]);
-                set.rmse_v.push(row.rmse[1]);
-                set.rmse_r.push(row.rmse[2]);
-            }
-        }
-        Ok(Some(sets))
+        rows.retain(|row| Some(row.estimator) == leading);
+        Ok(Some(rows))
     }
 
     fn traces(

@@ -1,56 +1,48 @@
-use maud::{Markup, html};
+use maud::{Markup, display, html};
 
 use super::measured::Measured;
-use super::missing::missing;
 use super::number::{three, three_or_dash};
-use study::documents::{ChannelSummary, IngestDocument, RecordingSummary, WarningSummary};
+use super::parts::{Section, missing};
+use super::table::{Table, grouped};
+use study::documents::{IngestDocument, RecordingSummary, WarningSummary};
 
 /// What was read from the logs: per recording its rows, the consistency of its velocities, and its channels.
-pub(super) fn logs(measured: &Measured) -> Markup {
-    html! {
-        section #logs {
-            h2 { "Logs" }
-            @match &measured.ingest {
-                None => (missing("The quality of the logs is", "ingest.json", "ingest")),
-                Some(found) => {
-                    p {
-                        (found.recordings.len()) " recordings became " (found.runs) " runs, " (found.samples) " samples at "
-                        (three(found.sample_rate_hz)) " Hz"
-                        @if let Some(point) = &found.reference_point { "; reference point: " (point) }
-                        "."
-                    }
-                    (recordings(found))
-                    (warnings(found))
-                    (motion(found))
-                    h3 { "Channels" }
-                    @for recording in &found.recordings { (channels(recording)) }
-                    p.note { "Noise: robust standard deviation of what a parabola through 11 neighbouring samples leaves." }
-                }
+pub(super) fn logs(measured: &Measured) -> Section {
+    let body = match &measured.ingest {
+        None => missing("The quality of the logs is", "ingest.json", "ingest"),
+        Some(found) => html! {
+            p {
+                (found.recordings.len()) " recordings became " (found.runs) " runs, " (found.samples) " samples at "
+                (three(found.sample_rate_hz)) " Hz"
+                @if let Some(point) = &found.reference_point { "; reference point: " (point) }
+                "."
             }
-        }
-    }
+            (recordings(found))
+            (warnings(found))
+            (motion(found))
+            h3 { "Channels" }
+            @for recording in &found.recordings { (channels(recording)) }
+            p.note { "Noise: robust standard deviation of what a parabola through 11 neighbouring samples leaves." }
+        },
+    };
+    Section::new("logs", "Logs", "Logs", body)
 }
 
-fn recordings(found: &IngestDocument) -> Markup {
-    html! {
-        div.scroll { table.compact {
-            thead { tr {
-                th scope="col" { "Recording" }
-                @for title in ["Length [s]", "Samples", "Segments", "Too short", "Splits at gaps", "Rows", "Empty", "Cut", "Without, with repeated, with earlier time"] {
-                    th.number scope="col" { (title) }
-                }
-            } }
-            tbody { @for r in &found.recordings { tr {
-                th scope="row" { (r.name) }
-                td.number { (three(r.duration_s)) }
-                @let rows = &r.rows;
-                @for n in [r.samples, r.segments, r.short_segments, r.splits, rows.read, rows.empty, rows.cut] {
-                    td.number { (n) }
-                }
-                td.number { (rows.without_time) ", " (rows.repeated) ", " (rows.backwards) }
-            } } }
-        } }
-    }
+fn recordings(found: &IngestDocument) -> Table<&RecordingSummary> {
+    Table::of(&found.recordings)
+        .compact()
+        .name("Recording", |r| &r.name)
+        .number("Length [s]", |r| three(r.duration_s))
+        .number("Samples", |r| r.samples)
+        .number("Segments", |r| r.segments)
+        .number("Too short", |r| r.short_segments)
+        .number("Splits at gaps", |r| r.splits)
+        .number("Rows", |r| r.rows.read)
+        .number("Empty", |r| r.rows.empty)
+        .number("Cut", |r| r.rows.cut)
+        .number("Without, with repeated, with earlier time", |r| {
+            format!("{}, {}, {}", r.rows.without_time, r.rows.repeated, r.rows.backwards)
+        })
 }
 
 /// What is odd about channels, with the recordings that it is so in.
@@ -78,47 +70,36 @@ fn warnings(found: &IngestDocument) -> Markup {
 }
 
 fn motion(found: &IngestDocument) -> Markup {
-    if found.recordings.iter().all(|r| r.motion.is_empty()) {
+    let states = grouped(&found.recordings, |r| &r.motion);
+    if states.is_empty() {
         return html! {};
     }
+    let table = Table::of(states)
+        .compact()
+        .mark("first", |(first, ..)| first)
+        .name("Recording", |(first, r, _)| if first { r.name.as_str() } else { "" })
+        .text("State", |(.., m)| display(m.state))
+        .number("RMS difference", |(.., m)| three(m.rms))
+        .number("Robust deviation", |(.., m)| three(m.robust_std))
+        .number("Bias", |(.., m)| three(m.bias))
+        .number("Lag [s]", |(.., m)| three_or_dash(m.lag_s));
     html! {
         h3 { "Logged velocities against position and heading" }
-        div.scroll { table.compact {
-            thead { tr {
-                th scope="col" { "Recording" } th scope="col" { "State" }
-                @for title in ["RMS difference", "Robust deviation", "Bias", "Lag [s]"] { th.number scope="col" { (title) } }
-            } }
-            tbody { @for r in &found.recordings {
-                @for (i, m) in r.motion.iter().enumerate() { tr.first[i == 0] {
-                    th scope="row" { @if i == 0 { (r.name) } }
-                    td { (m.state) }
-                    td.number { (three(m.rms)) } td.number { (three(m.robust_std)) }
-                    td.number { (three(m.bias)) } td.number { (three_or_dash(m.lag_s)) }
-                } }
-            } }
-        } }
+        (table)
         p.note { "In m/s; r in rad/s. A positive lag: the logged velocity comes after the motion." }
     }
 }
 
 fn channels(recording: &RecordingSummary) -> Markup {
-    let row = |c: &ChannelSummary| {
-        html! { tr {
-            th scope="row" { (c.name) } td { (c.unit) }
-            td.number { (three_or_dash(c.rate_hz)) } td.number { (c.missing) } td.number { (c.gaps) }
-            td.number { (three_or_dash(c.noise)) } td.number { (three_or_dash(c.min)) } td.number { (three_or_dash(c.max)) }
-        } }
-    };
-    html! {
-        details {
-            summary { (recording.name) }
-            div.scroll { table.compact {
-                thead { tr {
-                    th scope="col" { "Channel" } th scope="col" { "Unit" }
-                    @for title in ["Rate [Hz]", "Missing", "Gaps", "Noise", "Least", "Greatest"] { th.number scope="col" { (title) } }
-                } }
-                tbody { @for channel in &recording.channels { (row(channel)) } }
-            } }
-        }
-    }
+    let table = Table::of(&recording.channels)
+        .compact()
+        .name("Channel", |c| &c.name)
+        .text("Unit", |c| &c.unit)
+        .number("Rate [Hz]", |c| three_or_dash(c.rate_hz))
+        .number("Missing", |c| c.missing)
+        .number("Gaps", |c| c.gaps)
+        .number("Noise", |c| three_or_dash(c.noise))
+        .number("Least", |c| three_or_dash(c.min))
+        .number("Greatest", |c| three_or_dash(c.max));
+    html! { details { summary { (recording.name) } (table) } }
 }

@@ -1,9 +1,11 @@
 use identification::pooled::COLLINEAR;
-use maud::{Markup, html};
+use maud::{Markup, display, html};
 
 use super::SelectionStudy;
+use super::headline::card;
 use super::loader::Loader;
-use super::number::{percent, percent_within};
+use super::number::{percent, percent_within, three_or_dash};
+use super::table::Table;
 use artifact::Error;
 use study::documents::{
     CrossvalDocument, EstimatorScore, FreeRunErrors, IngestDocument, SelectionScores, TrustDocument,
@@ -37,9 +39,27 @@ pub(super) fn fit(fit: Option<f64>) -> String {
     percent(fit.map_or(f64::NAN, |fit| fit / 100.0))
 }
 
-/// A quantile over realizations, of which some may have no model.
-pub(super) fn quantile(value: Option<f64>) -> String {
-    value.map_or("infinite".to_owned(), |q| format!("{q:.2}"))
+/// Adds fits and errors of free simulations.
+pub(super) fn free_runs<R: Copy>(table: Table<R>, errors: impl Fn(R) -> Option<FreeRunErrors>) -> Table<R> {
+    let error = |of: fn(FreeRunErrors) -> f64| {
+        let errors = &errors;
+        move |row| three_or_dash(errors(row).map(of))
+    };
+    table
+        .number("Fit u", |row| fit(errors(row).and_then(|e| e.fit_u)))
+        .number("Fit v", |row| fit(errors(row).and_then(|e| e.fit_v)))
+        .number("Fit r", |row| fit(errors(row).and_then(|e| e.fit_r)))
+        .number("RMSE u [m/s]", error(|e| e.rmse_u))
+        .number("RMSE v [m/s]", error(|e| e.rmse_v))
+        .number("RMSE r [rad/s]", error(|e| e.rmse_r))
+}
+
+impl SelectionStudy {
+    /// 90 % of the realizations of design number `design` have a smaller error norm; some may have no model.
+    fn q90(&self, design: usize) -> String {
+        let norm = self.summary.designs.get(design).and_then(|d| d.overlapping.error_norm.q90);
+        norm.map_or("infinite".to_owned(), |norm| format!("{norm:.2}"))
+    }
 }
 
 impl Measured {
@@ -67,14 +87,12 @@ impl Measured {
             ));
         }
         if let Some(found) = selection {
-            let q90 =
-                |i: usize| quantile(found.summary.designs.get(i).and_then(|d| d.overlapping.error_norm.q90));
             told.push(format!(
                 "Of models from {} sub-experiments, 90 % have an error norm below {} where the design picks them; picked at \
                  random the bound is {}.",
                 found.summary.picks,
-                q90(0),
-                q90(1)
+                found.q90(0),
+                found.q90(1)
             ));
         }
         let refused: Vec<String> =
@@ -100,36 +118,26 @@ impl Measured {
         html! {
             @if let Some((score, errors)) = self.recommended() {
                 @for (what, own) in [("surge", errors.fit_u), ("sway", errors.fit_v), ("yaw rate", errors.fit_r)] {
-                    div.card {
-                        p.what { "Fit of " (what) ", left out" }
-                        p.figure-line { span.big { (fit(own)) } " " span.who { (score.name) } }
-                    }
+                    (card(&format!("Fit of {what}, left out"), fit(own), display(score.name), &[]))
                 }
             }
             @if let Some(found) = selection { (selection_card(found)) }
             @if let Some(trust) = &self.trust {
-                div.card {
-                    p.what { "Data" }
-                    p.figure-line { span.big { (trust.sources) } " " span.who { "recordings" } }
-                    p.other { (trust.parts) " sub-experiments, " (trust.samples) " samples" }
-                }
+                @let cut = format!("{} sub-experiments, {} samples", trust.parts, trust.samples);
+                (card("Data", trust.sources, "recordings", &[cut]))
             }
         }
     }
 }
 
 fn selection_card(found: &SelectionStudy) -> Markup {
-    let q90 = |i: usize| quantile(found.summary.designs.get(i).and_then(|d| d.overlapping.error_norm.q90));
     let degenerate = |i: usize| {
         let share = |d: &SelectionScores| percent_within(d.degenerate_share, d.degenerate_share_interval);
         found.summary.designs.get(i).map_or("–".to_owned(), share)
     };
-    html! {
-        div.card {
-            p.what { "Error norm, 90 % quantile" }
-            p.figure-line { span.big { (q90(0)) } " " span.who { "optimized" } }
-            p.other { (q90(1)) " random" }
-            p.other { "degenerate: " (degenerate(0)) " against " (degenerate(1)) }
-        }
-    }
+    let others = [
+        format!("{} random", found.q90(1)),
+        format!("degenerate: {} against {}", degenerate(0), degenerate(1)),
+    ];
+    card("Error norm, 90 % quantile", found.q90(0), "optimized", &others)
 }

@@ -1,66 +1,53 @@
 use maud::{Markup, html};
 
+use super::parts::{Section, entry};
 use super::study::Study;
+use super::table::Table;
 
 /// What the words mean.
-pub(super) fn notation(study: &Study) -> Markup {
-    if study.measured.is_some() {
-        return notation_of_logs();
-    }
+pub(super) fn notation(study: &Study) -> Section {
+    let body = if study.measured.is_some() { of_logs() } else { of_trials() };
+    Section::new("notation", "Notation", "Notation", html! { dl.names { (body) } })
+}
+
+fn of_trials() -> Markup {
     html! {
-        section #notation {
-            h2 { "Notation" }
-            dl.names {
-                (entry("Share", html! { var { "w" sub { "q" } } " = " var { "N" sub { "q" } } "/" var { "N" } ": part of the experiment's samples that maneuver " var { "q" } " gets." }))
-                (entry("Sensitivity", html! { var { "g" sub { "q" } } " = Σ" sub { "d" } " tr(" var { "M" sub { "d" } } "(" var { "w" } ")⁻¹ " var { "M" sub { "d,q" } } "), summed over the degrees of freedom. At the optimum no maneuver exceeds " var { "p" } ", the total dimension." }))
-                (entry("Gap", html! { "max" sub { "q" } " " var { "g" sub { "q" } } " − " var { "p" } ", after Kiefer and Wolfowitz; relative gap: divided by " var { "p" } "." }))
-                (entry("Efficiency", html! { "|det Γ(" var { "w" } ")/det Γ(" var { "w" } "*)|" sup { "1/n" } " with n parameters: the fraction of the experiment time that the optimal shares would need for the same information." }))
-                (entry("Parameter error", html! { "2-norm over the parameters of (estimate − truth)/truth, one value per run." }))
-                (entry("Simulation error", html! { "2-norm of the root mean square errors in surge [m/s], sway [m/s] and yaw rate [rad/s] of the freely simulated model against the true one." }))
-                (entry("Run, realization", html! { "One experiment, simulated with its own disturbances and estimated on its own." }))
-                (entry("u, v, r", html! { "Surge and sway speed [m/s] and yaw rate [rad/s]; axes x forward, y starboard, z down." }))
-            }
-        }
+        (entry("Share", html! { var { "w" sub { "q" } } " = " var { "N" sub { "q" } } "/" var { "N" } ": part of the experiment's samples that maneuver " var { "q" } " gets." }))
+        (entry("Sensitivity", html! { var { "g" sub { "q" } } " = Σ" sub { "d" } " tr(" var { "M" sub { "d" } } "(" var { "w" } ")⁻¹ " var { "M" sub { "d,q" } } "), summed over the degrees of freedom. At the optimum no maneuver exceeds " var { "p" } ", the total dimension." }))
+        (entry("Gap", html! { "max" sub { "q" } " " var { "g" sub { "q" } } " − " var { "p" } ", after Kiefer and Wolfowitz; relative gap: divided by " var { "p" } "." }))
+        (entry("Efficiency", html! { "|det Γ(" var { "w" } ")/det Γ(" var { "w" } "*)|" sup { "1/n" } " with n parameters: the fraction of the experiment time that the optimal shares would need for the same information." }))
+        (entry("Parameter error", "2-norm over the parameters of (estimate − truth)/truth, one value per run."))
+        (entry("Simulation error", "2-norm of the root mean square errors in surge [m/s], sway [m/s] and yaw rate [rad/s] of the freely simulated model against the true one."))
+        (entry("Run, realization", "One experiment, simulated with its own disturbances and estimated on its own."))
+        (entry("u, v, r", "Surge and sway speed [m/s] and yaw rate [rad/s]; axes x forward, y starboard, z down."))
     }
 }
 
-fn notation_of_logs() -> Markup {
+fn of_logs() -> Markup {
     html! {
-        section #notation {
-            h2 { "Notation" }
-            dl.names {
-                (entry("Fit", html! { "100 (1 − RMSE/std) in percent, of a free simulation that starts at a measured state: 100 is perfect, 0 as good as the mean of the data." }))
-                (entry("Error norm", html! { "2-norm over surge, sway and yaw rate of RMSE/std; √3 is as bad as the mean of the data." }))
-                (entry("Recording, sub-experiment", html! { "What was logged in one go, and what it was cut into. Recordings are left out whole." }))
-                (entry("Condition index", html! { "Square root of the condition number of the normal matrix with the intercept, columns scaled, means left in; from 30 on collinear (Belsley, Kuh and Welsch)." }))
-                (entry("Standard error", html! { "Sandwich covariance with autocorrelation (Newey and West); of output-error with any correlation within a sub-experiment." }))
-                (entry("Partial R²", html! { "How much of a term its instruments tell beyond what they tell of the others (Shea): 1 least squares, near 0 lost." }))
-                (entry("Whiteness", html! { "Ljung and Box's test: probability of a larger statistic if the residuals were white." }))
-                (entry("u, v, r", html! { "Surge and sway speed [m/s] and yaw rate [rad/s]; axes x forward, y starboard, z down." }))
-            }
-        }
+        (entry("Fit", "100 (1 − RMSE/std) in percent, of a free simulation that starts at a measured state: 100 is perfect, 0 as good as the mean of the data."))
+        (entry("Error norm", "2-norm over surge, sway and yaw rate of RMSE/std; √3 is as bad as the mean of the data."))
+        (entry("Recording, sub-experiment", "What was logged in one go, and what it was cut into. Recordings are left out whole."))
+        (entry("Condition index", "Square root of the condition number of the normal matrix with the intercept, columns scaled, means left in; from 30 on collinear (Belsley, Kuh and Welsch)."))
+        (entry("Standard error", "Sandwich covariance with autocorrelation (Newey and West); of output-error with any correlation within a sub-experiment."))
+        (entry("Partial R²", "How much of a term its instruments tell beyond what they tell of the others (Shea): 1 least squares, near 0 lost."))
+        (entry("Whiteness", "Ljung and Box's test: probability of a larger statistic if the residuals were white."))
+        (entry("u, v, r", "Surge and sway speed [m/s] and yaw rate [rad/s]; axes x forward, y starboard, z down."))
     }
-}
-
-fn entry(term: &str, meaning: Markup) -> Markup {
-    html! { div { dt { (term) } dd { (meaning) } } }
 }
 
 /// Where the numbers come from.
-pub(super) fn files(study: &Study) -> Markup {
-    html! {
-        section #files {
-            h2 { "Files" }
-            @if study.files.is_empty() {
-                p.missing { "No file was read." }
-            } @else {
-                div.scroll { table.compact {
-                    thead { tr { th scope="col" { "File" } th scope="col" { "What it is" } th scope="col" { "Digest" } } }
-                    tbody { @for (name, what, digest) in &study.files {
-                        tr { th scope="row" { (name) } td.wrap { (what) } td.digest { (digest) } }
-                    } }
-                } }
-            }
+pub(super) fn files(study: &Study) -> Section {
+    let body = html! {
+        @if study.files.is_empty() {
+            p.missing { "No file was read." }
+        } @else {
+            (Table::of(&study.files)
+                .compact()
+                .name("File", |(name, ..)| name)
+                .with(html! { th scope="col" { "What it is" } }, |(_, what, _)| html! { td.wrap { (what) } })
+                .with(html! { th scope="col" { "Digest" } }, |(.., digest)| html! { td.digest { (digest) } }))
         }
-    }
+    };
+    Section::new("files", "Files", "Files", body)
 }

@@ -1,7 +1,9 @@
 //! Numbers as the page prints them.
 
+use crate::figures::text::{signed as minus, superscript};
+use study::documents::{DesignScores, Quantiles};
+
 const MISSING: &str = "–";
-const SUPERSCRIPTS: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
 
 /// `value` with three significant digits: `−0.0600`, `125`, `1.40·10⁻⁵`; a dash where it is not finite.
 pub(super) fn three(value: f64) -> String {
@@ -53,6 +55,26 @@ pub(super) fn three_within(value: Option<f64>, interval: Option<[Option<f64>; 2]
     }
 }
 
+/// The median with its interval.
+pub(super) fn median(errors: &Quantiles) -> String {
+    three_within(errors.median, errors.median_interval)
+}
+
+/// The 90 % quantile with its interval.
+pub(super) fn q90(errors: &Quantiles) -> String {
+    three_within(errors.q90, errors.q90_interval)
+}
+
+/// The share of runs whose parameter error is below the bound.
+pub(super) fn parameter_share(scores: &DesignScores) -> String {
+    percent_within(scores.parameter_error_share, scores.parameter_error_share_interval)
+}
+
+/// The share of runs whose simulation error is below the bound.
+pub(super) fn simulation_share(scores: &DesignScores) -> String {
+    percent_within(scores.simulation_error_share, scores.simulation_error_share_interval)
+}
+
 /// A share in percent as published: no more decimals than it has.
 pub(super) fn published(share: f64) -> String {
     let rounded = (share * 1e6).round() / 1e4;
@@ -77,14 +99,7 @@ fn plain(value: f64, exponent: i32) -> String {
 }
 
 fn scientific(mantissa: f64, exponent: i32) -> String {
-    let digits = exponent.unsigned_abs().to_string();
-    let raised: String = digits.bytes().map(|digit| SUPERSCRIPTS[usize::from(digit - b'0')]).collect();
-    let sign = if exponent < 0 { "⁻" } else { "" };
-    minus(&format!("{mantissa:.2}·10{sign}{raised}"))
-}
-
-fn minus(digits: &str) -> String {
-    digits.replace('-', "−")
+    minus(&format!("{mantissa:.2}·10{}", superscript(exponent)))
 }
 
 #[cfg(test)]

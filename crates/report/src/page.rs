@@ -6,14 +6,14 @@ use super::comparison::comparison;
 use super::crossval::cross_validation;
 use super::dictionary::dictionary;
 use super::errors::errors;
-use super::estimators::{self, estimators};
+use super::estimators::estimators;
 use super::excitation::excitation;
 use super::headline::{headline, kind};
 use super::logs::logs;
 use super::measured::Measured;
 use super::notes::{files, notation};
 use super::parameters::parameters;
-use super::placed::{Figures, Section};
+use super::parts::{Figures, Section};
 use super::published_selection::published_selection;
 use super::selection::selection;
 use super::sequential::sequential;
@@ -40,58 +40,35 @@ pub fn render(study: &Study) -> Rendered {
         (None, Some(found), None) => sequential(found, &mut figures),
         _ => of_trials(study, &mut figures),
     };
-    sections.push(("notation", "Notation", notation(study)));
-    sections.push(("files", "Files", files(study)));
+    sections.extend([notation(study), files(study)]);
     let html = document(study, &sections).into_string();
     Rendered { html, figures: figures.files }
 }
 
 /// The sections of a study of simulated trials.
 fn of_trials(study: &Study, figures: &mut Figures) -> Vec<Section> {
-    let mut sections = vec![("comparison", "Result", comparison(study))];
-    if estimators::shown(study) {
-        sections.push(("estimators", "Estimators", estimators(study)));
-    }
-    sections.extend([
-        ("shares", "Shares", allocation(study, figures)),
-        ("certificate", "Certificate", certificate(study)),
-        ("dictionary", "Dictionary", dictionary(study, figures)),
-    ]);
-    if study.trajectory.is_some() {
-        sections.push(("trajectory", "Trajectory", trajectory(study, figures)));
-    }
-    if study.selection.is_some() {
-        sections.push(("selection", "Selection", selection(study, figures)));
-    }
-    if study.published_selection().is_some() {
-        sections.push(("published", "Published", published_selection(study, figures)));
-    }
-    sections.push(("errors", "Errors", errors(study, figures)));
-    sections.push(("parameters", "Parameters", parameters(study, figures)));
-    sections.push(("excitation", "Excitation", excitation(study)));
+    let mut sections = vec![comparison(study)];
+    sections.extend(estimators(study));
+    sections.extend([allocation(study, figures), certificate(study), dictionary(study, figures)]);
+    sections.extend(trajectory(study, figures));
+    sections.extend(selection(study, figures));
+    sections.extend(published_selection(study, figures));
+    sections.extend([errors(study, figures), parameters(study, figures), excitation(study)]);
     sections
 }
 
 /// The sections of a study of measured logs.
 fn of_logs(study: &Study, measured: &Measured, figures: &mut Figures) -> Vec<Section> {
-    let mut sections = vec![
-        ("cross-validation", "Cross-validation", cross_validation(measured)),
-        ("trust", "Trust", trust(measured)),
-    ];
-    if study.selection.is_some() {
-        sections.push(("selection", "Selection", selection(study, figures)));
-    }
-    if study.published_selection().is_some() {
-        sections.push(("published", "Published", published_selection(study, figures)));
-    }
+    let mut sections = vec![cross_validation(measured), trust(measured)];
+    sections.extend(selection(study, figures));
+    sections.extend(published_selection(study, figures));
     if study.design.is_some() {
-        sections.push(("shares", "Shares", allocation(study, figures)));
-        sections.push(("certificate", "Certificate", certificate(study)));
+        sections.extend([allocation(study, figures), certificate(study)]);
     }
     if study.dictionary.is_some() {
-        sections.push(("dictionary", "Dictionary", dictionary(study, figures)));
+        sections.push(dictionary(study, figures));
     }
-    sections.push(("logs", "Logs", logs(measured)));
+    sections.push(logs(measured));
     sections
 }
 
@@ -110,8 +87,8 @@ fn document(study: &Study, sections: &[Section]) -> Markup {
             body {
                 main {
                     (headline(study))
-                    nav aria-label="Contents" { @for (id, title, _) in sections { a href={ "#" (id) } { (title) } } }
-                    @for (_, _, section) in sections { (section) }
+                    nav aria-label="Contents" { @for s in sections { a href={ "#" (s.id) } { (s.title) } } }
+                    @for s in sections { (s.content) }
                 }
             }
         }

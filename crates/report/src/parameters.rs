@@ -1,15 +1,15 @@
 use crate::figures::{ErrorRow, relative_errors};
 use identification::Estimator;
-use maud::{Markup, html};
+use maud::{Markup, display, html};
 
-use super::missing::missing;
 use super::number::{three, three_or_dash, unit};
-use super::placed::Figures;
+use super::parts::{Figures, Section, entry, missing};
 use super::study::{ParameterRow, Study, VesselSummary, optimized_first};
+use super::table::Table;
 use study::documents::{DesignSummary, EstimateDocument};
 
 /// What the estimates say about every parameter.
-pub(super) fn parameters(study: &Study, figures: &mut Figures) -> Markup {
+pub(super) fn parameters(study: &Study, figures: &mut Figures) -> Section {
     let body = match (&study.estimate, &study.vessel) {
         (Some(estimate), vessel) => estimated(estimate, vessel.as_ref(), figures),
         (None, Some(vessel)) => html! {
@@ -18,7 +18,7 @@ pub(super) fn parameters(study: &Study, figures: &mut Figures) -> Markup {
         },
         (None, None) => missing("The parameters are", "estimate.json", "estimate"),
     };
-    html! { section #parameters { h2 { "Parameters" } (body) } }
+    Section::new("parameters", "Parameters", "Parameters", body)
 }
 
 fn estimated(estimate: &EstimateDocument, vessel: Option<&VesselSummary>, figures: &mut Figures) -> Markup {
@@ -45,14 +45,14 @@ fn estimated(estimate: &EstimateDocument, vessel: Option<&VesselSummary>, figure
 fn facts(estimate: &EstimateDocument, designs: &[&DesignSummary]) -> Markup {
     html! {
         dl.facts {
-            div { dt { "Estimator" } dd { (estimator(estimate.estimator)) } }
-            div { dt { "Mean of the instruments removed" } dd { (estimate.mean_removal) } }
+            (entry("Estimator", estimator(estimate.estimator)))
+            (entry("Mean of the instruments removed", display(estimate.mean_removal)))
             @for design in designs {
-                div { dt { "Identified, " (design.design) } dd { (design.identified) " of " (design.runs) " runs" } }
+                (entry(format!("Identified, {}", design.design), format!("{} of {} runs", design.identified, design.runs)))
             }
-            div { dt { "Spread" } dd { "standard deviation of the estimates over the identified runs" } }
-            div { dt { "Predicted" } dd { "median of the standard errors that the runs report of themselves" } }
-            div { dt { "Predicted / spread" } dd { "near 1: the reported standard errors can be trusted; below 1: they promise too much, or the runs are different experiments and the worst of them make the spread" } }
+            (entry("Spread", "standard deviation of the estimates over the identified runs"))
+            (entry("Predicted", "median of the standard errors that the runs report of themselves"))
+            (entry("Predicted / spread", "near 1: the reported standard errors can be trusted; below 1: they promise too much, or the runs are different experiments and the worst of them make the spread"))
         }
     }
 }
@@ -83,30 +83,17 @@ fn relative(design: &DesignSummary, name: &str) -> Option<(f64, f64)> {
 }
 
 fn table(design: &DesignSummary, vessel: Option<&VesselSummary>) -> Markup {
-    html! {
-        h3 { "Estimates, " (design.design) }
-        div.scroll { table {
-            thead { tr {
-                th scope="col" { "Parameter" } th scope="col" { "Term" } th scope="col" { "Unit" }
-                @for title in ["True", "Nominal", "Mean estimate", "Spread", "Predicted", "Predicted / spread"] {
-                    th.number scope="col" { (title) }
-                }
-            } }
-            tbody { @for parameter in &design.parameters {
-                tr {
-                    th scope="row" { (parameter.name) }
-                    td { (term(vessel, &parameter.name)) }
-                    td { (unit(&parameter.unit)) }
-                    td.number { (three_or_dash(parameter.truth)) }
-                    td.number { (three(parameter.nominal)) }
-                    td.number { (three_or_dash(parameter.mean)) }
-                    td.number { (three_or_dash(parameter.spread)) }
-                    td.number { (three_or_dash(parameter.predicted_se)) }
-                    td.number { (three_or_dash(parameter.se_ratio)) }
-                }
-            } }
-        } }
-    }
+    let table = Table::of(&design.parameters)
+        .name("Parameter", |p| &p.name)
+        .text("Term", |p| term(vessel, &p.name))
+        .text("Unit", |p| unit(&p.unit))
+        .number("True", |p| three_or_dash(p.truth))
+        .number("Nominal", |p| three(p.nominal))
+        .number("Mean estimate", |p| three_or_dash(p.mean))
+        .number("Spread", |p| three_or_dash(p.spread))
+        .number("Predicted", |p| three_or_dash(p.predicted_se))
+        .number("Predicted / spread", |p| three_or_dash(p.se_ratio));
+    html! { h3 { "Estimates, " (design.design) } (table) }
 }
 
 fn term(vessel: Option<&VesselSummary>, name: &str) -> String {
@@ -114,21 +101,12 @@ fn term(vessel: Option<&VesselSummary>, name: &str) -> String {
     row.map_or("–".to_owned(), |row| row.term.clone())
 }
 
-fn structure(vessel: &VesselSummary) -> Markup {
-    let row = |parameter: &ParameterRow| {
-        html! { tr {
-            th scope="row" { (parameter.name) }
-            td { (parameter.degree) } td { (parameter.term) } td { (unit(&parameter.unit)) }
-            td.number { (three_or_dash(parameter.truth)) } td.number { (three(parameter.nominal)) }
-        } }
-    };
-    html! {
-        div.scroll { table {
-            thead { tr {
-                th scope="col" { "Parameter" } th scope="col" { "Degree" } th scope="col" { "Term" } th scope="col" { "Unit" }
-                th.number scope="col" { "True" } th.number scope="col" { "Nominal" }
-            } }
-            tbody { @for parameter in &vessel.parameters { (row(parameter)) } }
-        } }
-    }
+fn structure(vessel: &VesselSummary) -> Table<&ParameterRow> {
+    Table::of(&vessel.parameters)
+        .name("Parameter", |p| &p.name)
+        .text("Degree", |p| &p.degree)
+        .text("Term", |p| &p.term)
+        .text("Unit", |p| unit(&p.unit))
+        .number("True", |p| three_or_dash(p.truth))
+        .number("Nominal", |p| three(p.nominal))
 }

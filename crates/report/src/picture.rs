@@ -26,19 +26,3 @@ fn placed(figure: &str, at: [u32; 2], size: [u32; 2]) -> String {
     let place = format!("<svg x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" ", at[0], at[1], size[0], size[1]);
     figure.trim_end().replacen("<svg ", &place, 1) + "\n"
 }
-
-#[cfg(test)]
-mod tests {
-    use super::picture;
-
-    #[test]
-    fn each_figure_has_a_place_of_its_own() {
-        let figure = |name: &str| format!("<svg viewBox=\"0 0 10 10\"><title>{name}</title></svg>\n");
-        let made = picture(&figure("map"), &[&figure("one"), &figure("two")]);
-        assert_eq!(made.matches("<svg ").count(), 4);
-        assert_eq!(made.matches("</svg>").count(), 4);
-        for place in ["x=\"20\" y=\"20\" width=\"660\"", "x=\"700\" y=\"20\"", "x=\"700\" y=\"510\""] {
-            assert!(made.contains(place), "{place}");
-        }
-    }
-}

@@ -1,6 +1,6 @@
 //! `map.svg`: the plan on its chart.
 
-use chart::{Bounds, Causes, Class, GridCell, Obstacles, PlacedGrid, Plane};
+use chart::{Bounds, Causes, Class, GridCell, Invalid, Obstacles, PlacedGrid, Plane};
 use study::documents::PlanDocument;
 use trial::voyage::{Prepared, Sailing, Solved};
 use trial::{Sailed, Sample};
@@ -24,7 +24,7 @@ impl PlanMap<'_> {
     ///
     /// # Errors
     /// As [`figure::map_figure`].
-    pub fn svg(&self) -> Result<String, figure::MapError> {
+    pub fn svg(&self) -> Result<String, Invalid> {
         figure::map_figure(&self.map())
     }
 
@@ -95,12 +95,7 @@ impl PlanMap<'_> {
             })
         };
         let classes = (0..raster.nx * raster.ny).map(class).collect();
-        Some(figure::Cells { grid: self.cells_grid(), classes })
-    }
-
-    fn cells_grid(&self) -> figure::Grid {
-        let raster = self.solved.waters.transit().raster();
-        figure::Grid { origin: raster.origin, cell_m: raster.cell_m, nx: raster.nx, ny: raster.ny }
+        Some(figure::Cells { grid: raster, classes })
     }
 
     fn areas(&self, bounds: &Bounds) -> Vec<figure::Area> {
@@ -128,7 +123,7 @@ impl PlanMap<'_> {
                 obstacles.is_blocked(col, row) && !solid
             };
             let blocked = (0..raster.nx * raster.ny).map(own).collect();
-            figure::Margin { purpose, grid: self.cells_grid(), blocked }
+            figure::Margin { purpose, grid: raster, blocked }
         };
         let waters = &self.solved.waters;
         vec![

@@ -1,15 +1,13 @@
-use crate::figures::{Histogram, HistogramAxis, HistogramPanel, histogram_pair};
-use artifact::TableReader;
-use maud::{Markup, html};
+use artifact::{Error, TableReader};
+use maud::html;
 
-use super::caption::truncation;
-use super::coded::coded;
+use super::histograms::{DesignErrors, ErrorFigure};
 use super::loader::Loader;
-use super::number::{percent_within, three_within};
-use super::placed::Figures;
+use super::number::{median, percent_within, q90};
+use super::parts::{Figures, Section, statements};
 use super::sample::INTERVALS;
 use super::study::Study;
-use artifact::Error;
+use super::table::Table;
 use study::documents::{Quantiles, SelectionDocument, SelectionScores};
 use study::listed;
 use study::selection::{self, Row};
@@ -23,7 +21,6 @@ pub struct SelectionStudy {
     pub rows: Vec<Row>,
 }
 
-const BINS: usize = 50;
 /// The figures end at this many standard deviations of a state.
 const LIMIT: f64 = 3.0;
 
@@ -41,62 +38,45 @@ pub(super) fn load(loader: &mut Loader) -> Result<Option<SelectionStudy>, Error>
 }
 
 /// The section: what was picked, quantiles, histograms with the optimized selection above the random one.
-pub(super) fn selection(study: &Study, figures: &mut Figures) -> Markup {
-    let Some(found) = &study.selection else { return html! {} };
+pub(super) fn selection(study: &Study, figures: &mut Figures) -> Option<Section> {
+    let found = study.selection.as_ref()?;
     let summary = &found.summary;
-    let norm = figure(
-        found,
-        figures,
-        "selection-error",
-        "norm of RMSE over standard deviation [1]",
-        LIMIT,
-        460.0,
-        |r| r.error_norm,
-    );
+    let norm = ErrorFigure::half("selection-error", "norm of RMSE over standard deviation [1]", LIMIT);
     let degrees = [
-        figure(
-            found,
-            figures,
-            "selection-surge",
-            "RMSE in surge [m/s]",
-            round_limit(summary.std_u),
-            360.0,
-            |r| r.rmse.map(|e| e[0]),
-        ),
-        figure(
-            found,
-            figures,
-            "selection-sway",
-            "RMSE in sway [m/s]",
-            round_limit(summary.std_v),
-            360.0,
-            |r| r.rmse.map(|e| e[1]),
-        ),
-        figure(
-            found,
-            figures,
-            "selection-yaw",
-            "RMSE in yaw rate [rad/s]",
-            round_limit(summary.std_r),
-            360.0,
-            |r| r.rmse.map(|e| e[2]),
-        ),
+        ErrorFigure::third("selection-surge", "RMSE in surge [m/s]", round_limit(summary.std_u)),
+        ErrorFigure::third("selection-sway", "RMSE in sway [m/s]", round_limit(summary.std_v)),
+        ErrorFigure::third("selection-yaw", "RMSE in yaw rate [rad/s]", round_limit(summary.std_r)),
     ];
     let picked: Vec<String> =
         summary.counts.iter().map(|(name, count)| format!("{count} × {name}")).collect();
-    html! {
-        section #selection {
-            h2 { "Selection of sub-experiments" }
-            p {
-                "Models from " (summary.picks) " of " (summary.parts) " sub-experiments, simulated over all of them: "
-                (picked.join(", ")) " against as many at random. Estimator " (summary.estimator) "."
-            }
-            @for statement in &summary.statements { p.note { (coded(statement)) } }
-            div.scroll { (table(summary)) }
-            p.note { (sample(summary)) ". " (INTERVALS) }
-            div.pair { (norm) }
-            div.triple { @for degree in degrees { (degree) } }
+    let body = html! {
+        p {
+            "Models from " (summary.picks) " of " (summary.parts) " sub-experiments, simulated over all of them: "
+            (picked.join(", ")) " against as many at random. Estimator " (summary.estimator) "."
         }
+        (statements(&summary.statements))
+        (table(summary))
+        p.note { (sample(summary)) ". " (INTERVALS) }
+        div.pair { (norm.place(&found.errors(|r| r.error_norm), figures)) }
+        div.triple {
+            @for (d, figure) in degrees.iter().enumerate() { (figure.place(&found.rmse(d), figures)) }
+        }
+    };
+    Some(Section::new("selection", "Selection", "Selection of sub-experiments", body))
+}
+
+impl SelectionStudy {
+    /// An error of all realizations by design, optimized before random.
+    pub(super) fn errors<'a>(&'a self, value: impl Fn(&Row) -> Option<f64>) -> Vec<DesignErrors<'a>> {
+        let own =
+            |d: &SelectionScores| self.rows.iter().filter(|r| r.design == d.design).map(&value).collect();
+        let errors = |d: &'a SelectionScores| DesignErrors { design: &d.design, values: own(d), below: None };
+        self.summary.designs.iter().map(errors).collect()
+    }
+
+    /// The error of surge, sway or yaw.
+    pub(super) fn rmse(&self, degree: usize) -> Vec<DesignErrors<'_>> {
+        self.errors(|row| row.rmse.map(|errors| errors[degree]))
     }
 }
 
@@ -117,63 +97,22 @@ fn round_limit(std: f64) -> f64 {
     format!("{:.1e}", LIMIT * std).parse().unwrap_or(LIMIT * std)
 }
 
-fn table(summary: &SelectionDocument) -> Markup {
-    let told = |value: Option<f64>, interval| match value {
-        None => "∞".to_owned(),
-        value => three_within(value, interval),
-    };
-    let median = |q: &Quantiles| told(q.median, q.median_interval);
-    let q90 = |q: &Quantiles| told(q.q90, q.q90_interval);
-    let row = |d: &SelectionScores| {
-        html! {
-            tr {
-                th scope="row" { (d.design) }
-                td.number { (median(&d.overlapping.error_norm)) }
-                td.number { (q90(&d.overlapping.error_norm)) }
-                td.number { (median(&d.left_out.error_norm)) }
-                td.number { (q90(&d.left_out.error_norm)) }
-                td.number { (percent_within(d.degenerate_share, d.degenerate_share_interval)) }
-            }
-        }
-    };
-    html! {
-        table {
-            thead {
-                tr {
-                    th scope="col" { "norm of RMSE/std" }
-                    th scope="col" { "median" }
-                    th scope="col" { "90 %" }
-                    th scope="col" { "median, picked left out" }
-                    th scope="col" { "90 %, picked left out" }
-                    th scope="col" { "degenerate" }
-                }
-            }
-            tbody { @for design in &summary.designs { (row(design)) } }
-        }
-    }
-}
+/// What a column says of a design.
+type Cell<'a> = &'a dyn Fn(&SelectionScores) -> String;
 
-/// Errors of all realizations by design, optimized above random; cut at `limit`.
-pub(super) fn figure(
-    found: &SelectionStudy,
-    figures: &mut Figures,
-    file: &str,
-    title: &str,
-    limit: f64,
-    width: f64,
-    value: fn(&Row) -> Option<f64>,
-) -> Markup {
-    let axis = HistogramAxis { title, limit, bins: BINS, bound: None, width };
-    let own = |design: &str| -> Vec<Option<f64>> {
-        found.rows.iter().filter(|r| r.design == design).map(value).collect()
-    };
-    let names: Vec<&str> = found.summary.designs.iter().map(|d| d.design.as_str()).collect();
-    let values: Vec<Vec<Option<f64>>> = names.iter().map(|name| own(name)).collect();
-    let panels: Vec<HistogramPanel<'_>> = (0..names.len())
-        .map(|i| HistogramPanel { label: names[i], values: &values[i], note: None, colour: i })
-        .collect();
-    let counted: Vec<Histogram> = values.iter().map(|v| Histogram::new(v, limit, BINS)).collect();
-    let named: Vec<(&str, &Histogram)> = names.into_iter().zip(&counted).collect();
-    let caption = html! { b { (title) } " " (truncation(&named, limit)) };
-    figures.place(file, histogram_pair(&axis, &panels), &caption)
+fn table(summary: &SelectionDocument) -> Table<&SelectionScores> {
+    let told = |value: Option<f64>, printed: String| value.map_or("∞".to_owned(), |_| printed);
+    let median = |errors: &Quantiles| told(errors.median, median(errors));
+    let q90 = |errors: &Quantiles| told(errors.q90, q90(errors));
+    let columns: [(&str, Cell<'_>); 5] = [
+        ("median", &|d| median(&d.overlapping.error_norm)),
+        ("90 %", &|d| q90(&d.overlapping.error_norm)),
+        ("median, picked left out", &|d| median(&d.left_out.error_norm)),
+        ("90 %, picked left out", &|d| q90(&d.left_out.error_norm)),
+        ("degenerate", &|d| percent_within(d.degenerate_share, d.degenerate_share_interval)),
+    ];
+    let named = Table::of(&summary.designs).name("norm of RMSE/std", |d| &d.design);
+    columns.into_iter().fold(named, |table, (head, cell)| {
+        table.with(html! { th scope="col" { (head) } }, |d| html! { td.number { (cell(d)) } })
+    })
 }

@@ -1,11 +1,11 @@
 use crate::figures::{AccuracyCurve, accuracy};
 use maud::{Markup, html};
 
-use super::headline::capital;
 use super::number::{exact, percent, three, three_or_dash};
-use super::placed::{Figures, Section};
+use super::parts::{Figures, Section};
+use super::table::{Table, grouped};
 use study::documents::SequentialDocument;
-use trial::rounds::{Arm, ArmPoint, ArmSummary, RoundGain, Stopping};
+use trial::rounds::{Arm, ArmSummary, RoundGain};
 use vessel::Source;
 
 /// Trials designed in rounds beside trials designed once: at equal time, and when they stop.
@@ -14,27 +14,28 @@ pub(super) fn sequential(found: &SequentialDocument, figures: &mut Figures) -> V
         Some((last, others)) => (std::slice::from_ref(last), others),
         None => (&[][..], &[][..]),
     };
-    let compared = section(
-        "rounds",
-        "At equal time",
-        html! {
-            (about(found))
-            (sentences(compares))
-            (figure(found, figures))
-            (gains(&found.gains))
-            (errors(found))
-        },
-    );
-    let stopped = section("stopping", "When to stop", html! { (sentences(stops)) (stopping(found)) });
-    vec![compared, stopped]
-}
-
-fn section(id: &'static str, title: &'static str, content: Markup) -> Section {
-    (id, title, html! { section id=(id) { h2 { (title) } (content) } })
+    let compared = html! {
+        (about(found))
+        (sentences(compares))
+        (figure(found, figures))
+        (gains(&found.gains))
+        (errors(found))
+    };
+    let stopped = html! { (sentences(stops)) (stopping(found)) };
+    vec![
+        Section::new("rounds", "At equal time", "At equal time", compared),
+        Section::new("stopping", "When to stop", "When to stop", stopped),
+    ]
 }
 
 fn sentences(statements: &[String]) -> Markup {
     html! { @for said in statements { p { (capital(said)) "." } } }
+}
+
+/// With a capital first letter.
+fn capital(said: &str) -> String {
+    let mut letters = said.chars();
+    letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
 }
 
 /// What an arm is called.
@@ -76,47 +77,37 @@ fn curve(arm: &ArmSummary) -> AccuracyCurve<'static> {
     AccuracyCurve { label: label(arm.name), points }
 }
 
-fn head(first: &str, titles: &[&str]) -> Markup {
-    html! { thead { tr { th scope="col" { (first) } @for title in titles { th.number scope="col" { (title) } } } } }
-}
-
 fn gains(gains: &[RoundGain]) -> Markup {
+    let table = Table::of(gains)
+        .compact()
+        .name("Time [s]", |gain| three(gain.time_s))
+        .number("Error in rounds / one-shot", |gain| three_or_dash(gain.ratio))
+        .number("95 % interval", |gain| {
+            format!("{} to {}", three_or_dash(gain.low), three_or_dash(gain.high))
+        })
+        .number("Realizations", |gain| gain.pairs);
     html! {
-        div.scroll { table.compact {
-            (head("Time [s]", &["Error in rounds / one-shot", "95 % interval", "Realizations"]))
-            tbody { @for gain in gains { tr {
-                th scope="row" { (three(gain.time_s)) }
-                td.number { (three_or_dash(gain.ratio)) }
-                td.number { (three_or_dash(gain.low)) " to " (three_or_dash(gain.high)) }
-                td.number { (gain.pairs) }
-            } } }
-        } }
+        (table)
         p.note { "Geometric mean over the realizations in which both have an estimate. The first round is the same for both." }
     }
 }
 
 fn errors(found: &SequentialDocument) -> Markup {
-    let titles = [
-        "Time [s]",
-        "Median error",
-        "90 % quantile",
-        "Predicted",
-        "Within the accuracy",
-        "Not converged",
-        "Not identifiable",
-        "Diverged",
-        "No design",
-    ];
+    let table = Table::of(grouped(&found.arms, |arm| &arm.points))
+        .compact()
+        .mark("first", |(first, ..)| first)
+        .name("Design", |(first, arm, _)| if first { label(arm.name) } else { "" })
+        .number("Time [s]", |(.., point)| three(point.time_s))
+        .number("Median error", |(.., point)| three_or_dash(point.median))
+        .number("90 % quantile", |(.., point)| three_or_dash(point.q90))
+        .number("Predicted", |(.., point)| three_or_dash(point.predicted))
+        .number("Within the accuracy", |(.., point)| percent(point.within))
+        .number("Not converged", |(.., point)| point.not_converged)
+        .number("Not identifiable", |(.., point)| point.not_identifiable)
+        .number("Diverged", |(.., point)| point.diverged)
+        .number("No design", |(.., point)| point.undesigned);
     html! {
-        div.scroll { table.compact {
-            (head("Design", &titles))
-            tbody { @for arm in &found.arms {
-                @for (i, point) in arm.points.iter().enumerate() { tr.first[i == 0] {
-                    th scope="row" { @if i == 0 { (label(arm.name)) } }
-                    (point_cells(point))
-                } }
-            } }
-        } }
+        (table)
         p.note {
             "Error: 2-norm over the parameters of (estimate − truth)/truth; a trial without an estimate counts as infinite. \
              Predicted: median of what estimates say of themselves, standard error over parameter."
@@ -124,40 +115,19 @@ fn errors(found: &SequentialDocument) -> Markup {
     }
 }
 
-fn point_cells(point: &ArmPoint) -> Markup {
-    html! {
-        td.number { (three(point.time_s)) }
-        td.number { (three_or_dash(point.median)) } td.number { (three_or_dash(point.q90)) }
-        td.number { (three_or_dash(point.predicted)) } td.number { (percent(point.within)) }
-        td.number { (point.not_converged) } td.number { (point.not_identifiable) }
-        td.number { (point.diverged) } td.number { (point.undesigned) }
-    }
-}
-
 fn stopping(found: &SequentialDocument) -> Markup {
-    let titles = [
-        "Promised in time",
-        "Mean time [s]",
-        "Median error at the end",
-        "Within the accuracy",
-        "Of those promised",
-        "RMS error / accuracy",
-        "No estimate",
-    ];
-    let cells = |s: &Stopping| {
-        html! {
-            th scope="row" { (label(s.arm)) }
-            td.number { (s.stopped) } td.number { (three(s.mean_time_s)) }
-            td.number { (three_or_dash(s.median_error)) } td.number { (percent(s.within)) }
-            td.number { (percent(s.within_stopped.unwrap_or(f64::NAN))) }
-            td.number { (three_or_dash(s.rms_over_accuracy)) } td.number { (s.without_estimate) }
-        }
-    };
+    let table = Table::of(&found.stopping)
+        .compact()
+        .name("Trial", |s| label(s.arm))
+        .number("Promised in time", |s| s.stopped)
+        .number("Mean time [s]", |s| three(s.mean_time_s))
+        .number("Median error at the end", |s| three_or_dash(s.median_error))
+        .number("Within the accuracy", |s| percent(s.within))
+        .number("Of those promised", |s| percent(s.within_stopped.unwrap_or(f64::NAN)))
+        .number("RMS error / accuracy", |s| three_or_dash(s.rms_over_accuracy))
+        .number("No estimate", |s| s.without_estimate);
     html! {
-        div.scroll { table.compact {
-            (head("Trial", &titles))
-            tbody { @for s in &found.stopping { tr { (cells(s)) } } }
-        } }
+        (table)
         p.note {
             "A trial ends with the first round after which an error of " (exact(found.accuracy)) " is promised, or else after \
              the whole time: in rounds the estimate promises it, by its standard errors over the parameters known by then; a \

@@ -1,7 +1,8 @@
 use study::documents::{
-    DesignDocument, DesignScores, EstimateDocument, MomentsDocument, PlanDocument, PublishedSelection,
-    Reference, SequentialDocument, ValidationDocument,
+    DesignDocument, DesignScores, EstimateDocument, MomentsDocument, PlanDocument, Reference,
+    SequentialDocument, ValidationDocument,
 };
+use study::scores;
 
 /// Everything that the page can show. What is absent is said to be missing.
 #[derive(Clone, Debug, Default)]
@@ -22,8 +23,8 @@ pub struct Study {
     pub estimate: Option<EstimateDocument>,
     /// `validation.json`.
     pub validation: Option<ValidationDocument>,
-    /// The errors of every run, per design.
-    pub scores: Option<Vec<ScoreSet>>,
+    /// The errors of every run by one estimator.
+    pub scores: Option<Vec<scores::Row>>,
     /// The input that the estimated models were validated on.
     pub validation_trace: Option<ManeuverTrace>,
     /// Published results to compare with.
@@ -134,23 +135,6 @@ pub struct ManeuverTrace {
     pub y: Vec<f64>,
 }
 
-/// The errors of every run of one design; none for a run that was not identifiable or whose simulation diverged.
-#[derive(Clone, Debug, Default)]
-pub struct ScoreSet {
-    /// Name of the design.
-    pub design: String,
-    /// 2-norm of the relative parameter errors \[1\].
-    pub parameter_error: Vec<Option<f64>>,
-    /// 2-norm of the three RMSE.
-    pub simulation_error: Vec<Option<f64>>,
-    /// RMSE in surge \[m/s\].
-    pub rmse_u: Vec<Option<f64>>,
-    /// RMSE in sway \[m/s\].
-    pub rmse_v: Vec<Option<f64>>,
-    /// RMSE in yaw rate \[rad/s\].
-    pub rmse_r: Vec<Option<f64>>,
-}
-
 /// The design that is shown first wherever designs are compared.
 const FIRST: &str = "optimized";
 
@@ -165,13 +149,5 @@ impl Study {
     /// The designs of the validation, the optimized one first.
     pub(super) fn scored(&self) -> Vec<&DesignScores> {
         self.validation.iter().flat_map(|v| optimized_first(&v.designs, |d| &d.design)).collect()
-    }
-
-    /// The selection study, what was published, and where its figures end; none unless there are all three.
-    pub(super) fn published_selection(
-        &self,
-    ) -> Option<(&super::SelectionStudy, &Reference, &PublishedSelection)> {
-        let reference = self.reference.as_ref()?;
-        Some((self.selection.as_ref()?, reference, reference.selection.as_ref()?))
     }
 }

@@ -1,8 +1,7 @@
 use maud::{Markup, html};
 
-use super::missing::missing;
 use super::number::three;
-use super::placed::Figures;
+use super::parts::{Figures, Section, missing};
 use super::study::{PlannedTrial, Study};
 use super::trajectory_facts::{facts, information};
 use super::trajectory_front::front;
@@ -16,20 +15,14 @@ use super::trajectory_words::{cost, minutes};
 pub(super) const STYLE: &str = include_str!("trajectory.css");
 
 /// The plan on its chart, at sea, for the crew, and what it is worth. Nothing in a study that plans no trajectory.
-pub(super) fn trajectory(study: &Study, figures: &mut Figures) -> Markup {
-    let Some(own) = &study.trajectory else { return html! {} };
+pub(super) fn trajectory(study: &Study, figures: &mut Figures) -> Option<Section> {
+    let own = study.trajectory.as_ref()?;
     let body = match &own.main {
         Some(main) => planned(study, main, figures),
         None => missing("The planned trajectory is", "plan.json", "plan"),
     };
-    html! {
-        section #trajectory {
-            h2 { "Trajectory" }
-            (body)
-            (variants(&own.variants, figures))
-            (trials(study, own))
-        }
-    }
+    let body = html! { (body) (variants(&own.variants, figures)) (trials(study, own)) };
+    Some(Section::new("trajectory", "Trajectory", "Trajectory", body))
 }
 
 fn planned(study: &Study, main: &PlannedTrial, figures: &mut Figures) -> Markup {

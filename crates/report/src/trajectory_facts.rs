@@ -1,6 +1,7 @@
 use maud::{Markup, html};
 
 use super::number::{exact, percent, three, three_or_dash};
+use super::parts::entry;
 use super::trajectory_words::{cost, minutes, part};
 use study::documents::{PlanDocument, PlanStatus, SecondaryCost, Voyage};
 use trial::voyage::{Check, Information, Secondary};
@@ -17,7 +18,7 @@ pub(super) fn facts(plan: &PlanDocument) -> Markup {
 }
 
 fn fact(term: &str, value: &str, note: &str) -> Markup {
-    html! { div { dt { (term) } dd { (value) @if !note.is_empty() { " " span.aside { (note) } } } } }
+    entry(term, html! { (value) @if !note.is_empty() { " " span.aside { (note) } } })
 }
 
 fn search(plan: &PlanDocument) -> Markup {

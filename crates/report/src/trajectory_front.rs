@@ -4,7 +4,8 @@ use crate::figures::{FrontDot, front as drawing};
 use maud::{Markup, html};
 
 use super::number::{exact, percent, three};
-use super::placed::Figures;
+use super::parts::Figures;
+use super::table::Table;
 use super::trajectory_words::{cost_title, minutes};
 use study::documents::{PlanDocument, Voyage};
 use trial::voyage::FrontPoint;
@@ -20,18 +21,16 @@ pub(super) fn front(plan: &PlanDocument, voyage: &Voyage, figures: &mut Figures)
 }
 
 fn shown(plan: &PlanDocument, voyage: &Voyage, figures: &mut Figures) -> Markup {
-    let names: Vec<String> = voyage.front.iter().map(|point| uses(&point.counts)).collect();
-    let dot = |(point, name): (&FrontPoint, &'_ String)| {
-        (point.cost, point.log_det, name.clone(), is_own(plan, point))
-    };
-    let kept: Vec<(f64, f64, String, bool)> = voyage.front.iter().zip(&names).map(dot).collect();
-    let dots: Vec<FrontDot<'_>> = kept
+    let labels: Vec<String> = voyage.front.iter().map(|point| uses(&point.counts)).collect();
+    let dots: Vec<FrontDot<'_>> = voyage
+        .front
         .iter()
-        .map(|(cost, log_det, label, chosen)| FrontDot {
-            cost: *cost,
-            log_det: *log_det,
+        .zip(&labels)
+        .map(|(point, label)| FrontDot {
+            cost: point.cost,
+            log_det: point.log_det,
             label,
-            chosen: *chosen,
+            chosen: is_own(plan, point),
         })
         .collect();
     let order: Vec<&str> = plan.counts.keys().map(String::as_str).collect();
@@ -59,26 +58,21 @@ fn is_own(plan: &PlanDocument, point: &FrontPoint) -> bool {
 fn table(plan: &PlanDocument, voyage: &Voyage) -> Markup {
     let dimension = voyage.information.dimension as f64;
     let own = voyage.front.iter().find(|point| is_own(plan, point)).map(|point| point.log_det);
+    let marked = Table::of(&voyage.front).class("compact tight").mark("main", |point| is_own(plan, point));
+    let mut table = plan
+        .counts
+        .keys()
+        .fold(marked, |table, name| table.number(name, |point| point.counts.get(name).copied().unwrap_or(0)));
+    table = table
+        .number(cost_title(plan.cost_unit), |point| exact((point.cost * 1e3).round() / 1e3))
+        .number("Informative legs", |point| minutes(point.informative_s))
+        .number("log|det|", |point| three(point.log_det));
+    if let Some(own) = own {
+        table = table.number("Efficiency", |point| percent(((point.log_det - own) / dimension).exp()));
+    }
     html! {
         div {
-            div.scroll { table.compact.tight {
-                thead { tr {
-                    @for name in plan.counts.keys() { th.number scope="col" { (name) } }
-                    th.number scope="col" { (cost_title(plan.cost_unit)) }
-                    th.number scope="col" { "Informative legs" }
-                    th.number scope="col" { "log|det|" }
-                    @if own.is_some() { th.number scope="col" { "Efficiency" } }
-                } }
-                tbody { @for point in &voyage.front {
-                    tr.main[is_own(plan, point)] {
-                        @for name in plan.counts.keys() { td.number { (point.counts.get(name).copied().unwrap_or(0)) } }
-                        td.number { (exact((point.cost * 1e3).round() / 1e3)) }
-                        td.number { (minutes(point.informative_s)) }
-                        td.number { (three(point.log_det)) }
-                        @if let Some(own) = own { td.number { (percent(((point.log_det - own) / dimension).exp())) } }
-                    }
-                } }
-            } }
+            (table)
             p.note {
                 "Informative legs: with approach and recovery. log|det|: as the counts promise it."
                 @if own.is_some() { " Efficiency: against this plan (bold), the ratio of the determinants to the power 1/" (voyage.information.dimension) "." }

@@ -1,6 +1,7 @@
 use maud::{Markup, html};
 
 use super::number::three;
+use super::table::Table;
 use super::trajectory_words::{heading, level};
 use study::documents::{PlanLattice, Primitive, Voyage};
 
@@ -48,50 +49,25 @@ fn residuals(all: &[Primitive]) -> String {
     )
 }
 
-fn table(voyage: &Voyage) -> Markup {
-    html! {
-        div.scroll { table.compact {
-            thead { tr {
-                th scope="col" { "Maneuver" }
-                th scope="col" { "Side" }
-                th.number scope="col" { "Heading" }
-                th.number scope="col" { "at its end" }
-                th.number scope="col" { "East [m]" }
-                th.number scope="col" { "North [m]" }
-                th.number scope="col" { "Maneuver [s]" }
-                th.number scope="col" { "Leg [s]" }
-                th.number scope="col" { "Residual [m]" }
-                th.number scope="col" { "Residual [°]" }
-                th.number scope="col" { "Drift margin [m]" }
-                th.number scope="col" { "Fits" }
-            } }
-            tbody { @for (index, primitive) in voyage.primitives.iter().enumerate() {
-                (row(primitive, &voyage.lattice, index > 0 && differs(&voyage.primitives[index - 1], primitive)))
-            } }
-        } }
-    }
-}
-
-fn differs(a: &Primitive, b: &Primitive) -> bool {
-    a.maneuver != b.maneuver
-}
-
-fn row(primitive: &Primitive, lattice: &PlanLattice, first: bool) -> Markup {
-    let metres = |nodes: i64| three(nodes as f64 * lattice.cell_m);
-    html! {
-        tr.first[first].stray[primitive.fits == 0] {
-            th scope="row" { (primitive.maneuver) }
-            td { (primitive.side.name()) }
-            td.number { (heading(level(lattice, primitive.h as i64))) }
-            td.number { (heading(level(lattice, primitive.to_h as i64))) }
-            td.number { (metres(primitive.di)) }
-            td.number { (metres(primitive.dj)) }
-            td.number { (three(primitive.maneuver_s)) }
-            td.number { (three(primitive.leg_s)) }
-            td.number { (three(primitive.residual_m)) }
-            td.number { (three(primitive.residual_deg)) }
-            td.number { (three(primitive.drift_margin_m)) }
-            td.number { (primitive.fits) }
-        }
-    }
+fn table(voyage: &Voyage) -> Table<(bool, &Primitive)> {
+    let moves = &voyage.primitives;
+    let first = |i: usize| i > 0 && moves[i - 1].maneuver != moves[i].maneuver;
+    let level = |h: u64| heading(level(&voyage.lattice, h as i64));
+    let metres = |nodes: i64| three(nodes as f64 * voyage.lattice.cell_m);
+    Table::of(moves.iter().enumerate().map(|(i, primitive)| (first(i), primitive)))
+        .compact()
+        .mark("first", |(first, _)| first)
+        .mark("stray", |(_, p)| p.fits == 0)
+        .name("Maneuver", |(_, p)| &p.maneuver)
+        .text("Side", |(_, p)| p.side.name())
+        .number("Heading", |(_, p)| level(p.h))
+        .number("at its end", |(_, p)| level(p.to_h))
+        .number("East [m]", |(_, p)| metres(p.di))
+        .number("North [m]", |(_, p)| metres(p.dj))
+        .number("Maneuver [s]", |(_, p)| three(p.maneuver_s))
+        .number("Leg [s]", |(_, p)| three(p.leg_s))
+        .number("Residual [m]", |(_, p)| three(p.residual_m))
+        .number("Residual [°]", |(_, p)| three(p.residual_deg))
+        .number("Drift margin [m]", |(_, p)| three(p.drift_margin_m))
+        .number("Fits", |(_, p)| p.fits)
 }

@@ -1,8 +1,9 @@
 use maud::{Markup, html};
 
-use super::missing::missing;
-use super::number::{exact, percent_within, three_or_dash, three_within};
+use super::number::{exact, median, parameter_share, q90, simulation_share, three_or_dash};
+use super::parts::missing;
 use super::study::{Study, Trajectory, optimized_first};
+use super::table::Table;
 use study::documents::{Bounds, DesignScores, DesignSummary, ParameterSummary};
 
 /// What the planned experiment is worth beside the others: errors of the models that are estimated from it.
@@ -88,12 +89,12 @@ fn row(scores: &DesignScores, planned: bool) -> Markup {
         tr.main[planned] {
             th scope="row" { (scores.design) }
             td.number { (scores.runs) }
-            td.number { (percent_within(scores.parameter_error_share, scores.parameter_error_share_interval)) }
-            td.number { (three_within(scores.parameter_error.median, scores.parameter_error.median_interval)) }
-            td.number { (three_within(scores.parameter_error.q90, scores.parameter_error.q90_interval)) }
-            td.number { (percent_within(scores.simulation_error_share, scores.simulation_error_share_interval)) }
-            td.number { (three_within(scores.simulation_error.median, scores.simulation_error.median_interval)) }
-            td.number { (three_within(scores.simulation_error.q90, scores.simulation_error.q90_interval)) }
+            td.number { (parameter_share(scores)) }
+            td.number { (median(&scores.parameter_error)) }
+            td.number { (q90(&scores.parameter_error)) }
+            td.number { (simulation_share(scores)) }
+            td.number { (median(&scores.simulation_error)) }
+            td.number { (q90(&scores.simulation_error)) }
             td.number { (scores.not_identifiable + scores.diverged) }
         }
     }
@@ -106,26 +107,18 @@ fn spreads(study: &Study, planned: &[DesignSummary]) -> Markup {
     let known = |p: &&ParameterSummary| p.relative_spread.is_some();
     let parameters: Vec<&ParameterSummary> =
         planned.first().into_iter().flat_map(|d| &d.parameters).filter(known).collect();
-    html! {
-        @if !parameters.is_empty() {
-            div.scroll { table.compact.few {
-                thead { tr {
-                    th scope="col" { "Relative spread" }
-                    @for design in &designs { th.number scope="col" { (design.design) } }
-                } }
-                tbody { @for parameter in parameters {
-                    tr {
-                        th scope="row" { (parameter.name) }
-                        @for design in &designs { td.number { (spread(design, &parameter.name)) } }
-                    }
-                } }
-            } }
-            p.note { "Relative spread: standard deviation of the estimate over the identified runs, divided by the modulus of the true value." }
-        }
+    if parameters.is_empty() {
+        return html! {};
     }
-}
-
-fn spread(design: &DesignSummary, name: &str) -> String {
-    let own = design.parameters.iter().find(|p| p.name == name);
-    three_or_dash(own.and_then(|p| p.relative_spread))
+    let named = Table::of(parameters).class("compact few").name("Relative spread", |p| &p.name);
+    let table = designs.iter().fold(named, |table, design| {
+        table.number(&design.design, |p| {
+            let own = design.parameters.iter().find(|own| own.name == p.name);
+            three_or_dash(own.and_then(|own| own.relative_spread))
+        })
+    });
+    html! {
+        (table)
+        p.note { "Relative spread: standard deviation of the estimate over the identified runs, divided by the modulus of the true value." }
+    }
 }

@@ -1,28 +1,24 @@
-use maud::{Markup, html};
+use maud::{Markup, display, html};
 
-use super::coded::coded;
-use super::measured::{Measured, fit};
-use super::missing::missing;
+use super::measured::{Measured, fit, free_runs};
 use super::number::{percent, three, three_or_dash, unit};
-use study::documents::{TrustDegree, TrustDocument, TrustParameter, TrustRun};
+use super::parts::{Section, coded, missing, statements};
+use super::table::Table;
+use study::documents::{DegreeTrust, SourceErrors, TrustDocument};
 
 /// How far the pooled estimate can be trusted.
-pub(super) fn trust(measured: &Measured) -> Markup {
-    html! {
-        section #trust {
-            h2 { "Trust in the estimate from all recordings" }
-            @match &measured.trust {
-                None => (missing("Trust is", "trust.json", "estimate pool")),
-                Some(found) => {
-                    (about(found))
-                    @for statement in &found.statements { p.note { (coded(statement)) } }
-                    (tests(found))
-                    @for degree in &found.degrees { (parameters(degree)) }
-                    (runs(&found.runs))
-                }
-            }
-        }
-    }
+pub(super) fn trust(measured: &Measured) -> Section {
+    let body = match &measured.trust {
+        None => missing("Trust is", "trust.json", "estimate pool"),
+        Some(found) => html! {
+            (about(found))
+            (statements(&found.statements))
+            (tests(found))
+            @for degree in &found.degrees { (parameters(degree)) }
+            (runs(&found.runs))
+        },
+    };
+    Section::new("trust", "Trust", "Trust in the estimate from all recordings", body)
 }
 
 fn about(found: &TrustDocument) -> Markup {
@@ -44,100 +40,78 @@ fn probability(p: f64) -> String {
 }
 
 fn tests(found: &TrustDocument) -> Markup {
+    let table = Table::of(&found.degrees)
+        .compact()
+        .name("Degree", |d| &d.name)
+        .text("Status", |d| display(d.status))
+        .text("By", |d| display(d.estimator))
+        .number("Condition", |d| three_or_dash(d.condition))
+        .number("Condition index", |d| three_or_dash(d.condition_index))
+        .number("Instruments follow", |d| fit(d.instrument_fit))
+        .number("Neighbouring residuals", |d| {
+            three_or_dash(d.whiteness.as_ref().map(|w| w.first_autocorrelation))
+        })
+        .number("White, p", |d| d.whiteness.as_ref().map_or("–".to_owned(), |w| probability(w.p_value)))
+        .with(html! { th scope="col" { "Residual and instrument" } }, leak);
     html! {
-        div.scroll { table.compact {
-            thead { tr {
-                th scope="col" { "Degree" } th scope="col" { "Status" } th scope="col" { "By" }
-                th.number scope="col" { "Condition" } th.number scope="col" { "Condition index" }
-                th.number scope="col" { "Instruments follow" }
-                th.number scope="col" { "Neighbouring residuals" } th.number scope="col" { "White, p" }
-                th scope="col" { "Residual and instrument" }
-            } }
-            tbody { @for d in &found.degrees { tr {
-                th scope="row" { (d.name) } td { (d.status) } td { (d.estimator) }
-                td.number { (three_or_dash(d.condition)) } td.number { (three_or_dash(d.condition_index)) }
-                td.number { (fit(d.instrument_fit)) }
-                @match &d.whiteness {
-                    Some(w) => { td.number { (three(w.first_autocorrelation)) } td.number { (probability(w.p_value)) } }
-                    None => { td.number { "–" } td.number { "–" } }
-                }
-                @match &d.instrument_residual {
-                    Some(c) => td.wrap { (three(c.strongest)) " with " (c.instrument) " at lag " (c.lag) ", p " (probability(c.p_value)) },
-                    None => td { "–" },
-                }
-            } } }
-        } }
+        (table)
         h3 { "Weakest directions" }
         ul { @for d in &found.degrees { li { (coded(&d.weakest)) } } }
     }
 }
 
-fn parameters(degree: &TrustDegree) -> Markup {
-    let resampled = degree.parameters.iter().any(|p| p.bootstrap_std.is_some());
+/// How residuals correlate with an instrument.
+fn leak(degree: &DegreeTrust) -> Markup {
+    match &degree.instrument_residual {
+        Some(c) => html! {
+            td.wrap { (three(c.strongest)) " with " (c.instrument) " at lag " (c.lag) ", p " (probability(c.p_value)) }
+        },
+        None => html! { td { "–" } },
+    }
+}
+
+fn parameters(degree: &DegreeTrust) -> Markup {
+    let mut table = Table::of(&degree.parameters)
+        .compact()
+        .name("Parameter", |p| &p.name)
+        .text("Term", |p| &p.term)
+        .text("Unit", |p| unit(&p.unit))
+        .number("Estimate", |p| three_or_dash(p.estimate))
+        .number("Standard error", |p| three_or_dash(p.standard_error));
+    if degree.parameters.iter().any(|p| p.bootstrap_std.is_some()) {
+        table = table
+            .number("Bootstrap", |p| three_or_dash(p.bootstrap_std))
+            .number("2.5 %", |p| three_or_dash(p.bootstrap_low))
+            .number("97.5 %", |p| three_or_dash(p.bootstrap_high));
+    }
+    table = table
+        .number("Term varies", |p| percent(p.variation))
+        .number("Partial R²", |p| three_or_dash(p.instrument_strength));
     html! {
         h3 { "Parameters of " (degree.name) @if degree.reason.is_some() { ": not identifiable" } }
-        div.scroll { table.compact {
-            thead { tr {
-                th scope="col" { "Parameter" } th scope="col" { "Term" } th scope="col" { "Unit" }
-                th.number scope="col" { "Estimate" } th.number scope="col" { "Standard error" }
-                @if resampled {
-                    th.number scope="col" { "Bootstrap" } th.number scope="col" { "2.5 %" } th.number scope="col" { "97.5 %" }
-                }
-                th.number scope="col" { "Term varies" } th.number scope="col" { "Partial R²" }
-            } }
-            tbody { @for p in &degree.parameters { (parameter(p, resampled)) } }
-        } }
+        (table)
         @if let Some(entries) = &degree.correlation { (correlation(degree, entries)) }
     }
 }
 
-fn parameter(p: &TrustParameter, resampled: bool) -> Markup {
-    html! {
-        tr {
-            th scope="row" { (p.name) } td { (p.term) } td { (unit(&p.unit)) }
-            td.number { (three_or_dash(p.estimate)) } td.number { (three_or_dash(p.standard_error)) }
-            @if resampled {
-                @for x in [p.bootstrap_std, p.bootstrap_low, p.bootstrap_high] { td.number { (three_or_dash(x)) } }
-            }
-            td.number { (percent(p.variation)) } td.number { (three_or_dash(p.instrument_strength)) }
-        }
-    }
-}
-
 /// Rows of `entries`, as many as parameters.
-fn correlation(degree: &TrustDegree, entries: &[f64]) -> Markup {
-    let rows = degree.parameters.iter().zip(entries.chunks(degree.parameters.len().max(1)));
-    html! {
-        div.scroll { table.compact {
-            thead { tr {
-                th scope="col" { "Correlation" } @for p in &degree.parameters { th.number scope="col" { (p.name) } }
-            } }
-            tbody { @for (p, row) in rows { tr {
-                th scope="row" { (p.name) }
-                @for x in row { td.number { (format!("{x:.2}").replace('-', "−")) } }
-            } } }
-        } }
-    }
+fn correlation<'a>(degree: &'a DegreeTrust, entries: &'a [f64]) -> Table<(&'a str, &'a [f64])> {
+    let names = || degree.parameters.iter().map(|p| p.name.as_str());
+    let rows = names().zip(entries.chunks(degree.parameters.len().max(1)));
+    let named = Table::of(rows).compact().name("Correlation", |(name, _)| name);
+    names().enumerate().fold(named, |table, (i, name)| {
+        table.number(name, |(_, row)| {
+            row.get(i).map(|x| format!("{x:.2}").replace('-', "−")).unwrap_or_default()
+        })
+    })
 }
 
-fn runs(runs: &[TrustRun]) -> Markup {
+fn runs(runs: &[SourceErrors]) -> Markup {
+    let named =
+        Table::of(runs).compact().name("Recording", |run| &run.source).number("Samples", |run| run.samples);
     html! {
         h3 { "Free simulation over every recording, itself part of the estimate" }
-        div.scroll { table.compact {
-            thead { tr {
-                th scope="col" { "Recording" } th.number scope="col" { "Samples" }
-                @for title in ["Fit u", "Fit v", "Fit r", "RMSE u [m/s]", "RMSE v [m/s]", "RMSE r [rad/s]"] {
-                    th.number scope="col" { (title) }
-                }
-            } }
-            tbody { @for run in runs { tr {
-                th scope="row" { (run.source) } td.number { (run.samples) }
-                @for d in 0..3 { td.number { (fit(run.errors.and_then(|x| x.fits()[d]))) } }
-                td.number { (three_or_dash(run.errors.map(|x| x.rmse_u))) }
-                td.number { (three_or_dash(run.errors.map(|x| x.rmse_v))) }
-                td.number { (three_or_dash(run.errors.map(|x| x.rmse_r))) }
-            } } }
-        } }
+        (free_runs(named, |run| run.errors))
         @if runs.iter().any(|run| run.errors.is_none()) {
             p.note { "A dash: no whole model, or its simulation diverged." }
         }

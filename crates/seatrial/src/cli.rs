@@ -59,15 +59,20 @@ impl Common {
     ///
     /// # Errors
     /// Usage, naming the input that would be overwritten.
-    pub fn main_output(&self, name: &str, inputs: &[&Path]) -> Result<PathBuf, Failure> {
+    pub fn main_output<I: AsRef<Path>>(
+        &self,
+        name: &str,
+        inputs: impl IntoIterator<Item = I>,
+    ) -> Result<PathBuf, Failure> {
         let folder = self.out.is_dir() || self.out.as_os_str().to_string_lossy().ends_with('/');
         let out = if folder { self.out.join(name) } else { self.out.clone() };
         let Ok(existing) = out.canonicalize() else { return Ok(out) };
-        match inputs.iter().find(|input| input.canonicalize().is_ok_and(|path| path == existing)) {
+        let same = |input: &I| input.as_ref().canonicalize().is_ok_and(|path| path == existing);
+        match inputs.into_iter().find(same) {
             None => Ok(out),
             Some(input) => Err(Failure::Usage(format!(
                 "--out: found {}, which is also an input, expected another file; name another output",
-                input.display()
+                input.as_ref().display()
             ))),
         }
     }

@@ -4,17 +4,17 @@ use std::convert::Infallible;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
-use artifact::{Provenance, read_document};
+use artifact::Provenance;
 use clap::Args;
 use identification::MeanRemoval;
 use identification::pooled::{LostInstruments, NominalModel, NominalSource, Pool, PooledRuns, SelectError};
 use serde_json::{Value, json};
 use study::documents::{EstimateDocument, IngestDocument};
-use study::trajectories::{Layout, TrajectoryReader, label};
-use vessel::{Run, Vessel};
+use vessel::Vessel;
 
 use crate::choice::choice;
 use crate::failure::Failure;
+use crate::inputs;
 
 /// The nominal model that is asked for.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -77,9 +77,8 @@ impl PoolFlags {
     }
 
     /// The files that are read.
-    pub fn inputs(&self) -> Vec<&Path> {
-        let files = [&self.vessel, &self.trajectories].into_iter();
-        files.chain(&self.recordings).map(PathBuf::as_path).collect()
+    pub fn inputs(&self) -> impl Iterator<Item = &PathBuf> {
+        [&self.vessel, &self.trajectories].into_iter().chain(&self.recordings)
     }
 
     /// Reads the runs and what instruments are simulated with.
@@ -93,8 +92,9 @@ impl PoolFlags {
     ) -> Result<(PooledRuns, Pool<'a>), Failure> {
         let strength = not_below("--prior", self.prior.unwrap_or(0.0), 0.0)?;
         let nominal = self.nominal().read(vessel, provenance)?;
-        let runs = labelled_runs(&self.trajectories, vessel, provenance)?;
-        let recordings = self.recordings(provenance)?;
+        let runs = inputs::labelled_runs(&self.trajectories, vessel, provenance)?;
+        let read = |path: &PathBuf| inputs::document::<IngestDocument>(path, "recordings", provenance);
+        let recordings = self.recordings.as_ref().map(read).transpose()?;
         let rate_hz = vessel.sample_rate_hz;
         let part_samples = self.part_s.map(|s| samples("--part-s", s, rate_hz)).transpose()?;
         let named = recordings.as_ref().map(IngestDocument::recordings_by_run).unwrap_or_default();
@@ -108,13 +108,6 @@ impl PoolFlags {
     /// Where instruments come from.
     pub fn nominal(&self) -> Nominal {
         self.nominal.clone().unwrap_or_default()
-    }
-
-    fn recordings(&self, provenance: &mut Provenance) -> Result<Option<IngestDocument>, Failure> {
-        let Some(path) = &self.recordings else { return Ok(None) };
-        let loaded = read_document::<IngestDocument>(path)?;
-        provenance.inputs.insert("recordings".into(), loaded.digest);
-        Ok(Some(loaded.data))
     }
 }
 
@@ -138,9 +131,8 @@ impl Nominal {
             Self::Given => Ok(NominalModel::Known(vessel.nominal.clone())),
             Self::LeastSquares => Ok(NominalModel::Fitted),
             Self::File(path) => {
-                let loaded = read_document::<EstimateDocument>(path)?;
-                provenance.inputs.insert("nominal".into(), loaded.digest);
-                let mean = loaded.data.mean(vessel).map_err(|e| Failure::invalid(path, &e))?;
+                let estimate: EstimateDocument = inputs::document(path, "nominal", provenance)?;
+                let mean = estimate.mean(vessel).map_err(|e| Failure::invalid(path, &e))?;
                 Ok(NominalModel::Known(mean))
             }
         }
@@ -157,33 +149,6 @@ impl FromStr for Nominal {
             file => Self::File(file.into()),
         })
     }
-}
-
-/// All runs of `file`, noted as the input `key`.
-///
-/// # Errors
-/// A file that is refused, or is a shard.
-pub fn all_runs(
-    file: &Path,
-    key: &str,
-    vessel: &Vessel,
-    provenance: &mut Provenance,
-) -> Result<Vec<Run>, Failure> {
-    let reader = TrajectoryReader::open(file, &Layout::new(&vessel.model), vessel.sample_rate_hz)?;
-    reader.whole()?;
-    provenance.inputs.insert(key.to_owned(), reader.digest());
-    let blocks: Vec<Vec<Run>> = (0..reader.blocks()).map(|i| reader.runs(i)).collect::<Result<_, _>>()?;
-    Ok(blocks.concat())
-}
-
-/// Those of trajectories. What is made of them is labelled as made of simulated logs, if they are.
-///
-/// # Errors
-/// A file that is refused, or is a shard.
-pub fn labelled_runs(file: &Path, vessel: &Vessel, provenance: &mut Provenance) -> Result<Vec<Run>, Failure> {
-    let runs = all_runs(file, "trajectories", vessel, provenance)?;
-    label(runs.iter().map(|run| run.design.as_str()), provenance);
-    Ok(runs)
 }
 
 fn unselected(file: &Path, error: SelectError) -> Failure {

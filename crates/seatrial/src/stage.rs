@@ -1,12 +1,13 @@
 //! A stage as a program: its command line, how it runs and how it ends.
 
 use std::ffi::OsString;
+use std::fmt::Display;
+use std::path::Path;
 use std::process::ExitCode;
 
-use clap::builder::Resettable;
 use clap::error::ErrorKind;
 use clap::parser::ValueSource;
-use clap::{Arg, ArgMatches, Args, Command, CommandFactory, FromArgMatches, Parser, Subcommand};
+use clap::{Arg, ArgMatches, Args, Command, CommandFactory, FromArgMatches, Parser};
 use serde_json::{Value, json};
 
 use crate::cli::Common;
@@ -23,33 +24,64 @@ pub struct Summary {
     pub json: Value,
 }
 
-/// A command line that was parsed.
-pub trait Task {
-    /// The flags that all stages share.
-    fn common(&self) -> &Common;
+impl Summary {
+    /// That `out` is written, and what about it: `said` to people, the entries of `told` to programs.
+    pub fn of(out: &Path, said: impl Display, told: Value) -> Self {
+        let mut json = json!({"out": out});
+        if let (Value::Object(all), Value::Object(own)) = (&mut json, told) {
+            all.extend(own);
+        }
+        Self { line: format!("{}: {said}", out.display()), json }
+    }
+}
 
+/// The flags of a stage, parsed.
+pub trait Task {
     /// Reads, calls the science, writes.
     ///
     /// # Errors
     /// Whatever leaves nothing written.
-    fn run(&self) -> Result<Summary, Failure>;
+    fn run(&self, common: &Common) -> Result<Summary, Failure>;
 }
 
-/// A stage: its command line and what that becomes.
+/// A stage: its command line and what that becomes, or the stages below it.
 pub struct Stage {
     command: fn() -> Command,
     parse: fn(&ArgMatches) -> Result<Box<dyn Task>, clap::Error>,
+    below: &'static [Stage],
 }
 
 impl Stage {
-    /// The stage with the command line `A`.
+    /// The stage with the flags of `A`, besides those that all stages share.
     pub const fn of<A: Parser + Task + 'static>() -> Self {
-        Self { command: A::command, parse: |matches| Ok(Box::new(A::from_arg_matches(matches)?)) }
+        Self {
+            command: || A::command().args(common_flags()),
+            parse: |matches| Ok(Box::new(A::from_arg_matches(matches)?)),
+            below: &[],
+        }
+    }
+
+    /// Nothing but the stages `below`, as the command line of `A` introduces them.
+    pub const fn group<A: CommandFactory>(below: &'static [Self]) -> Self {
+        let command = || A::command().subcommand_required(true).arg_required_else_help(true);
+        Self { command, parse: |_| Err(clap::Error::new(ErrorKind::MissingSubcommand)), below }
+    }
+
+    /// The stage with `below` as its subcommands.
+    pub const fn with(self, below: &'static [Self]) -> Self {
+        Self { below, ..self }
     }
 
     /// Its command line.
     pub fn command(&self) -> Command {
-        dressed((self.command)())
+        dressed(self.bare())
+    }
+
+    /// Its command line and those below, without what [`dressed`] adds.
+    fn bare(&self) -> Command {
+        let command = (self.command)().subcommands(self.below.iter().map(Self::bare));
+        let alone = !command.is_subcommand_required_set();
+        command.subcommand_negates_reqs(alone && !self.below.is_empty())
     }
 
     /// The program of this stage alone.
@@ -62,74 +94,30 @@ impl Stage {
 
     /// Runs what was parsed with [`Stage::command`].
     pub fn run(&self, matches: &ArgMatches) -> ExitCode {
-        match (self.parse)(matches) {
-            Ok(task) => run(&*task),
+        if let Some((name, own)) = matches.subcommand()
+            && let Some(stage) = self.below.iter().find(|stage| stage.bare().get_name() == name)
+        {
+            return stage.run(own);
+        }
+        match (self.parse)(matches).and_then(|task| Ok((task, Common::from_arg_matches(matches)?))) {
+            Ok((task, common)) => run(&*task, &common),
             Err(error) => usage(&error),
         }
     }
 }
 
-/// A stage with flags of its own and with subcommands.
-pub enum Either<A, S> {
-    /// Without a subcommand.
-    Alone(A),
-    /// With one.
-    Sub(S),
-}
-
-impl<A: Parser, S: Subcommand> Parser for Either<A, S> {}
-
-impl<A: Parser, S: Subcommand> CommandFactory for Either<A, S> {
-    fn command() -> Command {
-        let alone = A::command().subcommand_negates_reqs(true);
-        let [about, long] = [alone.get_about(), alone.get_long_about()]
-            .map(|text| text.cloned().map_or(Resettable::Reset, Resettable::Value));
-        // The subcommands' own description would replace that of the stage.
-        S::augment_subcommands(alone).about(about).long_about(long)
-    }
-
-    fn command_for_update() -> Command {
-        Self::command()
-    }
-}
-
-impl<A: Parser, S: Subcommand> FromArgMatches for Either<A, S> {
-    fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
-        match matches.subcommand_name() {
-            Some(_) => S::from_arg_matches(matches).map(Self::Sub),
-            None => A::from_arg_matches(matches).map(Self::Alone),
-        }
-    }
-
-    fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
-        *self = Self::from_arg_matches(matches)?;
-        Ok(())
-    }
-}
-
-impl<A: Task, S: Task> Task for Either<A, S> {
-    fn common(&self) -> &Common {
-        match self {
-            Self::Alone(a) => a.common(),
-            Self::Sub(s) => s.common(),
-        }
-    }
-
-    fn run(&self) -> Result<Summary, Failure> {
-        match self {
-            Self::Alone(a) => a.run(),
-            Self::Sub(s) => s.run(),
-        }
-    }
+/// The flags that all stages share; they stand behind those that a command has already.
+fn common_flags() -> Vec<Arg> {
+    let all = Common::augment_args(Command::new("common"));
+    all.get_arguments().map(|arg| arg.clone().display_order(None)).collect()
 }
 
 /// `command` with what all have: the flags that may stand before a subcommand, the version and the exit codes.
 pub fn dressed(command: Command) -> Command {
-    let common = Common::augment_args(Command::new("common"));
-    let missing: Vec<Arg> = common.get_arguments().filter(|arg| arg.is_global_set()).cloned().collect();
     let known: Vec<_> = command.get_arguments().map(|arg| arg.get_id().clone()).collect();
-    let missing = missing.into_iter().filter(|arg| !known.contains(arg.get_id()));
-    with_exit_codes(command.args(missing).version(env!("CARGO_PKG_VERSION")).propagate_version(true))
+    let missing = |arg: &Arg| arg.is_global_set() && !known.contains(arg.get_id());
+    let command = command.args(common_flags().into_iter().filter(missing));
+    with_exit_codes(command.version(env!("CARGO_PKG_VERSION")).propagate_version(true))
 }
 
 fn with_exit_codes(command: Command) -> Command {
@@ -170,9 +158,8 @@ fn misplaced(command: &Command, matches: &ArgMatches) -> Option<Failure> {
 }
 
 /// Starts the threads, runs `task`, prints its summary or its failure.
-pub fn run(task: &dyn Task) -> ExitCode {
-    let common = task.common();
-    match start_threads(common.threads).and_then(|()| task.run()) {
+pub fn run(task: &dyn Task, common: &Common) -> ExitCode {
+    match start_threads(common.threads).and_then(|()| task.run(common)) {
         Ok(summary) if common.json => println!("{}", summary.json),
         Ok(summary) => println!("{}", summary.line),
         Err(failure) => return ended(&failure, common.json),

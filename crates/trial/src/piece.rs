@@ -1,4 +1,4 @@
-use vessel::Invalid;
+use vessel::{Invalid, Run, Vessel};
 
 /// A piece of a dictionary maneuver: what is run open loop as one use of it.
 #[derive(Clone, Debug, PartialEq)]
@@ -14,19 +14,26 @@ pub struct Piece {
 }
 
 impl Piece {
-    /// The first `target` samples of a maneuver's `inputs` (N × `width`), or as many whole periods as come nearest where
-    /// the inputs repeat themselves; all of it without a target.
+    /// All of a maneuver: `run` of a dictionary.
+    pub fn whole(vessel: &Vessel, run: &Run) -> Self {
+        let (width, all) = (vessel.model.inputs, vessel.model.exogenous());
+        let rows = run.exogenous.chunks_exact(all);
+        Self {
+            maneuver: run.segments[0].maneuver.clone(),
+            speed_m_s: run.initial[0],
+            inputs: rows.flat_map(|row| row[..width].iter().copied()).collect(),
+            samples: run.samples(),
+        }
+    }
+
+    /// Its first `target` samples, or as many whole periods as come nearest where the inputs repeat themselves; all of it
+    /// without a target.
     ///
     /// # Errors
     /// A target longer than the maneuver, or no sample at all.
-    pub fn cut(
-        maneuver: &str,
-        speed_m_s: f64,
-        inputs: &[f64],
-        width: usize,
-        target: Option<usize>,
-    ) -> Result<Self, Invalid> {
-        let all = inputs.len() / width.max(1);
+    pub fn cut(self, target: Option<usize>) -> Result<Self, Invalid> {
+        let Self { maneuver, speed_m_s, mut inputs, samples: all } = self;
+        let width = inputs.len() / all.max(1);
         let wanted = target.unwrap_or(all);
         if wanted == 0 || wanted > all {
             return Err(Invalid::new(
@@ -36,15 +43,15 @@ impl Piece {
                 "shorten the piece, or lengthen the maneuver in the dictionary",
             ));
         }
-        let samples = match period(inputs, width) {
+        let samples = match period(&inputs, width) {
             Some(period) => {
                 let whole = ((wanted as f64 / period as f64).round() as usize).clamp(1, all / period);
                 whole * period
             }
             None => wanted,
         };
-        let inputs = inputs[..samples * width].to_vec();
-        Ok(Self { maneuver: maneuver.to_owned(), speed_m_s, inputs, samples })
+        inputs.truncate(samples * width);
+        Ok(Self { maneuver, speed_m_s, inputs, samples })
     }
 }
 
@@ -58,29 +65,4 @@ pub fn period(inputs: &[f64], width: usize) -> Option<usize> {
     };
     let constant = repeats(&1.min(samples));
     if constant { None } else { (2..=samples / 2).find(repeats) }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn swing(samples: usize, period: f64) -> Vec<f64> {
-        (0..samples).map(|k| (std::f64::consts::TAU * k as f64 / period).sin()).collect()
-    }
-
-    #[test]
-    fn swings_are_cut_at_whole_periods() {
-        assert_eq!(period(&swing(300, 80.0), 1), Some(80));
-        assert_eq!(Piece::cut("z", 1.0, &swing(300, 80.0), 1, Some(130)).unwrap().samples, 160);
-        assert_eq!(Piece::cut("z", 1.0, &swing(300, 80.0), 1, None).unwrap().samples, 240);
-    }
-
-    #[test]
-    fn sweeps_and_steps_are_cut_where_asked() {
-        let sweep: Vec<f64> = (0..300).map(f64::from).collect();
-        assert_eq!(Piece::cut("s", 1.0, &sweep, 1, Some(130)).unwrap().samples, 130);
-        assert_eq!(Piece::cut("s", 1.0, &[2.0; 300], 1, Some(70)).unwrap().samples, 70);
-        let error = Piece::cut("s", 1.0, &sweep, 1, Some(301)).unwrap_err();
-        assert!(error.to_string().contains("1 to 300"), "{error}");
-    }
 }

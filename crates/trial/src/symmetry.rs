@@ -31,15 +31,3 @@ fn increments(vessel: &Vessel, states: [f64; 3], exogenous: &[f64]) -> [f64; 3] 
     model.look(states, exogenous, None);
     model.increments()
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_papers_ship_is_mirrored_by_turning_sway_force_and_yaw_moment_round() {
-        let file = toml::from_str("preset = \"ljungberg-model-ship\"").unwrap();
-        let vessel = Vessel::from_file(file).unwrap();
-        assert_eq!(mirror(&vessel), Some(vec![1.0, -1.0, -1.0]));
-    }
-}

@@ -2,8 +2,12 @@
 
 mod atomic;
 mod damage;
+mod digest;
 mod document;
+mod foreign;
+mod rows;
 mod sample;
+mod shard;
 mod shards;
 mod table;
 mod toml;

@@ -7,3 +7,5 @@ mod oracle;
 mod oracle_covariance;
 mod oracle_output_error;
 mod restrictions;
+mod rounding;
+mod shortest;

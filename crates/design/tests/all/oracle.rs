@@ -1,7 +1,7 @@
 //! Designs of the paper's eleven maneuvers against numbers computed independently (`fixtures/oracle/oracle.json`: the
 //! paper's own form log|det(T − S Z̄ᵀ)| by SLSQP), and the two facts that make one problem of the paper's two.
 
-use design::{Candidates, Design, Evaluation, Options, Status, solve};
+use design::{Candidates, Design, Evaluation, Objective, Options, Status, solve};
 use proptest::prelude::*;
 use serde_json::Value;
 

@@ -39,8 +39,8 @@ pub use residual_tests::{CrossCorrelation, Whiteness, cross_correlation, residua
 pub use runs::{PooledRuns, SelectError};
 pub use sandwich::{default_bandwidth, sandwich};
 pub use strength::strength;
-pub use trust::{DegreeTrust, Judgement, ParameterTrust, SourceErrors};
-pub use windows::{Errors, Score, Window, Windows, deviations};
+pub use trust::{DegreeTrust, InstrumentResidual, Judgement, ParameterTrust, SourceErrors};
+pub use windows::{FreeRunErrors, Score, Window, deviations};
 pub use words::listed;
 pub(crate) use words::{collinear, first_named, unidentified, weakest};
 

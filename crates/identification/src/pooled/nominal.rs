@@ -1,36 +1,15 @@
-use std::fmt;
-
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
-
 use super::{Options, fit};
 use crate::{MeanRemoval, Sums};
 
-/// Where the model comes from that instruments are simulated with.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-pub enum NominalSource {
-    /// The nominal values of the vessel.
-    Given,
-    /// The least-squares fit of the same data.
-    LeastSquares,
-    /// A previous estimate.
-    Estimate,
-}
-
-impl NominalSource {
-    /// All of them.
-    pub const ALL: [Self; 3] = [Self::Given, Self::LeastSquares, Self::Estimate];
-
-    /// As in files.
-    pub fn name(self) -> &'static str {
-        ["given", "least-squares", "estimate"][self as usize]
-    }
-}
-
-impl fmt::Display for NominalSource {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.name())
+vessel::choices! {
+    /// Where the model comes from that instruments are simulated with.
+    pub enum NominalSource {
+        /// The nominal values of the vessel.
+        Given = "given",
+        /// The least-squares fit of the same data.
+        LeastSquares = "least-squares",
+        /// A previous estimate.
+        Estimate = "estimate",
     }
 }
 

@@ -25,7 +25,7 @@ pub(super) fn collinear_run(vessel: &Vessel, run: &Run, removal: MeanRemoval) ->
         return None;
     }
     let label = &run.segments.first()?.maneuver;
-    let mut parts = [Part::new(label, "", run.exogenous.clone(), run.measured.clone())];
+    let mut parts = [Part::new(label, "", run.view())];
     Part::instrument(&mut parts, &vessel.model, &vessel.nominal).ok()?;
     let sums = Regression::of(&vessel.model, &parts[0]).sums();
     let mut found: Option<CollinearRun> = None;

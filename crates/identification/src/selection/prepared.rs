@@ -22,7 +22,7 @@ impl Prepared {
     /// # Errors
     /// The nominal simulation diverges, and the estimator cannot do without it.
     pub(super) fn new(pool: &Pool, runs: &PooledRuns, estimator: Estimator) -> Result<Self, LostInstruments> {
-        let pieces = runs.segments(pool.vessel, pool.part_samples);
+        let pieces = runs.segments(pool.part_samples);
         let counts: Vec<usize> = pieces.iter().map(Vec::len).collect();
         let mut parts = pieces.concat();
         let ls = merged(pool.regressions(&parts), &counts);

@@ -9,6 +9,7 @@ mod output_information;
 mod pooled_laws;
 mod pooled_oracle;
 mod predicted_errors;
+mod quantiles;
 mod refine_laws;
 mod scalar_example;
 mod standard_errors;

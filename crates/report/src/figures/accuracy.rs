@@ -1,7 +1,7 @@
-use crate::figures::axis::{Axis, extent};
-use crate::figures::layout::{BASE, COLUMN, GRID, LABEL, note};
+use crate::figures::axis::{Axis, Tick, extent};
+use crate::figures::layout::{COLUMN, PLOT, PLOT_FOOT, PLOT_TOP, frame, note};
 use crate::figures::palette::series;
-use crate::figures::svg::{Anchor, Lettering, Paint, Point, Sheet};
+use crate::figures::svg::{Anchor, Paint, Point, Sheet};
 use crate::figures::text;
 
 /// How accurate one design is after some time.
@@ -14,89 +14,60 @@ pub struct AccuracyCurve<'a> {
 }
 
 const HEIGHT: f64 = 320.0;
-const LEFT: f64 = 62.0;
-const RIGHT: f64 = COLUMN - 16.0;
-const TOP: f64 = 16.0;
-const BOTTOM: f64 = HEIGHT - 48.0;
 
 /// Curves of the standard error against the duration of the experiment, both logarithmic, and the wanted error with the
 /// duration that reaches it. Points that are not above zero are left out.
 pub fn accuracy(curves: &[AccuracyCurve<'_>], wanted: (f64, f64), title: &str) -> String {
-    let known: Vec<(&str, Vec<(f64, f64)>)> = curves
-        .iter()
-        .map(|c| {
-            (
-                c.label,
-                c.points.iter().copied().filter(|(s, e)| *s > 0.0 && *e > 0.0 && e.is_finite()).collect(),
-            )
-        })
-        .collect();
+    let drawn = |(s, e): &(f64, f64)| *s > 0.0 && *e > 0.0 && e.is_finite();
+    let known: Vec<(&str, Vec<(f64, f64)>)> =
+        curves.iter().map(|c| (c.label, c.points.iter().copied().filter(drawn).collect())).collect();
     let all = || known.iter().flat_map(|(_, points)| points).chain([&wanted]);
-    let across = Scale::new(all().map(|p| p.0), LEFT, RIGHT);
-    let up = Scale::new(all().map(|p| p.1), BOTTOM, TOP);
+    let across = Scale::new(all().map(|p| p.0), PLOT);
+    let up = Scale::new(all().map(|p| p.1), (HEIGHT - PLOT_FOOT, PLOT_TOP));
+    let ((left, right), (bottom, top)) = (across.0.ends(), up.0.ends());
     Sheet::figure(COLUMN, HEIGHT, "Standard error against duration", |sheet| {
-        frame(sheet, &across, &up, title);
+        let durations = (&across.0, &*across.ticks(), "duration of the experiment [s]");
+        frame(sheet, durations, (&up.0, &up.ticks(), title));
         let target = (across.at(wanted.0), up.at(wanted.1));
-        sheet.line((LEFT, target.1), target, (Paint::ink(0.5), 1.2));
-        sheet.line((target.0, BOTTOM), target, (Paint::ink(0.5), 1.2));
+        sheet.line((left, target.1), target, (Paint::ink(0.5), 1.2));
+        sheet.line((target.0, bottom), target, (Paint::ink(0.5), 1.2));
         for (i, (label, points)) in known.iter().enumerate() {
             let path: Vec<Point> = points.iter().map(|(s, e)| (across.at(*s), up.at(*e))).collect();
             sheet.polyline(&path, (Paint::solid(series(i)), 2.0));
-            let y = TOP + 12.0 + 16.0 * i as f64;
-            sheet.line((RIGHT - 150.0, y), (RIGHT - 128.0, y), (Paint::solid(series(i)), 2.4));
-            sheet.text(label, (RIGHT - 121.0, y), note(Anchor::Start));
+            let y = top + 12.0 + 16.0 * i as f64;
+            sheet.line((right - 150.0, y), (right - 128.0, y), (Paint::solid(series(i)), 2.4));
+            sheet.text(label, (right - 121.0, y), note(Anchor::Start));
         }
         sheet.disc(target, 5.0, Paint::solid(series(0)));
     })
 }
 
-/// A logarithmic axis.
-struct Scale {
-    axis: Axis,
-    low: f64,
-    high: f64,
-}
+/// A logarithmic axis: an axis of logarithms to base 10.
+struct Scale(Axis);
 
 impl Scale {
-    fn new(values: impl Iterator<Item = f64>, from: f64, to: f64) -> Self {
+    fn new(values: impl Iterator<Item = f64>, (from, to): (f64, f64)) -> Self {
         let (low, high) = extent(values.map(f64::log10)).unwrap_or((0.0, 1.0));
-        let (low, high) = (low - 0.05, high + 0.05);
-        Self { axis: Axis::linear(low, high, from, to), low, high }
+        Self(Axis::linear(low - 0.05, high + 0.05, from, to))
     }
 
     fn at(&self, value: f64) -> f64 {
-        self.axis.at(value.log10())
+        self.0.at(value.log10())
     }
 
     /// 1, 2 and 5 times powers of ten inside the range; powers of ten alone where those are many.
-    fn ticks(&self) -> Vec<f64> {
-        let decades = self.low.floor() as i32..=self.high.ceil() as i32;
+    fn ticks(&self) -> Vec<Tick> {
+        let (low, high) = (self.0.low(), self.0.high());
+        let decades = low.floor() as i32..=high.ceil() as i32;
         let of = |factors: &[f64]| -> Vec<f64> {
             let all = decades.clone().flat_map(|d| factors.iter().map(move |f| f * 10f64.powi(d)));
-            all.filter(|v| v.log10() >= self.low && v.log10() <= self.high).collect()
+            all.filter(|v| v.log10() >= low && v.log10() <= high).collect()
         };
         let fine = of(&[1.0, 2.0, 5.0]);
-        if fine.len() <= 8 { fine } else { of(&[1.0]) }
+        let kept = if fine.len() <= 8 { fine } else { of(&[1.0]) };
+        let label = |value: f64| text::number(value, 10f64.powf(value.log10().floor()));
+        kept.into_iter().map(|value| Tick { value: value.log10(), label: label(value) }).collect()
     }
-}
-
-fn frame(sheet: &mut Sheet, across: &Scale, up: &Scale, title: &str) {
-    let label = |value: f64| text::number(value, 10f64.powf(value.log10().floor()));
-    for value in across.ticks() {
-        let x = across.at(value);
-        sheet.line((x, TOP), (x, BOTTOM), (GRID, 1.0));
-        sheet.text(&label(value), (x, BOTTOM + 13.0), note(Anchor::Middle));
-    }
-    for value in up.ticks() {
-        let y = up.at(value);
-        sheet.line((LEFT, y), (RIGHT, y), (GRID, 1.0));
-        sheet.text(&label(value), (LEFT - 8.0, y), note(Anchor::End));
-    }
-    sheet.line((LEFT, BOTTOM), (RIGHT, BOTTOM), (BASE, 1.0));
-    sheet.line((LEFT, TOP), (LEFT, BOTTOM), (BASE, 1.0));
-    let lettering = Lettering::new(LABEL, Anchor::Middle);
-    sheet.text("duration of the experiment [s]", ((LEFT + RIGHT) / 2.0, BOTTOM + 36.0), lettering);
-    sheet.text(title, (14.0, (TOP + BOTTOM) / 2.0), lettering.upwards());
 }
 
 #[cfg(test)]
@@ -105,11 +76,11 @@ mod tests {
 
     #[test]
     fn ticks_of_a_logarithmic_axis_are_inside_and_few() {
-        let scale = Scale::new([8.0, 2100.0].into_iter(), 0.0, 100.0);
+        let scale = Scale::new([8.0, 2100.0].into_iter(), (0.0, 100.0));
         let ticks = scale.ticks();
-        assert!(ticks.iter().all(|t| (0.0..=100.0).contains(&scale.at(*t))), "{ticks:?}");
+        assert!(ticks.iter().all(|t| (0.0..=100.0).contains(&scale.0.at(t.value))), "{ticks:?}");
         assert!((2..=8).contains(&ticks.len()), "{ticks:?}");
-        let fine = Scale::new([0.9, 11.0].into_iter(), 0.0, 100.0).ticks();
+        let fine = Scale::new([0.9, 11.0].into_iter(), (0.0, 100.0)).ticks();
         assert_eq!(fine.len(), 4, "{fine:?}");
     }
 
@@ -119,8 +90,10 @@ mod tests {
         let curve = AccuracyCurve { label: "design", points };
         let svg = accuracy(&[curve], (16.0, 0.25), "error [1]");
         assert!(svg.starts_with("<svg") && svg.contains("duration of the experiment"));
-        let (across, up) =
-            (Scale::new([1.0, 64.0].into_iter(), 0.0, 1.0), Scale::new([1.0, 0.125].into_iter(), 0.0, 1.0));
+        let (across, up) = (
+            Scale::new([1.0, 64.0].into_iter(), (0.0, 1.0)),
+            Scale::new([1.0, 0.125].into_iter(), (0.0, 1.0)),
+        );
         let slope = |i: f64| {
             (up.at(1.0 / (i + 1.0)) - up.at(1.0 / i)) / (across.at((i + 1.0).powi(2)) - across.at(i * i))
         };

@@ -42,6 +42,10 @@ impl Axis {
         self.at(value.clamp(self.low, self.high))
     }
 
+    pub(crate) fn low(&self) -> f64 {
+        self.low
+    }
+
     pub(crate) fn high(&self) -> f64 {
         self.high
     }

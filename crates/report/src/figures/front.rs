@@ -1,7 +1,7 @@
 use crate::figures::axis::{Axis, Tick, extent};
-use crate::figures::layout::{BASE, COLUMN, GRID, LABEL, note};
+use crate::figures::layout::{COLUMN, PLOT, PLOT_FOOT, PLOT_TOP, frame, note};
 use crate::figures::palette::BLUE;
-use crate::figures::svg::{Anchor, Lettering, Paint, Point, Sheet};
+use crate::figures::svg::{Anchor, Paint, Point, Sheet};
 use crate::figures::text;
 
 /// One point of a front of information against cost.
@@ -18,10 +18,7 @@ pub struct FrontDot<'a> {
 }
 
 const HEIGHT: f64 = 300.0;
-const LEFT: f64 = 62.0;
-const RIGHT: f64 = COLUMN - 16.0;
-const TOP: f64 = 16.0;
-const BOTTOM: f64 = HEIGHT - 48.0;
+const RIGHT: f64 = PLOT.1;
 /// With more dots than this only the chosen one is named.
 const MOST_NAMED: usize = 12;
 
@@ -32,10 +29,11 @@ pub fn front(dots: &[FrontDot<'_>], cost_title: &str) -> String {
         dots.iter().filter(|dot| dot.cost.is_finite() && dot.log_det.is_finite()).collect();
     known.sort_by(|a, b| a.cost.total_cmp(&b.cost).then(a.log_det.total_cmp(&b.log_det)));
     Sheet::figure(COLUMN, HEIGHT, "Information against cost", |sheet| {
-        let across = axis(known.iter().map(|dot| dot.cost), (LEFT, RIGHT));
-        let up = axis(known.iter().map(|dot| dot.log_det), (BOTTOM, TOP));
+        let across = axis(known.iter().map(|dot| dot.cost), PLOT);
+        let up = axis(known.iter().map(|dot| dot.log_det), (HEIGHT - PLOT_FOOT, PLOT_TOP));
         let whole = known.iter().all(|dot| dot.cost.fract() == 0.0);
-        frame(sheet, &cost_ticks(&across, whole), &across, &up, cost_title);
+        let costs = (&across, &*cost_ticks(&across, whole), cost_title);
+        frame(sheet, costs, (&up, &up.ticks(4), "log|det| of the moments [1]"));
         sheet.polyline(&steps(&known, &across, &up), (Paint::solid(BLUE).faded(0.55), 1.6));
         for dot in &known {
             draw_dot(sheet, (across.at(dot.cost), up.at(dot.log_det)), dot, known.len());
@@ -58,24 +56,6 @@ fn cost_ticks(across: &Axis, whole: bool) -> Vec<Tick> {
         ticks.iter_mut().for_each(|tick| tick.label = text::number(tick.value, 1.0));
     }
     ticks
-}
-
-fn frame(sheet: &mut Sheet, ticks: &[Tick], across: &Axis, up: &Axis, cost_title: &str) {
-    for Tick { value, label } in ticks {
-        let x = across.at(*value);
-        sheet.line((x, TOP), (x, BOTTOM), (GRID, 1.0));
-        sheet.text(label, (x, BOTTOM + 13.0), note(Anchor::Middle));
-    }
-    for Tick { value, label } in up.ticks(4) {
-        let y = up.at(value);
-        sheet.line((LEFT, y), (RIGHT, y), (GRID, 1.0));
-        sheet.text(&label, (LEFT - 8.0, y), note(Anchor::End));
-    }
-    sheet.line((LEFT, BOTTOM), (RIGHT, BOTTOM), (BASE, 1.0));
-    sheet.line((LEFT, TOP), (LEFT, BOTTOM), (BASE, 1.0));
-    let title = Lettering::new(LABEL, Anchor::Middle);
-    sheet.text(cost_title, ((LEFT + RIGHT) / 2.0, BOTTOM + 36.0), title);
-    sheet.text("log|det| of the moments [1]", (14.0, (TOP + BOTTOM) / 2.0), title.upwards());
 }
 
 /// What a cost can buy at most: level until the next better dot.

@@ -45,26 +45,3 @@ impl Histogram {
         }
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn law_every_run_is_counted_once() {
-        let values = [
-            Some(0.0),
-            Some(1.0),
-            Some(4.99),
-            Some(5.0),
-            None,
-            Some(f64::INFINITY),
-            Some(f64::NAN),
-            Some(-1.0),
-        ];
-        let histogram = Histogram::new(&values, 5.0, 5);
-        assert_eq!(histogram.counts, [2, 1, 0, 0, 1]);
-        assert_eq!((histogram.beyond, histogram.missing), (1, 3));
-        assert_eq!(histogram.runs(), values.len());
-    }
-}

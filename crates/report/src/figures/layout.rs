@@ -17,6 +17,32 @@ pub(crate) const fn note(anchor: Anchor) -> Lettering {
     Lettering::new(NOTE, anchor).painted(Paint::ink(0.7))
 }
 
+/// Where a plot of one column has its left and right end, and its top [px].
+pub(crate) const PLOT: (f64, f64) = (62.0, COLUMN - 16.0);
+pub(crate) const PLOT_TOP: f64 = 16.0;
+/// Room below such a plot [px].
+pub(crate) const PLOT_FOOT: f64 = 48.0;
+
+/// Grid, ticks, axes and titles of a plot: the axis across, then the one upwards.
+pub(crate) fn frame(sheet: &mut Sheet, across: (&Axis, &[Tick], &str), up: (&Axis, &[Tick], &str)) {
+    let ((left, right), (bottom, top)) = (across.0.ends(), up.0.ends());
+    for tick in across.1 {
+        let x = across.0.at(tick.value);
+        sheet.line((x, top), (x, bottom), (GRID, 1.0));
+        sheet.text(&tick.label, (x, bottom + 13.0), note(Anchor::Middle));
+    }
+    for tick in up.1 {
+        let y = up.0.at(tick.value);
+        sheet.line((left, y), (right, y), (GRID, 1.0));
+        sheet.text(&tick.label, (left - 8.0, y), note(Anchor::End));
+    }
+    sheet.line((left, bottom), (right, bottom), (BASE, 1.0));
+    sheet.line((left, top), (left, bottom), (BASE, 1.0));
+    let title = Lettering::new(LABEL, Anchor::Middle);
+    sheet.text(across.2, ((left + right) / 2.0, bottom + 36.0), title);
+    sheet.text(up.2, (14.0, (top + bottom) / 2.0), title.upwards());
+}
+
 /// Rows one below the other with names at the left and a common horizontal axis below.
 pub(crate) struct Rows {
     names: Vec<String>,

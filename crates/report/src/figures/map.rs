@@ -9,7 +9,6 @@ mod cells;
 mod check;
 mod clip;
 mod colours;
-mod error;
 mod grid;
 mod input;
 mod legend;
@@ -23,11 +22,12 @@ mod surround;
 mod tracks;
 mod view;
 
+use chart::Invalid;
+
 use crate::figures::svg::{self, Colours, Sheet};
 
-pub use error::MapError;
 pub use input::{
-    Area, Background, Cells, Class, Frame, Graticule, Grid, Maneuver, Map, Margin, Purpose, Track, TrackStyle,
+    Area, Background, Cells, Class, Frame, Graticule, Maneuver, Map, Margin, Purpose, Track, TrackStyle,
 };
 
 use legend::Legend;
@@ -45,13 +45,13 @@ use view::{LABEL, View, WIDTH};
 /// let map = Map { title: "Transit".to_owned(), tracks: vec![track], ..Map::default() };
 /// let svg = map_figure(&map)?;
 /// assert!(svg.contains("<title>Transit</title>") && svg.contains(">basic move</text>"));
-/// # Ok::<(), report::figures::map::MapError>(())
+/// # Ok::<(), chart::Invalid>(())
 /// ```
 ///
 /// # Errors
 /// A coordinate that is not finite or absurdly large, a ring of less than three points, a grid whose cells do not match
 /// its size, a maneuver that is not declared, depth limits that do not increase, a frame without area or very long.
-pub fn map_figure(map: &Map) -> Result<String, MapError> {
+pub fn map_figure(map: &Map) -> Result<String, Invalid> {
     check::check(map)?;
     let view = View::new(&map.frame);
     let mut sheet = Sheet::new(Colours::Kept);

@@ -20,7 +20,7 @@ mod relative_errors;
 mod sensitivities;
 mod shares;
 mod svg;
-mod text;
+pub(crate) mod text;
 mod thin;
 mod traces;
 mod traces_legend;

@@ -36,14 +36,16 @@ fn scientific(value: f64, magnitude: f64) -> String {
     format!("{}·10{}", signed(mantissa), superscript(exponent))
 }
 
-fn superscript(exponent: i32) -> String {
+/// A whole number as an exponent is written.
+pub(crate) fn superscript(exponent: i32) -> String {
     let sign = if exponent < 0 { "⁻" } else { "" };
     let digits = exponent.unsigned_abs().to_string();
     let raised = digits.bytes().map(|digit| SUPERSCRIPTS[usize::from(digit - b'0')]);
     sign.chars().chain(raised).collect()
 }
 
-fn signed(digits: &str) -> String {
+/// With a true minus sign.
+pub(crate) fn signed(digits: &str) -> String {
     digits.replace('-', "−")
 }
 
@@ -68,15 +70,6 @@ pub(crate) fn width(text: &str, size: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn a_tick_has_as_many_decimals_as_its_step() {
-        assert_eq!(number(0.5, 0.25), "0.5");
-        assert_eq!(number(0.30000000000000004, 0.1), "0.3");
-        assert_eq!(number(-1e-17, 0.1), "0");
-        assert_eq!(number(2.5e-6, 5e-7), "2.5·10⁻⁶");
-        assert_eq!(number(f64::NAN, 1.0), "");
-    }
 
     #[test]
     fn long_labels_are_cut() {

@@ -1,10 +1,11 @@
 //! A made-up archipelago with a planned trial of nine maneuvers, of the size of the paper's.
 
+use chart::Raster;
 use report::figures::map::{
-    Area, Cells, Class, Frame, Graticule, Grid, Maneuver, Map, Margin, Purpose, Track, TrackStyle,
+    Area, Cells, Class, Frame, Graticule, Maneuver, Map, Margin, Purpose, Track, TrackStyle,
 };
 
-const GRID: Grid = Grid { origin: [0.0, 0.0], cell_m: 25.0, nx: 176, ny: 140 };
+const GRID: Raster = Raster { origin: [0.0, 0.0], cell_m: 25.0, nx: 176, ny: 140 };
 const TURNS: [[f64; 2]; 10] = [
     [500.0, 500.0],
     [1500.0, 420.0],

@@ -1,9 +1,11 @@
 //! Every figure is well-formed, scalable and free of numbers that cannot be drawn.
 
 use report::figures::{
-    Curve, ErrorRow, FrontDot, HistogramAxis, HistogramPanel, SensitivityRow, ShareRow, TraceColumn,
-    TraceRow, Track, front, histogram_pair, palette, relative_errors, sensitivities, shares, traces, tracks,
+    Curve, ErrorRow, FrontDot, Histogram, HistogramAxis, HistogramPanel, SensitivityRow, ShareRow,
+    TraceColumn, TraceRow, Track, front, histogram_pair, palette, relative_errors, sensitivities, shares,
+    tick_number, traces, tracks,
 };
+use report::picture;
 
 /// Tags balance, quotes close, the root scales, nothing is NaN or infinite.
 fn check(svg: &str) {
@@ -169,4 +171,34 @@ fn a_front_names_its_dots_and_fills_the_chosen_one() {
 fn the_same_input_gives_the_same_bytes() {
     let rows = [ShareRow { name: "a", share: 0.5, published: Some(0.4) }];
     assert_eq!(shares(&rows), shares(&rows));
+}
+
+#[test]
+fn law_every_run_is_counted_once() {
+    let values =
+        [Some(0.0), Some(1.0), Some(4.99), Some(5.0), None, Some(f64::INFINITY), Some(f64::NAN), Some(-1.0)];
+    let histogram = Histogram::new(&values, 5.0, 5);
+    assert_eq!(histogram.counts, [2, 1, 0, 0, 1]);
+    assert_eq!((histogram.beyond, histogram.missing), (1, 3));
+    assert_eq!(histogram.runs(), values.len());
+}
+
+#[test]
+fn a_tick_has_as_many_decimals_as_its_step() {
+    assert_eq!(tick_number(0.5, 0.25), "0.5");
+    assert_eq!(tick_number(0.30000000000000004, 0.1), "0.3");
+    assert_eq!(tick_number(-1e-17, 0.1), "0");
+    assert_eq!(tick_number(2.5e-6, 5e-7), "2.5·10⁻⁶");
+    assert_eq!(tick_number(f64::NAN, 1.0), "");
+}
+
+#[test]
+fn each_figure_of_a_picture_has_a_place_of_its_own() {
+    let figure = |name: &str| format!("<svg viewBox=\"0 0 10 10\"><title>{name}</title></svg>\n");
+    let made = picture(&figure("map"), &[&figure("one"), &figure("two")]);
+    assert_eq!(made.matches("<svg ").count(), 4);
+    assert_eq!(made.matches("</svg>").count(), 4);
+    for place in ["x=\"20\" y=\"20\" width=\"660\"", "x=\"700\" y=\"20\"", "x=\"700\" y=\"510\""] {
+        assert!(made.contains(place), "{place}");
+    }
 }

@@ -1,6 +1,10 @@
-//! Figures and the map.
+//! The page, its figures and the map.
 
 mod archipelago;
 mod drawing;
 mod figures;
 mod map;
+mod mock;
+mod mock_plan;
+mod page;
+mod trajectory;

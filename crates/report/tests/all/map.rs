@@ -2,8 +2,9 @@
 
 use crate::archipelago::archipelago;
 use crate::drawing::{attribute, check, corners, doubled_area, elements, frame};
+use chart::Raster;
 use report::figures::map::{
-    Area, Background, Cells, Class, Frame, Grid, Maneuver, Map, Margin, Purpose, Track, TrackStyle,
+    Area, Background, Cells, Class, Frame, Maneuver, Map, Margin, Purpose, Track, TrackStyle,
 };
 use report::figures::map_figure;
 
@@ -103,7 +104,7 @@ fn law_the_scale_bar_is_as_long_as_it_says_on_both_axes() {
 #[test]
 fn nothing_that_is_not_finite_is_drawn() {
     let nan = vec![[0.0, 0.0], [1.0, f64::NAN], [1.0, 1.0]];
-    let grid = Grid { origin: [0.0, 0.0], cell_m: 10.0, nx: 2, ny: 1 };
+    let grid = Raster { origin: [0.0, 0.0], cell_m: 10.0, nx: 2, ny: 1 };
     let cells = |grid, classes| Some(Cells { grid, classes });
     let depth = Class::Depth { least_m: f64::NAN };
     let blocked = vec![true; 2];
@@ -117,10 +118,10 @@ fn nothing_that_is_not_finite_is_drawn() {
         ("depth limits", Map { depth_limits_m: vec![f64::NAN], ..base() }),
         ("depth of cell 1", Map { cells: cells(grid, vec![None, Some(depth)]), ..base() }),
         ("cells", Map { cells: cells(grid, vec![None]), ..base() }),
-        ("cells", Map { cells: cells(Grid { nx: 0, ..grid }, vec![]), ..base() }),
-        ("cells", Map { cells: cells(Grid { nx: usize::MAX, ny: 3, ..grid }, vec![None; 2]), ..base() }),
-        ("cell size of margin", Map { margins: margin(Grid { cell_m: f64::NAN, ..grid }), ..base() }),
-        ("origin of margin", Map { margins: margin(Grid { origin: [f64::NAN, 0.0], ..grid }), ..base() }),
+        ("cells", Map { cells: cells(Raster { nx: 0, ..grid }, vec![]), ..base() }),
+        ("cells", Map { cells: cells(Raster { nx: usize::MAX, ny: 3, ..grid }, vec![None; 2]), ..base() }),
+        ("cell size of margin", Map { margins: margin(Raster { cell_m: f64::NAN, ..grid }), ..base() }),
+        ("origin of margin", Map { margins: margin(Raster { origin: [f64::NAN, 0.0], ..grid }), ..base() }),
         (
             "depth of area 0",
             Map { areas: vec![Area { class: depth, ring: square(0.0, 9.0), holes: vec![] }], ..base() },
@@ -167,7 +168,7 @@ fn texts_may_hold_anything() {
 fn law_what_lies_outside_the_frame_is_cut_at_it() {
     let wild: Vec<[f64; 2]> =
         (0..400).map(f64::from).map(|k| [5e3 * (k * 1.3).sin(), 3e3 * (k * 0.7).cos()]).collect();
-    let grid = Grid { origin: [-333.0, -777.0], cell_m: 217.0, nx: 9, ny: 11 };
+    let grid = Raster { origin: [-333.0, -777.0], cell_m: 217.0, nx: 9, ny: 11 };
     let stripes = |n: usize| (0..99).map(move |cell| cell % n == 0);
     let depths = stripes(2).map(|land| Some(if land { Class::Land } else { Class::NoGo })).collect();
     let map = Map {
@@ -221,7 +222,7 @@ fn law_land_has_its_area_whatever_the_direction_of_its_rings() {
 
 #[test]
 fn law_cells_of_land_have_their_area() {
-    let grid = Grid { origin: [50.0, 50.0], cell_m: 30.0, nx: 30, ny: 30 };
+    let grid = Raster { origin: [50.0, 50.0], cell_m: 30.0, nx: 30, ny: 30 };
     let class = |cell: usize| match cell * cell % 7 {
         0 | 1 => Some(Class::Land),
         2 => Some(Class::Depth { least_m: (cell % 30) as f64 }),
@@ -243,7 +244,7 @@ fn law_cells_of_land_have_their_area() {
 
 #[test]
 fn a_large_raster_stays_small_even_where_it_is_noise() {
-    let grid = Grid { origin: [0.0, 0.0], cell_m: 10.0, nx: 600, ny: 600 };
+    let grid = Raster { origin: [0.0, 0.0], cell_m: 10.0, nx: 600, ny: 600 };
     let depth = |cell: usize| {
         let (x, y) = ((cell % 600) as f64, (cell / 600) as f64);
         20.0 + 15.0 * (x / 31.0).sin() * (y / 23.0).cos() + 8.0 * (x / 7.0 + y / 5.0).sin()
@@ -339,7 +340,7 @@ fn chip<'a>(svg: &'a str, label: &str) -> &'a str {
 fn the_shoalest_is_drawn_last_in_the_colour_of_its_label() {
     let depths = [30.0, 1.0, 7.0];
     let class = |least_m| Class::Depth { least_m };
-    let grid = Grid { origin: [100.0, 100.0], cell_m: 100.0, nx: 3, ny: 1 };
+    let grid = Raster { origin: [100.0, 100.0], cell_m: 100.0, nx: 3, ny: 1 };
     let cells = Cells { grid, classes: depths.iter().map(|&depth| Some(class(depth))).collect() };
     let area = |depth| Area { class: class(depth), ring: square(100.0, 400.0), holes: vec![] };
     let limits = vec![5.0, 10.0];
@@ -361,7 +362,7 @@ fn the_shoalest_is_drawn_last_in_the_colour_of_its_label() {
 #[test]
 fn a_shoal_cell_is_drawn_where_it_lies() {
     let classes = [30.0, 1.0, 7.0].map(|least_m| Some(Class::Depth { least_m })).to_vec();
-    let grid = Grid { origin: [100.0, 100.0], cell_m: 100.0, nx: 3, ny: 1 };
+    let grid = Raster { origin: [100.0, 100.0], cell_m: 100.0, nx: 3, ny: 1 };
     let cells = Some(Cells { grid, classes });
     let svg = drawn(&Map { cells, depth_limits_m: vec![5.0, 10.0], ..Map::default() });
     let [left, _, wide, _] = frame(&svg);

@@ -3,12 +3,13 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use artifact::{Provenance, read_document};
+use artifact::Provenance;
 use identification::selection::apportioned;
 use study::documents::DesignDocument;
 use vessel::nearest;
 
 use crate::failure::Failure;
+use crate::inputs;
 
 /// How many sub-experiments of each maneuver to pick: as `--counts label=n` says, or `design.json` by its counts or its
 /// shares of `picks` in whole numbers (largest remainders), and no more than there are.
@@ -23,12 +24,11 @@ pub fn counts(
     provenance: &mut Provenance,
 ) -> Result<BTreeMap<String, u64>, Failure> {
     let Some(path) = design else { return parsed(written, available) };
-    let loaded = read_document::<DesignDocument>(path)?;
-    provenance.inputs.insert("design".into(), loaded.digest);
-    let counted = loaded.data.counts.filter(|counts| picks.is_none_or(|p| counts.values().sum::<u64>() == p));
+    let design: DesignDocument = inputs::document(path, "design", provenance)?;
+    let counted = design.counts.filter(|counts| picks.is_none_or(|p| counts.values().sum::<u64>() == p));
     let counts = match (counted, picks) {
         (Some(counts), _) => counts,
-        (None, Some(picks)) => apportioned(&loaded.data.shares, picks, available),
+        (None, Some(picks)) => apportioned(&design.shares, picks, available),
         (None, None) => {
             let flag = "--picks: found none and no counts in the design, expected a number";
             return Err(Failure::Usage(format!("{flag}; name --picks, or use `design --segments`")));

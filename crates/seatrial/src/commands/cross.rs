@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use artifact::{commit, stage_document};
-use clap::Args;
+use clap::Parser;
 use identification::Estimator;
 use identification::crossval::{CrossError, CrossOptions, cross_validate};
 use serde_json::json;
@@ -17,10 +17,13 @@ use crate::pool::{PoolFlags, samples};
 use crate::progress::Progress;
 use crate::stage::{Summary, Task};
 
-/// The command line of `validate cross`.
-#[derive(Args)]
-#[command(after_help = "Example:\n  validate cross --vessel pipelines/kvlcc2/vessel.toml \
-    --trajectories trajectories.parquet --out crossval.json")]
+/// Leaves runs or recordings out of a pooled estimate and simulates over them; writes crossval.json
+#[derive(Parser)]
+#[command(
+    name = "cross",
+    after_help = "Example:\n  validate cross --vessel pipelines/kvlcc2/vessel.toml \
+    --trajectories trajectories.parquet --out crossval.json"
+)]
 pub struct Arguments {
     #[command(flatten)]
     flags: PoolFlags,
@@ -33,25 +36,19 @@ pub struct Arguments {
     /// Deals runs or recordings in turns into N folds; without it each is left out on its own
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(2..))]
     folds: Option<u16>,
-    #[command(flatten)]
-    common: Common,
 }
 
 impl Task for Arguments {
-    fn common(&self) -> &Common {
-        &self.common
-    }
-
-    fn run(&self) -> Result<Summary, Failure> {
+    fn run(&self, common: &Common) -> Result<Summary, Failure> {
         let mut provenance = provenance("validate");
         let vessel = read_vessel(&self.flags.vessel, &mut provenance)?;
         let window = self.window_s.map(|s| samples("--window-s", s, vessel.sample_rate_hz)).transpose()?;
-        let out = self.common.main_output("crossval.json", &self.flags.inputs())?;
+        let out = common.main_output("crossval.json", self.flags.inputs())?;
         let (runs, pool) = self.flags.read(&vessel, &mut provenance)?;
         let options =
             CrossOptions { estimators: self.estimators.clone(), window, folds: self.folds.map(usize::from) };
         let folds = options.folds.unwrap_or(usize::MAX).min(runs.sources().len());
-        let progress = Progress::new("folds", folds * self.estimators.len(), self.common.quiet);
+        let progress = Progress::new("folds", folds * self.estimators.len(), common.quiet);
         let found = cross_validate(&pool, &runs, &options, &|count| progress.advance(count));
         let found = found.map_err(|e| refused(&self.flags.trajectories, e))?;
         let settings = [
@@ -65,11 +62,12 @@ impl Task for Arguments {
         let document = CrossvalDocument::new(&pool, self.flags.nominal().source(), window_s, &found);
         commit(vec![stage_document(&out, &provenance, &document)?])?;
         let (windows, folds, said) = (found.windows, found.folds, found.statements.join("; "));
-        Ok(Summary {
-            line: format!("{}: {windows} windows, {folds} folds; {said}", out.display()),
-            json: json!({"out": out, "windows": windows, "folds": folds,
+        Ok(Summary::of(
+            &out,
+            format!("{windows} windows, {folds} folds; {said}"),
+            json!({"windows": windows, "folds": folds,
                 "recommended": found.recommended, "statements": found.statements}),
-        })
+        ))
     }
 }
 

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use artifact::{Provenance, TableWriter, commit, encode_block, stage_document};
-use clap::Args;
+use clap::Parser;
 use identification::Estimator;
 use identification::pooled::{Judgement, Pool, PoolError, Pooled, estimate};
 use serde_json::json;
@@ -18,10 +18,14 @@ use crate::pool::{PoolFlags, lost};
 use crate::progress::Progress;
 use crate::stage::{Summary, Task};
 
-/// The command line of `estimate pool`.
-#[derive(Args)]
-#[command(after_help = "Example:\n  estimate pool --vessel pipelines/kvlcc2/vessel.toml \
-    --trajectories trajectories.parquet --nominal least-squares --estimator auto --bootstrap 500 --out results/")]
+/// One estimate from all runs, whose segments each get instruments of their own; writes estimates.parquet, estimate.json
+/// and trust.json
+#[derive(Parser)]
+#[command(
+    name = "pool",
+    after_help = "Example:\n  estimate pool --vessel pipelines/kvlcc2/vessel.toml \
+    --trajectories trajectories.parquet --nominal least-squares --estimator auto --bootstrap 500 --out results/"
+)]
 pub struct Arguments {
     #[command(flatten)]
     flags: PoolFlags,
@@ -34,23 +38,21 @@ pub struct Arguments {
     /// Lags of the standard errors (default 4 (samples/100)^(2/9))
     #[arg(long, value_name = "LAGS")]
     bandwidth: Option<u16>,
-    #[command(flatten)]
-    common: Common,
 }
 
 impl Task for Arguments {
-    fn common(&self) -> &Common {
-        &self.common
-    }
-
-    fn run(&self) -> Result<Summary, Failure> {
+    fn run(&self, common: &Common) -> Result<Summary, Failure> {
         let mut provenance = provenance("estimate");
         let vessel = read_vessel(&self.flags.vessel, &mut provenance)?;
-        let out = self.common.main_output("estimates.parquet", &self.flags.inputs())?;
+        let out = common.main_output("estimates.parquet", self.flags.inputs())?;
         let (runs, pool) = self.flags.read(&vessel, &mut provenance)?;
-        let judgement = self.judgement();
+        let judgement = Judgement {
+            bandwidth: self.bandwidth.map(usize::from),
+            replicates: self.bootstrap.unwrap_or(0),
+            seed: common.seed.unwrap_or(1),
+        };
         self.note(&judgement, &mut provenance);
-        let progress = Progress::new("resamples", judgement.replicates as usize, self.common.quiet);
+        let progress = Progress::new("resamples", judgement.replicates as usize, common.quiet);
         let resampled = |count: usize| progress.advance(count);
         let found = estimate(&pool, &runs, self.estimator, &judgement, &resampled);
         let found = found.map_err(|e| self.failed(e))?;
@@ -59,14 +61,6 @@ impl Task for Arguments {
 }
 
 impl Arguments {
-    fn judgement(&self) -> Judgement {
-        Judgement {
-            bandwidth: self.bandwidth.map(usize::from),
-            replicates: self.bootstrap.unwrap_or(0),
-            seed: self.common.seed.unwrap_or(1),
-        }
-    }
-
     fn note(&self, judgement: &Judgement, provenance: &mut Provenance) {
         let settings = [
             ("estimator", json!(self.estimator)),
@@ -102,7 +96,7 @@ impl Arguments {
         let mut writer = TableWriter::create(out, &schema, provenance)?;
         writer.push(encode_block(&schema, &estimates::table(vessel, &[found.as_run(estimator)]))?)?;
         let document = EstimateDocument::pooled(vessel, estimator, pool.removal, found);
-        let replicates = self.judgement().replicates;
+        let replicates = self.bootstrap.unwrap_or(0);
         let trust = TrustDocument::new(pool, self.flags.nominal().source(), estimator, replicates, found);
         commit(vec![
             writer.finish()?,
@@ -115,13 +109,11 @@ impl Arguments {
             reasons => format!("; not identifiable: {}", reasons.join("; ")),
         };
         let (parts, sources, samples) = (found.parts, found.sources.len(), found.samples);
-        Ok(Summary {
-            line: format!(
-                "{}: {estimator} from {parts} parts of {sources} runs, {samples} samples{rest}",
-                out.display()
-            ),
-            json: json!({"out": out, "parts": parts, "sources": sources, "samples": samples,
+        Ok(Summary::of(
+            out,
+            format!("{estimator} from {parts} parts of {sources} runs, {samples} samples{rest}"),
+            json!({"parts": parts, "sources": sources, "samples": samples,
                 "not_identifiable": refused, "statements": found.statements}),
-        })
+        ))
     }
 }

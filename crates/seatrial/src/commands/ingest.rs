@@ -21,7 +21,6 @@ use study::trajectories::{Layout, MeasuredBlock};
 #[derive(Parser)]
 #[command(
     name = "ingest",
-    version,
     after_help = "Example:\n  ingest --config pipelines/esso-osaka/ingest.toml --logs LOGS \
     --vessel pipelines/esso-osaka/vessel.toml --out trajectories.parquet"
 )]
@@ -35,59 +34,45 @@ pub struct Arguments {
     /// The vessel whose inputs and measured disturbances are needed (default: all channels are)
     #[arg(long, value_name = "vessel.toml")]
     vessel: Option<PathBuf>,
-    #[command(flatten)]
-    common: Common,
 }
 
 impl Task for Arguments {
-    fn common(&self) -> &Common {
-        &self.common
+    fn run(&self, common: &Common) -> Result<Summary, Failure> {
+        let mut provenance = provenance("ingest");
+        let refuse = |invalid| Failure::invalid(&self.config, &invalid);
+        let mut config = read_ingest(&self.config, &mut provenance)?;
+        let vessel = self.vessel.as_deref().map(|path| read_vessel(path, &mut provenance)).transpose()?;
+        let vessel_file = self.vessel.as_deref().unwrap_or(Path::new("")).display().to_string();
+        let named = vessel.as_ref().map(|vessel| (vessel, vessel_file.as_str()));
+        let plan = Plan::new(config.setup().map_err(refuse)?, named).map_err(refuse)?;
+        let folder =
+            self.logs.clone().unwrap_or_else(|| self.config.parent().unwrap_or(Path::new("")).to_owned());
+        let naming = config.naming().map_err(refuse)?;
+        let sources = find(&config, &naming, &self.config, &folder)?;
+        check_intervals(&config.segment, &sources).map_err(refuse)?;
+        let logs = sources.iter().flat_map(|source| &source.files).map(|file| folder.join(file));
+        let read = logs.chain([self.config.clone()]).chain(self.vessel.clone());
+        let out = common.main_output("trajectories.parquet", read)?;
+        let label = simulated_label(&folder, &sources, &mut provenance)?;
+        if let Some(label) = label {
+            config.design = label.to_string();
+            label.label(&mut provenance);
+        }
+        let made = all((self, common), &config, &plan, &folder, sources, &mut provenance)?;
+        let document = IngestDocument {
+            vessel: vessel.map(|vessel| vessel.name),
+            design: config.design,
+            data: label,
+            reference_point: config.reference_point,
+            sample_rate_hz: config.sample_rate_hz,
+            runs: u64::from(made.totals.runs),
+            samples: made.totals.samples,
+            maneuvers: made.totals.maneuvers,
+            recordings: made.recordings,
+        };
+        write(self, &out, &plan, &provenance, made.blocks, &document)?;
+        Ok(summary(&out, &document))
     }
-
-    fn run(&self) -> Result<Summary, Failure> {
-        stage(self)
-    }
-}
-
-fn stage(a: &Arguments) -> Result<Summary, Failure> {
-    let mut provenance = provenance("ingest");
-    let refuse = |invalid| Failure::invalid(&a.config, &invalid);
-    let mut config = read_ingest(&a.config, &mut provenance)?;
-    let vessel = a.vessel.as_deref().map(|path| read_vessel(path, &mut provenance)).transpose()?;
-    let vessel_file = a.vessel.as_deref().unwrap_or(Path::new("")).display().to_string();
-    let named = vessel.as_ref().map(|vessel| (vessel, vessel_file.as_str()));
-    let plan = Plan::new(config.setup().map_err(refuse)?, named).map_err(refuse)?;
-    let folder = a.logs.clone().unwrap_or_else(|| a.config.parent().unwrap_or(Path::new("")).to_owned());
-    let naming = config.naming().map_err(refuse)?;
-    let sources = find(&config, &naming, &a.config, &folder)?;
-    check_intervals(&config.segment, &sources).map_err(refuse)?;
-    let out = output(a, &folder, &sources)?;
-    let label = simulated_label(&folder, &sources, &mut provenance)?;
-    if let Some(label) = label {
-        config.design = label.to_string();
-        label.label(&mut provenance);
-    }
-    let made = all(a, &config, &plan, &folder, sources, &mut provenance)?;
-    let document = IngestDocument {
-        vessel: vessel.map(|vessel| vessel.name),
-        design: config.design,
-        data: label,
-        reference_point: config.reference_point,
-        sample_rate_hz: config.sample_rate_hz,
-        runs: u64::from(made.totals.runs),
-        samples: made.totals.samples,
-        maneuvers: made.totals.maneuvers,
-        recordings: made.recordings,
-    };
-    write(a, &out, &plan, &provenance, made.blocks, &document)?;
-    Ok(summary(&out, &document))
-}
-
-/// Where the trajectories go; none of the files that are read.
-fn output(a: &Arguments, folder: &Path, sources: &[Source]) -> Result<PathBuf, Failure> {
-    let logs: Vec<PathBuf> = sources.iter().flat_map(|s| &s.files).map(|file| folder.join(file)).collect();
-    let read = logs.iter().map(PathBuf::as_path).chain([a.config.as_path()]).chain(a.vessel.as_deref());
-    a.common.main_output("trajectories.parquet", &read.collect::<Vec<_>>())
 }
 
 fn layout(plan: &Plan) -> Layout {
@@ -105,7 +90,7 @@ struct Ingested {
 
 /// Reads all recordings in parallel and collects their runs in order.
 fn all(
-    a: &Arguments,
+    (a, common): (&Arguments, &Common),
     config: &IngestFile,
     plan: &Plan,
     folder: &Path,
@@ -117,7 +102,7 @@ fn all(
     let empty = || MeasuredBlock::new(&layout, plan.further.len(), plan.setup.conventions.rate_hz);
     let (mut totals, mut recordings) = (Totals::of(&config.design), Vec::with_capacity(sources.len()));
     let (mut block, mut blocks) = (empty(), Vec::new());
-    let progress = Progress::new("recordings", sources.len(), a.common.quiet);
+    let progress = Progress::new("recordings", sources.len(), common.quiet);
     let work = |i: usize| {
         let found = recorded(plan, &segmentation, folder, &sources[i]);
         progress.advance(1);
@@ -178,15 +163,14 @@ fn summary(out: &Path, document: &IngestDocument) -> Summary {
     let warned = if warnings > 0 { format!("; {warnings} warnings, see ingest.json") } else { String::new() };
     let label = document.data.map_or(String::new(), |label| format!("; {label}"));
     let line = format!(
-        "{}: {runs} runs, {samples} samples, {} maneuvers from {} recordings; {dropped} rows dropped, {splits} gaps \
+        "{runs} runs, {samples} samples, {} maneuvers from {} recordings; {dropped} rows dropped, {splits} gaps \
          that split a recording, {short} segments too short{warned}{label}",
-        out.display(),
         maneuvers.len(),
         recordings.len(),
     );
-    let json = json!({
-        "out": out, "runs": runs, "samples": samples, "recordings": recordings.len(), "maneuvers": maneuvers.len(),
+    let told = json!({
+        "runs": runs, "samples": samples, "recordings": recordings.len(), "maneuvers": maneuvers.len(),
         "dropped_rows": dropped, "splits": splits, "short_segments": short, "warnings": warnings,
     });
-    Summary { line, json }
+    Summary::of(out, line, told)
 }

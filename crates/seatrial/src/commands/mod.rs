@@ -2,7 +2,6 @@
 
 mod counts;
 mod cross;
-mod design;
 mod estimate;
 mod estimate_pool;
 mod ingest;
@@ -18,23 +17,33 @@ mod validate;
 use crate::stage::Stage;
 
 /// Trajectories from a vessel and its maneuvers.
-pub const SIMULATE: Stage = Stage::of::<simulate::Arguments>();
+pub const SIMULATE: Stage = Stage::group::<simulate::Arguments>(&[
+    Stage::of::<simulate::Dictionary>(),
+    Stage::of::<simulate::Campaign>(),
+    Stage::of::<simulate::Validation>(),
+    Stage::of::<simulate::Plan>(),
+    Stage::of::<simulate::Logs>(),
+]);
 /// Measured logs to trajectories.
 pub const INGEST: Stage = Stage::of::<ingest::Arguments>();
 /// What each maneuver tells about the parameters.
 pub const MOMENTS: Stage = Stage::of::<moments::Arguments>();
-/// How long to run each maneuver.
-pub const DESIGN: Stage = Stage::of::<design::Arguments>();
+/// How long to run each maneuver, and with which inputs.
+pub const DESIGN: Stage =
+    Stage::of::<crate::design::Arguments>().with(&[Stage::of::<crate::design::refine::Refine>()]);
 /// Parameters of every run, or of all runs together.
-pub const ESTIMATE: Stage = Stage::of::<estimate::Arguments>();
+pub const ESTIMATE: Stage =
+    Stage::of::<estimate::Arguments>().with(&[Stage::of::<estimate_pool::Arguments>()]);
 /// How far the estimated models can be trusted.
-pub const VALIDATE: Stage = Stage::of::<validate::Arguments>();
+pub const VALIDATE: Stage = Stage::of::<validate::Arguments>()
+    .with(&[Stage::of::<cross::Arguments>(), Stage::of::<selection::Arguments>()]);
 /// One trajectory that uses every maneuver as often as the design wants.
 pub const PLAN: Stage = Stage::of::<plan::Arguments>();
 /// Trials designed in rounds.
 pub const SEQUENTIAL: Stage = Stage::of::<sequential::Arguments>();
-/// A study on one page.
-pub const REPORT: Stage = Stage::of::<report::Arguments>();
+/// A study on one page, many in tables, a picture of one.
+pub const REPORT: Stage =
+    Stage::of::<report::Arguments>().with(&[Stage::of::<report::Results>(), Stage::of::<report::Picture>()]);
 
 /// Every stage, in the order in which a study runs them.
 pub const STAGES: [&Stage; 9] =

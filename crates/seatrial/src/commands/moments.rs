@@ -12,7 +12,7 @@ use serde_json::json;
 use study::campaign_file::CampaignFile;
 use study::documents::MomentsDocument;
 use study::files::{generator, read_campaign, read_vessel};
-use study::trajectories::{Layout, TrajectoryReader, label};
+use study::trajectories::{TrajectoryReader, label};
 use trial::moments::{
     Expected, FreeRunModel, ManeuverMoments, Moments, Pool, Prediction, Unpredictable, structure,
 };
@@ -21,8 +21,9 @@ use vessel::{Invalid, Run, Vessel};
 use crate::choice::choice;
 use crate::cli::{Common, provenance};
 use crate::failure::Failure;
+use crate::inputs;
 use crate::ordered::ordered;
-use crate::pool::{Nominal, labelled_runs};
+use crate::pool::Nominal;
 use crate::progress::Progress;
 use crate::stage::{Summary, Task};
 
@@ -30,7 +31,6 @@ use crate::stage::{Summary, Task};
 #[derive(Parser)]
 #[command(
     name = "moments",
-    version,
     after_help = "Example:\n  moments --vessel pipelines/paper/vessel.toml \
     --trajectories dictionary.parquet --out moments.json\n  \
     moments --vessel vessel.toml --trajectories dictionary.parquet --campaign campaign.toml --out moments.json\n  \
@@ -56,58 +56,43 @@ pub struct Arguments {
     /// The estimator to predict besides: `output-error` adds the matrices F and P, and G of the campaign's validation maneuvers
     #[arg(long, value_parser = choice(&Estimator::PREDICTED, Estimator::name, Estimator::description), default_value_t = Estimator::Iv, requires = "campaign")]
     estimator: Estimator,
-    #[command(flatten)]
-    common: Common,
 }
 
 impl Task for Arguments {
-    fn common(&self) -> &Common {
-        &self.common
+    fn run(&self, common: &Common) -> Result<Summary, Failure> {
+        let mut provenance = provenance("moments");
+        let mut vessel = read_vessel(&self.vessel, &mut provenance)?;
+        if let Some(nominal) = &self.nominal {
+            vessel.nominal = nominal_of(self, nominal, &vessel, &mut provenance)?;
+        }
+        let reader = inputs::trajectories(&self.trajectories, "trajectories", &vessel, &mut provenance)?;
+        if reader.blocks() > 0 {
+            label(reader.runs(0)?.iter().map(|run| run.design.as_str()), &mut provenance);
+        }
+        provenance.settings.insert("instruments".into(), json!(self.instruments));
+        let (expected, output_error) = predicted(self, &vessel, &mut provenance)?;
+        let maneuvers =
+            maneuvers((self, common), &vessel, expected.as_ref(), output_error.as_ref(), &reader)?;
+        let document = MomentsDocument::from(Moments {
+            vessel: vessel.name.clone(),
+            sample_rate_hz: vessel.sample_rate_hz,
+            instruments: self.instruments,
+            degrees: structure(&vessel.model),
+            maneuvers,
+            expected,
+            output_error,
+        });
+        let inputs = [&self.vessel, &self.trajectories].into_iter().chain(&self.campaign);
+        let out = common.main_output("moments.json", inputs)?;
+        commit(vec![stage_document(&out, &provenance, &document)?])?;
+        let count = document.maneuvers.len();
+        Ok(Summary::of(&out, format!("moments of {count} maneuvers"), json!({"maneuvers": count})))
     }
-
-    fn run(&self) -> Result<Summary, Failure> {
-        stage(self)
-    }
-}
-
-fn stage(a: &Arguments) -> Result<Summary, Failure> {
-    let mut provenance = provenance("moments");
-    let mut vessel = read_vessel(&a.vessel, &mut provenance)?;
-    if let Some(nominal) = &a.nominal {
-        vessel.nominal = nominal_of(a, nominal, &vessel, &mut provenance)?;
-    }
-    let reader = TrajectoryReader::open(&a.trajectories, &Layout::new(&vessel.model), vessel.sample_rate_hz)?;
-    reader.whole()?;
-    provenance.inputs.insert("trajectories".into(), reader.digest());
-    if reader.blocks() > 0 {
-        label(reader.runs(0)?.iter().map(|run| run.design.as_str()), &mut provenance);
-    }
-    provenance.settings.insert("instruments".into(), json!(a.instruments));
-    let (expected, output_error) = predicted(a, &vessel, &mut provenance)?;
-    let maneuvers = maneuvers(a, &vessel, expected.as_ref(), output_error.as_ref(), &reader)?;
-    let document = MomentsDocument::from(Moments {
-        vessel: vessel.name.clone(),
-        sample_rate_hz: vessel.sample_rate_hz,
-        instruments: a.instruments,
-        degrees: structure(&vessel.model),
-        maneuvers,
-        expected,
-        output_error,
-    });
-    let inputs: Vec<&Path> =
-        [&a.vessel, &a.trajectories].into_iter().chain(&a.campaign).map(PathBuf::as_path).collect();
-    let out = a.common.main_output("moments.json", &inputs)?;
-    commit(vec![stage_document(&out, &provenance, &document)?])?;
-    let count = document.maneuvers.len();
-    Ok(Summary {
-        line: format!("{}: moments of {count} maneuvers", out.display()),
-        json: json!({"out": out, "maneuvers": count}),
-    })
 }
 
 /// The moments of all maneuvers in the table.
 fn maneuvers(
-    a: &Arguments,
+    (a, common): (&Arguments, &Common),
     vessel: &Vessel,
     expected: Option<&Expected>,
     output_error: Option<&FreeRunModel>,
@@ -115,7 +100,7 @@ fn maneuvers(
 ) -> Result<Vec<ManeuverMoments>, Failure> {
     let prediction = Prediction::new(&vessel.model, expected, output_error);
     let instruments = RunInstruments::new(vessel, a.instruments);
-    let progress = Progress::new("blocks", reader.blocks(), a.common.quiet);
+    let progress = Progress::new("blocks", reader.blocks(), common.quiet);
     let mut pool = Pool::default();
     let work = |block: usize| {
         let runs: Vec<Run> = prediction.runs(&reader.runs(block)?);
@@ -180,8 +165,8 @@ fn nominal_of(
     provenance: &mut Provenance,
 ) -> Result<Vec<f64>, Failure> {
     let model = nominal.read(vessel, provenance)?;
-    let runs = PooledRuns::new(labelled_runs(&a.trajectories, vessel, provenance)?, &BTreeMap::new());
-    let parts = runs.segments(vessel, None).concat();
+    let runs = PooledRuns::new(inputs::labelled_runs(&a.trajectories, vessel, provenance)?, &BTreeMap::new());
+    let parts = runs.segments(None).concat();
     let sums: Vec<Sums> = parts.iter().map(|p| Regression::of(&vessel.model, p).sums()).collect();
     let found = model.parameters(&sums.iter().collect::<Vec<_>>(), MeanRemoval::None);
     found.map(|(theta, _)| theta).ok_or_else(|| {

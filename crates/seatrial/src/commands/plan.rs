@@ -1,6 +1,6 @@
 //! `plan`: one trajectory that uses every maneuver as often as the design wants.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Duration;
 
 use crate::cli::{Common, given};
@@ -14,7 +14,6 @@ use lattice::Engine;
 #[derive(Parser)]
 #[command(
     name = "plan",
-    version,
     after_help = "Example:\n  plan --vessel pipelines/helsinki/vessel.toml --trajectories out/helsinki/dictionary.parquet \
     --config pipelines/helsinki/plan.toml --out out/helsinki/plan.json\n  \
     plan --problem fixtures/lattice/channel.json --out plan.json"
@@ -44,8 +43,6 @@ pub struct Arguments {
     /// How to search
     #[arg(long, value_enum, default_value_t = EngineChoice::Auto)]
     engine: EngineChoice,
-    #[command(flatten)]
-    common: Common,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -59,45 +56,36 @@ enum EngineChoice {
 }
 
 impl Task for Arguments {
-    fn common(&self) -> &Common {
-        &self.common
-    }
-
-    fn run(&self) -> Result<Summary, Failure> {
-        stage(self)
-    }
-}
-
-fn stage(a: &Arguments) -> Result<Summary, Failure> {
-    let time = match a.time_limit_s {
-        Some(s) if !(s.is_finite() && s > 0.0 && s < 1e9) => {
-            let message = format!("--time-limit-s: found {s}, expected seconds above 0; correct it");
-            return Err(Failure::Usage(message));
+    fn run(&self, common: &Common) -> Result<Summary, Failure> {
+        let time = match self.time_limit_s {
+            Some(s) if !(s.is_finite() && s > 0.0 && s < 1e9) => {
+                let message = format!("--time-limit-s: found {s}, expected seconds above 0; correct it");
+                return Err(Failure::Usage(message));
+            }
+            time => time.map(Duration::from_secs_f64),
+        };
+        let limits = Limits {
+            engine: match self.engine {
+                EngineChoice::Auto => Engine::Auto,
+                EngineChoice::Exhaustive => Engine::Exhaustive,
+                EngineChoice::Lagrangian => Engine::Lagrangian,
+            },
+            memory_bytes: self.memory_mib.saturating_mul(1 << 20),
+            time,
+            quiet: common.quiet,
+        };
+        if let Some(problem) = &self.problem {
+            let out = common.main_output("plan.json", [problem])?;
+            return plan_problem(problem, &out, &limits);
         }
-        time => time.map(Duration::from_secs_f64),
-    };
-    let limits = Limits {
-        engine: match a.engine {
-            EngineChoice::Auto => Engine::Auto,
-            EngineChoice::Exhaustive => Engine::Exhaustive,
-            EngineChoice::Lagrangian => Engine::Lagrangian,
-        },
-        memory_bytes: a.memory_mib.saturating_mul(1 << 20),
-        time,
-        quiet: a.common.quiet,
-    };
-    if let Some(problem) = &a.problem {
-        let out = a.common.main_output("plan.json", &[problem])?;
-        return plan_problem(problem, &out, &limits);
+        let files = VoyageFiles {
+            vessel: given(&self.vessel, "vessel")?,
+            config: given(&self.config, "config")?,
+            trajectories: given(&self.trajectories, "trajectories")?,
+            design: self.design.as_deref(),
+        };
+        let inputs = [files.vessel, files.config, files.trajectories].into_iter().chain(files.design);
+        let out = common.main_output("plan.json", inputs)?;
+        plan_voyage(&files, &out, &limits, common.seed.unwrap_or(1))
     }
-    let files = VoyageFiles {
-        vessel: given(&a.vessel, "vessel")?,
-        config: given(&a.config, "config")?,
-        trajectories: given(&a.trajectories, "trajectories")?,
-        design: a.design.as_deref(),
-    };
-    let inputs: Vec<&Path> =
-        [files.vessel, files.config, files.trajectories].into_iter().chain(files.design).collect();
-    let out = a.common.main_output("plan.json", &inputs)?;
-    plan_voyage(&files, &out, &limits, a.common.seed.unwrap_or(1))
 }

@@ -2,19 +2,20 @@
 
 use std::path::{Path, PathBuf};
 
-use artifact::{Provenance, TableWriter, commit, encode_block, read_toml, stage_document};
-use clap::Args;
+use artifact::{Provenance, TableWriter, commit, encode_block, stage_document};
+use clap::Parser;
 use identification::Estimator;
-use identification::selection::{SelectionOptions, available, select};
+use identification::selection::{PublishedLimits, SelectionOptions, available, select};
 use serde_json::json;
-use study::documents::{PublishedLimits, Reference, SelectionDocument};
+use study::documents::{Reference, SelectionDocument};
 use study::files::read_vessel;
-use study::selection::{Row, document, rows_of, schema, table};
+use study::selection::{Row, document, schema, table};
 
 use super::counts::counts;
 use crate::choice::choice;
 use crate::cli::{Common, beside, provenance};
 use crate::failure::Failure;
+use crate::inputs;
 use crate::pool::{PoolFlags, lost};
 use crate::progress::Progress;
 use crate::stage::{Summary, Task};
@@ -22,10 +23,13 @@ use crate::stage::{Summary, Task};
 /// The estimators that sums per sub-experiment are enough for.
 const ESTIMATORS: [Estimator; 3] = [Estimator::Ls, Estimator::Iv, Estimator::Auto];
 
-/// The command line of `validate selection`.
-#[derive(Args)]
-#[command(after_help = "Example:\n  validate selection --vessel pipelines/esso-osaka/vessel.toml \
-    --trajectories trajectories.parquet --design design.json --out selection.parquet")]
+/// Models from sub-experiments that a design picked against random picks; writes selection.parquet, selection.json
+#[derive(Parser)]
+#[command(
+    name = "selection",
+    after_help = "Example:\n  validate selection --vessel pipelines/esso-osaka/vessel.toml \
+    --trajectories trajectories.parquet --design design.json --out selection.parquet"
+)]
 pub struct Arguments {
     #[command(flatten)]
     flags: PoolFlags,
@@ -47,16 +51,10 @@ pub struct Arguments {
     /// Published results to compare with: counts realizations beyond the errors at which their figures end
     #[arg(long, value_name = "reference.toml")]
     reference: Option<PathBuf>,
-    #[command(flatten)]
-    common: Common,
 }
 
 impl Task for Arguments {
-    fn common(&self) -> &Common {
-        &self.common
-    }
-
-    fn run(&self) -> Result<Summary, Failure> {
+    fn run(&self, common: &Common) -> Result<Summary, Failure> {
         let mut provenance = provenance("validate");
         let vessel = read_vessel(&self.flags.vessel, &mut provenance)?;
         if !ESTIMATORS.contains(&self.estimator) {
@@ -65,26 +63,24 @@ impl Task for Arguments {
                 "{found}; a selection study adds up sums per sub-experiment"
             )));
         }
-        let mut inputs = self.flags.inputs();
-        inputs.extend(self.design.iter().chain(&self.reference).map(PathBuf::as_path));
-        let out = self.common.main_output("selection.parquet", &inputs)?;
+        let inputs = self.flags.inputs().chain(&self.design).chain(&self.reference);
+        let out = common.main_output("selection.parquet", inputs)?;
         let (runs, pool) = self.flags.read(&vessel, &mut provenance)?;
-        let there = available(&runs.segments(&vessel, None).concat());
+        let there = available(&runs.segments(None).concat());
         let picks = self.picks.map(u64::from);
         let options = SelectionOptions {
             estimator: self.estimator,
             counts: counts(self.design.as_deref(), &self.counts, picks, &there, &mut provenance)?,
             realizations: self.realizations,
-            seed: self.common.seed.unwrap_or(1),
+            seed: common.seed.unwrap_or(1),
+            published_limits: self.published(&mut provenance)?,
         };
-        let progress = Progress::new("realizations", 2 * self.realizations as usize, self.common.quiet);
+        let progress = Progress::new("realizations", 2 * self.realizations as usize, common.quiet);
         let found = select(&pool, &runs, &options, &|count| progress.advance(count));
         let found = found.map_err(|e| lost(&self.flags.trajectories, &e))?;
         self.note(&options, &mut provenance);
-        let published = self.published(&mut provenance)?;
-        let (rows, nominal) = (rows_of(&found), self.flags.nominal().source());
-        let document = document(&pool, nominal, &options, &found, &rows, published);
-        publish(&out, &provenance, &rows, &document)
+        let document = document(&pool, self.flags.nominal().source(), &options, &found);
+        publish(&out, &provenance, &found.realizations, &document)
     }
 }
 
@@ -92,8 +88,7 @@ impl Arguments {
     /// Where the figures of a published selection study end.
     fn published(&self, provenance: &mut Provenance) -> Result<Option<PublishedLimits>, Failure> {
         let Some(file) = &self.reference else { return Ok(None) };
-        let (reference, digest) = read_toml::<Reference>(file)?;
-        provenance.inputs.insert("reference".into(), digest);
+        let reference: Reference = inputs::toml(file, "reference", provenance)?;
         Ok(reference.selection.as_ref().map(PublishedLimits::from))
     }
 
@@ -118,8 +113,6 @@ fn publish(
     writer.push(encode_block(&schema(), &table(rows))?)?;
     let staged = stage_document(beside(out, "selection.json"), provenance, document)?;
     commit(vec![writer.finish()?, staged])?;
-    Ok(Summary {
-        line: format!("{}: {}", out.display(), document.statements.join("; ")),
-        json: json!({"out": out, "ratio_q90": document.ratio_q90, "statements": document.statements}),
-    })
+    let told = json!({"ratio_q90": document.ratio_q90, "statements": document.statements});
+    Ok(Summary::of(out, document.statements.join("; "), told))
 }

@@ -5,14 +5,13 @@ use std::path::{Path, PathBuf};
 use artifact::{Provenance, TableWriter, commit, stage_document};
 use clap::Parser;
 use identification::predictor::InitialState;
-use identification::runs::{RunError, RunEstimators};
+use identification::runs::RunEstimators;
 use identification::{Estimator, MeanRemoval};
 use serde_json::json;
 use study::files::{read_campaign, read_dictionary, read_sequential, read_vessel};
 use study::sequential::{SequentialFile, columns, document};
-use trial::campaign::Refusal;
-use trial::rounds::{self, Estimated, Row, Trial};
-use vessel::{Invalid, LANES, Run};
+use trial::rounds::{self, Row, Trial};
+use vessel::{Invalid, LANES};
 
 use crate::cli::{Common, beside, provenance};
 use crate::failure::Failure;
@@ -26,7 +25,6 @@ use crate::stage::{Summary, Task};
 #[derive(Parser)]
 #[command(
     name = "sequential",
-    version,
     after_help = "Example:\n  sequential --vessel pipelines/paper/vessel.toml --dictionary pipelines/paper/dictionary.toml \
     --campaign pipelines/paper/campaign.toml --config pipelines/sequential/sequential.toml --out sequential.parquet"
 )]
@@ -43,66 +41,48 @@ pub struct Arguments {
     /// Rounds, sea time, accuracy
     #[arg(long, value_name = "sequential.toml")]
     config: PathBuf,
-    #[command(flatten)]
-    common: Common,
 }
 
 impl Task for Arguments {
-    fn common(&self) -> &Common {
-        &self.common
+    fn run(&self, common: &Common) -> Result<Summary, Failure> {
+        let mut provenance = provenance("sequential");
+        let inputs = [&self.vessel, &self.dictionary, &self.campaign, &self.config];
+        let out = common.main_output("sequential.parquet", inputs)?;
+        let vessel = read_vessel(&self.vessel, &mut provenance)?;
+        let generator = read_dictionary(&self.dictionary, &vessel, &mut provenance)?;
+        let campaign = read_campaign(&self.campaign, &mut provenance)?;
+        let config = read_sequential(&self.config, &mut provenance)?;
+        let seed = common.seed.unwrap_or(campaign.seed);
+        provenance.settings.insert("seed".into(), json!(seed));
+        let of = |file: &'_ Path| {
+            let file = file.to_owned();
+            move |e: Invalid| Failure::invalid(&file, &e)
+        };
+        rounds::truth(&vessel).map_err(of(&self.vessel))?;
+        let knowledge = config.knowledge(&vessel, seed).map_err(of(&self.config))?;
+        let rounds = config.rounds as usize;
+        let ends = rounds::ends(&vessel, config.duration_s, rounds).map_err(of(&self.config))?;
+        let noise = campaign.predictable_noise().map_err(of(&self.campaign))?;
+        let sea = campaign.sea(&vessel).map_err(of(&self.vessel))?;
+        let estimators = RunEstimators {
+            vessel: &vessel,
+            estimators: vec![Estimator::OutputError],
+            removal: MeanRemoval::Complete,
+            initial: InitialState::Known,
+            levels: Some(campaign.levels(vessel.sample_rate_hz)),
+        };
+        let segments = campaign.random.map_or(5, |random| random.segments as usize);
+        let files = Files {
+            vessel: &self.vessel,
+            dictionary: &self.dictionary,
+            campaign: &self.config,
+            design: &self.config,
+        };
+        let trial = Trial::new(sea, &generator, noise, estimators, knowledge, ends, segments)
+            .map_err(|e| files.refused(e))?;
+        let rows = realizations(&trial, &files, config.realizations, common.quiet)?;
+        publish((self, &out), &provenance, &trial, &config, &rows, vessel.sample_rate_hz)
     }
-
-    fn run(&self) -> Result<Summary, Failure> {
-        stage(self)
-    }
-}
-
-fn stage(a: &Arguments) -> Result<Summary, Failure> {
-    let mut provenance = provenance("sequential");
-    let inputs = [a.vessel.as_path(), &a.dictionary, &a.campaign, &a.config];
-    let out = a.common.main_output("sequential.parquet", &inputs)?;
-    let vessel = read_vessel(&a.vessel, &mut provenance)?;
-    let generator = read_dictionary(&a.dictionary, &vessel, &mut provenance)?;
-    let campaign = read_campaign(&a.campaign, &mut provenance)?;
-    let config = read_sequential(&a.config, &mut provenance)?;
-    let seed = a.common.seed.unwrap_or(campaign.seed);
-    provenance.settings.insert("seed".into(), json!(seed));
-    let of = |file: &'_ Path| {
-        let file = file.to_owned();
-        move |e: Invalid| Failure::invalid(&file, &e)
-    };
-    rounds::truth(&vessel).map_err(of(&a.vessel))?;
-    let knowledge = config.knowledge(&vessel, seed).map_err(of(&a.config))?;
-    let rounds = config.rounds as usize;
-    let ends = rounds::ends(&vessel, config.duration_s, rounds).map_err(of(&a.config))?;
-    let noise = campaign.predictable_noise().map_err(of(&a.campaign))?;
-    let sea = campaign.sea(&vessel).map_err(of(&a.vessel))?;
-    let estimators = RunEstimators {
-        vessel: &vessel,
-        estimators: vec![Estimator::OutputError],
-        removal: MeanRemoval::Complete,
-        initial: InitialState::Known,
-        levels: Some(campaign.levels(vessel.sample_rate_hz)),
-    };
-    let estimate = |runs: &[Run]| estimated(&estimators, runs);
-    let segments = campaign.random.map_or(5, |random| random.segments as usize);
-    let files =
-        Files { vessel: &a.vessel, dictionary: &a.dictionary, campaign: &a.config, design: &a.config };
-    let trial = Trial::new(sea, &generator, noise, &estimate, knowledge, ends, segments)
-        .map_err(|e| files.refused(e))?;
-    let rows = realizations(&trial, &files, config.realizations, a.common.quiet)?;
-    publish((a, &out), &provenance, &trial, &config, &rows, vessel.sample_rate_hz)
-}
-
-/// Output error of single runs.
-fn estimated(estimators: &RunEstimators, runs: &[Run]) -> Result<Vec<Estimated>, Refusal> {
-    let refused = |e: RunError| match e {
-        RunError::Diverged(_) => Refusal::Vessel(e.invalid()),
-        RunError::TooShort { .. } => Refusal::Campaign(e.invalid()),
-    };
-    let rows = estimators.estimates(runs).map_err(refused)?;
-    let each = rows.into_iter();
-    Ok(each.map(|row| Estimated { outcome: row.status.into(), estimate: row.estimate }).collect())
 }
 
 fn publish(
@@ -128,11 +108,9 @@ fn publish(
     writer.push(columns.encode(rows)?)?;
     let beside = beside(out, "sequential.json");
     commit(vec![writer.finish()?, stage_document(beside, provenance, &document)?])?;
-    let said = document.statements.join("; ");
-    Ok(Summary {
-        line: format!("{}: {} realizations; {said}", out.display(), config.realizations),
-        json: json!({"out": out, "realizations": config.realizations, "statements": document.statements}),
-    })
+    let (count, said) = (config.realizations, document.statements.join("; "));
+    let told = json!({"realizations": count, "statements": document.statements});
+    Ok(Summary::of(out, format!("{count} realizations; {said}"), told))
 }
 
 fn realizations(trial: &Trial, files: &Files, count: u32, quiet: bool) -> Result<Vec<Row>, Failure> {

@@ -11,7 +11,7 @@ use trial::moments::Estimated;
 use vessel::Source;
 
 use crate::choice::choice;
-use crate::cli::{Common, name_of};
+use crate::cli::name_of;
 use crate::failure::Failure;
 
 /// Finds the shares of the experiment time that make the information largest (D-optimal), or a criterion of the estimate's
@@ -19,7 +19,6 @@ use crate::failure::Failure;
 #[derive(Parser)]
 #[command(
     name = "design",
-    version,
     after_help = "Example:\n  design --moments moments.json --out design.json\n  \
     design --moments moments.json --segments 5 --segment-samples 200 --out design.json\n  \
     design --moments moments.json --criterion a-relative --relative-to value --out design.json"
@@ -57,9 +56,6 @@ pub struct Arguments {
     /// The longest experiment for --accuracy [s]
     #[arg(long, value_name = "S", default_value_t = 86_400.0)]
     pub(super) longest_s: f64,
-    /// Segments of the random designs that --accuracy compares with
-    #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=1000))]
-    pub(super) random_segments: u32,
     /// Which parameters the errors of a-relative are relative to
     #[arg(long, value_parser = choice(&Source::ALL, Source::name, relative_to), default_value = "nominal")]
     pub(super) relative_to: Source,
@@ -94,9 +90,6 @@ pub struct Arguments {
     /// Samples per segment
     #[arg(long, value_name = "N", requires = "segments", value_parser = clap::value_parser!(u64).range(1..))]
     pub(super) segment_samples: Option<u64>,
-    /// Flags of every stage
-    #[command(flatten)]
-    pub common: Common,
 }
 
 /// What disturbs an output-error estimate.
@@ -192,15 +185,10 @@ impl Arguments {
         Length { samples: self.duration_s.map(|s| s * dictionary.sample_rate_hz).or(counted), segments }
     }
 
-    /// Of random starts and random designs.
-    pub(super) fn seed(&self) -> u64 {
-        self.common.seed.unwrap_or(1)
-    }
-
     /// What the result depends on besides the inputs; a criterion only where it is not the default.
-    pub(super) fn settings(&self, provenance: &mut Provenance) {
+    pub(super) fn settings(&self, seed: u64, provenance: &mut Provenance) {
         let settings = &mut provenance.settings;
-        settings.insert("seed".into(), json!(self.seed()));
+        settings.insert("seed".into(), json!(seed));
         settings.insert("starts".into(), json!(self.starts));
         settings.insert("tolerance".into(), json!(self.tolerance));
         let name = self.criterion_name().unwrap_or(CriterionName::DHessian);

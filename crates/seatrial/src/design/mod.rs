@@ -7,4 +7,3 @@ mod refusal;
 mod stage;
 
 pub use arguments::Arguments;
-pub use stage::stage;

@@ -4,7 +4,7 @@ use artifact::Provenance;
 use design::{Accuracy, Design};
 use design::{
     Bounds, Candidates, Criterion, CriterionName, Dictionary, Errors, NoDesign, Norm, Options, Question,
-    Restricted, Restriction, Stock, restricted,
+    Restricted, Restriction, Stock,
 };
 use identification::MeanRemoval;
 use study::design_files::{read_stock, read_weights};
@@ -22,6 +22,8 @@ use crate::failure::Failure;
 /// Maneuvers and a criterion.
 pub(super) struct Problem<'a> {
     pub a: &'a Arguments,
+    /// Of random starts and random designs.
+    pub seed: u64,
     pub moments: &'a Moments,
     pub dictionary: Dictionary,
     pub name: CriterionName,
@@ -36,6 +38,7 @@ pub(super) struct Problem<'a> {
 impl<'a> Problem<'a> {
     pub fn read(
         a: &'a Arguments,
+        seed: u64,
         moments: &'a Moments,
         provenance: &mut Provenance,
     ) -> Result<Self, Failure> {
@@ -61,7 +64,7 @@ impl<'a> Problem<'a> {
         let criterion = criterion.map_err(|e| no_design(&a.moments, None, e))?;
         let stock = a.available.as_ref().map(|path| read_stock(path, &dictionary.maneuvers, provenance));
         let stock = stock.transpose()?;
-        Ok(Self { a, moments, dictionary, name, estimated, criterion, stock, middle })
+        Ok(Self { a, seed, moments, dictionary, name, estimated, criterion, stock, middle })
     }
 
     pub fn refuse(&self, why: NoDesign) -> Failure {
@@ -87,7 +90,7 @@ impl<'a> Problem<'a> {
             stock: self.stock.as_ref(),
         };
         let shortest = question.shortest(options).map_err(|e| self.refuse(e))?;
-        let rivals = self.moments.rivals(a.mean_removal, a.random_segments, a.seed());
+        let rivals = self.moments.rivals(a.mean_removal, self.seed);
         let accuracy = question.compare(&shortest, &rivals);
         Ok(Some((shortest.design, accuracy)))
     }
@@ -107,7 +110,7 @@ impl<'a> Problem<'a> {
         let least = few.minimal_s.zip(duration_s).map_or(0.0, |(minimal, duration)| minimal / duration);
         let most = few.most_maneuvers.map_or(usize::MAX, |k| k as usize).min(relaxed.shares.len());
         let (restriction, parameters) = (Restriction { most, least }, self.dictionary.parameters());
-        let found = restricted(&self.criterion, relaxed, bounds, &restriction, options, parameters);
+        let found = self.criterion.restricted(relaxed, bounds, &restriction, options, parameters);
         found.map(|found| Some((few, found))).map_err(|e| {
             let asked = [
                 few.most_maneuvers.map(|k| format!("--most-maneuvers {k}")),
@@ -158,7 +161,7 @@ impl<'a> Problem<'a> {
             dictionary: &self.dictionary,
             criterion: &self.criterion,
             estimated: self.estimated,
-            seed: a.seed(),
+            seed: self.seed,
         };
         let found = arranging.search(&design.shares, &design.sensitivities, samples.round() as usize);
         found.map(Some).map_err(|e| Failure::invalid(dictionary, &e))

@@ -1,9 +1,9 @@
 //! `design refine`: the input signals of an experiment themselves, from a design as a start.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-use artifact::{Provenance, Staged, commit, read_document, stage_document};
-use clap::Args;
+use artifact::{Provenance, Staged, commit, stage_document};
+use clap::Parser;
 use identification::Noise;
 use identification::refine::Effort;
 use serde_json::json;
@@ -17,12 +17,14 @@ use vessel::{Generator, Invalid, Vessel, refuse_endless};
 
 use crate::cli::{Common, beside, provenance};
 use crate::failure::Failure;
+use crate::inputs;
 use crate::simulate::Files;
-use crate::stage::Summary;
+use crate::stage::{Summary, Task};
 
-/// The command line of `design refine`.
-#[derive(Args)]
+/// Makes the input signals of a design's experiment better for an output-error estimate, within limits of inputs and motion
+#[derive(Parser)]
 #[command(
+    name = "refine",
     after_help = "Writes refined.json, and inputs.csv, refined-dictionary.toml and design.json for `simulate campaign`.\n\n\
     Example:\n  design refine --vessel vessel.toml --dictionary dictionary.toml --design design.json --campaign campaign.toml --out refined/"
 )]
@@ -50,55 +52,49 @@ pub struct Refine {
     /// Maximum number of iterations
     #[arg(long, value_name = "N", default_value_t = 3000, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     iterations: u32,
-    /// Flags of every stage
-    #[command(flatten)]
-    pub common: Common,
 }
 
-/// Runs `design refine`.
-///
-/// # Errors
-/// Files that are refused; limits that the start breaks; a start that excites not every parameter.
-pub fn refine(a: &Refine) -> Result<Summary, Failure> {
-    let mut provenance = provenance("design refine");
-    let inputs =
-        [Some(&a.vessel), Some(&a.dictionary), Some(&a.design), Some(&a.campaign), a.limits.as_ref()];
-    let inputs: Vec<&Path> = inputs.into_iter().flatten().map(PathBuf::as_path).collect();
-    let out = a.common.main_output("refined.json", &inputs)?;
-    let others = ["inputs.csv", "refined-dictionary.toml", "design.json"].map(|name| beside(&out, name));
-    for path in &others {
-        Common { out: path.clone(), ..a.common.clone() }.main_output("", &inputs)?;
+impl Task for Refine {
+    fn run(&self, common: &Common) -> Result<Summary, Failure> {
+        let mut provenance = provenance("design refine");
+        let inputs = || {
+            let all = [&self.vessel, &self.dictionary, &self.design, &self.campaign];
+            all.into_iter().chain(&self.limits)
+        };
+        let out = common.main_output("refined.json", inputs())?;
+        let others = ["inputs.csv", "refined-dictionary.toml", "design.json"].map(|name| beside(&out, name));
+        for path in &others {
+            Common { out: path.clone(), ..common.clone() }.main_output("", inputs())?;
+        }
+        let vessel = read_vessel(&self.vessel, &mut provenance)?;
+        let found = search(self, &vessel, &mut provenance)?;
+        settings(self, &vessel, &found, &mut provenance);
+        let files = RefinedFiles { vessel: &vessel, found: &found };
+        let document = files.document();
+        let [csv, dictionary, design] = &others;
+        commit(vec![
+            stage_document(&out, &provenance, &document)?,
+            Staged::bytes(csv, files.inputs().as_bytes())?,
+            Staged::bytes(dictionary, files.dictionary().as_bytes())?,
+            stage_document(design, &provenance, &files.design(&document))?,
+        ])?;
+        let told = json!({
+            "before": document.before.value, "after": document.after.value, "worth": document.worth,
+            "iterations": document.iterations, "settled": document.settled,
+        });
+        Ok(Summary::of(&out, &document.statement, told))
     }
-    let vessel = read_vessel(&a.vessel, &mut provenance)?;
-    let found = search(a, &vessel, &mut provenance)?;
-    settings(a, &vessel, &found, &mut provenance);
-    let files = RefinedFiles { vessel: &vessel, found: &found };
-    let document = files.document();
-    let [csv, dictionary, design] = &others;
-    commit(vec![
-        stage_document(&out, &provenance, &document)?,
-        Staged::bytes(csv, files.inputs().as_bytes())?,
-        Staged::bytes(dictionary, files.dictionary().as_bytes())?,
-        stage_document(design, &provenance, &files.design(&document))?,
-    ])?;
-    let line = format!("{}: {}", out.display(), document.statement);
-    let json = json!({
-        "out": out, "before": document.before.value, "after": document.after.value, "worth": document.worth,
-        "iterations": document.iterations, "settled": document.settled,
-    });
-    Ok(Summary { line, json })
 }
 
 /// Reads the design's experiment and its limits, and refines it.
 fn search(a: &Refine, vessel: &Vessel, provenance: &mut Provenance) -> Result<Refinement, Failure> {
     let generator = read_dictionary(&a.dictionary, vessel, provenance)?;
     let config = read_campaign(&a.campaign, provenance)?;
-    let design = read_document::<DesignDocument>(&a.design)?;
-    provenance.inputs.insert("design".into(), design.digest);
-    let plan = plan(a, vessel, &generator, &config, &design.data)?;
+    let design = inputs::document(&a.design, "design", provenance)?;
+    let plan = plan(a, vessel, &generator, &config, &design)?;
     let noise = noise(&config).map_err(|e| Failure::invalid(&a.campaign, &e))?;
     let refused = |e| not_refined(a, e);
-    let start = Start::new(vessel, &generator, &plan, noise).map_err(refused)?;
+    let start = Start::new(vessel, &generator, &plan, noise).map_err(|e| files(a).refused(e))?;
     let model = &vessel.model;
     let inputs: Vec<&str> = model.variables[3..3 + model.inputs].iter().map(|v| v.name.as_str()).collect();
     let stated = match &a.limits {
@@ -120,10 +116,12 @@ fn plan(
 ) -> Result<Plan, Failure> {
     let samples = vessel.samples(config.duration_s);
     refuse_endless("`duration_s`", samples).map_err(|e| Failure::invalid(&a.campaign, &e))?;
-    let files =
-        Files { vessel: &a.vessel, dictionary: &a.dictionary, campaign: &a.campaign, design: &a.design };
     let names: Vec<String> = generator.maneuvers().iter().map(|m| m.name.clone()).collect();
-    design.designed().plan(&names, samples).map_err(|e| files.refused(e))
+    design.designed().plan(&names, samples).map_err(|e| files(a).refused(e))
+}
+
+fn files(a: &Refine) -> Files<'_> {
+    Files { vessel: &a.vessel, dictionary: &a.dictionary, campaign: &a.campaign, design: &a.design }
 }
 
 /// Disturbances that a covariance is predicted for.
@@ -156,9 +154,7 @@ fn settings(a: &Refine, vessel: &Vessel, found: &Refinement, provenance: &mut Pr
 /// Why an experiment is not refined.
 fn not_refined(a: &Refine, why: Refusal) -> Failure {
     match why {
-        Refusal::Vessel(e) => Failure::invalid(&a.vessel, &e),
-        Refusal::Dictionary(e) => Failure::invalid(&a.dictionary, &e),
-        Refusal::Design(e) => Failure::invalid(&a.design, &e),
+        Refusal::Trial(why) => files(a).refused(why),
         Refusal::Limits(e) => Failure::invalid(a.limits.as_ref().unwrap_or(&a.dictionary), &e),
         Refusal::NotIdentifiable { parameter } => Failure::NoAnswer(format!(
             "{}: the design's experiment: found one that does not tell `{parameter}` from the other parameters, expected a \

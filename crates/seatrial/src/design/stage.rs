@@ -1,4 +1,4 @@
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use artifact::{Provenance, commit, read_document, stage_document};
 use design::{Available, Bounds, CountOptions, Design, Length, Options, Segments, counted};
@@ -7,42 +7,43 @@ use serde_json::json;
 use super::Arguments;
 use super::problem::Problem;
 use super::refusal::scarce;
-use crate::cli::provenance;
+use crate::cli::{Common, provenance};
 use crate::failure::Failure;
-use crate::stage::Summary;
+use crate::stage::{Summary, Task};
 use study::documents::{DesignDocument, MomentsDocument, Solved};
 use trial::moments::Moments;
 
-/// Finds the shares that are asked for and writes them.
-///
-/// # Errors
-/// Moments that are refused; no design; what cannot be written.
-pub fn stage(a: &Arguments) -> Result<Summary, Failure> {
-    a.check()?;
-    let loaded = read_document::<MomentsDocument>(&a.moments)?;
-    let moments = loaded.data.moments().map_err(|e| Failure::invalid(&a.moments, &e))?;
-    let mut provenance = provenance("design");
-    provenance.inputs.insert("moments".into(), loaded.digest);
-    // Moments of simulated logs say so, and so does the design.
-    provenance
-        .settings
-        .extend(loaded.provenance.settings.get_key_value("data").map(|(k, v)| (k.clone(), v.clone())));
-    let document = design(a, &moments, &mut provenance)?;
-    a.settings(&mut provenance);
-    let inputs = [Some(&a.moments), a.weights.as_ref(), a.available.as_ref()];
-    let inputs: Vec<&Path> = inputs.into_iter().flatten().map(PathBuf::as_path).collect();
-    let out = a.common.main_output("design.json", &inputs)?;
-    commit(vec![stage_document(&out, &provenance, &document)?])?;
-    Ok(summary(&out, &document))
+impl Task for Arguments {
+    fn run(&self, common: &Common) -> Result<Summary, Failure> {
+        self.check()?;
+        let loaded = read_document::<MomentsDocument>(&self.moments)?;
+        let moments = loaded.data.moments().map_err(|e| Failure::invalid(&self.moments, &e))?;
+        let mut provenance = provenance("design");
+        provenance.inputs.insert("moments".into(), loaded.digest);
+        // Moments of simulated logs say so, and so does the design.
+        let label = loaded.provenance.settings.get_key_value("data");
+        provenance.settings.extend(label.map(|(k, v)| (k.clone(), v.clone())));
+        let seed = common.seed.unwrap_or(1);
+        let document = design(self, seed, &moments, &mut provenance)?;
+        self.settings(seed, &mut provenance);
+        let inputs = [&self.moments].into_iter().chain(&self.weights).chain(&self.available);
+        let out = common.main_output("design.json", inputs)?;
+        commit(vec![stage_document(&out, &provenance, &document)?])?;
+        Ok(summary(&out, &document))
+    }
 }
 
 /// The design of `moments`: criterion, what is available, shares, counts, order.
-fn design(a: &Arguments, moments: &Moments, provenance: &mut Provenance) -> Result<DesignDocument, Failure> {
-    let problem = Problem::read(a, moments, provenance)?;
+fn design(
+    a: &Arguments,
+    seed: u64,
+    moments: &Moments,
+    provenance: &mut Provenance,
+) -> Result<DesignDocument, Failure> {
+    let problem = Problem::read(a, seed, moments, provenance)?;
     let (dictionary, criterion) = (&problem.dictionary, &problem.criterion);
     let refuse = |e| problem.refuse(dictionary.explain(e));
-    let options =
-        Options { tolerance: a.tolerance, random_starts: a.starts, seed: a.seed(), ..Options::default() };
+    let options = Options { tolerance: a.tolerance, random_starts: a.starts, seed, ..Options::default() };
     let shortest = problem.shortest(&options)?;
     let length = match &shortest {
         Some((_, accuracy)) => Length { samples: Some(accuracy.samples as f64), segments: None },
@@ -61,7 +62,7 @@ fn design(a: &Arguments, moments: &Moments, provenance: &mut Provenance) -> Resu
     let few = problem.few(&relaxed, &bounds, a.few_duration(dictionary, &length)?, &options)?;
     let restricted = few.as_ref().map(|(_, found)| &found.design);
     let design = restricted.unwrap_or(&relaxed);
-    let count_options = CountOptions { random_starts: a.starts, seed: a.seed(), ..CountOptions::default() };
+    let count_options = CountOptions { random_starts: a.starts, seed, ..CountOptions::default() };
     let sequence = problem.arranged(design, length.samples, provenance)?;
     let segments = length.segments.map(|(total, samples)| {
         let segments = Segments { total, samples, limits: limits(available.as_ref(), restricted, total) };
@@ -96,15 +97,8 @@ fn limits(available: Option<&Available>, restricted: Option<&Design>, total: u64
 fn summary(out: &Path, document: &DesignDocument) -> Summary {
     let used = document.shares.values().filter(|w| **w > 0.0).count();
     let gap = document.relative_gap;
-    Summary {
-        line: format!(
-            "{}: {} of {} maneuvers, {}{}",
-            out.display(),
-            used,
-            document.shares.len(),
-            document.status,
-            gap.map_or(String::new(), |gap| format!(", relative gap {gap:.1e}"))
-        ),
-        json: json!({"out": out, "status": document.status, "relative_gap": gap, "used": used}),
-    }
+    let within = gap.map_or(String::new(), |gap| format!(", relative gap {gap:.1e}"));
+    let (all, status) = (document.shares.len(), document.status);
+    let told = json!({"status": status, "relative_gap": gap, "used": used});
+    Summary::of(out, format!("{used} of {all} maneuvers, {status}{within}"), told)
 }

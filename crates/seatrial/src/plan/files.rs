@@ -2,16 +2,15 @@
 
 use std::path::{Path, PathBuf};
 
-use artifact::{Provenance, read_document, read_toml};
+use artifact::Provenance;
 use study::documents::DesignDocument;
 use study::files::read_vessel;
 use study::plan::{PlanFile, read_charts};
-use study::trajectories::{Layout, TrajectoryReader};
 use trial::voyage::{Brief, Shares};
-use vessel::{Run, Vessel};
 
 use crate::cli::beside;
 use crate::failure::Failure;
+use crate::inputs;
 
 /// The files of a plan on a chart.
 pub struct VoyageFiles<'a> {
@@ -33,10 +32,9 @@ impl VoyageFiles<'_> {
     pub(super) fn read(&self, out: &Path, provenance: &mut Provenance, seed: u64) -> Result<Brief, Failure> {
         check_names(out)?;
         let vessel = read_vessel(self.vessel, provenance)?;
-        let (config, digest) = read_toml::<PlanFile>(self.config)?;
-        provenance.inputs.insert("plan".into(), digest);
+        let config: PlanFile = inputs::toml(self.config, "plan", provenance)?;
         let task = config.task().map_err(|e| Failure::invalid(self.config, &e))?;
-        let dictionary = dictionary(self.trajectories, &vessel, provenance)?;
+        let dictionary = inputs::runs(self.trajectories, "trajectories", &vessel, provenance)?;
         let design = self.design.map(|path| shares(path, provenance)).transpose()?;
         let layers = read_charts(self.config, &config, provenance)?;
         self.check_inputs(&config, out)?;
@@ -74,20 +72,7 @@ fn check_names(out: &Path) -> Result<(), Failure> {
     })
 }
 
-/// All runs of the dictionary's trajectories.
-fn dictionary(path: &Path, vessel: &Vessel, provenance: &mut Provenance) -> Result<Vec<Run>, Failure> {
-    let reader = TrajectoryReader::open(path, &Layout::new(&vessel.model), vessel.sample_rate_hz)?;
-    reader.whole()?;
-    provenance.inputs.insert("trajectories".into(), reader.digest());
-    let mut runs = Vec::new();
-    for block in 0..reader.blocks() {
-        runs.extend(reader.runs(block)?);
-    }
-    Ok(runs)
-}
-
 fn shares(path: &Path, provenance: &mut Provenance) -> Result<Shares, Failure> {
-    let design = read_document::<DesignDocument>(path)?;
-    provenance.inputs.insert("design".into(), design.digest);
-    Ok(Shares { order: design.data.order, share: design.data.shares })
+    let design: DesignDocument = inputs::document(path, "design", provenance)?;
+    Ok(Shares { order: design.order, share: design.shares })
 }

@@ -14,7 +14,7 @@ pub struct Limits {
     pub memory_bytes: u64,
     /// Time it may take.
     pub time: Option<Duration>,
-    /// Whether to tell progress.
+    /// Whether to tell no progress.
     pub quiet: bool,
 }
 

@@ -35,8 +35,6 @@ pub fn plan_problem(file: &Path, out: &Path, limits: &Limits) -> Result<Summary,
     commit(vec![stage_document(out, &provenance, &document)?])?;
     let PlanDocument { status, cost, lower_bound, .. } = &document;
     let steps = document.steps.len();
-    Ok(Summary {
-        line: format!("{}: {}, cost {cost}, {steps} steps", out.display(), status.name()),
-        json: json!({"out": out, "status": status, "cost": cost, "lower_bound": lower_bound, "steps": steps}),
-    })
+    let told = json!({"status": status, "cost": cost, "lower_bound": lower_bound, "steps": steps});
+    Ok(Summary::of(out, format!("{}, cost {cost}, {steps} steps", status.name()), told))
 }

@@ -93,14 +93,14 @@ fn summary(out: &Path, document: &PlanDocument) -> Summary {
         0 => String::new(),
         _ => format!(", but {aground} of {runs} runs in unknown current aground"),
     };
-    Summary {
-        line: format!(
-            "{}: {}, {cost} {}, {steps} steps, {seconds} s at sea, {clearance:.0} m clear{astray}",
-            out.display(),
+    Summary::of(
+        out,
+        format!(
+            "{}, {cost} {}, {steps} steps, {seconds} s at sea, {clearance:.0} m clear{astray}",
             status.name(),
             cost_unit.name()
         ),
-        json: json!({"out": out, "status": status, "cost": cost, "lower_bound": lower_bound, "steps": steps,
+        json!({"status": status, "cost": cost, "lower_bound": lower_bound, "steps": steps,
             "duration_s": seconds, "clearance_m": clearance, "aground": aground, "runs": runs}),
-    }
+    )
 }

@@ -23,7 +23,7 @@ fn pages() -> Vec<PathBuf> {
         let name = path.file_name().unwrap().to_str().unwrap();
         name.ends_with(".md") && name != "notation.md" && name != "results.md"
     };
-    docs.filter(prose).chain([top().join("README.md")]).collect()
+    docs.filter(prose).chain(["README.md", "ARCHITECTURE.md"].map(|name| top().join(name))).collect()
 }
 
 /// The sentences of a page, without tables, headings and commands; an item of a list ends one too.

@@ -1,6 +1,6 @@
 use std::collections::BTreeMap;
 
-use artifact::Document;
+use artifact::{Document, Units};
 pub use logs::{
     ChannelSummary, ManeuverCount, MotionSummary, RecordingSummary, RowSummary, State, WarningKind,
     WarningSummary,
@@ -66,26 +66,11 @@ impl IngestDocument {
 impl Document for IngestDocument {
     const ID: &'static str = "ingest";
     const VERSION: u32 = 1;
-    const UNITS: &'static [(&'static str, &'static str)] = &[
-        ("sample_rate_hz", "Hz"),
-        ("runs", "1"),
-        ("samples", "1"),
-        ("segments", "1"),
-        ("duration_s", "s"),
-        ("splits", "1"),
-        ("short_segments", "1"),
-        ("rows", "1"),
-        ("rate_hz", "Hz"),
-        ("missing", "1"),
-        ("gaps", "1"),
-        ("noise", "unit of the channel"),
-        ("min", "unit of the channel"),
-        ("max", "unit of the channel"),
-        ("rms", "m/s; rad/s for r"),
-        ("robust_std", "m/s; rad/s for r"),
-        ("bias", "m/s; rad/s for r"),
-        ("lag_s", "s"),
-        ("gain", "1"),
-        ("count", "1"),
+    const UNITS: Units = &[
+        ("Hz", "sample_rate_hz rate_hz"),
+        ("1", "runs samples segments splits short_segments rows missing gaps gain count"),
+        ("s", "duration_s lag_s"),
+        ("unit of the channel", "noise min max"),
+        ("m/s; rad/s for r", "rms robust_std bias"),
     ];
 }

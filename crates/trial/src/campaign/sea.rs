@@ -110,28 +110,3 @@ impl Group<'_> {
         [0, 1, 2].map(|d: usize| lane(self.runs.len(), |run| self.initial[run][d]))
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use vessel::{Current, Measurement};
-
-    #[test]
-    fn law_a_run_that_goes_on_keeps_its_past() {
-        let vessel = Vessel::preset("ljungberg-model-ship").unwrap();
-        let measurement = Measurement { std_u_m_s: 0.1, std_v_m_s: 0.1, std_r_rad_s: 0.1 };
-        let disturbances = Disturbances { current: Current::White { std_m_s: 0.1 }, measurement };
-        let sea = Sea::new(&vessel, disturbances, None).unwrap();
-        let (streams, exogenous) = (Streams::new(1, "trial"), vec![100.0; 3 * 41]);
-        let simulate = |samples: usize| {
-            let exogenous = vec![&exogenous[..3 * samples]; 2];
-            let initial = vec![[1.0, 0.0, 0.0]; 2];
-            sea.simulate(&Group { design: "d", streams: &streams, runs: &[3, 4], initial, exogenous })
-                .unwrap()
-        };
-        let (short, long) = (simulate(20), simulate(41));
-        assert_eq!(short.truth[..], long.truth[..3 * 21]);
-        assert_eq!(short.measured[..], long.measured[..3 * 21]);
-        assert!(short.measured[1][0] != short.measured[1][1], "runs differ");
-    }
-}

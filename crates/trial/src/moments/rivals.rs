@@ -6,24 +6,26 @@ use super::{Estimated, Moments};
 
 /// Random designs that a median is of.
 const RANDOM: u32 = 400;
+/// Segments of a random design, as in the paper.
+const SEGMENTS: u32 = 5;
 
 impl Moments {
     /// What designs of these maneuvers are compared with: the shares of the paper's criterion, and random designs of
-    /// `segments` equally long segments, each any maneuver.
-    pub fn rivals(&self, removal: MeanRemoval, segments: u32, seed: u64) -> Rivals {
+    /// equally long segments, each any maneuver.
+    pub fn rivals(&self, removal: MeanRemoval, seed: u64) -> Rivals {
         let streams = Streams::new(seed, "random designs");
         let count = self.maneuvers.len();
         let random = |run: u32| {
             let mut shares = vec![0.0; count];
-            for q in streams.choices(run, 0, count as u32, segments as usize) {
-                shares[q as usize] += 1.0 / f64::from(segments);
+            for q in streams.choices(run, 0, count as u32, SEGMENTS as usize) {
+                shares[q as usize] += 1.0 / f64::from(SEGMENTS);
             }
             shares
         };
         Rivals {
             paper: self.papers_shares(removal),
             random: (0..RANDOM).map(random).collect(),
-            random_segments: segments,
+            random_segments: SEGMENTS,
         }
     }
 

@@ -7,6 +7,7 @@ use vessel::{Generator, Invalid, Vessel};
 
 use super::{Refusal, Start};
 use crate::arranging::generated_limits;
+use crate::campaign;
 
 /// Limits that were stated: largest moduli.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -91,12 +92,13 @@ impl Limits {
 
     fn check(&self, start: &Start) -> Result<(), Refusal> {
         if let Some(i) = self.allowed.iter().position(|limit| *limit == 0.0) {
-            return Err(Refusal::Design(Invalid::new(
+            let still = Invalid::new(
                 format!("`{}` of the design's experiment", self.names[i]),
                 "zero all the time, and no limit is stated",
                 "a limit, or an experiment that moves it",
                 "state it in --limits limits.toml",
-            )));
+            );
+            return Err(campaign::Refusal::Design(still).into());
         }
         let reached = self.signal.reached(&start.states, &start.inputs);
         let most = (0..reached.len()).max_by(|i, j| reached[*i].total_cmp(&reached[*j])).unwrap_or(0);

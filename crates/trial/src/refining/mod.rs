@@ -7,21 +7,18 @@ use identification::refine::{Effort, Refined, refine};
 use thiserror::Error;
 use vessel::{Invalid, Vessel};
 
+use crate::campaign;
+
 pub use limits::{Limits, STATES, StatedLimits};
 pub use start::Start;
 
 /// Why an experiment cannot be refined, by what is at fault.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum Refusal {
-    /// The vessel: parameters that are missing or zero, a motion that leaves every bound.
-    #[error("vessel: {0}")]
-    Vessel(Invalid),
-    /// The dictionary: a motion that the model cannot hold.
-    #[error("dictionary: {0}")]
-    Dictionary(Invalid),
-    /// The design: an experiment that never moves what is not limited.
-    #[error("design: {0}")]
-    Design(Invalid),
+    /// The experiment: zero parameters of the vessel, a motion that diverges or that the model cannot hold, one that never
+    /// moves what is not limited.
+    #[error(transparent)]
+    Trial(#[from] campaign::Refusal),
     /// A limit that the start breaks.
     #[error("limits: {0}")]
     Limits(Invalid),

@@ -6,7 +6,7 @@ use identification::refine::TraceCriterion;
 use identification::{Noise, output_information};
 use vessel::{Generator, Invalid, Realized, Source, Vessel, check_diverged, simulate_one};
 
-use super::Refusal;
+use crate::campaign::Refusal;
 use crate::moments::rows;
 
 /// Inputs, initial state and what they are judged by.

@@ -13,4 +13,4 @@ pub use planner::Planner;
 pub use row::{Arm, Outcome, Row, Shared};
 pub use stopping::{RoundGain, Stopping};
 pub use summary::{ArmPoint, ArmSummary, Summary};
-pub use trial::{Estimated, Estimator, Trial, ends, truth};
+pub use trial::{Trial, ends, truth};

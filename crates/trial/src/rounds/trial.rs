@@ -1,5 +1,6 @@
 use design::apportion;
-use identification::{Noise, parameter_error};
+use identification::runs::{RunError, RunEstimators};
+use identification::{Noise, RunEstimate, parameter_error};
 use vessel::{
     Generator, Invalid, Run, Source, Streams, Vessel, check_diverged, refuse_endless, simulate_one,
 };
@@ -10,23 +11,12 @@ use super::planner::Planner;
 use super::row::{Arm, Outcome, Row, Shared};
 use crate::campaign::{Group, Plan, Refusal, Sea, even_lengths, random_segments};
 
-/// An estimate of a run.
-pub struct Estimated {
-    /// What became of it.
-    pub outcome: Outcome,
-    /// θ̂ and standard errors, where there is one.
-    pub estimate: Option<(Vec<f64>, Vec<f64>)>,
-}
-
-/// Estimates runs side by side, one by one.
-pub type Estimator<'a> = dyn Fn(&[Run]) -> Result<Vec<Estimated>, Refusal> + Sync + 'a;
-
 /// What all realizations share.
 pub struct Trial<'a> {
     sea: Sea<'a>,
     generator: &'a Generator,
     planner: Planner<'a>,
-    estimate: &'a Estimator<'a>,
+    estimators: RunEstimators<'a>,
     knowledge: Knowledge,
     truth: Vec<f64>,
     /// The design from the true parameters.
@@ -52,7 +42,8 @@ struct Realization<'a> {
 }
 
 impl<'a> Trial<'a> {
-    /// `noise`: the levels that designs and expected errors are predicted from; `ends`: samples by the end of every round;
+    /// `noise`: the levels that designs and expected errors are predicted from; `estimators`: the one whose estimates runs
+    /// get; `ends`: samples by the end of every round;
     /// `random_segments`: segments of a random experiment.
     ///
     /// # Errors
@@ -62,7 +53,7 @@ impl<'a> Trial<'a> {
         sea: Sea<'a>,
         generator: &'a Generator,
         noise: Noise,
-        estimate: &'a Estimator<'a>,
+        estimators: RunEstimators<'a>,
         knowledge: Knowledge,
         ends: Vec<usize>,
         random_segments: usize,
@@ -72,7 +63,7 @@ impl<'a> Trial<'a> {
         let informed = planner
             .shares(&truth, &knowledge.sizes(&truth), &GrowingRun::default(), ends[0])
             .ok_or_else(|| Refusal::Dictionary(unexcited()))?;
-        Ok(Self { sea, generator, planner, estimate, knowledge, truth, informed, ends, random_segments })
+        Ok(Self { sea, generator, planner, estimators, knowledge, truth, informed, ends, random_segments })
     }
 
     /// Samples by the end of every round.
@@ -120,21 +111,16 @@ impl<'a> Trial<'a> {
             }
             let found = self.found(arm, &all)?;
             for ((realization, found), (shared, expected_error)) in all.iter_mut().zip(found).zip(before) {
+                let estimate = found.as_ref().and_then(|found| found.estimate.as_ref());
                 rows.push(Row {
                     arm,
                     realization: realization.start.number,
                     round: round as u32,
                     samples: *end,
                     shared,
-                    outcome: found.outcome,
-                    parameter_error: found
-                        .estimate
-                        .as_ref()
-                        .and_then(|(t, _)| parameter_error(t, &self.truth)),
-                    predicted_error: found
-                        .estimate
-                        .as_ref()
-                        .map(|(t, errors)| self.learn(arm, realization, t, errors)),
+                    outcome: found.as_ref().map_or(Outcome::Diverged, |found| found.status.into()),
+                    parameter_error: estimate.and_then(|(t, _)| parameter_error(t, &self.truth)),
+                    predicted_error: estimate.map(|(t, errors)| self.learn(arm, realization, t, errors)),
                     expected_error,
                 });
             }
@@ -208,8 +194,9 @@ impl<'a> Trial<'a> {
         Some(self.knowledge.relative(&errors, known))
     }
 
-    /// Simulates all runs side by side and estimates from each. All arms meet the same disturbances in a realization.
-    fn found(&self, arm: Arm, all: &[Realization]) -> Result<Vec<Estimated>, Refusal> {
+    /// Simulates all runs side by side and estimates from each; nothing where the nominal model diverges. All arms meet the
+    /// same disturbances in a realization.
+    fn found(&self, arm: Arm, all: &[Realization]) -> Result<Vec<Option<RunEstimate>>, Refusal> {
         let numbers: Vec<u32> = all.iter().map(|realization| realization.start.number).collect();
         let states = self.sea.simulate(&Group {
             design: arm.name(),
@@ -225,9 +212,8 @@ impl<'a> Trial<'a> {
             all[lane].run.recorded(self.generator, arm.name(), numbers[lane], measured)
         };
         let kept: Vec<Run> = (0..all.len()).filter(|lane| bounded[*lane]).map(run).collect();
-        let mut found = (self.estimate)(&kept)?.into_iter();
-        let diverged = || Estimated { outcome: Outcome::Diverged, estimate: None };
-        Ok(bounded.iter().map(|b| b.then(|| found.next()).flatten().unwrap_or_else(diverged)).collect())
+        let mut found = self.estimators.estimates(&kept).map_err(refused)?.into_iter();
+        Ok(bounded.iter().map(|b| b.then(|| found.next()).flatten()).collect())
     }
 
     /// Whether instruments can be simulated: the nominal model stays bounded.
@@ -272,6 +258,14 @@ pub fn ends(vessel: &Vessel, duration_s: f64, rounds: usize) -> Result<Vec<usize
         ));
     }
     Ok((1..=rounds).map(|round| round * samples / rounds).collect())
+}
+
+/// What is at fault where runs cannot be estimated.
+fn refused(error: RunError) -> Refusal {
+    match error {
+        RunError::Diverged(_) => Refusal::Vessel(error.invalid()),
+        RunError::TooShort { .. } => Refusal::Campaign(error.invalid()),
+    }
 }
 
 fn unexcited() -> Invalid {

@@ -1,6 +1,7 @@
 //! The finished plan in continuous space: how near the hull comes to what is charted as an obstacle.
 
 use chart::Obstacles;
+use numerics::statistics::{quantile, sorted};
 use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -85,12 +86,7 @@ impl Trials<'_> {
         };
         let found: Vec<(f64, f64, Sailed)> =
             (0..self.runs).into_par_iter().map(one).collect::<Result<_, Invalid>>()?;
-        let mut least: Vec<f64> = found.iter().map(|(clearance, ..)| *clearance).collect();
-        least.sort_by(f64::total_cmp);
-        let quantile = |p: f64| {
-            let place = (p * least.len().saturating_sub(1) as f64).floor() as usize;
-            least.get(place).copied().unwrap_or(0.0)
-        };
+        let least = sorted(found.iter().map(|(clearance, ..)| Some(*clearance)));
         let clearance_m = self.clearance.least(nominal);
         let check = Check {
             clearance_m,
@@ -98,7 +94,7 @@ impl Trials<'_> {
             unknown_current_m_s: self.unknown_current_m_s,
             runs: u64::from(self.runs),
             aground: least.iter().filter(|c| **c <= 0.0).count() as u64,
-            clearance_quantiles_m: [quantile(0.0), quantile(0.05), quantile(0.5)],
+            clearance_quantiles_m: [0.0, 0.05, 0.5].map(|q| quantile(&least, q).unwrap_or(0.0)),
             aground_open_loop: found.iter().filter(|(_, open, _)| *open <= 0.0).count() as u64,
         };
         Ok((check, found.into_iter().map(|(_, _, sailed)| sailed).collect()))

@@ -76,11 +76,8 @@ impl Counts<'_> {
         let Some(run) = self.dictionary.iter().find(|run| run.segments[0].maneuver == wanted.name) else {
             return Err(VoyageError::UnknownManeuver { name: wanted.name.clone(), known: names().collect() });
         };
-        let (width, all) = (self.vessel.model.inputs, self.vessel.model.exogenous());
-        let rows = run.exogenous.chunks_exact(all);
-        let inputs: Vec<f64> = rows.flat_map(|row| row[..width].to_vec()).collect();
         let target = wanted.piece_s.map(|s| self.vessel.samples(s));
-        Ok(Piece::cut(&wanted.name, run.initial[0], &inputs, width, target)?)
+        Ok(Piece::whole(self.vessel, run).cut(target)?)
     }
 
     /// n_q = N_q / N′_q to the nearest, N_q = share × time.

@@ -5,10 +5,10 @@ use vessel::Invalid;
 
 use super::check::{Check, Clearance, Trials};
 use super::error::VoyageError;
+use super::information::Information;
 use super::prepared::Prepared;
 use super::script::Script;
 use super::solve::Solved;
-use super::told::Information;
 use crate::Sailed;
 
 /// A plan as sailed in simulation.
@@ -57,7 +57,7 @@ impl Prepared {
                 "raise `safety.margin_m` or lower `approach.tolerance_cells`",
             )));
         }
-        let information = self.told(&legs, &sailed);
+        let information = self.information_sailed(&legs, &sailed);
         Ok(Sailing { legs, sailed, runs, check, information })
     }
 

@@ -1,5 +1,8 @@
-use super::input::{Area, Class, Frame, Grid, Map, TrackStyle};
-use super::{Graticule, MapError};
+use std::fmt::Display;
+
+use chart::{Invalid, Raster};
+
+use super::input::{Area, Class, Frame, Graticule, Map, TrackStyle};
 
 /// Beyond this no coordinate on Earth lies \[m\].
 const FARTHEST: f64 = 1e9;
@@ -9,7 +12,7 @@ const MOST_ELONGATED: f64 = 20.0;
 const MOST_LIMITS: usize = 12;
 
 /// Refuses what could not be drawn truly.
-pub(crate) fn check(map: &Map) -> Result<(), MapError> {
+pub(crate) fn check(map: &Map) -> Result<(), Invalid> {
     frame(&map.frame)?;
     limits(&map.depth_limits_m)?;
     cells(map)?;
@@ -22,7 +25,12 @@ pub(crate) fn check(map: &Map) -> Result<(), MapError> {
     graticule(&map.graticule)
 }
 
-fn frame(frame: &Frame) -> Result<(), MapError> {
+/// A map that could not be drawn truly because of `thing`.
+fn refusal(thing: impl Display, found: impl Display, expected: &str, remedy: &str) -> Invalid {
+    Invalid::new(format!("map: {thing}"), found.to_string(), expected, remedy)
+}
+
+fn frame(frame: &Frame) -> Result<(), Invalid> {
     let Frame { west, south, east, north } = *frame;
     points("frame", &[[west, south], [east, north]])?;
     let (width, height) = (east - west, north - south);
@@ -30,25 +38,25 @@ fn frame(frame: &Frame) -> Result<(), MapError> {
     let found = format!("{width} m × {height} m");
     if !(sides.contains(&width) && sides.contains(&height)) {
         let expected = "sides of 0.01 m to 100000 km, east above west and north above south";
-        return Err(MapError::new("frame", found, expected, "correct the frame"));
+        return Err(refusal("frame", found, expected, "correct the frame"));
     }
     if width.max(height) > MOST_ELONGATED * width.min(height) {
         let remedy = "widen the frame across its long side";
-        return Err(MapError::new("frame", found, "sides within 20 to 1", remedy));
+        return Err(refusal("frame", found, "sides within 20 to 1", remedy));
     }
     Ok(())
 }
 
-fn limits(limits: &[f64]) -> Result<(), MapError> {
+fn limits(limits: &[f64]) -> Result<(), Invalid> {
     let increasing = limits.windows(2).all(|pair| pair[0] < pair[1]);
     if increasing && limits.len() <= MOST_LIMITS && limits.iter().all(|limit| limit.is_finite()) {
         return Ok(());
     }
     let expected = "at most 12 finite depths, increasing";
-    Err(MapError::new("depth limits", format!("{limits:?}"), expected, "correct the limits"))
+    Err(refusal("depth limits", format!("{limits:?}"), expected, "correct the limits"))
 }
 
-fn cells(map: &Map) -> Result<(), MapError> {
+fn cells(map: &Map) -> Result<(), Invalid> {
     if let Some(cells) = &map.cells {
         grid("cells", &cells.grid, cells.classes.len())?;
         let classes = cells.classes.iter().enumerate();
@@ -59,15 +67,15 @@ fn cells(map: &Map) -> Result<(), MapError> {
     map.margins.iter().try_for_each(|margin| grid("margin", &margin.grid, margin.blocked.len()))
 }
 
-fn grid(thing: &str, grid: &Grid, cells: usize) -> Result<(), MapError> {
+fn grid(thing: &str, grid: &Raster, cells: usize) -> Result<(), Invalid> {
     points(&format!("origin of {thing}"), &[grid.origin])?;
     if !(grid.cell_m > 0.0 && grid.cell_m <= FARTHEST) {
         let thing = format!("cell size of {thing}");
-        return Err(MapError::new(thing, grid.cell_m, "metres above 0", "correct the cell size"));
+        return Err(refusal(thing, grid.cell_m, "metres above 0", "correct the cell size"));
     }
     if cells == 0 || grid.nx.checked_mul(grid.ny) != Some(cells) {
         let found = format!("{cells} values for {} × {}", grid.nx, grid.ny);
-        return Err(MapError::new(thing, found, "one value per cell, at least one", "give nx · ny values"));
+        return Err(refusal(thing, found, "one value per cell, at least one", "give nx · ny values"));
     }
     Ok(())
 }
@@ -80,25 +88,25 @@ fn class(class: Class) -> Result<(), f64> {
     }
 }
 
-fn not_finite(thing: String, found: f64) -> MapError {
-    MapError::new(thing, found, "a finite number", "leave out what is not charted")
+fn not_finite(thing: String, found: f64) -> Invalid {
+    refusal(thing, found, "a finite number", "leave out what is not charted")
 }
 
-fn area(index: usize, area: &Area) -> Result<(), MapError> {
+fn area(index: usize, area: &Area) -> Result<(), Invalid> {
     class(area.class).map_err(|depth| not_finite(format!("depth of area {index}"), depth))?;
     ring(&format!("ring of area {index}"), &area.ring)?;
     area.holes.iter().try_for_each(|hole| ring(&format!("hole of area {index}"), hole))
 }
 
-fn ring(thing: &str, ring: &[[f64; 2]]) -> Result<(), MapError> {
+fn ring(thing: &str, ring: &[[f64; 2]]) -> Result<(), Invalid> {
     if ring.len() < 3 {
         let found = format!("{} points", ring.len());
-        return Err(MapError::new(thing, found, "at least 3", "leave the ring out"));
+        return Err(refusal(thing, found, "at least 3", "leave the ring out"));
     }
     points(thing, ring)
 }
 
-fn tracks(map: &Map) -> Result<(), MapError> {
+fn tracks(map: &Map) -> Result<(), Invalid> {
     for (index, track) in map.tracks.iter().enumerate() {
         points(&format!("track {index}"), &track.points)?;
         if let TrackStyle::Maneuver(k) = track.style
@@ -106,30 +114,30 @@ fn tracks(map: &Map) -> Result<(), MapError> {
         {
             let thing = format!("maneuver of track {index}");
             let expected = format!("a number below {}", map.maneuvers.len());
-            return Err(MapError::new(thing, k, &expected, "declare the maneuver"));
+            return Err(refusal(thing, k, &expected, "declare the maneuver"));
         }
     }
     Ok(())
 }
 
-fn hulls(map: &Map) -> Result<(), MapError> {
+fn hulls(map: &Map) -> Result<(), Invalid> {
     let mut hulls = map.hulls.iter().enumerate();
     hulls.try_for_each(|(index, hull)| ring(&format!("hull {index}"), hull))
 }
 
-fn graticule(graticule: &Graticule) -> Result<(), MapError> {
+fn graticule(graticule: &Graticule) -> Result<(), Invalid> {
     let mut labels = graticule.x.iter().chain(&graticule.y);
     labels.try_for_each(|(at, label)| points(&format!("graticule label {label:?}"), &[[*at, 0.0]]))
 }
 
-fn points(thing: &str, points: &[[f64; 2]]) -> Result<(), MapError> {
+fn points(thing: &str, points: &[[f64; 2]]) -> Result<(), Invalid> {
     let valid = |value: &f64| value.abs() <= FARTHEST;
     match points.iter().position(|point| !point.iter().all(valid)) {
         None => Ok(()),
         Some(at) => {
             let [x, y] = points[at];
             let found = format!("({x}, {y}) at point {at}");
-            Err(MapError::new(thing, found, "finite metres within ±1e9", "remove or split at such points"))
+            Err(refusal(thing, found, "finite metres within ±1e9", "remove or split at such points"))
         }
     }
 }

@@ -1,6 +1,8 @@
 use std::ops::RangeBounds;
 
-use super::input::{Frame, Grid};
+use chart::Raster;
+
+use super::input::Frame;
 use super::outline::{Vertex, outlines};
 use super::view::View;
 use crate::figures::svg::Path;
@@ -21,7 +23,7 @@ pub(crate) struct Ranks {
 
 impl Ranks {
     /// The part of `grid` that the frame shows; none where they are apart. `rank` is called with a cell's number.
-    pub(crate) fn new(view: &View, grid: &Grid, rank: impl Fn(usize) -> u8) -> Option<Self> {
+    pub(crate) fn new(view: &View, grid: &Raster, rank: impl Fn(usize) -> u8) -> Option<Self> {
         let Frame { west, south, east, north } = view.frame();
         let (first_i, end_i) = range(west, east, grid.origin[0], grid.cell_m, grid.nx)?;
         let (first_j, end_j) = range(south, north, grid.origin[1], grid.cell_m, grid.ny)?;

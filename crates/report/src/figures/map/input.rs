@@ -1,3 +1,5 @@
+use chart::Raster;
+
 /// What a map shows. Positions are `[x, y]` in metres, x east, y north.
 #[derive(Clone, Debug, Default)]
 pub struct Map {
@@ -86,25 +88,12 @@ pub struct Area {
     pub holes: Vec<Vec<[f64; 2]>>,
 }
 
-/// Square cells in rows from south to north, each from west to east: cell (i, j) is number j · nx + i.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Grid {
-    /// South-west corner of cell (0, 0) \[m\].
-    pub origin: [f64; 2],
-    /// Side of a cell \[m\].
-    pub cell_m: f64,
-    /// Number of cells from west to east.
-    pub nx: usize,
-    /// Number of cells from south to north.
-    pub ny: usize,
-}
-
 /// A raster of classes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cells {
     /// Where the cells are.
-    pub grid: Grid,
-    /// One class per cell; none where nothing is charted.
+    pub grid: Raster,
+    /// One class per cell, in rows from south to north; none where nothing is charted.
     pub classes: Vec<Option<Class>>,
 }
 
@@ -123,7 +112,7 @@ pub struct Margin {
     /// What it is kept for.
     pub purpose: Purpose,
     /// Where the cells are.
-    pub grid: Grid,
+    pub grid: Raster,
     /// One value per cell.
     pub blocked: Vec<bool>,
 }

@@ -21,8 +21,10 @@ fn study() -> (Vessel, Vec<Piece>) {
     let dictionary: DictionaryFile = toml::from_str(&text("dictionary.toml")).unwrap();
     let generator = Generator::without_tables(&vessel, &dictionary).unwrap();
     let piece = |q: usize| {
-        let realized = generator.realize(q, generator.samples(q).unwrap()).unwrap();
-        Piece::cut(&generator.maneuvers()[q].name, realized.initial[0], &realized.inputs, 3, None).unwrap()
+        let samples = generator.samples(q).unwrap();
+        let realized = generator.realize(q, samples).unwrap();
+        let (maneuver, speed_m_s) = (generator.maneuvers()[q].name.clone(), realized.initial[0]);
+        Piece { maneuver, speed_m_s, inputs: realized.inputs, samples }.cut(None).unwrap()
     };
     let pieces = (0..generator.maneuvers().len()).map(piece).collect();
     (vessel, pieces)

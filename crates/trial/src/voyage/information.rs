@@ -28,8 +28,8 @@ pub struct Information {
 }
 
 impl Prepared {
-    /// MomentSums of `sailed`, whose legs are `legs`.
-    pub(super) fn told(&self, legs: &[usize], sailed: &Sailed) -> Information {
+    /// What `sailed` tells, against what its `legs` promise.
+    pub(super) fn information_sailed(&self, legs: &[usize], sailed: &Sailed) -> Information {
         let predicted = self.promised(legs);
         let mut realised = MomentSums::default();
         let mut start = 0;
@@ -82,18 +82,10 @@ impl Prepared {
         let samples: f64 = self.pieces_of(legs).map(|piece| self.pieces[piece].samples as f64).sum();
         let mut best = MomentSums::default();
         for run in &self.brief.dictionary {
-            let maneuver = &run.segments[0].maneuver;
-            let share = design.share.get(maneuver).copied().unwrap_or(0.0);
+            let share = design.share.get(&run.segments[0].maneuver).copied().unwrap_or(0.0);
             if share > 0.0 {
-                let (width, all) = (vessel.model.inputs, vessel.model.exogenous());
-                let rows = run.exogenous.chunks_exact(all);
-                let piece = Piece {
-                    maneuver: maneuver.clone(),
-                    speed_m_s: run.initial[0],
-                    inputs: rows.flat_map(|row| row[..width].iter().copied()).collect(),
-                    samples: run.samples(),
-                };
-                best.add(&MomentSums::of_piece(vessel, &piece), share * samples / run.samples() as f64);
+                let own = MomentSums::of_piece(vessel, &Piece::whole(vessel, run));
+                best.add(&own, share * samples / run.samples() as f64);
             }
         }
         let efficiency = ((own.log_det() - best.log_det()) / own.dimension() as f64).exp();

@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use super::mock;
-use crate::{PlannedTrial, Study, Trajectory};
+use crate::mock;
+use report::{PlannedTrial, Study, Trajectory};
 use study::documents::{
     CostUnit, PlanDocument, PlanLattice, PlanPose, PlanStatus, PlanStep, Primitive, SecondaryCost,
     ValidationDocument, Voyage, VoyageLeg,
@@ -11,12 +11,12 @@ use study::documents::{
 use trial::Side;
 use trial::voyage::{Check, FrontPoint, Information, Secondary};
 
-pub(super) const MAP: &str = "<svg role=\"img\" aria-label=\"Planned trial\" viewBox=\"0 0 5600 8370\" \
+pub const MAP: &str = "<svg role=\"img\" aria-label=\"Planned trial\" viewBox=\"0 0 5600 8370\" \
     xmlns=\"http://www.w3.org/2000/svg\">\n<title>Planned trial</title>\n<path d=\"M1 2l3 4\" fill=\"none\" \
     stroke=\"currentColor\"/>\n</svg>\n";
 
 /// The study of [`mock::study`] with a plan, one variant and simulated trials.
-pub(super) fn study() -> Study {
+pub fn study() -> Study {
     let mut study = mock::study();
     let designs = |name: &str| name == "optimized";
     let validation = study.validation.clone().map(|mut planned| {
@@ -45,7 +45,7 @@ pub(super) fn study() -> Study {
 }
 
 /// Validation of the planned trial with other bounds than the study's.
-pub(super) fn otherwise_bounded(study: &mut Study) {
+pub fn otherwise_bounded(study: &mut Study) {
     let planned = study.trajectory.as_mut().and_then(|own| own.validation.as_mut());
     planned.into_iter().for_each(|v: &mut ValidationDocument| v.bounds.parameter_error = 4.0);
 }
@@ -58,7 +58,7 @@ fn counts(steep: u64, sway: u64) -> BTreeMap<String, u64> {
     BTreeMap::from([("steep".to_owned(), steep), ("sway".to_owned(), sway)])
 }
 
-pub(super) fn plan() -> PlanDocument {
+pub fn plan() -> PlanDocument {
     PlanDocument {
         status: PlanStatus::Optimal,
         statement: "Proved: no plan over the 1234 states of the lattice costs less.".to_owned(),

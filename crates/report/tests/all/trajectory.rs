@@ -1,5 +1,8 @@
-use super::{FIGURES, mock, mock_plan, rendered};
-use crate::{Study, Trajectory};
+//! The section of a planned trajectory.
+
+use crate::page::{FIGURES, rendered};
+use crate::{mock, mock_plan};
+use report::{Study, Trajectory};
 use study::documents::{PlanDocument, PlanStatus, Voyage};
 
 /// Edits the study's own plan.

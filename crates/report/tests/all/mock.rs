@@ -2,12 +2,14 @@
 
 use std::collections::BTreeMap;
 
-use crate::{ManeuverTrace, ParameterRow, ScoreSet, Study, VesselSummary};
+use identification::{Estimator, ScoreStatus};
+use report::{ManeuverTrace, ParameterRow, Study, VesselSummary};
 use study::documents::{
-    Bounds, DegreeMoments, DegreeStructure, DegreeSummary, DesignDocument, DesignScores, DesignStatus,
-    DesignSummary, Efficiency, EstimateDocument, ManeuverMoments, MomentsDocument, ParameterSummary,
-    Published, PublishedShare, Quantiles, Reference, Start, ValidationDocument,
+    Bounds, Degree, DegreeMoments, DegreeSummary, DesignDocument, DesignScores, DesignStatus, DesignSummary,
+    Efficiency, EstimateDocument, ManeuverMoments, MomentsDocument, ParameterSummary, Published,
+    PublishedShare, Quantiles, Reference, Start, ValidationDocument,
 };
+use study::scores::Row;
 
 /// Name, share, sensitivity, efficiency alone, speed from, speed to, yaw rate, whether it sweeps.
 type Maneuver = (&'static str, f64, f64, f64, f64, f64, f64, bool);
@@ -42,8 +44,8 @@ const PARAMETERS: [Parameter; 10] = [
     ("N_tau", "rad/(s N m)", "tau3", "yaw", 3e-4, 3.5e-4, 0.05, 0.11),
 ];
 
-pub(super) fn study() -> Study {
-    let scores = vec![scores("random", 3.9, 1.35), scores("optimized", 1.9, 0.42)];
+pub fn study() -> Study {
+    let scores = [scores("optimized", 1.9, 0.42), scores("random", 3.9, 1.35)];
     Study {
         name: "paper".to_owned(),
         experiment_s: Some(125.0),
@@ -53,7 +55,7 @@ pub(super) fn study() -> Study {
         design: Some(design()),
         estimate: Some(estimate()),
         validation: Some(validation()),
-        scores: Some(scores.into_iter().rev().collect()),
+        scores: Some(scores.concat()),
         validation_trace: Some(validation_trace()),
         reference: Some(reference()),
         sequential: None,
@@ -188,7 +190,7 @@ fn moments() -> MomentsDocument {
         degrees: degrees.iter().enumerate().map(|entry| degree(entry, seed)).collect(),
         output_error: None,
     };
-    let structure = |name: &&str| DegreeStructure {
+    let structure = |name: &&str| Degree {
         name: (*name).to_owned(),
         regressors: vec!["u".to_owned(), "1".to_owned()],
         parameters: vec!["X_u".to_owned()],
@@ -206,7 +208,7 @@ fn moments() -> MomentsDocument {
 
 fn estimate() -> EstimateDocument {
     EstimateDocument {
-        estimator: identification::Estimator::Iv,
+        estimator: Estimator::Iv,
         mean_removal: identification::MeanRemoval::Complete,
         designs: vec![summary("optimized", |p| p.6, 1.0), summary("random", |p| p.7, 40.0)],
         seed: Some(1),
@@ -287,23 +289,26 @@ fn design_scores(design: &str, parameter: f64, simulation: f64, factor: f64) -> 
 }
 
 /// Log-normal errors at fixed quantiles; wide designs have runs without a value.
-fn scores(design: &str, median: f64, width: f64) -> ScoreSet {
-    let values = |scale: f64, widen: f64, stride: usize| -> Vec<Option<f64>> {
-        let value = |run: usize| {
-            let level = (((run * stride) % 500) as f64 + 0.5) / 500.0;
-            let normal = (level / (1.0 - level)).ln() / 1.7;
-            (width < 1.0 || run % 17 != 3).then(|| scale * (width * widen * normal).exp())
-        };
-        (0..500).map(value).collect()
+fn scores(design: &str, median: f64, width: f64) -> Vec<Row> {
+    let value = |run: usize, scale: f64, widen: f64, stride: usize| {
+        let level = (((run * stride) % 500) as f64 + 0.5) / 500.0;
+        let normal = (level / (1.0 - level)).ln() / 1.7;
+        (width < 1.0 || run % 17 != 3).then(|| scale * (width * widen * normal).exp())
     };
-    ScoreSet {
+    let row = |run: usize| Row {
         design: design.to_owned(),
-        parameter_error: values(median, 1.0, 37),
-        simulation_error: values(0.031 * median, 0.8, 41),
-        rmse_u: values(0.025 * median, 0.9, 43),
-        rmse_v: values(0.010 * median, 0.9, 47),
-        rmse_r: values(0.007 * median, 0.9, 53),
-    }
+        run: run as i32,
+        estimator: Estimator::Iv,
+        status: ScoreStatus::Scored,
+        parameter_error: value(run, median, 1.0, 37),
+        simulation_error: value(run, 0.031 * median, 0.8, 41),
+        rmse: [
+            value(run, 0.025 * median, 0.9, 43),
+            value(run, 0.010 * median, 0.9, 47),
+            value(run, 0.007 * median, 0.9, 53),
+        ],
+    };
+    (0..500).map(row).collect()
 }
 
 fn reference() -> Reference {

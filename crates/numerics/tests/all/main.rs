@@ -1,0 +1,7 @@
+//! Small blocks, statistics and distributions against laws, faer and exact sums.
+
+mod distributions;
+mod intervals;
+mod lu;
+mod statistics;
+mod weakest;

@@ -1,0 +1,49 @@
+//! Runs at sea, and the experiments that designs state.
+
+use trial::campaign::{Designed, Group, Refusal, Sea};
+use vessel::{Current, Disturbances, Measurement, Streams, Vessel};
+
+#[test]
+fn law_a_run_that_goes_on_keeps_its_past() {
+    let vessel = Vessel::preset("ljungberg-model-ship").unwrap();
+    let measurement = Measurement { std_u_m_s: 0.1, std_v_m_s: 0.1, std_r_rad_s: 0.1 };
+    let disturbances = Disturbances { current: Current::White { std_m_s: 0.1 }, measurement };
+    let sea = Sea::new(&vessel, disturbances, None).unwrap();
+    let (streams, exogenous) = (Streams::new(1, "trial"), vec![100.0; 3 * 41]);
+    let simulate = |samples: usize| {
+        let exogenous = vec![&exogenous[..3 * samples]; 2];
+        let initial = vec![[1.0, 0.0, 0.0]; 2];
+        sea.simulate(&Group { design: "d", streams: &streams, runs: &[3, 4], initial, exogenous }).unwrap()
+    };
+    let (short, long) = (simulate(20), simulate(41));
+    assert_eq!(short.truth[..], long.truth[..3 * 21]);
+    assert_eq!(short.measured[..], long.measured[..3 * 21]);
+    assert!(short.measured[1][0] != short.measured[1][1], "runs differ");
+}
+
+fn names() -> Vec<String> {
+    ["turn", "zig-zag"].map(str::to_owned).to_vec()
+}
+
+fn designed(shares: [(&str, f64); 2]) -> Designed {
+    Designed { shares: shares.map(|(name, share)| (name.to_owned(), share)).into(), order: None }
+}
+
+#[test]
+fn samples_are_shared_out_in_the_dictionarys_order_or_taken_in_the_designs_own() {
+    let design = designed([("zig-zag", 0.75), ("turn", 0.25)]);
+    assert_eq!(design.plan(&names(), 8).unwrap(), [(0, 2), (1, 6)]);
+    let order = Some(vec![("zig-zag".to_owned(), 5), ("turn".to_owned(), 3)]);
+    let arranged = Designed { order, ..design };
+    assert_eq!(arranged.plan(&names(), 8).unwrap(), [(1, 5), (0, 3)]);
+    let other = Refusal::OtherLength { ordered: 8, samples: 9 };
+    assert_eq!(arranged.plan(&names(), 9), Err(other));
+}
+
+#[test]
+fn shares_that_are_none_are_refused() {
+    let refused = |design: Designed| design.plan(&names(), 8).unwrap_err().to_string();
+    assert!(refused(designed([("turn", 0.5), ("zig-zag", 0.4)])).contains("sum of `data.shares`"));
+    assert!(refused(designed([("turn", 1.5), ("zig-zag", -0.5)])).contains("a share from 0 to 1"));
+    assert!(refused(designed([("turn", 0.5), ("spiral", 0.5)])).contains("`spiral`"));
+}

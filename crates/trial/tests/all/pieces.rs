@@ -1,0 +1,35 @@
+//! Pieces of maneuvers, and their mirror images.
+
+use trial::{Piece, mirror, period};
+use vessel::Vessel;
+
+fn swing(samples: usize, period: f64) -> Vec<f64> {
+    (0..samples).map(|k| (std::f64::consts::TAU * k as f64 / period).sin()).collect()
+}
+
+fn piece(inputs: &[f64]) -> Piece {
+    Piece { maneuver: "turn".into(), speed_m_s: 1.0, inputs: inputs.to_vec(), samples: inputs.len() }
+}
+
+#[test]
+fn swings_are_cut_at_whole_periods() {
+    assert_eq!(period(&swing(300, 80.0), 1), Some(80));
+    assert_eq!(piece(&swing(300, 80.0)).cut(Some(130)).unwrap().samples, 160);
+    assert_eq!(piece(&swing(300, 80.0)).cut(None).unwrap().samples, 240);
+}
+
+#[test]
+fn sweeps_and_steps_are_cut_where_asked() {
+    let sweep: Vec<f64> = (0..300).map(f64::from).collect();
+    assert_eq!(piece(&sweep).cut(Some(130)).unwrap().samples, 130);
+    assert_eq!(piece(&[2.0; 300]).cut(Some(70)).unwrap().samples, 70);
+    let error = piece(&sweep).cut(Some(301)).unwrap_err();
+    assert!(error.to_string().contains("1 to 300"), "{error}");
+}
+
+#[test]
+fn the_papers_ship_is_mirrored_by_turning_sway_force_and_yaw_moment_round() {
+    let file = toml::from_str("preset = \"ljungberg-model-ship\"").unwrap();
+    let vessel = Vessel::from_file(file).unwrap();
+    assert_eq!(mirror(&vessel), Some(vec![1.0, -1.0, -1.0]));
+}
