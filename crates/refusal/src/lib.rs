@@ -7,6 +7,8 @@
 mod choices;
 mod invalid;
 mod nearest;
+mod numbers;
 
 pub use invalid::{Invalid, one_line};
 pub use nearest::nearest;
+pub use numbers::check_numbers;

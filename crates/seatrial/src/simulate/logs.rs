@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use artifact::{Error, Provenance, Staged, commit, stage_document};
-use logs::chain::{Entry, FORCES, Logbook, LogbookError, force_factors};
+use logs::chain::{Entry, Fault, Logbook, NoLogs, force_factors};
 use study::documents::SimulatedLogsDocument;
 use study::logs_file::LogsFile;
 use vessel::{Generator, Source, Vessel};
@@ -40,37 +40,14 @@ pub fn simulate(
         let chain = config.chain(vessel, &parameters, force_factors(vessel)?);
         Logbook::new(chain, generator, config.schedule(), seed)?.entries()
     };
-    entries().map_err(|error| failure(files, error))
-}
-
-fn failure(files: &Files, error: LogbookError) -> Failure {
-    match error {
-        LogbookError::Inputs(found) => {
-            let expected = "tau1 [N], tau2 [N], tau3 [N m], the forces of azimuth thrusters";
-            let found = found.join(", ");
-            Failure::refuse(files.vessel, "[[input]]", &found, expected, "simulate another vessel")
-        }
-        LogbookError::Name(name) => {
-            let expected = "letters, digits, - and . alone, for the name of a log";
-            let thing = format!("maneuver `{name}`");
-            Failure::refuse(files.dictionary, &thing, "another character", expected, "rename it")
-        }
-        LogbookError::Maneuver(invalid) => Failure::invalid(files.dictionary, &invalid),
-        LogbookError::Diverged { maneuver, repeat, at } => Failure::invalid(
-            files.vessel,
-            &at.invalid(format!("model in log {repeat} of maneuver `{maneuver}`")),
-        ),
-        LogbookError::Unreachable { maneuver, sample, what } => {
-            let (force, unit) = FORCES[what.force.min(2)];
-            let found = format!(
-                "thrusters that make {force} = {:.4} {unit} where maneuver `{maneuver}` needs {:.4} at sample {sample}",
-                what.made, what.wanted
-            );
-            let expected = "thrusters that can make surge, sway and yaw together";
-            let remedy = "add a thruster elsewhere, or couple the inputs with `follows`";
-            Failure::refuse(files.logs, "[[thruster]]", &found, expected, remedy)
-        }
-    }
+    entries().map_err(|NoLogs { fault, what }| {
+        let file = match fault {
+            Fault::Vessel => files.vessel,
+            Fault::Maneuvers => files.dictionary,
+            Fault::Thrusters => files.logs,
+        };
+        Failure::invalid(file, &what)
+    })
 }
 
 /// Writes the logs and, beside them, `out`: all or nothing.
