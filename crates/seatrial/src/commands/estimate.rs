@@ -12,7 +12,7 @@ use study::estimates::{self, Row};
 use study::files::{read_campaign, read_vessel};
 use vessel::Vessel;
 
-use super::unidentified::{refuse_if_all_collinear, refuse_if_none};
+use super::unidentified::refuse_if_none;
 use crate::choice::choice;
 use crate::cli::{Common, Sharding, beside, given, provenance};
 use crate::failure::Failure;
@@ -104,8 +104,7 @@ impl Arguments {
             |rows| estimates::table(vessel, rows),
         )?;
         if self.sharding.shard.is_none() {
-            refuse_if_all_collinear(&estimators, file, &reader, &made.rows)?;
-            refuse_if_none(file, vessel, &made.rows)?;
+            refuse_if_none(&estimators, file, &reader, &made.rows)?;
         }
         Ok(made)
     }

@@ -2,13 +2,13 @@
 
 use std::path::Path;
 
-use artifact::{Error, Provenance, Staged, commit, stage_document};
+use artifact::{Provenance, Staged, commit, stage_document};
 use logs::chain::{Entry, Fault, Logbook, NoLogs, force_factors};
 use study::documents::SimulatedLogsDocument;
 use study::logs_file::LogsFile;
 use vessel::{Generator, Source, Vessel};
 
-use crate::cli::beside;
+use crate::cli::{beside, in_folder};
 use crate::failure::Failure;
 
 /// The hand-written files, for messages.
@@ -60,23 +60,12 @@ pub fn publish(
     document: &SimulatedLogsDocument,
     provenance: &Provenance,
 ) -> Result<(), Failure> {
-    let folder = out.parent().filter(|folder| !folder.as_os_str().is_empty());
-    let missing = folder.filter(|folder| !folder.is_dir());
-    if let Some(folder) = missing {
-        std::fs::create_dir(folder).map_err(|e| Error::io(folder, "create", e))?;
-    }
-    let staged = || -> Result<(), Failure> {
+    in_folder(out.parent().unwrap_or(Path::new("")), || {
         let mut files = Vec::with_capacity(entries.len() + 1);
         for (entry, recording) in entries.iter().zip(&document.recordings) {
             files.push(Staged::bytes(beside(out, &recording.file), entry.text.as_bytes())?);
         }
         files.push(stage_document(out, provenance, document)?);
         Ok(commit(files)?)
-    };
-    staged().inspect_err(|_| {
-        if let Some(folder) = missing {
-            // Only an empty folder goes; the failure itself is reported.
-            let _ = std::fs::remove_dir(folder);
-        }
     })
 }
