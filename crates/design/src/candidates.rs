@@ -2,7 +2,7 @@ use std::ops::Range;
 
 use thiserror::Error;
 
-use crate::product::transposed;
+use numerics::transposed;
 
 /// Candidate information matrices that are no design problem.
 #[derive(Clone, Debug, Error, PartialEq)]

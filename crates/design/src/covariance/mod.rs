@@ -1,9 +1,9 @@
 use std::ops::Range;
 
 use crate::eigen::symmetric;
-use crate::product::{congruence, transposed};
 use crate::spectrum::Spectrum;
 use crate::{Candidates, Error, Norm};
+use numerics::{congruence, transposed};
 
 mod block;
 mod check;

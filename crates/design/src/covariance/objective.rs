@@ -2,9 +2,9 @@
 
 use super::block::Block;
 use super::{Covariance, CovariancePoint};
-use crate::product::{congruence, dot, product, transposed};
 use crate::spectrum::Spectrum;
 use crate::{Norm, Objective};
+use numerics::{congruence, dot, product, transposed};
 
 impl Objective for Covariance {
     type Point = CovariancePoint;
