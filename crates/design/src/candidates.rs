@@ -1,8 +1,7 @@
 use std::ops::Range;
 
-use thiserror::Error;
-
 use numerics::transposed;
+use thiserror::Error;
 
 /// Candidate information matrices that are no design problem.
 #[derive(Clone, Debug, Error, PartialEq)]

@@ -1,5 +1,6 @@
-use crate::{Candidates, Evaluation};
 use numerics::{dot, product, transposed};
+
+use crate::{Candidates, Evaluation};
 
 /// What is maximised over shares: a function Φ of the mixture of candidates with Φ(tw) = Φ(w) + degree · log t, so that
 /// Σ_q w_q g_q is the degree.

@@ -1,9 +1,10 @@
 use std::ops::Range;
 
+use numerics::{congruence, transposed};
+
 use crate::eigen::symmetric;
 use crate::spectrum::Spectrum;
 use crate::{Candidates, Error, Norm};
-use numerics::{congruence, transposed};
 
 mod block;
 mod check;

@@ -1,10 +1,11 @@
 //! The criterion with its first and second derivatives.
 
+use numerics::{congruence, dot, product, transposed};
+
 use super::block::Block;
 use super::{Covariance, CovariancePoint};
 use crate::spectrum::Spectrum;
 use crate::{Norm, Objective};
-use numerics::{congruence, dot, product, transposed};
 
 impl Objective for Covariance {
     type Point = CovariancePoint;
