@@ -29,6 +29,7 @@ pub use bootstrap::{Bootstrap, Resampled, bootstrap, redraw};
 pub use centre::Centring;
 pub use diagnosis::{Diagnosis, diagnose};
 pub use estimate::{PoolError, Pooled, estimate};
+pub(crate) use fit::joined;
 pub use fit::{DegreeFit, Options, Prior, Solution, Status, fit};
 pub use nominal::{NominalModel, NominalSource};
 pub use output_error::{OutputError, output_error};

@@ -1,4 +1,4 @@
-use super::{Options, fit};
+use super::{Options, fit, joined};
 use crate::{MeanRemoval, Sums};
 
 vessel::choices! {
@@ -29,10 +29,7 @@ impl NominalModel {
             Self::Known(theta) => Some((theta.clone(), [0.0; 3])),
             Self::Fitted => {
                 let options = Options { removal, prior: None, most: f64::INFINITY };
-                let fits = fit(sums, &options).map(|degree| degree.solution);
-                let theta: Option<Vec<Vec<f64>>> =
-                    fits.iter().map(|s| s.as_ref().map(|s| s.theta.clone())).collect();
-                Some((theta?.concat(), fits.map(|s| s.map_or(0.0, |s| s.intercept))))
+                joined(fit(sums, &options).each_ref().map(|degree| degree.solution.as_ref()))
             }
         }
     }

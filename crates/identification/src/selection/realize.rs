@@ -3,7 +3,7 @@ use vessel::lanes::interleave;
 
 use super::draw::Draw;
 use super::prepared::Prepared;
-use crate::pooled::{Options, Pool, Score, Solution, fit};
+use crate::pooled::{Options, Pool, Score, Solution, fit, joined};
 use crate::{Estimator, ScoreStatus, Sums, free_runs};
 
 /// One realization: what was picked, and what its model is worth.
@@ -89,11 +89,8 @@ impl Realizer<'_> {
 
     /// The parameters of the model from parts `picked`, intercepts among them.
     fn model(&self, picked: &[usize]) -> Option<Vec<f64>> {
-        let solutions = self.solutions(picked);
-        let intercepts = solutions.each_ref().map(|s| s.as_ref().map_or(0.0, |s| s.intercept));
-        let theta: Option<Vec<Vec<f64>>> =
-            solutions.into_iter().map(|solution| solution.map(|s| s.theta)).collect();
-        Some(self.pool.model.layout().woven(&theta?.concat(), intercepts))
+        let (theta, intercepts) = joined(self.solutions(picked).each_ref().map(Option::as_ref))?;
+        Some(self.pool.model.layout().woven(&theta, intercepts))
     }
 
     /// Collinear picks are answered (by `auto` with least squares): what comes of them is what the study shows.

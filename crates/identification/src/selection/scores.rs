@@ -95,9 +95,11 @@ impl SelectionScores {
     }
 }
 
+/// RMSE and norm of RMSE/std of a realization.
+type Errors = fn(&Realization) -> (Option<[f64; 3]>, Option<f64>);
+
 impl SelectionErrors {
-    /// Of RMSE and norm of RMSE/std.
-    fn of(all: &[Realization], errors: fn(&Realization) -> (Option<[f64; 3]>, Option<f64>)) -> Self {
+    fn of(all: &[Realization], errors: Errors) -> Self {
         let state = |d: usize| Quantiles::of(all.iter().map(|r| errors(r).0.map(|rmse| rmse[d])));
         Self {
             error_norm: Quantiles::of(all.iter().map(|r| errors(r).1)),

@@ -51,7 +51,7 @@ impl<'a> Prediction<'a> {
 
     /// The runs that moments are computed of: the segments of measured ones, each with instruments of its own.
     pub fn runs(&self, recorded: &[Run]) -> Vec<Run> {
-        recorded.iter().flat_map(|run| segments(run)).collect()
+        recorded.iter().flat_map(segments).collect()
     }
 
     /// The moments of every run of a batch, each one maneuver, and whether they may be pooled with others of the same name:
