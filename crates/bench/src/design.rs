@@ -4,8 +4,8 @@ use design::{Candidates, Options, solve};
 use serde_json::{Value, json};
 use vessel::{DictionaryFile, Generator, Kind, ManeuverSpec, Shape, Source};
 
-use crate::fastest;
 use crate::paper::Paper;
+use crate::timing::fastest;
 
 /// Time of one solve from equal shares.
 pub fn measure(candidates: &Candidates, tolerance: f64, repetitions: usize) -> anyhow::Result<Value> {

@@ -4,8 +4,8 @@ use identification::{Batch, FreeRun, Instruments, MeanRemoval, Outcome, free_run
 use serde_json::{Value, json};
 use vessel::{LANES, Lane, Source, simulate_one};
 
-use crate::fastest;
 use crate::paper::{Experiment, Paper};
+use crate::timing::fastest;
 
 const RUNS: u32 = 2000;
 

@@ -8,8 +8,8 @@ use serde_json::{Value, json};
 use vessel::lanes::lane_of;
 use vessel::{LANES, RunView};
 
-use crate::fastest;
 use crate::paper::{Experiment, Paper};
+use crate::timing::fastest;
 
 const RUNS: u32 = 64;
 
