@@ -1,14 +1,4 @@
-use crate::Thruster;
-
-/// What an azimuth thruster is set to: speed n \[1/s\] and direction of its push, from forward to starboard \[rad\], not
-/// wrapped.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Setting {
-    /// Speed; negative where it is reversed.
-    pub n: f64,
-    /// Direction.
-    pub alpha: f64,
-}
+use crate::{Setting, Thruster};
 
 /// Forces that the thrusters cannot make together, whatever their settings.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,6 +1,8 @@
-use thiserror::Error;
-
-use crate::{Channels, Conventions, Grid, Method, Series, Stretch, body_velocity, euler, prepare, stretches};
+use crate::unassembled::MOST_ROWS;
+use crate::{
+    Channels, Conventions, Grid, Method, Series, Stretch, Unassembled, body_velocity, euler, prepare,
+    stretches,
+};
 
 /// A recording on one clock. All channels have `grid.rows` values, NaN where unknown.
 #[derive(Clone, Debug, PartialEq)]
@@ -17,26 +19,6 @@ pub struct Assembled {
     pub stretches: Vec<Stretch>,
     /// The channels on their own clocks, in the axes and about the point of the trajectories.
     pub channels: Channels,
-}
-
-/// Why there is nothing on one clock.
-#[derive(Clone, Debug, Error, PartialEq, Eq)]
-pub enum Unassembled {
-    /// A channel is missing.
-    #[error("no channel `{0}`")]
-    NoChannel(String),
-    /// A channel has no value at all.
-    #[error("no value in channel `{0}`")]
-    Empty(String),
-    /// Geographic positions that start beyond 89° of latitude, where a plane has no north.
-    #[error("positions that start beyond 89 deg of latitude")]
-    NoPlane,
-    /// There is no moment at which all channels are known: they start after others end, or there is a gap everywhere.
-    #[error("no two neighbouring samples at which all channels are known")]
-    NoOverlap,
-    /// The clocks span more than a hundred million rows: one of them jumped.
-    #[error("clocks that span more than {MOST_ROWS} rows")]
-    TooLong,
 }
 
 /// Puts measured channels on one clock: [`prepare`], velocities, averages, linear interpolation, stretches. The clock
@@ -88,9 +70,6 @@ fn sources(channels: &Channels) -> Vec<&'static str> {
     };
     measured.into_iter().chain(positions.iter().copied()).collect()
 }
-
-/// Rows beyond which a clock is taken to have jumped: three years at 1 Hz.
-const MOST_ROWS: usize = 100_000_000;
 
 fn common_clock<'a>(
     channels: &Channels,

@@ -35,6 +35,28 @@ fn robust_deviation(values: Vec<f64>) -> f64 {
     median(values.iter().map(|value| (value - centre).abs()).collect()).unwrap_or(0.0)
 }
 
+/// One channel of a recording.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ChannelSummary {
+    /// Its name.
+    pub name: String,
+    /// Its unit.
+    pub unit: String,
+    /// The inverse of the median step.
+    pub rate_hz: Option<f64>,
+    /// Rows without a value.
+    pub missing: u64,
+    /// Gaps longer than `max_gap_s`.
+    pub gaps: u64,
+    /// Robust standard deviation of what parabolas through 11 neighbours leave.
+    pub noise: Option<f64>,
+    /// Smallest value.
+    pub min: Option<f64>,
+    /// Largest value.
+    pub max: Option<f64>,
+}
+
 /// A measured velocity beside the derivative of position or heading.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]

@@ -10,8 +10,8 @@ use crate::segment::Labels;
 use crate::source::called;
 use crate::suspicion::{check_ratios, warnings};
 use crate::{
-    Assembled, Channels, Log, MotionSummary, Part, Plan, RowSummary, Segmentation, Series, Source,
-    Unassembled, WarningSummary, assemble, consistency, noise_std,
+    Assembled, ChannelSummary, Channels, Log, MotionSummary, Part, Plan, RowSummary, Segmentation, Series,
+    Source, Unassembled, WarningSummary, assemble, consistency, noise_std,
 };
 
 /// What became of a recording.
@@ -54,28 +54,6 @@ pub struct RecordingSummary {
     /// What is odd about its channels.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub warnings: Vec<WarningSummary>,
-}
-
-/// One channel of a recording.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct ChannelSummary {
-    /// Its name.
-    pub name: String,
-    /// Its unit.
-    pub unit: String,
-    /// The inverse of the median step.
-    pub rate_hz: Option<f64>,
-    /// Rows without a value.
-    pub missing: u64,
-    /// Gaps longer than `max_gap_s`.
-    pub gaps: u64,
-    /// Robust standard deviation of what parabolas through 11 neighbours leave.
-    pub noise: Option<f64>,
-    /// Smallest value.
-    pub min: Option<f64>,
-    /// Largest value.
-    pub max: Option<f64>,
 }
 
 /// Makes runs of the `logs` of `source`, one per group of files.

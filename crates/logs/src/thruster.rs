@@ -2,7 +2,15 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use serde::Deserialize;
 
-use crate::Setting;
+/// What an azimuth thruster is set to: speed n \[1/s\] and direction of its push, from forward to starboard \[rad\], not
+/// wrapped.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Setting {
+    /// Speed; negative where it is reversed.
+    pub n: f64,
+    /// Direction.
+    pub alpha: f64,
+}
 
 /// A thruster's force from its speed n.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]

@@ -1,5 +1,6 @@
-use maud::{Markup, Render, html};
+use maud::{Markup, html};
 
+use super::card::card;
 use super::number::{exact, parameter_share, percent, percent_within, simulation_share, three};
 use super::shown::used as is_used;
 use super::study::Study;
@@ -195,17 +196,6 @@ fn cards(study: &Study) -> Markup {
             }
             @if let Some(design) = &study.design { (design_cards(design)) }
             @if let Some(plan) = plan(study) { (plan_card(plan)) }
-        }
-    }
-}
-
-/// A key figure with what it is of, and lines below it.
-pub(super) fn card(what: &str, figure: impl Render, of: impl Render, others: &[String]) -> Markup {
-    html! {
-        div.card {
-            p.what { (what) }
-            p.figure-line { span.big { (figure) } " " span.who { (of) } }
-            @for other in others { p.other { (other) } }
         }
     }
 }

@@ -8,6 +8,7 @@
 
 mod accuracy;
 mod allocation;
+mod card;
 mod certificate;
 mod comparison;
 mod crossval;

@@ -2,7 +2,7 @@ use identification::pooled::{COLLINEAR, DegreeTrust};
 use maud::{Markup, display, html};
 
 use super::SelectionStudy;
-use super::headline::card;
+use super::card::card;
 use super::loader::Loader;
 use super::number::{or_dash, percent, percent_within, three_or_dash};
 use super::table::Table;

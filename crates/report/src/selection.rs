@@ -6,7 +6,6 @@ use super::loader::{Loader, existing};
 use super::number::{median, percent_within, q90};
 use super::parts::{Figures, Section, statements};
 use super::sample::INTERVALS;
-use super::study::Study;
 use super::table::Table;
 use crate::figures::HistogramPanel;
 use study::documents::{Quantiles, SelectionDocument, SelectionScores};
@@ -39,8 +38,8 @@ pub(super) fn load(loader: &mut Loader) -> Result<Option<SelectionStudy>, Error>
 }
 
 /// The section: what was picked, quantiles, histograms with the optimized selection above the random one.
-pub(super) fn selection(study: &Study, figures: &mut Figures) -> Option<Section> {
-    let found = study.selection.as_ref()?;
+pub(super) fn selection(found: Option<&SelectionStudy>, figures: &mut Figures) -> Option<Section> {
+    let found = found?;
     let summary = &found.summary;
     let norm = ErrorFigure::half("selection-error", "norm of RMSE over standard deviation [1]", LIMIT);
     let limits = [summary.std_u, summary.std_v, summary.std_r].map(round_limit);
