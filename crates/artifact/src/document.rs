@@ -29,9 +29,20 @@ pub trait Document: Serialize + DeserializeOwned + JsonSchema {
     const ID: &'static str;
     /// Version of this kind of document, from 1.
     const VERSION: u32;
-    /// Unit of each numeric field, by field name (`("gap", "1")`); of the values of a map, by the
-    /// name of the map's field.
-    const UNITS: &'static [(&'static str, &'static str)];
+    /// Units of all numeric fields; those of the values of a map stand by the name of the map's field.
+    const UNITS: Units;
+}
+
+/// Units with the names of the fields that have them, blanks between: `("m/s", "std_u std_v")`.
+pub type Units = &'static [(&'static str, &'static str)];
+
+/// The unit of every numeric field of a kind of document, by the field's name.
+pub fn units<D: Document>() -> BTreeMap<String, String> {
+    let named = |&(unit, fields): &(&str, &'static str)| {
+        let unit = unit.to_owned();
+        fields.split(' ').map(move |field| (field.to_owned(), unit.clone()))
+    };
+    D::UNITS.iter().flat_map(named).collect()
 }
 
 /// A document as read from its file.
@@ -150,10 +161,6 @@ fn seal_text(path: &Path, text: String) -> Result<Vec<u8>> {
     let digits = digests.map_err(|e| Error::io(path, "write", e))?.blanked.hex();
     bytes[at..at + seal::DIGITS].copy_from_slice(digits.as_bytes());
     Ok(bytes)
-}
-
-fn units<D: Document>() -> BTreeMap<String, String> {
-    D::UNITS.iter().map(|&(field, unit)| (field.to_owned(), unit.to_owned())).collect()
 }
 
 /// JSON Schema of the whole file, envelope and data.

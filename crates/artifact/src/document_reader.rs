@@ -8,7 +8,7 @@ use serde_json::error::Category;
 
 use crate::complaint::Complaint;
 use crate::digest::Digest;
-use crate::document::{Document, Envelope, Loaded};
+use crate::document::{Document, Envelope, Loaded, units};
 use crate::error::{Error, Result};
 use crate::identity::Header;
 use crate::leftover::recover;
@@ -27,7 +27,7 @@ pub fn read_document<D: Document>(path: impl AsRef<Path>) -> Result<Loaded<D>> {
     let path = path.as_ref();
     let (text, digest) = checked_text(path, D::ID, D::VERSION)?;
     let envelope: Envelope<D> = serde_json::from_str(&text).map_err(|e| refusal(path, &text, &e))?;
-    check_units(path, D::UNITS, envelope.units(), &text)?;
+    check_units(path, &units::<D>(), envelope.units(), &text)?;
     check_members(path, envelope.members())?;
     let (data, provenance) = envelope.into_parts();
     Ok(Loaded { data, digest, provenance })
@@ -56,21 +56,21 @@ fn check_seal(path: &Path, text: &str, seal: Option<Digest>) -> Result<FileDiges
 /// A field that the document's version did not know yet has no unit, and does not occur.
 fn check_units(
     path: &Path,
-    units: &[(&str, &str)],
+    units: &BTreeMap<String, String>,
     found: &BTreeMap<String, String>,
     text: &str,
 ) -> Result<()> {
     for (field, unit) in units {
-        if !found.contains_key(*field) && !occurs(field, text) {
+        if !found.contains_key(field) && !occurs(field, text) {
             continue;
         }
-        if found.get(*field).map(String::as_str) != Some(unit) {
-            let found = found.get(*field).map_or("no unit", String::as_str);
+        if found.get(field) != Some(unit) {
+            let found = found.get(field).map_or("no unit", String::as_str);
             let remedy = "convert the values and correct the unit";
-            return Err(Error::refuse(path, format!("units.{field}"), found, *unit, remedy));
+            return Err(Error::refuse(path, format!("units.{field}"), found, unit.as_str(), remedy));
         }
     }
-    let strange = found.keys().find(|field| units.iter().all(|(known, _)| known != field));
+    let strange = found.keys().find(|field| !units.contains_key(*field));
     match strange {
         Some(field) => {
             Err(Error::refuse(path, format!("units.{field}"), "a unit", "no such field", "remove it"))

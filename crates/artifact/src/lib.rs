@@ -71,7 +71,7 @@ mod toml_input;
 pub use self::commit::{commit, commit_with_document};
 pub use columns::{Column, FloatColumn, IntegerColumn, Table, TextColumn};
 pub use digest::Digest;
-pub use document::{Document, Loaded, json_schema, stage_document, stage_set_document};
+pub use document::{Document, Loaded, Units, json_schema, stage_document, stage_set_document, units};
 pub use document_reader::read_document;
 pub use encode::{EncodedBlock, encode_block};
 pub use error::{Error, Result};

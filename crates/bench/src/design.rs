@@ -2,10 +2,10 @@
 
 use design::{Candidates, Options, solve};
 use serde_json::{Value, json};
-use vessel::{DictionaryFile, Kind, ManeuverSpec, Shape, Source};
+use vessel::{DictionaryFile, Generator, Kind, ManeuverSpec, Shape, Source};
 
-use crate::fastest;
-use crate::paper::{Paper, generator};
+use crate::paper::Paper;
+use crate::timing::fastest;
 
 /// Time of one solve from equal shares.
 pub fn measure(candidates: &Candidates, tolerance: f64, repetitions: usize) -> anyhow::Result<Value> {
@@ -46,5 +46,5 @@ pub fn generated(paper: &Paper, count: usize) -> anyhow::Result<Candidates> {
         maneuvers: (0..count).map(maneuver).collect(),
         generate: None,
     };
-    paper.candidates_of(&generator(&paper.vessel, &dictionary)?)
+    paper.candidates_of(&Generator::without_tables(&paper.vessel, &dictionary)?)
 }

@@ -2,13 +2,11 @@
 
 use identification::{Batch, FreeRun, Instruments, MeanRemoval, Outcome, free_runs, parameter_error};
 use serde_json::{Value, json};
-use vessel::{Current, Disturbances, LANES, Lane, Measurement, Source, Streams, simulate, simulate_one};
+use vessel::{LANES, Lane, Source, simulate_one};
 
-use crate::fastest;
-use crate::paper::Paper;
+use crate::paper::{Experiment, Paper};
+use crate::timing::fastest;
 
-/// Samples per maneuver of the optimized experiment: the paper study's design.
-pub const OPTIMIZED: [(usize, usize); 6] = [(0, 193), (4, 43), (5, 229), (6, 101), (7, 85), (10, 349)];
 const RUNS: u32 = 2000;
 
 /// Realizations per second, and the shares below the paper's bounds.
@@ -24,76 +22,36 @@ pub fn measure(paper: &Paper) -> anyhow::Result<Value> {
 }
 
 struct Study<'a> {
-    paper: &'a Paper,
+    experiment: Experiment<'a>,
     truth: Vec<f64>,
-    nominal: Vec<f64>,
-    inputs: Vec<f64>,
-    initial: [f64; 3],
-    segments: Vec<usize>,
     validation: Vec<f64>,
     reference: Vec<f64>,
-    disturbances: Disturbances,
 }
 
 impl<'a> Study<'a> {
     fn new(paper: &'a Paper) -> anyhow::Result<Self> {
-        let mut inputs = Vec::new();
-        let mut segments = Vec::new();
-        for (maneuver, samples) in OPTIMIZED {
-            segments.push(inputs.len() / 3);
-            inputs.extend(paper.generator.realize(maneuver, samples)?.inputs);
-        }
-        let initial = paper.generator.realize(OPTIMIZED[0].0, 1)?.initial;
         // A telegraph signal over the dictionary's inputs: something that no maneuver does.
         let levels = [paper.generator.realize(2, 300)?.inputs, paper.generator.realize(7, 300)?.inputs];
         let validation: Vec<f64> =
             (0..1000).flat_map(|k| levels[(k / 80) % 2][3 * (k % 300)..][..3].to_vec()).collect();
-        let mut reference = vec![Lane::ZERO; 3 * 1001];
-        let start = [0.6, 0.0, 0.0].map(Lane::splat);
-        simulate(&paper.vessel.model, &paper.truth, start, &validation, &[], &mut reference);
-        let std = 0.025_f64.sqrt();
-        Ok(Self {
-            paper,
-            truth: paper.vessel.parameters(Source::Value)?,
-            nominal: paper.vessel.parameters(Source::Nominal)?,
-            inputs,
-            initial,
-            segments,
-            validation,
-            reference: reference.iter().map(|s| s[0]).collect(),
-            disturbances: Disturbances {
-                current: Current::White { std_m_s: std },
-                measurement: Measurement { std_u_m_s: std, std_v_m_s: std, std_r_rad_s: std },
-            },
-        })
+        let truth = paper.vessel.parameters(Source::Value)?;
+        let reference = simulate_one(&paper.vessel.model, &truth, [0.6, 0.0, 0.0], &validation);
+        Ok(Self { experiment: Experiment::new(paper)?, truth, validation, reference })
     }
 
     fn run(&self) -> anyhow::Result<(usize, usize)> {
-        let model = &self.paper.vessel.model;
-        let streams = Streams::new(1, "bench");
-        let samples = self.inputs.len() / 3;
-        let mut states = vec![Lane::ZERO; 3 * (samples + 1)];
-        let nominal = simulate_one(model, &self.nominal, self.initial, &self.inputs);
+        let Experiment { paper, inputs, segments, .. } = &self.experiment;
+        let model = &paper.vessel.model;
+        let nominal = self.experiment.nominal_states();
         let mut instruments = None;
         let mut good = (0, 0);
         for first in (0..RUNS).step_by(LANES) {
-            let runs = std::array::from_fn(|lane| first + lane as u32);
-            let current = self.disturbances.current(&streams, runs, samples, 8.0);
-            simulate(
-                model,
-                &self.paper.truth,
-                self.initial.map(Lane::splat),
-                &self.inputs,
-                &current,
-                &mut states,
-            );
-            self.disturbances.measure(&streams, runs, &mut states);
             let batch = Batch {
                 model,
-                measured: &states,
+                measured: &self.experiment.measured(first),
                 instrument_states: &nominal,
-                exogenous: &self.inputs,
-                segments: [&self.segments; LANES],
+                exogenous: inputs,
+                segments: [segments; LANES],
             };
             let instruments =
                 instruments.get_or_insert_with(|| Instruments::new(&batch, MeanRemoval::Complete));

@@ -3,7 +3,10 @@
 use design::Candidates;
 use identification::{Batch, moments};
 use vessel::lanes::{interleave, lane};
-use vessel::{DictionaryFile, Generator, Invalid, LANES, Lane, Realized, Source, Vessel, simulate};
+use vessel::{
+    Current, Disturbances, Generator, Invalid, LANES, Lane, Measurement, Realized, Source, Streams, Vessel,
+    simulate, simulate_one,
+};
 
 /// Vessel and dictionary of the paper.
 pub struct Paper {
@@ -21,7 +24,7 @@ impl Paper {
             Ok(vessel.parameters(source)?.into_iter().map(Lane::splat).collect())
         };
         let (truth, nominal) = (splat(Source::Value)?, splat(Source::Nominal)?);
-        let generator = generator(&vessel, &dictionary)?;
+        let generator = Generator::without_tables(&vessel, &dictionary)?;
         Ok(Self { vessel, truth, nominal, generator })
     }
 
@@ -62,7 +65,55 @@ impl Paper {
     }
 }
 
-/// A generator of maneuvers without input files.
-pub fn generator(vessel: &Vessel, dictionary: &DictionaryFile) -> Result<Generator, Invalid> {
-    Generator::without_tables(vessel, dictionary)
+/// Samples per maneuver of the optimized experiment: the paper study's design.
+const OPTIMIZED: [(usize, usize); 6] = [(0, 193), (4, 43), (5, 229), (6, 101), (7, 85), (10, 349)];
+
+/// The optimized experiment among the paper's disturbances.
+pub struct Experiment<'a> {
+    pub paper: &'a Paper,
+    /// State at the first sample.
+    pub initial: [f64; 3],
+    /// N × 3.
+    pub inputs: Vec<f64>,
+    /// First sample of every segment.
+    pub segments: Vec<usize>,
+    disturbances: Disturbances,
+    streams: Streams,
+}
+
+impl<'a> Experiment<'a> {
+    pub fn new(paper: &'a Paper) -> anyhow::Result<Self> {
+        let (mut inputs, mut segments) = (Vec::new(), Vec::new());
+        for (maneuver, samples) in OPTIMIZED {
+            segments.push(inputs.len() / 3);
+            inputs.extend(paper.generator.realize(maneuver, samples)?.inputs);
+        }
+        let initial = paper.generator.realize(OPTIMIZED[0].0, 1)?.initial;
+        let std = 0.025_f64.sqrt();
+        let measurement = Measurement { std_u_m_s: std, std_v_m_s: std, std_r_rad_s: std };
+        let disturbances = Disturbances { current: Current::White { std_m_s: std }, measurement };
+        Ok(Self { paper, initial, inputs, segments, disturbances, streams: Streams::new(1, "bench") })
+    }
+
+    pub fn samples(&self) -> usize {
+        self.inputs.len() / 3
+    }
+
+    /// Simulates and measures [`LANES`] runs from number `first` on, (N+1) × 3.
+    pub fn measured(&self, first: u32) -> Vec<Lane> {
+        let runs = std::array::from_fn(|lane| first + lane as u32);
+        let current = self.disturbances.current(&self.streams, runs, self.samples(), 8.0);
+        let mut states = vec![Lane::ZERO; 3 * (self.samples() + 1)];
+        let initial = self.initial.map(Lane::splat);
+        let Paper { vessel, truth, .. } = self.paper;
+        simulate(&vessel.model, truth, initial, &self.inputs, &current, &mut states);
+        self.disturbances.measure(&self.streams, runs, &mut states);
+        states
+    }
+
+    /// What instruments are made of: states of the model with the nominal parameters, (N+1) × 3.
+    pub fn nominal_states(&self) -> Vec<f64> {
+        let vessel = &self.paper.vessel;
+        simulate_one(&vessel.model, &vessel.nominal, self.initial, &self.inputs)
+    }
 }

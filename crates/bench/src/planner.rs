@@ -7,7 +7,7 @@ use lattice::{MoveId, Options, Pose, Problem, Status, plan, synthetic};
 use pathfinding::prelude::{astar, dijkstra};
 use serde_json::{Value, json};
 
-use crate::fastest;
+use crate::timing::fastest;
 
 /// Uses so far, eight bits for each informative action.
 type Uses = u64;

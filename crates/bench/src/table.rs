@@ -5,8 +5,8 @@ use serde_json::{Value, json};
 use study::trajectories::{ID, Layout, VERSION};
 use vessel::Streams;
 
-use crate::fastest;
 use crate::paper::Paper;
+use crate::timing::fastest;
 
 const ROWS: usize = 1_000_000;
 const BLOCK: usize = 65_000;

@@ -1,7 +1,7 @@
 use argmin::core::{Error, IterState, KV, Problem, Solver, TerminationReason, TerminationStatus};
 use serde::{Deserialize, Serialize};
 
-use crate::bounds::Bounds;
+use crate::bounds::{Bounds, largest};
 use crate::objective::Objective;
 
 /// State of the solver as argmin keeps it: the shares as parameter, −log|det| as cost.
@@ -170,9 +170,7 @@ fn members(bounds: &Bounds, shares: &[f64], sensitivities: &[f64], p: f64, toler
     let level = bounds.level(sensitivities, shares, p);
     let margin = 0.1 * tolerance * p;
     let empty = |q: &usize| shares[*q] == 0.0 && bounds.upper(*q) > 0.0 && sensitivities[*q] > level + margin;
-    let mut joining: Vec<usize> = (0..shares.len()).filter(empty).collect();
-    joining.sort_by(|a, b| sensitivities[*b].total_cmp(&sensitivities[*a]).then(a.cmp(b)));
-    joining.truncate(JOINING);
+    let joining = largest((0..shares.len()).filter(empty), sensitivities, JOINING);
     let mut leaving: Vec<usize> =
         (0..shares.len()).filter(|q| full(*q) && sensitivities[*q] < level - margin).collect();
     leaving.sort_by(|a, b| sensitivities[*a].total_cmp(&sensitivities[*b]).then(a.cmp(b)));

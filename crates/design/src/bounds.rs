@@ -157,7 +157,13 @@ fn sum_where(values: &[f64], chosen: impl Fn(usize) -> bool) -> f64 {
 
 /// Indices by falling value, the lower index first among equals.
 fn descending(values: &[f64]) -> Vec<usize> {
-    let mut order: Vec<usize> = (0..values.len()).collect();
+    largest(0..values.len(), values, usize::MAX)
+}
+
+/// The `most` of `places` with the largest values, these first, the lower place first among equals.
+pub(crate) fn largest(places: impl IntoIterator<Item = usize>, values: &[f64], most: usize) -> Vec<usize> {
+    let mut order: Vec<usize> = places.into_iter().collect();
     order.sort_by(|a, b| values[*b].total_cmp(&values[*a]).then(a.cmp(b)));
+    order.truncate(most);
     order
 }

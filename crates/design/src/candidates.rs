@@ -1,8 +1,7 @@
 use std::ops::Range;
 
+use numerics::transposed;
 use thiserror::Error;
-
-use crate::product::transposed;
 
 /// Candidate information matrices that are no design problem.
 #[derive(Clone, Debug, Error, PartialEq)]

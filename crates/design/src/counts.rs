@@ -5,6 +5,7 @@ use rand_chacha::ChaCha8Rng;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::bounds::largest;
 use crate::{Design, Error, Objective, apportion};
 
 /// How to look for counts.
@@ -276,8 +277,7 @@ impl<O: Objective> Search<'_, O> {
         }
         let shares = self.shares(counts);
         if self.objective.evaluate(&shares, &mut self.at).is_some() {
-            let worth = self.objective.sensitivities(&self.at);
-            open.sort_by(|a, b| worth[*b].total_cmp(&worth[*a]).then(a.cmp(b)));
+            return largest(open, &self.objective.sensitivities(&self.at), INCOMING);
         }
         open.truncate(INCOMING);
         open

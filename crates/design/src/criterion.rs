@@ -3,6 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::design::alone;
 use crate::{
     Bounds, Candidates, CountOptions, Counted, Covariance, CovariancePoint, Design, Dictionary, Error,
     Evaluation, Method, NoDesign, Norm, Objective, Options, Restricted, Restriction, Selected,
@@ -254,16 +255,11 @@ impl Criterion {
 
     /// [`Criterion::efficiency`] of every candidate on its own.
     pub fn single_efficiencies(&self, design: &Design, parameters: usize) -> Vec<f64> {
-        if let Self::Information(candidates) = self {
-            return design.single_efficiencies(candidates, parameters);
+        match self {
+            Self::Information(candidates) => design.single_efficiencies(candidates, parameters),
+            Self::Covariance(_) => {
+                alone(design.shares.len(), |shares| self.efficiency(design, shares, parameters))
+            }
         }
-        let mut alone = vec![0.0; design.shares.len()];
-        let mut single = |q: usize| {
-            alone[q] = 1.0;
-            let efficiency = self.efficiency(design, &alone, parameters);
-            alone[q] = 0.0;
-            efficiency
-        };
-        (0..design.shares.len()).map(&mut single).collect()
     }
 }

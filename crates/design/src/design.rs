@@ -194,6 +194,18 @@ fn run<O: Objective>(
     Ok(Start { log_det: -state.cost, shares, relative_gap, iterations })
 }
 
+/// `of` all the time on one of `count` candidates, for each of them.
+pub(crate) fn alone(count: usize, of: impl Fn(&[f64]) -> f64) -> Vec<f64> {
+    let mut shares = vec![0.0; count];
+    let mut single = |q: usize| {
+        shares[q] = 1.0;
+        let found = of(&shares);
+        shares[q] = 0.0;
+        found
+    };
+    (0..count).map(&mut single).collect()
+}
+
 impl Design {
     /// D-efficiency of other shares against these: |det M(w)/det M(w*)|^(1/`parameters`), the fraction of the experiment
     /// time that these shares would need for the same information. 0 where a block is singular.
@@ -205,14 +217,7 @@ impl Design {
     /// [`Design::efficiency`] of every candidate on its own.
     pub fn single_efficiencies(&self, candidates: &Candidates, parameters: usize) -> Vec<f64> {
         let Ok((scaled, offset)) = candidates.scaled() else { return vec![0.0; candidates.len()] };
-        let mut alone = vec![0.0; candidates.len()];
-        let mut single = |q: usize| {
-            alone[q] = 1.0;
-            let efficiency = self.efficiency_scaled(&scaled, offset, &alone, parameters);
-            alone[q] = 0.0;
-            efficiency
-        };
-        (0..scaled.len()).map(&mut single).collect()
+        alone(scaled.len(), |shares| self.efficiency_scaled(&scaled, offset, shares, parameters))
     }
 
     fn efficiency_scaled(&self, scaled: &Candidates, offset: f64, shares: &[f64], parameters: usize) -> f64 {

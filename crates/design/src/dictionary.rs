@@ -1,14 +1,18 @@
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
 use crate::no_design::NoDesign;
 use crate::{Candidates, Error};
 
 /// One degree of freedom of a model.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
 pub struct Degree {
     /// `surge`, `sway` or `yaw`.
     pub name: String,
-    /// What each parameter multiplies; the intercept, `1`, may follow.
+    /// What each parameter multiplies, in order; the intercept, `1`, may follow.
     pub regressors: Vec<String>,
-    /// Its parameters.
+    /// Parameters θ in order.
     pub parameters: Vec<String>,
 }
 

@@ -35,7 +35,6 @@ mod eigen;
 mod no_design;
 mod norm;
 mod objective;
-mod product;
 mod rounding;
 mod scarce;
 mod segments;

@@ -1,4 +1,5 @@
-use crate::product::{dot, product, transposed};
+use numerics::{dot, product, transposed};
+
 use crate::{Candidates, Evaluation};
 
 /// What is maximised over shares: a function Φ of the mixture of candidates with Φ(tw) = Φ(w) + degree · log t, so that

@@ -1,5 +1,6 @@
 //! Few candidates, and none for less than a least share.
 
+use crate::bounds::largest;
 use crate::design::{from_points, loss};
 use crate::subset::Subset;
 use crate::{Bounds, Design, Error, Method, Objective, Options};
@@ -183,12 +184,9 @@ impl<O: Objective> Search<'_, O> {
 
     /// The best exchange of a member for an unused candidate that is better, or the best addition where there is room.
     fn exchange(&mut self, from: &Choice) -> Option<Choice> {
-        let mut incoming: Vec<usize> =
-            (0..self.objective.len()).filter(|q| !from.members.contains(q)).collect();
-        incoming.sort_by(|a, b| from.sensitivities[*b].total_cmp(&from.sensitivities[*a]).then(a.cmp(b)));
-        incoming.truncate(INCOMING);
+        let unused = (0..self.objective.len()).filter(|q| !from.members.contains(q));
         let mut best: Option<Choice> = None;
-        for new in incoming {
+        for new in largest(unused, &from.sensitivities, INCOMING) {
             let room = from.members.len() < self.restriction.most;
             for out in (0..from.members.len()).map(Some).chain(room.then_some(None)) {
                 let kept = from.members.iter().enumerate().filter(|(i, _)| Some(*i) != out).map(|(_, q)| *q);

@@ -1,6 +1,7 @@
+use numerics::{dot, product, transposed};
+
 use crate::Norm;
 use crate::eigen::symmetric;
-use crate::product::{dot, product, transposed};
 
 /// The norm of a block-diagonal covariance with its first two derivatives.
 #[derive(Clone, Debug, Default)]

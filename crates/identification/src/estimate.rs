@@ -1,5 +1,6 @@
 use std::collections::BTreeMap;
 
+use numerics::quadratic;
 use vessel::{LANES, Lane, Number};
 
 use crate::residual::{Group, InstrumentSquares, ResidualSums};
@@ -220,10 +221,4 @@ impl Solved {
         }
         standard_errors
     }
-}
-
-/// xᵀ B x.
-fn quadratic(x: &[f64], b: &[f64]) -> f64 {
-    let p = x.len();
-    (0..p * p).map(|k| x[k / p] * b[k] * x[k % p]).sum()
 }

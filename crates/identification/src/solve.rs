@@ -1,3 +1,5 @@
+use numerics::times;
+
 use crate::DegreeSums;
 
 /// How well one degree of freedom of one run was excited: the normal matrix Σ ζᶜφᵀ, each row and column divided by the
@@ -83,13 +85,8 @@ impl Normal {
         if !regular || numerics::one_norm(p, &inverse) * norm > SINGULAR {
             return Err(self.excitation().weakest);
         }
-        for i in 0..p {
-            for j in 0..p {
-                inverse[i * p + j] /= self.phi[i] * self.zeta[j];
-            }
-        }
-        let theta = (0..p).map(|i| (0..p).map(|j| inverse[i * p + j] * self.b[j]).sum()).collect();
-        Ok((theta, inverse))
+        inverse.iter_mut().enumerate().for_each(|(k, entry)| *entry /= self.phi[k / p] * self.zeta[k % p]);
+        Ok((times(&inverse, &self.b), inverse))
     }
 
     /// Condition number and weakest direction, by singular values.
@@ -102,7 +99,7 @@ impl Normal {
         match numerics::weakest(p, &scaled) {
             Some(found) => Excitation {
                 condition: if found.ratio * SINGULAR < 1.0 { f64::INFINITY } else { 1.0 / found.ratio },
-                weakest: largest(&found.direction),
+                weakest: found.dominant(p),
             },
             None => Excitation { condition: f64::INFINITY, weakest: 0 },
         }
@@ -126,8 +123,4 @@ impl Normal {
             None => Ok((0..p * p).map(|k| self.a[k] / (self.zeta[k / p] * self.phi[k % p])).collect()),
         }
     }
-}
-
-fn largest(direction: &[f64]) -> usize {
-    (0..direction.len()).max_by(|i, j| direction[*i].abs().total_cmp(&direction[*j].abs())).unwrap_or(0)
 }

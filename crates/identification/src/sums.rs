@@ -28,6 +28,13 @@ pub struct DegreeSums {
 }
 
 impl Sums {
+    /// The sums of all `parts` together.
+    pub fn total<'a>(parts: impl IntoIterator<Item = &'a Self>) -> Self {
+        let mut whole = Self::default();
+        parts.into_iter().for_each(|part| whole.merge(part));
+        whole
+    }
+
     /// Adds the sums of further data.
     pub fn merge(&mut self, other: &Self) {
         if self.degrees.is_empty() {

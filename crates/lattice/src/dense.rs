@@ -163,11 +163,7 @@ impl<'a, D: Stored> Dense<'a, D> {
     }
 
     fn walk(&self, node: u32) -> Option<Walk> {
-        let distance = |node: u32, counts: &[u32]| {
-            let vector: u64 =
-                counts.iter().zip(&self.strides).map(|(&count, stride)| u64::from(count) * stride).sum();
-            self.distance(vector, node)
-        };
+        let distance = |node: u32, counts: &[u32]| self.distance(watch::number(counts, &self.strides), node);
         recover::walk(self.graph, node, self.required.clone(), &distance)
     }
 

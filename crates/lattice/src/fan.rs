@@ -1,20 +1,12 @@
 //! The arcs of a graph, sorted by what they do to bits and blocks.
 
 use crate::bits::Shift;
+use crate::by_node::ByNode;
 use crate::graph::Graph;
 use crate::layout::{Digit, Layout};
 
 /// Arcs by node: where they end, and an index.
-pub(crate) struct Fan {
-    offsets: Vec<u32>,
-    arcs: Vec<(u32, u32)>,
-}
-
-impl Fan {
-    pub fn of(&self, node: u32) -> &[(u32, u32)] {
-        &self.arcs[self.offsets[node as usize] as usize..self.offsets[node as usize + 1] as usize]
-    }
-}
+pub(crate) type Fan = ByNode<(u32, u32)>;
 
 /// One use of a slot kept in the block's number.
 #[derive(Clone, Copy)]
@@ -85,13 +77,9 @@ impl<const W: usize> Fans<W> {
 }
 
 fn fan(graph: &Graph, wanted: impl Fn(u32) -> Option<u32>) -> Fan {
-    let mut offsets = vec![0];
-    let mut arcs = Vec::new();
+    let mut fan = Fan::new();
     for node in 0..graph.len() as u32 {
-        let picked =
-            graph.arcs(node).iter().filter_map(|arc| wanted(arc.step).map(|index| (arc.node, index)));
-        arcs.extend(picked);
-        offsets.push(arcs.len() as u32);
+        fan.push(graph.arcs(node).iter().filter_map(|arc| Some((arc.node, wanted(arc.step)?))));
     }
-    Fan { offsets, arcs }
+    fan
 }

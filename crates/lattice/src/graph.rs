@@ -1,5 +1,6 @@
 //! The poses that matter: reached from the start and with a way to a goal, by any moves however often.
 
+use crate::by_node::ByNode;
 use crate::problem::Arc;
 use crate::{Goal, Problem};
 
@@ -14,14 +15,12 @@ pub(crate) struct Graph<'a> {
     pub start: u32,
     pub is_goal: Vec<bool>,
     pub goals: Vec<u32>,
-    offsets: Vec<u32>,
-    arcs: Vec<Arc>,
-    back_offsets: Vec<u32>,
-    back: Vec<Back>,
+    arcs: ByNode<Arc>,
+    back: ByNode<Back>,
 }
 
 /// An arc seen from its end: the node where it starts, and its index.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Default)]
 pub(crate) struct Back {
     pub from: u32,
     pub arc: u32,
@@ -40,12 +39,12 @@ impl<'a> Graph<'a> {
         for (node, &pose) in poses.iter().enumerate() {
             nodes[pose as usize] = node as u32;
         }
-        let (offsets, arcs) = forward(problem, &poses, &nodes);
-        let (back_offsets, back) = backward(&offsets, &arcs);
+        let arcs = forward(problem, &poses, &nodes);
+        let back = backward(&arcs, poses.len());
         let is_goal: Vec<bool> = poses.iter().map(|&pose| is_goal(problem, pose)).collect();
         let goals = (0..poses.len() as u32).filter(|&node| is_goal[node as usize]).collect();
         let start = nodes[start];
-        Some(Self { problem, poses, start, is_goal, goals, offsets, arcs, back_offsets, back })
+        Some(Self { problem, poses, start, is_goal, goals, arcs, back })
     }
 
     /// Number of nodes.
@@ -55,24 +54,22 @@ impl<'a> Graph<'a> {
 
     /// Indices of the arcs from a node.
     pub fn range(&self, node: u32) -> std::ops::Range<u32> {
-        self.offsets[node as usize]..self.offsets[node as usize + 1]
+        self.arcs.range(node as usize)
     }
 
     /// The arc of an index.
     pub fn arc(&self, index: u32) -> Arc {
-        self.arcs[index as usize]
+        self.arcs.entries()[index as usize]
     }
 
     /// The arcs from a node.
     pub fn arcs(&self, node: u32) -> &[Arc] {
-        let range = self.range(node);
-        &self.arcs[range.start as usize..range.end as usize]
+        self.arcs.of(node as usize)
     }
 
     /// The arcs into a node.
     pub fn back(&self, node: u32) -> &[Back] {
-        let at = node as usize;
-        &self.back[self.back_offsets[at] as usize..self.back_offsets[at + 1] as usize]
+        self.back.of(node as usize)
     }
 
     /// Key of a move and the slot of its action.
@@ -83,12 +80,12 @@ impl<'a> Graph<'a> {
 
     /// Number of arcs.
     pub fn arc_count(&self) -> usize {
-        self.arcs.len()
+        self.arcs.entries().len()
     }
 
     /// Bytes that the graph itself holds, about.
     pub fn bytes(&self) -> u64 {
-        (self.arcs.len() * 16 + self.poses.len() * 24) as u64
+        (self.arc_count() * 16 + self.poses.len() * 24) as u64
     }
 }
 
@@ -135,12 +132,12 @@ fn homing(problem: &Problem) -> Vec<bool> {
     let Goal::Poses(goals) = problem.goal() else {
         return vec![true; poses];
     };
-    let (offsets, starts) = into_poses(problem);
+    let starts = into_poses(problem);
     let mut homing = vec![false; poses];
     let mut stack: Vec<usize> = goals.iter().map(|&pose| problem.lattice().number(pose)).collect();
     stack.iter().for_each(|&pose| homing[pose] = true);
     while let Some(pose) = stack.pop() {
-        for &start in &starts[offsets[pose] as usize..offsets[pose + 1] as usize] {
+        for &start in starts.of(pose) {
             if !std::mem::replace(&mut homing[start as usize], true) {
                 stack.push(start as usize);
             }
@@ -150,56 +147,24 @@ fn homing(problem: &Problem) -> Vec<bool> {
 }
 
 /// The poses with a move into each pose.
-fn into_poses(problem: &Problem) -> (Vec<u32>, Vec<u32>) {
+fn into_poses(problem: &Problem) -> ByNode<u32> {
     let poses = problem.lattice().poses();
-    let mut offsets = vec![0; poses + 1];
-    for pose in 0..poses {
-        problem.arcs(pose).iter().for_each(|arc| offsets[arc.node as usize + 1] += 1);
-    }
-    add_up(&mut offsets);
-    let mut next = offsets.clone();
-    let mut starts = vec![0; problem.allowed_moves()];
-    for pose in 0..poses {
-        for arc in problem.arcs(pose) {
-            let at = &mut next[arc.node as usize];
-            starts[*at as usize] = pose as u32;
-            *at += 1;
-        }
-    }
-    (offsets, starts)
+    let starts = |pose: usize| problem.arcs(pose).iter().map(move |arc| (arc.node, pose as u32));
+    ByNode::sorted(poses, || (0..poses).flat_map(starts))
 }
 
-fn add_up(offsets: &mut [u32]) {
-    let mut sum = 0;
-    for offset in offsets {
-        sum += *offset;
-        *offset = sum;
-    }
-}
-
-fn forward(problem: &Problem, poses: &[u32], nodes: &[u32]) -> (Vec<u32>, Vec<Arc>) {
-    let mut offsets = vec![0];
-    let mut arcs = Vec::new();
+fn forward(problem: &Problem, poses: &[u32], nodes: &[u32]) -> ByNode<Arc> {
+    let mut arcs = ByNode::new();
     for &pose in poses {
         let inside = problem.arcs(pose as usize).iter().filter(|arc| nodes[arc.node as usize] != NONE);
-        arcs.extend(inside.map(|arc| Arc { node: nodes[arc.node as usize], step: arc.step }));
-        offsets.push(arcs.len() as u32);
+        arcs.push(inside.map(|arc| Arc { node: nodes[arc.node as usize], step: arc.step }));
     }
-    (offsets, arcs)
+    arcs
 }
 
-fn backward(offsets: &[u32], arcs: &[Arc]) -> (Vec<u32>, Vec<Back>) {
-    let mut back_offsets = vec![0; offsets.len()];
-    arcs.iter().for_each(|arc| back_offsets[arc.node as usize + 1] += 1);
-    add_up(&mut back_offsets);
-    let mut next = back_offsets.clone();
-    let mut back = vec![Back { from: 0, arc: 0 }; arcs.len()];
-    for (from, range) in offsets.windows(2).enumerate() {
-        for arc in range[0]..range[1] {
-            let at = &mut next[arcs[arc as usize].node as usize];
-            back[*at as usize] = Back { from: from as u32, arc };
-            *at += 1;
-        }
-    }
-    (back_offsets, back)
+fn backward(arcs: &ByNode<Arc>, nodes: usize) -> ByNode<Back> {
+    let back = |from: usize| {
+        arcs.range(from).map(move |arc| (arcs.entries()[arc as usize].node, Back { from: from as u32, arc }))
+    };
+    ByNode::sorted(nodes, || (0..nodes).flat_map(back))
 }

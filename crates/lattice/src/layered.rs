@@ -146,9 +146,7 @@ impl<'a, const W: usize> Layered<'a, W> {
         while self.is_open() {
             let mut note = |block: usize, bits: &Bits<W>, level: u64| {
                 for bit in bits::ones(bits) {
-                    let counts = layout.counts(block, bit);
-                    let number: u64 =
-                        counts.iter().zip(&strides).map(|(&count, s)| u64::from(count) * s).sum();
+                    let number = watch::number(&layout.counts(block, bit), &strides);
                     least[number as usize].get_or_insert(level * step);
                 }
             };
@@ -226,7 +224,7 @@ impl<'a, const W: usize> Layered<'a, W> {
         while let Some(&node) = self.queue.get(next) {
             next += 1;
             let here = std::mem::replace(&mut pending[node as usize], [0; W]);
-            for &(end, shift) in self.fans.within.of(node) {
+            for &(end, shift) in self.fans.within.of(node as usize) {
                 let moved = self.fans.shifts[shift as usize].apply(&here);
                 let known = &mut reached[end as usize];
                 let new = bits::beyond(&moved, known);
@@ -280,12 +278,12 @@ impl<'a, const W: usize> Layered<'a, W> {
         };
         for &node in &self.touched {
             let new = std::mem::replace(&mut self.now[node as usize], [0; W]);
-            for &(end, hop) in self.fans.higher.of(node) {
+            for &(end, hop) in self.fans.higher.of(node as usize) {
                 if let Some(higher) = self.fans.hops[hop as usize].from(block) {
                     states.arrive(higher, end, &new);
                 }
             }
-            for &(end, _) in self.fans.onward.of(node) {
+            for &(end, _) in self.fans.onward.of(node as usize) {
                 states.arrive(block, end, &new);
             }
         }

@@ -18,6 +18,7 @@ mod a_star;
 mod ascent;
 mod beam;
 mod bits;
+mod by_node;
 pub mod collision;
 mod dense;
 mod fan;

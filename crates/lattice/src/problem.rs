@@ -1,3 +1,4 @@
+use crate::by_node::ByNode;
 use crate::units::Units;
 use crate::{Action, Cost, Goal, Invalid, Lattice, MoveId, Pose, validate};
 
@@ -13,9 +14,8 @@ pub struct Problem {
     pub(crate) moves: Vec<Known>,
     /// The informative actions, by slot: index of the action, uses, and the key that every use costs at least.
     pub(crate) informative: Vec<Informative>,
-    /// Arcs by pose: `arcs[offsets[p]..offsets[p + 1]]`.
-    offsets: Vec<u32>,
-    arcs: Vec<Arc>,
+    /// Arcs by pose.
+    arcs: ByNode<Arc>,
 }
 
 /// What the searches know of a move.
@@ -66,8 +66,8 @@ impl Problem {
         let informative = informative(&actions);
         let units = Units::new(&costs(&actions), longest_plan(&lattice, &actions))?;
         let moves = known_moves(&actions, &units);
-        let (offsets, arcs) = adjacency(&lattice, &actions, &moves, allowed)?;
-        let mut problem = Self { lattice, actions, start, goal, units, moves, informative, offsets, arcs };
+        let arcs = adjacency(&lattice, &actions, &moves, allowed)?;
+        let mut problem = Self { lattice, actions, start, goal, units, moves, informative, arcs };
         problem.split_off_least_keys();
         Ok(problem)
     }
@@ -102,7 +102,7 @@ impl Problem {
 
     /// Number of moves that are allowed, over all poses.
     pub fn allowed_moves(&self) -> usize {
-        self.arcs.len()
+        self.arcs.entries().len()
     }
 
     /// Whether the move of this action may be made from `pose`.
@@ -119,7 +119,7 @@ impl Problem {
 
     /// The allowed moves from the pose of a number.
     pub(crate) fn arcs(&self, number: usize) -> &[Arc] {
-        &self.arcs[self.offsets[number] as usize..self.offsets[number + 1] as usize]
+        self.arcs.of(number)
     }
 
     /// The uses that are required, by slot.
@@ -182,23 +182,20 @@ fn adjacency(
     actions: &[Action],
     moves: &[Known],
     mut allowed: impl FnMut(MoveId, usize, usize) -> bool,
-) -> Result<(Vec<u32>, Vec<Arc>), Invalid> {
+) -> Result<ByNode<Arc>, Invalid> {
     let mut by_layer = vec![Vec::new(); lattice.layers];
     for (step, known) in moves.iter().enumerate() {
         let shape = &actions[known.id.action].moves[known.id.index];
         by_layer[shape.from].push((step as u32, known.id, shape));
     }
-    let mut offsets = Vec::with_capacity(lattice.poses() + 1);
-    let mut arcs = Vec::new();
-    offsets.push(0);
+    let mut arcs = ByNode::new();
     for number in 0..lattice.poses() {
         let pose = lattice.pose(number);
-        for &(step, id, shape) in &by_layer[pose.layer] {
-            if let Some(end) = lattice.end(pose, shape).filter(|_| allowed(id, pose.i, pose.j)) {
-                arcs.push(Arc { node: lattice.number(end) as u32, step });
-            }
-        }
-        offsets.push(validate::arcs(arcs.len())?);
+        arcs.push(by_layer[pose.layer].iter().filter_map(|&(step, id, shape)| {
+            let end = lattice.end(pose, shape).filter(|_| allowed(id, pose.i, pose.j))?;
+            Some(Arc { node: lattice.number(end) as u32, step })
+        }));
+        validate::arcs(arcs.entries().len())?;
     }
-    Ok((offsets, arcs))
+    Ok(arcs)
 }

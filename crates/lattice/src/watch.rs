@@ -92,6 +92,11 @@ pub(crate) fn strides(required: &[u32]) -> (Vec<u64>, u128) {
     (strides, next)
 }
 
+/// The mixed-radix number of counts.
+pub(crate) fn number(counts: &[u32], strides: &[u64]) -> u64 {
+    counts.iter().zip(strides).map(|(&count, stride)| u64::from(count) * stride).sum()
+}
+
 /// Counts of a mixed-radix number.
 pub(crate) fn counts(mut number: u64, required: &[u32]) -> Vec<u32> {
     let digits = required.iter().map(|&count| {

@@ -1,6 +1,8 @@
-use thiserror::Error;
-
-use crate::{Channels, Conventions, Grid, Method, Series, Stretch, body_velocity, euler, prepare, stretches};
+use crate::unassembled::MOST_ROWS;
+use crate::{
+    Channels, Conventions, Grid, Method, Series, Stretch, Unassembled, body_velocity, euler, prepare,
+    stretches,
+};
 
 /// A recording on one clock. All channels have `grid.rows` values, NaN where unknown.
 #[derive(Clone, Debug, PartialEq)]
@@ -17,26 +19,6 @@ pub struct Assembled {
     pub stretches: Vec<Stretch>,
     /// The channels on their own clocks, in the axes and about the point of the trajectories.
     pub channels: Channels,
-}
-
-/// Why there is nothing on one clock.
-#[derive(Clone, Debug, Error, PartialEq, Eq)]
-pub enum Unassembled {
-    /// A channel is missing.
-    #[error("no channel `{0}`")]
-    NoChannel(String),
-    /// A channel has no value at all.
-    #[error("no value in channel `{0}`")]
-    Empty(String),
-    /// Geographic positions that start beyond 89° of latitude, where a plane has no north.
-    #[error("positions that start beyond 89 deg of latitude")]
-    NoPlane,
-    /// There is no moment at which all channels are known: they start after others end, or there is a gap everywhere.
-    #[error("no two neighbouring samples at which all channels are known")]
-    NoOverlap,
-    /// The clocks span more than a hundred million rows: one of them jumped.
-    #[error("clocks that span more than {MOST_ROWS} rows")]
-    TooLong,
 }
 
 /// Puts measured channels on one clock: [`prepare`], velocities, averages, linear interpolation, stretches. The clock
@@ -88,9 +70,6 @@ fn sources(channels: &Channels) -> Vec<&'static str> {
     };
     measured.into_iter().chain(positions.iter().copied()).collect()
 }
-
-/// Rows beyond which a clock is taken to have jumped: three years at 1 Hz.
-const MOST_ROWS: usize = 100_000_000;
 
 fn common_clock<'a>(
     channels: &Channels,
@@ -174,98 +153,5 @@ impl OnGrid<'_> {
         let body = north.iter().zip(&east).zip(&psi).map(|((n, e), psi)| body_velocity([*n, *e], *psi));
         let (u, v) = body.map(|[u, v]| (u, v)).unzip();
         Ok([u, v, r])
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::{Body, Frame, Heading, Lever};
-
-    fn conventions(method: Method) -> Conventions {
-        Conventions {
-            frame: Frame::Ned,
-            heading: Heading::NorthClockwise,
-            body: Body::Frd,
-            lever: Lever::default(),
-            window_s: 1.0,
-            derived: Vec::new(),
-            thrusters: Vec::new(),
-            method,
-            rate_hz: 10.0,
-            average_s: None,
-        }
-    }
-
-    fn with_n(channels: Channels, conventions: &Conventions) -> Result<Assembled, Unassembled> {
-        assemble(channels, conventions, &["n"], &[])
-    }
-
-    /// A steady turn with surge 2, sway −0.3 and yaw rate 0.05, at 10 Hz.
-    fn turn() -> Channels {
-        let (u, v, r) = (2.0, -0.3, 0.05);
-        let t: Vec<f64> = (0..600).map(|k| 0.1 * f64::from(k)).collect();
-        let series =
-            |f: &dyn Fn(f64) -> f64| Series::new(&t, &t.iter().map(|t| f(*t)).collect::<Vec<_>>(), 0.5);
-        let psi = |t: f64| r * t;
-        let channels: [(&str, &dyn Fn(f64) -> f64); 4] = [
-            ("x", &|t| (u * psi(t).sin() + v * psi(t).cos()) / r),
-            ("y", &|t| (-u * psi(t).cos() + v * psi(t).sin()) / r),
-            ("psi", &psi),
-            ("n", &|_| 5.0),
-        ];
-        channels.into_iter().map(|(name, f)| (name.to_owned(), series(f))).collect()
-    }
-
-    #[test]
-    fn law_a_steady_turn_gives_the_same_velocities_by_both_methods() {
-        // Euler's chord lies half a step of turning ahead of the tangent: v is off by u r dt/2, u by −v r dt/2.
-        let (r_dt, [u, v]) = (0.05 * 0.1, [2.0, -0.3]);
-        let euler = with_n(turn(), &conventions(Method::Euler)).unwrap();
-        let smooth = with_n(turn(), &conventions(Method::Smoother)).unwrap();
-        for k in 0..599 {
-            approx::assert_abs_diff_eq!(euler.measured[0][k], u - v * r_dt / 2.0, epsilon = 1e-4);
-            approx::assert_abs_diff_eq!(euler.measured[1][k], v + u * r_dt / 2.0, epsilon = 1e-4);
-            approx::assert_abs_diff_eq!(smooth.measured[0][k], u, epsilon = 1e-3);
-            approx::assert_abs_diff_eq!(smooth.measured[1][k], v, epsilon = 1e-3);
-            for made in [&euler, &smooth] {
-                approx::assert_abs_diff_eq!(made.measured[2][k], 0.05, epsilon = 1e-9);
-            }
-        }
-        assert_eq!((euler.grid.rows, smooth.grid.rows), (599, 600));
-        assert_eq!(euler.stretches, [Stretch { start: 0, samples: 598 }]);
-        assert_eq!(smooth.stretches, [Stretch { start: 0, samples: 599 }]);
-    }
-
-    #[test]
-    fn law_the_velocities_are_those_of_the_reference_point() {
-        let moved = Conventions { lever: Lever([4.0, 1.0]), ..conventions(Method::Smoother) };
-        let moved = with_n(turn(), &moved).unwrap();
-        approx::assert_abs_diff_eq!(moved.measured[0][300], 2.0 + 0.05 * 1.0, epsilon = 1e-3);
-        approx::assert_abs_diff_eq!(moved.measured[1][300], -0.3 - 0.05 * 4.0, epsilon = 1e-3);
-    }
-
-    #[test]
-    fn a_measured_velocity_goes_before_one_made_from_positions() {
-        let mut channels = turn();
-        let gyro = channels["psi"].clone().map(|_| 0.06);
-        channels.insert("y_r".into(), gyro);
-        let made = with_n(channels, &conventions(Method::Euler)).unwrap();
-        assert_eq!(made.measured[2][10], 0.06);
-        assert!((made.measured[0][10] - 2.0).abs() < 0.01);
-    }
-
-    #[test]
-    fn channels_that_never_meet_are_told() {
-        let mut channels = turn();
-        let late = channels["n"].t.iter().map(|t| t + 1000.0).collect::<Vec<_>>();
-        channels.insert("n".into(), Series::new(&late, &vec![1.0; late.len()], 0.5));
-        assert_eq!(with_n(channels, &conventions(Method::Euler)), Err(Unassembled::NoOverlap));
-        let mut channels = turn();
-        channels.insert("n".into(), Series::new(&[], &[], 0.5));
-        assert_eq!(with_n(channels, &conventions(Method::Euler)), Err(Unassembled::Empty("n".into())));
-        let mut channels = turn();
-        channels.remove("psi");
-        assert_eq!(with_n(channels, &conventions(Method::Euler)), Err(Unassembled::NoChannel("psi".into())));
     }
 }

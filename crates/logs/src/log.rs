@@ -2,6 +2,8 @@
 
 use rayon::prelude::*;
 use refusal::Invalid;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
 use crate::columns::cell_of;
 use crate::suspicion::check_turns;
@@ -17,27 +19,28 @@ pub struct Log {
     /// Labels of sub-experiments, one per time.
     pub labels: Option<Vec<String>>,
     /// What was read and left out.
-    pub counts: RowCounts,
+    pub counts: RowSummary,
 }
 
-/// What was read of a recording's files, and what of it was left out.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct RowCounts {
-    /// Rows in the files.
-    pub read: usize,
-    /// Rows without any value.
-    pub empty: usize,
-    /// Rows cut short at the end.
-    pub cut: usize,
-    /// Rows with values but no time.
-    pub without_time: usize,
-    /// Rows whose time an earlier row has.
-    pub repeated: usize,
-    /// Rows earlier than a row before them: left out, or put in order.
-    pub backwards: usize,
+/// Rows that were read, and left out.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RowSummary {
+    /// All rows.
+    pub read: u64,
+    /// Left out: no value at all.
+    pub empty: u64,
+    /// Left out: cut short at the end of the file.
+    pub cut: u64,
+    /// Left out: no time.
+    pub without_time: u64,
+    /// Left out: the time of an earlier row.
+    pub repeated: u64,
+    /// Earlier than a row before: left out or put in order, as `non_monotonic` says.
+    pub backwards: u64,
 }
 
-impl std::ops::AddAssign for RowCounts {
+impl std::ops::AddAssign for RowSummary {
     fn add_assign(&mut self, other: Self) {
         self.read += other.read;
         self.empty += other.empty;
@@ -57,12 +60,12 @@ impl Log {
         let spec = &plan.setup.files[group];
         let times = times(&spec.time, columns, plan.setup.written_in)?;
         let timed: Vec<usize> = (0..times.len()).filter(|row| times[*row].is_finite()).collect();
-        let mut counts = RowCounts {
-            read: columns.lines.len() + columns.empty_rows + columns.cut_rows,
-            empty: columns.empty_rows,
-            cut: columns.cut_rows,
-            without_time: times.len() - timed.len(),
-            ..RowCounts::default()
+        let mut counts = RowSummary {
+            read: (columns.lines.len() + columns.empty_rows + columns.cut_rows) as u64,
+            empty: columns.empty_rows as u64,
+            cut: columns.cut_rows as u64,
+            without_time: (times.len() - timed.len()) as u64,
+            ..RowSummary::default()
         };
         if timed.is_empty() {
             let found = format!("no rows with a time ({} read, {} empty)", counts.read, counts.empty);
@@ -79,7 +82,7 @@ impl Log {
                     "set `non_monotonic` to \"sort\" or \"drop\", or correct the file",
                 )
             })?;
-        (counts.repeated, counts.backwards) = (ordered.repeated, ordered.backwards);
+        (counts.repeated, counts.backwards) = (ordered.repeated as u64, ordered.backwards as u64);
         let rows: Vec<usize> = ordered.rows.iter().map(|row| timed[*row]).collect();
         let times: Vec<f64> = rows.iter().map(|row| times[*row]).collect();
         let rows = Rows { columns, rows: &rows, times: &times };

@@ -1,4 +1,8 @@
+use std::fmt;
+
 use numerics::statistics::median;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
 use crate::{Channels, Grid, Series, body_velocity, local_quadratic};
 
@@ -31,21 +35,65 @@ fn robust_deviation(values: Vec<f64>) -> f64 {
     median(values.iter().map(|value| (value - centre).abs()).collect()).unwrap_or(0.0)
 }
 
-/// How a measured velocity compares with the derivative of position or heading.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Consistency {
-    /// Root mean square of measured − derivative, in the velocity's unit.
+/// One channel of a recording.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ChannelSummary {
+    /// Its name.
+    pub name: String,
+    /// Its unit.
+    pub unit: String,
+    /// The inverse of the median step.
+    pub rate_hz: Option<f64>,
+    /// Rows without a value.
+    pub missing: u64,
+    /// Gaps longer than `max_gap_s`.
+    pub gaps: u64,
+    /// Robust standard deviation of what parabolas through 11 neighbours leave.
+    pub noise: Option<f64>,
+    /// Smallest value.
+    pub min: Option<f64>,
+    /// Largest value.
+    pub max: Option<f64>,
+}
+
+/// A measured velocity beside the derivative of position or heading.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct MotionSummary {
+    /// The velocity.
+    pub state: State,
+    /// Root mean square of measured − derivative.
     pub rms: f64,
     /// Robust standard deviation of measured − derivative: where it is far below `rms`, a few jumps of the position make up
     /// most of that.
     pub robust_std: f64,
     /// Mean of measured − derivative.
     pub bias: f64,
-    /// By how much the measured velocity is late \[s\]; see [`lag`].
+    /// By how much the measured velocity is late; null where there is too little motion to tell. Where a filter and no pure
+    /// delay is behind it, it depends on `velocities.window_s`.
     pub lag_s: Option<f64>,
-    /// Measured over derivative: the slope of the line through both by least squares. None where their correlation
-    /// coefficient stays below [`TOLD`].
+    /// Slope of the line of measured over derivative, 1 where both are in the same unit; null where they are not correlated.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub gain: Option<f64>,
+}
+
+/// A velocity.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum State {
+    /// Surge.
+    U,
+    /// Sway.
+    V,
+    /// Yaw rate.
+    R,
+}
+
+impl fmt::Display for State {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.serialize(f)
+    }
 }
 
 /// Correlation from which a measured velocity and a derivative are taken to be the same motion.
@@ -59,23 +107,23 @@ const LONGEST_LAG_S: f64 = 5.0;
 
 /// Compares measured surge, sway and yaw rate with the derivatives of position and heading, taken from parabolas over
 /// `window_s`. None where either is not measured or they never meet.
-pub fn consistency(channels: &Channels, window_s: f64) -> [Option<Consistency>; 3] {
+pub fn consistency(channels: &Channels, window_s: f64) -> [Option<MotionSummary>; 3] {
     let smoothed = |name: &str| channels.get(name).map(|series| series.smoothed(window_s));
     let Some((psi, r)) = smoothed("psi") else { return [None; 3] };
     let over_ground = smoothed("x").zip(smoothed("y")).map(|((_, north), (_, east))| [north, east]);
-    [("y_u", 0), ("y_v", 1), ("y_r", 2)].map(|(name, place)| {
+    [("y_u", State::U), ("y_v", State::V), ("y_r", State::R)].map(|(name, state)| {
         let measured = channels.get(name)?;
         let rate_hz = measured.rate_hz()?.min(COMPARED_HZ);
         let times = times_of(measured, rate_hz);
-        let derivative = match (place, &over_ground) {
-            (2, _) => r.at(&times),
+        let derivative = match (state, &over_ground) {
+            (State::R, _) => r.at(&times),
             (_, Some([north, east])) => {
                 let body = north.at(&times).into_iter().zip(east.at(&times)).zip(psi.at(&times));
-                body.map(|((n, e), psi)| body_velocity([n, e], psi)[place]).collect()
+                body.map(|((n, e), psi)| body_velocity([n, e], psi)[state as usize]).collect()
             }
             (_, None) => return None,
         };
-        compare(&measured.at(&times), &derivative, rate_hz)
+        compare(state, &measured.at(&times), &derivative, rate_hz)
     })
 }
 
@@ -92,7 +140,7 @@ fn times_of(series: &Series, rate_hz: f64) -> Vec<f64> {
     times
 }
 
-fn compare(measured: &[f64], derivative: &[f64], rate_hz: f64) -> Option<Consistency> {
+fn compare(state: State, measured: &[f64], derivative: &[f64], rate_hz: f64) -> Option<MotionSummary> {
     let pairs: Vec<(f64, f64)> = measured.iter().copied().zip(derivative.iter().copied()).collect();
     let known = |pair: &(f64, f64)| pair.0.is_finite() && pair.1.is_finite();
     let differences: Vec<f64> = pairs.iter().filter(|pair| known(pair)).map(|(m, d)| m - d).collect();
@@ -104,7 +152,8 @@ fn compare(measured: &[f64], derivative: &[f64], rate_hz: f64) -> Option<Consist
     let (rms, bias) = (mean(&|d| d * d).sqrt(), mean(&|d| d));
     let longest = pairs.split(|pair| !known(pair)).max_by_key(|piece| piece.len()).unwrap_or_default();
     let (measured, derivative): (Vec<f64>, Vec<f64>) = longest.iter().copied().unzip();
-    Some(Consistency {
+    Some(MotionSummary {
+        state,
         rms,
         robust_std: FROM_MEDIAN * robust_deviation(differences),
         bias,
@@ -113,7 +162,7 @@ fn compare(measured: &[f64], derivative: &[f64], rate_hz: f64) -> Option<Consist
     })
 }
 
-/// See [`Consistency::gain`].
+/// See [`MotionSummary::gain`].
 fn gain(measured: &[f64], derivative: &[f64]) -> Option<f64> {
     let n = derivative.len() as f64;
     let mean = derivative.iter().sum::<f64>() / n;
@@ -158,61 +207,4 @@ fn correlation(a: &[f64], b: &[f64]) -> f64 {
     }
     let norm = (aa * bb).sqrt();
     if norm > 0.0 { ab / norm } else { 0.0 }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn wave(t: f64) -> f64 {
-        (0.3 * t).sin() + 0.4 * (0.71 * t).cos()
-    }
-
-    #[test]
-    fn law_a_delayed_wave_lags_by_its_delay() {
-        for delay in [-0.83, 0.0, 0.04, 0.5, 2.0] {
-            let times: Vec<f64> = (0..1200).map(|k| 0.1 * f64::from(k)).collect();
-            let reference: Vec<f64> = times.iter().map(|t| wave(*t)).collect();
-            let late: Vec<f64> = times.iter().map(|t| wave(t - delay)).collect();
-            let found = lag(&late, &reference, 10.0, 5.0).unwrap();
-            assert!((found - delay).abs() < 5e-3, "{found} instead of {delay}");
-        }
-    }
-
-    #[test]
-    fn law_a_rate_in_degrees_has_the_gain_of_degrees() {
-        let series = |f: &dyn Fn(f64) -> f64| {
-            let t: Vec<f64> = (0..2000).map(|k| 0.1 * f64::from(k)).collect();
-            Series::new(&t, &t.iter().map(|t| f(*t)).collect::<Vec<_>>(), 0.5)
-        };
-        let heading = series(&|t| 0.5 * (0.3 * t).sin());
-        let rate = series(&|t| (0.15 * (0.3 * t).cos()).to_degrees());
-        let channels = Channels::from([("psi".to_owned(), heading), ("y_r".to_owned(), rate)]);
-        let [u, v, r] = consistency(&channels, 1.0);
-        assert_eq!((u, v), (None, None));
-        let gain = r.unwrap().gain.unwrap();
-        assert!((gain / 1f64.to_degrees() - 1.0).abs() < 0.01, "{gain}");
-        let still = Channels::from([
-            ("psi".to_owned(), series(&|_| 1.0)),
-            ("y_r".to_owned(), series(&|t| 1e-3 * (7.0 * t).sin())),
-        ]);
-        assert_eq!(consistency(&still, 1.0)[2].unwrap().gain, None);
-    }
-
-    #[test]
-    fn without_motion_there_is_no_lag() {
-        assert_eq!(lag(&[1.0; 100], &[1.0; 100], 10.0, 5.0), None);
-        assert_eq!(lag(&[], &[], 10.0, 5.0), None);
-        let line: Vec<f64> = (0..100).map(f64::from).collect();
-        let falling: Vec<f64> = line.iter().map(|x| -x).collect();
-        assert_eq!(lag(&line, &falling, 10.0, 5.0), None);
-    }
-
-    #[test]
-    fn law_a_smooth_channel_has_no_noise() {
-        let t: Vec<f64> = (0..500).map(|k| 0.1 * f64::from(k)).collect();
-        let smooth: Vec<f64> = t.iter().map(|t| 2.0 + t * t).collect();
-        assert!(noise_std(&Series::new(&t, &smooth, 0.2)).unwrap() < 1e-9);
-        assert_eq!(noise_std(&Series::new(&t[..10], &smooth[..10], 0.2)), None);
-    }
 }

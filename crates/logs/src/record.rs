@@ -2,14 +2,16 @@
 
 use rayon::prelude::*;
 use refusal::Invalid;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 use vessel::{Run, Segment};
 
 use crate::segment::Labels;
 use crate::source::called;
 use crate::suspicion::{check_ratios, warnings};
 use crate::{
-    Assembled, Channels, Consistency, Log, Part, Plan, RowCounts, Segmentation, Series, Source, Unassembled,
-    Warning, assemble, consistency, noise_std,
+    Assembled, ChannelSummary, Channels, Log, MotionSummary, Part, Plan, RowSummary, Segmentation, Series,
+    Source, Unassembled, WarningSummary, assemble, consistency, noise_std,
 };
 
 /// What became of a recording.
@@ -19,48 +21,39 @@ pub struct Recorded {
     pub runs: Vec<Run>,
     /// Per run the channels of [`Plan::further`] at its N + 1 rows; NaN where absent.
     pub further: Vec<Vec<Vec<f64>>>,
-    /// How good its data are.
-    pub quality: Quality,
+    /// What it became, and how good its data are; its runs have no numbers until [`crate::Totals::number`] gives them some.
+    pub summary: RecordingSummary,
 }
 
-/// How good the data of a recording are.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Quality {
-    /// From the moment at which all needed channels have begun to the end of the first that ends, in whole samples \[s\].
-    pub duration_s: f64,
-    /// Gaps that split it.
-    pub splits: usize,
-    /// Sub-experiments that were left out for being too short.
-    pub short: usize,
-    /// Rows of all its files.
-    pub rows: RowCounts,
-    /// Its channels, measured and computed.
-    pub channels: Vec<ChannelQuality>,
-    /// Measured surge, sway and yaw rate beside derivatives.
-    pub motion: [Option<Consistency>; 3],
-    /// What is odd about its channels.
-    pub warnings: Vec<Warning>,
-}
-
-/// How good a channel is, on its own clock.
-#[derive(Clone, Debug, PartialEq)]
-pub struct ChannelQuality {
+/// The files that were recorded together.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RecordingSummary {
     /// Its name.
     pub name: String,
-    /// Its unit.
-    pub unit: String,
-    /// See [`Series::rate_hz`] \[Hz\].
-    pub rate_hz: Option<f64>,
-    /// Rows without a value.
-    pub missing: usize,
-    /// Gaps longer than is interpolated over.
-    pub gaps: usize,
-    /// See [`noise_std`].
-    pub noise: Option<f64>,
-    /// Smallest value.
-    pub min: Option<f64>,
-    /// Largest value.
-    pub max: Option<f64>,
+    /// Its files, relative to the folder of the logs.
+    pub files: Vec<String>,
+    /// Numbers of the runs made of it.
+    pub runs: Vec<u64>,
+    /// From the moment at which all needed channels have begun to the end of the first that ends, in whole samples \[s\].
+    pub duration_s: f64,
+    /// Samples of its runs.
+    pub samples: u64,
+    /// Segments of its runs.
+    pub segments: u64,
+    /// Gaps that split it.
+    pub splits: u64,
+    /// Segments that were left out for being too short.
+    pub short_segments: u64,
+    /// Rows of its files.
+    pub rows: RowSummary,
+    /// Its channels, measured and computed, on their own clocks.
+    pub channels: Vec<ChannelSummary>,
+    /// Measured velocities beside the derivatives of position and heading, where there are both.
+    pub motion: Vec<MotionSummary>,
+    /// What is odd about its channels.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub warnings: Vec<WarningSummary>,
 }
 
 /// Makes runs of the `logs` of `source`, one per group of files.
@@ -76,7 +69,7 @@ pub fn record(
     let start_s = logs.iter().filter_map(|log| log.times.first()).copied().fold(f64::INFINITY, f64::min);
     let labels = logs.iter().find_map(|log| labels(log, start_s));
     let missing = missing(plan, &logs);
-    let mut rows = RowCounts::default();
+    let mut rows = RowSummary::default();
     logs.iter().for_each(|log| rows += log.counts);
     let channels = channels(plan, logs, start_s);
     let slowest = slowest(&channels);
@@ -87,18 +80,23 @@ pub fn record(
     let motion = consistency(&made.channels, plan.setup.conventions.window_s);
     check_ratios(&motion)?;
     let (parts, short) = segmentation.runs(source, &made, labels.as_ref());
-    let (runs, further) = parts.iter().map(|parts| run(plan, &made, parts)).unzip();
-    let channels = qualities(plan, &made.channels, &missing);
-    let quality = Quality {
+    let (runs, further): (Vec<Run>, _) = parts.iter().map(|parts| run(plan, &made, parts)).unzip();
+    let channels = summaries(plan, &made.channels, &missing);
+    let summary = RecordingSummary {
+        name: source.name.clone(),
+        files: source.files.clone(),
+        runs: Vec::new(),
         duration_s: made.grid.rows.saturating_sub(1) as f64 / made.grid.rate_hz,
-        splits: made.stretches.len().saturating_sub(1),
-        short,
+        samples: runs.iter().map(|run| run.samples() as u64).sum(),
+        segments: runs.iter().map(|run| run.segments.len() as u64).sum(),
+        splits: made.stretches.len().saturating_sub(1) as u64,
+        short_segments: short as u64,
         rows,
         warnings: warnings(&plan.setup, &made.channels, &channels),
         channels,
-        motion,
+        motion: motion.into_iter().flatten().collect(),
     };
-    Ok(Recorded { runs, further, quality })
+    Ok(Recorded { runs, further, summary })
 }
 
 /// Why `source` becomes no runs; `slowest` is the channel with the longest step, and that step \[s\].
@@ -163,16 +161,16 @@ fn run(plan: &Plan, made: &Assembled, parts: &[Part]) -> (Run, Vec<Vec<f64>>) {
     (run, made.further.iter().map(|channel| channel[rows.clone()].to_vec()).collect())
 }
 
-fn qualities(plan: &Plan, channels: &Channels, missing: &[(String, usize)]) -> Vec<ChannelQuality> {
+fn summaries(plan: &Plan, channels: &Channels, missing: &[(String, usize)]) -> Vec<ChannelSummary> {
     let channels: Vec<(&String, &Series)> = channels.iter().collect();
     let of = |(name, series): (&String, &Series)| {
         let extreme = |f: fn(f64, f64) -> f64| series.values.iter().copied().reduce(f);
-        ChannelQuality {
+        ChannelSummary {
             name: name.clone(),
             unit: plan.unit_of(name).to_owned(),
             rate_hz: series.rate_hz(),
-            missing: missing.iter().find(|(known, _)| known == name).map_or(0, |(_, count)| *count),
-            gaps: series.gaps(),
+            missing: missing.iter().find(|(known, _)| known == name).map_or(0, |(_, count)| *count as u64),
+            gaps: series.gaps() as u64,
             noise: noise_std(series),
             min: extreme(f64::min),
             max: extreme(f64::max),

@@ -4,9 +4,11 @@ use std::f64::consts::TAU;
 
 use numerics::statistics::median;
 use refusal::Invalid;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
 use crate::columns::cell_of;
-use crate::{ChannelQuality, Channels, Consistency, Setup, Unit};
+use crate::{ChannelSummary, Channels, MotionSummary, Setup, Unit};
 
 /// Units of angles and how many of them a turn has.
 const TURNS: [(&str, f64); 2] = [("deg", 360.0), ("rad", TAU)];
@@ -52,7 +54,7 @@ pub(crate) fn check_turns(
 }
 
 /// Refuses velocities that are a unit's ratio off the derivative of position or heading.
-pub(crate) fn check_ratios(motion: &[Option<Consistency>; 3]) -> Result<(), Invalid> {
+pub(crate) fn check_ratios(motion: &[Option<MotionSummary>; 3]) -> Result<(), Invalid> {
     let units = [("y_u", &SPEEDS[..]), ("y_v", &SPEEDS), ("y_r", &RATES)];
     for ((channel, units), found) in units.into_iter().zip(motion) {
         let Some(gain) = found.and_then(|found| found.gain) else { continue };
@@ -78,79 +80,88 @@ fn other_unit(channel: &str, gain: f64, unit: Option<&str>) -> Invalid {
 }
 
 /// Something odd about a channel that does not hinder its use.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Warning {
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct WarningSummary {
+    /// What is odd.
+    pub kind: WarningKind,
     /// The channel.
     pub channel: String,
-    /// What is odd.
-    pub oddity: Oddity,
+    /// How often.
+    pub count: u64,
+    /// In words.
+    pub text: String,
 }
 
 /// What is odd about a channel.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Oddity {
-    /// It has this one value.
-    Constant(f64),
-    /// An angle beyond a turn, at most so far from zero \[rad\]: it may be in degrees.
-    BeyondTurn(f64),
-    /// An angle in degrees that stays within a turn in radians, at most so far from zero \[deg\].
-    WithinTurn(f64),
-    /// It is logged less often \[Hz\] than the common rate \[Hz\].
-    Slow {
-        /// Its own rate \[Hz\].
-        own_hz: f64,
-        /// The common rate \[Hz\].
-        common_hz: f64,
-    },
-    /// Steps of the heading that no turn explains.
-    Jumps {
-        /// Number of steps.
-        count: usize,
-        /// Steps are larger than this \[rad\].
-        above: f64,
-    },
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum WarningKind {
+    /// It has one value.
+    Constant,
+    /// It may be in another unit.
+    Unit,
+    /// It is logged less often than the common rate.
+    Rate,
+    /// It jumps.
+    Jump,
 }
 
+/// What is odd about a channel: the kind, how often, in words.
+type Oddity = (WarningKind, u64, String);
+
 /// What is odd about the channels of a recording.
-pub(crate) fn warnings(setup: &Setup, channels: &Channels, found: &[ChannelQuality]) -> Vec<Warning> {
-    let mut warnings = Vec::new();
+pub(crate) fn warnings(setup: &Setup, channels: &Channels, found: &[ChannelSummary]) -> Vec<WarningSummary> {
+    let mut odd: Vec<(&str, Oddity)> = Vec::new();
     for spec in setup.channels() {
         let Some(channel) = found.iter().find(|channel| channel.name == spec.channel) else { continue };
         let oddities =
             [constant(channel), angle(&spec.unit, channel), slow(setup.conventions.rate_hz, channel)];
-        let named = |oddity| Warning { channel: channel.name.clone(), oddity };
-        warnings.extend(oddities.into_iter().flatten().map(named));
+        odd.extend(oddities.into_iter().flatten().map(|oddity| (channel.name.as_str(), oddity)));
     }
-    warnings.extend(jumps(channels).map(|oddity| Warning { channel: "psi".to_owned(), oddity }));
-    warnings
+    odd.extend(jumps(channels).map(|oddity| ("psi", oddity)));
+    let warning = |(channel, (kind, count, text)): (&str, Oddity)| WarningSummary {
+        kind,
+        channel: channel.to_owned(),
+        count,
+        text: format!("`{channel}` {text}"),
+    };
+    odd.into_iter().map(warning).collect()
 }
 
-fn constant(channel: &ChannelQuality) -> Option<Oddity> {
-    channel.min.filter(|min| channel.max == Some(*min)).map(Oddity::Constant)
+fn constant(channel: &ChannelSummary) -> Option<Oddity> {
+    let value = channel.min.filter(|min| channel.max == Some(*min))?;
+    Some((WarningKind::Constant, 1, format!("is {value} throughout")))
 }
 
 /// An angle beyond a turn (but for the heading, which may go round), or one in degrees that stays within a turn in radians.
-fn angle(unit: &str, channel: &ChannelQuality) -> Option<Oddity> {
+fn angle(unit: &str, channel: &ChannelSummary) -> Option<Oddity> {
     let largest = channel.min?.abs().max(channel.max?.abs());
     let degrees = largest.to_degrees();
-    match unit {
-        "rad" if largest > TAU && channel.name != "psi" => Some(Oddity::BeyondTurn(largest)),
-        "deg" if degrees <= TAU && largest > 0.0 => Some(Oddity::WithinTurn(degrees)),
-        _ => None,
-    }
+    let text = match unit {
+        "rad" if largest > TAU && channel.name != "psi" => {
+            format!("reaches {largest:.1} rad, more than a turn: it may be in degrees")
+        }
+        "deg" if degrees <= TAU && largest > 0.0 => {
+            format!("stays within {degrees:.2} deg: it may be in radians")
+        }
+        _ => return None,
+    };
+    Some((WarningKind::Unit, 1, text))
 }
 
 /// A channel that is logged less often than the common rate.
-fn slow(common_hz: f64, channel: &ChannelQuality) -> Option<Oddity> {
+fn slow(common_hz: f64, channel: &ChannelSummary) -> Option<Oddity> {
     let own_hz = channel.rate_hz.filter(|own| *own < 0.75 * common_hz)?;
-    Some(Oddity::Slow { own_hz, common_hz })
+    Some((WarningKind::Rate, 1, format!("is logged at {own_hz:.3} Hz and interpolated to {common_hz} Hz")))
 }
 
-/// Steps of the heading over 0.2 rad and twelve times the median step.
+/// Steps of the heading over 0.2 rad and twelve times the median step, which no turn explains.
 fn jumps(channels: &Channels) -> Option<Oddity> {
     let steps: Vec<f64> =
         channels.get("psi")?.values.windows(2).map(|pair| (pair[1] - pair[0]).abs()).collect();
     let above = (12.0 * median(steps.clone())?).max(0.2);
     let count = steps.iter().filter(|step| **step > above).count();
-    (count > 0).then_some(Oddity::Jumps { count, above })
+    let text = format!("jumps by more than {:.1} deg {count} times", above.to_degrees());
+    (count > 0).then_some((WarningKind::Jump, count as u64, text))
 }

@@ -1,4 +1,7 @@
-use vessel::Run;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::Recorded;
 
 /// Numbers the runs of one design and counts them.
 #[derive(Clone, Debug, Default)]
@@ -8,20 +11,21 @@ pub struct Totals {
     /// Runs so far; the number of the next run.
     pub runs: u32,
     /// Samples of all runs.
-    pub samples: usize,
+    pub samples: u64,
     /// Per maneuver, in the order of appearance.
     pub maneuvers: Vec<ManeuverCount>,
 }
 
 /// How much there is of a maneuver.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
 pub struct ManeuverCount {
     /// Its name.
     pub name: String,
     /// Number of segments.
-    pub segments: usize,
+    pub segments: u64,
     /// Their samples.
-    pub samples: usize,
+    pub samples: u64,
 }
 
 impl Totals {
@@ -30,17 +34,20 @@ impl Totals {
         Self { design: design.to_owned(), ..Self::default() }
     }
 
-    /// Counts `run` and gives it design and number.
-    pub fn number(&mut self, run: &mut Run) {
-        run.design.clone_from(&self.design);
-        run.run = self.runs as i32;
-        self.runs += 1;
-        self.samples += run.samples();
-        let ends = run.segments.iter().skip(1).map(|next| next.start).chain([run.samples()]);
-        for (segment, end) in run.segments.iter().zip(ends) {
-            let count = self.count(&segment.maneuver);
-            count.segments += 1;
-            count.samples += end - segment.start;
+    /// Counts the runs of a recording and gives them design and number.
+    pub fn number(&mut self, recorded: &mut Recorded) {
+        for run in &mut recorded.runs {
+            run.design.clone_from(&self.design);
+            run.run = self.runs as i32;
+            recorded.summary.runs.push(u64::from(self.runs));
+            self.runs += 1;
+            self.samples += run.samples() as u64;
+            let ends = run.segments.iter().skip(1).map(|next| next.start).chain([run.samples()]);
+            for (segment, end) in run.segments.iter().zip(ends) {
+                let count = self.count(&segment.maneuver);
+                count.segments += 1;
+                count.samples += (end - segment.start) as u64;
+            }
         }
     }
 

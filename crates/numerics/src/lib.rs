@@ -8,8 +8,10 @@
 
 pub mod distributions;
 mod lu;
+mod product;
 pub mod statistics;
 mod weakest;
 
 pub use lu::{LogDet, condition, inverse, log_det, one_norm, solve};
+pub use product::{congruence, dot, product, quadratic, times, transposed};
 pub use weakest::{Weakest, weakest};

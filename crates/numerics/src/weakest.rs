@@ -9,6 +9,14 @@ pub struct Weakest {
     pub direction: Vec<f64>,
 }
 
+impl Weakest {
+    /// Which of the first `n` entries dominates the direction.
+    pub fn dominant(&self, n: usize) -> usize {
+        let size = |i: &usize| self.direction[*i].abs();
+        (0..n).max_by(|i, j| size(i).total_cmp(&size(j))).unwrap_or(0)
+    }
+}
+
 /// The weakest direction of A (n × n). `None` where an entry is not finite or A is zero.
 pub fn weakest(n: usize, a: &[f64]) -> Option<Weakest> {
     if !a.iter().all(|x| x.is_finite()) || a.iter().all(|x| *x == 0.0) {

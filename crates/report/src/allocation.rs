@@ -1,8 +1,10 @@
+use std::collections::BTreeMap;
+
 use crate::figures::{SensitivityRow, ShareRow, sensitivities, shares};
 use maud::{Markup, html};
 
 use super::accuracy::accuracy_of;
-use super::number::{exact, percent, published, three, three_or_dash};
+use super::number::{exact, or_dash, percent, published, three_or_dash};
 use super::parts::{Figures, Section, missing};
 use super::shown::{omission, shown, used};
 use super::study::Study;
@@ -21,12 +23,23 @@ pub(super) fn allocation(study: &Study, figures: &mut Figures) -> Section {
 fn designed(study: &Study, design: &DesignDocument, figures: &mut Figures) -> Markup {
     let reference = study.reference.as_ref();
     let names = shown(design.order.iter().map(String::as_str), Some(design));
-    let bars = shares(&share_rows(&names, design, reference));
-    let dots = |p: u64| sensitivities(&sensitivity_rows(&names, design), p as f64);
+    let of = |values: &BTreeMap<String, f64>, name: &str| values.get(name).copied().unwrap_or(f64::NAN);
+    let share = |name| {
+        let published = published_share(reference, name);
+        ShareRow { name, share: of(&design.shares, name), published }
+    };
+    let sensitivity = |name| {
+        let sensitivity = of(&design.sensitivities, name);
+        SensitivityRow { name, sensitivity, used: used(design, name) }
+    };
+    let bars: Vec<ShareRow<'_>> = names.iter().copied().map(share).collect();
+    let dots: Vec<SensitivityRow<'_>> = names.iter().copied().map(sensitivity).collect();
     html! {
         div.pair {
-            (figures.place("shares", bars, &share_caption(reference)))
-            @if let Some(p) = design.dimension { (figures.place("sensitivities", dots(p), &sensitivity_caption(p))) }
+            (figures.place("shares", shares(&bars), &share_caption(reference)))
+            @if let Some(p) = design.dimension {
+                (figures.place("sensitivities", sensitivities(&dots, p as f64), &sensitivity_caption(p)))
+            }
         }
         (omission(design.order.len(), names.len()))
         (table(&names, design, reference, study.experiment_s))
@@ -41,33 +54,11 @@ fn order(sequence: &Sequence) -> String {
     sequence.parts.iter().map(part).collect::<Vec<_>>().join(", ")
 }
 
-fn share_rows<'a>(
-    names: &[&'a str],
-    design: &DesignDocument,
-    reference: Option<&Reference>,
-) -> Vec<ShareRow<'a>> {
-    let row = |&name: &&'a str| ShareRow {
-        name,
-        share: design.shares.get(name).copied().unwrap_or(f64::NAN),
-        published: published_share(reference, name),
-    };
-    names.iter().map(row).collect()
-}
-
 /// The published share of a maneuver. One that is not listed has none, unless the listed ones make up the whole.
 fn published_share(reference: Option<&Reference>, name: &str) -> Option<f64> {
     let shares = &reference?.shares;
     let whole = shares.values().sum::<f64>() > 0.995;
     shares.get(name).copied().or(whole.then_some(0.0))
-}
-
-fn sensitivity_rows<'a>(names: &[&'a str], design: &DesignDocument) -> Vec<SensitivityRow<'a>> {
-    let row = |&name: &&'a str| SensitivityRow {
-        name,
-        sensitivity: design.sensitivities.get(name).copied().unwrap_or(f64::NAN),
-        used: used(design, name),
-    };
-    names.iter().map(row).collect()
 }
 
 fn share_caption(reference: Option<&Reference>) -> Markup {
@@ -105,7 +96,7 @@ fn table(
     }
     if reference.is_some_and(|r| !r.shares.is_empty()) {
         table = table.classed("number published", "Published share", |name| {
-            published_share(reference, name).map_or("–".to_owned(), published)
+            or_dash(published_share(reference, name).map(published))
         });
     }
     table = table
@@ -115,24 +106,18 @@ fn table(
 }
 
 fn share_of(design: &DesignDocument, name: &str) -> String {
-    match design.shares.get(name) {
-        None => "–".to_owned(),
-        Some(share) if used(design, name) => percent(*share),
-        Some(_) => "0".to_owned(),
-    }
+    let printed = |share: &f64| if used(design, name) { percent(*share) } else { "0".to_owned() };
+    or_dash(design.shares.get(name).map(printed))
 }
 
 fn time_of(design: &DesignDocument, name: &str, length: f64) -> String {
     let share = design.shares.get(name).filter(|_| used(design, name));
-    share.map_or("–".to_owned(), |share| three(share * length))
+    three_or_dash(share.map(|share| share * length))
 }
 
 fn alone(design: &DesignDocument, name: &str) -> String {
-    match design.efficiency.as_ref().and_then(|efficiency| efficiency.single.get(name)) {
-        None => "–".to_owned(),
-        Some(efficiency) if *efficiency <= 1e-9 => "0".to_owned(),
-        Some(efficiency) => percent(*efficiency),
-    }
+    let printed = |own: &f64| if *own <= 1e-9 { "0".to_owned() } else { percent(*own) };
+    or_dash(design.efficiency.as_ref().and_then(|all| all.single.get(name)).map(printed))
 }
 
 fn footnotes(design: &DesignDocument) -> Markup {

@@ -20,11 +20,11 @@ fn drawn(all: &[ManeuverTrace], design: Option<&DesignDocument>, figures: &mut F
     let names = shown(all.iter().map(|maneuver| maneuver.name.as_str()), design);
     let maneuvers: Vec<&ManeuverTrace> = all.iter().filter(|m| names.contains(&m.name.as_str())).collect();
     let over_time = small_multiples(&maneuvers, design);
-    let plane = tracks(&maneuvers.iter().map(|maneuver| track(maneuver)).collect::<Vec<_>>());
+    let paths: Vec<Track<'_>> = maneuvers.iter().map(|m| Track { name: &m.name, x: &m.x, y: &m.y }).collect();
     html! {
         (omission(all.len(), maneuvers.len()))
         (figures.place_wide("dictionary", over_time, &time_caption()))
-        (figures.place_wide("tracks", plane, &track_caption()))
+        (figures.place_wide("tracks", tracks(&paths), &track_caption()))
         (descriptions(&maneuvers))
     }
 }
@@ -103,10 +103,6 @@ impl<'a> Inputs<'a> {
         };
         maneuver.inputs.iter().filter_map(curve).collect()
     }
-}
-
-fn track(maneuver: &ManeuverTrace) -> Track<'_> {
-    Track { name: &maneuver.name, x: &maneuver.x, y: &maneuver.y }
 }
 
 fn time_caption() -> Markup {

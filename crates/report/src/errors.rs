@@ -1,7 +1,10 @@
 use maud::{Markup, html};
 
+use crate::figures::HistogramPanel;
+
 use super::dictionary::validation_input;
-use super::histograms::{DesignErrors, ErrorFigure};
+use super::histograms::ErrorFigure;
+use super::number::{exact, percent};
 use super::parts::{Figures, Section, missing};
 use super::study::{Study, optimized_first};
 use study::documents::DesignScores;
@@ -13,11 +16,8 @@ const PARAMETER: ErrorFigure<'_> = ErrorFigure::half("parameter-error", "paramet
 const SIMULATION: ErrorFigure<'_> =
     ErrorFigure::half("simulation-error", "norm of the simulation RMSE [m/s, m/s, rad/s]", 0.5)
         .captioned("Norm of the simulation errors.");
-const DEGREES: [ErrorFigure<'_>; 3] = [
-    ErrorFigure::third("rmse-surge", "RMSE in surge [m/s]", 1.0).captioned("Simulation error in surge."),
-    ErrorFigure::third("rmse-sway", "RMSE in sway [m/s]", 0.25).captioned("Simulation error in sway."),
-    ErrorFigure::third("rmse-yaw", "RMSE in yaw rate [rad/s]", 0.15).captioned("Simulation error in yaw."),
-];
+const CAPTIONS: [&str; 3] =
+    ["Simulation error in surge.", "Simulation error in sway.", "Simulation error in yaw."];
 
 /// The histograms of all errors over the runs, and the input of the validation.
 pub(super) fn errors(study: &Study, figures: &mut Figures) -> Section {
@@ -32,27 +32,36 @@ pub(super) fn errors(study: &Study, figures: &mut Figures) -> Section {
     Section::new("errors", "Errors", "Errors of the estimated models", html! { (body) (input) })
 }
 
+/// The bound below which a run counts as good, and the share of runs that do.
+type Good = (f64, fn(&DesignScores) -> f64);
+
 fn drawn(study: &Study, scores: &[Row], figures: &mut Figures) -> Markup {
     let designs = distinct(scores.iter().map(|row| row.design.as_str()));
     let designs: Vec<&str> = optimized_first(&designs, |design| design).into_iter().copied().collect();
     let scored = study.scored();
-    let errors = |value: &dyn Fn(&Row) -> Option<f64>, share: Option<fn(&DesignScores) -> f64>| {
+    let panels = |value: &dyn Fn(&Row) -> Option<f64>, good: Option<Good>| -> Vec<HistogramPanel<'_>> {
         let values = |design: &str| scores.iter().filter(|row| row.design == design).map(value).collect();
-        let below = |design: &str| Some(share?(scored.iter().find(|d| d.design == design)?));
+        let note = |design: &str| {
+            let ((bound, share), own) = (good?, scored.iter().find(|d| d.design == design)?);
+            Some(format!("{} below {}", percent(share(own)), exact(bound)))
+        };
         let all = designs.iter();
-        all.map(|design| DesignErrors { design, values: values(design), below: below(design) })
-            .collect::<Vec<_>>()
+        all.map(|design| HistogramPanel { label: design, values: values(design), note: note(design) })
+            .collect()
     };
     let bounds = study.validation.as_ref().map(|v| v.bounds);
-    let parameter = PARAMETER.bounded(bounds.map(|b| b.parameter_error));
-    let simulation = SIMULATION.bounded(bounds.map(|b| b.simulation_error));
+    let parameter = bounds.map(|b| -> Good { (b.parameter_error, |d| d.parameter_error_share) });
+    let simulation = bounds.map(|b| -> Good { (b.simulation_error, |d| d.simulation_error_share) });
+    let degrees = ErrorFigure::thirds(["rmse-surge", "rmse-sway", "rmse-yaw"], [1.0, 0.25, 0.15]);
     html! {
         div.pair {
-            (parameter.place(&errors(&|r| r.parameter_error, Some(|d| d.parameter_error_share)), figures))
-            (simulation.place(&errors(&|r| r.simulation_error, Some(|d| d.simulation_error_share)), figures))
+            (PARAMETER.bounded(parameter.map(|p| p.0)).place(&panels(&|r| r.parameter_error, parameter), figures))
+            (SIMULATION.bounded(simulation.map(|s| s.0)).place(&panels(&|r| r.simulation_error, simulation), figures))
         }
         div.triple {
-            @for (d, figure) in DEGREES.iter().enumerate() { (figure.place(&errors(&|r| r.rmse[d], None), figures)) }
+            @for (d, figure) in degrees.iter().enumerate() {
+                (figure.captioned(CAPTIONS[d]).place(&panels(&|r| r.rmse[d], None), figures))
+            }
         }
     }
 }

@@ -1,7 +1,7 @@
 use identification::Estimator;
 use maud::{Markup, display, html};
 
-use super::number::{median, percent, q90, three_or_dash};
+use super::number::{median, or_dash, percent, q90, three_or_dash};
 use super::parts::{Section, section};
 use super::sample::{INTERVALS, drawn_from};
 use super::study::{Scenario, Study, optimized_first};
@@ -74,7 +74,6 @@ fn of_both<'a>(
 }
 
 fn table(design: &str, estimates: &[EstimatorSummary], scores: &[EstimatorScores]) -> Markup {
-    let count = |count: Option<u64>| count.map_or("–".to_owned(), |c| c.to_string());
     let table = Table::of(of_both(design, estimates, scores))
         .name("Estimator", |(estimator, ..)| display(estimator))
         .number("Parameter error, median", |(_, d, _)| median(&d.parameter_error))
@@ -88,8 +87,8 @@ fn table(design: &str, estimates: &[EstimatorSummary], scores: &[EstimatorScores
         .number("Simulation error, median", |(_, d, _)| median(&d.simulation_error))
         .number("Diverged", |(_, d, _)| d.diverged)
         .number("Not identifiable", |(_, d, _)| d.not_identifiable)
-        .number("Not converged", |(_, d, _)| count(d.not_converged))
-        .number("Kept", |(.., e)| count(e.kept));
+        .number("Not converged", |(_, d, _)| or_dash(d.not_converged))
+        .number("Kept", |(.., e)| or_dash(e.kept));
     html! { h3 { "Estimators, " (design) } (table) }
 }
 

@@ -1,9 +1,10 @@
-use maud::{Markup, Render, html};
+use maud::{Markup, html};
 
+use super::card::card;
 use super::number::{exact, parameter_share, percent, percent_within, simulation_share, three};
 use super::shown::used as is_used;
 use super::study::Study;
-use super::trajectory_words::{cost, minutes};
+use super::trajectory::words::{cost, minutes};
 use study::documents::{
     DesignDocument, DesignScores, PlanDocument, PlanStatus, SequentialDocument, ValidationDocument, Voyage,
 };
@@ -29,7 +30,7 @@ pub(super) fn headline(study: &Study) -> Markup {
             h1 { (study.name) }
             @if let Some(vessel) = &study.vessel {
                 p.about {
-                    (vessel.name) ", " (vessel.parameters.len()) " parameters, sampled at "
+                    (vessel.name) ", " (vessel.model.parameters()) " parameters, sampled at "
                     (exact(vessel.sample_rate_hz)) "\u{a0}Hz"
                 }
             }
@@ -130,34 +131,33 @@ fn compared(study: &Study, validation: &ValidationDocument) -> String {
         exact(bounds.parameter_error),
         parameter_share(first),
         first.runs,
-        counterparts(others, parameter_share, study.experiment_s.is_some()),
+        counterparts(others, study.experiment_s.is_some()),
     );
     let simulation = format!(
         "The error of the free simulation stays below {} in {}{}.",
         exact(bounds.simulation_error),
         simulation_share(first),
-        against(others, simulation_share),
+        against(others),
     );
     format!("{parameters} {simulation}")
 }
 
-fn counterparts(
-    others: &[&DesignScores],
-    share: impl Fn(&DesignScores) -> String,
-    same_length: bool,
-) -> String {
+/// What the other designs reach with their parameters.
+fn counterparts(others: &[&DesignScores], same_length: bool) -> String {
     let length = if same_length { " of the same length" } else { "" };
-    let each = others.iter().map(|d| format!("; {} experiments{length} do so in {}", d.design, share(d)));
-    each.collect()
+    let told =
+        |d: &&DesignScores| format!("; {} experiments{length} do so in {}", d.design, parameter_share(d));
+    others.iter().map(told).collect()
 }
 
-fn against(others: &[&DesignScores], share: impl Fn(&DesignScores) -> String) -> String {
-    let each: Vec<String> = others.iter().map(|d| format!("{} ({})", share(d), d.design)).collect();
+/// What they reach in free simulation.
+fn against(others: &[&DesignScores]) -> String {
+    let told = |d: &&DesignScores| format!("{} ({})", simulation_share(d), d.design);
+    let each: Vec<String> = others.iter().map(told).collect();
     if each.is_empty() {
-        String::new()
-    } else {
-        format!(" of the realizations, against {}", each.join(" and "))
+        return String::new();
     }
+    format!(" of the realizations, against {}", each.join(" and "))
 }
 
 /// The first sentence about a design that has not been validated.
@@ -196,17 +196,6 @@ fn cards(study: &Study) -> Markup {
             }
             @if let Some(design) = &study.design { (design_cards(design)) }
             @if let Some(plan) = plan(study) { (plan_card(plan)) }
-        }
-    }
-}
-
-/// A key figure with what it is of, and lines below it.
-pub(super) fn card(what: &str, figure: impl Render, of: impl Render, others: &[String]) -> Markup {
-    html! {
-        div.card {
-            p.what { (what) }
-            p.figure-line { span.big { (figure) } " " span.who { (of) } }
-            @for other in others { p.other { (other) } }
         }
     }
 }

@@ -2,40 +2,35 @@ use maud::{Markup, html};
 
 use crate::figures::{Histogram, HistogramAxis, HistogramPanel, histogram_pair};
 
-use super::number::{exact, percent};
+use super::number::exact;
 use super::parts::Figures;
-
-const BINS: usize = 50;
 
 /// A figure of histograms of one error, a panel per design.
 #[derive(Clone, Copy)]
 pub(super) struct ErrorFigure<'a> {
     file: &'a str,
-    title: &'a str,
     caption: &'a str,
-    limit: f64,
-    bound: Option<f64>,
-    width: f64,
-}
-
-/// The errors of one design.
-pub(super) struct DesignErrors<'a> {
-    pub(super) design: &'a str,
-    /// One per run; none for a run without a value.
-    pub(super) values: Vec<Option<f64>>,
-    /// Share of the runs below the bound.
-    pub(super) below: Option<f64>,
+    axis: HistogramAxis<'a>,
 }
 
 impl<'a> ErrorFigure<'a> {
     /// For half of the page, in `<file>.svg`: `title` says what and in which unit, and the axis ends at `limit`.
     pub(super) const fn half(file: &'a str, title: &'a str, limit: f64) -> Self {
-        Self { file, title, caption: title, limit, bound: None, width: 460.0 }
+        let axis = HistogramAxis { title, limit, bins: 50, bound: None, width: 460.0 };
+        Self { file, caption: title, axis }
     }
 
-    /// As [`ErrorFigure::half`], for a third of the page.
-    pub(super) const fn third(file: &'a str, title: &'a str, limit: f64) -> Self {
-        Self { width: 360.0, ..Self::half(file, title, limit) }
+    /// For a third of the page each: the errors in surge, sway and yaw rate.
+    pub(super) fn thirds(files: [&'a str; 3], [u, v, r]: [f64; 3]) -> [Self; 3] {
+        let third = |file, title, limit| {
+            let half = Self::half(file, title, limit);
+            Self { axis: HistogramAxis { width: 360.0, ..half.axis }, ..half }
+        };
+        [
+            third(files[0], "RMSE in surge [m/s]", u),
+            third(files[1], "RMSE in sway [m/s]", v),
+            third(files[2], "RMSE in yaw rate [rad/s]", r),
+        ]
     }
 
     /// With a caption of its own.
@@ -45,40 +40,23 @@ impl<'a> ErrorFigure<'a> {
 
     /// With a line below which a run counts as good.
     pub(super) const fn bounded(self, bound: Option<f64>) -> Self {
-        Self { bound, ..self }
+        Self { axis: HistogramAxis { bound, ..self.axis }, ..self }
     }
 
     /// Draws and places the figure; the caption accounts for what no bar shows.
-    pub(super) fn place(&self, designs: &[DesignErrors<'_>], figures: &mut Figures) -> Markup {
-        let Self { title, limit, bound, width, .. } = *self;
-        let note = |share: Option<f64>| bound.zip(share).map(|(bound, share)| below(share, bound));
-        let panels: Vec<HistogramPanel<'_>> = (0..)
-            .zip(designs)
-            .map(|(colour, DesignErrors { design, values, below })| HistogramPanel {
-                label: design,
-                values,
-                note: note(*below),
-                colour,
-            })
-            .collect();
-        let drawing = histogram_pair(&HistogramAxis { title, limit, bins: BINS, bound, width }, &panels);
-        let told: Vec<String> = designs.iter().map(|own| self.left_out(own)).collect();
+    pub(super) fn place(&self, panels: &[HistogramPanel<'_>], figures: &mut Figures) -> Markup {
+        let told: Vec<String> = panels.iter().map(|panel| self.left_out(panel)).collect();
         let caption = html! {
             b { (self.caption) }
-            " Values at or above " (exact(limit)) " are truncated into the last bar (" (told.join("; ")) ")."
+            " Values at or above " (exact(self.axis.limit)) " are truncated into the last bar (" (told.join("; ")) ")."
         };
-        figures.place(self.file, drawing, &caption)
+        figures.place(self.file, histogram_pair(&self.axis, panels), &caption)
     }
 
     /// What the last bar holds and what no bar shows: `optimized: 3 of 500 runs truncated, 0 without a value`.
-    fn left_out(&self, own: &DesignErrors<'_>) -> String {
-        let counted = Histogram::new(&own.values, self.limit, BINS);
+    fn left_out(&self, panel: &HistogramPanel<'_>) -> String {
+        let counted = Histogram::new(&panel.values, self.axis.limit, self.axis.bins);
         let (runs, Histogram { beyond, missing, .. }) = (counted.runs(), &counted);
-        format!("{}: {beyond} of {runs} runs truncated, {missing} without a value", own.design)
+        format!("{}: {beyond} of {runs} runs truncated, {missing} without a value", panel.label)
     }
-}
-
-/// `98.6 % below 5`.
-fn below(share: f64, bound: f64) -> String {
-    format!("{} below {}", percent(share), exact(bound))
 }

@@ -8,6 +8,7 @@
 
 mod accuracy;
 mod allocation;
+mod card;
 mod certificate;
 mod comparison;
 mod crossval;
@@ -38,14 +39,6 @@ mod shown;
 mod study;
 mod table;
 mod trajectory;
-mod trajectory_facts;
-mod trajectory_files;
-mod trajectory_front;
-mod trajectory_map;
-mod trajectory_moves;
-mod trajectory_sheet;
-mod trajectory_trials;
-mod trajectory_words;
 mod trust;
 
 pub use load::load;
@@ -55,4 +48,4 @@ pub use page::{Rendered, render};
 pub use picture::picture;
 pub use plan_map::PlanMap;
 pub use selection::SelectionStudy;
-pub use study::{ManeuverTrace, ParameterRow, PlannedTrial, Scenario, Study, Trajectory, VesselSummary};
+pub use study::{ManeuverTrace, PlannedTrial, Scenario, Study, Trajectory};

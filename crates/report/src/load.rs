@@ -1,15 +1,13 @@
 //! Collects a study for the page from the folder that the stages wrote into.
 
-use std::collections::BTreeMap;
 use std::path::Path;
 
-use artifact::{TableReader, read_document};
-use vessel::{DegreeOfFreedom, Vessel, track};
+use artifact::{Error, read_document};
+use vessel::{Vessel, track};
 
-use super::loader::{Loader, Sources};
-use super::trajectory_files::trajectory;
-use super::{ManeuverTrace, ParameterRow, Scenario, Study, VesselSummary};
-use artifact::Error;
+use super::loader::{Loader, Sources, document_at};
+use super::trajectory::files::trajectory;
+use super::{ManeuverTrace, Scenario, Study};
 use study::campaign_file::CampaignFile;
 use study::documents::{EstimateDocument, IngestDocument, Reference, ValidationDocument};
 use study::scores;
@@ -27,28 +25,28 @@ pub fn load(sources: &Sources) -> Result<Study, Error> {
     let mut loader = Loader { sources, files: Vec::new() };
     let vessel = loader.vessel()?;
     let campaign = loader.toml::<CampaignFile>("campaign.toml", "runs, disturbances, seed, validation")?;
-    let descriptions = loader.dictionary()?;
+    let maneuvers = loader.dictionary()?;
     let reference = loader.toml::<Reference>("reference.toml", "published results, to compare with")?;
-    let descriptions: BTreeMap<String, String> = descriptions
-        .iter()
-        .flat_map(|d| d.expanded().unwrap_or_default())
-        .map(|m| (m.name, m.description))
-        .collect();
-    let described = |name: &str| descriptions.get(name).cloned().unwrap_or_default();
+    let mut dictionary = loader.traces(&vessel, "dictionary.parquet", "maneuvers, undisturbed")?;
+    let maneuvers = maneuvers.map(|file| file.expanded().unwrap_or_default()).unwrap_or_default();
+    for trace in dictionary.iter_mut().flatten() {
+        let own = maneuvers.iter().find(|maneuver| maneuver.name == trace.name);
+        trace.description = own.map_or(String::new(), |maneuver| maneuver.description.clone());
+    }
     let study = Study {
         name: sources.study.file_name().map_or(String::new(), |n| n.to_string_lossy().into_owned()),
         experiment_s: campaign.map(|c| c.duration_s),
-        dictionary: loader.traces(&vessel, "dictionary.parquet", "maneuvers, undisturbed", &described)?,
+        dictionary,
         moments: loader.document("moments.json", "moments of every maneuver")?,
         design: loader.document("design.json", "optimal shares with their certificate")?,
         validation_trace: loader
-            .traces(&vessel, "validation.parquet", "validation maneuvers", &|_| String::new())?
+            .traces(&vessel, "validation.parquet", "validation maneuvers")?
             .and_then(|traces| traces.into_iter().next()),
         estimate: loader.document("estimate.json", "estimates of all runs together")?,
         validation: loader.document("validation.json", "errors of all runs together")?,
         scores: loader.scores()?,
         scenarios: sources.scenarios.iter().map(|folder| scenario(folder)).collect::<Result<_, _>>()?,
-        vessel: vessel.as_ref().map(summary),
+        vessel,
         trajectory: trajectory(&mut loader)?,
         selection: super::selection::load(&mut loader)?,
         measured: super::measured::load(&mut loader)?,
@@ -57,10 +55,10 @@ pub fn load(sources: &Sources) -> Result<Study, Error> {
         reference,
         files: Vec::new(),
     };
-    let planned = study.trajectory.as_ref().is_some_and(|t| t.main.is_some());
-    let planned = planned || study.selection.is_some() || study.measured.is_some();
-    let planned = planned || study.sequential.is_some();
-    if study.design.is_none() && study.dictionary.is_none() && study.validation.is_none() && !planned {
+    let Study { design, dictionary, validation, trajectory, selection, measured, sequential, .. } = &study;
+    let simulated = design.is_some() || dictionary.is_some() || validation.is_some() || sequential.is_some();
+    let planned = trajectory.as_ref().is_some_and(|t| t.main.is_some());
+    if !(simulated || planned || selection.is_some() || measured.is_some()) {
         return Err(study::refuse(
             &sources.results,
             "results",
@@ -90,20 +88,15 @@ fn scenario(folder: &Path) -> Result<Scenario, Error> {
 impl Loader<'_> {
     /// What `ingest` says that the logs are.
     fn label(&mut self) -> Result<Option<String>, Error> {
-        let path = self.sources.results.join("ingest.json");
-        if !path.exists() {
-            return Ok(None);
-        }
-        Ok(read_document::<IngestDocument>(&path)?.data.data.map(|label| label.to_string()))
+        let ingest = document_at::<IngestDocument>(self.sources.results.join("ingest.json"))?;
+        Ok(ingest.and_then(|ingest| ingest.data.data).map(|label| label.to_string()))
     }
 
     fn scores(&mut self) -> Result<Option<Vec<scores::Row>>, Error> {
-        let path = self.sources.results.join("scores.parquet");
-        if !path.exists() {
+        let schema = (scores::ID, scores::VERSION);
+        let Some(reader) = self.table("scores.parquet", "errors of every run", schema)? else {
             return Ok(None);
-        }
-        let reader = TableReader::open(&path, scores::ID, scores::VERSION)?;
-        self.note("scores.parquet", "errors of every run", reader.digest());
+        };
         let mut rows = scores::rows(&reader)?;
         let leading = scores::leading(&rows);
         rows.retain(|row| Some(row.estimator) == leading);
@@ -115,7 +108,6 @@ impl Loader<'_> {
         vessel: &Option<Vessel>,
         name: &str,
         what: &str,
-        described: &dyn Fn(&str) -> String,
     ) -> Result<Option<Vec<ManeuverTrace>>, Error> {
         let path = self.sources.results.join(name);
         let (Some(vessel), true) = (vessel, path.exists()) else { return Ok(None) };
@@ -124,14 +116,14 @@ impl Loader<'_> {
         let mut traces = Vec::new();
         for block in 0..reader.blocks() {
             if traces.len() < MOST_TRACES {
-                traces.extend(reader.runs(block)?.iter().map(|run| trace(vessel, run, described)));
+                traces.extend(reader.runs(block)?.iter().map(|run| trace(vessel, run)));
             }
         }
         Ok(Some(traces))
     }
 }
 
-fn trace(vessel: &Vessel, run: &Run, described: &dyn Fn(&str) -> String) -> ManeuverTrace {
+fn trace(vessel: &Vessel, run: &Run) -> ManeuverTrace {
     let samples = run.samples();
     let width = vessel.model.exogenous();
     let state = |i: usize| run.measured.iter().skip(i).step_by(3).take(samples).copied().collect::<Vec<_>>();
@@ -141,10 +133,9 @@ fn trace(vessel: &Vessel, run: &Run, described: &dyn Fn(&str) -> String) -> Mane
         (variable.name.clone(), variable.unit.clone(), values)
     };
     let poses = track(&run.measured, vessel.sample_rate_hz);
-    let name = run.segments[0].maneuver.clone();
     ManeuverTrace {
-        description: described(&name),
-        name,
+        name: run.segments[0].maneuver.clone(),
+        description: String::new(),
         t: (0..samples).map(|k| k as f64 / vessel.sample_rate_hz).collect(),
         inputs: (0..vessel.model.inputs).map(input).collect(),
         u: state(0),
@@ -152,27 +143,5 @@ fn trace(vessel: &Vessel, run: &Run, described: &dyn Fn(&str) -> String) -> Mane
         r: state(2),
         x: poses.iter().take(samples).map(|p| p.x).collect(),
         y: poses.iter().take(samples).map(|p| p.y).collect(),
-    }
-}
-
-fn summary(vessel: &Vessel) -> VesselSummary {
-    let units = vessel.model.parameter_units();
-    let terms = DegreeOfFreedom::ALL.into_iter().zip(&vessel.model.degrees);
-    let named = terms
-        .flat_map(|(d, degree)| degree.parameters.iter().zip(&degree.terms).map(move |(p, t)| (d, p, t)));
-    let parameter = |(i, (d, name, term)): (usize, (DegreeOfFreedom, &String, &vessel::Term))| ParameterRow {
-        name: name.clone(),
-        unit: units[i].clone(),
-        term: term.text.clone(),
-        degree: d.name().to_owned(),
-        truth: vessel.value[i],
-        nominal: vessel.nominal[i],
-    };
-    let inputs = &vessel.model.variables[3..3 + vessel.model.inputs];
-    VesselSummary {
-        name: vessel.name.clone(),
-        sample_rate_hz: vessel.sample_rate_hz,
-        inputs: inputs.iter().map(|v| (v.name.clone(), v.unit.clone())).collect(),
-        parameters: named.enumerate().map(parameter).collect(),
     }
 }

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use artifact::{Digest, Document, Error, Loaded, Provenance, read_document, read_toml};
+use artifact::{Digest, Document, Error, Loaded, Provenance, TableReader, read_document, read_toml};
 use serde::de::DeserializeOwned;
 use study::files::read_vessel;
 use vessel::{DictionaryFile, Vessel};
@@ -19,6 +19,16 @@ pub struct Sources {
     pub scenarios: Vec<PathBuf>,
 }
 
+/// A file that may be missing.
+pub(super) fn existing(path: PathBuf) -> Option<PathBuf> {
+    Some(path).filter(|path| path.exists())
+}
+
+/// A document with where it comes from; none where there is no file.
+pub(super) fn document_at<D: Document>(path: PathBuf) -> Result<Option<Loaded<D>>, Error> {
+    existing(path).map(read_document).transpose()
+}
+
 /// Reads files and keeps a list of them.
 pub(super) struct Loader<'a> {
     pub(super) sources: &'a Sources,
@@ -31,10 +41,7 @@ impl Loader<'_> {
     }
 
     pub(super) fn vessel(&mut self) -> Result<Option<Vessel>, Error> {
-        let path = self.sources.study.join("vessel.toml");
-        if !path.exists() {
-            return Ok(None);
-        }
+        let Some(path) = existing(self.sources.study.join("vessel.toml")) else { return Ok(None) };
         let vessel = read_vessel(&path, &mut Provenance::default())?;
         self.note("vessel.toml", "model structure and parameters", Digest::of_file(&path)?);
         Ok(Some(vessel))
@@ -49,8 +56,7 @@ impl Loader<'_> {
     }
 
     pub(super) fn toml<T: DeserializeOwned>(&mut self, name: &str, what: &str) -> Result<Option<T>, Error> {
-        let path = self.sources.study.join(name);
-        path.exists().then(|| self.toml_at(&path, name, what)).transpose()
+        existing(self.sources.study.join(name)).map(|path| self.toml_at(&path, name, what)).transpose()
     }
 
     fn toml_at<T: DeserializeOwned>(&mut self, path: &Path, name: &str, what: &str) -> Result<T, Error> {
@@ -65,12 +71,21 @@ impl Loader<'_> {
 
     /// A document with where it comes from.
     pub(super) fn loaded<D: Document>(&mut self, name: &str, what: &str) -> Result<Option<Loaded<D>>, Error> {
-        let path = self.sources.results.join(name);
-        if !path.exists() {
-            return Ok(None);
-        }
-        let loaded = read_document::<D>(&path)?;
-        self.note(name, what, loaded.digest);
-        Ok(Some(loaded))
+        let loaded = document_at::<D>(self.sources.results.join(name))?;
+        loaded.iter().for_each(|loaded| self.note(name, what, loaded.digest));
+        Ok(loaded)
+    }
+
+    /// A table of the results.
+    pub(super) fn table(
+        &mut self,
+        name: &str,
+        what: &str,
+        (id, version): (&'static str, u32),
+    ) -> Result<Option<TableReader>, Error> {
+        let Some(path) = existing(self.sources.results.join(name)) else { return Ok(None) };
+        let reader = TableReader::open(&path, id, version)?;
+        self.note(name, what, reader.digest());
+        Ok(Some(reader))
     }
 }

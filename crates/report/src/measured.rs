@@ -1,10 +1,10 @@
-use identification::pooled::COLLINEAR;
+use identification::pooled::{COLLINEAR, DegreeTrust};
 use maud::{Markup, display, html};
 
 use super::SelectionStudy;
-use super::headline::card;
+use super::card::card;
 use super::loader::Loader;
-use super::number::{percent, percent_within, three_or_dash};
+use super::number::{or_dash, percent, percent_within, three_or_dash};
 use super::table::Table;
 use artifact::Error;
 use study::documents::{
@@ -95,18 +95,13 @@ impl Measured {
                 found.q90(1)
             ));
         }
-        let refused: Vec<String> =
-            self.trust.iter().flat_map(|t| &t.degrees).filter_map(|d| d.reason.clone()).collect();
+        let degrees = || self.trust.iter().flat_map(|trust| &trust.degrees);
+        let refused: Vec<String> = degrees().filter_map(|d| d.reason.clone()).collect();
         if !refused.is_empty() {
             told.push(format!("Not identifiable: {}.", listed(&refused)));
         }
-        let collinear: Vec<String> = self
-            .trust
-            .iter()
-            .flat_map(|t| &t.degrees)
-            .filter(|d| d.reason.is_none() && d.condition_index.is_none_or(|index| index > COLLINEAR))
-            .map(|d| d.weakest.clone())
-            .collect();
+        let unsure = |d: &&DegreeTrust| d.reason.is_none() && d.condition_index.is_none_or(|c| c > COLLINEAR);
+        let collinear: Vec<String> = degrees().filter(unsure).map(|d| d.weakest.clone()).collect();
         if !collinear.is_empty() {
             told.push(format!("Use it for similar motion only: {}.", listed(&collinear)));
         }
@@ -133,7 +128,7 @@ impl Measured {
 fn selection_card(found: &SelectionStudy) -> Markup {
     let degenerate = |i: usize| {
         let share = |d: &SelectionScores| percent_within(d.degenerate_share, d.degenerate_share_interval);
-        found.summary.designs.get(i).map_or("–".to_owned(), share)
+        or_dash(found.summary.designs.get(i).map(share))
     };
     let others = [
         format!("{} random", found.q90(1)),

@@ -7,7 +7,11 @@ use super::table::Table;
 /// What the words mean.
 pub(super) fn notation(study: &Study) -> Section {
     let body = if study.measured.is_some() { of_logs() } else { of_trials() };
-    Section::new("notation", "Notation", "Notation", html! { dl.names { (body) } })
+    let states = entry(
+        "u, v, r",
+        "Surge and sway speed [m/s] and yaw rate [rad/s]; axes x forward, y starboard, z down.",
+    );
+    Section::new("notation", "Notation", "Notation", html! { dl.names { (body) (states) } })
 }
 
 fn of_trials() -> Markup {
@@ -19,7 +23,6 @@ fn of_trials() -> Markup {
         (entry("Parameter error", "2-norm over the parameters of (estimate − truth)/truth, one value per run."))
         (entry("Simulation error", "2-norm of the root mean square errors in surge [m/s], sway [m/s] and yaw rate [rad/s] of the freely simulated model against the true one."))
         (entry("Run, realization", "One experiment, simulated with its own disturbances and estimated on its own."))
-        (entry("u, v, r", "Surge and sway speed [m/s] and yaw rate [rad/s]; axes x forward, y starboard, z down."))
     }
 }
 
@@ -32,7 +35,6 @@ fn of_logs() -> Markup {
         (entry("Standard error", "Sandwich covariance with autocorrelation (Newey and West); of output-error with any correlation within a sub-experiment."))
         (entry("Partial R²", "How much of a term its instruments tell beyond what they tell of the others (Shea): 1 least squares, near 0 lost."))
         (entry("Whiteness", "Ljung and Box's test: probability of a larger statistic if the residuals were white."))
-        (entry("u, v, r", "Surge and sway speed [m/s] and yaw rate [rad/s]; axes x forward, y starboard, z down."))
     }
 }
 

@@ -1,5 +1,7 @@
 //! Numbers as the page prints them.
 
+use std::fmt::Display;
+
 use crate::figures::text::{signed as minus, superscript};
 use study::documents::{DesignScores, Quantiles};
 
@@ -20,6 +22,11 @@ pub(super) fn three(value: f64) -> String {
 /// As [`three`], with a dash for none.
 pub(super) fn three_or_dash(value: Option<f64>) -> String {
     three(value.unwrap_or(f64::NAN))
+}
+
+/// What there is, or a dash.
+pub(super) fn or_dash(value: Option<impl Display>) -> String {
+    value.map_or(MISSING.to_owned(), |value| value.to_string())
 }
 
 /// A whole number or a short decimal as it was given: `125`, `0.15`.

@@ -51,7 +51,7 @@ fn of_trials(study: &Study, figures: &mut Figures) -> Vec<Section> {
     sections.extend(estimators(study));
     sections.extend([allocation(study, figures), certificate(study), dictionary(study, figures)]);
     sections.extend(trajectory(study, figures));
-    sections.extend(selection(study, figures));
+    sections.extend(selection(study.selection.as_ref(), figures));
     sections.extend(published_selection(study, figures));
     sections.extend([errors(study, figures), parameters(study, figures), excitation(study)]);
     sections
@@ -60,7 +60,7 @@ fn of_trials(study: &Study, figures: &mut Figures) -> Vec<Section> {
 /// The sections of a study of measured logs.
 fn of_logs(study: &Study, measured: &Measured, figures: &mut Figures) -> Vec<Section> {
     let mut sections = vec![cross_validation(measured), trust(measured)];
-    sections.extend(selection(study, figures));
+    sections.extend(selection(study.selection.as_ref(), figures));
     sections.extend(published_selection(study, figures));
     if study.design.is_some() {
         sections.extend([allocation(study, figures), certificate(study)]);

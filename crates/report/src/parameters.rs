@@ -1,12 +1,13 @@
 use crate::figures::{ErrorRow, relative_errors};
 use identification::Estimator;
-use maud::{Markup, display, html};
+use maud::{Markup, Render, display, html};
 
-use super::number::{three, three_or_dash, unit};
+use super::number::{or_dash, three, three_or_dash, unit};
 use super::parts::{Figures, Section, entry, missing};
-use super::study::{ParameterRow, Study, VesselSummary, optimized_first};
+use super::study::{Study, optimized_first};
 use super::table::Table;
 use study::documents::{DesignSummary, EstimateDocument};
+use vessel::{DegreeOfFreedom, Vessel};
 
 /// What the estimates say about every parameter.
 pub(super) fn parameters(study: &Study, figures: &mut Figures) -> Section {
@@ -21,7 +22,7 @@ pub(super) fn parameters(study: &Study, figures: &mut Figures) -> Section {
     Section::new("parameters", "Parameters", "Parameters", body)
 }
 
-fn estimated(estimate: &EstimateDocument, vessel: Option<&VesselSummary>, figures: &mut Figures) -> Markup {
+fn estimated(estimate: &EstimateDocument, vessel: Option<&Vessel>, figures: &mut Figures) -> Markup {
     let designs = optimized_first(&estimate.designs, |d| &d.design);
     let rows = error_rows(&designs);
     let names: Vec<&str> = designs.iter().map(|d| d.design.as_str()).collect();
@@ -82,7 +83,7 @@ fn relative(design: &DesignSummary, name: &str) -> Option<(f64, f64)> {
     parameter.relative_bias.zip(parameter.relative_spread)
 }
 
-fn table(design: &DesignSummary, vessel: Option<&VesselSummary>) -> Markup {
+fn table(design: &DesignSummary, vessel: Option<&Vessel>) -> Markup {
     let table = Table::of(&design.parameters)
         .name("Parameter", |p| &p.name)
         .text("Term", |p| term(vessel, &p.name))
@@ -96,17 +97,31 @@ fn table(design: &DesignSummary, vessel: Option<&VesselSummary>) -> Markup {
     html! { h3 { "Estimates, " (design.design) } (table) }
 }
 
-fn term(vessel: Option<&VesselSummary>, name: &str) -> String {
-    let row = vessel.and_then(|v| v.parameters.iter().find(|p| p.name == name));
-    row.map_or("–".to_owned(), |row| row.term.clone())
+fn term(vessel: Option<&Vessel>, name: &str) -> String {
+    or_dash(vessel.and_then(|v| terms(v).into_iter().find(|(_, own, _)| *own == name)).map(|(.., term)| term))
 }
 
-fn structure(vessel: &VesselSummary) -> Table<&ParameterRow> {
-    Table::of(&vessel.parameters)
-        .name("Parameter", |p| &p.name)
-        .text("Degree", |p| &p.degree)
-        .text("Term", |p| &p.term)
-        .text("Unit", |p| unit(&p.unit))
-        .number("True", |p| three_or_dash(p.truth))
-        .number("Nominal", |p| three(p.nominal))
+/// Every parameter with its degree of freedom and its term, in the order of `vessel.toml`.
+fn terms(vessel: &Vessel) -> Vec<(DegreeOfFreedom, &str, &str)> {
+    let degrees = DegreeOfFreedom::ALL.into_iter().zip(&vessel.model.degrees);
+    let terms = degrees.flat_map(|(d, degree)| {
+        degree
+            .parameters
+            .iter()
+            .zip(&degree.terms)
+            .map(move |(name, term)| (d, name.as_str(), term.text.as_str()))
+    });
+    terms.collect()
+}
+
+fn structure(vessel: &Vessel) -> Markup {
+    let (terms, units) = (terms(vessel), vessel.model.parameter_units());
+    let table = Table::of(0..terms.len())
+        .name("Parameter", |i| terms[i].1)
+        .text("Degree", |i| terms[i].0.name())
+        .text("Term", |i| terms[i].2)
+        .text("Unit", |i| unit(&units[i]))
+        .number("True", |i| three_or_dash(vessel.value[i]))
+        .number("Nominal", |i| three(vessel.nominal[i]));
+    table.render()
 }

@@ -7,6 +7,9 @@ use trial::{Sailed, Sample};
 
 use crate::figures::map as figure;
 
+/// Limits between the shades of depth [m].
+const DEPTHS_M: [f64; 6] = [0.0, 2.0, 5.0, 10.0, 20.0, 50.0];
+
 /// A planned trial to be drawn.
 pub struct PlanMap<'a> {
     /// Chart and lattice.
@@ -29,33 +32,24 @@ impl PlanMap<'_> {
     }
 
     fn map(&self) -> figure::Map {
+        let Self { prepared, document, .. } = self;
         let bounds = self.frame();
-        let frame = figure::Frame {
-            west: bounds.min[0],
-            south: bounds.min[1],
-            east: bounds.max[0],
-            north: bounds.max[1],
-        };
-        let ends: Vec<[f64; 2]> = self.sailing.sailed.ends.iter().map(|(pose, _)| [pose.y, pose.x]).collect();
+        let ([west, south], [east, north]) = (bounds.min, bounds.max);
         figure::Map {
             title: "Planned trial".to_owned(),
             description: format!(
                 "{} steps, {} {}: {}",
-                self.document.steps.len(),
-                self.document.cost,
-                self.document.cost_unit.name(),
-                self.document.statement
+                document.steps.len(),
+                document.cost,
+                document.cost_unit.name(),
+                document.statement
             ),
-            frame,
-            background: match self.prepared.chart.uncharted() {
+            frame: figure::Frame { west, south, east, north },
+            background: match prepared.chart.uncharted() {
                 chart::Uncharted::Water => figure::Background::Water,
                 chart::Uncharted::Obstacle => figure::Background::Uncharted,
             },
-            depth_limits_m: if self.prepared.chart.has_depth() {
-                vec![0.0, 2.0, 5.0, 10.0, 20.0, 50.0]
-            } else {
-                Vec::new()
-            },
+            depth_limits_m: if prepared.chart.has_depth() { DEPTHS_M.to_vec() } else { Vec::new() },
             cells: self.cells(),
             areas: self.areas(&bounds),
             margins: self.margins(),
@@ -63,19 +57,17 @@ impl PlanMap<'_> {
             tracks: self.tracks(),
             hulls: self.hulls(),
             start: self.sailing.sailed.samples.first().map(place),
-            goal: ends.last().copied(),
-            graticule: graticule(self.prepared.chart.plane(), &bounds),
+            goal: self.end(),
+            graticule: graticule(prepared.chart.plane(), &bounds),
         }
     }
 
     /// The lattice's area.
     fn frame(&self) -> Bounds {
-        let half = self.prepared.grid.cell_m / 2.0;
-        let far = [
-            self.prepared.grid.origin_m[0] + self.prepared.grid.cell_m * (self.prepared.grid.nx as f64 - 0.5),
-            self.prepared.grid.origin_m[1] + self.prepared.grid.cell_m * (self.prepared.grid.ny as f64 - 0.5),
-        ];
-        Bounds { min: self.prepared.grid.origin_m.map(|o| o - half), max: far }
+        let grid = &self.prepared.grid;
+        let corner =
+            |i: f64, j: f64| [grid.origin_m[0] + grid.cell_m * i, grid.origin_m[1] + grid.cell_m * j];
+        Bounds { min: corner(-0.5, -0.5), max: corner(grid.nx as f64 - 0.5, grid.ny as f64 - 0.5) }
     }
 
     /// Gridded charts, as classes on the raster of the obstacles.
@@ -106,8 +98,7 @@ impl PlanMap<'_> {
                 Class::Depth { least_m, .. } => figure::Class::Depth { least_m: least_m? },
             };
             let mut rings = polygon.rings.into_iter();
-            let ring = rings.next().filter(|ring| ring.len() >= 3)?;
-            Some(figure::Area { class, ring, holes: rings.filter(|ring| ring.len() >= 3).collect() })
+            Some(figure::Area { class, ring: rings.next()?, holes: rings.collect() })
         };
         self.prepared.chart.drawn(bounds).into_iter().filter_map(area).collect()
     }
@@ -155,15 +146,15 @@ impl PlanMap<'_> {
             number += u32::from(stretch[0].informative);
             let end = start + stretch.len();
             let mut points: Vec<[f64; 2]> = stretch.iter().map(place).collect();
-            points.push(samples.get(end).map_or_else(|| self.end(), place));
+            points.extend(samples.get(end).map(place).or_else(|| self.end()));
             start = end;
             tracks.push(figure::Track { style, points, number: stretch[0].informative.then_some(number) });
         }
         tracks
     }
 
-    fn end(&self) -> [f64; 2] {
-        self.sailing.sailed.ends.last().map_or([0.0; 2], |(pose, _)| [pose.y, pose.x])
+    fn end(&self) -> Option<[f64; 2]> {
+        self.sailing.sailed.ends.last().map(|(pose, _)| [pose.y, pose.x])
     }
 
     /// The hull where a maneuver begins.

@@ -1,7 +1,7 @@
 use maud::{Markup, Render, html};
 
 use super::histograms::ErrorFigure;
-use super::number::{exact, percent_within, published, three};
+use super::number::{exact, or_dash, percent_within, published, three};
 use super::parts::{Figures, Section};
 use super::selection::SelectionStudy;
 use super::study::Study;
@@ -17,11 +17,8 @@ pub(super) fn published_selection(study: &Study, figures: &mut Figures) -> Optio
     let (found, reference) = (study.selection.as_ref()?, study.reference.as_ref()?);
     let limits = reference.selection.as_ref()?;
     let whole = ErrorFigure::half("published-norm", "norm of RMSE", limits.limit_norm);
-    let degrees = [
-        ErrorFigure::third("published-surge", "RMSE in surge [m/s]", limits.limit_u),
-        ErrorFigure::third("published-sway", "RMSE in sway [m/s]", limits.limit_v),
-        ErrorFigure::third("published-yaw", "RMSE in yaw rate [rad/s]", limits.limit_r),
-    ];
+    let files = ["published-surge", "published-sway", "published-yaw"];
+    let degrees = ErrorFigure::thirds(files, [limits.limit_u, limits.limit_v, limits.limit_r]);
     let body = html! {
         @if let Some(label) = &study.data {
             p.note { b { "Ours: " (label) "." } " The published study used logs of a real ship that were never published." }
@@ -59,7 +56,7 @@ fn table(found: &SelectionStudy, limits: &PublishedSelection) -> Markup {
     };
     let beyond = |d: &SelectionScores, share: fn(&SharesBeyond) -> Share| {
         let own = d.beyond_published.as_ref().map(share);
-        own.map_or("–".to_owned(), |own| percent_within(own.share, own.interval))
+        or_dash(own.map(|own| percent_within(own.share, own.interval)))
     };
     let lines: [Line<'_>; 8] = [
         (&labels[0], &|d| beyond(d, |b| b.norm), Some(|p| p.degenerate_share.map(published))),
@@ -77,7 +74,7 @@ fn table(found: &SelectionStudy, limits: &PublishedSelection) -> Markup {
         table.number(&d.design, |(_, ours, _)| ours(d)).classed(
             "number published",
             "published",
-            |(.., theirs)| theirs.and_then(|theirs| theirs(told)).unwrap_or_else(|| "–".to_owned()),
+            |(.., theirs)| or_dash(theirs.and_then(|theirs| theirs(told))),
         )
     });
     table.render()

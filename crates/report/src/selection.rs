@@ -1,13 +1,13 @@
-use artifact::{Error, TableReader};
+use artifact::Error;
 use maud::html;
 
-use super::histograms::{DesignErrors, ErrorFigure};
-use super::loader::Loader;
+use super::histograms::ErrorFigure;
+use super::loader::{Loader, existing};
 use super::number::{median, percent_within, q90};
 use super::parts::{Figures, Section, statements};
 use super::sample::INTERVALS;
-use super::study::Study;
 use super::table::Table;
+use crate::figures::HistogramPanel;
 use study::documents::{Quantiles, SelectionDocument, SelectionScores};
 use study::listed;
 use study::selection::{self, Row};
@@ -26,27 +26,24 @@ const LIMIT: f64 = 3.0;
 
 /// Reads `selection.json` and `selection.parquet`, where both exist.
 pub(super) fn load(loader: &mut Loader) -> Result<Option<SelectionStudy>, Error> {
-    let path = loader.sources.results.join("selection.parquet");
-    if !path.exists() {
+    if existing(loader.sources.results.join("selection.parquet")).is_none() {
         return Ok(None);
     }
     let summary = loader.document("selection.json", "picked sub-experiments against random ones")?;
+    let schema = (selection::ID, selection::VERSION);
     let Some(summary) = summary else { return Ok(None) };
-    let reader = TableReader::open(&path, selection::ID, selection::VERSION)?;
-    loader.note("selection.parquet", "errors of every realization", reader.digest());
-    Ok(Some(SelectionStudy { summary, rows: selection::rows(&reader)? }))
+    let reader = loader.table("selection.parquet", "errors of every realization", schema)?;
+    let rows = reader.map(|reader| selection::rows(&reader)).transpose()?.unwrap_or_default();
+    Ok(Some(SelectionStudy { summary, rows }))
 }
 
 /// The section: what was picked, quantiles, histograms with the optimized selection above the random one.
-pub(super) fn selection(study: &Study, figures: &mut Figures) -> Option<Section> {
-    let found = study.selection.as_ref()?;
+pub(super) fn selection(found: Option<&SelectionStudy>, figures: &mut Figures) -> Option<Section> {
+    let found = found?;
     let summary = &found.summary;
     let norm = ErrorFigure::half("selection-error", "norm of RMSE over standard deviation [1]", LIMIT);
-    let degrees = [
-        ErrorFigure::third("selection-surge", "RMSE in surge [m/s]", round_limit(summary.std_u)),
-        ErrorFigure::third("selection-sway", "RMSE in sway [m/s]", round_limit(summary.std_v)),
-        ErrorFigure::third("selection-yaw", "RMSE in yaw rate [rad/s]", round_limit(summary.std_r)),
-    ];
+    let limits = [summary.std_u, summary.std_v, summary.std_r].map(round_limit);
+    let degrees = ErrorFigure::thirds(["selection-surge", "selection-sway", "selection-yaw"], limits);
     let picked: Vec<String> =
         summary.counts.iter().map(|(name, count)| format!("{count} × {name}")).collect();
     let body = html! {
@@ -67,15 +64,15 @@ pub(super) fn selection(study: &Study, figures: &mut Figures) -> Option<Section>
 
 impl SelectionStudy {
     /// An error of all realizations by design, optimized before random.
-    pub(super) fn errors<'a>(&'a self, value: impl Fn(&Row) -> Option<f64>) -> Vec<DesignErrors<'a>> {
+    pub(super) fn errors<'a>(&'a self, value: impl Fn(&Row) -> Option<f64>) -> Vec<HistogramPanel<'a>> {
         let own =
             |d: &SelectionScores| self.rows.iter().filter(|r| r.design == d.design).map(&value).collect();
-        let errors = |d: &'a SelectionScores| DesignErrors { design: &d.design, values: own(d), below: None };
+        let errors = |d: &'a SelectionScores| HistogramPanel { label: &d.design, values: own(d), note: None };
         self.summary.designs.iter().map(errors).collect()
     }
 
     /// The error of surge, sway or yaw.
-    pub(super) fn rmse(&self, degree: usize) -> Vec<DesignErrors<'_>> {
+    pub(super) fn rmse(&self, degree: usize) -> Vec<HistogramPanel<'_>> {
         self.errors(|row| row.rmse.map(|errors| errors[degree]))
     }
 }

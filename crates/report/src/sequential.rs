@@ -1,7 +1,7 @@
 use crate::figures::{AccuracyCurve, accuracy};
 use maud::{Markup, html};
 
-use super::number::{exact, percent, three, three_or_dash};
+use super::number::{exact, percent_within, three, three_or_dash, three_within};
 use super::parts::{Figures, Section};
 use super::table::{Table, grouped};
 use study::documents::SequentialDocument;
@@ -98,10 +98,10 @@ fn errors(found: &SequentialDocument) -> Markup {
         .mark("first", |(first, ..)| first)
         .name("Design", |(first, arm, _)| if first { label(arm.name) } else { "" })
         .number("Time [s]", |(.., point)| three(point.time_s))
-        .number("Median error", |(.., point)| three_or_dash(point.median))
-        .number("90 % quantile", |(.., point)| three_or_dash(point.q90))
+        .number("Median error", |(.., point)| three_within(point.median, point.median_interval))
+        .number("90 % quantile", |(.., point)| three_within(point.q90, point.q90_interval))
         .number("Predicted", |(.., point)| three_or_dash(point.predicted))
-        .number("Within the accuracy", |(.., point)| percent(point.within))
+        .number("Within the accuracy", |(.., point)| percent_within(point.within, point.within_interval))
         .number("Not converged", |(.., point)| point.not_converged)
         .number("Not identifiable", |(.., point)| point.not_identifiable)
         .number("Diverged", |(.., point)| point.diverged)
@@ -120,11 +120,17 @@ fn stopping(found: &SequentialDocument) -> Markup {
         .compact()
         .name("Trial", |s| label(s.arm))
         .number("Promised in time", |s| s.stopped)
-        .number("Mean time [s]", |s| three(s.mean_time_s))
-        .number("Median error at the end", |s| three_or_dash(s.median_error))
-        .number("Within the accuracy", |s| percent(s.within))
-        .number("Of those promised", |s| percent(s.within_stopped.unwrap_or(f64::NAN)))
-        .number("RMS error / accuracy", |s| three_or_dash(s.rms_over_accuracy))
+        .number("Mean time [s]", |s| {
+            three_within(Some(s.mean_time_s), s.mean_time_interval_s.map(|ends| ends.map(Some)))
+        })
+        .number("Median error at the end", |s| three_within(s.median_error, s.median_error_interval))
+        .number("Within the accuracy", |s| percent_within(s.within, s.within_interval))
+        .number("Of those promised", |s| {
+            percent_within(s.within_stopped.unwrap_or(f64::NAN), s.within_stopped_interval)
+        })
+        .number("RMS error / accuracy", |s| {
+            three_within(s.rms_over_accuracy, s.rms_over_accuracy_interval.map(|ends| ends.map(Some)))
+        })
         .number("No estimate", |s| s.without_estimate);
     html! {
         (table)

@@ -3,6 +3,7 @@ use study::documents::{
     SequentialDocument, ValidationDocument,
 };
 use study::scores;
+use vessel::{Variable, Vessel};
 
 /// Everything that the page can show. What is absent is said to be missing.
 #[derive(Clone, Debug, Default)]
@@ -12,7 +13,7 @@ pub struct Study {
     /// Length of one experiment \[s\].
     pub experiment_s: Option<f64>,
     /// The model structure.
-    pub vessel: Option<VesselSummary>,
+    pub vessel: Option<Vessel>,
     /// Every maneuver of the dictionary, in its order.
     pub dictionary: Option<Vec<ManeuverTrace>>,
     /// `moments.json`.
@@ -56,19 +57,6 @@ pub struct Scenario {
     pub validation: ValidationDocument,
 }
 
-/// A vessel's model structure.
-#[derive(Clone, Debug, Default)]
-pub struct VesselSummary {
-    /// Name of the vessel.
-    pub name: String,
-    /// Sampling rate \[Hz\].
-    pub sample_rate_hz: f64,
-    /// Name and unit of every input.
-    pub inputs: Vec<(String, String)>,
-    /// Its parameters, in the order of `vessel.toml`.
-    pub parameters: Vec<ParameterRow>,
-}
-
 /// What there is about a planned trajectory.
 #[derive(Clone, Debug, Default)]
 pub struct Trajectory {
@@ -93,23 +81,6 @@ pub struct PlannedTrial {
     pub map: Option<String>,
     /// Files of this study that are not those that the plan was made from.
     pub stale: Vec<String>,
-}
-
-/// One parameter of the model structure.
-#[derive(Clone, Debug, Default)]
-pub struct ParameterRow {
-    /// Name as in `vessel.toml`.
-    pub name: String,
-    /// Its unit.
-    pub unit: String,
-    /// The term that it multiplies: `u |u|`.
-    pub term: String,
-    /// `surge`, `sway` or `yaw`.
-    pub degree: String,
-    /// True value, where known.
-    pub truth: Option<f64>,
-    /// Nominal value.
-    pub nominal: f64,
 }
 
 /// One maneuver over time. All vectors are as long as `t`; a value that is not finite is left out of the figures.
@@ -146,6 +117,11 @@ pub(super) fn optimized_first<T>(designs: &[T], name: impl Fn(&T) -> &str) -> Ve
 }
 
 impl Study {
+    /// The inputs that the vessel declares.
+    pub(super) fn inputs(&self) -> &[Variable] {
+        self.vessel.as_ref().map_or(&[], |Vessel { model, .. }| &model.variables[3..3 + model.inputs])
+    }
+
     /// The designs of the validation, the optimized one first.
     pub(super) fn scored(&self) -> Vec<&DesignScores> {
         self.validation.iter().flat_map(|v| optimized_first(&v.designs, |d| &d.design)).collect()

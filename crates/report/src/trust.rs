@@ -1,10 +1,10 @@
 use maud::{Markup, display, html};
 
 use super::measured::{Measured, fit, free_runs};
-use super::number::{percent, three, three_or_dash, unit};
+use super::number::{or_dash, percent, three, three_or_dash, unit};
 use super::parts::{Section, coded, missing, statements};
 use super::table::Table;
-use study::documents::{TrustDegree, TrustDocument, TrustRun};
+use study::documents::{DegreeTrust, SourceErrors, TrustDocument};
 
 /// How far the pooled estimate can be trusted.
 pub(super) fn trust(measured: &Measured) -> Section {
@@ -51,7 +51,7 @@ fn tests(found: &TrustDocument) -> Markup {
         .number("Neighbouring residuals", |d| {
             three_or_dash(d.whiteness.as_ref().map(|w| w.first_autocorrelation))
         })
-        .number("White, p", |d| d.whiteness.as_ref().map_or("–".to_owned(), |w| probability(w.p_value)))
+        .number("White, p", |d| or_dash(d.whiteness.as_ref().map(|w| probability(w.p_value))))
         .with(html! { th scope="col" { "Residual and instrument" } }, leak);
     html! {
         (table)
@@ -61,7 +61,7 @@ fn tests(found: &TrustDocument) -> Markup {
 }
 
 /// How residuals correlate with an instrument.
-fn leak(degree: &TrustDegree) -> Markup {
+fn leak(degree: &DegreeTrust) -> Markup {
     match &degree.instrument_residual {
         Some(c) => html! {
             td.wrap { (three(c.strongest)) " with " (c.instrument) " at lag " (c.lag) ", p " (probability(c.p_value)) }
@@ -70,7 +70,7 @@ fn leak(degree: &TrustDegree) -> Markup {
     }
 }
 
-fn parameters(degree: &TrustDegree) -> Markup {
+fn parameters(degree: &DegreeTrust) -> Markup {
     let mut table = Table::of(&degree.parameters)
         .compact()
         .name("Parameter", |p| &p.name)
@@ -95,7 +95,7 @@ fn parameters(degree: &TrustDegree) -> Markup {
 }
 
 /// Rows of `entries`, as many as parameters.
-fn correlation<'a>(degree: &'a TrustDegree, entries: &'a [f64]) -> Table<(&'a str, &'a [f64])> {
+fn correlation<'a>(degree: &'a DegreeTrust, entries: &'a [f64]) -> Table<(&'a str, &'a [f64])> {
     let names = || degree.parameters.iter().map(|p| p.name.as_str());
     let rows = names().zip(entries.chunks(degree.parameters.len().max(1)));
     let named = Table::of(rows).compact().name("Correlation", |(name, _)| name);
@@ -106,7 +106,7 @@ fn correlation<'a>(degree: &'a TrustDegree, entries: &'a [f64]) -> Table<(&'a st
     })
 }
 
-fn runs(runs: &[TrustRun]) -> Markup {
+fn runs(runs: &[SourceErrors]) -> Markup {
     let named =
         Table::of(runs).compact().name("Recording", |run| &run.source).number("Samples", |run| run.samples);
     html! {

@@ -104,6 +104,34 @@ pub fn folder_of(main: &Path) -> &Path {
     main.parent().unwrap_or(Path::new(""))
 }
 
+/// Calls `write` with `folder` there: made if there is none, and then removed again where nothing was written.
+///
+/// # Errors
+/// A folder that cannot be made; those of `write`.
+pub fn in_folder<T>(folder: &Path, write: impl FnOnce() -> Result<T, Failure>) -> Result<T, Failure> {
+    if folder.as_os_str().is_empty() || folder.is_dir() {
+        return write();
+    }
+    std::fs::create_dir(folder).map_err(|e| artifact::Error::io(folder, "create", e))?;
+    write().inspect_err(|_| {
+        // Only an empty folder goes; the failure itself is reported.
+        let _ = std::fs::remove_dir(folder);
+    })
+}
+
+/// Refuses a number that is not above zero.
+///
+/// # Errors
+/// Usage, naming the flag.
+pub fn check_positive(flag: &str, value: Option<f64>) -> Result<(), Failure> {
+    match value.filter(|value| !(value.is_finite() && *value > 0.0)) {
+        Some(value) => {
+            Err(Failure::Usage(format!("{flag}: found {value}, expected a number above 0; correct it")))
+        }
+        None => Ok(()),
+    }
+}
+
 /// Provenance of what stage `stage` writes, without inputs and settings yet.
 pub fn provenance(stage: &str) -> Provenance {
     Provenance { producer: format!("{stage} {}", env!("CARGO_PKG_VERSION")), ..Provenance::default() }

@@ -6,6 +6,7 @@ use serde::Deserialize;
 use trial::campaign::{Sea, Settings};
 use vessel::{
     Axes, Current, DictionaryFile, Disturbances, Invalid, ManeuverSpec, Measurement, Source, Vessel, Wind,
+    check_numbers,
 };
 
 /// `campaign.toml` as written.
@@ -68,12 +69,7 @@ impl CampaignFile {
             ("validation.parameter_error_bound", self.validation.parameter_error_bound),
             ("validation.simulation_error_bound", self.validation.simulation_error_bound),
         ];
-        match positive.into_iter().find(|(_, value)| !(value.is_finite() && *value > 0.0)) {
-            Some((key, value)) => {
-                Err(Invalid::new(format!("`{key}`"), value.to_string(), "more than zero", "correct it"))
-            }
-            None => Ok(()),
-        }
+        check_numbers(positive, "more than zero", |value| value > 0.0)
     }
 
     /// Current and measurement noise.

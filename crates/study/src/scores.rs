@@ -1,13 +1,12 @@
 //! The table of scores: one row per run.
 
 use artifact::{Columns, Error, Table, TableReader, TableSchema};
-use identification::{Estimator, ScoreStatus};
-use numerics::statistics::wilson;
+use identification::{Estimator, Quantiles, ScoreStatus, Share};
 use vessel::DegreeOfFreedom;
 
 pub use identification::RunScore as Row;
 
-use crate::documents::{Bounds, DesignScores, EstimatorScores, Quantiles};
+use crate::documents::{Bounds, DesignScores, EstimatorScores};
 use crate::estimates::distinct;
 
 /// Schema id of scores.
@@ -99,20 +98,20 @@ fn design_scores(design: &str, estimator: Estimator, rows: &[Row], bounds: Bound
     let below = |value: fn(&Row) -> Option<f64>, bound: f64| {
         own().filter(|r| value(r).is_some_and(|v| v < bound)).count()
     };
-    let share = |count: usize| count as f64 / runs.max(1) as f64;
-    let parameter_errors = below(|r| r.parameter_error, bounds.parameter_error);
-    let simulation_errors = below(|r| r.simulation_error, bounds.simulation_error);
+    let parameter_errors = Share::of(below(|r| r.parameter_error, bounds.parameter_error), runs);
+    let simulation_errors = Share::of(below(|r| r.simulation_error, bounds.simulation_error), runs);
+    let without_estimate = Share::of(own().filter(|r| !r.status.estimated()).count(), runs);
     DesignScores {
         design: design.to_owned(),
         runs: runs as u64,
         not_identifiable: with(ScoreStatus::NotIdentifiable),
         not_converged: estimator.searches().then(|| with(ScoreStatus::NotConverged)),
         diverged: with(ScoreStatus::Diverged),
-        parameter_error_share: share(parameter_errors),
-        parameter_error_share_interval: wilson(parameter_errors as u64, runs as u64),
-        simulation_error_share: share(simulation_errors),
-        simulation_error_share_interval: wilson(simulation_errors as u64, runs as u64),
-        without_estimate_share: Some(share(own().filter(|r| !r.status.estimated()).count())),
+        parameter_error_share: parameter_errors.share,
+        parameter_error_share_interval: parameter_errors.interval,
+        simulation_error_share: simulation_errors.share,
+        simulation_error_share_interval: simulation_errors.interval,
+        without_estimate_share: Some(without_estimate.share),
         parameter_error: Quantiles::of(own().map(|r| r.parameter_error)),
         simulation_error: Quantiles::of(own().map(|r| r.simulation_error)),
         rmse_u: Quantiles::of(own().map(|r| r.rmse[0])),

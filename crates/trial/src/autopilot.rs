@@ -1,5 +1,5 @@
 use serde::Deserialize;
-use vessel::{Invalid, Motion, Pose, Steady, Vessel};
+use vessel::{Invalid, Motion, Pose, Steady, Vessel, check_numbers};
 
 use crate::grid::wrap;
 use crate::{Phase, Ship};
@@ -33,15 +33,8 @@ impl Handling {
             ("response_s", self.response_s),
             ("lookahead_m", self.lookahead_m),
         ];
-        match keys.into_iter().find(|(_, value)| !(value.is_finite() && *value > 0.0)) {
-            Some((key, value)) => Err(Invalid::new(
-                format!("`handling.{key}`"),
-                value.to_string(),
-                "a number above 0",
-                "correct it",
-            )),
-            None => Ok(()),
-        }
+        let keys = keys.map(|(key, value)| (format!("handling.{key}"), value));
+        check_numbers(keys, "a number above 0", |value| value > 0.0)
     }
 }
 

@@ -1,6 +1,6 @@
 use std::f64::consts::TAU;
 
-use crate::grid::wrap;
+use crate::grid::{around, wrap};
 use crate::{Grid, Handling, Leg, Phase, Purpose};
 
 /// Names of the basic moves.
@@ -92,8 +92,7 @@ fn arc(grid: &Grid, handling: &Handling, level: usize, to: usize, mode: usize, s
     let turn = TAU / grid.headings as f64;
     let tangent = speed / handling.turn_rate_rad_s * (turn / 2.0).tan();
     let reach = 3 + (2.0 * tangent / grid.cell_m).ceil() as i32;
-    let nodes = (-reach..=reach).flat_map(|di| (-reach..=reach).map(move |dj| (di, dj)));
-    let (_, di, dj, p) = nodes
+    let (_, di, dj, p) = around(0, 0, reach)
         .filter_map(|(di, dj)| {
             let [north, east] = grid.displacement(di, dj);
             // North, east = p (cos a, sin a) + q (cos b, sin b).

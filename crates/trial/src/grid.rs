@@ -57,6 +57,12 @@ impl Grid {
         (turns * self.headings as f64).round().rem_euclid(self.headings as f64) as usize
     }
 
+    /// The mode whose speed is nearest to `speed_m_s`; `None` without modes.
+    pub fn nearest_mode(&self, speed_m_s: f64) -> Option<usize> {
+        let off = |m: &usize| (self.modes[*m].speed_m_s - speed_m_s).abs();
+        (0..self.modes.len()).min_by(|a, b| off(a).total_cmp(&off(b)))
+    }
+
     /// North and east of a node displaced by (di, dj) \[m\].
     pub fn displacement(&self, di: i32, dj: i32) -> [f64; 2] {
         [self.cell_m * f64::from(dj), self.cell_m * f64::from(di)]
@@ -87,10 +93,14 @@ impl Grid {
     }
 }
 
+/// Displacements that differ from (i, j) by no more than `reach` in either component.
+pub(crate) fn around(i: i32, j: i32, reach: i32) -> impl Iterator<Item = (i32, i32)> {
+    (i - reach..=i + reach).flat_map(move |di| (j - reach..=j + reach).map(move |dj| (di, dj)))
+}
+
 /// Displacements whose larger component is `reach`.
 fn ring(reach: i32) -> impl Iterator<Item = (i32, i32)> {
-    let all = move |di: i32| (-reach..=reach).map(move |dj| (di, dj));
-    (-reach..=reach).flat_map(all).filter(move |(di, dj)| di.abs().max(dj.abs()) == reach)
+    around(0, 0, reach).filter(move |(di, dj)| di.abs().max(dj.abs()) == reach)
 }
 
 /// An angle in (−π, π].

@@ -1,6 +1,6 @@
 use vessel::{Invalid, Pose, Vessel};
 
-use crate::grid::wrap;
+use crate::grid::{around, wrap};
 use crate::{Autopilot, Grid, Handling, Leg, Phase, Piece, Purpose, Sailed, Ship, Side, sail};
 
 /// What comes before and after an informative maneuver.
@@ -85,13 +85,12 @@ impl Search<'_> {
 
     /// The mode with the piece's initial speed.
     fn mode_of(&self, speed: f64) -> Result<usize, Invalid> {
-        let off = |m: &usize| (self.repertoire.grid.modes[*m].speed_m_s - speed).abs();
-        let modes = 0..self.repertoire.grid.modes.len();
-        match modes.min_by(|a, b| off(a).total_cmp(&off(b))) {
-            Some(mode) if off(&mode) <= 0.05 * speed + 1e-9 => Ok(mode),
+        let grid = self.repertoire.grid;
+        let off = |m: usize| (grid.modes[m].speed_m_s - speed).abs();
+        match grid.nearest_mode(speed) {
+            Some(mode) if off(mode) <= 0.05 * speed + 1e-9 => Ok(mode),
             _ => {
-                let names =
-                    self.repertoire.grid.modes.iter().map(|m| format!("`{}` {} m/s", m.name, m.speed_m_s));
+                let names = grid.modes.iter().map(|m| format!("`{}` {} m/s", m.name, m.speed_m_s));
                 Err(Invalid::new(
                     format!("maneuver `{}`", self.piece().maneuver),
                     format!("a start at {speed} m/s"),
@@ -153,38 +152,26 @@ impl Search<'_> {
 
     /// Nodes to recover to from `end`, with what each costs: distance, and twice what lies across.
     fn ends(&self, end: Pose, speed: f64) -> Vec<(f64, i32, i32, usize)> {
-        let off = |m: &usize| (self.repertoire.grid.modes[*m].speed_m_s - speed).abs();
-        let Some(mode) = (0..self.repertoire.grid.modes.len()).min_by(|a, b| off(a).total_cmp(&off(b)))
-        else {
-            return Vec::new();
-        };
-        let at_rest = self.repertoire.grid.modes[mode].speed_m_s == 0.0;
-        let nearest = self.repertoire.grid.nearest_level(end.psi);
-        let h = self.repertoire.grid.headings;
+        let Repertoire { grid, handling, .. } = self.repertoire;
+        let Some(mode) = grid.nearest_mode(speed) else { return Vec::new() };
+        let at_rest = grid.modes[mode].speed_m_s == 0.0;
+        let (nearest, h) = (grid.nearest_level(end.psi), grid.headings);
         let mut levels = vec![nearest, (nearest + 1) % h, (nearest + h - 1) % h];
         levels.dedup();
-        let cell = self.repertoire.grid.cell_m;
-        let reach =
-            if at_rest { 1 } else { 4 + (4.0 * self.repertoire.handling.lookahead_m / cell).ceil() as i32 };
+        let cell = grid.cell_m;
+        let reach = if at_rest { 1 } else { 4 + (4.0 * handling.lookahead_m / cell).ceil() as i32 };
         let [i, j] = [(end.y / cell).round() as i32, (end.x / cell).round() as i32];
         let mut found = Vec::new();
         for level in levels {
-            let heading = self.repertoire.grid.heading_rad(level);
-            let swing = wrap(heading - end.psi).abs() * self.repertoire.handling.lookahead_m;
-            for (di, dj) in
-                (i - reach..=i + reach).flat_map(|di| (j - reach..=j + reach).map(move |dj| (di, dj)))
-            {
-                let [north, east] = self.repertoire.grid.displacement(di, dj);
+            let heading = grid.heading_rad(level);
+            let swing = wrap(heading - end.psi).abs() * handling.lookahead_m;
+            for (di, dj) in around(i, j, reach) {
+                let [north, east] = grid.displacement(di, dj);
                 let [north, east] = [north - end.x, east - end.y];
                 let ahead = north * heading.cos() + east * heading.sin();
                 let across = (north * heading.sin() - east * heading.cos()).abs();
                 if at_rest || (ahead > 0.0 && across <= 1.5 * cell) {
-                    found.push((
-                        ahead.abs() + 2.0 * across + swing,
-                        di,
-                        dj,
-                        self.repertoire.grid.layer(level, mode),
-                    ));
+                    found.push((ahead.abs() + 2.0 * across + swing, di, dj, grid.layer(level, mode)));
                 }
             }
         }
@@ -192,27 +179,24 @@ impl Search<'_> {
     }
 
     fn recovered(&self, leg: &Leg, di: i32, dj: i32, layer: usize, speed: f64) -> Vec<Phase> {
-        let (level, mode) = self.repertoire.grid.level_and_mode(layer);
-        let (to, heading_rad) =
-            (self.repertoire.grid.displacement(di, dj), self.repertoire.grid.heading_rad(level));
+        let Repertoire { grid, handling, .. } = self.repertoire;
+        let (level, mode) = grid.level_and_mode(layer);
+        let (to, heading_rad) = (grid.displacement(di, dj), grid.heading_rad(level));
+        let from_m_s = speed.max(handling.crawl_m_s);
         let mut phases = leg.phases.clone();
-        phases.push(match self.repertoire.grid.modes[mode].speed_m_s {
+        phases.push(match grid.modes[mode].speed_m_s {
             0.0 => Phase::Hold { at: to, heading_rad },
-            to_m_s => Phase::Line {
-                to,
-                heading_rad,
-                from_m_s: speed.max(self.repertoire.handling.crawl_m_s),
-                to_m_s,
-            },
+            to_m_s => Phase::Line { to, heading_rad, from_m_s, to_m_s },
         });
         phases
     }
 
     fn is_at_node(&self, end: Pose, leg: &Leg) -> bool {
-        let [north, east] = self.repertoire.grid.displacement(leg.di, leg.dj);
-        let (level, _) = self.repertoire.grid.level_and_mode(leg.to);
+        let Repertoire { grid, approach, .. } = self.repertoire;
+        let [north, east] = grid.displacement(leg.di, leg.dj);
+        let (level, _) = grid.level_and_mode(leg.to);
         let off = (end.x - north).hypot(end.y - east);
-        let turned = wrap(end.psi - self.repertoire.grid.heading_rad(level)).abs();
-        off <= self.repertoire.approach.tolerance_m && turned <= self.repertoire.approach.tolerance_rad
+        let turned = wrap(end.psi - grid.heading_rad(level)).abs();
+        off <= approach.tolerance_m && turned <= approach.tolerance_rad
     }
 }

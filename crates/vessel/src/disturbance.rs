@@ -1,3 +1,4 @@
+use refusal::check_numbers;
 use serde::Deserialize;
 
 use crate::normals::Normals;
@@ -123,13 +124,12 @@ impl Wind {
     /// # Errors
     /// Names the key and its value.
     pub fn check(&self) -> Result<(), Invalid> {
-        let all = [
+        check_deviations([
             ("wind.std_surge_m_s2", self.std_surge_m_s2),
             ("wind.std_sway_m_s2", self.std_sway_m_s2),
             ("wind.std_yaw_rad_s2", self.std_yaw_rad_s2),
-        ];
-        all.into_iter().try_for_each(|(key, value)| deviation(key, value))?;
-        self.time_constant_s.map_or(Ok(()), |t| time_constant("wind.time_constant_s", t))
+        ])?;
+        check_time_constant("wind.time_constant_s", self.time_constant_s)
     }
 }
 
@@ -138,19 +138,12 @@ pub(crate) fn factor(time_constant_s: f64, rate_hz: f64) -> f64 {
     (-1.0 / (time_constant_s * rate_hz)).exp()
 }
 
-fn deviation(key: &str, value: f64) -> Result<(), Invalid> {
-    if value.is_finite() && value >= 0.0 {
-        return Ok(());
-    }
-    let expected = "a standard deviation, zero or more";
-    Err(Invalid::new(format!("`{key}`"), value.to_string(), expected, "correct it"))
+fn check_deviations<const N: usize>(deviations: [(&str, f64); N]) -> Result<(), Invalid> {
+    check_numbers(deviations, "a standard deviation, zero or more", |value| value >= 0.0)
 }
 
-fn time_constant(key: &str, value: f64) -> Result<(), Invalid> {
-    if value.is_finite() && value > 0.0 {
-        return Ok(());
-    }
-    Err(Invalid::new(format!("`{key}`"), value.to_string(), "more than zero seconds", "correct it"))
+fn check_time_constant(key: &str, value: Option<f64>) -> Result<(), Invalid> {
+    check_numbers(value.map(|value| (key, value)), "more than zero seconds", |value| value > 0.0)
 }
 
 /// Stationary processes x(k+1) = factor · x(k) + white noise, samples × WIDTH; column i draws from channel `first + i`.
@@ -179,19 +172,17 @@ impl Disturbances {
     /// Names the key and its value.
     pub fn check(&self) -> Result<(), Invalid> {
         let m = self.measurement;
-        let all = [
+        check_deviations([
             ("current.std_m_s", self.current.std_m_s()),
             ("measurement.std_u_m_s", m.std_u_m_s),
             ("measurement.std_v_m_s", m.std_v_m_s),
             ("measurement.std_r_rad_s", m.std_r_rad_s),
-        ];
-        all.into_iter().try_for_each(|(key, value)| deviation(key, value))?;
-        match self.current {
-            Current::GaussMarkov { time_constant_s, .. } => {
-                time_constant("current.time_constant_s", time_constant_s)
-            }
-            _ => Ok(()),
-        }
+        ])?;
+        let time_constant_s = match self.current {
+            Current::GaussMarkov { time_constant_s, .. } => Some(time_constant_s),
+            _ => None,
+        };
+        check_time_constant("current.time_constant_s", time_constant_s)
     }
 
     /// The current of [`LANES`] runs over `samples` samples at `rate_hz`, samples × 2, in its own axes; empty in still water.

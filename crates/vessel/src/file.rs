@@ -20,7 +20,7 @@ pub struct VesselFile {
     pub input: Vec<InputSpec>,
     /// Measured disturbances, in order.
     #[serde(default)]
-    pub measured: Vec<MeasuredSpec>,
+    pub measured: Vec<Variable>,
     /// Terms of the surge equation.
     #[serde(default)]
     pub surge: Vec<TermSpec>,
@@ -50,16 +50,6 @@ pub struct InputSpec {
     pub follows: Option<String>,
     /// … by this factor.
     pub factor: Option<f64>,
-}
-
-/// A measured disturbance.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct MeasuredSpec {
-    /// Name as used in terms and as a column.
-    pub name: String,
-    /// Its unit.
-    pub unit: String,
 }
 
 /// One term of an equation.
@@ -268,8 +258,7 @@ fn variables(file: &VesselFile) -> Result<Vec<Variable>, Invalid> {
     let variable = |name: &str, unit: &str| Variable { name: name.to_owned(), unit: unit.to_owned() };
     let states = DegreeOfFreedom::ALL.into_iter().map(|d| variable(d.state(), d.unit()));
     let inputs = file.input.iter().map(|i| variable(&i.name, &i.unit));
-    let measured = file.measured.iter().map(|m| variable(&m.name, &m.unit));
-    let all: Vec<Variable> = states.chain(inputs).chain(measured).collect();
+    let all: Vec<Variable> = states.chain(inputs).chain(file.measured.iter().cloned()).collect();
     for (i, v) in all.iter().enumerate() {
         let reserved = i >= 3 && RESERVED.contains(&v.name.as_str());
         let plain = v.name.chars().all(|c| c.is_alphanumeric() || c == '_') && !v.name.is_empty();
@@ -344,45 +333,4 @@ fn bad_coupling(input: &InputSpec, found: &str) -> Invalid {
         "`follows` naming another input and a finite `factor`, or neither",
         "correct it",
     )
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn vessel(text: &str) -> Result<Vessel, Invalid> {
-        Vessel::from_file(toml::from_str(text).unwrap())
-    }
-
-    #[test]
-    fn the_preset_is_the_papers_model() {
-        let vessel = vessel("preset = \"ljungberg-model-ship\"").unwrap();
-        assert_eq!(vessel.model.parameters(), 10);
-        assert_eq!(vessel.parameters(Source::Value).unwrap()[2], 0.08);
-        assert_eq!(vessel.nominal[9], 3.5e-4);
-        assert_eq!(vessel.couplings[1], Some((2, -2.5)));
-        assert_eq!(vessel.model.parameter_units()[1], "m/s per (m/s × m/s)");
-    }
-
-    #[test]
-    fn a_preset_takes_other_numbers_but_no_other_structure() {
-        let changed = vessel("preset = \"ljungberg-model-ship\"\n[nominal]\nX_u = -0.07").unwrap();
-        assert_eq!(changed.nominal[0], -0.07);
-        let error = vessel("preset = \"ljungberg-model-ship\"\n[nominal]\nX_uuu = -0.07").unwrap_err();
-        assert!(error.remedy.contains("`X_uu`"), "{error}");
-        assert!(vessel("preset = \"ljungberg-model-ship\"\nsample_rate_hz = 4.0").is_err());
-        assert!(vessel("preset = \"ljungberg\"").unwrap_err().remedy.contains("ljungberg-model-ship"));
-    }
-
-    #[test]
-    fn a_vessel_without_truth_has_a_nominal_model_only() {
-        let text = "name = \"x\"\nsample_rate_hz = 1.0\n[[input]]\nname = \"n\"\nunit = \"1/s\"\n\
-             [[surge]]\nparameter = \"a\"\nterm = \"n |n|\"\nnominal = 1.0\n[[sway]]\nparameter = \"b\"\nterm = \"v\"\n\
-             nominal = 1.0\n[[yaw]]\nparameter = \"c\"\nterm = \"r\"\nnominal = 1.0\n";
-        let vessel = vessel(text).unwrap();
-        assert!(vessel.parameters(Source::Value).unwrap_err().thing.contains("`a`"));
-        assert_eq!(vessel.parameters(Source::Nominal).unwrap(), vec![1.0; 3]);
-        assert!(self::vessel(&text.replace("\"c\"", "\"a\"")).is_err());
-        assert!(self::vessel(&text.replace("\"n\"\nunit", "\"psi\"\nunit")).is_err());
-    }
 }

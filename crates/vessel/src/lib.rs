@@ -19,6 +19,7 @@ mod model;
 mod noise;
 mod normals;
 mod pose;
+mod products;
 mod refusals;
 mod run;
 mod simulate;
@@ -27,7 +28,7 @@ mod term;
 
 pub use compiled::{Ambient, Compiled};
 pub use disturbance::{Axes, Current, Disturbances, Measurement, Wind};
-pub use file::{InputSpec, MeasuredSpec, Source, TermSpec, Vessel, VesselFile};
+pub use file::{InputSpec, Source, TermSpec, Vessel, VesselFile};
 pub use lane::{LANES, Lane, Number, Numbers};
 pub use layout::ParameterLayout;
 pub use maneuver::{
@@ -37,7 +38,7 @@ pub use maneuver::{
 pub use model::{Degree, DegreeOfFreedom, Model, Variable};
 pub use noise::Streams;
 pub use pose::{Pose, track};
-pub use refusal::{Invalid, nearest};
+pub use refusal::{Invalid, check_numbers, choices, nearest};
 pub use refusals::{MOST_SAMPLES, refuse_endless};
 pub use run::{Run, RunView, Segment};
 pub use simulate::{

@@ -1,3 +1,5 @@
+use serde::Deserialize;
+
 use crate::Term;
 
 /// Surge, sway or yaw.
@@ -32,7 +34,8 @@ impl DegreeOfFreedom {
 }
 
 /// A variable of the model: a state, an input or a measured disturbance.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Variable {
     /// Name as used in terms.
     pub name: String,

@@ -3,7 +3,9 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-use artifact::{Digest, Document, Error, Loaded, Result, commit, json_schema, read_document, stage_document};
+use artifact::{
+    Digest, Document, Error, Loaded, Result, Units, commit, json_schema, read_document, stage_document,
+};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
@@ -175,7 +177,7 @@ struct Sealed {
 impl Document for Sealed {
     const ID: &'static str = "sealed";
     const VERSION: u32 = 1;
-    const UNITS: &'static [(&'static str, &'static str)] = &[];
+    const UNITS: Units = &[];
 }
 
 #[test]

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use artifact::{
     Column, ColumnSpec, Digest, Document, EncodedBlock, Kind, Provenance, Result, Shard, Staged, Table,
-    TableSchema, TableWriter, commit, encode_block,
+    TableSchema, TableWriter, Units, commit, encode_block,
 };
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -123,7 +123,7 @@ pub struct Design {
 impl Document for Design {
     const ID: &'static str = "design";
     const VERSION: u32 = 2;
-    const UNITS: &'static [(&'static str, &'static str)] = &[("shares", "1"), ("gap", "1"), ("rows", "m")];
+    const UNITS: Units = &[("1", "shares gap"), ("m", "rows")];
 }
 
 pub fn design() -> Design {

@@ -8,3 +8,4 @@ mod polygon_files;
 mod real_charts;
 mod routes;
 mod support;
+mod xml;

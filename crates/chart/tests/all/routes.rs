@@ -1,76 +1,12 @@
 //! Route and track files, read back by readers of their own.
 
 use chart::route::{Feature, Geometry, Route, Track, TrackPoint, Waypoint, geojson, gpx, rtz};
-use quick_xml::Reader;
-use quick_xml::events::{BytesStart, Event};
 
-/// An element: name, attributes, text, children.
-#[derive(Debug, Default)]
-struct Element {
-    name: String,
-    attributes: Vec<(String, String)>,
-    text: String,
-    children: Vec<Element>,
-}
+use crate::xml::{Element, read};
 
-impl Element {
-    fn new(start: &BytesStart) -> Self {
-        let attributes = start.attributes().map(|a| {
-            let a = a.unwrap();
-            let value = quick_xml::escape::unescape(&a.value).unwrap().into_owned();
-            (a.key.as_ref().to_owned(), value)
-        });
-        Self { name: start.name().as_ref().to_owned(), attributes: attributes.collect(), ..Self::default() }
-    }
-
-    fn get(&self, key: &str) -> Option<&str> {
-        self.attributes.iter().find(|(k, _)| k == key).map(|(_, v)| v.as_str())
-    }
-
-    fn number(&self, key: &str) -> f64 {
-        let text = self.get(key).unwrap();
-        assert!(text.chars().all(|c| c.is_ascii_digit() || c == '.' || c == '-'), "xsd:decimal: {text}");
-        text.parse().unwrap()
-    }
-
-    fn all(&self, name: &str) -> Vec<&Element> {
-        self.children.iter().filter(|c| c.name == name).collect()
-    }
-
-    fn one(&self, name: &str) -> &Element {
-        let all = self.all(name);
-        assert_eq!(all.len(), 1, "{name} in {}", self.name);
-        all[0]
-    }
-
-    fn names(&self) -> Vec<&str> {
-        self.children.iter().map(|c| c.name.as_str()).collect()
-    }
-}
-
-fn read(text: &str) -> Element {
-    let mut reader = Reader::from_str(text);
-    let mut open = vec![Element::default()];
-    loop {
-        match reader.read_event().unwrap() {
-            Event::Start(e) => open.push(Element::new(&e)),
-            Event::Empty(e) => open.last_mut().unwrap().children.push(Element::new(&e)),
-            Event::End(_) => {
-                let done = open.pop().unwrap();
-                open.last_mut().unwrap().children.push(done);
-            }
-            Event::Text(t) => open.last_mut().unwrap().text += &t.xml10_content(),
-            Event::GeneralRef(r) => {
-                let name = r.into_inner();
-                open.last_mut().unwrap().text += &quick_xml::escape::unescape(&format!("&{name};")).unwrap();
-            }
-            Event::Eof => break,
-            _ => {}
-        }
-    }
-    assert_eq!(open.len(), 1);
-    assert_eq!(open[0].children.len(), 1, "one root");
-    open.remove(0).children.remove(0)
+/// Names of an element's children, in order.
+fn names(element: &Element) -> Vec<&str> {
+    element.children.iter().map(|c| c.name.as_str()).collect()
 }
 
 fn route() -> Route {
@@ -112,7 +48,7 @@ fn rtz_keeps_the_rules_of_version_1_0() {
     let root = read(&text);
     assert_eq!((root.name.as_str(), root.get("version")), ("route", Some("1.0")));
     assert_eq!(root.get("xmlns"), Some("http://www.cirm.org/RTZ/1/0"));
-    assert_eq!(root.names(), ["routeInfo", "waypoints", "schedules"]);
+    assert_eq!(names(&root), ["routeInfo", "waypoints", "schedules"]);
     assert_eq!(root.one("routeInfo").get("routeName"), Some("sea trial \"A&B\""));
     let waypoints = root.one("waypoints").all("waypoint");
     let ids: Vec<&str> = waypoints.iter().map(|w| w.get("id").unwrap()).collect();
@@ -125,7 +61,7 @@ fn rtz_keeps_the_rules_of_version_1_0() {
         );
         assert!((place.number("lat") - route().waypoints[i].lat_deg).abs() < 1e-9);
         assert!((place.number("lon") - route().waypoints[i].lon_deg).abs() < 1e-9);
-        assert_eq!(w.names()[0], "position", "the schema's order");
+        assert_eq!(names(w)[0], "position", "the schema's order");
     }
     let (leg, inner) = (waypoints[1].one("leg"), waypoints[1]);
     assert!((inner.number("radius") - 0.1).abs() < 1e-6, "NM");
@@ -173,11 +109,11 @@ fn gpx_keeps_the_rules_of_version_1_1() {
     assert_eq!((root.name.as_str(), root.get("version")), ("gpx", Some("1.1")));
     assert_eq!(root.get("xmlns"), Some("http://www.topografix.com/GPX/1/1"));
     assert!(root.get("creator").is_some_and(|c| !c.is_empty()));
-    assert_eq!(root.names(), ["rte", "trk"], "the schema's order");
+    assert_eq!(names(&root), ["rte", "trk"], "the schema's order");
     let rte = root.one("rte");
     assert_eq!(rte.one("name").text, "sea trial \"A&B\"");
     assert_eq!(rte.all("rtept").len(), 3);
-    assert_eq!(rte.all("rtept")[1].names(), ["time", "name", "desc"], "the schema's order");
+    assert_eq!(names(rte.all("rtept")[1]), ["time", "name", "desc"], "the schema's order");
     assert_eq!(rte.all("rtept")[2].one("name").text, "goal < home");
     let written = root.one("trk").one("trkseg").all("trkpt");
     assert_eq!(written.len(), track.points.len());

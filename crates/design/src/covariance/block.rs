@@ -1,6 +1,6 @@
 use std::ops::Range;
 
-use crate::product::dot;
+use numerics::dot;
 
 /// The rows of one block: `range` in the matrices, `rows` over all blocks; the root V of its weights, k × n.
 pub(super) struct Block<'a> {

@@ -1,9 +1,10 @@
 //! What candidates a criterion of the covariance is defined for, and where it is concave.
 
+use numerics::dot;
+
 use super::block::Block;
 use crate::Candidates;
 use crate::certificate::{is_concave, row_scaling};
-use crate::product::dot;
 
 /// The row that a direction without variance has most of, where the weighted covariance `matrix` of a block has such a one.
 pub(super) fn row_without_variance(block: &Block<'_>, matrix: &[f64]) -> Option<usize> {

@@ -1,7 +1,8 @@
 use std::ops::Range;
 
+use numerics::{congruence, transposed};
+
 use crate::eigen::symmetric;
-use crate::product::{congruence, transposed};
 use crate::spectrum::Spectrum;
 use crate::{Candidates, Error, Norm};
 

@@ -1,8 +1,9 @@
 //! The criterion with its first and second derivatives.
 
+use numerics::{congruence, dot, product, transposed};
+
 use super::block::Block;
 use super::{Covariance, CovariancePoint};
-use crate::product::{congruence, dot, product, transposed};
 use crate::spectrum::Spectrum;
 use crate::{Norm, Objective};
 

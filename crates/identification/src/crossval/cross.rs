@@ -1,10 +1,10 @@
 use rayon::prelude::*;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use super::folds::{Fold, folds};
-use crate::pooled::{
-    Errors, Estimated, Part, Pool, PooledRuns, Score, SourceErrors, Window, Windows, deviations,
-};
+use crate::pooled::{Estimated, FreeRunErrors, Part, Pool, PooledRuns, Score, Window, deviations};
 use crate::{Estimator, ScoreStatus};
 
 /// What is compared, and over what.
@@ -38,22 +38,39 @@ pub struct CrossValidation {
 }
 
 /// One estimator over all folds.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
 pub struct EstimatorScore {
     /// The estimator.
-    pub estimator: Estimator,
+    pub name: Estimator,
     /// What became of its models.
     pub status: ScoreStatus,
     /// Why there are no errors.
     pub reason: Option<String>,
     /// Over all windows of all folds.
-    pub errors: Option<Errors>,
+    pub errors: Option<FreeRunErrors>,
+    /// Norm of RMSE/std.
+    pub error_norm: Option<f64>,
     /// Windows that diverged.
     pub diverged: u64,
     /// Folds in which surge, sway, yaw were estimated with simulated instruments.
     pub by_instruments: [u64; 3],
-    /// One entry per run or recording, when it was left out.
-    pub sources: Vec<SourceErrors>,
+    /// One entry per run or recording, when it was left out; against the standard deviations of its own states.
+    pub sources: Vec<SourceScore>,
+}
+
+/// One estimator on one run or recording that was left out.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SourceScore {
+    /// Its name.
+    pub source: String,
+    /// Windows of it.
+    pub windows: u64,
+    /// Windows that diverged.
+    pub diverged: u64,
+    /// Null where one diverged, there is no window, or no model.
+    pub errors: Option<FreeRunErrors>,
 }
 
 /// Why nothing can be left out.
@@ -107,8 +124,7 @@ pub fn cross_validate(
         cut.score(*estimator, &tried)
     };
     let scores: Vec<EstimatorScore> = options.estimators.par_iter().map(score).collect();
-    let norm = |score: &EstimatorScore| score.errors.and_then(|e| e.norm());
-    let known = scores.iter().filter_map(|score| Some((norm(score)?, score)));
+    let known = scores.iter().filter_map(|score| Some((score.error_norm?, score)));
     let best = known.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, score)| score);
     let windows = || cut.windows.iter().flat_map(|(_, windows)| windows);
     Ok(CrossValidation {
@@ -116,7 +132,7 @@ pub fn cross_validate(
         samples: windows().map(|w| w.samples() as u64).sum(),
         folds: folds.len(),
         std: cut.std,
-        recommended: best.map(|score| score.estimator),
+        recommended: best.map(|score| score.name),
         statements: statements(best, &scores),
         scores,
     })
@@ -124,7 +140,7 @@ pub fn cross_validate(
 
 impl<'a> Cut<'a> {
     fn new(pool: &'a Pool, runs: &PooledRuns, options: &CrossOptions) -> Result<Self, CrossError> {
-        let windows = runs.windows(pool.vessel, options.window);
+        let windows = runs.windows(options.window);
         if windows.len() < 2 {
             return Err(CrossError::OneSource);
         }
@@ -133,7 +149,7 @@ impl<'a> Cut<'a> {
         }
         let all = windows.iter().flat_map(|(_, own)| own);
         let std = deviations(all.map(|w| w.measured.as_slice()));
-        Ok(Self { pool, parts: runs.segments(pool.vessel, pool.part_samples).concat(), windows, std })
+        Ok(Self { pool, parts: runs.segments(pool.part_samples).concat(), windows, std })
     }
 
     fn fold(&self, fold: &Fold, estimator: Estimator) -> Tried {
@@ -158,7 +174,8 @@ impl<'a> Cut<'a> {
             return;
         };
         let score = |source: &usize| {
-            (*source, Windows::new(&self.pool.model, &self.windows[*source].1).score(&model))
+            let windows = self.windows[*source].1.iter().map(Window::view);
+            (*source, Score::of(&self.pool.model, &model, windows))
         };
         tried.scores = fold.left_out.iter().map(score).collect();
     }
@@ -178,11 +195,13 @@ impl<'a> Cut<'a> {
             }
             None => (ScoreStatus::Scored, None),
         };
+        let complete = failed().next().is_none();
         EstimatorScore {
-            estimator,
+            name: estimator,
             status,
             reason,
-            errors: Errors::of(&whole, self.std).filter(|_| failed().next().is_none()),
+            errors: whole.errors(self.std).filter(|_| complete),
+            error_norm: whole.norm(self.std).filter(|_| complete),
             diverged: whole.diverged,
             by_instruments: [0, 1, 2]
                 .map(|d: usize| tried.iter().filter(|t| t.by_instruments[d]).count() as u64),
@@ -190,37 +209,34 @@ impl<'a> Cut<'a> {
         }
     }
 
-    fn source(&self, place: usize, score: &Score) -> SourceErrors {
+    fn source(&self, place: usize, score: &Score) -> SourceScore {
         let (source, windows) = &self.windows[place];
-        SourceErrors {
+        SourceScore {
             source: source.clone(),
-            windows: windows.len(),
-            samples: windows.iter().map(|w| w.samples() as u64).sum(),
+            windows: windows.len() as u64,
             diverged: score.diverged,
-            errors: Errors::of(score, deviations(windows.iter().map(|w| w.measured.as_slice()))),
+            errors: score.errors(deviations(windows.iter().map(|w| w.measured.as_slice()))),
         }
     }
 }
 
 fn statements(best: Option<&EstimatorScore>, scores: &[EstimatorScore]) -> Vec<String> {
     let mut out = Vec::new();
-    if let Some((best, errors)) = best.and_then(|e| e.errors.map(|errors| (e.estimator, errors))) {
+    if let Some((best, errors)) = best.and_then(|e| e.errors.map(|errors| (e.name, errors))) {
         out.push(format!("recommended: {best} (fit {})", fits(&errors)));
-        for other in scores.iter().filter(|e| e.estimator != best) {
-            out.extend(
-                other.errors.map(|e| format!("{best} over {}: {}", other.estimator, ahead(&errors, &e))),
-            );
+        for other in scores.iter().filter(|e| e.name != best) {
+            out.extend(other.errors.map(|e| format!("{best} over {}: {}", other.name, ahead(&errors, &e))));
         }
     }
     for failed in scores.iter().filter(|e| e.status != ScoreStatus::Scored) {
         let reason = failed.reason.as_deref().unwrap_or("");
-        out.push(format!("{}: {}: {reason}", failed.estimator, failed.status));
+        out.push(format!("{}: {}: {reason}", failed.name, failed.status));
     }
     out
 }
 
 /// `u +1.20, v +0.30, r -0.10 points of fit`.
-fn ahead(best: &Errors, other: &Errors) -> String {
+fn ahead(best: &FreeRunErrors, other: &FreeRunErrors) -> String {
     let more = |d: usize| best.fits()[d].zip(other.fits()[d]).map(|(b, o)| b - o);
     let states = ["u", "v", "r"].into_iter().enumerate();
     let ahead: Vec<String> =
@@ -229,7 +245,7 @@ fn ahead(best: &Errors, other: &Errors) -> String {
 }
 
 /// `u 78.9 %, v 73.2 %, r 72.0 %`.
-fn fits(errors: &Errors) -> String {
+fn fits(errors: &FreeRunErrors) -> String {
     let one = |(name, fit): (&str, Option<f64>)| match fit {
         Some(fit) => format!("{name} {fit:.2} %"),
         None => format!("{name} –"),

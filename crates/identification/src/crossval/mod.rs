@@ -3,4 +3,4 @@
 mod cross;
 mod folds;
 
-pub use cross::{CrossError, CrossOptions, CrossValidation, EstimatorScore, cross_validate};
+pub use cross::{CrossError, CrossOptions, CrossValidation, EstimatorScore, SourceScore, cross_validate};

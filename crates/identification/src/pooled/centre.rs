@@ -21,8 +21,7 @@ impl Centring {
         let means = match removal {
             MeanRemoval::Batch => parts.iter().map(|sums| means(sums, true)).collect(),
             _ => {
-                let mut whole = Sums::default();
-                parts.iter().for_each(|sums| whole.merge(sums));
+                let whole = Sums::total(parts.iter().copied());
                 vec![means(&whole, removal == MeanRemoval::Complete); usize::from(!parts.is_empty())]
             }
         };

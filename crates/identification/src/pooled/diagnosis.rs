@@ -1,4 +1,4 @@
-use crate::solve::Normal;
+use super::fit::pooled;
 use crate::{MeanRemoval, Sums};
 
 /// How well one degree of freedom is determined by pooled parts.
@@ -23,14 +23,10 @@ pub struct Diagnosis {
 
 /// Diagnoses degree of freedom `d` of pooled `parts`.
 pub fn diagnose(parts: &[&Sums], removal: MeanRemoval, d: usize) -> Diagnosis {
-    let mut whole = Sums::default();
-    parts.iter().for_each(|sums| whole.merge(sums));
+    let whole = Sums::total(parts.iter().copied());
     let Some(degree) = whole.degrees.get(d) else { return unknown(0) };
     let p = degree.parameters();
-    let normal = match removal {
-        MeanRemoval::Batch => Normal::new(parts.iter().map(|sums| &sums.degrees[d]), true),
-        _ => Normal::new([degree].into_iter(), removal == MeanRemoval::Complete),
-    };
+    let normal = pooled(parts, removal, d);
     let size = |i: usize| {
         let of = |squares: &[f64]| if i < p { squares[i].sqrt() } else { (whole.samples as f64).sqrt() };
         [of(&degree.instrument_squares), of(&degree.regressor_squares)]
@@ -49,7 +45,7 @@ pub fn diagnose(parts: &[&Sums], removal: MeanRemoval, d: usize) -> Diagnosis {
     match numerics::weakest(width, &scaled) {
         Some(found) => {
             diagnosis.index = (1.0 / found.ratio).sqrt();
-            diagnosis.weakest = largest(&found.direction[..p]);
+            diagnosis.weakest = found.dominant(p);
             diagnosis.direction = found.direction;
         }
         None => diagnosis.weakest = normal.excitation().weakest,
@@ -75,8 +71,4 @@ fn variation(whole: &Sums, d: usize) -> Vec<f64> {
         if square > 0.0 { (1.0 - mean * mean / square).max(0.0).sqrt() } else { 0.0 }
     };
     (0..p).map(share).collect()
-}
-
-fn largest(direction: &[f64]) -> usize {
-    (0..direction.len()).max_by(|i, j| direction[*i].abs().total_cmp(&direction[*j].abs())).unwrap_or(0)
 }

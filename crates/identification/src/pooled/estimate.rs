@@ -38,7 +38,7 @@ impl Pooled {
             estimator,
             status: if identified { EstimateStatus::Identified } else { EstimateStatus::NotIdentifiable },
             estimate,
-            condition: [0, 1, 2].map(|d: usize| self.degrees[d].condition),
+            condition: [0, 1, 2].map(|d: usize| self.degrees[d].condition.unwrap_or(f64::INFINITY)),
             weakest: [0, 1, 2].map(|d: usize| self.degrees[d].weakest_parameter().to_owned()),
         }
     }
@@ -67,7 +67,7 @@ pub fn estimate(
     judgement: &Judgement,
     resampled: &(dyn Fn(usize) + Sync),
 ) -> Result<Pooled, PoolError> {
-    let mut parts: Vec<Part> = runs.segments(pool.vessel, pool.part_samples).concat();
+    let mut parts: Vec<Part> = runs.segments(pool.part_samples).concat();
     let found = pool.estimate(&mut parts, estimator)?;
     if found.degrees.iter().all(|d| d.solution.is_none()) {
         return Err(PoolError::NotIdentifiable(pool.unidentified(&found.degrees)));

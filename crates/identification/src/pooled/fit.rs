@@ -1,3 +1,5 @@
+use numerics::{product, times, transposed};
+
 use super::{Centring, Diagnosis, diagnose};
 use crate::solve::Normal;
 use crate::{MeanRemoval, Sums};
@@ -58,6 +60,13 @@ pub struct Solution {
     pub intercept: f64,
 }
 
+/// θ̂ of surge, sway and yaw together, and their intercepts; `None` unless all have an estimate.
+pub(crate) fn joined(solutions: [Option<&Solution>; 3]) -> Option<(Vec<f64>, [f64; 3])> {
+    let [Some(surge), Some(sway), Some(yaw)] = solutions else { return None };
+    let all = [surge, sway, yaw];
+    Some((all.map(|s| s.theta.as_slice()).concat(), all.map(|s| s.intercept)))
+}
+
 /// Pools `parts` and estimates surge, sway and yaw.
 pub fn fit(parts: &[&Sums], options: &Options) -> [DegreeFit; 3] {
     let centring = Centring::new(parts, options.removal);
@@ -90,12 +99,11 @@ fn judged(parts: &[&Sums], options: &Options, d: usize, theta: Vec<f64>, gain: V
 }
 
 /// The normal equations of degree of freedom `d`. One intercept for all parts needs the sums of all together.
-fn pooled(parts: &[&Sums], removal: MeanRemoval, d: usize) -> Normal {
+pub(super) fn pooled(parts: &[&Sums], removal: MeanRemoval, d: usize) -> Normal {
     if removal == MeanRemoval::Batch {
         return Normal::new(parts.iter().map(|sums| &sums.degrees[d]), true);
     }
-    let mut whole = Sums::default();
-    parts.iter().for_each(|sums| whole.merge(sums));
+    let whole = Sums::total(parts.iter().copied());
     Normal::new([&whole.degrees[d]].into_iter(), removal == MeanRemoval::Complete)
 }
 
@@ -108,27 +116,19 @@ fn solve(normal: &Normal, prior: Option<(f64, &[f64])>) -> Result<(Vec<f64>, Vec
     };
     let p = normal.b.len();
     let scaled = normal.regular_scaled();
-    let mut square = vec![0.0; p * p];
-    for i in 0..p {
-        for j in 0..p {
-            square[i * p + j] = (0..p).map(|k| scaled[k * p + i] * scaled[k * p + j]).sum();
-        }
-        square[i * p + i] += strength * strength;
-    }
     // (ÂᵀÂ + s² I) X = Âᵀ, then the scales taken out again.
-    let mut gain: Vec<f64> = (0..p * p).map(|k| scaled[(k % p) * p + k / p]).collect();
+    let mut gain = transposed(p, &scaled);
+    let mut square = product(p, &gain, &scaled);
+    (0..p).for_each(|i| square[i * p + i] += strength * strength);
     numerics::solve(p, &mut square, &mut gain).ok_or(0_usize)?;
-    for i in 0..p {
-        for j in 0..p {
-            let size = normal.phi[i] * normal.zeta[j];
-            gain[i * p + j] = if size > 0.0 { gain[i * p + j] / size } else { 0.0 };
-        }
+    for (k, entry) in gain.iter_mut().enumerate() {
+        let size = normal.phi[k / p] * normal.zeta[k % p];
+        *entry = if size > 0.0 { *entry / size } else { 0.0 };
     }
-    let missing: Vec<f64> =
-        (0..p).map(|i| normal.b[i] - (0..p).map(|j| normal.a[i * p + j] * nominal[j]).sum::<f64>()).collect();
-    let theta =
-        (0..p).map(|i| nominal[i] + (0..p).map(|j| gain[i * p + j] * missing[j]).sum::<f64>()).collect();
-    Ok((theta, gain))
+    let predicted = times(&normal.a, nominal);
+    let missing: Vec<f64> = normal.b.iter().zip(predicted).map(|(b, predicted)| b - predicted).collect();
+    let moved = times(&gain, &missing);
+    Ok((nominal.iter().zip(moved).map(|(nominal, moved)| nominal + moved).collect(), gain))
 }
 
 /// Mean of Δy − φᵀθ over all samples.

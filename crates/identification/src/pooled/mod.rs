@@ -29,6 +29,7 @@ pub use bootstrap::{Bootstrap, Resampled, bootstrap, redraw};
 pub use centre::Centring;
 pub use diagnosis::{Diagnosis, diagnose};
 pub use estimate::{PoolError, Pooled, estimate};
+pub(crate) use fit::joined;
 pub use fit::{DegreeFit, Options, Prior, Solution, Status, fit};
 pub use nominal::{NominalModel, NominalSource};
 pub use output_error::{OutputError, output_error};
@@ -39,8 +40,8 @@ pub use residual_tests::{CrossCorrelation, Whiteness, cross_correlation, residua
 pub use runs::{PooledRuns, SelectError};
 pub use sandwich::{default_bandwidth, sandwich};
 pub use strength::strength;
-pub use trust::{DegreeTrust, Judgement, ParameterTrust, SourceErrors};
-pub use windows::{Errors, Score, Window, Windows, deviations};
+pub use trust::{DegreeTrust, InstrumentResidual, Judgement, ParameterTrust, SourceErrors};
+pub use windows::{FreeRunErrors, Score, Window, deviations};
 pub use words::listed;
 pub(crate) use words::{collinear, first_named, unidentified, weakest};
 

@@ -1,36 +1,15 @@
-use std::fmt;
-
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
-
-use super::{Options, fit};
+use super::{Options, fit, joined};
 use crate::{MeanRemoval, Sums};
 
-/// Where the model comes from that instruments are simulated with.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-pub enum NominalSource {
-    /// The nominal values of the vessel.
-    Given,
-    /// The least-squares fit of the same data.
-    LeastSquares,
-    /// A previous estimate.
-    Estimate,
-}
-
-impl NominalSource {
-    /// All of them.
-    pub const ALL: [Self; 3] = [Self::Given, Self::LeastSquares, Self::Estimate];
-
-    /// As in files.
-    pub fn name(self) -> &'static str {
-        ["given", "least-squares", "estimate"][self as usize]
-    }
-}
-
-impl fmt::Display for NominalSource {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.name())
+vessel::choices! {
+    /// Where the model comes from that instruments are simulated with.
+    pub enum NominalSource {
+        /// The nominal values of the vessel.
+        Given = "given",
+        /// The least-squares fit of the same data.
+        LeastSquares = "least-squares",
+        /// A previous estimate.
+        Estimate = "estimate",
     }
 }
 
@@ -50,10 +29,7 @@ impl NominalModel {
             Self::Known(theta) => Some((theta.clone(), [0.0; 3])),
             Self::Fitted => {
                 let options = Options { removal, prior: None, most: f64::INFINITY };
-                let fits = fit(sums, &options).map(|degree| degree.solution);
-                let theta: Option<Vec<Vec<f64>>> =
-                    fits.iter().map(|s| s.as_ref().map(|s| s.theta.clone())).collect();
-                Some((theta?.concat(), fits.map(|s| s.map_or(0.0, |s| s.intercept))))
+                joined(fit(sums, &options).each_ref().map(|degree| degree.solution.as_ref()))
             }
         }
     }

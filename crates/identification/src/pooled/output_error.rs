@@ -95,8 +95,7 @@ impl Problem<'_> {
         let mut out = vec![0.0; all * all];
         for part in &parts {
             let (_, gradient) = part.weighted(weights);
-            let moved: Vec<f64> =
-                (0..p).map(|i| (0..p).map(|j| inverse[i * p + j] * gradient[j]).sum()).collect();
+            let moved = numerics::times(&inverse, &gradient);
             for (row, a) in self.free.iter().zip(&moved) {
                 for (column, b) in self.free.iter().zip(&moved) {
                     out[row * all + column] += a * b;

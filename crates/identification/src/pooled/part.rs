@@ -36,14 +36,19 @@ pub struct LostInstruments {
 
 impl Part {
     /// A part whose instruments are its regressors.
-    pub fn new(label: &str, source: &str, exogenous: Vec<f64>, measured: Vec<f64>) -> Self {
-        let instrument_states = measured.clone();
-        Self { label: label.to_owned(), source: source.to_owned(), exogenous, measured, instrument_states }
+    pub fn new(label: &str, source: &str, measured: RunView) -> Self {
+        Self {
+            label: label.to_owned(),
+            source: source.to_owned(),
+            exogenous: measured.exogenous.to_vec(),
+            measured: measured.measured.to_vec(),
+            instrument_states: measured.measured.to_vec(),
+        }
     }
 
     /// Number of regression pairs N.
     pub fn samples(&self) -> usize {
-        self.measured.len() / 3 - 1
+        self.view().samples()
     }
 
     /// What was measured.

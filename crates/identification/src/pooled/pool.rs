@@ -2,7 +2,7 @@ use vessel::{DegreeOfFreedom, Model, Vessel};
 
 use super::{
     COLLINEAR, DegreeFit, LostInstruments, NominalModel, Options, OutputError, Part, Prior, Regression,
-    deviations, fit, output_error, unidentified,
+    deviations, fit, joined, output_error, unidentified,
 };
 use crate::{DegreeSums, Estimator, MeanRemoval, Sums};
 
@@ -70,28 +70,13 @@ impl Estimated {
 
     /// θ̂ and intercepts, in the order of `model`, which has them.
     pub fn parameters(&self, model: &Model) -> Option<Vec<f64>> {
-        self.theta().map(|theta| model.layout().woven(&theta, self.intercepts()))
-    }
-
-    /// θ̂ of all degrees of freedom.
-    pub fn theta(&self) -> Option<Vec<f64>> {
-        theta(&self.degrees)
-    }
-
-    /// Intercepts; 0 where there is none.
-    pub fn intercepts(&self) -> [f64; 3] {
-        intercepts(&self.degrees)
+        whole(&self.degrees).map(|(theta, intercepts)| model.layout().woven(&theta, intercepts))
     }
 }
 
-fn theta(degrees: &[DegreeFit; 3]) -> Option<Vec<f64>> {
-    let thetas: Option<Vec<&[f64]>> =
-        degrees.iter().map(|d| d.solution.as_ref().map(|s| s.theta.as_slice())).collect();
-    thetas.map(|t| t.concat())
-}
-
-fn intercepts(degrees: &[DegreeFit; 3]) -> [f64; 3] {
-    degrees.each_ref().map(|d| d.solution.as_ref().map_or(0.0, |s| s.intercept))
+/// θ̂ of all degrees of freedom, and their intercepts.
+fn whole(degrees: &[DegreeFit; 3]) -> Option<(Vec<f64>, [f64; 3])> {
+    joined(degrees.each_ref().map(|degree| degree.solution.as_ref()))
 }
 
 impl Pool<'_> {
@@ -151,8 +136,8 @@ impl Pool<'_> {
         let mut data = self.instrumented_regressions(parts);
         let mut degrees = self.fit_of(&data, nominal, Estimator::Iv);
         for _ in 0..if estimator == Estimator::RefinedIv { ROUNDS } else { 0 } {
-            let Some(own) = theta(&degrees) else { break };
-            if self.instrument(parts, &own, intercepts(&degrees)).is_err() {
+            let Some((own, intercepts)) = whole(&degrees) else { break };
+            if self.instrument(parts, &own, intercepts).is_err() {
                 break;
             }
             let again = self.instrumented_regressions(parts);
@@ -214,8 +199,7 @@ impl Pool<'_> {
     /// Per parameter, intercepts among them, the value with which its term alone would make up the state's deviation in a sample; 0 for an
     /// intercept that is not estimated and a term that is always 0.
     fn sizes(&self, sums: &[Sums], std: [f64; 3]) -> Vec<f64> {
-        let mut whole = Sums::default();
-        sums.iter().for_each(|s| whole.merge(s));
+        let whole = Sums::total(sums);
         let n = whole.samples.max(1) as f64;
         let size = |square: f64, std: f64| if square > 0.0 { std / (square / n).sqrt() } else { 0.0 };
         let intercept = |std: f64| if self.removal == MeanRemoval::None { 0.0 } else { std };

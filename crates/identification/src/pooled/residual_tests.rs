@@ -1,18 +1,21 @@
 use numerics::distributions::{chi_square_tail, normal_tails};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
 use super::{Centring, Regression, Solution};
 
 /// Ljung and Box's test: whether residuals are white.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
 pub struct Whiteness {
-    /// Q = N (N + 2) Σ ρ_l²/(N_l), l = 1 … lags, N_l being the pairs of lag l within parts.
+    /// Q = N (N + 2) Σ ρ_l²/(N_l), l = 1 … lags, N_l being the pairs of lag l within sub-experiments.
     pub statistic: f64,
     /// Number of lags, and degrees of freedom.
-    pub lags: usize,
+    pub lags: u64,
     /// Probability of a larger Q of white residuals.
     pub p_value: f64,
-    /// Autocorrelation ρ_1 at the first lag.
-    pub first: f64,
+    /// Autocorrelation ρ_1 of neighbours.
+    pub first_autocorrelation: f64,
 }
 
 /// The largest correlation between residuals and instruments at another time.
@@ -48,8 +51,12 @@ pub fn whiteness(residuals: &[Vec<f64>], lags: usize) -> Whiteness {
     let pairs = |lag: usize| residuals.iter().map(|r| r.len().saturating_sub(lag)).sum::<usize>() as f64;
     let term = |(rho, lag): (&f64, usize)| if pairs(lag) > 0.0 { rho * rho / pairs(lag) } else { 0.0 };
     let statistic = n * (n + 2.0) * correlations.iter().zip(1..).map(term).sum::<f64>();
-    let first = correlations.first().copied().unwrap_or(0.0);
-    Whiteness { statistic, lags, p_value: chi_square_tail(statistic, lags as f64), first }
+    Whiteness {
+        statistic,
+        lags: lags as u64,
+        p_value: chi_square_tail(statistic, lags as f64),
+        first_autocorrelation: correlations.first().copied().unwrap_or(0.0),
+    }
 }
 
 /// ρ_1 … ρ_lags of a signal in parts.

@@ -1,7 +1,8 @@
 use std::collections::BTreeMap;
+use std::ops::Range;
 
 use thiserror::Error;
-use vessel::{Run, Vessel, nearest};
+use vessel::{Run, nearest};
 
 use super::{Part, Window};
 
@@ -78,17 +79,12 @@ impl PooledRuns {
     }
 
     /// The segments, each cut into equal parts of at most `most` samples.
-    pub fn segments(&self, vessel: &Vessel, most: Option<usize>) -> Vec<Vec<Part>> {
-        let width = vessel.model.exogenous();
+    pub fn segments(&self, most: Option<usize>) -> Vec<Vec<Part>> {
         let mut segments = Vec::new();
         for (source, run) in &self.runs {
             let ends = run.segments.iter().skip(1).map(|s| s.start).chain([run.samples()]);
             for (segment, end) in run.segments.iter().zip(ends) {
-                let part = |(start, end): (usize, usize)| {
-                    let exogenous = run.exogenous[start * width..end * width].to_vec();
-                    let measured = run.measured[3 * start..3 * (end + 1)].to_vec();
-                    Part::new(&segment.maneuver, source, exogenous, measured)
-                };
+                let part = |samples| Part::new(&segment.maneuver, source, run.view().part(samples));
                 segments.push(equal(segment.start, end, most).into_iter().map(part).collect());
             }
         }
@@ -97,12 +93,11 @@ impl PooledRuns {
 
     /// Windows of `length` samples of every source, side by side from where its runs begin, which are joined where one
     /// begins with the state that the last one ended with. Whatever is left is no window; without a length all of it is.
-    pub fn windows(&self, vessel: &Vessel, length: Option<usize>) -> Vec<(String, Vec<Window>)> {
+    pub fn windows(&self, length: Option<usize>) -> Vec<(String, Vec<Window>)> {
         let joined = self.joined();
-        let width = vessel.model.exogenous();
         let of = |source: String| {
             let own = joined.iter().filter(|(name, _)| **name == source);
-            let windows = own.flat_map(|(_, whole)| cut(whole, width, length)).collect();
+            let windows = own.flat_map(|(_, whole)| cut(whole, length)).collect();
             (source, windows)
         };
         self.sources().into_iter().map(of).collect()
@@ -119,29 +114,23 @@ impl PooledRuns {
                     last.exogenous.extend_from_slice(&run.exogenous);
                     last.measured.extend_from_slice(&run.measured[3..]);
                 }
-                None => {
-                    let (exogenous, measured) = (run.exogenous.clone(), run.measured.clone());
-                    joined.push((source, Window { exogenous, measured }));
-                }
+                None => joined.push((source, Window::from(run.view()))),
             }
         }
         joined
     }
 }
 
-fn cut(whole: &Window, width: usize, length: Option<usize>) -> Vec<Window> {
+fn cut(whole: &Window, length: Option<usize>) -> Vec<Window> {
     let samples = whole.samples();
     let length = length.unwrap_or(samples);
-    let window = |i: usize| Window {
-        exogenous: whole.exogenous[i * length * width..(i + 1) * length * width].to_vec(),
-        measured: whole.measured[3 * i * length..3 * ((i + 1) * length + 1)].to_vec(),
-    };
+    let window = |i: usize| Window::from(whole.view().part(i * length..(i + 1) * length));
     (0..samples / length.max(1)).map(window).collect()
 }
 
 /// `start..end` in equal pieces of at most `most` samples.
-fn equal(start: usize, end: usize, most: Option<usize>) -> Vec<(usize, usize)> {
+fn equal(start: usize, end: usize, most: Option<usize>) -> Vec<Range<usize>> {
     let length = end - start;
     let count = most.map_or(1, |most| length.div_ceil(most.max(1))).max(1);
-    (0..count).map(|i| (start + i * length / count, start + (i + 1) * length / count)).collect()
+    (0..count).map(|i| start + i * length / count..start + (i + 1) * length / count).collect()
 }

@@ -1,4 +1,6 @@
-use super::{Centring, Regression, Solution};
+use numerics::congruence;
+
+use super::{Centring, Regression, Solution, residuals};
 
 /// Bandwidth by the rule of thumb 4 (N/100)^(2/9): Newey & West, *Review of Economic Studies* 61, 1994.
 pub fn default_bandwidth(samples: usize) -> usize {
@@ -17,28 +19,20 @@ pub fn sandwich(
 ) -> Vec<f64> {
     let p = solution.theta.len();
     let mut middle = vec![0.0; p * p];
+    let (residuals, mut zeta) = (residuals(parts, centring, solution, d), Vec::new());
     let mut samples = 0;
     for (i, part) in parts.iter().enumerate() {
         samples += part.samples;
-        add_part(&mut middle, &scores(part, i, centring, solution, d), p, bandwidth);
+        let mut scores = Vec::with_capacity(part.degrees[d].zeta.len());
+        for (k, residual) in residuals[i].iter().enumerate() {
+            centring.zeta(i, d, part.degrees[d].zeta(k), &mut zeta);
+            scores.extend(zeta.iter().map(|z| z * residual));
+        }
+        add_part(&mut middle, &scores, p, bandwidth);
     }
     let freedom = samples.saturating_sub(p + centring.intercepts()).max(1);
     middle.iter_mut().for_each(|m| *m *= samples as f64 / freedom as f64);
-    between(&solution.gain, &middle, p)
-}
-
-/// g(k) = ζᶜ(k) ε(k): N × p.
-fn scores(part: &Regression, i: usize, centring: &Centring, solution: &Solution, d: usize) -> Vec<f64> {
-    let degree = &part.degrees[d];
-    let intercept = centring.intercept(i, d, &solution.theta);
-    let (mut out, mut zeta) = (Vec::with_capacity(degree.zeta.len()), Vec::new());
-    for (k, target) in degree.target.iter().enumerate() {
-        let predicted: f64 = degree.phi(k).iter().zip(&solution.theta).map(|(f, t)| f * t).sum();
-        let residual = target - predicted - intercept;
-        centring.zeta(i, d, degree.zeta(k), &mut zeta);
-        out.extend(zeta.iter().map(|z| z * residual));
-    }
-    out
+    congruence(p, &solution.gain, &middle)
 }
 
 fn add_part(middle: &mut [f64], scores: &[f64], p: usize, bandwidth: usize) {
@@ -62,13 +56,4 @@ fn add_part(middle: &mut [f64], scores: &[f64], p: usize, bandwidth: usize) {
             }
         }
     }
-}
-
-/// G B Gᵀ.
-fn between(gain: &[f64], middle: &[f64], p: usize) -> Vec<f64> {
-    let product = |a: &dyn Fn(usize, usize) -> f64, b: &dyn Fn(usize, usize) -> f64| -> Vec<f64> {
-        (0..p * p).map(|k| (0..p).map(|l| a(k / p, l) * b(l, k % p)).sum()).collect()
-    };
-    let left = product(&|i, j| gain[i * p + j], &|i, j| middle[i * p + j]);
-    product(&|i, j| left[i * p + j], &|i, j| gain[j * p + i])
 }

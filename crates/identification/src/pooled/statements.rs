@@ -1,4 +1,4 @@
-use super::{COLLINEAR, CrossCorrelation, DegreeTrust, Whiteness, listed};
+use super::{COLLINEAR, DegreeTrust, InstrumentResidual, Whiteness, listed};
 use crate::Estimator;
 
 /// Below this share of a regressor its instruments count as lost.
@@ -15,7 +15,7 @@ fn of_degree(degree: &DegreeTrust) -> Vec<String> {
     if let Some(reason) = &degree.reason {
         return vec![format!("not identifiable: {reason}")];
     }
-    let collinear = (degree.index.is_nan() || degree.index > COLLINEAR)
+    let collinear = (degree.condition_index.is_none_or(|index| index > COLLINEAR))
         .then(|| format!("collinear, use for similar motion only: {}", degree.weakest));
     let whiteness = degree.whiteness.as_ref().filter(|w| w.p_value < UNLIKELY);
     let crossed = degree.instrument_residual.as_ref().filter(|c| c.p_value < UNLIKELY);
@@ -35,11 +35,7 @@ fn weak(degree: &DegreeTrust) -> Option<String> {
     });
     let lost: Vec<String> = lost.collect();
     (!lost.is_empty() && degree.estimator.by_instruments()).then(|| {
-        format!(
-            "{}: weak instruments: the nominal simulation tells of {}",
-            degree.degree.name(),
-            listed(&lost)
-        )
+        format!("{}: weak instruments: the nominal simulation tells of {}", degree.name, listed(&lost))
     })
 }
 
@@ -50,17 +46,16 @@ fn not_white(degree: &DegreeTrust, white: &Whiteness) -> String {
     };
     format!(
         "{}: residuals are not white (neighbours correlate by {:.2}): the standard errors allow for {allowed}",
-        degree.degree.name(),
-        white.first
+        degree.name, white.first_autocorrelation
     )
 }
 
-fn correlated(degree: &DegreeTrust, crossed: &CrossCorrelation) -> String {
+fn correlated(degree: &DegreeTrust, crossed: &InstrumentResidual) -> String {
     format!(
         "{}: residuals correlate by {:.2} with `{}` {} sample{} {}: the model lacks some motion",
-        degree.degree.name(),
-        crossed.correlation,
-        degree.parameters[crossed.instrument].term,
+        degree.name,
+        crossed.strongest,
+        crossed.instrument,
         crossed.lag.abs(),
         if crossed.lag.abs() == 1 { "" } else { "s" },
         if crossed.lag > 0 { "before" } else { "after" }

@@ -1,13 +1,15 @@
 use rayon::prelude::*;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 use vessel::{DegreeOfFreedom, Streams};
 
 use super::{
-    Bootstrap, Centring, CrossCorrelation, Diagnosis, Errors, Estimated, Options, Part, Pool, PooledRuns,
-    Regression, Resampled, Solution, Whiteness, Window, Windows, bootstrap, cross_correlation,
+    Bootstrap, Centring, CrossCorrelation, Diagnosis, Estimated, FreeRunErrors, Options, Part, Pool,
+    PooledRuns, Regression, Score, Solution, Status, Whiteness, Window, bootstrap, cross_correlation,
     default_bandwidth, deviations, diagnose, redraw, residuals, sandwich, strength, unidentified, weakest,
     whiteness,
 };
-use crate::{Estimator, Sums};
+use crate::{EstimateStatus, Estimator, Sums};
 
 /// How an estimate is judged.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -21,29 +23,32 @@ pub struct Judgement {
 }
 
 /// How far the estimate of one degree of freedom can be trusted.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
 pub struct DegreeTrust {
-    /// Surge, sway or yaw.
-    pub degree: DegreeOfFreedom,
-    /// Why it is not identifiable, in words.
+    /// `surge`, `sway` or `yaw`.
+    pub name: String,
+    /// Whether there is an estimate.
+    pub status: EstimateStatus,
+    /// Why it is not identifiable.
     pub reason: Option<String>,
     /// What the estimate was made with: `auto` takes one for each degree of freedom.
     pub estimator: Estimator,
-    /// See [`Diagnosis::condition`].
-    pub condition: f64,
-    /// See [`Diagnosis::index`].
-    pub index: f64,
-    /// The direction that the data tell least about, in words.
+    /// Condition number of the correlations between instruments and regressors; null where singular.
+    pub condition: Option<f64>,
+    /// Condition index of instruments and regressors with the intercept; from 30 on collinear. Null where singular.
+    pub condition_index: Option<f64>,
+    /// The direction that the data tell least about.
     pub weakest: String,
     /// Its parameters.
     pub parameters: Vec<ParameterTrust>,
-    /// Correlations between the estimates: p × p, row-major.
+    /// Correlations between the estimates: row-major, as many rows as parameters.
     pub correlation: Option<Vec<f64>>,
-    /// Whether the residuals are white.
+    /// Whether the residuals are white: Ljung and Box.
     pub whiteness: Option<Whiteness>,
     /// The largest correlation of residuals with instruments at other times.
-    pub instrument_residual: Option<CrossCorrelation>,
-    /// How well the instruments follow the measured state: 100 (1 − RMSE/std) \[%\].
+    pub instrument_residual: Option<InstrumentResidual>,
+    /// How well the instruments follow the measured state: 100 (1 − RMSE/std) over the sub-experiments.
     pub instrument_fit: Option<f64>,
 }
 
@@ -60,9 +65,10 @@ impl DegreeTrust {
 }
 
 /// How far the estimate of one parameter can be trusted.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
 pub struct ParameterTrust {
-    /// Its name.
+    /// Name as in `vessel.toml`.
     pub name: String,
     /// Its term.
     pub term: String,
@@ -70,29 +76,46 @@ pub struct ParameterTrust {
     pub unit: String,
     /// The estimate.
     pub estimate: Option<f64>,
-    /// Its standard error: sandwich with autocorrelation; of output error with any correlation within a part.
+    /// Its standard error: sandwich with autocorrelation; of `output-error` with any correlation within a sub-experiment.
     pub standard_error: Option<f64>,
-    /// Over the resamples of the bootstrap.
-    pub resampled: Option<Resampled>,
-    /// See [`Diagnosis::variation`].
+    /// Its standard deviation over the resamples.
+    pub bootstrap_std: Option<f64>,
+    /// 2.5 % of the resamples are below.
+    pub bootstrap_low: Option<f64>,
+    /// 2.5 % are above.
+    pub bootstrap_high: Option<f64>,
+    /// Size of the term without its mean over its size: 0 for a constant.
     pub variation: f64,
-    /// Shea's partial R² of the instruments.
+    /// Shea's partial R² of the instruments: 1 least squares, near 0 instruments that have lost the motion.
     pub instrument_strength: Option<f64>,
 }
 
-/// Free simulation of a model over the windows of one run or recording.
-#[derive(Clone, Debug, PartialEq)]
+/// A correlation of residuals with an instrument.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct InstrumentResidual {
+    /// The instrument's term.
+    pub instrument: String,
+    /// Samples by which the instrument comes earlier; below 0 later.
+    pub lag: i64,
+    /// The correlation.
+    pub strongest: f64,
+    /// Probability of a larger one, of all lags and instruments tried, under independence.
+    pub p_value: f64,
+}
+
+/// Free simulation over one run or recording.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
 pub struct SourceErrors {
     /// Its name.
     pub source: String,
-    /// Windows of it.
-    pub windows: usize,
-    /// Their samples.
+    /// Samples simulated.
     pub samples: u64,
-    /// Windows in which the simulation diverged.
+    /// Simulations that diverged.
     pub diverged: u64,
-    /// Errors against the standard deviations of its own states; absent where a simulation diverged or there is no model.
-    pub errors: Option<Errors>,
+    /// Root mean square errors and fits; null where a simulation diverged or there is no model.
+    pub errors: Option<FreeRunErrors>,
 }
 
 /// What the trust in an estimate is judged from.
@@ -177,13 +200,24 @@ impl Judge<'_> {
         let model = &self.pool.vessel.model.degrees[d as usize];
         let covariance = fit.solution.as_ref().map(|s| self.covariance(d as usize, degree, s));
         let tests = fit.solution.as_ref().map(|solution| self.tests(d as usize, degree, solution));
-        let (whiteness, instrument_residual) = tests.map_or((None, None), |(w, c)| (Some(w), c));
+        let (whiteness, crossed) = tests.map_or((None, None), |(w, c)| (Some(w), c));
+        let instrument_residual = crossed.map(|c| InstrumentResidual {
+            instrument: model.terms[c.instrument].text.clone(),
+            lag: c.lag,
+            strongest: c.correlation,
+            p_value: c.p_value,
+        });
+        let finite = |x: f64| Some(x).filter(|x| x.is_finite());
         DegreeTrust {
-            degree: d,
+            name: d.name().to_owned(),
+            status: match fit.status {
+                Status::Identified => EstimateStatus::Identified,
+                _ => EstimateStatus::NotIdentifiable,
+            },
             reason: unidentified(d, model, &fit.status, &self.pool.constant),
             estimator: self.found.used[d as usize],
-            condition: degree.diagnosis.condition,
-            index: degree.diagnosis.index,
+            condition: finite(degree.diagnosis.condition),
+            condition_index: finite(degree.diagnosis.index),
             weakest: weakest(d, model, &degree.diagnosis, &self.pool.constant),
             parameters: self.parameters(d, degree, fit.solution.as_ref(), covariance.as_deref()),
             correlation: covariance.as_deref().and_then(|c| correlation(c, model.terms.len())),
@@ -224,13 +258,16 @@ impl Judge<'_> {
         let first: usize = whole.degrees[..d as usize].iter().map(|m| m.terms.len()).sum();
         let units = whole.parameter_units();
         let strength = strength(&degree.data, &degree.centring, d as usize);
+        let resampled = |i: usize| degree.bootstrap.as_ref().map(|b| b.parameters[i]);
         let parameter = |i: usize| ParameterTrust {
             name: model.parameters[i].clone(),
             term: model.terms[i].text.clone(),
             unit: units[first + i].clone(),
             estimate: solution.map(|s| s.theta[i]),
             standard_error: covariance.map(|c| c[i * p + i].max(0.0).sqrt()),
-            resampled: degree.bootstrap.as_ref().map(|b| b.parameters[i]),
+            bootstrap_std: resampled(i).map(|r| r.std),
+            bootstrap_low: resampled(i).map(|r| r.low),
+            bootstrap_high: resampled(i).map(|r| r.high),
             variation: degree.diagnosis.variation[i],
             instrument_strength: strength.as_ref().map(|s| s[i]),
         };
@@ -246,20 +283,20 @@ impl Judge<'_> {
     /// Free simulation over every source.
     pub(super) fn sources(&self, runs: &PooledRuns) -> Vec<SourceErrors> {
         let model = self.found.parameters(&self.pool.model);
-        let windows = runs.windows(self.pool.vessel, None);
+        let windows = runs.windows(None);
         let source = |(source, windows)| self.source(source, windows, model.as_deref());
         windows.into_iter().map(source).collect()
     }
 
     fn source(&self, source: String, windows: Vec<Window>, model: Option<&[f64]>) -> SourceErrors {
         let std = deviations(windows.iter().map(|w| w.measured.as_slice()));
-        let score = model.map(|model| Windows::new(&self.pool.model, &windows).score(model));
+        let views = || windows.iter().map(Window::view);
+        let score = model.map(|model| Score::of(&self.pool.model, model, views()));
         SourceErrors {
             source,
-            windows: windows.len(),
             samples: windows.iter().map(|w| w.samples() as u64).sum(),
             diverged: score.map_or(0, |score| score.diverged),
-            errors: score.and_then(|score| Errors::of(&score, std)),
+            errors: score.and_then(|score| score.errors(std)),
         }
     }
 }

@@ -1,5 +1,7 @@
 use numerics::statistics::spread;
-use vessel::{LANES, Lane, Model};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use vessel::{Lane, Model, RunView};
 
 use crate::{FreeRun, free_runs};
 
@@ -13,54 +15,20 @@ pub struct Window {
 }
 
 impl Window {
+    /// What was measured.
+    pub fn view(&self) -> RunView<'_> {
+        RunView::measured(&self.measured, &self.exogenous)
+    }
+
     /// Number of samples N that are compared.
     pub fn samples(&self) -> usize {
-        self.measured.len() / 3 - 1
+        self.view().samples()
     }
 }
 
-/// Windows, ready to be simulated by [`LANES`] models at a time.
-#[derive(Clone, Debug)]
-pub struct Windows {
-    model: Model,
-    windows: Vec<Window>,
-}
-
-impl Windows {
-    /// For parameters of `model`.
-    pub fn new(model: &Model, windows: &[Window]) -> Self {
-        Self { model: model.clone(), windows: windows.to_vec() }
-    }
-
-    /// Simulates up to [`LANES`] models (one lane per parameter) over window `i`.
-    pub fn run(&self, models: &[Lane], i: usize) -> [FreeRun; LANES] {
-        let Window { exogenous, measured } = &self.windows[i];
-        free_runs(&self.model, models, exogenous, measured)
-    }
-
-    /// Simulates one model over all windows.
-    pub fn score(&self, model: &[f64]) -> Score {
-        let lanes: Vec<Lane> = model.iter().copied().map(Lane::splat).collect();
-        let mut score = Score::default();
-        for i in 0..self.len() {
-            score.add(self.run(&lanes, i)[0], self.samples(i));
-        }
-        score
-    }
-
-    /// Number of windows.
-    pub fn len(&self) -> usize {
-        self.windows.len()
-    }
-
-    /// Whether there is none.
-    pub fn is_empty(&self) -> bool {
-        self.windows.is_empty()
-    }
-
-    /// Samples of window `i`.
-    pub fn samples(&self, i: usize) -> usize {
-        self.windows[i].samples()
+impl From<RunView<'_>> for Window {
+    fn from(view: RunView) -> Self {
+        Self { exogenous: view.exogenous.to_vec(), measured: view.measured.to_vec() }
     }
 }
 
@@ -76,6 +44,17 @@ pub struct Score {
 }
 
 impl Score {
+    /// Simulates `model` with `parameters` over all `windows`.
+    pub fn of<'a>(model: &Model, parameters: &[f64], windows: impl Iterator<Item = RunView<'a>>) -> Self {
+        let lanes: Vec<Lane> = parameters.iter().copied().map(Lane::splat).collect();
+        let mut score = Self::default();
+        for window in windows {
+            let [first, ..] = free_runs(model, &lanes, window.exogenous, window.measured);
+            score.add(first, window.samples());
+        }
+        score
+    }
+
     /// Adds a window of `samples` samples.
     pub fn add(&mut self, found: FreeRun, samples: usize) {
         match found {
@@ -100,32 +79,45 @@ impl Score {
         let whole = self.diverged == 0 && self.samples > 0;
         whole.then(|| self.squares.map(|s| (s / self.samples as f64).sqrt()))
     }
-}
 
-/// Errors of free simulations beside the standard deviations of what was measured.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Errors {
-    /// Root mean square errors in u, v \[m/s\], r \[rad/s\].
-    pub rmse: [f64; 3],
-    /// Standard deviations of the measured states, see [`deviations`].
-    pub std: [f64; 3],
-}
-
-impl Errors {
-    /// Of a [`Score`] without divergence, against `std`.
-    pub fn of(score: &Score, std: [f64; 3]) -> Option<Self> {
-        score.rmse().map(|rmse| Self { rmse, std })
+    /// Errors against the standard deviations `std` of the measured states (see [`deviations`]); `None` as [`Score::rmse`].
+    pub fn errors(&self, std: [f64; 3]) -> Option<FreeRunErrors> {
+        let rmse = self.rmse()?;
+        let fit = |d: usize| (std[d] > 0.0).then(|| 100.0 * (1.0 - rmse[d] / std[d]));
+        let ([rmse_u, rmse_v, rmse_r], [fit_u, fit_v, fit_r]) = (rmse, [0, 1, 2].map(fit));
+        Some(FreeRunErrors { rmse_u, rmse_v, rmse_r, fit_u, fit_v, fit_r })
     }
 
-    /// 100 (1 − RMSE/std): 0 is as good as the mean of the data \[%\]. `None` for a state that does not vary.
-    pub fn fits(&self) -> [Option<f64>; 3] {
-        [0, 1, 2].map(|d: usize| (self.std[d] > 0.0).then(|| 100.0 * (1.0 - self.rmse[d] / self.std[d])))
-    }
-
-    /// The 2-norm of RMSE/std; `None` where a state does not vary.
-    pub fn norm(&self) -> Option<f64> {
-        let norm = (0..3).map(|d| (self.rmse[d] / self.std[d]).powi(2)).sum::<f64>().sqrt();
+    /// The 2-norm of RMSE/std; `None` as [`Score::rmse`], and where a state does not vary.
+    pub fn norm(&self, std: [f64; 3]) -> Option<f64> {
+        let rmse = self.rmse()?;
+        let norm = (0..3).map(|d| (rmse[d] / std[d]).powi(2)).sum::<f64>().sqrt();
         norm.is_finite().then_some(norm)
+    }
+}
+
+/// Errors of free simulations. Fit: 100 (1 − RMSE/std), 0 as good as the mean of the data.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct FreeRunErrors {
+    /// Of surge speed.
+    pub rmse_u: f64,
+    /// Of sway speed.
+    pub rmse_v: f64,
+    /// Of yaw rate.
+    pub rmse_r: f64,
+    /// Of surge speed; null where it does not vary.
+    pub fit_u: Option<f64>,
+    /// Of sway speed.
+    pub fit_v: Option<f64>,
+    /// Of yaw rate.
+    pub fit_r: Option<f64>,
+}
+
+impl FreeRunErrors {
+    /// Fits of u, v, r.
+    pub fn fits(&self) -> [Option<f64>; 3] {
+        [self.fit_u, self.fit_v, self.fit_r]
     }
 }
 

@@ -224,8 +224,7 @@ impl Progress {
         match scaled_inverse(&normal, gradient.len()) {
             Err(unknown) => self.ended = Some(Ended::Singular(unknown)),
             Ok(inverse) => {
-                let p = gradient.len();
-                let square: f64 = (0..p * p).map(|k| gradient[k / p] * inverse[k] * gradient[k % p]).sum();
+                let square = numerics::quadratic(&gradient, &inverse);
                 self.decrement = (square.max(0.0) / weighting.variance(&self.linear)).sqrt();
                 if self.decrement < ENOUGH || square == 0.0 {
                     self.ended = Some(Ended::Converged);
@@ -245,9 +244,7 @@ pub(crate) fn scaled_inverse(normal: &[f64], p: usize) -> Result<Vec<f64>, usize
     let mut inverse = vec![0.0; p * p];
     let regular = numerics::inverse(p, &mut scaled.clone(), &mut inverse).is_some();
     if !regular || numerics::one_norm(p, &inverse) * numerics::one_norm(p, &scaled) > SINGULAR {
-        let direction = numerics::weakest(p, &scaled).map(|w| w.direction);
-        let largest = |d: &Vec<f64>| (0..p).max_by(|i, j| d[*i].abs().total_cmp(&d[*j].abs()));
-        return Err(direction.as_ref().and_then(largest).unwrap_or(0));
+        return Err(numerics::weakest(p, &scaled).map_or(0, |weakest| weakest.dominant(p)));
     }
     (0..p * p).for_each(|k| inverse[k] /= sizes[k / p] * sizes[k % p]);
     Ok(inverse)

@@ -272,11 +272,8 @@ impl<'a> Simulations<'a> {
                 let (measured, _) = minimum.linear.weighted(noise);
                 middle.iter_mut().zip(measured).for_each(|(all, own)| *all += own);
             }
-            let variance = |i: usize| {
-                let row = &inverse[i * p..(i + 1) * p];
-                (0..p * p).map(|k| row[k / p] * middle[k] * row[k % p]).sum::<f64>()
-            };
-            let errors: Vec<f64> = (0..p).map(|i| variance(i).max(0.0).sqrt()).collect();
+            let error = |row: &[f64]| numerics::quadratic(row, &middle).max(0.0).sqrt();
+            let errors: Vec<f64> = inverse.chunks_exact(p).map(error).collect();
             errors.iter().all(|e| e.is_finite()).then_some(errors)
         };
         found.iter().enumerate().map(errors).collect()

@@ -4,6 +4,8 @@
 
 use std::collections::VecDeque;
 
+use numerics::dot;
+
 /// What is minimised.
 pub(super) trait Objective {
     /// What a value leaves for the gradient.
@@ -103,10 +105,6 @@ fn direction(gradient: &[f64], free: &[bool], memory: &VecDeque<(Vec<f64>, Vec<f
         q.iter_mut().zip(s).for_each(|(q, s)| *q += (part - back) * s);
     }
     q.iter().map(|q| -q).collect()
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 #[cfg(test)]

@@ -6,6 +6,7 @@
 //!
 //! S, λ, κ and Λ are columns of lanes, parameters beside each other.
 
+use numerics::product;
 use vessel::{LANES, Lane, Model};
 
 use super::criterion::{Forward, TraceCriterion};
@@ -247,8 +248,4 @@ impl Back<'_> {
         }
         h.map(|row| row.map(|entry| entry.0.iter().sum()))
     }
-}
-
-fn product(n: usize, a: &[f64], b: &[f64]) -> Vec<f64> {
-    (0..n * n).map(|e| (0..n).map(|k| a[e / n * n + k] * b[k * n + e % n]).sum()).collect()
 }

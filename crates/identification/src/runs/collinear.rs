@@ -25,7 +25,7 @@ pub(super) fn collinear_run(vessel: &Vessel, run: &Run, removal: MeanRemoval) ->
         return None;
     }
     let label = &run.segments.first()?.maneuver;
-    let mut parts = [Part::new(label, "", run.exogenous.clone(), run.measured.clone())];
+    let mut parts = [Part::new(label, "", run.view())];
     Part::instrument(&mut parts, &vessel.model, &vessel.nominal).ok()?;
     let sums = Regression::of(&vessel.model, &parts[0]).sums();
     let mut found: Option<CollinearRun> = None;
@@ -45,45 +45,4 @@ pub(super) fn collinear_run(vessel: &Vessel, run: &Run, removal: MeanRemoval) ->
         }
     }
     found
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use vessel::Segment;
-
-    /// A zig-zag of the tanker, `thrust(k)` its thrust.
-    fn zig_zag(vessel: &Vessel, design: &str, thrust: impl Fn(usize) -> f64) -> Run {
-        let rudder = |k: usize| if (k / 25).is_multiple_of(2) { 0.35 } else { -0.35 };
-        let exogenous: Vec<f64> = (0..400).flat_map(|k| [thrust(k), rudder(k)]).collect();
-        let initial = [1.0, 0.0, 0.0];
-        Run {
-            design: design.to_owned(),
-            run: 0,
-            segments: vec![Segment { maneuver: "zig-zag".to_owned(), start: 0 }],
-            measured: vessel::simulate_one(&vessel.model, &vessel.nominal, initial, &exogenous),
-            exogenous,
-            initial,
-        }
-    }
-
-    #[test]
-    fn a_measured_run_at_steady_thrust_is_not_answered_and_a_simulated_one_is() {
-        let file = include_str!("../../../../pipelines/kvlcc2/vessel.toml");
-        let vessel = Vessel::from_file(toml::from_str(file).unwrap()).unwrap();
-        let judged = |design: &str, thrust: &dyn Fn(usize) -> f64| {
-            collinear_run(&vessel, &zig_zag(&vessel, design, thrust), MeanRemoval::Complete)
-        };
-        let steady = |k: usize| 45.0 + (k as f64 / 9.0).sin();
-        let found = judged("measured", &steady).unwrap();
-        assert_eq!(
-            (found.degree, vessel.model.degrees[0].parameters[found.parameter].as_str()),
-            (0, "X_thrust")
-        );
-        assert!(found.words.starts_with("surge: `thrust` (hardly varies, by 1.6 %)"), "{}", found.words);
-        assert!(found.words.contains("cannot be told from the intercept"), "{}", found.words);
-        assert_eq!(judged("random", &steady), None);
-        let found = judged("measured", &|k| if (k / 60).is_multiple_of(3) { 5.0 } else { 60.0 });
-        assert!(found.is_none_or(|found| !found.words.contains("`thrust` (hardly")));
-    }
 }

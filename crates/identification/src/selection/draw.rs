@@ -4,6 +4,8 @@ use vessel::Streams;
 
 /// What is drawn for a realization.
 pub(super) struct Draw {
+    /// `optimized` or `random`.
+    pub design: &'static str,
     streams: Streams,
     /// Per maneuver that is picked: the parts there are, and how many.
     groups: Vec<(Vec<usize>, usize)>,
@@ -16,15 +18,16 @@ impl Draw {
             let own = (0..labels.len()).filter(|i| labels[*i] == name).collect();
             (own, *count as usize)
         };
-        Self {
-            streams: Streams::new(seed, "selection optimized"),
-            groups: counts.iter().map(group).collect(),
-        }
+        Self::new(seed, "optimized", counts.iter().map(group).collect())
     }
 
     /// `picks` of all `parts`.
     pub(super) fn at_random(seed: u64, parts: usize, picks: usize) -> Self {
-        Self { streams: Streams::new(seed, "selection random"), groups: vec![((0..parts).collect(), picks)] }
+        Self::new(seed, "random", vec![((0..parts).collect(), picks)])
+    }
+
+    fn new(seed: u64, design: &'static str, groups: Vec<(Vec<usize>, usize)>) -> Self {
+        Self { design, streams: Streams::new(seed, &format!("selection {design}")), groups }
     }
 
     /// The parts of a realization, ascending, none twice. Depends on the seed and the realization's number alone.

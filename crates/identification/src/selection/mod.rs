@@ -4,8 +4,10 @@ mod counts;
 mod draw;
 mod prepared;
 mod realize;
+mod scores;
 mod select;
 
 pub use counts::{apportioned, available};
 pub use realize::Realization;
-pub use select::{DEGENERATE, Selected, Selection, SelectionOptions, select};
+pub use scores::{PublishedLimits, SelectionErrors, SelectionScores, SharesBeyond};
+pub use select::{DEGENERATE, Selection, SelectionOptions, select};

@@ -22,7 +22,7 @@ impl Prepared {
     /// # Errors
     /// The nominal simulation diverges, and the estimator cannot do without it.
     pub(super) fn new(pool: &Pool, runs: &PooledRuns, estimator: Estimator) -> Result<Self, LostInstruments> {
-        let pieces = runs.segments(pool.vessel, pool.part_samples);
+        let pieces = runs.segments(pool.part_samples);
         let counts: Vec<usize> = pieces.iter().map(Vec::len).collect();
         let mut parts = pieces.concat();
         let ls = merged(pool.regressions(&parts), &counts);
@@ -48,13 +48,14 @@ impl Prepared {
 
 /// Instruments start anew with every piece; a part's sums are those of its pieces.
 fn merged(pieces: Vec<Regression>, counts: &[usize]) -> Vec<Sums> {
-    let mut all = pieces.iter().map(Regression::sums);
-    let merged = |count: &usize| {
-        let mut whole = Sums::default();
-        all.by_ref().take(*count).for_each(|sums| whole.merge(&sums));
-        whole
+    let all: Vec<Sums> = pieces.iter().map(Regression::sums).collect();
+    let mut rest = all.as_slice();
+    let mut merged = |count: &usize| {
+        let own;
+        (own, rest) = rest.split_at(*count);
+        Sums::total(own)
     };
-    counts.iter().map(merged).collect()
+    counts.iter().map(&mut merged).collect()
 }
 
 /// The term that its instrument tells least of, with Shea's partial R².

@@ -1,23 +1,30 @@
+use vessel::RunView;
 use vessel::lanes::interleave;
 
 use super::draw::Draw;
 use super::prepared::Prepared;
-use crate::pooled::{Errors, Options, Pool, Score, Solution, Windows, fit};
-use crate::{Estimator, ScoreStatus, Sums};
+use crate::pooled::{Options, Pool, Score, Solution, fit, joined};
+use crate::{Estimator, ScoreStatus, Sums, free_runs};
 
 /// One realization: what was picked, and what its model is worth.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Realization {
+    /// `optimized` or `random`.
+    pub design: String,
     /// Its number.
-    pub number: u32,
-    /// Places of the parts, ascending.
-    pub picked: Vec<usize>,
+    pub number: i32,
+    /// Places of the parts, ascending: `3 17 40`.
+    pub picked: String,
     /// What became of its model over all parts.
     pub status: ScoreStatus,
-    /// Free simulation over all parts; `None` without a model and where one diverged.
-    pub overlapping: Option<Errors>,
-    /// Over those that were not picked.
-    pub left_out: Option<Errors>,
+    /// Free simulation over all parts: RMSE of u, v, r; absent without a model and where one diverged.
+    pub rmse: Option<[f64; 3]>,
+    /// Norm of RMSE/std.
+    pub error_norm: Option<f64>,
+    /// RMSE over the parts that were not picked.
+    pub left_out_rmse: Option<[f64; 3]>,
+    /// Norm of RMSE/std over them.
+    pub left_out_norm: Option<f64>,
 }
 
 /// Makes realizations from sums per part.
@@ -29,7 +36,7 @@ pub(super) struct Realizer<'a> {
     /// Sums per part.
     pub prepared: &'a Prepared,
     /// All parts, to simulate over.
-    pub windows: &'a Windows,
+    pub parts: &'a [RunView<'a>],
     /// Standard deviations of u, v, r over them.
     pub std: [f64; 3],
 }
@@ -40,18 +47,27 @@ impl Realizer<'_> {
         let picked: Vec<Vec<usize>> = (0..count as u32).map(|i| draw.realization(first + i)).collect();
         let models: Vec<Option<Vec<f64>>> = picked.iter().map(|own| self.model(own)).collect();
         let scores = self.scores(&picked, &models);
-        let each = picked.into_iter().zip(&models).zip(scores).zip(first..);
-        each.map(|(((picked, model), [all, rest]), number)| {
-            let errors = |score: &Score| model.as_ref().and_then(|_| Errors::of(score, self.std));
-            let overlapping = errors(&all);
-            let status = match (model, overlapping) {
-                (None, _) => ScoreStatus::NotIdentifiable,
-                (Some(_), None) => ScoreStatus::Diverged,
-                (Some(_), Some(_)) => ScoreStatus::Scored,
-            };
-            Realization { number, picked, status, overlapping, left_out: errors(&rest) }
-        })
-        .collect()
+        let realization = |i: usize| {
+            let score = |which: usize| models[i].as_ref().map(|_| &scores[i][which]);
+            let [rmse, left_out_rmse] = [0, 1].map(|which| score(which).and_then(Score::rmse));
+            let [error_norm, left_out_norm] =
+                [0, 1].map(|which| score(which).and_then(|score| score.norm(self.std)));
+            Realization {
+                design: draw.design.to_owned(),
+                number: (first as usize + i) as i32,
+                picked: picked[i].iter().map(usize::to_string).collect::<Vec<_>>().join(" "),
+                status: match (&models[i], rmse) {
+                    (None, _) => ScoreStatus::NotIdentifiable,
+                    (Some(_), None) => ScoreStatus::Diverged,
+                    (Some(_), Some(_)) => ScoreStatus::Scored,
+                },
+                rmse,
+                error_norm,
+                left_out_rmse,
+                left_out_norm,
+            }
+        };
+        (0..count).map(realization).collect()
     }
 
     /// Scores over all parts and over those not `picked`, the models side by side.
@@ -59,12 +75,12 @@ impl Realizer<'_> {
         let zero = vec![0.0; self.pool.model.parameters()];
         let lanes = interleave(&models.iter().map(|m| m.as_deref().unwrap_or(&zero)).collect::<Vec<_>>());
         let mut scores = vec![[Score::default(); 2]; picked.len()];
-        for part in 0..self.windows.len() {
-            let found = self.windows.run(&lanes, part);
+        for (place, part) in self.parts.iter().enumerate() {
+            let found = free_runs(&self.pool.model, &lanes, part.exogenous, part.measured);
             for (lane, own) in picked.iter().enumerate() {
-                scores[lane][0].add(found[lane], self.windows.samples(part));
-                if own.binary_search(&part).is_err() {
-                    scores[lane][1].add(found[lane], self.windows.samples(part));
+                scores[lane][0].add(found[lane], part.samples());
+                if own.binary_search(&place).is_err() {
+                    scores[lane][1].add(found[lane], part.samples());
                 }
             }
         }
@@ -73,11 +89,8 @@ impl Realizer<'_> {
 
     /// The parameters of the model from parts `picked`, intercepts among them.
     fn model(&self, picked: &[usize]) -> Option<Vec<f64>> {
-        let solutions = self.solutions(picked);
-        let intercepts = solutions.each_ref().map(|s| s.as_ref().map_or(0.0, |s| s.intercept));
-        let theta: Option<Vec<Vec<f64>>> =
-            solutions.into_iter().map(|solution| solution.map(|s| s.theta)).collect();
-        Some(self.pool.model.layout().woven(&theta?.concat(), intercepts))
+        let (theta, intercepts) = joined(self.solutions(picked).each_ref().map(Option::as_ref))?;
+        Some(self.pool.model.layout().woven(&theta, intercepts))
     }
 
     /// Collinear picks are answered (by `auto` with least squares): what comes of them is what the study shows.

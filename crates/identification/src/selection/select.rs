@@ -1,21 +1,21 @@
 use std::collections::BTreeMap;
 
-use numerics::statistics::{quantile, sorted};
 use rayon::prelude::*;
-use vessel::LANES;
+use vessel::{LANES, RunView};
 
 use super::counts::available;
 use super::draw::Draw;
 use super::prepared::Prepared;
 use super::realize::{Realization, Realizer};
+use super::scores::{PublishedLimits, SelectionScores};
 use crate::Estimator;
-use crate::pooled::{Errors, LostInstruments, Part, Pool, PooledRuns, Window, Windows, deviations};
+use crate::pooled::{LostInstruments, Part, Pool, PooledRuns, deviations};
 
 /// Norm of RMSE/std, √3, from which a model is degenerate: no better than the mean of the data.
 pub const DEGENERATE: f64 = 1.732_050_807_568_877_2;
 
 /// What is picked, how often, and by whom.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct SelectionOptions {
     /// The estimator: `ls`, `iv` or `auto`.
     pub estimator: Estimator,
@@ -25,6 +25,8 @@ pub struct SelectionOptions {
     pub realizations: u32,
     /// Seed of the picks.
     pub seed: u64,
+    /// Where the figures of a published study end.
+    pub published_limits: Option<PublishedLimits>,
 }
 
 /// Models from picked sub-experiments.
@@ -43,36 +45,13 @@ pub struct Selection {
     /// How well the instruments follow the measured u, v, r: 100 (1 − RMSE/std) \[%\].
     pub instrument_fit: Option<[f64; 3]>,
     /// Picked as the design says, and at random.
-    pub designs: [Selected; 2],
+    pub designs: [SelectionScores; 2],
+    /// Those of both, in order.
+    pub realizations: Vec<Realization>,
     /// 90 % quantile of the optimized error norm over that of the random one; none where either is infinite.
     pub ratio_q90: Option<f64>,
     /// The result, and what went wrong, in words.
     pub statements: Vec<String>,
-}
-
-/// The realizations of one design.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Selected {
-    /// `optimized` or `random`.
-    pub design: &'static str,
-    /// In order.
-    pub realizations: Vec<Realization>,
-}
-
-impl Selected {
-    /// Share of the realizations without a model, or with a degenerate one.
-    fn degenerate_share(&self) -> f64 {
-        let degenerate = |r: &&Realization| norm(r).is_none_or(|norm| norm >= DEGENERATE);
-        self.realizations.iter().filter(degenerate).count() as f64 / self.realizations.len().max(1) as f64
-    }
-
-    fn q90(&self) -> Option<f64> {
-        quantile(&sorted(self.realizations.iter().map(norm)), 0.9)
-    }
-}
-
-fn norm(realization: &Realization) -> Option<f64> {
-    realization.overlapping.as_ref().and_then(Errors::norm)
 }
 
 /// Picks, estimates, simulates. `done` is called with the number of realizations that are done.
@@ -86,29 +65,30 @@ pub fn select(
     done: &(dyn Fn(usize) + Sync),
 ) -> Result<Selection, LostInstruments> {
     let prepared = Prepared::new(pool, runs, options.estimator)?;
-    let parts: Vec<Part> = runs.segments(pool.vessel, None).concat();
+    let parts: Vec<Part> = runs.segments(None).concat();
     let std = deviations(parts.iter().map(|p| p.measured.as_slice()));
-    let windows = Windows::new(&pool.model, &parts.iter().map(window).collect::<Vec<_>>());
-    let realizer =
-        Realizer { pool, estimator: options.estimator, prepared: &prepared, windows: &windows, std };
+    let views: Vec<RunView> = parts.iter().map(Part::view).collect();
+    let realizer = Realizer { pool, estimator: options.estimator, prepared: &prepared, parts: &views, std };
     let labels: Vec<&str> = parts.iter().map(|p| p.label.as_str()).collect();
     let picks = options.counts.values().sum::<u64>();
     let draws = [
-        ("optimized", Draw::by_design(options.seed, &labels, &options.counts)),
-        ("random", Draw::at_random(options.seed, parts.len(), picks as usize)),
+        Draw::by_design(options.seed, &labels, &options.counts),
+        Draw::at_random(options.seed, parts.len(), picks as usize),
     ];
-    let designs = draws.map(|(design, draw)| {
+    let realizations = draws.each_ref().map(|draw| {
         let chunk = |i: usize| {
             let first = i * LANES;
             let count = LANES.min(options.realizations as usize - first);
-            let found = realizer.chunk(&draw, first as u32, count);
+            let found = realizer.chunk(draw, first as u32, count);
             done(count);
             found
         };
         let chunks = (options.realizations as usize).div_ceil(LANES);
         let realizations: Vec<Vec<Realization>> = (0..chunks).into_par_iter().map(chunk).collect();
-        Selected { design, realizations: realizations.concat() }
+        realizations.concat()
     });
+    let designs =
+        [0, 1].map(|i| SelectionScores::new(draws[i].design, &realizations[i], options.published_limits));
     let mut statements = vec![conclusion(&designs)];
     statements.extend(prepared.warnings);
     Ok(Selection {
@@ -118,19 +98,20 @@ pub fn select(
         samples: parts.iter().map(|p| p.samples() as u64).sum(),
         std,
         instrument_fit: prepared.instrument_fit,
-        ratio_q90: designs[0].q90().zip(designs[1].q90()).map(|(optimized, random)| optimized / random),
+        ratio_q90: q90(&designs[0]).zip(q90(&designs[1])).map(|(optimized, random)| optimized / random),
         designs,
+        realizations: realizations.concat(),
         statements,
     })
 }
 
-fn window(part: &Part) -> Window {
-    Window { exogenous: part.exogenous.clone(), measured: part.measured.clone() }
+fn q90(scores: &SelectionScores) -> Option<f64> {
+    scores.overlapping.error_norm.q90
 }
 
-fn conclusion([optimized, random]: &[Selected; 2]) -> String {
-    let told = |selected: &Selected| selected.q90().map_or("infinite".to_owned(), |q| format!("{q:.2}"));
-    let share = |selected: &Selected| 100.0 * selected.degenerate_share();
+fn conclusion([optimized, random]: &[SelectionScores; 2]) -> String {
+    let told = |scores: &SelectionScores| q90(scores).map_or("infinite".to_owned(), |q| format!("{q:.2}"));
+    let share = |scores: &SelectionScores| 100.0 * scores.degenerate_share;
     format!(
         "90 % quantile of the error norm: optimized {}, random {}; degenerate: optimized {:.1} %, random {:.1} %",
         told(optimized),

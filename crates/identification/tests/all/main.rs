@@ -1,5 +1,7 @@
 //! What must hold of estimates, and what independent computations found.
 
+mod apportioned;
+mod collinear;
 mod laws;
 mod names;
 mod oracle;
@@ -9,7 +11,10 @@ mod output_information;
 mod pooled_laws;
 mod pooled_oracle;
 mod predicted_errors;
+mod quantiles;
+mod recommendation;
 mod refine_laws;
+mod repeated;
 mod scalar_example;
 mod standard_errors;
 mod support;

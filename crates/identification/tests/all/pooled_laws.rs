@@ -6,7 +6,7 @@ use identification::pooled::{
     COLLINEAR, Centring, Options, Part, Prior, Regression, Status, bootstrap, fit, output_error, sandwich,
 };
 use identification::{MeanRemoval, Sums};
-use vessel::{Streams, Vessel, simulate_one};
+use vessel::{RunView, Streams, Vessel, simulate_one};
 
 const TRUTH: [f64; 8] = [-0.06, 0.7, 0.01, -0.25, -0.3, -0.2, -0.08, 0.1];
 const COMPLETE: Options = Options { removal: MeanRemoval::Complete, prior: None, most: f64::INFINITY };
@@ -35,7 +35,7 @@ fn part(vessel: &Vessel, samples: usize, number: usize, normals: &mut Normals, d
         let next = simulate_one(&lifted, &lifted.layout().woven(&TRUTH, force), state, &row);
         measured.extend(&next[3..]);
     }
-    Part::new("zigzag", "a", exogenous, measured)
+    Part::new("zigzag", "a", RunView::measured(&measured, &exogenous))
 }
 
 fn many(vessel: &Vessel, count: usize, samples: usize, seed: u64) -> Vec<Part> {
@@ -70,14 +70,10 @@ fn law_sums_of_parts_are_those_of_their_concatenation_without_the_seam() {
     let vessel = craft();
     let mut normals = Normals::new(3);
     let [a, b] = [0, 1].map(|i| part(&vessel, 30 + i, i, &mut normals, true));
-    let whole = Part::new(
-        "",
-        "",
-        [&a.exogenous[..], &[2.0, 0.1], &b.exogenous[..]].concat(),
-        [&a.measured[..], &b.measured[..]].concat(),
-    );
-    let seam =
-        Part::new("", "", vec![2.0, 0.1], [&a.measured[a.measured.len() - 3..], &b.measured[..3]].concat());
+    let of = |measured: Vec<f64>, inputs: &[f64]| Part::new("", "", RunView::measured(&measured, inputs));
+    let inputs = [&a.exogenous[..], &[2.0, 0.1], &b.exogenous[..]].concat();
+    let whole = of([&a.measured[..], &b.measured[..]].concat(), &inputs);
+    let seam = of([&a.measured[a.measured.len() - 3..], &b.measured[..3]].concat(), &[2.0, 0.1]);
     let sums = |part: &Part| Regression::of(&vessel.model, part).sums();
     let (mut parts, whole) = (sums(&a), sums(&whole));
     parts.merge(&sums(&b));

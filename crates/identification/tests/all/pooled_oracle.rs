@@ -1,14 +1,16 @@
 //! Pooled estimates against numbers computed independently: `fixtures/oracle/pooled.json`.
 
+use std::ops::Range;
+
 use approx::assert_relative_eq;
 use identification::pooled::{
-    Centring, Options, Part, Prior, Regression, Score, Window, Windows, diagnose, fit, residuals, sandwich,
-    strength, whiteness,
+    Centring, Options, Part, Prior, Regression, Score, diagnose, fit, residuals, sandwich, strength,
+    whiteness,
 };
 use identification::{MeanRemoval, Sums};
 use numerics::distributions::chi_square_tail;
 use serde_json::Value;
-use vessel::{Lane, Vessel};
+use vessel::{RunView, Vessel};
 
 const REMOVALS: [(&str, MeanRemoval); 3] =
     [("none", MeanRemoval::None), ("batch", MeanRemoval::Batch), ("complete", MeanRemoval::Complete)];
@@ -27,7 +29,8 @@ fn numbers(value: &Value) -> Vec<f64> {
 
 fn parts(oracle: &Value) -> Vec<Part> {
     let part = |p: &Value| {
-        Part::new("zigzag", p["source"].as_str().unwrap(), numbers(&p["inputs"]), numbers(&p["measured"]))
+        let (inputs, measured) = (numbers(&p["inputs"]), numbers(&p["measured"]));
+        Part::new("zigzag", p["source"].as_str().unwrap(), RunView::measured(&measured, &inputs))
     };
     oracle["parts"].as_array().unwrap().iter().map(part).collect()
 }
@@ -129,17 +132,12 @@ fn oracle_cross_validation() {
                 Part::instrument(&mut train, &lifted, &model).unwrap();
                 model = fitted(&train);
             }
-            let lanes: Vec<Lane> = model.into_iter().map(Lane::splat).collect();
-            let cut = |p: &Part| {
-                let one = |i: usize| Window {
-                    exogenous: p.exogenous[2 * i * window..2 * (i + 1) * window].to_vec(),
-                    measured: p.measured[3 * i * window..3 * ((i + 1) * window + 1)].to_vec(),
-                };
-                (0..p.samples() / window).map(one).collect::<Vec<_>>()
+            let cut = |p: &'_ Part| -> Vec<Range<usize>> {
+                (0..p.samples() / window).map(|i| i * window..(i + 1) * window).collect()
             };
-            let windows: Vec<Window> = all.iter().filter(|p| p.source == source).flat_map(cut).collect();
-            let windows = Windows::new(&lifted, &windows);
-            (0..windows.len()).for_each(|i| score.add(windows.run(&lanes, i)[0], windows.samples(i)));
+            let own = all.iter().filter(|p| p.source == source);
+            let windows = own.flat_map(|p| cut(p).into_iter().map(|samples| p.view().part(samples)));
+            score.merge(&Score::of(&lifted, &model, windows));
         }
         let expected = &oracle["cross"][estimator];
         assert_eq!(score.samples, expected["windows"].as_u64().unwrap() * window as u64);

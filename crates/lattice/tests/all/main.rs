@@ -1,6 +1,7 @@
 //! Plans, why there are none, and problems that are refused.
 
 mod brute_force;
+mod collision;
 mod files;
 mod random;
 mod reasons;

@@ -1,7 +1,7 @@
 use serde::Deserialize;
 use vessel::Invalid;
 
-use super::{check, check_positive};
+use super::{above_zero, finite, from_zero};
 use crate::{Law, Setting, Thruster};
 
 /// An azimuth thruster with its limits and its sensors. Axes: x forward, y starboard, z down.
@@ -58,7 +58,7 @@ impl Actuator {
     /// Names the key.
     pub fn check(&self) -> Result<(), Invalid> {
         let given = |limit: Option<f64>| limit.unwrap_or(1.0);
-        check_positive(&[
+        above_zero([
             ("thruster.coefficient", self.coefficient),
             ("thruster.speed_limit_rps", given(self.speed_limit_rps)),
             ("thruster.speed_rate_limit_rps_s", given(self.speed_rate_limit_rps_s)),
@@ -70,8 +70,8 @@ impl Actuator {
             ("thruster.angle_std_rad", self.angle_std_rad),
             ("thruster.angle_resolution_rad", self.angle_resolution_rad),
         ];
-        check(0.0, &numbers)?;
-        check(f64::MIN, &self.position_m.map(|metres| ("thruster.position_m", metres)))
+        from_zero(numbers)?;
+        finite(self.position_m.map(|metres| ("thruster.position_m", metres)))
     }
 
     /// Where it can be, `dt` seconds after `from` (none: at the start, where it has had time), when `wanted` is commanded.
@@ -94,53 +94,5 @@ fn within(centre: f64, wanted: f64, most: Option<f64>, hits: &mut usize) -> f64 
             centre + most.copysign(wanted - centre)
         }
         None => wanted,
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    const ACTUATOR: Actuator = Actuator {
-        position_m: [-0.4, 0.1],
-        coefficient: 2.0,
-        law: Law::Quadratic,
-        speed_limit_rps: Some(10.0),
-        speed_rate_limit_rps_s: Some(4.0),
-        angle_rate_limit_rad_s: Some(0.5),
-        speed_std_rps: 0.0,
-        speed_resolution_rps: 0.0,
-        angle_std_rad: 0.0,
-        angle_resolution_rad: 0.0,
-    };
-
-    #[test]
-    fn a_thruster_gets_there_in_steps_and_says_so() {
-        let (mut hits, mut at) = (Hits::default(), Some(Setting::default()));
-        let wanted = Setting { n: -12.0, alpha: 0.3 };
-        let mut speeds = Vec::new();
-        for _ in 0..6 {
-            at = Some(ACTUATOR.follow(at, wanted, 0.5, &mut hits));
-            speeds.push(at.unwrap().n);
-        }
-        assert_eq!(speeds, [-2.0, -4.0, -6.0, -8.0, -10.0, -10.0]);
-        assert_eq!(at.unwrap().alpha, 0.3);
-        assert_eq!(hits, Hits { speed: 6, speed_rate: 4, angle_rate: 1 });
-    }
-
-    #[test]
-    fn at_the_start_it_is_where_it_is_wanted() {
-        let mut hits = Hits::default();
-        let found = ACTUATOR.follow(None, Setting { n: 9.0, alpha: 3.0 }, 0.1, &mut hits);
-        assert_eq!((found, hits), (Setting { n: 9.0, alpha: 3.0 }, Hits::default()));
-    }
-
-    #[test]
-    fn numbers_without_meaning_are_refused() {
-        assert!(ACTUATOR.check().is_ok());
-        let refused = Actuator { speed_limit_rps: Some(0.0), ..ACTUATOR }.check().unwrap_err();
-        assert_eq!(refused.thing, "`thruster.speed_limit_rps`");
-        let refused = Actuator { angle_std_rad: -1.0, ..ACTUATOR }.check().unwrap_err();
-        assert_eq!(refused.thing, "`thruster.angle_std_rad`");
     }
 }

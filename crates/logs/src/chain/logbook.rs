@@ -3,14 +3,13 @@ use std::collections::BTreeMap;
 use rayon::prelude::*;
 use refusal::Invalid;
 use serde::Deserialize;
-use thiserror::Error;
-use vessel::{Diverged, Generator, Vessel};
+use vessel::{Generator, Vessel};
 
 use super::{Chain, Drift, Failed, Hits, Key, Weather, Wind};
-use crate::{Unreachable, factor};
+use crate::factor;
 
 /// What azimuth thrusters make, by the names that [`crate::Plan`] gives it.
-pub const FORCES: [(&str, &str); 3] = [("tau1", "N"), ("tau2", "N"), ("tau3", "N m")];
+const FORCES: [(&str, &str); 3] = [("tau1", "N"), ("tau2", "N"), ("tau3", "N m")];
 
 /// Which maneuvers are recorded, how often, and on which days.
 #[derive(Clone, Debug)]
@@ -80,50 +79,47 @@ pub struct Entry {
 }
 
 /// Why there are no logs.
-#[derive(Clone, Debug, Error, PartialEq)]
-pub enum LogbookError {
-    /// A vessel whose inputs are not the forces of azimuth thrusters: their names and units.
-    #[error("the inputs {}", .0.join(", "))]
-    Inputs(Vec<String>),
-    /// A maneuver whose name is no name of a file.
-    #[error("maneuver `{0}` has another character than letters, digits, - and .")]
-    Name(String),
-    /// A maneuver that the model cannot hold.
-    #[error(transparent)]
-    Maneuver(#[from] Invalid),
-    /// Forces that the thrusters cannot make.
-    #[error("maneuver `{maneuver}` needs forces at sample {sample} that the thrusters cannot make")]
-    Unreachable {
-        /// The maneuver.
-        maneuver: String,
-        /// The sample.
-        sample: usize,
-        /// What cannot be made.
-        what: Unreachable,
-    },
-    /// A motion without bounds.
-    #[error("the model diverges in log {repeat} of maneuver `{maneuver}`")]
-    Diverged {
-        /// The maneuver.
-        maneuver: String,
-        /// Its repeat, from 1.
-        repeat: u32,
-        /// Where it leaves every bound.
-        at: Diverged,
-    },
+#[derive(Clone, Debug, PartialEq)]
+pub struct NoLogs {
+    /// What is at fault.
+    pub fault: Fault,
+    /// What is wrong with it.
+    pub what: Invalid,
+}
+
+/// What logs cannot be made of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Fault {
+    /// The vessel.
+    Vessel,
+    /// Its maneuvers.
+    Maneuvers,
+    /// Its thrusters.
+    Thrusters,
+}
+
+impl Fault {
+    fn is(self, what: Invalid) -> NoLogs {
+        NoLogs { fault: self, what }
+    }
 }
 
 /// What N and N m are multiplied by to be the inputs of `vessel`.
 ///
 /// # Errors
 /// Other inputs than the forces of azimuth thrusters.
-pub fn force_factors(vessel: &Vessel) -> Result<[f64; 3], LogbookError> {
+pub fn force_factors(vessel: &Vessel) -> Result<[f64; 3], NoLogs> {
     let inputs = &vessel.model.variables[3..3 + vessel.model.inputs];
     let fits = inputs.len() == 3 && inputs.iter().zip(FORCES).all(|(input, (name, _))| input.name == name);
     let factors = inputs.iter().zip(FORCES).map(|(input, (_, unit))| factor(unit, &input.unit));
     match factors.collect::<Option<Vec<f64>>>().as_deref() {
         Some([surge, sway, yaw]) if fits => Ok([*surge, *sway, *yaw]),
-        _ => Err(LogbookError::Inputs(inputs.iter().map(|i| format!("{} [{}]", i.name, i.unit)).collect())),
+        _ => {
+            let found: Vec<String> = inputs.iter().map(|i| format!("{} [{}]", i.name, i.unit)).collect();
+            let expected = "tau1 [N], tau2 [N], tau3 [N m], the forces of azimuth thrusters";
+            let remedy = "simulate another vessel";
+            Err(Fault::Vessel.is(Invalid::new("[[input]]", found.join(", "), expected, remedy)))
+        }
     }
 }
 
@@ -137,10 +133,14 @@ impl<'a> Logbook<'a> {
         generator: &'a Generator,
         schedule: Schedule,
         seed: u64,
-    ) -> Result<Self, LogbookError> {
+    ) -> Result<Self, NoLogs> {
         let plain = |name: &str| name.chars().all(|c| c.is_ascii_alphanumeric() || "-.".contains(c));
         match generator.maneuvers().iter().find(|maneuver| !plain(&maneuver.name)) {
-            Some(maneuver) => Err(LogbookError::Name(maneuver.name.clone())),
+            Some(maneuver) => {
+                let expected = "letters, digits, - and . alone, for the name of a log";
+                let thing = format!("maneuver `{}`", maneuver.name);
+                Err(Fault::Maneuvers.is(Invalid::new(thing, "another character", expected, "rename it")))
+            }
             None => Ok(Self { chain, generator, schedule, seed }),
         }
     }
@@ -159,7 +159,7 @@ impl<'a> Logbook<'a> {
     ///
     /// # Errors
     /// A maneuver that the model cannot hold, forces that the thrusters cannot make, a motion without bounds.
-    pub fn entries(&self) -> Result<Vec<Entry>, LogbookError> {
+    pub fn entries(&self) -> Result<Vec<Entry>, NoLogs> {
         let repeats = 0..self.schedule.repeats;
         let each = self.maneuvers().into_iter().flat_map(|index| repeats.clone().map(move |r| (index, r)));
         let each: Vec<(usize, u32)> = each.collect();
@@ -168,12 +168,12 @@ impl<'a> Logbook<'a> {
         made.into_iter().collect()
     }
 
-    fn entry(&self, index: usize, repeat: u32) -> Result<Entry, LogbookError> {
+    fn entry(&self, index: usize, repeat: u32) -> Result<Entry, NoLogs> {
         let (chain, schedule) = (&self.chain, &self.schedule);
         let name = self.generator.maneuvers()[index].name.as_str();
         let settle = schedule.settle_s.get(name).map_or(0, |s| (s * chain.rate_hz).round() as usize);
         let rows = settle + schedule.samples as usize + 2;
-        let realized = self.generator.realize(index, rows)?;
+        let realized = self.generator.realize(index, rows).map_err(|e| Fault::Maneuvers.is(e))?;
         let mirrored = schedule.alternate_sides && repeat % 2 == 1;
         let side = if mirrored { -1.0 } else { 1.0 };
         let inputs = realized.inputs.chunks_exact(chain.model.inputs);
@@ -183,7 +183,7 @@ impl<'a> Logbook<'a> {
         let key = Key { seed: self.seed, maneuver: name, repeat };
         let recording = chain
             .record(key, &forces, realized.initial, &day.weather(), settle)
-            .map_err(|failed| LogbookError::of(failed, name, repeat + 1))?;
+            .map_err(|failed| no_logs(failed, name, repeat + 1))?;
         let share = |hits: &Hits| hits.speed.max(hits.speed_rate).max(hits.angle_rate) as f64 / rows as f64;
         Ok(Entry {
             text: recording.csv(chain.rate_hz),
@@ -198,12 +198,20 @@ impl<'a> Logbook<'a> {
     }
 }
 
-impl LogbookError {
-    fn of(failed: Failed, maneuver: &str, repeat: u32) -> Self {
-        let maneuver = maneuver.to_owned();
-        match failed {
-            Failed::Diverged(at) => Self::Diverged { maneuver, repeat, at },
-            Failed::Unreachable { sample, what } => Self::Unreachable { maneuver, sample, what },
+fn no_logs(failed: Failed, maneuver: &str, repeat: u32) -> NoLogs {
+    match failed {
+        Failed::Diverged(at) => {
+            Fault::Vessel.is(at.invalid(format!("model in log {repeat} of maneuver `{maneuver}`")))
+        }
+        Failed::Unreachable { sample, what } => {
+            let (force, unit) = FORCES[what.force.min(2)];
+            let found = format!(
+                "thrusters that make {force} = {:.4} {unit} where maneuver `{maneuver}` needs {:.4} at sample {sample}",
+                what.made, what.wanted
+            );
+            let expected = "thrusters that can make surge, sway and yaw together";
+            let remedy = "add a thruster elsewhere, or couple the inputs with `follows`";
+            Fault::Thrusters.is(Invalid::new("[[thruster]]", found, expected, remedy))
         }
     }
 }

@@ -15,38 +15,23 @@ mod weather;
 mod wind;
 
 pub use actuator::{Actuator, Hits};
-pub use logbook::{Day, Entry, FORCES, Logbook, LogbookError, Schedule, force_factors};
+pub use logbook::{Day, Entry, Fault, Logbook, NoLogs, Schedule, force_factors};
 pub use motion::{Pace, advance};
 pub use recording::{Chain, Failed, Key, Recording, Truth};
 pub use sensor::{Compass, Gnss, quantised};
 pub use weather::{Drift, GaussMarkov, Weather};
 pub use wind::{Hull, Wind};
 
-use vessel::Invalid;
+use refusal::{Invalid, check_numbers};
 
-/// Refuses the first of `numbers` (key, value) that is not finite or below `least`.
-fn check(least: f64, numbers: &[(&str, f64)]) -> Result<(), Invalid> {
-    match numbers.iter().find(|(_, value)| !(value.is_finite() && *value >= least)) {
-        None => Ok(()),
-        Some((key, value)) => Err(Invalid::new(
-            format!("`{key}`"),
-            value.to_string(),
-            if least == f64::MIN {
-                "a finite number".to_owned()
-            } else {
-                format!("a number from {least} on")
-            },
-            "correct it",
-        )),
-    }
+fn finite<const N: usize>(numbers: [(&str, f64); N]) -> Result<(), Invalid> {
+    check_numbers(numbers, "a finite number", |_| true)
 }
 
-/// Refuses the first of `numbers` (key, value) that is not finite and above 0.
-fn check_positive(numbers: &[(&str, f64)]) -> Result<(), Invalid> {
-    match numbers.iter().find(|(_, value)| !(value.is_finite() && *value > 0.0)) {
-        None => Ok(()),
-        Some((key, value)) => {
-            Err(Invalid::new(format!("`{key}`"), value.to_string(), "a number above 0", "correct it"))
-        }
-    }
+fn from_zero<const N: usize>(numbers: [(&str, f64); N]) -> Result<(), Invalid> {
+    check_numbers(numbers, "a number from 0 on", |value| value >= 0.0)
+}
+
+fn above_zero<const N: usize>(numbers: [(&str, f64); N]) -> Result<(), Invalid> {
+    check_numbers(numbers, "a number above 0", |value| value > 0.0)
 }

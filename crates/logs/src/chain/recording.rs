@@ -1,9 +1,9 @@
 use std::f64::consts::{PI, TAU};
 
-use vessel::{Ambient, Compiled, DIVERGED, Diverged, Model, Pose, Streams};
+use vessel::{Ambient, Compiled, Diverged, Model, Pose, Streams, check_diverged};
 
 use super::{Actuator, Compass, GaussMarkov, Gnss, Hits, Hull, Pace, Weather, advance, quantised};
-use crate::{Allocation, Setting, Unreachable};
+use crate::{Allocation, Setting, Unreachable, body_velocity};
 
 /// A ship with its thrusters and its sensors.
 #[derive(Clone, Debug)]
@@ -145,16 +145,11 @@ impl Sea {
     /// The current in body axes, and the wind's forces \[N, N m\], on a ship at `state` with heading `psi`.
     fn acts(&self, sample: usize, state: [f64; 3], psi: f64, hull: Option<&Hull>) -> ([f64; 2], [f64; 3]) {
         let forces = hull.zip(self.air.get(sample)).map_or([0.0; 3], |(hull, air)| {
-            let air = in_body(*air, psi);
+            let air = body_velocity(*air, psi);
             hull.forces([state[0] - air[0], state[1] - air[1]])
         });
-        (in_body(self.water[sample], psi), forces)
+        (body_velocity(self.water[sample], psi), forces)
     }
-}
-
-/// North and east in the axes of a body with heading `psi`.
-fn in_body([north, east]: [f64; 2], psi: f64) -> [f64; 2] {
-    crate::body_velocity([north, east], psi)
 }
 
 impl Chain<'_> {
@@ -200,15 +195,15 @@ impl Chain<'_> {
             let commanded =
                 allocation.settings(newtons, near).map_err(|what| Failed::Unreachable { sample, what })?;
             let settings = self.follow(at.as_deref(), &commanded, draws.dt, &mut hits);
-            let made = self.made(allocation.thrusters(), &settings);
+            let made = allocation.forces(&settings);
             truth.states.push(state);
             truth.poses.push(pose);
             truth.forces.push([0, 1, 2].map(|i| made[i] * self.units[i]));
             let (current, forces) = sea.acts(sample, state, pose.psi, self.hull.as_ref());
             let exogenous = self.exogenous([0, 1, 2].map(|i| made[i] + forces[i]));
             let next = model.step(state, &exogenous, Ambient { current: Some(current), force: None });
-            if let Some(d) = (0..3).find(|d| next[*d].is_nan() || next[*d].abs() > DIVERGED) {
-                return Err(Failed::Diverged(Diverged { sample: sample + 1, state: d }));
+            if let Some(Diverged { state, .. }) = check_diverged(next.into_iter()) {
+                return Err(Failed::Diverged(Diverged { sample: sample + 1, state }));
             }
             pose = advance(pose, Pace { from: state, to: next }, draws.dt);
             state = next;
@@ -228,16 +223,6 @@ impl Chain<'_> {
         let of =
             |i: usize, hits: &mut Hits| self.actuators[i].follow(at.map(|at| at[i]), commanded[i], dt, hits);
         hits.iter_mut().enumerate().map(|(i, hits)| of(i, hits)).collect()
-    }
-
-    /// τ1, τ2 \[N\] and τ3 \[N m\] of all thrusters.
-    fn made(&self, thrusters: &[crate::Thruster], settings: &[Setting]) -> [f64; 3] {
-        let mut sum = [0.0; 3];
-        for (thruster, setting) in thrusters.iter().zip(settings) {
-            let forces = thruster.forces(setting.n, setting.alpha);
-            sum.iter_mut().zip(forces).for_each(|(sum, force)| *sum += force);
-        }
-        sum
     }
 
     /// The model's inputs and measured disturbances under forces of thrusters and wind \[N, N m\].

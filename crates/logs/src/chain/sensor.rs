@@ -1,7 +1,7 @@
 use serde::Deserialize;
 use vessel::Invalid;
 
-use super::{check, check_positive};
+use super::{above_zero, from_zero};
 
 /// A satellite receiver at the reference point.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
@@ -43,7 +43,7 @@ impl Gnss {
     /// # Errors
     /// Names the key.
     pub fn check(&self) -> Result<(), Invalid> {
-        check_positive(&[
+        above_zero([
             ("gnss.rate_hz", self.rate_hz),
             ("gnss.wander_time_s", self.wander_time_s.unwrap_or(1.0)),
         ])?;
@@ -52,7 +52,7 @@ impl Gnss {
             ("gnss.wander_std_m", self.wander_std_m),
             ("gnss.resolution_m", self.resolution_m),
         ];
-        check(0.0, &numbers)
+        from_zero(numbers)
     }
 
     /// Samples from fix to fix; none if that is no whole number.
@@ -68,44 +68,17 @@ impl Compass {
     /// # Errors
     /// Names the key.
     pub fn check(&self) -> Result<(), Invalid> {
-        check_positive(&[("heading.wander_time_s", self.wander_time_s.unwrap_or(1.0))])?;
+        above_zero([("heading.wander_time_s", self.wander_time_s.unwrap_or(1.0))])?;
         let numbers = [
             ("heading.white_std_rad", self.white_std_rad),
             ("heading.wander_std_rad", self.wander_std_rad),
             ("heading.resolution_rad", self.resolution_rad),
         ];
-        check(0.0, &numbers)
+        from_zero(numbers)
     }
 }
 
 /// `value` to the nearest multiple of `resolution`; itself without one.
 pub fn quantised(value: f64, resolution: f64) -> f64 {
     if resolution > 0.0 { (value / resolution).round() * resolution } else { value }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn fixes_come_every_so_many_samples() {
-        let gnss = |rate_hz| Gnss {
-            rate_hz,
-            white_std_m: 0.0,
-            wander_std_m: 0.0,
-            wander_time_s: None,
-            resolution_m: 0.0,
-        };
-        assert_eq!(gnss(8.0).every(8.0), Some(1));
-        assert_eq!(gnss(2.0).every(8.0), Some(4));
-        assert_eq!(gnss(3.0).every(8.0), None);
-        assert_eq!(gnss(16.0).every(8.0), None);
-    }
-
-    #[test]
-    fn resolution_rounds() {
-        assert_eq!(quantised(0.37, 0.25), 0.25);
-        assert_eq!(quantised(-0.38, 0.25), -0.5);
-        assert_eq!(quantised(0.37, 0.0), 0.37);
-    }
 }

@@ -1,7 +1,7 @@
 use serde::Deserialize;
 use vessel::{Invalid, Streams};
 
-use super::{Wind, check, check_positive};
+use super::{Wind, above_zero, finite, from_zero};
 
 /// What moves the water and the air while recording.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
@@ -38,9 +38,9 @@ impl Weather {
     /// Names the key.
     pub fn check(&self) -> Result<(), Invalid> {
         let drift = &self.current;
-        check(f64::MIN, &[("current.north_m_s", drift.north_m_s), ("current.east_m_s", drift.east_m_s)])?;
-        check(0.0, &[("current.std_m_s", drift.std_m_s)])?;
-        check_positive(&[("current.time_s", drift.time_s.unwrap_or(1.0))])?;
+        finite([("current.north_m_s", drift.north_m_s), ("current.east_m_s", drift.east_m_s)])?;
+        from_zero([("current.std_m_s", drift.std_m_s)])?;
+        above_zero([("current.time_s", drift.time_s.unwrap_or(1.0))])?;
         self.wind.map_or(Ok(()), |wind| wind.check())
     }
 }
@@ -72,31 +72,5 @@ impl GaussMarkov {
             *value = self.std * next;
         }
         out
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn law_variance_and_correlation_are_those_asked_for() {
-        let process = GaussMarkov { std: 0.4, time_s: 2.0 };
-        let x = process.samples(&Streams::new(3, "here"), 1, 5, 400_000, 0.25);
-        let mean = |f: &dyn Fn(usize) -> f64| (0..390_000).map(f).sum::<f64>() / 390_000.0;
-        let variance = mean(&|k| x[k] * x[k]);
-        // 390,000 samples hold some 24,000 independent ones: 1 % of the variance is a standard error.
-        assert!((variance / 0.16 - 1.0).abs() < 0.04, "{variance}");
-        let correlation = mean(&|k| x[k] * x[k + 8]) / variance;
-        assert!((correlation - (-1.0_f64).exp()).abs() < 0.02, "{correlation}");
-    }
-
-    #[test]
-    fn without_time_it_is_white() {
-        let streams = Streams::new(3, "here");
-        let mut white = vec![0.0; 7];
-        streams.normals(1, 5, &mut white);
-        let found = GaussMarkov { std: 2.0, time_s: 0.0 }.samples(&streams, 1, 5, 7, 0.1);
-        assert_eq!(found, white.iter().map(|w| 2.0 * w).collect::<Vec<_>>());
     }
 }

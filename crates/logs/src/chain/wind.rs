@@ -3,7 +3,7 @@ use std::f64::consts::PI;
 use serde::Deserialize;
 use vessel::Invalid;
 
-use super::{check, check_positive};
+use super::{above_zero, finite, from_zero};
 
 /// Density of air at 15 °C \[kg/m³\].
 const AIR: f64 = 1.225;
@@ -54,9 +54,9 @@ impl Wind {
     /// # Errors
     /// Names the key.
     pub fn check(&self) -> Result<(), Invalid> {
-        check(0.0, &[("wind.speed_m_s", self.speed_m_s), ("wind.gust_std_m_s", self.gust_std_m_s)])?;
-        check(f64::MIN, &[("wind.from_rad", self.from_rad)])?;
-        check_positive(&[("wind.gust_time_s", self.gust_time_s.unwrap_or(1.0))])
+        from_zero([("wind.speed_m_s", self.speed_m_s), ("wind.gust_std_m_s", self.gust_std_m_s)])?;
+        finite([("wind.from_rad", self.from_rad)])?;
+        above_zero([("wind.gust_time_s", self.gust_time_s.unwrap_or(1.0))])
     }
 }
 
@@ -66,17 +66,14 @@ impl Hull {
     /// # Errors
     /// Names the key.
     pub fn check(&self) -> Result<(), Invalid> {
-        check(
-            0.0,
-            &[
-                ("hull.frontal_area_m2", self.frontal_area_m2),
-                ("hull.lateral_area_m2", self.lateral_area_m2),
-                ("hull.length_m", self.length_m),
-                ("hull.c_x", self.c_x),
-                ("hull.c_y", self.c_y),
-                ("hull.c_n", self.c_n),
-            ],
-        )
+        from_zero([
+            ("hull.frontal_area_m2", self.frontal_area_m2),
+            ("hull.lateral_area_m2", self.lateral_area_m2),
+            ("hull.length_m", self.length_m),
+            ("hull.c_x", self.c_x),
+            ("hull.c_y", self.c_y),
+            ("hull.c_n", self.c_n),
+        ])
     }
 
     /// Forward and starboard force \[N\] and moment \[N m\] when the ship moves through the air with `u`, `v` \[m/s\]
@@ -91,41 +88,5 @@ impl Hull {
             pressure * self.c_y * gamma.sin() * self.lateral_area_m2,
             pressure * self.c_n * (2.0 * gamma).sin() * self.lateral_area_m2 * self.length_m,
         ]
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    const HULL: Hull =
-        Hull { frontal_area_m2: 40.0, lateral_area_m2: 120.0, length_m: 30.0, c_x: 0.7, c_y: 0.8, c_n: 0.1 };
-
-    #[test]
-    fn law_the_air_takes_energy_from_a_ship_that_moves_through_it() {
-        for k in 0..24 {
-            let (sin, cos) = (0.2618 * f64::from(k)).sin_cos();
-            let [x, y, _] = HULL.forces([5.0 * cos, 5.0 * sin]);
-            assert!(x * cos + y * sin < 0.0, "{k}");
-        }
-    }
-
-    #[test]
-    fn law_port_mirrors_starboard_and_twice_the_speed_is_four_times_the_force() {
-        let [x, y, n] = HULL.forces([3.0, 2.0]);
-        assert_eq!(HULL.forces([3.0, -2.0]), [x, -y, -n]);
-        for (twice, once) in HULL.forces([6.0, 4.0]).into_iter().zip([x, y, n]) {
-            approx::assert_relative_eq!(twice, 4.0 * once, max_relative = 1e-14);
-        }
-    }
-
-    #[test]
-    fn wind_from_the_north_blows_south() {
-        let north = Wind { speed_m_s: 8.0, from_rad: 0.0, gust_std_m_s: 0.0, gust_time_s: None };
-        let [to_north, to_east] = north.velocity(8.0);
-        approx::assert_abs_diff_eq!(to_north, -8.0, epsilon = 1e-14);
-        approx::assert_abs_diff_eq!(to_east, 0.0, epsilon = 1e-14);
-        // Heading north at rest, the air comes from ahead: it pushes aft.
-        assert!(HULL.forces([-to_north, -to_east])[0] < 0.0);
     }
 }

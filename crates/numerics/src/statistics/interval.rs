@@ -1,6 +1,6 @@
 //! 95 % intervals of shares, quantiles and paired differences.
 
-use super::{quantile, sorted};
+use super::{mean, quantile, sorted, spread};
 
 /// The 97.5 % quantile of the standard normal distribution.
 const Z: f64 = 1.959_963_984_540_054;
@@ -21,6 +21,13 @@ pub fn wilson(count: u64, total: u64) -> Option<[f64; 2]> {
     let low = if count == 0 { 0.0 } else { (middle - half) / (1.0 + weight) };
     let high = if count == total { 1.0 } else { (middle + half) / (1.0 + weight) };
     Some([low, high])
+}
+
+/// 95 % interval `[low, high]` of the mean that `values` were drawn from, if there are enough of them for their mean to be
+/// normal; `None` below two.
+pub fn mean_interval(values: &[f64]) -> Option<[f64; 2]> {
+    let half = Z * spread(values)? / (values.len() as f64).sqrt();
+    mean(values).map(|mean| [mean - half, mean + half])
 }
 
 /// 95 % interval `[low, high]` of the quantile `q` that ascending `sorted` values were drawn from: two of the values, of

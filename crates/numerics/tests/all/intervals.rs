@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use numerics::statistics::{paired_median, quantile_interval, sorted, wilson};
+use numerics::statistics::{mean_interval, paired_median, quantile_interval, sorted, wilson};
 
 const ORACLE: &str = include_str!("../../../../fixtures/oracle/intervals.json");
 
@@ -66,4 +66,21 @@ fn pairs_differ_by_their_median() {
     assert_eq!(paired_median(lost), Some([f64::INFINITY; 3]));
     let few = [[Some(1.0), Some(2.0)], [None, None]].into_iter();
     assert_eq!(paired_median(few), Some([f64::NEG_INFINITY, 0.5, f64::INFINITY]));
+}
+
+#[test]
+fn law_nineteen_of_twenty_intervals_hold_the_mean_they_were_drawn_from() {
+    let mut state = 7_u64;
+    let mut draw = || {
+        state = state * 48_271 % 2_147_483_647;
+        state as f64 / 2_147_483_647.0
+    };
+    let held = (0..2000).filter(|_| {
+        let values: Vec<f64> = (0..96).map(|_| draw()).collect();
+        let [low, high] = mean_interval(&values).unwrap();
+        low <= 0.5 && 0.5 <= high
+    });
+    let share = held.count() as f64 / 2000.0;
+    assert!((0.93..0.97).contains(&share), "{share}");
+    assert_eq!(mean_interval(&[1.0]), None);
 }

@@ -57,7 +57,7 @@ impl Scale {
 
     /// 1, 2 and 5 times powers of ten inside the range; powers of ten alone where those are many.
     fn ticks(&self) -> Vec<Tick> {
-        let (low, high) = (self.0.low(), self.0.high());
+        let (low, high) = (self.0.low, self.0.high);
         let decades = low.floor() as i32..=high.ceil() as i32;
         let of = |factors: &[f64]| -> Vec<f64> {
             let all = decades.clone().flat_map(|d| factors.iter().map(move |f| f * 10f64.powi(d)));

@@ -3,8 +3,8 @@ use crate::figures::text;
 /// A map from values to pixels along one direction.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Axis {
-    low: f64,
-    high: f64,
+    pub(crate) low: f64,
+    pub(crate) high: f64,
     from: f64,
     to: f64,
     /// Half-width of the linear part of a symmetric logarithmic axis; absent on a linear one.
@@ -40,14 +40,6 @@ impl Axis {
     /// Pixel of `value`, kept inside the axis.
     pub(crate) fn inside(&self, value: f64) -> f64 {
         self.at(value.clamp(self.low, self.high))
-    }
-
-    pub(crate) fn low(&self) -> f64 {
-        self.low
-    }
-
-    pub(crate) fn high(&self) -> f64 {
-        self.high
     }
 
     /// Pixels of both ends.

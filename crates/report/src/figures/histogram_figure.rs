@@ -6,7 +6,7 @@ use crate::figures::svg::{Anchor, Lettering, Paint, Sheet};
 use crate::figures::text;
 
 /// The horizontal axis that all panels share.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 pub struct HistogramAxis<'a> {
     /// Quantity and unit: `parameter error [1]`.
     pub title: &'a str,
@@ -20,17 +20,15 @@ pub struct HistogramAxis<'a> {
     pub width: f64,
 }
 
-/// One panel: the runs of one design.
+/// One panel: the runs of one design, in the colour of its place among the panels.
 #[derive(Clone, Debug)]
 pub struct HistogramPanel<'a> {
     /// Name of the design.
     pub label: &'a str,
     /// One value per run; none for a run without one.
-    pub values: &'a [Option<f64>],
+    pub values: Vec<Option<f64>>,
     /// Beside the bound: `98.6 % below 5`.
     pub note: Option<String>,
-    /// Number of the design's colour in [`crate::figures::palette::series`].
-    pub colour: usize,
 }
 
 const LEFT: f64 = 54.0;
@@ -45,15 +43,15 @@ const FOOT: f64 = 44.0;
 /// of their own at the right, paler and outlined; a bar that would dwarf the others is broken and carries its count.
 pub fn histogram_pair(axis: &HistogramAxis<'_>, panels: &[HistogramPanel<'_>]) -> String {
     let counted: Vec<Histogram> =
-        panels.iter().map(|p| Histogram::new(p.values, axis.limit, axis.bins)).collect();
+        panels.iter().map(|p| Histogram::new(&p.values, axis.limit, axis.bins)).collect();
     let top = ceiling(&counted);
     let label = format!("Histograms of {}", axis.title);
     Sheet::figure(axis.width.max(240.0), panels.len() as f64 * PANEL + FOOT, &label, |sheet| {
         for (index, (panel, histogram)) in panels.iter().zip(&counted).enumerate() {
             let floor = index as f64 * PANEL + HEAD + PLOT;
-            Plot::new(axis, top, floor).draw(sheet, axis, panel, histogram);
+            Plot::new(axis, top, floor).draw(sheet, panel, histogram, Paint::solid(series(index)));
         }
-        Plot::new(axis, top, 0.0).foot(sheet, axis, panels.len() as f64 * PANEL);
+        Plot::new(axis, top, 0.0).foot(sheet, panels.len() as f64 * PANEL);
     })
 }
 
@@ -65,7 +63,8 @@ fn ceiling(counted: &[Histogram]) -> f64 {
     (1.06 * wanted).max(1.0)
 }
 
-struct Plot {
+struct Plot<'a> {
+    axis: &'a HistogramAxis<'a>,
     across: Axis,
     up: Axis,
     floor: f64,
@@ -73,27 +72,21 @@ struct Plot {
     overflow: (f64, f64),
 }
 
-impl Plot {
-    fn new(axis: &HistogramAxis<'_>, top: f64, floor: f64) -> Self {
+impl<'a> Plot<'a> {
+    fn new(axis: &'a HistogramAxis<'a>, top: f64, floor: f64) -> Self {
         let [right, from, to] = ENDS.map(|end| axis.width.max(240.0) - end);
         let across = Axis::linear(0.0, axis.limit, LEFT, right);
-        Self { across, up: Axis::linear(0.0, top, floor, floor - PLOT), floor, right, overflow: (from, to) }
+        let up = Axis::linear(0.0, top, floor, floor - PLOT);
+        Self { axis, across, up, floor, right, overflow: (from, to) }
     }
 
-    fn draw(
-        &self,
-        sheet: &mut Sheet,
-        axis: &HistogramAxis<'_>,
-        panel: &HistogramPanel<'_>,
-        counted: &Histogram,
-    ) {
-        let paint = Paint::solid(series(panel.colour));
+    fn draw(&self, sheet: &mut Sheet, panel: &HistogramPanel<'_>, counted: &Histogram, paint: Paint) {
         self.grid(sheet);
-        self.bins(sheet, axis, counted, paint);
+        self.bins(sheet, counted, paint);
         self.overflow(sheet, counted.beyond, paint);
         sheet.line((LEFT, self.floor), (self.right, self.floor), (BASE, 1.0));
-        self.heading(sheet, panel);
-        if let Some(bound) = axis.bound.filter(|bound| *bound < axis.limit) {
+        self.heading(sheet, panel.label, paint);
+        if let Some(bound) = self.axis.bound.filter(|bound| *bound < self.axis.limit) {
             self.bound(sheet, bound, panel.note.as_deref());
         }
     }
@@ -108,8 +101,8 @@ impl Plot {
         sheet.text("runs", (11.0, middle), Lettering::new(LABEL, Anchor::Middle).upwards());
     }
 
-    fn bins(&self, sheet: &mut Sheet, axis: &HistogramAxis<'_>, counted: &Histogram, paint: Paint) {
-        let width = axis.limit / counted.counts.len() as f64;
+    fn bins(&self, sheet: &mut Sheet, counted: &Histogram, paint: Paint) {
+        let width = self.axis.limit / counted.counts.len() as f64;
         for (bin, &count) in counted.counts.iter().enumerate().filter(|(_, count)| **count > 0) {
             let from = self.across.at(bin as f64 * width) + 0.4;
             let to = self.across.at((bin + 1) as f64 * width) - 0.4;
@@ -125,7 +118,7 @@ impl Plot {
             sheet.bar((from, self.floor), (to, top), paint.faded(0.3));
             sheet.bar((from, self.floor), (to, top), (paint, 1.4));
         }
-        if beyond as f64 > self.up.high() {
+        if beyond as f64 > self.up.high {
             self.breaks(sheet, from, to);
         }
         sheet.text(&beyond.to_string(), ((from + to) / 2.0, top - 9.0), note(Anchor::Middle));
@@ -139,10 +132,10 @@ impl Plot {
         }
     }
 
-    fn heading(&self, sheet: &mut Sheet, panel: &HistogramPanel<'_>) {
+    fn heading(&self, sheet: &mut Sheet, label: &str, paint: Paint) {
         let y = self.floor - PLOT - 14.0;
-        sheet.bar((LEFT, y - 5.0), (LEFT + 10.0, y + 5.0), Paint::solid(series(panel.colour)));
-        sheet.text(panel.label, (LEFT + 16.0, y), Lettering::new(LABEL, Anchor::Start).bold());
+        sheet.bar((LEFT, y - 5.0), (LEFT + 10.0, y + 5.0), paint);
+        sheet.text(label, (LEFT + 16.0, y), Lettering::new(LABEL, Anchor::Start).bold());
     }
 
     fn bound(&self, sheet: &mut Sheet, bound: f64, text: Option<&str>) {
@@ -155,7 +148,7 @@ impl Plot {
     }
 
     /// Ticks and title below the last panel. The limit is named below the last bar only.
-    fn foot(&self, sheet: &mut Sheet, axis: &HistogramAxis<'_>, top: f64) {
+    fn foot(&self, sheet: &mut Sheet, top: f64) {
         for tick in self.across.ticks(4) {
             let x = self.across.at(tick.value);
             sheet.line((x, top - 12.0), (x, top - 8.0), (BASE, 1.0));
@@ -164,10 +157,10 @@ impl Plot {
             }
         }
         let (from, to) = self.overflow;
-        let limit = format!("≥ {}", text::number(axis.limit, finest(axis.limit)));
+        let limit = format!("≥ {}", text::number(self.axis.limit, finest(self.axis.limit)));
         sheet.text(&limit, ((from + to) / 2.0, top), note(Anchor::Middle));
         let middle = (LEFT + self.right) / 2.0;
-        sheet.text(axis.title, (middle, top + 24.0), Lettering::new(LABEL, Anchor::Middle));
+        sheet.text(self.axis.title, (middle, top + 24.0), Lettering::new(LABEL, Anchor::Middle));
     }
 }
 

@@ -58,13 +58,13 @@ pub fn map_figure(map: &Map) -> Result<String, Invalid> {
     draw(&mut sheet, &view, map);
     surround::draw(&mut sheet, &view, &map.graticule);
     let legend = Legend::new(map);
-    let top = view.bottom() + surround::FOOT;
+    let top = view.opposite.1 + surround::FOOT;
     legend.draw(&mut sheet, top);
     Ok(whole(map, &sheet, top + legend.height()))
 }
 
 fn draw(sheet: &mut Sheet, view: &View, map: &Map) {
-    sheet.bar(view.corner(), view.opposite(), colours::background(map.background));
+    sheet.bar(view.corner, view.opposite, colours::background(map.background));
     if let Some(cells) = &map.cells {
         cells::draw(sheet, view, cells, &map.depth_limits_m);
     }

@@ -23,7 +23,6 @@ mod svg;
 pub(crate) mod text;
 mod thin;
 mod traces;
-mod traces_legend;
 mod tracks;
 
 pub use accuracy::{AccuracyCurve, accuracy};
@@ -35,6 +34,5 @@ pub use relative_errors::{ErrorRow, relative_errors};
 pub use sensitivities::{SensitivityRow, sensitivities};
 pub use shares::{ShareRow, shares};
 pub use text::number as tick_number;
-pub use traces::{Curve, TraceRow, traces};
-pub use traces_legend::TraceColumn;
+pub use traces::{Curve, TraceColumn, TraceRow, traces};
 pub use tracks::{Track, tracks};

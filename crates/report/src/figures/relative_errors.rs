@@ -45,7 +45,7 @@ fn most(rows: &[ErrorRow<'_>]) -> f64 {
 
 fn ticks(axis: &Axis) -> Vec<Tick> {
     let powers = (0..12).map(|power| LINEAR * 10f64.powi(power));
-    let decades: Vec<f64> = powers.take_while(|value| *value <= axis.high() * (1.0 + 1e-9)).collect();
+    let decades: Vec<f64> = powers.take_while(|value| *value <= axis.high * (1.0 + 1e-9)).collect();
     let every = decades.len().div_ceil(4).max(1);
     let kept: Vec<f64> = decades.into_iter().step_by(every).collect();
     let negative = kept.iter().rev().map(|value| -value);

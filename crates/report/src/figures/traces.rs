@@ -3,7 +3,15 @@ use crate::figures::layout::{BASE, GRID, LABEL, NOTE, note};
 use crate::figures::palette::{INK, Rgb};
 use crate::figures::svg::{Anchor, Lettering, Paint, Sheet};
 use crate::figures::thin::thinned;
-use crate::figures::traces_legend::{self, TraceColumn};
+
+/// One column of the small multiples: a quantity whose vertical axis all rows share.
+#[derive(Clone, Debug)]
+pub struct TraceColumn<'a> {
+    /// Quantity and unit: `surge u [m/s]`.
+    pub title: &'a str,
+    /// What its curves are called, in order; empty for a single black curve.
+    pub legend: Vec<(String, Rgb)>,
+}
 
 /// One curve of a cell.
 #[derive(Clone, Debug)]
@@ -35,21 +43,39 @@ const ROW: f64 = 84.0;
 const CELL: f64 = 54.0;
 const FOOT: f64 = 42.0;
 const MOST_POINTS: usize = 600;
+const TITLE: f64 = 26.0;
+const LINE: f64 = 17.0;
 
 /// Small multiples over time: a row per maneuver, a column per quantity, the same axes everywhere in a column.
 pub fn traces(columns: &[TraceColumn<'_>], rows: &[TraceRow<'_>]) -> String {
-    let head = traces_legend::height(columns);
+    let head = head(columns);
     let height = head + rows.len() as f64 * ROW + FOOT;
     Sheet::figure(WIDTH, height, "Inputs and states over time per maneuver", |sheet| {
         let grid = Grid::new(columns, rows, head);
         for (index, column) in columns.iter().enumerate() {
-            traces_legend::draw(sheet, column, grid.across[index].ends().0);
+            legend(sheet, column, grid.across[index].ends().0);
         }
         for (index, row) in rows.iter().enumerate() {
             grid.draw_row(sheet, index, row);
         }
         grid.foot(sheet, rows.len());
     })
+}
+
+/// Height of the titles and legends above the first row \[px\].
+fn head(columns: &[TraceColumn<'_>]) -> f64 {
+    let lines = columns.iter().map(|column| column.legend.len()).max().unwrap_or(0);
+    TITLE + LINE * lines as f64 + 6.0
+}
+
+/// Title and legend of one column whose cells begin at pixel `left`.
+fn legend(sheet: &mut Sheet, column: &TraceColumn<'_>, left: f64) {
+    sheet.text(column.title, (left, 12.0), Lettering::new(LABEL, Anchor::Start).bold());
+    for (index, (name, colour)) in column.legend.iter().enumerate() {
+        let y = TITLE + LINE * (index as f64 + 0.4);
+        sheet.line((left, y), (left + 18.0, y), (Paint::solid(*colour), 2.4));
+        sheet.text(name, (left + 24.0, y), note(Anchor::Start));
+    }
 }
 
 struct Grid {

@@ -2,38 +2,39 @@
 
 use std::path::{Path, PathBuf};
 
-use artifact::Error;
-use study::documents::{DesignScores, Published, PublishedShare, ValidationDocument};
+use artifact::{Error, Loaded};
+use study::documents::{Bounds, PublishedShare, ValidationDocument};
 
 use super::folder::{documents, label, left_out, reference, seed};
-use super::table::{Table, quantile, share, whole};
-use crate::number::{exact, published};
-
-const HEADS: [&str; 8] = [
-    "study",
-    "design",
-    "trials",
-    "seed",
-    "parameter error below the bound",
-    "simulation error below the bound",
-    "median parameter error",
-    "median simulation error",
-];
+use super::table::{Table, median, share};
+use crate::number::{exact, or_dash, published};
 
 pub(super) fn section(folders: &[PathBuf], written: Option<&Path>) -> Result<Option<String>, Error> {
     let (found, missing) = documents::<ValidationDocument>(folders, "validation.json")?;
-    let mut table = Table::new(&HEADS);
-    let mut bounds = Vec::new();
-    for (folder, validation) in &found {
+    let (mut rows, mut bounds) = (Vec::new(), Vec::new());
+    for (folder, Loaded { data: validation, .. }) in &found {
         let (name, seed) = (label(folder), seed(folder)?);
         let reference = reference(written, &name)?;
-        for d in &validation.designs {
-            let published = reference.as_ref().and_then(|r| r.designs.get(&d.design));
-            table.row(&row(&name, seed, d, published));
-        }
-        let (parameter, simulation) = (validation.bounds.parameter_error, validation.bounds.simulation_error);
-        bounds.push(format!("{name} {} and {}", exact(parameter), exact(simulation)));
+        let Bounds { parameter_error, simulation_error } = validation.bounds;
+        bounds.push(format!("{name} {} and {}", exact(parameter_error), exact(simulation_error)));
+        let published = |design: &str| reference.as_ref()?.designs.get(design).copied();
+        rows.extend(validation.designs.iter().map(|d| (name.clone(), seed, d, published(&d.design))));
     }
+    let table = Table::of(rows)
+        .column("study", |(name, ..)| name.clone())
+        .column("design", |(_, _, d, _)| d.design.clone())
+        .column("trials", |(_, _, d, _)| d.runs.to_string())
+        .column("seed", |(_, seed, ..)| or_dash(*seed))
+        .column("parameter error below the bound", |(_, _, d, published)| {
+            share(d.parameter_error_share, d.parameter_error_share_interval)
+                + &told(published.map(|p| p.parameter_error_share))
+        })
+        .column("simulation error below the bound", |(_, _, d, published)| {
+            share(d.simulation_error_share, d.simulation_error_share_interval)
+                + &told(published.map(|p| p.simulation_error_share))
+        })
+        .column("median parameter error", |(_, _, d, _)| median(&d.parameter_error))
+        .column("median simulation error", |(_, _, d, _)| median(&d.simulation_error));
     let note = left_out(&missing, "not computed");
     Ok(table.text().map(|table| {
         let bounds = bounds.join(", ");
@@ -41,32 +42,11 @@ pub(super) fn section(folders: &[PathBuf], written: Option<&Path>) -> Result<Opt
     }))
 }
 
-fn row(
-    name: &str,
-    seed: Option<u64>,
-    d: &DesignScores,
-    published: Option<&Published>,
-) -> [String; HEADS.len()] {
-    let told = |share: Option<PublishedShare>| {
-        share.map_or(String::new(), |share| format!("; published {}", told(share)))
-    };
-    [
-        name.to_owned(),
-        d.design.clone(),
-        d.runs.to_string(),
-        whole(seed),
-        share(d.parameter_error_share, d.parameter_error_share_interval)
-            + &told(published.map(|p| p.parameter_error_share)),
-        share(d.simulation_error_share, d.simulation_error_share_interval)
-            + &told(published.map(|p| p.simulation_error_share)),
-        quantile(d.parameter_error.median, d.parameter_error.median_interval),
-        quantile(d.simulation_error.median, d.simulation_error.median_interval),
-    ]
-}
-
-fn told(share: PublishedShare) -> String {
+/// What is published beside ours.
+fn told(share: Option<PublishedShare>) -> String {
     match share {
-        PublishedShare::Value(value) => published(value),
-        PublishedShare::Above { above } => format!("> {}", published(above)),
+        Some(PublishedShare::Value(value)) => format!("; published {}", published(value)),
+        Some(PublishedShare::Above { above }) => format!("; published > {}", published(above)),
+        None => String::new(),
     }
 }

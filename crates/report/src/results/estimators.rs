@@ -7,7 +7,8 @@ use identification::Estimator;
 use study::documents::{DesignScores, EstimatorScores, ValidationDocument};
 
 use super::folder::{documents, label, left_out, seed};
-use super::table::{Table, quantile, whole};
+use super::table::{Table, median};
+use crate::number::or_dash;
 
 /// The design whose errors the table has.
 const DESIGN: &str = "optimized";
@@ -15,23 +16,23 @@ const DESIGN: &str = "optimized";
 pub(super) fn section(folders: &[PathBuf]) -> Result<Option<String>, Error> {
     let (found, missing) = documents::<ValidationDocument>(folders, "validation.json")?;
     let compared: Vec<&[EstimatorScores]> =
-        found.iter().map(|(_, v)| v.compared.as_deref().unwrap_or_default()).collect();
+        found.iter().map(|(_, v)| v.data.compared.as_deref().unwrap_or_default()).collect();
     let given = |estimator: &Estimator| compared.iter().any(|scores| of(scores, *estimator).is_some());
     let estimators: Vec<Estimator> = Estimator::OF_RUNS.into_iter().filter(given).collect();
-    let heads: Vec<String> = estimators.iter().map(|estimator| format!("`{estimator}`")).collect();
-    let heads: Vec<&str> =
-        ["scenario", "trials", "seed"].into_iter().chain(heads.iter().map(String::as_str)).collect();
-    let mut table = Table::new(&heads);
+    let mut rows = Vec::new();
     for ((folder, _), scores) in found.iter().zip(&compared) {
         let own: Vec<Option<&DesignScores>> =
             estimators.iter().map(|estimator| of(scores, *estimator)).collect();
-        let runs = own.iter().flatten().next().map(|d| d.runs);
-        let median = |d: &DesignScores| quantile(d.parameter_error.median, d.parameter_error.median_interval);
-        let errors = own.iter().map(|d| d.map_or("–".to_owned(), median));
-        table.row(
-            &[label(folder), whole(runs), whole(seed(folder)?)].into_iter().chain(errors).collect::<Vec<_>>(),
-        );
+        rows.push((label(folder), seed(folder)?, own));
     }
+    let table = Table::of(rows)
+        .column("scenario", |(name, ..)| name.clone())
+        .column("trials", |(.., own)| or_dash(own.iter().flatten().next().map(|d| d.runs)))
+        .column("seed", |(_, seed, _)| or_dash(*seed));
+    let table = estimators.iter().enumerate().fold(table, |table, (i, estimator)| {
+        let error = |own: &[Option<&DesignScores>]| or_dash(own[i].map(|d| median(&d.parameter_error)));
+        table.column(&format!("`{estimator}`"), |(.., own)| error(own))
+    });
     let note = left_out(&missing, "not computed");
     Ok(table.text().map(|table| {
         format!(

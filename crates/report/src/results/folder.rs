@@ -2,25 +2,21 @@
 
 use std::path::{Component, Path, PathBuf};
 
-use artifact::{Document, Error, Provenance, TableReader, read_document, read_toml};
+use artifact::{Document, Error, Loaded, Provenance, TableReader, read_toml};
 use serde_json::Value;
 use study::documents::Reference;
 use study::trajectories;
 
-/// The document `name` in `folder`, if there is one.
-pub(super) fn document<D: Document>(folder: &Path, name: &str) -> Result<Option<D>, Error> {
-    let path = folder.join(name);
-    path.exists().then(|| Ok(read_document::<D>(path)?.data)).transpose()
-}
+use crate::loader::{document_at, existing};
 
 /// Folders with what was read there, and the names of those without.
-type Read<D> = (Vec<(PathBuf, D)>, Vec<String>);
+type Read<D> = (Vec<(PathBuf, Loaded<D>)>, Vec<String>);
 
 /// The folders with a document `name`, and the names of those without.
 pub(super) fn documents<D: Document>(folders: &[PathBuf], name: &str) -> Result<Read<D>, Error> {
     let (mut found, mut missing) = (Vec::new(), Vec::new());
     for folder in folders {
-        match document(folder, name)? {
+        match document_at(folder.join(name))? {
             Some(document) => found.push((folder.clone(), document)),
             None => missing.push(label(folder)),
         }
@@ -44,8 +40,8 @@ pub(super) fn label(folder: &Path) -> String {
 
 /// The seed of the simulated trials in `folder`.
 pub(super) fn seed(folder: &Path) -> Result<Option<u64>, Error> {
-    let names = ["campaign.parquet", "trajectories.parquet"].map(|name| folder.join(name));
-    let Some(path) = names.into_iter().find(|path| path.exists()) else { return Ok(None) };
+    let mut names = ["campaign.parquet", "trajectories.parquet"].into_iter();
+    let Some(path) = names.find_map(|name| existing(folder.join(name))) else { return Ok(None) };
     Ok(seed_of(TableReader::open(&path, trajectories::ID, trajectories::VERSION)?.provenance()))
 }
 
@@ -58,5 +54,5 @@ pub(super) fn seed_of(provenance: &Provenance) -> Option<u64> {
 pub(super) fn reference(written: Option<&Path>, name: &str) -> Result<Option<Reference>, Error> {
     let study = name.split(' ').next().unwrap_or(name);
     let path = written.map(|written| written.join(study).join("reference.toml"));
-    path.filter(|path| path.exists()).map(|path| Ok(read_toml(path)?.0)).transpose()
+    path.and_then(existing).map(|path| Ok(read_toml(path)?.0)).transpose()
 }

@@ -2,28 +2,24 @@
 
 use std::path::PathBuf;
 
-use artifact::{Error, read_document};
+use artifact::{Error, Loaded};
 use study::documents::SequentialDocument;
-use trial::rounds::{ArmPoint, Stopping};
+use trial::rounds::Stopping;
 
 use super::folder::{documents, label, left_out, seed_of};
-use super::table::{Table, quantile, share, whole};
-use crate::number::{exact, three, three_or_dash};
-
-/// The document of trials in rounds.
-const FILE: &str = "sequential.json";
+use super::table::{Table, quantile, share};
+use crate::number::{exact, or_dash, three, three_or_dash};
 
 pub(super) fn section(folders: &[PathBuf]) -> Result<Option<String>, Error> {
-    let (found, missing) = documents::<SequentialDocument>(folders, FILE)?;
+    let (found, missing) = documents::<SequentialDocument>(folders, "sequential.json")?;
     let mut text = String::new();
-    for (folder, document) in &found {
-        let seed = seed_of(&read_document::<SequentialDocument>(folder.join(FILE))?.provenance);
+    for (folder, Loaded { data: document, provenance, .. }) in &found {
         text += &format!(
             "\n{}: {} maneuvers, {} realizations, seed {}.\n\n{}{}",
             label(folder),
             document.maneuvers,
             document.realizations,
-            whole(seed),
+            or_dash(seed_of(provenance)),
             errors(document).unwrap_or_default(),
             stopping(document).map_or(String::new(), |table| format!("\n{table}"))
         );
@@ -36,41 +32,41 @@ pub(super) fn section(folders: &[PathBuf]) -> Result<Option<String>, Error> {
 
 /// A row per time, a column per arm.
 fn errors(document: &SequentialDocument) -> Option<String> {
-    let names = document.arms.iter().map(|arm| arm.name.name());
-    let heads: Vec<&str> = ["after"].into_iter().chain(names).chain(["rounds / once", "pairs"]).collect();
-    let mut table = Table::new(&heads);
-    for (i, gain) in document.gains.iter().enumerate() {
-        let cell =
-            |point: Option<&ArmPoint>| point.map_or("–".to_owned(), |point| quantile(point.median, None));
-        let arms = document.arms.iter().map(|arm| cell(arm.points.get(i)));
-        let within =
-            gain.low.zip(gain.high).map(|(low, high)| format!(" ({} to {})", three(low), three(high)));
-        let ratio = format!("{}{}", three_or_dash(gain.ratio), within.unwrap_or(" (–)".to_owned()));
-        let cells = [format!("{} s", exact(gain.time_s))]
-            .into_iter()
-            .chain(arms)
-            .chain([ratio, gain.pairs.to_string()]);
-        table.row(&cells.collect::<Vec<_>>());
-    }
+    let times = Table::of(document.gains.iter().enumerate())
+        .column("after", |(_, gain)| format!("{} s", exact(gain.time_s)));
+    let arms = document.arms.iter().fold(times, |table, arm| {
+        table.column(arm.name.name(), |(i, _)| {
+            or_dash(arm.points.get(*i).map(|point| quantile(point.median, point.median_interval)))
+        })
+    });
+    let table = arms
+        .column("rounds / once", |(_, gain)| {
+            let ends =
+                gain.low.zip(gain.high).map(|(low, high)| format!(" ({} to {})", three(low), three(high)));
+            three_or_dash(gain.ratio) + &ends.unwrap_or(" (–)".to_owned())
+        })
+        .column("pairs", |(_, gain)| gain.pairs.to_string());
     table.text()
 }
 
 /// A row per arm that may stop.
 fn stopping(document: &SequentialDocument) -> Option<String> {
     let within = format!("within {}, of those promised", exact(document.accuracy));
-    let heads =
-        ["", "promised in time", "mean time", &within, "of all", "error over promise, root mean square"];
-    let mut table = Table::new(&heads);
-    for arm in &document.stopping {
-        let Stopping { stopped, mean_time_s, within, within_stopped, rms_over_accuracy, .. } = arm;
-        table.row(&[
-            arm.arm.name().to_owned(),
-            format!("{stopped} of {}", document.realizations),
-            format!("{mean_time_s:.0} s"),
-            within_stopped.map_or("–".to_owned(), |value| share(value, None)),
-            share(*within, None),
-            three_or_dash(*rms_over_accuracy),
-        ]);
-    }
+    let table = Table::of(&document.stopping)
+        .column("", |arm| arm.arm.name().to_owned())
+        .column("promised in time", |arm| format!("{} of {}", arm.stopped, document.realizations))
+        .column("mean time", |arm| mean_time(arm))
+        .column(&within, |arm| {
+            or_dash(arm.within_stopped.map(|value| share(value, arm.within_stopped_interval)))
+        })
+        .column("of all", |arm| share(arm.within, arm.within_interval))
+        .column("error over promise, root mean square", |arm| {
+            quantile(arm.rms_over_accuracy, arm.rms_over_accuracy_interval.map(|ends| ends.map(Some)))
+        });
     table.text()
+}
+
+fn mean_time(arm: &Stopping) -> String {
+    let within = arm.mean_time_interval_s.map(|[low, high]| format!("{low:.0} to {high:.0}"));
+    format!("{:.0} s ({})", arm.mean_time_s, within.as_deref().unwrap_or("–"))
 }

@@ -2,24 +2,21 @@
 
 use std::path::{Path, PathBuf};
 
-use artifact::{Error, read_document};
-use study::documents::{SelectionDocument, SelectionScores, SimulatedLogsDocument};
+use artifact::{Error, Loaded};
+use study::documents::{SelectionDocument, SimulatedLogsDocument};
 
 use super::folder::{documents, label, left_out, reference, seed_of};
-use super::table::{Table, quantile, share, whole};
-
-const HEADS: [&str; 8] =
-    ["study", "seed of the logs", "picks", "realizations", "median", "90 %", "worst", "degenerate"];
+use super::table::{Table, median, share};
+use crate::loader::document_at;
+use crate::number::{or_dash, three};
 
 pub(super) fn section(folders: &[PathBuf], written: Option<&Path>) -> Result<Option<String>, Error> {
     let (found, missing) = documents::<SelectionDocument>(folders, "selection.json")?;
-    let mut table = Table::new(&HEADS);
+    let mut rows = Vec::new();
     let mut told: Vec<String> = Vec::new();
-    for (folder, selection) in &found {
+    for (folder, Loaded { data: selection, .. }) in &found {
         let (name, seed) = (label(folder), seed(folder)?);
-        for scores in &selection.designs {
-            table.row(&row(&name, seed, scores));
-        }
+        rows.extend(selection.designs.iter().map(|scores| (study(&name).to_owned(), seed, scores)));
         let published = reference(written, &name)?.and_then(|r| r.selection);
         let statements = published.map_or(Vec::new(), |published| published.statements);
         let statements =
@@ -27,6 +24,16 @@ pub(super) fn section(folders: &[PathBuf], written: Option<&Path>) -> Result<Opt
         let new: Vec<String> = statements.filter(|said| !told.contains(said)).collect();
         told.extend(new);
     }
+    let plain = |value: Option<f64>| value.map_or("∞".to_owned(), three);
+    let table = Table::of(rows)
+        .column("study", |(name, ..)| name.clone())
+        .column("seed of the logs", |(_, seed, _)| or_dash(*seed))
+        .column("picks", |(.., d)| d.design.clone())
+        .column("realizations", |(.., d)| d.realizations.to_string())
+        .column("median", |(.., d)| median(&d.overlapping.rmse_norm))
+        .column("90 %", |(.., d)| plain(d.overlapping.rmse_norm.q90))
+        .column("worst", |(.., d)| plain(d.overlapping.rmse_norm.max))
+        .column("degenerate", |(.., d)| share(d.degenerate_share, d.degenerate_share_interval));
     let told = if told.is_empty() { String::new() } else { format!("\n{}\n", told.join("\n")) };
     let note = left_out(&missing, "not computed");
     let about = "Norm of the RMSE of surge, sway and yaw rate (m/s, m/s, rad/s as numbers) over all sub-experiments, of models from as many \
@@ -42,23 +49,5 @@ fn study(label: &str) -> &str {
 /// The seed of simulated logs, which lie beside what is made of them.
 fn seed(folder: &Path) -> Result<Option<u64>, Error> {
     let path = folder.parent().unwrap_or(folder).join("logs/simulated.json");
-    path.exists()
-        .then(|| read_document::<SimulatedLogsDocument>(path))
-        .transpose()
-        .map(|d| seed_of(&d?.provenance))
-}
-
-fn row(name: &str, seed: Option<u64>, scores: &SelectionScores) -> [String; HEADS.len()] {
-    let norm = &scores.overlapping.rmse_norm;
-    let plain = |value: Option<f64>| value.map_or("∞".to_owned(), crate::number::three);
-    [
-        study(name).to_owned(),
-        whole(seed),
-        scores.design.clone(),
-        scores.realizations.to_string(),
-        quantile(norm.median, norm.median_interval),
-        plain(norm.q90),
-        plain(norm.max),
-        share(scores.degenerate_share, scores.degenerate_share_interval),
-    ]
+    Ok(document_at::<SimulatedLogsDocument>(path)?.and_then(|logs| seed_of(&logs.provenance)))
 }

@@ -1,29 +1,34 @@
 //! A table in Markdown.
 
+use study::documents::Quantiles;
+
 use crate::number::{percent_within, three_within};
 
-/// Heads and rows of one table.
-pub(super) struct Table {
-    columns: usize,
-    text: String,
+/// A table that is written column by column.
+pub(super) struct Table<R> {
+    heads: Vec<String>,
+    rows: Vec<(R, Vec<String>)>,
 }
 
-impl Table {
-    /// A table with these heads.
-    pub(super) fn new(heads: &[&str]) -> Self {
-        let line = "---|".repeat(heads.len());
-        Self { columns: heads.len(), text: format!("| {} |\n|{line}\n", heads.join(" | ")) }
+impl<R> Table<R> {
+    /// A row for each of `rows`.
+    pub(super) fn of(rows: impl IntoIterator<Item = R>) -> Self {
+        Self { heads: Vec::new(), rows: rows.into_iter().map(|row| (row, Vec::new())).collect() }
     }
 
-    /// Adds a row with as many cells as there are heads.
-    pub(super) fn row(&mut self, cells: &[String]) {
-        debug_assert_eq!(cells.len(), self.columns);
-        self.text.push_str(&format!("| {} |\n", cells.join(" | ")));
+    /// Adds a column with its head and what stands in a row.
+    pub(super) fn column(mut self, head: &str, cell: impl Fn(&R) -> String) -> Self {
+        self.heads.push(head.to_owned());
+        self.rows.iter_mut().for_each(|(row, cells)| cells.push(cell(row)));
+        self
     }
 
     /// The whole table, or nothing where it has no row.
     pub(super) fn text(self) -> Option<String> {
-        (self.text.lines().count() > 2).then_some(self.text)
+        let line = |cells: &[String]| format!("| {} |\n", cells.join(" | "));
+        let rows: String = self.rows.iter().map(|(_, cells)| line(cells)).collect();
+        let head = format!("{}|{}\n", line(&self.heads), "---|".repeat(self.heads.len()));
+        (!rows.is_empty()).then(|| head + &rows)
     }
 }
 
@@ -37,7 +42,7 @@ pub(super) fn quantile(value: Option<f64>, interval: Option<[Option<f64>; 2]>) -
     three_within(value, interval) + if interval.is_some() { "" } else { " (–)" }
 }
 
-/// A number, or a dash for none.
-pub(super) fn whole(value: Option<u64>) -> String {
-    value.map_or("–".to_owned(), |value| value.to_string())
+/// The median and its interval.
+pub(super) fn median(errors: &Quantiles) -> String {
+    quantile(errors.median, errors.median_interval)
 }

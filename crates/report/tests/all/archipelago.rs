@@ -138,7 +138,6 @@ pub fn archipelago() -> Map {
         points: drifting(&whole, 8.0 + f64::from(run) / 5.0, f64::from(run) * 2.4),
         number: None,
     });
-    let simulated = Track { style: TrackStyle::Simulated, points: drifting(&whole, 18.0, 0.4), number: None };
     let poses = tracks.iter().filter(|track| matches!(track.style, TrackStyle::Maneuver(_)));
     let hulls = poses.flat_map(|track| [60].map(|k| hull(track.points[k], track.points[k + 1]))).collect();
     let depth = |off: f64| (off > -40.0).then_some(Class::Depth { least_m: off / 11.0 });
@@ -169,7 +168,7 @@ pub fn archipelago() -> Map {
         ],
         start: Some(TURNS[0]),
         goal: Some(TURNS[9]),
-        tracks: sheaf.chain(tracks).chain([simulated]).collect(),
+        tracks: sheaf.chain(tracks).collect(),
         hulls,
         graticule: graticule(),
         ..Map::default()

@@ -37,8 +37,8 @@ fn open_tags(svg: &str) -> Vec<String> {
     open
 }
 
-fn panel<'a>(label: &'a str, values: &'a [Option<f64>], colour: usize) -> HistogramPanel<'a> {
-    HistogramPanel { label, values, note: Some("50.0 % below 5".to_owned()), colour }
+fn panel<'a>(label: &'a str, values: &[Option<f64>]) -> HistogramPanel<'a> {
+    HistogramPanel { label, values: values.to_vec(), note: Some("50.0 % below 5".to_owned()) }
 }
 
 const AXIS: HistogramAxis<'_> =
@@ -48,7 +48,7 @@ const AXIS: HistogramAxis<'_> =
 fn the_histograms_name_their_designs_and_count_the_last_bar() {
     let optimized = [Some(1.0), Some(2.0), None, Some(30.0), Some(f64::NAN)];
     let random = [Some(f64::INFINITY), None, Some(40.0), Some(41.0), Some(42.0)];
-    let svg = histogram_pair(&AXIS, &[panel("optimized", &optimized, 0), panel("random", &random, 1)]);
+    let svg = histogram_pair(&AXIS, &[panel("optimized", &optimized), panel("random", &random)]);
     check(&svg);
     for label in ["optimized", "random", "≥ 25", "parameter error [1]", "50.0 % below 5", "runs", ">3<"] {
         assert!(svg.contains(label), "{label}");
@@ -59,9 +59,9 @@ fn the_histograms_name_their_designs_and_count_the_last_bar() {
 #[test]
 fn histograms_without_runs_or_panels_are_drawn_empty() {
     check(&histogram_pair(&AXIS, &[]));
-    check(&histogram_pair(&AXIS, &[panel("none", &[], 0), panel("all missing", &[None; 3], 1)]));
+    check(&histogram_pair(&AXIS, &[panel("none", &[]), panel("all missing", &[None; 3])]));
     let endless = HistogramAxis { limit: f64::NAN, bins: 0, width: f64::NAN, ..AXIS };
-    check(&histogram_pair(&endless, &[panel("none", &[Some(1.0)], 0)]));
+    check(&histogram_pair(&endless, &[panel("none", &[Some(1.0)])]));
 }
 
 #[test]

@@ -43,7 +43,6 @@ fn every_class_of_the_archipelago_is_in_the_legend() {
         "wide zig-zag, surge × 3",
         "basic move",
         "run-in",
-        "simulated",
         "Monte Carlo, 200 of 250",
         "hull",
         "start",

@@ -3,13 +3,14 @@
 use std::collections::BTreeMap;
 
 use identification::{Estimator, ScoreStatus};
-use report::{ManeuverTrace, ParameterRow, Study, VesselSummary};
+use report::{ManeuverTrace, Study};
 use study::documents::{
-    Bounds, DegreeMoments, DegreeStructure, DegreeSummary, DesignDocument, DesignScores, DesignStatus,
-    DesignSummary, Efficiency, EstimateDocument, ManeuverMoments, MomentsDocument, ParameterSummary,
-    Published, PublishedShare, Quantiles, Reference, Start, ValidationDocument,
+    Bounds, Degree, DegreeMoments, DegreeSummary, DesignDocument, DesignScores, DesignStatus, DesignSummary,
+    Efficiency, EstimateDocument, ManeuverMoments, MomentsDocument, ParameterSummary, Published,
+    PublishedShare, Quantiles, Reference, Start, ValidationDocument,
 };
 use study::scores::Row;
+use vessel::Vessel;
 
 /// Name, share, sensitivity, efficiency alone, speed from, speed to, yaw rate, whether it sweeps.
 type Maneuver = (&'static str, f64, f64, f64, f64, f64, f64, bool);
@@ -28,20 +29,20 @@ const MANEUVERS: [Maneuver; 11] = [
     ("spiral-fast", 0.349, 13.0, 0.377, 1.0, 1.0, -0.6, true),
 ];
 
-/// Name, unit, term, degree, truth, nominal, relative spread optimized and random.
-type Parameter = (&'static str, &'static str, &'static str, &'static str, f64, f64, f64, f64);
+/// Name, unit, truth, nominal, relative spread optimized and random.
+type Parameter = (&'static str, &'static str, f64, f64, f64, f64);
 
 const PARAMETERS: [Parameter; 10] = [
-    ("X_u", "1", "u", "surge", -0.06, -0.08, 0.11, 0.9),
-    ("X_uu", "s/m", "u |u|", "surge", -0.01, 0.0, 0.72, 6.1),
-    ("X_vr", "s/rad", "v r", "surge", 0.08, 0.0, 0.41, 2.9),
-    ("X_tau", "m/(s N)", "tau1", "surge", 1.4e-5, 1e-5, 0.03, 0.16),
-    ("Y_v", "1", "v", "sway", -0.1, -0.08, 0.15, 0.5),
-    ("Y_ur", "1/rad", "u r", "sway", -0.006, 0.0, 1.9, 7.7),
-    ("Y_tau", "m/(s N)", "tau2", "sway", 1.4e-5, 1e-5, 0.09, 0.31),
-    ("N_r", "1", "r", "yaw", -0.35, -0.4, 0.06, 0.13),
-    ("N_uv", "rad s/m²", "u v", "yaw", -0.03, 0.0, 1.1, 3.4),
-    ("N_tau", "rad/(s N m)", "tau3", "yaw", 3e-4, 3.5e-4, 0.05, 0.11),
+    ("X_u", "1", -0.06, -0.08, 0.11, 0.9),
+    ("X_uu", "s/m", -0.01, 0.0, 0.72, 6.1),
+    ("X_vr", "s/rad", 0.08, 0.0, 0.41, 2.9),
+    ("X_tau", "m/(s N)", 1.4e-5, 1e-5, 0.03, 0.16),
+    ("Y_v", "1", -0.1, -0.08, 0.15, 0.5),
+    ("Y_ur", "1/rad", -0.006, 0.0, 1.9, 7.7),
+    ("Y_tau", "m/(s N)", 1.4e-5, 1e-5, 0.09, 0.31),
+    ("N_r", "1", -0.35, -0.4, 0.06, 0.13),
+    ("N_uv", "rad s/m²", -0.03, 0.0, 1.1, 3.4),
+    ("N_tau", "rad/(s N m)", 3e-4, 3.5e-4, 0.05, 0.11),
 ];
 
 pub fn study() -> Study {
@@ -49,7 +50,7 @@ pub fn study() -> Study {
     Study {
         name: "paper".to_owned(),
         experiment_s: Some(125.0),
-        vessel: Some(vessel()),
+        vessel: Some(Vessel::preset("ljungberg-model-ship").expect("a preset")),
         dictionary: Some(MANEUVERS.iter().map(trace).collect()),
         moments: Some(moments()),
         design: Some(design()),
@@ -65,25 +66,6 @@ pub fn study() -> Study {
         measured: None,
         trajectory: None,
         files: files(),
-    }
-}
-
-fn vessel() -> VesselSummary {
-    let row = |&(name, unit, term, degree, truth, nominal, ..): &Parameter| ParameterRow {
-        name: name.to_owned(),
-        unit: unit.to_owned(),
-        term: term.to_owned(),
-        degree: degree.to_owned(),
-        truth: Some(truth),
-        nominal,
-    };
-    VesselSummary {
-        name: "Ljungberg model ship".to_owned(),
-        sample_rate_hz: 8.0,
-        inputs: [("tau1", "N"), ("tau2", "N"), ("tau3", "N m")]
-            .map(|(n, u)| (n.to_owned(), u.to_owned()))
-            .to_vec(),
-        parameters: PARAMETERS.iter().map(row).collect(),
     }
 }
 
@@ -190,7 +172,7 @@ fn moments() -> MomentsDocument {
         degrees: degrees.iter().enumerate().map(|entry| degree(entry, seed)).collect(),
         output_error: None,
     };
-    let structure = |name: &&str| DegreeStructure {
+    let structure = |name: &&str| Degree {
         name: (*name).to_owned(),
         regressors: vec!["u".to_owned(), "1".to_owned()],
         parameters: vec!["X_u".to_owned()],
@@ -210,7 +192,7 @@ fn estimate() -> EstimateDocument {
     EstimateDocument {
         estimator: Estimator::Iv,
         mean_removal: identification::MeanRemoval::Complete,
-        designs: vec![summary("optimized", |p| p.6, 1.0), summary("random", |p| p.7, 40.0)],
+        designs: vec![summary("optimized", |p| p.4, 1.0), summary("random", |p| p.5, 40.0)],
         seed: Some(1),
         trusted_within: Some(0.15),
         compared: None,
@@ -222,12 +204,12 @@ fn summary(design: &str, spread: impl Fn(&Parameter) -> f64, condition: f64) -> 
     let parameter = |p: &Parameter| ParameterSummary {
         name: p.0.to_owned(),
         unit: p.1.to_owned(),
-        truth: Some(p.4),
-        nominal: p.5,
-        mean: Some(p.4 * (1.0 + 0.1 * spread(p))),
-        spread: Some(spread(p) * p.4.abs()),
-        predicted_se: Some(0.97 * spread(p) * p.4.abs()),
-        relative_bias: Some(0.1 * spread(p) * p.4.signum()),
+        truth: Some(p.2),
+        nominal: p.3,
+        mean: Some(p.2 * (1.0 + 0.1 * spread(p))),
+        spread: Some(spread(p) * p.2.abs()),
+        predicted_se: Some(0.97 * spread(p) * p.2.abs()),
+        relative_bias: Some(0.1 * spread(p) * p.2.signum()),
         relative_spread: Some(spread(p)),
         se_ratio: Some(0.97),
         se_trusted: Some(true),

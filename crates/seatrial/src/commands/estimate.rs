@@ -12,7 +12,7 @@ use study::estimates::{self, Row};
 use study::files::{read_campaign, read_vessel};
 use vessel::Vessel;
 
-use super::unidentified::{refuse_if_all_collinear, refuse_if_none};
+use super::unidentified::refuse_if_none;
 use crate::choice::choice;
 use crate::cli::{Common, Sharding, beside, given, provenance};
 use crate::failure::Failure;
@@ -37,7 +37,7 @@ pub struct Arguments {
     #[arg(long, required_unless_present = "gather", value_name = "campaign.parquet")]
     trajectories: Option<PathBuf>,
     /// The estimator
-    #[arg(long, value_parser = choice(&Estimator::ALL, Estimator::name, Estimator::description), default_value_t = Estimator::Iv)]
+    #[arg(long, value_parser = choice(&Estimator::OF_RUNS, Estimator::name, Estimator::description), default_value_t = Estimator::Iv)]
     estimator: Estimator,
     /// Every estimator on the same runs
     #[arg(long, conflicts_with = "estimator")]
@@ -61,11 +61,6 @@ impl Task for Arguments {
         let vessel = read_vessel(&self.vessel, &mut provenance)?;
         let inputs = [&self.vessel].into_iter().chain(&self.trajectories).chain(&self.sharding.gather);
         let out = common.main_output(MAIN, inputs)?;
-        if self.estimator == Estimator::Auto {
-            let found =
-                "--estimator: found auto, expected ls, iv, refined-iv, output-error or prediction-error";
-            return Err(Failure::Usage(format!("{found}; for auto use estimate pool")));
-        }
         let levels = levels(self, &vessel, &mut provenance)?;
         let document = beside(&out, MAIN, "estimate.json");
         let made = match self.sharding.gathers() {
@@ -113,8 +108,7 @@ impl Arguments {
             |rows| estimates::table(vessel, rows),
         )?;
         if self.sharding.shard.is_none() {
-            refuse_if_all_collinear(&estimators, file, &reader, &made.rows)?;
-            refuse_if_none(file, vessel, &made.rows)?;
+            refuse_if_none(&estimators, file, &reader, &made.rows)?;
         }
         Ok(made)
     }

@@ -66,8 +66,8 @@ impl Task for Arguments {
             reference_point: config.reference_point,
             sample_rate_hz: config.sample_rate_hz,
             runs: u64::from(made.totals.runs),
-            samples: made.totals.samples as u64,
-            maneuvers: made.totals.maneuvers.iter().map(Into::into).collect(),
+            samples: made.totals.samples,
+            maneuvers: made.totals.maneuvers,
             recordings: made.recordings,
         };
         write(self, &out, &plan, &provenance, made.blocks, &document)?;
@@ -106,18 +106,18 @@ fn all(
     let work = |i: usize| {
         let found = recorded(plan, &segmentation, folder, &sources[i]);
         progress.advance(1);
-        found.map(|(recorded, digests)| (i, recorded, digests))
+        found
     };
-    ordered(0..sources.len(), work, |(i, mut recorded, digests)| {
+    ordered(0..sources.len(), work, |(mut recorded, digests)| {
         provenance.inputs.extend(digests);
-        for (run, further) in recorded.runs.iter_mut().zip(&recorded.further) {
-            totals.number(run);
+        totals.number(&mut recorded);
+        for (run, further) in recorded.runs.iter().zip(&recorded.further) {
             block.push(run, further);
             if block.is_full() {
                 blocks.push(encode_block(&schema, &std::mem::replace(&mut block, empty()).table())?);
             }
         }
-        recordings.push(RecordingSummary::of(&sources[i], &recorded));
+        recordings.push(recorded.summary);
         Ok::<(), Failure>(())
     })?;
     if !block.is_empty() {

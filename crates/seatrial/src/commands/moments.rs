@@ -71,8 +71,8 @@ impl Task for Arguments {
         }
         provenance.settings.insert("instruments".into(), json!(self.instruments));
         let (expected, output_error) = predicted(self, &vessel, &mut provenance)?;
-        let maneuvers =
-            maneuvers((self, common), &vessel, expected.as_ref(), output_error.as_ref(), &reader)?;
+        let prediction = Prediction::new(&vessel.model, expected.as_ref(), output_error.as_ref());
+        let maneuvers = maneuvers(self, &vessel, &prediction, &reader, common.quiet)?;
         let document = MomentsDocument::from(Moments {
             vessel: vessel.name.clone(),
             sample_rate_hz: vessel.sample_rate_hz,
@@ -92,15 +92,14 @@ impl Task for Arguments {
 
 /// The moments of all maneuvers in the table.
 fn maneuvers(
-    (a, common): (&Arguments, &Common),
+    a: &Arguments,
     vessel: &Vessel,
-    expected: Option<&Expected>,
-    output_error: Option<&FreeRunModel>,
+    prediction: &Prediction,
     reader: &TrajectoryReader,
+    quiet: bool,
 ) -> Result<Vec<ManeuverMoments>, Failure> {
-    let prediction = Prediction::new(&vessel.model, expected, output_error);
     let instruments = RunInstruments::new(vessel, a.instruments);
-    let progress = Progress::new("blocks", reader.blocks(), common.quiet);
+    let progress = Progress::new("blocks", reader.blocks(), quiet);
     let mut pool = Pool::default();
     let work = |block: usize| {
         let runs: Vec<Run> = prediction.runs(&reader.runs(block)?);
@@ -166,7 +165,7 @@ fn nominal_of(
 ) -> Result<Vec<f64>, Failure> {
     let model = nominal.read(vessel, provenance)?;
     let runs = PooledRuns::new(inputs::labelled_runs(&a.trajectories, vessel, provenance)?, &BTreeMap::new());
-    let parts = runs.segments(vessel, None).concat();
+    let parts = runs.segments(None).concat();
     let sums: Vec<Sums> = parts.iter().map(|p| Regression::of(&vessel.model, p).sums()).collect();
     let found = model.parameters(&sums.iter().collect::<Vec<_>>(), MeanRemoval::None);
     found.map(|(theta, _)| theta).ok_or_else(|| {

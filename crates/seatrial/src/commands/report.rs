@@ -2,13 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::cli::{Common, folder_of};
+use crate::cli::{Common, folder_of, in_folder};
 use crate::failure::Failure;
 use crate::stage::{Summary, Task};
 use artifact::{Staged, commit};
 use clap::Parser;
 use report::results::{Folders, tables};
-use report::{Rendered, Sources, load, picture, render};
+use report::{Sources, load, picture, render};
 use serde_json::json;
 
 /// Inputs that an output could replace: folders alone are read.
@@ -90,12 +90,11 @@ impl Task for Arguments {
         let page = render(&study);
         let out = common.main_output("report.html", NO_FILES)?;
         let figures = folder_of(&out).join("figures");
-        let existed = figures.is_dir();
-        write(&page, &out, &figures).inspect_err(|_| {
-            if !existed {
-                // Only an empty folder goes; the failure itself is reported.
-                let _ = std::fs::remove_dir(&figures);
-            }
+        in_folder(&figures, || {
+            let html = std::iter::once_with(|| Staged::bytes(&out, page.html.as_bytes()));
+            let svg =
+                page.figures.iter().map(|(name, svg)| Staged::bytes(figures.join(name), svg.as_bytes()));
+            Ok(commit(html.chain(svg).collect::<Result<_, _>>()?)?)
         })?;
         let figures = page.figures.len();
         Ok(Summary::of(&out, format!("{figures} figures"), json!({"figures": figures})))
@@ -133,16 +132,4 @@ impl Task for Picture {
         commit(vec![Staged::bytes(&out, text.as_bytes())?])?;
         Ok(Summary::of(&out, format!("{} bytes", text.len()), json!({"bytes": text.len()})))
     }
-}
-
-fn write(page: &Rendered, out: &Path, figures: &Path) -> Result<(), Failure> {
-    if !figures.is_dir() {
-        std::fs::create_dir(figures).map_err(|e| artifact::Error::io(figures, "create", e))?;
-    }
-    let mut staged = Vec::new();
-    for (name, svg) in &page.figures {
-        staged.push(Staged::bytes(figures.join(name), svg.as_bytes())?);
-    }
-    staged.insert(0, Staged::bytes(out, page.html.as_bytes())?);
-    Ok(commit(staged)?)
 }

@@ -5,11 +5,11 @@ use std::path::{Path, PathBuf};
 use artifact::{Provenance, TableWriter, commit_with_document, encode_block};
 use clap::Parser;
 use identification::Estimator;
-use identification::selection::{SelectionOptions, available, select};
+use identification::selection::{PublishedLimits, SelectionOptions, available, select};
 use serde_json::json;
-use study::documents::{PublishedLimits, Reference, SelectionDocument};
+use study::documents::{Reference, SelectionDocument};
 use study::files::read_vessel;
-use study::selection::{Row, document, rows_of, schema, table};
+use study::selection::{Row, document, schema, table};
 
 use super::counts::counts;
 use crate::choice::choice;
@@ -66,22 +66,21 @@ impl Task for Arguments {
         let inputs = self.flags.inputs().chain(&self.design).chain(&self.reference);
         let out = common.main_output("selection.parquet", inputs)?;
         let (runs, pool) = self.flags.read(&vessel, &mut provenance)?;
-        let there = available(&runs.segments(&vessel, None).concat());
+        let there = available(&runs.segments(None).concat());
         let picks = self.picks.map(u64::from);
         let options = SelectionOptions {
             estimator: self.estimator,
             counts: counts(self.design.as_deref(), &self.counts, picks, &there, &mut provenance)?,
             realizations: self.realizations,
             seed: common.seed.unwrap_or(1),
+            published_limits: self.published(&mut provenance)?,
         };
         let progress = Progress::new("realizations", 2 * self.realizations as usize, common.quiet);
         let found = select(&pool, &runs, &options, &|count| progress.advance(count));
         let found = found.map_err(|e| lost(&self.flags.trajectories, &e))?;
         self.note(&options, &mut provenance);
-        let published = self.published(&mut provenance)?;
-        let (rows, nominal) = (rows_of(&found), self.flags.nominal().source());
-        let document = document(&pool, nominal, &options, &found, &rows, published);
-        publish(&out, &provenance, &rows, &document)
+        let document = document(&pool, self.flags.nominal().source(), &options, &found);
+        publish(&out, &provenance, &found.realizations, &document)
     }
 }
 

@@ -11,7 +11,7 @@ use trial::moments::Estimated;
 use vessel::Source;
 
 use crate::choice::choice;
-use crate::cli::name_of;
+use crate::cli::{check_positive, name_of};
 use crate::failure::Failure;
 
 /// Finds the shares of the experiment time that make the information largest (D-optimal), or a criterion of the estimate's
@@ -114,11 +114,11 @@ fn relative_to(source: Source) -> &'static str {
 impl Arguments {
     /// Refuses numbers that mean nothing.
     pub(super) fn check(&self) -> Result<(), Failure> {
-        check_number("--tolerance", Some(self.tolerance))?;
-        check_number("--duration-s", self.duration_s)?;
-        check_number("--minimal-s", self.minimal_s)?;
-        check_number("--accuracy", self.accuracy)?;
-        check_number("--longest-s", Some(self.longest_s))
+        check_positive("--tolerance", Some(self.tolerance))?;
+        check_positive("--duration-s", self.duration_s)?;
+        check_positive("--minimal-s", self.minimal_s)?;
+        check_positive("--accuracy", self.accuracy)?;
+        check_positive("--longest-s", Some(self.longest_s))
     }
 
     /// The criterion's name, the one that is asked for or the usual one.
@@ -205,14 +205,5 @@ impl Arguments {
         if let Some(duration) = self.duration_s {
             settings.insert("duration_s".into(), json!(duration));
         }
-    }
-}
-
-fn check_number(flag: &str, value: Option<f64>) -> Result<(), Failure> {
-    match value.filter(|value| !(value.is_finite() && *value > 0.0)) {
-        Some(value) => {
-            Err(Failure::Usage(format!("{flag}: found {value}, expected a number above 0; correct it")))
-        }
-        None => Ok(()),
     }
 }

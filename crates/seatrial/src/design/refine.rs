@@ -15,7 +15,7 @@ use trial::campaign::Plan;
 use trial::refining::{Limits, Refinement, Refusal, Start, StatedLimits};
 use vessel::{Generator, Invalid, Vessel, refuse_endless};
 
-use crate::cli::{Common, beside, provenance};
+use crate::cli::{Common, beside, check_positive, provenance};
 use crate::failure::Failure;
 use crate::inputs;
 use crate::simulate::Files;
@@ -138,10 +138,8 @@ fn noise(config: &CampaignFile) -> Result<Noise, Invalid> {
 
 /// Samples between knots.
 fn knot(a: &Refine, rate_hz: f64) -> Result<usize, Failure> {
-    match a.knot_s {
-        s if s.is_finite() && s > 0.0 => Ok(((s * rate_hz).round() as usize).max(1)),
-        s => Err(Failure::Usage(format!("--knot-s: found {s}, expected a number above 0; correct it"))),
-    }
+    check_positive("--knot-s", Some(a.knot_s))?;
+    Ok(((a.knot_s * rate_hz).round() as usize).max(1))
 }
 
 /// What the result depends on besides the inputs.

@@ -2,13 +2,13 @@
 
 use std::path::Path;
 
-use artifact::{Error, Provenance, Staged, commit, stage_set_document};
-use logs::chain::{Entry, FORCES, Logbook, LogbookError, force_factors};
+use artifact::{Provenance, Staged, commit, stage_set_document};
+use logs::chain::{Entry, Fault, Logbook, NoLogs, force_factors};
 use study::documents::SimulatedLogsDocument;
 use study::logs_file::LogsFile;
 use vessel::{Generator, Source, Vessel};
 
-use crate::cli::folder_of;
+use crate::cli::{folder_of, in_folder};
 use crate::failure::Failure;
 
 /// The hand-written files, for messages.
@@ -40,37 +40,14 @@ pub fn simulate(
         let chain = config.chain(vessel, &parameters, force_factors(vessel)?);
         Logbook::new(chain, generator, config.schedule(), seed)?.entries()
     };
-    entries().map_err(|error| failure(files, error))
-}
-
-fn failure(files: &Files, error: LogbookError) -> Failure {
-    match error {
-        LogbookError::Inputs(found) => {
-            let expected = "tau1 [N], tau2 [N], tau3 [N m], the forces of azimuth thrusters";
-            let found = found.join(", ");
-            Failure::refuse(files.vessel, "[[input]]", &found, expected, "simulate another vessel")
-        }
-        LogbookError::Name(name) => {
-            let expected = "letters, digits, - and . alone, for the name of a log";
-            let thing = format!("maneuver `{name}`");
-            Failure::refuse(files.dictionary, &thing, "another character", expected, "rename it")
-        }
-        LogbookError::Maneuver(invalid) => Failure::invalid(files.dictionary, &invalid),
-        LogbookError::Diverged { maneuver, repeat, at } => Failure::invalid(
-            files.vessel,
-            &at.invalid(format!("model in log {repeat} of maneuver `{maneuver}`")),
-        ),
-        LogbookError::Unreachable { maneuver, sample, what } => {
-            let (force, unit) = FORCES[what.force.min(2)];
-            let found = format!(
-                "thrusters that make {force} = {:.4} {unit} where maneuver `{maneuver}` needs {:.4} at sample {sample}",
-                what.made, what.wanted
-            );
-            let expected = "thrusters that can make surge, sway and yaw together";
-            let remedy = "add a thruster elsewhere, or couple the inputs with `follows`";
-            Failure::refuse(files.logs, "[[thruster]]", &found, expected, remedy)
-        }
-    }
+    entries().map_err(|NoLogs { fault, what }| {
+        let file = match fault {
+            Fault::Vessel => files.vessel,
+            Fault::Maneuvers => files.dictionary,
+            Fault::Thrusters => files.logs,
+        };
+        Failure::invalid(file, &what)
+    })
 }
 
 /// Writes the logs and, beside them, `out`: all or nothing.
@@ -83,23 +60,12 @@ pub fn publish(
     document: &SimulatedLogsDocument,
     provenance: &Provenance,
 ) -> Result<(), Failure> {
-    let folder = out.parent().filter(|folder| !folder.as_os_str().is_empty());
-    let missing = folder.filter(|folder| !folder.is_dir());
-    if let Some(folder) = missing {
-        std::fs::create_dir(folder).map_err(|e| Error::io(folder, "create", e))?;
-    }
-    let staged = || -> Result<(), Failure> {
+    in_folder(folder_of(out), || {
         let mut files = Vec::with_capacity(entries.len() + 1);
         for (entry, recording) in entries.iter().zip(&document.recordings) {
             files.push(Staged::bytes(folder_of(out).join(&recording.file), entry.text.as_bytes())?);
         }
         files.insert(0, stage_set_document(out, provenance, document, &files)?);
         Ok(commit(files)?)
-    };
-    staged().inspect_err(|_| {
-        if let Some(folder) = missing {
-            // Only an empty folder goes; the failure itself is reported.
-            let _ = std::fs::remove_dir(folder);
-        }
     })
 }

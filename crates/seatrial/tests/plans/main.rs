@@ -3,6 +3,8 @@
 
 #[path = "../support/mod.rs"]
 mod support;
+#[path = "../../../chart/tests/all/xml.rs"]
+mod xml;
 
 mod chart_refusals;
 mod choices;
@@ -19,4 +21,3 @@ mod same_bytes;
 mod sea;
 mod time_limits;
 mod waters;
-mod xml;

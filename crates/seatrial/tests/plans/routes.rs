@@ -44,7 +44,7 @@ fn the_rtz_route_keeps_the_rules_of_version_1_0_and_passes_the_nodes() {
         assert_eq!((root.name.as_str(), root.get("version")), ("route", Some("1.0")));
         assert_eq!(root.get("xmlns"), Some("http://www.cirm.org/RTZ/1/0"));
         assert!(root.one("routeInfo").get("routeName").is_some_and(|name| !name.is_empty()));
-        let points: Vec<&Element> = root.one("waypoints").all("waypoint").collect();
+        let points = root.one("waypoints").all("waypoint");
         let mut ids: Vec<u32> = points.iter().map(|p| p.get("id").unwrap().parse().unwrap()).collect();
         ids.sort_unstable();
         ids.dedup();
@@ -53,7 +53,7 @@ fn the_rtz_route_keeps_the_rules_of_version_1_0_and_passes_the_nodes() {
         let expected = waypoints(planned);
         assert_eq!(places.len(), expected.len());
         assert!(places.iter().zip(&expected).all(|(a, b)| near(*a, *b)), "{places:?} {expected:?}");
-        assert_eq!(points[0].all("leg").count(), 0, "no leg ends at the first waypoint");
+        assert_eq!(points[0].all("leg").len(), 0, "no leg ends at the first waypoint");
         for (k, point) in points.iter().enumerate().skip(1) {
             assert!(point.one("leg").number("speedMax") > 0.0);
             let adjacent = places[k - 1..].windows(2).take(2).map(|pair| metres(pair[0], pair[1]));
@@ -72,11 +72,12 @@ fn the_gpx_file_has_the_routes_waypoints_and_the_tracks_samples() {
         let root = read(planned.text("route.gpx"));
         assert_eq!(root.get("xmlns"), Some("http://www.topografix.com/GPX/1/1"));
         assert_eq!(root.get("version"), Some("1.1"));
-        let route: Vec<[f64; 2]> = root.one("rte").all("rtept").map(place).collect();
+        let route: Vec<[f64; 2]> = root.one("rte").all("rtept").into_iter().map(place).collect();
         let expected = waypoints(planned);
         assert_eq!(route.len(), expected.len());
         assert!(route.iter().zip(&expected).all(|(a, b)| near(*a, *b)));
-        let track: Vec<[f64; 2]> = root.one("trk").one("trkseg").all("trkpt").map(place).collect();
+        let track: Vec<[f64; 2]> =
+            root.one("trk").one("trkseg").all("trkpt").into_iter().map(place).collect();
         assert_eq!(track.len(), planned.track.place.len());
         assert!(track.iter().zip(&planned.track.place).all(|(a, b)| near(*a, *b)));
     }

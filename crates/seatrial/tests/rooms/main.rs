@@ -1,5 +1,6 @@
 //! The house of ARCHITECTURE.md as it is built: which crate may use which, what the science may know, how large a room is.
 
+mod circles;
 mod pages;
 mod source;
 
@@ -143,4 +144,10 @@ fn no_crate_is_too_large() {
         broken.add("lines of all crates", "all", total - TOTAL, "lines too many");
     }
     broken.check();
+}
+
+#[test]
+fn files_need_each_other_one_way() {
+    let all: Vec<Vec<String>> = source::crates().iter().flat_map(circles::circles).collect();
+    assert!(all.is_empty(), "{all:#?}");
 }

@@ -22,6 +22,27 @@ impl Crate {
             .flat_map(|(file, lines)| lines.iter().map(|line| (file.as_str(), line.as_str())));
         all.filter(|(_, line)| !line.trim_start().starts_with("//"))
     }
+
+    /// The code of every file, without tests and comments.
+    pub fn files(&self) -> impl Iterator<Item = (&str, String)> {
+        let code = |lines: &[String]| {
+            let code = lines.iter().filter(|line| !line.trim_start().starts_with("//"));
+            code.map(|line| format!("{line}\n")).collect()
+        };
+        self.files.iter().map(move |(file, lines)| (file.as_str(), code(lines)))
+    }
+
+    /// A crate of these files.
+    pub fn of(files: &[(&str, &str)]) -> Self {
+        let file =
+            |(name, text): &(&str, &str)| ((*name).to_owned(), text.lines().map(str::to_owned).collect());
+        Self {
+            name: String::new(),
+            dependencies: Vec::new(),
+            size: 0,
+            files: files.iter().map(file).collect(),
+        }
+    }
 }
 
 /// All crates of the workspace, by name.

@@ -141,7 +141,12 @@ fn names_and_missing_disturbances_are_refused() {
         &["--campaign", "prediction-error"],
     );
     refused(&folder, 2, &format!("{ESTIMATE} --compare"), &["--campaign", "--compare"]);
-    refused(&folder, 2, &format!("{ESTIMATE} --estimator auto"), &["--estimator", "auto", "estimate pool"]);
+    refused(
+        &folder,
+        2,
+        &format!("{ESTIMATE} --estimator auto"),
+        &["--estimator", "auto", "prediction-error"],
+    );
     refused(&folder, 2, &format!("{ESTIMATE} --compare --estimator iv"), &["--compare", "--estimator"]);
     edit(&folder, "campaign.toml", "std_v_m_s = 0.15811388300841897", "std_v_m_s = 0.0");
     refused(&folder, 3, COMPARE, &["campaign.toml", "`measurement.std_v_m_s`", "found 0"]);

@@ -1,12 +1,10 @@
-use artifact::Document;
+use artifact::{Document, Units};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use identification::crossval::{self, CrossValidation};
-use identification::pooled::{NominalSource, Pool, SourceErrors};
-use identification::{Estimator, MeanRemoval, ScoreStatus};
-
-use super::trust::FreeRunErrors;
+use identification::crossval::{CrossValidation, EstimatorScore};
+use identification::pooled::{NominalSource, Pool};
+use identification::{Estimator, MeanRemoval};
 
 /// `crossval.json`: free simulation over runs or recordings that were left out of the estimate.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
@@ -42,42 +40,6 @@ pub struct CrossvalDocument {
     pub estimators: Vec<EstimatorScore>,
 }
 
-/// One estimator over all folds.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct EstimatorScore {
-    /// The estimator.
-    pub name: Estimator,
-    /// What became of its models.
-    pub status: ScoreStatus,
-    /// Why there are no errors.
-    pub reason: Option<String>,
-    /// Over all windows of all folds.
-    pub errors: Option<FreeRunErrors>,
-    /// Norm of RMSE/std.
-    pub error_norm: Option<f64>,
-    /// Windows that diverged.
-    pub diverged: u64,
-    /// Folds in which surge, sway, yaw were estimated with simulated instruments.
-    pub by_instruments: [u64; 3],
-    /// One entry per run or recording, when it was left out; against the standard deviations of its own states.
-    pub sources: Vec<SourceScore>,
-}
-
-/// One estimator on one run or recording that was left out.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct SourceScore {
-    /// Its name.
-    pub source: String,
-    /// Windows of it.
-    pub windows: u64,
-    /// Windows that diverged.
-    pub diverged: u64,
-    /// Null where one diverged, there is no window, or no model.
-    pub errors: Option<FreeRunErrors>,
-}
-
 impl CrossvalDocument {
     /// What was found with instruments from `nominal` over windows of `window_s` seconds.
     pub fn new(pool: &Pool, nominal: NominalSource, window_s: Option<f64>, found: &CrossValidation) -> Self {
@@ -96,33 +58,7 @@ impl CrossvalDocument {
             std_r,
             recommended: found.recommended,
             statements: found.statements.clone(),
-            estimators: found.scores.iter().map(EstimatorScore::from).collect(),
-        }
-    }
-}
-
-impl From<&crossval::EstimatorScore> for EstimatorScore {
-    fn from(found: &crossval::EstimatorScore) -> Self {
-        Self {
-            name: found.estimator,
-            status: found.status,
-            reason: found.reason.clone(),
-            errors: found.errors.as_ref().map(FreeRunErrors::from),
-            error_norm: found.errors.and_then(|e| e.norm()),
-            diverged: found.diverged,
-            by_instruments: found.by_instruments,
-            sources: found.sources.iter().map(SourceScore::from).collect(),
-        }
-    }
-}
-
-impl From<&SourceErrors> for SourceScore {
-    fn from(found: &SourceErrors) -> Self {
-        Self {
-            source: found.source.clone(),
-            windows: found.windows as u64,
-            diverged: found.diverged,
-            errors: found.errors.as_ref().map(FreeRunErrors::from),
+            estimators: found.scores.clone(),
         }
     }
 }
@@ -130,23 +66,11 @@ impl From<&SourceErrors> for SourceScore {
 impl Document for CrossvalDocument {
     const ID: &'static str = "crossval";
     const VERSION: u32 = 1;
-    const UNITS: &'static [(&'static str, &'static str)] = &[
-        ("prior", "1"),
-        ("window_s", "s"),
-        ("windows", "1"),
-        ("samples", "1"),
-        ("folds", "1"),
-        ("std_u", "m/s"),
-        ("std_v", "m/s"),
-        ("std_r", "rad/s"),
-        ("error_norm", "1"),
-        ("diverged", "1"),
-        ("by_instruments", "1"),
-        ("rmse_u", "m/s"),
-        ("rmse_v", "m/s"),
-        ("rmse_r", "rad/s"),
-        ("fit_u", "%"),
-        ("fit_v", "%"),
-        ("fit_r", "%"),
+    const UNITS: Units = &[
+        ("1", "prior windows samples folds error_norm diverged by_instruments"),
+        ("s", "window_s"),
+        ("m/s", "std_u std_v rmse_u rmse_v"),
+        ("rad/s", "std_r rmse_r"),
+        ("%", "fit_u fit_v fit_r"),
     ];
 }

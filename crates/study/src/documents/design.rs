@@ -1,6 +1,6 @@
 use std::collections::BTreeMap;
 
-use artifact::Document;
+use artifact::{Document, Units};
 use design::{AccuracyOf, CriterionName, Method};
 use identification::{Estimator, MeanRemoval};
 use schemars::JsonSchema;
@@ -224,24 +224,9 @@ pub struct Counts {
 impl Document for DesignDocument {
     const ID: &'static str = "design";
     const VERSION: u32 = 1;
-    const UNITS: &'static [(&'static str, &'static str)] = &[
-        ("shares", "1"),
-        ("sensitivities", "1"),
-        ("dimension", "1"),
-        ("gap", "1"),
-        ("relative_gap", "1"),
-        ("log_det", "1"),
-        ("iterations", "1"),
-        ("equal_shares", "1"),
-        ("single", "1"),
-        ("counts", "1"),
-        ("segments", "1"),
-        ("segment_samples", "1"),
-        ("efficiency", "1"),
-        ("minimal_s", "s"),
-        ("duration_s", "s"),
-        ("samples", "1"),
-        ("wanted", "1"),
-        ("reached", "1"),
+    const UNITS: Units = &[
+        ("1", "shares sensitivities dimension gap relative_gap log_det iterations equal_shares single"),
+        ("1", "counts segments segment_samples efficiency samples wanted reached"),
+        ("s", "minimal_s duration_s"),
     ];
 }

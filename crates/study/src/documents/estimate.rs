@@ -1,4 +1,4 @@
-use artifact::Document;
+use artifact::{Document, Units};
 use identification::pooled::{DegreeTrust, ParameterTrust, Pooled};
 use identification::{Estimator, MeanRemoval};
 use schemars::JsonSchema;
@@ -187,11 +187,10 @@ impl EstimateDocument {
 
 impl From<&DegreeTrust> for DegreeSummary {
     fn from(found: &DegreeTrust) -> Self {
-        let condition = Some(found.condition).filter(|x| x.is_finite());
         Self {
-            name: found.degree.name().to_owned(),
-            condition_median: condition,
-            condition_max: condition,
+            name: found.name.clone(),
+            condition_median: found.condition,
+            condition_max: found.condition,
             weakest_parameter: found.weakest_parameter().to_owned(),
             weakest_share: 1.0,
             ..Self::default()
@@ -202,28 +201,10 @@ impl From<&DegreeTrust> for DegreeSummary {
 impl Document for EstimateDocument {
     const ID: &'static str = "estimate";
     const VERSION: u32 = 1;
-    const UNITS: &'static [(&'static str, &'static str)] = &[
-        ("runs", "1"),
-        ("identified", "1"),
-        ("not_converged", "1"),
-        ("kept", "1"),
-        ("truth", "the parameter's unit"),
-        ("nominal", "the parameter's unit"),
-        ("mean", "the parameter's unit"),
-        ("spread", "the parameter's unit"),
-        ("predicted_se", "the parameter's unit"),
-        ("condition_median", "1"),
-        ("condition_max", "1"),
-        ("weakest_share", "1"),
-        ("weakest_share_interval", "1"),
-        ("condition_median_interval", "1"),
-        ("seed", "1"),
-        ("trusted_within", "1"),
-        ("relative_bias", "1"),
-        ("relative_spread", "1"),
-        ("relative_rms", "1"),
-        ("se_ratio", "1"),
-        ("se_ratio_min", "1"),
-        ("se_ratio_max", "1"),
+    const UNITS: Units = &[
+        ("1", "runs identified not_converged kept condition_median condition_max weakest_share"),
+        ("1", "weakest_share_interval condition_median_interval seed trusted_within relative_bias"),
+        ("1", "relative_spread relative_rms se_ratio se_ratio_min se_ratio_max"),
+        ("the parameter's unit", "truth nominal mean spread predicted_se"),
     ];
 }

@@ -21,7 +21,15 @@ mod validation;
 
 use artifact::{Document, json_schema};
 
-pub use crossval::{CrossvalDocument, EstimatorScore, SourceScore};
+// What documents are made of and the science says itself.
+pub use ::design::Degree;
+pub use identification::crossval::{EstimatorScore, SourceScore};
+pub use identification::pooled::{DegreeTrust, FreeRunErrors, ParameterTrust, SourceErrors};
+pub use identification::selection::{PublishedLimits, SelectionErrors, SelectionScores, SharesBeyond};
+pub use identification::{Quantiles, Share};
+pub use trial::moments::{DegreeMoments, ManeuverMoments};
+
+pub use crossval::CrossvalDocument;
 pub use design::{
     Accuracy, AccuracyPoint, Counts, CovarianceCriterion, DesignDocument, Efficiency, Restricted, Sequence,
     SequencePart, Start,
@@ -32,10 +40,7 @@ pub use ingest::{
     ChannelSummary, IngestDocument, ManeuverCount, MotionSummary, RecordingSummary, RowSummary, State,
     WarningKind, WarningSummary,
 };
-pub use moments::{
-    DegreeMoments, DegreeStructure, ExpectedDisturbances, ManeuverMoments, MomentsDocument, OutputErrorModel,
-    OutputErrorMoments,
-};
+pub use moments::MomentsDocument;
 pub use plan::{
     CostUnit, PlanDocument, PlanLattice, PlanPose, PlanStatus, PlanStep, Primitive, SecondaryCost, Voyage,
     VoyageLeg,
@@ -43,18 +48,14 @@ pub use plan::{
 pub use reference::{Published, PublishedPicks, PublishedSelection, PublishedShare, Reference};
 pub use refined::{RefinedDocument, RefinedExperiment, RefinedLimit};
 pub use refinement::RefinedFiles;
-pub use selection::{
-    PublishedLimits, SelectionDocument, SelectionErrors, SelectionScores, Share, SharesBeyond,
-};
+pub use selection::SelectionDocument;
 pub use sequential::SequentialDocument;
 pub use simulated::{SIMULATED_FILE, SimulatedLogsDocument, SimulatedRecording};
 pub use solved::{Few, Solved};
-pub use trust::{
-    FreeRunErrors, InstrumentResidual, TrustDegree, TrustDocument, TrustParameter, TrustRun, Whiteness,
-};
+pub use trust::TrustDocument;
 pub use validation::{
     Bounds, ComparedError, DesignScores, EstimatorRecommendation, EstimatorScores, PairedDifference,
-    Quantiles, ValidationDocument,
+    ValidationDocument,
 };
 
 /// JSON Schema of every document that a stage writes, by the document's id.

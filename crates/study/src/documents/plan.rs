@@ -1,6 +1,6 @@
 use std::collections::BTreeMap;
 
-use artifact::Document;
+use artifact::{Document, Units};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use trial::Side;
@@ -30,39 +30,25 @@ pub struct PlanDocument {
     pub voyage: Option<Voyage>,
 }
 
-/// What is known of a plan.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-pub enum PlanStatus {
-    /// No plan is cheaper: proved.
-    Optimal,
-    /// The plan is valid; the lower bound says how much cheaper another one might be.
-    Feasible,
-}
-
-impl PlanStatus {
-    /// As in the file.
-    pub fn name(self) -> &'static str {
-        ["optimal", "feasible"][self as usize]
+vessel::choices! {
+    /// What is known of a plan.
+    pub enum PlanStatus {
+        /// No plan is cheaper: proved.
+        Optimal = "optimal",
+        /// The plan is valid; the lower bound says how much cheaper another one might be.
+        Feasible = "feasible",
     }
 }
 
-/// What the cost of a plan counts.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-pub enum CostUnit {
-    /// Basic moves.
-    BasicMoves,
-    /// Seconds.
-    Seconds,
-    /// Whatever a problem file counts.
-    Cost,
-}
-
-impl CostUnit {
-    /// As in the file.
-    pub fn name(self) -> &'static str {
-        ["basic-moves", "seconds", "cost"][self as usize]
+vessel::choices! {
+    /// What the cost of a plan counts.
+    pub enum CostUnit {
+        /// Basic moves.
+        BasicMoves = "basic-moves",
+        /// Seconds.
+        Seconds = "seconds",
+        /// Whatever a problem file counts.
+        Cost = "cost",
     }
 }
 
@@ -222,51 +208,16 @@ pub struct Primitive {
 impl Document for PlanDocument {
     const ID: &'static str = "plan";
     const VERSION: u32 = 1;
-    const UNITS: &'static [(&'static str, &'static str)] = &[
-        ("cost", "1 or s, as cost_unit says"),
-        ("lower_bound", "1 or s, as cost_unit says"),
-        ("value", "1 or s"),
-        ("counts", "1"),
-        ("variant", "1"),
-        ("i", "1"),
-        ("j", "1"),
-        ("h", "1"),
-        ("to_h", "1"),
-        ("di", "1"),
-        ("dj", "1"),
-        ("fits", "1"),
-        ("nx", "1"),
-        ("ny", "1"),
-        ("headings", "1"),
-        ("cell_m", "m"),
-        ("longitude_deg", "deg"),
-        ("latitude_deg", "deg"),
-        ("heading_deg", "deg"),
-        ("residual_deg", "deg"),
-        ("modes", "m/s"),
-        ("speed_m_s", "m/s"),
-        ("start_s", "s"),
-        ("duration_s", "s"),
-        ("informative_s", "s"),
-        ("maneuver_start_s", "s"),
-        ("maneuver_s", "s"),
-        ("leg_s", "s"),
-        ("residual_m", "m"),
-        ("end_error_m", "m"),
-        ("drift_margin_m", "m"),
-        ("largest_inputs", "as declared in vessel.toml"),
-        ("clearance_m", "m"),
-        ("clearance_quantiles_m", "m"),
-        ("unknown_current_m_s", "m/s"),
-        ("runs", "1"),
-        ("aground", "1"),
-        ("aground_open_loop", "1"),
-        ("predicted_log_det", "1"),
-        ("realised_log_det", "1"),
-        ("whole_log_det", "1"),
-        ("efficiency", "1"),
-        ("design_efficiency", "1"),
-        ("dimension", "1"),
-        ("log_det", "1"),
+    const UNITS: Units = &[
+        ("1 or s, as cost_unit says", "cost lower_bound"),
+        ("1 or s", "value"),
+        ("1", "counts variant i j h to_h di dj fits nx ny headings runs aground aground_open_loop"),
+        ("1", "predicted_log_det realised_log_det whole_log_det efficiency design_efficiency dimension"),
+        ("1", "log_det"),
+        ("m", "cell_m residual_m end_error_m drift_margin_m clearance_m clearance_quantiles_m"),
+        ("deg", "longitude_deg latitude_deg heading_deg residual_deg"),
+        ("m/s", "modes speed_m_s unknown_current_m_s"),
+        ("s", "start_s duration_s informative_s maneuver_start_s maneuver_s leg_s"),
+        ("as declared in vessel.toml", "largest_inputs"),
     ];
 }

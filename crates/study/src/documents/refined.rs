@@ -1,6 +1,6 @@
 use std::collections::BTreeMap;
 
-use artifact::Document;
+use artifact::{Document, Units};
 use design::CriterionName;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -76,19 +76,10 @@ pub struct RefinedLimit {
 impl Document for RefinedDocument {
     const ID: &'static str = "refined";
     const VERSION: u32 = 1;
-    const UNITS: &'static [(&'static str, &'static str)] = &[
-        ("samples", "1"),
-        ("duration_s", "s"),
-        ("value", "1"),
-        ("measurement_value", "1"),
-        ("parameter_error", "1"),
-        ("standard_errors", "as the parameter"),
-        ("worth", "1"),
-        ("allowed", "as `limit`"),
-        ("before", "as `limit`"),
-        ("after", "as `limit`"),
-        ("knot_s", "s"),
-        ("iterations", "1"),
-        ("simulations", "1"),
+    const UNITS: Units = &[
+        ("1", "samples value measurement_value parameter_error worth iterations simulations"),
+        ("s", "duration_s knot_s"),
+        ("as the parameter", "standard_errors"),
+        ("as `limit`", "allowed before after"),
     ];
 }

@@ -1,14 +1,12 @@
 use std::collections::BTreeMap;
 
-use artifact::Document;
-use numerics::statistics::wilson;
+use artifact::{Document, Units};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use identification::pooled::NominalSource;
+use identification::selection::{PublishedLimits, SelectionScores};
 use identification::{Estimator, MeanRemoval};
-
-use super::Quantiles;
 
 /// `selection.json`: models from sub-experiments picked by a design, against random picks of the same number.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
@@ -58,122 +56,16 @@ pub struct SelectionDocument {
     pub designs: Vec<SelectionScores>,
 }
 
-/// The realizations of one design. One without model, or whose simulation diverged, counts as infinite (null).
-#[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct SelectionScores {
-    /// `optimized` or `random`.
-    pub design: String,
-    /// Number of realizations.
-    pub realizations: u64,
-    /// Realizations without model.
-    pub not_identifiable: u64,
-    /// Realizations whose simulation diverged.
-    pub diverged: u64,
-    /// Share of the realizations that are degenerate.
-    pub degenerate_share: f64,
-    /// 95 % interval of that share (Wilson's); absent without realizations.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub degenerate_share_interval: Option<[f64; 2]>,
-    /// Shares of the realizations at or above `published_limits`, over all sub-experiments; one without model, or whose
-    /// simulation diverged, is above all of them.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub beyond_published: Option<SharesBeyond>,
-    /// Over all sub-experiments, those picked included: the paper's protocol.
-    pub overlapping: SelectionErrors,
-    /// Over those that were not picked.
-    pub left_out: SelectionErrors,
-}
-
-/// Errors at which the figures of a published study end.
-#[derive(Clone, Copy, Debug, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct PublishedLimits {
-    /// Norm of the RMSE as numbers.
-    pub rmse_norm: f64,
-    /// RMSE in surge.
-    pub rmse_u: f64,
-    /// RMSE in sway.
-    pub rmse_v: f64,
-    /// RMSE in yaw rate.
-    pub rmse_r: f64,
-}
-
-/// Shares of the realizations that are at or above [`PublishedLimits`].
-#[derive(Clone, Copy, Debug, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct SharesBeyond {
-    /// By the norm of the RMSE as numbers.
-    pub norm: Share,
-    /// In surge.
-    pub surge: Share,
-    /// In sway.
-    pub sway: Share,
-    /// In yaw rate.
-    pub yaw: Share,
-}
-
-/// A share of realizations.
-#[derive(Clone, Copy, Debug, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct Share {
-    /// The share.
-    pub share: f64,
-    /// Its 95 % interval (Wilson's); null without realizations.
-    pub interval: Option<[f64; 2]>,
-}
-
-impl Share {
-    /// `count` of `total`.
-    pub fn of(count: usize, total: usize) -> Self {
-        Self { share: count as f64 / total.max(1) as f64, interval: wilson(count as u64, total as u64) }
-    }
-}
-
-/// Quantiles over the realizations.
-#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct SelectionErrors {
-    /// Norm of RMSE/std.
-    pub error_norm: Quantiles,
-    /// Norm of the RMSE as numbers: the paper's.
-    pub rmse_norm: Quantiles,
-    /// Of surge speed.
-    pub rmse_u: Quantiles,
-    /// Of sway speed.
-    pub rmse_v: Quantiles,
-    /// Of yaw rate.
-    pub rmse_r: Quantiles,
-}
-
 impl Document for SelectionDocument {
     const ID: &'static str = "selection";
     const VERSION: u32 = 1;
-    const UNITS: &'static [(&'static str, &'static str)] = &[
-        ("prior", "1"),
-        ("picks", "1"),
-        ("counts", "1"),
-        ("available", "1"),
-        ("parts", "1"),
-        ("samples", "1"),
-        ("std_u", "m/s"),
-        ("std_v", "m/s"),
-        ("std_r", "rad/s"),
-        ("degenerate_from", "1"),
-        ("ratio_q90", "1"),
-        ("instrument_fit", "%"),
-        ("realizations", "1"),
-        ("not_identifiable", "1"),
-        ("diverged", "1"),
-        ("degenerate_share", "1"),
-        ("degenerate_share_interval", "1"),
-        ("share", "1"),
-        ("interval", "1"),
-        ("seed", "1"),
-        ("error_norm", "1"),
-        ("rmse_norm", "m/s, m/s and rad/s as numbers"),
-        ("rmse_u", "m/s"),
-        ("rmse_v", "m/s"),
-        ("rmse_r", "rad/s"),
+    const UNITS: Units = &[
+        ("1", "prior picks counts available parts samples degenerate_from ratio_q90 realizations"),
+        ("1", "not_identifiable diverged degenerate_share degenerate_share_interval share interval"),
+        ("1", "seed error_norm"),
+        ("m/s", "std_u std_v rmse_u rmse_v"),
+        ("rad/s", "std_r rmse_r"),
+        ("%", "instrument_fit"),
+        ("m/s, m/s and rad/s as numbers", "rmse_norm"),
     ];
 }

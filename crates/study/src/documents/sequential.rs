@@ -1,4 +1,4 @@
-use artifact::Document;
+use artifact::{Document, Units};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use trial::rounds::{ArmSummary, RoundGain, Stopping};
@@ -35,31 +35,12 @@ pub struct SequentialDocument {
 impl Document for SequentialDocument {
     const ID: &'static str = "sequential";
     const VERSION: u32 = 1;
-    const UNITS: &'static [(&'static str, &'static str)] = &[
-        ("realizations", "1"),
-        ("rounds", "1"),
-        ("duration_s", "s"),
-        ("nominal_spread", "1"),
-        ("accuracy", "1"),
-        ("maneuvers", "1"),
-        ("time_s", "s"),
-        ("median", "1"),
-        ("q90", "1"),
-        ("predicted", "1"),
-        ("within", "1"),
-        ("not_identifiable", "1"),
-        ("not_converged", "1"),
-        ("diverged", "1"),
-        ("undesigned", "1"),
-        ("pairs", "1"),
-        ("ratio", "1"),
-        ("low", "1"),
-        ("high", "1"),
-        ("stopped", "1"),
-        ("mean_time_s", "s"),
-        ("median_error", "1"),
-        ("within_stopped", "1"),
-        ("rms_over_accuracy", "1"),
-        ("without_estimate", "1"),
+    const UNITS: Units = &[
+        ("1", "realizations rounds nominal_spread accuracy maneuvers median q90 predicted within"),
+        ("1", "not_identifiable not_converged diverged undesigned pairs ratio low high stopped"),
+        ("1", "median_error within_stopped rms_over_accuracy without_estimate"),
+        ("1", "median_interval q90_interval within_interval median_error_interval"),
+        ("1", "within_stopped_interval rms_over_accuracy_interval"),
+        ("s", "duration_s time_s mean_time_s mean_time_interval_s"),
     ];
 }

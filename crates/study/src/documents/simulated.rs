@@ -1,4 +1,4 @@
-use artifact::{Digest, Document};
+use artifact::{Digest, Document, Units};
 use logs::chain::{Entry, Hits};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -102,6 +102,5 @@ fn statements(i: usize, entries: &[Entry]) -> Vec<String> {
 impl Document for SimulatedLogsDocument {
     const ID: &'static str = "simulated-logs";
     const VERSION: u32 = 1;
-    const UNITS: &'static [(&'static str, &'static str)] =
-        &[("sample_rate_hz", "Hz"), ("samples", "1"), ("repeat", "1"), ("heading", "rad"), ("limited", "1")];
+    const UNITS: Units = &[("Hz", "sample_rate_hz"), ("1", "samples repeat limited"), ("rad", "heading")];
 }

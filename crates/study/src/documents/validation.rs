@@ -1,6 +1,5 @@
-use artifact::Document;
-use identification::Estimator;
-use numerics::statistics::{quantile, quantile_interval, sorted};
+use artifact::{Document, Units};
+use identification::{Estimator, Quantiles};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -130,84 +129,17 @@ pub struct PairedDifference {
     pub interval: [Option<f64>; 2],
 }
 
-/// Quantiles over the runs; null where the quantile falls among runs without a value.
-#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct Quantiles {
-    /// The smallest.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub min: Option<f64>,
-    /// 10 %.
-    pub q10: Option<f64>,
-    /// 50 %.
-    pub median: Option<f64>,
-    /// 95 % interval of the median: two of the values, by their ranks; null at an end that there are too few values for or
-    /// that falls among runs without a value.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub median_interval: Option<[Option<f64>; 2]>,
-    /// 90 %.
-    pub q90: Option<f64>,
-    /// The same of the 90 % quantile.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub q90_interval: Option<[Option<f64>; 2]>,
-    /// 99 %.
-    pub q99: Option<f64>,
-    /// The largest.
-    pub max: Option<f64>,
-}
-
-impl Quantiles {
-    /// Quantiles of values, absent ones counted as infinite.
-    pub fn of(values: impl Iterator<Item = Option<f64>>) -> Self {
-        let sorted = sorted(values);
-        Self {
-            min: quantile(&sorted, 0.0),
-            q10: quantile(&sorted, 0.1),
-            median: quantile(&sorted, 0.5),
-            median_interval: Some(quantile_interval(&sorted, 0.5)),
-            q90: quantile(&sorted, 0.9),
-            q90_interval: Some(quantile_interval(&sorted, 0.9)),
-            q99: quantile(&sorted, 0.99),
-            max: quantile(&sorted, 1.0),
-        }
-    }
-}
-
 impl Document for ValidationDocument {
     const ID: &'static str = "validation";
     const VERSION: u32 = 1;
-    const UNITS: &'static [(&'static str, &'static str)] = &[
-        ("bounds.parameter_error", "1"),
-        ("bounds.simulation_error", "m/s, m/s and rad/s as numbers"),
-        ("samples", "1"),
-        ("runs", "1"),
-        ("not_identifiable", "1"),
-        ("not_converged", "1"),
-        ("diverged", "1"),
-        ("parameter_error_share", "1"),
-        ("parameter_error_share_interval", "1"),
-        ("simulation_error_share_interval", "1"),
-        ("without_estimate_share", "1"),
-        ("seed", "1"),
-        ("most_without_estimate", "1"),
-        ("others", "the compared error's unit"),
-        ("simulation_error_share", "1"),
-        ("parameter_error", "1"),
-        ("simulation_error", "m/s, m/s and rad/s as numbers"),
-        ("rmse_u", "m/s"),
-        ("rmse_v", "m/s"),
-        ("rmse_r", "rad/s"),
+    const UNITS: Units = &[
+        ("1", "bounds.parameter_error samples runs not_identifiable not_converged diverged"),
+        ("1", "parameter_error_share parameter_error_share_interval simulation_error_share_interval"),
+        ("1", "without_estimate_share seed most_without_estimate simulation_error_share"),
+        ("1", "parameter_error"),
+        ("m/s, m/s and rad/s as numbers", "bounds.simulation_error simulation_error"),
+        ("the compared error's unit", "others"),
+        ("m/s", "rmse_u rmse_v"),
+        ("rad/s", "rmse_r"),
     ];
-}
-
-#[cfg(test)]
-mod tests {
-    use super::Quantiles;
-
-    #[test]
-    fn absent_values_count_as_infinite() {
-        let q = Quantiles::of([Some(1.0), None, Some(3.0), Some(2.0)].into_iter());
-        assert_eq!((q.median, q.max), (Some(2.5), None));
-        assert_eq!(Quantiles::of(std::iter::empty()).median, None);
-    }
 }

@@ -1,7 +1,9 @@
 //! Refusing an `ingest.toml` whose keys cannot be followed, before any log is read.
 
+use std::fmt::Display;
+
 use logs::Interval;
-use refusal::Invalid;
+use refusal::{Invalid, check_numbers};
 
 use super::IngestFile;
 
@@ -11,7 +13,7 @@ impl IngestFile {
     /// # Errors
     /// Names the key.
     pub fn check(&self) -> Result<(), Invalid> {
-        self.check_positive()?;
+        self.check_numbers()?;
         self.check_channels()?;
         self.check_segments()?;
         let separators = self.file.iter().map(|file| file.separator);
@@ -26,7 +28,7 @@ impl IngestFile {
         }
     }
 
-    fn check_positive(&self) -> Result<(), Invalid> {
+    fn check_numbers(&self) -> Result<(), Invalid> {
         let numbers = [
             ("sample_rate_hz", Some(self.sample_rate_hz)),
             ("max_gap_s", Some(self.max_gap_s)),
@@ -35,13 +37,7 @@ impl IngestFile {
             ("window_s", self.window_s),
             ("min_s", self.min_s),
         ];
-        for (key, value) in numbers {
-            if let Some(value) = value
-                && !(value.is_finite() && value > 0.0)
-            {
-                return Err(not_positive(key, value));
-            }
-        }
+        check_positive(numbers.into_iter().filter_map(|(key, value)| Some((key, value?))))?;
         let rising = self.speed_classes_m_s.windows(2).all(|pair| pair[0] < pair[1]);
         if !rising || self.speed_classes_m_s.iter().any(|bound| !(bound.is_finite() && *bound > 0.0)) {
             return Err(Invalid::new(
@@ -106,9 +102,7 @@ impl IngestFile {
                     "correct it",
                 ));
             }
-            if !(gap.is_finite() && gap > 0.0) {
-                return Err(not_positive(&format!("max_gap_s` of channel `{}", channel.channel), gap));
-            }
+            check_positive([(format!("max_gap_s` of channel `{}", channel.channel), gap)])?;
         }
         let clocks = self.file.iter().map(|file| file.time.offset_s).chain(self.antenna_m);
         match clocks.into_iter().find(|number| !number.is_finite()) {
@@ -154,6 +148,6 @@ impl IngestFile {
     }
 }
 
-fn not_positive(key: &str, found: f64) -> Invalid {
-    Invalid::new(format!("`{key}`"), found.to_string(), "a number above zero", "correct it")
+fn check_positive<K: Display>(numbers: impl IntoIterator<Item = (K, f64)>) -> Result<(), Invalid> {
+    check_numbers(numbers, "a number above zero", |value| value > 0.0)
 }

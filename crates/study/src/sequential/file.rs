@@ -2,7 +2,7 @@ use std::collections::BTreeMap;
 
 use serde::Deserialize;
 use trial::rounds::Knowledge;
-use vessel::{Invalid, Source, Vessel, nearest};
+use vessel::{Invalid, Source, Vessel, check_numbers, nearest};
 
 /// `sequential.toml`.
 #[derive(Clone, Debug, Deserialize)]
@@ -43,10 +43,7 @@ impl SequentialFile {
         ];
         let floors = self.floor.iter().map(|(name, value)| (format!("floor.{name}"), *value));
         let positive = keys.into_iter().map(|(key, value)| (key.to_owned(), value)).chain(floors);
-        let wrong = positive.into_iter().find(|(_, value)| !(value.is_finite() && *value > 0.0));
-        if let Some((key, value)) = wrong {
-            return Err(Invalid::new(format!("`{key}`"), value.to_string(), "more than zero", "correct it"));
-        }
+        check_numbers(positive, "more than zero", |value| value > 0.0)?;
         if !(self.nominal_spread.is_finite() && (0.0..=2.0).contains(&self.nominal_spread)) {
             let found = self.nominal_spread.to_string();
             return Err(Invalid::new("`nominal_spread`", found, "a number from 0 to 2", "correct it"));

@@ -8,7 +8,7 @@ use vessel::lanes::interleave;
 use vessel::{LANES, check_diverged, simulate_one};
 
 use super::{Arranging, generated_limits};
-use crate::moments::Estimated;
+use crate::moments::{Estimated, Expected};
 
 /// What exceeding a limit by all of it costs, in the criterion's value.
 const PENALTY: f64 = 20.0;
@@ -34,7 +34,7 @@ impl Arranging<'_> {
     }
 
     fn noise(&self) -> Option<Noise> {
-        self.moments.expected.as_ref().map(|expected| expected.noise)
+        self.moments.expected.as_ref().map(Expected::noise)
     }
 
     /// θ in the model's order.

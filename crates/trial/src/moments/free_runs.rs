@@ -1,21 +1,25 @@
 use std::collections::BTreeMap;
 
 use identification::prediction_weights;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 use vessel::{Generator, Invalid, Model, Source, Vessel};
 
 use super::{by_name, rows};
 
 /// The model whose free simulation the information of an output-error estimate is about.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
 pub struct FreeRunModel {
     /// Which parameters it has.
     pub simulated_with: Source,
-    /// These, by name.
+    /// These parameters, in units of the state's increment per unit of the term.
     pub parameters: BTreeMap<String, f64>,
-    /// Rows and columns of the matrices: the parameters of surge, its intercept, then sway and yaw.
+    /// Rows and columns of the matrices: the parameters of surge, `intercept (surge)`, then sway and yaw.
     pub rows: Vec<String>,
-    /// Mean of SᵀS over the validation maneuvers, row-major, where these can be simulated: the variance of a free run's
+    /// Mean of SᵀS over the validation maneuvers, row-major, S = ∂x/∂θ̃ summed over the states: the variance of a free run's
     /// error is tr(cov G).
+    #[serde(rename = "G", default, skip_serializing_if = "Option::is_none")]
     pub g: Option<Vec<f64>>,
 }
 

@@ -1,38 +1,54 @@
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 use vessel::{Invalid, Model};
 
 /// The moments of one maneuver.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
 pub struct ManeuverMoments {
-    /// Its name.
+    /// Name in the dictionary.
     pub name: String,
     /// Number of regression pairs N.
     pub samples: u64,
-    /// One entry per degree of freedom.
+    /// One matrix per degree of freedom.
     pub degrees: Vec<DegreeMoments>,
     /// For an output-error estimate.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub output_error: Option<OutputErrorMoments>,
 }
 
-/// M = mean of φ̃ζ̃ᵀ = \[\[X̄, Ȳ\], \[Z̄ᵀ, 1\]\] of one degree of freedom, p̃ × p̃, row-major.
-#[derive(Clone, Debug, PartialEq)]
+/// M = mean of φ̃ ζ̃ᵀ = \[\[X̄, Ȳ\], \[Z̄ᵀ, 1\]\] of one maneuver and degree of freedom.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
 pub struct DegreeMoments {
-    /// M: row i belongs to regressor i, column j to instrument j.
+    /// `surge`, `sway` or `yaw`.
+    pub name: String,
+    /// Rows and columns of `M`.
+    pub shape: [u64; 2],
+    /// Row-major entries; row i belongs to regressor i, column j to instrument j.
+    #[serde(rename = "M")]
     pub m: Vec<f64>,
-    /// Largest change of an entry between the halves of the maneuver, relative to the root mean squares of its regressor and
-    /// instrument.
+    /// Largest change of an entry between the first and the second half of the maneuver, relative to the
+    /// root mean squares of its regressor and instrument: 0 is stationary, 1 is not at all.
     pub nonstationarity: f64,
-    /// B = (1/N) Σ ζ̃ E\[εε\] ζ̃ᵀ, the middle matrix of the estimate's covariance, where disturbances are expected.
+    /// Middle matrix of the estimate's covariance A⁻¹BA⁻ᵀ/N, A = Mᵀ: B = (1/N) Σ ζ̃ E\[εε\] ζ̃ᵀ, row-major, shape as `M`,
+    /// rows and columns by instrument; in units of instrument i times instrument j times the state's variance.
+    #[serde(rename = "B", default, skip_serializing_if = "Option::is_none")]
     pub b: Option<Vec<f64>>,
 }
 
-/// What one maneuver tells an output-error estimate, per sample: all lifted parameters, row-major.
-#[derive(Clone, Debug, PartialEq)]
+/// What one maneuver tells an output-error estimate, per sample: matrices with `rows` of the model, row-major.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
 pub struct OutputErrorMoments {
-    /// Mean of SᵀWS.
+    /// Mean of SᵀWS, W the channels' weights 1/variance: Fisher's information where only white measurement errors disturb.
+    #[serde(rename = "F")]
     pub f: Vec<f64>,
-    /// What measurement errors add to the middle matrix; F where there is none.
+    /// What measurement errors add to the middle matrix of the covariance F⁻¹(E + P)F⁻¹/N; F where there is none.
+    #[serde(rename = "E", default, skip_serializing_if = "Option::is_none")]
     pub e: Option<Vec<f64>>,
     /// What the current adds.
+    #[serde(rename = "P", default, skip_serializing_if = "Option::is_none")]
     pub p: Option<Vec<f64>>,
 }
 
@@ -110,7 +126,13 @@ mod tests {
     use super::*;
 
     fn moments(samples: u64, entry: f64) -> ManeuverMoments {
-        let degree = DegreeMoments { m: vec![entry], nonstationarity: entry, b: Some(vec![2.0 * entry]) };
+        let degree = DegreeMoments {
+            name: "surge".into(),
+            shape: [1, 1],
+            m: vec![entry],
+            nonstationarity: entry,
+            b: Some(vec![2.0 * entry]),
+        };
         let output_error = OutputErrorMoments { f: vec![entry], e: None, p: Some(vec![-entry]) };
         ManeuverMoments {
             name: "turn".into(),

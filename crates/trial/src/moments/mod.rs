@@ -11,6 +11,8 @@ use std::collections::BTreeMap;
 
 use design::Degree;
 use identification::{InstrumentKind, Noise};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 use vessel::{DegreeOfFreedom, Invalid, Model, Source, Vessel};
 
 pub use dictionary::{Estimated, malformed};
@@ -37,16 +39,23 @@ pub struct Moments {
     pub output_error: Option<FreeRunModel>,
 }
 
-/// The disturbances that a covariance is predicted from, and the parameters that the residual is linearised with.
-#[derive(Clone, Debug, PartialEq)]
+/// The disturbances that an estimate's covariance is predicted from, white per sample.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
 pub struct Expected {
-    /// Standard deviations, white per sample.
-    pub noise: Noise,
-    /// Which parameters the residual is linearised with.
+    /// Standard deviation of the measured surge speed \[m/s\].
+    pub std_u_m_s: f64,
+    /// Standard deviation of the measured sway speed \[m/s\].
+    pub std_v_m_s: f64,
+    /// Standard deviation of the measured yaw rate \[rad/s\].
+    pub std_r_rad_s: f64,
+    /// Standard deviation of each component of the current in body axes \[m/s\].
+    pub current_std_m_s: f64,
+    /// Which parameters the residual was linearised with.
     pub linearised_at: Source,
-    /// These, by name.
+    /// These parameters, in units of the state's increment per unit of the term.
     pub parameters: BTreeMap<String, f64>,
-    /// The nominal ones, by name.
+    /// The nominal parameters, in the same units.
     pub nominal: BTreeMap<String, f64>,
 }
 
@@ -58,7 +67,22 @@ impl Expected {
     pub fn new(vessel: &Vessel, noise: Noise) -> Result<Self, Invalid> {
         let linearised_at = vessel.best_known();
         let parameters = by_name(&vessel.model, &vessel.parameters(linearised_at)?);
-        Ok(Self { noise, linearised_at, parameters, nominal: by_name(&vessel.model, &vessel.nominal) })
+        let [std_u_m_s, std_v_m_s, std_r_rad_s] = noise.measurement;
+        Ok(Self {
+            std_u_m_s,
+            std_v_m_s,
+            std_r_rad_s,
+            current_std_m_s: noise.current,
+            linearised_at,
+            parameters,
+            nominal: by_name(&vessel.model, &vessel.nominal),
+        })
+    }
+
+    /// The standard deviations.
+    pub(crate) fn noise(&self) -> Noise {
+        let measurement = [self.std_u_m_s, self.std_v_m_s, self.std_r_rad_s];
+        Noise { measurement, current: self.current_std_m_s }
     }
 }
 

@@ -1,7 +1,7 @@
 use std::collections::BTreeMap;
 
 use identification::{Batch, Noise, middle, moments, output_information};
-use vessel::{Invalid, Model, Run, Segment};
+use vessel::{DegreeOfFreedom, Invalid, Model, Run, Segment};
 
 use super::free_runs::diverges;
 use super::{DegreeMoments, Expected, FreeRunModel, ManeuverMoments, OutputErrorMoments};
@@ -20,21 +20,20 @@ pub struct Prediction<'a> {
 }
 
 /// A measured run as one run per segment, each from its first measured state; a run of a dictionary as it is.
-fn segments(run: &Run, width: usize) -> Vec<Run> {
+fn segments(run: &Run) -> Vec<Run> {
     if run.design == DICTIONARY || run.segments.len() < 2 {
         return vec![run.clone()];
     }
     let ends = run.segments.iter().skip(1).map(|s| s.start).chain([run.samples()]);
     let part = |(segment, end): (&Segment, usize)| {
-        let measured = run.measured[3 * segment.start..3 * (end + 1)].to_vec();
-        let initial = if segment.start == 0 { run.initial } else { [0, 1, 2].map(|d| measured[d]) };
+        let own = run.view().part(segment.start..end);
         Run {
             design: run.design.clone(),
             run: run.run,
             segments: vec![Segment { maneuver: segment.maneuver.clone(), start: 0 }],
-            exogenous: run.exogenous[segment.start * width..end * width].to_vec(),
-            measured,
-            initial,
+            exogenous: own.exogenous.to_vec(),
+            measured: own.measured.to_vec(),
+            initial: if segment.start == 0 { run.initial } else { own.initial },
         }
     };
     run.segments.iter().zip(ends).map(part).collect()
@@ -46,13 +45,13 @@ impl<'a> Prediction<'a> {
         let theta = |by_name: &BTreeMap<String, f64>| -> Vec<f64> {
             model.parameter_names().map(|name| by_name[name]).collect()
         };
-        let noise = expected.map(|e| (e.noise, theta(&e.parameters)));
+        let noise = expected.map(|e| (e.noise(), theta(&e.parameters)));
         Self { model, noise, free_runs: output_error.map(|o| theta(&o.parameters)) }
     }
 
     /// The runs that moments are computed of: the segments of measured ones, each with instruments of its own.
     pub fn runs(&self, recorded: &[Run]) -> Vec<Run> {
-        recorded.iter().flat_map(|run| segments(run, self.model.exogenous())).collect()
+        recorded.iter().flat_map(segments).collect()
     }
 
     /// The moments of every run of a batch, each one maneuver, and whether they may be pooled with others of the same name:
@@ -64,11 +63,18 @@ impl<'a> Prediction<'a> {
         let mut middles = self.noise.as_ref().map(|(noise, theta)| middle(batch, theta, noise).into_iter());
         let of = |(run, found): (&Run, identification::ManeuverMoments)| {
             let mut middle = middles.as_mut().and_then(Iterator::next).into_iter().flatten();
-            let degree = |(m, nonstationarity)| DegreeMoments { m, nonstationarity, b: middle.next() };
+            let degree = |((d, m), nonstationarity): ((DegreeOfFreedom, Vec<f64>), f64)| DegreeMoments {
+                name: d.name().to_owned(),
+                shape: [m.len().isqrt() as u64; 2],
+                m,
+                nonstationarity,
+                b: middle.next(),
+            };
+            let matrices = DegreeOfFreedom::ALL.into_iter().zip(found.matrices);
             let maneuver = ManeuverMoments {
                 name: run.segments[0].maneuver.clone(),
                 samples: found.samples,
-                degrees: found.matrices.into_iter().zip(found.nonstationarity).map(degree).collect(),
+                degrees: matrices.zip(found.nonstationarity).map(degree).collect(),
                 output_error: self.output_error(run)?,
             };
             Ok((run.design != DICTIONARY, maneuver))

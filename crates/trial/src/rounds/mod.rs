@@ -9,7 +9,6 @@ mod summary;
 mod trial;
 
 pub use knowledge::Knowledge;
-pub use planner::Planner;
 pub use row::{Arm, Outcome, Row, Shared};
 pub use stopping::{RoundGain, Stopping};
 pub use summary::{ArmPoint, ArmSummary, Summary};

@@ -1,4 +1,4 @@
-use numerics::statistics::{mean, quantile, sorted, spread};
+use numerics::statistics::{mean, mean_interval, quantile, quantile_interval, sorted, wilson};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -31,14 +31,29 @@ pub struct Stopping {
     pub stopped: u64,
     /// Mean time at sea of all trials.
     pub mean_time_s: f64,
+    /// 95 % interval of that mean.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub mean_time_interval_s: Option<[f64; 2]>,
     /// Median parameter error of all trials at their end.
     pub median_error: Option<f64>,
+    /// 95 % interval of that median; null at an end that there are too few trials for, or that is infinite.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub median_error_interval: Option<[Option<f64>; 2]>,
     /// Share of all trials whose error at their end is within the accuracy.
     pub within: f64,
+    /// 95 % interval of that share (Wilson's).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub within_interval: Option<[f64; 2]>,
     /// The same of those that were promised it.
     pub within_stopped: Option<f64>,
+    /// 95 % interval of that share (Wilson's).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub within_stopped_interval: Option<[f64; 2]>,
     /// Root mean square error over accuracy of those that were promised it: at most 1 where promises are kept.
     pub rms_over_accuracy: Option<f64>,
+    /// 95 % interval of it, from that of the mean square.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rms_over_accuracy_interval: Option<[f64; 2]>,
     /// Of those that were promised it, how many have no estimate and are in no mean square.
     pub without_estimate: u64,
 }
@@ -58,10 +73,12 @@ pub(super) fn stopping(
     let ends: Vec<&Row> =
         trials.filter_map(|rounds| rounds.iter().find(|row| kept(row)).or(rounds.last()).copied()).collect();
     let stopped: Vec<&Row> = ends.iter().copied().filter(|row| kept(row)).collect();
-    let within = |rows: &[&Row]| {
-        let good = rows.iter().filter(|row| row.parameter_error.is_some_and(|error| error <= accuracy));
-        (!rows.is_empty()).then(|| good.count() as f64 / rows.len() as f64)
+    let good = |rows: &[&Row]| {
+        rows.iter().filter(|row| row.parameter_error.is_some_and(|error| error <= accuracy)).count()
     };
+    let within = |rows: &[&Row]| (!rows.is_empty()).then(|| good(rows) as f64 / rows.len() as f64);
+    let interval = |rows: &[&Row]| wilson(good(rows) as u64, rows.len() as u64);
+    let errors = sorted(ends.iter().map(|row| row.parameter_error));
     let squares: Vec<f64> =
         stopped.iter().filter_map(|row| Some((row.parameter_error? / accuracy).powi(2))).collect();
     let times: Vec<f64> = ends.iter().map(|row| row.samples as f64 / rate_hz).collect();
@@ -69,16 +86,18 @@ pub(super) fn stopping(
         arm,
         stopped: stopped.len() as u64,
         mean_time_s: mean(&times).unwrap_or(0.0),
-        median_error: quantile(&sorted(ends.iter().map(|row| row.parameter_error)), 0.5),
+        mean_time_interval_s: mean_interval(&times),
+        median_error: quantile(&errors, 0.5),
+        median_error_interval: Some(quantile_interval(&errors, 0.5)),
         within: within(&ends).unwrap_or(0.0),
+        within_interval: interval(&ends),
         within_stopped: within(&stopped),
+        within_stopped_interval: interval(&stopped),
         rms_over_accuracy: mean(&squares).map(f64::sqrt),
+        rms_over_accuracy_interval: mean_interval(&squares).map(|ends| ends.map(|end| end.max(0.0).sqrt())),
         without_estimate: (stopped.len() - squares.len()) as u64,
     }
 }
-
-/// Normal quantile of a two-sided 95 % interval.
-const TWO_SIDED: f64 = 1.96;
 
 /// Errors of the trial in rounds over those of the one-shot trial after `round`, which end after `samples`.
 pub(super) fn gain(rows: &[Row], round: usize, samples: usize, rate_hz: f64) -> RoundGain {
@@ -89,68 +108,12 @@ pub(super) fn gain(rows: &[Row], round: usize, samples: usize, rate_hz: f64) -> 
     let pairs = errors(Arm::Sequential).zip(errors(Arm::OneShot));
     let logs: Vec<f64> =
         pairs.filter_map(|(a, b)| Some((a? / b?).ln())).filter(|log| log.is_finite()).collect();
-    let (middle, error) = (mean(&logs), spread(&logs).map(|s| s / (logs.len() as f64).sqrt()));
-    let end = |sign: f64| Some((middle? + sign * TWO_SIDED * error?).exp());
+    let interval = mean_interval(&logs).map(|ends| ends.map(f64::exp));
     RoundGain {
         time_s: samples as f64 / rate_hz,
         pairs: logs.len() as u64,
-        ratio: middle.map(f64::exp),
-        low: end(-1.0),
-        high: end(1.0),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::super::row::{Outcome, Shared};
-    use super::*;
-
-    fn row(arm: Arm, realization: u32, round: u32, error: Option<f64>, predicted: f64) -> Row {
-        Row {
-            arm,
-            realization,
-            round,
-            samples: 10 * (round as usize + 1),
-            shared: Shared::Designed,
-            outcome: if error.is_some() { Outcome::Identified } else { Outcome::NotConverged },
-            parameter_error: error,
-            predicted_error: Some(predicted),
-            expected_error: None,
-        }
-    }
-
-    #[test]
-    fn trials_end_with_the_first_promise_or_after_the_whole_time() {
-        let of = |realization: u32, rounds: [(Option<f64>, f64); 2]| {
-            let one = |(round, (error, predicted)): (usize, (Option<f64>, f64))| {
-                row(Arm::Sequential, realization, round as u32, error, predicted)
-            };
-            rounds.into_iter().enumerate().map(one).collect::<Vec<_>>()
-        };
-        let early = of(0, [(Some(0.5), 0.9), (Some(0.1), 0.1)]);
-        let late = of(1, [(Some(3.0), 2.0), (Some(2.0), 1.0)]);
-        let never = of(2, [(Some(4.0), 2.0), (Some(0.8), 1.1)]);
-        let lost = of(3, [(None, 0.5), (None, 0.5)]);
-        let rows = [early, late, never, lost].concat();
-        let found = stopping(&rows, Arm::Sequential, |row| row.predicted_error, 1.0, 1.0);
-        assert_eq!((found.stopped, found.mean_time_s), (3, 15.0));
-        assert_eq!((found.within, found.within_stopped), (0.5, Some(1.0 / 3.0)));
-        assert_eq!(found.rms_over_accuracy, Some((4.25_f64 / 2.0).sqrt()));
-        assert_eq!((found.without_estimate, found.median_error), (1, Some(1.4)));
-        let none = stopping(&rows, Arm::OneShot, |row| row.expected_error, 1.0, 1.0);
-        assert_eq!((none.stopped, none.within_stopped), (0, None));
-    }
-
-    #[test]
-    fn law_a_gain_is_the_geometric_mean_of_ratios_in_the_same_realization() {
-        let pair = |n: u32, a: Option<f64>, b: f64| {
-            [row(Arm::Sequential, n, 0, a, 1.0), row(Arm::OneShot, n, 0, Some(b), 1.0)]
-        };
-        let rows = [pair(0, Some(1.0), 2.0), pair(1, Some(8.0), 2.0), pair(2, None, 1.0)].concat();
-        let found = gain(&rows, 0, 10, 2.0);
-        assert_eq!((found.pairs, found.time_s), (2, 5.0));
-        assert!((found.ratio.unwrap() - 2f64.sqrt()).abs() < 1e-12);
-        let (low, high) = (found.low.unwrap(), found.high.unwrap());
-        assert!((low * high - 2.0).abs() < 1e-9 && low < 1.0 && high > 2.0, "{low} {high}");
+        ratio: mean(&logs).map(f64::exp),
+        low: interval.map(|[low, _]| low),
+        high: interval.map(|[_, high]| high),
     }
 }

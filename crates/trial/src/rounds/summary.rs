@@ -1,4 +1,4 @@
-use numerics::statistics::{quantile, sorted};
+use numerics::statistics::{quantile, quantile_interval, sorted, wilson};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -34,12 +34,21 @@ pub struct ArmPoint {
     pub time_s: f64,
     /// Median of the parameter error.
     pub median: Option<f64>,
+    /// 95 % interval of that median; null at an end that there are too few realizations for, or that is infinite.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub median_interval: Option<[Option<f64>; 2]>,
     /// Its 90 % quantile.
     pub q90: Option<f64>,
+    /// 95 % interval of that quantile.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub q90_interval: Option<[Option<f64>; 2]>,
     /// Median of the error that estimates predict of themselves.
     pub predicted: Option<f64>,
     /// Share of the realizations whose parameter error is within the accuracy.
     pub within: f64,
+    /// 95 % interval of that share (Wilson's).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub within_interval: Option<[f64; 2]>,
     /// Realizations with a direction that is not excited.
     pub not_identifiable: u64,
     /// Realizations whose search for an estimate did not converge.
@@ -73,9 +82,12 @@ fn summary(rows: &[Row], arm: Arm, ends: &[usize], accuracy: f64, rate_hz: f64) 
         ArmPoint {
             time_s: *end as f64 / rate_hz,
             median: quantile(&errors, 0.5),
+            median_interval: Some(quantile_interval(&errors, 0.5)),
             q90: quantile(&errors, 0.9),
+            q90_interval: Some(quantile_interval(&errors, 0.9)),
             predicted: quantile(&sorted(own.iter().map(|row| row.predicted_error)), 0.5),
             within: within as f64 / own.len().max(1) as f64,
+            within_interval: wilson(within, own.len() as u64),
             not_identifiable: count(&|row| row.outcome == Outcome::NotIdentifiable),
             not_converged: count(&|row| row.outcome == Outcome::NotConverged),
             diverged: count(&|row| row.outcome == Outcome::Diverged),

@@ -2,6 +2,6 @@
 
 mod campaign;
 mod grid;
-mod knowledge;
 mod legs;
 mod pieces;
+mod rounds;

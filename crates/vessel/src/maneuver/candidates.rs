@@ -30,7 +30,7 @@ impl GenerateSpec {
             let kind = kinds[index as usize % kinds.len()];
             let mut draw = Draw { rng: streams.channel(index, 0), spec: self };
             ManeuverSpec {
-                name: format!("{}-{index:05}", kind.name()),
+                name: format!("{kind}-{index:05}"),
                 description: "generated".into(),
                 duration_s: self.duration_s,
                 kind: draw.kind(kind, index),

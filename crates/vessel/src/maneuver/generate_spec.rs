@@ -1,8 +1,10 @@
 //! `[generate]` in `dictionary.toml`: what candidates are drawn, and the limits that they keep.
 
 use std::collections::BTreeMap;
+use std::fmt;
 
-use serde::Deserialize;
+use refusal::check_numbers;
+use serde::{Deserialize, Serialize};
 
 use crate::{Invalid, Model, nearest};
 
@@ -53,7 +55,7 @@ pub struct Limits {
 }
 
 /// The kinds that candidates are drawn of.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum CandidateKind {
     /// From rest or slow to faster.
@@ -98,14 +100,11 @@ impl GenerateSpec {
         let limits = &self.limits;
         let named = [("u_m_s", limits.u_m_s), ("v_m_s", limits.v_m_s), ("r_rad_s", limits.r_rad_s)];
         let inputs = limits.inputs.iter().map(|(name, limit)| (name.as_str(), *limit));
-        for (key, value) in named.into_iter().chain(inputs) {
-            if !(value.is_finite() && value > 0.0) {
-                return refuse(&format!("limits.{key}"), value, "more than zero");
-            }
-        }
-        if let Some(duration) = self.duration_s.filter(|d| !(d.is_finite() && *d > 0.0)) {
-            return refuse("duration_s", duration, "more than 0 s");
-        }
+        let all = named.into_iter().chain(inputs);
+        let all = all.map(|(key, value)| (format!("generate.limits.{key}"), value));
+        check_numbers(all, "more than zero", |value| value > 0.0)?;
+        let duration = self.duration_s.map(|duration| ("generate.duration_s", duration));
+        check_numbers(duration, "more than 0 s", |value| value > 0.0)?;
         let [shortest, longest] = self.period_s;
         if !(shortest > 0.0 && longest >= shortest && longest.is_finite()) {
             return refuse(
@@ -163,18 +162,8 @@ impl Limits {
     }
 }
 
-impl CandidateKind {
-    pub(super) fn name(self) -> &'static str {
-        match self {
-            Self::Accelerate => "accelerate",
-            Self::Decelerate => "decelerate",
-            Self::ZigZag => "zig-zag",
-            Self::SwayZigZag => "sway-zig-zag",
-            Self::Spiral => "spiral",
-            Self::SteadyTurn => "steady-turn",
-            Self::PseudoRandomBinary => "pseudo-random-binary",
-            Self::Multisine => "multisine",
-            Self::Combined => "combined",
-        }
+impl fmt::Display for CandidateKind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.serialize(f)
     }
 }

@@ -2,9 +2,7 @@ use super::input::{Area, Class, Map};
 use super::simplify::simplified;
 use super::view::View;
 use super::{clip, colours};
-use crate::figures::svg::Path;
-use crate::figures::svg::Point;
-use crate::figures::svg::{Look, Sheet};
+use crate::figures::svg::{Look, Path, Point, Sheet};
 
 /// A border may be this far off \[px\].
 const TOLERANCE: f64 = 0.08;
@@ -31,8 +29,8 @@ pub(crate) fn water(sheet: &mut Sheet, view: &View, map: &Map) {
 
 /// Draws forbidden water, and land above it.
 pub(crate) fn obstacles(sheet: &mut Sheet, view: &View, map: &Map) {
-    class(sheet, view, map, |class| class == Class::NoGo, colours::no_go());
-    class(sheet, view, map, |class| class == Class::Land, colours::land());
+    class(sheet, view, map, |class| class == Class::NoGo, colours::NO_GO);
+    class(sheet, view, map, |class| class == Class::Land, colours::LAND);
 }
 
 fn class(sheet: &mut Sheet, view: &View, map: &Map, own: impl Fn(Class) -> bool, look: Look) {

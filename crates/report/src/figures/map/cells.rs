@@ -3,8 +3,7 @@ use super::colours;
 use super::grid::Ranks;
 use super::input::{Cells, Class};
 use super::view::View;
-use crate::figures::svg::Path;
-use crate::figures::svg::{Look, Sheet};
+use crate::figures::svg::{Look, Path, Sheet};
 
 /// Characters that all cells together may take.
 const ROOM: usize = 300_000;
@@ -37,7 +36,7 @@ fn layers(view: &View, ranks: &Ranks, limits: &[f64]) -> Vec<(Path, Look)> {
     let bands = bands(limits);
     let shades = u8::try_from(bands).unwrap_or(u8::MAX - 2);
     let water = (1..=shades).map(|rank| (rank, u8::MAX, colours::depth(bands - usize::from(rank), bands)));
-    let danger = [(shades + 1, shades + 1, colours::no_go()), (shades + 2, shades + 2, colours::land())];
+    let danger = [(shades + 1, shades + 1, colours::NO_GO), (shades + 2, shades + 2, colours::LAND)];
     let present = water.chain(danger).filter(|(rank, ..)| ranks.holds(*rank));
     present.map(|(rank, last, look)| (ranks.border(view, rank..=last), look)).collect()
 }

@@ -59,10 +59,8 @@ fn limits(limits: &[f64]) -> Result<(), Invalid> {
 fn cells(map: &Map) -> Result<(), Invalid> {
     if let Some(cells) = &map.cells {
         grid("cells", &cells.grid, cells.classes.len())?;
-        let classes = cells.classes.iter().enumerate();
-        classes.filter_map(|(at, class)| Some((at, (*class)?))).try_for_each(|(at, found)| {
-            class(found).map_err(|depth| not_finite(format!("depth of cell {at}"), depth))
-        })?;
+        let mut classes = cells.classes.iter().enumerate().filter_map(|(at, class)| Some((at, (*class)?)));
+        classes.try_for_each(|(at, class)| depth(|| format!("depth of cell {at}"), class))?;
     }
     map.margins.iter().try_for_each(|margin| grid("margin", &margin.grid, margin.blocked.len()))
 }
@@ -80,20 +78,17 @@ fn grid(thing: &str, grid: &Raster, cells: usize) -> Result<(), Invalid> {
     Ok(())
 }
 
-/// The depth that is not finite, if so.
-fn class(class: Class) -> Result<(), f64> {
+fn depth(thing: impl FnOnce() -> String, class: Class) -> Result<(), Invalid> {
     match class {
-        Class::Depth { least_m } if !least_m.is_finite() => Err(least_m),
+        Class::Depth { least_m } if !least_m.is_finite() => {
+            Err(refusal(thing(), least_m, "a finite number", "leave out what is not charted"))
+        }
         _ => Ok(()),
     }
 }
 
-fn not_finite(thing: String, found: f64) -> Invalid {
-    refusal(thing, found, "a finite number", "leave out what is not charted")
-}
-
 fn area(index: usize, area: &Area) -> Result<(), Invalid> {
-    class(area.class).map_err(|depth| not_finite(format!("depth of area {index}"), depth))?;
+    depth(|| format!("depth of area {index}"), area.class)?;
     ring(&format!("ring of area {index}"), &area.ring)?;
     area.holes.iter().try_for_each(|hole| ring(&format!("hole of area {index}"), hole))
 }

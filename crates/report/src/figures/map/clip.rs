@@ -23,7 +23,7 @@ pub(crate) fn line(view: &View, points: &[Point]) -> Vec<Vec<Point>> {
 
 /// The part of a segment inside the frame (Liang and Barsky 1984).
 pub(crate) fn segment(view: &View, from: Point, to: Point) -> Option<(Point, Point)> {
-    let (low, high) = (view.corner(), view.opposite());
+    let (low, high) = (view.corner, view.opposite);
     let step = (to.0 - from.0, to.1 - from.1);
     let sides = [
         (-step.0, from.0 - low.0),
@@ -50,7 +50,7 @@ pub(crate) fn segment(view: &View, from: Point, to: Point) -> Option<(Point, Poi
 
 /// The part of a ring inside the frame, closed along the frame's sides.
 pub(crate) fn ring(view: &View, ring: &[Point]) -> Vec<Point> {
-    let (low, high) = (view.corner(), view.opposite());
+    let (low, high) = (view.corner, view.opposite);
     let frame = Bounds { min: [low.0, low.1], max: [high.0, high.1] };
     let ring: Vec<[f64; 2]> = ring.iter().map(|&(x, y)| [x, y]).collect();
     clip_ring(&ring, &frame).into_iter().map(|[x, y]| (x, y)).collect()
@@ -70,10 +70,10 @@ mod tests {
     fn law_a_clipped_ring_has_the_area_inside_the_frame() {
         let view = View::new(&Frame { west: 0.0, south: 0.0, east: 100.0, north: 100.0 });
         let diamond = view.placed(&[[50.0, -50.0], [150.0, 50.0], [50.0, 150.0], [-50.0, 50.0]]);
-        let inside = area(&ring(&view, &diamond)) / view.scale().powi(2);
+        let inside = area(&ring(&view, &diamond)) / view.scale.powi(2);
         assert!((inside - 10_000.0).abs() < 1e-6, "{inside}");
         let corner = view.placed(&[[-10.0, -10.0], [30.0, -10.0], [-10.0, 30.0]]);
-        let inside = area(&ring(&view, &corner)) / view.scale().powi(2);
+        let inside = area(&ring(&view, &corner)) / view.scale.powi(2);
         assert!((inside - 200.0).abs() < 1e-6, "{inside}");
         assert!(ring(&view, &view.placed(&[[200.0, 0.0], [300.0, 0.0], [200.0, 9.0]])).is_empty());
     }

@@ -1,7 +1,6 @@
 use super::input::{Background, Purpose};
 use crate::figures::palette;
-use crate::figures::svg::Look;
-use crate::figures::svg::Paint;
+use crate::figures::svg::{Look, Paint};
 
 /// Ink on the map, which stays light on a dark page.
 pub(crate) const DARK: Paint = Paint::solid((0x1d, 0x24, 0x2b));
@@ -13,16 +12,16 @@ const PLAIN: Paint = Paint::solid((0xd9, 0xe9, 0xf5));
 const UNCHARTED: Paint = Paint::solid((0xe3, 0xe3, 0xdf));
 const SHALLOW: (f64, f64, f64) = (143.0, 194.0, 229.0);
 const DEEP: (f64, f64, f64) = (240.0, 247.0, 252.0);
-const LAND: Paint = Paint::solid((0xe2, 0xc5, 0x9c));
+const SAND: Paint = Paint::solid((0xe2, 0xc5, 0x9c));
 const SHORE: Paint = Paint::solid((0x76, 0x55, 0x2e));
 const FORBIDDEN: Paint = Paint::solid((0xe6, 0xcf, 0xe6));
 const FORBIDDEN_EDGE: Paint = Paint::solid((0xa0, 0x20, 0x80));
 const DANGER: Paint = Paint::solid((0xc8, 0x28, 0x1e));
 const PALE_RED: Paint = Paint::solid((0xf6, 0xbd, 0xb4));
 /// Okabe and Ito's yellow.
-const START: Paint = Paint::solid((0xf0, 0xe4, 0x42));
-const GOAL: Paint = Paint::solid((0x7b, 0x3a, 0xa8));
-const BASIC: Paint = Paint::solid((0x62, 0x66, 0x6a));
+const YELLOW: Paint = Paint::solid((0xf0, 0xe4, 0x42));
+const VIOLET: Paint = Paint::solid((0x7b, 0x3a, 0xa8));
+const GREY: Paint = Paint::solid((0x62, 0x66, 0x6a));
 const FINE: f64 = 0.7;
 
 pub(crate) const fn background(background: Background) -> Look {
@@ -48,13 +47,8 @@ fn between(share: f64) -> (u8, u8, u8) {
     (mix(SHALLOW.0, DEEP.0), mix(SHALLOW.1, DEEP.1), mix(SHALLOW.2, DEEP.2))
 }
 
-pub(crate) const fn land() -> Look {
-    Look::filled(LAND).outlined(SHORE, FINE)
-}
-
-pub(crate) const fn no_go() -> Look {
-    Look::filled(FORBIDDEN).outlined(FORBIDDEN_EDGE, 1.2).dashed(5.0, 3.0)
-}
+pub(crate) const LAND: Look = Look::filled(SAND).outlined(SHORE, FINE);
+pub(crate) const NO_GO: Look = Look::filled(FORBIDDEN).outlined(FORBIDDEN_EDGE, 1.2).dashed(5.0, 3.0);
 
 /// Fill and border of a margin.
 pub(crate) const fn margin(purpose: Purpose) -> Look {
@@ -64,9 +58,7 @@ pub(crate) const fn margin(purpose: Purpose) -> Look {
     }
 }
 
-pub(crate) const fn hatch() -> Look {
-    Look::drawn(DANGER.faded(0.5), FINE)
-}
+pub(crate) const HATCH: Look = Look::drawn(DANGER.faded(0.5), FINE);
 
 /// What lies below a track, so that it stands out.
 pub(crate) const fn halo(width: f64) -> Look {
@@ -91,17 +83,8 @@ pub(crate) fn maneuver_paint(index: usize) -> Paint {
     Paint::solid(palette::series(index))
 }
 
-pub(crate) const fn basic() -> Look {
-    Look::drawn(BASIC, 2.0)
-}
-
-pub(crate) const fn run_in() -> Look {
-    Look::drawn(DARK, 1.0)
-}
-
-pub(crate) const fn simulated() -> Look {
-    Look::drawn(DARK, 1.3).dashed(4.5, 3.0)
-}
+pub(crate) const BASIC: Look = Look::drawn(GREY, 2.0);
+pub(crate) const RUN_IN: Look = Look::drawn(DARK, 1.0);
 
 /// One of `drawn` realizations: the more there are, the fainter each.
 pub(crate) fn realization(drawn: usize) -> Look {
@@ -109,14 +92,6 @@ pub(crate) fn realization(drawn: usize) -> Look {
     Look::drawn(DARK.faded((100.0 * opacity).round() / 100.0), 0.6)
 }
 
-pub(crate) const fn hull() -> Look {
-    Look::filled(WHITE.faded(0.35)).outlined(DARK, 0.9)
-}
-
-pub(crate) const fn start() -> Look {
-    Look::filled(START).outlined(DARK, 1.2)
-}
-
-pub(crate) const fn goal() -> Look {
-    Look::filled(GOAL).outlined(WHITE, 1.2)
-}
+pub(crate) const HULL: Look = Look::filled(WHITE.faded(0.35)).outlined(DARK, 0.9);
+pub(crate) const START: Look = Look::filled(YELLOW).outlined(DARK, 1.2);
+pub(crate) const GOAL: Look = Look::filled(VIOLET).outlined(WHITE, 1.2);

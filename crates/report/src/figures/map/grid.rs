@@ -5,8 +5,7 @@ use chart::Raster;
 use super::input::Frame;
 use super::outline::{Vertex, outlines};
 use super::view::View;
-use crate::figures::svg::Path;
-use crate::figures::svg::Point;
+use crate::figures::svg::{Path, Point};
 
 /// Cells finer than this many pixels are merged.
 const FINEST: f64 = 0.7;
@@ -24,13 +23,13 @@ pub(crate) struct Ranks {
 impl Ranks {
     /// The part of `grid` that the frame shows; none where they are apart. `rank` is called with a cell's number.
     pub(crate) fn new(view: &View, grid: &Raster, rank: impl Fn(usize) -> u8) -> Option<Self> {
-        let Frame { west, south, east, north } = view.frame();
+        let Frame { west, south, east, north } = view.frame;
         let (first_i, end_i) = range(west, east, grid.origin[0], grid.cell_m, grid.nx)?;
         let (first_j, end_j) = range(south, north, grid.origin[1], grid.cell_m, grid.ny)?;
         let [x, y] = grid.origin;
         let origin = [x + first_i as f64 * grid.cell_m, y + first_j as f64 * grid.cell_m];
         let (nx, ny) = (end_i - first_i, end_j - first_j);
-        let finest = (FINEST / (grid.cell_m * view.scale())).ceil().max(1.0);
+        let finest = (FINEST / (grid.cell_m * view.scale)).ceil().max(1.0);
         #[expect(
             clippy::cast_possible_truncation,
             clippy::cast_sign_loss,
@@ -73,7 +72,7 @@ impl Ranks {
 
     /// Pixels between two columns.
     pub(crate) fn pitch(&self, view: &View) -> f64 {
-        self.cell_m * view.scale()
+        self.cell_m * view.scale
     }
 
     /// Pixel of a vertex.

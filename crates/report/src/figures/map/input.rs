@@ -135,8 +135,6 @@ pub enum TrackStyle {
     Basic,
     /// A run-in before a maneuver: thin.
     RunIn,
-    /// The plan as simulated: dashed.
-    Simulated,
     /// One of many realizations: very thin. At most 200 are drawn, evenly chosen; the legend says of how many.
     Realization,
 }

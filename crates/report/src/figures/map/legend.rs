@@ -2,9 +2,7 @@ use super::input::{Map, Purpose, TrackStyle};
 use super::legend_entries::{self, Entry, Sample};
 use super::view::{LABEL, WIDTH};
 use super::{colours, marks};
-use crate::figures::svg::Path;
-use crate::figures::svg::{Anchor, Paint, Point};
-use crate::figures::svg::{Lettering, Look, Sheet};
+use crate::figures::svg::{Anchor, Lettering, Look, Paint, Path, Point, Sheet};
 
 const COLUMNS: usize = 2;
 const LINE: f64 = 22.0;
@@ -60,17 +58,17 @@ fn draw_sample(sheet: &mut Sheet, sample: Sample, at: Point) {
     let (corner, opposite) = ((at.0 - CHIP.0, at.1 - CHIP.1), (at.0 + CHIP.0, at.1 + CHIP.1));
     let mut chip = |look| sheet.bar(corner, opposite, look);
     match sample {
-        Sample::Land => chip(colours::land()),
-        Sample::NoGo => chip(colours::no_go()),
+        Sample::Land => chip(colours::LAND),
+        Sample::NoGo => chip(colours::NO_GO),
         Sample::Background(background) => chip(edged(colours::background(background))),
         Sample::Depth { band, bands } => chip(edged(colours::depth(band, bands))),
         _ => chip(colours::depth(0, 1)),
     }
     match sample {
         Sample::Track(style) => track(sheet, style, at),
-        Sample::Hull => sheet.path(&hull(at), colours::hull()),
-        Sample::Start => sheet.disc(at, marks::START, colours::start()),
-        Sample::Goal => sheet.disc(at, 0.9 * marks::GOAL, colours::goal()),
+        Sample::Hull => sheet.path(&hull(at), colours::HULL),
+        Sample::Start => sheet.disc(at, marks::START, colours::START),
+        Sample::Goal => sheet.disc(at, 0.9 * marks::GOAL, colours::GOAL),
         Sample::Margin(purpose) => margin(sheet, purpose, corner, opposite),
         _ => {}
     }
@@ -85,9 +83,8 @@ fn track(sheet: &mut Sheet, style: TrackStyle, (x, y): Point) {
     let ends = ((x - CHIP.0 + 3.0, y), (x + CHIP.0 - 3.0, y));
     let (look, within) = match style {
         TrackStyle::Maneuver(index) => colours::maneuver(index),
-        TrackStyle::Basic => (colours::basic(), None),
-        TrackStyle::RunIn => (colours::run_in(), None),
-        TrackStyle::Simulated => (colours::simulated(), None),
+        TrackStyle::Basic => (colours::BASIC, None),
+        TrackStyle::RunIn => (colours::RUN_IN, None),
         TrackStyle::Realization => return sheaf(sheet, (x, y)),
     };
     [Some(look), within].into_iter().flatten().for_each(|look| sheet.line(ends.0, ends.1, look));
@@ -120,7 +117,7 @@ fn margin(sheet: &mut Sheet, purpose: Purpose, corner: Point, opposite: Point) {
         let height = opposite.1 - corner.1;
         for k in 0..4 {
             let x = corner.0 + f64::from(k) * 6.3;
-            sheet.line((x, opposite.1), (x + height, corner.1), colours::hatch());
+            sheet.line((x, opposite.1), (x + height, corner.1), colours::HATCH);
         }
     }
     sheet.bar(corner, opposite, colours::margin(purpose));

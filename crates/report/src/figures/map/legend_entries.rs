@@ -42,7 +42,6 @@ pub(crate) fn tracks(map: &Map) -> Vec<Entry> {
     let lines = [
         (TrackStyle::Basic, "basic move".to_owned()),
         (TrackStyle::RunIn, "run-in".to_owned()),
-        (TrackStyle::Simulated, "simulated".to_owned()),
         (TrackStyle::Realization, realizations),
     ];
     let present = lines.into_iter().filter(|(style, _)| count(*style) > 0);
@@ -61,43 +60,31 @@ pub(crate) fn tracks(map: &Map) -> Vec<Entry> {
 pub(crate) fn chart(map: &Map) -> Vec<Entry> {
     let limits = &map.depth_limits_m;
     let bands = bands(limits);
-    let mut present = Present { land: false, no_go: false, bands: vec![false; bands] };
-    map.areas.iter().for_each(|area| present.add(area.class, limits));
-    let cells = map.cells.iter().flat_map(|cells| &cells.classes).flatten();
-    cells.for_each(|class| present.add(*class, limits));
+    let classes = || {
+        let cells = map.cells.iter().flat_map(|cells| &cells.classes).flatten();
+        map.areas.iter().map(|area| &area.class).chain(cells)
+    };
+    let shade = |class: &Class| match class {
+        Class::Depth { least_m } => Some(band(*least_m, limits)),
+        _ => None,
+    };
     let margin = |purpose| map.margins.iter().any(|margin| margin.purpose == purpose);
     let dangers = [
-        (present.land, Sample::Land, "land"),
-        (present.no_go, Sample::NoGo, "no-go"),
+        (classes().any(|class| *class == Class::Land), Sample::Land, "land"),
+        (classes().any(|class| *class == Class::NoGo), Sample::NoGo, "no-go"),
         (margin(Purpose::Transit), Sample::Margin(Purpose::Transit), "safety margin, transit"),
         (margin(Purpose::Trial), Sample::Margin(Purpose::Trial), "safety margin, trial"),
     ];
     let dangers = dangers.into_iter().filter(|danger| danger.0);
     let mut entries: Vec<Entry> = dangers.map(|(_, sample, label)| (sample, label.to_owned())).collect();
-    let charted = present.bands.iter().enumerate().filter(|(_, present)| **present);
-    entries.extend(charted.map(|(band, _)| (Sample::Depth { band, bands }, depth(band, limits))));
+    let charted = (0..bands).filter(|band| classes().any(|class| shade(class) == Some(*band)));
+    entries.extend(charted.map(|band| (Sample::Depth { band, bands }, depth(band, limits))));
     let background = match map.background {
         Background::Water => "water, no depth charted",
         Background::Uncharted => "not charted",
     };
     entries.push((Sample::Background(map.background), background.to_owned()));
     entries
-}
-
-struct Present {
-    land: bool,
-    no_go: bool,
-    bands: Vec<bool>,
-}
-
-impl Present {
-    fn add(&mut self, class: Class, limits: &[f64]) {
-        match class {
-            Class::Land => self.land = true,
-            Class::NoGo => self.no_go = true,
-            Class::Depth { least_m } => self.bands[band(least_m, limits)] = true,
-        }
-    }
 }
 
 /// `least depth below 5 m`, `least depth 5–10 m`, `least depth 10 m and more`.

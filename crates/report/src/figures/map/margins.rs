@@ -3,8 +3,7 @@ use super::colours;
 use super::grid::Ranks;
 use super::input::{Margin, Purpose};
 use super::view::View;
-use crate::figures::svg::Path;
-use crate::figures::svg::Sheet;
+use crate::figures::svg::{Path, Sheet};
 
 /// Characters that one margin may take.
 const ROOM: usize = 120_000;
@@ -22,7 +21,7 @@ pub(crate) fn draw(sheet: &mut Sheet, view: &View, margin: &Margin) {
         border = cells.border(view, 1..);
     }
     if margin.purpose == Purpose::Trial {
-        sheet.path(&hatching(view, &cells), colours::hatch());
+        sheet.path(&hatching(view, &cells), colours::HATCH);
     }
     sheet.path(&border, colours::margin(margin.purpose));
 }

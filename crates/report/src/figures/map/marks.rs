@@ -1,9 +1,7 @@
 use super::input::Map;
 use super::view::View;
 use super::{clip, colours};
-use crate::figures::svg::Path;
-use crate::figures::svg::Point;
-use crate::figures::svg::Sheet;
+use crate::figures::svg::{Path, Point, Sheet};
 
 /// Radius of the start's disc [px]: smaller than the goal's, so that both show where the trial ends at home.
 pub(crate) const START: f64 = 5.0;
@@ -14,13 +12,13 @@ pub(crate) const GOAL: f64 = 8.0;
 pub(crate) fn hulls(sheet: &mut Sheet, view: &View, hulls: &[Vec<[f64; 2]>]) {
     let mut path = Path::default();
     hulls.iter().for_each(|hull| path.ring(&clip::ring(view, &view.placed(hull))));
-    sheet.path(&path, colours::hull());
+    sheet.path(&path, colours::HULL);
 }
 
 /// Goal and start, where they are in the frame.
 pub(crate) fn ends(sheet: &mut Sheet, view: &View, map: &Map) {
     for (at, radius, look, title) in
-        [(map.goal, GOAL, colours::goal(), "goal"), (map.start, START, colours::start(), "start")]
+        [(map.goal, GOAL, colours::GOAL, "goal"), (map.start, START, colours::START, "start")]
     {
         if let Some(at) = placed(view, at) {
             sheet.titled(title, |sheet| sheet.disc(at, radius, look));

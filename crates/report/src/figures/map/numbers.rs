@@ -3,8 +3,7 @@ use std::f64::consts::TAU;
 use super::input::{Map, TrackStyle};
 use super::view::View;
 use super::{colours, marks};
-use crate::figures::svg::{Anchor, Point};
-use crate::figures::svg::{Lettering, Look, Sheet};
+use crate::figures::svg::{Anchor, Lettering, Look, Point, Sheet};
 
 /// Radius of a number's disc [px].
 const DISC: f64 = 8.0;
@@ -46,7 +45,7 @@ struct Taken {
 
 impl Taken {
     fn new(view: &View, map: &Map) -> Self {
-        let (corner, opposite) = (view.corner(), view.opposite());
+        let (corner, opposite) = (view.corner, view.opposite);
         let wide = square(opposite.0 - corner.0) + 1;
         let high = square(opposite.1 - corner.1) + 1;
         let ends = [(map.start, marks::START), (map.goal, marks::GOAL)];

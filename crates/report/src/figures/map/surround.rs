@@ -2,9 +2,7 @@ use super::colours;
 use super::input::Graticule;
 use super::view::{NOTE, View};
 use crate::figures::axis::round_step;
-use crate::figures::svg::Path;
-use crate::figures::svg::{Anchor, Paint, Point};
-use crate::figures::svg::{Lettering, Look, Sheet};
+use crate::figures::svg::{Anchor, Lettering, Look, Paint, Path, Point, Sheet};
 use crate::figures::text;
 
 /// Room below the frame for labels, scale bar and north arrow [px].
@@ -16,12 +14,12 @@ const LEAST_SHARE: f64 = 0.16;
 
 /// Fine lines across the map.
 pub(crate) fn graticule(sheet: &mut Sheet, view: &View, graticule: &Graticule) {
-    let (low, high) = (view.corner(), view.opposite());
+    let (low, high) = (view.corner, view.opposite);
     let mut path = Path::default();
-    for x in columns(view, graticule).map(|(x, _)| x) {
+    for (x, _) in columns(view, graticule) {
         path.line(&[(x, low.1), (x, high.1)]);
     }
-    for y in rows(view, graticule).map(|(y, _)| y) {
+    for (y, _) in rows(view, graticule) {
         path.line(&[(low.0, y), (high.0, y)]);
     }
     sheet.path(&path, Look::drawn(colours::DARK.faded(0.16), 0.6));
@@ -29,32 +27,33 @@ pub(crate) fn graticule(sheet: &mut Sheet, view: &View, graticule: &Graticule) {
 
 /// The frame with its labels, and below it the scale bar and the north arrow.
 pub(crate) fn draw(sheet: &mut Sheet, view: &View, graticule: &Graticule) {
-    let (low, high) = (view.corner(), view.opposite());
+    let (low, high) = (view.corner, view.opposite);
     sheet.bar(low, high, Look::drawn(colours::DARK, 1.3));
     labels(sheet, view, graticule);
     scale_bar(sheet, view, high.1 + 38.0);
     north_arrow(sheet, (high.0 - 9.0, high.1 + 38.0));
 }
 
-fn columns<'a>(view: &View, graticule: &'a Graticule) -> impl Iterator<Item = (f64, &'a str)> {
-    let (low, high) = (view.corner().0, view.opposite().0);
-    let placed: Vec<_> =
-        graticule.x.iter().map(|(x, label)| (view.place([*x, 0.0]).0, label.as_str())).collect();
-    placed.into_iter().filter(move |(x, _)| (low..=high).contains(x))
+/// Pixels of the labels below the frame.
+fn columns<'a>(view: &View, graticule: &'a Graticule) -> Vec<(f64, &'a str)> {
+    within(&graticule.x, (view.corner.0, view.opposite.0), |x| view.place([x, 0.0]).0)
 }
 
-fn rows<'a>(view: &View, graticule: &'a Graticule) -> impl Iterator<Item = (f64, &'a str)> {
-    let (low, high) = (view.corner().1, view.opposite().1);
-    let placed: Vec<_> =
-        graticule.y.iter().map(|(y, label)| (view.place([0.0, *y]).1, label.as_str())).collect();
-    placed.into_iter().filter(move |(y, _)| (low..=high).contains(y))
+/// Pixels of the labels left of it.
+fn rows<'a>(view: &View, graticule: &'a Graticule) -> Vec<(f64, &'a str)> {
+    within(&graticule.y, (view.corner.1, view.opposite.1), |y| view.place([0.0, y]).1)
+}
+
+fn within(labels: &[(f64, String)], (low, high): (f64, f64), pixel: impl Fn(f64) -> f64) -> Vec<(f64, &str)> {
+    let placed = labels.iter().map(|(at, label)| (pixel(*at), label.as_str()));
+    placed.filter(|(at, _)| (low..=high).contains(at)).collect()
 }
 
 /// Ticks outwards, each with its label where it does not run into the last one or beyond the frame.
 fn labels(sheet: &mut Sheet, view: &View, graticule: &Graticule) {
-    let (low, high) = (view.corner(), view.opposite());
-    let tick = Look::drawn(ink(0.6), 1.0);
-    let letters = Lettering::new(NOTE, Anchor::Middle).painted(ink(0.75));
+    let (low, high) = (view.corner, view.opposite);
+    let tick = Look::drawn(Paint::ink(0.6), 1.0);
+    let letters = Lettering::new(NOTE, Anchor::Middle).painted(Paint::ink(0.75));
     let mut free = Free::new(low.0 - 20.0, high.0 + 4.0);
     for (x, label) in columns(view, graticule) {
         sheet.line((x, high.1), (x, high.1 + TICK), tick);
@@ -69,11 +68,6 @@ fn labels(sheet: &mut Sheet, view: &View, graticule: &Graticule) {
             sheet.text(label, (low.0 - 14.0, y), letters.upwards());
         }
     }
-}
-
-/// Ink that follows the page.
-fn ink(opacity: f64) -> Paint {
-    Paint::ink(opacity)
 }
 
 /// Room along one side of the frame.
@@ -103,18 +97,18 @@ impl Free {
 
 /// A bar of a round length, in alternating parts.
 fn scale_bar(sheet: &mut Sheet, view: &View, y: f64) {
-    let (left, right) = (view.corner().0, view.opposite().0);
-    let metres = round_step(LEAST_SHARE * (right - left) / view.scale());
-    let width = metres * view.scale();
+    let (left, right) = (view.corner.0, view.opposite.0);
+    let metres = round_step(LEAST_SHARE * (right - left) / view.scale);
+    let width = metres * view.scale;
     let label = length(metres);
     sheet.titled(&format!("scale: {label}"), |sheet| {
-        sheet.bar((left, y), (left + width, y + BAR), Look::drawn(ink(1.0), 0.8));
+        sheet.bar((left, y), (left + width, y + BAR), Look::drawn(Paint::ink(1.0), 0.8));
         let parts = if is_five(metres) { 5 } else { 4 };
         for part in (0..parts).step_by(2) {
             let at = |k: i32| left + width * f64::from(k) / f64::from(parts);
-            sheet.bar((at(part), y), (at(part + 1), y + BAR), Look::filled(ink(1.0)));
+            sheet.bar((at(part), y), (at(part + 1), y + BAR), Look::filled(Paint::ink(1.0)));
         }
-        let letters = Lettering::new(NOTE, Anchor::Start).painted(ink(0.85));
+        let letters = Lettering::new(NOTE, Anchor::Start).painted(Paint::ink(0.85));
         sheet.text(&label, (left + width + 8.0, y + 0.5 * BAR), letters);
     });
 }
@@ -140,8 +134,12 @@ fn north_arrow(sheet: &mut Sheet, (x, y): Point) {
         dark.ring(&[(x, y - 9.0), (x, y + 6.0), (x - 6.0, y + 11.0)]);
         let mut light = Path::default();
         light.ring(&[(x, y - 9.0), (x + 6.0, y + 11.0), (x, y + 6.0)]);
-        sheet.path(&dark, Look::filled(ink(1.0)).outlined(ink(1.0), 1.0));
-        sheet.path(&light, Look::drawn(ink(1.0), 1.0));
-        sheet.text("N", (x - 18.0, y + 2.0), Lettering::new(NOTE, Anchor::Middle).painted(ink(0.85)).bold());
+        sheet.path(&dark, Look::filled(Paint::ink(1.0)).outlined(Paint::ink(1.0), 1.0));
+        sheet.path(&light, Look::drawn(Paint::ink(1.0), 1.0));
+        sheet.text(
+            "N",
+            (x - 18.0, y + 2.0),
+            Lettering::new(NOTE, Anchor::Middle).painted(Paint::ink(0.85)).bold(),
+        );
     });
 }

@@ -2,8 +2,7 @@ use super::input::{Map, Track, TrackStyle};
 use super::simplify::simplified;
 use super::view::View;
 use super::{clip, colours};
-use crate::figures::svg::Path;
-use crate::figures::svg::{Look, Sheet};
+use crate::figures::svg::{Look, Path, Sheet};
 
 /// A line may be this far off [px].
 const TOLERANCE: f64 = 0.06;
@@ -12,23 +11,21 @@ const COARSE: f64 = 0.25;
 /// Realizations drawn at most.
 pub(crate) const MOST_REALIZATIONS: usize = 200;
 
-/// Draws the tracks: realizations below, then basic moves, run-ins, maneuvers, and the simulated track on top.
+/// Draws the tracks: realizations below, then basic moves, run-ins, and maneuvers on top.
 pub(crate) fn draw(sheet: &mut Sheet, view: &View, map: &Map) {
     let styled = |style| map.tracks.iter().filter(move |track| track.style == style);
     let sheaf = chosen(&styled(TrackStyle::Realization).collect::<Vec<_>>());
     let look = colours::realization(sheaf.len());
     sheaf.iter().for_each(|track| sheet.path(&path(view, track, COARSE), look));
     for (style, look, halo) in [
-        (TrackStyle::Basic, colours::basic(), colours::halo(3.6)),
-        (TrackStyle::RunIn, colours::run_in(), colours::halo(2.4)),
+        (TrackStyle::Basic, colours::BASIC, colours::halo(3.6)),
+        (TrackStyle::RunIn, colours::RUN_IN, colours::halo(2.4)),
     ] {
         let paths: Vec<Path> = styled(style).map(|track| path(view, track, TOLERANCE)).collect();
         paths.iter().for_each(|path| sheet.path(path, halo));
         paths.iter().for_each(|path| sheet.path(path, look));
     }
     map.tracks.iter().for_each(|track| maneuver(sheet, view, map, track));
-    styled(TrackStyle::Simulated)
-        .for_each(|track| sheet.path(&path(view, track, TOLERANCE), colours::simulated()));
 }
 
 /// A maneuver with its name as a title.

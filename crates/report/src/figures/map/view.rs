@@ -15,10 +15,13 @@ const TALLEST: f64 = 760.0;
 
 /// The map's place on the sheet: metres to pixels, the same scale along both axes.
 pub(crate) struct View {
-    frame: Frame,
-    scale: f64,
-    corner: Point,
-    opposite: Point,
+    pub(crate) frame: Frame,
+    /// Pixels per metre.
+    pub(crate) scale: f64,
+    /// Upper left corner of the frame.
+    pub(crate) corner: Point,
+    /// Lower right corner of the frame.
+    pub(crate) opposite: Point,
 }
 
 impl View {
@@ -41,29 +44,6 @@ impl View {
 
     pub(crate) fn placed(&self, points: &[[f64; 2]]) -> Vec<Point> {
         points.iter().map(|&at| self.place(at)).collect()
-    }
-
-    pub(crate) fn frame(&self) -> Frame {
-        self.frame
-    }
-
-    /// Pixels per metre.
-    pub(crate) fn scale(&self) -> f64 {
-        self.scale
-    }
-
-    /// Upper left corner of the frame.
-    pub(crate) fn corner(&self) -> Point {
-        self.corner
-    }
-
-    /// Lower right corner of the frame.
-    pub(crate) fn opposite(&self) -> Point {
-        self.opposite
-    }
-
-    pub(crate) fn bottom(&self) -> f64 {
-        self.opposite.1
     }
 
     /// Whether a pixel is inside the frame by at least `inset` pixels.

@@ -30,10 +30,10 @@ impl Path {
         for point in points {
             let now = (units(point.0), units(point.1));
             match last {
-                None => self.write(&format!("M{} {}", now.0, now.1)),
+                None => self.0.push_str(&format!("M{} {}", now.0, now.1)),
                 Some(before) if before == now => continue,
                 Some(before) => {
-                    self.write(if relative { "" } else { "l" });
+                    self.0.push_str(if relative { "" } else { "l" });
                     self.step(now.0 - before.0, relative);
                     self.step(now.1 - before.1, true);
                     relative = true;
@@ -42,17 +42,13 @@ impl Path {
             last = Some(now);
         }
         if !relative {
-            self.write("h1");
+            self.0.push_str("h1");
         }
     }
 
     fn step(&mut self, by: i64, apart: bool) {
         let space = if apart && by >= 0 { " " } else { "" };
-        self.write(&format!("{space}{by}"));
-    }
-
-    fn write(&mut self, text: &str) {
-        self.0.push_str(text);
+        self.0.push_str(&format!("{space}{by}"));
     }
 }
 

@@ -1,9 +1,9 @@
 use maud::{Markup, html};
 
-use super::number::{exact, median, parameter_share, q90, simulation_share, three_or_dash};
-use super::parts::missing;
-use super::study::{Study, Trajectory, optimized_first};
-use super::table::Table;
+use crate::number::{exact, median, parameter_share, q90, simulation_share, three_or_dash};
+use crate::parts::missing;
+use crate::study::{Study, Trajectory, optimized_first};
+use crate::table::Table;
 use study::documents::{Bounds, DesignScores, DesignSummary, ParameterSummary};
 
 /// What the planned experiment is worth beside the others: errors of the models that are estimated from it.

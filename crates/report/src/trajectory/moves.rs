@@ -1,8 +1,8 @@
 use maud::{Markup, html};
 
-use super::number::three;
-use super::table::Table;
-use super::trajectory_words::{heading, level};
+use super::words::level;
+use crate::number::three;
+use crate::table::Table;
 use study::documents::{PlanLattice, Primitive, Voyage};
 
 /// How the maneuvers became moves of the lattice, folded away.
@@ -52,7 +52,6 @@ fn residuals(all: &[Primitive]) -> String {
 fn table(voyage: &Voyage) -> Table<(bool, &Primitive)> {
     let moves = &voyage.primitives;
     let first = |i: usize| i > 0 && moves[i - 1].maneuver != moves[i].maneuver;
-    let level = |h: u64| heading(level(&voyage.lattice, h as i64));
     let metres = |nodes: i64| three(nodes as f64 * voyage.lattice.cell_m);
     Table::of(moves.iter().enumerate().map(|(i, primitive)| (first(i), primitive)))
         .compact()
@@ -60,8 +59,8 @@ fn table(voyage: &Voyage) -> Table<(bool, &Primitive)> {
         .mark("stray", |(_, p)| p.fits == 0)
         .name("Maneuver", |(_, p)| &p.maneuver)
         .text("Side", |(_, p)| p.side.name())
-        .number("Heading", |(_, p)| level(p.h))
-        .number("at its end", |(_, p)| level(p.to_h))
+        .number("Heading", |(_, p)| level(&voyage.lattice, p.h))
+        .number("at its end", |(_, p)| level(&voyage.lattice, p.to_h))
         .number("East [m]", |(_, p)| metres(p.di))
         .number("North [m]", |(_, p)| metres(p.dj))
         .number("Maneuver [s]", |(_, p)| three(p.maneuver_s))

@@ -2,12 +2,11 @@
 
 use std::path::Path;
 
-use artifact::{Digest, Loaded};
+use artifact::{Digest, Error, Loaded};
 
-use super::loader::Loader;
-use super::study::{PlannedTrial, Trajectory};
-use super::trajectory_map::refused;
-use artifact::Error;
+use super::map::refused;
+use crate::loader::Loader;
+use crate::study::{PlannedTrial, Trajectory};
 use study::documents::PlanDocument;
 
 /// What `plan` writes beside `plan.json`.
@@ -19,7 +18,7 @@ const BESIDE: [(&str, &str); 4] = [
 ];
 
 /// The trajectory that the study plans; none where there is neither `plan.toml` nor `plan.json`.
-pub(super) fn trajectory(loader: &mut Loader) -> Result<Option<Trajectory>, Error> {
+pub(crate) fn trajectory(loader: &mut Loader) -> Result<Option<Trajectory>, Error> {
     let config = loader.sources.study.join("plan.toml");
     if config.exists() {
         loader.note("plan.toml", "chart, lattice, safety, counts, start and goal", Digest::of_file(&config)?);
@@ -113,7 +112,7 @@ fn map(loader: &mut Loader, name: &str) -> Result<Option<String>, Error> {
     if !path.exists() {
         return Ok(None);
     }
-    let bytes = std::fs::read(&path).map_err(|e| artifact::Error::io(&path, "read", e))?;
+    let bytes = std::fs::read(&path).map_err(|e| Error::io(&path, "read", e))?;
     let digest = Digest::of_bytes(&bytes);
     let text = String::from_utf8(bytes).map_err(|_| "bytes that are not UTF-8".to_owned());
     let checked = text.and_then(|text| refused(&text).map_or(Ok(text), Err));

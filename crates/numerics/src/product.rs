@@ -1,7 +1,7 @@
 //! Products of small square blocks, n × n, row-major.
 
 /// A B.
-pub(crate) fn product(n: usize, a: &[f64], b: &[f64]) -> Vec<f64> {
+pub fn product(n: usize, a: &[f64], b: &[f64]) -> Vec<f64> {
     let mut out = vec![0.0; n * n];
     if n == 0 {
         return out;
@@ -15,16 +15,27 @@ pub(crate) fn product(n: usize, a: &[f64], b: &[f64]) -> Vec<f64> {
 }
 
 /// Aᵀ.
-pub(crate) fn transposed(n: usize, a: &[f64]) -> Vec<f64> {
+pub fn transposed(n: usize, a: &[f64]) -> Vec<f64> {
     (0..n * n).map(|k| a[(k % n) * n + k / n]).collect()
 }
 
 /// A B Aᵀ.
-pub(crate) fn congruence(n: usize, a: &[f64], b: &[f64]) -> Vec<f64> {
+pub fn congruence(n: usize, a: &[f64], b: &[f64]) -> Vec<f64> {
     product(n, &product(n, a, b), &transposed(n, a))
 }
 
 /// Σ_ij a_ij b_ij.
-pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
+pub fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// A x.
+pub fn times(a: &[f64], x: &[f64]) -> Vec<f64> {
+    a.chunks_exact(x.len().max(1)).map(|row| dot(row, x)).collect()
+}
+
+/// xᵀ A x.
+pub fn quadratic(x: &[f64], a: &[f64]) -> f64 {
+    let n = x.len();
+    (0..n * n).map(|k| x[k / n] * a[k] * x[k % n]).sum()
 }

@@ -3,10 +3,10 @@ use std::collections::BTreeMap;
 use crate::figures::{FrontDot, front as drawing};
 use maud::{Markup, html};
 
-use super::number::{exact, percent, three};
-use super::parts::Figures;
-use super::table::Table;
-use super::trajectory_words::{cost_title, minutes};
+use super::words::{cost_title, minutes};
+use crate::number::{exact, percent, three};
+use crate::parts::Figures;
+use crate::table::Table;
 use study::documents::{PlanDocument, Voyage};
 use trial::voyage::FrontPoint;
 

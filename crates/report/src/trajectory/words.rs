@@ -1,6 +1,6 @@
 //! Times, places and moves as the crew reads them.
 
-use super::number::{exact, percent, three};
+use crate::number::{exact, percent, three};
 use study::documents::{CostUnit, PlanLattice, PlanPose, PlanStep, VoyageLeg};
 use trial::Side;
 
@@ -10,7 +10,7 @@ const KNOT: f64 = 1852.0 / 3600.0;
 const REST: f64 = 5e-3;
 
 /// A time since the start: `01:04:52`.
-pub(super) fn clock(seconds: f64) -> String {
+pub(crate) fn clock(seconds: f64) -> String {
     if !(seconds.is_finite() && seconds >= 0.0) {
         return "–".to_owned();
     }
@@ -20,7 +20,7 @@ pub(super) fn clock(seconds: f64) -> String {
 }
 
 /// A duration: `64 min 52 s`.
-pub(super) fn minutes(seconds: f64) -> String {
+pub(crate) fn minutes(seconds: f64) -> String {
     if !(seconds.is_finite() && seconds >= 0.0) {
         return "–".to_owned();
     }
@@ -29,12 +29,12 @@ pub(super) fn minutes(seconds: f64) -> String {
 }
 
 /// Degrees and decimal minutes, to a thousandth of a minute: `60° 08.918′ N`.
-pub(super) fn latitude(degrees: f64) -> String {
+pub(crate) fn latitude(degrees: f64) -> String {
     place(degrees, 2, ["N", "S"])
 }
 
 /// As [`latitude`]: `024° 57.211′ E`.
-pub(super) fn longitude(degrees: f64) -> String {
+pub(crate) fn longitude(degrees: f64) -> String {
     place(degrees, 3, ["E", "W"])
 }
 
@@ -49,7 +49,7 @@ fn place(degrees: f64, digits: usize, sides: [&str; 2]) -> String {
 }
 
 /// A compass heading of three digits: `045°`.
-pub(super) fn heading(degrees: f64) -> String {
+pub(crate) fn heading(degrees: f64) -> String {
     if degrees.is_finite() {
         format!("{:03.0}°", degrees.rem_euclid(360.0).round() % 360.0)
     } else {
@@ -58,17 +58,17 @@ pub(super) fn heading(degrees: f64) -> String {
 }
 
 /// Compass heading of level `h` of the lattice, which counts counter-clockwise from east.
-pub(super) fn level(lattice: &PlanLattice, h: i64) -> f64 {
-    (90.0 - h as f64 * 360.0 / lattice.headings as f64).rem_euclid(360.0)
+pub(crate) fn level(lattice: &PlanLattice, h: u64) -> String {
+    heading((90.0 - h as f64 * 360.0 / lattice.headings as f64).rem_euclid(360.0))
 }
 
 /// A speed in knots: `2.9`.
-pub(super) fn knots(speed_m_s: f64) -> String {
+pub(crate) fn knots(speed_m_s: f64) -> String {
     if speed_m_s.is_finite() { format!("{:.1}", speed_m_s / KNOT) } else { "–".to_owned() }
 }
 
 /// A cost with its unit: `10 basic moves`, `3629 s`.
-pub(super) fn cost(value: f64, unit: CostUnit) -> String {
+pub(crate) fn cost(value: f64, unit: CostUnit) -> String {
     let number = exact((value * 1e3).round() / 1e3);
     match unit {
         CostUnit::BasicMoves if value == 1.0 => "1 basic move".to_owned(),
@@ -79,7 +79,7 @@ pub(super) fn cost(value: f64, unit: CostUnit) -> String {
 }
 
 /// What the cost counts, as the head of a column or an axis.
-pub(super) fn cost_title(unit: CostUnit) -> &'static str {
+pub(crate) fn cost_title(unit: CostUnit) -> &'static str {
     match unit {
         CostUnit::BasicMoves => "basic moves",
         CostUnit::Seconds => "cost [s]",
@@ -88,7 +88,7 @@ pub(super) fn cost_title(unit: CostUnit) -> &'static str {
 }
 
 /// A part of a whole: `17 of 64 (26.6 %)`.
-pub(super) fn part(count: u64, of: u64) -> String {
+pub(crate) fn part(count: u64, of: u64) -> String {
     if of == 0 {
         return "none simulated".to_owned();
     }
@@ -96,7 +96,7 @@ pub(super) fn part(count: u64, of: u64) -> String {
 }
 
 /// What is done on a leg, in plain words.
-pub(super) fn action(step: &PlanStep, leg: &VoyageLeg, lattice: &PlanLattice) -> String {
+pub(crate) fn action(step: &PlanStep, leg: &VoyageLeg, lattice: &PlanLattice) -> String {
     if leg.informative {
         return match leg.side {
             Some(Side::Mirrored) => format!("{}, mirrored (starts to the other side)", leg.name),
@@ -116,7 +116,7 @@ pub(super) fn action(step: &PlanStep, leg: &VoyageLeg, lattice: &PlanLattice) ->
 
 fn turn(step: &PlanStep, leg: &VoyageLeg, lattice: &PlanLattice) -> String {
     let how = if leg.speed_m_s.abs() < REST { "on the spot" } else { "under way" };
-    format!("{how}, to\u{a0}{}", heading(level(lattice, step.to.h as i64)))
+    format!("{how}, to\u{a0}{}", level(lattice, step.to.h))
 }
 
 fn reached(to: &PlanPose, lattice: &PlanLattice) -> String {

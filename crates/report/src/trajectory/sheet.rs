@@ -1,9 +1,9 @@
 use crate::figures::palette;
 use maud::{Markup, html};
 
-use super::number::{three, unit};
-use super::study::Study;
-use super::trajectory_words::{action, clock, heading, knots, latitude, level, longitude, minutes};
+use super::words::{action, clock, heading, knots, latitude, level, longitude, minutes};
+use crate::number::{or_dash, three, unit};
+use crate::study::Study;
 use study::documents::{PlanDocument, PlanStep, Voyage, VoyageLeg};
 
 /// An input that never exceeds this is none: what is left of rounding, in any unit.
@@ -63,15 +63,15 @@ struct Inputs {
 
 impl Inputs {
     fn of(study: &Study, voyage: &Voyage) -> Self {
-        let declared = study.vessel.as_ref().map(|vessel| vessel.inputs.as_slice()).unwrap_or_default();
-        let mut names: Vec<&str> = declared.iter().map(|(name, _)| name.as_str()).collect();
+        let declared = study.inputs();
+        let mut names: Vec<&str> = declared.iter().map(|input| input.name.as_str()).collect();
         for name in voyage.legs.iter().flat_map(|leg| leg.largest_inputs.keys()) {
             if !names.contains(&name.as_str()) {
                 names.push(name);
             }
         }
         let one = |name: &str| {
-            let own = declared.iter().find(|(known, _)| known == name).map(|(_, unit)| unit.clone());
+            let own = declared.iter().find(|input| input.name == name).map(|input| input.unit.clone());
             (name.to_owned(), own.unwrap_or_default(), decimals(voyage, name))
         };
         Self { all: names.into_iter().map(one).collect(), known: study.vessel.is_some() }
@@ -143,13 +143,13 @@ fn badge(row: &Row) -> Markup {
 }
 
 fn end(plan: &PlanDocument, voyage: &Voyage, inputs: &Inputs) -> Markup {
-    let to = plan.steps.last().map(|step| heading(level(&voyage.lattice, step.to.h as i64)));
+    let to = plan.steps.last().map(|step| level(&voyage.lattice, step.to.h));
     html! {
         tr.end {
             th scope="row" { "" }
             td.time { (clock(voyage.duration_s)) }
             td { "" }
-            td.number { (to.unwrap_or_else(|| "–".to_owned())) }
+            td.number { (or_dash(to)) }
             td colspan=(6 + inputs.all.len()) { "end of the trial, after " (minutes(voyage.duration_s)) }
         }
     }
@@ -160,10 +160,10 @@ fn rounded(speed_m_s: f64) -> String {
 }
 
 fn seconds(value: Option<f64>) -> String {
-    value.filter(|s| s.is_finite()).map_or("–".to_owned(), |s| format!("{s:.0}"))
+    or_dash(value.filter(|s| s.is_finite()).map(|s| format!("{s:.0}")))
 }
 
 fn largest(leg: &VoyageLeg, name: &str, decimals: usize) -> String {
     let value = leg.largest_inputs.get(name).filter(|v| v.is_finite());
-    value.map_or("–".to_owned(), |v| format!("{v:.decimals$}"))
+    or_dash(value.map(|v| format!("{v:.decimals$}")))
 }

@@ -1,8 +1,8 @@
 use maud::{Markup, html};
 
-use super::number::{exact, percent, three, three_or_dash};
-use super::parts::entry;
-use super::trajectory_words::{cost, minutes, part};
+use super::words::{cost, minutes, part};
+use crate::number::{exact, or_dash, percent, three, three_or_dash};
+use crate::parts::entry;
 use study::documents::{PlanDocument, PlanStatus, SecondaryCost, Voyage};
 use trial::voyage::{Check, Information, Secondary};
 
@@ -112,7 +112,7 @@ pub(super) fn information(information: &Information, designed: bool) -> Markup {
             (fact("Promised by the counts", &three_or_dash(information.predicted_log_det), ""))
             (fact("In the maneuvers as sailed", &three_or_dash(information.realised_log_det), &against(information.efficiency)))
             (fact("In the whole track", &three_or_dash(information.whole_log_det), &against(whole)))
-            (fact("Efficiency of the counts", &design(information.design_efficiency), &reason(information.design_efficiency, designed)))
+            (fact("Efficiency of the counts", &or_dash(information.design_efficiency.map(percent)), &reason(information.design_efficiency, designed)))
         }
         p.note {
             "Efficiency: the ratio of the determinants to the power 1/" (dimension) ". Above 100\u{a0}%, what is sailed tells more than \
@@ -131,10 +131,6 @@ fn against(efficiency: Option<f64>) -> String {
     efficiency.map_or("not comparable: a direction is not excited".to_owned(), |e| {
         format!("{} of the promise", percent(e))
     })
-}
-
-fn design(efficiency: Option<f64>) -> String {
-    efficiency.map_or("–".to_owned(), percent)
 }
 
 fn reason(efficiency: Option<f64>, designed: bool) -> String {

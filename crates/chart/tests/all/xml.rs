@@ -9,7 +9,7 @@ pub struct Element {
     pub name: String,
     attributes: Vec<(String, String)>,
     pub text: String,
-    children: Vec<Element>,
+    pub children: Vec<Element>,
 }
 
 impl Element {
@@ -27,15 +27,17 @@ impl Element {
     }
 
     pub fn number(&self, key: &str) -> f64 {
-        self.get(key).unwrap_or_else(|| panic!("no {key} in {}", self.name)).parse().unwrap()
+        let text = self.get(key).unwrap();
+        assert!(text.chars().all(|c| c.is_ascii_digit() || c == '.' || c == '-'), "xsd:decimal: {text}");
+        text.parse().unwrap()
     }
 
-    pub fn all<'a>(&'a self, name: &'a str) -> impl Iterator<Item = &'a Element> {
-        self.children.iter().filter(move |c| c.name == name)
+    pub fn all(&self, name: &str) -> Vec<&Element> {
+        self.children.iter().filter(|c| c.name == name).collect()
     }
 
-    pub fn one<'a>(&'a self, name: &'a str) -> &'a Element {
-        let all: Vec<_> = self.all(name).collect();
+    pub fn one(&self, name: &str) -> &Element {
+        let all = self.all(name);
         assert_eq!(all.len(), 1, "{name} in {}", self.name);
         all[0]
     }
@@ -54,10 +56,15 @@ pub fn read(text: &str) -> Element {
                 open.last_mut().unwrap().children.push(done);
             }
             Event::Text(t) => open.last_mut().unwrap().text += &t.xml10_content(),
+            Event::GeneralRef(r) => {
+                let name = r.into_inner();
+                open.last_mut().unwrap().text += &quick_xml::escape::unescape(&format!("&{name};")).unwrap();
+            }
             Event::Eof => break,
             _ => {}
         }
     }
-    assert!(open.len() == 1 && open[0].children.len() == 1, "one root");
+    assert_eq!(open.len(), 1);
+    assert_eq!(open[0].children.len(), 1, "one root");
     open.remove(0).children.remove(0)
 }

@@ -1,18 +1,29 @@
+//! The planned trajectory.
+
+mod facts;
+pub(crate) mod files;
+mod front;
+mod map;
+mod moves;
+mod sheet;
+mod trials;
+pub(crate) mod words;
+
 use maud::{Markup, html};
 
-use super::number::three;
-use super::parts::{Figures, Section, missing};
-use super::study::{PlannedTrial, Study};
-use super::trajectory_facts::{facts, information};
-use super::trajectory_front::front;
-use super::trajectory_map::is_tall;
-use super::trajectory_moves::moves;
-use super::trajectory_sheet::sheet;
-use super::trajectory_trials::trials;
-use super::trajectory_words::{cost, minutes};
+use crate::number::three;
+use crate::parts::{Figures, Section, missing};
+use crate::study::{PlannedTrial, Study};
+use facts::{facts, information};
+use front::front;
+use map::is_tall;
+use moves::moves;
+use sheet::sheet;
+use trials::trials;
+use words::{cost, minutes};
 
 /// What the section adds to the page's style; a page without a trajectory goes without it.
-pub(super) const STYLE: &str = include_str!("trajectory.css");
+pub(super) const STYLE: &str = include_str!("style.css");
 
 /// The plan on its chart, at sea, for the crew, and what it is worth. Nothing in a study that plans no trajectory.
 pub(super) fn trajectory(study: &Study, figures: &mut Figures) -> Option<Section> {

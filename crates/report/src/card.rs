@@ -1,0 +1,12 @@
+use maud::{Markup, Render, html};
+
+/// A key figure with what it is of, and lines below it.
+pub(super) fn card(what: &str, figure: impl Render, of: impl Render, others: &[String]) -> Markup {
+    html! {
+        div.card {
+            p.what { (what) }
+            p.figure-line { span.big { (figure) } " " span.who { (of) } }
+            @for other in others { p.other { (other) } }
+        }
+    }
+}
