@@ -19,9 +19,11 @@ pub mod ordered;
 pub mod plan;
 pub mod pool;
 pub mod progress;
+pub mod said;
+mod said;
 pub mod sharded;
 pub mod simulate;
-pub mod stage;
+mod stage;
 pub mod umbrella;
 
 pub use identification::{Estimator, RunEstimate, RunScore};

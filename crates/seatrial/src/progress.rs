@@ -4,6 +4,7 @@ use std::io::IsTerminal;
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
+use crate::said::on_stderr;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 /// Counts finished pieces of work: a bar on a terminal, a plain line now and then elsewhere, nothing within the first
@@ -47,7 +48,8 @@ impl Progress {
         let Ok(mut last) = self.last_line.lock() else { return };
         if last.is_none_or(|at| at.elapsed() >= BETWEEN_LINES) {
             *last = Some(Instant::now());
-            eprintln!("{}: {} of {}", self.label, self.bar.position(), self.bar.length().unwrap_or(0));
+            let (done, all) = (self.bar.position(), self.bar.length().unwrap_or(0));
+            on_stderr(format_args!("{}: {done} of {all}", self.label));
         }
     }
 }

@@ -5,6 +5,7 @@ use std::fmt::Display;
 use std::path::Path;
 use std::process::ExitCode;
 
+use artifact::fault::{Fault, inject};
 use clap::error::ErrorKind;
 use clap::parser::ValueSource;
 use clap::{Arg, ArgMatches, Args, Command, CommandFactory, FromArgMatches, Parser};
@@ -12,6 +13,7 @@ use serde_json::{Value, json};
 
 use crate::cli::Common;
 use crate::failure::Failure;
+use crate::said::{on_stderr, on_stdout};
 
 /// What every help ends with.
 const EXIT_CODES: &str = "Exit codes: 0 written, 1 failed, 2 wrong usage, 3 input refused, 4 no answer";
@@ -159,9 +161,10 @@ fn misplaced(command: &Command, matches: &ArgMatches) -> Option<Failure> {
 
 /// Starts the threads, runs `task`, prints its summary or its failure.
 pub fn run(task: &dyn Task, common: &Common) -> ExitCode {
+    inject_fault();
     match start_threads(common.threads).and_then(|()| task.run(common)) {
-        Ok(summary) if common.json => println!("{}", summary.json),
-        Ok(summary) => println!("{}", summary.line),
+        Ok(summary) if common.json => on_stdout(summary.json),
+        Ok(summary) => on_stdout(summary.line),
         Err(failure) => return ended(&failure, common.json),
     }
     ExitCode::SUCCESS
@@ -198,9 +201,9 @@ fn one_line(message: &str) -> String {
 
 /// Tells a failure.
 pub fn ended(failure: &Failure, json: bool) -> ExitCode {
-    eprintln!("error: {failure}");
+    on_stderr(format_args!("error: {failure}"));
     if json {
-        println!("{}", json!({"exit_code": failure.exit_code(), "error": failure.to_string()}));
+        on_stdout(json!({"exit_code": failure.exit_code(), "error": failure.to_string()}));
     }
     ExitCode::from(failure.exit_code())
 }
@@ -208,4 +211,14 @@ pub fn ended(failure: &Failure, json: bool) -> ExitCode {
 fn start_threads(threads: Option<u32>) -> Result<(), Failure> {
     let builder = rayon::ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0) as usize);
     builder.build_global().map_err(|e| Failure::Failed(format!("threads: {e}")))
+}
+
+/// Lets writing fail where a test wants it: `SEATRIAL_FAULT=kill:3` ends the process at the third place. Release builds do
+/// not listen.
+fn inject_fault() {
+    let wanted = std::env::var("SEATRIAL_FAULT").unwrap_or_default();
+    let parsed = wanted.split_once(':').and_then(|(kind, count)| Some((kind, count.parse().ok()?)));
+    if let (Some((kind, count)), true) = (parsed, cfg!(debug_assertions)) {
+        inject(if kind == "kill" { Fault::Kill } else { Fault::Error }, count);
+    }
 }

@@ -11,6 +11,7 @@ use clap_mangen::Man;
 
 use crate::commands::STAGES;
 use crate::failure::Failure;
+use crate::said::on_stdout;
 use crate::stage::{dressed, ended, matches};
 
 /// The program `seatrial`.
@@ -88,7 +89,7 @@ fn manual(folder: Option<&PathBuf>, command: Command) -> Result<(), Failure> {
     pages(&command, folder, &mut staged)?;
     let count = staged.len();
     commit(staged)?;
-    println!("{}: {count} pages", folder.display());
+    on_stdout(format_args!("{}: {count} pages", folder.display()));
     Ok(())
 }
 

@@ -2,6 +2,7 @@
 
 use std::time::{Duration, Instant};
 
+use crate::said::on_stderr;
 use lattice::{Engine, Options, Progress};
 use trial::voyage::Watch;
 
@@ -33,7 +34,8 @@ impl Limits {
                 told = Instant::now();
                 let best = progress.best.map_or("none yet".to_owned(), |b| b.primary.to_string());
                 let bound = progress.lower_bound.primary;
-                eprintln!("plan: {:.0} s, best {best}, at least {bound}", started.elapsed().as_secs_f64());
+                let seconds = started.elapsed().as_secs_f64();
+                on_stderr(format_args!("plan: {seconds:.0} s, best {best}, at least {bound}"));
             }
             limits.time.is_none_or(|time| started.elapsed() < time)
         })

@@ -8,6 +8,7 @@ mod criteria;
 mod documents;
 mod estimates;
 mod estimators;
+mod faults;
 mod generated;
 mod golden;
 mod in_memory;

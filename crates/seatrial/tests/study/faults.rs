@@ -1,0 +1,149 @@
+//! Stages that are killed, fail, or are pointed where no file belongs: what stands in the folder afterwards belongs together.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::PathBuf;
+use std::process::{Command, Stdio};
+
+use artifact::{TableReader, read_document};
+use study::documents::{EstimateDocument, ValidationDocument};
+use tempfile::TempDir;
+
+use crate::support::{ESTIMATE, SEATRIAL, VALIDATE, edit, run, with};
+
+/// Whether `line` comes to its end in `folder`, where `fault`, such as `kill:3`, awaits it.
+fn ends(folder: &TempDir, line: &str, fault: &str) -> bool {
+    let mut command = Command::new(SEATRIAL);
+    command.args(line.split_whitespace()).current_dir(folder).env("SEATRIAL_FAULT", fault);
+    command.stderr(Stdio::null()).stdout(Stdio::null()).status().unwrap().success()
+}
+
+/// The files of `folder`.
+fn files(folder: &TempDir) -> BTreeMap<PathBuf, Vec<u8>> {
+    let entries = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+    entries.filter(|path| path.is_file()).map(|path| (path.clone(), fs::read(&path).unwrap())).collect()
+}
+
+fn put_back(folder: &TempDir, before: &BTreeMap<PathBuf, Vec<u8>>) {
+    files(folder).keys().for_each(|path| fs::remove_file(path).unwrap());
+    before.iter().for_each(|(path, bytes)| fs::write(path, bytes).unwrap());
+}
+
+/// Runs `line` with a fault of `kind` at every place that it comes to, each time over what an earlier run of it left.
+/// `generation` tells what one reader finds; afterwards the folder holds what `before` or the fault-free run leaves.
+fn at_every_place(folder: &TempDir, line: &str, kind: &str, read: impl Fn(&TempDir)) {
+    let before = files(folder);
+    run(folder, line).succeeds();
+    let after = files(folder);
+    assert_ne!(before, after);
+    let mut seen = [0, 0];
+    for count in 1.. {
+        put_back(folder, &before);
+        let ended = ends(folder, line, &format!("{kind}:{count}"));
+        // Whoever reads next completes what was begun.
+        read(folder);
+        let unfinished =
+            |path: &PathBuf| path.file_name().unwrap().to_string_lossy().starts_with(".unfinished");
+        let found: BTreeMap<_, _> = files(folder).into_iter().filter(|(path, _)| !unfinished(path)).collect();
+        assert!(found == before || found == after, "{line}: {kind}:{count} leaves a mixture");
+        seen[usize::from(found == after)] += 1;
+        if ended {
+            break;
+        }
+        run(folder, line).succeeds();
+        assert_eq!(files(folder), after, "{line}: leftovers of {kind}:{count}");
+    }
+    assert!(seen[0] > 3 && seen[1] > 0, "{line}: {kind}: {seen:?}");
+}
+
+fn read_estimates(folder: &TempDir) {
+    let path = |name: &str| folder.path().join(name);
+    TableReader::open(path("estimates.parquet"), "estimates", 1).unwrap();
+    read_document::<EstimateDocument>(path("estimate.json")).unwrap();
+}
+
+fn read_scores(folder: &TempDir) {
+    let path = |name: &str| folder.path().join(name);
+    TableReader::open(path("scores.parquet"), "scores", 1).unwrap();
+    read_document::<ValidationDocument>(path("validation.json")).unwrap();
+}
+
+#[test]
+fn law_a_fault_at_any_place_leaves_the_old_estimates_or_the_new() {
+    let folder = with(&["campaign.parquet", "estimates.parquet", "estimate.json"]);
+    let line = format!("{ESTIMATE} --estimator ls");
+    for kind in ["kill", "error"] {
+        run(&folder, ESTIMATE).succeeds();
+        at_every_place(&folder, &line, kind, read_estimates);
+    }
+}
+
+#[test]
+fn law_a_fault_at_any_place_leaves_the_old_scores_or_the_new() {
+    let folder = with(&["estimates.parquet", "validation.parquet", "scores.parquet", "validation.json"]);
+    edit(&folder, "campaign.toml", "parameter_error_bound = 5", "parameter_error_bound = 6");
+    at_every_place(&folder, VALIDATE, "kill", read_scores);
+}
+
+#[test]
+fn a_table_and_a_document_of_two_runs_are_refused_by_both_their_readers() {
+    let folder = with(&["campaign.parquet", "validation.parquet", "estimates.parquet", "estimate.json"]);
+    let document = fs::read(folder.path().join("estimate.json")).unwrap();
+    run(&folder, &format!("{ESTIMATE} --estimator ls")).succeeds();
+    fs::write(folder.path().join("estimate.json"), document).unwrap();
+    let told = ["estimates.parquet: digest: found another file than the one written with", "estimate.json"];
+    run(&folder, VALIDATE).refuses(3, &told);
+    run(&folder, "report --study . --results . --out report.html").refuses(3, &told);
+}
+
+#[test]
+fn documents_are_named_after_their_tables() {
+    let folder = with(&["campaign.parquet"]);
+    run(&folder, &ESTIMATE.replace("estimates.parquet", "estimates-2.parquet")).succeeds();
+    run(&folder, &ESTIMATE.replace("estimates.parquet", "tank.parquet")).succeeds();
+    let there = |name: &str| folder.path().join(name).is_file();
+    assert!(there("estimate-2.json") && there("tank-estimate.json") && !there("estimate.json"));
+}
+
+#[cfg(unix)]
+#[test]
+fn what_is_no_file_is_never_replaced() {
+    let folder = with(&["campaign.parquet"]);
+    let link = folder.path().join("link.parquet");
+    std::os::unix::fs::symlink("/dev/stdout", &link).unwrap();
+    let out = |name: &str| ESTIMATE.replace("estimates.parquet", name);
+    run(&folder, &out("link.parquet")).refuses(3, &["link.parquet: output: found a link to /dev/stdout"]);
+    run(&folder, &out("/dev/null")).refuses(3, &["/dev/null: output: found a device or pipe"]);
+    assert!(link.is_symlink());
+}
+
+#[cfg(unix)]
+#[test]
+fn a_closed_or_full_output_is_no_panic() {
+    let folder = with(&["campaign.parquet"]);
+    for redirection in [">&-", "2>&-", ">/dev/full", "2>/dev/full", ">&- 2>&-"] {
+        let line = format!("exec \"$0\" {ESTIMATE} {redirection}");
+        let status = Command::new("sh").args(["-c", &line, SEATRIAL]).current_dir(&folder).status().unwrap();
+        assert_eq!(status.code(), Some(0), "{redirection}");
+    }
+    let refused = format!("exec \"$0\" {} >&- 2>&-", ESTIMATE.replace("campaign.parquet", "none.parquet"));
+    let status = Command::new("sh").args(["-c", &refused, SEATRIAL]).current_dir(&folder).status().unwrap();
+    assert_eq!(status.code(), Some(1));
+}
+
+#[cfg(unix)]
+#[test]
+fn two_processes_write_one_set_one_after_the_other() {
+    let folder = with(&["campaign.parquet"]);
+    let start = |estimator: &str| {
+        let line = format!("{ESTIMATE} --estimator {estimator}");
+        let mut command = Command::new(SEATRIAL);
+        command.args(line.split_whitespace()).current_dir(&folder).stdout(Stdio::null());
+        command.spawn().unwrap()
+    };
+    for _ in 0..8 {
+        let both = [start("ls"), start("iv")];
+        both.into_iter().for_each(|mut child| assert!(child.wait().unwrap().success()));
+        read_estimates(&folder);
+    }
+}
