@@ -27,7 +27,7 @@ mod words;
 
 pub use bootstrap::{Bootstrap, Resampled, bootstrap, redraw};
 pub use centre::Centring;
-pub use diagnosis::{Diagnosis, diagnose};
+pub use diagnosis::{COLLINEAR, Diagnosis, diagnose};
 pub use estimate::{PoolError, Pooled, estimate};
 pub(crate) use fit::joined;
 pub use fit::{DegreeFit, Options, Prior, Solution, Status, fit};
@@ -44,7 +44,3 @@ pub use trust::{DegreeTrust, InstrumentResidual, Judgement, ParameterTrust, Sour
 pub use windows::{FreeRunErrors, Score, Window, deviations};
 pub use words::listed;
 pub(crate) use words::{collinear, first_named, unidentified, weakest};
-
-/// Condition index above which columns count as collinear: Belsley, Kuh & Welsch, *Regression Diagnostics*, 1980. A just
-/// identified instrumental-variable estimate has no moments: in such a direction it answers with noise.
-pub const COLLINEAR: f64 = 30.0;

@@ -1,11 +1,11 @@
 use vessel::Lane;
 
-use super::Unknowns;
 use super::dynamics::{Dynamics, Local};
 use super::levels::{Flow, Levels};
 use super::products::Products;
 use super::recordings::Recordings;
 use super::sweep::Sensitivities;
+use super::unknowns::Unknowns;
 
 /// Goes back over `path`, which `recordings` took with `unknowns`: adjoints λ(k) = Aᵀλ(k+1) + W s(k), a column each, tell what
 /// a change of the states at k does to Σ sᵀWx. `between` is called for k from N − 1 to 0 with the dynamics at k and λ(k+1);

@@ -1,9 +1,9 @@
 use vessel::Lane;
 
-use super::Unknowns;
 use super::dynamics::{Dynamics, Local};
 use super::levels::{Flow, Levels};
 use super::recordings::Recordings;
+use super::unknowns::Unknowns;
 
 /// What an extended Kalman filter does with a measurement.
 #[derive(Clone, Debug)]

@@ -2,7 +2,7 @@ use std::marker::PhantomData;
 
 use vessel::Lane;
 
-use super::Unknowns;
+use super::unknowns::Unknowns;
 use crate::batch::{BLOCK, Block, accumulate};
 
 /// Σ over samples of the product of every two signals, [`BLOCK`] samples at a time. Signals stand in columns as unknowns do.

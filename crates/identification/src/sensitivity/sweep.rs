@@ -1,10 +1,10 @@
 use vessel::{Lane, Model};
 
-use super::Unknowns;
 use super::dynamics::Dynamics;
 use super::kalman::Gain;
 use super::levels::Levels;
 use super::recordings::Recordings;
+use super::unknowns::Unknowns;
 
 /// One pass over recordings: predicts, compares, and carries the sensitivities along. `unknowns`: one number each, as
 /// [`Recordings::unknowns`] orders them; `free`: those whose sensitivities are wanted; `levels`: what disturbs, and `gains`
