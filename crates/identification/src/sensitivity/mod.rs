@@ -3,7 +3,7 @@
 //!
 //! States go from sample to sample by [`Dynamics`]; forward sensitivities go along ([`sweep`]), adjoints go back ([`backward`]).
 //! Both are columns of lanes. Numbers `X` are [`vessel::Lane`]s for runs side by side, each unknown in a column of its own; or `f64`
-//! for a single run, [`vessel::LANES`] unknowns beside each other in a column ([`Unknowns`]).
+//! for a single run, [`vessel::LANES`] unknowns beside each other in a column ([`unknowns::Unknowns`]).
 
 mod adjoint;
 mod dynamics;
@@ -26,4 +26,3 @@ pub use recordings::Recordings;
 pub(crate) use recordings::groups;
 pub use sweep::Sensitivities;
 pub(crate) use sweep::{Step, sweep};
-pub use unknowns::Unknowns;
