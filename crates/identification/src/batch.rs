@@ -24,19 +24,12 @@ pub(crate) enum AnyBatch<'a> {
     Shared(Batch<'a, f64>),
 }
 
-/// What a pass over a batch comes to, compiled for every instruction set that pulp picks from. Lanes are only added and
-/// multiplied, never fused, so that all give the same bits.
+/// What a pass over a batch of either kind comes to, [`vectorized!`].
 macro_rules! over_batch {
     ($any:expr, |$batch:ident| $pass:expr) => {
         match $any {
-            $crate::batch::AnyBatch::Lanes($batch) => pulp::Arch::new().dispatch(
-                #[inline(always)]
-                || $pass,
-            ),
-            $crate::batch::AnyBatch::Shared($batch) => pulp::Arch::new().dispatch(
-                #[inline(always)]
-                || $pass,
-            ),
+            $crate::batch::AnyBatch::Lanes($batch) => $crate::vectorized::vectorized!($pass),
+            $crate::batch::AnyBatch::Shared($batch) => $crate::vectorized::vectorized!($pass),
         }
     };
 }

@@ -6,6 +6,7 @@ use super::products::Products;
 use super::recordings::Recordings;
 use super::sweep::Sensitivities;
 use super::unknowns::Unknowns;
+use crate::vectorized::vectorized;
 
 /// Goes back over `path`, which `recordings` took with `unknowns`: adjoints λ(k) = Aᵀλ(k+1) + W s(k), a column each, tell what
 /// a change of the states at k does to Σ sᵀWx. `between` is called for k from N − 1 to 0 with the dynamics at k and λ(k+1);
@@ -18,48 +19,39 @@ pub(crate) fn backward<X: Unknowns, const N: usize>(
     levels: Option<&Levels>,
     between: impl FnMut(&Local<X>, &[[Lane; N]]),
 ) -> Vec<[Lane; N]> {
-    pulp::Arch::new().dispatch(Backward { recordings, unknowns, path, weights, levels, between })
+    vectorized!(go_back(recordings, unknowns, path, weights, levels, between))
 }
 
-struct Backward<'a, X, F, const N: usize> {
-    recordings: &'a Recordings<'a, X>,
-    unknowns: &'a [X],
-    path: &'a Sensitivities<X>,
+#[inline(always)]
+fn go_back<X: Unknowns, const N: usize>(
+    recordings: &Recordings<X>,
+    unknowns: &[X],
+    path: &Sensitivities<X>,
     weights: [X; 3],
-    levels: Option<&'a Levels>,
-    between: F,
-}
-
-impl<X: Unknowns, F: FnMut(&Local<X>, &[[Lane; N]]), const N: usize> pulp::WithSimd
-    for Backward<'_, X, F, N>
-{
-    type Output = Vec<[Lane; N]>;
-
-    #[inline(always)]
-    fn with_simd<S: pulp::Simd>(self, _: S) -> Vec<[Lane; N]> {
-        let Self { recordings, unknowns, path, weights, levels, mut between } = self;
-        let theta = &unknowns[..recordings.model.parameters()];
-        let mut dynamics = Dynamics::<X, N>::new(recordings.model, theta, levels);
-        let weights = weights.map(X::lane);
-        let mut adjoints = vec![[Lane::ZERO; N]; path.columns()];
-        for k in (0..=recordings.longest()).rev() {
-            if k < recordings.longest() {
-                let mut z = [X::ZERO; N];
-                z[..3].copy_from_slice(path.state(k));
-                let local = dynamics.at(&z, recordings.exogenous(k));
-                between(&local, &adjoints);
-                for a in &mut adjoints {
-                    *a = dynamics.backward(&local, a);
-                }
-            }
-            for (a, s) in adjoints.iter_mut().zip(path.at(k)) {
-                for d in 0..3 {
-                    a[d] += weights[d] * s[d];
-                }
+    levels: Option<&Levels>,
+    mut between: impl FnMut(&Local<X>, &[[Lane; N]]),
+) -> Vec<[Lane; N]> {
+    let theta = &unknowns[..recordings.model.parameters()];
+    let mut dynamics = Dynamics::<X, N>::new(recordings.model, theta, levels);
+    let weights = weights.map(X::lane);
+    let mut adjoints = vec![[Lane::ZERO; N]; path.columns()];
+    for k in (0..=recordings.longest()).rev() {
+        if k < recordings.longest() {
+            let mut z = [X::ZERO; N];
+            z[..3].copy_from_slice(path.state(k));
+            let local = dynamics.at(&z, recordings.exogenous(k));
+            between(&local, &adjoints);
+            for a in &mut adjoints {
+                *a = dynamics.backward(&local, a);
             }
         }
-        adjoints
+        for (a, s) in adjoints.iter_mut().zip(path.at(k)) {
+            for d in 0..3 {
+                a[d] += weights[d] * s[d];
+            }
+        }
     }
+    adjoints
 }
 
 /// Adds what the draws between two samples do; `adjoints` are those of the later one.
