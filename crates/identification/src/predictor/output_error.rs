@@ -147,7 +147,7 @@ impl Searches<'_> {
                 point
             });
             let minima = minimize(&problem, problem.weighting(weights), from.to_vec(), steps);
-            found.extend(group.into_iter().zip(minima.into_iter().flatten()));
+            found.extend(group.into_iter().zip(minima));
         }
         found
     }

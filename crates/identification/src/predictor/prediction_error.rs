@@ -136,7 +136,7 @@ fn round<const N: usize>(
         point.resize(free.len(), 0.0);
         point
     });
-    minimize(&problem, vec![Weighting::Fixed([1.0; 3]); LANES], points.to_vec(), STEPS).unwrap_or_default()
+    minimize(&problem, vec![Weighting::Fixed([1.0; 3]); LANES], points.to_vec(), STEPS)
 }
 
 /// Twice the log-likelihood of every lane's innovations, up to a constant.
