@@ -113,9 +113,14 @@ impl DegreeSums {
 
     /// (ΣΔy − Σφᵀθ)/N; zero where there is no intercept.
     pub(crate) fn intercept(&self, theta: &[f64], centred: bool) -> f64 {
+        self.share(centred) * self.residual(theta)
+    }
+
+    /// ΣΔy − Σφᵀθ.
+    pub(crate) fn residual(&self, theta: &[f64]) -> f64 {
         let p = self.parameters();
         let predicted: f64 = theta.iter().zip(&self.a[p * (p + 1)..]).map(|(t, f)| t * f).sum();
-        self.share(centred) * (self.b[p] - predicted)
+        self.b[p] - predicted
     }
 
     /// 1/N, what a sum counts in a mean; zero where no mean is removed.

@@ -255,14 +255,13 @@ impl Judge<'_> {
         let whole = &self.pool.vessel.model;
         let model = &whole.degrees[d as usize];
         let p = model.terms.len();
-        let first: usize = whole.degrees[..d as usize].iter().map(|m| m.terms.len()).sum();
-        let units = whole.parameter_units();
+        let units = &whole.parameter_units()[whole.layout().terms(d as usize)];
         let strength = strength(&degree.data, &degree.centring, d as usize);
         let resampled = |i: usize| degree.bootstrap.as_ref().map(|b| b.parameters[i]);
         let parameter = |i: usize| ParameterTrust {
             name: model.parameters[i].clone(),
             term: model.terms[i].text.clone(),
-            unit: units[first + i].clone(),
+            unit: units[i].clone(),
             estimate: solution.map(|s| s.theta[i]),
             standard_error: covariance.map(|c| c[i * p + i].max(0.0).sqrt()),
             bootstrap_std: resampled(i).map(|r| r.std),

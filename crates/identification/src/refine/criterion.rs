@@ -57,7 +57,7 @@ impl TraceCriterion<'_> {
         }
         let n = parameters.len();
         let inverse = inverse(n, &told.information)?;
-        let middle: Vec<f64> = told.measurement.iter().zip(&told.process).map(|(e, p)| e + p).collect();
+        let middle = told.middle();
         let layout = model.layout();
         let counted = layout.woven(self.weights, [0.0; 3]);
         let trace = |variances: &[f64]| counted.iter().zip(variances).map(|(g, v)| g * v).sum::<f64>();

@@ -62,31 +62,19 @@ pub(crate) fn add_draws<X: Unknowns, const N: usize>(
     local: &Local<X>,
     levels: &Levels,
 ) {
-    match levels.current {
-        Flow::Still => {}
-        Flow::White { std } => {
-            for i in 0..2 {
-                let [surge, sway, yaw] = &local.slopes;
-                let std = X::from(std);
-                let (by_u, by_v, by_r) = (std * surge[i], std * sway[i], std * yaw[i]);
-                for (place, a) in adjoints.iter().enumerate() {
-                    draws.set(place, by_u.lane() * a[0] + by_v.lane() * a[1] + by_r.lane() * a[2]);
-                }
-                draws.advance();
+    if let Flow::White { std } = levels.current {
+        for i in 0..2 {
+            let [surge, sway, yaw] = &local.slopes;
+            let std = X::from(std);
+            let (by_u, by_v, by_r) = (std * surge[i], std * sway[i], std * yaw[i]);
+            for (place, a) in adjoints.iter().enumerate() {
+                draws.set(place, by_u.lane() * a[0] + by_v.lane() * a[1] + by_r.lane() * a[2]);
             }
-        }
-        Flow::Markov { std, factor, .. } => {
-            let fresh = std * (1.0 - factor * factor).max(0.0).sqrt();
-            for i in 3..5 {
-                add_state(draws, adjoints, i, fresh);
-            }
+            draws.advance();
         }
     }
-    if let Some(gusts) = levels.gusts() {
-        let share = (1.0 - gusts.factor * gusts.factor).sqrt();
-        for d in 0..3 {
-            add_state(draws, adjoints, N - 3 + d, gusts.std[d] * share);
-        }
+    for (i, std, factor) in levels.processes::<N>() {
+        add_state(draws, adjoints, i, std * (1.0 - factor * factor).max(0.0).sqrt());
     }
 }
 
@@ -96,16 +84,7 @@ pub(crate) fn add_start<X: Unknowns, const N: usize>(
     adjoints: &[[Lane; N]],
     levels: &Levels,
 ) {
-    if let Flow::Markov { std, .. } = levels.current {
-        for i in 3..5 {
-            add_state(draws, adjoints, i, std);
-        }
-    }
-    if let Some(gusts) = levels.gusts() {
-        for d in 0..3 {
-            add_state(draws, adjoints, N - 3 + d, gusts.std[d]);
-        }
-    }
+    levels.processes::<N>().for_each(|(i, std, _)| add_state(draws, adjoints, i, std));
 }
 
 /// Adds what a change of standard deviation `std` in state `i` does.

@@ -104,16 +104,7 @@ fn start<const N: usize>(levels: &Levels, known: bool) -> [[Lane; N]; N] {
     for d in 0..3 {
         set(d, if known { 0.0 } else { UNKNOWN * levels.measurement[d].powi(2) });
     }
-    if let Flow::Markov { std, .. } = levels.current {
-        for i in 3..5 {
-            set(i, std * std);
-        }
-    }
-    if let Some(gusts) = levels.gusts() {
-        for d in 0..3 {
-            set(N - 3 + d, gusts.std[d].powi(2));
-        }
-    }
+    levels.processes::<N>().for_each(|(i, std, _)| set(i, std * std));
     p
 }
 
@@ -175,24 +166,15 @@ fn moved<const N: usize>(
 /// Adds what a sample's disturbances contribute to the covariance.
 #[inline(always)]
 fn add_noise<const N: usize>(p: &mut [[Lane; N]; N], local: &Local<Lane>, levels: &Levels) {
-    match levels.current {
-        Flow::Still => {}
-        Flow::White { std } => {
-            let variance = Lane::splat(std * std);
-            for (row, a) in p.iter_mut().zip(&local.slopes) {
-                for (entry, b) in row.iter_mut().zip(&local.slopes) {
-                    *entry += variance * (a[0] * b[0] + a[1] * b[1]);
-                }
+    if let Flow::White { std } = levels.current {
+        let variance = Lane::splat(std * std);
+        for (row, a) in p.iter_mut().zip(&local.slopes) {
+            for (entry, b) in row.iter_mut().zip(&local.slopes) {
+                *entry += variance * (a[0] * b[0] + a[1] * b[1]);
             }
         }
-        Flow::Markov { std, factor, .. } => {
-            (3..5).for_each(|i| p[i][i] += Lane::splat(std * std * (1.0 - factor * factor)));
-        }
     }
-    if let Some(gusts) = levels.gusts() {
-        let share = 1.0 - gusts.factor * gusts.factor;
-        for d in 0..3 {
-            p[N - 3 + d][N - 3 + d] += Lane::splat(gusts.std[d].powi(2) * share);
-        }
+    for (i, std, factor) in levels.processes::<N>() {
+        p[i][i] += Lane::splat(std * std * (1.0 - factor * factor));
     }
 }

@@ -58,6 +58,17 @@ impl Levels {
         3 + current + if self.gusts().is_some() { 3 } else { 0 }
     }
 
+    /// The Gauss–Markov processes among the N states: state, standard deviation, correlation of neighbouring samples.
+    #[inline(always)]
+    pub(crate) fn processes<const N: usize>(&self) -> impl Iterator<Item = (usize, f64, f64)> {
+        let current = match self.current {
+            Flow::Markov { std, factor, .. } => Some([(3, std, factor), (4, std, factor)]),
+            _ => None,
+        };
+        let gusts = self.gusts().map(|g| [0, 1, 2].map(|d: usize| (N - 3 + d, g.std[d], g.factor)));
+        current.into_iter().flatten().chain(gusts.into_iter().flatten())
+    }
+
     pub(crate) fn gusts(&self) -> Option<Gusts> {
         self.force.filter(|force| force.factor < 1.0)
     }
