@@ -1,3 +1,4 @@
+use numerics::transposed;
 use vessel::{LANES, Number};
 
 use crate::sums::LaneSums;
@@ -39,9 +40,8 @@ pub fn moments<X: Number>(batch: &Batch<X>) -> Vec<ManeuverMoments> {
 /// (A/N)ᵀ: rows φ̃, columns ζ̃.
 fn mean_transposed(sums: &Sums, d: usize) -> Vec<f64> {
     let degree = &sums.degrees[d];
-    let lifted = degree.parameters() + 1;
     let n = sums.samples.max(1) as f64;
-    (0..lifted * lifted).map(|k| degree.a[(k % lifted) * lifted + k / lifted] / n).collect()
+    transposed(degree.parameters() + 1, &degree.a).into_iter().map(|entry| entry / n).collect()
 }
 
 fn change(whole: &Sums, first: &Sums, second: &Sums, d: usize) -> f64 {

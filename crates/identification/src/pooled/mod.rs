@@ -41,6 +41,6 @@ pub use runs::{PooledRuns, SelectError};
 pub use sandwich::{default_bandwidth, sandwich};
 pub use strength::strength;
 pub use trust::{DegreeTrust, InstrumentResidual, Judgement, ParameterTrust, SourceErrors};
-pub use windows::{FreeRunErrors, Score, Window, deviations};
+pub use windows::{FreeRunErrors, Score, deviations};
 pub use words::listed;
 pub(crate) use words::{collinear, first_named, unidentified, weakest};

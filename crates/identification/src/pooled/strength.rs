@@ -1,4 +1,4 @@
-use numerics::add_outer;
+use numerics::{add_outer, product, transposed};
 
 use super::{Centring, Regression};
 
@@ -25,8 +25,7 @@ pub fn strength(parts: &[&Regression], centring: &Centring, d: usize) -> Option<
     let (regressors, instruments, mixed) = (scaled(0, 0, 0), scaled(1, 1, 1), scaled(2, 1, 0));
     let mut projected = mixed.clone();
     numerics::solve(p, &mut instruments.clone(), &mut projected)?;
-    let explained: Vec<f64> =
-        (0..p * p).map(|k| (0..p).map(|l| mixed[l * p + k / p] * projected[l * p + k % p]).sum()).collect();
+    let explained = product(p, &transposed(p, &mixed), &projected);
     let (own, told) = (inverse_diagonal(p, &regressors)?, inverse_diagonal(p, &explained)?);
     let partial: Vec<f64> = own.iter().zip(&told).map(|(own, told)| (own / told).clamp(0.0, 1.0)).collect();
     partial.iter().all(|x| x.is_finite()).then_some(partial)

@@ -23,23 +23,7 @@ pub(crate) fn correlated_scores(
 /// What `levels` add to the covariance of Σ sᵀWe beside measurement noise, to first order around the run's simulation: every
 /// draw enters the states and goes on with them; adjoints tell what a change of the states does to the scores. free × free
 /// lanes.
-pub(crate) fn disturbed_scores(
-    recordings: &Recordings,
-    unknowns: &[Lane],
-    kept: &Sensitivities<Lane>,
-    weights: [Lane; 3],
-    levels: &Levels,
-) -> Vec<Lane> {
-    let of = match levels.states() {
-        3 => disturbed::<3>,
-        5 => disturbed::<5>,
-        6 => disturbed::<6>,
-        _ => disturbed::<8>,
-    };
-    of(recordings, unknowns, kept, weights, levels)
-}
-
-fn disturbed<const N: usize>(
+pub(crate) fn disturbed_scores<const N: usize>(
     recordings: &Recordings,
     unknowns: &[Lane],
     kept: &Sensitivities<Lane>,

@@ -41,6 +41,19 @@ pub struct Gusts {
     pub factor: f64,
 }
 
+/// Calls a function that is generic over the number of states with that of [`Levels`], and takes a field of what it returns.
+macro_rules! with_states {
+    ($levels:expr, $function:ident $arguments:tt $($field:tt)*) => {
+        match $levels.states() {
+            3 => $function::<3> $arguments $($field)*,
+            5 => $function::<5> $arguments $($field)*,
+            6 => $function::<6> $arguments $($field)*,
+            _ => $function::<8> $arguments $($field)*,
+        }
+    };
+}
+pub(crate) use with_states;
+
 impl Levels {
     /// The same where every draw is new, which no force and no current that lasts is.
     pub fn white(&self) -> Option<Noise> {
