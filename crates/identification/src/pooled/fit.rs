@@ -110,9 +110,7 @@ pub(super) fn pooled(parts: &[&Sums], removal: MeanRemoval, d: usize) -> Normal 
 /// θ̂ and G, or the parameter that is not excited.
 fn solve(normal: &Normal, prior: Option<(f64, &[f64])>) -> Result<(Vec<f64>, Vec<f64>), usize> {
     let Some((strength, nominal)) = prior.filter(|(strength, _)| *strength > 0.0) else {
-        return normal.solve().and_then(|(theta, inverse)| {
-            if theta.iter().all(|t| t.is_finite()) { Ok((theta, inverse)) } else { Err(0) }
-        });
+        return normal.solve();
     };
     let p = normal.b.len();
     let scaled = normal.regular_scaled();
@@ -135,10 +133,7 @@ fn solve(normal: &Normal, prior: Option<(f64, &[f64])>) -> Result<(Vec<f64>, Vec
 fn mean_residual(parts: &[&Sums], d: usize, theta: &[f64]) -> f64 {
     let (mut total, mut samples) = (0.0, 0.0);
     for sums in parts {
-        let degree = &sums.degrees[d];
-        let (p, lifted) = (theta.len(), theta.len() + 1);
-        let predicted: f64 = theta.iter().zip(&degree.a[p * lifted..]).map(|(t, f)| t * f).sum();
-        total += degree.b[p] - predicted;
+        total += sums.degrees[d].residual(theta);
         samples += sums.samples as f64;
     }
     if samples > 0.0 { total / samples } else { 0.0 }

@@ -73,10 +73,11 @@ impl<'a> Planner<'a> {
         let found: Vec<Option<OutputInformation>> =
             self.maneuvers.iter().map(|m| self.information(theta, m.initial, &m.exogenous)).collect();
         let whole = found.iter().flatten().map(|own| match &past {
-            None => (own.information.clone(), middle(own)),
-            Some(past) => {
-                (mixed(&past.information, &own.information, share), mixed(&middle(past), &middle(own), share))
-            }
+            None => (own.information.clone(), own.middle()),
+            Some(past) => (
+                mixed(&past.information, &own.information, share),
+                mixed(&past.middle(), &own.middle(), share),
+            ),
         });
         let criterion = self.criterion(whole, sizes)?;
         let options = Options { random_starts: 0, tolerance: 1e-4, ..Options::default() };
@@ -90,7 +91,7 @@ impl<'a> Planner<'a> {
     pub fn standard_errors(&self, theta: &[f64], sizes: &[f64], run: &GrowingRun) -> Option<Vec<f64>> {
         let own = self.information(theta, run.initial, &run.exogenous)?;
         let samples = run.samples(self.vessel) as f64;
-        let criterion = self.criterion([(own.information.clone(), middle(&own))].into_iter(), sizes)?;
+        let criterion = self.criterion([(own.information.clone(), own.middle())].into_iter(), sizes)?;
         let variances = criterion.variances(&[1.0])?;
         let kept = self.weights(sizes);
         let errors = variances.iter().zip(kept).filter(|(_, weight)| *weight > 0.0);
@@ -127,11 +128,6 @@ impl<'a> Planner<'a> {
     fn layout(&self) -> ParameterLayout {
         self.vessel.model.layout().with_intercepts()
     }
-}
-
-/// E + P.
-fn middle(own: &OutputInformation) -> Vec<f64> {
-    own.measurement.iter().zip(&own.process).map(|(e, p)| e + p).collect()
 }
 
 /// (1 − share) past + share × own.
