@@ -24,22 +24,13 @@ impl<'a> Planner<'a> {
     /// Over the maneuvers of `generator`, but generated ones that exceed their limits.
     ///
     /// # Errors
-    /// A maneuver that the model cannot hold; limits that leave none.
+    /// A maneuver that is too long or that the model cannot hold; limits that leave none.
     pub fn new(vessel: &'a Vessel, generator: &Generator, noise: Noise) -> Result<Self, Invalid> {
         let mut maneuvers = Vec::new();
         for index in 0..generator.maneuvers().len() {
-            let samples = generator.samples(index)?;
-            let (initial, exogenous) = match generator.limits(index) {
-                None => {
-                    let written = generator.realize(index, samples)?;
-                    (written.initial, vessel.model.undisturbed(&written.inputs))
-                }
-                Some(limits) => match judge(vessel, generator, index, limits, samples) {
-                    Judged::Within { initial, exogenous } => (initial, exogenous),
-                    Judged::Exceeds(_) | Judged::Unsteady => continue,
-                },
-            };
-            maneuvers.push(Maneuver { index, initial, exogenous });
+            if let Judged::Within { initial, exogenous } = judge(vessel, generator, index)? {
+                maneuvers.push(Maneuver { index, initial, exogenous });
+            }
         }
         if maneuvers.is_empty() {
             let (found, expected) = ("none within the limits", "at least one");
