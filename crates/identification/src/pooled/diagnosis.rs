@@ -1,4 +1,4 @@
-use super::fit::pooled;
+use super::centre::pooled;
 use crate::{MeanRemoval, Sums};
 
 /// Condition index above which columns count as collinear: Belsley, Kuh & Welsch, *Regression Diagnostics*, 1980. A just

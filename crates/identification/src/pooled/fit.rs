@@ -1,5 +1,6 @@
 use numerics::{product, times, transposed};
 
+use super::centre::pooled;
 use super::{Centring, Diagnosis, diagnose};
 use crate::solve::Normal;
 use crate::{MeanRemoval, Sums};
@@ -96,15 +97,6 @@ fn judged(parts: &[&Sums], options: &Options, d: usize, theta: Vec<f64>, gain: V
     }
     let intercept = if options.removal == MeanRemoval::None { 0.0 } else { mean_residual(parts, d, &theta) };
     DegreeFit { status: Status::Identified, solution: Some(Solution { theta, gain, intercept }) }
-}
-
-/// The normal equations of degree of freedom `d`. One intercept for all parts needs the sums of all together.
-pub(super) fn pooled(parts: &[&Sums], removal: MeanRemoval, d: usize) -> Normal {
-    if removal == MeanRemoval::Batch {
-        return Normal::new(parts.iter().map(|sums| &sums.degrees[d]), true);
-    }
-    let whole = Sums::total(parts.iter().copied());
-    Normal::new([&whole.degrees[d]].into_iter(), removal == MeanRemoval::Complete)
 }
 
 /// θ̂ and G, or the parameter that is not excited.

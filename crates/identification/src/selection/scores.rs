@@ -1,9 +1,12 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{DEGENERATE, Realization};
+use super::Realization;
 use crate::validate::rmse_norm;
 use crate::{Quantiles, ScoreStatus, Share};
+
+/// Norm of RMSE/std, √3, from which a model is degenerate: no better than the mean of the data.
+pub const DEGENERATE: f64 = 1.732_050_807_568_877_2;
 
 /// The realizations of one design. One without model, or whose simulation diverged, counts as infinite (null).
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
