@@ -1,5 +1,26 @@
+use serde::Deserialize;
+
 use crate::frontier::frontier;
-use crate::{Area, Bounds, Class, Invalid, Layer, PlacedGrid, Plane, Polygon, Uncharted};
+use crate::{Area, Bounds, Class, Grid, Invalid, PlacedGrid, Plane, Polygon, PolygonLayer};
+
+/// What places that no layer charts are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Uncharted {
+    /// Unknown water is not safe: the default of charts with a depth layer.
+    Obstacle,
+    /// Water is whatever is not land or no-go: the default of charts without depths.
+    Water,
+}
+
+/// One layer of a chart.
+#[derive(Clone, Debug)]
+pub enum Layer {
+    /// Polygons in longitude and latitude.
+    Polygons(PolygonLayer),
+    /// A grid in a declared CRS.
+    Grid(Grid),
+}
 
 /// What is known of an area: polygons and grids on one plane.
 ///

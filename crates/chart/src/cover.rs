@@ -49,16 +49,21 @@ fn columns(a: [f64; 2], b: [f64; 2], low: f64, high: f64) -> [f64; 2] {
     [x0.min(x1), x0.max(x1)]
 }
 
-/// All cells whose centre is inside the rings (not closed) by the even-odd rule.
-pub(crate) fn centres(rings: &[Vec<[f64; 2]>], size: Size, mut span: impl FnMut(usize, usize, usize)) {
-    let mut crossings: Vec<(usize, f64)> = Vec::new();
+/// The edges of rings that are not closed.
+pub(crate) fn each_edge(rings: &[Vec<[f64; 2]>], mut edge: impl FnMut([f64; 2], [f64; 2])) {
     for ring in rings {
         let mut p = ring.last().copied().unwrap_or_default();
         for q in ring {
-            cross_rows(p, *q, size, &mut crossings);
+            edge(p, *q);
             p = *q;
         }
     }
+}
+
+/// All cells whose centre is inside the rings (not closed) by the even-odd rule.
+pub(crate) fn centres(rings: &[Vec<[f64; 2]>], size: Size, mut span: impl FnMut(usize, usize, usize)) {
+    let mut crossings: Vec<(usize, f64)> = Vec::new();
+    each_edge(rings, |p, q| cross_rows(p, q, size, &mut crossings));
     crossings.sort_unstable_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
     // Every row is crossed an even number of times, so pairs never span rows.
     for pair in crossings.as_chunks::<2>().0 {

@@ -1,6 +1,6 @@
 //! Cells of a raster that a chart's layers block.
 
-use crate::cover::{Size, along, centres};
+use crate::cover::{Size, along, centres, each_edge};
 use crate::{Bounds, Causes, Chart, Class, GridCell, PlacedGrid, Polygon, Raster, Uncharted};
 
 /// Cells that touch within this distance count as touched, so that rounding does not decide \[m\].
@@ -123,16 +123,6 @@ impl Occupancy {
             for (cause, _) in causes.iter_mut().zip(&columns).filter(|(_, c)| !(**c && row_inside)) {
                 *cause = cause.with(Causes::UNCHARTED);
             }
-        }
-    }
-}
-
-fn each_edge(rings: &[Vec<[f64; 2]>], mut edge: impl FnMut([f64; 2], [f64; 2])) {
-    for ring in rings {
-        let mut p = ring.last().copied().unwrap_or_default();
-        for q in ring {
-            edge(p, *q);
-            p = *q;
         }
     }
 }

@@ -24,6 +24,17 @@ pub(crate) enum AnyBatch<'a> {
     Shared(Batch<'a, f64>),
 }
 
+/// What a pass over a batch of either kind comes to, [`vectorized!`].
+macro_rules! over_batch {
+    ($any:expr, |$batch:ident| $pass:expr) => {
+        match $any {
+            $crate::batch::AnyBatch::Lanes($batch) => $crate::vectorized::vectorized!($pass),
+            $crate::batch::AnyBatch::Shared($batch) => $crate::vectorized::vectorized!($pass),
+        }
+    };
+}
+pub(crate) use over_batch;
+
 impl<'a, X: Number> Batch<'a, X> {
     /// The same batch, `X` told.
     pub(crate) fn any(&self) -> AnyBatch<'a> {
@@ -134,6 +145,39 @@ impl<X: Number> Regressors<X> {
             term.values(&self.values, out);
         }
     }
+}
+
+/// Adds Σ y of every signal y to its entry of `sums`.
+#[inline(always)]
+pub(crate) fn add_totals<Y: Number>(signals: &[Block<Y>], sums: &mut [Lane]) {
+    accumulate(
+        signals,
+        sums,
+        #[inline(always)]
+        |_, y| y.lane(),
+    );
+}
+
+/// Adds Σ y² of every signal y to its entry of `sums`.
+#[inline(always)]
+pub(crate) fn add_squares<Y: Number>(signals: &[Block<Y>], sums: &mut [Lane]) {
+    accumulate(
+        signals,
+        sums,
+        #[inline(always)]
+        |_, y| (y * y).lane(),
+    );
+}
+
+/// Adds Σ x y of every signal y to its entry of `sums`.
+#[inline(always)]
+pub(crate) fn add_products<X: Number, Y: Number>(x: &Block<X>, signals: &[Block<Y>], sums: &mut [Lane]) {
+    accumulate(
+        signals,
+        sums,
+        #[inline(always)]
+        |t, y| x[t].lane() * y.lane(),
+    );
 }
 
 /// Adds Σ_t f(t, y(t)) of every signal y to its entry of `sums`; several signals at a time, so that no addition waits for

@@ -47,14 +47,14 @@ impl Instruments {
         let means: [Vec<Group>; LANES] = std::array::from_fn(|lane| {
             let group = |(start, end): (usize, usize)| {
                 let own = sums.entry((start, end));
-                let own = own.or_insert_with(|| LaneSums::of_instruments(batch, start..end)).lane(lane);
+                let own = own.or_insert_with(|| LaneSums::of_instruments(batch.any(), start..end)).lane(lane);
                 let centred = removal != MeanRemoval::None;
                 let means = own.degrees.iter().flat_map(|d| d.instrument_means(centred)).collect();
                 Group { start, constants: means }
             };
             ranges(batch, removal, lane).map(group).collect()
         });
-        let squares = InstrumentSquares::over(batch, means.each_ref().map(Vec::as_slice));
+        let squares = InstrumentSquares::over(batch.any(), means.each_ref().map(Vec::as_slice));
         Self { removal, sums, means, squares }
     }
 
@@ -71,7 +71,7 @@ impl Instruments {
 
     fn fit<X: Number, T>(&self, batch: &Batch<X>, examine: impl Fn(&[Normal; 3]) -> T) -> Vec<(Outcome, T)> {
         let sums: BTreeMap<_, LaneSums> =
-            self.sums.iter().map(|(range, own)| (range, own.with_measured(batch))).collect();
+            self.sums.iter().map(|(range, own)| (range, own.with_measured(batch.any()))).collect();
         let mut theta = vec![Lane::ZERO; batch.model.parameters()];
         let mut intercepts: [Vec<Group>; LANES] = [const { Vec::new() }; LANES];
         let mut fits = Vec::with_capacity(LANES);
@@ -86,7 +86,7 @@ impl Instruments {
             }
             fits.push((solved, examine(&normals)));
         }
-        let residuals = ResidualSums::over(batch, &theta, intercepts.each_ref().map(Vec::as_slice));
+        let residuals = ResidualSums::over(batch.any(), &theta, intercepts.each_ref().map(Vec::as_slice));
         let finish = |(lane, (solved, examined)): (usize, (Result<Solved, Outcome>, T))| {
             let errors = |solved: Solved| {
                 let standard_errors =
@@ -149,9 +149,6 @@ impl Run {
             }
             let unexcited = |parameter| Outcome::NotIdentifiable(Direction { degree: d, parameter });
             let (theta, inverse) = normal.solve().map_err(unexcited)?;
-            if !theta.iter().all(|t| t.is_finite()) {
-                return Err(unexcited(0));
-            }
             solved.theta.extend(theta);
             solved.inverses.push(inverse);
         }
@@ -182,27 +179,22 @@ impl Solved {
         lane: usize,
         samples: usize,
     ) -> Vec<f64> {
-        let mut standard_errors = Vec::with_capacity(self.theta.len());
-        let mut place = 0;
-        for (d, inverse) in self.inverses.iter().enumerate() {
-            let p = inverse.len().isqrt();
+        let mut pairs = instruments.squares.iter().zip(&instruments.neighbours);
+        let middles = [0, 1, 2].map(|d: usize| {
+            let p = self.inverses[d].len().isqrt();
             let freedom = (samples - p - self.intercepts) as f64;
             let gamma0 = residuals.lag0[d][lane] / freedom;
             let gamma1 = (residuals.lag1[d][lane] / freedom).clamp(-0.5 * gamma0, 0.5 * gamma0);
             let mut middle = vec![0.0; p * p];
             for i in 0..p {
-                for j in i..p {
-                    let (squares, neighbours) =
-                        (instruments.squares[place][lane], instruments.neighbours[place][lane]);
-                    middle[i * p + j] = gamma0 * squares + gamma1 * neighbours;
+                for (j, (squares, neighbours)) in (i..p).zip(pairs.by_ref()) {
+                    middle[i * p + j] = gamma0 * squares[lane] + gamma1 * neighbours[lane];
                     middle[j * p + i] = middle[i * p + j];
-                    place += 1;
                 }
             }
-            standard_errors
-                .extend((0..p).map(|i| quadratic(&inverse[i * p..(i + 1) * p], &middle).max(0.0).sqrt()));
-        }
-        standard_errors
+            middle
+        });
+        self.spread(&middles, [1.0; 3])
     }
 
     /// N over N less unknowns, per degree of freedom: what residuals that were fitted are too small by.

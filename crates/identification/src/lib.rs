@@ -35,6 +35,7 @@ mod status;
 mod sums;
 mod validate;
 mod validation_runs;
+mod vectorized;
 
 pub use batch::Batch;
 pub use estimate::{Estimate, Instruments, Outcome};

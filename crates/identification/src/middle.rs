@@ -6,9 +6,11 @@
 //! Σ_k ζ̃ ε is therefore a sum over independent draws: of e_d(k) times ζ̃(k−1) − (1 + J_dd(k)) ζ̃(k), and of every other
 //! draw times J_di(k) ζ̃(k).
 
+use vessel::lanes::lane_of;
 use vessel::{Compiled, LANES, Lane};
 
 use crate::Batch;
+use crate::vectorized::vectorized;
 
 /// Standard deviations of what disturbs a run, white per sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -19,27 +21,29 @@ pub struct Noise {
     pub current: f64,
 }
 
+impl Noise {
+    /// Per state the variance of what degree of freedom `d` sees through its slope: errors of the other states, and the current.
+    #[inline(always)]
+    pub(crate) fn others(&self, d: usize) -> [f64; 3] {
+        let measurement = |i: usize| if i == d { 0.0 } else { self.measurement[i].powi(2) };
+        let current = |i: usize| if i < 2 { self.current.powi(2) } else { 0.0 };
+        [0, 1, 2].map(|i| measurement(i) + current(i))
+    }
+}
+
 /// B = (1/N) Σ over draws of variance × ggᵀ, g what multiplies the draw in Σ ζ̃ ε: per lane and degree of freedom p̃ × p̃,
 /// row-major, symmetric, rows and columns by instrument. `theta`: parameters of the motion; the motion is the batch's
 /// measured states, which must be undisturbed. The draws before the first and after the last regressor belong to the
 /// batch: B of a whole run is exact, sums over maneuvers leave out that neighbours share a draw.
 pub fn middle(batch: &Batch, theta: &[f64], noise: &Noise) -> Vec<Vec<Vec<f64>>> {
     let theta: Vec<Lane> = theta.iter().copied().map(Lane::splat).collect();
-    let own = Compiled::new(batch.model, &theta);
-    let degrees = pulp::Arch::new().dispatch(Draws { batch, nominal: own.clone(), own, noise });
-    let of = |lane: usize| degrees.iter().map(|d| d.sum.iter().map(|entry| entry[lane]).collect()).collect();
+    let mut own = Compiled::new(batch.model, &theta);
+    let degrees = vectorized!(draws(batch, &mut own.clone(), &mut own, noise));
+    let of = |lane: usize| degrees.iter().map(|d| lane_of(&d.sum, lane)).collect();
     (0..LANES).map(of).collect()
 }
 
-/// The draws of all samples; compiled for every instruction set that pulp picks from.
-struct Draws<'a> {
-    batch: &'a Batch<'a>,
-    own: Compiled<'a, Lane>,
-    nominal: Compiled<'a, Lane>,
-    noise: &'a Noise,
-}
-
-/// Those of one degree of freedom.
+/// The draws of one degree of freedom.
 struct Degree {
     /// B: p̃ × p̃.
     sum: Vec<Lane>,
@@ -47,57 +51,56 @@ struct Degree {
     zeta: [Vec<Lane>; 2],
 }
 
-impl pulp::WithSimd for Draws<'_> {
-    type Output = [Degree; 3];
-
-    #[inline(always)]
-    fn with_simd<S: pulp::Simd>(mut self, _: S) -> [Degree; 3] {
-        let Batch { model, measured, instrument_states, exogenous, .. } = *self.batch;
-        let (width, samples) = (model.exogenous(), self.batch.samples());
-        let zeros = |count: usize| vec![Lane::ZERO; count];
-        let sizes = model.degrees.each_ref().map(|degree| degree.terms.len() + 1);
-        let mut degrees = sizes.map(|n| Degree { sum: zeros(n * n), zeta: [zeros(n), zeros(n)] });
-        let state = |states: &[Lane], k: usize| [states[3 * k], states[3 * k + 1], states[3 * k + 2]];
-        for k in 0..samples {
-            let exogenous = &exogenous[width * k..width * (k + 1)];
-            self.own.look(state(measured, k), exogenous, None);
-            self.nominal.look(state(instrument_states, k), exogenous, None);
-            let slopes = self.own.slopes();
-            let mut first = 0;
-            for (d, Degree { sum, zeta: [before, zeta] }) in degrees.iter_mut().enumerate() {
-                let p = zeta.len() - 1;
-                for (i, z) in zeta[..p].iter_mut().enumerate() {
-                    *z = self.nominal.term(first + i);
-                }
-                zeta[p] = Lane::ONE;
-                first += p;
-                let pole = Lane::ONE + slopes[d][d];
-                for (b, z) in before.iter_mut().zip(&*zeta) {
-                    *b = *b - pole * *z;
-                }
-                add_outer(sum, Lane::splat(self.noise.measurement[d].powi(2)), before);
-                add_outer(sum, others(d, &slopes[d], self.noise), zeta);
-                std::mem::swap(before, zeta);
+/// The draws of all samples.
+#[inline(always)]
+fn draws(
+    batch: &Batch,
+    nominal: &mut Compiled<Lane>,
+    own: &mut Compiled<Lane>,
+    noise: &Noise,
+) -> [Degree; 3] {
+    let Batch { model, measured, instrument_states, exogenous, .. } = *batch;
+    let (width, samples) = (model.exogenous(), batch.samples());
+    let zeros = |count: usize| vec![Lane::ZERO; count];
+    let sizes = model.degrees.each_ref().map(|degree| degree.terms.len() + 1);
+    let mut degrees = sizes.map(|n| Degree { sum: zeros(n * n), zeta: [zeros(n), zeros(n)] });
+    for k in 0..samples {
+        let exogenous = &exogenous[width * k..width * (k + 1)];
+        own.look(measured.as_chunks().0[k], exogenous, None);
+        nominal.look(instrument_states.as_chunks().0[k], exogenous, None);
+        let slopes = own.slopes();
+        let mut first = 0;
+        for (d, Degree { sum, zeta: [before, zeta] }) in degrees.iter_mut().enumerate() {
+            let p = zeta.len() - 1;
+            for (i, z) in zeta[..p].iter_mut().enumerate() {
+                *z = nominal.term(first + i);
             }
+            zeta[p] = Lane::ONE;
+            first += p;
+            let pole = Lane::ONE + slopes[d][d];
+            for (b, z) in before.iter_mut().zip(&*zeta) {
+                *b = *b - pole * *z;
+            }
+            add_outer(sum, Lane::splat(noise.measurement[d].powi(2)), before);
+            add_outer(sum, others(d, &slopes[d], noise), zeta);
+            std::mem::swap(before, zeta);
         }
-        let share = Lane::splat(1.0 / samples.max(1) as f64);
-        for (d, Degree { sum, zeta: [before, _] }) in degrees.iter_mut().enumerate() {
-            // The last error ends an increment and is in no regressor.
-            add_outer(sum, Lane::splat(self.noise.measurement[d].powi(2)), before);
-            sum.iter_mut().for_each(|entry| *entry = *entry * share);
-        }
-        degrees
     }
+    let share = Lane::splat(1.0 / samples.max(1) as f64);
+    for (d, Degree { sum, zeta: [before, _] }) in degrees.iter_mut().enumerate() {
+        // The last error ends an increment and is in no regressor.
+        add_outer(sum, Lane::splat(noise.measurement[d].powi(2)), before);
+        sum.iter_mut().for_each(|entry| *entry = *entry * share);
+    }
+    degrees
 }
 
 /// Variance of what multiplies ζ̃(k) alone: errors of the other states and the current.
 #[inline(always)]
 fn others(d: usize, slopes: &[Lane; 3], noise: &Noise) -> Lane {
-    let measurement = |i: usize| if i == d { 0.0 } else { noise.measurement[i].powi(2) };
-    let current = |i: usize| if i < 2 { noise.current.powi(2) } else { 0.0 };
     let mut sum = Lane::ZERO;
-    for (i, slope) in slopes.iter().enumerate() {
-        sum += *slope * *slope * Lane::splat(measurement(i) + current(i));
+    for (slope, variance) in slopes.iter().zip(noise.others(d)) {
+        sum += *slope * *slope * Lane::splat(variance);
     }
     sum
 }

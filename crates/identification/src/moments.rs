@@ -1,3 +1,4 @@
+use numerics::transposed;
 use vessel::{LANES, Number};
 
 use crate::sums::LaneSums;
@@ -18,7 +19,7 @@ pub struct ManeuverMoments {
 /// The moments of each lane of a batch of whole maneuvers.
 pub fn moments<X: Number>(batch: &Batch<X>) -> Vec<ManeuverMoments> {
     let middle = batch.samples() / 2;
-    let sums = |range| LaneSums::of_instruments(batch, range).with_measured(batch);
+    let sums = |range| LaneSums::of_instruments(batch.any(), range).with_measured(batch.any());
     let halves = [sums(0..middle), sums(middle..batch.samples())];
     (0..LANES)
         .map(|lane| {
@@ -39,9 +40,8 @@ pub fn moments<X: Number>(batch: &Batch<X>) -> Vec<ManeuverMoments> {
 /// (A/N)ᵀ: rows φ̃, columns ζ̃.
 fn mean_transposed(sums: &Sums, d: usize) -> Vec<f64> {
     let degree = &sums.degrees[d];
-    let lifted = degree.parameters() + 1;
     let n = sums.samples.max(1) as f64;
-    (0..lifted * lifted).map(|k| degree.a[(k % lifted) * lifted + k / lifted] / n).collect()
+    transposed(degree.parameters() + 1, &degree.a).into_iter().map(|entry| entry / n).collect()
 }
 
 fn change(whole: &Sums, first: &Sums, second: &Sums, d: usize) -> f64 {

@@ -12,6 +12,7 @@ use vessel::{Compiled, LANES, Lane};
 
 use crate::estimate::{Run, Solved, ranges};
 use crate::predictor::windowed;
+use crate::vectorized::vectorized;
 use crate::{Batch, DegreeSums, Estimate, MeanRemoval, Noise, Outcome, Sums};
 
 /// Estimates every run of `batch`, whose instrument states were simulated with `parameters`, one lane each: these set the
@@ -32,7 +33,7 @@ pub fn estimate_prefiltered(
     let run = |lane: usize| {
         let sums = |(start, end): (usize, usize)| Sums {
             samples: (end - start) as u64,
-            degrees: signals[&(start, end)].degrees.iter().map(|degree| degree.sums(lane)).collect(),
+            degrees: signals[&(start, end)].degrees.iter().map(|degree| degree.sums.lane(lane)).collect(),
         };
         Run { groups: ranges(batch, removal, lane).map(sums).collect(), centred }
     };
@@ -82,18 +83,14 @@ struct Degree {
     /// The filter's poles: N; ∂(increment)/∂(u, v, r): N × 3.
     poles: Vec<Lane>,
     slopes: Vec<Lane>,
-    /// Σ ζ̃ φ̃ᵀ: p̃ × p̃; Σ ζ̃ Δy: p̃; Σ ζ²; Σ φ²: p each.
-    a: Vec<Lane>,
-    b: Vec<Lane>,
-    instrument_squares: Vec<Lane>,
-    regressor_squares: Vec<Lane>,
+    sums: DegreeSums<Lane>,
 }
 
 impl Signals {
     fn of(batch: &Batch, parameters: &[Lane], range: Range<usize>) -> Self {
-        let mut signals = Self { degrees: [0, 1, 2].map(|d| Degree::new(batch, d, range.len())) };
-        pulp::Arch::new().dispatch(Filter { signals: &mut signals, batch, parameters, range });
-        signals
+        let mut degrees = [0, 1, 2].map(|d| Degree::new(batch, d, range.len()));
+        vectorized!(filter(&mut degrees, batch, parameters, range));
+        Self { degrees }
     }
 
     /// Adds what these samples contribute to `middles`, for runs with an estimate of which they are a group, as `group` says.
@@ -122,8 +119,8 @@ impl Signals {
             }
             let means = &means;
             let middle = match noise {
-                Some(noise) => pulp::Arch::new().dispatch(Responses { degree, d, means, noise }),
-                None => windowed(&pulp::Arch::new().dispatch(Scores { degree, theta: &theta, means }), p),
+                Some(noise) => vectorized!(degree.responses(d, means, noise)),
+                None => windowed(&vectorized!(degree.scores(&theta, means)), p),
             };
             for lane in (0..LANES).filter(|lane| own[*lane]) {
                 middles[lane].add(d, middle.iter().map(|m| m[lane]));
@@ -137,7 +134,6 @@ impl Degree {
     fn new(batch: &Batch, d: usize, samples: usize) -> Self {
         let p = batch.model.degrees[d].terms.len();
         let signal = |width: usize| Vec::with_capacity(samples * width);
-        let zeros = |count: usize| vec![Lane::ZERO; count];
         Self {
             parameters: p,
             phi: signal(p + 1),
@@ -145,10 +141,7 @@ impl Degree {
             target: signal(1),
             poles: signal(1),
             slopes: signal(3),
-            a: zeros((p + 1) * (p + 1)),
-            b: zeros(p + 1),
-            instrument_squares: zeros(p),
-            regressor_squares: zeros(p),
+            sums: DegreeSums::zero(p),
         }
     }
 
@@ -157,18 +150,7 @@ impl Degree {
     fn add(&mut self) {
         let p = self.parameters;
         let (phi, zeta) = (&self.phi[self.phi.len() - p - 1..], &self.zeta[self.zeta.len() - p - 1..]);
-        let target = self.target[self.target.len() - 1];
-        for (i, z) in zeta.iter().enumerate() {
-            let row = &mut self.a[i * (p + 1)..(i + 1) * (p + 1)];
-            for (sum, f) in row.iter_mut().zip(phi) {
-                *sum += *z * *f;
-            }
-            self.b[i] += *z * target;
-        }
-        for i in 0..p {
-            self.instrument_squares[i] += zeta[i] * zeta[i];
-            self.regressor_squares[i] += phi[i] * phi[i];
-        }
+        self.sums.add_sample(&zeta[..p], &phi[..p], zeta[p], self.target[self.target.len() - 1]);
     }
 
     /// ζᶜ of instrument `i` at sample `k`; `mean` in units of the filtered 1.
@@ -178,134 +160,41 @@ impl Degree {
         row[i] - mean * row[self.parameters]
     }
 
-    fn sums(&self, lane: usize) -> DegreeSums {
-        let of = |lanes: &[Lane]| lanes.iter().map(|l| l[lane]).collect();
-        DegreeSums {
-            a: of(&self.a),
-            b: of(&self.b),
-            instrument_squares: of(&self.instrument_squares),
-            regressor_squares: of(&self.regressor_squares),
-        }
-    }
-}
-
-/// Fills the signals; compiled for every instruction set that pulp picks from.
-struct Filter<'a> {
-    signals: &'a mut Signals,
-    batch: &'a Batch<'a>,
-    parameters: &'a [Lane],
-    range: Range<usize>,
-}
-
-impl pulp::WithSimd for Filter<'_> {
-    type Output = ();
-
+    /// ζᶜε of every sample: N × p. `theta`: with the intercept; `means`: of the instruments, in units of the filtered 1.
     #[inline(always)]
-    fn with_simd<S: pulp::Simd>(self, _: S) {
-        let Self { signals, batch, parameters, range } = self;
-        let mut simulated = Compiled::new(batch.model, parameters);
-        let mut measured = simulated.clone();
-        let width = batch.model.exogenous();
-        let most = 1.0 - 1.0 / range.len() as f64;
-        let state = |states: &[Lane], k: usize| [states[3 * k], states[3 * k + 1], states[3 * k + 2]];
-        for k in range.clone() {
-            let exogenous = &batch.exogenous[width * k..width * (k + 1)];
-            simulated.look(state(batch.instrument_states, k), exogenous, None);
-            measured.look(state(batch.measured, k), exogenous, None);
-            let slopes = simulated.slopes();
-            let mut first = 0;
-            for (d, degree) in signals.degrees.iter_mut().enumerate() {
-                let p = degree.parameters;
-                let mut pole = Lane::ONE + slopes[d][d];
-                for a in &mut pole.0 {
-                    *a = if *a > 0.0 { a.min(most) } else { 0.0 };
-                }
-                for i in 0..=p {
-                    let (f, z) = match i < p {
-                        true => (measured.term(first + i), simulated.term(first + i)),
-                        false => (Lane::ONE, Lane::ONE),
-                    };
-                    passed(&mut degree.phi, p + 1, pole, f);
-                    passed(&mut degree.zeta, p + 1, pole, z);
-                }
-                let increment = batch.measured[3 * (k + 1) + d] - batch.measured[3 * k + d];
-                passed(&mut degree.target, 1, pole, increment);
-                degree.poles.push(pole);
-                degree.slopes.extend(slopes[d]);
-                degree.add();
-                first += p;
-            }
-        }
-    }
-}
-
-/// Appends pole · (the value `width` entries ago) + `input`.
-#[inline(always)]
-fn passed(signal: &mut Vec<Lane>, width: usize, pole: Lane, input: Lane) {
-    let before = signal.len().checked_sub(width).map_or(Lane::ZERO, |i| signal[i]);
-    signal.push(pole * before + input);
-}
-
-/// ζᶜε of every sample: N × p. `theta`: with the intercept; `means`: of the instruments, in units of the filtered 1.
-struct Scores<'a> {
-    degree: &'a Degree,
-    theta: &'a [Lane],
-    means: &'a [Lane],
-}
-
-impl pulp::WithSimd for Scores<'_> {
-    type Output = Vec<Lane>;
-
-    #[inline(always)]
-    fn with_simd<S: pulp::Simd>(self, _: S) -> Vec<Lane> {
-        let Self { degree, theta, means } = self;
-        let p = degree.parameters;
-        let mut scores = Vec::with_capacity(degree.target.len() * p);
-        for (k, target) in degree.target.iter().enumerate() {
-            let phi = &degree.phi[k * (p + 1)..(k + 1) * (p + 1)];
+    fn scores(&self, theta: &[Lane], means: &[Lane]) -> Vec<Lane> {
+        let p = self.parameters;
+        let mut scores = Vec::with_capacity(self.target.len() * p);
+        for (k, target) in self.target.iter().enumerate() {
+            let phi = &self.phi[k * (p + 1)..(k + 1) * (p + 1)];
             let mut residual = *target;
             for (f, t) in phi.iter().zip(theta) {
                 residual = residual - *f * *t;
             }
             for (i, mean) in means.iter().enumerate() {
-                scores.push(degree.centred(k, i, *mean) * residual);
+                scores.push(self.centred(k, i, *mean) * residual);
             }
         }
         scores
     }
-}
 
-/// cov Σ ζᶜε from stated noise, to first order, p × p. With η(k) = ζᶜ(k) + a(k+1) η(k+1), Σ ζᶜε is Σ η times the residuals before the
-/// filter (see [`crate::middle`]): a draw of the own state's measurement counts ζᶜ, of others and of the current slope times η.
-struct Responses<'a> {
-    degree: &'a Degree,
-    d: usize,
-    means: &'a [Lane],
-    noise: &'a Noise,
-}
-
-impl pulp::WithSimd for Responses<'_> {
-    type Output = Vec<Lane>;
-
+    /// cov Σ ζᶜε from stated noise, to first order, p × p. With η(k) = ζᶜ(k) + a(k+1) η(k+1), Σ ζᶜε is Σ η times the residuals before
+    /// the filter (see [`crate::middle`]): a draw of the own state's measurement counts ζᶜ, of others and of the current slope
+    /// times η.
     #[inline(always)]
-    fn with_simd<S: pulp::Simd>(self, _: S) -> Vec<Lane> {
-        let Self { degree, d, means, noise } = self;
-        let p = degree.parameters;
+    fn responses(&self, d: usize, means: &[Lane], noise: &Noise) -> Vec<Lane> {
+        let p = self.parameters;
         let own = Lane::splat(noise.measurement[d].powi(2));
-        let others: [Lane; 3] = std::array::from_fn(|i| {
-            let measured = if i == d { 0.0 } else { noise.measurement[i].powi(2) };
-            let current = if i < 2 { noise.current.powi(2) } else { 0.0 };
-            Lane::splat(measured + current)
-        });
+        let others = noise.others(d).map(Lane::splat);
         let (mut pole, mut eta) = (Lane::ZERO, vec![Lane::ZERO; p]);
         let (mut centred, mut middle) = (eta.clone(), vec![Lane::ZERO; p * p]);
-        for k in (0..degree.poles.len()).rev() {
+        for k in (0..self.poles.len()).rev() {
             for i in 0..p {
-                centred[i] = degree.centred(k, i, means[i]);
+                centred[i] = self.centred(k, i, means[i]);
                 eta[i] = centred[i] + pole * eta[i];
             }
-            pole = degree.poles[k];
-            let slopes = &degree.slopes[3 * k..3 * k + 3];
+            pole = self.poles[k];
+            let slopes = &self.slopes[3 * k..3 * k + 3];
             let mut share = Lane::ZERO;
             for i in 0..3 {
                 share += others[i] * slopes[i] * slopes[i];
@@ -322,4 +211,48 @@ impl pulp::WithSimd for Responses<'_> {
         }
         middle
     }
+}
+
+/// Fills the signals with samples `range`.
+#[inline(always)]
+fn filter(degrees: &mut [Degree; 3], batch: &Batch, parameters: &[Lane], range: Range<usize>) {
+    let mut simulated = Compiled::new(batch.model, parameters);
+    let mut measured = simulated.clone();
+    let width = batch.model.exogenous();
+    let most = 1.0 - 1.0 / range.len() as f64;
+    for k in range.clone() {
+        let exogenous = &batch.exogenous[width * k..width * (k + 1)];
+        simulated.look(batch.instrument_states.as_chunks().0[k], exogenous, None);
+        measured.look(batch.measured.as_chunks().0[k], exogenous, None);
+        let slopes = simulated.slopes();
+        let mut first = 0;
+        for (d, degree) in degrees.iter_mut().enumerate() {
+            let p = degree.parameters;
+            let mut pole = Lane::ONE + slopes[d][d];
+            for a in &mut pole.0 {
+                *a = if *a > 0.0 { a.min(most) } else { 0.0 };
+            }
+            for i in 0..=p {
+                let (f, z) = match i < p {
+                    true => (measured.term(first + i), simulated.term(first + i)),
+                    false => (Lane::ONE, Lane::ONE),
+                };
+                passed(&mut degree.phi, p + 1, pole, f);
+                passed(&mut degree.zeta, p + 1, pole, z);
+            }
+            let increment = batch.measured[3 * (k + 1) + d] - batch.measured[3 * k + d];
+            passed(&mut degree.target, 1, pole, increment);
+            degree.poles.push(pole);
+            degree.slopes.extend(slopes[d]);
+            degree.add();
+            first += p;
+        }
+    }
+}
+
+/// Appends pole · (the value `width` entries ago) + `input`.
+#[inline(always)]
+fn passed(signal: &mut Vec<Lane>, width: usize, pole: Lane, input: Lane) {
+    let before = signal.len().checked_sub(width).map_or(Lane::ZERO, |i| signal[i]);
+    signal.push(pole * before + input);
 }

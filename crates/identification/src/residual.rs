@@ -6,7 +6,7 @@
 use vessel::{LANES, Lane, Number};
 
 use crate::Batch;
-use crate::batch::{AnyBatch, BLOCK, Block, Regressors, accumulate};
+use crate::batch::{AnyBatch, BLOCK, Block, Regressors, add_products, add_squares, over_batch};
 
 /// A group of samples that shares its intercepts: its first sample, and a constant per signal.
 #[derive(Clone, Debug)]
@@ -23,32 +23,15 @@ pub(crate) struct InstrumentSquares {
 
 impl InstrumentSquares {
     /// `means`: the instruments' means per run and group.
-    pub(crate) fn over<X: Number>(batch: &Batch<X>, means: [&[Group]; LANES]) -> Self {
-        Self::over_any(batch.any(), means)
+    pub(crate) fn over(batch: AnyBatch, means: [&[Group]; LANES]) -> Self {
+        over_batch!(batch, |batch| Self::of(&batch, means))
     }
-
-    fn over_any(batch: AnyBatch, means: [&[Group]; LANES]) -> Self {
-        match &batch {
-            AnyBatch::Lanes(batch) => pulp::Arch::new().dispatch(InstrumentPass { batch, means }),
-            AnyBatch::Shared(batch) => pulp::Arch::new().dispatch(InstrumentPass { batch, means }),
-        }
-    }
-}
-
-struct InstrumentPass<'a, X> {
-    batch: &'a Batch<'a, X>,
-    means: [&'a [Group]; LANES],
-}
-
-impl<X: Number> pulp::WithSimd for InstrumentPass<'_, X> {
-    type Output = InstrumentSquares;
 
     #[inline(always)]
-    fn with_simd<S: pulp::Simd>(self, _: S) -> InstrumentSquares {
-        let Self { batch, means } = self;
+    fn of<X: Number>(batch: &Batch<X>, means: [&[Group]; LANES]) -> Self {
         let triangles = batch.model.degrees.iter().map(|d| d.terms.len() * (d.terms.len() + 1) / 2).sum();
         let zeros = || vec![Lane::ZERO; triangles];
-        let mut sums = InstrumentSquares { squares: zeros(), neighbours: zeros() };
+        let mut sums = Self { squares: zeros(), neighbours: zeros() };
         let mut means = Constants::new(means, batch.model.parameters());
         let mut zeta = Regressors::new(batch.model);
         let mut now = vec![[Lane::ZERO; BLOCK]; batch.model.parameters()];
@@ -69,24 +52,11 @@ impl<X: Number> pulp::WithSimd for InstrumentPass<'_, X> {
                 for i in first..first + p {
                     let others = i..first + p;
                     let entries = place..place + others.len();
-                    accumulate(
-                        &now[others.clone()],
-                        &mut sums.squares[entries.clone()],
-                        #[inline(always)]
-                        |t, z| now[i][t] * z,
-                    );
-                    accumulate(
-                        &now[others.clone()],
-                        &mut sums.neighbours[entries.clone()],
-                        #[inline(always)]
-                        |t, z| before[i][t] * z,
-                    );
-                    accumulate(
-                        &before[others],
-                        &mut sums.neighbours[entries.clone()],
-                        #[inline(always)]
-                        |t, z| now[i][t] * z,
-                    );
+                    let (squares, neighbours) =
+                        (&mut sums.squares[entries.clone()], &mut sums.neighbours[entries.clone()]);
+                    add_products(&now[i], &now[others.clone()], squares);
+                    add_products(&before[i], &now[others.clone()], neighbours);
+                    add_products(&now[i], &before[others], neighbours);
                     place = entries.end;
                 }
                 first += p;
@@ -104,31 +74,13 @@ pub(crate) struct ResidualSums {
 
 impl ResidualSums {
     /// `theta`: one lane per parameter. `intercepts`: three per run and group.
-    pub(crate) fn over<X: Number>(batch: &Batch<X>, theta: &[Lane], intercepts: [&[Group]; LANES]) -> Self {
-        Self::over_any(batch.any(), theta, intercepts)
+    pub(crate) fn over(batch: AnyBatch, theta: &[Lane], intercepts: [&[Group]; LANES]) -> Self {
+        over_batch!(batch, |batch| Self::of(&batch, theta, intercepts))
     }
-
-    fn over_any(batch: AnyBatch, theta: &[Lane], intercepts: [&[Group]; LANES]) -> Self {
-        match &batch {
-            AnyBatch::Lanes(batch) => pulp::Arch::new().dispatch(ResidualPass { batch, theta, intercepts }),
-            AnyBatch::Shared(batch) => pulp::Arch::new().dispatch(ResidualPass { batch, theta, intercepts }),
-        }
-    }
-}
-
-struct ResidualPass<'a, X> {
-    batch: &'a Batch<'a, X>,
-    theta: &'a [Lane],
-    intercepts: [&'a [Group]; LANES],
-}
-
-impl<X: Number> pulp::WithSimd for ResidualPass<'_, X> {
-    type Output = ResidualSums;
 
     #[inline(always)]
-    fn with_simd<S: pulp::Simd>(self, _: S) -> ResidualSums {
-        let Self { batch, theta, intercepts } = self;
-        let mut sums = ResidualSums { lag0: [Lane::ZERO; 3], lag1: [Lane::ZERO; 3] };
+    fn of<X: Number>(batch: &Batch<X>, theta: &[Lane], intercepts: [&[Group]; LANES]) -> Self {
+        let mut sums = Self { lag0: [Lane::ZERO; 3], lag1: [Lane::ZERO; 3] };
         let mut intercepts = Constants::new(intercepts, 3);
         let mut phi = Regressors::new(batch.model);
         let mut edges = [Lane::ZERO; 3];
@@ -146,20 +98,14 @@ impl<X: Number> pulp::WithSimd for ResidualPass<'_, X> {
                     }
                 }
             }
-            accumulate(
-                &residuals,
-                &mut sums.lag0,
-                #[inline(always)]
-                |_, e| e * e,
-            );
+            add_squares(&residuals, &mut sums.lag0);
             for (d, residual) in residuals.iter().enumerate() {
                 let before = delayed(residual, edges[d]);
                 edges[d] = residual[BLOCK - 1];
-                accumulate(
+                add_products(
+                    &before,
                     std::slice::from_ref(residual),
                     std::slice::from_mut(&mut sums.lag1[d]),
-                    #[inline(always)]
-                    |t, e| e * before[t],
                 );
             }
         }

@@ -86,7 +86,8 @@ impl Normal {
             return Err(self.excitation().weakest);
         }
         inverse.iter_mut().enumerate().for_each(|(k, entry)| *entry /= self.phi[k / p] * self.zeta[k % p]);
-        Ok((times(&inverse, &self.b), inverse))
+        let theta = times(&inverse, &self.b);
+        if theta.iter().all(|t| t.is_finite()) { Ok((theta, inverse)) } else { Err(0) }
     }
 
     /// Condition number and weakest direction, by singular values.

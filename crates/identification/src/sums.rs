@@ -1,9 +1,10 @@
 use std::ops::Range;
 
+use vessel::lanes::lane_of;
 use vessel::{Lane, Number, Term};
 
 use crate::Batch;
-use crate::batch::{AnyBatch, BLOCK, Regressors, accumulate};
+use crate::batch::{AnyBatch, BLOCK, Regressors, add_products, add_squares, add_totals, over_batch};
 
 /// Sums over regression pairs of all degrees of freedom. The sums of two pieces of data add to those of both.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -16,15 +17,15 @@ pub struct Sums {
 
 /// Sums of one degree of freedom with p parameters; p̃ = p + 1.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct DegreeSums {
+pub struct DegreeSums<X = f64> {
     /// A = Σ ζ̃ φ̃ᵀ, p̃ × p̃, row-major. The last row holds Σ φ, the last column Σ ζ, the corner N.
-    pub a: Vec<f64>,
+    pub a: Vec<X>,
     /// b = Σ ζ̃ Δy, p̃.
-    pub b: Vec<f64>,
+    pub b: Vec<X>,
     /// Σ ζ_i², p.
-    pub instrument_squares: Vec<f64>,
+    pub instrument_squares: Vec<X>,
     /// Σ φ_i², p.
-    pub regressor_squares: Vec<f64>,
+    pub regressor_squares: Vec<X>,
 }
 
 impl Sums {
@@ -55,12 +56,55 @@ fn add(own: &mut [f64], other: &[f64]) {
     own.iter_mut().zip(other).for_each(|(a, b)| *a += b);
 }
 
-impl DegreeSums {
+impl<X: Number> DegreeSums<X> {
+    /// Sums over no sample, of `p` parameters.
+    pub(crate) fn zero(p: usize) -> Self {
+        let zeros = |count: usize| vec![X::ZERO; count];
+        Self {
+            a: zeros((p + 1) * (p + 1)),
+            b: zeros(p + 1),
+            instrument_squares: zeros(p),
+            regressor_squares: zeros(p),
+        }
+    }
+
     /// Number of parameters p.
     pub fn parameters(&self) -> usize {
         self.instrument_squares.len()
     }
 
+    /// Adds a sample: ζ and φ of p entries, the 1 that lifts both, and Δy.
+    #[inline(always)]
+    pub(crate) fn add_sample(&mut self, zeta: &[X], phi: &[X], one: X, increment: X) {
+        let p = zeta.len();
+        for (i, z) in zeta.iter().chain([&one]).enumerate() {
+            let row = &mut self.a[i * (p + 1)..(i + 1) * (p + 1)];
+            for (sum, f) in row.iter_mut().zip(phi) {
+                *sum += *z * *f;
+            }
+            row[p] += *z * one;
+            self.b[i] += *z * increment;
+        }
+        for i in 0..p {
+            self.instrument_squares[i] += zeta[i] * zeta[i];
+            self.regressor_squares[i] += phi[i] * phi[i];
+        }
+    }
+}
+
+impl DegreeSums<Lane> {
+    /// The sums of one lane.
+    pub(crate) fn lane(&self, lane: usize) -> DegreeSums {
+        DegreeSums {
+            a: lane_of(&self.a, lane),
+            b: lane_of(&self.b, lane),
+            instrument_squares: lane_of(&self.instrument_squares, lane),
+            regressor_squares: lane_of(&self.regressor_squares, lane),
+        }
+    }
+}
+
+impl DegreeSums {
     /// Σζ/N; zero where there is no intercept.
     pub(crate) fn instrument_means(&self, centred: bool) -> impl Iterator<Item = f64> {
         let (p, share) = (self.parameters(), self.share(centred));
@@ -69,9 +113,14 @@ impl DegreeSums {
 
     /// (ΣΔy − Σφᵀθ)/N; zero where there is no intercept.
     pub(crate) fn intercept(&self, theta: &[f64], centred: bool) -> f64 {
+        self.share(centred) * self.residual(theta)
+    }
+
+    /// ΣΔy − Σφᵀθ.
+    pub(crate) fn residual(&self, theta: &[f64]) -> f64 {
         let p = self.parameters();
         let predicted: f64 = theta.iter().zip(&self.a[p * (p + 1)..]).map(|(t, f)| t * f).sum();
-        self.share(centred) * (self.b[p] - predicted)
+        self.b[p] - predicted
     }
 
     /// 1/N, what a sum counts in a mean; zero where no mean is removed.
@@ -81,12 +130,10 @@ impl DegreeSums {
     }
 }
 
-/// [`Sums`] of a batch over some samples, lane by lane, laid out one degree of freedom after the other: a, b, squares of
-/// ζ and of φ.
+/// [`Sums`] of a batch over some samples, lane by lane.
 #[derive(Clone)]
 pub(crate) struct LaneSums {
-    entries: Vec<Lane>,
-    parameters: [usize; 3],
+    degrees: [DegreeSums<Lane>; 3],
     /// Per degree of freedom: what comes after so many terms is made of inputs alone, the same in φ and in ζ.
     measured: [usize; 3],
     range: Range<usize>,
@@ -94,59 +141,38 @@ pub(crate) struct LaneSums {
 
 impl LaneSums {
     /// What depends on the instruments alone, over samples `range`; zero elsewhere.
-    pub(crate) fn of_instruments<X: Number>(batch: &Batch<X>, range: Range<usize>) -> Self {
-        let parameters = [0, 1, 2].map(|d: usize| batch.model.degrees[d].terms.len());
-        let size = parameters.into_iter().map(entries).sum();
+    pub(crate) fn of_instruments(batch: AnyBatch, range: Range<usize>) -> Self {
+        over_batch!(batch, |batch| {
+            let mut sums = Self::zero(&batch, range);
+            sums.add_instruments(&batch);
+            sums
+        })
+    }
+
+    /// These sums of instruments with all the others.
+    pub(crate) fn with_measured(&self, batch: AnyBatch) -> Self {
+        let mut sums = self.clone();
+        over_batch!(batch, |batch| sums.add_measured(&batch));
+        sums
+    }
+
+    fn zero<X: Number>(batch: &Batch<X>, range: Range<usize>) -> Self {
         let measured = [0, 1, 2].map(|d: usize| {
             let of_state = |term: &Term| term.factors.iter().any(|f| f.variable < 3);
             batch.model.degrees[d].terms.iter().rposition(of_state).map_or(0, |last| last + 1)
         });
-        let mut sums = Self { entries: vec![Lane::ZERO; size], parameters, measured, range };
-        sums.add_instruments(batch.any());
-        sums
-    }
-
-    fn add_instruments(&mut self, batch: AnyBatch) {
-        match &batch {
-            AnyBatch::Lanes(batch) => pulp::Arch::new().dispatch(AddInstruments { sums: self, batch }),
-            AnyBatch::Shared(batch) => pulp::Arch::new().dispatch(AddInstruments { sums: self, batch }),
-        }
-    }
-
-    /// These sums of instruments with all the others.
-    pub(crate) fn with_measured<X: Number>(&self, batch: &Batch<X>) -> Self {
-        let mut sums = self.clone();
-        sums.add_measured(batch.any());
-        sums
-    }
-
-    fn add_measured(&mut self, batch: AnyBatch) {
-        match &batch {
-            AnyBatch::Lanes(batch) => pulp::Arch::new().dispatch(AddMeasured { sums: self, batch }),
-            AnyBatch::Shared(batch) => pulp::Arch::new().dispatch(AddMeasured { sums: self, batch }),
-        }
+        let degrees = batch.model.degrees.each_ref().map(|degree| DegreeSums::zero(degree.terms.len()));
+        Self { degrees, measured, range }
     }
 
     /// The sums of one lane.
     pub(crate) fn lane(&self, lane: usize) -> Sums {
-        let mut start = 0;
-        let degree = |p: &usize| {
-            let own: Vec<f64> = self.entries[start..start + entries(*p)].iter().map(|e| e[lane]).collect();
-            start += entries(*p);
-            let lifted = p + 1;
-            let (a, rest) = own.split_at(lifted * lifted);
-            let (b, squares) = rest.split_at(lifted);
-            let mut a = a.to_vec();
-            a[lifted * lifted - 1] = self.range.len() as f64;
-            let (zeta, phi) = squares.split_at(*p);
-            DegreeSums {
-                a,
-                b: b.to_vec(),
-                instrument_squares: zeta.to_vec(),
-                regressor_squares: phi.to_vec(),
-            }
+        let degree = |degree: &DegreeSums<Lane>| {
+            let mut own = degree.lane(lane);
+            own.a.last_mut().into_iter().for_each(|corner| *corner = self.range.len() as f64);
+            own
         };
-        Sums { samples: self.range.len() as u64, degrees: self.parameters.iter().map(degree).collect() }
+        Sums { samples: self.range.len() as u64, degrees: self.degrees.iter().map(degree).collect() }
     }
 
     /// Samples in blocks: (first, count).
@@ -155,127 +181,55 @@ impl LaneSums {
         self.range.clone().step_by(BLOCK).map(move |k| (k, BLOCK.min(end - k)))
     }
 
-    /// Per degree of freedom: its place among the parameters, how many terms are measured, and a, b, the squares of ζ and
-    /// of φ.
+    /// Per degree of freedom: its place among the parameters, how many terms are measured, and the sums.
     #[inline(always)]
-    fn degrees(&mut self) -> impl Iterator<Item = (Range<usize>, usize, [&mut [Lane]; 4])> {
-        let (mut rest, mut first) = (&mut self.entries[..], 0);
-        self.parameters.iter().zip(self.measured).map(move |(p, measured)| {
-            let (a, after) = std::mem::take(&mut rest).split_at_mut((p + 1) * (p + 1));
-            let (b, after) = after.split_at_mut(p + 1);
-            let (zeta, after) = after.split_at_mut(*p);
-            let (phi, after) = after.split_at_mut(*p);
-            (rest, first) = (after, first + p);
-            (first - p..first, measured, [a, b, zeta, phi])
+    fn degrees(&mut self) -> impl Iterator<Item = (Range<usize>, usize, &mut DegreeSums<Lane>)> {
+        let mut first = 0;
+        self.degrees.iter_mut().zip(self.measured).map(move |(sums, measured)| {
+            let own = first..first + sums.parameters();
+            first = own.end;
+            (own, measured, sums)
         })
     }
-}
 
-fn entries(p: usize) -> usize {
-    (p + 1) * (p + 1) + (p + 1) + 2 * p
-}
-
-/// Σζ, Σζ² and everything with terms of inputs alone; compiled for every instruction set that pulp picks from.
-struct AddInstruments<'a, X> {
-    sums: &'a mut LaneSums,
-    batch: &'a Batch<'a, X>,
-}
-
-impl<X: Number> pulp::WithSimd for AddInstruments<'_, X> {
-    type Output = ();
-
+    /// Adds Σζ, Σζ² and everything with terms of inputs alone.
     #[inline(always)]
-    fn with_simd<S: pulp::Simd>(self, _: S) {
-        let mut zeta = Regressors::new(self.batch.model);
-        for (k, count) in self.sums.blocks() {
-            self.batch.zeta(k, count, &mut zeta);
-            for (own, measured, [a, _, squares, phi_squares]) in self.sums.degrees() {
-                let lifted = own.len() + 1;
+    fn add_instruments<X: Number>(&mut self, batch: &Batch<X>) {
+        let mut zeta = Regressors::new(batch.model);
+        for (k, count) in self.blocks() {
+            batch.zeta(k, count, &mut zeta);
+            for (own, measured, sums) in self.degrees() {
+                let p = own.len();
                 let zeta = &zeta.terms[own];
-                for (z, row) in zeta.iter().zip(a.chunks_exact_mut(lifted)) {
-                    accumulate(
-                        std::slice::from_ref(z),
-                        &mut row[lifted - 1..],
-                        #[inline(always)]
-                        |_, z| z.lane(),
-                    );
-                    accumulate(
-                        &zeta[measured..],
-                        &mut row[measured..lifted - 1],
-                        #[inline(always)]
-                        |t, other| (other * z[t]).lane(),
-                    );
+                for (z, row) in zeta.iter().zip(sums.a.chunks_exact_mut(p + 1)) {
+                    add_totals(std::slice::from_ref(z), &mut row[p..]);
+                    add_products(z, &zeta[measured..], &mut row[measured..p]);
                 }
-                accumulate(
-                    &zeta[measured..],
-                    &mut a[lifted * (lifted - 1) + measured..],
-                    #[inline(always)]
-                    |_, z| z.lane(),
-                );
-                for (squares, first) in [(squares, 0), (phi_squares, measured)] {
-                    accumulate(
-                        &zeta[first..],
-                        &mut squares[first..],
-                        #[inline(always)]
-                        |_, z| (z * z).lane(),
-                    );
-                }
+                add_totals(&zeta[measured..], &mut sums.a[p * (p + 1) + measured..]);
+                add_squares(zeta, &mut sums.instrument_squares);
+                add_squares(&zeta[measured..], &mut sums.regressor_squares[measured..]);
             }
         }
     }
-}
 
-/// Everything with measured terms or Δy in it; compiled for every instruction set that pulp picks from.
-struct AddMeasured<'a, X> {
-    sums: &'a mut LaneSums,
-    batch: &'a Batch<'a, X>,
-}
-
-impl<X: Number> pulp::WithSimd for AddMeasured<'_, X> {
-    type Output = ();
-
+    /// Adds everything with measured terms or Δy in it.
     #[inline(always)]
-    fn with_simd<S: pulp::Simd>(self, _: S) {
-        let (mut phi, mut zeta) = (Regressors::new(self.batch.model), Regressors::new(self.batch.model));
-        for (k, count) in self.sums.blocks() {
-            self.batch.phi(k, count, &mut phi);
-            self.batch.zeta(k, count, &mut zeta);
-            for (d, (own, measured, [a, b, _, squares])) in self.sums.degrees().enumerate() {
-                let increments = self.batch.increments(k, count, d);
+    fn add_measured<X: Number>(&mut self, batch: &Batch<X>) {
+        let (mut phi, mut zeta) = (Regressors::new(batch.model), Regressors::new(batch.model));
+        for (k, count) in self.blocks() {
+            batch.phi(k, count, &mut phi);
+            batch.zeta(k, count, &mut zeta);
+            for (d, (own, measured, sums)) in self.degrees().enumerate() {
+                let increments = batch.increments(k, count, d);
                 let (zeta, p) = (&zeta.terms[own.clone()], own.len());
                 let phi = &phi.terms[own][..measured];
-                for (z, row) in zeta.iter().zip(a.chunks_exact_mut(p + 1)) {
-                    accumulate(
-                        phi,
-                        row,
-                        #[inline(always)]
-                        |t, f| f * z[t].lane(),
-                    );
+                for (z, row) in zeta.iter().zip(sums.a.chunks_exact_mut(p + 1)) {
+                    add_products(z, phi, row);
                 }
-                accumulate(
-                    zeta,
-                    b,
-                    #[inline(always)]
-                    |t, z| z.lane() * increments[t],
-                );
-                accumulate(
-                    phi,
-                    &mut a[p * (p + 1)..],
-                    #[inline(always)]
-                    |_, f| f,
-                );
-                accumulate(
-                    phi,
-                    squares,
-                    #[inline(always)]
-                    |_, f| f * f,
-                );
-                accumulate(
-                    &[increments],
-                    &mut b[p..],
-                    #[inline(always)]
-                    |_, y| y,
-                );
+                add_products(&increments, zeta, &mut sums.b);
+                add_totals(phi, &mut sums.a[p * (p + 1)..]);
+                add_squares(phi, &mut sums.regressor_squares);
+                add_totals(&[increments], &mut sums.b[p..]);
             }
         }
     }

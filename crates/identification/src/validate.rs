@@ -13,10 +13,15 @@ impl FreeRun {
     /// The 2-norm of the three errors, as numbers; `None` where it diverged.
     pub fn norm(&self) -> Option<f64> {
         match self {
-            Self::Rmse(rmse) => Some(rmse.iter().map(|e| e * e).sum::<f64>().sqrt()),
+            Self::Rmse(rmse) => Some(rmse_norm(*rmse)),
             Self::Diverged(_) => None,
         }
     }
+}
+
+/// The 2-norm of RMSE in u, v, r, as numbers.
+pub(crate) fn rmse_norm(rmse: [f64; 3]) -> f64 {
+    rmse.iter().map(|e| e * e).sum::<f64>().sqrt()
 }
 
 /// Simulates [`LANES`] models freely over the inputs of a validation run and compares with its states.

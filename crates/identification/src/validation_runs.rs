@@ -1,6 +1,7 @@
 use vessel::lanes::interleave;
 use vessel::{LANES, Run, Vessel};
 
+use crate::validate::rmse_norm;
 use crate::{EstimateStatus, Estimator, FreeRun, RunEstimate, ScoreStatus, free_runs, parameter_error};
 
 /// What an estimate is worth in free simulation over the validation runs.
@@ -78,7 +79,7 @@ impl<'a> ValidationRuns<'a> {
             status,
             parameter_error: known.and_then(|((theta, _), truth)| parameter_error(theta, truth)),
             rmse: [0, 1, 2].map(|d| rmse.map(|r| r[d])),
-            simulation_error: rmse.and_then(|r| FreeRun::Rmse(r).norm()),
+            simulation_error: rmse.map(rmse_norm),
         }
     }
 }

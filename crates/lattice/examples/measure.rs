@@ -25,12 +25,7 @@ fn main() {
     let options = Options { engine, memory_bytes: 8 << 30, ..Options::default() };
     let outcome = plan(&problem, &options, &mut |_| started.elapsed() < limit);
     let total = started.elapsed();
-    println!(
-        "{} boxes, {} allowed moves, {} states",
-        file.obstacles.len(),
-        problem.allowed_moves(),
-        problem.states()
-    );
+    println!("{} boxes, {} states", file.obstacles.len(), problem.states());
     println!("start {} goal {:?}", problem.start(), problem.goal());
     println!("table {table:?}, all {total:?}");
     match outcome {

@@ -4,27 +4,7 @@
 //! obstacle form a rectangle of indices. The rectangles of a move are added up in a table of differences. The answer is
 //! that of testing every cell, bit by bit.
 
-/// Cells `(i, j)` with nodes at `origin + cell * (i, j)` \[m\].
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Grid {
-    /// Number of cells along x.
-    pub nx: usize,
-    /// Number of cells along y.
-    pub ny: usize,
-    /// Distance of neighbouring nodes \[m\].
-    pub cell: f64,
-    /// Node (0, 0) \[m\].
-    pub origin: [f64; 2],
-}
-
-/// What no swept box may leave or touch from inside.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Surroundings {
-    /// Every swept box must lie in this one, edges included \[m\].
-    pub bounds: [f64; 4],
-    /// Boxes that no swept box may share an area with \[m\].
-    pub obstacles: Vec<[f64; 4]>,
-}
+use crate::LatticeFile;
 
 /// A half-open range of indices.
 type Span = std::ops::Range<usize>;
@@ -32,7 +12,7 @@ type Span = std::ops::Range<usize>;
 /// Reusable answer to "at which cells are these swept boxes free?".
 #[derive(Clone, Debug)]
 pub struct FreeCells {
-    grid: Grid,
+    grid: LatticeFile,
     per_cell: f64,
     x: Vec<f64>,
     y: Vec<f64>,
@@ -40,22 +20,23 @@ pub struct FreeCells {
 
 impl FreeCells {
     /// A grid with `cell` above 0 and finite numbers.
-    pub fn new(grid: Grid) -> Self {
+    pub fn new(grid: LatticeFile) -> Self {
         let nodes = |axis: usize, count: usize| {
             (0..count).map(|k| grid.origin[axis] + grid.cell * k as f64).collect()
         };
         Self { grid, per_cell: 1.0 / grid.cell, x: nodes(0, grid.nx), y: nodes(1, grid.ny) }
     }
 
-    /// Cells at which all `swept` boxes (relative to the node, `min <= max`) are free; `nx * ny`, i fastest.
-    pub fn of(&self, around: &Surroundings, swept: &[[f64; 4]]) -> Vec<bool> {
+    /// Cells at which all `swept` boxes (relative to the node, `min <= max`) lie in `bounds`, edges included, and share no
+    /// area with any of `obstacles`; `nx * ny`, i fastest.
+    pub fn of(&self, bounds: &[f64; 4], obstacles: &[[f64; 4]], swept: &[[f64; 4]]) -> Vec<bool> {
         let (nx, ny) = (self.grid.nx, self.grid.ny);
         let (mut inside_x, mut inside_y) = (0..nx, 0..ny);
         let mut hits = Hits::new(nx, ny);
         for swept in swept {
-            inside_x = both(&inside_x, &self.inside(0, swept, &around.bounds));
-            inside_y = both(&inside_y, &self.inside(1, swept, &around.bounds));
-            for obstacle in &around.obstacles {
+            inside_x = both(&inside_x, &self.inside(0, swept, bounds));
+            inside_y = both(&inside_y, &self.inside(1, swept, bounds));
+            for obstacle in obstacles {
                 let across = self.overlap(0, swept, obstacle);
                 if !across.is_empty() {
                     hits.add(&across, &self.overlap(1, swept, obstacle));

@@ -1,7 +1,7 @@
 use serde::de::IgnoredAny;
 use serde::{Deserialize, Serialize};
 
-use crate::collision::{FreeCells, Grid, Surroundings};
+use crate::collision::FreeCells;
 use crate::{Action, Cost, Goal, Invalid, Lattice, Move, Pose, Problem};
 
 /// The schema of [`ProblemFile`].
@@ -144,27 +144,29 @@ impl ProblemFile {
         Problem::new(lattice, actions, pose(self.start), Goal::Poses(vec![pose(self.goal)]), allowed)
     }
 
+    /// Name, count (none of a basic action), cost and moves of every action.
+    fn all_actions(&self) -> impl Iterator<Item = (&String, Option<u32>, f64, &[MoveFile])> {
+        let informative = self.informative.iter().map(|a| (&a.name, Some(a.count), a.cost, &a.moves[..]));
+        informative.chain(self.basic.iter().map(|a| (&a.name, None, a.cost, &a.moves[..])))
+    }
+
     /// Actions with what each requires, and their moves with swept boxes.
     fn actions(&self) -> (Vec<Action>, Vec<&[MoveFile]>) {
-        let informative = self.informative.iter().filter(|action| action.count > 0);
-        let informative =
-            informative.map(|action| (&action.name, action.count, action.cost, &action.moves[..]));
-        let basic = self.basic.iter().map(|action| (&action.name, 0, action.cost, &action.moves[..]));
-        let build = |(name, required, cost, moves): (&String, u32, f64, &'_ [MoveFile])| {
+        let used = self.all_actions().filter(|(_, count, ..)| *count != Some(0));
+        let build = |(name, count, cost, moves): (&String, Option<u32>, f64, &[MoveFile])| {
             let one =
                 |m: &MoveFile| Move { from: m.h, di: m.di, dj: m.dj, to: m.to_h, cost: Cost::primary(cost) };
-            Action { name: name.clone(), required, moves: moves.iter().map(one).collect() }
+            let moves = moves.iter().map(one).collect();
+            Action { name: name.clone(), required: count.unwrap_or(0), moves }
         };
-        let all: Vec<_> = informative.chain(basic).collect();
-        (all.iter().map(|&action| build(action)).collect(), all.iter().map(|action| action.3).collect())
+        used.map(|action| (build(action), action.3)).unzip()
     }
 
     /// By action, move and cell: whether the swept boxes are free.
     fn free_cells(&self, moves: &[&[MoveFile]]) -> Vec<Vec<Vec<bool>>> {
-        let LatticeFile { nx, ny, cell, origin, .. } = self.lattice;
-        let cells = FreeCells::new(Grid { nx, ny, cell, origin });
-        let around = Surroundings { bounds: self.bounds, obstacles: self.obstacles.clone() };
-        let of_action = |moves: &&[MoveFile]| moves.iter().map(|one| cells.of(&around, &one.swept)).collect();
+        let cells = FreeCells::new(self.lattice);
+        let of = |one: &MoveFile| cells.of(&self.bounds, &self.obstacles, &one.swept);
+        let of_action = |moves: &&[MoveFile]| moves.iter().map(of).collect();
         moves.iter().map(of_action).collect()
     }
 
@@ -189,9 +191,7 @@ impl ProblemFile {
     }
 
     fn check_moves(&self) -> Result<(), Invalid> {
-        let informative = self.informative.iter().map(|action| (&action.name, &action.moves));
-        let basic = self.basic.iter().map(|action| (&action.name, &action.moves));
-        for (name, moves) in informative.chain(basic) {
+        for (name, _, _, moves) in self.all_actions() {
             for (index, step) in moves.iter().enumerate() {
                 let thing = format!("action {name}, move {index}");
                 check_headings(&thing, step, self.lattice.headings)?;

@@ -2,23 +2,7 @@ use crate::graph::{Graph, Reach};
 use crate::watch::{self, Watch};
 use crate::{Cost, Options, Problem, Progress, dense, layered, plan};
 
-/// What every count vector costs at least.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Front {
-    /// One point per count vector, the first informative action's count fastest.
-    Known(Vec<FrontPoint>),
-    /// Told to stop.
-    OutOfTime,
-    /// The exhaustive search does not fit in the memory.
-    TooLarge {
-        /// Number of states.
-        states: u128,
-        /// Memory that it would take \[bytes\].
-        bytes: u128,
-    },
-}
-
-/// One count vector.
+/// What a count vector costs at least.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FrontPoint {
     /// Uses of every informative action, in the order of the problem's actions.
@@ -28,39 +12,42 @@ pub struct FrontPoint {
 }
 
 /// Least cost of reaching the goal with exactly g uses, for every count vector g up to what is required, from one
-/// exhaustive search: information against cost.
-pub fn front(problem: &Problem, options: &Options, keep_going: &mut dyn FnMut(Progress) -> bool) -> Front {
+/// exhaustive search: information against cost. One point per count vector, the first informative action's count fastest;
+/// nothing if the search is told to stop or does not fit in the memory.
+pub fn front(
+    problem: &Problem,
+    options: &Options,
+    keep_going: &mut dyn FnMut(Progress) -> bool,
+) -> Option<Vec<FrontPoint>> {
     let required = problem.required();
     let vectors = watch::strides(&required).1;
     let own_bytes = vectors.saturating_mul((24 + size_of::<FrontPoint>() + 4 * required.len()) as u128);
-    let too_large =
-        |bytes: u128| Front::TooLarge { states: problem.states(), bytes: bytes.saturating_add(own_bytes) };
     if own_bytes > u128::from(options.memory_bytes) {
-        return too_large(0);
+        return None;
     }
     let Some(graph) = Graph::new(problem, &Reach::new(problem)) else {
-        return points(problem, &vec![None; vectors as usize]);
+        return Some(points(problem, &vec![None; vectors as usize]));
     };
     let step = layered::step(&graph);
     // Distances are kept in 64 bits here.
     let bytes = plan::exhaustive_bytes(&graph).saturating_mul(if step.is_none() { 2 } else { 1 });
     if bytes.saturating_add(own_bytes) > u128::from(options.memory_bytes) {
-        return too_large(bytes);
+        return None;
     }
     let mut watch = Watch::new(problem, options.poll_every, keep_going);
     let keys = match step {
         Some(step) => layered::front(&graph, step, &mut watch),
         None => dense::front(&graph, &mut watch),
     };
-    keys.map_or(Front::OutOfTime, |keys| points(problem, &keys))
+    keys.map(|keys| points(problem, &keys))
 }
 
-fn points(problem: &Problem, keys: &[Option<u64>]) -> Front {
+fn points(problem: &Problem, keys: &[Option<u64>]) -> Vec<FrontPoint> {
     let required = problem.required();
     let point = |(number, key): (usize, &Option<u64>)| {
         let counts = watch::counts(number as u64, &required);
         let cost = key.map(|key| problem.cost(key, &counts));
         FrontPoint { counts, cost }
     };
-    Front::Known(keys.iter().enumerate().map(point).collect())
+    keys.iter().enumerate().map(point).collect()
 }

@@ -46,7 +46,7 @@ mod validate;
 mod watch;
 
 pub use file::{BasicFile, InformativeFile, LatticeFile, MoveFile, ProblemFile, SCHEMA, SchemaId};
-pub use front::{Front, FrontPoint, front};
+pub use front::{FrontPoint, front};
 pub use lattice::{Action, Cost, Goal, Lattice, Move, MoveId, Pose};
 pub use outcome::{Engine, Limit, NoPlan, Options, Progress, Solution, Status, Step};
 pub use plan::plan;

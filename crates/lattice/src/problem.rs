@@ -100,21 +100,16 @@ impl Problem {
         }
     }
 
-    /// Number of moves that are allowed, over all poses.
-    pub fn allowed_moves(&self) -> usize {
-        self.arcs.entries().len()
+    /// Number of states: poses times count vectors, as far as 128 bits go.
+    pub fn states(&self) -> u128 {
+        let vectors = self.informative.iter().map(|slot| u128::from(slot.required) + 1);
+        vectors.fold(self.lattice.poses() as u128, u128::saturating_mul)
     }
 
     /// Whether the move of this action may be made from `pose`.
     pub fn is_allowed(&self, pose: Pose, id: MoveId) -> bool {
         self.lattice.contains(pose)
             && self.arcs(self.lattice.number(pose)).iter().any(|arc| self.moves[arc.step as usize].id == id)
-    }
-
-    /// Number of states: poses times count vectors, as far as 128 bits go.
-    pub fn states(&self) -> u128 {
-        let vectors = self.informative.iter().map(|slot| u128::from(slot.required) + 1);
-        vectors.fold(self.lattice.poses() as u128, u128::saturating_mul)
     }
 
     /// The allowed moves from the pose of a number.

@@ -108,7 +108,7 @@ pub(crate) fn counts(mut number: u64, required: &[u32]) -> Vec<u32> {
     digits.collect()
 }
 
-/// Least keys by count vector at any goal, and the number of states of a graph.
+/// Number of states of a graph: nodes times count vectors, as far as 128 bits go.
 pub(crate) fn states(graph: &Graph) -> u128 {
     strides(&graph.problem.required()).1.saturating_mul(graph.len() as u128)
 }

@@ -13,5 +13,5 @@ pub mod statistics;
 mod weakest;
 
 pub use lu::{LogDet, condition, inverse, log_det, one_norm, solve};
-pub use product::{congruence, dot, product, quadratic, times, transposed};
+pub use product::{add_outer, congruence, dot, product, quadratic, times, transposed};
 pub use weakest::{Weakest, weakest};

@@ -24,6 +24,13 @@ pub fn congruence(n: usize, a: &[f64], b: &[f64]) -> Vec<f64> {
     product(n, &product(n, a, b), &transposed(n, a))
 }
 
+/// Adds x yᵀ to A.
+pub fn add_outer(a: &mut [f64], x: &[f64], y: &[f64]) {
+    for (row, x) in a.chunks_exact_mut(y.len().max(1)).zip(x) {
+        row.iter_mut().zip(y).for_each(|(a, y)| *a += x * y);
+    }
+}
+
 /// Σ_ij a_ij b_ij.
 pub fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()

@@ -1,6 +1,3 @@
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
-
 /// One move of the lattice as a script for the autopilot. Positions are north and east of the start node \[m\],
 /// headings compass \[rad\].
 #[derive(Clone, Debug, PartialEq)]
@@ -43,21 +40,13 @@ impl Purpose {
     }
 }
 
-/// Which way a maneuver is run.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-pub enum Side {
-    /// As in the dictionary.
-    #[serde(rename = "as designed")]
-    AsDesigned,
-    /// To the other side.
-    #[serde(rename = "mirrored")]
-    Mirrored,
-}
-
-impl Side {
-    /// As in files.
-    pub fn name(self) -> &'static str {
-        ["as designed", "mirrored"][self as usize]
+vessel::choices! {
+    /// Which way a maneuver is run.
+    pub enum Side {
+        /// As in the dictionary.
+        AsDesigned = "as designed",
+        /// To the other side.
+        Mirrored = "mirrored",
     }
 }
 

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use super::folds::{Fold, folds};
-use crate::pooled::{Estimated, FreeRunErrors, Part, Pool, PooledRuns, Score, Window, deviations};
+use crate::pooled::{Estimated, FreeRunErrors, Part, Pool, PooledRuns, Score, deviations};
 use crate::{Estimator, ScoreStatus};
 
 /// What is compared, and over what.
@@ -89,7 +89,7 @@ struct Cut<'a> {
     pool: &'a Pool<'a>,
     parts: Vec<Part>,
     /// Per source.
-    windows: Vec<(String, Vec<Window>)>,
+    windows: Vec<(String, Vec<Part>)>,
     std: [f64; 3],
 }
 
@@ -174,7 +174,7 @@ impl<'a> Cut<'a> {
             return;
         };
         let score = |source: &usize| {
-            let windows = self.windows[*source].1.iter().map(Window::view);
+            let windows = self.windows[*source].1.iter().map(Part::view);
             (*source, Score::of(&self.pool.model, &model, windows))
         };
         tried.scores = fold.left_out.iter().map(score).collect();

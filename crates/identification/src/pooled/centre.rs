@@ -1,3 +1,4 @@
+use crate::solve::Normal;
 use crate::{MeanRemoval, Sums};
 
 /// What is subtracted from instruments and regressors of each part: means over all parts, over the part, or nothing.
@@ -68,4 +69,13 @@ fn means(sums: &Sums, removed: bool) -> [Means; 3] {
             target: share * degree.b[p],
         }
     })
+}
+
+/// The normal equations of degree of freedom `d`. One intercept for all parts needs the sums of all together.
+pub(super) fn pooled(parts: &[&Sums], removal: MeanRemoval, d: usize) -> Normal {
+    if removal == MeanRemoval::Batch {
+        return Normal::new(parts.iter().map(|sums| &sums.degrees[d]), true);
+    }
+    let whole = Sums::total(parts.iter().copied());
+    Normal::new([&whole.degrees[d]].into_iter(), removal == MeanRemoval::Complete)
 }

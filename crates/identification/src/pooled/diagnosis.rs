@@ -1,5 +1,9 @@
-use super::fit::pooled;
+use super::centre::pooled;
 use crate::{MeanRemoval, Sums};
+
+/// Condition index above which columns count as collinear: Belsley, Kuh & Welsch, *Regression Diagnostics*, 1980. A just
+/// identified instrumental-variable estimate has no moments: in such a direction it answers with noise.
+pub const COLLINEAR: f64 = 30.0;
 
 /// How well one degree of freedom is determined by pooled parts.
 #[derive(Clone, Debug, PartialEq)]
@@ -9,7 +13,7 @@ pub struct Diagnosis {
     pub condition: f64,
     /// Condition index: square root of the condition number of the normal matrix with the intercept's row and column,
     /// each divided by the root sum of squares of its instrument and regressor, means left in. Above
-    /// [`super::COLLINEAR`] the columns are collinear (with each other or with the intercept).
+    /// [`COLLINEAR`] the columns are collinear (with each other or with the intercept).
     pub index: f64,
     /// The weakest direction in these scaled parameters, unit length: p entries, and one for the intercept where there is
     /// one over all parts.

@@ -1,5 +1,6 @@
 use numerics::{product, times, transposed};
 
+use super::centre::pooled;
 use super::{Centring, Diagnosis, diagnose};
 use crate::solve::Normal;
 use crate::{MeanRemoval, Sums};
@@ -98,21 +99,10 @@ fn judged(parts: &[&Sums], options: &Options, d: usize, theta: Vec<f64>, gain: V
     DegreeFit { status: Status::Identified, solution: Some(Solution { theta, gain, intercept }) }
 }
 
-/// The normal equations of degree of freedom `d`. One intercept for all parts needs the sums of all together.
-pub(super) fn pooled(parts: &[&Sums], removal: MeanRemoval, d: usize) -> Normal {
-    if removal == MeanRemoval::Batch {
-        return Normal::new(parts.iter().map(|sums| &sums.degrees[d]), true);
-    }
-    let whole = Sums::total(parts.iter().copied());
-    Normal::new([&whole.degrees[d]].into_iter(), removal == MeanRemoval::Complete)
-}
-
 /// θ̂ and G, or the parameter that is not excited.
 fn solve(normal: &Normal, prior: Option<(f64, &[f64])>) -> Result<(Vec<f64>, Vec<f64>), usize> {
     let Some((strength, nominal)) = prior.filter(|(strength, _)| *strength > 0.0) else {
-        return normal.solve().and_then(|(theta, inverse)| {
-            if theta.iter().all(|t| t.is_finite()) { Ok((theta, inverse)) } else { Err(0) }
-        });
+        return normal.solve();
     };
     let p = normal.b.len();
     let scaled = normal.regular_scaled();
@@ -135,10 +125,7 @@ fn solve(normal: &Normal, prior: Option<(f64, &[f64])>) -> Result<(Vec<f64>, Vec
 fn mean_residual(parts: &[&Sums], d: usize, theta: &[f64]) -> f64 {
     let (mut total, mut samples) = (0.0, 0.0);
     for sums in parts {
-        let degree = &sums.degrees[d];
-        let (p, lifted) = (theta.len(), theta.len() + 1);
-        let predicted: f64 = theta.iter().zip(&degree.a[p * lifted..]).map(|(t, f)| t * f).sum();
-        total += degree.b[p] - predicted;
+        total += sums.degrees[d].residual(theta);
         samples += sums.samples as f64;
     }
     if samples > 0.0 { total / samples } else { 0.0 }

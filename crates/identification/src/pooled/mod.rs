@@ -27,7 +27,7 @@ mod words;
 
 pub use bootstrap::{Bootstrap, Resampled, bootstrap, redraw};
 pub use centre::Centring;
-pub use diagnosis::{Diagnosis, diagnose};
+pub use diagnosis::{COLLINEAR, Diagnosis, diagnose};
 pub use estimate::{PoolError, Pooled, estimate};
 pub(crate) use fit::joined;
 pub use fit::{DegreeFit, Options, Prior, Solution, Status, fit};
@@ -41,10 +41,6 @@ pub use runs::{PooledRuns, SelectError};
 pub use sandwich::{default_bandwidth, sandwich};
 pub use strength::strength;
 pub use trust::{DegreeTrust, InstrumentResidual, Judgement, ParameterTrust, SourceErrors};
-pub use windows::{FreeRunErrors, Score, Window, deviations};
+pub use windows::{FreeRunErrors, Score, deviations};
 pub use words::listed;
 pub(crate) use words::{collinear, first_named, unidentified, weakest};
-
-/// Condition index above which columns count as collinear: Belsley, Kuh & Welsch, *Regression Diagnostics*, 1980. A just
-/// identified instrumental-variable estimate has no moments: in such a direction it answers with noise.
-pub const COLLINEAR: f64 = 30.0;

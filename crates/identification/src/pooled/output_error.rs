@@ -38,7 +38,7 @@ pub fn output_error(
     };
     let weights = std.map(|s| if s > 0.0 { s.powi(-2) } else { 0.0 });
     let from = problem.free.iter().map(|i| start[*i]).collect();
-    let found = minimize(&problem, vec![Weighting::Fixed(weights)], vec![from], STEPS)?.pop()?;
+    let found = minimize(&problem, vec![Weighting::Fixed(weights)], vec![from], STEPS).pop()?;
     if !matches!(found.status, Ended::Converged | Ended::Stalled) {
         return None;
     }

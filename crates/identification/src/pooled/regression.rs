@@ -95,27 +95,9 @@ impl DegreeRegression {
     }
 
     fn sums(&self) -> DegreeSums {
-        let (p, lifted) = (self.parameters, self.parameters + 1);
-        let mut sums = DegreeSums {
-            a: vec![0.0; lifted * lifted],
-            b: vec![0.0; lifted],
-            instrument_squares: vec![0.0; p],
-            regressor_squares: vec![0.0; p],
-        };
-        let entry = |row: &[f64], i: usize| if i < p { row[i] } else { 1.0 };
+        let mut sums = DegreeSums::zero(self.parameters);
         for (k, increment) in self.target.iter().enumerate() {
-            let (phi, zeta) = (self.phi(k), self.zeta(k));
-            for i in 0..lifted {
-                let z = entry(zeta, i);
-                for j in 0..lifted {
-                    sums.a[i * lifted + j] += z * entry(phi, j);
-                }
-                sums.b[i] += z * increment;
-            }
-            for i in 0..p {
-                sums.instrument_squares[i] += zeta[i] * zeta[i];
-                sums.regressor_squares[i] += phi[i] * phi[i];
-            }
+            sums.add_sample(self.zeta(k), self.phi(k), 1.0, *increment);
         }
         sums
     }

@@ -4,7 +4,7 @@ use std::ops::Range;
 use thiserror::Error;
 use vessel::{Run, nearest};
 
-use super::{Part, Window};
+use super::Part;
 
 /// Measured runs, each with the name of the source that it was cut from: a recording, or the run itself.
 #[derive(Clone, Debug)]
@@ -92,21 +92,22 @@ impl PooledRuns {
     }
 
     /// Windows of `length` samples of every source, side by side from where its runs begin, which are joined where one
-    /// begins with the state that the last one ended with. Whatever is left is no window; without a length all of it is.
-    pub fn windows(&self, length: Option<usize>) -> Vec<(String, Vec<Window>)> {
+    /// begins with the state that the last one ended with. Whatever is left is no window; without a length all of it is. Windows
+    /// have no label: they may hold several maneuvers.
+    pub fn windows(&self, length: Option<usize>) -> Vec<(String, Vec<Part>)> {
         let joined = self.joined();
         let of = |source: String| {
             let own = joined.iter().filter(|(name, _)| **name == source);
-            let windows = own.flat_map(|(_, whole)| cut(whole, length)).collect();
+            let windows = own.flat_map(|(_, whole)| cut(&source, whole, length)).collect();
             (source, windows)
         };
         self.sources().into_iter().map(of).collect()
     }
 
-    fn joined(&self) -> Vec<(&String, Window)> {
-        let mut joined: Vec<(&String, Window)> = Vec::new();
+    fn joined(&self) -> Vec<(&String, Run)> {
+        let mut joined: Vec<(&String, Run)> = Vec::new();
         for (source, run) in &self.runs {
-            let continues = |(name, last): &&mut (&String, Window)| {
+            let continues = |(name, last): &&mut (&String, Run)| {
                 *name == source && last.measured[last.measured.len() - 3..] == run.measured[..3]
             };
             match joined.last_mut().filter(continues) {
@@ -114,17 +115,17 @@ impl PooledRuns {
                     last.exogenous.extend_from_slice(&run.exogenous);
                     last.measured.extend_from_slice(&run.measured[3..]);
                 }
-                None => joined.push((source, Window::from(run.view()))),
+                None => joined.push((source, run.clone())),
             }
         }
         joined
     }
 }
 
-fn cut(whole: &Window, length: Option<usize>) -> Vec<Window> {
+fn cut(source: &str, whole: &Run, length: Option<usize>) -> Vec<Part> {
     let samples = whole.samples();
     let length = length.unwrap_or(samples);
-    let window = |i: usize| Window::from(whole.view().part(i * length..(i + 1) * length));
+    let window = |i: usize| Part::new("", source, whole.view().part(i * length..(i + 1) * length));
     (0..samples / length.max(1)).map(window).collect()
 }
 

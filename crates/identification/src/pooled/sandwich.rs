@@ -1,4 +1,4 @@
-use numerics::congruence;
+use numerics::{add_outer, congruence, transposed};
 
 use super::{Centring, Regression, Solution, residuals};
 
@@ -42,18 +42,10 @@ fn add_part(middle: &mut [f64], scores: &[f64], p: usize, bandwidth: usize) {
         let mut products = vec![0.0; p * p];
         for k in lag..samples {
             let (now, before) = (&scores[k * p..(k + 1) * p], &scores[(k - lag) * p..(k - lag + 1) * p]);
-            for i in 0..p {
-                for j in 0..p {
-                    products[i * p + j] += now[i] * before[j];
-                }
-            }
+            add_outer(&mut products, now, before);
         }
-        for i in 0..p {
-            for j in 0..p {
-                let both =
-                    if lag == 0 { products[i * p + j] } else { products[i * p + j] + products[j * p + i] };
-                middle[i * p + j] += weight * both;
-            }
+        for ((entry, own), other) in middle.iter_mut().zip(&products).zip(transposed(p, &products)) {
+            *entry += weight * if lag == 0 { *own } else { own + other };
         }
     }
 }

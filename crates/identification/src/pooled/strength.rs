@@ -1,3 +1,5 @@
+use numerics::{add_outer, product, transposed};
+
 use super::{Centring, Regression};
 
 /// How much of each regressor its instruments tell, beyond what they tell of the others: Shea's partial R² (*Review of
@@ -12,7 +14,7 @@ pub fn strength(parts: &[&Regression], centring: &Centring, d: usize) -> Option<
             centring.zeta(i, d, part.degrees[d].zeta(k), &mut zeta);
             centring.phi(i, d, part.degrees[d].phi(k), &mut phi);
             for (sum, (left, right)) in sums.iter_mut().zip([(&phi, &phi), (&zeta, &zeta), (&zeta, &phi)]) {
-                add_products(sum, left, right);
+                add_outer(sum, left, right);
             }
         }
     }
@@ -23,18 +25,10 @@ pub fn strength(parts: &[&Regression], centring: &Centring, d: usize) -> Option<
     let (regressors, instruments, mixed) = (scaled(0, 0, 0), scaled(1, 1, 1), scaled(2, 1, 0));
     let mut projected = mixed.clone();
     numerics::solve(p, &mut instruments.clone(), &mut projected)?;
-    let explained: Vec<f64> =
-        (0..p * p).map(|k| (0..p).map(|l| mixed[l * p + k / p] * projected[l * p + k % p]).sum()).collect();
+    let explained = product(p, &transposed(p, &mixed), &projected);
     let (own, told) = (inverse_diagonal(p, &regressors)?, inverse_diagonal(p, &explained)?);
     let partial: Vec<f64> = own.iter().zip(&told).map(|(own, told)| (own / told).clamp(0.0, 1.0)).collect();
     partial.iter().all(|x| x.is_finite()).then_some(partial)
-}
-
-fn add_products(sum: &mut [f64], left: &[f64], right: &[f64]) {
-    let p = left.len();
-    for (row, l) in sum.chunks_exact_mut(p).zip(left) {
-        row.iter_mut().zip(right).for_each(|(s, r)| *s += l * r);
-    }
 }
 
 fn inverse_diagonal(p: usize, a: &[f64]) -> Option<Vec<f64>> {

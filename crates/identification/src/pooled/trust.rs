@@ -5,7 +5,7 @@ use vessel::{DegreeOfFreedom, Streams};
 
 use super::{
     Bootstrap, Centring, CrossCorrelation, Diagnosis, Estimated, FreeRunErrors, Options, Part, Pool,
-    PooledRuns, Regression, Score, Solution, Status, Whiteness, Window, bootstrap, cross_correlation,
+    PooledRuns, Regression, Score, Solution, Status, Whiteness, bootstrap, cross_correlation,
     default_bandwidth, deviations, diagnose, redraw, residuals, sandwich, strength, unidentified, weakest,
     whiteness,
 };
@@ -255,14 +255,13 @@ impl Judge<'_> {
         let whole = &self.pool.vessel.model;
         let model = &whole.degrees[d as usize];
         let p = model.terms.len();
-        let first: usize = whole.degrees[..d as usize].iter().map(|m| m.terms.len()).sum();
-        let units = whole.parameter_units();
+        let units = &whole.parameter_units()[whole.layout().degree(d as usize)];
         let strength = strength(&degree.data, &degree.centring, d as usize);
         let resampled = |i: usize| degree.bootstrap.as_ref().map(|b| b.parameters[i]);
         let parameter = |i: usize| ParameterTrust {
             name: model.parameters[i].clone(),
             term: model.terms[i].text.clone(),
-            unit: units[first + i].clone(),
+            unit: units[i].clone(),
             estimate: solution.map(|s| s.theta[i]),
             standard_error: covariance.map(|c| c[i * p + i].max(0.0).sqrt()),
             bootstrap_std: resampled(i).map(|r| r.std),
@@ -288,9 +287,9 @@ impl Judge<'_> {
         windows.into_iter().map(source).collect()
     }
 
-    fn source(&self, source: String, windows: Vec<Window>, model: Option<&[f64]>) -> SourceErrors {
+    fn source(&self, source: String, windows: Vec<Part>, model: Option<&[f64]>) -> SourceErrors {
         let std = deviations(windows.iter().map(|w| w.measured.as_slice()));
-        let views = || windows.iter().map(Window::view);
+        let views = || windows.iter().map(Part::view);
         let score = model.map(|model| Score::of(&self.pool.model, model, views()));
         SourceErrors {
             source,

@@ -5,33 +5,6 @@ use vessel::{Lane, Model, RunView};
 
 use crate::{FreeRun, free_runs};
 
-/// A piece of measured data that models are simulated over.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Window {
-    /// Inputs and measured disturbances: N × exogenous, row-major.
-    pub exogenous: Vec<f64>,
-    /// Measured states: (N+1) × 3. The simulation starts at the first.
-    pub measured: Vec<f64>,
-}
-
-impl Window {
-    /// What was measured.
-    pub fn view(&self) -> RunView<'_> {
-        RunView::measured(&self.measured, &self.exogenous)
-    }
-
-    /// Number of samples N that are compared.
-    pub fn samples(&self) -> usize {
-        self.view().samples()
-    }
-}
-
-impl From<RunView<'_>> for Window {
-    fn from(view: RunView) -> Self {
-        Self { exogenous: view.exogenous.to_vec(), measured: view.measured.to_vec() }
-    }
-}
-
 /// Squared errors of free simulations over several windows.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Score {

@@ -2,7 +2,8 @@
 
 use vessel::{Degree, DegreeOfFreedom};
 
-use super::{COLLINEAR, Diagnosis, Status};
+use super::diagnosis::{COLLINEAR, Diagnosis};
+use super::fit::Status;
 
 /// Entries of a weakest direction below this share of its largest are not named.
 const NAMED: f64 = 0.3;

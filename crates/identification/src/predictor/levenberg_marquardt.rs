@@ -1,6 +1,3 @@
-use argmin::core::{Error, Executor, IterState, KV, Problem, Solver, TerminationReason, TerminationStatus};
-use serde::{Deserialize, Serialize};
-
 use super::sums::Linear;
 
 /// Several least-squares problems that are linearised in one pass.
@@ -10,7 +7,7 @@ pub(crate) trait Residuals {
 }
 
 /// How the squared errors of u, v, r are weighed against each other.
-#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug)]
 pub(crate) enum Weighting {
     /// Σ_d w_d Σ e_d².
     Fixed([f64; 3]),
@@ -60,7 +57,7 @@ pub(crate) struct Minimum {
 }
 
 /// Why a problem ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Ended {
     /// The next step would change the prediction by less than [`ENOUGH`] standard errors.
     Converged,
@@ -83,19 +80,10 @@ const DAMPING: [f64; 2] = [1e-4, 1e9];
 /// Condition number of the scaled normal matrix from which an unknown counts as without effect.
 const SINGULAR: f64 = 1e12;
 
-type State = IterState<Vec<Vec<f64>>, (), (), (), (), f64>;
-
-/// Levenberg and Marquardt's method on several problems side by side, an argmin [`Solver`]: the parameter is the list of
-/// points, the cost the sum of the problems'. Every problem has its own damping and end; problems that have ended stay.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-struct LevenbergMarquardt {
-    weighting: Vec<Weighting>,
-    #[serde(skip)]
-    problems: Vec<Progress>,
-}
-
+/// A problem on its way.
 #[derive(Clone, Debug)]
 struct Progress {
+    weighting: Weighting,
     point: Vec<f64>,
     linear: Linear,
     cost: f64,
@@ -105,68 +93,41 @@ struct Progress {
     ended: Option<Ended>,
 }
 
-/// Minimises the squared errors of every problem from its start, with at most `steps` steps.
+/// Minimises the squared errors of every problem from its start, with at most `steps` steps, by Levenberg and Marquardt's
+/// method on all problems side by side. Every problem has its own damping and end; problems that have ended stay.
 pub(crate) fn minimize(
     residuals: &impl Residuals,
     weighting: Vec<Weighting>,
     starts: Vec<Vec<f64>>,
     steps: usize,
-) -> Option<Vec<Minimum>> {
-    let solver = LevenbergMarquardt { weighting, problems: Vec::new() };
-    let run = Executor::new(residuals, solver)
-        .configure(|state: State| state.param(starts).max_iters(steps as u64))
-        .timer(false)
-        .run();
+) -> Vec<Minimum> {
+    let linears = residuals.linearize(&starts);
+    let each = weighting.into_iter().zip(starts).zip(linears);
+    let mut problems: Vec<Progress> =
+        each.map(|((weighting, point), linear)| Progress::new(weighting, point, linear)).collect();
+    for _ in 0..steps {
+        if problems.iter().all(|p| p.ended.is_some()) {
+            break;
+        }
+        let trials: Vec<Vec<f64>> = problems.iter_mut().map(Progress::trial).collect();
+        let linears = residuals.linearize(&trials);
+        let found = trials.into_iter().zip(linears);
+        problems.iter_mut().zip(found).for_each(|(problem, (trial, linear))| problem.judge(trial, linear));
+    }
     let ended = |p: Progress| Minimum {
         point: p.point,
         linear: p.linear,
         status: p.ended.unwrap_or(Ended::Stalled),
         steps: p.steps,
     };
-    Some(run.ok()?.solver.problems.into_iter().map(ended).collect())
-}
-
-impl<R: Residuals> Solver<&R, State> for LevenbergMarquardt {
-    fn name(&self) -> &str {
-        "Levenberg-Marquardt, several problems side by side"
-    }
-
-    fn init(&mut self, problem: &mut Problem<&R>, mut state: State) -> Result<(State, Option<KV>), Error> {
-        let points = state.take_param().ok_or_else(|| Error::msg("no start"))?;
-        let linears = problem.problem("linearizations", |r| Ok(r.linearize(&points)))?;
-        let starts = points.into_iter().zip(linears).zip(&self.weighting);
-        self.problems = starts.map(|((point, linear), w)| Progress::new(point, linear, w)).collect();
-        Ok((self.told(state), None))
-    }
-
-    fn next_iter(&mut self, problem: &mut Problem<&R>, state: State) -> Result<(State, Option<KV>), Error> {
-        let weighted = self.problems.iter_mut().zip(&self.weighting);
-        let trials: Vec<Vec<f64>> = weighted.map(|(p, w)| p.trial(w)).collect();
-        let linears = problem.problem("linearizations", |r| Ok(r.linearize(&trials)))?;
-        let found = self.problems.iter_mut().zip(&self.weighting).zip(trials.into_iter().zip(linears));
-        found.for_each(|((progress, weighting), (trial, linear))| progress.judge(weighting, trial, linear));
-        Ok((self.told(state), None))
-    }
-
-    fn terminate(&mut self, _state: &State) -> TerminationStatus {
-        if self.problems.iter().all(|p| p.ended.is_some()) {
-            return TerminationStatus::Terminated(TerminationReason::SolverConverged);
-        }
-        TerminationStatus::NotTerminated
-    }
-}
-
-impl LevenbergMarquardt {
-    fn told(&self, state: State) -> State {
-        let points = self.problems.iter().map(|p| p.point.clone()).collect();
-        state.param(points).cost(self.problems.iter().map(|p| p.cost).filter(|c| c.is_finite()).sum())
-    }
+    problems.into_iter().map(ended).collect()
 }
 
 impl Progress {
-    fn new(point: Vec<f64>, linear: Linear, weighting: &Weighting) -> Self {
+    fn new(weighting: Weighting, point: Vec<f64>, linear: Linear) -> Self {
         let cost = weighting.cost(&linear);
         let mut progress = Self {
+            weighting,
             point,
             linear,
             cost,
@@ -176,7 +137,7 @@ impl Progress {
             ended: None,
         };
         if cost.is_finite() && progress.linear.finite() {
-            progress.settle(weighting);
+            progress.settle();
         } else {
             progress.ended = Some(Ended::Diverged);
         }
@@ -184,12 +145,12 @@ impl Progress {
     }
 
     /// The point after a damped step.
-    fn trial(&mut self, weighting: &Weighting) -> Vec<f64> {
+    fn trial(&mut self) -> Vec<f64> {
         if self.ended.is_some() {
             return self.point.clone();
         }
         self.steps += 1;
-        let (mut normal, mut step) = self.linear.weighted(weighting.weights(&self.linear));
+        let (mut normal, mut step) = self.linear.weighted(self.weighting.weights(&self.linear));
         let p = step.len();
         (0..p).for_each(|i| normal[i * p + i] *= 1.0 + self.damping);
         let mut trial = self.point.clone();
@@ -200,15 +161,15 @@ impl Progress {
     }
 
     /// Takes a step that does not raise the cost; rounding is no rise.
-    fn judge(&mut self, weighting: &Weighting, trial: Vec<f64>, linear: Linear) {
+    fn judge(&mut self, trial: Vec<f64>, linear: Linear) {
         if self.ended.is_some() {
             return;
         }
-        let cost = weighting.cost(&linear);
+        let cost = self.weighting.cost(&linear);
         if linear.finite() && cost <= self.cost + 1e-12 * self.cost.abs() {
             (self.point, self.linear, self.cost) = (trial, linear, cost);
             self.damping = (0.1 * self.damping).max(1e-12);
-            self.settle(weighting);
+            self.settle();
         } else {
             self.damping *= 10.0;
             if self.damping > DAMPING[1] {
@@ -218,14 +179,13 @@ impl Progress {
     }
 
     /// Looks whether the point is a minimum, or has none.
-    fn settle(&mut self, weighting: &Weighting) {
-        let weights = weighting.weights(&self.linear);
-        let (normal, gradient) = self.linear.weighted(weights);
+    fn settle(&mut self) {
+        let (normal, gradient) = self.linear.weighted(self.weighting.weights(&self.linear));
         match scaled_inverse(&normal, gradient.len()) {
             Err(unknown) => self.ended = Some(Ended::Singular(unknown)),
             Ok(inverse) => {
                 let square = numerics::quadratic(&gradient, &inverse);
-                self.decrement = (square.max(0.0) / weighting.variance(&self.linear)).sqrt();
+                self.decrement = (square.max(0.0) / self.weighting.variance(&self.linear)).sqrt();
                 if self.decrement < ENOUGH || square == 0.0 {
                     self.ended = Some(Ended::Converged);
                 }

@@ -7,7 +7,7 @@ use super::levenberg_marquardt::{Ended, Minimum, Residuals, STEPS, Weighting, mi
 use super::scores::{correlated_scores, disturbed_scores};
 use super::sums::{Linear, linearize};
 use crate::Direction;
-use crate::sensitivity::{Levels, Recordings, Sensitivities, groups};
+use crate::sensitivity::{Levels, Recordings, Sensitivities, groups, with_states};
 
 /// Where a simulation starts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -147,7 +147,7 @@ impl Searches<'_> {
                 point
             });
             let minima = minimize(&problem, problem.weighting(weights), from.to_vec(), steps);
-            found.extend(group.into_iter().zip(minima.into_iter().flatten()));
+            found.extend(group.into_iter().zip(minima));
         }
         found
     }
@@ -259,7 +259,9 @@ impl<'a> Simulations<'a> {
         let kept = Sensitivities::of(&self.recordings, &unknowns, &self.free, from_start);
         let middles = match spread {
             Spread::Residuals => correlated_scores(&self.recordings, &kept, weights),
-            Spread::Stated(levels) => disturbed_scores(&self.recordings, &unknowns, &kept, weights, levels),
+            Spread::Stated(levels) => {
+                with_states!(levels, disturbed_scores(&self.recordings, &unknowns, &kept, weights, levels))
+            }
         };
         let p = self.free.len();
         let errors = |(lane, minimum): (usize, &&Minimum)| {

@@ -4,7 +4,7 @@ use vessel::{LANES, Lane, Model, RunView};
 use super::levenberg_marquardt::{Ended, Minimum, Residuals, STEPS, Weighting, minimize, scaled_inverse};
 use super::output_error::{Fit, InitialState, better, fit, side_by_side};
 use super::sums::{Linear, linearize};
-use crate::sensitivity::{Gain, Levels, Recordings, filter, groups};
+use crate::sensitivity::{Gain, Levels, Recordings, filter, groups, with_states};
 
 /// Most often that the filter's gains are computed, the first time at the start.
 const ROUNDS: usize = 3;
@@ -30,12 +30,7 @@ pub fn prediction_error(
         let at =
             |run: usize, i: usize| starts[run].get(i).or(starts[run].last()).cloned().unwrap_or_default();
         let starts: Vec<_> = (0..attempts).map(|i| by_lane(group.len(), |run| at(group[run], i))).collect();
-        let found = match levels.states() {
-            3 => rounds::<3>(recordings, &starts, initial, levels),
-            5 => rounds::<5>(recordings, &starts, initial, levels),
-            6 => rounds::<6>(recordings, &starts, initial, levels),
-            _ => rounds::<8>(recordings, &starts, initial, levels),
-        };
+        let found = with_states!(levels, rounds(recordings, &starts, initial, levels));
         group.iter().zip(found).for_each(|(run, fit)| fits[*run] = fit);
     }
     fits
@@ -49,12 +44,7 @@ pub fn innovations(
     initial: InitialState,
 ) -> Vec<Lane> {
     let known = initial == InitialState::Known;
-    match levels.states() {
-        3 => filter::<3>(recordings, unknowns, levels, known).1,
-        5 => filter::<5>(recordings, unknowns, levels, known).1,
-        6 => filter::<6>(recordings, unknowns, levels, known).1,
-        _ => filter::<8>(recordings, unknowns, levels, known).1,
-    }
+    with_states!(levels, filter(recordings, unknowns, levels, known).1)
 }
 
 struct Predictions<'a, const N: usize> {
@@ -136,7 +126,7 @@ fn round<const N: usize>(
         point.resize(free.len(), 0.0);
         point
     });
-    minimize(&problem, vec![Weighting::Fixed([1.0; 3]); LANES], points.to_vec(), STEPS).unwrap_or_default()
+    minimize(&problem, vec![Weighting::Fixed([1.0; 3]); LANES], points.to_vec(), STEPS)
 }
 
 /// Twice the log-likelihood of every lane's innovations, up to a constant.

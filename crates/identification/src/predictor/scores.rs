@@ -1,6 +1,7 @@
 use vessel::Lane;
 
 use crate::sensitivity::{Levels, Products, Recordings, Sensitivities, add_draws, add_start, backward};
+use crate::vectorized::vectorized;
 
 /// Covariance of Σ sᵀWe where errors are correlated over less than about 2√N samples. free × free lanes.
 pub(crate) fn correlated_scores(
@@ -22,23 +23,7 @@ pub(crate) fn correlated_scores(
 /// What `levels` add to the covariance of Σ sᵀWe beside measurement noise, to first order around the run's simulation: every
 /// draw enters the states and goes on with them; adjoints tell what a change of the states does to the scores. free × free
 /// lanes.
-pub(crate) fn disturbed_scores(
-    recordings: &Recordings,
-    unknowns: &[Lane],
-    kept: &Sensitivities<Lane>,
-    weights: [Lane; 3],
-    levels: &Levels,
-) -> Vec<Lane> {
-    let of = match levels.states() {
-        3 => disturbed::<3>,
-        5 => disturbed::<5>,
-        6 => disturbed::<6>,
-        _ => disturbed::<8>,
-    };
-    of(recordings, unknowns, kept, weights, levels)
-}
-
-fn disturbed<const N: usize>(
+pub(crate) fn disturbed_scores<const N: usize>(
     recordings: &Recordings,
     unknowns: &[Lane],
     kept: &Sensitivities<Lane>,
@@ -63,44 +48,36 @@ fn disturbed<const N: usize>(
 /// windows of that many rows of (Σ over the window)(…)ᵀ per row, which is what Bartlett's weights 1 − |lag|/L give. p × p lanes.
 pub(crate) fn windowed(scores: &[Lane], p: usize) -> Vec<Lane> {
     let window = (2.0 * ((scores.len() / p) as f64).sqrt()).round().max(1.0) as usize;
-    let windows = Windows { scores, p, window };
     let share = Lane::splat(1.0 / window as f64);
-    pulp::Arch::new().dispatch(windows).finish().square().into_iter().map(|sum| share * sum).collect()
+    vectorized!(products_of_windows(scores, p, window))
+        .finish()
+        .square()
+        .into_iter()
+        .map(|sum| share * sum)
+        .collect()
 }
 
-/// Products of sums over all windows.
-struct Windows<'a> {
-    /// Rows of `p`, sample by sample.
-    scores: &'a [Lane],
-    p: usize,
-    window: usize,
-}
-
-impl pulp::WithSimd for Windows<'_> {
-    type Output = Products<Lane>;
-
-    #[inline(always)]
-    fn with_simd<S: pulp::Simd>(self, _: S) -> Products<Lane> {
-        let Self { scores, p, window } = self;
-        let rows = scores.len() / p;
-        let mut sum = vec![Lane::ZERO; p];
-        let mut products = Products::new(p);
-        for k in 0..rows + window {
-            if k < rows {
-                for (sum, g) in sum.iter_mut().zip(&scores[k * p..]) {
-                    *sum += *g;
-                }
+/// Products of the sums over all windows of the rows of `scores`.
+#[inline(always)]
+fn products_of_windows(scores: &[Lane], p: usize, window: usize) -> Products<Lane> {
+    let rows = scores.len() / p;
+    let mut sum = vec![Lane::ZERO; p];
+    let mut products = Products::new(p);
+    for k in 0..rows + window {
+        if k < rows {
+            for (sum, g) in sum.iter_mut().zip(&scores[k * p..]) {
+                *sum += *g;
             }
-            if k >= window {
-                for (sum, g) in sum.iter_mut().zip(&scores[(k - window) * p..]) {
-                    *sum = *sum - *g;
-                }
-            }
-            for (i, sum) in sum.iter().enumerate() {
-                products.set(i, *sum);
-            }
-            products.advance();
         }
-        products
+        if k >= window {
+            for (sum, g) in sum.iter_mut().zip(&scores[(k - window) * p..]) {
+                *sum = *sum - *g;
+            }
+        }
+        for (i, sum) in sum.iter().enumerate() {
+            products.set(i, *sum);
+        }
+        products.advance();
     }
+    products
 }

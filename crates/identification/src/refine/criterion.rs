@@ -1,5 +1,6 @@
 //! The criterion of one experiment, and what its gradient needs of the way there.
 
+use numerics::{dot, product};
 use vessel::{Lane, Model, check_diverged};
 
 use crate::Noise;
@@ -57,7 +58,7 @@ impl TraceCriterion<'_> {
         }
         let n = parameters.len();
         let inverse = inverse(n, &told.information)?;
-        let middle: Vec<f64> = told.measurement.iter().zip(&told.process).map(|(e, p)| e + p).collect();
+        let middle = told.middle();
         let layout = model.layout();
         let counted = layout.woven(self.weights, [0.0; 3]);
         let trace = |variances: &[f64]| counted.iter().zip(variances).map(|(g, v)| g * v).sum::<f64>();
@@ -103,6 +104,5 @@ fn inverse(n: usize, information: &[f64]) -> Option<Vec<f64>> {
 
 /// The diagonal of C B C, C symmetric.
 fn sandwich(n: usize, c: &[f64], b: &[f64]) -> Vec<f64> {
-    let row = |m: &[f64], i: usize, j: usize| (0..n).map(|k| c[i * n + k] * m[k * n + j]).sum::<f64>();
-    (0..n).map(|i| (0..n).map(|j| row(b, i, j) * c[i * n + j]).sum()).collect()
+    product(n, c, b).chunks_exact(n).zip(c.chunks_exact(n)).map(|(row, c)| dot(row, c)).collect()
 }

@@ -11,6 +11,7 @@ use vessel::{LANES, Lane, Model};
 
 use super::criterion::{Forward, TraceCriterion};
 use crate::sensitivity::{Dynamics, Recordings, channels};
+use crate::vectorized::vectorized;
 
 /// A matrix of n rows, padded with zeros to whole lanes.
 struct Rows {
@@ -58,16 +59,9 @@ impl TraceCriterion<'_> {
         let factor = 2.0 * self.noise.current * self.noise.current;
         let response = Rows::of(n, &m.iter().map(|m| factor * m).collect::<Vec<f64>>());
         let parameters = &parameters[..];
-        let followed = pulp::Arch::new().dispatch(Follow { run, parameters, forward, response });
-        pulp::Arch::new().dispatch(Back {
-            run,
-            parameters,
-            forward,
-            state_slopes,
-            followed,
-            sources,
-            weights,
-        })
+        let followed = vectorized!(follow(run, parameters, forward, &response));
+        let back = Back { run, parameters, forward, state_slopes, followed, sources, weights };
+        vectorized!(back.gradient())
     }
 
     /// M and Q, n × n, divided by φ.
@@ -104,58 +98,45 @@ struct Followed {
     followed: Vec<[Lane; 3]>,
 }
 
-/// Goes forward; compiled for every instruction set that pulp picks from.
-struct Follow<'a> {
-    run: &'a Recordings<'a, f64>,
-    parameters: &'a [f64],
-    forward: &'a Forward,
-    /// 2 σ_c² M.
-    response: Rows,
-}
-
-impl pulp::WithSimd for Follow<'_> {
-    type Output = Followed;
-
-    #[inline(always)]
-    fn with_simd<S: pulp::Simd>(self, _: S) -> Followed {
-        let Self { run, parameters, forward, response } = self;
-        let mut all = Followed { forced: Vec::new(), followed: Vec::new() };
-        if forward.adjoints.is_empty() {
-            return all;
-        }
-        let mut dynamics = Dynamics::<f64, 3>::new(run.model, parameters, None);
-        let columns = forward.path.columns();
-        let mut now = vec![[Lane::ZERO; 3]; columns];
-        let mut pushed = vec![[Lane::ZERO; 2]; columns];
-        for k in 0..run.longest() {
-            let local = dynamics.at(forward.state(k), run.exogenous(k));
-            let slope = |d: usize, i: usize| Lane::splat(local.slopes[d][i]);
-            for (pushed, l) in pushed.iter_mut().zip(forward.adjoint(k)) {
-                for (i, pushed) in pushed.iter_mut().enumerate() {
-                    *pushed = slope(0, i) * l[0] + slope(1, i) * l[1] + slope(2, i) * l[2];
-                }
-            }
-            for own in &mut now {
-                *own = dynamics.forward(&local, own);
-            }
-            let first = all.forced.len();
-            all.forced.resize(first + columns, [Lane::ZERO; 2]);
-            let forced = &mut all.forced[first..];
-            for i in 0..2 {
-                response.add_times(&pushed, forced, i);
-            }
-            for (own, force) in now.iter_mut().zip(forced) {
-                for (d, state) in own.iter_mut().enumerate() {
-                    *state += slope(d, 0) * force[0] + slope(d, 1) * force[1];
-                }
-            }
-            all.followed.extend_from_slice(&now);
-        }
-        all
+/// Goes forward; `response`: 2 σ_c² M.
+#[inline(always)]
+fn follow(run: &Recordings<f64>, parameters: &[f64], forward: &Forward, response: &Rows) -> Followed {
+    let mut all = Followed { forced: Vec::new(), followed: Vec::new() };
+    if forward.adjoints.is_empty() {
+        return all;
     }
+    let mut dynamics = Dynamics::<f64, 3>::new(run.model, parameters, None);
+    let columns = forward.path.columns();
+    let mut now = vec![[Lane::ZERO; 3]; columns];
+    let mut pushed = vec![[Lane::ZERO; 2]; columns];
+    for k in 0..run.longest() {
+        let local = dynamics.at(forward.state(k), run.exogenous(k));
+        let slope = |d: usize, i: usize| Lane::splat(local.slopes[d][i]);
+        for (pushed, l) in pushed.iter_mut().zip(forward.adjoint(k)) {
+            for (i, pushed) in pushed.iter_mut().enumerate() {
+                *pushed = slope(0, i) * l[0] + slope(1, i) * l[1] + slope(2, i) * l[2];
+            }
+        }
+        for own in &mut now {
+            *own = dynamics.forward(&local, own);
+        }
+        let first = all.forced.len();
+        all.forced.resize(first + columns, [Lane::ZERO; 2]);
+        let forced = &mut all.forced[first..];
+        for i in 0..2 {
+            response.add_times(&pushed, forced, i);
+        }
+        for (own, force) in now.iter_mut().zip(forced) {
+            for (d, state) in own.iter_mut().enumerate() {
+                *state += slope(d, 0) * force[0] + slope(d, 1) * force[1];
+            }
+        }
+        all.followed.extend_from_slice(&now);
+    }
+    all
 }
 
-/// Goes back; compiled for every instruction set that pulp picks from.
+/// What the way back needs.
 struct Back<'a> {
     run: &'a Recordings<'a, f64>,
     parameters: &'a [f64],
@@ -167,12 +148,11 @@ struct Back<'a> {
     weights: [f64; 3],
 }
 
-impl pulp::WithSimd for Back<'_> {
-    type Output = Vec<f64>;
-
+impl Back<'_> {
+    /// Goes back.
     #[inline(always)]
-    fn with_simd<S: pulp::Simd>(self, _: S) -> Vec<f64> {
-        let Self { run, parameters, forward, .. } = self;
+    fn gradient(&self) -> Vec<f64> {
+        let Self { run, parameters, forward, .. } = *self;
         let (samples, inputs) = (run.longest(), run.model.inputs);
         let mut dynamics = Dynamics::<f64, 3>::new(run.model, parameters, None);
         let degrees: Vec<usize> = run.model.layout().degrees().collect();
@@ -204,9 +184,7 @@ impl pulp::WithSimd for Back<'_> {
         }
         out
     }
-}
 
-impl Back<'_> {
     /// Adds what depends on S(k+1) itself.
     #[inline(always)]
     fn add_sources(&self, k: usize, to: &mut [[Lane; 3]]) {

@@ -5,7 +5,6 @@ use super::error::RunError;
 use super::found::{Found, Regressed};
 use super::instruments::RunInstruments;
 use super::refined::refine;
-use super::searched::Begin;
 use crate::predictor::{InitialState, Levels};
 use crate::{Estimator, InstrumentKind, MeanRemoval, RunEstimate};
 
@@ -77,13 +76,12 @@ impl RunEstimators<'_> {
         if wanted(&[RefinedIv, OutputError, PredictionError]) {
             found.refined = refine(self.vessel, runs, &found.iv, self.removal, self.levels.as_ref());
         }
-        let begin = Begin { vessel: self.vessel, initial: self.initial, levels: self.levels.as_ref() };
         if wanted(&[OutputError, PredictionError]) {
             let iv: Vec<Found> = found.iv.iter().map(|r| r.found.clone()).collect();
-            let free = begin.output_error(runs, &found.refined, &iv);
+            let free = self.output_error(runs, &found.refined, &iv);
             found.simulated = free.iter().map(Found::from).collect();
             if let Some(levels) = self.levels.as_ref().filter(|_| wanted(&[PredictionError])) {
-                let fits = begin.prediction_error(runs, &free, &found.refined, levels);
+                let fits = self.prediction_error(runs, &free, &found.refined, levels);
                 found.predicted = fits.iter().map(Found::from).collect();
             }
         }

@@ -1,5 +1,5 @@
 use vessel::lanes::{SideBySide, by_lane, groups, interleave};
-use vessel::{LANES, Lane, Run, Vessel, check_diverged, simulate, simulate_one};
+use vessel::{Diverged, LANES, Lane, Run, Vessel, check_diverged, simulate, simulate_one};
 
 use super::error::NominalDiverged;
 use crate::{Batch, Excitation, InstrumentKind, Instruments, MeanRemoval, Outcome};
@@ -83,28 +83,38 @@ impl<'a> RunInstruments<'a> {
     }
 
     fn prepare(&self, runs: &[Run]) -> Result<Prepared<'a>, NominalDiverged> {
-        let own = SideBySide::of(&runs.iter().map(Run::view).collect::<Vec<_>>());
-        let instrument_states = match self.kind {
-            InstrumentKind::Regressors => own.measured.clone(),
-            InstrumentKind::Nominal => self.nominal_states(runs, &own)?,
-        };
-        let starts = runs.iter().map(Run::starts).collect();
-        Ok(Prepared { vessel: self.vessel, runs: own, instrument_states, starts })
-    }
-
-    fn nominal_states(&self, runs: &[Run], own: &SideBySide) -> Result<Vec<Lane>, NominalDiverged> {
-        let mut states = vec![Lane::ZERO; own.measured.len()];
-        simulate(&self.vessel.model, &self.nominal, own.initial, &own.exogenous, &[], &mut states);
-        for (lane, run) in runs.iter().enumerate() {
-            if let Some(at) = check_diverged(states.iter().map(|s| s[lane])) {
-                return Err(NominalDiverged::over(run, at));
+        let mut prepared = Prepared::regressed(self.vessel, runs);
+        if self.kind == InstrumentKind::Nominal {
+            prepared.simulate(&self.nominal);
+            for (lane, run) in runs.iter().enumerate() {
+                if let Some(at) = prepared.diverged(lane) {
+                    return Err(NominalDiverged::over(run, at));
+                }
             }
         }
-        Ok(states)
+        Ok(prepared)
     }
 }
 
-impl Prepared<'_> {
+impl<'a> Prepared<'a> {
+    /// Up to [`LANES`] `runs` whose instruments are their regressors.
+    pub(super) fn regressed(vessel: &'a Vessel, runs: &[Run]) -> Self {
+        let own = SideBySide::of(&runs.iter().map(Run::view).collect::<Vec<_>>());
+        let starts = runs.iter().map(Run::starts).collect();
+        Self { vessel, instrument_states: own.measured.clone(), runs: own, starts }
+    }
+
+    /// Simulates every run with `parameters`, one lane each, and takes the states as instruments.
+    pub(super) fn simulate(&mut self, parameters: &[Lane]) {
+        let SideBySide { exogenous, initial, .. } = &self.runs;
+        simulate(&self.vessel.model, parameters, *initial, exogenous, &[], &mut self.instrument_states);
+    }
+
+    /// Where the simulation of one run diverged.
+    pub(super) fn diverged(&self, lane: usize) -> Option<Diverged> {
+        check_diverged(self.instrument_states.iter().map(|s| s[lane]))
+    }
+
     /// The batch; lanes that are left repeat the last run.
     pub fn batch(&self) -> Batch<'_> {
         Batch {

@@ -1,11 +1,12 @@
 //! Instrumental variables whose instruments and prefilter come from the estimate.
 
-use vessel::lanes::{SideBySide, by_lane, groups, interleave};
-use vessel::{Lane, Run, Vessel, check_diverged, simulate};
+use vessel::lanes::{groups, interleave};
+use vessel::{Run, Vessel};
 
 use super::found::{Found, Regressed};
+use super::instruments::Prepared;
 use crate::predictor::Levels;
-use crate::{Batch, EstimateStatus, MeanRemoval, Noise, Outcome, estimate_prefiltered};
+use crate::{EstimateStatus, MeanRemoval, Noise, Outcome, estimate_prefiltered};
 
 /// Maximum number of refinement iterations.
 const ROUNDS: usize = 8;
@@ -43,8 +44,8 @@ struct Refinement<'a> {
     vessel: &'a Vessel,
     removal: MeanRemoval,
     noise: Option<Noise>,
-    runs: SideBySide,
-    starts: Vec<Vec<usize>>,
+    /// The runs with the latest simulations as instruments.
+    runs: Prepared<'a>,
     found: Vec<Found>,
     /// The models that simulations are made with.
     models: Vec<Vec<f64>>,
@@ -64,8 +65,7 @@ impl<'a> Refinement<'a> {
             vessel,
             removal,
             noise,
-            runs: SideBySide::of(&runs.iter().map(Run::view).collect::<Vec<_>>()),
-            starts: runs.iter().map(Run::starts).collect(),
+            runs: Prepared::regressed(vessel, runs),
             found: found.collect(),
             models: iv.iter().map(|r| r.found.theta().unwrap_or(&vessel.nominal).to_vec()).collect(),
             done: iv.iter().map(|r| r.found.theta().is_none()).collect(),
@@ -73,32 +73,18 @@ impl<'a> Refinement<'a> {
     }
 
     fn round(&mut self, first: bool) {
-        let (parameters, states) = self.simulated();
-        let batch = Batch {
-            model: &self.vessel.model,
-            measured: &self.runs.measured,
-            instrument_states: &states,
-            exogenous: &self.runs.exogenous,
-            segments: by_lane(self.starts.len(), |run| self.starts[run].as_slice()),
-        };
+        let parameters = interleave(&self.models.iter().map(Vec::as_slice).collect::<Vec<_>>());
+        self.runs.simulate(&parameters);
+        let batch = self.runs.batch();
         let outcomes = estimate_prefiltered(&batch, &parameters, self.removal, self.noise.as_ref());
         for (lane, outcome) in outcomes.into_iter().enumerate().take(self.found.len()) {
-            let diverged = check_diverged(states.iter().map(|s| s[lane])).is_some();
+            let diverged = self.runs.diverged(lane).is_some();
             if diverged && first && self.models[lane] != self.vessel.nominal {
                 self.models[lane].clone_from(&self.vessel.nominal);
             } else {
                 self.take(lane, (!diverged).then_some(outcome));
             }
         }
-    }
-
-    /// Every run simulated with its estimate, one lane per parameter.
-    fn simulated(&self) -> (Vec<Lane>, Vec<Lane>) {
-        let parameters = interleave(&self.models.iter().map(Vec::as_slice).collect::<Vec<_>>());
-        let SideBySide { measured, exogenous, initial, .. } = &self.runs;
-        let mut states = vec![Lane::ZERO; measured.len()];
-        simulate(&self.vessel.model, &parameters, *initial, exogenous, &[], &mut states);
-        (parameters, states)
     }
 
     /// The outcome of a run's round; none where its simulation diverged.

@@ -1,25 +1,19 @@
 //! Output error and prediction error of single runs.
 
-use vessel::{Run, RunView, Vessel};
+use vessel::{Run, RunView};
 
+use super::estimators::RunEstimators;
 use super::found::Found;
-use crate::predictor::{Fit, InitialState, Levels, Spread, output_error, prediction_error};
+use crate::predictor::{Fit, Levels, Spread, output_error, prediction_error};
 
-/// What all runs have in common.
-pub(super) struct Begin<'a> {
-    pub vessel: &'a Vessel,
-    pub initial: InitialState,
-    pub levels: Option<&'a Levels>,
-}
-
-impl Begin<'_> {
+impl RunEstimators<'_> {
     /// Least errors of free simulations of `runs`. Searches begin at the estimates `near`, then at those of `iv`, then at the
     /// nominal model, where there is none or it leads nowhere.
     pub(super) fn output_error(&self, runs: &[Run], near: &[Found], iv: &[Found]) -> Vec<Fit> {
         let starts =
             |(near, iv): (&Found, &Found)| self.starts([near, iv].map(|found| found.theta().map(without)));
         let starts: Vec<Vec<Vec<f64>>> = near.iter().zip(iv).map(starts).collect();
-        let spread = self.levels.map_or(Spread::Residuals, Spread::Stated);
+        let spread = self.levels.as_ref().map_or(Spread::Residuals, Spread::Stated);
         output_error(&self.vessel.model.with_intercepts(), &views(runs), &starts, self.initial, spread)
     }
 

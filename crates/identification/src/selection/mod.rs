@@ -9,5 +9,5 @@ mod select;
 
 pub use counts::{apportioned, available};
 pub use realize::Realization;
-pub use scores::{PublishedLimits, SelectionErrors, SelectionScores, SharesBeyond};
-pub use select::{DEGENERATE, Selection, SelectionOptions, select};
+pub use scores::{DEGENERATE, PublishedLimits, SelectionErrors, SelectionScores, SharesBeyond};
+pub use select::{Selection, SelectionOptions, select};

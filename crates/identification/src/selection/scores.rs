@@ -1,8 +1,12 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{DEGENERATE, Realization};
+use super::Realization;
+use crate::validate::rmse_norm;
 use crate::{Quantiles, ScoreStatus, Share};
+
+/// Norm of RMSE/std, √3, from which a model is degenerate: no better than the mean of the data.
+pub const DEGENERATE: f64 = 1.732_050_807_568_877_2;
 
 /// The realizations of one design. One without model, or whose simulation diverged, counts as infinite (null).
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -103,7 +107,7 @@ impl SelectionErrors {
         let state = |d: usize| Quantiles::of(all.iter().map(|r| errors(r).0.map(|rmse| rmse[d])));
         Self {
             error_norm: Quantiles::of(all.iter().map(|r| errors(r).1)),
-            rmse_norm: Quantiles::of(all.iter().map(|r| errors(r).0.map(norm))),
+            rmse_norm: Quantiles::of(all.iter().map(|r| errors(r).0.map(rmse_norm))),
             rmse_u: state(0),
             rmse_v: state(1),
             rmse_r: state(2),
@@ -120,15 +124,10 @@ impl SharesBeyond {
             )
         };
         Self {
-            norm: share(limits.rmse_norm, &norm),
+            norm: share(limits.rmse_norm, &rmse_norm),
             surge: share(limits.rmse_u, &|rmse| rmse[0]),
             sway: share(limits.rmse_v, &|rmse| rmse[1]),
             yaw: share(limits.rmse_r, &|rmse| rmse[2]),
         }
     }
-}
-
-/// Norm of the three RMSE as numbers.
-fn norm(rmse: [f64; 3]) -> f64 {
-    rmse.iter().map(|e| e * e).sum::<f64>().sqrt()
 }

@@ -11,9 +11,6 @@ use super::scores::{PublishedLimits, SelectionScores};
 use crate::Estimator;
 use crate::pooled::{LostInstruments, Part, Pool, PooledRuns, deviations};
 
-/// Norm of RMSE/std, √3, from which a model is degenerate: no better than the mean of the data.
-pub const DEGENERATE: f64 = 1.732_050_807_568_877_2;
-
 /// What is picked, how often, and by whom.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SelectionOptions {

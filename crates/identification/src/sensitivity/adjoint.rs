@@ -1,11 +1,12 @@
 use vessel::Lane;
 
-use super::Unknowns;
 use super::dynamics::{Dynamics, Local};
 use super::levels::{Flow, Levels};
 use super::products::Products;
 use super::recordings::Recordings;
 use super::sweep::Sensitivities;
+use super::unknowns::Unknowns;
+use crate::vectorized::vectorized;
 
 /// Goes back over `path`, which `recordings` took with `unknowns`: adjoints λ(k) = Aᵀλ(k+1) + W s(k), a column each, tell what
 /// a change of the states at k does to Σ sᵀWx. `between` is called for k from N − 1 to 0 with the dynamics at k and λ(k+1);
@@ -18,48 +19,39 @@ pub(crate) fn backward<X: Unknowns, const N: usize>(
     levels: Option<&Levels>,
     between: impl FnMut(&Local<X>, &[[Lane; N]]),
 ) -> Vec<[Lane; N]> {
-    pulp::Arch::new().dispatch(Backward { recordings, unknowns, path, weights, levels, between })
+    vectorized!(go_back(recordings, unknowns, path, weights, levels, between))
 }
 
-struct Backward<'a, X, F, const N: usize> {
-    recordings: &'a Recordings<'a, X>,
-    unknowns: &'a [X],
-    path: &'a Sensitivities<X>,
+#[inline(always)]
+fn go_back<X: Unknowns, const N: usize>(
+    recordings: &Recordings<X>,
+    unknowns: &[X],
+    path: &Sensitivities<X>,
     weights: [X; 3],
-    levels: Option<&'a Levels>,
-    between: F,
-}
-
-impl<X: Unknowns, F: FnMut(&Local<X>, &[[Lane; N]]), const N: usize> pulp::WithSimd
-    for Backward<'_, X, F, N>
-{
-    type Output = Vec<[Lane; N]>;
-
-    #[inline(always)]
-    fn with_simd<S: pulp::Simd>(self, _: S) -> Vec<[Lane; N]> {
-        let Self { recordings, unknowns, path, weights, levels, mut between } = self;
-        let theta = &unknowns[..recordings.model.parameters()];
-        let mut dynamics = Dynamics::<X, N>::new(recordings.model, theta, levels);
-        let weights = weights.map(X::lane);
-        let mut adjoints = vec![[Lane::ZERO; N]; path.columns()];
-        for k in (0..=recordings.longest()).rev() {
-            if k < recordings.longest() {
-                let mut z = [X::ZERO; N];
-                z[..3].copy_from_slice(path.state(k));
-                let local = dynamics.at(&z, recordings.exogenous(k));
-                between(&local, &adjoints);
-                for a in &mut adjoints {
-                    *a = dynamics.backward(&local, a);
-                }
-            }
-            for (a, s) in adjoints.iter_mut().zip(path.at(k)) {
-                for d in 0..3 {
-                    a[d] += weights[d] * s[d];
-                }
+    levels: Option<&Levels>,
+    mut between: impl FnMut(&Local<X>, &[[Lane; N]]),
+) -> Vec<[Lane; N]> {
+    let theta = &unknowns[..recordings.model.parameters()];
+    let mut dynamics = Dynamics::<X, N>::new(recordings.model, theta, levels);
+    let weights = weights.map(X::lane);
+    let mut adjoints = vec![[Lane::ZERO; N]; path.columns()];
+    for k in (0..=recordings.longest()).rev() {
+        if k < recordings.longest() {
+            let mut z = [X::ZERO; N];
+            z[..3].copy_from_slice(path.state(k));
+            let local = dynamics.at(&z, recordings.exogenous(k));
+            between(&local, &adjoints);
+            for a in &mut adjoints {
+                *a = dynamics.backward(&local, a);
             }
         }
-        adjoints
+        for (a, s) in adjoints.iter_mut().zip(path.at(k)) {
+            for d in 0..3 {
+                a[d] += weights[d] * s[d];
+            }
+        }
     }
+    adjoints
 }
 
 /// Adds what the draws between two samples do; `adjoints` are those of the later one.
@@ -70,31 +62,19 @@ pub(crate) fn add_draws<X: Unknowns, const N: usize>(
     local: &Local<X>,
     levels: &Levels,
 ) {
-    match levels.current {
-        Flow::Still => {}
-        Flow::White { std } => {
-            for i in 0..2 {
-                let [surge, sway, yaw] = &local.slopes;
-                let std = X::from(std);
-                let (by_u, by_v, by_r) = (std * surge[i], std * sway[i], std * yaw[i]);
-                for (place, a) in adjoints.iter().enumerate() {
-                    draws.set(place, by_u.lane() * a[0] + by_v.lane() * a[1] + by_r.lane() * a[2]);
-                }
-                draws.advance();
+    if let Flow::White { std } = levels.current {
+        for i in 0..2 {
+            let [surge, sway, yaw] = &local.slopes;
+            let std = X::from(std);
+            let (by_u, by_v, by_r) = (std * surge[i], std * sway[i], std * yaw[i]);
+            for (place, a) in adjoints.iter().enumerate() {
+                draws.set(place, by_u.lane() * a[0] + by_v.lane() * a[1] + by_r.lane() * a[2]);
             }
-        }
-        Flow::Markov { std, factor, .. } => {
-            let fresh = std * (1.0 - factor * factor).max(0.0).sqrt();
-            for i in 3..5 {
-                add_state(draws, adjoints, i, fresh);
-            }
+            draws.advance();
         }
     }
-    if let Some(gusts) = levels.gusts() {
-        let share = (1.0 - gusts.factor * gusts.factor).sqrt();
-        for d in 0..3 {
-            add_state(draws, adjoints, N - 3 + d, gusts.std[d] * share);
-        }
+    for (i, std, factor) in levels.processes::<N>() {
+        add_state(draws, adjoints, i, std * (1.0 - factor * factor).max(0.0).sqrt());
     }
 }
 
@@ -104,16 +84,7 @@ pub(crate) fn add_start<X: Unknowns, const N: usize>(
     adjoints: &[[Lane; N]],
     levels: &Levels,
 ) {
-    if let Flow::Markov { std, .. } = levels.current {
-        for i in 3..5 {
-            add_state(draws, adjoints, i, std);
-        }
-    }
-    if let Some(gusts) = levels.gusts() {
-        for d in 0..3 {
-            add_state(draws, adjoints, N - 3 + d, gusts.std[d]);
-        }
-    }
+    levels.processes::<N>().for_each(|(i, std, _)| add_state(draws, adjoints, i, std));
 }
 
 /// Adds what a change of standard deviation `std` in state `i` does.

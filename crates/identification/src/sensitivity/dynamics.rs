@@ -1,7 +1,7 @@
 use vessel::{Compiled, Lane, Model};
 
-use super::Unknowns;
 use super::levels::{Flow, Levels};
+use super::unknowns::Unknowns;
 
 /// How the N states move on: u, v, r, then the current's two components (N = 5, 8), then three forces (N = 6, 8).
 #[derive(Clone, Debug)]

@@ -26,6 +26,13 @@ pub struct OutputInformation {
     pub process: Vec<f64>,
 }
 
+impl OutputInformation {
+    /// E + P.
+    pub fn middle(&self) -> Vec<f64> {
+        sum(&self.measurement, &self.process)
+    }
+}
+
 /// Information of a run of `exogenous` (N × inputs and measured disturbances) from `initial`, simulated with `theta`. The
 /// channels are weighted by their variances; evenly where one has none. `None` where the simulation is not finite.
 pub fn output_information(
@@ -77,7 +84,16 @@ pub(crate) struct Told {
     pub process: Vec<f64>,
 }
 
+fn sum(a: &[f64], b: &[f64]) -> Vec<f64> {
+    a.iter().zip(b).map(|(a, b)| a + b).collect()
+}
+
 impl Told {
+    /// E + P.
+    pub(crate) fn middle(&self) -> Vec<f64> {
+        sum(&self.measurement, &self.process)
+    }
+
     /// By `run`, simulated with `parameters`. `keep` is called with the columns of λ(k), for k from N to 1, where there is a
     /// current.
     pub(crate) fn by(

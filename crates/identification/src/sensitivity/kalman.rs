@@ -1,9 +1,10 @@
 use vessel::Lane;
 
-use super::Unknowns;
 use super::dynamics::{Dynamics, Local};
 use super::levels::{Flow, Levels};
 use super::recordings::Recordings;
+use super::unknowns::Unknowns;
+use crate::vectorized::vectorized;
 
 /// What an extended Kalman filter does with a measurement.
 #[derive(Clone, Debug)]
@@ -57,50 +58,43 @@ pub(crate) fn filter<const N: usize>(
     levels: &Levels,
     known_start: bool,
 ) -> (Vec<Gain<Lane, N>>, Vec<Lane>) {
-    pulp::Arch::new().dispatch(Filter::<N> { recordings, unknowns, levels, known_start })
+    vectorized!(filtered::<N>(recordings, unknowns, levels, known_start))
 }
 
-struct Filter<'a, const N: usize> {
-    recordings: &'a Recordings<'a>,
-    unknowns: &'a [Lane],
-    levels: &'a Levels,
+#[inline(always)]
+fn filtered<const N: usize>(
+    recordings: &Recordings,
+    unknowns: &[Lane],
+    levels: &Levels,
     known_start: bool,
-}
-
-impl<const N: usize> pulp::WithSimd for Filter<'_, N> {
-    type Output = (Vec<Gain<Lane, N>>, Vec<Lane>);
-
-    #[inline(always)]
-    fn with_simd<S: pulp::Simd>(self, _: S) -> (Vec<Gain<Lane, N>>, Vec<Lane>) {
-        let Self { recordings, unknowns, levels, known_start } = self;
-        let (theta, offsets) = unknowns.split_at(recordings.model.parameters());
-        let mut dynamics = Dynamics::<Lane, N>::new(recordings.model, theta, Some(levels));
-        let noise = levels.measurement.map(|s| Lane::splat(s * s));
-        let mut z = [Lane::ZERO; N];
-        for d in 0..3 {
-            z[d] = recordings.initial[d] + offsets[d];
-        }
-        let mut p = start::<N>(levels, known_start);
-        let last = recordings.longest();
-        let mut gains = Vec::with_capacity(last + 1);
-        let mut innovations = Vec::with_capacity(3 * last + 3);
-        for k in 0..=last {
-            let error = [0, 1, 2].map(|d: usize| recordings.measured[3 * k + d] - z[d]);
-            let gain = gain(&p, &noise);
-            innovations.extend_from_slice(&error);
-            gain.correct(&mut z, &error);
-            shrink(&mut p, &gain);
-            gains.push(gain);
-            if k == last {
-                break;
-            }
-            let local = dynamics.at(&z, recordings.exogenous(k));
-            z = dynamics.next(&z, &local);
-            p = moved(&dynamics, &local, &p);
-            add_noise(&mut p, &local, levels);
-        }
-        (gains, innovations)
+) -> (Vec<Gain<Lane, N>>, Vec<Lane>) {
+    let (theta, offsets) = unknowns.split_at(recordings.model.parameters());
+    let mut dynamics = Dynamics::<Lane, N>::new(recordings.model, theta, Some(levels));
+    let noise = levels.measurement.map(|s| Lane::splat(s * s));
+    let mut z = [Lane::ZERO; N];
+    for d in 0..3 {
+        z[d] = recordings.initial[d] + offsets[d];
     }
+    let mut p = start::<N>(levels, known_start);
+    let last = recordings.longest();
+    let mut gains = Vec::with_capacity(last + 1);
+    let mut innovations = Vec::with_capacity(3 * last + 3);
+    for k in 0..=last {
+        let error = [0, 1, 2].map(|d: usize| recordings.measured[3 * k + d] - z[d]);
+        let gain = gain(&p, &noise);
+        innovations.extend_from_slice(&error);
+        gain.correct(&mut z, &error);
+        shrink(&mut p, &gain);
+        gains.push(gain);
+        if k == last {
+            break;
+        }
+        let local = dynamics.at(&z, recordings.exogenous(k));
+        z = dynamics.next(&z, &local);
+        p = moved(&dynamics, &local, &p);
+        add_noise(&mut p, &local, levels);
+    }
+    (gains, innovations)
 }
 
 /// The covariance before the first measurement.
@@ -110,16 +104,7 @@ fn start<const N: usize>(levels: &Levels, known: bool) -> [[Lane; N]; N] {
     for d in 0..3 {
         set(d, if known { 0.0 } else { UNKNOWN * levels.measurement[d].powi(2) });
     }
-    if let Flow::Markov { std, .. } = levels.current {
-        for i in 3..5 {
-            set(i, std * std);
-        }
-    }
-    if let Some(gusts) = levels.gusts() {
-        for d in 0..3 {
-            set(N - 3 + d, gusts.std[d].powi(2));
-        }
-    }
+    levels.processes::<N>().for_each(|(i, std, _)| set(i, std * std));
     p
 }
 
@@ -181,24 +166,15 @@ fn moved<const N: usize>(
 /// Adds what a sample's disturbances contribute to the covariance.
 #[inline(always)]
 fn add_noise<const N: usize>(p: &mut [[Lane; N]; N], local: &Local<Lane>, levels: &Levels) {
-    match levels.current {
-        Flow::Still => {}
-        Flow::White { std } => {
-            let variance = Lane::splat(std * std);
-            for (row, a) in p.iter_mut().zip(&local.slopes) {
-                for (entry, b) in row.iter_mut().zip(&local.slopes) {
-                    *entry += variance * (a[0] * b[0] + a[1] * b[1]);
-                }
+    if let Flow::White { std } = levels.current {
+        let variance = Lane::splat(std * std);
+        for (row, a) in p.iter_mut().zip(&local.slopes) {
+            for (entry, b) in row.iter_mut().zip(&local.slopes) {
+                *entry += variance * (a[0] * b[0] + a[1] * b[1]);
             }
         }
-        Flow::Markov { std, factor, .. } => {
-            (3..5).for_each(|i| p[i][i] += Lane::splat(std * std * (1.0 - factor * factor)));
-        }
     }
-    if let Some(gusts) = levels.gusts() {
-        let share = 1.0 - gusts.factor * gusts.factor;
-        for d in 0..3 {
-            p[N - 3 + d][N - 3 + d] += Lane::splat(gusts.std[d].powi(2) * share);
-        }
+    for (i, std, factor) in levels.processes::<N>() {
+        p[i][i] += Lane::splat(std * std * (1.0 - factor * factor));
     }
 }

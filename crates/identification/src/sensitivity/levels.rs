@@ -41,6 +41,19 @@ pub struct Gusts {
     pub factor: f64,
 }
 
+/// Calls a function that is generic over the number of states with that of [`Levels`], and takes a field of what it returns.
+macro_rules! with_states {
+    ($levels:expr, $function:ident $arguments:tt $($field:tt)*) => {
+        match $levels.states() {
+            3 => $function::<3> $arguments $($field)*,
+            5 => $function::<5> $arguments $($field)*,
+            6 => $function::<6> $arguments $($field)*,
+            _ => $function::<8> $arguments $($field)*,
+        }
+    };
+}
+pub(crate) use with_states;
+
 impl Levels {
     /// The same where every draw is new, which no force and no current that lasts is.
     pub fn white(&self) -> Option<Noise> {
@@ -56,6 +69,17 @@ impl Levels {
     pub(crate) fn states(&self) -> usize {
         let current = if matches!(self.current, Flow::Markov { .. }) { 2 } else { 0 };
         3 + current + if self.gusts().is_some() { 3 } else { 0 }
+    }
+
+    /// The Gauss–Markov processes among the N states: state, standard deviation, correlation of neighbouring samples.
+    #[inline(always)]
+    pub(crate) fn processes<const N: usize>(&self) -> impl Iterator<Item = (usize, f64, f64)> {
+        let current = match self.current {
+            Flow::Markov { std, factor, .. } => Some([(3, std, factor), (4, std, factor)]),
+            _ => None,
+        };
+        let gusts = self.gusts().map(|g| [0, 1, 2].map(|d: usize| (N - 3 + d, g.std[d], g.factor)));
+        current.into_iter().flatten().chain(gusts.into_iter().flatten())
     }
 
     pub(crate) fn gusts(&self) -> Option<Gusts> {

@@ -2,8 +2,9 @@ use std::marker::PhantomData;
 
 use vessel::Lane;
 
-use super::Unknowns;
+use super::unknowns::Unknowns;
 use crate::batch::{BLOCK, Block, accumulate};
+use crate::vectorized::vectorized;
 
 /// Σ over samples of the product of every two signals, [`BLOCK`] samples at a time. Signals stand in columns as unknowns do.
 pub(crate) struct Products<X> {
@@ -66,7 +67,7 @@ impl<X: Unknowns> Products<X> {
         for signal in &mut self.columns {
             signal[self.filled..].fill(Lane::ZERO);
         }
-        pulp::Arch::new().dispatch(Rest(&mut self));
+        vectorized!(self.add());
         let mut first = 0;
         let mut row = |i: usize| {
             let own = first;
@@ -74,18 +75,6 @@ impl<X: Unknowns> Products<X> {
             own
         };
         Sums { rows: (0..self.signals).map(&mut row).collect(), sums: self.sums, kind: PhantomData }
-    }
-}
-
-/// The last block, compiled like the others.
-struct Rest<'a, X>(&'a mut Products<X>);
-
-impl<X: Unknowns> pulp::WithSimd for Rest<'_, X> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: pulp::Simd>(self, _: S) {
-        self.0.add();
     }
 }
 

@@ -3,7 +3,7 @@ use std::collections::BTreeMap;
 use vessel::lanes::SideBySide;
 use vessel::{LANES, Lane, Model, RunView};
 
-use super::Unknowns;
+use super::unknowns::Unknowns;
 
 /// Recordings of N samples, all row-major: [`LANES`] of them side by side, or a single one (`X` = `f64`). Shorter ones are
 /// filled up with anything.

@@ -1,10 +1,11 @@
 use vessel::{Lane, Model};
 
-use super::Unknowns;
 use super::dynamics::Dynamics;
 use super::kalman::Gain;
 use super::levels::Levels;
 use super::recordings::Recordings;
+use super::unknowns::Unknowns;
+use crate::vectorized::vectorized;
 
 /// One pass over recordings: predicts, compares, and carries the sensitivities along. `unknowns`: one number each, as
 /// [`Recordings::unknowns`] orders them; `free`: those whose sensitivities are wanted; `levels`: what disturbs, and `gains`
@@ -17,18 +18,7 @@ pub(crate) fn sweep<X: Unknowns, const N: usize>(
     gains: &[Gain<X, N>],
     each: impl FnMut(Step<'_, X, N>),
 ) {
-    pulp::Arch::new().dispatch(Sweep { recordings, unknowns, free, levels, gains, each });
-}
-
-/// [`sweep`] compiled for every instruction set that pulp picks from. Lanes are only added and multiplied, never fused, so
-/// that all give the same bits.
-struct Sweep<'a, X, F, const N: usize> {
-    recordings: &'a Recordings<'a, X>,
-    unknowns: &'a [X],
-    free: &'a [usize],
-    levels: Option<&'a Levels>,
-    gains: &'a [Gain<X, N>],
-    each: F,
+    vectorized!(go_along(recordings, unknowns, free, levels, gains, each));
 }
 
 /// What a sweep finds at a sample, before the sample's measurement corrects it.
@@ -42,47 +32,49 @@ pub(crate) struct Step<'a, X, const N: usize> {
     pub sensitivities: &'a [[Lane; N]],
 }
 
-impl<X: Unknowns, F: FnMut(Step<'_, X, N>), const N: usize> pulp::WithSimd for Sweep<'_, X, F, N> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: pulp::Simd>(self, _: S) {
-        let Self { recordings, unknowns, free, levels, gains, mut each } = self;
-        let model = recordings.model;
-        let (theta, offsets) = unknowns.split_at(model.parameters());
-        let mut dynamics = Dynamics::<X, N>::new(model, theta, levels);
-        let mut z = [X::ZERO; N];
-        (0..3).for_each(|d| z[d] = recordings.initial[d] + offsets[d]);
-        let mut sensitivities = vec![[Lane::ZERO; N]; free.len().div_ceil(X::PER_COLUMN)];
-        let effects: Vec<Effect> = free.iter().map(|i| Effect::of(*i, model)).collect();
-        for (i, effect) in effects.iter().enumerate() {
-            if let Effect::Initial(d) = effect {
-                X::ONE.add_to(&mut sensitivities[i / X::PER_COLUMN][*d], i);
-            }
+#[inline(always)]
+fn go_along<X: Unknowns, const N: usize>(
+    recordings: &Recordings<X>,
+    unknowns: &[X],
+    free: &[usize],
+    levels: Option<&Levels>,
+    gains: &[Gain<X, N>],
+    mut each: impl FnMut(Step<'_, X, N>),
+) {
+    let model = recordings.model;
+    let (theta, offsets) = unknowns.split_at(model.parameters());
+    let mut dynamics = Dynamics::<X, N>::new(model, theta, levels);
+    let mut z = [X::ZERO; N];
+    (0..3).for_each(|d| z[d] = recordings.initial[d] + offsets[d]);
+    let mut sensitivities = vec![[Lane::ZERO; N]; free.len().div_ceil(X::PER_COLUMN)];
+    let effects: Vec<Effect> = free.iter().map(|i| Effect::of(*i, model)).collect();
+    for (i, effect) in effects.iter().enumerate() {
+        if let Effect::Initial(d) = effect {
+            X::ONE.add_to(&mut sensitivities[i / X::PER_COLUMN][*d], i);
         }
-        let last = recordings.longest();
-        for k in 0..=last {
-            let error = recordings.error(k, [z[0], z[1], z[2]]);
-            each(Step { k, error, states: &z, sensitivities: &sensitivities });
-            if k == last {
-                return;
-            }
-            let gain = gains.get(k);
+    }
+    let last = recordings.longest();
+    for k in 0..=last {
+        let error = recordings.error(k, [z[0], z[1], z[2]]);
+        each(Step { k, error, states: &z, sensitivities: &sensitivities });
+        if k == last {
+            return;
+        }
+        let gain = gains.get(k);
+        if let Some(gain) = gain {
+            gain.correct(&mut z, &error);
+        }
+        let local = dynamics.at(&z, recordings.exogenous(k));
+        z = dynamics.next(&z, &local);
+        for s in &mut sensitivities {
             if let Some(gain) = gain {
-                gain.correct(&mut z, &error);
+                gain.correct_column(s);
             }
-            let local = dynamics.at(&z, recordings.exogenous(k));
-            z = dynamics.next(&z, &local);
-            for s in &mut sensitivities {
-                if let Some(gain) = gain {
-                    gain.correct_column(s);
-                }
-                *s = dynamics.forward(&local, s);
-            }
-            for (i, effect) in effects.iter().enumerate() {
-                if let Effect::Term(parameter, d) = effect {
-                    dynamics.term(*parameter).add_to(&mut sensitivities[i / X::PER_COLUMN][*d], i);
-                }
+            *s = dynamics.forward(&local, s);
+        }
+        for (i, effect) in effects.iter().enumerate() {
+            if let Effect::Term(parameter, d) = effect {
+                dynamics.term(*parameter).add_to(&mut sensitivities[i / X::PER_COLUMN][*d], i);
             }
         }
     }

@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 
 use design::apportion;
 use rayon::prelude::*;
-use vessel::{Generator, Invalid, LANES, Realized, Streams, simulate_one};
+use vessel::{Invalid, LANES, Streams, simulate_one};
 
-use crate::campaign::Plan;
+use crate::campaign::{Parts, Plan};
 
 use super::{Arranged, Arranging, Kept, generated_limits};
 
@@ -18,12 +18,6 @@ const ROUNDS: usize = 90;
 const PATIENCE: usize = 3;
 /// Maneuvers that may join, the most sensitive.
 const JOINING: usize = 12;
-
-/// Maneuvers at the lengths that occur, made once.
-struct Realizations<'a> {
-    generator: &'a Generator,
-    made: BTreeMap<(usize, usize), Realized>,
-}
 
 impl Arranging<'_> {
     /// The best sequence that a local search finds from the dictionary's order: segments trade samples, change places, or make
@@ -40,12 +34,12 @@ impl Arranging<'_> {
         let mut order: Vec<usize> = (0..places.len()).collect();
         order.sort_by(|a, b| sensitivities[*b].total_cmp(&sensitivities[*a]).then(a.cmp(b)));
         let joining: Vec<usize> = order.into_iter().take(JOINING).map(|q| places[q]).collect();
-        let mut realized = Realizations { generator: self.generator, made: BTreeMap::new() };
-        let start = self.values(std::slice::from_ref(&now), &mut realized)?[0];
+        let mut parts = Parts::default();
+        let start = self.values(std::slice::from_ref(&now), &mut parts)?[0];
         let (mut value, mut step, mut idle, mut tried) = (start, samples / 8, 0, 1);
         for round in 0..ROUNDS {
             let neighbours = self.neighbours(&now, &joining, step, round as u32);
-            let values = self.values(&neighbours, &mut realized)?;
+            let values = self.values(&neighbours, &mut parts)?;
             tried += values.len();
             let best = (0..values.len()).max_by(|a, b| values[*a].total_cmp(&values[*b]));
             match best.filter(|best| values[*best] > value + 1e-9 * value.abs().max(1.0)) {
@@ -60,18 +54,17 @@ impl Arranging<'_> {
             }
         }
         let gain = ((value - start) / self.criterion.degree()).exp() - 1.0;
-        let limits = self.kept(&now, &mut realized)?;
+        let limits = self.kept(&parts.joined(&now));
         let name = |(q, n): &(usize, usize)| (self.generator.maneuvers()[*q].name.clone(), *n);
         Ok(Arranged { parts: now.iter().map(name).collect(), value, gain, tried, limits })
     }
 
-    /// Whether the motion of `plan` keeps the limits.
-    fn kept(&self, plan: &Plan, realized: &mut Realizations) -> Result<Kept, Invalid> {
-        let Some(limits) = generated_limits(self.generator) else { return Ok(Kept::Unlimited) };
-        let (initial, inputs) = realized.joined(plan)?;
+    /// Whether the motion from `initial` under `inputs` keeps the limits.
+    fn kept(&self, (initial, inputs): &([f64; 3], Vec<f64>)) -> Kept {
+        let Some(limits) = generated_limits(self.generator) else { return Kept::Unlimited };
         let model = &self.vessel.model;
-        let states = simulate_one(model, self.generator.parameters(), initial, &model.undisturbed(&inputs));
-        Ok(limits.exceeded(model, &states, &inputs).map_or(Kept::Within, Kept::Beyond))
+        let states = simulate_one(model, self.generator.parameters(), *initial, &model.undisturbed(inputs));
+        limits.exceeded(model, &states, inputs).map_or(Kept::Within, Kept::Beyond)
     }
 
     /// The generator's place of every maneuver of the dictionary.
@@ -123,26 +116,11 @@ impl Arranging<'_> {
     }
 
     /// The criterion's value of every plan; minus infinity where it is not defined.
-    fn values(&self, plans: &[Plan], realized: &mut Realizations) -> Result<Vec<f64>, Invalid> {
-        let runs: Vec<([f64; 3], Vec<f64>)> =
-            plans.iter().map(|plan| realized.joined(plan)).collect::<Result<_, _>>()?;
+    fn values(&self, plans: &[Plan], parts: &mut Parts) -> Result<Vec<f64>, Invalid> {
+        plans.iter().try_for_each(|plan| parts.make(self.generator, plan))?;
+        let runs: Vec<([f64; 3], Vec<f64>)> = plans.iter().map(|plan| parts.joined(plan)).collect();
         let groups: Vec<Vec<f64>> = runs.par_chunks(LANES).map(|group| self.group(group)).collect();
         Ok(groups.into_iter().flatten().collect())
-    }
-}
-
-impl Realizations<'_> {
-    /// Initial state and inputs of a plan.
-    fn joined(&mut self, plan: &Plan) -> Result<([f64; 3], Vec<f64>), Invalid> {
-        let mut inputs = Vec::new();
-        for part in plan {
-            if !self.made.contains_key(part) {
-                self.made.insert(*part, self.generator.realize(part.0, part.1)?);
-            }
-            inputs.extend_from_slice(&self.made[part].inputs);
-        }
-        let initial = plan.first().map_or([0.0; 3], |part| self.made[part].initial);
-        Ok((initial, inputs))
     }
 }
 

@@ -47,8 +47,7 @@ impl Arranging<'_> {
         let theta = self.ordered(&self.moments.output_error.as_ref()?.parameters)?;
         let noise = if current { noise } else { Noise { current: 0.0, ..noise } };
         let found = output_information(&self.vessel.model, &theta, initial, exogenous, &noise)?;
-        let middle: Vec<f64> = found.measurement.iter().zip(&found.process).map(|(e, p)| e + p).collect();
-        self.judge(vec![found.information.len().isqrt()], &found.information, Some(&middle))
+        self.judge(vec![found.information.len().isqrt()], &found.information, Some(&found.middle()))
     }
 
     fn instrumental(

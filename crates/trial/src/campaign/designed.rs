@@ -1,12 +1,44 @@
 use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 
 use design::apportion;
-use vessel::Invalid;
+use vessel::{Generator, Invalid, Realized};
 
 use super::Refusal;
 
 /// What happens in a run: maneuver (its place in the dictionary) and samples, one after the other.
 pub type Plan = Vec<(usize, usize)>;
+
+/// Maneuvers at the lengths that occur in plans, made once.
+#[derive(Default)]
+pub(crate) struct Parts(BTreeMap<(usize, usize), Realized>);
+
+impl Parts {
+    /// Makes what `plan` has besides what is known.
+    ///
+    /// # Errors
+    /// A maneuver that the model cannot hold.
+    pub(crate) fn make(&mut self, generator: &Generator, plan: &[(usize, usize)]) -> Result<(), Invalid> {
+        for (index, samples) in plan {
+            if let Entry::Vacant(entry) = self.0.entry((*index, *samples)) {
+                entry.insert(generator.realize(*index, *samples)?);
+            }
+        }
+        Ok(())
+    }
+
+    /// Initial state and inputs of a plan that was made.
+    pub(crate) fn joined(&self, plan: &[(usize, usize)]) -> ([f64; 3], Vec<f64>) {
+        let initial = plan.first().map_or([0.0; 3], |part| self.0[part].initial);
+        (initial, plan.iter().flat_map(|part| self.0[part].inputs.iter().copied()).collect())
+    }
+}
+
+impl FromIterator<((usize, usize), Realized)> for Parts {
+    fn from_iter<I: IntoIterator<Item = ((usize, usize), Realized)>>(parts: I) -> Self {
+        Self(parts.into_iter().collect())
+    }
+}
 
 /// An experiment as a design states it.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -1,7 +1,7 @@
 use std::ops::Range;
 
 use vessel::{
-    Exceeded, Generator, Limits, Realized, Run, Segment, Source, Vessel, check_diverged, refuse_endless,
+    Exceeded, Generator, Invalid, Realized, Run, Segment, Source, Vessel, check_diverged, refuse_endless,
     simulate_one,
 };
 
@@ -49,11 +49,7 @@ impl<'a> Maneuvers<'a> {
     pub fn simulate(&self, indices: Range<usize>) -> Result<(Vec<SimulatedRun>, Tally), Refusal> {
         let (mut runs, mut tally) = (Vec::with_capacity(indices.len()), Tally::default());
         for index in indices {
-            let run = match self.generator.limits(index) {
-                Some(limits) => self.within(index, limits, &mut tally)?,
-                None => Some(self.written(index)?),
-            };
-            if let Some(run) = run {
+            if let Some(run) = self.one(index, &mut tally)? {
                 tally.simulated(run.run.samples(), self.generator.limits(index).is_some());
                 runs.push(run);
             }
@@ -61,45 +57,24 @@ impl<'a> Maneuvers<'a> {
         Ok((runs, tally))
     }
 
-    /// A generated maneuver, unless it exceeds its limits.
-    fn within(
-        &self,
-        index: usize,
-        limits: &Limits,
-        tally: &mut Tally,
-    ) -> Result<Option<SimulatedRun>, Refusal> {
-        let samples = self.generator.samples(index).map_err(Refusal::Dictionary)?;
-        match judge(self.vessel, self.generator, index, limits, samples) {
+    /// A maneuver, unless it is generated and exceeds its limits.
+    fn one(&self, index: usize, tally: &mut Tally) -> Result<Option<SimulatedRun>, Refusal> {
+        match judge(self.vessel, self.generator, index).map_err(Refusal::Dictionary)? {
             Judged::Within { initial, exogenous } => {
-                let states = self.states(initial, &exogenous);
-                if check_diverged(states.iter().copied()).is_none() {
-                    return Ok(Some(self.run(index, exogenous, states)));
+                let states = simulate_one(&self.vessel.model, &self.parameters, initial, &exogenous);
+                match check_diverged(states.iter().copied()) {
+                    None => return Ok(Some(self.run(index, exogenous, states))),
+                    Some(_) if self.generator.limits(index).is_some() => tally.unsteady(),
+                    Some(at) => {
+                        let name = &self.generator.maneuvers()[index].name;
+                        return Err(Refusal::Vessel(at.invalid(format!("model in maneuver `{name}`"))));
+                    }
                 }
-                tally.unsteady();
             }
             Judged::Exceeds(exceeded) => tally.exceeds(&exceeded),
             Judged::Unsteady => tally.unsteady(),
         }
         Ok(None)
-    }
-
-    /// A maneuver written by hand, which no limits hold for.
-    fn written(&self, index: usize) -> Result<SimulatedRun, Refusal> {
-        let name = &self.generator.maneuvers()[index].name;
-        let samples = self.generator.samples(index).map_err(Refusal::Dictionary)?;
-        refuse_endless(format!("maneuver `{name}`, `duration_s`"), samples).map_err(Refusal::Dictionary)?;
-        let Realized { initial, inputs } =
-            self.generator.realize(index, samples).map_err(Refusal::Dictionary)?;
-        let exogenous = self.vessel.model.undisturbed(&inputs);
-        let states = self.states(initial, &exogenous);
-        match check_diverged(states.iter().copied()) {
-            None => Ok(self.run(index, exogenous, states)),
-            Some(at) => Err(Refusal::Vessel(at.invalid(format!("model in maneuver `{name}`")))),
-        }
-    }
-
-    fn states(&self, initial: [f64; 3], exogenous: &[f64]) -> Vec<f64> {
-        simulate_one(&self.vessel.model, &self.parameters, initial, exogenous)
     }
 
     fn run(&self, index: usize, exogenous: Vec<f64>, states: Vec<f64>) -> SimulatedRun {
@@ -116,9 +91,9 @@ impl<'a> Maneuvers<'a> {
     }
 }
 
-/// A generated maneuver beside its limits.
+/// A maneuver beside its limits.
 pub enum Judged {
-    /// It keeps them.
+    /// It keeps them, or has none: it was written by hand.
     Within {
         /// State at the start: u, v \[m/s\], r \[rad/s\].
         initial: [f64; 3],
@@ -131,19 +106,25 @@ pub enum Judged {
     Unsteady,
 }
 
-/// Judges maneuver `index` in `samples` samples by what its inputs were made with, whatever moves the vessel.
-pub fn judge(
-    vessel: &Vessel,
-    generator: &Generator,
-    index: usize,
-    limits: &Limits,
-    samples: usize,
-) -> Judged {
-    let Ok(Realized { initial, inputs }) = generator.realize(index, samples) else { return Judged::Unsteady };
-    let exogenous = vessel.model.undisturbed(&inputs);
-    let states = simulate_one(&vessel.model, generator.parameters(), initial, &exogenous);
-    match limits.exceeded(&vessel.model, &states, &inputs) {
-        Some(exceeded) => Judged::Exceeds(exceeded),
-        None => Judged::Within { initial, exogenous },
+/// Judges maneuver `index` by what its inputs were made with, whatever moves the vessel.
+///
+/// # Errors
+/// One that is written by hand and too long, or that the model cannot hold.
+pub fn judge(vessel: &Vessel, generator: &Generator, index: usize) -> Result<Judged, Invalid> {
+    let samples = generator.samples(index)?;
+    let limits = generator.limits(index);
+    if limits.is_none() {
+        let name = &generator.maneuvers()[index].name;
+        refuse_endless(format!("maneuver `{name}`, `duration_s`"), samples)?;
     }
+    let Realized { initial, inputs } = match generator.realize(index, samples) {
+        Err(_) if limits.is_some() => return Ok(Judged::Unsteady),
+        realized => realized?,
+    };
+    let exogenous = vessel.model.undisturbed(&inputs);
+    let exceeded = limits.and_then(|limits| {
+        let states = simulate_one(&vessel.model, generator.parameters(), initial, &exogenous);
+        limits.exceeded(&vessel.model, &states, &inputs)
+    });
+    Ok(exceeded.map_or(Judged::Within { initial, exogenous }, Judged::Exceeds))
 }

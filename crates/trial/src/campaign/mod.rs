@@ -7,6 +7,7 @@ mod refusal;
 mod sea;
 mod tally;
 
+pub(crate) use designed::Parts;
 pub use designed::{Designed, Plan};
 pub use maneuvers::{Judged, Maneuvers, judge};
 pub(crate) use realizations::even_lengths;

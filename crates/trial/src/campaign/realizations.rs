@@ -1,5 +1,3 @@
-use std::collections::BTreeMap;
-use std::collections::btree_map::Entry;
 use std::ops::Range;
 
 use design::apportion;
@@ -7,7 +5,7 @@ use rayon::prelude::*;
 use vessel::{Generator, LANES, Realized, Run, Segment, Streams, Vessel, refuse_endless};
 
 use super::Refusal;
-use super::designed::{Designed, Plan, too_short};
+use super::designed::{Designed, Parts, Plan, too_short};
 use super::sea::{Group, Sea, SimulatedRun};
 
 /// Channel of the random stream that draws a random design's maneuvers.
@@ -33,7 +31,7 @@ pub struct Campaign<'a> {
     realizations: u32,
     designs: Vec<Design>,
     /// Every maneuver at every length that occurs.
-    realized: BTreeMap<(usize, usize), Realized>,
+    parts: Parts,
     names: Vec<String>,
 }
 
@@ -96,8 +94,11 @@ impl<'a> Campaign<'a> {
             let rule = Rule::Drawn { maneuvers, lengths: even_lengths(segments as usize, samples) };
             designs.push(Design::new("random", settings.seed, rule));
         }
-        let realized = realized(generator, &designs, settings.realizations)?;
-        Ok(Self { sea, samples, realizations: settings.realizations, designs, realized, names })
+        let mut parts = Parts::default();
+        for plan in designs.iter().flat_map(|d| (0..settings.realizations).map(|run| d.plan(run))) {
+            parts.make(generator, &plan).map_err(Refusal::Dictionary)?;
+        }
+        Ok(Self { sea, samples, realizations: settings.realizations, designs, parts, names })
     }
 
     /// Repeats `inputs` (N × inputs) from `initial`, open loop, as design `planned`.
@@ -117,10 +118,10 @@ impl<'a> Campaign<'a> {
             let own = &inputs[segment.start * width..(segment.start + part.1) * width];
             (*part, Realized { initial, inputs: own.to_vec() })
         };
-        let realized = plan.iter().zip(segments).map(realize).collect();
+        let parts = plan.iter().zip(segments).map(realize).collect();
         let names = segments.iter().map(|segment| segment.maneuver.clone()).collect();
         let designs = vec![Design::new("planned", settings.seed, Rule::Fixed(plan))];
-        Self { sea, samples, realizations: settings.realizations, designs, realized, names }
+        Self { sea, samples, realizations: settings.realizations, designs, parts, names }
     }
 
     /// The vessel.
@@ -180,8 +181,10 @@ impl<'a> Campaign<'a> {
 
     fn group(&self, design: &Design, runs: &[u32]) -> Result<Vec<SimulatedRun>, Refusal> {
         let plans: Vec<Plan> = runs.iter().map(|run| design.plan(*run)).collect();
-        let exogenous: Vec<Vec<f64>> = plans.iter().map(|plan| self.exogenous(plan)).collect();
-        let initial: Vec<[f64; 3]> = plans.iter().map(|plan| self.realized[&plan[0]].initial).collect();
+        let model = &self.sea.vessel().model;
+        let joined = plans.iter().map(|plan| self.parts.joined(plan));
+        let (initial, exogenous): (Vec<[f64; 3]>, Vec<Vec<f64>>) =
+            joined.map(|(initial, inputs)| (initial, model.undisturbed(&inputs))).unzip();
         let states = self.sea.simulate(&Group {
             design: design.name,
             streams: &design.streams,
@@ -206,11 +209,6 @@ impl<'a> Campaign<'a> {
         Ok(each.map(run).collect())
     }
 
-    fn exogenous(&self, plan: &Plan) -> Vec<f64> {
-        let model = &self.sea.vessel().model;
-        plan.iter().flat_map(|part| model.undisturbed(&self.realized[part].inputs)).collect()
-    }
-
     fn segments(&self, plan: &Plan) -> Vec<Segment> {
         let mut start = 0;
         let begin = |(maneuver, samples): &(usize, usize)| {
@@ -225,18 +223,4 @@ impl<'a> Campaign<'a> {
 pub(crate) fn even_lengths(segments: usize, samples: usize) -> Vec<usize> {
     let even = vec![1.0 / segments as f64; segments];
     apportion(&even, samples as u64).into_iter().map(|n| n as usize).collect()
-}
-
-fn realized(
-    generator: &Generator,
-    designs: &[Design],
-    runs: u32,
-) -> Result<BTreeMap<(usize, usize), Realized>, Refusal> {
-    let mut realized = BTreeMap::new();
-    for (index, samples) in designs.iter().flat_map(|d| (0..runs).flat_map(|run| d.plan(run))) {
-        if let Entry::Vacant(entry) = realized.entry((index, samples)) {
-            entry.insert(generator.realize(index, samples).map_err(Refusal::Dictionary)?);
-        }
-    }
-    Ok(realized)
 }

@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 
 use identification::refine::TraceCriterion;
 use identification::{Noise, output_information};
-use vessel::{Generator, Invalid, Realized, Source, Vessel, check_diverged, simulate_one};
+use vessel::{Generator, Invalid, Source, Vessel, check_diverged, simulate_one};
 
-use crate::campaign::Refusal;
+use crate::campaign::{Parts, Refusal};
 use crate::moments::rows;
 
 /// Inputs, initial state and what they are judged by.
@@ -39,10 +39,9 @@ impl Start {
         plan: &[(usize, usize)],
         noise: Noise,
     ) -> Result<Self, Refusal> {
-        let realize = |(q, n): &(usize, usize)| generator.realize(*q, *n).map_err(Refusal::Dictionary);
-        let parts: Vec<Realized> = plan.iter().map(realize).collect::<Result<_, _>>()?;
-        let initial = parts.first().map_or([0.0; 3], |part| part.initial);
-        let inputs: Vec<f64> = parts.into_iter().flat_map(|part| part.inputs).collect();
+        let mut parts = Parts::default();
+        parts.make(generator, plan).map_err(Refusal::Dictionary)?;
+        let (initial, inputs) = parts.joined(plan);
         let source = vessel.best_known();
         let parameters = vessel.parameters(source).map_err(Refusal::Vessel)?;
         let weights = weights(vessel, &parameters)?;

@@ -24,22 +24,13 @@ impl<'a> Planner<'a> {
     /// Over the maneuvers of `generator`, but generated ones that exceed their limits.
     ///
     /// # Errors
-    /// A maneuver that the model cannot hold; limits that leave none.
+    /// A maneuver that is too long or that the model cannot hold; limits that leave none.
     pub fn new(vessel: &'a Vessel, generator: &Generator, noise: Noise) -> Result<Self, Invalid> {
         let mut maneuvers = Vec::new();
         for index in 0..generator.maneuvers().len() {
-            let samples = generator.samples(index)?;
-            let (initial, exogenous) = match generator.limits(index) {
-                None => {
-                    let written = generator.realize(index, samples)?;
-                    (written.initial, vessel.model.undisturbed(&written.inputs))
-                }
-                Some(limits) => match judge(vessel, generator, index, limits, samples) {
-                    Judged::Within { initial, exogenous } => (initial, exogenous),
-                    Judged::Exceeds(_) | Judged::Unsteady => continue,
-                },
-            };
-            maneuvers.push(Maneuver { index, initial, exogenous });
+            if let Judged::Within { initial, exogenous } = judge(vessel, generator, index)? {
+                maneuvers.push(Maneuver { index, initial, exogenous });
+            }
         }
         if maneuvers.is_empty() {
             let (found, expected) = ("none within the limits", "at least one");
@@ -73,10 +64,11 @@ impl<'a> Planner<'a> {
         let found: Vec<Option<OutputInformation>> =
             self.maneuvers.iter().map(|m| self.information(theta, m.initial, &m.exogenous)).collect();
         let whole = found.iter().flatten().map(|own| match &past {
-            None => (own.information.clone(), middle(own)),
-            Some(past) => {
-                (mixed(&past.information, &own.information, share), mixed(&middle(past), &middle(own), share))
-            }
+            None => (own.information.clone(), own.middle()),
+            Some(past) => (
+                mixed(&past.information, &own.information, share),
+                mixed(&past.middle(), &own.middle(), share),
+            ),
         });
         let criterion = self.criterion(whole, sizes)?;
         let options = Options { random_starts: 0, tolerance: 1e-4, ..Options::default() };
@@ -90,7 +82,7 @@ impl<'a> Planner<'a> {
     pub fn standard_errors(&self, theta: &[f64], sizes: &[f64], run: &GrowingRun) -> Option<Vec<f64>> {
         let own = self.information(theta, run.initial, &run.exogenous)?;
         let samples = run.samples(self.vessel) as f64;
-        let criterion = self.criterion([(own.information.clone(), middle(&own))].into_iter(), sizes)?;
+        let criterion = self.criterion([(own.information.clone(), own.middle())].into_iter(), sizes)?;
         let variances = criterion.variances(&[1.0])?;
         let kept = self.weights(sizes);
         let errors = variances.iter().zip(kept).filter(|(_, weight)| *weight > 0.0);
@@ -127,11 +119,6 @@ impl<'a> Planner<'a> {
     fn layout(&self) -> ParameterLayout {
         self.vessel.model.layout().with_intercepts()
     }
-}
-
-/// E + P.
-fn middle(own: &OutputInformation) -> Vec<f64> {
-    own.measurement.iter().zip(&own.process).map(|(e, p)| e + p).collect()
 }
 
 /// (1 − share) past + share × own.

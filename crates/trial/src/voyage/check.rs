@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use vessel::{Invalid, Pose, Streams};
 
 use super::script::Script;
+use super::task::Brief;
 use crate::Sailed;
 
 /// The plan simulated in continuous space.
@@ -58,55 +59,50 @@ impl Clearance<'_> {
         let own = sailed.samples.iter().map(|s| self.at(s.pose, s.informative));
         own.fold(f64::INFINITY, f64::min)
     }
-}
 
-/// Sails the script in unknown currents.
-pub(super) struct Trials<'a> {
-    pub script: &'a Script<'a>,
-    pub clearance: &'a Clearance<'a>,
-    pub unknown_current_m_s: f64,
-    pub runs: u32,
-    pub seed: u64,
-}
-
-impl Trials<'_> {
-    /// `nominal` is the script sailed by the nominal model without unknown current. Returns the check and the tracks.
+    /// Sails the script in unknown currents: the check and the tracks. `nominal` is the script sailed by the nominal model
+    /// without unknown current.
     ///
     /// # Errors
     /// A command that the model cannot hold, a simulation that diverges.
-    pub(super) fn check(&self, nominal: &Sailed) -> Result<(Check, Vec<Sailed>), Invalid> {
-        let vessel = self.script.vessel;
+    pub(super) fn check(
+        &self,
+        script: &Script<'_>,
+        nominal: &Sailed,
+    ) -> Result<(Check, Vec<Sailed>), Invalid> {
+        let Brief { vessel, task, seed, .. } = &script.prepared.brief;
+        let (bound_m_s, runs) = (task.safety.unknown_current_m_s, task.safety.runs);
         let known: Option<Vec<f64>> = vessel.value.iter().copied().collect();
         let truth = known.unwrap_or_else(|| vessel.nominal.clone());
         let one = |run: u32| {
-            let unknown = self.current(run);
-            let sailed = self.script.sail(&truth, unknown)?;
-            let open = self.script.repeat(nominal, &truth, unknown);
-            Ok((self.clearance.least(&sailed), self.clearance.least(&open), sailed))
+            let unknown = current(*seed, run, bound_m_s);
+            let sailed = script.sail(&truth, unknown)?;
+            let open = script.repeat(nominal, &truth, unknown);
+            Ok((self.least(&sailed), self.least(&open), sailed))
         };
         let found: Vec<(f64, f64, Sailed)> =
-            (0..self.runs).into_par_iter().map(one).collect::<Result<_, Invalid>>()?;
+            (0..runs).into_par_iter().map(one).collect::<Result<_, Invalid>>()?;
         let least = sorted(found.iter().map(|(clearance, ..)| Some(*clearance)));
-        let clearance_m = self.clearance.least(nominal);
+        let clearance_m = self.least(nominal);
         let check = Check {
             clearance_m,
             clear: clearance_m > 0.0,
-            unknown_current_m_s: self.unknown_current_m_s,
-            runs: u64::from(self.runs),
+            unknown_current_m_s: bound_m_s,
+            runs: u64::from(runs),
             aground: least.iter().filter(|c| **c <= 0.0).count() as u64,
             clearance_quantiles_m: [0.0, 0.05, 0.5].map(|q| quantile(&least, q).unwrap_or(0.0)),
             aground_open_loop: found.iter().filter(|(_, open, _)| *open <= 0.0).count() as u64,
         };
         Ok((check, found.into_iter().map(|(_, _, sailed)| sailed).collect()))
     }
+}
 
-    /// A constant current of run `run`, north and east: any direction, any strength up to the bound.
-    fn current(&self, run: u32) -> [f64; 2] {
-        const STEPS: u32 = 1 << 20;
-        let drawn = Streams::new(self.seed, "unknown-current").choices(run, 0, STEPS, 2);
-        let part = |i: usize| (f64::from(drawn[i]) + 0.5) / f64::from(STEPS);
-        let (sin, cos) = (std::f64::consts::TAU * part(0)).sin_cos();
-        let speed = self.unknown_current_m_s * part(1);
-        [speed * cos, speed * sin]
-    }
+/// A constant current of run `run`, north and east: any direction, any strength up to the bound.
+fn current(seed: u64, run: u32, bound_m_s: f64) -> [f64; 2] {
+    const STEPS: u32 = 1 << 20;
+    let drawn = Streams::new(seed, "unknown-current").choices(run, 0, STEPS, 2);
+    let part = |i: usize| (f64::from(drawn[i]) + 0.5) / f64::from(STEPS);
+    let (sin, cos) = (std::f64::consts::TAU * part(0)).sin_cos();
+    let speed = bound_m_s * part(1);
+    [speed * cos, speed * sin]
 }

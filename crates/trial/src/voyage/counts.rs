@@ -1,11 +1,9 @@
 //! Which pieces, how often: from the design's shares or as the task says.
 
-use std::collections::BTreeMap;
-
-use vessel::{Invalid, Run, Vessel};
+use vessel::Invalid;
 
 use super::error::VoyageError;
-use super::task::{ManeuverUse, Task};
+use super::task::{Brief, ManeuverUse, Shares};
 use crate::{BASIC_MOVES, Piece};
 
 /// Most uses of a maneuver that a share may come to.
@@ -20,25 +18,7 @@ pub struct Wanted {
     pub count: u32,
 }
 
-/// A design's shares of the time in maneuvers.
-#[derive(Clone, Debug, Default)]
-pub struct Shares {
-    /// The design's maneuvers, in its order.
-    pub order: Vec<String>,
-    /// N_q/N by maneuver.
-    pub share: BTreeMap<String, f64>,
-}
-
-/// Where counts come from.
-pub(super) struct Counts<'a> {
-    pub task: &'a Task,
-    pub vessel: &'a Vessel,
-    /// One run per maneuver.
-    pub dictionary: &'a [Run],
-    pub design: Option<&'a Shares>,
-}
-
-impl Counts<'_> {
+impl Brief {
     /// The pieces of the maneuvers that the task names (without any, of those that the design uses) with their counts.
     pub(super) fn wanted(&self) -> Result<Vec<Wanted>, VoyageError> {
         let mut all: Vec<Wanted> = Vec::new();
@@ -59,7 +39,7 @@ impl Counts<'_> {
     }
 
     fn named(&self) -> Result<Vec<ManeuverUse>, Invalid> {
-        match (&self.task.maneuvers[..], self.design) {
+        match (&self.task.maneuvers[..], &self.design) {
             ([], Some(design)) => Ok(design.used()),
             ([], None) => Err(Invalid::new(
                 "[[maneuver]]",
@@ -77,7 +57,7 @@ impl Counts<'_> {
             return Err(VoyageError::UnknownManeuver { name: wanted.name.clone(), known: names().collect() });
         };
         let target = wanted.piece_s.map(|s| self.vessel.samples(s));
-        Ok(Piece::whole(self.vessel, run).cut(target)?)
+        Ok(Piece::whole(&self.vessel, run).cut(target)?)
     }
 
     /// n_q = N_q / N′_q to the nearest, N_q = share × time.
@@ -87,7 +67,7 @@ impl Counts<'_> {
             Err(Invalid::new(thing, found, "a `count`, or a design's share of `informative_s`", remedy)
                 .into())
         };
-        let Some(design) = self.design else {
+        let Some(design) = &self.design else {
             return refuse("no `count` and no design", "add `count` or give --design");
         };
         let Some(time) = self.task.informative_s else {

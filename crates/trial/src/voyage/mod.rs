@@ -23,17 +23,19 @@ mod task;
 mod waters;
 
 pub use check::Check;
-pub use counts::{Shares, Wanted};
+pub use counts::Wanted;
 pub use error::VoyageError;
 pub use front::FrontPoint;
 pub use ground::AT_REST;
 pub use information::Information;
 pub use moves::Moves;
 pub use places::compass_deg;
-pub use prepared::{Brief, Prepared};
+pub use prepared::Prepared;
 pub use rehearsed::Rehearsed;
 pub use sailing::Sailing;
 pub use search::{Search, Watch};
 pub use solve::Solved;
-pub use task::{Area, CostRule, Goal, Hull, ManeuverUse, Place, Primary, Safety, Secondary, Task};
+pub use task::{
+    Area, Brief, CostRule, Goal, Hull, ManeuverUse, Place, Primary, Safety, Secondary, Shares, Task,
+};
 pub use waters::Waters;

@@ -1,6 +1,6 @@
 //! Legs at sea as moves of the lattice, and what they cost.
 
-use lattice::{Action, Cost, Move, MoveId, Step};
+use lattice::{Action, Cost, Move, Step};
 
 use super::counts::Wanted;
 use super::rehearsed::Rehearsed;
@@ -47,17 +47,12 @@ impl Moves {
         self.actions.len() - 1
     }
 
-    /// The leg behind a move.
-    fn leg(&self, id: MoveId) -> usize {
-        self.legs[id.action][id.index].0
-    }
-
     /// The leg behind a step.
     pub(super) fn leg_of_step(&self, step: &Step) -> usize {
         let moves = self.actions[step.action].moves.iter().enumerate();
         let own = moves.filter(|(_, m)| m.from == step.from.layer);
         let index = own.map(|(index, _)| index).nth(step.variant).unwrap_or(0);
-        self.leg(MoveId { action: step.action, index })
+        self.legs[step.action][index].0
     }
 }
 

@@ -1,23 +1,15 @@
 //! Places on the chart as poses of the lattice.
 
-use chart::Plane;
 use lattice::Pose;
 use vessel::Invalid;
 
+use super::prepared::Prepared;
 use super::task::{Goal, Place};
-use crate::Grid;
 
-/// Turns places into poses.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Places<'a> {
-    pub grid: &'a Grid,
-    pub plane: &'a Plane,
-}
-
-impl Places<'_> {
+impl Prepared {
     /// The node and heading level nearest to a place, in its speed mode (the slowest, unless it says).
     pub(super) fn pose(&self, key: &str, place: &Place) -> Result<Pose, Invalid> {
-        let [east, north] = self.plane.to_plane(place.longitude_deg, place.latitude_deg);
+        let [east, north] = self.chart.plane().to_plane(place.longitude_deg, place.latitude_deg);
         let node = |at: f64, origin: f64| ((at - origin) / self.grid.cell_m).round();
         let (i, j) = (node(east, self.grid.origin_m[0]), node(north, self.grid.origin_m[1]));
         let inside = |n: f64, count: usize| n >= 0.0 && n < count as f64;
@@ -60,7 +52,7 @@ impl Places<'_> {
     pub(super) fn words(&self, pose: Pose) -> String {
         let (level, _) = self.grid.level_and_mode(pose.layer);
         let at = self.grid.pose(pose.i, pose.j, level);
-        let (longitude, latitude) = self.plane.to_geographic([at.y, at.x]);
+        let (longitude, latitude) = self.chart.plane().to_geographic([at.y, at.x]);
         format!("{latitude:.4} N {longitude:.4} E heading {:.0}°", compass_deg(at.psi))
     }
 }

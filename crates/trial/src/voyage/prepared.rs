@@ -1,35 +1,17 @@
 //! What a search starts from: chart and lattice laid out, counts known, every leg rehearsed.
 
-use chart::{Chart, Layer};
-use vessel::{Run, Streams, Vessel};
+use chart::Chart;
+use vessel::Streams;
 
-use super::counts::{Counts, Shares, Wanted};
+use super::counts::Wanted;
 use super::error::VoyageError;
 use super::moment_sums::MomentSums;
-use super::places::Places;
 use super::rehearsed::{Rehearsed, rehearse};
-use super::task::Task;
+use super::task::Brief;
 use crate::{Grid, Piece, Repertoire, mirror};
 
 /// How many vessels with other parameters rehearse every maneuver.
 const OTHER_VESSELS: u32 = 16;
-
-/// What a voyage is planned from.
-#[derive(Clone, Debug)]
-pub struct Brief {
-    /// The vessel.
-    pub vessel: Vessel,
-    /// What is asked.
-    pub task: Task,
-    /// The charts.
-    pub layers: Vec<Layer>,
-    /// The dictionary's maneuvers, one per run.
-    pub dictionary: Vec<Run>,
-    /// The design's shares, for counts that follow from them.
-    pub design: Option<Shares>,
-    /// Seed of the rehearsing vessels' parameters and of the currents that a plan is checked in.
-    pub seed: u64,
-}
 
 /// A trial prepared for the search.
 #[derive(Clone, Debug)]
@@ -58,8 +40,8 @@ impl Prepared {
     /// # Errors
     /// Values of the task that make no sense for this vessel, dictionary, design or chart.
     pub fn new(brief: Brief) -> Result<Self, VoyageError> {
-        let Brief { vessel, task, dictionary, .. } = &brief;
-        let wanted = Counts { task, vessel, dictionary, design: brief.design.as_ref() }.wanted()?;
+        let Brief { vessel, task, .. } = &brief;
+        let wanted = brief.wanted()?;
         let (chart, grid) = task.ground(vessel, &brief.layers)?;
         let pieces: Vec<Piece> = wanted.iter().map(|w| w.piece.clone()).collect();
         let information = pieces.iter().map(|piece| MomentSums::of_piece(vessel, piece)).collect();
@@ -76,11 +58,6 @@ impl Prepared {
         let rehearsed = rehearse(&repertoire, &wanted, &brief.other_vessels())?;
         let mirror = mirror.unwrap_or_default();
         Ok(Self { brief, chart, grid, wanted, pieces, mirror, rehearsed, information })
-    }
-
-    /// Names places on this lattice.
-    pub(super) fn places(&self) -> Places<'_> {
-        Places { grid: &self.grid, plane: self.chart.plane() }
     }
 
     /// North and east of a pose's node \[m\].

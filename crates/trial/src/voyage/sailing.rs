@@ -3,7 +3,7 @@
 use chart::Obstacles;
 use vessel::Invalid;
 
-use super::check::{Check, Clearance, Trials};
+use super::check::{Check, Clearance};
 use super::error::VoyageError;
 use super::information::Information;
 use super::prepared::Prepared;
@@ -41,14 +41,8 @@ impl Prepared {
         let transit = charted(task.safety.transit_depth_m)?;
         let trial = charted(task.safety.trial_depth_m)?;
         let outline = task.hull.outline();
-        let trials = Trials {
-            script: &script,
-            clearance: &Clearance { outline: &outline, transit: &transit, trial: &trial },
-            unknown_current_m_s: task.safety.unknown_current_m_s,
-            runs: task.safety.runs,
-            seed: self.brief.seed,
-        };
-        let (check, runs) = trials.check(&sailed)?;
+        let clearance = Clearance { outline: &outline, transit: &transit, trial: &trial };
+        let (check, runs) = clearance.check(&script, &sailed)?;
         if !check.clear {
             return Err(VoyageError::NoAnswer(Invalid::new(
                 "plan at sea",
@@ -62,19 +56,14 @@ impl Prepared {
     }
 
     fn script<'a>(&'a self, solved: &Solved, legs: &[usize]) -> Script<'a> {
-        let task = &self.brief.task;
         let steps = solved.solution.steps.iter().zip(legs);
         let start = solved.problem.start();
         let (level, mode) = self.grid.level_and_mode(start.layer);
         Script {
-            vessel: &self.brief.vessel,
-            handling: task.handling,
-            pieces: &self.pieces,
-            mirror: &self.mirror,
+            prepared: self,
             legs: steps.map(|(step, leg)| (self.node(step.from), &self.rehearsed[*leg].leg)).collect(),
             start: self.grid.pose(start.i, start.j, level),
             speed_m_s: self.grid.modes[mode].speed_m_s,
-            known_current_m_s: task.known_current_m_s,
         }
     }
 }

@@ -1,28 +1,26 @@
 //! A plan as a script that any vessel can carry out, in any current.
 
-use vessel::{Invalid, Pose, Vessel};
+use vessel::{Invalid, Pose};
 
-use crate::{Autopilot, Handling, Leg, Piece, Sailed, Sample, Ship, sail};
+use super::prepared::Prepared;
+use crate::{Autopilot, Leg, Sailed, Sample, Ship, sail};
 
 /// What is sailed: legs from their nodes (north, east), in order.
 pub(super) struct Script<'a> {
-    pub vessel: &'a Vessel,
-    pub handling: Handling,
-    pub pieces: &'a [Piece],
-    pub mirror: &'a [f64],
+    pub prepared: &'a Prepared,
     pub legs: Vec<([f64; 2], &'a Leg)>,
     pub start: Pose,
     pub speed_m_s: f64,
-    pub known_current_m_s: [f64; 2],
 }
 
 impl Script<'_> {
     /// Carried out by a vessel with `parameters` in the known current and `unknown` (north, east).
     pub(super) fn sail(&self, parameters: &[f64], unknown: [f64; 2]) -> Result<Sailed, Invalid> {
+        let Prepared { brief, pieces, mirror, .. } = self.prepared;
         let mut ship = self.ship(parameters, unknown);
-        let mut autopilot = Autopilot::new(self.vessel, &self.vessel.nominal, self.handling);
-        autopilot.known_current_m_s = self.known_current_m_s;
-        sail(self.legs.iter().copied(), self.pieces, self.mirror, &mut ship, &mut autopilot)
+        let mut autopilot = Autopilot::new(&brief.vessel, &brief.vessel.nominal, brief.task.handling);
+        autopilot.known_current_m_s = brief.task.known_current_m_s;
+        sail(self.legs.iter().copied(), pieces, mirror, &mut ship, &mut autopilot)
     }
 
     /// The inputs of a track, sample by sample, without corrections.
@@ -37,8 +35,9 @@ impl Script<'_> {
     }
 
     fn ship<'s>(&'s self, parameters: &[f64], unknown: [f64; 2]) -> Ship<'s> {
-        let mut ship = Ship::new(self.vessel, parameters, self.start, self.speed_m_s);
-        ship.current_m_s = [0, 1].map(|d| self.known_current_m_s[d] + unknown[d]);
+        let brief = &self.prepared.brief;
+        let mut ship = Ship::new(&brief.vessel, parameters, self.start, self.speed_m_s);
+        ship.current_m_s = [0, 1].map(|d| brief.task.known_current_m_s[d] + unknown[d]);
         ship
     }
 }

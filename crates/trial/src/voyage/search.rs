@@ -1,6 +1,6 @@
 //! How a search is carried out, and why it found nothing, in places of the chart.
 
-use lattice::{Front, Options, Pose, Problem, Progress, Reason, Solution, front, plan};
+use lattice::{Options, Pose, Problem, Progress, Reason, Solution, front, plan};
 
 /// Asked from time to time whether a search goes on.
 pub type Watch = Box<dyn FnMut(Progress) -> bool>;
@@ -25,12 +25,8 @@ impl Search<'_> {
 
     /// The least cost of every count vector that can be sailed; nothing where the exhaustive search does not fit.
     pub(super) fn affordable(&self, problem: &Problem) -> Vec<(Vec<u32>, f64)> {
-        match front(problem, &self.options, &mut *(self.watch)()) {
-            Front::Known(points) => {
-                points.into_iter().filter_map(|p| Some((p.counts, p.cost?.primary))).collect()
-            }
-            Front::OutOfTime | Front::TooLarge { .. } => Vec::new(),
-        }
+        let points = front(problem, &self.options, &mut *(self.watch)()).unwrap_or_default();
+        points.into_iter().filter_map(|p| Some((p.counts, p.cost?.primary))).collect()
     }
 }
 

@@ -46,8 +46,8 @@ impl Prepared {
 
     fn problem(&self, waters: &Waters, moves: &Moves) -> Result<Problem, VoyageError> {
         let task = &self.brief.task;
-        let start = self.places().pose("start", &task.start)?;
-        let goal = self.places().goal(&task.goal, start)?;
+        let start = self.pose("start", &task.start)?;
+        let goal = self.goal(&task.goal, start)?;
         self.check_water(waters, "start", start)?;
         if let lattice::Goal::Poses(poses) = &goal {
             poses.iter().try_for_each(|pose| self.check_water(waters, "goal", *pose))?;
@@ -63,7 +63,7 @@ impl Prepared {
 
     /// Why there is no plan, and the most that could be sailed instead.
     fn infeasible(&self, reason: &Reason, front: &[FrontPoint]) -> String {
-        let text = in_words(reason, |pose| self.places().words(pose), self.grid.cell_m);
+        let text = in_words(reason, |pose| self.words(pose), self.grid.cell_m);
         match front.last().filter(|point| point.counts.values().any(|n| *n > 0)) {
             None => text,
             Some(point) => {

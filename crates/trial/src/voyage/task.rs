@@ -1,8 +1,38 @@
 //! What a trial on a chart is asked to do.
 
+use std::collections::BTreeMap;
+
+use chart::Layer;
 use serde::{Deserialize, Serialize};
+use vessel::{Run, Vessel};
 
 use crate::{Approach, Handling, Mode};
+
+/// What a voyage is planned from.
+#[derive(Clone, Debug)]
+pub struct Brief {
+    /// The vessel.
+    pub vessel: Vessel,
+    /// What is asked.
+    pub task: Task,
+    /// The charts.
+    pub layers: Vec<Layer>,
+    /// The dictionary's maneuvers, one per run.
+    pub dictionary: Vec<Run>,
+    /// The design's shares, for counts that follow from them.
+    pub design: Option<Shares>,
+    /// Seed of the rehearsing vessels' parameters and of the currents that a plan is checked in.
+    pub seed: u64,
+}
+
+/// A design's shares of the time in maneuvers.
+#[derive(Clone, Debug, Default)]
+pub struct Shares {
+    /// The design's maneuvers, in its order.
+    pub order: Vec<String>,
+    /// N_q/N by maneuver.
+    pub share: BTreeMap<String, f64>,
+}
 
 /// What a trial on a chart is asked to do, and where.
 #[derive(Clone, Debug)]

@@ -145,17 +145,16 @@ impl Prepared {
             di.hypot(dj) * grid.cell_m
         };
         let free = nodes(grid.nx, grid.ny).filter(|node| is_free(*node));
-        let places = self.places();
         let remedy = match free.min_by(|a, b| away(*a).total_cmp(&away(*b))) {
             Some((i, j)) => {
-                let near = places.words(Pose { i, j, ..pose });
+                let near = self.words(Pose { i, j, ..pose });
                 format!("the nearest clear node is {:.0} m away, {near}", away((i, j)))
             }
             None => "no node of the lattice is clear: check depths, margin and the chart's kind".to_owned(),
         };
         let own = grid.pose(pose.i, pose.j, level);
         let gap = waters.obstacles[layer].distance_m(own.y, own.x);
-        let found = format!("{}, {gap:.0} m from an obstacle", places.words(pose));
+        let found = format!("{}, {gap:.0} m from an obstacle", self.words(pose));
         let expected = format!("the hull at least {} m clear of obstacles", task.safety.margin_m);
         Err(VoyageError::NoAnswer(Invalid::new(format!("`{what}`"), found, expected, remedy)))
     }

@@ -1,0 +1,45 @@
+use vessel::{LANES, Lane, Number};
+
+/// How unknowns stand in columns of lanes.
+pub trait Unknowns: Number {
+    /// How many stand in one column.
+    const PER_COLUMN: usize;
+    /// The entry of unknown `i` in its column.
+    fn of_column(column: Lane, i: usize) -> Self;
+    /// Adds to the entry of unknown `i` in its column.
+    fn add_to(self, column: &mut Lane, i: usize);
+    /// A number of every run; of the first, where there is one run.
+    fn by_lane(of: impl Fn(usize) -> f64) -> Self;
+}
+
+impl Unknowns for Lane {
+    const PER_COLUMN: usize = 1;
+    #[inline(always)]
+    fn of_column(column: Lane, _: usize) -> Self {
+        column
+    }
+    #[inline(always)]
+    fn add_to(self, column: &mut Lane, _: usize) {
+        *column += self;
+    }
+    #[inline(always)]
+    fn by_lane(of: impl Fn(usize) -> f64) -> Self {
+        Self(std::array::from_fn(of))
+    }
+}
+
+impl Unknowns for f64 {
+    const PER_COLUMN: usize = LANES;
+    #[inline(always)]
+    fn of_column(column: Lane, i: usize) -> Self {
+        column[i % LANES]
+    }
+    #[inline(always)]
+    fn add_to(self, column: &mut Lane, i: usize) {
+        column[i % LANES] += self;
+    }
+    #[inline(always)]
+    fn by_lane(of: impl Fn(usize) -> f64) -> Self {
+        of(0)
+    }
+}
