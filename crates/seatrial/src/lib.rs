@@ -19,7 +19,6 @@ pub mod ordered;
 pub mod plan;
 pub mod pool;
 pub mod progress;
-pub mod said;
 mod said;
 pub mod sharded;
 pub mod simulate;
