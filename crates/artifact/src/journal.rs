@@ -20,12 +20,13 @@ pub(crate) fn is_one(name: &str) -> bool {
 }
 
 impl Journal {
-    /// Those of `renames`, from and to, that stay below `folder`, in their order.
+    /// Those of `renames`, of a temporary file to its target beside it, that stay below `folder`; in their order.
     pub fn of<'a>(renames: impl Iterator<Item = [&'a Path; 2]>, folder: &Path) -> Self {
-        let below = |path: &Path| {
-            Some(path.strip_prefix(folder).ok().unwrap_or(path).to_owned()).filter(|p| inside(p))
+        let below = |[from, to]: [&Path; 2]| {
+            let to = to.strip_prefix(folder).unwrap_or(to);
+            inside(to).then(|| Some([to.with_file_name(from.file_name()?), to.to_owned()]))?
         };
-        Self(renames.filter_map(|[from, to]| Some([below(from)?, below(to)?])).collect())
+        Self(renames.filter_map(below).collect())
     }
 
     /// The journal of the set whose main file is `main`.

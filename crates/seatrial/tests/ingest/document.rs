@@ -41,7 +41,7 @@ fn its_schema_is_kept() {
 #[test]
 fn its_schema_names_every_key_of_the_file() {
     let out = tempfile::tempdir().unwrap();
-    let target = out.path().join("t.parquet");
+    let target = out.path().join("trajectories.parquet");
     let ran =
         run(&repository("fixtures/logs"), &["--config", "ingest.toml", "--out", target.to_str().unwrap()]);
     assert_eq!(ran.code, Some(0), "{}", ran.stderr);

@@ -14,7 +14,7 @@ fn refused_in(folder: &Path, more: &[&str], pieces: &[&str]) {
         names
     };
     let before = names();
-    let ran = run(folder, &[&["--config", "ingest.toml", "--out", "t.parquet"], more].concat());
+    let ran = run(folder, &[&["--config", "ingest.toml", "--out", "trajectories.parquet"], more].concat());
     assert_eq!(ran.code, Some(3), "{}{}", ran.stdout, ran.stderr);
     assert_eq!((ran.stderr.lines().count(), ran.stdout.as_str()), (1, ""), "{}", ran.stderr);
     for piece in [&["error: ", ": found ", ", expected ", "; "], pieces].concat() {

@@ -68,7 +68,7 @@ impl Made {
 #[track_caller]
 pub fn ingest(folder: &Path, more: &[&str]) -> Made {
     let out = tempfile::tempdir().unwrap();
-    let target = out.path().join("t.parquet");
+    let target = out.path().join("trajectories.parquet");
     let arguments = [more, &["--out", target.to_str().unwrap()]].concat();
     let ran = run(folder, &arguments);
     assert_eq!(ran.code, Some(0), "{}{}", ran.stdout, ran.stderr);

@@ -63,7 +63,7 @@ fn labels_become_maneuvers() {
 fn trajectories_are_read_by_the_next_stage_in_the_vessels_units() {
     let logs = repository("fixtures/logs");
     let out = tempfile::tempdir().unwrap();
-    let target = out.path().join("t.parquet");
+    let target = out.path().join("trajectories.parquet");
     let more =
         ["--config", "ingest.toml", "--vessel", "vessel.toml", "--json", "--out", target.to_str().unwrap()];
     let ran = run(&logs, &more);

@@ -121,7 +121,7 @@ fn other_files_in_the_plans_place_are_refused() {
     let copy =
         |from: &str, to: &str| std::fs::copy(folder.path().join(from), folder.path().join(to)).unwrap();
     copy("dictionary.parquet", "track.parquet");
-    refused(&folder, 3, SIMULATE, &["track.parquet", "trajectories", "track"]);
+    refused(&folder, 3, SIMULATE, &["track.parquet", "another file than the one written with plan.json"]);
     let folder = sailed(2);
     edit(&folder, "plan.json", "\"status\"", "\"stauts\"");
     refused(&folder, 3, SIMULATE, &["plan.json"]);

@@ -58,7 +58,7 @@ fn law_leaving_out_is_taking_the_others() {
 #[test]
 fn a_previous_estimate_is_a_nominal_model_and_a_strong_prior_holds_to_it() {
     let folder = with(&["campaign.parquet"]);
-    run(&folder, &format!("{POOL} --runs random/0,random/1 --out first.parquet")).succeeds();
+    run(&folder, &format!("{POOL} --runs random/0,random/1 --out estimates.parquet")).succeeds();
     std::fs::rename(folder.path().join("estimate.json"), folder.path().join("first.json")).unwrap();
     let first = parameters(&folder);
     let pulled = format!("{POOL} --runs random/5 --nominal first.json --prior 1e6 --out estimates.parquet");
@@ -75,14 +75,15 @@ fn results_do_not_depend_on_threads() {
     let folder = with(&["campaign.parquet"]);
     for line in [
         format!(
-            "{POOL} --runs random/0,random/1 --estimator output-error --nominal least-squares --bootstrap 20 --out out.parquet"
+            "{POOL} --runs random/0,random/1 --estimator output-error --nominal least-squares --bootstrap 20 --out estimates.parquet"
         ),
         format!("{} --estimators ls,auto --out crossval.json", crate::CROSS),
         format!("{} --out selection.parquet", crate::SELECTION),
     ] {
         let made = |threads: u32| {
             run(&folder, &format!("{line} --threads {threads}")).succeeds();
-            let files = ["out.parquet", "trust.json", "crossval.json", "selection.parquet", "selection.json"];
+            let files =
+                ["estimates.parquet", "trust.json", "crossval.json", "selection.parquet", "selection.json"];
             files.map(|name| std::fs::read(folder.path().join(name)).ok())
         };
         assert!(made(1) == made(3), "{line}");

@@ -30,7 +30,7 @@ fn path() -> PathBuf {
 
 fn numbers() -> Map<String, Value> {
     let folder = with(&["campaign.parquet"]);
-    run(&folder, &format!("{POOL} --bootstrap 20 --out pooled.parquet")).succeeds();
+    run(&folder, &format!("{POOL} --bootstrap 20 --out estimates.parquet")).succeeds();
     run(&folder, &format!("{CROSS} --estimators ls,iv --out crossval.json")).succeeds();
     run(&folder, &format!("{SELECTION} --estimator ls --out selection.parquet")).succeeds();
     let pointed = |(name, file, pointer): (&str, &str, &str)| {

@@ -73,7 +73,7 @@ fn the_optimized_selection_of_the_esso_osaka_is_more_than_twice_as_good_as_a_ran
     .succeeds();
     for (estimator, bound) in [("ls", 1.1), ("iv --nominal least-squares", 0.8)] {
         let line = format!("validate selection {LOGGED} --design design.json --estimator {estimator}");
-        run(&folder, &format!("{line} --out s.parquet")).succeeds();
+        run(&folder, &format!("{line} --out selection.parquet")).succeeds();
         let data = json(&folder, "selection.json")["data"].clone();
         let q90 = |i: usize| {
             data["designs"][i]["overlapping"]["error_norm"]["q90"].as_f64().unwrap_or(f64::INFINITY)
@@ -97,8 +97,8 @@ fn poor_instruments_are_told() {
     let blocks: Vec<&str> = text.split("\n[[").filter(wanted).collect();
     put(&folder, "vessel.toml", &blocks.join("\n[["));
     let line = format!("validate selection {LOGGED} --counts zigzag/fast=4,berthing/slow=1,turning/medium=1");
-    let ran =
-        run(&folder, &format!("{line} --estimator iv --nominal least-squares --out s.parquet")).succeeds();
+    let ran = run(&folder, &format!("{line} --estimator iv --nominal least-squares --out selection.parquet"))
+        .succeeds();
     assert!(ran.stdout.contains("poor instruments: simulated"), "{ran}");
     let data = json(&folder, "selection.json")["data"].clone();
     let said: Vec<&str> = data["statements"].as_array().unwrap().iter().filter_map(Value::as_str).collect();
@@ -106,7 +106,7 @@ fn poor_instruments_are_told() {
     for design in data["designs"].as_array().unwrap() {
         assert!(design["degenerate_share"].as_f64().unwrap() > 0.3, "{design}");
     }
-    run(&folder, &format!("{line} --estimator ls --out s.parquet")).succeeds();
+    run(&folder, &format!("{line} --estimator ls --out selection.parquet")).succeeds();
     let data = json(&folder, "selection.json")["data"].clone();
     assert!(data["designs"][0]["overlapping"]["error_norm"]["q90"].as_f64().unwrap() < 1.3);
 }

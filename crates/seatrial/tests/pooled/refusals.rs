@@ -8,13 +8,13 @@ fn flags_of_a_pooled_estimate_need_it() {
         let name = flag.split(' ').next().unwrap();
         refused(&folder, 2, &format!("{ESTIMATE} {flag}"), &[name, "unexpected"]);
     }
-    refused(&folder, 2, &format!("{POOL} --shard 1/2 --out x.parquet"), &["--shard"]);
+    refused(&folder, 2, &format!("{POOL} --shard 1/2 --out estimates.parquet"), &["--shard"]);
 }
 
 #[test]
 fn runs_that_there_are_not_are_refused() {
     let folder = with(&["campaign.parquet"]);
-    let line = format!("{POOL} --out x.parquet");
+    let line = format!("{POOL} --out estimates.parquet");
     refused(&folder, 3, &format!("{line} --runs random/99"), &["run `random/99`", "did you mean `random/9"]);
     refused(&folder, 3, &format!("{line} --runs random/3 --leave-out random/3"), &["none left"]);
     refused(&folder, 3, &format!("{line} --recordings vessel.toml"), &["vessel.toml"]);
@@ -23,8 +23,8 @@ fn runs_that_there_are_not_are_refused() {
 #[test]
 fn numbers_out_of_range_are_refused() {
     let folder = with(&["campaign.parquet", "design.json"]);
-    refused(&folder, 2, &format!("{POOL} --prior=-1 --out x.parquet"), &["--prior", "-1"]);
-    refused(&folder, 2, &format!("{POOL} --part-s 0.001 --out x.parquet"), &["--part-s", "0.125"]);
+    refused(&folder, 2, &format!("{POOL} --prior=-1 --out estimates.parquet"), &["--prior", "-1"]);
+    refused(&folder, 2, &format!("{POOL} --part-s 0.001 --out estimates.parquet"), &["--part-s", "0.125"]);
     refused(
         &folder,
         3,
@@ -40,10 +40,10 @@ fn numbers_out_of_range_are_refused() {
     refused(
         &folder,
         2,
-        &format!("{SELECTION} --estimator output-error --out s.parquet"),
+        &format!("{SELECTION} --estimator output-error --out selection.parquet"),
         &["output-error", "ls, iv or auto"],
     );
-    let counts = |text: &str| format!("{} --out s.parquet", SELECTION.replace("decelerate=2", text));
+    let counts = |text: &str| format!("{} --out selection.parquet", SELECTION.replace("decelerate=2", text));
     refused(&folder, 2, &counts("decelerrate=2"), &["`decelerrate`", "did you mean `decelerate`?"]);
     refused(&folder, 2, &counts("decelerate=2000"), &["2000 of `decelerate`"]);
     refused(&folder, 2, &counts("decelerate"), &["name=number"]);
@@ -52,15 +52,15 @@ fn numbers_out_of_range_are_refused() {
 #[test]
 fn a_nominal_file_that_is_none_is_refused() {
     let folder = with(&["campaign.parquet", "estimate.json"]);
-    let line = |nominal: &str| format!("{POOL} --runs random/0 --nominal {nominal} --out x.parquet");
+    let line = |nominal: &str| format!("{POOL} --runs random/0 --nominal {nominal} --out estimates.parquet");
     refused(&folder, 1, &line("least-sqares"), &["least-sqares", "existing file"]);
     refused(&folder, 3, &line("estimate.json"), &["estimate.json", "data.designs", "2 designs"]);
-    run(&folder, &format!("{POOL} --runs random/0,random/1 --out pooled.parquet")).succeeds();
+    run(&folder, &format!("{POOL} --runs random/0,random/1 --out estimates.parquet")).succeeds();
     put(&folder, "vessel.toml", include_str!("../../../../pipelines/kvlcc2/vessel.toml"));
     refused(&folder, 3, &line("estimate.json"), &["estimate.json", "no estimate"]);
     put(&folder, "vessel.toml", "preset = \"ljungberg-model-ship\"\n");
-    refused(&folder, 1, &format!("{POOL} --recordings none.json --out x.parquet"), &["none.json"]);
-    refused(&folder, 2, &format!("{POOL} --prior=inf --out x.parquet"), &["--prior", "inf"]);
+    refused(&folder, 1, &format!("{POOL} --recordings none.json --out estimates.parquet"), &["none.json"]);
+    refused(&folder, 2, &format!("{POOL} --prior=inf --out estimates.parquet"), &["--prior", "inf"]);
 }
 
 #[test]
@@ -68,9 +68,9 @@ fn a_nominal_model_that_diverges_is_told_with_part_and_sample() {
     let folder = with(&["campaign.parquet"]);
     put(&folder, "vessel.toml", "preset = \"ljungberg-model-ship\"\n[nominal]\nX_u = 2.5\n");
     let pieces = ["of random/0 diverges at sample", "surge", "--part-s", "--estimator ls"];
-    refused(&folder, 4, &format!("{POOL} --runs random/0 --out x.parquet"), &pieces);
-    refused(&folder, 4, &format!("{SELECTION} --out s.parquet"), &["diverges at sample"]);
-    run(&folder, &format!("{POOL} --runs random/0 --estimator auto --out x.parquet")).succeeds();
+    refused(&folder, 4, &format!("{POOL} --runs random/0 --out estimates.parquet"), &pieces);
+    refused(&folder, 4, &format!("{SELECTION} --out selection.parquet"), &["diverges at sample"]);
+    run(&folder, &format!("{POOL} --runs random/0 --estimator auto --out estimates.parquet")).succeeds();
     let said = json(&folder, "trust.json")["data"]["statements"][0].clone();
     assert!(said.as_str().unwrap().contains("diverges"), "{said}");
 }
@@ -78,7 +78,7 @@ fn a_nominal_model_that_diverges_is_told_with_part_and_sample() {
 #[test]
 fn validate_still_wants_estimates_without_a_subcommand() {
     let folder = with(&["campaign.parquet"]);
-    refused(&folder, 2, "validate --out x.parquet", &["--vessel"]);
+    refused(&folder, 2, "validate --out estimates.parquet", &["--vessel"]);
     refused(&folder, 2, "validate", &["--vessel"]);
     refused(&folder, 2, "validate cross --out c.json", &["--vessel", "--trajectories"]);
     let help = run(&folder, "validate --help").succeeds();

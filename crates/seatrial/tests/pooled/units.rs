@@ -25,7 +25,8 @@ fn numbers(value: &Value, name: &str, maps: &[&str], found: &mut BTreeSet<String
 #[test]
 fn every_number_has_a_unit_and_every_unit_a_number() {
     let folder = with(&["campaign.parquet"]);
-    run(&folder, &format!("{POOL} --runs random/0,random/1 --bootstrap 9 --out x.parquet")).succeeds();
+    run(&folder, &format!("{POOL} --runs random/0,random/1 --bootstrap 9 --out estimates.parquet"))
+        .succeeds();
     run(&folder, &format!("{CROSS} --estimators ls,iv --out crossval.json")).succeeds();
     fs::copy(repository().join("pipelines/model-ship/reference.toml"), folder.path().join("reference.toml"))
         .unwrap();

@@ -76,7 +76,12 @@ fn logs_that_were_changed_are_refused_by_ingest() {
     let folder = small();
     run(&folder, LOGS).succeeds();
     edit(&folder, "logs/spiral-fast_02.csv", "0.125000,", "0.125001,");
-    refused(&folder, 3, INGEST, &["spiral-fast_02.csv", "another digest", "simulated.json"]);
+    refused(
+        &folder,
+        3,
+        INGEST,
+        &["spiral-fast_02.csv", "another file than the one written", "simulated.json"],
+    );
     run(&folder, LOGS).succeeds();
     put(
         &folder,

@@ -146,17 +146,6 @@ fn a_second_output_that_cannot_be_written_takes_the_first_with_it() {
 }
 
 #[test]
-fn outputs_of_the_same_name_are_refused() {
-    let folder = with(&READ);
-    for (stage, out, same) in
-        [(ESTIMATE, "estimates.parquet", "estimate.json"), (VALIDATE, "scores.parquet", "validation.json")]
-    {
-        let line = stage.replace(&format!("--out {out}"), &format!("--out {same}"));
-        refused(&folder, 3, &line, &[same, "two files", "another output"]);
-    }
-}
-
-#[test]
 fn a_full_disk_fails_and_leaves_nothing() {
     let folder = with(&READ);
     for stage in [DICTIONARY, CAMPAIGN, VALIDATION, REPORT] {
