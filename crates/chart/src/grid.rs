@@ -15,6 +15,9 @@ pub enum GridKind {
     LandMask,
 }
 
+/// Farther from the sea's surface than any ground \[m\]: what stands for no data in files that do not say so.
+const FARTHEST: f64 = 12_000.0;
+
 /// How a grid file is to be read.
 #[derive(Clone, Debug)]
 pub struct GridDeclaration {
@@ -66,7 +69,7 @@ impl Grid {
     /// A header without columns, rows, corner or cell size, or with a size that is not positive; rows or
     /// columns other than the header says; values that are no finite numbers; a land mask with values other
     /// than 0 and 1; depths that are all land, or all deep (unless declared open sea): the sign looks
-    /// wrong; no data at all.
+    /// wrong; depths that no sea has: they stand for no data; no data at all.
     pub fn from_ascii(text: &str, declared: &GridDeclaration) -> Result<Self, Invalid> {
         let mut lines = text.lines().enumerate().filter(|(_, l)| !l.trim().is_empty()).peekable();
         let header = header(&mut lines)?;
@@ -174,6 +177,15 @@ fn check_values(values: &[f64], header: &Header, declared: &GridDeclaration) -> 
         GridKind::Depth => (max <= 0.0, min > 0.0),
         GridKind::Elevation => (min >= 0.0, max < 0.0),
     };
+    let far = known().filter(|v| v.abs() > FARTHEST).collect::<Vec<_>>();
+    if let Some(value) = far.first() {
+        return Err(Invalid::new(
+            "grid",
+            format!("{value} in {} of {} cells", far.len(), values.len()),
+            format!("depths and heights of at most {FARTHEST} m"),
+            "write cells without data as the NODATA_value, for instance with `gdal_translate -a_nodata -9999`",
+        ));
+    }
     let (name, other) = match declared.kind {
         GridKind::Depth => ("depth", "elevation"),
         _ => ("elevation", "depth"),

@@ -20,11 +20,24 @@ const MOST_TRACES: usize = 400;
 /// Reads whatever of a study exists.
 ///
 /// # Errors
-/// A file that exists and is refused; a folder without any result.
+/// A file that exists and is refused; a study without folder, a folder without any result.
 pub fn load(sources: &Sources) -> Result<Study, Error> {
+    if !sources.study.is_dir() {
+        let remedy = "name the folder of its hand-written files with --study";
+        return Err(Error::refuse(
+            &sources.study,
+            "study",
+            "no such folder",
+            "the folder of a study",
+            remedy,
+        ));
+    }
     let mut loader = Loader { sources, files: Vec::new() };
     let vessel = loader.vessel()?;
     let campaign = loader.toml::<CampaignFile>("campaign.toml", "runs, disturbances, seed, validation")?;
+    if let Some(Err(invalid)) = campaign.as_ref().map(CampaignFile::check) {
+        return Err(Error::invalid(sources.study.join("campaign.toml"), invalid));
+    }
     let maneuvers = loader.dictionary()?;
     let reference = loader.toml::<Reference>("reference.toml", "published results, to compare with")?;
     let mut dictionary = loader.traces(&vessel, "dictionary.parquet", "maneuvers, undisturbed")?;

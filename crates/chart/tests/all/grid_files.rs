@@ -57,6 +57,17 @@ fn wrong_shapes_and_numbers_are_refused() {
 }
 
 #[test]
+fn values_that_stand_for_no_data_are_refused_unless_the_header_names_them() {
+    let good = fixture("depth_5x4.asc");
+    for fill in ["9.97e36", "-32768", "32767", "99999"] {
+        for kind in [GridKind::Depth, GridKind::Elevation] {
+            let message = read(&good.replace("12.5", fill), kind).unwrap_err();
+            assert!(message.contains("of 20 cells") && message.contains("NODATA_value"), "{fill}: {message}");
+        }
+    }
+}
+
+#[test]
 fn signs_that_look_wrong_are_refused_naming_the_other() {
     let rows = |values: &str| format!("ncols 3\nnrows 1\nxllcorner 0\nyllcorner 0\ncellsize 1\n{values}\n");
     let cases = [

@@ -147,3 +147,14 @@ fn two_processes_write_one_set_one_after_the_other() {
         read_estimates(&folder);
     }
 }
+
+#[test]
+fn a_report_of_a_study_that_does_not_exist_is_refused() {
+    let folder = with(&["design.json"]);
+    let line = "report --study nowhere --results . --out report.html";
+    run(&folder, line).refuses(3, &["nowhere: study: found no such folder", "--study"]);
+    assert!(!folder.path().join("report.html").exists());
+    edit(&folder, "campaign.toml", "duration_s = ", "duration_s = -");
+    run(&folder, "report --study . --results . --out report.html")
+        .refuses(3, &["campaign.toml: `duration_s`"]);
+}
