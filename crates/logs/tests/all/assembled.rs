@@ -1,23 +1,11 @@
 //! Channels on one clock.
 
-use logs::{
-    Assembled, Body, Channels, Conventions, Frame, Heading, Lever, Method, Series, Stretch, Unassembled,
-    assemble,
-};
+use logs::{Assembled, Channels, Conventions, Lever, Method, Series, Stretch, Unassembled, assemble};
+
+use crate::declared;
 
 fn conventions(method: Method) -> Conventions {
-    Conventions {
-        frame: Frame::Ned,
-        heading: Heading::NorthClockwise,
-        body: Body::Frd,
-        lever: Lever::default(),
-        window_s: 1.0,
-        derived: Vec::new(),
-        thrusters: Vec::new(),
-        method,
-        rate_hz: 10.0,
-        average_s: None,
-    }
+    declared::conventions(method, 10.0)
 }
 
 fn with_n(channels: Channels, conventions: &Conventions) -> Result<Assembled, Unassembled> {

@@ -1,10 +1,10 @@
 //! What a chain of instruments logs, and that `assemble` gets the motion back from it.
 
 use logs::chain::{Actuator, Chain, Compass, Drift, Gnss, Hull, Key, Recording, Weather, Wind};
-use logs::{
-    Body, Channels, Conventions, Frame, Heading, Law, Lever, Method, Series, assemble, body_velocity,
-};
+use logs::{Channels, Conventions, Law, Method, Series, assemble, body_velocity};
 use vessel::{Source, Vessel, VesselFile};
+
+use crate::declared;
 
 const RATE_HZ: f64 = 8.0;
 
@@ -113,18 +113,7 @@ fn back(recording: &Recording, actuators: &[Actuator]) -> logs::Assembled {
         channels.insert(format!("alpha{i}"), series(of(&|s| s.alpha)).unwrapped());
         thrusters.push((actuator.thruster(), format!("n{i}"), Some(format!("alpha{i}"))));
     }
-    let conventions = Conventions {
-        frame: Frame::Ned,
-        heading: Heading::NorthClockwise,
-        body: Body::Frd,
-        lever: Lever::default(),
-        window_s: 1.0,
-        derived: Vec::new(),
-        thrusters,
-        method: Method::Euler,
-        rate_hz: RATE_HZ,
-        average_s: None,
-    };
+    let conventions = Conventions { thrusters, ..declared::conventions(Method::Euler, RATE_HZ) };
     assemble(channels, &conventions, &["tau1", "tau2", "tau3"], &[]).unwrap()
 }
 

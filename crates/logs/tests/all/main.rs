@@ -6,6 +6,7 @@ mod angles;
 mod assembled;
 mod chain;
 mod clocks;
+mod declared;
 mod formulas;
 mod frames;
 mod grid;

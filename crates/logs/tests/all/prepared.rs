@@ -3,23 +3,14 @@
 use std::f64::consts::FRAC_PI_2;
 
 use logs::{
-    Body, Channels, Conventions, Derived, Formula, Frame, Heading, Law, Lever, Method, Series, Thruster,
+    Body, Channels, Conventions, Derived, Formula, Frame, Heading, Law, Method, Series, Thruster,
     Unassembled, prepare,
 };
 
+use crate::declared;
+
 fn conventions() -> Conventions {
-    Conventions {
-        frame: Frame::Ned,
-        heading: Heading::NorthClockwise,
-        body: Body::Frd,
-        lever: Lever::default(),
-        window_s: 1.0,
-        derived: Vec::new(),
-        thrusters: Vec::new(),
-        method: Method::Smoother,
-        rate_hz: 1.0,
-        average_s: None,
-    }
+    declared::conventions(Method::Smoother, 1.0)
 }
 
 fn channels(pairs: &[(&str, &[f64])]) -> Channels {

@@ -10,6 +10,14 @@ fn cases(name: &str) -> Vec<Value> {
     serde_json::from_str::<Value>(ORACLE).unwrap()[name].as_array().unwrap().clone()
 }
 
+/// Draws of an even distribution over (0, 1): a multiplicative generator modulo a Mersenne prime.
+fn draws(mut state: u64) -> impl FnMut() -> f64 {
+    move || {
+        state = state * 48_271 % 2_147_483_647;
+        state as f64 / 2_147_483_647.0
+    }
+}
+
 #[test]
 fn oracle_wilsons_limits_are_the_shares_that_a_score_test_just_keeps() {
     for case in cases("shares") {
@@ -36,12 +44,7 @@ fn oracle_ranks_of_quantiles_are_those_of_exact_rational_sums() {
 
 #[test]
 fn law_nineteen_of_twenty_intervals_hold_the_median_they_were_drawn_from() {
-    // A multiplicative generator modulo a Mersenne prime: draws of an even distribution over (0, 1).
-    let mut state = 1_u64;
-    let mut draw = || {
-        state = state * 48_271 % 2_147_483_647;
-        state as f64 / 2_147_483_647.0
-    };
+    let mut draw = draws(1);
     let held = (0..2000).filter(|_| {
         let values = sorted((0..96).map(|_| Some(draw())));
         let [low, high] = quantile_interval(&values, 0.5).map(Option::unwrap);
@@ -70,11 +73,7 @@ fn pairs_differ_by_their_median() {
 
 #[test]
 fn law_nineteen_of_twenty_intervals_hold_the_mean_they_were_drawn_from() {
-    let mut state = 7_u64;
-    let mut draw = || {
-        state = state * 48_271 % 2_147_483_647;
-        state as f64 / 2_147_483_647.0
-    };
+    let mut draw = draws(7);
     let held = (0..2000).filter(|_| {
         let values: Vec<f64> = (0..96).map(|_| draw()).collect();
         let [low, high] = mean_interval(&values).unwrap();
