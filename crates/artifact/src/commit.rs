@@ -1,5 +1,6 @@
 //! Giving a set of files their names, all or none.
 
+use std::collections::BTreeSet;
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 
@@ -22,7 +23,7 @@ use crate::staged::Staged;
 /// [`Error::Refused`] if two files have the same target; [`Error::Io`] if one cannot be renamed.
 pub fn commit(mut files: Vec<Staged>) -> Result<()> {
     refuse_same_targets(&files)?;
-    let folders: Vec<PathBuf> = files.iter().map(|file| folder_of(file.path()).to_owned()).collect();
+    let folders: BTreeSet<PathBuf> = files.iter().map(|file| folder_of(file.path()).to_owned()).collect();
     if files.len() < 2 {
         files.into_iter().try_for_each(Staged::rename)?;
     } else {

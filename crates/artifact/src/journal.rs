@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::names::{UNFINISHED, folder_of};
 
-/// How the name of a journal goes on after [`UNFINISHED`].
+/// What follows [`UNFINISHED`] in the name of a journal.
 const MARK: &str = "set-";
 
 /// Renames within a folder: paths relative to it.

@@ -8,7 +8,7 @@ use crate::names::UNFINISHED;
 
 /// Completes half renamed sets in `folder` and removes the unfinished files of processes that are no more.
 ///
-/// Nothing is told: a folder that cannot be mended is as it was.
+/// Errors are ignored: a folder that cannot be repaired stays as it was.
 pub(crate) fn sweep(folder: &Path) {
     if unfinished(folder).is_empty() {
         return;

@@ -38,7 +38,7 @@ impl<R: Send> Made<R> {
     }
 
     /// Computes the rows of every block of this shard in parallel; `encoded` makes a block of the table of them. The whole
-    /// table names the document that [`Made::commit`] puts beside it.
+    /// table names the document that [`publish`] puts beside it.
     ///
     /// # Errors
     /// The first failure of `rows`, in the order of blocks; output that fails.
@@ -66,20 +66,20 @@ impl<R: Send> Made<R> {
         })?;
         Ok(Self { table: writer.finish()?, provenance, rows: all })
     }
+}
 
-    /// Gives the table its name, and where it is whole, `document` beside it.
-    ///
-    /// # Errors
-    /// Output that fails.
-    pub fn commit<D: Document>(
-        table: Staged,
-        document: &Path,
-        provenance: &Provenance,
-        data: impl FnOnce() -> Result<D, Failure>,
-    ) -> Result<(), Failure> {
-        match provenance.shard {
-            Some(_) => Ok(commit(vec![table])?),
-            None => Ok(commit_with_document(table, document, provenance, &data()?)?),
-        }
+/// Gives `table` its name, and where it is whole, `document` beside it.
+///
+/// # Errors
+/// Output that fails.
+pub fn publish<D: Document>(
+    table: Staged,
+    document: &Path,
+    provenance: &Provenance,
+    data: impl FnOnce() -> Result<D, Failure>,
+) -> Result<(), Failure> {
+    match provenance.shard {
+        Some(_) => Ok(commit(vec![table])?),
+        None => Ok(commit_with_document(table, document, provenance, &data()?)?),
     }
 }

@@ -8,7 +8,7 @@ use artifact::{Error, Staged, TableReader, commit, read_document, stage_document
 
 use crate::sample::{Design, design, encode, folder, names, provenance, stage};
 
-/// What the process of [`set_of_another_process`] is told.
+/// Environment variables that [`set_of_another_process`] reads.
 const FOLDER: &str = "ARTIFACT_TEST_FOLDER";
 const COUNT: &str = "ARTIFACT_TEST_COUNT";
 const KILL: &str = "ARTIFACT_TEST_KILL";

@@ -1,4 +1,4 @@
-//! Files that were written together are told from those that were not.
+//! Files of one set are read; files of two sets that stand beside each other are refused.
 
 use std::path::Path;
 

@@ -19,7 +19,7 @@ use crate::failure::Failure;
 use crate::inputs;
 use crate::ordered::{joined, joined_blocks};
 use crate::progress::Progress;
-use crate::sharded::Made;
+use crate::sharded::{self, Made};
 use crate::stage::{Summary, Task};
 
 /// Estimates the parameters of every run, with standard errors; writes estimates.parquet and estimate.json
@@ -174,7 +174,7 @@ fn publish(vessel: &Vessel, document: &Path, made: Made<Row>) -> Result<Summary,
     );
     let also = |count: usize, what: &str| if count > 0 { format!(", {count} {what}") } else { String::new() };
     let searched = also(unconverged, EstimateStatus::NotConverged.name()) + &also(kept, "kept unrefined");
-    Made::<Row>::commit(table, document, &provenance, || {
+    sharded::publish(table, document, &provenance, || {
         Ok(estimates::summarize(&out, &provenance, vessel, &rows)?)
     })?;
     let single = estimates::estimators(&rows).len() < 2;

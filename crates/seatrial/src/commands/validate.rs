@@ -18,7 +18,7 @@ use crate::cli::{Common, Sharding, beside, given, provenance};
 use crate::failure::Failure;
 use crate::inputs;
 use crate::progress::Progress;
-use crate::sharded::Made;
+use crate::sharded::{self, Made};
 use crate::stage::{Summary, Task};
 
 /// Scores every estimate: parameter error and free-run simulation error; writes scores.parquet and validation.json
@@ -130,7 +130,7 @@ fn publish(
         format!("{} runs, {diverged} diverged", rows.len()),
         json!({"runs": rows.len(), "diverged": diverged, "designs": designs}),
     );
-    Made::<Row>::commit(table, document, &provenance, || {
+    sharded::publish(table, document, &provenance, || {
         Ok(ValidationDocument {
             bounds,
             samples: validation.samples(),

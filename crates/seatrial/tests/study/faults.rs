@@ -30,7 +30,7 @@ fn put_back(folder: &TempDir, before: &BTreeMap<PathBuf, Vec<u8>>) {
 }
 
 /// Runs `line` with a fault of `kind` at every place that it comes to, each time over what an earlier run of it left.
-/// `generation` tells what one reader finds; afterwards the folder holds what `before` or the fault-free run leaves.
+/// After `read`, the folder holds what it held before or what the run without a fault leaves.
 fn at_every_place(folder: &TempDir, line: &str, kind: &str, read: impl Fn(&TempDir)) {
     let before = files(folder);
     run(folder, line).succeeds();
