@@ -77,18 +77,26 @@ impl<X: Number> DegreeSums<X> {
     #[inline(always)]
     pub(crate) fn add_sample(&mut self, zeta: &[X], phi: &[X], one: X, increment: X) {
         let p = zeta.len();
-        for (i, z) in zeta.iter().chain([&one]).enumerate() {
-            let row = &mut self.a[i * (p + 1)..(i + 1) * (p + 1)];
-            for (sum, f) in row.iter_mut().zip(phi) {
-                *sum += *z * *f;
-            }
-            row[p] += *z * one;
-            self.b[i] += *z * increment;
+        for (i, z) in zeta.iter().enumerate() {
+            self.add_row(i, *z, phi, one, increment);
         }
+        self.add_row(p, one, phi, one, increment);
         for i in 0..p {
             self.instrument_squares[i] += zeta[i] * zeta[i];
             self.regressor_squares[i] += phi[i] * phi[i];
         }
+    }
+
+    /// Adds entry `i` of ζ̃ times φ̃ and Δy.
+    #[inline(always)]
+    fn add_row(&mut self, i: usize, z: X, phi: &[X], one: X, increment: X) {
+        let p = phi.len();
+        let row = &mut self.a[i * (p + 1)..(i + 1) * (p + 1)];
+        for (sum, f) in row.iter_mut().zip(phi) {
+            *sum += z * *f;
+        }
+        row[p] += z * one;
+        self.b[i] += z * increment;
     }
 }
 
