@@ -46,7 +46,7 @@ pub use middle::{Noise, middle};
 pub use moments::{ManeuverMoments, moments};
 pub use prefiltered::estimate_prefiltered;
 pub use quantiles::{Quantiles, Share};
-pub use recommendation::{Contender, MOST_WITHOUT_ESTIMATE, Other, Recommendation};
+pub use recommendation::{Contender, MOST_WITHOUT_ESTIMATE, Other, PairedDifference, Recommendation};
 pub use repeated::{RepeatedEstimates, TRUSTED, relative_norms};
 pub use run_estimate::RunEstimate;
 pub use sensitivity::{OutputInformation, output_information, prediction_weights};

@@ -1,6 +1,8 @@
 //! Which of several estimators to use, from their errors on the same runs.
 
 use numerics::statistics::{paired_median, quantile, sorted};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
 use crate::Estimator;
 
@@ -83,5 +85,28 @@ impl Other {
     /// Whether its errors are the larger ones beyond chance: the interval of the difference lies above 0.
     fn is_told_apart(&self) -> bool {
         self.interval[0] > 0.0
+    }
+}
+
+/// The error of one estimator less that of another on the same runs or recordings.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct PairedDifference {
+    /// Which.
+    pub estimator: Estimator,
+    /// The median difference; null where it is infinite.
+    pub median: Option<f64>,
+    /// 95 % interval of that median; null at an infinite end. An interval that contains 0 tells no difference.
+    pub interval: [Option<f64>; 2],
+}
+
+impl From<&Other> for PairedDifference {
+    fn from(other: &Other) -> Self {
+        let finite = |value: f64| Some(value).filter(|v| v.is_finite());
+        Self {
+            estimator: other.estimator,
+            median: finite(other.difference),
+            interval: other.interval.map(finite),
+        }
     }
 }

@@ -1,7 +1,7 @@
 use maud::{Markup, display, html};
 
 use super::measured::{Measured, free_runs};
-use super::number::{exact, three, three_or_dash};
+use super::number::{exact, or_dash, three, three_or_dash, three_within};
 use super::parts::{Section, missing, statements};
 use super::table::Table;
 use study::documents::{CrossvalDocument, EstimatorScore};
@@ -14,7 +14,7 @@ pub(super) fn cross_validation(measured: &Measured) -> Section {
             (about(found))
             (statements(&found.statements))
             (estimators(found))
-            @if let Some((score, _)) = measured.recommended() { (sources(score)) }
+            @if let Some((score, _)) = measured.best() { (sources(score)) }
         },
     };
     Section::new("cross-validation", "Cross-validation", "Cross-validation", body)
@@ -36,17 +36,24 @@ fn about(found: &CrossvalDocument) -> Markup {
 }
 
 fn estimators(found: &CrossvalDocument) -> Markup {
-    let best = |e: &EstimatorScore| found.recommended == Some(e.name);
+    let recommended = |e: &EstimatorScore| found.recommended == Some(e.name);
     let named = Table::of(&found.estimators)
-        .mark("main", best)
-        .name("Estimator", |e| html! { (e.name) @if best(e) { " (recommended)" } });
+        .mark("main", |e| found.candidates.contains(&e.name))
+        .name("Estimator", |e| html! { (e.name) @if recommended(e) { " (recommended)" } });
     let table = free_runs(named, |e| e.errors)
         .number("Error norm", |e| three_or_dash(e.error_norm))
+        .number("Above the least", |e| {
+            or_dash(found.difference(e.name).map(|d| three_within(d.median, Some(d.interval))))
+        })
         .text("By instruments, folds", |e| e.by_instruments.map(|folds| folds.to_string()).join(", "))
         .text("Status", |e| display(e.status));
     html! {
         (table)
-        p.note { "By instruments: folds in which surge, sway and yaw were estimated with simulated instruments." }
+        p.note {
+            "Above the least: how far the error norm of a recording lies above that by the estimator of least median norm, \
+             median over the recordings with its 95 % interval; one that contains 0 tells no difference. "
+            "By instruments: folds in which surge, sway and yaw were estimated with simulated instruments."
+        }
     }
 }
 

@@ -63,10 +63,10 @@ impl SelectionStudy {
 }
 
 impl Measured {
-    /// The estimator that cross-validation recommends, with its errors.
-    pub(super) fn recommended(&self) -> Option<(&EstimatorScore, FreeRunErrors)> {
+    /// The estimator of least error in cross-validation, with its errors.
+    pub(super) fn best(&self) -> Option<(&EstimatorScore, FreeRunErrors)> {
         let crossval = self.crossval.as_ref()?;
-        let name = crossval.recommended?;
+        let name = *crossval.candidates.first()?;
         let score = crossval.estimators.iter().find(|e| e.name == name)?;
         Some((score, score.errors?))
     }
@@ -74,7 +74,7 @@ impl Measured {
     /// The answer in a few sentences.
     pub(super) fn answer(&self, selection: Option<&SelectionStudy>) -> String {
         let mut told = Vec::new();
-        if let (Some((score, errors)), Some(crossval)) = (self.recommended(), &self.crossval) {
+        if let (Some((score, errors)), Some(crossval)) = (self.best(), &self.crossval) {
             let over =
                 crossval.window_s.map_or("whole recordings".to_owned(), |s| format!("windows of {s} s"));
             told.push(format!(
@@ -111,7 +111,7 @@ impl Measured {
     /// Key figures.
     pub(super) fn cards(&self, selection: Option<&SelectionStudy>) -> Markup {
         html! {
-            @if let Some((score, errors)) = self.recommended() {
+            @if let Some((score, errors)) = self.best() {
                 @for (what, own) in [("surge", errors.fit_u), ("sway", errors.fit_v), ("yaw rate", errors.fit_r)] {
                     (card(&format!("Fit of {what}, left out"), fit(own), display(score.name), &[]))
                 }

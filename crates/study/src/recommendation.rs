@@ -1,6 +1,6 @@
-use identification::{Contender, Estimator, MOST_WITHOUT_ESTIMATE, Other, Recommendation};
+use identification::{Contender, Estimator, MOST_WITHOUT_ESTIMATE, PairedDifference, Recommendation};
 
-use crate::documents::{ComparedError, EstimatorRecommendation, PairedDifference};
+use crate::documents::{ComparedError, EstimatorRecommendation};
 use crate::estimates::distinct;
 use crate::listed;
 use crate::scores::{Row, estimators};
@@ -74,17 +74,6 @@ fn statement(found: Option<&Recommendation>, design: &str, error: ComparedError,
                  95 % interval of the paired difference contains 0.",
                 listed(&close)
             )
-        }
-    }
-}
-
-impl From<&Other> for PairedDifference {
-    fn from(other: &Other) -> Self {
-        let finite = |value: f64| Some(value).filter(|v| v.is_finite());
-        Self {
-            estimator: other.estimator,
-            median: finite(other.difference),
-            interval: other.interval.map(finite),
         }
     }
 }

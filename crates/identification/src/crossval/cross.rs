@@ -4,8 +4,8 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use super::folds::{Fold, folds};
-use crate::pooled::{Estimated, FreeRunErrors, Part, Pool, PooledRuns, Score, deviations};
-use crate::{Estimator, ScoreStatus};
+use crate::pooled::{Estimated, FreeRunErrors, Part, Pool, PooledRuns, Score, deviations, listed};
+use crate::{Contender, Estimator, Recommendation, ScoreStatus};
 
 /// What is compared, and over what.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -31,8 +31,8 @@ pub struct CrossValidation {
     pub std: [f64; 3],
     /// One per estimator.
     pub scores: Vec<EstimatorScore>,
-    /// The estimator with the smallest norm of RMSE/std; none where none could be simulated.
-    pub recommended: Option<Estimator>,
+    /// The estimators recording by recording, by their norms of RMSE/std; none where none could be simulated over all.
+    pub recommendation: Option<Recommendation>,
     /// That, and what went wrong, in words.
     pub statements: Vec<String>,
 }
@@ -71,6 +71,8 @@ pub struct SourceScore {
     pub diverged: u64,
     /// Null where one diverged, there is no window, or no model.
     pub errors: Option<FreeRunErrors>,
+    /// Norm of RMSE over the standard deviations of the states in all recordings, by which estimators are compared.
+    pub error_norm: Option<f64>,
 }
 
 /// Why nothing can be left out.
@@ -124,18 +126,30 @@ pub fn cross_validate(
         cut.score(*estimator, &tried)
     };
     let scores: Vec<EstimatorScore> = options.estimators.par_iter().map(score).collect();
-    let known = scores.iter().filter_map(|score| Some((score.error_norm?, score)));
-    let best = known.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, score)| score);
+    let contenders: Vec<Contender> = scores.iter().map(EstimatorScore::contender).collect();
+    let recommendation = Recommendation::new(&contenders);
     let windows = || cut.windows.iter().flat_map(|(_, windows)| windows);
     Ok(CrossValidation {
         windows: windows().count() as u64,
         samples: windows().map(|w| w.samples() as u64).sum(),
         folds: folds.len(),
         std: cut.std,
-        recommended: best.map(|score| score.name),
-        statements: statements(best, &scores),
+        statements: statements(recommendation.as_ref(), &scores),
+        recommendation,
         scores,
     })
+}
+
+impl EstimatorScore {
+    /// Its errors over the recordings that have windows.
+    fn contender(&self) -> Contender {
+        let simulated = self.sources.iter().filter(|source| source.windows > 0);
+        let errors: Vec<Option<f64>> = simulated.map(|source| source.error_norm).collect();
+        // Without a model in some fold it has fewer recordings than the others.
+        let complete = self.error_norm.is_some();
+        let without_estimate = if complete { 0 } else { errors.len().max(1) };
+        Contender { estimator: self.name, errors, without_estimate }
+    }
 }
 
 impl<'a> Cut<'a> {
@@ -216,15 +230,18 @@ impl<'a> Cut<'a> {
             windows: windows.len() as u64,
             diverged: score.diverged,
             errors: score.errors(deviations(windows.iter().map(|w| w.measured.as_slice()))),
+            error_norm: score.norm(self.std),
         }
     }
 }
 
-fn statements(best: Option<&EstimatorScore>, scores: &[EstimatorScore]) -> Vec<String> {
+fn statements(found: Option<&Recommendation>, scores: &[EstimatorScore]) -> Vec<String> {
+    let score = |name: Estimator| scores.iter().find(|score| score.name == name);
     let mut out = Vec::new();
-    if let Some((best, errors)) = best.and_then(|e| e.errors.map(|errors| (e.name, errors))) {
-        out.push(format!("recommended: {best} (fit {})", fits(&errors)));
-        for other in scores.iter().filter(|e| e.name != best) {
+    if let Some((found, errors)) = found.and_then(|found| Some((found, score(found.least)?.errors?))) {
+        out.push(verdict(found, &errors));
+        for other in scores.iter().filter(|e| e.name != found.least) {
+            let best = found.least;
             out.extend(other.errors.map(|e| format!("{best} over {}: {}", other.name, ahead(&errors, &e))));
         }
     }
@@ -233,6 +250,21 @@ fn statements(best: Option<&EstimatorScore>, scores: &[EstimatorScore]) -> Vec<S
         out.push(format!("{}: {}: {reason}", failed.name, failed.status));
     }
     out
+}
+
+/// Which estimator is recommended, or which cannot be told apart.
+fn verdict(found: &Recommendation, errors: &FreeRunErrors) -> String {
+    let (least, fits) = (found.least, fits(errors));
+    match found.estimator() {
+        Some(_) => format!("recommended: {least} (fit {fits})"),
+        None => {
+            let close: Vec<String> = found.candidates()[1..].iter().map(Estimator::to_string).collect();
+            format!(
+                "none recommended: {least} (fit {fits}) has the least error, but the recordings cannot tell it from {}",
+                listed(&close)
+            )
+        }
+    }
 }
 
 /// `u +1.20, v +0.30, r -0.10 points of fit`.

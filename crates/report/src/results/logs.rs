@@ -7,7 +7,7 @@ use study::documents::{CrossvalDocument, EstimatorScore};
 
 use super::folder::{documents, label, left_out};
 use super::table::Table;
-use crate::number::{exact, or_dash, three_or_dash};
+use crate::number::{exact, or_dash, three_or_dash, three_within};
 
 pub(super) fn section(folders: &[PathBuf]) -> Result<Option<String>, Error> {
     let (found, missing) = documents::<CrossvalDocument>(folders, "crossval.json")?;
@@ -19,6 +19,9 @@ pub(super) fn section(folders: &[PathBuf]) -> Result<Option<String>, Error> {
         .column("estimator", |(.., score)| format!("`{}`", score.name))
         .column("fit of surge, sway, yaw rate", |(.., score)| fits(score))
         .column("error norm", |(.., score)| three_or_dash(score.error_norm))
+        .column("above the least", |(_, document, score)| {
+            or_dash(document.difference(score.name).map(|d| three_within(d.median, Some(d.interval))))
+        })
         .column("folds", |(_, document, _)| document.folds.to_string())
         .column("windows", |(_, document, _)| document.windows.to_string())
         .column("length", |(_, document, _)| {
@@ -26,7 +29,8 @@ pub(super) fn section(folders: &[PathBuf]) -> Result<Option<String>, Error> {
         });
     let note = left_out(&missing, "the logs were not there; see own-logs.md");
     let about = "Each recording is left out in turn and predicted by the model of the others. Fit: 100 (1 − RMSE/std), 0 is as good as the mean \
-        of the data, 100 perfect. Measured logs exist once, so there is nothing to repeat and no interval.";
+        of the data, 100 perfect. Above the least: how far the error norm of a recording lies above that by the estimator of \
+        least median norm, median over the recordings with its 95 % interval; one that contains 0 tells no difference.";
     Ok((!folders.is_empty()).then(|| {
         let table = table.text().map_or(String::new(), |table| format!("\n{table}"));
         format!("## Measured logs\n\n{about}\n{table}{note}")

@@ -66,7 +66,7 @@ impl Task for Arguments {
             &out,
             format!("{windows} windows, {folds} folds; {said}"),
             json!({"windows": windows, "folds": folds,
-                "recommended": found.recommended, "statements": found.statements}),
+                "recommended": document.recommended, "statements": found.statements}),
         ))
     }
 }

@@ -55,8 +55,10 @@ fn recordings_left_out_of_the_esso_osaka_are_followed_better_than_the_baseline()
     );
     let said = run(&folder, &line).succeeds();
     let data = json(&folder, "crossval.json")["data"].clone();
-    assert_eq!((&data["folds"], &data["recommended"]), (&23.into(), &"output-error".into()));
-    assert!(said.stdout.contains("recommended: output-error (fit u "), "{said}");
+    assert_eq!((&data["folds"], &data["candidates"][0]), (&23.into(), &"output-error".into()));
+    // The difference between the estimators is within chance: 23 recordings cannot tell them apart.
+    assert_eq!((&data["recommended"], data["candidates"].as_array().unwrap().len()), (&Value::Null, 3));
+    assert!(said.stdout.contains("none recommended: output-error (fit u "), "{said}");
     for estimator in ["ls", "iv", "output-error"] {
         at_least(fits(&folder, estimator), [71.0, 71.0, 62.0]);
     }
@@ -141,11 +143,14 @@ fn no_single_run_of_the_kvlcc2_is_answered_by_instruments() {
 }
 
 #[test]
-fn the_method_recommended_for_the_kvlcc2_reaches_the_baseline() {
+fn the_method_of_least_error_for_the_kvlcc2_reaches_the_baseline() {
     let Some(folder) = ingested("kvlcc2", "kvlcc2_hsva") else { return };
     let line = format!("validate cross {LOGGED} --nominal least-squares --part-s 100 --out crossval.json");
     run(&folder, &line).succeeds();
-    assert_eq!(json(&folder, "crossval.json")["data"]["recommended"], "output-error");
+    let data = json(&folder, "crossval.json")["data"].clone();
+    assert_eq!(data["candidates"], serde_json::json!(["output-error", "ls"]));
+    let auto = data["differences"].as_array().unwrap().iter().find(|d| d["estimator"] == "auto").unwrap();
+    assert!(auto["interval"][0].as_f64().unwrap() > 0.0, "{auto}");
     at_least(fits(&folder, "output-error"), [66.0, 73.0, 76.0]);
 }
 

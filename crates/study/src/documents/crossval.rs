@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use identification::crossval::{CrossValidation, EstimatorScore};
 use identification::pooled::{NominalSource, Pool};
-use identification::{Estimator, MeanRemoval};
+use identification::{Estimator, MeanRemoval, PairedDifference, Recommendation};
 
 /// `crossval.json`: free simulation over runs or recordings that were left out of the estimate.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
@@ -32,8 +32,13 @@ pub struct CrossvalDocument {
     pub std_v: f64,
     /// Of yaw rate.
     pub std_r: f64,
-    /// The estimator with the smallest norm of RMSE/std over all windows; null where none could be simulated.
+    /// The estimator with the least median norm of RMSE/std over the recordings; null where they cannot tell it from another,
+    /// or none could be simulated over all.
     pub recommended: Option<Estimator>,
+    /// That of least median norm, and those that the recordings cannot tell from it.
+    pub candidates: Vec<Estimator>,
+    /// The other estimators against that of least median norm, recording by recording.
+    pub differences: Vec<PairedDifference>,
     /// That, and what went wrong, in words.
     pub statements: Vec<String>,
     /// One entry per estimator.
@@ -56,10 +61,17 @@ impl CrossvalDocument {
             std_u,
             std_v,
             std_r,
-            recommended: found.recommended,
+            recommended: found.recommendation.as_ref().and_then(Recommendation::estimator),
+            candidates: found.recommendation.as_ref().map_or(Vec::new(), Recommendation::candidates),
+            differences: found.recommendation.iter().flat_map(|r| &r.others).map(Into::into).collect(),
             statements: found.statements.clone(),
             estimators: found.scores.clone(),
         }
+    }
+
+    /// How far an estimator's errors lie above the least.
+    pub fn difference(&self, estimator: Estimator) -> Option<&PairedDifference> {
+        self.differences.iter().find(|other| other.estimator == estimator)
     }
 }
 
@@ -67,7 +79,7 @@ impl Document for CrossvalDocument {
     const ID: &'static str = "crossval";
     const VERSION: u32 = 1;
     const UNITS: Units = &[
-        ("1", "prior windows samples folds error_norm diverged by_instruments"),
+        ("1", "prior windows samples folds error_norm diverged by_instruments differences"),
         ("s", "window_s"),
         ("m/s", "std_u std_v rmse_u rmse_v"),
         ("rad/s", "std_r rmse_r"),

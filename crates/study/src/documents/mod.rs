@@ -54,8 +54,7 @@ pub use simulated::{SIMULATED_FILE, SimulatedLogsDocument, SimulatedRecording};
 pub use solved::{Few, Solved};
 pub use trust::TrustDocument;
 pub use validation::{
-    Bounds, ComparedError, DesignScores, EstimatorRecommendation, EstimatorScores, PairedDifference,
-    ValidationDocument,
+    Bounds, ComparedError, DesignScores, EstimatorRecommendation, EstimatorScores, ValidationDocument,
 };
 
 /// JSON Schema of every document that a stage writes, by the document's id.

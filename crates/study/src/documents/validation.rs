@@ -1,5 +1,5 @@
 use artifact::{Document, Units};
-use identification::{Estimator, Quantiles};
+use identification::{Estimator, PairedDifference, Quantiles};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -115,18 +115,6 @@ pub enum ComparedError {
     ParameterError,
     /// The simulation error, where the truth is not known.
     SimulationError,
-}
-
-/// The error of one estimator less that of another on the same runs.
-#[derive(Clone, Copy, Debug, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct PairedDifference {
-    /// Which.
-    pub estimator: Estimator,
-    /// Median over the runs; null where it is infinite.
-    pub median: Option<f64>,
-    /// 95 % interval of that median; null at an infinite end. An interval that contains 0 tells no difference.
-    pub interval: [Option<f64>; 2],
 }
 
 impl Document for ValidationDocument {
