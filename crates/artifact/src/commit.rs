@@ -12,6 +12,7 @@ use crate::leftover::hold;
 use crate::names::{UNFINISHED, folder_of};
 use crate::provenance::Provenance;
 use crate::staged::Staged;
+use crate::unfinished;
 
 /// Gives every file its name, replacing files of the same name. The first file is the main one: it gets its name last, so
 /// that what waits for it (make) finds the whole set.
@@ -54,6 +55,7 @@ pub fn commit_with_document<D: Document>(
 fn commit_set(files: Vec<Staged>) -> Result<()> {
     let Some(main) = files.last().map(|main| main.path().to_owned()) else { return Ok(()) };
     let folder = folder_of(&main);
+    let _committing = unfinished::committing();
     let _held = hold(folder);
     let journal = Journal::path(&main);
     let renames = files.iter().map(|file| [file.temporary(), file.path()]);

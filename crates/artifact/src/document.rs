@@ -54,6 +54,8 @@ pub struct Loaded<D> {
     pub digest: Digest,
     /// Where the document comes from.
     pub provenance: Provenance,
+    /// Digests of the files that were written together with it, by their names beside it.
+    pub members: BTreeMap<String, Digest>,
 }
 
 /// The whole file.
@@ -69,6 +71,9 @@ pub(crate) struct Envelope<D> {
     seal: Option<Digest>,
     /// Digests of the input files, by role.
     inputs: BTreeMap<String, Digest>,
+    /// Digests of the files that the inputs were made of, by role.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    origins: BTreeMap<String, Digest>,
     /// Settings that determine the contents.
     settings: BTreeMap<String, Value>,
     /// Which part of the whole this is, if it is a part.
@@ -94,10 +99,11 @@ impl<D> Envelope<D> {
         &self.units
     }
 
-    /// The contents, and where they come from.
-    pub fn into_parts(self) -> (D, Provenance) {
-        let Self { producer, inputs, settings, shard, data, .. } = self;
-        (data, Provenance { producer, inputs, settings, shard })
+    /// The contents of a file with this digest, and where they come from.
+    pub fn loaded(self, digest: Digest) -> Loaded<D> {
+        let Self { producer, inputs, origins, settings, shard, members, data, .. } = self;
+        let provenance = Provenance { producer, inputs, origins, settings, shard, ..Provenance::default() };
+        Loaded { data, digest, provenance, members }
     }
 }
 
@@ -135,6 +141,7 @@ pub fn stage_set_document<D: Document>(
         producer: provenance.producer.clone(),
         seal: Some(Digest::ZERO),
         inputs: provenance.inputs.clone(),
+        origins: provenance.origins.clone(),
         settings: provenance.settings.clone(),
         shard: provenance.shard,
         members: set::members(path, files)?,

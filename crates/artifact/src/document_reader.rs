@@ -29,8 +29,7 @@ pub fn read_document<D: Document>(path: impl AsRef<Path>) -> Result<Loaded<D>> {
     let envelope: Envelope<D> = serde_json::from_str(&text).map_err(|e| refusal(path, &text, &e))?;
     check_units(path, &units::<D>(), envelope.units(), &text)?;
     check_members(path, envelope.members())?;
-    let (data, provenance) = envelope.into_parts();
-    Ok(Loaded { data, digest, provenance })
+    Ok(envelope.loaded(digest))
 }
 
 /// The text of a document of this kind and version that fits its seal, and the file's digest.
@@ -45,7 +44,7 @@ fn checked_text(path: &Path, id: &str, version: u32) -> Result<(String, Digest)>
 }
 
 /// Refuses a seal that does not fit.
-fn check_seal(path: &Path, text: &str, seal: Option<Digest>) -> Result<FileDigests> {
+pub(crate) fn check_seal(path: &Path, text: &str, seal: Option<Digest>) -> Result<FileDigests> {
     let at = seal.and_then(|seal| seal::digits_in(text, seal));
     let digests = seal::digests(&mut Cursor::new(text.as_bytes()), at.map(|at| at as u64));
     let digests = digests.map_err(|e| Error::io(path, "read", e))?;
@@ -95,7 +94,7 @@ fn occurs(field: &str, text: &str) -> bool {
     whole.get("data").is_some_and(|data| within(data, name))
 }
 
-fn refusal(path: &Path, text: &str, error: &serde_json::Error) -> Error {
+pub(crate) fn refusal(path: &Path, text: &str, error: &serde_json::Error) -> Error {
     let line = error.line();
     let full = error.to_string();
     let message = full.rsplit_once(" at line ").map_or(full.as_str(), |(message, _)| message);

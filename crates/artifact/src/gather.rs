@@ -85,6 +85,7 @@ fn refuse_foreign(first: &TableReader, other: &TableReader) -> Result<()> {
     let difference = differs("number of shards", &count(one), &count(two))
         .or_else(|| differs("producer", &one.producer, &two.producer))
         .or_else(|| differing_entry("inputs", &one.inputs, &two.inputs))
+        .or_else(|| differing_entry("origins", &one.origins, &two.origins))
         .or_else(|| differing_entry("settings", &one.settings, &two.settings))
         .or_else(|| differs("columns", &first.columns(), &other.columns()));
     let Some([thing, expected, found]) = difference else {

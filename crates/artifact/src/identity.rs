@@ -54,6 +54,11 @@ impl Header {
         }
     }
 
+    /// Kind and version, if it says so.
+    pub fn schema(&self) -> Option<&str> {
+        self.schema.as_str()
+    }
+
     /// The seal. One that is absent or no digest is left to the strict reading of the envelope.
     pub fn seal(&self) -> Option<Digest> {
         self.seal.as_str().and_then(|text| text.parse().ok())

@@ -24,6 +24,8 @@ pub(crate) struct TableMetadata {
     #[serde(deserialize_with = "seal::required")]
     seal: Option<Digest>,
     inputs: BTreeMap<String, Digest>,
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    origins: BTreeMap<String, Digest>,
     settings: BTreeMap<String, Value>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     shard: Option<Shard>,
@@ -46,12 +48,13 @@ pub(crate) struct ColumnEntry {
 impl TableMetadata {
     /// The envelope of a table yet to be sealed.
     pub fn new(schema: &TableSchema, provenance: &Provenance) -> Self {
-        let Provenance { producer, inputs, settings, shard } = provenance.clone();
+        let Provenance { producer, inputs, origins, settings, shard, .. } = provenance.clone();
         Self {
             schema: schema_id(schema.id, schema.version),
             producer,
             seal: Some(Digest::ZERO),
             inputs,
+            origins,
             settings,
             shard,
             document: None,
@@ -61,8 +64,8 @@ impl TableMetadata {
 
     /// The columns, and where the table comes from.
     pub fn into_parts(self) -> (Vec<ColumnEntry>, Provenance) {
-        let Self { producer, inputs, settings, shard, columns, .. } = self;
-        (columns, Provenance { producer, inputs, settings, shard })
+        let Self { producer, inputs, origins, settings, shard, columns, .. } = self;
+        (columns, Provenance { producer, inputs, origins, settings, shard, ..Provenance::default() })
     }
 }
 

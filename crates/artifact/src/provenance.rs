@@ -1,11 +1,20 @@
 //! Where a file's contents come from.
 
 use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
 
 use crate::digest::Digest;
+use crate::error::{Error, Result};
 use crate::shard::Shard;
 
-/// What produced a file, from what. Holds no clock, host, user, path or thread count, so that the
+/// Roles that one file plays in a whole study: what is made of files that tell of different ones is a mixture.
+pub const STUDY_ROLES: [&str; 7] =
+    ["vessel", "dictionary", "campaign", "moments", "design", "validation", "estimates"];
+
+/// The setting that labels what is made of mixed files: the roles that several files play.
+pub const MIXED: &str = "mixed";
+
+/// What produced a file, from what. Holds no clock, host, user or thread count, so that the
 /// same computation gives the same bytes.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Provenance {
@@ -13,8 +22,84 @@ pub struct Provenance {
     pub producer: String,
     /// Digest of each input file, by its role (`vessel`, `dictionary`).
     pub inputs: BTreeMap<String, Digest>,
+    /// Digests of what the inputs were made of, by the roles of [`STUDY_ROLES`] that no input plays itself.
+    pub origins: BTreeMap<String, Digest>,
     /// Settings that determine the contents (`seed`, `runs`), by name.
     pub settings: BTreeMap<String, serde_json::Value>,
     /// Which part of the whole this is, if it is a part.
     pub shard: Option<Shard>,
+    /// Whether files of different studies may be used together. Not written.
+    pub allow_mixed: bool,
+    /// The file that told of each role's digest, for messages. Not written.
+    pub told_by: BTreeMap<String, PathBuf>,
+}
+
+impl Provenance {
+    /// Notes the hand-written file at `path` as the input `role`.
+    ///
+    /// # Errors
+    /// [`Error::Refused`] if another input was made of another such file.
+    pub fn written(&mut self, role: &str, path: &Path, digest: Digest) -> Result<()> {
+        self.note(role, path, digest)?;
+        self.origins.remove(role);
+        self.inputs.insert(role.to_owned(), digest);
+        Ok(())
+    }
+
+    /// Notes the file at `path`, which comes from `from`, as the input `role`.
+    ///
+    /// # Errors
+    /// [`Error::Refused`] if it was made of other files than the inputs before it.
+    pub fn made(&mut self, role: &str, path: &Path, digest: Digest, from: &Self) -> Result<()> {
+        self.written(role, path, digest)?;
+        self.accept_label(from);
+        // What played the same role for this file is an earlier version of it.
+        let before = from.inputs.iter().chain(&from.origins).filter(|(known, _)| *known != role);
+        for (known, digest) in before.filter(|(known, _)| STUDY_ROLES.contains(&known.as_str())) {
+            self.note(known, path, *digest)?;
+            if !self.inputs.contains_key(known) {
+                self.origins.insert(known.clone(), *digest);
+            }
+        }
+        Ok(())
+    }
+
+    /// Forgets what played `roles`, for files that have others.
+    pub fn forget(&mut self, roles: &[&str]) {
+        self.inputs.retain(|role, _| !roles.contains(&role.as_str()));
+        self.origins.retain(|role, _| !roles.contains(&role.as_str()));
+    }
+
+    /// What was made of a mixture stays labelled so.
+    fn accept_label(&mut self, from: &Self) {
+        if let Some(roles) = from.settings.get(MIXED).and_then(|roles| roles.as_array()) {
+            roles.iter().filter_map(|role| role.as_str()).for_each(|role| self.label(role));
+        }
+    }
+
+    fn label(&mut self, role: &str) {
+        let known = self.settings.entry(MIXED.to_owned()).or_insert_with(|| Vec::<String>::new().into());
+        if let Some(roles) = known.as_array_mut()
+            && !roles.iter().any(|known| known == role)
+        {
+            roles.push(role.into());
+        }
+    }
+
+    /// Compares what `path` tells of `role` with what is known of it.
+    fn note(&mut self, role: &str, path: &Path, digest: Digest) -> Result<()> {
+        let known = self.inputs.get(role).or_else(|| self.origins.get(role));
+        if !STUDY_ROLES.contains(&role) || known.is_none_or(|known| *known == digest) {
+            self.told_by.entry(role.to_owned()).or_insert_with(|| path.to_owned());
+            return Ok(());
+        }
+        if self.allow_mixed {
+            self.label(role);
+            return Ok(());
+        }
+        let other = self.told_by.get(role).map_or("another input".into(), |file| file.to_string_lossy());
+        let (found, expected) = (format!("another {role} than that of {other}"), "files of one study");
+        let remedy = "make both again (`make` does), or add --allow-mixed";
+        Err(Error::refuse(path, "provenance", found, expected, remedy))
+    }
 }

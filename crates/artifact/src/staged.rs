@@ -10,6 +10,7 @@ use crate::error::{Error, Result};
 use crate::fault;
 use crate::leftover;
 use crate::names::{UNFINISHED, folder_of};
+use crate::unfinished;
 
 /// A complete file beside its target, under a temporary name and flushed to the disk.
 ///
@@ -70,10 +71,13 @@ impl Staged {
     }
 }
 
-/// Creates an empty temporary file, open for reading and writing, in the folder of `target`. First it removes what killed
-/// processes left there.
+/// Creates an empty temporary file, open for reading and writing, in the folder of `target`. The first in a folder removes
+/// what killed processes left there.
 pub(crate) fn create_temporary(target: &Path) -> Result<NamedTempFile> {
-    leftover::sweep(folder_of(target));
+    let folder = folder_of(target);
+    if unfinished::is_first_in(folder) {
+        leftover::sweep(folder);
+    }
     create_held(target)
 }
 
@@ -97,6 +101,7 @@ fn create_held(target: &Path) -> Result<NamedTempFile> {
         // The error's own text names the temporary file, which tells the user nothing: keep its kind.
         let created = fault::point("create").and_then(|()| builder.tempfile_in(folder));
         let file = created.map_err(|e| Error::io(target, "create", e.kind().into()))?;
+        unfinished::note(file.path());
         match file.as_file().try_lock() {
             // Another process took it for a leftover before it was locked.
             Err(TryLockError::WouldBlock) => {}

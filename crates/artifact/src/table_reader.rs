@@ -164,7 +164,7 @@ impl fmt::Debug for TableReader {
     }
 }
 
-fn parse<T: DeserializeOwned>(path: &Path, envelope: &str) -> Result<T> {
+pub(crate) fn parse<T: DeserializeOwned>(path: &Path, envelope: &str) -> Result<T> {
     serde_json::from_str(envelope).map_err(|e| {
         let full = e.to_string();
         let message = full.rsplit_once(" at line ").map_or(full.as_str(), |(message, _)| message);

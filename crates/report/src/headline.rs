@@ -37,6 +37,12 @@ pub(super) fn headline(study: &Study) -> Markup {
             @if let Some(label) = &study.data {
                 p.label { "Data: " b { (label) } ". No real ship was measured; the logs that everything here is made of were simulated." }
             }
+            @if !study.mixed.is_empty() {
+                p.label {
+                    "Mixed: this page shows files of different studies. They were made with more than one "
+                    (study.mixed.join(", ")) "."
+                }
+            }
             p.answer { (answer(study)) }
             (cards(study))
         }

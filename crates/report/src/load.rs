@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use artifact::{Error, read_document};
+use artifact::{Error, Provenance, read_document};
 use vessel::{Vessel, track};
 
 use super::loader::{Loader, Sources, document_at};
@@ -32,7 +32,7 @@ pub fn load(sources: &Sources) -> Result<Study, Error> {
             remedy,
         ));
     }
-    let mut loader = Loader { sources, files: Vec::new() };
+    let mut loader = Loader::new(sources);
     let vessel = loader.vessel()?;
     let campaign = loader.toml::<CampaignFile>("campaign.toml", "runs, disturbances, seed, validation")?;
     if let Some(Err(invalid)) = campaign.as_ref().map(CampaignFile::check) {
@@ -58,13 +58,18 @@ pub fn load(sources: &Sources) -> Result<Study, Error> {
         estimate: loader.document("estimate.json", "estimates of all runs together")?,
         validation: loader.document("validation.json", "errors of all runs together")?,
         scores: loader.scores()?,
-        scenarios: sources.scenarios.iter().map(|folder| scenario(folder)).collect::<Result<_, _>>()?,
+        scenarios: sources
+            .scenarios
+            .iter()
+            .map(|folder| scenario(folder, sources.allow_mixed))
+            .collect::<Result<_, _>>()?,
         vessel,
         trajectory: trajectory(&mut loader)?,
         selection: super::selection::load(&mut loader)?,
         measured: super::measured::load(&mut loader)?,
         sequential: loader.document("sequential.json", "trials designed in rounds and at once")?,
         data: loader.label()?,
+        mixed: loader.mixed(),
         reference,
         files: Vec::new(),
     };
@@ -84,11 +89,17 @@ pub fn load(sources: &Sources) -> Result<Study, Error> {
 }
 
 /// What the stages wrote into `folder` about its estimators.
-fn scenario(folder: &Path) -> Result<Scenario, Error> {
+fn scenario(folder: &Path, allow_mixed: bool) -> Result<Scenario, Error> {
+    let [first, second] = ["estimate.json", "validation.json"].map(|name| folder.join(name));
+    let (estimate, validation) =
+        (read_document::<EstimateDocument>(&first)?, read_document::<ValidationDocument>(&second)?);
+    let mut known = Provenance { allow_mixed, ..Provenance::default() };
+    known.made("estimate.json", &first, estimate.digest, &estimate.provenance)?;
+    known.made("validation.json", &second, validation.digest, &validation.provenance)?;
     let read = Scenario {
         name: folder.file_name().map_or(String::new(), |n| n.to_string_lossy().into_owned()),
-        estimate: read_document::<EstimateDocument>(folder.join("estimate.json"))?.data,
-        validation: read_document::<ValidationDocument>(folder.join("validation.json"))?.data,
+        estimate: estimate.data,
+        validation: validation.data,
     };
     if read.estimate.compared.is_some() && read.validation.compared.is_some() {
         return Ok(read);
@@ -125,7 +136,7 @@ impl Loader<'_> {
         let path = self.sources.results.join(name);
         let (Some(vessel), true) = (vessel, path.exists()) else { return Ok(None) };
         let reader = TrajectoryReader::open(&path, &Layout::new(&vessel.model), vessel.sample_rate_hz)?;
-        self.note(name, what, reader.digest());
+        self.made(name, what, reader.digest(), reader.provenance())?;
         let mut traces = Vec::new();
         for block in 0..reader.blocks() {
             if traces.len() < MOST_TRACES {

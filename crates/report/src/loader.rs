@@ -1,10 +1,12 @@
 //! The files of a study: where they are, and a list of those that were read.
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-use artifact::{Digest, Document, Error, Loaded, Provenance, TableReader, read_document, read_toml};
+use artifact::{Digest, Document, Error, Loaded, MIXED, Provenance, TableReader, read_document, read_toml};
 use serde::de::DeserializeOwned;
 use study::files::read_vessel;
+use study::role_of;
 use vessel::{DictionaryFile, Vessel};
 
 /// Where a study's files are.
@@ -17,6 +19,8 @@ pub struct Sources {
     pub results: PathBuf,
     /// Results of other studies whose estimators are to be shown side by side.
     pub scenarios: Vec<PathBuf>,
+    /// Whether files of different studies may be shown together; the page says so.
+    pub allow_mixed: bool,
 }
 
 /// A file that may be missing.
@@ -29,20 +33,62 @@ pub(super) fn document_at<D: Document>(path: PathBuf) -> Result<Option<Loaded<D>
     existing(path).map(read_document).transpose()
 }
 
-/// Reads files and keeps a list of them.
+/// Reads files, keeps a list of them, and sees to it that they belong together.
 pub(super) struct Loader<'a> {
     pub(super) sources: &'a Sources,
     pub(super) files: Vec<(String, String, String)>,
+    /// What the study's files tell of its hand-written files, of its design, and so on.
+    known: Provenance,
+    /// The same for each folder below the results, which has estimates and scores of its own.
+    below: BTreeMap<PathBuf, Provenance>,
 }
 
-impl Loader<'_> {
+impl<'a> Loader<'a> {
+    pub(super) fn new(sources: &'a Sources) -> Self {
+        let known = Provenance { allow_mixed: sources.allow_mixed, ..Provenance::default() };
+        Self { sources, files: Vec::new(), known, below: BTreeMap::new() }
+    }
+
+    /// The roles that several files play, where that is allowed.
+    pub(super) fn mixed(&self) -> Vec<String> {
+        let all = std::iter::once(&self.known).chain(self.below.values());
+        let roles = all.filter_map(|known| known.settings.get(MIXED)?.as_array()).flatten();
+        let names: BTreeSet<&str> = roles.filter_map(|role| role.as_str()).collect();
+        names.into_iter().map(str::to_owned).collect()
+    }
+
     pub(super) fn note(&mut self, name: &str, what: &str, digest: Digest) {
         self.files.push((name.to_owned(), what.to_owned(), digest.to_string()));
     }
 
+    /// Notes a file of the results and refuses it if it was made of other files than those before it.
+    pub(super) fn made(
+        &mut self,
+        name: &str,
+        what: &str,
+        digest: Digest,
+        from: &Provenance,
+    ) -> Result<(), Error> {
+        self.note(name, what, digest);
+        let path = self.sources.results.join(name);
+        self.known(name).made(role_of(name), &path, digest, from)
+    }
+
+    /// What is known of the folder of `name`.
+    fn known(&mut self, name: &str) -> &mut Provenance {
+        match Path::new(name).parent().filter(|folder| *folder != Path::new("")) {
+            None => &mut self.known,
+            Some(folder) => self.below.entry(folder.to_owned()).or_insert_with(|| {
+                let mut known = self.known.clone();
+                known.forget(&["estimates", "validation"]);
+                known
+            }),
+        }
+    }
+
     pub(super) fn vessel(&mut self) -> Result<Option<Vessel>, Error> {
         let Some(path) = existing(self.sources.study.join("vessel.toml")) else { return Ok(None) };
-        let vessel = read_vessel(&path, &mut Provenance::default())?;
+        let vessel = read_vessel(&path, &mut self.known)?;
         self.note("vessel.toml", "model structure and parameters", Digest::of_file(&path)?);
         Ok(Some(vessel))
     }
@@ -62,6 +108,7 @@ impl Loader<'_> {
     fn toml_at<T: DeserializeOwned>(&mut self, path: &Path, name: &str, what: &str) -> Result<T, Error> {
         let (value, digest) = read_toml(path)?;
         self.note(name, what, digest);
+        self.known.written(role_of(name), path, digest)?;
         Ok(value)
     }
 
@@ -72,7 +119,13 @@ impl Loader<'_> {
     /// A document with where it comes from.
     pub(super) fn loaded<D: Document>(&mut self, name: &str, what: &str) -> Result<Option<Loaded<D>>, Error> {
         let loaded = document_at::<D>(self.sources.results.join(name))?;
-        loaded.iter().for_each(|loaded| self.note(name, what, loaded.digest));
+        if let Some(loaded) = &loaded {
+            self.made(name, what, loaded.digest, &loaded.provenance)?;
+            if let Some(estimates) = loaded.members.get("estimates.parquet") {
+                let path = self.sources.results.join(name);
+                self.known(name).written("estimates", &path, *estimates)?;
+            }
+        }
         Ok(loaded)
     }
 
@@ -85,7 +138,7 @@ impl Loader<'_> {
     ) -> Result<Option<TableReader>, Error> {
         let Some(path) = existing(self.sources.results.join(name)) else { return Ok(None) };
         let reader = TableReader::open(&path, id, version)?;
-        self.note(name, what, reader.digest());
+        self.made(name, what, reader.digest(), reader.provenance())?;
         Ok(Some(reader))
     }
 }

@@ -42,6 +42,8 @@ pub struct Study {
     pub trajectory: Option<Trajectory>,
     /// What the data are labelled as: `simulated logs`; absent for those of real ships and for simulation studies.
     pub data: Option<String>,
+    /// The roles that files of different studies play, where such were allowed.
+    pub mixed: Vec<String>,
     /// Name of a file, what it is, its digest.
     pub files: Vec<(String, String, String)>,
 }

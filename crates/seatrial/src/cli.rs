@@ -19,6 +19,9 @@ pub struct Common {
     /// Replaces the seed of the configuration
     #[arg(long, global = true, value_name = "SEED")]
     pub seed: Option<u64>,
+    /// Uses files of different studies together; what is made of them is labelled as mixed
+    #[arg(long, global = true)]
+    pub allow_mixed: bool,
     /// No progress on stderr
     #[arg(long, global = true)]
     pub quiet: bool,
@@ -55,6 +58,15 @@ pub fn given<'a>(path: &'a Option<PathBuf>, flag: &str) -> Result<&'a Path, Fail
 }
 
 impl Common {
+    /// Provenance of what stage `stage` writes, without inputs and settings yet.
+    pub fn provenance(&self, stage: &str) -> Provenance {
+        Provenance {
+            producer: format!("{stage} {}", env!("CARGO_PKG_VERSION")),
+            allow_mixed: self.allow_mixed,
+            ..Provenance::default()
+        }
+    }
+
     /// The main output: `--out`, or `name` in it where it is a folder. It may be none of `inputs`.
     ///
     /// # Errors
@@ -130,9 +142,4 @@ pub fn check_positive(flag: &str, value: Option<f64>) -> Result<(), Failure> {
         }
         None => Ok(()),
     }
-}
-
-/// Provenance of what stage `stage` writes, without inputs and settings yet.
-pub fn provenance(stage: &str) -> Provenance {
-    Provenance { producer: format!("{stage} {}", env!("CARGO_PKG_VERSION")), ..Provenance::default() }
 }

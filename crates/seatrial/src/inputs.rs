@@ -15,7 +15,7 @@ use crate::failure::Failure;
 /// A file that is refused.
 pub fn document<D: Document>(path: &Path, key: &str, provenance: &mut Provenance) -> Result<D, Failure> {
     let loaded = read_document::<D>(path)?;
-    provenance.inputs.insert(key.to_owned(), loaded.digest);
+    provenance.made(key, path, loaded.digest, &loaded.provenance)?;
     Ok(loaded.data)
 }
 
@@ -25,7 +25,7 @@ pub fn document<D: Document>(path: &Path, key: &str, provenance: &mut Provenance
 /// A file that is refused.
 pub fn toml<T: DeserializeOwned>(path: &Path, key: &str, provenance: &mut Provenance) -> Result<T, Failure> {
     let (file, digest) = read_toml(path)?;
-    provenance.inputs.insert(key.to_owned(), digest);
+    provenance.written(key, path, digest)?;
     Ok(file)
 }
 
@@ -41,7 +41,7 @@ pub fn trajectories(
 ) -> Result<TrajectoryReader, Failure> {
     let reader = TrajectoryReader::open(path, &Layout::new(&vessel.model), vessel.sample_rate_hz)?;
     reader.whole()?;
-    provenance.inputs.insert(key.to_owned(), reader.digest());
+    provenance.made(key, path, reader.digest(), reader.provenance())?;
     Ok(reader)
 }
 

@@ -15,6 +15,7 @@ pub mod failure;
 pub mod in_memory;
 pub mod ingest;
 pub mod inputs;
+mod interrupted;
 pub mod ordered;
 pub mod plan;
 pub mod pool;
@@ -24,6 +25,7 @@ pub mod sharded;
 pub mod simulate;
 mod stage;
 pub mod umbrella;
+mod verify;
 
 pub use identification::{Estimator, RunEstimate, RunScore};
 pub use in_memory::{Optimum, Study, StudyError};

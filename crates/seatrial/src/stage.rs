@@ -13,10 +13,12 @@ use serde_json::{Value, json};
 
 use crate::cli::Common;
 use crate::failure::Failure;
+use crate::interrupted::listen;
 use crate::said::{on_stderr, on_stdout};
 
 /// What every help ends with.
-const EXIT_CODES: &str = "Exit codes: 0 written, 1 failed, 2 wrong usage, 3 input refused, 4 no answer";
+const EXIT_CODES: &str =
+    "Exit codes: 0 written, 1 failed, 2 wrong usage, 3 input refused, 4 no answer, 128 + N ended by signal N";
 
 /// What a stage says when it is done.
 pub struct Summary {
@@ -162,6 +164,7 @@ fn misplaced(command: &Command, matches: &ArgMatches) -> Option<Failure> {
 /// Starts the threads, runs `task`, prints its summary or its failure.
 pub fn run(task: &dyn Task, common: &Common) -> ExitCode {
     inject_fault();
+    listen();
     match start_threads(common.threads).and_then(|()| task.run(common)) {
         Ok(summary) if common.json => on_stdout(summary.json),
         Ok(summary) => on_stdout(summary.line),

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use artifact::{Staged, commit};
-use clap::{Arg, Command, value_parser};
+use clap::{Arg, Command, CommandFactory, FromArgMatches, value_parser};
 use clap_complete::Shell;
 use clap_mangen::Man;
 
@@ -13,6 +13,7 @@ use crate::commands::STAGES;
 use crate::failure::Failure;
 use crate::said::on_stdout;
 use crate::stage::{dressed, ended, matches};
+use crate::verify::Verify;
 
 /// The program `seatrial`.
 pub fn main() -> ExitCode {
@@ -23,6 +24,9 @@ pub fn main() -> ExitCode {
     };
     let done = match matches.subcommand() {
         Some(("completions", own)) => completions(own.get_one("shell").copied(), command),
+        Some(("verify", own)) => Verify::from_arg_matches(own)
+            .map_err(|e| Failure::Usage(e.to_string()))
+            .and_then(|verify| verify.run()),
         Some(("manual", own)) => manual(own.get_one::<PathBuf>("folder"), command),
         Some((name, own)) => {
             let stage = STAGES.into_iter().find(|stage| stage.command().get_name() == name);
@@ -57,7 +61,7 @@ pub fn command() -> Command {
         .subcommand_required(true)
         .arg_required_else_help(true)
         .subcommands(STAGES.map(|stage| stage.command()))
-        .subcommands([completions, manual]);
+        .subcommands([Verify::command(), completions, manual]);
     named(dressed(all))
 }
 

@@ -29,7 +29,7 @@ pub fn read_weights(
     provenance: &mut Provenance,
 ) -> Result<Vec<f64>, Error> {
     let (WeightsFile { weight }, digest) = read_toml::<WeightsFile>(path)?;
-    provenance.inputs.insert("weights".into(), digest);
+    provenance.written("weights", path, digest)?;
     check_weights(&weight, parameters).map_err(|e| invalid(path, &e))?;
     Ok(parameters.iter().map(|p| weight.get(*p).copied().unwrap_or(0.0)).collect())
 }
@@ -58,7 +58,7 @@ fn check_weights(written: &BTreeMap<String, f64>, parameters: &[&str]) -> Result
 pub fn read_stock(path: &Path, maneuvers: &[String], provenance: &mut Provenance) -> Result<Stock, Error> {
     let json = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("json"));
     let (stock, digest) = if json { stock_of_json(path)? } else { read_toml::<Stock>(path)? };
-    provenance.inputs.insert("available".into(), digest);
+    provenance.written("available", path, digest)?;
     check_stock(&stock, maneuvers).map_err(|e| invalid(path, &e))?;
     Ok(stock)
 }
@@ -132,7 +132,7 @@ struct LimitsFile {
 /// A file that is refused; a limit of an unknown input, or one that is not above 0.
 pub fn read_limits(path: &Path, inputs: &[&str], provenance: &mut Provenance) -> Result<StatedLimits, Error> {
     let (file, digest) = read_toml::<LimitsFile>(path)?;
-    provenance.inputs.insert("limits".into(), digest);
+    provenance.written("limits", path, digest)?;
     let LimitsFile { u_m_s, v_m_s, r_rad_s, inputs: amplitudes, rates } = file;
     let limits = StatedLimits { states: [u_m_s, v_m_s, r_rad_s], inputs: amplitudes, rates };
     check_limits(&limits, inputs).map_err(|e| invalid(path, &e))?;

@@ -13,7 +13,7 @@ use artifact::Error;
 /// Reads `vessel.toml` and notes its digest.
 pub fn read_vessel(path: &Path, provenance: &mut Provenance) -> Result<Vessel, Error> {
     let (file, digest) = read_toml::<VesselFile>(path)?;
-    provenance.inputs.insert("vessel".into(), digest);
+    provenance.written("vessel", path, digest)?;
     Vessel::from_file(file).map_err(|e| crate::invalid(path, &e))
 }
 
@@ -24,14 +24,14 @@ pub fn read_dictionary(
     provenance: &mut Provenance,
 ) -> Result<Generator, Error> {
     let (file, digest) = read_toml::<DictionaryFile>(path)?;
-    provenance.inputs.insert("dictionary".into(), digest);
+    provenance.written("dictionary", path, digest)?;
     generator(path, vessel, &file, provenance)
 }
 
 /// Reads `campaign.toml` and notes its digest.
 pub fn read_campaign(path: &Path, provenance: &mut Provenance) -> Result<CampaignFile, Error> {
     let (file, digest) = read_toml::<CampaignFile>(path)?;
-    provenance.inputs.insert("campaign".into(), digest);
+    provenance.written("campaign", path, digest)?;
     file.check().map_err(|e| crate::invalid(path, &e))?;
     Ok(file)
 }
@@ -39,7 +39,7 @@ pub fn read_campaign(path: &Path, provenance: &mut Provenance) -> Result<Campaig
 /// Reads `ingest.toml` and notes its digest.
 pub fn read_ingest(path: &Path, provenance: &mut Provenance) -> Result<IngestFile, Error> {
     let (file, digest) = read_toml::<IngestFile>(path)?;
-    provenance.inputs.insert("config".into(), digest);
+    provenance.written("config", path, digest)?;
     file.check().map_err(|e| crate::invalid(path, &e))?;
     Ok(file)
 }
@@ -47,7 +47,7 @@ pub fn read_ingest(path: &Path, provenance: &mut Provenance) -> Result<IngestFil
 /// Reads `sequential.toml` and notes its digest.
 pub fn read_sequential(path: &Path, provenance: &mut Provenance) -> Result<SequentialFile, Error> {
     let (file, digest) = read_toml::<SequentialFile>(path)?;
-    provenance.inputs.insert("config".into(), digest);
+    provenance.written("config", path, digest)?;
     file.check().map_err(|e| crate::invalid(path, &e))?;
     Ok(file)
 }
@@ -71,4 +71,19 @@ pub fn generator(
     let generator = Generator::new(vessel, file, read).map_err(|e| crate::invalid(path, &e))?;
     provenance.inputs.extend(digests.into_inner());
     Ok(generator)
+}
+
+/// What a file of this name is for those that are made of it: one of [`artifact::STUDY_ROLES`]; the name itself where no one
+/// file plays its role.
+pub fn role_of(name: &str) -> &str {
+    match name {
+        "vessel.toml" => "vessel",
+        "dictionary.toml" => "dictionary",
+        "campaign.toml" => "campaign",
+        "moments.json" => "moments",
+        "design.json" => "design",
+        "validation.parquet" => "validation",
+        "estimates.parquet" => "estimates",
+        name => name,
+    }
 }

@@ -20,6 +20,7 @@ pub mod sequential;
 pub mod track;
 pub mod trajectories;
 
+pub use files::role_of;
 pub use identification::pooled::listed;
 pub use recommendation::recommendations;
 pub use refusal::{invalid, refuse};

@@ -131,13 +131,13 @@ pub fn read_planned(plan: &Path, vessel: &Vessel, provenance: &mut Provenance) -
     }
     let path = plan.with_file_name("track.parquet");
     let track = TableReader::open(&path, TRACK, TRACK_VERSION)?;
-    let of = |p: &Provenance| (p.inputs.clone(), p.settings.clone());
+    let of = |p: &Provenance| (p.inputs.clone(), p.origins.clone(), p.settings.clone());
     if of(track.provenance()) != of(&document.provenance) {
         let expected = format!("the track that was written with {}", plan.display());
         let found = "a track planned from other inputs or with another seed";
         return Err(Error::refuse(&path, "provenance", found, expected, "plan again"));
     }
-    provenance.inputs.insert("plan".into(), document.digest);
+    provenance.made("plan", plan, document.digest, &document.provenance)?;
     read_track(&path, vessel, provenance)
 }
 
@@ -148,7 +148,7 @@ pub fn read_planned(plan: &Path, vessel: &Vessel, provenance: &mut Provenance) -
 pub fn read_track(path: &Path, vessel: &Vessel, provenance: &mut Provenance) -> Result<Track, Error> {
     let reader = TableReader::open(path, TRACK, TRACK_VERSION)?;
     let rows = columns(vessel).read(&reader, &Row::blank(vessel))?;
-    provenance.inputs.insert("track".into(), reader.digest());
+    provenance.made("track", path, reader.digest(), reader.provenance())?;
     let samples = rows.split_last().map_or(&[][..], |(_, samples)| samples);
     let Some(first) = samples.first() else {
         return Err(Error::refuse(path, "rows", "none", "at least one sample", "plan again"));

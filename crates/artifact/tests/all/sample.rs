@@ -59,6 +59,7 @@ pub fn provenance() -> Provenance {
             ("note".to_owned(), json!("\"seal\":\"blake3:00")),
         ]),
         shard: None,
+        ..Provenance::default()
     }
 }
 

@@ -62,6 +62,7 @@ pub fn study() -> Study {
         sequential: None,
         scenarios: Vec::new(),
         selection: None,
+        mixed: Vec::new(),
         data: None,
         measured: None,
         trajectory: None,

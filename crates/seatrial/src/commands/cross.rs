@@ -11,7 +11,7 @@ use study::documents::CrossvalDocument;
 use study::files::read_vessel;
 
 use crate::choice::choice;
-use crate::cli::{Common, provenance};
+use crate::cli::Common;
 use crate::failure::Failure;
 use crate::pool::{PoolFlags, samples};
 use crate::progress::Progress;
@@ -40,7 +40,7 @@ pub struct Arguments {
 
 impl Task for Arguments {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
-        let mut provenance = provenance("validate");
+        let mut provenance = common.provenance("validate");
         let vessel = read_vessel(&self.flags.vessel, &mut provenance)?;
         let window = self.window_s.map(|s| samples("--window-s", s, vessel.sample_rate_hz)).transpose()?;
         let out = common.main_output("crossval.json", self.flags.inputs())?;

@@ -14,7 +14,7 @@ use vessel::Vessel;
 
 use super::unidentified::refuse_if_none;
 use crate::choice::choice;
-use crate::cli::{Common, Sharding, beside, given, provenance};
+use crate::cli::{Common, Sharding, beside, given};
 use crate::failure::Failure;
 use crate::inputs;
 use crate::ordered::{joined, joined_blocks};
@@ -57,7 +57,7 @@ pub const MAIN: &str = "estimates.parquet";
 
 impl Task for Arguments {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
-        let mut provenance = provenance("estimate");
+        let mut provenance = common.provenance("estimate");
         let vessel = read_vessel(&self.vessel, &mut provenance)?;
         let inputs = [&self.vessel].into_iter().chain(&self.trajectories).chain(&self.sharding.gather);
         let out = common.main_output(MAIN, inputs)?;

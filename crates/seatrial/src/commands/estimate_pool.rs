@@ -13,7 +13,7 @@ use study::files::read_vessel;
 
 use super::estimate::MAIN;
 use crate::choice::choice;
-use crate::cli::{Common, beside, provenance};
+use crate::cli::{Common, beside};
 use crate::failure::Failure;
 use crate::pool::{PoolFlags, lost};
 use crate::progress::Progress;
@@ -43,7 +43,7 @@ pub struct Arguments {
 
 impl Task for Arguments {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
-        let mut provenance = provenance("estimate");
+        let mut provenance = common.provenance("estimate");
         let vessel = read_vessel(&self.flags.vessel, &mut provenance)?;
         let out = common.main_output(MAIN, self.flags.inputs())?;
         let (runs, pool) = self.flags.read(&vessel, &mut provenance)?;

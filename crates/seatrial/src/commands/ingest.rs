@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::cli::{Common, beside, provenance};
+use crate::cli::{Common, beside};
 use crate::failure::Failure;
 use crate::ingest::{find, recorded, simulated_label};
 use crate::ordered::ordered;
@@ -38,7 +38,7 @@ pub struct Arguments {
 
 impl Task for Arguments {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
-        let mut provenance = provenance("ingest");
+        let mut provenance = common.provenance("ingest");
         let refuse = |invalid| Failure::invalid(&self.config, &invalid);
         let mut config = read_ingest(&self.config, &mut provenance)?;
         let vessel = self.vessel.as_deref().map(|path| read_vessel(path, &mut provenance)).transpose()?;

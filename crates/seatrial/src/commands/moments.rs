@@ -19,7 +19,7 @@ use trial::moments::{
 use vessel::{Invalid, Run, Vessel};
 
 use crate::choice::choice;
-use crate::cli::{Common, provenance};
+use crate::cli::Common;
 use crate::failure::Failure;
 use crate::inputs;
 use crate::ordered::ordered;
@@ -60,7 +60,7 @@ pub struct Arguments {
 
 impl Task for Arguments {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
-        let mut provenance = provenance("moments");
+        let mut provenance = common.provenance("moments");
         let mut vessel = read_vessel(&self.vessel, &mut provenance)?;
         if let Some(nominal) = &self.nominal {
             vessel.nominal = nominal_of(self, nominal, &vessel, &mut provenance)?;

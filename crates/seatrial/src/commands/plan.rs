@@ -76,7 +76,7 @@ impl Task for Arguments {
         };
         if let Some(problem) = &self.problem {
             let out = common.main_output(MAIN, [problem])?;
-            return plan_problem(problem, &out, &limits);
+            return plan_problem(problem, &out, &limits, common.provenance("plan"));
         }
         let files = VoyageFiles {
             vessel: given(&self.vessel, "vessel")?,
@@ -86,6 +86,6 @@ impl Task for Arguments {
         };
         let inputs = [files.vessel, files.config, files.trajectories].into_iter().chain(files.design);
         let out = common.main_output(MAIN, inputs)?;
-        plan_voyage(&files, &out, &limits, common.seed.unwrap_or(1))
+        plan_voyage(&files, &out, &limits, common.seed.unwrap_or(1), common.provenance("plan"))
     }
 }

@@ -85,6 +85,7 @@ impl Task for Arguments {
             dictionary: self.dictionary.clone(),
             results: self.results.clone(),
             scenarios: self.scenarios.clone(),
+            allow_mixed: common.allow_mixed,
         };
         let study = load(&sources)?;
         let page = render(&study);

@@ -13,7 +13,7 @@ use study::selection::{Row, document, schema, table};
 
 use super::counts::counts;
 use crate::choice::choice;
-use crate::cli::{Common, beside, provenance};
+use crate::cli::{Common, beside};
 use crate::failure::Failure;
 use crate::inputs;
 use crate::pool::{PoolFlags, lost};
@@ -55,7 +55,7 @@ pub struct Arguments {
 
 impl Task for Arguments {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
-        let mut provenance = provenance("validate");
+        let mut provenance = common.provenance("validate");
         let vessel = read_vessel(&self.flags.vessel, &mut provenance)?;
         if !ESTIMATORS.contains(&self.estimator) {
             let found = format!("--estimator: found {}, expected ls, iv or auto", self.estimator);

@@ -13,7 +13,7 @@ use study::sequential::{SequentialFile, columns, document};
 use trial::rounds::{self, Row, Trial};
 use vessel::{Invalid, LANES};
 
-use crate::cli::{Common, beside, provenance};
+use crate::cli::{Common, beside};
 use crate::failure::Failure;
 use crate::ordered::ordered;
 use crate::progress::Progress;
@@ -45,7 +45,7 @@ pub struct Arguments {
 
 impl Task for Arguments {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
-        let mut provenance = provenance("sequential");
+        let mut provenance = common.provenance("sequential");
         let inputs = [&self.vessel, &self.dictionary, &self.campaign, &self.config];
         let out = common.main_output("sequential.parquet", inputs)?;
         let vessel = read_vessel(&self.vessel, &mut provenance)?;

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::cli::{Common, Sharding, beside, given, provenance};
+use crate::cli::{Common, Sharding, beside, given};
 use crate::failure::Failure;
 use crate::inputs;
 use crate::plan::MAIN;
@@ -128,7 +128,7 @@ pub struct Logs {
 
 impl Task for Dictionary {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
-        let mut provenance = provenance("simulate");
+        let mut provenance = common.provenance("simulate");
         let vessel = read_vessel(&self.vessel, &mut provenance)?;
         let generator = read_dictionary(&self.dictionary, &vessel, &mut provenance)?;
         let source = vessel.best_known();
@@ -141,7 +141,7 @@ impl Task for Dictionary {
 
 impl Task for Validation {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
-        let mut provenance = provenance("simulate");
+        let mut provenance = common.provenance("simulate");
         let vessel = read_vessel(&self.vessel, &mut provenance)?;
         let config = read_campaign(&self.campaign, &mut provenance)?;
         let maneuvers = config.validation_dictionary();
@@ -179,7 +179,7 @@ impl Task for Campaign {
         if self.sharding.gathers() {
             return gathered(&self.sharding, &out);
         }
-        let mut provenance = provenance("simulate");
+        let mut provenance = common.provenance("simulate");
         let files = Files {
             vessel: given(&self.vessel, "vessel")?,
             dictionary: given(&self.dictionary, "dictionary")?,
@@ -206,7 +206,7 @@ impl Task for Plan {
         if self.sharding.gathers() {
             return gathered(&self.sharding, &out);
         }
-        let mut provenance = provenance("simulate");
+        let mut provenance = common.provenance("simulate");
         let (vessel_file, plan) = (given(&self.vessel, "vessel")?, given(&self.plan, "plan")?);
         let vessel = read_vessel(vessel_file, &mut provenance)?;
         let config = read_campaign(given(&self.campaign, "campaign")?, &mut provenance)?;
@@ -257,7 +257,7 @@ fn disturbed(
 
 impl Task for Logs {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
-        let mut provenance = provenance("simulate");
+        let mut provenance = common.provenance("simulate");
         let vessel = read_vessel(&self.vessel, &mut provenance)?;
         let generator = read_dictionary(&self.dictionary, &vessel, &mut provenance)?;
         let config: LogsFile = inputs::toml(&self.logs, "logs", &mut provenance)?;

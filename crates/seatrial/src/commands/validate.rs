@@ -14,7 +14,7 @@ use study::scores::{self, Row};
 use study::trajectories::refuse_shard;
 use vessel::Vessel;
 
-use crate::cli::{Common, Sharding, beside, given, provenance};
+use crate::cli::{Common, Sharding, beside, given};
 use crate::failure::Failure;
 use crate::inputs;
 use crate::progress::Progress;
@@ -51,7 +51,7 @@ const MAIN: &str = "scores.parquet";
 
 impl Task for Arguments {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
-        let mut provenance = provenance("validate");
+        let mut provenance = common.provenance("validate");
         let vessel = read_vessel(&self.vessel, &mut provenance)?;
         let config = read_campaign(&self.campaign, &mut provenance)?;
         let validation = validation_runs(&self.validation, &vessel, &mut provenance)?;
@@ -85,7 +85,7 @@ impl Arguments {
         if let Some(shard) = &reader.provenance().shard {
             return Err(refuse_shard(file, shard).into());
         }
-        provenance.inputs.insert("estimates".into(), reader.digest());
+        provenance.made("estimates", file, reader.digest(), reader.provenance())?;
         study::note_seed(reader.provenance(), &mut provenance);
         provenance.shard = self.sharding.shard;
         let truth: Option<Vec<f64>> = vessel.value.iter().copied().collect();

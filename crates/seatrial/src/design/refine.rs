@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use artifact::{Provenance, Staged, commit, stage_document, stage_set_document};
+use artifact::{Digest, Provenance, Staged, commit, stage_document, stage_set_document};
 use clap::Parser;
 use identification::Noise;
 use identification::refine::Effort;
@@ -15,7 +15,7 @@ use trial::campaign::Plan;
 use trial::refining::{Limits, Refinement, Refusal, Start, StatedLimits};
 use vessel::{Generator, Invalid, Vessel, refuse_endless};
 
-use crate::cli::{Common, beside, check_positive, provenance};
+use crate::cli::{Common, beside, check_positive};
 use crate::failure::Failure;
 use crate::inputs;
 use crate::simulate::Files;
@@ -56,7 +56,7 @@ pub struct Refine {
 
 impl Task for Refine {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
-        let mut provenance = provenance("design refine");
+        let mut provenance = common.provenance("design refine");
         let inputs = || {
             let all = [&self.vessel, &self.dictionary, &self.design, &self.campaign];
             all.into_iter().chain(&self.limits)
@@ -73,10 +73,14 @@ impl Task for Refine {
         let files = RefinedFiles { vessel: &vessel, found: &found };
         let document = files.document();
         let [csv, dictionary, design] = &others;
+        let refined = files.dictionary();
+        // The refined design goes with the refined dictionary, no longer with that which it began with.
+        let mut of_design = provenance.clone();
+        of_design.inputs.insert("dictionary".into(), Digest::of_bytes(refined.as_bytes()));
         let mut staged = vec![
             Staged::bytes(csv, files.inputs().as_bytes())?,
-            Staged::bytes(dictionary, files.dictionary().as_bytes())?,
-            stage_document(design, &provenance, &files.design(&document))?,
+            Staged::bytes(dictionary, refined.as_bytes())?,
+            stage_document(design, &of_design, &files.design(&document))?,
         ];
         staged.insert(0, stage_set_document(&out, &provenance, &document, &staged)?);
         commit(staged)?;

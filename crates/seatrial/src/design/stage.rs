@@ -7,7 +7,7 @@ use serde_json::json;
 use super::Arguments;
 use super::problem::Problem;
 use super::refusal::scarce;
-use crate::cli::{Common, provenance};
+use crate::cli::Common;
 use crate::failure::Failure;
 use crate::stage::{Summary, Task};
 use study::documents::{DesignDocument, MomentsDocument, Solved};
@@ -18,8 +18,8 @@ impl Task for Arguments {
         self.check()?;
         let loaded = read_document::<MomentsDocument>(&self.moments)?;
         let moments = loaded.data.moments().map_err(|e| Failure::invalid(&self.moments, &e))?;
-        let mut provenance = provenance("design");
-        provenance.inputs.insert("moments".into(), loaded.digest);
+        let mut provenance = common.provenance("design");
+        provenance.made("moments", &self.moments, loaded.digest, &loaded.provenance)?;
         // Moments of simulated logs say so, and so does the design.
         let label = loaded.provenance.settings.get_key_value("data");
         provenance.settings.extend(label.map(|(k, v)| (k.clone(), v.clone())));

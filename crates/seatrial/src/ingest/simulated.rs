@@ -38,6 +38,6 @@ pub fn simulated_label(
         let expected = format!("{expected}, as {} says", path.display());
         return Err(Failure::refuse(&log, "simulated log", found, &expected, remedy));
     }
-    provenance.inputs.insert("simulated".into(), loaded.digest);
+    provenance.made("simulated", &path, loaded.digest, &loaded.provenance)?;
     Ok(Some(loaded.data.label))
 }

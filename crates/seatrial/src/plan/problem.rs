@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use artifact::{Digest, Error, commit, stage_document};
+use artifact::{Digest, Error, Provenance, commit, stage_document};
 use lattice::{ProblemFile, plan};
 use serde_json::json;
 use study::documents::PlanDocument;
@@ -10,7 +10,6 @@ use study::plan::of_problem;
 
 use super::limits::Limits;
 use super::refusals::no_plan;
-use crate::cli::provenance;
 use crate::failure::Failure;
 use crate::stage::Summary;
 
@@ -18,7 +17,12 @@ use crate::stage::Summary;
 ///
 /// # Errors
 /// A file that is refused; no plan.
-pub fn plan_problem(file: &Path, out: &Path, limits: &Limits) -> Result<Summary, Failure> {
+pub fn plan_problem(
+    file: &Path,
+    out: &Path,
+    limits: &Limits,
+    mut provenance: Provenance,
+) -> Result<Summary, Failure> {
     let bytes = std::fs::read(file).map_err(|e| Error::io(file, "read", e))?;
     let mut reader = serde_json::Deserializer::from_slice(&bytes);
     let parsed = <ProblemFile as serde::Deserialize>::deserialize(&mut reader)
@@ -30,7 +34,6 @@ pub fn plan_problem(file: &Path, out: &Path, limits: &Limits) -> Result<Summary,
     let solution =
         plan(&problem, &limits.options(), &mut *limits.watch()).map_err(|why| no_plan(file, &why))?;
     let document = of_problem(&problem, &solution);
-    let mut provenance = provenance("plan");
     provenance.inputs.insert("problem".into(), Digest::of_bytes(&bytes));
     commit(vec![stage_document(out, &provenance, &document)?])?;
     let PlanDocument { status, cost, lower_bound, .. } = &document;

@@ -13,7 +13,7 @@ use trial::voyage::{Prepared, Sailing, Search, Solved};
 use super::files::{MAIN, VoyageFiles};
 use super::limits::Limits;
 use super::refusals;
-use crate::cli::{beside, provenance};
+use crate::cli::beside;
 use crate::failure::Failure;
 use crate::stage::Summary;
 
@@ -22,8 +22,13 @@ use crate::stage::Summary;
 ///
 /// # Errors
 /// Files that are refused; no feasible plan; output that fails.
-pub fn plan_voyage(files: &VoyageFiles, out: &Path, limits: &Limits, seed: u64) -> Result<Summary, Failure> {
-    let mut provenance = provenance("plan");
+pub fn plan_voyage(
+    files: &VoyageFiles,
+    out: &Path,
+    limits: &Limits,
+    seed: u64,
+    mut provenance: Provenance,
+) -> Result<Summary, Failure> {
     provenance.settings.insert("seed".into(), json!(seed));
     let brief = files.read(out, &mut provenance, seed)?;
     let refuse = |error| refusals::voyage(files, error);

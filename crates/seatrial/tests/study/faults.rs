@@ -82,7 +82,7 @@ fn law_a_fault_at_any_place_leaves_the_old_estimates_or_the_new() {
 fn law_a_fault_at_any_place_leaves_the_old_scores_or_the_new() {
     let folder = with(&["estimates.parquet", "validation.parquet", "scores.parquet", "validation.json"]);
     edit(&folder, "campaign.toml", "parameter_error_bound = 5", "parameter_error_bound = 6");
-    at_every_place(&folder, VALIDATE, "kill", read_scores);
+    at_every_place(&folder, &format!("{VALIDATE} --allow-mixed"), "kill", read_scores);
 }
 
 #[test]
@@ -157,4 +157,31 @@ fn a_report_of_a_study_that_does_not_exist_is_refused() {
     edit(&folder, "campaign.toml", "duration_s = ", "duration_s = -");
     run(&folder, "report --study . --results . --out report.html")
         .refuses(3, &["campaign.toml: `duration_s`"]);
+}
+
+#[cfg(unix)]
+#[test]
+fn a_process_that_is_asked_to_end_leaves_nothing_unfinished() {
+    let folder = with(&["campaign.parquet"]);
+    let before = files(&folder);
+    for (signal, code) in [("INT", 130), ("TERM", 143), ("HUP", 129)] {
+        // Long enough that the signal comes while it runs.
+        let line = format!("{ESTIMATE} --estimator prediction-error --campaign campaign.toml --threads 1");
+        let mut command = Command::new(SEATRIAL);
+        command
+            .args(line.split_whitespace())
+            .current_dir(&folder)
+            .stderr(Stdio::null())
+            .stdout(Stdio::null());
+        let mut child = command.spawn().unwrap();
+        let unfinished =
+            |path: PathBuf| path.file_name().unwrap().to_string_lossy().starts_with(".unfinished");
+        while !files(&folder).into_keys().any(unfinished) && child.try_wait().unwrap().is_none() {
+            std::thread::sleep(std::time::Duration::from_millis(1));
+        }
+        let kill = Command::new("kill").args(["-s", signal, &child.id().to_string()]).status().unwrap();
+        let ended = child.wait().unwrap();
+        assert!(kill.success() && ended.code() == Some(code), "{signal}: {ended}");
+        assert!(files(&folder) == before, "{signal} leaves something");
+    }
 }

@@ -101,7 +101,8 @@ fn a_campaign_runs_the_generated_maneuvers_in_the_designs_order() {
     run(&folder, CAMPAIGN).succeeds();
     edit(&folder, "campaign.toml", "duration_s = 125.0", "duration_s = 100.0");
     std::fs::remove_file(folder.path().join("campaign.parquet")).unwrap();
-    refused(&folder, 3, CAMPAIGN, &["design.json", "`data.sequence`", "1000 samples", "800 samples"]);
+    let mixed = format!("{CAMPAIGN} --allow-mixed");
+    refused(&folder, 3, &mixed, &["design.json", "`data.sequence`", "1000 samples", "800 samples"]);
     refused(&folder, 2, &format!("{FOR} {arrange}"), &["--arrange", "--duration-s"]);
     refused(&folder, 2, &format!("{line} --arrange"), &["--vessel"]);
     refused(&folder, 2, &format!("{line} {arrange} --most-maneuvers 9"), &["--arrange", "--most-maneuvers"]);

@@ -12,6 +12,7 @@ mod faults;
 mod generated;
 mod golden;
 mod in_memory;
+mod mixed;
 mod oracle;
 mod pipeline;
 mod refine;

@@ -160,17 +160,27 @@ fn refusals_of_what_to_refine() {
     refused(&folder, 2, "design refine --out refined/", &["--vessel", "--help"]);
     let text = std::fs::read_to_string(folder.path().join("campaign.toml")).unwrap();
     put(&folder, "campaign.toml", &text.replace("kind = \"white\"", "kind = \"constant\""));
-    refused(&folder, 3, REFINE, &["campaign.toml", "`current.kind`", "a current that lasts"]);
+    refused(
+        &folder,
+        3,
+        &format!("{REFINE} --allow-mixed"),
+        &["campaign.toml", "`current.kind`", "a current that lasts"],
+    );
     put(&folder, "campaign.toml", &text);
     // Parameters of zero have no relative error.
     let vessel = std::fs::read_to_string(folder.path().join("vessel.toml")).unwrap();
     let paper = std::fs::read_to_string(repository().join("pipelines/paper/vessel.toml")).unwrap();
     assert!(paper.contains("\nvalue = -0.03\n"));
     put(&folder, "vessel.toml", &paper.replace("\nvalue = -0.03\n", "\nvalue = 0.0\n"));
-    refused(&folder, 3, REFINE, &["vessel.toml", "`N_uv`", "found 0", "other than 0"]);
+    refused(
+        &folder,
+        3,
+        &format!("{REFINE} --allow-mixed"),
+        &["vessel.toml", "`N_uv`", "found 0", "other than 0"],
+    );
     put(&folder, "vessel.toml", &vessel);
     edit(&folder, "dictionary.toml", "name = \"", "name = \"renamed ");
-    refused(&folder, 3, REFINE, &["design.json", "`data.shares`"]);
+    refused(&folder, 3, &format!("{REFINE} --allow-mixed"), &["design.json", "`data.shares`"]);
     assert!(WRITES.iter().all(|name| !folder.path().join("refined").join(name).exists()));
 }
 

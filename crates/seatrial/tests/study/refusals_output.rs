@@ -163,8 +163,8 @@ fn estimates_without_a_known_truth_are_scored_by_simulation_alone() {
     let vessel = fs::read_to_string(repository().join("pipelines/paper/vessel.toml")).unwrap();
     let kept: Vec<&str> = vessel.lines().filter(|line| !line.starts_with("value =")).collect();
     put(&folder, "vessel.toml", &kept.join("\n"));
-    run(&folder, ESTIMATE).succeeds();
-    run(&folder, VALIDATE).succeeds();
+    run(&folder, &format!("{ESTIMATE} --allow-mixed")).succeeds();
+    run(&folder, &format!("{VALIDATE} --allow-mixed")).succeeds();
     let estimate = json(&folder, "estimate.json");
     assert!(estimate["data"]["designs"][0]["parameters"][0]["truth"].is_null());
     let scores = craft::read(&folder.path().join("scores.parquet"), "scores");

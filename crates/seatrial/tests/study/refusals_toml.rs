@@ -138,9 +138,19 @@ fn a_nominal_model_that_diverges_is_refused_with_run_and_sample() {
     let folder = with(&["dictionary.parquet", "campaign.parquet"]);
     put(&folder, "vessel.toml", "preset = \"ljungberg-model-ship\"\n[nominal]\nX_u = 2.5\n");
     let pieces = ["vessel.toml", "nominal model", "u leaves every bound", "at sample", "damping"];
-    refused(&folder, 3, MOMENTS, &[&pieces[..], &["design dictionary, run 0"]].concat());
-    refused(&folder, 3, ESTIMATE, &[&pieces[..], &["design optimized, run 0"]].concat());
-    run(&folder, &format!("{ESTIMATE} --estimator ls")).succeeds();
+    refused(
+        &folder,
+        3,
+        &format!("{MOMENTS} --allow-mixed"),
+        &[&pieces[..], &["design dictionary, run 0"]].concat(),
+    );
+    refused(
+        &folder,
+        3,
+        &format!("{ESTIMATE} --allow-mixed"),
+        &[&pieces[..], &["design optimized, run 0"]].concat(),
+    );
+    run(&folder, &format!("{ESTIMATE} --estimator ls --allow-mixed")).succeeds();
 }
 
 #[test]
@@ -150,5 +160,10 @@ fn a_true_model_that_diverges_is_refused_with_maneuver_and_sample() {
     edit(&folder, "dictionary.toml", "inputs_from = \"value\"", "inputs_from = \"nominal\"");
     let pieces = ["vessel.toml", "maneuver `zig-zag-slow-flat`", "diverges", "at sample", "damping"];
     refused(&folder, 3, DICTIONARY, &pieces);
-    refused(&folder, 3, CAMPAIGN, &["vessel.toml", "design optimized, run 0", "diverges", "at sample"]);
+    refused(
+        &folder,
+        3,
+        &format!("{CAMPAIGN} --allow-mixed"),
+        &["vessel.toml", "design optimized, run 0", "diverges", "at sample"],
+    );
 }
