@@ -9,6 +9,7 @@ mod documents;
 mod estimates;
 mod estimators;
 mod faults;
+mod fuzz;
 mod generated;
 mod golden;
 mod in_memory;
