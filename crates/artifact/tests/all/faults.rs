@@ -63,7 +63,7 @@ fn after_every(fault: Fault) -> [u32; 2] {
         assert!(fault == Fault::Kill || ended == (found == [2; 3]), "place {count}");
         if fault == Fault::Kill {
             // The next process to write there clears away what the killed one left.
-            write_set(folder.path(), 3).unwrap();
+            assert!(faulty(folder.path(), Fault::Error, u32::MAX), "place {count}");
         }
         assert_eq!(names(&folder), ["t.json", "t.parquet", "t.svg"], "place {count}");
         if ended {

@@ -58,6 +58,11 @@ impl Task for Arguments {
             config.design = label.to_string();
             label.label(&mut provenance);
         }
+        // Logs are what they are, whatever model is fitted to them: the vessel only names the channels that are wanted.
+        if let Some(vessel) = provenance.inputs.remove("vessel") {
+            provenance.inputs.insert("channels".to_owned(), vessel);
+        }
+        provenance.origins.clear();
         let made = all((self, common), &config, &plan, &folder, sources, &mut provenance)?;
         let document = IngestDocument {
             vessel: vessel.map(|vessel| vessel.name),

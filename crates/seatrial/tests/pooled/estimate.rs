@@ -99,7 +99,9 @@ fn what_is_not_excited_is_not_answered_and_the_rest_is() {
     let vessel = std::fs::read_to_string(repository().join("pipelines/paper/vessel.toml")).unwrap();
     let twice = "\n[[surge]]\nparameter = \"X_again\"\nterm = \"u |u|\"\nnominal = -0.01\n";
     put(&folder, "vessel.toml", &(vessel + twice));
-    let said = run(&folder, &format!("{POOL} --runs random/0,random/1 --out estimates.parquet")).succeeds();
+    let said =
+        run(&folder, &format!("{POOL} --runs random/0,random/1 --allow-mixed --out estimates.parquet"))
+            .succeeds();
     assert!(said.stdout.contains("not identifiable: surge: "), "{said}");
     let status: Vec<Value> = degrees(&folder).iter().map(|d| d["status"].clone()).collect();
     assert_eq!(status, ["not identifiable", "identified", "identified"]);
