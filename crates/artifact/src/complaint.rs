@@ -50,7 +50,46 @@ impl Complaint<'_> {
         let stripped = of_type.iter().find_map(|prefix| message.strip_prefix(prefix)).unwrap_or(message);
         let (found, expected) =
             stripped.split_once(", expected ").unwrap_or((stripped, "an acceptable value"));
+        let (found, expected) = (plain_value(found), plain_type(expected));
         Error::refuse(self.path, thing, format!("{found}{line}"), expected, "correct the value")
+    }
+}
+
+/// What serde calls a value, in words of the file.
+fn plain_value(found: &str) -> String {
+    match found.split_once(' ') {
+        Some(("integer", number)) => format!("the number {}", number.trim_matches('`')),
+        Some(("floating", rest)) => {
+            format!("the number {}", rest.trim_start_matches("point ").trim_matches('`'))
+        }
+        Some(("string", text)) => format!("the text {text}"),
+        Some(("boolean", value)) => value.trim_matches('`').to_owned(),
+        _ => match found {
+            "sequence" => "a list".to_owned(),
+            "map" => "a table".to_owned(),
+            other => other.to_owned(),
+        },
+    }
+}
+
+/// What serde calls a type, in words of the file.
+fn plain_type(expected: &str) -> String {
+    let listed = |length: &str| format!("a list of {length} values");
+    match expected {
+        "u8" | "u16" | "u32" | "u64" | "usize" | "a nonzero u32" | "a nonzero u64" => {
+            "a whole number from 0".to_owned()
+        }
+        "i8" | "i16" | "i32" | "i64" | "isize" => "a whole number".to_owned(),
+        "f32" | "f64" => "a number".to_owned(),
+        "a string" => "a text".to_owned(),
+        "a boolean" => "true or false".to_owned(),
+        "a sequence" => "a list".to_owned(),
+        "a map" => "a table".to_owned(),
+        other => match (other.strip_prefix("an array of length "), other.strip_prefix("a tuple of size ")) {
+            (Some(length), _) | (_, Some(length)) => listed(length),
+            _ if other.starts_with("struct ") => "a table".to_owned(),
+            _ => other.to_owned(),
+        },
     }
 }
 

@@ -43,7 +43,7 @@ pub fn gather(
         return Err(Error::refuse(out, "shards", "none", "all shards of a table", "name the shards"));
     };
     readers.iter().try_for_each(|(_, reader)| refuse_foreign(first, reader))?;
-    refuse_incomplete(out, &readers)?;
+    refuse_incomplete(first.path(), &readers)?;
     let schema = TableSchema { id, version, columns: first.columns().to_vec() };
     let provenance = Provenance { shard: None, ..first.provenance().clone() };
     let mut writer = TableWriter::create(out, &schema, &provenance)?;
@@ -112,11 +112,11 @@ fn differing_entry<T: PartialEq + ToString>(
     Some([format!("{name}.{key}"), told(one.get(key)), told(two.get(key))])
 }
 
-/// Refuses a set that lacks a shard or has one twice.
-fn refuse_incomplete(out: &Path, readers: &[(Shard, TableReader)]) -> Result<()> {
+/// Refuses a set that lacks a shard or has one twice; `first` is the path of its first.
+fn refuse_incomplete(first: &Path, readers: &[(Shard, TableReader)]) -> Result<()> {
     let count = readers.first().map_or(0, |(shard, _)| shard.count);
     let refuse = |found: String, remedy: &str| {
-        Err(Error::refuse(out, "shards", found, format!("each of the {count} shards once"), remedy))
+        Err(Error::refuse(first, "shards", found, format!("each of the {count} shards once"), remedy))
     };
     let missing = missing(count, readers);
     if !missing.is_empty() {

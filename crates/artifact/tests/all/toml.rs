@@ -92,10 +92,10 @@ fn a_wrong_type_is_told_with_key_and_line() {
     let line = refused(&GOOD.replace("8.0", "\"8\""));
     assert_eq!(
         line,
-        "study.toml: sample_rate_hz: found string \"8\" (line 2), expected f64; correct the value"
+        "study.toml: sample_rate_hz: found the text \"8\" (line 2), expected a number; correct the value"
     );
     let line = refused(&GOOD.replace("18446744073709551615", "-1"));
-    assert!(line.contains("seed: found integer `-1` (line 3), expected u64"), "{line}");
+    assert!(line.contains("seed: found the number -1 (line 3), expected a whole number from 0"), "{line}");
 }
 
 #[test]

@@ -123,7 +123,7 @@ fn a_term_with_an_unknown_variable_is_refused_with_the_nearest() {
 #[test]
 fn missing_keys_wrong_types_and_broken_syntax_are_refused_with_their_line() {
     edited("campaign.toml", "seed = 1\n", "", CAMPAIGN, &["no key `seed`", "add `seed`"]);
-    let pieces = ["realizations", "line 3", "expected u32"];
+    let pieces = ["realizations", "line 3", "expected a whole number from 0"];
     edited("campaign.toml", "realizations = 24", "realizations = \"many\"", CAMPAIGN, &pieces);
     edited("campaign.toml", "realizations = 24", "realizations = -3", CAMPAIGN, &["line 3"]);
     edited("campaign.toml", "realizations = 24", "realizations = 0", CAMPAIGN, &["`realizations`", "0"]);
