@@ -46,6 +46,8 @@ help:
 	@echo "make build             build the stages into $(BIN)/"
 	@echo "make test              format, clippy, all tests, the smoke study and the README's commands"
 	@echo "make bench             measure against numba, scipy and pyarrow (needs Python; says how to get it)"
+	@echo "make faults CASES=...  damage inputs and kill runs, so many times, and say what came of it"
+	@echo "make verify            check that the files of the study in $(OUT)/ are whole and belong together"
 	@echo "make oracle            compute the oracle fixtures again (needs Python with numpy, scipy, pyarrow)"
 	@echo "make schemas           write the JSON Schemas of all documents again"
 	@echo "make golden            write the golden results and schema samples again"
@@ -227,6 +229,16 @@ bench:
 	else echo "no $(PYTHON): our own figures only; for the peers install Python 3.11 and scripts/README.md's packages"; $(BIN)/bench; fi
 
 PYTHON ?= $(if $(wildcard .venv/bin/python),.venv/bin/python,python3)
+
+.PHONY: faults
+# How many inputs are damaged; a fortieth of it is how many runs are killed
+CASES ?= 2000
+faults:
+	SEATRIAL_CASES=$(CASES) $(CARGO) test --locked -p seatrial --test study -- fuzz:: faults:: --nocapture
+
+.PHONY: verify
+verify: build
+	$(BIN)/seatrial verify $(OUT) --study $(STUDY)
 
 .PHONY: oracle
 oracle:

@@ -2,14 +2,14 @@
 
 use std::collections::BTreeMap;
 use std::fs;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 use artifact::{TableReader, read_document};
 use study::documents::{EstimateDocument, ValidationDocument};
 use tempfile::TempDir;
 
-use crate::support::{ESTIMATE, SEATRIAL, VALIDATE, edit, run, with};
+use crate::support::{ESTIMATE, SEATRIAL, VALIDATE, cases, edit, run, with};
 
 /// Whether `line` comes to its end in `folder`, where `fault`, such as `kill:3`, awaits it.
 fn ends(folder: &TempDir, line: &str, fault: &str) -> bool {
@@ -22,6 +22,10 @@ fn ends(folder: &TempDir, line: &str, fault: &str) -> bool {
 fn files(folder: &TempDir) -> BTreeMap<PathBuf, Vec<u8>> {
     let entries = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
     entries.filter(|path| path.is_file()).map(|path| (path.clone(), fs::read(&path).unwrap())).collect()
+}
+
+fn is_unfinished(path: &Path) -> bool {
+    path.file_name().unwrap().to_string_lossy().starts_with(".unfinished")
 }
 
 fn put_back(folder: &TempDir, before: &BTreeMap<PathBuf, Vec<u8>>) {
@@ -42,9 +46,8 @@ fn at_every_place(folder: &TempDir, line: &str, kind: &str, read: impl Fn(&TempD
         let ended = ends(folder, line, &format!("{kind}:{count}"));
         // Whoever reads next completes what was begun.
         read(folder);
-        let unfinished =
-            |path: &PathBuf| path.file_name().unwrap().to_string_lossy().starts_with(".unfinished");
-        let found: BTreeMap<_, _> = files(folder).into_iter().filter(|(path, _)| !unfinished(path)).collect();
+        let found: BTreeMap<_, _> =
+            files(folder).into_iter().filter(|(path, _)| !is_unfinished(path)).collect();
         assert!(found == before || found == after, "{line}: {kind}:{count} leaves a mixture");
         seen[usize::from(found == after)] += 1;
         if ended {
@@ -184,4 +187,39 @@ fn a_process_that_is_asked_to_end_leaves_nothing_unfinished() {
         assert!(kill.success() && ended.code() == Some(code), "{signal}: {ended}");
         assert!(files(&folder) == before, "{signal} leaves something");
     }
+}
+
+/// Whatever the moment, the set that a killed process leaves is whole, and the next run clears what it left besides.
+#[cfg(unix)]
+#[test]
+fn law_processes_killed_at_any_moment_leave_the_old_set_or_the_new() {
+    let folder = with(&["campaign.parquet", "estimates.parquet", "estimate.json"]);
+    let started = std::time::Instant::now();
+    run(&folder, ESTIMATE).succeeds();
+    let whole = started.elapsed();
+    let mut ended = 0;
+    for i in 0..cases() / 40 {
+        let line = format!("{ESTIMATE} --estimator {}", ["ls", "iv"][i as usize % 2]);
+        let mut command = Command::new(SEATRIAL);
+        command
+            .args(line.split_whitespace())
+            .current_dir(&folder)
+            .stderr(Stdio::null())
+            .stdout(Stdio::null());
+        let mut child = command.spawn().unwrap();
+        // Spread over the whole run by the golden section.
+        std::thread::sleep(whole.mul_f64((f64::from(i) * 0.618_034).fract()));
+        let signal = ["KILL", "INT", "TERM"][i as usize % 3];
+        Command::new("kill")
+            .args(["-s", signal, &child.id().to_string()])
+            .stderr(Stdio::null())
+            .status()
+            .unwrap();
+        ended += u32::from(child.wait().unwrap().success());
+        read_estimates(&folder);
+    }
+    run(&folder, ESTIMATE).succeeds();
+    let left: Vec<PathBuf> = files(&folder).into_keys().filter(|path| is_unfinished(path)).collect();
+    assert!(left.is_empty(), "{left:?}");
+    println!("{} runs killed, {ended} of them after their end; no set mixed, no file left", cases() / 40);
 }

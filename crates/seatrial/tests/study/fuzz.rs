@@ -12,9 +12,6 @@ use tempfile::TempDir;
 
 use crate::support::*;
 
-/// Cases of each kind where nothing else is asked for.
-const CASES: u64 = 160;
-
 /// What a stage reads.
 const READS: [(&str, &[&str]); 8] = [
     (DICTIONARY, &["vessel.toml", "dictionary.toml"]),
@@ -121,22 +118,14 @@ impl fmt::Display for Found {
     }
 }
 
-/// How many cases of each kind are wanted.
-fn wanted() -> u64 {
-    std::env::var("SEATRIAL_CASES")
-        .ok()
-        .and_then(|cases| cases.parse::<u64>().ok())
-        .map_or(CASES, |all| all / 3)
-}
-
 /// Runs the cases of one kind: `damage` changes a file in the folder, all of which are put back, and says what else stands on
 /// the command line.
-fn cases(kind: u64, damage: impl Fn(&mut Draw, &TempDir, &str) -> String) {
+fn try_all(kind: u64, damage: impl Fn(&mut Draw, &TempDir, &str) -> String) {
     let folder = with(&MADE);
     fs::create_dir(folder.path().join("out")).unwrap();
     let before = Study::of(&folder);
     let mut found = Found::default();
-    for case in 0..wanted() {
+    for case in 0..u64::from(cases() / 3) {
         let mut draw = Draw::of(kind, case);
         let (stage, reads) = READS[draw.below(READS.len())];
         let (line, name) = stage.rsplit_once(' ').unwrap();
@@ -277,7 +266,7 @@ fn unsealed(bytes: &[u8]) -> Vec<u8> {
 
 #[test]
 fn law_damaged_texts_are_refused_in_one_line_or_used() {
-    cases(1, |draw, folder, name| {
+    try_all(1, |draw, folder, name| {
         match String::from_utf8(unsealed(&bytes(folder, name))) {
             Ok(text) => put(folder, name, &damaged_text(draw, &text)),
             // A table has no text but its envelope.
@@ -289,7 +278,7 @@ fn law_damaged_texts_are_refused_in_one_line_or_used() {
 
 #[test]
 fn law_damaged_bytes_are_refused_in_one_line_or_used() {
-    cases(2, |draw, folder, name| {
+    try_all(2, |draw, folder, name| {
         let bytes = damaged_bytes(draw, unsealed(&bytes(folder, name)));
         put_bytes(folder, name, &bytes);
         String::new()
@@ -298,7 +287,7 @@ fn law_damaged_bytes_are_refused_in_one_line_or_used() {
 
 #[test]
 fn law_strange_command_lines_are_refused_in_one_line_or_obeyed() {
-    cases(3, |draw, _, _| (0..=draw.below(3)).map(|_| format!(" {}", draw.one_of(&WORDS))).collect());
+    try_all(3, |draw, _, _| (0..=draw.below(3)).map(|_| format!(" {}", draw.one_of(&WORDS))).collect());
 }
 
 fn put_bytes(folder: &TempDir, name: &str, bytes: &[u8]) {

@@ -119,6 +119,11 @@ pub fn with(names: &[&str]) -> TempDir {
     study().with(names)
 }
 
+/// How many damaged inputs are tried in all, and a fortieth of it runs killed; `make faults CASES=100000` asks for more.
+pub fn cases() -> u32 {
+    std::env::var("SEATRIAL_CASES").ok().and_then(|cases| cases.parse().ok()).unwrap_or(2000)
+}
+
 /// Writes a file.
 pub fn put(folder: &TempDir, name: &str, text: &str) {
     fs::write(folder.path().join(name), text).unwrap();
