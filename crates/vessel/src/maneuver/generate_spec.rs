@@ -1,10 +1,9 @@
 //! `[generate]` in `dictionary.toml`: what candidates are drawn, and the limits that they keep.
 
 use std::collections::BTreeMap;
-use std::fmt;
 
 use refusal::check_numbers;
-use serde::{Deserialize, Serialize};
+use serde::Deserialize;
 
 use crate::{Invalid, Model, nearest};
 
@@ -54,28 +53,28 @@ pub struct Limits {
     pub inputs: BTreeMap<String, f64>,
 }
 
-/// The kinds that candidates are drawn of.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum CandidateKind {
-    /// From rest or slow to faster.
-    Accelerate,
-    /// To a lower speed.
-    Decelerate,
-    /// The yaw rate swings.
-    ZigZag,
-    /// The sway speed swings.
-    SwayZigZag,
-    /// The yaw rate is swept.
-    Spiral,
-    /// A turning circle.
-    SteadyTurn,
-    /// All speeds switch at random.
-    PseudoRandomBinary,
-    /// All speeds are sums of sines.
-    Multisine,
-    /// Speed, sway and yaw rate each in a shape of its own.
-    Combined,
+refusal::choices! {
+    /// The kinds that candidates are drawn of, in turn.
+    pub enum CandidateKind {
+        /// Speed, sway and yaw rate each in a shape of its own.
+        Combined = "combined",
+        /// The yaw rate swings.
+        ZigZag = "zig-zag",
+        /// All speeds switch at random.
+        PseudoRandomBinary = "pseudo-random-binary",
+        /// All speeds are sums of sines.
+        Multisine = "multisine",
+        /// The yaw rate is swept.
+        Spiral = "spiral",
+        /// From rest or slow to faster.
+        Accelerate = "accelerate",
+        /// The sway speed swings.
+        SwayZigZag = "sway-zig-zag",
+        /// To a lower speed.
+        Decelerate = "decelerate",
+        /// A turning circle.
+        SteadyTurn = "steady-turn",
+    }
 }
 
 /// Which limit a motion exceeds most.
@@ -159,11 +158,5 @@ impl Limits {
         let (limit, allowed, found) = most;
         // What is asked to reach a limit may pass it by rounding.
         (found > allowed * (1.0 + 1e-9)).then_some(Exceeded { limit, allowed, found })
-    }
-}
-
-impl fmt::Display for CandidateKind {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.serialize(f)
     }
 }
