@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use refusal::check_numbers;
 use serde::Deserialize;
 
-use crate::{Invalid, Model, nearest};
+use crate::{Invalid, Model};
 
 /// `[generate]` as written.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
@@ -127,15 +127,10 @@ const MOST: u32 = 1_000_000;
 impl Limits {
     /// Refuses limits of inputs that `model` does not have.
     pub(crate) fn check(&self, model: &Model) -> Result<(), Invalid> {
-        let names = || model.variables[3..3 + model.inputs].iter().map(|v| v.name.as_str());
-        match self.inputs.keys().find(|key| names().all(|name| name != key.as_str())) {
+        let names = model.input_names();
+        match self.inputs.keys().find(|key| !names.contains(&key.as_str())) {
             None => Ok(()),
-            Some(unknown) => Err(Invalid::new(
-                "`generate.limits.inputs`",
-                format!("`{unknown}`"),
-                names().collect::<Vec<_>>().join(", "),
-                format!("did you mean `{}`?", nearest(unknown, names()).unwrap_or_default()),
-            )),
+            Some(unknown) => Err(Invalid::unknown("`generate.limits.inputs`", unknown, names)),
         }
     }
 
@@ -150,7 +145,7 @@ impl Limits {
             .into_iter()
             .enumerate()
             .map(|(d, (key, allowed))| (key.to_owned(), allowed, largest(states, d, 3)));
-        let inputs = model.variables[3..3 + model.inputs].iter().enumerate().filter_map(|(i, v)| {
+        let inputs = model.input_variables().iter().enumerate().filter_map(|(i, v)| {
             let allowed = *self.inputs.get(&v.name)?;
             Some((format!("inputs.{}", v.name), allowed, largest(inputs, i, model.inputs)))
         });
