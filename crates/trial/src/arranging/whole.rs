@@ -34,7 +34,7 @@ impl Arranging<'_> {
     }
 
     fn noise(&self) -> Option<Noise> {
-        self.moments.expected.as_ref().map(Expected::noise)
+        self.moments.disturbances.as_ref().map(Expected::noise)
     }
 
     /// θ in the model's order.
@@ -57,7 +57,7 @@ impl Arranging<'_> {
         removal: MeanRemoval,
     ) -> Vec<Option<f64>> {
         let model = &self.vessel.model;
-        let theta = match &self.moments.expected {
+        let theta = match &self.moments.disturbances {
             Some(expected) => self.ordered(&expected.parameters),
             None => Some(self.generator.parameters().to_vec()),
         };

@@ -57,7 +57,7 @@ impl Moments {
     /// # Errors
     /// Moments without middle matrices, or with some that are no covariances.
     pub fn middle(&self, estimated: Estimated) -> Result<Candidates, Invalid> {
-        if self.expected.is_none() {
+        if self.disturbances.is_none() {
             return Err(Invalid::new(
                 "`data.disturbances`",
                 "no expected disturbances",
@@ -108,7 +108,7 @@ impl Moments {
     pub fn squares(&self, relative_to: Source) -> Result<Vec<f64>, Invalid> {
         let parameters = self.degrees.iter().flat_map(|d| &d.parameters);
         // Without disturbances the criterion itself is refused.
-        let Some(expected) = &self.expected else { return Ok(parameters.map(|_| 1.0).collect()) };
+        let Some(expected) = &self.disturbances else { return Ok(parameters.map(|_| 1.0).collect()) };
         let (values, remedy) = match relative_to {
             Source::Nominal => (&expected.nominal, "take --relative-to value, or name --weights"),
             Source::Value => (&expected.parameters, "name --weights"),
