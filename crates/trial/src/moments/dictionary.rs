@@ -231,7 +231,7 @@ fn reduced(m: &[f64], lifted: usize, removal: MeanRemoval) -> Vec<f64> {
 }
 
 /// The first `kept` rows and columns of the `n` that a matrix has.
-pub(crate) fn leading(matrix: &[f64], n: usize, kept: usize) -> Vec<f64> {
+pub fn leading(matrix: &[f64], n: usize, kept: usize) -> Vec<f64> {
     (0..kept * kept).map(|e| matrix[e / kept * n + e % kept]).collect()
 }
 

@@ -15,8 +15,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use vessel::{DegreeOfFreedom, Invalid, Model, Source, Vessel};
 
-pub(crate) use dictionary::leading;
-pub use dictionary::{Estimated, malformed};
+pub use dictionary::{Estimated, leading, malformed};
 pub use free_runs::{FreeRunModel, Unpredictable};
 pub use matrices::{DegreeMoments, ManeuverMoments, OutputErrorMoments, Pool};
 pub use prediction::Prediction;
