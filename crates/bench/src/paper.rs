@@ -5,7 +5,7 @@ use identification::{Batch, moments};
 use vessel::lanes::{interleave, lane};
 use vessel::{
     Current, Disturbances, Generator, Invalid, LANES, Lane, Measurement, Realized, Source, Streams, Vessel,
-    simulate, simulate_one,
+    Weather, simulate, simulate_one,
 };
 
 /// Vessel and dictionary of the paper.
@@ -46,7 +46,7 @@ impl Paper {
             let initial = [0, 1, 2].map(|d: usize| lane(LANES, |i| maneuvers[i].initial[d]));
             let states = |parameters: &[Lane]| {
                 let mut states = vec![Lane::ZERO; 3 * (samples + 1)];
-                simulate(&self.vessel.model, parameters, initial, &inputs, &[], &mut states);
+                simulate(&self.vessel.model, parameters, initial, &inputs, &Weather::CALM, &mut states);
                 states
             };
             let (measured, instrument_states) = (states(&self.truth), states(&self.nominal));
@@ -106,7 +106,8 @@ impl<'a> Experiment<'a> {
         let mut states = vec![Lane::ZERO; 3 * (self.samples() + 1)];
         let initial = self.initial.map(Lane::splat);
         let Paper { vessel, truth, .. } = self.paper;
-        simulate(&vessel.model, truth, initial, &self.inputs, &current, &mut states);
+        let weather = Weather { current: &current, ..Weather::CALM };
+        simulate(&vessel.model, truth, initial, &self.inputs, &weather, &mut states);
         self.disturbances.measure(&self.streams, runs, &mut states);
         states
     }

@@ -3,11 +3,14 @@
 use std::time::Instant;
 
 use anyhow::{Context, ensure};
-use lattice::{MoveId, Options, Pose, Problem, Status, plan, synthetic};
+use lattice::{MoveId, Options, Pose, Problem, Status, plan};
 use pathfinding::prelude::{astar, dijkstra};
 use serde_json::{Value, json};
 
 use crate::timing::fastest;
+
+#[path = "../../lattice/tests/all/synthetic.rs"]
+mod synthetic;
 
 /// Uses so far, eight bits for each informative action.
 type Uses = u64;

@@ -59,7 +59,7 @@ pub fn free_runs(
     let first_beyond = |lane: usize| {
         let own: Vec<Lane> = parameters.iter().map(|p| Lane::splat(p[lane])).collect();
         let mut states = vec![Lane::ZERO; reference.len()];
-        simulate(model, &own, initial, exogenous, &[], &mut states);
+        simulate(model, &own, initial, exogenous, &Weather::CALM, &mut states);
         check_diverged(states.iter().map(|s| s[0])).map_or(0, |at| at.sample)
     };
     std::array::from_fn(|lane| match beyond[lane] > 0.0 {

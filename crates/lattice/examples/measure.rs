@@ -2,7 +2,10 @@
 
 use std::time::Instant;
 
-use lattice::{Engine, Options, plan, synthetic};
+#[path = "../tests/all/synthetic.rs"]
+mod synthetic;
+
+use lattice::{Engine, Options, plan};
 
 fn main() {
     let given: Vec<String> = std::env::args().skip(1).collect();

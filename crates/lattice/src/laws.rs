@@ -236,28 +236,3 @@ fn law_bounds_of_stopped_searches_hold() {
         stop_everywhere(&problem, |watch| crate::a_star::search(&graph, &bound, None, 1 << 30, watch));
     }
 }
-
-#[test]
-fn states_not_yet_followed_have_no_level() {
-    // West by one cell at a time from 7 to 1; from 0 a leap leads to 6. When the goal is reached at level 6, cell 0 is
-    // reached but not yet followed, and must not pass for the start of the step to 6.
-    let still = |di| crate::Move {
-        from: 0,
-        di,
-        dj: 0,
-        to: 0,
-        cost: crate::Cost::primary(f64::from(di.signum().abs())),
-    };
-    let act = |name: String, required, di| crate::Action { name, required, moves: vec![still(di)] };
-    let mut actions: Vec<_> = (0..7).map(|q| act(format!("stay_{q}"), 2, 0)).collect();
-    actions.extend([act("west".into(), 0, -1), act("leap".into(), 0, 6)]);
-    let pose = |i| crate::Pose { i, j: 0, layer: 0 };
-    let goal = crate::Goal::Poses(vec![pose(1)]);
-    let lattice = crate::Lattice { nx: 8, ny: 1, layers: 1 };
-    let problem = Problem::new(lattice, actions, pose(7), goal, |_, _, _| true).unwrap();
-    let graph = Graph::new(&problem, &Reach::new(&problem)).unwrap();
-    let mut keep_going = |_| true;
-    let verdict = layered::search(&graph, 1, 1 << 30, &mut Watch::new(&problem, 1000, &mut keep_going));
-    let (key, walk) = verdict.plan.unwrap();
-    assert_eq!((key, followed(&graph, &walk)), (6, Some(6)));
-}

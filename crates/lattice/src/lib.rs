@@ -14,6 +14,10 @@
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 
+// What tests share names the crate from outside.
+#[cfg(test)]
+extern crate self as lattice;
+
 mod a_star;
 mod ascent;
 mod beam;
@@ -25,8 +29,8 @@ mod fan;
 mod file;
 mod front;
 mod graph;
+mod grid;
 mod lagrangian;
-mod lattice;
 #[cfg(test)]
 mod laws;
 mod layered;
@@ -39,7 +43,9 @@ mod radix_heap;
 mod reason;
 mod recover;
 mod relaxation;
-pub mod synthetic;
+#[cfg(test)]
+#[path = "../tests/all/synthetic.rs"]
+mod synthetic;
 mod units;
 mod uses;
 mod validate;
@@ -47,7 +53,7 @@ mod watch;
 
 pub use file::{BasicFile, InformativeFile, LatticeFile, MoveFile, ProblemFile, SCHEMA, SchemaId};
 pub use front::{FrontPoint, front};
-pub use lattice::{Action, Cost, Goal, Lattice, Move, MoveId, Pose};
+pub use grid::{Action, Cost, Goal, Lattice, Move, MoveId, Pose};
 pub use outcome::{Engine, Limit, NoPlan, Options, Progress, Solution, Status, Step};
 pub use plan::plan;
 pub use problem::Problem;

@@ -155,12 +155,10 @@ fn check_source(of: &str, source: &str, provided: &[Provided]) -> Result<(), Inv
     if known.contains(&source) && !source.ends_with("_deg") {
         return Ok(());
     }
-    Err(Invalid::new(
-        format!("source of channel `{of}`"),
-        format!("`{source}`, which nothing before it provides"),
-        format!("one of {}", known.join(", ")),
-        format!("did you mean `{}`?", nearest(source, known).unwrap_or_default()),
-    ))
+    let found = format!("`{source}`, which nothing before it provides");
+    let expected = format!("one of {}", known.join(", "));
+    let unknown = Invalid::unknown(format!("source of channel `{of}`"), source, known);
+    Err(Invalid { found, expected, ..unknown })
 }
 
 fn check_names(provided: &[Provided]) -> Result<(), Invalid> {

@@ -1,5 +1,3 @@
-use std::fmt;
-
 use numerics::statistics::median;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -78,21 +76,15 @@ pub struct MotionSummary {
     pub gain: Option<f64>,
 }
 
-/// A velocity.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "lowercase")]
-pub enum State {
-    /// Surge.
-    U,
-    /// Sway.
-    V,
-    /// Yaw rate.
-    R,
-}
-
-impl fmt::Display for State {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.serialize(f)
+vessel::choices! {
+    /// A velocity.
+    pub enum State {
+        /// Surge.
+        U = "u",
+        /// Sway.
+        V = "v",
+        /// Yaw rate.
+        R = "r",
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use refusal::{Invalid, nearest};
+use refusal::Invalid;
 use serde::Deserialize;
 
 use crate::{Assembled, Grid, Source, Stretch};
@@ -165,12 +165,13 @@ pub fn check_intervals(intervals: &[Interval], sources: &[Source]) -> Result<(),
     let known: Vec<&str> = sources.iter().map(|source| source.name.as_str()).collect();
     for (i, Interval { run, from_s, to_s, .. }) in intervals.iter().enumerate() {
         if !known.contains(&run.as_str()) {
-            return Err(Invalid::new(
-                "`run` of a [[segment]]",
-                format!("`{run}`, which no file has"),
-                format!("one of {}", known.join(", ")),
-                format!("did you mean `{}`?", nearest(run, known).unwrap_or_default()),
-            ));
+            let found = format!("`{run}`, which no file has");
+            let expected = format!("one of {}", known.join(", "));
+            return Err(Invalid {
+                found,
+                expected,
+                ..Invalid::unknown("`run` of a [[segment]]", run, known)
+            });
         }
         let overlaps = |other: &&Interval| other.run == *run && other.from_s < *to_s && *from_s < other.to_s;
         if let Some(other) = intervals[..i].iter().find(overlaps) {

@@ -1,5 +1,7 @@
 use std::fmt;
 
+use crate::nearest;
+
 /// A value that is refused. It knows no file: whoever read one adds its name.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Invalid {
@@ -22,6 +24,20 @@ impl Invalid {
         remedy: impl Into<String>,
     ) -> Self {
         Self { thing: thing.into(), found: found.into(), expected: expected.into(), remedy: remedy.into() }
+    }
+
+    /// A name that is none of the `known` ones, the nearest of which may be meant.
+    pub fn unknown<'a>(
+        thing: impl Into<String>,
+        name: &str,
+        known: impl IntoIterator<Item = &'a str>,
+    ) -> Self {
+        let known: Vec<&str> = known.into_iter().collect();
+        let remedy = match nearest(name, known.iter().copied()) {
+            Some(near) => format!("did you mean `{near}`?"),
+            None => "remove it".into(),
+        };
+        Self::new(thing, format!("`{name}`"), known.join(", "), remedy)
     }
 }
 

@@ -43,7 +43,7 @@ fn conditioning(estimate: &EstimateDocument) -> Markup {
     }
 }
 
-fn nonstationarity(moments: &MomentsDocument, design: Option<&DesignDocument>) -> Markup {
+fn nonstationarity(MomentsDocument(moments): &MomentsDocument, design: Option<&DesignDocument>) -> Markup {
     let names = shown(moments.maneuvers.iter().map(|maneuver| maneuver.name.as_str()), design);
     let maneuvers = moments.maneuvers.iter().filter(|maneuver| names.contains(&maneuver.name.as_str()));
     let named = Table::of(maneuvers).compact().name("Maneuver", |maneuver| &maneuver.name);

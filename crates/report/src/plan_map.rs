@@ -1,6 +1,6 @@
 //! `map.svg`: the plan on its chart.
 
-use chart::{Bounds, Causes, Class, GridCell, Invalid, Obstacles, PlacedGrid, Plane};
+use chart::{Bounds, Causes, Class, GridCell, Invalid, Obstacles, PlacedGrid, Plane, Uncharted};
 use study::documents::PlanDocument;
 use trial::voyage::{Prepared, Sailing, Solved};
 use trial::{Sailed, Sample};
@@ -45,15 +45,12 @@ impl PlanMap<'_> {
                 document.statement
             ),
             frame: figure::Frame { west, south, east, north },
-            background: match prepared.chart.uncharted() {
-                chart::Uncharted::Water => figure::Background::Water,
-                chart::Uncharted::Obstacle => figure::Background::Uncharted,
-            },
+            uncharted: prepared.chart.uncharted() == Uncharted::Obstacle,
             depth_limits_m: if prepared.chart.has_depth() { DEPTHS_M.to_vec() } else { Vec::new() },
             cells: self.cells(),
             areas: self.areas(&bounds),
             margins: self.margins(),
-            maneuvers: self.maneuvers(),
+            maneuvers: document.counts.iter().map(|(name, count)| (name.clone(), *count)).collect(),
             tracks: self.tracks(),
             hulls: self.hulls(),
             start: self.sailing.sailed.samples.first().map(place),
@@ -121,12 +118,6 @@ impl PlanMap<'_> {
             margin(figure::Purpose::Trial, waters.deepest(&self.prepared.rehearsed)),
             margin(figure::Purpose::Transit, waters.transit()),
         ]
-    }
-
-    fn maneuvers(&self) -> Vec<figure::Maneuver> {
-        let named =
-            |(name, count): (&String, &u64)| figure::Maneuver { name: name.clone(), count: *count as u32 };
-        self.document.counts.iter().map(named).collect()
     }
 
     fn tracks(&self) -> Vec<figure::Track> {

@@ -121,7 +121,7 @@ pub(super) fn optimized_first<T>(designs: &[T], name: impl Fn(&T) -> &str) -> Ve
 impl Study {
     /// The inputs that the vessel declares.
     pub(super) fn inputs(&self) -> &[Variable] {
-        self.vessel.as_ref().map_or(&[], |Vessel { model, .. }| &model.variables[3..3 + model.inputs])
+        self.vessel.as_ref().map_or(&[], |Vessel { model, .. }| model.input_variables())
     }
 
     /// The designs of the validation, the optimized one first.

@@ -108,7 +108,7 @@ impl Study {
             instruments,
             degrees: structure(model),
             maneuvers: pool.finish(model)?,
-            expected: None,
+            disturbances: None,
             output_error: None,
         })
     }

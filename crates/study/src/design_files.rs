@@ -7,7 +7,7 @@ use artifact::{Digest, Error, Provenance, read_document, read_toml};
 use design::Stock;
 use serde::Deserialize;
 use trial::refining::{STATES, StatedLimits};
-use vessel::{Invalid, nearest};
+use vessel::Invalid;
 
 use crate::documents::IngestDocument;
 use crate::{invalid, refuse};
@@ -37,8 +37,8 @@ pub fn read_weights(
 fn check_weights(written: &BTreeMap<String, f64>, parameters: &[&str]) -> Result<(), Invalid> {
     if let Some(unknown) = written.keys().find(|key| !parameters.contains(&key.as_str())) {
         let expected = format!("a parameter: one of {}", parameters.join(", "));
-        let remedy = meant(unknown, parameters.iter().copied());
-        return Err(Invalid::new("`weight`", format!("`{unknown}`"), expected, remedy));
+        let unknown = Invalid::unknown("`weight`", unknown, parameters.iter().copied());
+        return Err(Invalid { expected, ..unknown });
     }
     if let Some((name, weight)) = written.iter().find(|(_, w)| !(w.is_finite() && **w >= 0.0)) {
         let thing = format!("`weight` of `{name}`");
@@ -86,8 +86,9 @@ fn stock_of_json(path: &Path) -> Result<(Stock, Digest), Error> {
 fn check_stock(stock: &Stock, maneuvers: &[String]) -> Result<(), Invalid> {
     let mut keys = stock.seconds.keys().chain(stock.segments.keys());
     if let Some(unknown) = keys.find(|key| !maneuvers.contains(key)) {
-        let remedy = meant(unknown, maneuvers.iter().map(String::as_str));
-        return Err(Invalid::new("maneuver", format!("`{unknown}`"), "a maneuver of the moments", remedy));
+        let expected = "a maneuver of the moments".into();
+        let unknown = Invalid::unknown("maneuver", unknown, maneuvers.iter().map(String::as_str));
+        return Err(Invalid { expected, ..unknown });
     }
     if let Some(twice) = stock.seconds.keys().find(|key| stock.segments.contains_key(*key)) {
         let thing = format!("maneuver `{twice}`");
@@ -102,13 +103,6 @@ fn check_stock(stock: &Stock, maneuvers: &[String]) -> Result<(), Invalid> {
             "a time of 0 s or more",
             "correct it",
         )),
-    }
-}
-
-fn meant<'a>(unknown: &str, known: impl Iterator<Item = &'a str>) -> String {
-    match nearest(unknown, known) {
-        Some(near) => format!("did you mean `{near}`?"),
-        None => "name one of them".into(),
     }
 }
 
@@ -143,9 +137,7 @@ fn check_limits(limits: &StatedLimits, inputs: &[&str]) -> Result<(), Invalid> {
     let tables = [("inputs", &limits.inputs), ("rates", &limits.rates)];
     for (table, values) in tables {
         if let Some(unknown) = values.keys().find(|key| !inputs.contains(&key.as_str())) {
-            let remedy = meant(unknown, inputs.iter().copied());
-            let (thing, found) = (format!("`{table}`"), format!("`{unknown}`"));
-            return Err(Invalid::new(thing, found, inputs.join(", "), remedy));
+            return Err(Invalid::unknown(format!("`{table}`"), unknown, inputs.iter().copied()));
         }
     }
     let states = STATES.iter().zip(limits.states);

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use logs::chain::{Actuator, Chain, Compass, Day, Gnss, Hull, Schedule};
-use refusal::{Invalid, nearest};
+use refusal::{Invalid, check_numbers};
 use serde::Deserialize;
 use vessel::Vessel;
 
@@ -84,20 +84,14 @@ impl LogsFile {
             let expected = format!("{rate_hz} Hz, which the vessel's parameters hold for");
             return invalid("sample_rate_hz", format!("{} Hz", self.sample_rate_hz), expected);
         }
-        for (key, count) in [("samples", self.samples), ("repeats", self.repeats)] {
-            if !(1..=100_000).contains(&count) {
-                return invalid(key, count.to_string(), "a number from 1 to 100000".into());
-            }
-        }
+        let counts = [("samples", f64::from(self.samples)), ("repeats", f64::from(self.repeats))];
+        check_numbers(counts, "a number from 1 to 100000", |count| (1.0..=1e5).contains(&count))?;
         if self.course_rad.is_some_and(|course| !course.is_finite()) {
             return invalid("course_rad", "no finite number".into(), "a heading".into());
         }
         let settling = self.settle_s.iter().map(|(name, s)| (name.as_str(), *s));
-        for (key, value) in settling.chain([("scatter_std", self.scatter_std)]) {
-            if !(0.0..1e5).contains(&value) {
-                return invalid(key, value.to_string(), "a number from 0 on".into());
-            }
-        }
+        let settling = settling.chain([("scatter_std", self.scatter_std)]);
+        check_numbers(settling, "a number from 0 on", |value| (0.0..1e5).contains(&value))?;
         if self.gnss.every(rate_hz).is_none() {
             let expected = format!("{rate_hz} Hz divided by a whole number");
             return invalid("gnss.rate_hz", format!("{} Hz", self.gnss.rate_hz), expected);
@@ -138,11 +132,7 @@ fn known(thing: &str, name: &str, maneuvers: &[&str]) -> Result<(), Invalid> {
     if maneuvers.contains(&name) {
         return Ok(());
     }
-    let near = nearest(name, maneuvers.iter().copied()).unwrap_or_default();
-    Err(Invalid::new(
-        thing,
-        format!("`{name}`, which the dictionary does not have"),
-        format!("one of {}", maneuvers.join(", ")),
-        format!("did you mean `{near}`?"),
-    ))
+    let found = format!("`{name}`, which the dictionary does not have");
+    let expected = format!("one of {}", maneuvers.join(", "));
+    Err(Invalid { found, expected, ..Invalid::unknown(thing, name, maneuvers.iter().copied()) })
 }

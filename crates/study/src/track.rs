@@ -5,7 +5,7 @@ use std::path::Path;
 use artifact::{Columns, Error, Provenance, Staged, TableReader, TableWriter, read_document};
 use chart::Plane;
 use trial::{Sailed, Sample};
-use vessel::{Pose, Variable, Vessel};
+use vessel::{Pose, Vessel};
 
 use crate::documents::PlanDocument;
 
@@ -61,15 +61,11 @@ fn columns(vessel: &Vessel) -> Columns<Row> {
     for (i, (name, unit)) in FLOATS.into_iter().enumerate() {
         columns = columns.number(name, unit, move |r| r.floats[i], move |r, value| r.floats[i] = value);
     }
-    for (i, input) in inputs(vessel).iter().enumerate() {
+    for (i, input) in vessel.model.input_variables().iter().enumerate() {
         let (get, set) = (move |r: &Row| r.inputs[i], move |r: &mut Row, value| r.inputs[i] = value);
         columns = columns.optional(&input.name, &input.unit, get, set);
     }
     columns
-}
-
-fn inputs(vessel: &Vessel) -> &[Variable] {
-    &vessel.model.variables[3..3 + vessel.model.inputs]
 }
 
 /// Writes the samples and the end; `names`: of every leg.
@@ -163,7 +159,7 @@ pub fn read_track(path: &Path, vessel: &Vessel, provenance: &mut Provenance) -> 
             track.stretches.push((k, name.to_owned()));
             key = Some(now);
         }
-        for (input, variable) in row.inputs.iter().zip(inputs(vessel)) {
+        for (input, variable) in row.inputs.iter().zip(vessel.model.input_variables()) {
             let missing = || {
                 let thing = format!("column `{}`, row {}", variable.name, k + 1);
                 Error::refuse(path, thing, "no value", "a number in every row but the last", "plan again")

@@ -220,33 +220,23 @@ fn add_noise<const WIDTH: usize>(
     std: [f64; WIDTH],
     out: &mut [Lane],
 ) {
-    let normals = streams.lanes(runs, first);
-    pulp::Arch::new().dispatch(AddNoise { normals, std: std.map(Lane::splat), out });
-}
-
-/// [`add_noise`] compiled for every instruction set that pulp picks from.
-struct AddNoise<'a, const WIDTH: usize> {
-    normals: [Normals; WIDTH],
-    std: [Lane; WIDTH],
-    out: &'a mut [Lane],
-}
-
-impl<const WIDTH: usize> pulp::WithSimd for AddNoise<'_, WIDTH> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: pulp::Simd>(mut self, _: S) {
-        let mut pairs = self.out.chunks_exact_mut(2 * WIDTH);
-        for rows in &mut pairs {
-            for (column, normals) in self.normals.iter_mut().enumerate() {
-                let [one, two] = normals.pair();
-                rows[column] += self.std[column] * one;
-                rows[WIDTH + column] += self.std[column] * two;
+    let (mut normals, std): ([Normals; WIDTH], _) = (streams.lanes(runs, first), std.map(Lane::splat));
+    // Compiled for every instruction set that pulp picks from.
+    pulp::Arch::new().dispatch(
+        #[inline(always)]
+        || {
+            let mut pairs = out.chunks_exact_mut(2 * WIDTH);
+            for rows in &mut pairs {
+                for (column, normals) in normals.iter_mut().enumerate() {
+                    let [one, two] = normals.pair();
+                    rows[column] += std[column] * one;
+                    rows[WIDTH + column] += std[column] * two;
+                }
             }
-        }
-        let last = pairs.into_remainder().iter_mut();
-        for ((entry, normals), std) in last.zip(&mut self.normals).zip(self.std) {
-            *entry += std * normals.pair()[0];
-        }
-    }
+            let last = pairs.into_remainder().iter_mut();
+            for ((entry, normals), std) in last.zip(&mut normals).zip(std) {
+                *entry += std * normals.pair()[0];
+            }
+        },
+    );
 }

@@ -1,9 +1,10 @@
 use std::collections::BTreeMap;
 
+use refusal::check_numbers;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::{Degree, DegreeOfFreedom, Invalid, Model, Term, Variable, nearest};
+use crate::{Degree, DegreeOfFreedom, Invalid, Model, Term, Variable};
 
 /// `vessel.toml` as written.
 #[derive(Clone, Debug, Default, Deserialize)]
@@ -119,14 +120,7 @@ impl Vessel {
             None => file,
         };
         let rate = file.sample_rate_hz.ok_or_else(|| missing("sample_rate_hz"))?;
-        if !(rate.is_finite() && rate > 0.0) {
-            return Err(Invalid::new(
-                "`sample_rate_hz`",
-                rate.to_string(),
-                "a rate above 0 Hz",
-                "correct it",
-            ));
-        }
+        check_numbers([("sample_rate_hz", rate)], "a rate above 0 Hz", |rate| rate > 0.0)?;
         let variables = variables(&file)?;
         let degrees = degrees(&file, &variables)?;
         let specs = || [&file.surge, &file.sway, &file.yaw].into_iter().flatten();
@@ -196,13 +190,9 @@ impl Vessel {
 
     fn index(&self, name: &str) -> Result<usize, Invalid> {
         let unknown = || {
-            let near = nearest(name, self.model.parameter_names()).unwrap_or_default();
-            Invalid::new(
-                format!("parameter `{name}`"),
-                "a name that no term has",
-                self.model.parameter_names().collect::<Vec<_>>().join(", "),
-                format!("did you mean `{near}`?"),
-            )
+            let found = "a name that no term has".to_owned();
+            let thing = format!("parameter `{name}`");
+            Invalid { found, ..Invalid::unknown(thing, name, self.model.parameter_names()) }
         };
         self.model.parameter_names().position(|n| n == name).ok_or_else(unknown)
     }
@@ -226,15 +216,8 @@ fn missing(key: &str) -> Invalid {
 
 fn preset(file: VesselFile) -> Result<VesselFile, Invalid> {
     let name = file.preset.as_deref().unwrap_or_default();
-    let known = || PRESETS.iter().map(|(name, _)| *name);
     let Some((_, text)) = PRESETS.iter().find(|(preset, _)| *preset == name) else {
-        let near = nearest(name, known()).unwrap_or_default();
-        return Err(Invalid::new(
-            "`preset`",
-            format!("`{name}`"),
-            known().collect::<Vec<_>>().join(", "),
-            format!("did you mean `{near}`?"),
-        ));
+        return Err(Invalid::unknown("`preset`", name, PRESETS.iter().map(|(name, _)| *name)));
     };
     let own = [&file.surge, &file.sway, &file.yaw].iter().any(|terms| !terms.is_empty());
     if own || !file.input.is_empty() || !file.measured.is_empty() || file.sample_rate_hz.is_some() {

@@ -41,8 +41,6 @@ pub use pose::{Pose, track};
 pub use refusal::{Invalid, check_numbers, choices, nearest};
 pub use refusals::{MOST_SAMPLES, refuse_endless};
 pub use run::{Run, RunView, Segment};
-pub use simulate::{
-    DIVERGED, Diverged, Weather, check_diverged, follow, simulate, simulate_in, simulate_one,
-};
+pub use simulate::{DIVERGED, Diverged, Weather, check_diverged, follow, simulate, simulate_one};
 pub use steady::{Motion, Steady};
 pub use term::{Factor, Term};

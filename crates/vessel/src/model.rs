@@ -64,6 +64,16 @@ pub struct Model {
 }
 
 impl Model {
+    /// The inputs, which follow the states among the variables.
+    pub fn input_variables(&self) -> &[Variable] {
+        &self.variables[3..3 + self.inputs]
+    }
+
+    /// The inputs' names.
+    pub fn input_names(&self) -> Vec<&str> {
+        self.input_variables().iter().map(|v| v.name.as_str()).collect()
+    }
+
     /// Number of inputs and measured disturbances.
     pub fn exogenous(&self) -> usize {
         self.variables.len() - 3

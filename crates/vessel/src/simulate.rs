@@ -12,23 +12,6 @@ pub struct Diverged {
     pub state: usize,
 }
 
-/// Simulates [`crate::LANES`] runs of N samples side by side: x(k+1) = x(k) + θᵀφ(x(k) − x_c(k), exogenous(k)).
-///
-/// `parameters`: one lane per parameter. `initial`: u, v, r. `exogenous`: N × (inputs and measured disturbances).
-/// `current`: N × 2 surge and sway components in body axes \[m/s\], or empty for still water. `states`: filled with
-/// (N+1) × 3. All row-major.
-pub fn simulate(
-    model: &Model,
-    parameters: &[Lane],
-    initial: [Lane; 3],
-    exogenous: &[impl Number],
-    current: &[Lane],
-    states: &mut [Lane],
-) {
-    let weather = Weather { current, ..Weather::CALM };
-    simulate_in(model, parameters, initial, exogenous, &weather, states);
-}
-
 /// What acts on [`crate::LANES`] runs besides their inputs.
 #[derive(Clone, Copy, Debug)]
 pub struct Weather<'a> {
@@ -46,8 +29,11 @@ impl Weather<'_> {
     pub const CALM: Self = Self { current: &[], turning: 0.0, force: &[] };
 }
 
-/// [`simulate`] in a current of either axes and under forces.
-pub fn simulate_in(
+/// Simulates [`crate::LANES`] runs of N samples side by side: x(k+1) = x(k) + θᵀφ(x(k) − x_c(k), exogenous(k)).
+///
+/// `parameters`: one lane per parameter. `initial`: u, v, r. `exogenous`: N × (inputs and measured disturbances).
+/// `states`: filled with (N+1) × 3. All row-major.
+pub fn simulate(
     model: &Model,
     parameters: &[Lane],
     initial: [Lane; 3],
@@ -87,49 +73,36 @@ fn keep(
     );
 }
 
-/// [`simulate_in`] that calls `each` with the states after every sample, 1 to N, instead of keeping them.
+/// [`simulate`] that calls `each` with the states after every sample, 1 to N, instead of keeping them.
 pub fn follow(
     model: &Model,
     parameters: &[Lane],
     initial: [Lane; 3],
     exogenous: &[impl Number],
     weather: &Weather,
-    each: impl FnMut(&[Lane; 3]),
+    mut each: impl FnMut(&[Lane; 3]),
 ) {
-    let (model, width) = (Compiled::new(model, parameters), model.exogenous());
-    pulp::Arch::new().dispatch(Simulation { model, width, initial, exogenous, weather, each });
-}
-
-/// [`follow`] compiled for every instruction set that pulp picks from. Lanes are only added and multiplied, never fused,
-/// so that all give the same bits.
-struct Simulation<'a, X, F> {
-    model: Compiled<'a, Lane>,
-    width: usize,
-    initial: [Lane; 3],
-    exogenous: &'a [X],
-    weather: &'a Weather<'a>,
-    each: F,
-}
-
-impl<X: Number, F: FnMut(&[Lane; 3])> pulp::WithSimd for Simulation<'_, X, F> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: pulp::Simd>(mut self, _: S) {
-        let Weather { current, turning, force } = *self.weather;
-        let (mut state, mut heading) = (self.initial, Lane::ZERO);
-        let (mut currents, mut forces) = (current.chunks_exact(2), force.chunks_exact(3));
-        for exogenous in self.exogenous.chunks_exact(self.width.max(1)) {
-            let current = currents.next().map(|own| match turning == 0.0 {
-                true => [own[0], own[1]],
-                false => turned(own, &heading),
-            });
-            let force = forces.next().map(|own| [own[0], own[1], own[2]]);
-            heading += Lane::splat(turning) * state[2];
-            state = self.model.step(state, exogenous, Ambient { current, force });
-            (self.each)(&state);
-        }
-    }
+    let (mut model, width) = (Compiled::new(model, parameters), model.exogenous());
+    let Weather { current, turning, force } = *weather;
+    // Compiled for every instruction set that pulp picks from. Lanes are only added and multiplied, never fused, so that
+    // all give the same bits.
+    pulp::Arch::new().dispatch(
+        #[inline(always)]
+        || {
+            let (mut state, mut heading) = (initial, Lane::ZERO);
+            let (mut currents, mut forces) = (current.chunks_exact(2), force.chunks_exact(3));
+            for exogenous in exogenous.chunks_exact(width.max(1)) {
+                let current = currents.next().map(|own| match turning == 0.0 {
+                    true => [own[0], own[1]],
+                    false => turned(own, &heading),
+                });
+                let force = forces.next().map(|own| [own[0], own[1], own[2]]);
+                heading += Lane::splat(turning) * state[2];
+                state = model.step(state, exogenous, Ambient { current, force });
+                each(&state);
+            }
+        },
+    );
 }
 
 /// The components north and east along and across a heading. Called: sines and cosines are no vectors.

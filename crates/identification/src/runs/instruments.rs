@@ -1,5 +1,5 @@
 use vessel::lanes::{SideBySide, by_lane, groups, interleave};
-use vessel::{Diverged, LANES, Lane, Run, Vessel, check_diverged, simulate, simulate_one};
+use vessel::{Diverged, LANES, Lane, Run, Vessel, Weather, check_diverged, simulate, simulate_one};
 
 use super::error::NominalDiverged;
 use crate::{Batch, Excitation, InstrumentKind, Instruments, MeanRemoval, Outcome};
@@ -107,7 +107,14 @@ impl<'a> Prepared<'a> {
     /// Simulates every run with `parameters`, one lane each, and takes the states as instruments.
     pub(super) fn simulate(&mut self, parameters: &[Lane]) {
         let SideBySide { exogenous, initial, .. } = &self.runs;
-        simulate(&self.vessel.model, parameters, *initial, exogenous, &[], &mut self.instrument_states);
+        simulate(
+            &self.vessel.model,
+            parameters,
+            *initial,
+            exogenous,
+            &Weather::CALM,
+            &mut self.instrument_states,
+        );
     }
 
     /// Where the simulation of one run diverged.

@@ -7,7 +7,7 @@ use identification::predictor::{
     prediction_error,
 };
 use identification::{Batch, MeanRemoval, Outcome, estimate_prefiltered};
-use vessel::{LANES, Lane, Model, RunView, Source, Vessel, Weather, simulate, simulate_in};
+use vessel::{LANES, Lane, Model, RunView, Source, Vessel, Weather, simulate};
 
 const NOISE: f64 = 0.158_113_883_008_418_97;
 
@@ -116,7 +116,7 @@ fn law_intercepts_take_a_constant_force_and_the_offset_an_unknown_start() {
     let mut measured = vec![Lane::ZERO; 3 * (samples + 1)];
     let weather = Weather { current: &[], turning: 0.0, force: &forces };
     let parameters = splat(&truth(&vessel));
-    simulate_in(&vessel.model, &parameters, start, &experiment.inputs, &weather, &mut measured);
+    simulate(&vessel.model, &parameters, start, &experiment.inputs, &weather, &mut measured);
     let found = converged(free_fits(&vessel, &experiment, &measured, InitialState::Estimated));
     for d in 0..3 {
         approx::assert_relative_eq!(found[1].intercepts[d], force[d], max_relative = 1e-5);
@@ -236,7 +236,8 @@ fn ratios(levels: &Levels, runs: usize, by: By, seed: u64) -> Vec<f64> {
         let mut measured = vec![Lane::ZERO; 3 * (samples + 1)];
         let initial = experiment.initial.map(Lane::splat);
         let parameters = splat(&truth(&vessel));
-        simulate(&vessel.model, &parameters, initial, &experiment.inputs, &current, &mut measured);
+        let weather = Weather { current: &current, ..Weather::CALM };
+        simulate(&vessel.model, &parameters, initial, &experiment.inputs, &weather, &mut measured);
         measured.iter_mut().enumerate().for_each(|(i, y)| *y += draw(levels.measurement[i % 3]));
         all.extend(estimates(by, &vessel, &experiment, &measured, levels));
     }
@@ -284,7 +285,7 @@ fn law_whitened_innovations_of_the_true_filter_have_unit_variance() {
     let mut measured = vec![Lane::ZERO; 3 * (samples + 1)];
     let initial = experiment.initial.map(Lane::splat);
     let parameters = splat(&truth(&vessel));
-    simulate_in(&vessel.model, &parameters, initial, &experiment.inputs, &weather, &mut measured);
+    simulate(&vessel.model, &parameters, initial, &experiment.inputs, &weather, &mut measured);
     measured.iter_mut().for_each(|y| *y += Lane(std::array::from_fn(|_| 0.05 * normals.next())));
     let levels = Levels {
         measurement: [0.05; 3],

@@ -6,7 +6,7 @@ use identification::predictor::{
 };
 use identification::{Batch, MeanRemoval, Outcome, estimate_prefiltered};
 use serde_json::Value;
-use vessel::{LANES, Lane, RunView, Vessel, simulate};
+use vessel::{LANES, Lane, RunView, Vessel, Weather, simulate};
 
 const ORACLE: &str = include_str!("../../../../fixtures/oracle/output_error.json");
 
@@ -146,7 +146,7 @@ fn oracle_prefiltered_instrumental_variables_agree_with_triangular_matrices() {
         let truth = truth(&run.vessel);
         let lanes: Vec<Lane> = truth.iter().copied().map(Lane::splat).collect();
         let mut states = vec![Lane::ZERO; run.measured.len()];
-        simulate(&run.vessel.model, &lanes, run.initial, &run.inputs, &[], &mut states);
+        simulate(&run.vessel.model, &lanes, run.initial, &run.inputs, &Weather::CALM, &mut states);
         let batch = Batch {
             model: &run.vessel.model,
             measured: &run.measured,

@@ -3,7 +3,7 @@
 use crate::support::*;
 use identification::predictor::{Recordings, Sensitivities};
 use identification::{Noise, output_information, prediction_weights};
-use vessel::{Lane, Model, simulate, simulate_one};
+use vessel::{Lane, Model, Weather, simulate, simulate_one};
 
 /// The sensitivities of one run to all parameters, ∂x_d(k)/∂θ̃ for k = 1 to N: N × 3 × n, row-major.
 fn sensitivities(lifted: &Model, parameters: &[f64], experiment: &Experiment) -> Vec<f64> {
@@ -67,7 +67,8 @@ fn law_the_middle_matrix_is_what_every_single_draw_moves() {
             current[draw] = Lane::splat(sign * 1e-5);
             let mut states = vec![Lane::ZERO; 3 * (samples + 1)];
             let initial = experiment.initial.map(Lane::splat);
-            simulate(model, &parameters, initial, &experiment.inputs, &current, &mut states);
+            let weather = Weather { current: &current, ..Weather::CALM };
+            simulate(model, &parameters, initial, &experiment.inputs, &weather, &mut states);
             states.iter().map(|lane| lane[0]).collect::<Vec<f64>>()
         };
         let (up, down) = (moved(1.0), moved(-1.0));

@@ -3,7 +3,7 @@
 use crate::support::noise::Normals;
 use crate::support::{Experiment, Recording, SideBySide, dictionary, estimate, paper, truth};
 use identification::{Estimate, MeanRemoval, Noise, Outcome, middle, moments};
-use vessel::{LANES, Lane, Source, Vessel, simulate};
+use vessel::{LANES, Lane, Source, Vessel, Weather, simulate};
 
 const REALIZATIONS: usize = 2000;
 /// Of the current's components [m/s] and of the measured states [m/s, m/s, rad/s]: the paper's variance 0.025.
@@ -53,7 +53,8 @@ fn estimates(vessel: &Vessel, experiment: &Experiment, normals: &mut Normals) ->
     let exogenous: Vec<Lane> = experiment.inputs.iter().map(|x| Lane::splat(*x)).collect();
     let mut states = vec![Lane::ZERO; 3 * (samples + 1)];
     let initial = experiment.initial.map(Lane::splat);
-    simulate(&vessel.model, &parameters, initial, &exogenous, &current, &mut states);
+    let weather = Weather { current: &current, ..Weather::CALM };
+    simulate(&vessel.model, &parameters, initial, &exogenous, &weather, &mut states);
     states.iter_mut().for_each(|s| *s += draw());
     let record = |lane: usize| Recording {
         measured: states.iter().map(|s| s[lane]).collect(),

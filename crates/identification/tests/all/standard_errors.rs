@@ -3,7 +3,7 @@
 use crate::support::noise::Normals;
 use crate::support::{Experiment, Recording, SideBySide, dictionary, estimate, paper, truth};
 use identification::{Estimate, MeanRemoval, Outcome};
-use vessel::{LANES, Lane, Source, Vessel, simulate};
+use vessel::{LANES, Lane, Source, Vessel, Weather, simulate};
 
 /// Enough that the spread itself is known to 1.6 %.
 const REALIZATIONS: usize = 2000;
@@ -25,7 +25,7 @@ fn realizations(vessel: &Vessel, experiment: &Experiment, normals: &mut Normals)
         &parameters,
         experiment.initial.map(Lane::splat),
         &exogenous,
-        &current,
+        &Weather { current: &current, ..Weather::CALM },
         &mut states,
     );
     states.iter_mut().for_each(|s| *s += draw(NOISE));

@@ -107,7 +107,7 @@ fn is_free(raw: &Value, m: &Value, pose: &[i64]) -> bool {
 #[test]
 fn oracle_free_cells_as_cell_by_cell() {
     for seed in 0..4 {
-        let file = lattice::synthetic::archipelago(17, 13, 8, 3, 1, seed);
+        let file = crate::synthetic::archipelago(17, 13, 8, 3, 1, seed);
         let raw = serde_json::to_value(&file).unwrap();
         let problem = file.into_problem().unwrap();
         for (action, a) in problem.actions().iter().enumerate() {

@@ -6,3 +6,4 @@ mod files;
 mod random;
 mod reasons;
 mod refusals;
+mod synthetic;

@@ -1,8 +1,9 @@
 //! Why there is no plan, and what is said when memory or time is short.
 
+use crate::synthetic;
 use lattice::{
     Action, Cost, Engine, Goal, Lattice, Limit, Move, MoveId, NoPlan, Options, Pose, Problem, Reason,
-    Solution, Status, plan, synthetic,
+    Solution, Status, plan,
 };
 
 const LATTICE: Lattice = Lattice { nx: 8, ny: 1, layers: 1 };
@@ -130,4 +131,24 @@ fn a_search_told_to_stop_at_once_says_so() {
             other => assert_eq!(other, Err(NoPlan::OutOfTime { lower_bound: Cost::default() })),
         }
     }
+}
+
+#[test]
+fn states_not_yet_followed_have_no_level() {
+    // West by one cell at a time from 7 to 1; from 0 a leap leads to 6. When the goal is reached at level 6, cell 0 is
+    // reached but not yet followed, and must not pass for the start of the step to 6.
+    let still = |di: i32| Cost::primary(f64::from(di.signum().abs()));
+    let act = |name: String, required, di| {
+        let moves = vec![Move { from: 0, di, dj: 0, to: 0, cost: still(di) }];
+        Action { name, required, moves }
+    };
+    let mut actions: Vec<_> = (0..7).map(|q| act(format!("stay_{q}"), 2, 0)).collect();
+    actions.extend([act("west".into(), 0, -1), act("leap".into(), 0, 6)]);
+    let goal = Goal::Poses(vec![pose(1)]);
+    let problem = Problem::new(LATTICE, actions, pose(7), goal, |_, _, _| true).unwrap();
+    let options = Options { engine: Engine::Exhaustive, ..Options::default() };
+    let found = plan(&problem, &options, &mut |_| true).unwrap();
+    assert_eq!((found.cost.primary, found.steps.len()), (6.0, 6 + 14));
+    let ways = found.steps.windows(2).all(|pair| pair[0].to == pair[1].from);
+    assert!(ways && found.steps[19].to == pose(1), "{:?}", found.steps);
 }

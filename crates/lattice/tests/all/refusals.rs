@@ -1,6 +1,7 @@
 //! What a problem may not be, one fault at a time.
 
-use lattice::{Action, Cost, Goal, Invalid, Lattice, Move, Pose, Problem, ProblemFile, SchemaId, synthetic};
+use crate::synthetic;
+use lattice::{Action, Cost, Goal, Invalid, Lattice, Move, Pose, Problem, ProblemFile, SchemaId};
 
 const LATTICE: Lattice = Lattice { nx: 3, ny: 2, layers: 2 };
 const START: Pose = Pose { i: 0, j: 0, layer: 0 };

@@ -109,7 +109,7 @@ impl Fault {
 /// # Errors
 /// Other inputs than the forces of azimuth thrusters.
 pub fn force_factors(vessel: &Vessel) -> Result<[f64; 3], NoLogs> {
-    let inputs = &vessel.model.variables[3..3 + vessel.model.inputs];
+    let inputs = vessel.model.input_variables();
     let fits = inputs.len() == 3 && inputs.iter().zip(FORCES).all(|(input, (name, _))| input.name == name);
     let factors = inputs.iter().zip(FORCES).map(|(input, (_, unit))| factor(unit, &input.unit));
     match factors.collect::<Option<Vec<f64>>>().as_deref() {

@@ -19,6 +19,7 @@ mod prepared;
 mod quality;
 mod sensors;
 mod series;
+mod smoother;
 mod thrusters;
 mod units;
 mod weather;

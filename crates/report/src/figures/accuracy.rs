@@ -69,34 +69,3 @@ impl Scale {
         kept.into_iter().map(|value| Tick { value: value.log10(), label: label(value) }).collect()
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn ticks_of_a_logarithmic_axis_are_inside_and_few() {
-        let scale = Scale::new([8.0, 2100.0].into_iter(), (0.0, 100.0));
-        let ticks = scale.ticks();
-        assert!(ticks.iter().all(|t| (0.0..=100.0).contains(&scale.0.at(t.value))), "{ticks:?}");
-        assert!((2..=8).contains(&ticks.len()), "{ticks:?}");
-        let fine = Scale::new([0.9, 11.0].into_iter(), (0.0, 100.0)).ticks();
-        assert_eq!(fine.len(), 4, "{fine:?}");
-    }
-
-    #[test]
-    fn law_a_curve_of_one_over_the_root_of_time_is_straight() {
-        let points: Vec<(f64, f64)> = (1..=8).map(|i| (f64::from(i * i), 1.0 / f64::from(i))).collect();
-        let curve = AccuracyCurve { label: "design", points };
-        let svg = accuracy(&[curve], (16.0, 0.25), "error [1]");
-        assert!(svg.starts_with("<svg") && svg.contains("duration of the experiment"));
-        let (across, up) = (
-            Scale::new([1.0, 64.0].into_iter(), (0.0, 1.0)),
-            Scale::new([1.0, 0.125].into_iter(), (0.0, 1.0)),
-        );
-        let slope = |i: f64| {
-            (up.at(1.0 / (i + 1.0)) - up.at(1.0 / i)) / (across.at((i + 1.0).powi(2)) - across.at(i * i))
-        };
-        assert!((slope(1.0) - slope(6.0)).abs() < 1e-9);
-    }
-}

@@ -87,32 +87,3 @@ fn draw_dot(sheet: &mut Sheet, (x, y): Point, dot: &FrontDot<'_>, dots: usize) {
         sheet.text(dot.label, (x + aside, y - 11.0), lettering);
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn dot(cost: f64, log_det: f64) -> FrontDot<'static> {
-        FrontDot { cost, log_det, label: "", chosen: false }
-    }
-
-    #[test]
-    fn whole_costs_have_whole_ticks() {
-        let axis = axis([8.0, 10.0].into_iter(), (0.0, 100.0));
-        let labels: Vec<String> = cost_ticks(&axis, true).into_iter().map(|tick| tick.label).collect();
-        assert_eq!(labels, ["8", "9", "10"]);
-        assert!(cost_ticks(&axis, false).len() > 3);
-    }
-
-    #[test]
-    fn law_the_steps_never_fall_and_skip_what_is_beaten() {
-        let dots = [dot(8.0, 60.0), dot(9.0, 59.0), dot(10.0, 63.0)];
-        let known: Vec<&FrontDot<'_>> = dots.iter().collect();
-        let (across, up) = (Axis::linear(0.0, 10.0, 0.0, 10.0), Axis::linear(0.0, 100.0, 0.0, 100.0));
-        let corners = steps(&known, &across, &up);
-        let expected = [(8.0, 60.0), (10.0, 60.0), (10.0, 63.0), (RIGHT, 63.0)];
-        assert_eq!(corners.len(), expected.len());
-        let off = |(a, b): (&Point, &Point)| (a.0 - b.0).abs().max((a.1 - b.1).abs());
-        assert!(corners.iter().zip(&expected).map(off).all(|off| off < 1e-9), "{corners:?}");
-    }
-}

@@ -6,7 +6,6 @@
 
 mod areas;
 mod cells;
-mod check;
 mod clip;
 mod colours;
 mod grid;
@@ -26,9 +25,7 @@ use chart::Invalid;
 
 use crate::figures::svg::{self, Colours, Sheet};
 
-pub use input::{
-    Area, Background, Cells, Class, Frame, Graticule, Maneuver, Map, Margin, Purpose, Track, TrackStyle,
-};
+pub use input::{Area, Cells, Class, Frame, Graticule, Map, Margin, Purpose, Track, TrackStyle};
 
 use legend::Legend;
 use view::{LABEL, View, WIDTH};
@@ -38,6 +35,7 @@ use view::{LABEL, View, WIDTH};
 /// From below: cells, areas of water (the shoalest above), margins, no-go areas, land, graticule, tracks, hulls, goal
 /// and start, step numbers. Coordinates are exact to a tenth of a pixel of a drawing 560 pixels wide. Cells finer than
 /// a pixel, and cells too ragged to keep the file small, are merged in blocks that show their most dangerous class.
+/// Coordinates are finite, a raster has a value per cell, and tracks name maneuvers that the map declares.
 ///
 /// ```
 /// use report::figures::map::{Map, Track, TrackStyle, map_figure};
@@ -49,11 +47,9 @@ use view::{LABEL, View, WIDTH};
 /// ```
 ///
 /// # Errors
-/// A coordinate that is not finite or absurdly large, a ring of less than three points, a grid whose cells do not match
-/// its size, a maneuver that is not declared, depth limits that do not increase, a frame without area or very long.
+/// A frame without area, an absurdly large or a very long one.
 pub fn map_figure(map: &Map) -> Result<String, Invalid> {
-    check::check(map)?;
-    let view = View::new(&map.frame);
+    let view = View::new(&map.frame)?;
     let mut sheet = Sheet::new(Colours::Kept);
     draw(&mut sheet, &view, map);
     surround::draw(&mut sheet, &view, &map.graticule);
@@ -64,7 +60,7 @@ pub fn map_figure(map: &Map) -> Result<String, Invalid> {
 }
 
 fn draw(sheet: &mut Sheet, view: &View, map: &Map) {
-    sheet.bar(view.corner, view.opposite, colours::background(map.background));
+    sheet.bar(view.corner, view.opposite, colours::background(map.uncharted));
     if let Some(cells) = &map.cells {
         cells::draw(sheet, view, cells, &map.depth_limits_m);
     }

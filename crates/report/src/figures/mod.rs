@@ -5,7 +5,7 @@
 //! page. Ink is `currentColor` and follows the page; the other colours are those of [`palette`], which a page may
 //! restyle for a dark background by attribute selectors such as `[fill="#0072B2"]`.
 //!
-//! Values that are not finite are left out, but refused by [`map`]. The same input gives the same bytes.
+//! Values that are not finite are left out; [`map`] has none. The same input gives the same bytes.
 
 mod accuracy;
 mod axis;

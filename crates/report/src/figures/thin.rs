@@ -23,20 +23,3 @@ fn landmarks(stretch: &[Point]) -> Vec<Point> {
     kept.dedup();
     kept.into_iter().map(|i| stretch[i]).collect()
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn peaks_survive_and_gaps_are_dropped() {
-        let mut curve: Vec<Point> = (0..10_000).map(|i| (f64::from(i), 0.0)).collect();
-        curve[4321].1 = 7.0;
-        curve[77].1 = f64::NAN;
-        let kept = thinned(curve, 300);
-        assert!(kept.len() <= 304);
-        assert!(kept.contains(&(4321.0, 7.0)));
-        assert!(kept.iter().all(|p| p.1.is_finite()));
-        assert_eq!(kept.last(), Some(&(9999.0, 0.0)));
-    }
-}

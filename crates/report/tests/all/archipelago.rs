@@ -1,9 +1,7 @@
 //! A made-up archipelago with a planned trial of nine maneuvers, of the size of the paper's.
 
 use chart::Raster;
-use report::figures::map::{
-    Area, Cells, Class, Frame, Graticule, Maneuver, Map, Margin, Purpose, Track, TrackStyle,
-};
+use report::figures::map::{Area, Cells, Class, Frame, Graticule, Map, Margin, Purpose, Track, TrackStyle};
 
 const GRID: Raster = Raster { origin: [0.0, 0.0], cell_m: 25.0, nx: 176, ny: 140 };
 const TURNS: [[f64; 2]; 10] = [
@@ -141,7 +139,7 @@ pub fn archipelago() -> Map {
     let poses = tracks.iter().filter(|track| matches!(track.style, TrackStyle::Maneuver(_)));
     let hulls = poses.flat_map(|track| [60].map(|k| hull(track.points[k], track.points[k + 1]))).collect();
     let depth = |off: f64| (off > -40.0).then_some(Class::Depth { least_m: off / 11.0 });
-    let name = |name: &str| Maneuver { name: name.to_owned(), count: 3 };
+    let name = |name: &str| (name.to_owned(), 3);
     Map {
         title: "Planned trial in an archipelago".to_owned(),
         description: "Nine maneuvers between eleven islands; the trial ends near where it began.".to_owned(),

@@ -1,11 +1,13 @@
 //! Every figure is well-formed, scalable and free of numbers that cannot be drawn.
 
 use report::figures::{
-    Curve, ErrorRow, FrontDot, Histogram, HistogramAxis, HistogramPanel, SensitivityRow, ShareRow,
-    TraceColumn, TraceRow, Track, front, histogram_pair, palette, relative_errors, sensitivities, shares,
-    tick_number, traces, tracks,
+    AccuracyCurve, Curve, ErrorRow, FrontDot, Histogram, HistogramAxis, HistogramPanel, SensitivityRow,
+    ShareRow, TraceColumn, TraceRow, Track, accuracy, front, histogram_pair, palette, relative_errors,
+    sensitivities, shares, tick_number, traces, tracks,
 };
 use report::picture;
+
+use crate::drawing::{corners, elements};
 
 /// Tags balance, quotes close, the root scales, nothing is NaN or infinite.
 fn check(svg: &str) {
@@ -201,4 +203,77 @@ fn each_figure_of_a_picture_has_a_place_of_its_own() {
     for place in ["x=\"20\" y=\"20\" width=\"660\"", "x=\"700\" y=\"20\"", "x=\"700\" y=\"510\""] {
         assert!(made.contains(place), "{place}");
     }
+}
+
+#[test]
+fn law_a_curve_of_one_over_the_root_of_time_is_straight() {
+    let points: Vec<(f64, f64)> = (1..=8).map(|i| (f64::from(i * i), 1.0 / f64::from(i))).collect();
+    let svg = accuracy(&[AccuracyCurve { label: "design", points }], (16.0, 0.25), "error [1]");
+    check(&svg);
+    let curves = elements(&svg, "path").flat_map(corners);
+    let curve = curves.max_by_key(Vec::len).unwrap();
+    let (first, last) = (curve[0], curve[7]);
+    let slope = (last.1 - first.1) as f64 / (last.0 - first.0) as f64;
+    for (x, y) in &curve {
+        let off = (y - first.1) as f64 - slope * (x - first.0) as f64;
+        assert!(off.abs() <= 1.0, "{curve:?}");
+    }
+}
+
+#[test]
+fn ticks_of_a_logarithmic_axis_are_inside_and_few() {
+    let ticks = |points: Vec<(f64, f64)>, wanted: (f64, f64)| {
+        let svg = accuracy(&[AccuracyCurve { label: "design", points }], wanted, "error [1]");
+        let texts = elements(&svg, "text").filter_map(|text| text.split_once('>')?.1.parse::<f64>().ok());
+        texts.filter(|tick| *tick >= 1.0).collect::<Vec<_>>()
+    };
+    let coarse = ticks(vec![(8.0, 0.5), (2100.0, 0.5)], (8.0, 0.5));
+    assert!(
+        (2..=8).contains(&coarse.len()) && coarse.iter().all(|t| (7.0..2400.0).contains(t)),
+        "{coarse:?}"
+    );
+    assert_eq!(ticks(vec![(0.9, 0.5), (11.0, 0.5)], (2.0, 0.5)), [1.0, 2.0, 5.0, 10.0]);
+}
+
+fn dots(costs: &[(f64, f64)]) -> String {
+    let dot =
+        |(cost, log_det): &(f64, f64)| FrontDot { cost: *cost, log_det: *log_det, label: "", chosen: false };
+    front(&costs.iter().map(dot).collect::<Vec<_>>(), "cost")
+}
+
+#[test]
+fn whole_costs_have_whole_ticks() {
+    let labels = |svg: &str| {
+        let texts = elements(svg, "text").filter_map(|text| text.split_once('>')?.1.parse::<f64>().ok());
+        texts.take_while(|tick| *tick < 20.0).collect::<Vec<_>>()
+    };
+    assert_eq!(labels(&dots(&[(8.0, 60.0), (10.0, 63.0)])), [8.0, 9.0, 10.0]);
+    assert!(labels(&dots(&[(8.0, 60.0), (10.1, 63.0)])).len() > 3);
+}
+
+#[test]
+fn law_the_steps_never_fall_and_skip_what_is_beaten() {
+    let svg = dots(&[(8.0, 60.0), (9.0, 59.0), (10.0, 63.0)]);
+    let steps = elements(&svg, "path").flat_map(corners).find(|line| line.len() > 2).unwrap();
+    let circles: Vec<(i64, i64)> = elements(&svg, "circle")
+        .map(|tag| (crate::drawing::attribute(tag, "cx"), crate::drawing::attribute(tag, "cy")))
+        .collect();
+    let ((cheap, low), (dear, high)) = (circles[0], circles[2]);
+    assert_eq!(steps[..3], [(cheap, low), (dear, low), (dear, high)]);
+    assert!(steps.len() == 4 && steps[3].0 > dear && steps[3].1 == high, "{steps:?}");
+}
+
+#[test]
+fn peaks_survive_and_gaps_are_dropped() {
+    let mut values = vec![0.0; 10_000];
+    (values[4321], values[77]) = (7.0, f64::NAN);
+    let t: Vec<f64> = (0..10_000).map(f64::from).collect();
+    let column = TraceColumn { title: "u", legend: Vec::new() };
+    let cells = vec![vec![Curve { values, colour: None }]];
+    let svg = traces(&[column], &[TraceRow { name: "m", note: None, t: &t, cells }]);
+    check(&svg);
+    let curve = elements(&svg, "path").flat_map(corners).max_by_key(Vec::len).unwrap();
+    let floor = curve[0].1;
+    let peaks: Vec<&(i64, i64)> = curve.iter().filter(|(_, y)| *y != floor).collect();
+    assert!(curve.len() <= 604 && peaks.len() == 1 && floor - peaks[0].1 > 400, "{peaks:?}");
 }

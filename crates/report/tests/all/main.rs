@@ -8,3 +8,4 @@ mod mock;
 mod mock_plan;
 mod page;
 mod trajectory;
+mod trajectory_map;

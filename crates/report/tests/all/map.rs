@@ -3,9 +3,7 @@
 use crate::archipelago::archipelago;
 use crate::drawing::{attribute, check, corners, doubled_area, elements, frame};
 use chart::Raster;
-use report::figures::map::{
-    Area, Background, Cells, Class, Frame, Maneuver, Map, Margin, Purpose, Track, TrackStyle,
-};
+use report::figures::map::{Area, Cells, Class, Frame, Map, Margin, Purpose, Track, TrackStyle};
 use report::figures::map_figure;
 
 const LAND: &str = "fill=\"#e2c59c\"";
@@ -68,7 +66,7 @@ fn every_class_of_the_archipelago_is_in_the_legend() {
 
 #[test]
 fn a_class_that_is_absent_is_not_in_the_legend() {
-    let map = Map { background: Background::Uncharted, ..Map::default() };
+    let map = Map { uncharted: true, ..Map::default() };
     let svg = drawn(&map);
     for label in ["land", "no-go", "margin", "depth", "hull", "start", "goal", "Maneuvers", "Track"] {
         assert!(!svg.contains(label), "{label}");
@@ -101,51 +99,16 @@ fn law_the_scale_bar_is_as_long_as_it_says_on_both_axes() {
 }
 
 #[test]
-fn nothing_that_is_not_finite_is_drawn() {
-    let nan = vec![[0.0, 0.0], [1.0, f64::NAN], [1.0, 1.0]];
-    let grid = Raster { origin: [0.0, 0.0], cell_m: 10.0, nx: 2, ny: 1 };
-    let cells = |grid, classes| Some(Cells { grid, classes });
-    let depth = Class::Depth { least_m: f64::NAN };
-    let blocked = vec![true; 2];
-    let margin = |grid| vec![Margin { purpose: Purpose::Trial, grid, blocked: blocked.clone() }];
-    let base = Map::default;
+fn a_frame_that_cannot_be_drawn_truly_is_refused() {
     let wrong = [
-        ("frame", Map { frame: Frame { east: f64::INFINITY, ..Frame::default() }, ..base() }),
-        ("frame", Map { frame: Frame { east: -1.0, ..Frame::default() }, ..base() }),
-        ("frame", Map { frame: Frame { north: 1e7, ..Frame::default() }, ..base() }),
-        ("depth limits", Map { depth_limits_m: vec![5.0, 5.0], ..base() }),
-        ("depth limits", Map { depth_limits_m: vec![f64::NAN], ..base() }),
-        ("depth of cell 1", Map { cells: cells(grid, vec![None, Some(depth)]), ..base() }),
-        ("cells", Map { cells: cells(grid, vec![None]), ..base() }),
-        ("cells", Map { cells: cells(Raster { nx: 0, ..grid }, vec![]), ..base() }),
-        ("cells", Map { cells: cells(Raster { nx: usize::MAX, ny: 3, ..grid }, vec![None; 2]), ..base() }),
-        ("cell size of margin", Map { margins: margin(Raster { cell_m: f64::NAN, ..grid }), ..base() }),
-        ("origin of margin", Map { margins: margin(Raster { origin: [f64::NAN, 0.0], ..grid }), ..base() }),
-        (
-            "depth of area 0",
-            Map { areas: vec![Area { class: depth, ring: square(0.0, 9.0), holes: vec![] }], ..base() },
-        ),
-        ("ring of area 0", Map { areas: vec![land(nan.clone(), vec![])], ..base() }),
-        ("ring of area 0", Map { areas: vec![land(vec![[0.0, 0.0]; 2], vec![])], ..base() }),
-        ("hole of area 0", Map { areas: vec![land(square(0.0, 9.0), vec![nan.clone()])], ..base() }),
-        ("track 0", Map { tracks: vec![track(TrackStyle::Basic, nan.clone(), None)], ..base() }),
-        ("maneuver of track 0", Map { tracks: vec![track(TrackStyle::Maneuver(0), vec![], None)], ..base() }),
-        ("hull 0", Map { hulls: vec![nan.clone()], ..base() }),
-        ("start", Map { start: Some([f64::NEG_INFINITY, 0.0]), ..base() }),
-        ("goal", Map { goal: Some([0.0, 1e300]), ..base() }),
-        ("graticule label \"24°\"", {
-            let mut map = base();
-            map.graticule.y.push((f64::NAN, "24°".to_owned()));
-            map
-        }),
+        Frame { east: f64::INFINITY, ..Frame::default() },
+        Frame { east: -1.0, ..Frame::default() },
+        Frame { north: 1e7, ..Frame::default() },
     ];
-    for (thing, map) in wrong {
-        let message = map_figure(&map).expect_err(thing).to_string();
-        assert!(message.starts_with(&format!("map: {thing}: found ")), "{thing}: {message}");
-        assert!(
-            message.contains(", expected ") && message.contains("; ") && !message.contains('\n'),
-            "{message}"
-        );
+    for frame in wrong {
+        let message = map_figure(&Map { frame, ..Map::default() }).unwrap_err().to_string();
+        assert!(message.starts_with("map: frame: found ") && !message.contains('\n'), "{message}");
+        assert!(message.contains(", expected ") && message.contains("; "), "{message}");
     }
 }
 
@@ -155,7 +118,7 @@ fn texts_may_hold_anything() {
     let mut map = Map {
         title: text.to_owned(),
         description: text.to_owned(),
-        maneuvers: vec![Maneuver { name: text.to_owned(), count: 1 }],
+        maneuvers: vec![(text.to_owned(), 1)],
         tracks: vec![track(TrackStyle::Maneuver(0), vec![[100.0, 100.0], [300.0, 100.0]], Some(1))],
         ..Map::default()
     };
@@ -229,12 +192,29 @@ fn law_cells_of_land_have_their_area() {
     };
     let classes: Vec<_> = (0..900).map(class).collect();
     let count = classes.iter().filter(|class| **class == Some(Class::Land)).count() as f64;
-    let map =
-        Map { cells: Some(Cells { grid, classes }), depth_limits_m: vec![-1.0, 4.5, 20.0], ..Map::default() };
+    let map = Map {
+        cells: Some(Cells { grid, classes: classes.clone() }),
+        depth_limits_m: vec![-1.0, 4.5, 20.0],
+        ..Map::default()
+    };
     let svg = drawn(&map);
     let scale = frame(&svg)[2] as f64 / 1000.0;
     let area = 0.5 * doubled_area(&corners(land_path(&svg))) as f64 / scale.powi(2);
     assert!((area.abs() / (count * 900.0) - 1.0).abs() < 0.01, "{area} m², {count} cells");
+    // Along every border between land and something else runs one line.
+    let land = |i: i32, j: i32| {
+        (0..30).contains(&i) && (0..30).contains(&j) && classes[(j * 30 + i) as usize] == Some(Class::Land)
+    };
+    let sides = (0..=30).flat_map(|j| (0..=30).map(move |i| (i, j)));
+    let borders =
+        sides.map(|(i, j)| i32::from(land(i, j) != land(i - 1, j)) + i32::from(land(i, j) != land(i, j - 1)));
+    let expected = f64::from(30 * borders.sum::<i32>());
+    let along = |ring: &Vec<(i64, i64)>| {
+        let next = ring.iter().cycle().skip(1);
+        ring.iter().zip(next).map(|(a, b)| (a.0 - b.0).abs() + (a.1 - b.1).abs()).sum::<i64>()
+    };
+    let length = corners(land_path(&svg)).iter().map(along).sum::<i64>() as f64 / scale;
+    assert!((length / expected - 1.0).abs() < 0.01, "{length} m of {expected} m");
     for label in ["least depth −1–4.5 m", "least depth 4.5–20 m", "least depth 20 m and more"] {
         assert!(svg.contains(label), "{label}");
     }
@@ -272,7 +252,7 @@ fn a_large_raster_stays_small_even_where_it_is_noise() {
 
 #[test]
 fn more_maneuvers_than_colours_look_different() {
-    let maneuvers = (0..15).map(|k| Maneuver { name: format!("m{k}."), count: k }).collect();
+    let maneuvers = (0..15).map(|k| (format!("m{k}."), k)).collect();
     let svg = drawn(&Map { maneuvers, ..Map::default() });
     let legend = svg.split(">Maneuvers</text>").nth(1).unwrap();
     let entries: Vec<&str> = legend.split("</text>").take(15).collect();
@@ -371,4 +351,65 @@ fn a_shoal_cell_is_drawn_where_it_lies() {
     let metres = |x: &i64| (x - left) as f64 * 1000.0 / wide as f64;
     let ends = (columns.iter().min().map(metres).unwrap(), columns.iter().max().map(metres).unwrap());
     assert!((ends.0 - 200.0).abs() < 0.5 && (ends.1 - 300.0).abs() < 0.5, "{ends:?}");
+}
+
+#[test]
+fn a_block_of_cells_with_a_hole_has_two_rings_of_four_corners() {
+    let grid = Raster { origin: [100.0, 100.0], cell_m: 100.0, nx: 3, ny: 3 };
+    let classes = (0..9).map(|cell| (cell != 4).then_some(Class::Land)).collect();
+    let svg = drawn(&Map { cells: Some(Cells { grid, classes }), ..Map::default() });
+    let rings = corners(land_path(&svg));
+    assert_eq!(rings.iter().map(Vec::len).collect::<Vec<_>>(), [4, 4]);
+}
+
+#[test]
+fn law_a_ring_that_leaves_the_frame_has_its_area_inside() {
+    let diamond = vec![[500.0, -500.0], [1500.0, 500.0], [500.0, 1500.0], [-500.0, 500.0]];
+    let corner = vec![[-100.0, -100.0], [300.0, -100.0], [-100.0, 300.0]];
+    for (ring, expected) in [(diamond, 1.0), (corner, 0.02)] {
+        let svg = drawn(&Map { areas: vec![land(ring, vec![])], ..Map::default() });
+        let side = frame(&svg)[2] as f64;
+        let share = 0.5 * doubled_area(&corners(land_path(&svg))) as f64 / side.powi(2);
+        assert!((share.abs() - expected).abs() < 1e-4, "{share}");
+    }
+    let beyond = land(vec![[2000.0, 0.0], [3000.0, 0.0], [2000.0, 90.0]], vec![]);
+    let svg = drawn(&Map { areas: vec![beyond], ..Map::default() });
+    let drawing = &svg[..svg.find("<title>scale: ").unwrap()];
+    assert!(!elements(drawing, "path").any(|path| path.contains(LAND)));
+}
+
+/// The lines of the only track of a map.
+fn lines(points: Vec<[f64; 2]>) -> (Vec<Vec<(i64, i64)>>, [i64; 4]) {
+    let svg = drawn(&Map { tracks: vec![track(TrackStyle::Basic, points, None)], ..Map::default() });
+    let drawing = &svg[..svg.find("<title>scale: ").unwrap()];
+    (elements(drawing, "path").last().map(corners).unwrap_or_default(), frame(&svg))
+}
+
+#[test]
+fn a_track_that_leaves_and_returns_has_two_parts() {
+    let track = [[100.0, 100.0], [100.0, 1500.0], [900.0, 1500.0], [900.0, 500.0], [800.0, 500.0]];
+    let (parts, _) = lines(track.to_vec());
+    assert_eq!(parts.iter().map(Vec::len).collect::<Vec<_>>(), [2, 3]);
+}
+
+#[test]
+fn law_a_track_is_drawn_with_few_points_and_near_all_of_its_own() {
+    let wave: Vec<[f64; 2]> =
+        (0..2000).map(|i| f64::from(i) / 2.0).map(|x| [x, 500.0 + 30.0 * (x / 30.0).sin()]).collect();
+    let (parts, [left, top, wide, high]) = lines(wave.clone());
+    assert!(parts.len() == 1 && parts[0].len() < 400, "{} points", parts[0].len());
+    let scale = wide as f64 / 1000.0;
+    for [x, y] in wave {
+        let (x, y) = (left as f64 + scale * x, (top + high) as f64 - scale * y);
+        let off = |pair: &[(i64, i64)]| {
+            let [a, b] = [pair[0], pair[1]].map(|(x, y)| (x as f64, y as f64));
+            let along = (b.0 - a.0, b.1 - a.1);
+            let share = ((x - a.0) * along.0 + (y - a.1) * along.1) / along.0.hypot(along.1).powi(2);
+            let share = share.clamp(0.0, 1.0);
+            (x - a.0 - share * along.0).hypot(y - a.1 - share * along.1)
+        };
+        // A tolerance of 0.06 pixels, and places rounded to a tenth of a pixel.
+        let least = parts[0].windows(2).map(off).fold(f64::MAX, f64::min);
+        assert!(least <= 0.6 + 0.8, "{least} tenths of a pixel");
+    }
 }

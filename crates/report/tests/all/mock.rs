@@ -6,7 +6,7 @@ use identification::{Estimator, ScoreStatus};
 use report::{ManeuverTrace, Study};
 use study::documents::{
     Bounds, Degree, DegreeMoments, DegreeSummary, DesignDocument, DesignScores, DesignStatus, DesignSummary,
-    Efficiency, EstimateDocument, ManeuverMoments, MomentsDocument, ParameterSummary, Published,
+    Efficiency, EstimateDocument, ManeuverMoments, Moments, MomentsDocument, ParameterSummary, Published,
     PublishedShare, Quantiles, Reference, Start, ValidationDocument,
 };
 use study::scores::Row;
@@ -178,7 +178,7 @@ fn moments() -> MomentsDocument {
         regressors: vec!["u".to_owned(), "1".to_owned()],
         parameters: vec!["X_u".to_owned()],
     };
-    MomentsDocument {
+    MomentsDocument(Moments {
         vessel: "Ljungberg model ship".to_owned(),
         sample_rate_hz: 8.0,
         instruments: identification::InstrumentKind::Nominal,
@@ -186,7 +186,7 @@ fn moments() -> MomentsDocument {
         maneuvers: MANEUVERS.iter().enumerate().map(maneuver).collect(),
         disturbances: None,
         output_error: None,
-    }
+    })
 }
 
 fn estimate() -> EstimateDocument {

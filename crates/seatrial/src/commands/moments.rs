@@ -70,22 +70,22 @@ impl Task for Arguments {
             label(reader.runs(0)?.iter().map(|run| run.design.as_str()), &mut provenance);
         }
         provenance.settings.insert("instruments".into(), json!(self.instruments));
-        let (expected, output_error) = predicted(self, &vessel, &mut provenance)?;
-        let prediction = Prediction::new(&vessel.model, expected.as_ref(), output_error.as_ref());
+        let (disturbances, output_error) = predicted(self, &vessel, &mut provenance)?;
+        let prediction = Prediction::new(&vessel.model, disturbances.as_ref(), output_error.as_ref());
         let maneuvers = maneuvers(self, &vessel, &prediction, &reader, common.quiet)?;
-        let document = MomentsDocument::from(Moments {
+        let document = MomentsDocument(Moments {
             vessel: vessel.name.clone(),
             sample_rate_hz: vessel.sample_rate_hz,
             instruments: self.instruments,
             degrees: structure(&vessel.model),
             maneuvers,
-            expected,
+            disturbances,
             output_error,
         });
         let inputs = [&self.vessel, &self.trajectories].into_iter().chain(&self.campaign);
         let out = common.main_output("moments.json", inputs)?;
         commit(vec![stage_document(&out, &provenance, &document)?])?;
-        let count = document.maneuvers.len();
+        let count = document.0.maneuvers.len();
         Ok(Summary::of(&out, format!("moments of {count} maneuvers"), json!({"maneuvers": count})))
     }
 }

@@ -110,7 +110,7 @@ fn golden_files_of_every_released_schema_are_read() {
     let reader = artifact::TableReader::open(file("scores.parquet"), scores::ID, 1).unwrap();
     assert_eq!(scores::rows(&reader).unwrap().len(), 2 * RUNS as usize);
     use study::documents::*;
-    assert_eq!(document::<MomentsDocument>(&folder, "moments.json").data.maneuvers.len(), 11);
+    assert_eq!(document::<MomentsDocument>(&folder, "moments.json").data.0.maneuvers.len(), 11);
     assert_eq!(document::<DesignDocument>(&folder, "design.json").data.order.len(), 11);
     assert_eq!(document::<EstimateDocument>(&folder, "estimate.json").data.designs.len(), 2);
     assert_eq!(document::<ValidationDocument>(&folder, "validation.json").data.designs.len(), 2);

@@ -134,7 +134,7 @@ fn moments(folder: &Path) -> PathBuf {
 fn oracle_moments_and_designs_of_the_papers_study() {
     let folder = TempDir::new().unwrap();
     let file = moments(folder.path());
-    let found = read_document::<MomentsDocument>(&file).unwrap().data.maneuvers;
+    let found = read_document::<MomentsDocument>(&file).unwrap().data.0.maneuvers;
     let expected = oracle("moments");
     assert_eq!(found.len(), expected.as_array().unwrap().len());
     for (found, expected) in found.iter().zip(expected.as_array().unwrap()) {

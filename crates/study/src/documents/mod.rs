@@ -27,7 +27,7 @@ pub use identification::crossval::{EstimatorScore, SourceScore};
 pub use identification::pooled::{DegreeTrust, FreeRunErrors, ParameterTrust, SourceErrors};
 pub use identification::selection::{PublishedLimits, SelectionErrors, SelectionScores, SharesBeyond};
 pub use identification::{Quantiles, Share};
-pub use trial::moments::{DegreeMoments, ManeuverMoments};
+pub use trial::moments::{DegreeMoments, ManeuverMoments, Moments};
 
 pub use crossval::CrossvalDocument;
 pub use design::{

@@ -75,8 +75,7 @@ impl RefinedFiles<'_> {
     /// `inputs.csv`: a column per input, digits that give the same numbers again.
     pub fn inputs(&self) -> String {
         let model = &self.vessel.model;
-        let names: Vec<&str> = model.variables[3..3 + model.inputs].iter().map(|v| v.name.as_str()).collect();
-        let mut text = names.join(",");
+        let mut text = model.input_names().join(",");
         for row in self.found.refined.inputs.chunks_exact(model.inputs.max(1)) {
             let cells: Vec<String> = row.iter().map(f64::to_string).collect();
             text.push('\n');

@@ -2,7 +2,7 @@ use std::collections::BTreeMap;
 
 use serde::Deserialize;
 use trial::rounds::Knowledge;
-use vessel::{Invalid, Source, Vessel, check_numbers, nearest};
+use vessel::{Invalid, Source, Vessel, check_numbers};
 
 /// `sequential.toml`.
 #[derive(Clone, Debug, Deserialize)]
@@ -44,11 +44,8 @@ impl SequentialFile {
         let floors = self.floor.iter().map(|(name, value)| (format!("floor.{name}"), *value));
         let positive = keys.into_iter().map(|(key, value)| (key.to_owned(), value)).chain(floors);
         check_numbers(positive, "more than zero", |value| value > 0.0)?;
-        if !(self.nominal_spread.is_finite() && (0.0..=2.0).contains(&self.nominal_spread)) {
-            let found = self.nominal_spread.to_string();
-            return Err(Invalid::new("`nominal_spread`", found, "a number from 0 to 2", "correct it"));
-        }
-        Ok(())
+        let spread = [("nominal_spread", self.nominal_spread)];
+        check_numbers(spread, "a number from 0 to 2", |value| (0.0..=2.0).contains(&value))
     }
 
     /// What is known of the parameters before a trial; `seed`: of the crude models.
@@ -68,9 +65,7 @@ impl SequentialFile {
     fn floors(&self, vessel: &Vessel, about: &[f64]) -> Result<Vec<f64>, Invalid> {
         let names = || vessel.model.parameter_names();
         if let Some(unknown) = self.floor.keys().find(|key| names().all(|name| name != key.as_str())) {
-            let remedy = format!("did you mean `{}`?", nearest(unknown, names()).unwrap_or_default());
-            let expected = names().collect::<Vec<_>>().join(", ");
-            return Err(Invalid::new("`floor`", format!("`{unknown}`"), expected, remedy));
+            return Err(Invalid::unknown("`floor`", unknown, names()));
         }
         let floors: Vec<f64> = names().map(|name| self.floor.get(name).copied().unwrap_or(0.0)).collect();
         let zero =

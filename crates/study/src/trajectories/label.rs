@@ -1,20 +1,10 @@
-use std::fmt;
-
 use artifact::Provenance;
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
 
-/// What data are labelled as where they are not those of a real ship.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-pub enum DataLabel {
-    /// Made of simulated logs.
-    #[serde(rename = "simulated logs")]
-    SimulatedLogs,
-}
-
-impl fmt::Display for DataLabel {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.serialize(f)
+vessel::choices! {
+    /// What data are labelled as where they are not those of a real ship.
+    pub enum DataLabel {
+        /// Made of simulated logs.
+        SimulatedLogs = "simulated logs",
     }
 }
 

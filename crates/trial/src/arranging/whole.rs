@@ -8,7 +8,7 @@ use vessel::lanes::interleave;
 use vessel::{LANES, check_diverged, simulate_one};
 
 use super::{Arranging, generated_limits};
-use crate::moments::{Estimated, Expected};
+use crate::moments::{Estimated, Expected, leading};
 
 /// What exceeding a limit by all of it costs, in the criterion's value.
 const PENALTY: f64 = 20.0;
@@ -34,7 +34,7 @@ impl Arranging<'_> {
     }
 
     fn noise(&self) -> Option<Noise> {
-        self.moments.expected.as_ref().map(Expected::noise)
+        self.moments.disturbances.as_ref().map(Expected::noise)
     }
 
     /// θ in the model's order.
@@ -57,7 +57,7 @@ impl Arranging<'_> {
         removal: MeanRemoval,
     ) -> Vec<Option<f64>> {
         let model = &self.vessel.model;
-        let theta = match &self.moments.expected {
+        let theta = match &self.moments.disturbances {
             Some(expected) => self.ordered(&expected.parameters),
             None => Some(self.generator.parameters().to_vec()),
         };
@@ -87,11 +87,8 @@ impl Arranging<'_> {
                 return None;
             }
             let cut = |matrices: &[Vec<f64>]| -> Vec<f64> {
-                let of = |(matrix, (n, kept)): (&Vec<f64>, (&usize, &usize))| {
-                    let (n, kept) = (*n, *kept);
-                    (0..kept * kept).map(|e| matrix[e / kept * n + e % kept]).collect::<Vec<f64>>()
-                };
-                matrices.iter().zip(sizes.iter().zip(&kept)).flat_map(of).collect()
+                let all = matrices.iter().zip(&sizes).zip(&kept);
+                all.flat_map(|((matrix, n), kept)| leading(matrix, *n, *kept)).collect()
             };
             let middle = middles.as_ref().map(|m| cut(&m[i]));
             self.judge(kept.clone(), &cut(&found[i].matrices), middle.as_deref())

@@ -1,7 +1,6 @@
 use vessel::lanes::{by_lane, interleave, lane, lane_of};
 use vessel::{
-    Disturbances, Invalid, LANES, Lane, Run, Source, Streams, Vessel, Weather, Wind, check_diverged,
-    simulate, simulate_in,
+    Disturbances, Invalid, LANES, Lane, Run, Source, Streams, Vessel, Weather, Wind, check_diverged, simulate,
 };
 
 /// The true vessel and what disturbs it. Simulates up to [`LANES`] runs side by side.
@@ -88,15 +87,10 @@ impl<'a> Sea<'a> {
         let (start, lanes) = (group.start(), interleave(exogenous));
         let current = self.disturbances.current(streams, numbers, samples, rate_hz);
         let mut states = vec![Lane::ZERO; 3 * (samples + 1)];
-        let turning = self.disturbances.current.in_earth_axes();
-        if turning || self.wind.is_some() {
-            let force = self.wind.as_ref().map(|w| w.force(streams, numbers, samples, rate_hz));
-            let turning = if turning { 1.0 / rate_hz } else { 0.0 };
-            let weather = Weather { current: &current, turning, force: &force.unwrap_or_default() };
-            simulate_in(model, &self.truth, start, &lanes, &weather, &mut states);
-        } else {
-            simulate(model, &self.truth, start, &lanes, &current, &mut states);
-        }
+        let turning = if self.disturbances.current.in_earth_axes() { 1.0 / rate_hz } else { 0.0 };
+        let force = self.wind.as_ref().map(|w| w.force(streams, numbers, samples, rate_hz));
+        let weather = Weather { current: &current, turning, force: &force.unwrap_or_default() };
+        simulate(model, &self.truth, start, &lanes, &weather, &mut states);
         states
     }
 }

@@ -57,7 +57,7 @@ impl Moments {
     /// # Errors
     /// Moments without middle matrices, or with some that are no covariances.
     pub fn middle(&self, estimated: Estimated) -> Result<Candidates, Invalid> {
-        if self.expected.is_none() {
+        if self.disturbances.is_none() {
             return Err(Invalid::new(
                 "`data.disturbances`",
                 "no expected disturbances",
@@ -108,7 +108,7 @@ impl Moments {
     pub fn squares(&self, relative_to: Source) -> Result<Vec<f64>, Invalid> {
         let parameters = self.degrees.iter().flat_map(|d| &d.parameters);
         // Without disturbances the criterion itself is refused.
-        let Some(expected) = &self.expected else { return Ok(parameters.map(|_| 1.0).collect()) };
+        let Some(expected) = &self.disturbances else { return Ok(parameters.map(|_| 1.0).collect()) };
         let (values, remedy) = match relative_to {
             Source::Nominal => (&expected.nominal, "take --relative-to value, or name --weights"),
             Source::Value => (&expected.parameters, "name --weights"),
@@ -226,8 +226,13 @@ fn reduced(m: &[f64], lifted: usize, removal: MeanRemoval) -> Vec<f64> {
         MeanRemoval::Batch => {
             (0..p * p).map(|k| entry(k / p, k % p) - entry(k / p, p) * entry(p, k % p)).collect()
         }
-        MeanRemoval::None => (0..p * p).map(|k| entry(k / p, k % p)).collect(),
+        MeanRemoval::None => leading(m, lifted, p),
     }
+}
+
+/// The first `kept` rows and columns of the `n` that a matrix has.
+pub fn leading(matrix: &[f64], n: usize, kept: usize) -> Vec<f64> {
+    (0..kept * kept).map(|e| matrix[e / kept * n + e % kept]).collect()
 }
 
 /// From B of ζ̃ = \[ζ; 1\]: B itself, that of ζ − Z̄, or that of ζ.
@@ -243,7 +248,7 @@ fn centred(b: &[f64], m: &[f64], lifted: usize, removal: MeanRemoval) -> Vec<f64
                 entry(i, j) - mean(i) * entry(p, j) - entry(i, p) * mean(j) + mean(i) * entry(p, p) * mean(j)
             })
             .collect(),
-        MeanRemoval::None => (0..p * p).map(|k| entry(k / p, k % p)).collect(),
+        MeanRemoval::None => leading(b, lifted, p),
     }
 }
 

@@ -120,38 +120,3 @@ impl Pool {
         }
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn moments(samples: u64, entry: f64) -> ManeuverMoments {
-        let degree = DegreeMoments {
-            name: "surge".into(),
-            shape: [1, 1],
-            m: vec![entry],
-            nonstationarity: entry,
-            b: Some(vec![2.0 * entry]),
-        };
-        let output_error = OutputErrorMoments { f: vec![entry], e: None, p: Some(vec![-entry]) };
-        ManeuverMoments {
-            name: "turn".into(),
-            samples,
-            degrees: vec![degree],
-            output_error: Some(output_error),
-        }
-    }
-
-    #[test]
-    fn law_pooled_moments_are_means_over_all_samples() {
-        let mut pool = Pool::default();
-        pool.add(true, moments(10, 1.0)).unwrap();
-        pool.add(true, moments(30, 5.0)).unwrap();
-        let found = &pool.maneuvers[0];
-        assert_eq!((found.samples, found.degrees[0].m[0], found.degrees[0].nonstationarity), (40, 4.0, 5.0));
-        assert_eq!(found.degrees[0].b, Some(vec![8.0]));
-        let expected = OutputErrorMoments { f: vec![4.0], e: None, p: Some(vec![-4.0]) };
-        assert_eq!(found.output_error, Some(expected));
-        assert!(pool.add(false, moments(1, 0.0)).unwrap_err().to_string().contains("two runs"));
-    }
-}

@@ -15,27 +15,31 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use vessel::{DegreeOfFreedom, Invalid, Model, Source, Vessel};
 
-pub use dictionary::{Estimated, malformed};
+pub use dictionary::{Estimated, leading, malformed};
 pub use free_runs::{FreeRunModel, Unpredictable};
 pub use matrices::{DegreeMoments, ManeuverMoments, OutputErrorMoments, Pool};
 pub use prediction::Prediction;
 
-/// The moments of all maneuvers of a dictionary.
-#[derive(Clone, Debug)]
+/// The lifted moment matrices of every maneuver.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(inline)]
 pub struct Moments {
     /// Name of the vessel.
     pub vessel: String,
-    /// Samples per second \[Hz\].
+    /// Sampling rate \[Hz\].
     pub sample_rate_hz: f64,
     /// What the instruments are made of.
     pub instruments: InstrumentKind,
-    /// What each row and column of the matrices stands for: the regressors end with the intercept `1`.
+    /// What each row and column of the matrices stands for.
     pub degrees: Vec<Degree>,
     /// One entry per maneuver, in the dictionary's order.
     pub maneuvers: Vec<ManeuverMoments>,
-    /// What the matrices B are made of, where there are any.
-    pub expected: Option<Expected>,
-    /// What the matrices for output error are about, where there are any.
+    /// What the matrices `B` were computed from, where there are any.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub disturbances: Option<Expected>,
+    /// What the matrices `F` and `P` of an output-error estimate are about, where there are any.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub output_error: Option<FreeRunModel>,
 }
 

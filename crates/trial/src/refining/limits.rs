@@ -46,8 +46,7 @@ impl Limits {
         start: &Start,
     ) -> Result<Self, Refusal> {
         let model = &vessel.model;
-        let inputs: Vec<&str> =
-            model.variables[3..3 + model.inputs].iter().map(|v| v.name.as_str()).collect();
+        let inputs = model.input_names();
         let generated = generated_limits(generator);
         let largest = |values: &[f64], i: usize, width: usize| {
             values.iter().skip(i).step_by(width).fold(0.0_f64, |most, x| most.max(x.abs()))

@@ -1,28 +1,17 @@
 use identification::EstimateStatus;
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// A way to spend the time of a trial.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-pub enum Arm {
-    /// Designed anew for every round, with what the rounds before have told.
-    Sequential,
-    /// Designed once, from the crude model.
-    OneShot,
-    /// Designed once, from the true parameters: what nobody can do.
-    Informed,
-    /// Maneuvers drawn at random.
-    Random,
-}
-
-impl Arm {
-    /// All of them.
-    pub const ALL: [Self; 4] = [Self::Sequential, Self::OneShot, Self::Informed, Self::Random];
-
-    /// As in files.
-    pub fn name(self) -> &'static str {
-        ["sequential", "one-shot", "informed", "random"][self as usize]
+vessel::choices! {
+    /// A way to spend the time of a trial.
+    pub enum Arm {
+        /// Designed anew for every round, with what the rounds before have told.
+        Sequential = "sequential",
+        /// Designed once, from the crude model.
+        OneShot = "one-shot",
+        /// Designed once, from the true parameters: what nobody can do.
+        Informed = "informed",
+        /// Maneuvers drawn at random.
+        Random = "random",
     }
 }
 

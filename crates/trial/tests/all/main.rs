@@ -3,5 +3,6 @@
 mod campaign;
 mod grid;
 mod legs;
+mod moments;
 mod pieces;
 mod rounds;

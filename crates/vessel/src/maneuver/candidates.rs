@@ -5,18 +5,6 @@ use super::generate_spec::{CandidateKind, GenerateSpec};
 use super::spec::ManeuverSpec;
 use crate::{Invalid, Streams};
 
-const ALL: [CandidateKind; 9] = [
-    CandidateKind::Combined,
-    CandidateKind::ZigZag,
-    CandidateKind::PseudoRandomBinary,
-    CandidateKind::Multisine,
-    CandidateKind::Spiral,
-    CandidateKind::Accelerate,
-    CandidateKind::SwayZigZag,
-    CandidateKind::Decelerate,
-    CandidateKind::SteadyTurn,
-];
-
 impl GenerateSpec {
     /// All candidates, within the limits or not.
     ///
@@ -24,7 +12,7 @@ impl GenerateSpec {
     /// A number without meaning.
     pub fn candidates(&self) -> Result<Vec<ManeuverSpec>, Invalid> {
         self.check()?;
-        let kinds: &[CandidateKind] = if self.kinds.is_empty() { &ALL } else { &self.kinds };
+        let kinds: &[CandidateKind] = if self.kinds.is_empty() { &CandidateKind::ALL } else { &self.kinds };
         let streams = Streams::new(self.seed, "candidates");
         let one = |index: u32| {
             let kind = kinds[index as usize % kinds.len()];

@@ -1,12 +1,11 @@
 //! `[generate]` in `dictionary.toml`: what candidates are drawn, and the limits that they keep.
 
 use std::collections::BTreeMap;
-use std::fmt;
 
 use refusal::check_numbers;
-use serde::{Deserialize, Serialize};
+use serde::Deserialize;
 
-use crate::{Invalid, Model, nearest};
+use crate::{Invalid, Model};
 
 /// `[generate]` as written.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
@@ -54,28 +53,28 @@ pub struct Limits {
     pub inputs: BTreeMap<String, f64>,
 }
 
-/// The kinds that candidates are drawn of.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum CandidateKind {
-    /// From rest or slow to faster.
-    Accelerate,
-    /// To a lower speed.
-    Decelerate,
-    /// The yaw rate swings.
-    ZigZag,
-    /// The sway speed swings.
-    SwayZigZag,
-    /// The yaw rate is swept.
-    Spiral,
-    /// A turning circle.
-    SteadyTurn,
-    /// All speeds switch at random.
-    PseudoRandomBinary,
-    /// All speeds are sums of sines.
-    Multisine,
-    /// Speed, sway and yaw rate each in a shape of its own.
-    Combined,
+refusal::choices! {
+    /// The kinds that candidates are drawn of, in turn.
+    pub enum CandidateKind {
+        /// Speed, sway and yaw rate each in a shape of its own.
+        Combined = "combined",
+        /// The yaw rate swings.
+        ZigZag = "zig-zag",
+        /// All speeds switch at random.
+        PseudoRandomBinary = "pseudo-random-binary",
+        /// All speeds are sums of sines.
+        Multisine = "multisine",
+        /// The yaw rate is swept.
+        Spiral = "spiral",
+        /// From rest or slow to faster.
+        Accelerate = "accelerate",
+        /// The sway speed swings.
+        SwayZigZag = "sway-zig-zag",
+        /// To a lower speed.
+        Decelerate = "decelerate",
+        /// A turning circle.
+        SteadyTurn = "steady-turn",
+    }
 }
 
 /// Which limit a motion exceeds most.
@@ -128,15 +127,10 @@ const MOST: u32 = 1_000_000;
 impl Limits {
     /// Refuses limits of inputs that `model` does not have.
     pub(crate) fn check(&self, model: &Model) -> Result<(), Invalid> {
-        let names = || model.variables[3..3 + model.inputs].iter().map(|v| v.name.as_str());
-        match self.inputs.keys().find(|key| names().all(|name| name != key.as_str())) {
+        let names = model.input_names();
+        match self.inputs.keys().find(|key| !names.contains(&key.as_str())) {
             None => Ok(()),
-            Some(unknown) => Err(Invalid::new(
-                "`generate.limits.inputs`",
-                format!("`{unknown}`"),
-                names().collect::<Vec<_>>().join(", "),
-                format!("did you mean `{}`?", nearest(unknown, names()).unwrap_or_default()),
-            )),
+            Some(unknown) => Err(Invalid::unknown("`generate.limits.inputs`", unknown, names)),
         }
     }
 
@@ -151,7 +145,7 @@ impl Limits {
             .into_iter()
             .enumerate()
             .map(|(d, (key, allowed))| (key.to_owned(), allowed, largest(states, d, 3)));
-        let inputs = model.variables[3..3 + model.inputs].iter().enumerate().filter_map(|(i, v)| {
+        let inputs = model.input_variables().iter().enumerate().filter_map(|(i, v)| {
             let allowed = *self.inputs.get(&v.name)?;
             Some((format!("inputs.{}", v.name), allowed, largest(inputs, i, model.inputs)))
         });
@@ -159,11 +153,5 @@ impl Limits {
         let (limit, allowed, found) = most;
         // What is asked to reach a limit may pass it by rounding.
         (found > allowed * (1.0 + 1e-9)).then_some(Exceeded { limit, allowed, found })
-    }
-}
-
-impl fmt::Display for CandidateKind {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.serialize(f)
     }
 }

@@ -8,7 +8,7 @@ use crate::{Invalid, Model};
 pub fn parse_inputs(text: &str, model: &Model) -> Result<Vec<f64>, Invalid> {
     let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(text.as_bytes());
     let header = reader.headers().map_err(not_csv)?.clone();
-    let wanted: Vec<&str> = model.variables[3..3 + model.inputs].iter().map(|v| v.name.as_str()).collect();
+    let wanted = model.input_names();
     let place = |name: &str| header.iter().position(|h| h.trim_start_matches('\u{feff}') == name);
     let missing: Vec<&str> = wanted.iter().filter(|w| place(w).is_none()).copied().collect();
     if !missing.is_empty() {

@@ -225,11 +225,15 @@ impl ManeuverSpec {
 }
 
 impl Kind {
+    /// What is a number where it is given, with its key.
     fn numbers(&self) -> Vec<(&'static str, f64)> {
-        let or_zero = |x: Option<f64>| x.unwrap_or(0.0);
+        // An optional number that is absent counts as 0.
+        macro_rules! keyed {
+            ($($key:ident),+) => { vec![$((stringify!($key), Option::from($key).unwrap_or(0.0))),+] };
+        }
         match *self {
             Self::Accelerate { from_m_s, to_m_s } | Self::Decelerate { from_m_s, to_m_s } => {
-                vec![("from_m_s", from_m_s), ("to_m_s", to_m_s)]
+                keyed![from_m_s, to_m_s]
             }
             Self::ZigZag {
                 speed_m_s,
@@ -237,44 +241,27 @@ impl Kind {
                 heading_amplitude_rad,
                 sway_amplitude_m_s,
                 ..
-            } => vec![
-                ("speed_m_s", speed_m_s),
-                ("yaw_rate_amplitude_rad_s", or_zero(yaw_rate_amplitude_rad_s)),
-                ("heading_amplitude_rad", or_zero(heading_amplitude_rad)),
-                ("sway_amplitude_m_s", or_zero(sway_amplitude_m_s)),
-            ],
-            Self::SwayZigZag { speed_m_s, sway_amplitude_m_s, .. } => {
-                vec![("speed_m_s", speed_m_s), ("sway_amplitude_m_s", sway_amplitude_m_s)]
+            } => keyed![speed_m_s, yaw_rate_amplitude_rad_s, heading_amplitude_rad, sway_amplitude_m_s],
+            Self::SwayZigZag { speed_m_s, sway_amplitude_m_s, .. } => keyed![speed_m_s, sway_amplitude_m_s],
+            Self::Spiral { speed_m_s, yaw_rate_from_rad_s, yaw_rate_to_rad_s, sway_speed_m_s } => {
+                keyed![speed_m_s, yaw_rate_from_rad_s, yaw_rate_to_rad_s, sway_speed_m_s]
             }
-            Self::Spiral { speed_m_s, yaw_rate_from_rad_s, yaw_rate_to_rad_s, sway_speed_m_s } => vec![
-                ("speed_m_s", speed_m_s),
-                ("yaw_rate_from_rad_s", yaw_rate_from_rad_s),
-                ("yaw_rate_to_rad_s", yaw_rate_to_rad_s),
-                ("sway_speed_m_s", or_zero(sway_speed_m_s)),
-            ],
-            Self::SteadyTurn { speed_m_s, yaw_rate_rad_s, sway_speed_m_s } => vec![
-                ("speed_m_s", speed_m_s),
-                ("yaw_rate_rad_s", yaw_rate_rad_s),
-                ("sway_speed_m_s", or_zero(sway_speed_m_s)),
-            ],
+            Self::SteadyTurn { speed_m_s, yaw_rate_rad_s, sway_speed_m_s } => {
+                keyed![speed_m_s, yaw_rate_rad_s, sway_speed_m_s]
+            }
             Self::PseudoRandomBinary {
                 speed_m_s,
                 speed_amplitude_m_s,
                 yaw_rate_amplitude_rad_s,
                 sway_amplitude_m_s,
                 ..
-            } => vec![
-                ("speed_m_s", speed_m_s),
-                ("speed_amplitude_m_s", speed_amplitude_m_s),
-                ("yaw_rate_amplitude_rad_s", yaw_rate_amplitude_rad_s),
-                ("sway_amplitude_m_s", or_zero(sway_amplitude_m_s)),
-            ],
+            } => keyed![speed_m_s, speed_amplitude_m_s, yaw_rate_amplitude_rad_s, sway_amplitude_m_s],
             Self::Combined { .. } => {
                 let numbers =
                     |(key, s): (&'static str, Signal)| [s.mean, s.amplitude, s.phase].map(|x| (key, x));
                 self.signals().into_iter().flat_map(numbers).collect()
             }
-            Self::Inputs { speed_m_s, .. } => vec![("speed_m_s", speed_m_s)],
+            Self::Inputs { speed_m_s, .. } => keyed![speed_m_s],
         }
     }
 

@@ -55,36 +55,3 @@ pub(crate) fn ring(view: &View, ring: &[Point]) -> Vec<Point> {
     let ring: Vec<[f64; 2]> = ring.iter().map(|&(x, y)| [x, y]).collect();
     clip_ring(&ring, &frame).into_iter().map(|[x, y]| (x, y)).collect()
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::figures::map::Frame;
-
-    fn area(ring: &[Point]) -> f64 {
-        let next = ring.iter().cycle().skip(1);
-        0.5 * ring.iter().zip(next).map(|(a, b)| a.0 * b.1 - b.0 * a.1).sum::<f64>().abs()
-    }
-
-    #[test]
-    fn law_a_clipped_ring_has_the_area_inside_the_frame() {
-        let view = View::new(&Frame { west: 0.0, south: 0.0, east: 100.0, north: 100.0 });
-        let diamond = view.placed(&[[50.0, -50.0], [150.0, 50.0], [50.0, 150.0], [-50.0, 50.0]]);
-        let inside = area(&ring(&view, &diamond)) / view.scale.powi(2);
-        assert!((inside - 10_000.0).abs() < 1e-6, "{inside}");
-        let corner = view.placed(&[[-10.0, -10.0], [30.0, -10.0], [-10.0, 30.0]]);
-        let inside = area(&ring(&view, &corner)) / view.scale.powi(2);
-        assert!((inside - 200.0).abs() < 1e-6, "{inside}");
-        assert!(ring(&view, &view.placed(&[[200.0, 0.0], [300.0, 0.0], [200.0, 9.0]])).is_empty());
-    }
-
-    #[test]
-    fn a_line_that_leaves_and_returns_has_two_parts() {
-        let view = View::new(&Frame { west: 0.0, south: 0.0, east: 100.0, north: 100.0 });
-        let track = view.placed(&[[10.0, 10.0], [10.0, 150.0], [90.0, 150.0], [90.0, 50.0], [80.0, 50.0]]);
-        let parts = line(&view, &track);
-        assert_eq!(parts.iter().map(Vec::len).collect::<Vec<_>>(), [2, 3]);
-        assert!(parts.iter().flatten().all(|&p| view.holds(p, -1e-9)));
-        assert!(line(&view, &view.placed(&[[-5.0, 0.0], [-5.0, 50.0]])).is_empty());
-    }
-}

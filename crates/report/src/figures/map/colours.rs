@@ -1,4 +1,4 @@
-use super::input::{Background, Purpose};
+use super::input::Purpose;
 use crate::figures::palette;
 use crate::figures::svg::{Look, Paint};
 
@@ -24,11 +24,8 @@ const VIOLET: Paint = Paint::solid((0x7b, 0x3a, 0xa8));
 const GREY: Paint = Paint::solid((0x62, 0x66, 0x6a));
 const FINE: f64 = 0.7;
 
-pub(crate) const fn background(background: Background) -> Look {
-    match background {
-        Background::Water => Look::filled(WATER),
-        Background::Uncharted => Look::filled(UNCHARTED),
-    }
+pub(crate) const fn background(uncharted: bool) -> Look {
+    Look::filled(if uncharted { UNCHARTED } else { WATER })
 }
 
 /// Shade number `band` of `bands`, from the shoalest: the shoaler, the bluer. A border of its own colour covers the

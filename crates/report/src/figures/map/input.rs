@@ -9,8 +9,9 @@ pub struct Map {
     pub description: String,
     /// What part of the plane is drawn.
     pub frame: Frame,
-    /// What lies where there is neither an area nor a cell.
-    pub background: Background,
+    /// Whether nothing is charted where there is neither an area nor a cell; else that is water, of a chart that tells
+    /// land only.
+    pub uncharted: bool,
     /// Limits between the shades of depth \[m\], increasing, at most twelve; none for a single shade.
     pub depth_limits_m: Vec<f64>,
     /// A raster of classes, below the areas.
@@ -19,8 +20,8 @@ pub struct Map {
     pub areas: Vec<Area>,
     /// Cells that only the safety margin blocks, drawn in this order.
     pub margins: Vec<Margin>,
-    /// The informative maneuvers; their order is that of the colours.
-    pub maneuvers: Vec<Maneuver>,
+    /// The informative maneuvers, each with how often it is used; their order is that of the colours.
+    pub maneuvers: Vec<(String, u64)>,
     /// Lines.
     pub tracks: Vec<Track>,
     /// Outlines of the hull at chosen poses.
@@ -51,16 +52,6 @@ impl Default for Frame {
     fn default() -> Self {
         Self { west: 0.0, south: 0.0, east: 1000.0, north: 1000.0 }
     }
-}
-
-/// What lies where nothing else is given.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Background {
-    /// Water: the chart tells land only.
-    #[default]
-    Water,
-    /// Nothing is charted.
-    Uncharted,
 }
 
 /// What an area or a cell is.
@@ -115,15 +106,6 @@ pub struct Margin {
     pub grid: Raster,
     /// One value per cell.
     pub blocked: Vec<bool>,
-}
-
-/// An informative maneuver of the legend.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Maneuver {
-    /// Its name.
-    pub name: String,
-    /// How often it is used.
-    pub count: u32,
 }
 
 /// How a line is drawn.

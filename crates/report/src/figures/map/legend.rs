@@ -60,7 +60,7 @@ fn draw_sample(sheet: &mut Sheet, sample: Sample, at: Point) {
     match sample {
         Sample::Land => chip(colours::LAND),
         Sample::NoGo => chip(colours::NO_GO),
-        Sample::Background(background) => chip(edged(colours::background(background))),
+        Sample::Background { uncharted } => chip(edged(colours::background(uncharted))),
         Sample::Depth { band, bands } => chip(edged(colours::depth(band, bands))),
         _ => chip(colours::depth(0, 1)),
     }

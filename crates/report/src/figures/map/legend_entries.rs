@@ -1,5 +1,5 @@
 use super::areas::{band, bands};
-use super::input::{Background, Class, Map, Purpose, TrackStyle};
+use super::input::{Class, Map, Purpose, TrackStyle};
 use super::tracks::MOST_REALIZATIONS;
 use crate::figures::text;
 
@@ -13,7 +13,7 @@ pub(crate) enum Sample {
     Land,
     NoGo,
     Depth { band: usize, bands: usize },
-    Background(Background),
+    Background { uncharted: bool },
     Margin(Purpose),
 }
 
@@ -24,9 +24,9 @@ pub(crate) type Entry = (Sample, String);
 pub(crate) fn maneuvers(map: &Map) -> Vec<Entry> {
     let entries = map.maneuvers.iter().enumerate();
     entries
-        .map(|(k, maneuver)| {
-            let count = format!(" × {}", maneuver.count);
-            let name = text::shortened(&maneuver.name, 29_usize.saturating_sub(count.chars().count()));
+        .map(|(k, (name, count))| {
+            let count = format!(" × {count}");
+            let name = text::shortened(name, 29_usize.saturating_sub(count.chars().count()));
             (Sample::Track(TrackStyle::Maneuver(k)), name + &count)
         })
         .collect()
@@ -79,11 +79,8 @@ pub(crate) fn chart(map: &Map) -> Vec<Entry> {
     let mut entries: Vec<Entry> = dangers.map(|(_, sample, label)| (sample, label.to_owned())).collect();
     let charted = (0..bands).filter(|band| classes().any(|class| shade(class) == Some(*band)));
     entries.extend(charted.map(|band| (Sample::Depth { band, bands }, depth(band, limits))));
-    let background = match map.background {
-        Background::Water => "water, no depth charted",
-        Background::Uncharted => "not charted",
-    };
-    entries.push((Sample::Background(map.background), background.to_owned()));
+    let background = if map.uncharted { "not charted" } else { "water, no depth charted" };
+    entries.push((Sample::Background { uncharted: map.uncharted }, background.to_owned()));
     entries
 }
 

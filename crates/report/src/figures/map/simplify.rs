@@ -27,21 +27,3 @@ fn distance(point: Point, from: Point, to: Point) -> f64 {
     let share = share.clamp(0.0, 1.0);
     (off.0 - share * along.0).hypot(off.1 - share * along.1)
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn law_no_point_is_farther_off_than_the_tolerance() {
-        let wave: Vec<Point> =
-            (0..2000).map(|i| f64::from(i) / 10.0).map(|x| (x, 5.0 * (x / 7.0).sin())).collect();
-        let kept = simplified(&wave, 0.1);
-        assert!(kept.len() < 200, "{}", kept.len());
-        for &point in &wave {
-            let off = kept.windows(2).map(|pair| distance(point, pair[0], pair[1])).fold(f64::MAX, f64::min);
-            assert!(off <= 0.1 + 1e-12, "{off}");
-        }
-        assert_eq!(simplified(&[], 1.0), []);
-    }
-}

@@ -31,7 +31,7 @@ pub(crate) fn draw(sheet: &mut Sheet, view: &View, map: &Map) {
 /// A maneuver with its name as a title.
 fn maneuver(sheet: &mut Sheet, view: &View, map: &Map, track: &Track) {
     let TrackStyle::Maneuver(index) = track.style else { return };
-    let name = &map.maneuvers[index].name;
+    let (name, _) = &map.maneuvers[index];
     let title = track.number.map_or_else(|| name.clone(), |number| format!("{number}: {name}"));
     let (line, within) = colours::maneuver(index);
     let path = path(view, track, TOLERANCE);

@@ -1,3 +1,5 @@
+use chart::Invalid;
+
 use super::input::Frame;
 use crate::figures::svg::Point;
 
@@ -12,6 +14,25 @@ const LEFT: f64 = 26.0;
 const RIGHT: f64 = 4.0;
 const TOP: f64 = 4.0;
 const TALLEST: f64 = 760.0;
+/// Sides of a frame [m].
+const SIDES: std::ops::RangeInclusive<f64> = 1e-2..=1e8;
+const MOST_ELONGATED: f64 = 20.0;
+
+/// Refuses what could not be drawn truly.
+fn check(Frame { west, south, east, north }: &Frame) -> Result<(), Invalid> {
+    let (width, height) = (east - west, north - south);
+    let refused = |expected: &str, remedy: &str| {
+        Err(Invalid::new("map: frame", format!("{width} m × {height} m"), expected, remedy))
+    };
+    if !(SIDES.contains(&width) && SIDES.contains(&height)) {
+        let expected = "sides of 0.01 m to 100000 km, east above west and north above south";
+        return refused(expected, "correct the frame");
+    }
+    if width.max(height) > MOST_ELONGATED * width.min(height) {
+        return refused("sides within 20 to 1", "widen the frame across its long side");
+    }
+    Ok(())
+}
 
 /// The map's place on the sheet: metres to pixels, the same scale along both axes.
 pub(crate) struct View {
@@ -26,13 +47,17 @@ pub(crate) struct View {
 
 impl View {
     /// As large as the sheet allows.
-    pub(crate) fn new(frame: &Frame) -> Self {
+    ///
+    /// # Errors
+    /// A frame without area, an absurdly large or a very long one.
+    pub(crate) fn new(frame: &Frame) -> Result<Self, Invalid> {
+        check(frame)?;
         let room = WIDTH - LEFT - RIGHT;
         let (width, height) = (frame.east - frame.west, frame.north - frame.south);
         let scale = (room / width).min(TALLEST / height);
         let left = LEFT + 0.5 * (room - scale * width);
         let opposite = (left + scale * width, TOP + scale * height);
-        Self { frame: *frame, scale, corner: (left, TOP), opposite }
+        Ok(Self { frame: *frame, scale, corner: (left, TOP), opposite })
     }
 
     pub(crate) fn place(&self, at: [f64; 2]) -> Point {

@@ -1,7 +1,10 @@
 //! Made-up archipelagos for tests and measurements.
 
-use crate::graph;
-use crate::{BasicFile, InformativeFile, LatticeFile, MoveFile, ProblemFile, SCHEMA};
+use std::collections::HashSet;
+
+use lattice::{
+    BasicFile, InformativeFile, LatticeFile, MoveFile, MoveId, Pose, Problem, ProblemFile, SCHEMA,
+};
 
 /// Pitch of the cells \[m\].
 const CELL: f64 = 100.0;
@@ -146,13 +149,30 @@ fn ends(file: &ProblemFile) -> Option<([usize; 3], [usize; 3])> {
     for k in 0..32 {
         basic.start = [(k * 7) % nx, k / 4 % ny, 0];
         let problem = basic.into_problem().ok()?;
-        let reached = graph::reached(&problem);
-        let area = reached.iter().filter(|&&reached| reached).count();
-        let goal = (0..reached.len()).filter(|&pose| reached[pose]).map(|pose| problem.lattice().pose(pose));
-        let goal = goal.max_by_key(|pose| (pose.j, pose.i, pose.layer))?;
-        if best.as_ref().is_none_or(|best| area > best.0) {
-            best = Some((area, basic.start, [goal.i, goal.j, goal.layer]));
+        let reached = reached(&problem);
+        let goal = reached.iter().max_by_key(|pose| (pose.j, pose.i, pose.layer))?;
+        if best.as_ref().is_none_or(|best| reached.len() > best.0) {
+            best = Some((reached.len(), basic.start, [goal.i, goal.j, goal.layer]));
         }
     }
     best.map(|(_, start, goal)| (start, goal))
+}
+
+/// The poses that any moves lead to from the start, which is one of them.
+fn reached(problem: &Problem) -> HashSet<Pose> {
+    let (mut reached, mut open) = (HashSet::from([problem.start()]), vec![problem.start()]);
+    while let Some(from) = open.pop() {
+        for (action, a) in problem.actions().iter().enumerate() {
+            let own = a.moves.iter().enumerate().filter(|(_, m)| m.from == from.layer);
+            for (_, m) in own.filter(|(index, _)| problem.is_allowed(from, MoveId { action, index: *index }))
+            {
+                let along = |from: usize, by: i32| (from as i64 + i64::from(by)) as usize;
+                let end = Pose { i: along(from.i, m.di), j: along(from.j, m.dj), layer: m.to };
+                if reached.insert(end) {
+                    open.push(end);
+                }
+            }
+        }
+    }
+    reached
 }

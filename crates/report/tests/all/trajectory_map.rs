@@ -1,0 +1,83 @@
+//! `map.svg` goes onto the page as it is, where it can do no harm.
+
+use std::path::Path;
+
+use artifact::{Provenance, commit, stage_document};
+use report::figures::map::{Area, Class, Map, Track, TrackStyle};
+use report::figures::map_figure;
+use report::{Sources, load, render};
+
+use crate::mock_plan;
+
+fn drawn() -> String {
+    let track =
+        Track { style: TrackStyle::Basic, points: vec![[100.0, 200.0], [900.0, 700.0]], number: Some(1) };
+    let ring = vec![[0.0, 0.0], [300.0, 0.0], [0.0, 300.0]];
+    let island = Area { class: Class::Land, ring, holes: Vec::new() };
+    let whole = Map {
+        title: "Planned trial".to_owned(),
+        description: "10 basic moves <proved> & \"done\"".to_owned(),
+        areas: vec![island],
+        tracks: vec![track],
+        hulls: vec![vec![[5.0, 5.0], [9.0, 5.0], [5.0, 9.0]]],
+        start: Some([100.0, 200.0]),
+        goal: Some([900.0, 700.0]),
+        ..Map::default()
+    };
+    map_figure(&whole).unwrap()
+}
+
+/// The page of a study whose plan has `map`; why there is none.
+fn page(folder: &Path, map: &str) -> Result<String, String> {
+    std::fs::write(folder.join("map.svg"), map).unwrap();
+    let (study, results) = (folder.to_owned(), folder.to_owned());
+    let sources = Sources { study, dictionary: None, results, scenarios: Vec::new() };
+    load(&sources).map(|study| render(&study).html).map_err(|refused| refused.to_string())
+}
+
+fn planned() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    let plan = stage_document(folder.path().join("plan.json"), &Provenance::default(), &mock_plan::plan());
+    commit(vec![plan.unwrap()]).unwrap();
+    folder
+}
+
+#[test]
+fn a_map_as_drawn_is_taken_over() {
+    let html = page(planned().path(), &drawn()).unwrap();
+    assert!(html.contains(&drawn()) && html.contains("class=\"map-and-facts tall\""));
+    let flat = drawn().replacen("viewBox=\"0 0 ", "viewBox=\"0 0 1", 1);
+    assert!(!page(planned().path(), &flat).unwrap().contains("class=\"map-and-facts tall\""));
+}
+
+#[test]
+fn a_map_that_could_load_link_or_run_is_refused() {
+    let folder = planned();
+    let damages = [
+        ("<title>", "<script>alert(1)</script><title>"),
+        ("<title>", "<style>@import 'x'</style><title>"),
+        ("<title>", "<foreignObject/><title>"),
+        ("<title>", "<image href=\"x\"/><title>"),
+        ("<title>", "<!-- --><title>"),
+        ("<title>", "<title id=\"files\">"),
+        ("<title>", "<title onload=\"x\">"),
+        ("<title>", "<title onload=x>"),
+        ("<title>", "<title\tonload=\"x\">"),
+        ("<title>", "</svg><title>"),
+        ("<title>", "</main><title>"),
+        ("<title>", "<g><title>"),
+        ("fill=\"none\"", "fill=\"URL(x)\""),
+        ("<svg ", "<svg x=\"1\"y=\"2\" "),
+        ("http://www.w3.org/2000/svg", "http://example.org"),
+    ];
+    let damaged = damages.map(|(whole, damage)| {
+        let damaged = drawn().replacen(whole, damage, 1);
+        assert_ne!(damaged, drawn(), "{whole}");
+        damaged
+    });
+    let others = [String::new(), "text".into(), "<svg ".into(), drawn().trim_end().repeat(2)];
+    for map in damaged.iter().chain(&others) {
+        let refused = page(folder.path(), map).unwrap_err();
+        assert!(refused.contains("map.svg") && refused.contains("a drawing of shapes and text"), "{refused}");
+    }
+}
