@@ -40,6 +40,12 @@ impl TrajectoryReader {
         self.table.blocks()
     }
 
+    /// Number of rows, and of those in the largest block.
+    pub fn rows(&self) -> (usize, usize) {
+        let largest = (0..self.blocks()).map(|i| self.table.block_rows(i)).max();
+        (self.table.rows(), largest.unwrap_or(0))
+    }
+
     /// Whether the file has the true states, and with them the state that a run starts from.
     pub fn true_states(&self) -> bool {
         self.truth

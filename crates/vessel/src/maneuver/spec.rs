@@ -2,7 +2,7 @@ use serde::de::Error as _;
 use serde::{Deserialize, Deserializer};
 
 use super::shape::Shape;
-use super::signal::Signal;
+use super::signal::{SWING_SAMPLES, Signal, check_period};
 use crate::Invalid;
 
 /// One maneuver.
@@ -211,6 +211,23 @@ impl ManeuverSpec {
                     self.above_zero(&format!("{key}.period_s"), signal.period_s)
                 })
             }
+            _ => Ok(()),
+        }
+    }
+
+    /// Refuses swings that `rate_hz` does not show as what they are.
+    pub(super) fn check_sampling(&self, rate_hz: f64) -> Result<(), Invalid> {
+        let check = |key: &str, period_s, least| {
+            check_period(format!("maneuver `{}`, `{key}`", self.name), period_s, least, rate_hz)
+        };
+        match self.kind {
+            Kind::ZigZag { period_s, .. } | Kind::SwayZigZag { period_s, .. } => {
+                check("period_s", period_s, SWING_SAMPLES)
+            }
+            Kind::PseudoRandomBinary { dwell_s, .. } => check("dwell_s", dwell_s, 1),
+            Kind::Combined { .. } => self.kind.signals().into_iter().try_for_each(|(key, signal)| {
+                signal.least_samples().map_or(Ok(()), |n| check(&format!("{key}.period_s"), signal.period_s, n))
+            }),
             _ => Ok(()),
         }
     }
