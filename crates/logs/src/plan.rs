@@ -165,13 +165,28 @@ fn computed(setup: &Setup, provided: &mut Vec<Provided>) -> Result<(), Invalid> 
         provided.push(Provided::new(channel, unit));
     }
     for (_, speed, angle) in thrusters {
-        [speed].into_iter().chain(angle).try_for_each(|source| check_source("tau1", source, provided))?;
+        let sources = [(speed, "1/s")].into_iter().chain(angle.iter().map(|angle| (angle, "rad")));
+        for (source, unit) in sources {
+            check_source("tau1", source, provided)?;
+            check_thruster_unit(source, unit, provided)?;
+        }
     }
     if !thrusters.is_empty() {
         let forces = [("tau1", "N"), ("tau2", "N"), ("tau3", "N m")];
         provided.extend(forces.map(|(name, unit)| Provided::new(name, unit)));
     }
     Ok(())
+}
+
+/// Refuses a thruster's channel `source` that is not in `unit`: its force is in N per unit of its speed.
+fn check_thruster_unit(source: &str, unit: &str, provided: &[Provided]) -> Result<(), Invalid> {
+    match provided.iter().find(|channel| channel.name == source && factor(&channel.unit, unit).is_none()) {
+        Some(other) => {
+            let expected = format!("a unit that converts to {unit}, for a thruster's speed or angle");
+            Err(wrong_unit(source, &other.unit, expected, "correct the unit, or name the thruster's channel"))
+        }
+        None => Ok(()),
+    }
 }
 
 fn names(provided: &[Provided]) -> Vec<&str> {

@@ -114,14 +114,16 @@ pub fn record(
 
 /// Why `source` becomes no runs; `slowest` is the channel with the longest step, and that step \[s\].
 fn refused(source: &Source, why: &Unassembled, slowest: Option<(String, f64)>) -> Invalid {
+    if let Unassembled::TooLong { most, .. } = why {
+        let expected = format!("at most {most} rows, which the memory has room for");
+        let remedy = "check the clocks for jumps, lower `sample_rate_hz`, or raise --memory-mib";
+        return Invalid::new(called(&source.name), why.to_string(), expected, remedy);
+    }
     let remedy = match slowest {
         Some((name, step)) if *why == Unassembled::NoOverlap => {
             format!(
                 "compare `max_gap_s` with the longest step, {step:.3} s in `{name}`, and check the clocks"
             )
-        }
-        _ if matches!(why, Unassembled::TooLong { .. }) => {
-            "check the clocks for jumps, lower `sample_rate_hz`, or raise --memory-mib".to_owned()
         }
         _ => "check the file's columns and clocks".to_owned(),
     };

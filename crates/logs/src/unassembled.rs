@@ -19,7 +19,7 @@ pub enum Unassembled {
     #[error("no two neighbouring samples at which all channels are known")]
     NoOverlap,
     /// The clocks span more rows than may be: one of them jumped, or there is no memory for them.
-    #[error("clocks that span {rows} rows, more than the {most} that are read at once")]
+    #[error("clocks that span {rows} rows")]
     TooLong {
         /// Rows that they span.
         rows: usize,

@@ -33,7 +33,7 @@ pub fn toml<T: DeserializeOwned>(path: &Path, key: &str, provenance: &mut Proven
 /// Opens trajectories of `vessel` as the input `key`.
 ///
 /// # Errors
-/// A file that is refused, or is a shard.
+/// A file that is refused, is a shard or has no runs, or does not fit into memory.
 pub fn trajectories(
     path: &Path,
     key: &str,
@@ -42,7 +42,10 @@ pub fn trajectories(
 ) -> Result<TrajectoryReader, Failure> {
     let reader = TrajectoryReader::open(path, &Layout::new(&vessel.model), vessel.sample_rate_hz)?;
     reader.whole()?;
-    let (_, rows) = reader.rows();
+    let (all, rows) = reader.rows();
+    if all == 0 {
+        return Err(Failure::refuse(path, "rows", "none", "at least one run", "write the trajectories again"));
+    }
     let at_once = rows as f64 * rayon::current_num_threads() as f64;
     let layout = Layout::new(&vessel.model);
     fits(path, &format!("a row group of {rows} rows"), at_once * layout.working_bytes())?;

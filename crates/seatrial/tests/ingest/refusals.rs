@@ -96,7 +96,7 @@ fn files_without_rows_or_overlap_are_refused() {
     let never = "t,u,v,r,n\n0,1,,1,1\n1,1,nan,1,1\n";
     refused(&config(""), never, &["run `a`", "no value in channel `y_v`"]);
     let jump = "t,u,v,r,n\n0,1,1,1,1\n1600000000,1,1,1,1\n1600000001,1,1,1,1\n";
-    refused(&config(""), jump, &["run `a`", "more than 100000000 rows"]);
+    refused(&config(""), jump, &["run `a`", "at most 100000000 rows"]);
     refused(&config("min_s = 100"), &log(5), &["sub-experiments", "none of 1 recordings", "`min_s`"]);
 }
 
@@ -302,7 +302,7 @@ fn more_rows_than_the_memory_holds_are_refused() {
     // A clock that jumps from its start to the time of day in seconds since 1970.
     let jumps = log(3).replace("\n2,", "\n1700000000,");
     let made = folder(&[("ingest.toml", &text), ("a.csv", &jumps)]);
-    let pieces = ["a.csv", "run `a`", "1700000001 rows", "check the clocks for jumps"];
+    let pieces = ["a.csv", "run `a`", "1700000002 rows", "check the clocks for jumps"];
     refused_in(made.path(), &["--memory-mib", "512"], &pieces);
 }
 
@@ -334,4 +334,13 @@ fn constant(path: &Path, columns: &[&str], rows: usize) {
     }
     group.close().unwrap();
     writer.close().unwrap();
+}
+
+#[test]
+fn a_thruster_whose_speed_is_none_is_refused() {
+    let thruster = "[[thruster]]\nkind = \"tunnel\"\nspeed = \"y_u\"\ncoefficient = 0.05\nposition_m = [2.0, 0.0]\n";
+    let pieces = ["ingest.toml", "unit of channel `y_u`", "found `m/s`", "converts to 1/s, for a thruster"];
+    refused(&(config("") + thruster), &log(5), &pieces);
+    let azimuth = thruster.replace("tunnel", "azimuth").replace("\"y_u\"", "\"n\"\nangle = \"y_u\"");
+    refused(&(config("") + &azimuth), &log(5), &["unit of channel `y_u`", "converts to rad"]);
 }
