@@ -140,7 +140,7 @@ pub fn cross_validate(
 
 impl<'a> Cut<'a> {
     fn new(pool: &'a Pool, runs: &PooledRuns, options: &CrossOptions) -> Result<Self, CrossError> {
-        let windows = runs.windows(options.window);
+        let windows: Vec<_> = runs.windows(options.window).collect();
         if windows.len() < 2 {
             return Err(CrossError::OneSource);
         }
