@@ -85,7 +85,8 @@ fn amount(bytes: f64) -> String {
 /// Bounds of this process's memory in bytes, as Linux tells them; elsewhere none is known.
 fn granted() -> Vec<(f64, &'static str)> {
     let machine = number_after("/proc/meminfo", "MemTotal:").map(|kib| (1024.0 * kib, "this machine"));
-    let space = number_after("/proc/self/limits", "Max address space").map(|b| (b, "the address space (ulimit -v)"));
+    let space =
+        number_after("/proc/self/limits", "Max address space").map(|b| (b, "the address space (ulimit -v)"));
     let group = groups().map(|bytes| (bytes, "this process's control group"));
     machine.into_iter().chain(space).chain(group).collect()
 }
@@ -101,7 +102,8 @@ fn number_after(file: &str, key: &str) -> Option<f64> {
 fn groups() -> impl Iterator<Item = f64> {
     let text = fs::read_to_string("/proc/self/cgroup").unwrap_or_default();
     let own = text.lines().find_map(|line| line.strip_prefix("0::/")).unwrap_or_default().to_owned();
-    let files: Vec<_> = Path::new("/sys/fs/cgroup").join(own).ancestors().map(|at| at.join("memory.max")).collect();
+    let files: Vec<_> =
+        Path::new("/sys/fs/cgroup").join(own).ancestors().map(|at| at.join("memory.max")).collect();
     files.into_iter().filter_map(|file| fs::read_to_string(file).ok()?.trim().parse().ok())
 }
 

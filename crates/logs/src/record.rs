@@ -146,15 +146,16 @@ fn missing(plan: &Plan, logs: &[Log]) -> Vec<(String, usize)> {
 /// All channels by name, on the recording's clock.
 fn channels(plan: &Plan, logs: Vec<Log>, start_s: f64) -> Channels {
     let names = plan.setup.channels().map(|spec| spec.channel.clone());
-    let mut moved: Option<(Arc<Vec<f64>>, Arc<Vec<f64>>)> = None;
+    // The times of a file that its channels share, and the same on the recording's clock.
+    let mut moved: Option<[Arc<Vec<f64>>; 2]> = None;
     let mut on_clock = |mut series: Series| {
-        let same = moved.take().filter(|(file, _)| Arc::ptr_eq(file, &series.t));
-        let (file, own) = same.unwrap_or_else(|| {
+        let same = moved.take().filter(|[file, _]| Arc::ptr_eq(file, &series.t));
+        let [file, own] = same.unwrap_or_else(|| {
             let own = series.t.iter().map(|time| time - start_s).collect();
-            (Arc::clone(&series.t), Arc::new(own))
+            [Arc::clone(&series.t), Arc::new(own)]
         });
         series.t = Arc::clone(&own);
-        moved = Some((file, own));
+        moved = Some([file, own]);
         series
     };
     names.zip(logs.into_iter().flat_map(|log| log.channels).map(&mut on_clock)).collect()

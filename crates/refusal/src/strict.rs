@@ -170,7 +170,8 @@ impl<'de, V: Visitor<'de>> Visitor<'de> for Taking<'_, V> {
 
     fn visit_seq<A: SeqAccess<'de>>(self, items: A) -> Result<V::Value, A::Error> {
         // An enum whose kind is one of its keys comes through `deserialize_any`; serde says so in what it expects.
-        let tagged = || (&self.visitor as &dyn serde::de::Expected).to_string().starts_with("internally tagged enum");
+        let tagged =
+            || (&self.visitor as &dyn serde::de::Expected).to_string().starts_with("internally tagged enum");
         if self.keyed || tagged() {
             return Err(A::Error::invalid_type(Unexpected::Other("a list"), &"keys with values"));
         }

@@ -44,7 +44,13 @@ pub fn trajectories(
     reader.whole()?;
     let (all, rows) = reader.rows();
     if all == 0 {
-        return Err(Failure::refuse(path, "rows", "none", "at least one run", "write the trajectories again"));
+        return Err(Failure::refuse(
+            path,
+            "rows",
+            "none",
+            "at least one run",
+            "write the trajectories again",
+        ));
     }
     let at_once = rows as f64 * rayon::current_num_threads() as f64;
     let layout = Layout::new(&vessel.model);
@@ -71,7 +77,9 @@ pub fn runs(
 ) -> Result<Vec<Run>, Failure> {
     let reader = trajectories(path, key, vessel, provenance)?;
     let (rows, _) = reader.rows();
-    fits(path, &format!("{rows} rows"), rows as f64 * Layout::new(&vessel.model).run_bytes())?;
+    // As they are, as parts with their instruments, and what these are made of.
+    let bytes = 4.0 * rows as f64 * Layout::new(&vessel.model).run_bytes();
+    fits(path, &format!("{rows} rows"), bytes)?;
     let mut runs = Vec::new();
     for block in 0..reader.blocks() {
         runs.extend(reader.runs(block)?);

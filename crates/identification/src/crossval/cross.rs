@@ -149,7 +149,7 @@ impl<'a> Cut<'a> {
         }
         let all = windows.iter().flat_map(|(_, own)| own);
         let std = deviations(all.map(|w| w.measured.as_slice()));
-        Ok(Self { pool, parts: runs.segments(pool.part_samples).concat(), windows, std })
+        Ok(Self { pool, parts: runs.parts(pool.part_samples), windows, std })
     }
 
     fn fold(&self, fold: &Fold, estimator: Estimator) -> Tried {

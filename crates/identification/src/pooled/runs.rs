@@ -98,6 +98,11 @@ impl PooledRuns {
         segments
     }
 
+    /// The parts of all [`PooledRuns::segments`].
+    pub fn parts(&self, most: Option<usize>) -> Vec<Part> {
+        self.segments(most).into_iter().flatten().collect()
+    }
+
     /// Windows of `length` samples of every source, side by side from where its runs begin, which are joined where one
     /// begins with the state that the last one ended with. Whatever is left is no window; without a length all of it is. Windows
     /// have no label: they may hold several maneuvers.

@@ -5,9 +5,8 @@ use vessel::{DegreeOfFreedom, Streams};
 
 use super::{
     Bootstrap, Centring, CrossCorrelation, Diagnosis, Estimated, FreeRunErrors, Options, Part, Pool,
-    PooledRuns, Remade, Score, Solution, Status, Whiteness, bootstrap, cross_correlation,
-    default_bandwidth, deviations, diagnose, redraw, residuals, sandwich, strength, unidentified, weakest,
-    whiteness,
+    PooledRuns, Remade, Score, Solution, Status, Whiteness, bootstrap, cross_correlation, default_bandwidth,
+    deviations, diagnose, redraw, residuals, sandwich, strength, unidentified, weakest, whiteness,
 };
 use crate::{EstimateStatus, Estimator, Sums};
 

@@ -24,7 +24,7 @@ impl Prepared {
     pub(super) fn new(pool: &Pool, runs: &PooledRuns, estimator: Estimator) -> Result<Self, LostInstruments> {
         let pieces = runs.segments(pool.part_samples);
         let counts: Vec<usize> = pieces.iter().map(Vec::len).collect();
-        let mut parts = pieces.concat();
+        let mut parts: Vec<Part> = pieces.into_iter().flatten().collect();
         let ls = merged(&pool.regressions(&parts, false).sums(), &counts);
         let nominal = pool.nominal.parameters(&ls.iter().collect::<Vec<_>>(), pool.removal);
         let theta = nominal.as_ref().map(|(theta, _)| theta.clone());
@@ -62,7 +62,9 @@ fn weakest(pool: &Pool, parts: &[Part], sums: &[Sums]) -> Option<(String, f64)> 
     let centring = Centring::new(&sums.iter().collect::<Vec<_>>(), pool.removal);
     let degree = |d: usize| {
         let terms = pool.vessel.model.degrees[d].terms.iter().map(|t| t.text.clone());
-        terms.zip(strength(&pool.regressions(parts, true), &centring, d).unwrap_or_default()).collect::<Vec<_>>()
+        terms
+            .zip(strength(&pool.regressions(parts, true), &centring, d).unwrap_or_default())
+            .collect::<Vec<_>>()
     };
     (0..3).flat_map(degree).min_by(|a, b| a.1.total_cmp(&b.1))
 }

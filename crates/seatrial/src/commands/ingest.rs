@@ -45,7 +45,8 @@ impl Task for Arguments {
         let vessel = self.vessel.as_deref().map(|path| read_vessel(path, &mut provenance)).transpose()?;
         let vessel_file = self.vessel.as_deref().unwrap_or(Path::new("")).display().to_string();
         let named = vessel.as_ref().map(|vessel| (vessel, vessel_file.as_str()));
-        let plan = Plan::new(config.setup().map_err(refuse)?, named).map_err(refuse)?.within(budget().bytes());
+        let plan =
+            Plan::new(config.setup().map_err(refuse)?, named).map_err(refuse)?.within(budget().bytes());
         let folder =
             self.logs.clone().unwrap_or_else(|| self.config.parent().unwrap_or(Path::new("")).to_owned());
         let naming = config.naming().map_err(refuse)?;
@@ -61,7 +62,7 @@ impl Task for Arguments {
         }
         let summary_file = self.summary_file(&out)?;
         for file in sources.iter().flat_map(|source| &source.files) {
-            provenance.inputs.insert(format!("log:{file}"), Digest::of_file(&folder.join(file))?);
+            provenance.inputs.insert(format!("log:{file}"), Digest::of_file(folder.join(file))?);
         }
         let schema = layout(&plan).measured(&plan.further);
         let mut writer = TableWriter::create(&out, &schema, &provenance)?.with_document(&summary_file);

@@ -34,8 +34,7 @@ pub fn recorded(
         let log = Log::new(columns(&path, plan, group)?, group, plan);
         logs.push(log.map_err(|e| Failure::invalid(&path, &e))?);
     }
-    record(source, logs, plan, segmentation)
-        .map_err(|e| Failure::invalid(&folder.join(&source.files[0]), &e))
+    record(source, logs, plan, segmentation).map_err(|e| Failure::invalid(&folder.join(&source.files[0]), &e))
 }
 
 fn columns(path: &Path, plan: &Plan, group: usize) -> Result<Columns, Failure> {
@@ -104,11 +103,7 @@ fn dates(path: &Path, table: &ForeignTable, column: &str, plan: &Plan) -> Result
 }
 
 /// What `made` makes of texts, or of numbers as text: labels may be either.
-fn texts<V: Clone>(
-    table: &ForeignTable,
-    column: &str,
-    made: impl Fn(&str) -> V,
-) -> Result<Vec<V>, Failure> {
+fn texts<V: Clone>(table: &ForeignTable, column: &str, made: impl Fn(&str) -> V) -> Result<Vec<V>, Failure> {
     let refused = match table.texts(column, &made) {
         Ok(texts) => return Ok(texts),
         Err(refused) => refused,

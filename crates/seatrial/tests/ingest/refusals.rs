@@ -338,7 +338,8 @@ fn constant(path: &Path, columns: &[&str], rows: usize) {
 
 #[test]
 fn a_thruster_whose_speed_is_none_is_refused() {
-    let thruster = "[[thruster]]\nkind = \"tunnel\"\nspeed = \"y_u\"\ncoefficient = 0.05\nposition_m = [2.0, 0.0]\n";
+    let thruster =
+        "[[thruster]]\nkind = \"tunnel\"\nspeed = \"y_u\"\ncoefficient = 0.05\nposition_m = [2.0, 0.0]\n";
     let pieces = ["ingest.toml", "unit of channel `y_u`", "found `m/s`", "converts to 1/s, for a thruster"];
     refused(&(config("") + thruster), &log(5), &pieces);
     let azimuth = thruster.replace("tunnel", "azimuth").replace("\"y_u\"", "\"n\"\nangle = \"y_u\"");

@@ -14,7 +14,8 @@ fn edited(name: &str, from: &str, to: &str, line: &str, pieces: &[&str]) {
 
 #[test]
 fn campaigns_that_no_disk_holds_are_refused() {
-    let (many, pieces) = ("realizations = 1000000000", ["`realizations`", "2000000000 runs", "TiB", "free there"]);
+    let (many, pieces) =
+        ("realizations = 1000000000", ["`realizations`", "2000000000 runs", "TiB", "free there"]);
     edited("campaign.toml", "realizations = 24", many, CAMPAIGN, &pieces);
 }
 
@@ -26,9 +27,22 @@ fn runs_without_end_are_refused_by_every_stage_that_simulates() {
     let moments = "moments --vessel vessel.toml --trajectories dictionary.parquet --campaign campaign.toml \
         --estimator output-error --out moments.json";
     edited("campaign.toml", "duration_s = 125.0\nspeed_m_s = 0.6", long, moments, &pieces);
-    edited("campaign.toml", "duration_s = 125.0", "duration_s = 1e10", CAMPAIGN, &["`duration_s`", "at most 4194304"]);
-    let generate = "duration_s = 1e10\n[generate]\ncandidates = 9\nlimits = { u_m_s = 1, v_m_s = 1, r_rad_s = 1 }\n#";
-    edited("dictionary.toml", "duration_s = 37.5", "duration_s = 1e10", DICTIONARY, &["`duration_s`", "at most"]);
+    edited(
+        "campaign.toml",
+        "duration_s = 125.0",
+        "duration_s = 1e10",
+        CAMPAIGN,
+        &["`duration_s`", "at most 4194304"],
+    );
+    let generate =
+        "duration_s = 1e10\n[generate]\ncandidates = 9\nlimits = { u_m_s = 1, v_m_s = 1, r_rad_s = 1 }\n#";
+    edited(
+        "dictionary.toml",
+        "duration_s = 37.5",
+        "duration_s = 1e10",
+        DICTIONARY,
+        &["`duration_s`", "at most"],
+    );
     let folder = with(&[]);
     put(&folder, "dictionary.toml", generate);
     refused(&folder, 3, DICTIONARY, &["dictionary.toml", "`duration_s`", "at most 4194304 samples"]);
@@ -52,8 +66,15 @@ fn the_memory_that_the_system_leaves_is_known() {
 fn trajectories_that_do_not_fit_into_memory_are_refused() {
     let folder = with(&["campaign.parquet"]);
     for stage in ["estimate", "estimate pool"] {
-        let line = format!("{stage} --vessel vessel.toml --trajectories campaign.parquet --out e.parquet --memory-mib 1");
-        refused(&folder, 3, &line, &["campaign.parquet: rows: found ", " of memory", "1.0 MiB of --memory-mib"]);
+        let line = format!(
+            "{stage} --vessel vessel.toml --trajectories campaign.parquet --out e.parquet --memory-mib 1"
+        );
+        refused(
+            &folder,
+            3,
+            &line,
+            &["campaign.parquet: rows: found ", " of memory", "1.0 MiB of --memory-mib"],
+        );
     }
 }
 
@@ -66,11 +87,21 @@ fn swings_that_the_sampling_rate_does_not_show_are_refused() {
     };
     zig_zag("0.125", "found 0.125 s, expected at least 0.5 s: 4 samples");
     zig_zag("1e-9", "at least 0.5 s");
-    edited("campaign.toml", "dwell_s = 10.0", "dwell_s = 0.1", VALIDATION, &["`dwell_s`", "0.125 s: 1 sample at"]);
+    edited(
+        "campaign.toml",
+        "dwell_s = 10.0",
+        "dwell_s = 0.1",
+        VALIDATION,
+        &["`dwell_s`", "0.125 s: 1 sample at"],
+    );
     let folder = with(&[]);
     let generate = |period: &str| {
         let limits = "limits = { u_m_s = 1.2, v_m_s = 0.25, r_rad_s = 0.6 }";
-        put(&folder, "dictionary.toml", &format!("duration_s = 9.0\n[generate]\ncandidates = 9\nperiod_s = {period}\n{limits}\n"));
+        put(
+            &folder,
+            "dictionary.toml",
+            &format!("duration_s = 9.0\n[generate]\ncandidates = 9\nperiod_s = {period}\n{limits}\n"),
+        );
         run_in_little_memory(&folder, DICTIONARY)
     };
     generate("[1e-9, 10]").refuses(3, &["dictionary.toml", "`generate.period_s`", "1.375 s: 11 samples"]);

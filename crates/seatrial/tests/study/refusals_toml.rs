@@ -67,7 +67,9 @@ fn numbers_that_are_not_finite_are_refused() {
 
 #[test]
 fn a_list_where_keys_belong_is_refused() {
-    for (table, list) in [("[measurement]", "measurement = [0.1, 0.1, 0.1]"), ("[current]", "current = [\"white\", 0.1]")] {
+    for (table, list) in
+        [("[measurement]", "measurement = [0.1, 0.1, 0.1]"), ("[current]", "current = [\"white\", 0.1]")]
+    {
         let folder = with(&["design.json"]);
         let text = std::fs::read_to_string(folder.path().join("campaign.toml")).unwrap();
         let (before, after) = text.split_once(table).unwrap();

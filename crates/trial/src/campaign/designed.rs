@@ -70,7 +70,6 @@ impl Designed {
         let counts = apportion(&shares, samples as u64).into_iter().enumerate();
         Ok(counts.filter(|(_, n)| *n > 0).map(|(q, n)| (q, n as usize)).collect())
     }
-
 }
 
 /// Refuses shares that are none, or not of a whole.

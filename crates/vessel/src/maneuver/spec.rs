@@ -242,7 +242,9 @@ impl ManeuverSpec {
             }
             Kind::PseudoRandomBinary { dwell_s, .. } => check("dwell_s", dwell_s, 1),
             Kind::Combined { .. } => self.kind.signals().into_iter().try_for_each(|(key, signal)| {
-                signal.least_samples().map_or(Ok(()), |n| check(&format!("{key}.period_s"), signal.period_s, n))
+                signal
+                    .least_samples()
+                    .map_or(Ok(()), |n| check(&format!("{key}.period_s"), signal.period_s, n))
             }),
             _ => Ok(()),
         }
