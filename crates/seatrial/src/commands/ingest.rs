@@ -149,7 +149,7 @@ fn all(
     let (mut totals, mut recordings) = (Totals::of(&config.design), Vec::with_capacity(sources.len()));
     let mut block = empty();
     let progress = Progress::new("recordings", sources.len(), common.quiet);
-    let work = |i: usize| {
+    let work = |plan: &Plan, i: usize| {
         let found = recorded(plan, &segmentation, folder, &sources[i]);
         progress.advance(1);
         found
@@ -165,7 +165,12 @@ fn all(
         recordings.push(recorded.summary);
         Ok::<(), Failure>(())
     };
-    groups(folder, &sources).into_iter().try_for_each(|group| ordered(group, work, &mut fold))?;
+    for group in groups(folder, &sources) {
+        // Recordings that are read side by side share the memory.
+        let side_by_side = group.len().min(rayon::current_num_threads());
+        let plan = plan.clone().within(budget().bytes() / side_by_side as f64);
+        ordered(group, |i| work(&plan, i), &mut fold)?;
+    }
     if !block.is_empty() {
         writer.push(encode_block(&schema, &block.table())?)?;
     }

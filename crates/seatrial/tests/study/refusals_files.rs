@@ -68,7 +68,8 @@ fn runs_of_one_number_are_refused_whichever_blocks_they_stand_in() {
         table.blocks.extend(again.blocks);
         table
     });
-    let pieces = ["campaign.parquet", "design optimized, run 0", "it twice, from rows 0 and "];
+    // Of which design depends on which blocks are read first.
+    let pieces = ["campaign.parquet: design ", ", run 0: found it twice, from rows "];
     refused(&folder, 3, ESTIMATE, &pieces);
     let path = folder.path().join("estimates.parquet");
     let (mut table, again) = (craft::read(&path, "estimates"), craft::read(&path, "estimates"));
