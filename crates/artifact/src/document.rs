@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::io::Cursor;
 use std::path::Path;
 
+use refusal::Invalid;
 use schemars::JsonSchema;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
@@ -31,6 +32,14 @@ pub trait Document: Serialize + DeserializeOwned + JsonSchema {
     const VERSION: u32;
     /// Units of all numeric fields; those of the values of a map stand by the name of the map's field.
     const UNITS: Units;
+
+    /// Refuses values that can be read and have no meaning. Whoever reads the document calls it.
+    ///
+    /// # Errors
+    /// Names the value.
+    fn check(&self) -> std::result::Result<(), Invalid> {
+        Ok(())
+    }
 }
 
 /// Units with the names of the fields that have them, blanks between: `("m/s", "std_u std_v")`.

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::io::Cursor;
 use std::path::Path;
 
+use refusal::strictly;
 use serde_json::error::Category;
 
 use crate::complaint::Complaint;
@@ -21,15 +22,18 @@ use crate::toml_input::text_of;
 ///
 /// # Errors
 /// [`Error::Io`] if the file cannot be read; [`Error::Refused`] if it is not JSON, is of another
-/// kind or version, does not fit its seal, has unknown, missing or mistyped keys, or other units, or if beside it
-/// stand other files than those written with it.
+/// kind or version, does not fit its seal, has unknown, missing, doubled or mistyped keys, other units or values without
+/// meaning, or if beside it stand other files than those written with it.
 pub fn read_document<D: Document>(path: impl AsRef<Path>) -> Result<Loaded<D>> {
     let path = path.as_ref();
     let (text, digest) = checked_text(path, D::ID, D::VERSION)?;
-    let envelope: Envelope<D> = serde_json::from_str(&text).map_err(|e| refusal(path, &text, &e))?;
+    let envelope = strictly(&mut serde_json::Deserializer::from_str(&text));
+    let envelope: Envelope<D> = envelope.map_err(|e| refusal(path, &text, &e))?;
     check_units(path, &units::<D>(), envelope.units(), &text)?;
     check_members(path, envelope.members())?;
-    Ok(envelope.loaded(digest))
+    let loaded = envelope.loaded(digest);
+    loaded.data.check().map_err(|invalid| Error::invalid(path, invalid))?;
+    Ok(loaded)
 }
 
 /// The text of a document of this kind and version that fits its seal, and the file's digest.

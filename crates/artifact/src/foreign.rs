@@ -77,13 +77,14 @@ impl ForeignTable {
         })
     }
 
-    /// The texts of a column; empty where absent.
+    /// What `made` makes of the texts of a column; of an empty one where there is none.
     ///
     /// # Errors
     /// As [`ForeignTable::numbers`].
-    pub fn texts(&self, name: &str) -> Result<Vec<String>> {
+    pub fn texts<V: Clone>(&self, name: &str, made: impl Fn(&str) -> V) -> Result<Vec<V>> {
+        let made_of = |bytes: &ByteArray| Ok(made(std::str::from_utf8(bytes.data())?));
         self.decode(name, "text", |reader, levels, rows| match reader {
-            ColumnReader::ByteArrayColumnReader(r) => Some(spread(r, levels, rows, String::new(), text_of)),
+            ColumnReader::ByteArrayColumnReader(r) => Some(spread(r, levels, rows, made(""), made_of)),
             _ => None,
         })
     }
@@ -163,10 +164,6 @@ fn spread<T: DataType, V: Clone>(
         false => Ok(absent.clone()),
     };
     levels.into_iter().map(value).collect()
-}
-
-fn text_of(bytes: &ByteArray) -> ParquetResult<String> {
-    Ok(std::str::from_utf8(bytes.data())?.to_owned())
 }
 
 /// Runs the decoder; where it panics on damaged bytes, the file is called damaged too.

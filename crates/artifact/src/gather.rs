@@ -24,7 +24,8 @@ const MOST_NAMED: usize = 1000;
 ///
 /// # Errors
 /// As [`TableReader::open`] for every shard; [`Error::Refused`] if a shard is missing (all missing
-/// numbers are named), occurs twice, or comes from another computation (what differs is named);
+/// numbers are named), occurs twice, comes from another computation (what differs is named), or has no
+/// seal and a number that is not finite;
 /// [`Error::Io`] if a file cannot be read or written.
 pub fn gather(
     shards: &[PathBuf],
@@ -44,6 +45,7 @@ pub fn gather(
     };
     readers.iter().try_for_each(|(_, reader)| refuse_foreign(first, reader))?;
     refuse_incomplete(first.path(), &readers)?;
+    readers.iter().try_for_each(|(_, reader)| reader.check_unsealed())?;
     let schema = TableSchema { id, version, columns: first.columns().to_vec() };
     let provenance = Provenance { shard: None, ..first.provenance().clone() };
     let mut writer = TableWriter::create(out, &schema, &provenance)?;

@@ -28,13 +28,15 @@
 //! # }
 //! ```
 //!
-//! The crate starts no threads, prints nothing and reads neither clock nor environment.
+//! The crate starts no threads, prints nothing and reads neither clock nor environment, but for what memory and room on the
+//! disk there is ([`Budget`]).
 //! [`encode_block`] and [`TableReader::read_block`] are made to be called from many threads.
 
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 
 mod agreement;
+mod budget;
 mod columns;
 mod commit;
 mod complaint;
@@ -70,6 +72,7 @@ mod table_writer;
 mod toml_input;
 mod unfinished;
 
+pub use self::budget::{Budget, Work};
 pub use self::commit::{commit, commit_with_document};
 pub use columns::{Column, FloatColumn, IntegerColumn, Table, TextColumn};
 pub use digest::Digest;

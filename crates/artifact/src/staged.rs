@@ -105,6 +105,8 @@ fn create_held(target: &Path) -> Result<NamedTempFile> {
         match file.as_file().try_lock() {
             // Another process took it for a leftover before it was locked.
             Err(TryLockError::WouldBlock) => {}
+            // It may even have removed it before it was locked here.
+            Ok(()) if !file.path().exists() => {}
             // Where a file system knows no locks, nothing is ever taken for a leftover.
             Ok(()) | Err(TryLockError::Error(_)) => return Ok(file),
         }

@@ -38,6 +38,7 @@ pub struct TableReader {
     digest: Digest,
     /// Rows of each block within the file.
     blocks: Vec<Range<usize>>,
+    sealed: bool,
 }
 
 impl TableReader {
@@ -66,7 +67,8 @@ impl TableReader {
         let blocks = block_rows(path, metadata.row_groups())?;
         let source = Source::new(file).map_err(unreadable)?;
         let (path, digest) = (path.to_owned(), digests.digest);
-        Ok(Self { path, source, metadata, columns, provenance, digest, blocks })
+        let sealed = header.seal().is_some();
+        Ok(Self { path, source, metadata, columns, provenance, digest, blocks, sealed })
     }
 
     /// Checks that the table has these columns, with these units and types.
@@ -131,6 +133,16 @@ impl TableReader {
             columns.push(column);
         }
         Ok(Table { columns })
+    }
+
+    /// Reads all of a table that no seal vouches for, whose blocks are to be copied as they are.
+    ///
+    /// # Errors
+    /// See [`TableReader::read_block`].
+    pub(crate) fn check_unsealed(&self) -> Result<()> {
+        let names: Vec<&str> = self.columns.iter().map(|column| column.name.as_str()).collect();
+        let blocks = if self.sealed { 0 } else { self.blocks() };
+        (0..blocks).try_for_each(|i| self.read_block(i, &names).map(drop))
     }
 
     /// The path, for messages.

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use refusal::strictly;
 use serde::de::DeserializeOwned;
 
 use crate::complaint::Complaint;
@@ -34,9 +35,10 @@ pub(crate) fn text_of(path: &Path, bytes: Vec<u8>) -> Result<String> {
 ///
 /// # Errors
 /// [`Error::Refused`] on a syntax error, an unknown key (with the nearest known key), a missing
-/// key, a wrong type or an unknown choice, always with the line.
+/// key, a wrong type, a list where keys belong or an unknown choice, always with the line.
 pub fn parse_toml<T: DeserializeOwned>(text: &str, path: impl AsRef<Path>) -> Result<T> {
-    toml::from_str(text).map_err(|e| refusal(text, path.as_ref(), &e))
+    let parsed = toml::Deserializer::parse(text).and_then(strictly);
+    parsed.map_err(|e| refusal(text, path.as_ref(), &e))
 }
 
 fn refusal(text: &str, path: &Path, error: &toml::de::Error) -> Error {

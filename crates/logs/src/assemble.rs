@@ -33,13 +33,26 @@ pub fn assemble(
     exogenous: &[&str],
     further: &[&str],
 ) -> Result<Assembled, Unassembled> {
-    let channels = prepare(channels, conventions)?;
+    on_one_clock(prepare(channels, conventions)?, conventions, [exogenous, further], MOST_ROWS)
+}
+
+/// [`assemble`] of channels that are prepared, on at most `most_rows` rows.
+pub(crate) fn on_one_clock(
+    channels: Channels,
+    conventions: &Conventions,
+    [exogenous, further]: [&[&str]; 2],
+    most_rows: usize,
+) -> Result<Assembled, Unassembled> {
     let needed = sources(&channels).into_iter().chain(exogenous.iter().copied());
     let grid = common_clock(&channels, needed, conventions.rate_hz)?;
+    if grid.rows > most_rows {
+        return Err(Unassembled::TooLong { rows: grid.rows, most: most_rows });
+    }
     let on_grid = OnGrid { channels: &channels, conventions, times: grid.times() };
     let measured = on_grid.velocities()?;
     let exogenous = on_grid.all(exogenous)?;
     let further = on_grid.all(further)?;
+    drop(on_grid);
     let stretches = stretches(&measured, &exogenous);
     if stretches.is_empty() {
         return Err(Unassembled::NoOverlap);
@@ -86,8 +99,7 @@ fn common_clock<'a>(
         end = end.min(*last);
     }
     // One row more, whose inputs may be unknown.
-    let grid = Grid::new(start, end + 1.0 / rate_hz, rate_hz);
-    if grid.rows > MOST_ROWS { Err(Unassembled::TooLong) } else { Ok(grid) }
+    Ok(Grid::new(start, end + 1.0 / rate_hz, rate_hz))
 }
 
 struct OnGrid<'a> {

@@ -1,21 +1,69 @@
+use std::sync::Arc;
+
 use refusal::{Invalid, nearest};
+
+use crate::TimeUnit;
 
 /// A column that is asked for.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Wanted {
     /// Its name.
     pub column: String,
-    /// Whether it holds text.
-    pub text: bool,
+    /// What it holds.
+    pub content: Content,
+}
+
+/// What a column holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Content {
+    /// Numbers.
+    Numbers,
+    /// Dates and times as text.
+    Dates,
+    /// Labels.
+    Labels,
 }
 
 /// The values of a column.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Cells {
-    /// NaN where there is no value.
+    /// NaN where there is no value; of dates the seconds since 1970.
     Numbers(Vec<f64>),
-    /// Empty where there is none.
-    Texts(Vec<String>),
+    /// Empty where there is none. Rows that follow each other share a label.
+    Labels(Vec<Arc<str>>),
+}
+
+impl Cells {
+    /// No cells yet of a column that holds `content`.
+    pub fn none(content: Content) -> Self {
+        match content {
+            Content::Labels => Self::Labels(Vec::new()),
+            Content::Numbers | Content::Dates => Self::Numbers(Vec::new()),
+        }
+    }
+}
+
+/// Seconds since 1970 of a date and time; NaN where there is none, nothing where it is something else.
+pub fn seconds_of(text: &str) -> Option<f64> {
+    TimeUnit::of_text(text).or_else(|| text.is_empty().then_some(f64::NAN))
+}
+
+/// What is wrong with a cell that should hold a date.
+pub fn no_date(line: usize, column: &str, text: &str, written_in: &str) -> Invalid {
+    Invalid::new(
+        cell_of(line, column),
+        format!("`{text}`"),
+        "a date and time such as 2020-07-31T13:04:24.5Z",
+        format!("correct the cell, or the time's `unit` in {written_in}"),
+    )
+}
+
+/// Appends a label to others.
+pub fn push_label(labels: &mut Vec<Arc<str>>, label: &str) {
+    match labels.last().filter(|last| ***last == *label).cloned() {
+        Some(same) => labels.push(same),
+        None => labels.push(Arc::from(label)),
+    }
 }
 
 /// The columns of a file as asked for.
@@ -24,11 +72,22 @@ pub struct Columns {
     /// In the order asked for.
     pub cells: Vec<Cells>,
     /// Line (CSV) or row (Parquet) of every row, from 1.
-    pub lines: Vec<usize>,
+    pub lines: Vec<u32>,
     /// Rows without any value, left out.
     pub empty_rows: usize,
     /// Rows cut short at the end of the file, left out.
     pub cut_rows: usize,
+}
+
+impl Columns {
+    /// Gives back the memory that was set aside for more rows.
+    pub(crate) fn shrink(&mut self) {
+        self.lines.shrink_to_fit();
+        self.cells.iter_mut().for_each(|cells| match cells {
+            Cells::Numbers(numbers) => numbers.shrink_to_fit(),
+            Cells::Labels(labels) => labels.shrink_to_fit(),
+        });
+    }
 }
 
 /// What messages call a cell.

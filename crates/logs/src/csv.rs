@@ -4,12 +4,12 @@
 //! an editor shows, and blank lines are counted. Hence no general reader of CSV, whose rows go on over lines and which
 //! passes over blank ones in silence.
 
-use std::io::{self, BufRead};
+use std::io::{self, BufRead, Read};
 
 use refusal::Invalid;
 
 use crate::Plan;
-use crate::columns::{Cells, Columns, Wanted, cell_of, places};
+use crate::columns::{Cells, Columns, Content, cell_of, no_date, places, push_label, seconds_of};
 
 /// Why a text is no log.
 #[derive(Debug)]
@@ -35,6 +35,9 @@ impl From<Invalid> for CsvError {
 /// What stands for no value.
 const NOTHING: [&str; 8] = ["", "nan", "na", "n/a", "null", "inf", "+inf", "-inf"];
 
+/// Bytes from which on a line is taken to be none.
+const LONGEST_LINE: u64 = 1 << 20;
+
 /// What separates cells in files that do not separate them as was said.
 const SEPARATORS: [char; 4] = [';', '\t', ',', '|'];
 
@@ -52,8 +55,7 @@ pub fn read_csv(bytes: impl BufRead, plan: &Plan, group: usize) -> Result<Column
     let header: Vec<String> = row.cells().map(|cell| cell.trim().to_owned()).collect();
     let places = places(&header, &wanted)
         .map_err(|missing| other_separator(&header, separator, written_in).unwrap_or(missing))?;
-    let empty = |w: &Wanted| if w.text { Cells::Texts(Vec::new()) } else { Cells::Numbers(Vec::new()) };
-    let cells = wanted.iter().map(empty).collect();
+    let cells = wanted.iter().map(|w| Cells::none(w.content)).collect();
     let mut columns = Columns { cells, lines: Vec::new(), empty_rows: 0, cut_rows: 0 };
     let mut short = None;
     while let Some(line) = lines.next()? {
@@ -65,10 +67,16 @@ pub fn read_csv(bytes: impl BufRead, plan: &Plan, group: usize) -> Result<Column
         if row.cells().all(|cell| cell.trim().is_empty()) {
             columns.empty_rows += 1;
         } else if found == expected {
-            columns.lines.push(line);
-            for (cells, place) in columns.cells.iter_mut().zip(&places) {
-                push(cells, row.cell(*place).trim())
-                    .map_err(|cell| no_number(line, &header[*place], &cell))?;
+            if columns.lines.len() >= plan.most_rows {
+                return Err(CsvError::Invalid(plan.too_many_rows(line)));
+            }
+            columns.lines.push(line as u32);
+            for ((cells, place), wanted) in columns.cells.iter_mut().zip(&places).zip(&wanted) {
+                let cell = row.cell(*place).trim();
+                push(cells, wanted.content, cell).ok_or_else(|| match wanted.content {
+                    Content::Dates => no_date(line, &header[*place], cell, written_in),
+                    _ => no_number(line, &header[*place], cell),
+                })?;
             }
         } else if found < expected {
             short = Some(wrong_width(line, found, expected, written_in));
@@ -77,6 +85,7 @@ pub fn read_csv(bytes: impl BufRead, plan: &Plan, group: usize) -> Result<Column
         }
     }
     columns.cut_rows = usize::from(short.is_some());
+    columns.shrink();
     Ok(columns)
 }
 
@@ -108,10 +117,18 @@ impl<B: BufRead> Lines<B> {
     /// The next line, without its end.
     fn next(&mut self) -> Result<Option<&str>, CsvError> {
         self.line.clear();
-        if self.bytes.read_until(b'\n', &mut self.line)? == 0 {
+        if (&mut self.bytes).take(LONGEST_LINE).read_until(b'\n', &mut self.line)? == 0 {
             return Ok(None);
         }
         self.number += 1;
+        if self.line.len() as u64 == LONGEST_LINE {
+            return Err(CsvError::Invalid(Invalid::new(
+                format!("line {}", self.number),
+                format!("{LONGEST_LINE} bytes without an end of the line"),
+                "a row of cells",
+                "correct or leave out the file: it is damaged, or no CSV",
+            )));
+        }
         let line = self.line.strip_suffix(b"\n").unwrap_or(&self.line);
         let line = line.strip_suffix(b"\r").unwrap_or(line);
         std::str::from_utf8(line).map(Some).map_err(|_| {
@@ -165,17 +182,17 @@ impl Row {
     }
 }
 
-/// Appends `cell`; itself where a number is needed and it is none.
-fn push(cells: &mut Cells, cell: &str) -> Result<(), String> {
+/// Appends `cell`; nothing where it is not what its column holds.
+fn push(cells: &mut Cells, content: Content, cell: &str) -> Option<()> {
+    let no_value = || NOTHING.contains(&cell.to_ascii_lowercase().as_str()).then_some(f64::NAN);
     match cells {
-        Cells::Texts(texts) => texts.push(cell.to_owned()),
-        Cells::Numbers(numbers) => match cell.parse::<f64>() {
-            Ok(number) => numbers.push(number),
-            Err(_) if NOTHING.contains(&cell.to_ascii_lowercase().as_str()) => numbers.push(f64::NAN),
-            Err(_) => return Err(cell.to_owned()),
-        },
+        Cells::Labels(labels) => push_label(labels, cell),
+        Cells::Numbers(numbers) => numbers.push(match content {
+            Content::Dates => seconds_of(cell)?,
+            _ => cell.parse().ok().or_else(no_value)?,
+        }),
     }
-    Ok(())
+    Some(())
 }
 
 /// What is said where columns are missing because the header, one cell as a whole, is separated by something else.

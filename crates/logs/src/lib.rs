@@ -49,7 +49,7 @@ pub use allocation::{Allocation, Unreachable};
 pub use angle::unwrap;
 pub use assemble::{Assembled, assemble};
 pub use clock::{Backwards, NonMonotonic, Order, TimeUnit, order};
-pub use columns::{Cells, Columns, Wanted, places};
+pub use columns::{Cells, Columns, Content, Wanted, no_date, places, push_label, seconds_of};
 pub use csv::{CsvError, read_csv};
 pub use formula::{Formula, Malformed};
 pub use frame::{Body, Frame, Heading};

@@ -3,8 +3,9 @@
 use refusal::{Invalid, nearest};
 use vessel::{Variable, Vessel};
 
+use crate::unassembled::MOST_ROWS;
 use crate::{
-    ChannelSpec, Conventions, Derived, FileSpec, KINEMATIC, Setup, UNITS, Unit, Wanted, factor, unit,
+    ChannelSpec, Content, Conventions, Derived, FileSpec, KINEMATIC, Setup, UNITS, Unit, Wanted, factor, unit,
 };
 
 /// What is made of every recording.
@@ -19,6 +20,8 @@ pub struct Plan {
     /// Units of the channels of every group of files.
     pub(crate) units: Vec<Vec<Unit>>,
     provided: Vec<Provided>,
+    /// Most rows of a file and of a recording.
+    pub most_rows: usize,
 }
 
 /// An input or a measured disturbance.
@@ -66,17 +69,42 @@ impl Plan {
             None => everything(&provided),
         };
         let further = further(&provided, &exogenous);
-        Ok(Self { setup, exogenous, further, units, provided })
+        Ok(Self { setup, exogenous, further, units, provided, most_rows: MOST_ROWS })
     }
 
     /// The columns of a file of group `group`: time, the channels, and the labels if there are any.
     pub fn wanted(&self, group: usize) -> Vec<Wanted> {
         let FileSpec { time, channel: channels, label_column, .. } = &self.setup.files[group];
-        let wanted = |column: &String, text: bool| Wanted { column: column.clone(), text };
-        let channels = channels.iter().map(|channel| wanted(&channel.column, false));
-        let labels = label_column.iter().map(|column| wanted(column, true));
-        let time = wanted(&time.column, time.unit.seconds().is_none());
+        let wanted = |column: &String, content| Wanted { column: column.clone(), content };
+        let channels = channels.iter().map(|channel| wanted(&channel.column, Content::Numbers));
+        let labels = label_column.iter().map(|column| wanted(column, Content::Labels));
+        let dates = time.unit.seconds().is_none();
+        let time = wanted(&time.column, if dates { Content::Dates } else { Content::Numbers });
         [time].into_iter().chain(channels).chain(labels).collect()
+    }
+
+    /// With recordings that take at most `bytes` of memory each.
+    #[must_use]
+    pub fn within(mut self, bytes: f64) -> Self {
+        self.most_rows = self.most_rows.min((bytes / self.row_bytes()) as usize);
+        self
+    }
+
+    /// Bytes of memory that a row takes until it is in a run: every channel as it is read and on the common clock, and what a
+    /// few of them are at a time.
+    pub fn row_bytes(&self) -> f64 {
+        let read: usize = self.setup.files.iter().map(|file| file.channel.len()).max().unwrap_or(0);
+        8.0 * (2 * (read + self.exogenous.len() + self.further.len()) + 12) as f64
+    }
+
+    /// What is said of a file with `rows` rows.
+    pub fn too_many_rows(&self, rows: usize) -> Invalid {
+        Invalid::new(
+            "rows",
+            format!("{rows}"),
+            format!("at most {}, which the memory has room for", self.most_rows),
+            "cut the recording into shorter ones, or raise --memory-mib",
+        )
     }
 
     /// Unit of a channel.
@@ -137,13 +165,28 @@ fn computed(setup: &Setup, provided: &mut Vec<Provided>) -> Result<(), Invalid> 
         provided.push(Provided::new(channel, unit));
     }
     for (_, speed, angle) in thrusters {
-        [speed].into_iter().chain(angle).try_for_each(|source| check_source("tau1", source, provided))?;
+        let sources = [(speed, "1/s")].into_iter().chain(angle.iter().map(|angle| (angle, "rad")));
+        for (source, unit) in sources {
+            check_source("tau1", source, provided)?;
+            check_thruster_unit(source, unit, provided)?;
+        }
     }
     if !thrusters.is_empty() {
         let forces = [("tau1", "N"), ("tau2", "N"), ("tau3", "N m")];
         provided.extend(forces.map(|(name, unit)| Provided::new(name, unit)));
     }
     Ok(())
+}
+
+/// Refuses a thruster's channel `source` that is not in `unit`: its force is in N per unit of its speed.
+fn check_thruster_unit(source: &str, unit: &str, provided: &[Provided]) -> Result<(), Invalid> {
+    match provided.iter().find(|channel| channel.name == source && factor(&channel.unit, unit).is_none()) {
+        Some(other) => {
+            let expected = format!("a unit that converts to {unit}, for a thruster's speed or angle");
+            Err(wrong_unit(source, &other.unit, expected, "correct the unit, or name the thruster's channel"))
+        }
+        None => Ok(()),
+    }
 }
 
 fn names(provided: &[Provided]) -> Vec<&str> {

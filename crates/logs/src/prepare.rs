@@ -96,7 +96,7 @@ fn plane(channels: &mut Channels) -> Result<bool, Unassembled> {
     let places: Vec<[f64; 2]> = points().map(place).collect();
     for (name, i) in [("x", 1), ("y", 0)] {
         let values: Vec<f64> = places.iter().map(|place| place[i]).collect();
-        channels.insert(name.to_owned(), latitude.with(&values));
+        channels.insert(name.to_owned(), latitude.with(values));
     }
     Ok(true)
 }
@@ -144,7 +144,7 @@ fn pairwise(
         first.values.iter().zip(others).zip(thirds).map(|((a, b), c)| f([*a, b], c)).collect();
     for (i, name) in names.into_iter().enumerate() {
         let values: Vec<f64> = both.iter().map(|pair| pair[i]).collect();
-        channels.insert(name.to_owned(), first.with(&values));
+        channels.insert(name.to_owned(), first.with(values));
     }
 }
 
@@ -161,7 +161,7 @@ fn combine(channels: &Channels, names: &[String], f: impl Fn(&[f64]) -> f64) -> 
             f(&row)
         })
         .collect();
-    Ok(first.with(&values))
+    Ok(first.with(values))
 }
 
 fn add_forces(channels: &mut Channels, conventions: &Conventions) -> Result<(), Unassembled> {

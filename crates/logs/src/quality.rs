@@ -19,9 +19,10 @@ pub fn noise_std(series: &Series) -> Option<f64> {
     let mut residuals: Vec<f64> = Vec::new();
     for piece in series.pieces().into_iter().filter(|piece| piece.len() >= WINDOW) {
         let values = &series.values[piece.clone()];
-        let (smooth, _) = local_quadratic(&series.t[piece], values, WINDOW);
+        let (mut smooth, _) = local_quadratic(&series.t[piece], values, WINDOW);
         let centred = WINDOW / 2..values.len() - WINDOW / 2;
-        residuals.extend(centred.map(|i| (values[i] - smooth[i]).abs()));
+        smooth.iter_mut().zip(values).for_each(|(smooth, value)| *smooth = (value - *smooth).abs());
+        residuals.extend(&smooth[centred]);
     }
     let median = median(residuals)?;
     Some(FROM_MEDIAN * median / (1.0 - FOLLOWED).sqrt())

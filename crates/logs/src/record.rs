@@ -1,17 +1,20 @@
 //! One recording: logs to channels, channels to runs, and how good they are.
 
+use std::sync::Arc;
+
 use rayon::prelude::*;
 use refusal::Invalid;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use vessel::{Run, Segment};
 
+use crate::assemble::on_one_clock;
 use crate::segment::Labels;
 use crate::source::called;
 use crate::suspicion::{check_ratios, warnings};
 use crate::{
     Assembled, ChannelSummary, Channels, Log, MotionSummary, Part, Plan, RowSummary, Segmentation, Series,
-    Source, Unassembled, WarningSummary, assemble, consistency, noise_std,
+    Source, Unassembled, WarningSummary, consistency, noise_std, prepare,
 };
 
 /// What became of a recording.
@@ -68,6 +71,7 @@ pub fn record(
 ) -> Result<Recorded, Invalid> {
     let start_s = logs.iter().filter_map(|log| log.times.first()).copied().fold(f64::INFINITY, f64::min);
     let labels = logs.iter().find_map(|log| labels(log, start_s));
+    let setup = &plan.setup;
     let missing = missing(plan, &logs);
     let mut rows = RowSummary::default();
     logs.iter().for_each(|log| rows += log.counts);
@@ -75,13 +79,22 @@ pub fn record(
     let slowest = slowest(&channels);
     let exogenous: Vec<&str> = plan.exogenous.iter().map(|channel| channel.name.as_str()).collect();
     let further: Vec<&str> = plan.further.iter().map(|(name, _)| name.as_str()).collect();
-    let made = assemble(channels, &plan.setup.conventions, &exogenous, &further)
-        .map_err(|why| refused(source, &why, slowest))?;
-    let motion = consistency(&made.channels, plan.setup.conventions.window_s);
+    // The channels are looked at before they are put on one clock, and go before runs are cut: with long recordings that is
+    // most of the memory.
+    let on_one_clock = prepare(channels, &setup.conventions).and_then(|channels| {
+        let motion = consistency(&channels, setup.conventions.window_s);
+        let summaries = summaries(plan, &channels, &missing);
+        let warnings = warnings(setup, &channels, &summaries);
+        let needed = [exogenous.as_slice(), &further];
+        let made = on_one_clock(channels, &setup.conventions, needed, plan.most_rows)?;
+        Ok((made, motion, summaries, warnings))
+    });
+    let (mut made, motion, channels, warnings) =
+        on_one_clock.map_err(|why| refused(source, &why, slowest))?;
+    made.channels.clear();
     check_ratios(&motion)?;
     let (parts, short) = segmentation.runs(source, &made, labels.as_ref());
     let (runs, further): (Vec<Run>, _) = parts.iter().map(|parts| run(plan, &made, parts)).unzip();
-    let channels = summaries(plan, &made.channels, &missing);
     let summary = RecordingSummary {
         name: source.name.clone(),
         files: source.files.clone(),
@@ -92,7 +105,7 @@ pub fn record(
         splits: made.stretches.len().saturating_sub(1) as u64,
         short_segments: short as u64,
         rows,
-        warnings: warnings(&plan.setup, &made.channels, &channels),
+        warnings,
         channels,
         motion: motion.into_iter().flatten().collect(),
     };
@@ -101,6 +114,11 @@ pub fn record(
 
 /// Why `source` becomes no runs; `slowest` is the channel with the longest step, and that step \[s\].
 fn refused(source: &Source, why: &Unassembled, slowest: Option<(String, f64)>) -> Invalid {
+    if let Unassembled::TooLong { most, .. } = why {
+        let expected = format!("at most {most} rows, which the memory has room for");
+        let remedy = "check the clocks for jumps, lower `sample_rate_hz`, or raise --memory-mib";
+        return Invalid::new(called(&source.name), why.to_string(), expected, remedy);
+    }
     let remedy = match slowest {
         Some((name, step)) if *why == Unassembled::NoOverlap => {
             format!(
@@ -128,11 +146,19 @@ fn missing(plan: &Plan, logs: &[Log]) -> Vec<(String, usize)> {
 /// All channels by name, on the recording's clock.
 fn channels(plan: &Plan, logs: Vec<Log>, start_s: f64) -> Channels {
     let names = plan.setup.channels().map(|spec| spec.channel.clone());
-    let on_clock = |mut series: Series| {
-        series.t.iter_mut().for_each(|time| *time -= start_s);
+    // The times of a file that its channels share, and the same on the recording's clock.
+    let mut moved: Option<[Arc<Vec<f64>>; 2]> = None;
+    let mut on_clock = |mut series: Series| {
+        let same = moved.take().filter(|[file, _]| Arc::ptr_eq(file, &series.t));
+        let [file, own] = same.unwrap_or_else(|| {
+            let own = series.t.iter().map(|time| time - start_s).collect();
+            [Arc::clone(&series.t), Arc::new(own)]
+        });
+        series.t = Arc::clone(&own);
+        moved = Some([file, own]);
         series
     };
-    names.zip(logs.into_iter().flat_map(|log| log.channels).map(on_clock)).collect()
+    names.zip(logs.into_iter().flat_map(|log| log.channels).map(&mut on_clock)).collect()
 }
 
 /// The channel with the longest step, and that step \[s\].
@@ -161,6 +187,9 @@ fn run(plan: &Plan, made: &Assembled, parts: &[Part]) -> (Run, Vec<Vec<f64>>) {
     (run, made.further.iter().map(|channel| channel[rows.clone()].to_vec()).collect())
 }
 
+/// Samples from which on channels are looked at one by one.
+const LONG: usize = 1 << 19;
+
 fn summaries(plan: &Plan, channels: &Channels, missing: &[(String, usize)]) -> Vec<ChannelSummary> {
     let channels: Vec<(&String, &Series)> = channels.iter().collect();
     let of = |(name, series): (&String, &Series)| {
@@ -176,5 +205,9 @@ fn summaries(plan: &Plan, channels: &Channels, missing: &[(String, usize)]) -> V
             max: extreme(f64::max),
         }
     };
-    channels.into_par_iter().map(of).collect()
+    // Side by side what each needs besides its values would be as much again as those of all.
+    match channels.iter().map(|(_, series)| series.values.len()).max() {
+        Some(longest) if longest > LONG => channels.into_iter().map(of).collect(),
+        _ => channels.into_par_iter().map(of).collect(),
+    }
 }

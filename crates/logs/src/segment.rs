@@ -1,6 +1,7 @@
 //! Where the sub-experiments of a recording are.
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use refusal::Invalid;
 use serde::Deserialize;
@@ -65,7 +66,7 @@ pub(crate) struct Labels {
     /// Times on the recording's clock \[s\].
     pub times: Vec<f64>,
     /// One per time.
-    pub labels: Vec<String>,
+    pub labels: Vec<Arc<str>>,
 }
 
 /// Names for ranges of the mean speed over ground.
@@ -255,7 +256,7 @@ mod tests {
 
     #[test]
     fn labels_hold_until_the_next_and_empty_ones_belong_to_nothing() {
-        let labels = ["a", "a", "", "b"].map(String::from).into();
+        let labels = ["a", "a", "", "b"].map(Arc::from).into();
         let labels = Labels { times: vec![1.0, 2.0, 4.0, 5.5], labels };
         let made = made(vec![0.0; 9], 1.0, vec![Stretch { start: 2, samples: 5 }]);
         assert_eq!(ranges(&labelled(&made.grid, &labels)), [(1, 4, "a"), (6, 9, "b")]);

@@ -1,4 +1,5 @@
 use std::ops::Range;
+use std::sync::Arc;
 
 use numerics::statistics::median;
 
@@ -10,8 +11,8 @@ const SAME_TIME_S: f64 = 1e-6;
 /// One channel on its own clock. Times increase; values are finite.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Series {
-    /// Times \[s\].
-    pub t: Vec<f64>,
+    /// Times \[s\]: channels of one file share them.
+    pub t: Arc<Vec<f64>>,
     /// Values, one per time.
     pub values: Vec<f64>,
     /// Between samples further apart than this the channel is unknown \[s\].
@@ -21,13 +22,21 @@ pub struct Series {
 impl Series {
     /// Leaves out the values that are missing (not finite). `t` increases.
     pub fn new(t: &[f64], values: &[f64], max_gap_s: f64) -> Self {
-        let (t, values) = t.iter().zip(values).filter(|(_, value)| value.is_finite()).unzip();
-        Self { t, values, max_gap_s }
+        let (t, values): (Vec<f64>, _) = t.iter().zip(values).filter(|(_, v)| v.is_finite()).unzip();
+        Self { t: Arc::new(t), values, max_gap_s }
+    }
+
+    /// [`Series::new`] of times that other channels may have too.
+    pub fn shared(t: &Arc<Vec<f64>>, values: Vec<f64>, max_gap_s: f64) -> Self {
+        match values.iter().all(|value| value.is_finite()) {
+            true => Self { t: Arc::clone(t), values, max_gap_s },
+            false => Self::new(t, &values, max_gap_s),
+        }
     }
 
     /// The same clock with other values; missing ones (not finite) are left out.
-    pub fn with(&self, values: &[f64]) -> Self {
-        Self::new(&self.t, values, self.max_gap_s)
+    pub fn with(&self, values: Vec<f64>) -> Self {
+        Self::shared(&self.t, values, self.max_gap_s)
     }
 
     /// Every value through `f`.
@@ -116,6 +125,6 @@ impl Series {
                 values.push(self.values[low..high].iter().sum::<f64>() / (high - low) as f64);
             }
         }
-        Self { t: self.t.clone(), values, max_gap_s: self.max_gap_s }
+        Self { t: Arc::clone(&self.t), values, max_gap_s: self.max_gap_s }
     }
 }

@@ -1,3 +1,5 @@
+use std::sync::Arc;
+
 use crate::Series;
 
 /// Number of samples, odd and at least 3, that span about `window_s` at `rate_hz`.
@@ -107,18 +109,18 @@ impl Series {
     /// [`local_quadratic`] over `window_s` in every piece without gaps: values and slopes. Pieces of fewer than three
     /// samples are left out.
     pub fn smoothed(&self, window_s: f64) -> (Self, Self) {
-        let empty = || Self { t: Vec::new(), values: Vec::new(), max_gap_s: self.max_gap_s };
-        let (mut smooth, mut slope) = (empty(), empty());
+        let (mut times, mut smooth, mut slope) = (Vec::new(), Vec::new(), Vec::new());
         let window = window_samples(window_s, self.rate_hz().unwrap_or(0.0));
         for piece in self.pieces() {
             let t = &self.t[piece.clone()];
             let (values, slopes) = local_quadratic(t, &self.values[piece], window);
-            for (series, values) in [(&mut smooth, values), (&mut slope, slopes)] {
-                series.t.extend(&t[..values.len()]);
-                series.values.extend(values);
-            }
+            times.extend(&t[..values.len()]);
+            smooth.extend(values);
+            slope.extend(slopes);
         }
-        (smooth, slope)
+        let times = Arc::new(times);
+        let series = |values| Self { t: Arc::clone(&times), values, max_gap_s: self.max_gap_s };
+        (series(smooth), series(slope))
     }
 }
 

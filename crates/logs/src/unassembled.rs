@@ -18,7 +18,12 @@ pub enum Unassembled {
     /// There is no moment at which all channels are known: they start after others end, or there is a gap everywhere.
     #[error("no two neighbouring samples at which all channels are known")]
     NoOverlap,
-    /// The clocks span more than a hundred million rows: one of them jumped.
-    #[error("clocks that span more than {MOST_ROWS} rows")]
-    TooLong,
+    /// The clocks span more rows than may be: one of them jumped, or there is no memory for them.
+    #[error("clocks that span {rows} rows")]
+    TooLong {
+        /// Rows that they span.
+        rows: usize,
+        /// Rows that may be.
+        most: usize,
+    },
 }

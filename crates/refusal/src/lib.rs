@@ -1,5 +1,5 @@
 //! The one form of a refusal: what is wrong, what was found, what was expected, and the remedy, in one line; and choices that
-//! are expected by their names.
+//! are expected by their names. Files are read [`strictly`]: what they say twice or without its name is refused.
 
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
@@ -8,7 +8,9 @@ mod choices;
 mod invalid;
 mod nearest;
 mod numbers;
+mod strict;
 
 pub use invalid::{Invalid, one_line};
 pub use nearest::nearest;
 pub use numbers::check_numbers;
+pub use strict::strictly;

@@ -2,11 +2,12 @@
 
 use std::path::Path;
 
-use artifact::{Document, Provenance, read_document, read_toml};
+use artifact::{Document, Provenance, Work, read_document, read_toml};
 use serde::de::DeserializeOwned;
 use study::trajectories::{Layout, TrajectoryReader, label};
 use vessel::{Run, Vessel};
 
+use crate::cli::budget;
 use crate::failure::Failure;
 
 /// Reads a document as the input `key`.
@@ -32,7 +33,7 @@ pub fn toml<T: DeserializeOwned>(path: &Path, key: &str, provenance: &mut Proven
 /// Opens trajectories of `vessel` as the input `key`.
 ///
 /// # Errors
-/// A file that is refused, or is a shard.
+/// A file that is refused, is a shard or has no runs, or does not fit into memory.
 pub fn trajectories(
     path: &Path,
     key: &str,
@@ -41,8 +42,22 @@ pub fn trajectories(
 ) -> Result<TrajectoryReader, Failure> {
     let reader = TrajectoryReader::open(path, &Layout::new(&vessel.model), vessel.sample_rate_hz)?;
     reader.whole()?;
+    let (all, rows) = reader.rows();
+    if all == 0 {
+        let (expected, remedy) = ("at least one run", "write the trajectories again");
+        return Err(Failure::refuse(path, "rows", "none", expected, remedy));
+    }
+    let at_once = rows as f64 * rayon::current_num_threads() as f64;
+    let layout = Layout::new(&vessel.model);
+    fits(path, &format!("a row group of {rows} rows"), at_once * layout.working_bytes())?;
     provenance.made(key, path, reader.digest(), reader.provenance())?;
     Ok(reader)
+}
+
+/// Refuses trajectories of which `found` takes `bytes` of memory to read.
+fn fits(file: &Path, found: &str, bytes: f64) -> Result<(), Failure> {
+    let remedy = "cut it into smaller files, or raise --memory-mib";
+    Ok(budget().memory(Work { file, thing: "rows", found, remedy }, bytes)?)
 }
 
 /// All runs of trajectories, which are the input `key`.
@@ -56,8 +71,15 @@ pub fn runs(
     provenance: &mut Provenance,
 ) -> Result<Vec<Run>, Failure> {
     let reader = trajectories(path, key, vessel, provenance)?;
-    let blocks: Vec<Vec<Run>> = (0..reader.blocks()).map(|i| reader.runs(i)).collect::<Result<_, _>>()?;
-    Ok(blocks.concat())
+    let (rows, _) = reader.rows();
+    // As they are, as parts with their instruments, and what these are made of.
+    let bytes = 4.0 * rows as f64 * Layout::new(&vessel.model).run_bytes();
+    fits(path, &format!("{rows} rows"), bytes)?;
+    let mut runs = Vec::new();
+    for block in 0..reader.blocks() {
+        runs.extend(reader.runs(block)?);
+    }
+    Ok(runs)
 }
 
 /// Those of measured trajectories. What is made of them is labelled as made of simulated logs, if they are.

@@ -49,9 +49,18 @@ impl Progress {
         if last.is_none_or(|at| at.elapsed() >= BETWEEN_LINES) {
             *last = Some(Instant::now());
             let (done, all) = (self.bar.position(), self.bar.length().unwrap_or(0));
-            on_stderr(format_args!("{}: {done} of {all}", self.label));
+            let left = self.started.elapsed().mul_f64((all - done.min(all)) as f64 / done.max(1) as f64);
+            on_stderr(format_args!("{}: {done} of {all}, about {}", self.label, order_of(left)));
         }
     }
+}
+
+/// A time that nobody can know better than to its order.
+fn order_of(left: Duration) -> String {
+    let seconds = left.as_secs_f64();
+    let units = [(86_400.0, "days"), (3_600.0, "h"), (60.0, "min")];
+    let (unit, name) = units.into_iter().find(|(unit, _)| seconds >= 2.0 * unit).unwrap_or((1.0, "s"));
+    format!("{:.0} {name} left", (seconds / unit).ceil())
 }
 
 impl Drop for Progress {

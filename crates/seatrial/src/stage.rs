@@ -11,7 +11,7 @@ use clap::parser::ValueSource;
 use clap::{Arg, ArgMatches, Args, Command, CommandFactory, FromArgMatches, Parser};
 use serde_json::{Value, json};
 
-use crate::cli::Common;
+use crate::cli::{Common, set_budget};
 use crate::failure::Failure;
 use crate::interrupted::listen;
 use crate::said::{on_stderr, on_stdout};
@@ -59,7 +59,7 @@ impl Stage {
     /// The stage with the flags of `A`, besides those that all stages share.
     pub const fn of<A: Parser + Task + 'static>() -> Self {
         Self {
-            command: || A::command().args(common_flags()),
+            command: || with_missing(A::command(), common_flags()),
             parse: |matches| Ok(Box::new(A::from_arg_matches(matches)?)),
             below: &[],
         }
@@ -116,11 +116,15 @@ fn common_flags() -> Vec<Arg> {
     all.get_arguments().map(|arg| arg.clone().display_order(None)).collect()
 }
 
+/// `command` with those of `flags` that it does not have itself.
+fn with_missing(command: Command, flags: Vec<Arg>) -> Command {
+    let known: Vec<_> = command.get_arguments().map(|arg| arg.get_id().clone()).collect();
+    command.args(flags.into_iter().filter(|arg| !known.contains(arg.get_id())))
+}
+
 /// `command` with what all have: the flags that may stand before a subcommand, the version and the exit codes.
 pub fn dressed(command: Command) -> Command {
-    let known: Vec<_> = command.get_arguments().map(|arg| arg.get_id().clone()).collect();
-    let missing = |arg: &Arg| arg.is_global_set() && !known.contains(arg.get_id());
-    let command = command.args(common_flags().into_iter().filter(missing));
+    let command = with_missing(command, common_flags().into_iter().filter(Arg::is_global_set).collect());
     with_exit_codes(command.version(env!("CARGO_PKG_VERSION")).propagate_version(true))
 }
 
@@ -165,6 +169,7 @@ fn misplaced(command: &Command, matches: &ArgMatches) -> Option<Failure> {
 pub fn run(task: &dyn Task, common: &Common) -> ExitCode {
     inject_fault();
     listen();
+    set_budget(common.memory_mib);
     match start_threads(common.threads).and_then(|()| task.run(common)) {
         Ok(summary) if common.json => on_stdout(summary.json),
         Ok(summary) => on_stdout(summary.line),

@@ -5,6 +5,7 @@ use std::path::Path;
 
 use artifact::{Digest, Error, Provenance, read_document, read_toml};
 use design::Stock;
+use refusal::strictly;
 use serde::Deserialize;
 use trial::refining::{STATES, StatedLimits};
 use vessel::Invalid;
@@ -80,7 +81,8 @@ fn stock_of_json(path: &Path) -> Result<(Stock, Digest), Error> {
         let segments = loaded.data.maneuvers.into_iter().map(|m| (m.name, m.segments)).collect();
         return Ok((Stock { seconds: BTreeMap::new(), segments }, loaded.digest));
     }
-    Ok((serde_json::from_slice(&bytes).map_err(refused)?, Digest::of_bytes(&bytes)))
+    let stock = strictly(&mut serde_json::Deserializer::from_slice(&bytes)).map_err(refused)?;
+    Ok((stock, Digest::of_bytes(&bytes)))
 }
 
 fn check_stock(stock: &Stock, maneuvers: &[String]) -> Result<(), Invalid> {

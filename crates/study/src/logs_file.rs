@@ -99,6 +99,15 @@ impl LogsFile {
         Ok(())
     }
 
+    /// Rows of all logs of those of `maneuvers` that a day has, with what goes before the logging.
+    pub fn rows(&self, maneuvers: &[&str], rate_hz: f64) -> f64 {
+        let on_a_day =
+            |name: &&&str| self.day.iter().any(|day| day.maneuvers.iter().any(|own| own == **name));
+        let settle = |name: &&str| self.settle_s.get(*name).map_or(0.0, |s| s * rate_hz);
+        let rows = |name: &&str| f64::from(self.repeats) * (settle(name) + f64::from(self.samples) + 2.0);
+        maneuvers.iter().filter(on_a_day).map(rows).sum()
+    }
+
     /// The vessel, moved by `parameters`, with its thrusters and sensors; `units` are what newtons and newton metres are
     /// multiplied by to be its inputs.
     pub fn chain<'a>(&'a self, vessel: &'a Vessel, parameters: &'a [f64], units: [f64; 3]) -> Chain<'a> {

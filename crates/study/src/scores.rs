@@ -1,5 +1,7 @@
 //! The table of scores: one row per run.
 
+use std::collections::HashSet;
+
 use artifact::{Columns, Error, Table, TableReader, TableSchema};
 use identification::{Estimator, Quantiles, ScoreStatus, Share};
 use vessel::DegreeOfFreedom;
@@ -16,6 +18,12 @@ pub const VERSION: u32 = 1;
 /// The columns.
 pub fn schema() -> TableSchema {
     columns().schema().clone()
+}
+
+/// A row whose design, run and estimator another row has too.
+pub fn doubled(rows: &[Row]) -> Option<&Row> {
+    let mut known = HashSet::with_capacity(rows.len());
+    rows.iter().find(|row| !known.insert((row.design.as_str(), row.run, row.estimator.name())))
 }
 
 /// Rows as a block of the table.

@@ -21,20 +21,22 @@ pub struct Handling {
 }
 
 impl Handling {
-    /// Refuses numbers without meaning.
+    /// Refuses numbers without meaning, and those with which a leg would last for days: every leg is simulated to its end.
     ///
     /// # Errors
     /// Names the key.
     pub fn check(&self) -> Result<(), Invalid> {
         let keys = [
-            ("turn_rate_rad_s", self.turn_rate_rad_s),
-            ("crawl_m_s", self.crawl_m_s),
-            ("acceleration_m_s2", self.acceleration_m_s2),
-            ("response_s", self.response_s),
-            ("lookahead_m", self.lookahead_m),
+            ("turn_rate_rad_s", self.turn_rate_rad_s, 1e-4..=10.0),
+            ("crawl_m_s", self.crawl_m_s, 1e-3..=20.0),
+            ("acceleration_m_s2", self.acceleration_m_s2, 1e-5..=100.0),
+            ("response_s", self.response_s, 1e-3..=3600.0),
+            ("lookahead_m", self.lookahead_m, 1e-3..=1e5),
         ];
-        let keys = keys.map(|(key, value)| (format!("handling.{key}"), value));
-        check_numbers(keys, "a number above 0", |value| value > 0.0)
+        keys.into_iter().try_for_each(|(key, value, range)| {
+            let expected = format!("a number from {} to {}", range.start(), range.end());
+            check_numbers([(format!("handling.{key}"), value)], &expected, |value| range.contains(&value))
+        })
     }
 }
 

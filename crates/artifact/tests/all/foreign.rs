@@ -63,7 +63,7 @@ fn simple_columns_of_any_type_are_read() {
     assert_eq!(table.numbers("n").unwrap(), [1.5, 2.5, 1.5, 2.5]);
     assert_eq!(table.numbers("k").unwrap(), [-1.0, 7.0, -1.0, 7.0]);
     assert_eq!(table.numbers("on").unwrap(), [1.0, 0.0, 1.0, 0.0]);
-    assert_eq!(table.texts("label").unwrap(), ["turn", "", "turn", ""]);
+    assert_eq!(table.texts("label", str::to_owned).unwrap(), ["turn", "", "turn", ""]);
 }
 
 #[test]
@@ -76,7 +76,7 @@ fn other_columns_are_refused_by_name() {
         let line = table.numbers(name).unwrap_err().to_string();
         assert!(line.contains(&format!("column `{name}`")) && line.contains(piece), "{line}");
     }
-    assert!(table.texts("u").unwrap_err().to_string().contains("type DOUBLE"));
+    assert!(table.texts("u", str::to_owned).unwrap_err().to_string().contains("type DOUBLE"));
 }
 
 #[test]
@@ -96,7 +96,7 @@ fn damaged_files_are_refused_and_never_panic() {
         std::fs::write(&path, &bytes).unwrap();
         let Ok(table) = ForeignTable::open(&path) else { continue };
         for name in table.columns().to_vec() {
-            drop((table.numbers(&name), table.texts(&name)));
+            drop((table.numbers(&name), table.texts(&name, str::to_owned)));
         }
     }
 }

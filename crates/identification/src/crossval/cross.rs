@@ -154,7 +154,7 @@ impl EstimatorScore {
 
 impl<'a> Cut<'a> {
     fn new(pool: &'a Pool, runs: &PooledRuns, options: &CrossOptions) -> Result<Self, CrossError> {
-        let windows = runs.windows(options.window);
+        let windows: Vec<_> = runs.windows(options.window).collect();
         if windows.len() < 2 {
             return Err(CrossError::OneSource);
         }
@@ -163,7 +163,7 @@ impl<'a> Cut<'a> {
         }
         let all = windows.iter().flat_map(|(_, own)| own);
         let std = deviations(all.map(|w| w.measured.as_slice()));
-        Ok(Self { pool, parts: runs.segments(pool.part_samples).concat(), windows, std })
+        Ok(Self { pool, parts: runs.parts(pool.part_samples), windows, std })
     }
 
     fn fold(&self, fold: &Fold, estimator: Estimator) -> Tried {

@@ -67,7 +67,7 @@ pub fn estimate(
     judgement: &Judgement,
     resampled: &(dyn Fn(usize) + Sync),
 ) -> Result<Pooled, PoolError> {
-    let mut parts: Vec<Part> = runs.segments(pool.part_samples).concat();
+    let mut parts: Vec<Part> = runs.parts(pool.part_samples);
     let found = pool.estimate(&mut parts, estimator)?;
     if found.degrees.iter().all(|d| d.solution.is_none()) {
         return Err(PoolError::NotIdentifiable(pool.unidentified(&found.degrees)));

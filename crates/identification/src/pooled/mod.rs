@@ -2,7 +2,8 @@
 //!
 //! A [`Part`] is one sub-experiment. Its instruments start anew at its first measured state, so the parts of a pooled
 //! estimate need not follow each other. The sums of the parts add: [`fit`] takes the [`crate::Sums`] of whichever parts
-//! are to be used, so that resampling and cross-validation never touch the data again.
+//! are to be used, so that resampling and cross-validation never touch the data again. Whatever else needs the samples makes
+//! the [`Regression`] of one part at a time.
 //!
 //! Plain numbers, no lanes: measured data sets are small.
 
@@ -35,7 +36,7 @@ pub use nominal::{NominalModel, NominalSource};
 pub use output_error::{OutputError, output_error};
 pub use part::{LostInstruments, Part};
 pub use pool::{Estimated, Pool};
-pub use regression::{DegreeRegression, Regression};
+pub use regression::{DegreeRegression, Regression, Regressions, Remade};
 pub use residual_tests::{CrossCorrelation, Whiteness, cross_correlation, residuals, whiteness};
 pub use runs::{PooledRuns, SelectError};
 pub use sandwich::{default_bandwidth, sandwich};

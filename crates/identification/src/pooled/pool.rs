@@ -1,7 +1,7 @@
 use vessel::{DegreeOfFreedom, Model, Vessel};
 
 use super::{
-    COLLINEAR, DegreeFit, LostInstruments, NominalModel, Options, OutputError, Part, Prior, Regression,
+    COLLINEAR, DegreeFit, LostInstruments, NominalModel, Options, OutputError, Part, Prior, Remade,
     deviations, fit, joined, output_error, unidentified,
 };
 use crate::{DegreeSums, Estimator, MeanRemoval, Sums};
@@ -48,24 +48,24 @@ pub struct Estimated {
     pub output_error: Option<(OutputError, Scales)>,
     /// Why no instruments were simulated with `auto`, which then is least squares.
     pub diverged: Option<LostInstruments>,
-    /// The data with the regressors as instruments.
-    ls: Vec<Regression>,
-    /// The data with simulated instruments.
-    iv: Option<Vec<Regression>>,
+    /// Sums of the parts with the regressors as instruments.
+    ls: Vec<Sums>,
+    /// Those with simulated instruments.
+    iv: Option<Vec<Sums>>,
 }
 
 impl Estimated {
-    /// The data that degree of freedom `d` was estimated from.
-    pub fn data(&self, d: usize) -> &[Regression] {
+    /// The sums that degree of freedom `d` was estimated from, and whether its instruments were simulated.
+    pub fn data(&self, d: usize) -> (&[Sums], bool) {
         match (self.used[d], &self.iv) {
-            (Estimator::Iv | Estimator::RefinedIv, Some(iv)) => iv,
-            _ => &self.ls,
+            (Estimator::Iv | Estimator::RefinedIv, Some(iv)) => (iv, true),
+            _ => (&self.ls, false),
         }
     }
 
-    /// The data with simulated instruments, where there are any.
-    pub fn instrumented(&self) -> Option<&[Regression]> {
-        self.iv.as_deref()
+    /// Whether instruments were simulated.
+    pub fn instrumented(&self) -> bool {
+        self.iv.is_some()
     }
 
     /// θ̂ and intercepts, in the order of `model`, which has them.
@@ -86,10 +86,9 @@ impl Pool<'_> {
     /// The nominal simulation diverges.
     pub fn estimate(&self, parts: &mut [Part], estimator: Estimator) -> Result<Estimated, LostInstruments> {
         Part::regress(parts);
-        let ls = self.regressions(parts);
-        let sums: Vec<Sums> = ls.iter().map(Regression::sums).collect();
-        let nominal = self.nominal.parameters(&sums.iter().collect::<Vec<_>>(), self.removal);
-        let fitted = self.fit(&sums, nominal.as_ref().map(|(theta, _)| theta.as_slice()), Estimator::Ls);
+        let ls = self.regressions(parts, false).sums();
+        let nominal = self.nominal.parameters(&ls.iter().collect::<Vec<_>>(), self.removal);
+        let fitted = self.fit(&ls, nominal.as_ref().map(|(theta, _)| theta.as_slice()), Estimator::Ls);
         let mut found = Estimated {
             degrees: fitted,
             used: [Estimator::Ls; 3],
@@ -113,7 +112,7 @@ impl Pool<'_> {
             (None, _) => {}
         }
         if estimator == Estimator::OutputError {
-            self.simulated(parts, &sums, &mut found);
+            self.simulated(parts, &mut found);
         }
         Ok(found)
     }
@@ -133,19 +132,22 @@ impl Pool<'_> {
 
     fn instrumented(&self, parts: &mut [Part], estimator: Estimator, found: &mut Estimated) {
         let nominal = found.nominal.as_ref().map(|(theta, _)| theta.as_slice());
-        let mut data = self.instrumented_regressions(parts);
-        let mut degrees = self.fit_of(&data, nominal, Estimator::Iv);
+        let mut data = self.regressions(parts, true).sums();
+        let mut degrees = self.fit(&data, nominal, Estimator::Iv);
+        let mut model = found.nominal.clone();
         for _ in 0..if estimator == Estimator::RefinedIv { ROUNDS } else { 0 } {
             let Some((own, intercepts)) = whole(&degrees) else { break };
             if self.instrument(parts, &own, intercepts).is_err() {
                 break;
             }
-            let again = self.instrumented_regressions(parts);
-            let refitted = self.fit_of(&again, nominal, Estimator::Iv);
+            let again = self.regressions(parts, true).sums();
+            let refitted = self.fit(&again, nominal, Estimator::Iv);
             if refitted.iter().any(|d| d.solution.is_none()) {
+                // Back to the instruments that the estimate is made with; they could be simulated before.
+                let _ = model.as_ref().map(|(theta, c)| self.instrument(parts, theta, *c));
                 break;
             }
-            (data, degrees) = (again, refitted);
+            (data, degrees, model) = (again, refitted, Some((own, intercepts)));
         }
         let used = if estimator == Estimator::RefinedIv { Estimator::RefinedIv } else { Estimator::Iv };
         for (d, degree) in degrees.into_iter().enumerate() {
@@ -157,10 +159,10 @@ impl Pool<'_> {
     }
 
     /// Goes on from the estimate at hand to the least errors of free simulations. Where those diverge, it stays.
-    fn simulated(&self, parts: &[Part], sums: &[Sums], found: &mut Estimated) {
+    fn simulated(&self, parts: &[Part], found: &mut Estimated) {
         let Some(start) = found.parameters(&self.model) else { return };
         let std = deviations(parts.iter().map(|p| p.measured.as_slice()));
-        let scales = Scales { std, sizes: self.sizes(sums, std) };
+        let scales = Scales { std, sizes: self.sizes(&found.ls, std) };
         let Some(best) = self.least_errors(parts, &start, &scales) else { return };
         let degrees = self.split(&best.parameters);
         for (d, (theta, intercept)) in degrees.into_iter().enumerate() {
@@ -219,19 +221,10 @@ impl Pool<'_> {
         DegreeOfFreedom::ALL.into_iter().filter_map(why).collect()
     }
 
-    /// Regressors, instruments and increments of every part.
-    pub fn regressions(&self, parts: &[Part]) -> Vec<Regression> {
-        parts.iter().map(|part| Regression::of(&self.vessel.model, part)).collect()
-    }
-
-    /// Those of parts whose instruments start at the measured state.
-    pub fn instrumented_regressions(&self, parts: &[Part]) -> Vec<Regression> {
-        self.regressions(parts).into_iter().map(Regression::after_start).collect()
-    }
-
-    fn fit_of(&self, data: &[Regression], nominal: Option<&[f64]>, used: Estimator) -> [DegreeFit; 3] {
-        let sums: Vec<Sums> = data.iter().map(Regression::sums).collect();
-        self.fit(&sums, nominal, used)
+    /// Regressors, instruments and increments of every part: with their own instruments if those were `simulated`, from the
+    /// measured state on; else with their regressors for instruments.
+    pub fn regressions<'b>(&'b self, parts: &'b [Part], simulated: bool) -> Remade<'b> {
+        Remade { model: &self.vessel.model, parts, simulated }
     }
 
     fn fit(&self, sums: &[Sums], nominal: Option<&[f64]>, used: Estimator) -> [DegreeFit; 3] {

@@ -25,10 +25,60 @@ pub struct DegreeRegression {
     pub target: Vec<f64>,
 }
 
+/// The regressions of many parts.
+pub trait Regressions {
+    /// Calls `look` with the number of every part and its regression, in order.
+    fn each(&self, look: &mut dyn FnMut(usize, &Regression));
+}
+
+impl Regressions for Vec<&Regression> {
+    fn each(&self, look: &mut dyn FnMut(usize, &Regression)) {
+        self.iter().enumerate().for_each(|(i, regression)| look(i, regression));
+    }
+}
+
+/// The regressions of parts, made anew whenever they are looked at: all of them together are many times the data.
+#[derive(Clone, Copy, Debug)]
+pub struct Remade<'a> {
+    /// The model.
+    pub model: &'a Model,
+    /// The parts.
+    pub parts: &'a [Part],
+    /// Whether instruments were simulated from the measured state at the start of every part, see
+    /// [`Regression::after_start`]; else they are the regressors.
+    pub simulated: bool,
+}
+
+impl Regressions for Remade<'_> {
+    fn each(&self, look: &mut dyn FnMut(usize, &Regression)) {
+        for (i, part) in self.parts.iter().enumerate() {
+            let made = match self.simulated {
+                true => Regression::of(self.model, part).after_start(),
+                false => Regression::with(self.model, part, &part.measured),
+            };
+            look(i, &made);
+        }
+    }
+}
+
+impl Remade<'_> {
+    /// The sums of every part.
+    pub fn sums(&self) -> Vec<Sums> {
+        let mut sums = Vec::with_capacity(self.parts.len());
+        self.each(&mut |_, regression| sums.push(regression.sums()));
+        sums
+    }
+}
+
 impl Regression {
     /// Evaluates the terms of `model` over `part`.
     pub fn of(model: &Model, part: &Part) -> Self {
-        let (phi, zeta) = (terms(model, part, &part.measured), terms(model, part, &part.instrument_states));
+        Self::with(model, part, &part.instrument_states)
+    }
+
+    /// Evaluates the terms of `model` over `part`, those of the instruments at `states`.
+    fn with(model: &Model, part: &Part, states: &[f64]) -> Self {
+        let (phi, zeta) = (terms(model, part, &part.measured), terms(model, part, states));
         let mut signals = phi.into_iter().zip(zeta);
         let degrees = [0, 1, 2].map(|d| {
             let (phi, zeta) = signals.next().unwrap_or_default();

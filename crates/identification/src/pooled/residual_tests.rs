@@ -2,7 +2,7 @@ use numerics::distributions::{chi_square_tail, normal_tails};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{Centring, Regression, Solution};
+use super::{Centring, Regression, Regressions, Solution};
 
 /// Ljung and Box's test: whether residuals are white.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -33,14 +33,29 @@ pub struct CrossCorrelation {
 }
 
 /// Residuals Δy − φᵀθ̂ − c of degree of freedom `d`, part by part.
-pub fn residuals(parts: &[&Regression], centring: &Centring, solution: &Solution, d: usize) -> Vec<Vec<f64>> {
-    let of = |(i, part): (usize, &&Regression)| {
-        let degree = &part.degrees[d];
-        let intercept = centring.intercept(i, d, &solution.theta);
-        let predicted = |k: usize| degree.phi(k).iter().zip(&solution.theta).map(|(f, t)| f * t).sum::<f64>();
-        degree.target.iter().enumerate().map(|(k, target)| target - predicted(k) - intercept).collect()
-    };
-    parts.iter().enumerate().map(of).collect()
+pub fn residuals(
+    parts: &dyn Regressions,
+    centring: &Centring,
+    solution: &Solution,
+    d: usize,
+) -> Vec<Vec<f64>> {
+    let mut all = Vec::new();
+    parts.each(&mut |i, part| all.push(residuals_of(part, i, centring, solution, d)));
+    all
+}
+
+/// Those of part number `i`.
+pub(super) fn residuals_of(
+    part: &Regression,
+    i: usize,
+    centring: &Centring,
+    solution: &Solution,
+    d: usize,
+) -> Vec<f64> {
+    let degree = &part.degrees[d];
+    let intercept = centring.intercept(i, d, &solution.theta);
+    let predicted = |k: usize| degree.phi(k).iter().zip(&solution.theta).map(|(f, t)| f * t).sum::<f64>();
+    degree.target.iter().enumerate().map(|(k, target)| target - predicted(k) - intercept).collect()
 }
 
 /// Tests residuals for whiteness over `lags` lags; no pairs across parts.
@@ -59,20 +74,54 @@ pub fn whiteness(residuals: &[Vec<f64>], lags: usize) -> Whiteness {
     }
 }
 
+/// Σ a(k) b(k − lag).
+fn lagged(a: &[f64], b: &[f64], lag: usize) -> f64 {
+    a.iter().skip(lag).zip(b).map(|(a, b)| a * b).sum()
+}
+
 /// ρ_1 … ρ_lags of a signal in parts.
 fn correlations(parts: &[Vec<f64>], lags: usize) -> Vec<f64> {
     let power: f64 = parts.iter().flatten().map(|e| e * e).sum();
-    let at = |lag: usize| {
-        let part = |x: &Vec<f64>| x.iter().skip(lag).zip(x).map(|(a, b)| a * b).sum::<f64>();
-        parts.iter().map(part).sum::<f64>()
-    };
+    let at = |lag: usize| parts.iter().map(|x| lagged(x, x, lag)).sum::<f64>();
     (1..=lags).map(|lag| if power > 0.0 { at(lag) / power } else { 0.0 }).collect()
+}
+
+/// Sums of an instrument without its mean, and of its products with residuals.
+struct Signal {
+    /// Σ ζ².
+    power: f64,
+    /// Σ ζ(k) ζ(k − lag) for lags from 1 on.
+    own: Vec<f64>,
+    /// Σ ζ(k − lag) ε(k) for lags from −lags to lags, but for 0.
+    crossed: Vec<f64>,
+}
+
+impl Signal {
+    fn new(lags: usize) -> Self {
+        Self { power: 0.0, own: vec![0.0; lags], crossed: vec![0.0; 2 * lags] }
+    }
+
+    /// Adds a part: no products across parts.
+    fn add(&mut self, zeta: &[f64], residuals: &[f64]) {
+        let lags = self.own.len();
+        zeta.iter().for_each(|z| self.power += z * z);
+        for lag in 1..=lags {
+            self.own[lag - 1] += lagged(zeta, zeta, lag);
+            self.crossed[lags - lag] += lagged(zeta, residuals, lag);
+            self.crossed[lags + lag - 1] += lagged(residuals, zeta, lag);
+        }
+    }
+
+    /// ρ_1 ….
+    fn correlations(&self) -> impl Iterator<Item = f64> {
+        self.own.iter().map(|at| if self.power > 0.0 { at / self.power } else { 0.0 })
+    }
 }
 
 /// Correlates residuals with instruments up to `lags` samples earlier and later, but not at the same time: there the
 /// estimate makes them orthogonal. `None` where nothing varies.
 pub fn cross_correlation(
-    parts: &[&Regression],
+    parts: &dyn Regressions,
     residuals: &[Vec<f64>],
     centring: &Centring,
     d: usize,
@@ -81,19 +130,18 @@ pub fn cross_correlation(
     let own = correlations(residuals, lags);
     let power: f64 = residuals.iter().flatten().map(|e| e * e).sum();
     let samples: usize = residuals.iter().map(Vec::len).sum();
-    let p = parts.first()?.degrees[d].parameters;
+    let signals = signals(parts, residuals, centring, d, lags);
     let mut strongest: Option<(f64, CrossCorrelation)> = None;
-    for instrument in 0..p {
-        let signals = column(parts, centring, d, instrument);
-        let size = (power * signals.iter().flatten().map(|z| z * z).sum::<f64>()).sqrt();
-        let both = correlations(&signals, lags).iter().zip(&own).map(|(a, b)| a * b).sum::<f64>();
+    for (instrument, signal) in signals.iter().enumerate() {
+        let size = (power * signal.power).sqrt();
+        let both = signal.correlations().zip(&own).map(|(a, b)| a * b).sum::<f64>();
         let spread = ((1.0 + 2.0 * both).max(1e-3) / samples.max(1) as f64).sqrt();
         if size <= 0.0 {
             continue;
         }
         let tried = (-(lags as i64)..=lags as i64).filter(|lag| *lag != 0);
-        for lag in tried {
-            let correlation = at_lag(&signals, residuals, lag) / size;
+        for (lag, crossed) in tried.zip(&signal.crossed) {
+            let correlation = crossed / size;
             let z = correlation / spread;
             if strongest.as_ref().is_none_or(|(best, _)| z.abs() > *best) {
                 let found = CrossCorrelation { instrument, lag, correlation, p_value: normal_tails(z) };
@@ -101,7 +149,7 @@ pub fn cross_correlation(
             }
         }
     }
-    let tests = (2 * lags * p) as f64;
+    let tests = (2 * lags * signals.len()) as f64;
     strongest.map(|(_, found)| CrossCorrelation { p_value: sidak(found.p_value, tests), ..found })
 }
 
@@ -110,28 +158,24 @@ fn sidak(p_value: f64, tests: f64) -> f64 {
     -(tests * (-p_value).ln_1p()).exp_m1()
 }
 
-/// Instrument `i` of every part without its mean.
-fn column(parts: &[&Regression], centring: &Centring, d: usize, i: usize) -> Vec<Vec<f64>> {
-    let mut row = Vec::new();
-    let mut of = |(part, regression): (usize, &&Regression)| {
-        let mut at = |k: usize| {
-            centring.zeta(part, d, regression.degrees[d].zeta(k), &mut row);
-            row[i]
-        };
-        (0..regression.samples).map(&mut at).collect()
-    };
-    parts.iter().enumerate().map(&mut of).collect()
-}
-
-/// Σ ζ(k − lag) ε(k).
-fn at_lag(instruments: &[Vec<f64>], residuals: &[Vec<f64>], lag: i64) -> f64 {
-    let shift = lag.unsigned_abs() as usize;
-    let part = |(z, e): (&Vec<f64>, &Vec<f64>)| -> f64 {
-        if lag >= 0 {
-            e.iter().skip(shift).zip(z).map(|(e, z)| e * z).sum()
-        } else {
-            z.iter().skip(shift).zip(e).map(|(z, e)| z * e).sum()
+/// All instruments of degree of freedom `d`.
+fn signals(
+    parts: &dyn Regressions,
+    residuals: &[Vec<f64>],
+    centring: &Centring,
+    d: usize,
+    lags: usize,
+) -> Vec<Signal> {
+    let (mut signals, mut row) = (Vec::new(), Vec::new());
+    parts.each(&mut |i, part| {
+        let degree = &part.degrees[d];
+        let mut columns = vec![Vec::with_capacity(part.samples); degree.parameters];
+        for k in 0..part.samples {
+            centring.zeta(i, d, degree.zeta(k), &mut row);
+            columns.iter_mut().zip(&row).for_each(|(column, z)| column.push(*z));
         }
-    };
-    instruments.iter().zip(residuals).map(part).sum()
+        signals.resize_with(degree.parameters, || Signal::new(lags));
+        signals.iter_mut().zip(&columns).for_each(|(signal, zeta)| signal.add(zeta, &residuals[i]));
+    });
+    signals
 }

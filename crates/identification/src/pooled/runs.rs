@@ -1,4 +1,4 @@
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 use std::ops::Range;
 
 use thiserror::Error;
@@ -69,11 +69,18 @@ impl PooledRuns {
 
     /// The sources, in the order of appearance.
     pub fn sources(&self) -> Vec<String> {
-        let mut sources: Vec<String> = Vec::new();
-        for (source, _) in &self.runs {
-            if !sources.contains(source) {
-                sources.push(source.clone());
+        self.by_source().into_iter().map(|(source, _)| source.to_owned()).collect()
+    }
+
+    /// The runs of every source with their places among all, in the order of appearance.
+    fn by_source(&self) -> Vec<(&str, Vec<(usize, &Run)>)> {
+        let (mut places, mut sources) = (HashMap::new(), Vec::<(&str, Vec<_>)>::new());
+        for (i, (source, run)) in self.runs.iter().enumerate() {
+            let place = *places.entry(source.as_str()).or_insert(sources.len());
+            if place == sources.len() {
+                sources.push((source, Vec::new()));
             }
+            sources[place].1.push((i, run));
         }
         sources
     }
@@ -91,35 +98,39 @@ impl PooledRuns {
         segments
     }
 
+    /// The parts of all [`PooledRuns::segments`].
+    pub fn parts(&self, most: Option<usize>) -> Vec<Part> {
+        self.segments(most).into_iter().flatten().collect()
+    }
+
     /// Windows of `length` samples of every source, side by side from where its runs begin, which are joined where one
     /// begins with the state that the last one ended with. Whatever is left is no window; without a length all of it is. Windows
     /// have no label: they may hold several maneuvers.
-    pub fn windows(&self, length: Option<usize>) -> Vec<(String, Vec<Part>)> {
-        let joined = self.joined();
-        let of = |source: String| {
-            let own = joined.iter().filter(|(name, _)| **name == source);
-            let windows = own.flat_map(|(_, whole)| cut(&source, whole, length)).collect();
-            (source, windows)
-        };
-        self.sources().into_iter().map(of).collect()
+    pub fn windows(&self, length: Option<usize>) -> impl Iterator<Item = (String, Vec<Part>)> {
+        self.by_source().into_iter().map(move |(source, runs)| {
+            let windows = joined(&runs).iter().flat_map(|whole| cut(source, whole, length)).collect();
+            (source.to_owned(), windows)
+        })
     }
+}
 
-    fn joined(&self) -> Vec<(&String, Run)> {
-        let mut joined: Vec<(&String, Run)> = Vec::new();
-        for (source, run) in &self.runs {
-            let continues = |(name, last): &&mut (&String, Run)| {
-                *name == source && last.measured[last.measured.len() - 3..] == run.measured[..3]
-            };
-            match joined.last_mut().filter(continues) {
-                Some((_, last)) => {
-                    last.exogenous.extend_from_slice(&run.exogenous);
-                    last.measured.extend_from_slice(&run.measured[3..]);
-                }
-                None => joined.push((source, run.clone())),
+/// The runs of a source, those that follow each other as one.
+fn joined(runs: &[(usize, &Run)]) -> Vec<Run> {
+    let mut joined: Vec<(usize, Run)> = Vec::new();
+    for (i, run) in runs {
+        let continues = |(before, last): &&mut (usize, Run)| {
+            *before + 1 == *i && last.measured[last.measured.len() - 3..] == run.measured[..3]
+        };
+        match joined.last_mut().filter(continues) {
+            Some((before, last)) => {
+                *before = *i;
+                last.exogenous.extend_from_slice(&run.exogenous);
+                last.measured.extend_from_slice(&run.measured[3..]);
             }
+            None => joined.push((*i, (*run).clone())),
         }
-        joined
     }
+    joined.into_iter().map(|(_, run)| run).collect()
 }
 
 fn cut(source: &str, whole: &Run, length: Option<usize>) -> Vec<Part> {

@@ -1,6 +1,7 @@
 use numerics::{add_outer, congruence, transposed};
 
-use super::{Centring, Regression, Solution, residuals};
+use super::residual_tests::residuals_of;
+use super::{Centring, Regressions, Solution};
 
 /// Bandwidth by the rule of thumb 4 (N/100)^(2/9): Newey & West, *Review of Economic Studies* 61, 1994.
 pub fn default_bandwidth(samples: usize) -> usize {
@@ -11,7 +12,7 @@ pub fn default_bandwidth(samples: usize) -> usize {
 /// B = N/(N − p − intercepts) Σ_l w_l Σ_k (g(k) g(k−l)ᵀ), g = ζᶜ ε, the weights w_l = 1 − |l|/(bandwidth + 1) of Bartlett and
 /// no lags across parts (Newey & West, *Econometrica* 55, 1987). ζᶜ are the instruments without the mean that was removed.
 pub fn sandwich(
-    parts: &[&Regression],
+    parts: &dyn Regressions,
     centring: &Centring,
     solution: &Solution,
     d: usize,
@@ -19,17 +20,16 @@ pub fn sandwich(
 ) -> Vec<f64> {
     let p = solution.theta.len();
     let mut middle = vec![0.0; p * p];
-    let (residuals, mut zeta) = (residuals(parts, centring, solution, d), Vec::new());
-    let mut samples = 0;
-    for (i, part) in parts.iter().enumerate() {
+    let (mut samples, mut zeta) = (0, Vec::new());
+    parts.each(&mut |i, part| {
         samples += part.samples;
         let mut scores = Vec::with_capacity(part.degrees[d].zeta.len());
-        for (k, residual) in residuals[i].iter().enumerate() {
+        for (k, residual) in residuals_of(part, i, centring, solution, d).iter().enumerate() {
             centring.zeta(i, d, part.degrees[d].zeta(k), &mut zeta);
             scores.extend(zeta.iter().map(|z| z * residual));
         }
         add_part(&mut middle, &scores, p, bandwidth);
-    }
+    });
     let freedom = samples.saturating_sub(p + centring.intercepts()).max(1);
     middle.iter_mut().for_each(|m| *m *= samples as f64 / freedom as f64);
     congruence(p, &solution.gain, &middle)

@@ -1,15 +1,16 @@
 use numerics::{add_outer, product, transposed};
 
-use super::{Centring, Regression};
+use super::{Centring, Regressions};
 
 /// How much of each regressor its instruments tell, beyond what they tell of the others: Shea's partial R² (*Review of
 /// Economics and Statistics* 79, 1997), (S_φφ⁻¹)_ii / ((S_φζ S_ζζ⁻¹ S_ζφ)⁻¹)_ii of centred sums. 1 for least squares, near 0
 /// for instruments that have lost the motion. `None` where a matrix is singular.
-pub fn strength(parts: &[&Regression], centring: &Centring, d: usize) -> Option<Vec<f64>> {
-    let p = parts.first()?.degrees[d].parameters;
-    let mut sums = [vec![0.0; p * p], vec![0.0; p * p], vec![0.0; p * p]];
+pub fn strength(parts: &dyn Regressions, centring: &Centring, d: usize) -> Option<Vec<f64>> {
+    let mut found: Option<(usize, [Vec<f64>; 3])> = None;
     let (mut zeta, mut phi) = (Vec::new(), Vec::new());
-    for (i, part) in parts.iter().enumerate() {
+    parts.each(&mut |i, part| {
+        let p = part.degrees[d].parameters;
+        let (_, sums) = found.get_or_insert_with(|| (p, [0; 3].map(|_| vec![0.0; p * p])));
         for k in 0..part.samples {
             centring.zeta(i, d, part.degrees[d].zeta(k), &mut zeta);
             centring.phi(i, d, part.degrees[d].phi(k), &mut phi);
@@ -17,7 +18,8 @@ pub fn strength(parts: &[&Regression], centring: &Centring, d: usize) -> Option<
                 add_outer(sum, left, right);
             }
         }
-    }
+    });
+    let (p, sums) = found?;
     let scale: Vec<[f64; 2]> = (0..p).map(|i| [0, 1].map(|s: usize| sums[s][i * p + i].sqrt())).collect();
     let scaled = |which: usize, rows: usize, columns: usize| -> Vec<f64> {
         (0..p * p).map(|k| sums[which][k] / (scale[k / p][rows] * scale[k % p][columns])).collect()

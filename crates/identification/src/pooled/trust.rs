@@ -5,9 +5,8 @@ use vessel::{DegreeOfFreedom, Streams};
 
 use super::{
     Bootstrap, Centring, CrossCorrelation, Diagnosis, Estimated, FreeRunErrors, Options, Part, Pool,
-    PooledRuns, Regression, Score, Solution, Status, Whiteness, bootstrap, cross_correlation,
-    default_bandwidth, deviations, diagnose, redraw, residuals, sandwich, strength, unidentified, weakest,
-    whiteness,
+    PooledRuns, Remade, Score, Solution, Status, Whiteness, bootstrap, cross_correlation, default_bandwidth,
+    deviations, diagnose, redraw, residuals, sandwich, strength, unidentified, weakest, whiteness,
 };
 use crate::{EstimateStatus, Estimator, Sums};
 
@@ -130,7 +129,7 @@ pub(super) struct Judge<'a> {
 
 /// Numbers of one degree of freedom.
 struct Degree<'a> {
-    data: Vec<&'a Regression>,
+    data: Remade<'a>,
     centring: Centring,
     diagnosis: Diagnosis,
     bootstrap: Option<Bootstrap>,
@@ -147,11 +146,10 @@ impl Judge<'_> {
     pub(super) fn degrees(&self) -> Vec<DegreeTrust> {
         let mut resampled = Estimator::ALL.map(|used| self.resampled_by(used));
         let degree = |d: DegreeOfFreedom| {
-            let data: Vec<&Regression> = self.found.data(d as usize).iter().collect();
-            let sums: Vec<Sums> = data.iter().map(|r| r.sums()).collect();
+            let (sums, simulated) = self.found.data(d as usize);
             let sums: Vec<&Sums> = sums.iter().collect();
             let numbers = Degree {
-                data,
+                data: self.pool.regressions(self.parts, simulated),
                 centring: Centring::new(&sums, self.pool.removal),
                 diagnosis: diagnose(&sums, self.pool.removal, d as usize),
                 bootstrap: resampled[self.found.used[d as usize] as usize][d as usize].take(),
@@ -171,7 +169,7 @@ impl Judge<'_> {
         if used == Estimator::OutputError {
             return self.simulated_again(&streams);
         }
-        let sums: Vec<Sums> = self.found.data(d).iter().map(Regression::sums).collect();
+        let (sums, _) = self.found.data(d);
         let nominal = self.found.nominal.as_ref().map(|(theta, _)| theta.as_slice());
         // A resample is not refused for being collinear: its spread is what is asked for.
         let options = Options { most: f64::INFINITY, ..self.pool.options(nominal, used) };
@@ -275,16 +273,14 @@ impl Judge<'_> {
 
     /// How well the instruments' state follows the measured one.
     fn instrument_fit(&self, d: usize) -> Option<f64> {
-        self.found.instrumented()?;
-        Part::instrument_fit(self.parts).map(|fits| fits[d])
+        let fits = self.found.instrumented().then(|| Part::instrument_fit(self.parts)).flatten();
+        fits.map(|fits| fits[d])
     }
 
     /// Free simulation over every source.
     pub(super) fn sources(&self, runs: &PooledRuns) -> Vec<SourceErrors> {
         let model = self.found.parameters(&self.pool.model);
-        let windows = runs.windows(None);
-        let source = |(source, windows)| self.source(source, windows, model.as_deref());
-        windows.into_iter().map(source).collect()
+        runs.windows(None).map(|(source, windows)| self.source(source, windows, model.as_deref())).collect()
     }
 
     fn source(&self, source: String, windows: Vec<Part>, model: Option<&[f64]>) -> SourceErrors {

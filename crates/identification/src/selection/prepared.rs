@@ -1,4 +1,4 @@
-use crate::pooled::{Centring, LostInstruments, Part, Pool, PooledRuns, Regression, listed, strength};
+use crate::pooled::{Centring, LostInstruments, Part, Pool, PooledRuns, listed, strength};
 use crate::{Estimator, Sums};
 
 /// Below this the instruments have lost a state: the nominal simulation explains less than half of its deviations.
@@ -24,8 +24,8 @@ impl Prepared {
     pub(super) fn new(pool: &Pool, runs: &PooledRuns, estimator: Estimator) -> Result<Self, LostInstruments> {
         let pieces = runs.segments(pool.part_samples);
         let counts: Vec<usize> = pieces.iter().map(Vec::len).collect();
-        let mut parts = pieces.concat();
-        let ls = merged(pool.regressions(&parts), &counts);
+        let mut parts: Vec<Part> = pieces.into_iter().flatten().collect();
+        let ls = merged(&pool.regressions(&parts, false).sums(), &counts);
         let nominal = pool.nominal.parameters(&ls.iter().collect::<Vec<_>>(), pool.removal);
         let theta = nominal.as_ref().map(|(theta, _)| theta.clone());
         let mut prepared = Self { ls, iv: None, nominal: theta, instrument_fit: None, warnings: Vec::new() };
@@ -39,17 +39,16 @@ impl Prepared {
     }
 
     fn take(&mut self, pool: &Pool, parts: &[Part], counts: &[usize]) {
-        let data = pool.instrumented_regressions(parts);
+        let sums = pool.regressions(parts, true).sums();
         self.instrument_fit = Part::instrument_fit(parts);
-        self.warnings.extend(self.instrument_fit.and_then(|fits| poor(fits, weakest(pool, &data))));
-        self.iv = Some(merged(data, counts));
+        self.warnings.extend(self.instrument_fit.and_then(|fits| poor(fits, weakest(pool, parts, &sums))));
+        self.iv = Some(merged(&sums, counts));
     }
 }
 
 /// Instruments start anew with every piece; a part's sums are those of its pieces.
-fn merged(pieces: Vec<Regression>, counts: &[usize]) -> Vec<Sums> {
-    let all: Vec<Sums> = pieces.iter().map(Regression::sums).collect();
-    let mut rest = all.as_slice();
+fn merged(pieces: &[Sums], counts: &[usize]) -> Vec<Sums> {
+    let mut rest = pieces;
     let mut merged = |count: &usize| {
         let own;
         (own, rest) = rest.split_at(*count);
@@ -59,13 +58,13 @@ fn merged(pieces: Vec<Regression>, counts: &[usize]) -> Vec<Sums> {
 }
 
 /// The term that its instrument tells least of, with Shea's partial R².
-fn weakest(pool: &Pool, data: &[Regression]) -> Option<(String, f64)> {
-    let parts: Vec<&Regression> = data.iter().collect();
-    let sums: Vec<Sums> = data.iter().map(Regression::sums).collect();
+fn weakest(pool: &Pool, parts: &[Part], sums: &[Sums]) -> Option<(String, f64)> {
     let centring = Centring::new(&sums.iter().collect::<Vec<_>>(), pool.removal);
     let degree = |d: usize| {
         let terms = pool.vessel.model.degrees[d].terms.iter().map(|t| t.text.clone());
-        terms.zip(strength(&parts, &centring, d).unwrap_or_default()).collect::<Vec<_>>()
+        terms
+            .zip(strength(&pool.regressions(parts, true), &centring, d).unwrap_or_default())
+            .collect::<Vec<_>>()
     };
     (0..3).flat_map(degree).min_by(|a, b| a.1.total_cmp(&b.1))
 }

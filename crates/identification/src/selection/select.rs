@@ -62,7 +62,7 @@ pub fn select(
     done: &(dyn Fn(usize) + Sync),
 ) -> Result<Selection, LostInstruments> {
     let prepared = Prepared::new(pool, runs, options.estimator)?;
-    let parts: Vec<Part> = runs.segments(None).concat();
+    let parts: Vec<Part> = runs.parts(None);
     let std = deviations(parts.iter().map(|p| p.measured.as_slice()));
     let views: Vec<RunView> = parts.iter().map(Part::view).collect();
     let realizer = Realizer { pool, estimator: options.estimator, prepared: &prepared, parts: &views, std };

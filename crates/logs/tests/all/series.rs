@@ -27,6 +27,6 @@ fn law_averaging_keeps_straight_lines_even_at_the_ends() {
 #[test]
 fn missing_values_leave_the_clock_of_their_channel() {
     let series = Series::new(&[0.0, 1.0, 2.0], &[1.0, f64::NAN, 3.0], 2.0);
-    assert_eq!(series.t, [0.0, 2.0]);
+    assert_eq!(*series.t, [0.0, 2.0]);
     assert_eq!(series.at(&[1.0]), [2.0]);
 }

@@ -1,16 +1,17 @@
 //! `ingest`: measured logs to trajectories.
 
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-use crate::cli::{Common, beside};
+use crate::cli::{Common, beside, budget};
 use crate::failure::Failure;
 use crate::ingest::{find, recorded, simulated_label};
 use crate::ordered::ordered;
 use crate::progress::Progress;
 use crate::stage::{Summary, Task};
-use artifact::{EncodedBlock, Provenance, TableWriter, commit_with_document, encode_block};
+use artifact::{Digest, TableWriter, commit_with_document, encode_block};
 use clap::Parser;
-use logs::{Plan, Source, Totals, check_intervals};
+use logs::{Plan, Recorded, Source, Totals, check_intervals};
 use serde_json::json;
 use study::documents::{IngestDocument, RecordingSummary};
 use study::files::{read_ingest, read_vessel};
@@ -44,7 +45,8 @@ impl Task for Arguments {
         let vessel = self.vessel.as_deref().map(|path| read_vessel(path, &mut provenance)).transpose()?;
         let vessel_file = self.vessel.as_deref().unwrap_or(Path::new("")).display().to_string();
         let named = vessel.as_ref().map(|vessel| (vessel, vessel_file.as_str()));
-        let plan = Plan::new(config.setup().map_err(refuse)?, named).map_err(refuse)?;
+        let plan =
+            Plan::new(config.setup().map_err(refuse)?, named).map_err(refuse)?.within(budget().bytes());
         let folder =
             self.logs.clone().unwrap_or_else(|| self.config.parent().unwrap_or(Path::new("")).to_owned());
         let naming = config.naming().map_err(refuse)?;
@@ -63,7 +65,13 @@ impl Task for Arguments {
             provenance.inputs.insert("channels".to_owned(), vessel);
         }
         provenance.origins.clear();
-        let made = all((self, common), &config, &plan, &folder, sources, &mut provenance)?;
+        let summary_file = self.summary_file(&out)?;
+        for file in sources.iter().flat_map(|source| &source.files) {
+            provenance.inputs.insert(format!("log:{file}"), Digest::of_file(folder.join(file))?);
+        }
+        let schema = layout(&plan).measured(&plan.further);
+        let mut writer = TableWriter::create(&out, &schema, &provenance)?.with_document(&summary_file);
+        let made = all((self, common), &config, &plan, &folder, sources, &mut writer)?;
         let document = IngestDocument {
             vessel: vessel.map(|vessel| vessel.name),
             design: config.design,
@@ -75,8 +83,21 @@ impl Task for Arguments {
             maneuvers: made.totals.maneuvers,
             recordings: made.recordings,
         };
-        write(self, &out, &plan, &provenance, made.blocks, &document)?;
+        commit_with_document(writer.finish()?, &summary_file, &provenance, &document)?;
         Ok(summary(&out, &document))
+    }
+}
+
+impl Arguments {
+    /// Where the summary of the table `out` stands.
+    fn summary_file(&self, out: &Path) -> Result<PathBuf, Failure> {
+        let summary = beside(out, "trajectories.parquet", "ingest.json");
+        if summary == self.config {
+            return Err(Failure::Usage(
+                "--out: found a folder whose ingest.json is the configuration; name another".into(),
+            ));
+        }
+        Ok(summary)
     }
 }
 
@@ -88,76 +109,83 @@ fn layout(plan: &Plan) -> Layout {
 
 /// What became of all recordings.
 struct Ingested {
-    blocks: Vec<EncodedBlock>,
     totals: Totals,
     recordings: Vec<RecordingSummary>,
 }
 
-/// Reads all recordings in parallel and collects their runs in order.
+/// Bytes of logs that are read side by side.
+const SIDE_BY_SIDE: u64 = 64 << 20;
+
+/// How much larger a log is that was compressed.
+const COMPRESSED: u64 = 8;
+
+/// Which of `sources` are read side by side: together they are no larger than [`SIDE_BY_SIDE`], or one alone.
+fn groups(folder: &Path, sources: &[Source]) -> Vec<Range<usize>> {
+    let size = |file: &String| {
+        let length = std::fs::metadata(folder.join(file)).map_or(0, |about| about.len());
+        length * if file.ends_with(".csv") { 1 } else { COMPRESSED }
+    };
+    let (mut groups, mut bytes): (Vec<Range<usize>>, u64) = (Vec::new(), 0);
+    for (i, source) in sources.iter().enumerate() {
+        let own: u64 = source.files.iter().map(size).sum();
+        match groups.last_mut().filter(|_| bytes + own <= SIDE_BY_SIDE) {
+            Some(group) => (group.end, bytes) = (i + 1, bytes + own),
+            None => {
+                groups.push(i..i + 1);
+                bytes = own;
+            }
+        }
+    }
+    groups
+}
+
+/// Reads all recordings, many at a time, and writes their runs in order.
 fn all(
     (a, common): (&Arguments, &Common),
     config: &IngestFile,
     plan: &Plan,
     folder: &Path,
     sources: Vec<Source>,
-    provenance: &mut Provenance,
+    writer: &mut TableWriter,
 ) -> Result<Ingested, Failure> {
     let (layout, segmentation) = (layout(plan), config.segmentation());
     let schema = layout.measured(&plan.further);
     let empty = || MeasuredBlock::new(&layout, plan.further.len(), plan.setup.conventions.rate_hz);
     let (mut totals, mut recordings) = (Totals::of(&config.design), Vec::with_capacity(sources.len()));
-    let (mut block, mut blocks) = (empty(), Vec::new());
+    let mut block = empty();
     let progress = Progress::new("recordings", sources.len(), common.quiet);
-    let work = |i: usize| {
+    let work = |plan: &Plan, i: usize| {
         let found = recorded(plan, &segmentation, folder, &sources[i]);
         progress.advance(1);
         found
     };
-    ordered(0..sources.len(), work, |(mut recorded, digests)| {
-        provenance.inputs.extend(digests);
+    let mut fold = |mut recorded: Recorded| {
         totals.number(&mut recorded);
-        for (run, further) in recorded.runs.iter().zip(&recorded.further) {
+        for (run, further) in recorded.runs.into_iter().zip(recorded.further) {
             block.push(run, further);
             if block.is_full() {
-                blocks.push(encode_block(&schema, &std::mem::replace(&mut block, empty()).table())?);
+                writer.push(encode_block(&schema, &std::mem::replace(&mut block, empty()).table())?)?;
             }
         }
         recordings.push(recorded.summary);
         Ok::<(), Failure>(())
-    })?;
-    if !block.is_empty() {
-        blocks.push(encode_block(&schema, &block.table())?);
+    };
+    for group in groups(folder, &sources) {
+        // Recordings that are read side by side share the memory.
+        let side_by_side = group.len().min(rayon::current_num_threads());
+        let plan = plan.clone().within(budget().bytes() / side_by_side as f64);
+        ordered(group, |i| work(&plan, i), &mut fold)?;
     }
-    if blocks.is_empty() {
+    if !block.is_empty() {
+        writer.push(encode_block(&schema, &block.table())?)?;
+    }
+    if totals.runs == 0 {
         let found = format!("none of {} recordings", sources.len());
         let expected = "at least one that is long enough";
         let remedy = "lower `min_s` or `window_s`, or correct the segments";
         return Err(Failure::refuse(&a.config, "sub-experiments", &found, expected, remedy));
     }
-    Ok(Ingested { blocks, totals, recordings })
-}
-
-fn write(
-    a: &Arguments,
-    out: &Path,
-    plan: &Plan,
-    provenance: &Provenance,
-    blocks: Vec<EncodedBlock>,
-    document: &IngestDocument,
-) -> Result<(), Failure> {
-    let summary = beside(out, "trajectories.parquet", "ingest.json");
-    if summary == a.config {
-        return Err(Failure::Usage(
-            "--out: found a folder whose ingest.json is the configuration; name another".into(),
-        ));
-    }
-    let mut writer =
-        TableWriter::create(out, &layout(plan).measured(&plan.further), provenance)?.with_document(&summary);
-    for block in blocks {
-        writer.push(block)?;
-    }
-    let table = writer.finish()?;
-    Ok(commit_with_document(table, &summary, provenance, document)?)
+    Ok(Ingested { totals, recordings })
 }
 
 fn summary(out: &Path, document: &IngestDocument) -> Summary {

@@ -165,7 +165,7 @@ fn nominal_of(
 ) -> Result<Vec<f64>, Failure> {
     let model = nominal.read(vessel, provenance)?;
     let runs = PooledRuns::new(inputs::labelled_runs(&a.trajectories, vessel, provenance)?, &BTreeMap::new());
-    let parts = runs.segments(None).concat();
+    let parts = runs.parts(None);
     let sums: Vec<Sums> = parts.iter().map(|p| Regression::of(&vessel.model, p).sums()).collect();
     let found = model.parameters(&sums.iter().collect::<Vec<_>>(), MeanRemoval::None);
     found.map(|(theta, _)| theta).ok_or_else(|| {

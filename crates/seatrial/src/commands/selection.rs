@@ -66,7 +66,7 @@ impl Task for Arguments {
         let inputs = self.flags.inputs().chain(&self.design).chain(&self.reference);
         let out = common.main_output("selection.parquet", inputs)?;
         let (runs, pool) = self.flags.read(&vessel, &mut provenance)?;
-        let there = available(&runs.segments(None).concat());
+        let there = available(&runs.parts(None));
         let picks = self.picks.map(u64::from);
         let options = SelectionOptions {
             estimator: self.estimator,

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use artifact::{Provenance, TableWriter, commit_with_document};
+use artifact::{Provenance, TableWriter, Work, commit_with_document};
 use clap::Parser;
 use identification::predictor::InitialState;
 use identification::runs::RunEstimators;
@@ -10,10 +10,10 @@ use identification::{Estimator, MeanRemoval};
 use serde_json::json;
 use study::files::{read_campaign, read_dictionary, read_sequential, read_vessel};
 use study::sequential::{SequentialFile, columns, document};
-use trial::rounds::{self, Row, Trial};
+use trial::rounds::{self, Arm, Row, Trial};
 use vessel::{Invalid, LANES};
 
-use crate::cli::{Common, beside};
+use crate::cli::{Common, beside, budget};
 use crate::failure::Failure;
 use crate::ordered::ordered;
 use crate::progress::Progress;
@@ -62,6 +62,12 @@ impl Task for Arguments {
         let knowledge = config.knowledge(&vessel, seed).map_err(of(&self.config))?;
         let rounds = config.rounds as usize;
         let ends = rounds::ends(&vessel, config.duration_s, rounds).map_err(of(&self.config))?;
+        let rows = f64::from(config.realizations) * (Arm::ALL.len() * rounds) as f64;
+        let found = format!("{} realizations of {rounds} rounds", config.realizations);
+        let remedy = "take fewer `realizations`";
+        let work = Work { file: &self.config, thing: "`realizations`", found: &found, remedy };
+        // Rows are kept for their summary while they are made columns.
+        budget().memory(work, 2.0 * rows * size_of::<Row>() as f64)?;
         let noise = campaign.predictable_noise().map_err(of(&self.campaign))?;
         let sea = campaign.sea(&vessel).map_err(of(&self.vessel))?;
         let estimators = RunEstimators {

@@ -6,7 +6,7 @@ use crate::cli::{Common, Sharding, beside, given};
 use crate::failure::Failure;
 use crate::inputs;
 use crate::plan::MAIN;
-use crate::simulate::{Files, logs, write_campaign, write_maneuvers};
+use crate::simulate::{Files, check_campaign, logs, write_campaign, write_maneuvers};
 use crate::stage::{Summary, Task};
 use artifact::{Provenance, Shard, commit, gather};
 use clap::Parser;
@@ -191,6 +191,9 @@ impl Task for Campaign {
         let config = read_campaign(files.campaign, &mut provenance)?;
         let design: DesignDocument = inputs::document(files.design, "design", &mut provenance)?;
         let settings = settings(&config, &self.sharding, common, &mut provenance);
+        let samples = settings.samples(&vessel).map_err(|e| files.refused(e))?;
+        let runs = settings.runs() / f64::from(self.sharding.shard.map_or(1, |shard| shard.count));
+        check_campaign(files.campaign, runs, samples, &vessel, &out)?;
         let sea = config.sea(&vessel).map_err(|e| Failure::invalid(files.vessel, &e))?;
         let campaign = campaign::Campaign::new(sea, &generator, &design.designed(), &settings);
         let campaign = campaign.map_err(|e| files.refused(e))?;
@@ -216,6 +219,9 @@ impl Task for Plan {
         let segment =
             |(start, maneuver): &(usize, String)| Segment { maneuver: maneuver.clone(), start: *start };
         let segments: Vec<Segment> = track.stretches.iter().map(segment).collect();
+        let samples = track.inputs.len() / vessel.model.inputs;
+        let runs = f64::from(settings.realizations);
+        check_campaign(given(&self.campaign, "campaign")?, runs, samples, &vessel, &out)?;
         let campaign = campaign::Campaign::planned(sea, track.initial, &track.inputs, &segments, &settings);
         let files = Files { vessel: vessel_file, dictionary: plan, campaign: plan, design: plan };
         disturbed(&campaign, &files, &out, &provenance, common)

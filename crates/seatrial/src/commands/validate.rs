@@ -96,7 +96,17 @@ impl Arguments {
             progress.advance(1);
             Ok(own)
         };
-        Made::computed(out, &scores::schema(), provenance, reader.blocks(), score, scores::table)
+        let made = Made::computed(out, &scores::schema(), provenance, reader.blocks(), score, scores::table)?;
+        match scores::doubled(&made.rows) {
+            None => Ok(made),
+            Some(row) => Err(Failure::refuse(
+                file,
+                &format!("design {}, run {}", row.design, row.run),
+                &format!("its estimate by {} twice", row.estimator),
+                "every estimate once",
+                "estimate again",
+            )),
+        }
     }
 }
 

@@ -2,20 +2,23 @@
 //!
 //! CSV is decoded by [`logs`], which needs no more than bytes; Parquet here, for the sciences know no tables.
 
+use std::cell::RefCell;
 use std::fs::File;
 use std::io::{BufRead, BufReader, ErrorKind};
 use std::path::Path;
+use std::sync::Arc;
 
-use artifact::{Digest, Error, ForeignTable};
+use artifact::{Error, ForeignTable};
 use flate2::read::MultiGzDecoder;
 use logs::{
-    Cells, Columns, CsvError, Log, Plan, Recorded, Segmentation, Source, Wanted, places, read_csv, record,
+    Cells, Columns, Content, CsvError, Log, Plan, Recorded, Segmentation, Source, Wanted, no_date, places,
+    read_csv, record, seconds_of,
 };
 use refusal::Invalid;
 
 use crate::failure::Failure;
 
-/// Reads the files of `source`, which stand in `folder`, and makes runs of them; also the files' digests.
+/// Reads the files of `source`, which stand in `folder`, and makes runs of them.
 ///
 /// # Errors
 /// Files that cannot be read; what [`read_csv`], [`Log::new`] and [`record`] refuse.
@@ -24,25 +27,20 @@ pub fn recorded(
     segmentation: &Segmentation,
     folder: &Path,
     source: &Source,
-) -> Result<(Recorded, Vec<(String, Digest)>), Failure> {
+) -> Result<Recorded, Failure> {
     let mut logs = Vec::with_capacity(source.files.len());
-    let mut digests = Vec::with_capacity(source.files.len());
     for (group, name) in source.files.iter().enumerate() {
         let path = folder.join(name);
-        let columns = columns(&path, plan, group)?;
-        let log = Log::new(&columns, group, plan);
+        let log = Log::new(columns(&path, plan, group)?, group, plan);
         logs.push(log.map_err(|e| Failure::invalid(&path, &e))?);
-        digests.push((format!("log:{name}"), Digest::of_file(&path)?));
     }
-    let recorded = record(source, logs, plan, segmentation)
-        .map_err(|e| Failure::invalid(&folder.join(&source.files[0]), &e))?;
-    Ok((recorded, digests))
+    record(source, logs, plan, segmentation).map_err(|e| Failure::invalid(&folder.join(&source.files[0]), &e))
 }
 
 fn columns(path: &Path, plan: &Plan, group: usize) -> Result<Columns, Failure> {
     let extension = path.extension().and_then(|extension| extension.to_str());
     if let Some("parquet" | "parq" | "pq") = extension {
-        return parquet(path, &plan.wanted(group));
+        return parquet(path, plan, group);
     }
     const BUFFER: usize = 1 << 18;
     let file = File::open(path).map_err(|e| Error::io(path, "read", e))?;
@@ -68,25 +66,48 @@ fn damaged(error: &std::io::Error) -> Invalid {
     Invalid::new("file", found, "a whole gzip file", "the file is truncated or damaged: copy it again")
 }
 
-fn parquet(path: &Path, wanted: &[Wanted]) -> Result<Columns, Failure> {
-    let table = ForeignTable::open(path)?;
-    places(table.columns(), wanted).map_err(|e| Failure::invalid(path, &e))?;
+fn parquet(path: &Path, plan: &Plan, group: usize) -> Result<Columns, Failure> {
+    let (table, wanted) = (ForeignTable::open(path)?, plan.wanted(group));
+    let refused = |invalid| Failure::invalid(path, &invalid);
+    places(table.columns(), &wanted).map_err(refused)?;
+    if table.rows() > plan.most_rows {
+        return Err(refused(plan.too_many_rows(table.rows())));
+    }
     let column = |w: &Wanted| {
-        Ok::<_, Failure>(match w.text {
-            true => Cells::Texts(texts(&table, &w.column)?),
-            false => Cells::Numbers(table.numbers(&w.column)?),
+        Ok::<_, Failure>(match w.content {
+            Content::Labels => Cells::Labels(labels(&table, &w.column)?),
+            Content::Dates => Cells::Numbers(dates(path, &table, &w.column, plan)?),
+            Content::Numbers => Cells::Numbers(table.numbers(&w.column)?),
         })
     };
     let cells = wanted.iter().map(column).collect::<Result<_, _>>()?;
-    Ok(Columns { cells, lines: (1..=table.rows()).collect(), empty_rows: 0, cut_rows: 0 })
+    Ok(Columns { cells, lines: (1..=table.rows() as u32).collect(), empty_rows: 0, cut_rows: 0 })
 }
 
-/// Texts, or numbers as text: labels may be either.
-fn texts(table: &ForeignTable, column: &str) -> Result<Vec<String>, Failure> {
-    let refused = match table.texts(column) {
+fn labels(table: &ForeignTable, column: &str) -> Result<Vec<Arc<str>>, Failure> {
+    let last = RefCell::new(Arc::<str>::from(""));
+    texts(table, column, |text| {
+        let mut last = last.borrow_mut();
+        if **last != *text {
+            *last = Arc::from(text);
+        }
+        Arc::clone(&last)
+    })
+}
+
+fn dates(path: &Path, table: &ForeignTable, column: &str, plan: &Plan) -> Result<Vec<f64>, Failure> {
+    let seconds = texts(table, column, |text| seconds_of(text).unwrap_or(f64::INFINITY))?;
+    let Some(row) = seconds.iter().position(|s| s.is_infinite()) else { return Ok(seconds) };
+    let found = &texts(table, column, str::to_owned)?[row];
+    Err(Failure::invalid(path, &no_date(row + 1, column, found, plan.setup.written_in)))
+}
+
+/// What `made` makes of texts, or of numbers as text: labels may be either.
+fn texts<V: Clone>(table: &ForeignTable, column: &str, made: impl Fn(&str) -> V) -> Result<Vec<V>, Failure> {
+    let refused = match table.texts(column, &made) {
         Ok(texts) => return Ok(texts),
         Err(refused) => refused,
     };
-    let label = |n: &f64| if n.is_finite() { n.to_string() } else { String::new() };
+    let label = |n: &f64| made(&if n.is_finite() { n.to_string() } else { String::new() });
     table.numbers(column).map(|numbers| numbers.iter().map(label).collect()).map_err(|_| refused.into())
 }

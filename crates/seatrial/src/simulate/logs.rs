@@ -2,13 +2,13 @@
 
 use std::path::Path;
 
-use artifact::{Provenance, Staged, commit, stage_set_document};
+use artifact::{Provenance, Staged, Work, commit, stage_set_document};
 use logs::chain::{Entry, Fault, Logbook, NoLogs, force_factors};
 use study::documents::SimulatedLogsDocument;
 use study::logs_file::LogsFile;
 use vessel::{Generator, Source, Vessel};
 
-use crate::cli::{folder_of, in_folder};
+use crate::cli::{budget, folder_of, in_folder};
 use crate::failure::Failure;
 
 /// The hand-written files, for messages.
@@ -35,6 +35,7 @@ pub fn simulate(
 ) -> Result<Vec<Entry>, Failure> {
     let names: Vec<&str> = generator.maneuvers().iter().map(|m| m.name.as_str()).collect();
     config.check(&names, vessel.sample_rate_hz).map_err(|e| Failure::invalid(files.logs, &e))?;
+    check_room(files.logs, config, &names, vessel.sample_rate_hz)?;
     let parameters = vessel.parameters(Source::Value).map_err(|e| Failure::invalid(files.vessel, &e))?;
     let entries = || {
         let chain = config.chain(vessel, &parameters, force_factors(vessel)?);
@@ -48,6 +49,16 @@ pub fn simulate(
         };
         Failure::invalid(file, &what)
     })
+}
+
+/// Refuses logs that do not fit into memory, where all of them are until they are written.
+fn check_room(file: &Path, config: &LogsFile, maneuvers: &[&str], rate_hz: f64) -> Result<(), Failure> {
+    /// Characters of a cell with its separator.
+    const CELL: f64 = 14.0;
+    let rows = config.rows(maneuvers, rate_hz);
+    let cells = rows * (4 + 2 * config.thruster.len()) as f64;
+    let (found, remedy) = (format!("logs of {rows} rows"), "take fewer `repeats` or `samples`");
+    Ok(budget().memory(Work { file, thing: "`repeats`", found: &found, remedy }, CELL * cells)?)
 }
 
 /// Writes the logs and, beside them, `out`: all or nothing.

@@ -5,11 +5,12 @@ pub mod logs;
 use std::ops::Range;
 use std::path::Path;
 
-use artifact::{EncodedBlock, Provenance, Shard, TableWriter, commit, encode_block};
-use study::trajectories::{BlockBuilder, Layout, rows_per_block};
+use artifact::{EncodedBlock, Provenance, Shard, TableWriter, Work, commit, encode_block};
+use study::trajectories::{BlockBuilder, LEAST_ROW_BYTES, Layout, rows_per_block};
 use trial::campaign::{Campaign, Maneuvers, Refusal, SimulatedRun, Tally};
 use vessel::Vessel;
 
+use crate::cli::{budget, folder_of};
 use crate::failure::Failure;
 use crate::ordered::ordered;
 use crate::progress::Progress;
@@ -53,6 +54,35 @@ impl Files<'_> {
     }
 }
 
+/// Refuses `work` that simulates `rows` rows, every thread at most `block` at a time, and writes at least `written` of them,
+/// where they do not fit into memory or folder.
+fn check_room(
+    work: Work,
+    [rows, block, written]: [f64; 3],
+    vessel: &Vessel,
+    out: &Path,
+) -> Result<(), Failure> {
+    budget().disk(work, folder_of(out), written * LEAST_ROW_BYTES)?;
+    let at_once = rows.min(block * rayon::current_num_threads() as f64);
+    Ok(budget().memory(work, at_once * Layout::new(&vessel.model).working_bytes())?)
+}
+
+/// Refuses a campaign of `runs` runs of `samples` samples that `file` asks for, where they do not fit.
+pub fn check_campaign(
+    file: &Path,
+    runs: f64,
+    samples: usize,
+    vessel: &Vessel,
+    out: &Path,
+) -> Result<(), Failure> {
+    let rows = runs * (samples as f64 + 1.0);
+    let found = format!("{runs} runs of {samples} samples");
+    let remedy = "take fewer `realizations` or a shorter `duration_s`";
+    let work = Work { file, thing: "`realizations`", found: &found, remedy };
+    let block = rows_per_block(samples) as f64 * (samples as f64 + 1.0);
+    check_room(work, [rows, block, rows], vessel, out)
+}
+
 /// Maneuvers per block.
 const BLOCK: usize = 64;
 
@@ -67,8 +97,9 @@ pub fn write_maneuvers(
     provenance: &Provenance,
     quiet: bool,
 ) -> Result<Tally, Failure> {
-    let (layout, mut writer) = writer(out, maneuvers.vessel(), provenance)?;
     let count = maneuvers.count();
+    check_maneuvers(maneuvers, files, out)?;
+    let (layout, mut writer) = writer(out, maneuvers.vessel(), provenance)?;
     let progress = Progress::new("maneuvers", count, quiet);
     let mut tally = Tally::default();
     let work = |block: usize| {
@@ -85,6 +116,20 @@ pub fn write_maneuvers(
     tally.check().map_err(|e| Failure::invalid(files.dictionary, &e))?;
     commit(vec![writer.finish()?])?;
     Ok(tally)
+}
+
+/// Refuses maneuvers whose runs do not fit into memory or folder.
+fn check_maneuvers(maneuvers: &Maneuvers, files: &Files, out: &Path) -> Result<(), Failure> {
+    let (mut all, mut written, mut block) = (0, 0, 0);
+    for start in (0..maneuvers.count()).step_by(BLOCK) {
+        let rows = maneuvers.rows(start..maneuvers.count().min(start + BLOCK));
+        let [own, own_written] = rows.map_err(|e| files.refused(e))?;
+        (all, written, block) = (all + own, written + own_written, block.max(own));
+    }
+    let found = format!("{} maneuvers of {all} rows", maneuvers.count());
+    let remedy = "shorten maneuvers or take fewer";
+    let work = Work { file: files.dictionary, thing: "`duration_s`", found: &found, remedy };
+    check_room(work, [all as f64, block as f64, written as f64], maneuvers.vessel(), out)
 }
 
 /// Simulates the runs of `shard` (or all) into `out`.

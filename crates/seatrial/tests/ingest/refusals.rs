@@ -1,7 +1,14 @@
 //! What is refused: one line that names file, thing, found, expected and remedy; nothing is written.
 
 use std::fs;
+use std::io::Write;
 use std::path::Path;
+use std::sync::Arc;
+
+use parquet::basic::{Repetition, Type as Physical};
+use parquet::data_type::DoubleType;
+use parquet::file::writer::SerializedFileWriter;
+use parquet::schema::types::Type;
 
 use crate::runner::*;
 
@@ -89,7 +96,7 @@ fn files_without_rows_or_overlap_are_refused() {
     let never = "t,u,v,r,n\n0,1,,1,1\n1,1,nan,1,1\n";
     refused(&config(""), never, &["run `a`", "no value in channel `y_v`"]);
     let jump = "t,u,v,r,n\n0,1,1,1,1\n1600000000,1,1,1,1\n1600000001,1,1,1,1\n";
-    refused(&config(""), jump, &["run `a`", "more than 100000000 rows"]);
+    refused(&config(""), jump, &["run `a`", "at most 100000000 rows"]);
     refused(&config("min_s = 100"), &log(5), &["sub-experiments", "none of 1 recordings", "`min_s`"]);
 }
 
@@ -273,4 +280,68 @@ fn units_that_the_motion_contradicts_are_refused() {
     let (text, csv) = turning(0.1, 1.0, 1.0, 1.0);
     let text = text.replace("channel = \"psi\"\nunit = \"rad\"", "channel = \"psi\"\nunit = \"deg\"");
     refused(&text, &csv, &["column `psi`", "a turn in rad", "angles in deg", "`unit = \"rad\"`"]);
+}
+
+#[test]
+fn a_line_without_end_is_refused_however_small_its_file() {
+    let folder = folder(&[("ingest.toml", &config("").replace("*.csv", "*.csv.gz"))]);
+    let file = fs::File::create(folder.path().join("a.csv.gz")).unwrap();
+    let mut file = flate2::write::GzEncoder::new(file, flate2::Compression::fast());
+    let cells = vec![b'1'; 1 << 20];
+    (0..64).for_each(|_| file.write_all(&cells).unwrap());
+    file.finish().unwrap();
+    let pieces = ["a.csv.gz", "line 1", "1048576 bytes without an end", "no CSV"];
+    refused_in(folder.path(), &["--memory-mib", "256"], &pieces);
+}
+
+#[test]
+fn more_rows_than_the_memory_holds_are_refused() {
+    let text = config("");
+    let made = folder(&[("ingest.toml", &text), ("a.csv", &log(20_000))]);
+    refused_in(made.path(), &["--memory-mib", "1"], &["a.csv", "rows", "at most", "raise --memory-mib"]);
+    // A clock that jumps from its start to the time of day in seconds since 1970.
+    let jumps = log(3).replace("\n2,", "\n1700000000,");
+    let made = folder(&[("ingest.toml", &text), ("a.csv", &jumps)]);
+    let pieces = ["a.csv", "run `a`", "1700000002 rows", "check the clocks for jumps"];
+    refused_in(made.path(), &["--memory-mib", "512"], &pieces);
+}
+
+#[test]
+fn a_small_parquet_file_of_very_many_rows_is_refused() {
+    let text = config("").replace("*.csv", "*.parquet");
+    let folder = folder(&[("ingest.toml", &text)]);
+    let file = folder.path().join("a.parquet");
+    constant(&file, &["t", "u", "v", "r", "n"], 600_000);
+    assert!(fs::metadata(file).unwrap().len() < 1 << 16);
+    let pieces = ["a.parquet", "rows: found 600000", "at most", "raise --memory-mib"];
+    refused_in(folder.path(), &["--memory-mib", "64"], &pieces);
+}
+
+/// Writes a Parquet file of `rows` rows of zeros.
+fn constant(path: &Path, columns: &[&str], rows: usize) {
+    let field = |name: &&str| {
+        let kind = Type::primitive_type_builder(name, Physical::DOUBLE);
+        Arc::new(kind.with_repetition(Repetition::REQUIRED).build().unwrap())
+    };
+    let fields = columns.iter().map(field).collect();
+    let root = Type::group_type_builder("schema").with_fields(fields).build().unwrap();
+    let file = fs::File::create(path).unwrap();
+    let mut writer = SerializedFileWriter::new(file, Arc::new(root), Arc::default()).unwrap();
+    let mut group = writer.next_row_group().unwrap();
+    while let Some(mut column) = group.next_column().unwrap() {
+        column.typed::<DoubleType>().write_batch(&vec![0.0; rows], None, None).unwrap();
+        column.close().unwrap();
+    }
+    group.close().unwrap();
+    writer.close().unwrap();
+}
+
+#[test]
+fn a_thruster_whose_speed_is_none_is_refused() {
+    let thruster =
+        "[[thruster]]\nkind = \"tunnel\"\nspeed = \"y_u\"\ncoefficient = 0.05\nposition_m = [2.0, 0.0]\n";
+    let pieces = ["ingest.toml", "unit of channel `y_u`", "found `m/s`", "converts to 1/s, for a thruster"];
+    refused(&(config("") + thruster), &log(5), &pieces);
+    let azimuth = thruster.replace("tunnel", "azimuth").replace("\"y_u\"", "\"n\"\nangle = \"y_u\"");
+    refused(&(config("") + &azimuth), &log(5), &["unit of channel `y_u`", "converts to rad"]);
 }

@@ -54,6 +54,14 @@ fn numbers_without_meaning_are_refused() {
 }
 
 #[test]
+fn logs_that_do_not_fit_into_memory_are_refused() {
+    let folder = small();
+    edit(&folder, "logs.toml", "repeats = 2", "repeats = 100000");
+    let pieces = ["logs.toml", "`repeats`", "GiB of memory", "256 MiB of --memory-mib"];
+    refused(&folder, 3, &format!("{LOGS} --memory-mib 256"), &pieces);
+}
+
+#[test]
 fn a_vessel_without_the_forces_of_azimuth_thrusters_is_refused() {
     let folder = small();
     let vessel = std::fs::read_to_string(repository().join("pipelines/paper/vessel.toml")).unwrap();

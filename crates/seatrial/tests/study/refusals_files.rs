@@ -61,6 +61,83 @@ fn values_that_are_not_finite_are_refused_with_column_and_row() {
 }
 
 #[test]
+fn runs_of_one_number_are_refused_whichever_blocks_they_stand_in() {
+    let folder = with(&["campaign.parquet", "estimates.parquet", "validation.parquet"]);
+    rewrite(&folder, "campaign.parquet", |mut table| {
+        let again = craft::read(&folder.path().join("campaign.parquet"), "trajectories");
+        table.blocks.extend(again.blocks);
+        table
+    });
+    // Of which design depends on which blocks are read first.
+    let pieces = ["campaign.parquet: design ", ", run 0: found it twice, from rows "];
+    refused(&folder, 3, ESTIMATE, &pieces);
+    let path = folder.path().join("estimates.parquet");
+    let (mut table, again) = (craft::read(&path, "estimates"), craft::read(&path, "estimates"));
+    table.blocks.extend(again.blocks);
+    table.write(&path);
+    fs::remove_file(folder.path().join("estimate.json")).ok();
+    let pieces = ["estimates.parquet", "design optimized, run 0", "its estimate by iv twice"];
+    refused(&folder, 3, VALIDATE, &pieces);
+}
+
+#[test]
+fn a_table_without_rows_is_refused() {
+    let folder = with(&["dictionary.parquet"]);
+    rewrite(&folder, "dictionary.parquet", |mut table| {
+        table.blocks.clear();
+        table
+    });
+    refused(&folder, 3, MOMENTS, &["dictionary.parquet", "rows: found none", "at least one run"]);
+}
+
+#[test]
+fn shards_without_a_seal_are_read_before_they_are_copied() {
+    let folder = with(&["design.json"]);
+    for k in [1, 2] {
+        let name = format!("part-{k}.parquet");
+        run(&folder, &format!("{CAMPAIGN} --shard {k}/2").replace("campaign.parquet", &name)).succeeds();
+        let path = folder.path().join(&name);
+        let value = if k == 1 { 0.5 } else { f64::NAN };
+        craft::read(&path, "trajectories").write_foreign(&path, "y_u", 3, value);
+    }
+    let line = "simulate campaign --gather part-1.parquet part-2.parquet --out all.parquet";
+    refused(&folder, 3, line, &["part-2.parquet", "column `y_u`, row 3", "found NaN"]);
+}
+
+#[test]
+fn what_a_document_says_twice_or_without_keys_is_refused() {
+    let changed = |from: &str, to: &str| {
+        let folder = with(&["design.json"]);
+        craft::unsealed(&folder.path().join("design.json"), from, to);
+        folder
+    };
+    let twice = changed("\"shares\": {", "\"shares\": {\"accelerate\": 0.0,");
+    refused(&twice, 3, CAMPAIGN, &["design.json", "key `accelerate` twice", "every key once"]);
+    let list = changed("\"efficiency\": {", "\"efficiency\": [1.0, {}], \"old\": {");
+    refused(&list, 3, CAMPAIGN, &["design.json", "found a list", "keys with values"]);
+}
+
+#[test]
+fn shares_that_are_none_are_refused_by_every_reader() {
+    let selection = "validate selection --vessel vessel.toml --trajectories dictionary.parquet --design design.json \
+        --picks 3 --out s.parquet";
+    let changed = |change: &dyn Fn(f64) -> f64, pieces: &[&str]| {
+        let folder = with(&["design.json", "dictionary.parquet"]);
+        let mut design = json(&folder, "design.json");
+        design["seal"] = serde_json::Value::Null;
+        let shares = design["data"]["shares"].as_object_mut().unwrap();
+        shares.values_mut().for_each(|share| *share = change(share.as_f64().unwrap()).into());
+        put(&folder, "design.json", &design.to_string());
+        for line in [CAMPAIGN, selection] {
+            refused(&folder, 3, line, &[&["design.json", "`data.shares`"], pieces].concat());
+        }
+    };
+    changed(&|share| if share == 0.0 { -5.0 } else { share }, &["found -5", "a share from 0 to 1"]);
+    changed(&|share| 7.0 * share, &["a share from 0 to 1"]);
+    changed(&|share| 0.5 * share, &["sum of `data.shares`", "found 0.5", "expected 1;"]);
+}
+
+#[test]
 fn an_unsealed_table_of_another_program_is_read() {
     let folder = with(&["dictionary.parquet"]);
     let path = folder.path().join("dictionary.parquet");

@@ -66,6 +66,33 @@ fn numbers_that_are_not_finite_are_refused() {
 }
 
 #[test]
+fn a_list_where_keys_belong_is_refused() {
+    for (table, list) in
+        [("[measurement]", "measurement = [0.1, 0.1, 0.1]"), ("[current]", "current = [\"white\", 0.1]")]
+    {
+        let folder = with(&["design.json"]);
+        let text = std::fs::read_to_string(folder.path().join("campaign.toml")).unwrap();
+        let (before, after) = text.split_once(table).unwrap();
+        let rest = after.split_once("\n[").unwrap().1;
+        put(&folder, "campaign.toml", &format!("{list}\n{before}[{rest}"));
+        refused(&folder, 3, CAMPAIGN, &["campaign.toml", "found a list (line 1)", "keys with values"]);
+    }
+    let list = "kind = \"combined\"\nspeed_m_s = [\"sine\", 0.5]";
+    let folder = with(&[]);
+    put(&folder, "dictionary.toml", &format!("duration_s = 9.0\n[[maneuver]]\nname = \"a\"\n{list}\n"));
+    refused(&folder, 3, DICTIONARY, &["dictionary.toml", "found a list", "maneuver `a`"]);
+}
+
+#[test]
+fn speeds_that_no_ship_has_are_refused() {
+    let pieces = ["`zig-zag-slow-flat`, `speed_m_s`", "found 350", "from -100 to 100 m/s"];
+    edited("dictionary.toml", "speed_m_s = 0.35", "speed_m_s = 350.0", DICTIONARY, &pieces);
+    let pieces = ["telegraph", "`yaw_rate_amplitude_rad_s`", "found 30", "from -10 to 10 rad/s"];
+    let (from, to) = ("yaw_rate_amplitude_rad_s = 0.3", "yaw_rate_amplitude_rad_s = 30.0");
+    edited("campaign.toml", from, to, VALIDATION, &pieces);
+}
+
+#[test]
 fn cells_of_an_inputs_file_that_are_not_finite_are_refused_with_line_and_column() {
     for cell in ["nan", "inf", "-Infinity", "", "fast"] {
         let folder = with(&[]);

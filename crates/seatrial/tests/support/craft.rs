@@ -83,7 +83,7 @@ impl Whole {
         let columns: Vec<Value> = self.schema.columns.iter().map(entry).collect();
         let envelope = json!({
             "schema": format!("{}/{}", self.schema.id, self.schema.version), "producer": "another program",
-            "seal": null, "inputs": {}, "settings": {}, "columns": columns,
+            "seal": null, "inputs": {}, "settings": {}, "columns": columns, "shard": self.provenance.shard,
         });
         let keys = vec![KeyValue::new("seatrial".to_owned(), envelope.to_string())];
         let properties = WriterProperties::builder().set_key_value_metadata(Some(keys)).build();
@@ -164,6 +164,15 @@ pub fn patch(path: &Path, from: &str, to: &str) {
     let seal = Digest::of_bytes(&bytes).hex();
     bytes[digits..digits + 64].copy_from_slice(seal.as_bytes());
     fs::write(path, bytes).unwrap();
+}
+
+/// Replaces `from` by `to` in the text of a document, and takes its seal away.
+pub fn unsealed(path: &Path, from: &str, to: &str) {
+    let text = fs::read_to_string(path).unwrap();
+    let at = text.find("\"seal\": ").unwrap() + "\"seal\": ".len();
+    let text = text[..at].to_owned() + "null" + &text[at + text[at..].find(',').unwrap()..];
+    assert!(text.contains(from), "no `{from}` in the file");
+    fs::write(path, text.replacen(from, to, 1)).unwrap();
 }
 
 fn find(bytes: &[u8], text: &str) -> usize {

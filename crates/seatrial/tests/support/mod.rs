@@ -226,6 +226,14 @@ pub fn run_on_full_disk(folder: &TempDir, line: &str) -> Ran {
     finish(folder, line, command)
 }
 
+/// Runs a command line in 4 GiB of address space: what asks for more is told so, or aborts.
+pub fn run_in_little_memory(folder: &TempDir, line: &str) -> Ran {
+    let mut command = Command::new("sh");
+    command.args(["-c", "ulimit -v 4194304; exec \"$0\" \"$@\""]);
+    command.arg(SEATRIAL).args(line.split_whitespace());
+    finish(folder, line, command)
+}
+
 fn finish(folder: &TempDir, line: &str, mut command: Command) -> Ran {
     let output = command.current_dir(folder).env("RUST_BACKTRACE", "0").output().unwrap();
     let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
@@ -262,8 +270,9 @@ pub fn refused(folder: &TempDir, code: i32, line: &str, pieces: &[&str]) {
     }
 }
 
-/// `label: done of all`.
+/// `label: done of all, about n s left`.
 fn is_progress(line: &str) -> bool {
-    let counts = line.rsplit_once(": ").and_then(|(_, counts)| counts.split_once(" of "));
+    let counted = line.split_once(", about ").map_or(line, |(counted, _)| counted);
+    let counts = counted.rsplit_once(": ").and_then(|(_, counts)| counts.split_once(" of "));
     counts.is_some_and(|(done, all)| [done, all].iter().all(|n| n.parse::<u64>().is_ok()))
 }

@@ -3,9 +3,10 @@ use std::collections::BTreeMap;
 use artifact::{Document, Units};
 use design::{AccuracyOf, CriterionName, Method};
 use identification::{Estimator, MeanRemoval};
+use refusal::{Invalid, check_numbers};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use trial::campaign::Designed;
+use trial::campaign::{Designed, check_shares};
 
 use super::design_status::DesignStatus;
 use super::titles;
@@ -229,4 +230,17 @@ impl Document for DesignDocument {
         ("1", "counts segments segment_samples efficiency samples wanted reached"),
         ("s", "minimal_s duration_s"),
     ];
+
+    fn check(&self) -> Result<(), Invalid> {
+        check_shares(&self.shares)?;
+        let available = self.available.iter().flatten();
+        let available = available.map(|(name, share)| (format!("data.available.{name}"), *share));
+        check_numbers(available, "a share from 0 to 1", |share| (0.0..=1.0 + 1e-9).contains(&share))?;
+        let times = [
+            ("data.accuracy.duration_s", self.accuracy.as_ref().map(|accuracy| accuracy.duration_s)),
+            ("data.restricted.minimal_s", self.restricted.as_ref().and_then(|r| r.minimal_s)),
+        ];
+        let times = times.into_iter().filter_map(|(key, time)| Some((key, time?)));
+        check_numbers(times, "a time above 0 s", |time| time > 0.0)
+    }
 }

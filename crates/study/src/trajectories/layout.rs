@@ -6,6 +6,10 @@ pub const ID: &str = "trajectories";
 /// Version of the schema.
 pub const VERSION: u32 = 1;
 
+/// Bytes that a row of simulated runs takes in a file at least: its states, as they are and as measured, and its pose, which
+/// no compression makes much smaller.
+pub const LEAST_ROW_BYTES: f64 = 72.0;
+
 /// The columns of trajectories of one vessel.
 #[derive(Clone, Debug)]
 pub struct Layout {
@@ -17,6 +21,16 @@ impl Layout {
     /// The columns for `model`.
     pub fn new(model: &Model) -> Self {
         Self { exogenous: model.variables[3..].iter().map(|v| (v.name.clone(), v.unit.clone())).collect() }
+    }
+
+    /// Bytes of memory that a row takes while runs are simulated and their block is encoded.
+    pub fn working_bytes(&self) -> f64 {
+        8.0 * (3 * self.exogenous.len() + 24) as f64
+    }
+
+    /// Bytes of memory that a sample of a run takes once it is read.
+    pub fn run_bytes(&self) -> f64 {
+        8.0 * (self.exogenous.len() + 3) as f64
     }
 
     /// The whole table, as simulated.

@@ -1,4 +1,6 @@
+use std::collections::HashMap;
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
 
 use artifact::{Column, Digest, Provenance, Shard, Table, TableReader};
 
@@ -15,6 +17,8 @@ pub struct TrajectoryReader {
     width: usize,
     truth: bool,
     rate_hz: f64,
+    /// Of every run that was read, by design and number, its first row.
+    known: Mutex<HashMap<String, HashMap<i32, usize>>>,
 }
 
 impl TrajectoryReader {
@@ -32,12 +36,19 @@ impl TrajectoryReader {
             columns.extend(["u", "v", "r"].map(str::to_owned));
         }
         let width = layout.exogenous.len();
-        Ok(Self { table, path: path.to_owned(), columns, width, truth, rate_hz })
+        let known = Mutex::default();
+        Ok(Self { table, path: path.to_owned(), columns, width, truth, rate_hz, known })
     }
 
     /// Number of blocks.
     pub fn blocks(&self) -> usize {
         self.table.blocks()
+    }
+
+    /// Number of rows, and of those in the largest block.
+    pub fn rows(&self) -> (usize, usize) {
+        let largest = (0..self.blocks()).map(|i| self.table.block_rows(i)).max();
+        (self.table.rows(), largest.unwrap_or(0))
     }
 
     /// Whether the file has the true states, and with them the state that a run starts from.
@@ -69,7 +80,8 @@ impl TrajectoryReader {
     /// The runs of block `i`.
     ///
     /// # Errors
-    /// A run that is cut at the block's edge, samples out of order, an absent value, another sampling rate.
+    /// A run that is cut at the block's edge or has the number of another, samples out of order, an absent value, another
+    /// sampling rate.
     pub fn runs(&self, i: usize) -> Result<Vec<Run>, Error> {
         let names: Vec<&str> = self.columns.iter().map(String::as_str).collect();
         let table = self.table.read_block(i, &names)?;
@@ -79,7 +91,9 @@ impl TrajectoryReader {
         let mut start = 0;
         while start < block.rows() {
             let end = block.end_of_run(start);
-            runs.push(block.run(start, end, first_row)?);
+            let run = block.run(start, end, first_row)?;
+            self.refuse_doubled(&run, first_row + start)?;
+            runs.push(run);
             start = end;
         }
         Ok(runs)
@@ -209,6 +223,25 @@ impl<'a> Block<'a> {
 }
 
 impl TrajectoryReader {
+    /// Refuses `run`, which begins at `row`, where another of its design has its number.
+    fn refuse_doubled(&self, run: &Run, row: usize) -> Result<(), Error> {
+        let mut known = self.known.lock().unwrap_or_else(PoisonError::into_inner);
+        let of_design = match known.get_mut(&run.design) {
+            Some(runs) => runs,
+            None => known.entry(run.design.clone()).or_default(),
+        };
+        let other = *of_design.entry(run.run).or_insert(row);
+        if other == row {
+            return Ok(());
+        }
+        Err(self.refuse(
+            &format!("design {}, run {}", run.design, run.run),
+            &format!("it twice, from rows {} and {} on", other.min(row), other.max(row)),
+            "one run of a design and number",
+            "number the runs anew, or remove one of them",
+        ))
+    }
+
     fn refuse(&self, thing: &str, found: &str, expected: &str, remedy: &str) -> Error {
         crate::refuse(&self.path, thing, found, expected, remedy)
     }

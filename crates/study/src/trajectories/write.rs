@@ -68,9 +68,9 @@ impl MeasuredBlock {
         self.rows.len() == 0
     }
 
-    /// Appends a run and its `further` channels, each with N + 1 values.
-    pub fn push(&mut self, run: &Run, further: &[Vec<f64>]) {
-        self.rows.push(run);
+    /// Appends a run and its `further` channels, each with N + 1 values. Takes them: a long run is most of the memory.
+    pub fn push(&mut self, run: Run, further: Vec<Vec<f64>>) {
+        self.rows.push(&run);
         self.further.iter_mut().zip(further).for_each(|(column, values)| column.extend(values));
     }
 

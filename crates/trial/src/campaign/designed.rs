@@ -58,7 +58,7 @@ impl Designed {
         if let Some(unknown) = self.shares.keys().find(|name| !names.contains(name)) {
             return Err(Refusal::UnknownManeuver { name: unknown.clone(), ordered: false });
         }
-        self.check_shares().map_err(Refusal::Design)?;
+        check_shares(&self.shares).map_err(Refusal::Design)?;
         if let Some(order) = &self.order {
             return ordered(order, names, samples);
         }
@@ -70,17 +70,21 @@ impl Designed {
         let counts = apportion(&shares, samples as u64).into_iter().enumerate();
         Ok(counts.filter(|(_, n)| *n > 0).map(|(q, n)| (q, n as usize)).collect())
     }
+}
 
-    fn check_shares(&self) -> Result<(), Invalid> {
-        let refuse = |thing: String, found: f64, expected: &str| {
-            Err(Invalid::new(thing, found.to_string(), expected, "make the design again"))
-        };
-        if let Some((name, share)) = self.shares.iter().find(|(_, share)| !(0.0..=1.0).contains(*share)) {
-            return refuse(format!("`data.shares` of `{name}`"), *share, "a share from 0 to 1");
-        }
-        let sum = self.shares.values().fold(0.0, |sum, share| sum + share);
-        if (sum - 1.0).abs() > 1e-6 { refuse("sum of `data.shares`".into(), sum, "1") } else { Ok(()) }
+/// Refuses shares that are none, or not of a whole.
+///
+/// # Errors
+/// Names the share.
+pub fn check_shares(shares: &BTreeMap<String, f64>) -> Result<(), Invalid> {
+    let refuse = |thing: String, found: f64, expected: &str| {
+        Err(Invalid::new(thing, found.to_string(), expected, "make the design again"))
+    };
+    if let Some((name, share)) = shares.iter().find(|(_, share)| !(0.0..=1.0).contains(*share)) {
+        return refuse(format!("`data.shares` of `{name}`"), *share, "a share from 0 to 1");
     }
+    let sum = shares.values().fold(0.0, |sum, share| sum + share);
+    if (sum - 1.0).abs() > 1e-6 { refuse("sum of `data.shares`".into(), sum, "1") } else { Ok(()) }
 }
 
 /// The design's own order and lengths.

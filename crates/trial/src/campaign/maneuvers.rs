@@ -1,8 +1,7 @@
 use std::ops::Range;
 
 use vessel::{
-    Exceeded, Generator, Invalid, Realized, Run, Segment, Source, Vessel, check_diverged, refuse_endless,
-    simulate_one,
+    Exceeded, Generator, Invalid, Realized, Run, Segment, Source, Vessel, check_diverged, simulate_one,
 };
 
 use super::Refusal;
@@ -40,6 +39,17 @@ impl<'a> Maneuvers<'a> {
     /// Number of maneuvers, with generated ones that will be left out.
     pub fn count(&self) -> usize {
         self.generator.maneuvers().len()
+    }
+
+    /// Rows of maneuvers `indices`: of all, and of those among them that no limit leaves out.
+    ///
+    /// # Errors
+    /// A maneuver of zero samples, or without end.
+    pub fn rows(&self, indices: Range<usize>) -> Result<[usize; 2], Refusal> {
+        indices.into_iter().try_fold([0, 0], |[all, written], index| {
+            let rows = self.generator.samples(index).map_err(Refusal::Dictionary)? + 1;
+            Ok([all + rows, written + if self.generator.limits(index).is_some() { 0 } else { rows }])
+        })
     }
 
     /// Simulates maneuvers `indices`, each from its own initial state, but generated ones that exceed their limits.
@@ -113,10 +123,6 @@ pub enum Judged {
 pub fn judge(vessel: &Vessel, generator: &Generator, index: usize) -> Result<Judged, Invalid> {
     let samples = generator.samples(index)?;
     let limits = generator.limits(index);
-    if limits.is_none() {
-        let name = &generator.maneuvers()[index].name;
-        refuse_endless(format!("maneuver `{name}`, `duration_s`"), samples)?;
-    }
     let Realized { initial, inputs } = match generator.realize(index, samples) {
         Err(_) if limits.is_some() => return Ok(Judged::Unsteady),
         realized => realized?,

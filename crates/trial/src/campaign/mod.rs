@@ -8,7 +8,7 @@ mod sea;
 mod tally;
 
 pub(crate) use designed::Parts;
-pub use designed::{Designed, Plan};
+pub use designed::{Designed, Plan, check_shares};
 pub use maneuvers::{Judged, Maneuvers, judge};
 pub(crate) use realizations::even_lengths;
 pub use realizations::{Campaign, Settings, random_segments};

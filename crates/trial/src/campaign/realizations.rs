@@ -24,6 +24,23 @@ pub struct Settings {
     pub seed: u64,
 }
 
+impl Settings {
+    /// Samples of every run.
+    ///
+    /// # Errors
+    /// Runs without end.
+    pub fn samples(&self, vessel: &Vessel) -> Result<usize, Refusal> {
+        let samples = vessel.samples(self.duration_s);
+        refuse_endless("`duration_s`", samples).map_err(Refusal::Campaign)?;
+        Ok(samples)
+    }
+
+    /// Runs of all designs.
+    pub fn runs(&self) -> f64 {
+        f64::from(self.realizations) * if self.random_segments.is_some() { 2.0 } else { 1.0 }
+    }
+}
+
 /// A campaign: many disturbed runs of each of its designs.
 pub struct Campaign<'a> {
     sea: Sea<'a>,
@@ -79,8 +96,7 @@ impl<'a> Campaign<'a> {
         design: &Designed,
         settings: &Settings,
     ) -> Result<Self, Refusal> {
-        let samples = sea.vessel().samples(settings.duration_s);
-        refuse_endless("`duration_s`", samples).map_err(Refusal::Campaign)?;
+        let samples = settings.samples(sea.vessel())?;
         let names: Vec<String> = generator.maneuvers().iter().map(|m| m.name.clone()).collect();
         let optimized = design.plan(&names, samples)?;
         let mut designs = vec![Design::new("optimized", settings.seed, Rule::Fixed(optimized))];

@@ -42,6 +42,12 @@ impl DictionaryFile {
         check_all(&all, self.duration_s)?;
         Ok(all)
     }
+
+    /// Refuses swings that are too fast for `rate_hz`.
+    pub(super) fn check_sampling(&self, rate_hz: f64) -> Result<(), Invalid> {
+        self.maneuvers.iter().try_for_each(|maneuver| maneuver.check_sampling(rate_hz))?;
+        self.generate.as_ref().map_or(Ok(()), |generate| generate.check_sampling(rate_hz))
+    }
 }
 
 pub(crate) fn check_all(maneuvers: &[ManeuverSpec], default_s: Option<f64>) -> Result<(), Invalid> {

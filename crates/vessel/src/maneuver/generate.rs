@@ -4,7 +4,7 @@ use super::generate_spec::Limits;
 use super::signal::Wave;
 use super::spec::{Kind, ManeuverSpec};
 use crate::steady::{Motion, Steady};
-use crate::{DictionaryFile, Invalid, Source, Streams, Vessel, parse_inputs};
+use crate::{DictionaryFile, Invalid, Source, Streams, Vessel, parse_inputs, refuse_endless};
 
 /// A maneuver turned into inputs.
 #[derive(Clone, Debug, PartialEq)]
@@ -32,13 +32,15 @@ impl Generator {
     /// Checks the dictionary and takes its tables of inputs from `read` (name → CSV).
     ///
     /// # Errors
-    /// See [`DictionaryFile::check`]; a table of inputs that is refused; true values that are needed and missing.
+    /// See [`DictionaryFile::check`]; swings that the sampling rate cannot follow; a table of inputs that is refused; true
+    /// values that are needed and missing.
     pub fn new(
         vessel: &Vessel,
         dictionary: &DictionaryFile,
         read: impl Fn(&str) -> Result<String, Invalid>,
     ) -> Result<Self, Invalid> {
         let maneuvers = dictionary.expanded()?;
+        dictionary.check_sampling(vessel.sample_rate_hz)?;
         let limits = dictionary.generate.as_ref().map(|generate| generate.limits.clone());
         limits.as_ref().map_or(Ok(()), |limits| limits.check(&vessel.model))?;
         let source = match vessel.best_known() {
@@ -98,13 +100,14 @@ impl Generator {
     /// Number of samples of maneuver `index` in the dictionary.
     ///
     /// # Errors
-    /// A duration shorter than half a sample.
+    /// A duration shorter than half a sample, or without end.
     pub fn samples(&self, index: usize) -> Result<usize, Invalid> {
         let maneuver = &self.maneuvers[index];
+        let endless = || format!("maneuver `{}`, `duration_s`", maneuver.name);
         let own = maneuver.duration(self.default_s).map(|s| self.vessel.samples(s));
         let file = self.files.get(&index).map(|inputs| inputs.len() / self.vessel.model.inputs);
         match file.or(own) {
-            Some(samples) if samples > 0 => Ok(samples),
+            Some(samples) if samples > 0 => refuse_endless(endless(), samples).map(|()| samples),
             _ => Err(Invalid::new(
                 format!("maneuver `{}`", maneuver.name),
                 "zero samples",

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use refusal::check_numbers;
 use serde::Deserialize;
 
+use super::signal::{MULTISINE_SAMPLES, SWING_SAMPLES, check_period};
 use crate::{Invalid, Model};
 
 /// `[generate]` as written.
@@ -118,6 +119,13 @@ impl GenerateSpec {
             }
             _ => Ok(()),
         }
+    }
+
+    /// Refuses periods that are too short for `rate_hz`.
+    pub(super) fn check_sampling(&self, rate_hz: f64) -> Result<(), Invalid> {
+        let multisine = self.kinds.is_empty() || self.kinds.contains(&CandidateKind::Multisine);
+        let least = if multisine { MULTISINE_SAMPLES } else { SWING_SAMPLES };
+        check_period("`generate.period_s`".to_owned(), self.period_s[0], least, rate_hz)
     }
 }
 

@@ -4,7 +4,7 @@ use rand::Rng;
 use serde::Deserialize;
 
 use super::shape::Shape;
-use crate::Streams;
+use crate::{Invalid, Streams};
 
 /// What one speed does over a combined maneuver, in the unit of the key that it stands under.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
@@ -57,8 +57,36 @@ pub const LINES: usize = 5;
 impl Signal {
     /// Whether `period_s` counts.
     pub(crate) fn has_period(&self) -> bool {
-        !matches!(self.shape, SignalShape::Constant | SignalShape::Ramp)
+        self.least_samples().is_some()
     }
+
+    /// Samples that `period_s` has to last at least, where it counts.
+    pub(super) fn least_samples(&self) -> Option<usize> {
+        match self.shape {
+            SignalShape::Constant | SignalShape::Ramp => None,
+            SignalShape::Square | SignalShape::Sine | SignalShape::Triangle => Some(SWING_SAMPLES),
+            SignalShape::PseudoRandom => Some(1),
+            SignalShape::Multisine => Some(MULTISINE_SAMPLES),
+        }
+    }
+}
+
+/// Fewest samples of a period: two to either side. With the two of Nyquist's bound a square may be sampled where it jumps and a
+/// sine at its zeros, and nothing is left of them.
+pub(super) const SWING_SAMPLES: usize = 4;
+
+/// Fewest samples of a multisine's longest period: its fastest harmonic then stays below Nyquist's bound.
+pub(super) const MULTISINE_SAMPLES: usize = 2 * LINES + 1;
+
+/// Refuses a period of fewer samples than `least`.
+pub(super) fn check_period(thing: String, period_s: f64, least: usize, rate_hz: f64) -> Result<(), Invalid> {
+    // Whole samples are often not quite so many in binary fractions.
+    if period_s * rate_hz >= least as f64 * (1.0 - 1e-9) {
+        return Ok(());
+    }
+    let samples = if least == 1 { "sample" } else { "samples" };
+    let expected = format!("at least {} s: {least} {samples} at {rate_hz} Hz", least as f64 / rate_hz);
+    Err(Invalid::new(thing, format!("{period_s} s"), expected, "lengthen it"))
 }
 
 /// A signal ready to be read sample by sample.

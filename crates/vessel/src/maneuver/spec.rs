@@ -1,8 +1,9 @@
+use refusal::strictly;
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer};
 
 use super::shape::Shape;
-use super::signal::Signal;
+use super::signal::{SWING_SAMPLES, Signal, check_period};
 use crate::Invalid;
 
 /// One maneuver.
@@ -17,6 +18,10 @@ pub struct ManeuverSpec {
     /// What is done.
     pub kind: Kind,
 }
+
+/// Speeds and rates of turn beyond which no ship goes \[m/s, rad/s\].
+const FASTEST_M_S: f64 = 100.0;
+const FASTEST_RAD_S: f64 = 10.0;
 
 /// Keys of every maneuver, whatever its kind.
 const COMMON_KEYS: [&str; 4] = ["name", "kind", "description", "duration_s"];
@@ -42,7 +47,7 @@ impl<'de> Deserialize<'de> for ManeuverSpec {
         let named = |e: toml::de::Error| {
             D::Error::custom(format!("{} (maneuver `{name}`)", with_common_keys(e.message())))
         };
-        let kind = table.try_into().map_err(named)?;
+        let kind = strictly(table).map_err(named)?;
         Ok(Self { name, description, duration_s, kind })
     }
 }
@@ -148,10 +153,13 @@ pub enum Kind {
     /// Speed, yaw rate and sway speed each follow a signal of their own.
     Combined {
         /// Surge speed \[m/s\].
+        #[serde(deserialize_with = "strictly")]
         speed_m_s: Signal,
         /// Yaw rate \[rad/s\]; without it zero.
+        #[serde(default, deserialize_with = "strictly")]
         yaw_rate_rad_s: Option<Signal>,
         /// Sway speed \[m/s\]; without it, whatever comes with the turn.
+        #[serde(default, deserialize_with = "strictly")]
         sway_m_s: Option<Signal>,
     },
     /// Inputs from a file.
@@ -182,6 +190,14 @@ impl ManeuverSpec {
             if !value.is_finite() {
                 return Err(self.invalid(key, value, "a finite number"));
             }
+            let (most, unit) = match key {
+                _ if key.ends_with("_m_s") => (FASTEST_M_S, "m/s"),
+                _ if key.ends_with("_rad_s") => (FASTEST_RAD_S, "rad/s"),
+                _ => continue,
+            };
+            if value.abs() > most {
+                return Err(self.invalid(key, value, &format!("a number from -{most} to {most} {unit}")));
+            }
         }
         match self.kind {
             Kind::Accelerate { from_m_s, to_m_s } if to_m_s <= from_m_s => {
@@ -211,6 +227,25 @@ impl ManeuverSpec {
                     self.above_zero(&format!("{key}.period_s"), signal.period_s)
                 })
             }
+            _ => Ok(()),
+        }
+    }
+
+    /// Refuses swings that `rate_hz` does not show as what they are.
+    pub(super) fn check_sampling(&self, rate_hz: f64) -> Result<(), Invalid> {
+        let check = |key: &str, period_s, least| {
+            check_period(format!("maneuver `{}`, `{key}`", self.name), period_s, least, rate_hz)
+        };
+        match self.kind {
+            Kind::ZigZag { period_s, .. } | Kind::SwayZigZag { period_s, .. } => {
+                check("period_s", period_s, SWING_SAMPLES)
+            }
+            Kind::PseudoRandomBinary { dwell_s, .. } => check("dwell_s", dwell_s, 1),
+            Kind::Combined { .. } => self.kind.signals().into_iter().try_for_each(|(key, signal)| {
+                signal
+                    .least_samples()
+                    .map_or(Ok(()), |n| check(&format!("{key}.period_s"), signal.period_s, n))
+            }),
             _ => Ok(()),
         }
     }

@@ -1,0 +1,263 @@
+//! Reading as files are written: what serde lets pass, for data that no person reads or writes, is refused.
+
+use std::collections::BTreeSet;
+use std::fmt;
+
+use serde::de::{
+    Deserialize, DeserializeSeed, Deserializer, EnumAccess, Error, MapAccess, SeqAccess, Unexpected,
+    VariantAccess, Visitor,
+};
+
+/// A deserializer, or what one is handed on to, that is [`strictly`] read.
+struct Strict<'a, D> {
+    inner: D,
+    /// The keys before this one, where a key is read.
+    keys: Option<&'a mut BTreeSet<String>>,
+}
+
+fn strict<'a, D>(inner: D) -> Strict<'a, D> {
+    Strict { inner, keys: None }
+}
+
+/// `T` from `deserializer`. A list is refused where keys belong, for its values would be told apart by their places alone, and
+/// so is a key that occurs twice in a map, for the first would be lost.
+///
+/// # Errors
+/// These; those of `T`.
+pub fn strictly<'de, T: Deserialize<'de>, D: Deserializer<'de>>(deserializer: D) -> Result<T, D::Error> {
+    T::deserialize(strict(deserializer))
+}
+
+/// What takes the values: `keyed` where only keys may come.
+struct Taking<'a, V> {
+    visitor: V,
+    keyed: bool,
+    keys: Option<&'a mut BTreeSet<String>>,
+}
+
+fn any<'a, V>(visitor: V) -> Taking<'a, V> {
+    Taking { visitor, keyed: false, keys: None }
+}
+
+fn keyed<'a, V>(visitor: V) -> Taking<'a, V> {
+    Taking { visitor, keyed: true, keys: None }
+}
+
+/// Refuses `key` where it is one that is known already.
+fn once<E: Error>(keys: Option<&mut BTreeSet<String>>, key: &str) -> Result<(), E> {
+    match keys.is_none_or(|known| known.insert(key.to_owned())) {
+        true => Ok(()),
+        false => Err(E::custom(format_args!("key `{key}` twice, expected every key once"))),
+    }
+}
+
+macro_rules! hand_on {
+    ($($method:ident($($name:ident: $Type:ty),*);)+) => {
+        $(fn $method<V: Visitor<'de>>(self, $($name: $Type,)* visitor: V) -> Result<V::Value, D::Error> {
+            self.inner.$method($($name,)* Taking { visitor, keyed: false, keys: self.keys })
+        })+
+    };
+}
+
+impl<'de, D: Deserializer<'de>> Deserializer<'de> for Strict<'_, D> {
+    type Error = D::Error;
+
+    hand_on! {
+        deserialize_any();
+        deserialize_bool();
+        deserialize_i8();
+        deserialize_i16();
+        deserialize_i32();
+        deserialize_i64();
+        deserialize_i128();
+        deserialize_u8();
+        deserialize_u16();
+        deserialize_u32();
+        deserialize_u64();
+        deserialize_u128();
+        deserialize_f32();
+        deserialize_f64();
+        deserialize_char();
+        deserialize_str();
+        deserialize_string();
+        deserialize_bytes();
+        deserialize_byte_buf();
+        deserialize_option();
+        deserialize_unit();
+        deserialize_unit_struct(name: &'static str);
+        deserialize_newtype_struct(name: &'static str);
+        deserialize_seq();
+        deserialize_tuple(length: usize);
+        deserialize_tuple_struct(name: &'static str, length: usize);
+        deserialize_map();
+        deserialize_enum(name: &'static str, variants: &'static [&'static str]);
+        deserialize_identifier();
+        deserialize_ignored_any();
+    }
+
+    fn deserialize_struct<V: Visitor<'de>>(
+        self,
+        name: &'static str,
+        fields: &'static [&'static str],
+        visitor: V,
+    ) -> Result<V::Value, D::Error> {
+        self.inner.deserialize_struct(name, fields, keyed(visitor))
+    }
+
+    fn is_human_readable(&self) -> bool {
+        self.inner.is_human_readable()
+    }
+}
+
+macro_rules! take {
+    ($($method:ident($Type:ty);)+) => {
+        $(fn $method<E: Error>(self, value: $Type) -> Result<V::Value, E> {
+            self.visitor.$method(value)
+        })+
+    };
+}
+
+impl<'de, V: Visitor<'de>> Visitor<'de> for Taking<'_, V> {
+    type Value = V::Value;
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        self.visitor.expecting(f)
+    }
+
+    take! {
+        visit_bool(bool);
+        visit_i64(i64);
+        visit_i128(i128);
+        visit_u64(u64);
+        visit_u128(u128);
+        visit_f64(f64);
+        visit_char(char);
+        visit_bytes(&[u8]);
+        visit_borrowed_bytes(&'de [u8]);
+        visit_byte_buf(Vec<u8>);
+    }
+
+    fn visit_str<E: Error>(self, value: &str) -> Result<V::Value, E> {
+        once(self.keys, value)?;
+        self.visitor.visit_str(value)
+    }
+
+    fn visit_borrowed_str<E: Error>(self, value: &'de str) -> Result<V::Value, E> {
+        once(self.keys, value)?;
+        self.visitor.visit_borrowed_str(value)
+    }
+
+    fn visit_string<E: Error>(self, value: String) -> Result<V::Value, E> {
+        once(self.keys, &value)?;
+        self.visitor.visit_string(value)
+    }
+
+    fn visit_none<E: Error>(self) -> Result<V::Value, E> {
+        self.visitor.visit_none()
+    }
+
+    fn visit_unit<E: Error>(self) -> Result<V::Value, E> {
+        self.visitor.visit_unit()
+    }
+
+    fn visit_some<D: Deserializer<'de>>(self, deserializer: D) -> Result<V::Value, D::Error> {
+        self.visitor.visit_some(strict(deserializer))
+    }
+
+    fn visit_newtype_struct<D: Deserializer<'de>>(self, deserializer: D) -> Result<V::Value, D::Error> {
+        self.visitor.visit_newtype_struct(strict(deserializer))
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, items: A) -> Result<V::Value, A::Error> {
+        // An enum whose kind is one of its keys comes through `deserialize_any`; serde says so in what it expects.
+        let tagged =
+            || (&self.visitor as &dyn serde::de::Expected).to_string().starts_with("internally tagged enum");
+        if self.keyed || tagged() {
+            return Err(A::Error::invalid_type(Unexpected::Other("a list"), &"keys with values"));
+        }
+        self.visitor.visit_seq(strict(items))
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, entries: A) -> Result<V::Value, A::Error> {
+        self.visitor.visit_map(Entries { entries, known: BTreeSet::new() })
+    }
+
+    fn visit_enum<A: EnumAccess<'de>>(self, data: A) -> Result<V::Value, A::Error> {
+        self.visitor.visit_enum(strict(data))
+    }
+}
+
+impl<'de, A: SeqAccess<'de>> SeqAccess<'de> for Strict<'_, A> {
+    type Error = A::Error;
+
+    fn next_element_seed<T: DeserializeSeed<'de>>(&mut self, seed: T) -> Result<Option<T::Value>, A::Error> {
+        self.inner.next_element_seed(strict(seed))
+    }
+
+    fn size_hint(&self) -> Option<usize> {
+        self.inner.size_hint()
+    }
+}
+
+impl<'de, T: DeserializeSeed<'de>> DeserializeSeed<'de> for Strict<'_, T> {
+    type Value = T::Value;
+
+    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<T::Value, D::Error> {
+        self.inner.deserialize(Strict { inner: deserializer, keys: self.keys })
+    }
+}
+
+/// The entries of a map, each key once.
+struct Entries<A> {
+    entries: A,
+    known: BTreeSet<String>,
+}
+
+impl<'de, A: MapAccess<'de>> MapAccess<'de> for Entries<A> {
+    type Error = A::Error;
+
+    fn next_key_seed<K: DeserializeSeed<'de>>(&mut self, seed: K) -> Result<Option<K::Value>, A::Error> {
+        self.entries.next_key_seed(Strict { inner: seed, keys: Some(&mut self.known) })
+    }
+
+    fn next_value_seed<T: DeserializeSeed<'de>>(&mut self, seed: T) -> Result<T::Value, A::Error> {
+        self.entries.next_value_seed(strict(seed))
+    }
+
+    fn size_hint(&self) -> Option<usize> {
+        self.entries.size_hint()
+    }
+}
+
+impl<'de, A: EnumAccess<'de>> EnumAccess<'de> for Strict<'_, A> {
+    type Error = A::Error;
+    type Variant = Strict<'static, A::Variant>;
+
+    fn variant_seed<T: DeserializeSeed<'de>>(self, seed: T) -> Result<(T::Value, Self::Variant), A::Error> {
+        self.inner.variant_seed(seed).map(|(value, variant)| (value, strict(variant)))
+    }
+}
+
+impl<'de, A: VariantAccess<'de>> VariantAccess<'de> for Strict<'_, A> {
+    type Error = A::Error;
+
+    fn unit_variant(self) -> Result<(), A::Error> {
+        self.inner.unit_variant()
+    }
+
+    fn newtype_variant_seed<T: DeserializeSeed<'de>>(self, seed: T) -> Result<T::Value, A::Error> {
+        self.inner.newtype_variant_seed(strict(seed))
+    }
+
+    fn tuple_variant<V: Visitor<'de>>(self, length: usize, visitor: V) -> Result<V::Value, A::Error> {
+        self.inner.tuple_variant(length, any(visitor))
+    }
+
+    fn struct_variant<V: Visitor<'de>>(
+        self,
+        fields: &'static [&'static str],
+        visitor: V,
+    ) -> Result<V::Value, A::Error> {
+        self.inner.struct_variant(fields, keyed(visitor))
+    }
+}
