@@ -1,6 +1,7 @@
 //! Made-up archipelagos for tests and measurements.
 
 use crate::graph;
+use crate::watch::Watch;
 use crate::{BasicFile, InformativeFile, LatticeFile, MoveFile, ProblemFile, SCHEMA};
 
 /// Pitch of the cells \[m\].
@@ -146,7 +147,7 @@ fn ends(file: &ProblemFile) -> Option<([usize; 3], [usize; 3])> {
     for k in 0..32 {
         basic.start = [(k * 7) % nx, k / 4 % ny, 0];
         let problem = basic.into_problem().ok()?;
-        let reached = graph::reached(&problem);
+        let reached = graph::reached(&problem, &mut Watch::new(&problem, u64::MAX, &mut |_| true))?;
         let area = reached.iter().filter(|&&reached| reached).count();
         let goal = (0..reached.len()).filter(|&pose| reached[pose]).map(|pose| problem.lattice().pose(pose));
         let goal = goal.max_by_key(|pose| (pose.j, pose.i, pose.layer))?;
