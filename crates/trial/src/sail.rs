@@ -62,8 +62,8 @@ pub fn sail<'l>(
     Ok(sailed)
 }
 
-/// A phase that takes longer than a watch of the crew's day comes of numbers that make no sense \[s\].
-const LONGEST_PHASE_S: f64 = 1e5;
+/// No turn or line takes longer: numbers that ask for it make no sense, and its samples would fill the memory.
+const LONGEST_PHASE: usize = 500_000;
 
 fn follow(
     phase: &Phase,
@@ -76,8 +76,8 @@ fn follow(
     let start = ship.pose;
     let mut elapsed_s = 0.0;
     while !autopilot.is_done(phase, node, start, ship, elapsed_s) {
-        if elapsed_s > LONGEST_PHASE_S {
-            let expected = format!("at most {LONGEST_PHASE_S} s for a turn or a line");
+        if elapsed_s > LONGEST_PHASE as f64 * ship.sample_s() {
+            let expected = format!("at most {LONGEST_PHASE} samples of a turn or a line");
             let remedy = "correct `cell_m`, the speeds or `handling`";
             return Err(Invalid::new("leg under way", format!("over {elapsed_s:.0} s"), expected, remedy));
         }

@@ -155,7 +155,8 @@ impl<'a> Clearance<'a> {
                 return Err(VoyageError::OutOfTime("the check of the plan"));
             }
             let (parameters, unknown) = (brief.drawn("checked-parameters", run), brief.current(run));
-            let sailed = script.sail(&parameters, unknown)?;
+            // A drawn vessel that cannot be sailed is no fault of a file.
+            let sailed = script.sail(&parameters, unknown).map_err(VoyageError::NoAnswer)?;
             let open = script.repeat(nominal, &parameters, unknown);
             Ok((self.of(&sailed), self.of(&open), (run < TRACKS).then_some(sailed)))
         };
