@@ -71,6 +71,8 @@ impl Chart {
                             Polygon::place(area_of_file, &plane).ok_or_else(|| off_earth(area_of_file))?;
                         polygons.extend(Some(placed).filter(|p| p.bounds.meets(&area)));
                     }
+                    let around = |mark| Polygon::around(mark, layer.danger_m, &plane);
+                    polygons.extend(layer.marks.iter().flat_map(around).filter(|p| p.bounds.meets(&area)));
                 }
                 Layer::Grid(grid) => grids.extend(PlacedGrid::place(grid, &plane, &area)?),
             }
@@ -97,7 +99,7 @@ impl Chart {
         self.uncharted
     }
 
-    /// Polygons that meet the area, whole, in the order of the layers.
+    /// Polygons that meet the area, whole, in the order of the layers; those around points and lines after a layer's own.
     pub fn polygons(&self) -> &[Polygon] {
         &self.polygons
     }
@@ -159,7 +161,7 @@ fn uncharted_of(layers: &[Layer], asked: Option<Uncharted>) -> Result<Uncharted,
 }
 
 fn charted(polygons: &[Polygon], grids: &[PlacedGrid]) -> Charted {
-    let known = polygons.iter().filter(|p| p.class != Class::NoGo).cloned();
+    let known = polygons.iter().filter(|p| matches!(p.class, Class::Land | Class::Depth { .. })).cloned();
     let frames = grids.iter().filter(|g| g.has_depth).filter_map(|g| {
         let class = Class::Depth { least_m: None, greatest_m: None };
         Polygon::of_rings(class, vec![g.frame()])

@@ -16,7 +16,7 @@ pub enum GridKind {
 }
 
 /// Farther from the sea's surface than any ground \[m\]: what stands for no data in files that do not say so.
-const FARTHEST: f64 = 12_000.0;
+pub(crate) const FARTHEST: f64 = 12_000.0;
 
 /// How a grid file is to be read.
 #[derive(Clone, Debug)]

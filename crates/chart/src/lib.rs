@@ -11,7 +11,8 @@
 //! ogr2ogr -f GeoJSON depare.geojson US5WA22M.000 DEPARE
 //! ```
 //!
-//! Depths are in DEPARE and DRGARE (`DRVAL1`, `DRVAL2`), land in LNDARE, PONTON and HULKES. Lakes of GSHHG are
+//! Depths are in DEPARE and DRGARE (`DRVAL1`, `DRVAL2`), land in LNDARE, PONTON and HULKES, dangers in OBSTRN, WRECKS and
+//! UWTROC (`VALSOU`), most of them points. Lakes of GSHHG are
 //! polygons of their own (`level` 2): read as land, like the land around them, they are what they should be,
 //! closed to the ship.
 //!
@@ -43,6 +44,7 @@ mod crs;
 mod distance;
 mod footprint;
 mod frontier;
+mod geometries;
 mod grid;
 mod grid_header;
 mod obstacles;
@@ -67,6 +69,6 @@ pub use obstacles::Obstacles;
 pub use placed::Polygon;
 pub use placed_grid::PlacedGrid;
 pub use plane::Plane;
-pub use polygons::{Area, Class, Filter, LayerKind, PolygonLayer};
+pub use polygons::{Area, Class, DANGER_M, Filter, LayerKind, Mark, PolygonLayer};
 pub use raster::Raster;
 pub use refusal::Invalid;

@@ -131,8 +131,12 @@ fn cause_of(class: Class, least_depth_m: f64) -> Option<Causes> {
     match class {
         Class::Land => Some(Causes::LAND),
         Class::NoGo => Some(Causes::NO_GO),
-        Class::Depth { least_m: Some(depth), .. } if depth >= least_depth_m => None,
-        Class::Depth { .. } => Some(Causes::SHOAL),
+        Class::Depth { least_m: Some(depth), .. } | Class::Danger { least_m: Some(depth) }
+            if depth >= least_depth_m =>
+        {
+            None
+        }
+        Class::Depth { .. } | Class::Danger { .. } => Some(Causes::SHOAL),
     }
 }
 

@@ -1,11 +1,13 @@
 //! Polygons of longitude and latitude on the plane.
 
 use crate::ring::doubled_area;
-use crate::{Area, Bounds, Class, Plane};
+use crate::{Area, Bounds, Class, Mark, Plane};
 
 /// Longest piece of an edge \[deg of latitude\]: about a kilometre, over which the straight line in
 /// longitude and latitude and the one on the plane part by less than 0.1 m up to 70° of latitude.
 const PIECE_DEG: f64 = 0.01;
+/// Corners of half a circle around the end of a line.
+const HALF_CIRCLE: usize = 8;
 
 /// A polygon on the plane.
 #[derive(Clone, Debug, PartialEq)]
@@ -24,6 +26,15 @@ impl Polygon {
     pub(crate) fn place(area: &Area, plane: &Plane) -> Option<Self> {
         let ring = |(k, r): (usize, &Vec<[f64; 2]>)| oriented(place_ring(r, plane), k == 0);
         Self::of_rings(area.class, area.rings.iter().enumerate().map(ring).collect())
+    }
+
+    /// What lies within `radius_m` of a point or line: one polygon for the point, or for each straight piece of the line.
+    pub(crate) fn around(mark: &Mark, radius_m: f64, plane: &Plane) -> Vec<Self> {
+        let mut line: Vec<[f64; 2]> = place_ring(&mark.positions, plane);
+        line.extend(mark.positions.last().map(|p| plane.to_plane(p[0], p[1])));
+        let pieces = line.windows(line.len().clamp(1, 2));
+        let ring = |piece: &[[f64; 2]]| capsule(piece[0], piece[piece.len() - 1], radius_m);
+        pieces.filter_map(|piece| Self::of_rings(mark.class, vec![ring(piece)])).collect()
     }
 
     pub(crate) fn of_rings(class: Class, rings: Vec<Vec<[f64; 2]>>) -> Option<Self> {
@@ -47,6 +58,22 @@ pub(crate) fn oriented(mut ring: Vec<[f64; 2]>, counter_clockwise: bool) -> Vec<
         ring.reverse();
     }
     ring
+}
+
+/// A ring, counter-clockwise, around everything within `radius_m` of the straight line between two points: its corners
+/// stand off a little, so that its edges do not cut into the half circles.
+fn capsule(a: [f64; 2], b: [f64; 2], radius_m: f64) -> Vec<[f64; 2]> {
+    let step = std::f64::consts::PI / HALF_CIRCLE as f64;
+    let reach = radius_m / (step / 2.0).cos();
+    let ahead = (b[1] - a[1]).atan2(b[0] - a[0]);
+    let corner =
+        |middle: [f64; 2], angle: f64| [middle[0] + reach * angle.cos(), middle[1] + reach * angle.sin()];
+    // From abeam to abeam around each end, the half steps outside of the line's own width.
+    let half = |middle: [f64; 2], from: f64| {
+        (0..=HALF_CIRCLE).map(move |k| corner(middle, from + (k as f64 - 0.5) * step)).collect::<Vec<_>>()
+    };
+    let quarter = std::f64::consts::FRAC_PI_2;
+    [half(b, ahead - quarter), half(a, ahead + quarter)].concat()
 }
 
 fn place_ring(ring: &[[f64; 2]], plane: &Plane) -> Vec<[f64; 2]> {

@@ -1,8 +1,14 @@
-use geojson::{Feature, GeoJson, GeometryValue, JsonObject, JsonValue, PolygonType};
+use geojson::{Feature, GeoJson, JsonObject, JsonValue, PolygonType, Position};
 use serde::Deserialize;
 
 use crate::Invalid;
+use crate::geometries::Geometries;
+use crate::grid::FARTHEST;
 use crate::ring::{RingFault, ring_fault};
+
+/// How far around a charted point or line the danger reaches where nothing else is said \[m\]: as well as older surveys
+/// place it.
+pub const DANGER_M: f64 = 50.0;
 
 /// What the polygons of a file are.
 #[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
@@ -20,6 +26,11 @@ pub enum LayerKind {
         /// Property with the greatest depth \[m\], such as `DRVAL2`: for drawing only.
         #[serde(default)]
         greatest: Option<String>,
+    },
+    /// Wrecks, rocks and obstructions: water that is no obstacle only where a depth over them is known and great enough.
+    Danger {
+        /// Property with the depth over them \[m, positive down\], such as `VALSOU`.
+        least: String,
     },
 }
 
@@ -47,17 +58,35 @@ pub enum Class {
         /// Greatest depth, where known.
         greatest_m: Option<f64>,
     },
+    /// A danger under water. Around it nothing is charted by it: its depth is none of the water.
+    Danger {
+        /// Depth over it \[m, positive down\]; `None`: unknown, an obstacle at every least depth asked for.
+        least_m: Option<f64>,
+    },
 }
 
-/// Polygons of one kind, WGS84.
+/// Polygons, points and lines of one kind, WGS84.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PolygonLayer {
     /// The polygons, in the order of the file.
     pub areas: Vec<Area>,
-    /// Features of other geometries (points, lines, none), which are left out.
-    pub other_geometries: usize,
+    /// The points and lines, in the order of the file.
+    pub marks: Vec<Mark>,
+    /// How far around its points and lines the danger reaches \[m\].
+    pub danger_m: f64,
     /// Features that the filter left out.
     pub filtered_out: usize,
+}
+
+/// A point, or a line.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mark {
+    /// What it is.
+    pub class: Class,
+    /// Longitude and latitude \[deg\] of the point, or of the line's corners.
+    pub positions: Vec<[f64; 2]>,
+    /// Index of the feature in the file.
+    pub feature: usize,
 }
 
 /// One polygon: the outer ring, then its holes.
@@ -72,41 +101,60 @@ pub struct Area {
 }
 
 impl PolygonLayer {
-    /// Reads GeoJSON (RFC 7946): Polygon and MultiPolygon features; other geometries are counted and left out.
+    /// Reads GeoJSON (RFC 7946) of any geometry. Points and lines are dangers as far as [`DANGER_M`] around them, unless
+    /// [`PolygonLayer::with_danger`] says otherwise; in a layer of depths they tell a depth, and chart no water.
     ///
     /// # Errors
-    /// Corrupt JSON; a `crs` member other than WGS84 or coordinates outside ±180 and ±90; no polygon left;
-    /// an empty or open ring, one that crosses itself or another of its polygon (features that the filter
-    /// leaves out are not checked); a depth property that no feature has or that is no number; depths that
+    /// Corrupt JSON; a `crs` member other than WGS84 or coordinates outside ±180 and ±90; features without a place; nothing
+    /// left; an empty or open ring, one that crosses itself or another of its polygon (features that the filter leaves out
+    /// are not checked); a depth property that no feature has or that is no number, or a depth that no sea has; depths that
     /// are all negative.
     pub fn from_geojson(text: &str, kind: &LayerKind, filter: Option<&Filter>) -> Result<Self, Invalid> {
         let features = features(text)?;
-        let mut layer = Self { areas: Vec::new(), other_geometries: 0, filtered_out: 0 };
-        let mut named = false;
+        let mut layer = Self { areas: Vec::new(), marks: Vec::new(), danger_m: DANGER_M, filtered_out: 0 };
+        let (mut named, mut placeless) = (false, 0);
         for (index, feature) in features.iter().enumerate() {
             if filter.is_some_and(|f| !passes(feature, f)) {
                 layer.filtered_out += 1;
                 continue;
             }
-            let polygons = polygons(feature);
-            layer.other_geometries += usize::from(polygons.is_none());
+            let own = Geometries::of(feature);
+            placeless += usize::from(own.polygons.is_empty() && own.lines.iter().all(|line| line.is_empty()));
             let class = class(kind, feature.properties.as_ref(), index, &mut named)?;
-            for polygon in polygons.into_iter().flatten() {
+            for polygon in own.polygons {
                 layer.areas.push(Area { class, rings: rings(polygon, index)?, feature: index });
             }
+            let class = of_mark(class);
+            for line in own.lines {
+                let positions = positions(line, || format!("feature {index}"))?;
+                layer.marks.push(Mark { class, positions, feature: index });
+            }
         }
-        layer.check(kind, features.len(), named)?;
+        layer.check(kind, features.len(), named, placeless)?;
         Ok(layer)
     }
 
-    fn check(&self, kind: &LayerKind, features: usize, named: bool) -> Result<(), Invalid> {
-        if self.areas.is_empty() {
-            let found =
-                format!("{features} features, {} filtered out, no polygon among the rest", self.filtered_out);
+    /// The layer with dangers as far as `radius_m` around its points and lines.
+    #[must_use]
+    pub fn with_danger(self, radius_m: f64) -> Self {
+        Self { danger_m: radius_m, ..self }
+    }
+
+    fn check(&self, kind: &LayerKind, features: usize, named: bool, placeless: usize) -> Result<(), Invalid> {
+        if placeless > 0 {
+            let found = format!("{placeless} of {features} features without a geometry");
+            let remedy = "leave them out with `only`, or export the file again";
+            return Err(Invalid::new("layer", found, "a place of every feature", remedy));
+        }
+        if self.areas.is_empty() && self.marks.is_empty() {
+            let found = format!(
+                "{features} features, {} filtered out, nothing charted among the rest",
+                self.filtered_out
+            );
             return Err(Invalid::new(
                 "layer",
                 found,
-                "at least one polygon",
+                "at least one polygon, point or line",
                 "check the filter and the file",
             ));
         }
@@ -192,28 +240,10 @@ fn passes(feature: &Feature, filter: &Filter) -> bool {
     filter.values.contains(&text)
 }
 
-fn polygons(feature: &Feature) -> Option<Vec<&PolygonType>> {
-    match &feature.geometry.as_ref()?.value {
-        GeometryValue::Polygon { coordinates } => Some(vec![coordinates]),
-        GeometryValue::MultiPolygon { coordinates } => Some(coordinates.iter().collect()),
-        _ => None,
-    }
-}
-
 fn rings(polygon: &PolygonType, feature: usize) -> Result<Vec<Vec<[f64; 2]>>, Invalid> {
     let mut rings = Vec::with_capacity(polygon.len());
     for (k, ring) in polygon.iter().enumerate() {
-        let mut points: Vec<[f64; 2]> = Vec::with_capacity(ring.len());
-        for position in ring {
-            let [lon, lat, ..] = *position.as_slice() else {
-                return Err(short(feature, k));
-            };
-            if lon.abs() > 180.0 || lat.abs() > 90.0 {
-                return Err(mixed(format!("feature {feature}, ring {k}"), format!("{lon}, {lat}")));
-            }
-            points.push([lon, lat]);
-        }
-        rings.push(points);
+        rings.push(positions(ring, || format!("feature {feature}, ring {k}"))?);
     }
     match ring_fault(&rings) {
         None => Ok(rings),
@@ -221,10 +251,20 @@ fn rings(polygon: &PolygonType, feature: usize) -> Result<Vec<Vec<[f64; 2]>>, In
     }
 }
 
-fn short(feature: usize, ring: usize) -> Invalid {
-    let thing = format!("feature {feature}, ring {ring}");
-    let found = "a position of fewer than two numbers";
-    Invalid::new(thing, found, "longitude and latitude", "export the file again")
+/// Longitudes and latitudes of what is called `thing`.
+fn positions(all: &[Position], thing: impl Fn() -> String) -> Result<Vec<[f64; 2]>, Invalid> {
+    let mut points = Vec::with_capacity(all.len());
+    for position in all {
+        let [lon, lat, ..] = *position.as_slice() else {
+            let found = "a position of fewer than two numbers";
+            return Err(Invalid::new(thing(), found, "longitude and latitude", "export the file again"));
+        };
+        if !(lon.abs() <= 180.0 && lat.abs() <= 90.0) {
+            return Err(mixed(thing(), format!("{lon}, {lat}")));
+        }
+        points.push([lon, lat]);
+    }
+    Ok(points)
 }
 
 fn refuse(feature: usize, fault: &RingFault) -> Invalid {
@@ -257,10 +297,15 @@ fn class(
     index: usize,
     named: &mut bool,
 ) -> Result<Class, Invalid> {
-    let LayerKind::Depth { least, greatest } = kind else {
-        return Ok(if *kind == LayerKind::Land { Class::Land } else { Class::NoGo });
-    };
     let value = |name: &String| properties.and_then(|p| p.get(name));
+    let (least, greatest) = match kind {
+        LayerKind::Land => return Ok(Class::Land),
+        LayerKind::NoGo => return Ok(Class::NoGo),
+        LayerKind::Danger { least } => {
+            return Ok(Class::Danger { least_m: depth(value(least), index, least)? });
+        }
+        LayerKind::Depth { least, greatest } => (least, greatest),
+    };
     *named |= value(least).is_some();
     let least_m = depth(value(least), index, least)?;
     let greatest_m = match greatest {
@@ -268,6 +313,14 @@ fn class(
         None => None,
     };
     Ok(Class::Depth { least_m, greatest_m })
+}
+
+/// A point or line tells a depth and charts no water around it.
+fn of_mark(class: Class) -> Class {
+    match class {
+        Class::Depth { least_m, .. } => Class::Danger { least_m },
+        class => class,
+    }
 }
 
 /// A depth, which some exports write as text; null and empty are unknown.
@@ -278,13 +331,13 @@ fn depth(value: Option<&JsonValue>, feature: usize, name: &str) -> Result<Option
         Some(JsonValue::String(s)) => s.trim().parse().ok(),
         Some(v) => v.as_f64(),
     };
-    match number.filter(|v: &f64| v.is_finite()) {
+    match number.filter(|v: &f64| v.abs() <= FARTHEST) {
         Some(v) => Ok(Some(v)),
         None => Err(Invalid::new(
             format!("feature {feature}, property `{name}`"),
             value.map(JsonValue::to_string).unwrap_or_default(),
-            "a depth in metres, or null",
-            "correct it or name another property",
+            format!("a depth of at most {FARTHEST} m, or null"),
+            "correct it (null where it is unknown) or name another property",
         )),
     }
 }

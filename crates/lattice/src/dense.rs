@@ -46,7 +46,7 @@ enum Ended {
 
 /// Bytes that the search takes: distances and, at its widest, about half a queue entry per state.
 pub(crate) fn bytes(graph: &Graph) -> u128 {
-    watch::states(graph).saturating_mul(if narrow(graph) { 12 } else { 16 })
+    graph.states().saturating_mul(if narrow(graph) { 12 } else { 16 })
 }
 
 /// Whether distances are likely to fit in 32 bits.
@@ -56,7 +56,7 @@ fn narrow(graph: &Graph) -> bool {
 
 /// Number of states that the search can number.
 pub(crate) fn fits(graph: &Graph) -> bool {
-    watch::states(graph) < u128::from(u32::MAX)
+    graph.states() < u128::from(u32::MAX)
 }
 
 /// The cheapest plan.

@@ -2,7 +2,8 @@ use serde::de::IgnoredAny;
 use serde::{Deserialize, Serialize};
 
 use crate::collision::FreeCells;
-use crate::{Action, Cost, Goal, Invalid, Lattice, Move, Pose, Problem};
+use crate::watch::Asked;
+use crate::{Action, Cost, Demand, Goal, Invalid, Lattice, Move, Pose, Problem};
 
 /// The schema of [`ProblemFile`].
 pub const SCHEMA: &str = "experiment-lattice-planning/1";
@@ -131,6 +132,21 @@ impl ProblemFile {
     /// # Errors
     /// Another schema, a lattice without size, boxes that are inverted or not finite, and what [`Problem::new`] refuses.
     pub fn into_problem(&self) -> Result<Problem, Invalid> {
+        let whole = self.into_problem_while(&|| true)?;
+        whole.map_or_else(|| unreachable!("nobody says no"), Ok)
+    }
+
+    /// What [`Self::into_problem`] takes, known before the map is looked at.
+    pub fn demand(&self) -> Demand {
+        let lattice = Lattice { nx: self.lattice.nx, ny: self.lattice.ny, layers: self.lattice.headings };
+        Demand::new(lattice, &self.actions().0)
+    }
+
+    /// [`Self::into_problem`], unless `go_on`, asked from time to time, says no: nothing then.
+    ///
+    /// # Errors
+    /// As [`Self::into_problem`].
+    pub fn into_problem_while(&self, go_on: &dyn Fn() -> bool) -> Result<Option<Problem>, Invalid> {
         SchemaId { schema: self.schema.clone() }.check()?;
         self.check_map()?;
         self.check_moves()?;
@@ -139,9 +155,14 @@ impl ProblemFile {
         let (actions, moves) = self.actions();
         // Refuse a bad start or goal before the map is looked at, and moves with them.
         crate::validate::ends(&lattice, pose(self.start), &Goal::Poses(vec![pose(self.goal)]))?;
-        let free = self.free_cells(&moves);
-        let allowed = |id: crate::MoveId, i: usize, j: usize| free[id.action][id.index][j * lattice.nx + i];
-        Problem::new(lattice, actions, pose(self.start), Goal::Poses(vec![pose(self.goal)]), allowed)
+        let Some(free) = self.free_cells(&moves, go_on) else { return Ok(None) };
+        let mut asked = Asked::new(go_on);
+        let allowed = |id: crate::MoveId, i: usize, j: usize| {
+            asked.go_on() && free[id.action][id.index][j * lattice.nx + i]
+        };
+        let goal = Goal::Poses(vec![pose(self.goal)]);
+        let problem = Problem::new(lattice, actions, pose(self.start), goal, allowed)?;
+        Ok(Some(problem).filter(|_| !asked.stopped))
     }
 
     /// Name, count (none of a basic action), cost and moves of every action.
@@ -162,10 +183,10 @@ impl ProblemFile {
         used.map(|action| (build(action), action.3)).unzip()
     }
 
-    /// By action, move and cell: whether the swept boxes are free.
-    fn free_cells(&self, moves: &[&[MoveFile]]) -> Vec<Vec<Vec<bool>>> {
+    /// By action, move and cell: whether the swept boxes are free. Nothing if told to stop.
+    fn free_cells(&self, moves: &[&[MoveFile]], go_on: &dyn Fn() -> bool) -> Option<Vec<Vec<Vec<bool>>>> {
         let cells = FreeCells::new(self.lattice);
-        let of = |one: &MoveFile| cells.of(&self.bounds, &self.obstacles, &one.swept);
+        let of = |one: &MoveFile| go_on().then(|| cells.of(&self.bounds, &self.obstacles, &one.swept));
         let of_action = |moves: &&[MoveFile]| moves.iter().map(of).collect();
         moves.iter().map(of_action).collect()
     }

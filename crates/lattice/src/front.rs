@@ -25,16 +25,18 @@ pub fn front(
     if own_bytes > u128::from(options.memory_bytes) {
         return None;
     }
-    let Some(graph) = Graph::new(problem, &Reach::new(problem)) else {
-        return Some(points(problem, &vec![None; vectors as usize]));
+    let mut watch = Watch::new(problem, options.poll_every, keep_going);
+    let reach = Reach::new(problem, &mut watch)?;
+    let Some(graph) = Graph::new(problem, &reach, &mut watch) else {
+        return watch.go_on(0).then(|| points(problem, &vec![None; vectors as usize]));
     };
+    drop(reach);
     let step = layered::step(&graph);
     // Distances are kept in 64 bits here.
     let bytes = plan::exhaustive_bytes(&graph).saturating_mul(if step.is_none() { 2 } else { 1 });
-    if bytes.saturating_add(own_bytes) > u128::from(options.memory_bytes) {
+    if bytes.saturating_add(own_bytes) + u128::from(graph.bytes()) > u128::from(options.memory_bytes) {
         return None;
     }
-    let mut watch = Watch::new(problem, options.poll_every, keep_going);
     let keys = match step {
         Some(step) => layered::front(&graph, step, &mut watch),
         None => dense::front(&graph, &mut watch),

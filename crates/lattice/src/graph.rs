@@ -2,6 +2,7 @@
 
 use crate::by_node::ByNode;
 use crate::problem::Arc;
+use crate::watch::{self, Watch};
 use crate::{Goal, Problem};
 
 /// Number of a pose that does not matter.
@@ -27,8 +28,8 @@ pub(crate) struct Back {
 }
 
 impl<'a> Graph<'a> {
-    /// Nothing if no walk leads from the start to a goal.
-    pub fn new(problem: &'a Problem, reach: &Reach) -> Option<Self> {
+    /// Nothing if no walk leads from the start to a goal, or if told to stop.
+    pub fn new(problem: &'a Problem, reach: &Reach, watch: &mut Watch) -> Option<Self> {
         let start = problem.lattice().number(problem.start());
         if !reach.is_live(start) {
             return None;
@@ -39,8 +40,11 @@ impl<'a> Graph<'a> {
         for (node, &pose) in poses.iter().enumerate() {
             nodes[pose as usize] = node as u32;
         }
-        let arcs = forward(problem, &poses, &nodes);
+        let arcs = forward(problem, &poses, &nodes, watch)?;
         let back = backward(&arcs, poses.len());
+        if !watch.go_on(poses.len() as u64) {
+            return None;
+        }
         let is_goal: Vec<bool> = poses.iter().map(|&pose| is_goal(problem, pose)).collect();
         let goals = (0..poses.len() as u32).filter(|&node| is_goal[node as usize]).collect();
         let start = nodes[start];
@@ -50,6 +54,11 @@ impl<'a> Graph<'a> {
     /// Number of nodes.
     pub fn len(&self) -> usize {
         self.poses.len()
+    }
+
+    /// Number of states: nodes times count vectors, as far as 128 bits go.
+    pub fn states(&self) -> u128 {
+        watch::strides(&self.problem.required()).1.saturating_mul(self.len() as u128)
     }
 
     /// Indices of the arcs from a node.
@@ -83,9 +92,9 @@ impl<'a> Graph<'a> {
         self.arcs.entries().len()
     }
 
-    /// Bytes that the graph itself holds, about.
+    /// Bytes that graph and problem hold, about.
     pub fn bytes(&self) -> u64 {
-        (self.arc_count() * 16 + self.poses.len() * 24) as u64
+        (self.arc_count() * 24 + self.poses.len() * 28) as u64
     }
 }
 
@@ -100,8 +109,9 @@ pub(crate) struct Reach {
 }
 
 impl Reach {
-    pub fn new(problem: &Problem) -> Self {
-        Self { reached: reached(problem), homing: homing(problem) }
+    /// Nothing if told to stop.
+    pub fn new(problem: &Problem, watch: &mut Watch) -> Option<Self> {
+        Some(Self { reached: reached(problem, watch)?, homing: homing(problem, watch)? })
     }
 
     fn is_live(&self, pose: usize) -> bool {
@@ -110,12 +120,15 @@ impl Reach {
 }
 
 /// Which poses are reached from the start by any moves.
-pub(crate) fn reached(problem: &Problem) -> Vec<bool> {
+pub(crate) fn reached(problem: &Problem, watch: &mut Watch) -> Option<Vec<bool>> {
     let mut reached = vec![false; problem.lattice().poses()];
     let start = problem.lattice().number(problem.start());
     reached[start] = true;
     let mut stack = vec![start];
     while let Some(pose) = stack.pop() {
+        if !watch.go_on(1) {
+            return None;
+        }
         for arc in problem.arcs(pose) {
             let end = arc.node as usize;
             if !std::mem::replace(&mut reached[end], true) {
@@ -123,27 +136,30 @@ pub(crate) fn reached(problem: &Problem) -> Vec<bool> {
             }
         }
     }
-    reached
+    Some(reached)
 }
 
 /// From which poses any moves lead to a goal.
-fn homing(problem: &Problem) -> Vec<bool> {
+fn homing(problem: &Problem, watch: &mut Watch) -> Option<Vec<bool>> {
     let poses = problem.lattice().poses();
     let Goal::Poses(goals) = problem.goal() else {
-        return vec![true; poses];
+        return Some(vec![true; poses]);
     };
     let starts = into_poses(problem);
     let mut homing = vec![false; poses];
     let mut stack: Vec<usize> = goals.iter().map(|&pose| problem.lattice().number(pose)).collect();
     stack.iter().for_each(|&pose| homing[pose] = true);
     while let Some(pose) = stack.pop() {
+        if !watch.go_on(1) {
+            return None;
+        }
         for &start in starts.of(pose) {
             if !std::mem::replace(&mut homing[start as usize], true) {
                 stack.push(start as usize);
             }
         }
     }
-    homing
+    Some(homing)
 }
 
 /// The poses with a move into each pose.
@@ -153,13 +169,17 @@ fn into_poses(problem: &Problem) -> ByNode<u32> {
     ByNode::sorted(poses, || (0..poses).flat_map(starts))
 }
 
-fn forward(problem: &Problem, poses: &[u32], nodes: &[u32]) -> ByNode<Arc> {
+/// Nothing if told to stop.
+fn forward(problem: &Problem, poses: &[u32], nodes: &[u32], watch: &mut Watch) -> Option<ByNode<Arc>> {
     let mut arcs = ByNode::new();
     for &pose in poses {
+        if !watch.go_on(1) {
+            return None;
+        }
         let inside = problem.arcs(pose as usize).iter().filter(|arc| nodes[arc.node as usize] != NONE);
         arcs.push(inside.map(|arc| Arc { node: nodes[arc.node as usize], step: arc.step }));
     }
-    arcs
+    Some(arcs)
 }
 
 fn backward(arcs: &ByNode<Arc>, nodes: usize) -> ByNode<Back> {

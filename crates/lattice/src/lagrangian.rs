@@ -10,6 +10,8 @@ const WIDTHS: [usize; 2] = [64, 512];
 /// Width of the beam before there are prices, and with bounds per action.
 const FIRST_WIDTH: usize = 64;
 const LAST_WIDTH: usize = 2048;
+/// Most entries of a bound that is still worked out when the time is over.
+const GLIMPSED: u128 = 5_000_000;
 /// Most entries of all bounds per action.
 const MOST_ENTRIES: u128 = 400_000_000;
 
@@ -29,6 +31,11 @@ pub(crate) fn search(graph: &Graph, memory: u64, depth: Depth, watch: &mut Watch
         Some(verdict) => verdict,
         None => Verdict::stopped(search.plan, watch.lower, Limit::Time),
     }
+}
+
+/// Whether [`glimpse`] takes a second at most.
+pub(crate) fn is_glimpsed_at_once(graph: &Graph) -> bool {
+    Table::entries(graph, None) <= GLIMPSED
 }
 
 /// A plan from one bound without prices and a narrow beam.

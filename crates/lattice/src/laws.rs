@@ -8,6 +8,13 @@ use crate::uses::{Left, Packing};
 use crate::watch::Watch;
 use crate::{Options, Problem, dense, layered, plan, synthetic};
 
+fn graph(problem: &Problem) -> Option<Graph<'_>> {
+    let mut keep_going = |_| true;
+    let mut watch = Watch::new(problem, 1 << 16, &mut keep_going);
+    let reach = Reach::new(problem, &mut watch)?;
+    Graph::new(problem, &reach, &mut watch)
+}
+
 /// A small map; with `seconds` basic actions of different cost.
 fn map(seed: u64, seconds: bool) -> Problem {
     let mut file = synthetic::archipelago(7, 8, 4, 3, 2, seed);
@@ -100,7 +107,7 @@ fn law_bounds_are_admissible_and_consistent() {
     let mut random = 1u64;
     for seed in 0..12 {
         let problem = map(seed, seed % 2 == 1);
-        let Some(graph) = Graph::new(&problem, &Reach::new(&problem)) else { continue };
+        let Some(graph) = graph(&problem) else { continue };
         let mut keep_going = |_| true;
         let mut watch = Watch::new(&problem, 1000, &mut keep_going);
         let mut prices = Prices::zero(&graph);
@@ -128,7 +135,7 @@ fn law_engines_agree_on_maps() {
     let mut solved = 0;
     for seed in 0..20 {
         let problem = synthetic::archipelago(14, 15, 4, 4, 2, seed).into_problem().unwrap();
-        let Some(graph) = Graph::new(&problem, &Reach::new(&problem)) else { continue };
+        let Some(graph) = graph(&problem) else { continue };
         let watch = || Watch::new(&problem, 1000, Box::leak(Box::new(|_| true)));
         let step = layered::step(&graph).unwrap();
         let one = layered::search(&graph, step, 1 << 30, &mut watch());
@@ -176,7 +183,7 @@ fn law_many_blocks_agree_with_single_states() {
     let mut solved = 0;
     for seed in 0..12 {
         let problem = many_blocks(seed);
-        let Some(graph) = Graph::new(&problem, &Reach::new(&problem)) else { continue };
+        let Some(graph) = graph(&problem) else { continue };
         let watch = || Watch::new(&problem, 1000, Box::leak(Box::new(|_| true)));
         let (bits, single) =
             (layered::search(&graph, 1, 1 << 30, &mut watch()), dense::search(&graph, &mut watch()));
@@ -219,7 +226,7 @@ fn stop_everywhere(problem: &Problem, search: impl Fn(&mut Watch) -> crate::watc
 fn law_bounds_of_stopped_searches_hold() {
     for seed in 0..6 {
         let problem = many_blocks(seed);
-        if let Some(graph) = Graph::new(&problem, &Reach::new(&problem)) {
+        if let Some(graph) = graph(&problem) {
             stop_everywhere(&problem, |watch| layered::search(&graph, 1, 1 << 30, watch));
             if seed == 0 {
                 let options = Options::default();
@@ -227,7 +234,7 @@ fn law_bounds_of_stopped_searches_hold() {
             }
         }
         let problem = map(seed, false);
-        let Some(graph) = Graph::new(&problem, &Reach::new(&problem)) else { continue };
+        let Some(graph) = graph(&problem) else { continue };
         let prices = Prices::zero(&graph);
         let mut keep_going = |_| true;
         let mut watch = Watch::new(&problem, 1000, &mut keep_going);

@@ -1,6 +1,6 @@
 use crate::graph::{Graph, Reach};
 use crate::lagrangian::{self, Depth};
-use crate::watch::{self, Verdict, Watch};
+use crate::watch::{Verdict, Watch};
 use crate::{
     Cost, Engine, Limit, NoPlan, Options, Problem, Progress, Reason, Solution, Status, Step, dense, layered,
     reason,
@@ -39,16 +39,19 @@ pub fn plan(
     options: &Options,
     keep_going: &mut dyn FnMut(Progress) -> bool,
 ) -> Result<Solution, NoPlan> {
-    let reach = Reach::new(problem);
+    let mut watch = Watch::new(problem, options.poll_every, keep_going);
+    let out_of_time = NoPlan::OutOfTime { lower_bound: problem.cost(0, &problem.required()) };
+    let Some(reach) = Reach::new(problem, &mut watch) else { return Err(out_of_time) };
     if let Some(reason) = reason::from_map(problem, &reach) {
         return Err(NoPlan::Infeasible(reason));
     }
-    let Some(graph) = Graph::new(problem, &reach) else {
-        unreachable!("where the start does not reach the goal, the map gives a reason")
+    let Some(graph) = Graph::new(problem, &reach, &mut watch) else {
+        // Where the start does not reach the goal, the map has given a reason.
+        return Err(out_of_time);
     };
-    let mut watch = Watch::new(problem, options.poll_every, keep_going);
+    drop(reach);
     match engine(&graph, options) {
-        Chosen::TooLarge(bytes) => Err(NoPlan::TooLarge { states: watch::states(&graph), bytes }),
+        Chosen::TooLarge(bytes) => Err(NoPlan::TooLarge { states: graph.states(), bytes }),
         Chosen::Exhaustive => outcome(problem, exhaustive(&graph, options, false, &mut watch)),
         Chosen::BoundsFirst => outcome(problem, bounds_first(&graph, options, &mut watch)),
         Chosen::Lagrangian => {
@@ -79,7 +82,7 @@ pub(crate) fn exhaustive_bytes(graph: &Graph) -> u128 {
 }
 
 fn engine(graph: &Graph, options: &Options) -> Chosen {
-    let (states, bytes) = (watch::states(graph), exhaustive_bytes(graph));
+    let (states, bytes) = (graph.states(), exhaustive_bytes(graph));
     let fits = bytes <= u128::from(memory(graph, options));
     let (weight, large) = match layered::step(graph) {
         Some(_) => (1, LARGE_BITS),
@@ -95,7 +98,7 @@ fn engine(graph: &Graph, options: &Options) -> Chosen {
     }
 }
 
-/// If told to stop and there is no plan yet, one narrow beam looks for one.
+/// If told to stop and there is no plan yet, one narrow beam looks for one, where that is a matter of a moment.
 fn exhaustive(graph: &Graph, options: &Options, has_plan: bool, watch: &mut Watch) -> Verdict {
     let memory = memory(graph, options);
     let verdict = match layered::step(graph) {
@@ -104,7 +107,7 @@ fn exhaustive(graph: &Graph, options: &Options, has_plan: bool, watch: &mut Watc
     };
     match verdict.stopped_by {
         Some(Limit::Memory) => lagrangian::search(graph, memory, Depth::Proof, watch),
-        Some(Limit::Time) if !has_plan => {
+        Some(Limit::Time) if !has_plan && lagrangian::is_glimpsed_at_once(graph) => {
             let plan = lagrangian::glimpse(graph, &mut Watch::new(graph.problem, u64::MAX, &mut |_| true));
             Verdict::stopped(plan, verdict.lower, Limit::Time)
         }

@@ -1,6 +1,5 @@
 //! What the engines share with whoever waits for them.
 
-use crate::graph::Graph;
 use crate::{Limit, Problem, Progress};
 
 /// A plan as moves in order.
@@ -81,6 +80,30 @@ impl<'a, 'b> Watch<'a, 'b> {
     }
 }
 
+/// Asks every few thousand times whether to go on, and remembers a no.
+pub struct Asked<'a> {
+    go_on: &'a dyn Fn() -> bool,
+    times: u32,
+    /// Whether the answer was no.
+    pub stopped: bool,
+}
+
+impl<'a> Asked<'a> {
+    /// Asks `go_on`.
+    pub fn new(go_on: &'a dyn Fn() -> bool) -> Self {
+        Self { go_on, times: 0, stopped: false }
+    }
+
+    /// Whether to go on.
+    pub fn go_on(&mut self) -> bool {
+        self.times = self.times.wrapping_add(1);
+        if self.times.is_multiple_of(1 << 16) {
+            self.stopped |= !(self.go_on)();
+        }
+        !self.stopped
+    }
+}
+
 /// Strides of a mixed-radix number of count vectors, first slot fastest, and how many there are.
 pub(crate) fn strides(required: &[u32]) -> (Vec<u64>, u128) {
     let mut next = 1u128;
@@ -106,9 +129,4 @@ pub(crate) fn counts(mut number: u64, required: &[u32]) -> Vec<u32> {
         digit as u32
     });
     digits.collect()
-}
-
-/// Number of states of a graph: nodes times count vectors, as far as 128 bits go.
-pub(crate) fn states(graph: &Graph) -> u128 {
-    strides(&graph.problem.required()).1.saturating_mul(graph.len() as u128)
 }

@@ -97,9 +97,13 @@ fn plan(study: &Study) -> Option<&PlanDocument> {
 
 /// Both sentences about a trial that has been planned and no more.
 fn planned(plan: &PlanDocument) -> String {
-    let cost = cost(plan.cost, plan.cost_unit);
-    let proof =
-        if plan.status == PlanStatus::Optimal { ", and no plan costs less" } else { ", not proved optimal" };
+    let cost = self::cost(plan.cost, plan.cost_unit);
+    let proof = match plan.status {
+        PlanStatus::Optimal => ", and no plan costs less".to_owned(),
+        PlanStatus::Feasible => {
+            format!(", at most {} dearer than the best", self::cost(plan.gap, plan.cost_unit))
+        }
+    };
     let uses: u64 = plan.counts.values().sum();
     let Some(voyage) = &plan.voyage else {
         return format!("The plan uses {uses} informative maneuvers and costs {cost}{proof}.");
@@ -108,20 +112,24 @@ fn planned(plan: &PlanDocument) -> String {
     let hull = if check.clear { format!("stays {}", clear(check)) } else { clear(check) };
     format!(
         "The planned trial of {} holds {uses} informative maneuvers and costs {cost}{proof}. In simulation the hull {hull}; \
-         in unknown current of up to {}\u{a0}m/s, {} of {} runs touch an obstacle.",
+         in unknown current of up to {}\u{a0}m/s, with parameters off by up to {}, {} of {} runs touch an obstacle.{}",
         minutes(voyage.duration_s),
         exact(check.unknown_current_m_s),
+        percent(check.parameter_error),
         check.aground,
         check.runs,
+        if check.safe { "" } else { " The plan is unsafe: it fails its own check." },
     )
 }
 
 /// How far the simulated plan stays from obstacles. The distance is measured on a raster that never overstates it.
 fn clear(check: &Check) -> String {
-    if check.clear {
-        format!("at least {}\u{a0}m clear", three(check.clearance_m))
-    } else {
-        "touches an obstacle".to_owned()
+    match check.clear {
+        true if check.clearance_m >= check.sight_m => {
+            format!("more than {}\u{a0}m clear", three(check.sight_m))
+        }
+        true => format!("at least {}\u{a0}m clear", three(check.clearance_m)),
+        false => "touches an obstacle".to_owned(),
     }
 }
 
@@ -240,9 +248,17 @@ fn design_cards(design: &DesignDocument) -> Markup {
 }
 
 fn plan_card(plan: &PlanDocument) -> Markup {
-    let cost = cost(plan.cost, plan.cost_unit);
+    let cost = self::cost(plan.cost, plan.cost_unit);
     let (figure, unit) = cost.split_once([' ', '\u{a0}']).unwrap_or((&cost, "cost"));
     let sailed = |voyage: &Voyage| format!("{} at sea, {}", minutes(voyage.duration_s), clear(&voyage.check));
-    let others: Vec<String> = plan.voyage.iter().map(sailed).collect();
-    card("Trajectory", figure, format!("{unit}, {}", plan.status.name()), &others)
+    let mut others: Vec<String> = plan.voyage.iter().map(sailed).collect();
+    let failed = plan.voyage.as_ref().map(|voyage| &voyage.check).filter(|check| !check.safe);
+    others.extend(failed.map(|check| format!("unsafe: {}", check.faults.join(", "))));
+    let known = match plan.status {
+        PlanStatus::Optimal => plan.status.name().to_owned(),
+        PlanStatus::Feasible => {
+            format!("at most {} dearer than the best", self::cost(plan.gap, plan.cost_unit))
+        }
+    };
+    card("Trajectory", figure, format!("{unit}, {known}"), &others)
 }

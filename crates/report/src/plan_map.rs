@@ -36,7 +36,7 @@ impl PlanMap<'_> {
         let bounds = self.frame();
         let ([west, south], [east, north]) = (bounds.min, bounds.max);
         figure::Map {
-            title: "Planned trial".to_owned(),
+            title: if self.sailing.check.safe { "Planned trial" } else { "Planned trial, unsafe" }.to_owned(),
             description: format!(
                 "{} steps, {} {}: {}",
                 document.steps.len(),
@@ -44,6 +44,7 @@ impl PlanMap<'_> {
                 document.cost_unit.name(),
                 document.statement
             ),
+            warning: (!self.sailing.check.safe).then(|| "Unsafe: the plan fails its own check".to_owned()),
             frame: figure::Frame { west, south, east, north },
             uncharted: prepared.chart.uncharted() == Uncharted::Obstacle,
             depth_limits_m: if prepared.chart.has_depth() { DEPTHS_M.to_vec() } else { Vec::new() },
@@ -88,8 +89,11 @@ impl PlanMap<'_> {
     }
 
     fn areas(&self, bounds: &Bounds) -> Vec<figure::Area> {
+        let deep_m = self.prepared.brief.task.safety.trial_depth_m;
         let area = |polygon: chart::Polygon| {
             let class = match polygon.class {
+                Class::Danger { least_m: Some(least_m) } if least_m >= deep_m => return None,
+                Class::Danger { .. } => figure::Class::NoGo,
                 Class::Land => figure::Class::Land,
                 Class::NoGo => figure::Class::NoGo,
                 Class::Depth { least_m, .. } => figure::Class::Depth { least_m: least_m? },

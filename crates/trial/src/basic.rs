@@ -91,7 +91,8 @@ fn arc(grid: &Grid, handling: &Handling, level: usize, to: usize, mode: usize, s
     let (a, b) = (grid.heading_rad(level), grid.heading_rad(to));
     let turn = TAU / grid.headings as f64;
     let tangent = speed / handling.turn_rate_rad_s * (turn / 2.0).tan();
-    let reach = 3 + (2.0 * tangent / grid.cell_m).ceil() as i32;
+    // A move longer than the lattice is of no use.
+    let reach = (3.0 + (2.0 * tangent / grid.cell_m).ceil()).min(grid.nx.max(grid.ny) as f64) as i32;
     let (_, di, dj, p) = around(0, 0, reach)
         .filter_map(|(di, dj)| {
             let [north, east] = grid.displacement(di, dj);

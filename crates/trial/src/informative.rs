@@ -53,23 +53,55 @@ impl Repertoire<'_> {
     /// # Errors
     /// As [`sail`].
     pub fn rehearse(&self, leg: &Leg) -> Result<(Sailed, Pose), Invalid> {
-        self.rehearse_with(leg, &self.vessel.nominal)
+        self.rehearse_with(leg, &self.vessel.nominal, None)
     }
 
-    /// [`Self::rehearse`] by a vessel with other `parameters` than the nominal ones, which the autopilot goes by.
+    /// [`Self::rehearse`] by a vessel with other `parameters` than the nominal ones, which the autopilot goes by, from where
+    /// an earlier leg left it, off the node and off its speed: `start`.
     ///
     /// # Errors
     /// As [`sail`].
-    pub fn rehearse_with(&self, leg: &Leg, parameters: &[f64]) -> Result<(Sailed, Pose), Invalid> {
+    pub fn rehearse_with(
+        &self,
+        leg: &Leg,
+        parameters: &[f64],
+        start: Option<&Astray>,
+    ) -> Result<(Sailed, Pose), Invalid> {
         let (level, mode) = self.grid.level_and_mode(leg.from);
         let pose = Pose { x: 0.0, y: 0.0, psi: self.grid.heading_rad(level) };
         let mut ship = Ship::new(self.vessel, parameters, pose, self.grid.modes[mode].speed_m_s);
+        if let Some(Astray { pose, state }) = start {
+            (ship.pose, ship.state) = (*pose, *state);
+        }
         ship.current_m_s = self.mean_current_m_s;
         let mut autopilot = Autopilot::new(self.vessel, &self.vessel.nominal, *self.handling);
         autopilot.known_current_m_s = self.mean_current_m_s;
         let legs = [([0.0, 0.0], leg)];
         let sailed = sail(legs, self.pieces, self.mirror.unwrap_or(&[]), &mut ship, &mut autopilot)?;
         Ok((sailed, ship.pose))
+    }
+
+    /// Where `sailed`, a rehearsal of `leg`, ends, seen from the node at which it should.
+    pub fn astray(&self, leg: &Leg, sailed: &Sailed) -> Option<Astray> {
+        let [north, east] = self.grid.displacement(leg.di, leg.dj);
+        let (pose, state) = *sailed.ends.last()?;
+        Some(Astray { pose: Pose { x: pose.x - north, y: pose.y - east, ..pose }, state })
+    }
+}
+
+/// A vessel that is not quite at a node.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Astray {
+    /// Where it is, from the node (north, east), and its heading.
+    pub pose: Pose,
+    /// u, v \[m/s\], r \[rad/s\].
+    pub state: [f64; 3],
+}
+
+impl Astray {
+    /// Distance from the node \[m\].
+    pub fn distance_m(&self) -> f64 {
+        self.pose.x.hypot(self.pose.y)
     }
 }
 
@@ -159,7 +191,8 @@ impl Search<'_> {
         let mut levels = vec![nearest, (nearest + 1) % h, (nearest + h - 1) % h];
         levels.dedup();
         let cell = grid.cell_m;
-        let reach = if at_rest { 1 } else { 4 + (4.0 * handling.lookahead_m / cell).ceil() as i32 };
+        let far = (4.0 + (4.0 * handling.lookahead_m / cell).ceil()).min(grid.nx.max(grid.ny) as f64) as i32;
+        let reach = if at_rest { 1 } else { far };
         let [i, j] = [(end.y / cell).round() as i32, (end.x / cell).round() as i32];
         let mut found = Vec::new();
         for level in levels {

@@ -26,7 +26,7 @@ pub mod voyage;
 pub use autopilot::{Autopilot, Handling};
 pub use basic::{BASIC_MOVES, basic_legs};
 pub use grid::{Grid, Mode};
-pub use informative::{Approach, Repertoire};
+pub use informative::{Approach, Astray, Repertoire};
 pub use leg::{Leg, Phase, Purpose, Side};
 pub use piece::{Piece, period};
 pub use sail::{Sailed, Sample, sail};

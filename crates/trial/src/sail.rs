@@ -62,6 +62,9 @@ pub fn sail<'l>(
     Ok(sailed)
 }
 
+/// No turn or line takes longer: numbers that ask for it make no sense, and its samples would fill the memory.
+const LONGEST_PHASE: usize = 500_000;
+
 fn follow(
     phase: &Phase,
     node: [f64; 2],
@@ -73,6 +76,11 @@ fn follow(
     let start = ship.pose;
     let mut elapsed_s = 0.0;
     while !autopilot.is_done(phase, node, start, ship, elapsed_s) {
+        if elapsed_s > LONGEST_PHASE as f64 * ship.sample_s() {
+            let expected = format!("at most {LONGEST_PHASE} samples of a turn or a line");
+            let remedy = "correct `cell_m`, the speeds or `handling`";
+            return Err(Invalid::new("leg under way", format!("over {elapsed_s:.0} s"), expected, remedy));
+        }
         let inputs = autopilot.steer(phase, node, start, ship)?.to_vec();
         advance(ship, leg, false, inputs, sailed)?;
         elapsed_s += ship.sample_s();

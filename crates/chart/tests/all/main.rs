@@ -3,6 +3,7 @@
 mod footprints;
 mod geodesy;
 mod grid_files;
+mod marks;
 mod obstacles;
 mod polygon_files;
 mod real_charts;

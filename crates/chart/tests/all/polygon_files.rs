@@ -27,11 +27,11 @@ fn objl(values: &[&str]) -> Filter {
 }
 
 #[test]
-fn holes_are_kept_and_points_counted() {
+fn holes_and_points_are_kept() {
     let layer = land(&fixture("square_island.geojson"));
     assert_eq!(layer.areas.len(), 1);
     assert_eq!(layer.areas[0].rings.len(), 2);
-    assert_eq!(layer.other_geometries, 1);
+    assert_eq!(layer.marks.len(), 1);
 }
 
 #[test]
@@ -124,13 +124,12 @@ fn rings_that_only_touch_themselves_are_read() {
 }
 
 #[test]
-fn files_without_polygons_are_refused() {
+fn files_without_anything_charted_are_refused() {
     let corrupt = fixture("square_island.geojson");
     for text in ["", "{", "[]", "null", "{\"type\": \"FeatureCollection\"}", &corrupt[..corrupt.len() / 2]] {
         assert!(refusal(text).contains("GeoJSON"), "{text}");
     }
-    assert!(refusal(r#"{"type": "FeatureCollection", "features": []}"#).contains("no polygon"));
-    assert!(refusal(r#"{"type": "Point", "coordinates": [1, 2]}"#).contains("no polygon"));
+    assert!(refusal(r#"{"type": "FeatureCollection", "features": []}"#).contains("nothing charted"));
 }
 
 #[test]
@@ -149,6 +148,10 @@ fn depth_properties_that_make_no_sense_are_refused() {
     let sign = read(&feature("-12.5"), "DRVAL1").unwrap_err();
     assert!(sign.contains("-12.5..-12.5") && sign.contains("positive down"), "{sign}");
     assert!(read(&feature("null"), "DRVAL1").is_ok());
+    for fill in ["-32768", "9.97e36", "\"NaN\"", "\"-inf\""] {
+        let refused = read(&feature(fill), "DRVAL1").unwrap_err();
+        assert!(refused.contains("feature 0") && refused.contains("at most 12000 m"), "{refused}");
+    }
 }
 
 /// Twice the area of a triangle of whole numbers: exact.

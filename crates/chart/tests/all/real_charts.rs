@@ -58,7 +58,7 @@ fn blocked(obstacles: &Obstacles, p: &[f64; 2]) -> bool {
 #[test]
 fn the_helsinki_shoreline_is_read() {
     let layer = land(&fixture("helsinki_land_gshhg.geojson"));
-    assert_eq!((layer.areas.len(), layer.other_geometries), (366, 0));
+    assert_eq!((layer.areas.len(), layer.marks.len()), (366, 0));
 }
 
 #[test]

@@ -53,6 +53,7 @@ pub fn map_figure(map: &Map) -> Result<String, Invalid> {
     let mut sheet = Sheet::new(Colours::Kept);
     draw(&mut sheet, &view, map);
     surround::draw(&mut sheet, &view, &map.graticule);
+    map.warning.iter().for_each(|warning| surround::warning(&mut sheet, &view, warning));
     let legend = Legend::new(map);
     let top = view.opposite.1 + surround::FOOT;
     legend.draw(&mut sheet, top);

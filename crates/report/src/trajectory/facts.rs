@@ -23,11 +23,14 @@ fn fact(term: &str, value: &str, note: &str) -> Markup {
 
 fn search(plan: &PlanDocument) -> Markup {
     let unit = plan.cost_unit;
-    let proof = if plan.status == PlanStatus::Optimal { "proved" } else { "not proved optimal" };
+    let proof = match plan.status {
+        PlanStatus::Optimal => "proved".to_owned(),
+        PlanStatus::Feasible => format!("at most {} dearer than the best", cost(plan.gap, unit)),
+    };
     html! {
         h3 { "Plan" }
         dl.facts {
-            (fact("Status", plan.status.name(), proof))
+            (fact("Status", plan.status.name(), &proof))
             (fact("Cost", &cost(plan.cost, unit), &format!("no plan costs less than {}", cost(plan.lower_bound, unit))))
             (fact("Steps", &plan.steps.len().to_string(), &uses(plan)))
             @if let Some(secondary) = &plan.secondary { (ties(secondary)) }
@@ -62,16 +65,25 @@ fn at_sea(plan: &PlanDocument, voyage: &Voyage) -> Markup {
             (fact("In informative maneuvers", &minutes(voyage.informative_s),
                 &format!("{} of the time, {maneuvers} maneuvers", percent(share))))
             (fact("Clearance", &clearance(&voyage.check), "of the hull from anything charted as an obstacle"))
+            (fact("Margin", &format!("{}\u{a0}m asked for", exact(voyage.check.margin_m)), &margin(&voyage.check)))
         }
     }
 }
 
 /// The distance is measured on a raster that never overstates it.
 fn clearance(check: &Check) -> String {
-    if check.clear {
-        format!("at least {}\u{a0}m", three(check.clearance_m))
-    } else {
-        "none: the hull touches an obstacle".to_owned()
+    match check.clear {
+        true if check.clearance_m >= check.sight_m => format!("more than {}\u{a0}m", three(check.sight_m)),
+        true => format!("at least {}\u{a0}m", three(check.clearance_m)),
+        false => "none: the hull touches an obstacle".to_owned(),
+    }
+}
+
+/// What the nominal track keeps of the margin that was asked for.
+fn margin(check: &Check) -> String {
+    match check.shortfall_m > 0.0 {
+        true => format!("{}\u{a0}m short of it", three(check.shortfall_m)),
+        false => "kept, with the drift of maneuvers".to_owned(),
     }
 }
 
@@ -80,15 +92,19 @@ fn currents(check: &Check) -> Markup {
         return html! { h3 { "In unknown current" } p.missing { "Not simulated: the plan asks for no runs." } };
     }
     let [least, low, median] = check.clearance_quantiles_m.map(three);
+    let [from, to] = check.aground_interval.map(percent);
     let unmoved = check.clearance_quantiles_m.iter().all(|c| *c == check.clearance_m);
     html! {
-        h3 { "In unknown current" }
+        h3 { "In unknown current, with parameters that are off" }
         p.note {
-            (check.runs) " simulations, each with a constant current of its own, up to "
-            (exact(check.unknown_current_m_s)) "\u{a0}m/s and from any side, and with the true parameters where the vessel has them."
+            (check.runs) " simulations of the whole plan (seed " (check.seed) "), each with a constant current of its own, up to "
+            (exact(check.unknown_current_m_s)) "\u{a0}m/s and from any side, and with parameters of its own, evenly within "
+            (percent(check.parameter_error)) " of the nominal ones. Errors of one leg are carried into the next."
         }
         dl.facts {
-            (fact("Aground", &part(check.aground, check.runs), "position corrected between the maneuvers"))
+            (fact("Aground", &part(check.aground, check.runs), &format!("95\u{a0}% interval {from} to {to}; position corrected between the maneuvers")))
+            (fact("Nearer than the margin", &part(check.below_margin, check.runs), &format!("of {}\u{a0}m, those aground among them", exact(check.margin_m))))
+            (fact("Outside of the area", &part(check.left_area, check.runs), "its edge is no obstacle"))
             (fact("Aground if sailed open loop", &part(check.aground_open_loop, check.runs), "the planned inputs, never corrected"))
             (fact("Least clearance of a run", &format!("{least}\u{a0}m"),
                 &format!("5\u{a0}% of runs: {low}\u{a0}m; median: {median}\u{a0}m")))

@@ -10,6 +10,7 @@ mod trials;
 pub(crate) mod words;
 
 use maud::{Markup, html};
+use trial::voyage::Check;
 
 use crate::number::three;
 use crate::parts::{Figures, Section, missing};
@@ -47,6 +48,7 @@ fn planned(study: &Study, main: &PlannedTrial, figures: &mut Figures) -> Markup 
             a href="#files" { "Files" }
             " and against nothing else. The master decides."
         }
+        @if let Some(voyage) = voyage { (unsafe_note(&voyage.check)) }
         (outdated(main))
         div.map-and-facts.tall[tall] { (map) div { (facts(&main.plan)) } }
         @match voyage {
@@ -57,6 +59,18 @@ fn planned(study: &Study, main: &PlannedTrial, figures: &mut Figures) -> Markup 
                 (moves(voyage))
             }
             None => p.missing { "Times, places and clearances not shown: the plan solves a lattice problem without a chart or a vessel." }
+        }
+    }
+}
+
+/// What a plan breaks that was written although its check fails.
+fn unsafe_note(check: &Check) -> Markup {
+    html! {
+        @if !check.safe {
+            p.caution {
+                b { "Unsafe." }
+                " The plan fails its own check and was written by " code { "--allow-unsafe" } " only: " (check.faults.join(", ")) "."
+            }
         }
     }
 }
@@ -113,6 +127,9 @@ fn in_one_line(variant: &PlannedTrial) -> Markup {
         (plan.steps.len()) " steps"
         @if let Some(voyage) = &plan.voyage { ", " (minutes(voyage.duration_s)) " at sea (" (three(voyage.duration_s)) "\u{a0}s)" }
         "."
+        @if let Some(check) = plan.voyage.as_ref().map(|v| &v.check).filter(|check| !check.safe) {
+            " " b { "Unsafe:" } " " (check.faults.join(", ")) "."
+        }
         @if !variant.stale.is_empty() { " Made from another " (variant.stale.join(", ")) "." }
     }
 }

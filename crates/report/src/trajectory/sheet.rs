@@ -20,6 +20,7 @@ pub(super) fn sheet(study: &Study, plan: &PlanDocument, voyage: &Voyage) -> Mark
                  corrections, then the recovery onto the next position. Positions (WGS\u{a0}84), headings (true) and speeds are those of \
                  the plan; times, durations and inputs are as simulated by the nominal model. "
                 b { "Not for navigation." }
+                @if !voyage.check.safe { " " b { "Unsafe: the plan fails its own check." } }
             }
             div.scroll { table.compact.tight.sheet {
                 (head(&inputs))

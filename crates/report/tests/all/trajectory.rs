@@ -178,23 +178,28 @@ fn what_is_missing_of_a_plan_is_said() {
 fn a_plan_that_is_not_proved_or_not_clear_is_not_praised() {
     let study = with(|plan| {
         plan.status = PlanStatus::Feasible;
-        plan.lower_bound = 3.0;
+        (plan.lower_bound, plan.gap) = (3.0, 1.0);
         plan.voyage.iter_mut().for_each(|v| v.check.clear = false);
     });
     let text = text(&study);
     holds(
         &text,
         &[
-            "feasible not proved optimal",
+            "feasible at most 1 basic move dearer than the best",
             "no plan costs less than 3 basic moves",
             "the hull touches an obstacle",
+            "Unsafe. The plan fails its own check and was written by --allow-unsafe only: 2 of 64 runs aground",
+            "Unsafe: 2 of 64 runs aground (3.1 %, 0.9 to 10.7 %).",
+            "64 simulations of the whole plan (seed 1)",
+            "within 35.0 % of the nominal ones",
+            "2 of 64 (3.1 %) 95 % interval 0.9 % to 10.7 %",
         ],
     );
     assert!(!text.contains("at least 61.5 m"));
     let html = rendered(&study).html;
     assert!(
         html.contains("at sea, touches an obstacle")
-            && html.contains("<span class=\"big\">4</span> <span class=\"who\">basic moves, feasible</span>")
+            && html.contains("<span class=\"big\">4</span> <span class=\"who\">basic moves, at most 1 basic move dearer than the best</span>")
     );
 }
 

@@ -1,7 +1,7 @@
 //! `plan`: one trajectory that uses every maneuver as often as the design wants.
 
 use std::path::PathBuf;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use crate::cli::{Common, given};
 use crate::failure::Failure;
@@ -15,7 +15,7 @@ use lattice::Engine;
 #[command(
     name = "plan",
     after_help = "Example:\n  plan --vessel pipelines/helsinki/vessel.toml --trajectories out/helsinki/dictionary.parquet \
-    --config pipelines/helsinki/plan.toml --out out/helsinki/plan.json\n  \
+    --config pipelines/helsinki/plan.toml --allow-unsafe --out out/helsinki/plan.json\n  \
     plan --problem fixtures/lattice/channel.json --out plan.json"
 )]
 pub struct Arguments {
@@ -34,12 +34,15 @@ pub struct Arguments {
     /// The design, for counts that follow from its shares
     #[arg(long, value_name = "design.json")]
     design: Option<PathBuf>,
-    /// Stop searching after this time, with the best plan so far and its gap
+    /// Stop after this time, all phases counted, with the best plan so far and its gap
     #[arg(long, value_name = "SECONDS")]
     time_limit_s: Option<f64>,
-    /// Memory for the search
+    /// Memory for chart, lattice and search
     #[arg(long, value_name = "MIB", default_value_t = 4096, value_parser = clap::value_parser!(u64).range(1..))]
     memory_mib: u64,
+    /// Write a plan whose check runs aground or breaks the margin, too; every output is labelled as unsafe
+    #[arg(long)]
+    allow_unsafe: bool,
     /// How to search
     #[arg(long, value_enum, default_value_t = EngineChoice::Auto)]
     engine: EngineChoice,
@@ -71,6 +74,7 @@ impl Task for Arguments {
                 EngineChoice::Lagrangian => Engine::Lagrangian,
             },
             memory_bytes: self.memory_mib.saturating_mul(1 << 20),
+            started: Instant::now(),
             time,
             quiet: common.quiet,
         };
@@ -86,6 +90,7 @@ impl Task for Arguments {
         };
         let inputs = [files.vessel, files.config, files.trajectories].into_iter().chain(files.design);
         let out = common.main_output(MAIN, inputs)?;
-        plan_voyage(&files, &out, &limits, common.seed.unwrap_or(1), common.provenance("plan"))
+        let provenance = common.provenance("plan");
+        plan_voyage(&files, &out, &limits, common.seed.unwrap_or(1), self.allow_unsafe, provenance)
     }
 }

@@ -77,5 +77,5 @@ fn check_names(out: &Path) -> Result<(), Failure> {
 
 fn shares(path: &Path, provenance: &mut Provenance) -> Result<Shares, Failure> {
     let design: DesignDocument = inputs::document(path, "design", provenance)?;
-    Ok(Shares { order: design.order, share: design.shares })
+    Shares::new(design.order, design.shares).map_err(|e| Failure::invalid(path, &e))
 }

@@ -5,11 +5,11 @@ use std::path::Path;
 use artifact::{Digest, Error, Provenance, commit, stage_document};
 use lattice::{ProblemFile, plan};
 use serde_json::json;
-use study::documents::PlanDocument;
+use study::documents::{PlanDocument, PlanStatus};
 use study::plan::of_problem;
 
 use super::limits::Limits;
-use super::refusals::no_plan;
+use super::refusals::{no_plan, out_of_time, too_large};
 use crate::failure::Failure;
 use crate::stage::Summary;
 
@@ -30,14 +30,28 @@ pub fn plan_problem(
         .map_err(|e| {
             Failure::refuse(file, "file", &e.to_string(), "a lattice problem in JSON", "correct it")
         })?;
-    let problem = parsed.into_problem().map_err(|e| Failure::invalid(file, &e))?;
+    let demand = parsed.demand();
+    if demand.bytes() > u128::from(limits.memory_bytes) {
+        return Err(too_large(file, &demand));
+    }
+    let problem = parsed.into_problem_while(&|| limits.go_on()).map_err(|e| Failure::invalid(file, &e))?;
+    let problem = problem.ok_or_else(|| out_of_time(file, "the layout of the map"))?;
     let solution =
         plan(&problem, &limits.options(), &mut *limits.watch()).map_err(|why| no_plan(file, &why))?;
     let document = of_problem(&problem, &solution);
     provenance.inputs.insert("problem".into(), Digest::of_bytes(&bytes));
     commit(vec![stage_document(out, &provenance, &document)?])?;
-    let PlanDocument { status, cost, lower_bound, .. } = &document;
+    let PlanDocument { status, cost, lower_bound, gap, .. } = &document;
     let steps = document.steps.len();
-    let told = json!({"status": status, "cost": cost, "lower_bound": lower_bound, "steps": steps});
-    Ok(Summary::of(out, format!("{}, cost {cost}, {steps} steps", status.name()), told))
+    let told =
+        json!({"status": status, "cost": cost, "lower_bound": lower_bound, "gap": gap, "steps": steps});
+    Ok(Summary::of(out, format!("{}, cost {cost}, {steps} steps", known(&document)), told))
+}
+
+/// What is known of a plan; a feasible one with its gap.
+pub(super) fn known(document: &PlanDocument) -> String {
+    match document.status {
+        PlanStatus::Optimal => document.status.name().to_owned(),
+        PlanStatus::Feasible => format!("feasible (at most {} dearer than the best)", document.gap),
+    }
 }

@@ -1,9 +1,10 @@
 //! What the science refuses, with the file that it stands in and the flag that helps.
 
+use std::fmt::Display;
 use std::path::Path;
 
-use lattice::NoPlan;
-use trial::voyage::VoyageError;
+use lattice::{Demand, NoPlan};
+use trial::voyage::{Check, VoyageError};
 use vessel::{Invalid, nearest};
 
 use super::files::VoyageFiles;
@@ -34,8 +35,21 @@ pub(super) fn voyage(files: &VoyageFiles, error: VoyageError) -> Failure {
         ),
         VoyageError::NoAnswer(invalid) => Failure::NoAnswer(format!("{}: {invalid}", config.display())),
         VoyageError::Infeasible(reason) => infeasible(config, &reason),
+        VoyageError::OutOfTime(phase) => out_of_time(config, phase),
+        VoyageError::TooLarge(footing) => does_not_fit(config, &footing),
         VoyageError::NoPlan(why) => no_plan(config, &why),
     }
+}
+
+/// What the check of a plan found broken.
+pub(super) fn unsafe_plan(config: &Path, check: &Check) -> Failure {
+    let (least, margin) = (check.clearance_m.min(check.clearance_quantiles_m[0]), check.margin_m);
+    Failure::NoAnswer(format!(
+        "{}: plan at sea: found {}, least clearance {least:.0} m, expected at least {margin} m in every simulation; \
+         raise `safety.margin_m`, know the parameters better, or take it labelled with --allow-unsafe",
+        config.display(),
+        check.faults.join(", ")
+    ))
 }
 
 /// Why the search of the problem in `file` ended without a plan.
@@ -59,10 +73,30 @@ pub(super) fn no_plan(file: &Path, why: &NoPlan) -> Failure {
     }
 }
 
+/// The time was over in `phase`, before there was a plan that is checked.
+pub(super) fn out_of_time(file: &Path, phase: &str) -> Failure {
+    let remedy = "raise --time-limit-s, or reduce the lattice or `safety.runs`";
+    no_answer(file, &format!("none in time, which ended in {phase}"), remedy)
+}
+
+/// A lattice that is not even laid out.
+pub(super) fn too_large(file: &Path, demand: &Demand) -> Failure {
+    let Demand { poses, moves } = demand;
+    let mib = demand.bytes().div_ceil(1 << 20);
+    does_not_fit(file, &format_args!("{poses} poses with up to {moves} moves, which take {mib} MiB"))
+}
+
+fn does_not_fit(file: &Path, found: &dyn Display) -> Failure {
+    let remedy = "raise --memory-mib, or reduce the lattice, headings, speed modes or `raster_per_cell`";
+    let message =
+        format!("{}: plan: found {found}, expected less than --memory-mib; {remedy}", file.display());
+    Failure::NoAnswer(message)
+}
+
 fn infeasible(file: &Path, reason: &str) -> Failure {
     no_answer(file, &format!("none (proved): {reason}"), "change counts, map, start or goal")
 }
 
 fn no_answer(file: &Path, found: &str, remedy: &str) -> Failure {
-    Failure::NoAnswer(format!("{}: plan: found {found}, expected a feasible plan; {remedy}", file.display()))
+    Failure::NoAnswer(format!("{}: plan: found {found}, expected one; {remedy}", file.display()))
 }

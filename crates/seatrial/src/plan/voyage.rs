@@ -4,7 +4,7 @@ use std::path::Path;
 
 use artifact::{Provenance, Staged, commit, stage_set_document};
 use report::PlanMap;
-use serde_json::json;
+use serde_json::{Value, json};
 use study::documents::{PlanDocument, Voyage};
 use study::plan::{Routes, of_voyage};
 use study::track::stage_track;
@@ -12,6 +12,7 @@ use trial::voyage::{Prepared, Sailing, Search, Solved};
 
 use super::files::{MAIN, VoyageFiles};
 use super::limits::Limits;
+use super::problem::known;
 use super::refusals;
 use crate::cli::beside;
 use crate::failure::Failure;
@@ -21,21 +22,26 @@ use crate::stage::Summary;
 /// `map.svg`.
 ///
 /// # Errors
-/// Files that are refused; no feasible plan; output that fails.
+/// Files that are refused; no plan, or none that passes its check unless `allow_unsafe`; output that fails.
 pub fn plan_voyage(
     files: &VoyageFiles,
     out: &Path,
     limits: &Limits,
     seed: u64,
+    allow_unsafe: bool,
     mut provenance: Provenance,
 ) -> Result<Summary, Failure> {
     provenance.settings.insert("seed".into(), json!(seed));
     let brief = files.read(out, &mut provenance, seed)?;
     let refuse = |error| refusals::voyage(files, error);
-    let search = Search { options: limits.options(), watch: &|| limits.watch() };
-    let prepared = Prepared::new(brief).map_err(refuse)?;
+    let searched = limits.before_check();
+    let search = Search { options: limits.options(), watch: &|| searched.watch(), go_on: &|| limits.go_on() };
+    let prepared = Prepared::new(brief, &search).map_err(refuse)?;
     let solved = prepared.solve(&search).map_err(refuse)?;
-    let sailing = prepared.sail(&solved).map_err(refuse)?;
+    let sailing = prepared.sail(&solved, &search).map_err(refuse)?;
+    if !(allow_unsafe || sailing.check.safe) {
+        return Err(refusals::unsafe_plan(files.config, &sailing.check));
+    }
     let document = of_voyage(&prepared, &solved, &sailing);
     let planned = Planned { prepared: &prepared, solved: &solved, sailing: &sailing, document: &document };
     commit(planned.stage(out, &provenance)?)?;
@@ -91,23 +97,25 @@ impl Planned<'_> {
 }
 
 fn summary(out: &Path, document: &PlanDocument) -> Summary {
-    let PlanDocument { status, cost, cost_unit, lower_bound, .. } = document;
+    let PlanDocument { status, cost, cost_unit, lower_bound, gap, .. } = document;
     let steps = document.steps.len();
-    let voyage = document.voyage.as_ref();
-    let (seconds, clearance) = voyage.map_or((0.0, 0.0), |v| (v.duration_s, v.check.clearance_m));
-    let (aground, runs) = voyage.map_or((0, 0), |v| (v.check.aground, v.check.runs));
-    let astray = match aground {
-        0 => String::new(),
-        _ => format!(", but {aground} of {runs} runs in unknown current aground"),
-    };
-    Summary::of(
-        out,
-        format!(
-            "{}, {cost} {}, {steps} steps, {seconds} s at sea, {clearance:.0} m clear{astray}",
-            status.name(),
-            cost_unit.name()
-        ),
-        json!({"status": status, "cost": cost, "lower_bound": lower_bound, "steps": steps,
-            "duration_s": seconds, "clearance_m": clearance, "aground": aground, "runs": runs}),
-    )
+    let mut said = format!("{}, {cost} {}, {steps} steps", known(document), cost_unit.name());
+    let mut told =
+        json!({"status": status, "cost": cost, "lower_bound": lower_bound, "gap": gap, "steps": steps});
+    if let Some(Voyage { duration_s, check, .. }) = &document.voyage {
+        let more = if check.clearance_m >= check.sight_m { "more than " } else { "" };
+        said += &format!(", {duration_s} s at sea, {more}{:.0} m clear", check.clearance_m);
+        if check.left_area > 0 {
+            said += &format!(", {} of {} runs outside of the area", check.left_area, check.runs);
+        }
+        if !check.safe {
+            said += &format!("; UNSAFE: {}", check.faults.join(", "));
+        }
+        let own = json!({"duration_s": duration_s, "clearance_m": check.clearance_m, "safe": check.safe,
+            "faults": check.faults, "aground": check.aground, "runs": check.runs, "left_area": check.left_area});
+        if let (Value::Object(all), Value::Object(own)) = (&mut told, own) {
+            all.extend(own);
+        }
+    }
+    Summary::of(out, said, told)
 }

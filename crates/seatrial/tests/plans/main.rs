@@ -6,6 +6,7 @@ mod support;
 #[path = "../../../chart/tests/all/xml.rs"]
 mod xml;
 
+mod budget;
 mod chart_refusals;
 mod choices;
 mod file_refusals;
@@ -17,6 +18,7 @@ mod lattice_problems;
 mod place_refusals;
 mod planned;
 mod routes;
+mod safety;
 mod same_bytes;
 mod sea;
 mod time_limits;

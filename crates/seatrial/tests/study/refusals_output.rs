@@ -85,10 +85,10 @@ fn shards() -> TempDir {
 fn sets_of_shards_that_do_not_fit_are_refused() {
     let folder = shards();
     let gather = |files: &str| format!("simulate campaign --out all.parquet --gather {files}");
-    refused(&folder, 3, &gather("a.parquet c.parquet"), &["all.parquet", "shard", "2", "3 shards"]);
-    refused(&folder, 3, &gather("b.parquet"), &["all.parquet", "1", "3", "3 shards"]);
+    refused(&folder, 3, &gather("a.parquet c.parquet"), &["a.parquet", "shard", "2", "3 shards"]);
+    refused(&folder, 3, &gather("b.parquet"), &["b.parquet", "1", "3", "3 shards"]);
     let twice = gather("a.parquet b.parquet b.parquet c.parquet");
-    refused(&folder, 3, &twice, &["all.parquet", "2", "3 shards"]);
+    refused(&folder, 3, &twice, &["a.parquet", "2", "3 shards"]);
     let seed = gather("seed.parquet b.parquet c.parquet");
     refused(&folder, 3, &seed, &["settings.seed", "1", "2", "one computation"]);
     let half = gather("half.parquet b.parquet c.parquet");

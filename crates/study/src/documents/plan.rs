@@ -20,6 +20,8 @@ pub struct PlanDocument {
     pub cost: f64,
     /// No plan costs less.
     pub lower_bound: f64,
+    /// By how much another plan might cost less; 0 where the status is `optimal`.
+    pub gap: f64,
     /// What breaks ties, and its value; minimal among the cheapest plans where the status is `optimal`.
     pub secondary: Option<SecondaryCost>,
     /// Uses of every informative maneuver.
@@ -209,12 +211,14 @@ impl Document for PlanDocument {
     const ID: &'static str = "plan";
     const VERSION: u32 = 1;
     const UNITS: Units = &[
-        ("1 or s, as cost_unit says", "cost lower_bound"),
+        ("1 or s, as cost_unit says", "cost lower_bound gap"),
         ("1 or s", "value"),
-        ("1", "counts variant i j h to_h di dj fits nx ny headings runs aground aground_open_loop"),
+        ("1", "counts variant i j h to_h di dj fits nx ny headings runs aground aground_open_loop seed"),
+        ("1", "below_margin left_area aground_interval parameter_error"),
         ("1", "predicted_log_det realised_log_det whole_log_det efficiency design_efficiency dimension"),
         ("1", "log_det"),
         ("m", "cell_m residual_m end_error_m drift_margin_m clearance_m clearance_quantiles_m"),
+        ("m", "margin_m shortfall_m sight_m"),
         ("deg", "longitude_deg latitude_deg heading_deg residual_deg"),
         ("m/s", "modes speed_m_s unknown_current_m_s"),
         ("s", "start_s duration_s informative_s maneuver_start_s maneuver_s leg_s"),

@@ -3,9 +3,13 @@
 use std::path::Path;
 
 use artifact::{Digest, Error, Provenance};
-use chart::{Crs, Grid, GridDeclaration, GridKind, Invalid, Layer, LayerKind, PolygonLayer};
+use chart::{Crs, DANGER_M, Grid, GridDeclaration, GridKind, Invalid, Layer, LayerKind, PolygonLayer};
 
 use super::file::{ChartKind, ChartSpec, PlanFile};
+
+/// Property with the least depth of an area, and with the depth over a danger, in electronic charts (S-57).
+const LEAST: &str = "DRVAL1";
+const OVER: &str = "VALSOU";
 
 /// Reads the charts of `config`, whose files are relative to `config_file`, and notes their digests.
 ///
@@ -35,7 +39,8 @@ fn layer(folder: &Path, spec: &ChartSpec, provenance: &mut Provenance) -> Result
     let parsed = if is_grid {
         grid(&path, spec, &text)?
     } else {
-        PolygonLayer::from_geojson(&text, &kind(&path, spec)?, spec.only.as_ref()).map(Layer::Polygons)
+        let layer = PolygonLayer::from_geojson(&text, &kind(&path, spec)?, spec.only.as_ref());
+        layer.map(|layer| Layer::Polygons(layer.with_danger(spec.radius_m.unwrap_or(DANGER_M))))
     };
     parsed.map_err(|e| Error::invalid(&path, e))
 }
@@ -50,13 +55,17 @@ fn kind(path: &Path, spec: &ChartSpec) -> Result<LayerKind, Error> {
         ChartKind::Land => Ok(LayerKind::Land),
         ChartKind::NoGo => Ok(LayerKind::NoGo),
         ChartKind::Depth => {
-            Ok(LayerKind::Depth { least: spec.least.clone(), greatest: Some(spec.greatest.clone()) })
+            let least = spec.least.clone().unwrap_or_else(|| LEAST.to_owned());
+            Ok(LayerKind::Depth { least, greatest: Some(spec.greatest.clone()) })
+        }
+        ChartKind::Danger => {
+            Ok(LayerKind::Danger { least: spec.least.clone().unwrap_or_else(|| OVER.to_owned()) })
         }
         ChartKind::Elevation => Err(Error::refuse(
             path,
             "`kind`",
             "elevation, of polygons",
-            "land, no-go or depth",
+            "land, no-go, depth or danger",
             "elevations come as a grid (.asc)",
         )),
     }
@@ -67,11 +76,17 @@ fn grid(path: &Path, spec: &ChartSpec, text: &str) -> Result<Result<Layer, Inval
         ChartKind::Land => GridKind::LandMask,
         ChartKind::Depth => GridKind::Depth,
         ChartKind::Elevation => GridKind::Elevation,
-        ChartKind::NoGo => {
+        ChartKind::NoGo | ChartKind::Danger => {
+            let found =
+                format!("{}, of a grid", if spec.kind == ChartKind::NoGo { "no-go" } else { "danger" });
             let expected = "land, depth or elevation";
-            return Err(Error::refuse(path, "`kind`", "no-go, of a grid", expected, "draw it as a polygon"));
+            return Err(Error::refuse(path, "`kind`", found, expected, "draw it as a polygon"));
         }
     };
+    if let Some(radius_m) = spec.radius_m {
+        let (found, expected) = (format!("{radius_m} m, of a grid"), "none: it is for points and lines");
+        return Err(Error::refuse(path, "`radius_m`", found, expected, "leave it out"));
+    }
     let Some(crs) = &spec.crs else {
         let remedy = "add `crs = \"EPSG:…\"` to its [[chart]]";
         return Err(Error::refuse(path, "`crs`", "none", "the system of the grid's coordinates", remedy));

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use lattice::{Pose, Problem, Solution, Status, Step};
-use trial::voyage::{Prepared, Sailing, Solved};
+use trial::voyage::{Check, Prepared, Sailing, Solved};
 
 use super::legs::Legs;
 use crate::documents::{CostUnit, PlanDocument, PlanPose, PlanStatus, PlanStep, SecondaryCost, Voyage};
@@ -23,10 +23,20 @@ pub fn of_voyage(prepared: &Prepared, solved: &Solved, sailing: &Sailing) -> Pla
         PlanPose { i: p.i as u64, j: p.j as u64, h: level as u64, mode }
     };
     let Solved { problem, solution, .. } = solved;
+    let planned = plan(problem, solution, cost.primary.into(), pose);
     PlanDocument {
+        statement: labelled(planned.statement, &sailing.check),
         secondary: Some(SecondaryCost { name: cost.secondary, value: solution.cost.secondary }),
         voyage: Some(voyage(prepared, solved, sailing)),
-        ..plan(problem, solution, cost.primary.into(), pose)
+        ..planned
+    }
+}
+
+/// What is said of a plan, with what its check found broken.
+fn labelled(statement: String, check: &Check) -> String {
+    match check.safe {
+        true => statement,
+        false => format!("{statement} Unsafe: {}.", check.faults.join(", ")),
     }
 }
 
@@ -50,6 +60,7 @@ fn plan(
         cost_unit,
         cost: solution.cost.primary,
         lower_bound: solution.lower_bound.primary,
+        gap: solution.gap(),
         secondary: None,
         counts: uses(problem, solution),
         steps: solution.steps.iter().map(step).collect(),

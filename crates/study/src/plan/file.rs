@@ -65,21 +65,18 @@ pub struct ChartSpec {
     pub kind: ChartKind,
     /// Its coordinates; GeoJSON is always in WGS84.
     pub crs: Option<String>,
-    /// Property with the least depth of an area.
-    #[serde(default = "least")]
-    pub least: String,
+    /// Property with the least depth of an area (`DRVAL1`), or with the depth over a danger (`VALSOU`).
+    pub least: Option<String>,
     /// Property with its greatest depth, for drawing.
     #[serde(default = "greatest")]
     pub greatest: String,
+    /// How far around its points and lines the danger reaches \[m\]; 50 without it.
+    pub radius_m: Option<f64>,
     /// Only these features.
     pub only: Option<chart::Filter>,
     /// A grid of open sea, without land or missing cells.
     #[serde(default)]
     pub open_sea: bool,
-}
-
-fn least() -> String {
-    "DRVAL1".to_owned()
 }
 
 fn greatest() -> String {
@@ -90,10 +87,12 @@ fn greatest() -> String {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ChartKind {
-    /// Polygons of land, or a grid of 1 (land) and 0 (water of unknown depth).
+    /// Land and islets, or a grid of 1 (land) and 0 (water of unknown depth).
     Land,
-    /// Polygons to keep out of.
+    /// Keep out.
     NoGo,
+    /// Wrecks, rocks and obstructions: obstacles unless the depth over them is known and enough.
+    Danger,
     /// Depth areas, or a grid of depths, positive down.
     Depth,
     /// A grid of elevations, negative down.

@@ -27,7 +27,8 @@ impl Routes<'_> {
     /// # Errors
     /// A route that the format cannot hold, with the name of its file.
     pub fn files(&self) -> Result<Vec<(&'static str, String)>, (&'static str, Invalid)> {
-        let mut route = Route { name: "route".to_owned(), waypoints: self.waypoints(), departure_utc: None };
+        let mut route =
+            Route { name: self.labelled("route"), waypoints: self.waypoints(), departure_utc: None };
         route.fit_radii();
         let files = [
             ("track.geojson", geojson(&self.features())),
@@ -39,6 +40,20 @@ impl Routes<'_> {
             Err(invalid) => Err((name, invalid)),
         };
         files.into_iter().map(named).collect()
+    }
+
+    /// A name, of which a plan that fails its check says so.
+    fn labelled(&self, name: &str) -> String {
+        if self.voyage.check.safe { name.to_owned() } else { format!("{name} (unsafe)") }
+    }
+
+    /// What is done on a leg, in words; of an unsafe plan each says so.
+    fn what(&self, leg: &VoyageLeg) -> String {
+        let label = if self.voyage.check.safe { "" } else { "unsafe plan: " };
+        match leg.side {
+            Some(Side::Mirrored) => format!("{label}{} (mirrored)", leg.name),
+            _ => format!("{label}{}", leg.name),
+        }
     }
 
     fn place(&self, sample: &Sample) -> [f64; 2] {
@@ -79,9 +94,9 @@ impl Routes<'_> {
                 // Turns on the spot and maneuvers that end where they began are told at the waypoint itself.
                 if let Some(last) = waypoints.last_mut() {
                     let note = if last.note.is_empty() {
-                        what(leg)
+                        self.what(leg)
                     } else {
-                        format!("{}, {}", last.note, what(leg))
+                        format!("{}, {}", last.note, self.what(leg))
                     };
                     (last.note, last.t_s) = (note, t_s);
                 }
@@ -94,9 +109,10 @@ impl Routes<'_> {
                 lon_deg,
                 lat_deg,
                 turn_radius_m: Some(way / 4.0),
-                speed_m_s: Some((way / leg.duration_s).max(0.01)),
+                // A leg that is over as soon as it begins has no speed.
+                speed_m_s: (leg.duration_s > 0.0).then(|| (way / leg.duration_s).max(0.01)),
                 t_s,
-                note: what(leg),
+                note: self.what(leg),
                 ..Waypoint::default()
             });
         }
@@ -121,7 +137,7 @@ impl Routes<'_> {
         let t_s = Some(self.sailed.samples.len() as f64 / self.rate_hz);
         let mut points: Vec<TrackPoint> = self.sailed.samples.iter().enumerate().map(point).collect();
         points.push(TrackPoint { lon_deg, lat_deg, t_s });
-        Track { name: "planned track".to_owned(), points }
+        Track { name: self.labelled("planned track"), points }
     }
 
     fn features(&self) -> Vec<Feature> {
@@ -146,26 +162,20 @@ impl Routes<'_> {
                     "duration_s": leg.duration_s,
                     "heading_deg": leg.heading_deg,
                     "speed_m_s": leg.speed_m_s,
+                    "safe": self.voyage.check.safe,
                 })),
             });
         }
+        let check = &self.voyage.check;
         let point = |name: &str, place: [f64; 2]| Feature {
             geometry: Geometry::Point(place),
-            properties: object(json!({ "name": name })),
+            properties: object(json!({ "name": name, "safe": check.safe, "faults": check.faults })),
         };
         if let Some(first) = samples.first() {
             features.push(point("start", self.place(first)));
             features.push(point("goal", self.end()));
         }
         features
-    }
-}
-
-/// What is done on a leg, in words.
-fn what(leg: &VoyageLeg) -> String {
-    match leg.side {
-        Some(Side::Mirrored) => format!("{} (mirrored)", leg.name),
-        _ => leg.name.clone(),
     }
 }
 

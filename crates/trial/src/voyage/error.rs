@@ -1,3 +1,4 @@
+use super::footing::Footing;
 use lattice::NoPlan;
 use thiserror::Error;
 use vessel::Invalid;
@@ -30,6 +31,12 @@ pub enum VoyageError {
     /// No walk over the lattice does what is asked: proved; why, in places of the chart.
     #[error("no feasible plan (proved): {0}")]
     Infeasible(String),
+    /// The time was over before a plan was found and checked: in which phase.
+    #[error("no plan: out of time in {0}")]
+    OutOfTime(&'static str),
+    /// The lattice and the chart's rasters alone take more memory than there is.
+    #[error("no plan: {0}")]
+    TooLarge(Footing),
     /// The search ended before it found a plan.
     #[error("no plan: {0:?}")]
     NoPlan(NoPlan),

@@ -8,19 +8,30 @@ use crate::{Grid, Mode};
 
 /// Name of the mode of a vessel that is held in place.
 pub const AT_REST: &str = "at rest";
-/// How far beyond the lattice and the hull's margin the chart is read \[m\].
+/// How far beyond the lattice and the hull's margins the chart is read \[m\]: as far as a check looks, and more than the
+/// few cells that nearness to obstacles is told in.
 const CHART_BEYOND_M: f64 = 1000.0;
+const CHART_BEYOND_CELLS: f64 = 5.0;
+/// Sides of an area: over longer ones lengths on a plane are off by more than a hull's length, and a map of more elongated
+/// ones shows nothing.
+const LONGEST_SIDE_M: f64 = 200e3;
+const MOST_ELONGATED: f64 = 20.0;
 
 impl Task {
-    /// The chart of `layers` around the area, and the lattice over it.
+    /// The chart of `layers` around the area, and the lattice over it. Maneuvers drift by up to `drift_m`.
     ///
     /// # Errors
     /// An area without room for a lattice, charts that show nothing of it, no speed that the vessel can hold at a node.
-    pub(super) fn ground(&self, vessel: &Vessel, layers: &[Layer]) -> Result<(Chart, Grid), Invalid> {
+    pub(super) fn ground(
+        &self,
+        vessel: &Vessel,
+        layers: &[Layer],
+        drift_m: f64,
+    ) -> Result<(Chart, Grid), Invalid> {
         let plane = self.area.plane()?;
         let (corner, nx, ny) = self.nodes(&plane)?;
         let far = [corner[0] + nx as f64 * self.cell_m, corner[1] + ny as f64 * self.cell_m];
-        let margin = self.safety.margin_m + 2.0 * self.cell_m + CHART_BEYOND_M;
+        let margin = self.safety.margin_m + drift_m + CHART_BEYOND_CELLS * self.cell_m + CHART_BEYOND_M;
         let bounds = Bounds::new(corner, far)?.grown(margin);
         let chart = Chart::new(plane, bounds, layers, self.uncharted)?;
         self.area.check_shown(layers, &chart)?;
@@ -38,6 +49,13 @@ impl Task {
         let corners = self.area.corners().map(|[lon, lat]| plane.to_plane(lon, lat));
         let least = |k: usize| corners.iter().map(|c| c[k]).fold(f64::INFINITY, f64::min);
         let most = |k: usize| corners.iter().map(|c| c[k]).fold(f64::NEG_INFINITY, f64::max);
+        let sides = [0, 1].map(|k: usize| most(k) - least(k));
+        let (longer, shorter) = (sides[0].max(sides[1]), sides[0].min(sides[1]));
+        if !(longer <= LONGEST_SIDE_M && longer <= MOST_ELONGATED * shorter) {
+            let found = format!("{:.1} × {:.1} km", sides[0] / 1e3, sides[1] / 1e3);
+            let expected = "at most 200 km on a side, within 20 to 1: one plane and one map hold no more";
+            return Err(Invalid::new("`area`", found, expected, "correct its corners"));
+        }
         let count = |k: usize| ((most(k) - least(k)) / self.cell_m).floor();
         let (nx, ny) = (count(0), count(1));
         if nx >= 2.0 && ny >= 2.0 && nx * ny <= 4e6 {
@@ -98,7 +116,8 @@ impl Area {
     /// Whether the polygons of a layer lie around the area: one without any of them near is all water then.
     fn is_within(&self, layer: &Layer) -> bool {
         let Layer::Polygons(layer) = layer else { return false };
-        let all = || layer.areas.iter().flat_map(|area| area.rings.iter().flatten());
+        let marks = || layer.marks.iter().flat_map(|mark| &mark.positions);
+        let all = || layer.areas.iter().flat_map(|area| area.rings.iter().flatten()).chain(marks());
         let low = |k: usize| all().map(|p| p[k]).fold(f64::INFINITY, f64::min);
         let high = |k: usize| all().map(|p| p[k]).fold(f64::NEG_INFINITY, f64::max);
         low(0) <= self.east_deg

@@ -4,9 +4,11 @@
 //! [`Prepared::new`] lays out chart and lattice and rehearses every leg, [`Prepared::solve`] finds the cheapest walk
 //! with its proof, [`Prepared::sail`] carries it out in simulation, in the known current and in unknown ones.
 
+mod budget;
 mod check;
 mod counts;
 mod error;
+mod footing;
 mod front;
 mod ground;
 mod information;
@@ -25,6 +27,7 @@ mod waters;
 pub use check::Check;
 pub use counts::Wanted;
 pub use error::VoyageError;
+pub use footing::Footing;
 pub use front::FrontPoint;
 pub use ground::AT_REST;
 pub use information::Information;

@@ -7,6 +7,7 @@ use super::counts::Wanted;
 use super::error::VoyageError;
 use super::moment_sums::MomentSums;
 use super::rehearsed::{Rehearsed, rehearse};
+use super::search::Search;
 use super::task::Brief;
 use crate::{Grid, Piece, Repertoire, mirror};
 
@@ -39,11 +40,13 @@ impl Prepared {
     ///
     /// # Errors
     /// Values of the task that make no sense for this vessel, dictionary, design or chart.
-    pub fn new(brief: Brief) -> Result<Self, VoyageError> {
+    pub fn new(brief: Brief, search: &Search) -> Result<Self, VoyageError> {
         let Brief { vessel, task, .. } = &brief;
         let wanted = brief.wanted()?;
-        let (chart, grid) = task.ground(vessel, &brief.layers)?;
         let pieces: Vec<Piece> = wanted.iter().map(|w| w.piece.clone()).collect();
+        let longest = pieces.iter().map(|piece| piece.samples).max().unwrap_or(0);
+        let drift_m = task.safety.unknown_current_m_s * longest as f64 / vessel.sample_rate_hz;
+        let (chart, grid) = task.ground(vessel, &brief.layers, drift_m)?;
         let information = pieces.iter().map(|piece| MomentSums::of_piece(vessel, piece)).collect();
         let mirror = mirror(vessel);
         let repertoire = Repertoire {
@@ -55,7 +58,7 @@ impl Prepared {
             mirror: mirror.as_deref(),
             mean_current_m_s: task.known_current_m_s,
         };
-        let rehearsed = rehearse(&repertoire, &wanted, &brief.other_vessels())?;
+        let rehearsed = rehearse(&repertoire, &wanted, &brief.other_vessels(), search.go_on)?;
         let mirror = mirror.unwrap_or_default();
         Ok(Self { brief, chart, grid, wanted, pieces, mirror, rehearsed, information })
     }
@@ -74,16 +77,18 @@ impl Prepared {
 }
 
 impl Brief {
-    /// Parameters off the nominal ones, each evenly within the stated error.
+    /// The vessels that rehearse besides the nominal one.
     fn other_vessels(&self) -> Vec<Vec<f64>> {
+        let some = if self.task.safety.parameter_error > 0.0 { OTHER_VESSELS } else { 0 };
+        (0..some).map(|run| self.drawn("parameter-error", run)).collect()
+    }
+
+    /// Parameters of run `run`, each evenly within the stated error of its nominal value.
+    pub(super) fn drawn(&self, purpose: &str, run: u32) -> Vec<f64> {
         const STEPS: u32 = 1 << 20;
         let error = self.task.safety.parameter_error;
-        let streams = Streams::new(self.seed, "parameter-error");
         let off = |draw: u32| 1.0 + error * (2.0 * (f64::from(draw) + 0.5) / f64::from(STEPS) - 1.0);
-        let vessel = |run: u32| {
-            let drawn = streams.choices(run, 0, STEPS, self.vessel.nominal.len());
-            self.vessel.nominal.iter().zip(drawn).map(|(p, draw)| p * off(draw)).collect()
-        };
-        (0..if error > 0.0 { OTHER_VESSELS } else { 0 }).map(vessel).collect()
+        let drawn = Streams::new(self.seed, purpose).choices(run, 0, STEPS, self.vessel.nominal.len());
+        self.vessel.nominal.iter().zip(drawn).map(|(p, draw)| p * off(draw)).collect()
     }
 }

@@ -1,13 +1,11 @@
 //! The plan in continuous space: sailed, checked against the chart, and what it tells.
 
-use chart::Obstacles;
-use vessel::Invalid;
-
 use super::check::{Check, Clearance};
 use super::error::VoyageError;
 use super::information::Information;
 use super::prepared::Prepared;
 use super::script::Script;
+use super::search::Search;
 use super::solve::Solved;
 use crate::Sailed;
 
@@ -18,7 +16,7 @@ pub struct Sailing {
     pub legs: Vec<usize>,
     /// By the nominal model in the known current.
     pub sailed: Sailed,
-    /// In unknown currents, too.
+    /// By other vessels in unknown currents, the first of them: to be drawn.
     pub runs: Vec<Sailed>,
     /// Against the chart.
     pub check: Check,
@@ -30,27 +28,13 @@ impl Prepared {
     /// Sails the plan in continuous space, checks it against the chart and says what it tells.
     ///
     /// # Errors
-    /// A command that the model cannot hold, a simulation that diverges; a hull on an obstacle.
-    pub fn sail(&self, solved: &Solved) -> Result<Sailing, VoyageError> {
-        let task = &self.brief.task;
+    /// A command that the model cannot hold, a simulation that diverges; no time.
+    pub fn sail(&self, solved: &Solved, search: &Search) -> Result<Sailing, VoyageError> {
         let legs: Vec<usize> =
             solved.solution.steps.iter().map(|step| solved.moves.leg_of_step(step)).collect();
         let script = self.script(solved, &legs);
         let sailed = script.sail(&self.brief.vessel.nominal, [0.0; 2])?;
-        let charted = |depth| Obstacles::new(&self.chart, task.raster(&self.grid), depth, 0.0);
-        let transit = charted(task.safety.transit_depth_m)?;
-        let trial = charted(task.safety.trial_depth_m)?;
-        let outline = task.hull.outline();
-        let clearance = Clearance { outline: &outline, transit: &transit, trial: &trial };
-        let (check, runs) = clearance.check(&script, &sailed)?;
-        if !check.clear {
-            return Err(VoyageError::NoAnswer(Invalid::new(
-                "plan at sea",
-                "the hull on an obstacle in the simulated plan",
-                "it clear",
-                "raise `safety.margin_m` or lower `approach.tolerance_cells`",
-            )));
-        }
+        let (check, runs) = Clearance::new(self)?.check(&script, &sailed, &legs, search)?;
         let information = self.information_sailed(&legs, &sailed);
         Ok(Sailing { legs, sailed, runs, check, information })
     }

@@ -12,6 +12,8 @@ pub struct Search<'a> {
     pub options: Options,
     /// Makes a watch for every search: of a plan, and of the front.
     pub watch: &'a dyn Fn() -> Watch,
+    /// Asked from time to time whether any other phase goes on.
+    pub go_on: &'a (dyn Fn() -> bool + Sync),
 }
 
 impl Search<'_> {

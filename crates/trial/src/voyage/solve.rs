@@ -1,6 +1,6 @@
 //! The lattice problem of a trial, and its solution.
 
-use lattice::{Lattice, MoveId, NoPlan, Problem, Reason, Solution};
+use lattice::{Asked, Lattice, MoveId, NoPlan, Problem, Reason, Solution};
 
 use super::error::VoyageError;
 use super::front::FrontPoint;
@@ -28,12 +28,13 @@ impl Prepared {
     /// Puts the trial on the lattice and searches.
     ///
     /// # Errors
-    /// A start or goal outside the lattice or without room; no plan.
+    /// A start or goal outside the lattice or without room; no plan; no time or memory.
     pub fn solve(&self, search: &Search) -> Result<Solved, VoyageError> {
         let (task, rate_hz) = (&self.brief.task, self.brief.vessel.sample_rate_hz);
-        let waters = self.waters()?;
         let moves = Moves::new(&self.rehearsed, &self.wanted, &task.cost, rate_hz);
-        let problem = self.problem(&waters, &moves)?;
+        let search = &self.within(&moves, search)?;
+        let waters = self.waters(search.go_on)?;
+        let problem = self.problem(&waters, &moves, search.go_on)?;
         let solution = search.plan(&problem).map_err(|why| match why {
             NoPlan::Infeasible(reason) => {
                 VoyageError::Infeasible(self.infeasible(&reason, &self.front(&problem, &moves, search)))
@@ -44,7 +45,12 @@ impl Prepared {
         Ok(Solved { waters, moves, problem, solution, front })
     }
 
-    fn problem(&self, waters: &Waters, moves: &Moves) -> Result<Problem, VoyageError> {
+    fn problem(
+        &self,
+        waters: &Waters,
+        moves: &Moves,
+        go_on: &dyn Fn() -> bool,
+    ) -> Result<Problem, VoyageError> {
         let task = &self.brief.task;
         let start = self.pose("start", &task.start)?;
         let goal = self.goal(&task.goal, start)?;
@@ -53,12 +59,17 @@ impl Prepared {
             poses.iter().try_for_each(|pose| self.check_water(waters, "goal", *pose))?;
         }
         let lattice = Lattice { nx: self.grid.nx, ny: self.grid.ny, layers: self.grid.layers() };
+        let mut asked = Asked::new(go_on);
         let allowed = |id: MoveId, i: usize, j: usize| {
+            if !asked.go_on() {
+                return false;
+            }
             let (leg, class) = moves.legs[id.action][id.index];
             let shared = moves.legs[id.action].iter().any(|(other, c)| *other == leg && *c != class);
             (!shared || waters.class(i, j) == class) && waters.fits(leg, i, j)
         };
-        Ok(Problem::new(lattice, moves.actions.clone(), start, goal, allowed)?)
+        let problem = Problem::new(lattice, moves.actions.clone(), start, goal, allowed)?;
+        if asked.stopped { Err(VoyageError::OutOfTime("the layout of the lattice")) } else { Ok(problem) }
     }
 
     /// Why there is no plan, and the most that could be sailed instead.

@@ -1,6 +1,6 @@
 //! Where legs fit on the chart.
 
-use chart::{Footprint, Obstacles};
+use chart::{Footprint, Obstacles, Raster};
 use lattice::Pose;
 use rayon::prelude::*;
 use vessel::Invalid;
@@ -8,6 +8,7 @@ use vessel::Invalid;
 use super::error::VoyageError;
 use super::prepared::Prepared;
 use super::rehearsed::Rehearsed;
+use super::task::Secondary;
 
 /// How near a node is to obstacles, in classes that cost 0, 1, 2, 3.
 pub(super) const CLEARANCE_CLASSES: usize = 4;
@@ -25,7 +26,7 @@ pub struct Waters {
     footprints: Vec<Footprint>,
     /// Pitch of the lattice \[m\].
     cell_m: f64,
-    /// Distance of the node (i, j) to the nearest obstacle \[m\], at j · nx + i.
+    /// Distance of the node (i, j) to the nearest obstacle \[m\], at j · nx + i; empty where no cost asks for it.
     node_distance_m: Vec<f64>,
     nx: usize,
     ny: usize,
@@ -45,6 +46,18 @@ impl Waters {
     fn is_free(&self, layer: usize, footprint: &Footprint, i: usize, j: usize) -> bool {
         let at = |n: usize| n * self.per_cell + self.per_cell / 2;
         self.obstacles[layer].is_free(footprint, at(i), at(j))
+    }
+
+    /// Whether a footprint at node (i, j) stays on the raster.
+    fn is_on_raster(&self, footprint: &Footprint, i: usize, j: usize) -> bool {
+        let raster = self.obstacles[0].raster();
+        let at = |n: usize| (n * self.per_cell + self.per_cell / 2) as i64;
+        let within = |from: i64, to: i64, count: usize| from >= 0 && to < count as i64;
+        footprint.runs().iter().all(|run| {
+            let row = at(j) + i64::from(run.row);
+            let [first, last] = [run.first, run.last].map(|column| at(i) + i64::from(column));
+            within(first, last, raster.nx) && within(row, row, raster.ny)
+        })
     }
 
     /// Obstacles of getting about.
@@ -75,28 +88,32 @@ fn nodes(nx: usize, ny: usize) -> impl Iterator<Item = (usize, usize)> {
 
 impl Prepared {
     /// Footprints of all legs, and the obstacles that each of them has to keep clear of.
-    pub(super) fn waters(&self) -> Result<Waters, Invalid> {
+    pub(super) fn waters(&self, go_on: &(dyn Fn() -> bool + Sync)) -> Result<Waters, VoyageError> {
+        let in_time =
+            || if go_on() { Ok(()) } else { Err(VoyageError::OutOfTime("the layout of the chart")) };
         let (task, grid) = (&self.brief.task, &self.grid);
         let raster = task.raster(grid);
         let hull = task.hull.outline();
         let footprints: Vec<Footprint> = self
             .rehearsed
             .par_iter()
-            .map(|own| own.footprint(&hull, raster.cell_m))
-            .collect::<Result<_, _>>()?;
+            .map(|own| in_time().and_then(|()| Ok(own.footprint(&hull, raster.cell_m)?)))
+            .collect::<Result<_, VoyageError>>()?;
         let (kinds, layer_of_leg) = self.obstacle_kinds(raster.cell_m);
         let obstacles: Vec<Obstacles> = kinds
             .par_iter()
-            .map(|(depth, margin)| Obstacles::new(&self.chart, raster, *depth, *margin))
-            .collect::<Result<_, _>>()?;
-        let node = |k: usize| {
-            let at = grid.pose(k % grid.nx, k / grid.nx, 0);
-            obstacles[0].distance_m(at.y, at.x)
+            .map(|(depth, margin)| {
+                in_time().and_then(|()| Ok(Obstacles::new(&self.chart, raster, *depth, *margin)?))
+            })
+            .collect::<Result<_, VoyageError>>()?;
+        let node_distance_m = match task.cost.secondary {
+            Secondary::Clearance => self.node_distances_m(raster)?,
+            _ => Vec::new(),
         };
         Ok(Waters {
             per_cell: task.raster_per_cell,
             layer_of_leg,
-            node_distance_m: (0..grid.nx * grid.ny).map(node).collect(),
+            node_distance_m,
             obstacles,
             footprints,
             cell_m: task.cell_m,
@@ -105,9 +122,21 @@ impl Prepared {
         })
     }
 
+    /// Distance of every node to the nearest obstacle, as far as it makes a class \[m\].
+    fn node_distances_m(&self, raster: Raster) -> Result<Vec<f64>, Invalid> {
+        let (grid, safety) = (&self.grid, &self.brief.task.safety);
+        let farthest_m = CLEARANCE_CLASSES as f64 * grid.cell_m;
+        let obstacles = Obstacles::new(&self.chart, raster, safety.transit_depth_m, farthest_m)?;
+        let node = |k: usize| {
+            let at = grid.pose(k % grid.nx, k / grid.nx, 0);
+            obstacles.distance_m(at.y, at.x)
+        };
+        Ok((0..grid.nx * grid.ny).map(node).collect())
+    }
+
     /// The different depths and margins that legs keep, margins of maneuvers in whole raster cells; and which of them
     /// each leg keeps.
-    fn obstacle_kinds(&self, raster_m: f64) -> (Vec<(f64, f64)>, Vec<usize>) {
+    pub(super) fn obstacle_kinds(&self, raster_m: f64) -> (Vec<(f64, f64)>, Vec<usize>) {
         let safety = &self.brief.task.safety;
         let mut kinds: Vec<(f64, f64)> = Vec::new();
         let kind_of = |own: &Rehearsed| match own.is_informative() {
@@ -154,8 +183,12 @@ impl Prepared {
         };
         let own = grid.pose(pose.i, pose.j, level);
         let gap = waters.obstacles[layer].distance_m(own.y, own.x);
-        let found = format!("{}, {gap:.0} m from an obstacle", self.words(pose));
-        let expected = format!("the hull at least {} m clear of obstacles", task.safety.margin_m);
+        let near = match waters.is_on_raster(&hull, pose.i, pose.j) {
+            true => format!("{gap:.0} m from an obstacle"),
+            false => "where the hull reaches out of `area`".to_owned(),
+        };
+        let found = format!("{}, {near}", self.words(pose));
+        let expected = format!("the hull in `area`, at least {} m clear of obstacles", task.safety.margin_m);
         Err(VoyageError::NoAnswer(Invalid::new(format!("`{what}`"), found, expected, remedy)))
     }
 }

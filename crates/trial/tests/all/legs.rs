@@ -100,6 +100,34 @@ fn every_basic_leg_ends_at_about_the_speed_that_its_mode_is_under_way_at() {
 }
 
 #[test]
+fn law_errors_chain_from_leg_to_leg() {
+    let (vessel, pieces) = study();
+    let grid = grid(8);
+    let repertoire = Repertoire {
+        vessel: &vessel,
+        grid: &grid,
+        handling: &HANDLING,
+        approach: &APPROACH,
+        pieces: &pieces,
+        mirror: None,
+        mean_current_m_s: [0.0, 0.0],
+    };
+    let legs = repertoire.informative(0).unwrap();
+    let other: Vec<f64> = vessel.nominal.iter().map(|p| 1.3 * p).collect();
+    let (sailed, end) = repertoire.rehearse_with(&legs[0], &other, None).unwrap();
+    let astray = repertoire.astray(&legs[0], &sailed).unwrap();
+    let [north, east] = grid.displacement(legs[0].di, legs[0].dj);
+    assert_eq!((astray.pose.x, astray.pose.y), (end.x - north, end.y - east));
+    assert!(astray.distance_m() > 1.0, "{astray:?}");
+    // The next leg begins where this one ended, as fast as it ended.
+    let next = basic_legs(&grid, &HANDLING).into_iter().find(|leg| leg.from == legs[0].to).unwrap();
+    let (second, _) = repertoire.rehearse_with(&next, &other, Some(&astray)).unwrap();
+    assert_eq!((second.samples[0].pose, second.samples[0].state), (astray.pose, astray.state));
+    let (from_node, _) = repertoire.rehearse_with(&next, &other, None).unwrap();
+    assert_ne!(second.samples[0].pose, from_node.samples[0].pose);
+}
+
+#[test]
 fn informative_legs_have_a_mirror_image() {
     let all = legs(8, [0.0, 0.0]);
     let count = |side: Side| all.iter().filter(|(leg, ..)| leg.purpose.side() == Some(side)).count();

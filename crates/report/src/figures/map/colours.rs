@@ -16,7 +16,7 @@ const SAND: Paint = Paint::solid((0xe2, 0xc5, 0x9c));
 const SHORE: Paint = Paint::solid((0x76, 0x55, 0x2e));
 const FORBIDDEN: Paint = Paint::solid((0xe6, 0xcf, 0xe6));
 const FORBIDDEN_EDGE: Paint = Paint::solid((0xa0, 0x20, 0x80));
-const DANGER: Paint = Paint::solid((0xc8, 0x28, 0x1e));
+pub(crate) const DANGER: Paint = Paint::solid((0xc8, 0x28, 0x1e));
 const PALE_RED: Paint = Paint::solid((0xf6, 0xbd, 0xb4));
 /// Okabe and Ito's yellow.
 const YELLOW: Paint = Paint::solid((0xf0, 0xe4, 0x42));

@@ -7,6 +7,8 @@ pub struct Map {
     pub title: String,
     /// Accessible description: what a reader who cannot see the map should know.
     pub description: String,
+    /// Written across the top of the map, where what it shows must not be followed.
+    pub warning: Option<String>,
     /// What part of the plane is drawn.
     pub frame: Frame,
     /// Whether nothing is charted where there is neither an area nor a cell; else that is water, of a chart that tells

@@ -7,6 +7,8 @@ use crate::figures::text;
 
 /// Room below the frame for labels, scale bar and north arrow [px].
 pub(crate) const FOOT: f64 = 56.0;
+/// Height of a warning [px].
+const WARNING: f64 = 22.0;
 const TICK: f64 = 5.0;
 const BAR: f64 = 5.0;
 /// A scale bar takes at least this share of the frame's width.
@@ -32,6 +34,14 @@ pub(crate) fn draw(sheet: &mut Sheet, view: &View, graticule: &Graticule) {
     labels(sheet, view, graticule);
     scale_bar(sheet, view, high.1 + 38.0);
     north_arrow(sheet, (high.0 - 9.0, high.1 + 38.0));
+}
+
+/// A line across the top of the map that nobody overlooks.
+pub(crate) fn warning(sheet: &mut Sheet, view: &View, warning: &str) {
+    let (left, right) = (view.corner.0, view.opposite.0);
+    sheet.bar(view.corner, (right, view.corner.1 + WARNING), Look::filled(colours::DANGER));
+    let letters = Lettering::new(NOTE, Anchor::Middle).painted(colours::WHITE).bold();
+    sheet.text(warning, (0.5 * (left + right), view.corner.1 + 0.5 * WARNING), letters);
 }
 
 /// Pixels of the labels below the frame.

@@ -1,0 +1,106 @@
+//! What a plan takes is told before the work, and every phase of it ends in time.
+
+use std::collections::BTreeMap;
+
+use serde_json::{Value, json};
+use tempfile::TempDir;
+
+use crate::lattice_problems::SOLVE;
+use crate::planned::*;
+use crate::support::*;
+
+/// An empty map of 3000 × 3000 × 4 poses.
+fn vast() -> TempDir {
+    const SIDE: u64 = 3000;
+    let ways = [(1, 0), (0, 1), (-1, 0), (0, -1)];
+    let moves = |ahead: i64, turn: i64| -> Value {
+        let one = |(h, (x, y)): (usize, &(i64, i64))| {
+            let to_h = (h as i64 + turn).rem_euclid(4);
+            json!({"h": h, "di": ahead * x, "dj": ahead * y, "to_h": to_h, "swept": [[-9.0, -9.0, 9.0, 9.0]]})
+        };
+        ways.iter().enumerate().map(one).collect()
+    };
+    let problem = json!({
+        "schema": "experiment-lattice-planning/1", "name": "vast",
+        "lattice": {"nx": SIDE, "ny": SIDE, "headings": 4, "cell": 100.0, "origin": [50.0, 50.0]},
+        "bounds": [0.0, 0.0, 100 * SIDE, 100 * SIDE], "obstacles": [],
+        "informative": [{"name": "q", "count": 3, "cost": 0, "moves": moves(3, 0)}],
+        "basic": [
+            {"name": "ahead", "cost": 66.7, "moves": moves(1, 0)},
+            {"name": "port", "cost": 31.3, "moves": moves(0, 1)},
+        ],
+        "start": [2, 2, 0], "goal": [SIDE - 5, SIDE - 4, 1],
+    });
+    let folder = tempfile::tempdir().unwrap();
+    put(&folder, "problem.json", &problem.to_string());
+    folder
+}
+
+#[test]
+fn a_lattice_that_does_not_fit_is_refused_before_it_is_laid_out() {
+    let pieces = ["problem.json", "36000000 poses", "MiB", "--memory-mib"];
+    refused(&vast(), 4, &format!("{SOLVE} --memory-mib 512"), &pieces);
+    let fine = small_with(&[
+        ("cell_m = 120.0", "cell_m = 2.0"),
+        ("[start]", "[approach]\ntolerance_cells = 6.0\n[start]"),
+    ]);
+    let pieces = ["plan.toml", "poses", "raster cells", "MiB", "--memory-mib"];
+    refused(&fine, 4, &format!("{PLAN} --memory-mib 512"), &pieces);
+}
+
+#[test]
+fn the_time_limit_counts_layout_and_check() {
+    let line = format!("{SOLVE} --memory-mib 8192 --time-limit-s 0.05");
+    refused(&vast(), 4, &line, &["problem.json", "none in time", "--time-limit-s"]);
+    let many = small_with(&[("runs = 4", "runs = 1000000")]);
+    let pieces = ["plan.toml", "none in time", "the check of the plan", "`safety.runs`"];
+    refused(&many, 4, &format!("{PLAN} --time-limit-s 1"), &pieces);
+}
+
+#[test]
+fn areas_that_no_plane_holds_are_refused() {
+    for (from, to) in [("south_deg = 59.99", "south_deg = -1"), ("west_deg = 24.98", "west_deg = -170.0")] {
+        refused(&small_with(&[(from, to)]), 3, PLAN, &["plan.toml", "`area`", "at most 200 km on a side"]);
+    }
+    let narrow =
+        small_with(&[("north_deg = 60.01", "north_deg = 59.9905"), ("cell_m = 120.0", "cell_m = 20.0")]);
+    refused(&narrow, 3, PLAN, &["`area`", "within 20 to 1"]);
+}
+
+#[test]
+fn handling_that_makes_legs_endless_is_refused() {
+    for (key, from, to) in [
+        ("response_s", "30.0", "1e9"),
+        ("turn_rate_rad_s", "0.05", "1e-9"),
+        ("acceleration_m_s2", "0.05", "1e-12"),
+        ("lookahead_m", "60.0", "1e12"),
+    ] {
+        let folder = small_with(&[(&format!("{key} = {from}"), &format!("{key} = {to}"))]);
+        refused(&folder, 3, PLAN, &["plan.toml", &format!("`handling.{key}`"), "expected from"]);
+    }
+}
+
+#[test]
+fn shares_that_are_no_shares_are_refused_by_the_designs_name() {
+    let folder = small_with(&[(
+        "maneuver = [{ name = \"zig-zag-steep\", count = 1 }, { name = \"sway-zig-zag\", count = 1 }]",
+        "informative_s = 700.0\nmaneuver = [{ name = \"zig-zag-steep\" }, { name = \"sway-zig-zag\" }]",
+    )]);
+    run(&folder, MOMENTS).succeeds();
+    run(&folder, &format!("{DESIGN} --tolerance 1e-6")).succeeds();
+    let line = format!("{PLAN} --design design.json");
+    let whole = document::<study::documents::DesignDocument>(&folder, "design.json");
+    let first = whole.data.order[0].clone();
+    let changed = |change: &dyn Fn(&mut BTreeMap<String, f64>)| {
+        let mut body = whole.data.clone();
+        change(&mut body.shares);
+        let path = folder.path().join("design.json");
+        artifact::commit(vec![artifact::stage_document(path, &whole.provenance, &body).unwrap()]).unwrap();
+    };
+    changed(&|shares| *shares.get_mut(&first).unwrap() = -5.0);
+    refused(&folder, 3, &line, &["design.json", &format!("`{first}`"), "-5", "from 0 to 1"]);
+    changed(&|shares| shares.values_mut().for_each(|share| *share *= 7.0));
+    refused(&folder, 3, &line, &["design.json", "share"]);
+    changed(&|shares| shares.values_mut().for_each(|share| *share = 0.9));
+    refused(&folder, 3, &line, &["design.json", "shares", "a sum of at most 1"]);
+}

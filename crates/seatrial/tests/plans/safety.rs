@@ -1,0 +1,215 @@
+//! What the check of a plan finds, what follows from it, and what is charted as a point or a line.
+
+use std::fs;
+
+use serde_json::Value;
+use tempfile::TempDir;
+
+use crate::planned::*;
+use crate::support::*;
+use crate::xml::read;
+
+/// Beside the island: where the small plan begins.
+const START: &str = "longitude_deg = 24.985\nlatitude_deg = 60.0";
+const OWN_CHART: &str = "[[chart]]\nfile = \"land.geojson\"\nkind = \"land\"";
+
+/// The line that plans the Helsinki study with four headings, on copies in `folder`.
+fn harbour(folder: &TempDir) -> String {
+    for file in ["pipelines/helsinki/plan-4-headings.toml", HELSINKI_LAND] {
+        fs::create_dir_all(folder.path().join(file).parent().unwrap()).unwrap();
+        fs::copy(repository().join(file), folder.path().join(file)).unwrap();
+    }
+    PLAN.replace("plan.toml", "pipelines/helsinki/plan-4-headings.toml")
+}
+
+#[test]
+fn a_plan_that_fails_its_check_is_refused_and_writes_nothing() {
+    let folder = small();
+    let line = harbour(&folder);
+    let pieces = [
+        "plan-4-headings.toml",
+        "of 64 runs aground (",
+        "least clearance 0 m",
+        "at least 50 m",
+        "--allow-unsafe",
+    ];
+    refused(&folder, 4, &line, &pieces);
+    assert!(PLANNED.iter().all(|name| !folder.path().join(name).exists()));
+}
+
+#[test]
+fn a_plan_that_fails_its_check_and_is_allowed_says_so_in_every_output() {
+    let [_, planned] = helsinki_planned();
+    let check = &planned.voyage()["check"];
+    assert_eq!((&check["safe"], &check["parameter_error"]), (&false.into(), &0.35.into()), "{check}");
+    let fault = check["faults"][0].as_str().unwrap();
+    assert!(fault.contains("runs aground") && planned.plan["statement"].as_str().unwrap().contains(fault));
+    let route = read(planned.text("route.rtz"));
+    assert_eq!(route.one("routeInfo").get("routeName"), Some("route (unsafe)"));
+    let legs = route.one("waypoints").all("waypoint").into_iter().flat_map(|point| point.all("leg"));
+    assert!(legs.map(|leg| leg.get("legInfo").unwrap()).all(|note| note.starts_with("unsafe plan: ")));
+    let gpx = planned.text("route.gpx");
+    assert!(gpx.contains("route (unsafe)") && gpx.contains("planned track (unsafe)"));
+    let track: Value = serde_json::from_str(planned.text("track.geojson")).unwrap();
+    assert!(track["features"].as_array().unwrap().iter().all(|f| f["properties"]["safe"] == false));
+    assert!(planned.text("map.svg").contains("Unsafe: the plan fails its own check"));
+    let folder = planned.study.with(&["plan.json", "map.svg", "dictionary.parquet"]);
+    fs::create_dir(folder.path().join("out")).unwrap();
+    for name in ["plan.json", "track.parquet", "track.geojson", "route.rtz", "route.gpx", "map.svg"] {
+        fs::write(folder.path().join("out").join(name), planned.study.bytes(name)).unwrap();
+    }
+    run(&folder, "report --study . --results out --out out/report.html").succeeds();
+    let page = String::from_utf8(bytes(&folder, "out/report.html")).unwrap();
+    assert!(page.contains("<b>Unsafe.</b>") && page.contains(fault));
+    let small = small_planned();
+    assert_eq!(small.voyage()["check"]["safe"], true);
+    PLANNED.iter().filter(|name| !name.ends_with("parquet")).for_each(|name| {
+        assert!(!small.text(name).to_lowercase().contains("unsafe"), "{name}");
+    });
+}
+
+#[test]
+fn law_the_interval_of_the_share_aground_is_wilsons() {
+    let [eight, four] = helsinki_planned();
+    for planned in [eight, four, small_planned()] {
+        let check = &planned.voyage()["check"];
+        let number = |key: &str| check[key].as_f64().unwrap();
+        let (n, z2) = (number("runs"), 1.959_963_984_540_054_f64.powi(2));
+        let share = number("aground") / n;
+        let interval: [f64; 2] = serde_json::from_value(check["aground_interval"].clone()).unwrap();
+        // Both ends solve (p − share)² = z² p (1 − p) / n.
+        for p in interval {
+            assert!(((p - share).powi(2) - z2 * p * (1.0 - p) / n).abs() < 1e-9, "{check}");
+        }
+        assert!(interval[0] <= share && share <= interval[1] && check["seed"] == 1);
+    }
+}
+
+#[test]
+fn the_check_sails_no_true_parameters_but_draws_them_within_the_stated_error() {
+    let quantiles = |error: &str| {
+        let exact = format!("unknown_current_m_s = 0.0\nparameter_error = {error}\nruns = 8");
+        let planned = plan_small(&[("unknown_current_m_s = 0.05\nruns = 4", &exact)]);
+        let all: [f64; 3] =
+            serde_json::from_value(planned.voyage()["check"]["clearance_quantiles_m"].clone()).unwrap();
+        (planned.number("/voyage/check/clearance_m"), all)
+    };
+    // The vessel's true parameters are not the nominal ones, and would lead elsewhere.
+    let (clearance, runs) = quantiles("0.0");
+    assert_eq!(runs, [clearance; 3]);
+    let (clearance, runs) = quantiles("0.5");
+    assert!(runs.iter().any(|run| *run != clearance), "{runs:?}");
+}
+
+#[test]
+fn the_areas_edge_is_no_obstacle_and_who_crosses_it_is_counted() {
+    let corner = [
+        (START, "longitude_deg = 24.9815\nlatitude_deg = 59.994"),
+        ("runs = 4", "runs = 32\nparameter_error = 0.5"),
+    ];
+    let planned = plan_small(&corner);
+    let check = &planned.voyage()["check"];
+    // The island is farther away than anything is measured.
+    assert_eq!((&check["safe"], &check["clearance_m"]), (&true.into(), &check["sight_m"]), "{check}");
+    assert!(check["left_area"].as_u64() > Some(0) && check["aground"] == 0, "{check}");
+    let folder = small_with(&corner);
+    let ran = run(&folder, PLAN).succeeds();
+    assert!(ran.stdout.contains("more than") && ran.stdout.contains("outside of the area"), "{ran}");
+    let edge = small_with(&[
+        (START, "longitude_deg = 24.9801\nlatitude_deg = 60.0"),
+        ("heading_deg = 0.0", "heading_deg = 90.0"),
+        ("length_m = 30.0", "length_m = 200.0"),
+    ]);
+    refused(&edge, 4, PLAN, &["`start`", "the hull reaches out of `area`", "the nearest clear node is"]);
+}
+
+/// The small study with a chart `[[chart]]` of dangers beside the land, at a place near its start.
+fn dangers(keys: &str, depth: &str) -> TempDir {
+    let chart = format!("{OWN_CHART}\n[[chart]]\nfile = \"wrecks.geojson\"\n{keys}");
+    let folder = small_with(&[
+        (OWN_CHART, &chart),
+        ("margin_m = 20.0", "margin_m = 20.0\ntransit_depth_m = 5.0\ntrial_depth_m = 8.0"),
+    ]);
+    let wreck = format!(
+        r#"{{"type": "Feature", "properties": {{"VALSOU": {depth}}}, "geometry": {{"type": "Point", "coordinates": [24.985, 60.0003]}}}}"#
+    );
+    let line = wreck.replace(
+        "\"Point\", \"coordinates\": [24.985, 60.0003]",
+        "\"MultiLineString\", \"coordinates\": [[[24.984, 60.0004], [24.986, 60.0004]]]",
+    );
+    put(
+        &folder,
+        "wrecks.geojson",
+        &format!(r#"{{"type": "FeatureCollection", "features": [{wreck}, {line}]}}"#),
+    );
+    folder
+}
+
+#[test]
+fn charted_points_and_lines_are_obstacles_as_deep_and_wide_as_they_are_dangerous() {
+    // 33 m north of the start: within 50 m, the default, but not within 5 m and a margin of 20 m of a hull 30 m long.
+    let near = ["`start`", "m from an obstacle", "the nearest clear node is"];
+    for kind in ["land", "no-go", "danger", "depth\"\nleast = \"VALSOU"] {
+        refused(&dangers(&format!("kind = \"{kind}\""), "3.5"), 4, &format!("{PLAN} --allow-unsafe"), &near);
+    }
+    refused(&dangers("kind = \"danger\"", "null"), 4, PLAN, &near);
+    run(&dangers("kind = \"danger\"", "8.5"), PLAN).succeeds();
+    // Deep enough to pass over, too shoal for maneuvers: they are planned elsewhere.
+    let folder = dangers("kind = \"danger\"\nradius_m = 700.0", "6.5");
+    run(&folder, PLAN).succeeds();
+    let planned = Planned::of(&folder);
+    let on_it = planned.track.stretches().into_iter().flatten().filter(|row| {
+        let [x, y] = crate::geometry::local_m([24.985, 60.0003], planned.track.place[*row]);
+        x.hypot(y) < 700.0
+    });
+    assert_eq!(on_it.count(), 0);
+    assert!(planned.text("map.svg").contains("no-go"));
+}
+
+#[test]
+fn dangers_that_make_no_sense_are_refused() {
+    let file = ["wrecks.geojson", "feature 0", "`VALSOU`", "at most 12000 m"];
+    for fill in ["-32768", "9.97e36", "\"NaN\""] {
+        refused(&dangers("kind = \"danger\"", fill), 3, PLAN, &file);
+    }
+    for radius in ["0.0", "-5.0", "1e9"] {
+        let pieces = ["plan.toml", "`radius_m` of chart `wrecks.geojson`"];
+        refused(&dangers(&format!("kind = \"danger\"\nradius_m = {radius}"), "3"), 3, PLAN, &pieces);
+    }
+    let folder = dangers("kind = \"danger\"", "3");
+    edit(&folder, "wrecks.geojson", r#"{"type": "Point", "coordinates": [24.985, 60.0003]}"#, "null");
+    refused(&folder, 3, PLAN, &["wrecks.geojson", "1 of 2 features without a geometry"]);
+}
+
+#[test]
+fn a_leg_that_is_over_at_once_has_no_speed_and_loses_no_plan() {
+    // Cells shorter than what the vessel overshoots.
+    let folder = small_with(&[
+        ("cell_m = 120.0", "cell_m = 1.2"),
+        ("maneuver = [{ name = \"zig-zag-steep\", count = 1 }, {", "maneuver = [{"),
+        ("west_deg = 24.98", "west_deg = 24.983"),
+        ("east_deg = 25.02", "east_deg = 24.993"),
+        ("south_deg = 59.99", "south_deg = 59.998"),
+        ("north_deg = 60.01", "north_deg = 60.003"),
+        (START, "longitude_deg = 24.988\nlatitude_deg = 60.0"),
+        ("[start]", "[approach]\nrun_in_s = 0.0\ntolerance_cells = 4.0\n[start]"),
+        (
+            "kind = \"home\"",
+            "kind = \"places\"\nplaces = [{ longitude_deg = 24.9895, latitude_deg = 60.0005, heading_deg = 90.0, mode = \"half\" }]",
+        ),
+        ("length_m = 30.0", "length_m = 3.0"),
+        ("beam_m = 8.0", "beam_m = 1.0"),
+        ("margin_m = 20.0", "margin_m = 1.0"),
+        (
+            "primary = \"basic-moves\"\nsecondary = \"seconds\"",
+            "primary = \"seconds\"\nsecondary = \"turns\"",
+        ),
+    ]);
+    run(&folder, PLAN).succeeds();
+    let planned = Planned::of(&folder);
+    assert!(planned.legs().iter().any(|leg| leg["duration_s"] == 0.0), "no leg is over at once");
+    let route = read(planned.text("route.rtz"));
+    let legs = route.one("waypoints").all("waypoint").into_iter().flat_map(|point| point.all("leg"));
+    let speeds: Vec<Option<f64>> = legs.map(|leg| leg.get("speedMax").map(|v| v.parse().unwrap())).collect();
+    assert!(speeds.contains(&None) && speeds.iter().flatten().all(|v| v.is_finite()), "{speeds:?}");
+}
