@@ -8,6 +8,8 @@ use clap::{Args, ValueEnum};
 
 use crate::failure::Failure;
 
+pub use study::beside;
+
 /// Flags of every stage.
 #[derive(Clone, Debug, Args)]
 pub struct Common {
@@ -110,22 +112,6 @@ impl Common {
 /// What a choice is called on the command line and in files.
 pub fn name_of(choice: impl ValueEnum) -> String {
     choice.to_possible_value().map_or(String::new(), |value| value.get_name().to_owned())
-}
-
-/// The file that is called `name` beside a main file that is called `usual`, beside `main`: where `main` is called otherwise,
-/// so is the file, so that two sets in one folder share none.
-///
-/// `estimate.json` stands beside `estimates.parquet`, `estimate-2.json` beside `estimates-2.parquet`, and `tank-estimate.json`
-/// beside `tank.parquet`.
-pub fn beside(main: &Path, usual: &str, name: &str) -> PathBuf {
-    let stem = |path: &Path| path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    let (own, usual) = (stem(main), stem(Path::new(usual)));
-    let (start, end) = name.split_once('.').unwrap_or((name, ""));
-    let name = match own.strip_prefix(&usual) {
-        Some(rest) => format!("{start}{rest}.{end}"),
-        None => format!("{own}-{name}"),
-    };
-    folder_of(main).join(name)
 }
 
 /// The folder that `main` stands in.

@@ -1,6 +1,6 @@
 //! The hand-written files of a study, read and checked.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use artifact::{Digest, Provenance, read_toml};
 use vessel::{DictionaryFile, Generator, Invalid, Vessel, VesselFile};
@@ -86,4 +86,20 @@ pub fn role_of(name: &str) -> &str {
         "estimates.parquet" => "estimates",
         name => name,
     }
+}
+
+/// The file that is called `name` beside a main file that is called `usual`, beside `main`: where `main` is called otherwise,
+/// so is the file, so that two sets in one folder share none.
+///
+/// `estimate.json` stands beside `estimates.parquet`, `estimate-2.json` beside `estimates-2.parquet`, and `tank-estimate.json`
+/// beside `tank.parquet`.
+pub fn beside(main: &Path, usual: &str, name: &str) -> PathBuf {
+    let stem = |path: &Path| path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    let (own, usual) = (stem(main), stem(Path::new(usual)));
+    let (start, end) = name.split_once('.').unwrap_or((name, ""));
+    let name = match own.strip_prefix(&usual) {
+        Some(rest) => format!("{start}{rest}.{end}"),
+        None => format!("{own}-{name}"),
+    };
+    main.with_file_name(name)
 }

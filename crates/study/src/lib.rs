@@ -8,6 +8,7 @@ pub mod design_files;
 pub mod documents;
 pub mod estimates;
 pub mod files;
+pub mod folder;
 pub mod ingest_file;
 pub mod logs_file;
 pub mod plan;
@@ -20,7 +21,7 @@ pub mod sequential;
 pub mod track;
 pub mod trajectories;
 
-pub use files::role_of;
+pub use files::{beside, role_of};
 pub use identification::pooled::listed;
 pub use recommendation::recommendations;
 pub use refusal::{invalid, refuse};

@@ -58,7 +58,7 @@ const TOTAL: usize = 53_000;
 const SHARE: f64 = 0.2;
 
 /// What does not hold yet: rule, crate, how much of it is left.
-const NOT_YET: &[(&str, &str, usize)] = &[("lines of all crates", "all", 2_500)];
+const NOT_YET: &[(&str, &str, usize)] = &[("lines of all crates", "all", 4_500)];
 
 /// What breaks the rules, by rule and crate.
 #[derive(Default)]

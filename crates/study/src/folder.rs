@@ -1,0 +1,140 @@
+//! A folder of results: whether its files are whole and belong together, and what was made of what.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use artifact::{Digest, Error, Inspected, Provenance, STUDY_ROLES, inspect};
+
+use crate::{refuse, role_of};
+
+/// The files of a folder and of those below it.
+#[derive(Default)]
+pub struct Folder {
+    /// Of each file, in their order: what it says about itself, or what is wrong with it.
+    files: Vec<(PathBuf, Result<Inspected, Error>)>,
+    /// Names of files by their digests.
+    names: BTreeMap<Digest, String>,
+    /// What is wrong, a line each.
+    pub faults: Vec<String>,
+}
+
+impl Folder {
+    /// Looks at all files below `root`, and at the hand-written ones of the `study` that they are of.
+    ///
+    /// # Errors
+    /// A folder that cannot be listed, has no file of any stage, or is no study's.
+    pub fn read(root: &Path, study: Option<&Path>) -> Result<Self, Error> {
+        let mut folder = Self::default();
+        let known = study.map_or(Ok(Provenance::default()), |study| folder.written(study))?;
+        folder.look(root, root)?;
+        if folder.files.is_empty() {
+            let (found, expected) = ("no document and no table", "files that the stages wrote");
+            return Err(refuse(root, "files", found, expected, "name another folder"));
+        }
+        folder.compare(root, &known);
+        Ok(folder)
+    }
+
+    /// Number of files.
+    pub fn count(&self) -> usize {
+        self.files.len()
+    }
+
+    /// A line for each file: what it is and what it was made of.
+    pub fn lines(&self, root: &Path) -> impl Iterator<Item = String> {
+        self.files.iter().map(move |(path, found)| self.line(root, path, found))
+    }
+
+    /// What the hand-written files tell.
+    fn written(&mut self, study: &Path) -> Result<Provenance, Error> {
+        let mut known = Provenance::default();
+        for role in STUDY_ROLES {
+            let path = study.join(format!("{role}.toml"));
+            if path.is_file() {
+                let digest = Digest::of_file(&path)?;
+                self.names.insert(digest, path.display().to_string());
+                known.written(role, &path, digest)?;
+            }
+        }
+        if known.inputs.is_empty() {
+            let found = "no vessel.toml, dictionary.toml or campaign.toml";
+            return Err(refuse(study, "--study", found, "the folder of a study", "name another folder"));
+        }
+        Ok(known)
+    }
+
+    /// Looks at all files below `folder`, those of a folder before those in folders of it.
+    fn look(&mut self, root: &Path, folder: &Path) -> Result<(), Error> {
+        let fails = |e| Error::io(folder, "list", e);
+        let entries = std::fs::read_dir(folder).map_err(fails)?;
+        let mut paths: Vec<PathBuf> =
+            entries.map(|entry| entry.map(|entry| entry.path())).collect::<Result<_, _>>().map_err(fails)?;
+        paths.sort();
+        let (folders, files): (Vec<PathBuf>, Vec<PathBuf>) =
+            paths.into_iter().partition(|path| path.is_dir());
+        for path in files {
+            let found = inspect(&path);
+            if let Ok(Some(own)) = &found {
+                self.names.insert(own.digest, relative(root, &path));
+            }
+            self.files.extend(found.transpose().map(|found| (path, found)));
+        }
+        folders.iter().filter(|path| !path.is_symlink()).try_for_each(|path| self.look(root, path))
+    }
+
+    /// Notes what is wrong: files that are damaged, and files that were made of different ones. Each folder has estimates and
+    /// scores of its own and shares the rest with the folder above it, where that has files.
+    fn compare(&mut self, root: &Path, written: &Provenance) {
+        let mut known: BTreeMap<&Path, Provenance> = BTreeMap::new();
+        for (path, found) in &self.files {
+            let found = match found {
+                Ok(found) => found,
+                Err(error) => {
+                    self.faults.push(error.to_string());
+                    continue;
+                }
+            };
+            let folder = path.parent().unwrap_or(root);
+            let above = || {
+                let nearest =
+                    folder.ancestors().skip(1).find_map(|above| known.get(above)).unwrap_or(written);
+                let mut own = nearest.clone();
+                own.forget(&["estimates", "validation"]);
+                own
+            };
+            let own = if known.contains_key(folder) { None } else { Some(above()) };
+            let own = known.entry(folder).or_insert_with(|| own.unwrap_or_default());
+            let name = path.file_name().unwrap_or_default().to_string_lossy();
+            // What stands in the folder is no mixture, whatever else plays its role there: `estimates-2.parquet`.
+            let mut from = found.provenance.clone();
+            from.inputs.retain(|_, digest| !self.names.contains_key(digest));
+            from.origins.retain(|_, digest| !self.names.contains_key(digest));
+            if let Err(error) = own.made(role_of(&name), path, found.digest, &from) {
+                self.faults.push(error.to_string());
+            }
+        }
+    }
+
+    /// `design.json: design/1, of moments (moments.json)`.
+    fn line(&self, root: &Path, path: &Path, found: &Result<Inspected, Error>) -> String {
+        let name = relative(root, path);
+        let Ok(found) = found else { return format!("{name}: damaged") };
+        let input = |(role, digest): (&String, &Digest)| match self.names.get(digest) {
+            Some(name) => format!("{role} ({name})"),
+            None => role.clone(),
+        };
+        let logs = found.provenance.inputs.keys().filter(|role| role.starts_with("log:")).count();
+        let others = found.provenance.inputs.iter().filter(|(role, _)| !role.starts_with("log:"));
+        let mut inputs: Vec<String> = others.map(input).collect();
+        if logs > 0 {
+            inputs.push(format!("{logs} logs"));
+        }
+        let of = if inputs.is_empty() { String::new() } else { format!(", of {}", inputs.join(", ")) };
+        let unsealed = if found.sealed { "" } else { ", edited by hand (no seal)" };
+        format!("{name}: {}{unsealed}{of}", found.schema)
+    }
+}
+
+fn relative(root: &Path, path: &Path) -> String {
+    path.strip_prefix(root).unwrap_or(path).display().to_string()
+}
