@@ -36,7 +36,7 @@ impl Footprint {
     /// positive, or a way too long for a raster.
     pub fn swept(hull: &[[f64; 2]], poses: &[Pose], cell_m: f64) -> Result<Self, Invalid> {
         check(hull, poses, cell_m)?;
-        let radius = hull.iter().map(|p| p[0].hypot(p[1])).fold(0.0, f64::max) / cell_m;
+        let radius = hull.iter().map(|p| libm::hypot(p[0], p[1])).fold(0.0, f64::max) / cell_m;
         let poses: Vec<Pose> = poses.iter().map(|p| (p.0 / cell_m, p.1 / cell_m, p.2)).collect();
         let hull: Vec<[f64; 2]> = hull.iter().map(|p| p.map(|v| v / cell_m)).collect();
         let mut canvas = Canvas::around(&poses, radius, cell_m)?;
@@ -92,7 +92,7 @@ fn check(hull: &[[f64; 2]], poses: &[Pose], cell_m: f64) -> Result<(), Invalid> 
 
 /// Hull corners at a pose: the bow points to the compass heading.
 fn placed(hull: &[[f64; 2]], (x, y, heading): Pose) -> Vec<[f64; 2]> {
-    let (sin, cos) = heading.sin_cos();
+    let (sin, cos) = libm::sincos(heading);
     hull.iter().map(|[ahead, right]| [x + ahead * sin + right * cos, y + ahead * cos - right * sin]).collect()
 }
 
@@ -154,7 +154,7 @@ impl Canvas {
     fn sweep(&mut self, hull: &[[f64; 2]], radius: f64, from: Pose, to: Pose) {
         let turn =
             (to.2 - from.2 + std::f64::consts::PI).rem_euclid(std::f64::consts::TAU) - std::f64::consts::PI;
-        let moved = (to.0 - from.0).hypot(to.1 - from.1) + radius * turn.abs();
+        let moved = libm::hypot(to.0 - from.0, to.1 - from.1) + radius * turn.abs();
         let cuts = (2.0 * moved).ceil().max(1.0);
         let slack = self.slack + radius * (turn / cuts).powi(2) / 8.0;
         let mut before = self.local(&placed(hull, from));

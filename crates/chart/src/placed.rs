@@ -64,10 +64,11 @@ pub(crate) fn oriented(mut ring: Vec<[f64; 2]>, counter_clockwise: bool) -> Vec<
 /// stand off a little, so that its edges do not cut into the half circles.
 fn capsule(a: [f64; 2], b: [f64; 2], radius_m: f64) -> Vec<[f64; 2]> {
     let step = std::f64::consts::PI / HALF_CIRCLE as f64;
-    let reach = radius_m / (step / 2.0).cos();
-    let ahead = (b[1] - a[1]).atan2(b[0] - a[0]);
-    let corner =
-        |middle: [f64; 2], angle: f64| [middle[0] + reach * angle.cos(), middle[1] + reach * angle.sin()];
+    let reach = radius_m / libm::cos(step / 2.0);
+    let ahead = libm::atan2(b[1] - a[1], b[0] - a[0]);
+    let corner = |middle: [f64; 2], angle: f64| {
+        [middle[0] + reach * libm::cos(angle), middle[1] + reach * libm::sin(angle)]
+    };
     // From abeam to abeam around each end, the half steps outside of the line's own width.
     let half = |middle: [f64; 2], from: f64| {
         (0..=HALF_CIRCLE).map(move |k| corner(middle, from + (k as f64 - 0.5) * step)).collect::<Vec<_>>()
@@ -90,8 +91,8 @@ fn place_ring(ring: &[[f64; 2]], plane: &Plane) -> Vec<[f64; 2]> {
 fn between(a: [f64; 2], b: [f64; 2]) -> Vec<[f64; 2]> {
     let forward = a <= b;
     let (p, q) = if forward { (a, b) } else { (b, a) };
-    let east = (q[0] - p[0]) * f64::to_radians((p[1] + q[1]) / 2.0).cos();
-    let pieces = (east.hypot(q[1] - p[1]) / PIECE_DEG).ceil().max(1.0) as usize;
+    let east = (q[0] - p[0]) * libm::cos(f64::to_radians((p[1] + q[1]) / 2.0));
+    let pieces = (libm::hypot(east, q[1] - p[1]) / PIECE_DEG).ceil().max(1.0) as usize;
     let at = |i: usize| {
         let t = i as f64 / pieces as f64;
         [p[0] + t * (q[0] - p[0]), p[1] + t * (q[1] - p[1])]

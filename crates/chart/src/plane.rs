@@ -41,14 +41,15 @@ impl Plane {
     /// The place of a longitude and latitude \[deg\] on the plane \[m\]; NaN for a latitude beyond ±90°.
     pub fn to_plane(&self, lon_deg: f64, lat_deg: f64) -> [f64; 2] {
         let (distance, azimuth, _, _) = self.earth.inverse(self.lat_deg, self.lon_deg, lat_deg, lon_deg);
-        let (sin, cos) = f64::to_radians(azimuth).sin_cos();
+        let (sin, cos) = libm::sincos(f64::to_radians(azimuth));
         [distance * sin, distance * cos]
     }
 
     /// Longitude (within ±180) and latitude \[deg\] of a place on the plane \[m\].
     pub fn to_geographic(&self, [x, y]: [f64; 2]) -> (f64, f64) {
-        let azimuth = x.atan2(y).to_degrees();
-        let (lat, lon): (f64, f64) = self.earth.direct(self.lat_deg, self.lon_deg, azimuth, x.hypot(y));
+        let azimuth = libm::atan2(x, y).to_degrees();
+        let (lat, lon): (f64, f64) =
+            self.earth.direct(self.lat_deg, self.lon_deg, azimuth, libm::hypot(x, y));
         (lon, lat)
     }
 }

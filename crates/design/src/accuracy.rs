@@ -82,7 +82,7 @@ impl<'a> Errors<'a> {
                 solve_covariance(&covariance, bounds, &options).map_err(|e| self.dictionary.explain(e))?;
             let relative =
                 self.relative(&design.shares).unwrap_or_else(|| vec![f64::INFINITY; weights.len()]);
-            bound = bound.max((-design.log_det).exp() * (1.0 - design.gap.max(0.0)));
+            bound = bound.max(libm::exp(-design.log_det) * (1.0 - design.gap.max(0.0)));
             let largest = relative.iter().copied().fold(0.0, f64::max);
             if best.as_ref().is_none_or(|(known, _)| largest < *known) {
                 best = Some((largest, design.shares));

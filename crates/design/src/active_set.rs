@@ -115,7 +115,7 @@ fn concentrate<O: Objective>(objective: &O, bounds: &Bounds, shares: &mut Vec<f6
             return;
         }
         for (q, weight) in weights.iter_mut().enumerate() {
-            *weight *= objective.sensitivity(q, &at).max(0.0).powf(objective.exponent());
+            *weight *= libm::pow(objective.sensitivity(q, &at).max(0.0), objective.exponent());
         }
         if !bounds.fill(&mut weights) {
             return;

@@ -188,7 +188,7 @@ impl Candidates {
                         let direction = (0..n).map(|j| f64::from(u8::from(i == j))).collect();
                         return Err(Error::Unexcited { block, direction });
                     }
-                    out.offset += norm.ln();
+                    out.offset += libm::log(norm);
                     out.candidates.divide(&places, norm);
                     let factors = if by_row { &mut out.rows } else { &mut out.columns };
                     factors[first + i] *= norm;

@@ -248,7 +248,7 @@ impl Criterion {
             Self::Information(candidates) => design.efficiency(candidates, shares, parameters),
             Self::Covariance(_) => {
                 let value = self.value(shares);
-                value.map_or(0.0, |value| ((value - design.log_det) / self.degree()).exp())
+                value.map_or(0.0, |value| libm::exp((value - design.log_det) / self.degree()))
             }
         }
     }

@@ -102,8 +102,8 @@ pub fn solve_covariance(
 /// gap of `relaxed` have.
 pub(crate) fn loss(value: f64, relaxed: &Design, degree: f64) -> f64 {
     let gap = relaxed.gap.max(0.0);
-    let above = if gap < 1.0 { -(-gap).ln_1p() } else { f64::INFINITY };
-    1.0 - ((value - relaxed.log_det - above) / degree).exp().min(1.0)
+    let above = if gap < 1.0 { -libm::log1p(-gap) } else { f64::INFINITY };
+    1.0 - libm::exp((value - relaxed.log_det - above) / degree).min(1.0)
 }
 
 fn optimise<O: Objective>(
@@ -167,7 +167,7 @@ fn free_points(count: usize, options: &Options) -> Vec<Vec<f64>> {
         let mut rng = ChaCha8Rng::seed_from_u64(options.seed);
         rng.set_stream(u64::from(start));
         // Exponential draws, normalised: uniform on the simplex.
-        let mut draw = || -(((rng.next_u64() >> 11) as f64 + 0.5) * 2.0_f64.powi(-53)).ln();
+        let mut draw = || -libm::log(((rng.next_u64() >> 11) as f64 + 0.5) * 2.0_f64.powi(-53));
         let shares: Vec<f64> = (0..count).map(|_| draw()).collect();
         let total: f64 = shares.iter().sum();
         points.push(shares.iter().map(|w| w / total).collect());
@@ -234,6 +234,6 @@ impl Design {
                 None => return 0.0,
             }
         }
-        ((log_det - self.log_det) / parameters as f64).exp()
+        libm::exp((log_det - self.log_det) / parameters as f64)
     }
 }

@@ -52,7 +52,7 @@ pub fn counted(
         counts: found.counts.clone(),
         efficiency: criterion.efficiency(design, &shares, parameters),
         loss: found.loss_bound(design, degree),
-        apportioned: ((found.apportioned - found.value) / degree).exp(),
+        apportioned: libm::exp((found.apportioned - found.value) / degree),
         found: Some(found),
     })
 }

@@ -171,7 +171,7 @@ impl Question<'_> {
         let random = self.median(&rivals.random);
         let at = |one: f64, samples: f64| Some((one / samples).sqrt()).filter(|a| a.is_finite());
         let point = |i: usize| {
-            let factor = 16.0_f64.powf(2.0 * i as f64 / (POINTS - 1) as f64 - 1.0);
+            let factor = libm::pow(16.0_f64, 2.0 * i as f64 / (POINTS - 1) as f64 - 1.0);
             let n = (samples * factor).max(1.0);
             AccuracyPoint {
                 duration_s: n / rate,

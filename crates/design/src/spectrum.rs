@@ -31,7 +31,7 @@ pub(crate) fn value(norm: Norm, blocks: &[Vec<f64>]) -> Option<f64> {
         Norm::Trace => {
             let trace = |b: &Vec<f64>| b.iter().step_by(b.len().isqrt() + 1).sum::<f64>();
             let sum: f64 = blocks.iter().map(trace).sum();
-            (sum > 0.0).then(|| sum.ln())
+            (sum > 0.0).then(|| libm::log(sum))
         }
     }
 }
@@ -48,7 +48,7 @@ impl Spectrum {
         let mut blocks: Vec<Eigen> = matrices.iter().map(eigen).collect();
         match norm {
             Norm::LogDet => {
-                let value: f64 = blocks.iter().flat_map(|b| &b.values).map(|v| v.ln()).sum();
+                let value: f64 = blocks.iter().flat_map(|b| &b.values).map(|v| libm::log(*v)).sum();
                 for block in &mut blocks {
                     block.slopes = block.values.iter().map(|v| 1.0 / v).collect();
                 }
@@ -64,7 +64,7 @@ impl Spectrum {
                 for block in &mut blocks {
                     block.slopes = vec![1.0 / (largest * sum); block.k];
                 }
-                Some(Self { value: largest.ln() + sum.ln(), blocks, norm })
+                Some(Self { value: libm::log(largest) + libm::log(sum), blocks, norm })
             }
         }
     }

@@ -157,7 +157,7 @@ fn nearest(problem: &Problem, candidates: &[bool], targets: &[Pose]) -> Option<(
         (0..candidates.len()).filter(|&pose| candidates[pose]).map(|pose| problem.lattice().pose(pose));
     let distance = |pose: Pose, target: &Pose| {
         let (di, dj) = (pose.i.abs_diff(target.i) as f64, pose.j.abs_diff(target.j) as f64);
-        (di.hypot(dj), pose.layer != target.layer)
+        (libm::hypot(di, dj), pose.layer != target.layer)
     };
     let ranked = poses.flat_map(|pose| targets.iter().map(move |target| (distance(pose, target), pose)));
     let least = ranked.min_by(|(a, _), (b, _)| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)))?;

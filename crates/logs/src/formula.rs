@@ -92,8 +92,8 @@ impl Formula {
                 // Not max or min, which would hide a missing value.
                 Function::PositivePart => 0.5 * (x + x.abs()),
                 Function::NegativePart => 0.5 * (x - x.abs()),
-                Function::Sine => x.sin(),
-                Function::Cosine => x.cos(),
+                Function::Sine => libm::sin(x),
+                Function::Cosine => libm::cos(x),
             };
             product * value.powi(factor.power)
         })

@@ -13,7 +13,7 @@ pub enum Method {
 
 /// Surge and sway \[m/s\] from the rates of north and east \[m/s\] and the heading \[rad\]: R(ψ)ᵀ ṗ.
 pub fn body_velocity([north, east]: [f64; 2], psi: f64) -> [f64; 2] {
-    let (sin, cos) = psi.sin_cos();
+    let (sin, cos) = libm::sincos(psi);
     [north * cos + east * sin, east * cos - north * sin]
 }
 

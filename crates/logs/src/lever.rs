@@ -12,7 +12,7 @@ impl Lever {
     /// p_ref = p_antenna − R(ψ) l.
     pub fn position(self, [north, east]: [f64; 2], psi: f64) -> [f64; 2] {
         let [x, y] = self.0;
-        let (sin, cos) = psi.sin_cos();
+        let (sin, cos) = libm::sincos(psi);
         [north - (x * cos - y * sin), east - (x * sin + y * cos)]
     }
 

@@ -81,7 +81,7 @@ pub struct SpeedClasses {
 impl SpeedClasses {
     /// The class of rows with surge `u` and sway `v`.
     pub fn of(&self, u: &[f64], v: &[f64]) -> &str {
-        let mean = u.iter().zip(v).map(|(u, v)| u.hypot(*v)).sum::<f64>() / u.len() as f64;
+        let mean = u.iter().zip(v).map(|(u, v)| libm::hypot(*u, *v)).sum::<f64>() / u.len() as f64;
         &self.names[self.bounds_m_s.iter().filter(|bound| mean >= **bound).count()]
     }
 }

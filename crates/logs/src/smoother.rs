@@ -132,7 +132,8 @@ mod tests {
     fn law_equal_steps_and_others_are_fitted_alike() {
         for (n, window) in [(3000, 11), (3000, 101), (30, 101), (7, 4), (3, 3)] {
             let t: Vec<f64> = (0..n).map(|i| 5.0 + 0.01 * f64::from(i)).collect();
-            let y: Vec<f64> = t.iter().map(|t| 6e5 + (3.0 * t).sin() + 0.1 * (170.0 * t).cos()).collect();
+            let y: Vec<f64> =
+                t.iter().map(|t| 6e5 + libm::sin(3.0 * t) + 0.1 * libm::cos(170.0 * t)).collect();
             let whole = window.min(t.len());
             let (values, slopes) = local_quadratic(&t, &y, window);
             assert_eq!((values.len(), slopes.len()), (t.len(), t.len()));

@@ -47,7 +47,7 @@ impl Thruster {
             Law::Quadratic => self.coefficient * n * n.abs(),
             Law::Linear => self.coefficient * n,
         };
-        let (sin, cos) = alpha.sin_cos();
+        let (sin, cos) = libm::sincos(alpha);
         let (forward, starboard) = (force * cos, force * sin);
         let [x, y] = self.position_m;
         [forward, starboard, x * starboard - y * forward]
@@ -56,11 +56,11 @@ impl Thruster {
     /// The setting that pushes with `force` (forward, to starboard) \[N\]: of the two, ahead and reversed, the one whose
     /// direction is nearer to `alpha` \[rad\], and within a quarter turn of it. Without force `alpha` stays.
     pub fn setting(&self, [forward, starboard]: [f64; 2], alpha: f64) -> Setting {
-        let force = forward.hypot(starboard);
+        let force = libm::hypot(forward, starboard);
         if force == 0.0 {
             return Setting { n: 0.0, alpha };
         }
-        let turn = (starboard.atan2(forward) - alpha + PI).rem_euclid(TAU) - PI;
+        let turn = (libm::atan2(starboard, forward) - alpha + PI).rem_euclid(TAU) - PI;
         let (sign, turn) = if turn > FRAC_PI_2 {
             (-1.0, turn - PI)
         } else if turn < -FRAC_PI_2 {

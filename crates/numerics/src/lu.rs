@@ -66,7 +66,7 @@ fn eliminate(n: usize, a: &mut [f64], columns: usize, b: &mut [f64]) -> Option<L
             swap_rows(b, columns, k, pivot_row);
             det.sign = -det.sign;
         }
-        det.log_abs += pivot.abs().ln();
+        det.log_abs += libm::log(pivot.abs());
         det.sign *= pivot.signum();
         for row in k + 1..n {
             let factor = a[row * n + k] / pivot;

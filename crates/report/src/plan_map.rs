@@ -158,7 +158,7 @@ impl PlanMap<'_> {
             self.sailing.sailed.samples.windows(2).filter(|pair| !pair[0].informative && pair[1].informative);
         let outline = self.prepared.brief.task.hull.outline();
         let corner = |sample: &Sample, [x, y]: [f64; 2]| {
-            let (sin, cos) = sample.pose.psi.sin_cos();
+            let (sin, cos) = libm::sincos(sample.pose.psi);
             [sample.pose.y + x * sin + y * cos, sample.pose.x + x * cos - y * sin]
         };
         begins.map(|pair| outline.iter().map(|p| corner(&pair[1], *p)).collect()).collect()

@@ -107,7 +107,7 @@ impl CampaignFile {
             }
             Current::GaussMarkov { std_m_s, time_constant_s, axes } => Flow::Markov {
                 std: std_m_s,
-                factor: (-1.0 / (time_constant_s * rate_hz)).exp(),
+                factor: libm::exp(-1.0 / (time_constant_s * rate_hz)),
                 turning: turning(axes),
             },
         };

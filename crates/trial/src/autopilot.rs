@@ -84,7 +84,7 @@ impl<'a> Autopilot<'a> {
     ) -> Result<&[f64], Invalid> {
         let command = self.command(phase, node, start, ship);
         let [north, east] = self.known_current_m_s;
-        let (sin, cos) = ship.pose.psi.sin_cos();
+        let (sin, cos) = libm::sincos(ship.pose.psi);
         let motion = Motion {
             u: command.u - (north * cos + east * sin),
             v: command.v.map(|v| v - (east * cos - north * sin)),
@@ -120,11 +120,13 @@ impl<'a> Autopilot<'a> {
             }
             Phase::Hold { at, heading_rad } => {
                 let [north, east] = offset(node, at, ship.pose);
-                let there = north.hypot(east) <= self.handling.crawl_m_s * self.handling.response_s / 20.0;
+                let there =
+                    libm::hypot(north, east) <= self.handling.crawl_m_s * self.handling.response_s / 20.0;
                 let turned = wrap(heading_rad - ship.pose.psi).abs() <= 0.01;
                 let [u, v, r] = ship.state;
                 let h = &self.handling;
-                let at_rest = u.hypot(v) <= AT_REST * h.crawl_m_s && r.abs() <= AT_REST * h.turn_rate_rad_s;
+                let at_rest =
+                    libm::hypot(u, v) <= AT_REST * h.crawl_m_s && r.abs() <= AT_REST * h.turn_rate_rad_s;
                 (there && turned && at_rest) || elapsed_s > self.patience_s(phase, node, start)
             }
             Phase::Maneuver => true,
@@ -138,7 +140,7 @@ impl<'a> Autopilot<'a> {
             Phase::Line { to, from_m_s, to_m_s, .. } => {
                 let [north, east] = offset(node, to, start);
                 let speed = ((from_m_s + to_m_s) / 2.0).max(h.crawl_m_s);
-                2.0 * north.hypot(east) / speed + 5.0 * h.response_s
+                2.0 * libm::hypot(north, east) / speed + 5.0 * h.response_s
             }
             Phase::Arc { radius_m, speed_m_s, .. } => {
                 std::f64::consts::TAU * radius_m / speed_m_s.max(h.crawl_m_s) + 5.0 * h.response_s
@@ -146,7 +148,7 @@ impl<'a> Autopilot<'a> {
             Phase::Hold { at, heading_rad } => {
                 let [north, east] = offset(node, at, start);
                 let turn = wrap(heading_rad - start.psi).abs() / h.turn_rate_rad_s;
-                north.hypot(east) / h.crawl_m_s + turn + 5.0 * h.response_s
+                libm::hypot(north, east) / h.crawl_m_s + turn + 5.0 * h.response_s
             }
             Phase::Maneuver => 0.0,
         }
@@ -161,20 +163,20 @@ impl<'a> Autopilot<'a> {
                 let part = if whole > 0.0 { (1.0 - left / whole).clamp(0.0, 1.0) } else { 1.0 };
                 let speed = (from_m_s.powi(2) + part * (to_m_s.powi(2) - from_m_s.powi(2))).max(0.0).sqrt();
                 let [north, east] = offset(node, to, ship.pose);
-                let across = north * heading_rad.sin() - east * heading_rad.cos();
-                let aim = heading_rad - (across / h.lookahead_m).atan();
+                let across = north * libm::sin(heading_rad) - east * libm::cos(heading_rad);
+                let aim = heading_rad - libm::atan(across / h.lookahead_m);
                 self.under_way(speed.max(h.crawl_m_s), aim, 0.0, ship)
             }
             Phase::Arc { centre, radius_m, side, speed_m_s, .. } => {
                 let [north, east] = offset(node, centre, ship.pose);
-                let across = side * (radius_m - north.hypot(east));
+                let across = side * (radius_m - libm::hypot(north, east));
                 // Outside the arc (negative for starboard) the aim is turned inwards.
-                let aim = course(phase, node, ship.pose) - (across / h.lookahead_m).atan();
+                let aim = course(phase, node, ship.pose) - libm::atan(across / h.lookahead_m);
                 self.under_way(speed_m_s, aim, side * speed_m_s / radius_m, ship)
             }
             Phase::Hold { at, heading_rad } => {
                 let [north, east] = offset(node, at, ship.pose);
-                let (sin, cos) = ship.pose.psi.sin_cos();
+                let (sin, cos) = libm::sincos(ship.pose.psi);
                 let limit = |x: f64| (x / h.response_s).clamp(-h.crawl_m_s, h.crawl_m_s);
                 let u = urged(limit(north * cos + east * sin), ship.state[0]);
                 let v = Some(urged(limit(east * cos - north * sin), ship.state[1]));
@@ -210,7 +212,7 @@ fn offset(node: [f64; 2], place: [f64; 2], pose: Pose) -> [f64; 2] {
 /// Distance left along a line.
 fn left_on_line(node: [f64; 2], to: [f64; 2], heading_rad: f64, pose: Pose) -> f64 {
     let [north, east] = offset(node, to, pose);
-    north * heading_rad.cos() + east * heading_rad.sin()
+    north * libm::cos(heading_rad) + east * libm::sin(heading_rad)
 }
 
 /// Course of an arc abeam of the vessel \[rad\].
@@ -219,7 +221,7 @@ fn course(phase: &Phase, node: [f64; 2], pose: Pose) -> f64 {
         Phase::Arc { centre, side, .. } => {
             let [north, east] = offset(node, centre, pose);
             // The centre lies abeam: 90° to starboard of the course on a starboard arc.
-            wrap(east.atan2(north) - side * std::f64::consts::FRAC_PI_2)
+            wrap(libm::atan2(east, north) - side * std::f64::consts::FRAC_PI_2)
         }
         _ => pose.psi,
     }

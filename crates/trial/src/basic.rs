@@ -55,7 +55,7 @@ fn straight(grid: &Grid, handling: &Handling, level: usize, from: usize, to: usi
     let [north, east] = grid.displacement(di, dj);
     let (v0, v1) = (grid.modes[from].speed_m_s, grid.modes[to].speed_m_s);
     let needed = (v1 * v1 - v0 * v0).abs() / (2.0 * handling.acceleration_m_s2);
-    let steps = (needed / north.hypot(east)).ceil().max(1.0) as i32;
+    let steps = (needed / libm::hypot(north, east)).ceil().max(1.0) as i32;
     let end = grid.displacement(steps * di, steps * dj);
     let heading_rad = grid.heading_rad(level);
     let phases = if v0 == 0.0 && v1 == 0.0 {
@@ -82,7 +82,7 @@ fn straight(grid: &Grid, handling: &Handling, level: usize, from: usize, to: usi
 
 /// From the node along the course to `to`.
 fn line(to: [f64; 2], from_m_s: f64, to_m_s: f64) -> Phase {
-    Phase::Line { to, heading_rad: to[1].atan2(to[0]), from_m_s, to_m_s }
+    Phase::Line { to, heading_rad: libm::atan2(to[1], to[0]), from_m_s, to_m_s }
 }
 
 /// The shortest straight–arc–straight from one level to the next that ends on a node and keeps within the yaw rate.
@@ -90,23 +90,23 @@ fn arc(grid: &Grid, handling: &Handling, level: usize, to: usize, mode: usize, s
     let speed = grid.modes[mode].speed_m_s;
     let (a, b) = (grid.heading_rad(level), grid.heading_rad(to));
     let turn = TAU / grid.headings as f64;
-    let tangent = speed / handling.turn_rate_rad_s * (turn / 2.0).tan();
+    let tangent = speed / handling.turn_rate_rad_s * libm::tan(turn / 2.0);
     // A move longer than the lattice is of no use.
     let reach = (3.0 + (2.0 * tangent / grid.cell_m).ceil()).min(grid.nx.max(grid.ny) as f64) as i32;
     let (_, di, dj, p) = around(0, 0, reach)
         .filter_map(|(di, dj)| {
             let [north, east] = grid.displacement(di, dj);
             // North, east = p (cos a, sin a) + q (cos b, sin b).
-            let det = a.cos() * b.sin() - a.sin() * b.cos();
-            let p = (north * b.sin() - east * b.cos()) / det;
-            let q = (a.cos() * east - a.sin() * north) / det;
+            let det = libm::cos(a) * libm::sin(b) - libm::sin(a) * libm::cos(b);
+            let p = (north * libm::sin(b) - east * libm::cos(b)) / det;
+            let q = (libm::cos(a) * east - libm::sin(a) * north) / det;
             (p >= tangent - 1e-9 && q >= tangent - 1e-9).then_some((p + q, di, dj, p))
         })
         .min_by(|x, y| x.0.total_cmp(&y.0))?;
-    let radius_m = tangent / (turn / 2.0).tan();
+    let radius_m = tangent / libm::tan(turn / 2.0);
     let end = grid.displacement(di, dj);
-    let begin = [(p - tangent) * a.cos(), (p - tangent) * a.sin()];
-    let centre = [begin[0] - side * radius_m * a.sin(), begin[1] + side * radius_m * a.cos()];
+    let begin = [(p - tangent) * libm::cos(a), (p - tangent) * libm::sin(a)];
+    let centre = [begin[0] - side * radius_m * libm::sin(a), begin[1] + side * radius_m * libm::cos(a)];
     let along =
         |to: [f64; 2], heading_rad: f64| Phase::Line { to, heading_rad, from_m_s: speed, to_m_s: speed };
     let mut phases = Vec::new();

@@ -79,10 +79,10 @@ impl Grid {
 
     /// The shortest step from node to node that points along a level, to within a quarter of the levels' spacing.
     pub fn step_along(&self, level: usize) -> (i32, i32) {
-        let (sin, cos) = (TAU * level as f64 / self.headings as f64).sin_cos();
+        let (sin, cos) = libm::sincos(TAU * level as f64 / self.headings as f64);
         let off = |(di, dj): (i32, i32)| {
-            let angle = f64::from(dj).atan2(f64::from(di));
-            wrap(angle - sin.atan2(cos)).abs()
+            let angle = libm::atan2(f64::from(dj), f64::from(di));
+            wrap(angle - libm::atan2(sin, cos)).abs()
         };
         let tolerance = TAU / self.headings as f64 / 4.0;
         (1..=8)

@@ -101,7 +101,7 @@ pub struct Astray {
 impl Astray {
     /// Distance from the node \[m\].
     pub fn distance_m(&self) -> f64 {
-        self.pose.x.hypot(self.pose.y)
+        libm::hypot(self.pose.x, self.pose.y)
     }
 }
 
@@ -153,7 +153,7 @@ impl Search<'_> {
             phases: Vec::new(),
         };
         if run_in > 0.0 {
-            let to = [run_in * heading.cos(), run_in * heading.sin()];
+            let to = [run_in * libm::cos(heading), run_in * libm::sin(heading)];
             leg.phases.push(Phase::Line { to, heading_rad: heading, from_m_s: speed, to_m_s: speed });
         }
         leg.phases.push(Phase::Maneuver);
@@ -201,8 +201,8 @@ impl Search<'_> {
             for (di, dj) in around(i, j, reach) {
                 let [north, east] = grid.displacement(di, dj);
                 let [north, east] = [north - end.x, east - end.y];
-                let ahead = north * heading.cos() + east * heading.sin();
-                let across = (north * heading.sin() - east * heading.cos()).abs();
+                let ahead = north * libm::cos(heading) + east * libm::sin(heading);
+                let across = (north * libm::sin(heading) - east * libm::cos(heading)).abs();
                 if at_rest || (ahead > 0.0 && across <= 1.5 * cell) {
                     found.push((ahead.abs() + 2.0 * across + swing, di, dj, grid.layer(level, mode)));
                 }
@@ -228,7 +228,7 @@ impl Search<'_> {
         let Repertoire { grid, approach, .. } = self.repertoire;
         let [north, east] = grid.displacement(leg.di, leg.dj);
         let (level, _) = grid.level_and_mode(leg.to);
-        let off = (end.x - north).hypot(end.y - east);
+        let off = libm::hypot(end.x - north, end.y - east);
         let turned = wrap(end.psi - grid.heading_rad(level)).abs();
         off <= approach.tolerance_m && turned <= approach.tolerance_rad
     }

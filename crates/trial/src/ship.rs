@@ -35,7 +35,7 @@ impl<'a> Ship<'a> {
 
     /// Moves on by one sample under `inputs`: x(k+1) = x(k) + θᵀφ, then the pose by an explicit Euler step.
     pub fn step(&mut self, inputs: &[f64]) {
-        let (sin, cos) = self.pose.psi.sin_cos();
+        let (sin, cos) = libm::sincos(self.pose.psi);
         let [north, east] = self.current_m_s;
         let current = Some([north * cos + east * sin, east * cos - north * sin]);
         self.exogenous.iter_mut().zip(inputs).for_each(|(to, from)| *to = *from);

@@ -16,7 +16,7 @@ pub fn mirror(vessel: &Vessel) -> Option<Vec<f64>> {
 }
 
 fn is_mirrored(vessel: &Vessel, signs: &[f64], point: u32) -> bool {
-    let value = |i: usize| (f64::from(point) * 0.7 + i as f64 * 1.3).sin();
+    let value = |i: usize| libm::sin(f64::from(point) * 0.7 + i as f64 * 1.3);
     let count = vessel.model.exogenous();
     let own: Vec<f64> = (0..count).map(|i| if i < signs.len() { value(i + 3) } else { 0.0 }).collect();
     let mirrored: Vec<f64> = own.iter().enumerate().map(|(i, u)| signs.get(i).unwrap_or(&1.0) * u).collect();

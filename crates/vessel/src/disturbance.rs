@@ -135,7 +135,7 @@ impl Wind {
 
 /// Correlation of neighbouring samples of a process with time constant `time_constant_s`.
 pub(crate) fn factor(time_constant_s: f64, rate_hz: f64) -> f64 {
-    (-1.0 / (time_constant_s * rate_hz)).exp()
+    libm::exp(-1.0 / (time_constant_s * rate_hz))
 }
 
 fn check_deviations<const N: usize>(deviations: [(&str, f64); N]) -> Result<(), Invalid> {

@@ -17,7 +17,7 @@ pub fn track(states: &[f64], sample_rate_hz: f64) -> Vec<Pose> {
     let mut poses = Vec::with_capacity(states.len() / 3);
     for state in states.chunks_exact(3) {
         poses.push(pose);
-        let (sin, cos) = pose.psi.sin_cos();
+        let (sin, cos) = libm::sincos(pose.psi);
         pose.x += dt * (state[0] * cos - state[1] * sin);
         pose.y += dt * (state[0] * sin + state[1] * cos);
         pose.psi += dt * state[2];

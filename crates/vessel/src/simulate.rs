@@ -110,7 +110,7 @@ pub fn follow(
 fn turned(current: &[Lane], heading: &Lane) -> [Lane; 2] {
     let mut out = [Lane::ZERO; 2];
     for lane in 0..crate::LANES {
-        let (sin, cos) = heading[lane].sin_cos();
+        let (sin, cos) = libm::sincos(heading[lane]);
         out[0][lane] = cos * current[0][lane] + sin * current[1][lane];
         out[1][lane] = cos * current[1][lane] - sin * current[0][lane];
     }

@@ -127,7 +127,7 @@ impl Covariance {
             for row in own.chunks_exact_mut(n) {
                 for (entry, unit) in row.iter_mut().zip(&balanced.rows[first..]).filter(|(e, _)| **e != 0.0) {
                     match norm {
-                        Norm::LogDet => offset -= 2.0 * unit.ln(),
+                        Norm::LogDet => offset -= 2.0 * libm::log(*unit),
                         Norm::Trace => *entry /= unit,
                     }
                 }

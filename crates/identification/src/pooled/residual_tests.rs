@@ -155,7 +155,7 @@ pub fn cross_correlation(
 
 /// 1 − (1 − p)^tests.
 fn sidak(p_value: f64, tests: f64) -> f64 {
-    -(tests * (-p_value).ln_1p()).exp_m1()
+    -libm::expm1(tests * libm::log1p(-p_value))
 }
 
 /// All instruments of degree of freedom `d`.

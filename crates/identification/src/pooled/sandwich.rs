@@ -5,7 +5,7 @@ use super::{Centring, Regressions, Solution};
 
 /// Bandwidth by the rule of thumb 4 (N/100)^(2/9): Newey & West, *Review of Economic Studies* 61, 1994.
 pub fn default_bandwidth(samples: usize) -> usize {
-    (4.0 * (samples as f64 / 100.0).powf(2.0 / 9.0)).floor() as usize
+    (4.0 * libm::pow(samples as f64 / 100.0, 2.0 / 9.0)).floor() as usize
 }
 
 /// Covariance of θ̂ of degree of freedom `d`, p × p row-major: G B Gᵀ with

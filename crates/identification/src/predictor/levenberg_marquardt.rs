@@ -22,7 +22,7 @@ impl Weighting {
             Self::Fixed(weights) => (0..3).map(|d| weights[d] * linear.squares[d]).sum(),
             Self::Likelihood(floor) => {
                 let n = linear.samples;
-                (0..3).map(|d| n * (linear.squares[d] / n + floor[d]).ln()).sum()
+                (0..3).map(|d| n * libm::log(linear.squares[d] / n + floor[d])).sum()
             }
         }
     }

@@ -144,7 +144,7 @@ fn likelihoods<const N: usize>(
         let white = gain.white(error);
         let [a, b, c] = gain.scales();
         for (lane, worth) in worth.iter_mut().enumerate() {
-            *worth += 2.0 * (a[lane] * b[lane] * c[lane]).ln();
+            *worth += 2.0 * libm::log(a[lane] * b[lane] * c[lane]);
             *worth -= white.iter().map(|w| w[lane] * w[lane]).sum::<f64>();
         }
     }

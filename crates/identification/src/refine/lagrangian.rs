@@ -113,7 +113,7 @@ impl Objective for Lagrangian<'_> {
         let forces = self.forces(&self.constraints(&forward.states, &inputs));
         let cost = |(force, nu): (&f64, &f64)| (force * force - nu * nu) / (2.0 * self.weight);
         let cost: f64 = forces.iter().zip(&self.multipliers).map(cost).sum();
-        Some((forward.value.ln() + cost, Point { forward, inputs, exogenous }))
+        Some((libm::log(forward.value) + cost, Point { forward, inputs, exogenous }))
     }
 
     fn gradient(&self, point: &Point) -> Vec<f64> {

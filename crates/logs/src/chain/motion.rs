@@ -20,7 +20,7 @@ pub fn advance(pose: Pose, pace: Pace, dt: f64) -> Pose {
     let ends = [(pose.psi, [pace.from[0], pace.from[1]]), (halfway, middle), (psi, [pace.to[0], pace.to[1]])];
     let (mut north, mut east) = (0.0, 0.0);
     for ((psi, [u, v]), weight) in ends.into_iter().zip([1.0, 4.0, 1.0]) {
-        let (sin, cos) = psi.sin_cos();
+        let (sin, cos) = libm::sincos(psi);
         north += weight * (u * cos - v * sin);
         east += weight * (u * sin + v * cos);
     }

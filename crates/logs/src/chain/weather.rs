@@ -63,7 +63,7 @@ impl GaussMarkov {
             return out;
         }
         streams.normals(run, channel, &mut out);
-        let kept = if self.time_s > 0.0 { (-dt / self.time_s).exp() } else { 0.0 };
+        let kept = if self.time_s > 0.0 { libm::exp(-dt / self.time_s) } else { 0.0 };
         let new = (1.0 - kept * kept).sqrt();
         let mut last = None;
         for value in &mut out {

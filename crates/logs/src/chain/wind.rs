@@ -45,7 +45,7 @@ pub struct Wind {
 impl Wind {
     /// Velocity of the air, north and east \[m/s\], at speed `speed_m_s`.
     pub fn velocity(&self, speed_m_s: f64) -> [f64; 2] {
-        let (sin, cos) = (self.from_rad + PI).sin_cos();
+        let (sin, cos) = libm::sincos(self.from_rad + PI);
         [speed_m_s * cos, speed_m_s * sin]
     }
 
@@ -82,11 +82,11 @@ impl Hull {
     /// With V² = u² + v² and γ = −atan2(v, u): X = −½ρV² c_x cos γ A_F, Y = ½ρV² c_y sin γ A_L, N = ½ρV² c_n sin 2γ A_L L.
     pub fn forces(&self, [u, v]: [f64; 2]) -> [f64; 3] {
         let pressure = 0.5 * AIR * (u * u + v * v);
-        let gamma = -v.atan2(u);
+        let gamma = -libm::atan2(v, u);
         [
-            -pressure * self.c_x * gamma.cos() * self.frontal_area_m2,
-            pressure * self.c_y * gamma.sin() * self.lateral_area_m2,
-            pressure * self.c_n * (2.0 * gamma).sin() * self.lateral_area_m2 * self.length_m,
+            -pressure * self.c_x * libm::cos(gamma) * self.frontal_area_m2,
+            pressure * self.c_y * libm::sin(gamma) * self.lateral_area_m2,
+            pressure * self.c_n * libm::sin(2.0 * gamma) * self.lateral_area_m2 * self.length_m,
         ]
     }
 }

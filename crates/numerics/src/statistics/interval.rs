@@ -61,12 +61,12 @@ fn within(sum: &mut f64, mass: f64) -> bool {
 
 /// Probabilities of 0 … n successes in `n` trials that each succeed with probability `q`.
 fn binomial(n: usize, q: f64) -> Vec<f64> {
-    let odds = (q / (1.0 - q)).ln();
-    let mut logarithm = n as f64 * (1.0 - q).ln();
-    let mut masses = vec![logarithm.exp()];
+    let odds = libm::log(q / (1.0 - q));
+    let mut logarithm = n as f64 * libm::log(1.0 - q);
+    let mut masses = vec![libm::exp(logarithm)];
     for k in 1..=n {
-        logarithm += ((n + 1 - k) as f64 / k as f64).ln() + odds;
-        masses.push(logarithm.exp());
+        logarithm += libm::log((n + 1 - k) as f64 / k as f64) + odds;
+        masses.push(libm::exp(logarithm));
     }
     masses
 }

@@ -47,12 +47,12 @@ struct Scale(Axis);
 
 impl Scale {
     fn new(values: impl Iterator<Item = f64>, (from, to): (f64, f64)) -> Self {
-        let (low, high) = extent(values.map(f64::log10)).unwrap_or((0.0, 1.0));
+        let (low, high) = extent(values.map(libm::log10)).unwrap_or((0.0, 1.0));
         Self(Axis::linear(low - 0.05, high + 0.05, from, to))
     }
 
     fn at(&self, value: f64) -> f64 {
-        self.0.at(value.log10())
+        self.0.at(libm::log10(value))
     }
 
     /// 1, 2 and 5 times powers of ten inside the range; powers of ten alone where those are many.
@@ -61,11 +61,11 @@ impl Scale {
         let decades = low.floor() as i32..=high.ceil() as i32;
         let of = |factors: &[f64]| -> Vec<f64> {
             let all = decades.clone().flat_map(|d| factors.iter().map(move |f| f * 10f64.powi(d)));
-            all.filter(|v| v.log10() >= low && v.log10() <= high).collect()
+            all.filter(|v| libm::log10(*v) >= low && libm::log10(*v) <= high).collect()
         };
         let fine = of(&[1.0, 2.0, 5.0]);
         let kept = if fine.len() <= 8 { fine } else { of(&[1.0]) };
-        let label = |value: f64| text::number(value, 10f64.powf(value.log10().floor()));
-        kept.into_iter().map(|value| Tick { value: value.log10(), label: label(value) }).collect()
+        let label = |value: f64| text::number(value, libm::pow(10f64, libm::log10(value).floor()));
+        kept.into_iter().map(|value| Tick { value: libm::log10(value), label: label(value) }).collect()
     }
 }

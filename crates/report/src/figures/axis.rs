@@ -70,7 +70,7 @@ impl Axis {
         match self.linear_within {
             None => value,
             Some(linear) if value.abs() <= linear => value / linear,
-            Some(linear) => value.signum() * (1.0 + (value.abs() / linear).log10()),
+            Some(linear) => value.signum() * (1.0 + libm::log10(value.abs() / linear)),
         }
     }
 }
@@ -84,7 +84,7 @@ pub(crate) fn round_step(least: f64) -> f64 {
     if !(least.is_finite() && least > 0.0) {
         return 1.0;
     }
-    let power = 10f64.powf(least.log10().floor());
+    let power = libm::pow(10f64, libm::log10(least).floor());
     let factor = [1.0, 2.0, 5.0].into_iter().find(|f| f * power >= least * (1.0 - 1e-9));
     factor.unwrap_or(10.0) * power
 }

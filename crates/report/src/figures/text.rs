@@ -17,19 +17,19 @@ pub fn number(value: f64, step: f64) -> String {
     if value.abs() < step.abs() * 1e-9 {
         return "0".to_owned();
     }
-    let magnitude = value.abs().log10().floor();
+    let magnitude = libm::log10(value.abs()).floor();
     if (-4.0..5.0).contains(&magnitude) { plain(value, step) } else { scientific(value, magnitude) }
 }
 
 fn plain(value: f64, step: f64) -> String {
-    let needed = if step > 0.0 { (-step.log10().floor()).max(0.0) } else { 2.0 };
+    let needed = if step > 0.0 { (-libm::log10(step).floor()).max(0.0) } else { 2.0 };
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 to 9")]
     let decimals = needed.min(9.0) as usize;
     signed(&format!("{value:.decimals$}"))
 }
 
 fn scientific(value: f64, magnitude: f64) -> String {
-    let mantissa = format!("{:.1}", value / 10f64.powf(magnitude));
+    let mantissa = format!("{:.1}", value / libm::pow(10f64, magnitude));
     let mantissa = mantissa.trim_end_matches('0').trim_end_matches('.');
     #[expect(clippy::cast_possible_truncation, reason = "an exponent of a finite number")]
     let exponent = magnitude as i32;

@@ -140,7 +140,7 @@ pub(super) fn information(information: &Information, designed: bool) -> Markup {
 /// exp((log det − promised)/p).
 fn efficiency(log_det: Option<f64>, information: &Information) -> Option<f64> {
     let gain = log_det? - information.predicted_log_det?;
-    Some((gain / information.dimension as f64).exp())
+    Some(libm::exp(gain / information.dimension as f64))
 }
 
 fn against(efficiency: Option<f64>) -> String {

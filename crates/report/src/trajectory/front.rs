@@ -68,7 +68,7 @@ fn table(plan: &PlanDocument, voyage: &Voyage) -> Markup {
         .number("Informative legs", |point| minutes(point.informative_s))
         .number("log|det|", |point| three(point.log_det));
     if let Some(own) = own {
-        table = table.number("Efficiency", |point| percent(((point.log_det - own) / dimension).exp()));
+        table = table.number("Efficiency", |point| percent(libm::exp((point.log_det - own) / dimension)));
     }
     html! {
         div {

@@ -83,7 +83,7 @@ impl Inputs {
 fn decimals(voyage: &Voyage, name: &str) -> usize {
     let values = voyage.legs.iter().filter_map(|leg| leg.largest_inputs.get(name));
     let most = values.filter(|v| v.is_finite()).fold(0.0, |most: f64, v| most.max(v.abs()));
-    if most > RESIDUE { (2.0 - most.log10().floor()).clamp(0.0, 9.0) as usize } else { 0 }
+    if most > RESIDUE { (2.0 - libm::log10(most).floor()).clamp(0.0, 9.0) as usize } else { 0 }
 }
 
 fn head(inputs: &Inputs) -> Markup {

@@ -35,6 +35,26 @@ const WORDS: [(&[&str], &[&str], &str); 5] = [
     (SCIENCE, &["ThreadPoolBuilder", "spawn"], "science starts no threads"),
 ];
 
+/// Functions of the standard library whose last bits are the system's own; those of `libm` are the same everywhere.
+const SYSTEMS: [&str; 16] = [
+    ".sin(",
+    ".cos(",
+    ".tan(",
+    ".sin_cos(",
+    ".asin(",
+    ".acos(",
+    ".atan(",
+    ".atan2(",
+    ".exp(",
+    ".exp_m1(",
+    ".ln(",
+    ".ln_1p(",
+    ".log10(",
+    ".powf(",
+    ".hypot(",
+    ".tanh(",
+];
+
 /// What some crates must not depend on: crates, dependencies, why.
 const DEPENDENCIES: [(&[&str], &[&str], &str); 3] = [
     (SCIENCE, &["artifact", "study", "clap", "indicatif"], "science knows no files and no command line"),
@@ -119,6 +139,18 @@ fn science_knows_no_files_and_no_command_line() {
             {
                 broken.add(why, &one.name, 1, &format!("{file}: {}", line.trim()));
             }
+        }
+    }
+    broken.check();
+}
+
+#[test]
+fn elementary_functions_have_one_implementation() {
+    let mut broken = Broken::default();
+    for one in source::crates().iter().filter(|one| one.name != "bench") {
+        for (file, line) in one.lines().filter(|(_, line)| SYSTEMS.iter().any(|name| line.contains(name))) {
+            let found = format!("{file}: {}", line.trim());
+            broken.add("elementary functions are those of libm", &one.name, 1, &found);
         }
     }
     broken.check();

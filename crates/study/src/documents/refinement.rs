@@ -133,7 +133,7 @@ impl RefinedFiles<'_> {
             sequence: Some(Sequence {
                 parts: vec![SequencePart { maneuver: NAME.into(), samples }],
                 samples,
-                value: -(forward.value * samples as f64).ln(),
+                value: -libm::log(forward.value * samples as f64),
                 statement: document.statement.clone(),
             }),
         }

@@ -127,8 +127,8 @@ fn covariance(solved: &Solved) -> Option<CovarianceCriterion> {
     let errors = rows.iter().map(|row| (variances[*row].max(0.0) / samples).sqrt());
     let value = covariance.value(&solved.design.shares, &mut CovariancePoint::default())?;
     let value = match covariance.norm() {
-        Norm::LogDet => -value - criterion.weights.len() as f64 * samples.ln(),
-        Norm::Trace => (-value).exp() / samples,
+        Norm::LogDet => -value - criterion.weights.len() as f64 * libm::log(samples),
+        Norm::Trace => libm::exp(-value) / samples,
     };
     Some(CovarianceCriterion {
         name: solved.name,

@@ -86,7 +86,7 @@ fn design_summary(vessel: &Vessel, design: &str, rows: &[&Row]) -> DesignSummary
         kept: by(|e| e == Estimator::RefinedIv).then(|| count(EstimateStatus::Kept)),
         relative_bias: norms.map(|[bias, _]| bias),
         relative_spread: norms.map(|[_, spread]| spread),
-        relative_rms: norms.map(|[bias, spread]| bias.hypot(spread)),
+        relative_rms: norms.map(|[bias, spread]| libm::hypot(bias, spread)),
         se_ratio_min: ratios().reduce(f64::min),
         se_ratio_max: ratios().reduce(f64::max),
         parameters: parameters(vessel, &found),

@@ -51,7 +51,7 @@ impl Legs<'_> {
         let at = grid.pose(step.from.i, step.from.j, level);
         let (longitude_deg, latitude_deg) = chart.plane().to_geographic([at.y, at.x]);
         let to = self.prepared.node(step.to);
-        let off = |pose: vessel::Pose| (pose.x - to[0]).hypot(pose.y - to[1]);
+        let off = |pose: vessel::Pose| libm::hypot(pose.x - to[0], pose.y - to[1]);
         let open = samples.iter().position(|s| s.informative);
         let largest = |i: usize| samples.iter().map(|s| s.inputs[i].abs()).fold(0.0, f64::max);
         let model = &brief.vessel.model;
@@ -95,7 +95,7 @@ impl Legs<'_> {
             to_h: to as u64,
             maneuver_s: own.open_loop() as f64 / rate_hz,
             leg_s: own.seconds(rate_hz),
-            residual_m: (own.end.x - north).hypot(own.end.y - east),
+            residual_m: libm::hypot(own.end.x - north, own.end.y - east),
             residual_deg: if turned > 180.0 { turned - 360.0 } else { turned },
             drift_margin_m: self.prepared.drift_margin_m(own),
             fits: self.solved.waters.fits_at(index) as u64,

@@ -181,7 +181,7 @@ impl Routes<'_> {
 
 fn geodesic(plane: &Plane, a: [f64; 2], b: [f64; 2]) -> f64 {
     let (a, b) = (plane.to_plane(a[0], a[1]), plane.to_plane(b[0], b[1]));
-    (a[0] - b[0]).hypot(a[1] - b[1])
+    libm::hypot(a[0] - b[0], a[1] - b[1])
 }
 
 fn object(value: Value) -> serde_json::Map<String, Value> {

@@ -37,7 +37,7 @@ impl PlanFile {
 impl KnownCurrent {
     /// North and east \[m/s\].
     fn components_m_s(self) -> [f64; 2] {
-        let (sin, cos) = self.towards_deg.to_radians().sin_cos();
+        let (sin, cos) = libm::sincos(self.towards_deg.to_radians());
         [self.speed_m_s * cos, self.speed_m_s * sin]
     }
 }

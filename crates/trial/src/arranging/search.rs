@@ -53,7 +53,7 @@ impl Arranging<'_> {
                 }
             }
         }
-        let gain = ((value - start) / self.criterion.degree()).exp() - 1.0;
+        let gain = libm::exp((value - start) / self.criterion.degree()) - 1.0;
         let limits = self.kept(&parts.joined(&now));
         let name = |(q, n): &(usize, usize)| (self.generator.maneuvers()[*q].name.clone(), *n);
         Ok(Arranged { parts: now.iter().map(name).collect(), value, gain, tried, limits })

@@ -17,7 +17,7 @@ impl Knowledge {
     pub fn crude(&self, realization: u32) -> Vec<f64> {
         let mut normals = vec![0.0; self.about.len()];
         Streams::new(self.seed, "crude model").normals(realization, 0, &mut normals);
-        self.about.iter().zip(normals).map(|(theta, z)| theta * (self.spread * z).exp()).collect()
+        self.about.iter().zip(normals).map(|(theta, z)| theta * libm::exp(self.spread * z)).collect()
     }
 
     /// Each parameter between the crude and the estimated one, as their variances have it: the crude one's is

@@ -107,12 +107,12 @@ pub(super) fn gain(rows: &[Row], round: usize, samples: usize, rate_hz: f64) -> 
     };
     let pairs = errors(Arm::Sequential).zip(errors(Arm::OneShot));
     let logs: Vec<f64> =
-        pairs.filter_map(|(a, b)| Some((a? / b?).ln())).filter(|log| log.is_finite()).collect();
-    let interval = mean_interval(&logs).map(|ends| ends.map(f64::exp));
+        pairs.filter_map(|(a, b)| Some(libm::log(a? / b?))).filter(|log| log.is_finite()).collect();
+    let interval = mean_interval(&logs).map(|ends| ends.map(libm::exp));
     RoundGain {
         time_s: samples as f64 / rate_hz,
         pairs: logs.len() as u64,
-        ratio: mean(&logs).map(f64::exp),
+        ratio: mean(&logs).map(libm::exp),
         low: interval.map(|[low, _]| low),
         high: interval.map(|[_, high]| high),
     }

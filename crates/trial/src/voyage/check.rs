@@ -105,7 +105,7 @@ impl<'a> Clearance<'a> {
 
     /// Of the hull at a sample.
     fn at(&self, pose: Pose, informative: bool) -> Passage {
-        let (sin, cos) = pose.psi.sin_cos();
+        let (sin, cos) = libm::sincos(pose.psi);
         let obstacles = if informative { &self.trial } else { &self.transit };
         let mut own = Passage { clearance_m: self.sight_m, left_area: false };
         for [x, y] in &self.outline {
@@ -238,7 +238,7 @@ impl Brief {
         const STEPS: u32 = 1 << 20;
         let drawn = Streams::new(self.seed, "unknown-current").choices(run, 0, STEPS, 2);
         let part = |i: usize| (f64::from(drawn[i]) + 0.5) / f64::from(STEPS);
-        let (sin, cos) = (std::f64::consts::TAU * part(0)).sin_cos();
+        let (sin, cos) = libm::sincos(std::f64::consts::TAU * part(0));
         let speed = self.task.safety.unknown_current_m_s * part(1);
         [speed * cos, speed * sin]
     }

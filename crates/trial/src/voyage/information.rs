@@ -47,7 +47,7 @@ impl Prepared {
             predicted_log_det: known(promise),
             realised_log_det: known(told),
             whole_log_det: known(whole.log_det()),
-            efficiency: known(((told - promise) / p as f64).exp()),
+            efficiency: known(libm::exp((told - promise) / p as f64)),
             design_efficiency: self.design_efficiency(legs, &predicted),
             dimension: p as u64,
         }
@@ -88,7 +88,7 @@ impl Prepared {
                 best.add(&own, share * samples / run.samples() as f64);
             }
         }
-        let efficiency = ((own.log_det() - best.log_det()) / own.dimension() as f64).exp();
+        let efficiency = libm::exp((own.log_det() - best.log_det()) / own.dimension() as f64);
         efficiency.is_finite().then_some(efficiency)
     }
 }

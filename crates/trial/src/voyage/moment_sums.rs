@@ -59,7 +59,7 @@ impl MomentSums {
             // Rows and columns to size one first: forces and speeds differ by many powers of ten.
             let size: Vec<f64> = (0..n).map(|i| m[i * n + i].abs().sqrt()).collect();
             let mut scaled: Vec<f64> = (0..n * n).map(|k| m[k] / (size[k / n] * size[k % n])).collect();
-            let shift: f64 = size.iter().map(|s| 2.0 * s.ln()).sum();
+            let shift: f64 = size.iter().map(|s| 2.0 * libm::log(*s)).sum();
             match numerics::log_det(n, &mut scaled) {
                 Some(det) if det.log_abs.is_finite() && det.log_abs > -60.0 => det.log_abs + shift,
                 _ => f64::NEG_INFINITY,

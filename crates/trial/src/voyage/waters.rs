@@ -171,7 +171,7 @@ impl Prepared {
         }
         let away = |(i, j): (usize, usize)| {
             let (di, dj) = (i.abs_diff(pose.i) as f64, j.abs_diff(pose.j) as f64);
-            di.hypot(dj) * grid.cell_m
+            libm::hypot(di, dj) * grid.cell_m
         };
         let free = nodes(grid.nx, grid.ny).filter(|node| is_free(*node));
         let remedy = match free.min_by(|a, b| away(*a).total_cmp(&away(*b))) {

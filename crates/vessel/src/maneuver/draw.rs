@@ -39,7 +39,7 @@ impl<R: Rng> Draw<'_, R> {
     /// Short ones as likely as long ones: evenly in the logarithm.
     fn period(&mut self) -> f64 {
         let [shortest, longest] = self.spec.period_s;
-        let period = shortest * (longest / shortest).powf(self.share());
+        let period = shortest * libm::pow(longest / shortest, self.share());
         ((period * 10.0).round() / 10.0).clamp(shortest, longest)
     }
 

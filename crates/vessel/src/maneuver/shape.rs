@@ -25,7 +25,7 @@ impl Shape {
                     -1.0
                 }
             }
-            Self::Sine => (std::f64::consts::TAU * phase).sin(),
+            Self::Sine => libm::sin(std::f64::consts::TAU * phase),
             Self::Triangle => 1.0 - 4.0 * ((phase + 0.75) % 1.0 - 0.5).abs(),
         }
     }

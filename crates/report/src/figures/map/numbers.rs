@@ -64,7 +64,7 @@ impl Taken {
         for part in super::clip::line(view, points) {
             for pair in part.windows(2) {
                 let (from, to) = (pair[0], pair[1]);
-                let steps = square((to.0 - from.0).hypot(to.1 - from.1)) + 1;
+                let steps = square(libm::hypot(to.0 - from.0, to.1 - from.1)) + 1;
                 for step in 0..=steps {
                     let share = step as f64 / steps as f64;
                     let at = (from.0 + share * (to.0 - from.0), from.1 + share * (to.1 - from.1));
@@ -85,9 +85,9 @@ impl Taken {
     fn place(&mut self, view: &View, from: Point) -> Point {
         let angles = (0..DIRECTIONS).map(|k| TAU * f64::from(k) / f64::from(DIRECTIONS));
         let places = DISTANCES.into_iter().flat_map(|distance| {
-            angles
-                .clone()
-                .map(move |angle| (from.0 + distance * angle.sin(), from.1 - distance * angle.cos()))
+            angles.clone().map(move |angle| {
+                (from.0 + distance * libm::sin(angle), from.1 - distance * libm::cos(angle))
+            })
         });
         let inside = places.filter(|&at| view.holds(at, DISC + 2.0));
         let best = inside.min_by(|&a, &b| self.cost(from, a).total_cmp(&self.cost(from, b)));
@@ -107,7 +107,7 @@ impl Taken {
     fn clutter(&self, at: Point) -> usize {
         let offsets = (-3..=3).map(|k| f64::from(k) * SQUARE);
         let around = offsets.clone().flat_map(|dx| offsets.clone().map(move |dy| (dx, dy)));
-        let near = around.filter(|(dx, dy)| dx.hypot(*dy) <= DISC + 1.0);
+        let near = around.filter(|(dx, dy)| libm::hypot(*dx, *dy) <= DISC + 1.0);
         near.filter(|(dx, dy)| self.squares.get(self.index((at.0 + dx, at.1 + dy))) == Some(&true)).count()
     }
 }
@@ -120,5 +120,5 @@ fn square(distance: f64) -> usize {
 }
 
 fn distance(a: Point, b: Point) -> f64 {
-    (a.0 - b.0).hypot(a.1 - b.1)
+    libm::hypot(a.0 - b.0, a.1 - b.1)
 }

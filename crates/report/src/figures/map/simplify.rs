@@ -25,5 +25,5 @@ fn distance(point: Point, from: Point, to: Point) -> f64 {
     let square = along.0 * along.0 + along.1 * along.1;
     let share = if square > 0.0 { (off.0 * along.0 + off.1 * along.1) / square } else { 0.0 };
     let share = share.clamp(0.0, 1.0);
-    (off.0 - share * along.0).hypot(off.1 - share * along.1)
+    libm::hypot(off.0 - share * along.0, off.1 - share * along.1)
 }

@@ -125,7 +125,7 @@ fn scale_bar(sheet: &mut Sheet, view: &View, y: f64) {
 
 /// Whether a round number begins with a five.
 fn is_five(round: f64) -> bool {
-    (round.log10().rem_euclid(1.0) - 5f64.log10()).abs() < 1e-6
+    (libm::log10(round).rem_euclid(1.0) - libm::log10(5f64)).abs() < 1e-6
 }
 
 /// A round length in metres or kilometres.
