@@ -77,8 +77,11 @@ impl Work<'_> {
 /// Bytes in words: `3 MiB`, `1.4 TiB`.
 fn amount(bytes: f64) -> String {
     const UNITS: [&str; 6] = ["B", "KiB", "MiB", "GiB", "TiB", "PiB"];
-    let thousands = (bytes.max(1.0).ln() / 1024.0_f64.ln()).floor().min(5.0) as usize;
-    let value = bytes / 1024.0_f64.powi(thousands as i32);
+    let (mut value, mut thousands) = (bytes, 0);
+    while value >= 1024.0 && thousands + 1 < UNITS.len() {
+        value /= 1024.0;
+        thousands += 1;
+    }
     format!("{value:.*} {}", usize::from(value < 10.0 && thousands > 0), UNITS[thousands])
 }
 

@@ -76,7 +76,7 @@ fn handling_that_makes_legs_endless_is_refused() {
         ("lookahead_m", "60.0", "1e12"),
     ] {
         let folder = small_with(&[(&format!("{key} = {from}"), &format!("{key} = {to}"))]);
-        refused(&folder, 3, PLAN, &["plan.toml", &format!("`handling.{key}`"), "expected from"]);
+        refused(&folder, 3, PLAN, &["plan.toml", &format!("`handling.{key}`"), "expected a number from"]);
     }
 }
 
@@ -102,5 +102,5 @@ fn shares_that_are_no_shares_are_refused_by_the_designs_name() {
     changed(&|shares| shares.values_mut().for_each(|share| *share *= 7.0));
     refused(&folder, 3, &line, &["design.json", "share"]);
     changed(&|shares| shares.values_mut().for_each(|share| *share = 0.9));
-    refused(&folder, 3, &line, &["design.json", "shares", "a sum of at most 1"]);
+    refused(&folder, 3, &line, &["design.json", "shares", "found 2.7", "expected 1;"]);
 }

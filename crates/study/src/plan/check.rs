@@ -129,11 +129,6 @@ impl PlanFile {
             ("safety.parameter_error", safety.parameter_error, Least::From(0.0), 0.99, "(1 is 100 %)"),
             ("safety.runs", f64::from(safety.runs), Least::From(1.0), 1e6, "runs"),
             ("approach.run_in_s", self.approach.run_in_s, Least::From(0.0), 1e4, "s"),
-            ("handling.crawl_m_s", self.handling.crawl_m_s, Least::From(1e-3), 20.0, "m/s"),
-            ("handling.turn_rate_rad_s", self.handling.turn_rate_rad_s, Least::From(1e-4), 10.0, "rad/s"),
-            ("handling.acceleration_m_s2", self.handling.acceleration_m_s2, Least::From(1e-4), 100.0, "m/s²"),
-            ("handling.response_s", self.handling.response_s, Least::From(1e-3), 3600.0, "s"),
-            ("handling.lookahead_m", self.handling.lookahead_m, Least::From(1e-3), 1e4, "m"),
             ("known_current.speed_m_s", known.map_or(0.0, |c| c.speed_m_s), Least::From(0.0), 20.0, "m/s"),
             (
                 "known_current.towards_deg",
