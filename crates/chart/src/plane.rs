@@ -50,7 +50,9 @@ impl Plane {
         let azimuth = libm::atan2(x, y).to_degrees();
         let (lat, lon): (f64, f64) =
             self.earth.direct(self.lat_deg, self.lon_deg, azimuth, libm::hypot(x, y));
-        (lon, lat)
+        // To a micrometre: the geodesic takes the system's sines, whose last bits differ between processors.
+        let rounded = |degrees: f64| (degrees * 1e11).round() / 1e11;
+        (rounded(lon), rounded(lat))
     }
 }
 
