@@ -61,7 +61,9 @@ impl Budget {
             None => Ok(()),
             Some(room) => {
                 let expected = format!("work that fits the {} free there", amount(room));
-                Err(work.refused(&format!("at least {} in {}", amount(bytes), folder.display()), &expected))
+                let folder = if folder == Path::new("") { Path::new(".") } else { folder };
+                let takes = format!("at least {} of the disk of {}", amount(bytes), folder.display());
+                Err(work.refused(&takes, &expected))
             }
         }
     }

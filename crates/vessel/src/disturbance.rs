@@ -139,7 +139,9 @@ pub(crate) fn factor(time_constant_s: f64, rate_hz: f64) -> f64 {
 }
 
 fn check_deviations<const N: usize>(deviations: [(&str, f64); N]) -> Result<(), Invalid> {
-    check_numbers(deviations, "a standard deviation, zero or more", |value| value >= 0.0)
+    // No sea has more; and what diverges because of more would be put down to the vessel.
+    let range = 0.0..=100.0;
+    check_numbers(deviations, "a standard deviation from 0 to 100", |value| range.contains(&value))
 }
 
 fn check_time_constant(key: &str, value: Option<f64>) -> Result<(), Invalid> {
