@@ -1,7 +1,6 @@
 //! What a file says about itself, whatever its kind.
 
 use std::collections::BTreeMap;
-use std::fs::File;
 use std::path::Path;
 
 use serde_json::Value;
@@ -10,15 +9,12 @@ use crate::digest::Digest;
 use crate::document::Envelope;
 use crate::document_reader::{check_seal, refusal};
 use crate::error::{Error, Result};
-use crate::footer::Footer;
 use crate::identity::Header;
 use crate::leftover::recover;
-use crate::metadata::TableMetadata;
 use crate::names::folder_of;
 use crate::provenance::Provenance;
-use crate::seal;
-use crate::set::{check_companion, check_members};
-use crate::table_reader::parse;
+use crate::set::check_members;
+use crate::table_reader::Whole;
 use crate::toml_input::text_of;
 
 /// A file that was written as a document or table.
@@ -41,7 +37,6 @@ pub struct Inspected {
 /// # Errors
 /// [`Error::Io`] if it cannot be read; [`Error::Refused`] if it does not fit its seal or what was written together with it.
 pub fn inspect(path: &Path) -> Result<Option<Inspected>> {
-    recover(folder_of(path));
     match path.extension().and_then(|end| end.to_str()) {
         Some("json") => document(path),
         Some("parquet") => table(path).map(Some),
@@ -50,6 +45,7 @@ pub fn inspect(path: &Path) -> Result<Option<Inspected>> {
 }
 
 fn document(path: &Path) -> Result<Option<Inspected>> {
+    recover(folder_of(path));
     let bytes = std::fs::read(path).map_err(|e| Error::io(path, "read", e))?;
     let text = text_of(path, bytes)?;
     let header: Header = serde_json::from_str(&text).map_err(|e| refusal(path, &text, &e))?;
@@ -63,21 +59,12 @@ fn document(path: &Path) -> Result<Option<Inspected>> {
 }
 
 fn table(path: &Path) -> Result<Inspected> {
-    let unreadable = |e| Error::io(path, "read", e);
-    let mut file = File::open(path).map_err(unreadable)?;
-    let footer = Footer::read(path, &mut file)?;
-    let envelope = footer.envelope(path)?;
-    let header: Header = parse(path, envelope)?;
-    let digits_at = header.seal().map(|seal| footer.seal_digits_at(path, seal)).transpose()?.flatten();
-    let digests = seal::digests(&mut file, digits_at).map_err(unreadable)?;
-    seal::check(path, header.seal(), digests)?;
-    let metadata: TableMetadata = parse(path, envelope)?;
-    check_companion(path, digests.digest, metadata.document.as_deref())?;
+    let Whole { header, envelope, digest, .. } = Whole::open(path, None)?;
     Ok(Inspected {
         schema: header.schema().unwrap_or_default().to_owned(),
-        digest: digests.digest,
+        digest,
         sealed: header.seal().is_some(),
-        provenance: metadata.into_parts().1,
+        provenance: envelope.into_parts().1,
         members: BTreeMap::new(),
     })
 }

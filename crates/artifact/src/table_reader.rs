@@ -49,25 +49,13 @@ impl TableReader {
     /// of this kind and version, does not fit its seal, or is not the table that the document beside it was written with.
     pub fn open(path: impl AsRef<Path>, id: &'static str, version: u32) -> Result<Self> {
         let path = path.as_ref();
-        let unreadable = |e| Error::io(path, "read", e);
-        recover(folder_of(path));
-        let mut file = File::open(path).map_err(unreadable)?;
-        let footer = Footer::read(path, &mut file)?;
-        let envelope = footer.envelope(path)?;
-        let header: Header = parse(path, envelope)?;
-        header.check(path, id, version)?;
-        let digits_at = header.seal().map(|seal| footer.seal_digits_at(path, seal)).transpose()?.flatten();
-        let digests = seal::digests(&mut file, digits_at).map_err(unreadable)?;
-        seal::check(path, header.seal(), digests)?;
-        let own = parse::<TableMetadata>(path, envelope)?;
-        check_companion(path, digests.digest, own.document.as_deref())?;
-        let (entries, provenance) = own.into_parts();
+        let Whole { file, footer, header, envelope, digest } = Whole::open(path, Some((id, version)))?;
+        let (entries, provenance) = envelope.into_parts();
         let metadata = guarded(path, || decode_metadata(&footer.bytes))?;
         let columns = crate::agreement::columns(path, entries, metadata.file_metadata().schema_descr())?;
         let blocks = block_rows(path, metadata.row_groups())?;
-        let source = Source::new(file).map_err(unreadable)?;
-        let (path, digest) = (path.to_owned(), digests.digest);
-        let sealed = header.seal().is_some();
+        let source = Source::new(file).map_err(|e| Error::io(path, "read", e))?;
+        let (path, sealed) = (path.to_owned(), header.seal().is_some());
         Ok(Self { path, source, metadata, columns, provenance, digest, blocks, sealed })
     }
 
@@ -170,13 +158,41 @@ impl TableReader {
     }
 }
 
+/// A table that fits its seal and the document beside it; its rows are not looked at yet.
+pub(crate) struct Whole {
+    file: File,
+    footer: Footer,
+    pub header: Header,
+    pub envelope: TableMetadata,
+    pub digest: Digest,
+}
+
+impl Whole {
+    /// Opens the table at `path`, of `kind` (id and version) where one is wanted.
+    pub fn open(path: &Path, kind: Option<(&'static str, u32)>) -> Result<Self> {
+        let unreadable = |e| Error::io(path, "read", e);
+        recover(folder_of(path));
+        let mut file = File::open(path).map_err(unreadable)?;
+        let footer = Footer::read(path, &mut file)?;
+        let text = footer.envelope(path)?;
+        let header: Header = parse(path, text)?;
+        kind.map_or(Ok(()), |(id, version)| header.check(path, id, version))?;
+        let digits_at = header.seal().map(|seal| footer.seal_digits_at(path, seal)).transpose()?.flatten();
+        let digests = seal::digests(&mut file, digits_at).map_err(unreadable)?;
+        seal::check(path, header.seal(), digests)?;
+        let envelope: TableMetadata = parse(path, text)?;
+        check_companion(path, digests.digest, envelope.document.as_deref())?;
+        Ok(Self { file, footer, header, envelope, digest: digests.digest })
+    }
+}
+
 impl fmt::Debug for TableReader {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("TableReader").field("path", &self.path).finish_non_exhaustive()
     }
 }
 
-pub(crate) fn parse<T: DeserializeOwned>(path: &Path, envelope: &str) -> Result<T> {
+fn parse<T: DeserializeOwned>(path: &Path, envelope: &str) -> Result<T> {
     serde_json::from_str(envelope).map_err(|e| {
         let full = e.to_string();
         let message = full.rsplit_once(" at line ").map_or(full.as_str(), |(message, _)| message);

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::process::{Child, Command, Stdio};
 
 use artifact::{TableReader, read_document};
 use study::documents::{EstimateDocument, ValidationDocument};
@@ -22,6 +22,13 @@ fn ends(folder: &TempDir, line: &str, fault: &str) -> bool {
 fn files(folder: &TempDir) -> BTreeMap<PathBuf, Vec<u8>> {
     let entries = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
     entries.filter(|path| path.is_file()).map(|path| (path.clone(), fs::read(&path).unwrap())).collect()
+}
+
+/// Starts `line` in `folder`, silently.
+fn start(folder: &TempDir, line: &str) -> Child {
+    let mut command = Command::new(SEATRIAL);
+    command.args(line.split_whitespace()).current_dir(folder).stderr(Stdio::null()).stdout(Stdio::null());
+    command.spawn().unwrap()
 }
 
 fn is_unfinished(path: &Path) -> bool {
@@ -138,12 +145,7 @@ fn a_closed_or_full_output_is_no_panic() {
 #[test]
 fn two_processes_write_one_set_one_after_the_other() {
     let folder = with(&["campaign.parquet"]);
-    let start = |estimator: &str| {
-        let line = format!("{ESTIMATE} --estimator {estimator}");
-        let mut command = Command::new(SEATRIAL);
-        command.args(line.split_whitespace()).current_dir(&folder).stdout(Stdio::null());
-        command.spawn().unwrap()
-    };
+    let start = |estimator: &str| start(&folder, &format!("{ESTIMATE} --estimator {estimator}"));
     for _ in 0..8 {
         let both = [start("ls"), start("iv")];
         both.into_iter().for_each(|mut child| assert!(child.wait().unwrap().success()));
@@ -170,16 +172,8 @@ fn a_process_that_is_asked_to_end_leaves_nothing_unfinished() {
     for (signal, code) in [("INT", 130), ("TERM", 143), ("HUP", 129)] {
         // Long enough that the signal comes while it runs.
         let line = format!("{ESTIMATE} --estimator prediction-error --campaign campaign.toml --threads 1");
-        let mut command = Command::new(SEATRIAL);
-        command
-            .args(line.split_whitespace())
-            .current_dir(&folder)
-            .stderr(Stdio::null())
-            .stdout(Stdio::null());
-        let mut child = command.spawn().unwrap();
-        let unfinished =
-            |path: PathBuf| path.file_name().unwrap().to_string_lossy().starts_with(".unfinished");
-        while !files(&folder).into_keys().any(unfinished) && child.try_wait().unwrap().is_none() {
+        let mut child = start(&folder, &line);
+        while !files(&folder).keys().any(|path| is_unfinished(path)) && child.try_wait().unwrap().is_none() {
             std::thread::sleep(std::time::Duration::from_millis(1));
         }
         let kill = Command::new("kill").args(["-s", signal, &child.id().to_string()]).status().unwrap();
@@ -200,13 +194,7 @@ fn law_processes_killed_at_any_moment_leave_the_old_set_or_the_new() {
     let mut ended = 0;
     for i in 0..cases() / 40 {
         let line = format!("{ESTIMATE} --estimator {}", ["ls", "iv"][i as usize % 2]);
-        let mut command = Command::new(SEATRIAL);
-        command
-            .args(line.split_whitespace())
-            .current_dir(&folder)
-            .stderr(Stdio::null())
-            .stdout(Stdio::null());
-        let mut child = command.spawn().unwrap();
+        let mut child = start(&folder, &line);
         // Spread over the whole run by the golden section.
         std::thread::sleep(whole.mul_f64((f64::from(i) * 0.618_034).fract()));
         let signal = ["KILL", "INT", "TERM"][i as usize % 3];

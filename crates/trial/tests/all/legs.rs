@@ -36,19 +36,25 @@ fn grid(headings: usize) -> Grid {
     Grid { nx: 44, ny: 35, headings, cell_m: 100.0, origin_m: [0.0, 0.0], modes }
 }
 
+/// Legs in still water.
+fn repertoire<'a>(vessel: &'a Vessel, grid: &'a Grid, pieces: &'a [Piece]) -> Repertoire<'a> {
+    Repertoire {
+        vessel,
+        grid,
+        handling: &HANDLING,
+        approach: &APPROACH,
+        pieces,
+        mirror: None,
+        mean_current_m_s: [0.0, 0.0],
+    }
+}
+
 fn legs(headings: usize, current: [f64; 2]) -> Vec<(Leg, f64, f64, f64)> {
     let (vessel, pieces) = study();
     let grid = grid(headings);
     let signs = mirror(&vessel);
-    let repertoire = Repertoire {
-        vessel: &vessel,
-        grid: &grid,
-        handling: &HANDLING,
-        approach: &APPROACH,
-        pieces: &pieces,
-        mirror: signs.as_deref(),
-        mean_current_m_s: current,
-    };
+    let still = repertoire(&vessel, &grid, &pieces);
+    let repertoire = Repertoire { mirror: signs.as_deref(), mean_current_m_s: current, ..still };
     let mut legs = basic_legs(&grid, &HANDLING);
     for piece in 0..pieces.len() {
         legs.extend(repertoire.informative(piece).unwrap());
@@ -81,15 +87,7 @@ fn every_leg_ends_at_its_node() {
 fn every_basic_leg_ends_at_about_the_speed_that_its_mode_is_under_way_at() {
     let (vessel, pieces) = study();
     let grid = grid(8);
-    let repertoire = Repertoire {
-        vessel: &vessel,
-        grid: &grid,
-        handling: &HANDLING,
-        approach: &APPROACH,
-        pieces: &pieces,
-        mirror: None,
-        mean_current_m_s: [0.0, 0.0],
-    };
+    let repertoire = repertoire(&vessel, &grid, &pieces);
     for leg in basic_legs(&grid, &HANDLING) {
         let (sailed, _) = repertoire.rehearse(&leg).unwrap();
         let (_, mode) = grid.level_and_mode(leg.to);
@@ -103,15 +101,7 @@ fn every_basic_leg_ends_at_about_the_speed_that_its_mode_is_under_way_at() {
 fn law_errors_chain_from_leg_to_leg() {
     let (vessel, pieces) = study();
     let grid = grid(8);
-    let repertoire = Repertoire {
-        vessel: &vessel,
-        grid: &grid,
-        handling: &HANDLING,
-        approach: &APPROACH,
-        pieces: &pieces,
-        mirror: None,
-        mean_current_m_s: [0.0, 0.0],
-    };
+    let repertoire = repertoire(&vessel, &grid, &pieces);
     let legs = repertoire.informative(0).unwrap();
     let other: Vec<f64> = vessel.nominal.iter().map(|p| 1.3 * p).collect();
     let (sailed, end) = repertoire.rehearse_with(&legs[0], &other, None).unwrap();
