@@ -69,7 +69,7 @@ impl<X: Number> Batch<'_, X> {
         out.evaluate(self.model, self.instrument_states, self.exogenous, std::convert::identity, k, count);
     }
 
-    /// Δy of degree of freedom `d` at samples `k..k + count`; zero beyond.
+    /// Δy of degree of freedom `d` less the model's constant at samples `k..k + count`; zero beyond.
     #[inline(always)]
     pub(crate) fn increments(&self, k: usize, count: usize, d: usize) -> Block<Lane> {
         let (mut now, mut next) = ([Lane::ZERO; BLOCK], [Lane::ZERO; BLOCK]);
@@ -77,6 +77,10 @@ impl<X: Number> Batch<'_, X> {
         copy_column(&self.measured[3 * (k + 1) + d..], 3, count, Lane::lane, &mut next);
         for t in 0..BLOCK {
             next[t] = next[t] - now[t];
+        }
+        let constant = self.model.constant[d];
+        if constant != 0.0 {
+            next[..count].iter_mut().for_each(|increment| *increment = *increment - Lane::splat(constant));
         }
         next
     }

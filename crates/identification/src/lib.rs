@@ -11,6 +11,7 @@
 #![warn(missing_docs)]
 
 mod batch;
+pub mod comparison;
 pub mod crossval;
 mod estimate;
 mod estimator;

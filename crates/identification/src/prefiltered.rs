@@ -241,6 +241,7 @@ fn filter(degrees: &mut [Degree; 3], batch: &Batch, parameters: &[Lane], range: 
                 passed(&mut degree.zeta, p + 1, pole, z);
             }
             let increment = batch.measured[3 * (k + 1) + d] - batch.measured[3 * k + d];
+            let increment = increment - Lane::splat(batch.model.constant[d]);
             passed(&mut degree.target, 1, pole, increment);
             degree.poles.push(pole);
             degree.slopes.extend(slopes[d]);

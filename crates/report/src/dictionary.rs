@@ -59,7 +59,7 @@ fn row<'a>(
     let design = design.filter(|design| used(design, &maneuver.name));
     let share = design.and_then(|design| design.shares.get(&maneuver.name));
     let states = [&maneuver.u, &maneuver.v, &maneuver.r];
-    let states = states.map(|values| vec![Curve { values: values.clone(), colour: None }]);
+    let states = states.map(|values| vec![Curve { values: values.clone(), colour: None, band: Vec::new() }]);
     TraceRow {
         name: &maneuver.name,
         note: share.map(|share| format!("{} of the optimal experiment", percent(*share))),
@@ -99,7 +99,7 @@ impl<'a> Inputs<'a> {
             let largest = self.all[index].2;
             let scale = if largest > 0.0 { 1.0 / largest } else { 0.0 };
             let values = values.iter().map(|value| scale * value).collect();
-            Some(Curve { values, colour: Some(palette::input(index)) })
+            Some(Curve { values, colour: Some(palette::input(index)), band: Vec::new() })
         };
         maneuver.inputs.iter().filter_map(curve).collect()
     }

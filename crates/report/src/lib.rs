@@ -10,6 +10,7 @@ mod accuracy;
 mod allocation;
 mod card;
 mod certificate;
+mod compared;
 mod comparison;
 mod crossval;
 mod dictionary;

@@ -7,8 +7,10 @@ use super::loader::Loader;
 use super::number::{or_dash, percent, percent_within, three_or_dash};
 use super::table::Table;
 use artifact::Error;
+use identification::comparison::Traced;
 use study::documents::{
-    CrossvalDocument, EstimatorScore, FreeRunErrors, IngestDocument, SelectionScores, TrustDocument,
+    CompareDocument, CrossvalDocument, EstimatorScore, FreeRunErrors, IngestDocument, SelectionScores,
+    TrustDocument,
 };
 use study::listed;
 
@@ -21,17 +23,20 @@ pub struct Measured {
     pub trust: Option<TrustDocument>,
     /// `crossval.json`.
     pub crossval: Option<CrossvalDocument>,
+    /// `compare.json`, and the model over time.
+    pub compared: Option<(CompareDocument, Vec<Traced>)>,
 }
 
-/// Reads `ingest.json`, `trust.json` and `crossval.json`; none where there is none of the last two.
+/// Reads `ingest.json`, `trust.json`, `crossval.json` and `compare.json`; none where there is none of the last three.
 pub(super) fn load(loader: &mut Loader) -> Result<Option<Measured>, Error> {
     let crossval = loader.document("crossval.json", "free simulation over recordings left out")?;
     let trust = loader.document("trust.json", "how far the pooled estimate can be trusted")?;
-    if crossval.is_none() && trust.is_none() {
+    let compared = super::compared::load(loader)?;
+    if crossval.is_none() && trust.is_none() && compared.is_none() {
         return Ok(None);
     }
     let ingest = loader.document("ingest.json", "what was read from the logs, and its quality")?;
-    Ok(Some(Measured { ingest, trust, crossval }))
+    Ok(Some(Measured { ingest, trust, crossval, compared }))
 }
 
 /// `79.2 %`, or a dash.

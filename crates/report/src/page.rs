@@ -2,6 +2,7 @@ use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use super::allocation::allocation;
 use super::certificate::certificate;
+use super::compared::compared;
 use super::comparison::comparison;
 use super::crossval::cross_validation;
 use super::dictionary::dictionary;
@@ -59,7 +60,8 @@ fn of_trials(study: &Study, figures: &mut Figures) -> Vec<Section> {
 
 /// The sections of a study of measured logs.
 fn of_logs(study: &Study, measured: &Measured, figures: &mut Figures) -> Vec<Section> {
-    let mut sections = vec![cross_validation(measured), trust(measured)];
+    let mut sections: Vec<Section> = compared(measured, figures).into_iter().collect();
+    sections.extend([cross_validation(measured), trust(measured)]);
     sections.extend(selection(study.selection.as_ref(), figures));
     sections.extend(published_selection(study, figures));
     if study.design.is_some() {

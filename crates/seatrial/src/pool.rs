@@ -28,18 +28,12 @@ pub enum Nominal {
     File(PathBuf),
 }
 
-/// Flags of stages that pool sub-experiments.
+/// Which runs are meant.
 #[derive(Clone, Debug, Args)]
-pub struct PoolFlags {
-    /// The vessel
-    #[arg(long, value_name = "vessel.toml")]
-    pub vessel: PathBuf,
+pub struct RunFlags {
     /// The runs
     #[arg(long, value_name = "trajectories.parquet")]
     pub trajectories: PathBuf,
-    /// How the instruments' mean is removed
-    #[arg(long, value_parser = choice(&MeanRemoval::ALL, MeanRemoval::name, MeanRemoval::description), default_value_t = MeanRemoval::Complete)]
-    pub mean_removal: MeanRemoval,
     /// What `ingest` wrote beside the trajectories: names the recordings that runs were cut from
     #[arg(long, value_name = "ingest.json")]
     pub recordings: Option<PathBuf>,
@@ -49,6 +43,45 @@ pub struct PoolFlags {
     /// All but these runs or recordings
     #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
     pub leave_out: Vec<String>,
+}
+
+impl RunFlags {
+    /// Reads the runs, and which logged channels of them are constant.
+    ///
+    /// # Errors
+    /// Files that are refused; names that no run has.
+    pub fn read(
+        &self,
+        vessel: &Vessel,
+        provenance: &mut Provenance,
+    ) -> Result<(PooledRuns, Vec<String>), Failure> {
+        let runs = inputs::labelled_runs(&self.trajectories, vessel, provenance)?;
+        let read = |path: &PathBuf| inputs::document::<IngestDocument>(path, "recordings", provenance);
+        let recordings = self.recordings.as_ref().map(read).transpose()?;
+        let named = recordings.as_ref().map(IngestDocument::recordings_by_run).unwrap_or_default();
+        let mut runs = PooledRuns::new(runs, &named);
+        runs.select(&self.runs, &self.leave_out).map_err(|e| unselected(&self.trajectories, e))?;
+        Ok((runs, recordings.as_ref().map(IngestDocument::constant_channels).unwrap_or_default()))
+    }
+
+    /// The files that are read.
+    pub fn inputs(&self) -> impl Iterator<Item = &PathBuf> {
+        [&self.trajectories].into_iter().chain(&self.recordings)
+    }
+}
+
+/// Flags of stages that pool sub-experiments.
+#[derive(Clone, Debug, Args)]
+pub struct PoolFlags {
+    /// The vessel
+    #[arg(long, visible_alias = "model", value_name = "vessel.toml")]
+    pub vessel: PathBuf,
+    /// Which runs
+    #[command(flatten)]
+    pub of: RunFlags,
+    /// How the instruments' mean is removed
+    #[arg(long, value_parser = choice(&MeanRemoval::ALL, MeanRemoval::name, MeanRemoval::description), default_value_t = MeanRemoval::Complete)]
+    pub mean_removal: MeanRemoval,
     /// Cuts longer sub-experiments, so that instruments start anew at least this often [s]
     #[arg(long, value_name = "S")]
     pub part_s: Option<f64>,
@@ -65,8 +98,8 @@ impl PoolFlags {
     /// Notes a stage's `own` settings, and which runs were pooled in what parts; none that is empty or absent.
     pub fn note<const N: usize>(&self, own: [(&str, Value); N], provenance: &mut Provenance) {
         let pooled = [
-            ("runs", json!(self.runs)),
-            ("leave_out", json!(self.leave_out)),
+            ("runs", json!(self.of.runs)),
+            ("leave_out", json!(self.of.leave_out)),
             ("part_s", json!(self.part_s)),
             ("mean_removal", json!(self.mean_removal)),
             ("prior", json!(self.prior.unwrap_or(0.0))),
@@ -78,7 +111,7 @@ impl PoolFlags {
 
     /// The files that are read.
     pub fn inputs(&self) -> impl Iterator<Item = &PathBuf> {
-        [&self.vessel, &self.trajectories].into_iter().chain(&self.recordings)
+        [&self.vessel].into_iter().chain(self.of.inputs())
     }
 
     /// Reads the runs and what instruments are simulated with.
@@ -92,16 +125,10 @@ impl PoolFlags {
     ) -> Result<(PooledRuns, Pool<'a>), Failure> {
         let strength = not_below("--prior", self.prior.unwrap_or(0.0), 0.0)?;
         let nominal = self.nominal().read(vessel, provenance)?;
-        let runs = inputs::labelled_runs(&self.trajectories, vessel, provenance)?;
-        let read = |path: &PathBuf| inputs::document::<IngestDocument>(path, "recordings", provenance);
-        let recordings = self.recordings.as_ref().map(read).transpose()?;
+        let (runs, constant) = self.of.read(vessel, provenance)?;
         let rate_hz = vessel.sample_rate_hz;
         let part_samples = self.part_s.map(|s| samples("--part-s", s, rate_hz)).transpose()?;
-        let named = recordings.as_ref().map(IngestDocument::recordings_by_run).unwrap_or_default();
-        let mut runs = PooledRuns::new(runs, &named);
-        runs.select(&self.runs, &self.leave_out).map_err(|e| unselected(&self.trajectories, e))?;
         let (model, removal) = (vessel.model.with_intercepts(), self.mean_removal);
-        let constant = recordings.as_ref().map(IngestDocument::constant_channels).unwrap_or_default();
         Ok((runs, Pool { vessel, model, removal, strength, nominal, part_samples, constant }))
     }
 

@@ -2,19 +2,37 @@
 
 use std::path::{Path, PathBuf};
 
-use artifact::{Digest, Provenance, read_toml};
+use artifact::{Digest, Provenance, read_document, read_toml};
 use vessel::{DictionaryFile, Generator, Invalid, Vessel, VesselFile};
 
 use crate::campaign_file::CampaignFile;
+use crate::documents::ModelDocument;
 use crate::ingest_file::IngestFile;
 use crate::sequential::SequentialFile;
 use artifact::Error;
 
-/// Reads `vessel.toml` and notes its digest.
+/// Reads `vessel.toml`, or the `model.json` that stands in its place, and notes its digest. A model is where a new study begins:
+/// what it was made of is no part of that.
 pub fn read_vessel(path: &Path, provenance: &mut Provenance) -> Result<Vessel, Error> {
+    if is_model(path) {
+        let model = read_document::<ModelDocument>(path)?;
+        provenance.written("vessel", path, model.digest)?;
+        return model.data.vessel().map_err(|e| crate::invalid(path, &e));
+    }
     let (file, digest) = read_toml::<VesselFile>(path)?;
     provenance.written("vessel", path, digest)?;
     Vessel::from_file(file).map_err(|e| crate::invalid(path, &e))
+}
+
+/// As [`read_vessel`], for stages that simulate trials or judge what was simulated: those of a model follow the model.
+pub fn read_simulated(path: &Path, provenance: &mut Provenance) -> Result<Vessel, Error> {
+    let vessel = read_vessel(path, provenance)?;
+    let truth = vessel.nominal.iter().copied().map(Some).collect();
+    Ok(if is_model(path) { Vessel { value: truth, ..vessel } } else { vessel })
+}
+
+fn is_model(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| extension == "json")
 }
 
 /// Reads `dictionary.toml` and notes its digest.

@@ -16,6 +16,7 @@ pub struct Compiled<'m, X> {
     products: Products,
     terms: Vec<[usize; 2]>,
     sums: [Vec<Weighted<X>>; 3],
+    constant: [X; 3],
     by_state: Option<Derivatives<Slope>>,
     by_exogenous: Option<Derivatives<Slope>>,
     twice: Option<Derivatives<Curve>>,
@@ -71,6 +72,7 @@ impl<'m, X: Number> Compiled<'m, X> {
             products,
             terms,
             sums,
+            constant: model.constant.map(X::from),
             by_state,
             by_exogenous,
             twice,
@@ -109,10 +111,10 @@ impl<'m, X: Number> Compiled<'m, X> {
         self.places[one] * self.places[two]
     }
 
-    /// θᵀφ of surge, sway and yaw.
+    /// θᵀφ of surge, sway and yaw, and the model's constant.
     #[inline(always)]
     pub fn increments(&self) -> [X; 3] {
-        let mut sums = [X::ZERO; 3];
+        let mut sums = self.constant;
         for (sum, terms) in sums.iter_mut().zip(&self.sums) {
             for Weighted { parameter, places: [one, two] } in terms {
                 *sum += *parameter * (self.places[*one] * self.places[*two]);

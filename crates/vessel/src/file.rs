@@ -37,6 +37,9 @@ pub struct VesselFile {
     /// Nominal values that replace those of the terms, by parameter.
     #[serde(default)]
     pub nominal: BTreeMap<String, f64>,
+    /// What u, v \[m/s\] and r \[rad/s\] gain in a sample whatever the vessel does.
+    #[serde(default)]
+    pub constant: [f64; 3],
 }
 
 /// An input.
@@ -121,6 +124,8 @@ impl Vessel {
         };
         let rate = file.sample_rate_hz.ok_or_else(|| missing("sample_rate_hz"))?;
         check_numbers([("sample_rate_hz", rate)], "a rate above 0 Hz", |rate| rate > 0.0)?;
+        let constant = file.constant.map(|gained| ("constant", gained));
+        check_numbers(constant, "at most 10 m/s or rad/s in a sample", |gained| gained.abs() <= 10.0)?;
         let variables = variables(&file)?;
         let degrees = degrees(&file, &variables)?;
         let specs = || [&file.surge, &file.sway, &file.yaw].into_iter().flatten();
@@ -128,7 +133,7 @@ impl Vessel {
             name: file.name.clone().ok_or_else(|| missing("name"))?,
             sample_rate_hz: rate,
             couplings: couplings(&file.input)?,
-            model: Model { variables, inputs: file.input.len(), degrees },
+            model: Model { variables, inputs: file.input.len(), degrees, constant: file.constant },
             value: specs().map(|t| t.value).collect(),
             nominal: specs().map(|t| t.nominal).collect(),
         };
@@ -234,6 +239,7 @@ fn preset(file: VesselFile) -> Result<VesselFile, Invalid> {
     base.name = file.name.or(base.name);
     base.value.extend(file.value);
     base.nominal.extend(file.nominal);
+    base.constant = file.constant;
     Ok(base)
 }
 

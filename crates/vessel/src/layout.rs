@@ -13,7 +13,7 @@ pub struct ParameterLayout {
 
 impl Model {
     /// The same model with the constant 1 as one more term of every degree of freedom; its parameter is the intercept, what
-    /// the state gains in a sample whatever the vessel does.
+    /// the state gains in a sample whatever the vessel does, beyond the constant that is known.
     pub fn with_intercepts(&self) -> Self {
         let mut model = self.clone();
         for degree in &mut model.degrees {

@@ -53,7 +53,7 @@ pub struct Degree {
 }
 
 /// A model structure: what the states' increments are linear combinations of.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Model {
     /// `u`, `v`, `r`, then the inputs, then the measured disturbances.
     pub variables: Vec<Variable>,
@@ -61,6 +61,8 @@ pub struct Model {
     pub inputs: usize,
     /// Surge, sway, yaw.
     pub degrees: [Degree; 3],
+    /// What u, v \[m/s\] and r \[rad/s\] gain in a sample whatever the vessel does: known, no parameter.
+    pub constant: [f64; 3],
 }
 
 impl Model {

@@ -2,7 +2,7 @@ use thiserror::Error;
 
 use super::statements::statements;
 use super::trust::Judge;
-use super::{DegreeTrust, Judgement, LostInstruments, Part, Pool, PooledRuns, SourceErrors};
+use super::{DegreeTrust, Delivered, Judgement, LostInstruments, Part, Pool, PooledRuns, SourceErrors};
 use crate::{EstimateStatus, Estimator, RunEstimate};
 
 /// One estimate from all runs, and how far it can be trusted.
@@ -22,6 +22,8 @@ pub struct Pooled {
     pub sources: Vec<SourceErrors>,
     /// What to know before using the estimate, in words.
     pub statements: Vec<String>,
+    /// The whole model; none unless all degrees of freedom have an estimate.
+    pub delivered: Option<Delivered>,
 }
 
 impl Pooled {
@@ -74,6 +76,7 @@ pub fn estimate(
     }
     let judge = Judge { pool, found: &found, parts: &parts, judgement, resampled };
     let degrees = judge.degrees();
+    let sources = judge.sources(runs);
     let lost = found.diverged.as_ref().map(LostInstruments::to_string);
     Ok(Pooled {
         design: runs.design().to_owned(),
@@ -81,7 +84,8 @@ pub fn estimate(
         samples: parts.iter().map(|p| p.samples() as u64).sum(),
         bandwidth: judge.bandwidth(),
         statements: lost.into_iter().chain(statements(&degrees)).collect(),
+        delivered: Delivered::new(pool, &found, &parts, &degrees, &sources),
         degrees,
-        sources: judge.sources(runs),
+        sources,
     })
 }

@@ -9,6 +9,7 @@
 
 mod bootstrap;
 mod centre;
+mod delivered;
 mod diagnosis;
 mod estimate;
 mod fit;
@@ -28,6 +29,7 @@ mod words;
 
 pub use bootstrap::{Bootstrap, Resampled, bootstrap, redraw};
 pub use centre::Centring;
+pub use delivered::{Covariance, Covered, Delivered, RecordingConstant};
 pub use diagnosis::{COLLINEAR, Diagnosis, diagnose};
 pub use estimate::{PoolError, Pooled, estimate};
 pub(crate) use fit::joined;

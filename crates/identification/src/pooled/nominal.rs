@@ -16,7 +16,7 @@ vessel::choices! {
 /// The model that instruments are simulated with: known now, or to be fitted to whatever data is used.
 #[derive(Clone, Debug, PartialEq)]
 pub enum NominalModel {
-    /// θ: surge, sway, yaw.
+    /// θ: surge, sway, yaw; intercepts are those that the model has already.
     Known(Vec<f64>),
     /// The least-squares fit.
     Fitted,

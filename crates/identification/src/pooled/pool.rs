@@ -63,6 +63,16 @@ impl Estimated {
         }
     }
 
+    /// θ̂ of all degrees of freedom, and their intercepts; none unless all have one.
+    pub fn theta(&self) -> Option<(Vec<f64>, [f64; 3])> {
+        whole(&self.degrees)
+    }
+
+    /// The sums of every part with the regressors as instruments.
+    pub fn squares(&self) -> &[Sums] {
+        &self.ls
+    }
+
     /// Whether instruments were simulated.
     pub fn instrumented(&self) -> bool {
         self.iv.is_some()
@@ -70,7 +80,7 @@ impl Estimated {
 
     /// θ̂ and intercepts, in the order of `model`, which has them.
     pub fn parameters(&self, model: &Model) -> Option<Vec<f64>> {
-        whole(&self.degrees).map(|(theta, intercepts)| model.layout().woven(&theta, intercepts))
+        self.theta().map(|(theta, intercepts)| model.layout().woven(&theta, intercepts))
     }
 }
 
@@ -115,6 +125,12 @@ impl Pool<'_> {
             self.simulated(parts, &mut found);
         }
         Ok(found)
+    }
+
+    /// The least-squares estimate of the data of `found`, and its intercepts.
+    pub fn least_squares(&self, found: &Estimated) -> Option<(Vec<f64>, [f64; 3])> {
+        let nominal = found.nominal.as_ref().map(|(theta, _)| theta.as_slice());
+        whole(&self.fit(&found.ls, nominal, Estimator::Ls))
     }
 
     /// Simulates the model of `theta` and `intercepts` over `parts` as their instruments.

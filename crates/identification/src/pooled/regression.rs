@@ -21,7 +21,7 @@ pub struct DegreeRegression {
     pub phi: Vec<f64>,
     /// Instruments ζ: N × p, row-major.
     pub zeta: Vec<f64>,
-    /// Increments Δy: N.
+    /// Increments Δy less the model's constant: N.
     pub target: Vec<f64>,
 }
 
@@ -82,7 +82,8 @@ impl Regression {
         let mut signals = phi.into_iter().zip(zeta);
         let degrees = [0, 1, 2].map(|d| {
             let (phi, zeta) = signals.next().unwrap_or_default();
-            let increment = |k: usize| part.measured[3 * (k + 1) + d] - part.measured[3 * k + d];
+            let gained = |k: usize| part.measured[3 * (k + 1) + d] - part.measured[3 * k + d];
+            let increment = |k: usize| gained(k) - model.constant[d];
             DegreeRegression {
                 parameters: model.degrees[d].terms.len(),
                 phi,

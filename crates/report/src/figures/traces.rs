@@ -20,6 +20,8 @@ pub struct Curve {
     pub values: Vec<f64>,
     /// Its colour; none for ink.
     pub colour: Option<Rgb>,
+    /// Half the widths of the band around it; empty for none.
+    pub band: Vec<f64>,
 }
 
 /// One row of the small multiples.
@@ -128,7 +130,11 @@ impl Grid {
 /// Range of one column over all rows, with zero inside and some air.
 fn range(rows: &[TraceRow<'_>], column: usize) -> (f64, f64) {
     let cells = rows.iter().filter_map(|row| row.cells.get(column)).flatten();
-    let values = cells.flat_map(|curve| curve.values.iter().copied());
+    let half = |curve: &Curve| curve.band.iter().copied().fold(0.0, f64::max);
+    let values = cells.flat_map(|curve| {
+        let half = half(curve);
+        curve.values.iter().flat_map(move |x| [x - half, x + half])
+    });
     let (low, high) = extent(values.chain([0.0])).unwrap_or((0.0, 1.0));
     let air = 0.05 * (high - low).max(1e-9);
     (low - air, high + air)
@@ -156,7 +162,17 @@ impl Cell<'_> {
 
     fn curve(&self, sheet: &mut Sheet, t: &[f64], curve: &Curve) {
         let points = t.iter().zip(&curve.values).map(|(t, value)| (self.across.at(*t), self.up.at(*value)));
-        let paint = Paint::solid(curve.colour.unwrap_or(INK));
+        let colour = curve.colour.unwrap_or(INK);
+        if !curve.band.is_empty() {
+            let side = |sign: f64| {
+                let ends = t.iter().zip(&curve.values).zip(&curve.band);
+                let points = ends.map(|((t, x), half)| (self.across.at(*t), self.up.at(x + sign * half)));
+                thinned(points, MOST_POINTS)
+            };
+            let around: Vec<_> = side(1.0).into_iter().chain(side(-1.0).into_iter().rev()).collect();
+            sheet.polyline(&around, Paint::solid(colour).faded(0.2));
+        }
+        let paint = Paint::solid(colour);
         sheet.polyline(&thinned(points, MOST_POINTS), (paint, 1.5));
     }
 }

@@ -50,7 +50,7 @@ impl Task for Arguments {
         let folds = options.folds.unwrap_or(usize::MAX).min(runs.sources().len());
         let progress = Progress::new("folds", folds * self.estimators.len(), common.quiet);
         let found = cross_validate(&pool, &runs, &options, &|count| progress.advance(count));
-        let found = found.map_err(|e| refused(&self.flags.trajectories, e))?;
+        let found = found.map_err(|e| refused(&self.flags.of.trajectories, e))?;
         let settings = [
             ("estimators", json!(self.estimators)),
             ("intercepts", json!(true)),
@@ -71,7 +71,8 @@ impl Task for Arguments {
     }
 }
 
-fn refused(file: &Path, error: CrossError) -> Failure {
+/// Why there is nothing to simulate over, of runs of `file`.
+pub fn refused(file: &Path, error: CrossError) -> Failure {
     let [thing, found, expected, remedy] = match error {
         CrossError::OneSource => {
             ["runs or recordings", "one", "at least two, so that one can be left out", "add runs"]

@@ -9,7 +9,7 @@ use identification::runs::RunEstimators;
 use identification::{EstimateStatus, Estimator, MeanRemoval};
 use serde_json::json;
 use study::estimates::{self, Row};
-use study::files::{read_campaign, read_vessel};
+use study::files::{read_campaign, read_simulated};
 use vessel::Vessel;
 
 use super::unidentified::refuse_if_none;
@@ -31,7 +31,7 @@ use crate::stage::{Summary, Task};
 )]
 pub struct Arguments {
     /// The vessel
-    #[arg(long, value_name = "vessel.toml")]
+    #[arg(long, visible_alias = "model", value_name = "vessel.toml")]
     vessel: PathBuf,
     /// The runs
     #[arg(long, required_unless_present = "gather", value_name = "campaign.parquet")]
@@ -58,7 +58,7 @@ pub const MAIN: &str = "estimates.parquet";
 impl Task for Arguments {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
         let mut provenance = common.provenance("estimate");
-        let vessel = read_vessel(&self.vessel, &mut provenance)?;
+        let vessel = read_simulated(&self.vessel, &mut provenance)?;
         let inputs = [&self.vessel].into_iter().chain(&self.trajectories).chain(&self.sharding.gather);
         let out = common.main_output(MAIN, inputs)?;
         let levels = levels(self, &vessel, &mut provenance)?;

@@ -7,7 +7,7 @@ use clap::Parser;
 use identification::Estimator;
 use identification::pooled::{Judgement, Pool, PoolError, Pooled, estimate};
 use serde_json::json;
-use study::documents::{EstimateDocument, TrustDocument};
+use study::documents::{EstimateDocument, ModelDocument, TrustDocument};
 use study::estimates;
 use study::files::read_vessel;
 
@@ -19,8 +19,8 @@ use crate::pool::{PoolFlags, lost};
 use crate::progress::Progress;
 use crate::stage::{Summary, Task};
 
-/// One estimate from all runs, whose segments each get instruments of their own; writes estimates.parquet, estimate.json
-/// and trust.json
+/// One estimate from all runs, whose segments each get instruments of their own; writes estimates.parquet, estimate.json,
+/// trust.json, and model.json, which stands for a vessel.toml
 #[derive(Parser)]
 #[command(
     name = "pool",
@@ -75,11 +75,11 @@ impl Arguments {
 
     fn failed(&self, error: PoolError) -> Failure {
         match error {
-            PoolError::Lost(instruments) => lost(&self.flags.trajectories, &instruments),
+            PoolError::Lost(instruments) => lost(&self.flags.of.trajectories, &instruments),
             PoolError::NotIdentifiable(reasons) => Failure::NoAnswer(format!(
                 "{}: pooled estimate: found no degree of freedom that is identifiable ({}), expected one; add runs that vary \
                  these terms, name a --prior, or use --estimator ls",
-                self.flags.trajectories.display(),
+                self.flags.of.trajectories.display(),
                 reasons.join("; ")
             )),
         }
@@ -102,6 +102,9 @@ impl Arguments {
         let replicates = self.bootstrap.unwrap_or(0);
         let trust = TrustDocument::new(pool, self.flags.nominal().source(), estimator, replicates, found);
         let mut staged = vec![writer.finish()?, stage_document(name("trust.json"), provenance, &trust)?];
+        if let Some(model) = ModelDocument::new(pool, estimator, found) {
+            staged.push(stage_document(name("model.json"), provenance, &model)?);
+        }
         staged.push(stage_set_document(&summary, provenance, &document, &staged)?);
         commit(staged)?;
         let refused: Vec<&str> = found.degrees.iter().filter_map(|d| d.reason.as_deref()).collect();

@@ -33,7 +33,7 @@ pub struct Arguments {
     #[arg(long, value_name = "FOLDER")]
     logs: Option<PathBuf>,
     /// The vessel whose inputs and measured disturbances are needed (default: all channels are)
-    #[arg(long, value_name = "vessel.toml")]
+    #[arg(long, visible_alias = "model", value_name = "vessel.toml")]
     vessel: Option<PathBuf>,
 }
 

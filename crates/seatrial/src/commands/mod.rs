@@ -1,5 +1,6 @@
 //! The stages as programs: their flags, and what is read, called and written.
 
+mod compare;
 mod counts;
 mod cross;
 mod estimate;
@@ -35,8 +36,11 @@ pub const DESIGN: Stage =
 pub const ESTIMATE: Stage =
     Stage::of::<estimate::Arguments>().with(&[Stage::of::<estimate_pool::Arguments>()]);
 /// How far the estimated models can be trusted.
-pub const VALIDATE: Stage = Stage::of::<validate::Arguments>()
-    .with(&[Stage::of::<cross::Arguments>(), Stage::of::<selection::Arguments>()]);
+pub const VALIDATE: Stage = Stage::of::<validate::Arguments>().with(&[
+    Stage::of::<compare::Arguments>(),
+    Stage::of::<cross::Arguments>(),
+    Stage::of::<selection::Arguments>(),
+]);
 /// One trajectory that uses every maneuver as often as the design wants.
 pub const PLAN: Stage = Stage::of::<plan::Arguments>();
 /// Trials designed in rounds.

@@ -38,7 +38,7 @@ use crate::stage::{Summary, Task};
 )]
 pub struct Arguments {
     /// The vessel
-    #[arg(long, value_name = "vessel.toml")]
+    #[arg(long, visible_alias = "model", value_name = "vessel.toml")]
     vessel: PathBuf,
     /// One run per maneuver; of measured runs the segments are pooled by maneuver, instruments start anew with each
     #[arg(long, value_name = "dictionary.parquet")]

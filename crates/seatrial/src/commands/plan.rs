@@ -23,7 +23,7 @@ pub struct Arguments {
     #[arg(long, value_name = "problem.json", conflicts_with_all = ["vessel", "trajectories", "config", "design"])]
     problem: Option<PathBuf>,
     /// The vessel
-    #[arg(long, required_unless_present = "problem", value_name = "vessel.toml")]
+    #[arg(long, visible_alias = "model", required_unless_present = "problem", value_name = "vessel.toml")]
     vessel: Option<PathBuf>,
     /// The maneuvers' trajectories (simulate dictionary)
     #[arg(long, required_unless_present = "problem", value_name = "dictionary.parquet")]

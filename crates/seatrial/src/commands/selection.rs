@@ -77,7 +77,7 @@ impl Task for Arguments {
         };
         let progress = Progress::new("realizations", 2 * self.realizations as usize, common.quiet);
         let found = select(&pool, &runs, &options, &|count| progress.advance(count));
-        let found = found.map_err(|e| lost(&self.flags.trajectories, &e))?;
+        let found = found.map_err(|e| lost(&self.flags.of.trajectories, &e))?;
         self.note(&options, &mut provenance);
         let document = document(&pool, self.flags.nominal().source(), &options, &found);
         publish(&out, &provenance, &found.realizations, &document)

@@ -8,7 +8,7 @@ use identification::predictor::InitialState;
 use identification::runs::RunEstimators;
 use identification::{Estimator, MeanRemoval};
 use serde_json::json;
-use study::files::{read_campaign, read_dictionary, read_sequential, read_vessel};
+use study::files::{read_campaign, read_dictionary, read_sequential, read_simulated};
 use study::sequential::{SequentialFile, columns, document};
 use trial::rounds::{self, Arm, Row, Trial};
 use vessel::{Invalid, LANES};
@@ -30,7 +30,7 @@ use crate::stage::{Summary, Task};
 )]
 pub struct Arguments {
     /// The vessel, with its true parameters
-    #[arg(long, value_name = "vessel.toml")]
+    #[arg(long, visible_alias = "model", value_name = "vessel.toml")]
     vessel: PathBuf,
     /// The maneuvers
     #[arg(long, value_name = "dictionary.toml")]
@@ -48,7 +48,7 @@ impl Task for Arguments {
         let mut provenance = common.provenance("sequential");
         let inputs = [&self.vessel, &self.dictionary, &self.campaign, &self.config];
         let out = common.main_output("sequential.parquet", inputs)?;
-        let vessel = read_vessel(&self.vessel, &mut provenance)?;
+        let vessel = read_simulated(&self.vessel, &mut provenance)?;
         let generator = read_dictionary(&self.dictionary, &vessel, &mut provenance)?;
         let campaign = read_campaign(&self.campaign, &mut provenance)?;
         let config = read_sequential(&self.config, &mut provenance)?;

@@ -13,7 +13,7 @@ use clap::Parser;
 use serde_json::json;
 use study::campaign_file::CampaignFile;
 use study::documents::{DesignDocument, SIMULATED_FILE, SimulatedLogsDocument};
-use study::files::{generator, read_campaign, read_dictionary, read_vessel};
+use study::files::{generator, read_campaign, read_dictionary, read_simulated};
 use study::logs_file::LogsFile;
 use study::track::read_planned;
 use study::trajectories::{DataLabel, ID, VERSION};
@@ -38,7 +38,7 @@ pub struct Arguments {}
 )]
 pub struct Dictionary {
     /// The vessel
-    #[arg(long, value_name = "vessel.toml")]
+    #[arg(long, visible_alias = "model", value_name = "vessel.toml")]
     vessel: PathBuf,
     /// The maneuvers
     #[arg(long, value_name = "dictionary.toml")]
@@ -55,7 +55,7 @@ pub struct Dictionary {
 )]
 pub struct Campaign {
     /// The vessel
-    #[arg(long, required_unless_present = "gather", value_name = "vessel.toml")]
+    #[arg(long, visible_alias = "model", required_unless_present = "gather", value_name = "vessel.toml")]
     vessel: Option<PathBuf>,
     /// The maneuvers
     #[arg(long, required_unless_present = "gather", value_name = "dictionary.toml")]
@@ -79,7 +79,7 @@ pub struct Campaign {
 )]
 pub struct Validation {
     /// The vessel
-    #[arg(long, value_name = "vessel.toml")]
+    #[arg(long, visible_alias = "model", value_name = "vessel.toml")]
     vessel: PathBuf,
     /// The validation maneuvers
     #[arg(long, value_name = "campaign.toml")]
@@ -95,7 +95,7 @@ pub struct Validation {
 )]
 pub struct Plan {
     /// The vessel
-    #[arg(long, required_unless_present = "gather", value_name = "vessel.toml")]
+    #[arg(long, visible_alias = "model", required_unless_present = "gather", value_name = "vessel.toml")]
     vessel: Option<PathBuf>,
     /// Number of runs, disturbances, seed
     #[arg(long, required_unless_present = "gather", value_name = "campaign.toml")]
@@ -116,7 +116,7 @@ pub struct Plan {
 )]
 pub struct Logs {
     /// The vessel
-    #[arg(long, value_name = "vessel.toml")]
+    #[arg(long, visible_alias = "model", value_name = "vessel.toml")]
     vessel: PathBuf,
     /// The maneuvers
     #[arg(long, value_name = "dictionary.toml")]
@@ -129,7 +129,7 @@ pub struct Logs {
 impl Task for Dictionary {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
         let mut provenance = common.provenance("simulate");
-        let vessel = read_vessel(&self.vessel, &mut provenance)?;
+        let vessel = read_simulated(&self.vessel, &mut provenance)?;
         let generator = read_dictionary(&self.dictionary, &vessel, &mut provenance)?;
         let source = vessel.best_known();
         provenance.settings.insert("model".into(), json!(source.name()));
@@ -142,7 +142,7 @@ impl Task for Dictionary {
 impl Task for Validation {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
         let mut provenance = common.provenance("simulate");
-        let vessel = read_vessel(&self.vessel, &mut provenance)?;
+        let vessel = read_simulated(&self.vessel, &mut provenance)?;
         let config = read_campaign(&self.campaign, &mut provenance)?;
         let maneuvers = config.validation_dictionary();
         let generator = generator(&self.campaign, &vessel, &maneuvers, &mut provenance)?;
@@ -186,7 +186,7 @@ impl Task for Campaign {
             campaign: given(&self.campaign, "campaign")?,
             design: given(&self.design, "design")?,
         };
-        let vessel = read_vessel(files.vessel, &mut provenance)?;
+        let vessel = read_simulated(files.vessel, &mut provenance)?;
         let generator = read_dictionary(files.dictionary, &vessel, &mut provenance)?;
         let config = read_campaign(files.campaign, &mut provenance)?;
         let design: DesignDocument = inputs::document(files.design, "design", &mut provenance)?;
@@ -211,7 +211,7 @@ impl Task for Plan {
         }
         let mut provenance = common.provenance("simulate");
         let (vessel_file, plan) = (given(&self.vessel, "vessel")?, given(&self.plan, "plan")?);
-        let vessel = read_vessel(vessel_file, &mut provenance)?;
+        let vessel = read_simulated(vessel_file, &mut provenance)?;
         let config = read_campaign(given(&self.campaign, "campaign")?, &mut provenance)?;
         let track = read_planned(plan, &vessel, &mut provenance)?;
         let settings = settings(&config, &self.sharding, common, &mut provenance);
@@ -264,7 +264,7 @@ fn disturbed(
 impl Task for Logs {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
         let mut provenance = common.provenance("simulate");
-        let vessel = read_vessel(&self.vessel, &mut provenance)?;
+        let vessel = read_simulated(&self.vessel, &mut provenance)?;
         let generator = read_dictionary(&self.dictionary, &vessel, &mut provenance)?;
         let config: LogsFile = inputs::toml(&self.logs, "logs", &mut provenance)?;
         let seed = common.seed.unwrap_or(config.seed);

@@ -9,7 +9,7 @@ use serde_json::json;
 use study::campaign_file::CampaignFile;
 use study::documents::{Bounds, ValidationDocument};
 use study::estimates;
-use study::files::{read_campaign, read_vessel};
+use study::files::{read_campaign, read_simulated};
 use study::scores::{self, Row};
 use study::trajectories::refuse_shard;
 use vessel::Vessel;
@@ -31,7 +31,7 @@ use crate::stage::{Summary, Task};
 )]
 pub struct Arguments {
     /// The vessel
-    #[arg(long, value_name = "vessel.toml")]
+    #[arg(long, visible_alias = "model", value_name = "vessel.toml")]
     vessel: PathBuf,
     /// The bounds below which an estimate counts as good
     #[arg(long, value_name = "campaign.toml")]
@@ -52,7 +52,7 @@ const MAIN: &str = "scores.parquet";
 impl Task for Arguments {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
         let mut provenance = common.provenance("validate");
-        let vessel = read_vessel(&self.vessel, &mut provenance)?;
+        let vessel = read_simulated(&self.vessel, &mut provenance)?;
         let config = read_campaign(&self.campaign, &mut provenance)?;
         let validation = validation_runs(&self.validation, &vessel, &mut provenance)?;
         let inputs = [&self.vessel, &self.campaign, &self.validation].into_iter();

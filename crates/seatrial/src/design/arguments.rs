@@ -73,7 +73,7 @@ pub struct Arguments {
     #[arg(long, requires = "vessel", requires = "dictionary")]
     pub(super) arrange: bool,
     /// The vessel, for --arrange
-    #[arg(long, value_name = "vessel.toml", requires = "arrange")]
+    #[arg(long, visible_alias = "model", value_name = "vessel.toml", requires = "arrange")]
     pub(super) vessel: Option<PathBuf>,
     /// The maneuvers, for --arrange
     #[arg(long, value_name = "dictionary.toml", requires = "arrange")]

@@ -30,7 +30,7 @@ use crate::stage::{Summary, Task};
 )]
 pub struct Refine {
     /// The vessel
-    #[arg(long, value_name = "vessel.toml")]
+    #[arg(long, visible_alias = "model", value_name = "vessel.toml")]
     pub(super) vessel: PathBuf,
     /// The maneuvers that the design is of
     #[arg(long, value_name = "dictionary.toml")]

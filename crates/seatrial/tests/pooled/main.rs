@@ -6,6 +6,7 @@ mod support;
 mod cross;
 mod estimate;
 mod golden;
+mod model;
 mod moments;
 mod real;
 mod refusals;

@@ -1,10 +1,12 @@
 //! The documents that the stages exchange, as they stand in the files.
 
+mod compare;
 mod crossval;
 mod design;
 mod design_status;
 mod estimate;
 mod ingest;
+mod model;
 mod moments;
 mod plan;
 mod reference;
@@ -29,6 +31,7 @@ pub use identification::selection::{PublishedLimits, SelectionErrors, SelectionS
 pub use identification::{Quantiles, Share};
 pub use trial::moments::{DegreeMoments, ManeuverMoments, Moments};
 
+pub use compare::{CompareDocument, traces};
 pub use crossval::CrossvalDocument;
 pub use design::{
     Accuracy, AccuracyPoint, Counts, CovarianceCriterion, DesignDocument, Efficiency, Restricted, Sequence,
@@ -40,6 +43,7 @@ pub use ingest::{
     ChannelSummary, IngestDocument, ManeuverCount, MotionSummary, RecordingSummary, RowSummary, State,
     WarningKind, WarningSummary,
 };
+pub use model::{ModelChannel, ModelDegree, ModelDocument, ModelInput, ModelParameter};
 pub use moments::MomentsDocument;
 pub use plan::{
     CostUnit, PlanDocument, PlanLattice, PlanPose, PlanStatus, PlanStep, Primitive, SecondaryCost, Voyage,
@@ -67,7 +71,9 @@ pub fn schemas() -> Vec<(&'static str, serde_json::Value)> {
         (IngestDocument::ID, json_schema::<IngestDocument>()),
         (ValidationDocument::ID, json_schema::<ValidationDocument>()),
         (PlanDocument::ID, json_schema::<PlanDocument>()),
+        (ModelDocument::ID, json_schema::<ModelDocument>()),
         (TrustDocument::ID, json_schema::<TrustDocument>()),
+        (CompareDocument::ID, json_schema::<CompareDocument>()),
         (CrossvalDocument::ID, json_schema::<CrossvalDocument>()),
         (SelectionDocument::ID, json_schema::<SelectionDocument>()),
         (SequentialDocument::ID, json_schema::<SequentialDocument>()),

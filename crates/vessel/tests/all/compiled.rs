@@ -16,7 +16,7 @@ fn model() -> Model {
         degree(&["|r| r u", "|n| n u"]),
     ];
     let variable = |name: &&str| Variable { name: (*name).to_owned(), unit: String::new() };
-    Model { variables: NAMES.iter().map(variable).collect(), inputs: 2, degrees }
+    Model { variables: NAMES.iter().map(variable).collect(), inputs: 2, degrees, constant: [0.0; 3] }
 }
 
 fn theta() -> Vec<f64> {

@@ -12,6 +12,7 @@ fn model() -> Model {
         variables: ["u", "v", "r"].map(variable).to_vec(),
         inputs: 0,
         degrees: [degree(&["u", "u |u|"]), degree(&["v"]), degree(&["r", "u r", "v"])],
+        constant: [0.0; 3],
     }
 }
 

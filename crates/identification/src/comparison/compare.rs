@@ -1,0 +1,130 @@
+use super::bands::{Banded, Bands, Known};
+use super::covered::{Counter, Outside};
+use super::simulated::{Contestant, Simulated};
+use super::standing::{ComparedModel, Difference};
+use super::verdict::{differences, verdict};
+use crate::crossval::CrossError;
+use crate::pooled::{Covered, Part, PooledRuns, deviations};
+
+/// Over what is compared.
+#[derive(Clone, Copy, Debug)]
+pub struct CompareOptions<'a> {
+    /// Length of the windows in samples; none: whole runs.
+    pub window: Option<usize>,
+    /// What is known of the first model's errors.
+    pub known: Option<Known<'a>>,
+    /// What the first model was fitted on.
+    pub covered: &'a [Covered],
+    /// The sampling rate \[Hz\].
+    pub rate_hz: f64,
+}
+
+/// The models side by side.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Compared {
+    /// Number of windows.
+    pub windows: u64,
+    /// Their samples.
+    pub samples: u64,
+    /// Standard deviations of the measured u, v, r over the windows.
+    pub std: [f64; 3],
+    /// One per contestant in their order, then the mean.
+    pub models: Vec<ComparedModel>,
+    /// The first model against the others.
+    pub differences: Vec<Difference>,
+    /// Shares inside the bands; none where nothing is known of the model's errors.
+    pub bands: Option<Bands>,
+    /// Where the recordings leave what the model was fitted on.
+    pub outside: Vec<Outside>,
+    /// The verdict, and what to know, in words.
+    pub statements: Vec<String>,
+    /// The first model over time.
+    pub trace: Vec<Traced>,
+}
+
+/// A sample of the first model's simulation beside what was measured.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Traced {
+    /// The run or recording.
+    pub source: String,
+    /// The window, from 0 in each recording.
+    pub window: i32,
+    /// Time in the window \[s\].
+    pub t: f64,
+    /// Measured u, v \[m/s\], r \[rad/s\].
+    pub measured: [f64; 3],
+    /// Simulated.
+    pub simulated: [f64; 3],
+    /// Half the width of the 95 % band, where one is known.
+    pub half: [Option<f64>; 3],
+}
+
+/// Simulates all of `contestants` over `runs`; the first is the model that is asked about.
+///
+/// # Errors
+/// No run is as long as a window.
+pub fn compare(
+    contestants: &[Contestant],
+    runs: &PooledRuns,
+    options: &CompareOptions,
+) -> Result<Compared, CrossError> {
+    let sources: Vec<(String, Vec<Part>)> =
+        runs.windows(options.window).filter(|(_, windows)| !windows.is_empty()).collect();
+    let windows = || sources.iter().flat_map(|(_, windows)| windows);
+    let (Some(first), true) = (contestants.first(), windows().next().is_some()) else {
+        return Err(CrossError::NoWindow);
+    };
+    let std = deviations(windows().map(|w| w.measured.as_slice()));
+    let mut models: Vec<Simulated> = contestants.iter().map(|one| Simulated::of(one, &sources)).collect();
+    models.push(Simulated::mean(&sources));
+    let mut looked = Looked::new(first, options);
+    looked.at(&sources, &models[0]);
+    let told: Vec<ComparedModel> = models.iter().map(|one| one.told(&sources, std)).collect();
+    let differences = differences(&told, &models, std);
+    let (bands, outside) = (looked.banded.and_then(|b| b.shares()), looked.counter.outside());
+    Ok(Compared {
+        windows: windows().count() as u64,
+        samples: windows().map(|w| w.samples() as u64).sum(),
+        std,
+        statements: verdict(&told, &differences, &outside, bands.as_ref()),
+        models: told,
+        differences,
+        bands,
+        outside,
+        trace: looked.trace,
+    })
+}
+
+/// The first model sample by sample.
+struct Looked<'a> {
+    banded: Option<Banded<'a>>,
+    counter: Counter<'a>,
+    rate_hz: f64,
+    trace: Vec<Traced>,
+}
+
+impl<'a> Looked<'a> {
+    fn new(first: &Contestant, options: &CompareOptions<'a>) -> Self {
+        let banded = options.known.map(|known| Banded::new(first.model, first.theta, known));
+        Self { banded, counter: Counter::new(options.covered), rate_hz: options.rate_hz, trace: Vec::new() }
+    }
+
+    fn at(&mut self, sources: &[(String, Vec<Part>)], found: &Simulated) {
+        for ((source, windows), states) in sources.iter().zip(&found.windows) {
+            for (i, (window, states)) in windows.iter().zip(states).enumerate() {
+                let Some(states) = states else { continue };
+                self.counter.add(window, states);
+                let bands = self.banded.as_mut().map(|banded| banded.add(window, states));
+                let pairs = window.measured.as_chunks::<3>().0.iter().zip(states.as_chunks::<3>().0);
+                self.trace.extend(pairs.enumerate().map(|(k, (measured, simulated))| Traced {
+                    source: source.clone(),
+                    window: i as i32,
+                    t: k as f64 / self.rate_hz,
+                    measured: *measured,
+                    simulated: *simulated,
+                    half: bands.as_ref().map_or([None; 3], |bands| bands[k].map(Some)),
+                }));
+            }
+        }
+    }
+}

@@ -1,0 +1,62 @@
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::pooled::{Covered, Part};
+
+/// How often a channel leaves the range that the model was fitted on.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Outside {
+    /// The channel: a state as simulated, an input or measured disturbance as logged.
+    pub name: String,
+    /// Its unit.
+    pub unit: String,
+    /// Least value that the model was fitted on.
+    pub low: f64,
+    /// Largest.
+    pub high: f64,
+    /// Samples outside.
+    pub samples: u64,
+    /// Their share.
+    pub share: f64,
+}
+
+/// Counts samples outside `covered`, which lists states, inputs, measured disturbances in the model's order.
+pub(super) struct Counter<'a> {
+    covered: &'a [Covered],
+    outside: Vec<u64>,
+    samples: u64,
+}
+
+impl<'a> Counter<'a> {
+    pub fn new(covered: &'a [Covered]) -> Self {
+        Self { covered, outside: vec![0; covered.len()], samples: 0 }
+    }
+
+    /// Adds a window of which `states` were simulated.
+    pub fn add(&mut self, window: &Part, states: &[f64]) {
+        let width = self.covered.len().saturating_sub(3);
+        let inputs = window.exogenous.chunks_exact(width.max(1));
+        for (state, inputs) in states.as_chunks::<3>().0.iter().zip(inputs) {
+            self.samples += 1;
+            for (i, value) in state.iter().chain(inputs).enumerate().take(self.covered.len()) {
+                let Covered { low, high, .. } = self.covered[i];
+                self.outside[i] += u64::from(!(low..=high).contains(value));
+            }
+        }
+    }
+
+    /// The channels that were outside at all.
+    pub fn outside(&self) -> Vec<Outside> {
+        let found = |(covered, samples): (&Covered, &u64)| Outside {
+            name: covered.name.clone(),
+            unit: covered.unit.clone(),
+            low: covered.low,
+            high: covered.high,
+            samples: *samples,
+            share: *samples as f64 / self.samples.max(1) as f64,
+        };
+        let left = self.covered.iter().zip(&self.outside).filter(|(_, samples)| **samples > 0);
+        left.map(found).collect()
+    }
+}

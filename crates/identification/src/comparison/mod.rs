@@ -1,0 +1,19 @@
+//! A model beside others on recordings that it was not fitted to.
+//!
+//! Every window is simulated freely from its first measured state by each model. How far they are off is told over all windows
+//! and recording by recording, and compared with the mean of the data, which knows nothing of the ship.
+
+mod bands;
+mod compare;
+mod covered;
+mod errors;
+mod simulated;
+mod standing;
+mod verdict;
+
+pub use bands::{Bands, Known};
+pub use compare::{CompareOptions, Compared, Traced, compare};
+pub use covered::Outside;
+pub use errors::{ComparedErrors, ComparedRecording};
+pub use simulated::Contestant;
+pub use standing::{ComparedModel, Difference, Standing};

@@ -1,0 +1,101 @@
+use numerics::statistics::paired_median;
+use vessel::DegreeOfFreedom;
+
+use super::bands::Bands;
+use super::covered::Outside;
+use super::simulated::Simulated;
+use super::standing::{ComparedModel, Difference, Standing};
+use crate::pooled::listed;
+
+/// With fewer recordings than this their windows are compared: no interval of a median has both ends then.
+const FEW: usize = 6;
+
+/// The first of `told` against the others by their error norms: recording by recording, or window by window.
+pub(super) fn differences(told: &[ComparedModel], models: &[Simulated], std: [f64; 3]) -> Vec<Difference> {
+    let by_window = told.first().is_none_or(|first| first.recordings.len() < FEW);
+    let norms = |i: usize| -> Vec<Option<f64>> {
+        match by_window {
+            true => models[i].sums.iter().flatten().map(|sum| sum.errors(std, std).error_norm).collect(),
+            false => told[i].recordings.iter().map(|own| own.errors.error_norm).collect(),
+        }
+    };
+    let first = norms(0);
+    let difference = |i: usize| {
+        let pairs = first.iter().zip(norms(i)).map(|(own, other)| [*own, other]);
+        let [low, median, high] = paired_median(pairs)?;
+        let finite = |x: f64| Some(x).filter(|x| x.is_finite());
+        let (name, pairs) = (told[i].name, first.len() as u64);
+        Some(Difference { name, pairs, median: finite(median), interval: [low, high].map(finite) })
+    };
+    (1..told.len()).filter_map(difference).collect()
+}
+
+/// The verdict on the first of `told`, then what else to know.
+pub(super) fn verdict(
+    told: &[ComparedModel],
+    differences: &[Difference],
+    outside: &[Outside],
+    bands: Option<&Bands>,
+) -> Vec<String> {
+    let mut out: Vec<String> = told.first().map(headline).into_iter().collect();
+    out.extend(differences.iter().map(against));
+    out.extend(outside.iter().map(left));
+    out.extend(bands.map(|b| {
+        let [u, v, r] = [b.inside_u, b.inside_v, b.inside_r].map(|share| 100.0 * share);
+        format!("inside the 95 % bands: u {u:.1} %, v {v:.1} %, r {r:.1} % of the samples")
+    }));
+    out
+}
+
+/// Useless where it diverges or is no better than the mean of the data.
+fn headline(model: &ComparedModel) -> String {
+    let errors = &model.errors;
+    if errors.diverged > 0 {
+        return format!("useless: {} of {} windows diverge", errors.diverged, errors.windows);
+    }
+    let fits: Vec<String> = DegreeOfFreedom::ALL.into_iter().zip(errors.fits()).map(fit).collect();
+    let worse = DegreeOfFreedom::ALL.into_iter().zip(errors.fits());
+    let worse = worse.filter(|(_, fit)| fit.is_some_and(|fit| fit <= 0.0));
+    let worse: Vec<String> = worse.map(|(d, _)| d.name().to_owned()).collect();
+    match worse.len() {
+        0 => format!("fit {}", fits.join(", ")),
+        _ => format!(
+            "useless in {}: no better than the mean of the data (fit {})",
+            listed(&worse),
+            fits.join(", ")
+        ),
+    }
+}
+
+fn fit((d, fit): (DegreeOfFreedom, Option<f64>)) -> String {
+    match fit {
+        Some(fit) => format!("{} {fit:.1} %", d.state()),
+        None => format!("{} does not vary", d.state()),
+    }
+}
+
+fn against(difference: &Difference) -> String {
+    let Difference { name, pairs, median, interval } = difference;
+    let number = |x: &Option<f64>| x.map_or("∞".to_owned(), |x| format!("{x:+.3}"));
+    let [low, high] = interval.each_ref().map(number);
+    let told = match interval {
+        [Some(low), _] if *low > 0.0 => "better than",
+        [_, Some(high)] if *high < 0.0 => "worse than",
+        _ => "not told apart from",
+    };
+    let than = match name {
+        Standing::LeastSquares => "least squares",
+        Standing::Other => "the other model",
+        Standing::Mean | Standing::Model => "the mean of the data",
+    };
+    let median = number(median);
+    format!("{told} {than}: its norm of RMSE/std lies {median} above (95 %: {low} to {high}; {pairs} pairs)")
+}
+
+fn left(outside: &Outside) -> String {
+    let Outside { name, unit, low, high, share, samples } = outside;
+    format!(
+        "{name} leaves the {low:.4} to {high:.4} {unit} that the model was fitted on in {samples} samples ({:.1} %)",
+        100.0 * share
+    )
+}

@@ -1,0 +1,144 @@
+use artifact::Error;
+use identification::comparison::{ComparedErrors, Traced};
+use maud::{Markup, html};
+
+use super::loader::Loader;
+use super::measured::{Measured, fit};
+use super::number::{exact, percent, three_or_dash, three_within};
+use super::parts::{Figures, Section, statements};
+use super::table::{Table, grouped};
+use crate::figures::{Curve, TraceColumn, TraceRow, palette, traces};
+use study::documents::{CompareDocument, traces as columns};
+
+/// Windows beyond this many are not drawn.
+const MOST_WINDOWS: usize = 24;
+
+/// Reads `compare.json` and `compare.parquet`, where there are both.
+pub(super) fn load(loader: &mut Loader) -> Result<Option<(CompareDocument, Vec<Traced>)>, Error> {
+    let found = loader.document("compare.json", "the model on recordings that it was not fitted to")?;
+    let Some(found) = found else { return Ok(None) };
+    let reader =
+        loader.table("compare.parquet", "the model over time on these recordings", ("compare", 1))?;
+    let rows = reader.map(|reader| columns().read(&reader, &Traced::default())).transpose()?;
+    Ok(Some((found, rows.unwrap_or_default())))
+}
+
+/// The model on recordings that it was not fitted to: the verdict, numbers, measured and simulated over time.
+pub(super) fn compared(measured: &Measured, figures: &mut Figures) -> Option<Section> {
+    let (found, trace) = measured.compared.as_ref()?;
+    let body = html! {
+        (about(found))
+        (statements(&found.statements))
+        (models(found))
+        (differences(found))
+        @if !trace.is_empty() { (over_time(trace, figures)) }
+        (recordings(found))
+    };
+    Some(Section::new("compared", "Model on other recordings", "The model on other recordings", body))
+}
+
+fn about(found: &CompareDocument) -> Markup {
+    let windows =
+        found.window_s.map_or("whole recordings".to_owned(), |s| format!("windows of {} s", exact(s)));
+    html! {
+        p {
+            "Each model is simulated freely over " (found.windows) " " (windows) ", " (found.samples)
+            " samples, from the first measured state of each."
+        }
+    }
+}
+
+fn models(found: &CompareDocument) -> Markup {
+    let named = Table::of(&found.models).name("Model", |m| m.name.to_string());
+    html! { (errors(named, |m| &m.errors)) }
+}
+
+/// Adds what the errors are.
+fn errors<'a, R: Copy>(table: Table<R>, of: impl Fn(R) -> &'a ComparedErrors + Copy) -> Table<R> {
+    table
+        .number("Fit u", move |row| fit(of(row).fit_u))
+        .number("Fit v", move |row| fit(of(row).fit_v))
+        .number("Fit r", move |row| fit(of(row).fit_r))
+        .number("RMSE u [m/s]", move |row| three_or_dash(of(row).rmse_u))
+        .number("RMSE v [m/s]", move |row| three_or_dash(of(row).rmse_v))
+        .number("RMSE r [rad/s]", move |row| three_or_dash(of(row).rmse_r))
+        .number("Bias u [m/s]", move |row| three_or_dash(of(row).bias_u))
+        .number("Bias v [m/s]", move |row| three_or_dash(of(row).bias_v))
+        .number("Bias r [rad/s]", move |row| three_or_dash(of(row).bias_r))
+        .number("Error norm", move |row| three_or_dash(of(row).error_norm))
+        .number("Diverged", move |row| of(row).diverged)
+}
+
+fn differences(found: &CompareDocument) -> Markup {
+    let table = Table::of(&found.differences)
+        .name("Against", |d| d.name.to_string())
+        .number("Its error norm lies above by", |d| three_within(d.median, Some(d.interval)))
+        .number("Pairs", |d| d.pairs);
+    html! {
+        (table)
+        p.note {
+            "Median over recordings, or windows where there are few recordings, with its 95 % interval; one that contains 0 \
+             tells no difference. Error norm: norm of RMSE over the standard deviations of u, v, r."
+        }
+        @if let Some(bands) = &found.bands {
+            p.note {
+                "Inside the 95 % bands: u " (percent(bands.inside_u)) ", v " (percent(bands.inside_v)) ", r "
+                (percent(bands.inside_r)) " of the samples. The bands come from the parameters' covariance and the errors on \
+                 the recordings that were fitted."
+            }
+        }
+    }
+}
+
+/// A row per window, as far as they are drawn.
+fn over_time(trace: &[Traced], figures: &mut Figures) -> Markup {
+    let windows: Vec<&[Traced]> =
+        trace.chunk_by(|a, b| a.source == b.source && a.window == b.window).collect();
+    let drawn = &windows[..windows.len().min(MOST_WINDOWS)];
+    let times: Vec<Vec<f64>> = drawn.iter().map(|own| own.iter().map(|row| row.t).collect()).collect();
+    let legend = || vec![("simulated, with its 95 % band".to_owned(), palette::BLUE)];
+    let columns = ["surge speed u [m/s]", "sway speed v [m/s]", "yaw rate r [rad/s]"]
+        .map(|title| TraceColumn { title, legend: legend() });
+    let cell = |own: &[Traced], d: usize| {
+        let band: Vec<f64> = own.iter().filter_map(|row| row.half[d]).collect();
+        let measured = own.iter().map(|row| row.measured[d]).collect();
+        let simulated = own.iter().map(|row| row.simulated[d]).collect();
+        vec![
+            Curve { values: simulated, colour: Some(palette::BLUE), band },
+            Curve { values: measured, colour: None, band: Vec::new() },
+        ]
+    };
+    let row = |(own, t): (&&[Traced], &'_ Vec<f64>)| {
+        (own[0].source.clone(), t.clone(), [0, 1, 2].map(|d| cell(own, d)))
+    };
+    let rows: Vec<_> = drawn.iter().zip(&times).map(row).collect();
+    let rows: Vec<TraceRow> = rows
+        .iter()
+        .zip(drawn)
+        .map(|((name, t, cells), own)| TraceRow {
+            name,
+            note: Some(format!("window {}", own[0].window + 1)),
+            t,
+            cells: cells.to_vec(),
+        })
+        .collect();
+    let caption = html! {
+        b { "Measured (black) and simulated (blue) over time." }
+        " All rows of a column share one axis."
+        @if windows.len() > drawn.len() { " The first " (drawn.len()) " of " (windows.len()) " windows." }
+    };
+    figures.place_wide("compared", traces(&columns, &rows), &caption)
+}
+
+fn recordings(found: &CompareDocument) -> Markup {
+    let rows = grouped(found.models.first(), |model| &model.recordings);
+    let named = Table::of(rows.iter().map(|(_, _, recording)| *recording))
+        .compact()
+        .name("Recording", |r| r.source.as_str())
+        .number("Windows", |r| r.errors.windows);
+    html! {
+        h3 { "Recording by recording" }
+        (errors(named, |r| &r.errors))
+        p.note { "Fits of a recording are against the standard deviations of its own states." }
+    }
+}

@@ -1,0 +1,102 @@
+//! `validate compare`: a model on recordings that it was not fitted to.
+
+use std::path::PathBuf;
+
+use artifact::{Provenance, TableWriter, commit, encode_block, stage_set_document};
+use clap::Parser;
+use identification::comparison::{CompareOptions, Contestant, Known, Standing, compare};
+use serde_json::json;
+use study::documents::{CompareDocument, ModelDocument, traces};
+use study::files::read_vessel;
+use vessel::Vessel;
+
+use super::cross::refused;
+use crate::cli::{Common, beside};
+use crate::failure::Failure;
+use crate::inputs;
+use crate::pool::{RunFlags, samples};
+use crate::stage::{Summary, Task};
+
+/// A model beside least squares, the mean of the data and another model, on any recordings; writes compare.json and
+/// compare.parquet
+#[derive(Parser)]
+#[command(
+    name = "compare",
+    after_help = "Example:\n  validate compare --model model.json --trajectories others.parquet --window-s 100 \
+    --out compare.json"
+)]
+pub struct Arguments {
+    /// The model
+    #[arg(long, value_name = "model.json")]
+    model: PathBuf,
+    #[command(flatten)]
+    of: RunFlags,
+    /// Another model to compare with, of the same channels
+    #[arg(long, value_name = "model.json|vessel.toml")]
+    against: Option<PathBuf>,
+    /// Simulates over windows of this length, side by side [s]; whole runs without it
+    #[arg(long, value_name = "S")]
+    window_s: Option<f64>,
+}
+
+/// What the document is usually called.
+const MAIN: &str = "compare.json";
+
+impl Task for Arguments {
+    fn run(&self, common: &Common) -> Result<Summary, Failure> {
+        let mut provenance = common.provenance("validate");
+        let model: ModelDocument = inputs::document(&self.model, "model", &mut provenance)?;
+        // What the model was fitted to is no part of what it is tried on, but the ship is the same.
+        provenance.forget(&["dictionary", "campaign", "moments", "design", "validation", "estimates"]);
+        let vessel = model.vessel().map_err(|e| Failure::invalid(&self.model, &e))?;
+        let simple = model.by_least_squares().map_err(|e| Failure::invalid(&self.model, &e))?;
+        let other = self.against(&vessel, &mut provenance)?;
+        let rate_hz = vessel.sample_rate_hz;
+        let window = self.window_s.map(|s| samples("--window-s", s, rate_hz)).transpose()?;
+        let inputs = [&self.model].into_iter().chain(&self.against).chain(self.of.inputs());
+        let out = common.main_output(MAIN, inputs)?;
+        let (runs, _) = self.of.read(&vessel, &mut provenance)?;
+        let own = [(Standing::Model, Some(&vessel)), (Standing::Other, other.as_ref())];
+        let all = own.into_iter().chain([(Standing::LeastSquares, simple.as_ref())]);
+        let contestants: Vec<Contestant> = all
+            .filter_map(|(standing, vessel)| {
+                let vessel = vessel?;
+                Some(Contestant { standing, model: &vessel.model, theta: &vessel.nominal })
+            })
+            .collect();
+        let (covariance, rmse) = (model.covariance.as_ref(), model.output_rmse());
+        let known = covariance.zip(rmse).map(|(covariance, rmse)| Known { covariance, rmse });
+        let options = CompareOptions { window, known, covered: &model.covered, rate_hz };
+        let found = compare(&contestants, &runs, &options);
+        let found = found.map_err(|e| refused(&self.of.trajectories, e))?;
+        let settings = [("window_samples", json!(window)), ("runs", json!(self.of.runs))];
+        let given = settings.into_iter().chain([("leave_out", json!(self.of.leave_out))]);
+        provenance.settings.extend(given.map(|(key, value)| (key.to_owned(), value)));
+        let window_s = window.map(|samples| samples as f64 / rate_hz);
+        let document = CompareDocument::new(&vessel.name, window_s, &found);
+        let columns = traces();
+        let table = beside(&out, MAIN, "compare.parquet");
+        let mut writer = TableWriter::create(&table, columns.schema(), &provenance)?.with_document(&out);
+        writer.push(encode_block(columns.schema(), &columns.table(&found.trace))?)?;
+        let members = vec![writer.finish()?];
+        let main = stage_set_document(&out, &provenance, &document, &members)?;
+        commit([main].into_iter().chain(members).collect())?;
+        let told = json!({"windows": found.windows, "statements": found.statements});
+        Ok(Summary::of(&out, format!("{} windows; {}", found.windows, found.statements.join("; ")), told))
+    }
+}
+
+impl Arguments {
+    /// The model to compare with, which must have the channels of `vessel`.
+    fn against(&self, vessel: &Vessel, provenance: &mut Provenance) -> Result<Option<Vessel>, Failure> {
+        let Some(path) = &self.against else { return Ok(None) };
+        let mut own = Provenance::default();
+        let other = read_vessel(path, &mut own)?;
+        provenance.inputs.extend(own.inputs.into_values().map(|digest| ("against".to_owned(), digest)));
+        let same =
+            other.model.variables == vessel.model.variables && other.sample_rate_hz == vessel.sample_rate_hz;
+        let (found, expected) = ("other channels or another rate", "those of --model");
+        let remedy = "compare models of the same logs";
+        if same { Ok(Some(other)) } else { Err(Failure::refuse(path, "model", found, expected, remedy)) }
+    }
+}

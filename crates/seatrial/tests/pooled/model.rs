@@ -1,0 +1,186 @@
+//! `model.json`: what is delivered is what was validated, and every stage takes it for a vessel.
+
+use serde_json::Value;
+
+use crate::support::*;
+use crate::{CROSS, POOL};
+
+const MODEL: &str = "estimate pool --vessel vessel.toml --trajectories campaign.parquet \
+     --runs random/1,optimized/2,optimized/3 --out estimates.parquet";
+const COMPARE: &str = "validate compare --model model.json --trajectories campaign.parquet --runs random/0 --window-s 25 \
+     --out compare.json";
+
+/// The values of a model with `change` made to each, its seal taken away.
+fn with_values(folder: &tempfile::TempDir, change: impl Fn(&str, f64) -> f64) {
+    let mut model = json(folder, "model.json");
+    model["seal"] = Value::Null;
+    for degree in model["data"]["degrees"].as_array_mut().unwrap() {
+        for parameter in degree["parameters"].as_array_mut().unwrap() {
+            let value = change(parameter["name"].as_str().unwrap(), parameter["value"].as_f64().unwrap());
+            parameter["value"] = value.into();
+        }
+    }
+    put(folder, "model.json", &serde_json::to_string_pretty(&model).unwrap());
+}
+
+#[test]
+fn law_the_delivered_model_has_the_fit_that_cross_validation_tells_of_the_same_split() {
+    let folder = with(&["campaign.parquet"]);
+    run(&folder, &format!("{CROSS} --out crossval.json")).succeeds();
+    let crossval = json(&folder, "crossval.json");
+    for estimator in ["ls", "iv", "output-error"] {
+        run(&folder, &format!("{MODEL} --estimator {estimator}")).succeeds();
+        run(&folder, COMPARE).succeeds();
+        let all = crossval["data"]["estimators"].as_array().unwrap();
+        let own = all.iter().find(|e| e["name"] == estimator).unwrap();
+        let left_out = own["sources"].as_array().unwrap().iter().find(|s| s["source"] == "random/0").unwrap();
+        let compared = json(&folder, "compare.json");
+        let model = &compared["data"]["models"][0];
+        assert_eq!((&model["name"], &compared["data"]["windows"]), (&"model".into(), &5.into()));
+        for number in ["fit_u", "fit_v", "fit_r", "rmse_u", "rmse_v", "rmse_r"] {
+            let validated = left_out["errors"][number].as_f64().unwrap();
+            let delivered = model["recordings"][0]["errors"][number].as_f64().unwrap();
+            assert!((validated - delivered).abs() <= 1e-9 * validated.abs(), "{estimator} {number}");
+        }
+    }
+}
+
+#[test]
+fn law_least_squares_of_the_document_is_the_model_that_least_squares_delivers() {
+    let folder = with(&["campaign.parquet"]);
+    run(&folder, &format!("{MODEL} --estimator ls")).succeeds();
+    let simple = json(&folder, "model.json");
+    run(&folder, &format!("{MODEL} --estimator output-error")).succeeds();
+    let model = json(&folder, "model.json");
+    for (simple, model) in
+        simple["data"]["degrees"].as_array().unwrap().iter().zip(model["data"]["degrees"].as_array().unwrap())
+    {
+        assert_eq!(simple["constant"], model["constant_least_squares"]);
+        assert_ne!(simple["constant"], model["constant"]);
+        let values = |degree: &Value, of: &str| -> Vec<Value> {
+            degree["parameters"].as_array().unwrap().iter().map(|p| p[of].clone()).collect()
+        };
+        assert_eq!(values(simple, "value"), values(model, "least_squares"));
+    }
+    let names = model["data"]["covariance"]["names"].as_array().unwrap().len();
+    assert_eq!(model["data"]["covariance"]["entries"].as_array().unwrap().len(), names * names);
+    assert!(model["data"]["covariance"]["joint"].as_bool().unwrap() && names == 10 + 3, "{names}");
+}
+
+#[test]
+fn a_model_stands_for_a_vessel_in_every_stage() {
+    let folder = with(&["campaign.parquet"]);
+    run(&folder, MODEL).succeeds();
+    run(
+        &folder,
+        "simulate dictionary --model model.json --dictionary dictionary.toml --out dictionary.parquet",
+    )
+    .succeeds();
+    run(&folder, "moments --model model.json --trajectories dictionary.parquet --out moments.json")
+        .succeeds();
+    run(&folder, "design --moments moments.json --out design.json").succeeds();
+    run(&folder, "simulate validation --model model.json --campaign campaign.toml --out v.parquet")
+        .succeeds();
+    run(&folder, "estimate --model model.json --trajectories v.parquet --estimator ls --out e.parquet")
+        .succeeds();
+    // The model is its own best estimate: with nothing new it stays what it is.
+    run(
+        &folder,
+        &MODEL
+            .replace("--vessel vessel.toml", "--vessel model.json --allow-mixed")
+            .replace("estimates", "second"),
+    )
+    .succeeds();
+    let constants = |name: &str| -> Vec<f64> {
+        let degrees = json(&folder, name)["data"]["degrees"].clone();
+        degrees.as_array().unwrap().iter().map(|d| d["constant"].as_f64().unwrap()).collect()
+    };
+    for (first, second) in constants("model.json").iter().zip(constants("second-model.json")) {
+        assert!((first - second).abs() < 1e-4, "{first} {second}");
+    }
+}
+
+#[test]
+fn a_model_that_is_of_no_use_is_called_so() {
+    let folder = with(&["campaign.parquet"]);
+    run(&folder, MODEL).succeeds();
+    let statements = |folder: &tempfile::TempDir| -> Vec<String> {
+        run(folder, COMPARE).succeeds();
+        let data = json(folder, "compare.json")["data"].clone();
+        data["statements"].as_array().unwrap().iter().map(|s| s.as_str().unwrap().to_owned()).collect()
+    };
+    assert!(statements(&folder)[0].starts_with("fit u"), "{:?}", statements(&folder));
+    with_values(&folder, |name, value| if name.starts_with("N_tau") { 0.0 } else { value });
+    assert!(statements(&folder)[0].starts_with("useless in"), "{:?}", statements(&folder));
+    with_values(
+        &folder,
+        |name, value| if name.starts_with("X_u") { -3.0 * value.abs().max(1.0) } else { value },
+    );
+    let said = statements(&folder);
+    assert!(said[0].starts_with("useless: ") && said[0].ends_with("windows diverge"), "{said:?}");
+}
+
+#[test]
+fn where_a_model_leaves_what_it_was_fitted_on_is_told() {
+    let folder = with(&["campaign.parquet"]);
+    run(&folder, MODEL).succeeds();
+    let mut model = json(&folder, "model.json");
+    model["seal"] = Value::Null;
+    model["data"]["covered"][0]["high"] = 0.9.into();
+    model["data"]["covered"][0]["low"] = 0.8.into();
+    put(&folder, "model.json", &serde_json::to_string_pretty(&model).unwrap());
+    run(&folder, COMPARE).succeeds();
+    let data = json(&folder, "compare.json")["data"].clone();
+    let outside = data["outside"].as_array().unwrap();
+    assert!(outside.iter().any(|o| o["name"] == "u" && o["samples"].as_u64().unwrap() > 0), "{outside:?}");
+    let statements = data["statements"].to_string();
+    assert!(
+        statements.contains("u leaves the 0.8000 to 0.9000 m/s that the model was fitted on"),
+        "{statements}"
+    );
+}
+
+#[test]
+fn models_and_logs_that_do_not_go_together_are_refused() {
+    let folder = with(&["campaign.parquet"]);
+    run(&folder, MODEL).succeeds();
+    put(&folder, "other.toml", include_str!("../../../../pipelines/kvlcc2/vessel.toml"));
+    refused(
+        &folder,
+        3,
+        &format!("{COMPARE} --against other.toml"),
+        &["other.toml", "other channels", "--model"],
+    );
+    let text = std::fs::read_to_string(folder.path().join("model.json")).unwrap();
+    let seal = json(&folder, "model.json")["seal"].to_string();
+    put(
+        &folder,
+        "model.json",
+        &text.replace(&seal, "null").replace("\"sample_rate_hz\": 8.0", "\"sample_rate_hz\": 4.0"),
+    );
+    refused(&folder, 3, COMPARE, &["campaign.parquet", "4", "8"]);
+    put(
+        &folder,
+        "model.json",
+        &text.replace(&seal, "null").replace("\"name\": \"tau3\"", "\"name\": \"tau_x\""),
+    );
+    refused(&folder, 3, COMPARE, &["model.json", "tau3"]);
+    refused(&folder, 3, &COMPARE.replace("--window-s 25", "--window-s 2500"), &["model.json"]);
+    put(&folder, "model.json", &text);
+    refused(
+        &folder,
+        3,
+        &COMPARE.replace("--window-s 25", "--window-s 2500"),
+        &["no run as long as a window"],
+    );
+    refused(&folder, 3, &COMPARE.replace("random/0", "random/77"), &["run `random/77`"]);
+    refused(&folder, 2, &COMPARE.replace("--model model.json", ""), &["--model"]);
+}
+
+#[test]
+fn the_units_of_a_model_are_those_of_its_numbers() {
+    let folder = with(&["campaign.parquet"]);
+    run(&folder, &format!("{POOL} --runs random/0,random/1 --out estimates.parquet")).succeeds();
+    let units = json(&folder, "model.json")["units"].clone();
+    assert_eq!((&units["constant_u"], &units["value"]), (&"m/s".into(), &"the parameter's unit".into()));
+}

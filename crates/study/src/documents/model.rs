@@ -1,0 +1,256 @@
+use artifact::{Document, Units};
+use identification::pooled::{Covariance, Covered, Delivered, Pool, Pooled, RecordingConstant};
+use identification::{Estimator, MeanRemoval};
+use refusal::check_numbers;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use vessel::{DegreeOfFreedom, InputSpec, Invalid, TermSpec, Variable, Vessel, VesselFile};
+
+/// `model.json`: a model as it was estimated, with all that it takes to simulate it. Every stage that takes a `vessel.toml`
+/// takes it instead.
+///
+/// The state x = (u, v, r) goes from sample to sample by x(k+1) = x(k) + Σ value · term + constant, the terms at sample k.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ModelDocument {
+    /// Name of the vessel.
+    pub vessel: String,
+    /// The sampling rate that the values hold for.
+    pub sample_rate_hz: f64,
+    /// Inputs, in order.
+    pub inputs: Vec<ModelInput>,
+    /// Measured disturbances, in order.
+    pub measured: Vec<ModelChannel>,
+    /// Surge, sway, yaw.
+    pub degrees: Vec<ModelDegree>,
+    /// Covariance of the values; null where some have no standard error.
+    pub covariance: Option<Covariance>,
+    /// The estimator.
+    pub estimator: Estimator,
+    /// How the instruments' mean is removed.
+    pub mean_removal: MeanRemoval,
+    /// Regression pairs.
+    pub samples: u64,
+    /// What each run or recording gains beside the terms.
+    pub recordings: Vec<RecordingConstant>,
+    /// What the data covered: the model is known to hold within.
+    pub covered: Vec<Covered>,
+    /// What to know before using the model, in words.
+    pub statements: Vec<String>,
+}
+
+/// An input.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ModelInput {
+    /// Name as used in terms and as a column.
+    pub name: String,
+    /// Its unit.
+    pub unit: String,
+    /// Another input that this one is coupled to …
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub follows: Option<String>,
+    /// … by this factor.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub factor: Option<f64>,
+}
+
+/// A measured disturbance.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ModelChannel {
+    /// Name as used in terms and as a column.
+    pub name: String,
+    /// Its unit.
+    pub unit: String,
+}
+
+/// The equation of one degree of freedom; its numbers are per sample, in the unit of its state.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ModelDegree {
+    /// `surge`, `sway` or `yaw`.
+    pub name: String,
+    /// The state that gains: `u`, `v` or `r`.
+    pub state: String,
+    /// Its unit.
+    pub unit: String,
+    /// Its terms.
+    pub parameters: Vec<ModelParameter>,
+    /// What the state gains in a sample whatever the vessel does.
+    pub constant: f64,
+    /// The same by least squares, with `least_squares` of the parameters.
+    pub constant_least_squares: Option<f64>,
+    /// Standard deviation of what terms and constant leave of the measured increments.
+    pub increment_std: f64,
+    /// RMSE of free simulations over the recordings that were fitted; null where one diverges.
+    pub output_rmse: Option<f64>,
+}
+
+/// A term with its value.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ModelParameter {
+    /// Its name.
+    pub name: String,
+    /// What it multiplies.
+    pub term: String,
+    /// Its unit.
+    pub unit: String,
+    /// The estimate.
+    pub value: f64,
+    /// Its standard error.
+    pub standard_error: Option<f64>,
+    /// The estimate by least squares of the same data, to be compared with.
+    pub least_squares: Option<f64>,
+    /// The true value, where the logs were simulated.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub truth: Option<f64>,
+}
+
+impl ModelDocument {
+    /// The model that `estimator` found in `pool`; none unless all degrees of freedom have an estimate.
+    pub fn new(pool: &Pool, estimator: Estimator, found: &Pooled) -> Option<Self> {
+        let delivered = found.delivered.as_ref()?;
+        let vessel = pool.vessel;
+        let input = |(i, variable): (usize, &Variable)| {
+            let coupling = vessel.couplings[i];
+            let inputs = vessel.model.input_variables();
+            ModelInput {
+                name: variable.name.clone(),
+                unit: variable.unit.clone(),
+                follows: coupling.map(|(leader, _)| inputs[leader].name.clone()),
+                factor: coupling.map(|(_, factor)| factor),
+            }
+        };
+        let channel = |v: &Variable| ModelChannel { name: v.name.clone(), unit: v.unit.clone() };
+        let degree = |d: DegreeOfFreedom| ModelDegree::new(vessel, delivered, found, d);
+        Some(Self {
+            vessel: vessel.name.clone(),
+            sample_rate_hz: vessel.sample_rate_hz,
+            inputs: vessel.model.input_variables().iter().enumerate().map(input).collect(),
+            measured: vessel.model.variables[3 + vessel.model.inputs..].iter().map(channel).collect(),
+            degrees: DegreeOfFreedom::ALL.into_iter().map(degree).collect(),
+            covariance: delivered.covariance.clone(),
+            estimator,
+            mean_removal: pool.removal,
+            samples: found.samples,
+            recordings: delivered.recordings.clone(),
+            covered: delivered.covered.clone(),
+            statements: found.statements.clone(),
+        })
+    }
+
+    /// The vessel that the model is of, with the estimates as its nominal values.
+    ///
+    /// # Errors
+    /// See [`Vessel::from_file`].
+    pub fn vessel(&self) -> Result<Vessel, Invalid> {
+        self.with(|p| Some(p.value), |d| Some(d.constant)).unwrap_or_else(|| Err(self.incomplete()))
+    }
+
+    /// The same with the least-squares values, where there are any.
+    ///
+    /// # Errors
+    /// See [`Vessel::from_file`].
+    pub fn by_least_squares(&self) -> Result<Option<Vessel>, Invalid> {
+        self.with(|p| p.least_squares, |d| d.constant_least_squares).transpose()
+    }
+
+    /// RMSE of u, v, r over the recordings that were fitted; none where a simulation diverges.
+    pub fn output_rmse(&self) -> Option<[f64; 3]> {
+        let all: Option<Vec<f64>> = self.degrees.iter().map(|degree| degree.output_rmse).collect();
+        all.and_then(|all| all.try_into().ok())
+    }
+
+    fn incomplete(&self) -> Invalid {
+        let found = format!("{} degrees of freedom", self.degrees.len());
+        Invalid::new("data.degrees", found, "surge, sway and yaw", "estimate the model again")
+    }
+
+    fn with(
+        &self,
+        value: impl Fn(&ModelParameter) -> Option<f64>,
+        constant: impl Fn(&ModelDegree) -> Option<f64>,
+    ) -> Option<Result<Vessel, Invalid>> {
+        let [surge, sway, yaw] = self.degrees.as_slice() else { return None };
+        let term = |p: &ModelParameter| {
+            let (parameter, term) = (p.name.clone(), p.term.clone());
+            Some(TermSpec { parameter, term, value: None, nominal: value(p)? })
+        };
+        let terms = |degree: &ModelDegree| degree.parameters.iter().map(term).collect::<Option<Vec<_>>>();
+        let input = |input: &ModelInput| InputSpec {
+            name: input.name.clone(),
+            unit: input.unit.clone(),
+            follows: input.follows.clone(),
+            factor: input.factor,
+        };
+        let channel = |c: &ModelChannel| Variable { name: c.name.clone(), unit: c.unit.clone() };
+        Some(Vessel::from_file(VesselFile {
+            name: Some(self.vessel.clone()),
+            sample_rate_hz: Some(self.sample_rate_hz),
+            input: self.inputs.iter().map(input).collect(),
+            measured: self.measured.iter().map(channel).collect(),
+            surge: terms(surge)?,
+            sway: terms(sway)?,
+            yaw: terms(yaw)?,
+            constant: [constant(surge)?, constant(sway)?, constant(yaw)?],
+            ..VesselFile::default()
+        }))
+    }
+}
+
+impl ModelDegree {
+    fn new(vessel: &Vessel, delivered: &Delivered, found: &Pooled, degree: DegreeOfFreedom) -> Self {
+        let d = degree as usize;
+        let own = vessel.model.layout().terms(d);
+        let trust = &found.degrees[d].parameters;
+        let least_squares = delivered.least_squares.as_ref();
+        let parameter = |(i, place): (usize, usize)| ModelParameter {
+            name: trust[i].name.clone(),
+            term: trust[i].term.clone(),
+            unit: trust[i].unit.clone(),
+            value: delivered.theta[place],
+            standard_error: trust[i].standard_error,
+            least_squares: least_squares.map(|(theta, _)| theta[place]),
+            truth: vessel.value[place],
+        };
+        Self {
+            name: degree.name().to_owned(),
+            state: degree.state().to_owned(),
+            unit: degree.unit().to_owned(),
+            parameters: own.enumerate().map(parameter).collect(),
+            constant: delivered.constant[d],
+            constant_least_squares: least_squares.map(|(_, constant)| constant[d]),
+            increment_std: delivered.increment_std[d],
+            output_rmse: delivered.output_rmse.map(|rmse| rmse[d]),
+        }
+    }
+}
+
+impl Document for ModelDocument {
+    const ID: &'static str = "model";
+    const VERSION: u32 = 1;
+    const UNITS: Units = &[
+        ("Hz", "sample_rate_hz"),
+        ("1", "samples factor"),
+        ("the parameter's unit", "value standard_error least_squares truth"),
+        ("the unit of the row's name times that of the column's", "entries"),
+        ("the state's unit", "constant constant_least_squares increment_std output_rmse"),
+        ("the channel's unit", "low high"),
+        ("m/s", "constant_u constant_v"),
+        ("rad/s", "constant_r"),
+    ];
+
+    fn check(&self) -> Result<(), Invalid> {
+        let covered = self.covered.iter().map(|c| (format!("covered of {}", c.name), c.high - c.low));
+        check_numbers(covered, "low below high", |width| width >= 0.0)?;
+        let names = self.covariance.as_ref().map_or(0, |c| c.names.len());
+        let entries = self.covariance.as_ref().map_or(0, |c| c.entries.len());
+        if entries != names * names {
+            let (found, expected) = (format!("{entries} entries"), format!("{names} rows and columns"));
+            return Err(Invalid::new("data.covariance", found, expected, "estimate the model again"));
+        }
+        self.vessel().map(|_| ())
+    }
+}
