@@ -1,9 +1,9 @@
 use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use thiserror::Error;
 
-use super::folds::{Fold, folds};
+use super::error::CrossError;
+use super::folds::{Fold, Folds, folds};
 use crate::pooled::{Estimated, FreeRunErrors, Part, Pool, PooledRuns, Score, deviations, listed};
 use crate::{Contender, Estimator, Recommendation, ScoreStatus};
 
@@ -14,8 +14,8 @@ pub struct CrossOptions {
     pub estimators: Vec<Estimator>,
     /// Length of the windows in samples; none: whole runs.
     pub window: Option<usize>,
-    /// Number of folds; none: every run or recording is left out on its own.
-    pub folds: Option<usize>,
+    /// What is left out at a time.
+    pub folds: Folds,
 }
 
 /// Estimators compared by free simulation over runs or recordings that were left out of the estimate.
@@ -75,17 +75,6 @@ pub struct SourceScore {
     pub error_norm: Option<f64>,
 }
 
-/// Why nothing can be left out.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
-pub enum CrossError {
-    /// There is one run or recording only.
-    #[error("one run or recording, of which none can be left out")]
-    OneSource,
-    /// No run is as long as a window.
-    #[error("no run is as long as a window")]
-    NoWindow,
-}
-
 /// The data, cut for fitting and for simulating.
 struct Cut<'a> {
     pool: &'a Pool<'a>,
@@ -115,7 +104,8 @@ pub fn cross_validate(
     done: &(dyn Fn(usize) + Sync),
 ) -> Result<CrossValidation, CrossError> {
     let cut = Cut::new(pool, runs, options)?;
-    let folds = folds(cut.windows.len(), options.folds);
+    let sources: Vec<&str> = cut.windows.iter().map(|(source, _)| source.as_str()).collect();
+    let folds = folds(&sources, &options.folds)?;
     let score = |estimator: &Estimator| {
         let fold = |fold: &Fold| {
             let tried = cut.fold(fold, *estimator);

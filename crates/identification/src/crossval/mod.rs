@@ -1,6 +1,9 @@
 //! Cross-validation: models simulated over runs or recordings that were left out of their estimate.
 
 mod cross;
+mod error;
 mod folds;
 
-pub use cross::{CrossError, CrossOptions, CrossValidation, EstimatorScore, SourceScore, cross_validate};
+pub use cross::{CrossOptions, CrossValidation, EstimatorScore, SourceScore, cross_validate};
+pub use error::CrossError;
+pub use folds::Folds;

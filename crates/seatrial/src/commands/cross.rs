@@ -5,7 +5,7 @@ use std::path::Path;
 use artifact::{commit, stage_document};
 use clap::Parser;
 use identification::Estimator;
-use identification::crossval::{CrossError, CrossOptions, cross_validate};
+use identification::crossval::{CrossError, CrossOptions, Folds, cross_validate};
 use serde_json::json;
 use study::documents::CrossvalDocument;
 use study::files::read_vessel;
@@ -36,6 +36,9 @@ pub struct Arguments {
     /// Deals runs or recordings in turns into N folds; without it each is left out on its own
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(2..))]
     folds: Option<u16>,
+    /// Leaves these runs or recordings out together; again for the next fold
+    #[arg(long, value_name = "NAME,…", conflicts_with = "folds")]
+    fold: Vec<String>,
 }
 
 impl Task for Arguments {
@@ -45,9 +48,17 @@ impl Task for Arguments {
         let window = self.window_s.map(|s| samples("--window-s", s, vessel.sample_rate_hz)).transpose()?;
         let out = common.main_output("crossval.json", self.flags.inputs())?;
         let (runs, pool) = self.flags.read(&vessel, &mut provenance)?;
-        let options =
-            CrossOptions { estimators: self.estimators.clone(), window, folds: self.folds.map(usize::from) };
-        let folds = options.folds.unwrap_or(usize::MAX).min(runs.sources().len());
+        let names = |fold: &String| fold.split(',').map(|name| name.trim().to_owned()).collect();
+        let folds = match (self.fold.is_empty(), self.folds) {
+            (false, _) => Folds::Named(self.fold.iter().map(names).collect()),
+            (true, Some(count)) => Folds::Dealt(usize::from(count)),
+            (true, None) => Folds::Each,
+        };
+        let options = CrossOptions { estimators: self.estimators.clone(), window, folds };
+        let folds = match self.fold.len() {
+            0 => self.folds.map_or(usize::MAX, usize::from).min(runs.sources().len()),
+            named => named,
+        };
         let progress = Progress::new("folds", folds * self.estimators.len(), common.quiet);
         let found = cross_validate(&pool, &runs, &options, &|count| progress.advance(count));
         let found = found.map_err(|e| refused(&self.flags.of.trajectories, e))?;
@@ -55,7 +66,8 @@ impl Task for Arguments {
             ("estimators", json!(self.estimators)),
             ("intercepts", json!(true)),
             ("window_samples", json!(window)),
-            ("folds", json!(options.folds)),
+            ("folds", json!(self.folds)),
+            ("fold", json!(self.fold)),
         ];
         self.flags.note(settings, &mut provenance);
         let window_s = window.map(|samples| samples as f64 / vessel.sample_rate_hz);
@@ -73,13 +85,23 @@ impl Task for Arguments {
 
 /// Why there is nothing to simulate over, of runs of `file`.
 pub fn refused(file: &Path, error: CrossError) -> Failure {
+    let unknown = |name: String| format!("run or recording `{name}`");
     let [thing, found, expected, remedy] = match error {
         CrossError::OneSource => {
             ["runs or recordings", "one", "at least two, so that one can be left out", "add runs"]
+                .map(str::to_owned)
         }
         CrossError::NoWindow => {
-            ["windows", "no run as long as a window", "at least one", "shorten --window-s"]
+            ["windows", "no run as long as a window", "at least one", "shorten --window-s"].map(str::to_owned)
+        }
+        CrossError::Unknown { name, nearest } => {
+            let remedy = format!("did you mean `{nearest}`?");
+            [unknown(name), "no such run or recording".into(), "one of those that are read".into(), remedy]
+        }
+        CrossError::Twice(name) => {
+            let remedy = "name it in one --fold".into();
+            [unknown(name), "in two folds".into(), "each left out once".into(), remedy]
         }
     };
-    Failure::refuse(file, thing, found, expected, remedy)
+    Failure::refuse(file, &thing, &found, &expected, &remedy)
 }

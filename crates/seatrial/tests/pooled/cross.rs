@@ -40,6 +40,27 @@ fn folds_are_dealt_in_turns() {
 }
 
 #[test]
+fn folds_can_be_named() {
+    let folder = with(&["campaign.parquet"]);
+    let line =
+        format!("{CROSS} --estimators ls --out crossval.json --fold random/1,optimized/3 --fold random/0");
+    run(&folder, &line).succeeds();
+    assert_eq!(json(&folder, "crossval.json")["data"]["folds"], 2);
+    let found = estimators(&folder);
+    let left_out: Vec<&str> =
+        found[0]["sources"].as_array().unwrap().iter().map(|s| s["source"].as_str().unwrap()).collect();
+    assert_eq!(left_out, ["random/0", "random/1", "optimized/3"]);
+    refused(
+        &folder,
+        3,
+        &line.replace("random/0 ", "random/0").replace("--fold random/0", "--fold random/9"),
+        &["`random/9`", "did you mean"],
+    );
+    refused(&folder, 3, &format!("{line},random/1"), &["`random/1`", "two folds", "--fold"]);
+    refused(&folder, 2, &format!("{line} --folds 2"), &["--folds", "cannot be used with"]);
+}
+
+#[test]
 fn an_estimator_that_cannot_be_simulated_is_told_and_not_recommended() {
     let folder = with(&["dictionary.parquet"]);
     let line = "validate cross --vessel vessel.toml --trajectories dictionary.parquet --runs 0,1,2 --estimators iv --out c.json";
