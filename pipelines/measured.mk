@@ -11,6 +11,9 @@ POOL_FLAGS      ?= --nominal least-squares
 ESTIMATOR       ?= auto
 BOOTSTRAP       ?= 1000
 CROSS_FLAGS     ?=
+# Recordings that a second model is not fitted to and is then tried on (names with commas between); none: no such test
+TEST            ?=
+TEST_FLAGS      ?=
 MOMENTS_FLAGS   ?= --instruments regressors
 SELECTION_FLAGS ?= --estimator iv --nominal least-squares
 SELECTED        ?=
@@ -44,6 +47,15 @@ $(MEASURED)/estimates.parquet: $(MEASURED)/trajectories.parquet $(STUDY)/study.m
 $(MEASURED)/crossval.json: $(MEASURED)/trajectories.parquet $(STUDY)/study.mk
 	$(BIN)/validate cross $(LOGGED) $(RECORDED) $(POOL_FLAGS) $(CROSS_FLAGS) $(FLAGS) --out $@
 
+# Fitted to the others, tried on those of TEST
+$(MEASURED)/test/estimates.parquet: $(MEASURED)/trajectories.parquet $(STUDY)/study.mk
+	@mkdir -p $(@D)
+	$(BIN)/estimate pool $(LOGGED) $(RECORDED) --leave-out "$(TEST)" --estimator $(ESTIMATOR) $(POOL_FLAGS) $(FLAGS) --out $@
+
+$(MEASURED)/compare.json: $(MEASURED)/test/estimates.parquet
+	$(BIN)/validate compare --model $(MEASURED)/test/model.json --trajectories $(MEASURED)/trajectories.parquet $(RECORDED) \
+	  --runs "$(TEST)" $(TEST_FLAGS) $(FLAGS) --out $@
+
 $(MEASURED)/moments.json: $(MEASURED)/trajectories.parquet $(STUDY)/study.mk
 	$(BIN)/moments $(LOGGED) $(MOMENTS_FLAGS) $(FLAGS) --out $@
 
@@ -59,5 +71,5 @@ PUBLISHED = $(wildcard $(STUDY)/reference.toml)
 $(MEASURED)/selection.parquet: $(MEASURED)/trajectories.parquet $(MEASURED)/design.json $(PUBLISHED)
 	$(BIN)/validate selection $(LOGGED) --design $(MEASURED)/design.json $(addprefix --reference ,$(PUBLISHED)) $(SELECTION_FLAGS) $(FLAGS) --out $@
 
-$(MEASURED)/report.html: $(MEASURED)/estimates.parquet $(MEASURED)/crossval.json $(if $(SELECTED),$(MEASURED)/selection.parquet) $(BIN)/.built
+$(MEASURED)/report.html: $(MEASURED)/estimates.parquet $(MEASURED)/crossval.json $(if $(SELECTED),$(MEASURED)/selection.parquet) $(if $(TEST),$(MEASURED)/compare.json) $(BIN)/.built
 	$(BIN)/report --study $(STUDY) --results $(MEASURED) $(FLAGS) --out $@

@@ -4,4 +4,5 @@ ESTIMATOR  ?= output-error
 BOOTSTRAP  ?= 200
 # Recordings of 66 to 210 s in pieces of at most 100 s. The propeller's speed is constant: `iv` refuses surge.
 POOL_FLAGS := --nominal least-squares --part-s 100
+TEST       ?= kvlcc2_hsva_Z_10_05,kvlcc2_hsva_Z_20_10_S,kvlcc2_hsva_Z_35_05
 include pipelines/measured.mk

@@ -12,6 +12,7 @@
 
 mod batch;
 pub mod comparison;
+pub mod criticism;
 pub mod crossval;
 mod estimate;
 mod estimator;

@@ -1,3 +1,4 @@
+use identification::criticism::{Absent, Criticism};
 use maud::{Markup, display, html};
 
 use super::measured::{Measured, fit, free_runs};
@@ -13,6 +14,7 @@ pub(super) fn trust(measured: &Measured) -> Section {
         Some(found) => html! {
             (about(found))
             (statements(&found.statements))
+            @if let Some(criticism) = &found.criticism { (structure(criticism)) }
             (tests(found))
             @for degree in &found.degrees { (parameters(degree)) }
             (runs(&found.runs))
@@ -30,6 +32,33 @@ fn about(found: &TrustDocument) -> Markup {
             "; standard errors with " (found.bandwidth) " lags"
             @if found.replicates > 0 { "; bootstrap of " (found.replicates) " resamples" }
             "."
+        }
+    }
+}
+
+/// Rows of the table of what the model may lack.
+const MOST_ABSENT: usize = 12;
+
+/// What the model lacks, or would have to lack to be noticed.
+fn structure(found: &Criticism) -> Markup {
+    let numbers = |values: &[f64]| values.iter().map(|x| three(*x)).collect::<Vec<_>>().join(", ");
+    let table = Table::of(found.absent.iter().take(MOST_ABSENT))
+        .compact()
+        .mark("main", |a| found.rejected && a.candidate)
+        .name("Not in the model", Absent::told)
+        .number("If added", |a| numbers(&a.value))
+        .number("Standard error", |a| numbers(&a.standard_error))
+        .text("Unit", |a| unit(&a.unit))
+        .number("Seen from", |a| three(a.visible_from))
+        .number("p", |a| probability(a.p_value));
+    html! {
+        h3 { "What the model lacks" }
+        (table)
+        p.note {
+            "Score tests of whitened errors, p after Holm's method. Noise found: u " (three(found.noise_u)) " m/s, v "
+            (three(found.noise_v)) " m/s, r " (three(found.noise_r)) " rad/s, current " (three(found.current_std)) " m/s"
+            @if let Some(time) = found.current_time_s { " changing within " (three(time)) " s" }
+            ". Seen from: what these recordings would nearly always have shown."
         }
     }
 }

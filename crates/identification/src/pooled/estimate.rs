@@ -1,8 +1,12 @@
 use thiserror::Error;
+use vessel::RunView;
 
 use super::statements::statements;
 use super::trust::Judge;
-use super::{DegreeTrust, Delivered, Judgement, LostInstruments, Part, Pool, PooledRuns, SourceErrors};
+use super::{
+    DegreeTrust, Delivered, Estimated, Judgement, LostInstruments, Part, Pool, PooledRuns, SourceErrors,
+};
+use crate::criticism::{Criticism, Subject, criticise};
 use crate::{EstimateStatus, Estimator, RunEstimate};
 
 /// One estimate from all runs, and how far it can be trusted.
@@ -24,6 +28,8 @@ pub struct Pooled {
     pub statements: Vec<String>,
     /// The whole model; none unless all degrees of freedom have an estimate.
     pub delivered: Option<Delivered>,
+    /// What the model lacks; none where it diverges or has no estimate.
+    pub criticism: Option<Criticism>,
 }
 
 impl Pooled {
@@ -78,14 +84,43 @@ pub fn estimate(
     let degrees = judge.degrees();
     let sources = judge.sources(runs);
     let lost = found.diverged.as_ref().map(LostInstruments::to_string);
+    let criticism = criticism(pool, &found, runs);
+    let criticised = criticism.iter().flat_map(|found| &found.statements).cloned();
     Ok(Pooled {
         design: runs.design().to_owned(),
         parts: parts.len(),
         samples: parts.iter().map(|p| p.samples() as u64).sum(),
         bandwidth: judge.bandwidth(),
-        statements: lost.into_iter().chain(statements(&degrees)).collect(),
+        statements: lost.into_iter().chain(criticised).chain(statements(&degrees)).collect(),
         delivered: Delivered::new(pool, &found, &parts, &degrees, &sources),
         degrees,
         sources,
+        criticism,
+    })
+}
+
+/// Most samples that are looked at for what the model lacks.
+const MOST_CRITICISED: usize = 300_000;
+
+/// What the model lacks, by the first recordings up to [`MOST_CRITICISED`] samples, whole ones.
+fn criticism(pool: &Pool, found: &Estimated, runs: &PooledRuns) -> Option<Criticism> {
+    let parameters = found.parameters(&pool.model)?;
+    let mut samples = 0;
+    let recordings: Vec<Part> = runs
+        .windows(None)
+        .flat_map(|(_, whole)| whole)
+        .take_while(|recording| {
+            samples += recording.samples();
+            samples <= MOST_CRITICISED
+        })
+        .collect();
+    let views: Vec<RunView> = recordings.iter().map(Part::view).collect();
+    criticise(&Subject {
+        model: &pool.model,
+        parameters: &parameters,
+        runs: &views,
+        rate_hz: pool.vessel.sample_rate_hz,
+        known_start: false,
+        levels: None,
     })
 }

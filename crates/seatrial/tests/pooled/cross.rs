@@ -49,7 +49,7 @@ fn folds_can_be_named() {
     let found = estimators(&folder);
     let left_out: Vec<&str> =
         found[0]["sources"].as_array().unwrap().iter().map(|s| s["source"].as_str().unwrap()).collect();
-    assert_eq!(left_out, ["random/0", "random/1", "optimized/3"]);
+    assert_eq!(left_out, ["optimized/3", "random/0", "random/1"]);
     refused(
         &folder,
         3,

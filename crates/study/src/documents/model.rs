@@ -35,6 +35,8 @@ pub struct ModelDocument {
     pub recordings: Vec<RecordingConstant>,
     /// What the data covered: the model is known to hold within.
     pub covered: Vec<Covered>,
+    /// Whether the data reject the structure; null where that could not be tried.
+    pub rejected: Option<bool>,
     /// What to know before using the model, in words.
     pub statements: Vec<String>,
 }
@@ -137,6 +139,7 @@ impl ModelDocument {
             samples: found.samples,
             recordings: delivered.recordings.clone(),
             covered: delivered.covered.clone(),
+            rejected: found.criticism.as_ref().map(|found| found.rejected),
             statements: found.statements.clone(),
         })
     }

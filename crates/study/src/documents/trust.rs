@@ -1,4 +1,5 @@
 use artifact::{Document, Units};
+use identification::criticism::Criticism;
 use identification::pooled::{DegreeTrust, NominalSource, Pool, Pooled, SourceErrors};
 use identification::{Estimator, MeanRemoval};
 use schemars::JsonSchema;
@@ -32,6 +33,9 @@ pub struct TrustDocument {
     pub degrees: Vec<DegreeTrust>,
     /// Free simulation over every run or recording.
     pub runs: Vec<SourceErrors>,
+    /// What the model lacks; absent where the model diverges or has no estimate.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub criticism: Option<Criticism>,
 }
 
 impl TrustDocument {
@@ -56,6 +60,7 @@ impl TrustDocument {
             statements: found.statements.clone(),
             degrees: found.degrees.clone(),
             runs: found.sources.clone(),
+            criticism: found.criticism.clone(),
         }
     }
 }
@@ -66,11 +71,13 @@ impl Document for TrustDocument {
     const UNITS: Units = &[
         ("1", "prior parts sources samples bandwidth replicates condition condition_index variation"),
         ("1", "instrument_strength correlation statistic lags p_value first_autocorrelation strongest"),
-        ("1", "diverged"),
+        ("1", "diverged error_ratio evidence"),
+        ("the unit beside it", "value visible_from"),
         ("the parameter's unit", "estimate standard_error bootstrap_std bootstrap_low bootstrap_high"),
         ("samples", "lag"),
         ("%", "instrument_fit fit_u fit_v fit_r"),
-        ("m/s", "rmse_u rmse_v"),
-        ("rad/s", "rmse_r"),
+        ("m/s", "rmse_u rmse_v noise_u noise_v current_std"),
+        ("rad/s", "rmse_r noise_r"),
+        ("s", "current_time_s"),
     ];
 }

@@ -1,0 +1,70 @@
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::pooled::Whiteness;
+
+/// What the runs say about the structure of a model.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Criticism {
+    /// Whether something is missing beyond chance.
+    pub rejected: bool,
+    /// The smallest probability of what was looked for, after Holm; null where nothing could be looked for.
+    pub p_value: Option<f64>,
+    /// Whether the noise was stated; else it was found by its likelihood.
+    pub stated_noise: bool,
+    /// Noise of the measured u.
+    pub noise_u: f64,
+    /// Of v.
+    pub noise_v: f64,
+    /// Of r.
+    pub noise_r: f64,
+    /// Standard deviation of each component of the current.
+    pub current_std: f64,
+    /// Over which the current changes; null for one that is new at every sample.
+    pub current_time_s: Option<f64>,
+    /// Errors over the noise: 1 where the noise explains them.
+    pub error_ratio: f64,
+    /// Whether the whitened errors of u, v, r are white.
+    pub whiteness: Vec<Whiteness>,
+    /// What was looked for, the most likely first.
+    pub absent: Vec<Absent>,
+    /// What could not be told from the terms that there are.
+    pub hidden: Vec<String>,
+    /// The verdict and what follows, in words.
+    pub statements: Vec<String>,
+}
+
+/// Something that the model lacks.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Absent {
+    /// A term, `lag of the inputs`, `delay of the inputs` or `current`.
+    pub name: String,
+    /// `surge`, `sway` or `yaw`; null for what acts in all.
+    pub degree: Option<String>,
+    /// Unit of the values.
+    pub unit: String,
+    /// What it would be if it were added: one value, north and east of a current.
+    pub value: Vec<f64>,
+    /// Standard error of each.
+    pub standard_error: Vec<f64>,
+    /// The least that these runs would nearly always have shown.
+    pub visible_from: f64,
+    /// Probability of a larger one by chance, after Holm.
+    pub p_value: f64,
+    /// −2 log of the probability before Holm, by which candidates are ranked.
+    pub evidence: f64,
+    /// Whether it may be what is missing: no other is likelier by far.
+    pub candidate: bool,
+}
+
+impl Absent {
+    /// `r |r|` in yaw.
+    pub fn told(&self) -> String {
+        match &self.degree {
+            Some(degree) => format!("`{}` in {degree}", self.name),
+            None => self.name.clone(),
+        }
+    }
+}

@@ -1,0 +1,137 @@
+use vessel::{Degree, DegreeOfFreedom, Model, Term, Variable};
+
+use super::score::Group;
+
+/// Terms of surge: even where port and starboard are swapped.
+const EVEN: [&str; 8] = ["u", "u |u|", "u^3", "v r", "v^2", "r^2", "u v^2", "u r^2"];
+/// Terms of sway and yaw: odd.
+const ODD: [&str; 12] =
+    ["v", "r", "u v", "u r", "v |v|", "r |r|", "v |r|", "|v| r", "v^3", "r^3", "v^2 r", "v r^2"];
+
+/// What acts on the states besides terms, a column in each degree of freedom.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Effect {
+    /// Inputs act later by a first-order lag.
+    Lag,
+    /// Inputs act a sample later.
+    Delay,
+    /// A steady current, in axes that stay with the earth: north and east.
+    Current(usize),
+}
+
+impl Effect {
+    pub const ALL: [Self; 4] = [Self::Lag, Self::Delay, Self::Current(0), Self::Current(1)];
+
+    /// A plain name for its channel in degree of freedom `d`.
+    fn channel(self, d: usize) -> String {
+        let name = match self {
+            Self::Lag => "lag",
+            Self::Delay => "delay",
+            Self::Current(axis) => ["north", "east"][axis],
+        };
+        format!("_{name}_{}", DegreeOfFreedom::ALL[d].name())
+    }
+}
+
+/// Something that a model may lack.
+#[derive(Clone, Debug)]
+pub(super) struct Candidate {
+    /// The degree of freedom of a term.
+    pub degree: Option<DegreeOfFreedom>,
+    /// What it is called: `r |r|`, `lag`, `current`.
+    pub name: String,
+    /// Units of its values.
+    pub unit: String,
+    /// Its columns.
+    pub group: Group,
+}
+
+/// The model with all that it may lack as further terms, whose parameters are zero.
+#[derive(Clone, Debug)]
+pub(super) struct Lifted {
+    /// The terms of the model, then the others, degree by degree; channels of effects behind its own.
+    pub model: Model,
+    /// Places of the parameters of the original among those of `model`.
+    pub known: Vec<usize>,
+    /// Places of the others.
+    pub others: Vec<usize>,
+    /// What may be lacking, with columns among `others`.
+    pub candidates: Vec<Candidate>,
+}
+
+impl Lifted {
+    /// Of `model`, with the effects' channels appended to its own.
+    pub fn new(model: &Model) -> Self {
+        let mut lifted = model.clone();
+        for effect in Effect::ALL {
+            let channels = (0..3).map(|d| Variable { name: effect.channel(d), unit: String::new() });
+            lifted.variables.extend(channels);
+        }
+        let names: Vec<String> = lifted.variables.iter().map(|v| v.name.clone()).collect();
+        let names: Vec<&str> = names.iter().map(String::as_str).collect();
+        let (mut known, mut others, mut candidates) = (Vec::new(), Vec::new(), Vec::new());
+        let mut effects = Effect::ALL.map(|_| Vec::new());
+        let mut place = 0;
+        for (degree, own) in DegreeOfFreedom::ALL.into_iter().zip(&mut lifted.degrees) {
+            known.extend(place..place + own.terms.len());
+            place += own.terms.len();
+            for (name, term) in absent(model, degree, &names) {
+                candidates.push(Candidate {
+                    degree: Some(degree),
+                    unit: model_unit(model, degree, &term),
+                    name,
+                    group: Group { unknowns: vec![vec![others.len()]] },
+                });
+                push(own, term, &mut others, &mut place);
+            }
+            for (effect, columns) in Effect::ALL.into_iter().zip(&mut effects) {
+                let Ok(term) = Term::parse(&effect.channel(degree as usize), &names) else { continue };
+                columns.push(others.len());
+                push(own, term, &mut others, &mut place);
+            }
+        }
+        let [lag, delay, north, east] = effects;
+        let mut add = |name: &str, unit: &str, unknowns: Vec<Vec<usize>>| {
+            let (name, unit, group) = (name.to_owned(), unit.to_owned(), Group { unknowns });
+            candidates.push(Candidate { degree: None, name, unit, group });
+        };
+        if model.inputs > 0 {
+            add("lag of the inputs", "s", vec![lag]);
+            add("delay of the inputs", "samples", vec![delay]);
+        }
+        add("current", "m/s", vec![north, east]);
+        Self { model: lifted, known, others, candidates }
+    }
+
+    /// Parameters of `model` from those of the original.
+    pub fn parameters<X: Copy>(&self, known: &[X], zero: X) -> Vec<X> {
+        let mut all = vec![zero; self.model.parameters()];
+        self.known.iter().zip(known).for_each(|(place, value)| all[*place] = *value);
+        all
+    }
+}
+
+fn push(degree: &mut Degree, term: Term, others: &mut Vec<usize>, place: &mut usize) {
+    degree.parameters.push(term.text.clone());
+    degree.terms.push(term);
+    others.push(*place);
+    *place += 1;
+}
+
+/// Terms of the library that `degree` of `model` lacks; the constant where it has none.
+fn absent(model: &Model, degree: DegreeOfFreedom, names: &[&str]) -> Vec<(String, Term)> {
+    let own = &model.degrees[degree as usize].terms;
+    let texts: &[&str] = if degree == DegreeOfFreedom::Surge { &EVEN } else { &ODD };
+    let parsed = texts.iter().filter_map(|text| Some(((*text).to_owned(), Term::parse(text, names).ok()?)));
+    let sorted = |term: &Term| {
+        let mut factors: Vec<(usize, bool)> = term.factors.iter().map(|f| (f.variable, f.modulus)).collect();
+        factors.sort_unstable();
+        factors
+    };
+    parsed.filter(|(_, term)| own.iter().all(|known| sorted(known) != sorted(term))).collect()
+}
+
+fn model_unit(model: &Model, degree: DegreeOfFreedom, term: &Term) -> String {
+    let units: Vec<&str> = term.factors.iter().map(|f| model.variables[f.variable].unit.as_str()).collect();
+    format!("{} per ({})", degree.unit(), units.join(" × "))
+}

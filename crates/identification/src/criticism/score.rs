@@ -1,0 +1,149 @@
+use numerics::{distributions::chi_square_tail, inverse, times};
+
+use crate::predictor::Linear;
+
+/// Signals of which less than this share is left beside what was estimated cannot be told from it.
+const LEFT: f64 = 1e-7;
+
+/// One thing that the model may lack: unknowns that are zero in the model, each a sum of columns.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Group {
+    /// Per unknown the columns that act together.
+    pub unknowns: Vec<Vec<usize>>,
+}
+
+/// The score test of a group.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Score {
+    /// T = sᵀV⁻¹s over the errors' variance.
+    pub statistic: f64,
+    /// Degrees of freedom.
+    pub freedom: usize,
+    /// log P(χ² ≥ T).
+    pub log_p: f64,
+    /// What each unknown would be if the group were added.
+    pub values: Vec<f64>,
+    /// Standard errors of these.
+    pub standard_errors: Vec<f64>,
+}
+
+/// Whitened errors and sensitivities of all runs, with what was estimated taken out.
+#[derive(Clone, Debug)]
+pub(super) struct Projected {
+    columns: usize,
+    /// s = W⊥ᵀ w⊥ of every column.
+    scores: Vec<f64>,
+    /// V = W⊥ᵀ W⊥, columns × columns.
+    covariance: Vec<f64>,
+    /// WᵀW's diagonal, before.
+    whole: Vec<f64>,
+    /// Σ w⊥², and its degrees of freedom.
+    pub squares: f64,
+    pub freedom: f64,
+}
+
+impl Projected {
+    /// Of white `sums`, of whose columns the first `estimated` are estimated unknowns. None where these are singular.
+    pub fn new(sums: &Linear, estimated: usize) -> Option<Self> {
+        let (normal, gradient) = sums.weighted([1.0; 3]);
+        let (all, p) = (gradient.len(), estimated);
+        let unit: Vec<f64> = (0..p).map(|i| normal[i * all + i].sqrt().recip()).collect();
+        let mut scaled: Vec<f64> =
+            (0..p * p).map(|k| normal[k / p * all + k % p] * unit[k / p] * unit[k % p]).collect();
+        let mut inverted = vec![0.0; p * p];
+        inverse(p, &mut scaled, &mut inverted)?;
+        let inverted: Vec<f64> = (0..p * p).map(|k| inverted[k] * unit[k / p] * unit[k % p]).collect();
+        let row = |i: usize| &normal[i * all..i * all + p];
+        let solved: Vec<Vec<f64>> = (p..all).map(|i| times(&inverted, row(i))).collect();
+        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+        let columns = all - p;
+        let covariance = (0..columns * columns).map(|k| {
+            let (i, j) = (k / columns, k % columns);
+            normal[(p + i) * all + p + j] - dot(&solved[i], row(p + j))
+        });
+        let explained = dot(&gradient[..p], &times(&inverted, &gradient[..p]));
+        Some(Self {
+            columns,
+            scores: (0..columns).map(|i| gradient[p + i] - dot(&solved[i], &gradient[..p])).collect(),
+            covariance: covariance.collect(),
+            whole: (p..all).map(|i| normal[i * all + i]).collect(),
+            squares: sums.squares.iter().sum::<f64>() - explained,
+            freedom: (3.0 * sums.samples - p as f64).max(1.0),
+        })
+    }
+
+    /// Variance of the white errors, 1 where the stated noise is right.
+    pub fn variance(&self) -> f64 {
+        self.squares / self.freedom
+    }
+
+    /// The test of `group`; none where it cannot be told from what was estimated.
+    pub fn score(&self, group: &Group) -> Option<Score> {
+        let q = group.unknowns.len();
+        let sum = |of: &dyn Fn(usize) -> f64, columns: &[usize]| columns.iter().map(|c| of(*c)).sum::<f64>();
+        let s: Vec<f64> = group.unknowns.iter().map(|columns| sum(&|c| self.scores[c], columns)).collect();
+        let entry = |i: usize, j: usize| {
+            let (rows, columns) = (&group.unknowns[i], &group.unknowns[j]);
+            sum(&|a| sum(&|b| self.covariance[a * self.columns + b], columns), rows)
+        };
+        let v: Vec<f64> = (0..q * q).map(|k| entry(k / q, k % q)).collect();
+        let whole = |i: usize| sum(&|c| self.whole[c], &group.unknowns[i]);
+        if (0..q).any(|i| v[i * q + i].is_nan() || v[i * q + i] <= LEFT * whole(i)) {
+            return None;
+        }
+        let (mut destroyed, mut inverted) = (v, vec![0.0; q * q]);
+        inverse(q, &mut destroyed, &mut inverted)?;
+        let values = times(&inverted, &s);
+        let statistic = values.iter().zip(&s).map(|(x, s)| x * s).sum::<f64>() / self.variance();
+        let error = |i: usize| (self.variance() * inverted[i * q + i]).max(0.0).sqrt();
+        Some(Score {
+            statistic,
+            freedom: q,
+            log_p: log_tail(statistic, q),
+            standard_errors: (0..q).map(error).collect(),
+            values,
+        })
+    }
+}
+
+/// log P(χ² ≥ x) with `freedom` degrees of freedom; beyond what numbers hold by the tail's expansion.
+fn log_tail(x: f64, freedom: usize) -> f64 {
+    let (p, half) = (chi_square_tail(x.max(0.0), freedom as f64), 0.5 * freedom as f64);
+    match p > 1e-290 {
+        true => libm::log(p),
+        false => (half - 1.0) * libm::log(0.5 * x) - 0.5 * x - libm::lgamma(half),
+    }
+}
+
+/// The p-values of `logs` by Holm's method, in their order.
+pub(super) fn holm(logs: &[f64]) -> Vec<f64> {
+    let mut order: Vec<usize> = (0..logs.len()).collect();
+    order.sort_by(|a, b| logs[*a].total_cmp(&logs[*b]));
+    let mut adjusted = vec![1.0; logs.len()];
+    let mut most: f64 = 0.0;
+    for (rank, i) in order.into_iter().enumerate() {
+        most = most.max(((logs.len() - rank) as f64 * libm::exp(logs[i])).min(1.0));
+        adjusted[i] = most;
+    }
+    adjusted
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn law_holm_multiplies_by_how_many_are_left_and_never_falls() {
+        let logs = [0.5_f64, 0.001, 0.04, 0.03].map(libm::log);
+        let found = holm(&logs);
+        for (found, expected) in found.iter().zip([0.5, 0.004, 0.09, 0.09]) {
+            assert!((found - expected).abs() < 1e-12, "{found} {expected}");
+        }
+    }
+
+    #[test]
+    fn law_the_tail_goes_on_where_numbers_end() {
+        let (near, far) = (log_tail(1300.0, 2), log_tail(1400.0, 2));
+        assert!((near + 650.0).abs() < 1e-9 && (far + 700.0).abs() < 1e-9, "{near} {far}");
+    }
+}

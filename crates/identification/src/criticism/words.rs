@@ -1,0 +1,68 @@
+use super::found::{Absent, Criticism};
+use crate::pooled::listed;
+
+/// Terms whose visibility is told where nothing is missing.
+const TOLD: [(&str, Option<&str>); 5] = [
+    ("v |v|", Some("sway")),
+    ("r |r|", Some("yaw")),
+    ("lag of the inputs", None),
+    ("delay of the inputs", None),
+    ("current", None),
+];
+/// Errors that differ from the stated noise by more than this share are told.
+const OFF: f64 = 0.05;
+
+/// The verdict, what is most likely missing, what it cannot be told from, what the runs would have shown.
+pub(super) fn statements(found: &Criticism) -> Vec<String> {
+    let mut out = Vec::new();
+    let Some(p) = found.p_value else {
+        return vec!["structure: the runs tell of nothing that the model lacks".to_owned()];
+    };
+    match (found.rejected, found.absent.first()) {
+        (true, Some(first)) => {
+            let p = if p < 1e-4 { "p < 0.0001".to_owned() } else { format!("p {p:.4}") };
+            let values = values(first);
+            out.push(format!(
+                "model rejected ({p}): most likely missing: {}, {values} if added",
+                first.told()
+            ));
+            let others: Vec<String> =
+                found.absent[1..].iter().filter(|a| a.candidate).map(Absent::told).collect();
+            if !others.is_empty() {
+                out.push(format!("cannot be told from: {}", listed(&others)));
+            }
+        }
+        _ => out.push(format!("model not rejected (p {p:.2}), which is no proof of it")),
+    }
+    let told = |(name, degree): &(&str, Option<&str>)| {
+        let is = |a: &&Absent| a.name == *name && a.degree.as_deref() == *degree;
+        let absent = found.absent.iter().find(is)?;
+        Some(format!("{} from {} {}", absent.told(), number(absent.visible_from), absent.unit))
+    };
+    let visible: Vec<String> = TOLD.iter().filter_map(told).collect();
+    if !visible.is_empty() {
+        out.push(format!("these runs would have shown {}", listed(&visible)));
+    }
+    if found.stated_noise && (found.error_ratio - 1.0).abs() > OFF {
+        out.push(format!("errors are {:.2} times the stated noise", found.error_ratio));
+    }
+    out
+}
+
+fn values(absent: &Absent) -> String {
+    let pairs = absent.value.iter().zip(&absent.standard_error);
+    let told: Vec<String> = pairs.map(|(v, e)| format!("{} ± {}", number(*v), number(*e))).collect();
+    format!("{} {}", told.join(", "), absent.unit)
+}
+
+/// Three significant digits.
+fn number(x: f64) -> String {
+    if x == 0.0 || !x.is_finite() {
+        return x.to_string();
+    }
+    let exponent = libm::floor(libm::log10(x.abs())) as i32;
+    match exponent {
+        -4..=5 => format!("{x:.*}", (2 - exponent).max(0) as usize),
+        _ => format!("{x:.2e}"),
+    }
+}
