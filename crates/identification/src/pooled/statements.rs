@@ -1,4 +1,4 @@
-use super::{COLLINEAR, DegreeTrust, InstrumentResidual, Whiteness, listed};
+use super::{COLLINEAR, DegreeTrust, Whiteness, listed};
 use crate::Estimator;
 
 /// Below this share of a regressor its instruments count as lost.
@@ -18,13 +18,7 @@ fn of_degree(degree: &DegreeTrust) -> Vec<String> {
     let collinear = (degree.condition_index.is_none_or(|index| index > COLLINEAR))
         .then(|| format!("collinear, use for similar motion only: {}", degree.weakest));
     let whiteness = degree.whiteness.as_ref().filter(|w| w.p_value < UNLIKELY);
-    let crossed = degree.instrument_residual.as_ref().filter(|c| c.p_value < UNLIKELY);
-    let statements = [
-        collinear,
-        weak(degree),
-        whiteness.map(|w| not_white(degree, w)),
-        crossed.map(|c| correlated(degree, c)),
-    ];
+    let statements = [collinear, weak(degree), whiteness.map(|w| not_white(degree, w))];
     statements.into_iter().flatten().collect()
 }
 
@@ -47,17 +41,5 @@ fn not_white(degree: &DegreeTrust, white: &Whiteness) -> String {
     format!(
         "{}: residuals are not white (neighbours correlate by {:.2}): the standard errors allow for {allowed}",
         degree.name, white.first_autocorrelation
-    )
-}
-
-fn correlated(degree: &DegreeTrust, crossed: &InstrumentResidual) -> String {
-    format!(
-        "{}: residuals correlate by {:.2} with `{}` {} sample{} {}: the model lacks some motion",
-        degree.name,
-        crossed.strongest,
-        crossed.instrument,
-        crossed.lag.abs(),
-        if crossed.lag.abs() == 1 { "" } else { "s" },
-        if crossed.lag > 0 { "before" } else { "after" }
     )
 }

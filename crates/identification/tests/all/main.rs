@@ -2,6 +2,7 @@
 
 mod apportioned;
 mod collinear;
+mod criticism;
 mod laws;
 mod names;
 mod oracle;
