@@ -2,11 +2,11 @@
 
 use std::path::Path;
 
-use parquet::basic::Type as Physical;
 use parquet::schema::types::{ColumnDescriptor, SchemaDescriptor};
 use refusal::nearest;
 
 use crate::error::{Error, Result};
+use crate::layout::physical;
 use crate::metadata::ColumnEntry;
 use crate::schema::{ColumnSpec, Kind};
 
@@ -30,14 +30,9 @@ pub(crate) fn columns(
 }
 
 fn fits(entry: &ColumnEntry, descriptor: &ColumnDescriptor) -> bool {
-    let physical = match entry.kind {
-        Kind::F64 => Physical::DOUBLE,
-        Kind::I32 => Physical::INT32,
-        Kind::Text => Physical::BYTE_ARRAY,
-    };
     let deepest = if entry.kind == Kind::F64 { 1 } else { 0 };
     descriptor.path().parts() == [entry.name.as_str()]
-        && descriptor.physical_type() == physical
+        && descriptor.physical_type() == physical(entry.kind)
         && descriptor.max_rep_level() == 0
         && descriptor.max_def_level() <= deepest
 }

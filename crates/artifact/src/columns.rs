@@ -1,5 +1,6 @@
 //! Columns in memory. The only file that names arrow2: another store replaces it here alone.
 
+use std::collections::HashMap;
 use std::sync::Arc;
 
 use arrow2::array::{Array, PrimitiveArray};
@@ -38,6 +39,33 @@ pub struct IntegerColumn(PrimitiveArray<i32>);
 pub struct TextColumn {
     labels: Arc<[String]>,
     codes: PrimitiveArray<u32>,
+}
+
+/// A column of text in the making: labels are numbered in order of appearance.
+#[derive(Debug, Default)]
+pub struct Labels {
+    known: HashMap<String, u32>,
+    labels: Vec<String>,
+    rows: Vec<u32>,
+}
+
+impl Labels {
+    /// `rows` more rows of `label`.
+    pub fn push(&mut self, label: &str, rows: usize) {
+        let last = self.rows.last().copied().filter(|code| self.labels[*code as usize] == label);
+        let code = last.or_else(|| self.known.get(label).copied()).unwrap_or_else(|| {
+            let new = self.labels.len() as u32;
+            self.labels.push(label.to_owned());
+            self.known.insert(label.to_owned(), new);
+            new
+        });
+        self.rows.extend(std::iter::repeat_n(code, rows));
+    }
+
+    /// All rows.
+    pub fn column(self) -> Column {
+        Column::text(self.labels, self.rows)
+    }
 }
 
 impl Column {

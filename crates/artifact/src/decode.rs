@@ -1,6 +1,8 @@
 //! Decoding one column of one block.
 
-use std::collections::HashMap;
+use std::error::Error;
+use std::io;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 
 use parquet::column::reader::{ColumnReader, ColumnReaderImpl, get_column_reader};
@@ -9,11 +11,40 @@ use parquet::errors::{ParquetError, Result as ParquetResult};
 use parquet::file::metadata::RowGroupMetaData;
 use parquet::file::serialized_reader::SerializedPageReader;
 
-use crate::columns::Column;
+use crate::columns::{Column, Labels};
 use crate::source::Source;
 
 /// Rows for which memory is set aside before they have been decoded.
-const TRUSTED_ROWS: usize = 1 << 20;
+pub(crate) const TRUSTED_ROWS: usize = 1 << 20;
+
+/// Why something is not decoded.
+pub(crate) enum Undecoded {
+    /// The system does not give the bytes.
+    Unreadable(io::Error),
+    /// What is wrong with them.
+    Damaged(String),
+}
+
+/// Runs the decoder. A file may have bytes that nothing vouches for, on which the decoder may panic: that too is told as a
+/// damaged file.
+pub(crate) fn decoded<T>(decode: impl FnOnce() -> ParquetResult<T>) -> Result<T, Undecoded> {
+    match catch_unwind(AssertUnwindSafe(decode)) {
+        Ok(Ok(decoded)) => Ok(decoded),
+        Ok(Err(error)) => Err(match inner_io(error) {
+            Ok(io) => Undecoded::Unreadable(io),
+            Err(other) => Undecoded::Damaged(other.to_string()),
+        }),
+        Err(_) => Err(Undecoded::Damaged("bytes that cannot be decoded".to_owned())),
+    }
+}
+
+/// The operating system's error inside an error of the parquet crate, or that error as it is.
+pub(crate) fn inner_io(error: ParquetError) -> Result<io::Error, Box<dyn Error + Send + Sync>> {
+    match error {
+        ParquetError::External(inner) => inner.downcast::<io::Error>().map(|io| *io),
+        other => Err(other.into()),
+    }
+}
 
 /// Decodes column `i` of a row group with `rows` rows.
 pub(crate) fn decode_column(
@@ -68,25 +99,9 @@ fn too_few(found: usize, expected: usize) -> ParquetError {
 
 /// The distinct texts in order of appearance, and per row the index of its text.
 fn intern(texts: &[ByteArray]) -> ParquetResult<Column> {
-    let mut numbers: HashMap<&[u8], u32> = HashMap::new();
-    let mut labels = Vec::new();
-    let mut codes = Vec::with_capacity(texts.len());
-    let mut last: Option<(&[u8], u32)> = None;
+    let mut labels = Labels::default();
     for text in texts {
-        let text = text.data();
-        let code = match last {
-            Some((same, code)) if same == text => code,
-            _ => match numbers.get(text) {
-                Some(&code) => code,
-                None => {
-                    labels.push(std::str::from_utf8(text)?.to_owned());
-                    numbers.insert(text, numbers.len() as u32);
-                    numbers.len() as u32 - 1
-                }
-            },
-        };
-        last = Some((text, code));
-        codes.push(code);
+        labels.push(std::str::from_utf8(text.data())?, 1);
     }
-    Ok(Column::text(labels, codes))
+    Ok(labels.column())
 }

@@ -2,7 +2,6 @@
 
 use std::fmt;
 use std::fs::File;
-use std::io::Read;
 use std::path::Path;
 use std::str::FromStr;
 
@@ -34,28 +33,13 @@ impl Digest {
     /// [`Error::Io`] if the file cannot be read.
     pub fn of_file(path: impl AsRef<Path>) -> Result<Self> {
         let path = path.as_ref();
-        let mut file = File::open(path).map_err(|e| Error::io(path, "read", e))?;
-        let mut hasher = blake3::Hasher::new();
-        feed(&mut hasher, &mut file).map_err(|e| Error::io(path, "read", e))?;
-        Ok(hasher.finalize().into())
+        let hash = |file: File| Ok(blake3::Hasher::new().update_reader(file)?.finalize().into());
+        File::open(path).and_then(hash).map_err(|e| Error::io(path, "read", e))
     }
 
     /// The 64 lower-case hexadecimal digits, without the `blake3:` in front.
     pub fn hex(&self) -> String {
         blake3::Hash::from_bytes(self.0).to_hex().to_string()
-    }
-}
-
-/// Hashes what is left of `source`, in pieces.
-pub(crate) fn feed(hasher: &mut blake3::Hasher, source: &mut impl Read) -> std::io::Result<()> {
-    let mut buffer = vec![0; 1 << 17];
-    loop {
-        match source.read(&mut buffer) {
-            Ok(0) => return Ok(()),
-            Ok(n) => hasher.update(&buffer[..n]),
-            Err(e) if e.kind() == std::io::ErrorKind::Interrupted => continue,
-            Err(e) => return Err(e),
-        };
     }
 }
 

@@ -26,7 +26,9 @@ use crate::toml_input::text_of;
 /// meaning, or if beside it stand other files than those written with it.
 pub fn read_document<D: Document>(path: impl AsRef<Path>) -> Result<Loaded<D>> {
     let path = path.as_ref();
-    let (text, digest) = checked_text(path, D::ID, D::VERSION)?;
+    let (text, header) = opened(path)?;
+    header.check(path, D::ID, D::VERSION)?;
+    let digest = check_seal(path, &text, header.seal())?.digest;
     let envelope = strictly(&mut serde_json::Deserializer::from_str(&text));
     let envelope: Envelope<D> = envelope.map_err(|e| refusal(path, &text, &e))?;
     check_units(path, &units::<D>(), envelope.units(), &text)?;
@@ -36,15 +38,13 @@ pub fn read_document<D: Document>(path: impl AsRef<Path>) -> Result<Loaded<D>> {
     Ok(loaded)
 }
 
-/// The text of a document of this kind and version that fits its seal, and the file's digest.
-fn checked_text(path: &Path, id: &str, version: u32) -> Result<(String, Digest)> {
+/// The text of a document, and what it says of its kind.
+pub(crate) fn opened(path: &Path) -> Result<(String, Header)> {
     recover(folder_of(path));
     let bytes = std::fs::read(path).map_err(|e| Error::io(path, "read", e))?;
     let text = text_of(path, bytes)?;
-    let header: Header = serde_json::from_str(&text).map_err(|e| refusal(path, &text, &e))?;
-    header.check(path, id, version)?;
-    let digests = check_seal(path, &text, header.seal())?;
-    Ok((text, digests.digest))
+    let header = serde_json::from_str(&text).map_err(|e| refusal(path, &text, &e))?;
+    Ok((text, header))
 }
 
 /// Refuses a seal that does not fit.

@@ -23,18 +23,6 @@ pub struct EncodedBlock {
     pub(crate) chunks: Vec<ColumnCloseResult>,
 }
 
-impl EncodedBlock {
-    /// Number of rows.
-    pub fn rows(&self) -> usize {
-        self.rows
-    }
-
-    /// Size in the file, in bytes.
-    pub fn size(&self) -> usize {
-        self.bytes.len()
-    }
-}
-
 /// Encodes one block of a table as one Parquet row group. Pure: call it from many threads and
 /// push the results in the order in which they are to stand in the file.
 ///

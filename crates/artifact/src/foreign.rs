@@ -1,7 +1,6 @@
 //! Reading columns of Parquet files that other programs wrote: no seal, no units, any simple type.
 
 use std::fs::File;
-use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -13,11 +12,9 @@ use parquet::file::metadata::{ParquetMetaData, ParquetMetaDataReader, RowGroupMe
 use parquet::file::serialized_reader::SerializedPageReader;
 use parquet::schema::types::ColumnDescPtr;
 
+use crate::decode::{TRUSTED_ROWS, Undecoded, decoded};
 use crate::error::{Error, Result};
 use crate::source::Source;
-
-/// Values set aside memory for before they have been decoded.
-const TRUSTED_ROWS: usize = 1 << 20;
 
 /// A Parquet file of any origin. Nothing in it is trusted.
 pub struct ForeignTable {
@@ -166,20 +163,16 @@ fn spread<T: DataType, V: Clone>(
     levels.into_iter().map(value).collect()
 }
 
-/// Runs the decoder; where it panics on damaged bytes, the file is called damaged too.
 fn guarded<T>(path: &Path, decode: impl FnOnce() -> ParquetResult<T>) -> Result<T> {
-    let found = match catch_unwind(AssertUnwindSafe(decode)) {
-        Ok(Ok(decoded)) => return Ok(decoded),
-        Ok(Err(ParquetError::External(inner))) => match inner.downcast::<std::io::Error>() {
-            Ok(io) if io.kind() != std::io::ErrorKind::UnexpectedEof => {
-                return Err(Error::io(path, "read", *io));
+    decoded(decode).map_err(|undecoded| {
+        let found = match undecoded {
+            Undecoded::Unreadable(io) if io.kind() != std::io::ErrorKind::UnexpectedEof => {
+                return Error::io(path, "read", io);
             }
-            Ok(io) => io.to_string(),
-            Err(other) => other.to_string(),
-        },
-        Ok(Err(other)) => other.to_string(),
-        Err(_) => "bytes that cannot be decoded".to_owned(),
-    };
-    let remedy = "the file is truncated, damaged or of another format: export it again";
-    Err(Error::refuse(path, "file", found, "a whole Parquet file", remedy))
+            Undecoded::Unreadable(io) => io.to_string(),
+            Undecoded::Damaged(found) => found,
+        };
+        let remedy = "the file is truncated, damaged or of another format: export it again";
+        Error::refuse(path, "file", found, "a whole Parquet file", remedy)
+    })
 }

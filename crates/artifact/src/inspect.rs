@@ -1,21 +1,16 @@
 //! What a file says about itself, whatever its kind.
 
-use std::collections::BTreeMap;
 use std::path::Path;
 
 use serde_json::Value;
 
 use crate::digest::Digest;
 use crate::document::Envelope;
-use crate::document_reader::{check_seal, refusal};
-use crate::error::{Error, Result};
-use crate::identity::Header;
-use crate::leftover::recover;
-use crate::names::folder_of;
+use crate::document_reader::{check_seal, opened, refusal};
+use crate::error::Result;
 use crate::provenance::Provenance;
 use crate::set::check_members;
 use crate::table_reader::Whole;
-use crate::toml_input::text_of;
 
 /// A file that was written as a document or table.
 #[derive(Clone, Debug)]
@@ -28,8 +23,6 @@ pub struct Inspected {
     pub sealed: bool,
     /// Where its contents come from.
     pub provenance: Provenance,
-    /// Digests of the files that were written together with it, by their names beside it.
-    pub members: BTreeMap<String, Digest>,
 }
 
 /// Looks at the file at `path`; none where it is neither document nor table.
@@ -45,17 +38,14 @@ pub fn inspect(path: &Path) -> Result<Option<Inspected>> {
 }
 
 fn document(path: &Path) -> Result<Option<Inspected>> {
-    recover(folder_of(path));
-    let bytes = std::fs::read(path).map_err(|e| Error::io(path, "read", e))?;
-    let text = text_of(path, bytes)?;
-    let header: Header = serde_json::from_str(&text).map_err(|e| refusal(path, &text, &e))?;
+    let (text, header) = opened(path)?;
     let Some(schema) = header.schema().map(str::to_owned) else { return Ok(None) };
     let digests = check_seal(path, &text, header.seal())?;
     let envelope: Envelope<Value> = serde_json::from_str(&text).map_err(|e| refusal(path, &text, &e))?;
     check_members(path, envelope.members())?;
     let loaded = envelope.loaded(digests.digest);
-    let (sealed, provenance, members) = (header.seal().is_some(), loaded.provenance, loaded.members);
-    Ok(Some(Inspected { schema, digest: digests.digest, sealed, provenance, members }))
+    let (digest, sealed) = (loaded.digest, header.seal().is_some());
+    Ok(Some(Inspected { schema, digest, sealed, provenance: loaded.provenance }))
 }
 
 fn table(path: &Path) -> Result<Inspected> {
@@ -65,6 +55,5 @@ fn table(path: &Path) -> Result<Inspected> {
         digest,
         sealed: header.seal().is_some(),
         provenance: envelope.into_parts().1,
-        members: BTreeMap::new(),
     })
 }

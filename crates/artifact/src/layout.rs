@@ -9,6 +9,7 @@ use parquet::errors::ParquetError;
 use parquet::file::properties::{EnabledStatistics, WriterProperties, WriterPropertiesPtr, WriterVersion};
 use parquet::schema::types::{ColumnPath, SchemaDescriptor, Type, TypePtr};
 
+use crate::decode::inner_io;
 use crate::error::{Error, Result};
 use crate::schema::{ColumnSpec, Kind};
 
@@ -42,18 +43,7 @@ impl Layout {
 
 /// The error of an attempt to write `file`.
 pub(crate) fn write_error(file: &Path, error: ParquetError) -> Error {
-    Error::io(file, "write", io_error(error))
-}
-
-/// The operating system's error inside an error of the parquet crate, or that error as it is.
-fn io_error(error: ParquetError) -> std::io::Error {
-    match error {
-        ParquetError::External(inner) => match inner.downcast::<std::io::Error>() {
-            Ok(io) => *io,
-            Err(other) => std::io::Error::other(other),
-        },
-        other => std::io::Error::other(other),
-    }
+    Error::io(file, "write", inner_io(error).unwrap_or_else(std::io::Error::other))
 }
 
 fn check_columns(file: &Path, columns: &[ColumnSpec]) -> Result<()> {
@@ -80,15 +70,19 @@ fn check_columns(file: &Path, columns: &[ColumnSpec]) -> Result<()> {
     Ok(())
 }
 
-fn parquet_type(column: &ColumnSpec) -> std::result::Result<Type, ParquetError> {
-    let physical = match column.kind {
+/// The type of values of this kind in Parquet.
+pub(crate) fn physical(kind: Kind) -> Physical {
+    match kind {
         Kind::F64 => Physical::DOUBLE,
         Kind::I32 => Physical::INT32,
         Kind::Text => Physical::BYTE_ARRAY,
-    };
+    }
+}
+
+fn parquet_type(column: &ColumnSpec) -> std::result::Result<Type, ParquetError> {
     let repetition = if column.nullable { Repetition::OPTIONAL } else { Repetition::REQUIRED };
     let logical = (column.kind == Kind::Text).then_some(LogicalType::String);
-    Type::primitive_type_builder(&column.name, physical)
+    Type::primitive_type_builder(&column.name, physical(column.kind))
         .with_repetition(repetition)
         .with_logical_type(logical)
         .build()

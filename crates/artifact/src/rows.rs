@@ -1,7 +1,6 @@
 //! Tables of rows: each column is listed once, with its name, its unit, and how its value is taken from a row and put back.
 
 use std::borrow::Cow;
-use std::collections::HashMap;
 use std::fmt::{self, Display};
 
 use serde::Serialize;
@@ -9,7 +8,7 @@ use serde::de::value::StrDeserializer;
 use serde::de::{DeserializeOwned, IntoDeserializer};
 use serde_json::Value;
 
-use crate::columns::{Column, Table};
+use crate::columns::{Column, Labels, Table};
 use crate::encode::{EncodedBlock, encode_block};
 use crate::error::{Error, Result};
 use crate::schema::{ColumnSpec, Kind, TableSchema};
@@ -194,7 +193,11 @@ impl<Row> Field<Row> {
 
     fn column(&self, rows: &[Row]) -> Column {
         match self {
-            Self::Text(get, _) => labelled(rows.iter().map(get)),
+            Self::Text(get, _) => {
+                let mut labels = Labels::default();
+                rows.iter().for_each(|row| labels.push(&get(row), 1));
+                labels.column()
+            }
             Self::Integer(get, _) => Column::i32(rows.iter().map(get).collect()),
             Self::Number(get, _) => Column::f64(rows.iter().map(get).collect()),
             Self::Optional(get, _) => {
@@ -219,22 +222,6 @@ impl<Row> Field<Row> {
         }
         Ok(())
     }
-}
-
-/// A text column whose labels are numbered in order of appearance.
-fn labelled<'a>(texts: impl Iterator<Item = Cow<'a, str>>) -> Column {
-    let mut numbers: HashMap<Cow<'a, str>, u32> = HashMap::new();
-    let mut labels = Vec::new();
-    let code = |text: Cow<'a, str>| match numbers.get(&text) {
-        Some(&code) => code,
-        None => {
-            labels.push(text.clone().into_owned());
-            numbers.insert(text, labels.len() as u32 - 1);
-            labels.len() as u32 - 1
-        }
-    };
-    let codes = texts.map(code).collect();
-    Column::text(labels, codes)
 }
 
 /// The name that serde gives to a variant without fields.

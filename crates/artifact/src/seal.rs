@@ -8,7 +8,7 @@ use std::path::Path;
 
 use serde::{Deserialize, Deserializer};
 
-use crate::digest::{Digest, feed};
+use crate::digest::Digest;
 use crate::error::{Error, Result};
 
 /// What stands where the digits will stand, while they are not known.
@@ -31,31 +31,21 @@ pub(crate) fn digests(file: &mut (impl Read + Seek), digits_at: Option<u64>) -> 
     file.seek(SeekFrom::Start(0))?;
     let mut hasher = blake3::Hasher::new();
     let Some(at) = digits_at else {
-        feed(&mut hasher, file)?;
+        hasher.update_reader(file)?;
         let digest = hasher.finalize().into();
         return Ok(FileDigests { digest, blanked: digest });
     };
-    feed(&mut hasher, &mut file.by_ref().take(at))?;
+    hasher.update_reader(file.by_ref().take(at))?;
     let mut blanked = hasher.clone();
     let mut digits = [0; DIGITS];
     file.read_exact(&mut digits)?;
     hasher.update(&digits);
     blanked.update(&BLANK);
-    feed_both(&mut hasher, &mut blanked, file)?;
-    Ok(FileDigests { digest: hasher.finalize().into(), blanked: blanked.finalize().into() })
-}
-
-/// Hashes what is left of `source` into two hashers.
-fn feed_both(
-    one: &mut blake3::Hasher,
-    other: &mut blake3::Hasher,
-    source: &mut impl Read,
-) -> std::io::Result<()> {
     let mut rest = Vec::new();
-    source.read_to_end(&mut rest)?;
-    one.update(&rest);
-    other.update(&rest);
-    Ok(())
+    file.read_to_end(&mut rest)?;
+    hasher.update(&rest);
+    blanked.update(&rest);
+    Ok(FileDigests { digest: hasher.finalize().into(), blanked: blanked.finalize().into() })
 }
 
 /// Where in `text` the digits of `seal` start.

@@ -3,10 +3,9 @@
 use std::fmt;
 use std::fs::File;
 use std::ops::Range;
-use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 
-use parquet::errors::{ParquetError, Result as ParquetResult};
+use parquet::errors::Result as ParquetResult;
 use parquet::file::metadata::{
     ParquetMetaData, ParquetMetaDataOptions, ParquetMetaDataReader, RowGroupMetaData,
 };
@@ -14,7 +13,7 @@ use serde::de::DeserializeOwned;
 
 use crate::columns::{Column, Table};
 use crate::complaint::Complaint;
-use crate::decode::decode_column;
+use crate::decode::{Undecoded, decode_column, decoded};
 use crate::digest::Digest;
 use crate::error::{Error, Result};
 use crate::footer::Footer;
@@ -221,18 +220,11 @@ fn block_rows(path: &Path, groups: &[RowGroupMetaData]) -> Result<Vec<Range<usiz
         .ok_or_else(|| damaged(path, "an impossible number of rows"))
 }
 
-/// Runs the decoder. An unsealed file has bytes that nothing vouches for, on which the decoder may
-/// panic: that too is told as a damaged file.
 fn guarded<T>(path: &Path, decode: impl FnOnce() -> ParquetResult<T>) -> Result<T> {
-    match catch_unwind(AssertUnwindSafe(decode)) {
-        Ok(Ok(decoded)) => Ok(decoded),
-        Ok(Err(ParquetError::External(inner))) => match inner.downcast::<std::io::Error>() {
-            Ok(io) => Err(Error::io(path, "read", *io)),
-            Err(other) => Err(damaged(path, &other.to_string())),
-        },
-        Ok(Err(other)) => Err(damaged(path, &other.to_string())),
-        Err(_) => Err(damaged(path, "bytes that cannot be decoded")),
-    }
+    decoded(decode).map_err(|undecoded| match undecoded {
+        Undecoded::Unreadable(io) => Error::io(path, "read", io),
+        Undecoded::Damaged(found) => damaged(path, &found),
+    })
 }
 
 fn damaged(path: &Path, found: &str) -> Error {

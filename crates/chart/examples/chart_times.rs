@@ -42,7 +42,7 @@ fn tacoma(folder: &Path) -> Result<(), Failure> {
             property: "objl".to_owned(),
             values: values.iter().map(|v| (*v).to_owned()).collect(),
         };
-        let depth = LayerKind::Depth { least: "DRVAL1".to_owned(), greatest: Some("DRVAL2".to_owned()) };
+        let depth = LayerKind::Depth { least: "DRVAL1".to_owned() };
         let depths = PolygonLayer::from_geojson(&text, &depth, Some(&of(&["DEPARE", "DRGARE"])))?;
         let solid = of(&["LNDARE", "PONTON", "HULKES"]);
         let land = PolygonLayer::from_geojson(&text, &LayerKind::Land, Some(&solid))?;

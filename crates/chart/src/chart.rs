@@ -163,7 +163,7 @@ fn uncharted_of(layers: &[Layer], asked: Option<Uncharted>) -> Result<Uncharted,
 fn charted(polygons: &[Polygon], grids: &[PlacedGrid]) -> Charted {
     let known = polygons.iter().filter(|p| matches!(p.class, Class::Land | Class::Depth { .. })).cloned();
     let frames = grids.iter().filter(|g| g.has_depth).filter_map(|g| {
-        let class = Class::Depth { least_m: None, greatest_m: None };
+        let class = Class::Depth { least_m: None };
         Polygon::of_rings(class, vec![g.frame()])
     });
     let polygons: Vec<Polygon> = known.chain(frames).collect();

@@ -131,7 +131,7 @@ fn cause_of(class: Class, least_depth_m: f64) -> Option<Causes> {
     match class {
         Class::Land => Some(Causes::LAND),
         Class::NoGo => Some(Causes::NO_GO),
-        Class::Depth { least_m: Some(depth), .. } | Class::Danger { least_m: Some(depth) }
+        Class::Depth { least_m: Some(depth) } | Class::Danger { least_m: Some(depth) }
             if depth >= least_depth_m =>
         {
             None

@@ -33,11 +33,6 @@ impl Plane {
         ))
     }
 
-    /// Longitude and latitude of the origin \[deg\].
-    pub fn origin(&self) -> (f64, f64) {
-        (self.lon_deg, self.lat_deg)
-    }
-
     /// The place of a longitude and latitude \[deg\] on the plane \[m\]; NaN for a latitude beyond ±90°.
     pub fn to_plane(&self, lon_deg: f64, lat_deg: f64) -> [f64; 2] {
         let (distance, azimuth, _, _) = self.earth.inverse(self.lat_deg, self.lon_deg, lat_deg, lon_deg);

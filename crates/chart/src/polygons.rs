@@ -18,14 +18,11 @@ pub enum LayerKind {
     Land,
     /// Water that the plan keeps out of.
     NoGo,
-    /// Areas of a known range of depths.
+    /// Areas of a known least depth.
     Depth {
         /// Property with the least depth \[m, positive down\], such as `DRVAL1`. A feature where it is null
         /// has an unknown depth and is an obstacle.
         least: String,
-        /// Property with the greatest depth \[m\], such as `DRVAL2`: for drawing only.
-        #[serde(default)]
-        greatest: Option<String>,
     },
     /// Wrecks, rocks and obstructions: water that is no obstacle only where a depth over them is known and great enough.
     Danger {
@@ -51,12 +48,10 @@ pub enum Class {
     Land,
     /// Keep out.
     NoGo,
-    /// Water between two depths \[m, positive down\].
+    /// Water of a least depth.
     Depth {
-        /// Least depth; `None`: unknown, an obstacle at every least depth asked for.
+        /// Least depth \[m, positive down\]; `None`: unknown, an obstacle at every least depth asked for.
         least_m: Option<f64>,
-        /// Greatest depth, where known.
-        greatest_m: Option<f64>,
     },
     /// A danger under water. Around it nothing is charted by it: its depth is none of the water.
     Danger {
@@ -174,7 +169,7 @@ impl PolygonLayer {
 
     fn check_sign(&self, least: &str) -> Result<(), Invalid> {
         let known = self.areas.iter().filter_map(|a| match a.class {
-            Class::Depth { least_m, .. } => least_m,
+            Class::Depth { least_m } => least_m,
             _ => None,
         });
         let (min, max) = known.fold((f64::MAX, f64::MIN), |(lo, hi), v| (lo.min(v), hi.max(v)));
@@ -298,27 +293,22 @@ fn class(
     named: &mut bool,
 ) -> Result<Class, Invalid> {
     let value = |name: &String| properties.and_then(|p| p.get(name));
-    let (least, greatest) = match kind {
+    let least = match kind {
         LayerKind::Land => return Ok(Class::Land),
         LayerKind::NoGo => return Ok(Class::NoGo),
         LayerKind::Danger { least } => {
             return Ok(Class::Danger { least_m: depth(value(least), index, least)? });
         }
-        LayerKind::Depth { least, greatest } => (least, greatest),
+        LayerKind::Depth { least } => least,
     };
     *named |= value(least).is_some();
-    let least_m = depth(value(least), index, least)?;
-    let greatest_m = match greatest {
-        Some(name) => depth(value(name), index, name)?,
-        None => None,
-    };
-    Ok(Class::Depth { least_m, greatest_m })
+    Ok(Class::Depth { least_m: depth(value(least), index, least)? })
 }
 
 /// A point or line tells a depth and charts no water around it.
 fn of_mark(class: Class) -> Class {
     match class {
-        Class::Depth { least_m, .. } => Class::Danger { least_m },
+        Class::Depth { least_m } => Class::Danger { least_m },
         class => class,
     }
 }

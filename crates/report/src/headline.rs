@@ -4,9 +4,9 @@ use super::card::card;
 use super::number::{exact, parameter_share, percent, percent_within, simulation_share, three};
 use super::shown::used as is_used;
 use super::study::Study;
-use super::trajectory::words::{cost, minutes};
+use super::trajectory::words::{clearance, cost, gap, minutes};
 use study::documents::{
-    DesignDocument, DesignScores, PlanDocument, PlanStatus, SequentialDocument, ValidationDocument, Voyage,
+    DesignDocument, DesignScores, PlanDocument, SequentialDocument, ValidationDocument, Voyage,
 };
 use trial::rounds::{Arm, RoundGain};
 use trial::voyage::Check;
@@ -98,12 +98,7 @@ fn plan(study: &Study) -> Option<&PlanDocument> {
 /// Both sentences about a trial that has been planned and no more.
 fn planned(plan: &PlanDocument) -> String {
     let cost = self::cost(plan.cost, plan.cost_unit);
-    let proof = match plan.status {
-        PlanStatus::Optimal => ", and no plan costs less".to_owned(),
-        PlanStatus::Feasible => {
-            format!(", at most {} dearer than the best", self::cost(plan.gap, plan.cost_unit))
-        }
-    };
+    let proof = gap(plan).map_or(", and no plan costs less".to_owned(), |gap| format!(", {gap}"));
     let uses: u64 = plan.counts.values().sum();
     let Some(voyage) = &plan.voyage else {
         return format!("The plan uses {uses} informative maneuvers and costs {cost}{proof}.");
@@ -122,15 +117,9 @@ fn planned(plan: &PlanDocument) -> String {
     )
 }
 
-/// How far the simulated plan stays from obstacles. The distance is measured on a raster that never overstates it.
+/// How far the simulated plan stays from obstacles.
 fn clear(check: &Check) -> String {
-    match check.clear {
-        true if check.clearance_m >= check.sight_m => {
-            format!("more than {}\u{a0}m clear", three(check.sight_m))
-        }
-        true => format!("at least {}\u{a0}m clear", three(check.clearance_m)),
-        false => "touches an obstacle".to_owned(),
-    }
+    clearance(check).map_or("touches an obstacle".to_owned(), |distance| format!("{distance} clear"))
 }
 
 /// Both sentences about the designs that were validated.
@@ -254,11 +243,6 @@ fn plan_card(plan: &PlanDocument) -> Markup {
     let mut others: Vec<String> = plan.voyage.iter().map(sailed).collect();
     let failed = plan.voyage.as_ref().map(|voyage| &voyage.check).filter(|check| !check.safe);
     others.extend(failed.map(|check| format!("unsafe: {}", check.faults.join(", "))));
-    let known = match plan.status {
-        PlanStatus::Optimal => plan.status.name().to_owned(),
-        PlanStatus::Feasible => {
-            format!("at most {} dearer than the best", self::cost(plan.gap, plan.cost_unit))
-        }
-    };
+    let known = gap(plan).unwrap_or(plan.status.name().to_owned());
     card("Trajectory", figure, format!("{unit}, {known}"), &others)
 }

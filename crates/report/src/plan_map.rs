@@ -96,7 +96,7 @@ impl PlanMap<'_> {
                 Class::Danger { .. } => figure::Class::NoGo,
                 Class::Land => figure::Class::Land,
                 Class::NoGo => figure::Class::NoGo,
-                Class::Depth { least_m, .. } => figure::Class::Depth { least_m: least_m? },
+                Class::Depth { least_m } => figure::Class::Depth { least_m: least_m? },
             };
             let mut rings = polygon.rings.into_iter();
             Some(figure::Area { class, ring: rings.next()?, holes: rings.collect() })

@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use artifact::{
-    Document, EncodedBlock, Error, Provenance, Staged, Table, TableReader, TableSchema, TableWriter, commit,
-    commit_with_document, encode_block, gather,
+    Columns, Document, EncodedBlock, Error, Provenance, Staged, TableReader, TableWriter, commit,
+    commit_with_document, gather,
 };
 
 use crate::failure::Failure;
@@ -20,7 +20,7 @@ pub struct Made<R> {
     pub rows: Vec<R>,
 }
 
-impl<R: Send> Made<R> {
+impl<R: Send + 'static> Made<R> {
     /// Puts the files of all `shards` together and reads their rows.
     ///
     /// # Errors
@@ -28,36 +28,36 @@ impl<R: Send> Made<R> {
     pub fn gathered(
         shards: &[PathBuf],
         [out, document]: [&Path; 2],
-        schema: &TableSchema,
+        columns: &Columns<R>,
         rows: impl FnOnce(&TableReader) -> Result<Vec<R>, Error>,
     ) -> Result<Self, Failure> {
+        let schema = columns.schema();
         let table = gather(shards, out, Some(document), schema.id, schema.version)?;
         let reader = TableReader::open(table.temporary(), schema.id, schema.version)?;
         reader.require(&schema.columns)?;
         Ok(Self { rows: rows(&reader)?, provenance: reader.provenance().clone(), table })
     }
 
-    /// Computes the rows of every block of this shard in parallel; `encoded` makes a block of the table of them. The whole
-    /// table names the document that [`publish`] puts beside it.
+    /// Computes the rows of every block of this shard in parallel. The whole table names the document that [`publish`] puts
+    /// beside it.
     ///
     /// # Errors
     /// The first failure of `rows`, in the order of blocks; output that fails.
     pub fn computed(
         [out, document]: [&Path; 2],
-        schema: &TableSchema,
+        columns: &Columns<R>,
         provenance: Provenance,
         blocks: usize,
         rows: impl Fn(usize) -> Result<Vec<R>, Failure> + Sync,
-        encoded: impl Fn(&[R]) -> Table + Sync,
     ) -> Result<Self, Failure> {
-        let mut writer = TableWriter::create(out, schema, &provenance)?;
+        let mut writer = TableWriter::create(out, columns.schema(), &provenance)?;
         if provenance.shard.is_none() {
             writer = writer.with_document(document);
         }
         let mut all = Vec::new();
         let work = |i: usize| {
             let own = rows(i)?;
-            Ok((encode_block(schema, &encoded(&own))?, own))
+            Ok((columns.encode(&own)?, own))
         };
         let mine = provenance.shard.map_or(0..blocks, |shard| shard.range(blocks));
         ordered(mine, work, |(block, own): (EncodedBlock, Vec<R>)| {

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use artifact::{Digest, Error, Provenance, read_document, read_toml};
 use design::Stock;
-use refusal::strictly;
+use refusal::{check_numbers, strictly};
 use serde::Deserialize;
 use trial::refining::{STATES, StatedLimits};
 use vessel::Invalid;
@@ -41,10 +41,8 @@ fn check_weights(written: &BTreeMap<String, f64>, parameters: &[&str]) -> Result
         let unknown = Invalid::unknown("`weight`", unknown, parameters.iter().copied());
         return Err(Invalid { expected, ..unknown });
     }
-    if let Some((name, weight)) = written.iter().find(|(_, w)| !(w.is_finite() && **w >= 0.0)) {
-        let thing = format!("`weight` of `{name}`");
-        return Err(Invalid::new(thing, weight.to_string(), "zero or more", "correct it"));
-    }
+    let weights = written.iter().map(|(name, weight)| (name, *weight));
+    check_numbers(weights, "a weight of zero or more", |weight| weight >= 0.0)?;
     match written.values().any(|w| *w > 0.0) {
         true => Ok(()),
         false => Err(Invalid::new("`weight`", "none above zero", "at least one", "add one")),
@@ -97,15 +95,8 @@ fn check_stock(stock: &Stock, maneuvers: &[String]) -> Result<(), Invalid> {
         let found = "a limit in `seconds` and one in `segments`";
         return Err(Invalid::new(thing, found, "one limit", "remove one"));
     }
-    match stock.seconds.iter().find(|(_, s)| !(s.is_finite() && **s >= 0.0)) {
-        None => Ok(()),
-        Some((name, seconds)) => Err(Invalid::new(
-            format!("`seconds` of `{name}`"),
-            seconds.to_string(),
-            "a time of 0 s or more",
-            "correct it",
-        )),
-    }
+    let seconds = stock.seconds.iter().map(|(name, seconds)| (name, *seconds));
+    check_numbers(seconds, "a time of 0 s or more", |seconds| seconds >= 0.0)
 }
 
 /// `limits.toml` as written: largest moduli.
@@ -147,13 +138,6 @@ fn check_limits(limits: &StatedLimits, inputs: &[&str]) -> Result<(), Invalid> {
     let named = |(table, values): (&str, &BTreeMap<String, f64>)| {
         values.iter().map(|(key, limit)| (format!("{table}.{key}"), *limit)).collect::<Vec<_>>()
     };
-    match states.chain(tables.into_iter().flat_map(named)).find(|(_, l)| !(l.is_finite() && *l > 0.0)) {
-        None => Ok(()),
-        Some((key, limit)) => Err(Invalid::new(
-            format!("`{key}`"),
-            limit.to_string(),
-            "a number above 0",
-            "correct it, or leave it out",
-        )),
-    }
+    let all = states.chain(tables.into_iter().flat_map(named));
+    check_numbers(all, "a number above 0", |limit| limit > 0.0)
 }

@@ -2,7 +2,7 @@
 
 use std::collections::HashSet;
 
-use artifact::{Columns, Error, Table, TableReader, TableSchema};
+use artifact::{Columns, Error, TableReader};
 use identification::{Estimator, Quantiles, ScoreStatus, Share};
 use vessel::DegreeOfFreedom;
 
@@ -15,23 +15,14 @@ use crate::estimates::distinct;
 pub const ID: &str = "scores";
 /// Version of the schema.
 pub const VERSION: u32 = 1;
-/// The columns.
-pub fn schema() -> TableSchema {
-    columns().schema().clone()
-}
-
 /// A row whose design, run and estimator another row has too.
 pub fn doubled(rows: &[Row]) -> Option<&Row> {
     let mut known = HashSet::with_capacity(rows.len());
     rows.iter().find(|row| !known.insert((row.design.as_str(), row.run, row.estimator.name())))
 }
 
-/// Rows as a block of the table.
-pub fn table(rows: &[Row]) -> Table {
-    columns().table(rows)
-}
-
-fn columns() -> Columns<Row> {
+/// The columns.
+pub fn columns() -> Columns<Row> {
     let columns = Columns::<Row>::new(ID, VERSION)
         .text("design", |r| &r.design, |r, design| r.design = design.to_owned())
         .integer("run", "1", |r| r.run, |r, run| r.run = run)

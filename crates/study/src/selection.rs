@@ -1,6 +1,6 @@
 //! The table of realizations of a selection study.
 
-use artifact::{Columns, Error, Table, TableReader, TableSchema};
+use artifact::{Columns, Error, TableReader};
 use identification::ScoreStatus;
 use identification::pooled::{NominalSource, Pool};
 use identification::selection::{DEGENERATE, Selection, SelectionOptions};
@@ -14,16 +14,6 @@ use crate::documents::SelectionDocument;
 pub const ID: &str = "selection-realizations";
 /// Version of the schema.
 pub const VERSION: u32 = 1;
-
-/// The columns.
-pub fn schema() -> TableSchema {
-    columns().schema().clone()
-}
-
-/// Rows as a block of the table.
-pub fn table(rows: &[Row]) -> Table {
-    columns().table(rows)
-}
 
 /// Reads the whole table.
 ///
@@ -43,7 +33,8 @@ pub fn rows(reader: &TableReader) -> Result<Vec<Row>, Error> {
     columns().read(reader, &blank)
 }
 
-fn columns() -> Columns<Row> {
+/// The columns.
+pub fn columns() -> Columns<Row> {
     let columns = Columns::<Row>::new(ID, VERSION)
         .text("design", |r| &r.design, |r, design| r.design = design.to_owned())
         .integer("realization", "1", |r| r.number, |r, number| r.number = number)

@@ -80,11 +80,6 @@ impl<'m, X: Number> Compiled<'m, X> {
         }
     }
 
-    /// The model.
-    pub fn model(&self) -> &'m Model {
-        self.model
-    }
-
     /// Goes to a state (u, v over ground \[m/s\], r \[rad/s\]) and one number per input and measured disturbance, in a
     /// current of surge and sway components in body axes \[m/s\].
     #[inline(always)]

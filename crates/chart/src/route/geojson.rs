@@ -2,7 +2,6 @@ use geojson::{FeatureCollection, GeometryValue, JsonObject, Position};
 
 use super::points::place;
 use crate::Invalid;
-use crate::placed::oriented;
 
 /// A feature: where and what.
 #[derive(Clone, Debug, PartialEq)]
@@ -20,16 +19,14 @@ pub enum Geometry {
     Point([f64; 2]),
     /// A track of at least two points.
     Line(Vec<[f64; 2]>),
-    /// An outer ring and holes, closed or not, in either direction.
-    Polygon(Vec<Vec<[f64; 2]>>),
 }
 
 /// The features as a GeoJSON FeatureCollection (RFC 7946), in their order: longitude first, to 10⁻⁹
-/// degrees; rings closed, the outer one counter-clockwise and holes clockwise.
+/// degrees.
 ///
 /// # Errors
-/// Coordinates that are not finite or out of range; a line of fewer than two points; a ring of fewer than
-/// three corners; a step over the antimeridian, where RFC 7946 wants a cut.
+/// Coordinates that are not finite or out of range; a line of fewer than two points; a step over the antimeridian, where
+/// RFC 7946 wants a cut.
 pub fn geojson(features: &[Feature]) -> Result<String, Invalid> {
     let feature = |(index, f): (usize, &Feature)| {
         let geometry = geometry(&f.geometry, &format!("feature {index}"))?;
@@ -50,33 +47,15 @@ fn geometry(geometry: &Geometry, thing: &str) -> Result<GeometryValue, Invalid> 
     match geometry {
         Geometry::Point(p) => Ok(GeometryValue::Point { coordinates: positions(&[*p], 1, thing)?.remove(0) }),
         Geometry::Line(line) => Ok(GeometryValue::LineString { coordinates: positions(line, 2, thing)? }),
-        Geometry::Polygon(rings) if rings.is_empty() => {
-            Err(Invalid::new(thing, "a polygon without rings", "an outer ring", "leave the feature out"))
-        }
-        Geometry::Polygon(rings) => {
-            let ring = |(k, r): (usize, &Vec<[f64; 2]>)| ring(r, k == 0, thing);
-            let coordinates = rings.iter().enumerate().map(ring).collect::<Result<_, _>>()?;
-            Ok(GeometryValue::Polygon { coordinates })
-        }
     }
 }
 
-fn ring(ring: &[[f64; 2]], outer: bool, thing: &str) -> Result<Vec<Position>, Invalid> {
-    let open = match ring {
-        [first, rest @ .., last] if first == last => &ring[..=rest.len()],
-        _ => ring,
-    };
-    let mut closed = oriented(open.to_vec(), outer);
-    closed.extend(closed.first().copied());
-    positions(&closed, 4, thing)
-}
-
 fn positions(points: &[[f64; 2]], least: usize, thing: &str) -> Result<Vec<Position>, Invalid> {
-    points.iter().try_for_each(|p| place(thing, p[0], p[1], None))?;
-    let expected = "whole lines and rings on one side of the antimeridian";
+    points.iter().try_for_each(|p| place(thing, *p))?;
+    let expected = "whole lines on one side of the antimeridian";
     if points.len() < least {
         let found = format!("{} points", points.len());
-        return Err(Invalid::new(thing, found, expected, "give at least two points, or three corners"));
+        return Err(Invalid::new(thing, found, expected, "give at least two points"));
     }
     if let Some(w) = points.windows(2).find(|w| (w[1][0] - w[0][0]).abs() > 180.0) {
         let found = format!("a step from {} to {} degrees", w[0][0], w[1][0]);

@@ -5,10 +5,9 @@ mod geojson;
 mod gpx;
 mod points;
 mod rtz;
-mod time;
 mod xml;
 
 pub use geojson::{Feature, Geometry, geojson};
 pub use gpx::gpx;
-pub use points::{Route, Track, TrackPoint, Waypoint};
+pub use points::{Route, Track, Waypoint};
 pub use rtz::rtz;

@@ -105,7 +105,7 @@ fn a_sounding_or_a_danger_charts_no_water() {
     let water = feature(&square(0.003), r#"{"DRVAL1": 10}"#);
     let sounding = feature(&geometry("Point", "[25.01, 60.0]"), r#"{"DRVAL1": 10}"#);
     let depths = format!(r#"{{"type": "FeatureCollection", "features": [{water}, {sounding}]}}"#);
-    let kind = LayerKind::Depth { least: "DRVAL1".to_owned(), greatest: None };
+    let kind = LayerKind::Depth { least: "DRVAL1".to_owned() };
     let wide = feature(&square(0.006), r#"{"VALSOU": 10}"#);
     let obstacles = obstacles(&chart(vec![layer(&depths, &kind), layer(&wide, &danger())]), 5.0);
     assert_eq!(cause_at(&obstacles, [0.0, 5.0]), Causes::NONE);

@@ -14,7 +14,7 @@ fn channel(uncharted: Option<Uncharted>, half: f64) -> Chart {
         property: "objl".to_owned(),
         values: values.iter().map(|v| (*v).to_owned()).collect(),
     };
-    let kind = LayerKind::Depth { least: "DRVAL1".to_owned(), greatest: None };
+    let kind = LayerKind::Depth { least: "DRVAL1".to_owned() };
     let depths = PolygonLayer::from_geojson(&text, &kind, Some(&of(&["DEPARE", "DRGARE"]))).unwrap();
     let shore = PolygonLayer::from_geojson(&text, &LayerKind::Land, Some(&of(&["LNDARE"]))).unwrap();
     let plane = Plane::new(25.0, 60.0).unwrap();
@@ -188,7 +188,7 @@ proptest! {
             r#"{{"type": "Feature", "properties": {{"d": 20}}, "geometry": {}}}"#,
             as_geojson(&rings)
         );
-        let kind = LayerKind::Depth { least: "d".to_owned(), greatest: None };
+        let kind = LayerKind::Depth { least: "d".to_owned() };
         let layer = PolygonLayer::from_geojson(&depth, &kind, None).unwrap();
         let plane = Plane::new(25.0, 60.0).unwrap();
         let chart = Chart::new(plane, square(900.0), &[Layer::Polygons(layer)], None).unwrap();

@@ -19,7 +19,7 @@ fn refusal(text: &str) -> String {
 }
 
 fn depth_kind() -> LayerKind {
-    LayerKind::Depth { least: "DRVAL1".to_owned(), greatest: Some("DRVAL2".to_owned()) }
+    LayerKind::Depth { least: "DRVAL1".to_owned() }
 }
 
 fn objl(values: &[&str]) -> Filter {
@@ -139,7 +139,7 @@ fn depth_properties_that_make_no_sense_are_refused() {
             .replace("\"properties\": null", &format!("\"properties\": {{\"DRVAL1\": {depth}}}"))
     };
     let read = |text: &str, least: &str| {
-        let kind = LayerKind::Depth { least: least.to_owned(), greatest: None };
+        let kind = LayerKind::Depth { least: least.to_owned() };
         PolygonLayer::from_geojson(text, &kind, None).map_err(|e| e.to_string())
     };
     assert!(read(&feature("\"deep\""), "DRVAL1").unwrap_err().contains("deep"));

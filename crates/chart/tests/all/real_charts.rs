@@ -113,7 +113,7 @@ fn tacoma(text: &str, half: f64) -> Chart {
         property: "objl".to_owned(),
         values: values.iter().map(|v| (*v).to_owned()).collect(),
     };
-    let kind = LayerKind::Depth { least: "DRVAL1".to_owned(), greatest: Some("DRVAL2".to_owned()) };
+    let kind = LayerKind::Depth { least: "DRVAL1".to_owned() };
     let depths = PolygonLayer::from_geojson(text, &kind, Some(&of(&["DEPARE", "DRGARE"]))).unwrap();
     let solid = of(&["LNDARE", "PONTON", "HULKES"]);
     let land = PolygonLayer::from_geojson(text, &LayerKind::Land, Some(&solid)).unwrap();

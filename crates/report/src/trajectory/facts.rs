@@ -1,9 +1,9 @@
 use maud::{Markup, html};
 
-use super::words::{cost, minutes, part};
+use super::words::{clearance, cost, gap, minutes, part};
 use crate::number::{exact, or_dash, percent, three, three_or_dash};
 use crate::parts::entry;
-use study::documents::{PlanDocument, PlanStatus, SecondaryCost, Voyage};
+use study::documents::{PlanDocument, SecondaryCost, Voyage};
 use trial::voyage::{Check, Information, Secondary};
 
 /// What is known about the plan and about the vessel at sea.
@@ -23,10 +23,7 @@ fn fact(term: &str, value: &str, note: &str) -> Markup {
 
 fn search(plan: &PlanDocument) -> Markup {
     let unit = plan.cost_unit;
-    let proof = match plan.status {
-        PlanStatus::Optimal => "proved".to_owned(),
-        PlanStatus::Feasible => format!("at most {} dearer than the best", cost(plan.gap, unit)),
-    };
+    let proof = gap(plan).unwrap_or("proved".to_owned());
     html! {
         h3 { "Plan" }
         dl.facts {
@@ -58,24 +55,16 @@ fn ties(secondary: &SecondaryCost) -> Markup {
 fn at_sea(plan: &PlanDocument, voyage: &Voyage) -> Markup {
     let maneuvers: u64 = plan.counts.values().sum();
     let share = voyage.informative_s / voyage.duration_s;
+    let clear = clearance(&voyage.check).unwrap_or("none: the hull touches an obstacle".to_owned());
     html! {
         h3 { "At sea, simulated by the nominal model" }
         dl.facts {
             (fact("Duration", &minutes(voyage.duration_s), &format!("{}\u{a0}s", exact(voyage.duration_s))))
             (fact("In informative maneuvers", &minutes(voyage.informative_s),
                 &format!("{} of the time, {maneuvers} maneuvers", percent(share))))
-            (fact("Clearance", &clearance(&voyage.check), "of the hull from anything charted as an obstacle"))
+            (fact("Clearance", &clear, "of the hull from anything charted as an obstacle"))
             (fact("Margin", &format!("{}\u{a0}m asked for", exact(voyage.check.margin_m)), &margin(&voyage.check)))
         }
-    }
-}
-
-/// The distance is measured on a raster that never overstates it.
-fn clearance(check: &Check) -> String {
-    match check.clear {
-        true if check.clearance_m >= check.sight_m => format!("more than {}\u{a0}m", three(check.sight_m)),
-        true => format!("at least {}\u{a0}m", three(check.clearance_m)),
-        false => "none: the hull touches an obstacle".to_owned(),
     }
 }
 

@@ -1,8 +1,9 @@
 //! Times, places and moves as the crew reads them.
 
-use crate::number::{exact, percent, three};
-use study::documents::{CostUnit, PlanLattice, PlanPose, PlanStep, VoyageLeg};
+use crate::number::{exact, or_dash, percent, three};
+use study::documents::{CostUnit, PlanDocument, PlanLattice, PlanPose, PlanStatus, PlanStep, VoyageLeg};
 use trial::Side;
+use trial::voyage::Check;
 
 /// One knot \[m/s\].
 const KNOT: f64 = 1852.0 / 3600.0;
@@ -11,21 +12,21 @@ const REST: f64 = 5e-3;
 
 /// A time since the start: `01:04:52`.
 pub(crate) fn clock(seconds: f64) -> String {
-    if !(seconds.is_finite() && seconds >= 0.0) {
-        return "–".to_owned();
-    }
-    let whole = seconds.round();
-    let (hours, minutes) = ((whole / 3600.0).floor(), (whole / 60.0).floor() % 60.0);
-    format!("{hours:02.0}:{minutes:02.0}:{:02.0}", whole % 60.0)
+    or_dash(whole(seconds).map(|whole| {
+        let (hours, minutes) = ((whole / 3600.0).floor(), (whole / 60.0).floor() % 60.0);
+        format!("{hours:02.0}:{minutes:02.0}:{:02.0}", whole % 60.0)
+    }))
 }
 
 /// A duration: `64 min 52 s`.
 pub(crate) fn minutes(seconds: f64) -> String {
-    if !(seconds.is_finite() && seconds >= 0.0) {
-        return "–".to_owned();
-    }
-    let whole = seconds.round();
-    format!("{:.0}\u{a0}min {:02.0}\u{a0}s", (whole / 60.0).floor(), whole % 60.0)
+    let minutes = |whole: f64| format!("{:.0}\u{a0}min {:02.0}\u{a0}s", (whole / 60.0).floor(), whole % 60.0);
+    or_dash(whole(seconds).map(minutes))
+}
+
+/// Whole seconds of a time that can be told.
+fn whole(seconds: f64) -> Option<f64> {
+    (seconds.is_finite() && seconds >= 0.0).then(|| seconds.round())
 }
 
 /// Degrees and decimal minutes, to a thousandth of a minute: `60° 08.918′ N`.
@@ -50,11 +51,8 @@ fn place(degrees: f64, digits: usize, sides: [&str; 2]) -> String {
 
 /// A compass heading of three digits: `045°`.
 pub(crate) fn heading(degrees: f64) -> String {
-    if degrees.is_finite() {
-        format!("{:03.0}°", degrees.rem_euclid(360.0).round() % 360.0)
-    } else {
-        "–".to_owned()
-    }
+    let finite = degrees.is_finite().then(|| degrees.rem_euclid(360.0).round() % 360.0);
+    or_dash(finite.map(|degrees| format!("{degrees:03.0}°")))
 }
 
 /// Compass heading of level `h` of the lattice, which counts counter-clockwise from east.
@@ -76,6 +74,22 @@ pub(crate) fn cost(value: f64, unit: CostUnit) -> String {
         CostUnit::Seconds => format!("{number}\u{a0}s"),
         CostUnit::Cost => number,
     }
+}
+
+/// How far a plan may be from the best, where it is not proved.
+pub(crate) fn gap(plan: &PlanDocument) -> Option<String> {
+    let known = || format!("at most {} dearer than the best", cost(plan.gap, plan.cost_unit));
+    (plan.status == PlanStatus::Feasible).then(known)
+}
+
+/// How far the hull stays from obstacles; none where it touches one. The distance is measured on a raster that never overstates
+/// it.
+pub(crate) fn clearance(check: &Check) -> Option<String> {
+    let (how, metres) = match check.clearance_m >= check.sight_m {
+        true => ("more than", check.sight_m),
+        false => ("at least", check.clearance_m),
+    };
+    check.clear.then(|| format!("{how} {}\u{a0}m", three(metres)))
 }
 
 /// What the cost counts, as the head of a column or an axis.

@@ -101,11 +101,10 @@ impl Arguments {
         };
         let made = Made::computed(
             out,
-            &estimates::schema(vessel),
+            &estimates::columns(vessel),
             provenance,
             joined_blocks(reader.blocks()),
             |i| joined(i, reader.blocks(), block),
-            |rows| estimates::table(vessel, rows),
         )?;
         if self.sharding.shard.is_none() {
             refuse_if_none(&estimators, file, &reader, &made.rows)?;
@@ -130,7 +129,7 @@ impl Arguments {
 
 /// The estimates of all shards.
 fn gathered(shards: &[PathBuf], vessel: &Vessel, out: [&Path; 2]) -> Result<Made<Row>, Failure> {
-    Made::gathered(shards, out, &estimates::schema(vessel), |reader| {
+    Made::gathered(shards, out, &estimates::columns(vessel), |reader| {
         let blocks = (0..reader.blocks()).map(|i| estimates::rows(reader, vessel, out[0], i));
         Ok(blocks.collect::<Result<Vec<_>, _>>()?.concat())
     })

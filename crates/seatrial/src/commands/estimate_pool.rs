@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use artifact::{Provenance, TableWriter, commit, encode_block, stage_document, stage_set_document};
+use artifact::{Provenance, TableWriter, commit, stage_document, stage_set_document};
 use clap::Parser;
 use identification::Estimator;
 use identification::pooled::{Judgement, Pool, PoolError, Pooled, estimate};
@@ -93,11 +93,11 @@ impl Arguments {
         found: &Pooled,
     ) -> Result<Summary, Failure> {
         let (vessel, estimator) = (pool.vessel, self.estimator);
-        let schema = estimates::schema(vessel);
+        let columns = estimates::columns(vessel);
         let name = |name| beside(out, MAIN, name);
         let summary = name("estimate.json");
-        let mut writer = TableWriter::create(out, &schema, provenance)?.with_document(&summary);
-        writer.push(encode_block(&schema, &estimates::table(vessel, &[found.as_run(estimator)]))?)?;
+        let mut writer = TableWriter::create(out, columns.schema(), provenance)?.with_document(&summary);
+        writer.push(columns.encode(&[found.as_run(estimator)])?)?;
         let document = EstimateDocument::pooled(vessel, estimator, pool.removal, found);
         let replicates = self.bootstrap.unwrap_or(0);
         let trust = TrustDocument::new(pool, self.flags.nominal().source(), estimator, replicates, found);

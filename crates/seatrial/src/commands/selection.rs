@@ -2,14 +2,14 @@
 
 use std::path::{Path, PathBuf};
 
-use artifact::{Provenance, TableWriter, commit_with_document, encode_block};
+use artifact::{Provenance, TableWriter, commit_with_document};
 use clap::Parser;
 use identification::Estimator;
 use identification::selection::{PublishedLimits, SelectionOptions, available, select};
 use serde_json::json;
 use study::documents::{Reference, SelectionDocument};
 use study::files::read_vessel;
-use study::selection::{Row, document, schema, table};
+use study::selection::{Row, columns, document};
 
 use super::counts::counts;
 use crate::choice::choice;
@@ -110,8 +110,9 @@ fn publish(
     document: &SelectionDocument,
 ) -> Result<Summary, Failure> {
     let summary = beside(out, "selection.parquet", "selection.json");
-    let mut writer = TableWriter::create(out, &schema(), provenance)?.with_document(&summary);
-    writer.push(encode_block(&schema(), &table(rows))?)?;
+    let columns = columns();
+    let mut writer = TableWriter::create(out, columns.schema(), provenance)?.with_document(&summary);
+    writer.push(columns.encode(rows)?)?;
     commit_with_document(writer.finish()?, &summary, provenance, document)?;
     let told = json!({"ratio_q90": document.ratio_q90, "statements": document.statements});
     Ok(Summary::of(out, document.statements.join("; "), told))

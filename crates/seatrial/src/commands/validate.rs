@@ -61,7 +61,7 @@ impl Task for Arguments {
         let document = beside(&out, MAIN, "validation.json");
         let made = match self.sharding.gathers() {
             true => {
-                Made::gathered(&self.sharding.gather, [&out, &document], &scores::schema(), scores::rows)?
+                Made::gathered(&self.sharding.gather, [&out, &document], &scores::columns(), scores::rows)?
             }
             false => self.computed(&vessel, &validation, provenance, [&out, &document], common.quiet)?,
         };
@@ -81,7 +81,7 @@ impl Arguments {
     ) -> Result<Made<Row>, Failure> {
         let file = given(&self.estimates, "estimates")?;
         let reader = TableReader::open(file, estimates::ID, estimates::VERSION)?;
-        reader.require(&estimates::schema(vessel).columns)?;
+        reader.require(&estimates::columns(vessel).schema().columns)?;
         if let Some(shard) = &reader.provenance().shard {
             return Err(refuse_shard(file, shard).into());
         }
@@ -96,7 +96,7 @@ impl Arguments {
             progress.advance(1);
             Ok(own)
         };
-        let made = Made::computed(out, &scores::schema(), provenance, reader.blocks(), score, scores::table)?;
+        let made = Made::computed(out, &scores::columns(), provenance, reader.blocks(), score)?;
         match scores::doubled(&made.rows) {
             None => Ok(made),
             Some(row) => Err(Failure::refuse(

@@ -38,7 +38,8 @@ impl VoyageFiles<'_> {
         let config: PlanFile = inputs::toml(self.config, "plan", provenance)?;
         let task = config.task().map_err(|e| Failure::invalid(self.config, &e))?;
         let dictionary = inputs::runs(self.trajectories, "trajectories", &vessel, provenance)?;
-        let design = self.design.map(|path| shares(path, provenance)).transpose()?;
+        let design = self.design.map(|path| inputs::document::<DesignDocument>(path, "design", provenance));
+        let design = design.transpose()?.map(|d| Shares { order: d.order, share: d.shares });
         let layers = read_charts(self.config, &config, provenance)?;
         self.check_inputs(&config, out)?;
         Ok(Brief { vessel, task, layers, dictionary, design, seed })
@@ -73,9 +74,4 @@ fn check_names(out: &Path) -> Result<(), Failure> {
             format!("--out: found {name}, which is written beside it, expected another name; take plan.json");
         Err(Failure::Usage(message))
     })
-}
-
-fn shares(path: &Path, provenance: &mut Provenance) -> Result<Shares, Failure> {
-    let design: DesignDocument = inputs::document(path, "design", provenance)?;
-    Shares::new(design.order, design.shares).map_err(|e| Failure::invalid(path, &e))
 }

@@ -78,7 +78,6 @@ impl Planned<'_> {
             document: self.document,
             voyage,
             sailed: &self.sailing.sailed,
-            rate_hz: self.prepared.brief.vessel.sample_rate_hz,
         };
         let files = routes.files().map_err(|(name, invalid)| {
             Failure::Failed(artifact::Error::invalid(beside(out, MAIN, name), invalid).to_string())

@@ -4,7 +4,7 @@ mod summary;
 
 use std::path::Path;
 
-use artifact::{Columns, Error, Table, TableReader, TableSchema};
+use artifact::{Columns, Error, TableReader};
 use identification::{EstimateStatus, Estimator};
 use vessel::{DegreeOfFreedom, Vessel};
 
@@ -15,17 +15,9 @@ pub use summary::{distinct, estimators, summarize};
 pub const ID: &str = "estimates";
 /// Version of the schema.
 pub const VERSION: u32 = 1;
+
 /// The columns for `vessel`.
-pub fn schema(vessel: &Vessel) -> TableSchema {
-    columns(vessel).schema().clone()
-}
-
-/// Rows as a block of the table.
-pub fn table(vessel: &Vessel, rows: &[Row]) -> Table {
-    columns(vessel).table(rows)
-}
-
-fn columns(vessel: &Vessel) -> Columns<Row> {
+pub fn columns(vessel: &Vessel) -> Columns<Row> {
     let mut columns = Columns::<Row>::new(ID, VERSION)
         .text("design", |r| &r.design, |r, design| r.design = design.to_owned())
         .integer("run", "1", |r| r.run, |r, run| r.run = run)
@@ -37,7 +29,7 @@ fn columns(vessel: &Vessel) -> Columns<Row> {
             .optional(
                 name,
                 &unit,
-                move |r| theta(r, i),
+                move |r| r.estimate.as_ref().map(|(theta, _)| theta[i]),
                 move |r, value| {
                     r.estimate.iter_mut().for_each(|(theta, _)| theta[i] = value.unwrap_or(f64::NAN));
                 },
@@ -45,7 +37,7 @@ fn columns(vessel: &Vessel) -> Columns<Row> {
             .optional(
                 format!("{name}_se"),
                 &unit,
-                move |r| error(r, i),
+                move |r| r.estimate.as_ref().map(|(_, se)| se[i]),
                 move |r, value| {
                     r.estimate.iter_mut().for_each(|(_, se)| se[i] = value.unwrap_or(f64::NAN));
                 },
@@ -67,14 +59,6 @@ fn columns(vessel: &Vessel) -> Columns<Row> {
             );
     }
     columns
-}
-
-fn theta(row: &Row, i: usize) -> Option<f64> {
-    row.estimate.as_ref().map(|(theta, _)| theta[i])
-}
-
-fn error(row: &Row, i: usize) -> Option<f64> {
-    row.estimate.as_ref().map(|(_, se)| se[i])
 }
 
 /// Reads block `i` of `reader`.

@@ -104,16 +104,9 @@ impl IngestFile {
             }
             check_positive([(format!("max_gap_s` of channel `{}", channel.channel), gap)])?;
         }
-        let clocks = self.file.iter().map(|file| file.time.offset_s).chain(self.antenna_m);
-        match clocks.into_iter().find(|number| !number.is_finite()) {
-            Some(found) => Err(Invalid::new(
-                "`offset_s` or `antenna_m`",
-                found.to_string(),
-                "finite numbers",
-                "correct it",
-            )),
-            None => Ok(()),
-        }
+        let clocks = self.file.iter().map(|file| ("offset_s", file.time.offset_s));
+        let antenna = self.antenna_m.map(|place| ("antenna_m", place));
+        check_numbers(clocks.chain(antenna), "a finite number", |_| true)
     }
 
     fn check_segments(&self) -> Result<(), Invalid> {
@@ -128,12 +121,8 @@ impl IngestFile {
             ));
         }
         if self.maneuver.is_some() && self.maneuver_from_file.is_some() {
-            return Err(Invalid::new(
-                "`maneuver`",
-                "`maneuver_from_file` beside it",
-                "one of the two",
-                "remove one",
-            ));
+            let found = "`maneuver_from_file` beside it";
+            return Err(Invalid::new("`maneuver`", found, "one of the two", "remove one"));
         }
         let wrong = |s: &&Interval| !(s.from_s.is_finite() && s.to_s.is_finite() && s.from_s < s.to_s);
         match self.segment.iter().find(wrong) {

@@ -55,8 +55,7 @@ fn kind(path: &Path, spec: &ChartSpec) -> Result<LayerKind, Error> {
         ChartKind::Land => Ok(LayerKind::Land),
         ChartKind::NoGo => Ok(LayerKind::NoGo),
         ChartKind::Depth => {
-            let least = spec.least.clone().unwrap_or_else(|| LEAST.to_owned());
-            Ok(LayerKind::Depth { least, greatest: Some(spec.greatest.clone()) })
+            Ok(LayerKind::Depth { least: spec.least.clone().unwrap_or_else(|| LEAST.to_owned()) })
         }
         ChartKind::Danger => {
             Ok(LayerKind::Danger { least: spec.least.clone().unwrap_or_else(|| OVER.to_owned()) })

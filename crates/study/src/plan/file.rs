@@ -67,9 +67,6 @@ pub struct ChartSpec {
     pub crs: Option<String>,
     /// Property with the least depth of an area (`DRVAL1`), or with the depth over a danger (`VALSOU`).
     pub least: Option<String>,
-    /// Property with its greatest depth, for drawing.
-    #[serde(default = "greatest")]
-    pub greatest: String,
     /// How far around its points and lines the danger reaches \[m\]; 50 without it.
     pub radius_m: Option<f64>,
     /// Only these features.
@@ -77,10 +74,6 @@ pub struct ChartSpec {
     /// A grid of open sea, without land or missing cells.
     #[serde(default)]
     pub open_sea: bool,
-}
-
-fn greatest() -> String {
-    "DRVAL2".to_owned()
 }
 
 /// What a chart shows.

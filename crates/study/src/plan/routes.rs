@@ -1,6 +1,6 @@
 //! The plan as files for others: GeoJSON track, RTZ and GPX route.
 
-use chart::route::{Feature, Geometry, Route, Track, TrackPoint, Waypoint, geojson, gpx, rtz};
+use chart::route::{Feature, Geometry, Route, Track, Waypoint, geojson, gpx, rtz};
 use chart::{Invalid, Plane};
 use serde_json::{Value, json};
 use trial::{Sailed, Sample, Side};
@@ -17,8 +17,6 @@ pub struct Routes<'a> {
     pub voyage: &'a Voyage,
     /// What was sailed.
     pub sailed: &'a Sailed,
-    /// Samples per second.
-    pub rate_hz: f64,
 }
 
 impl Routes<'_> {
@@ -27,8 +25,7 @@ impl Routes<'_> {
     /// # Errors
     /// A route that the format cannot hold, with the name of its file.
     pub fn files(&self) -> Result<Vec<(&'static str, String)>, (&'static str, Invalid)> {
-        let mut route =
-            Route { name: self.labelled("route"), waypoints: self.waypoints(), departure_utc: None };
+        let mut route = Route { name: self.labelled("route"), waypoints: self.waypoints() };
         route.fit_radii();
         let files = [
             ("track.geojson", geojson(&self.features())),
@@ -81,7 +78,6 @@ impl Routes<'_> {
                 name: "start".to_owned(),
                 lon_deg: first.longitude_deg,
                 lat_deg: first.latitude_deg,
-                t_s: Some(0.0),
                 ..Waypoint::default()
             });
         }
@@ -89,16 +85,12 @@ impl Routes<'_> {
             let [lon_deg, lat_deg] = after(k);
             let from = waypoints.last().map_or([0.0; 2], |w| [w.lon_deg, w.lat_deg]);
             let way = geodesic(self.plane, from, [lon_deg, lat_deg]);
-            let t_s = Some(leg.start_s + leg.duration_s);
             if way < 1.0 {
                 // Turns on the spot and maneuvers that end where they began are told at the waypoint itself.
                 if let Some(last) = waypoints.last_mut() {
-                    let note = if last.note.is_empty() {
-                        self.what(leg)
-                    } else {
-                        format!("{}, {}", last.note, self.what(leg))
-                    };
-                    (last.note, last.t_s) = (note, t_s);
+                    let so_far =
+                        if last.note.is_empty() { String::new() } else { format!("{}, ", last.note) };
+                    last.note = so_far + &self.what(leg);
                 }
                 continue;
             }
@@ -111,9 +103,7 @@ impl Routes<'_> {
                 turn_radius_m: Some(way / 4.0),
                 // A leg that is over as soon as it begins has no speed.
                 speed_m_s: (leg.duration_s > 0.0).then(|| (way / leg.duration_s).max(0.01)),
-                t_s,
                 note: self.what(leg),
-                ..Waypoint::default()
             });
         }
         if waypoints.len() == 1 {
@@ -129,15 +119,8 @@ impl Routes<'_> {
     }
 
     fn track(&self) -> Track {
-        let point = |(k, s): (usize, &Sample)| {
-            let [lon_deg, lat_deg] = self.place(s);
-            TrackPoint { lon_deg, lat_deg, t_s: Some(k as f64 / self.rate_hz) }
-        };
-        let [lon_deg, lat_deg] = self.end();
-        let t_s = Some(self.sailed.samples.len() as f64 / self.rate_hz);
-        let mut points: Vec<TrackPoint> = self.sailed.samples.iter().enumerate().map(point).collect();
-        points.push(TrackPoint { lon_deg, lat_deg, t_s });
-        Track { name: self.labelled("planned track"), points }
+        let points = self.sailed.samples.iter().map(|s| self.place(s)).chain([self.end()]);
+        Track { name: self.labelled("planned track"), points: points.collect() }
     }
 
     fn features(&self) -> Vec<Feature> {

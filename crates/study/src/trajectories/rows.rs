@@ -1,6 +1,4 @@
-use std::collections::HashMap;
-
-use artifact::Column;
+use artifact::{Column, Labels};
 use vessel::Run;
 
 use super::Layout;
@@ -81,30 +79,5 @@ impl Rows {
 pub(super) fn extend(columns: &mut [Vec<f64>], rows: &[f64]) {
     for (i, column) in columns.iter_mut().enumerate() {
         column.extend(rows.iter().skip(i).step_by(3));
-    }
-}
-
-/// A text column in the making.
-#[derive(Default)]
-struct Labels {
-    known: HashMap<String, u32>,
-    labels: Vec<String>,
-    rows: Vec<u32>,
-}
-
-impl Labels {
-    /// `rows` more rows of `label`.
-    fn push(&mut self, label: &str, rows: usize) {
-        let code = self.known.get(label).copied().unwrap_or_else(|| {
-            let new = self.labels.len() as u32;
-            self.labels.push(label.to_owned());
-            self.known.insert(label.to_owned(), new);
-            new
-        });
-        self.rows.extend(std::iter::repeat_n(code, rows));
-    }
-
-    fn column(self) -> Column {
-        Column::text(self.labels, self.rows)
     }
 }

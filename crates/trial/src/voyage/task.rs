@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use chart::Layer;
 use serde::{Deserialize, Serialize};
-use vessel::{Invalid, Run, Vessel};
+use vessel::{Run, Vessel};
 
 use crate::{Approach, Handling, Mode};
 
@@ -25,35 +25,13 @@ pub struct Brief {
     pub seed: u64,
 }
 
-/// By how much rounding may leave a sum of shares above 1.
-const SUMMED: f64 = 1e-6;
-
 /// A design's shares of the time in maneuvers.
 #[derive(Clone, Debug)]
 pub struct Shares {
     /// The design's maneuvers, in its order.
-    pub(super) order: Vec<String>,
+    pub order: Vec<String>,
     /// N_q/N by maneuver.
-    pub(super) share: BTreeMap<String, f64>,
-}
-
-impl Shares {
-    /// Shares of one time: none below 0, together at most all of it.
-    ///
-    /// # Errors
-    /// Numbers that are no such shares.
-    pub fn new(order: Vec<String>, share: BTreeMap<String, f64>) -> Result<Self, Invalid> {
-        let remedy = "make the design again";
-        if let Some((name, found)) = share.iter().find(|(_, share)| !(0.0..=1.0).contains(*share)) {
-            let thing = format!("share of maneuver `{name}`");
-            return Err(Invalid::new(thing, found.to_string(), "a number from 0 to 1", remedy));
-        }
-        let sum: f64 = share.values().sum();
-        if sum > 1.0 + SUMMED {
-            return Err(Invalid::new("shares", format!("a sum of {sum}"), "a sum of at most 1", remedy));
-        }
-        Ok(Self { order, share })
-    }
+    pub share: BTreeMap<String, f64>,
 }
 
 /// What a trial on a chart is asked to do, and where.
@@ -230,11 +208,4 @@ pub enum Secondary {
     Turns,
     /// Nearness to obstacles at the nodes.
     Clearance,
-}
-
-impl Secondary {
-    /// As in files.
-    pub fn name(self) -> &'static str {
-        ["seconds", "turns", "clearance"][self as usize]
-    }
 }

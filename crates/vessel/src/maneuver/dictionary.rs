@@ -23,18 +23,10 @@ pub struct DictionaryFile {
 }
 
 impl DictionaryFile {
-    /// Refuses an empty dictionary, a name used twice and numbers without meaning.
-    ///
-    /// # Errors
-    /// Names the maneuver and the key.
-    pub fn check(&self) -> Result<(), Invalid> {
-        self.expanded().map(|_| ())
-    }
-
     /// The maneuvers with the generated ones after those written, each of a name of its own.
     ///
     /// # Errors
-    /// See [`DictionaryFile::check`].
+    /// An empty dictionary, a name used twice and numbers without meaning: names the maneuver and the key.
     pub fn expanded(&self) -> Result<Vec<ManeuverSpec>, Invalid> {
         let generated = self.generate.as_ref().map(GenerateSpec::candidates).transpose()?;
         let all: Vec<ManeuverSpec> =

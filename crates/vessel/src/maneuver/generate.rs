@@ -32,7 +32,7 @@ impl Generator {
     /// Checks the dictionary and takes its tables of inputs from `read` (name → CSV).
     ///
     /// # Errors
-    /// See [`DictionaryFile::check`]; swings that the sampling rate cannot follow; a table of inputs that is refused; true
+    /// See [`DictionaryFile::expanded`]; swings that the sampling rate cannot follow; a table of inputs that is refused; true
     /// values that are needed and missing.
     pub fn new(
         vessel: &Vessel,
