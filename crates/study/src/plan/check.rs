@@ -2,7 +2,7 @@
 
 use trial::Mode;
 use trial::voyage::AT_REST;
-use vessel::Invalid;
+use vessel::{Invalid, MOST_CURRENT_M_S};
 
 use super::file::PlanFile;
 
@@ -125,11 +125,23 @@ impl PlanFile {
             ("hull.beam_m", hull.beam_m, Least::Above(0.0), 1000.0, "m"),
             ("hull.reference_m", hull.reference_m, Least::From(-half), half, "m, a point of the hull"),
             ("safety.margin_m", safety.margin_m, Least::From(0.0), 1e5, "m"),
-            ("safety.unknown_current_m_s", safety.unknown_current_m_s, Least::From(0.0), 20.0, "m/s"),
+            (
+                "safety.unknown_current_m_s",
+                safety.unknown_current_m_s,
+                Least::From(0.0),
+                MOST_CURRENT_M_S,
+                "m/s",
+            ),
             ("safety.parameter_error", safety.parameter_error, Least::From(0.0), 0.99, "(1 is 100 %)"),
             ("safety.runs", f64::from(safety.runs), Least::From(1.0), 1e6, "runs"),
             ("approach.run_in_s", self.approach.run_in_s, Least::From(0.0), 1e4, "s"),
-            ("known_current.speed_m_s", known.map_or(0.0, |c| c.speed_m_s), Least::From(0.0), 20.0, "m/s"),
+            (
+                "known_current.speed_m_s",
+                known.map_or(0.0, |c| c.speed_m_s),
+                Least::From(0.0),
+                MOST_CURRENT_M_S,
+                "m/s",
+            ),
             (
                 "known_current.towards_deg",
                 known.map_or(0.0, |c| c.towards_deg),
