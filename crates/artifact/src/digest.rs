@@ -46,6 +46,37 @@ impl Digest {
     }
 }
 
+/// Reads a source and hashes what is read, so that nobody has to read it once more for its digest.
+#[derive(Debug)]
+pub struct Digesting<R> {
+    source: R,
+    hasher: blake3::Hasher,
+}
+
+impl<R: Read> Digesting<R> {
+    /// Reads `source` from where it stands.
+    pub fn new(source: R) -> Self {
+        Self { source, hasher: blake3::Hasher::new() }
+    }
+
+    /// The digest of everything from there to the end, whether it was read or not.
+    ///
+    /// # Errors
+    /// A source that cannot be read to its end.
+    pub fn digest(mut self) -> std::io::Result<Digest> {
+        feed(&mut self.hasher, &mut self.source)?;
+        Ok(self.hasher.finalize().into())
+    }
+}
+
+impl<R: Read> Read for Digesting<R> {
+    fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
+        let read = self.source.read(buffer)?;
+        self.hasher.update(&buffer[..read]);
+        Ok(read)
+    }
+}
+
 /// Hashes what is left of `source`, in pieces.
 pub(crate) fn feed(hasher: &mut blake3::Hasher, source: &mut impl Read) -> std::io::Result<()> {
     let mut buffer = vec![0; 1 << 17];

@@ -13,7 +13,6 @@ use crate::identity::Header;
 use crate::leftover::recover;
 use crate::names::folder_of;
 use crate::provenance::Provenance;
-use crate::set::check_members;
 use crate::table_reader::Whole;
 use crate::toml_input::text_of;
 
@@ -32,10 +31,11 @@ pub struct Inspected {
     pub members: BTreeMap<String, Digest>,
 }
 
-/// Looks at the file at `path`; none where it is neither document nor table.
+/// Looks at the file at `path`; none where it is neither document nor table. What was written together with a document is for
+/// [`crate::check_members`].
 ///
 /// # Errors
-/// [`Error::Io`] if it cannot be read; [`Error::Refused`] if it does not fit its seal or what was written together with it.
+/// [`Error::Io`] if it cannot be read; [`Error::Refused`] if it does not fit its seal, or a table not its document.
 pub fn inspect(path: &Path) -> Result<Option<Inspected>> {
     match path.extension().and_then(|end| end.to_str()) {
         Some("json") => document(path),
@@ -52,7 +52,6 @@ fn document(path: &Path) -> Result<Option<Inspected>> {
     let Some(schema) = header.schema().map(str::to_owned) else { return Ok(None) };
     let digests = check_seal(path, &text, header.seal())?;
     let envelope: Envelope<Value> = serde_json::from_str(&text).map_err(|e| refusal(path, &text, &e))?;
-    check_members(path, envelope.members())?;
     let loaded = envelope.loaded(digests.digest);
     let (sealed, provenance, members) = (header.seal().is_some(), loaded.provenance, loaded.members);
     Ok(Some(Inspected { schema, digest: digests.digest, sealed, provenance, members }))
