@@ -2,6 +2,7 @@
 
 use std::fmt;
 use std::fs::File;
+use std::io::Read;
 use std::path::Path;
 use std::str::FromStr;
 
@@ -40,6 +41,36 @@ impl Digest {
     /// The 64 lower-case hexadecimal digits, without the `blake3:` in front.
     pub fn hex(&self) -> String {
         blake3::Hash::from_bytes(self.0).to_hex().to_string()
+    }
+}
+
+/// Reads a source and hashes what is read, so that nobody has to read it once more for its digest.
+#[derive(Debug)]
+pub struct Digesting<R> {
+    source: R,
+    hasher: blake3::Hasher,
+}
+
+impl<R: Read> Digesting<R> {
+    /// Reads `source` from where it stands.
+    pub fn new(source: R) -> Self {
+        Self { source, hasher: blake3::Hasher::new() }
+    }
+
+    /// The digest of everything from there to the end, whether it was read or not.
+    ///
+    /// # Errors
+    /// A source that cannot be read to its end.
+    pub fn digest(mut self) -> std::io::Result<Digest> {
+        Ok(self.hasher.update_reader(self.source)?.finalize().into())
+    }
+}
+
+impl<R: Read> Read for Digesting<R> {
+    fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
+        let read = self.source.read(buffer)?;
+        self.hasher.update(&buffer[..read]);
+        Ok(read)
     }
 }
 

@@ -32,7 +32,7 @@ pub fn read_document<D: Document>(path: impl AsRef<Path>) -> Result<Loaded<D>> {
     let envelope = strictly(&mut serde_json::Deserializer::from_str(&text));
     let envelope: Envelope<D> = envelope.map_err(|e| refusal(path, &text, &e))?;
     check_units(path, &units::<D>(), envelope.units(), &text)?;
-    check_members(path, envelope.members())?;
+    check_members(path, envelope.members(), |_| None)?;
     let loaded = envelope.loaded(digest);
     loaded.data.check().map_err(|invalid| Error::invalid(path, invalid))?;
     Ok(loaded)

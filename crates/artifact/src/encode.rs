@@ -31,12 +31,32 @@ pub struct EncodedBlock {
 /// is NaN or infinite or absent where it may not be (with column and row in the block), or if a text
 /// has no label.
 pub fn encode_block(schema: &TableSchema, table: &Table) -> Result<EncodedBlock> {
+    let layout = checked(schema, table)?;
+    encode_checked(schema, &layout, table).map_err(|e| write_error(Path::new(schema.id), e))
+}
+
+/// The layout of a block that fits `schema`.
+fn checked(schema: &TableSchema, table: &Table) -> Result<Layout> {
     let file = Path::new(schema.id);
     let layout = Layout::new(file, &schema.columns)?;
     check_shape(file, schema, table)?;
     let mut pairs = schema.columns.iter().zip(&table.columns);
     pairs.try_for_each(|(spec, column)| check_values(file, spec, column))?;
-    encode_checked(schema, &layout, table).map_err(|e| write_error(file, e))
+    Ok(layout)
+}
+
+/// The column chunks of a block, each encoded when it is asked for; then its column goes.
+pub(crate) fn encoded_columns(
+    schema: &TableSchema,
+    table: Table,
+) -> Result<impl Iterator<Item = ParquetResult<(Bytes, ColumnCloseResult)>>> {
+    let layout = checked(schema, &table)?;
+    let columns = schema.columns.iter().zip(table.columns).enumerate();
+    Ok(columns.map(move |(i, (spec, column))| {
+        let mut sink = TrackedWrite::new(Vec::new());
+        let chunk = encode_column(&mut sink, &layout, i, spec, &column)?;
+        Ok((sink.into_inner()?.into(), chunk))
+    }))
 }
 
 /// Encodes a block whose values have been checked.

@@ -1,5 +1,6 @@
 //! What a file says about itself, whatever its kind.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use serde_json::Value;
@@ -9,7 +10,6 @@ use crate::document::Envelope;
 use crate::document_reader::{check_seal, opened, refusal};
 use crate::error::Result;
 use crate::provenance::Provenance;
-use crate::set::check_members;
 use crate::table_reader::Whole;
 
 /// A file that was written as a document or table.
@@ -23,12 +23,15 @@ pub struct Inspected {
     pub sealed: bool,
     /// Where its contents come from.
     pub provenance: Provenance,
+    /// Digests of the files that were written together with it, by their names beside it.
+    pub members: BTreeMap<String, Digest>,
 }
 
-/// Looks at the file at `path`; none where it is neither document nor table.
+/// Looks at the file at `path`; none where it is neither document nor table. What was written together with a document is for
+/// [`crate::check_members`].
 ///
 /// # Errors
-/// [`Error::Io`] if it cannot be read; [`Error::Refused`] if it does not fit its seal or what was written together with it.
+/// [`Error::Io`] if it cannot be read; [`Error::Refused`] if it does not fit its seal, or a table not its document.
 pub fn inspect(path: &Path) -> Result<Option<Inspected>> {
     match path.extension().and_then(|end| end.to_str()) {
         Some("json") => document(path),
@@ -42,10 +45,9 @@ fn document(path: &Path) -> Result<Option<Inspected>> {
     let Some(schema) = header.schema().map(str::to_owned) else { return Ok(None) };
     let digests = check_seal(path, &text, header.seal())?;
     let envelope: Envelope<Value> = serde_json::from_str(&text).map_err(|e| refusal(path, &text, &e))?;
-    check_members(path, envelope.members())?;
     let loaded = envelope.loaded(digests.digest);
-    let (digest, sealed) = (loaded.digest, header.seal().is_some());
-    Ok(Some(Inspected { schema, digest, sealed, provenance: loaded.provenance }))
+    let (sealed, provenance, members) = (header.seal().is_some(), loaded.provenance, loaded.members);
+    Ok(Some(Inspected { schema, digest: loaded.digest, sealed, provenance, members }))
 }
 
 fn table(path: &Path) -> Result<Inspected> {
@@ -55,5 +57,6 @@ fn table(path: &Path) -> Result<Inspected> {
         digest,
         sealed: header.seal().is_some(),
         provenance: envelope.into_parts().1,
+        members: BTreeMap::new(),
     })
 }

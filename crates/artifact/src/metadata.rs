@@ -23,7 +23,8 @@ pub(crate) struct TableMetadata {
     producer: String,
     #[serde(deserialize_with = "seal::required")]
     seal: Option<Digest>,
-    inputs: BTreeMap<String, Digest>,
+    /// What it was made of.
+    pub inputs: BTreeMap<String, Digest>,
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     origins: BTreeMap<String, Digest>,
     settings: BTreeMap<String, Value>,

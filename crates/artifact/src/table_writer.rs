@@ -5,6 +5,7 @@ use std::fs::File;
 use std::io::{self, BufWriter, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
+use bytes::Bytes;
 use parquet::column::writer::ColumnCloseResult;
 use parquet::errors::Result as ParquetResult;
 use parquet::file::metadata::KeyValue;
@@ -12,8 +13,9 @@ use parquet::file::reader::ChunkReader;
 use parquet::file::writer::SerializedFileWriter;
 use tempfile::NamedTempFile;
 
+use crate::columns::{Column, Table};
 use crate::digest::Digest;
-use crate::encode::EncodedBlock;
+use crate::encode::{EncodedBlock, encoded_columns};
 use crate::error::{Error, Result};
 use crate::fault;
 use crate::footer::Footer;
@@ -67,14 +69,38 @@ impl TableWriter {
     /// [`Error::Refused`] if the block was encoded for other columns; [`Error::Io`] if the file
     /// cannot be written.
     pub fn push(&mut self, block: EncodedBlock) -> Result<()> {
-        if block.columns != self.columns {
-            let (found, expected) = ("a block with other columns", "the columns of the table's schema");
-            return Err(Error::refuse(&self.path, "block", found, expected, "encode it with that schema"));
-        }
+        self.check_columns(&block.columns)?;
         if block.rows == 0 {
             return Ok(());
         }
         self.append(&block.bytes, block.chunks)
+    }
+
+    /// Appends `table` as [`crate::encode_block`] and [`TableWriter::push`] would, column by column: for blocks that are most
+    /// of the memory.
+    ///
+    /// # Errors
+    /// As theirs.
+    pub fn write(&mut self, schema: &TableSchema, table: Table) -> Result<()> {
+        self.check_columns(&schema.columns)?;
+        if table.columns.first().is_none_or(Column::is_empty) {
+            return Ok(());
+        }
+        let columns = encoded_columns(schema, table)?;
+        append_columns(&mut self.writer, columns).map_err(|e| write_error(&self.path, e))
+    }
+
+    fn check_columns(&self, found: &[ColumnSpec]) -> Result<()> {
+        if found == self.columns {
+            return Ok(());
+        }
+        let (found, expected) = ("a block with other columns", "the columns of the table's schema");
+        Err(Error::refuse(&self.path, "block", found, expected, "encode it with that schema"))
+    }
+
+    /// What the table was made of, where more is known of that than at its start.
+    pub fn set_inputs(&mut self, provenance: &Provenance) {
+        self.metadata.inputs.clone_from(&provenance.inputs);
     }
 
     /// Appends a row group whose column chunks lie in `source`.
@@ -119,6 +145,19 @@ fn append_chunks(
     let mut group = writer.next_row_group()?;
     for chunk in chunks {
         group.append_column(source, chunk)?;
+    }
+    group.close()?;
+    Ok(())
+}
+
+fn append_columns(
+    writer: &mut SerializedFileWriter<BufWriter<Hashed>>,
+    columns: impl Iterator<Item = ParquetResult<(Bytes, ColumnCloseResult)>>,
+) -> ParquetResult<()> {
+    let mut group = writer.next_row_group()?;
+    for column in columns {
+        let (bytes, chunk) = column?;
+        group.append_column(&bytes, chunk)?;
     }
     group.close()?;
     Ok(())

@@ -17,8 +17,6 @@ pub struct Assembled {
     pub further: Vec<Vec<f64>>,
     /// Where all but the further channels are known.
     pub stretches: Vec<Stretch>,
-    /// The channels on their own clocks, in the axes and about the point of the trajectories.
-    pub channels: Channels,
 }
 
 /// Puts measured channels on one clock: [`prepare`], velocities, averages, linear interpolation, stretches. The clock
@@ -36,7 +34,8 @@ pub fn assemble(
     on_one_clock(prepare(channels, conventions)?, conventions, [exogenous, further], MOST_ROWS)
 }
 
-/// [`assemble`] of channels that are prepared, on at most `most_rows` rows.
+/// [`assemble`] of channels that are prepared, on at most `most_rows` rows. Each channel goes once it is on the common clock:
+/// of a long recording there is no room for all of them twice.
 pub(crate) fn on_one_clock(
     channels: Channels,
     conventions: &Conventions,
@@ -48,16 +47,16 @@ pub(crate) fn on_one_clock(
     if grid.rows > most_rows {
         return Err(Unassembled::TooLong { rows: grid.rows, most: most_rows });
     }
-    let on_grid = OnGrid { channels: &channels, conventions, times: grid.times() };
+    let mut on_grid = OnGrid { channels, conventions, times: grid.times() };
     let measured = on_grid.velocities()?;
-    let exogenous = on_grid.all(exogenous)?;
-    let further = on_grid.all(further)?;
-    drop(on_grid);
+    on_grid.keep(|name| exogenous.contains(&name) || further.contains(&name));
+    let exogenous = on_grid.all(exogenous, further)?;
+    let further = on_grid.all(further, &[])?;
     let stretches = stretches(&measured, &exogenous);
     if stretches.is_empty() {
         return Err(Unassembled::NoOverlap);
     }
-    Ok(Assembled { grid, measured, exogenous, further, stretches, channels }.trimmed())
+    Ok(Assembled { grid, measured, exogenous, further, stretches }.trimmed())
 }
 
 impl Assembled {
@@ -103,7 +102,7 @@ fn common_clock<'a>(
 }
 
 struct OnGrid<'a> {
-    channels: &'a Channels,
+    channels: Channels,
     conventions: &'a Conventions,
     times: Vec<f64>,
 }
@@ -124,8 +123,18 @@ impl OnGrid<'_> {
         self.series(name).map(|series| self.resampled(series))
     }
 
-    fn all(&self, names: &[&str]) -> Result<Vec<Vec<f64>>, Unassembled> {
-        names.iter().map(|name| self.named(name)).collect()
+    fn keep(&mut self, wanted: impl Fn(&str) -> bool) {
+        self.channels.retain(|name, _| wanted(name));
+    }
+
+    /// The channels called `names`; those that are not asked for `later` go.
+    fn all(&mut self, names: &[&str], later: &[&str]) -> Result<Vec<Vec<f64>>, Unassembled> {
+        let mut all = Vec::with_capacity(names.len());
+        for name in names {
+            all.push(self.named(name)?);
+            self.keep(|known| known != *name || later.contains(&known));
+        }
+        Ok(all)
     }
 
     /// Surge, sway and yaw rate: measured, or else from positions.

@@ -80,6 +80,16 @@ pub struct Columns {
 }
 
 impl Columns {
+    /// Sets memory aside for `rows` rows in all.
+    pub(crate) fn reserve(&mut self, rows: usize) {
+        let more = rows.saturating_sub(self.lines.len());
+        self.lines.reserve_exact(more);
+        self.cells.iter_mut().for_each(|cells| match cells {
+            Cells::Numbers(numbers) => numbers.reserve_exact(more),
+            Cells::Labels(labels) => labels.reserve_exact(more),
+        });
+    }
+
     /// Gives back the memory that was set aside for more rows.
     pub(crate) fn shrink(&mut self) {
         self.lines.shrink_to_fit();

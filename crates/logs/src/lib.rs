@@ -61,7 +61,7 @@ pub use pattern::{Pattern, Template};
 pub use plan::{Exogenous, Plan};
 pub use prepare::{Channels, Conventions, Derived, KINEMATIC, prepare};
 pub use quality::{ChannelSummary, MotionSummary, State, consistency, lag, noise_std};
-pub use record::{Recorded, RecordingSummary, record};
+pub use record::{Recorded, RecordedRun, RecordingSummary, record};
 pub use segment::{Cut, Interval, Part, Segmentation, SpeedClasses, check_intervals};
 pub use series::Series;
 pub use setup::{ChannelSpec, FileSpec, Setup, TimeSpec};

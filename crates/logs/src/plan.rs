@@ -1,5 +1,7 @@
 //! Which channels there are, what the vessel needs of them, and in which units.
 
+use std::fmt::Display;
+
 use refusal::{Invalid, nearest};
 use vessel::{Variable, Vessel};
 
@@ -90,18 +92,18 @@ impl Plan {
         self
     }
 
-    /// Bytes of memory that a row takes until it is in a run: every channel as it is read and on the common clock, and what a
-    /// few of them are at a time.
+    /// Bytes of memory that a row takes at most until it is in a table: every channel once, as it is read or on the common
+    /// clock, with a clock of its own where it lacks values, and what is computed of a few channels at a time.
     pub fn row_bytes(&self) -> f64 {
-        let read: usize = self.setup.files.iter().map(|file| file.channel.len()).max().unwrap_or(0);
-        8.0 * (2 * (read + self.exogenous.len() + self.further.len()) + 12) as f64
+        const AT_A_TIME: usize = 16;
+        8.0 * (2 * self.provided.len() + AT_A_TIME) as f64
     }
 
     /// What is said of a file with `rows` rows.
-    pub fn too_many_rows(&self, rows: usize) -> Invalid {
+    pub fn too_many_rows(&self, rows: impl Display) -> Invalid {
         Invalid::new(
             "rows",
-            format!("{rows}"),
+            rows.to_string(),
             format!("at most {}, which the memory has room for", self.most_rows),
             "cut the recording into shorter ones, or raise --memory-mib",
         )

@@ -102,8 +102,9 @@ const LONGEST_LAG_S: f64 = 5.0;
 /// `window_s`. None where either is not measured or they never meet.
 pub fn consistency(channels: &Channels, window_s: f64) -> [Option<MotionSummary>; 3] {
     let smoothed = |name: &str| channels.get(name).map(|series| series.smoothed(window_s));
+    let slope = |name: &str| smoothed(name).map(|(_, slope)| slope);
     let Some((psi, r)) = smoothed("psi") else { return [None; 3] };
-    let over_ground = smoothed("x").zip(smoothed("y")).map(|((_, north), (_, east))| [north, east]);
+    let over_ground = slope("x").zip(slope("y")).map(|(north, east)| [north, east]);
     [("y_u", State::U), ("y_v", State::V), ("y_r", State::R)].map(|(name, state)| {
         let measured = channels.get(name)?;
         let rate_hz = measured.rate_hz()?.min(COMPARED_HZ);

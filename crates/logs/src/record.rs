@@ -1,12 +1,13 @@
 //! One recording: logs to channels, channels to runs, and how good they are.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use rayon::prelude::*;
 use refusal::Invalid;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use vessel::{Run, Segment};
+use vessel::Segment;
 
 use crate::assemble::on_one_clock;
 use crate::segment::Labels;
@@ -20,12 +21,32 @@ use crate::{
 /// What became of a recording.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Recorded {
-    /// Its runs, without design and number; none where all sub-experiments were too short.
-    pub runs: Vec<Run>,
-    /// Per run the channels of [`Plan::further`] at its N + 1 rows; NaN where absent.
-    pub further: Vec<Vec<Vec<f64>>>,
+    /// Its runs; none where all sub-experiments were too short.
+    pub runs: Vec<RecordedRun>,
     /// What it became, and how good its data are; its runs have no numbers until [`crate::Totals::number`] gives them some.
     pub summary: RecordingSummary,
+}
+
+/// A run of N samples, channel by channel: a long one is most of the memory, and goes into a table as it is.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RecordedRun {
+    /// Its number; 0 until [`crate::Totals::number`] gives it one.
+    pub number: i32,
+    /// Its segments, in order.
+    pub segments: Vec<Segment>,
+    /// Inputs and measured disturbances, N values each.
+    pub exogenous: Vec<Vec<f64>>,
+    /// Surge, sway \[m/s\] and yaw rate \[rad/s\], N + 1 values each.
+    pub measured: [Vec<f64>; 3],
+    /// The channels of [`Plan::further`], N + 1 values each; NaN where absent.
+    pub further: Vec<Vec<f64>>,
+}
+
+impl RecordedRun {
+    /// Number of samples N.
+    pub fn samples(&self) -> usize {
+        self.measured[0].len() - 1
+    }
 }
 
 /// The files that were recorded together.
@@ -89,27 +110,27 @@ pub fn record(
         let made = on_one_clock(channels, &setup.conventions, needed, plan.most_rows)?;
         Ok((made, motion, summaries, warnings))
     });
-    let (mut made, motion, channels, warnings) =
-        on_one_clock.map_err(|why| refused(source, &why, slowest))?;
-    made.channels.clear();
+    let (made, motion, channels, warnings) = on_one_clock.map_err(|why| refused(source, &why, slowest))?;
     check_ratios(&motion)?;
     let (parts, short) = segmentation.runs(source, &made, labels.as_ref());
-    let (runs, further): (Vec<Run>, _) = parts.iter().map(|parts| run(plan, &made, parts)).unzip();
+    let (duration_s, splits) =
+        (made.grid.rows.saturating_sub(1) as f64 / made.grid.rate_hz, made.stretches.len().saturating_sub(1));
+    let runs = cut(plan, made, &parts);
     let summary = RecordingSummary {
         name: source.name.clone(),
         files: source.files.clone(),
         runs: Vec::new(),
-        duration_s: made.grid.rows.saturating_sub(1) as f64 / made.grid.rate_hz,
+        duration_s,
         samples: runs.iter().map(|run| run.samples() as u64).sum(),
         segments: runs.iter().map(|run| run.segments.len() as u64).sum(),
-        splits: made.stretches.len().saturating_sub(1) as u64,
+        splits: splits as u64,
         short_segments: short as u64,
         rows,
         warnings,
         channels,
         motion: motion.into_iter().flatten().collect(),
     };
-    Ok(Recorded { runs, further, summary })
+    Ok(Recorded { runs, summary })
 }
 
 /// Why `source` becomes no runs; `slowest` is the channel with the longest step, and that step \[s\].
@@ -167,24 +188,43 @@ fn slowest(channels: &Channels) -> Option<(String, f64)> {
     steps.max_by(|a, b| a.1.total_cmp(&b.1))
 }
 
-/// The run that consists of `parts`, which follow each other, and its further channels.
-fn run(plan: &Plan, made: &Assembled, parts: &[Part]) -> (Run, Vec<Vec<f64>>) {
-    let samples = parts[0].samples.start..parts[parts.len() - 1].samples.end;
-    let rows = samples.start..samples.end + 1;
-    let inputs =
-        |k: usize| made.exogenous.iter().zip(&plan.exogenous).map(move |(c, input)| input.factor * c[k]);
-    let measured: Vec<f64> = rows.clone().flat_map(|k| made.measured.each_ref().map(|c| c[k])).collect();
+/// The runs that consist of `parts` each, which follow each other. A channel goes once it is cut.
+fn cut(plan: &Plan, made: Assembled, parts: &[Vec<Part>]) -> Vec<RecordedRun> {
+    let mut runs: Vec<RecordedRun> = parts.iter().map(|parts| uncut(parts)).collect();
+    let rows: Vec<Range<usize>> = parts.iter().map(|parts| rows_of(parts)).collect();
+    for (channel, input) in made.exogenous.into_iter().zip(&plan.exogenous) {
+        for (run, rows) in runs.iter_mut().zip(&rows) {
+            // With room for the row after the last sample, which tables have.
+            let mut own = Vec::with_capacity(rows.len());
+            own.extend(channel[rows.start..rows.end - 1].iter().map(|value| input.factor * value));
+            run.exogenous.push(own);
+        }
+    }
+    for (d, channel) in made.measured.into_iter().enumerate() {
+        runs.iter_mut().zip(&rows).for_each(|(run, rows)| run.measured[d] = channel[rows.clone()].to_vec());
+    }
+    for channel in made.further {
+        runs.iter_mut().zip(&rows).for_each(|(run, rows)| run.further.push(channel[rows.clone()].to_vec()));
+    }
+    runs
+}
+
+/// The rows of the run that consists of `parts`: one more than it has samples.
+fn rows_of(parts: &[Part]) -> Range<usize> {
+    parts[0].samples.start..parts[parts.len() - 1].samples.end + 1
+}
+
+fn uncut(parts: &[Part]) -> RecordedRun {
+    let start = parts[0].samples.start;
     let segment =
-        |part: &Part| Segment { maneuver: part.maneuver.clone(), start: part.samples.start - samples.start };
-    let run = Run {
-        design: String::new(),
-        run: 0,
+        |part: &Part| Segment { maneuver: part.maneuver.clone(), start: part.samples.start - start };
+    RecordedRun {
+        number: 0,
         segments: parts.iter().map(segment).collect(),
-        exogenous: samples.clone().flat_map(inputs).collect(),
-        initial: [measured[0], measured[1], measured[2]],
-        measured,
-    };
-    (run, made.further.iter().map(|channel| channel[rows.clone()].to_vec()).collect())
+        exogenous: Vec::new(),
+        measured: [const { Vec::new() }; 3],
+        further: Vec::new(),
+    }
 }
 
 /// Samples from which on channels are looked at one by one.

@@ -235,7 +235,6 @@ mod tests {
             exogenous: Vec::new(),
             further: Vec::new(),
             stretches,
-            channels: crate::Channels::new(),
         }
     }
 

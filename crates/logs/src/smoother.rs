@@ -1,3 +1,4 @@
+use std::ops::Range;
 use std::sync::Arc;
 
 use crate::Series;
@@ -109,18 +110,29 @@ impl Series {
     /// [`local_quadratic`] over `window_s` in every piece without gaps: values and slopes. Pieces of fewer than three
     /// samples are left out.
     pub fn smoothed(&self, window_s: f64) -> (Self, Self) {
-        let (mut times, mut smooth, mut slope) = (Vec::new(), Vec::new(), Vec::new());
         let window = window_samples(window_s, self.rate_hz().unwrap_or(0.0));
-        for piece in self.pieces() {
-            let t = &self.t[piece.clone()];
-            let (values, slopes) = local_quadratic(t, &self.values[piece], window);
-            times.extend(&t[..values.len()]);
-            smooth.extend(values);
-            slope.extend(slopes);
+        let mut pieces = self.pieces();
+        pieces.retain(|piece| piece.len() >= 3);
+        // A channel without gaps is one piece and keeps its clock: what is not copied takes no memory.
+        let whole = pieces.iter().map(Range::len).sum::<usize>() == self.t.len();
+        let of_pieces = || pieces.iter().flat_map(|piece| &self.t[piece.clone()]).copied().collect();
+        let times = if whole { Arc::clone(&self.t) } else { Arc::new(of_pieces()) };
+        let (mut smooth, mut slope) = (Vec::new(), Vec::new());
+        for piece in pieces {
+            let (values, slopes) = local_quadratic(&self.t[piece.clone()], &self.values[piece], window);
+            append(&mut smooth, values);
+            append(&mut slope, slopes);
         }
-        let times = Arc::new(times);
         let series = |values| Self { t: Arc::clone(&times), values, max_gap_s: self.max_gap_s };
         (series(smooth), series(slope))
+    }
+}
+
+/// Appends `values` to `all`; the first are taken as they are.
+fn append(all: &mut Vec<f64>, values: Vec<f64>) {
+    match all.is_empty() {
+        true => *all = values,
+        false => all.extend(values),
     }
 }
 

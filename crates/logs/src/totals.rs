@@ -3,11 +3,9 @@ use serde::{Deserialize, Serialize};
 
 use crate::Recorded;
 
-/// Numbers the runs of one design and counts them.
+/// Numbers runs and counts them.
 #[derive(Clone, Debug, Default)]
 pub struct Totals {
-    /// Name of the design.
-    pub design: String,
     /// Runs so far; the number of the next run.
     pub runs: u32,
     /// Samples of all runs.
@@ -29,16 +27,10 @@ pub struct ManeuverCount {
 }
 
 impl Totals {
-    /// Nothing yet of `design`.
-    pub fn of(design: &str) -> Self {
-        Self { design: design.to_owned(), ..Self::default() }
-    }
-
-    /// Counts the runs of a recording and gives them design and number.
+    /// Counts the runs of a recording and numbers them.
     pub fn number(&mut self, recorded: &mut Recorded) {
         for run in &mut recorded.runs {
-            run.design.clone_from(&self.design);
-            run.run = self.runs as i32;
+            run.number = self.runs as i32;
             recorded.summary.runs.push(u64::from(self.runs));
             self.runs += 1;
             self.samples += run.samples() as u64;

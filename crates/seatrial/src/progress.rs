@@ -31,6 +31,17 @@ impl Progress {
         Self { bar, label, quiet, started: Instant::now(), last_line: Mutex::new(None) }
     }
 
+    /// Tells how long `seconds` of one thread's work take on all of them, to the order, where that is over a minute.
+    #[must_use]
+    pub fn foretold(self, seconds: f64) -> Self {
+        let threads = rayon::current_num_threads();
+        let own = seconds / threads as f64;
+        if !self.quiet && own > 60.0 {
+            on_stderr(format_args!("{}: about {} on {threads} threads", self.label, order_of(own)));
+        }
+        self
+    }
+
     /// `count` more pieces are done.
     pub fn advance(&self, count: usize) {
         self.bar.inc(count as u64);
@@ -49,18 +60,18 @@ impl Progress {
         if last.is_none_or(|at| at.elapsed() >= BETWEEN_LINES) {
             *last = Some(Instant::now());
             let (done, all) = (self.bar.position(), self.bar.length().unwrap_or(0));
-            let left = self.started.elapsed().mul_f64((all - done.min(all)) as f64 / done.max(1) as f64);
-            on_stderr(format_args!("{}: {done} of {all}, about {}", self.label, order_of(left)));
+            let left =
+                self.started.elapsed().as_secs_f64() * (all - done.min(all)) as f64 / done.max(1) as f64;
+            on_stderr(format_args!("{}: {done} of {all}, about {} left", self.label, order_of(left)));
         }
     }
 }
 
 /// A time that nobody can know better than to its order.
-fn order_of(left: Duration) -> String {
-    let seconds = left.as_secs_f64();
+fn order_of(seconds: f64) -> String {
     let units = [(86_400.0, "days"), (3_600.0, "h"), (60.0, "min")];
     let (unit, name) = units.into_iter().find(|(unit, _)| seconds >= 2.0 * unit).unwrap_or((1.0, "s"));
-    format!("{:.0} {name} left", (seconds / unit).ceil())
+    format!("{:.0} {name}", (seconds / unit).ceil())
 }
 
 impl Drop for Progress {

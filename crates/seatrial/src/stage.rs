@@ -31,7 +31,8 @@ pub struct Summary {
 impl Summary {
     /// That `out` is written, and what about it: `said` to people, the entries of `told` to programs.
     pub fn of(out: &Path, said: impl Display, told: Value) -> Self {
-        let mut json = json!({"out": out});
+        // A name that is no text is told as well as text can.
+        let mut json = json!({"out": out.display().to_string()});
         if let (Value::Object(all), Value::Object(own)) = (&mut json, told) {
             all.extend(own);
         }

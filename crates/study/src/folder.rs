@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use artifact::{Digest, Error, Inspected, Provenance, STUDY_ROLES, inspect};
+use artifact::{Digest, Error, Inspected, Provenance, STUDY_ROLES, check_members, inspect};
 
 use crate::{refuse, role_of};
 
@@ -26,11 +26,13 @@ impl Folder {
     pub fn read(root: &Path, study: Option<&Path>) -> Result<Self, Error> {
         let mut folder = Self::default();
         let known = study.map_or(Ok(Provenance::default()), |study| folder.written(study))?;
-        folder.look(root, root)?;
+        folder.look(root)?;
         if folder.files.is_empty() {
             let (found, expected) = ("no document and no table", "files that the stages wrote");
             return Err(refuse(root, "files", found, expected, "name another folder"));
         }
+        folder.check_sets();
+        folder.name(root);
         folder.compare(root, &known);
         Ok(folder)
     }
@@ -64,7 +66,7 @@ impl Folder {
     }
 
     /// Looks at all files below `folder`, those of a folder before those in folders of it.
-    fn look(&mut self, root: &Path, folder: &Path) -> Result<(), Error> {
+    fn look(&mut self, folder: &Path) -> Result<(), Error> {
         let fails = |e| Error::io(folder, "list", e);
         let entries = std::fs::read_dir(folder).map_err(fails)?;
         let mut paths: Vec<PathBuf> =
@@ -73,13 +75,30 @@ impl Folder {
         let (folders, files): (Vec<PathBuf>, Vec<PathBuf>) =
             paths.into_iter().partition(|path| path.is_dir());
         for path in files {
-            let found = inspect(&path);
-            if let Ok(Some(own)) = &found {
-                self.names.insert(own.digest, relative(root, &path));
-            }
-            self.files.extend(found.transpose().map(|found| (path, found)));
+            self.files.extend(inspect(&path).transpose().map(|found| (path, found)));
         }
-        folders.iter().filter(|path| !path.is_symlink()).try_for_each(|path| self.look(root, path))
+        folders.iter().filter(|path| !path.is_symlink()).try_for_each(|path| self.look(path))
+    }
+
+    /// Whether what was written together is together; no file that was looked at is read again for that.
+    fn check_sets(&mut self) {
+        let found =
+            self.files.iter().filter_map(|(path, found)| Some((path.clone(), found.as_ref().ok()?.digest)));
+        let known: BTreeMap<PathBuf, Digest> = found.collect();
+        for (path, found) in &mut self.files {
+            let Ok(own) = &*found else { continue };
+            if let Err(mixed) = check_members(path, &own.members, |path| known.get(path).copied()) {
+                *found = Err(mixed);
+            }
+        }
+    }
+
+    fn name(&mut self, root: &Path) {
+        for (path, found) in &self.files {
+            if let Ok(own) = found {
+                self.names.insert(own.digest, relative(root, path));
+            }
+        }
     }
 
     /// Notes what is wrong: files that are damaged, and files that were made of different ones. Each folder has estimates and

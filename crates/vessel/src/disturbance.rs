@@ -82,6 +82,18 @@ pub struct Disturbances {
     pub measurement: Measurement,
 }
 
+/// The strongest current that is taken for one \[m/s\]: no tidal stream reaches it.
+pub const MOST_CURRENT_M_S: f64 = 15.0;
+
+/// Refuses currents, each with its key, that no sea has.
+///
+/// # Errors
+/// Names the key and its value.
+pub fn check_currents<const N: usize>(currents: [(&str, f64); N]) -> Result<(), Invalid> {
+    let expected = format!("at most {MOST_CURRENT_M_S} m/s, which no current exceeds");
+    check_numbers(currents, &expected, |value| value.abs() <= MOST_CURRENT_M_S)
+}
+
 /// Channels of the random streams: measurement noise of u, v, r, then the current's components, then the wind's.
 const CURRENT_CHANNEL: u32 = 3;
 const WIND_CHANNEL: u32 = 5;
@@ -174,6 +186,7 @@ impl Disturbances {
     /// Names the key and its value.
     pub fn check(&self) -> Result<(), Invalid> {
         let m = self.measurement;
+        check_currents([("current.std_m_s", self.current.std_m_s())])?;
         check_deviations([
             ("current.std_m_s", self.current.std_m_s()),
             ("measurement.std_u_m_s", m.std_u_m_s),

@@ -27,7 +27,7 @@ mod steady;
 mod term;
 
 pub use compiled::{Ambient, Compiled};
-pub use disturbance::{Axes, Current, Disturbances, Measurement, Wind};
+pub use disturbance::{Axes, Current, Disturbances, MOST_CURRENT_M_S, Measurement, Wind, check_currents};
 pub use file::{InputSpec, Source, TermSpec, Vessel, VesselFile};
 pub use lane::{LANES, Lane, Number, Numbers};
 pub use layout::ParameterLayout;

@@ -1,6 +1,8 @@
 //! Writing and reading tables.
 
-use artifact::{Column, Digest, Kind, Table, TableReader, TableSchema, TableWriter, encode_block};
+use artifact::{
+    Column, Digest, Kind, Provenance, Table, TableReader, TableSchema, TableWriter, encode_block,
+};
 use proptest::prelude::*;
 
 use crate::sample::{self, ROWS, block, folder, provenance, refusal, schema, spec, write};
@@ -58,6 +60,22 @@ fn a_block_without_rows_leaves_no_trace() {
     artifact::commit(vec![sample::stage(&path, &provenance(), blocks).unwrap()]).unwrap();
     let without = write(&folder, "without", &provenance(), 0..2);
     assert_eq!(std::fs::read(path).unwrap(), std::fs::read(without).unwrap());
+}
+
+#[test]
+fn a_block_that_is_written_by_columns_has_the_same_bytes() {
+    let folder = folder();
+    let whole = write(&folder, "whole", &provenance(), 0..3);
+    let path = folder.path().join("by columns");
+    // What the table was made of may be told at its end.
+    let unknown = Provenance { inputs: Default::default(), ..provenance() };
+    let mut writer = TableWriter::create(&path, &schema(), &unknown).unwrap();
+    (0..3).for_each(|i| writer.write(&schema(), sample::block(i)).unwrap());
+    writer.set_inputs(&provenance());
+    let damaged = Table { columns: sample::block(0).columns[..2].to_vec() };
+    assert!(refusal(writer.write(&schema(), damaged)).contains("found 2 columns, expected 4 columns"));
+    artifact::commit(vec![writer.finish().unwrap()]).unwrap();
+    assert_eq!(std::fs::read(path).unwrap(), std::fs::read(whole).unwrap());
 }
 
 #[test]

@@ -1,7 +1,7 @@
 use serde::Deserialize;
-use vessel::{Invalid, Streams};
+use vessel::{Invalid, Streams, check_currents};
 
-use super::{Wind, above_zero, finite, from_zero};
+use super::{Wind, above_zero, from_zero};
 
 /// What moves the water and the air while recording.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
@@ -38,7 +38,11 @@ impl Weather {
     /// Names the key.
     pub fn check(&self) -> Result<(), Invalid> {
         let drift = &self.current;
-        finite([("current.north_m_s", drift.north_m_s), ("current.east_m_s", drift.east_m_s)])?;
+        check_currents([
+            ("current.north_m_s", drift.north_m_s),
+            ("current.east_m_s", drift.east_m_s),
+            ("current.std_m_s", drift.std_m_s),
+        ])?;
         from_zero([("current.std_m_s", drift.std_m_s)])?;
         above_zero([("current.time_s", drift.time_s.unwrap_or(1.0))])?;
         self.wind.map_or(Ok(()), |wind| wind.check())

@@ -1,5 +1,6 @@
 use std::f64::consts::PI;
 
+use refusal::check_numbers;
 use serde::Deserialize;
 use vessel::Invalid;
 
@@ -54,7 +55,9 @@ impl Wind {
     /// # Errors
     /// Names the key.
     pub fn check(&self) -> Result<(), Invalid> {
-        from_zero([("wind.speed_m_s", self.speed_m_s), ("wind.gust_std_m_s", self.gust_std_m_s)])?;
+        let speeds = [("wind.speed_m_s", self.speed_m_s), ("wind.gust_std_m_s", self.gust_std_m_s)];
+        let expected = "from 0 to 100 m/s, which no wind exceeds";
+        check_numbers(speeds, expected, |speed| (0.0..=100.0).contains(&speed))?;
         finite([("wind.from_rad", self.from_rad)])?;
         above_zero([("wind.gust_time_s", self.gust_time_s.unwrap_or(1.0))])
     }

@@ -93,7 +93,9 @@ impl Arguments {
             initial,
             levels,
         };
-        let progress = Progress::new("blocks of runs", reader.blocks(), quiet);
+        let each: f64 = estimators.estimators.iter().map(|estimator| estimator.seconds_per_row()).sum();
+        let rows = reader.rows().0 as f64 / f64::from(self.sharding.shard.map_or(1, |shard| shard.count));
+        let progress = Progress::new("blocks of runs", reader.blocks(), quiet).foretold(rows * each);
         let block = |i: usize| {
             let rows = estimators.estimates(&reader.runs(i)?);
             progress.advance(1);

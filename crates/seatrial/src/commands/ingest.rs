@@ -5,17 +5,18 @@ use std::path::{Path, PathBuf};
 
 use crate::cli::{Common, beside, budget};
 use crate::failure::Failure;
-use crate::ingest::{find, recorded, simulated_label};
+use crate::ingest::{recorded, simulated_label};
 use crate::ordered::ordered;
 use crate::progress::Progress;
 use crate::stage::{Summary, Task};
-use artifact::{Digest, TableWriter, commit_with_document, encode_block};
+use artifact::{Digest, TableWriter, commit_with_document};
 use clap::Parser;
 use logs::{Plan, Recorded, Source, Totals, check_intervals};
 use serde_json::json;
 use study::documents::{IngestDocument, RecordingSummary};
 use study::files::{read_ingest, read_vessel};
 use study::ingest_file::IngestFile;
+use study::ingest_file::recordings::find;
 use study::trajectories::{Layout, MeasuredBlock};
 
 /// Turns log files into trajectories: one clock, SI units, body velocities, sub-experiments; says how good the data are
@@ -66,12 +67,11 @@ impl Task for Arguments {
         }
         provenance.origins.clear();
         let summary_file = self.summary_file(&out)?;
-        for file in sources.iter().flat_map(|source| &source.files) {
-            provenance.inputs.insert(format!("log:{file}"), Digest::of_file(folder.join(file))?);
-        }
         let schema = layout(&plan).measured(&plan.further);
         let mut writer = TableWriter::create(&out, &schema, &provenance)?.with_document(&summary_file);
         let made = all((self, common), &config, &plan, &folder, sources, &mut writer)?;
+        provenance.inputs.extend(made.logs);
+        writer.set_inputs(&provenance);
         let document = IngestDocument {
             vessel: vessel.map(|vessel| vessel.name),
             design: config.design,
@@ -111,6 +111,8 @@ fn layout(plan: &Plan) -> Layout {
 struct Ingested {
     totals: Totals,
     recordings: Vec<RecordingSummary>,
+    /// The logs' digests by their roles.
+    logs: Vec<(String, Digest)>,
 }
 
 /// Bytes of logs that are read side by side.
@@ -150,8 +152,9 @@ fn all(
 ) -> Result<Ingested, Failure> {
     let (layout, segmentation) = (layout(plan), config.segmentation());
     let schema = layout.measured(&plan.further);
-    let empty = || MeasuredBlock::new(&layout, plan.further.len(), plan.setup.conventions.rate_hz);
-    let (mut totals, mut recordings) = (Totals::of(&config.design), Vec::with_capacity(sources.len()));
+    let rate_hz = plan.setup.conventions.rate_hz;
+    let empty = || MeasuredBlock::new(&config.design, &layout, plan.further.len(), rate_hz);
+    let (mut totals, mut recordings, mut logs) = (Totals::default(), Vec::new(), Vec::new());
     let mut block = empty();
     let progress = Progress::new("recordings", sources.len(), common.quiet);
     let work = |plan: &Plan, i: usize| {
@@ -159,14 +162,15 @@ fn all(
         progress.advance(1);
         found
     };
-    let mut fold = |mut recorded: Recorded| {
+    let mut fold = |(mut recorded, digests): (Recorded, Vec<Digest>)| {
         totals.number(&mut recorded);
-        for (run, further) in recorded.runs.into_iter().zip(recorded.further) {
-            block.push(run, further);
+        for run in recorded.runs {
+            block.push(run);
             if block.is_full() {
-                writer.push(encode_block(&schema, &std::mem::replace(&mut block, empty()).table())?)?;
+                writer.write(&schema, std::mem::replace(&mut block, empty()).table())?;
             }
         }
+        logs.extend(recorded.summary.files.iter().map(|file| format!("log:{file}")).zip(digests));
         recordings.push(recorded.summary);
         Ok::<(), Failure>(())
     };
@@ -177,7 +181,7 @@ fn all(
         ordered(group, |i| work(&plan, i), &mut fold)?;
     }
     if !block.is_empty() {
-        writer.push(encode_block(&schema, &block.table())?)?;
+        writer.write(&schema, block.table())?;
     }
     if totals.runs == 0 {
         let found = format!("none of {} recordings", sources.len());
@@ -185,7 +189,7 @@ fn all(
         let remedy = "lower `min_s` or `window_s`, or correct the segments";
         return Err(Failure::refuse(&a.config, "sub-experiments", &found, expected, remedy));
     }
-    Ok(Ingested { totals, recordings })
+    Ok(Ingested { totals, recordings, logs })
 }
 
 fn summary(out: &Path, document: &IngestDocument) -> Summary {

@@ -3,12 +3,12 @@
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
-use crate::cli::{Common, given};
+use crate::cli::{Common, budget, given};
 use crate::failure::Failure;
 use crate::plan::{Limits, MAIN, VoyageFiles, plan_problem, plan_voyage};
 use crate::stage::{Summary, Task};
 use clap::{Parser, ValueEnum};
-use lattice::Engine;
+use lattice::{Engine, Options};
 
 /// Plans a trial as one trajectory on a chart, provably the cheapest, with routes for the bridge; or solves a lattice problem
 #[derive(Parser)]
@@ -16,7 +16,8 @@ use lattice::Engine;
     name = "plan",
     after_help = "Example:\n  plan --vessel pipelines/helsinki/vessel.toml --trajectories out/helsinki/dictionary.parquet \
     --config pipelines/helsinki/plan.toml --allow-unsafe --out out/helsinki/plan.json\n  \
-    plan --problem fixtures/lattice/channel.json --out plan.json"
+    plan --problem fixtures/lattice/channel.json --out plan.json\n\n\
+    Without --memory-mib it takes at most 4096 MiB, on any machine that has them."
 )]
 pub struct Arguments {
     /// A lattice problem to solve instead of a chart (schema experiment-lattice-planning/1)
@@ -37,9 +38,6 @@ pub struct Arguments {
     /// Stop after this time, all phases counted, with the best plan so far and its gap
     #[arg(long, value_name = "SECONDS")]
     time_limit_s: Option<f64>,
-    /// Memory for chart, lattice and search
-    #[arg(long, value_name = "MIB", default_value_t = 4096, value_parser = clap::value_parser!(u64).range(1..))]
-    memory_mib: u64,
     /// Write a plan whose check runs aground or breaks the margin, too; every output is labelled as unsafe
     #[arg(long)]
     allow_unsafe: bool,
@@ -73,7 +71,7 @@ impl Task for Arguments {
                 EngineChoice::Exhaustive => Engine::Exhaustive,
                 EngineChoice::Lagrangian => Engine::Lagrangian,
             },
-            memory_bytes: self.memory_mib.saturating_mul(1 << 20),
+            memory_bytes: memory_bytes(common),
             started: Instant::now(),
             time,
             quiet: common.quiet,
@@ -93,4 +91,11 @@ impl Task for Arguments {
         let provenance = common.provenance("plan");
         plan_voyage(&files, &out, &limits, common.seed.unwrap_or(1), self.allow_unsafe, provenance)
     }
+}
+
+/// What chart, lattice and search may take: what there is, but no more than usual where nobody asks for more, for a search
+/// grows into all that it may have, and a plan should not depend on the machine.
+fn memory_bytes(common: &Common) -> u64 {
+    let usual = common.memory_mib.map_or(Options::default().memory_bytes as f64, |_| f64::INFINITY);
+    budget().bytes().min(usual) as u64
 }

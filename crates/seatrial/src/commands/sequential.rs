@@ -82,6 +82,7 @@ impl Task for Arguments {
             vessel: &self.vessel,
             dictionary: &self.dictionary,
             campaign: &self.config,
+            sea: &self.campaign,
             design: &self.config,
         };
         let trial = Trial::new(sea, &generator, noise, estimators, knowledge, ends, segments)
@@ -120,7 +121,10 @@ fn publish(
 }
 
 fn realizations(trial: &Trial, files: &Files, count: u32, quiet: bool) -> Result<Vec<Row>, Failure> {
-    let progress = Progress::new("realizations", count as usize, quiet);
+    // Every round of every arm is simulated and estimated from its start.
+    let rows = f64::from(count) * Arm::ALL.len() as f64 * trial.ends().iter().sum::<usize>() as f64;
+    let seconds = rows * Estimator::OutputError.seconds_per_row();
+    let progress = Progress::new("realizations", count as usize, quiet).foretold(seconds);
     let work = |group: usize| {
         let first = (group * LANES) as u32;
         let numbers = first..count.min(first + LANES as u32);

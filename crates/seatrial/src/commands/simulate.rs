@@ -160,7 +160,7 @@ fn undisturbed(
     provenance: &Provenance,
     common: &Common,
 ) -> Result<Summary, Failure> {
-    let files = Files { vessel, dictionary, campaign: dictionary, design: dictionary };
+    let files = Files { vessel, dictionary, campaign: dictionary, sea: dictionary, design: dictionary };
     let maneuvers = maneuvers.map_err(|e| files.refused(e))?;
     let tally = write_maneuvers(&maneuvers, &files, out, provenance, common.quiet)?;
     let mut told = json!({"maneuvers": tally.maneuvers, "samples": tally.samples});
@@ -184,6 +184,7 @@ impl Task for Campaign {
             vessel: given(&self.vessel, "vessel")?,
             dictionary: given(&self.dictionary, "dictionary")?,
             campaign: given(&self.campaign, "campaign")?,
+            sea: given(&self.campaign, "campaign")?,
             design: given(&self.design, "design")?,
         };
         let vessel = read_simulated(files.vessel, &mut provenance)?;
@@ -223,7 +224,8 @@ impl Task for Plan {
         let runs = f64::from(settings.realizations);
         check_campaign(given(&self.campaign, "campaign")?, runs, samples, &vessel, &out)?;
         let campaign = campaign::Campaign::planned(sea, track.initial, &track.inputs, &segments, &settings);
-        let files = Files { vessel: vessel_file, dictionary: plan, campaign: plan, design: plan };
+        let sea = given(&self.campaign, "campaign")?;
+        let files = Files { vessel: vessel_file, dictionary: plan, campaign: plan, sea, design: plan };
         disturbed(&campaign, &files, &out, &provenance, common)
     }
 }

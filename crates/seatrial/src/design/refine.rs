@@ -127,7 +127,8 @@ fn plan(
 }
 
 fn files(a: &Refine) -> Files<'_> {
-    Files { vessel: &a.vessel, dictionary: &a.dictionary, campaign: &a.campaign, design: &a.design }
+    let (campaign, sea) = (&a.campaign, &a.campaign);
+    Files { vessel: &a.vessel, dictionary: &a.dictionary, campaign, sea, design: &a.design }
 }
 
 /// Disturbances that a covariance is predicted for.

@@ -8,7 +8,7 @@ use std::io::{BufRead, BufReader, ErrorKind};
 use std::path::Path;
 use std::sync::Arc;
 
-use artifact::{Error, ForeignTable};
+use artifact::{Digest, Digesting, Error, ForeignTable};
 use flate2::read::MultiGzDecoder;
 use logs::{
     Cells, Columns, Content, CsvError, Log, Plan, Recorded, Segmentation, Source, Wanted, no_date, places,
@@ -18,7 +18,7 @@ use refusal::Invalid;
 
 use crate::failure::Failure;
 
-/// Reads the files of `source`, which stand in `folder`, and makes runs of them.
+/// Reads the files of `source`, which stand in `folder`, and makes runs of them; and the files' digests.
 ///
 /// # Errors
 /// Files that cannot be read; what [`read_csv`], [`Log::new`] and [`record`] refuse.
@@ -27,32 +27,38 @@ pub fn recorded(
     segmentation: &Segmentation,
     folder: &Path,
     source: &Source,
-) -> Result<Recorded, Failure> {
-    let mut logs = Vec::with_capacity(source.files.len());
+) -> Result<(Recorded, Vec<Digest>), Failure> {
+    let (mut logs, mut digests) = (Vec::with_capacity(source.files.len()), Vec::new());
     for (group, name) in source.files.iter().enumerate() {
         let path = folder.join(name);
-        let log = Log::new(columns(&path, plan, group)?, group, plan);
-        logs.push(log.map_err(|e| Failure::invalid(&path, &e))?);
+        let (columns, digest) = columns(&path, plan, group)?;
+        logs.push(Log::new(columns, group, plan).map_err(|e| Failure::invalid(&path, &e))?);
+        digests.push(digest);
     }
-    record(source, logs, plan, segmentation).map_err(|e| Failure::invalid(&folder.join(&source.files[0]), &e))
+    let recorded = record(source, logs, plan, segmentation);
+    Ok((recorded.map_err(|e| Failure::invalid(&folder.join(&source.files[0]), &e))?, digests))
 }
 
-fn columns(path: &Path, plan: &Plan, group: usize) -> Result<Columns, Failure> {
+fn columns(path: &Path, plan: &Plan, group: usize) -> Result<(Columns, Digest), Failure> {
     let extension = path.extension().and_then(|extension| extension.to_str());
     if let Some("parquet" | "parq" | "pq") = extension {
-        return parquet(path, plan, group);
+        return Ok((parquet(path, plan, group)?, Digest::of_file(path)?));
     }
+    let unreadable = |e| Error::io(path, "read", e);
     const BUFFER: usize = 1 << 18;
-    let file = File::open(path).map_err(|e| Error::io(path, "read", e))?;
-    let bytes: Box<dyn BufRead> = match extension {
-        Some("gz") => Box::new(BufReader::with_capacity(BUFFER, MultiGzDecoder::new(file))),
-        _ => Box::new(BufReader::with_capacity(BUFFER, file)),
+    let file = File::open(path).map_err(unreadable)?;
+    let length = file.metadata().map_err(unreadable)?.len();
+    let mut source = Digesting::new(file);
+    let (bytes, length): (Box<dyn BufRead>, _) = match extension {
+        Some("gz") => (Box::new(BufReader::with_capacity(BUFFER, MultiGzDecoder::new(&mut source))), None),
+        _ => (Box::new(BufReader::with_capacity(BUFFER, &mut source)), Some(length)),
     };
-    read_csv(bytes, plan, group).map_err(|error| match error {
+    let columns = read_csv(bytes, length, plan, group).map_err(|error| match error {
         CsvError::Unreadable(error) if is_damage(&error) => Failure::invalid(path, &damaged(&error)),
-        CsvError::Unreadable(error) => Error::io(path, "read", error).into(),
+        CsvError::Unreadable(error) => unreadable(error).into(),
         CsvError::Invalid(invalid) => Failure::invalid(path, &invalid),
-    })
+    })?;
+    Ok((columns, source.digest().map_err(unreadable)?))
 }
 
 /// Whether the bytes are at fault and not the disk.

@@ -6,7 +6,7 @@ use std::ops::Range;
 use std::path::Path;
 
 use artifact::{EncodedBlock, Provenance, Shard, TableWriter, Work, commit, encode_block};
-use study::trajectories::{BlockBuilder, LEAST_ROW_BYTES, Layout, rows_per_block};
+use study::trajectories::{BlockBuilder, LEAST_ROW_BYTES, Layout, SIMULATED_PER_SECOND, rows_per_block};
 use trial::campaign::{Campaign, Maneuvers, Refusal, SimulatedRun, Tally};
 use vessel::Vessel;
 
@@ -21,8 +21,10 @@ pub struct Files<'a> {
     pub vessel: &'a Path,
     /// `dictionary.toml`.
     pub dictionary: &'a Path,
-    /// `campaign.toml`.
+    /// What says how many runs there are, and how long.
     pub campaign: &'a Path,
+    /// `campaign.toml`, for its disturbances.
+    pub sea: &'a Path,
     /// `design.json`.
     pub design: &'a Path,
 }
@@ -35,6 +37,7 @@ impl Files<'_> {
             Refusal::Vessel(e) => Failure::invalid(self.vessel, &e),
             Refusal::Dictionary(e) => Failure::invalid(self.dictionary, &e),
             Refusal::Campaign(e) => Failure::invalid(self.campaign, &e),
+            Refusal::Sea(e) => Failure::invalid(self.sea, &e),
             Refusal::Design(e) => Failure::invalid(self.design, &e),
             Refusal::UnknownManeuver { name, ordered } => Failure::refuse(
                 self.design,
@@ -146,8 +149,9 @@ pub fn write_campaign(
     let (layout, mut writer) = writer(out, campaign.vessel(), provenance)?;
     let blocks = blocks(campaign);
     let mine = provenance.shard.as_ref().map_or(0..blocks.len(), |s: &Shard| s.range(blocks.len()));
-    let progress =
-        Progress::new("runs", blocks[mine.clone()].iter().map(|(_, runs)| runs.len()).sum(), quiet);
+    let runs: usize = blocks[mine.clone()].iter().map(|(_, runs)| runs.len()).sum();
+    let rows = runs as f64 * campaign.samples() as f64;
+    let progress = Progress::new("runs", runs, quiet).foretold(rows / SIMULATED_PER_SECOND);
     let work = |i: usize| {
         let (design, runs) = blocks[i].clone();
         progress.advance(runs.len());

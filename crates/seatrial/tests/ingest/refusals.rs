@@ -282,6 +282,16 @@ fn units_that_the_motion_contradicts_are_refused() {
     refused(&text, &csv, &["column `psi`", "a turn in rad", "angles in deg", "`unit = \"rad\"`"]);
 }
 
+#[cfg(unix)]
+#[test]
+fn a_log_whose_name_is_no_text_is_refused_and_not_passed_over() {
+    use std::os::unix::ffi::OsStringExt;
+    let made = folder(&[("ingest.toml", &config("")), ("a.csv", &log(3))]);
+    let name = std::ffi::OsString::from_vec(b"b\xff.csv".to_vec());
+    fs::write(made.path().join(name), log(3)).unwrap();
+    refused_in(made.path(), &[], &["log `b\u{fffd}.csv`", "not UTF-8", "rename it"]);
+}
+
 #[test]
 fn a_line_without_end_is_refused_however_small_its_file() {
     let folder = folder(&[("ingest.toml", &config("").replace("*.csv", "*.csv.gz"))]);
@@ -298,7 +308,11 @@ fn a_line_without_end_is_refused_however_small_its_file() {
 fn more_rows_than_the_memory_holds_are_refused() {
     let text = config("");
     let made = folder(&[("ingest.toml", &text), ("a.csv", &log(20_000))]);
-    refused_in(made.path(), &["--memory-mib", "1"], &["a.csv", "rows", "at most", "raise --memory-mib"]);
+    refused_in(
+        made.path(),
+        &["--memory-mib", "1"],
+        &["a.csv", "rows: found about", "at most", "raise --memory-mib"],
+    );
     // A clock that jumps from its start to the time of day in seconds since 1970.
     let jumps = log(3).replace("\n2,", "\n1700000000,");
     let made = folder(&[("ingest.toml", &text), ("a.csv", &jumps)]);

@@ -52,6 +52,53 @@ fn an_output_that_is_also_an_input_is_refused() {
     }
 }
 
+#[cfg(unix)]
+#[test]
+fn names_that_are_no_text_are_read_and_written() {
+    use std::os::unix::ffi::OsStringExt;
+    let folder = with(&READ);
+    let odd = |name: &str| {
+        let bytes = name.bytes().map(|b| if b == b'?' { 0xff } else { b }).collect();
+        std::ffi::OsString::from_vec(bytes)
+    };
+    let lines = [
+        (DICTIONARY, "vessel.toml"),
+        (MOMENTS, "dictionary.parquet"),
+        (DESIGN, "moments.json"),
+        (CAMPAIGN, "design.json"),
+        (ESTIMATE, "campaign.parquet"),
+        (VALIDATE, "estimates.parquet"),
+    ];
+    for (stage, input) in lines {
+        let (line, out) = stage.rsplit_once(" --out ").unwrap();
+        let (name, end) = input.split_once('.').unwrap();
+        let renamed = odd(&format!("{name}?.{end}"));
+        fs::copy(folder.path().join(input), folder.path().join(&renamed)).unwrap();
+        let out = odd(&out.replacen('.', "?.", 1));
+        for json in [None, Some("--json")] {
+            let words = line.split_whitespace().map(|word| match word == input {
+                true => renamed.clone(),
+                false => word.into(),
+            });
+            let mut command = std::process::Command::new(SEATRIAL);
+            command.args(words).arg("--out").arg(&out).args(json).current_dir(&folder);
+            let ended = command.output().unwrap();
+            let said = String::from_utf8_lossy(&ended.stderr).into_owned();
+            assert_eq!(ended.status.code(), Some(0), "{stage}: {said}");
+            assert!(std::str::from_utf8(&ended.stdout).is_ok());
+            assert!(folder.path().join(&out).is_file(), "{stage}");
+        }
+        let mut command = std::process::Command::new(SEATRIAL);
+        let absent = odd("absent?.toml");
+        let words =
+            line.split_whitespace().map(|word| if word == input { absent.clone() } else { word.into() });
+        let ended = command.args(words).arg("--out").arg("x").current_dir(&folder).output().unwrap();
+        let said = String::from_utf8(ended.stderr).unwrap();
+        assert_eq!((ended.status.code(), said.lines().count()), (Some(1), 1), "{stage}: {said}");
+        assert!(said.contains("absent\u{fffd}.toml"), "{said}");
+    }
+}
+
 #[test]
 fn impossible_shards_are_refused() {
     let folder = with(&READ);

@@ -1,6 +1,7 @@
 //! `ingest.toml`: what is in measured logs.
 
 mod check;
+pub mod recordings;
 
 use logs::{
     Body, Conventions, Cut, Derived, FileSpec, Formula, Frame, Heading, Interval, Kind, Law, Lever, Method,

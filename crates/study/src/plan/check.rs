@@ -5,7 +5,7 @@ use std::ops::RangeBounds;
 
 use trial::Mode;
 use trial::voyage::AT_REST;
-use vessel::Invalid;
+use vessel::{Invalid, MOST_CURRENT_M_S};
 
 use super::file::PlanFile;
 
@@ -73,13 +73,13 @@ impl PlanFile {
             ("safety.margin_m", safety.margin_m, from_0_to(1e5), "m"),
             ("safety.transit_depth_m", safety.transit_depth_m, FROM_0, "m"),
             ("safety.trial_depth_m", safety.trial_depth_m, FROM_0, "m"),
-            ("safety.unknown_current_m_s", safety.unknown_current_m_s, from_0_to(20.0), "m/s"),
+            ("safety.unknown_current_m_s", safety.unknown_current_m_s, from_0_to(MOST_CURRENT_M_S), "m/s"),
             ("safety.parameter_error", safety.parameter_error, from_0_to(0.99), "(1 is 100 %)"),
             ("safety.runs", f64::from(safety.runs), (Included(1.0), Included(1e6)), "runs"),
             ("approach.run_in_s", approach.run_in_s, from_0_to(1e4), "s"),
             ("approach.tolerance_cells", approach.tolerance_cells, ABOVE_0, "cells"),
             ("approach.tolerance_deg", approach.tolerance_deg, ABOVE_0, "degrees"),
-            ("known_current.speed_m_s", speed, from_0_to(20.0), "m/s"),
+            ("known_current.speed_m_s", speed, from_0_to(MOST_CURRENT_M_S), "m/s"),
             ("known_current.towards_deg", towards, within(360.0), "degrees"),
             ("informative_s", self.informative_s.unwrap_or(1.0), ABOVE_0, "s"),
         ]

@@ -7,6 +7,6 @@ mod rows;
 mod write;
 
 pub use label::{DataLabel, label};
-pub use layout::{ID, LEAST_ROW_BYTES, Layout, VERSION};
+pub use layout::{ID, LEAST_ROW_BYTES, Layout, SIMULATED_PER_SECOND, VERSION};
 pub use read::{TrajectoryReader, refuse_shard};
 pub use write::{BlockBuilder, MeasuredBlock, rows_per_block};

@@ -1,5 +1,5 @@
 use artifact::{Column, Labels};
-use vessel::Run;
+use vessel::{Run, Segment};
 
 use super::Layout;
 
@@ -42,19 +42,32 @@ impl Rows {
         self.rate_hz
     }
 
-    /// Appends a run.
-    pub(super) fn push(&mut self, run: &Run) {
-        let rows = run.samples() + 1;
-        self.design.push(&run.design, rows);
-        let ends = run.segments.iter().skip(1).map(|next| next.start).chain([rows]);
-        for (i, (segment, end)) in run.segments.iter().zip(ends).enumerate() {
+    /// Begins a run of `rows` rows, N + 1, whose values are still to come.
+    pub(super) fn begin(&mut self, design: &str, run: i32, segments: &[Segment], rows: usize) {
+        self.design.push(design, rows);
+        let ends = segments.iter().skip(1).map(|next| next.start).chain([rows]);
+        for (i, (segment, end)) in segments.iter().zip(ends).enumerate() {
             self.maneuver.push(&segment.maneuver, end - segment.start);
             self.integers[1].extend(std::iter::repeat_n(i as i32, end - segment.start));
         }
-        self.integers[0].extend(std::iter::repeat_n(run.run, rows));
+        self.integers[0].extend(std::iter::repeat_n(run, rows));
         self.integers[2].extend(0..rows as i32);
         self.t.extend((0..rows).map(|k| k as f64 / self.rate_hz));
         self.present.extend((0..rows).map(|k| k + 1 < rows));
+    }
+
+    /// Ends a run with its channels: `exogenous` with N values each, `measured` with N + 1.
+    pub(super) fn end(&mut self, exogenous: Vec<Vec<f64>>, measured: [Vec<f64>; 3]) {
+        for (column, mut values) in self.exogenous.iter_mut().zip(exogenous) {
+            values.push(0.0);
+            append(column, values);
+        }
+        self.measured.iter_mut().zip(measured).for_each(|(column, values)| append(column, values));
+    }
+
+    /// Appends a run.
+    pub(super) fn push(&mut self, run: &Run) {
+        self.begin(&run.design, run.run, &run.segments, run.samples() + 1);
         let width = self.exogenous.len();
         for (i, column) in self.exogenous.iter_mut().enumerate() {
             column.extend(run.exogenous.iter().skip(i).step_by(width));
@@ -72,6 +85,14 @@ impl Rows {
             .extend(self.exogenous.into_iter().map(|values| Column::nullable_f64(values, present.clone())));
         columns.extend(self.measured.map(Column::f64));
         columns
+    }
+}
+
+/// Appends `values` to `column`; the first are taken as they are.
+pub(super) fn append(column: &mut Vec<f64>, values: Vec<f64>) {
+    match column.is_empty() {
+        true => *column = values,
+        false => column.extend(values),
     }
 }
 

@@ -1,9 +1,10 @@
 use artifact::{Column, Table};
+use logs::RecordedRun;
 use trial::campaign::SimulatedRun;
-use vessel::{Run, track};
+use vessel::track;
 
 use super::Layout;
-use super::rows::{Rows, extend};
+use super::rows::{Rows, append, extend};
 
 /// Rows of a block, or a few more.
 const BLOCK_ROWS: usize = 65_536;
@@ -47,15 +48,18 @@ impl BlockBuilder {
 
 /// Collects measured runs, of which no truth is known, into one block of the table.
 pub struct MeasuredBlock {
+    /// The design that the runs belong to.
+    design: String,
     rows: Rows,
     /// Channels that the model does not need; NaN where absent.
     further: Vec<Vec<f64>>,
 }
 
 impl MeasuredBlock {
-    /// An empty block of runs at `rate_hz` with so many `further` channels.
-    pub fn new(layout: &Layout, further: usize, rate_hz: f64) -> Self {
-        Self { rows: Rows::new(layout, rate_hz), further: vec![Vec::new(); further] }
+    /// An empty block of runs of `design` at `rate_hz` with so many `further` channels.
+    pub fn new(design: &str, layout: &Layout, further: usize, rate_hz: f64) -> Self {
+        let rows = Rows::new(layout, rate_hz);
+        Self { design: design.to_owned(), rows, further: vec![Vec::new(); further] }
     }
 
     /// Whether there are enough rows for a block.
@@ -68,10 +72,11 @@ impl MeasuredBlock {
         self.rows.len() == 0
     }
 
-    /// Appends a run and its `further` channels, each with N + 1 values. Takes them: a long run is most of the memory.
-    pub fn push(&mut self, run: Run, further: Vec<Vec<f64>>) {
-        self.rows.push(&run);
-        self.further.iter_mut().zip(further).for_each(|(column, values)| column.extend(values));
+    /// Appends a run. Takes it: a long one is most of the memory.
+    pub fn push(&mut self, run: RecordedRun) {
+        self.rows.begin(&self.design, run.number, &run.segments, run.samples() + 1);
+        self.rows.end(run.exogenous, run.measured);
+        self.further.iter_mut().zip(run.further).for_each(|(column, values)| append(column, values));
     }
 
     /// The block, with the columns of [`Layout::measured`].

@@ -207,8 +207,7 @@ impl<'a> Campaign<'a> {
             runs,
             initial: initial.clone(),
             exogenous: exogenous.iter().map(Vec::as_slice).collect(),
-        });
-        let states = states.map_err(Refusal::Vessel)?;
+        })?;
         let each = plans.iter().zip(exogenous).enumerate();
         let run = |(lane, (plan, exogenous)): (usize, (&Plan, Vec<f64>))| {
             let [states, measured] = states.of(lane);

@@ -13,6 +13,9 @@ pub enum Refusal {
     /// The campaign's numbers.
     #[error("campaign: {0}")]
     Campaign(Invalid),
+    /// The current or the wind, in which a vessel diverges that stays bounded without.
+    #[error("sea: {0}")]
+    Sea(Invalid),
     /// The design's shares or order.
     #[error("design: {0}")]
     Design(Invalid),

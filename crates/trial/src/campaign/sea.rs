@@ -1,7 +1,10 @@
 use vessel::lanes::{by_lane, interleave, lane, lane_of};
 use vessel::{
-    Disturbances, Invalid, LANES, Lane, Run, Source, Streams, Vessel, Weather, Wind, check_diverged, simulate,
+    Current, Disturbances, Diverged, Invalid, LANES, Lane, Run, Source, Streams, Vessel, Weather, Wind,
+    check_diverged, simulate,
 };
+
+use super::Refusal;
 
 /// The true vessel and what disturbs it. Simulates up to [`LANES`] runs side by side.
 pub struct Sea<'a> {
@@ -67,17 +70,40 @@ impl<'a> Sea<'a> {
     /// Simulates a group. What disturbs a run's first samples does not depend on how long it is.
     ///
     /// # Errors
-    /// A vessel whose motion diverges.
-    pub fn simulate(&self, group: &Group) -> Result<States, Invalid> {
+    /// A vessel whose motion diverges, or disturbances that let it.
+    pub fn simulate(&self, group: &Group) -> Result<States, Refusal> {
         let truth = self.truth(group);
-        for (lane, run) in group.runs.iter().enumerate() {
+        for lane in 0..group.runs.len() {
             if let Some(at) = check_diverged(truth.iter().map(|s| s[lane])) {
-                return Err(at.invalid(format!("model in design {}, run {run}", group.design)));
+                return Err(self.at_fault(group, lane, at));
             }
         }
         let mut measured = truth.clone();
         self.disturbances.measure(group.streams, group.numbers(), &mut measured);
         Ok(States { truth, measured })
+    }
+
+    /// What is at fault where the run in `lane` diverges: the disturbances, where it does not without them.
+    fn at_fault(&self, group: &Group, lane: usize, at: Diverged) -> Refusal {
+        let still = Disturbances { current: Current::None, ..self.disturbances };
+        let bounded = |disturbances, wind| {
+            let sea = Sea { vessel: self.vessel, truth: self.truth.clone(), disturbances, wind };
+            check_diverged(sea.truth(group).iter().map(|s| s[lane])).is_none()
+        };
+        let run = format!("design {}, run {}", group.design, group.runs[lane]);
+        if !bounded(still, None) {
+            return Refusal::Vessel(at.invalid(format!("model in {run}")));
+        }
+        let windy = self.wind.is_some() && bounded(self.disturbances, None);
+        let (key, expected) = match windy {
+            true => ("[wind]", "a wind in which the motion stays bounded, as it does without wind"),
+            false => (
+                "`current.std_m_s`",
+                "a current in which the motion stays bounded, as it does in still water",
+            ),
+        };
+        let found = format!("{run}, which diverges in it at sample {}", at.sample);
+        Refusal::Sea(Invalid::new(key, found, expected, "lower it"))
     }
 
     fn truth(&self, group: &Group) -> Vec<Lane> {

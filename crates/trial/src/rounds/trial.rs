@@ -204,8 +204,7 @@ impl<'a> Trial<'a> {
             runs: &numbers,
             initial: all.iter().map(|realization| realization.run.initial).collect(),
             exogenous: all.iter().map(|realization| realization.run.exogenous.as_slice()).collect(),
-        });
-        let states = states.map_err(Refusal::Vessel)?;
+        })?;
         let bounded: Vec<bool> = all.iter().map(|realization| self.bounded(&realization.run)).collect();
         let run = |lane: usize| {
             let [_, measured] = states.of(lane);

@@ -1,7 +1,7 @@
 //! Runs at sea, and the experiments that designs state.
 
 use trial::campaign::{Designed, Group, Refusal, Sea};
-use vessel::{Current, Disturbances, Measurement, Streams, Vessel};
+use vessel::{Current, Disturbances, Measurement, Streams, Vessel, Wind};
 
 #[test]
 fn law_a_run_that_goes_on_keeps_its_past() {
@@ -19,6 +19,31 @@ fn law_a_run_that_goes_on_keeps_its_past() {
     assert_eq!(short.truth[..], long.truth[..3 * 21]);
     assert_eq!(short.measured[..], long.measured[..3 * 21]);
     assert!(short.measured[1][0] != short.measured[1][1], "runs differ");
+}
+
+#[test]
+fn what_lets_a_run_diverge_is_named() {
+    let mut vessel = Vessel::preset("ljungberg-model-ship").unwrap();
+    let measurement = Measurement { std_u_m_s: 0.1, std_v_m_s: 0.1, std_r_rad_s: 0.1 };
+    let exogenous = vec![0.0; 3 * 400];
+    let refused = |vessel: &Vessel, current, wind| {
+        let sea = Sea::new(vessel, Disturbances { current, measurement }, wind).unwrap();
+        let streams = Streams::new(1, "trial");
+        let (initial, exogenous) = (vec![[1.0, 0.0, 0.0]], vec![exogenous.as_slice()]);
+        let group = Group { design: "d", streams: &streams, runs: &[3], initial, exogenous };
+        sea.simulate(&group).err().map(|refusal| refusal.to_string())
+    };
+    let strong = Current::White { std_m_s: 1e4 };
+    let storm = Wind { std_surge_m_s2: 1e5, std_sway_m_s2: 1e5, std_yaw_rad_s2: 1e5, time_constant_s: None };
+    assert_eq!(refused(&vessel, Current::None, None), None);
+    let said = refused(&vessel, strong, None).unwrap();
+    assert!(said.starts_with("sea: `current.std_m_s`: found design d, run 3, which diverges"), "{said}");
+    let said = refused(&vessel, Current::White { std_m_s: 0.1 }, Some(storm)).unwrap();
+    assert!(said.starts_with("sea: [wind]"), "{said}");
+    // One that diverges in still water, too.
+    vessel.value.iter_mut().for_each(|value| *value = Some(3.0));
+    let said = refused(&vessel, strong, None).unwrap();
+    assert!(said.starts_with("vessel: model in design d, run 3"), "{said}");
 }
 
 fn names() -> Vec<String> {

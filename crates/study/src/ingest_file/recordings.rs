@@ -5,9 +5,9 @@ use std::path::Path;
 use artifact::Error;
 use logs::{Naming, Pattern, Source};
 use refusal::{Invalid, nearest};
-use study::ingest_file::IngestFile;
 
-use crate::failure::Failure;
+use super::IngestFile;
+use crate::invalid;
 
 /// Finds the recordings in `folder`, in the order of their names.
 ///
@@ -18,24 +18,24 @@ pub fn find(
     naming: &Naming,
     config_path: &Path,
     folder: &Path,
-) -> Result<Vec<Source>, Failure> {
+) -> Result<Vec<Source>, Error> {
     let mut files = Vec::with_capacity(config.file.len());
     for spec in &config.file {
         let mut group = Vec::new();
         for pattern in &spec.pattern {
             let found = matching(folder, pattern)?;
             if found.is_empty() {
-                return Err(Failure::invalid(config_path, &no_file(folder, pattern)));
+                return Err(invalid(config_path, &no_file(folder, pattern)));
             }
             group.extend(found);
         }
         files.push(group);
     }
-    naming.sources(&config.file, &files).map_err(|e| Failure::invalid(config_path, &e))
+    naming.sources(&config.file, &files).map_err(|e| invalid(config_path, &e))
 }
 
 /// The files below `folder` that fit `pattern`, sorted.
-fn matching(folder: &Path, pattern: &str) -> Result<Vec<String>, Failure> {
+fn matching(folder: &Path, pattern: &str) -> Result<Vec<String>, Error> {
     let mut found = vec![String::new()];
     let steps: Vec<&str> = pattern.split('/').filter(|step| !step.is_empty() && *step != ".").collect();
     for (i, step) in steps.iter().enumerate() {
@@ -43,10 +43,14 @@ fn matching(folder: &Path, pattern: &str) -> Result<Vec<String>, Failure> {
         let glob = Pattern::new(step);
         let mut next = Vec::new();
         for before in &found {
-            for (name, is_folder) in entries(&folder.join(before))? {
-                if is_folder != last && glob.fits(&name) {
-                    next.push(if before.is_empty() { name } else { format!("{before}/{name}") });
+            for Entry { name, is_text, is_folder } in entries(&folder.join(before))? {
+                if is_folder == last || !glob.fits(&name) {
+                    continue;
                 }
+                if !is_text {
+                    return Err(invalid(folder, &no_text(&name)));
+                }
+                next.push(if before.is_empty() { name } else { format!("{before}/{name}") });
             }
         }
         found = next;
@@ -55,9 +59,23 @@ fn matching(folder: &Path, pattern: &str) -> Result<Vec<String>, Failure> {
     Ok(if steps.is_empty() { Vec::new() } else { found })
 }
 
-/// Names in `folder` and whether they are folders; none where there is no such folder.
-fn entries(folder: &Path) -> Result<Vec<(String, bool)>, Failure> {
-    let unreadable = |e: std::io::Error| Failure::from(Error::io(folder, "read", e));
+/// What stands in a folder.
+struct Entry {
+    /// Its name, as well as text can tell it.
+    name: String,
+    /// Whether the name is text.
+    is_text: bool,
+    is_folder: bool,
+}
+
+/// Recordings are named after their files, and documents name them in text.
+fn no_text(name: &str) -> Invalid {
+    Invalid::new(format!("log `{name}`"), "a name that is not UTF-8", "a name in UTF-8", "rename it")
+}
+
+/// What stands in `folder`; nothing where there is no such folder.
+fn entries(folder: &Path) -> Result<Vec<Entry>, Error> {
+    let unreadable = |e: std::io::Error| Error::io(folder, "read", e);
     let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
     let listed = match std::fs::read_dir(folder) {
         Ok(listed) => listed,
@@ -66,10 +84,13 @@ fn entries(folder: &Path) -> Result<Vec<(String, bool)>, Failure> {
     };
     let mut names = Vec::new();
     for entry in listed {
-        let path = entry.map_err(unreadable)?.path();
-        if let Some(name) = path.file_name().and_then(|name| name.to_str()) {
-            names.push((name.to_owned(), path.is_dir()));
-        }
+        let entry = entry.map_err(unreadable)?;
+        let name = entry.file_name();
+        names.push(Entry {
+            name: name.to_string_lossy().into_owned(),
+            is_text: name.to_str().is_some(),
+            is_folder: entry.path().is_dir(),
+        });
     }
     Ok(names)
 }
@@ -78,7 +99,7 @@ fn no_file(folder: &Path, pattern: &str) -> Invalid {
     let name = pattern.rsplit('/').next().unwrap_or(pattern);
     let parent = pattern.strip_suffix(name).unwrap_or_default();
     let names = entries(&folder.join(parent)).unwrap_or_default();
-    let near = nearest(name, names.iter().map(|(name, _)| name.as_str()));
+    let near = nearest(name, names.iter().map(|entry| entry.name.as_str()));
     let meant = near.map_or(String::new(), |near| format!(" (did you mean `{parent}{near}`?)"));
     Invalid::new(
         format!("pattern `{pattern}`"),
