@@ -7,9 +7,10 @@ use std::str::FromStr;
 use artifact::Provenance;
 use clap::Args;
 use identification::MeanRemoval;
-use identification::pooled::{LostInstruments, NominalModel, NominalSource, Pool, PooledRuns, SelectError};
+use identification::pooled::{LostInstruments, NominalModel, NominalSource, Pool, PooledRuns, Recorded};
 use serde_json::{Value, json};
 use study::documents::{EstimateDocument, IngestDocument};
+use study::trajectories::label;
 use vessel::Vessel;
 
 use crate::choice::choice;
@@ -81,25 +82,32 @@ impl PoolFlags {
         [&self.vessel, &self.trajectories].into_iter().chain(&self.recordings)
     }
 
-    /// Reads the runs and what instruments are simulated with.
+    /// Reads the runs, which `recorded` gets, and what instruments are simulated with. What is made of simulated logs is
+    /// labelled so.
     ///
     /// # Errors
     /// Values that cannot be; files that are refused; names that no run has.
-    pub fn read<'a>(
+    pub fn read<'a, R: Recorded>(
         &self,
         vessel: &'a Vessel,
         provenance: &mut Provenance,
-    ) -> Result<(PooledRuns, Pool<'a>), Failure> {
+        recorded: impl FnOnce(&Path, &Vessel, &mut Provenance) -> Result<R, Failure>,
+    ) -> Result<(PooledRuns<R>, Pool<'a>), Failure>
+    where
+        artifact::Error: From<R::Error>,
+    {
         let strength = not_below("--prior", self.prior.unwrap_or(0.0), 0.0)?;
         let nominal = self.nominal().read(vessel, provenance)?;
-        let runs = inputs::labelled_runs(&self.trajectories, vessel, provenance)?;
+        let kept = recorded(&self.trajectories, vessel, provenance)?;
         let read = |path: &PathBuf| inputs::document::<IngestDocument>(path, "recordings", provenance);
         let recordings = self.recordings.as_ref().map(read).transpose()?;
         let rate_hz = vessel.sample_rate_hz;
         let part_samples = self.part_s.map(|s| samples("--part-s", s, rate_hz)).transpose()?;
         let named = recordings.as_ref().map(IngestDocument::recordings_by_run).unwrap_or_default();
-        let mut runs = PooledRuns::new(runs, &named);
-        runs.select(&self.runs, &self.leave_out).map_err(|e| unselected(&self.trajectories, e))?;
+        let mut runs = PooledRuns::of(kept, &named).map_err(artifact::Error::from)?;
+        label(runs.designs(), provenance);
+        runs.select(&self.runs, &self.leave_out)
+            .map_err(|e| Failure::invalid(&self.trajectories, &e.invalid()))?;
         let (model, removal) = (vessel.model.with_intercepts(), self.mean_removal);
         let constant = recordings.as_ref().map(IngestDocument::constant_channels).unwrap_or_default();
         Ok((runs, Pool { vessel, model, removal, strength, nominal, part_samples, constant }))
@@ -148,21 +156,6 @@ impl FromStr for Nominal {
             "least-squares" => Self::LeastSquares,
             file => Self::File(file.into()),
         })
-    }
-}
-
-fn unselected(file: &Path, error: SelectError) -> Failure {
-    match error {
-        SelectError::Unknown { name, runs, nearest } => Failure::refuse(
-            file,
-            &format!("run `{name}`"),
-            "no such run or recording",
-            &format!("one of {runs} runs, by number or recording"),
-            &format!("did you mean `{nearest}`?"),
-        ),
-        SelectError::NoneLeft => {
-            Failure::refuse(file, "runs", "none left", "at least one", "leave out fewer runs")
-        }
     }
 }
 

@@ -2,7 +2,9 @@ use thiserror::Error;
 
 use super::statements::statements;
 use super::trust::Judge;
-use super::{DegreeTrust, Judgement, LostInstruments, Part, Pool, PooledRuns, SourceErrors};
+use super::{
+    DegreeTrust, Judgement, LostInstruments, NoEstimate, Parts, Pool, PooledRuns, Recorded, SourceErrors,
+};
 use crate::{EstimateStatus, Estimator, RunEstimate};
 
 /// One estimate from all runs, and how far it can be trusted.
@@ -46,42 +48,48 @@ impl Pooled {
 
 /// Why there is no pooled estimate.
 #[derive(Clone, Debug, PartialEq, Error)]
-pub enum PoolError {
+pub enum PoolError<E> {
     /// No instruments could be simulated.
     #[error(transparent)]
-    Lost(#[from] LostInstruments),
+    Lost(LostInstruments),
     /// No degree of freedom is identifiable, for these reasons.
     #[error("no degree of freedom is identifiable ({})", .0.join("; "))]
     NotIdentifiable(Vec<String>),
+    /// The runs cannot be read.
+    #[error("{0}")]
+    Unread(E),
 }
 
 /// Estimates from all of `runs` and judges the estimate. `resampled` is called with the number of resamples that are done
 /// where each takes long.
 ///
 /// # Errors
-/// No instruments; no degree of freedom that is identifiable.
-pub fn estimate(
+/// No instruments; no degree of freedom that is identifiable; runs that cannot be read again.
+pub fn estimate<R: Recorded>(
     pool: &Pool,
-    runs: &PooledRuns,
+    runs: &PooledRuns<R>,
     estimator: Estimator,
     judgement: &Judgement,
     resampled: &(dyn Fn(usize) + Sync),
-) -> Result<Pooled, PoolError> {
-    let mut parts: Vec<Part> = runs.parts(pool.part_samples);
-    let found = pool.estimate(&mut parts, estimator)?;
+) -> Result<Pooled, PoolError<R::Error>> {
+    let parts = runs.cut(pool.part_samples);
+    let found = pool.estimate(&parts, estimator).map_err(|e| match e {
+        NoEstimate::Lost(lost) => PoolError::Lost(lost),
+        NoEstimate::Unread(e) => PoolError::Unread(e),
+    })?;
     if found.degrees.iter().all(|d| d.solution.is_none()) {
         return Err(PoolError::NotIdentifiable(pool.unidentified(&found.degrees)));
     }
     let judge = Judge { pool, found: &found, parts: &parts, judgement, resampled };
-    let degrees = judge.degrees();
+    let degrees = judge.degrees().map_err(PoolError::Unread)?;
     let lost = found.diverged.as_ref().map(LostInstruments::to_string);
     Ok(Pooled {
         design: runs.design().to_owned(),
-        parts: parts.len(),
-        samples: parts.iter().map(|p| p.samples() as u64).sum(),
+        parts: parts.count(),
+        samples: judge.samples() as u64,
         bandwidth: judge.bandwidth(),
         statements: lost.into_iter().chain(statements(&degrees)).collect(),
         degrees,
-        sources: judge.sources(runs),
+        sources: judge.sources(runs).map_err(PoolError::Unread)?,
     })
 }

@@ -1,11 +1,9 @@
 //! `validate cross`: estimators compared over runs or recordings that are left out.
 
-use std::path::Path;
-
 use artifact::{commit, stage_document};
 use clap::Parser;
 use identification::Estimator;
-use identification::crossval::{CrossError, CrossOptions, cross_validate};
+use identification::crossval::{CrossOptions, cross_validate};
 use serde_json::json;
 use study::documents::CrossvalDocument;
 use study::files::read_vessel;
@@ -13,6 +11,7 @@ use study::files::read_vessel;
 use crate::choice::choice;
 use crate::cli::Common;
 use crate::failure::Failure;
+use crate::inputs;
 use crate::pool::{PoolFlags, samples};
 use crate::progress::Progress;
 use crate::stage::{Summary, Task};
@@ -44,13 +43,15 @@ impl Task for Arguments {
         let vessel = read_vessel(&self.flags.vessel, &mut provenance)?;
         let window = self.window_s.map(|s| samples("--window-s", s, vessel.sample_rate_hz)).transpose()?;
         let out = common.main_output("crossval.json", self.flags.inputs())?;
-        let (runs, pool) = self.flags.read(&vessel, &mut provenance)?;
+        let (runs, pool) = self.flags.read(&vessel, &mut provenance, inputs::runs)?;
+        let bytes = pool.bytes_of_many(&runs, rayon::current_num_threads());
+        inputs::fits(&self.flags.trajectories, &runs.amount(), bytes)?;
         let options =
             CrossOptions { estimators: self.estimators.clone(), window, folds: self.folds.map(usize::from) };
-        let folds = options.folds.unwrap_or(usize::MAX).min(runs.sources().len());
+        let folds = options.folds.unwrap_or(usize::MAX).min(runs.sources());
         let progress = Progress::new("folds", folds * self.estimators.len(), common.quiet);
         let found = cross_validate(&pool, &runs, &options, &|count| progress.advance(count));
-        let found = found.map_err(|e| refused(&self.flags.trajectories, e))?;
+        let found = found.map_err(|e| Failure::invalid(&self.flags.trajectories, &e.invalid()))?;
         let settings = [
             ("estimators", json!(self.estimators)),
             ("intercepts", json!(true)),
@@ -69,16 +70,4 @@ impl Task for Arguments {
                 "recommended": document.recommended, "statements": found.statements}),
         ))
     }
-}
-
-fn refused(file: &Path, error: CrossError) -> Failure {
-    let [thing, found, expected, remedy] = match error {
-        CrossError::OneSource => {
-            ["runs or recordings", "one", "at least two, so that one can be left out", "add runs"]
-        }
-        CrossError::NoWindow => {
-            ["windows", "no run as long as a window", "at least one", "shorten --window-s"]
-        }
-    };
-    Failure::refuse(file, thing, found, expected, remedy)
 }

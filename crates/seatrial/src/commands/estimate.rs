@@ -93,6 +93,9 @@ impl Arguments {
             initial,
             levels,
         };
+        let share = self.sharding.shard.map_or(1.0, |shard| 1.0 / f64::from(shard.count));
+        let rows = reader.expected_runs()? * share * estimators.estimators.len() as f64;
+        inputs::fits(file, &format!("about {rows:.0} estimates"), rows * estimates::row_bytes(vessel))?;
         let progress = Progress::new("blocks of runs", reader.blocks(), quiet);
         let block = |i: usize| {
             let rows = estimators.estimates(&reader.runs(i)?);

@@ -25,6 +25,13 @@ pub fn table(vessel: &Vessel, rows: &[Row]) -> Table {
     columns(vessel).table(rows)
 }
 
+/// Bytes of memory that a row takes while more and more of them are kept.
+pub fn row_bytes(vessel: &Vessel) -> f64 {
+    let heap = 16 * vessel.model.parameters() + 80;
+    // A list that grows is copied into one of twice its length.
+    (3 * size_of::<Row>() + heap) as f64
+}
+
 fn columns(vessel: &Vessel) -> Columns<Row> {
     let mut columns = Columns::<Row>::new(ID, VERSION)
         .text("design", |r| &r.design, |r, design| r.design = design.to_owned())
