@@ -1,5 +1,6 @@
 //! What can go wrong, told in one line.
 
+use std::convert::Infallible;
 use std::io;
 use std::path::PathBuf;
 
@@ -71,4 +72,11 @@ fn io_line(path: &std::path::Path, action: &str, source: &io::Error) -> String {
         _ => ("a writable place", "check the folder and its disk"),
     };
     one_line(&format!("{}: {action}: found {source}, expected {expected}; {remedy}", path.display()))
+}
+
+/// Whoever holds data in memory reads them again without fail.
+impl From<Infallible> for Error {
+    fn from(never: Infallible) -> Self {
+        match never {}
+    }
 }

@@ -27,7 +27,7 @@ const SINGULAR: f64 = 1e10;
 const CONSTANT: f64 = 1e-12;
 
 /// The normal equations of one degree of freedom, centred per group of samples.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct Normal {
     /// Σ ζᶜφᵀ, p × p.
     pub a: Vec<f64>,
@@ -39,25 +39,52 @@ pub(crate) struct Normal {
     pub phi: Vec<f64>,
 }
 
-impl Normal {
-    /// From the sums of the groups that share an intercept; `centred` says whether there is one at all.
-    pub(crate) fn new<'a>(groups: impl Iterator<Item = &'a DegreeSums> + Clone, centred: bool) -> Self {
-        let p = groups.clone().next().map_or(0, DegreeSums::parameters);
-        let mut normal = Self { a: vec![0.0; p * p], b: vec![0.0; p], zeta: vec![0.0; p], phi: vec![0.0; p] };
-        let (mut plain_zeta, mut plain_phi) = (vec![0.0; p], vec![0.0; p]);
-        for sums in groups {
-            normal.add(sums, centred);
-            for i in 0..p {
-                plain_zeta[i] += sums.instrument_squares[i];
-                plain_phi[i] += sums.regressor_squares[i];
-            }
+/// Normal equations in the making, group by group.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct NormalSums {
+    /// With sums of squares instead of their roots.
+    normal: Normal,
+    /// Sums of squares of instruments and regressors that are not centred.
+    plain_zeta: Vec<f64>,
+    plain_phi: Vec<f64>,
+}
+
+impl NormalSums {
+    /// Adds a group that shares an intercept, if it is `centred`.
+    pub(crate) fn add(&mut self, sums: &DegreeSums, centred: bool) {
+        let p = sums.parameters();
+        if self.normal.b.len() != p {
+            *self = Self { normal: Normal::zero(p), plain_zeta: vec![0.0; p], plain_phi: vec![0.0; p] };
         }
-        let size = |centred: f64, plain: f64| if centred > CONSTANT * plain { centred.sqrt() } else { 0.0 };
+        self.normal.add(sums, centred);
         for i in 0..p {
+            self.plain_zeta[i] += sums.instrument_squares[i];
+            self.plain_phi[i] += sums.regressor_squares[i];
+        }
+    }
+
+    /// The equations of all groups.
+    pub(crate) fn finish(self) -> Normal {
+        let Self { mut normal, plain_zeta, plain_phi } = self;
+        let size = |centred: f64, plain: f64| if centred > CONSTANT * plain { centred.sqrt() } else { 0.0 };
+        for i in 0..plain_zeta.len() {
             normal.zeta[i] = size(normal.zeta[i], plain_zeta[i]);
             normal.phi[i] = size(normal.phi[i], plain_phi[i]);
         }
         normal
+    }
+}
+
+impl Normal {
+    /// From the sums of the groups that share an intercept; `centred` says whether there is one at all.
+    pub(crate) fn new<'a>(groups: impl Iterator<Item = &'a DegreeSums>, centred: bool) -> Self {
+        let mut sums = NormalSums::default();
+        groups.for_each(|group| sums.add(group, centred));
+        sums.finish()
+    }
+
+    fn zero(p: usize) -> Self {
+        Self { a: vec![0.0; p * p], b: vec![0.0; p], zeta: vec![0.0; p], phi: vec![0.0; p] }
     }
 
     fn add(&mut self, sums: &DegreeSums, centred: bool) {

@@ -131,6 +131,12 @@ impl DegreeSums {
         self.b[p] - predicted
     }
 
+    /// Σφ and, last, ΣΔy.
+    pub(crate) fn end(&self) -> impl Iterator<Item = f64> {
+        let p = self.parameters();
+        self.a[p * (p + 1)..].iter().take(p).chain(&self.b[p..]).copied()
+    }
+
     /// 1/N, what a sum counts in a mean; zero where no mean is removed.
     pub(crate) fn share(&self, centred: bool) -> f64 {
         let n = self.a.last().copied().unwrap_or(0.0);

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use artifact::{Document, Provenance, Work, read_document, read_toml};
 use serde::de::DeserializeOwned;
-use study::trajectories::{Layout, TrajectoryReader, label};
+use study::trajectories::{KeptRuns, Layout, TrajectoryReader};
 use vessel::{Run, Vessel};
 
 use crate::cli::budget;
@@ -54,40 +54,40 @@ pub fn trajectories(
     Ok(reader)
 }
 
-/// Refuses trajectories of which `found` takes `bytes` of memory to read.
-fn fits(file: &Path, found: &str, bytes: f64) -> Result<(), Failure> {
+/// Refuses trajectories of which `found` takes `bytes` of memory.
+///
+/// # Errors
+/// Says how much there is.
+pub fn fits(file: &Path, found: &str, bytes: f64) -> Result<(), Failure> {
     let remedy = "cut it into smaller files, or raise --memory-mib";
     Ok(budget().memory(Work { file, thing: "rows", found, remedy }, bytes)?)
 }
 
-/// All runs of trajectories, which are the input `key`.
+/// All runs of the input `trajectories`.
 ///
 /// # Errors
 /// See [`trajectories`]; a block that is damaged.
-pub fn runs(
-    path: &Path,
-    key: &str,
-    vessel: &Vessel,
-    provenance: &mut Provenance,
-) -> Result<Vec<Run>, Failure> {
-    let reader = trajectories(path, key, vessel, provenance)?;
-    let (rows, _) = reader.rows();
-    // As they are, as parts with their instruments, and what these are made of.
-    let bytes = 4.0 * rows as f64 * Layout::new(&vessel.model).run_bytes();
-    fits(path, &format!("{rows} rows"), bytes)?;
-    let mut runs = Vec::new();
-    for block in 0..reader.blocks() {
-        runs.extend(reader.runs(block)?);
-    }
-    Ok(runs)
+pub fn runs(path: &Path, vessel: &Vessel, provenance: &mut Provenance) -> Result<Vec<Run>, Failure> {
+    all(path, &trajectories(path, "trajectories", vessel, provenance)?, vessel)
 }
 
-/// Those of measured trajectories. What is made of them is labelled as made of simulated logs, if they are.
+/// All runs of `reader`, which is that of `path`.
 ///
 /// # Errors
-/// See [`runs`].
-pub fn labelled_runs(path: &Path, vessel: &Vessel, provenance: &mut Provenance) -> Result<Vec<Run>, Failure> {
-    let runs = runs(path, "trajectories", vessel, provenance)?;
-    label(runs.iter().map(|run| run.design.as_str()), provenance);
-    Ok(runs)
+/// They do not fit into memory; a block that is damaged.
+pub fn all(path: &Path, reader: &TrajectoryReader, vessel: &Vessel) -> Result<Vec<Run>, Failure> {
+    let (rows, _) = reader.rows();
+    // As they are, as parts, and what these are made of.
+    let bytes = 4.0 * rows as f64 * Layout::new(&vessel.model).run_bytes();
+    fits(path, &format!("{rows} rows"), bytes)?;
+    Ok(reader.all()?)
+}
+
+/// Runs to be pooled, of which as many may come as their file has.
+///
+/// # Errors
+/// See [`trajectories`].
+pub fn kept_runs(path: &Path, vessel: &Vessel, provenance: &mut Provenance) -> Result<KeptRuns, Failure> {
+    let reader = trajectories(path, "trajectories", vessel, provenance)?;
+    Ok(KeptRuns::new(reader, &Layout::new(&vessel.model), 0.25 * budget().bytes())?)
 }

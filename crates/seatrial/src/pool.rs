@@ -7,9 +7,10 @@ use std::str::FromStr;
 use artifact::Provenance;
 use clap::Args;
 use identification::MeanRemoval;
-use identification::pooled::{LostInstruments, NominalModel, NominalSource, Pool, PooledRuns, SelectError};
+use identification::pooled::{LostInstruments, NominalModel, NominalSource, Pool, PooledRuns, Recorded};
 use serde_json::{Value, json};
 use study::documents::{EstimateDocument, IngestDocument};
+use study::trajectories::label;
 use vessel::Vessel;
 
 use crate::choice::choice;
@@ -46,21 +47,28 @@ pub struct RunFlags {
 }
 
 impl RunFlags {
-    /// Reads the runs, and which logged channels of them are constant.
+    /// Reads the runs, which `recorded` gets, and which logged channels of them are constant. What is made of simulated logs
+    /// is labelled so.
     ///
     /// # Errors
     /// Files that are refused; names that no run has.
-    pub fn read(
+    pub fn read<R: Recorded>(
         &self,
         vessel: &Vessel,
         provenance: &mut Provenance,
-    ) -> Result<(PooledRuns, Vec<String>), Failure> {
-        let runs = inputs::labelled_runs(&self.trajectories, vessel, provenance)?;
+        recorded: impl FnOnce(&Path, &Vessel, &mut Provenance) -> Result<R, Failure>,
+    ) -> Result<(PooledRuns<R>, Vec<String>), Failure>
+    where
+        artifact::Error: From<R::Error>,
+    {
+        let kept = recorded(&self.trajectories, vessel, provenance)?;
         let read = |path: &PathBuf| inputs::document::<IngestDocument>(path, "recordings", provenance);
         let recordings = self.recordings.as_ref().map(read).transpose()?;
         let named = recordings.as_ref().map(IngestDocument::recordings_by_run).unwrap_or_default();
-        let mut runs = PooledRuns::new(runs, &named);
-        runs.select(&self.runs, &self.leave_out).map_err(|e| unselected(&self.trajectories, e))?;
+        let mut runs = PooledRuns::of(kept, &named).map_err(artifact::Error::from)?;
+        label(runs.designs(), provenance);
+        let selected = runs.select(&self.runs, &self.leave_out);
+        selected.map_err(|e| Failure::invalid(&self.trajectories, &e.invalid()))?;
         Ok((runs, recordings.as_ref().map(IngestDocument::constant_channels).unwrap_or_default()))
     }
 
@@ -114,18 +122,23 @@ impl PoolFlags {
         [&self.vessel].into_iter().chain(self.of.inputs())
     }
 
-    /// Reads the runs and what instruments are simulated with.
+    /// Reads the runs, which `recorded` gets, and what instruments are simulated with. What is made of simulated logs is
+    /// labelled so.
     ///
     /// # Errors
     /// Values that cannot be; files that are refused; names that no run has.
-    pub fn read<'a>(
+    pub fn read<'a, R: Recorded>(
         &self,
         vessel: &'a Vessel,
         provenance: &mut Provenance,
-    ) -> Result<(PooledRuns, Pool<'a>), Failure> {
+        recorded: impl FnOnce(&Path, &Vessel, &mut Provenance) -> Result<R, Failure>,
+    ) -> Result<(PooledRuns<R>, Pool<'a>), Failure>
+    where
+        artifact::Error: From<R::Error>,
+    {
         let strength = not_below("--prior", self.prior.unwrap_or(0.0), 0.0)?;
         let nominal = self.nominal().read(vessel, provenance)?;
-        let (runs, constant) = self.of.read(vessel, provenance)?;
+        let (runs, constant) = self.of.read(vessel, provenance, recorded)?;
         let rate_hz = vessel.sample_rate_hz;
         let part_samples = self.part_s.map(|s| samples("--part-s", s, rate_hz)).transpose()?;
         let (model, removal) = (vessel.model.with_intercepts(), self.mean_removal);
@@ -175,21 +188,6 @@ impl FromStr for Nominal {
             "least-squares" => Self::LeastSquares,
             file => Self::File(file.into()),
         })
-    }
-}
-
-fn unselected(file: &Path, error: SelectError) -> Failure {
-    match error {
-        SelectError::Unknown { name, runs, nearest } => Failure::refuse(
-            file,
-            &format!("run `{name}`"),
-            "no such run or recording",
-            &format!("one of {runs} runs, by number or recording"),
-            &format!("did you mean `{nearest}`?"),
-        ),
-        SelectError::NoneLeft => {
-            Failure::refuse(file, "runs", "none left", "at least one", "leave out fewer runs")
-        }
     }
 }
 

@@ -68,8 +68,8 @@ pub fn compare(
     runs: &PooledRuns,
     options: &CompareOptions,
 ) -> Result<Compared, CrossError> {
-    let sources: Vec<(String, Vec<Part>)> =
-        runs.windows(options.window).filter(|(_, windows)| !windows.is_empty()).collect();
+    let mut sources: Vec<(String, Vec<Part>)> = runs.windows(options.window);
+    sources.retain(|(_, windows)| !windows.is_empty());
     let windows = || sources.iter().flat_map(|(_, windows)| windows);
     let (Some(first), true) = (contestants.first(), windows().next().is_some()) else {
         return Err(CrossError::NoWindow);

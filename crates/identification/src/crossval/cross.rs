@@ -4,7 +4,9 @@ use serde::{Deserialize, Serialize};
 
 use super::error::CrossError;
 use super::folds::{Fold, Folds, folds};
-use crate::pooled::{Estimated, FreeRunErrors, Part, Pool, PooledRuns, Score, deviations, listed};
+use crate::pooled::{
+    Drawn, Estimated, FreeRunErrors, NoEstimate, Part, Pool, PooledRuns, Score, deviations, listed,
+};
 use crate::{Contender, Estimator, Recommendation, ScoreStatus};
 
 /// What is compared, and over what.
@@ -144,7 +146,7 @@ impl EstimatorScore {
 
 impl<'a> Cut<'a> {
     fn new(pool: &'a Pool, runs: &PooledRuns, options: &CrossOptions) -> Result<Self, CrossError> {
-        let windows: Vec<_> = runs.windows(options.window).collect();
+        let windows = runs.windows(options.window);
         if windows.len() < 2 {
             return Err(CrossError::OneSource);
         }
@@ -157,14 +159,17 @@ impl<'a> Cut<'a> {
     }
 
     fn fold(&self, fold: &Fold, estimator: Estimator) -> Tried {
-        let left_out = |part: &&Part| fold.left_out.iter().any(|i| self.windows[*i].0 == part.source);
-        let mut parts: Vec<Part> = self.parts.iter().filter(|part| !left_out(part)).cloned().collect();
+        let left_out =
+            |place: &usize| fold.left_out.iter().any(|i| self.windows[*i].0 == self.parts[*place].source);
+        let places: Vec<usize> = (0..self.parts.len()).filter(|place| !left_out(place)).collect();
         let without: Vec<&str> = fold.left_out.iter().map(|i| self.windows[*i].0.as_str()).collect();
         let without = without.join(", ");
         let mut tried = Tried { scores: Vec::new(), by_instruments: [false; 3], failed: None };
-        match self.pool.estimate(&mut parts, estimator) {
+        match self.pool.estimate(&Drawn { parts: &self.parts, places: &places }, estimator) {
             Ok(found) => self.simulate(fold, &found, &without, &mut tried),
-            Err(lost) => tried.failed = Some((ScoreStatus::Diverged, format!("without {without}: {lost}"))),
+            Err(NoEstimate::Lost(lost)) => {
+                tried.failed = Some((ScoreStatus::Diverged, format!("without {without}: {lost}")))
+            }
         }
         tried
     }

@@ -1,4 +1,5 @@
 use thiserror::Error;
+use vessel::Invalid;
 
 /// Why nothing can be left out.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
@@ -20,4 +21,30 @@ pub enum CrossError {
     /// A run or recording stands in two folds.
     #[error("`{0}` stands in two folds")]
     Twice(String),
+}
+
+impl CrossError {
+    /// What is invalid.
+    pub fn invalid(&self) -> Invalid {
+        let (expected, remedy) =
+            ("at least two, so that one can be left out", "add runs, or leave out fewer");
+        match self {
+            Self::OneSource => Invalid::new("runs or recordings", "one", expected, remedy),
+            Self::NoWindow => {
+                Invalid::new("windows", "no run as long as a window", "at least one", "shorten --window-s")
+            }
+            Self::Unknown { name, nearest } => Invalid::new(
+                format!("run or recording `{name}`"),
+                "no such run or recording",
+                "one of those that are read",
+                format!("did you mean `{nearest}`?"),
+            ),
+            Self::Twice(name) => Invalid::new(
+                format!("run or recording `{name}`"),
+                "in two folds",
+                "each left out once",
+                "name it in one --fold",
+            ),
+        }
+    }
 }

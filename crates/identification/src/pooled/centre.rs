@@ -1,32 +1,26 @@
-use crate::solve::Normal;
+use std::sync::Arc;
+
 use crate::{MeanRemoval, Sums};
 
 /// What is subtracted from instruments and regressors of each part: means over all parts, over the part, or nothing.
 #[derive(Clone, Debug)]
 pub struct Centring {
     removal: MeanRemoval,
-    parts: Vec<[Means; 3]>,
+    parts: Arc<Vec<[Means; 3]>>,
 }
 
 /// Means of one degree of freedom.
 #[derive(Clone, Debug, Default)]
-struct Means {
+pub(super) struct Means {
     zeta: Vec<f64>,
     phi: Vec<f64>,
     target: f64,
 }
 
 impl Centring {
-    /// Of parts with these sums.
-    pub fn new(parts: &[&Sums], removal: MeanRemoval) -> Self {
-        let means = match removal {
-            MeanRemoval::Batch => parts.iter().map(|sums| means(sums, true)).collect(),
-            _ => {
-                let whole = Sums::total(parts.iter().copied());
-                vec![means(&whole, removal == MeanRemoval::Complete); usize::from(!parts.is_empty())]
-            }
-        };
-        Self { removal, parts: means }
+    /// With the means of every part, or of all together.
+    pub(super) fn of(removal: MeanRemoval, parts: Arc<Vec<[Means; 3]>>) -> Self {
+        Self { removal, parts }
     }
 
     /// Number of intercepts of a degree of freedom.
@@ -58,24 +52,18 @@ impl Centring {
     }
 }
 
-fn means(sums: &Sums, removed: bool) -> [Means; 3] {
-    let share = if removed && sums.samples > 0 { 1.0 / sums.samples as f64 } else { 0.0 };
-    [0, 1, 2].map(|d| {
-        let degree = &sums.degrees[d];
-        let (p, lifted) = (degree.parameters(), degree.parameters() + 1);
-        Means {
-            zeta: (0..p).map(|i| share * degree.a[i * lifted + p]).collect(),
-            phi: (0..p).map(|i| share * degree.a[p * lifted + i]).collect(),
-            target: share * degree.b[p],
-        }
-    })
-}
-
-/// The normal equations of degree of freedom `d`. One intercept for all parts needs the sums of all together.
-pub(super) fn pooled(parts: &[&Sums], removal: MeanRemoval, d: usize) -> Normal {
-    if removal == MeanRemoval::Batch {
-        return Normal::new(parts.iter().map(|sums| &sums.degrees[d]), true);
+impl Means {
+    /// Of surge, sway and yaw in `sums`; of instruments and regressors 0 where they are not `removed`.
+    pub(super) fn of(sums: &Sums, removed: bool) -> [Self; 3] {
+        let share = if removed && sums.samples > 0 { 1.0 / sums.samples as f64 } else { 0.0 };
+        [0, 1, 2].map(|d| {
+            let degree = &sums.degrees[d];
+            let (p, lifted) = (degree.parameters(), degree.parameters() + 1);
+            Self {
+                zeta: (0..p).map(|i| share * degree.a[i * lifted + p]).collect(),
+                phi: (0..p).map(|i| share * degree.a[p * lifted + i]).collect(),
+                target: share * degree.b[p],
+            }
+        })
     }
-    let whole = Sums::total(parts.iter().copied());
-    Normal::new([&whole.degrees[d]].into_iter(), removal == MeanRemoval::Complete)
 }

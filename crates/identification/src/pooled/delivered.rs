@@ -2,10 +2,10 @@ use std::collections::HashMap;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use vessel::{DegreeOfFreedom, Model};
+use vessel::{DegreeOfFreedom, Model, Variable};
 
-use super::{DegreeTrust, Estimated, Part, Pool, Regressions, SourceErrors};
-use crate::{Estimator, Sums};
+use super::{DegreeTrust, Estimated, PartView, Parts, Pool, Regression, SourceErrors};
+use crate::Estimator;
 
 /// The model that an estimate delivers, whole: with it others simulate what was validated.
 #[derive(Clone, Debug, PartialEq)]
@@ -42,7 +42,7 @@ pub struct Covariance {
 }
 
 /// What the increments of one recording gain on the terms: a steady force, current or sensor error of that day.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RecordingConstant {
     /// Its name.
@@ -73,26 +73,120 @@ pub struct Covered {
 
 impl Delivered {
     /// What `found` delivers, which was fitted to `parts`; none unless all degrees of freedom have an estimate.
-    pub(super) fn new(
+    ///
+    /// # Errors
+    /// Parts that cannot be read.
+    pub(super) fn new<P: Parts>(
         pool: &Pool,
         found: &Estimated,
-        parts: &[Part],
+        parts: &P,
         degrees: &[DegreeTrust],
         sources: &[SourceErrors],
-    ) -> Option<Self> {
-        let (theta, intercepts) = found.theta()?;
+    ) -> Result<Option<Self>, P::Error> {
+        let Some((theta, intercepts)) = found.theta() else { return Ok(None) };
         let known = pool.model.constant;
         let beyond = |intercepts: [f64; 3]| [0, 1, 2].map(|d| known[d] + intercepts[d]);
-        Some(Self {
+        let mut account = Account::new(&pool.vessel.model, &theta, intercepts);
+        parts.each(|part| account.add(&part))?;
+        Ok(Some(Self {
             constant: beyond(intercepts),
             covariance: covariance(&pool.model, found, degrees),
             least_squares: pool.least_squares(found).map(|(theta, own)| (theta, beyond(own))),
-            increment_std: increment_std(pool, parts, &theta, intercepts),
+            increment_std: account.squares.map(|sum| (sum / f64::max(account.samples, 1.0)).sqrt()),
             output_rmse: pooled_rmse(sources),
-            recordings: recordings(&pool.vessel.model, found.squares(), parts, &theta),
-            covered: covered(&pool.model, parts),
+            covered: account.covered(),
+            recordings: account.recordings(),
             theta,
-        })
+        }))
+    }
+}
+
+/// What is found of the data part by part.
+struct Account<'a> {
+    model: &'a Model,
+    theta: &'a [f64],
+    intercepts: [f64; 3],
+    /// Of Δy − φᵀθ̂ − c.
+    squares: [f64; 3],
+    samples: f64,
+    /// Least and largest value of each variable.
+    ranges: Vec<[f64; 2]>,
+    places: HashMap<String, usize>,
+    /// Sums of Δy − φᵀθ̂ by recording.
+    recordings: Vec<RecordingConstant>,
+}
+
+impl<'a> Account<'a> {
+    fn new(model: &'a Model, theta: &'a [f64], intercepts: [f64; 3]) -> Self {
+        Self {
+            model,
+            theta,
+            intercepts,
+            squares: [0.0; 3],
+            samples: 0.0,
+            ranges: vec![[f64::INFINITY, f64::NEG_INFINITY]; model.variables.len()],
+            places: HashMap::new(),
+            recordings: Vec::new(),
+        }
+    }
+
+    fn add(&mut self, part: &PartView) {
+        let (regression, layout) = (Regression::of(self.model, part), self.model.layout());
+        let mut left = [0.0; 3];
+        for (d, degree) in regression.degrees.iter().enumerate() {
+            let own = &self.theta[layout.terms(d)];
+            for (k, target) in degree.target.iter().enumerate() {
+                let error = target - degree.phi(k).iter().zip(own).map(|(f, t)| f * t).sum::<f64>();
+                left[d] += error;
+                self.squares[d] += (error - self.intercepts[d]).powi(2);
+            }
+        }
+        self.samples += regression.samples as f64;
+        self.gain(part.source, regression.samples as u64, left);
+        let rows = part.run.measured.as_chunks::<3>().0;
+        rows.iter().for_each(|row| row.iter().enumerate().for_each(|(d, value)| self.cover(d, *value)));
+        for row in part.run.exogenous.chunks_exact(self.model.exogenous().max(1)) {
+            row.iter().enumerate().for_each(|(i, value)| self.cover(3 + i, *value));
+        }
+    }
+
+    fn cover(&mut self, variable: usize, value: f64) {
+        let [low, high] = &mut self.ranges[variable];
+        (*low, *high) = (low.min(value), high.max(value));
+    }
+
+    fn gain(&mut self, source: &str, samples: u64, [u, v, r]: [f64; 3]) {
+        let place = self.places.get(source).copied().unwrap_or(self.recordings.len());
+        if place == self.recordings.len() {
+            self.places.insert(source.to_owned(), place);
+            let source = source.to_owned();
+            self.recordings.push(RecordingConstant { source, ..RecordingConstant::default() });
+        }
+        let own = &mut self.recordings[place];
+        own.samples += samples;
+        own.constant_u += u;
+        own.constant_v += v;
+        own.constant_r += r;
+    }
+
+    fn covered(&self) -> Vec<Covered> {
+        let range = |(variable, [low, high]): (&Variable, &[f64; 2])| Covered {
+            name: variable.name.clone(),
+            unit: variable.unit.clone(),
+            low: *low,
+            high: *high,
+        };
+        self.model.variables.iter().zip(&self.ranges).map(range).collect()
+    }
+
+    /// Means instead of sums, and the constant that is known.
+    fn recordings(mut self) -> Vec<RecordingConstant> {
+        for own in &mut self.recordings {
+            let samples = own.samples.max(1) as f64;
+            let all = [&mut own.constant_u, &mut own.constant_v, &mut own.constant_r];
+            all.into_iter().zip(self.model.constant).for_each(|(sum, known)| *sum = *sum / samples + known);
+        }
+        self.recordings
     }
 }
 
@@ -124,22 +218,6 @@ fn covariance(model: &Model, found: &Estimated, degrees: &[DegreeTrust]) -> Opti
     Some(Covariance { joint: false, names, entries })
 }
 
-/// Standard deviations of Δy − φᵀθ̂ − c over all parts.
-fn increment_std(pool: &Pool, parts: &[Part], theta: &[f64], intercepts: [f64; 3]) -> [f64; 3] {
-    let (layout, mut squares, mut samples) = (pool.vessel.model.layout(), [0.0; 3], 0.0);
-    pool.regressions(parts, false).each(&mut |_, regression| {
-        samples += regression.samples as f64;
-        for (d, degree) in regression.degrees.iter().enumerate() {
-            let own = &theta[layout.terms(d)];
-            for (k, target) in degree.target.iter().enumerate() {
-                let predicted: f64 = degree.phi(k).iter().zip(own).map(|(f, t)| f * t).sum();
-                squares[d] += (target - predicted - intercepts[d]).powi(2);
-            }
-        }
-    });
-    squares.map(|sum| (sum / f64::max(samples, 1.0)).sqrt())
-}
-
 fn pooled_rmse(sources: &[SourceErrors]) -> Option<[f64; 3]> {
     let (mut squares, mut samples) = ([0.0; 3], 0.0);
     for source in sources.iter().filter(|source| source.samples > 0) {
@@ -149,55 +227,4 @@ fn pooled_rmse(sources: &[SourceErrors]) -> Option<[f64; 3]> {
         samples += n;
     }
     (samples > 0.0).then(|| squares.map(|sum| (sum / samples).sqrt()))
-}
-
-/// By recording, from the sums of `parts` with their regressors as instruments.
-fn recordings(model: &Model, sums: &[Sums], parts: &[Part], theta: &[f64]) -> Vec<RecordingConstant> {
-    let (mut places, mut found) = (HashMap::new(), Vec::<RecordingConstant>::new());
-    let layout = model.layout();
-    for (part, sums) in parts.iter().zip(sums) {
-        let place = *places.entry(part.source.as_str()).or_insert(found.len());
-        if place == found.len() {
-            let source = part.source.clone();
-            found.push(RecordingConstant {
-                source,
-                samples: 0,
-                constant_u: 0.0,
-                constant_v: 0.0,
-                constant_r: 0.0,
-            });
-        }
-        let own = &mut found[place];
-        own.samples += sums.samples;
-        let all = [&mut own.constant_u, &mut own.constant_v, &mut own.constant_r];
-        for (d, sum) in all.into_iter().enumerate() {
-            *sum += sums.degrees[d].residual(&theta[layout.terms(d)]);
-        }
-    }
-    for one in &mut found {
-        let samples = one.samples.max(1) as f64;
-        let all = [&mut one.constant_u, &mut one.constant_v, &mut one.constant_r];
-        all.into_iter().zip(model.constant).for_each(|(sum, known)| *sum = *sum / samples + known);
-    }
-    found
-}
-
-fn covered(model: &Model, parts: &[Part]) -> Vec<Covered> {
-    let mut ranges = vec![[f64::INFINITY, f64::NEG_INFINITY]; model.variables.len()];
-    let mut add = |variable: usize, value: f64| {
-        let [low, high] = &mut ranges[variable];
-        (*low, *high) = (low.min(value), high.max(value));
-    };
-    for part in parts {
-        part.measured.chunks_exact(3).for_each(|row| (0..3).for_each(|d| add(d, row[d])));
-        let rows = part.exogenous.chunks_exact(model.exogenous().max(1));
-        rows.for_each(|row| row.iter().enumerate().for_each(|(i, value)| add(3 + i, *value)));
-    }
-    let range = |(variable, [low, high]): (&vessel::Variable, [f64; 2])| Covered {
-        name: variable.name.clone(),
-        unit: variable.unit.clone(),
-        low,
-        high,
-    };
-    model.variables.iter().zip(ranges).map(range).collect()
 }

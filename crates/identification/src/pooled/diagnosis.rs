@@ -1,4 +1,4 @@
-use super::centre::pooled;
+use crate::solve::Normal;
 use crate::{MeanRemoval, Sums};
 
 /// Condition index above which columns count as collinear: Belsley, Kuh & Welsch, *Regression Diagnostics*, 1980. A just
@@ -25,12 +25,10 @@ pub struct Diagnosis {
     pub variation: Vec<f64>,
 }
 
-/// Diagnoses degree of freedom `d` of pooled `parts`.
-pub fn diagnose(parts: &[&Sums], removal: MeanRemoval, d: usize) -> Diagnosis {
-    let whole = Sums::total(parts.iter().copied());
-    let Some(degree) = whole.degrees.get(d) else { return unknown(0) };
+/// Diagnoses degree of freedom `d` with sums over the `whole` of the parts and their `normal` equations.
+pub(super) fn diagnosed(whole: &Sums, normal: &Normal, removal: MeanRemoval, d: usize) -> Diagnosis {
+    let degree = &whole.degrees[d];
     let p = degree.parameters();
-    let normal = pooled(parts, removal, d);
     let size = |i: usize| {
         let of = |squares: &[f64]| if i < p { squares[i].sqrt() } else { (whole.samples as f64).sqrt() };
         [of(&degree.instrument_squares), of(&degree.regressor_squares)]
@@ -45,7 +43,7 @@ pub fn diagnose(parts: &[&Sums], removal: MeanRemoval, d: usize) -> Diagnosis {
     let scaled: Vec<f64> = (0..width * width).map(entry).collect();
     let mut diagnosis = unknown(p);
     diagnosis.condition = normal.excitation().condition;
-    diagnosis.variation = variation(&whole, d);
+    diagnosis.variation = variation(whole, d);
     match numerics::weakest(width, &scaled) {
         Some(found) => {
             diagnosis.index = (1.0 / found.ratio).sqrt();
@@ -57,7 +55,7 @@ pub fn diagnose(parts: &[&Sums], removal: MeanRemoval, d: usize) -> Diagnosis {
     diagnosis
 }
 
-fn unknown(p: usize) -> Diagnosis {
+pub(super) fn unknown(p: usize) -> Diagnosis {
     Diagnosis {
         condition: f64::INFINITY,
         index: f64::INFINITY,

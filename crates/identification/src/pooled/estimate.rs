@@ -4,7 +4,8 @@ use vessel::RunView;
 use super::statements::statements;
 use super::trust::Judge;
 use super::{
-    DegreeTrust, Delivered, Estimated, Judgement, LostInstruments, Part, Pool, PooledRuns, SourceErrors,
+    DegreeTrust, Delivered, Estimated, Judgement, LostInstruments, NoEstimate, Part, Parts, Pool, PooledRuns,
+    Recorded, SourceErrors,
 };
 use crate::criticism::{Criticism, Subject, criticise};
 use crate::{EstimateStatus, Estimator, RunEstimate};
@@ -54,73 +55,82 @@ impl Pooled {
 
 /// Why there is no pooled estimate.
 #[derive(Clone, Debug, PartialEq, Error)]
-pub enum PoolError {
+pub enum PoolError<E> {
     /// No instruments could be simulated.
     #[error(transparent)]
-    Lost(#[from] LostInstruments),
+    Lost(LostInstruments),
     /// No degree of freedom is identifiable, for these reasons.
     #[error("no degree of freedom is identifiable ({})", .0.join("; "))]
     NotIdentifiable(Vec<String>),
+    /// The runs cannot be read.
+    #[error("{0}")]
+    Unread(E),
 }
 
 /// Estimates from all of `runs` and judges the estimate. `resampled` is called with the number of resamples that are done
 /// where each takes long.
 ///
 /// # Errors
-/// No instruments; no degree of freedom that is identifiable.
-pub fn estimate(
+/// No instruments; no degree of freedom that is identifiable; runs that cannot be read again.
+pub fn estimate<R: Recorded>(
     pool: &Pool,
-    runs: &PooledRuns,
+    runs: &PooledRuns<R>,
     estimator: Estimator,
     judgement: &Judgement,
     resampled: &(dyn Fn(usize) + Sync),
-) -> Result<Pooled, PoolError> {
-    let mut parts: Vec<Part> = runs.parts(pool.part_samples);
-    let found = pool.estimate(&mut parts, estimator)?;
+) -> Result<Pooled, PoolError<R::Error>> {
+    let parts = runs.cut(pool.part_samples);
+    let found = pool.estimate(&parts, estimator).map_err(|e| match e {
+        NoEstimate::Lost(lost) => PoolError::Lost(lost),
+        NoEstimate::Unread(e) => PoolError::Unread(e),
+    })?;
     if found.degrees.iter().all(|d| d.solution.is_none()) {
         return Err(PoolError::NotIdentifiable(pool.unidentified(&found.degrees)));
     }
     let judge = Judge { pool, found: &found, parts: &parts, judgement, resampled };
-    let degrees = judge.degrees();
-    let sources = judge.sources(runs);
+    let degrees = judge.degrees().map_err(PoolError::Unread)?;
+    let sources = judge.sources(runs).map_err(PoolError::Unread)?;
+    let delivered = Delivered::new(pool, &found, &parts, &degrees, &sources).map_err(PoolError::Unread)?;
     let lost = found.diverged.as_ref().map(LostInstruments::to_string);
-    let criticism = criticism(pool, &found, runs);
+    let criticism = criticism(pool, &found, runs).map_err(PoolError::Unread)?;
     let criticised = criticism.iter().flat_map(|found| &found.statements).cloned();
     Ok(Pooled {
         design: runs.design().to_owned(),
-        parts: parts.len(),
-        samples: parts.iter().map(|p| p.samples() as u64).sum(),
+        parts: parts.count(),
+        samples: judge.samples() as u64,
         bandwidth: judge.bandwidth(),
         statements: lost.into_iter().chain(criticised).chain(statements(&degrees)).collect(),
-        delivered: Delivered::new(pool, &found, &parts, &degrees, &sources),
         degrees,
         sources,
+        delivered,
         criticism,
     })
 }
 
 /// Most samples that are looked at for what the model lacks.
-const MOST_CRITICISED: usize = 300_000;
+const MOST_CRITICISED: usize = 200_000;
 
 /// What the model lacks, by the first recordings up to [`MOST_CRITICISED`] samples, whole ones.
-fn criticism(pool: &Pool, found: &Estimated, runs: &PooledRuns) -> Option<Criticism> {
-    let parameters = found.parameters(&pool.model)?;
-    let mut samples = 0;
-    let recordings: Vec<Part> = runs
-        .windows(None)
-        .flat_map(|(_, whole)| whole)
-        .take_while(|recording| {
-            samples += recording.samples();
-            samples <= MOST_CRITICISED
-        })
-        .collect();
+fn criticism<R: Recorded>(
+    pool: &Pool,
+    found: &Estimated,
+    runs: &PooledRuns<R>,
+) -> Result<Option<Criticism>, R::Error> {
+    let Some(parameters) = found.parameters(&pool.model) else { return Ok(None) };
+    let (mut samples, mut recordings) = (0, Vec::new());
+    runs.each_source(None, |_, whole| {
+        samples += whole.iter().map(Part::samples).sum::<usize>();
+        if samples <= MOST_CRITICISED {
+            recordings.extend(whole);
+        }
+    })?;
     let views: Vec<RunView> = recordings.iter().map(Part::view).collect();
-    criticise(&Subject {
+    Ok(criticise(&Subject {
         model: &pool.model,
         parameters: &parameters,
         runs: &views,
         rate_hz: pool.vessel.sample_rate_hz,
         known_start: false,
         levels: None,
-    })
+    }))
 }

@@ -1,9 +1,8 @@
 use numerics::{product, times, transposed};
 
-use super::centre::pooled;
-use super::{Centring, Diagnosis, diagnose};
+use super::Diagnosis;
+use crate::MeanRemoval;
 use crate::solve::Normal;
-use crate::{MeanRemoval, Sums};
 
 /// How parts are pooled into one estimate.
 #[derive(Clone, Copy, Debug)]
@@ -68,39 +67,8 @@ pub(crate) fn joined(solutions: [Option<&Solution>; 3]) -> Option<(Vec<f64>, [f6
     Some((all.map(|s| s.theta.as_slice()).concat(), all.map(|s| s.intercept)))
 }
 
-/// Pools `parts` and estimates surge, sway and yaw.
-pub fn fit(parts: &[&Sums], options: &Options) -> [DegreeFit; 3] {
-    let centring = Centring::new(parts, options.removal);
-    let samples: u64 = parts.iter().map(|sums| sums.samples).sum();
-    let mut first = 0;
-    [0, 1, 2].map(|d| {
-        let p = parts.first().map_or(0, |sums| sums.degrees[d].parameters());
-        let own = first..first + p;
-        first += p;
-        if samples <= (p + centring.intercepts()) as u64 {
-            return DegreeFit { status: Status::TooShort, solution: None };
-        }
-        let normal = pooled(parts, options.removal, d);
-        match solve(&normal, options.prior.map(|prior| (prior.strength, &prior.nominal[own]))) {
-            Err(parameter) => DegreeFit { status: Status::NotExcited(parameter), solution: None },
-            Ok((theta, gain)) => judged(parts, options, d, theta, gain),
-        }
-    })
-}
-
-fn judged(parts: &[&Sums], options: &Options, d: usize, theta: Vec<f64>, gain: Vec<f64>) -> DegreeFit {
-    if options.most.is_finite() && options.prior.is_none() {
-        let diagnosis = diagnose(parts, options.removal, d);
-        if diagnosis.index > options.most {
-            return DegreeFit { status: Status::Collinear(diagnosis), solution: None };
-        }
-    }
-    let intercept = if options.removal == MeanRemoval::None { 0.0 } else { mean_residual(parts, d, &theta) };
-    DegreeFit { status: Status::Identified, solution: Some(Solution { theta, gain, intercept }) }
-}
-
 /// θ̂ and G, or the parameter that is not excited.
-fn solve(normal: &Normal, prior: Option<(f64, &[f64])>) -> Result<(Vec<f64>, Vec<f64>), usize> {
+pub(super) fn solve(normal: &Normal, prior: Option<(f64, &[f64])>) -> Result<(Vec<f64>, Vec<f64>), usize> {
     let Some((strength, nominal)) = prior.filter(|(strength, _)| *strength > 0.0) else {
         return normal.solve();
     };
@@ -119,14 +87,4 @@ fn solve(normal: &Normal, prior: Option<(f64, &[f64])>) -> Result<(Vec<f64>, Vec
     let missing: Vec<f64> = normal.b.iter().zip(predicted).map(|(b, predicted)| b - predicted).collect();
     let moved = times(&gain, &missing);
     Ok((nominal.iter().zip(moved).map(|(nominal, moved)| nominal + moved).collect(), gain))
-}
-
-/// Mean of Δy − φᵀθ over all samples.
-fn mean_residual(parts: &[&Sums], d: usize, theta: &[f64]) -> f64 {
-    let (mut total, mut samples) = (0.0, 0.0);
-    for sums in parts {
-        total += sums.degrees[d].residual(theta);
-        samples += sums.samples as f64;
-    }
-    if samples > 0.0 { total / samples } else { 0.0 }
 }

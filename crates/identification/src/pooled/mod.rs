@@ -1,22 +1,26 @@
 //! One estimate from many sub-experiments, and how far it can be trusted.
 //!
-//! A [`Part`] is one sub-experiment. Its instruments start anew at its first measured state, so the parts of a pooled
-//! estimate need not follow each other. The sums of the parts add: [`fit`] takes the [`crate::Sums`] of whichever parts
-//! are to be used, so that resampling and cross-validation never touch the data again. Whatever else needs the samples makes
-//! the [`Regression`] of one part at a time.
+//! A part is one sub-experiment. Its instruments start anew at its first measured state, so the parts of a pooled estimate
+//! need not follow each other. The sums of the parts add: [`PooledSums`] keeps little besides their total. Whatever else
+//! needs the samples goes through the [`Parts`] again, with one part's [`Regression`] at a time. So runs need not be in
+//! memory: they are [`Recorded`] somewhere and read again.
 //!
 //! Plain numbers, no lanes: measured data sets are small.
 
 mod bootstrap;
 mod centre;
 mod delivered;
+mod demand;
 mod diagnosis;
 mod estimate;
 mod fit;
+mod instrument_fit;
 mod nominal;
 mod output_error;
 mod part;
 mod pool;
+mod pooled_sums;
+mod recorded;
 mod regression;
 mod residual_tests;
 mod runs;
@@ -30,18 +34,22 @@ mod words;
 pub use bootstrap::{Bootstrap, Resampled, bootstrap, redraw};
 pub use centre::Centring;
 pub use delivered::{Covariance, Covered, Delivered, RecordingConstant};
-pub use diagnosis::{COLLINEAR, Diagnosis, diagnose};
+pub use diagnosis::{COLLINEAR, Diagnosis};
 pub use estimate::{PoolError, Pooled, estimate};
 pub(crate) use fit::joined;
-pub use fit::{DegreeFit, Options, Prior, Solution, Status, fit};
+pub use fit::{DegreeFit, Options, Prior, Solution, Status};
+pub use instrument_fit::InstrumentFit;
 pub use nominal::{NominalModel, NominalSource};
 pub use output_error::{OutputError, output_error};
 pub use part::{LostInstruments, Part};
-pub use pool::{Estimated, Pool};
-pub use regression::{DegreeRegression, Regression, Regressions, Remade};
-pub use residual_tests::{CrossCorrelation, Whiteness, cross_correlation, residuals, whiteness};
-pub use runs::{PooledRuns, SelectError};
+pub use pool::{Estimated, NoEstimate, Pool};
+pub use pooled_sums::{PooledSums, diagnose, fit};
+pub use recorded::{Drawn, PartView, Parts, Recorded};
+pub use regression::{DegreeRegression, Regression};
+pub use residual_tests::{CrossCorrelation, Whiteness, residuals, whiteness};
+pub use runs::{CutRuns, PooledRuns, SelectError};
 pub use sandwich::{default_bandwidth, sandwich};
+pub(crate) use strength::Strength;
 pub use strength::strength;
 pub use trust::{DegreeTrust, InstrumentResidual, Judgement, ParameterTrust, SourceErrors};
 pub use windows::{FreeRunErrors, Score, deviations};

@@ -1,5 +1,4 @@
-use super::{Options, fit, joined};
-use crate::{MeanRemoval, Sums};
+use super::{Options, PooledSums, joined};
 
 vessel::choices! {
     /// Where the model comes from that instruments are simulated with.
@@ -24,12 +23,12 @@ pub enum NominalModel {
 
 impl NominalModel {
     /// θ and intercepts, with the least-squares `sums` of the data at hand. `None` where those identify no model.
-    pub fn parameters(&self, sums: &[&Sums], removal: MeanRemoval) -> Option<(Vec<f64>, [f64; 3])> {
+    pub fn parameters(&self, sums: &PooledSums) -> Option<(Vec<f64>, [f64; 3])> {
         match self {
             Self::Known(theta) => Some((theta.clone(), [0.0; 3])),
             Self::Fitted => {
-                let options = Options { removal, prior: None, most: f64::INFINITY };
-                joined(fit(sums, &options).each_ref().map(|degree| degree.solution.as_ref()))
+                let options = Options { removal: sums.removal(), prior: None, most: f64::INFINITY };
+                joined(sums.fit(&options).each_ref().map(|degree| degree.solution.as_ref()))
             }
         }
     }

@@ -1,9 +1,12 @@
-use vessel::lanes::SideBySide;
-use vessel::{LANES, Lane, Model, RunView};
+use std::ops::Range;
 
-use super::Part;
+use rayon::prelude::*;
+use vessel::lanes::SideBySide;
+use vessel::{LANES, Lane, Model};
+
+use super::{Part, Parts};
 use crate::predictor::{
-    Ended, Linear, Recordings, Residuals, STEPS, Weighting, linearize, minimize, scaled_inverse,
+    Ended, Linear, Minimum, Recordings, Residuals, STEPS, Weighting, linearize, minimize, scaled_inverse,
 };
 
 /// An estimate that minimises the errors of free simulations.
@@ -20,52 +23,62 @@ pub struct OutputError {
     pub converged: bool,
 }
 
+impl OutputError {
+    /// The covariance of the parameters at `places`, as many rows.
+    pub(super) fn covariance_of(&self, places: Range<usize>) -> Vec<f64> {
+        let all = self.parameters.len();
+        let pairs = places.clone().flat_map(|i| places.clone().map(move |j| (i, j)));
+        pairs.map(|(i, j)| self.covariance[i * all + j]).collect()
+    }
+}
+
 /// Minimises Σ (e_d/std_d)² of free simulations over `parts`, each from its first measured state, by Levenberg and
 /// Marquardt's method from `start` (parameters of `model`). `std`: of measured u, v, r. `sizes`: per parameter the change
 /// that would matter; 0 holds it. `None` where the start diverges or a parameter has no effect of its own.
-pub fn output_error(
+///
+/// # Errors
+/// Parts that cannot be read, all of which every step of the search looks at.
+pub fn output_error<P: Parts>(
     model: &Model,
-    parts: &[Part],
+    parts: &P,
     start: &[f64],
     std: [f64; 3],
     sizes: &[f64],
-) -> Option<OutputError> {
-    let problem = Problem {
-        model,
-        groups: side_by_side(parts),
-        held: start.to_vec(),
-        free: (0..sizes.len()).filter(|i| sizes[*i] > 0.0).collect(),
-    };
+) -> Result<Option<OutputError>, P::Error> {
+    let free = (0..sizes.len()).filter(|i| sizes[*i] > 0.0).collect();
+    let problem = Problem { model, parts, order: by_length(parts), held: start.to_vec(), free };
     let weights = std.map(|s| if s > 0.0 { s.powi(-2) } else { 0.0 });
     let from = problem.free.iter().map(|i| start[*i]).collect();
-    let found = minimize(&problem, vec![Weighting::Fixed(weights)], vec![from], STEPS).pop()?;
-    if !matches!(found.status, Ended::Converged | Ended::Stalled) {
-        return None;
-    }
-    Some(OutputError {
-        covariance: problem.covariance(&found.point, weights)?,
+    let found = minimize(&problem, vec![Weighting::Fixed(weights)], vec![from], STEPS)?.pop();
+    let Some(found) = found.filter(|found| matches!(found.status, Ended::Converged | Ended::Stalled)) else {
+        return Ok(None);
+    };
+    Ok(problem.covariance(&found, weights)?.map(|covariance| OutputError {
+        covariance,
         parameters: problem.whole(&found.point),
         steps: found.steps,
         converged: found.status == Ended::Converged,
-    })
+    }))
 }
 
 /// One problem: the free simulations over all parts, [`LANES`] of them at a time.
-struct Problem<'a> {
+struct Problem<'a, P> {
     model: &'a Model,
-    groups: Vec<SideBySide>,
+    parts: &'a P,
+    /// Places of the parts: those of similar length are simulated side by side.
+    order: Vec<usize>,
     held: Vec<f64>,
     free: Vec<usize>,
 }
 
-/// Parts of similar length side by side.
-fn side_by_side(parts: &[Part]) -> Vec<SideBySide> {
-    let mut order: Vec<RunView> = parts.iter().map(Part::view).collect();
-    order.sort_by_key(|part| std::cmp::Reverse(part.samples()));
-    order.chunks(LANES).map(SideBySide::of).collect()
+/// The longest first.
+fn by_length(parts: &impl Parts) -> Vec<usize> {
+    let mut order: Vec<usize> = (0..parts.count()).collect();
+    order.sort_by_key(|i| std::cmp::Reverse(parts.samples(*i)));
+    order
 }
 
-impl Problem<'_> {
+impl<P: Parts> Problem<'_, P> {
     /// All parameters of a point.
     fn whole(&self, point: &[f64]) -> Vec<f64> {
         let mut whole = self.held.clone();
@@ -73,27 +86,41 @@ impl Problem<'_> {
         whole
     }
 
-    /// Part by part.
-    fn linears(&self, point: &[f64]) -> Vec<Linear> {
+    /// Calls `look` with every part linearised, in order.
+    fn each(&self, point: &[f64], mut look: impl FnMut(&Linear)) -> Result<(), P::Error> {
         let whole = self.whole(point).into_iter().chain([0.0; 3]);
         let unknowns: Vec<Lane> = whole.map(Lane::splat).collect();
-        let mut all = Vec::new();
-        for group in &self.groups {
-            let recordings = Recordings::of(self.model, group);
-            let mut found = linearize::<3>(&recordings, &unknowns, &self.free, None, &[], false);
-            found.truncate(group.runs);
-            all.extend(found);
-        }
-        all
+        let together = LANES * rayon::current_num_threads();
+        let mut waiting: Vec<Part> = Vec::with_capacity(together);
+        self.parts.at(&self.order, |part| {
+            waiting.push(Part::new("", "", part.run));
+            if waiting.len() == together {
+                self.linears(&waiting, &unknowns).iter().for_each(&mut look);
+                waiting.clear();
+            }
+        })?;
+        self.linears(&waiting, &unknowns).iter().for_each(look);
+        Ok(())
     }
 
-    fn covariance(&self, point: &[f64], weights: [f64; 3]) -> Option<Vec<f64>> {
+    /// Parts linearised, [`LANES`] of them by a thread.
+    fn linears(&self, parts: &[Part], unknowns: &[Lane]) -> Vec<Linear> {
+        let linear = |parts: &[Part]| {
+            let group = SideBySide::of(&parts.iter().map(Part::view).collect::<Vec<_>>());
+            let recordings = Recordings::of(self.model, &group);
+            let mut found = linearize::<3>(&recordings, unknowns, &self.free, None, &[], false);
+            found.truncate(group.runs);
+            found
+        };
+        parts.par_chunks(LANES).flat_map_iter(linear).collect()
+    }
+
+    fn covariance(&self, found: &Minimum, weights: [f64; 3]) -> Result<Option<Vec<f64>>, P::Error> {
         let (p, all) = (self.free.len(), self.held.len());
-        let parts = self.linears(point);
-        let (normal, _) = total(&parts)?.weighted(weights);
-        let inverse = scaled_inverse(&normal, p).ok()?;
+        let (normal, _) = found.linear.weighted(weights);
+        let Ok(inverse) = scaled_inverse(&normal, p) else { return Ok(None) };
         let mut out = vec![0.0; all * all];
-        for part in &parts {
+        self.each(&found.point, |part| {
             let (_, gradient) = part.weighted(weights);
             let moved = numerics::times(&inverse, &gradient);
             for (row, a) in self.free.iter().zip(&moved) {
@@ -101,20 +128,24 @@ impl Problem<'_> {
                     out[row * all + column] += a * b;
                 }
             }
-        }
-        Some(out)
+        })?;
+        Ok(Some(out))
     }
 }
 
-fn total(parts: &[Linear]) -> Option<Linear> {
-    let (first, others) = parts.split_first()?;
-    let mut total = first.clone();
-    others.iter().for_each(|part| total.add(part));
-    Some(total)
-}
+impl<P: Parts> Residuals for Problem<'_, P> {
+    type Error = P::Error;
 
-impl Residuals for Problem<'_> {
-    fn linearize(&self, points: &[Vec<f64>]) -> Vec<Linear> {
-        points.iter().filter_map(|point| total(&self.linears(point))).collect()
+    fn linearize(&self, points: &[Vec<f64>]) -> Result<Vec<Linear>, P::Error> {
+        let mut totals = Vec::new();
+        for point in points {
+            let mut total: Option<Linear> = None;
+            self.each(point, |part| match &mut total {
+                Some(total) => total.add(part),
+                None => total = Some(part.clone()),
+            })?;
+            totals.extend(total);
+        }
+        Ok(totals)
     }
 }

@@ -1,7 +1,9 @@
+use std::convert::Infallible;
+
 use thiserror::Error;
 use vessel::{DegreeOfFreedom, Diverged, Model, RunView, check_diverged, simulate_one};
 
-use super::deviations;
+use super::{PartView, Parts};
 
 /// One sub-experiment of N samples.
 #[derive(Clone, Debug, PartialEq)]
@@ -14,8 +16,6 @@ pub struct Part {
     pub exogenous: Vec<f64>,
     /// Measured states u, v \[m/s\], r \[rad/s\]: (N+1) × 3, row-major.
     pub measured: Vec<f64>,
-    /// States that the instruments are formed with: (N+1) × 3. The measured ones are least squares.
-    pub instrument_states: Vec<f64>,
 }
 
 /// The nominal simulation over a part left every bound, so that there are no instruments.
@@ -35,14 +35,13 @@ pub struct LostInstruments {
 }
 
 impl Part {
-    /// A part whose instruments are its regressors.
+    /// A part with samples of its own.
     pub fn new(label: &str, source: &str, measured: RunView) -> Self {
         Self {
             label: label.to_owned(),
             source: source.to_owned(),
             exogenous: measured.exogenous.to_vec(),
             measured: measured.measured.to_vec(),
-            instrument_states: measured.measured.to_vec(),
         }
     }
 
@@ -56,41 +55,43 @@ impl Part {
         RunView::measured(&self.measured, &self.exogenous)
     }
 
-    /// Simulates `model` with `parameters` over every part, each from its first measured state, and takes the states as
-    /// instruments.
+    /// All of it.
+    pub fn whole(&self) -> PartView<'_> {
+        PartView { label: &self.label, source: &self.source, run: self.view() }
+    }
+}
+
+impl PartView<'_> {
+    /// The states of `model` with `parameters`, simulated from the first measured one, which instruments are formed with:
+    /// (N+1) × 3.
     ///
     /// # Errors
-    /// The first part whose simulation diverges; no part is changed then.
-    pub fn instrument(parts: &mut [Self], model: &Model, parameters: &[f64]) -> Result<(), LostInstruments> {
-        let simulated: Vec<Vec<f64>> =
-            parts.iter().map(|p| simulate_one(model, parameters, p.view().initial, &p.exogenous)).collect();
-        for (part, states) in parts.iter().zip(&simulated) {
-            if let Some(at) = check_diverged(states.iter().copied()) {
-                let (maneuver, recording) = (part.label.clone(), part.source.clone());
-                return Err(LostInstruments { maneuver, recording, at });
+    /// The simulation diverges.
+    pub fn simulated(&self, model: &Model, parameters: &[f64]) -> Result<Vec<f64>, LostInstruments> {
+        let states = simulate_one(model, parameters, self.run.initial, self.run.exogenous);
+        match check_diverged(states.iter().copied()) {
+            None => Ok(states),
+            Some(at) => {
+                let (maneuver, recording) = (self.label.to_owned(), self.source.to_owned());
+                Err(LostInstruments { maneuver, recording, at })
             }
         }
-        parts.iter_mut().zip(simulated).for_each(|(part, states)| part.instrument_states = states);
+    }
+}
+
+impl Parts for Vec<Part> {
+    type Error = Infallible;
+
+    fn count(&self) -> usize {
+        self.len()
+    }
+
+    fn samples(&self, i: usize) -> usize {
+        self[i].samples()
+    }
+
+    fn at(&self, places: &[usize], mut look: impl FnMut(PartView)) -> Result<(), Infallible> {
+        places.iter().for_each(|i| look(self[*i].whole()));
         Ok(())
-    }
-
-    /// Takes the measured states as instruments: least squares.
-    pub fn regress(parts: &mut [Self]) {
-        parts.iter_mut().for_each(|part| part.instrument_states.clone_from(&part.measured));
-    }
-
-    /// How well the instruments' u, v, r follow the measured ones over `parts`: 100 (1 − RMSE/std) \[%\]. `None` where a state
-    /// does not vary.
-    pub fn instrument_fit(parts: &[Self]) -> Option<[f64; 3]> {
-        let std = deviations(parts.iter().map(|p| p.measured.as_slice()));
-        let (mut squares, mut samples) = ([0.0; 3], 0.0);
-        for part in parts {
-            for (z, y) in part.instrument_states.chunks_exact(3).zip(part.measured.chunks_exact(3)).skip(1) {
-                (0..3).for_each(|d| squares[d] += (z[d] - y[d]) * (z[d] - y[d]));
-                samples += 1.0;
-            }
-        }
-        let fits = [0, 1, 2].map(|d: usize| 100.0 * (1.0 - (squares[d] / samples).sqrt() / std[d]));
-        fits.iter().all(|f| f.is_finite()).then_some(fits)
     }
 }

@@ -1,8 +1,9 @@
 use vessel::{DegreeOfFreedom, Model, Vessel};
 
+use super::windows::StateMeans;
 use super::{
-    COLLINEAR, DegreeFit, LostInstruments, NominalModel, Options, OutputError, Part, Prior, Remade,
-    deviations, fit, joined, output_error, unidentified,
+    COLLINEAR, DegreeFit, Drawn, LostInstruments, NominalModel, Options, OutputError, PartView, Parts,
+    PooledSums, Prior, Regression, joined, output_error, unidentified,
 };
 use crate::{DegreeSums, Estimator, MeanRemoval, Sums};
 
@@ -48,29 +49,47 @@ pub struct Estimated {
     pub output_error: Option<(OutputError, Scales)>,
     /// Why no instruments were simulated with `auto`, which then is least squares.
     pub diverged: Option<LostInstruments>,
+    /// Parameters of the model with intercepts that the instruments were simulated with.
+    pub instruments: Option<Vec<f64>>,
     /// Sums of the parts with the regressors as instruments.
-    ls: Vec<Sums>,
+    ls: PooledSums,
     /// Those with simulated instruments.
-    iv: Option<Vec<Sums>>,
+    iv: Option<PooledSums>,
+    /// Of the measured states.
+    means: StateMeans,
+}
+
+/// Why there is no estimate.
+#[derive(Clone, Debug, PartialEq)]
+pub enum NoEstimate<E> {
+    /// The simulation of the instruments diverges.
+    Lost(LostInstruments),
+    /// The parts cannot be read.
+    Unread(E),
 }
 
 impl Estimated {
-    /// The sums that degree of freedom `d` was estimated from, and whether its instruments were simulated.
-    pub fn data(&self, d: usize) -> (&[Sums], bool) {
-        match (self.used[d], &self.iv) {
-            (Estimator::Iv | Estimator::RefinedIv, Some(iv)) => (iv, true),
-            _ => (&self.ls, false),
-        }
+    /// The sums that degree of freedom `d` was estimated from.
+    pub fn data(&self, d: usize) -> &PooledSums {
+        self.iv.as_ref().filter(|_| self.by_instruments(d)).unwrap_or(&self.ls)
+    }
+
+    /// The model that the instruments of degree of freedom `d` were simulated with; none where they are the regressors.
+    pub fn simulated(&self, d: usize) -> Option<&[f64]> {
+        self.instruments.as_deref().filter(|_| self.iv.is_some() && self.by_instruments(d))
+    }
+
+    fn by_instruments(&self, d: usize) -> bool {
+        matches!(self.used[d], Estimator::Iv | Estimator::RefinedIv)
+    }
+
+    pub(super) fn means(&self) -> &StateMeans {
+        &self.means
     }
 
     /// θ̂ of all degrees of freedom, and their intercepts; none unless all have one.
     pub fn theta(&self) -> Option<(Vec<f64>, [f64; 3])> {
         whole(&self.degrees)
-    }
-
-    /// The sums of every part with the regressors as instruments.
-    pub fn squares(&self) -> &[Sums] {
-        &self.ls
     }
 
     /// Whether instruments were simulated.
@@ -90,39 +109,47 @@ fn whole(degrees: &[DegreeFit; 3]) -> Option<(Vec<f64>, [f64; 3])> {
 }
 
 impl Pool<'_> {
-    /// Estimates from `parts`, whose instruments are left as they were used.
+    /// Estimates from `parts`, which are gone through once for every kind of sums, and for every step of a search.
     ///
     /// # Errors
-    /// The nominal simulation diverges.
-    pub fn estimate(&self, parts: &mut [Part], estimator: Estimator) -> Result<Estimated, LostInstruments> {
-        Part::regress(parts);
-        let ls = self.regressions(parts, false).sums();
-        let nominal = self.nominal.parameters(&ls.iter().collect::<Vec<_>>(), self.removal);
-        let fitted = self.fit(&ls, nominal.as_ref().map(|(theta, _)| theta.as_slice()), Estimator::Ls);
+    /// The nominal simulation diverges; parts that cannot be read.
+    pub fn estimate<P: Parts>(
+        &self,
+        parts: &P,
+        estimator: Estimator,
+    ) -> Result<Estimated, NoEstimate<P::Error>> {
+        let mut means = StateMeans::default();
+        let ls = self.sums(parts, None, |part, _| means.add(part.run.measured))?;
+        let nominal = self.nominal.parameters(&ls);
+        let fitted =
+            ls.fit(&self.options(nominal.as_ref().map(|(theta, _)| theta.as_slice()), Estimator::Ls));
         let mut found = Estimated {
             degrees: fitted,
             used: [Estimator::Ls; 3],
             nominal,
             output_error: None,
             diverged: None,
+            instruments: None,
             ls,
             iv: None,
+            means,
         };
         if estimator == Estimator::Ls {
             return Ok(found);
         }
-        let simulated = found.nominal.as_ref().map(|(theta, c)| self.instrument(parts, theta, *c));
-        match (simulated, estimator) {
-            (Some(Ok(())), _) => self.instrumented(parts, estimator, &mut found),
-            (Some(Err(diverged)), Estimator::Auto | Estimator::OutputError) => {
-                found.diverged = Some(diverged)
+        // Where least squares found no model to simulate, nothing is identified either way.
+        if let Some(nominal) = found.nominal.clone() {
+            match self.instrumented(parts, estimator, nominal, &mut found) {
+                Err(NoEstimate::Lost(diverged))
+                    if matches!(estimator, Estimator::Auto | Estimator::OutputError) =>
+                {
+                    found.diverged = Some(diverged);
+                }
+                result => result?,
             }
-            (Some(Err(diverged)), _) => return Err(diverged),
-            // Least squares found no model to simulate, so nothing is identified either way.
-            (None, _) => {}
         }
         if estimator == Estimator::OutputError {
-            self.simulated(parts, &mut found);
+            self.simulated(parts, &mut found).map_err(NoEstimate::Unread)?;
         }
         Ok(found)
     }
@@ -130,40 +157,77 @@ impl Pool<'_> {
     /// The least-squares estimate of the data of `found`, and its intercepts.
     pub fn least_squares(&self, found: &Estimated) -> Option<(Vec<f64>, [f64; 3])> {
         let nominal = found.nominal.as_ref().map(|(theta, _)| theta.as_slice());
-        whole(&self.fit(&found.ls, nominal, Estimator::Ls))
+        whole(&found.ls.fit(&self.options(nominal, Estimator::Ls)))
     }
 
-    /// Simulates the model of `theta` and `intercepts` over `parts` as their instruments.
+    /// The regression of a part, and the states of its instruments: simulated with these parameters of the model with
+    /// intercepts, from the measured state on; else its regressors are its instruments.
     ///
     /// # Errors
-    /// It diverges.
-    pub fn instrument(
+    /// The simulation diverges.
+    pub fn regression(
         &self,
-        parts: &mut [Part],
-        theta: &[f64],
-        intercepts: [f64; 3],
-    ) -> Result<(), LostInstruments> {
-        Part::instrument(parts, &self.model, &self.model.layout().woven(theta, intercepts))
+        part: &PartView,
+        simulated: Option<&[f64]>,
+    ) -> Result<(Regression, Vec<f64>), LostInstruments> {
+        let Some(parameters) = simulated else {
+            return Ok((Regression::of(&self.vessel.model, part), Vec::new()));
+        };
+        let states = part.simulated(&self.model, parameters)?;
+        Ok((Regression::with(&self.vessel.model, part, &states).after_start(), states))
     }
 
-    fn instrumented(&self, parts: &mut [Part], estimator: Estimator, found: &mut Estimated) {
-        let nominal = found.nominal.as_ref().map(|(theta, _)| theta.as_slice());
-        let mut data = self.regressions(parts, true).sums();
-        let mut degrees = self.fit(&data, nominal, Estimator::Iv);
-        let mut model = found.nominal.clone();
+    /// The sums of `parts` with instruments as in [`Pool::regression`]. `look` is called with every part and the sums of it.
+    ///
+    /// # Errors
+    /// The first part whose simulation diverges; parts that cannot be read.
+    pub fn sums<P: Parts>(
+        &self,
+        parts: &P,
+        simulated: Option<&[f64]>,
+        mut look: impl FnMut(PartView, &Sums),
+    ) -> Result<PooledSums, NoEstimate<P::Error>> {
+        let (mut sums, mut lost) = (PooledSums::new(self.removal), None);
+        let add = |part: PartView| {
+            if lost.is_some() {
+                return;
+            }
+            match self.regression(&part, simulated) {
+                Ok((regression, _)) => {
+                    let own = regression.sums();
+                    sums.add(&own);
+                    look(part, &own);
+                }
+                Err(diverged) => lost = Some(diverged),
+            }
+        };
+        parts.each(add).map_err(NoEstimate::Unread)?;
+        lost.map_or(Ok(sums), |lost| Err(NoEstimate::Lost(lost)))
+    }
+
+    fn instrumented<P: Parts>(
+        &self,
+        parts: &P,
+        estimator: Estimator,
+        (theta, intercepts): (Vec<f64>, [f64; 3]),
+        found: &mut Estimated,
+    ) -> Result<(), NoEstimate<P::Error>> {
+        let mut model = self.model.layout().woven(&theta, intercepts);
+        let mut data = self.sums(parts, Some(&model), |_, _| {})?;
+        let options = self.options(Some(&theta), Estimator::Iv);
+        let mut degrees = data.fit(&options);
         for _ in 0..if estimator == Estimator::RefinedIv { ROUNDS } else { 0 } {
             let Some((own, intercepts)) = whole(&degrees) else { break };
-            if self.instrument(parts, &own, intercepts).is_err() {
-                break;
-            }
-            let again = self.regressions(parts, true).sums();
-            let refitted = self.fit(&again, nominal, Estimator::Iv);
+            let own = self.model.layout().woven(&own, intercepts);
+            let again = match self.sums(parts, Some(&own), |_, _| {}) {
+                Err(NoEstimate::Lost(_)) => break,
+                again => again?,
+            };
+            let refitted = again.fit(&options);
             if refitted.iter().any(|d| d.solution.is_none()) {
-                // Back to the instruments that the estimate is made with; they could be simulated before.
-                let _ = model.as_ref().map(|(theta, c)| self.instrument(parts, theta, *c));
                 break;
             }
-            (data, degrees, model) = (again, refitted, Some((own, intercepts)));
+            (data, degrees, model) = (again, refitted, own);
         }
         let used = if estimator == Estimator::RefinedIv { Estimator::RefinedIv } else { Estimator::Iv };
         for (d, degree) in degrees.into_iter().enumerate() {
@@ -171,15 +235,18 @@ impl Pool<'_> {
                 (found.degrees[d], found.used[d]) = (degree, used);
             }
         }
-        found.iv = Some(data);
+        (found.iv, found.instruments) = (Some(data), Some(model));
+        Ok(())
     }
 
     /// Goes on from the estimate at hand to the least errors of free simulations. Where those diverge, it stays.
-    fn simulated(&self, parts: &[Part], found: &mut Estimated) {
-        let Some(start) = found.parameters(&self.model) else { return };
-        let std = deviations(parts.iter().map(|p| p.measured.as_slice()));
+    fn simulated<P: Parts>(&self, parts: &P, found: &mut Estimated) -> Result<(), P::Error> {
+        let Some(start) = found.parameters(&self.model) else { return Ok(()) };
+        let mut deviations = found.means.deviations();
+        parts.each(|part| deviations.add(part.run.measured))?;
+        let std = deviations.found();
         let scales = Scales { std, sizes: self.sizes(&found.ls, std) };
-        let Some(best) = self.least_errors(parts, &start, &scales) else { return };
+        let Some(best) = self.least_errors(parts, &start, &scales)? else { return Ok(()) };
         let degrees = self.split(&best.parameters);
         for (d, (theta, intercept)) in degrees.into_iter().enumerate() {
             if let Some(solution) = &mut found.degrees[d].solution {
@@ -188,23 +255,31 @@ impl Pool<'_> {
             found.used[d] = Estimator::OutputError;
         }
         found.output_error = Some((best, scales));
+        Ok(())
     }
 
-    fn least_errors(&self, parts: &[Part], start: &[f64], scales: &Scales) -> Option<OutputError> {
+    fn least_errors<P: Parts>(
+        &self,
+        parts: &P,
+        start: &[f64],
+        scales: &Scales,
+    ) -> Result<Option<OutputError>, P::Error> {
         output_error(&self.model, parts, start, scales.std, &scales.sizes)
     }
 
     /// The output-error estimate of the parts at `drawn`, started at that of all: θ̂ of surge, sway and yaw.
-    pub fn simulated_again(
+    ///
+    /// # Errors
+    /// Parts that cannot be read.
+    pub fn simulated_again<P: Parts>(
         &self,
-        parts: &[Part],
+        parts: &P,
         drawn: &[usize],
         found: &Estimated,
-    ) -> Option<[Vec<f64>; 3]> {
-        let (all, scales) = found.output_error.as_ref()?;
-        let own: Vec<Part> = drawn.iter().map(|i| parts[*i].clone()).collect();
-        let best = self.least_errors(&own, &all.parameters, scales)?;
-        Some(self.split(&best.parameters).map(|(theta, _)| theta))
+    ) -> Result<Option<[Vec<f64>; 3]>, P::Error> {
+        let Some((all, scales)) = &found.output_error else { return Ok(None) };
+        let best = self.least_errors(&Drawn { parts, places: drawn }, &all.parameters, scales)?;
+        Ok(best.map(|best| self.split(&best.parameters).map(|(theta, _)| theta)))
     }
 
     /// θ and intercept of surge, sway and yaw from parameters of the model with intercepts.
@@ -216,8 +291,8 @@ impl Pool<'_> {
 
     /// Per parameter, intercepts among them, the value with which its term alone would make up the state's deviation in a sample; 0 for an
     /// intercept that is not estimated and a term that is always 0.
-    fn sizes(&self, sums: &[Sums], std: [f64; 3]) -> Vec<f64> {
-        let whole = Sums::total(sums);
+    fn sizes(&self, sums: &PooledSums, std: [f64; 3]) -> Vec<f64> {
+        let whole = sums.total();
         let n = whole.samples.max(1) as f64;
         let size = |square: f64, std: f64| if square > 0.0 { std / (square / n).sqrt() } else { 0.0 };
         let intercept = |std: f64| if self.removal == MeanRemoval::None { 0.0 } else { std };
@@ -235,16 +310,6 @@ impl Pool<'_> {
             unidentified(d, degree, &fit.status, &self.constant)
         };
         DegreeOfFreedom::ALL.into_iter().filter_map(why).collect()
-    }
-
-    /// Regressors, instruments and increments of every part: with their own instruments if those were `simulated`, from the
-    /// measured state on; else with their regressors for instruments.
-    pub fn regressions<'b>(&'b self, parts: &'b [Part], simulated: bool) -> Remade<'b> {
-        Remade { model: &self.vessel.model, parts, simulated }
-    }
-
-    fn fit(&self, sums: &[Sums], nominal: Option<&[f64]>, used: Estimator) -> [DegreeFit; 3] {
-        fit(&sums.iter().collect::<Vec<_>>(), &self.options(nominal, used))
     }
 
     /// The options of a fit. Least squares projects whatever the columns; instruments must not be collinear.

@@ -1,6 +1,6 @@
-use vessel::{Compiled, Model};
+use vessel::{Compiled, Model, RunView};
 
-use super::Part;
+use super::PartView;
 use crate::{DegreeSums, Sums};
 
 /// The regressors, instruments and increments of one part.
@@ -25,73 +25,30 @@ pub struct DegreeRegression {
     pub target: Vec<f64>,
 }
 
-/// The regressions of many parts.
-pub trait Regressions {
-    /// Calls `look` with the number of every part and its regression, in order.
-    fn each(&self, look: &mut dyn FnMut(usize, &Regression));
-}
-
-impl Regressions for Vec<&Regression> {
-    fn each(&self, look: &mut dyn FnMut(usize, &Regression)) {
-        self.iter().enumerate().for_each(|(i, regression)| look(i, regression));
-    }
-}
-
-/// The regressions of parts, made anew whenever they are looked at: all of them together are many times the data.
-#[derive(Clone, Copy, Debug)]
-pub struct Remade<'a> {
-    /// The model.
-    pub model: &'a Model,
-    /// The parts.
-    pub parts: &'a [Part],
-    /// Whether instruments were simulated from the measured state at the start of every part, see
-    /// [`Regression::after_start`]; else they are the regressors.
-    pub simulated: bool,
-}
-
-impl Regressions for Remade<'_> {
-    fn each(&self, look: &mut dyn FnMut(usize, &Regression)) {
-        for (i, part) in self.parts.iter().enumerate() {
-            let made = match self.simulated {
-                true => Regression::of(self.model, part).after_start(),
-                false => Regression::with(self.model, part, &part.measured),
-            };
-            look(i, &made);
-        }
-    }
-}
-
-impl Remade<'_> {
-    /// The sums of every part.
-    pub fn sums(&self) -> Vec<Sums> {
-        let mut sums = Vec::with_capacity(self.parts.len());
-        self.each(&mut |_, regression| sums.push(regression.sums()));
-        sums
-    }
-}
-
 impl Regression {
-    /// Evaluates the terms of `model` over `part`.
-    pub fn of(model: &Model, part: &Part) -> Self {
-        Self::with(model, part, &part.instrument_states)
+    /// Evaluates the terms of `model` over `part`, with its regressors as instruments.
+    pub fn of(model: &Model, part: &PartView) -> Self {
+        Self::with(model, part, part.run.measured)
     }
 
-    /// Evaluates the terms of `model` over `part`, those of the instruments at `states`.
-    fn with(model: &Model, part: &Part, states: &[f64]) -> Self {
-        let (phi, zeta) = (terms(model, part, &part.measured), terms(model, part, states));
+    /// The same with instruments at `states`, (N+1) × 3.
+    pub fn with(model: &Model, part: &PartView, states: &[f64]) -> Self {
+        let RunView { measured, exogenous, .. } = part.run;
+        let samples = part.run.samples();
+        let (phi, zeta) = (terms(model, exogenous, measured), terms(model, exogenous, states));
         let mut signals = phi.into_iter().zip(zeta);
         let degrees = [0, 1, 2].map(|d| {
             let (phi, zeta) = signals.next().unwrap_or_default();
-            let gained = |k: usize| part.measured[3 * (k + 1) + d] - part.measured[3 * k + d];
+            let gained = |k: usize| measured[3 * (k + 1) + d] - measured[3 * k + d];
             let increment = |k: usize| gained(k) - model.constant[d];
             DegreeRegression {
                 parameters: model.degrees[d].terms.len(),
                 phi,
                 zeta,
-                target: (0..part.samples()).map(increment).collect(),
+                target: (0..samples).map(increment).collect(),
             }
         });
-        Self { samples: part.samples(), degrees }
+        Self { samples, degrees }
     }
 
     /// The same without the first pair. Instruments that start at the measured state share its noise with the first
@@ -117,13 +74,13 @@ impl Regression {
     }
 }
 
-/// The terms of surge, sway and yaw at `states`: N × p each.
-fn terms(model: &Model, part: &Part, states: &[f64]) -> [Vec<f64>; 3] {
-    let width = model.exogenous();
+/// The terms of surge, sway and yaw at all `states` but the last: N × p each.
+fn terms(model: &Model, exogenous: &[f64], states: &[f64]) -> [Vec<f64>; 3] {
+    let (width, samples) = (model.exogenous(), states.len() / 3 - 1);
     let mut compiled = Compiled::new(model, &vec![0.0; model.parameters()]);
-    let mut out = model.degrees.each_ref().map(|d| Vec::with_capacity(part.samples() * d.terms.len()));
-    for (k, state) in states.as_chunks().0.iter().take(part.samples()).enumerate() {
-        compiled.look(*state, &part.exogenous[width * k..width * (k + 1)], None);
+    let mut out = model.degrees.each_ref().map(|d| Vec::with_capacity(samples * d.terms.len()));
+    for (k, state) in states.as_chunks().0.iter().take(samples).enumerate() {
+        compiled.look(*state, &exogenous[width * k..width * (k + 1)], None);
         let mut first = 0;
         for (out, degree) in out.iter_mut().zip(&model.degrees) {
             let own = first..first + degree.terms.len();

@@ -2,7 +2,7 @@ use numerics::distributions::{chi_square_tail, normal_tails};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{Centring, Regression, Regressions, Solution};
+use super::{Centring, Regression, Solution};
 
 /// Ljung and Box's test: whether residuals are white.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -33,15 +33,9 @@ pub struct CrossCorrelation {
 }
 
 /// Residuals Δy − φᵀθ̂ − c of degree of freedom `d`, part by part.
-pub fn residuals(
-    parts: &dyn Regressions,
-    centring: &Centring,
-    solution: &Solution,
-    d: usize,
-) -> Vec<Vec<f64>> {
-    let mut all = Vec::new();
-    parts.each(&mut |i, part| all.push(residuals_of(part, i, centring, solution, d)));
-    all
+pub fn residuals(parts: &[&Regression], centring: &Centring, solution: &Solution, d: usize) -> Vec<Vec<f64>> {
+    let of = |(i, part): (usize, &&Regression)| residuals_of(part, i, centring, solution, d);
+    parts.iter().enumerate().map(of).collect()
 }
 
 /// Those of part number `i`.
@@ -60,30 +54,14 @@ pub(super) fn residuals_of(
 
 /// Tests residuals for whiteness over `lags` lags; no pairs across parts.
 pub fn whiteness(residuals: &[Vec<f64>], lags: usize) -> Whiteness {
-    let samples: usize = residuals.iter().map(Vec::len).sum();
-    let correlations = correlations(residuals, lags);
-    let n = samples as f64;
-    let pairs = |lag: usize| residuals.iter().map(|r| r.len().saturating_sub(lag)).sum::<usize>() as f64;
-    let term = |(rho, lag): (&f64, usize)| if pairs(lag) > 0.0 { rho * rho / pairs(lag) } else { 0.0 };
-    let statistic = n * (n + 2.0) * correlations.iter().zip(1..).map(term).sum::<f64>();
-    Whiteness {
-        statistic,
-        lags: lags as u64,
-        p_value: chi_square_tail(statistic, lags as f64),
-        first_autocorrelation: correlations.first().copied().unwrap_or(0.0),
-    }
+    let mut tests = ResidualTests::new(lags, 0);
+    residuals.iter().for_each(|part| tests.add(part, &[]));
+    tests.whiteness()
 }
 
 /// Σ a(k) b(k − lag).
 fn lagged(a: &[f64], b: &[f64], lag: usize) -> f64 {
     a.iter().skip(lag).zip(b).map(|(a, b)| a * b).sum()
-}
-
-/// ρ_1 … ρ_lags of a signal in parts.
-fn correlations(parts: &[Vec<f64>], lags: usize) -> Vec<f64> {
-    let power: f64 = parts.iter().flatten().map(|e| e * e).sum();
-    let at = |lag: usize| parts.iter().map(|x| lagged(x, x, lag)).sum::<f64>();
-    (1..=lags).map(|lag| if power > 0.0 { at(lag) / power } else { 0.0 }).collect()
 }
 
 /// Sums of an instrument without its mean, and of its products with residuals.
@@ -118,64 +96,85 @@ impl Signal {
     }
 }
 
-/// Correlates residuals with instruments up to `lags` samples earlier and later, but not at the same time: there the
-/// estimate makes them orthogonal. `None` where nothing varies.
-pub fn cross_correlation(
-    parts: &dyn Regressions,
-    residuals: &[Vec<f64>],
-    centring: &Centring,
-    d: usize,
-    lags: usize,
-) -> Option<CrossCorrelation> {
-    let own = correlations(residuals, lags);
-    let power: f64 = residuals.iter().flatten().map(|e| e * e).sum();
-    let samples: usize = residuals.iter().map(Vec::len).sum();
-    let signals = signals(parts, residuals, centring, d, lags);
-    let mut strongest: Option<(f64, CrossCorrelation)> = None;
-    for (instrument, signal) in signals.iter().enumerate() {
-        let size = (power * signal.power).sqrt();
-        let both = signal.correlations().zip(&own).map(|(a, b)| a * b).sum::<f64>();
-        let spread = ((1.0 + 2.0 * both).max(1e-3) / samples.max(1) as f64).sqrt();
-        if size <= 0.0 {
-            continue;
+/// Sums that residuals are tested with, part by part.
+pub(super) struct ResidualTests {
+    samples: usize,
+    /// Pairs of each lag within parts.
+    pairs: Vec<usize>,
+    /// Σ ε².
+    power: f64,
+    /// Σ ε(k) ε(k − lag) for lags from 1 on.
+    own: Vec<f64>,
+    signals: Vec<Signal>,
+}
+
+impl ResidualTests {
+    /// Over `lags` lags, against so many instruments.
+    pub(super) fn new(lags: usize, instruments: usize) -> Self {
+        // As numbers are summed up, so that sums part by part have the same bits.
+        let zero: f64 = std::iter::empty::<f64>().sum();
+        let signals = (0..instruments).map(|_| Signal::new(lags)).collect();
+        Self { samples: 0, pairs: vec![0; lags], power: zero, own: vec![zero; lags], signals }
+    }
+
+    /// Adds a part: its residuals, and its instruments without their means.
+    pub(super) fn add(&mut self, residuals: &[f64], instruments: &[Vec<f64>]) {
+        self.samples += residuals.len();
+        residuals.iter().for_each(|e| self.power += e * e);
+        for (lag, (pairs, own)) in self.pairs.iter_mut().zip(&mut self.own).enumerate() {
+            *pairs += residuals.len().saturating_sub(lag + 1);
+            *own += lagged(residuals, residuals, lag + 1);
         }
-        let tried = (-(lags as i64)..=lags as i64).filter(|lag| *lag != 0);
-        for (lag, crossed) in tried.zip(&signal.crossed) {
-            let correlation = crossed / size;
-            let z = correlation / spread;
-            if strongest.as_ref().is_none_or(|(best, _)| z.abs() > *best) {
-                let found = CrossCorrelation { instrument, lag, correlation, p_value: normal_tails(z) };
-                strongest = Some((z.abs(), found));
-            }
+        self.signals.iter_mut().zip(instruments).for_each(|(signal, zeta)| signal.add(zeta, residuals));
+    }
+
+    /// ρ_1 ….
+    fn correlations(&self) -> Vec<f64> {
+        self.own.iter().map(|at| if self.power > 0.0 { at / self.power } else { 0.0 }).collect()
+    }
+
+    /// See [`whiteness`].
+    pub(super) fn whiteness(&self) -> Whiteness {
+        let correlations = self.correlations();
+        let n = self.samples as f64;
+        let term = |(rho, pairs): (&f64, &usize)| if *pairs > 0 { rho * rho / *pairs as f64 } else { 0.0 };
+        let statistic = n * (n + 2.0) * correlations.iter().zip(&self.pairs).map(term).sum::<f64>();
+        Whiteness {
+            statistic,
+            lags: self.own.len() as u64,
+            p_value: chi_square_tail(statistic, self.own.len() as f64),
+            first_autocorrelation: correlations.first().copied().unwrap_or(0.0),
         }
     }
-    let tests = (2 * lags * signals.len()) as f64;
-    strongest.map(|(_, found)| CrossCorrelation { p_value: sidak(found.p_value, tests), ..found })
+
+    /// Correlates residuals with instruments some samples earlier and later, but not at the same time: there the estimate
+    /// makes them orthogonal. `None` where nothing varies.
+    pub(super) fn strongest(&self) -> Option<CrossCorrelation> {
+        let (own, lags) = (self.correlations(), self.own.len());
+        let mut strongest: Option<(f64, CrossCorrelation)> = None;
+        for (instrument, signal) in self.signals.iter().enumerate() {
+            let size = (self.power * signal.power).sqrt();
+            let both = signal.correlations().zip(&own).map(|(a, b)| a * b).sum::<f64>();
+            let spread = ((1.0 + 2.0 * both).max(1e-3) / self.samples.max(1) as f64).sqrt();
+            if size <= 0.0 {
+                continue;
+            }
+            let tried = (-(lags as i64)..=lags as i64).filter(|lag| *lag != 0);
+            for (lag, crossed) in tried.zip(&signal.crossed) {
+                let correlation = crossed / size;
+                let z = correlation / spread;
+                if strongest.as_ref().is_none_or(|(best, _)| z.abs() > *best) {
+                    let found = CrossCorrelation { instrument, lag, correlation, p_value: normal_tails(z) };
+                    strongest = Some((z.abs(), found));
+                }
+            }
+        }
+        let tests = (2 * lags * self.signals.len()) as f64;
+        strongest.map(|(_, found)| CrossCorrelation { p_value: sidak(found.p_value, tests), ..found })
+    }
 }
 
 /// 1 − (1 − p)^tests.
 fn sidak(p_value: f64, tests: f64) -> f64 {
     -libm::expm1(tests * libm::log1p(-p_value))
-}
-
-/// All instruments of degree of freedom `d`.
-fn signals(
-    parts: &dyn Regressions,
-    residuals: &[Vec<f64>],
-    centring: &Centring,
-    d: usize,
-    lags: usize,
-) -> Vec<Signal> {
-    let (mut signals, mut row) = (Vec::new(), Vec::new());
-    parts.each(&mut |i, part| {
-        let degree = &part.degrees[d];
-        let mut columns = vec![Vec::with_capacity(part.samples); degree.parameters];
-        for k in 0..part.samples {
-            centring.zeta(i, d, degree.zeta(k), &mut row);
-            columns.iter_mut().zip(&row).for_each(|(column, z)| column.push(*z));
-        }
-        signals.resize_with(degree.parameters, || Signal::new(lags));
-        signals.iter_mut().zip(&columns).for_each(|(signal, zeta)| signal.add(zeta, &residuals[i]));
-    });
-    signals
 }

@@ -2,14 +2,34 @@ use std::collections::{BTreeMap, HashMap};
 use std::ops::Range;
 
 use thiserror::Error;
-use vessel::{Run, nearest};
+use vessel::{Invalid, Run, nearest};
 
-use super::Part;
+use super::recorded::read;
+use super::{Part, PartView, Parts, Recorded};
 
-/// Measured runs, each with the name of the source that it was cut from: a recording, or the run itself.
+/// Measured runs, each with the name of the source that it was cut from: a recording, or the run itself. What they hold may be
+/// kept elsewhere.
 #[derive(Clone, Debug)]
-pub struct PooledRuns {
-    runs: Vec<(String, Run)>,
+pub struct PooledRuns<R = Vec<Run>> {
+    recorded: R,
+    designs: Vec<String>,
+    sources: Vec<String>,
+    runs: Vec<Known>,
+}
+
+/// What is known of a run without its samples.
+#[derive(Clone, Debug)]
+struct Known {
+    /// Where it is kept.
+    block: usize,
+    place: usize,
+    number: i32,
+    /// Among the names of all.
+    design: usize,
+    source: usize,
+    samples: usize,
+    /// First samples of its segments.
+    starts: Vec<usize>,
 }
 
 /// Why runs cannot be selected by name.
@@ -30,69 +50,38 @@ pub enum SelectError {
     NoneLeft,
 }
 
+impl SelectError {
+    /// What is invalid.
+    pub fn invalid(&self) -> Invalid {
+        match self {
+            Self::Unknown { name, runs, nearest } => Invalid::new(
+                format!("run `{name}`"),
+                "no such run or recording",
+                format!("one of {runs} runs, by number or recording"),
+                format!("did you mean `{nearest}`?"),
+            ),
+            Self::NoneLeft => Invalid::new("runs", "none left", "at least one", "leave out fewer runs"),
+        }
+    }
+}
+
 impl PooledRuns {
     /// `runs`, by number the `recordings` that they were cut from; others are sources of their own.
     pub fn new(runs: Vec<Run>, recordings: &BTreeMap<i32, String>) -> Self {
-        let several = runs.iter().any(|run| run.design != runs[0].design);
-        let name = |run: &Run| match recordings.get(&run.run) {
-            Some(name) => name.clone(),
-            None if several => format!("{}/{}", run.design, run.run),
-            None => run.run.to_string(),
-        };
-        Self { runs: runs.into_iter().map(|run| (name(&run), run)).collect() }
-    }
-
-    /// Keeps the runs or recordings called `only` (all where there are none) without those of `without`.
-    ///
-    /// # Errors
-    /// A name that no run has; nothing left.
-    pub fn select(&mut self, only: &[String], without: &[String]) -> Result<(), SelectError> {
-        let named = |name: &String, source: &str, run: &Run| name == source || *name == run.run.to_string();
-        for name in only.iter().chain(without) {
-            if !self.runs.iter().any(|(source, run)| named(name, source, run)) {
-                let sources = self.runs.iter().map(|(source, _)| source.as_str());
-                let nearest = nearest(name, sources).unwrap_or_default().to_owned();
-                return Err(SelectError::Unknown { name: name.clone(), runs: self.runs.len(), nearest });
-            }
-        }
-        self.runs.retain(|(source, run)| {
-            let within = |names: &[String]| names.iter().any(|name| named(name, source, run));
-            (only.is_empty() || within(only)) && !within(without)
-        });
-        if self.runs.is_empty() { Err(SelectError::NoneLeft) } else { Ok(()) }
-    }
-
-    /// Name of the design of the first run.
-    pub fn design(&self) -> &str {
-        self.runs.first().map_or("", |(_, run)| run.design.as_str())
-    }
-
-    /// The sources, in the order of appearance.
-    pub fn sources(&self) -> Vec<String> {
-        self.by_source().into_iter().map(|(source, _)| source.to_owned()).collect()
-    }
-
-    /// The runs of every source with their places among all, in the order of appearance.
-    fn by_source(&self) -> Vec<(&str, Vec<(usize, &Run)>)> {
-        let (mut places, mut sources) = (HashMap::new(), Vec::<(&str, Vec<_>)>::new());
-        for (i, (source, run)) in self.runs.iter().enumerate() {
-            let place = *places.entry(source.as_str()).or_insert(sources.len());
-            if place == sources.len() {
-                sources.push((source, Vec::new()));
-            }
-            sources[place].1.push((i, run));
-        }
-        sources
+        let Ok(pooled) = Self::of(runs, recordings);
+        pooled
     }
 
     /// The segments, each cut into equal parts of at most `most` samples.
     pub fn segments(&self, most: Option<usize>) -> Vec<Vec<Part>> {
         let mut segments = Vec::new();
-        for (source, run) in &self.runs {
-            let ends = run.segments.iter().skip(1).map(|s| s.start).chain([run.samples()]);
-            for (segment, end) in run.segments.iter().zip(ends) {
-                let part = |samples| Part::new(&segment.maneuver, source, run.view().part(samples));
-                segments.push(equal(segment.start, end, most).into_iter().map(part).collect());
+        for known in &self.runs {
+            let run = &self.recorded[known.place];
+            for (segment, samples) in run.segments.iter().zip(known.segments()) {
+                let part = |samples| {
+                    Part::new(&segment.maneuver, &self.sources[known.source], run.view().part(samples))
+                };
+                segments.push(equal(samples.start, samples.end, most).map(part).collect());
             }
         }
         segments
@@ -103,31 +92,306 @@ impl PooledRuns {
         self.segments(most).into_iter().flatten().collect()
     }
 
-    /// Windows of `length` samples of every source, side by side from where its runs begin, which are joined where one
-    /// begins with the state that the last one ended with. Whatever is left is no window; without a length all of it is. Windows
-    /// have no label: they may hold several maneuvers.
-    pub fn windows(&self, length: Option<usize>) -> impl Iterator<Item = (String, Vec<Part>)> {
-        self.by_source().into_iter().map(move |(source, runs)| {
-            let windows = joined(&runs).iter().flat_map(|whole| cut(source, whole, length)).collect();
-            (source.to_owned(), windows)
+    /// Windows of `length` samples of every source, see [`PooledRuns::each_source`].
+    pub fn windows(&self, length: Option<usize>) -> Vec<(String, Vec<Part>)> {
+        let mut all = Vec::new();
+        let Ok(()) = self.each_source(length, |source, windows| all.push((source.to_owned(), windows)));
+        all
+    }
+}
+
+impl<R: Recorded> PooledRuns<R> {
+    /// The runs that are `recorded`, see [`PooledRuns::new`].
+    ///
+    /// # Errors
+    /// A block that cannot be read.
+    pub fn of(recorded: R, recordings: &BTreeMap<i32, String>) -> Result<Self, R::Error> {
+        let blocks: Vec<usize> = (0..recorded.blocks()).collect();
+        let (mut runs, mut designs) = (Vec::new(), Names::default());
+        read(&recorded, &blocks, |block, of_block| {
+            for (place, run) in of_block.iter().enumerate() {
+                let (design, starts) = (designs.place(&run.design), run.starts());
+                let (number, samples) = (run.run, run.samples());
+                runs.push(Known { block, place, number, design, source: 0, samples, starts });
+            }
+        })?;
+        let (several, mut sources) = (designs.names.len() > 1, Names::default());
+        for run in &mut runs {
+            run.source = sources.place(&match recordings.get(&run.number) {
+                Some(name) => name.clone(),
+                None if several => format!("{}/{}", designs.names[run.design], run.number),
+                None => run.number.to_string(),
+            });
+        }
+        Ok(Self { recorded, designs: designs.names, sources: sources.names, runs })
+    }
+
+    /// Keeps the runs or recordings called `only` (all where there are none) without those of `without`.
+    ///
+    /// # Errors
+    /// A name that no run has; nothing left.
+    pub fn select(&mut self, only: &[String], without: &[String]) -> Result<(), SelectError> {
+        let sources = &self.sources;
+        let named =
+            |name: &String, run: &Known| *name == sources[run.source] || *name == run.number.to_string();
+        for name in only.iter().chain(without) {
+            if !self.runs.iter().any(|run| named(name, run)) {
+                let nearest =
+                    nearest(name, sources.iter().map(String::as_str)).unwrap_or_default().to_owned();
+                return Err(SelectError::Unknown { name: name.clone(), runs: self.runs.len(), nearest });
+            }
+        }
+        self.runs.retain(|run| {
+            let within = |names: &[String]| names.iter().any(|name| named(name, run));
+            (only.is_empty() || within(only)) && !within(without)
+        });
+        if self.runs.is_empty() { Err(SelectError::NoneLeft) } else { Ok(()) }
+    }
+
+    /// Names of the designs of all runs, whether selected or not.
+    pub fn designs(&self) -> impl Iterator<Item = &str> {
+        self.designs.iter().map(String::as_str)
+    }
+
+    /// Name of the design of the first run.
+    pub fn design(&self) -> &str {
+        self.runs.first().map_or("", |run| &self.designs[run.design])
+    }
+
+    /// Number of runs.
+    pub fn count(&self) -> usize {
+        self.runs.len()
+    }
+
+    /// How much there is, in words.
+    pub fn amount(&self) -> String {
+        format!("{} runs of {} samples in all", self.count(), self.samples().0)
+    }
+
+    /// Number of sources.
+    pub fn sources(&self) -> usize {
+        self.by_source().len()
+    }
+
+    /// Samples of all runs, and of those of the longest source.
+    pub fn samples(&self) -> (usize, usize) {
+        let of = |runs: &Vec<usize>| runs.iter().map(|i| self.runs[*i].samples).sum::<usize>();
+        let sources: Vec<usize> = self.by_source().iter().map(|(_, runs)| of(runs)).collect();
+        (sources.iter().sum(), sources.into_iter().max().unwrap_or(0))
+    }
+
+    /// The runs of every source by their places among all, in the order of appearance.
+    fn by_source(&self) -> Vec<(&str, Vec<usize>)> {
+        let (mut places, mut sources) = (HashMap::new(), Vec::<(&str, Vec<_>)>::new());
+        for (i, run) in self.runs.iter().enumerate() {
+            let place = *places.entry(run.source).or_insert(sources.len());
+            if place == sources.len() {
+                sources.push((&self.sources[run.source], Vec::new()));
+            }
+            sources[place].1.push(i);
+        }
+        sources
+    }
+
+    /// The segments, each cut into equal parts of at most `most` samples.
+    pub fn cut(&self, most: Option<usize>) -> CutRuns<'_, R> {
+        let mut places = Vec::new();
+        for (run, known) in self.runs.iter().enumerate() {
+            for (segment, samples) in known.segments().enumerate() {
+                let pieces = equal(samples.start, samples.end, most);
+                places.extend(pieces.map(|samples| Place { run, segment, samples }));
+            }
+        }
+        CutRuns { runs: self, places }
+    }
+
+    /// Calls `look` with the windows of `length` samples of every source, side by side from where its runs begin, which are
+    /// joined where one begins with the state that the last one ended with. Whatever is left is no window; without a length
+    /// all of it is. Windows have no label: they may hold several maneuvers.
+    ///
+    /// # Errors
+    /// A block that cannot be read.
+    pub fn each_source(
+        &self,
+        length: Option<usize>,
+        mut look: impl FnMut(&str, Vec<Part>),
+    ) -> Result<(), R::Error> {
+        let sources = self.by_source();
+        let mut rest = sources.as_slice();
+        while !rest.is_empty() {
+            let samples = |(_, runs): &(&str, Vec<usize>)| runs.iter().map(|i| self.runs[*i].samples).sum();
+            let (now, later) = rest.split_at(self.fitting(rest.iter().map(samples)));
+            let mut wanted: Vec<usize> = now.iter().flat_map(|(_, runs)| runs.iter().copied()).collect();
+            wanted.sort_unstable();
+            let mut held = HashMap::new();
+            self.visit(&wanted, |i| *i, |k, run| drop(held.insert(wanted[k], run.clone())))?;
+            for (source, runs) in now {
+                let own = runs.iter().filter_map(|i| held.remove(i).map(|run| (*i, run)));
+                look(source, joined(own).iter().flat_map(|whole| cut(source, whole, length)).collect());
+            }
+            rest = later;
+        }
+        Ok(())
+    }
+
+    /// Samples that are held at a time at most.
+    pub(super) fn window(&self) -> usize {
+        self.recorded.window()
+    }
+
+    /// Whether all are in memory.
+    pub(super) fn held(&self) -> bool {
+        self.recorded.held()
+    }
+
+    /// How many of the first things of so many `samples` are held at a time: at least one.
+    fn fitting(&self, samples: impl Iterator<Item = usize>) -> usize {
+        let mut held = 0;
+        let fits = |samples: &usize| {
+            held += samples;
+            held <= self.window()
+        };
+        samples.take_while(fits).count().max(1)
+    }
+
+    /// Calls `look` with how manieth of the `wanted` it is and its run, of which `run` tells the place; these must ascend.
+    fn visit(
+        &self,
+        wanted: &[usize],
+        run: impl Fn(&usize) -> usize,
+        mut look: impl FnMut(usize, &Run),
+    ) -> Result<(), R::Error> {
+        let block = |thing: &usize| self.runs[run(thing)].block;
+        let mut blocks: Vec<usize> = wanted.iter().map(block).collect();
+        blocks.dedup();
+        let (mut rest, mut done) = (wanted, 0);
+        read(&self.recorded, &blocks, |own, runs| {
+            let (now, later) = rest.split_at(rest.partition_point(|thing| block(thing) <= own));
+            for thing in now {
+                look(done, &runs[self.runs[run(thing)].place]);
+                done += 1;
+            }
+            rest = later;
         })
     }
 }
 
+impl Known {
+    /// The samples of its segments.
+    fn segments(&self) -> impl Iterator<Item = Range<usize>> {
+        let ends = self.starts.iter().skip(1).copied().chain([self.samples]);
+        self.starts.iter().zip(ends).map(|(start, end)| *start..end)
+    }
+}
+
+/// Names in the order of appearance.
+#[derive(Default)]
+struct Names {
+    names: Vec<String>,
+    places: HashMap<String, usize>,
+}
+
+impl Names {
+    fn place(&mut self, name: &str) -> usize {
+        if let Some(place) = self.places.get(name) {
+            return *place;
+        }
+        self.places.insert(name.to_owned(), self.names.len());
+        self.names.push(name.to_owned());
+        self.names.len() - 1
+    }
+}
+
+/// Parts of runs that may be kept elsewhere.
+#[derive(Clone, Debug)]
+pub struct CutRuns<'a, R> {
+    runs: &'a PooledRuns<R>,
+    places: Vec<Place>,
+}
+
+/// Where a part is.
+#[derive(Clone, Debug)]
+struct Place {
+    run: usize,
+    segment: usize,
+    samples: Range<usize>,
+}
+
+impl<R: Recorded> CutRuns<'_, R> {
+    /// Calls `look` with the parts at `wanted`, which must ascend, and how manieth of those it is.
+    fn ascending(&self, wanted: &[usize], mut look: impl FnMut(usize, PartView)) -> Result<(), R::Error> {
+        self.runs.visit(
+            wanted,
+            |i| self.places[*i].run,
+            |k, run| {
+                let Place { run: place, segment, samples } = &self.places[wanted[k]];
+                let known = &self.runs.runs[*place];
+                let view = run.view().part(samples.clone());
+                look(
+                    k,
+                    PartView {
+                        label: &run.segments[*segment].maneuver,
+                        source: &self.runs.sources[known.source],
+                        run: view,
+                    },
+                );
+            },
+        )
+    }
+}
+
+impl<R: Recorded> Parts for CutRuns<'_, R> {
+    type Error = R::Error;
+
+    fn count(&self) -> usize {
+        self.places.len()
+    }
+
+    fn samples(&self, i: usize) -> usize {
+        self.places[i].samples.len()
+    }
+
+    fn at(&self, places: &[usize], mut look: impl FnMut(PartView)) -> Result<(), R::Error> {
+        let mut rest = places;
+        while !rest.is_empty() {
+            let ascending = rest.windows(2).take_while(|pair| pair[0] <= pair[1]).count() + 1;
+            let held = self.runs.fitting(rest.iter().map(|i| self.samples(*i)));
+            let (now, later) = rest.split_at(ascending.max(held));
+            rest = later;
+            if ascending >= held {
+                self.ascending(now, |_, part| look(part))?;
+                continue;
+            }
+            let mut wanted = now.to_vec();
+            wanted.sort_unstable();
+            wanted.dedup();
+            let mut held = Vec::with_capacity(wanted.len());
+            self.ascending(&wanted, |_, part| held.push(Part::new(part.label, part.source, part.run)))?;
+            for i in now {
+                // Every wanted part was read.
+                if let Ok(at) = wanted.binary_search(i) {
+                    look(held[at].whole());
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
 /// The runs of a source, those that follow each other as one.
-fn joined(runs: &[(usize, &Run)]) -> Vec<Run> {
+fn joined(runs: impl Iterator<Item = (usize, Run)>) -> Vec<Run> {
     let mut joined: Vec<(usize, Run)> = Vec::new();
     for (i, run) in runs {
         let continues = |(before, last): &&mut (usize, Run)| {
-            *before + 1 == *i && last.measured[last.measured.len() - 3..] == run.measured[..3]
+            *before + 1 == i && last.measured[last.measured.len() - 3..] == run.measured[..3]
         };
         match joined.last_mut().filter(continues) {
             Some((before, last)) => {
-                *before = *i;
+                *before = i;
                 last.exogenous.extend_from_slice(&run.exogenous);
                 last.measured.extend_from_slice(&run.measured[3..]);
             }
-            None => joined.push((*i, (*run).clone())),
+            None => joined.push((i, run)),
         }
     }
     joined.into_iter().map(|(_, run)| run).collect()
@@ -141,8 +405,8 @@ fn cut(source: &str, whole: &Run, length: Option<usize>) -> Vec<Part> {
 }
 
 /// `start..end` in equal pieces of at most `most` samples.
-fn equal(start: usize, end: usize, most: Option<usize>) -> Vec<Range<usize>> {
+fn equal(start: usize, end: usize, most: Option<usize>) -> impl Iterator<Item = Range<usize>> {
     let length = end - start;
     let count = most.map_or(1, |most| length.div_ceil(most.max(1))).max(1);
-    (0..count).map(|i| start + i * length / count..start + (i + 1) * length / count).collect()
+    (0..count).map(move |i| start + i * length / count..start + (i + 1) * length / count)
 }

@@ -1,7 +1,7 @@
 use numerics::{add_outer, congruence, transposed};
 
 use super::residual_tests::residuals_of;
-use super::{Centring, Regressions, Solution};
+use super::{Centring, DegreeRegression, Regression, Solution};
 
 /// Bandwidth by the rule of thumb 4 (N/100)^(2/9): Newey & West, *Review of Economic Studies* 61, 1994.
 pub fn default_bandwidth(samples: usize) -> usize {
@@ -12,27 +12,56 @@ pub fn default_bandwidth(samples: usize) -> usize {
 /// B = N/(N − p − intercepts) Σ_l w_l Σ_k (g(k) g(k−l)ᵀ), g = ζᶜ ε, the weights w_l = 1 − |l|/(bandwidth + 1) of Bartlett and
 /// no lags across parts (Newey & West, *Econometrica* 55, 1987). ζᶜ are the instruments without the mean that was removed.
 pub fn sandwich(
-    parts: &dyn Regressions,
+    parts: &[&Regression],
     centring: &Centring,
     solution: &Solution,
     d: usize,
     bandwidth: usize,
 ) -> Vec<f64> {
-    let p = solution.theta.len();
-    let mut middle = vec![0.0; p * p];
-    let (mut samples, mut zeta) = (0, Vec::new());
-    parts.each(&mut |i, part| {
-        samples += part.samples;
-        let mut scores = Vec::with_capacity(part.degrees[d].zeta.len());
-        for (k, residual) in residuals_of(part, i, centring, solution, d).iter().enumerate() {
-            centring.zeta(i, d, part.degrees[d].zeta(k), &mut zeta);
+    let mut filling = Filling::new(solution.theta.len(), bandwidth);
+    for (i, part) in parts.iter().enumerate() {
+        let residuals = residuals_of(part, i, centring, solution, d);
+        filling.add(&part.degrees[d], &residuals, |row, out| centring.zeta(i, d, row, out));
+    }
+    filling.covariance(centring, solution)
+}
+
+/// What is between the slices, in the making: B before its factor.
+pub(super) struct Filling {
+    p: usize,
+    bandwidth: usize,
+    samples: usize,
+    middle: Vec<f64>,
+}
+
+impl Filling {
+    /// Of `p` parameters.
+    pub(super) fn new(p: usize, bandwidth: usize) -> Self {
+        Self { p, bandwidth, samples: 0, middle: vec![0.0; p * p] }
+    }
+
+    /// Adds a part with its residuals; `centred` takes the mean out of a row of instruments.
+    pub(super) fn add(
+        &mut self,
+        part: &DegreeRegression,
+        residuals: &[f64],
+        centred: impl Fn(&[f64], &mut Vec<f64>),
+    ) {
+        self.samples += residuals.len();
+        let (mut scores, mut zeta) = (Vec::with_capacity(part.zeta.len()), Vec::new());
+        for (k, residual) in residuals.iter().enumerate() {
+            centred(part.zeta(k), &mut zeta);
             scores.extend(zeta.iter().map(|z| z * residual));
         }
-        add_part(&mut middle, &scores, p, bandwidth);
-    });
-    let freedom = samples.saturating_sub(p + centring.intercepts()).max(1);
-    middle.iter_mut().for_each(|m| *m *= samples as f64 / freedom as f64);
-    congruence(p, &solution.gain, &middle)
+        add_part(&mut self.middle, &scores, self.p, self.bandwidth);
+    }
+
+    /// The covariance of `solution`.
+    pub(super) fn covariance(mut self, centring: &Centring, solution: &Solution) -> Vec<f64> {
+        let freedom = self.samples.saturating_sub(self.p + centring.intercepts()).max(1);
+        self.middle.iter_mut().for_each(|m| *m *= self.samples as f64 / freedom as f64);
+        congruence(self.p, &solution.gain, &self.middle)
+    }
 }
 
 fn add_part(middle: &mut [f64], scores: &[f64], p: usize, bandwidth: usize) {

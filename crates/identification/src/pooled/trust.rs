@@ -1,14 +1,19 @@
+use std::ops::Range;
+
 use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use vessel::{DegreeOfFreedom, Streams};
 
+use super::residual_tests::{ResidualTests, residuals_of};
+use super::sandwich::Filling;
+use super::strength::Strength;
 use super::{
-    Bootstrap, Centring, CrossCorrelation, Diagnosis, Estimated, FreeRunErrors, Options, Part, Pool,
-    PooledRuns, Remade, Score, Solution, Status, Whiteness, bootstrap, cross_correlation, default_bandwidth,
-    deviations, diagnose, redraw, residuals, sandwich, strength, unidentified, weakest, whiteness,
+    Bootstrap, Centring, CrossCorrelation, Diagnosis, Estimated, FreeRunErrors, InstrumentFit, NoEstimate,
+    Options, Part, PartView, Parts, Pool, PooledRuns, Recorded, Regression, Score, Solution, Status,
+    Whiteness, bootstrap, default_bandwidth, deviations, redraw, unidentified, weakest,
 };
-use crate::{EstimateStatus, Estimator, Sums};
+use crate::{EstimateStatus, Estimator};
 
 /// How an estimate is judged.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -118,88 +123,128 @@ pub struct SourceErrors {
 }
 
 /// What the trust in an estimate is judged from.
-pub(super) struct Judge<'a> {
+pub(super) struct Judge<'a, P> {
     pub pool: &'a Pool<'a>,
     pub found: &'a Estimated,
-    pub parts: &'a [Part],
+    pub parts: &'a P,
     pub judgement: &'a Judgement,
     /// Called with the number of resamples that are done.
     pub resampled: &'a (dyn Fn(usize) + Sync),
 }
 
 /// Numbers of one degree of freedom.
-struct Degree<'a> {
-    data: Remade<'a>,
-    centring: Centring,
+struct Degree {
+    covariance: Option<Vec<f64>>,
+    whiteness: Option<Whiteness>,
+    crossed: Option<CrossCorrelation>,
+    strength: Option<Vec<f64>>,
     diagnosis: Diagnosis,
+    instrument_fit: Option<f64>,
     bootstrap: Option<Bootstrap>,
 }
 
-impl Judge<'_> {
+impl<P: Parts> Judge<'_, P> {
+    /// Regression pairs.
+    pub(super) fn samples(&self) -> usize {
+        (0..self.parts.count()).map(|i| self.parts.samples(i)).sum()
+    }
+
     /// Lags of Bartlett's weights.
     pub(super) fn bandwidth(&self) -> usize {
-        let samples = self.parts.iter().map(Part::samples).sum();
-        self.judgement.bandwidth.unwrap_or_else(|| default_bandwidth(samples))
+        self.judgement.bandwidth.unwrap_or_else(|| default_bandwidth(self.samples()))
     }
 
     /// Surge, sway, yaw.
-    pub(super) fn degrees(&self) -> Vec<DegreeTrust> {
-        let mut resampled = Estimator::ALL.map(|used| self.resampled_by(used));
-        let degree = |d: DegreeOfFreedom| {
-            let (sums, simulated) = self.found.data(d as usize);
-            let sums: Vec<&Sums> = sums.iter().collect();
-            let numbers = Degree {
-                data: self.pool.regressions(self.parts, simulated),
-                centring: Centring::new(&sums, self.pool.removal),
-                diagnosis: diagnose(&sums, self.pool.removal, d as usize),
-                bootstrap: resampled[self.found.used[d as usize] as usize][d as usize].take(),
-            };
-            self.degree(d, &numbers)
-        };
-        DegreeOfFreedom::ALL.into_iter().map(degree).collect()
+    ///
+    /// # Errors
+    /// Parts that cannot be read.
+    pub(super) fn degrees(&self) -> Result<Vec<DegreeTrust>, P::Error> {
+        let mut accounts =
+            DegreeOfFreedom::ALL.map(|d| Account::new(self.found, d as usize, self.bandwidth()));
+        let mut fit = InstrumentFit::new(self.found);
+        let mut i = 0;
+        self.parts.each(|part| {
+            self.account(i, &part, &mut accounts, &mut fit);
+            i += 1;
+        })?;
+        let (fits, mut degrees) = (fit.found(), Vec::new());
+        let mut resampled = Vec::new();
+        for used in Estimator::ALL {
+            resampled.push(self.resampled_by(used)?);
+        }
+        for (d, account) in DegreeOfFreedom::ALL.into_iter().zip(accounts) {
+            let used = self.found.used[d as usize];
+            let bootstrap = resampled[used as usize][d as usize].take();
+            let places = self.pool.model.layout().terms(d as usize);
+            let degree = account.closed(self.found, places, fits.map(|fits| fits[d as usize]), bootstrap);
+            degrees.push(self.degree(d, &degree));
+        }
+        Ok(degrees)
     }
 
-    fn resampled_by(&self, used: Estimator) -> [Option<Bootstrap>; 3] {
+    /// Adds a part to the accounts of all degrees of freedom.
+    fn account(&self, i: usize, part: &PartView, accounts: &mut [Account; 3], fit: &mut InstrumentFit) {
+        let instruments = self.found.instruments.as_deref();
+        // They could be simulated before.
+        let simulated = instruments.and_then(|model| self.pool.regression(part, Some(model)).ok());
+        if let Some((_, states)) = &simulated {
+            fit.add(states, part.run.measured);
+        }
+        let by = |account: &&mut Account| self.found.simulated(account.d).is_some();
+        let (own, others): (Vec<_>, Vec<_>) = accounts.iter_mut().partition(by);
+        if let Some((regression, _)) = simulated {
+            own.into_iter().for_each(|account| account.add(i, &regression));
+        }
+        if !others.is_empty() {
+            let regression = Regression::of(&self.pool.vessel.model, part);
+            others.into_iter().for_each(|account| account.add(i, &regression));
+        }
+    }
+
+    fn resampled_by(&self, used: Estimator) -> Result<[Option<Bootstrap>; 3], P::Error> {
         let replicates = self.judgement.replicates;
         let of = |d: &usize| self.found.used[*d] == used && self.found.degrees[*d].solution.is_some();
         let Some(d) = [0, 1, 2].into_iter().find(of).filter(|_| replicates > 0) else {
-            return [const { None }; 3];
+            return Ok([const { None }; 3]);
         };
         let streams = Streams::new(self.judgement.seed, "bootstrap over sub-experiments");
         if used == Estimator::OutputError {
             return self.simulated_again(&streams);
         }
-        let (sums, _) = self.found.data(d);
+        let mut sums = Vec::with_capacity(self.parts.count());
+        let gathered = self.pool.sums(self.parts, self.found.simulated(d), |_, own| sums.push(own.clone()));
+        if let Err(NoEstimate::Unread(e)) = gathered {
+            return Err(e);
+        }
         let nominal = self.found.nominal.as_ref().map(|(theta, _)| theta.as_slice());
         // A resample is not refused for being collinear: its spread is what is asked for.
         let options = Options { most: f64::INFINITY, ..self.pool.options(nominal, used) };
-        bootstrap(&sums.iter().collect::<Vec<_>>(), &options, replicates, &streams)
+        Ok(bootstrap(&sums.iter().collect::<Vec<_>>(), &options, replicates, &streams))
     }
 
     /// The bootstrap of an output-error estimate: every resample is simulated and fitted anew.
-    fn simulated_again(&self, streams: &Streams) -> [Option<Bootstrap>; 3] {
+    fn simulated_again(&self, streams: &Streams) -> Result<[Option<Bootstrap>; 3], P::Error> {
         let work = |replicate: u32| {
-            let drawn = redraw(streams, replicate, self.parts.len());
+            let drawn = redraw(streams, replicate, self.parts.count());
             let thetas = self.pool.simulated_again(self.parts, &drawn, self.found);
             (self.resampled)(1);
             thetas
         };
         let replicates = self.judgement.replicates;
-        let thetas: Vec<Option<[Vec<f64>; 3]>> = (0..replicates).into_par_iter().map(work).collect();
+        let thetas: Vec<Option<[Vec<f64>; 3]>> =
+            (0..replicates).into_par_iter().map(work).collect::<Result<_, _>>()?;
         let mut found: [Vec<Vec<f64>>; 3] = Default::default();
         for thetas in thetas.into_iter().flatten() {
             found.iter_mut().zip(thetas).for_each(|(own, theta)| own.push(theta));
         }
-        found.map(|thetas| Bootstrap::of(&thetas, replicates as usize))
+        Ok(found.map(|thetas| Bootstrap::of(&thetas, replicates as usize)))
     }
 
     fn degree(&self, d: DegreeOfFreedom, degree: &Degree) -> DegreeTrust {
+        let covariance = degree.covariance.as_deref();
         let fit = &self.found.degrees[d as usize];
         let model = &self.pool.vessel.model.degrees[d as usize];
-        let covariance = fit.solution.as_ref().map(|s| self.covariance(d as usize, degree, s));
-        let tests = fit.solution.as_ref().map(|solution| self.tests(d as usize, degree, solution));
-        let (whiteness, crossed) = tests.map_or((None, None), |(w, c)| (Some(w), c));
-        let instrument_residual = crossed.map(|c| InstrumentResidual {
+        let instrument_residual = degree.crossed.map(|c| InstrumentResidual {
             instrument: model.terms[c.instrument].text.clone(),
             lag: c.lag,
             strongest: c.correlation,
@@ -217,30 +262,12 @@ impl Judge<'_> {
             condition: finite(degree.diagnosis.condition),
             condition_index: finite(degree.diagnosis.index),
             weakest: weakest(d, model, &degree.diagnosis, &self.pool.constant),
-            parameters: self.parameters(d, degree, fit.solution.as_ref(), covariance.as_deref()),
-            correlation: covariance.as_deref().and_then(|c| correlation(c, model.terms.len())),
-            whiteness,
+            parameters: self.parameters(d, degree, fit.solution.as_ref()),
+            correlation: covariance.and_then(|c| correlation(c, model.terms.len())),
+            whiteness: degree.whiteness,
             instrument_residual,
-            instrument_fit: self.instrument_fit(d as usize),
+            instrument_fit: degree.instrument_fit,
         }
-    }
-
-    fn covariance(&self, d: usize, degree: &Degree, solution: &Solution) -> Vec<f64> {
-        let simulated = self.found.output_error.as_ref();
-        let Some((simulated, _)) = simulated.filter(|_| self.found.used[d] == Estimator::OutputError) else {
-            return sandwich(&degree.data, &degree.centring, solution, d, self.bandwidth());
-        };
-        let all = simulated.parameters.len();
-        let own = self.pool.model.layout().terms(d);
-        let pairs = own.clone().flat_map(|i| own.clone().map(move |j| (i, j)));
-        pairs.map(|(i, j)| simulated.covariance[i * all + j]).collect()
-    }
-
-    fn tests(&self, d: usize, degree: &Degree, solution: &Solution) -> (Whiteness, Option<CrossCorrelation>) {
-        let lags = self.bandwidth().max(1);
-        let residuals = residuals(&degree.data, &degree.centring, solution, d);
-        let crossed = cross_correlation(&degree.data, &residuals, &degree.centring, d, lags);
-        (whiteness(&residuals, lags), crossed)
     }
 
     fn parameters(
@@ -248,50 +275,118 @@ impl Judge<'_> {
         d: DegreeOfFreedom,
         degree: &Degree,
         solution: Option<&Solution>,
-        covariance: Option<&[f64]>,
     ) -> Vec<ParameterTrust> {
         let whole = &self.pool.vessel.model;
         let model = &whole.degrees[d as usize];
         let p = model.terms.len();
         let units = &whole.parameter_units()[whole.layout().degree(d as usize)];
-        let strength = strength(&degree.data, &degree.centring, d as usize);
         let resampled = |i: usize| degree.bootstrap.as_ref().map(|b| b.parameters[i]);
         let parameter = |i: usize| ParameterTrust {
             name: model.parameters[i].clone(),
             term: model.terms[i].text.clone(),
             unit: units[i].clone(),
             estimate: solution.map(|s| s.theta[i]),
-            standard_error: covariance.map(|c| c[i * p + i].max(0.0).sqrt()),
+            standard_error: degree.covariance.as_ref().map(|c| c[i * p + i].max(0.0).sqrt()),
             bootstrap_std: resampled(i).map(|r| r.std),
             bootstrap_low: resampled(i).map(|r| r.low),
             bootstrap_high: resampled(i).map(|r| r.high),
             variation: degree.diagnosis.variation[i],
-            instrument_strength: strength.as_ref().map(|s| s[i]),
+            instrument_strength: degree.strength.as_ref().map(|s| s[i]),
         };
         (0..p).map(parameter).collect()
     }
 
-    /// How well the instruments' state follows the measured one.
-    fn instrument_fit(&self, d: usize) -> Option<f64> {
-        let fits = self.found.instrumented().then(|| Part::instrument_fit(self.parts)).flatten();
-        fits.map(|fits| fits[d])
-    }
-
     /// Free simulation over every source.
-    pub(super) fn sources(&self, runs: &PooledRuns) -> Vec<SourceErrors> {
+    ///
+    /// # Errors
+    /// Runs that cannot be read.
+    pub(super) fn sources<R: Recorded>(&self, runs: &PooledRuns<R>) -> Result<Vec<SourceErrors>, R::Error> {
         let model = self.found.parameters(&self.pool.model);
-        runs.windows(None).map(|(source, windows)| self.source(source, windows, model.as_deref())).collect()
+        let mut sources = Vec::with_capacity(runs.sources());
+        runs.each_source(None, |source, windows| {
+            sources.push(self.source(source, &windows, model.as_deref()))
+        })?;
+        Ok(sources)
     }
 
-    fn source(&self, source: String, windows: Vec<Part>, model: Option<&[f64]>) -> SourceErrors {
+    fn source(&self, source: &str, windows: &[Part], model: Option<&[f64]>) -> SourceErrors {
         let std = deviations(windows.iter().map(|w| w.measured.as_slice()));
         let views = || windows.iter().map(Part::view);
         let score = model.map(|model| Score::of(&self.pool.model, model, views()));
         SourceErrors {
-            source,
+            source: source.to_owned(),
             samples: windows.iter().map(|w| w.samples() as u64).sum(),
             diverged: score.map_or(0, |score| score.diverged),
             errors: score.and_then(|score| score.errors(std)),
+        }
+    }
+}
+
+/// What one degree of freedom is judged by, part by part.
+struct Account<'a> {
+    d: usize,
+    centring: Centring,
+    solution: Option<&'a Solution>,
+    filling: Option<Filling>,
+    tests: ResidualTests,
+    strength: Strength,
+}
+
+impl<'a> Account<'a> {
+    fn new(found: &'a Estimated, d: usize, bandwidth: usize) -> Self {
+        let (sums, solution) = (found.data(d), found.degrees[d].solution.as_ref());
+        let p = sums.total().degrees[d].parameters();
+        // An output-error estimate has a covariance of its own.
+        let own = found.output_error.is_some() && found.used[d] == Estimator::OutputError;
+        Self {
+            d,
+            centring: sums.centring(),
+            solution,
+            filling: solution.filter(|_| !own).map(|_| Filling::new(p, bandwidth)),
+            tests: ResidualTests::new(bandwidth.max(1), p),
+            strength: Strength::default(),
+        }
+    }
+
+    /// Adds part number `i`.
+    fn add(&mut self, i: usize, part: &Regression) {
+        let (d, degree, centring) = (self.d, &part.degrees[self.d], &self.centring);
+        self.strength.add(i, degree, centring, d);
+        let Some(solution) = self.solution else { return };
+        let residuals = residuals_of(part, i, centring, solution, d);
+        let (mut columns, mut row) = (vec![Vec::with_capacity(part.samples); degree.parameters], Vec::new());
+        for k in 0..part.samples {
+            centring.zeta(i, d, degree.zeta(k), &mut row);
+            columns.iter_mut().zip(&row).for_each(|(column, z)| column.push(*z));
+        }
+        self.tests.add(&residuals, &columns);
+        if let Some(filling) = &mut self.filling {
+            filling.add(degree, &residuals, |row, out| centring.zeta(i, d, row, out));
+        }
+    }
+
+    /// What all parts say of the parameters at `places` of the model with intercepts.
+    fn closed(
+        self,
+        found: &Estimated,
+        places: Range<usize>,
+        instrument_fit: Option<f64>,
+        bootstrap: Option<Bootstrap>,
+    ) -> Degree {
+        let (d, centring) = (self.d, self.centring);
+        let simulated = || found.output_error.as_ref().map(|(simulated, _)| simulated.covariance_of(places));
+        let covariance = self.solution.and_then(|solution| match self.filling {
+            Some(filling) => Some(filling.covariance(&centring, solution)),
+            None => simulated(),
+        });
+        Degree {
+            covariance,
+            whiteness: self.solution.map(|_| self.tests.whiteness()),
+            crossed: self.solution.and_then(|_| self.tests.strongest()),
+            strength: self.strength.partial(),
+            diagnosis: found.data(d).diagnose(d),
+            instrument_fit,
+            bootstrap,
         }
     }
 }

@@ -1,4 +1,3 @@
-use numerics::statistics::spread;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use vessel::{Lane, Model, RunView};
@@ -95,15 +94,61 @@ impl FreeRunErrors {
 }
 
 /// Standard deviations of u, v, r over samples 1 to N of several (N+1) × 3 states, as of a whole population.
-pub fn deviations<'a>(measured: impl Iterator<Item = &'a [f64]>) -> [f64; 3] {
-    let mut states: [Vec<f64>; 3] = Default::default();
-    for rows in measured {
-        for row in rows.chunks_exact(3).skip(1) {
-            (0..3).for_each(|d| states[d].push(row[d]));
+pub fn deviations<'a>(measured: impl Iterator<Item = &'a [f64]> + Clone) -> [f64; 3] {
+    let mut means = StateMeans::default();
+    measured.clone().for_each(|states| means.add(states));
+    let mut deviations = means.deviations();
+    measured.for_each(|states| deviations.add(states));
+    deviations.found()
+}
+
+/// Σ u, Σ v, Σ r over samples 1 to N of several (N+1) × 3 states.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct StateMeans {
+    rows: usize,
+    sums: [f64; 3],
+}
+
+/// Sums of squares around those means.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct StateDeviations {
+    rows: usize,
+    means: [f64; 3],
+    squares: [f64; 3],
+}
+
+impl Default for StateMeans {
+    fn default() -> Self {
+        // As numbers are summed up, so that sums part by part have the same bits.
+        Self { rows: 0, sums: [std::iter::empty::<f64>().sum(); 3] }
+    }
+}
+
+impl StateMeans {
+    pub(super) fn add(&mut self, states: &[f64]) {
+        for row in states.chunks_exact(3).skip(1) {
+            self.rows += 1;
+            (0..3).for_each(|d| self.sums[d] += row[d]);
         }
     }
-    states.map(|values| {
-        let n = values.len() as f64;
-        spread(&values).map_or(0.0, |s| s * ((n - 1.0) / n).sqrt())
-    })
+
+    /// Goes through the same states once more.
+    pub(super) fn deviations(&self) -> StateDeviations {
+        let means = self.sums.map(|sum| sum / self.rows as f64);
+        StateDeviations { rows: self.rows, means, squares: Self::default().sums }
+    }
+}
+
+impl StateDeviations {
+    pub(super) fn add(&mut self, states: &[f64]) {
+        for row in states.chunks_exact(3).skip(1) {
+            (0..3).for_each(|d| self.squares[d] += (row[d] - self.means[d]) * (row[d] - self.means[d]));
+        }
+    }
+
+    pub(super) fn found(&self) -> [f64; 3] {
+        let n = self.rows as f64;
+        let of = |squares: f64| (squares / (n - 1.0)).sqrt() * ((n - 1.0) / n).sqrt();
+        if self.rows > 1 { self.squares.map(of) } else { [0.0; 3] }
+    }
 }

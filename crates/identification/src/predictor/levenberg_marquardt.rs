@@ -2,8 +2,10 @@ use super::sums::Linear;
 
 /// Several least-squares problems that are linearised in one pass.
 pub(crate) trait Residuals {
+    /// Why data cannot be looked at.
+    type Error;
     /// Linearises every problem at its point; numbers that are not finite where the prediction leaves every bound.
-    fn linearize(&self, points: &[Vec<f64>]) -> Vec<Linear>;
+    fn linearize(&self, points: &[Vec<f64>]) -> Result<Vec<Linear>, Self::Error>;
 }
 
 /// How the squared errors of u, v, r are weighed against each other.
@@ -95,13 +97,13 @@ struct Progress {
 
 /// Minimises the squared errors of every problem from its start, with at most `steps` steps, by Levenberg and Marquardt's
 /// method on all problems side by side. Every problem has its own damping and end; problems that have ended stay.
-pub(crate) fn minimize(
-    residuals: &impl Residuals,
+pub(crate) fn minimize<R: Residuals>(
+    residuals: &R,
     weighting: Vec<Weighting>,
     starts: Vec<Vec<f64>>,
     steps: usize,
-) -> Vec<Minimum> {
-    let linears = residuals.linearize(&starts);
+) -> Result<Vec<Minimum>, R::Error> {
+    let linears = residuals.linearize(&starts)?;
     let each = weighting.into_iter().zip(starts).zip(linears);
     let mut problems: Vec<Progress> =
         each.map(|((weighting, point), linear)| Progress::new(weighting, point, linear)).collect();
@@ -110,7 +112,7 @@ pub(crate) fn minimize(
             break;
         }
         let trials: Vec<Vec<f64>> = problems.iter_mut().map(Progress::trial).collect();
-        let linears = residuals.linearize(&trials);
+        let linears = residuals.linearize(&trials)?;
         let found = trials.into_iter().zip(linears);
         problems.iter_mut().zip(found).for_each(|(problem, (trial, linear))| problem.judge(trial, linear));
     }
@@ -120,7 +122,7 @@ pub(crate) fn minimize(
         status: p.ended.unwrap_or(Ended::Stalled),
         steps: p.steps,
     };
-    problems.into_iter().map(ended).collect()
+    Ok(problems.into_iter().map(ended).collect())
 }
 
 impl Progress {

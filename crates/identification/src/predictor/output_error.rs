@@ -1,4 +1,5 @@
 use std::collections::BTreeMap;
+use std::convert::Infallible;
 
 use vessel::lanes::{by_lane, lane};
 use vessel::{LANES, Lane, Model, RunView};
@@ -146,7 +147,7 @@ impl Searches<'_> {
                 point.resize(problem.free.len(), 0.0);
                 point
             });
-            let minima = minimize(&problem, problem.weighting(weights), from.to_vec(), steps);
+            let Ok(minima) = minimize(&problem, problem.weighting(weights), from.to_vec(), steps);
             found.extend(group.into_iter().zip(minima));
         }
         found
@@ -225,10 +226,12 @@ struct Simulations<'a> {
 }
 
 impl Residuals for Simulations<'_> {
-    fn linearize(&self, points: &[Vec<f64>]) -> Vec<Linear> {
+    type Error = Infallible;
+
+    fn linearize(&self, points: &[Vec<f64>]) -> Result<Vec<Linear>, Infallible> {
         let unknowns = side_by_side(points, self.recordings.unknowns());
         let from_start = self.initial == InitialState::Estimated;
-        linearize::<3>(&self.recordings, &unknowns, &self.free, None, &[], from_start)
+        Ok(linearize::<3>(&self.recordings, &unknowns, &self.free, None, &[], from_start))
     }
 }
 

@@ -1,3 +1,5 @@
+use std::convert::Infallible;
+
 use vessel::lanes::by_lane;
 use vessel::{LANES, Lane, Model, RunView};
 
@@ -55,9 +57,11 @@ struct Predictions<'a, const N: usize> {
 }
 
 impl<const N: usize> Residuals for Predictions<'_, N> {
-    fn linearize(&self, points: &[Vec<f64>]) -> Vec<Linear> {
+    type Error = Infallible;
+
+    fn linearize(&self, points: &[Vec<f64>]) -> Result<Vec<Linear>, Infallible> {
         let unknowns = side_by_side(points, self.recordings.unknowns());
-        linearize(self.recordings, &unknowns, &self.free, Some(self.levels), &self.gains, true)
+        Ok(linearize(self.recordings, &unknowns, &self.free, Some(self.levels), &self.gains, true))
     }
 }
 
@@ -126,7 +130,8 @@ fn round<const N: usize>(
         point.resize(free.len(), 0.0);
         point
     });
-    minimize(&problem, vec![Weighting::Fixed([1.0; 3]); LANES], points.to_vec(), STEPS)
+    let Ok(minima) = minimize(&problem, vec![Weighting::Fixed([1.0; 3]); LANES], points.to_vec(), STEPS);
+    minima
 }
 
 /// Twice the log-likelihood of every lane's innovations, up to a constant.

@@ -1,7 +1,7 @@
 use vessel::{DegreeOfFreedom, Run, Vessel};
 
 use crate::MeanRemoval;
-use crate::pooled::{COLLINEAR, Part, Regression, collinear, diagnose, first_named};
+use crate::pooled::{COLLINEAR, PartView, Regression, collinear, diagnose, first_named};
 
 /// Name of the design of runs whose truth nobody knows.
 const MEASURED: &str = "measured";
@@ -25,9 +25,9 @@ pub(super) fn collinear_run(vessel: &Vessel, run: &Run, removal: MeanRemoval) ->
         return None;
     }
     let label = &run.segments.first()?.maneuver;
-    let mut parts = [Part::new(label, "", run.view())];
-    Part::instrument(&mut parts, &vessel.model, &vessel.nominal).ok()?;
-    let sums = Regression::of(&vessel.model, &parts[0]).sums();
+    let part = PartView { label, source: "", run: run.view().part(0..run.samples()) };
+    let states = part.simulated(&vessel.model, &vessel.nominal).ok()?;
+    let sums = Regression::with(&vessel.model, &part, &states).sums();
     let mut found: Option<CollinearRun> = None;
     for d in DegreeOfFreedom::ALL {
         let degree = &vessel.model.degrees[d as usize];

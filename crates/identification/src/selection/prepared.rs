@@ -1,4 +1,7 @@
-use crate::pooled::{Centring, LostInstruments, Part, Pool, PooledRuns, listed, strength};
+use crate::pooled::{
+    Centring, InstrumentFit, LostInstruments, NoEstimate, Part, Pool, PooledRuns, PooledSums, Strength,
+    listed,
+};
 use crate::{Estimator, Sums};
 
 /// Below this the instruments have lost a state: the nominal simulation explains less than half of its deviations.
@@ -12,7 +15,7 @@ pub(super) struct Prepared {
     pub iv: Option<Vec<Sums>>,
     /// Nominal parameters that a prior pulls to.
     pub nominal: Option<Vec<f64>>,
-    /// See [`Part::instrument_fit`].
+    /// See [`InstrumentFit`].
     pub instrument_fit: Option<[f64; 3]>,
     /// In words.
     pub warnings: Vec<String>,
@@ -24,25 +27,51 @@ impl Prepared {
     pub(super) fn new(pool: &Pool, runs: &PooledRuns, estimator: Estimator) -> Result<Self, LostInstruments> {
         let pieces = runs.segments(pool.part_samples);
         let counts: Vec<usize> = pieces.iter().map(Vec::len).collect();
-        let mut parts: Vec<Part> = pieces.into_iter().flatten().collect();
-        let ls = merged(&pool.regressions(&parts, false).sums(), &counts);
-        let nominal = pool.nominal.parameters(&ls.iter().collect::<Vec<_>>(), pool.removal);
+        let parts: Vec<Part> = pieces.into_iter().flatten().collect();
+        let ls = merged(&sums(pool, &parts, None)?.1, &counts);
+        let nominal = pool.nominal.parameters(&PooledSums::of(&ls, pool.removal));
         let theta = nominal.as_ref().map(|(theta, _)| theta.clone());
         let mut prepared = Self { ls, iv: None, nominal: theta, instrument_fit: None, warnings: Vec::new() };
         let (false, Some((theta, c))) = (estimator == Estimator::Ls, &nominal) else { return Ok(prepared) };
-        match pool.instrument(&mut parts, theta, *c) {
-            Ok(()) => prepared.take(pool, &parts, &counts),
+        let model = pool.model.layout().woven(theta, *c);
+        match sums(pool, &parts, Some(&model)) {
+            Ok((pooled, own)) => {
+                prepared.warn(pool, &parts, &model, &pooled.centring());
+                prepared.iv = Some(merged(&own, &counts));
+            }
             Err(lost) if estimator == Estimator::Auto => prepared.warnings.push(lost.to_string()),
             Err(lost) => return Err(lost),
         }
         Ok(prepared)
     }
 
-    fn take(&mut self, pool: &Pool, parts: &[Part], counts: &[usize]) {
-        let sums = pool.regressions(parts, true).sums();
-        self.instrument_fit = Part::instrument_fit(parts);
-        self.warnings.extend(self.instrument_fit.and_then(|fits| poor(fits, weakest(pool, parts, &sums))));
-        self.iv = Some(merged(&sums, counts));
+    /// Looks how well instruments simulated with `model` follow the data.
+    fn warn(&mut self, pool: &Pool, parts: &[Part], model: &[f64], centring: &Centring) {
+        let mut fit = InstrumentFit::of(parts.iter().map(|part| part.measured.as_slice()));
+        let mut strengths: [Strength; 3] = Default::default();
+        for (i, part) in parts.iter().enumerate() {
+            // They could be simulated before.
+            let Ok((regression, states)) = pool.regression(&part.whole(), Some(model)) else { continue };
+            fit.add(&states, &part.measured);
+            for (d, (strength, degree)) in strengths.iter_mut().zip(&regression.degrees).enumerate() {
+                strength.add(i, degree, centring, d);
+            }
+        }
+        self.instrument_fit = fit.found();
+        self.warnings.extend(self.instrument_fit.and_then(|fits| poor(fits, weakest(pool, strengths))));
+    }
+}
+
+/// The sums of all `parts`, and of every one.
+fn sums(
+    pool: &Pool,
+    parts: &Vec<Part>,
+    simulated: Option<&[f64]>,
+) -> Result<(PooledSums, Vec<Sums>), LostInstruments> {
+    let mut own = Vec::with_capacity(parts.len());
+    match pool.sums(parts, simulated, |_, sums| own.push(sums.clone())) {
+        Ok(pooled) => Ok((pooled, own)),
+        Err(NoEstimate::Lost(lost)) => Err(lost),
     }
 }
 
@@ -58,15 +87,12 @@ fn merged(pieces: &[Sums], counts: &[usize]) -> Vec<Sums> {
 }
 
 /// The term that its instrument tells least of, with Shea's partial R².
-fn weakest(pool: &Pool, parts: &[Part], sums: &[Sums]) -> Option<(String, f64)> {
-    let centring = Centring::new(&sums.iter().collect::<Vec<_>>(), pool.removal);
-    let degree = |d: usize| {
+fn weakest(pool: &Pool, strengths: [Strength; 3]) -> Option<(String, f64)> {
+    let degree = |(d, strength): (usize, Strength)| {
         let terms = pool.vessel.model.degrees[d].terms.iter().map(|t| t.text.clone());
-        terms
-            .zip(strength(&pool.regressions(parts, true), &centring, d).unwrap_or_default())
-            .collect::<Vec<_>>()
+        terms.zip(strength.partial().unwrap_or_default()).collect::<Vec<_>>()
     };
-    (0..3).flat_map(degree).min_by(|a, b| a.1.total_cmp(&b.1))
+    strengths.into_iter().enumerate().flat_map(degree).min_by(|a, b| a.1.total_cmp(&b.1))
 }
 
 /// That the instruments have lost the motion, and what comes of it.

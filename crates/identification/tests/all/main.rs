@@ -9,6 +9,7 @@ mod oracle;
 mod output_error_laws;
 mod output_error_oracle;
 mod output_information;
+mod pooled_again;
 mod pooled_laws;
 mod pooled_oracle;
 mod predicted_errors;

@@ -49,13 +49,20 @@ fn close(found: &[f64], expected: &Value, what: &str) {
 
 /// The data with instruments of `estimator`.
 fn regressions(oracle: &Value, vessel: &Vessel, estimator: &str) -> Vec<Regression> {
-    let mut parts = parts(oracle);
-    if estimator == "iv" {
-        let lifted = vessel.model.with_intercepts();
-        let nominal = lifted.layout().woven(&vessel.nominal, [0.0; 3]);
-        Part::instrument(&mut parts, &lifted, &nominal).unwrap();
+    let lifted = vessel.model.with_intercepts();
+    let nominal = (estimator == "iv").then(|| lifted.layout().woven(&vessel.nominal, [0.0; 3]));
+    parts(oracle).iter().map(|part| regression(vessel, part, nominal.as_deref())).collect()
+}
+
+/// The data of `part` with instruments simulated with parameters `model`, or its regressors as instruments.
+fn regression(vessel: &Vessel, part: &Part, model: Option<&[f64]>) -> Regression {
+    match model {
+        None => Regression::of(&vessel.model, &part.whole()),
+        Some(model) => {
+            let states = part.whole().simulated(&vessel.model.with_intercepts(), model).unwrap();
+            Regression::with(&vessel.model, &part.whole(), &states)
+        }
     }
-    parts.iter().map(|part| Regression::of(&vessel.model, part)).collect()
 }
 
 #[test]
@@ -117,8 +124,8 @@ fn oracle_cross_validation() {
     let all = parts(&oracle);
     let window = oracle["window"].as_u64().unwrap() as usize;
     let options = Options { removal: MeanRemoval::Complete, prior: None, most: f64::INFINITY };
-    let fitted = |parts: &[Part]| {
-        let sums: Vec<Sums> = parts.iter().map(|p| Regression::of(&vessel.model, p).sums()).collect();
+    let fitted = |parts: &[&Part], model: Option<&[f64]>| {
+        let sums: Vec<Sums> = parts.iter().map(|p| regression(&vessel, p, model).sums()).collect();
         let found = fit(&sums.iter().collect::<Vec<_>>(), &options).map(|d| d.solution.unwrap());
         let theta: Vec<f64> = found.iter().flat_map(|s| s.theta.clone()).collect();
         lifted.layout().woven(&theta, [0, 1, 2].map(|d: usize| found[d].intercept))
@@ -126,11 +133,10 @@ fn oracle_cross_validation() {
     for estimator in ["ls", "iv"] {
         let mut score = Score::default();
         for source in ["a", "b", "c"] {
-            let mut train: Vec<Part> = all.iter().filter(|p| p.source != source).cloned().collect();
-            let mut model = fitted(&train);
+            let train: Vec<&Part> = all.iter().filter(|p| p.source != source).collect();
+            let mut model = fitted(&train, None);
             if estimator == "iv" {
-                Part::instrument(&mut train, &lifted, &model).unwrap();
-                model = fitted(&train);
+                model = fitted(&train, Some(&model));
             }
             let cut = |p: &'_ Part| -> Vec<Range<usize>> {
                 (0..p.samples() / window).map(|i| i * window..(i + 1) * window).collect()

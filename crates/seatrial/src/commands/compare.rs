@@ -10,7 +10,6 @@ use study::documents::{CompareDocument, ModelDocument, traces};
 use study::files::read_vessel;
 use vessel::Vessel;
 
-use super::cross::refused;
 use crate::cli::{Common, beside};
 use crate::failure::Failure;
 use crate::inputs;
@@ -55,7 +54,7 @@ impl Task for Arguments {
         let window = self.window_s.map(|s| samples("--window-s", s, rate_hz)).transpose()?;
         let inputs = [&self.model].into_iter().chain(&self.against).chain(self.of.inputs());
         let out = common.main_output(MAIN, inputs)?;
-        let (runs, _) = self.of.read(&vessel, &mut provenance)?;
+        let (runs, _) = self.of.read(&vessel, &mut provenance, inputs::runs)?;
         let own = [(Standing::Model, Some(&vessel)), (Standing::Other, other.as_ref())];
         let all = own.into_iter().chain([(Standing::LeastSquares, simple.as_ref())]);
         let contestants: Vec<Contestant> = all
@@ -68,7 +67,7 @@ impl Task for Arguments {
         let known = covariance.zip(rmse).map(|(covariance, rmse)| Known { covariance, rmse });
         let options = CompareOptions { window, known, covered: &model.covered, rate_hz };
         let found = compare(&contestants, &runs, &options);
-        let found = found.map_err(|e| refused(&self.of.trajectories, e))?;
+        let found = found.map_err(|e| Failure::invalid(&self.of.trajectories, &e.invalid()))?;
         let settings = [("window_samples", json!(window)), ("runs", json!(self.of.runs))];
         let given = settings.into_iter().chain([("leave_out", json!(self.of.leave_out))]);
         provenance.settings.extend(given.map(|(key, value)| (key.to_owned(), value)));

@@ -1,11 +1,9 @@
 //! `validate cross`: estimators compared over runs or recordings that are left out.
 
-use std::path::Path;
-
 use artifact::{commit, stage_document};
 use clap::Parser;
 use identification::Estimator;
-use identification::crossval::{CrossError, CrossOptions, Folds, cross_validate};
+use identification::crossval::{CrossOptions, Folds, cross_validate};
 use serde_json::json;
 use study::documents::CrossvalDocument;
 use study::files::read_vessel;
@@ -13,6 +11,7 @@ use study::files::read_vessel;
 use crate::choice::choice;
 use crate::cli::Common;
 use crate::failure::Failure;
+use crate::inputs;
 use crate::pool::{PoolFlags, samples};
 use crate::progress::Progress;
 use crate::stage::{Summary, Task};
@@ -47,7 +46,9 @@ impl Task for Arguments {
         let vessel = read_vessel(&self.flags.vessel, &mut provenance)?;
         let window = self.window_s.map(|s| samples("--window-s", s, vessel.sample_rate_hz)).transpose()?;
         let out = common.main_output("crossval.json", self.flags.inputs())?;
-        let (runs, pool) = self.flags.read(&vessel, &mut provenance)?;
+        let (runs, pool) = self.flags.read(&vessel, &mut provenance, inputs::runs)?;
+        let bytes = pool.bytes_of_many(&runs, rayon::current_num_threads());
+        inputs::fits(&self.flags.of.trajectories, &runs.amount(), bytes)?;
         let names = |fold: &String| fold.split(',').map(|name| name.trim().to_owned()).collect();
         let folds = match (self.fold.is_empty(), self.folds) {
             (false, _) => Folds::Named(self.fold.iter().map(names).collect()),
@@ -56,12 +57,12 @@ impl Task for Arguments {
         };
         let options = CrossOptions { estimators: self.estimators.clone(), window, folds };
         let folds = match self.fold.len() {
-            0 => self.folds.map_or(usize::MAX, usize::from).min(runs.sources().len()),
+            0 => self.folds.map_or(usize::MAX, usize::from).min(runs.sources()),
             named => named,
         };
         let progress = Progress::new("folds", folds * self.estimators.len(), common.quiet);
         let found = cross_validate(&pool, &runs, &options, &|count| progress.advance(count));
-        let found = found.map_err(|e| refused(&self.flags.of.trajectories, e))?;
+        let found = found.map_err(|e| Failure::invalid(&self.flags.of.trajectories, &e.invalid()))?;
         let settings = [
             ("estimators", json!(self.estimators)),
             ("intercepts", json!(true)),
@@ -81,27 +82,4 @@ impl Task for Arguments {
                 "recommended": document.recommended, "statements": found.statements}),
         ))
     }
-}
-
-/// Why there is nothing to simulate over, of runs of `file`.
-pub fn refused(file: &Path, error: CrossError) -> Failure {
-    let unknown = |name: String| format!("run or recording `{name}`");
-    let [thing, found, expected, remedy] = match error {
-        CrossError::OneSource => {
-            ["runs or recordings", "one", "at least two, so that one can be left out", "add runs"]
-                .map(str::to_owned)
-        }
-        CrossError::NoWindow => {
-            ["windows", "no run as long as a window", "at least one", "shorten --window-s"].map(str::to_owned)
-        }
-        CrossError::Unknown { name, nearest } => {
-            let remedy = format!("did you mean `{nearest}`?");
-            [unknown(name), "no such run or recording".into(), "one of those that are read".into(), remedy]
-        }
-        CrossError::Twice(name) => {
-            let remedy = "name it in one --fold".into();
-            [unknown(name), "in two folds".into(), "each left out once".into(), remedy]
-        }
-    };
-    Failure::refuse(file, &thing, &found, &expected, &remedy)
 }

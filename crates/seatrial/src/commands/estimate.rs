@@ -93,9 +93,12 @@ impl Arguments {
             initial,
             levels,
         };
+        let share = self.sharding.shard.map_or(1.0, |shard| 1.0 / f64::from(shard.count));
+        let rows = reader.expected_runs()? * share * estimators.estimators.len() as f64;
+        inputs::fits(file, &format!("about {rows:.0} estimates"), rows * estimates::row_bytes(vessel))?;
         let each: f64 = estimators.estimators.iter().map(|estimator| estimator.seconds_per_row()).sum();
-        let rows = reader.rows().0 as f64 / f64::from(self.sharding.shard.map_or(1, |shard| shard.count));
-        let progress = Progress::new("blocks of runs", reader.blocks(), quiet).foretold(rows * each);
+        let seconds = reader.rows().0 as f64 * share * each;
+        let progress = Progress::new("blocks of runs", reader.blocks(), quiet).foretold(seconds);
         let block = |i: usize| {
             let rows = estimators.estimates(&reader.runs(i)?);
             progress.advance(1);

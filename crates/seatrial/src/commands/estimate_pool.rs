@@ -15,6 +15,7 @@ use super::estimate::MAIN;
 use crate::choice::choice;
 use crate::cli::{Common, beside};
 use crate::failure::Failure;
+use crate::inputs;
 use crate::pool::{PoolFlags, lost};
 use crate::progress::Progress;
 use crate::stage::{Summary, Task};
@@ -46,14 +47,17 @@ impl Task for Arguments {
         let mut provenance = common.provenance("estimate");
         let vessel = read_vessel(&self.flags.vessel, &mut provenance)?;
         let out = common.main_output(MAIN, self.flags.inputs())?;
-        let (runs, pool) = self.flags.read(&vessel, &mut provenance)?;
+        let (runs, pool) = self.flags.read(&vessel, &mut provenance, inputs::kept_runs)?;
         let judgement = Judgement {
             bandwidth: self.bandwidth.map(usize::from),
             replicates: self.bootstrap.unwrap_or(0),
             seed: common.seed.unwrap_or(1),
         };
+        let (replicates, threads) = (judgement.replicates, rayon::current_num_threads());
+        let bytes = pool.bytes(&runs, self.estimator, replicates, threads);
+        inputs::fits(&self.flags.of.trajectories, &runs.amount(), bytes)?;
         self.note(&judgement, &mut provenance);
-        let progress = Progress::new("resamples", judgement.replicates as usize, common.quiet);
+        let progress = Progress::new("resamples", replicates as usize, common.quiet);
         let resampled = |count: usize| progress.advance(count);
         let found = estimate(&pool, &runs, self.estimator, &judgement, &resampled);
         let found = found.map_err(|e| self.failed(e))?;
@@ -73,8 +77,9 @@ impl Arguments {
         self.flags.note(settings, provenance);
     }
 
-    fn failed(&self, error: PoolError) -> Failure {
+    fn failed(&self, error: PoolError<artifact::Error>) -> Failure {
         match error {
+            PoolError::Unread(error) => error.into(),
             PoolError::Lost(instruments) => lost(&self.flags.of.trajectories, &instruments),
             PoolError::NotIdentifiable(reasons) => Failure::NoAnswer(format!(
                 "{}: pooled estimate: found no degree of freedom that is identifiable ({}), expected one; add runs that vary \

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use artifact::{Provenance, commit, stage_document};
 use clap::Parser;
-use identification::pooled::{PooledRuns, Regression};
+use identification::pooled::{PooledRuns, PooledSums, Regression};
 use identification::runs::RunInstruments;
 use identification::{Estimator, InstrumentKind, MeanRemoval, Sums};
 use serde_json::json;
@@ -164,10 +164,11 @@ fn nominal_of(
     provenance: &mut Provenance,
 ) -> Result<Vec<f64>, Failure> {
     let model = nominal.read(vessel, provenance)?;
-    let runs = PooledRuns::new(inputs::labelled_runs(&a.trajectories, vessel, provenance)?, &BTreeMap::new());
+    let runs = PooledRuns::new(inputs::runs(&a.trajectories, vessel, provenance)?, &BTreeMap::new());
+    label(runs.designs(), provenance);
     let parts = runs.parts(None);
-    let sums: Vec<Sums> = parts.iter().map(|p| Regression::of(&vessel.model, p).sums()).collect();
-    let found = model.parameters(&sums.iter().collect::<Vec<_>>(), MeanRemoval::None);
+    let sums: Vec<Sums> = parts.iter().map(|p| Regression::of(&vessel.model, &p.whole()).sums()).collect();
+    let found = model.parameters(&PooledSums::of(&sums, MeanRemoval::None));
     found.map(|(theta, _)| theta).ok_or_else(|| {
         Failure::NoAnswer(format!(
             "{}: nominal model: found data that identify no least-squares model, expected all terms to vary; name another \

@@ -65,7 +65,9 @@ impl Task for Arguments {
         }
         let inputs = self.flags.inputs().chain(&self.design).chain(&self.reference);
         let out = common.main_output("selection.parquet", inputs)?;
-        let (runs, pool) = self.flags.read(&vessel, &mut provenance)?;
+        let (runs, pool) = self.flags.read(&vessel, &mut provenance, inputs::runs)?;
+        let bytes = pool.bytes_of_many(&runs, rayon::current_num_threads());
+        inputs::fits(&self.flags.of.trajectories, &runs.amount(), bytes)?;
         let there = available(&runs.parts(None));
         let picks = self.picks.map(u64::from);
         let options = SelectionOptions {

@@ -115,7 +115,8 @@ fn validation_runs<'a>(
     vessel: &'a Vessel,
     provenance: &mut Provenance,
 ) -> Result<ValidationRuns<'a>, Failure> {
-    let runs = inputs::runs(file, "validation", vessel, provenance)?;
+    let reader = inputs::trajectories(file, "validation", vessel, provenance)?;
+    let runs = inputs::all(file, &reader, vessel)?;
     ValidationRuns::new(vessel, runs).ok_or_else(|| {
         Failure::refuse(file, "rows", "none", "at least one run", "simulate the validation again")
     })

@@ -37,7 +37,7 @@ impl VoyageFiles<'_> {
         let vessel = read_vessel(self.vessel, provenance)?;
         let config: PlanFile = inputs::toml(self.config, "plan", provenance)?;
         let task = config.task().map_err(|e| Failure::invalid(self.config, &e))?;
-        let dictionary = inputs::runs(self.trajectories, "trajectories", &vessel, provenance)?;
+        let dictionary = inputs::runs(self.trajectories, &vessel, provenance)?;
         let design = self.design.map(|path| inputs::document::<DesignDocument>(path, "design", provenance));
         let design = design.transpose()?.map(|d| Shares { order: d.order, share: d.shares });
         let layers = read_charts(self.config, &config, provenance)?;

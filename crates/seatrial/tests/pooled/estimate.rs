@@ -1,7 +1,7 @@
 use serde_json::Value;
 
-use crate::POOL;
 use crate::support::*;
+use crate::{POOL, SELECTION};
 
 fn degrees(folder: &tempfile::TempDir) -> Vec<Value> {
     json(folder, "trust.json")["data"]["degrees"].as_array().unwrap().clone()
@@ -87,6 +87,44 @@ fn results_do_not_depend_on_threads() {
             files.map(|name| std::fs::read(folder.path().join(name)).ok())
         };
         assert!(made(1) == made(3), "{line}");
+    }
+}
+
+/// In 8 MiB runs of 2 MB are not held in memory: each pass reads them again.
+#[test]
+fn runs_that_are_read_again_give_the_same_bytes() {
+    let folder = with(&["campaign.parquet"]);
+    let path = folder.path().join("campaign.parquet");
+    craft::read(&path, "trajectories").in_blocks_of(3 * 1001).write(&path);
+    for flags in [
+        "refined-iv --mean-removal batch",
+        "auto --part-s 20 --bootstrap 5",
+        "output-error --nominal least-squares --bootstrap 2",
+    ] {
+        let made = |memory: &str| {
+            let line = format!("{POOL} --allow-mixed --estimator {flags} {memory} --out estimates.parquet");
+            run(&folder, &line).succeeds();
+            ["estimates.parquet", "estimate.json", "trust.json"]
+                .map(|name| std::fs::read(folder.path().join(name)).unwrap())
+        };
+        assert!(made("--threads 1") == made("--memory-mib 8 --threads 2"), "{flags}");
+    }
+}
+
+#[test]
+fn estimates_that_do_not_fit_into_memory_are_refused_before_the_work() {
+    let folder = with(&["campaign.parquet"]);
+    let path = folder.path().join("campaign.parquet");
+    craft::read(&path, "trajectories").in_blocks_of(1001).write(&path);
+    let tiny = "--part-s 0.125 --allow-mixed --memory-mib 12 --threads 1";
+    let selection = SELECTION.replace("--part-s 25", "");
+    for (line, amount) in [
+        (format!("{POOL} --bootstrap 9"), "48 runs of 48000 samples in all"),
+        (crate::CROSS.to_owned(), "4 runs of 4000 samples in all"),
+        (selection, "48 runs of 48000 samples in all"),
+    ] {
+        let said = [&format!("campaign.parquet: rows: found {amount}"), "fits the 12 MiB of --memory-mib"];
+        refused(&folder, 3, &format!("{line} {tiny} --out out.parquet"), &said);
     }
 }
 

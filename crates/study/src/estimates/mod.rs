@@ -16,6 +16,13 @@ pub const ID: &str = "estimates";
 /// Version of the schema.
 pub const VERSION: u32 = 1;
 
+/// Bytes of memory that a row takes while more and more of them are kept.
+pub fn row_bytes(vessel: &Vessel) -> f64 {
+    let heap = 16 * vessel.model.parameters() + 80;
+    // A list that grows is copied into one of twice its length.
+    (3 * size_of::<Row>() + heap) as f64
+}
+
 /// The columns for `vessel`.
 pub fn columns(vessel: &Vessel) -> Columns<Row> {
     let mut columns = Columns::<Row>::new(ID, VERSION)

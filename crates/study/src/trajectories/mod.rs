@@ -1,11 +1,13 @@
 //! The table of trajectories: one row per sample, N + 1 rows per run of N samples.
 
+mod kept;
 mod label;
 mod layout;
 mod read;
 mod rows;
 mod write;
 
+pub use kept::KeptRuns;
 pub use label::{DataLabel, label};
 pub use layout::{ID, LEAST_ROW_BYTES, Layout, SIMULATED_PER_SECOND, VERSION};
 pub use read::{TrajectoryReader, refuse_shard};

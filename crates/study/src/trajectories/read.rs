@@ -77,6 +77,27 @@ impl TrajectoryReader {
         }
     }
 
+    /// All runs.
+    ///
+    /// # Errors
+    /// See [`TrajectoryReader::runs`].
+    pub fn all(&self) -> Result<Vec<Run>, Error> {
+        let mut runs = Vec::new();
+        for block in 0..self.blocks() {
+            runs.extend(self.runs(block)?);
+        }
+        Ok(runs)
+    }
+
+    /// Number of runs, if they are as long as those of the first block.
+    ///
+    /// # Errors
+    /// See [`TrajectoryReader::runs`].
+    pub fn expected_runs(&self) -> Result<f64, Error> {
+        let (rows, of_first) = (self.table.rows(), self.table.block_rows(0));
+        Ok(self.runs(0)?.len() as f64 * rows as f64 / of_first.max(1) as f64)
+    }
+
     /// The runs of block `i`.
     ///
     /// # Errors

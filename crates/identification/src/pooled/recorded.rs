@@ -1,0 +1,117 @@
+use std::borrow::Cow;
+use std::convert::Infallible;
+
+use rayon::prelude::*;
+use vessel::{Run, RunView};
+
+/// Runs that can be read again, block by block, as often as an estimate goes through them.
+pub trait Recorded: Sync {
+    /// Why a block cannot be read.
+    type Error: Send;
+    /// Number of blocks.
+    fn blocks(&self) -> usize;
+    /// The runs of block `i`.
+    ///
+    /// # Errors
+    /// The block cannot be read.
+    fn block(&self, i: usize) -> Result<Cow<'_, [Run]>, Self::Error>;
+    /// Whether all are in memory.
+    fn held(&self) -> bool {
+        false
+    }
+    /// Samples that are held at a time where they are wanted in another order than they are kept in: some 60 MB.
+    fn window(&self) -> usize {
+        1 << 20
+    }
+}
+
+/// Runs in memory are one block.
+impl Recorded for Vec<Run> {
+    type Error = Infallible;
+
+    fn blocks(&self) -> usize {
+        1
+    }
+
+    fn block(&self, _: usize) -> Result<Cow<'_, [Run]>, Infallible> {
+        Ok(Cow::Borrowed(self))
+    }
+
+    fn held(&self) -> bool {
+        true
+    }
+}
+
+/// Calls `look` with the numbers of `blocks` and their runs, in this order. Each thread reads one at a time.
+pub(super) fn read<R: Recorded>(
+    recorded: &R,
+    blocks: &[usize],
+    mut look: impl FnMut(usize, &[Run]),
+) -> Result<(), R::Error> {
+    for few in blocks.chunks(rayon::current_num_threads()) {
+        let read: Vec<_> = few.par_iter().map(|block| recorded.block(*block)).collect();
+        for (block, runs) in few.iter().zip(read) {
+            look(*block, &runs?);
+        }
+    }
+    Ok(())
+}
+
+/// What a sub-experiment is, wherever its samples are kept.
+#[derive(Clone, Copy, Debug)]
+pub struct PartView<'a> {
+    /// Its maneuver.
+    pub label: &'a str,
+    /// What it was cut from.
+    pub source: &'a str,
+    /// Its samples.
+    pub run: RunView<'a>,
+}
+
+/// Sub-experiments that an estimate goes through again and again. What it keeps of each is little.
+pub trait Parts: Sync {
+    /// Why one cannot be read.
+    type Error: Send;
+    /// How many there are.
+    fn count(&self) -> usize;
+    /// Samples of part `i`.
+    fn samples(&self, i: usize) -> usize;
+    /// Calls `look` with the parts at `places`, in this order.
+    ///
+    /// # Errors
+    /// One cannot be read.
+    fn at(&self, places: &[usize], look: impl FnMut(PartView)) -> Result<(), Self::Error>;
+
+    /// Calls `look` with every part, in order.
+    ///
+    /// # Errors
+    /// See [`Parts::at`].
+    fn each(&self, look: impl FnMut(PartView)) -> Result<(), Self::Error> {
+        self.at(&(0..self.count()).collect::<Vec<_>>(), look)
+    }
+}
+
+/// Some of other parts, of which one may come several times.
+#[derive(Clone, Copy, Debug)]
+pub struct Drawn<'a, P> {
+    /// The others.
+    pub parts: &'a P,
+    /// Which of them.
+    pub places: &'a [usize],
+}
+
+impl<P: Parts> Parts for Drawn<'_, P> {
+    type Error = P::Error;
+
+    fn count(&self) -> usize {
+        self.places.len()
+    }
+
+    fn samples(&self, i: usize) -> usize {
+        self.parts.samples(self.places[i])
+    }
+
+    fn at(&self, places: &[usize], look: impl FnMut(PartView)) -> Result<(), P::Error> {
+        self.parts.at(&places.iter().map(|i| self.places[*i]).collect::<Vec<_>>(), look)
+    }
+}

@@ -1,0 +1,85 @@
+//! Runs that are read again and again give what runs in memory give.
+
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+use std::convert::Infallible;
+
+use crate::pooled_laws::{craft, part};
+use crate::support::noise::Normals;
+use identification::pooled::{Judgement, NominalModel, Pool, PooledRuns, Recorded, estimate};
+use identification::{Estimator, MeanRemoval};
+use vessel::{Run, Segment, Vessel};
+
+/// Runs in blocks, as in a file, of which little is held at a time.
+struct Blocks(Vec<Vec<Run>>);
+
+impl Recorded for Blocks {
+    type Error = Infallible;
+
+    fn blocks(&self) -> usize {
+        self.0.len()
+    }
+
+    fn block(&self, i: usize) -> Result<Cow<'_, [Run]>, Infallible> {
+        Ok(Cow::Owned(self.0[i].clone()))
+    }
+
+    fn window(&self) -> usize {
+        100
+    }
+}
+
+/// Runs of several lengths and of two or three segments; run 4 goes on where run 3 ends.
+fn runs(vessel: &Vessel) -> Vec<Run> {
+    let mut normals = Normals::new(9);
+    let lengths = [60, 45, 60, 90, 30, 45, 75, 60];
+    let run = |(i, samples): (usize, usize)| {
+        let part = part(vessel, samples, i, &mut normals, true);
+        let starts = [0, 20, 30].into_iter().filter(|start| *start < samples && (*start != 20 || i % 2 == 0));
+        let segments = starts.map(|start| Segment { maneuver: format!("from {start}"), start }).collect();
+        let initial = [0, 1, 2].map(|d| part.measured[d]);
+        let design = "measured".to_owned();
+        Run { design, run: i as i32, segments, exogenous: part.exogenous, measured: part.measured, initial }
+    };
+    let mut runs: Vec<Run> = lengths.into_iter().enumerate().map(run).collect();
+    let end: Vec<f64> = runs[3].measured[runs[3].measured.len() - 3..].to_vec();
+    runs[4].measured[..3].copy_from_slice(&end);
+    runs
+}
+
+#[test]
+fn law_runs_that_are_read_again_give_the_same_bits() {
+    let vessel = craft();
+    let runs = runs(&vessel);
+    let recordings: BTreeMap<i32, String> = [(1, "first"), (3, "second"), (4, "second"), (6, "first")]
+        .map(|(run, of)| (run, of.to_owned()))
+        .into();
+    let blocks = vec![runs[..3].to_vec(), runs[3..4].to_vec(), runs[4..].to_vec()];
+    let again = PooledRuns::of(Blocks(blocks), &recordings);
+    let (held, Ok(mut again)) = (PooledRuns::new(runs, &recordings), again);
+    let judgement = Judgement { bandwidth: None, replicates: 4, seed: 3 };
+    for (removal, part_samples) in
+        [(MeanRemoval::None, None), (MeanRemoval::Batch, None), (MeanRemoval::Complete, Some(25))]
+    {
+        let pool = Pool {
+            vessel: &vessel,
+            model: vessel.model.with_intercepts(),
+            removal,
+            strength: 0.0,
+            nominal: NominalModel::Known(vessel.nominal.clone()),
+            part_samples,
+            constant: Vec::new(),
+        };
+        for estimator in Estimator::POOLED {
+            let expected = estimate(&pool, &held, estimator, &judgement, &|_| ()).unwrap();
+            let found = estimate(&pool, &again, estimator, &judgement, &|_| ()).unwrap();
+            // Written out, so that every digit counts and what is no number equals itself.
+            assert_eq!(format!("{found:?}"), format!("{expected:?}"), "{estimator} {removal}");
+            assert_eq!(found.sources.len(), 6);
+            let resampled = found.degrees.iter().flat_map(|degree| &degree.parameters);
+            assert!(resampled.clone().count() > 0 && resampled.clone().all(|p| p.bootstrap_std.is_some()));
+        }
+    }
+    again.select(&["second".to_owned()], &["4".to_owned()]).unwrap();
+    assert_eq!((again.count(), again.samples()), (1, (90, 90)));
+}
