@@ -6,8 +6,11 @@ use crate::{MeanRemoval, Sums};
 #[derive(Clone, Debug)]
 pub struct Centring {
     removal: MeanRemoval,
-    parts: Arc<Vec<[Means; 3]>>,
+    parts: AllMeans,
 }
+
+/// The means of every part, or of all together.
+pub(super) type AllMeans = Arc<Vec<[Means; 3]>>;
 
 /// Means of one degree of freedom.
 #[derive(Clone, Debug, Default)]
@@ -19,7 +22,7 @@ pub(super) struct Means {
 
 impl Centring {
     /// With the means of every part, or of all together.
-    pub(super) fn of(removal: MeanRemoval, parts: Arc<Vec<[Means; 3]>>) -> Self {
+    pub(super) fn of(removal: MeanRemoval, parts: AllMeans) -> Self {
         Self { removal, parts }
     }
 

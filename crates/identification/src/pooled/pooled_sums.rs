@@ -1,6 +1,6 @@
 use std::sync::Arc;
 
-use super::centre::Means;
+use super::centre::{AllMeans, Means};
 use super::diagnosis::{diagnosed, unknown};
 use super::{Centring, DegreeFit, Diagnosis, Options, Solution, Status};
 use crate::solve::{Normal, NormalSums};
@@ -17,7 +17,7 @@ pub struct PooledSums {
     /// Per part, surge, sway and yaw: Σ φ and Σ Δy, which residuals are summed up from.
     ends: Vec<f64>,
     /// Of parts with intercepts of their own: their means, and the normal equations of all.
-    batch: Option<(Arc<Vec<[Means; 3]>>, [NormalSums; 3])>,
+    batch: Option<(AllMeans, [NormalSums; 3])>,
 }
 
 impl PooledSums {

@@ -11,7 +11,7 @@ pub enum KeptRuns {
     /// In memory.
     Held(Vec<Run>),
     /// In their file.
-    InFile(TrajectoryReader),
+    InFile(Box<TrajectoryReader>),
 }
 
 /// Most bytes of runs that are held in memory.
@@ -25,7 +25,7 @@ impl KeptRuns {
     pub fn new(reader: TrajectoryReader, layout: &Layout, most: f64) -> Result<Self, Error> {
         let (rows, _) = reader.rows();
         let few = rows as f64 * layout.run_bytes() <= HELD.min(most);
-        if few { reader.all().map(Self::Held) } else { Ok(Self::InFile(reader)) }
+        if few { reader.all().map(Self::Held) } else { Ok(Self::InFile(Box::new(reader))) }
     }
 }
 
