@@ -1,52 +1,34 @@
 //! `map.svg` comes from a file and goes onto the page as it is, so it may hold shapes and text only.
 
-/// Elements that a map may have.
-const ELEMENTS: [&str; 12] =
-    ["svg", "g", "title", "desc", "path", "rect", "circle", "ellipse", "line", "polyline", "polygon", "text"];
+/// Elements that a map may have: those that are written into one.
+const ELEMENTS: [&str; 8] = ["svg", "g", "title", "desc", "path", "rect", "circle", "text"];
 /// Attributes that it may have: none of them loads, links, runs or names anything.
-const ATTRIBUTES: [&str; 42] = [
+const ATTRIBUTES: [&str; 25] = [
     "aria-label",
     "cx",
     "cy",
     "d",
-    "dominant-baseline",
-    "dx",
     "dy",
     "fill",
     "fill-opacity",
-    "fill-rule",
     "font-family",
     "font-size",
-    "font-style",
     "font-weight",
     "height",
-    "letter-spacing",
-    "opacity",
-    "paint-order",
-    "points",
-    "preserveAspectRatio",
     "r",
     "role",
-    "rx",
-    "ry",
     "stroke",
     "stroke-dasharray",
     "stroke-linecap",
     "stroke-linejoin",
-    "stroke-miterlimit",
     "stroke-opacity",
     "stroke-width",
     "text-anchor",
     "transform",
-    "vector-effect",
     "viewBox",
     "width",
     "x",
-    "x1",
-    "x2",
     "y",
-    "y1",
-    "y2",
 ];
 const NAMESPACE: &str = "http://www.w3.org/2000/svg";
 
