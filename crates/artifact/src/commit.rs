@@ -2,6 +2,7 @@
 
 use std::collections::BTreeSet;
 use std::fs::{self, File};
+use std::io;
 use std::path::{Path, PathBuf};
 
 use crate::document::{Document, stage_set_document};
@@ -63,14 +64,15 @@ fn commit_set(files: Vec<Staged>) -> Result<()> {
     flush(folder);
     let mut replaced: Vec<Replaced> = Vec::new();
     for file in files {
-        let before = Replaced::keep(file.path());
-        if let Err(failure) = file.rename() {
-            // Without the journal first: nobody may go on with what is being taken back.
-            let _ = fs::remove_file(&journal);
-            replaced.into_iter().rev().for_each(Replaced::restore);
-            return Err(failure);
+        match Replaced::keep(file.path()).and_then(|before| file.rename().map(|()| before)) {
+            Ok(before) => replaced.push(before),
+            Err(failure) => {
+                // Without the journal first: nobody may go on with what is being taken back.
+                let _ = fs::remove_file(&journal);
+                replaced.into_iter().rev().for_each(Replaced::restore);
+                return Err(failure);
+            }
         }
-        replaced.push(before);
     }
     let _ = fault::point("forget");
     let _ = fs::remove_file(journal);
@@ -85,14 +87,20 @@ struct Replaced {
 }
 
 impl Replaced {
-    fn keep(target: &Path) -> Self {
+    fn keep(target: &Path) -> Result<Self> {
         let name = target.file_name().unwrap_or_default().to_string_lossy();
         let other = folder_of(target).join(format!("{UNFINISHED}old-{name}"));
         let _ = fs::remove_file(&other);
         // A second name costs nothing; where the file system knows none, a copy does.
-        let kept =
-            fs::hard_link(target, &other).is_ok() || target.is_file() && fs::copy(target, &other).is_ok();
-        Self { target: target.to_owned(), kept: kept.then_some(other) }
+        let copied = |_| fs::copy(target, &other).map(drop);
+        let kept = fault::point("keep").and_then(|()| fs::hard_link(target, &other).or_else(copied));
+        let kept = match kept {
+            Ok(()) => Some(other),
+            Err(error) if error.kind() == io::ErrorKind::NotFound => None,
+            // What cannot be given back must not be taken.
+            Err(error) => return Err(Error::io(target, "replace", error)),
+        };
+        Ok(Self { target: target.to_owned(), kept })
     }
 
     /// Gives the name back.
@@ -126,6 +134,7 @@ fn refuse_same_targets(files: &[Staged]) -> Result<()> {
 /// Flushes the new name to the disk where the system knows how; elsewhere the name may be lost in
 /// a power cut, but never half a file.
 fn flush(folder: &Path) {
+    let _ = fault::point("flush the folder");
     if let Ok(folder) = File::open(folder) {
         let _ = folder.sync_all();
     }

@@ -125,6 +125,7 @@ fn append_chunks(
 }
 
 fn patch(file: &mut File, at: u64, text: &str) -> io::Result<()> {
+    fault::point("seal")?;
     file.seek(SeekFrom::Start(at))?;
     file.write_all(text.as_bytes())
 }

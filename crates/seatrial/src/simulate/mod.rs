@@ -132,7 +132,7 @@ fn check_maneuvers(maneuvers: &Maneuvers, files: &Files, out: &Path) -> Result<(
     check_room(work, [all as f64, block as f64, written as f64], maneuvers.vessel(), out)
 }
 
-/// Simulates the runs of `shard` (or all) into `out`.
+/// Simulates the runs of `shard` (or all) into `out`; how many they are.
 ///
 /// # Errors
 /// A simulation that diverges; output that fails.
@@ -142,12 +142,12 @@ pub fn write_campaign(
     out: &Path,
     provenance: &Provenance,
     quiet: bool,
-) -> Result<(), Failure> {
+) -> Result<usize, Failure> {
     let (layout, mut writer) = writer(out, campaign.vessel(), provenance)?;
     let blocks = blocks(campaign);
     let mine = provenance.shard.as_ref().map_or(0..blocks.len(), |s: &Shard| s.range(blocks.len()));
-    let progress =
-        Progress::new("runs", blocks[mine.clone()].iter().map(|(_, runs)| runs.len()).sum(), quiet);
+    let runs = blocks[mine.clone()].iter().map(|(_, runs)| runs.len()).sum();
+    let progress = Progress::new("runs", runs, quiet);
     let work = |i: usize| {
         let (design, runs) = blocks[i].clone();
         progress.advance(runs.len());
@@ -155,7 +155,7 @@ pub fn write_campaign(
         encoded(&layout, campaign.vessel(), &runs)
     };
     ordered(mine, work, |block| Ok(writer.push(block)?))?;
-    Ok(commit(vec![writer.finish()?])?)
+    Ok(commit(vec![writer.finish()?]).map(|()| runs)?)
 }
 
 /// Runs of one design that are written together.
