@@ -3,6 +3,7 @@
 use crate::ends::{ends, start, wait};
 use crate::grounds::all;
 use crate::places::{Place, unsealed};
+use crate::support::craft;
 
 /// A damaged input.
 struct Case {
@@ -16,7 +17,7 @@ struct Case {
     says: &'static [&'static str],
 }
 
-const CORPUS: [Case; 2] = [
+const CORPUS: [Case; 3] = [
     // It said: expected usize.
     Case {
         line: "plan --problem",
@@ -35,6 +36,15 @@ const CORPUS: [Case; 2] = [
         code: 3,
         says: &["found the number -32768", "expected a table"],
     },
+    // It said: expected f64.
+    Case {
+        line: "plan --vessel",
+        file: "land.geojson",
+        from: "[24.998, 59.999]",
+        to: "[\"FeatureCollection\", 59.999]",
+        code: 3,
+        says: &["found invalid type: string \"FeatureCollection\" at line"],
+    },
 ];
 
 #[test]
@@ -49,5 +59,45 @@ fn what_was_a_fault_once_is_none() {
         assert_eq!(ends(&place, &line), Ok(case.code), "{line}: {}", case.to);
         let told = wait(&place, start(&place, &line, "")).told;
         assert!(case.says.iter().all(|piece| told.contains(piece)), "{told}");
+    }
+}
+
+/// Values of a table whose squares are infinite; what blamed the output for them blames the table.
+#[test]
+fn magnitudes_that_no_ship_has_are_put_down_to_the_table() {
+    let column = |name: &'static str, value: f64| {
+        move |whole: &mut craft::Whole| {
+            let i = whole.schema.columns.iter().position(|column| column.name == name).unwrap();
+            let place = &mut whole.blocks[0].columns[i];
+            *place = artifact::Column::nullable_f64(vec![value; place.len()], vec![true; place.len()]);
+        }
+    };
+    let cases: [(&str, &str, &str, Box<dyn Fn(&mut craft::Whole)>); 3] = [
+        ("validate cross", "campaign.parquet", "trajectories", Box::new(column("y_u", 1e200))),
+        (
+            "estimate --vessel vessel.toml --gather",
+            "estimates-2.parquet",
+            "estimates",
+            Box::new(column("X_u_se", -1e300)),
+        ),
+        (
+            "validate --vessel vessel.toml --campaign campaign.toml --validation",
+            "scores-2.parquet",
+            "scores",
+            Box::new(column("rmse_u", 1e200)),
+        ),
+    ];
+    for (line, file, kind, change) in cases {
+        let (ground, stage) = all().into_iter().find(|(_, stage)| stage.line.starts_with(line)).unwrap();
+        let place = Place::on(ground);
+        let path = place.path().join(file);
+        let mut whole = craft::read(&path, kind);
+        change(&mut whole);
+        std::fs::remove_file(&path).unwrap();
+        whole.write(&path);
+        let line = stage.line_into("out/");
+        assert_eq!(ends(&place, &line), Ok(3), "{line}");
+        let told = wait(&place, start(&place, &line, "")).told;
+        assert!(told.contains(file) && told.contains("magnitudes up to 1e"), "{told}");
     }
 }

@@ -237,7 +237,7 @@ pub fn ends(place: &Place, line: &str) -> Result<i32, Fault> {
 
 /// What is wrong with the words of a refusal.
 fn badly_said(code: i32, told: &str) -> Option<&'static str> {
-    const TYPES: [&str; 8] = ["::", "Some(", "Err(", "Ok(", "u64", "usize", "u32", "expected struct"];
+    const TYPES: [&str; 8] = ["::", "Some(", "Err(", "Ok(", "u64", "usize", "u32", ", expected struct"];
     let parts = [": found ", ", expected ", "; "];
     if !matches!(code, 3 | 4) {
         None
