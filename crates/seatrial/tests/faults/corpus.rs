@@ -1,5 +1,7 @@
 //! Damage that was a fault once: it stays refused, and in plain words.
 
+use artifact::Column;
+
 use crate::ends::{ends, start, wait};
 use crate::grounds::all;
 use crate::places::{Place, unsealed};
@@ -65,34 +67,24 @@ fn what_was_a_fault_once_is_none() {
 /// Values of a table whose squares are infinite; what blamed the output for them blames the table.
 #[test]
 fn magnitudes_that_no_ship_has_are_put_down_to_the_table() {
-    let column = |name: &'static str, value: f64| {
-        move |whole: &mut craft::Whole| {
-            let i = whole.schema.columns.iter().position(|column| column.name == name).unwrap();
-            let place = &mut whole.blocks[0].columns[i];
-            *place = artifact::Column::nullable_f64(vec![value; place.len()], vec![true; place.len()]);
-        }
-    };
-    let cases: [(&str, &str, &str, Box<dyn Fn(&mut craft::Whole)>); 3] = [
-        ("validate cross", "campaign.parquet", "trajectories", Box::new(column("y_u", 1e200))),
+    for (line, file, kind, column, value) in [
+        ("validate cross", "campaign.parquet", "trajectories", "y_u", 1e200),
+        ("estimate --vessel vessel.toml --gather", "estimates-2.parquet", "estimates", "X_u_se", -1e300),
         (
-            "estimate --vessel vessel.toml --gather",
-            "estimates-2.parquet",
-            "estimates",
-            Box::new(column("X_u_se", -1e300)),
-        ),
-        (
-            "validate --vessel vessel.toml --campaign campaign.toml --validation",
+            "validate --vessel vessel.toml --campaign campaign.toml --val",
             "scores-2.parquet",
             "scores",
-            Box::new(column("rmse_u", 1e200)),
+            "rmse_u",
+            1e200,
         ),
-    ];
-    for (line, file, kind, change) in cases {
+    ] {
         let (ground, stage) = all().into_iter().find(|(_, stage)| stage.line.starts_with(line)).unwrap();
         let place = Place::on(ground);
         let path = place.path().join(file);
         let mut whole = craft::read(&path, kind);
-        change(&mut whole);
+        let i = whole.schema.columns.iter().position(|c| c.name == column).unwrap();
+        let damaged = &mut whole.blocks[0].columns[i];
+        *damaged = Column::nullable_f64(vec![value; damaged.len()], vec![true; damaged.len()]);
         std::fs::remove_file(&path).unwrap();
         whole.write(&path);
         let line = stage.line_into("out/");

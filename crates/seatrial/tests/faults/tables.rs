@@ -29,7 +29,7 @@ pub fn damaged(draw: &mut Draw, name: &str, bytes: &[u8]) -> Vec<u8> {
         return damaged_bytes(draw, unsealed(bytes));
     }
     change(draw, &mut whole);
-    if whole.blocks.iter().flat_map(|block| &block.columns).any(|column| column.len() == 0)
+    if whole.blocks.iter().flat_map(|block| &block.columns).any(|column| column.is_empty())
         || whole.blocks.is_empty()
         || whole.schema.columns.is_empty()
         || draw.below(2) == 0
