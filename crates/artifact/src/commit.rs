@@ -2,7 +2,6 @@
 
 use std::collections::BTreeSet;
 use std::fs::{self, File};
-use std::io;
 use std::path::{Path, PathBuf};
 
 use crate::document::{Document, stage_set_document};
@@ -91,16 +90,15 @@ impl Replaced {
         let name = target.file_name().unwrap_or_default().to_string_lossy();
         let other = folder_of(target).join(format!("{UNFINISHED}old-{name}"));
         let _ = fs::remove_file(&other);
+        if !target.is_file() {
+            return Ok(Self { target: target.to_owned(), kept: None });
+        }
+        let kept = Self { target: target.to_owned(), kept: Some(other.clone()) };
         // A second name costs nothing; where the file system knows none, a copy does.
         let copied = |_| fs::copy(target, &other).map(drop);
-        let kept = fault::point("keep").and_then(|()| fs::hard_link(target, &other).or_else(copied));
-        let kept = match kept {
-            Ok(()) => Some(other),
-            Err(error) if error.kind() == io::ErrorKind::NotFound => None,
-            // What cannot be given back must not be taken.
-            Err(error) => return Err(Error::io(target, "replace", error)),
-        };
-        Ok(Self { target: target.to_owned(), kept })
+        let done = fault::point("keep").and_then(|()| fs::hard_link(target, &other).or_else(copied));
+        // What cannot be given back must not be taken.
+        done.map(|()| kept).map_err(|e| Error::io(target, "replace", e))
     }
 
     /// Gives the name back.
