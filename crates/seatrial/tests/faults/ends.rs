@@ -58,6 +58,8 @@ pub struct Tally {
     pub faults: u64,
     /// How the cases ended.
     pub codes: BTreeMap<i32, u64>,
+    /// Cases that were stopped at long work that tells its end.
+    pub at_work: u64,
     /// After how many faults the old files were there, and the new.
     pub left: [u64; 2],
     pub wrong: Vec<Fault>,
@@ -69,6 +71,7 @@ static ALL: Mutex<Tally> = Mutex::new(Tally {
     cases: 0,
     faults: 0,
     codes: BTreeMap::new(),
+    at_work: 0,
     left: [0; 2],
     wrong: Vec::new(),
     seconds: 0.0,
@@ -80,6 +83,7 @@ impl Tally {
         self.faults += other.faults;
         self.seconds += other.seconds;
         self.wrong.extend(other.wrong.iter().cloned());
+        self.at_work += other.at_work;
         self.left = [0, 1].map(|i| self.left[i] + other.left[i]);
         for (code, count) in &other.codes {
             *self.codes.entry(*code).or_default() += count;
@@ -90,6 +94,7 @@ impl Tally {
     pub fn case(&mut self, name: &str, ended: Result<i32, Fault>) {
         self.cases += 1;
         match ended {
+            Ok(AT_WORK) => self.at_work += 1,
             Ok(code) => *self.codes.entry(code).or_default() += 1,
             Err(fault) => self.wrong(name, fault),
         }
@@ -130,8 +135,7 @@ impl fmt::Display for Tally {
         }
         let [old, new] = self.left;
         let rate = (self.cases + self.faults) as f64 / self.seconds.max(1e-9);
-        let at_work = self.codes.get(&AT_WORK).unwrap_or(&0);
-        write!(f, "; {at_work} stopped at long work that says how long")?;
+        write!(f, "; {} stopped at long work that says how long", self.at_work)?;
         write!(f, "; exit codes {:?}; {old} times all old, {new} times all new", self.codes)?;
         write!(f, "; {:.0} s, {rate:.0} a second", self.seconds)
     }
