@@ -63,14 +63,15 @@ fn commit_set(files: Vec<Staged>) -> Result<()> {
     flush(folder);
     let mut replaced: Vec<Replaced> = Vec::new();
     for file in files {
-        let before = Replaced::keep(file.path());
-        if let Err(failure) = file.rename() {
-            // Without the journal first: nobody may go on with what is being taken back.
-            let _ = fs::remove_file(&journal);
-            replaced.into_iter().rev().for_each(Replaced::restore);
-            return Err(failure);
+        match Replaced::keep(file.path()).and_then(|before| file.rename().map(|()| before)) {
+            Ok(before) => replaced.push(before),
+            Err(failure) => {
+                // Without the journal first: nobody may go on with what is being taken back.
+                let _ = fs::remove_file(&journal);
+                replaced.into_iter().rev().for_each(Replaced::restore);
+                return Err(failure);
+            }
         }
-        replaced.push(before);
     }
     let _ = fault::point("forget");
     let _ = fs::remove_file(journal);
@@ -85,14 +86,19 @@ struct Replaced {
 }
 
 impl Replaced {
-    fn keep(target: &Path) -> Self {
+    fn keep(target: &Path) -> Result<Self> {
         let name = target.file_name().unwrap_or_default().to_string_lossy();
         let other = folder_of(target).join(format!("{UNFINISHED}old-{name}"));
         let _ = fs::remove_file(&other);
+        if !target.is_file() {
+            return Ok(Self { target: target.to_owned(), kept: None });
+        }
+        let kept = Self { target: target.to_owned(), kept: Some(other.clone()) };
         // A second name costs nothing; where the file system knows none, a copy does.
-        let kept =
-            fs::hard_link(target, &other).is_ok() || target.is_file() && fs::copy(target, &other).is_ok();
-        Self { target: target.to_owned(), kept: kept.then_some(other) }
+        let copied = |_| fs::copy(target, &other).map(drop);
+        let done = fault::point("keep").and_then(|()| fs::hard_link(target, &other).or_else(copied));
+        // What cannot be given back must not be taken.
+        done.map(|()| kept).map_err(|e| Error::io(target, "replace", e))
     }
 
     /// Gives the name back.
@@ -126,6 +132,7 @@ fn refuse_same_targets(files: &[Staged]) -> Result<()> {
 /// Flushes the new name to the disk where the system knows how; elsewhere the name may be lost in
 /// a power cut, but never half a file.
 fn flush(folder: &Path) {
+    let _ = fault::point("flush the folder");
     if let Ok(folder) = File::open(folder) {
         let _ = folder.sync_all();
     }

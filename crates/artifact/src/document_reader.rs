@@ -5,6 +5,7 @@ use std::io::Cursor;
 use std::path::Path;
 
 use refusal::strictly;
+use serde::de::DeserializeOwned;
 use serde_json::error::Category;
 
 use crate::complaint::Complaint;
@@ -36,6 +37,20 @@ pub fn read_document<D: Document>(path: impl AsRef<Path>) -> Result<Loaded<D>> {
     let loaded = envelope.loaded(digest);
     loaded.data.check().map_err(|invalid| Error::invalid(path, invalid))?;
     Ok(loaded)
+}
+
+/// Reads a hand-written JSON file.
+///
+/// # Errors
+/// [`Error::Io`] if it cannot be read; [`Error::Refused`] if it is not JSON, or has unknown, missing, doubled or mistyped keys.
+pub fn read_json<T: DeserializeOwned>(path: impl AsRef<Path>) -> Result<(T, Digest)> {
+    let path = path.as_ref();
+    let bytes = std::fs::read(path).map_err(|e| Error::io(path, "read", e))?;
+    let digest = Digest::of_bytes(&bytes);
+    let text = text_of(path, bytes)?;
+    let mut reader = serde_json::Deserializer::from_str(&text);
+    let parsed = strictly(&mut reader).and_then(|parsed| reader.end().map(|()| parsed));
+    Ok((parsed.map_err(|e| refusal(path, &text, &e))?, digest))
 }
 
 /// The text of a document, and what it says of its kind.
@@ -108,7 +123,7 @@ pub(crate) fn refusal(path: &Path, text: &str, error: &serde_json::Error) -> Err
             Complaint { path, line: Some(line), key, message }.refusal()
         }
         _ => {
-            let found = format!("{message} (line {line})");
+            let found = format!("{message} (line {line}, column {})", error.column());
             let remedy = "the file is truncated or damaged: write it again";
             Error::refuse(path, "JSON", found, "a whole JSON document", remedy)
         }

@@ -19,7 +19,7 @@ pub fn inject(fault: Fault, count: u32) {
     let _ = (fault, count);
 }
 
-/// A place: `create`, `write`, `flush`, `rename`, `forget`.
+/// A place: `create`, `write`, `seal`, `flush`, `keep`, `rename`, `forget`.
 #[cfg(debug_assertions)]
 pub(crate) fn point(name: &str) -> io::Result<()> {
     match place::next() {

@@ -77,7 +77,7 @@ pub use self::commit::{commit, commit_with_document};
 pub use columns::{Column, FloatColumn, IntegerColumn, Labels, Table, TextColumn};
 pub use digest::{Digest, Digesting};
 pub use document::{Document, Loaded, Units, json_schema, stage_document, stage_set_document, units};
-pub use document_reader::read_document;
+pub use document_reader::{read_document, read_json};
 pub use encode::{EncodedBlock, encode_block};
 pub use error::{Error, Result};
 pub use foreign::ForeignTable;

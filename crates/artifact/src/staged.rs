@@ -99,9 +99,8 @@ fn create_held(target: &Path) -> Result<NamedTempFile> {
     }
     loop {
         // The error's own text names the temporary file, which tells the user nothing: keep its kind.
-        let created = fault::point("create").and_then(|()| builder.tempfile_in(folder));
-        let file = created.map_err(|e| Error::io(target, "create", e.kind().into()))?;
-        unfinished::note(file.path());
+        let create = || fault::point("create").and_then(|()| builder.tempfile_in(folder));
+        let file = unfinished::noted(create).map_err(|e| Error::io(target, "create", e.kind().into()))?;
         match file.as_file().try_lock() {
             // Another process took it for a leftover before it was locked.
             Err(TryLockError::WouldBlock) => {}

@@ -133,7 +133,7 @@ impl TableReader {
     }
 
     /// The path, for messages.
-    pub(crate) fn path(&self) -> &Path {
+    pub fn path(&self) -> &Path {
         &self.path
     }
 

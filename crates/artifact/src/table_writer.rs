@@ -164,6 +164,7 @@ fn append_columns(
 }
 
 fn patch(file: &mut File, at: u64, text: &str) -> io::Result<()> {
+    fault::point("seal")?;
     file.seek(SeekFrom::Start(at))?;
     file.write_all(text.as_bytes())
 }

@@ -2,8 +2,11 @@
 
 use std::collections::BTreeSet;
 use std::fs;
+use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use tempfile::NamedTempFile;
 
 /// Files that were created here; some have got their names since, or are gone.
 static CREATED: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
@@ -27,9 +30,12 @@ pub fn abandon() {
     std::mem::forget(created);
 }
 
-/// Notes a file that is to be removed if the process is told to end.
-pub(crate) fn note(path: &Path) {
-    lock(&CREATED).insert(path.to_owned());
+/// Notes the file that `create` creates, which is to be removed if the process is told to end: not between the two.
+pub(crate) fn noted(create: impl FnOnce() -> io::Result<NamedTempFile>) -> io::Result<NamedTempFile> {
+    let mut created = lock(&CREATED);
+    let file = create()?;
+    created.insert(file.path().to_owned());
+    Ok(file)
 }
 
 /// A set is getting its names for as long as this is held.

@@ -189,7 +189,7 @@ fn features(text: &str) -> Result<Vec<Feature>, Invalid> {
     let geojson: GeoJson = text.parse().map_err(|e: geojson::Error| {
         Invalid::new(
             "GeoJSON",
-            e.to_string(),
+            plain(&e.to_string()),
             "a whole FeatureCollection",
             "export or download the file again",
         )
@@ -204,6 +204,14 @@ fn features(text: &str) -> Result<Vec<Feature>, Invalid> {
     };
     check_crs(members.as_ref())?;
     Ok(features)
+}
+
+/// A message about GeoJSON without what was expected instead, which it says in words of the programming language.
+fn plain(message: &str) -> String {
+    let message = message.trim_start_matches("Error while deserializing GeoJSON: ");
+    let (found, rest) = message.split_once(", expected ").unwrap_or((message, ""));
+    let place = rest.rfind(" at line ").map_or("", |at| &rest[at..]);
+    format!("{found}{place}")
 }
 
 fn check_crs(members: Option<&JsonObject>) -> Result<(), Invalid> {

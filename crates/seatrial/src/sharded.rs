@@ -29,13 +29,18 @@ impl<R: Send + 'static> Made<R> {
         shards: &[PathBuf],
         [out, document]: [&Path; 2],
         columns: &Columns<R>,
-        rows: impl FnOnce(&TableReader) -> Result<Vec<R>, Error>,
+        rows: impl Fn(&TableReader) -> Result<Vec<R>, Error>,
     ) -> Result<Self, Failure> {
         let schema = columns.schema();
         let table = gather(shards, out, Some(document), schema.id, schema.version)?;
-        let reader = TableReader::open(table.temporary(), schema.id, schema.version)?;
-        reader.require(&schema.columns)?;
-        Ok(Self { rows: rows(&reader)?, provenance: reader.provenance().clone(), table })
+        // Read from the shards: a refusal names the one at fault.
+        let open = |path: &PathBuf| TableReader::open(path, schema.id, schema.version);
+        let mut readers = shards.iter().map(open).collect::<Result<Vec<_>, _>>()?;
+        readers.sort_by_key(|reader| reader.provenance().shard);
+        readers.iter().try_for_each(|reader| reader.require(&schema.columns))?;
+        let all = readers.iter().map(rows).collect::<Result<Vec<_>, _>>()?.into_iter().flatten().collect();
+        let first = readers.first().map(|reader| reader.provenance().clone()).unwrap_or_default();
+        Ok(Self { rows: all, provenance: Provenance { shard: None, ..first }, table })
     }
 
     /// Computes the rows of every block of this shard in parallel. The whole table names the document that [`publish`] puts

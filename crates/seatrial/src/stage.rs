@@ -31,8 +31,7 @@ pub struct Summary {
 impl Summary {
     /// That `out` is written, and what about it: `said` to people, the entries of `told` to programs.
     pub fn of(out: &Path, said: impl Display, told: Value) -> Self {
-        // A name that is no text is told as well as text can.
-        let mut json = json!({"out": out.display().to_string()});
+        let mut json = json!({"out": out.to_string_lossy()});
         if let (Value::Object(all), Value::Object(own)) = (&mut json, told) {
             all.extend(own);
         }

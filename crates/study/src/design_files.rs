@@ -3,15 +3,15 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use artifact::{Digest, Error, Provenance, read_document, read_toml};
+use artifact::{Digest, Error, Provenance, read_document, read_json, read_toml};
 use design::Stock;
-use refusal::{check_numbers, strictly};
+use refusal::check_numbers;
 use serde::Deserialize;
 use trial::refining::{STATES, StatedLimits};
 use vessel::Invalid;
 
 use crate::documents::IngestDocument;
-use crate::{invalid, refuse};
+use crate::invalid;
 
 /// `weights.toml`: parameter → weight of its variance.
 #[derive(Clone, Debug, Deserialize)]
@@ -63,24 +63,13 @@ pub fn read_stock(path: &Path, maneuvers: &[String], provenance: &mut Provenance
 }
 
 fn stock_of_json(path: &Path) -> Result<(Stock, Digest), Error> {
-    let bytes = std::fs::read(path).map_err(|source| Error::io(path, "read", source))?;
-    let refused = |e: serde_json::Error| {
-        refuse(
-            path,
-            &format!("line {}", e.line()),
-            e.to_string().lines().next().unwrap_or_default(),
-            "{\"seconds\": {maneuver: number}, \"segments\": {maneuver: whole number}}",
-            "correct it",
-        )
-    };
-    let value: serde_json::Value = serde_json::from_slice(&bytes).map_err(refused)?;
+    let (value, digest) = read_json::<serde_json::Value>(path)?;
     if value.get("schema").is_some() {
         let loaded = read_document::<IngestDocument>(path)?;
         let segments = loaded.data.maneuvers.into_iter().map(|m| (m.name, m.segments)).collect();
         return Ok((Stock { seconds: BTreeMap::new(), segments }, loaded.digest));
     }
-    let stock = strictly(&mut serde_json::Deserializer::from_slice(&bytes)).map_err(refused)?;
-    Ok((stock, Digest::of_bytes(&bytes)))
+    Ok((read_json::<Stock>(path)?.0, digest))
 }
 
 fn check_stock(stock: &Stock, maneuvers: &[String]) -> Result<(), Invalid> {

@@ -9,7 +9,7 @@ use vessel::DegreeOfFreedom;
 pub use identification::RunScore as Row;
 
 use crate::documents::{Bounds, DesignScores, EstimatorScores};
-use crate::estimates::distinct;
+use crate::estimates::{distinct, implausible, is_error};
 
 /// Schema id of scores.
 pub const ID: &str = "scores";
@@ -44,7 +44,7 @@ pub fn columns() -> Columns<Row> {
 /// Reads the whole table.
 ///
 /// # Errors
-/// Missing columns, damaged blocks.
+/// Missing columns, damaged blocks; scores that are none.
 pub fn rows(reader: &TableReader) -> Result<Vec<Row>, Error> {
     let blank = Row {
         design: String::new(),
@@ -55,7 +55,14 @@ pub fn rows(reader: &TableReader) -> Result<Vec<Row>, Error> {
         rmse: [None; 3],
         simulation_error: None,
     };
-    columns().read(reader, &blank)
+    let rows = columns().read(reader, &blank)?;
+    for (number, row) in rows.iter().enumerate() {
+        let scores = row.rmse.into_iter().chain([row.parameter_error, row.simulation_error]).flatten();
+        if let Some(value) = scores.into_iter().find(|score| !is_error(*score)) {
+            return Err(implausible(reader.path(), number, value));
+        }
+    }
+    Ok(rows)
 }
 
 /// The estimators of `rows`, in their order.

@@ -149,7 +149,7 @@ fn a_truncated_document_is_told_with_its_line() {
     let text = std::fs::read_to_string(&path).unwrap();
     std::fs::write(&path, &text[..text.len() / 2]).unwrap();
     let line = refusal(read_document::<Design>(&path));
-    assert!(line.contains("JSON: found EOF while parsing") && line.contains("(line 10)"), "{line}");
+    assert!(line.contains("JSON: found EOF while parsing") && line.contains("(line 10, column"), "{line}");
     assert!(line.contains("the file is truncated or damaged"), "{line}");
     std::fs::write(&path, b"{\n\"schema\": \"\xff\"}").unwrap();
     assert!(refusal(read_document::<Design>(&path)).contains("found a byte that is not UTF-8 (line 2)"));

@@ -135,7 +135,7 @@ impl Arguments {
 /// The estimates of all shards.
 fn gathered(shards: &[PathBuf], vessel: &Vessel, out: [&Path; 2]) -> Result<Made<Row>, Failure> {
     Made::gathered(shards, out, &estimates::columns(vessel), |reader| {
-        let blocks = (0..reader.blocks()).map(|i| estimates::rows(reader, vessel, out[0], i));
+        let blocks = (0..reader.blocks()).map(|i| estimates::rows(reader, vessel, reader.path(), i));
         Ok(blocks.collect::<Result<Vec<_>, _>>()?.concat())
     })
 }

@@ -256,8 +256,8 @@ fn disturbed(
     provenance: &Provenance,
     common: &Common,
 ) -> Result<Summary, Failure> {
-    write_campaign(campaign, files, out, provenance, common.quiet)?;
-    let (runs, samples) = (campaign.runs(), campaign.samples());
+    let runs = write_campaign(campaign, files, out, provenance, common.quiet)?;
+    let samples = campaign.samples();
     let part = provenance.shard.map_or(String::new(), |s: Shard| format!(", shard {s}"));
     let told = json!({"runs": runs, "samples": samples});
     Ok(Summary::of(out, format!("{runs} runs of {samples} samples{part}"), told))

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use artifact::{Digest, Error, Provenance, commit, stage_document};
+use artifact::{Provenance, commit, read_json, stage_document};
 use lattice::{ProblemFile, plan};
 use serde_json::json;
 use study::documents::{PlanDocument, PlanStatus};
@@ -23,13 +23,7 @@ pub fn plan_problem(
     limits: &Limits,
     mut provenance: Provenance,
 ) -> Result<Summary, Failure> {
-    let bytes = std::fs::read(file).map_err(|e| Error::io(file, "read", e))?;
-    let mut reader = serde_json::Deserializer::from_slice(&bytes);
-    let parsed = <ProblemFile as serde::Deserialize>::deserialize(&mut reader)
-        .and_then(|parsed| reader.end().map(|()| parsed))
-        .map_err(|e| {
-            Failure::refuse(file, "file", &e.to_string(), "a lattice problem in JSON", "correct it")
-        })?;
+    let (parsed, digest) = read_json::<ProblemFile>(file)?;
     let demand = parsed.demand();
     if demand.bytes() > u128::from(limits.memory_bytes) {
         return Err(too_large(file, &demand));
@@ -39,7 +33,7 @@ pub fn plan_problem(
     let solution =
         plan(&problem, &limits.options(), &mut *limits.watch()).map_err(|why| no_plan(file, &why))?;
     let document = of_problem(&problem, &solution);
-    provenance.inputs.insert("problem".into(), Digest::of_bytes(&bytes));
+    provenance.inputs.insert("problem".into(), digest);
     commit(vec![stage_document(out, &provenance, &document)?])?;
     let PlanDocument { status, cost, lower_bound, gap, .. } = &document;
     let steps = document.steps.len();

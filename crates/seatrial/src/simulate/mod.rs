@@ -135,7 +135,7 @@ fn check_maneuvers(maneuvers: &Maneuvers, files: &Files, out: &Path) -> Result<(
     check_room(work, [all as f64, block as f64, written as f64], maneuvers.vessel(), out)
 }
 
-/// Simulates the runs of `shard` (or all) into `out`.
+/// Simulates the runs of `shard` (or all) into `out`; how many they are.
 ///
 /// # Errors
 /// A simulation that diverges; output that fails.
@@ -145,11 +145,11 @@ pub fn write_campaign(
     out: &Path,
     provenance: &Provenance,
     quiet: bool,
-) -> Result<(), Failure> {
+) -> Result<usize, Failure> {
     let (layout, mut writer) = writer(out, campaign.vessel(), provenance)?;
     let blocks = blocks(campaign);
     let mine = provenance.shard.as_ref().map_or(0..blocks.len(), |s: &Shard| s.range(blocks.len()));
-    let runs: usize = blocks[mine.clone()].iter().map(|(_, runs)| runs.len()).sum();
+    let runs = blocks[mine.clone()].iter().map(|(_, runs)| runs.len()).sum();
     let rows = runs as f64 * campaign.samples() as f64;
     let progress = Progress::new("runs", runs, quiet).foretold(rows / SIMULATED_PER_SECOND);
     let work = |i: usize| {
@@ -159,7 +159,7 @@ pub fn write_campaign(
         encoded(&layout, campaign.vessel(), &runs)
     };
     ordered(mine, work, |block| Ok(writer.push(block)?))?;
-    Ok(commit(vec![writer.finish()?])?)
+    Ok(commit(vec![writer.finish()?]).map(|()| runs)?)
 }
 
 /// Runs of one design that are written together.

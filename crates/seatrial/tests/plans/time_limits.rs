@@ -88,6 +88,7 @@ fn law_a_stopped_search_brackets_the_optimum() {
                 Some("optimal") => assert!((number("cost") - optimum).abs() < 1e-6, "{ran}"),
                 Some("feasible") => {
                     assert!(plan["statement"].as_str().unwrap().starts_with("Not proved"), "{ran}");
+                    assert!(ran.stdout.contains("feasible (at most "), "no gap: {ran}");
                     stopped += 1;
                 }
                 other => panic!("{other:?}{ran}"),

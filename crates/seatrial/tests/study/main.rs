@@ -9,8 +9,6 @@ mod criteria;
 mod documents;
 mod estimates;
 mod estimators;
-mod faults;
-mod fuzz;
 mod generated;
 mod golden;
 mod in_memory;

@@ -119,11 +119,6 @@ pub fn with(names: &[&str]) -> TempDir {
     study().with(names)
 }
 
-/// How many damaged inputs are tried in all, and a fortieth of it runs killed; `make faults CASES=100000` asks for more.
-pub fn cases() -> u32 {
-    std::env::var("SEATRIAL_CASES").ok().and_then(|cases| cases.parse().ok()).unwrap_or(2000)
-}
-
 /// Writes a file.
 pub fn put(folder: &TempDir, name: &str, text: &str) {
     fs::write(folder.path().join(name), text).unwrap();
@@ -271,7 +266,7 @@ pub fn refused(folder: &TempDir, code: i32, line: &str, pieces: &[&str]) {
 }
 
 /// `label: done of all, about n s left`.
-fn is_progress(line: &str) -> bool {
+pub fn is_progress(line: &str) -> bool {
     let counted = line.split_once(", about ").map_or(line, |(counted, _)| counted);
     let counts = counted.rsplit_once(": ").and_then(|(_, counts)| counts.split_once(" of "));
     counts.is_some_and(|(done, all)| [done, all].iter().all(|n| n.parse::<u64>().is_ok()))

@@ -85,15 +85,39 @@ pub fn rows(reader: &TableReader, vessel: &Vessel, file: &Path, i: usize) -> Res
     };
     let mut rows = columns(vessel).read_block(reader, i, &blank)?;
     for (number, row) in rows.iter_mut().enumerate() {
-        let whole =
-            |(theta, se): &(Vec<f64>, Vec<f64>)| theta.iter().chain(se).all(|value| value.is_finite());
         if !row.status.estimated() {
             row.estimate = None;
-        } else if !row.estimate.as_ref().is_some_and(whole) {
+        }
+        let Some((theta, se)) = &row.estimate else { continue };
+        if theta.iter().chain(se).any(|value| !value.is_finite()) {
             return Err(incomplete(file, number));
+        }
+        let no_estimate = theta.iter().find(|value| value.abs() > MOST);
+        if let Some(value) = no_estimate.or(se.iter().find(|se| !is_error(**se))) {
+            return Err(implausible(file, number, *value));
         }
     }
     Ok(rows)
+}
+
+/// Beyond it squares, and with them the statistics of a table, are no numbers any more.
+const MOST: f64 = 1e150;
+
+/// That a row of `file` holds `value`, which no stage writes.
+pub(crate) fn implausible(file: &Path, row: usize, value: f64) -> Error {
+    let expected = format!("magnitudes up to {MOST:e}, and errors from 0");
+    crate::refuse(
+        file,
+        &format!("row {row}"),
+        &format!("{value:e}"),
+        &expected,
+        "run the stage that writes it again",
+    )
+}
+
+/// Whether an error or a score is one.
+pub(crate) fn is_error(value: f64) -> bool {
+    (0.0..=MOST).contains(&value)
 }
 
 fn incomplete(file: &Path, row: usize) -> Error {

@@ -203,6 +203,7 @@ impl<'a> Block<'a> {
                 ));
             }
         }
+        self.check_magnitudes(start, end, &row)?;
         let initial = if self.reader.truth { 3 } else { 0 };
         Ok(Run {
             design: self.design.text_at(start).unwrap_or("").to_owned(),
@@ -212,6 +213,30 @@ impl<'a> Block<'a> {
             measured: (start..end).flat_map(|r| (0..3).map(move |i| self.states[i][r])).collect(),
             initial: [0, 1, 2].map(|i| self.states[initial + i][start]),
         })
+    }
+
+    /// Refuses numbers whose powers and sums are no numbers any more.
+    fn check_magnitudes(&self, start: usize, end: usize, row: &dyn Fn(usize) -> String) -> Result<(), Error> {
+        const MOST: f64 = 1e30;
+        let exogenous =
+            self.exogenous.iter().filter_map(Column::as_f64).map(|column| &column[start..end - 1]);
+        let states = self.states.iter().map(|column| &column[start..end]);
+        for (i, column) in exogenous.chain(states).enumerate() {
+            // All are looked at, which takes less time than stopping early does.
+            if column.iter().fold(true, |kept, value| kept & (value.abs() <= MOST)) {
+                continue;
+            }
+            let r = column.iter().position(|value| value.abs() > MOST).unwrap_or_default();
+            let thing = format!("column `{}`, {}", self.reader.columns[6 + i], row(start + r));
+            let expected = format!("magnitudes up to {MOST:e}");
+            return Err(self.reader.refuse(
+                &thing,
+                &format!("{:e}", column[r]),
+                &expected,
+                "correct the value",
+            ));
+        }
+        Ok(())
     }
 
     fn check_rate(&self, start: usize, end: usize, row: &dyn Fn(usize) -> String) -> Result<(), Error> {

@@ -1,0 +1,95 @@
+//! Damage that was a fault once: it stays refused, and in plain words.
+
+use artifact::Column;
+
+use crate::ends::{ends, start, wait};
+use crate::grounds::all;
+use crate::places::{Place, unsealed};
+use crate::support::craft;
+
+/// A damaged input.
+struct Case {
+    /// How the command line begins.
+    line: &'static str,
+    file: &'static str,
+    from: &'static str,
+    to: &'static str,
+    code: i32,
+    /// What the refusal says.
+    says: &'static [&'static str],
+}
+
+const CORPUS: [Case; 3] = [
+    // It said: expected usize.
+    Case {
+        line: "plan --problem",
+        file: "problem.json",
+        from: "\"nx\": 6",
+        to: "\"nx\": \"6\"",
+        code: 3,
+        says: &["found the text \"6\"", "expected a whole number from 0"],
+    },
+    // It said: expected struct MoveFile.
+    Case {
+        line: "plan --problem",
+        file: "problem.json",
+        from: "\"moves\": [",
+        to: "\"moves\": [-32768,",
+        code: 3,
+        says: &["found the number -32768", "expected a table"],
+    },
+    // It said: expected f64.
+    Case {
+        line: "plan --vessel",
+        file: "land.geojson",
+        from: "[24.998, 59.999]",
+        to: "[\"FeatureCollection\", 59.999]",
+        code: 3,
+        says: &["found invalid type: string \"FeatureCollection\" at line"],
+    },
+];
+
+#[test]
+fn what_was_a_fault_once_is_none() {
+    for case in &CORPUS {
+        let (ground, stage) = all().into_iter().find(|(_, stage)| stage.line.starts_with(case.line)).unwrap();
+        let mut place = Place::on(ground);
+        let text = String::from_utf8(unsealed(place.original(case.file))).unwrap();
+        assert!(text.contains(case.from), "{}: no `{}`", case.file, case.from);
+        place.put(case.file, text.replacen(case.from, case.to, 1).as_bytes());
+        let line = stage.line_into("out/");
+        assert_eq!(ends(&place, &line), Ok(case.code), "{line}: {}", case.to);
+        let told = wait(&place, start(&place, &line, "")).told;
+        assert!(case.says.iter().all(|piece| told.contains(piece)), "{told}");
+    }
+}
+
+/// Values of a table whose squares are infinite; what blamed the output for them blames the table.
+#[test]
+fn magnitudes_that_no_ship_has_are_put_down_to_the_table() {
+    for (line, file, kind, column, value) in [
+        ("validate cross", "campaign.parquet", "trajectories", "y_u", 1e200),
+        ("estimate --vessel vessel.toml --gather", "estimates-2.parquet", "estimates", "X_u_se", -1e300),
+        (
+            "validate --vessel vessel.toml --campaign campaign.toml --val",
+            "scores-2.parquet",
+            "scores",
+            "rmse_u",
+            1e200,
+        ),
+    ] {
+        let (ground, stage) = all().into_iter().find(|(_, stage)| stage.line.starts_with(line)).unwrap();
+        let place = Place::on(ground);
+        let path = place.path().join(file);
+        let mut whole = craft::read(&path, kind);
+        let i = whole.schema.columns.iter().position(|c| c.name == column).unwrap();
+        let damaged = &mut whole.blocks[0].columns[i];
+        *damaged = Column::nullable_f64(vec![value; damaged.len()], vec![true; damaged.len()]);
+        std::fs::remove_file(&path).unwrap();
+        whole.write(&path);
+        let line = stage.line_into("out/");
+        assert_eq!(ends(&place, &line), Ok(3), "{line}");
+        let told = wait(&place, start(&place, &line, "")).told;
+        assert!(told.contains(file) && told.contains("magnitudes up to 1e"), "{told}");
+    }
+}

@@ -1,0 +1,266 @@
+//! How runs end, and what is wrong with how they end.
+
+use std::collections::BTreeMap;
+use std::fmt;
+use std::fs;
+use std::process::{Child, Command, ExitStatus, Stdio};
+use std::sync::Mutex;
+use std::time::{Duration, Instant};
+
+use crate::places::{Place, is_unfinished};
+use crate::support::{SEATRIAL, is_progress};
+
+/// A run may take so long, or tell how long it takes, and so much memory.
+const LIMIT: Duration = Duration::from_secs(45);
+const MEMORY_KIB: u64 = 4 << 20;
+
+/// What must not happen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Wrong {
+    Panic,
+    Abort,
+    TimeOut,
+    /// A refusal of several lines, or of none.
+    Lines,
+    /// A refusal without found, expected and remedy, in words of the programming language, or that blames an output.
+    Words,
+    /// Files that no run has finished, or outputs of a run that failed.
+    Left,
+    /// Files of two runs side by side.
+    Mixed,
+    /// Another exit code than documented, no output of a success, an input that was changed.
+    Other,
+}
+
+const WRONGS: [(Wrong, &str); 8] = [
+    (Wrong::Panic, "panics"),
+    (Wrong::Abort, "aborts"),
+    (Wrong::TimeOut, "time-outs"),
+    (Wrong::Lines, "refusals of several lines"),
+    (Wrong::Words, "refusals badly said"),
+    (Wrong::Left, "files left"),
+    (Wrong::Mixed, "sets mixed"),
+    (Wrong::Other, "other faults"),
+];
+
+/// In place of the exit code of a run that was stopped at work that it tells the end of.
+pub const AT_WORK: i32 = -1;
+
+/// A fault of ours, and what is known of it.
+pub type Fault = (Wrong, String);
+
+/// What came of cases.
+#[derive(Default)]
+pub struct Tally {
+    /// Damaged inputs and command lines.
+    pub cases: u64,
+    /// Kills, failing places, full disks, closed outputs, two writers.
+    pub faults: u64,
+    /// How the cases ended.
+    pub codes: BTreeMap<i32, u64>,
+    /// Cases that were stopped at long work that tells its end.
+    pub at_work: u64,
+    /// After how many faults the old files were there, and the new.
+    pub left: [u64; 2],
+    pub wrong: Vec<Fault>,
+    pub seconds: f64,
+}
+
+/// What came of all cases of this process.
+static ALL: Mutex<Tally> = Mutex::new(Tally {
+    cases: 0,
+    faults: 0,
+    codes: BTreeMap::new(),
+    at_work: 0,
+    left: [0; 2],
+    wrong: Vec::new(),
+    seconds: 0.0,
+});
+
+impl Tally {
+    pub fn add(&mut self, other: &Self) {
+        self.cases += other.cases;
+        self.faults += other.faults;
+        self.seconds += other.seconds;
+        self.wrong.extend(other.wrong.iter().cloned());
+        self.at_work += other.at_work;
+        self.left = [0, 1].map(|i| self.left[i] + other.left[i]);
+        for (code, count) in &other.codes {
+            *self.codes.entry(*code).or_default() += count;
+        }
+    }
+
+    /// Counts a case by its exit code.
+    pub fn case(&mut self, name: &str, ended: Result<i32, Fault>) {
+        self.cases += 1;
+        match ended {
+            Ok(AT_WORK) => self.at_work += 1,
+            Ok(code) => *self.codes.entry(code).or_default() += 1,
+            Err(fault) => self.wrong(name, fault),
+        }
+    }
+
+    /// Counts a kill or another fault by whether the new files are there.
+    pub fn fault(&mut self, name: &str, new: Result<bool, Fault>) {
+        self.faults += 1;
+        match new {
+            Ok(new) => self.left[usize::from(new)] += 1,
+            Err(fault) => self.wrong(name, fault),
+        }
+    }
+
+    /// Tells what is wrong at once: a long run need not be waited for.
+    fn wrong(&mut self, name: &str, (wrong, told): Fault) {
+        println!("{wrong:?}: {name}: {told}");
+        self.wrong.push((wrong, format!("{name}: {told}")));
+    }
+
+    /// Prints what came of the cases of `name` and of all so far, and fails if something is wrong.
+    pub fn check(self, name: &str) {
+        println!("{name}: {self}");
+        let mut all = ALL.lock().unwrap();
+        all.add(&self);
+        println!("so far: {all}");
+        drop(all);
+        let told: Vec<String> = self.wrong.iter().map(|(wrong, told)| format!("{wrong:?}: {told}")).collect();
+        assert!(told.is_empty(), "{name}: {self}\n{}", told.join("\n"));
+    }
+}
+
+impl fmt::Display for Tally {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} cases, {} kills and other faults", self.cases, self.faults)?;
+        for (kind, name) in WRONGS {
+            write!(f, ", {} {name}", self.wrong.iter().filter(|(wrong, _)| *wrong == kind).count())?;
+        }
+        let [old, new] = self.left;
+        let rate = (self.cases + self.faults) as f64 / self.seconds.max(1e-9);
+        write!(f, "; {} stopped at long work that says how long", self.at_work)?;
+        write!(f, "; exit codes {:?}; {old} times all old, {new} times all new", self.codes)?;
+        write!(f, "; {:.0} s, {rate:.0} a second", self.seconds)
+    }
+}
+
+/// How a process ended, and what it said on stderr.
+pub struct Ended {
+    pub status: Option<ExitStatus>,
+    /// But for progress.
+    pub told: String,
+    /// Whether it told of progress.
+    pub is_at_work: bool,
+}
+
+/// Starts `line`; `fault`, such as `kill:3`, awaits it.
+pub fn start(place: &Place, line: &str, fault: &str) -> Child {
+    let said = fs::File::create(place.path().join("said")).unwrap();
+    let mut command = Command::new("sh");
+    command.args(["-c", &format!("ulimit -v {MEMORY_KIB}; exec \"$0\" \"$@\""), SEATRIAL]);
+    command.args(line.split_whitespace()).current_dir(place.path()).env("SEATRIAL_FAULT", fault);
+    command
+        .env("RUST_BACKTRACE", "0")
+        .stdin(Stdio::null())
+        .stdout(Stdio::null())
+        .stderr(said)
+        .spawn()
+        .unwrap()
+}
+
+/// Waits for a process, not for ever.
+pub fn wait(place: &Place, mut child: Child) -> Ended {
+    let started = Instant::now();
+    let status = loop {
+        match child.try_wait().unwrap() {
+            Some(status) => break Some(status),
+            None if started.elapsed() > LIMIT => {
+                child.kill().unwrap();
+                child.wait().unwrap();
+                break None;
+            }
+            None => std::thread::sleep(Duration::from_micros(500)),
+        }
+    };
+    let said = place.path().join("said");
+    let all = String::from_utf8_lossy(&fs::read(&said).unwrap()).into_owned();
+    fs::remove_file(said).unwrap();
+    let lines = all.split_inclusive('\n');
+    let (progress, told): (Vec<&str>, Vec<&str>) = lines.partition(|line| is_progress(line.trim_end()));
+    Ended { status, told: told.concat(), is_at_work: !progress.is_empty() }
+}
+
+impl Ended {
+    /// The exit code, if the process ended as documented: 0, or a refusal of one line.
+    pub fn judged(&self) -> Result<i32, Fault> {
+        let told = || self.told.clone();
+        let Some(status) = self.status else {
+            if self.is_at_work {
+                return Ok(AT_WORK);
+            }
+            return Err((Wrong::TimeOut, format!("does not end within {} s", LIMIT.as_secs())));
+        };
+        if self.told.contains("panicked at") || status.code() == Some(101) {
+            return Err((Wrong::Panic, told()));
+        }
+        match status.code() {
+            None => Err((Wrong::Abort, format!("{status}: {}", told()))),
+            Some(0) => Ok(0),
+            Some(code @ 1..=4) if self.told.lines().count() == 1 => Ok(code),
+            Some(code @ 1..=4) => Err((Wrong::Lines, format!("exit code {code}: {}", told()))),
+            Some(code) => Err((Wrong::Other, format!("exit code {code}: {}", told()))),
+        }
+    }
+}
+
+/// Runs `line` where nothing is written yet: it writes files that its readers take, or refuses and leaves nothing.
+pub fn ends(place: &Place, line: &str) -> Result<i32, Fault> {
+    let before = place.inputs();
+    let ended = wait(place, start(place, line, ""));
+    let code = ended.judged()?;
+    if code == AT_WORK {
+        return Ok(code);
+    }
+    if let Some(wrong) = badly_said(code, &ended.told) {
+        return Err((Wrong::Words, format!("exit code {code}, {wrong}: {}", ended.told)));
+    }
+    if place.inputs() != before {
+        return Err((
+            Wrong::Other,
+            format!("exit code {code}, but files beside the output changed: {}", ended.told),
+        ));
+    }
+    let out = place.path().join("out");
+    let written: Vec<String> = crate::grounds::files(&out).into_keys().collect();
+    if let Some(left) = written.iter().find(|name| code != 0 || is_unfinished(name)) {
+        return Err((Wrong::Left, format!("exit code {code}, but it left {left}: {}", ended.told)));
+    }
+    if code == 0 && written.is_empty() {
+        return Err((Wrong::Other, "succeeds and writes nothing".to_owned()));
+    }
+    read(place, written.iter().map(String::as_str))?;
+    Ok(code)
+}
+
+/// What is wrong with the words of a refusal.
+fn badly_said(code: i32, told: &str) -> Option<&'static str> {
+    const TYPES: [&str; 8] = ["::", "Some(", "Err(", "Ok(", "u64", "usize", "u32", ", expected struct"];
+    let parts = [": found ", ", expected ", "; "];
+    if !matches!(code, 3 | 4) {
+        None
+    } else if !told.starts_with("error: ") || parts.iter().any(|part| !told.contains(part)) {
+        Some("which does not say what was found, what was expected and what helps")
+    } else if told.starts_with("error: out/") {
+        Some("which blames the output for its input")
+    } else if TYPES.iter().any(|word| told.contains(word)) {
+        Some("in words of the programming language")
+    } else {
+        None
+    }
+}
+
+/// Reads outputs as whoever comes next would.
+pub fn read<'a>(place: &Place, names: impl Iterator<Item = &'a str>) -> Result<(), Fault> {
+    for name in names.filter(|name| !is_unfinished(name)) {
+        let read = artifact::inspect(&place.path().join("out").join(name));
+        read.map_err(|error| (Wrong::Mixed, format!("{name} is not taken by its reader: {error}")))?;
+    }
+    Ok(())
+}

@@ -1,0 +1,27 @@
+//! Faults on purpose, through the real binary: damaged inputs, failing and killed writing, full disks, closed outputs, two
+//! writers at once. CI tries a bounded, fixed part of it; `make faults CASES=100000` tries more of the same and says what
+//! came of it.
+
+#[path = "../plans/planned.rs"]
+#[allow(dead_code)]
+mod planned;
+#[path = "../support/mod.rs"]
+mod support;
+
+mod corpus;
+mod damage;
+mod ends;
+mod fuzz;
+mod grounds;
+mod kills;
+mod named;
+mod outputs;
+mod places;
+mod points;
+mod sets;
+mod tables;
+
+/// The cases that `make faults CASES=100000` asks for: damaged inputs, and a tenth as many kills and failing places.
+pub fn asked() -> Option<u64> {
+    std::env::var("SEATRIAL_CASES").ok().and_then(|cases| cases.parse().ok())
+}

@@ -1,0 +1,115 @@
+//! Working copies of a ground, whose stages write into the folder `out`.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::time::SystemTime;
+
+use artifact::Digest;
+use tempfile::TempDir;
+
+use crate::grounds::{Files, Ground, files, write};
+use crate::support::listing;
+
+/// A copy of a ground.
+pub struct Place {
+    pub folder: TempDir,
+    pub ground: &'static Ground,
+    /// What is other than on the ground.
+    touched: Vec<String>,
+}
+
+/// Name, length and time of the last change of files.
+type Listing = BTreeMap<PathBuf, (u64, SystemTime)>;
+
+impl Place {
+    pub fn on(ground: &'static Ground) -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        write(folder.path(), &ground.files);
+        fs::create_dir(folder.path().join("out")).unwrap();
+        Self { folder, ground, touched: Vec::new() }
+    }
+
+    pub fn path(&self) -> &Path {
+        self.folder.path()
+    }
+
+    /// What a file has on the ground.
+    pub fn original(&self, name: &str) -> &'static [u8] {
+        self.ground.files.get(name).unwrap_or_else(|| panic!("no {name}"))
+    }
+
+    /// Gives a file other contents.
+    pub fn put(&mut self, name: &str, bytes: &[u8]) {
+        fs::write(self.path().join(name), bytes).unwrap();
+        self.touched.push(name.to_owned());
+    }
+
+    /// Lets the documents that vouch for a file vouch for what it is now.
+    pub fn vouch(&mut self, name: &str) {
+        let hex = |bytes: &[u8]| Digest::of_bytes(bytes).hex();
+        let before = hex(self.original(name));
+        let after = hex(&fs::read(self.path().join(name)).unwrap());
+        for (other, bytes) in &self.ground.files {
+            if other.ends_with(".json") && other != name {
+                let text = String::from_utf8_lossy(bytes);
+                if text.contains(&before) {
+                    let text = text.replace(&before, &after);
+                    self.put(other, &unsealed(text.as_bytes()));
+                }
+            }
+        }
+    }
+
+    /// Everything but the outputs.
+    pub fn inputs(&self) -> Listing {
+        let mut all = listing(self.path());
+        let out = self.path().join("out");
+        all.retain(|path, _| !path.starts_with(&out));
+        all
+    }
+
+    /// What stands in `out`.
+    pub fn outputs(&self) -> Files {
+        files(&self.path().join("out"))
+    }
+
+    /// Makes `out` what it was.
+    pub fn put_outputs(&self, wanted: &Files) {
+        let out = self.path().join("out");
+        for name in self.outputs().keys().filter(|name| !wanted.contains_key(*name)) {
+            fs::remove_file(out.join(name)).unwrap();
+        }
+        write(&out, wanted);
+    }
+
+    /// Empties `out` and puts all files back.
+    pub fn restore(&mut self) {
+        let out = self.path().join("out");
+        if fs::read_dir(&out).unwrap().next().is_some() {
+            fs::remove_dir_all(&out).unwrap();
+            fs::create_dir(&out).unwrap();
+        }
+        for name in std::mem::take(&mut self.touched) {
+            fs::write(self.path().join(&name), self.original(&name)).unwrap();
+        }
+    }
+}
+
+/// Takes the seal off, so that what follows is looked at; the file keeps its length.
+pub fn unsealed(bytes: &[u8]) -> Vec<u8> {
+    let mut out = bytes.to_vec();
+    for seal in [&b"\"seal\":\"blake3:"[..], &b"\"seal\": \"blake3:"[..]] {
+        if let Some(at) = out.windows(seal.len()).position(|window| window == seal) {
+            let (start, end) = (at + seal.len() - 8, at + seal.len() + 65);
+            out[start..end].fill(b' ');
+            out[start..start + 4].copy_from_slice(b"null");
+        }
+    }
+    out
+}
+
+/// Whether a file is one that no process has finished.
+pub fn is_unfinished(name: &str) -> bool {
+    name.rsplit('/').next().is_some_and(|name| name.starts_with(".unfinished"))
+}

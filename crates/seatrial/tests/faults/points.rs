@@ -1,0 +1,147 @@
+//! Faults at every place where a stage creates, writes, flushes or renames a file: afterwards all is old or all is new.
+
+use std::collections::BTreeSet;
+use std::num::NonZeroUsize;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::Instant;
+
+use crate::asked;
+use crate::ends::{Fault, Tally, Wrong, read, start, wait};
+use crate::grounds::{Files, Ground, Stage, all};
+use crate::places::{Place, is_unfinished};
+
+/// A stage that is run over what another run of it left.
+pub struct Watched {
+    pub place: Place,
+    pub line: String,
+    pub other: String,
+    /// What the other run leaves, and this one.
+    pub before: Files,
+    pub after: Files,
+}
+
+impl Watched {
+    pub fn new(ground: &'static Ground, stage: &'static Stage) -> Self {
+        let place = Place::on(ground);
+        let (line, other) = (stage.line_into("out/"), stage.other_into("out/"));
+        let made = |line: &str| {
+            let ended = wait(&place, start(&place, line, ""));
+            assert_eq!(ended.judged().ok(), Some(0), "{line}: {}", ended.told);
+            place.outputs()
+        };
+        let (before, after) = (made(&other), made(&line));
+        assert!(before.keys().eq(after.keys()), "{line}: other files");
+        assert_ne!(before, after, "{line}: the same result");
+        Self { place, line, other, before, after }
+    }
+
+    /// Files in `out` that no run has finished.
+    pub fn unfinished(&self) -> BTreeSet<String> {
+        self.place.outputs().into_keys().filter(|name| is_unfinished(name)).collect()
+    }
+
+    /// That `out` holds one of the two results whole, and whether it is the new one.
+    pub fn is_new(&self, and_nothing_else: bool) -> Result<bool, Fault> {
+        let mut found = self.place.outputs();
+        let left = self.unfinished();
+        if and_nothing_else && !left.is_empty() {
+            return Err((Wrong::Left, format!("it left {left:?}")));
+        }
+        found.retain(|name, _| !is_unfinished(name));
+        if found == self.before || found == self.after {
+            return Ok(found == self.after);
+        }
+        let differs = |files: &Files| {
+            let names = files.keys().chain(found.keys());
+            names.filter(|name| files.get(*name) != found.get(*name)).cloned().collect::<Vec<_>>()
+        };
+        let (old, new) = (differs(&self.before), differs(&self.after));
+        Err((Wrong::Mixed, format!("other than before: {old:?}, other than new: {new:?}")))
+    }
+
+    /// Lets the next reader complete what was begun, and reads all.
+    pub fn recover(&self) -> Result<(), Fault> {
+        // Whoever looks for a document in the folder mends it, whether there is one or not.
+        let _ = artifact::inspect(&self.place.path().join("out/none.json"));
+        read(&self.place, self.after.keys().map(String::as_str))
+    }
+
+    /// Runs the line with a fault at its `count`-th place over the old result: whether it came to its end, and whether it left
+    /// the new one.
+    fn at(&self, kind: &str, count: u32) -> Result<[bool; 2], Fault> {
+        self.place.put_outputs(&self.before);
+        let ended = wait(&self.place, start(&self.place, &self.line, &format!("{kind}:{count}")));
+        let success = ended.status.is_some_and(|status| status.success());
+        if kind == "error" {
+            match ended.judged()? {
+                0 => {}
+                // Who is told of an error has time to clean up.
+                1 if !self.is_new(true)? => {}
+                code => return Err((Wrong::Other, format!("exit code {code}: {}", ended.told))),
+            }
+        }
+        self.recover()?;
+        let new = self.is_new(success)?;
+        if success && !new {
+            return Err((Wrong::Mixed, "succeeds with the old result".to_owned()));
+        }
+        let again = wait(&self.place, start(&self.place, &self.line, ""));
+        if again.judged()? != 0 || !self.is_new(true)? {
+            return Err((Wrong::Left, format!("the next run: {}", again.told)));
+        }
+        Ok([success, new])
+    }
+
+    /// Tries places: all of them, or those that a search for the last one comes by, which are close where names are given.
+    fn try_places(&self, every: bool) -> Tally {
+        let mut tally = Tally::default();
+        let mut at = |kind: &str, count: u32| {
+            let ended = self.at(kind, count);
+            tally.fault(&format!("{}: {kind}:{count}", self.line), ended.clone().map(|[_, new]| new));
+            ended.is_ok_and(|[success, _]| success)
+        };
+        let (mut reached, mut beyond) = (0, 1);
+        while !at("kill", beyond) {
+            assert!(beyond < 1 << 16, "{}: places without end", self.line);
+            (reached, beyond) = (beyond, if every { beyond + 1 } else { 2 * beyond });
+        }
+        while beyond - reached > 1 {
+            let middle = reached.midpoint(beyond);
+            if at("kill", middle) { beyond = middle } else { reached = middle }
+        }
+        let last = reached;
+        let some = [1, last / 2, last.saturating_sub(2), last - 1, last];
+        let errors: Vec<u32> = if every { (1..=last).collect() } else { some.to_vec() };
+        for count in errors.into_iter().filter(|count| *count > 0) {
+            at("error", count);
+        }
+        assert!(last > 2, "{}: {last} places", self.line);
+        tally
+    }
+}
+
+/// Does `work` for every stage on all processors, and says what came of it.
+pub fn for_every_stage(name: &str, work: impl Fn(usize, &'static Ground, &'static Stage) -> Tally + Sync) {
+    let started = Instant::now();
+    let (stages, next, found) = (all(), AtomicUsize::new(0), Mutex::new(Tally::default()));
+    let one = || {
+        while let Some((i, (ground, stage))) = {
+            let i = next.fetch_add(1, Ordering::Relaxed);
+            stages.get(i).map(|stage| (i, stage))
+        } {
+            let tally = work(i, ground, stage);
+            found.lock().unwrap().add(&tally);
+        }
+    };
+    let workers = std::thread::available_parallelism().map_or(1, NonZeroUsize::get);
+    std::thread::scope(|scope| (0..workers).for_each(|_| drop(scope.spawn(one))));
+    let mut tally = found.into_inner().unwrap();
+    tally.seconds = started.elapsed().as_secs_f64();
+    tally.check(name);
+}
+
+#[test]
+fn law_a_fault_at_any_place_of_any_stage_leaves_the_old_files_or_the_new() {
+    for_every_stage("places", |_, ground, stage| Watched::new(ground, stage).try_places(asked().is_some()));
+}
