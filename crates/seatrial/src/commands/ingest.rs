@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use crate::cli::{Common, beside, budget};
 use crate::failure::Failure;
-use crate::ingest::{recorded, simulated_label};
+use crate::ingest::simulated_label;
 use crate::ordered::ordered;
 use crate::progress::Progress;
 use crate::stage::{Summary, Task};
@@ -16,6 +16,7 @@ use serde_json::json;
 use study::documents::{IngestDocument, RecordingSummary};
 use study::files::{read_ingest, read_vessel};
 use study::ingest_file::IngestFile;
+use study::ingest_file::read::recorded;
 use study::ingest_file::recordings::find;
 use study::trajectories::{Layout, MeasuredBlock};
 
@@ -160,7 +161,7 @@ fn all(
     let work = |plan: &Plan, i: usize| {
         let found = recorded(plan, &segmentation, folder, &sources[i]);
         progress.advance(1);
-        found
+        found.map_err(Failure::from)
     };
     let mut fold = |(mut recorded, digests): (Recorded, Vec<Digest>)| {
         totals.number(&mut recorded);

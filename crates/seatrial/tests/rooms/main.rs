@@ -73,12 +73,13 @@ const DEPENDENCIES: [(&[&str], &[&str], &str); 3] = [
 /// Most lines below `src/` that a crate may have.
 const LINES: [(&str, usize); 1] = [("seatrial", 5_000)];
 
-/// Most lines below `src/` of all crates together, and the largest share of one.
-const TOTAL: usize = 53_000;
+/// Most lines below `src/` of all crates together, unit tests among them: raised where something new is worth them, never for
+/// what is written a second time. And the largest share of one crate.
+const TOTAL: usize = 64_000;
 const SHARE: f64 = 0.2;
 
 /// What does not hold yet: rule, crate, how much of it is left.
-const NOT_YET: &[(&str, &str, usize)] = &[("lines of all crates", "all", 4_500)];
+const NOT_YET: &[(&str, &str, usize)] = &[];
 
 /// What breaks the rules, by rule and crate.
 #[derive(Default)]

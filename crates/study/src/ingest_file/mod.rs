@@ -1,6 +1,7 @@
 //! `ingest.toml`: what is in measured logs.
 
 mod check;
+pub mod read;
 pub mod recordings;
 
 use logs::{
