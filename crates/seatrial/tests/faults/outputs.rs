@@ -8,7 +8,7 @@ use crate::asked;
 use crate::ends::{Fault, Tally, Wrong};
 use crate::grounds::files;
 use crate::points::{Watched, for_every_stage};
-use crate::support::SEATRIAL;
+use crate::support::{SEATRIAL, is_progress};
 
 /// Runs a script in the folder of a stage, with the program and the words of its line.
 fn script(watched: &Watched, text: &str) -> Output {
@@ -32,7 +32,10 @@ fn on_small_disk(watched: &Watched, kib: u64) -> Result<bool, Fault> {
     let mut command = Command::new("unshare");
     command.args(["-m", "sh", "-c", &text, SEATRIAL]).args(watched.line.split_whitespace());
     let output = command.current_dir(folder).env("RUST_BACKTRACE", "0").output().unwrap();
-    let told = String::from_utf8_lossy(&output.stderr).into_owned();
+    let told = String::from_utf8_lossy(&output.stderr);
+    // A slow machine tells of progress.
+    let told: Vec<&str> = told.lines().filter(|line| !is_progress(line)).collect();
+    let told = told.join("\n");
     let found = files(&folder.join("seen"));
     for name in ["old", "seen"] {
         fs::remove_dir_all(folder.join(name)).unwrap();
