@@ -2,11 +2,11 @@ use vessel::{Degree, DegreeOfFreedom, Model, Term, Variable};
 
 use super::score::Group;
 
-/// Terms of surge: even where port and starboard are swapped.
-const EVEN: [&str; 8] = ["u", "u |u|", "u^3", "v r", "v^2", "r^2", "u v^2", "u r^2"];
+/// Terms of surge to second order: even where port and starboard are swapped. Those of third order look so much like them that
+/// what is missing would be called by the wrong name.
+const EVEN: [&str; 5] = ["u", "u |u|", "v r", "v^2", "r^2"];
 /// Terms of sway and yaw: odd.
-const ODD: [&str; 12] =
-    ["v", "r", "u v", "u r", "v |v|", "r |r|", "v |r|", "|v| r", "v^3", "r^3", "v^2 r", "v r^2"];
+const ODD: [&str; 8] = ["v", "r", "u v", "u r", "v |v|", "r |r|", "v |r|", "|v| r"];
 
 /// What acts on the states besides terms, a column in each degree of freedom.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -93,7 +93,7 @@ fn two_missing_terms_are_found_and_a_right_model_is_seldom_rejected() {
     // With a rate of 5 % more than four of sixteen have a probability below 1 in 1000.
     let rejected = all(&[], Some(STATED), 16).iter().filter(|c| c.rejected).count();
     assert!(rejected <= 4, "{rejected} of 16");
-    for criticism in all(&[(1, "v |v|", -0.4), (2, "r |r|", -0.3)], None, 4) {
+    for criticism in all(&[(1, "v |v|", -0.4), (2, "r |r|", -0.3)], Some(STATED), 4) {
         let first = criticism.absent[0].told();
         assert!(
             criticism.rejected && ["`v |v|` in sway", "`r |r|` in yaw"].contains(&first.as_str()),
@@ -107,11 +107,11 @@ fn two_missing_terms_are_found_and_a_right_model_is_seldom_rejected() {
 fn noise_that_is_not_stated_is_found_by_its_likelihood() {
     let vessel = paper();
     let experiment = experiment(&vessel);
-    let measured = recorded(&experiment, &vessel, &[], 8);
+    let measured = recorded(&experiment, &vessel, &[], 4);
     let runs: Vec<&Vec<f64>> = measured.iter().collect();
     let found = criticised(&vessel.model, &truth(&vessel), &experiment, &runs, None);
     for noise in [found.noise_u, found.noise_v, found.noise_r] {
-        assert!((noise / NOISE - 1.0).abs() < 0.05, "{noise}");
+        assert!((noise / NOISE - 1.0).abs() < 0.07, "{noise}");
     }
     assert!(found.current_std < 0.01 && !found.stated_noise, "{}", found.current_std);
     assert!((found.error_ratio - 1.0).abs() < 0.05, "{}", found.error_ratio);
