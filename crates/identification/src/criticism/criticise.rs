@@ -5,7 +5,7 @@ use vessel::{DegreeOfFreedom, Lane, Model, RunView};
 use super::channels::with_effects;
 use super::found::{Absent, Criticism};
 use super::library::{Candidate, Lifted};
-use super::noise::{levels_of, unknowns, white};
+use super::noise::{Guess, noise_of, unknowns, white};
 use super::score::{Projected, Score, holm};
 use super::words::statements;
 use crate::pooled::whiteness;
@@ -61,16 +61,16 @@ pub fn criticise(subject: &Subject) -> Option<Criticism> {
 /// The estimate of least white errors, and the noise under which it is that: one follows from the other, in turns.
 fn refined(subject: &Subject, groups: &[SideBySide]) -> Option<(Vec<f64>, Levels)> {
     let mut parameters = subject.parameters.to_vec();
-    let looked_for = |parameters: &[f64], round: usize| match subject.levels {
-        Some(levels) => Some(levels),
-        None if round < SEARCHES => {
-            let errors = free_errors(subject, groups, parameters)?;
-            let (model, rate) = (subject.model, subject.rate_hz);
-            Some(levels_of(model, groups, parameters, errors, rate, subject.known_start))
-        }
-        None => None,
+    let (model, rate, known) = (subject.model, subject.rate_hz, subject.known_start);
+    let looked_for = |parameters: &[f64], before: Option<&Guess>| {
+        let errors = free_errors(subject, groups, parameters)?;
+        noise_of(model, groups, parameters, errors, rate, known, before)
     };
-    let mut levels = looked_for(&parameters, 0)?;
+    let mut noise = match subject.levels {
+        Some(_) => None,
+        None => Some(looked_for(&parameters, None)?),
+    };
+    let mut levels = subject.levels.or(noise.as_ref().map(|noise| noise.levels(rate)))?;
     let mut errors = white_sums(subject, groups, &parameters, &levels)?;
     for round in 1..=ROUNDS {
         let (step, decrement) = newton_step(&errors)?;
@@ -90,10 +90,11 @@ fn refined(subject: &Subject, groups: &[SideBySide]) -> Option<(Vec<f64>, Levels
             break;
         };
         (parameters, errors) = (trial, sums);
-        if subject.levels.is_none()
-            && let Some(found) = looked_for(&parameters, round)
+        if let (Some(before), true) = (&noise, round < SEARCHES)
+            && let Some(found) = looked_for(&parameters, Some(before))
         {
-            levels = found;
+            levels = found.levels(rate);
+            noise = Some(found);
             errors = white_sums(subject, groups, &parameters, &levels)?;
         }
     }

@@ -3,23 +3,25 @@ use vessel::{Lane, Model};
 
 use crate::sensitivity::{Flow, Gain, Levels, Recordings, filter, with_states};
 
-/// Steps by which logarithms of levels are changed, one after the other.
-const STEPS: [f64; 5] = [1.4, 0.7, 0.35, 0.17, 0.08];
+/// Steps by which logarithms of levels are changed, one after the other; the last alone for levels that were found before.
+const STEPS: [f64; 4] = [1.2, 0.5, 0.2, 0.08];
 /// Most rounds at one step.
-const ROUNDS: usize = 12;
+const ROUNDS: usize = 6;
+/// Samples that are enough to know the noise.
+const ENOUGH: usize = 12_000;
 /// Times over which a drifting current is first thought to change \[s\].
 const TIMES: [f64; 2] = [8.0, 60.0];
 
 /// What is looked for: its kind, and logarithms of its levels.
 #[derive(Clone, Debug)]
-struct Guess {
+pub(super) struct Guess {
     drifts: bool,
     /// Measurement u, v, r; current; time of a drift \[s\].
     logs: Vec<f64>,
 }
 
 impl Guess {
-    fn levels(&self, rate_hz: f64) -> Levels {
+    pub fn levels(&self, rate_hz: f64) -> Levels {
         let level = |i: usize| libm::exp(self.logs[i]);
         let current = match self.drifts {
             false => Flow::White { std: level(3) },
@@ -33,17 +35,29 @@ impl Guess {
     }
 }
 
-/// The noise and the current, white or drifting, that make the `runs` most likely under `model` with `parameters`.
-/// `errors`: standard deviations of the errors of free simulations, which begin the search.
-pub(super) fn levels_of(
+/// The noise and the current, white or drifting, that make the first of `runs` most likely under `model` with `parameters`.
+/// The search begins at what was found `before`, or where `errors` say, the standard deviations of the errors of free
+/// simulations.
+pub(super) fn noise_of(
     model: &Model,
     runs: &[SideBySide],
     parameters: &[f64],
     errors: [f64; 3],
     rate_hz: f64,
     known_start: bool,
-) -> Levels {
-    let worth = |guess: &Guess| likelihood(model, runs, parameters, &guess.levels(rate_hz), known_start);
+    before: Option<&Guess>,
+) -> Option<Guess> {
+    let mut samples = 0;
+    let few = |run: &&SideBySide| {
+        let enough = samples >= ENOUGH;
+        samples += run.samples[..run.runs].iter().sum::<usize>();
+        !enough
+    };
+    let runs: Vec<&SideBySide> = runs.iter().take_while(few).collect();
+    let worth = |guess: &Guess| likelihood(model, &runs, parameters, &guess.levels(rate_hz), known_start);
+    if let Some(before) = before {
+        return Some(climb(before.clone(), &STEPS[STEPS.len() - 1..], &worth).0);
+    }
     let noise = errors.map(|error| libm::log(error.max(1e-9)));
     let current = libm::log(libm::hypot(errors[0], errors[1]).max(1e-9));
     let white = Guess { drifts: false, logs: [&noise[..], &[current - 3.0]].concat() };
@@ -52,17 +66,14 @@ pub(super) fn levels_of(
         Guess { drifts: true, logs: [&quiet[..], &[current, libm::log(*time)]].concat() }
     };
     let starts = std::iter::once(white).chain(TIMES.iter().map(drift));
-    let found = starts.map(|start| climb(start, &worth));
-    let best = found.max_by(|a, b| a.1.total_cmp(&b.1));
-    best.map_or(Levels { measurement: errors, current: Flow::Still, force: None }, |(guess, _)| {
-        guess.levels(rate_hz)
-    })
+    let found = starts.map(|start| climb(start, &STEPS, &worth));
+    found.max_by(|a, b| a.1.total_cmp(&b.1)).map(|(guess, _)| guess)
 }
 
-/// Changes one logarithm after the other as long as that helps, by smaller and smaller steps.
-fn climb(mut at: Guess, worth: &impl Fn(&Guess) -> f64) -> (Guess, f64) {
+/// Changes one logarithm after the other as long as that helps, by smaller and smaller `steps`.
+fn climb(mut at: Guess, steps: &[f64], worth: &impl Fn(&Guess) -> f64) -> (Guess, f64) {
     let mut best = worth(&at);
-    for step in STEPS {
+    for step in steps.iter().copied() {
         for _ in 0..ROUNDS {
             let before = best;
             for i in 0..at.logs.len() {
@@ -87,7 +98,7 @@ fn climb(mut at: Guess, worth: &impl Fn(&Guess) -> f64) -> (Guess, f64) {
 /// Twice the log-likelihood of all runs, but for a constant; −∞ where the filter's numbers end.
 fn likelihood(
     model: &Model,
-    runs: &[SideBySide],
+    runs: &[&SideBySide],
     parameters: &[f64],
     levels: &Levels,
     known_start: bool,
