@@ -182,7 +182,7 @@ fn recordings(model: &Model, sums: &[Sums], parts: &[Part], theta: &[f64]) -> Ve
     found
 }
 
-fn covered(model: &Model, parts: &[Part]) -> Vec<Covered> {
+pub(crate) fn covered(model: &Model, parts: &[Part]) -> Vec<Covered> {
     let mut ranges = vec![[f64::INFINITY, f64::NEG_INFINITY]; model.variables.len()];
     let mut add = |variable: usize, value: f64| {
         let [low, high] = &mut ranges[variable];

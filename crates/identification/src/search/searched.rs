@@ -1,0 +1,258 @@
+use numerics::statistics::paired_median;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+use vessel::Model;
+
+use super::deliver::{delivered, without_zeros};
+use super::folds::folds;
+use super::nested::{Candidate, Choice, Nested, Study};
+use super::recording::{Cut, Recording};
+use super::scores::{mean_of, together};
+use super::words;
+use crate::pooled::{Delivered, FreeRunErrors, Part, PooledRuns, Score, deviations};
+
+/// How a model is searched for.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SearchOptions {
+    /// Windows that are fitted and scored.
+    pub cut: Cut,
+    /// Number of folds.
+    pub folds: usize,
+    /// Ridges Λ from the largest on.
+    pub ridges: Vec<f64>,
+    /// The sampling rate \[Hz\].
+    pub rate_hz: f64,
+}
+
+impl SearchOptions {
+    /// Ridges from 1e-1 to 1e-6 in half decades.
+    pub fn half_decades() -> Vec<f64> {
+        (0..=10).map(|i| libm::pow(10.0, -1.0 - 0.5 * f64::from(i))).collect()
+    }
+}
+
+/// What was found.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Searched {
+    /// The structure: the base's terms, then those of the library that were not always 0.
+    pub model: Model,
+    /// The model of it.
+    pub delivered: Delivered,
+    /// Samples that it was fitted to.
+    pub samples: u64,
+    /// Windows that models were scored on.
+    pub windows: u64,
+    /// Standard deviations of u, v, r over these.
+    pub std: [f64; 3],
+    /// Candidates in the order that they were tried in.
+    pub candidates: Vec<Candidate>,
+    /// The place of the one that was chosen.
+    pub chosen: usize,
+    /// The whole search and the base structure on recordings that were left out of both.
+    pub nested: NestedScore,
+    /// What to know, in words.
+    pub statements: Vec<String>,
+}
+
+/// The whole algorithm judged by recordings that it has not seen, beside the base structure.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct NestedScore {
+    /// The ridge that was chosen without each fold; none where no candidate was left.
+    pub ridges: Vec<Option<f64>>,
+    /// Over all recordings; none where a fold has no model, or a window diverged.
+    pub search: Option<FreeRunErrors>,
+    /// Those of the base structure.
+    pub base: Option<FreeRunErrors>,
+    /// Windows in which the found models diverged.
+    pub diverged: u64,
+    /// Recording by recording.
+    pub recordings: Vec<NestedRecording>,
+    /// Against the base structure.
+    pub margin: Option<Margin>,
+}
+
+/// How far the base structure's norm of RMSE/std lies above the found models', recording by recording.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Margin {
+    /// Recordings that were compared.
+    pub pairs: u64,
+    /// The median difference; null where it is infinite.
+    pub median: Option<f64>,
+    /// 95 % interval of that median; null at an infinite end. An interval that contains 0 tells no difference.
+    pub interval: [Option<f64>; 2],
+}
+
+/// One recording when it was left out.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct NestedRecording {
+    /// Its name.
+    pub source: String,
+    /// The fold it is in.
+    pub fold: u64,
+    /// Errors of the found model, against the standard deviations of its own states.
+    pub search: Option<FreeRunErrors>,
+    /// Those of the base structure.
+    pub base: Option<FreeRunErrors>,
+    /// Norm of RMSE over the standard deviations of all recordings' states.
+    pub search_norm: Option<f64>,
+    /// That of the base structure.
+    pub base_norm: Option<f64>,
+}
+
+/// Why there is no model.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum SearchError {
+    /// Too few to leave out.
+    #[error("{recordings} recordings for {folds} folds")]
+    FewRecordings {
+        /// Recordings that there are.
+        recordings: usize,
+        /// Folds that were asked for.
+        folds: usize,
+    },
+    /// No run is as long as a window.
+    #[error("no run is as long as a window")]
+    NoWindow,
+    /// All were rejected.
+    #[error("all of {0} candidates diverge in some fold")]
+    AllDiverge(usize),
+    /// The best is useless.
+    #[error("the best candidate has a mean fit of {0:.1} %, no better than the mean of the data")]
+    Useless(f64),
+}
+
+/// Finds a model of `runs`: all terms of `library` beside those of `base`, held back by a ridge that is chosen by leaving out
+/// recordings. `done` is called with the number of fits that are done.
+///
+/// # Errors
+/// See [`SearchError`].
+pub fn search(
+    base: &Model,
+    library: &Model,
+    runs: &PooledRuns,
+    options: &SearchOptions,
+    done: &(dyn Fn(usize) + Sync),
+) -> Result<Searched, SearchError> {
+    let recordings = Recording::all(runs, options.cut);
+    if recordings.len() < options.folds.max(3) {
+        let (recordings, folds) = (recordings.len(), options.folds.max(3));
+        return Err(SearchError::FewRecordings { recordings, folds });
+    }
+    if recordings.iter().all(|r| r.scored.is_empty()) {
+        return Err(SearchError::NoWindow);
+    }
+    let structure = without_zeros(base, library, &recordings);
+    let (base, library) = (base.with_intercepts(), structure.with_intercepts());
+    let scored = || recordings.iter().flat_map(|r| &r.scored);
+    let study = Study {
+        base: &base,
+        library: &library,
+        recordings: &recordings,
+        folds: &folds(&recordings, options.folds),
+        ridges: &options.ridges,
+        rate_hz: options.rate_hz,
+        std: deviations(scored().map(|p| p.measured.as_slice())),
+    };
+    let nested = study.nested(done);
+    let (chosen, score) = chosen(&nested.all)?;
+    let mut whole = study.path(&[]);
+    for ridge in &options.ridges[..=chosen] {
+        whole.go_on(*ridge);
+    }
+    let lost = SearchError::AllDiverge(nested.all.candidates.len());
+    let (parameters, covariance) = whole.delivered(options.ridges[chosen]).ok_or(lost)?;
+    let nested_score = study.judged(&nested);
+    let candidates = nested.all.candidates;
+    let parts: Vec<Part> = recordings.iter().flat_map(|r| &r.whole).cloned().collect();
+    Ok(Searched {
+        statements: words::statements(&candidates, chosen, score, &nested_score),
+        delivered: delivered(&structure, &library, &recordings, &parts, &parameters, covariance),
+        samples: parts.iter().map(|part| part.samples() as u64).sum(),
+        windows: scored().count() as u64,
+        std: study.std,
+        candidates,
+        chosen,
+        nested: nested_score,
+        model: structure,
+    })
+}
+
+fn chosen(all: &Choice) -> Result<(usize, f64), SearchError> {
+    let best = all.best().ok_or(SearchError::AllDiverge(all.candidates.len()))?;
+    match all.candidates[best].score {
+        Some(score) if score > 0.0 => Ok((best, score)),
+        score => Err(SearchError::Useless(score.unwrap_or(f64::NEG_INFINITY))),
+    }
+}
+
+impl Study<'_> {
+    /// The models that were chosen without each fold, on that fold.
+    fn judged(&self, nested: &Nested) -> NestedScore {
+        let (mut ridges, mut all) = (Vec::new(), Vec::new());
+        for (fold, choice) in nested.without.iter().enumerate() {
+            let path = &nested.paths[&vec![fold]];
+            let best = choice.best();
+            ridges.push(best.map(|best| choice.candidates[best].ridge));
+            let theta = best.and_then(|best| path.thetas[best].as_deref());
+            let found = self.scores(path, theta, self.library, fold);
+            let base = self.scores(path, path.base.as_deref(), self.base, fold);
+            for (i, recording) in self.within(fold).into_iter().enumerate() {
+                all.push((recording, fold, found.as_ref().map(|s| s[i]), base.as_ref().map(|s| s[i])));
+            }
+        }
+        all.sort_by_key(|(recording, ..)| self.recordings.iter().position(|own| own.name == recording.name));
+        let of = |score: Option<Score>, recording: &Recording| {
+            score?.errors(deviations(recording.scored.iter().map(|p| p.measured.as_slice())))
+        };
+        let norm = |score: Option<Score>| score?.norm(self.std);
+        let told: Vec<NestedRecording> = all
+            .iter()
+            .map(|(recording, fold, found, base)| NestedRecording {
+                source: recording.name.clone(),
+                fold: *fold as u64,
+                search: of(*found, recording),
+                base: of(*base, recording),
+                search_norm: norm(*found),
+                base_norm: norm(*base),
+            })
+            .collect();
+        let (found, base): (Vec<Option<Score>>, Vec<Option<Score>>) =
+            all.iter().map(|(_, _, found, base)| (*found, *base)).unzip();
+        let whole = |scores: &[Option<Score>]| {
+            let all: Vec<Score> = scores.iter().copied().collect::<Option<_>>()?;
+            together(all.iter()).errors(self.std)
+        };
+        let simulated = all.iter().filter(|(recording, ..)| !recording.scored.is_empty());
+        let pairs = simulated.map(|(_, _, found, base)| [norm(*found), norm(*base)]);
+        NestedScore {
+            ridges,
+            search: whole(&found),
+            base: whole(&base),
+            diverged: found.iter().flatten().map(|score| score.diverged).sum(),
+            margin: margin(pairs.collect()),
+            recordings: told,
+        }
+    }
+}
+
+fn margin(pairs: Vec<[Option<f64>; 2]>) -> Option<Margin> {
+    let finite = |x: f64| Some(x).filter(|x| x.is_finite());
+    let [low, median, high] = paired_median(pairs.iter().copied())?;
+    Some(Margin { pairs: pairs.len() as u64, median: finite(median), interval: [low, high].map(finite) })
+}
+
+impl NestedScore {
+    /// Mean fit of u, v, r \[%\].
+    pub fn mean(&self) -> Option<f64> {
+        mean_of(&self.search?)
+    }
+
+    /// That of the base structure.
+    pub fn base_mean(&self) -> Option<f64> {
+        mean_of(&self.base?)
+    }
+}
