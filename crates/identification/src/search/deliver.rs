@@ -1,5 +1,6 @@
 use vessel::{Compiled, DegreeOfFreedom, Model};
 
+use super::nested::Fitted;
 use super::problem::limit;
 use super::recording::Recording;
 use super::scores::{scores, together};
@@ -41,15 +42,24 @@ fn each(recordings: &[Recording], width: usize, mut look: impl FnMut(usize, [f64
     }
 }
 
-/// The model of `structure` with `parameters` of `lifted`, which is the structure with intercepts.
+/// `lifted` without its intercepts.
+pub(super) fn without_intercepts(lifted: &Model) -> Model {
+    let mut model = lifted.clone();
+    for degree in &mut model.degrees {
+        degree.terms.pop();
+        degree.parameters.pop();
+    }
+    model
+}
+
+/// The model `found`, whose structure without intercepts is `structure`.
 pub(super) fn delivered(
     structure: &Model,
-    lifted: &Model,
+    found: &Fitted,
     recordings: &[Recording],
     parts: &[Part],
-    parameters: &[f64],
-    covariance: Option<Vec<f64>>,
 ) -> Delivered {
+    let Fitted { model: lifted, theta: parameters, covariance } = found;
     let layout = lifted.layout();
     let (theta, intercepts) = (layout.theta(parameters), layout.intercepts(parameters));
     let (increment_std, constants) = gained(structure, recordings, &theta);
@@ -58,7 +68,11 @@ pub(super) fn delivered(
     Delivered {
         theta,
         constant: [0, 1, 2].map(|d| structure.constant[d] + intercepts[d]),
-        covariance: covariance.map(|entries| Covariance { joint: true, names: names(lifted), entries }),
+        covariance: covariance.clone().map(|entries| Covariance {
+            joint: true,
+            names: names(lifted),
+            entries,
+        }),
         least_squares: None,
         increment_std,
         output_rmse: together(followed.iter()).rmse(),

@@ -17,7 +17,7 @@ pub(super) struct Ending {
 
 /// Minimises loss(β) + ridge |β|² from `start` by Levenberg and Marquardt's method. None where the start leaves the limits.
 pub(super) fn minimum(problem: &Problem, start: Vec<f64>, ridge: f64, ending: Ending) -> Option<Vec<f64>> {
-    let cost = |beta: &[f64], looked: &Looked| looked.loss + ridge * beta.iter().map(|b| b * b).sum::<f64>();
+    let cost = |beta: &[f64], looked: &Looked| cost(beta, looked, ridge);
     let mut beta = start;
     let mut looked = problem.look(&beta)?;
     let mut damping = DAMPING[0];
@@ -42,6 +42,22 @@ pub(super) fn minimum(problem: &Problem, start: Vec<f64>, ridge: f64, ending: En
         }
     }
     Some(beta)
+}
+
+fn cost(beta: &[f64], looked: &Looked, ridge: f64) -> f64 {
+    looked.loss + ridge * beta.iter().map(|b| b * b).sum::<f64>()
+}
+
+/// The minimum from whichever of `starts` costs least: a path that went astray comes back.
+pub(super) fn minimum_from<'s>(
+    problem: &Problem,
+    starts: impl Iterator<Item = &'s Vec<f64>>,
+    ridge: f64,
+    ending: Ending,
+) -> Option<Vec<f64>> {
+    let costs = starts.filter_map(|beta| Some((cost(beta, &problem.look(beta)?, ridge), beta)));
+    let (_, start) = costs.min_by(|a, b| a.0.total_cmp(&b.0))?;
+    minimum(problem, start.clone(), ridge, ending)
 }
 
 /// β + (H + ridge I + damping diag H)⁻¹ (g − ridge β); terms without effect stay.
@@ -69,10 +85,16 @@ pub(super) fn started(
     rate_hz: f64,
     ending: Ending,
 ) -> Option<Vec<f64>> {
-    let simple = Problem::increments(model, recordings, rate_hz);
     let none = vec![0.0; model.parameters()];
-    let least = minimum(&simple, none.clone(), NEARLY_NONE, Ending { steps: 2, enough: 0.0 })?;
+    let least = least_squares(model, recordings, rate_hz)?;
     let problem = Problem::new(model, recordings, rate_hz);
     let from = |start| minimum(&problem, start, NEARLY_NONE, ending);
     from(least).or_else(|| from(none)).map(|beta| problem.theta(&beta))
+}
+
+/// Scaled least-squares parameters of the increments.
+pub(super) fn least_squares(model: &Model, recordings: &[&Recording], rate_hz: f64) -> Option<Vec<f64>> {
+    let simple = Problem::increments(model, recordings, rate_hz);
+    let none = vec![0.0; model.parameters()];
+    minimum(&simple, none, NEARLY_NONE, Ending { steps: 1, enough: 0.0 })
 }

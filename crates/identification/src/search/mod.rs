@@ -4,6 +4,7 @@
 //! term held back by a ridge Λβ² on its scaled parameter β. Λ is chosen by cross-validation over whole recordings, each fold
 //! on a path of its own, and the whole algorithm is judged once more by recordings that it has not seen.
 
+mod compact;
 mod deliver;
 mod folds;
 mod gram;
@@ -17,6 +18,7 @@ mod scores;
 mod searched;
 mod words;
 
+pub use compact::SizeScore;
 pub use library::{library, listed};
 pub use nested::Candidate;
 pub use recording::Cut;

@@ -5,7 +5,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use vessel::Model;
 
-use super::minimum::{Ending, minimum, started};
+use super::minimum::{Ending, least_squares, minimum, minimum_from, started};
 use super::problem::{Problem, limit};
 use super::recording::Recording;
 use super::scores::{mean_fit, scores, standard_error, together};
@@ -34,12 +34,15 @@ pub(super) struct Study<'a> {
 /// Of the model that is delivered.
 const DELIVERED: Ending = Ending { steps: 20, enough: 1e-6 };
 
-/// Fits without some folds, from the largest ridge on, each from the one before.
+/// Fits without some folds, from the largest ridge on, each from the one before unless the base structure or least squares
+/// is nearer.
 pub(super) struct Path<'a> {
     problem: Problem<'a>,
-    limit: [f64; 3],
+    pub limit: [f64; 3],
     /// Of the base structure, fitted to the same.
     pub base: Option<Vec<f64>>,
+    /// That in scaled parameters of the library, and the library's least squares.
+    starts: Vec<Vec<f64>>,
     last: Option<Vec<f64>>,
     /// By ridge; none where the fit failed.
     pub thetas: Vec<Option<Vec<f64>>>,
@@ -80,6 +83,14 @@ impl Choice {
     }
 }
 
+/// A model.
+pub(super) struct Fitted {
+    /// Its structure, with intercepts.
+    pub model: Model,
+    pub theta: Vec<f64>,
+    pub covariance: Option<Vec<f64>>,
+}
+
 /// What the whole algorithm finds, and what it finds when a fold is left out.
 pub(super) struct Nested<'a> {
     pub all: Choice,
@@ -88,6 +99,11 @@ pub(super) struct Nested<'a> {
 }
 
 impl<'a> Study<'a> {
+    /// Numbers of the folds.
+    pub fn all_folds(&self) -> std::ops::Range<usize> {
+        0..self.folds.iter().max().map_or(0, |last| last + 1)
+    }
+
     /// The recordings of `fold`.
     pub fn within(&self, fold: usize) -> Vec<&'a Recording> {
         self.picked(|own| own == fold)
@@ -103,14 +119,16 @@ impl<'a> Study<'a> {
         let recordings = self.picked(|fold| !without.contains(&fold));
         let base = started(self.base, &recordings, self.rate_hz, BASE);
         let problem = Problem::new(self.library, &recordings, self.rate_hz);
-        let last = base.as_ref().map(|base| problem.beta(&widened(self.base, self.library, base)));
-        Path { problem, limit: limit(&recordings), base, last, thetas: Vec::new() }
+        let wide = base.as_ref().map(|base| problem.beta(&widened(self.base, self.library, base)));
+        let simple = least_squares(self.library, &recordings, self.rate_hz);
+        let starts = wide.into_iter().chain(simple).collect();
+        Path { problem, limit: limit(&recordings), base, starts, last: None, thetas: Vec::new() }
     }
 
     /// Chooses the ridge by recordings that are left out; again without each fold, by the folds that remain. A fit without two
     /// folds serves both.
     pub fn nested(&self, done: &(dyn Fn(usize) + Sync)) -> Nested<'a> {
-        let count = self.folds.iter().max().map_or(0, |last| last + 1);
+        let count = self.all_folds().end;
         let sets: Vec<Vec<usize>> = (0..count)
             .flat_map(|i| std::iter::once(vec![i]).chain((i + 1..count).map(move |j| vec![i, j])))
             .collect();
@@ -144,9 +162,8 @@ impl<'a> Study<'a> {
 
     /// How the last fits of `paths` follow the folds but those `without`, each left out in turn.
     fn candidate(&self, paths: &BTreeMap<Vec<usize>, Path>, ridge: f64, without: &[usize]) -> Candidate {
-        let count = self.folds.iter().max().map_or(0, |last| last + 1);
         let (mut all, mut rejected) = (Vec::new(), 0_u64);
-        for fold in (0..count).filter(|fold| !without.contains(fold)) {
+        for fold in self.all_folds().filter(|fold| !without.contains(fold)) {
             let mut set = [without, &[fold]].concat();
             set.sort_unstable();
             let own = self.scores(&paths[&set], paths[&set].last_theta(), self.library, fold);
@@ -179,16 +196,17 @@ impl<'a> Study<'a> {
 impl Path<'_> {
     /// Fits at the next ridge.
     pub fn go_on(&mut self, ridge: f64) {
-        self.last = self.last.take().and_then(|start| minimum(&self.problem, start, ridge, ALONG));
+        let starts = self.starts.iter().chain(&self.last);
+        self.last = minimum_from(&self.problem, starts, ridge, ALONG);
         self.thetas.push(self.last.as_ref().map(|beta| self.problem.theta(beta)));
     }
 
-    /// The last fit once more, to its end: θ and its covariance.
-    pub fn delivered(self, ridge: f64) -> Option<(Vec<f64>, Option<Vec<f64>>)> {
-        let problem = self.problem.exactly();
-        let beta = minimum(&problem, self.last?, ridge, DELIVERED)?;
-        let covariance = problem.look(&beta).and_then(|looked| problem.covariance(&beta, &looked, ridge));
-        Some((problem.theta(&beta), covariance))
+    /// The last fit once more, to its end.
+    pub fn delivered(&self, ridge: f64) -> Option<Fitted> {
+        let beta = minimum(&self.problem, self.last.clone()?, ridge, DELIVERED)?;
+        let exact = self.problem.clone().exactly();
+        let covariance = exact.look(&beta).and_then(|looked| exact.covariance(&beta, &looked, ridge));
+        Some(Fitted { model: exact.model.clone(), theta: exact.theta(&beta), covariance })
     }
 
     pub fn last_theta(&self) -> Option<&[f64]> {
@@ -197,7 +215,7 @@ impl Path<'_> {
 }
 
 /// θ of `base` as θ of `library`, whose other terms are 0.
-fn widened(base: &Model, library: &Model, theta: &[f64]) -> Vec<f64> {
+pub(super) fn widened(base: &Model, library: &Model, theta: &[f64]) -> Vec<f64> {
     let (own, all) = (base.layout(), library.layout());
     let mut out = vec![0.0; all.parameters()];
     for d in 0..3 {

@@ -16,6 +16,7 @@ const BEYOND: f64 = 5.0;
 const PIECES: usize = 16;
 
 /// Output errors of free simulations over windows, as a function of scaled parameters β: θ = β · size.
+#[derive(Clone)]
 pub(super) struct Problem<'a> {
     pub model: &'a Model,
     /// Longest first, so that neighbours are about as long.
@@ -76,6 +77,17 @@ impl<'a> Problem<'a> {
         let residuals = (3 * windows.len()).max(1) as f64;
         let stretches = vec![0; windows.len()];
         Self { windows, stretches, residuals, thin: 1, ..Self::new(model, recordings, rate_hz) }
+    }
+
+    /// The same errors over some `recordings` alone.
+    pub fn only(&self, recordings: &[&'a Recording]) -> Self {
+        let own = Self::new(self.model, recordings, 1.0);
+        Self { sizes: self.sizes.clone(), std: self.std, limit: self.limit, thin: self.thin, ..own }
+    }
+
+    /// Number of errors.
+    pub fn errors(&self) -> f64 {
+        self.residuals
     }
 
     /// Sums up the curvature at every sample.

@@ -53,6 +53,11 @@ impl Recording {
         })
     }
 
+    /// Number of errors in its windows.
+    pub fn errors(&self) -> f64 {
+        self.overlapping().map(|(_, window)| 3 * window.samples()).sum::<usize>() as f64
+    }
+
     /// What kind of trial it is: its name up to the first digit or sign, or its maneuver's.
     pub fn kind(&self) -> &str {
         let end = self.name.find(|c: char| !c.is_alphabetic()).unwrap_or(self.name.len());

@@ -1,14 +1,18 @@
+use std::collections::BTreeMap;
+
 use numerics::statistics::paired_median;
+use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 use vessel::Model;
 
-use super::deliver::{delivered, without_zeros};
+use super::compact::{Compact, SizeScore};
+use super::deliver::{delivered, without_intercepts, without_zeros};
 use super::folds::folds;
-use super::nested::{Candidate, Choice, Nested, Study};
+use super::nested::{Candidate, Choice, Fitted, Nested, Study};
 use super::recording::{Cut, Recording};
-use super::scores::{mean_of, together};
+use super::scores::{mean_of, scores, together};
 use super::words;
 use crate::pooled::{Delivered, FreeRunErrors, Part, PooledRuns, Score, deviations};
 
@@ -21,6 +25,8 @@ pub struct SearchOptions {
     pub folds: usize,
     /// Ridges Λ from the largest on.
     pub ridges: Vec<f64>,
+    /// Whether few terms are wanted instead of all that the ridge holds back.
+    pub compact: bool,
     /// The sampling rate \[Hz\].
     pub rate_hz: f64,
 }
@@ -49,6 +55,10 @@ pub struct Searched {
     pub candidates: Vec<Candidate>,
     /// The place of the one that was chosen.
     pub chosen: usize,
+    /// Numbers of terms in the order of additions, where few are wanted.
+    pub sizes: Vec<SizeScore>,
+    /// In how many of the searches without a fold each parameter was chosen too, by its name, where few are wanted.
+    pub chosen_by_folds: BTreeMap<String, u64>,
     /// The whole search and the base structure on recordings that were left out of both.
     pub nested: NestedScore,
     /// What to know, in words.
@@ -159,26 +169,52 @@ pub fn search(
     };
     let nested = study.nested(done);
     let (chosen, score) = chosen(&nested.all)?;
-    let mut whole = study.path(&[]);
-    for ridge in &options.ridges[..=chosen] {
-        whole.go_on(*ridge);
+    let lost = || SearchError::AllDiverge(nested.all.candidates.len());
+    let mut found = study.by_ridge(&nested, chosen).ok_or_else(lost)?;
+    if options.compact {
+        found = study.few(&nested, chosen, done).ok_or_else(lost)?;
     }
-    let lost = SearchError::AllDiverge(nested.all.candidates.len());
-    let (parameters, covariance) = whole.delivered(options.ridges[chosen]).ok_or(lost)?;
-    let nested_score = study.judged(&nested);
+    let nested_score = study.judged(&found.by_folds);
     let candidates = nested.all.candidates;
     let parts: Vec<Part> = recordings.iter().flat_map(|r| &r.whole).cloned().collect();
+    let structure = without_intercepts(&found.all.model);
     Ok(Searched {
-        statements: words::statements(&candidates, chosen, score, &nested_score),
-        delivered: delivered(&structure, &library, &recordings, &parts, &parameters, covariance),
+        statements: words::statements(
+            &candidates,
+            chosen,
+            score,
+            &found.sizes,
+            &found.all.model,
+            &nested_score,
+        ),
+        delivered: delivered(&structure, &found.all, &recordings, &parts),
         samples: parts.iter().map(|part| part.samples() as u64).sum(),
         windows: scored().count() as u64,
         std: study.std,
         candidates,
         chosen,
+        sizes: found.sizes,
+        chosen_by_folds: found.chosen_by_folds,
         nested: nested_score,
         model: structure,
     })
+}
+
+/// The model of all recordings, and those without each fold.
+struct Found {
+    all: Fitted,
+    by_folds: Vec<Judged>,
+    /// Where few terms are wanted, see [`Searched`].
+    sizes: Vec<SizeScore>,
+    chosen_by_folds: BTreeMap<String, u64>,
+}
+
+/// What is judged by a fold that was left out of it.
+struct Judged {
+    ridge: Option<f64>,
+    model: Option<Fitted>,
+    base: Option<Vec<f64>>,
+    limit: [f64; 3],
 }
 
 fn chosen(all: &Choice) -> Result<(usize, f64), SearchError> {
@@ -190,16 +226,64 @@ fn chosen(all: &Choice) -> Result<(usize, f64), SearchError> {
 }
 
 impl Study<'_> {
-    /// The models that were chosen without each fold, on that fold.
-    fn judged(&self, nested: &Nested) -> NestedScore {
-        let (mut ridges, mut all) = (Vec::new(), Vec::new());
-        for (fold, choice) in nested.without.iter().enumerate() {
+    /// All terms, with the ridge at `chosen`; without each fold with the one that was chosen without it.
+    fn by_ridge(&self, nested: &Nested, chosen: usize) -> Option<Found> {
+        let mut whole = self.path(&[]);
+        self.ridges[..=chosen].iter().for_each(|ridge| whole.go_on(*ridge));
+        let judged = |(fold, choice): (usize, &Choice)| {
+            let (path, best) = (&nested.paths[&vec![fold]], choice.best());
+            let theta = best.and_then(|best| path.thetas[best].clone());
+            let model = theta.map(|theta| Fitted { model: self.library.clone(), theta, covariance: None });
+            let ridge = best.map(|best| choice.candidates[best].ridge);
+            Judged { ridge, model, base: path.base.clone(), limit: path.limit }
+        };
+        let by_folds = nested.without.iter().enumerate().map(judged).collect();
+        let all = whole.delivered(self.ridges[chosen])?;
+        Some(Found { all, by_folds, sizes: Vec::new(), chosen_by_folds: BTreeMap::new() })
+    }
+
+    /// The same with few terms.
+    fn few(&self, nested: &Nested, chosen: usize, done: &(dyn Fn(usize) + Sync)) -> Option<Found> {
+        let ridge = |choice: &Choice| choice.best().map(|best| choice.candidates[best].ridge);
+        let search = |without: Option<usize>| {
+            let set: Vec<usize> = without.into_iter().collect();
+            let own = without.is_none().then(|| self.path(&[]));
+            let path = own.as_ref().unwrap_or_else(|| &nested.paths[&set]);
+            let ridge = without.map_or(Some(self.ridges[chosen]), |fold| ridge(&nested.without[fold]))?;
+            let base = path.base.as_ref()?;
+            let compact = self.compact(base, without, ridge)?;
+            let fitted = self.fitted(&compact.places, base, without, ridge);
+            done(1);
+            Some((compact, fitted?))
+        };
+        let wanted: Vec<Option<usize>> = std::iter::once(None).chain(self.all_folds().map(Some)).collect();
+        let mut found: Vec<Option<(Compact, Fitted)>> = wanted.into_par_iter().map(search).collect();
+        let (compact, all) = found.remove(0)?;
+        let mut chosen_by_folds = BTreeMap::new();
+        for (_, fitted) in found.iter().flatten() {
+            fitted
+                .model
+                .parameter_names()
+                .for_each(|name| *chosen_by_folds.entry(name.to_owned()).or_insert(0) += 1);
+        }
+        let judged = |(fold, found): (usize, Option<(Compact, Fitted)>)| {
             let path = &nested.paths[&vec![fold]];
-            let best = choice.best();
-            ridges.push(best.map(|best| choice.candidates[best].ridge));
-            let theta = best.and_then(|best| path.thetas[best].as_deref());
-            let found = self.scores(path, theta, self.library, fold);
-            let base = self.scores(path, path.base.as_deref(), self.base, fold);
+            let model = found.map(|(_, fitted)| fitted);
+            Judged { ridge: ridge(&nested.without[fold]), model, base: path.base.clone(), limit: path.limit }
+        };
+        let by_folds = found.into_iter().enumerate().map(judged).collect();
+        Some(Found { all, by_folds, sizes: compact.sizes, chosen_by_folds })
+    }
+
+    /// The models that were found without each fold, on that fold.
+    fn judged(&self, by_folds: &[Judged]) -> NestedScore {
+        let (mut ridges, mut all) = (Vec::new(), Vec::new());
+        for (fold, Judged { ridge, model, base, limit }) in by_folds.iter().enumerate() {
+            ridges.push(*ridge);
+            let left_out = self.within(fold);
+            let of = |model: &Model, theta: &[f64]| scores(model, theta, &left_out, *limit);
+            let found = model.as_ref().map(|found| of(&found.model, &found.theta));
+            let base = base.as_ref().map(|base| of(self.base, base));
             for (i, recording) in self.within(fold).into_iter().enumerate() {
                 all.push((recording, fold, found.as_ref().map(|s| s[i]), base.as_ref().map(|s| s[i])));
             }

@@ -1,3 +1,6 @@
+use vessel::Model;
+
+use super::compact::SizeScore;
 use super::nested::Candidate;
 use super::searched::{Margin, NestedScore};
 use crate::pooled::FreeRunErrors;
@@ -7,6 +10,8 @@ pub(super) fn statements(
     candidates: &[Candidate],
     chosen: usize,
     score: f64,
+    sizes: &[SizeScore],
+    model: &Model,
     nested: &NestedScore,
 ) -> Vec<String> {
     let mut out = vec![format!(
@@ -14,6 +19,13 @@ pub(super) fn statements(
         candidates[chosen].ridge,
         candidates.len()
     )];
+    if !sizes.is_empty() {
+        out.push(format!(
+            "{} terms, the fewest that follow folds left out within a standard error of the best of {} numbers of terms",
+            model.parameters(),
+            sizes.len()
+        ));
+    }
     out.push(match (&nested.search, &nested.base) {
         (Some(own), Some(base)) => format!(
             "the whole search with recordings left out: fit {}; the base structure: fit {}",

@@ -49,6 +49,9 @@ pub struct Arguments {
     /// Folds that the recordings are dealt into
     #[arg(long, value_name = "N", default_value_t = 6, value_parser = clap::value_parser!(u16).range(3..))]
     folds: u16,
+    /// Keeps few terms: the fewest that follow recordings left out within a standard error of the best
+    #[arg(long)]
+    compact: bool,
 }
 
 /// What channels are to the library; those that are not named are found by unit and name.
@@ -98,9 +101,10 @@ impl Task for Arguments {
             cut,
             folds: usize::from(self.folds),
             ridges: SearchOptions::half_decades(),
+            compact: self.compact,
             rate_hz: vessel.sample_rate_hz,
         };
-        let fits = options.folds * (options.folds + 1) / 2 * options.ridges.len();
+        let fits = (options.folds * (options.folds + 1) / 2 * options.ridges.len()) + options.folds + 1;
         let progress = Progress::new("fits, at most", fits, common.quiet);
         let done = |count: usize| progress.advance(count);
         let found = search(&vessel.model, &library, &runs, &options, &done);
@@ -110,6 +114,7 @@ impl Task for Arguments {
             ("every_samples", json!(cut.every)),
             ("window_samples", json!(cut.scored)),
             ("folds", json!(self.folds)),
+            ("compact", json!(self.compact)),
             ("runs", json!(self.of.runs)),
             ("leave_out", json!(self.of.leave_out)),
         ];

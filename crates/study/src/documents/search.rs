@@ -1,6 +1,6 @@
 use artifact::{Document, Units};
 use identification::pooled::Delivered;
-use identification::search::{Candidate, Cut, NestedScore, Searched};
+use identification::search::{Candidate, Cut, NestedScore, Searched, SizeScore};
 use identification::{Estimator, MeanRemoval};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -36,6 +36,8 @@ pub struct SearchDocument {
     pub ridge: f64,
     /// Ridges in the order that they were tried in.
     pub candidates: Vec<Candidate>,
+    /// Numbers of terms in the order of additions, where few terms were asked for.
+    pub sizes: Vec<SizeScore>,
     /// The whole search on recordings that were left out of it, beside the base structure.
     pub nested: NestedScore,
     /// The terms that were found.
@@ -60,6 +62,8 @@ pub struct SearchTerm {
     pub value: f64,
     /// Its standard error; that of the ridge estimate, which knows nothing of the bias.
     pub standard_error: Option<f64>,
+    /// In how many of the searches without a fold it was chosen too; null where all terms are kept.
+    pub chosen_by_folds: Option<u64>,
 }
 
 impl SearchDocument {
@@ -80,6 +84,7 @@ impl SearchDocument {
             std_r,
             ridge: found.candidates[found.chosen].ridge,
             candidates: found.candidates.clone(),
+            sizes: found.sizes.clone(),
             nested: found.nested.clone(),
             terms: DegreeOfFreedom::ALL.into_iter().flat_map(|d| terms(vessel, d, found)).collect(),
             statements: found.statements.clone(),
@@ -93,6 +98,8 @@ fn terms(vessel: &Vessel, degree: DegreeOfFreedom, found: &Searched) -> Vec<Sear
     all.map(|(i, p)| SearchTerm {
         degree: degree.name().to_owned(),
         base: i < known,
+        chosen_by_folds: (!found.sizes.is_empty())
+            .then(|| found.chosen_by_folds.get(&p.name).copied().unwrap_or(0)),
         name: p.name,
         term: p.term,
         value: p.value,
@@ -163,7 +170,10 @@ impl Document for SearchDocument {
     const VERSION: u32 = 1;
     const UNITS: Units = &[
         ("s", "fitted_window_s every_s window_s"),
-        ("1", "windows samples folds ridge ridges rejected diverged fold margin search_norm base_norm"),
+        (
+            "1",
+            "terms windows samples folds chosen_by_folds loss excess ridge ridges rejected diverged fold margin search_norm base_norm",
+        ),
         ("%", "score fit_u fit_v fit_r"),
         ("m/s", "std_u std_v rmse_u rmse_v"),
         ("rad/s", "std_r rmse_r"),
