@@ -16,7 +16,7 @@ const JUDGED: Ending = Ending { steps: 12, enough: 1e-4 };
 /// Terms that are added before the model is linearised anew.
 const BEFORE: usize = 3;
 /// Additions that lower no loss after which the search ends.
-const PATIENCE: usize = 9;
+const PATIENCE: usize = 12;
 /// Relative decrease of the loss that counts as none.
 const NONE: f64 = 1e-4;
 
@@ -131,9 +131,7 @@ impl Study<'_> {
         let (mut places, mut beta) = (start, whole.beta(theta));
         let mut sizes: Vec<Size> = Vec::new();
         let mut best = (f64::INFINITY, 0);
-        while places.len() < whole.sizes.len()
-            && places.len() <= best.1.max(places.len() - sizes.len()) + PATIENCE
-        {
+        while places.len() < whole.sizes.len() && sizes.len() <= best.1 + PATIENCE {
             let model = subset(self.library, &places);
             let problem = Problem::new(&model, &all, self.rate_hz);
             let from: Vec<f64> = places.iter().map(|i| beta[*i]).collect();
@@ -146,7 +144,7 @@ impl Study<'_> {
                 let Some(size) = addition(&told, &places, &beta, ridge) else { return sizes };
                 places = size.places.clone();
                 if size.total() < best.0 * (1.0 - NONE) {
-                    best = (size.total(), sizes.len());
+                    best = (size.total(), sizes.len() + 1);
                 }
                 sizes.push(size);
             }

@@ -8,6 +8,7 @@ mod compact;
 mod deliver;
 mod folds;
 mod gram;
+mod judged;
 mod library;
 mod minimum;
 mod nested;
@@ -19,8 +20,9 @@ mod searched;
 mod words;
 
 pub use compact::SizeScore;
+pub use judged::{Margin, NestedRecording, NestedScore};
 pub use library::{library, listed};
 pub use nested::Candidate;
 pub use recording::Cut;
 pub use roles::{NamedRoles, Roles};
-pub use searched::{Margin, NestedRecording, NestedScore, SearchError, SearchOptions, Searched, search};
+pub use searched::{SearchError, SearchOptions, Searched, search};

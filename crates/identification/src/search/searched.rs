@@ -1,20 +1,18 @@
 use std::collections::BTreeMap;
 
-use numerics::statistics::paired_median;
 use rayon::prelude::*;
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
 use thiserror::Error;
 use vessel::Model;
 
 use super::compact::{Compact, SizeScore};
 use super::deliver::{delivered, without_intercepts, without_zeros};
 use super::folds::folds;
+use super::judged::{Margin, NestedRecording, NestedScore};
 use super::nested::{Candidate, Choice, Fitted, Nested, Study};
 use super::recording::{Cut, Recording};
-use super::scores::{mean_of, scores, together};
+use super::scores::{scores, together};
 use super::words;
-use crate::pooled::{Delivered, FreeRunErrors, Part, PooledRuns, Score, deviations};
+use crate::pooled::{Delivered, Part, PooledRuns, Score, deviations};
 
 /// How a model is searched for.
 #[derive(Clone, Debug, PartialEq)]
@@ -63,54 +61,6 @@ pub struct Searched {
     pub nested: NestedScore,
     /// What to know, in words.
     pub statements: Vec<String>,
-}
-
-/// The whole algorithm judged by recordings that it has not seen, beside the base structure.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct NestedScore {
-    /// The ridge that was chosen without each fold; none where no candidate was left.
-    pub ridges: Vec<Option<f64>>,
-    /// Over all recordings; none where a fold has no model, or a window diverged.
-    pub search: Option<FreeRunErrors>,
-    /// Those of the base structure.
-    pub base: Option<FreeRunErrors>,
-    /// Windows in which the found models diverged.
-    pub diverged: u64,
-    /// Recording by recording.
-    pub recordings: Vec<NestedRecording>,
-    /// Against the base structure.
-    pub margin: Option<Margin>,
-}
-
-/// How far the base structure's norm of RMSE/std lies above the found models', recording by recording.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct Margin {
-    /// Recordings that were compared.
-    pub pairs: u64,
-    /// The median difference; null where it is infinite.
-    pub median: Option<f64>,
-    /// 95 % interval of that median; null at an infinite end. An interval that contains 0 tells no difference.
-    pub interval: [Option<f64>; 2],
-}
-
-/// One recording when it was left out.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct NestedRecording {
-    /// Its name.
-    pub source: String,
-    /// The fold it is in.
-    pub fold: u64,
-    /// Errors of the found model, against the standard deviations of its own states.
-    pub search: Option<FreeRunErrors>,
-    /// Those of the base structure.
-    pub base: Option<FreeRunErrors>,
-    /// Norm of RMSE over the standard deviations of all recordings' states.
-    pub search_norm: Option<f64>,
-    /// That of the base structure.
-    pub base_norm: Option<f64>,
 }
 
 /// Why there is no model.
@@ -317,26 +267,8 @@ impl Study<'_> {
             search: whole(&found),
             base: whole(&base),
             diverged: found.iter().flatten().map(|score| score.diverged).sum(),
-            margin: margin(pairs.collect()),
+            margin: Margin::of(&pairs.collect::<Vec<_>>()),
             recordings: told,
         }
-    }
-}
-
-fn margin(pairs: Vec<[Option<f64>; 2]>) -> Option<Margin> {
-    let finite = |x: f64| Some(x).filter(|x| x.is_finite());
-    let [low, median, high] = paired_median(pairs.iter().copied())?;
-    Some(Margin { pairs: pairs.len() as u64, median: finite(median), interval: [low, high].map(finite) })
-}
-
-impl NestedScore {
-    /// Mean fit of u, v, r \[%\].
-    pub fn mean(&self) -> Option<f64> {
-        mean_of(&self.search?)
-    }
-
-    /// That of the base structure.
-    pub fn base_mean(&self) -> Option<f64> {
-        mean_of(&self.base?)
     }
 }

@@ -1,8 +1,9 @@
 use vessel::Model;
 
 use super::compact::SizeScore;
+use super::judged::{Margin, NestedScore};
 use super::nested::Candidate;
-use super::searched::{Margin, NestedScore};
+use super::scores::mean_of;
 use crate::pooled::FreeRunErrors;
 
 /// What was chosen and how good it is.
@@ -71,5 +72,6 @@ fn fits(errors: &FreeRunErrors) -> String {
         Some(fit) => format!("{name} {fit:.1} %"),
         None => format!("{name} –"),
     };
-    ["u", "v", "r"].into_iter().zip(errors.fits()).map(one).collect::<Vec<_>>().join(", ")
+    let each = ["u", "v", "r"].into_iter().zip(errors.fits()).map(one).collect::<Vec<_>>().join(", ");
+    mean_of(errors).map_or(each.clone(), |mean| format!("{each}, mean {mean:.1} %"))
 }
