@@ -30,6 +30,7 @@ mod repeated;
 mod residual;
 mod run_estimate;
 pub mod runs;
+pub mod search;
 pub mod selection;
 mod sensitivity;
 mod solve;

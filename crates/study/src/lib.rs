@@ -18,6 +18,7 @@ pub mod scores;
 mod seed;
 pub mod selection;
 pub mod sequential;
+mod term_lists;
 pub mod track;
 pub mod trajectories;
 
@@ -26,3 +27,4 @@ pub use identification::pooled::listed;
 pub use recommendation::recommendations;
 pub use refusal::{invalid, refuse};
 pub use seed::{note_seed, seed};
+pub use term_lists::TermLists;

@@ -2,9 +2,9 @@ use std::collections::HashMap;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use vessel::{DegreeOfFreedom, Model, Variable};
+use vessel::{DegreeOfFreedom, Model, RunView, Variable};
 
-use super::{DegreeTrust, Estimated, PartView, Parts, Pool, Regression, SourceErrors};
+use super::{DegreeTrust, Estimated, Part, PartView, Parts, Pool, Regression, SourceErrors};
 use crate::Estimator;
 
 /// The model that an estimate delivers, whole: with it others simulate what was validated.
@@ -94,7 +94,7 @@ impl Delivered {
             least_squares: pool.least_squares(found).map(|(theta, own)| (theta, beyond(own))),
             increment_std: account.squares.map(|sum| (sum / f64::max(account.samples, 1.0)).sqrt()),
             output_rmse: pooled_rmse(sources),
-            covered: account.covered(),
+            covered: account.ranges.covered(),
             recordings: account.recordings(),
             theta,
         }))
@@ -109,8 +109,7 @@ struct Account<'a> {
     /// Of Δy − φᵀθ̂ − c.
     squares: [f64; 3],
     samples: f64,
-    /// Least and largest value of each variable.
-    ranges: Vec<[f64; 2]>,
+    ranges: Ranges<'a>,
     places: HashMap<String, usize>,
     /// Sums of Δy − φᵀθ̂ by recording.
     recordings: Vec<RecordingConstant>,
@@ -124,7 +123,7 @@ impl<'a> Account<'a> {
             intercepts,
             squares: [0.0; 3],
             samples: 0.0,
-            ranges: vec![[f64::INFINITY, f64::NEG_INFINITY]; model.variables.len()],
+            ranges: Ranges::new(model),
             places: HashMap::new(),
             recordings: Vec::new(),
         }
@@ -143,16 +142,7 @@ impl<'a> Account<'a> {
         }
         self.samples += regression.samples as f64;
         self.gain(part.source, regression.samples as u64, left);
-        let rows = part.run.measured.as_chunks::<3>().0;
-        rows.iter().for_each(|row| row.iter().enumerate().for_each(|(d, value)| self.cover(d, *value)));
-        for row in part.run.exogenous.chunks_exact(self.model.exogenous().max(1)) {
-            row.iter().enumerate().for_each(|(i, value)| self.cover(3 + i, *value));
-        }
-    }
-
-    fn cover(&mut self, variable: usize, value: f64) {
-        let [low, high] = &mut self.ranges[variable];
-        (*low, *high) = (low.min(value), high.max(value));
+        self.ranges.add(&part.run);
     }
 
     fn gain(&mut self, source: &str, samples: u64, [u, v, r]: [f64; 3]) {
@@ -169,16 +159,6 @@ impl<'a> Account<'a> {
         own.constant_r += r;
     }
 
-    fn covered(&self) -> Vec<Covered> {
-        let range = |(variable, [low, high]): (&Variable, &[f64; 2])| Covered {
-            name: variable.name.clone(),
-            unit: variable.unit.clone(),
-            low: *low,
-            high: *high,
-        };
-        self.model.variables.iter().zip(&self.ranges).map(range).collect()
-    }
-
     /// Means instead of sums, and the constant that is known.
     fn recordings(mut self) -> Vec<RecordingConstant> {
         for own in &mut self.recordings {
@@ -187,6 +167,40 @@ impl<'a> Account<'a> {
             all.into_iter().zip(self.model.constant).for_each(|(sum, known)| *sum = *sum / samples + known);
         }
         self.recordings
+    }
+}
+
+/// The least and the largest value of each variable of a model.
+struct Ranges<'a> {
+    model: &'a Model,
+    ends: Vec<[f64; 2]>,
+}
+
+impl<'a> Ranges<'a> {
+    fn new(model: &'a Model) -> Self {
+        Self { model, ends: vec![[f64::INFINITY, f64::NEG_INFINITY]; model.variables.len()] }
+    }
+
+    fn add(&mut self, run: &RunView) {
+        let mut cover = |variable: usize, value: f64| {
+            let [low, high] = &mut self.ends[variable];
+            (*low, *high) = (low.min(value), high.max(value));
+        };
+        let rows = run.measured.as_chunks::<3>().0;
+        rows.iter().for_each(|row| row.iter().enumerate().for_each(|(d, value)| cover(d, *value)));
+        for row in run.exogenous.chunks_exact(self.model.exogenous().max(1)) {
+            row.iter().enumerate().for_each(|(i, value)| cover(3 + i, *value));
+        }
+    }
+
+    fn covered(&self) -> Vec<Covered> {
+        let range = |(variable, [low, high]): (&Variable, &[f64; 2])| Covered {
+            name: variable.name.clone(),
+            unit: variable.unit.clone(),
+            low: *low,
+            high: *high,
+        };
+        self.model.variables.iter().zip(&self.ends).map(range).collect()
     }
 }
 
@@ -227,4 +241,11 @@ fn pooled_rmse(sources: &[SourceErrors]) -> Option<[f64; 3]> {
         samples += n;
     }
     (samples > 0.0).then(|| squares.map(|sum| (sum / samples).sqrt()))
+}
+
+/// What `parts` cover of the channels of `model`.
+pub(crate) fn covered(model: &Model, parts: &[Part]) -> Vec<Covered> {
+    let mut ranges = Ranges::new(model);
+    parts.iter().for_each(|part| ranges.add(&part.view()));
+    ranges.covered()
 }

@@ -33,6 +33,7 @@ mod words;
 
 pub use bootstrap::{Bootstrap, Resampled, bootstrap, redraw};
 pub use centre::Centring;
+pub(crate) use delivered::covered;
 pub use delivered::{Covariance, Covered, Delivered, RecordingConstant};
 pub use diagnosis::{COLLINEAR, Diagnosis};
 pub use estimate::{PoolError, Pooled, estimate};

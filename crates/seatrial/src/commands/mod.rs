@@ -9,6 +9,7 @@ mod ingest;
 mod moments;
 mod plan;
 mod report;
+mod search;
 mod selection;
 mod sequential;
 mod simulate;
@@ -33,8 +34,8 @@ pub const MOMENTS: Stage = Stage::of::<moments::Arguments>();
 pub const DESIGN: Stage =
     Stage::of::<crate::design::Arguments>().with(&[Stage::of::<crate::design::refine::Refine>()]);
 /// Parameters of every run, or of all runs together.
-pub const ESTIMATE: Stage =
-    Stage::of::<estimate::Arguments>().with(&[Stage::of::<estimate_pool::Arguments>()]);
+pub const ESTIMATE: Stage = Stage::of::<estimate::Arguments>()
+    .with(&[Stage::of::<estimate_pool::Arguments>(), Stage::of::<search::Arguments>()]);
 /// How far the estimated models can be trusted.
 pub const VALIDATE: Stage = Stage::of::<validate::Arguments>().with(&[
     Stage::of::<compare::Arguments>(),

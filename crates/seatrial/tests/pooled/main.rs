@@ -10,6 +10,7 @@ mod model;
 mod moments;
 mod real;
 mod refusals;
+mod search;
 mod selection;
 mod units;
 

@@ -155,6 +155,18 @@ fn the_method_of_least_error_for_the_kvlcc2_reaches_the_baseline() {
 }
 
 #[test]
+fn a_structure_found_for_the_kvlcc2_follows_runs_that_were_left_out_of_the_search() {
+    let Some(folder) = ingested("kvlcc2", "kvlcc2_hsva") else { return };
+    let line = format!("estimate search {LOGGED} --recordings ingest.json --window-s 100 --compact");
+    let said = run(&folder, &format!("{line} --out search.json")).succeeds();
+    let nested = json(&folder, "search.json")["data"]["nested"].clone();
+    let fits = |of: &str| ["fit_u", "fit_v", "fit_r"].map(|fit| nested[of][fit].as_f64().unwrap());
+    at_least(fits("search"), [93.0, 86.0, 88.0]);
+    at_least([0, 1, 2].map(|d| fits("search")[d] - fits("base")[d]), [10.0; 3]);
+    assert!(said.stdout.contains("better than the base structure"), "{said}");
+}
+
+#[test]
 fn the_report_of_measured_logs_shows_what_they_tell() {
     let Some(folder) = ingested("kvlcc2", "kvlcc2_hsva") else { return };
     let recorded = format!("{LOGGED} --recordings ingest.json --nominal least-squares --part-s 100");

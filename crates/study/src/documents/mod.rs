@@ -12,6 +12,7 @@ mod plan;
 mod reference;
 mod refined;
 mod refinement;
+mod search;
 mod selection;
 mod sequential;
 mod simulated;
@@ -52,6 +53,7 @@ pub use plan::{
 pub use reference::{Published, PublishedPicks, PublishedSelection, PublishedShare, Reference};
 pub use refined::{RefinedDocument, RefinedExperiment, RefinedLimit};
 pub use refinement::RefinedFiles;
+pub use search::{SearchDocument, SearchTerm};
 pub use selection::SelectionDocument;
 pub use sequential::SequentialDocument;
 pub use simulated::{SIMULATED_FILE, SimulatedLogsDocument, SimulatedRecording};
@@ -75,6 +77,7 @@ pub fn schemas() -> Vec<(&'static str, serde_json::Value)> {
         (TrustDocument::ID, json_schema::<TrustDocument>()),
         (CompareDocument::ID, json_schema::<CompareDocument>()),
         (CrossvalDocument::ID, json_schema::<CrossvalDocument>()),
+        (SearchDocument::ID, json_schema::<SearchDocument>()),
         (SelectionDocument::ID, json_schema::<SelectionDocument>()),
         (SequentialDocument::ID, json_schema::<SequentialDocument>()),
         (SimulatedLogsDocument::ID, json_schema::<SimulatedLogsDocument>()),

@@ -115,6 +115,27 @@ impl ModelDocument {
     pub fn new(pool: &Pool, estimator: Estimator, found: &Pooled) -> Option<Self> {
         let delivered = found.delivered.as_ref()?;
         let vessel = pool.vessel;
+        let (inputs, measured) = Self::channels(vessel);
+        let degree = |d: DegreeOfFreedom| ModelDegree::new(vessel, delivered, found, d);
+        Some(Self {
+            vessel: vessel.name.clone(),
+            sample_rate_hz: vessel.sample_rate_hz,
+            inputs,
+            measured,
+            degrees: DegreeOfFreedom::ALL.into_iter().map(degree).collect(),
+            covariance: delivered.covariance.clone(),
+            estimator,
+            mean_removal: pool.removal,
+            samples: found.samples,
+            recordings: delivered.recordings.clone(),
+            covered: delivered.covered.clone(),
+            rejected: found.criticism.as_ref().map(|found| found.rejected),
+            statements: found.statements.clone(),
+        })
+    }
+
+    /// The inputs and measured disturbances of `vessel`.
+    pub(super) fn channels(vessel: &Vessel) -> (Vec<ModelInput>, Vec<ModelChannel>) {
         let input = |(i, variable): (usize, &Variable)| {
             let coupling = vessel.couplings[i];
             let inputs = vessel.model.input_variables();
@@ -126,22 +147,8 @@ impl ModelDocument {
             }
         };
         let channel = |v: &Variable| ModelChannel { name: v.name.clone(), unit: v.unit.clone() };
-        let degree = |d: DegreeOfFreedom| ModelDegree::new(vessel, delivered, found, d);
-        Some(Self {
-            vessel: vessel.name.clone(),
-            sample_rate_hz: vessel.sample_rate_hz,
-            inputs: vessel.model.input_variables().iter().enumerate().map(input).collect(),
-            measured: vessel.model.variables[3 + vessel.model.inputs..].iter().map(channel).collect(),
-            degrees: DegreeOfFreedom::ALL.into_iter().map(degree).collect(),
-            covariance: delivered.covariance.clone(),
-            estimator,
-            mean_removal: pool.removal,
-            samples: found.samples,
-            recordings: delivered.recordings.clone(),
-            covered: delivered.covered.clone(),
-            rejected: found.criticism.as_ref().map(|found| found.rejected),
-            statements: found.statements.clone(),
-        })
+        let inputs = vessel.model.input_variables().iter().enumerate().map(input).collect();
+        (inputs, vessel.model.variables[3 + vessel.model.inputs..].iter().map(channel).collect())
     }
 
     /// The vessel that the model is of, with the estimates as its nominal values.

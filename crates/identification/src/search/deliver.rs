@@ -1,0 +1,118 @@
+use vessel::{Compiled, DegreeOfFreedom, Model};
+
+use super::nested::Fitted;
+use super::problem::limit;
+use super::recording::Recording;
+use super::scores::{scores, together};
+use crate::pooled::{Covariance, Delivered, Part, RecordingConstant, covered};
+
+/// `library` without those terms beyond `base` that are 0 in every sample.
+pub(super) fn without_zeros(base: &Model, library: &Model, recordings: &[Recording]) -> Model {
+    let mut compiled = Compiled::new(library, &vec![0.0; library.parameters()]);
+    let mut used = vec![false; library.parameters()];
+    each(recordings, library.exogenous(), |_, state, exogenous, _| {
+        compiled.look(state, exogenous, None);
+        used.iter_mut().enumerate().for_each(|(i, used)| *used |= compiled.term(i) != 0.0);
+    });
+    let mut model = library.clone();
+    let layout = library.layout();
+    for (d, degree) in model.degrees.iter_mut().enumerate() {
+        let first = layout.degree(d).start;
+        let kept = |i: usize| i < base.degrees[d].terms.len() || used[first + i];
+        degree.terms = keep(&degree.terms, kept);
+        degree.parameters = keep(&degree.parameters, kept);
+    }
+    model
+}
+
+fn keep<T: Clone>(all: &[T], kept: impl Fn(usize) -> bool) -> Vec<T> {
+    all.iter().enumerate().filter(|(i, _)| kept(*i)).map(|(_, own)| own.clone()).collect()
+}
+
+/// Calls `look` with the number of the recording, state, inputs and the state's increment of every sample.
+fn each(recordings: &[Recording], width: usize, mut look: impl FnMut(usize, [f64; 3], &[f64], [f64; 3])) {
+    for (i, recording) in recordings.iter().enumerate() {
+        for part in &recording.whole {
+            let states = part.measured.as_chunks::<3>().0;
+            let inputs = part.exogenous.chunks_exact(width.max(1));
+            for ((now, next), inputs) in states.iter().zip(&states[1..]).zip(inputs) {
+                look(i, *now, inputs, [0, 1, 2].map(|d: usize| next[d] - now[d]));
+            }
+        }
+    }
+}
+
+/// `lifted` without its intercepts.
+pub(super) fn without_intercepts(lifted: &Model) -> Model {
+    let mut model = lifted.clone();
+    for degree in &mut model.degrees {
+        degree.terms.pop();
+        degree.parameters.pop();
+    }
+    model
+}
+
+/// The model `found`, whose structure without intercepts is `structure`.
+pub(super) fn delivered(
+    structure: &Model,
+    found: &Fitted,
+    recordings: &[Recording],
+    parts: &[Part],
+) -> Delivered {
+    let Fitted { model: lifted, theta: parameters, covariance } = found;
+    let layout = lifted.layout();
+    let (theta, intercepts) = (layout.theta(parameters), layout.intercepts(parameters));
+    let (increment_std, constants) = gained(structure, recordings, &theta);
+    let all: Vec<&Recording> = recordings.iter().collect();
+    let followed = scores(lifted, parameters, &all, limit(&all));
+    Delivered {
+        theta,
+        constant: [0, 1, 2].map(|d| structure.constant[d] + intercepts[d]),
+        covariance: covariance.clone().map(|entries| Covariance {
+            joint: true,
+            names: names(lifted),
+            entries,
+        }),
+        least_squares: None,
+        increment_std,
+        output_rmse: together(followed.iter()).rmse(),
+        recordings: constants,
+        covered: covered(structure, parts),
+    }
+}
+
+fn names(lifted: &Model) -> Vec<String> {
+    let name = |(d, name): (usize, &str)| match name {
+        "intercept" => format!("{} constant", DegreeOfFreedom::ALL[d].name()),
+        name => name.to_owned(),
+    };
+    lifted.layout().degrees().zip(lifted.parameter_names()).map(name).collect()
+}
+
+/// What the increments gain on the terms: their standard deviations over all, and their means by recording.
+fn gained(structure: &Model, recordings: &[Recording], theta: &[f64]) -> ([f64; 3], Vec<RecordingConstant>) {
+    let model = Model { constant: [0.0; 3], ..structure.clone() };
+    let mut compiled = Compiled::new(&model, theta);
+    let (mut sums, mut squares) = (vec![([0.0; 3], 0.0_f64); recordings.len()], [0.0; 3]);
+    each(recordings, model.exogenous(), |i, state, exogenous, increment| {
+        compiled.look(state, exogenous, None);
+        let modelled = compiled.increments();
+        sums[i].1 += 1.0;
+        for d in 0..3 {
+            let left = increment[d] - modelled[d];
+            sums[i].0[d] += left;
+            squares[d] += left * left;
+        }
+    });
+    let n = sums.iter().map(|(_, n)| n).sum::<f64>().max(1.0);
+    let std = |d: usize| {
+        let mean = sums.iter().map(|(sum, _)| sum[d]).sum::<f64>() / n;
+        (squares[d] / n - mean * mean).max(0.0).sqrt()
+    };
+    let constant = |(recording, (sum, n)): (&Recording, &([f64; 3], f64))| {
+        let [constant_u, constant_v, constant_r] = sum.map(|sum| sum / n.max(1.0));
+        let (source, samples) = (recording.name.clone(), *n as u64);
+        RecordingConstant { source, samples, constant_u, constant_v, constant_r }
+    };
+    ([0, 1, 2].map(std), recordings.iter().zip(&sums).map(constant).collect())
+}

@@ -1,0 +1,146 @@
+use vessel::{Degree, DegreeOfFreedom, Factor, Model, Term};
+
+use super::roles::Roles;
+
+/// Terms of surge: even under reflection between port and starboard.
+const SURGE: &str = "u; u |u|; u^3; v r; v^2; r^2; |v|; |r|; u |v|; u |r|; u v^2; u r^2; u v r; |u| v r; |v| |r|; |v|^3; \
+    |r|^3; n |n|; nr |nr|; na; nr; na u; nr u; na |u|; na u^2; na^2; na^2 u; na |v|; na |r|; na v r; na^2 de^2; \
+    na^2 |de|; na^2 de^4; u |u| de^2; u |u| |de|; na u de^2; u v de; u r de; na v de; na r de; nr^2 |de|; nr^2 de^2; \
+    v de; r de; nr |v|; nr |r|; de^2; u de^2; even";
+/// Terms of sway and yaw: odd, and those by which a single propeller pushes to one side.
+const SIDEWAYS: &str = "v; r; u v; u r; |u| v; |u| r; v |v|; r |r|; v |r|; |v| r; v^3; r^3; v^2 r; v r^2; u^2 v; u^2 r; \
+    u v |v|; u r |r|; u v |r|; u |v| r; na v; na r; nr v; nr r; na^2 v; na^2 r; nr^2 v; nr^2 r; na u v; na u r; na; na^2; \
+    na u; nr; nr |nr|; nr u; nr u^2; u |u| de; na^2 de; na u de; u de; na de; de; nr^2 de; nr de; nr u de; na^2 de |de|; \
+    na^2 de^3; u |u| de^3; u |u| de |de|; na u de^3; na |v| de; na |r| de; na^2 |de| v; na^2 |de| r; u |de| v; u |de| r; \
+    v de^2; r de^2; na v de^2; na r de^2; na^2 |de|; na^2 de^2; de |de|; de^3; odd; even";
+
+/// What stands in the lists above for the channels that play a role.
+const SYMBOLS: [&str; 9] = ["u", "v", "r", "n", "na", "nr", "de", "even", "odd"];
+const PROPELLER: usize = 3;
+const AHEAD: usize = 4;
+const ASTERN: usize = 5;
+const RUDDER: usize = 6;
+const EVEN: usize = 7;
+const ODD: usize = 8;
+
+/// `base` with every term of the library that its channels allow, after its own terms.
+///
+/// The library holds products of velocities, rudder and propeller to third order by their parity under reflection. Where
+/// thrust is logged instead of the propeller's speed it stands for its square.
+pub fn library(base: &Model, roles: &Roles) -> Model {
+    let mut model = base.clone();
+    for (d, degree) in model.degrees.iter_mut().enumerate() {
+        let list = if d == DegreeOfFreedom::Surge as usize { SURGE } else { SIDEWAYS };
+        for text in list.split(';') {
+            let Ok(symbolic) = Term::parse(text, &SYMBOLS) else { continue };
+            for factors in meant(&symbolic.factors, roles) {
+                add(degree, d, base, factors);
+            }
+        }
+    }
+    model
+}
+
+/// `base` with the terms of `lists` for surge, sway and yaw instead of the library's.
+///
+/// # Errors
+/// A term that cannot be read.
+pub fn listed(base: &Model, lists: [&[String]; 3]) -> Result<Model, vessel::Invalid> {
+    let names: Vec<&str> = base.variables.iter().map(|v| v.name.as_str()).collect();
+    let mut model = base.clone();
+    for (d, list) in lists.into_iter().enumerate() {
+        // The constant is there already.
+        for text in list.iter().filter(|text| text.trim() != "1") {
+            add(&mut model.degrees[d], d, base, Term::parse(text, &names)?.factors);
+        }
+    }
+    Ok(model)
+}
+
+/// The factors of a term of symbols in the vessel's channels; several where several play one role, none where none does.
+fn meant(symbolic: &[Factor], roles: &Roles) -> Vec<Vec<Factor>> {
+    let ahead = symbolic.iter().filter(|f| f.variable == AHEAD).count();
+    let mut all = vec![Vec::new()];
+    let mut rest: Vec<Factor> = symbolic.to_vec();
+    if let (true, None, Some(thrust)) = (ahead > 0, roles.ahead, roles.thrust) {
+        // Thrust goes with the square of the propeller's speed: other powers have no such sense.
+        if ahead != 2 {
+            return Vec::new();
+        }
+        all = vec![vec![Factor { variable: thrust, modulus: false }]];
+        rest.retain(|factor| factor.variable != AHEAD);
+    }
+    let before = all[0].len();
+    for factor in &rest {
+        let channels = roles.playing(factor.variable);
+        let with = |own: &Vec<Factor>, variable: usize| {
+            // All factors of one symbol are one channel.
+            let other =
+                |(by, own): (&Factor, &Factor)| by.variable == factor.variable && own.variable != variable;
+            let more = Factor { variable, modulus: factor.modulus };
+            let same = !rest.iter().zip(&own[before..]).any(other);
+            same.then(|| own.iter().copied().chain([more]).collect::<Vec<_>>())
+        };
+        all = all.iter().flat_map(|own| channels.iter().filter_map(|v| with(own, *v))).collect();
+    }
+    all
+}
+
+impl Roles {
+    /// The channels that a symbol stands for.
+    fn playing(&self, symbol: usize) -> Vec<usize> {
+        match symbol {
+            PROPELLER => self.propeller.into_iter().collect(),
+            AHEAD => self.ahead.into_iter().collect(),
+            ASTERN => self.astern.into_iter().collect(),
+            RUDDER => self.rudders.clone(),
+            EVEN => self.even.clone(),
+            ODD => self.odd.clone(),
+            state => vec![state],
+        }
+    }
+}
+
+/// Adds the term of `factors` unless there is one like it.
+fn add(degree: &mut Degree, d: usize, base: &Model, factors: Vec<Factor>) {
+    let names: Vec<&str> = base.variables.iter().map(|v| v.name.as_str()).collect();
+    let form = form(&factors);
+    if form.is_empty() || degree.terms.iter().any(|term| self::form(&term.factors) == form) {
+        return;
+    }
+    let letter = ["X", "Y", "N"][d];
+    let mut name = format!(
+        "{letter}_{}",
+        text(&factors, "_", |factor, power| {
+            let (abs, name) = (if factor.modulus { "abs_" } else { "" }, names[factor.variable]);
+            if power > 1 { format!("{abs}{name}_{power}") } else { format!("{abs}{name}") }
+        })
+    );
+    while base.parameter_names().any(|taken| taken == name) {
+        name.push_str("_more");
+    }
+    let text = text(&factors, " ", |factor, power| {
+        let name = names[factor.variable];
+        let name = if factor.modulus { format!("|{name}|") } else { name.to_owned() };
+        if power > 1 { format!("{name}^{power}") } else { name }
+    });
+    degree.parameters.push(name);
+    degree.terms.push(Term { text, factors });
+}
+
+fn text(factors: &[Factor], between: &str, one: impl Fn(&Factor, usize) -> String) -> String {
+    let runs = factors.chunk_by(|a, b| a == b);
+    runs.map(|run| one(&run[0], run.len())).collect::<Vec<_>>().join(between)
+}
+
+/// By variable its power and whether its sign counts: `|v| v^2` and `|v|^3` are the same.
+fn form(factors: &[Factor]) -> Vec<(usize, usize, bool)> {
+    let mut variables: Vec<usize> = factors.iter().map(|f| f.variable).collect();
+    variables.sort_unstable();
+    variables.dedup();
+    let of = |variable: usize| {
+        let own = || factors.iter().filter(move |f| f.variable == variable);
+        (variable, own().count(), own().filter(|f| !f.modulus).count() % 2 == 1)
+    };
+    variables.into_iter().map(of).collect()
+}

@@ -1,0 +1,28 @@
+//! A model that generalises, found from recordings alone.
+//!
+//! Beside the base structure a library of terms is fitted by the errors of free simulations over overlapping windows, each
+//! term held back by a ridge Λβ² on its scaled parameter β. Λ is chosen by cross-validation over whole recordings, each fold
+//! on a path of its own, and the whole algorithm is judged once more by recordings that it has not seen.
+
+mod compact;
+mod deliver;
+mod folds;
+mod gram;
+mod judged;
+mod library;
+mod minimum;
+mod nested;
+mod problem;
+mod recording;
+mod roles;
+mod scores;
+mod searched;
+mod words;
+
+pub use compact::SizeScore;
+pub use judged::{Margin, NestedRecording, NestedScore};
+pub use library::{library, listed};
+pub use nested::Candidate;
+pub use recording::Cut;
+pub use roles::{NamedRoles, Roles};
+pub use searched::{SearchError, SearchOptions, Searched, search};

@@ -1,0 +1,227 @@
+use std::collections::BTreeMap;
+
+use rayon::prelude::*;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use vessel::Model;
+
+use super::minimum::{Ending, least_squares, minimum, minimum_from, started};
+use super::problem::{Problem, limit};
+use super::recording::Recording;
+use super::scores::{mean_fit, scores, standard_error, together};
+use crate::pooled::Score;
+
+/// Of a path's fits: the next ridge starts where they end.
+const ALONG: Ending = Ending { steps: 2, enough: 1e-3 };
+/// Of the base structure.
+const BASE: Ending = Ending { steps: 20, enough: 1e-5 };
+/// Candidates worse than the best after which no smaller ridge is tried.
+const WORSE: usize = 2;
+
+/// What is searched through.
+pub(super) struct Study<'a> {
+    /// Both with intercepts; the base's terms come first in each degree of freedom of the library.
+    pub base: &'a Model,
+    pub library: &'a Model,
+    pub recordings: &'a [Recording],
+    /// By recording.
+    pub folds: &'a [usize],
+    pub ridges: &'a [f64],
+    pub rate_hz: f64,
+    pub std: [f64; 3],
+}
+
+/// Of the model that is delivered.
+const DELIVERED: Ending = Ending { steps: 20, enough: 1e-6 };
+
+/// Fits without some folds, from the largest ridge on, each from the one before unless the base structure or least squares
+/// is nearer.
+pub(super) struct Path<'a> {
+    problem: Problem<'a>,
+    pub limit: [f64; 3],
+    /// Of the base structure, fitted to the same.
+    pub base: Option<Vec<f64>>,
+    /// That in scaled parameters of the library, and the library's least squares.
+    starts: Vec<Vec<f64>>,
+    last: Option<Vec<f64>>,
+    /// By ridge; none where the fit failed.
+    pub thetas: Vec<Option<Vec<f64>>>,
+}
+
+/// One ridge.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Candidate {
+    /// Λ.
+    pub ridge: f64,
+    /// Mean fit of u, v, r over the recordings when they were left out \[%\]; none where a fold was rejected.
+    pub score: Option<f64>,
+    /// Its standard error.
+    pub standard_error: Option<f64>,
+    /// Folds whose fit diverged, or whose model left every bound on what was left out.
+    pub rejected: u64,
+}
+
+/// Candidates in the order that they were tried in, until it was clear which is best.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Choice {
+    pub candidates: Vec<Candidate>,
+    ended: bool,
+}
+
+impl Choice {
+    /// The place of the best; of equal ones the one with the larger ridge.
+    pub fn best(&self) -> Option<usize> {
+        let scores = self.candidates.iter().enumerate().filter_map(|(i, c)| Some((i, c.score?)));
+        let better = |best: (usize, f64), own: (usize, f64)| if own.1 > best.1 { own } else { best };
+        scores.reduce(better).map(|(i, _)| i)
+    }
+
+    fn add(&mut self, candidate: Candidate) {
+        self.candidates.push(candidate);
+        self.ended = self.best().is_some_and(|best| self.candidates.len() > best + WORSE);
+    }
+}
+
+/// A model.
+pub(super) struct Fitted {
+    /// Its structure, with intercepts.
+    pub model: Model,
+    pub theta: Vec<f64>,
+    pub covariance: Option<Vec<f64>>,
+}
+
+/// What the whole algorithm finds, and what it finds when a fold is left out.
+pub(super) struct Nested<'a> {
+    pub all: Choice,
+    pub without: Vec<Choice>,
+    pub paths: BTreeMap<Vec<usize>, Path<'a>>,
+}
+
+impl<'a> Study<'a> {
+    /// Numbers of the folds.
+    pub fn all_folds(&self) -> std::ops::Range<usize> {
+        0..self.folds.iter().max().map_or(0, |last| last + 1)
+    }
+
+    /// The recordings of `fold`.
+    pub fn within(&self, fold: usize) -> Vec<&'a Recording> {
+        self.picked(|own| own == fold)
+    }
+
+    fn picked(&self, keep: impl Fn(usize) -> bool) -> Vec<&'a Recording> {
+        self.recordings.iter().zip(self.folds).filter(|(_, fold)| keep(**fold)).map(|(r, _)| r).collect()
+    }
+
+    /// The path of what is left without some folds, before its first ridge: the base structure by least squares, then by
+    /// output errors.
+    pub fn path(&self, without: &[usize]) -> Path<'a> {
+        let recordings = self.picked(|fold| !without.contains(&fold));
+        let base = started(self.base, &recordings, self.rate_hz, BASE);
+        let problem = Problem::new(self.library, &recordings, self.rate_hz);
+        let wide = base.as_ref().map(|base| problem.beta(&widened(self.base, self.library, base)));
+        let simple = least_squares(self.library, &recordings, self.rate_hz);
+        let starts = wide.into_iter().chain(simple).collect();
+        Path { problem, limit: limit(&recordings), base, starts, last: None, thetas: Vec::new() }
+    }
+
+    /// Chooses the ridge by recordings that are left out; again without each fold, by the folds that remain. A fit without two
+    /// folds serves both.
+    pub fn nested(&self, done: &(dyn Fn(usize) + Sync)) -> Nested<'a> {
+        let count = self.all_folds().end;
+        let sets: Vec<Vec<usize>> = (0..count)
+            .flat_map(|i| std::iter::once(vec![i]).chain((i + 1..count).map(move |j| vec![i, j])))
+            .collect();
+        let paths: Vec<Path> = sets.par_iter().map(|set| self.path(set)).collect();
+        let paths = sets.into_iter().zip(paths).collect();
+        let mut nested = Nested { all: Choice::default(), without: vec![Choice::default(); count], paths };
+        for ridge in self.ridges {
+            let open: Vec<bool> = nested.without.iter().map(|choice| !choice.ended).collect();
+            let all = !nested.all.ended;
+            if !all && !open.contains(&true) {
+                break;
+            }
+            let wanted = |set: &[usize]| (all && set.len() == 1) || set.iter().any(|i| open[*i]);
+            let moving: Vec<(&Vec<usize>, &mut Path)> =
+                nested.paths.iter_mut().filter(|(set, _)| wanted(set)).collect();
+            moving.into_par_iter().for_each(|(_, path)| {
+                path.go_on(*ridge);
+                done(1);
+            });
+            if all {
+                let candidate = self.candidate(&nested.paths, *ridge, &[]);
+                nested.all.add(candidate);
+            }
+            for i in (0..count).filter(|i| open[*i]) {
+                let candidate = self.candidate(&nested.paths, *ridge, &[i]);
+                nested.without[i].add(candidate);
+            }
+        }
+        nested
+    }
+
+    /// How the last fits of `paths` follow the folds but those `without`, each left out in turn.
+    fn candidate(&self, paths: &BTreeMap<Vec<usize>, Path>, ridge: f64, without: &[usize]) -> Candidate {
+        let (mut all, mut rejected) = (Vec::new(), 0_u64);
+        for fold in self.all_folds().filter(|fold| !without.contains(fold)) {
+            let mut set = [without, &[fold]].concat();
+            set.sort_unstable();
+            let own = self.scores(&paths[&set], paths[&set].last_theta(), self.library, fold);
+            match own.filter(|own| own.iter().all(|score| score.diverged == 0)) {
+                Some(own) => all.extend(own),
+                None => rejected += 1,
+            }
+        }
+        let whole = rejected == 0;
+        Candidate {
+            ridge,
+            score: mean_fit(&together(all.iter()), self.std).filter(|_| whole),
+            standard_error: standard_error(&all, self.std).filter(|_| whole),
+            rejected,
+        }
+    }
+
+    /// How `theta` follows the recordings of `fold`.
+    pub fn scores(
+        &self,
+        path: &Path,
+        theta: Option<&[f64]>,
+        model: &Model,
+        fold: usize,
+    ) -> Option<Vec<Score>> {
+        theta.map(|theta| scores(model, theta, &self.within(fold), path.limit))
+    }
+}
+
+impl Path<'_> {
+    /// Fits at the next ridge.
+    pub fn go_on(&mut self, ridge: f64) {
+        let starts = self.starts.iter().chain(&self.last);
+        self.last = minimum_from(&self.problem, starts, ridge, ALONG);
+        self.thetas.push(self.last.as_ref().map(|beta| self.problem.theta(beta)));
+    }
+
+    /// The last fit once more, to its end.
+    pub fn delivered(&self, ridge: f64) -> Option<Fitted> {
+        let beta = minimum(&self.problem, self.last.clone()?, ridge, DELIVERED)?;
+        let exact = self.problem.clone().exactly();
+        let covariance = exact.look(&beta).and_then(|looked| exact.covariance(&beta, &looked, ridge));
+        Some(Fitted { model: exact.model.clone(), theta: exact.theta(&beta), covariance })
+    }
+
+    pub fn last_theta(&self) -> Option<&[f64]> {
+        self.thetas.last()?.as_deref()
+    }
+}
+
+/// θ of `base` as θ of `library`, whose other terms are 0.
+pub(super) fn widened(base: &Model, library: &Model, theta: &[f64]) -> Vec<f64> {
+    let (own, all) = (base.layout(), library.layout());
+    let mut out = vec![0.0; all.parameters()];
+    for d in 0..3 {
+        let terms = &theta[own.terms(d)];
+        out[all.terms(d)][..terms.len()].copy_from_slice(terms);
+        out[all.terms(d).end] = theta[own.terms(d).end];
+    }
+    out
+}

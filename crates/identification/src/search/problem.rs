@@ -1,0 +1,301 @@
+use rayon::prelude::*;
+use vessel::lanes::SideBySide;
+use vessel::{Compiled, LANES, Lane, Model, RunView, Weather, simulate};
+
+use super::gram::Gram;
+use super::recording::Recording;
+use crate::pooled::{Part, deviations};
+use crate::sensitivity::{Recordings, Step, sweep};
+
+/// RMS of a window's errors over the states' standard deviations from which on its errors count linearly, not squared: a
+/// single window may hold a quarter of all squared errors.
+const USUAL: f64 = 0.2;
+/// A simulation that exceeds this many times the largest state that was measured has failed.
+const BEYOND: f64 = 5.0;
+/// In how many pieces Jacobians are made at most: more than threads, and the same for any number of them.
+const PIECES: usize = 16;
+
+/// Output errors of free simulations over windows, as a function of scaled parameters β: θ = β · size.
+#[derive(Clone)]
+pub(super) struct Problem<'a> {
+    pub model: &'a Model,
+    /// Longest first, so that neighbours are about as long.
+    windows: Vec<RunView<'a>>,
+    /// By window, in which stretch of a window's length it begins.
+    stretches: Vec<usize>,
+    std: [f64; 3],
+    limit: [f64; 3],
+    /// 0 for a term that is always 0.
+    pub sizes: Vec<f64>,
+    /// Number of errors.
+    residuals: f64,
+    /// Every how many samples the curvature is summed up.
+    thin: usize,
+}
+
+/// A point, as simulated.
+#[derive(Clone, Debug)]
+pub(super) struct Looked {
+    /// Mean over all errors of Huber's loss of their window.
+    pub loss: f64,
+    /// By window.
+    weights: Vec<f64>,
+}
+
+/// Curvature and descent at a point, per error: H ≈ ∂²loss/∂β² / 2 and g = −∂loss/∂β / 2, of the free β.
+pub(super) struct Slopes {
+    pub curvature: Vec<f64>,
+    pub descent: Vec<f64>,
+}
+
+impl<'a> Problem<'a> {
+    pub fn new(model: &'a Model, recordings: &[&'a Recording], rate_hz: f64) -> Self {
+        let mut windows = overlapping(recordings);
+        windows.sort_by_key(|(_, window)| std::cmp::Reverse(window.samples()));
+        let (stretches, windows): (Vec<usize>, Vec<RunView>) = windows.into_iter().unzip();
+        let longest = windows.first().map_or(1, RunView::samples);
+        let std = deviations(recordings.iter().flat_map(|r| &r.whole).map(|p| p.measured.as_slice()));
+        let samples: usize = windows.iter().map(RunView::samples).sum();
+        Self {
+            model,
+            limit: limit(recordings),
+            sizes: sizes(model, recordings, rate_hz),
+            residuals: (3 * samples).max(1) as f64,
+            // States change little within a twentieth of a window.
+            thin: (longest / 20).max(1),
+            windows,
+            stretches,
+            std,
+        }
+    }
+
+    /// Errors of single samples, whose minimum is least squares of the increments.
+    pub fn increments(model: &'a Model, recordings: &[&'a Recording], rate_hz: f64) -> Self {
+        let whole = recordings.iter().flat_map(|r| &r.whole).map(Part::view);
+        let samples = whole.flat_map(|whole| (0..whole.samples()).map(move |k| whole.part(k..k + 1)));
+        let windows: Vec<RunView> = samples.collect();
+        let residuals = (3 * windows.len()).max(1) as f64;
+        let stretches = vec![0; windows.len()];
+        Self { windows, stretches, residuals, thin: 1, ..Self::new(model, recordings, rate_hz) }
+    }
+
+    /// The same errors over some `recordings` alone.
+    pub fn only(&self, recordings: &[&'a Recording]) -> Self {
+        let own = Self::new(self.model, recordings, 1.0);
+        Self { sizes: self.sizes.clone(), std: self.std, limit: self.limit, thin: self.thin, ..own }
+    }
+
+    /// Number of errors.
+    pub fn errors(&self) -> f64 {
+        self.residuals
+    }
+
+    /// Sums up the curvature at every sample.
+    pub fn exactly(self) -> Self {
+        Self { thin: 1, ..self }
+    }
+
+    pub fn theta(&self, beta: &[f64]) -> Vec<f64> {
+        beta.iter().zip(&self.sizes).map(|(beta, size)| beta * size).collect()
+    }
+
+    pub fn beta(&self, theta: &[f64]) -> Vec<f64> {
+        let scaled = |(theta, size): (&f64, &f64)| if *size > 0.0 { theta / size } else { 0.0 };
+        theta.iter().zip(&self.sizes).map(scaled).collect()
+    }
+
+    /// Simulates; none where a simulation leaves the limits.
+    pub fn look(&self, beta: &[f64]) -> Option<Looked> {
+        let theta: Vec<Lane> = self.theta(beta).into_iter().map(Lane::splat).collect();
+        let groups: Vec<&[RunView]> = self.windows.chunks(LANES).collect();
+        let errors = |group: &&[RunView]| squares(self.model, &theta, group, self.limit);
+        let found: Vec<Vec<Option<[f64; 3]>>> = groups.par_iter().map(errors).collect();
+        let (mut loss, mut weights) = (0.0, Vec::with_capacity(self.windows.len()));
+        for (group, squares) in groups.into_iter().zip(found) {
+            for (window, squares) in group.iter().zip(squares) {
+                let squares = squares?;
+                let n = (3 * window.samples()) as f64;
+                let sum: f64 =
+                    (0..3).filter(|d| self.std[*d] > 0.0).map(|d| squares[d] / self.std[d].powi(2)).sum();
+                let rms = (sum / n).sqrt();
+                let usual = rms <= USUAL;
+                loss += if usual { sum } else { n * USUAL * (2.0 * rms - USUAL) };
+                weights.push(if usual { 1.0 } else { USUAL / rms });
+            }
+        }
+        loss /= self.residuals;
+        loss.is_finite().then_some(Looked { loss, weights })
+    }
+
+    /// Curvature and descent where `looked` was looked at.
+    pub fn slopes(&self, beta: &[f64], looked: &Looked) -> Option<Slopes> {
+        let p = beta.len();
+        let theta: Vec<Lane> = self.theta(beta).into_iter().map(Lane::splat).collect();
+        let groups: Vec<(&[RunView], &[f64])> =
+            self.windows.chunks(LANES).zip(looked.weights.chunks(LANES)).collect();
+        let pieces: Vec<_> = groups.chunks(groups.len().div_ceil(PIECES).max(1)).collect();
+        let parts: Vec<_> = pieces.par_iter().map(|groups| self.piece(&theta, groups, self.thin)).collect();
+        let (mut curvature, mut descent) = (vec![0.0; p * p], vec![0.0; p]);
+        for (own, slope) in parts {
+            curvature.iter_mut().zip(own).for_each(|(sum, own)| *sum += own);
+            descent.iter_mut().zip(slope).for_each(|(sum, own)| *sum += total(own));
+        }
+        for i in 0..p {
+            let size = self.sizes[i] / self.residuals;
+            descent[i] *= size;
+            (0..p).for_each(|j| curvature[i * p + j] *= size * self.sizes[j]);
+        }
+        let finite = curvature.iter().chain(&descent).all(|x| x.is_finite());
+        finite.then_some(Slopes { curvature, descent })
+    }
+
+    /// Covariance of a minimum's β: (H + ridge I)⁻¹ (Σ g gᵀ) (H + ridge I)⁻¹ with the descent g of each stretch of a window's
+    /// length, so that errors may be correlated in any way within one.
+    pub fn covariance(&self, beta: &[f64], looked: &Looked, ridge: f64) -> Option<Vec<f64>> {
+        let (p, slopes) = (beta.len(), self.slopes(beta, looked)?);
+        let theta: Vec<Lane> = self.theta(beta).into_iter().map(Lane::splat).collect();
+        let groups: Vec<_> = self.windows.chunks(LANES).zip(looked.weights.chunks(LANES)).collect();
+        let own = |group: &(&[RunView], &[f64])| self.piece(&theta, std::slice::from_ref(group), 0).1;
+        let found: Vec<Vec<Lane>> = groups.par_iter().map(own).collect();
+        let stretches = self.stretches.iter().copied().max().map_or(0, |last| last + 1);
+        let mut sums = vec![vec![0.0; p]; stretches];
+        for (window, stretch) in self.stretches.iter().enumerate() {
+            let own = found[window / LANES].iter().zip(&self.sizes);
+            let scaled = own.map(|(sum, size)| sum[window % LANES] * size / self.residuals);
+            sums[*stretch].iter_mut().zip(scaled).for_each(|(sum, own)| *sum += own);
+        }
+        let mut matrix = slopes.curvature;
+        (0..p).for_each(|i| matrix[i * p + i] += if self.sizes[i] > 0.0 { ridge } else { 1.0 });
+        let mut inverse = vec![0.0; p * p];
+        numerics::inverse(p, &mut matrix, &mut inverse)?;
+        let mut covariance = vec![0.0; p * p];
+        for sum in &sums {
+            let moved: Vec<f64> =
+                numerics::times(&inverse, sum).iter().zip(&self.sizes).map(|(m, size)| m * size).collect();
+            numerics::add_outer(&mut covariance, &moved, &moved);
+        }
+        Some(covariance)
+    }
+
+    /// Σ s sᵀ, at every `thin`th sample, and Σ s e of `groups`, by θ.
+    fn piece(&self, theta: &[Lane], groups: &[(&[RunView], &[f64])], thin: usize) -> (Vec<f64>, Vec<Lane>) {
+        let p = theta.len();
+        let unknowns = [theta, &[Lane::ZERO; 3]].concat();
+        let free: Vec<usize> = (0..p).collect();
+        let mut products = Gram::new(p);
+        let mut descent = vec![Lane::ZERO; p];
+        for (windows, weights) in groups {
+            let runs = SideBySide::of(windows);
+            let recordings = Recordings::of(self.model, &runs);
+            // Lanes beyond the last window repeat it.
+            let weight = Lane(std::array::from_fn(|lane| weights.get(lane).map_or(0.0, |w| w.sqrt())));
+            let scales = self.std.map(|std| if std > 0.0 { std.recip() } else { 0.0 });
+            sweep(
+                &recordings,
+                &unknowns,
+                &free,
+                None,
+                &[],
+                #[inline(always)]
+                |step: Step<'_, Lane, 3>| {
+                    if step.k == 0 {
+                        return;
+                    }
+                    let counts = recordings.lasting(step.k) * weight;
+                    let counted = thin > 0 && step.k.is_multiple_of(thin);
+                    for d in 0..3 {
+                        let by = counts * Lane::splat(scales[d]);
+                        let error = step.error[d] * by * by;
+                        for (sum, s) in descent.iter_mut().zip(step.sensitivities) {
+                            *sum += s[d] * error;
+                        }
+                        if counted {
+                            for (i, s) in step.sensitivities.iter().enumerate() {
+                                products.set(i, s[d] * by);
+                            }
+                            products.advance();
+                        }
+                    }
+                },
+            );
+        }
+        let curvature = products.finish().into_iter().map(|sum| thin as f64 * sum).collect();
+        (curvature, descent)
+    }
+}
+
+fn total(lane: Lane) -> f64 {
+    lane.0.iter().sum()
+}
+
+/// Squared errors of u, v, r of up to [`LANES`] windows; none of one that leaves `limit`.
+pub(super) fn squares(
+    model: &Model,
+    theta: &[Lane],
+    windows: &[RunView],
+    limit: [f64; 3],
+) -> Vec<Option<[f64; 3]>> {
+    let runs = SideBySide::of(windows);
+    let mut states = vec![Lane::ZERO; runs.measured.len()];
+    simulate(model, theta, runs.initial, &runs.exogenous, &Weather::CALM, &mut states);
+    let mut sums = vec![Some([0.0; 3]); windows.len()];
+    for (i, (state, measured)) in states.iter().zip(&runs.measured).enumerate().skip(3) {
+        let (k, d) = (i / 3, i % 3);
+        for (lane, sum) in sums.iter_mut().enumerate().filter(|(lane, _)| k <= runs.samples[*lane]) {
+            // What is no number is beyond too.
+            let within = state[lane].abs() <= limit[d];
+            *sum = sum.filter(|_| within).map(|mut sum: [f64; 3]| {
+                sum[d] += (measured[lane] - state[lane]).powi(2);
+                sum
+            });
+        }
+    }
+    sums
+}
+
+/// The windows of all of `recordings`, each with the number of the stretch of a window's length that it begins in.
+fn overlapping<'a>(recordings: &[&'a Recording]) -> Vec<(usize, RunView<'a>)> {
+    let (mut all, mut first) = (Vec::new(), 0);
+    for recording in recordings {
+        let own: Vec<(usize, RunView)> = recording.overlapping().collect();
+        let next = own.iter().map(|(stretch, _)| first + stretch + 1).max().unwrap_or(first);
+        all.extend(own.into_iter().map(|(stretch, window)| (first + stretch, window)));
+        first = next;
+    }
+    all
+}
+
+/// How far a state may go.
+pub(super) fn limit(recordings: &[&Recording]) -> [f64; 3] {
+    let mut largest = [0.0_f64; 3];
+    for row in recordings.iter().flat_map(|r| &r.whole).flat_map(|p| p.measured.as_chunks::<3>().0) {
+        (0..3).for_each(|d| largest[d] = largest[d].max(row[d].abs()));
+    }
+    largest.map(|largest| BEYOND * largest)
+}
+
+/// rms(increment over 1 s) / rms(term), per parameter; 0 for a term that is always 0.
+fn sizes(model: &Model, recordings: &[&Recording], rate_hz: f64) -> Vec<f64> {
+    let second = (rate_hz.round() as usize).max(1);
+    let (mut gained, mut pairs) = ([0.0; 3], 0.0_f64);
+    let (mut squares, mut samples) = (vec![0.0; model.parameters()], 0.0_f64);
+    let mut compiled = Compiled::new(model, &vec![0.0; model.parameters()]);
+    let width = model.exogenous().max(1);
+    for part in recordings.iter().flat_map(|r| &r.whole) {
+        let states = part.measured.as_chunks::<3>().0;
+        for (before, after) in states.iter().zip(states.iter().skip(second)) {
+            (0..3).for_each(|d| gained[d] += (after[d] - before[d]).powi(2));
+            pairs += 1.0;
+        }
+        for (state, exogenous) in states.iter().zip(part.exogenous.chunks_exact(width)) {
+            compiled.look(*state, exogenous, None);
+            squares.iter_mut().enumerate().for_each(|(i, sum)| *sum += compiled.term(i).powi(2));
+            samples += 1.0;
+        }
+    }
+    let gained = gained.map(|sum: f64| (sum / pairs.max(1.0)).sqrt());
+    let size = |(square, d): (f64, usize)| {
+        if square > 0.0 { gained[d] / (square / samples.max(1.0)).sqrt() } else { 0.0 }
+    };
+    squares.into_iter().zip(model.layout().degrees()).map(size).collect()
+}

@@ -1,0 +1,54 @@
+use numerics::statistics::{mean, spread};
+use rayon::prelude::*;
+use vessel::{LANES, Lane, Model, RunView};
+
+use super::problem::squares;
+use super::recording::Recording;
+use crate::pooled::{FreeRunErrors, Part, Score};
+
+/// How `model` with `theta` follows each of `recordings`; a window of which it leaves `limit` counts as diverged.
+pub(super) fn scores(model: &Model, theta: &[f64], recordings: &[&Recording], limit: [f64; 3]) -> Vec<Score> {
+    let theta: Vec<Lane> = theta.iter().copied().map(Lane::splat).collect();
+    let of = |recording: &&Recording| {
+        let windows: Vec<RunView> = recording.scored.iter().map(Part::view).collect();
+        let mut score = Score::default();
+        for group in windows.chunks(LANES) {
+            for (window, found) in group.iter().zip(squares(model, &theta, group, limit)) {
+                match found {
+                    Some(squares) => {
+                        (0..3).for_each(|d| score.squares[d] += squares[d]);
+                        score.samples += window.samples() as u64;
+                    }
+                    None => score.diverged += 1,
+                }
+            }
+        }
+        score
+    };
+    recordings.par_iter().map(of).collect()
+}
+
+/// All of `scores` together.
+pub(super) fn together<'s>(scores: impl Iterator<Item = &'s Score>) -> Score {
+    scores.fold(Score::default(), |mut all, own| {
+        all.merge(own);
+        all
+    })
+}
+
+/// Mean fit of the states that vary \[%\]; none where a window diverged or there is none.
+pub(super) fn mean_fit(score: &Score, std: [f64; 3]) -> Option<f64> {
+    mean_of(&score.errors(std)?)
+}
+
+pub(super) fn mean_of(errors: &FreeRunErrors) -> Option<f64> {
+    mean(&errors.fits().into_iter().flatten().collect::<Vec<_>>())
+}
+
+/// Standard error of the mean fit over all of `scores`, by leaving each out in turn.
+pub(super) fn standard_error(scores: &[Score], std: [f64; 3]) -> Option<f64> {
+    let others = |i: usize| scores.iter().enumerate().filter(move |(j, _)| *j != i).map(|(_, score)| score);
+    let without: Vec<f64> = (0..scores.len()).filter_map(|i| mean_fit(&together(others(i)), std)).collect();
+    let n = without.len() as f64;
+    spread(&without).map(|spread| spread * (n - 1.0) / n.sqrt())
+}

@@ -1,0 +1,274 @@
+use std::collections::BTreeMap;
+
+use rayon::prelude::*;
+use thiserror::Error;
+use vessel::Model;
+
+use super::compact::{Compact, SizeScore};
+use super::deliver::{delivered, without_intercepts, without_zeros};
+use super::folds::folds;
+use super::judged::{Margin, NestedRecording, NestedScore};
+use super::nested::{Candidate, Choice, Fitted, Nested, Study};
+use super::recording::{Cut, Recording};
+use super::scores::{scores, together};
+use super::words;
+use crate::pooled::{Delivered, Part, PooledRuns, Score, deviations};
+
+/// How a model is searched for.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SearchOptions {
+    /// Windows that are fitted and scored.
+    pub cut: Cut,
+    /// Number of folds.
+    pub folds: usize,
+    /// Ridges Λ from the largest on.
+    pub ridges: Vec<f64>,
+    /// Whether few terms are wanted instead of all that the ridge holds back.
+    pub compact: bool,
+    /// The sampling rate \[Hz\].
+    pub rate_hz: f64,
+}
+
+impl SearchOptions {
+    /// Ridges from 1e-1 to 1e-6 in half decades.
+    pub fn half_decades() -> Vec<f64> {
+        (0..=10).map(|i| libm::pow(10.0, -1.0 - 0.5 * f64::from(i))).collect()
+    }
+}
+
+/// What was found.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Searched {
+    /// The structure: the base's terms, then those of the library that were not always 0.
+    pub model: Model,
+    /// The model of it.
+    pub delivered: Delivered,
+    /// Samples that it was fitted to.
+    pub samples: u64,
+    /// Windows that models were scored on.
+    pub windows: u64,
+    /// Standard deviations of u, v, r over these.
+    pub std: [f64; 3],
+    /// Candidates in the order that they were tried in.
+    pub candidates: Vec<Candidate>,
+    /// The place of the one that was chosen.
+    pub chosen: usize,
+    /// Numbers of terms in the order of additions, where few are wanted.
+    pub sizes: Vec<SizeScore>,
+    /// In how many of the searches without a fold each parameter was chosen too, by its name, where few are wanted.
+    pub chosen_by_folds: BTreeMap<String, u64>,
+    /// The whole search and the base structure on recordings that were left out of both.
+    pub nested: NestedScore,
+    /// What to know, in words.
+    pub statements: Vec<String>,
+}
+
+/// Why there is no model.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum SearchError {
+    /// Too few to leave out.
+    #[error("{recordings} recordings for {folds} folds")]
+    FewRecordings {
+        /// Recordings that there are.
+        recordings: usize,
+        /// Folds that were asked for.
+        folds: usize,
+    },
+    /// No run is as long as a window.
+    #[error("no run is as long as a window")]
+    NoWindow,
+    /// All were rejected.
+    #[error("all of {0} candidates diverge in some fold")]
+    AllDiverge(usize),
+    /// The best is useless.
+    #[error("the best candidate has a mean fit of {0:.1} %, no better than the mean of the data")]
+    Useless(f64),
+}
+
+/// Finds a model of `runs`: all terms of `library` beside those of `base`, held back by a ridge that is chosen by leaving out
+/// recordings. `done` is called with the number of fits that are done.
+///
+/// # Errors
+/// See [`SearchError`].
+pub fn search(
+    base: &Model,
+    library: &Model,
+    runs: &PooledRuns,
+    options: &SearchOptions,
+    done: &(dyn Fn(usize) + Sync),
+) -> Result<Searched, SearchError> {
+    let recordings = Recording::all(runs, options.cut);
+    if recordings.len() < options.folds.max(3) {
+        let (recordings, folds) = (recordings.len(), options.folds.max(3));
+        return Err(SearchError::FewRecordings { recordings, folds });
+    }
+    if recordings.iter().all(|r| r.scored.is_empty()) {
+        return Err(SearchError::NoWindow);
+    }
+    let structure = without_zeros(base, library, &recordings);
+    let (base, library) = (base.with_intercepts(), structure.with_intercepts());
+    let scored = || recordings.iter().flat_map(|r| &r.scored);
+    let study = Study {
+        base: &base,
+        library: &library,
+        recordings: &recordings,
+        folds: &folds(&recordings, options.folds),
+        ridges: &options.ridges,
+        rate_hz: options.rate_hz,
+        std: deviations(scored().map(|p| p.measured.as_slice())),
+    };
+    let nested = study.nested(done);
+    let (chosen, score) = chosen(&nested.all)?;
+    let lost = || SearchError::AllDiverge(nested.all.candidates.len());
+    let mut found = study.by_ridge(&nested, chosen).ok_or_else(lost)?;
+    if options.compact {
+        found = study.few(&nested, chosen, done).ok_or_else(lost)?;
+    }
+    let nested_score = study.judged(&found.by_folds);
+    let candidates = nested.all.candidates;
+    let parts: Vec<Part> = recordings.iter().flat_map(|r| &r.whole).cloned().collect();
+    let structure = without_intercepts(&found.all.model);
+    Ok(Searched {
+        statements: words::statements(
+            &candidates,
+            chosen,
+            score,
+            &found.sizes,
+            &found.all.model,
+            &nested_score,
+        ),
+        delivered: delivered(&structure, &found.all, &recordings, &parts),
+        samples: parts.iter().map(|part| part.samples() as u64).sum(),
+        windows: scored().count() as u64,
+        std: study.std,
+        candidates,
+        chosen,
+        sizes: found.sizes,
+        chosen_by_folds: found.chosen_by_folds,
+        nested: nested_score,
+        model: structure,
+    })
+}
+
+/// The model of all recordings, and those without each fold.
+struct Found {
+    all: Fitted,
+    by_folds: Vec<Judged>,
+    /// Where few terms are wanted, see [`Searched`].
+    sizes: Vec<SizeScore>,
+    chosen_by_folds: BTreeMap<String, u64>,
+}
+
+/// What is judged by a fold that was left out of it.
+struct Judged {
+    ridge: Option<f64>,
+    model: Option<Fitted>,
+    base: Option<Vec<f64>>,
+    limit: [f64; 3],
+}
+
+fn chosen(all: &Choice) -> Result<(usize, f64), SearchError> {
+    let best = all.best().ok_or(SearchError::AllDiverge(all.candidates.len()))?;
+    match all.candidates[best].score {
+        Some(score) if score > 0.0 => Ok((best, score)),
+        score => Err(SearchError::Useless(score.unwrap_or(f64::NEG_INFINITY))),
+    }
+}
+
+impl Study<'_> {
+    /// All terms, with the ridge at `chosen`; without each fold with the one that was chosen without it.
+    fn by_ridge(&self, nested: &Nested, chosen: usize) -> Option<Found> {
+        let mut whole = self.path(&[]);
+        self.ridges[..=chosen].iter().for_each(|ridge| whole.go_on(*ridge));
+        let judged = |(fold, choice): (usize, &Choice)| {
+            let (path, best) = (&nested.paths[&vec![fold]], choice.best());
+            let theta = best.and_then(|best| path.thetas[best].clone());
+            let model = theta.map(|theta| Fitted { model: self.library.clone(), theta, covariance: None });
+            let ridge = best.map(|best| choice.candidates[best].ridge);
+            Judged { ridge, model, base: path.base.clone(), limit: path.limit }
+        };
+        let by_folds = nested.without.iter().enumerate().map(judged).collect();
+        let all = whole.delivered(self.ridges[chosen])?;
+        Some(Found { all, by_folds, sizes: Vec::new(), chosen_by_folds: BTreeMap::new() })
+    }
+
+    /// The same with few terms.
+    fn few(&self, nested: &Nested, chosen: usize, done: &(dyn Fn(usize) + Sync)) -> Option<Found> {
+        let ridge = |choice: &Choice| choice.best().map(|best| choice.candidates[best].ridge);
+        let search = |without: Option<usize>| {
+            let set: Vec<usize> = without.into_iter().collect();
+            let own = without.is_none().then(|| self.path(&[]));
+            let path = own.as_ref().unwrap_or_else(|| &nested.paths[&set]);
+            let ridge = without.map_or(Some(self.ridges[chosen]), |fold| ridge(&nested.without[fold]))?;
+            let base = path.base.as_ref()?;
+            let compact = self.compact(base, without, ridge)?;
+            let fitted = self.fitted(&compact.places, base, without, ridge);
+            done(1);
+            Some((compact, fitted?))
+        };
+        let wanted: Vec<Option<usize>> = std::iter::once(None).chain(self.all_folds().map(Some)).collect();
+        let mut found: Vec<Option<(Compact, Fitted)>> = wanted.into_par_iter().map(search).collect();
+        let (compact, all) = found.remove(0)?;
+        let mut chosen_by_folds = BTreeMap::new();
+        for (_, fitted) in found.iter().flatten() {
+            fitted
+                .model
+                .parameter_names()
+                .for_each(|name| *chosen_by_folds.entry(name.to_owned()).or_insert(0) += 1);
+        }
+        let judged = |(fold, found): (usize, Option<(Compact, Fitted)>)| {
+            let path = &nested.paths[&vec![fold]];
+            let model = found.map(|(_, fitted)| fitted);
+            Judged { ridge: ridge(&nested.without[fold]), model, base: path.base.clone(), limit: path.limit }
+        };
+        let by_folds = found.into_iter().enumerate().map(judged).collect();
+        Some(Found { all, by_folds, sizes: compact.sizes, chosen_by_folds })
+    }
+
+    /// The models that were found without each fold, on that fold.
+    fn judged(&self, by_folds: &[Judged]) -> NestedScore {
+        let (mut ridges, mut all) = (Vec::new(), Vec::new());
+        for (fold, Judged { ridge, model, base, limit }) in by_folds.iter().enumerate() {
+            ridges.push(*ridge);
+            let left_out = self.within(fold);
+            let of = |model: &Model, theta: &[f64]| scores(model, theta, &left_out, *limit);
+            let found = model.as_ref().map(|found| of(&found.model, &found.theta));
+            let base = base.as_ref().map(|base| of(self.base, base));
+            for (i, recording) in self.within(fold).into_iter().enumerate() {
+                all.push((recording, fold, found.as_ref().map(|s| s[i]), base.as_ref().map(|s| s[i])));
+            }
+        }
+        all.sort_by_key(|(recording, ..)| self.recordings.iter().position(|own| own.name == recording.name));
+        let of = |score: Option<Score>, recording: &Recording| {
+            score?.errors(deviations(recording.scored.iter().map(|p| p.measured.as_slice())))
+        };
+        let norm = |score: Option<Score>| score?.norm(self.std);
+        let told: Vec<NestedRecording> = all
+            .iter()
+            .map(|(recording, fold, found, base)| NestedRecording {
+                source: recording.name.clone(),
+                fold: *fold as u64,
+                search: of(*found, recording),
+                base: of(*base, recording),
+                search_norm: norm(*found),
+                base_norm: norm(*base),
+            })
+            .collect();
+        let (found, base): (Vec<Option<Score>>, Vec<Option<Score>>) =
+            all.iter().map(|(_, _, found, base)| (*found, *base)).unzip();
+        let whole = |scores: &[Option<Score>]| {
+            let all: Vec<Score> = scores.iter().copied().collect::<Option<_>>()?;
+            together(all.iter()).errors(self.std)
+        };
+        let simulated = all.iter().filter(|(recording, ..)| !recording.scored.is_empty());
+        let pairs = simulated.map(|(_, _, found, base)| [norm(*found), norm(*base)]);
+        NestedScore {
+            ridges,
+            search: whole(&found),
+            base: whole(&base),
+            diverged: found.iter().flatten().map(|score| score.diverged).sum(),
+            margin: Margin::of(&pairs.collect::<Vec<_>>()),
+            recordings: told,
+        }
+    }
+}
