@@ -11,9 +11,7 @@
 #![warn(missing_docs)]
 
 mod batch;
-pub mod comparison;
 pub mod criticism;
-pub mod crossval;
 mod estimate;
 mod estimator;
 mod instrument_kind;
@@ -31,7 +29,6 @@ mod residual;
 mod run_estimate;
 pub mod runs;
 pub mod search;
-pub mod selection;
 mod sensitivity;
 mod solve;
 mod status;
@@ -56,5 +53,5 @@ pub use sensitivity::{OutputInformation, output_information, prediction_weights}
 pub use solve::{Direction, Excitation};
 pub use status::{EstimateStatus, ScoreStatus};
 pub use sums::{DegreeSums, Sums};
-pub use validate::{FreeRun, free_runs, parameter_error};
+pub use validate::{FreeRun, free_runs, parameter_error, rmse_norm};
 pub use validation_runs::{RunScore, ValidationRuns};

@@ -20,7 +20,7 @@ impl FreeRun {
 }
 
 /// The 2-norm of RMSE in u, v, r, as numbers.
-pub(crate) fn rmse_norm(rmse: [f64; 3]) -> f64 {
+pub fn rmse_norm(rmse: [f64; 3]) -> f64 {
     rmse.iter().map(|e| e * e).sum::<f64>().sqrt()
 }
 

@@ -1,6 +1,6 @@
 use artifact::Error;
-use identification::comparison::{ComparedErrors, Traced};
 use maud::{Markup, html};
+use validation::comparison::{ComparedErrors, Traced};
 
 use super::loader::Loader;
 use super::measured::{Measured, fit};

@@ -7,12 +7,12 @@ use super::loader::Loader;
 use super::number::{or_dash, percent, percent_within, three_or_dash};
 use super::table::Table;
 use artifact::Error;
-use identification::comparison::Traced;
 use study::documents::{
     CompareDocument, CrossvalDocument, EstimatorScore, FreeRunErrors, IngestDocument, SelectionScores,
     TrustDocument,
 };
 use study::listed;
+use validation::comparison::Traced;
 
 /// What there is about measured logs.
 #[derive(Clone, Debug, Default)]

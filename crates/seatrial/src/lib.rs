@@ -12,7 +12,6 @@ pub mod cli;
 pub mod commands;
 pub mod design;
 pub mod failure;
-pub mod in_memory;
 pub mod ingest;
 pub mod inputs;
 mod interrupted;

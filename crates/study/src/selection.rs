@@ -3,10 +3,10 @@
 use artifact::{Columns, Error, TableReader};
 use identification::ScoreStatus;
 use identification::pooled::{NominalSource, Pool};
-use identification::selection::{DEGENERATE, Selection, SelectionOptions};
+use validation::selection::{DEGENERATE, Selection, SelectionOptions};
 use vessel::DegreeOfFreedom;
 
-pub use identification::selection::Realization as Row;
+pub use validation::selection::Realization as Row;
 
 use crate::documents::SelectionDocument;
 

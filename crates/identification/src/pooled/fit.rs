@@ -61,7 +61,7 @@ pub struct Solution {
 }
 
 /// θ̂ of surge, sway and yaw together, and their intercepts; `None` unless all have an estimate.
-pub(crate) fn joined(solutions: [Option<&Solution>; 3]) -> Option<(Vec<f64>, [f64; 3])> {
+pub fn joined(solutions: [Option<&Solution>; 3]) -> Option<(Vec<f64>, [f64; 3])> {
     let [Some(surge), Some(sway), Some(yaw)] = solutions else { return None };
     let all = [surge, sway, yaw];
     Some((all.map(|s| s.theta.as_slice()).concat(), all.map(|s| s.intercept)))

@@ -13,14 +13,14 @@ pub fn strength(parts: &[&Regression], centring: &Centring, d: usize) -> Option<
 
 /// The sums that the strength of instruments is made of.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Strength {
+pub struct Strength {
     /// p, and S_φφ, S_ζζ, S_ζφ.
     found: Option<(usize, [Vec<f64>; 3])>,
 }
 
 impl Strength {
     /// Adds degree of freedom `d` of part number `i`.
-    pub(crate) fn add(&mut self, i: usize, part: &DegreeRegression, centring: &Centring, d: usize) {
+    pub fn add(&mut self, i: usize, part: &DegreeRegression, centring: &Centring, d: usize) {
         let p = part.parameters;
         let (_, sums) = self.found.get_or_insert_with(|| (p, [0; 3].map(|_| vec![0.0; p * p])));
         let (mut zeta, mut phi) = (Vec::new(), Vec::new());
@@ -34,7 +34,7 @@ impl Strength {
     }
 
     /// See [`strength`].
-    pub(crate) fn partial(self) -> Option<Vec<f64>> {
+    pub fn partial(self) -> Option<Vec<f64>> {
         let (p, sums) = self.found?;
         let scale: Vec<[f64; 2]> = (0..p).map(|i| [0, 1].map(|s: usize| sums[s][i * p + i].sqrt())).collect();
         let scaled = |which: usize, rows: usize, columns: usize| -> Vec<f64> {

@@ -1,6 +1,5 @@
 //! What must hold of estimates, and what independent computations found.
 
-mod apportioned;
 mod collinear;
 mod criticism;
 mod laws;

@@ -4,10 +4,10 @@ use std::path::PathBuf;
 
 use artifact::{Provenance, TableWriter, commit, encode_block, stage_set_document};
 use clap::Parser;
-use identification::comparison::{CompareOptions, Contestant, Known, Standing, compare};
 use serde_json::json;
 use study::documents::{CompareDocument, ModelDocument, traces};
 use study::files::read_vessel;
+use validation::comparison::{CompareOptions, Contestant, Known, Standing, compare};
 use vessel::Vessel;
 
 use crate::cli::{Common, beside};

@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use artifact::Provenance;
-use identification::selection::apportioned;
 use study::documents::DesignDocument;
+use validation::selection::apportioned;
 use vessel::nearest;
 
 use crate::failure::Failure;

@@ -3,10 +3,10 @@
 use artifact::{commit, stage_document};
 use clap::Parser;
 use identification::Estimator;
-use identification::crossval::{CrossOptions, Folds, cross_validate};
 use serde_json::json;
 use study::documents::CrossvalDocument;
 use study::files::read_vessel;
+use validation::crossval::{CrossOptions, Folds, cross_validate};
 
 use crate::choice::choice;
 use crate::cli::Common;

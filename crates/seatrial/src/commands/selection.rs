@@ -5,11 +5,11 @@ use std::path::{Path, PathBuf};
 use artifact::{Provenance, TableWriter, commit_with_document};
 use clap::Parser;
 use identification::Estimator;
-use identification::selection::{PublishedLimits, SelectionOptions, available, select};
 use serde_json::json;
 use study::documents::{Reference, SelectionDocument};
 use study::files::read_vessel;
 use study::selection::{Row, columns, document};
+use validation::selection::{PublishedLimits, SelectionOptions, available, select};
 
 use super::counts::counts;
 use crate::choice::choice;

@@ -14,9 +14,9 @@ const FLOORS: [&[&str]; 10] = [
     &["artifact"],
     &["vessel", "design", "lattice", "chart"],
     &["identification", "logs"],
-    &["trial"],
+    &["trial", "validation"],
     &["study"],
-    &["report"],
+    &["report", "in_memory"],
     &["seatrial"],
     &["programs"],
     &["bench"],
@@ -24,7 +24,7 @@ const FLOORS: [&[&str]; 10] = [
 
 /// The crates that compute.
 const SCIENCE: &[&str] =
-    &["numerics", "vessel", "identification", "design", "lattice", "chart", "logs", "trial"];
+    &["numerics", "vessel", "identification", "validation", "design", "lattice", "chart", "logs", "trial"];
 
 /// What the sources of some crates must not contain: crates, words, why.
 const WORDS: [(&[&str], &[&str], &str); 5] = [

@@ -1,7 +1,7 @@
 use artifact::{Columns, Document, Units};
-use identification::comparison::{Bands, Compared, ComparedModel, Difference, Outside, Traced};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use validation::comparison::{Bands, Compared, ComparedModel, Difference, Outside, Traced};
 use vessel::DegreeOfFreedom;
 
 /// `compare.json`: a model beside others on recordings that it was not fitted to.

@@ -2,9 +2,9 @@ use artifact::{Document, Units};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use identification::crossval::{CrossValidation, EstimatorScore};
 use identification::pooled::{NominalSource, Pool};
 use identification::{Estimator, MeanRemoval, PairedDifference, Recommendation};
+use validation::crossval::{CrossValidation, EstimatorScore};
 
 /// `crossval.json`: free simulation over runs or recordings that were left out of the estimate.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]

@@ -26,9 +26,9 @@ use artifact::{Document, json_schema};
 
 // What documents are made of and the science says itself.
 pub use ::design::Degree;
-pub use identification::crossval::{EstimatorScore, SourceScore};
+pub use ::validation::crossval::{EstimatorScore, SourceScore};
+pub use ::validation::selection::{PublishedLimits, SelectionErrors, SelectionScores, SharesBeyond};
 pub use identification::pooled::{DegreeTrust, FreeRunErrors, ParameterTrust, SourceErrors};
-pub use identification::selection::{PublishedLimits, SelectionErrors, SelectionScores, SharesBeyond};
 pub use identification::{Quantiles, Share};
 pub use trial::moments::{DegreeMoments, ManeuverMoments, Moments};
 

@@ -2,7 +2,7 @@ use std::collections::BTreeMap;
 
 use serde::Deserialize;
 
-use identification::selection::PublishedLimits;
+use validation::selection::PublishedLimits;
 
 /// `reference.toml` of a study: results published elsewhere, for comparison. They change no result: the limits of a selection
 /// study only say from where on realizations are counted.

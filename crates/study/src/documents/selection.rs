@@ -5,8 +5,8 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use identification::pooled::NominalSource;
-use identification::selection::{PublishedLimits, SelectionScores};
 use identification::{Estimator, MeanRemoval};
+use validation::selection::{PublishedLimits, SelectionScores};
 
 /// `selection.json`: models from sub-experiments picked by a design, against random picks of the same number.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]

@@ -4,7 +4,7 @@ use super::simulated::{Contestant, Simulated};
 use super::standing::{ComparedModel, Difference};
 use super::verdict::{differences, verdict};
 use crate::crossval::CrossError;
-use crate::pooled::{Covered, Part, PooledRuns, deviations};
+use identification::pooled::{Covered, Part, PooledRuns, deviations};
 
 /// Over what is compared.
 #[derive(Clone, Copy, Debug)]

@@ -1,8 +1,8 @@
-use crate::pooled::{
+use identification::pooled::{
     Centring, InstrumentFit, LostInstruments, NoEstimate, Part, Pool, PooledRuns, PooledSums, Strength,
     listed,
 };
-use crate::{Estimator, Sums};
+use identification::{Estimator, Sums};
 
 /// Below this the instruments have lost a state: the nominal simulation explains less than half of its deviations.
 const POOR: f64 = 50.0;

@@ -1,6 +1,6 @@
 use std::collections::BTreeMap;
 
-use crate::pooled::Part;
+use identification::pooled::Part;
 
 /// How many of `parts` there are of each maneuver.
 pub fn available(parts: &[Part]) -> BTreeMap<String, u64> {

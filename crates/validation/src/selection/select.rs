@@ -8,8 +8,8 @@ use super::draw::Draw;
 use super::prepared::Prepared;
 use super::realize::{Realization, Realizer};
 use super::scores::{PublishedLimits, SelectionScores};
-use crate::Estimator;
-use crate::pooled::{LostInstruments, Part, Pool, PooledRuns, deviations};
+use identification::Estimator;
+use identification::pooled::{LostInstruments, Part, Pool, PooledRuns, deviations};
 
 /// What is picked, how often, and by whom.
 #[derive(Clone, Debug, PartialEq)]

@@ -4,10 +4,10 @@ use serde::{Deserialize, Serialize};
 
 use super::error::CrossError;
 use super::folds::{Fold, Folds, folds};
-use crate::pooled::{
+use identification::pooled::{
     Drawn, Estimated, FreeRunErrors, NoEstimate, Part, Pool, PooledRuns, Score, deviations, listed,
 };
-use crate::{Contender, Estimator, Recommendation, ScoreStatus};
+use identification::{Contender, Estimator, Recommendation, ScoreStatus};
 
 /// What is compared, and over what.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -3,8 +3,8 @@ use vessel::lanes::interleave;
 
 use super::draw::Draw;
 use super::prepared::Prepared;
-use crate::pooled::{Options, Pool, Score, Solution, fit, joined};
-use crate::{Estimator, ScoreStatus, Sums, free_runs};
+use identification::pooled::{Options, Pool, Score, Solution, fit, joined};
+use identification::{Estimator, ScoreStatus, Sums, free_runs};
 
 /// One realization: what was picked, and what its model is worth.
 #[derive(Clone, Debug, PartialEq)]

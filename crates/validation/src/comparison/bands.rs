@@ -3,8 +3,8 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use vessel::Model;
 
-use crate::pooled::{Covariance, Part};
-use crate::sensitivity::{Recordings, Sensitivities};
+use identification::pooled::{Covariance, Part};
+use identification::predictor::{Recordings, Sensitivities};
 
 /// 97.5 % of a normal distribution lie below this many standard deviations.
 const Z: f64 = 1.959_963_984_540_054;

@@ -1,5 +1,8 @@
 //! A whole simulation study in memory, from a vessel and its maneuvers to what the estimates are worth.
 
+#![forbid(unsafe_code)]
+#![warn(missing_docs)]
+
 use design::{Bounds, Criterion, Design, NoDesign, Options};
 use identification::predictor::InitialState;
 use identification::runs::{NominalDiverged, RunError, RunEstimators, RunInstruments};

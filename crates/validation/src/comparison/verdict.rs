@@ -5,7 +5,7 @@ use super::bands::Bands;
 use super::covered::Outside;
 use super::simulated::Simulated;
 use super::standing::{ComparedModel, Difference, Standing};
-use crate::pooled::listed;
+use identification::pooled::listed;
 
 /// With fewer recordings than this their windows are compared: no interval of a median has both ends then.
 const FEW: usize = 6;

@@ -2,7 +2,7 @@ use vessel::{Model, check_diverged, simulate_one};
 
 use super::errors::{ComparedRecording, Sums};
 use super::standing::{ComparedModel, Standing};
-use crate::pooled::{Part, deviations};
+use identification::pooled::{Part, deviations};
 
 /// A model that takes part.
 #[derive(Clone, Copy, Debug)]

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use identification::selection::apportioned;
+use validation::selection::apportioned;
 
 fn map<T: Copy>(entries: &[(&str, T)]) -> BTreeMap<String, T> {
     entries.iter().map(|(name, value)| ((*name).to_owned(), *value)).collect()
