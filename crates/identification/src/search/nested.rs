@@ -41,7 +41,7 @@ pub(super) struct Path<'a> {
     pub limit: [f64; 3],
     /// Of the base structure, fitted to the same.
     pub base: Option<Vec<f64>>,
-    /// That in scaled parameters of the library, and the library's least squares.
+    /// That in scaled parameters of the library, the library's least squares, and nothing.
     starts: Vec<Vec<f64>>,
     last: Option<Vec<f64>>,
     /// By ridge; none where the fit failed.
@@ -121,7 +121,9 @@ impl<'a> Study<'a> {
         let problem = Problem::new(self.library, &recordings, self.rate_hz);
         let wide = base.as_ref().map(|base| problem.beta(&widened(self.base, self.library, base)));
         let simple = least_squares(self.library, &recordings, self.rate_hz);
-        let starts = wide.into_iter().chain(simple).collect();
+        // From nothing at all no simulation diverges.
+        let none = vec![0.0; self.library.parameters()];
+        let starts = wide.into_iter().chain(simple).chain([none]).collect();
         Path { problem, limit: limit(&recordings), base, starts, last: None, thetas: Vec::new() }
     }
 
