@@ -3,8 +3,7 @@ use maud::{Markup, html};
 use validation::comparison::{ComparedErrors, Traced};
 
 use super::loader::Loader;
-use super::measured::{Measured, fit};
-use super::number::{exact, percent, three_or_dash, three_within};
+use super::number::{exact, fit, percent, three_or_dash, three_within};
 use super::parts::{Figures, Section, statements};
 use super::table::{Table, grouped};
 use crate::figures::{Curve, TraceColumn, TraceRow, palette, traces};
@@ -24,8 +23,11 @@ pub(super) fn load(loader: &mut Loader) -> Result<Option<(CompareDocument, Vec<T
 }
 
 /// The model on recordings that it was not fitted to: the verdict, numbers, measured and simulated over time.
-pub(super) fn compared(measured: &Measured, figures: &mut Figures) -> Option<Section> {
-    let (found, trace) = measured.compared.as_ref()?;
+pub(super) fn compared(
+    compared: Option<&(CompareDocument, Vec<Traced>)>,
+    figures: &mut Figures,
+) -> Option<Section> {
+    let (found, trace) = compared?;
     let body = html! {
         (about(found))
         (statements(&found.statements))

@@ -4,7 +4,7 @@ use maud::{Markup, display, html};
 use super::SelectionStudy;
 use super::card::card;
 use super::loader::Loader;
-use super::number::{or_dash, percent, percent_within, three_or_dash};
+use super::number::{fit, or_dash, percent_within, three_or_dash};
 use super::table::Table;
 use artifact::Error;
 use study::documents::{
@@ -37,11 +37,6 @@ pub(super) fn load(loader: &mut Loader) -> Result<Option<Measured>, Error> {
     }
     let ingest = loader.document("ingest.json", "what was read from the logs, and its quality")?;
     Ok(Some(Measured { ingest, trust, crossval, compared }))
-}
-
-/// `79.2 %`, or a dash.
-pub(super) fn fit(fit: Option<f64>) -> String {
-    percent(fit.map_or(f64::NAN, |fit| fit / 100.0))
 }
 
 /// Adds fits and errors of free simulations.

@@ -43,6 +43,11 @@ pub(super) fn percent(share: f64) -> String {
     }
 }
 
+/// A fit: `79.2 %`, or a dash.
+pub(super) fn fit(fit: Option<f64>) -> String {
+    percent(fit.map_or(f64::NAN, |fit| fit / 100.0))
+}
+
 /// A share with its 95 % interval: `98.6 % (97.9 to 99.1 %)`; without where there is none.
 pub(super) fn percent_within(share: f64, interval: Option<[f64; 2]>) -> String {
     let Some([low, high]) = interval else { return percent(share) };

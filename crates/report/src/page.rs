@@ -60,7 +60,7 @@ fn of_trials(study: &Study, figures: &mut Figures) -> Vec<Section> {
 
 /// The sections of a study of measured logs.
 fn of_logs(study: &Study, measured: &Measured, figures: &mut Figures) -> Vec<Section> {
-    let mut sections: Vec<Section> = compared(measured, figures).into_iter().collect();
+    let mut sections: Vec<Section> = compared(measured.compared.as_ref(), figures).into_iter().collect();
     sections.extend([cross_validation(measured), trust(measured)]);
     sections.extend(selection(study.selection.as_ref(), figures));
     sections.extend(published_selection(study, figures));

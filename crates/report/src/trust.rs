@@ -1,8 +1,8 @@
 use identification::criticism::{Absent, Criticism};
 use maud::{Markup, display, html};
 
-use super::measured::{Measured, fit, free_runs};
-use super::number::{or_dash, percent, three, three_or_dash, unit};
+use super::measured::{Measured, free_runs};
+use super::number::{fit, or_dash, percent, three, three_or_dash, unit};
 use super::parts::{Section, coded, missing, statements};
 use super::table::Table;
 use study::documents::{DegreeTrust, SourceErrors, TrustDocument};

@@ -108,7 +108,7 @@ pub fn search(
     let structure = without_zeros(base, library, &recordings);
     let (base, library) = (base.with_intercepts(), structure.with_intercepts());
     let scored = || recordings.iter().flat_map(|r| &r.scored);
-    let study = Study {
+    let setting = Study {
         base: &base,
         library: &library,
         recordings: &recordings,
@@ -117,14 +117,14 @@ pub fn search(
         rate_hz: options.rate_hz,
         std: deviations(scored().map(|p| p.measured.as_slice())),
     };
-    let nested = study.nested(done);
+    let nested = setting.nested(done);
     let (chosen, score) = chosen(&nested.all)?;
     let lost = || SearchError::AllDiverge(nested.all.candidates.len());
-    let mut found = study.by_ridge(&nested, chosen).ok_or_else(lost)?;
+    let mut found = setting.by_ridge(&nested, chosen).ok_or_else(lost)?;
     if options.compact {
-        found = study.few(&nested, chosen, done).ok_or_else(lost)?;
+        found = setting.few(&nested, chosen, done).ok_or_else(lost)?;
     }
-    let nested_score = study.judged(&found.by_folds);
+    let nested_score = setting.judged(&found.by_folds);
     let candidates = nested.all.candidates;
     let parts: Vec<Part> = recordings.iter().flat_map(|r| &r.whole).cloned().collect();
     let structure = without_intercepts(&found.all.model);
@@ -140,7 +140,7 @@ pub fn search(
         delivered: delivered(&structure, &found.all, &recordings, &parts),
         samples: parts.iter().map(|part| part.samples() as u64).sum(),
         windows: scored().count() as u64,
-        std: study.std,
+        std: setting.std,
         candidates,
         chosen,
         sizes: found.sizes,
