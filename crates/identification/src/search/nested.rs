@@ -19,7 +19,7 @@ const BASE: Ending = Ending { steps: 20, enough: 1e-5 };
 const WORSE: usize = 2;
 
 /// What is searched through.
-pub(super) struct Study<'a> {
+pub(super) struct Data<'a> {
     /// Both with intercepts; the base's terms come first in each degree of freedom of the library.
     pub base: &'a Model,
     pub library: &'a Model,
@@ -36,7 +36,7 @@ const DELIVERED: Ending = Ending { steps: 20, enough: 1e-6 };
 
 /// Fits without some folds, from the largest ridge on, each from the one before unless the base structure or least squares
 /// is nearer.
-pub(super) struct Path<'a> {
+pub(super) struct Course<'a> {
     problem: Problem<'a>,
     pub limit: [f64; 3],
     /// Of the base structure, fitted to the same.
@@ -95,10 +95,10 @@ pub(super) struct Fitted {
 pub(super) struct Nested<'a> {
     pub all: Choice,
     pub without: Vec<Choice>,
-    pub paths: BTreeMap<Vec<usize>, Path<'a>>,
+    pub paths: BTreeMap<Vec<usize>, Course<'a>>,
 }
 
-impl<'a> Study<'a> {
+impl<'a> Data<'a> {
     /// Numbers of the folds.
     pub fn all_folds(&self) -> std::ops::Range<usize> {
         0..self.folds.iter().max().map_or(0, |last| last + 1)
@@ -115,7 +115,7 @@ impl<'a> Study<'a> {
 
     /// The path of what is left without some folds, before its first ridge: the base structure by least squares, then by
     /// output errors.
-    pub fn path(&self, without: &[usize]) -> Path<'a> {
+    pub fn path(&self, without: &[usize]) -> Course<'a> {
         let recordings = self.picked(|fold| !without.contains(&fold));
         let base = started(self.base, &recordings, self.rate_hz, BASE);
         let problem = Problem::new(self.library, &recordings, self.rate_hz);
@@ -124,7 +124,7 @@ impl<'a> Study<'a> {
         // From nothing at all no simulation diverges.
         let none = vec![0.0; self.library.parameters()];
         let starts = wide.into_iter().chain(simple).chain([none]).collect();
-        Path { problem, limit: limit(&recordings), base, starts, last: None, thetas: Vec::new() }
+        Course { problem, limit: limit(&recordings), base, starts, last: None, thetas: Vec::new() }
     }
 
     /// Chooses the ridge by recordings that are left out; again without each fold, by the folds that remain. A fit without two
@@ -134,7 +134,7 @@ impl<'a> Study<'a> {
         let sets: Vec<Vec<usize>> = (0..count)
             .flat_map(|i| std::iter::once(vec![i]).chain((i + 1..count).map(move |j| vec![i, j])))
             .collect();
-        let paths: Vec<Path> = sets.par_iter().map(|set| self.path(set)).collect();
+        let paths: Vec<Course> = sets.par_iter().map(|set| self.path(set)).collect();
         let paths = sets.into_iter().zip(paths).collect();
         let mut nested = Nested { all: Choice::default(), without: vec![Choice::default(); count], paths };
         for ridge in self.ridges {
@@ -144,7 +144,7 @@ impl<'a> Study<'a> {
                 break;
             }
             let wanted = |set: &[usize]| (all && set.len() == 1) || set.iter().any(|i| open[*i]);
-            let moving: Vec<(&Vec<usize>, &mut Path)> =
+            let moving: Vec<(&Vec<usize>, &mut Course)> =
                 nested.paths.iter_mut().filter(|(set, _)| wanted(set)).collect();
             moving.into_par_iter().for_each(|(_, path)| {
                 path.go_on(*ridge);
@@ -163,7 +163,7 @@ impl<'a> Study<'a> {
     }
 
     /// How the last fits of `paths` follow the folds but those `without`, each left out in turn.
-    fn candidate(&self, paths: &BTreeMap<Vec<usize>, Path>, ridge: f64, without: &[usize]) -> Candidate {
+    fn candidate(&self, paths: &BTreeMap<Vec<usize>, Course>, ridge: f64, without: &[usize]) -> Candidate {
         let (mut all, mut rejected) = (Vec::new(), 0_u64);
         for fold in self.all_folds().filter(|fold| !without.contains(fold)) {
             let mut set = [without, &[fold]].concat();
@@ -186,7 +186,7 @@ impl<'a> Study<'a> {
     /// How `theta` follows the recordings of `fold`.
     pub fn scores(
         &self,
-        path: &Path,
+        path: &Course,
         theta: Option<&[f64]>,
         model: &Model,
         fold: usize,
@@ -195,7 +195,7 @@ impl<'a> Study<'a> {
     }
 }
 
-impl Path<'_> {
+impl Course<'_> {
     /// Fits at the next ridge.
     pub fn go_on(&mut self, ridge: f64) {
         let starts = self.starts.iter().chain(&self.last);

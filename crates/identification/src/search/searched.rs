@@ -8,7 +8,7 @@ use super::compact::{Compact, SizeScore};
 use super::deliver::{delivered, without_intercepts, without_zeros};
 use super::folds::folds;
 use super::judged::{Margin, NestedRecording, NestedScore};
-use super::nested::{Candidate, Choice, Fitted, Nested, Study};
+use super::nested::{Candidate, Choice, Data, Fitted, Nested};
 use super::recording::{Cut, Recording};
 use super::scores::{scores, together};
 use super::words;
@@ -108,7 +108,7 @@ pub fn search(
     let structure = without_zeros(base, library, &recordings);
     let (base, library) = (base.with_intercepts(), structure.with_intercepts());
     let scored = || recordings.iter().flat_map(|r| &r.scored);
-    let study = Study {
+    let data = Data {
         base: &base,
         library: &library,
         recordings: &recordings,
@@ -117,14 +117,14 @@ pub fn search(
         rate_hz: options.rate_hz,
         std: deviations(scored().map(|p| p.measured.as_slice())),
     };
-    let nested = study.nested(done);
+    let nested = data.nested(done);
     let (chosen, score) = chosen(&nested.all)?;
     let lost = || SearchError::AllDiverge(nested.all.candidates.len());
-    let mut found = study.by_ridge(&nested, chosen).ok_or_else(lost)?;
+    let mut found = data.by_ridge(&nested, chosen).ok_or_else(lost)?;
     if options.compact {
-        found = study.few(&nested, chosen, done).ok_or_else(lost)?;
+        found = data.few(&nested, chosen, done).ok_or_else(lost)?;
     }
-    let nested_score = study.judged(&found.by_folds);
+    let nested_score = data.judged(&found.by_folds);
     let candidates = nested.all.candidates;
     let parts: Vec<Part> = recordings.iter().flat_map(|r| &r.whole).cloned().collect();
     let structure = without_intercepts(&found.all.model);
@@ -140,7 +140,7 @@ pub fn search(
         delivered: delivered(&structure, &found.all, &recordings, &parts),
         samples: parts.iter().map(|part| part.samples() as u64).sum(),
         windows: scored().count() as u64,
-        std: study.std,
+        std: data.std,
         candidates,
         chosen,
         sizes: found.sizes,
@@ -175,7 +175,7 @@ fn chosen(all: &Choice) -> Result<(usize, f64), SearchError> {
     }
 }
 
-impl Study<'_> {
+impl Data<'_> {
     /// All terms, with the ridge at `chosen`; without each fold with the one that was chosen without it.
     fn by_ridge(&self, nested: &Nested, chosen: usize) -> Option<Found> {
         let mut whole = self.path(&[]);
