@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use vessel::Model;
 
 use super::minimum::{Ending, minimum};
-use super::nested::{Data, Fitted, widened};
+use super::nested::{Fitted, Study, widened};
 use super::problem::{Problem, Slopes};
 use super::recording::Recording;
 
@@ -65,7 +65,7 @@ struct Told {
     slopes: Slopes,
 }
 
-impl Data<'_> {
+impl Study<'_> {
     /// The fewest terms with which folds left out are followed within a standard error of the best; base terms stay.
     /// `without` is left out of everything. None where nothing can be fitted.
     pub fn compact(&self, base: &[f64], without: Option<usize>, ridge: f64) -> Option<Compact> {

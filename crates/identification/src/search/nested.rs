@@ -19,7 +19,7 @@ const BASE: Ending = Ending { steps: 20, enough: 1e-5 };
 const WORSE: usize = 2;
 
 /// What is searched through.
-pub(super) struct Data<'a> {
+pub(super) struct Study<'a> {
     /// Both with intercepts; the base's terms come first in each degree of freedom of the library.
     pub base: &'a Model,
     pub library: &'a Model,
@@ -98,7 +98,7 @@ pub(super) struct Nested<'a> {
     pub paths: BTreeMap<Vec<usize>, RidgePath<'a>>,
 }
 
-impl<'a> Data<'a> {
+impl<'a> Study<'a> {
     /// Numbers of the folds.
     pub fn all_folds(&self) -> std::ops::Range<usize> {
         0..self.folds.iter().max().map_or(0, |last| last + 1)

@@ -8,7 +8,7 @@ use super::compact::{Compact, SizeScore};
 use super::deliver::{delivered, without_intercepts, without_zeros};
 use super::folds::folds;
 use super::judged::{Margin, NestedRecording, NestedScore};
-use super::nested::{Candidate, Choice, Data, Fitted, Nested};
+use super::nested::{Candidate, Choice, Fitted, Nested, Study};
 use super::recording::{Cut, Recording};
 use super::scores::{scores, together};
 use super::words;
@@ -175,7 +175,7 @@ fn chosen(all: &Choice) -> Result<(usize, f64), SearchError> {
     }
 }
 
-impl Data<'_> {
+impl Study<'_> {
     /// All terms, with the ridge at `chosen`; without each fold with the one that was chosen without it.
     fn by_ridge(&self, nested: &Nested, chosen: usize) -> Option<Found> {
         let mut whole = self.path(&[]);
