@@ -3,7 +3,7 @@ use maud::{Markup, html};
 use validation::comparison::{ComparedErrors, Traced};
 
 use super::loader::Loader;
-use super::number::{exact, fit, percent, three_or_dash, three_within};
+use super::number::{exact, fit, three_or_dash, three_within};
 use super::parts::{Figures, Section, statements};
 use super::table::{Table, grouped};
 use crate::figures::{Curve, TraceColumn, TraceRow, palette, traces};
@@ -51,7 +51,7 @@ fn about(found: &CompareDocument) -> Markup {
 }
 
 fn models(found: &CompareDocument) -> Markup {
-    let named = Table::of(&found.models).name("Model", |m| m.name.to_string());
+    let named = Table::of(&found.models).compact().name("Model", |m| m.name.to_string());
     html! { (errors(named, |m| &m.errors)) }
 }
 
@@ -80,14 +80,8 @@ fn differences(found: &CompareDocument) -> Markup {
         (table)
         p.note {
             "Median over recordings, or windows where there are few recordings, with its 95 % interval; one that contains 0 \
-             tells no difference. Error norm: norm of RMSE over the standard deviations of u, v, r."
-        }
-        @if let Some(bands) = &found.bands {
-            p.note {
-                "Inside the 95 % bands: u " (percent(bands.inside_u)) ", v " (percent(bands.inside_v)) ", r "
-                (percent(bands.inside_r)) " of the samples. The bands come from the parameters' covariance and the errors on \
-                 the recordings that were fitted."
-            }
+             tells no difference. Error norm: norm of RMSE over the standard deviations of u, v, r. The bands come \
+             from the parameters' covariance and the errors on the recordings that were fitted."
         }
     }
 }
