@@ -107,11 +107,16 @@ impl Arguments {
         let replicates = self.bootstrap.unwrap_or(0);
         let trust = TrustDocument::new(pool, self.flags.nominal().source(), estimator, replicates, found);
         let mut staged = vec![writer.finish()?, stage_document(name("trust.json"), provenance, &trust)?];
-        if let Some(model) = ModelDocument::new(pool, estimator, found) {
-            staged.push(stage_document(name("model.json"), provenance, &model)?);
+        let model = ModelDocument::new(pool, estimator, found);
+        if let Some(model) = &model {
+            staged.push(stage_document(name("model.json"), provenance, model)?);
         }
         staged.push(stage_set_document(&summary, provenance, &document, &staged)?);
         commit(staged)?;
+        if model.is_none() {
+            // That of an earlier estimate is not this one's; there may be none.
+            let _ = std::fs::remove_file(name("model.json"));
+        }
         let refused: Vec<&str> = found.degrees.iter().filter_map(|d| d.reason.as_deref()).collect();
         let rest = match refused.as_slice() {
             [] => String::new(),

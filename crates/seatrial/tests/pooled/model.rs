@@ -189,3 +189,13 @@ fn the_units_of_a_model_are_those_of_its_numbers() {
     let units = json(&folder, "model.json")["units"].clone();
     assert_eq!((&units["constant_u"], &units["value"]), (&"m/s".into(), &"the parameter's unit".into()));
 }
+
+#[test]
+fn a_model_of_an_earlier_estimate_does_not_stay_beside_one_without() {
+    let folder = with(&["campaign.parquet", "dictionary.parquet"]);
+    run(&folder, MODEL).succeeds();
+    assert!(folder.path().join("model.json").exists());
+    let line = "estimate pool --vessel vessel.toml --trajectories dictionary.parquet --runs 0,1,2 --out estimates.parquet";
+    run(&folder, line).succeeds();
+    assert!(!folder.path().join("model.json").exists());
+}
