@@ -98,15 +98,17 @@ impl Model {
         self.degrees.iter().flat_map(|d| d.parameters.iter().map(String::as_str))
     }
 
+    /// The unit of the parameter of `term` in the equation of `degree`.
+    pub fn unit(&self, degree: DegreeOfFreedom, term: &Term) -> String {
+        let units: Vec<&str> =
+            term.factors.iter().map(|f| self.variables[f.variable].unit.as_str()).collect();
+        format!("{} per ({})", degree.unit(), units.join(" × "))
+    }
+
     /// Units of all parameters, such as `m/s per N`.
     pub fn parameter_units(&self) -> Vec<String> {
-        let per = |d: DegreeOfFreedom, term: &Term| {
-            let units: Vec<&str> =
-                term.factors.iter().map(|f| self.variables[f.variable].unit.as_str()).collect();
-            format!("{} per ({})", d.unit(), units.join(" × "))
-        };
         let of = |(d, degree): (DegreeOfFreedom, &Degree)| {
-            degree.terms.iter().map(|t| per(d, t)).collect::<Vec<_>>()
+            degree.terms.iter().map(|term| self.unit(d, term)).collect::<Vec<_>>()
         };
         DegreeOfFreedom::ALL.into_iter().zip(&self.degrees).flat_map(of).collect()
     }

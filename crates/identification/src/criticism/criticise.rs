@@ -1,15 +1,15 @@
-use numerics::{inverse, times};
+use numerics::times;
 use vessel::lanes::SideBySide;
-use vessel::{DegreeOfFreedom, Lane, Model, RunView};
+use vessel::{Lane, Model, RunView};
 
 use super::channels::with_effects;
-use super::found::{Absent, Criticism};
+use super::found::{Absent, Criticism, called};
 use super::library::{Candidate, Lifted};
 use super::noise::{Guess, noise_of, unknowns, white};
 use super::score::{Projected, Score, holm};
 use super::words::statements;
 use crate::pooled::whiteness;
-use crate::predictor::{Linear, linearize};
+use crate::predictor::{Linear, linearize, scaled_inverse};
 use crate::sensitivity::{Flow, Levels, Recordings, filter, groups, with_states};
 
 /// A model is rejected where something absent is found with a smaller probability than this under the model, after Holm.
@@ -85,8 +85,7 @@ fn refined(subject: &Subject, groups: &[SideBySide]) -> Option<(Vec<f64>, Levels
             Some((trial, sums))
         });
         let before: f64 = errors.squares.iter().sum();
-        let Some((trial, sums)) = { tried }.find(|(_, sums)| sums.squares.iter().sum::<f64>() < before)
-        else {
+        let Some((trial, sums)) = tried.find(|(_, sums)| sums.squares.iter().sum::<f64>() < before) else {
             break;
         };
         (parameters, errors) = (trial, sums);
@@ -198,13 +197,8 @@ fn look_at<const N: usize>(
 /// What the unknowns of white `sums` change by for the least errors, and by how much these fall then.
 fn newton_step(sums: &Linear) -> Option<(Vec<f64>, f64)> {
     let (normal, gradient) = sums.weighted([1.0; 3]);
-    let p = gradient.len();
-    let unit: Vec<f64> = (0..p).map(|i| normal[i * p + i].sqrt().recip()).collect();
-    let mut square: Vec<f64> = (0..p * p).map(|k| normal[k] * unit[k / p] * unit[k % p]).collect();
-    let mut inverted = vec![0.0; p * p];
-    inverse(p, &mut square, &mut inverted)?;
-    let right: Vec<f64> = (0..p).map(|i| gradient[i] * unit[i]).collect();
-    let step: Vec<f64> = times(&inverted, &right).iter().zip(&unit).map(|(x, u)| x * u).collect();
+    let inverse = scaled_inverse(&normal, gradient.len()).ok()?;
+    let step = times(&inverse, &gradient);
     let decrement = step.iter().zip(&gradient).map(|(x, g)| x * g).sum();
     step.iter().all(|x| x.is_finite()).then_some((step, decrement))
 }
@@ -251,16 +245,11 @@ fn judged(
         error_ratio: projected.variance().sqrt(),
         whiteness: whiteness.to_vec(),
         absent: found,
-        hidden: hidden.into_iter().map(|(candidate, _)| named(&candidate.name, candidate.degree)).collect(),
+        hidden: hidden.into_iter().map(|(candidate, _)| called(&candidate.name, candidate.place())).collect(),
         statements: Vec::new(),
     };
     all.statements = statements(&all);
     all
-}
-
-/// `r |r|` in yaw.
-fn named(name: &str, degree: Option<DegreeOfFreedom>) -> String {
-    degree.map_or(name.to_owned(), |degree| format!("`{name}` in {}", degree.name()))
 }
 
 /// What a test says of `candidate`, the evidence of the likeliest being `most`.
@@ -268,7 +257,7 @@ fn absent(candidate: &Candidate, score: &Score, p_value: f64, most: f64) -> Abse
     let evidence = -2.0 * score.log_p;
     Absent {
         name: candidate.name.clone(),
-        degree: candidate.degree.map(|degree| degree.name().to_owned()),
+        degree: candidate.place().map(str::to_owned),
         unit: candidate.unit.clone(),
         value: score.values.clone(),
         standard_error: score.standard_errors.clone(),

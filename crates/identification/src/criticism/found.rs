@@ -62,9 +62,11 @@ pub struct Absent {
 impl Absent {
     /// `r |r|` in yaw.
     pub fn told(&self) -> String {
-        match &self.degree {
-            Some(degree) => format!("`{}` in {degree}", self.name),
-            None => self.name.clone(),
-        }
+        called(&self.name, self.degree.as_deref())
     }
+}
+
+/// What something is called that acts in one degree of freedom, or in all.
+pub(super) fn called(name: &str, degree: Option<&str>) -> String {
+    degree.map_or(name.to_owned(), |degree| format!("`{name}` in {degree}"))
 }

@@ -46,6 +46,13 @@ pub(super) struct Candidate {
     pub group: Group,
 }
 
+impl Candidate {
+    /// The name of its degree of freedom.
+    pub fn place(&self) -> Option<&'static str> {
+        self.degree.map(DegreeOfFreedom::name)
+    }
+}
+
 /// The model with all that it may lack as further terms, whose parameters are zero.
 #[derive(Clone, Debug)]
 pub(super) struct Lifted {
@@ -78,7 +85,7 @@ impl Lifted {
             for (name, term) in absent(model, degree, &names) {
                 candidates.push(Candidate {
                     degree: Some(degree),
-                    unit: model_unit(model, degree, &term),
+                    unit: model.unit(degree, &term),
                     name,
                     group: Group { unknowns: vec![vec![others.len()]] },
                 });
@@ -129,9 +136,4 @@ fn absent(model: &Model, degree: DegreeOfFreedom, names: &[&str]) -> Vec<(String
         factors
     };
     parsed.filter(|(_, term)| own.iter().all(|known| sorted(known) != sorted(term))).collect()
-}
-
-fn model_unit(model: &Model, degree: DegreeOfFreedom, term: &Term) -> String {
-    let units: Vec<&str> = term.factors.iter().map(|f| model.variables[f.variable].unit.as_str()).collect();
-    format!("{} per ({})", degree.unit(), units.join(" × "))
 }

@@ -1,6 +1,6 @@
 use numerics::{distributions::chi_square_tail, inverse, times};
 
-use crate::predictor::Linear;
+use crate::predictor::{Linear, scaled_inverse};
 
 /// Signals of which less than this share is left beside what was estimated cannot be told from it.
 const LEFT: f64 = 1e-7;
@@ -47,12 +47,8 @@ impl Projected {
     pub fn new(sums: &Linear, estimated: usize) -> Option<Self> {
         let (normal, gradient) = sums.weighted([1.0; 3]);
         let (all, p) = (gradient.len(), estimated);
-        let unit: Vec<f64> = (0..p).map(|i| normal[i * all + i].sqrt().recip()).collect();
-        let mut scaled: Vec<f64> =
-            (0..p * p).map(|k| normal[k / p * all + k % p] * unit[k / p] * unit[k % p]).collect();
-        let mut inverted = vec![0.0; p * p];
-        inverse(p, &mut scaled, &mut inverted)?;
-        let inverted: Vec<f64> = (0..p * p).map(|k| inverted[k] * unit[k / p] * unit[k % p]).collect();
+        let known: Vec<f64> = (0..p * p).map(|k| normal[k / p * all + k % p]).collect();
+        let inverted = scaled_inverse(&known, p).ok()?;
         let row = |i: usize| &normal[i * all..i * all + p];
         let solved: Vec<Vec<f64>> = (p..all).map(|i| times(&inverted, row(i))).collect();
         let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();

@@ -204,16 +204,23 @@ impl<'a> Ranges<'a> {
     }
 }
 
-/// That of an output-error estimate is of all unknowns together; else each degree of freedom has its own.
-fn covariance(model: &Model, found: &Estimated, degrees: &[DegreeTrust]) -> Option<Covariance> {
-    let simulated = found.output_error.as_ref().filter(|_| found.used == [Estimator::OutputError; 3]);
-    if let Some((whole, _)) = simulated {
+impl Covariance {
+    /// That of all unknowns of `model`, which has intercepts, together.
+    pub(crate) fn joint(model: &Model, entries: Vec<f64>) -> Self {
         let name = |(d, name): (usize, &str)| match name {
             "intercept" => format!("{} constant", DegreeOfFreedom::ALL[d].name()),
             name => name.to_owned(),
         };
         let names = model.layout().degrees().zip(model.parameter_names()).map(name).collect();
-        return Some(Covariance { joint: true, names, entries: whole.covariance.clone() });
+        Self { joint: true, names, entries }
+    }
+}
+
+/// That of an output-error estimate is of all unknowns together; else each degree of freedom has its own.
+fn covariance(model: &Model, found: &Estimated, degrees: &[DegreeTrust]) -> Option<Covariance> {
+    let simulated = found.output_error.as_ref().filter(|_| found.used == [Estimator::OutputError; 3]);
+    if let Some((whole, _)) = simulated {
+        return Some(Covariance::joint(model, whole.covariance.clone()));
     }
     let of = |degree: &DegreeTrust| -> Option<Vec<f64>> {
         degree.parameters.iter().map(|p| p.standard_error).collect()

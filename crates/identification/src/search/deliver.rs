@@ -1,4 +1,4 @@
-use vessel::{Compiled, DegreeOfFreedom, Model};
+use vessel::{Compiled, Model};
 
 use super::nested::Fitted;
 use super::problem::limit;
@@ -68,25 +68,13 @@ pub(super) fn delivered(
     Delivered {
         theta,
         constant: [0, 1, 2].map(|d| structure.constant[d] + intercepts[d]),
-        covariance: covariance.clone().map(|entries| Covariance {
-            joint: true,
-            names: names(lifted),
-            entries,
-        }),
+        covariance: covariance.clone().map(|entries| Covariance::joint(lifted, entries)),
         least_squares: None,
         increment_std,
         output_rmse: together(followed.iter()).rmse(),
         recordings: constants,
         covered: covered(structure, parts),
     }
-}
-
-fn names(lifted: &Model) -> Vec<String> {
-    let name = |(d, name): (usize, &str)| match name {
-        "intercept" => format!("{} constant", DegreeOfFreedom::ALL[d].name()),
-        name => name.to_owned(),
-    };
-    lifted.layout().degrees().zip(lifted.parameter_names()).map(name).collect()
 }
 
 /// What the increments gain on the terms: their standard deviations over all, and their means by recording.

@@ -35,18 +35,20 @@ fn command_lines_that_say_too_little_or_too_much_are_refused() {
     refused(&folder, 2, &format!("{DESIGN} --segments 0 --segment-samples 200"), &["--segments", "0"]);
 }
 
+/// Stages, each with one of its inputs.
+const INPUTS: [(&str, &str); 6] = [
+    (DICTIONARY, "vessel.toml"),
+    (MOMENTS, "dictionary.parquet"),
+    (DESIGN, "moments.json"),
+    (CAMPAIGN, "design.json"),
+    (ESTIMATE, "campaign.parquet"),
+    (VALIDATE, "estimates.parquet"),
+];
+
 #[test]
 fn an_output_that_is_also_an_input_is_refused() {
     let folder = with(&READ);
-    let inputs = [
-        (DICTIONARY, "vessel.toml"),
-        (MOMENTS, "dictionary.parquet"),
-        (DESIGN, "moments.json"),
-        (CAMPAIGN, "design.json"),
-        (ESTIMATE, "campaign.parquet"),
-        (VALIDATE, "estimates.parquet"),
-    ];
-    for (stage, input) in inputs {
+    for (stage, input) in INPUTS {
         let (line, _) = stage.rsplit_once(" --out ").unwrap();
         refused(&folder, 2, &format!("{line} --out {input}"), &["--out", input, "also an input"]);
     }
@@ -61,15 +63,7 @@ fn names_that_are_no_text_are_read_and_written() {
         let bytes = name.bytes().map(|b| if b == b'?' { 0xff } else { b }).collect();
         std::ffi::OsString::from_vec(bytes)
     };
-    let lines = [
-        (DICTIONARY, "vessel.toml"),
-        (MOMENTS, "dictionary.parquet"),
-        (DESIGN, "moments.json"),
-        (CAMPAIGN, "design.json"),
-        (ESTIMATE, "campaign.parquet"),
-        (VALIDATE, "estimates.parquet"),
-    ];
-    for (stage, input) in lines {
+    for (stage, input) in INPUTS {
         let (line, out) = stage.rsplit_once(" --out ").unwrap();
         let (name, end) = input.split_once('.').unwrap();
         let renamed = odd(&format!("{name}?.{end}"));
