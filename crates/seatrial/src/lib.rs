@@ -1,4 +1,4 @@
-//! What the pipeline's binaries share: parse, read, call the science, write.
+//! The stages as programs: each parses, reads, calls the science and writes.
 
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
@@ -7,25 +7,16 @@
 #[global_allocator]
 static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
 
-pub mod choice;
-pub mod cli;
 pub mod commands;
 pub mod design;
-pub mod failure;
 pub mod ingest;
-pub mod inputs;
-mod interrupted;
-pub mod ordered;
 pub mod plan;
 pub mod pool;
-pub mod progress;
-mod said;
-pub mod sharded;
 pub mod simulate;
-mod stage;
 pub mod umbrella;
 mod verify;
 
+pub use frame::{choice, cli, failure, inputs, ordered, progress, said, sharded, stage};
 pub use identification::{Estimator, RunEstimate, RunScore};
 pub use in_memory::{Optimum, Study, StudyError};
 pub use study::campaign_file::CampaignFile;

@@ -1,6 +1,7 @@
 //! Damage that was a fault once: it stays refused, and in plain words.
 
 use artifact::Column;
+use parquet::file::metadata::{ParquetMetaData, ParquetMetaDataReader, ParquetMetaDataWriter};
 
 use crate::ends::{ends, start, wait};
 use crate::grounds::all;
@@ -92,4 +93,33 @@ fn magnitudes_that_no_ship_has_are_put_down_to_the_table() {
         let told = wait(&place, start(&place, &line, "")).told;
         assert!(told.contains(file) && told.contains("magnitudes up to 1e"), "{told}");
     }
+}
+
+/// The footer of a table whose first column begins before the file does.
+fn with_negative_offset(metadata: ParquetMetaData) -> ParquetMetaData {
+    let mut groups = metadata.row_groups().to_vec();
+    let mut columns = groups[0].columns().to_vec();
+    let first = columns[0].clone().into_builder().set_data_page_offset(-1).set_dictionary_page_offset(None);
+    columns[0] = first.build().unwrap();
+    groups[0] = groups[0].clone().into_builder().set_column_metadata(columns).build().unwrap();
+    metadata.into_builder().set_row_groups(groups).build()
+}
+
+/// The decoder panics on it, and its words stood before the refusal.
+#[test]
+fn bytes_that_the_decoder_panics_on_are_refused_in_one_line() {
+    let line = "moments --vessel vessel.toml --trajectories";
+    let (ground, stage) = all().into_iter().find(|(_, stage)| stage.line.starts_with(line)).unwrap();
+    let mut place = Place::on(ground);
+    let bytes = unsealed(place.original("dictionary.parquet"));
+    let length = |at: usize| u32::from_le_bytes(bytes[at..at + 4].try_into().unwrap()) as usize;
+    let body = bytes.len() - 8 - length(bytes.len() - 8);
+    let metadata = ParquetMetaDataReader::decode_metadata(&bytes[body..bytes.len() - 8]).unwrap();
+    let mut damaged = bytes[..body].to_vec();
+    ParquetMetaDataWriter::new(&mut damaged, &with_negative_offset(metadata)).finish().unwrap();
+    place.put("dictionary.parquet", &damaged);
+    let line = stage.line_into("out/");
+    assert_eq!(ends(&place, &line), Ok(3), "{line}");
+    let told = wait(&place, start(&place, &line, "")).told;
+    assert!(told.contains("bytes that cannot be decoded"), "{told}");
 }

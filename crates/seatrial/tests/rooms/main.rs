@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 use source::Crate;
 
 /// Crates from the ground up: one may use those of the rows above its own.
-const FLOORS: [&[&str]; 10] = [
+const FLOORS: [&[&str]; 11] = [
     &["refusal", "numerics"],
     &["artifact"],
     &["vessel", "design", "lattice", "chart"],
@@ -17,6 +17,7 @@ const FLOORS: [&[&str]; 10] = [
     &["trial", "validation"],
     &["study"],
     &["report", "in_memory"],
+    &["frame"],
     &["seatrial"],
     &["programs"],
     &["bench"],
@@ -75,7 +76,7 @@ const LINES: [(&str, usize); 1] = [("seatrial", 5_000)];
 
 /// Most lines below `src/` of all crates together, unit tests among them: raised where something new is worth them, never for
 /// what is written a second time. And the largest share of one crate.
-const TOTAL: usize = 64_000;
+const TOTAL: usize = 68_000;
 const SHARE: f64 = 0.2;
 
 /// What does not hold yet: rule, crate, how much of it is left.

@@ -168,6 +168,7 @@ fn misplaced(command: &Command, matches: &ArgMatches) -> Option<Failure> {
 /// Starts the threads, runs `task`, prints its summary or its failure.
 pub fn run(task: &dyn Task, common: &Common) -> ExitCode {
     inject_fault();
+    tell_panics_of_our_own();
     listen();
     set_budget(common.memory_mib);
     match start_threads(common.threads).and_then(|()| task.run(common)) {
@@ -214,6 +215,16 @@ pub fn ended(failure: &Failure, json: bool) -> ExitCode {
         on_stdout(json!({"exit_code": failure.exit_code(), "error": failure.to_string()}));
     }
     ExitCode::from(failure.exit_code())
+}
+
+/// Where a decoder panics on a damaged file, the refusal says so; its own words would be a second message.
+fn tell_panics_of_our_own() {
+    let told = std::panic::take_hook();
+    std::panic::set_hook(Box::new(move |panic| {
+        if !artifact::decoding() {
+            told(panic);
+        }
+    }));
 }
 
 fn start_threads(threads: Option<u32>) -> Result<(), Failure> {
