@@ -1,5 +1,6 @@
 //! Decoding one column of one block.
 
+use std::cell::Cell;
 use std::error::Error;
 use std::io;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -25,10 +26,23 @@ pub(crate) enum Undecoded {
     Damaged(String),
 }
 
+thread_local! {
+    static DECODING: Cell<bool> = const { Cell::new(false) };
+}
+
+/// Whether this thread is decoding bytes that nothing vouches for. The decoder may panic on them, which is told as a damaged
+/// file: a panic hook need not tell it as well.
+pub fn decoding() -> bool {
+    DECODING.get()
+}
+
 /// Runs the decoder. A file may have bytes that nothing vouches for, on which the decoder may panic: that too is told as a
 /// damaged file.
 pub(crate) fn decoded<T>(decode: impl FnOnce() -> ParquetResult<T>) -> Result<T, Undecoded> {
-    match catch_unwind(AssertUnwindSafe(decode)) {
+    let before = DECODING.replace(true);
+    let ended = catch_unwind(AssertUnwindSafe(decode));
+    DECODING.set(before);
+    match ended {
         Ok(Ok(decoded)) => Ok(decoded),
         Ok(Err(error)) => Err(match inner_io(error) {
             Ok(io) => Undecoded::Unreadable(io),

@@ -75,6 +75,7 @@ mod unfinished;
 pub use self::budget::{Budget, Work};
 pub use self::commit::{commit, commit_with_document};
 pub use columns::{Column, FloatColumn, IntegerColumn, Labels, Table, TextColumn};
+pub use decode::decoding;
 pub use digest::{Digest, Digesting};
 pub use document::{Document, Loaded, Units, json_schema, stage_document, stage_set_document, units};
 pub use document_reader::{read_document, read_json};
