@@ -21,7 +21,7 @@ ESTIMATE_FLAGS ?=
 PLAN_FLAGS     ?=
 -include $(STUDY)/study.mk
 
-STAGES  := ingest simulate moments design estimate validate plan sequential report
+STAGES  := ingest simulate moments design estimate validate monte-carlo plan sequential report
 BINARIES := $(addprefix $(BIN)/,$(STAGES) seatrial)
 
 # A target is written whole or not at all by its stage, so an interrupted make resumes with the next stage.
@@ -82,20 +82,31 @@ $(OUT)/moments.json: $(STUDY)/vessel.toml $(OUT)/dictionary.parquet $(BIN)/momen
 $(OUT)/design.json: $(OUT)/moments.json $(wildcard $(STUDY)/study.mk) $(BIN)/design
 	$(BIN)/design --moments $(OUT)/moments.json $(DESIGN_FLAGS) $(FLAGS) --out $@
 
+$(OUT)/validation.parquet: $(STUDY)/vessel.toml $(STUDY)/campaign.toml $(BIN)/simulate | $(OUT)
+	$(BIN)/simulate validation --vessel $(STUDY)/vessel.toml --campaign $(STUDY)/campaign.toml $(FLAGS) --out $@
+
+# Trials are simulated, estimated and scored in memory where the study's study.mk sets MONTE_CARLO, else from file to file. The
+# document beside a table is written by the same stage in the same breath.
+ifdef MONTE_CARLO
+SCORED := $(OUT)/tally.json
+
+$(SCORED): $(STUDY)/vessel.toml $(DICTIONARY) $(STUDY)/campaign.toml $(OUT)/design.json $(BIN)/monte-carlo
+	$(BIN)/monte-carlo --vessel $(STUDY)/vessel.toml --dictionary $(DICTIONARY) --campaign $(STUDY)/campaign.toml \
+	  --design $(OUT)/design.json --keep estimates $(ESTIMATE_FLAGS) $(FLAGS) --out $@
+else
+SCORED := $(OUT)/scores.parquet
+
 $(OUT)/campaign.parquet: $(STUDY)/vessel.toml $(DICTIONARY) $(STUDY)/campaign.toml $(OUT)/design.json $(BIN)/simulate
 	$(BIN)/simulate campaign --vessel $(STUDY)/vessel.toml --dictionary $(DICTIONARY) \
 	  --campaign $(STUDY)/campaign.toml --design $(OUT)/design.json $(FLAGS) --out $@
 
-$(OUT)/validation.parquet: $(STUDY)/vessel.toml $(STUDY)/campaign.toml $(BIN)/simulate | $(OUT)
-	$(BIN)/simulate validation --vessel $(STUDY)/vessel.toml --campaign $(STUDY)/campaign.toml $(FLAGS) --out $@
-
-# The document beside a table is written by the same stage in the same breath.
 $(OUT)/estimates.parquet: $(STUDY)/vessel.toml $(OUT)/campaign.parquet $(BIN)/estimate
 	$(BIN)/estimate --vessel $(STUDY)/vessel.toml --trajectories $(OUT)/campaign.parquet $(ESTIMATE_FLAGS) $(FLAGS) --out $@
 
 $(OUT)/scores.parquet: $(STUDY)/vessel.toml $(STUDY)/campaign.toml $(OUT)/estimates.parquet $(OUT)/validation.parquet $(BIN)/validate
 	$(BIN)/validate --vessel $(STUDY)/vessel.toml --campaign $(STUDY)/campaign.toml --estimates $(OUT)/estimates.parquet \
 	  --validation $(OUT)/validation.parquet $(FLAGS) --out $@
+endif
 
 # A study with plan.toml is laid out on its chart, and so is every variant plan-<name>.toml. The planned experiment is then
 # simulated, estimated and validated like the free ones.
@@ -125,7 +136,7 @@ $(OUT)/planned/scores.parquet: $(STUDY)/vessel.toml $(STUDY)/campaign.toml $(OUT
 	$(BIN)/validate --vessel $(STUDY)/vessel.toml --campaign $(STUDY)/campaign.toml \
 	  --estimates $(OUT)/planned/estimates.parquet --validation $(OUT)/validation.parquet $(FLAGS) --out $@
 
-$(OUT)/report.html: $(OUT)/scores.parquet $(wildcard $(STUDY)/reference.toml) $(PLANS) $(BIN)/report
+$(OUT)/report.html: $(SCORED) $(OUT)/validation.parquet $(wildcard $(STUDY)/reference.toml) $(PLANS) $(BIN)/report
 	$(BIN)/report --study $(STUDY) --dictionary $(DICTIONARY) --results $(OUT) $(FLAGS) --out $@
 
 .PHONY: helsinki

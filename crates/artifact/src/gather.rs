@@ -37,14 +37,14 @@ pub fn gather(
     let mut readers = Vec::with_capacity(shards.len());
     for path in shards {
         let reader = TableReader::open(path, id, version)?;
-        readers.push((number(&reader)?, reader));
+        readers.push((number(path, reader.provenance())?, reader));
     }
     readers.sort_by_key(|(shard, _)| *shard);
     let Some((_, first)) = readers.first() else {
         return Err(Error::refuse(out, "shards", "none", "all shards of a table", "name the shards"));
     };
-    readers.iter().try_for_each(|(_, reader)| refuse_foreign(first, reader))?;
-    refuse_incomplete(first.path(), &readers)?;
+    check_shards(readers.iter().map(|(_, reader)| (reader.path(), reader.provenance())))?;
+    readers.iter().try_for_each(|(_, reader)| refuse_other_columns(first, reader))?;
     readers.iter().try_for_each(|(_, reader)| reader.check_unsealed())?;
     let schema = TableSchema { id, version, columns: first.columns().to_vec() };
     let provenance = Provenance { shard: None, ..first.provenance().clone() };
@@ -60,11 +60,43 @@ pub fn gather(
     writer.finish()
 }
 
-fn number(reader: &TableReader) -> Result<Shard> {
-    reader.provenance().shard.ok_or_else(|| {
+/// Refuses files, in the order of their numbers, that are not all shards of one computation.
+///
+/// # Errors
+/// One that is no shard; one that comes from another computation (what differs is named); one that is missing (all missing
+/// numbers are named) or there twice.
+pub fn check_shards<'a>(files: impl Iterator<Item = (&'a Path, &'a Provenance)>) -> Result<()> {
+    let parts =
+        files.map(|(path, provenance)| Ok(Part { path, provenance, shard: number(path, provenance)? }));
+    let mut parts = parts.collect::<Result<Vec<Part>>>()?;
+    parts.sort_by_key(|part| part.shard);
+    let Some(first) = parts.first() else { return Ok(()) };
+    parts.iter().try_for_each(|part| refuse_foreign(first, part))?;
+    refuse_incomplete(first.path, &parts)
+}
+
+/// A file that is a shard.
+struct Part<'a> {
+    path: &'a Path,
+    provenance: &'a Provenance,
+    shard: Shard,
+}
+
+fn number(path: &Path, provenance: &Provenance) -> Result<Shard> {
+    provenance.shard.ok_or_else(|| {
         let remedy = "name only files written with --shard";
-        Error::refuse(reader.path(), "shard", "a whole table", "a shard K/N", remedy)
+        Error::refuse(path, "shard", "a whole one", "a shard K/N", remedy)
     })
+}
+
+fn refuse_other_columns(first: &TableReader, other: &TableReader) -> Result<()> {
+    differs("columns", &first.columns(), &other.columns())
+        .map_or(Ok(()), |difference| Err(foreign(first.path(), other.path(), difference)))
+}
+
+fn foreign(first: &Path, other: &Path, [thing, expected, found]: [String; 3]) -> Error {
+    let expected = format!("{expected} as in {}", first.display());
+    Error::refuse(other, thing, found, expected, "name the shards of one computation only")
 }
 
 /// What the footer says about the column chunks of a block.
@@ -81,21 +113,15 @@ fn chunks(group: &RowGroupMetaData) -> Vec<ColumnCloseResult> {
 }
 
 /// Refuses a shard that differs from the first in more than its number.
-fn refuse_foreign(first: &TableReader, other: &TableReader) -> Result<()> {
-    let (one, two) = (first.provenance(), other.provenance());
+fn refuse_foreign(first: &Part, other: &Part) -> Result<()> {
+    let (one, two) = (first.provenance, other.provenance);
     let count = |p: &Provenance| p.shard.map_or(0, |shard| shard.count);
     let difference = differs("number of shards", &count(one), &count(two))
         .or_else(|| differs("producer", &one.producer, &two.producer))
         .or_else(|| differing_entry("inputs", &one.inputs, &two.inputs))
         .or_else(|| differing_entry("origins", &one.origins, &two.origins))
-        .or_else(|| differing_entry("settings", &one.settings, &two.settings))
-        .or_else(|| differs("columns", &first.columns(), &other.columns()));
-    let Some([thing, expected, found]) = difference else {
-        return Ok(());
-    };
-    let expected = format!("{expected} as in {}", first.path().display());
-    let remedy = "name the shards of one computation only";
-    Err(Error::refuse(other.path(), thing, found, expected, remedy))
+        .or_else(|| differing_entry("settings", &one.settings, &two.settings));
+    difference.map_or(Ok(()), |difference| Err(foreign(first.path, other.path, difference)))
 }
 
 /// Name, first and second value, if the values differ.
@@ -115,22 +141,22 @@ fn differing_entry<T: PartialEq + ToString>(
 }
 
 /// Refuses a set that lacks a shard or has one twice; `first` is the path of its first.
-fn refuse_incomplete(first: &Path, readers: &[(Shard, TableReader)]) -> Result<()> {
-    let count = readers.first().map_or(0, |(shard, _)| shard.count);
+fn refuse_incomplete(first: &Path, parts: &[Part]) -> Result<()> {
+    let count = parts.first().map_or(0, |part| part.shard.count);
     let refuse = |found: String, remedy: &str| {
         Err(Error::refuse(first, "shards", found, format!("each of the {count} shards once"), remedy))
     };
-    let missing = missing(count, readers);
+    let missing = missing(count, parts);
     if !missing.is_empty() {
         return refuse(format!("no shard {missing}"), "write the missing shards");
     }
-    let twice: Vec<String> = readers.windows(2).filter_map(told_twice).collect();
+    let twice: Vec<String> = parts.windows(2).filter_map(told_twice).collect();
     if twice.is_empty() { Ok(()) } else { refuse(twice.join(", "), "name each shard once") }
 }
 
 /// The numbers of the missing shards, as text.
-fn missing(count: u32, readers: &[(Shard, TableReader)]) -> String {
-    let present: BTreeSet<u32> = readers.iter().map(|(shard, _)| shard.index).collect();
+fn missing(count: u32, parts: &[Part]) -> String {
+    let present: BTreeSet<u32> = parts.iter().map(|part| part.shard.index).collect();
     let absent = (1..=count).filter(|index| !present.contains(index));
     let named: Vec<String> = absent.take(MOST_NAMED).map(|index| format!("{index}/{count}")).collect();
     let rest = (count as usize).saturating_sub(present.len() + named.len());
@@ -139,10 +165,10 @@ fn missing(count: u32, readers: &[(Shard, TableReader)]) -> String {
 }
 
 /// Both paths, if two neighbours have the same number.
-fn told_twice(pair: &[(Shard, TableReader)]) -> Option<String> {
-    let [(shard, one), (other, two)] = pair else {
+fn told_twice(pair: &[Part]) -> Option<String> {
+    let [one, two] = pair else {
         return None;
     };
-    let told = || format!("shard {shard} in {} and in {}", one.path().display(), two.path().display());
-    (shard == other).then(told)
+    let told = || format!("shard {} in {} and in {}", one.shard, one.path.display(), two.path.display());
+    (one.shard == two.shard).then(told)
 }

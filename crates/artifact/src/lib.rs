@@ -82,7 +82,7 @@ pub use document_reader::{read_document, read_json};
 pub use encode::{EncodedBlock, encode_block};
 pub use error::{Error, Result};
 pub use foreign::ForeignTable;
-pub use gather::gather;
+pub use gather::{check_shards, gather};
 pub use inspect::{Inspected, inspect};
 pub use provenance::{MIXED, Provenance, STUDY_ROLES};
 pub use rows::Columns;

@@ -3,6 +3,10 @@
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 
+mod monte_carlo;
+
+pub use monte_carlo::{MonteCarlo, Realized};
+
 use design::{Bounds, Criterion, Design, NoDesign, Options};
 use identification::predictor::InitialState;
 use identification::runs::{NominalDiverged, RunError, RunEstimators, RunInstruments};

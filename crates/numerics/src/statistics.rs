@@ -2,7 +2,7 @@
 
 mod interval;
 
-pub use interval::{mean_interval, paired_median, quantile_interval, wilson};
+pub use interval::{mean_interval, paired_median, quantile_interval, quantile_ranks, wilson};
 
 /// Mean, `None` of nothing.
 pub fn mean(values: &[f64]) -> Option<f64> {

@@ -11,6 +11,7 @@ fn every_program_is_its_stage() {
         ("design", env!("CARGO_BIN_EXE_design")),
         ("estimate", env!("CARGO_BIN_EXE_estimate")),
         ("validate", env!("CARGO_BIN_EXE_validate")),
+        ("monte-carlo", env!("CARGO_BIN_EXE_monte-carlo")),
         ("plan", env!("CARGO_BIN_EXE_plan")),
         ("sequential", env!("CARGO_BIN_EXE_sequential")),
         ("report", env!("CARGO_BIN_EXE_report")),

@@ -32,6 +32,7 @@ mod parts;
 mod picture;
 mod plan_map;
 mod published_selection;
+mod realizations;
 pub mod results;
 mod sample;
 mod selection;

@@ -57,6 +57,7 @@ pub fn load(sources: &Sources) -> Result<Study, Error> {
             .and_then(|traces| traces.into_iter().next()),
         estimate: loader.document("estimate.json", "estimates of all runs together")?,
         validation: loader.document("validation.json", "errors of all runs together")?,
+        tally: loader.document("tally.json", "realizations in memory, counted")?,
         scores: loader.scores()?,
         scenarios: sources
             .scenarios

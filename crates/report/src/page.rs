@@ -16,6 +16,7 @@ use super::notes::{files, notation};
 use super::parameters::parameters;
 use super::parts::{Figures, Section};
 use super::published_selection::published_selection;
+use super::realizations::realizations;
 use super::selection::selection;
 use super::sequential::sequential;
 use super::study::Study;
@@ -49,6 +50,7 @@ pub fn render(study: &Study) -> Rendered {
 /// The sections of a study of simulated trials.
 fn of_trials(study: &Study, figures: &mut Figures) -> Vec<Section> {
     let mut sections = vec![comparison(study)];
+    sections.extend(realizations(study.tally.as_ref()));
     sections.extend(estimators(study));
     sections.extend([allocation(study, figures), certificate(study), dictionary(study, figures)]);
     sections.extend(trajectory(study, figures));

@@ -1,6 +1,6 @@
 use study::documents::{
     DesignDocument, DesignScores, EstimateDocument, MomentsDocument, PlanDocument, Reference,
-    SequentialDocument, ValidationDocument,
+    SequentialDocument, TallyDocument, ValidationDocument,
 };
 use study::scores;
 use vessel::{Variable, Vessel};
@@ -24,6 +24,8 @@ pub struct Study {
     pub estimate: Option<EstimateDocument>,
     /// `validation.json`.
     pub validation: Option<ValidationDocument>,
+    /// `tally.json`.
+    pub tally: Option<TallyDocument>,
     /// The errors of every run by one estimator.
     pub scores: Option<Vec<scores::Row>>,
     /// The input that the estimated models were validated on.

@@ -53,6 +53,20 @@ fn ranks(n: usize, q: f64) -> [Option<usize>; 2] {
     [(below > 0).then_some(below), (above > 0).then(|| n + 1 - above)]
 }
 
+/// Beyond so many draws the normal distribution stands for the binomial one: its ranks differ by one at most.
+const MANY: u64 = 10_000;
+
+/// Ranks, from 1, of the values among `n` draws that enclose the quantile `q` at 95 %, as [`quantile_interval`] does, for any
+/// number of draws. An end is `None` where there are too few.
+pub fn quantile_ranks(n: u64, q: f64) -> [Option<u64>; 2] {
+    if n <= MANY {
+        return ranks(n as usize, q).map(|rank| rank.map(|rank| rank as u64));
+    }
+    let (below, half) = (n as f64 * q, Z * (n as f64 * q * (1.0 - q)).sqrt());
+    [Some((below - half).floor() as u64), Some((below + half).ceil() as u64 + 1)]
+        .map(|rank| rank.filter(|rank| (1..=n).contains(rank)))
+}
+
 /// Adds `mass` to the `sum` of a tail; whether it still is at most [`TAIL`].
 fn within(sum: &mut f64, mass: f64) -> bool {
     *sum += mass;

@@ -4,7 +4,7 @@ use std::path::{Component, Path, PathBuf};
 
 use artifact::{Document, Error, Loaded, Provenance, TableReader, read_toml};
 use serde_json::Value;
-use study::documents::Reference;
+use study::documents::{Reference, ValidationDocument};
 use study::trajectories;
 
 use crate::loader::{document_at, existing};
@@ -41,7 +41,11 @@ pub(super) fn label(folder: &Path) -> String {
 /// The seed of the simulated trials in `folder`.
 pub(super) fn seed(folder: &Path) -> Result<Option<u64>, Error> {
     let mut names = ["campaign.parquet", "trajectories.parquet"].into_iter();
-    let Some(path) = names.find_map(|name| existing(folder.join(name))) else { return Ok(None) };
+    let Some(path) = names.find_map(|name| existing(folder.join(name))) else {
+        // Trials in memory leave no table.
+        let validation = document_at::<ValidationDocument>(folder.join("validation.json"))?;
+        return Ok(validation.and_then(|loaded| loaded.data.seed));
+    };
     Ok(seed_of(TableReader::open(&path, trajectories::ID, trajectories::VERSION)?.provenance()))
 }
 

@@ -56,6 +56,7 @@ pub fn study() -> Study {
         design: Some(design()),
         estimate: Some(estimate()),
         validation: Some(validation()),
+        tally: None,
         scores: Some(scores.concat()),
         validation_trace: Some(validation_trace()),
         reference: Some(reference()),

@@ -7,6 +7,7 @@ mod estimate;
 mod estimate_pool;
 mod ingest;
 mod moments;
+mod monte_carlo;
 mod plan;
 mod report;
 mod search;
@@ -36,6 +37,8 @@ pub const DESIGN: Stage =
 /// Parameters of every run, or of all runs together.
 pub const ESTIMATE: Stage = Stage::of::<estimate::Arguments>()
     .with(&[Stage::of::<estimate_pool::Arguments>(), Stage::of::<search::Arguments>()]);
+/// A campaign's runs, estimated and scored in memory.
+pub const MONTE_CARLO: Stage = Stage::of::<monte_carlo::Arguments>();
 /// How far the estimated models can be trusted.
 pub const VALIDATE: Stage = Stage::of::<validate::Arguments>().with(&[
     Stage::of::<compare::Arguments>(),
@@ -51,5 +54,5 @@ pub const REPORT: Stage =
     Stage::of::<report::Arguments>().with(&[Stage::of::<report::Results>(), Stage::of::<report::Picture>()]);
 
 /// Every stage, in the order in which a study runs them.
-pub const STAGES: [&Stage; 9] =
-    [&SIMULATE, &INGEST, &MOMENTS, &DESIGN, &ESTIMATE, &VALIDATE, &PLAN, &SEQUENTIAL, &REPORT];
+pub const STAGES: [&Stage; 10] =
+    [&SIMULATE, &INGEST, &MOMENTS, &DESIGN, &ESTIMATE, &VALIDATE, &MONTE_CARLO, &PLAN, &SEQUENTIAL, &REPORT];

@@ -53,7 +53,7 @@ const fn stage(
 const SEED: [&str; 2] = ["--vessel", "--seed 2 --vessel"];
 
 /// The paper's study with two runs per design, in all its forms.
-static PAPER: [Stage; 18] = [
+static PAPER: [Stage; 19] = [
     stage(
         "simulate dictionary --vessel vessel.toml --dictionary dictionary.toml",
         "dictionary.parquet",
@@ -97,6 +97,13 @@ static PAPER: [Stage; 18] = [
         "scores.parquet",
         ["campaign.toml", "campaign-2.toml"],
         &["campaign.toml", "estimates.parquet", "validation.parquet"],
+    ),
+    stage(
+        "monte-carlo --vessel vessel.toml --dictionary dictionary.toml --campaign campaign.toml --design design.json \
+         --estimator ls,iv --keep estimates",
+        "kept-tally.json",
+        SEED,
+        &["vessel.toml", "dictionary.toml", "campaign.toml", "design.json"],
     ),
     stage(
         "moments --vessel vessel.toml --trajectories dictionary.parquet --campaign campaign.toml \

@@ -13,6 +13,7 @@ mod generated;
 mod golden;
 mod in_memory;
 mod mixed;
+mod monte_carlo;
 mod oracle;
 mod pipeline;
 mod refine;

@@ -18,6 +18,7 @@ mod sequential;
 mod simulated;
 mod solved;
 mod statements;
+mod tally;
 mod titles;
 mod trust;
 mod validation;
@@ -28,6 +29,7 @@ use artifact::{Document, json_schema};
 pub use ::design::Degree;
 pub use ::validation::crossval::{EstimatorScore, SourceScore};
 pub use ::validation::selection::{PublishedLimits, SelectionErrors, SelectionScores, SharesBeyond};
+pub use ::validation::tally::Bounds;
 pub use identification::pooled::{DegreeTrust, FreeRunErrors, ParameterTrust, SourceErrors};
 pub use identification::{Quantiles, Share};
 pub use trial::moments::{DegreeMoments, ManeuverMoments, Moments};
@@ -58,9 +60,10 @@ pub use selection::SelectionDocument;
 pub use sequential::SequentialDocument;
 pub use simulated::{SIMULATED_FILE, SimulatedLogsDocument, SimulatedRecording};
 pub use solved::{Few, Solved};
+pub use tally::{PairedRatio, TallyDocument};
 pub use trust::TrustDocument;
 pub use validation::{
-    Bounds, ComparedError, DesignScores, EstimatorRecommendation, EstimatorScores, ValidationDocument,
+    ComparedError, DesignScores, EstimatorRecommendation, EstimatorScores, ValidationDocument,
 };
 
 /// JSON Schema of every document that a stage writes, by the document's id.
@@ -72,6 +75,7 @@ pub fn schemas() -> Vec<(&'static str, serde_json::Value)> {
         (EstimateDocument::ID, json_schema::<EstimateDocument>()),
         (IngestDocument::ID, json_schema::<IngestDocument>()),
         (ValidationDocument::ID, json_schema::<ValidationDocument>()),
+        (TallyDocument::ID, json_schema::<TallyDocument>()),
         (PlanDocument::ID, json_schema::<PlanDocument>()),
         (ModelDocument::ID, json_schema::<ModelDocument>()),
         (TrustDocument::ID, json_schema::<TrustDocument>()),

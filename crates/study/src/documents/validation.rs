@@ -3,6 +3,8 @@ use identification::{Estimator, PairedDifference, Quantiles};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::Bounds;
+
 /// `validation.json`: parameter and simulation errors of every design.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -32,16 +34,6 @@ pub struct EstimatorScores {
     pub estimator: Estimator,
     /// One entry per design.
     pub designs: Vec<DesignScores>,
-}
-
-/// Bounds under which an estimate counts as good.
-#[derive(Clone, Copy, Debug, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct Bounds {
-    /// On the parameter error: the 2-norm over the parameters of (θ̂ − θ)/θ.
-    pub parameter_error: f64,
-    /// On the simulation error: the 2-norm of the RMSE in surge, sway and yaw.
-    pub simulation_error: f64,
 }
 
 /// The errors of one design. A run without an estimate, or whose free simulation diverged, counts as above every bound

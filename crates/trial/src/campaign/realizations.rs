@@ -1,3 +1,4 @@
+use std::collections::BTreeSet;
 use std::ops::Range;
 
 use design::apportion;
@@ -71,6 +72,22 @@ impl Design {
         Self { name, streams: Streams::new(seed, name), rule }
     }
 
+    /// Plans that have every maneuver at every length that occurs in `realizations` runs: the runs' own, unless all there
+    /// can be are fewer.
+    fn occurring(&self, realizations: u32) -> Box<dyn Iterator<Item = Plan> + '_> {
+        match &self.rule {
+            Rule::Fixed(plan) => Box::new(std::iter::once(plan.clone())),
+            Rule::Drawn { maneuvers, lengths } => {
+                let different: BTreeSet<usize> = lengths.iter().copied().collect();
+                if maneuvers.len() * different.len() > lengths.len().saturating_mul(realizations as usize) {
+                    return Box::new((0..realizations).map(|run| self.plan(run)));
+                }
+                let of = move |length: usize| maneuvers.iter().map(move |q| (*q, length)).collect();
+                Box::new(different.into_iter().map(of))
+            }
+        }
+    }
+
     fn plan(&self, run: u32) -> Plan {
         match &self.rule {
             Rule::Fixed(plan) => plan.clone(),
@@ -111,7 +128,7 @@ impl<'a> Campaign<'a> {
             designs.push(Design::new("random", settings.seed, rule));
         }
         let mut parts = Parts::default();
-        for plan in designs.iter().flat_map(|d| (0..settings.realizations).map(|run| d.plan(run))) {
+        for plan in designs.iter().flat_map(|d| d.occurring(settings.realizations)) {
             parts.make(generator, &plan).map_err(Refusal::Dictionary)?;
         }
         Ok(Self { sea, samples, realizations: settings.realizations, designs, parts, names })
@@ -148,6 +165,11 @@ impl<'a> Campaign<'a> {
     /// Number of designs.
     pub fn designs(&self) -> usize {
         self.designs.len()
+    }
+
+    /// Their names.
+    pub fn names(&self) -> Vec<&'static str> {
+        self.designs.iter().map(|design| design.name).collect()
     }
 
     /// Runs per design.
