@@ -9,7 +9,7 @@ use super::loader::{Loader, Sources, document_at};
 use super::trajectory::files::trajectory;
 use super::{ManeuverTrace, Scenario, Study};
 use study::campaign_file::CampaignFile;
-use study::documents::{EstimateDocument, IngestDocument, Reference, ValidationDocument};
+use study::documents::{EstimateDocument, IngestDocument, ValidationDocument};
 use study::scores;
 use study::trajectories::{Layout, TrajectoryReader};
 use vessel::Run;
@@ -39,7 +39,7 @@ pub fn load(sources: &Sources) -> Result<Study, Error> {
         return Err(Error::invalid(sources.study.join("campaign.toml"), invalid));
     }
     let maneuvers = loader.dictionary()?;
-    let reference = loader.toml::<Reference>("reference.toml", "published results, to compare with")?;
+    let reference = loader.reference()?;
     let mut dictionary = loader.traces(&vessel, "dictionary.parquet", "maneuvers, undisturbed")?;
     let maneuvers = maneuvers.map(|file| file.expanded().unwrap_or_default()).unwrap_or_default();
     for trace in dictionary.iter_mut().flatten() {

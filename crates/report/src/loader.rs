@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 
 use artifact::{Digest, Document, Error, Loaded, MIXED, Provenance, TableReader, read_document, read_toml};
 use serde::de::DeserializeOwned;
-use study::files::read_vessel;
+use study::documents::Reference;
+use study::files::{read_reference, read_vessel};
 use study::role_of;
 use vessel::{DictionaryFile, Vessel};
 
@@ -110,6 +111,15 @@ impl<'a> Loader<'a> {
         self.note(name, what, digest);
         self.known.written(role_of(name), path, digest)?;
         Ok(value)
+    }
+
+    /// What was published elsewhere.
+    pub(super) fn reference(&mut self) -> Result<Option<Reference>, Error> {
+        let Some(path) = existing(self.sources.study.join("reference.toml")) else { return Ok(None) };
+        let (reference, digest) = read_reference(&path)?;
+        self.note("reference.toml", "published results, to compare with", digest);
+        self.known.written(role_of("reference.toml"), &path, digest)?;
+        Ok(Some(reference))
     }
 
     pub(super) fn document<D: Document>(&mut self, name: &str, what: &str) -> Result<Option<D>, Error> {

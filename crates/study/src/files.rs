@@ -6,7 +6,7 @@ use artifact::{Digest, Provenance, read_document, read_toml};
 use vessel::{DictionaryFile, Generator, Invalid, Vessel, VesselFile};
 
 use crate::campaign_file::CampaignFile;
-use crate::documents::ModelDocument;
+use crate::documents::{ModelDocument, Reference};
 use crate::ingest_file::IngestFile;
 use crate::sequential::SequentialFile;
 use artifact::Error;
@@ -60,6 +60,13 @@ pub fn read_ingest(path: &Path, provenance: &mut Provenance) -> Result<IngestFil
     provenance.written("config", path, digest)?;
     file.check().map_err(|e| crate::invalid(path, &e))?;
     Ok(file)
+}
+
+/// Reads `reference.toml`, with its digest.
+pub fn read_reference(path: &Path) -> Result<(Reference, Digest), Error> {
+    let (file, digest) = read_toml::<Reference>(path)?;
+    file.check().map_err(|e| crate::invalid(path, &e))?;
+    Ok((file, digest))
 }
 
 /// Reads `sequential.toml` and notes its digest.

@@ -2,9 +2,10 @@
 
 use std::path::{Component, Path, PathBuf};
 
-use artifact::{Document, Error, Loaded, Provenance, TableReader, read_toml};
+use artifact::{Document, Error, Loaded, Provenance, TableReader};
 use serde_json::Value;
 use study::documents::{Reference, ValidationDocument};
+use study::files::read_reference;
 use study::trajectories;
 
 use crate::loader::{document_at, existing};
@@ -58,5 +59,5 @@ pub(super) fn seed_of(provenance: &Provenance) -> Option<u64> {
 pub(super) fn reference(written: Option<&Path>, name: &str) -> Result<Option<Reference>, Error> {
     let study = name.split(' ').next().unwrap_or(name);
     let path = written.map(|written| written.join(study).join("reference.toml"));
-    path.and_then(existing).map(|path| Ok(read_toml(path)?.0)).transpose()
+    path.and_then(existing).map(|path| Ok(read_reference(&path)?.0)).transpose()
 }

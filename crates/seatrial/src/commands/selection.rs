@@ -6,8 +6,8 @@ use artifact::{Provenance, TableWriter, commit_with_document};
 use clap::Parser;
 use identification::Estimator;
 use serde_json::json;
-use study::documents::{Reference, SelectionDocument};
-use study::files::read_vessel;
+use study::documents::SelectionDocument;
+use study::files::{read_reference, read_vessel};
 use study::selection::{Row, columns, document};
 use validation::selection::{PublishedLimits, SelectionOptions, available, select};
 
@@ -90,7 +90,8 @@ impl Arguments {
     /// Where the figures of a published selection study end.
     fn published(&self, provenance: &mut Provenance) -> Result<Option<PublishedLimits>, Failure> {
         let Some(file) = &self.reference else { return Ok(None) };
-        let reference: Reference = inputs::toml(file, "reference", provenance)?;
+        let (reference, digest) = read_reference(file)?;
+        provenance.written("reference", file, digest)?;
         Ok(reference.selection.as_ref().map(PublishedLimits::from))
     }
 

@@ -20,7 +20,7 @@ struct Case {
     says: &'static [&'static str],
 }
 
-const CORPUS: [Case; 3] = [
+const CORPUS: [Case; 4] = [
     // It said: expected usize.
     Case {
         line: "plan --problem",
@@ -29,6 +29,15 @@ const CORPUS: [Case; 3] = [
         to: "\"nx\": \"6\"",
         code: 3,
         says: &["found the text \"6\"", "expected a whole number from 0"],
+    },
+    // It blamed the output, in which no number may be infinite.
+    Case {
+        line: "validate selection --vessel vessel.toml --trajectories trajectories.parquet",
+        file: "reference.toml",
+        from: "limit_u = 2.0",
+        to: "limit_u = inf",
+        code: 3,
+        says: &["reference.toml: `selection.limit_u`: found inf, expected more than zero"],
     },
     // It said: expected struct MoveFile.
     Case {

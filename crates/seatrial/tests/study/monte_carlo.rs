@@ -1,6 +1,6 @@
 //! `monte-carlo`: the stages' runs without their files, and tallies that merge.
 
-use artifact::TableReader;
+use artifact::{Column, TableReader};
 use identification::{RunEstimate, RunScore};
 use study::documents::{TallyDocument, ValidationDocument};
 use study::files::read_vessel;
@@ -32,6 +32,12 @@ fn scored(folder: &TempDir, name: &str) -> Vec<RunScore> {
     scores::rows(&TableReader::open(folder.path().join(name), scores::ID, scores::VERSION).unwrap()).unwrap()
 }
 
+/// A value of any kind, to the bit.
+fn cell(column: &Column, row: usize) -> (Option<u64>, Option<i32>, Option<String>) {
+    let whole = column.as_i32().map(|numbers| numbers[row]);
+    (column.value_at(row).map(f64::to_bits), whole, column.text_at(row).map(str::to_owned))
+}
+
 fn tally(folder: &TempDir, name: &str) -> TallyDocument {
     document::<TallyDocument>(folder, name).data
 }
@@ -49,7 +55,8 @@ fn law_runs_in_memory_are_the_runs_of_the_files_by_every_estimator() {
     assert!(scored(&folder, "scores.parquet") == scored(&folder, "memory/scores.parquet"));
     let trajectories = |name: &str| {
         let whole = craft::read(&folder.path().join(name), "trajectories");
-        whole.blocks.iter().map(|block| block.columns.clone()).collect::<Vec<_>>()
+        let columns = whole.blocks.iter().flat_map(|block| &block.columns);
+        columns.flat_map(|column| (0..column.len()).map(|row| cell(column, row))).collect::<Vec<_>>()
     };
     assert!(trajectories("campaign.parquet") == trajectories("memory/campaign.parquet"));
     let said = |name: &str| serde_json::to_value(document::<ValidationDocument>(&folder, name).data).unwrap();

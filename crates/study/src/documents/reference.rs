@@ -2,6 +2,7 @@ use std::collections::BTreeMap;
 
 use serde::Deserialize;
 
+use refusal::{Invalid, check_numbers};
 use validation::selection::PublishedLimits;
 
 /// `reference.toml` of a study: results published elsewhere, for comparison. They change no result: the limits of a selection
@@ -19,6 +20,47 @@ pub struct Reference {
     pub designs: BTreeMap<String, Published>,
     /// A published selection study.
     pub selection: Option<PublishedSelection>,
+}
+
+impl Reference {
+    /// Refuses numbers without meaning.
+    ///
+    /// # Errors
+    /// Names the key.
+    pub fn check(&self) -> Result<(), Invalid> {
+        let limits = self.selection.iter().flat_map(|s| {
+            [
+                ("limit_u", s.limit_u),
+                ("limit_v", s.limit_v),
+                ("limit_r", s.limit_r),
+                ("limit_norm", s.limit_norm),
+            ]
+        });
+        let limits = limits.map(|(key, value)| (format!("selection.{key}"), value));
+        check_numbers(limits, "more than zero", |value| value > 0.0)?;
+        let maneuvers = self.shares.iter().map(|(name, share)| (format!("shares.{name}"), *share));
+        let degenerate =
+            self.selection.iter().flat_map(|s| [("optimized", &s.optimized), ("random", &s.random)]);
+        let degenerate = degenerate.filter_map(|(name, picks)| {
+            Some((format!("selection.{name}.degenerate_share"), picks.degenerate_share?))
+        });
+        let designs = self.designs.iter().flat_map(|(name, published)| {
+            let keys = ["parameter_error_share", "simulation_error_share"]
+                .map(|key| format!("designs.{name}.{key}"));
+            let shares = [published.parameter_error_share, published.simulation_error_share];
+            keys.into_iter().zip(shares.map(PublishedShare::printed))
+        });
+        let shares = maneuvers.chain(degenerate).chain(designs);
+        check_numbers(shares, "a share from 0 to 1", |value| (0.0..=1.0).contains(&value))
+    }
+}
+
+impl PublishedShare {
+    fn printed(self) -> f64 {
+        match self {
+            Self::Value(share) | Self::Above { above: share } => share,
+        }
+    }
 }
 
 /// A published selection study: where its figures end, and what is told of them.
