@@ -238,7 +238,7 @@ fn reachable(width: f64) -> Result<(), Failure> {
         return Ok(());
     }
     Err(Failure::Usage(format!(
-        "--until: found {width}, expected a half-width of a share from {least:.1e}, which {MOST_RUNS} runs reach, to below \
+        "--until: found {width:?}, expected a half-width of a share from {least:.1e}, which {MOST_RUNS} runs reach, to below \
          0.5; correct it"
     )))
 }
