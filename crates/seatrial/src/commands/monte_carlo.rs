@@ -476,7 +476,11 @@ fn published(
     let runs = |c: &validation::tally::Counted| c.runs;
     let first = document.tally.counted.first().map(|counted| counted.estimator);
     let own = document.tally.counted.iter().filter(|counted| Some(counted.estimator) == first);
-    let said: Vec<String> = document.statements.iter().map(|statement| format!("; {statement}")).collect();
+    let said: Vec<String> = document
+        .statements
+        .iter()
+        .map(|statement| format!("; {}", statement.trim_end_matches('.')))
+        .collect();
     let runs: u64 = own.map(runs).sum();
     Ok(Summary::of(
         out,
