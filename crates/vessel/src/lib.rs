@@ -9,6 +9,7 @@
 #![warn(missing_docs)]
 
 mod compiled;
+mod constraint;
 mod disturbance;
 mod file;
 mod lane;
@@ -27,6 +28,7 @@ mod steady;
 mod term;
 
 pub use compiled::{Ambient, Compiled};
+pub use constraint::{Constrained, Constraint, Written};
 pub use disturbance::{Axes, Current, Disturbances, MOST_CURRENT_M_S, Measurement, Wind, check_currents};
 pub use file::{InputSpec, Source, TermSpec, Vessel, VesselFile};
 pub use lane::{LANES, Lane, Number, Numbers};
@@ -43,4 +45,4 @@ pub use refusals::{MOST_SAMPLES, refuse_endless};
 pub use run::{Run, RunView, Segment};
 pub use simulate::{DIVERGED, Diverged, Weather, check_diverged, follow, simulate, simulate_one};
 pub use steady::{Motion, Steady};
-pub use term::{Factor, Term};
+pub use term::{Factor, Product, Term};

@@ -4,7 +4,7 @@ use crate::support::explicit::{Regression, sizes};
 use crate::support::noise::Normals;
 use crate::support::{self, Experiment, Recording, SideBySide, dictionary, estimate, lanes, paper, truth};
 use identification::{
-    Batch, DegreeSums, FreeRun, Instruments, MeanRemoval, Outcome, Sums, estimate_prefiltered, free_runs,
+    Batch, DegreeSums, FreeRun, Instruments, Known, MeanRemoval, Outcome, Sums, estimate_prefiltered, free_runs,
     moments,
 };
 use proptest::prelude::*;
@@ -93,7 +93,7 @@ fn explicit_sums(run: &Recording, d: usize) -> DegreeSums {
             }
         }
     }
-    DegreeSums { a, b, instrument_squares, regressor_squares }
+    DegreeSums { a, b, instrument_squares, regressor_squares, known: Known::default() }
 }
 
 fn explicit(run: &Recording) -> Sums {
