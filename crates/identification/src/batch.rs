@@ -86,7 +86,10 @@ impl<X: Number> Batch<'_, X> {
         for known in &self.model.degrees[d].known {
             let mut gained = [Lane::ZERO; BLOCK];
             known.add(&phi.values, &mut gained);
-            next[..count].iter_mut().zip(gained).for_each(|(increment, gained)| *increment = *increment - gained);
+            next[..count]
+                .iter_mut()
+                .zip(gained)
+                .for_each(|(increment, gained)| *increment = *increment - gained);
         }
         next
     }

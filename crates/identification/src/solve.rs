@@ -3,7 +3,7 @@ use std::collections::BTreeMap;
 use numerics::times;
 
 use crate::DegreeSums;
-use crate::bounded::bounded;
+use crate::bounded::{Equations, bounded};
 
 /// How well one degree of freedom of one run was excited: the normal matrix Σ ζᶜφᵀ, each row and column divided by the
 /// root sum of squares of its centred instrument and regressor, so that its entries are correlations.
@@ -115,7 +115,20 @@ impl Normal {
     pub(crate) fn solve(&self) -> Result<(Vec<f64>, Vec<f64>), usize> {
         let open = self.unbounded()?;
         let within = |(i, [low, high]): (&usize, &[f64; 2])| (*low..=*high).contains(&open.0[*i]);
-        if self.bounds.iter().all(within) { Ok(open) } else { bounded(self, open.0) }
+        if self.bounds.iter().all(within) {
+            return Ok(open);
+        }
+        let equations = Equations { a: &self.a, b: &self.b, bounds: &self.bounds };
+        bounded(&equations, open.0, |free, b| self.part(free, b).unbounded())
+    }
+
+    /// The equations of some parameters with other right-hand sides.
+    fn part(&self, parameters: &[usize], b: Vec<f64>) -> Self {
+        let p = self.b.len();
+        let of = |all: &[f64]| parameters.iter().map(|i| all[*i]).collect();
+        let row = |i: &usize| parameters.iter().map(|j| self.a[i * p + j]).collect::<Vec<_>>();
+        let a = parameters.iter().flat_map(row).collect();
+        Self { a, b, zeta: of(&self.zeta), phi: of(&self.phi), bounds: BTreeMap::new() }
     }
 
     /// The same as if there were no bounds.

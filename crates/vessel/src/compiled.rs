@@ -175,7 +175,9 @@ impl<'m, X: Number> Compiled<'m, X> {
     pub fn known(&self) -> [X; 3] {
         let mut sums = self.constant;
         for (d, sum) in sums.iter_mut().enumerate() {
-            for Weighted { parameter, places: [one, two] } in &self.sums[d][self.model.degrees[d].terms.len()..] {
+            for Weighted { parameter, places: [one, two] } in
+                &self.sums[d][self.model.degrees[d].terms.len()..]
+            {
                 *sum += *parameter * (self.places[*one] * self.places[*two]);
             }
         }

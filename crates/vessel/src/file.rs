@@ -4,8 +4,8 @@ use refusal::check_numbers;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::constraint::{Constrained, Equation, Reduced};
-use crate::{DegreeOfFreedom, Invalid, Model, Term, Variable};
+use crate::equation::{Equation, Reduced, TermSpec};
+use crate::{Constrained, DegreeOfFreedom, Invalid, Model, Term, Variable, Written};
 
 /// `vessel.toml` as written.
 #[derive(Clone, Debug, Default, Deserialize)]
@@ -55,29 +55,6 @@ pub struct InputSpec {
     pub follows: Option<String>,
     /// … by this factor.
     pub factor: Option<f64>,
-}
-
-/// One term of an equation.
-#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct TermSpec {
-    /// Name of the parameter.
-    pub parameter: String,
-    /// What it multiplies.
-    pub term: String,
-    /// Its true value, where known: simulated trials follow it.
-    pub value: Option<f64>,
-    /// Its crude value: instruments are made with it. Those that are fixed or tied need none.
-    pub nominal: Option<f64>,
-    /// Whether its value (or nominal value) is known, so that it is not estimated.
-    #[serde(default)]
-    pub fixed: bool,
-    /// Another parameter of the same degree of freedom that it equals …
-    pub tied_to: Option<String>,
-    /// … times this factor, 1 unless given.
-    pub factor: Option<f64>,
-    /// Between which its estimates stay.
-    pub bounds: Option<[f64; 2]>,
 }
 
 /// Which of the two parameter sets is meant.
@@ -196,6 +173,15 @@ impl Vessel {
         self.value.iter().zip(self.model.parameter_names()).map(known).collect()
     }
 
+    /// The parameters of degree of freedom `d` in the order that they are written in.
+    pub fn written(&self, d: DegreeOfFreedom) -> Vec<Written<'_>> {
+        let mut all: Vec<Written> = self.model.layout().degree(d as usize).map(Written::Estimated).collect();
+        for own in self.constrained.iter().filter(|own| own.degree == d) {
+            all.insert(own.place, Written::Constrained(own));
+        }
+        all
+    }
+
     /// Number of samples in `duration_s`, to the nearest.
     pub fn samples(&self, duration_s: f64) -> usize {
         (duration_s * self.sample_rate_hz).round() as usize
@@ -213,7 +199,10 @@ fn replaced(file: &VesselFile) -> Result<[Vec<TermSpec>; 3], Invalid> {
             None => {
                 let found = "a name that no term has".to_owned();
                 let known = written.iter().flatten().map(|spec| spec.parameter.as_str());
-                return Err(Invalid { found, ..Invalid::unknown(format!("parameter `{name}`"), name, known) });
+                return Err(Invalid {
+                    found,
+                    ..Invalid::unknown(format!("parameter `{name}`"), name, known)
+                });
             }
         }
     }

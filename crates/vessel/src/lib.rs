@@ -11,6 +11,7 @@
 mod compiled;
 mod constraint;
 mod disturbance;
+mod equation;
 mod file;
 mod lane;
 pub mod lanes;
@@ -30,7 +31,8 @@ mod term;
 pub use compiled::{Ambient, Compiled};
 pub use constraint::{Constrained, Constraint, Written};
 pub use disturbance::{Axes, Current, Disturbances, MOST_CURRENT_M_S, Measurement, Wind, check_currents};
-pub use file::{InputSpec, Source, TermSpec, Vessel, VesselFile};
+pub use equation::TermSpec;
+pub use file::{InputSpec, Source, Vessel, VesselFile};
 pub use lane::{LANES, Lane, Number, Numbers};
 pub use layout::ParameterLayout;
 pub use maneuver::{

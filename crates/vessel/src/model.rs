@@ -131,7 +131,10 @@ impl Model {
         let bounded = self.degrees.iter().any(|degree| !degree.bounds.is_empty());
         bounded.then(|| {
             let own = |degree: &Degree, i: usize| degree.bounds.get(&i).copied().unwrap_or(OPEN);
-            self.degrees.iter().flat_map(|degree| (0..degree.terms.len()).map(move |i| own(degree, i))).collect()
+            self.degrees
+                .iter()
+                .flat_map(|degree| (0..degree.terms.len()).map(move |i| own(degree, i)))
+                .collect()
         })
     }
 

@@ -4,8 +4,8 @@ use vessel::RunView;
 use super::statements::statements;
 use super::trust::Judge;
 use super::{
-    DegreeTrust, Delivered, Estimated, Judgement, LostInstruments, NoEstimate, Part, ParameterTrust, Parts, Pool,
-    PooledRuns, Recorded, SourceErrors, Status,
+    DegreeTrust, Delivered, Estimated, Judgement, LostInstruments, NoEstimate, ParameterTrust, Part, Parts,
+    Pool, PooledRuns, Recorded, SourceErrors, Status,
 };
 use crate::criticism::{Criticism, Subject, criticise};
 use crate::{EstimateStatus, Estimator, RunEstimate};

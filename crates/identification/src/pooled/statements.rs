@@ -24,11 +24,9 @@ fn of_degree(degree: &DegreeTrust) -> Vec<String> {
 
 fn at_bounds(degree: &DegreeTrust) -> Option<String> {
     let ended = degree.parameters.iter().filter(|p| p.at_bound);
-    let ended: Vec<String> =
-        ended.filter_map(|p| Some(format!("`{}` at {}", p.name, p.estimate?))).collect();
-    (!ended.is_empty()).then(|| {
-        format!("{}: held at a bound, beyond which the data pull: {}", degree.name, listed(&ended))
-    })
+    let ended: Vec<String> = ended.filter_map(|p| Some(format!("`{}` at {}", p.name, p.estimate?))).collect();
+    (!ended.is_empty())
+        .then(|| format!("{}: held at a bound, beyond which the data pull: {}", degree.name, listed(&ended)))
 }
 
 fn weak(degree: &DegreeTrust) -> Option<String> {

@@ -111,7 +111,11 @@ pub fn excluded(d: DegreeOfFreedom, degree: &Degree) -> String {
         format!("`{}` between {low} and {high}", degree.parameters[*i])
     };
     let bounds: Vec<String> = degree.bounds.iter().map(bound).collect();
-    format!("{}: the bounds exclude every estimate: {} end at a bound, all of them", d.name(), listed(&bounds))
+    format!(
+        "{}: the bounds exclude every estimate: {} end at a bound, all of them",
+        d.name(),
+        listed(&bounds)
+    )
 }
 
 /// `a`, `a and b`, `a, b and c`.

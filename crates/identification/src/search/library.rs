@@ -123,7 +123,9 @@ fn add(degree: &mut Degree, d: usize, base: &Model, factors: Vec<Factor>) {
     let names: Vec<&str> = base.variables.iter().map(|v| v.name.as_str()).collect();
     let form = form(&factors);
     let known = degree.known.iter().map(|known| known.factors.as_slice());
-    if form.is_empty() || degree.terms.iter().flat_map(Term::products).chain(known).any(|own| self::form(own) == form) {
+    if form.is_empty()
+        || degree.terms.iter().flat_map(Term::products).chain(known).any(|own| self::form(own) == form)
+    {
         return;
     }
     let letter = ["X", "Y", "N"][d];

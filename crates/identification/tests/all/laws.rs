@@ -4,8 +4,8 @@ use crate::support::explicit::{Regression, sizes};
 use crate::support::noise::Normals;
 use crate::support::{self, Experiment, Recording, SideBySide, dictionary, estimate, lanes, paper, truth};
 use identification::{
-    Batch, DegreeSums, FreeRun, Instruments, Known, MeanRemoval, Outcome, Sums, estimate_prefiltered, free_runs,
-    moments,
+    Batch, DegreeSums, FreeRun, Instruments, Known, MeanRemoval, Outcome, Sums, estimate_prefiltered,
+    free_runs, moments,
 };
 use proptest::prelude::*;
 use vessel::{DIVERGED, LANES, Lane, Source};

@@ -14,8 +14,8 @@ use study::documents::MomentsDocument;
 use study::files::{generator, read_campaign, read_vessel};
 use study::trajectories::{TrajectoryReader, label};
 use trial::moments::{
-    check_constants,
-    Expected, FreeRunModel, ManeuverMoments, Moments, Pool, Prediction, Unpredictable, structure,
+    Expected, FreeRunModel, ManeuverMoments, Moments, Pool, Prediction, Unpredictable, check_constants,
+    structure,
 };
 use vessel::{Invalid, Run, Vessel};
 

@@ -4,7 +4,9 @@ use std::path::{Path, PathBuf};
 
 use artifact::{Provenance, commit, stage_document, stage_set_document};
 use clap::{Args, Parser};
-use identification::search::{Cut, NamedRoles, Roles, SearchError, SearchOptions, check_bounds, library, listed, search};
+use identification::search::{
+    Cut, NamedRoles, Roles, SearchError, SearchOptions, check_bounds, library, listed, search,
+};
 use serde_json::json;
 use study::TermLists;
 use study::documents::{ModelDocument, SearchDocument};

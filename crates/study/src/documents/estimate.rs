@@ -198,9 +198,8 @@ impl EstimateDocument {
 
 /// Which parameters of `model` have bounds.
 pub(crate) fn bounded(model: &Model) -> Vec<bool> {
-    let degree = |degree: &Degree| {
-        (0..degree.terms.len()).map(|i| degree.bounds.contains_key(&i)).collect::<Vec<_>>()
-    };
+    let degree =
+        |degree: &Degree| (0..degree.terms.len()).map(|i| degree.bounds.contains_key(&i)).collect::<Vec<_>>();
     model.degrees.iter().flat_map(degree).collect()
 }
 

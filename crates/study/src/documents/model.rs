@@ -5,7 +5,8 @@ use refusal::check_numbers;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use vessel::{
-    Constrained, Constraint, DegreeOfFreedom, InputSpec, Invalid, TermSpec, Variable, Vessel, VesselFile, Written,
+    Constrained, Constraint, DegreeOfFreedom, InputSpec, Invalid, TermSpec, Variable, Vessel, VesselFile,
+    Written,
 };
 
 /// `model.json`: a model as it was estimated, with all that it takes to simulate it. Every stage that takes a `vessel.toml`
@@ -25,7 +26,7 @@ pub struct ModelDocument {
     pub measured: Vec<ModelChannel>,
     /// Surge, sway, yaw.
     pub degrees: Vec<ModelDegree>,
-    /// Covariance of the values; null where some have no standard error.
+    /// Covariance of the values that were estimated by themselves, 0 at bounds; null where some have no standard error.
     pub covariance: Option<Covariance>,
     /// The estimator.
     pub estimator: Estimator,
@@ -211,9 +212,9 @@ impl ModelDocument {
                 fixed: p.fixed,
                 tied_to: p.tied_to.clone(),
                 factor: p.factor,
-                bounds: p.bounds.map(|[low, high]| {
-                    [low.unwrap_or(f64::NEG_INFINITY), high.unwrap_or(f64::INFINITY)]
-                }),
+                bounds: p
+                    .bounds
+                    .map(|[low, high]| [low.unwrap_or(f64::NEG_INFINITY), high.unwrap_or(f64::INFINITY)]),
             })
         };
         let terms = |degree: &ModelDegree| degree.parameters.iter().map(term).collect::<Option<Vec<_>>>();

@@ -10,7 +10,8 @@ use vessel::{DegreeOfFreedom, Vessel};
 
 use super::Row;
 use crate::documents::{
-    ConstrainedParameter, DegreeSummary, DesignSummary, EstimateDocument, EstimatorSummary, ParameterSummary, bounded,
+    ConstrainedParameter, DegreeSummary, DesignSummary, EstimateDocument, EstimatorSummary, ParameterSummary,
+    bounded,
 };
 use numerics::statistics::{quantile, quantile_interval, sorted, wilson};
 

@@ -103,9 +103,10 @@ fn the_constant_is_a_term_and_takes_the_intercepts_place() {
     assert_eq!(free.model.parameter_units()[4], "m/s");
     let lifted = free.model.with_intercepts();
     assert_eq!(lifted.layout(), free.model.layout().with_intercepts());
-    assert_eq!(lifted.layout().woven(&[1.0, 2.0, 3.0, 4.0, 5.0, 6.0], [0.1, 0.0, 0.3]), [
-        1.0, 0.1, 2.0, 3.0, 4.0, 5.0, 6.0, 0.3
-    ]);
+    assert_eq!(
+        lifted.layout().woven(&[1.0, 2.0, 3.0, 4.0, 5.0, 6.0], [0.1, 0.0, 0.3]),
+        [1.0, 0.1, 2.0, 3.0, 4.0, 5.0, 6.0, 0.3]
+    );
     assert_eq!(lifted.layout().intercepts(&[1.0, 0.1, 2.0, 3.0, 4.0, 5.0, 6.0, 0.3]), [0.1, 0.0, 0.3]);
 }
 
@@ -136,7 +137,10 @@ fn constraints_that_mean_nothing_are_refused_in_one_line() {
         (p("nominal = 1.0, fixed = true"), vec!["[[sway]]", "every parameter fixed"]),
     ] {
         let refused = vessel(&sway).unwrap_err();
-        assert!(!refused.contains('\n') && told.iter().all(|told| refused.contains(told)), "{refused}: {told:?}");
+        assert!(
+            !refused.contains('\n') && told.iter().all(|told| refused.contains(told)),
+            "{refused}: {told:?}"
+        );
     }
     let twice = "{ parameter = \"p\", term = \"1\", nominal = 0.0 }, { parameter = \"q\", term = \"1\", nominal = 0.0 }";
     assert!(vessel(twice).unwrap_err().contains("which `p` has already"));
