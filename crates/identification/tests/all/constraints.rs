@@ -3,11 +3,12 @@
 use crate::pooled_laws::{craft_file, part};
 use crate::support::noise::Normals;
 use identification::pooled::{
-    Estimated, Judgement, NominalModel, Options, Part, Pool, PoolError, PooledRuns, Regression, estimate, fit,
+    DegreeRegression, Estimated, Judgement, NominalModel, Options, Part, Pool, PoolError, PooledRuns,
+    Regression, estimate, fit,
 };
 use identification::predictor::{Flow, InitialState, Levels};
 use identification::runs::RunEstimators;
-use identification::{Estimator, MeanRemoval, RunEstimate, Sums};
+use identification::{Estimator, Known, MeanRemoval, RunEstimate, Sums};
 use std::collections::BTreeMap;
 use vessel::{InputSpec, Run, Segment, TermSpec, Vessel, VesselFile};
 
@@ -19,8 +20,8 @@ fn craft(change: impl Fn(&mut VesselFile)) -> Vessel {
 }
 
 fn spec<'a>(file: &'a mut VesselFile, name: &str) -> &'a mut TermSpec {
-    let terms = [&mut file.surge, &mut file.sway, &mut file.yaw].into_iter().flatten();
-    terms.filter(|spec| spec.parameter == name).next().unwrap()
+    let mut terms = [&mut file.surge, &mut file.sway, &mut file.yaw].into_iter().flatten();
+    terms.find(|spec| spec.parameter == name).unwrap()
 }
 
 fn parts(count: usize) -> Vec<Part> {
@@ -314,5 +315,34 @@ fn an_estimate_at_a_bound_has_no_standard_error_and_is_told() {
             (0..n).all(|i| covariance.entries[at * n + i] == 0.0 && covariance.entries[i * n + at] == 0.0)
         );
         assert_eq!(found.as_run(estimator).estimate.unwrap().1[6], 0.0);
+    }
+}
+
+#[test]
+fn oracle_least_squares_within_bounds() {
+    let cases: Vec<serde_json::Value> =
+        serde_json::from_str(include_str!("../../../../fixtures/oracle/bounded.json")).unwrap();
+    assert_eq!(cases.len(), 3);
+    let numbers = |value: &serde_json::Value| serde_json::from_value::<Vec<f64>>(value.clone()).unwrap();
+    let degrees: Vec<DegreeRegression> = cases
+        .iter()
+        .map(|case| DegreeRegression {
+            parameters: 4,
+            phi: numbers(&case["phi"]),
+            zeta: numbers(&case["phi"]),
+            target: numbers(&case["target"]),
+            known: Known { constant: false, bounds: serde_json::from_value(case["bounds"].clone()).unwrap() },
+        })
+        .collect();
+    let sums = Regression { samples: 40, degrees: degrees.try_into().unwrap() }.sums();
+    let options = Options { removal: MeanRemoval::None, prior: None, most: f64::INFINITY };
+    for (found, case) in fit(&[&sums], &options).into_iter().zip(&cases) {
+        let solution = found.solution.unwrap();
+        // With A = Σ φφᵀ the gain is the covariance for errors of variance 1.
+        let expected = [numbers(&case["theta"]), numbers(&case["covariance"])].concat();
+        for (found, expected) in solution.theta.iter().chain(&solution.gain).zip(&expected) {
+            close(*found, *expected, 1e-9);
+        }
+        assert!(solution.gain.iter().zip(&expected[4..]).all(|(a, b)| (*a == 0.0) == (*b == 0.0)));
     }
 }

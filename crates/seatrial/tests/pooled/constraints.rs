@@ -66,6 +66,7 @@ fn a_model_carries_what_was_fixed_tied_and_at_a_bound_and_the_next_estimate_star
     assert!(trust["data"]["statements"].to_string().contains("yaw: held at a bound"), "{trust}");
     assert_eq!(json(&folder, "estimate.json")["data"]["constrained"], trust["data"]["constrained"]);
     // From the model on: the same structure, the same constraints.
+    std::fs::create_dir(folder.path().join("again")).unwrap();
     let again =
         format!("{POOL} {FEW} --estimator output-error --out again/").replace("vessel.toml", "model.json");
     run(&folder, &again).succeeds();

@@ -99,7 +99,7 @@ fn terms(vessel: &Vessel, degree: DegreeOfFreedom, found: &Searched) -> Vec<Sear
     all.map(|(i, p)| SearchTerm {
         degree: degree.name().to_owned(),
         base: i < known,
-        chosen_by_folds: (!found.sizes.is_empty())
+        chosen_by_folds: (!found.sizes.is_empty() && !p.fixed && p.tied_to.is_none())
             .then(|| found.chosen_by_folds.get(&p.name).copied().unwrap_or(0)),
         name: p.name,
         term: p.term,
