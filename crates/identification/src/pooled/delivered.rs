@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use vessel::{DegreeOfFreedom, Model, RunView, Variable};
 
-use super::{DegreeTrust, Estimated, Part, PartView, Parts, Pool, Regression, SourceErrors};
+use super::{DegreeTrust, Estimated, ParameterTrust, Part, PartView, Parts, Pool, Regression, SourceErrors};
 use crate::Estimator;
 
 /// The model that an estimate delivers, whole: with it others simulate what was validated.
@@ -223,7 +223,7 @@ fn covariance(model: &Model, found: &Estimated, degrees: &[DegreeTrust]) -> Opti
         return Some(Covariance::joint(model, whole.covariance.clone()));
     }
     let of = |degree: &DegreeTrust| -> Option<Vec<f64>> {
-        degree.parameters.iter().map(|p| p.standard_error).collect()
+        degree.parameters.iter().map(ParameterTrust::spread).collect()
     };
     let errors: Vec<Vec<f64>> = degrees.iter().map(of).collect::<Option<_>>()?;
     let (all, mut first) = (errors.iter().map(Vec::len).sum::<usize>(), 0);

@@ -59,6 +59,7 @@ impl Task for Arguments {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
         let mut provenance = common.provenance("estimate");
         let vessel = read_simulated(&self.vessel, &mut provenance)?;
+        self.mean_removal.check(&vessel.model).map_err(|e| Failure::invalid(&self.vessel, &e))?;
         let inputs = [&self.vessel].into_iter().chain(&self.trajectories).chain(&self.sharding.gather);
         let out = common.main_output(MAIN, inputs)?;
         let levels = levels(self, &vessel, &mut provenance)?;

@@ -81,6 +81,12 @@ impl Arguments {
         match error {
             PoolError::Unread(error) => error.into(),
             PoolError::Lost(instruments) => lost(&self.flags.of.trajectories, &instruments),
+            PoolError::Bounded(reasons) => Failure::NoAnswer(format!(
+                "{}: pooled estimate: found no room for an estimate ({}), expected a parameter that the data determine; widen \
+                 the `bounds`, or fix some of these parameters",
+                self.flags.of.trajectories.display(),
+                reasons.join("; ")
+            )),
             PoolError::NotIdentifiable(reasons) => Failure::NoAnswer(format!(
                 "{}: pooled estimate: found no degree of freedom that is identifiable ({}), expected one; add runs that vary \
                  these terms, name a --prior, or use --estimator ls",

@@ -14,7 +14,8 @@ use study::documents::MomentsDocument;
 use study::files::{generator, read_campaign, read_vessel};
 use study::trajectories::{TrajectoryReader, label};
 use trial::moments::{
-    Expected, FreeRunModel, ManeuverMoments, Moments, Pool, Prediction, Unpredictable, structure,
+    Expected, FreeRunModel, ManeuverMoments, Moments, Pool, Prediction, Unpredictable, check_constants,
+    structure,
 };
 use vessel::{Invalid, Run, Vessel};
 
@@ -62,6 +63,7 @@ impl Task for Arguments {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
         let mut provenance = common.provenance("moments");
         let mut vessel = read_vessel(&self.vessel, &mut provenance)?;
+        check_constants(&vessel.model).map_err(|e| Failure::invalid(&self.vessel, &e))?;
         if let Some(nominal) = &self.nominal {
             vessel.nominal = nominal_of(self, nominal, &vessel, &mut provenance)?;
         }

@@ -3,6 +3,7 @@
 #[path = "../support/mod.rs"]
 mod support;
 
+mod constraints;
 mod cross;
 mod estimate;
 mod golden;

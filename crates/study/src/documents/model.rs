@@ -4,7 +4,10 @@ use identification::{Estimator, MeanRemoval};
 use refusal::check_numbers;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use vessel::{DegreeOfFreedom, InputSpec, Invalid, TermSpec, Variable, Vessel, VesselFile};
+use vessel::{
+    Constrained, Constraint, DegreeOfFreedom, InputSpec, Invalid, TermSpec, Variable, Vessel, VesselFile,
+    Written,
+};
 
 /// `model.json`: a model as it was estimated, with all that it takes to simulate it. Every stage that takes a `vessel.toml`
 /// takes it instead.
@@ -23,7 +26,7 @@ pub struct ModelDocument {
     pub measured: Vec<ModelChannel>,
     /// Surge, sway, yaw.
     pub degrees: Vec<ModelDegree>,
-    /// Covariance of the values; null where some have no standard error.
+    /// Covariance of the values that were estimated by themselves, 0 at bounds; null where some have no standard error.
     pub covariance: Option<Covariance>,
     /// The estimator.
     pub estimator: Estimator,
@@ -90,7 +93,7 @@ pub struct ModelDegree {
 }
 
 /// A term with its value.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ModelParameter {
     /// Its name.
@@ -101,8 +104,23 @@ pub struct ModelParameter {
     pub unit: String,
     /// The estimate.
     pub value: f64,
-    /// Its standard error.
+    /// Its standard error; null at a bound.
     pub standard_error: Option<f64>,
+    /// Whether the value was known and not estimated.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub fixed: bool,
+    /// Another parameter that it equals …
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub tied_to: Option<String>,
+    /// … times this factor.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub factor: Option<f64>,
+    /// Between which estimates stay; null at an open end.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub bounds: Option<[Option<f64>; 2]>,
+    /// Whether it lies at a bound.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub at_bound: bool,
     /// The estimate by least squares of the same data, to be compared with.
     pub least_squares: Option<f64>,
     /// The true value, where the logs were simulated.
@@ -185,8 +203,19 @@ impl ModelDocument {
     ) -> Option<Result<Vessel, Invalid>> {
         let [surge, sway, yaw] = self.degrees.as_slice() else { return None };
         let term = |p: &ModelParameter| {
-            let (parameter, term) = (p.name.clone(), p.term.clone());
-            Some(TermSpec { parameter, term, value: None, nominal: value(p)? })
+            Some(TermSpec {
+                parameter: p.name.clone(),
+                term: p.term.clone(),
+                value: None,
+                // What is tied follows from the other one.
+                nominal: Some(value(p)?).filter(|_| p.tied_to.is_none()),
+                fixed: p.fixed,
+                tied_to: p.tied_to.clone(),
+                factor: p.factor,
+                bounds: p
+                    .bounds
+                    .map(|[low, high]| [low.unwrap_or(f64::NEG_INFINITY), high.unwrap_or(f64::INFINITY)]),
+            })
         };
         let terms = |degree: &ModelDegree| degree.parameters.iter().map(term).collect::<Option<Vec<_>>>();
         let input = |input: &ModelInput| InputSpec {
@@ -216,24 +245,75 @@ impl ModelDegree {
         let own = vessel.model.layout().terms(d);
         let trust = &found.degrees[d].parameters;
         let least_squares = delivered.least_squares.as_ref();
-        let parameter = |(i, place): (usize, usize)| ModelParameter {
-            name: trust[i].name.clone(),
-            term: trust[i].term.clone(),
-            unit: trust[i].unit.clone(),
-            value: delivered.theta[place],
-            standard_error: trust[i].standard_error,
-            least_squares: least_squares.map(|(theta, _)| theta[place]),
-            truth: vessel.value[place],
+        let parameter = |place: usize| {
+            let trust = &trust[place - own.start];
+            ModelParameter {
+                name: trust.name.clone(),
+                term: trust.term.clone(),
+                unit: trust.unit.clone(),
+                value: delivered.theta[place],
+                standard_error: trust.standard_error,
+                bounds: bounds(vessel, d, place - own.start),
+                at_bound: trust.at_bound,
+                least_squares: least_squares.map(|(theta, _)| theta[place]),
+                truth: vessel.value[place],
+                ..ModelParameter::default()
+            }
+        };
+        let errors: Vec<Option<f64>> =
+            found.degrees.iter().flat_map(|d| &d.parameters).map(|p| p.standard_error).collect();
+        let parameter = |written: Written| match written {
+            Written::Estimated(place) => parameter(place),
+            Written::Constrained(own) => ModelParameter {
+                least_squares: least_squares.map(|(theta, _)| own.value(theta)),
+                ..ModelParameter::constrained(vessel, own, &delivered.theta, |i| errors[i])
+            },
         };
         Self {
             name: degree.name().to_owned(),
             state: degree.state().to_owned(),
             unit: degree.unit().to_owned(),
-            parameters: own.enumerate().map(parameter).collect(),
+            parameters: vessel.written(degree).into_iter().map(parameter).collect(),
             constant: delivered.constant[d],
             constant_least_squares: least_squares.map(|(_, constant)| constant[d]),
             increment_std: delivered.increment_std[d],
             output_rmse: delivered.output_rmse.map(|rmse| rmse[d]),
+        }
+    }
+}
+
+/// The bounds of parameter `i` of degree of freedom `d`.
+pub(super) fn bounds(vessel: &Vessel, d: usize, i: usize) -> Option<[Option<f64>; 2]> {
+    let bounds = vessel.model.degrees[d].bounds.get(&i)?;
+    Some(bounds.map(|end| Some(end).filter(|end| end.is_finite())))
+}
+
+impl ModelParameter {
+    /// A parameter of `vessel` that was not estimated by itself, beside estimates `theta` of the others with their standard
+    /// `errors`.
+    pub(super) fn constrained(
+        vessel: &Vessel,
+        own: &Constrained,
+        theta: &[f64],
+        errors: impl Fn(usize) -> Option<f64>,
+    ) -> Self {
+        let truths: Option<Vec<f64>> = vessel.value.iter().copied().collect();
+        let (fixed, tie) = match own.constraint {
+            Constraint::Fixed(_) => (true, None),
+            Constraint::Tied { to, factor } => (false, Some((to, factor))),
+        };
+        let name = |(to, _)| vessel.model.parameter_names().nth(to).map(str::to_owned);
+        Self {
+            name: own.name.clone(),
+            term: own.term.text.clone(),
+            unit: vessel.model.unit(own.degree, &own.term),
+            value: own.value(theta),
+            standard_error: tie.and_then(|(to, factor)| Some(factor.abs() * errors(to)?)),
+            fixed,
+            tied_to: tie.and_then(name),
+            factor: tie.map(|(_, factor)| factor),
+            truth: truths.map(|truths| own.value(&truths)),
+            ..Self::default()
         }
     }
 }
@@ -244,7 +324,7 @@ impl Document for ModelDocument {
     const UNITS: Units = &[
         ("Hz", "sample_rate_hz"),
         ("1", "samples factor"),
-        ("the parameter's unit", "value standard_error least_squares truth"),
+        ("the parameter's unit", "value standard_error least_squares truth bounds"),
         ("the unit of the row's name times that of the column's", "entries"),
         ("the state's unit", "constant constant_least_squares increment_std output_rmse"),
         ("the channel's unit", "low high"),
