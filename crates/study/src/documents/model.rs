@@ -1,6 +1,6 @@
 use artifact::{Document, Units};
 use identification::pooled::{Covariance, Covered, Delivered, Pool, Pooled, RecordingConstant};
-use identification::{Estimator, MeanRemoval};
+use identification::{Estimator, MeanRemoval, RunEstimate};
 use refusal::check_numbers;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -23,7 +23,7 @@ pub struct ModelDocument {
     pub measured: Vec<ModelChannel>,
     /// Surge, sway, yaw.
     pub degrees: Vec<ModelDegree>,
-    /// Covariance of the values; null where some have no standard error.
+    /// Covariance of the values; null where some have no standard error, and for the estimate of a single run.
     pub covariance: Option<Covariance>,
     /// The estimator.
     pub estimator: Estimator,
@@ -114,10 +114,38 @@ impl ModelDocument {
     /// The model that `estimator` found in `pool`; none unless all degrees of freedom have an estimate.
     pub fn new(pool: &Pool, estimator: Estimator, found: &Pooled) -> Option<Self> {
         let delivered = found.delivered.as_ref()?;
-        let vessel = pool.vessel;
-        let (inputs, measured) = Self::channels(vessel);
-        let degree = |d: DegreeOfFreedom| ModelDegree::new(vessel, delivered, found, d);
+        let errors: Vec<Option<f64>> =
+            found.degrees.iter().flat_map(|d| &d.parameters).map(|p| p.standard_error).collect();
         Some(Self {
+            samples: found.samples,
+            rejected: found.criticism.as_ref().map(|found| found.rejected),
+            statements: found.statements.clone(),
+            ..Self::of(pool.vessel, (estimator, pool.removal), delivered, &errors)
+        })
+    }
+
+    /// The model that `delivered` holds, which `found` in one run.
+    pub fn of_run(vessel: &Vessel, removal: MeanRemoval, found: &RunEstimate, delivered: &Delivered) -> Self {
+        let errors = found.estimate.as_ref().map_or(&[][..], |(_, errors)| errors);
+        let errors: Vec<Option<f64>> = errors.iter().copied().map(Some).collect();
+        let model = Self::of(vessel, (found.estimator, removal), delivered, &errors);
+        let sources: Vec<&str> = model.recordings.iter().map(|own| own.source.as_str()).collect();
+        let told = format!(
+            "estimated from run {} alone; what its structure lacks was not tried",
+            sources.join(", ")
+        );
+        Self { statements: vec![told], ..model }
+    }
+
+    fn of(
+        vessel: &Vessel,
+        (estimator, mean_removal): (Estimator, MeanRemoval),
+        delivered: &Delivered,
+        errors: &[Option<f64>],
+    ) -> Self {
+        let (inputs, measured) = Self::channels(vessel);
+        let degree = |d: DegreeOfFreedom| ModelDegree::new(vessel, delivered, errors, d);
+        Self {
             vessel: vessel.name.clone(),
             sample_rate_hz: vessel.sample_rate_hz,
             inputs,
@@ -125,13 +153,13 @@ impl ModelDocument {
             degrees: DegreeOfFreedom::ALL.into_iter().map(degree).collect(),
             covariance: delivered.covariance.clone(),
             estimator,
-            mean_removal: pool.removal,
-            samples: found.samples,
+            mean_removal,
+            samples: delivered.recordings.iter().map(|own| own.samples).sum(),
             recordings: delivered.recordings.clone(),
             covered: delivered.covered.clone(),
-            rejected: found.criticism.as_ref().map(|found| found.rejected),
-            statements: found.statements.clone(),
-        })
+            rejected: None,
+            statements: Vec::new(),
+        }
     }
 
     /// The inputs and measured disturbances of `vessel`.
@@ -211,17 +239,18 @@ impl ModelDocument {
 }
 
 impl ModelDegree {
-    fn new(vessel: &Vessel, delivered: &Delivered, found: &Pooled, degree: DegreeOfFreedom) -> Self {
+    /// With standard errors of all parameters: surge, sway, yaw.
+    fn new(vessel: &Vessel, delivered: &Delivered, errors: &[Option<f64>], degree: DegreeOfFreedom) -> Self {
         let d = degree as usize;
         let own = vessel.model.layout().terms(d);
-        let trust = &found.degrees[d].parameters;
+        let (terms, units) = (&vessel.model.degrees[d], vessel.model.parameter_units());
         let least_squares = delivered.least_squares.as_ref();
         let parameter = |(i, place): (usize, usize)| ModelParameter {
-            name: trust[i].name.clone(),
-            term: trust[i].term.clone(),
-            unit: trust[i].unit.clone(),
+            name: terms.parameters[i].clone(),
+            term: terms.terms[i].text.clone(),
+            unit: units[place].clone(),
             value: delivered.theta[place],
-            standard_error: trust[i].standard_error,
+            standard_error: errors.get(place).copied().flatten(),
             least_squares: least_squares.map(|(theta, _)| theta[place]),
             truth: vessel.value[place],
         };
