@@ -106,6 +106,11 @@ fn tests(found: &TrustDocument) -> Markup {
         .with(html! { th scope="col" { "Residual and instrument" } }, leak);
     html! {
         (table)
+        p.note {
+            "Condition index of the terms and the intercept: near 1 they vary independently of each other, above 10 some of them \
+             tend to go together, from 30 on the data cannot tell some apart. Condition: of their correlations alone, without \
+             the intercept."
+        }
         h3 { "Weakest directions" }
         ul { @for d in &found.degrees { li { (coded(&d.weakest)) } } }
     }

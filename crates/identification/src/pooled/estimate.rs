@@ -1,6 +1,7 @@
 use thiserror::Error;
 use vessel::RunView;
 
+use super::entangled::entangled;
 use super::statements::statements;
 use super::trust::Judge;
 use super::{
@@ -100,12 +101,14 @@ pub fn estimate<R: Recorded>(
     let lost = found.diverged.as_ref().map(LostInstruments::to_string);
     let criticism = criticism(pool, &found, runs).map_err(PoolError::Unread)?;
     let criticised = criticism.iter().flat_map(|found| &found.statements).cloned();
+    let alike = delivered.iter().flat_map(|own| entangled(own, pool.model.layout()));
+    let known: Vec<String> = statements(&degrees).into_iter().chain(alike).collect();
     Ok(Pooled {
         design: runs.design().to_owned(),
         parts: parts.count(),
         samples: judge.samples() as u64,
         bandwidth: judge.bandwidth(),
-        statements: lost.into_iter().chain(criticised).chain(statements(&degrees)).collect(),
+        statements: lost.into_iter().chain(criticised).chain(known).collect(),
         degrees,
         sources,
         delivered,

@@ -55,6 +55,18 @@ impl Regression {
         Self { samples, degrees }
     }
 
+    /// What `theta` (surge, sway, yaw) leaves of the increments on average: Δy − φᵀθ.
+    pub fn left(&self, theta: &[f64]) -> [f64; 3] {
+        let mut first = 0;
+        self.degrees.each_ref().map(|degree| {
+            let own = &theta[first..first + degree.parameters];
+            first += degree.parameters;
+            let gained = |k: usize| degree.phi(k).iter().zip(own).map(|(f, t)| f * t).sum::<f64>();
+            let sum: f64 = degree.target.iter().enumerate().map(|(k, target)| target - gained(k)).sum();
+            sum / self.samples.max(1) as f64
+        })
+    }
+
     /// The same without the first pair. Instruments that start at the measured state share its noise with the first
     /// increment, and with no later one where the noise is white.
     pub fn after_start(mut self) -> Self {

@@ -1,6 +1,6 @@
 use artifact::{Document, Units};
 use identification::pooled::{Covariance, Covered, Delivered, Pool, Pooled, RecordingConstant};
-use identification::{Estimator, MeanRemoval};
+use identification::{Estimator, MeanRemoval, RunEstimate};
 use refusal::check_numbers;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -26,7 +26,8 @@ pub struct ModelDocument {
     pub measured: Vec<ModelChannel>,
     /// Surge, sway, yaw.
     pub degrees: Vec<ModelDegree>,
-    /// Covariance of the values that were estimated by themselves, 0 at bounds; null where some have no standard error.
+    /// Covariance of the values that were estimated by themselves, 0 at bounds; null where some have no standard error, and for
+    /// the estimate of a single run.
     pub covariance: Option<Covariance>,
     /// The estimator.
     pub estimator: Estimator,
@@ -132,10 +133,38 @@ impl ModelDocument {
     /// The model that `estimator` found in `pool`; none unless all degrees of freedom have an estimate.
     pub fn new(pool: &Pool, estimator: Estimator, found: &Pooled) -> Option<Self> {
         let delivered = found.delivered.as_ref()?;
-        let vessel = pool.vessel;
-        let (inputs, measured) = Self::channels(vessel);
-        let degree = |d: DegreeOfFreedom| ModelDegree::new(vessel, delivered, found, d);
+        let errors: Vec<Option<f64>> =
+            found.degrees.iter().flat_map(|d| &d.parameters).map(|p| p.standard_error).collect();
         Some(Self {
+            samples: found.samples,
+            rejected: found.criticism.as_ref().map(|found| found.rejected),
+            statements: found.statements.clone(),
+            ..Self::of(pool.vessel, (estimator, pool.removal), delivered, &errors)
+        })
+    }
+
+    /// The model that `delivered` holds, which `found` in one run.
+    pub fn of_run(vessel: &Vessel, removal: MeanRemoval, found: &RunEstimate, delivered: &Delivered) -> Self {
+        let errors = found.estimate.as_ref().map_or(&[][..], |(_, errors)| errors);
+        let errors: Vec<Option<f64>> = errors.iter().copied().map(Some).collect();
+        let model = Self::of(vessel, (found.estimator, removal), delivered, &errors);
+        let sources: Vec<&str> = model.recordings.iter().map(|own| own.source.as_str()).collect();
+        let told = format!(
+            "estimated from run {} alone; what its structure lacks was not tried",
+            sources.join(", ")
+        );
+        Self { statements: vec![told], ..model }
+    }
+
+    fn of(
+        vessel: &Vessel,
+        (estimator, mean_removal): (Estimator, MeanRemoval),
+        delivered: &Delivered,
+        errors: &[Option<f64>],
+    ) -> Self {
+        let (inputs, measured) = Self::channels(vessel);
+        let degree = |d: DegreeOfFreedom| ModelDegree::new(vessel, delivered, errors, d);
+        Self {
             vessel: vessel.name.clone(),
             sample_rate_hz: vessel.sample_rate_hz,
             inputs,
@@ -143,13 +172,13 @@ impl ModelDocument {
             degrees: DegreeOfFreedom::ALL.into_iter().map(degree).collect(),
             covariance: delivered.covariance.clone(),
             estimator,
-            mean_removal: pool.removal,
-            samples: found.samples,
+            mean_removal,
+            samples: delivered.recordings.iter().map(|own| own.samples).sum(),
             recordings: delivered.recordings.clone(),
             covered: delivered.covered.clone(),
-            rejected: found.criticism.as_ref().map(|found| found.rejected),
-            statements: found.statements.clone(),
-        })
+            rejected: None,
+            statements: Vec::new(),
+        }
     }
 
     /// The inputs and measured disturbances of `vessel`.
@@ -240,33 +269,34 @@ impl ModelDocument {
 }
 
 impl ModelDegree {
-    fn new(vessel: &Vessel, delivered: &Delivered, found: &Pooled, degree: DegreeOfFreedom) -> Self {
+    /// With standard errors of all parameters: surge, sway, yaw.
+    fn new(vessel: &Vessel, delivered: &Delivered, errors: &[Option<f64>], degree: DegreeOfFreedom) -> Self {
         let d = degree as usize;
         let own = vessel.model.layout().terms(d);
-        let trust = &found.degrees[d].parameters;
+        let (terms, units) = (&vessel.model.degrees[d], vessel.model.parameter_units());
         let least_squares = delivered.least_squares.as_ref();
-        let parameter = |place: usize| {
-            let trust = &trust[place - own.start];
+        let estimated = |place: usize| {
+            let i = place - own.start;
+            let bounds = bounds(vessel, d, i);
+            let value = delivered.theta[place];
             ModelParameter {
-                name: trust.name.clone(),
-                term: trust.term.clone(),
-                unit: trust.unit.clone(),
-                value: delivered.theta[place],
-                standard_error: trust.standard_error,
-                bounds: bounds(vessel, d, place - own.start),
-                at_bound: trust.at_bound,
+                name: terms.parameters[i].clone(),
+                term: terms.terms[i].text.clone(),
+                unit: units[place].clone(),
+                value,
+                standard_error: errors.get(place).copied().flatten(),
+                bounds,
+                at_bound: bounds.is_some_and(|ends| ends.contains(&Some(value))),
                 least_squares: least_squares.map(|(theta, _)| theta[place]),
                 truth: vessel.value[place],
                 ..ModelParameter::default()
             }
         };
-        let errors: Vec<Option<f64>> =
-            found.degrees.iter().flat_map(|d| &d.parameters).map(|p| p.standard_error).collect();
         let parameter = |written: Written| match written {
-            Written::Estimated(place) => parameter(place),
+            Written::Estimated(place) => estimated(place),
             Written::Constrained(own) => ModelParameter {
                 least_squares: least_squares.map(|(theta, _)| own.value(theta)),
-                ..ModelParameter::constrained(vessel, own, &delivered.theta, |i| errors[i])
+                ..ModelParameter::constrained(vessel, own, &delivered.theta, |i| errors.get(i).copied().flatten())
             },
         };
         Self {
