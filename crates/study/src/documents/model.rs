@@ -277,16 +277,16 @@ impl ModelDegree {
         let least_squares = delivered.least_squares.as_ref();
         let estimated = |place: usize| {
             let i = place - own.start;
-            let bounds = bounds(vessel, d, i);
             let value = delivered.theta[place];
+            let at_bound = terms.at_bound(i, value);
             ModelParameter {
                 name: terms.parameters[i].clone(),
                 term: terms.terms[i].text.clone(),
                 unit: units[place].clone(),
                 value,
-                standard_error: errors.get(place).copied().flatten(),
-                bounds,
-                at_bound: bounds.is_some_and(|ends| ends.contains(&Some(value))),
+                standard_error: errors.get(place).copied().flatten().filter(|_| !at_bound),
+                bounds: bounds(vessel, d, i),
+                at_bound,
                 least_squares: least_squares.map(|(theta, _)| theta[place]),
                 truth: vessel.value[place],
                 ..ModelParameter::default()
