@@ -112,16 +112,17 @@ fn groups() -> impl Iterator<Item = f64> {
     files.into_iter().filter_map(|file| fs::read_to_string(file).ok()?.trim().parse().ok())
 }
 
-/// Bytes that may still be written into `folder`, or where it will be made.
+/// Bytes that may still be written into `folder`, or where it will be made; none where nobody says.
 #[cfg(unix)]
-fn room(folder: &Path) -> Option<f64> {
+pub fn room(folder: &Path) -> Option<f64> {
     let known = folder.ancestors().map(|at| if at == Path::new("") { Path::new(".") } else { at });
     let disk = known.into_iter().find_map(|at| rustix::fs::statvfs(at).ok())?;
     Some(disk.f_bavail as f64 * disk.f_frsize as f64)
 }
 
+/// Bytes that may still be written into a folder: nobody says.
 #[cfg(not(unix))]
-fn room(_: &Path) -> Option<f64> {
+pub fn room(_: &Path) -> Option<f64> {
     None
 }
 

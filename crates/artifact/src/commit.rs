@@ -18,7 +18,8 @@ use crate::unfinished;
 /// that what waits for it (make) finds the whole set.
 ///
 /// Sets of the same folder wait for each other. If a process ends between two renames, the next to read or write in the
-/// folder of the main file completes the set. If a file cannot be renamed, those before it are what they were.
+/// folder of the main file completes the set. If a file cannot be renamed, those before it are what they were: that too is
+/// completed by the next, should the process end meanwhile.
 ///
 /// # Errors
 /// [`Error::Refused`] if two files have the same target; [`Error::Io`] if one cannot be renamed.
@@ -63,13 +64,16 @@ fn commit_set(files: Vec<Staged>) -> Result<()> {
     flush(folder);
     let mut replaced: Vec<Replaced> = Vec::new();
     for file in files {
-        match Replaced::keep(file.path()).and_then(|before| file.rename().map(|()| before)) {
-            Ok(before) => replaced.push(before),
-            Err(failure) => {
-                // Without the journal first: nobody may go on with what is being taken back.
-                let _ = fs::remove_file(&journal);
-                replaced.into_iter().rev().for_each(Replaced::restore);
-                return Err(failure);
+        // A file that cannot be renamed stays until nobody counts on it.
+        let (before, renamed) = match Replaced::keep(&file) {
+            Ok(before) => (Some(before), file.try_rename()),
+            Err(failure) => (None, Err(Box::new((file, failure)))),
+        };
+        match renamed {
+            Ok(()) => replaced.extend(before),
+            Err(failed) => {
+                take_back(&journal, folder, replaced);
+                return Err(failed.1);
             }
         }
     }
@@ -78,22 +82,40 @@ fn commit_set(files: Vec<Staged>) -> Result<()> {
     Ok(())
 }
 
+/// Gives back what a set took that cannot be completed. The journal says so first, so that whoever comes by goes on with
+/// that, should this process end meanwhile.
+fn take_back(journal: &Path, folder: &Path, replaced: Vec<Replaced>) {
+    let back = Journal::of(replaced.iter().rev().map(Replaced::back), folder).text();
+    if Staged::held_bytes(journal, &back).and_then(Staged::rename).is_err() {
+        // Nobody may go on with the set.
+        let _ = fs::remove_file(journal);
+    }
+    flush(folder);
+    replaced.into_iter().rev().for_each(Replaced::restore);
+    let _ = fault::point("forget");
+    let _ = fs::remove_file(journal);
+}
+
 /// What had a name before a set took it.
 struct Replaced {
     target: PathBuf,
-    /// The same file under another name; none where there was none.
+    /// What the set's file was called before.
+    temporary: PathBuf,
+    /// The file that had the name, under another; none where there was none.
     kept: Option<PathBuf>,
 }
 
 impl Replaced {
-    fn keep(target: &Path) -> Result<Self> {
+    fn keep(file: &Staged) -> Result<Self> {
+        let target = file.path();
         let name = target.file_name().unwrap_or_default().to_string_lossy();
         let other = folder_of(target).join(format!("{UNFINISHED}old-{name}"));
         let _ = fs::remove_file(&other);
+        let mut kept = Self { target: target.to_owned(), temporary: file.temporary().to_owned(), kept: None };
         if !target.is_file() {
-            return Ok(Self { target: target.to_owned(), kept: None });
+            return Ok(kept);
         }
-        let kept = Self { target: target.to_owned(), kept: Some(other.clone()) };
+        kept.kept = Some(other.clone());
         // A second name costs nothing; where the file system knows none, a copy does.
         let copied = |_| fs::copy(target, &other).map(drop);
         let done = fault::point("keep").and_then(|()| fs::hard_link(target, &other).or_else(copied));
@@ -101,8 +123,17 @@ impl Replaced {
         done.map(|()| kept).map_err(|e| Error::io(target, "replace", e))
     }
 
+    /// The rename that gives the name back. A file that had none before gets that of an unfinished one, which goes.
+    fn back(&self) -> [&Path; 2] {
+        match &self.kept {
+            Some(kept) => [kept, &self.target],
+            None => [&self.target, &self.temporary],
+        }
+    }
+
     /// Gives the name back.
     fn restore(mut self) {
+        let _ = fault::point("give back");
         // Nothing better can be done if this fails too; the first failure is reported.
         let _ = match self.kept.take() {
             Some(kept) => fs::rename(kept, &self.target),

@@ -31,32 +31,12 @@ pub struct EncodedBlock {
 /// is NaN or infinite or absent where it may not be (with column and row in the block), or if a text
 /// has no label.
 pub fn encode_block(schema: &TableSchema, table: &Table) -> Result<EncodedBlock> {
-    let layout = checked(schema, table)?;
-    encode_checked(schema, &layout, table).map_err(|e| write_error(Path::new(schema.id), e))
-}
-
-/// The layout of a block that fits `schema`.
-fn checked(schema: &TableSchema, table: &Table) -> Result<Layout> {
     let file = Path::new(schema.id);
     let layout = Layout::new(file, &schema.columns)?;
     check_shape(file, schema, table)?;
     let mut pairs = schema.columns.iter().zip(&table.columns);
-    pairs.try_for_each(|(spec, column)| check_values(file, spec, column))?;
-    Ok(layout)
-}
-
-/// The column chunks of a block, each encoded when it is asked for; then its column goes.
-pub(crate) fn encoded_columns(
-    schema: &TableSchema,
-    table: Table,
-) -> Result<impl Iterator<Item = ParquetResult<(Bytes, ColumnCloseResult)>>> {
-    let layout = checked(schema, &table)?;
-    let columns = schema.columns.iter().zip(table.columns).enumerate();
-    Ok(columns.map(move |(i, (spec, column))| {
-        let mut sink = TrackedWrite::new(Vec::new());
-        let chunk = encode_column(&mut sink, &layout, i, spec, &column)?;
-        Ok((sink.into_inner()?.into(), chunk))
-    }))
+    pairs.try_for_each(|(spec, column)| check_piece(file, spec, column, 0))?;
+    encode_checked(schema, &layout, table).map_err(|e| write_error(Path::new(schema.id), e))
 }
 
 /// Encodes a block whose values have been checked.
@@ -75,31 +55,45 @@ pub(crate) fn encode_checked(
     Ok(EncodedBlock { columns: schema.columns.clone(), rows, bytes, chunks })
 }
 
+const REMEDY: &str = "give the block the columns of its schema";
+
 /// Refuses a block that has other columns than the schema, or columns of different lengths.
 fn check_shape(file: &Path, schema: &TableSchema, table: &Table) -> Result<()> {
-    let refuse = |thing: String, found: String, expected: String| {
-        Err(Error::refuse(file, thing, found, expected, "give the block the columns of its schema"))
-    };
     let (found, expected) = (table.columns.len(), schema.columns.len());
     if found != expected {
-        return refuse("block".to_owned(), format!("{found} columns"), format!("{expected} columns"));
+        let (found, expected) = (format!("{found} columns"), format!("{expected} columns"));
+        return Err(Error::refuse(file, "block", found, expected, REMEDY));
     }
     let rows = table.columns.first().map_or(0, Column::len);
     for (spec, column) in schema.columns.iter().zip(&table.columns) {
-        let thing = format!("column `{}`", spec.name);
-        if column.kind() != spec.kind {
-            return refuse(thing, column.kind().to_string(), spec.kind.to_string());
-        }
-        if column.len() != rows {
-            return refuse(thing, format!("{} rows", column.len()), format!("{rows} rows"));
-        }
+        check_kind(file, spec, column)?;
+        check_rows(file, spec, column.len(), rows)?;
     }
     Ok(())
 }
 
-fn check_values(file: &Path, spec: &ColumnSpec, column: &Column) -> Result<()> {
+fn check_kind(file: &Path, spec: &ColumnSpec, column: &Column) -> Result<()> {
+    if column.kind() == spec.kind {
+        return Ok(());
+    }
+    let (found, expected) = (column.kind().to_string(), spec.kind.to_string());
+    Err(Error::refuse(file, format!("column `{}`", spec.name), found, expected, REMEDY))
+}
+
+/// Refuses a column of another length than the block.
+pub(crate) fn check_rows(file: &Path, spec: &ColumnSpec, found: usize, rows: usize) -> Result<()> {
+    if found == rows {
+        return Ok(());
+    }
+    let (found, expected) = (format!("{found} rows"), format!("{rows} rows"));
+    Err(Error::refuse(file, format!("column `{}`", spec.name), found, expected, REMEDY))
+}
+
+/// Refuses values that may not stand in a column, whose `before` rows of the block came before them.
+pub(crate) fn check_piece(file: &Path, spec: &ColumnSpec, column: &Column, before: usize) -> Result<()> {
+    check_kind(file, spec, column)?;
     let refuse = |row: usize, found: String, expected: &str| {
-        let thing = format!("column `{}`, row {row} of the block", spec.name);
+        let thing = format!("column `{}`, row {} of the block", spec.name, before + row);
         Err(Error::refuse(file, thing, found, expected, "correct the computation"))
     };
     if let Some(row) = column.first_not_finite() {
@@ -130,28 +124,34 @@ fn encode_column(
     column: &Column,
 ) -> ParquetResult<ColumnCloseResult> {
     let pages = Box::new(SerializedPageWriter::new(sink));
-    let writer = get_column_writer(layout.descriptor.column(i), Arc::clone(&layout.properties), pages);
-    match writer {
-        ColumnWriter::DoubleColumnWriter(mut writer) => {
+    let mut writer = get_column_writer(layout.descriptor.column(i), Arc::clone(&layout.properties), pages);
+    write_values(&mut writer, spec, column)?;
+    writer.close()
+}
+
+/// Appends the values of `column` to a column chunk.
+pub(crate) fn write_values(
+    writer: &mut ColumnWriter,
+    spec: &ColumnSpec,
+    column: &Column,
+) -> ParquetResult<()> {
+    let written = match writer {
+        ColumnWriter::DoubleColumnWriter(writer) => {
             let values = column.as_f64().unwrap_or_default();
             if spec.nullable {
                 let (present, levels) = compact(column, values);
-                writer.write_batch(&present, Some(&levels), None)?;
+                writer.write_batch(&present, Some(&levels), None)
             } else {
-                writer.write_batch(values, None, None)?;
+                writer.write_batch(values, None, None)
             }
-            writer.close()
         }
-        ColumnWriter::Int32ColumnWriter(mut writer) => {
-            writer.write_batch(column.as_i32().unwrap_or_default(), None, None)?;
-            writer.close()
+        ColumnWriter::Int32ColumnWriter(writer) => {
+            writer.write_batch(column.as_i32().unwrap_or_default(), None, None)
         }
-        ColumnWriter::ByteArrayColumnWriter(mut writer) => {
-            writer.write_batch(&texts(column), None, None)?;
-            writer.close()
-        }
+        ColumnWriter::ByteArrayColumnWriter(writer) => writer.write_batch(&texts(column), None, None),
         _ => Err(ParquetError::General("a column of a type that no table has".to_owned())),
-    }
+    };
+    written.map(drop)
 }
 
 /// The values that are present, and per row 1 where present and 0 where absent.

@@ -25,7 +25,7 @@ pub enum Error {
     Io {
         /// The file or folder.
         path: PathBuf,
-        /// What was being done to it: `read`, `write`, `create`, `rename`.
+        /// What was being done to it: `read`, `write`, `create`, `rename`, `put channels aside`.
         action: &'static str,
         /// The operating system's answer.
         source: io::Error,
@@ -64,7 +64,7 @@ fn io_line(path: &std::path::Path, action: &str, source: &io::Error) -> String {
             ("leave to write there", "change the folder's permissions or write elsewhere")
         }
         (
-            "write" | "create",
+            "write" | "create" | "put channels aside",
             io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded | io::ErrorKind::FileTooLarge,
         ) => ("room on the disk", "free some space or write elsewhere"),
         (_, io::ErrorKind::IsADirectory) => ("a file", "name a file, not a folder"),

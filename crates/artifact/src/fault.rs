@@ -11,15 +11,16 @@ pub enum Fault {
     Kill,
 }
 
-/// Lets `fault` happen when the process comes to its `count`-th place, from 1. Only in builds with debug assertions.
+/// Lets `fault` happen when the process comes to its `count`-th place, from 1, or from where the fault happened that was asked
+/// for before. Only in builds with debug assertions.
 pub fn inject(fault: Fault, count: u32) {
     #[cfg(debug_assertions)]
-    place::set(fault, count);
+    place::add(fault, count);
     #[cfg(not(debug_assertions))]
     let _ = (fault, count);
 }
 
-/// A place: `create`, `write`, `seal`, `flush`, `keep`, `rename`, `forget`.
+/// A place: `create`, `write`, `put aside`, `seal`, `flush`, `keep`, `rename`, `give back`, `forget`.
 #[cfg(debug_assertions)]
 pub(crate) fn point(name: &str) -> io::Result<()> {
     match place::next() {
@@ -37,21 +38,26 @@ pub(crate) fn point(_: &str) -> io::Result<()> {
 
 #[cfg(debug_assertions)]
 mod place {
+    use std::collections::VecDeque;
     use std::sync::Mutex;
 
     use super::Fault;
 
-    static NEXT: Mutex<Option<(Fault, u32)>> = Mutex::new(None);
+    static NEXT: Mutex<VecDeque<(Fault, u32)>> = Mutex::new(VecDeque::new());
 
-    pub fn set(fault: Fault, count: u32) {
-        *NEXT.lock().unwrap_or_else(|e| e.into_inner()) = Some((fault, count));
+    pub fn add(fault: Fault, count: u32) {
+        NEXT.lock().unwrap_or_else(|e| e.into_inner()).push_back((fault, count));
     }
 
     /// The fault of the place that is reached now.
     pub fn next() -> Option<Fault> {
         let mut next = NEXT.lock().unwrap_or_else(|e| e.into_inner());
-        let (fault, left) = (*next)?;
-        *next = (left > 1).then_some((fault, left - 1));
-        (left == 1).then_some(fault)
+        let (fault, left) = next.front_mut()?;
+        *left = left.saturating_sub(1);
+        let fault = (*left == 0).then_some(*fault);
+        if fault.is_some() {
+            next.pop_front();
+        }
+        fault
     }
 }

@@ -12,7 +12,7 @@ use parquet::file::metadata::{ParquetMetaData, ParquetMetaDataReader, RowGroupMe
 use parquet::file::serialized_reader::SerializedPageReader;
 use parquet::schema::types::ColumnDescPtr;
 
-use crate::decode::{TRUSTED_ROWS, Undecoded, decoded};
+use crate::decode::{Undecoded, decoded};
 use crate::error::{Error, Result};
 use crate::source::Source;
 
@@ -50,48 +50,55 @@ impl ForeignTable {
         self.metadata.row_groups().iter().map(rows_of).sum()
     }
 
-    /// The numbers of a column: floating point, integers (time stamps as they count), truth values as 0 and 1. NaN where
-    /// absent.
+    /// Gives `each` the numbers of a column, in order: floating point, integers (time stamps as they count), truth values as
+    /// 0 and 1. NaN where absent.
     ///
     /// # Errors
     /// [`Error::Refused`] if there is no such column, if it holds something else, or if it cannot be decoded.
-    pub fn numbers(&self, name: &str) -> Result<Vec<f64>> {
+    pub fn numbers(&self, name: &str, mut each: impl FnMut(f64)) -> Result<()> {
         self.decode(name, "numbers", |reader, levels, rows| {
             Some(match reader {
-                ColumnReader::DoubleColumnReader(r) => spread(r, levels, rows, f64::NAN, |v| Ok(*v)),
+                ColumnReader::DoubleColumnReader(r) => {
+                    spread(r, levels, rows, |v| Ok(each(v.copied().unwrap_or(f64::NAN))))
+                }
                 ColumnReader::FloatColumnReader(r) => {
-                    spread(r, levels, rows, f64::NAN, |v| Ok(f64::from(*v)))
+                    spread(r, levels, rows, |v| Ok(each(v.map_or(f64::NAN, |v| f64::from(*v)))))
                 }
                 ColumnReader::Int32ColumnReader(r) => {
-                    spread(r, levels, rows, f64::NAN, |v| Ok(f64::from(*v)))
+                    spread(r, levels, rows, |v| Ok(each(v.map_or(f64::NAN, |v| f64::from(*v)))))
                 }
-                ColumnReader::Int64ColumnReader(r) => spread(r, levels, rows, f64::NAN, |v| Ok(*v as f64)),
+                ColumnReader::Int64ColumnReader(r) => {
+                    spread(r, levels, rows, |v| Ok(each(v.map_or(f64::NAN, |v| *v as f64))))
+                }
                 ColumnReader::BoolColumnReader(r) => {
-                    spread(r, levels, rows, f64::NAN, |v| Ok(f64::from(u8::from(*v))))
+                    spread(r, levels, rows, |v| Ok(each(v.map_or(f64::NAN, |v| f64::from(u8::from(*v))))))
                 }
                 _ => return None,
             })
         })
     }
 
-    /// What `made` makes of the texts of a column; of an empty one where there is none.
+    /// Gives `each` the texts of a column, in order; an empty one where there is none.
     ///
     /// # Errors
     /// As [`ForeignTable::numbers`].
-    pub fn texts<V: Clone>(&self, name: &str, made: impl Fn(&str) -> V) -> Result<Vec<V>> {
-        let made_of = |bytes: &ByteArray| Ok(made(std::str::from_utf8(bytes.data())?));
+    pub fn texts(&self, name: &str, mut each: impl FnMut(&str)) -> Result<()> {
+        let mut told = |bytes: Option<&ByteArray>| {
+            each(bytes.map_or(Ok(""), |bytes| std::str::from_utf8(bytes.data()))?);
+            Ok(())
+        };
         self.decode(name, "text", |reader, levels, rows| match reader {
-            ColumnReader::ByteArrayColumnReader(r) => Some(spread(r, levels, rows, made(""), made_of)),
+            ColumnReader::ByteArrayColumnReader(r) => Some(spread(r, levels, rows, &mut told)),
             _ => None,
         })
     }
 
-    fn decode<T>(
+    fn decode(
         &self,
         name: &str,
         expected: &str,
-        decode: impl Fn(ColumnReader, i16, usize) -> Option<ParquetResult<Vec<T>>>,
-    ) -> Result<Vec<T>> {
+        mut decode: impl FnMut(ColumnReader, i16, usize) -> Option<ParquetResult<()>>,
+    ) -> Result<()> {
         let refuse = |found: String| {
             let remedy = "name another column or write the file again";
             Err(Error::refuse(&self.path, format!("column `{name}`"), found, expected, remedy))
@@ -103,7 +110,6 @@ impl ForeignTable {
         if let Some(kind) = not_simple(&descriptor) {
             return refuse(kind);
         }
-        let mut values = Vec::new();
         for group in self.metadata.row_groups() {
             let rows = rows_of(group);
             let block = guarded(&self.path, || {
@@ -116,12 +122,11 @@ impl ForeignTable {
                 let reader = get_column_reader(Arc::clone(&descriptor), Box::new(pages));
                 decode(reader, descriptor.max_def_level(), rows).transpose()
             })?;
-            match block {
-                Some(block) => values.extend(block),
-                None => return refuse(format!("values of type {}", descriptor.physical_type())),
+            if block.is_none() {
+                return refuse(format!("values of type {}", descriptor.physical_type()));
             }
         }
-        Ok(values)
+        Ok(())
     }
 }
 
@@ -137,30 +142,38 @@ fn not_simple(descriptor: &ColumnDescPtr) -> Option<String> {
     (descriptor.converted_type() == ConvertedType::DECIMAL).then(|| "decimal numbers".to_owned())
 }
 
-/// All values of a row group, `absent` where there is none.
-fn spread<T: DataType, V: Clone>(
+/// Rows that are decoded at a time.
+const AT_A_TIME: usize = 1 << 16;
+
+/// Gives `each` all values of a row group, some at a time.
+fn spread<T: DataType>(
     mut reader: ColumnReaderImpl<T>,
     max_level: i16,
     rows: usize,
-    absent: V,
-    convert: impl Fn(&T::T) -> ParquetResult<V>,
-) -> ParquetResult<Vec<V>> {
-    let mut present = Vec::with_capacity(rows.min(TRUSTED_ROWS));
-    let mut levels = Vec::with_capacity(if max_level > 0 { rows.min(TRUSTED_ROWS) } else { 0 });
-    let (records, _, _) = reader.read_records(rows, Some(&mut levels), None, &mut present)?;
-    if max_level == 0 {
-        levels = vec![0; present.len()];
+    mut each: impl FnMut(Option<&T::T>) -> ParquetResult<()>,
+) -> ParquetResult<()> {
+    let (mut present, mut levels) = (Vec::new(), Vec::new());
+    let mut done = 0;
+    while done < rows {
+        let some = (rows - done).min(AT_A_TIME);
+        present.clear();
+        levels.clear();
+        let (records, _, _) = reader.read_records(some, Some(&mut levels), None, &mut present)?;
+        if max_level == 0 {
+            levels.resize(present.len(), 0);
+        }
+        let count = levels.iter().filter(|&&level| level == max_level).count();
+        if records != some || levels.len() != some || present.len() != count {
+            return Err(ParquetError::General(format!(
+                "{} values in a block of {rows} rows",
+                done + records
+            )));
+        }
+        let mut values = present.iter();
+        levels.iter().try_for_each(|level| each(if *level == max_level { values.next() } else { None }))?;
+        done += some;
     }
-    let count = levels.iter().filter(|&&level| level == max_level).count();
-    if records != rows || levels.len() != rows || present.len() != count {
-        return Err(ParquetError::General(format!("{records} values in a block of {rows} rows")));
-    }
-    let mut present = present.iter();
-    let value = |level: i16| match level == max_level {
-        true => present.next().map_or_else(|| Ok(absent.clone()), &convert),
-        false => Ok(absent.clone()),
-    };
-    levels.into_iter().map(value).collect()
+    Ok(())
 }
 
 fn guarded<T>(path: &Path, decode: impl FnOnce() -> ParquetResult<T>) -> Result<T> {

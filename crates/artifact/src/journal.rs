@@ -20,7 +20,7 @@ pub(crate) fn is_one(name: &str) -> bool {
 }
 
 impl Journal {
-    /// Those of `renames`, of a temporary file to its target beside it, that stay below `folder`; in their order.
+    /// Those of `renames`, each within a folder, that stay below `folder`; in their order.
     pub fn of<'a>(renames: impl Iterator<Item = [&'a Path; 2]>, folder: &Path) -> Self {
         let below = |[from, to]: [&Path; 2]| {
             let to = to.strip_prefix(folder).unwrap_or(to);
@@ -43,10 +43,11 @@ impl Journal {
     /// What stands in a file; none of what could not have been written here.
     pub fn read(path: &Path) -> Option<Self> {
         let journal: Self = serde_json::from_slice(&fs::read(path).ok()?).ok()?;
+        let unfinished = |path: &PathBuf| {
+            path.file_name().is_some_and(|name| name.to_string_lossy().starts_with(UNFINISHED))
+        };
         let ours = |[from, to]: &[PathBuf; 2]| {
-            let unfinished =
-                from.file_name().is_some_and(|name| name.to_string_lossy().starts_with(UNFINISHED));
-            unfinished && inside(from) && inside(to) && from.parent() == to.parent()
+            (unfinished(from) || unfinished(to)) && inside(from) && inside(to) && from.parent() == to.parent()
         };
         journal.0.iter().all(ours).then_some(journal)
     }

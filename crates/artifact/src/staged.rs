@@ -65,9 +65,23 @@ impl Staged {
 
     /// Gives the file its name, replacing the file that has it.
     pub(crate) fn rename(self) -> Result<()> {
-        let Self { temporary, target, .. } = self;
-        fault::point("rename").map_err(|e| Error::io(&target, "rename", e))?;
-        temporary.persist(&target).map_err(|failure| Error::io(target, "rename", failure.error))
+        self.try_rename().map_err(|failed| failed.1)
+    }
+
+    /// As [`Staged::rename`]. Where that fails the file stays until it is dropped: a journal may count on it.
+    pub(crate) fn try_rename(self) -> std::result::Result<(), Box<(Self, Error)>> {
+        let Self { temporary, target, _held } = self;
+        let failed = |temporary, target: PathBuf, error| {
+            let error = Error::io(&target, "rename", error);
+            Err(Box::new((Self { temporary, target, _held }, error)))
+        };
+        if let Err(error) = fault::point("rename") {
+            return failed(temporary, target, error);
+        }
+        match temporary.persist(&target) {
+            Ok(()) => Ok(()),
+            Err(failure) => failed(failure.path, target, failure.error),
+        }
     }
 }
 

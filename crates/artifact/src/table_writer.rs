@@ -5,7 +5,6 @@ use std::fs::File;
 use std::io::{self, BufWriter, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
-use bytes::Bytes;
 use parquet::column::writer::ColumnCloseResult;
 use parquet::errors::Result as ParquetResult;
 use parquet::file::metadata::KeyValue;
@@ -13,9 +12,9 @@ use parquet::file::reader::ChunkReader;
 use parquet::file::writer::SerializedFileWriter;
 use tempfile::NamedTempFile;
 
-use crate::columns::{Column, Table};
+use crate::columns::Column;
 use crate::digest::Digest;
-use crate::encode::{EncodedBlock, encoded_columns};
+use crate::encode::{EncodedBlock, check_piece, check_rows, write_values};
 use crate::error::{Error, Result};
 use crate::fault;
 use crate::footer::Footer;
@@ -24,6 +23,9 @@ use crate::metadata::{KEY, TableMetadata};
 use crate::provenance::Provenance;
 use crate::schema::{ColumnSpec, TableSchema};
 use crate::staged::{Staged, create_temporary};
+
+/// Rows of the pieces that columns are given in: a multiple of what the encoder looks at before it ends a page.
+pub const PIECE_ROWS: usize = 1 << 16;
 
 /// Bytes that are hashed and written at a time: the hash is several times faster on long pieces.
 const PIECE: usize = 1 << 18;
@@ -76,18 +78,37 @@ impl TableWriter {
         self.append(&block.bytes, block.chunks)
     }
 
-    /// Appends `table` as [`crate::encode_block`] and [`TableWriter::push`] would, column by column: for blocks that are most
-    /// of the memory.
+    /// Appends a block of `rows` rows as [`crate::encode_block`] and [`TableWriter::push`] would, without ever having it in
+    /// memory: `column` gives the pieces of the column at a place of the schema. All but the last must be of
+    /// [`PIECE_ROWS`] rows, or pages would end elsewhere.
     ///
     /// # Errors
     /// As theirs.
-    pub fn write(&mut self, schema: &TableSchema, table: Table) -> Result<()> {
+    pub fn write<'t>(
+        &mut self,
+        schema: &TableSchema,
+        rows: usize,
+        column: impl Fn(usize) -> Box<dyn Iterator<Item = Column> + 't>,
+    ) -> Result<()> {
         self.check_columns(&schema.columns)?;
-        if table.columns.first().is_none_or(Column::is_empty) {
+        if rows == 0 {
             return Ok(());
         }
-        let columns = encoded_columns(schema, table)?;
-        append_columns(&mut self.writer, columns).map_err(|e| write_error(&self.path, e))
+        let file = Path::new(schema.id);
+        let failed = |e| write_error(&self.path, e);
+        let mut group = self.writer.next_row_group().map_err(failed)?;
+        for (i, spec) in schema.columns.iter().enumerate() {
+            let Some(mut writer) = group.next_column().map_err(failed)? else { break };
+            let mut written = 0;
+            for piece in column(i) {
+                check_piece(file, spec, &piece, written)?;
+                write_values(writer.untyped(), spec, &piece).map_err(failed)?;
+                written += piece.len();
+            }
+            check_rows(file, spec, written, rows)?;
+            writer.close().map_err(failed)?;
+        }
+        group.close().map(drop).map_err(failed)
     }
 
     fn check_columns(&self, found: &[ColumnSpec]) -> Result<()> {
@@ -145,19 +166,6 @@ fn append_chunks(
     let mut group = writer.next_row_group()?;
     for chunk in chunks {
         group.append_column(source, chunk)?;
-    }
-    group.close()?;
-    Ok(())
-}
-
-fn append_columns(
-    writer: &mut SerializedFileWriter<BufWriter<Hashed>>,
-    columns: impl Iterator<Item = ParquetResult<(Bytes, ColumnCloseResult)>>,
-) -> ParquetResult<()> {
-    let mut group = writer.next_row_group()?;
-    for column in columns {
-        let (bytes, chunk) = column?;
-        group.append_column(&bytes, chunk)?;
     }
     group.close()?;
     Ok(())

@@ -69,9 +69,10 @@ impl<X: Number> Batch<'_, X> {
         out.evaluate(self.model, self.instrument_states, self.exogenous, std::convert::identity, k, count);
     }
 
-    /// Δy of degree of freedom `d` less the model's constant at samples `k..k + count`; zero beyond.
+    /// Δy of degree of freedom `d` less the model's constant and known terms at samples `k..k + count`; zero beyond. `phi` was
+    /// evaluated there.
     #[inline(always)]
-    pub(crate) fn increments(&self, k: usize, count: usize, d: usize) -> Block<Lane> {
+    pub(crate) fn increments(&self, k: usize, count: usize, d: usize, phi: &Regressors<Lane>) -> Block<Lane> {
         let (mut now, mut next) = ([Lane::ZERO; BLOCK], [Lane::ZERO; BLOCK]);
         copy_column(&self.measured[3 * k + d..], 3, count, Lane::lane, &mut now);
         copy_column(&self.measured[3 * (k + 1) + d..], 3, count, Lane::lane, &mut next);
@@ -81,6 +82,14 @@ impl<X: Number> Batch<'_, X> {
         let constant = self.model.constant[d];
         if constant != 0.0 {
             next[..count].iter_mut().for_each(|increment| *increment = *increment - Lane::splat(constant));
+        }
+        for known in &self.model.degrees[d].known {
+            let mut gained = [Lane::ZERO; BLOCK];
+            known.add(&phi.values, &mut gained);
+            next[..count]
+                .iter_mut()
+                .zip(gained)
+                .for_each(|(increment, gained)| *increment = *increment - gained);
         }
         next
     }
@@ -147,6 +156,9 @@ impl<X: Number> Regressors<X> {
         let terms = model.degrees.iter().flat_map(|d| &d.terms);
         for (term, out) in terms.zip(&mut self.terms) {
             term.values(&self.values, out);
+            if term.is_constant() {
+                out[count..].fill(X::ZERO);
+            }
         }
     }
 }

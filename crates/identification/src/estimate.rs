@@ -3,6 +3,7 @@ use std::collections::BTreeMap;
 use numerics::quadratic;
 use vessel::{LANES, Lane, Number};
 
+use crate::bounded::estimated;
 use crate::residual::{Group, InstrumentSquares, ResidualSums};
 use crate::solve::Normal;
 use crate::sums::LaneSums;
@@ -120,7 +121,7 @@ pub(crate) struct Run {
 pub(crate) struct Solved {
     pub theta: Vec<f64>,
     inverses: Vec<Vec<f64>>,
-    intercepts: usize,
+    intercepts: [usize; 3],
 }
 
 impl Run {
@@ -141,18 +142,27 @@ impl Run {
     /// Solves all degrees of freedom.
     fn solve(&self, normals: &[Normal; 3]) -> Result<Solved, Outcome> {
         let samples = self.samples();
-        let intercepts = if self.centred { self.groups.len() } else { 0 };
+        let intercepts = [0, 1, 2].map(|d| self.intercepts_of(d));
         let mut solved = Solved { theta: Vec::new(), inverses: Vec::new(), intercepts };
         for (d, normal) in normals.iter().enumerate() {
-            if samples <= (normal.b.len() + intercepts) as u64 {
+            if samples <= (normal.b.len() + intercepts[d]) as u64 {
                 return Err(Outcome::TooShort);
             }
             let unexcited = |parameter| Outcome::NotIdentifiable(Direction { degree: d, parameter });
             let (theta, inverse) = normal.solve().map_err(unexcited)?;
+            if estimated(&inverse, theta.len()) == 0 {
+                return Err(unexcited(0));
+            }
             solved.theta.extend(theta);
             solved.inverses.push(inverse);
         }
         Ok(solved)
+    }
+
+    /// How many intercepts degree of freedom `d` has.
+    fn intercepts_of(&self, d: usize) -> usize {
+        let constant = self.groups.first().is_some_and(|sums| sums.degrees[d].known.constant);
+        if self.centred && !constant { self.groups.len() } else { 0 }
     }
 
     /// Three intercepts per group.
@@ -182,7 +192,7 @@ impl Solved {
         let mut pairs = instruments.squares.iter().zip(&instruments.neighbours);
         let middles = [0, 1, 2].map(|d: usize| {
             let p = self.inverses[d].len().isqrt();
-            let freedom = (samples - p - self.intercepts) as f64;
+            let freedom = (samples - estimated(&self.inverses[d], p) - self.intercepts[d]) as f64;
             let gamma0 = residuals.lag0[d][lane] / freedom;
             let gamma1 = (residuals.lag1[d][lane] / freedom).clamp(-0.5 * gamma0, 0.5 * gamma0);
             let mut middle = vec![0.0; p * p];
@@ -199,7 +209,8 @@ impl Solved {
 
     /// N over N less unknowns, per degree of freedom: what residuals that were fitted are too small by.
     pub(crate) fn fitted(&self, samples: u64) -> [f64; 3] {
-        let unknowns = |d: usize| self.inverses[d].len().isqrt() + self.intercepts;
+        let own = |d: usize| estimated(&self.inverses[d], self.inverses[d].len().isqrt());
+        let unknowns = |d: usize| own(d) + self.intercepts[d];
         [0, 1, 2].map(|d| samples as f64 / (samples as f64 - unknowns(d) as f64))
     }
 

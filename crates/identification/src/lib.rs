@@ -11,6 +11,7 @@
 #![warn(missing_docs)]
 
 mod batch;
+mod bounded;
 pub mod criticism;
 mod estimate;
 mod estimator;
@@ -52,6 +53,6 @@ pub use run_estimate::RunEstimate;
 pub use sensitivity::{OutputInformation, output_information, prediction_weights};
 pub use solve::{Direction, Excitation};
 pub use status::{EstimateStatus, ScoreStatus};
-pub use sums::{DegreeSums, Sums};
+pub use sums::{DegreeSums, Known, Sums};
 pub use validate::{FreeRun, free_runs, parameter_error, rmse_norm};
 pub use validation_runs::{RunScore, ValidationRuns};

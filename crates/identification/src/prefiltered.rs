@@ -132,7 +132,8 @@ impl Signals {
 
 impl Degree {
     fn new(batch: &Batch, d: usize, samples: usize) -> Self {
-        let p = batch.model.degrees[d].terms.len();
+        let own = &batch.model.degrees[d];
+        let p = own.terms.len();
         let signal = |width: usize| Vec::with_capacity(samples * width);
         Self {
             parameters: p,
@@ -141,7 +142,7 @@ impl Degree {
             target: signal(1),
             poles: signal(1),
             slopes: signal(3),
-            sums: DegreeSums::zero(p),
+            sums: DegreeSums::of(own),
         }
     }
 
@@ -224,7 +225,7 @@ fn filter(degrees: &mut [Degree; 3], batch: &Batch, parameters: &[Lane], range: 
         let exogenous = &batch.exogenous[width * k..width * (k + 1)];
         simulated.look(batch.instrument_states.as_chunks().0[k], exogenous, None);
         measured.look(batch.measured.as_chunks().0[k], exogenous, None);
-        let slopes = simulated.slopes();
+        let (slopes, known) = (simulated.slopes(), measured.known());
         let mut first = 0;
         for (d, degree) in degrees.iter_mut().enumerate() {
             let p = degree.parameters;
@@ -241,7 +242,7 @@ fn filter(degrees: &mut [Degree; 3], batch: &Batch, parameters: &[Lane], range: 
                 passed(&mut degree.zeta, p + 1, pole, z);
             }
             let increment = batch.measured[3 * (k + 1) + d] - batch.measured[3 * k + d];
-            let increment = increment - Lane::splat(batch.model.constant[d]);
+            let increment = increment - known[d];
             passed(&mut degree.target, 1, pole, increment);
             degree.poles.push(pole);
             degree.slopes.extend(slopes[d]);

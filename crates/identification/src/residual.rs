@@ -89,7 +89,7 @@ impl ResidualSums {
             let intercepts = intercepts.at(k);
             batch.phi(k, count, &mut phi);
             let mut regressors = phi.terms.iter().zip(theta);
-            let mut residuals = [0, 1, 2].map(|d: usize| batch.increments(k, count, d));
+            let mut residuals = [0, 1, 2].map(|d: usize| batch.increments(k, count, d, &phi));
             for (d, residual) in residuals.iter_mut().enumerate() {
                 subtract(residual, &intercepts[d], count);
                 for (f, theta) in regressors.by_ref().take(batch.model.degrees[d].terms.len()) {

@@ -1,6 +1,9 @@
+use std::collections::BTreeMap;
+
 use numerics::times;
 
 use crate::DegreeSums;
+use crate::bounded::{Equations, bounded};
 
 /// How well one degree of freedom of one run was excited: the normal matrix Σ ζᶜφᵀ, each row and column divided by the
 /// root sum of squares of its centred instrument and regressor, so that its entries are correlations.
@@ -37,6 +40,8 @@ pub(crate) struct Normal {
     pub zeta: Vec<f64>,
     /// The same of the regressors.
     pub phi: Vec<f64>,
+    /// Within which the solution stays, by place.
+    pub bounds: BTreeMap<usize, [f64; 2]>,
 }
 
 /// Normal equations in the making, group by group.
@@ -54,7 +59,8 @@ impl NormalSums {
     pub(crate) fn add(&mut self, sums: &DegreeSums, centred: bool) {
         let p = sums.parameters();
         if self.normal.b.len() != p {
-            *self = Self { normal: Normal::zero(p), plain_zeta: vec![0.0; p], plain_phi: vec![0.0; p] };
+            let normal = Normal { bounds: sums.known.bounds.clone(), ..Normal::zero(p) };
+            *self = Self { normal, plain_zeta: vec![0.0; p], plain_phi: vec![0.0; p] };
         }
         self.normal.add(sums, centred);
         for i in 0..p {
@@ -84,7 +90,9 @@ impl Normal {
     }
 
     fn zero(p: usize) -> Self {
-        Self { a: vec![0.0; p * p], b: vec![0.0; p], zeta: vec![0.0; p], phi: vec![0.0; p] }
+        let zeros = || vec![0.0; p];
+        let bounds = BTreeMap::new();
+        Self { a: vec![0.0; p * p], b: zeros(), zeta: zeros(), phi: zeros(), bounds }
     }
 
     fn add(&mut self, sums: &DegreeSums, centred: bool) {
@@ -102,8 +110,29 @@ impl Normal {
         }
     }
 
-    /// θ and A⁻¹ (p × p), or the index of a parameter that is not excited.
+    /// θ within its bounds and A⁻¹ (p × p; rows and columns of parameters at a bound zero), or the index of a parameter that is
+    /// not excited.
     pub(crate) fn solve(&self) -> Result<(Vec<f64>, Vec<f64>), usize> {
+        let open = self.unbounded()?;
+        let within = |(i, [low, high]): (&usize, &[f64; 2])| (*low..=*high).contains(&open.0[*i]);
+        if self.bounds.iter().all(within) {
+            return Ok(open);
+        }
+        let equations = Equations { a: &self.a, b: &self.b, bounds: &self.bounds };
+        bounded(&equations, open.0, |free, b| self.part(free, b).unbounded())
+    }
+
+    /// The equations of some parameters with other right-hand sides.
+    fn part(&self, parameters: &[usize], b: Vec<f64>) -> Self {
+        let p = self.b.len();
+        let of = |all: &[f64]| parameters.iter().map(|i| all[*i]).collect();
+        let row = |i: &usize| parameters.iter().map(|j| self.a[i * p + j]).collect::<Vec<_>>();
+        let a = parameters.iter().flat_map(row).collect();
+        Self { a, b, zeta: of(&self.zeta), phi: of(&self.phi), bounds: BTreeMap::new() }
+    }
+
+    /// The same as if there were no bounds.
+    fn unbounded(&self) -> Result<(Vec<f64>, Vec<f64>), usize> {
         let p = self.b.len();
         let mut scaled = self.scaled()?;
         let mut inverse = vec![0.0; p * p];

@@ -1,7 +1,8 @@
+use std::collections::BTreeMap;
 use std::ops::Range;
 
 use vessel::lanes::lane_of;
-use vessel::{Lane, Number, Term};
+use vessel::{Degree, Lane, Number, Term};
 
 use crate::Batch;
 use crate::batch::{AnyBatch, BLOCK, Regressors, add_products, add_squares, add_totals, over_batch};
@@ -26,6 +27,24 @@ pub struct DegreeSums<X = f64> {
     pub instrument_squares: Vec<X>,
     /// Σ φ_i², p.
     pub regressor_squares: Vec<X>,
+    /// What is known of the parameters.
+    pub known: Known,
+}
+
+/// What estimates from sums have to know of the parameters of a degree of freedom.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Known {
+    /// Whether one of the terms is 1: then its parameter is the intercept, and no mean is removed.
+    pub constant: bool,
+    /// Within which estimates stay, by place; see [`vessel::Degree::bounds`].
+    pub bounds: BTreeMap<usize, [f64; 2]>,
+}
+
+impl Known {
+    /// Of `degree`.
+    pub fn of(degree: &Degree) -> Self {
+        Self { constant: degree.constant().is_some(), bounds: degree.bounds.clone() }
+    }
 }
 
 impl Sums {
@@ -65,7 +84,13 @@ impl<X: Number> DegreeSums<X> {
             b: zeros(p + 1),
             instrument_squares: zeros(p),
             regressor_squares: zeros(p),
+            known: Known::default(),
         }
+    }
+
+    /// Sums over no sample, of the parameters of `degree`.
+    pub(crate) fn of(degree: &Degree) -> Self {
+        Self { known: Known::of(degree), ..Self::zero(degree.terms.len()) }
     }
 
     /// Number of parameters p.
@@ -108,6 +133,7 @@ impl DegreeSums<Lane> {
             b: lane_of(&self.b, lane),
             instrument_squares: lane_of(&self.instrument_squares, lane),
             regressor_squares: lane_of(&self.regressor_squares, lane),
+            known: self.known.clone(),
         }
     }
 }
@@ -140,7 +166,7 @@ impl DegreeSums {
     /// 1/N, what a sum counts in a mean; zero where no mean is removed.
     pub(crate) fn share(&self, centred: bool) -> f64 {
         let n = self.a.last().copied().unwrap_or(0.0);
-        if centred && n > 0.0 { 1.0 / n } else { 0.0 }
+        if centred && !self.known.constant && n > 0.0 { 1.0 / n } else { 0.0 }
     }
 }
 
@@ -172,10 +198,10 @@ impl LaneSums {
 
     fn zero<X: Number>(batch: &Batch<X>, range: Range<usize>) -> Self {
         let measured = [0, 1, 2].map(|d: usize| {
-            let of_state = |term: &Term| term.factors.iter().any(|f| f.variable < 3);
+            let of_state = |term: &Term| term.products().flatten().any(|f| f.variable < 3);
             batch.model.degrees[d].terms.iter().rposition(of_state).map_or(0, |last| last + 1)
         });
-        let degrees = batch.model.degrees.each_ref().map(|degree| DegreeSums::zero(degree.terms.len()));
+        let degrees = batch.model.degrees.each_ref().map(DegreeSums::of);
         Self { degrees, measured, range }
     }
 
@@ -234,7 +260,7 @@ impl LaneSums {
             batch.phi(k, count, &mut phi);
             batch.zeta(k, count, &mut zeta);
             for (d, (own, measured, sums)) in self.degrees().enumerate() {
-                let increments = batch.increments(k, count, d);
+                let increments = batch.increments(k, count, d, &phi);
                 let (zeta, p) = (&zeta.terms[own.clone()], own.len());
                 let phi = &phi.terms[own][..measured];
                 for (z, row) in zeta.iter().zip(sums.a.chunks_exact_mut(p + 1)) {

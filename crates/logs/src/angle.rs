@@ -1,11 +1,22 @@
 use std::f64::consts::TAU;
 
-/// Removes jumps of more than half a turn between neighbours, in place \[rad\].
-pub fn unwrap(angles: &mut [f64]) {
-    let mut turns = 0.0;
-    for i in 1..angles.len() {
-        let step = angles[i] + turns - angles[i - 1];
-        turns -= TAU * (step / TAU).round();
-        angles[i] += turns;
+/// Removes jumps of more than half a turn between neighbours \[rad\].
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Unwrapping {
+    last: Option<f64>,
+    turns: f64,
+}
+
+impl Unwrapping {
+    /// The next angle, without a jump from the one before it.
+    pub fn next(&mut self, angle: f64) -> f64 {
+        if let Some(last) = self.last {
+            let step = angle + self.turns - last;
+            self.turns -= TAU * (step / TAU).round();
+        }
+        // The first stays as it is, to the last bit.
+        let unwrapped = if self.last.is_some() { angle + self.turns } else { angle };
+        self.last = Some(unwrapped);
+        unwrapped
     }
 }

@@ -1,7 +1,8 @@
+use crate::grid::known_rows;
 use crate::unassembled::MOST_ROWS;
 use crate::{
-    Channels, Conventions, Grid, Method, Series, Stretch, Unassembled, body_velocity, euler, prepare,
-    stretches,
+    Channels, Conventions, Grid, Method, Samples, Series, Stretch, Unassembled, body_velocity, euler,
+    prepare, stretches,
 };
 
 /// A recording on one clock. All channels have `grid.rows` values, NaN where unknown.
@@ -10,11 +11,11 @@ pub struct Assembled {
     /// The clock.
     pub grid: Grid,
     /// Surge, sway \[m/s\] and yaw rate \[rad/s\].
-    pub measured: [Vec<f64>; 3],
+    pub measured: [Samples; 3],
     /// The inputs and measured disturbances that were asked for.
-    pub exogenous: Vec<Vec<f64>>,
+    pub exogenous: Vec<Samples>,
     /// The further channels that were asked for.
-    pub further: Vec<Vec<f64>>,
+    pub further: Vec<Samples>,
     /// Where all but the further channels are known.
     pub stretches: Vec<Stretch>,
 }
@@ -47,7 +48,7 @@ pub(crate) fn on_one_clock(
     if grid.rows > most_rows {
         return Err(Unassembled::TooLong { rows: grid.rows, most: most_rows });
     }
-    let mut on_grid = OnGrid { channels, conventions, times: grid.times() };
+    let mut on_grid = OnGrid { channels, conventions, grid };
     let measured = on_grid.velocities()?;
     on_grid.keep(|name| exogenous.contains(&name) || further.contains(&name));
     let exogenous = on_grid.all(exogenous, further)?;
@@ -62,8 +63,7 @@ pub(crate) fn on_one_clock(
 impl Assembled {
     /// Without the last rows at which the states are not known.
     fn trimmed(mut self) -> Self {
-        let known = |row: &usize| self.measured.iter().all(|channel| channel[*row].is_finite());
-        let rows = (0..self.grid.rows).rev().find(known).map_or(0, |row| row + 1);
+        let rows = known_rows(&self.measured);
         self.grid.rows = rows;
         let channels = self.measured.iter_mut().chain(&mut self.exogenous).chain(&mut self.further);
         channels.for_each(|channel| channel.truncate(rows));
@@ -94,8 +94,8 @@ fn common_clock<'a>(
         let (Some(first), Some(last)) = (t.first(), t.last()) else {
             return Err(Unassembled::Empty(name.to_owned()));
         };
-        start = start.max(*first);
-        end = end.min(*last);
+        start = start.max(first);
+        end = end.min(last);
     }
     // One row more, whose inputs may be unknown.
     Ok(Grid::new(start, end + 1.0 / rate_hz, rate_hz))
@@ -104,7 +104,7 @@ fn common_clock<'a>(
 struct OnGrid<'a> {
     channels: Channels,
     conventions: &'a Conventions,
-    times: Vec<f64>,
+    grid: Grid,
 }
 
 impl OnGrid<'_> {
@@ -112,14 +112,15 @@ impl OnGrid<'_> {
         self.channels.get(name).ok_or_else(|| Unassembled::NoChannel(name.to_owned()))
     }
 
-    fn resampled(&self, series: &Series) -> Vec<f64> {
+    fn resampled(&self, series: &Series) -> Samples {
+        let on_grid = |series: &Series| series.values.made(series.at(self.grid.times()));
         match self.conventions.average_s {
-            Some(width_s) => series.averaged(width_s).at(&self.times),
-            None => series.at(&self.times),
+            Some(width_s) => on_grid(&series.averaged(width_s)),
+            None => on_grid(series),
         }
     }
 
-    fn named(&self, name: &str) -> Result<Vec<f64>, Unassembled> {
+    fn named(&self, name: &str) -> Result<Samples, Unassembled> {
         self.series(name).map(|series| self.resampled(series))
     }
 
@@ -128,7 +129,7 @@ impl OnGrid<'_> {
     }
 
     /// The channels called `names`; those that are not asked for `later` go.
-    fn all(&mut self, names: &[&str], later: &[&str]) -> Result<Vec<Vec<f64>>, Unassembled> {
+    fn all(&mut self, names: &[&str], later: &[&str]) -> Result<Vec<Samples>, Unassembled> {
         let mut all = Vec::with_capacity(names.len());
         for name in names {
             all.push(self.named(name)?);
@@ -138,11 +139,11 @@ impl OnGrid<'_> {
     }
 
     /// Surge, sway and yaw rate: measured, or else from positions.
-    fn velocities(&self) -> Result<[Vec<f64>; 3], Unassembled> {
+    fn velocities(&self) -> Result<[Samples; 3], Unassembled> {
         let names = ["y_u", "y_v", "y_r"];
         let absent = names.map(|name| !self.channels.contains_key(name));
         let mut made = match self.conventions.method {
-            _ if absent == [false; 3] => [const { Vec::new() }; 3],
+            _ if absent == [false; 3] => Default::default(),
             Method::Euler => self.euler(absent[0] || absent[1])?,
             Method::Smoother => self.slopes(absent[0] || absent[1])?,
         };
@@ -154,25 +155,34 @@ impl OnGrid<'_> {
         Ok(made)
     }
 
-    fn euler(&self, positions: bool) -> Result<[Vec<f64>; 3], Unassembled> {
+    fn euler(&self, positions: bool) -> Result<[Samples; 3], Unassembled> {
         let psi = self.named("psi")?;
-        let still = || vec![0.0; psi.len()];
+        let still = || psi.made(self.grid.times().map(|_| 0.0));
         let (x, y) = if positions { (self.named("x")?, self.named("y")?) } else { (still(), still()) };
-        Ok(euler(&x, &y, &psi, 1.0 / self.conventions.rate_hz))
+        let poses = x.iter().zip(y.iter()).zip(psi.iter()).map(|((x, y), psi)| [x, y, psi]);
+        let mut made = [psi.none(), psi.none(), psi.none()];
+        for velocity in euler(poses, 1.0 / self.conventions.rate_hz) {
+            made.iter_mut().zip(velocity).for_each(|(channel, value)| channel.push(value));
+        }
+        Ok(made)
     }
 
-    fn slopes(&self, positions: bool) -> Result<[Vec<f64>; 3], Unassembled> {
+    fn slopes(&self, positions: bool) -> Result<[Samples; 3], Unassembled> {
         let window_s = self.conventions.window_s;
         let (psi, r) = self.series("psi")?.smoothed(window_s);
         let r = self.resampled(&r);
         if !positions {
-            return Ok([Vec::new(), Vec::new(), r]);
+            return Ok([Samples::default(), Samples::default(), r]);
         }
         let psi = self.resampled(&psi);
         let rates = |name: &str| Ok(self.resampled(&self.series(name)?.smoothed(window_s).1));
         let (north, east) = (rates("x")?, rates("y")?);
-        let body = north.iter().zip(&east).zip(&psi).map(|((n, e), psi)| body_velocity([*n, *e], *psi));
-        let (u, v) = body.map(|[u, v]| (u, v)).unzip();
+        let [mut u, mut v] = [psi.none(), psi.none()];
+        for ((north, east), psi) in north.iter().zip(east.iter()).zip(psi.iter()) {
+            let [surge, sway] = body_velocity([north, east], psi);
+            u.push(surge);
+            v.push(sway);
+        }
         Ok([u, v, r])
     }
 }

@@ -3,6 +3,8 @@ use jiff::civil::DateTime;
 use jiff::tz::TimeZone;
 use serde::Deserialize;
 
+use crate::Samples;
+
 /// What a time column counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
@@ -59,7 +61,7 @@ pub enum NonMonotonic {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Order {
     /// Rows that stay, in order.
-    pub rows: Vec<usize>,
+    pub rows: Vec<u32>,
     /// Rows left out because an earlier row has the same time.
     pub repeated: usize,
     /// Rows that stood after a later time.
@@ -77,14 +79,15 @@ pub struct Backwards {
     pub latest: f64,
 }
 
-/// Orders rows by their `times` (finite, \[s\]).
+/// Orders rows by their `times` (\[s\]); rows without one (not finite) stay out. Where rows are to be sorted, all times are
+/// held in memory.
 ///
 /// # Errors
 /// The first row that is earlier than a row before it, where `policy` refuses that.
-pub fn order(times: &[f64], policy: NonMonotonic) -> Result<Order, Backwards> {
-    let mut out = Order { rows: Vec::with_capacity(times.len()), repeated: 0, backwards: 0 };
+pub fn order(times: &Samples, policy: NonMonotonic) -> Result<Order, Backwards> {
+    let mut out = Order { rows: Vec::new(), repeated: 0, backwards: 0 };
     let mut latest = f64::NEG_INFINITY;
-    for (row, &time) in times.iter().enumerate() {
+    for (row, time) in times.iter().enumerate().filter(|(_, time)| time.is_finite()) {
         if time < latest {
             if policy == NonMonotonic::Refuse {
                 return Err(Backwards { row, time, latest });
@@ -92,16 +95,18 @@ pub fn order(times: &[f64], policy: NonMonotonic) -> Result<Order, Backwards> {
             out.backwards += 1;
         }
         if time > latest || policy == NonMonotonic::Sort {
-            out.rows.push(row);
+            out.rows.push(row as u32);
         } else if time == latest {
             out.repeated += 1;
         }
         latest = latest.max(time);
     }
     if policy == NonMonotonic::Sort {
-        out.rows.sort_by(|a, b| times[*a].total_cmp(&times[*b]));
+        let times = times.to_vec();
+        let time = |row: u32| times[row as usize];
+        out.rows.sort_by(|a, b| time(*a).total_cmp(&time(*b)));
         let before = out.rows.len();
-        out.rows.dedup_by(|later, earlier| times[*later] == times[*earlier]);
+        out.rows.dedup_by(|later, earlier| time(*later) == time(*earlier));
         out.repeated = before - out.rows.len();
     }
     Ok(out)

@@ -2,7 +2,7 @@ use std::sync::Arc;
 
 use refusal::{Invalid, nearest};
 
-use crate::TimeUnit;
+use crate::{Samples, Store, TimeUnit};
 
 /// A column that is asked for.
 #[derive(Clone, Debug, PartialEq)]
@@ -28,18 +28,91 @@ pub enum Content {
 #[derive(Clone, Debug, PartialEq)]
 pub enum Cells {
     /// NaN where there is no value; of dates the seconds since 1970.
-    Numbers(Vec<f64>),
-    /// Empty where there is none. Rows that follow each other share a label.
-    Labels(Vec<Arc<str>>),
+    Numbers(Samples),
+    /// Empty where there is none.
+    Labels(Labels),
 }
 
 impl Cells {
-    /// No cells yet of a column that holds `content`.
-    pub fn none(content: Content) -> Self {
+    /// No cells yet of a column that holds `content`; numbers are put aside in `store` where there is one.
+    pub fn none(content: Content, store: Option<&Arc<dyn Store>>) -> Self {
         match content {
-            Content::Labels => Self::Labels(Vec::new()),
-            Content::Numbers | Content::Dates => Self::Numbers(Vec::new()),
+            Content::Labels => Self::Labels(Labels::default()),
+            Content::Numbers | Content::Dates => {
+                Self::Numbers(store.map_or_else(Samples::default, Samples::new))
+            }
         }
+    }
+}
+
+/// Labels of rows. Rows that follow each other share one.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Labels {
+    /// Each label with the row after the last that has it.
+    runs: Vec<(Arc<str>, usize)>,
+}
+
+impl Labels {
+    /// Number of rows.
+    pub fn len(&self) -> usize {
+        self.runs.last().map_or(0, |(_, end)| *end)
+    }
+
+    /// Whether there are no rows.
+    pub fn is_empty(&self) -> bool {
+        self.runs.is_empty()
+    }
+
+    /// Appends a row.
+    pub fn push(&mut self, label: &str) {
+        let end = self.len() + 1;
+        match self.runs.last_mut().filter(|(last, _)| **last == *label) {
+            Some((_, last)) => *last = end,
+            None => self.runs.push((Arc::from(label), end)),
+        }
+    }
+
+    /// The label of a row; empty where there is no such row.
+    pub fn at(&self, row: usize) -> &str {
+        let place = self.runs.partition_point(|(_, end)| *end <= row);
+        self.runs.get(place).map_or("", |(label, _)| label)
+    }
+}
+
+/// Lines of a file that rows stand on, from 1.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Numbering {
+    rows: usize,
+    /// Rows that do not stand on the line after that of the row before them, and their lines.
+    breaks: Vec<(usize, usize)>,
+}
+
+impl Numbering {
+    /// Rows that stand on the lines from 1 on.
+    pub fn of_rows(rows: usize) -> Self {
+        Self { rows, breaks: vec![(0, 1)] }
+    }
+
+    /// Number of rows.
+    pub fn rows(&self) -> usize {
+        self.rows
+    }
+
+    /// Appends a row that stands on `line`.
+    pub fn push(&mut self, line: usize) {
+        if self.rows == 0 || self.line(self.rows) != line {
+            self.breaks.push((self.rows, line));
+        }
+        self.rows += 1;
+    }
+
+    /// The line that `row` stands on.
+    pub fn line(&self, row: usize) -> usize {
+        let last = self.breaks.last().filter(|(first, _)| *first <= row);
+        let found = last.or_else(|| {
+            self.breaks.get(self.breaks.partition_point(|(first, _)| *first <= row).checked_sub(1)?)
+        });
+        found.map_or(0, |(first, line)| line + row - first)
     }
 }
 
@@ -58,46 +131,17 @@ pub fn no_date(line: usize, column: &str, text: &str, written_in: &str) -> Inval
     )
 }
 
-/// Appends a label to others.
-pub fn push_label(labels: &mut Vec<Arc<str>>, label: &str) {
-    match labels.last().filter(|last| ***last == *label).cloned() {
-        Some(same) => labels.push(same),
-        None => labels.push(Arc::from(label)),
-    }
-}
-
 /// The columns of a file as asked for.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Columns {
     /// In the order asked for.
     pub cells: Vec<Cells>,
     /// Line (CSV) or row (Parquet) of every row, from 1.
-    pub lines: Vec<u32>,
+    pub lines: Numbering,
     /// Rows without any value, left out.
     pub empty_rows: usize,
     /// Rows cut short at the end of the file, left out.
     pub cut_rows: usize,
-}
-
-impl Columns {
-    /// Sets memory aside for `rows` rows in all.
-    pub(crate) fn reserve(&mut self, rows: usize) {
-        let more = rows.saturating_sub(self.lines.len());
-        self.lines.reserve_exact(more);
-        self.cells.iter_mut().for_each(|cells| match cells {
-            Cells::Numbers(numbers) => numbers.reserve_exact(more),
-            Cells::Labels(labels) => labels.reserve_exact(more),
-        });
-    }
-
-    /// Gives back the memory that was set aside for more rows.
-    pub(crate) fn shrink(&mut self) {
-        self.lines.shrink_to_fit();
-        self.cells.iter_mut().for_each(|cells| match cells {
-            Cells::Numbers(numbers) => numbers.shrink_to_fit(),
-            Cells::Labels(labels) => labels.shrink_to_fit(),
-        });
-    }
 }
 
 /// What messages call a cell.

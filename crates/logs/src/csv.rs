@@ -5,11 +5,12 @@
 //! passes over blank ones in silence.
 
 use std::io::{self, BufRead, Read};
+use std::sync::Arc;
 
 use refusal::Invalid;
 
-use crate::Plan;
-use crate::columns::{Cells, Columns, Content, cell_of, no_date, places, push_label, seconds_of};
+use crate::columns::{Cells, Columns, Content, Numbering, cell_of, no_date, places, seconds_of};
+use crate::{Plan, Store};
 
 /// Why a text is no log.
 #[derive(Debug)]
@@ -44,8 +45,8 @@ const SEPARATORS: [char; 4] = [';', '\t', ',', '|'];
 /// Rows after which it is known how long rows are.
 const TYPICAL: usize = 1024;
 
-/// Reads the columns of CSV with a header that `plan` wants of files of group `group`. Where the text's `length` in bytes is
-/// known, memory is set aside for its rows at once: growing by doubling would take up to three times as much.
+/// Reads the columns of CSV with a header that `plan` wants of files of group `group`; numbers are put aside in `store`. Where
+/// the text's `length` in bytes is known, too many rows are refused before they are all read.
 ///
 /// # Errors
 /// Bytes that cannot be read or are no text, missing columns (all at once), a cell that is no number, a row that is too
@@ -55,6 +56,7 @@ pub fn read_csv(
     length: Option<u64>,
     plan: &Plan,
     group: usize,
+    store: Option<&Arc<dyn Store>>,
 ) -> Result<Columns, CsvError> {
     let (wanted, separator, written_in) =
         (plan.wanted(group), plan.setup.files[group].separator, plan.setup.written_in);
@@ -64,8 +66,8 @@ pub fn read_csv(
     let header: Vec<String> = row.cells().map(|cell| cell.trim().to_owned()).collect();
     let places = places(&header, &wanted)
         .map_err(|missing| other_separator(&header, separator, written_in).unwrap_or(missing))?;
-    let cells = wanted.iter().map(|w| Cells::none(w.content)).collect();
-    let mut columns = Columns { cells, lines: Vec::new(), empty_rows: 0, cut_rows: 0 };
+    let cells = wanted.iter().map(|w| Cells::none(w.content, store)).collect();
+    let mut columns = Columns { cells, lines: Numbering::default(), empty_rows: 0, cut_rows: 0 };
     let mut short = None;
     while let Some(line) = lines.next()? {
         if let Some(short) = short {
@@ -76,17 +78,16 @@ pub fn read_csv(
         if row.cells().all(|cell| cell.trim().is_empty()) {
             columns.empty_rows += 1;
         } else if found == expected {
-            if columns.lines.len() >= plan.most_rows {
+            if columns.lines.rows() >= plan.most_rows {
                 return Err(CsvError::Invalid(plan.too_many_rows(line)));
             }
-            if let (Some(length), TYPICAL) = (length, columns.lines.len()) {
+            if let (Some(length), TYPICAL) = (length, columns.lines.rows()) {
                 let rows = (TYPICAL as f64 * length as f64 / lines.read as f64) as usize;
                 if rows / 2 > plan.most_rows {
                     return Err(CsvError::Invalid(plan.too_many_rows(format_args!("about {rows}"))));
                 }
-                columns.reserve((rows + rows / 50).min(plan.most_rows));
             }
-            columns.lines.push(line as u32);
+            columns.lines.push(line);
             for ((cells, place), wanted) in columns.cells.iter_mut().zip(&places).zip(&wanted) {
                 let cell = row.cell(*place).trim();
                 push(cells, wanted.content, cell).ok_or_else(|| match wanted.content {
@@ -101,7 +102,6 @@ pub fn read_csv(
         }
     }
     columns.cut_rows = usize::from(short.is_some());
-    columns.shrink();
     Ok(columns)
 }
 
@@ -205,7 +205,7 @@ impl Row {
 fn push(cells: &mut Cells, content: Content, cell: &str) -> Option<()> {
     let no_value = || NOTHING.contains(&cell.to_ascii_lowercase().as_str()).then_some(f64::NAN);
     match cells {
-        Cells::Labels(labels) => push_label(labels, cell),
+        Cells::Labels(labels) => labels.push(cell),
         Cells::Numbers(numbers) => numbers.push(match content {
             Content::Dates => seconds_of(cell)?,
             _ => cell.parse().ok().or_else(no_value)?,

@@ -1,5 +1,7 @@
 use std::ops::Range;
 
+use crate::samples::{Samples, Values};
+
 /// The common clock of a recording.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Grid {
@@ -22,8 +24,9 @@ impl Grid {
     }
 
     /// Times of all rows \[s\].
-    pub fn times(&self) -> Vec<f64> {
-        (0..self.rows).map(|k| self.start_s + k as f64 / self.rate_hz).collect()
+    pub fn times(&self) -> impl Iterator<Item = f64> + use<> {
+        let Self { start_s, rate_hz, rows } = *self;
+        (0..rows).map(move |k| start_s + k as f64 / rate_hz)
     }
 
     /// The rows from `from_s` to `to_s`, both included, as first row and one past the last.
@@ -46,23 +49,38 @@ pub struct Stretch {
 
 /// The longest stretches of at least one sample in which every state (`measured`) and every input (`exogenous`) is known;
 /// after the last sample the states alone. Channels have equally many rows, NaN where unknown.
-pub fn stretches(measured: &[Vec<f64>; 3], exogenous: &[Vec<f64>]) -> Vec<Stretch> {
-    let rows = measured[0].len();
-    let known = |channels: &[Vec<f64>], row: usize| channels.iter().all(|c| c[row].is_finite());
-    let mut out = Vec::new();
-    let mut start = 0;
-    while start < rows {
-        let whole = |row: &usize| known(measured, *row) && known(exogenous, *row);
-        if !whole(&start) {
-            start += 1;
-            continue;
+pub fn stretches(measured: &[Samples; 3], exogenous: &[Samples]) -> Vec<Stretch> {
+    let (mut states, mut inputs) = (all(measured), all(exogenous));
+    let (mut out, mut start) = (Vec::new(), None);
+    for row in 0..=measured[0].len() {
+        let known = [&mut states, &mut inputs].map(|channels| next_known(channels));
+        let inside = row < measured[0].len();
+        match start {
+            None if inside && known == [true; 2] => start = Some(row),
+            Some(first) if !inside || known != [true; 2] => {
+                let last = if inside && known[0] { row } else { row - 1 };
+                if last > first {
+                    out.push(Stretch { start: first, samples: last - first });
+                }
+                start = None;
+            }
+            _ => {}
         }
-        let end = (start..rows).find(|row| !whole(row)).unwrap_or(rows);
-        let last = if end < rows && known(measured, end) { end } else { end - 1 };
-        if last > start {
-            out.push(Stretch { start, samples: last - start });
-        }
-        start = end;
     }
     out
+}
+
+/// Rows up to the last at which all `channels` are known.
+pub(crate) fn known_rows(channels: &[Samples; 3]) -> usize {
+    let mut values = all(channels);
+    (0..channels[0].len()).filter(|_| next_known(&mut values)).last().map_or(0, |row| row + 1)
+}
+
+fn all(channels: &[Samples]) -> Vec<Values<'_>> {
+    channels.iter().map(Samples::iter).collect()
+}
+
+/// Whether the next values of all `channels` are known. Each is asked.
+fn next_known(channels: &mut [Values]) -> bool {
+    channels.iter_mut().fold(true, |known, values| known & values.next().is_some_and(f64::is_finite))
 }

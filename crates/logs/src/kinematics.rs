@@ -18,15 +18,14 @@ pub fn body_velocity([north, east]: [f64; 2], psi: f64) -> [f64; 2] {
 }
 
 /// u(k), v(k) = R(ψ(k))ᵀ (p(k+1) − p(k))/dt and r(k) = (ψ(k+1) − ψ(k))/dt of M samples of x, y \[m\] and unwrapped ψ
-/// \[rad\], `dt` seconds apart: three channels of M values, the last of each NaN, as is what touches a missing sample.
-pub fn euler(x: &[f64], y: &[f64], psi: &[f64], dt: f64) -> [Vec<f64>; 3] {
-    let mut out = [const { Vec::new() }; 3];
-    for k in 0..psi.len() {
-        let difference = |p: &[f64]| p.get(k + 1).map_or(f64::NAN, |next| (next - p[k]) / dt);
-        let [u, v] = body_velocity([difference(x), difference(y)], psi[k]);
-        for (channel, value) in out.iter_mut().zip([u, v, difference(psi)]) {
-            channel.push(value);
-        }
-    }
-    out
+/// \[rad\], `dt` seconds apart: M velocities, the last NaN, as is what touches a missing sample.
+pub fn euler(poses: impl Iterator<Item = [f64; 3]>, dt: f64) -> impl Iterator<Item = [f64; 3]> {
+    let mut poses = poses.peekable();
+    std::iter::from_fn(move || {
+        let pose = poses.next()?;
+        let next = poses.peek().copied().unwrap_or([f64::NAN; 3]);
+        let [north, east, r] = [0, 1, 2].map(|i| (next[i] - pose[i]) / dt);
+        let [u, v] = body_velocity([north, east], pose[2]);
+        Some([u, v, r])
+    })
 }

@@ -8,18 +8,24 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::columns::cell_of;
-use crate::suspicion::check_turns;
-use crate::{Backwards, Cells, ChannelSpec, Columns, Plan, Series, TimeSpec, Unit, order};
+use crate::samples::{View, steps};
+use crate::suspicion::Turns;
+use crate::{
+    Backwards, Cells, ChannelSpec, Columns, Labels, NonMonotonic, Numbering, Plan, Samples, Series, TimeSpec,
+    Unit, Unwrapping, order,
+};
 
 /// A file's channels on its own clock.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Log {
     /// Its times, increasing \[s\].
-    pub times: Arc<Vec<f64>>,
+    pub times: Arc<Samples>,
     /// One series per channel of the group, in order, in SI units.
     pub channels: Vec<Series>,
+    /// The largest modulus of each channel as it was logged, in SI units.
+    pub largest: Vec<f64>,
     /// Labels of sub-experiments, one per time.
-    pub labels: Option<Vec<Arc<str>>>,
+    pub labels: Option<Labels>,
     /// What was read and left out.
     pub counts: RowSummary,
 }
@@ -63,7 +69,7 @@ impl Log {
         let (spec, mut cells) = (&plan.setup.files[group], cells.into_iter());
         let times = times(&spec.time, cells.next());
         let mut counts = RowSummary {
-            read: (lines.len() + empty_rows + cut_rows) as u64,
+            read: (lines.rows() + empty_rows + cut_rows) as u64,
             empty: empty_rows as u64,
             cut: cut_rows as u64,
             ..RowSummary::default()
@@ -75,9 +81,10 @@ impl Log {
         let specs = spec.channel.iter().zip(&plan.units[group]);
         let channels: Vec<(Cells, (&ChannelSpec, &Unit))> = cells.zip(specs).collect();
         let channel = |(cells, (spec, unit))| rows.channel(cells, spec, unit);
-        let channels = channels.into_par_iter().map(channel).collect::<Result<_, _>>()?;
+        let channels = channels.into_par_iter().map(channel).collect::<Result<Vec<_>, _>>()?;
+        let (channels, largest) = channels.into_iter().unzip();
         let labels = labels.map(|labels| rows.labels(labels));
-        Ok(Self { times: rows.times, channels, labels, counts })
+        Ok(Self { times: rows.times, channels, largest, labels, counts })
     }
 }
 
@@ -85,8 +92,10 @@ impl Log {
 enum Kept {
     /// All of them.
     All,
-    /// These.
-    These(Vec<usize>),
+    /// These, as they follow each other in the file.
+    These(Vec<u32>),
+    /// These, as time orders them.
+    Sorted(Vec<u32>),
 }
 
 impl Kept {
@@ -94,85 +103,105 @@ impl Kept {
     fn row(&self, i: usize) -> usize {
         match self {
             Self::All => i,
-            Self::These(rows) => rows[i],
+            Self::These(rows) | Self::Sorted(rows) => rows[i] as usize,
         }
     }
 
     /// What is kept of `values`, one per row of the file.
-    fn gathered<T: Clone>(&self, values: Vec<T>) -> Vec<T> {
+    fn gathered(&self, values: Samples) -> Samples {
         match self {
             Self::All => values,
-            Self::These(rows) => rows.iter().map(|row| values[*row].clone()).collect(),
+            Self::These(rows) => {
+                let mut view = View::new(&values);
+                values.made(rows.iter().map(|row| view.at(*row as usize)))
+            }
+            // Rows may come from anywhere: they are all held in memory.
+            Self::Sorted(rows) => {
+                let all = values.to_vec();
+                values.made(rows.iter().map(|row| all[*row as usize]))
+            }
         }
     }
 }
 
 /// The rows with a time in its order, as `non_monotonic` of `plan` says; counts those that are left out.
 fn in_order(
-    times: &[f64],
-    lines: &[u32],
+    times: &Samples,
+    lines: &Numbering,
     plan: &Plan,
     group: usize,
     counts: &mut RowSummary,
 ) -> Result<Kept, Invalid> {
-    if !times.is_empty() && times.iter().all(|t| t.is_finite()) && times.windows(2).all(|t| t[0] < t[1]) {
+    let timed = times.iter().filter(|time| time.is_finite()).count();
+    if timed > 0 && timed == times.len() && steps(times.iter()).all(|step| step > 0.0) {
         return Ok(Kept::All);
     }
-    let timed: Vec<usize> = (0..times.len()).filter(|row| times[*row].is_finite()).collect();
-    counts.without_time = (times.len() - timed.len()) as u64;
-    if timed.is_empty() {
+    counts.without_time = (times.len() - timed) as u64;
+    if timed == 0 {
         let found = format!("no rows with a time ({} read, {} empty)", counts.read, counts.empty);
         let remedy = "remove the file or narrow the pattern";
         return Err(Invalid::new("file", found, "at least one row", remedy));
     }
-    let clock: Vec<f64> = timed.iter().map(|row| times[*row]).collect();
-    let ordered = order(&clock, plan.setup.non_monotonic).map_err(|Backwards { row, time, latest }| {
+    let ordered = order(times, plan.setup.non_monotonic).map_err(|Backwards { row, time, latest }| {
         Invalid::new(
-            cell_of(lines[timed[row]] as usize, &plan.setup.files[group].time.column),
+            cell_of(lines.line(row), &plan.setup.files[group].time.column),
             format!("{time} s after {latest} s"),
             "time that does not go backwards",
             "set `non_monotonic` to \"sort\" or \"drop\", or correct the file",
         )
     })?;
     (counts.repeated, counts.backwards) = (ordered.repeated as u64, ordered.backwards as u64);
-    Ok(Kept::These(ordered.rows.iter().map(|row| timed[*row]).collect()))
+    let sorted = plan.setup.non_monotonic == NonMonotonic::Sort && ordered.backwards > 0;
+    Ok(if sorted { Kept::Sorted(ordered.rows) } else { Kept::These(ordered.rows) })
 }
 
 /// The rows that stay of a file, in the order of time.
 struct Rows {
     rows: Kept,
-    lines: Vec<u32>,
-    times: Arc<Vec<f64>>,
+    lines: Numbering,
+    times: Arc<Samples>,
     max_gap_s: f64,
 }
 
 impl Rows {
-    /// The channel that stands in `cells` in SI units; angles are unwrapped before they are scaled.
-    fn channel(&self, cells: Cells, spec: &ChannelSpec, unit: &Unit) -> Result<Series, Invalid> {
+    /// The channel that stands in `cells` in SI units, and the largest modulus there; angles are unwrapped before they are
+    /// scaled.
+    fn channel(&self, cells: Cells, spec: &ChannelSpec, unit: &Unit) -> Result<(Series, f64), Invalid> {
         let Cells::Numbers(numbers) = cells else { unreachable!("channels are read as numbers") };
-        let mut values = self.rows.gathered(numbers);
-        check_turns(&spec.column, unit, &values, |i| self.lines[self.rows.row(i)] as usize)?;
-        values.iter_mut().for_each(|value| *value *= unit.factor);
-        let delayed = || Arc::new(self.times.iter().map(|time| time - spec.delay_s).collect());
+        let numbers = self.rows.gathered(numbers);
+        let mut turns = Turns::new(unit);
+        numbers.iter().for_each(|number| turns.see(number));
+        turns.check(&spec.column, |i| self.lines.line(self.rows.row(i)))?;
+        let delayed = || Arc::new(numbers.made(self.times.iter().map(|time| time - spec.delay_s)));
         let times = if spec.delay_s == 0.0 { Arc::clone(&self.times) } else { delayed() };
-        let series = Series::shared(&times, values, spec.max_gap_s.unwrap_or(self.max_gap_s));
-        let series = if unit.si == "rad" { series.unwrapped() } else { series };
-        Ok(series.map(|value| spec.sign * spec.scale * value + spec.offset))
+        let mut unwrapping = (unit.si == "rad").then(Unwrapping::default);
+        let values = numbers.iter().map(|number| {
+            let value = number * unit.factor;
+            let unwrapped = match unwrapping.as_mut().filter(|_| value.is_finite()) {
+                Some(unwrapping) => unwrapping.next(value),
+                None => value,
+            };
+            spec.sign * spec.scale * unwrapped + spec.offset
+        });
+        let series = Series::shared(&times, numbers.made(values), spec.max_gap_s.unwrap_or(self.max_gap_s));
+        Ok((series, unit.factor * turns.largest()))
     }
 
-    fn labels(&self, cells: Cells) -> Vec<Arc<str>> {
-        match cells {
-            Cells::Labels(labels) => self.rows.gathered(labels),
-            Cells::Numbers(_) => Vec::new(),
+    fn labels(&self, cells: Cells) -> Labels {
+        let Cells::Labels(labels) = cells else { return Labels::default() };
+        if matches!(self.rows, Kept::All) {
+            return labels;
         }
+        let mut kept = Labels::default();
+        (0..self.times.len()).for_each(|i| kept.push(labels.at(self.rows.row(i))));
+        kept
     }
 }
 
 /// Times in seconds from what the column of times holds.
-fn times(spec: &TimeSpec, cells: Option<Cells>) -> Vec<f64> {
-    let Some(Cells::Numbers(mut times)) = cells else { unreachable!("times are read as numbers") };
+fn times(spec: &TimeSpec, cells: Option<Cells>) -> Samples {
+    let Some(Cells::Numbers(times)) = cells else { unreachable!("times are read as numbers") };
     // Dates are in seconds already.
     let unit = spec.unit.seconds().unwrap_or(1.0);
-    times.iter_mut().for_each(|time| *time = *time * unit + spec.offset_s);
-    times
+    times.made(times.iter().map(|time| time * unit + spec.offset_s))
 }

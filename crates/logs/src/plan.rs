@@ -51,6 +51,13 @@ impl Provided {
     }
 }
 
+/// Values of a channel that are put aside at a time.
+pub const PIECE: usize = 1 << 16;
+
+/// How many times the memory may be put aside: what takes more is refused, for it would go on for hours, and a small
+/// compressed file may hold any number of rows.
+const MOST_ASIDE: f64 = 8.0;
+
 /// Names that columns of the trajectories have already.
 const RESERVED: [&str; 9] = ["design", "run", "segment", "maneuver", "sample", "t", "u", "v", "r"];
 
@@ -85,15 +92,23 @@ impl Plan {
         [time].into_iter().chain(channels).chain(labels).collect()
     }
 
-    /// With recordings that take at most `bytes` of memory each.
+    /// With recordings that take at most `memory` bytes each, and `room` bytes where pieces of long ones are put aside.
     #[must_use]
-    pub fn within(mut self, bytes: f64) -> Self {
-        self.most_rows = self.most_rows.min((bytes / self.row_bytes()) as usize);
+    pub fn within(mut self, memory: f64, room: f64) -> Self {
+        let fits = memory >= self.memory(PIECE);
+        let bytes = if fits { room.min(MOST_ASIDE * memory) } else { memory };
+        let rows = bytes / self.row_bytes();
+        self.most_rows = self.most_rows.min(rows as usize);
         self
     }
 
-    /// Bytes of memory that a row takes at most until it is in a table: every channel once, as it is read or on the common
-    /// clock, with a clock of its own where it lacks values, and what is computed of a few channels at a time.
+    /// Bytes that a recording of `rows` rows takes in memory at most: of a long one no more than a piece of every channel.
+    pub fn memory(&self, rows: usize) -> f64 {
+        self.row_bytes() * rows.min(PIECE) as f64
+    }
+
+    /// Bytes that a row takes at most until it is in a table, in memory or put aside: every channel twice, as it was and as
+    /// it becomes, and what is computed of a few channels at a time.
     pub fn row_bytes(&self) -> f64 {
         const AT_A_TIME: usize = 16;
         8.0 * (2 * self.provided.len() + AT_A_TIME) as f64
@@ -104,8 +119,8 @@ impl Plan {
         Invalid::new(
             "rows",
             rows.to_string(),
-            format!("at most {}, which the memory has room for", self.most_rows),
-            "cut the recording into shorter ones, or raise --memory-mib",
+            format!("at most {}, which memory and disk have room for", self.most_rows),
+            "cut the recording into shorter ones, raise --memory-mib, or write to a disk with more room",
         )
     }
 

@@ -3,6 +3,7 @@ use std::f64::consts::FRAC_PI_2;
 
 use chart::Plane;
 
+use crate::series::Sampler;
 use crate::{Body, Formula, Frame, Heading, Lever, Method, Series, Thruster, Unassembled};
 
 /// Channels by name, each on its own clock.
@@ -87,15 +88,19 @@ fn plane(channels: &mut Channels) -> Result<bool, Unassembled> {
     else {
         return Ok(false);
     };
-    let longitudes = longitude.at(&latitude.t);
-    let points =
-        || latitude.values.iter().zip(&longitudes).map(|(lat, lon)| [*lat, *lon].map(f64::to_degrees));
+    let points = || {
+        let longitudes = longitude.at(latitude.t.iter());
+        latitude.values.iter().zip(longitudes).map(|(lat, lon)| [lat, lon].map(f64::to_degrees))
+    };
     let [lat, lon] = points().find(|[_, lon]| lon.is_finite()).unwrap_or_default();
     let plane = Plane::new((lon + 180.0).rem_euclid(360.0) - 180.0, lat).map_err(|_| Unassembled::NoPlane)?;
     let place = |[lat, lon]: [f64; 2]| if lon.is_finite() { plane.to_plane(lon, lat) } else { [f64::NAN; 2] };
-    let places: Vec<[f64; 2]> = points().map(place).collect();
-    for (name, i) in [("x", 1), ("y", 0)] {
-        let values: Vec<f64> = places.iter().map(|place| place[i]).collect();
+    let [mut east, mut north] = [latitude.values.none(), latitude.values.none()];
+    for [x, y] in points().map(place) {
+        east.push(x);
+        north.push(y);
+    }
+    for (name, values) in [("x", north), ("y", east)] {
         channels.insert(name.to_owned(), latitude.with(values));
     }
     Ok(true)
@@ -107,12 +112,13 @@ fn turn(channels: &mut Channels, frame: Frame, conventions: &Conventions) {
         channels.extend([("x".to_owned(), north), ("y".to_owned(), east)]);
     }
     let starboard = conventions.body.starboard();
-    for (name, series) in channels.iter_mut() {
+    for (name, series) in
+        channels.iter_mut().filter(|(name, _)| ["psi", "y_v", "y_r"].contains(&name.as_str()))
+    {
         let taken = std::mem::replace(series, Series::new(&[], &[], 0.0));
         *series = match name.as_str() {
             "psi" => taken.map(|psi| conventions.heading.from_north(psi)),
-            "y_v" | "y_r" => taken.map(|value| starboard * value),
-            _ => taken,
+            _ => taken.map(|value| starboard * value),
         };
     }
 }
@@ -139,11 +145,14 @@ fn pairwise(
     f: impl Fn([f64; 2], f64) -> [f64; 2],
 ) {
     let [Some(first), Some(second)] = names.map(|name| channels.get(name).cloned()) else { return };
-    let (others, thirds) = (second.at(&first.t), third.at(&first.t));
-    let both: Vec<[f64; 2]> =
-        first.values.iter().zip(others).zip(thirds).map(|((a, b), c)| f([*a, b], c)).collect();
-    for (i, name) in names.into_iter().enumerate() {
-        let values: Vec<f64> = both.iter().map(|pair| pair[i]).collect();
+    let [mut changed, mut other] = [first.values.none(), first.values.none()];
+    let (seconds, thirds) = (second.at(first.t.iter()), third.at(first.t.iter()));
+    for ((a, b), c) in first.values.iter().zip(seconds).zip(thirds) {
+        let [a, b] = f([a, b], c);
+        changed.push(a);
+        other.push(b);
+    }
+    for (name, values) in names.into_iter().zip([changed, other]) {
         channels.insert(name.to_owned(), first.with(values));
     }
 }
@@ -153,15 +162,13 @@ fn combine(channels: &Channels, names: &[String], f: impl Fn(&[f64]) -> f64) -> 
     let source = |name: &String| channels.get(name).ok_or_else(|| Unassembled::NoChannel(name.clone()));
     let sources: Vec<&Series> = names.iter().map(source).collect::<Result<_, _>>()?;
     let Some(first) = sources.first() else { return Ok(Series::new(&[], &[], 0.0)) };
-    let columns: Vec<Vec<f64>> = sources.iter().map(|series| series.at(&first.t)).collect();
-    let mut row = vec![0.0; columns.len()];
-    let values: Vec<f64> = (0..first.t.len())
-        .map(|i| {
-            row.iter_mut().zip(&columns).for_each(|(value, column)| *value = column[i]);
-            f(&row)
-        })
-        .collect();
-    Ok(first.with(values))
+    let mut samplers: Vec<Sampler> = sources.iter().map(|series| Sampler::new(series)).collect();
+    let mut row = vec![0.0; samplers.len()];
+    let values = first.t.iter().map(|time| {
+        row.iter_mut().zip(&mut samplers).for_each(|(value, sampler)| *value = sampler.at(time));
+        f(&row)
+    });
+    Ok(first.with(first.values.made(values)))
 }
 
 fn add_forces(channels: &mut Channels, conventions: &Conventions) -> Result<(), Unassembled> {

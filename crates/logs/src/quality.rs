@@ -1,7 +1,10 @@
-use numerics::statistics::median;
+use std::ops::Range;
+
+use numerics::statistics::median_again;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::samples::{Samples, View};
 use crate::{Channels, Grid, Series, body_velocity, local_quadratic};
 
 /// Samples of the parabolas that noise is measured against.
@@ -16,22 +19,24 @@ const FROM_MEDIAN: f64 = 1.482_602_218_505_602;
 /// Robust standard deviation of what a parabola through 11 neighbours leaves of a channel, in its unit: white noise as it
 /// is, whatever moves slower than some 11 samples not at all. None for pieces without gaps of fewer than 11 samples.
 pub fn noise_std(series: &Series) -> Option<f64> {
-    let mut residuals: Vec<f64> = Vec::new();
+    let mut residuals = series.values.none();
     for piece in series.pieces().into_iter().filter(|piece| piece.len() >= WINDOW) {
-        let values = &series.values[piece.clone()];
-        let (mut smooth, _) = local_quadratic(&series.t[piece], values, WINDOW);
-        let centred = WINDOW / 2..values.len() - WINDOW / 2;
-        smooth.iter_mut().zip(values).for_each(|(smooth, value)| *smooth = (value - *smooth).abs());
-        residuals.extend(&smooth[centred]);
+        let centred = WINDOW / 2..piece.len() - WINDOW / 2;
+        let mut values = series.values.range(piece.clone()).enumerate();
+        local_quadratic(&series.t, &series.values, piece, WINDOW, |smooth, _| {
+            if let Some((_, value)) = values.next().filter(|(i, _)| centred.contains(i)) {
+                residuals.push((value - smooth).abs());
+            }
+        });
     }
-    let median = median(residuals)?;
+    let median = median_again(|| residuals.iter())?;
     Some(FROM_MEDIAN * median / (1.0 - FOLLOWED).sqrt())
 }
 
 /// Median distance from the median; 0 for no values.
-fn robust_deviation(values: Vec<f64>) -> f64 {
-    let centre = median(values.clone()).unwrap_or(0.0);
-    median(values.iter().map(|value| (value - centre).abs()).collect()).unwrap_or(0.0)
+fn robust_deviation(values: &Samples) -> f64 {
+    let centre = median_again(|| values.iter()).unwrap_or(0.0);
+    median_again(|| values.iter().map(|value| (value - centre).abs())).unwrap_or(0.0)
 }
 
 /// One channel of a recording.
@@ -110,74 +115,83 @@ pub fn consistency(channels: &Channels, window_s: f64) -> [Option<MotionSummary>
         let rate_hz = measured.rate_hz()?.min(COMPARED_HZ);
         let times = times_of(measured, rate_hz);
         let derivative = match (state, &over_ground) {
-            (State::R, _) => r.at(&times),
+            (State::R, _) => times.made(r.at(times.iter())),
             (_, Some([north, east])) => {
-                let body = north.at(&times).into_iter().zip(east.at(&times)).zip(psi.at(&times));
-                body.map(|((n, e), psi)| body_velocity([n, e], psi)[state as usize]).collect()
+                let rates = north.at(times.iter()).zip(east.at(times.iter()));
+                let body = |((n, e), psi)| body_velocity([n, e], psi)[state as usize];
+                times.made(rates.zip(psi.at(times.iter())).map(body))
             }
             (_, None) => return None,
         };
-        compare(state, &measured.at(&times), &derivative, rate_hz)
+        compare(state, &times.made(measured.at(times.iter())), &derivative, rate_hz)
     })
 }
 
 /// Times at `rate_hz` in the pieces without gaps, and one in the middle of each gap, where nothing is known.
-fn times_of(series: &Series, rate_hz: f64) -> Vec<f64> {
-    let mut times = Vec::new();
+fn times_of(series: &Series, rate_hz: f64) -> Samples {
+    let (mut times, mut before) = (series.t.none(), None);
     for piece in series.pieces() {
-        let (first, last) = (series.t[piece.start], series.t[piece.end - 1]);
-        if piece.start > 0 {
-            times.push(0.5 * (series.t[piece.start - 1] + first));
+        let ends = [piece.start, piece.end - 1].map(|end| series.t.range(end..end + 1).next());
+        let [Some(first), Some(last)] = ends else { continue };
+        if let Some(before) = before {
+            times.push(0.5 * (before + first));
         }
-        times.extend(Grid::new(first, last, rate_hz).times());
+        Grid::new(first, last, rate_hz).times().for_each(|time| times.push(time));
+        before = Some(last);
     }
     times
 }
 
-fn compare(state: State, measured: &[f64], derivative: &[f64], rate_hz: f64) -> Option<MotionSummary> {
-    let pairs: Vec<(f64, f64)> = measured.iter().copied().zip(derivative.iter().copied()).collect();
-    let known = |pair: &(f64, f64)| pair.0.is_finite() && pair.1.is_finite();
-    let differences: Vec<f64> = pairs.iter().filter(|pair| known(pair)).map(|(m, d)| m - d).collect();
+fn compare(state: State, measured: &Samples, derivative: &Samples, rate_hz: f64) -> Option<MotionSummary> {
+    let differences = || measured.iter().zip(derivative.iter()).map(|(m, d)| m - d);
+    let differences = measured.made(differences().filter(|difference| difference.is_finite()));
     if differences.is_empty() {
         return None;
     }
-    let mean =
-        |f: &dyn Fn(f64) -> f64| differences.iter().map(|d| f(*d)).sum::<f64>() / differences.len() as f64;
+    let mean = |f: &dyn Fn(f64) -> f64| differences.iter().map(f).sum::<f64>() / differences.len() as f64;
     let (rms, bias) = (mean(&|d| d * d).sqrt(), mean(&|d| d));
-    let longest = pairs.split(|pair| !known(pair)).max_by_key(|piece| piece.len()).unwrap_or_default();
-    let (measured, derivative): (Vec<f64>, Vec<f64>) = longest.iter().copied().unzip();
+    let longest = longest(measured, derivative);
+    let [measured, derivative] = [measured, derivative].map(|of| of.made(of.range(longest.clone())));
     Some(MotionSummary {
         state,
         rms,
-        robust_std: FROM_MEDIAN * robust_deviation(differences),
+        robust_std: FROM_MEDIAN * robust_deviation(&differences),
         bias,
         lag_s: lag(&measured, &derivative, rate_hz, LONGEST_LAG_S),
         gain: gain(&measured, &derivative),
     })
 }
 
+/// The longest stretch in which both are known, the last of several.
+fn longest(measured: &Samples, derivative: &Samples) -> Range<usize> {
+    let known = measured.iter().zip(derivative.iter()).map(|(m, d)| m.is_finite() && d.is_finite());
+    let (mut longest, mut start) = (0..0, 0);
+    for (i, _) in known.chain([false]).enumerate().filter(|(_, known)| !known) {
+        if i - start >= longest.len() {
+            longest = start..i;
+        }
+        start = i + 1;
+    }
+    longest
+}
+
 /// See [`MotionSummary::gain`].
-fn gain(measured: &[f64], derivative: &[f64]) -> Option<f64> {
+fn gain(measured: &Samples, derivative: &Samples) -> Option<f64> {
     let n = derivative.len() as f64;
     let mean = derivative.iter().sum::<f64>() / n;
     let squares: f64 = derivative.iter().map(|d| (d - mean) * (d - mean)).sum();
-    let products: f64 = measured.iter().zip(derivative).map(|(m, d)| m * (d - mean)).sum();
-    (correlation(measured, derivative) > TOLD).then(|| products / squares)
+    let products: f64 = measured.iter().zip(derivative.iter()).map(|(m, d)| m * (d - mean)).sum();
+    let correlation = correlations(measured, derivative, 0)[0];
+    (correlation > TOLD).then(|| products / squares)
 }
 
 /// By how much `measured` comes after `reference` \[s\]; both at `rate_hz`, equally long. The shift within ±`longest_s` (and
 /// a quarter of the length) with the highest correlation coefficient over what then overlaps, refined by the parabola
 /// through it and its neighbours. None where the coefficient stays below 0.5 or is highest at the longest shift: then there
 /// is no motion to tell it from.
-pub fn lag(measured: &[f64], reference: &[f64], rate_hz: f64, longest_s: f64) -> Option<f64> {
-    let longest = ((longest_s * rate_hz).round() as usize).min(measured.len() / 4) as isize;
-    let coefficient = |shift: isize| {
-        let overlap = measured.len() - shift.unsigned_abs();
-        let late = shift.max(0) as usize;
-        let early = (-shift).max(0) as usize;
-        correlation(&measured[late..late + overlap], &reference[early..early + overlap])
-    };
-    let coefficients: Vec<f64> = (-longest..=longest).map(coefficient).collect();
+pub fn lag(measured: &Samples, reference: &Samples, rate_hz: f64, longest_s: f64) -> Option<f64> {
+    let longest = ((longest_s * rate_hz).round() as usize).min(measured.len() / 4);
+    let coefficients = correlations(measured, reference, longest);
     let (peak, highest) = coefficients.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1))?;
     if *highest < 0.5 || peak == 0 || peak + 1 == coefficients.len() {
         return None;
@@ -188,17 +202,60 @@ pub fn lag(measured: &[f64], reference: &[f64], rate_hz: f64, longest_s: f64) ->
     Some((peak as f64 - longest as f64 + refined) / rate_hz)
 }
 
-/// Pearson's coefficient; 0 where either is constant.
-fn correlation(a: &[f64], b: &[f64]) -> f64 {
-    let n = a.len() as f64;
-    let (mean_a, mean_b) = (a.iter().sum::<f64>() / n, b.iter().sum::<f64>() / n);
-    let (mut aa, mut bb, mut ab) = (0.0, 0.0, 0.0);
-    for (a, b) in a.iter().zip(b) {
-        let (a, b) = (a - mean_a, b - mean_b);
-        aa += a * a;
-        bb += b * b;
-        ab += a * b;
+/// Sums over what overlaps at one shift.
+#[derive(Clone)]
+struct Overlap {
+    /// Where it begins in either.
+    starts: [usize; 2],
+    /// How long it is.
+    len: usize,
+    means: [f64; 2],
+    /// Of squares of deviations from the means, and of their products.
+    squares: [f64; 2],
+    products: f64,
+}
+
+/// Pearson's coefficients of `a` with `b` at shifts from −`longest` to `longest`; 0 where either is constant.
+fn correlations(a: &Samples, b: &Samples, longest: usize) -> Vec<f64> {
+    let overlap = |shift: usize| Overlap {
+        starts: [shift.saturating_sub(longest), longest.saturating_sub(shift)],
+        len: a.len() - shift.abs_diff(longest),
+        // What the sum of nothing is.
+        means: [-0.0; 2],
+        squares: [0.0; 2],
+        products: 0.0,
+    };
+    let mut overlaps: Vec<Overlap> = (0..=2 * longest).map(overlap).collect();
+    each_overlap(&mut overlaps, [a, b], |overlap, [a, b]| {
+        overlap.means[0] = a.iter().fold(overlap.means[0], |sum, a| sum + a);
+        overlap.means[1] = b.iter().fold(overlap.means[1], |sum, b| sum + b);
+    });
+    overlaps.iter_mut().for_each(|overlap| overlap.means = overlap.means.map(|sum| sum / overlap.len as f64));
+    each_overlap(&mut overlaps, [a, b], |overlap, [a, b]| {
+        for (a, b) in a.iter().zip(b) {
+            let (a, b) = (a - overlap.means[0], b - overlap.means[1]);
+            overlap.squares[0] += a * a;
+            overlap.squares[1] += b * b;
+            overlap.products += a * b;
+        }
+    });
+    let coefficient = |overlap: Overlap| {
+        let norm = (overlap.squares[0] * overlap.squares[1]).sqrt();
+        if norm > 0.0 { overlap.products / norm } else { 0.0 }
+    };
+    overlaps.into_iter().map(coefficient).collect()
+}
+
+/// Adds to every overlap its values, part by part: all of a long channel are never in memory.
+fn each_overlap(overlaps: &mut [Overlap], both: [&Samples; 2], add: impl Fn(&mut Overlap, [&[f64]; 2])) {
+    const AT_A_TIME: usize = 1 << 14;
+    let mut views = both.map(View::new);
+    for part in (0..both[0].len()).step_by(AT_A_TIME) {
+        for overlap in overlaps.iter_mut().filter(|overlap| part < overlap.len) {
+            let end = (part + AT_A_TIME).min(overlap.len);
+            let [a, b] = &mut views;
+            let [first, second] = overlap.starts;
+            add(overlap, [a.slice(first + part..first + end), b.slice(second + part..second + end)]);
+        }
     }
-    let norm = (aa * bb).sqrt();
-    if norm > 0.0 { ab / norm } else { 0.0 }
 }

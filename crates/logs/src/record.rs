@@ -10,16 +10,16 @@ use serde::{Deserialize, Serialize};
 use vessel::Segment;
 
 use crate::assemble::on_one_clock;
-use crate::segment::Labels;
+use crate::segment::Labelled;
 use crate::source::called;
 use crate::suspicion::{check_ratios, warnings};
 use crate::{
-    Assembled, ChannelSummary, Channels, Log, MotionSummary, Part, Plan, RowSummary, Segmentation, Series,
-    Source, Unassembled, WarningSummary, consistency, noise_std, prepare,
+    Assembled, ChannelSummary, Channels, Grid, Log, MotionSummary, Part, Plan, RowSummary, Samples,
+    Segmentation, Series, Source, Unassembled, WarningSummary, consistency, noise_std, prepare,
 };
 
 /// What became of a recording.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct Recorded {
     /// Its runs; none where all sub-experiments were too short.
     pub runs: Vec<RecordedRun>,
@@ -27,25 +27,53 @@ pub struct Recorded {
     pub summary: RecordingSummary,
 }
 
-/// A run of N samples, channel by channel: a long one is most of the memory, and goes into a table as it is.
-#[derive(Clone, Debug, PartialEq)]
+/// A run of N samples: rows of a recording on one clock, which its runs share.
+#[derive(Clone, Debug)]
 pub struct RecordedRun {
     /// Its number; 0 until [`crate::Totals::number`] gives it one.
     pub number: i32,
     /// Its segments, in order.
     pub segments: Vec<Segment>,
-    /// Inputs and measured disturbances, N values each.
-    pub exogenous: Vec<Vec<f64>>,
-    /// Surge, sway \[m/s\] and yaw rate \[rad/s\], N + 1 values each.
-    pub measured: [Vec<f64>; 3],
-    /// The channels of [`Plan::further`], N + 1 values each; NaN where absent.
-    pub further: Vec<Vec<f64>>,
+    /// N + 1 rows.
+    rows: Range<usize>,
+    made: Arc<Assembled>,
+    /// What inputs and measured disturbances are multiplied by.
+    factors: Arc<[f64]>,
 }
 
 impl RecordedRun {
     /// Number of samples N.
     pub fn samples(&self) -> usize {
-        self.measured[0].len() - 1
+        self.rows.len() - 1
+    }
+
+    /// Input or measured disturbance `i`, N values.
+    pub fn exogenous(&self, i: usize) -> impl Iterator<Item = f64> {
+        let factor = self.factors[i];
+        self.made.exogenous[i].range(self.rows.start..self.rows.end - 1).map(move |value| factor * value)
+    }
+
+    /// Surge, sway \[m/s\] or yaw rate \[rad/s\], N + 1 values.
+    pub fn measured(&self, d: usize) -> impl Iterator<Item = f64> {
+        self.made.measured[d].range(self.rows.clone())
+    }
+
+    /// Channel `i` of [`Plan::further`], N + 1 values; NaN where absent.
+    pub fn further(&self, i: usize) -> impl Iterator<Item = f64> {
+        self.made.further[i].range(self.rows.clone())
+    }
+
+    /// The same run with copies of its own rows in memory, which lets the recording go.
+    pub fn detached(&self) -> Self {
+        let own = |channel: &Samples| Samples::from(channel.range(self.rows.clone()).collect::<Vec<_>>());
+        let made = Assembled {
+            grid: Grid { rows: self.rows.len(), ..self.made.grid },
+            measured: self.made.measured.each_ref().map(own),
+            exogenous: self.made.exogenous.iter().map(own).collect(),
+            further: self.made.further.iter().map(own).collect(),
+            stretches: Vec::new(),
+        };
+        Self { rows: 0..self.rows.len(), made: Arc::new(made), ..self.clone() }
     }
 }
 
@@ -90,27 +118,24 @@ pub fn record(
     plan: &Plan,
     segmentation: &Segmentation,
 ) -> Result<Recorded, Invalid> {
-    let start_s = logs.iter().filter_map(|log| log.times.first()).copied().fold(f64::INFINITY, f64::min);
+    let start_s = logs.iter().filter_map(|log| log.times.first()).fold(f64::INFINITY, f64::min);
     let labels = logs.iter().find_map(|log| labels(log, start_s));
     let setup = &plan.setup;
     let missing = missing(plan, &logs);
+    let largest: Vec<f64> = logs.iter().flat_map(|log| &log.largest).copied().collect();
     let mut rows = RowSummary::default();
     logs.iter().for_each(|log| rows += log.counts);
     let channels = channels(plan, logs, start_s);
-    let slowest = slowest(&channels);
     let exogenous: Vec<&str> = plan.exogenous.iter().map(|channel| channel.name.as_str()).collect();
     let further: Vec<&str> = plan.further.iter().map(|(name, _)| name.as_str()).collect();
-    // The channels are looked at before they are put on one clock, and go before runs are cut: with long recordings that is
-    // most of the memory.
-    let on_one_clock = prepare(channels, &setup.conventions).and_then(|channels| {
-        let motion = consistency(&channels, setup.conventions.window_s);
-        let summaries = summaries(plan, &channels, &missing);
-        let warnings = warnings(setup, &channels, &summaries);
-        let needed = [exogenous.as_slice(), &further];
-        let made = on_one_clock(channels, &setup.conventions, needed, plan.most_rows)?;
-        Ok((made, motion, summaries, warnings))
-    });
-    let (made, motion, channels, warnings) = on_one_clock.map_err(|why| refused(source, &why, slowest))?;
+    let refused = |why: &Unassembled, found: &[ChannelSummary]| refused(source, why, slowest(plan, found));
+    let channels = prepare(channels, &setup.conventions).map_err(|why| refused(&why, &[]))?;
+    let motion = consistency(&channels, setup.conventions.window_s);
+    let summaries = summaries(plan, &channels, &missing);
+    let warnings = warnings(setup, &channels, &summaries, &largest);
+    let needed = [exogenous.as_slice(), &further];
+    let made = on_one_clock(channels, &setup.conventions, needed, plan.most_rows)
+        .map_err(|why| refused(&why, &summaries))?;
     check_ratios(&motion)?;
     let (parts, short) = segmentation.runs(source, &made, labels.as_ref());
     let (duration_s, splits) =
@@ -127,7 +152,7 @@ pub fn record(
         short_segments: short as u64,
         rows,
         warnings,
-        channels,
+        channels: summaries,
         motion: motion.into_iter().flatten().collect(),
     };
     Ok(Recorded { runs, summary })
@@ -136,7 +161,7 @@ pub fn record(
 /// Why `source` becomes no runs; `slowest` is the channel with the longest step, and that step \[s\].
 fn refused(source: &Source, why: &Unassembled, slowest: Option<(String, f64)>) -> Invalid {
     if let Unassembled::TooLong { most, .. } = why {
-        let expected = format!("at most {most} rows, which the memory has room for");
+        let expected = format!("at most {most} rows, which memory and disk have room for");
         let remedy = "check the clocks for jumps, lower `sample_rate_hz`, or raise --memory-mib";
         return Invalid::new(called(&source.name), why.to_string(), expected, remedy);
     }
@@ -152,9 +177,8 @@ fn refused(source: &Source, why: &Unassembled, slowest: Option<(String, f64)>) -
     Invalid::new(called(&source.name), why.to_string(), expected, remedy)
 }
 
-fn labels(log: &Log, start_s: f64) -> Option<Labels> {
-    let labels = log.labels.clone()?;
-    Some(Labels { times: log.times.iter().map(|time| time - start_s).collect(), labels })
+fn labels(log: &Log, start_s: f64) -> Option<Labelled> {
+    Some(Labelled { times: Arc::clone(&log.times), start_s, labels: log.labels.clone()? })
 }
 
 /// Per channel of the files, how many rows have no value.
@@ -168,11 +192,11 @@ fn missing(plan: &Plan, logs: &[Log]) -> Vec<(String, usize)> {
 fn channels(plan: &Plan, logs: Vec<Log>, start_s: f64) -> Channels {
     let names = plan.setup.channels().map(|spec| spec.channel.clone());
     // The times of a file that its channels share, and the same on the recording's clock.
-    let mut moved: Option<[Arc<Vec<f64>>; 2]> = None;
+    let mut moved: Option<[Arc<Samples>; 2]> = None;
     let mut on_clock = |mut series: Series| {
         let same = moved.take().filter(|[file, _]| Arc::ptr_eq(file, &series.t));
         let [file, own] = same.unwrap_or_else(|| {
-            let own = series.t.iter().map(|time| time - start_s).collect();
+            let own = series.t.made(series.t.iter().map(|time| time - start_s));
             [Arc::clone(&series.t), Arc::new(own)]
         });
         series.t = Arc::clone(&own);
@@ -182,72 +206,66 @@ fn channels(plan: &Plan, logs: Vec<Log>, start_s: f64) -> Channels {
     names.zip(logs.into_iter().flat_map(|log| log.channels).map(&mut on_clock)).collect()
 }
 
-/// The channel with the longest step, and that step \[s\].
-fn slowest(channels: &Channels) -> Option<(String, f64)> {
-    let steps = channels.iter().filter_map(|(name, series)| Some((name.clone(), 1.0 / series.rate_hz()?)));
+/// The channel of those that are logged with the longest step, and that step \[s\].
+fn slowest(plan: &Plan, found: &[ChannelSummary]) -> Option<(String, f64)> {
+    let logged =
+        |name: &str| plan.setup.channels().any(|spec| spec.channel == name) || ["x", "y"].contains(&name);
+    let steps = found.iter().filter(|channel| logged(&channel.name));
+    let steps = steps.filter_map(|channel| Some((channel.name.clone(), 1.0 / channel.rate_hz?)));
     steps.max_by(|a, b| a.1.total_cmp(&b.1))
 }
 
-/// The runs that consist of `parts` each, which follow each other. A channel goes once it is cut.
+/// The runs that consist of `parts` each, which follow each other.
 fn cut(plan: &Plan, made: Assembled, parts: &[Vec<Part>]) -> Vec<RecordedRun> {
-    let mut runs: Vec<RecordedRun> = parts.iter().map(|parts| uncut(parts)).collect();
-    let rows: Vec<Range<usize>> = parts.iter().map(|parts| rows_of(parts)).collect();
-    for (channel, input) in made.exogenous.into_iter().zip(&plan.exogenous) {
-        for (run, rows) in runs.iter_mut().zip(&rows) {
-            // With room for the row after the last sample, which tables have.
-            let mut own = Vec::with_capacity(rows.len());
-            own.extend(channel[rows.start..rows.end - 1].iter().map(|value| input.factor * value));
-            run.exogenous.push(own);
-        }
-    }
-    for (d, channel) in made.measured.into_iter().enumerate() {
-        runs.iter_mut().zip(&rows).for_each(|(run, rows)| run.measured[d] = channel[rows.clone()].to_vec());
-    }
-    for channel in made.further {
-        runs.iter_mut().zip(&rows).for_each(|(run, rows)| run.further.push(channel[rows.clone()].to_vec()));
-    }
-    runs
+    let (made, factors) = (Arc::new(made), plan.exogenous.iter().map(|input| input.factor).collect());
+    parts.iter().map(|parts| run_of(parts, &made, &factors)).collect()
 }
 
-/// The rows of the run that consists of `parts`: one more than it has samples.
-fn rows_of(parts: &[Part]) -> Range<usize> {
-    parts[0].samples.start..parts[parts.len() - 1].samples.end + 1
-}
-
-fn uncut(parts: &[Part]) -> RecordedRun {
+fn run_of(parts: &[Part], made: &Arc<Assembled>, factors: &Arc<[f64]>) -> RecordedRun {
     let start = parts[0].samples.start;
     let segment =
         |part: &Part| Segment { maneuver: part.maneuver.clone(), start: part.samples.start - start };
     RecordedRun {
         number: 0,
         segments: parts.iter().map(segment).collect(),
-        exogenous: Vec::new(),
-        measured: [const { Vec::new() }; 3],
-        further: Vec::new(),
+        // One row more than it has samples.
+        rows: start..parts[parts.len() - 1].samples.end + 1,
+        made: Arc::clone(made),
+        factors: Arc::clone(factors),
     }
 }
 
-/// Samples from which on channels are looked at one by one.
-const LONG: usize = 1 << 19;
+/// What is said of a clock, which many channels share.
+struct Clock {
+    t: Arc<Samples>,
+    rate_hz: Option<f64>,
+}
+
+/// Channels that are looked at side by side: each holds a few pieces in memory.
+const SIDE_BY_SIDE: usize = 16;
 
 fn summaries(plan: &Plan, channels: &Channels, missing: &[(String, usize)]) -> Vec<ChannelSummary> {
-    let channels: Vec<(&String, &Series)> = channels.iter().collect();
-    let of = |(name, series): (&String, &Series)| {
-        let extreme = |f: fn(f64, f64) -> f64| series.values.iter().copied().reduce(f);
+    let mut clocks: Vec<Clock> = Vec::new();
+    for series in channels.values() {
+        if !clocks.iter().any(|clock| Arc::ptr_eq(&clock.t, &series.t)) {
+            clocks.push(Clock { t: Arc::clone(&series.t), rate_hz: series.rate_hz() });
+        }
+    }
+    let of = |(name, series): &(&String, &Series)| {
+        let extreme = |f: fn(f64, f64) -> f64| series.values.iter().reduce(f);
+        let clock = clocks.iter().find(|clock| Arc::ptr_eq(&clock.t, &series.t));
         ChannelSummary {
-            name: name.clone(),
+            name: (*name).clone(),
             unit: plan.unit_of(name).to_owned(),
-            rate_hz: series.rate_hz(),
-            missing: missing.iter().find(|(known, _)| known == name).map_or(0, |(_, count)| *count as u64),
+            rate_hz: clock.and_then(|clock| clock.rate_hz),
+            missing: missing.iter().find(|(known, _)| known == *name).map_or(0, |(_, count)| *count as u64),
             gaps: series.gaps() as u64,
             noise: noise_std(series),
             min: extreme(f64::min),
             max: extreme(f64::max),
         }
     };
-    // Side by side what each needs besides its values would be as much again as those of all.
-    match channels.iter().map(|(_, series)| series.values.len()).max() {
-        Some(longest) if longest > LONG => channels.into_iter().map(of).collect(),
-        _ => channels.into_par_iter().map(of).collect(),
-    }
+    let channels: Vec<(&String, &Series)> = channels.iter().collect();
+    let some = |some: &[(&String, &Series)]| some.par_iter().map(of).collect::<Vec<_>>();
+    channels.chunks(SIDE_BY_SIDE).flat_map(some).collect()
 }

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use refusal::Invalid;
 use serde::Deserialize;
 
-use crate::{Assembled, Grid, Source, Stretch};
+use crate::{Assembled, Grid, Labels, Samples, Source, Stretch};
 
 /// A stretch of samples that is to be one sub-experiment.
 #[derive(Clone, Debug, PartialEq)]
@@ -33,11 +33,12 @@ pub struct Segmentation {
 pub enum Cut {
     /// Each recording is one.
     Whole,
-    /// Windows of equal length, one after the other; what is left at the end of a stretch is too short. Their maneuvers'
-    /// names begin with the recording's kind.
+    /// Windows of equal length, one after the other. Their maneuvers' names begin with the recording's kind.
     Windows {
         /// Samples per window.
         samples: usize,
+        /// Samples from which on what is left at the end of a stretch is a last, shorter window.
+        tail: usize,
         /// Speed classes that the names end with.
         classes: Option<SpeedClasses>,
     },
@@ -62,11 +63,13 @@ pub struct Interval {
 }
 
 /// Labels of a recording, from their times on.
-pub(crate) struct Labels {
-    /// Times on the recording's clock \[s\].
-    pub times: Vec<f64>,
+pub(crate) struct Labelled {
+    /// Times of the file that they stand in \[s\].
+    pub times: Arc<Samples>,
+    /// Where the recording's clock begins \[s\].
+    pub start_s: f64,
     /// One per time.
-    pub labels: Vec<Arc<str>>,
+    pub labels: Labels,
 }
 
 /// Names for ranges of the mean speed over ground.
@@ -80,8 +83,9 @@ pub struct SpeedClasses {
 
 impl SpeedClasses {
     /// The class of rows with surge `u` and sway `v`.
-    pub fn of(&self, u: &[f64], v: &[f64]) -> &str {
-        let mean = u.iter().zip(v).map(|(u, v)| libm::hypot(*u, *v)).sum::<f64>() / u.len() as f64;
+    pub fn of(&self, u: impl ExactSizeIterator<Item = f64>, v: impl Iterator<Item = f64>) -> &str {
+        let rows = u.len() as f64;
+        let mean = u.zip(v).map(|(u, v)| libm::hypot(u, v)).sum::<f64>() / rows;
         &self.names[self.bounds_m_s.iter().filter(|bound| mean >= **bound).count()]
     }
 }
@@ -93,12 +97,12 @@ impl Segmentation {
         &self,
         source: &Source,
         made: &Assembled,
-        labels: Option<&Labels>,
+        labels: Option<&Labelled>,
     ) -> (Vec<Vec<Part>>, usize) {
         let marked = self.cut.marked(source, &made.grid, labels);
         let (mut runs, mut short) = (Vec::new(), 0);
         for stretch in &made.stretches {
-            let speeds = [made.measured[0].as_slice(), made.measured[1].as_slice()];
+            let speeds = [&made.measured[0], &made.measured[1]];
             let parts = self.cut.parts(&source.kind, &marked, stretch, speeds);
             let found = parts.len();
             let kept = self.long_enough(parts);
@@ -111,7 +115,7 @@ impl Segmentation {
 
     fn long_enough(&self, parts: Vec<Part>) -> Vec<Part> {
         let least = match self.cut {
-            Cut::Windows { samples, .. } => self.least.max(samples),
+            Cut::Windows { tail, .. } => self.least.max(tail),
             _ => self.least.max(1),
         };
         parts.into_iter().filter(|part| part.samples.len() >= least).collect()
@@ -120,7 +124,7 @@ impl Segmentation {
 
 impl Cut {
     /// The sub-experiments of a recording that are marked in it, in order, whatever is known of the channels there.
-    fn marked(&self, source: &Source, grid: &Grid, labels: Option<&Labels>) -> Vec<Part> {
+    fn marked(&self, source: &Source, grid: &Grid, labels: Option<&Labelled>) -> Vec<Part> {
         match (self, labels) {
             (Self::Labels, Some(labels)) => labelled(grid, labels),
             (Self::Intervals(intervals), _) => {
@@ -134,16 +138,16 @@ impl Cut {
     }
 
     /// The sub-experiments of one stretch, in order. `u` and `v` are surge and sway on the grid \[m/s\].
-    fn parts(&self, kind: &str, marked: &[Part], stretch: &Stretch, [u, v]: [&[f64]; 2]) -> Vec<Part> {
+    fn parts(&self, kind: &str, marked: &[Part], stretch: &Stretch, [u, v]: [&Samples; 2]) -> Vec<Part> {
         let all = stretch.start..stretch.start + stretch.samples;
         match self {
             Self::Whole => vec![Part { samples: all, maneuver: kind.to_owned() }],
-            Self::Windows { samples, classes } => {
+            Self::Windows { samples, classes, .. } => {
                 let window = |start: usize| {
                     let range = start..(start + samples).min(all.end);
                     let maneuver = match classes {
                         Some(classes) => {
-                            format!("{kind}/{}", classes.of(&u[range.clone()], &v[range.clone()]))
+                            format!("{kind}/{}", classes.of(u.range(range.clone()), v.range(range.clone())))
                         }
                         None => kind.to_owned(),
                     };
@@ -201,11 +205,15 @@ fn within(grid: &Grid, interval: &Interval) -> Part {
 
 /// One sub-experiment per stretch of equal labels, which hold from their times on. Rows under an empty label, or before the
 /// first label, belong to none.
-fn labelled(grid: &Grid, Labels { times, labels }: &Labels) -> Vec<Part> {
+fn labelled(grid: &Grid, Labelled { times, start_s, labels }: &Labelled) -> Vec<Part> {
     let mut parts: Vec<Part> = Vec::new();
-    for (row, time) in grid.times().into_iter().enumerate() {
-        let place = times.partition_point(|t| *t <= time + 1e-6);
-        let label = place.checked_sub(1).map_or("", |place| labels[place].trim());
+    let mut begun = times.iter().map(|time| time - start_s).peekable();
+    let mut place = 0;
+    for (row, time) in grid.times().enumerate() {
+        while begun.next_if(|begins| *begins <= time + 1e-6).is_some() {
+            place += 1;
+        }
+        let label = if place == 0 { "" } else { labels.at(place - 1).trim() };
         match parts.last_mut() {
             Some(part) if part.maneuver == label && part.samples.end == row => part.samples.end += 1,
             _ if label.is_empty() => {}
@@ -228,10 +236,11 @@ mod tests {
     }
 
     fn made(u: Vec<f64>, rate_hz: f64, stretches: Vec<Stretch>) -> Assembled {
-        let still = || vec![0.0; u.len()];
+        let rows = u.len();
+        let still = || Samples::from(vec![0.0; rows]);
         Assembled {
-            grid: Grid { start_s: 0.0, rate_hz, rows: u.len() },
-            measured: [u.clone(), still(), still()],
+            grid: Grid { start_s: 0.0, rate_hz, rows },
+            measured: [u.into(), still(), still()],
             exogenous: Vec::new(),
             further: Vec::new(),
             stretches,
@@ -243,20 +252,28 @@ mod tests {
         let u: Vec<f64> = (0..26).map(|k| 0.02 * f64::from(k)).collect();
         let names = ["slow", "medium", "fast"].map(String::from).into();
         let classes = Some(SpeedClasses { bounds_m_s: vec![0.15, 0.3], names });
-        let cut = Cut::Windows { samples: 10, classes };
+        let cut = Cut::Windows { samples: 10, tail: 10, classes };
         let made = made(u, 1.0, vec![Stretch { start: 1, samples: 24 }]);
         let windows = Segmentation { cut, least: 1, each_is_a_run: false };
         let (runs, short) = windows.runs(&source(), &made, None);
         assert_eq!(ranges(&runs[0]), [(1, 11, "zigzag/slow"), (11, 21, "zigzag/fast")]);
         assert_eq!((runs.len(), short), (1, 1));
-        let (runs, _) = Segmentation { each_is_a_run: true, ..windows }.runs(&source(), &made, None);
-        assert_eq!(runs.len(), 2);
+        let each = Segmentation { each_is_a_run: true, ..windows };
+        assert_eq!(each.runs(&source(), &made, None).0.len(), 2);
+        for (tail, expected) in [(4, 3), (5, 2)] {
+            let cut = Cut::Windows { samples: 10, tail, classes: None };
+            let (runs, short) = Segmentation { cut, ..each.clone() }.runs(&source(), &made, None);
+            assert_eq!((runs.len(), short), (expected, 3 - expected));
+            assert!(expected == 2 || ranges(&runs[2]) == [(21, 25, "zigzag")]);
+        }
     }
 
     #[test]
     fn labels_hold_until_the_next_and_empty_ones_belong_to_nothing() {
-        let labels = ["a", "a", "", "b"].map(Arc::from).into();
-        let labels = Labels { times: vec![1.0, 2.0, 4.0, 5.5], labels };
+        let mut labels = Labels::default();
+        ["a", "a", "", "b"].into_iter().for_each(|label| labels.push(label));
+        let times = Arc::new(vec![101.0, 102.0, 104.0, 105.5].into());
+        let labels = Labelled { times, start_s: 100.0, labels };
         let made = made(vec![0.0; 9], 1.0, vec![Stretch { start: 2, samples: 5 }]);
         assert_eq!(ranges(&labelled(&made.grid, &labels)), [(1, 4, "a"), (6, 9, "b")]);
         let segmentation = Segmentation { cut: Cut::Labels, least: 2, each_is_a_run: false };

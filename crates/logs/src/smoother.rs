@@ -2,67 +2,91 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use crate::Series;
+use crate::samples::{Samples, View, steps};
 
 /// Number of samples, odd and at least 3, that span about `window_s` at `rate_hz`.
 pub fn window_samples(window_s: f64, rate_hz: f64) -> usize {
     2 * ((0.5 * window_s * rate_hz).round() as usize).max(1) + 1
 }
 
-/// Fits a parabola by least squares to the `window` samples around each sample; the fit's value and slope there (one of
-/// each per sample, in the unit of `values` and per second). At the ends the first and the last whole window is used, and
-/// evaluated off its centre. With equal steps this is the filter of Savitzky & Golay (Analytical Chemistry 36, 1964).
+/// Fits a parabola by least squares to the `window` samples around each sample of a piece; gives `each` the fit's value and
+/// slope there, in order (in the unit of `values` and per second). At the ends the first and the last whole window is used,
+/// and evaluated off its centre. With equal steps this is the filter of Savitzky & Golay (Analytical Chemistry 36, 1964).
 ///
 /// `t` increases \[s\]. Fewer than three samples, or a window of fewer, give nothing.
-pub fn local_quadratic(t: &[f64], values: &[f64], window: usize) -> (Vec<f64>, Vec<f64>) {
-    let window = window.min(t.len());
+pub fn local_quadratic(
+    t: &Samples,
+    values: &Samples,
+    piece: Range<usize>,
+    window: usize,
+    mut each: impl FnMut(f64, f64),
+) {
+    let window = window.min(piece.len());
     if window < 3 {
-        return (Vec::new(), Vec::new());
+        return;
     }
-    let at = |i: usize| {
-        let first = i.saturating_sub(window / 2).min(t.len() - window);
-        let range = first..first + window;
-        fit_at(&t[range.clone()], &values[range], t[i])
+    let (mut times, mut seen) = (View::new(t), View::new(values));
+    let mut at = |i: usize, each: &mut dyn FnMut(f64, f64)| {
+        let first = (piece.start + i.saturating_sub(window / 2)).min(piece.end - window);
+        let places = first..first + window;
+        let time = times.at(piece.start + i);
+        let (value, slope) = fit_at(times.slice(places.clone()), seen.slice(places), time);
+        each(value, slope);
     };
-    let whole = window / 2..t.len() - (window - 1) / 2;
-    if !equal_steps(t) {
-        return (0..t.len()).map(at).unzip();
-    }
-    let (mut smooth, mut slope): (Vec<f64>, Vec<f64>) = (0..whole.start).map(at).unzip();
-    filter(t, values, window, &mut smooth, &mut slope);
-    for (value, rate) in (whole.end..t.len()).map(at) {
-        smooth.push(value);
-        slope.push(rate);
-    }
-    (smooth, slope)
+    let Some(step) = equal_step(t, &piece) else {
+        return (0..piece.len()).for_each(|i| at(i, &mut each));
+    };
+    (0..window / 2).for_each(|i| at(i, &mut each));
+    filter(values, &piece, &weights(window, step), &mut each);
+    (piece.len() - (window - 1) / 2..piece.len()).for_each(|i| at(i, &mut each));
 }
 
 /// Steps that differ by less than this share of a step are equal.
 const EQUAL: f64 = 1e-4;
 
-fn equal_steps(t: &[f64]) -> bool {
-    let step = (t[t.len() - 1] - t[0]) / (t.len() - 1) as f64;
-    t.windows(2).all(|pair| (pair[1] - pair[0] - step).abs() < EQUAL * step)
+/// The step of a piece of a clock that has but one.
+fn equal_step(t: &Samples, piece: &Range<usize>) -> Option<f64> {
+    let [first, last] = [piece.start, piece.end - 1].map(|end| t.range(end..end + 1).next());
+    let step = (last? - first?) / (piece.len() - 1) as f64;
+    steps(t.range(piece.clone())).all(|own| (own - step).abs() < EQUAL * step).then_some(step)
 }
 
-/// Appends value and slope at the middle of every whole window: with equal steps the same weights everywhere, which are
-/// the fits of single ones.
-fn filter(t: &[f64], values: &[f64], window: usize, smooth: &mut Vec<f64>, slope: &mut Vec<f64>) {
-    let step = (t[t.len() - 1] - t[0]) / (t.len() - 1) as f64;
+/// Weights of the values in a window whose sums are value and slope at its middle: the fits of single ones.
+fn weights(window: usize, step: f64) -> (Vec<f64>, Vec<f64>) {
     let place = |j: usize| (j as f64 - (window / 2) as f64) * step;
     let places: Vec<f64> = (0..window).map(place).collect();
     let mut single = vec![0.0; window];
-    let weights: (Vec<f64>, Vec<f64>) = (0..window)
-        .map(|j| {
-            single.fill(0.0);
-            single[j] = 1.0;
-            fit_at(&places, &single, 0.0)
-        })
-        .unzip();
+    let weight = |j| {
+        single.fill(0.0);
+        single[j] = 1.0;
+        fit_at(&places, &single, 0.0)
+    };
+    (0..window).map(weight).unzip()
+}
+
+/// Gives `each` value and slope at the middle of every whole window of a piece: with equal steps the same weights
+/// everywhere.
+fn filter(
+    values: &Samples,
+    piece: &Range<usize>,
+    weights: &(Vec<f64>, Vec<f64>),
+    each: &mut dyn FnMut(f64, f64),
+) {
+    const AT_A_TIME: usize = 1 << 14;
+    let (mut seen, more) = (View::new(values), weights.0.len() - 1);
     // Large offsets would cost digits: the first value is taken off and, of the values, given back.
-    let offset = values[0];
-    let moved: Vec<f64> = values.iter().map(|value| value - offset).collect();
-    append_weighted(&moved, &weights.0, smooth, offset);
-    append_weighted(&moved, &weights.1, slope, 0.0);
+    let offset = seen.at(piece.start);
+    let (mut moved, mut smooth, mut slope) = (Vec::new(), Vec::new(), Vec::new());
+    for first in (piece.start..piece.end - more).step_by(AT_A_TIME) {
+        let end = (first + AT_A_TIME).min(piece.end - more);
+        moved.clear();
+        moved.extend(seen.slice(first..end + more).iter().map(|value| value - offset));
+        smooth.clear();
+        slope.clear();
+        append_weighted(&moved, &weights.0, &mut smooth, offset);
+        append_weighted(&moved, &weights.1, &mut slope, 0.0);
+        smooth.iter().zip(&slope).for_each(|(value, slope)| each(*value, *slope));
+    }
 }
 
 /// Appends offset + Σ_j weights\[j\] values\[i + j\] for every i for which they are there.
@@ -113,26 +137,19 @@ impl Series {
         let window = window_samples(window_s, self.rate_hz().unwrap_or(0.0));
         let mut pieces = self.pieces();
         pieces.retain(|piece| piece.len() >= 3);
-        // A channel without gaps is one piece and keeps its clock: what is not copied takes no memory.
+        // A channel without gaps is one piece and keeps its clock.
         let whole = pieces.iter().map(Range::len).sum::<usize>() == self.t.len();
-        let of_pieces = || pieces.iter().flat_map(|piece| &self.t[piece.clone()]).copied().collect();
+        let of_pieces = || self.t.made(pieces.iter().flat_map(|piece| self.t.range(piece.clone())));
         let times = if whole { Arc::clone(&self.t) } else { Arc::new(of_pieces()) };
-        let (mut smooth, mut slope) = (Vec::new(), Vec::new());
+        let [mut smooth, mut slope] = [self.values.none(), self.values.none()];
         for piece in pieces {
-            let (values, slopes) = local_quadratic(&self.t[piece.clone()], &self.values[piece], window);
-            append(&mut smooth, values);
-            append(&mut slope, slopes);
+            local_quadratic(&self.t, &self.values, piece, window, |value, rate| {
+                smooth.push(value);
+                slope.push(rate);
+            });
         }
         let series = |values| Self { t: Arc::clone(&times), values, max_gap_s: self.max_gap_s };
         (series(smooth), series(slope))
-    }
-}
-
-/// Appends `values` to `all`; the first are taken as they are.
-fn append(all: &mut Vec<f64>, values: Vec<f64>) {
-    match all.is_empty() {
-        true => *all = values,
-        false => all.extend(values),
     }
 }
 
@@ -147,7 +164,12 @@ mod tests {
             let y: Vec<f64> =
                 t.iter().map(|t| 6e5 + libm::sin(3.0 * t) + 0.1 * libm::cos(170.0 * t)).collect();
             let whole = window.min(t.len());
-            let (values, slopes) = local_quadratic(&t, &y, window);
+            let (mut values, mut slopes) = (Vec::new(), Vec::new());
+            let [times, seen] = [&t, &y].map(|of| Samples::from(of.as_slice()));
+            local_quadratic(&times, &seen, 0..t.len(), window, |value, slope| {
+                values.push(value);
+                slopes.push(slope);
+            });
             assert_eq!((values.len(), slopes.len()), (t.len(), t.len()));
             for i in 0..t.len() {
                 let first = i.saturating_sub(whole / 2).min(t.len() - whole);

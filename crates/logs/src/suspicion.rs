@@ -2,13 +2,14 @@
 
 use std::f64::consts::TAU;
 
-use numerics::statistics::median;
+use numerics::statistics::median_again;
 use refusal::Invalid;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::columns::cell_of;
-use crate::{ChannelSummary, Channels, MotionSummary, Setup, Unit};
+use crate::samples::steps;
+use crate::{ChannelSpec, ChannelSummary, Channels, MotionSummary, Setup, Unit};
 
 /// Units of angles and how many of them a turn has.
 const TURNS: [(&str, f64); 2] = [("deg", 360.0), ("rad", TAU)];
@@ -23,34 +24,58 @@ const RATES: [(&str, f64); 2] = [("deg/s", 360.0 / TAU), ("deg/min", 60.0 * 360.
 /// How far a ratio may be off that of two units.
 const SAME_RATIO: f64 = 0.02;
 
-/// Refuses an angle that wraps by a turn of another unit than its own. `numbers` as they stand in `column` of the file,
-/// number `i` on line `line(i)`.
-pub(crate) fn check_turns(
-    column: &str,
-    unit: &Unit,
-    numbers: &[f64],
-    line: impl Fn(usize) -> usize,
-) -> Result<(), Invalid> {
-    if unit.si != "rad" {
-        return Ok(());
+/// Finds angles that wrap by a turn of another unit than their own, as they stand in a column.
+pub(crate) struct Turns<'a> {
+    unit: &'a Unit,
+    largest: f64,
+    before: f64,
+    count: usize,
+    /// Per other unit, the first number that is a turn off the one before it: which it is, the one before, itself.
+    wraps: Vec<(&'static str, f64, Option<(usize, [f64; 2])>)>,
+}
+
+impl<'a> Turns<'a> {
+    /// Nothing seen yet of a column in `unit`.
+    pub(crate) fn new(unit: &'a Unit) -> Self {
+        let own = TAU / unit.factor;
+        let others = TURNS.into_iter().filter(|(_, turn)| unit.si == "rad" && (turn / own - 1.0).abs() > 0.1);
+        let wraps = others.map(|(name, turn)| (name, turn, None)).collect();
+        Self { unit, largest: 0.0, before: f64::NAN, count: 0, wraps }
     }
-    let own = TAU / unit.factor;
-    let largest = numbers.iter().filter(|n| n.is_finite()).fold(0.0, |most: f64, n| most.max(n.abs()));
-    for (name, turn) in TURNS.into_iter().filter(|(_, turn)| (turn / own - 1.0).abs() > 0.1) {
-        if largest > 1.02 * turn {
-            continue;
+
+    /// Looks at the next number.
+    pub(crate) fn see(&mut self, number: f64) {
+        for (_, turn, first) in &mut self.wraps {
+            if first.is_none() && ((number - self.before).abs() / *turn - 1.0).abs() < 0.08 {
+                *first = Some((self.count, [self.before, number]));
+            }
         }
-        let wraps = |pair: &[f64]| ((pair[1] - pair[0]).abs() / turn - 1.0).abs() < 0.08;
-        if let Some(i) = numbers.windows(2).position(wraps) {
-            return Err(Invalid::new(
-                cell_of(line(i + 1), column),
-                format!("{} after {}, a turn in {name}", numbers[i + 1], numbers[i]),
-                format!("angles in {}, as its `unit` says", unit.name),
-                format!("it looks like {name}: set `unit = \"{name}\"`"),
-            ));
+        if number.is_finite() {
+            self.largest = self.largest.max(number.abs());
         }
+        self.before = number;
+        self.count += 1;
     }
-    Ok(())
+
+    /// The largest modulus of all numbers.
+    pub(crate) fn largest(&self) -> f64 {
+        self.largest
+    }
+
+    /// Refuses `column`, whose number `i` stands on `line(i)`, where it wraps.
+    pub(crate) fn check(&self, column: &str, line: impl Fn(usize) -> usize) -> Result<(), Invalid> {
+        for (name, turn, first) in &self.wraps {
+            if let Some((i, [before, number])) = first.filter(|_| self.largest <= 1.02 * turn) {
+                return Err(Invalid::new(
+                    cell_of(line(i), column),
+                    format!("{number} after {before}, a turn in {name}"),
+                    format!("angles in {}, as its `unit` says", self.unit.name),
+                    format!("it looks like {name}: set `unit = \"{name}\"`"),
+                ));
+            }
+        }
+        Ok(())
+    }
 }
 
 /// Refuses velocities that are a unit's ratio off the derivative of position or heading.
@@ -110,13 +135,17 @@ pub enum WarningKind {
 /// What is odd about a channel: the kind, how often, in words.
 type Oddity = (WarningKind, u64, String);
 
-/// What is odd about the channels of a recording.
-pub(crate) fn warnings(setup: &Setup, channels: &Channels, found: &[ChannelSummary]) -> Vec<WarningSummary> {
+/// What is odd about the channels of a recording; `largest` are the moduli of those that are logged, as they are logged.
+pub(crate) fn warnings(
+    setup: &Setup,
+    channels: &Channels,
+    found: &[ChannelSummary],
+    largest: &[f64],
+) -> Vec<WarningSummary> {
     let mut odd: Vec<(&str, Oddity)> = Vec::new();
-    for spec in setup.channels() {
+    for (spec, largest) in setup.channels().zip(largest) {
         let Some(channel) = found.iter().find(|channel| channel.name == spec.channel) else { continue };
-        let oddities =
-            [constant(channel), angle(&spec.unit, channel), slow(setup.conventions.rate_hz, channel)];
+        let oddities = [constant(channel), angle(spec, *largest), slow(setup.conventions.rate_hz, channel)];
         odd.extend(oddities.into_iter().flatten().map(|oddity| (channel.name.as_str(), oddity)));
     }
     odd.extend(jumps(channels).map(|oddity| ("psi", oddity)));
@@ -134,12 +163,12 @@ fn constant(channel: &ChannelSummary) -> Option<Oddity> {
     Some((WarningKind::Constant, 1, format!("is {value} throughout")))
 }
 
-/// An angle beyond a turn (but for the heading, which may go round), or one in degrees that stays within a turn in radians.
-fn angle(unit: &str, channel: &ChannelSummary) -> Option<Oddity> {
-    let largest = channel.min?.abs().max(channel.max?.abs());
+/// An angle that is logged beyond a turn (but for the heading, which may go round), or one in degrees that stays within a
+/// turn in radians. What is made of it without jumps may go round as often as it likes.
+fn angle(spec: &ChannelSpec, largest: f64) -> Option<Oddity> {
     let degrees = largest.to_degrees();
-    let text = match unit {
-        "rad" if largest > TAU && channel.name != "psi" => {
+    let text = match spec.unit.as_str() {
+        "rad" if largest > TAU && spec.channel != "psi" => {
             format!("reaches {largest:.1} rad, more than a turn: it may be in degrees")
         }
         "deg" if degrees <= TAU && largest > 0.0 => {
@@ -158,10 +187,10 @@ fn slow(common_hz: f64, channel: &ChannelSummary) -> Option<Oddity> {
 
 /// Steps of the heading over 0.2 rad and twelve times the median step, which no turn explains.
 fn jumps(channels: &Channels) -> Option<Oddity> {
-    let steps: Vec<f64> =
-        channels.get("psi")?.values.windows(2).map(|pair| (pair[1] - pair[0]).abs()).collect();
-    let above = (12.0 * median(steps.clone())?).max(0.2);
-    let count = steps.iter().filter(|step| **step > above).count();
+    let psi = &channels.get("psi")?.values;
+    let turned = || steps(psi.iter()).map(f64::abs);
+    let above = (12.0 * median_again(turned)?).max(0.2);
+    let count = turned().filter(|step| *step > above).count();
     let text = format!("jumps by more than {:.1} deg {count} times", above.to_degrees());
     (count > 0).then_some((WarningKind::Jump, count as u64, text))
 }

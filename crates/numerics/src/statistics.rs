@@ -1,7 +1,9 @@
 //! Quantiles and spread over runs.
 
+mod again;
 mod interval;
 
+pub use again::median_again;
 pub use interval::{mean_interval, paired_median, quantile_interval, quantile_ranks, wilson};
 
 /// Mean, `None` of nothing.

@@ -5,6 +5,8 @@ use validation::comparison::{ComparedErrors, Traced};
 use super::loader::Loader;
 use super::number::{exact, fit, three_or_dash, three_within};
 use super::parts::{Figures, Section, statements};
+use super::residuals::residuals;
+use super::sailed::sailed;
 use super::table::{Table, grouped};
 use crate::figures::{Curve, TraceColumn, TraceRow, palette, traces};
 use study::documents::{CompareDocument, traces as columns};
@@ -35,6 +37,7 @@ pub(super) fn compared(
         (differences(found))
         @if !trace.is_empty() { (over_time(trace, figures)) }
         (recordings(found))
+        (residuals(&found.correlations, figures))
     };
     Some(Section::new("compared", "Model on other recordings", "The model on other recordings", body))
 }
@@ -123,7 +126,10 @@ fn over_time(trace: &[Traced], figures: &mut Figures) -> Markup {
         " All rows of a column share one axis."
         @if windows.len() > drawn.len() { " The first " (drawn.len()) " of " (windows.len()) " windows." }
     };
-    figures.place_wide("compared", traces(&columns, &rows), &caption)
+    html! {
+        (figures.place_wide("compared", traces(&columns, &rows), &caption))
+        (sailed(&windows, figures))
+    }
 }
 
 fn recordings(found: &CompareDocument) -> Markup {

@@ -1,4 +1,4 @@
-use crate::figures::{Curve, TraceColumn, TraceRow, Track, palette, traces, tracks};
+use crate::figures::{Curve, TraceColumn, TraceRow, Track, TrackLine, palette, traces, tracks};
 use maud::{Markup, html};
 
 use super::number::{percent, three};
@@ -20,13 +20,18 @@ fn drawn(all: &[ManeuverTrace], design: Option<&DesignDocument>, figures: &mut F
     let names = shown(all.iter().map(|maneuver| maneuver.name.as_str()), design);
     let maneuvers: Vec<&ManeuverTrace> = all.iter().filter(|m| names.contains(&m.name.as_str())).collect();
     let over_time = small_multiples(&maneuvers, design);
-    let paths: Vec<Track<'_>> = maneuvers.iter().map(|m| Track { name: &m.name, x: &m.x, y: &m.y }).collect();
+    let paths: Vec<Track<'_>> = maneuvers.iter().copied().map(path).collect();
     html! {
         (omission(all.len(), maneuvers.len()))
         (figures.place_wide("dictionary", over_time, &time_caption()))
         (figures.place_wide("tracks", tracks(&paths), &track_caption()))
         (descriptions(&maneuvers))
     }
+}
+
+fn path(maneuver: &ManeuverTrace) -> Track<'_> {
+    let line = TrackLine { x: &maneuver.x, y: &maneuver.y, colour: Some(palette::BLUE) };
+    Track { name: &maneuver.name, lines: vec![line] }
 }
 
 /// The validation input as a single row of the same small multiples.

@@ -51,7 +51,8 @@ fn recommended(validation: &ValidationDocument) -> Markup {
     }
 }
 
-fn recommendation(validation: &ValidationDocument) -> Option<&EstimatorRecommendation> {
+/// The recommendation for the design that is shown first.
+pub(super) fn recommendation(validation: &ValidationDocument) -> Option<&EstimatorRecommendation> {
     let all = validation.recommendations.as_deref().unwrap_or(&[]);
     optimized_first(all, |found| &found.design).into_iter().next()
 }

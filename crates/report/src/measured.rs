@@ -8,8 +8,8 @@ use super::number::{fit, or_dash, percent_within, three_or_dash};
 use super::table::Table;
 use artifact::Error;
 use study::documents::{
-    CompareDocument, CrossvalDocument, EstimatorScore, FreeRunErrors, IngestDocument, SelectionScores,
-    TrustDocument,
+    CompareDocument, CrossvalDocument, EstimatorScore, FreeRunErrors, IngestDocument, ModelDocument,
+    SelectionScores, TrustDocument,
 };
 use study::listed;
 use validation::comparison::Traced;
@@ -23,6 +23,8 @@ pub struct Measured {
     pub trust: Option<TrustDocument>,
     /// `crossval.json`.
     pub crossval: Option<CrossvalDocument>,
+    /// `model.json`.
+    pub model: Option<ModelDocument>,
     /// `compare.json`, and the model over time.
     pub compared: Option<(CompareDocument, Vec<Traced>)>,
 }
@@ -36,7 +38,8 @@ pub(super) fn load(loader: &mut Loader) -> Result<Option<Measured>, Error> {
         return Ok(None);
     }
     let ingest = loader.document("ingest.json", "what was read from the logs, and its quality")?;
-    Ok(Some(Measured { ingest, trust, crossval, compared }))
+    let model = loader.document("model.json", "the model that the estimate delivers")?;
+    Ok(Some(Measured { ingest, trust, crossval, model, compared }))
 }
 
 /// Adds fits and errors of free simulations.

@@ -5,6 +5,7 @@ use super::certificate::certificate;
 use super::compared::compared;
 use super::comparison::comparison;
 use super::crossval::cross_validation;
+use super::delivered::delivered;
 use super::dictionary::dictionary;
 use super::errors::errors;
 use super::estimators::estimators;
@@ -63,7 +64,7 @@ fn of_trials(study: &Study, figures: &mut Figures) -> Vec<Section> {
 /// The sections of a study of measured logs.
 fn of_logs(study: &Study, measured: &Measured, figures: &mut Figures) -> Vec<Section> {
     let mut sections: Vec<Section> = compared(measured.compared.as_ref(), figures).into_iter().collect();
-    sections.extend([cross_validation(measured), trust(measured)]);
+    sections.extend([cross_validation(measured), delivered(measured), trust(measured)]);
     sections.extend(selection(study.selection.as_ref(), figures));
     sections.extend(published_selection(study, figures));
     if study.design.is_some() {

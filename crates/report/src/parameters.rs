@@ -1,7 +1,8 @@
 use crate::figures::{ErrorRow, relative_errors};
-use identification::Estimator;
+use identification::{Estimator, MeanRemoval};
 use maud::{Markup, Render, display, html};
 
+use super::estimators::recommendation;
 use super::number::{or_dash, three, three_or_dash, unit};
 use super::parts::{Figures, Section, entry, missing};
 use super::study::{Study, optimized_first};
@@ -12,7 +13,7 @@ use vessel::{DegreeOfFreedom, Vessel};
 /// What the estimates say about every parameter.
 pub(super) fn parameters(study: &Study, figures: &mut Figures) -> Section {
     let body = match (&study.estimate, &study.vessel) {
-        (Some(estimate), vessel) => estimated(estimate, vessel.as_ref(), figures),
+        (Some(estimate), vessel) => estimated(&Shown::of(estimate, study), vessel.as_ref(), figures),
         (None, Some(vessel)) => html! {
             (missing("The estimates are", "estimate.json", "estimate"))
             (structure(vessel))
@@ -22,8 +23,36 @@ pub(super) fn parameters(study: &Study, figures: &mut Figures) -> Section {
     Section::new("parameters", "Parameters", "Parameters", body)
 }
 
-fn estimated(estimate: &EstimateDocument, vessel: Option<&Vessel>, figures: &mut Figures) -> Markup {
-    let designs = optimized_first(&estimate.designs, |d| &d.design);
+/// The estimates that are shown.
+struct Shown<'a> {
+    estimator: Estimator,
+    mean_removal: MeanRemoval,
+    designs: &'a [DesignSummary],
+    /// Why these, where several estimators were compared.
+    why: Option<String>,
+}
+
+impl<'a> Shown<'a> {
+    /// By the estimator that the validation recommends; else by the one that leads.
+    fn of(estimate: &'a EstimateDocument, study: &Study) -> Self {
+        let best = study.validation.as_ref().and_then(recommendation).and_then(|found| found.estimator);
+        let compared = estimate.compared.as_deref().unwrap_or(&[]);
+        let own = compared.iter().find(|own| Some(own.estimator) == best);
+        let (estimator, designs) = match own {
+            Some(own) => (own.estimator, &own.designs),
+            None => (estimate.estimator, &estimate.designs),
+        };
+        let why = match own {
+            Some(_) => format!("Estimates by {estimator}, which the validation recommends."),
+            None => format!("No estimator is recommended; these are the estimates by {estimator}."),
+        };
+        let why = Some(why).filter(|_| !compared.is_empty());
+        Self { estimator, mean_removal: estimate.mean_removal, designs, why }
+    }
+}
+
+fn estimated(estimate: &Shown, vessel: Option<&Vessel>, figures: &mut Figures) -> Markup {
+    let designs = optimized_first(estimate.designs, |d| &d.design);
     let rows = error_rows(&designs);
     let names: Vec<&str> = designs.iter().map(|d| d.design.as_str()).collect();
     let caption = html! {
@@ -31,6 +60,7 @@ fn estimated(estimate: &EstimateDocument, vessel: Option<&Vessel>, figures: &mut
         " The axis is linear within ±10\u{a0}% and logarithmic beyond."
     };
     html! {
+        @if let Some(why) = &estimate.why { p { (why) } }
         div.pair {
             @if rows.is_empty() {
                 p.missing { "Relative errors are not shown: no parameter has a known true value other than zero." }
@@ -43,7 +73,7 @@ fn estimated(estimate: &EstimateDocument, vessel: Option<&Vessel>, figures: &mut
     }
 }
 
-fn facts(estimate: &EstimateDocument, designs: &[&DesignSummary]) -> Markup {
+fn facts(estimate: &Shown, designs: &[&DesignSummary]) -> Markup {
     html! {
         dl.facts {
             (entry("Estimator", estimator(estimate.estimator)))

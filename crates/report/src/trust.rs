@@ -5,7 +5,7 @@ use super::measured::{Measured, free_runs};
 use super::number::{fit, or_dash, percent, three, three_or_dash, unit};
 use super::parts::{Section, coded, missing, statements};
 use super::table::Table;
-use study::documents::{DegreeTrust, SourceErrors, TrustDocument};
+use study::documents::{ConstrainedParameter, DegreeTrust, SourceErrors, TrustDocument};
 
 /// How far the pooled estimate can be trusted.
 pub(super) fn trust(measured: &Measured) -> Section {
@@ -17,10 +17,32 @@ pub(super) fn trust(measured: &Measured) -> Section {
             @if let Some(criticism) = &found.criticism { (structure(criticism)) }
             (tests(found))
             @for degree in &found.degrees { (parameters(degree)) }
+            @if !found.constrained.is_empty() { (constrained(&found.constrained)) }
             (runs(&found.runs))
         },
     };
     Section::new("trust", "Trust", "Trust in the estimate from all recordings", body)
+}
+
+/// What was not estimated by itself.
+fn constrained(all: &[ConstrainedParameter]) -> Markup {
+    let how = |p: &ConstrainedParameter| match (&p.tied_to, p.factor) {
+        (Some(to), Some(factor)) if factor != 1.0 => format!("{} times {to}", three(factor)),
+        (Some(to), _) => format!("equal to {to}"),
+        _ => "fixed".to_owned(),
+    };
+    let table = Table::of(all)
+        .compact()
+        .name("Parameter", |p| &p.name)
+        .text("Term", |p| &p.term)
+        .text("Unit", |p| unit(&p.unit))
+        .text("Fixed or tied", how)
+        .number("Value", |p| three_or_dash(p.estimate))
+        .number("Standard error", |p| three_or_dash(p.standard_error));
+    html! {
+        h3 { "Parameters fixed or tied" }
+        (table)
+    }
 }
 
 fn about(found: &TrustDocument) -> Markup {
@@ -84,6 +106,11 @@ fn tests(found: &TrustDocument) -> Markup {
         .with(html! { th scope="col" { "Residual and instrument" } }, leak);
     html! {
         (table)
+        p.note {
+            "Condition index of the terms and the intercept: near 1 they vary independently of each other, above 10 some of them \
+             tend to go together, from 30 on the data cannot tell some apart. Condition: of their correlations alone, without \
+             the intercept."
+        }
         h3 { "Weakest directions" }
         ul { @for d in &found.degrees { li { (coded(&d.weakest)) } } }
     }
@@ -106,7 +133,10 @@ fn parameters(degree: &DegreeTrust) -> Markup {
         .text("Term", |p| &p.term)
         .text("Unit", |p| unit(&p.unit))
         .number("Estimate", |p| three_or_dash(p.estimate))
-        .number("Standard error", |p| three_or_dash(p.standard_error));
+        .number("Standard error", |p| match p.at_bound {
+            true => "at its bound".to_owned(),
+            false => three_or_dash(p.standard_error),
+        });
     if degree.parameters.iter().any(|p| p.bootstrap_std.is_some()) {
         table = table
             .number("Bootstrap", |p| three_or_dash(p.bootstrap_std))

@@ -142,7 +142,9 @@ impl PoolFlags {
         let rate_hz = vessel.sample_rate_hz;
         let part_samples = self.part_s.map(|s| samples("--part-s", s, rate_hz)).transpose()?;
         let (model, removal) = (vessel.model.with_intercepts(), self.mean_removal);
-        Ok((runs, Pool { vessel, model, removal, strength, nominal, part_samples, constant }))
+        let pool = Pool { vessel, model, removal, strength, nominal, part_samples, constant };
+        pool.check().map_err(|e| Failure::invalid(&self.vessel, &e))?;
+        Ok((runs, pool))
     }
 
     /// Where instruments come from.

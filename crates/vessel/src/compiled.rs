@@ -1,9 +1,12 @@
-use crate::products::{Curve, Derivatives, Products, Slope, note, place};
-use crate::{Model, Number};
+use std::ops::Range;
+
+use crate::products::{Curve, Derivatives, ONE, Products, Slope, first_coefficient, note, place};
+use crate::{Factor, Model, Number, Term};
 
 /// A model with its parameters, compiled to products of two places each, so that a step decides nothing. Places hold one,
-/// every variable, its modulus, its sign, and the leading products of whatever has more than two factors. `X` is a
-/// [`crate::Lane`] for runs side by side, or `f64` for a single one.
+/// every variable, its modulus, its sign, and the leading products of whatever has more than two factors. Terms that are
+/// tied to each other are summed up in a place of their own. `X` is a [`crate::Lane`] for runs side by side, or `f64` for a
+/// single one.
 ///
 /// [`Self::look`] goes to a point; what is asked there is computed then. Derivatives are compiled when first asked for:
 /// who wants values alone pays for nothing else.
@@ -11,10 +14,13 @@ use crate::{Model, Number};
 pub struct Compiled<'m, X> {
     model: &'m Model,
     variables: usize,
+    /// Those that are known after the others.
     parameters: Vec<X>,
     moduli: Vec<usize>,
     products: Products,
     terms: Vec<[usize; 2]>,
+    /// By the place that it goes to, what each sum of tied terms is made of.
+    tied: Vec<(usize, Vec<[usize; 2]>)>,
     sums: [Vec<Weighted<X>>; 3],
     constant: [X; 3],
     by_state: Option<Derivatives<Slope>>,
@@ -45,37 +51,91 @@ struct Weighted<X> {
     places: [usize; 2],
 }
 
+/// Places in the making.
+struct Places {
+    variables: usize,
+    moduli: Vec<usize>,
+    products: Products,
+    tied: Vec<(usize, Vec<[usize; 2]>)>,
+    coefficients: Range<usize>,
+    sums: Range<usize>,
+}
+
+impl Places {
+    fn new(model: &Model) -> Self {
+        let terms = || model.degrees.iter().flat_map(|degree| &degree.terms);
+        let first = first_coefficient(model);
+        let coefficients = first..first + terms().map(|term| term.tied.len()).sum::<usize>();
+        let sums = coefficients.end..coefficients.end + terms().filter(|term| !term.tied.is_empty()).count();
+        let products = Products::after(sums.end);
+        let variables = model.variables.len();
+        Self { variables, moduli: Vec::new(), products, tied: Vec::new(), coefficients, sums }
+    }
+
+    /// Two places whose product is that of `factors` and what stands at `coefficient`.
+    fn product(&mut self, factors: &[Factor], coefficient: Option<usize>) -> [usize; 2] {
+        let used = factors.iter().filter(|factor| factor.modulus);
+        used.for_each(|factor| note(&mut self.moduli, factor.variable));
+        let own = factors.iter().map(|factor| place(*factor, self.variables));
+        self.products.pair(own.chain(coefficient))
+    }
+
+    /// Two places whose product is `term`.
+    fn term(&mut self, term: &Term) -> [usize; 2] {
+        let own = self.product(&term.factors, None);
+        if term.tied.is_empty() {
+            return own;
+        }
+        let mut parts = vec![own];
+        for tied in &term.tied {
+            let coefficient = self.coefficients.next();
+            parts.push(self.product(&tied.factors, coefficient));
+        }
+        let place = self.sums.next().unwrap_or_default();
+        self.tied.push((place, parts));
+        [place, ONE]
+    }
+}
+
 impl<'m, X: Number> Compiled<'m, X> {
     /// `model` with one number per parameter.
     pub fn new(model: &'m Model, parameters: &[X]) -> Self {
         let variables = model.variables.len();
-        let mut products = Products::after(1 + 3 * variables);
-        let (mut moduli, mut terms) = (Vec::new(), Vec::with_capacity(parameters.len()));
-        let sums = model.degrees.each_ref().map(|degree| {
-            let first = terms.len();
-            for term in &degree.terms {
-                let used = term.factors.iter().filter(|factor| factor.modulus);
-                used.for_each(|factor| note(&mut moduli, factor.variable));
-                terms.push(products.pair(term.factors.iter().map(|factor| place(*factor, variables))));
-            }
-            let weighted = |i: usize| Weighted { parameter: parameters[i], places: terms[i] };
-            (first..terms.len()).map(weighted).collect()
+        let mut places = Places::new(model);
+        let terms: Vec<[usize; 2]> =
+            model.degrees.iter().flat_map(|degree| &degree.terms).map(|term| places.term(term)).collect();
+        let known: Vec<(usize, [usize; 2])> =
+            model.known().map(|(d, known)| (d, places.product(&known.factors, None))).collect();
+        let mut all = parameters.to_vec();
+        all.extend(model.known().map(|(_, known)| X::from(known.coefficient)));
+        let mut first = 0;
+        let mut sums = model.degrees.each_ref().map(|degree| {
+            let own = first..first + degree.terms.len();
+            first = own.end;
+            own.map(|i| Weighted { parameter: parameters[i], places: terms[i] }).collect::<Vec<_>>()
         });
-        let places = vec![X::ONE; products.first + products.pairs.len()];
-        let parameters = parameters.to_vec();
-        let (by_state, by_exogenous, twice) = (None, None, None);
+        for ((d, places), parameter) in known.into_iter().zip(&all[terms.len()..]) {
+            sums[d].push(Weighted { parameter: *parameter, places });
+        }
+        let Places { moduli, products, tied, .. } = places;
+        let mut places = vec![X::ONE; products.first + products.pairs.len()];
+        let tied_terms = model.degrees.iter().flat_map(|degree| &degree.terms).flat_map(|term| &term.tied);
+        for (place, tied) in places[first_coefficient(model)..].iter_mut().zip(tied_terms) {
+            *place = X::from(tied.coefficient);
+        }
         Self {
             model,
             variables,
-            parameters,
+            parameters: all,
             moduli,
             products,
             terms,
+            tied,
             sums,
             constant: model.constant.map(X::from),
-            by_state,
-            by_exogenous,
-            twice,
+            by_state: None,
+            by_exogenous: None,
+            twice: None,
             places,
         }
     }
@@ -84,7 +144,7 @@ impl<'m, X: Number> Compiled<'m, X> {
     /// current of surge and sway components in body axes \[m/s\].
     #[inline(always)]
     pub fn look<E: Copy + Into<X>>(&mut self, state: [X; 3], exogenous: &[E], current: Option<[X; 2]>) {
-        let Self { variables, moduli, products, places, .. } = self;
+        let Self { variables, moduli, products, tied, places, .. } = self;
         places[1..4].copy_from_slice(&state);
         if let Some([along, across]) = current {
             places[1] = state[0] - along;
@@ -97,6 +157,10 @@ impl<'m, X: Number> Compiled<'m, X> {
             places[1 + *variables + *variable] = places[1 + *variable].modulus();
         }
         products.evaluate(places);
+        for (place, parts) in tied {
+            let sum = parts.iter().fold(X::ZERO, |sum, [one, two]| sum + places[*one] * places[*two]);
+            places[*place] = sum;
+        }
     }
 
     /// φ of parameter `i`.
@@ -106,7 +170,21 @@ impl<'m, X: Number> Compiled<'m, X> {
         self.places[one] * self.places[two]
     }
 
-    /// θᵀφ of surge, sway and yaw, and the model's constant.
+    /// What surge, sway and yaw gain without parameters: the model's constant, and its known terms.
+    #[inline(always)]
+    pub fn known(&self) -> [X; 3] {
+        let mut sums = self.constant;
+        for (d, sum) in sums.iter_mut().enumerate() {
+            for Weighted { parameter, places: [one, two] } in
+                &self.sums[d][self.model.degrees[d].terms.len()..]
+            {
+                *sum += *parameter * (self.places[*one] * self.places[*two]);
+            }
+        }
+        sums
+    }
+
+    /// θᵀφ of surge, sway and yaw, and what they gain without parameters.
     #[inline(always)]
     pub fn increments(&self) -> [X; 3] {
         let mut sums = self.constant;
@@ -149,7 +227,7 @@ impl<'m, X: Number> Compiled<'m, X> {
         slopes
     }
 
-    /// Transposed products: Σ_p `terms`\[p\] ∂φ_p/∂z + Σ_d Σ_i `slopes`\[d\]\[i\] ∂J\[d\]\[i\]/∂z for every variable z, that is the
+    /// Transposed products, of parameters and then of known terms: Σ_p `terms`\[p\] ∂φ_p/∂z + Σ_d Σ_i `slopes`\[d\]\[i\] ∂J\[d\]\[i\]/∂z for every variable z, that is the
     /// slope by z of whatever has these slopes by the terms and by J.
     #[inline(always)]
     pub fn pull_back(&mut self, terms: &[X], slopes: &[[X; 3]; 3], out: &mut [X]) {

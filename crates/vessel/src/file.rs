@@ -4,7 +4,8 @@ use refusal::check_numbers;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::{Degree, DegreeOfFreedom, Invalid, Model, Term, Variable};
+use crate::equation::{Equation, Reduced, TermSpec};
+use crate::{Constrained, DegreeOfFreedom, Invalid, Model, Term, Variable, Written};
 
 /// `vessel.toml` as written.
 #[derive(Clone, Debug, Default, Deserialize)]
@@ -56,20 +57,6 @@ pub struct InputSpec {
     pub factor: Option<f64>,
 }
 
-/// One term of an equation.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct TermSpec {
-    /// Name of the parameter.
-    pub parameter: String,
-    /// What it multiplies.
-    pub term: String,
-    /// Its true value, where known: simulated trials follow it.
-    pub value: Option<f64>,
-    /// Its crude value: instruments are made with it.
-    pub nominal: f64,
-}
-
 /// Which of the two parameter sets is meant.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
@@ -91,7 +78,8 @@ impl Source {
     }
 }
 
-/// A vessel: structure, true and nominal parameters. Valid by construction.
+/// A vessel: structure, true and nominal parameters. Valid by construction. The model's parameters are those that are
+/// estimated; what is fixed acts as known terms, what is tied is part of the term of another.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Vessel {
     /// Its name.
@@ -106,6 +94,8 @@ pub struct Vessel {
     pub nominal: Vec<f64>,
     /// Per input, the input that it follows and the factor.
     pub couplings: Vec<Option<(usize, f64)>>,
+    /// Parameters that are fixed or tied, in the order that they are written in.
+    pub constrained: Vec<Constrained>,
 }
 
 /// The built-in vessels: name and `vessel.toml`.
@@ -127,19 +117,26 @@ impl Vessel {
         let constant = file.constant.map(|gained| ("constant", gained));
         check_numbers(constant, "at most 10 m/s or rad/s in a sample", |gained| gained.abs() <= 10.0)?;
         let variables = variables(&file)?;
-        let degrees = degrees(&file, &variables)?;
-        let specs = || [&file.surge, &file.sway, &file.yaw].into_iter().flatten();
-        let mut vessel = Self {
-            name: file.name.clone().ok_or_else(|| missing("name"))?,
-            sample_rate_hz: rate,
-            couplings: couplings(&file.input)?,
-            model: Model { variables, inputs: file.input.len(), degrees, constant: file.constant },
-            value: specs().map(|t| t.value).collect(),
-            nominal: specs().map(|t| t.nominal).collect(),
+        let terms = terms(&file, &variables)?;
+        let couplings = couplings(&file.input)?;
+        let written = replaced(&file)?;
+        check_parameters(&written)?;
+        let (mut value, mut nominal, mut constrained) = (Vec::new(), Vec::new(), Vec::new());
+        let (all, mut terms) = (written.iter().flatten().collect::<Vec<_>>(), terms.into_iter());
+        let mut degree = |d: DegreeOfFreedom| {
+            let own = written[d as usize].iter().zip(terms.next().unwrap_or_default()).collect();
+            let reduced = Equation::new(d, own, &all).reduced(nominal.len())?;
+            let Reduced { degree, value: values, nominal: nominals, constrained: others } = reduced;
+            value.extend(values);
+            nominal.extend(nominals);
+            constrained.extend(others);
+            Ok::<_, Invalid>(degree)
         };
-        vessel.replace(&file)?;
-        vessel.check_parameters()?;
-        Ok(vessel)
+        let [surge, sway, yaw] = DegreeOfFreedom::ALL;
+        let degrees = [degree(surge)?, degree(sway)?, degree(yaw)?];
+        let name = file.name.clone().ok_or_else(|| missing("name"))?;
+        let model = Model { variables, inputs: file.input.len(), degrees, constant: file.constant };
+        Ok(Self { name, sample_rate_hz: rate, model, value, nominal, couplings, constrained })
     }
 
     /// One of the built-in vessels, by name.
@@ -176,43 +173,50 @@ impl Vessel {
         self.value.iter().zip(self.model.parameter_names()).map(known).collect()
     }
 
+    /// The parameters of degree of freedom `d` in the order that they are written in.
+    pub fn written(&self, d: DegreeOfFreedom) -> Vec<Written<'_>> {
+        let mut all: Vec<Written> = self.model.layout().degree(d as usize).map(Written::Estimated).collect();
+        for own in self.constrained.iter().filter(|own| own.degree == d) {
+            all.insert(own.place, Written::Constrained(own));
+        }
+        all
+    }
+
     /// Number of samples in `duration_s`, to the nearest.
     pub fn samples(&self, duration_s: f64) -> usize {
         (duration_s * self.sample_rate_hz).round() as usize
     }
+}
 
-    fn replace(&mut self, file: &VesselFile) -> Result<(), Invalid> {
-        for (name, value) in &file.value {
-            let index = self.index(name)?;
-            self.value[index] = Some(*value);
-        }
-        for (name, value) in &file.nominal {
-            let index = self.index(name)?;
-            self.nominal[index] = *value;
-        }
-        Ok(())
-    }
-
-    fn index(&self, name: &str) -> Result<usize, Invalid> {
-        let unknown = || {
-            let found = "a name that no term has".to_owned();
-            let thing = format!("parameter `{name}`");
-            Invalid { found, ..Invalid::unknown(thing, name, self.model.parameter_names()) }
-        };
-        self.model.parameter_names().position(|n| n == name).ok_or_else(unknown)
-    }
-
-    fn check_parameters(&self) -> Result<(), Invalid> {
-        for ((name, value), nominal) in self.model.parameter_names().zip(&self.value).zip(&self.nominal) {
-            for number in value.iter().chain([nominal]) {
-                if !number.is_finite() {
-                    let thing = format!("parameter `{name}`");
-                    return Err(Invalid::new(thing, number.to_string(), "a finite number", "correct it"));
-                }
+/// The terms of surge, sway and yaw as written, with the values of [value] and [nominal].
+fn replaced(file: &VesselFile) -> Result<[Vec<TermSpec>; 3], Invalid> {
+    let mut written = [&file.surge, &file.sway, &file.yaw].map(Vec::clone);
+    let values = file.value.iter().map(|(name, value)| (name, *value, true));
+    for (name, value, truth) in values.chain(file.nominal.iter().map(|(name, value)| (name, *value, false))) {
+        match written.iter_mut().flatten().find(|spec| spec.parameter == *name) {
+            Some(spec) if truth => spec.value = Some(value),
+            Some(spec) => spec.nominal = Some(value),
+            None => {
+                let found = "a name that no term has".to_owned();
+                let known = written.iter().flatten().map(|spec| spec.parameter.as_str());
+                return Err(Invalid {
+                    found,
+                    ..Invalid::unknown(format!("parameter `{name}`"), name, known)
+                });
             }
         }
-        Ok(())
     }
+    Ok(written)
+}
+
+fn check_parameters(written: &[Vec<TermSpec>; 3]) -> Result<(), Invalid> {
+    for spec in written.iter().flatten() {
+        for number in spec.value.iter().chain(&spec.nominal).filter(|number| !number.is_finite()) {
+            let thing = format!("parameter `{}`", spec.parameter);
+            return Err(Invalid::new(thing, number.to_string(), "a finite number", "correct it"));
+        }
+    }
+    Ok(())
 }
 
 fn missing(key: &str) -> Invalid {
@@ -267,10 +271,11 @@ fn variables(file: &VesselFile) -> Result<Vec<Variable>, Invalid> {
 const RESERVED: [&str; 12] =
     ["design", "run", "segment", "maneuver", "sample", "t", "y_u", "y_v", "y_r", "x", "y", "psi"];
 
-fn degrees(file: &VesselFile, variables: &[Variable]) -> Result<[Degree; 3], Invalid> {
+/// The terms of surge, sway and yaw, each with a parameter of its own.
+fn terms(file: &VesselFile, variables: &[Variable]) -> Result<[Vec<Term>; 3], Invalid> {
     let names: Vec<&str> = variables.iter().map(|v| v.name.as_str()).collect();
     let mut taken: Vec<&str> = Vec::new();
-    let degree = |d: DegreeOfFreedom, specs: &[TermSpec]| -> Result<Degree, Invalid> {
+    let degree = |d: DegreeOfFreedom, specs: &[TermSpec]| -> Result<Vec<Term>, Invalid> {
         if specs.is_empty() {
             return Err(Invalid::new(
                 format!("[[{}]]", d.name()),
@@ -279,8 +284,7 @@ fn degrees(file: &VesselFile, variables: &[Variable]) -> Result<[Degree; 3], Inv
                 "add one",
             ));
         }
-        let terms = specs.iter().map(|s| Term::parse(&s.term, &names)).collect::<Result<_, _>>()?;
-        Ok(Degree { parameters: specs.iter().map(|s| s.parameter.clone()).collect(), terms })
+        specs.iter().map(|s| Term::parse(&s.term, &names)).collect()
     };
     let all = [
         degree(DegreeOfFreedom::Surge, &file.surge)?,

@@ -1,6 +1,6 @@
 use std::ops::Range;
 
-use crate::{Degree, Model, Term};
+use crate::{Model, Term};
 
 /// In which order a model's parameters stand: those of surge, sway and yaw, each followed by that degree of freedom's
 /// intercept where the model has intercepts ([`Model::with_intercepts`]).
@@ -8,38 +8,44 @@ use crate::{Degree, Model, Term};
 pub struct ParameterLayout {
     /// Terms of surge, sway and yaw, intercepts left out.
     terms: [usize; 3],
-    intercepts: bool,
+    /// Which of them have an intercept.
+    intercepts: [bool; 3],
+    /// Which of them have the term 1 instead.
+    constants: [bool; 3],
 }
 
 impl Model {
-    /// The same model with the constant 1 as one more term of every degree of freedom; its parameter is the intercept, what
-    /// the state gains in a sample whatever the vessel does, beyond the constant that is known.
+    /// The same model with the constant 1 as one more term of every degree of freedom that has none; its parameter is the
+    /// intercept, what the state gains in a sample whatever the vessel does, beyond the constant that is known.
     pub fn with_intercepts(&self) -> Self {
         let mut model = self.clone();
-        for degree in &mut model.degrees {
+        for degree in model.degrees.iter_mut().filter(|degree| degree.constant().is_none()) {
             degree.parameters.push("intercept".to_owned());
             degree.terms.push(Term::constant());
+            degree.intercept = true;
         }
         model
     }
 
     /// The order of its parameters.
     pub fn layout(&self) -> ParameterLayout {
-        let intercepts = self.degrees.iter().all(|degree| degree.terms.last().is_some_and(Term::is_constant));
-        let terms = |degree: &Degree| degree.terms.len() - usize::from(intercepts);
-        ParameterLayout { terms: self.degrees.each_ref().map(terms), intercepts }
+        ParameterLayout {
+            terms: self.degrees.each_ref().map(|degree| degree.terms.len() - usize::from(degree.intercept)),
+            intercepts: self.degrees.each_ref().map(|degree| degree.intercept),
+            constants: self.degrees.each_ref().map(|degree| !degree.intercept && degree.constant().is_some()),
+        }
     }
 }
 
 impl ParameterLayout {
-    /// The same with intercepts.
+    /// The same with intercepts, where there is no term 1.
     pub fn with_intercepts(self) -> Self {
-        Self { intercepts: true, ..self }
+        Self { intercepts: self.constants.map(|constant| !constant), ..self }
     }
 
     /// Whether there are intercepts.
     pub fn has_intercepts(self) -> bool {
-        self.intercepts
+        self.intercepts.contains(&true)
     }
 
     /// Number of parameters, intercepts among them.
@@ -49,14 +55,15 @@ impl ParameterLayout {
 
     /// Places of the parameters of degree of freedom `d` that belong to terms.
     pub fn terms(self, d: usize) -> Range<usize> {
-        let first = self.terms[..d].iter().sum::<usize>() + if self.intercepts { d } else { 0 };
+        let before = self.intercepts[..d].iter().filter(|intercept| **intercept).count();
+        let first = self.terms[..d].iter().sum::<usize>() + before;
         first..first + self.terms[d]
     }
 
     /// Places of all parameters of degree of freedom `d`; its intercept is the last.
     pub fn degree(self, d: usize) -> Range<usize> {
         let terms = self.terms(d);
-        terms.start..terms.end + usize::from(self.intercepts)
+        terms.start..terms.end + usize::from(self.intercepts[d])
     }
 
     /// The degree of freedom of every parameter.
@@ -71,12 +78,12 @@ impl ParameterLayout {
 
     /// Parameters in this order from those of the terms (surge, sway, yaw); `intercepts` count where there are any.
     pub fn woven(self, theta: &[f64], intercepts: [f64; 3]) -> Vec<f64> {
-        let (mut theta, mut intercepts) = (theta.iter(), intercepts.into_iter());
-        let mut next = |intercept: bool| match intercept {
-            true => intercepts.next(),
+        let mut theta = theta.iter();
+        let mut next = |(intercept, d): (bool, usize)| match intercept {
+            true => Some(intercepts[d]),
             false => theta.next().copied(),
         };
-        self.are_intercepts().map_while(&mut next).collect()
+        self.are_intercepts().zip(self.degrees()).map_while(&mut next).collect()
     }
 
     /// The terms' parameters alone: surge, sway, yaw.
@@ -87,6 +94,6 @@ impl ParameterLayout {
 
     /// The intercepts alone; zero where there are none.
     pub fn intercepts(self, parameters: &[f64]) -> [f64; 3] {
-        [0, 1, 2].map(|d| if self.intercepts { parameters[self.terms(d).end] } else { 0.0 })
+        [0, 1, 2].map(|d: usize| if self.intercepts[d] { parameters[self.terms(d).end] } else { 0.0 })
     }
 }

@@ -9,7 +9,9 @@
 #![warn(missing_docs)]
 
 mod compiled;
+mod constraint;
 mod disturbance;
+mod equation;
 mod file;
 mod lane;
 pub mod lanes;
@@ -27,8 +29,10 @@ mod steady;
 mod term;
 
 pub use compiled::{Ambient, Compiled};
+pub use constraint::{Constrained, Constraint, Written};
 pub use disturbance::{Axes, Current, Disturbances, MOST_CURRENT_M_S, Measurement, Wind, check_currents};
-pub use file::{InputSpec, Source, TermSpec, Vessel, VesselFile};
+pub use equation::TermSpec;
+pub use file::{InputSpec, Source, Vessel, VesselFile};
 pub use lane::{LANES, Lane, Number, Numbers};
 pub use layout::ParameterLayout;
 pub use maneuver::{
@@ -43,4 +47,4 @@ pub use refusals::{MOST_SAMPLES, refuse_endless};
 pub use run::{Run, RunView, Segment};
 pub use simulate::{DIVERGED, Diverged, Weather, check_diverged, follow, simulate, simulate_one};
 pub use steady::{Motion, Steady};
-pub use term::{Factor, Term};
+pub use term::{Factor, Product, Term};

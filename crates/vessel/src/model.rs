@@ -1,6 +1,8 @@
+use std::collections::BTreeMap;
+
 use serde::Deserialize;
 
-use crate::Term;
+use crate::{Product, Term};
 
 /// Surge, sway or yaw.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -44,13 +46,39 @@ pub struct Variable {
 }
 
 /// The regressors φ_d of one degree of freedom, with the names of their parameters θ_d.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Degree {
     /// Names of the parameters.
     pub parameters: Vec<String>,
     /// One term per parameter.
     pub terms: Vec<Term>,
+    /// Terms whose parameters are known: they act, and are not estimated.
+    pub known: Vec<Product>,
+    /// Within which estimates stay, by place among the parameters; infinite at an open end.
+    pub bounds: BTreeMap<usize, [f64; 2]>,
+    /// Whether the last term is an intercept, see [`Model::with_intercepts`].
+    pub intercept: bool,
 }
+
+impl Degree {
+    /// `terms` and the names of their `parameters`.
+    pub fn new(parameters: Vec<String>, terms: Vec<Term>) -> Self {
+        Self { parameters, terms, ..Self::default() }
+    }
+
+    /// Whether the estimate `value` of parameter `i` lies at a bound.
+    pub fn at_bound(&self, i: usize, value: f64) -> bool {
+        self.bounds.get(&i).is_some_and(|bounds| bounds.contains(&value))
+    }
+
+    /// The place of the term 1, whose parameter is the intercept of this degree of freedom by another name.
+    pub fn constant(&self) -> Option<usize> {
+        self.terms.iter().position(Term::is_constant)
+    }
+}
+
+/// The bounds of a parameter that has none.
+const OPEN: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
 
 /// A model structure: what the states' increments are linear combinations of.
 #[derive(Clone, Debug, PartialEq)]
@@ -93,6 +121,23 @@ impl Model {
         rows.flat_map(|row| row.iter().copied().chain(std::iter::repeat_n(0.0, calm))).collect()
     }
 
+    /// The terms whose parameters are known, with their degrees of freedom.
+    pub fn known(&self) -> impl Iterator<Item = (usize, &Product)> {
+        self.degrees.iter().enumerate().flat_map(|(d, degree)| degree.known.iter().map(move |own| (d, own)))
+    }
+
+    /// The bounds of all parameters, infinite where there are none; `None` without any.
+    pub fn bounds(&self) -> Option<Vec<[f64; 2]>> {
+        let bounded = self.degrees.iter().any(|degree| !degree.bounds.is_empty());
+        bounded.then(|| {
+            let own = |degree: &Degree, i: usize| degree.bounds.get(&i).copied().unwrap_or(OPEN);
+            self.degrees
+                .iter()
+                .flat_map(|degree| (0..degree.terms.len()).map(move |i| own(degree, i)))
+                .collect()
+        })
+    }
+
     /// Names of all parameters: surge, sway, yaw.
     pub fn parameter_names(&self) -> impl Iterator<Item = &str> {
         self.degrees.iter().flat_map(|d| d.parameters.iter().map(String::as_str))
@@ -102,7 +147,10 @@ impl Model {
     pub fn unit(&self, degree: DegreeOfFreedom, term: &Term) -> String {
         let units: Vec<&str> =
             term.factors.iter().map(|f| self.variables[f.variable].unit.as_str()).collect();
-        format!("{} per ({})", degree.unit(), units.join(" × "))
+        match units.is_empty() {
+            true => degree.unit().to_owned(),
+            false => format!("{} per ({})", degree.unit(), units.join(" × ")),
+        }
     }
 
     /// Units of all parameters, such as `m/s per N`.

@@ -1,6 +1,6 @@
 //! Terms and parts of their derivatives as products of two places each.
 
-use crate::{Factor, Model, Number, Term};
+use crate::{Factor, Model, Number};
 
 /// A part of the derivative of one parameter's term by `variable`, by the product rule.
 #[derive(Clone, Copy, Debug)]
@@ -22,7 +22,7 @@ pub(crate) struct Curve {
 }
 
 /// The place that holds one.
-const ONE: usize = 0;
+pub(crate) const ONE: usize = 0;
 
 /// Products of two places each, which stand after one another from place `first` on.
 #[derive(Clone, Debug)]
@@ -67,35 +67,44 @@ pub(crate) struct Derivatives<T> {
 }
 
 impl<T> Derivatives<T> {
-    /// Calls `add` with every term (its parameter and its degree of freedom), and makes room for the products.
+    /// Calls `add` with every product (its parameter, its degree of freedom, the place of its coefficient), and makes room for
+    /// what it takes. Known terms count as parameters after all others.
     #[cold]
     #[inline(never)]
     fn new<X: Number>(
         model: &Model,
         places: &mut Vec<X>,
-        mut add: impl FnMut(&mut Self, usize, usize, &Term),
+        mut add: impl FnMut(&mut Self, usize, usize, &Written),
     ) -> Self {
         let products = Products::after(places.len());
         let mut own = Self { signs: Vec::new(), products, parts: Vec::new() };
-        let mut parameter = 0;
+        let (mut parameter, mut coefficients) = (0, first_coefficient(model)..);
         for (degree, terms) in model.degrees.iter().map(|d| &d.terms).enumerate() {
             for term in terms {
-                add(&mut own, parameter, degree, term);
+                add(&mut own, parameter, degree, &Written { factors: &term.factors, coefficient: None });
+                for (tied, coefficient) in term.tied.iter().zip(&mut coefficients) {
+                    let coefficient = Some(coefficient);
+                    add(&mut own, parameter, degree, &Written { factors: &tied.factors, coefficient });
+                }
                 parameter += 1;
             }
+        }
+        for (i, (degree, known)) in model.known().enumerate() {
+            add(&mut own, parameter + i, degree, &Written { factors: &known.factors, coefficient: None });
         }
         places.resize(places.len() + own.products.pairs.len(), X::ONE);
         own
     }
 
     /// Two places whose product is `term` without its factors `dropped`, times the inner derivatives of these.
-    fn rest(&mut self, model: &Model, term: &Term, dropped: &[usize]) -> [usize; 2] {
+    fn rest(&mut self, model: &Model, term: &Written, dropped: &[usize]) -> [usize; 2] {
         let variables = model.variables.len();
         let moduli = || dropped.iter().map(|i| term.factors[*i]).filter(|factor| factor.modulus);
         moduli().for_each(|factor| note(&mut self.signs, factor.variable));
         let kept = term.factors.iter().enumerate().filter(|(i, _)| !dropped.contains(i));
         let signs = moduli().map(|factor| 1 + 2 * variables + factor.variable);
-        self.products.pair(kept.map(|(_, factor)| place(*factor, variables)).chain(signs))
+        let all = kept.map(|(_, factor)| place(*factor, variables)).chain(signs);
+        self.products.pair(all.chain(term.coefficient))
     }
 
     #[inline(always)]
@@ -141,6 +150,17 @@ impl Derivatives<Curve> {
             }
         })
     }
+}
+
+/// A product as it is written, and the place of its coefficient, where it has one.
+pub(crate) struct Written<'a> {
+    pub factors: &'a [Factor],
+    pub coefficient: Option<usize>,
+}
+
+/// The place of the first coefficient of tied terms: after one, the variables, their moduli and signs.
+pub(crate) fn first_coefficient(model: &Model) -> usize {
+    1 + 3 * model.variables.len()
 }
 
 pub(crate) fn place(factor: Factor, variables: usize) -> usize {

@@ -10,20 +10,35 @@ pub struct Factor {
 }
 
 /// A product of variables and moduli, such as `u |u|`, `v r` or `u |u| delta`. A power is a repeated factor.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Term {
     /// As written.
     pub text: String,
     /// Its factors; none make the constant 1.
     pub factors: Vec<Factor>,
+    /// The terms of parameters that are tied to this one's: its parameter multiplies the sum of all. None for most.
+    pub tied: Vec<Product>,
+}
+
+/// A number times variables and moduli.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Product {
+    /// The number.
+    pub coefficient: f64,
+    /// The others; none make the constant.
+    pub factors: Vec<Factor>,
 }
 
 impl Term {
-    /// Parses `text`: names side by side or with `*` between them, `|name|` for the modulus, `^2` for a power.
+    /// Parses `text`: names side by side or with `*` between them, `|name|` for the modulus, `^2` for a power. `1` is the
+    /// constant.
     ///
     /// # Errors
     /// A name that is none of `variables`, an unclosed `|`, a power that is no whole number from 1 to 9, no factor.
     pub fn parse(text: &str, variables: &[&str]) -> Result<Self, Invalid> {
+        if text.trim() == "1" {
+            return Ok(Self::constant());
+        }
         let mut rest = text.trim_start();
         let mut factors = Vec::new();
         while !rest.is_empty() {
@@ -34,12 +49,17 @@ impl Term {
         if factors.is_empty() {
             return Err(malformed(text, "no factor"));
         }
-        Ok(Self { text: text.split_whitespace().collect::<Vec<_>>().join(" "), factors })
+        Ok(Self::of(text.split_whitespace().collect::<Vec<_>>().join(" "), factors))
     }
 
-    /// The constant 1, which no text stands for.
+    /// The product of `factors`, called `text`.
+    pub fn of(text: String, factors: Vec<Factor>) -> Self {
+        Self { text, factors, tied: Vec::new() }
+    }
+
+    /// The constant 1.
     pub(crate) fn constant() -> Self {
-        Self { text: "1".to_owned(), factors: Vec::new() }
+        Self::of("1".to_owned(), Vec::new())
     }
 
     /// Whether it is the constant 1.
@@ -47,25 +67,50 @@ impl Term {
         self.factors.is_empty()
     }
 
+    /// The factors of its products: its own, then those of what is tied to it.
+    pub fn products(&self) -> impl Iterator<Item = &[Factor]> {
+        [self.factors.as_slice()].into_iter().chain(self.tied.iter().map(|tied| tied.factors.as_slice()))
+    }
+
     /// The term's values at `N` samples at once; `values` holds one array per variable.
     #[inline(always)]
     pub fn values<X: Number, const N: usize>(&self, values: &[[X; N]], out: &mut [X; N]) {
-        // What is decided per factor stays out of the loops, so that they are whole vectors.
-        let Some((first, others)) = self.factors.split_first() else {
-            *out = [X::ONE; N];
-            return;
-        };
-        *out = values[first.variable];
-        if first.modulus {
-            out.iter_mut().for_each(|o| *o = o.modulus());
+        multiply(&self.factors, values, out);
+        for tied in &self.tied {
+            tied.add(values, out);
         }
-        for factor in others {
-            let pairs = out.iter_mut().zip(&values[factor.variable]);
-            if factor.modulus {
-                pairs.for_each(|(o, value)| *o = *o * value.modulus());
-            } else {
-                pairs.for_each(|(o, value)| *o = *o * *value);
-            }
+    }
+}
+
+impl Product {
+    /// Adds its values at `N` samples to `out`, see [`Term::values`].
+    #[inline(always)]
+    pub fn add<X: Number, const N: usize>(&self, values: &[[X; N]], out: &mut [X; N]) {
+        let mut own = [X::ZERO; N];
+        multiply(&self.factors, values, &mut own);
+        let coefficient = X::from(self.coefficient);
+        out.iter_mut().zip(own).for_each(|(o, own)| *o += coefficient * own);
+    }
+}
+
+/// The product of `factors`; one without any.
+#[inline(always)]
+fn multiply<X: Number, const N: usize>(factors: &[Factor], values: &[[X; N]], out: &mut [X; N]) {
+    // What is decided per factor stays out of the loops, so that they are whole vectors.
+    let Some((first, others)) = factors.split_first() else {
+        *out = [X::ONE; N];
+        return;
+    };
+    *out = values[first.variable];
+    if first.modulus {
+        out.iter_mut().for_each(|o| *o = o.modulus());
+    }
+    for factor in others {
+        let pairs = out.iter_mut().zip(&values[factor.variable]);
+        if factor.modulus {
+            pairs.for_each(|(o, value)| *o = *o * value.modulus());
+        } else {
+            pairs.for_each(|(o, value)| *o = *o * *value);
         }
     }
 }
@@ -105,7 +150,7 @@ fn malformed(text: &str, found: &str) -> Invalid {
     Invalid::new(
         format!("term `{text}`"),
         found,
-        "a product such as `u |u|`, `v r` or `u^2 delta`",
+        "a product such as `u |u|`, `v r` or `u^2 delta`, or the constant `1`",
         "write the term again",
     )
 }

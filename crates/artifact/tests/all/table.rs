@@ -1,7 +1,8 @@
 //! Writing and reading tables.
 
 use artifact::{
-    Column, Digest, Kind, Provenance, Table, TableReader, TableSchema, TableWriter, encode_block,
+    Column, ColumnSpec, Digest, Kind, PIECE_ROWS, Provenance, Table, TableReader, TableSchema, TableWriter,
+    encode_block,
 };
 use proptest::prelude::*;
 
@@ -70,12 +71,63 @@ fn a_block_that_is_written_by_columns_has_the_same_bytes() {
     // What the table was made of may be told at its end.
     let unknown = Provenance { inputs: Default::default(), ..provenance() };
     let mut writer = TableWriter::create(&path, &schema(), &unknown).unwrap();
-    (0..3).for_each(|i| writer.write(&schema(), sample::block(i)).unwrap());
+    for i in 0..3 {
+        let Table { columns } = sample::block(i);
+        let column =
+            |i: usize| Box::new(std::iter::once(columns[i].clone())) as Box<dyn Iterator<Item = Column>>;
+        writer.write(&schema(), columns[0].len(), column).unwrap();
+    }
     writer.set_inputs(&provenance());
-    let damaged = Table { columns: sample::block(0).columns[..2].to_vec() };
-    assert!(refusal(writer.write(&schema(), damaged)).contains("found 2 columns, expected 4 columns"));
     artifact::commit(vec![writer.finish().unwrap()]).unwrap();
     assert_eq!(std::fs::read(path).unwrap(), std::fs::read(whole).unwrap());
+}
+
+#[test]
+fn a_long_block_that_is_written_in_pieces_has_the_same_bytes() {
+    let spec =
+        |name: &str, kind, nullable| ColumnSpec { name: name.into(), unit: "1".into(), kind, nullable };
+    let columns =
+        vec![spec("x", Kind::F64, true), spec("k", Kind::I32, false), spec("name", Kind::Text, false)];
+    let schema = TableSchema { id: "long", version: 1, columns };
+    let rows = 3 * PIECE_ROWS + 1000;
+    let part = |rows: std::ops::Range<usize>| {
+        let x = rows.clone().map(|i| (i as f64).sqrt()).collect();
+        let codes = rows.clone().map(|i| (i / 50_000) as u32).collect();
+        let labels = (0..5).map(|i| format!("label {i}")).collect();
+        let present = rows.clone().map(|i| i % 7 > 0).collect();
+        let k = rows.map(|i| i as i32).collect();
+        vec![Column::nullable_f64(x, present), Column::i32(k), Column::text(labels, codes)]
+    };
+    let folder = folder();
+    let [whole, pieces] = ["whole", "pieces"].map(|name| folder.path().join(name));
+    let mut writer = TableWriter::create(&whole, &schema, &provenance()).unwrap();
+    writer.push(encode_block(&schema, &Table { columns: part(0..rows) }).unwrap()).unwrap();
+    artifact::commit(vec![writer.finish().unwrap()]).unwrap();
+    let parts = |end: usize, i: usize| {
+        let part = move |start: usize| part(start..(start + PIECE_ROWS).min(end)).swap_remove(i);
+        Box::new((0..end).step_by(PIECE_ROWS).map(part)) as Box<dyn Iterator<Item = Column>>
+    };
+    let mut writer = TableWriter::create(&pieces, &schema, &provenance()).unwrap();
+    writer.write(&schema, rows, |i| parts(rows, i)).unwrap();
+    artifact::commit(vec![writer.finish().unwrap()]).unwrap();
+    assert!(std::fs::read(&pieces).unwrap() == std::fs::read(whole).unwrap());
+    // What is refused on the way does not become a file.
+    let mut writer = TableWriter::create(&pieces, &schema, &provenance()).unwrap();
+    let refused = refusal(writer.write(&schema, rows, |i| parts(rows - i, i)));
+    assert!(
+        refused.contains(&format!("column `k`: found {} rows, expected {rows} rows", rows - 1)),
+        "{refused}"
+    );
+    assert!(writer.finish().is_err());
+    let mut writer = TableWriter::create(&pieces, &schema, &provenance()).unwrap();
+    let damaged = |i: usize| {
+        let late = parts(rows, i)
+            .enumerate()
+            .map(|(n, piece)| if n < 2 { piece } else { Column::f64(vec![f64::NAN]) });
+        Box::new(late) as Box<dyn Iterator<Item = Column>>
+    };
+    let refused = refusal(writer.write(&schema, rows, damaged));
+    assert!(refused.contains(&format!("column `x`, row {}", 2 * PIECE_ROWS)), "{refused}");
 }
 
 #[test]

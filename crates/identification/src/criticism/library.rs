@@ -135,5 +135,7 @@ fn absent(model: &Model, degree: DegreeOfFreedom, names: &[&str]) -> Vec<(String
         factors.sort_unstable();
         factors
     };
-    parsed.filter(|(_, term)| own.iter().all(|known| sorted(known) != sorted(term))).collect()
+    // What is fixed or tied to another term is looked for: it may be fixed or tied wrongly.
+    let has = |term: &Term| own.iter().any(|known| known.tied.is_empty() && sorted(known) == sorted(term));
+    parsed.filter(|(_, term)| !has(term)).collect()
 }

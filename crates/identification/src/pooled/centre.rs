@@ -1,5 +1,6 @@
 use std::sync::Arc;
 
+use crate::bounded::estimated;
 use crate::{MeanRemoval, Sums};
 
 /// What is subtracted from instruments and regressors of each part: means over all parts, over the part, or nothing.
@@ -18,6 +19,10 @@ pub(super) struct Means {
     zeta: Vec<f64>,
     phi: Vec<f64>,
     target: f64,
+    /// Whether a term 1 is the intercept.
+    constant: bool,
+    /// Whether bounds may hold parameters.
+    bounded: bool,
 }
 
 impl Centring {
@@ -26,9 +31,13 @@ impl Centring {
         Self { removal, parts }
     }
 
-    /// Number of intercepts of a degree of freedom.
-    pub fn intercepts(&self) -> usize {
-        if self.removal == MeanRemoval::None { 0 } else { self.parts.len() }
+    /// Number of unknowns of degree of freedom `d`: intercepts, and those of `p` parameters that bounds do not hold, by the
+    /// `gain` of their estimate.
+    pub(super) fn unknowns(&self, d: usize, gain: &[f64], p: usize) -> usize {
+        let is = |of: fn(&Means) -> bool| self.parts.first().is_some_and(|means| of(&means[d]));
+        let parameters = if is(|means| means.bounded) { estimated(gain, p) } else { p };
+        let none = self.removal == MeanRemoval::None || is(|means| means.constant);
+        parameters + if none { 0 } else { self.parts.len() }
     }
 
     fn at(&self, part: usize, d: usize) -> &Means {
@@ -58,14 +67,17 @@ impl Centring {
 impl Means {
     /// Of surge, sway and yaw in `sums`; of instruments and regressors 0 where they are not `removed`.
     pub(super) fn of(sums: &Sums, removed: bool) -> [Self; 3] {
-        let share = if removed && sums.samples > 0 { 1.0 / sums.samples as f64 } else { 0.0 };
         [0, 1, 2].map(|d| {
             let degree = &sums.degrees[d];
+            let removed = removed && sums.samples > 0 && !degree.known.constant;
+            let share = if removed { 1.0 / sums.samples as f64 } else { 0.0 };
             let (p, lifted) = (degree.parameters(), degree.parameters() + 1);
             Self {
                 zeta: (0..p).map(|i| share * degree.a[i * lifted + p]).collect(),
                 phi: (0..p).map(|i| share * degree.a[p * lifted + i]).collect(),
                 target: share * degree.b[p],
+                constant: degree.known.constant,
+                bounded: !degree.known.bounds.is_empty(),
             }
         })
     }

@@ -4,7 +4,9 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use vessel::{DegreeOfFreedom, Model, RunView, Variable};
 
-use super::{DegreeTrust, Estimated, Part, PartView, Parts, Pool, Regression, SourceErrors};
+use super::{
+    DegreeTrust, Estimated, ParameterTrust, Part, PartView, Parts, Pool, Regression, Score, SourceErrors,
+};
 use crate::Estimator;
 
 /// The model that an estimate delivers, whole: with it others simulate what was validated.
@@ -84,8 +86,7 @@ impl Delivered {
         sources: &[SourceErrors],
     ) -> Result<Option<Self>, P::Error> {
         let Some((theta, intercepts)) = found.theta() else { return Ok(None) };
-        let known = pool.model.constant;
-        let beyond = |intercepts: [f64; 3]| [0, 1, 2].map(|d| known[d] + intercepts[d]);
+        let beyond = |intercepts| beyond(&pool.model, intercepts);
         let mut account = Account::new(&pool.vessel.model, &theta, intercepts);
         parts.each(|part| account.add(&part))?;
         Ok(Some(Self {
@@ -99,6 +100,35 @@ impl Delivered {
             theta,
         }))
     }
+
+    /// What an estimate of one run delivers, θ̂ and intercepts, beside those by least squares. Its covariance is not known: run
+    /// by run only standard errors are.
+    pub(crate) fn of_run(
+        model: &Model,
+        part: &PartView,
+        (theta, intercepts): (Vec<f64>, [f64; 3]),
+        least_squares: Option<(Vec<f64>, [f64; 3])>,
+    ) -> Self {
+        let mut account = Account::new(model, &theta, intercepts);
+        account.add(part);
+        let lifted = model.with_intercepts();
+        let parameters = lifted.layout().woven(&theta, intercepts);
+        Self {
+            constant: beyond(model, intercepts),
+            covariance: None,
+            least_squares: least_squares.map(|(theta, own)| (theta, beyond(model, own))),
+            increment_std: account.squares.map(|sum| (sum / f64::max(account.samples, 1.0)).sqrt()),
+            output_rmse: Score::of(&lifted, &parameters, [part.run].into_iter()).rmse(),
+            covered: account.ranges.covered(),
+            recordings: account.recordings(),
+            theta,
+        }
+    }
+}
+
+/// What is known before, and intercepts.
+fn beyond(model: &Model, intercepts: [f64; 3]) -> [f64; 3] {
+    [0, 1, 2].map(|d| model.constant[d] + intercepts[d])
 }
 
 /// What is found of the data part by part.
@@ -223,7 +253,7 @@ fn covariance(model: &Model, found: &Estimated, degrees: &[DegreeTrust]) -> Opti
         return Some(Covariance::joint(model, whole.covariance.clone()));
     }
     let of = |degree: &DegreeTrust| -> Option<Vec<f64>> {
-        degree.parameters.iter().map(|p| p.standard_error).collect()
+        degree.parameters.iter().map(ParameterTrust::spread).collect()
     };
     let errors: Vec<Vec<f64>> = degrees.iter().map(of).collect::<Option<_>>()?;
     let (all, mut first) = (errors.iter().map(Vec::len).sum::<usize>(), 0);

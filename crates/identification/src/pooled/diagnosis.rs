@@ -33,7 +33,7 @@ pub(super) fn diagnosed(whole: &Sums, normal: &Normal, removal: MeanRemoval, d: 
         let of = |squares: &[f64]| if i < p { squares[i].sqrt() } else { (whole.samples as f64).sqrt() };
         [of(&degree.instrument_squares), of(&degree.regressor_squares)]
     };
-    let lifted = removal == MeanRemoval::Complete;
+    let lifted = removal == MeanRemoval::Complete && !degree.known.constant;
     let width = p + usize::from(lifted);
     let entry = |k: usize| {
         let (i, j) = (k / width, k % width);

@@ -1,11 +1,12 @@
 use thiserror::Error;
 use vessel::RunView;
 
+use super::entangled::entangled;
 use super::statements::statements;
 use super::trust::Judge;
 use super::{
-    DegreeTrust, Delivered, Estimated, Judgement, LostInstruments, NoEstimate, Part, Parts, Pool, PooledRuns,
-    Recorded, SourceErrors,
+    DegreeTrust, Delivered, Estimated, Judgement, LostInstruments, NoEstimate, ParameterTrust, Part, Parts,
+    Pool, PooledRuns, Recorded, SourceErrors, Status,
 };
 use crate::criticism::{Criticism, Subject, criticise};
 use crate::{EstimateStatus, Estimator, RunEstimate};
@@ -38,7 +39,7 @@ impl Pooled {
     pub fn as_run(&self, estimator: Estimator) -> RunEstimate {
         let parameters = || self.degrees.iter().flat_map(|d| &d.parameters);
         let theta: Option<Vec<f64>> = parameters().map(|p| p.estimate).collect();
-        let errors: Option<Vec<f64>> = parameters().map(|p| p.standard_error).collect();
+        let errors: Option<Vec<f64>> = parameters().map(ParameterTrust::spread).collect();
         let estimate = theta.zip(errors);
         let identified = estimate.is_some();
         RunEstimate {
@@ -62,6 +63,9 @@ pub enum PoolError<E> {
     /// No degree of freedom is identifiable, for these reasons.
     #[error("no degree of freedom is identifiable ({})", .0.join("; "))]
     NotIdentifiable(Vec<String>),
+    /// Bounds hold every parameter of degrees of freedom: these.
+    #[error("the bounds exclude every estimate ({})", .0.join("; "))]
+    Bounded(Vec<String>),
     /// The runs cannot be read.
     #[error("{0}")]
     Unread(E),
@@ -84,6 +88,9 @@ pub fn estimate<R: Recorded>(
         NoEstimate::Lost(lost) => PoolError::Lost(lost),
         NoEstimate::Unread(e) => PoolError::Unread(e),
     })?;
+    if found.degrees.iter().any(|d| d.status == Status::Bounded) {
+        return Err(PoolError::Bounded(pool.unidentified(&found.degrees)));
+    }
     if found.degrees.iter().all(|d| d.solution.is_none()) {
         return Err(PoolError::NotIdentifiable(pool.unidentified(&found.degrees)));
     }
@@ -94,12 +101,14 @@ pub fn estimate<R: Recorded>(
     let lost = found.diverged.as_ref().map(LostInstruments::to_string);
     let criticism = criticism(pool, &found, runs).map_err(PoolError::Unread)?;
     let criticised = criticism.iter().flat_map(|found| &found.statements).cloned();
+    let alike = delivered.iter().flat_map(|own| entangled(own, pool.model.layout()));
+    let known: Vec<String> = statements(&degrees).into_iter().chain(alike).collect();
     Ok(Pooled {
         design: runs.design().to_owned(),
         parts: parts.count(),
         samples: judge.samples() as u64,
         bandwidth: judge.bandwidth(),
-        statements: lost.into_iter().chain(criticised).chain(statements(&degrees)).collect(),
+        statements: lost.into_iter().chain(criticised).chain(known).collect(),
         degrees,
         sources,
         delivered,
@@ -117,6 +126,7 @@ fn criticism<R: Recorded>(
     runs: &PooledRuns<R>,
 ) -> Result<Option<Criticism>, R::Error> {
     let Some(parameters) = found.parameters(&pool.model) else { return Ok(None) };
+    let (model, parameters) = pool.model.held_at_bounds(&parameters);
     let (mut samples, mut recordings) = (0, Vec::new());
     runs.each_source(None, |_, whole| {
         samples += whole.iter().map(Part::samples).sum::<usize>();
@@ -126,7 +136,7 @@ fn criticism<R: Recorded>(
     })?;
     let views: Vec<RunView> = recordings.iter().map(Part::view).collect();
     Ok(criticise(&Subject {
-        model: &pool.model,
+        model: &model,
         parameters: &parameters,
         runs: &views,
         rate_hz: pool.vessel.sample_rate_hz,

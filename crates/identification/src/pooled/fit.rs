@@ -47,6 +47,8 @@ pub enum Status {
     NotExcited(usize),
     /// Collinear beyond [`Options::most`].
     Collinear(Diagnosis),
+    /// The bounds hold every parameter.
+    Bounded,
 }
 
 /// An estimate of one degree of freedom.

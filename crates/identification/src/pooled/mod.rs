@@ -12,6 +12,7 @@ mod centre;
 mod delivered;
 mod demand;
 mod diagnosis;
+mod entangled;
 mod estimate;
 mod fit;
 mod instrument_fit;

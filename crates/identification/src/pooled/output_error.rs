@@ -6,7 +6,7 @@ use vessel::{LANES, Lane, Model};
 
 use super::{Part, Parts};
 use crate::predictor::{
-    Ended, Linear, Minimum, Recordings, Residuals, STEPS, Weighting, linearize, minimize, scaled_inverse,
+    Ended, Linear, Minimum, Recordings, Residuals, STEPS, Weighting, linearize, minimize,
 };
 
 /// An estimate that minimises the errors of free simulations.
@@ -15,7 +15,7 @@ pub struct OutputError {
     /// Of the model, in its order.
     pub parameters: Vec<f64>,
     /// Their covariance, as many rows: H⁻¹ (Σ s sᵀ) H⁻¹ with the gradient s of each part, so that errors may be correlated
-    /// in any way within a part. Zero for parameters held.
+    /// in any way within a part. Zero for parameters held, and for those at a bound.
     pub covariance: Vec<f64>,
     /// Steps tried.
     pub steps: usize,
@@ -116,9 +116,8 @@ impl<P: Parts> Problem<'_, P> {
     }
 
     fn covariance(&self, found: &Minimum, weights: [f64; 3]) -> Result<Option<Vec<f64>>, P::Error> {
-        let (p, all) = (self.free.len(), self.held.len());
-        let (normal, _) = found.linear.weighted(weights);
-        let Ok(inverse) = scaled_inverse(&normal, p) else { return Ok(None) };
+        let all = self.held.len();
+        let Ok(inverse) = found.inverse(weights) else { return Ok(None) };
         let mut out = vec![0.0; all * all];
         self.each(&found.point, |part| {
             let (_, gradient) = part.weighted(weights);
@@ -147,5 +146,10 @@ impl<P: Parts> Residuals for Problem<'_, P> {
             totals.extend(total);
         }
         Ok(totals)
+    }
+
+    fn bounds(&self) -> Vec<[f64; 2]> {
+        let all = self.model.bounds();
+        all.map_or(Vec::new(), |all| self.free.iter().map(|i| all[*i]).collect())
     }
 }

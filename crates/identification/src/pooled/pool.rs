@@ -1,9 +1,9 @@
-use vessel::{DegreeOfFreedom, Model, Vessel};
+use vessel::{Degree, DegreeOfFreedom, Invalid, Model, Vessel};
 
 use super::windows::StateMeans;
 use super::{
     COLLINEAR, DegreeFit, Drawn, LostInstruments, NominalModel, Options, OutputError, PartView, Parts,
-    PooledSums, Prior, Regression, joined, output_error, unidentified,
+    PooledSums, Prior, Regression, Status, joined, output_error, unidentified,
 };
 use crate::{DegreeSums, Estimator, MeanRemoval, Sums};
 
@@ -109,6 +109,24 @@ fn whole(degrees: &[DegreeFit; 3]) -> Option<(Vec<f64>, [f64; 3])> {
 }
 
 impl Pool<'_> {
+    /// Refuses what contradicts itself: see [`MeanRemoval::check`]; a prior beside bounds.
+    ///
+    /// # Errors
+    /// Names the parameter.
+    pub fn check(&self) -> Result<(), Invalid> {
+        self.removal.check(&self.vessel.model)?;
+        let bounded = |degree: &'_ Degree| degree.bounds.keys().next().map(|i| degree.parameters[*i].clone());
+        match self.vessel.model.degrees.iter().find_map(bounded).filter(|_| self.strength > 0.0) {
+            None => Ok(()),
+            Some(name) => Err(Invalid::new(
+                format!("parameter `{name}`"),
+                "`bounds` beside a prior",
+                "one of them: either holds an estimate back",
+                "remove the bounds, or leave out --prior",
+            )),
+        }
+    }
+
     /// Estimates from `parts`, which are gone through once for every kind of sums, and for every step of a search.
     ///
     /// # Errors
@@ -249,6 +267,10 @@ impl Pool<'_> {
         let Some(best) = self.least_errors(parts, &start, &scales)? else { return Ok(()) };
         let degrees = self.split(&best.parameters);
         for (d, (theta, intercept)) in degrees.into_iter().enumerate() {
+            let model = &self.vessel.model.degrees[d];
+            if theta.iter().enumerate().all(|(i, value)| model.at_bound(i, *value)) {
+                found.degrees[d] = DegreeFit { status: Status::Bounded, solution: None };
+            }
             if let Some(solution) = &mut found.degrees[d].solution {
                 (solution.theta, solution.intercept) = (theta, intercept);
             }
@@ -298,7 +320,7 @@ impl Pool<'_> {
         let intercept = |std: f64| if self.removal == MeanRemoval::None { 0.0 } else { std };
         let degree = |(degree, std): (&DegreeSums, f64)| -> Vec<f64> {
             let own = degree.regressor_squares.iter().map(|square| size(*square, std));
-            own.chain([intercept(std)]).collect()
+            own.chain((!degree.known.constant).then(|| intercept(std))).collect()
         };
         whole.degrees.iter().zip(std).flat_map(degree).collect()
     }

@@ -3,6 +3,7 @@ use std::sync::Arc;
 use super::centre::{AllMeans, Means};
 use super::diagnosis::{diagnosed, unknown};
 use super::{Centring, DegreeFit, Diagnosis, Options, Solution, Status};
+use crate::bounded::estimated;
 use crate::solve::{Normal, NormalSums};
 use crate::{MeanRemoval, Sums};
 
@@ -67,13 +68,19 @@ impl PooledSums {
         Centring::of(self.removal, means)
     }
 
-    /// Number of intercepts of a degree of freedom.
-    fn intercepts(&self) -> usize {
+    /// Number of intercepts of degree of freedom `d`.
+    fn intercepts(&self, d: usize) -> usize {
         match self.removal {
+            _ if self.has_constant(d) => 0,
             MeanRemoval::None => 0,
             MeanRemoval::Batch => self.parts,
             MeanRemoval::Complete => self.parts.min(1),
         }
+    }
+
+    /// Whether the intercept of degree of freedom `d` is the parameter of a term 1.
+    fn has_constant(&self, d: usize) -> bool {
+        self.total.degrees.get(d).is_some_and(|degree| degree.known.constant)
     }
 
     /// The normal equations of degree of freedom `d`.
@@ -99,7 +106,7 @@ impl PooledSums {
             let p = self.total.degrees.get(d).map_or(0, |degree| degree.parameters());
             let own = first..first + p;
             first += p;
-            if self.total.samples <= (p + self.intercepts()) as u64 {
+            if self.total.samples <= (p + self.intercepts(d)) as u64 {
                 return DegreeFit { status: Status::TooShort, solution: None };
             }
             let prior = options.prior.map(|prior| (prior.strength, &prior.nominal[own]));
@@ -117,6 +124,10 @@ impl PooledSums {
                 return DegreeFit { status: Status::Collinear(diagnosis), solution: None };
             }
         }
+        let bounded = !self.total.degrees[d].known.bounds.is_empty();
+        if bounded && estimated(&gain, theta.len()) == 0 {
+            return DegreeFit { status: Status::Bounded, solution: None };
+        }
         let intercept = self.mean_residual(d, &theta);
         DegreeFit { status: Status::Identified, solution: Some(Solution { theta, gain, intercept }) }
     }
@@ -131,7 +142,7 @@ impl PooledSums {
 
     /// Mean of Δy − φᵀθ over all samples, summed up part by part; 0 without intercepts.
     fn mean_residual(&self, d: usize, theta: &[f64]) -> f64 {
-        if self.removal == MeanRemoval::None || self.total.samples == 0 {
+        if self.removal == MeanRemoval::None || self.total.samples == 0 || self.has_constant(d) {
             return 0.0;
         }
         let lengths: Vec<usize> = self.total.degrees.iter().map(|degree| degree.b.len()).collect();

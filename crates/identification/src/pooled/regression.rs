@@ -1,7 +1,7 @@
 use vessel::{Compiled, Model, RunView};
 
 use super::PartView;
-use crate::{DegreeSums, Sums};
+use crate::{DegreeSums, Known, Sums};
 
 /// The regressors, instruments and increments of one part.
 #[derive(Clone, Debug, PartialEq)]
@@ -21,8 +21,10 @@ pub struct DegreeRegression {
     pub phi: Vec<f64>,
     /// Instruments ζ: N × p, row-major.
     pub zeta: Vec<f64>,
-    /// Increments Δy less the model's constant: N.
+    /// Increments Δy less the model's constant and known terms: N.
     pub target: Vec<f64>,
+    /// What is known of the parameters.
+    pub known: Known,
 }
 
 impl Regression {
@@ -36,19 +38,33 @@ impl Regression {
         let RunView { measured, exogenous, .. } = part.run;
         let samples = part.run.samples();
         let (phi, zeta) = (terms(model, exogenous, measured), terms(model, exogenous, states));
+        let gains = known_gains(model, exogenous, measured);
         let mut signals = phi.into_iter().zip(zeta);
         let degrees = [0, 1, 2].map(|d| {
             let (phi, zeta) = signals.next().unwrap_or_default();
             let gained = |k: usize| measured[3 * (k + 1) + d] - measured[3 * k + d];
-            let increment = |k: usize| gained(k) - model.constant[d];
+            let increment = |k: usize| gained(k) - gains.get(k).map_or(model.constant[d], |known| known[d]);
             DegreeRegression {
                 parameters: model.degrees[d].terms.len(),
                 phi,
                 zeta,
                 target: (0..samples).map(increment).collect(),
+                known: Known::of(&model.degrees[d]),
             }
         });
         Self { samples, degrees }
+    }
+
+    /// What `theta` (surge, sway, yaw) leaves of the increments on average: Δy − φᵀθ.
+    pub fn left(&self, theta: &[f64]) -> [f64; 3] {
+        let mut first = 0;
+        self.degrees.each_ref().map(|degree| {
+            let own = &theta[first..first + degree.parameters];
+            first += degree.parameters;
+            let gained = |k: usize| degree.phi(k).iter().zip(own).map(|(f, t)| f * t).sum::<f64>();
+            let sum: f64 = degree.target.iter().enumerate().map(|(k, target)| target - gained(k)).sum();
+            sum / self.samples.max(1) as f64
+        })
     }
 
     /// The same without the first pair. Instruments that start at the measured state share its noise with the first
@@ -91,6 +107,21 @@ fn terms(model: &Model, exogenous: &[f64], states: &[f64]) -> [Vec<f64>; 3] {
     out
 }
 
+/// What surge, sway and yaw gain by constant and known terms at all `states` but the last; empty without such terms.
+fn known_gains(model: &Model, exogenous: &[f64], states: &[f64]) -> Vec<[f64; 3]> {
+    if model.known().next().is_none() {
+        return Vec::new();
+    }
+    let width = model.exogenous();
+    let mut compiled = Compiled::new(model, &vec![0.0; model.parameters()]);
+    let at = |(k, state): (usize, &[f64; 3])| {
+        compiled.look(*state, &exogenous[width * k..width * (k + 1)], None);
+        compiled.known()
+    };
+    let states = states.as_chunks().0;
+    states[..states.len() - 1].iter().enumerate().map(at).collect()
+}
+
 impl DegreeRegression {
     /// Row k of φ.
     pub fn phi(&self, k: usize) -> &[f64] {
@@ -103,7 +134,7 @@ impl DegreeRegression {
     }
 
     fn sums(&self) -> DegreeSums {
-        let mut sums = DegreeSums::zero(self.parameters);
+        let mut sums = DegreeSums { known: self.known.clone(), ..DegreeSums::zero(self.parameters) };
         for (k, increment) in self.target.iter().enumerate() {
             sums.add_sample(self.zeta(k), self.phi(k), 1.0, *increment);
         }

@@ -23,7 +23,7 @@ pub fn sandwich(
         let residuals = residuals_of(part, i, centring, solution, d);
         filling.add(&part.degrees[d], &residuals, |row, out| centring.zeta(i, d, row, out));
     }
-    filling.covariance(centring, solution)
+    filling.covariance(centring, solution, d)
 }
 
 /// What is between the slices, in the making: B before its factor.
@@ -56,9 +56,9 @@ impl Filling {
         add_part(&mut self.middle, &scores, self.p, self.bandwidth);
     }
 
-    /// The covariance of `solution`.
-    pub(super) fn covariance(mut self, centring: &Centring, solution: &Solution) -> Vec<f64> {
-        let freedom = self.samples.saturating_sub(self.p + centring.intercepts()).max(1);
+    /// The covariance of `solution` of degree of freedom `d`.
+    pub(super) fn covariance(mut self, centring: &Centring, solution: &Solution, d: usize) -> Vec<f64> {
+        let freedom = self.samples.saturating_sub(centring.unknowns(d, &solution.gain, self.p)).max(1);
         self.middle.iter_mut().for_each(|m| *m *= self.samples as f64 / freedom as f64);
         congruence(self.p, &solution.gain, &self.middle)
     }

@@ -18,8 +18,15 @@ fn of_degree(degree: &DegreeTrust) -> Vec<String> {
     let collinear = (degree.condition_index.is_none_or(|index| index > COLLINEAR))
         .then(|| format!("collinear, use for similar motion only: {}", degree.weakest));
     let whiteness = degree.whiteness.as_ref().filter(|w| w.p_value < UNLIKELY);
-    let statements = [collinear, weak(degree), whiteness.map(|w| not_white(degree, w))];
+    let statements = [at_bounds(degree), collinear, weak(degree), whiteness.map(|w| not_white(degree, w))];
     statements.into_iter().flatten().collect()
+}
+
+fn at_bounds(degree: &DegreeTrust) -> Option<String> {
+    let ended = degree.parameters.iter().filter(|p| p.at_bound);
+    let ended: Vec<String> = ended.filter_map(|p| Some(format!("`{}` at {}", p.name, p.estimate?))).collect();
+    (!ended.is_empty())
+        .then(|| format!("{}: held at a bound, beyond which the data pull: {}", degree.name, listed(&ended)))
 }
 
 fn weak(degree: &DegreeTrust) -> Option<String> {

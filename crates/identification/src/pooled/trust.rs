@@ -59,7 +59,7 @@ pub struct DegreeTrust {
 impl DegreeTrust {
     /// The parameter with the largest standard error for its size.
     pub fn weakest_parameter(&self) -> &str {
-        let relative = |p: &ParameterTrust| match (p.estimate, p.standard_error) {
+        let relative = |p: &ParameterTrust| match (p.estimate, p.spread()) {
             (Some(estimate), Some(error)) if estimate != 0.0 => (error / estimate).abs(),
             _ => 1.0 / p.variation.max(1e-300),
         };
@@ -81,7 +81,11 @@ pub struct ParameterTrust {
     /// The estimate.
     pub estimate: Option<f64>,
     /// Its standard error: sandwich with autocorrelation; of `output-error` with any correlation within a sub-experiment.
+    /// None at a bound.
     pub standard_error: Option<f64>,
+    /// Whether it lies at a bound beyond which the data pull it.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub at_bound: bool,
     /// Its standard deviation over the resamples.
     pub bootstrap_std: Option<f64>,
     /// 2.5 % of the resamples are below.
@@ -92,6 +96,13 @@ pub struct ParameterTrust {
     pub variation: f64,
     /// Shea's partial R² of the instruments: 1 least squares, near 0 instruments that have lost the motion.
     pub instrument_strength: Option<f64>,
+}
+
+impl ParameterTrust {
+    /// Its standard error, 0 where a bound holds it.
+    pub(super) fn spread(&self) -> Option<f64> {
+        self.standard_error.or(self.at_bound.then_some(0.0))
+    }
 }
 
 /// A correlation of residuals with an instrument.
@@ -263,7 +274,10 @@ impl<P: Parts> Judge<'_, P> {
             condition_index: finite(degree.diagnosis.index),
             weakest: weakest(d, model, &degree.diagnosis, &self.pool.constant),
             parameters: self.parameters(d, degree, fit.solution.as_ref()),
-            correlation: covariance.and_then(|c| correlation(c, model.terms.len())),
+            correlation: covariance.and_then(|c| {
+                let held = |i: usize| fit.solution.as_ref().is_some_and(|s| model.at_bound(i, s.theta[i]));
+                correlation(c, model.terms.len(), held)
+            }),
             whiteness: degree.whiteness,
             instrument_residual,
             instrument_fit: degree.instrument_fit,
@@ -281,12 +295,15 @@ impl<P: Parts> Judge<'_, P> {
         let p = model.terms.len();
         let units = &whole.parameter_units()[whole.layout().degree(d as usize)];
         let resampled = |i: usize| degree.bootstrap.as_ref().map(|b| b.parameters[i]);
+        let at_bound = |i: usize| solution.is_some_and(|s| model.at_bound(i, s.theta[i]));
+        let error = |i: usize| degree.covariance.as_ref().map(|c| c[i * p + i].max(0.0).sqrt());
         let parameter = |i: usize| ParameterTrust {
             name: model.parameters[i].clone(),
             term: model.terms[i].text.clone(),
             unit: units[i].clone(),
             estimate: solution.map(|s| s.theta[i]),
-            standard_error: degree.covariance.as_ref().map(|c| c[i * p + i].max(0.0).sqrt()),
+            standard_error: error(i).filter(|_| !at_bound(i)),
+            at_bound: at_bound(i),
             bootstrap_std: resampled(i).map(|r| r.std),
             bootstrap_low: resampled(i).map(|r| r.low),
             bootstrap_high: resampled(i).map(|r| r.high),
@@ -376,7 +393,7 @@ impl<'a> Account<'a> {
         let (d, centring) = (self.d, self.centring);
         let simulated = || found.output_error.as_ref().map(|(simulated, _)| simulated.covariance_of(places));
         let covariance = self.solution.and_then(|solution| match self.filling {
-            Some(filling) => Some(filling.covariance(&centring, solution)),
+            Some(filling) => Some(filling.covariance(&centring, solution, d)),
             None => simulated(),
         });
         Degree {
@@ -391,8 +408,13 @@ impl<'a> Account<'a> {
     }
 }
 
-fn correlation(covariance: &[f64], p: usize) -> Option<Vec<f64>> {
+/// 0 with parameters that are `held` at a bound.
+fn correlation(covariance: &[f64], p: usize, held: impl Fn(usize) -> bool) -> Option<Vec<f64>> {
     let size = |i: usize| covariance[i * p + i].sqrt();
-    let entries: Vec<f64> = (0..p * p).map(|k| covariance[k] / (size(k / p) * size(k % p))).collect();
+    let entry = |k: usize| match held(k / p) || held(k % p) {
+        true => 0.0,
+        false => covariance[k] / (size(k / p) * size(k % p)),
+    };
+    let entries: Vec<f64> = (0..p * p).map(entry).collect();
     entries.iter().all(|x| x.is_finite()).then_some(entries)
 }

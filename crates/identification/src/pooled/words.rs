@@ -25,12 +25,19 @@ impl Involved {
         let p = degree.parameters.len();
         let largest = diagnosis.direction.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
         let named = |i: usize| diagnosis.direction.get(i).is_some_and(|x| x.abs() >= NAMED * largest);
-        let input = |i: usize| degree.terms[i].factors.iter().all(|f| f.variable >= 3);
+        let input = |i: usize| degree.terms[i].products().flatten().all(|f| f.variable >= 3);
         let hardly = |i: &usize| diagnosis.variation[*i] < HARDLY;
-        let (mut still, varying): (Vec<usize>, Vec<usize>) =
-            (0..p).filter(|i| named(*i) || hardly(i) && input(*i)).partition(hardly);
+        // A term 1 is the intercept itself.
+        let constant = degree.constant();
+        let (mut still, mut varying): (Vec<usize>, Vec<usize>) = (0..p)
+            .filter(|i| constant != Some(*i) && (named(*i) || hardly(i) && input(*i)))
+            .partition(hardly);
         still.sort_by_key(|i| !input(*i));
-        let intercept = named(p) || varying.is_empty() && !still.is_empty();
+        let own = constant.is_some_and(named);
+        let intercept = named(p) || own || varying.is_empty() && !still.is_empty();
+        if still.is_empty() && varying.is_empty() {
+            varying.extend(constant.filter(|_| own));
+        }
         Self { still, varying, intercept }
     }
 }
@@ -93,8 +100,22 @@ pub fn unidentified(
             degree.parameters.get(*parameter).map_or("", String::as_str),
             degree.terms.get(*parameter).map_or("", |t| t.text.as_str()),
         )),
+        Status::Bounded => Some(excluded(d, degree)),
         Status::Collinear(diagnosis) => Some(collinear(d, degree, diagnosis, constant)),
     }
+}
+
+/// That the bounds of `degree` leave no estimate.
+pub fn excluded(d: DegreeOfFreedom, degree: &Degree) -> String {
+    let bound = |(i, [low, high]): (&usize, &[f64; 2])| {
+        format!("`{}` between {low} and {high}", degree.parameters[*i])
+    };
+    let bounds: Vec<String> = degree.bounds.iter().map(bound).collect();
+    format!(
+        "{}: the bounds exclude every estimate: {} end at a bound, all of them",
+        d.name(),
+        listed(&bounds)
+    )
 }
 
 /// `a`, `a and b`, `a, b and c`.

@@ -6,6 +6,10 @@ pub(crate) trait Residuals {
     type Error;
     /// Linearises every problem at its point; numbers that are not finite where the prediction leaves every bound.
     fn linearize(&self, points: &[Vec<f64>]) -> Result<Vec<Linear>, Self::Error>;
+    /// Within which the unknowns stay, infinite at open ends; empty without bounds.
+    fn bounds(&self) -> Vec<[f64; 2]> {
+        Vec::new()
+    }
 }
 
 /// How the squared errors of u, v, r are weighed against each other.
@@ -56,6 +60,36 @@ pub(crate) struct Minimum {
     pub status: Ended,
     /// Steps tried.
     pub steps: usize,
+    /// Unknowns at a bound beyond which the errors would be less; empty where there are no bounds.
+    pub held: Vec<usize>,
+}
+
+impl Minimum {
+    /// The inverse of the normal matrix of the unknowns that are not held, rows and columns of those zero, or an unknown that
+    /// has no effect of its own.
+    pub(crate) fn inverse(&self, weights: [f64; 3]) -> Result<Vec<f64>, usize> {
+        let (mut normal, mut gradient) = self.linear.weighted(weights);
+        let p = gradient.len();
+        hold(&self.held, &mut normal, &mut gradient);
+        let mut inverse = scaled_inverse(&normal, p)?;
+        self.held.iter().for_each(|i| inverse[i * p + i] = 0.0);
+        Ok(inverse)
+    }
+}
+
+/// Takes the unknowns `held` out of the equations: their steps are zero.
+fn hold(held: &[usize], normal: &mut [f64], gradient: &mut [f64]) {
+    let p = gradient.len();
+    for i in held {
+        (0..p).for_each(|j| (normal[i * p + j], normal[j * p + i]) = (0.0, 0.0));
+        (normal[i * p + i], gradient[*i]) = (1.0, 0.0);
+    }
+}
+
+/// `point` within `bounds`.
+fn clipped(mut point: Vec<f64>, bounds: &[[f64; 2]]) -> Vec<f64> {
+    point.iter_mut().zip(bounds).for_each(|(x, [low, high])| *x = x.clamp(*low, *high));
+    point
 }
 
 /// Why a problem ended.
@@ -86,6 +120,8 @@ const SINGULAR: f64 = 1e12;
 #[derive(Clone, Debug)]
 struct Progress {
     weighting: Weighting,
+    bounds: Vec<[f64; 2]>,
+    held: Vec<usize>,
     point: Vec<f64>,
     linear: Linear,
     cost: f64,
@@ -96,17 +132,20 @@ struct Progress {
 }
 
 /// Minimises the squared errors of every problem from its start, with at most `steps` steps, by Levenberg and Marquardt's
-/// method on all problems side by side. Every problem has its own damping and end; problems that have ended stay.
+/// method on all problems side by side. Every problem has its own damping and end; problems that have ended stay. Steps are
+/// cut off at bounds; an unknown at a bound that the errors pull it beyond is held there.
 pub(crate) fn minimize<R: Residuals>(
     residuals: &R,
     weighting: Vec<Weighting>,
     starts: Vec<Vec<f64>>,
     steps: usize,
 ) -> Result<Vec<Minimum>, R::Error> {
+    let bounds = residuals.bounds();
+    let starts: Vec<Vec<f64>> = starts.into_iter().map(|start| clipped(start, &bounds)).collect();
     let linears = residuals.linearize(&starts)?;
     let each = weighting.into_iter().zip(starts).zip(linears);
-    let mut problems: Vec<Progress> =
-        each.map(|((weighting, point), linear)| Progress::new(weighting, point, linear)).collect();
+    let new = |((weighting, point), linear)| Progress::new(weighting, bounds.clone(), point, linear);
+    let mut problems: Vec<Progress> = each.map(new).collect();
     for _ in 0..steps {
         if problems.iter().all(|p| p.ended.is_some()) {
             break;
@@ -121,15 +160,18 @@ pub(crate) fn minimize<R: Residuals>(
         linear: p.linear,
         status: p.ended.unwrap_or(Ended::Stalled),
         steps: p.steps,
+        held: p.held,
     };
     Ok(problems.into_iter().map(ended).collect())
 }
 
 impl Progress {
-    fn new(weighting: Weighting, point: Vec<f64>, linear: Linear) -> Self {
+    fn new(weighting: Weighting, bounds: Vec<[f64; 2]>, point: Vec<f64>, linear: Linear) -> Self {
         let cost = weighting.cost(&linear);
         let mut progress = Self {
             weighting,
+            bounds,
+            held: Vec::new(),
             point,
             linear,
             cost,
@@ -154,12 +196,13 @@ impl Progress {
         self.steps += 1;
         let (mut normal, mut step) = self.linear.weighted(self.weighting.weights(&self.linear));
         let p = step.len();
+        hold(&self.held, &mut normal, &mut step);
         (0..p).for_each(|i| normal[i * p + i] *= 1.0 + self.damping);
         let mut trial = self.point.clone();
         if numerics::solve(p, &mut normal, &mut step).is_some() {
             trial.iter_mut().zip(step).for_each(|(x, step)| *x += step);
         }
-        trial
+        clipped(trial, &self.bounds)
     }
 
     /// Takes a step that does not raise the cost; rounding is no rise.
@@ -182,7 +225,13 @@ impl Progress {
 
     /// Looks whether the point is a minimum, or has none.
     fn settle(&mut self) {
-        let (normal, gradient) = self.linear.weighted(self.weighting.weights(&self.linear));
+        let (mut normal, mut gradient) = self.linear.weighted(self.weighting.weights(&self.linear));
+        let pulled = |(i, [low, high]): (usize, &[f64; 2])| {
+            let (x, pull) = (self.point[i], gradient[i]);
+            (x == *low && pull <= 0.0 || x == *high && pull >= 0.0).then_some(i)
+        };
+        self.held = self.bounds.iter().enumerate().filter_map(pulled).collect();
+        hold(&self.held, &mut normal, &mut gradient);
         match scaled_inverse(&normal, gradient.len()) {
             Err(unknown) => self.ended = Some(Ended::Singular(unknown)),
             Ok(inverse) => {

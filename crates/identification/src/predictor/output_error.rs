@@ -2,9 +2,9 @@ use std::collections::BTreeMap;
 use std::convert::Infallible;
 
 use vessel::lanes::{by_lane, lane};
-use vessel::{LANES, Lane, Model, RunView};
+use vessel::{LANES, Lane, Model, ParameterLayout, RunView};
 
-use super::levenberg_marquardt::{Ended, Minimum, Residuals, STEPS, Weighting, minimize, scaled_inverse};
+use super::levenberg_marquardt::{Ended, Minimum, Residuals, STEPS, Weighting, minimize};
 use super::scores::{correlated_scores, disturbed_scores};
 use super::sums::{Linear, linearize};
 use crate::Direction;
@@ -206,6 +206,11 @@ pub(super) fn fit(recordings: &Recordings, minimum: &Minimum, errors: Option<Vec
             .map_or(Fit::NotConverged(minimum.steps), |(degree, parameter)| {
                 Fit::NotIdentifiable(Direction { degree, parameter })
             }),
+        // The bounds hold every parameter of a degree of freedom: there is no estimate.
+        (Ended::Converged, Some(_)) if all_held(layout, minimum).is_some() => {
+            let degree = all_held(layout, minimum).unwrap_or_default();
+            Fit::NotIdentifiable(Direction { degree, parameter: 0 })
+        }
         (Ended::Converged, Some(errors)) => Fit::Converged(Fitted {
             parameters: layout.theta(&point[..all]),
             standard_errors: layout.theta(&errors[..all]),
@@ -216,6 +221,11 @@ pub(super) fn fit(recordings: &Recordings, minimum: &Minimum, errors: Option<Vec
         }),
         _ => Fit::NotConverged(minimum.steps),
     }
+}
+
+/// A degree of freedom whose parameters are all held at bounds.
+fn all_held(layout: ParameterLayout, minimum: &Minimum) -> Option<usize> {
+    (0..3).find(|d| layout.terms(*d).all(|i| minimum.held.contains(&i)))
 }
 
 /// Free simulations of runs side by side.
@@ -232,6 +242,10 @@ impl Residuals for Simulations<'_> {
         let unknowns = side_by_side(points, self.recordings.unknowns());
         let from_start = self.initial == InitialState::Estimated;
         Ok(linearize::<3>(&self.recordings, &unknowns, &self.free, None, &[], from_start))
+    }
+
+    fn bounds(&self) -> Vec<[f64; 2]> {
+        self.recordings.model.bounds().unwrap_or_default()
     }
 }
 
@@ -269,8 +283,7 @@ impl<'a> Simulations<'a> {
         let p = self.free.len();
         let errors = |(lane, minimum): (usize, &&Minimum)| {
             let own = [0, 1, 2].map(|d: usize| weights[d][lane]);
-            let (normal, _) = minimum.linear.weighted(own);
-            let inverse = scaled_inverse(&normal, p).ok()?;
+            let inverse = minimum.inverse(own).ok()?;
             let mut middle: Vec<f64> = middles.iter().map(|m| m[lane]).collect();
             if let Spread::Stated(levels) = spread {
                 let noise = [0, 1, 2].map(|d: usize| (own[d] * levels.measurement[d]).powi(2));

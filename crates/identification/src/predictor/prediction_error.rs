@@ -3,7 +3,7 @@ use std::convert::Infallible;
 use vessel::lanes::by_lane;
 use vessel::{LANES, Lane, Model, RunView};
 
-use super::levenberg_marquardt::{Ended, Minimum, Residuals, STEPS, Weighting, minimize, scaled_inverse};
+use super::levenberg_marquardt::{Ended, Minimum, Residuals, STEPS, Weighting, minimize};
 use super::output_error::{Fit, InitialState, better, fit, side_by_side};
 use super::sums::{Linear, linearize};
 use crate::sensitivity::{Gain, Levels, Recordings, filter, groups, with_states};
@@ -62,6 +62,10 @@ impl<const N: usize> Residuals for Predictions<'_, N> {
     fn linearize(&self, points: &[Vec<f64>]) -> Result<Vec<Linear>, Infallible> {
         let unknowns = side_by_side(points, self.recordings.unknowns());
         Ok(linearize(self.recordings, &unknowns, &self.free, Some(self.levels), &self.gains, true))
+    }
+
+    fn bounds(&self) -> Vec<[f64; 2]> {
+        self.recordings.model.bounds().unwrap_or_default()
     }
 }
 
@@ -158,8 +162,7 @@ fn likelihoods<const N: usize>(
 
 /// √diag(σ̂² H⁻¹), σ̂² being the whitened innovations' variance, near 1 where the levels are right.
 fn errors(minimum: &Minimum, p: usize) -> Option<Vec<f64>> {
-    let (normal, _) = minimum.linear.weighted([1.0; 3]);
-    let inverse = scaled_inverse(&normal, p).ok()?;
+    let inverse = minimum.inverse([1.0; 3]).ok()?;
     let freedom = (3.0 * minimum.linear.samples - p as f64).max(1.0);
     let variance = minimum.linear.squares.iter().sum::<f64>() / freedom;
     let errors: Vec<f64> = (0..p).map(|i| (variance * inverse[i * p + i]).max(0.0).sqrt()).collect();

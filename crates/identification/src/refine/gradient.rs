@@ -157,7 +157,8 @@ impl Back<'_> {
         let mut dynamics = Dynamics::<f64, 3>::new(run.model, parameters, None);
         let degrees: Vec<usize> = run.model.layout().degrees().collect();
         let (mut big, mut small) = (vec![[Lane::ZERO; 3]; forward.path.columns()], [0.0; 3]);
-        let mut terms = vec![0.0; parameters.len()];
+        let known: Vec<(usize, f64)> = run.model.known().map(|(d, known)| (d, known.coefficient)).collect();
+        let mut terms = vec![0.0; parameters.len() + known.len()];
         let mut slopes = vec![0.0; run.model.variables.len()];
         let mut after = None;
         let mut out = vec![0.0; samples * inputs];
@@ -173,6 +174,9 @@ impl Back<'_> {
             }
             for (p, (term, d)) in terms.iter_mut().zip(&degrees).enumerate() {
                 *term = big[p / LANES][*d][p % LANES] + small[*d] * parameters[p];
+            }
+            for (term, (d, value)) in terms[parameters.len()..].iter_mut().zip(&known) {
+                *term = small[*d] * value;
             }
             let local = dynamics.at(forward.state(k), run.exogenous(k));
             dynamics.pull_back(&terms, &self.by_slopes(k, &big), &mut slopes);

@@ -1,10 +1,11 @@
-use vessel::{Run, Vessel};
+use vessel::{Run, RunView, Vessel};
 
 use super::collinear::{CollinearRun, collinear_run};
 use super::error::RunError;
 use super::found::{Found, Regressed};
 use super::instruments::RunInstruments;
 use super::refined::refine;
+use crate::pooled::{Delivered, PartView, Regression};
 use crate::predictor::{InitialState, Levels};
 use crate::{Estimator, InstrumentKind, MeanRemoval, RunEstimate};
 
@@ -33,6 +34,17 @@ struct Everything {
 }
 
 impl Everything {
+    /// What an estimator makes of the first run.
+    fn first(&self, estimator: Estimator) -> Option<&Found> {
+        match estimator {
+            Estimator::Ls => self.ls.first().map(|own| &own.found),
+            Estimator::Iv | Estimator::Auto => self.iv.first().map(|own| &own.found),
+            Estimator::RefinedIv => self.refined.first(),
+            Estimator::OutputError => self.simulated.first(),
+            Estimator::PredictionError => self.predicted.first(),
+        }
+    }
+
     /// The estimates by one estimator.
     fn by(&self, all: &RunEstimators, estimator: Estimator, runs: &[Run]) -> Vec<RunEstimate> {
         let rows = |found: &mut dyn Iterator<Item = &Found>, excited: &[Regressed]| {
@@ -60,6 +72,36 @@ impl RunEstimators<'_> {
         let mut columns: Vec<_> = columns.collect();
         let row = |_| columns.iter_mut().filter_map(Iterator::next).collect::<Vec<_>>();
         Ok(runs.iter().flat_map(row).collect())
+    }
+
+    /// The model that the first estimator makes of `run`, which is called `name`, beside least squares of it; none where there
+    /// is no estimate.
+    ///
+    /// # Errors
+    /// See [`RunEstimators::estimates`].
+    pub fn delivered(&self, run: &Run, name: &str) -> Result<Option<(RunEstimate, Delivered)>, RunError> {
+        let (runs, model) = (std::slice::from_ref(run), &self.vessel.model);
+        let Some(estimator) = self.estimators.first().copied() else { return Ok(None) };
+        let found = self.found(runs)?;
+        let intercepts = found.first(estimator).and_then(|own| own.intercepts);
+        let row = found.by(self, estimator, runs).pop();
+        let Some((row, theta)) = row.and_then(|row| Some((row.clone(), row.estimate?.0))) else {
+            return Ok(None);
+        };
+        let simple = self.regressed(InstrumentKind::Regressors, runs)?;
+        let simple = simple.first().and_then(|own| own.found.theta()).map(<[f64]>::to_vec);
+        let whole = RunView::measured(&run.measured, &run.exogenous);
+        let part = PartView { label: "", source: name, run: whole };
+        let left = |theta: &[f64]| match self.removal {
+            MeanRemoval::None => [0.0; 3],
+            _ => Regression::of(model, &part).left(theta),
+        };
+        let simple = simple.map(|theta| {
+            let own = left(&theta);
+            (theta, own)
+        });
+        let own = intercepts.unwrap_or_else(|| left(&theta));
+        Ok(Some((row, Delivered::of_run(model, &part, (theta, own), simple))))
     }
 
     /// Everything that the wanted estimators need, each made once.

@@ -9,6 +9,8 @@ use crate::{Direction, EstimateStatus, Estimator, Excitation, Outcome, RunEstima
 pub(super) struct Found {
     pub status: EstimateStatus,
     pub estimate: Option<(Vec<f64>, Vec<f64>)>,
+    /// Intercepts, where they were estimated with the parameters; else they are what the terms leave on average.
+    pub intercepts: Option<[f64; 3]>,
 }
 
 /// What instrumental variables, or least squares, make of one run, and how it was excited.
@@ -27,7 +29,7 @@ impl Found {
     }
 
     fn none(status: EstimateStatus) -> Self {
-        Self { status, estimate: None }
+        Self { status, estimate: None, intercepts: None }
     }
 }
 
@@ -37,6 +39,7 @@ impl From<&Fit> for Found {
             Fit::Converged(found) => Self {
                 status: EstimateStatus::Identified,
                 estimate: Some((found.parameters.clone(), found.standard_errors.clone())),
+                intercepts: Some(found.intercepts),
             },
             Fit::NotConverged(_) => Self::none(EstimateStatus::NotConverged),
             Fit::NotIdentifiable(_) => Self::none(EstimateStatus::NotIdentifiable),
@@ -55,7 +58,7 @@ impl Regressed {
         match outcome {
             Outcome::Identified(found) => {
                 let estimate = Some((found.parameters, found.standard_errors));
-                let found = Found { status: EstimateStatus::Identified, estimate };
+                let found = Found { status: EstimateStatus::Identified, estimate, intercepts: None };
                 Ok(Self { found, condition, weakest })
             }
             Outcome::NotIdentifiable(Direction { degree, parameter }) => {

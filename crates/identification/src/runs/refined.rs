@@ -99,7 +99,9 @@ impl<'a> Refinement<'a> {
         };
         if let Some((theta, _)) = &self.found[lane].estimate {
             let moves = next.parameters.iter().zip(theta).zip(&next.standard_errors);
-            self.done[lane] = moves.map(|((a, b), se)| (a - b).abs() / se).all(|moved| moved <= ENOUGH);
+            // At a bound neither moves nor has an error.
+            let still = |moved: f64| moved <= ENOUGH || moved.is_nan();
+            self.done[lane] = moves.map(|((a, b), se)| (a - b).abs() / se).all(still);
         }
         self.models[lane].clone_from(&next.parameters);
         self.found[lane].estimate = Some((next.parameters, next.standard_errors));

@@ -72,7 +72,8 @@ impl Study<'_> {
         let folds: Vec<Vec<&Recording>> =
             self.all_folds().filter(|fold| Some(*fold) != without).map(|fold| self.within(fold)).collect();
         let (own, all) = (self.base.layout(), self.library.layout());
-        let places = |d: usize| (all.degree(d).start..).take(own.terms(d).len()).chain([all.terms(d).end]);
+        let intercept = |d: usize| all.terms(d).end..all.degree(d).end;
+        let places = |d: usize| (all.degree(d).start..).take(own.terms(d).len()).chain(intercept(d));
         let start = (0..3).flat_map(places).collect();
         let sizes = self.forward(&folds, start, &widened(self.base, self.library, base), ridge);
         let best = sizes.iter().min_by(|a, b| a.total().total_cmp(&b.total()))?;

@@ -45,9 +45,10 @@ fn each(recordings: &[Recording], width: usize, mut look: impl FnMut(usize, [f64
 /// `lifted` without its intercepts.
 pub(super) fn without_intercepts(lifted: &Model) -> Model {
     let mut model = lifted.clone();
-    for degree in &mut model.degrees {
+    for degree in model.degrees.iter_mut().filter(|degree| degree.intercept) {
         degree.terms.pop();
         degree.parameters.pop();
+        degree.intercept = false;
     }
     model
 }

@@ -41,6 +41,23 @@ pub fn library(base: &Model, roles: &Roles) -> Model {
     model
 }
 
+/// Refuses bounds of a base structure: ridges hold parameters back, and bounds would have to hold along every path.
+///
+/// # Errors
+/// Names the parameter.
+pub fn check_bounds(base: &Model) -> Result<(), vessel::Invalid> {
+    let bounded = |degree: &Degree| degree.bounds.keys().next().map(|i| degree.parameters[*i].clone());
+    match base.degrees.iter().find_map(bounded) {
+        None => Ok(()),
+        Some(name) => Err(vessel::Invalid::new(
+            format!("parameter `{name}`"),
+            "`bounds`, which a search does not keep",
+            "parameters that are free, fixed or tied",
+            "remove the bounds, or fix the parameter",
+        )),
+    }
+}
+
 /// `base` with the terms of `lists` for surge, sway and yaw instead of the library's.
 ///
 /// # Errors
@@ -105,7 +122,10 @@ impl Roles {
 fn add(degree: &mut Degree, d: usize, base: &Model, factors: Vec<Factor>) {
     let names: Vec<&str> = base.variables.iter().map(|v| v.name.as_str()).collect();
     let form = form(&factors);
-    if form.is_empty() || degree.terms.iter().any(|term| self::form(&term.factors) == form) {
+    let known = degree.known.iter().map(|known| known.factors.as_slice());
+    if form.is_empty()
+        || degree.terms.iter().flat_map(Term::products).chain(known).any(|own| self::form(own) == form)
+    {
         return;
     }
     let letter = ["X", "Y", "N"][d];
@@ -125,7 +145,7 @@ fn add(degree: &mut Degree, d: usize, base: &Model, factors: Vec<Factor>) {
         if power > 1 { format!("{name}^{power}") } else { name }
     });
     degree.parameters.push(name);
-    degree.terms.push(Term { text, factors });
+    degree.terms.push(Term::of(text, factors));
 }
 
 fn text(factors: &[Factor], between: &str, one: impl Fn(&Factor, usize) -> String) -> String {

@@ -21,7 +21,7 @@ mod words;
 
 pub use compact::SizeScore;
 pub use judged::{Margin, NestedRecording, NestedScore};
-pub use library::{library, listed};
+pub use library::{check_bounds, library, listed};
 pub use nested::Candidate;
 pub use recording::Cut;
 pub use roles::{NamedRoles, Roles};

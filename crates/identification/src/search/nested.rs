@@ -219,11 +219,11 @@ impl RidgePath<'_> {
 /// θ of `base` as θ of `library`, whose other terms are 0.
 pub(super) fn widened(base: &Model, library: &Model, theta: &[f64]) -> Vec<f64> {
     let (own, all) = (base.layout(), library.layout());
-    let mut out = vec![0.0; all.parameters()];
+    let (mut out, intercepts) = (vec![0.0; all.parameters()], own.intercepts(theta));
     for d in 0..3 {
         let terms = &theta[own.terms(d)];
         out[all.terms(d)][..terms.len()].copy_from_slice(terms);
-        out[all.terms(d).end] = theta[own.terms(d).end];
+        out[all.terms(d).end..all.degree(d).end].fill(intercepts[d]);
     }
     out
 }

@@ -4,8 +4,8 @@ use crate::support::explicit::{Regression, sizes};
 use crate::support::noise::Normals;
 use crate::support::{self, Experiment, Recording, SideBySide, dictionary, estimate, lanes, paper, truth};
 use identification::{
-    Batch, DegreeSums, FreeRun, Instruments, MeanRemoval, Outcome, Sums, estimate_prefiltered, free_runs,
-    moments,
+    Batch, DegreeSums, FreeRun, Instruments, Known, MeanRemoval, Outcome, Sums, estimate_prefiltered,
+    free_runs, moments,
 };
 use proptest::prelude::*;
 use vessel::{DIVERGED, LANES, Lane, Source};
@@ -93,7 +93,7 @@ fn explicit_sums(run: &Recording, d: usize) -> DegreeSums {
             }
         }
     }
-    DegreeSums { a, b, instrument_squares, regressor_squares }
+    DegreeSums { a, b, instrument_squares, regressor_squares, known: Known::default() }
 }
 
 fn explicit(run: &Recording) -> Sums {

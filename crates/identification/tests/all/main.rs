@@ -1,6 +1,7 @@
 //! What must hold of estimates, and what independent computations found.
 
 mod collinear;
+mod constraints;
 mod criticism;
 mod laws;
 mod names;

@@ -6,15 +6,19 @@ use identification::pooled::{
     COLLINEAR, Centring, Options, Part, Prior, Regression, Status, bootstrap, fit, output_error, sandwich,
 };
 use identification::{MeanRemoval, Sums};
-use vessel::{RunView, Streams, Vessel, simulate_one};
+use vessel::{RunView, Streams, Vessel, VesselFile, simulate_one};
 
 const TRUTH: [f64; 8] = [-0.06, 0.7, 0.01, -0.25, -0.3, -0.2, -0.08, 0.1];
 const COMPLETE: Options = Options { removal: MeanRemoval::Complete, prior: None, most: f64::INFINITY };
 
 pub fn craft() -> Vessel {
+    Vessel::from_file(craft_file()).unwrap()
+}
+
+pub fn craft_file() -> VesselFile {
     let oracle: serde_json::Value =
         serde_json::from_str(include_str!("../../../../fixtures/oracle/pooled.json")).unwrap();
-    Vessel::from_file(toml::from_str(oracle["vessel"].as_str().unwrap()).unwrap()).unwrap()
+    toml::from_str(oracle["vessel"].as_str().unwrap()).unwrap()
 }
 
 /// A part of `samples` samples with forces that are correlated in time and no measurement noise, or none at all.

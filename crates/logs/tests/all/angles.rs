@@ -1,6 +1,11 @@
 //! Angles without jumps.
 
-use logs::unwrap;
+use logs::Unwrapping;
+
+fn unwrap(angles: &mut [f64]) {
+    let mut unwrapping = Unwrapping::default();
+    angles.iter_mut().for_each(|angle| *angle = unwrapping.next(*angle));
+}
 
 #[test]
 fn a_circle_sailed_three_times_is_a_straight_line_of_headings() {

@@ -122,12 +122,14 @@ fn law_without_noise_the_logs_give_forces_and_velocities_back() {
     let setup = Setup::new(0.0, 0.0);
     let recording = setup.record(KEY, &weather());
     let made = back(&recording, &setup.actuators);
+    let exogenous: Vec<Vec<f64>> = made.exogenous.iter().map(|channel| channel.to_vec()).collect();
+    let measured = made.measured.each_ref().map(|channel| channel.to_vec());
     let truth = &recording.truth;
     let dt = 1.0 / RATE_HZ;
     for k in 0..made.grid.rows - 1 {
         for d in 0..3 {
             let wanted = slalom(200)[k][d];
-            assert!((made.exogenous[d][k] - wanted).abs() < 1e-9 * 5000.0, "force {d} at {k}");
+            assert!((exogenous[d][k] - wanted).abs() < 1e-9 * 5000.0, "force {d} at {k}");
         }
         // An Euler difference is the mean over the step: with even change, half of what the step adds, seen from the heading
         // at its start; what is left is of second order in the step.
@@ -139,9 +141,9 @@ fn law_without_noise_the_logs_give_forces_and_velocities_back() {
             0.5 * (now[2] + next[2]),
         ];
         for d in 0..3 {
-            let error = (made.measured[d][k] - mean[d]).abs();
+            let error = (measured[d][k] - mean[d]).abs();
             assert!(error < 2e-3, "state {d} at {k}: {error}");
-            let euler = (made.measured[d][k] - now[d]).abs();
+            let euler = (measured[d][k] - now[d]).abs();
             let bound = (0..3).map(|d| (next[d] - now[d]).abs()).sum::<f64>() + 1.3 * now[2].abs() * dt;
             assert!(euler <= bound + 1e-9, "state {d} at {k}: {euler} above {bound}");
         }

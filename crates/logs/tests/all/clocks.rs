@@ -23,11 +23,11 @@ fn dates_are_read_as_the_calendar_says() {
 
 #[test]
 fn repeated_and_early_rows_are_counted() {
-    let times = [0.0, 1.0, 1.0, 3.0, 2.0, 3.0, 4.0];
+    let times = vec![0.0, 1.0, f64::NAN, 1.0, 3.0, 2.0, 3.0, 4.0].into();
     let error = order(&times, NonMonotonic::Refuse).unwrap_err();
-    assert_eq!(error, Backwards { row: 4, time: 2.0, latest: 3.0 });
+    assert_eq!(error, Backwards { row: 5, time: 2.0, latest: 3.0 });
     let dropped = order(&times, NonMonotonic::Drop).unwrap();
-    assert_eq!(dropped, Order { rows: vec![0, 1, 3, 6], repeated: 2, backwards: 1 });
+    assert_eq!(dropped, Order { rows: vec![0, 1, 4, 7], repeated: 2, backwards: 1 });
     let sorted = order(&times, NonMonotonic::Sort).unwrap();
-    assert_eq!(sorted, Order { rows: vec![0, 1, 4, 3, 6], repeated: 2, backwards: 1 });
+    assert_eq!(sorted, Order { rows: vec![0, 1, 5, 4, 7], repeated: 2, backwards: 1 });
 }

@@ -1,6 +1,6 @@
 //! A common clock and its stretches.
 
-use logs::{Grid, Stretch, stretches};
+use logs::{Grid, Samples, Stretch, stretches};
 
 #[test]
 fn rounding_costs_no_row() {
@@ -15,8 +15,9 @@ fn rounding_costs_no_row() {
 #[test]
 fn the_last_state_needs_no_input() {
     let nan = f64::NAN;
-    let states = [vec![1.0; 8], vec![1.0, 1.0, 1.0, 1.0, nan, 1.0, 1.0, 1.0], vec![1.0; 8]];
-    let input = vec![vec![1.0, 1.0, nan, 1.0, 1.0, 1.0, 1.0, nan]];
+    let states =
+        [vec![1.0; 8], vec![1.0, 1.0, 1.0, 1.0, nan, 1.0, 1.0, 1.0], vec![1.0; 8]].map(Samples::from);
+    let input = [vec![1.0, 1.0, nan, 1.0, 1.0, 1.0, 1.0, nan].into()];
     let expected = [Stretch { start: 0, samples: 2 }, Stretch { start: 5, samples: 2 }];
     assert_eq!(stretches(&states, &input), expected);
 }

@@ -3,6 +3,7 @@
 mod actuator;
 mod allocation;
 mod angles;
+mod aside;
 mod assembled;
 mod chain;
 mod clocks;
@@ -24,3 +25,13 @@ mod thrusters;
 mod units;
 mod weather;
 mod wind;
+
+/// [`logs::local_quadratic`] of all samples.
+fn parabolas(t: &[f64], values: &[f64], window: usize) -> (Vec<f64>, Vec<f64>) {
+    let (mut smooth, mut slope) = (Vec::new(), Vec::new());
+    logs::local_quadratic(&t.into(), &values.into(), 0..t.len(), window, |value, rate| {
+        smooth.push(value);
+        slope.push(rate);
+    });
+    (smooth, slope)
+}

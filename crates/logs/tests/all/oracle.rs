@@ -1,7 +1,9 @@
 //! Against numbers computed by numpy and scipy: `fixtures/oracle/ingest.json`, written by `scripts/independent/ingest.py`.
 
-use logs::{Law, Lever, Series, Thruster, euler, lag, local_quadratic, noise_std};
+use logs::{Law, Lever, Series, Thruster, euler, lag, noise_std};
 use serde_json::Value;
+
+use crate::parabolas;
 
 const ORACLE: &str = include_str!("../../../../fixtures/oracle/ingest.json");
 
@@ -35,8 +37,10 @@ fn same(found: &[f64], expected: &[f64], tolerance: f64) {
 fn oracle_euler_differences() {
     let case = oracle("euler");
     let [x, y, psi] = ["x", "y", "psi"].map(|name| numbers(&case[name]));
-    let made = euler(&x, &y, &psi, number(&case["dt"]));
-    for (found, name) in made.iter().zip(["u", "v", "r"]) {
+    let poses = (0..psi.len()).map(|k| [x[k], y[k], psi[k]]);
+    let made: Vec<[f64; 3]> = euler(poses, number(&case["dt"])).collect();
+    for (d, name) in ["u", "v", "r"].into_iter().enumerate() {
+        let found: Vec<f64> = made.iter().map(|velocity| velocity[d]).collect();
         let (last, known) = found.split_last().unwrap();
         assert!(last.is_nan());
         same(known, &numbers(&case[name]), 1e-12);
@@ -51,7 +55,7 @@ fn oracle_smoother_is_the_filter_of_savitzky_and_golay_and_fits_uneven_clocks() 
         [("t", "window", "smooth", "slope"), ("uneven_t", "uneven_window", "uneven_smooth", "uneven_slope")]
     {
         let window = case[window].as_u64().unwrap() as usize;
-        let (found, found_slope) = local_quadratic(&numbers(&case[clock]), &values, window);
+        let (found, found_slope) = parabolas(&numbers(&case[clock]), &values, window);
         same(&found, &numbers(&case[smooth]), 1e-12);
         same(&found_slope, &numbers(&case[slope]), 1e-10);
     }
@@ -70,9 +74,9 @@ fn oracle_noise() {
 fn oracle_resampling() {
     let case = oracle("resampling");
     let series = Series::new(&numbers(&case["t"]), &numbers(&case["values"]), number(&case["max_gap_s"]));
-    let grid = numbers(&case["grid"]);
-    same(&series.at(&grid), &numbers(&case["plain"]), 1e-12);
-    same(&series.averaged(number(&case["average_s"])).at(&grid), &numbers(&case["averaged"]), 1e-12);
+    let at = |series: &Series| series.at(numbers(&case["grid"])).collect::<Vec<_>>();
+    same(&at(&series), &numbers(&case["plain"]), 1e-12);
+    same(&at(&series.averaged(number(&case["average_s"]))), &numbers(&case["averaged"]), 1e-12);
 }
 
 #[test]
@@ -102,7 +106,7 @@ fn oracle_azimuth_thrusters() {
 #[test]
 fn oracle_lag() {
     let case = oracle("lag");
-    let (measured, reference) = (numbers(&case["measured"]), numbers(&case["reference"]));
+    let [measured, reference] = ["measured", "reference"].map(|name| numbers(&case[name]).into());
     let found = lag(&measured, &reference, number(&case["rate_hz"]), 5.0).unwrap();
     approx::assert_abs_diff_eq!(found, number(&case["lag_s"]), epsilon = 1e-6);
     assert!((found - 0.73).abs() < 0.02, "{found}");

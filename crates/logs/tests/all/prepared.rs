@@ -32,7 +32,7 @@ fn east_north_up_becomes_north_east_down() {
     let measured =
         channels(&[("x", &[1.0]), ("y", &[2.0]), ("psi", &[0.0]), ("y_v", &[0.1]), ("y_u", &[3.0])]);
     let found = prepare(measured, &enu).unwrap();
-    let value = |name: &str| found[name].values[0];
+    let value = |name: &str| found[name].values.first().unwrap();
     assert_eq!((value("x"), value("y"), value("psi")), (2.0, 1.0, FRAC_PI_2));
     assert_eq!((value("y_u"), value("y_v")), (3.0, -0.1));
 }
@@ -42,7 +42,8 @@ fn geographic_positions_are_north_and_east_whatever_the_frame() {
     let enu = Conventions { frame: Frame::Enu, ..conventions() };
     let measured = channels(&[("latitude_deg", &[1.0, 1.0 + 1e-5]), ("longitude_deg", &[0.3, 0.3])]);
     let found = prepare(measured, &enu).unwrap();
-    assert!((found["x"].values[1] - 63.5).abs() < 0.5 && found["y"].values[1].abs() < 1e-6, "{found:?}");
+    let [x, y] = ["x", "y"].map(|name| found[name].values.last().unwrap());
+    assert!((x - 63.5).abs() < 0.5 && y.abs() < 1e-6, "{found:?}");
     assert_eq!(found.len(), 2);
 }
 
@@ -55,7 +56,7 @@ fn computed_channels_may_use_those_before_them() {
     let formulas = [("back", "negative(n)"), ("square", "back^2")];
     let derived = formulas.map(|(name, text)| computed(name, text)).into();
     let found = prepare(channels(&[("n", &[-3.0, 2.0])]), &Conventions { derived, ..conventions() }).unwrap();
-    assert_eq!(found["square"].values, [9.0, 0.0]);
+    assert_eq!(found["square"].values.to_vec(), [9.0, 0.0]);
     let lacking = prepare(channels(&[]), &Conventions { derived: vec![computed("a", "b")], ..conventions() });
     assert_eq!(lacking, Err(Unassembled::NoChannel("b".to_owned())));
 }
@@ -68,7 +69,7 @@ fn thrusters_add_up() {
     let thrusters = vec![named(-0.1), named(0.1), (bow, "bow".to_owned(), None)];
     let measured = channels(&[("n", &[2.0]), ("alpha", &[FRAC_PI_2]), ("bow", &[1.0])]);
     let found = prepare(measured, &Conventions { thrusters, ..conventions() }).unwrap();
-    approx::assert_abs_diff_eq!(found["tau1"].values[0], 0.0, epsilon = 1e-15);
-    approx::assert_abs_diff_eq!(found["tau2"].values[0], 5.0, epsilon = 1e-15);
-    approx::assert_abs_diff_eq!(found["tau3"].values[0], -0.4 * 4.0 + 0.4, epsilon = 1e-15);
+    approx::assert_abs_diff_eq!(found["tau1"].values.first().unwrap(), 0.0, epsilon = 1e-15);
+    approx::assert_abs_diff_eq!(found["tau2"].values.first().unwrap(), 5.0, epsilon = 1e-15);
+    approx::assert_abs_diff_eq!(found["tau3"].values.first().unwrap(), -0.4 * 4.0 + 0.4, epsilon = 1e-15);
 }

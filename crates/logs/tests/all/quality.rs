@@ -1,6 +1,6 @@
 //! How good channels are.
 
-use logs::{Channels, Series, consistency, lag, noise_std};
+use logs::{Channels, Samples, Series, consistency, lag, noise_std};
 
 fn wave(t: f64) -> f64 {
     (0.3 * t).sin() + 0.4 * (0.71 * t).cos()
@@ -12,7 +12,7 @@ fn law_a_delayed_wave_lags_by_its_delay() {
         let times: Vec<f64> = (0..1200).map(|k| 0.1 * f64::from(k)).collect();
         let reference: Vec<f64> = times.iter().map(|t| wave(*t)).collect();
         let late: Vec<f64> = times.iter().map(|t| wave(t - delay)).collect();
-        let found = lag(&late, &reference, 10.0, 5.0).unwrap();
+        let found = lag(&late.into(), &reference.into(), 10.0, 5.0).unwrap();
         assert!((found - delay).abs() < 5e-3, "{found} instead of {delay}");
     }
 }
@@ -39,10 +39,11 @@ fn law_a_rate_in_degrees_has_the_gain_of_degrees() {
 
 #[test]
 fn without_motion_there_is_no_lag() {
-    assert_eq!(lag(&[1.0; 100], &[1.0; 100], 10.0, 5.0), None);
-    assert_eq!(lag(&[], &[], 10.0, 5.0), None);
-    let line: Vec<f64> = (0..100).map(f64::from).collect();
-    let falling: Vec<f64> = line.iter().map(|x| -x).collect();
+    let still = Samples::from(vec![1.0; 100]);
+    assert_eq!(lag(&still, &still, 10.0, 5.0), None);
+    assert_eq!(lag(&Samples::default(), &Samples::default(), 10.0, 5.0), None);
+    let line = still.made((0..100).map(f64::from));
+    let falling = still.made(line.iter().map(|x| -x));
     assert_eq!(lag(&line, &falling, 10.0, 5.0), None);
 }
 

@@ -9,7 +9,7 @@
 
 mod accuracy;
 mod axis;
-
+mod correlations;
 mod front;
 mod histogram;
 mod histogram_figure;
@@ -26,6 +26,7 @@ mod traces;
 mod tracks;
 
 pub use accuracy::{AccuracyCurve, accuracy};
+pub use correlations::{CorrelationCell, CorrelationRow, correlations};
 pub use front::{FrontDot, front};
 pub use histogram::Histogram;
 pub use histogram_figure::{HistogramAxis, HistogramPanel, histogram_pair};
@@ -35,4 +36,4 @@ pub use sensitivities::{SensitivityRow, sensitivities};
 pub use shares::{ShareRow, shares};
 pub use text::number as tick_number;
 pub use traces::{Curve, TraceColumn, TraceRow, traces};
-pub use tracks::{Track, tracks};
+pub use tracks::{Track, TrackLine, tracks};

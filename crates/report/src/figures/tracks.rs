@@ -1,19 +1,28 @@
 use crate::figures::axis::{extent, round_step};
 use crate::figures::layout::{GRID, NOTE, note};
-use crate::figures::palette::BLUE;
+use crate::figures::palette::{INK, Rgb};
 use crate::figures::svg::{Anchor, Paint, Point, Sheet};
 use crate::figures::text;
 use crate::figures::thin::thinned;
 
-/// A track in the plane.
+/// One or several tracks in the plane, in a cell of their own.
 #[derive(Clone, Debug)]
 pub struct Track<'a> {
-    /// Name of the maneuver.
+    /// Name of the maneuver or recording.
     pub name: &'a str,
+    /// One behind the other; the first begins where the dot is.
+    pub lines: Vec<TrackLine<'a>>,
+}
+
+/// One track.
+#[derive(Clone, Copy, Debug)]
+pub struct TrackLine<'a> {
     /// Position along the initial heading \[m\].
     pub x: &'a [f64],
     /// Position to starboard of it \[m\].
     pub y: &'a [f64],
+    /// Its colour; none for ink.
+    pub colour: Option<Rgb>,
 }
 
 const WIDTH: f64 = 960.0;
@@ -21,6 +30,8 @@ const NARROWEST: f64 = 150.0;
 const TALLEST: f64 = 230.0;
 const HEAD: f64 = 26.0;
 const PAD: f64 = 10.0;
+const LONGEST_NAME: usize = 24;
+const LETTER: f64 = 6.6;
 
 /// Plan views, all at the same scale: x upwards, y to the right, a dot at the start.
 pub fn tracks(tracks: &[Track<'_>]) -> String {
@@ -44,8 +55,9 @@ struct Cells {
 
 impl Cells {
     fn new(tracks: &[Track<'_>]) -> Self {
-        let widest = tracks.iter().map(|t| length(t.y)).fold(1e-3, f64::max);
-        let longest = tracks.iter().map(|t| length(t.x)).fold(1e-3, f64::max);
+        let length = |(low, high): (f64, f64)| high - low;
+        let widest = tracks.iter().map(|track| length(track.across())).fold(1e-3, f64::max);
+        let longest = tracks.iter().map(|track| length(track.along())).fold(1e-3, f64::max);
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a handful")]
         let most = (WIDTH / NARROWEST) as usize;
         let candidates = (1..=most.min(tracks.len().max(1))).map(|columns| {
@@ -62,19 +74,34 @@ impl Cells {
         let left = (index % self.columns) as f64 * self.cell.0;
         let top = (index / self.columns) as f64 * self.cell.1;
         sheet.bar((left + 3.0, top + 3.0), (left + self.cell.0 - 3.0, top + self.cell.1 - 3.0), (GRID, 1.0));
-        sheet.text(&text::shortened(track.name, 24), (left + PAD, top + 16.0), note(Anchor::Start));
+        sheet.text(
+            &text::shortened(track.name, self.letters()),
+            (left + PAD, top + 16.0),
+            note(Anchor::Start),
+        );
         let centre = (left + 0.5 * self.cell.0, top + HEAD + 0.5 * (self.cell.1 - HEAD));
-        let points = self.placed(track, centre);
-        sheet.polyline(&thinned(points.iter().copied(), 600), (Paint::solid(BLUE), 1.8));
-        if let Some(start) = points.iter().find(|p| p.0.is_finite() && p.1.is_finite()) {
-            sheet.disc(*start, 3.5, Paint::ink(0.9));
+        for (i, line) in track.lines.iter().enumerate() {
+            let points = self.placed(track, line, centre);
+            let paint = Paint::solid(line.colour.unwrap_or(INK));
+            sheet.polyline(&thinned(points.iter().copied(), 600), (paint, 1.8));
+            let start = points.iter().find(|p| p.0.is_finite() && p.1.is_finite());
+            if let Some(start) = start.filter(|_| i == 0) {
+                sheet.disc(*start, 3.5, Paint::ink(0.9));
+            }
         }
     }
 
-    /// Pixels of the track with the middle of its extent at `centre`.
-    fn placed(&self, track: &Track<'_>, centre: Point) -> Vec<Point> {
-        let (north, east) = (middle(track.x), middle(track.y));
-        let pairs = track.x.iter().zip(track.y);
+    /// How long a name may be.
+    fn letters(&self) -> usize {
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a handful")]
+        let most = ((self.cell.0 - 2.0 * PAD) / LETTER) as usize;
+        most.min(LONGEST_NAME)
+    }
+
+    /// Pixels of a line with the middle of the extent of all of `track` at `centre`.
+    fn placed(&self, track: &Track<'_>, line: &TrackLine<'_>, centre: Point) -> Vec<Point> {
+        let (north, east) = (middle(track.along()), middle(track.across()));
+        let pairs = line.x.iter().zip(line.y);
         pairs
             .map(|(x, y)| (centre.0 + self.scale * (y - east), centre.1 - self.scale * (x - north)))
             .collect()
@@ -92,10 +119,18 @@ impl Cells {
     }
 }
 
-fn length(values: &[f64]) -> f64 {
-    extent(values.iter().copied()).map_or(0.0, |(low, high)| high - low)
+impl Track<'_> {
+    /// Least and largest x of all lines.
+    fn along(&self) -> (f64, f64) {
+        extent(self.lines.iter().flat_map(|line| line.x.iter().copied())).unwrap_or_default()
+    }
+
+    /// Least and largest y of all lines.
+    fn across(&self) -> (f64, f64) {
+        extent(self.lines.iter().flat_map(|line| line.y.iter().copied())).unwrap_or_default()
+    }
 }
 
-fn middle(values: &[f64]) -> f64 {
-    extent(values.iter().copied()).map_or(0.0, |(low, high)| 0.5 * (low + high))
+fn middle((low, high): (f64, f64)) -> f64 {
+    0.5 * (low + high)
 }

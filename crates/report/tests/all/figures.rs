@@ -2,8 +2,8 @@
 
 use report::figures::{
     AccuracyCurve, Curve, ErrorRow, FrontDot, Histogram, HistogramAxis, HistogramPanel, SensitivityRow,
-    ShareRow, TraceColumn, TraceRow, Track, accuracy, front, histogram_pair, palette, relative_errors,
-    sensitivities, shares, tick_number, traces, tracks,
+    ShareRow, TraceColumn, TraceRow, Track, TrackLine, accuracy, front, histogram_pair, palette,
+    relative_errors, sensitivities, shares, tick_number, traces, tracks,
 };
 use report::picture;
 
@@ -138,11 +138,15 @@ fn traces_survive_gaps_and_unequal_lengths() {
     check(&traces(&[], &[]));
 }
 
+fn track<'a>(name: &'a str, x: &'a [f64], y: &'a [f64]) -> Track<'a> {
+    Track { name, lines: vec![TrackLine { x, y, colour: None }] }
+}
+
 #[test]
 fn tracks_share_one_scale() {
     let x: Vec<f64> = (0..100).map(f64::from).collect();
     let y = vec![0.0; 100];
-    let svg = tracks(&[Track { name: "straight", x: &x, y: &y }, Track { name: "none", x: &[], y: &[] }]);
+    let svg = tracks(&[track("straight", &x, &y), track("none", &[], &[])]);
     check(&svg);
     assert!(svg.contains("straight") && svg.contains(" m</text>"));
     check(&tracks(&[]));

@@ -4,6 +4,7 @@ mod archipelago;
 mod drawing;
 mod figures;
 mod map;
+mod measured;
 mod mock;
 mod mock_plan;
 mod page;

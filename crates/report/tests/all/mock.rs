@@ -198,12 +198,14 @@ fn estimate() -> EstimateDocument {
         seed: Some(1),
         trusted_within: Some(0.15),
         compared: None,
+        constrained: Vec::new(),
         trust: None,
     }
 }
 
 fn summary(design: &str, spread: impl Fn(&Parameter) -> f64, condition: f64) -> DesignSummary {
     let parameter = |p: &Parameter| ParameterSummary {
+        at_bound: None,
         name: p.0.to_owned(),
         unit: p.1.to_owned(),
         truth: Some(p.2),

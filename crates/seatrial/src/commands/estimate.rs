@@ -2,16 +2,19 @@
 
 use std::path::{Path, PathBuf};
 
-use artifact::Provenance;
+use artifact::{Provenance, commit, stage_document, stage_set_document};
 use clap::Parser;
 use identification::predictor::{InitialState, Levels};
 use identification::runs::RunEstimators;
 use identification::{EstimateStatus, Estimator, MeanRemoval};
 use serde_json::json;
+use study::documents::ModelDocument;
 use study::estimates::{self, Row};
 use study::files::{read_campaign, read_simulated};
-use vessel::Vessel;
+use study::trajectories::TrajectoryReader;
+use vessel::{Run, Vessel, nearest};
 
+use super::model_beside::{is_of, model_beside};
 use super::unidentified::refuse_if_none;
 use crate::choice::choice;
 use crate::cli::{Common, Sharding, beside, given};
@@ -48,6 +51,9 @@ pub struct Arguments {
     /// How the instruments' mean is removed
     #[arg(long, value_parser = choice(&MeanRemoval::ALL, MeanRemoval::name, MeanRemoval::description), default_value_t = MeanRemoval::Complete)]
     mean_removal: MeanRemoval,
+    /// Delivers the model of this run, by name (`optimized/3`), as model.json; without it that of the only run
+    #[arg(long, value_name = "RUN", conflicts_with_all = ["shard", "gather", "compare"])]
+    model_of: Option<String>,
     #[command(flatten)]
     sharding: Sharding,
 }
@@ -59,15 +65,17 @@ impl Task for Arguments {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
         let mut provenance = common.provenance("estimate");
         let vessel = read_simulated(&self.vessel, &mut provenance)?;
+        self.mean_removal.check(&vessel.model).map_err(|e| Failure::invalid(&self.vessel, &e))?;
         let inputs = [&self.vessel].into_iter().chain(&self.trajectories).chain(&self.sharding.gather);
         let out = common.main_output(MAIN, inputs)?;
         let levels = levels(self, &vessel, &mut provenance)?;
         let document = beside(&out, MAIN, "estimate.json");
-        let made = match self.sharding.gathers() {
-            true => gathered(&self.sharding.gather, &vessel, [&out, &document])?,
+        let path = model_beside(&out, MAIN, [&self.vessel].into_iter().chain(&self.trajectories))?;
+        let (made, model) = match self.sharding.gathers() {
+            true => (gathered(&self.sharding.gather, &vessel, [&out, &document])?, None),
             false => self.computed(&vessel, levels, provenance, [&out, &document], common.quiet)?,
         };
-        publish(&vessel, &document, made)
+        publish(&vessel, &document, made, (&path, model))
     }
 }
 
@@ -80,7 +88,7 @@ impl Arguments {
         mut provenance: Provenance,
         out: [&Path; 2],
         quiet: bool,
-    ) -> Result<Made<Row>, Failure> {
+    ) -> Result<(Made<Row>, Option<ModelDocument>), Failure> {
         let file = given(&self.trajectories, "trajectories")?;
         let reader = inputs::trajectories(file, "trajectories", vessel, &mut provenance)?;
         study::note_seed(reader.provenance(), &mut provenance);
@@ -114,7 +122,44 @@ impl Arguments {
         if self.sharding.shard.is_none() {
             refuse_if_none(&estimators, file, &reader, &made.rows)?;
         }
-        Ok(made)
+        let model = self.model(&estimators, file, &reader, &made.rows)?;
+        Ok((made, model))
+    }
+
+    /// The model of the run that is asked for, or of the only one.
+    fn model(
+        &self,
+        estimators: &RunEstimators,
+        file: &Path,
+        reader: &TrajectoryReader,
+        rows: &[Row],
+    ) -> Result<Option<ModelDocument>, Failure> {
+        let name = |row: &Row| format!("{}/{}", row.design, row.run);
+        let wanted = match (&self.model_of, rows) {
+            (Some(wanted), _) => wanted.clone(),
+            (None, [only]) if self.sharding.shard.is_none() && !self.compare => name(only),
+            _ => return Ok(None),
+        };
+        let Some(place) = rows.iter().position(|row| name(row) == wanted) else {
+            let (expected, names) = (format!("one of {} runs", rows.len()), rows.iter().map(name));
+            let names: Vec<String> = names.collect();
+            let near = nearest(&wanted, names.iter().map(String::as_str)).unwrap_or_default().to_owned();
+            let (thing, remedy) = (format!("run `{wanted}`"), format!("did you mean `{near}`?"));
+            return Err(Failure::refuse(file, &thing, "no such run", &expected, &remedy));
+        };
+        let run = run_at(reader, place)?;
+        let found = run.as_ref().map(|run| estimators.delivered(run, &wanted)).transpose();
+        match found.map_err(|e| Failure::of_run(&e, &self.vessel, file))?.flatten() {
+            Some((found, delivered)) => {
+                Ok(Some(ModelDocument::of_run(estimators.vessel, self.mean_removal, &found, &delivered)))
+            }
+            None => Err(Failure::NoAnswer(format!(
+                "{}: run `{wanted}`: found no estimate ({}), expected one, for its model; name another run, or another \
+                 --estimator",
+                file.display(),
+                rows[place].status
+            ))),
+        }
     }
 
     /// What the estimates depend on besides the inputs.
@@ -130,6 +175,19 @@ impl Arguments {
         settings.insert("mean_removal".into(), json!(self.mean_removal));
         provenance.shard = self.sharding.shard;
     }
+}
+
+/// The run at this place among all.
+fn run_at(reader: &TrajectoryReader, place: usize) -> Result<Option<Run>, Failure> {
+    let mut before = 0;
+    for block in 0..reader.blocks() {
+        let runs = reader.runs(block)?;
+        if place < before + runs.len() {
+            return Ok(runs.into_iter().nth(place - before));
+        }
+        before += runs.len();
+    }
+    Ok(None)
 }
 
 /// The estimates of all shards.
@@ -166,7 +224,12 @@ fn levels(a: &Arguments, vessel: &Vessel, provenance: &mut Provenance) -> Result
     }
 }
 
-fn publish(vessel: &Vessel, document: &Path, made: Made<Row>) -> Result<Summary, Failure> {
+fn publish(
+    vessel: &Vessel,
+    document: &Path,
+    made: Made<Row>,
+    (path, model): (&Path, Option<ModelDocument>),
+) -> Result<Summary, Failure> {
     let Made { table, provenance, rows } = made;
     let out = table.path().to_owned();
     let (runs, identified) = (rows.len(), rows.iter().filter(|r| r.estimate.is_some()).count());
@@ -178,15 +241,26 @@ fn publish(vessel: &Vessel, document: &Path, made: Made<Row>) -> Result<Summary,
     );
     let also = |count: usize, what: &str| if count > 0 { format!(", {count} {what}") } else { String::new() };
     let searched = also(unconverged, EstimateStatus::NotConverged.name()) + &also(kept, "kept unrefined");
-    sharded::publish(table, document, &provenance, || {
-        Ok(estimates::summarize(&out, &provenance, vessel, &rows)?)
-    })?;
+    let summary = || Ok(estimates::summarize(&out, &provenance, vessel, &rows)?);
+    let (also_model, left) = (if model.is_some() { ", a model" } else { "" }, is_of(document, path));
+    match model {
+        None => sharded::publish(table, document, &provenance, summary)?,
+        Some(model) => {
+            let mut staged = vec![table, stage_document(path, &provenance, &model)?];
+            staged.push(stage_set_document(document, &provenance, &summary()?, &staged)?);
+            commit(staged)?;
+        }
+    }
+    if also_model.is_empty() && left && provenance.shard.is_none() {
+        // That of an earlier estimate is not this one's.
+        let _ = std::fs::remove_file(path);
+    }
     let single = estimates::estimators(&rows).len() < 2;
     let things = if single { "runs" } else { "estimates" };
     let part = provenance.shard.map_or(String::new(), |s| format!(", shard {s}"));
     Ok(Summary::of(
         &out,
-        format!("{runs} {things}, {unexcited} not identifiable{searched}{part}"),
+        format!("{runs} {things}, {unexcited} not identifiable{searched}{also_model}{part}"),
         if single && unconverged + kept == 0 {
             json!({"runs": runs, "identified": identified})
         } else {

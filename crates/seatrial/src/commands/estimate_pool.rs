@@ -12,6 +12,7 @@ use study::estimates;
 use study::files::read_vessel;
 
 use super::estimate::MAIN;
+use super::model_beside::model_beside;
 use crate::choice::choice;
 use crate::cli::{Common, beside};
 use crate::failure::Failure;
@@ -47,6 +48,7 @@ impl Task for Arguments {
         let mut provenance = common.provenance("estimate");
         let vessel = read_vessel(&self.flags.vessel, &mut provenance)?;
         let out = common.main_output(MAIN, self.flags.inputs())?;
+        let model = model_beside(&out, MAIN, self.flags.inputs())?;
         let (runs, pool) = self.flags.read(&vessel, &mut provenance, inputs::kept_runs)?;
         let judgement = Judgement {
             bandwidth: self.bandwidth.map(usize::from),
@@ -61,7 +63,7 @@ impl Task for Arguments {
         let resampled = |count: usize| progress.advance(count);
         let found = estimate(&pool, &runs, self.estimator, &judgement, &resampled);
         let found = found.map_err(|e| self.failed(e))?;
-        self.publish(&out, &provenance, &pool, &found)
+        self.publish([&out, &model], &provenance, &pool, &found)
     }
 }
 
@@ -81,6 +83,12 @@ impl Arguments {
         match error {
             PoolError::Unread(error) => error.into(),
             PoolError::Lost(instruments) => lost(&self.flags.of.trajectories, &instruments),
+            PoolError::Bounded(reasons) => Failure::NoAnswer(format!(
+                "{}: pooled estimate: found no room for an estimate ({}), expected a parameter that the data determine; widen \
+                 the `bounds`, or fix some of these parameters",
+                self.flags.of.trajectories.display(),
+                reasons.join("; ")
+            )),
             PoolError::NotIdentifiable(reasons) => Failure::NoAnswer(format!(
                 "{}: pooled estimate: found no degree of freedom that is identifiable ({}), expected one; add runs that vary \
                  these terms, name a --prior, or use --estimator ls",
@@ -92,7 +100,7 @@ impl Arguments {
 
     fn publish(
         &self,
-        out: &Path,
+        [out, path]: [&Path; 2],
         provenance: &Provenance,
         pool: &Pool,
         found: &Pooled,
@@ -109,13 +117,13 @@ impl Arguments {
         let mut staged = vec![writer.finish()?, stage_document(name("trust.json"), provenance, &trust)?];
         let model = ModelDocument::new(pool, estimator, found);
         if let Some(model) = &model {
-            staged.push(stage_document(name("model.json"), provenance, model)?);
+            staged.push(stage_document(path, provenance, model)?);
         }
         staged.push(stage_set_document(&summary, provenance, &document, &staged)?);
         commit(staged)?;
         if model.is_none() {
             // That of an earlier estimate is not this one's; there may be none.
-            let _ = std::fs::remove_file(name("model.json"));
+            let _ = std::fs::remove_file(path);
         }
         let refused: Vec<&str> = found.degrees.iter().filter_map(|d| d.reason.as_deref()).collect();
         let rest = match refused.as_slice() {

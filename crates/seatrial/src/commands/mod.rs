@@ -6,6 +6,7 @@ mod cross;
 mod estimate;
 mod estimate_pool;
 mod ingest;
+mod model_beside;
 mod moments;
 mod monte_carlo;
 mod plan;

@@ -4,7 +4,9 @@ use std::path::{Path, PathBuf};
 
 use artifact::{Provenance, commit, stage_document, stage_set_document};
 use clap::{Args, Parser};
-use identification::search::{Cut, NamedRoles, Roles, SearchError, SearchOptions, library, listed, search};
+use identification::search::{
+    Cut, NamedRoles, Roles, SearchError, SearchOptions, check_bounds, library, listed, search,
+};
 use serde_json::json;
 use study::TermLists;
 use study::documents::{ModelDocument, SearchDocument};
@@ -87,6 +89,7 @@ impl Task for Arguments {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
         let mut provenance = common.provenance("estimate");
         let vessel = read_vessel(&self.vessel, &mut provenance)?;
+        check_bounds(&vessel.model).map_err(|e| Failure::invalid(&self.vessel, &e))?;
         let out = common
             .main_output(MAIN, [&self.vessel].into_iter().chain(&self.terms).chain(self.of.inputs()))?;
         let in_samples = |flag: &str, s: f64| samples(flag, s, vessel.sample_rate_hz);

@@ -12,6 +12,7 @@ use study::design_files::read_limits;
 use study::documents::{DesignDocument, RefinedFiles};
 use study::files::{read_campaign, read_dictionary, read_vessel};
 use trial::campaign::Plan;
+use trial::moments::check_constants;
 use trial::refining::{Limits, Refinement, Refusal, Start, StatedLimits};
 use vessel::{Generator, Invalid, Vessel, refuse_endless};
 
@@ -68,6 +69,7 @@ impl Task for Refine {
             Common { out: path.clone(), ..common.clone() }.main_output("", inputs())?;
         }
         let vessel = read_vessel(&self.vessel, &mut provenance)?;
+        check_constants(&vessel.model).map_err(|e| Failure::invalid(&self.vessel, &e))?;
         let found = search(self, &vessel, &mut provenance)?;
         settings(self, &vessel, &found, &mut provenance);
         let files = RefinedFiles { vessel: &vessel, found: &found };

@@ -124,15 +124,17 @@ fn what_is_odd_but_usable_is_counted_and_told() {
     let row = |t: i32| {
         let jump = if t == 12 { 1.5 } else { 0.0 };
         format!(
-            "{t},0.5,{},0.001,60,{},{}\n",
+            "{t},0.5,{},0.001,60,{},{},{}\n",
             if t % 2 == 0 { 0.1 } else { 0.2 },
             0.01 * f64::from(t) + jump,
-            40
+            40,
+            // Goes round four times within a turn; without jumps it is more than a turn.
+            f64::from(t).rem_euclid(std::f64::consts::TAU)
         )
     };
-    let csv = "t,u,v,r,n,psi,rudder\n".to_owned() + &(0..30).map(row).collect::<String>();
+    let csv = "t,u,v,r,n,psi,rudder,wind\n".to_owned() + &(0..30).map(row).collect::<String>();
     let mut text = config("").replace("sample_rate_hz = 1.0", "sample_rate_hz = 2.0");
-    for column in ["psi", "rudder"] {
+    for column in ["psi", "rudder", "wind"] {
         text += &format!("[[file.channel]]\ncolumn = \"{column}\"\nchannel = \"{column}\"\nunit = \"rad\"\n");
     }
     let made = ingest(folder(&[("ingest.toml", &text), ("a.csv", &csv)]).path(), &CONFIG);
@@ -143,6 +145,19 @@ fn what_is_odd_but_usable_is_counted_and_told() {
     assert_eq!(of(WarningKind::Constant), [("y_u", 1), ("y_r", 1), ("n", 1), ("rudder", 1)]);
     assert_eq!(of(WarningKind::Jump), [("psi", 2)]);
     assert_eq!(of(WarningKind::Unit), [("rudder", 1)]);
-    assert_eq!(of(WarningKind::Rate).len(), 6);
-    assert!(made.line.contains("; 13 warnings, see ingest.json"), "{}", made.line);
+    assert_eq!(of(WarningKind::Rate).len(), 7);
+    assert!(made.line.contains("; 14 warnings, see ingest.json"), "{}", made.line);
+}
+
+#[test]
+fn what_a_long_recording_puts_aside_changes_no_byte_and_leaves_no_file() {
+    let folder = folder(&[("ingest.toml", &config("")), ("a.csv", &log(140_000))]);
+    let made = |out: &str, more: &[&str]| {
+        let ran = run(folder.path(), &[&CONFIG[..], &["--out", out], more].concat());
+        assert_eq!(ran.code, Some(0), "{}{}", ran.stdout, ran.stderr);
+        std::fs::read(folder.path().join(out)).unwrap()
+    };
+    // The one fits what is held in memory; of the other four pieces are, and a piece is half a megabyte.
+    assert!(made("a.parquet", &[]) == made("b.parquet", &["--memory-mib", "16"]));
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 6);
 }

@@ -206,6 +206,9 @@ fn keys_without_meaning_are_refused() {
     for (top, pieces) in [
         ("average_s = -1.0", ["`average_s`", "above zero"]),
         ("speed_classes_m_s = [0.1]", ["`speed_classes_m_s`", "no `window_s`"]),
+        ("tail_s = 5", ["`tail_s`", "no `window_s`"]),
+        ("window_s = 2\ntail_s = 3", ["`tail_s`", "windows of 2 s"]),
+        ("window_s = 2\ntail_s = -1", ["`tail_s`", "above zero"]),
         ("window_s = 2\nspeed_classes_m_s = [0.3, 0.1]", ["`speed_classes_m_s`", "increase"]),
         ("window_s = 2\nspeed_classes_m_s = [0.1, 0.2, 0.3]", ["`speed_class_names`", "4, one more"]),
         ("maneuver = \"x\"\nmaneuver_from_file = \"{kind}\"", ["`maneuver`", "one of the two"]),
@@ -328,7 +331,7 @@ fn a_small_parquet_file_of_very_many_rows_is_refused() {
     constant(&file, &["t", "u", "v", "r", "n"], 600_000);
     assert!(fs::metadata(file).unwrap().len() < 1 << 16);
     let pieces = ["a.parquet", "rows: found 600000", "at most", "raise --memory-mib"];
-    refused_in(folder.path(), &["--memory-mib", "64"], &pieces);
+    refused_in(folder.path(), &["--memory-mib", "8"], &pieces);
 }
 
 /// Writes a Parquet file of `rows` rows of zeros.

@@ -42,6 +42,15 @@ fn windows_may_be_segments_of_one_run() {
 }
 
 #[test]
+fn a_tail_that_is_long_enough_is_a_last_shorter_window() {
+    for (tail_s, rows, short) in [("5", 36, 0), ("5.5", 31, 1)] {
+        let made = made(&format!("window_s = 10\ntail_s = {tail_s}"), "", &[("a.csv", &log(36))]);
+        assert_eq!((made.rows, made.summary.recordings[0].short_segments), (rows, short), "{tail_s}");
+        assert_eq!(made.i32("segment")[30..].last(), Some(&(2 + i32::from(short == 0))));
+    }
+}
+
+#[test]
 fn intervals_are_cut_out_by_name_of_the_recording() {
     let segment = |run: &str, from: u32, to: u32, maneuver: &str| {
         format!("[[segment]]\nrun = \"{run}\"\nfrom_s = {from}\nto_s = {to}\nmaneuver = \"{maneuver}\"\n")

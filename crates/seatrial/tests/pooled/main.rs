@@ -3,6 +3,7 @@
 #[path = "../support/mod.rs"]
 mod support;
 
+mod constraints;
 mod cross;
 mod estimate;
 mod golden;
@@ -12,6 +13,7 @@ mod real;
 mod refusals;
 mod search;
 mod selection;
+mod single;
 mod units;
 
 /// Pools the runs of the small study; add flags and an output.

@@ -199,3 +199,101 @@ fn a_model_of_an_earlier_estimate_does_not_stay_beside_one_without() {
     run(&folder, line).succeeds();
     assert!(!folder.path().join("model.json").exists());
 }
+
+#[test]
+fn logs_of_another_structure_say_which_channel_is_missing() {
+    let folder = with(&["campaign.parquet"]);
+    run(&folder, MODEL).succeeds();
+    let text = std::fs::read_to_string(folder.path().join("model.json")).unwrap();
+    let seal = json(&folder, "model.json")["seal"].to_string();
+    // A model that needs a channel which the logs lack.
+    put(&folder, "model.json", &text.replace(&seal, "null").replace("tau3", "rudder"));
+    refused(&folder, 3, COMPARE, &["campaign.parquet", "rudder"]);
+    for stage in [
+        "moments --model model.json --trajectories campaign.parquet --out moments.json",
+        "estimate --model model.json --trajectories campaign.parquet --out e.parquet",
+        "estimate pool --model model.json --trajectories campaign.parquet --out e.parquet",
+        "validate cross --model model.json --trajectories campaign.parquet --out c.json",
+    ] {
+        refused(&folder, 3, stage, &["campaign.parquet", "rudder"]);
+    }
+    // One of another ship.
+    put(&folder, "other.toml", include_str!("../../../../pipelines/kvlcc2/vessel.toml"));
+    let line =
+        "estimate pool --model other.toml --trajectories campaign.parquet --out e.parquet --allow-mixed";
+    refused(&folder, 3, line, &["campaign.parquet", "column"]);
+    // One of another unit.
+    put(
+        &folder,
+        "model.json",
+        &text.replace(&seal, "null").replace("\"unit\": \"N m\"", "\"unit\": \"kN m\""),
+    );
+    refused(&folder, 3, COMPARE, &["campaign.parquet", "tau3", "kN m"]);
+}
+
+#[test]
+fn the_page_shows_what_is_left_of_errors_tracks_and_the_delivered_model() {
+    let folder = with(&["campaign.parquet"]);
+    run(&folder, &format!("{CROSS} --estimators ls,iv --out crossval.json")).succeeds();
+    run(&folder, &format!("{MODEL} --estimator iv")).succeeds();
+    run(&folder, COMPARE).succeeds();
+    let data = json(&folder, "compare.json")["data"].clone();
+    let correlations = data["correlations"].as_array().unwrap();
+    let of: Vec<(&str, &str)> =
+        correlations.iter().map(|c| (c["of"].as_str().unwrap(), c["state"].as_str().unwrap())).collect();
+    let kinds = ["one-step residual", "free-run error"];
+    assert_eq!(of, kinds.map(|kind| ["u", "v", "r"].map(|state| (kind, state))).concat());
+    for own in correlations {
+        // Measurement noise enters two increments: law, −1/2 where it is all there is.
+        let first = own["own"][0].as_f64().unwrap();
+        match own["of"] == kinds[0] {
+            true => assert!((-0.6..-0.3).contains(&first), "{own}"),
+            false => assert!(first.abs() < 1.0, "{own}"),
+        }
+        let samples = data["samples"].as_f64().unwrap();
+        assert!((own["bound"].as_f64().unwrap() - 1.959_964 / samples.sqrt()).abs() < 1e-6);
+        assert_eq!((own["own"].as_array().unwrap().len(), own["inputs"].as_array().unwrap().len()), (40, 3));
+        assert!(
+            own["inputs"].as_array().unwrap().iter().all(|i| i["crossed"].as_array().unwrap().len() == 41)
+        );
+    }
+    run(&folder, REPORT).succeeds();
+    let page = std::fs::read_to_string(folder.path().join("report.html")).unwrap();
+    for said in [
+        "What is left of the errors",
+        "moving averages by construction",
+        "Tracks as measured (black)",
+        "The delivered model, by iv",
+        "No estimator is recommended. This model is by iv",
+        "Off by, standard errors",
+        "surge constant",
+    ] {
+        assert!(page.contains(said), "{said}");
+    }
+    for figure in ["compared-tracks", "residual-correlations", "error-correlations"] {
+        assert!(folder.path().join(format!("figures/{figure}.svg")).exists(), "{figure}");
+    }
+}
+
+#[test]
+fn estimates_that_the_data_cannot_tell_apart_are_told_in_words() {
+    // A run that holds its speed tells little apart.
+    let folder = with(&["campaign.parquet", "dictionary.parquet"]);
+    run(&folder, &format!("{POOL} --runs random/0 --estimator ls --out estimates.parquet")).succeeds();
+    let model = json(&folder, "model.json")["data"].clone();
+    let names: Vec<&str> =
+        model["covariance"]["names"].as_array().unwrap().iter().map(|n| n.as_str().unwrap()).collect();
+    let entries: Vec<f64> =
+        model["covariance"]["entries"].as_array().unwrap().iter().map(|x| x.as_f64().unwrap()).collect();
+    let correlation = |i: usize, j: usize| {
+        let at = |i: usize, j: usize| entries[i * names.len() + j];
+        at(i, j) / (at(i, i) * at(j, j)).sqrt()
+    };
+    let statements = json(&folder, "trust.json")["data"]["statements"].to_string();
+    for i in 0..names.len() {
+        for j in 0..i {
+            let words = format!("`{}` and `{}` can", names[j], names[i]);
+            assert!(!statements.contains(&words) || correlation(i, j).abs() >= 0.95, "{words}");
+        }
+    }
+}

@@ -94,6 +94,12 @@ fn documents_and_page_tell_of_every_estimator_and_the_study_stays_that_of_instru
     }
     let said = validation["data"]["recommendations"][0]["statement"].as_str().unwrap();
     assert!(page.contains(said), "{said}");
+    // The parameters are those of the recommended estimator.
+    let words = match validation["data"]["recommendations"][0]["estimator"].as_str() {
+        Some(best) => format!("Estimates by {best}, which the validation recommends."),
+        None => "No estimator is recommended; these are the estimates by iv.".to_owned(),
+    };
+    assert!(page.contains(&words), "{words}");
 }
 
 #[test]

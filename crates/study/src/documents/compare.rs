@@ -1,7 +1,9 @@
 use artifact::{Columns, Document, Units};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use validation::comparison::{Bands, Compared, ComparedModel, Difference, Outside, Traced};
+use validation::comparison::{
+    Bands, Compared, ComparedModel, Difference, ErrorCorrelations, Outside, Traced,
+};
 use vessel::DegreeOfFreedom;
 
 /// `compare.json`: a model beside others on recordings that it was not fitted to.
@@ -32,6 +34,8 @@ pub struct CompareDocument {
     pub bands: Option<Bands>,
     /// Channels that leave the range that the model was fitted on.
     pub outside: Vec<Outside>,
+    /// How the model's errors correlate with themselves and with inputs: where they do beyond chance, it lacks something.
+    pub correlations: Vec<ErrorCorrelations>,
 }
 
 impl CompareDocument {
@@ -51,6 +55,7 @@ impl CompareDocument {
             differences: found.differences.clone(),
             bands: found.bands,
             outside: found.outside.clone(),
+            correlations: found.correlations.clone(),
         }
     }
 }
@@ -60,6 +65,7 @@ impl Document for CompareDocument {
     const VERSION: u32 = 1;
     const UNITS: Units = &[
         ("1", "windows diverged samples error_norm pairs median interval share inside_u inside_v inside_r"),
+        ("1", "bound own crossed"),
         ("s", "window_s"),
         ("m/s", "std_u std_v rmse_u rmse_v bias_u bias_v"),
         ("rad/s", "std_r rmse_r bias_r"),

@@ -3,7 +3,9 @@ use identification::pooled::{DegreeTrust, ParameterTrust, Pooled};
 use identification::{Estimator, MeanRemoval};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use vessel::{Invalid, Vessel};
+use vessel::{Degree, Invalid, Model, Vessel};
+
+use super::ConstrainedParameter;
 
 /// `estimate.json`: what the estimates of all runs say together.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
@@ -24,6 +26,9 @@ pub struct EstimateDocument {
     /// Every estimator on the same runs, where they were compared; `designs` then is that of `estimator`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub compared: Option<Vec<EstimatorSummary>>,
+    /// Parameters that are fixed or tied to others.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub constrained: Vec<ConstrainedParameter>,
     /// What to know before using a pooled estimate, in words; `trust.json` has the numbers. Absent where every run has
     /// its own estimate.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -94,8 +99,11 @@ pub struct ParameterSummary {
     pub mean: Option<f64>,
     /// Standard deviation of the estimates over the runs (null below two runs).
     pub spread: Option<f64>,
-    /// Median of the predicted standard errors.
+    /// Median of the predicted standard errors, 0 at a bound.
     pub predicted_se: Option<f64>,
+    /// Runs whose estimate lies at a bound; absent without bounds.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub at_bound: Option<u64>,
     /// (mean − truth)/|truth|; absent where the truth is not known or 0.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub relative_bias: Option<f64>,
@@ -156,6 +164,7 @@ impl EstimateDocument {
     /// One estimate from all runs.
     pub fn pooled(vessel: &Vessel, estimator: Estimator, mean_removal: MeanRemoval, found: &Pooled) -> Self {
         let parameters = found.degrees.iter().flat_map(|d| &d.parameters).enumerate();
+        let bounded = bounded(&vessel.model);
         let parameter = |(i, p): (usize, &ParameterTrust)| ParameterSummary {
             name: p.name.clone(),
             unit: p.unit.clone(),
@@ -163,6 +172,7 @@ impl EstimateDocument {
             nominal: vessel.nominal[i],
             mean: p.estimate,
             predicted_se: p.standard_error,
+            at_bound: bounded[i].then_some(u64::from(p.at_bound)),
             ..ParameterSummary::default()
         };
         let design = DesignSummary {
@@ -180,9 +190,17 @@ impl EstimateDocument {
             trusted_within: None,
             designs: vec![design],
             compared: None,
+            constrained: ConstrainedParameter::all(vessel, Some(found)),
             trust: Some(found.statements.clone()),
         }
     }
+}
+
+/// Which parameters of `model` have bounds.
+pub(crate) fn bounded(model: &Model) -> Vec<bool> {
+    let degree =
+        |degree: &Degree| (0..degree.terms.len()).map(|i| degree.bounds.contains_key(&i)).collect::<Vec<_>>();
+    model.degrees.iter().flat_map(degree).collect()
 }
 
 impl From<&DegreeTrust> for DegreeSummary {
@@ -205,6 +223,7 @@ impl Document for EstimateDocument {
         ("1", "runs identified not_converged kept condition_median condition_max weakest_share"),
         ("1", "weakest_share_interval condition_median_interval seed trusted_within relative_bias"),
         ("1", "relative_spread relative_rms se_ratio se_ratio_min se_ratio_max"),
-        ("the parameter's unit", "truth nominal mean spread predicted_se"),
+        ("1", "at_bound factor"),
+        ("the parameter's unit", "truth nominal mean spread predicted_se estimate standard_error"),
     ];
 }

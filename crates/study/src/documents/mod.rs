@@ -1,6 +1,7 @@
 //! The documents that the stages exchange, as they stand in the files.
 
 mod compare;
+mod constrained;
 mod crossval;
 mod design;
 mod design_status;
@@ -35,12 +36,14 @@ pub use identification::{Quantiles, Share};
 pub use trial::moments::{DegreeMoments, ManeuverMoments, Moments};
 
 pub use compare::{CompareDocument, traces};
+pub use constrained::ConstrainedParameter;
 pub use crossval::CrossvalDocument;
 pub use design::{
     Accuracy, AccuracyPoint, Counts, CovarianceCriterion, DesignDocument, Efficiency, Restricted, Sequence,
     SequencePart, Start,
 };
 pub use design_status::DesignStatus;
+pub(crate) use estimate::bounded;
 pub use estimate::{DegreeSummary, DesignSummary, EstimateDocument, EstimatorSummary, ParameterSummary};
 pub use ingest::{
     ChannelSummary, IngestDocument, ManeuverCount, MotionSummary, RecordingSummary, RowSummary, State,

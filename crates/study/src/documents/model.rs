@@ -1,10 +1,13 @@
 use artifact::{Document, Units};
 use identification::pooled::{Covariance, Covered, Delivered, Pool, Pooled, RecordingConstant};
-use identification::{Estimator, MeanRemoval};
+use identification::{Estimator, MeanRemoval, RunEstimate};
 use refusal::check_numbers;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use vessel::{DegreeOfFreedom, InputSpec, Invalid, TermSpec, Variable, Vessel, VesselFile};
+use vessel::{
+    Constrained, Constraint, DegreeOfFreedom, InputSpec, Invalid, TermSpec, Variable, Vessel, VesselFile,
+    Written,
+};
 
 /// `model.json`: a model as it was estimated, with all that it takes to simulate it. Every stage that takes a `vessel.toml`
 /// takes it instead.
@@ -23,7 +26,8 @@ pub struct ModelDocument {
     pub measured: Vec<ModelChannel>,
     /// Surge, sway, yaw.
     pub degrees: Vec<ModelDegree>,
-    /// Covariance of the values; null where some have no standard error.
+    /// Covariance of the values that were estimated by themselves, 0 at bounds; null where some have no standard error, and for
+    /// the estimate of a single run.
     pub covariance: Option<Covariance>,
     /// The estimator.
     pub estimator: Estimator,
@@ -90,7 +94,7 @@ pub struct ModelDegree {
 }
 
 /// A term with its value.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ModelParameter {
     /// Its name.
@@ -101,8 +105,23 @@ pub struct ModelParameter {
     pub unit: String,
     /// The estimate.
     pub value: f64,
-    /// Its standard error.
+    /// Its standard error; null at a bound.
     pub standard_error: Option<f64>,
+    /// Whether the value was known and not estimated.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub fixed: bool,
+    /// Another parameter that it equals …
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub tied_to: Option<String>,
+    /// … times this factor.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub factor: Option<f64>,
+    /// Between which estimates stay; null at an open end.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub bounds: Option<[Option<f64>; 2]>,
+    /// Whether it lies at a bound.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub at_bound: bool,
     /// The estimate by least squares of the same data, to be compared with.
     pub least_squares: Option<f64>,
     /// The true value, where the logs were simulated.
@@ -114,10 +133,38 @@ impl ModelDocument {
     /// The model that `estimator` found in `pool`; none unless all degrees of freedom have an estimate.
     pub fn new(pool: &Pool, estimator: Estimator, found: &Pooled) -> Option<Self> {
         let delivered = found.delivered.as_ref()?;
-        let vessel = pool.vessel;
-        let (inputs, measured) = Self::channels(vessel);
-        let degree = |d: DegreeOfFreedom| ModelDegree::new(vessel, delivered, found, d);
+        let errors: Vec<Option<f64>> =
+            found.degrees.iter().flat_map(|d| &d.parameters).map(|p| p.standard_error).collect();
         Some(Self {
+            samples: found.samples,
+            rejected: found.criticism.as_ref().map(|found| found.rejected),
+            statements: found.statements.clone(),
+            ..Self::of(pool.vessel, (estimator, pool.removal), delivered, &errors)
+        })
+    }
+
+    /// The model that `delivered` holds, which `found` in one run.
+    pub fn of_run(vessel: &Vessel, removal: MeanRemoval, found: &RunEstimate, delivered: &Delivered) -> Self {
+        let errors = found.estimate.as_ref().map_or(&[][..], |(_, errors)| errors);
+        let errors: Vec<Option<f64>> = errors.iter().copied().map(Some).collect();
+        let model = Self::of(vessel, (found.estimator, removal), delivered, &errors);
+        let sources: Vec<&str> = model.recordings.iter().map(|own| own.source.as_str()).collect();
+        let told = format!(
+            "estimated from run {} alone; what its structure lacks was not tried",
+            sources.join(", ")
+        );
+        Self { statements: vec![told], ..model }
+    }
+
+    fn of(
+        vessel: &Vessel,
+        (estimator, mean_removal): (Estimator, MeanRemoval),
+        delivered: &Delivered,
+        errors: &[Option<f64>],
+    ) -> Self {
+        let (inputs, measured) = Self::channels(vessel);
+        let degree = |d: DegreeOfFreedom| ModelDegree::new(vessel, delivered, errors, d);
+        Self {
             vessel: vessel.name.clone(),
             sample_rate_hz: vessel.sample_rate_hz,
             inputs,
@@ -125,13 +172,13 @@ impl ModelDocument {
             degrees: DegreeOfFreedom::ALL.into_iter().map(degree).collect(),
             covariance: delivered.covariance.clone(),
             estimator,
-            mean_removal: pool.removal,
-            samples: found.samples,
+            mean_removal,
+            samples: delivered.recordings.iter().map(|own| own.samples).sum(),
             recordings: delivered.recordings.clone(),
             covered: delivered.covered.clone(),
-            rejected: found.criticism.as_ref().map(|found| found.rejected),
-            statements: found.statements.clone(),
-        })
+            rejected: None,
+            statements: Vec::new(),
+        }
     }
 
     /// The inputs and measured disturbances of `vessel`.
@@ -185,8 +232,19 @@ impl ModelDocument {
     ) -> Option<Result<Vessel, Invalid>> {
         let [surge, sway, yaw] = self.degrees.as_slice() else { return None };
         let term = |p: &ModelParameter| {
-            let (parameter, term) = (p.name.clone(), p.term.clone());
-            Some(TermSpec { parameter, term, value: None, nominal: value(p)? })
+            Some(TermSpec {
+                parameter: p.name.clone(),
+                term: p.term.clone(),
+                value: None,
+                // What is tied follows from the other one.
+                nominal: Some(value(p)?).filter(|_| p.tied_to.is_none()),
+                fixed: p.fixed,
+                tied_to: p.tied_to.clone(),
+                factor: p.factor,
+                bounds: p
+                    .bounds
+                    .map(|[low, high]| [low.unwrap_or(f64::NEG_INFINITY), high.unwrap_or(f64::INFINITY)]),
+            })
         };
         let terms = |degree: &ModelDegree| degree.parameters.iter().map(term).collect::<Option<Vec<_>>>();
         let input = |input: &ModelInput| InputSpec {
@@ -211,29 +269,81 @@ impl ModelDocument {
 }
 
 impl ModelDegree {
-    fn new(vessel: &Vessel, delivered: &Delivered, found: &Pooled, degree: DegreeOfFreedom) -> Self {
+    /// With standard errors of all parameters: surge, sway, yaw.
+    fn new(vessel: &Vessel, delivered: &Delivered, errors: &[Option<f64>], degree: DegreeOfFreedom) -> Self {
         let d = degree as usize;
         let own = vessel.model.layout().terms(d);
-        let trust = &found.degrees[d].parameters;
+        let (terms, units) = (&vessel.model.degrees[d], vessel.model.parameter_units());
         let least_squares = delivered.least_squares.as_ref();
-        let parameter = |(i, place): (usize, usize)| ModelParameter {
-            name: trust[i].name.clone(),
-            term: trust[i].term.clone(),
-            unit: trust[i].unit.clone(),
-            value: delivered.theta[place],
-            standard_error: trust[i].standard_error,
-            least_squares: least_squares.map(|(theta, _)| theta[place]),
-            truth: vessel.value[place],
+        let estimated = |place: usize| {
+            let i = place - own.start;
+            let value = delivered.theta[place];
+            let at_bound = terms.at_bound(i, value);
+            ModelParameter {
+                name: terms.parameters[i].clone(),
+                term: terms.terms[i].text.clone(),
+                unit: units[place].clone(),
+                value,
+                standard_error: errors.get(place).copied().flatten().filter(|_| !at_bound),
+                bounds: bounds(vessel, d, i),
+                at_bound,
+                least_squares: least_squares.map(|(theta, _)| theta[place]),
+                truth: vessel.value[place],
+                ..ModelParameter::default()
+            }
+        };
+        let parameter = |written: Written| match written {
+            Written::Estimated(place) => estimated(place),
+            Written::Constrained(own) => ModelParameter {
+                least_squares: least_squares.map(|(theta, _)| own.value(theta)),
+                ..ModelParameter::constrained(vessel, own, &delivered.theta, |i| errors.get(i).copied().flatten())
+            },
         };
         Self {
             name: degree.name().to_owned(),
             state: degree.state().to_owned(),
             unit: degree.unit().to_owned(),
-            parameters: own.enumerate().map(parameter).collect(),
+            parameters: vessel.written(degree).into_iter().map(parameter).collect(),
             constant: delivered.constant[d],
             constant_least_squares: least_squares.map(|(_, constant)| constant[d]),
             increment_std: delivered.increment_std[d],
             output_rmse: delivered.output_rmse.map(|rmse| rmse[d]),
+        }
+    }
+}
+
+/// The bounds of parameter `i` of degree of freedom `d`.
+pub(super) fn bounds(vessel: &Vessel, d: usize, i: usize) -> Option<[Option<f64>; 2]> {
+    let bounds = vessel.model.degrees[d].bounds.get(&i)?;
+    Some(bounds.map(|end| Some(end).filter(|end| end.is_finite())))
+}
+
+impl ModelParameter {
+    /// A parameter of `vessel` that was not estimated by itself, beside estimates `theta` of the others with their standard
+    /// `errors`.
+    pub(super) fn constrained(
+        vessel: &Vessel,
+        own: &Constrained,
+        theta: &[f64],
+        errors: impl Fn(usize) -> Option<f64>,
+    ) -> Self {
+        let truths: Option<Vec<f64>> = vessel.value.iter().copied().collect();
+        let (fixed, tie) = match own.constraint {
+            Constraint::Fixed(_) => (true, None),
+            Constraint::Tied { to, factor } => (false, Some((to, factor))),
+        };
+        let name = |(to, _)| vessel.model.parameter_names().nth(to).map(str::to_owned);
+        Self {
+            name: own.name.clone(),
+            term: own.term.text.clone(),
+            unit: vessel.model.unit(own.degree, &own.term),
+            value: own.value(theta),
+            standard_error: tie.and_then(|(to, factor)| Some(factor.abs() * errors(to)?)),
+            fixed,
+            tied_to: tie.and_then(name),
+            factor: tie.map(|(_, factor)| factor),
+            truth: truths.map(|truths| own.value(&truths)),
+            ..Self::default()
         }
     }
 }
@@ -244,7 +354,7 @@ impl Document for ModelDocument {
     const UNITS: Units = &[
         ("Hz", "sample_rate_hz"),
         ("1", "samples factor"),
-        ("the parameter's unit", "value standard_error least_squares truth"),
+        ("the parameter's unit", "value standard_error least_squares truth bounds"),
         ("the unit of the row's name times that of the column's", "entries"),
         ("the state's unit", "constant constant_least_squares increment_std output_rmse"),
         ("the channel's unit", "low high"),

@@ -4,7 +4,7 @@ use identification::search::{Candidate, Cut, NestedScore, Searched, SizeScore};
 use identification::{Estimator, MeanRemoval};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use vessel::{DegreeOfFreedom, Vessel};
+use vessel::{DegreeOfFreedom, Vessel, Written};
 
 use super::model::{ModelDegree, ModelDocument, ModelParameter};
 
@@ -93,12 +93,13 @@ impl SearchDocument {
 }
 
 fn terms(vessel: &Vessel, degree: DegreeOfFreedom, found: &Searched) -> Vec<SearchTerm> {
-    let (d, known) = (degree as usize, vessel.model.degrees[degree as usize].terms.len());
+    let d = degree as usize;
+    let known = vessel.written(degree).len();
     let all = parameters(&vessel.value, vessel, d, found).into_iter().enumerate();
     all.map(|(i, p)| SearchTerm {
         degree: degree.name().to_owned(),
         base: i < known,
-        chosen_by_folds: (!found.sizes.is_empty())
+        chosen_by_folds: (!found.sizes.is_empty() && !p.fixed && p.tied_to.is_none())
             .then(|| found.chosen_by_folds.get(&p.name).copied().unwrap_or(0)),
         name: p.name,
         term: p.term,
@@ -154,16 +155,32 @@ fn parameters(truth: &[Option<f64>], vessel: &Vessel, d: usize, found: &Searched
         of.names.iter().position(|own| own == name).map(|i| of.entries[i * n + i].max(0.0).sqrt())
     };
     let degree = &found.model.degrees[d];
-    let parameter = |(i, place): (usize, usize)| ModelParameter {
+    let parameter = |i: usize| ModelParameter {
         name: degree.parameters[i].clone(),
         term: degree.terms[i].text.clone(),
-        unit: units[place].clone(),
-        value: found.delivered.theta[place],
+        unit: units[layout.terms(d).start + i].clone(),
+        value: found.delivered.theta[layout.terms(d).start + i],
         standard_error: error(&degree.parameters[i]),
-        least_squares: None,
         truth: known.clone().nth(i).and_then(|known| truth[known]),
+        ..ModelParameter::default()
     };
-    layout.terms(d).enumerate().map(parameter).collect()
+    // The base's terms come first, in the order that they are written in.
+    let names: Vec<&str> = vessel.model.parameter_names().collect();
+    let theta = base(vessel, found);
+    let written = vessel.written(DegreeOfFreedom::ALL[d]).into_iter().map(|written| match written {
+        Written::Estimated(place) => parameter(place - known.start),
+        Written::Constrained(own) => {
+            ModelParameter::constrained(vessel, own, &theta, |to| error(&names[to].to_owned()))
+        }
+    });
+    written.chain((known.len()..degree.terms.len()).map(parameter)).collect()
+}
+
+/// The values that were found for the parameters of the base structure.
+fn base(vessel: &Vessel, found: &Searched) -> Vec<f64> {
+    let (all, own) = (found.model.layout(), vessel.model.layout());
+    let degree = |d: usize| found.delivered.theta[all.terms(d)][..own.terms(d).len()].to_vec();
+    [0, 1, 2].map(degree).concat()
 }
 
 impl Document for SearchDocument {

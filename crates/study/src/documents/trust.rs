@@ -5,6 +5,8 @@ use identification::{Estimator, MeanRemoval};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::ConstrainedParameter;
+
 /// `trust.json`: how far one pooled estimate can be trusted.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -31,6 +33,9 @@ pub struct TrustDocument {
     pub statements: Vec<String>,
     /// Surge, sway, yaw.
     pub degrees: Vec<DegreeTrust>,
+    /// Parameters that are fixed or tied to others.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub constrained: Vec<ConstrainedParameter>,
     /// Free simulation over every run or recording.
     pub runs: Vec<SourceErrors>,
     /// What the model lacks; absent where the model diverges or has no estimate.
@@ -59,6 +64,7 @@ impl TrustDocument {
             replicates: u64::from(replicates),
             statements: found.statements.clone(),
             degrees: found.degrees.clone(),
+            constrained: ConstrainedParameter::all(pool.vessel, Some(found)),
             runs: found.sources.clone(),
             criticism: found.criticism.clone(),
         }
@@ -71,7 +77,7 @@ impl Document for TrustDocument {
     const UNITS: Units = &[
         ("1", "prior parts sources samples bandwidth replicates condition condition_index variation"),
         ("1", "instrument_strength correlation statistic lags p_value first_autocorrelation strongest"),
-        ("1", "diverged error_ratio evidence"),
+        ("1", "diverged error_ratio evidence factor"),
         ("the unit beside it", "value visible_from"),
         ("the parameter's unit", "estimate standard_error bootstrap_std bootstrap_low bootstrap_high"),
         ("samples", "lag"),

@@ -9,7 +9,10 @@ use serde::de::DeserializeOwned;
 use vessel::{DegreeOfFreedom, Vessel};
 
 use super::Row;
-use crate::documents::{DegreeSummary, DesignSummary, EstimateDocument, EstimatorSummary, ParameterSummary};
+use crate::documents::{
+    ConstrainedParameter, DegreeSummary, DesignSummary, EstimateDocument, EstimatorSummary, ParameterSummary,
+    bounded,
+};
 use numerics::statistics::{quantile, quantile_interval, sorted, wilson};
 
 /// The document of all `rows` of `file`, whose `provenance` has settings that name the leading estimator and how the mean
@@ -36,6 +39,7 @@ pub fn summarize(
         trusted_within: Some(TRUSTED),
         designs: of(leading),
         compared: (names.len() > 1).then(|| names.iter().map(summary).collect()),
+        constrained: ConstrainedParameter::all(vessel, None),
         trust: None,
     })
 }
@@ -89,7 +93,7 @@ fn design_summary(vessel: &Vessel, design: &str, rows: &[&Row]) -> DesignSummary
         relative_rms: norms.map(|[bias, spread]| libm::hypot(bias, spread)),
         se_ratio_min: ratios().reduce(f64::min),
         se_ratio_max: ratios().reduce(f64::max),
-        parameters: parameters(vessel, &found),
+        parameters: parameters(vessel, &found, rows),
         degrees: DegreeOfFreedom::ALL.into_iter().map(|d| degree_summary(d, rows)).collect(),
     }
 }
@@ -101,7 +105,12 @@ fn repeated(i: usize, rows: &[&Row], truth: Option<f64>) -> RepeatedEstimates {
     RepeatedEstimates::new(&values, &errors, truth)
 }
 
-fn parameters(vessel: &Vessel, found: &[RepeatedEstimates]) -> Vec<ParameterSummary> {
+fn parameters(vessel: &Vessel, found: &[RepeatedEstimates], rows: &[&Row]) -> Vec<ParameterSummary> {
+    let (bounded, bounds) = (bounded(&vessel.model), vessel.model.bounds().unwrap_or_default());
+    let at_bound = |i: usize| {
+        let estimates = rows.iter().filter_map(|r| r.estimate.as_ref());
+        bounded[i].then(|| estimates.filter(|(theta, _)| bounds[i].contains(&theta[i])).count() as u64)
+    };
     let names = vessel.model.parameter_names().zip(vessel.model.parameter_units());
     let summary =
         |(i, ((name, unit), found)): (usize, ((&str, String), &RepeatedEstimates))| ParameterSummary {
@@ -112,6 +121,7 @@ fn parameters(vessel: &Vessel, found: &[RepeatedEstimates]) -> Vec<ParameterSumm
             mean: found.mean,
             spread: found.spread,
             predicted_se: found.predicted_se,
+            at_bound: at_bound(i),
             relative_bias: found.relative_bias,
             relative_spread: found.relative_spread,
             se_ratio: found.se_ratio(),

@@ -35,6 +35,7 @@ impl IngestFile {
             ("average_s", self.average_s),
             ("velocities.window_s", Some(self.velocities.window_s)),
             ("window_s", self.window_s),
+            ("tail_s", self.tail_s),
             ("min_s", self.min_s),
         ];
         check_positive(numbers.into_iter().filter_map(|(key, value)| Some((key, value?))))?;
@@ -46,6 +47,14 @@ impl IngestFile {
                 "speeds above 0 m/s that increase",
                 "put them in order",
             ));
+        }
+        if self.tail_s.is_some() && self.tail_s > Some(self.window_s.unwrap_or(0.0)) {
+            let found = match self.window_s {
+                Some(window_s) => format!("{} s beside windows of {window_s} s", self.tail_s.unwrap_or(0.0)),
+                None => "no `window_s` beside it".to_owned(),
+            };
+            let expected = "the shortest last window, no longer than `window_s`";
+            return Err(Invalid::new("`tail_s`", found, expected, "correct it or remove it"));
         }
         self.check_speed_names()
     }

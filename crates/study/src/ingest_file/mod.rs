@@ -58,6 +58,8 @@ pub struct IngestFile {
     pub maneuver_from_file: Option<String>,
     /// Sub-experiments are windows of this length \[s\] …
     pub window_s: Option<f64>,
+    /// … what is left at the end of a stretch being a last, shorter one if it is this long \[s\]; without it it is left out …
+    pub tail_s: Option<f64>,
     /// … named by kind and class of mean speed, with these bounds \[m/s\].
     #[serde(default)]
     pub speed_classes_m_s: Vec<f64>,
@@ -170,14 +172,20 @@ impl IngestFile {
             Cut::Labels
         } else if let Some(window_s) = self.window_s {
             let samples = ((window_s * self.sample_rate_hz).round() as usize).max(1);
-            Cut::Windows { samples, classes: self.speed_classes() }
+            let tail = self.tail_s.map_or(samples, |tail_s| self.least_samples(tail_s).clamp(1, samples));
+            Cut::Windows { samples, tail, classes: self.speed_classes() }
         } else if self.segment.is_empty() {
             Cut::Whole
         } else {
             Cut::Intervals(self.segment.clone())
         };
-        let least = self.min_s.map_or(1, |min_s| (min_s * self.sample_rate_hz - 1e-6).ceil() as usize);
+        let least = self.min_s.map_or(1, |min_s| self.least_samples(min_s));
         Segmentation { cut, least, each_is_a_run: self.each_segment_is_a_run }
+    }
+
+    /// Samples that take at least `seconds`.
+    fn least_samples(&self, seconds: f64) -> usize {
+        (seconds * self.sample_rate_hz - 1e-6).ceil() as usize
     }
 
     fn speed_classes(&self) -> Option<SpeedClasses> {

@@ -2,34 +2,71 @@
 //!
 //! CSV is decoded by [`logs`], which needs no more than bytes; Parquet here, for the sciences know no tables.
 
-use std::cell::RefCell;
 use std::fs::File;
 use std::io::{BufRead, BufReader, ErrorKind};
 use std::path::Path;
 use std::sync::Arc;
 
-use artifact::{Digest, Digesting, Error, ForeignTable};
+use artifact::{Digest, Digesting, Error, ForeignTable, Scratch};
 use flate2::read::MultiGzDecoder;
 use logs::{
-    Cells, Columns, Content, CsvError, Log, Plan, Recorded, Segmentation, Source, Wanted, no_date, places,
-    read_csv, record, seconds_of,
+    Cells, Columns, Content, CsvError, Labels, Log, Numbering, Plan, Recorded, Samples, Segmentation, Source,
+    Store, Wanted, no_date, places, read_csv, record, seconds_of,
 };
 use refusal::Invalid;
 
-/// Reads the files of `source`, which stand in `folder`, and makes runs of them; and the files' digests.
+/// Where pieces of long channels are put aside.
+#[derive(Debug)]
+struct Aside(Arc<Scratch>);
+
+impl Store for Aside {
+    fn piece(&self) -> usize {
+        self.0.length()
+    }
+
+    fn put(&self, values: &[f64]) -> u64 {
+        self.0.put(values)
+    }
+
+    fn get(&self, place: u64, values: &mut Vec<f64>) {
+        self.0.get(place, values);
+    }
+
+    fn forget(&self, place: u64) {
+        self.0.forget(place);
+    }
+}
+
+/// Reads the files of `source`, which stand in `folder`, and makes runs of them; and the files' digests. What there is no
+/// room for in memory is put aside in `scratch`.
 ///
 /// # Errors
-/// Files that cannot be read; what [`read_csv`], [`Log::new`] and [`record`] refuse.
+/// Files that cannot be read; what [`read_csv`], [`Log::new`] and [`record`] refuse; channels that cannot be put aside.
 pub fn recorded(
     plan: &Plan,
     segmentation: &Segmentation,
     folder: &Path,
     source: &Source,
+    scratch: &Arc<Scratch>,
+) -> Result<(Recorded, Vec<Digest>), Error> {
+    let store: Arc<dyn Store> = Arc::new(Aside(Arc::clone(scratch)));
+    let recorded = of_files(plan, segmentation, folder, source, &store);
+    // First: what is refused may be what could not be kept.
+    scratch.check()?;
+    recorded
+}
+
+fn of_files(
+    plan: &Plan,
+    segmentation: &Segmentation,
+    folder: &Path,
+    source: &Source,
+    store: &Arc<dyn Store>,
 ) -> Result<(Recorded, Vec<Digest>), Error> {
     let (mut logs, mut digests) = (Vec::with_capacity(source.files.len()), Vec::new());
     for (group, name) in source.files.iter().enumerate() {
         let path = folder.join(name);
-        let (columns, digest) = columns(&path, plan, group)?;
+        let (columns, digest) = columns(&path, plan, group, store)?;
         logs.push(Log::new(columns, group, plan).map_err(|e| crate::invalid(&path, &e))?);
         digests.push(digest);
     }
@@ -37,10 +74,15 @@ pub fn recorded(
     Ok((recorded.map_err(|e| crate::invalid(&folder.join(&source.files[0]), &e))?, digests))
 }
 
-fn columns(path: &Path, plan: &Plan, group: usize) -> Result<(Columns, Digest), Error> {
+fn columns(
+    path: &Path,
+    plan: &Plan,
+    group: usize,
+    store: &Arc<dyn Store>,
+) -> Result<(Columns, Digest), Error> {
     let extension = path.extension().and_then(|extension| extension.to_str());
     if let Some("parquet" | "parq" | "pq") = extension {
-        return Ok((parquet(path, plan, group)?, Digest::of_file(path)?));
+        return Ok((parquet(path, plan, group, store)?, Digest::of_file(path)?));
     }
     let unreadable = |e| Error::io(path, "read", e);
     const BUFFER: usize = 1 << 18;
@@ -51,7 +93,7 @@ fn columns(path: &Path, plan: &Plan, group: usize) -> Result<(Columns, Digest), 
         Some("gz") => (Box::new(BufReader::with_capacity(BUFFER, MultiGzDecoder::new(&mut source))), None),
         _ => (Box::new(BufReader::with_capacity(BUFFER, &mut source)), Some(length)),
     };
-    let columns = read_csv(bytes, length, plan, group).map_err(|error| match error {
+    let columns = read_csv(bytes, length, plan, group, Some(store)).map_err(|error| match error {
         CsvError::Unreadable(error) if is_damage(&error) => crate::invalid(path, &damaged(&error)),
         CsvError::Unreadable(error) => unreadable(error),
         CsvError::Invalid(invalid) => crate::invalid(path, &invalid),
@@ -70,7 +112,7 @@ fn damaged(error: &std::io::Error) -> Invalid {
     Invalid::new("file", found, "a whole gzip file", "the file is truncated or damaged: copy it again")
 }
 
-fn parquet(path: &Path, plan: &Plan, group: usize) -> Result<Columns, Error> {
+fn parquet(path: &Path, plan: &Plan, group: usize, store: &Arc<dyn Store>) -> Result<Columns, Error> {
     let (table, wanted) = (ForeignTable::open(path)?, plan.wanted(group));
     let refused = |invalid| crate::invalid(path, &invalid);
     places(table.columns(), &wanted).map_err(refused)?;
@@ -80,38 +122,48 @@ fn parquet(path: &Path, plan: &Plan, group: usize) -> Result<Columns, Error> {
     let column = |w: &Wanted| {
         Ok::<_, Error>(match w.content {
             Content::Labels => Cells::Labels(labels(&table, &w.column)?),
-            Content::Dates => Cells::Numbers(dates(path, &table, &w.column, plan)?),
-            Content::Numbers => Cells::Numbers(table.numbers(&w.column)?),
+            Content::Dates => Cells::Numbers(dates(path, &table, &w.column, plan, store)?),
+            Content::Numbers => {
+                let mut numbers = Samples::new(store);
+                table.numbers(&w.column, |number| numbers.push(number))?;
+                Cells::Numbers(numbers)
+            }
         })
     };
     let cells = wanted.iter().map(column).collect::<Result<_, _>>()?;
-    Ok(Columns { cells, lines: (1..=table.rows() as u32).collect(), empty_rows: 0, cut_rows: 0 })
+    Ok(Columns { cells, lines: Numbering::of_rows(table.rows()), empty_rows: 0, cut_rows: 0 })
 }
 
-fn labels(table: &ForeignTable, column: &str) -> Result<Vec<Arc<str>>, Error> {
-    let last = RefCell::new(Arc::<str>::from(""));
+fn labels(table: &ForeignTable, column: &str) -> Result<Labels, Error> {
+    let mut labels = Labels::default();
+    texts(table, column, |text| labels.push(text))?;
+    Ok(labels)
+}
+
+fn dates(
+    path: &Path,
+    table: &ForeignTable,
+    column: &str,
+    plan: &Plan,
+    store: &Arc<dyn Store>,
+) -> Result<Samples, Error> {
+    let (mut seconds, mut wrong) = (Samples::new(store), None);
     texts(table, column, |text| {
-        let mut last = last.borrow_mut();
-        if **last != *text {
-            *last = Arc::from(text);
+        let known = seconds_of(text);
+        if known.is_none() && wrong.is_none() {
+            wrong = Some((seconds.len() + 1, text.to_owned()));
         }
-        Arc::clone(&last)
-    })
+        seconds.push(known.unwrap_or(f64::NAN));
+    })?;
+    match wrong {
+        None => Ok(seconds),
+        Some((row, found)) => Err(crate::invalid(path, &no_date(row, column, &found, plan.setup.written_in))),
+    }
 }
 
-fn dates(path: &Path, table: &ForeignTable, column: &str, plan: &Plan) -> Result<Vec<f64>, Error> {
-    let seconds = texts(table, column, |text| seconds_of(text).unwrap_or(f64::INFINITY))?;
-    let Some(row) = seconds.iter().position(|s| s.is_infinite()) else { return Ok(seconds) };
-    let found = &texts(table, column, str::to_owned)?[row];
-    Err(crate::invalid(path, &no_date(row + 1, column, found, plan.setup.written_in)))
-}
-
-/// What `made` makes of texts, or of numbers as text: labels may be either.
-fn texts<V: Clone>(table: &ForeignTable, column: &str, made: impl Fn(&str) -> V) -> Result<Vec<V>, Error> {
-    let refused = match table.texts(column, &made) {
-        Ok(texts) => return Ok(texts),
-        Err(refused) => refused,
-    };
-    let label = |n: &f64| made(&if n.is_finite() { n.to_string() } else { String::new() });
-    table.numbers(column).map(|numbers| numbers.iter().map(label).collect()).map_err(|_| refused)
+/// Gives `each` the texts of a column, or numbers as text: labels may be either.
+fn texts(table: &ForeignTable, column: &str, mut each: impl FnMut(&str)) -> Result<(), Error> {
+    let Err(refused) = table.texts(column, &mut each) else { return Ok(()) };
+    let label = |n: f64| each(&if n.is_finite() { n.to_string() } else { String::new() });
+    table.numbers(column, label).map_err(|_| refused)
 }

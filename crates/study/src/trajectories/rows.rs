@@ -32,11 +32,6 @@ impl Rows {
         }
     }
 
-    /// Number of rows.
-    pub(super) fn len(&self) -> usize {
-        self.t.len()
-    }
-
     /// Samples per second.
     pub(super) fn rate_hz(&self) -> f64 {
         self.rate_hz
@@ -54,15 +49,6 @@ impl Rows {
         self.integers[2].extend(0..rows as i32);
         self.t.extend((0..rows).map(|k| k as f64 / self.rate_hz));
         self.present.extend((0..rows).map(|k| k + 1 < rows));
-    }
-
-    /// Ends a run with its channels: `exogenous` with N values each, `measured` with N + 1.
-    pub(super) fn end(&mut self, exogenous: Vec<Vec<f64>>, measured: [Vec<f64>; 3]) {
-        for (column, mut values) in self.exogenous.iter_mut().zip(exogenous) {
-            values.push(0.0);
-            append(column, values);
-        }
-        self.measured.iter_mut().zip(measured).for_each(|(column, values)| append(column, values));
     }
 
     /// Appends a run.
@@ -85,14 +71,6 @@ impl Rows {
             .extend(self.exogenous.into_iter().map(|values| Column::nullable_f64(values, present.clone())));
         columns.extend(self.measured.map(Column::f64));
         columns
-    }
-}
-
-/// Appends `values` to `column`; the first are taken as they are.
-pub(super) fn append(column: &mut Vec<f64>, values: Vec<f64>) {
-    match column.is_empty() {
-        true => *column = values,
-        false => column.extend(values),
     }
 }
 

@@ -1,10 +1,12 @@
-use artifact::{Column, Table};
+use std::iter::repeat_n;
+
+use artifact::{Column, Error, Labels, PIECE_ROWS, Table, TableSchema, TableWriter};
 use logs::RecordedRun;
 use trial::campaign::SimulatedRun;
 use vessel::track;
 
 use super::Layout;
-use super::rows::{Rows, append, extend};
+use super::rows::{Rows, extend};
 
 /// Rows of a block, or a few more.
 const BLOCK_ROWS: usize = 65_536;
@@ -46,47 +48,111 @@ impl BlockBuilder {
     }
 }
 
-/// Collects measured runs, of which no truth is known, into one block of the table.
+/// Collects measured runs, of which no truth is known, into one block of the table. A long run is never in memory: its
+/// columns are written one after the other, piece by piece.
 pub struct MeasuredBlock {
     /// The design that the runs belong to.
     design: String,
-    rows: Rows,
-    /// Channels that the model does not need; NaN where absent.
-    further: Vec<Vec<f64>>,
+    rate_hz: f64,
+    runs: Vec<RecordedRun>,
+    /// Rows of all runs.
+    rows: usize,
 }
 
 impl MeasuredBlock {
-    /// An empty block of runs of `design` at `rate_hz` with so many `further` channels.
-    pub fn new(design: &str, layout: &Layout, further: usize, rate_hz: f64) -> Self {
-        let rows = Rows::new(layout, rate_hz);
-        Self { design: design.to_owned(), rows, further: vec![Vec::new(); further] }
+    /// An empty block of runs of `design` at `rate_hz`.
+    pub fn new(design: &str, rate_hz: f64) -> Self {
+        Self { design: design.to_owned(), rate_hz, runs: Vec::new(), rows: 0 }
     }
 
     /// Whether there are enough rows for a block.
     pub fn is_full(&self) -> bool {
-        self.rows.len() >= BLOCK_ROWS
+        self.rows >= BLOCK_ROWS
     }
 
-    /// Whether there are no rows.
-    pub fn is_empty(&self) -> bool {
-        self.rows.len() == 0
+    /// Appends a run.
+    pub fn push(&mut self, run: &RecordedRun) {
+        self.rows += run.samples() + 1;
+        // What fills the block is written at once; what waits for others must not hold its recording.
+        self.runs.push(if self.is_full() { run.clone() } else { run.detached() });
     }
 
-    /// Appends a run. Takes it: a long one is most of the memory.
-    pub fn push(&mut self, run: RecordedRun) {
-        self.rows.begin(&self.design, run.number, &run.segments, run.samples() + 1);
-        self.rows.end(run.exogenous, run.measured);
-        self.further.iter_mut().zip(run.further).for_each(|(column, values)| append(column, values));
+    /// Appends the block, with the columns of [`Layout::measured`], to a table of `schema`, and empties it.
+    ///
+    /// # Errors
+    /// See [`TableWriter::write`].
+    pub fn write(
+        &mut self,
+        layout: &Layout,
+        schema: &TableSchema,
+        to: &mut TableWriter,
+    ) -> Result<(), Error> {
+        let inputs = layout.exogenous.len();
+        to.write(schema, self.rows, |i| match i {
+            0 => self.texts(|run| vec![(self.design.as_str(), run.samples() + 1)]),
+            1 => self.integers(|run| Box::new(repeat_n(run.number, run.samples() + 1))),
+            2 => self.integers(|run| Box::new(lengths(run).zip(0..).flat_map(|(rows, i)| repeat_n(i, rows)))),
+            3 => {
+                self.texts(|run| run.segments.iter().map(|s| s.maneuver.as_str()).zip(lengths(run)).collect())
+            }
+            4 => self.integers(|run| Box::new(0..=run.samples() as i32)),
+            5 => self.numbers(|run| Box::new((0..=run.samples()).map(|k| k as f64 / self.rate_hz))),
+            i if i < 6 + inputs => self.absent(move |run| Box::new(run.exogenous(i - 6).chain([f64::NAN]))),
+            i if i < 9 + inputs => self.numbers(move |run| Box::new(run.measured(i - 6 - inputs))),
+            i => self.absent(move |run| Box::new(run.further(i - 9 - inputs))),
+        })?;
+        (self.runs, self.rows) = (Vec::new(), 0);
+        Ok(())
     }
 
-    /// The block, with the columns of [`Layout::measured`].
-    pub fn table(self) -> Table {
-        let optional = |values: Vec<f64>| {
+    fn integers<'a>(
+        &'a self,
+        of: impl Fn(&'a RecordedRun) -> Box<dyn Iterator<Item = i32> + 'a> + 'a,
+    ) -> Pieces<'a> {
+        Box::new(pieces(self.runs.iter().flat_map(of)).map(Column::i32))
+    }
+
+    fn numbers<'a>(
+        &'a self,
+        of: impl Fn(&'a RecordedRun) -> Box<dyn Iterator<Item = f64> + 'a> + 'a,
+    ) -> Pieces<'a> {
+        Box::new(pieces(self.runs.iter().flat_map(of)).map(Column::f64))
+    }
+
+    /// Numbers that are absent where they are NaN.
+    fn absent<'a>(
+        &'a self,
+        of: impl Fn(&'a RecordedRun) -> Box<dyn Iterator<Item = f64> + 'a> + 'a,
+    ) -> Pieces<'a> {
+        Box::new(pieces(self.runs.iter().flat_map(of)).map(|values| {
             let present = values.iter().map(|value| value.is_finite()).collect();
             Column::nullable_f64(values, present)
-        };
-        let mut columns = self.rows.columns();
-        columns.extend(self.further.into_iter().map(optional));
-        Table { columns }
+        }))
     }
+
+    /// Texts, each for so many rows.
+    fn texts<'a>(&'a self, of: impl Fn(&'a RecordedRun) -> Vec<(&'a str, usize)> + 'a) -> Pieces<'a> {
+        let texts = self.runs.iter().flat_map(of).flat_map(|(text, rows)| repeat_n(text, rows));
+        Box::new(pieces(texts).map(|texts| {
+            let mut labels = Labels::default();
+            texts.into_iter().for_each(|text| labels.push(text, 1));
+            labels.column()
+        }))
+    }
+}
+
+/// Pieces of a column.
+type Pieces<'a> = Box<dyn Iterator<Item = Column> + 'a>;
+
+/// Rows of each segment; the last has the run's last row too.
+fn lengths(run: &RecordedRun) -> impl Iterator<Item = usize> {
+    let ends = run.segments.iter().skip(1).map(|next| next.start).chain([run.samples() + 1]);
+    run.segments.iter().zip(ends).map(|(segment, end)| end - segment.start)
+}
+
+fn pieces<T>(mut values: impl Iterator<Item = T>) -> impl Iterator<Item = Vec<T>> {
+    std::iter::from_fn(move || {
+        let piece: Vec<T> = values.by_ref().take(PIECE_ROWS).collect();
+        (!piece.is_empty()).then_some(piece)
+    })
 }

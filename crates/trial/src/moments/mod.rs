@@ -95,6 +95,23 @@ fn by_name(model: &Model, values: &[f64]) -> BTreeMap<String, f64> {
     model.parameter_names().map(str::to_owned).zip(values.iter().copied()).collect()
 }
 
+/// Refuses a term 1 that is estimated: a design has an intercept per degree of freedom already, whose error it leaves aside.
+///
+/// # Errors
+/// Names the parameter.
+pub fn check_constants(model: &Model) -> Result<(), Invalid> {
+    let constant = |degree: &vessel::Degree| degree.constant().map(|i| degree.parameters[i].clone());
+    match model.degrees.iter().find_map(constant) {
+        None => Ok(()),
+        Some(name) => Err(Invalid::new(
+            format!("parameter `{name}`"),
+            "the term `1`, which is estimated",
+            "terms that a maneuver can excite: every run has an intercept of its own, and no design makes it better known",
+            "give it its value and `fixed = true`, or remove it",
+        )),
+    }
+}
+
 /// The rows and columns of the moments of `model`.
 pub fn structure(model: &Model) -> Vec<Degree> {
     let of = |(d, degree): (DegreeOfFreedom, &vessel::Degree)| Degree {

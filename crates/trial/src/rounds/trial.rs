@@ -228,6 +228,7 @@ impl<'a> Trial<'a> {
 /// # Errors
 /// A parameter without a true value, or of zero.
 pub fn truth(vessel: &Vessel) -> Result<Vec<f64>, Invalid> {
+    crate::moments::check_constants(&vessel.model)?;
     let truth = vessel.parameters(Source::Value)?;
     match vessel.model.parameter_names().zip(&truth).find(|(_, value)| **value == 0.0) {
         None => Ok(truth),

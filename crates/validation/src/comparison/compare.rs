@@ -1,4 +1,5 @@
 use super::bands::{Banded, Bands, Known};
+use super::correlations::{ErrorCorrelations, error_correlations};
 use super::covered::{Counter, Outside};
 use super::simulated::{Contestant, Simulated};
 use super::standing::{ComparedModel, Difference};
@@ -36,6 +37,8 @@ pub struct Compared {
     pub bands: Option<Bands>,
     /// Where the recordings leave what the model was fitted on.
     pub outside: Vec<Outside>,
+    /// How the first model's errors correlate with themselves and with inputs.
+    pub correlations: Vec<ErrorCorrelations>,
     /// The verdict, and what to know, in words.
     pub statements: Vec<String>,
     /// The first model over time.
@@ -90,6 +93,7 @@ pub fn compare(
         models: told,
         differences,
         bands,
+        correlations: error_correlations(first, &sources, &models[0]),
         outside,
         trace: looked.trace,
     })

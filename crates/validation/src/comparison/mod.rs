@@ -5,6 +5,7 @@
 
 mod bands;
 mod compare;
+mod correlations;
 mod covered;
 mod errors;
 mod simulated;
@@ -13,6 +14,9 @@ mod verdict;
 
 pub use bands::{Bands, Known};
 pub use compare::{CompareOptions, Compared, Traced, compare};
+pub use correlations::{
+    ErrorCorrelations, ErrorKind, InputCorrelations, autocorrelations, cross_correlations,
+};
 pub use covered::Outside;
 pub use errors::{ComparedErrors, ComparedRecording};
 pub use simulated::Contestant;

@@ -6,9 +6,11 @@ const NAMES: [&str; 5] = ["u", "v", "r", "n", "delta"];
 const AT: [f64; 5] = [-0.7, 0.3, 0.2, 5.0, -0.4];
 
 fn model() -> Model {
-    let degree = |texts: &[&str]| Degree {
-        parameters: texts.iter().map(|t| (*t).to_owned()).collect(),
-        terms: texts.iter().map(|t| Term::parse(t, &NAMES).unwrap()).collect(),
+    let degree = |texts: &[&str]| {
+        Degree::new(
+            texts.iter().map(|t| (*t).to_owned()).collect(),
+            texts.iter().map(|t| Term::parse(t, &NAMES).unwrap()).collect(),
+        )
     };
     let degrees = [
         degree(&["u", "u |u|", "u^2 |v| delta", "n |n|", "r", "|delta| |v| v^3"]),

@@ -4,9 +4,11 @@ use vessel::{Ambient, Compiled, Degree, Model, Term, Variable};
 
 fn model() -> Model {
     let variable = |name: &str| Variable { name: name.to_owned(), unit: String::new() };
-    let degree = |texts: &[&str]| Degree {
-        parameters: texts.iter().map(|text| (*text).to_owned()).collect(),
-        terms: texts.iter().map(|text| Term::parse(text, &["u", "v", "r"]).unwrap()).collect(),
+    let degree = |texts: &[&str]| {
+        Degree::new(
+            texts.iter().map(|text| (*text).to_owned()).collect(),
+            texts.iter().map(|text| Term::parse(text, &["u", "v", "r"]).unwrap()).collect(),
+        )
     };
     Model {
         variables: ["u", "v", "r"].map(variable).to_vec(),

@@ -1,6 +1,7 @@
 //! Maneuvers, disturbances and motion.
 
 mod compiled;
+mod constraints;
 mod files;
 mod layout;
 mod maneuvers;

@@ -40,3 +40,9 @@ fn law_many_samples_and_lanes_have_the_values_of_one() {
         assert_eq!((many[0][3], many[1][3]), (0.0, at(text, x)), "{text}");
     }
 }
+
+#[test]
+fn the_constant_is_one_wherever_it_is_evaluated() {
+    assert_eq!((at("1", [0.0; 5]), at(" 1 ", [3.0; 5])), (1.0, 1.0));
+    assert!(Term::parse("1 u", &VARIABLES).is_err() && Term::parse("2", &VARIABLES).is_err());
+}

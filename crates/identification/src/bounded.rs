@@ -1,0 +1,143 @@
+//! Normal equations whose solution stays within bounds.
+//!
+//! The solution is that of the box-constrained linear complementarity problem: every parameter either solves its own equation,
+//! or lies at a bound that its equation pulls it beyond. With the regressors as instruments this is the least-squares estimate
+//! within the bounds. With other instruments nothing is minimised: parameters at a bound are held, and their equations left out.
+
+use std::collections::BTreeMap;
+
+use numerics::times;
+
+/// Most often that a parameter is held or let go; a problem with one solution takes far fewer.
+const FLIPS: usize = 1000;
+/// Share of an equation's terms below which what is left of it is rounding.
+const ROUNDING: f64 = 1e-12;
+
+/// Where a parameter is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Place {
+    Free,
+    Held(f64),
+}
+
+/// A p × p, b, and the bounds by place.
+pub(crate) struct Equations<'a> {
+    pub a: &'a [f64],
+    pub b: &'a [f64],
+    pub bounds: &'a BTreeMap<usize, [f64; 2]>,
+}
+
+/// θ and the gain within the bounds, from what they would be without, `theta`; or the index of a parameter that is not
+/// excited. `solve` solves the equations of some parameters with right-hand sides of their own. Parameters are held and let go
+/// one by one, the first that asks for it first: Murty's method, which ends where there is one solution only.
+pub(crate) fn bounded(
+    equations: &Equations,
+    mut theta: Vec<f64>,
+    solve: impl Fn(&[usize], Vec<f64>) -> Result<(Vec<f64>, Vec<f64>), usize>,
+) -> Result<(Vec<f64>, Vec<f64>), usize> {
+    let p = theta.len();
+    let mut places = vec![Place::Free; p];
+    let mut gain = Vec::new();
+    for _ in 0..FLIPS {
+        let flip = equations.bounds.iter().find_map(|(i, bounds)| {
+            let next = wanted(equations, &theta, places[*i], *i, *bounds);
+            (next != places[*i]).then_some((*i, next))
+        });
+        let Some((i, next)) = flip else { return Ok((theta, gain)) };
+        places[i] = next;
+        (theta, gain) = solved(equations, &places, &solve)?;
+    }
+    equations.bounds.keys().next().map_or(Err(0), |i| Err(*i))
+}
+
+/// Where parameter `i` should be: a free one beyond a bound at the bound, a held one that its equation pulls back free.
+fn wanted(equations: &Equations, theta: &[f64], place: Place, i: usize, [low, high]: [f64; 2]) -> Place {
+    match place {
+        Place::Free if theta[i] < low => Place::Held(low),
+        Place::Free if theta[i] > high => Place::Held(high),
+        Place::Free => Place::Free,
+        Place::Held(at) => {
+            let (pull, rounding) = pull(equations, theta, i);
+            let back = if at == low { pull > rounding } else { pull < -rounding };
+            if back { Place::Free } else { place }
+        }
+    }
+}
+
+/// What is left of equation `i`, b − Aθ, and what of it is rounding.
+fn pull(equations: &Equations, theta: &[f64], i: usize) -> (f64, f64) {
+    let p = theta.len();
+    let terms = equations.a[i * p..(i + 1) * p].iter().zip(theta).map(|(a, t)| a * t);
+    let sizes: f64 = terms.clone().map(f64::abs).sum::<f64>() + equations.b[i].abs();
+    (equations.b[i] - terms.sum::<f64>(), ROUNDING * sizes)
+}
+
+/// θ and the gain with some parameters held.
+fn solved(
+    equations: &Equations,
+    places: &[Place],
+    solve: impl Fn(&[usize], Vec<f64>) -> Result<(Vec<f64>, Vec<f64>), usize>,
+) -> Result<(Vec<f64>, Vec<f64>), usize> {
+    let p = places.len();
+    let free: Vec<usize> = (0..p).filter(|i| places[*i] == Place::Free).collect();
+    let held = |i: usize| if let Place::Held(at) = places[i] { at } else { 0.0 };
+    let mut theta: Vec<f64> = (0..p).map(held).collect();
+    let mut gain = vec![0.0; p * p];
+    if free.is_empty() {
+        return Ok((theta, gain));
+    }
+    let known = times(equations.a, &theta);
+    let rest = free.iter().map(|i| equations.b[*i] - known[*i]).collect();
+    let (found, inverse) = solve(&free, rest).map_err(|i| free[i])?;
+    for (k, (i, value)) in free.iter().zip(found).enumerate() {
+        theta[*i] = value;
+        free.iter().enumerate().for_each(|(l, j)| gain[i * p + j] = inverse[k * free.len() + l]);
+    }
+    Ok((theta, gain))
+}
+
+/// Rows of a p × p `gain` that are not zero: parameters that are estimated and not held.
+pub(crate) fn estimated(gain: &[f64], p: usize) -> usize {
+    gain.chunks_exact(p.max(1)).filter(|row| row.iter().any(|entry| *entry != 0.0)).count()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A that is not symmetric, as with instruments.
+    const A: [f64; 9] = [1.0, 0.3, -0.2, 0.2, 1.0, 0.4, 0.1, -0.3, 1.0];
+    const THETA: [f64; 3] = [0.5, -1.0, 2.0];
+
+    fn solve(free: &[usize], mut b: Vec<f64>) -> Result<(Vec<f64>, Vec<f64>), usize> {
+        let n = free.len();
+        let a: Vec<f64> = free.iter().flat_map(|i| free.iter().map(move |j| A[3 * i + j])).collect();
+        let mut inverse = vec![0.0; n * n];
+        numerics::inverse(n, &mut a.clone(), &mut inverse).ok_or(0_usize)?;
+        b = times(&inverse, &b);
+        Ok((b, inverse))
+    }
+
+    #[test]
+    fn law_a_parameter_solves_its_equation_or_lies_at_a_bound_that_it_is_pulled_beyond() {
+        let far = f64::INFINITY;
+        for bounds in [
+            vec![(0, [0.0, 0.2])],
+            vec![(0, [0.7, far]), (2, [-far, 1.5])],
+            vec![(0, [1.0, 2.0]), (1, [0.0, 1.0]), (2, [-1.0, 0.0])],
+            vec![(1, [-0.5, 3.0]), (2, [3.0, 4.0])],
+        ] {
+            let (b, bounds) = (times(&A, &THETA), bounds.into_iter().collect());
+            let equations = Equations { a: &A, b: &b, bounds: &bounds };
+            let (theta, gain) = bounded(&equations, THETA.to_vec(), solve).unwrap();
+            for i in 0..3 {
+                let (pull, _) = pull(&equations, &theta, i);
+                let [low, high] = bounds.get(&i).copied().unwrap_or([-far, far]);
+                assert!((low..=high).contains(&theta[i]), "{bounds:?} {theta:?}");
+                let at = theta[i] == low && pull <= 0.0 || theta[i] == high && pull >= 0.0;
+                assert!(at || pull.abs() < 1e-12, "{bounds:?} {theta:?} {i} {pull}");
+                assert_eq!(at, gain[3 * i..3 * i + 3] == [0.0; 3]);
+            }
+        }
+    }
+}

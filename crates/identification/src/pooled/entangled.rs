@@ -1,0 +1,165 @@
+//! Which estimates their joint covariance cannot tell apart, in words.
+
+use vessel::ParameterLayout;
+
+use super::Delivered;
+
+/// From this correlation on two estimates are hard to tell apart, and from the next on they cannot be.
+const HARD: f64 = 0.95;
+const INSEPARABLE: f64 = 0.99;
+/// Estimates that are known better than this need no warning, whatever they correlate with.
+const KNOWN: f64 = 0.1;
+/// So many pairs are told; the others are counted.
+const MOST: usize = 4;
+
+/// Two estimates and what is known of them.
+struct Pair<'a> {
+    names: [&'a str; 2],
+    values: [f64; 2],
+    errors: [f64; 2],
+    correlation: f64,
+}
+
+/// The pairs of estimates of `delivered`, whose model with intercepts has this `layout`, that correlate most: how well each is
+/// known, and how well what they have in common.
+pub(super) fn entangled(delivered: &Delivered, layout: ParameterLayout) -> Vec<String> {
+    let mut pairs = pairs(delivered, layout);
+    pairs.sort_by(|a, b| b.correlation.abs().total_cmp(&a.correlation.abs()));
+    let told = pairs.iter().take(MOST).map(Pair::told);
+    let others = pairs.len().saturating_sub(MOST);
+    let counted = format!("{others} further pairs of estimates correlate by {HARD} or more");
+    told.chain((others > 0).then_some(counted)).collect()
+}
+
+fn pairs(delivered: &Delivered, layout: ParameterLayout) -> Vec<Pair<'_>> {
+    let Some(covariance) = &delivered.covariance else { return Vec::new() };
+    let names = &covariance.names;
+    let values = match names.len() == delivered.theta.len() {
+        true => delivered.theta.clone(),
+        false => layout.woven(&delivered.theta, delivered.constant),
+    };
+    let entry = |i: usize, j: usize| covariance.entries[i * names.len() + j];
+    let errors: Vec<f64> = (0..names.len()).map(|i| entry(i, i).max(0.0).sqrt()).collect();
+    let known = (0..values.len().min(names.len())).filter(|i| errors[*i] > 0.0).collect::<Vec<_>>();
+    let both = known.iter().flat_map(|j| known.iter().take_while(move |i| *i < j).map(move |i| [*i, *j]));
+    let pair = |at: [usize; 2]| Pair {
+        names: at.map(|i| names[i].as_str()),
+        values: at.map(|i| values[i]),
+        errors: at.map(|i| errors[i]),
+        correlation: entry(at[0], at[1]) / (errors[at[0]] * errors[at[1]]),
+    };
+    both.map(pair).filter(Pair::matters).collect()
+}
+
+impl Pair<'_> {
+    fn matters(&self) -> bool {
+        self.correlation.abs() >= HARD && self.relative().into_iter().any(|error| error > KNOWN)
+    }
+
+    /// Standard errors over moduli.
+    fn relative(&self) -> [f64; 2] {
+        [0, 1].map(|i: usize| self.errors[i] / self.values[i].abs())
+    }
+
+    /// The multiple of number `other` that leaves the least error when it is added to number `one`, and that sum's standard
+    /// error over its modulus: a + λ b with λ = −ρ σ_a/σ_b has the standard error σ_a √(1 − ρ²).
+    fn common(&self, [one, other]: [usize; 2]) -> (f64, f64) {
+        let factor = -self.correlation * self.errors[one] / self.errors[other];
+        let error = self.errors[one] * (1.0 - self.correlation.powi(2)).max(0.0).sqrt();
+        (factor, error / (self.values[one] + factor * self.values[other]).abs())
+    }
+
+    fn told(&self) -> String {
+        let ([a, b], [first, second]) = (self.names, self.relative().map(percent));
+        let verdict = if self.correlation.abs() >= INSEPARABLE { "cannot" } else { "can hardly" };
+        let apart = format!(
+            "`{a}` and `{b}` {verdict} be told apart: correlation {:.3}, each alone is known to {first} and {second}",
+            self.correlation
+        );
+        let ways = [[0, 1], [1, 0]].map(|way: [usize; 2]| (way, self.common(way)));
+        let best = if ways[1].1.1 < ways[0].1.1 { ways[1] } else { ways[0] };
+        let ([one, other], (factor, error)) = best;
+        if self.relative().into_iter().any(|alone| error >= alone) {
+            return apart;
+        }
+        let sign = if factor < 0.0 { '−' } else { '+' };
+        let (one, other, factor) = (self.names[one], self.names[other], factor.abs());
+        format!("{apart}, `{one}` {sign} {} `{other}` to {}", three(factor), percent(error))
+    }
+}
+
+/// With three significant digits.
+fn three(value: f64) -> String {
+    let exponent = format!("{value:e}").rsplit('e').next().and_then(|e| e.parse::<i32>().ok()).unwrap_or(0);
+    match exponent {
+        -3..=2 => format!("{value:.*}", usize::try_from(2 - exponent).unwrap_or(0)),
+        _ => format!("{value:.2e}"),
+    }
+}
+
+/// Two significant digits below 10 %.
+fn percent(share: f64) -> String {
+    let percent = 100.0 * share;
+    if percent < 10.0 { format!("{percent:.1} %") } else { format!("{percent:.0} %") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::pooled::Covariance;
+    use vessel::Vessel;
+
+    /// Two surge parameters of these values, standard errors and correlation.
+    fn told(values: [f64; 2], errors: [f64; 2], correlation: f64) -> Vec<String> {
+        let vessel = Vessel::preset("ljungberg-model-ship").unwrap();
+        let crossed = correlation * errors[0] * errors[1];
+        let delivered = Delivered {
+            theta: values.to_vec(),
+            constant: [0.0; 3],
+            covariance: Some(Covariance {
+                joint: false,
+                names: vec!["N_v".to_owned(), "N_r".to_owned()],
+                entries: vec![errors[0].powi(2), crossed, crossed, errors[1].powi(2)],
+            }),
+            least_squares: None,
+            increment_std: [0.0; 3],
+            output_rmse: None,
+            recordings: Vec::new(),
+            covered: Vec::new(),
+        };
+        entangled(&delivered, vessel.model.layout())
+    }
+
+    #[test]
+    fn what_two_estimates_have_in_common_is_told() {
+        // var(N_v + N_r) = 0.04 (2 − 2 · 0.995): 0.02 of 1; the best multiple is 0.995.
+        let said = told([0.4, 0.6], [0.2, 0.2], -0.995);
+        assert_eq!(
+            said,
+            [
+                "`N_v` and `N_r` cannot be told apart: correlation -0.995, each alone is known to 50 % and 33 %, \
+              `N_r` + 0.995 `N_v` to 2.0 %"
+            ]
+        );
+        let said = told([0.4, -0.6], [0.2, 0.4], 0.96);
+        assert!(said[0].contains("can hardly be told apart"), "{said:?}");
+        assert!(said[0].ends_with("`N_v` − 0.480 `N_r` to 8.1 %"), "{said:?}");
+    }
+
+    #[test]
+    fn what_is_known_or_hardly_correlates_is_not_told() {
+        assert!(told([0.4, 0.6], [0.2, 0.2], 0.9).is_empty());
+        assert!(told([0.4, 0.6], [0.01, 0.01], 0.999).is_empty());
+        // Where nothing in common is known better than each alone, it is left out.
+        assert!(told([1.0, 1.0], [0.2, 0.2], 0.99)[0].ends_with("20 % and 20 %"));
+    }
+
+    #[test]
+    fn law_no_other_multiple_leaves_less_error() {
+        let pair = Pair { names: ["a", "b"], values: [1.0, 2.0], errors: [0.3, 0.5], correlation: 0.97 };
+        let error = |factor: f64| (0.09 + 2.0 * factor * 0.97 * 0.15 + factor * factor * 0.25_f64).sqrt();
+        let (factor, relative) = pair.common([0, 1]);
+        assert!((relative * (1.0 + 2.0 * factor).abs() - error(factor)).abs() < 1e-12);
+        assert!([-0.1, -0.01, 0.01, 0.1].iter().all(|more| error(factor + more) > error(factor)));
+    }
+}

@@ -1,0 +1,266 @@
+//! Values of a channel or a clock in pieces, most of which may be put aside: a long recording has no room in memory.
+
+use std::borrow::Cow;
+use std::fmt::Debug;
+use std::ops::Range;
+use std::sync::Arc;
+
+/// Keeps pieces of long channels. It never fails: what it could not keep it gives back as zeros, and whoever made it asks
+/// it in the end whether that happened.
+pub trait Store: Debug + Send + Sync {
+    /// Values of a piece; channels of fewer stay in memory.
+    fn piece(&self) -> usize;
+
+    /// Takes a piece; where it is.
+    fn put(&self, values: &[f64]) -> u64;
+
+    /// Appends the values of the piece at `place` to `values`.
+    fn get(&self, place: u64, values: &mut Vec<f64>);
+
+    /// Forgets the piece at `place`, which nobody asks for any more.
+    fn forget(&self, place: u64);
+}
+
+/// A piece in a store.
+#[derive(Debug)]
+struct Piece {
+    store: Arc<dyn Store>,
+    place: u64,
+}
+
+impl Drop for Piece {
+    fn drop(&mut self) {
+        self.store.forget(self.place);
+    }
+}
+
+/// Numbers, one after the other. Clones share what was put aside.
+#[derive(Clone, Debug)]
+pub struct Samples {
+    /// None where all stay in memory.
+    store: Option<Arc<dyn Store>>,
+    /// Values of a piece.
+    piece: usize,
+    /// Whole pieces.
+    aside: Vec<Arc<Piece>>,
+    /// What comes after them.
+    rest: Vec<f64>,
+}
+
+impl Default for Samples {
+    fn default() -> Self {
+        Self { store: None, piece: usize::MAX, aside: Vec::new(), rest: Vec::new() }
+    }
+}
+
+impl Samples {
+    /// No values yet; those to come are put aside in `store`.
+    pub fn new(store: &Arc<dyn Store>) -> Self {
+        Self { store: Some(Arc::clone(store)), piece: store.piece().max(1), ..Self::default() }
+    }
+
+    /// `values`, kept where these are.
+    pub fn made(&self, values: impl IntoIterator<Item = f64>) -> Self {
+        let mut made = self.none();
+        values.into_iter().for_each(|value| made.push(value));
+        made.rest.shrink_to_fit();
+        made
+    }
+
+    /// No values yet; those to come are kept where these are.
+    pub fn none(&self) -> Self {
+        Self { store: self.store.clone(), piece: self.piece, ..Self::default() }
+    }
+
+    /// Number of values.
+    pub fn len(&self) -> usize {
+        self.rest_from() + self.rest.len()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.aside.is_empty() && self.rest.is_empty()
+    }
+
+    /// Appends a value.
+    pub fn push(&mut self, value: f64) {
+        self.rest.push(value);
+        if self.rest.len() >= self.piece {
+            self.put_aside();
+        }
+    }
+
+    /// The first value.
+    pub fn first(&self) -> Option<f64> {
+        self.iter().next()
+    }
+
+    /// The last value.
+    pub fn last(&self) -> Option<f64> {
+        self.rest.last().copied().or_else(|| self.range(self.len().checked_sub(1)?..self.len()).next())
+    }
+
+    /// All values, in order.
+    pub fn iter(&self) -> Values<'_> {
+        self.range(0..self.len())
+    }
+
+    /// The values at these places, in order.
+    pub fn range(&self, places: Range<usize>) -> Values<'_> {
+        let end = places.end.min(self.len());
+        let rest_from = self.rest_from();
+        Values { samples: self, next: places.start, end, loaded: Vec::new(), from: 0, rest_from }
+    }
+
+    /// The first `len` values alone.
+    pub fn truncate(&mut self, len: usize) {
+        if len >= self.len() {
+            return;
+        }
+        let (whole, rest) = (len / self.piece, len % self.piece);
+        if let Some(Piece { store, place }) = self.aside.get(whole).map(|piece| &**piece) {
+            self.rest.clear();
+            store.get(*place, &mut self.rest);
+            self.aside.truncate(whole);
+        }
+        self.rest.truncate(rest);
+    }
+
+    /// All values in memory.
+    pub fn to_vec(&self) -> Vec<f64> {
+        self.iter().collect()
+    }
+
+    fn put_aside(&mut self) {
+        if let Some(store) = &self.store {
+            let piece = Piece { place: store.put(&self.rest), store: Arc::clone(store) };
+            self.aside.push(Arc::new(piece));
+            self.rest.clear();
+        }
+    }
+
+    /// The place of the first value that is in memory.
+    fn rest_from(&self) -> usize {
+        self.aside.len() * self.piece
+    }
+
+    fn load(&self, i: usize, values: &mut Vec<f64>) {
+        match self.aside.get(i) {
+            Some(piece) => piece.store.get(piece.place, values),
+            None => values.extend_from_slice(&self.rest),
+        }
+    }
+}
+
+impl From<Vec<f64>> for Samples {
+    fn from(rest: Vec<f64>) -> Self {
+        Self { rest, ..Self::default() }
+    }
+}
+
+impl From<&[f64]> for Samples {
+    fn from(values: &[f64]) -> Self {
+        values.to_vec().into()
+    }
+}
+
+impl PartialEq for Samples {
+    fn eq(&self, other: &Self) -> bool {
+        self.len() == other.len() && self.iter().eq(other.iter())
+    }
+}
+
+/// Goes through values, a piece of which is in memory.
+#[derive(Clone, Debug)]
+pub struct Values<'a> {
+    samples: &'a Samples,
+    next: usize,
+    end: usize,
+    /// The piece that was asked for last, and the place of its first value.
+    loaded: Vec<f64>,
+    from: usize,
+    /// The place of the first value that is in memory anyway.
+    rest_from: usize,
+}
+
+impl Iterator for Values<'_> {
+    type Item = f64;
+
+    #[inline]
+    fn next(&mut self) -> Option<f64> {
+        if self.next >= self.end {
+            return None;
+        }
+        let value = if self.next >= self.rest_from {
+            self.samples.rest[self.next - self.rest_from]
+        } else {
+            if self.next >= self.from + self.loaded.len() {
+                let piece = self.samples.piece;
+                self.loaded.clear();
+                self.samples.load(self.next / piece, &mut self.loaded);
+                self.from = self.next / piece * piece;
+            }
+            self.loaded[self.next - self.from]
+        };
+        self.next += 1;
+        Some(value)
+    }
+
+    fn size_hint(&self) -> (usize, Option<usize>) {
+        let left = self.end.saturating_sub(self.next);
+        (left, Some(left))
+    }
+}
+
+impl ExactSizeIterator for Values<'_> {}
+
+/// Values near each other, at places that move on.
+pub(crate) struct View<'a> {
+    samples: &'a Samples,
+    /// What is in memory, and the place of its first value.
+    loaded: Cow<'a, [f64]>,
+    from: usize,
+}
+
+impl<'a> View<'a> {
+    pub(crate) fn new(samples: &'a Samples) -> Self {
+        let loaded = if samples.aside.is_empty() { samples.rest.as_slice() } else { &[] };
+        Self { samples, loaded: Cow::Borrowed(loaded), from: 0 }
+    }
+
+    /// The values at these places.
+    pub(crate) fn slice(&mut self, places: Range<usize>) -> &[f64] {
+        if places.start < self.from || places.end > self.from + self.loaded.len() {
+            self.load(&places);
+        }
+        &self.loaded[places.start - self.from..places.end - self.from]
+    }
+
+    /// The value at place `i`.
+    #[inline]
+    pub(crate) fn at(&mut self, i: usize) -> f64 {
+        match self.loaded.get(i.wrapping_sub(self.from)) {
+            Some(value) => *value,
+            None => self.slice(i..i + 1)[0],
+        }
+    }
+
+    /// A piece more than is asked for, so that places which move on ask seldom.
+    fn load(&mut self, places: &Range<usize>) {
+        let piece = self.samples.piece;
+        let first = places.start / piece;
+        let end = places.end.saturating_add(piece).min(self.samples.len());
+        let mut values = std::mem::take(&mut self.loaded).into_owned();
+        values.clear();
+        for i in first..end.div_ceil(piece) {
+            self.samples.load(i, &mut values);
+        }
+        (self.loaded, self.from) = (Cow::Owned(values), first * piece);
+    }
+}
+
+/// Differences between neighbours.
+pub(crate) fn steps(values: impl Iterator<Item = f64>) -> impl Iterator<Item = f64> {
+    let mut before = None;
+    values.filter_map(move |value| before.replace(value).map(|before| value - before))
+}

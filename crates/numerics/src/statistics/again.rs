@@ -1,0 +1,86 @@
+//! Medians of more values than there is room for: of such as can be gone through again and again.
+
+use super::{median, quantile};
+
+/// Values that are selected from in memory.
+const IN_MEMORY: usize = 1 << 18;
+
+/// Bits of a value's rank that one pass decides on.
+const BITS: u32 = 16;
+
+/// [`median`], to the last bit, of values that `values` goes through as often as it is asked to. Of many, each pass counts
+/// how many have the same leading bits, until those that the median is among fit the memory.
+pub fn median_again<I: Iterator<Item = f64>>(values: impl Fn() -> I) -> Option<f64> {
+    let few: Vec<f64> = values().take(IN_MEMORY + 1).collect();
+    if few.len() <= IN_MEMORY {
+        return median(few);
+    }
+    drop(few);
+    let keys = || values().map(key);
+    let last = values().count() - 1;
+    let low = ranked(&keys, last / 2);
+    if last % 2 == 0 {
+        return quantile(&[value(low)], 0.5);
+    }
+    let (mut up_to, mut above) = (0, u64::MAX);
+    keys().for_each(|key| if key <= low { up_to += 1 } else { above = above.min(key) });
+    let high = if up_to > last / 2 + 1 { low } else { above };
+    quantile(&[value(low), value(high)], 0.5)
+}
+
+/// The key of rank `rank`, from 0.
+fn ranked<I: Iterator<Item = u64>>(keys: &impl Fn() -> I, mut rank: usize) -> u64 {
+    let (mut known, mut prefix) = (0, 0);
+    loop {
+        let before = known;
+        let inside = |key: &u64| before == 0 || key >> (u64::BITS - before) == prefix;
+        known += BITS;
+        let leading = |key: u64| key >> (u64::BITS - known);
+        let mut counts = vec![0; 1 << BITS];
+        keys().filter(inside).for_each(|key| counts[(leading(key) & 0xffff) as usize] += 1);
+        let mut bin = 0;
+        while rank >= counts[bin] {
+            rank -= counts[bin];
+            bin += 1;
+        }
+        prefix = prefix << BITS | bin as u64;
+        if known == u64::BITS {
+            return prefix;
+        }
+        if counts[bin] <= IN_MEMORY {
+            let mut few: Vec<u64> = keys().filter(|key| leading(*key) == prefix).collect();
+            return *few.select_nth_unstable(rank).1;
+        }
+    }
+}
+
+/// A number that is the larger, the larger the value.
+fn key(value: f64) -> u64 {
+    let bits = value.to_bits();
+    if bits >> 63 == 1 { !bits } else { bits | 1 << 63 }
+}
+
+/// The value of a key.
+fn value(key: u64) -> f64 {
+    f64::from_bits(if key >> 63 == 1 { key ^ 1 << 63 } else { !key })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn law_many_values_have_the_median_that_they_have_in_memory() {
+        let mixed = |n: u64| (0..n).map(|i| (i.wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 40) as f64 - 8e6);
+        let near = |n: u64| (0..n).map(|i| 0.01 + 1e-13 * ((i * 7919) % 4001) as f64);
+        let few = |n: u64| (0..n).map(|i| f64::from(i % 3 == 0) - 0.0);
+        let many = IN_MEMORY as u64 + 1;
+        for n in [0, 1, 2, 5, many, many + 1] {
+            assert_eq!(median_again(|| mixed(n)), median(mixed(n).collect()), "{n} mixed");
+            assert_eq!(median_again(|| near(n)), median(near(n).collect()), "{n} near each other");
+            assert_eq!(median_again(|| few(n)), median(few(n).collect()), "{n} of two values");
+        }
+        let halves = || (0..2 * many).map(|i| if i < many { 1.0 } else { 2.0 });
+        assert_eq!(median_again(halves), Some(1.5));
+    }
+}

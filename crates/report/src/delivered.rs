@@ -1,0 +1,138 @@
+use maud::{Markup, html};
+
+use super::measured::Measured;
+use super::number::{or_dash, three, three_or_dash, unit};
+use super::parts::{Section, missing};
+use super::table::Table;
+use crate::figures::text::signed;
+use identification::Estimator;
+use study::documents::{CrossvalDocument, ModelDegree, ModelDocument, ModelParameter};
+use study::listed;
+
+/// Parameters of the model that the estimate delivers, and whether its estimator is the one to recommend.
+pub(super) fn delivered(measured: &Measured) -> Section {
+    let body = match &measured.model {
+        None => missing("The model is", "model.json", "estimate pool"),
+        Some(model) => html! {
+            (chosen(model.estimator, measured.crossval.as_ref()))
+            (parameters(model))
+            (note(model))
+        },
+    };
+    Section::new("model", "Model", &heading(measured.model.as_ref()), body)
+}
+
+fn heading(model: Option<&ModelDocument>) -> String {
+    model.map_or("The delivered model".to_owned(), |model| {
+        format!("The delivered model, by {}", model.estimator)
+    })
+}
+
+/// Whether cross-validation recommends the estimator that the model is by.
+fn chosen(own: Estimator, crossval: Option<&CrossvalDocument>) -> Markup {
+    let Some(found) = crossval else {
+        return html! { p { "Estimated by " (own) ". No cross-validation says which estimator to take." } };
+    };
+    match found.recommended {
+        Some(best) if best == own => {
+            html! { p { "Estimated by " (own) ", which cross-validation recommends." } }
+        }
+        Some(best) => html! {
+            p.missing {
+                "Cross-validation recommends " (best) ", but this model was estimated by " (own) ". For one by " (best)
+                " run " code { "estimate pool --estimator " (best) } "."
+            }
+        },
+        None => html! { p { (undecided(own, &found.candidates)) } },
+    }
+}
+
+/// That no estimator is recommended, and where the model's own stands.
+fn undecided(own: Estimator, candidates: &[Estimator]) -> String {
+    let rest: Vec<String> = candidates.iter().skip(1).map(Estimator::to_string).collect();
+    match candidates.iter().position(|candidate| *candidate == own) {
+        Some(0) => format!(
+            "No estimator is recommended. This model is by {own}, which has the least error in cross-validation, but the \
+             recordings cannot tell it from {}.",
+            listed(&rest)
+        ),
+        Some(_) => format!(
+            "No estimator is recommended. This model is by {own}, which the recordings cannot tell from {}, the one of \
+             least error.",
+            candidates[0]
+        ),
+        None if candidates.is_empty() => {
+            format!("No estimator could be simulated over all folds. This model is by {own}.")
+        }
+        None => format!(
+            "No estimator is recommended, and this model is by {own}, which is worse than {} on the recordings left out.",
+            candidates[0]
+        ),
+    }
+}
+
+/// A row of the table: a term, or the constant of a degree of freedom.
+#[derive(Clone, Copy)]
+struct Row<'a> {
+    degree: &'a ModelDegree,
+    /// None: the constant.
+    parameter: Option<&'a ModelParameter>,
+}
+
+fn parameters(model: &ModelDocument) -> Markup {
+    let rows: Vec<Row> = model.degrees.iter().flat_map(Row::all).collect();
+    let known = rows.iter().any(|row| row.truth().is_some());
+    let mut table = Table::of(rows)
+        .compact()
+        .name("Parameter", |row| row.name())
+        .text("Degree", |row| row.degree.name.as_str())
+        .text("Term", |row| row.parameter.map_or("1", |p| p.term.as_str()))
+        .text("Unit", |row| unit(row.parameter.map_or(&row.degree.unit, |p| &p.unit)))
+        .number("Estimate", |row| three(row.parameter.map_or(row.degree.constant, |p| p.value)))
+        .number("Standard error", |row| three_or_dash(row.parameter.and_then(|p| p.standard_error)));
+    if known {
+        table =
+            table.number("True", |row| three_or_dash(row.truth())).number("Off by, standard errors", |row| {
+                or_dash(row.off().map(|off| signed(&format!("{off:.1}"))))
+            });
+    }
+    let table = table.number("Least squares", |row| three_or_dash(row.least_squares()));
+    html! { (table) }
+}
+
+impl<'a> Row<'a> {
+    fn all(degree: &'a ModelDegree) -> impl Iterator<Item = Self> {
+        (0..=degree.parameters.len()).map(move |i| Self { degree, parameter: degree.parameters.get(i) })
+    }
+
+    fn name(self) -> String {
+        self.parameter.map_or(format!("{} constant", self.degree.name), |p| p.name.clone())
+    }
+
+    fn truth(self) -> Option<f64> {
+        self.parameter.and_then(|p| p.truth)
+    }
+
+    /// Estimate less truth in standard errors.
+    fn off(self) -> Option<f64> {
+        let p = self.parameter?;
+        Some((p.value - p.truth?) / p.standard_error.filter(|error| *error > 0.0)?)
+    }
+
+    fn least_squares(self) -> Option<f64> {
+        self.parameter.map_or(self.degree.constant_least_squares, |p| p.least_squares)
+    }
+}
+
+fn note(model: &ModelDocument) -> Markup {
+    html! {
+        p.note {
+            "What the state gains in a sample is the sum of estimate times term, and the constant; " (model.samples)
+            " samples. The whole of it, with the covariance of the estimates and the range that the data covered, is in "
+            code { "model.json" } ", which every stage takes for a " code { "vessel.toml" } "."
+            @if model.degrees.iter().flat_map(|d| &d.parameters).any(|p| p.truth.is_some()) {
+                " True: what the simulated logs were made with."
+            }
+        }
+    }
+}

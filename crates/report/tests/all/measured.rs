@@ -1,0 +1,102 @@
+//! The page of measured logs: the delivered model and what is left of its errors.
+
+use report::{Measured, Study, render};
+use serde_json::json;
+use study::documents::{CompareDocument, CrossvalDocument, ModelDocument};
+
+fn model(truth: Option<f64>) -> ModelDocument {
+    let degree = |name: &str, state: &str, unit: &str| {
+        let mut parameter = json!({
+            "name": format!("P_{state}"), "term": state, "unit": "1", "value": -0.5, "standard_error": 0.1,
+            "least_squares": -0.4
+        });
+        if let Some(truth) = truth {
+            parameter["truth"] = truth.into();
+        }
+        json!({
+            "name": name, "state": state, "unit": unit, "parameters": [parameter], "constant": 0.25,
+            "constant_least_squares": null, "increment_std": 0.01, "output_rmse": null
+        })
+    };
+    let degrees = [("surge", "u", "m/s"), ("sway", "v", "m/s"), ("yaw", "r", "rad/s")];
+    let degrees: Vec<_> = degrees.into_iter().map(|(name, state, unit)| degree(name, state, unit)).collect();
+    serde_json::from_value(json!({
+        "vessel": "ship", "sample_rate_hz": 1.0, "inputs": [], "measured": [], "degrees": degrees,
+        "covariance": null, "estimator": "iv", "mean_removal": "complete", "samples": 77, "recordings": [],
+        "covered": [], "rejected": null, "statements": []
+    }))
+    .unwrap()
+}
+
+fn crossval(recommended: Option<&str>, candidates: &[&str]) -> CrossvalDocument {
+    serde_json::from_value(json!({
+        "mean_removal": "complete", "nominal": "given", "prior": 0.0, "intercepts": true, "window_s": null,
+        "windows": 4, "samples": 400, "folds": 4, "std_u": 1.0, "std_v": 1.0, "std_r": 1.0,
+        "recommended": recommended, "candidates": candidates, "differences": [], "statements": [], "estimators": []
+    }))
+    .unwrap()
+}
+
+fn page(measured: Measured) -> String {
+    let study = Study { name: "tank".to_owned(), measured: Some(measured), ..Study::default() };
+    render(&study).html.replace('\u{a0}', " ")
+}
+
+#[test]
+fn the_parameters_are_those_of_the_delivered_model_which_is_named() {
+    let said = |recommended: Option<&str>, candidates: &[&str]| {
+        let crossval = Some(crossval(recommended, candidates));
+        page(Measured { model: Some(model(None)), crossval, ..Measured::default() })
+    };
+    for (recommended, candidates, words) in [
+        (Some("iv"), &["iv"][..], "Estimated by iv, which cross-validation recommends."),
+        (Some("ls"), &["ls"][..], "Cross-validation recommends ls, but this model was estimated by iv."),
+        (
+            None,
+            &["iv", "ls"][..],
+            "by iv, which has the least error in cross-validation, but the recordings cannot tell it from ls",
+        ),
+        (None, &["ls", "iv"][..], "by iv, which the recordings cannot tell from ls, the one of least error"),
+        (None, &["ls", "auto"][..], "by iv, which is worse than ls on the recordings left out"),
+        (None, &[][..], "No estimator could be simulated over all folds. This model is by iv."),
+    ] {
+        let html = said(recommended, candidates);
+        assert!(html.contains(words) && html.contains("The delivered model, by iv"), "{words}");
+        assert_eq!(html.contains("No estimator"), recommended.is_none());
+    }
+    let alone = page(Measured { model: Some(model(None)), ..Measured::default() });
+    assert!(alone.contains("No cross-validation says which estimator to take."));
+    assert!(alone.contains("surge constant") && alone.contains("<td class=\"number\">0.250</td>"));
+    assert!(page(Measured::default()).contains("<code>model.json</code>"));
+}
+
+#[test]
+fn truth_stands_beside_the_estimates_where_there_is_one() {
+    let html = |truth| page(Measured { model: Some(model(truth)), ..Measured::default() });
+    assert!(!html(None).contains(">True<") && html(Some(-0.3)).contains(">True<"));
+    // Two standard errors below.
+    assert!(html(Some(-0.3)).contains("<td class=\"number\">−2.0</td>"));
+}
+
+#[test]
+fn what_is_left_of_the_errors_is_drawn_over_the_band() {
+    let own = |of: &str, state: &str| {
+        json!({
+            "of": of, "state": state, "samples": 400, "bound": 0.098, "own": [-0.5, 0.1],
+            "inputs": [{"name": "rudder", "crossed": [0.0, 0.2, 0.1]}]
+        })
+    };
+    let states = ["u", "v", "r"].map(|state| own("one-step residual", state));
+    let found: CompareDocument = serde_json::from_value(json!({
+        "vessel": "ship", "window_s": 100.0, "windows": 1, "samples": 400, "std_u": 1.0, "std_v": 1.0, "std_r": 1.0,
+        "statements": [], "models": [], "differences": [], "bands": null, "outside": [], "correlations": states
+    }))
+    .unwrap();
+    let html = page(Measured { compared: Some((found, Vec::new())), ..Measured::default() });
+    for words in
+        ["What is left of the errors", "with rudder", "±0.0980 with N = 400", "lag [samples]", "sway"]
+    {
+        assert!(html.contains(words), "{words}");
+    }
+    assert!(!html.contains("Correlations of free-run errors"));
+}

@@ -1,0 +1,4 @@
+//! Tests of this crate, one program.
+
+mod apportioned;
+mod correlations;
