@@ -44,9 +44,7 @@ fn drawn(name: &str, found: &[&ErrorCorrelations], figures: &mut Figures, captio
     let Some(first) = found.first() else { return html! {} };
     let inputs: Vec<&str> = first.inputs.iter().map(|input| input.name.as_str()).collect();
     let shown = &inputs[..inputs.len().min(MOST_INPUTS)];
-    let titles: Vec<String> =
-        ["itself".to_owned()].into_iter().chain(shown.iter().map(|input| format!("with {input}"))).collect();
-    let titles: Vec<&str> = titles.iter().map(String::as_str).collect();
+    let titles: Vec<&str> = ["itself"].into_iter().chain(shown.iter().copied()).collect();
     let rows: Vec<CorrelationRow> = found.iter().map(|own| row(own, shown)).collect();
     let caption = html! {
         (caption) " " (band(first))

@@ -74,11 +74,7 @@ impl Cells {
         let left = (index % self.columns) as f64 * self.cell.0;
         let top = (index / self.columns) as f64 * self.cell.1;
         sheet.bar((left + 3.0, top + 3.0), (left + self.cell.0 - 3.0, top + self.cell.1 - 3.0), (GRID, 1.0));
-        sheet.text(
-            &text::shortened(track.name, self.letters()),
-            (left + PAD, top + 16.0),
-            note(Anchor::Start),
-        );
+        sheet.text(&abridged(track.name, self.letters()), (left + PAD, top + 16.0), note(Anchor::Start));
         let centre = (left + 0.5 * self.cell.0, top + HEAD + 0.5 * (self.cell.1 - HEAD));
         for (i, line) in track.lines.iter().enumerate() {
             let points = self.placed(track, line, centre);
@@ -129,6 +125,16 @@ impl Track<'_> {
     fn across(&self) -> (f64, f64) {
         extent(self.lines.iter().flat_map(|line| line.y.iter().copied())).unwrap_or_default()
     }
+}
+
+/// `name` without its middle where it is longer than `most`: names of recordings often differ at their ends.
+fn abridged(name: &str, most: usize) -> String {
+    let letters: Vec<char> = name.chars().collect();
+    if letters.len() <= most {
+        return name.to_owned();
+    }
+    let (head, tail) = (most / 2, most.saturating_sub(most / 2 + 1));
+    letters[..head].iter().chain(&['…']).chain(&letters[letters.len() - tail..]).collect()
 }
 
 fn middle((low, high): (f64, f64)) -> f64 {

@@ -153,6 +153,14 @@ fn tracks_share_one_scale() {
 }
 
 #[test]
+fn long_names_of_tracks_keep_both_ends() {
+    let names = ["zigzag_31-Jul-2020_13_14_21_first", "zigzag_31-Jul-2020_13_50_28_second"];
+    let svg = tracks(&names.map(|name| track(name, &[0.0, 9.0], &[0.0, 1.0])));
+    check(&svg);
+    assert!(svg.contains("zigzag_31-Ju…") && svg.contains("first<") && svg.contains("second<"), "{svg}");
+}
+
+#[test]
 fn a_front_names_its_dots_and_fills_the_chosen_one() {
     let dots = [
         FrontDot { cost: 8.0, log_det: 60.7, label: "3 <2> 3", chosen: false },

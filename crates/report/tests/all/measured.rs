@@ -93,8 +93,7 @@ fn what_is_left_of_the_errors_is_drawn_over_the_band() {
     }))
     .unwrap();
     let html = page(Measured { compared: Some((found, Vec::new())), ..Measured::default() });
-    for words in
-        ["What is left of the errors", "with rudder", "±0.0980 with N = 400", "lag [samples]", "sway"]
+    for words in ["What is left of the errors", ">rudder<", "±0.0980 with N = 400", "lag [samples]", "sway"]
     {
         assert!(html.contains(words), "{words}");
     }

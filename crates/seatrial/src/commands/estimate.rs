@@ -12,7 +12,7 @@ use study::documents::ModelDocument;
 use study::estimates::{self, Row};
 use study::files::{read_campaign, read_simulated};
 use study::trajectories::TrajectoryReader;
-use vessel::{Run, Vessel, nearest};
+use vessel::{Invalid, Run, Vessel, nearest};
 
 use super::model_beside::{is_of, model_beside};
 use super::unidentified::refuse_if_none;
@@ -135,18 +135,12 @@ impl Arguments {
         rows: &[Row],
     ) -> Result<Option<ModelDocument>, Failure> {
         let name = |row: &Row| format!("{}/{}", row.design, row.run);
-        let wanted = match (&self.model_of, rows) {
-            (Some(wanted), _) => wanted.clone(),
-            (None, [only]) if self.sharding.shard.is_none() && !self.compare => name(only),
+        let place = match (&self.model_of, rows) {
+            (Some(wanted), _) => place_of(wanted, rows, name).map_err(|e| Failure::invalid(file, &e))?,
+            (None, [_]) if self.sharding.shard.is_none() && !self.compare => 0,
             _ => return Ok(None),
         };
-        let Some(place) = rows.iter().position(|row| name(row) == wanted) else {
-            let (expected, names) = (format!("one of {} runs", rows.len()), rows.iter().map(name));
-            let names: Vec<String> = names.collect();
-            let near = nearest(&wanted, names.iter().map(String::as_str)).unwrap_or_default().to_owned();
-            let (thing, remedy) = (format!("run `{wanted}`"), format!("did you mean `{near}`?"));
-            return Err(Failure::refuse(file, &thing, "no such run", &expected, &remedy));
-        };
+        let wanted = name(&rows[place]);
         let run = run_at(reader, place)?;
         let found = run.as_ref().map(|run| estimators.delivered(run, &wanted)).transpose();
         match found.map_err(|e| Failure::of_run(&e, &self.vessel, file))?.flatten() {
@@ -175,6 +169,21 @@ impl Arguments {
         settings.insert("mean_removal".into(), json!(self.mean_removal));
         provenance.shard = self.sharding.shard;
     }
+}
+
+/// The place of the run that is called `wanted`: by design and number, or by a number that one run alone has.
+fn place_of(wanted: &str, rows: &[Row], name: impl Fn(&Row) -> String) -> Result<usize, Invalid> {
+    let called = |row: &Row| name(row) == wanted || row.run.to_string() == wanted;
+    let places: Vec<usize> = (0..rows.len()).filter(|i| called(&rows[*i])).collect();
+    if let [place] = places.as_slice() {
+        return Ok(*place);
+    }
+    let names: Vec<String> = rows.iter().map(name).collect();
+    let near = nearest(wanted, names.iter().map(String::as_str)).unwrap_or_default().to_owned();
+    let found =
+        if places.is_empty() { "no such run".to_owned() } else { format!("{} of that number", places.len()) };
+    let (expected, remedy) = (format!("one of {} runs", rows.len()), format!("did you mean `{near}`?"));
+    Err(Invalid::new(format!("run `{wanted}`"), found, expected, remedy))
 }
 
 /// The run at this place among all.

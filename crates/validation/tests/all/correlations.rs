@@ -36,8 +36,10 @@ fn oracle_correlations_of_errors_within_windows() {
 fn law_an_input_that_moves_the_error_three_samples_later_is_found_at_lag_three() {
     let inputs: Vec<Vec<f64>> =
         (1..4).map(|w| (0..60).map(|k| f64::from(k * k * w % 17) - 8.0).collect()).collect();
-    let delayed = |window: &Vec<f64>| (0..window.len()).map(move |k| if k < 3 { 0.0 } else { window[k - 3] });
-    let errors: Vec<Vec<f64>> = inputs.iter().map(|window| delayed(window).collect()).collect();
+    let delayed = |window: &Vec<f64>| -> Vec<f64> {
+        (0..window.len()).map(|k| if k < 3 { 0.0 } else { window[k - 3] }).collect()
+    };
+    let errors: Vec<Vec<f64>> = inputs.iter().map(delayed).collect();
     let crossed = cross_correlations(&errors, &inputs, 10).unwrap();
     let largest = (0..21).max_by(|a, b| crossed[*a].abs().total_cmp(&crossed[*b].abs())).unwrap();
     assert!(largest == 10 + 3 && crossed[largest] > 0.9, "{crossed:?}");
