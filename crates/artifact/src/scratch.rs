@@ -191,7 +191,7 @@ mod tests {
             let found = got(&scratch, *slot);
             assert!(found[0] == i as f64 && found[1].is_sign_negative() && found[2].is_nan(), "{found:?}");
         }
-        [1, 3].map(|slot| scratch.forget(slot));
+        [1, 3].into_iter().for_each(|slot| scratch.forget(slot));
         assert_eq!([scratch.put(&[7.0; 3]), scratch.put(&[8.0; 3])], [3, 1]);
         assert_eq!([got(&scratch, 3), got(&scratch, 1)], [[7.0; 3], [8.0; 3]]);
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0, "the file has no name");
