@@ -57,21 +57,14 @@ impl ForeignTable {
     /// [`Error::Refused`] if there is no such column, if it holds something else, or if it cannot be decoded.
     pub fn numbers(&self, name: &str, mut each: impl FnMut(f64)) -> Result<()> {
         self.decode(name, "numbers", |reader, levels, rows| {
+            let each = &mut each;
             Some(match reader {
-                ColumnReader::DoubleColumnReader(r) => {
-                    spread(r, levels, rows, |v| Ok(each(v.copied().unwrap_or(f64::NAN))))
-                }
-                ColumnReader::FloatColumnReader(r) => {
-                    spread(r, levels, rows, |v| Ok(each(v.map_or(f64::NAN, |v| f64::from(*v)))))
-                }
-                ColumnReader::Int32ColumnReader(r) => {
-                    spread(r, levels, rows, |v| Ok(each(v.map_or(f64::NAN, |v| f64::from(*v)))))
-                }
-                ColumnReader::Int64ColumnReader(r) => {
-                    spread(r, levels, rows, |v| Ok(each(v.map_or(f64::NAN, |v| *v as f64))))
-                }
+                ColumnReader::DoubleColumnReader(r) => numbers_of(r, levels, rows, each, |v| *v),
+                ColumnReader::FloatColumnReader(r) => numbers_of(r, levels, rows, each, |v| f64::from(*v)),
+                ColumnReader::Int32ColumnReader(r) => numbers_of(r, levels, rows, each, |v| f64::from(*v)),
+                ColumnReader::Int64ColumnReader(r) => numbers_of(r, levels, rows, each, |v| *v as f64),
                 ColumnReader::BoolColumnReader(r) => {
-                    spread(r, levels, rows, |v| Ok(each(v.map_or(f64::NAN, |v| f64::from(u8::from(*v))))))
+                    numbers_of(r, levels, rows, each, |v| f64::from(u8::from(*v)))
                 }
                 _ => return None,
             })
@@ -140,6 +133,20 @@ fn not_simple(descriptor: &ColumnDescPtr) -> Option<String> {
         return Some("lists".to_owned());
     }
     (descriptor.converted_type() == ConvertedType::DECIMAL).then(|| "decimal numbers".to_owned())
+}
+
+/// Gives `each` what `number` makes of the values of a row group; NaN where there is none.
+fn numbers_of<T: DataType>(
+    reader: ColumnReaderImpl<T>,
+    max_level: i16,
+    rows: usize,
+    each: &mut impl FnMut(f64),
+    number: impl Fn(&T::T) -> f64,
+) -> ParquetResult<()> {
+    spread(reader, max_level, rows, |value| {
+        each(value.map_or(f64::NAN, &number));
+        Ok(())
+    })
 }
 
 /// Rows that are decoded at a time.

@@ -30,8 +30,16 @@ pub(crate) struct Turns<'a> {
     largest: f64,
     before: f64,
     count: usize,
-    /// Per other unit, the first number that is a turn off the one before it: which it is, the one before, itself.
-    wraps: Vec<(&'static str, f64, Option<(usize, [f64; 2])>)>,
+    wraps: Vec<Wraps>,
+}
+
+/// Numbers that are a turn of another unit off the one before.
+struct Wraps {
+    /// The unit, and a turn in it.
+    unit: &'static str,
+    turn: f64,
+    /// The first: which it is, the one before, itself.
+    first: Option<(usize, [f64; 2])>,
 }
 
 impl<'a> Turns<'a> {
@@ -39,13 +47,13 @@ impl<'a> Turns<'a> {
     pub(crate) fn new(unit: &'a Unit) -> Self {
         let own = TAU / unit.factor;
         let others = TURNS.into_iter().filter(|(_, turn)| unit.si == "rad" && (turn / own - 1.0).abs() > 0.1);
-        let wraps = others.map(|(name, turn)| (name, turn, None)).collect();
+        let wraps = others.map(|(unit, turn)| Wraps { unit, turn, first: None }).collect();
         Self { unit, largest: 0.0, before: f64::NAN, count: 0, wraps }
     }
 
     /// Looks at the next number.
     pub(crate) fn see(&mut self, number: f64) {
-        for (_, turn, first) in &mut self.wraps {
+        for Wraps { turn, first, .. } in &mut self.wraps {
             if first.is_none() && ((number - self.before).abs() / *turn - 1.0).abs() < 0.08 {
                 *first = Some((self.count, [self.before, number]));
             }
@@ -64,7 +72,7 @@ impl<'a> Turns<'a> {
 
     /// Refuses `column`, whose number `i` stands on `line(i)`, where it wraps.
     pub(crate) fn check(&self, column: &str, line: impl Fn(usize) -> usize) -> Result<(), Invalid> {
-        for (name, turn, first) in &self.wraps {
+        for Wraps { unit: name, turn, first } in &self.wraps {
             if let Some((i, [before, number])) = first.filter(|_| self.largest <= 1.02 * turn) {
                 return Err(Invalid::new(
                     cell_of(line(i), column),

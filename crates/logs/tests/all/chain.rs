@@ -127,9 +127,9 @@ fn law_without_noise_the_logs_give_forces_and_velocities_back() {
     let truth = &recording.truth;
     let dt = 1.0 / RATE_HZ;
     for k in 0..made.grid.rows - 1 {
-        for d in 0..3 {
+        for (d, force) in exogenous.iter().enumerate() {
             let wanted = slalom(200)[k][d];
-            assert!((exogenous[d][k] - wanted).abs() < 1e-9 * 5000.0, "force {d} at {k}");
+            assert!((force[k] - wanted).abs() < 1e-9 * 5000.0, "force {d} at {k}");
         }
         // An Euler difference is the mean over the step: with even change, half of what the step adds, seen from the heading
         // at its start; what is left is of second order in the step.

@@ -19,7 +19,7 @@ pub fn median_again<I: Iterator<Item = f64>>(values: impl Fn() -> I) -> Option<f
     let keys = || values().map(key);
     let last = values().count() - 1;
     let low = ranked(&keys, last / 2);
-    if last % 2 == 0 {
+    if last.is_multiple_of(2) {
         return quantile(&[value(low)], 0.5);
     }
     let (mut up_to, mut above) = (0, u64::MAX);

@@ -96,7 +96,7 @@ fn files_without_rows_or_overlap_are_refused() {
     let never = "t,u,v,r,n\n0,1,,1,1\n1,1,nan,1,1\n";
     refused(&config(""), never, &["run `a`", "no value in channel `y_v`"]);
     let jump = "t,u,v,r,n\n0,1,1,1,1\n1600000000,1,1,1,1\n1600000001,1,1,1,1\n";
-    refused(&config(""), jump, &["run `a`", "at most 100000000 rows"]);
+    refused(&config(""), jump, &["run `a`", "rows, which memory and disk have room for"]);
     refused(&config("min_s = 100"), &log(5), &["sub-experiments", "none of 1 recordings", "`min_s`"]);
 }
 
