@@ -7,8 +7,8 @@ use super::Delivered;
 /// From this correlation on two estimates are hard to tell apart, and from the next on they cannot be.
 const HARD: f64 = 0.95;
 const INSEPARABLE: f64 = 0.99;
-/// Estimates that are known better than this need no warning, whatever they correlate with.
-const KNOWN: f64 = 0.1;
+/// An estimate that is known better than this needs no warning, whatever it correlates with.
+const KNOWN: f64 = 0.05;
 /// So many pairs are told; the others are counted.
 const MOST: usize = 4;
 
@@ -53,7 +53,7 @@ fn pairs(delivered: &Delivered, layout: ParameterLayout) -> Vec<Pair<'_>> {
 
 impl Pair<'_> {
     fn matters(&self) -> bool {
-        self.correlation.abs() >= HARD && self.relative().into_iter().any(|error| error > KNOWN)
+        self.correlation.abs() >= HARD && self.relative().into_iter().all(|error| error > KNOWN)
     }
 
     /// Standard errors over moduli.
@@ -76,15 +76,28 @@ impl Pair<'_> {
             "`{a}` and `{b}` {verdict} be told apart: correlation {:.3}, each alone is known to {first} and {second}",
             self.correlation
         );
-        let ways = [[0, 1], [1, 0]].map(|way: [usize; 2]| (way, self.common(way)));
-        let best = if ways[1].1.1 < ways[0].1.1 { ways[1] } else { ways[0] };
-        let ([one, other], (factor, error)) = best;
-        if self.relative().into_iter().any(|alone| error >= alone) {
-            return apart;
+        let sums = [[0, 1], [1, 0]].map(|way| self.sum(way));
+        let best = sums.into_iter().chain([self.ratio()]).min_by(|a, b| a.1.total_cmp(&b.1));
+        match best.filter(|(_, error)| self.relative().into_iter().all(|alone| *error < alone)) {
+            Some((what, error)) => format!("{apart}, {what} to {}", percent(error)),
+            None => apart,
         }
+    }
+
+    /// The sum of number `one` and the best multiple of number `other`, and how well it is known.
+    fn sum(&self, [one, other]: [usize; 2]) -> (String, f64) {
+        let (factor, error) = self.common([one, other]);
         let sign = if factor < 0.0 { '−' } else { '+' };
-        let (one, other, factor) = (self.names[one], self.names[other], factor.abs());
-        format!("{apart}, `{one}` {sign} {} `{other}` to {}", three(factor), percent(error))
+        let (one, other, factor) = (self.names[one], self.names[other], three(factor.abs()));
+        (format!("`{one}` {sign} {factor} `{other}`"), error)
+    }
+
+    /// The ratio, and its standard error over its modulus to first order: √(r_a² + r_b² − 2ρ r_a r_b) with the signed relative
+    /// errors r = σ/θ.
+    fn ratio(&self) -> (String, f64) {
+        let [a, b] = [0, 1].map(|i: usize| self.errors[i] / self.values[i]);
+        let square = a * a + b * b - 2.0 * self.correlation * a * b;
+        (format!("`{}`/`{}`", self.names[0], self.names[1]), square.max(0.0).sqrt())
     }
 }
 
@@ -150,8 +163,21 @@ mod tests {
     fn what_is_known_or_hardly_correlates_is_not_told() {
         assert!(told([0.4, 0.6], [0.2, 0.2], 0.9).is_empty());
         assert!(told([0.4, 0.6], [0.01, 0.01], 0.999).is_empty());
-        // Where nothing in common is known better than each alone, it is left out.
-        assert!(told([1.0, 1.0], [0.2, 0.2], 0.99)[0].ends_with("20 % and 20 %"));
+        assert!(told([0.4, 0.6], [0.2, 0.01], 0.999).is_empty());
+    }
+
+    #[test]
+    fn law_a_ratio_is_known_where_both_err_alike() {
+        let said = told([-0.4, 0.6], [0.1, 0.15], -0.999);
+        // √(2 (1 − 0.999)) of a quarter.
+        assert!(said[0].ends_with("`N_v`/`N_r` to 1.1 %"), "{said:?}");
+        // The ratio's variance by the slopes 1/b and −a/b² of a/b.
+        let (a, b, var_a, var_b, cov) = (1.2, -0.7, 0.09, 0.25, 0.13);
+        let slopes = [1.0 / b, -a / (b * b)];
+        let variance =
+            slopes[0] * slopes[0] * var_a + slopes[1] * slopes[1] * var_b + 2.0 * slopes[0] * slopes[1] * cov;
+        let pair = Pair { names: ["a", "b"], values: [a, b], errors: [0.3, 0.5], correlation: cov / 0.15 };
+        assert!((pair.ratio().1 * (a / b).abs() - f64::sqrt(variance)).abs() < 1e-12);
     }
 
     #[test]
