@@ -37,6 +37,13 @@ pub struct Scales {
     sizes: Vec<f64>,
 }
 
+impl Scales {
+    /// Standard deviations of the measured u, v, r.
+    pub(super) fn std(&self) -> [f64; 3] {
+        self.std
+    }
+}
+
 /// An estimate of pooled parts.
 pub struct Estimated {
     /// Surge, sway, yaw.
@@ -109,6 +116,12 @@ fn whole(degrees: &[DegreeFit; 3]) -> Option<(Vec<f64>, [f64; 3])> {
 }
 
 impl Pool<'_> {
+    /// The same for another vessel, whose instruments are simulated with `nominal`.
+    pub fn of<'v>(&self, vessel: &'v Vessel, nominal: NominalModel) -> Pool<'v> {
+        let constant = self.constant.clone();
+        Pool { vessel, model: vessel.model.with_intercepts(), nominal, constant, ..*self }
+    }
+
     /// Estimates from `parts`, which are gone through once for every kind of sums, and for every step of a search.
     ///
     /// # Errors
