@@ -1,17 +1,14 @@
-use numerics::times;
-use vessel::{Model, RunView};
-
 use super::chance::Draws;
 use super::feedback::feedback;
 use super::found::{Absent, Criticism, called};
 use super::library::{Candidate, Lifted};
 use super::noise::{Guess, LASTING, Search};
-use super::problems::{Problems, Series, State};
+use super::problems::{Problems, Series, State, Subject, newton_step};
 use super::score::{Projected, Score};
 use super::words::statements;
 use crate::pooled::whiteness;
-use crate::predictor::{Linear, scaled_inverse};
-use crate::sensitivity::{Flow, Levels};
+use crate::predictor::Linear;
+use crate::sensitivity::Flow;
 
 /// A model is rejected where the likeliest of all that is looked for has a smaller probability than this under the model.
 pub const LEVEL: f64 = 0.05;
@@ -34,39 +31,18 @@ const SHORTER: i32 = 6;
 /// Lags of the test of whiteness.
 const LAGS: usize = 20;
 
-/// Runs that are to be explained by a model.
-#[derive(Clone, Copy, Debug)]
-pub struct Subject<'a> {
-    /// The structure, with intercepts where they were estimated.
-    pub model: &'a Model,
-    /// The runs.
-    pub runs: &'a [RunView<'a>],
-    /// The sampling rate \[Hz\].
-    pub rate_hz: f64,
-    /// Whether simulations start from the true state; else from the measured one.
-    pub known_start: bool,
-    /// What disturbs the runs, where it is stated; else it is looked for.
-    pub levels: Option<Levels>,
-}
-
 /// Looks for what the model lacks: score tests of whitened errors, see [`super`]. `parameters`: θ̂ of all runs, in the order of
 /// the model. None where the model diverges, or the runs determine nothing.
 pub fn criticise(subject: &Subject, parameters: &[f64]) -> Option<Criticism> {
-    refitted(subject, parameters).map(|(_, found)| found)
-}
-
-/// The same, and the estimate of least white errors that it is about.
-pub(super) fn refitted(subject: &Subject, parameters: &[f64]) -> Option<(Vec<f64>, Criticism)> {
     judge(subject, &Problems::new(subject, true), &[parameters.to_vec()]).pop().flatten()
 }
 
 /// The same of every run by itself, of which each has its estimate.
 pub fn criticise_each(subject: &Subject, parameters: &[Vec<f64>]) -> Vec<Option<Criticism>> {
-    let all = judge(subject, &Problems::new(subject, false), parameters);
-    all.into_iter().map(|found| found.map(|(_, criticism)| criticism)).collect()
+    judge(subject, &Problems::new(subject, false), parameters)
 }
 
-fn judge(subject: &Subject, problems: &Problems, starts: &[Vec<f64>]) -> Vec<Option<(Vec<f64>, Criticism)>> {
+fn judge(subject: &Subject, problems: &Problems, starts: &[Vec<f64>]) -> Vec<Option<Criticism>> {
     let states = Refinement::new(subject, problems, starts).run();
     let lifted = Lifted::new(subject.model);
     let draws = Draws::new(lifted.candidates.iter().map(|c| c.group.unknowns.len()).sum());
@@ -74,8 +50,7 @@ fn judge(subject: &Subject, problems: &Problems, starts: &[Vec<f64>]) -> Vec<Opt
     let each = states.into_iter().zip(sums).zip(series);
     each.map(|((state, sums), series)| {
         let projected = Projected::new(&sums?, state.parameters.len())?;
-        let found = judged(subject, &lifted, &draws, &state, &projected, &series);
-        Some((state.parameters, found))
+        Some(judged(subject, &lifted, &draws, &state, &projected, &series))
     })
     .collect()
 }
@@ -241,15 +216,6 @@ fn nearer(found: &Linear, before: &Linear) -> bool {
 
 fn squares(sums: &Linear) -> f64 {
     sums.squares.iter().sum()
-}
-
-/// What the unknowns of white `sums` change by for the least errors, and by how much these fall then.
-pub(super) fn newton_step(sums: &Linear) -> Option<(Vec<f64>, f64)> {
-    let (normal, gradient) = sums.weighted([1.0; 3]);
-    let inverse = scaled_inverse(&normal, gradient.len()).ok()?;
-    let step = times(&inverse, &gradient);
-    let decrement = step.iter().zip(&gradient).map(|(x, g)| x * g).sum();
-    step.iter().all(|x| x.is_finite()).then_some((step, decrement))
 }
 
 fn judged(

@@ -18,6 +18,7 @@ mod problems;
 mod score;
 mod words;
 
-pub use criticise::{LEVEL, Subject, criticise, criticise_each};
+pub use criticise::{LEVEL, criticise, criticise_each};
 pub use feedback::Feedback;
 pub use found::{Absent, Criticism};
+pub use problems::Subject;

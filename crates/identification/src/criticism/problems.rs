@@ -1,12 +1,27 @@
+use numerics::times;
 use vessel::lanes::{SideBySide, by_lane, lane};
-use vessel::{LANES, Lane, RunView};
+use vessel::{LANES, Lane, Model, RunView};
 
 use super::channels::with_effects;
-use super::criticise::{Subject, newton_step};
 use super::library::Lifted;
 use super::noise::{Guess, Search, side_by_side};
-use crate::predictor::{Linear, linearize, linearize_each};
+use crate::predictor::{Linear, linearize, linearize_each, scaled_inverse};
 use crate::sensitivity::{Flow, Gain, Gusts, Levels, Recordings, filter_each, groups, with_states};
+
+/// Runs that are to be explained by a model.
+#[derive(Clone, Copy, Debug)]
+pub struct Subject<'a> {
+    /// The structure, with intercepts where they were estimated.
+    pub model: &'a Model,
+    /// The runs.
+    pub runs: &'a [RunView<'a>],
+    /// The sampling rate \[Hz\].
+    pub rate_hz: f64,
+    /// Whether simulations start from the true state; else from the measured one.
+    pub known_start: bool,
+    /// What disturbs the runs, where it is stated; else it is looked for.
+    pub levels: Option<Levels>,
+}
 
 /// An estimate that is to be judged, with the noise that it is judged under.
 #[derive(Clone, Debug)]
@@ -202,4 +217,13 @@ fn errors<const N: usize>(
         [0, 1, 2].map(|d: usize| rows.iter().map(|white| white[d][lane]).collect())
     };
     (0..run.runs.min(LANES)).map(own).collect()
+}
+
+/// What the unknowns of white `sums` change by for the least errors, and by how much these fall then.
+pub(super) fn newton_step(sums: &Linear) -> Option<(Vec<f64>, f64)> {
+    let (normal, gradient) = sums.weighted([1.0; 3]);
+    let inverse = scaled_inverse(&normal, gradient.len()).ok()?;
+    let step = times(&inverse, &gradient);
+    let decrement = step.iter().zip(&gradient).map(|(x, g)| x * g).sum();
+    step.iter().all(|x| x.is_finite()).then_some((step, decrement))
 }
