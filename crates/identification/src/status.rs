@@ -1,8 +1,10 @@
 vessel::choices! {
     /// What became of the estimate of a run, or of a degree of freedom.
     pub enum EstimateStatus {
-        /// There is an estimate.
+        /// There is an estimate, and the run does not reject the model where it was asked.
         Identified = "identified",
+        /// There is an estimate, but the run rejects the model: something is missing beyond chance.
+        Rejected = "identified, model rejected",
         /// There is one that could not be refined further: a simulation with it diverged.
         Kept = "kept",
         /// A direction of the parameters is not excited.
@@ -15,7 +17,7 @@ vessel::choices! {
 impl EstimateStatus {
     /// Whether there is an estimate.
     pub fn estimated(self) -> bool {
-        matches!(self, Self::Identified | Self::Kept)
+        matches!(self, Self::Identified | Self::Rejected | Self::Kept)
     }
 }
 

@@ -89,7 +89,8 @@ fn table(design: &str, estimates: &[EstimatorSummary], scores: &[EstimatorScores
         .number("Diverged", |(_, d, _)| d.diverged)
         .number("Not identifiable", |(_, d, _)| d.not_identifiable)
         .number("Not converged", |(_, d, _)| or_dash(d.not_converged))
-        .number("Kept", |(.., e)| or_dash(e.kept));
+        .number("Kept", |(.., e)| or_dash(e.kept))
+        .number("Model rejected", |(.., e)| or_dash(e.rejected));
     html! { h3 { "Estimators, " (design) } (table) }
 }
 

@@ -80,11 +80,22 @@ fn facts(estimate: &Shown, designs: &[&DesignSummary]) -> Markup {
             (entry("Mean of the instruments removed", display(estimate.mean_removal)))
             @for design in designs {
                 (entry(format!("Identified, {}", design.design), format!("{} of {} runs", design.identified, design.runs)))
+                @if estimate.trust.is_none() { (entry(format!("Model rejected, {}", design.design), rejected(design))) }
             }
             (entry("Spread", "standard deviation of the estimates over the identified runs"))
             (entry("Predicted", "median of the standard errors that the runs report of themselves"))
             (entry("Predicted / spread", "near 1: the reported standard errors can be trusted; below 1: they promise too much, or the runs are different experiments and the worst of them make the spread"))
         }
+    }
+}
+
+/// By how many runs the model is rejected.
+fn rejected(design: &DesignSummary) -> String {
+    match design.rejected {
+        Some(rejected) => {
+            format!("by {rejected} of {} runs; by chance by 1 in 20", design.identified)
+        }
+        None => "the runs were not asked what the model lacks".to_owned(),
     }
 }
 

@@ -77,7 +77,7 @@ fn structure(found: &Criticism) -> Markup {
         h3 { "What the model lacks" }
         (table)
         p.note {
-            "Score tests of whitened errors, p after Holm's method. Noise found: u " (three(found.noise_u)) " m/s, v "
+            "Score tests of whitened errors; p: of any among all that was looked for. Noise found: u " (three(found.noise_u)) " m/s, v "
             (three(found.noise_v)) " m/s, r " (three(found.noise_r)) " rad/s, current " (three(found.current_std)) " m/s"
             @if let Some(time) = found.current_time_s { " changing within " (three(time)) " s" }
             ". Seen from: what these recordings would nearly always have shown."

@@ -1,13 +1,24 @@
-//! How often score tests reject a model that is right, and one that lacks two terms: the paper's experiment under several
-//! kinds of disturbance. `cargo run --release --example criticism -- 300` simulates 300 trials of each.
+//! What criticism and standard errors are worth: the paper's experiment under several kinds of disturbance, simulated again and
+//! again.
+//!
+//! `cargo run --release --example criticism -- <what> <trials> <seed> [<disturbance>…]` with
+//! `stated`: how often a right model and one that lacks two terms are rejected, the noise stated; `found`: the same where it has
+//! to be found; `added`: which terms are added to a model that lacks two, and to one that lacks none; `errors`: how often the
+//! 95 % intervals of estimates from eight runs hold the truth.
 
+use std::collections::BTreeMap;
 use std::error::Error;
 
-use identification::criticism::{Criticism, Subject, criticise};
+use identification::MeanRemoval;
+use identification::criticism::{Criticism, Subject, criticise, criticise_each};
+use identification::pooled::{
+    Judgement, NominalModel, Pool, PooledRuns, StandardErrors, enriched, standard_errors,
+};
+use numerics::statistics::wilson;
 use rayon::prelude::*;
 use seatrial::{CampaignFile, DictionaryFile, Estimator, Study, Vessel};
 use trial::campaign::SimulatedRun;
-use vessel::RunView;
+use vessel::{Run, RunView};
 
 /// What the paper's ship then has and the model lacks.
 const MORE: &str = r#"
@@ -25,55 +36,44 @@ nominal = 0.0
 "#;
 
 const PAPER: &str = include_str!("../../../crates/vessel/presets/ljungberg-model-ship.toml");
+/// Runs that are pooled.
+const TOGETHER: usize = 8;
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let trials: u32 = std::env::args().nth(1).map_or(Ok(40), |count| count.parse())?;
-    let stated = std::env::args().nth(2).is_none_or(|word| word != "found");
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let at = |i: usize| arguments.get(i).map(String::as_str);
+    let what = at(0).unwrap_or("stated");
+    let (trials, seed): (u32, u64) = (at(1).unwrap_or("40").parse()?, at(2).unwrap_or("1").parse()?);
     let dictionary: DictionaryFile =
         toml::from_str(include_str!("../../../pipelines/paper/dictionary.toml"))?;
-    let read = |text: &str| toml::from_str::<vessel::VesselFile>(text);
-    println!("{trials} trials each; noise {}", if stated { "stated" } else { "found by its likelihood" });
-    println!(
-        "disturbance      exact: rejected   two missing: rejected   one of them first   8 pooled: rejected   first"
-    );
-    for (name, campaign) in scenarios(trials)? {
-        let exact = study(Vessel::from_file(read(PAPER)?)?, &dictionary, &campaign)?;
-        let richer = study(Vessel::from_file(read(&format!("{PAPER}{MORE}"))?)?, &dictionary, &campaign)?;
-        let designed = exact.design(&exact.moments(&exact.dictionary()?)?)?.designed();
-        let mut told = Vec::new();
-        for truth in [&exact, &richer] {
-            let runs: Vec<SimulatedRun> =
-                truth.simulate(&designed)?.into_iter().filter(|run| run.run.design == "optimized").collect();
-            let estimates = exact.estimate(&runs, Estimator::Iv)?;
-            let thetas = estimates.iter().map(|e| e.estimate.as_ref().map(|(theta, _)| theta.clone()));
-            let pairs: Vec<(SimulatedRun, Vec<f64>)> =
-                runs.into_iter().zip(thetas).filter_map(|(run, theta)| Some((run, theta?))).collect();
-            told.push(judged(&exact, &campaign, &pairs, 1, stated));
-            told.push(judged(&exact, &campaign, &pairs, 8, stated));
+    let vessel = |more: &str| -> Result<Vessel, Box<dyn Error>> {
+        Ok(Vessel::from_file(toml::from_str(&format!("{PAPER}{more}"))?)?)
+    };
+    println!("{what}: {trials} trials of each, seed {seed}");
+    for (name, campaign) in scenarios(trials, seed)? {
+        if arguments.len() > 3 && !arguments[3..].contains(&name.to_owned()) {
+            continue;
         }
-        let [once, _, richer, pooled] = told.as_slice() else { continue };
-        println!(
-            "{name:<16} {}   {}   {}   {}   {}",
-            share(once, |c| c.rejected),
-            share(richer, |c| c.rejected),
-            share(richer, first_is_missing),
-            share(pooled, |c| c.rejected),
-            share(pooled, first_is_missing)
-        );
+        let exact = Study::new(vessel("")?, &dictionary, campaign.clone())?;
+        let richer = Study::new(vessel(MORE)?, &dictionary, campaign.clone())?;
+        let designed = exact.design(&exact.moments(&exact.dictionary()?)?)?.designed();
+        let runs = |truth: &Study| -> Result<Vec<SimulatedRun>, Box<dyn Error>> {
+            let all = truth.simulate(&designed)?;
+            Ok(all.into_iter().filter(|run| run.run.design == "optimized").collect())
+        };
+        let (right, lacking) = (runs(&exact)?, runs(&richer)?);
+        let told = match what {
+            "errors" => errors(&exact, &right),
+            "added" => added(&exact, &right, &lacking),
+            _ => rejections(&exact, &campaign, &right, &lacking, what == "stated")?,
+        };
+        told.iter().for_each(|line| println!("{name:<6} {line}"));
     }
     Ok(())
 }
 
-fn study(
-    vessel: Vessel,
-    dictionary: &DictionaryFile,
-    campaign: &CampaignFile,
-) -> Result<Study, Box<dyn Error>> {
-    Ok(Study::new(vessel, dictionary, campaign.clone())?)
-}
-
 /// Disturbances as in `pipelines/scenarios`, and nearly none.
-fn scenarios(trials: u32) -> Result<Vec<(&'static str, CampaignFile)>, Box<dyn Error>> {
+fn scenarios(trials: u32, seed: u64) -> Result<Vec<(&'static str, CampaignFile)>, Box<dyn Error>> {
     let paper = include_str!("../../../pipelines/paper/campaign.toml");
     let all = [
         ("white", paper.to_owned()),
@@ -83,9 +83,8 @@ fn scenarios(trials: u32) -> Result<Vec<(&'static str, CampaignFile)>, Box<dyn E
         ("wind", include_str!("../../../pipelines/scenarios/wind-bias/campaign.toml").to_owned()),
     ];
     let read = |(name, text): (&'static str, String)| -> Result<_, Box<dyn Error>> {
-        let mut campaign: CampaignFile = toml::from_str(&text)?;
-        campaign.realizations = trials;
-        Ok((name, campaign))
+        let campaign: CampaignFile = toml::from_str(&text)?;
+        Ok((name, CampaignFile { realizations: trials, seed, random: None, ..campaign }))
     };
     all.into_iter().map(read).collect()
 }
@@ -99,43 +98,128 @@ fn with_noise(campaign: &str, std: &str) -> String {
     campaign.lines().map(replaced).collect()
 }
 
-/// The criticism of every `together` runs, of which each has its estimate; the first one's is that of all.
-fn judged(
+/// How often the model is rejected that is right, and the one that lacks two terms, by single runs and by several together.
+fn rejections(
     study: &Study,
     campaign: &CampaignFile,
-    runs: &[(SimulatedRun, Vec<f64>)],
-    together: usize,
+    right: &[SimulatedRun],
+    lacking: &[SimulatedRun],
     stated: bool,
-) -> Vec<Criticism> {
+) -> Result<Vec<String>, Box<dyn Error>> {
     let vessel = study.vessel();
-    let model = vessel.model.with_intercepts();
-    let rate_hz = vessel.sample_rate_hz;
-    let one = |some: &[(SimulatedRun, Vec<f64>)]| {
-        let views: Vec<RunView> = some.iter().map(|(run, _)| run.run.view()).collect();
-        let mean: Vec<f64> = (0..some[0].1.len())
-            .map(|i| some.iter().map(|(_, theta)| theta[i]).sum::<f64>() / some.len() as f64)
-            .collect();
-        criticise(&Subject {
-            model: &model,
-            parameters: &model.layout().woven(&mean, [0.0; 3]),
-            runs: &views,
-            rate_hz,
-            known_start: true,
-            levels: stated.then(|| campaign.levels(rate_hz)),
-        })
+    let (model, rate_hz) = (vessel.model.with_intercepts(), vessel.sample_rate_hz);
+    let levels = stated.then(|| campaign.levels(rate_hz));
+    let single = |runs: &[SimulatedRun]| -> Result<Vec<Criticism>, Box<dyn Error>> {
+        let estimates = study.estimate(runs, Estimator::Iv)?;
+        let thetas = estimates.iter().map(|e| e.estimate.as_ref().map(|(theta, _)| theta));
+        let pairs: Vec<_> = runs.iter().zip(thetas).filter_map(|(run, theta)| Some((run, theta?))).collect();
+        let some = |some: &[(&SimulatedRun, &Vec<f64>)]| {
+            let views: Vec<RunView> = some.iter().map(|(run, _)| run.run.view()).collect();
+            let woven = some.iter().map(|(_, theta)| model.layout().woven(theta, [0.0; 3]));
+            let subject = Subject { model: &model, runs: &views, rate_hz, known_start: true, levels };
+            criticise_each(&subject, &woven.collect::<Vec<_>>())
+        };
+        Ok(pairs.par_chunks(TOGETHER).flat_map_iter(some).flatten().collect())
     };
-    runs.par_chunks_exact(together).filter_map(one).collect()
+    let together = |some: &[SimulatedRun]| {
+        let runs = pooled(some);
+        let found = pool(vessel).estimate(&runs.cut(None), Estimator::Iv).ok()?;
+        let views: Vec<RunView> = some.iter().map(|run| run.run.view()).collect();
+        let subject = Subject { model: &model, runs: &views, rate_hz, known_start: true, levels };
+        criticise(&subject, &found.parameters(&model)?)
+    };
+    let pooled: Vec<Criticism> = lacking.par_chunks_exact(TOGETHER).filter_map(together).collect();
+    let (right, lacking) = (single(right)?, single(lacking)?);
+    let all = |found: &[Criticism], holds: fn(&Criticism) -> bool| {
+        share(found.iter().filter(|c| holds(c)).count(), found.len())
+    };
+    Ok(vec![
+        format!("right: rejected {}", all(&right, |c| c.rejected)),
+        format!(
+            "two missing: rejected {}, named first {}",
+            all(&lacking, |c| c.rejected),
+            all(&lacking, named)
+        ),
+        format!("8 pooled: rejected {}, named first {}", all(&pooled, |c| c.rejected), all(&pooled, named)),
+    ])
 }
 
-fn first_is_missing(found: &Criticism) -> bool {
+fn named(found: &Criticism) -> bool {
     let first = found.absent.first();
     first.is_some_and(|a| {
-        (a.name == "v |v|" && a.degree.as_deref() == Some("sway"))
-            || (a.name == "r |r|" && a.degree.as_deref() == Some("yaw"))
+        matches!((a.name.as_str(), a.degree.as_deref()), ("v |v|", Some("sway")) | ("r |r|", Some("yaw")))
     })
 }
 
-fn share(found: &[Criticism], holds: impl Fn(&Criticism) -> bool) -> String {
-    let count = found.iter().filter(|c| holds(c)).count();
-    format!("{:>5.1} % of {}", 100.0 * count as f64 / found.len().max(1) as f64, found.len())
+/// How often exactly the terms that are missing are added, by single runs whose noise is not stated.
+fn added(study: &Study, right: &[SimulatedRun], lacking: &[SimulatedRun]) -> Vec<String> {
+    let judgement = Judgement { bandwidth: None, replicates: 0, seed: 1 };
+    let terms = |run: &SimulatedRun| {
+        let runs = pooled(std::slice::from_ref(run));
+        let found = enriched(&pool(study.vessel()), &runs, Estimator::Iv, &judgement, 4, &|_| ()).ok()?;
+        let mut terms: Vec<String> = found.added.into_iter().map(|a| a.term).collect();
+        terms.sort_unstable();
+        Some(terms)
+    };
+    let exactly = |runs: &[SimulatedRun], wanted: &[&str]| {
+        let found: Vec<Vec<String>> = runs.par_iter().filter_map(terms).collect();
+        share(found.iter().filter(|own| *own == wanted).count(), found.len())
+    };
+    vec![
+        format!("two missing: exactly these added {}", exactly(lacking, &["r |r|", "v |v|"])),
+        format!("right: nothing added {}", exactly(right, &[])),
+    ]
+}
+
+/// How often the 95 % intervals of estimates from several runs hold the truth, over all parameters.
+fn errors(study: &Study, runs: &[SimulatedRun]) -> Vec<String> {
+    let judgement = Judgement { bandwidth: None, replicates: 0, seed: 1 };
+    let truth: Vec<f64> = study.vessel().value.iter().copied().flatten().collect();
+    let of = |estimator: Estimator| {
+        let held = |some: &[SimulatedRun]| {
+            let found = standard_errors(&pool(study.vessel()), &pooled(some), estimator, &judgement).ok()?;
+            let held = |StandardErrors { theta, standard_errors }: StandardErrors| {
+                let all = theta.into_iter().zip(standard_errors).zip(&truth);
+                all.map(|((value, error), truth)| (value - truth).abs() <= 1.96 * error)
+                    .collect::<Vec<bool>>()
+            };
+            found.map(held)
+        };
+        let sets: Vec<Vec<bool>> = runs.par_chunks_exact(TOGETHER).filter_map(held).collect();
+        let by_parameter = |i: usize| sets.iter().filter(|held| held[i]).count();
+        let names = study.vessel().model.parameter_names().enumerate();
+        let least = names.map(|(i, name)| (by_parameter(i), name)).min().unwrap_or((0, ""));
+        let all = sets.iter().flatten();
+        format!(
+            "{estimator}: held {}, least {} {}",
+            share(all.clone().filter(|held| **held).count(), all.count()),
+            least.1,
+            share(least.0, sets.len())
+        )
+    };
+    [Estimator::Iv, Estimator::RefinedIv, Estimator::OutputError, Estimator::Auto].map(of).to_vec()
+}
+
+fn pool(vessel: &Vessel) -> Pool<'_> {
+    Pool {
+        vessel,
+        model: vessel.model.with_intercepts(),
+        removal: MeanRemoval::Complete,
+        strength: 0.0,
+        nominal: NominalModel::Known(vessel.nominal.clone()),
+        part_samples: None,
+        constant: Vec::new(),
+    }
+}
+
+fn pooled(runs: &[SimulatedRun]) -> PooledRuns {
+    let runs: Vec<Run> = runs.iter().map(|simulated| simulated.run.clone()).collect();
+    PooledRuns::new(runs, &BTreeMap::new())
+}
+
+/// With its 95 % interval (Wilson's).
+fn share(count: usize, total: usize) -> String {
+    let [low, high] = wilson(count as u64, total as u64).unwrap_or([0.0, 1.0]).map(|end| 100.0 * end);
+    let found = 100.0 * count as f64 / total.max(1) as f64;
+    format!("{found:.1} % ({low:.1} to {high:.1}) of {total}")
 }

@@ -1,212 +1,228 @@
-use numerics::times;
-use vessel::lanes::SideBySide;
-use vessel::{Lane, Model, RunView};
-
-use super::channels::with_effects;
+use super::chance::Draws;
+use super::feedback::feedback;
 use super::found::{Absent, Criticism, called};
 use super::library::{Candidate, Lifted};
-use super::noise::{Guess, noise_of, unknowns, white};
-use super::score::{Projected, Score, holm};
+use super::noise::{Guess, LASTING, Search};
+use super::problems::{Problems, Series, State, Subject, newton_step};
+use super::score::{Projected, Score};
 use super::words::statements;
 use crate::pooled::whiteness;
-use crate::predictor::{Linear, linearize, scaled_inverse};
-use crate::sensitivity::{Flow, Levels, Recordings, filter, groups, with_states};
+use crate::predictor::Linear;
+use crate::sensitivity::Flow;
 
-/// A model is rejected where something absent is found with a smaller probability than this under the model, after Holm.
+/// A model is rejected where the likeliest of all that is looked for has a smaller probability than this under the model.
 pub const LEVEL: f64 = 0.05;
 /// Standard errors that something absent must be large for a trial to find it nearly always.
 const SEEN: f64 = 3.9;
 /// How far in −2 log p the next candidates may lie behind the first and still be what is missing.
 const CLOSE: f64 = 6.0;
-/// Most often that the estimate is refined under the noise.
+/// Most often that the estimates are refined under the noise.
 const ROUNDS: usize = 12;
 /// Most often that the noise is looked for.
-const SEARCHES: usize = 4;
+const SEARCHES: usize = 6;
+/// Rise of twice the log-likelihood that makes noise another one.
+const OTHER: f64 = 1.0;
+/// White errors beyond this variance are tried from another start.
+const FAR: f64 = 1.3;
 /// Fall of the squared white errors below which the estimate is that of least errors.
 const SETTLED: f64 = 1e-2;
 /// Most lengths that are tried of a step.
-const STEPS: i32 = 6;
+const SHORTER: i32 = 6;
 /// Lags of the test of whiteness.
 const LAGS: usize = 20;
 
-/// A model with its estimate, and the runs that are to be explained by it.
-#[derive(Clone, Copy, Debug)]
-pub struct Subject<'a> {
-    /// The structure, with intercepts where they were estimated.
-    pub model: &'a Model,
-    /// θ̂, in the order of `model`.
-    pub parameters: &'a [f64],
-    /// The runs.
-    pub runs: &'a [RunView<'a>],
-    /// The sampling rate \[Hz\].
-    pub rate_hz: f64,
-    /// Whether simulations start from the true state; else from the measured one.
-    pub known_start: bool,
-    /// What disturbs the runs, where it is stated; else it is looked for.
-    pub levels: Option<Levels>,
+/// Looks for what the model lacks: score tests of whitened errors, see [`super`]. `parameters`: θ̂ of all runs, in the order of
+/// the model. None where the model diverges, or the runs determine nothing.
+pub fn criticise(subject: &Subject, parameters: &[f64]) -> Option<Criticism> {
+    judge(subject, &Problems::new(subject, true), &[parameters.to_vec()]).pop().flatten()
 }
 
-/// Looks for what the model lacks: score tests of whitened errors, see [`super`]. None where the model diverges, or the runs
-/// determine nothing.
-pub fn criticise(subject: &Subject) -> Option<Criticism> {
-    let groups: Vec<SideBySide> =
-        groups(subject.runs, 0..subject.runs.len()).map(|(_, group)| group).collect();
+/// The same of every run by itself, of which each has its estimate.
+pub fn criticise_each(subject: &Subject, parameters: &[Vec<f64>]) -> Vec<Option<Criticism>> {
+    judge(subject, &Problems::new(subject, false), parameters)
+}
+
+fn judge(subject: &Subject, problems: &Problems, starts: &[Vec<f64>]) -> Vec<Option<Criticism>> {
+    let states = Refinement::new(subject, problems, starts).run();
     let lifted = Lifted::new(subject.model);
-    let (parameters, levels) = refined(subject, &groups)?;
-    let (sums, series) = look(subject, &lifted, &groups, &parameters, &levels)?;
-    let projected = Projected::new(&sums, parameters.len())?;
-    Some(judged(subject, &lifted, &levels, &projected, &series))
+    let draws = Draws::new(lifted.candidates.iter().map(|c| c.group.unknowns.len()).sum());
+    let (sums, series) = problems.look(&lifted, &states);
+    let each = states.into_iter().zip(sums).zip(series);
+    each.map(|((state, sums), series)| {
+        let projected = Projected::new(&sums?, state.parameters.len())?;
+        Some(judged(subject, &lifted, &draws, &state, &projected, &series))
+    })
+    .collect()
 }
 
-/// The estimate of least white errors, and the noise under which it is that: one follows from the other, in turns.
-fn refined(subject: &Subject, groups: &[SideBySide]) -> Option<(Vec<f64>, Levels)> {
-    let mut parameters = subject.parameters.to_vec();
-    let (model, rate, known) = (subject.model, subject.rate_hz, subject.known_start);
-    let looked_for = |parameters: &[f64], before: Option<&Guess>| {
-        let errors = free_errors(subject, groups, parameters)?;
-        noise_of(model, groups, parameters, errors, rate, known, before)
-    };
-    let mut noise = match subject.levels {
-        Some(_) => None,
-        None => Some(looked_for(&parameters, None)?),
-    };
-    let mut levels = subject.levels.or(noise.as_ref().map(|noise| noise.levels(rate)))?;
-    let mut errors = white_sums(subject, groups, &parameters, &levels)?;
-    for round in 1..=ROUNDS {
-        let (step, decrement) = newton_step(&errors)?;
-        if decrement < SETTLED {
-            break;
-        }
-        // Half a step, and half of that, where the whole one leads out of sight.
-        let shorter = (0..STEPS).map(|halved| 0.5_f64.powi(halved));
-        let mut tried = shorter.filter_map(|share| {
-            let trial: Vec<f64> = parameters.iter().zip(&step).map(|(p, s)| p + share * s).collect();
-            let sums = white_sums(subject, groups, &trial, &levels)?;
-            Some((trial, sums))
-        });
-        let before: f64 = errors.squares.iter().sum();
-        let Some((trial, sums)) = tried.find(|(_, sums)| sums.squares.iter().sum::<f64>() < before) else {
-            break;
+/// Estimates on their way to the least white errors, and the noise under which they are that: one follows from the other, in
+/// turns.
+struct Refinement<'a> {
+    problems: &'a Problems<'a>,
+    states: Vec<State>,
+    /// Searches for the noise, with what was thought of first, where none is stated.
+    searches: Vec<Option<(Search<'a>, Vec<Guess>)>>,
+    errors: Vec<Option<Linear>>,
+}
+
+impl<'a> Refinement<'a> {
+    fn new(subject: &Subject, problems: &'a Problems, starts: &[Vec<f64>]) -> Self {
+        let mut states: Vec<State> =
+            starts.iter().map(|start| State { parameters: start.clone(), noise: None }).collect();
+        let search = |(problem, state): (usize, &mut State)| {
+            let errors = problems.free_errors(problem, &state.parameters)?;
+            let (search, first) = (problems.search(problem), Guess::first(errors, subject.rate_hz));
+            state.noise = search.brief(&first, &state.parameters).first().map(|(found, _)| *found);
+            Some((search, first))
         };
-        (parameters, errors) = (trial, sums);
-        if let (Some(before), true) = (&noise, round < SEARCHES)
-            && let Some(found) = looked_for(&parameters, Some(before))
-        {
-            levels = found.levels(rate);
-            noise = Some(found);
-            errors = white_sums(subject, groups, &parameters, &levels)?;
-        }
+        let searches = match subject.levels {
+            Some(_) => states.iter().map(|_| None).collect(),
+            None => states.iter_mut().enumerate().map(search).collect(),
+        };
+        Self { problems, states, searches, errors: Vec::new() }
     }
-    Some((parameters, levels))
-}
 
-/// White errors and their slopes by the model's parameters.
-fn white_sums(
-    subject: &Subject,
-    groups: &[SideBySide],
-    parameters: &[f64],
-    levels: &Levels,
-) -> Option<Linear> {
-    let free: Vec<usize> = (0..parameters.len()).collect();
-    let each = groups
-        .iter()
-        .flat_map(|group| with_states!(levels, white_group(subject, group, parameters, levels, &free)));
-    let total = each.reduce(|mut total, own| {
-        total.add(&own);
-        total
-    });
-    total.filter(Linear::finite)
-}
-
-fn white_group<const N: usize>(
-    subject: &Subject,
-    group: &SideBySide,
-    parameters: &[f64],
-    levels: &Levels,
-    free: &[usize],
-) -> Vec<Linear> {
-    let own = Recordings::of(subject.model, group);
-    let all = unknowns(parameters);
-    let (gains, _) = filter::<N>(&own, &all, levels, subject.known_start);
-    let mut sums = linearize(&own, &all, free, Some(levels), &gains, false);
-    sums.truncate(group.runs);
-    sums
-}
-
-/// Standard deviations of the errors of free simulations.
-fn free_errors(subject: &Subject, groups: &[SideBySide], parameters: &[f64]) -> Option<[f64; 3]> {
-    let (mut squares, mut samples) = ([0.0; 3], 0.0);
-    for group in groups {
-        let recordings = Recordings::of(subject.model, group);
-        let sums = linearize::<3>(&recordings, &unknowns(parameters), &[], None, &[], false);
-        for own in &sums[..group.runs] {
-            samples += own.samples;
-            (0..3).for_each(|d| squares[d] += own.squares[d]);
+    fn run(mut self) -> Vec<State> {
+        let mut open: Vec<usize> = (0..self.states.len()).collect();
+        while !open.is_empty() {
+            self.settle(open);
+            open = self.again();
         }
+        self.elsewhere();
+        self.states
     }
-    let errors = squares.map(|sum| (sum / samples).sqrt());
-    errors.iter().all(|e| e.is_finite()).then_some(errors)
-}
 
-/// White errors by run and degree of freedom.
-type Series = Vec<[Vec<f64>; 3]>;
-
-/// White errors and sensitivities of all runs, the model's own parameters first.
-fn look(
-    subject: &Subject,
-    lifted: &Lifted,
-    groups: &[SideBySide],
-    parameters: &[f64],
-    levels: &Levels,
-) -> Option<(Linear, Series)> {
-    let (mut total, mut series) = (None::<Linear>, Vec::new());
-    for group in groups {
-        let (sums, white) = with_states!(levels, look_at(subject, lifted, group, parameters, levels));
-        series.extend(white);
-        for own in sums {
-            match &mut total {
-                Some(total) => total.add(&own),
-                None => total = Some(own),
+    /// Errors far beyond the stated noise may come from a search that is stuck: begins once more at least squares, and keeps
+    /// what errs less.
+    fn elsewhere(&mut self) {
+        let far = |errors: &Option<Linear>| {
+            errors.as_ref().is_none_or(|errors| squares(errors) > FAR * 3.0 * errors.samples)
+        };
+        let open: Vec<usize> = (0..self.errors.len()).filter(|problem| far(&self.errors[*problem])).collect();
+        let (Some(_), false) = (self.problems.subject.levels, open.is_empty()) else { return };
+        let (before, errors) = (self.states.clone(), self.errors.clone());
+        for (problem, found) in self.problems.least_squares(&open) {
+            self.states[problem].parameters = found;
+        }
+        self.settle(open.clone());
+        for problem in open {
+            let better = match (&self.errors[problem], &errors[problem]) {
+                (Some(found), Some(before)) => squares(found) < squares(before),
+                (found, _) => found.is_some(),
+            };
+            if !better {
+                self.states[problem] = before[problem].clone();
+                self.errors[problem].clone_from(&errors[problem]);
             }
         }
     }
-    total.filter(Linear::finite).map(|total| (total, series))
+
+    fn settle(&mut self, mut open: Vec<usize>) {
+        let found = self.problems.white(&open, &self.states);
+        self.errors.resize(found.len(), None);
+        for (problem, found) in found.into_iter().enumerate().filter(|(problem, _)| open.contains(problem)) {
+            self.errors[problem] = found;
+        }
+        for round in 1..=ROUNDS {
+            open = self.step(&open);
+            if open.is_empty() {
+                break;
+            }
+            if round < SEARCHES && self.searches.iter().any(Option::is_some) {
+                self.listen(&open);
+            }
+        }
+    }
+
+    /// Looks for the noise once more from the beginning: those for which it is another than what was found with the estimate
+    /// that came in.
+    fn again(&mut self) -> Vec<usize> {
+        let mut changed = Vec::new();
+        for (problem, search) in self.searches.iter_mut().enumerate() {
+            let Some((search, first)) = search.take() else { continue };
+            let state = &mut self.states[problem];
+            let here = state.noise.and_then(|noise| search.from(&[noise], &state.parameters));
+            let other = search.from(&first, &state.parameters);
+            if let Some((found, worth)) = other
+                && here.is_none_or(|(_, here)| worth > here + OTHER)
+            {
+                state.noise = Some(found);
+                changed.push(problem);
+            }
+        }
+        changed
+    }
+
+    /// A step of each of the `open` ones; those that it helped are left.
+    fn step(&mut self, open: &[usize]) -> Vec<usize> {
+        let newton = |problem: &usize| {
+            let (step, decrement) = newton_step(self.errors[*problem].as_ref()?)?;
+            (decrement >= SETTLED).then_some((*problem, step))
+        };
+        let mut left: Vec<(usize, Vec<f64>)> = open.iter().filter_map(newton).collect();
+        let mut helped = Vec::new();
+        // Half a step, and half of that, where the whole one leads out of sight.
+        for share in (0..SHORTER).map(|halved| 0.5_f64.powi(halved)) {
+            if left.is_empty() {
+                break;
+            }
+            let mut trials = self.states.clone();
+            for (problem, step) in &left {
+                let own = trials[*problem].parameters.iter_mut().zip(step);
+                own.for_each(|(p, s)| *p += share * s);
+            }
+            let tried: Vec<usize> = left.iter().map(|(problem, _)| *problem).collect();
+            let mut found = self.problems.white(&tried, &trials);
+            left.retain(|(problem, _)| {
+                let better = found[*problem].as_ref().is_some_and(|found| {
+                    self.errors[*problem].as_ref().is_none_or(|before| nearer(found, before))
+                });
+                if better {
+                    self.states[*problem] = trials[*problem].clone();
+                    self.errors[*problem] = found[*problem].take();
+                    helped.push(*problem);
+                }
+                !better
+            });
+        }
+        helped.sort_unstable();
+        helped
+    }
+
+    /// The noise again, from where it was.
+    fn listen(&mut self, open: &[usize]) {
+        for problem in open {
+            let state = &mut self.states[*problem];
+            let Some((search, _)) = &self.searches[*problem] else { continue };
+            let Some(before) = state.noise else { continue };
+            let found = search.brief(&[before], &state.parameters);
+            state.noise = Some(found.first().map_or(before, |(found, _)| *found));
+        }
+        let again = self.problems.white(open, &self.states);
+        for (problem, found) in again.into_iter().enumerate() {
+            if open.contains(&problem) {
+                self.errors[problem] = found;
+            }
+        }
+    }
 }
 
-fn look_at<const N: usize>(
-    subject: &Subject,
-    lifted: &Lifted,
-    group: &SideBySide,
-    parameters: &[f64],
-    levels: &Levels,
-) -> (Vec<Linear>, Series) {
-    let own = Recordings::of(subject.model, group);
-    let (gains, innovations) = filter::<N>(&own, &unknowns(parameters), levels, subject.known_start);
-    let predicted: Vec<Lane> = group.measured.iter().zip(&innovations).map(|(y, e)| *y - *e).collect();
-    let lanes: Vec<Lane> = parameters.iter().copied().map(Lane::splat).collect();
-    let exogenous = with_effects(subject.model, &lanes, &predicted, &group.exogenous, subject.rate_hz);
-    let group = SideBySide { exogenous, ..group.clone() };
-    let recordings = Recordings::of(&lifted.model, &group);
-    let free: Vec<usize> = lifted.known.iter().chain(&lifted.others).copied().collect();
-    let all = unknowns(&lifted.parameters(parameters, 0.0));
-    let mut sums = linearize(&recordings, &all, &free, Some(levels), &gains, false);
-    sums.truncate(group.runs);
-    (sums, white(&group, &gains, &innovations))
+/// Whether white errors are smaller, or nearer to where no step makes them so: the filter follows the estimate, so that sums
+/// of squares alone may rise on the way there.
+fn nearer(found: &Linear, before: &Linear) -> bool {
+    let left = |sums: &Linear| newton_step(sums).map_or(f64::INFINITY, |(_, decrement)| decrement);
+    squares(found) < squares(before) || left(found) < left(before)
 }
 
-/// What the unknowns of white `sums` change by for the least errors, and by how much these fall then.
-fn newton_step(sums: &Linear) -> Option<(Vec<f64>, f64)> {
-    let (normal, gradient) = sums.weighted([1.0; 3]);
-    let inverse = scaled_inverse(&normal, gradient.len()).ok()?;
-    let step = times(&inverse, &gradient);
-    let decrement = step.iter().zip(&gradient).map(|(x, g)| x * g).sum();
-    step.iter().all(|x| x.is_finite()).then_some((step, decrement))
+fn squares(sums: &Linear) -> f64 {
+    sums.squares.iter().sum()
 }
 
 fn judged(
     subject: &Subject,
     lifted: &Lifted,
-    levels: &Levels,
+    draws: &Draws,
+    state: &State,
     projected: &Projected,
     series: &Series,
 ) -> Criticism {
@@ -214,27 +230,20 @@ fn judged(
     let (told, hidden): (Vec<_>, Vec<_>) = scored.partition(|(_, score)| score.is_some());
     let told: Vec<(&Candidate, Score)> =
         told.into_iter().filter_map(|(c, score)| Some((c, score?))).collect();
-    let adjusted = holm(&told.iter().map(|(_, score)| score.log_p).collect::<Vec<_>>());
+    let groups = told.iter().map(|(candidate, score)| (&candidate.group, score)).collect::<Vec<_>>();
+    let probabilities = draws.adjusted(projected, &groups);
     let most = told.iter().map(|(_, score)| -2.0 * score.log_p).fold(0.0, f64::max);
-    let all = told.iter().zip(&adjusted);
+    let all = told.iter().zip(&probabilities);
     let mut found: Vec<Absent> = all.map(|((c, score), p)| absent(c, score, *p, most)).collect();
     found.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
     let p_value = found.iter().map(|a| a.p_value).reduce(f64::min);
-    let rejected = p_value.is_some_and(|p| p < LEVEL);
     let whiteness = [0, 1, 2].map(|d: usize| {
-        let own: Vec<Vec<f64>> = series.iter().map(|run| run[d].clone()).collect();
+        let own: Vec<Vec<f64>> = series.iter().map(|(_, white)| white[d].clone()).collect();
         whiteness(&own, LAGS)
     });
-    let [noise_u, noise_v, noise_r] = levels.measurement;
-    let (current_std, current_time_s) = match levels.current {
-        Flow::Still => (0.0, None),
-        Flow::White { std } => (std, None),
-        Flow::Markov { std, factor, .. } => {
-            (std, Some(-1.0 / (subject.rate_hz * libm::log(factor))).filter(|t| t.is_finite()))
-        }
-    };
+    let ([noise_u, noise_v, noise_r], (current_std, current_time_s)) = noise(subject, state);
     let mut all = Criticism {
-        rejected,
+        rejected: p_value.is_some_and(|p| p < LEVEL),
         p_value,
         stated_noise: subject.levels.is_some(),
         noise_u,
@@ -244,12 +253,32 @@ fn judged(
         current_time_s,
         error_ratio: projected.variance().sqrt(),
         whiteness: whiteness.to_vec(),
+        feedback: feedback(subject.model, subject.runs, series),
         absent: found,
         hidden: hidden.into_iter().map(|(candidate, _)| called(&candidate.name, candidate.place())).collect(),
         statements: Vec::new(),
     };
     all.statements = statements(&all);
     all
+}
+
+/// Standard deviations of the noise; that of the current, and the time over which it drifts.
+fn noise(subject: &Subject, state: &State) -> ([f64; 3], (f64, Option<f64>)) {
+    match (subject.levels, &state.noise) {
+        (Some(levels), _) => {
+            let current = match levels.current {
+                Flow::Still => (0.0, None),
+                Flow::White { std } => (std, None),
+                Flow::Markov { std, factor, .. } => {
+                    let decay = (subject.rate_hz * libm::log(factor)).abs();
+                    (std, decay.is_finite().then(|| (1.0 / decay).min(LASTING)))
+                }
+            };
+            (levels.measurement, current)
+        }
+        (None, Some(found)) => (found.measurement(), found.current(subject.rate_hz)),
+        (None, None) => ([f64::NAN; 3], (f64::NAN, None)),
+    }
 }
 
 /// What a test says of `candidate`, the evidence of the likeliest being `most`.

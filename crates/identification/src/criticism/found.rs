@@ -1,6 +1,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::feedback::Feedback;
 use crate::pooled::Whiteness;
 
 /// What the runs say about the structure of a model.
@@ -9,7 +10,8 @@ use crate::pooled::Whiteness;
 pub struct Criticism {
     /// Whether something is missing beyond chance.
     pub rejected: bool,
-    /// The smallest probability of what was looked for, after Holm; null where nothing could be looked for.
+    /// How probable it is under the model that anything looked for seems as likely to be missing; null where nothing could be
+    /// looked for.
     pub p_value: Option<f64>,
     /// Whether the noise was stated; else it was found by its likelihood.
     pub stated_noise: bool,
@@ -21,12 +23,15 @@ pub struct Criticism {
     pub noise_r: f64,
     /// Standard deviation of each component of the current.
     pub current_std: f64,
-    /// Over which the current changes; null for one that is new at every sample.
+    /// Over which the current changes, 100,000 where it stays; null for one that is new at every sample.
     pub current_time_s: Option<f64>,
     /// Errors over the noise: 1 where the noise explains them.
     pub error_ratio: f64,
     /// Whether the whitened errors of u, v, r are white.
     pub whiteness: Vec<Whiteness>,
+    /// An input that answers what was measured at the same sample; absent where none does.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub feedback: Option<Feedback>,
     /// What was looked for, the most likely first.
     pub absent: Vec<Absent>,
     /// What could not be told from the terms that there are.
@@ -51,9 +56,9 @@ pub struct Absent {
     pub standard_error: Vec<f64>,
     /// The least that these runs would nearly always have shown.
     pub visible_from: f64,
-    /// Probability of a larger one by chance, after Holm.
+    /// How probable it is under the model that anything that was looked for seems as likely.
     pub p_value: f64,
-    /// −2 log of the probability before Holm, by which candidates are ranked.
+    /// −2 log of the probability of it alone, by which candidates are ranked.
     pub evidence: f64,
     /// Whether it may be what is missing: no other is likelier by far.
     pub candidate: bool,

@@ -4,15 +4,21 @@
 //! of the estimate and all sensitivities go through the same Kalman filter, which makes the errors white, at the states that it
 //! predicts, never at measured ones. What the estimated parameters explain is taken out of both. Then T = sᵀV⁻¹s is χ² under
 //! the model, s being the products of what is left of sensitivities and errors, V those of the sensitivities; sums add over
-//! runs. Holm's method takes care of how many are looked for. Where no noise is stated it is found by its likelihood.
+//! runs. How many are looked for is taken care of by draws of all scores together. Where no noise is stated it is found by its
+//! likelihood.
 
+mod chance;
 mod channels;
 mod criticise;
+mod feedback;
 mod found;
 mod library;
 mod noise;
+mod problems;
 mod score;
 mod words;
 
-pub use criticise::{LEVEL, Subject, criticise};
+pub use criticise::{LEVEL, criticise, criticise_each};
+pub use feedback::Feedback;
 pub use found::{Absent, Criticism};
+pub use problems::Subject;

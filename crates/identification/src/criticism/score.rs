@@ -73,6 +73,17 @@ impl Projected {
         self.squares / self.freedom
     }
 
+    /// Correlation of the scores of unknowns, of each its columns.
+    pub fn correlation(&self, unknowns: &[&[usize]]) -> Vec<f64> {
+        let entry = |rows: &[usize], columns: &[usize]| -> f64 {
+            let row = |a: &usize| columns.iter().map(|b| self.covariance[a * self.columns + b]).sum::<f64>();
+            rows.iter().map(row).sum()
+        };
+        let size: Vec<f64> = unknowns.iter().map(|own| entry(own, own).max(0.0).sqrt()).collect();
+        let all = || unknowns.iter().zip(&size);
+        all().flat_map(|(a, s)| all().map(move |(b, t)| entry(a, b) / (s * t))).collect()
+    }
+
     /// The test of `group`; none where it cannot be told from what was estimated.
     pub fn score(&self, group: &Group) -> Option<Score> {
         let q = group.unknowns.len();
@@ -103,7 +114,7 @@ impl Projected {
 }
 
 /// log P(χ² ≥ x) with `freedom` degrees of freedom; beyond what numbers hold by the tail's expansion.
-fn log_tail(x: f64, freedom: usize) -> f64 {
+pub(super) fn log_tail(x: f64, freedom: usize) -> f64 {
     let (p, half) = (chi_square_tail(x.max(0.0), freedom as f64), 0.5 * freedom as f64);
     match p > 1e-290 {
         true => libm::log(p),
@@ -111,31 +122,9 @@ fn log_tail(x: f64, freedom: usize) -> f64 {
     }
 }
 
-/// The p-values of `logs` by Holm's method, in their order.
-pub(super) fn holm(logs: &[f64]) -> Vec<f64> {
-    let mut order: Vec<usize> = (0..logs.len()).collect();
-    order.sort_by(|a, b| logs[*a].total_cmp(&logs[*b]));
-    let mut adjusted = vec![1.0; logs.len()];
-    let mut most: f64 = 0.0;
-    for (rank, i) in order.into_iter().enumerate() {
-        most = most.max(((logs.len() - rank) as f64 * libm::exp(logs[i])).min(1.0));
-        adjusted[i] = most;
-    }
-    adjusted
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn law_holm_multiplies_by_how_many_are_left_and_never_falls() {
-        let logs = [0.5_f64, 0.001, 0.04, 0.03].map(libm::log);
-        let found = holm(&logs);
-        for (found, expected) in found.iter().zip([0.5, 0.004, 0.09, 0.09]) {
-            assert!((found - expected).abs() < 1e-12, "{found} {expected}");
-        }
-    }
 
     #[test]
     fn law_the_tail_goes_on_where_numbers_end() {

@@ -1,4 +1,5 @@
 use super::found::{Absent, Criticism};
+use super::noise::LASTING;
 use crate::pooled::listed;
 
 /// Terms whose visibility is told where nothing is missing.
@@ -9,6 +10,9 @@ const TOLD: [(&str, Option<&str>); 5] = [
     ("delay of the inputs", None),
     ("current", None),
 ];
+/// Currents that change this slowly \[s\] and are this large beside the noise of u and v bias estimates.
+const SLOW: f64 = 2.0;
+const FELT: f64 = 0.5;
 /// Errors that differ from the stated noise by more than this share are told.
 const OFF: f64 = 0.05;
 
@@ -43,10 +47,31 @@ pub(super) fn statements(found: &Criticism) -> Vec<String> {
     if !visible.is_empty() {
         out.push(format!("these runs would have shown {}", listed(&visible)));
     }
+    out.extend(drift(found));
+    if let Some(f) = &found.feedback {
+        out.push(format!(
+            "`{}` answers the measured {} within the sample (correlation {:.2}), as under an autopilot that steers by the sensor \
+             that is logged: `ls`, `iv` and `refined-iv` are then biased; use `output-error`, or steer by another sensor",
+            f.input, f.state, f.correlation
+        ));
+    }
     if found.stated_noise && (found.error_ratio - 1.0).abs() > OFF {
         out.push(format!("errors are {:.2} times the stated noise", found.error_ratio));
     }
     out
+}
+
+/// That a current lasts, which no estimator but one that is told of it can know from the vessel's own motion.
+fn drift(found: &Criticism) -> Option<String> {
+    let time = found.current_time_s.filter(|time| *time >= SLOW)?;
+    let lasts = if time >= LASTING { "stays".to_owned() } else { format!("changes within {time:.0} s") };
+    (found.current_std >= FELT * found.noise_u.min(found.noise_v)).then(|| {
+        format!(
+            "standard errors do not hold: a current of {} m/s {lasts}, and parameters take it for the vessel's own motion; \
+             `estimate --estimator prediction-error` allows for one that is stated",
+            number(found.current_std)
+        )
+    })
 }
 
 fn values(absent: &Absent) -> String {

@@ -41,12 +41,16 @@ impl Pooled {
         let theta: Option<Vec<f64>> = parameters().map(|p| p.estimate).collect();
         let errors: Option<Vec<f64>> = parameters().map(ParameterTrust::spread).collect();
         let estimate = theta.zip(errors);
-        let identified = estimate.is_some();
+        let rejected = self.criticism.as_ref().is_some_and(|found| found.rejected);
         RunEstimate {
             design: self.design.clone(),
             run: 0,
             estimator,
-            status: if identified { EstimateStatus::Identified } else { EstimateStatus::NotIdentifiable },
+            status: match (&estimate, rejected) {
+                (None, _) => EstimateStatus::NotIdentifiable,
+                (Some(_), true) => EstimateStatus::Rejected,
+                (Some(_), false) => EstimateStatus::Identified,
+            },
             estimate,
             condition: [0, 1, 2].map(|d: usize| self.degrees[d].condition.unwrap_or(f64::INFINITY)),
             weakest: [0, 1, 2].map(|d: usize| self.degrees[d].weakest_parameter().to_owned()),
@@ -84,16 +88,7 @@ pub fn estimate<R: Recorded>(
     resampled: &(dyn Fn(usize) + Sync),
 ) -> Result<Pooled, PoolError<R::Error>> {
     let parts = runs.cut(pool.part_samples);
-    let found = pool.estimate(&parts, estimator).map_err(|e| match e {
-        NoEstimate::Lost(lost) => PoolError::Lost(lost),
-        NoEstimate::Unread(e) => PoolError::Unread(e),
-    })?;
-    if found.degrees.iter().any(|d| d.status == Status::Bounded) {
-        return Err(PoolError::Bounded(pool.unidentified(&found.degrees)));
-    }
-    if found.degrees.iter().all(|d| d.solution.is_none()) {
-        return Err(PoolError::NotIdentifiable(pool.unidentified(&found.degrees)));
-    }
+    let found = solved(pool, &parts, estimator)?;
     let judge = Judge { pool, found: &found, parts: &parts, judgement, resampled };
     let degrees = judge.degrees().map_err(PoolError::Unread)?;
     let sources = judge.sources(runs).map_err(PoolError::Unread)?;
@@ -101,8 +96,9 @@ pub fn estimate<R: Recorded>(
     let lost = found.diverged.as_ref().map(LostInstruments::to_string);
     let criticism = criticism(pool, &found, runs).map_err(PoolError::Unread)?;
     let criticised = criticism.iter().flat_map(|found| &found.statements).cloned();
+    let started = criticism.as_ref().and_then(|criticism| noisy_start(&found, criticism));
     let alike = delivered.iter().flat_map(|own| entangled(own, pool.model.layout()));
-    let known: Vec<String> = statements(&degrees).into_iter().chain(alike).collect();
+    let known: Vec<String> = started.into_iter().chain(statements(&degrees)).chain(alike).collect();
     Ok(Pooled {
         design: runs.design().to_owned(),
         parts: parts.count(),
@@ -114,6 +110,66 @@ pub fn estimate<R: Recorded>(
         delivered,
         criticism,
     })
+}
+
+/// Noise beside the motion from which simulations that start at measured states bias the estimate.
+const NOISY: f64 = 0.2;
+
+/// That free simulations start at states whose noise is not small beside the motion.
+fn noisy_start(found: &Estimated, criticism: &Criticism) -> Option<String> {
+    let (_, scales) = found.output_error.as_ref()?;
+    let noise = [criticism.noise_u, criticism.noise_v, criticism.noise_r];
+    let share = noise.iter().zip(scales.std()).map(|(noise, std)| noise / std).fold(0.0, f64::max);
+    (share > NOISY).then(|| {
+        format!(
+            "standard errors do not hold: simulations start at measured states, whose noise is {:.0} % of the motion; use \
+             `refined-iv`, or longer sub-experiments",
+            100.0 * share
+        )
+    })
+}
+
+fn solved<P: Parts>(pool: &Pool, parts: &P, estimator: Estimator) -> Result<Estimated, PoolError<P::Error>> {
+    let found = pool.estimate(parts, estimator).map_err(|e| match e {
+        NoEstimate::Lost(lost) => PoolError::Lost(lost),
+        NoEstimate::Unread(e) => PoolError::Unread(e),
+    })?;
+    if found.degrees.iter().any(|d| d.status == Status::Bounded) {
+        return Err(PoolError::Bounded(pool.unidentified(&found.degrees)));
+    }
+    if found.degrees.iter().all(|d| d.solution.is_none()) {
+        return Err(PoolError::NotIdentifiable(pool.unidentified(&found.degrees)));
+    }
+    Ok(found)
+}
+
+/// θ̂ of surge, sway and yaw, and its standard errors.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StandardErrors {
+    /// θ̂.
+    pub theta: Vec<f64>,
+    /// As many.
+    pub standard_errors: Vec<f64>,
+}
+
+/// What [`estimate`] finds of the parameters, for studies of many estimates that need no more; none unless all have one.
+///
+/// # Errors
+/// See [`estimate`].
+pub fn standard_errors<R: Recorded>(
+    pool: &Pool,
+    runs: &PooledRuns<R>,
+    estimator: Estimator,
+    judgement: &Judgement,
+) -> Result<Option<StandardErrors>, PoolError<R::Error>> {
+    let parts = runs.cut(pool.part_samples);
+    let found = solved(pool, &parts, estimator)?;
+    let judge = Judge { pool, found: &found, parts: &parts, judgement, resampled: &|_| () };
+    let degrees = judge.degrees().map_err(PoolError::Unread)?;
+    let all = || degrees.iter().flat_map(|d| &d.parameters);
+    let theta: Option<Vec<f64>> = all().map(|p| p.estimate).collect();
+    let errors: Option<Vec<f64>> = all().map(|p| p.standard_error).collect();
+    Ok(theta.zip(errors).map(|(theta, standard_errors)| StandardErrors { theta, standard_errors }))
 }
 
 /// Most samples that are looked at for what the model lacks.
@@ -135,12 +191,12 @@ fn criticism<R: Recorded>(
         }
     })?;
     let views: Vec<RunView> = recordings.iter().map(Part::view).collect();
-    Ok(criticise(&Subject {
+    let subject = Subject {
         model: &model,
-        parameters: &parameters,
         runs: &views,
         rate_hz: pool.vessel.sample_rate_hz,
         known_start: false,
         levels: None,
-    }))
+    };
+    Ok(criticise(&subject, &parameters))
 }

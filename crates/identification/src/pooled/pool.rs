@@ -37,6 +37,13 @@ pub struct Scales {
     sizes: Vec<f64>,
 }
 
+impl Scales {
+    /// Standard deviations of the measured u, v, r.
+    pub(super) fn std(&self) -> [f64; 3] {
+        self.std
+    }
+}
+
 /// An estimate of pooled parts.
 pub struct Estimated {
     /// Surge, sway, yaw.
@@ -125,6 +132,12 @@ impl Pool<'_> {
                 "remove the bounds, or leave out --prior",
             )),
         }
+    }
+
+    /// The same for another vessel, whose instruments are simulated with `nominal`.
+    pub fn of<'v>(&self, vessel: &'v Vessel, nominal: NominalModel) -> Pool<'v> {
+        let constant = self.constant.clone();
+        Pool { vessel, model: vessel.model.with_intercepts(), nominal, constant, ..*self }
     }
 
     /// Estimates from `parts`, which are gone through once for every kind of sums, and for every step of a search.

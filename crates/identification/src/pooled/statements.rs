@@ -6,6 +6,9 @@ const WEAK: f64 = 0.1;
 /// Below this probability a test counts as failed.
 const UNLIKELY: f64 = 0.01;
 
+/// Increments of noise correlate by −0.5, which weights that fall with the lag do not make up for: standard errors are too large.
+const ALTERNATING: f64 = -0.3;
+
 /// What to know before using an estimate, in words.
 pub fn statements(degrees: &[DegreeTrust]) -> Vec<String> {
     degrees.iter().flat_map(of_degree).collect()
@@ -45,8 +48,11 @@ fn not_white(degree: &DegreeTrust, white: &Whiteness) -> String {
         Estimator::OutputError => "any correlation within a sub-experiment".to_owned(),
         _ => format!("{} lags", white.lags),
     };
+    let wide = degree.estimator != Estimator::OutputError && white.first_autocorrelation < ALTERNATING;
     format!(
-        "{}: residuals are not white (neighbours correlate by {:.2}): the standard errors allow for {allowed}",
-        degree.name, white.first_autocorrelation
+        "{}: residuals are not white (neighbours correlate by {:.2}): the standard errors allow for {allowed}{}",
+        degree.name,
+        white.first_autocorrelation,
+        if wide { ", and are rather too large" } else { "" }
     )
 }

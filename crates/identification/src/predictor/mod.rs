@@ -18,4 +18,4 @@ pub use output_error::{Fit, Fitted, InitialState, Spread, output_error};
 pub use prediction_error::{innovations, prediction_error};
 pub(crate) use scores::windowed;
 pub use sums::Linear;
-pub(crate) use sums::linearize;
+pub(crate) use sums::{linearize, linearize_each};

@@ -51,6 +51,19 @@ pub(crate) fn linearize<const N: usize>(
     gains: &[Gain<Lane, N>],
     from_start: bool,
 ) -> Vec<Linear> {
+    let levels = levels.map(Levels::spread);
+    linearize_each(recordings, unknowns, free, levels.as_ref(), gains, from_start)
+}
+
+/// The same with levels of every recording.
+pub(crate) fn linearize_each<const N: usize>(
+    recordings: &Recordings,
+    unknowns: &[Lane],
+    free: &[usize],
+    levels: Option<&Levels<Lane>>,
+    gains: &[Gain<Lane, N>],
+    from_start: bool,
+) -> Vec<Linear> {
     let longest = recordings.longest();
     let even = recordings.samples.iter().all(|n| *n == longest);
     let mut products = [0; 3].map(|_| Products::<Lane>::new(free.len() + 1));

@@ -1,6 +1,7 @@
 //! Estimates of single runs, by every estimator.
 
 mod collinear;
+mod criticised;
 mod error;
 mod estimators;
 mod found;
@@ -9,6 +10,7 @@ mod refined;
 mod searched;
 
 pub use collinear::CollinearRun;
+pub use criticised::Asked;
 pub use error::{NominalDiverged, RunError};
 pub use estimators::RunEstimators;
 pub use instruments::{Prepared, RunInstruments};

@@ -32,7 +32,7 @@ fn go_back<X: Unknowns, const N: usize>(
     mut between: impl FnMut(&Local<X>, &[[Lane; N]]),
 ) -> Vec<[Lane; N]> {
     let theta = &unknowns[..recordings.model.parameters()];
-    let mut dynamics = Dynamics::<X, N>::new(recordings.model, theta, levels);
+    let mut dynamics = Dynamics::<X, N>::new(recordings.model, theta, levels.map(Levels::spread).as_ref());
     let weights = weights.map(X::lane);
     let mut adjoints = vec![[Lane::ZERO; N]; path.columns()];
     for k in (0..=recordings.longest()).rev() {
@@ -73,7 +73,7 @@ pub(crate) fn add_draws<X: Unknowns, const N: usize>(
             draws.advance();
         }
     }
-    for (i, std, factor) in levels.processes::<N>() {
+    for (i, std, factor) in levels.spread::<f64>().processes::<N>() {
         add_state(draws, adjoints, i, std * (1.0 - factor * factor).max(0.0).sqrt());
     }
 }
@@ -84,7 +84,8 @@ pub(crate) fn add_start<X: Unknowns, const N: usize>(
     adjoints: &[[Lane; N]],
     levels: &Levels,
 ) {
-    levels.processes::<N>().for_each(|(i, std, _)| add_state(draws, adjoints, i, std));
+    let all = levels.spread::<f64>().processes::<N>();
+    all.for_each(|(i, std, _)| add_state(draws, adjoints, i, std));
 }
 
 /// Adds what a change of standard deviation `std` in state `i` does.

@@ -35,18 +35,13 @@ const fn force(n: usize) -> bool {
 
 impl<'m, X: Unknowns, const N: usize> Dynamics<'m, X, N> {
     /// Of `model` with `theta`, one number per parameter.
-    pub(crate) fn new(model: &'m Model, theta: &[X], levels: Option<&Levels>) -> Self {
-        let (factor, turning) = match levels.map(|l| l.current) {
+    pub(crate) fn new(model: &'m Model, theta: &[X], levels: Option<&Levels<X>>) -> Self {
+        let (current, turning) = match levels.map(|l| l.current) {
             Some(Flow::Markov { factor, turning, .. }) => (factor, turning),
-            _ => (0.0, 0.0),
+            _ => (X::ZERO, X::ZERO),
         };
-        let gusts = levels.and_then(Levels::gusts).map_or(0.0, |g| g.factor);
-        Self {
-            model: Compiled::new(model, theta),
-            current: X::from(factor),
-            turning: X::from(turning),
-            force: X::from(gusts),
-        }
+        let force = levels.and_then(|l| l.force).map_or(X::ZERO, |gusts| gusts.factor);
+        Self { model: Compiled::new(model, theta), current, turning, force }
     }
 
     /// φ of parameter `i`.

@@ -58,6 +58,16 @@ pub(crate) fn filter<const N: usize>(
     levels: &Levels,
     known_start: bool,
 ) -> (Vec<Gain<Lane, N>>, Vec<Lane>) {
+    filter_each(recordings, unknowns, &levels.spread(), known_start)
+}
+
+/// The same with levels of every recording.
+pub(crate) fn filter_each<const N: usize>(
+    recordings: &Recordings,
+    unknowns: &[Lane],
+    levels: &Levels<Lane>,
+    known_start: bool,
+) -> (Vec<Gain<Lane, N>>, Vec<Lane>) {
     vectorized!(filtered::<N>(recordings, unknowns, levels, known_start))
 }
 
@@ -65,12 +75,12 @@ pub(crate) fn filter<const N: usize>(
 fn filtered<const N: usize>(
     recordings: &Recordings,
     unknowns: &[Lane],
-    levels: &Levels,
+    levels: &Levels<Lane>,
     known_start: bool,
 ) -> (Vec<Gain<Lane, N>>, Vec<Lane>) {
     let (theta, offsets) = unknowns.split_at(recordings.model.parameters());
     let mut dynamics = Dynamics::<Lane, N>::new(recordings.model, theta, Some(levels));
-    let noise = levels.measurement.map(|s| Lane::splat(s * s));
+    let noise = levels.measurement.map(|s| s * s);
     let mut z = [Lane::ZERO; N];
     for d in 0..3 {
         z[d] = recordings.initial[d] + offsets[d];
@@ -98,13 +108,14 @@ fn filtered<const N: usize>(
 }
 
 /// The covariance before the first measurement.
-fn start<const N: usize>(levels: &Levels, known: bool) -> [[Lane; N]; N] {
+fn start<const N: usize>(levels: &Levels<Lane>, known: bool) -> [[Lane; N]; N] {
     let mut p = [[Lane::ZERO; N]; N];
-    let mut set = |i: usize, variance: f64| p[i][i] = Lane::splat(variance);
-    for d in 0..3 {
-        set(d, if known { 0.0 } else { UNKNOWN * levels.measurement[d].powi(2) });
+    if !known {
+        for (d, std) in levels.measurement.into_iter().enumerate() {
+            p[d][d] = Lane::splat(UNKNOWN) * (std * std);
+        }
     }
-    levels.processes::<N>().for_each(|(i, std, _)| set(i, std * std));
+    levels.processes::<N>().for_each(|(i, std, _)| p[i][i] = std * std);
     p
 }
 
@@ -165,9 +176,9 @@ fn moved<const N: usize>(
 
 /// Adds what a sample's disturbances contribute to the covariance.
 #[inline(always)]
-fn add_noise<const N: usize>(p: &mut [[Lane; N]; N], local: &Local<Lane>, levels: &Levels) {
+fn add_noise<const N: usize>(p: &mut [[Lane; N]; N], local: &Local<Lane>, levels: &Levels<Lane>) {
     if let Flow::White { std } = levels.current {
-        let variance = Lane::splat(std * std);
+        let variance = std * std;
         for (row, a) in p.iter_mut().zip(&local.slopes) {
             for (entry, b) in row.iter_mut().zip(&local.slopes) {
                 *entry += variance * (a[0] * b[0] + a[1] * b[1]);
@@ -175,6 +186,6 @@ fn add_noise<const N: usize>(p: &mut [[Lane; N]; N], local: &Local<Lane>, levels
         }
     }
     for (i, std, factor) in levels.processes::<N>() {
-        p[i][i] += Lane::splat(std * std * (1.0 - factor * factor));
+        p[i][i] += std * std * (Lane::ONE - factor * factor);
     }
 }

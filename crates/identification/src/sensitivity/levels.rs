@@ -1,44 +1,44 @@
 use crate::Noise;
 
-/// What disturbs a run, as far as it is known.
+/// What disturbs a run, as far as it is known; `X`: of every run side by side.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Levels {
+pub struct Levels<X = f64> {
     /// Standard deviations of white noise in the measured u, v \[m/s\] and r \[rad/s\].
-    pub measurement: [f64; 3],
+    pub measurement: [X; 3],
     /// The current.
-    pub current: Flow,
+    pub current: Flow<X>,
     /// Forces that no term tells of, such as wind.
-    pub force: Option<Gusts>,
+    pub force: Option<Gusts<X>>,
 }
 
 /// A current's components, independent of each other.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Flow {
+pub enum Flow<X = f64> {
     /// Still water.
     Still,
     /// New at every sample, in body axes.
     White {
         /// Standard deviation of each component \[m/s\].
-        std: f64,
+        std: X,
     },
     /// A Gauss–Markov process c(k+1) = factor · c(k) + white noise, stationary.
     Markov {
         /// Standard deviation of each component \[m/s\].
-        std: f64,
+        std: X,
         /// Correlation of neighbouring samples; 1: constant over a run.
-        factor: f64,
+        factor: X,
         /// Sampling interval \[s\] where the process lives in earth axes and turns with the heading, 0 in body axes.
-        turning: f64,
+        turning: X,
     },
 }
 
 /// Forces as Gauss–Markov processes in body axes. A constant one is what the intercepts are for, and left to them.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Gusts {
+pub struct Gusts<X = f64> {
     /// Standard deviations of what they add to u, v \[m/s\] and r \[rad/s\] in a sample.
-    pub std: [f64; 3],
+    pub std: [X; 3],
     /// Correlation of neighbouring samples, below 1.
-    pub factor: f64,
+    pub factor: X,
 }
 
 /// Calls a function that is generic over the number of states with that of [`Levels`], and takes a field of what it returns.
@@ -71,18 +71,35 @@ impl Levels {
         3 + current + if self.gusts().is_some() { 3 } else { 0 }
     }
 
-    /// The Gauss–Markov processes among the N states: state, standard deviation, correlation of neighbouring samples.
+    /// The forces that are states of the filter.
+    fn gusts(&self) -> Option<Gusts> {
+        self.force.filter(|force| force.factor < 1.0)
+    }
+
+    /// The same in other numbers, without forces that stay, which are left to the intercepts.
+    pub(crate) fn spread<X: From<f64>>(&self) -> Levels<X> {
+        let current = match self.current {
+            Flow::Still => Flow::Still,
+            Flow::White { std } => Flow::White { std: std.into() },
+            Flow::Markov { std, factor, turning } => {
+                Flow::Markov { std: std.into(), factor: factor.into(), turning: turning.into() }
+            }
+        };
+        let gusts = |g: Gusts| Gusts { std: g.std.map(X::from), factor: g.factor.into() };
+        Levels { measurement: self.measurement.map(X::from), current, force: self.gusts().map(gusts) }
+    }
+}
+
+impl<X: Copy> Levels<X> {
+    /// The Gauss–Markov processes among the N states of levels that are [`Levels::spread`]: state, standard deviation,
+    /// correlation of neighbouring samples.
     #[inline(always)]
-    pub(crate) fn processes<const N: usize>(&self) -> impl Iterator<Item = (usize, f64, f64)> {
+    pub(crate) fn processes<const N: usize>(self) -> impl Iterator<Item = (usize, X, X)> {
         let current = match self.current {
             Flow::Markov { std, factor, .. } => Some([(3, std, factor), (4, std, factor)]),
             _ => None,
         };
-        let gusts = self.gusts().map(|g| [0, 1, 2].map(|d: usize| (N - 3 + d, g.std[d], g.factor)));
+        let gusts = self.force.map(|g| [0, 1, 2].map(|d: usize| (N - 3 + d, g.std[d], g.factor)));
         current.into_iter().flatten().chain(gusts.into_iter().flatten())
-    }
-
-    pub(crate) fn gusts(&self) -> Option<Gusts> {
-        self.force.filter(|force| force.factor < 1.0)
     }
 }

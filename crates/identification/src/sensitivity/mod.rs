@@ -19,7 +19,7 @@ pub(crate) use adjoint::{add_draws, add_start, backward};
 pub(crate) use dynamics::Dynamics;
 pub use information::{OutputInformation, output_information, prediction_weights};
 pub(crate) use information::{Told, channels};
-pub(crate) use kalman::{Gain, filter};
+pub(crate) use kalman::{Gain, filter, filter_each};
 pub(crate) use levels::with_states;
 pub use levels::{Flow, Gusts, Levels};
 pub(crate) use products::Products;

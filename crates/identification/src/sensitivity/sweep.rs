@@ -14,7 +14,7 @@ pub(crate) fn sweep<X: Unknowns, const N: usize>(
     recordings: &Recordings<X>,
     unknowns: &[X],
     free: &[usize],
-    levels: Option<&Levels>,
+    levels: Option<&Levels<X>>,
     gains: &[Gain<X, N>],
     each: impl FnMut(Step<'_, X, N>),
 ) {
@@ -37,7 +37,7 @@ fn go_along<X: Unknowns, const N: usize>(
     recordings: &Recordings<X>,
     unknowns: &[X],
     free: &[usize],
-    levels: Option<&Levels>,
+    levels: Option<&Levels<X>>,
     gains: &[Gain<X, N>],
     mut each: impl FnMut(Step<'_, X, N>),
 ) {

@@ -1,10 +1,15 @@
 //! What a model is found to lack, on runs of which that is known.
 
+use std::collections::BTreeMap;
+
 use crate::support::noise::Normals;
 use crate::support::{Experiment, dictionary, paper, truth};
-use identification::criticism::{Absent, Criticism, Subject, criticise};
-use identification::predictor::{Flow, Levels};
-use vessel::{Model, RunView, Term, Vessel, simulate_one};
+use identification::criticism::{Absent, Criticism, Subject, criticise, criticise_each};
+use identification::pooled::{Judgement, NominalModel, Pool, PooledRuns, enriched};
+use identification::predictor::{Flow, InitialState, Levels};
+use identification::runs::{Asked, RunEstimators};
+use identification::{EstimateStatus, Estimator, MeanRemoval};
+use vessel::{Compiled, Model, Run, RunView, Segment, Term, Vessel, simulate_one};
 
 const NOISE: f64 = 0.02;
 const STATED: Levels = Levels { measurement: [NOISE; 3], current: Flow::Still, force: None };
@@ -43,6 +48,19 @@ fn recorded(
     (0..runs).map(noisy).collect()
 }
 
+/// `measured` as runs of one segment.
+fn whole(experiment: &Experiment, measured: Vec<Vec<f64>>) -> Vec<Run> {
+    let run = |(run, measured): (usize, Vec<f64>)| Run {
+        design: "test".to_owned(),
+        run: run as i32,
+        initial: experiment.initial,
+        exogenous: experiment.inputs.clone(),
+        measured,
+        segments: vec![Segment { maneuver: "all".to_owned(), start: 0 }],
+    };
+    measured.into_iter().enumerate().map(run).collect()
+}
+
 fn criticised(
     model: &Model,
     parameters: &[f64],
@@ -53,8 +71,7 @@ fn criticised(
     let (exogenous, initial) = (&experiment.inputs, experiment.initial);
     let views: Vec<RunView> =
         measured.iter().map(|measured| RunView { measured, exogenous, initial }).collect();
-    let subject = Subject { model, parameters, runs: &views, rate_hz: 8.0, known_start: true, levels };
-    criticise(&subject).unwrap()
+    criticise(&Subject { model, runs: &views, rate_hz: 8.0, known_start: true, levels }, parameters).unwrap()
 }
 
 fn found<'a>(criticism: &'a Criticism, name: &str, degree: Option<&str>) -> &'a Absent {
@@ -136,4 +153,177 @@ fn a_lag_of_the_inputs_is_told_with_its_size() {
     assert!(told.rejected, "{:?}", told.statements);
     let lag = found(&told, "lag of the inputs", None);
     assert!(lag.candidate && (lag.value[0] / 0.5 - 1.0).abs() < 0.2, "{lag:?}");
+}
+
+#[test]
+fn law_the_verdict_on_a_run_does_not_depend_on_its_company() {
+    let vessel = paper();
+    let experiment = experiment(&vessel);
+    let measured = recorded(&experiment, &vessel, &[(2, "r |r|", -0.1)], 9);
+    let (exogenous, initial) = (&experiment.inputs, experiment.initial);
+    let views: Vec<RunView> =
+        measured.iter().map(|measured| RunView { measured, exogenous, initial }).collect();
+    let subject =
+        |runs, levels| Subject { model: &vessel.model, runs, rate_hz: 8.0, known_start: true, levels };
+    let theta = truth(&vessel);
+    for (levels, among) in [(Some(STATED), 9), (None, 3)] {
+        let all = criticise_each(&subject(&views[9 - among..], levels), &vec![theta.clone(); among]);
+        let alone = criticise(&subject(&views[8..], levels), &theta);
+        assert_eq!(all[among - 1], alone);
+        assert!(all.iter().all(Option::is_some));
+    }
+}
+
+#[test]
+fn runs_that_reject_the_model_say_so_with_every_estimator() {
+    let vessel = paper();
+    let experiment = experiment(&vessel);
+    let runs = |more: &[(usize, &str, f64)]| -> Vec<Run> {
+        whole(&experiment, recorded(&experiment, &vessel, more, 3))
+    };
+    let estimators = RunEstimators {
+        vessel: &vessel,
+        estimators: vec![Estimator::Iv, Estimator::OutputError],
+        removal: MeanRemoval::Complete,
+        initial: InitialState::Known,
+        levels: Some(STATED),
+    };
+    let statuses = |runs: Vec<Run>| -> Vec<EstimateStatus> {
+        let mut rows = estimators.estimates(&runs).unwrap();
+        estimators.criticise(&runs, &mut rows);
+        rows.iter().map(|row| row.status).collect()
+    };
+    assert_eq!(statuses(runs(&[(1, "v |v|", -0.4), (2, "r |r|", -0.3)])), [EstimateStatus::Rejected; 6]);
+    let right = statuses(runs(&[]));
+    assert!(right.iter().filter(|status| **status == EstimateStatus::Identified).count() >= 4, "{right:?}");
+    assert!(right.chunks(2).all(|own| own[0] == own[1]), "one verdict for a run: {right:?}");
+    assert!(estimators.asks(Asked::Stated) && !estimators.asks(Asked::Never));
+    let silent = Levels { measurement: [NOISE, NOISE, 0.0], ..STATED };
+    assert!(!RunEstimators { levels: Some(silent), ..estimators }.asks(Asked::Stated));
+}
+
+/// A filter that trusts its stated noise can be stuck far from the least errors.
+#[test]
+fn an_estimate_that_is_far_off_does_not_change_what_is_found_to_be_missing() {
+    let vessel = paper();
+    let experiment = experiment(&vessel);
+    let measured = recorded(&experiment, &vessel, &[(1, "v |v|", -0.4), (2, "r |r|", -0.3)], 2);
+    let theta = truth(&vessel);
+    let far: Vec<f64> =
+        theta.iter().enumerate().map(|(i, x)| if i % 2 == 0 { 0.2 * x } else { -x }).collect();
+    for own in &measured {
+        let [near, far] =
+            [&theta, &far].map(|start| criticised(&vessel.model, start, &experiment, &[own], Some(STATED)));
+        assert_eq!(near.absent[0].told(), far.absent[0].told());
+        assert!(
+            (near.error_ratio / far.error_ratio - 1.0).abs() < 0.01,
+            "{} {}",
+            near.error_ratio,
+            far.error_ratio
+        );
+    }
+}
+
+/// Runs of a ship on a square course under an autopilot of heading and rate, which reads the rate from the sensor that is logged,
+/// or from one of its own. `current`: new at every sample.
+fn steered(vessel: &Vessel, shared: bool, current: f64, seed: u64) -> (Experiment, Vec<f64>) {
+    let mut compiled = Compiled::<f64>::new(&vessel.model, &truth(vessel));
+    let (mut normals, mut state, mut heading) = (Normals::new(seed), [0.6, 0.0, 0.0], 0.0);
+    let (mut measured, mut inputs) = (Vec::new(), Vec::new());
+    for k in 0..=1000 {
+        let seen = state.map(|x| x + NOISE * normals.next());
+        measured.extend(seen);
+        let rate = if shared { seen[2] } else { state[2] + NOISE * normals.next() };
+        let course = if (k / 120) % 2 == 0 { 0.6 } else { -0.6 };
+        let moment = 300.0 * (course - heading) - 400.0 * rate;
+        let tau = [2000.0 + 500.0 * f64::from((k / 200) % 2), -2.5 * moment, moment];
+        if k < 1000 {
+            inputs.extend(tau);
+        }
+        let water = [current * normals.next(), current * normals.next()];
+        compiled.look(state, &tau, Some(water));
+        heading += state[2] / 8.0;
+        state = compiled.next(state, None);
+    }
+    (Experiment { initial: [0.6, 0.0, 0.0], inputs, segments: vec![0] }, measured)
+}
+
+#[test]
+fn an_autopilot_that_steers_by_the_logged_sensor_is_told_from_one_with_its_own() {
+    let vessel = paper();
+    for current in [0.0, 0.05] {
+        for (shared, seed) in [(true, 1), (true, 2), (false, 3), (false, 4)] {
+            let (experiment, measured) = steered(&vessel, shared, current, seed);
+            let flow = if current > 0.0 { Flow::White { std: current } } else { Flow::Still };
+            let levels = Some(Levels { current: flow, ..STATED });
+            let found =
+                criticised(&vessel.model, &truth(&vessel), &experiment, &[&measured], levels).feedback;
+            match found {
+                Some(found) if shared => {
+                    assert!(found.state == "r" && found.correlation.abs() > 0.4, "{found:?}");
+                }
+                found => assert!(!shared && found.is_none(), "{shared} {current}: {found:?}"),
+            }
+        }
+    }
+}
+
+/// What the model is found to lack is added, and no more.
+#[test]
+fn terms_are_added_until_the_model_is_not_rejected() {
+    let vessel = paper();
+    let experiment = experiment(&vessel);
+    let added = |more: &[(usize, &str, f64)], most: usize| {
+        let runs = whole(&experiment, recorded(&experiment, &vessel, more, 2));
+        let runs = PooledRuns::new(runs, &BTreeMap::new());
+        let pool = Pool {
+            vessel: &vessel,
+            model: vessel.model.with_intercepts(),
+            removal: MeanRemoval::Complete,
+            strength: 0.0,
+            nominal: NominalModel::Known(vessel.nominal.clone()),
+            part_samples: None,
+            constant: Vec::new(),
+        };
+        let judgement = Judgement { bandwidth: None, replicates: 0, seed: 1 };
+        let found = enriched(&pool, &runs, Estimator::OutputError, &judgement, most, &|_| ()).unwrap();
+        let mut names: Vec<String> = found.added.iter().map(|a| format!("{} {}", a.term, a.degree)).collect();
+        names.sort_unstable();
+        (names, found)
+    };
+    let (names, found) = added(&[(1, "v |v|", -0.4), (2, "r |r|", -0.3)], 4);
+    assert_eq!(names, ["r |r| yaw", "v |v| sway"]);
+    assert!(found.found.criticism.is_some_and(|criticism| !criticism.rejected));
+    for (term, truth) in [("v |v|", -0.4), ("r |r|", -0.3)] {
+        let own = found.added.iter().find(|a| a.term == term).unwrap();
+        let (value, error) = (own.value.unwrap(), own.standard_error.unwrap());
+        assert!((value - truth).abs() < 4.0 * error.max(0.01), "{term}: {value} ± {error}");
+    }
+    assert_eq!(found.vessel.model.parameters(), 12);
+    assert_eq!(added(&[], 4).0, [""; 0]);
+    assert_eq!(added(&[(1, "v |v|", -0.4), (2, "r |r|", -0.3)], 1).0.len(), 1);
+}
+
+/// What parameters take for the vessel's own motion makes their standard errors too small.
+#[test]
+fn a_current_that_lasts_is_said_to_spoil_standard_errors() {
+    let vessel = paper();
+    let experiment = experiment(&vessel);
+    let said = |current: Flow| {
+        let measured = recorded(&experiment, &vessel, &[], 1);
+        let levels = Some(Levels { current, ..STATED });
+        let found = criticised(&vessel.model, &truth(&vessel), &experiment, &[&measured[0]], levels);
+        let said = found.statements.iter().find(|line| line.starts_with("standard errors do not hold"));
+        (said.cloned().unwrap_or_default(), found.current_time_s)
+    };
+    let drifting = |factor: f64, std: f64| Flow::Markov { std, factor, turning: 0.125 };
+    let (words, time) = said(drifting((-1.0_f64 / 240.0).exp(), 0.1));
+    assert!(
+        words.contains("0.100 m/s changes within 30 s") && (time.unwrap() - 30.0).abs() < 1e-9,
+        "{words}"
+    );
+    assert!(said(drifting(1.0, 0.1)).0.contains("0.100 m/s stays"));
+    for harmless in [drifting(1.0, 0.001), drifting(0.5, 0.1), Flow::White { std: 0.1 }, Flow::Still] {
+        assert_eq!(said(harmless).0, "");
+    }
 }

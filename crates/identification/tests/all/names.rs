@@ -1,6 +1,7 @@
 //! Names in files are those on the command line.
 
 use identification::pooled::NominalSource;
+use identification::runs::Asked;
 use identification::{EstimateStatus, Estimator, InstrumentKind, MeanRemoval, ScoreStatus};
 use serde::Serialize;
 
@@ -18,4 +19,5 @@ fn choices_are_called_in_files_what_their_names_say() {
     check(&NominalSource::ALL, NominalSource::name);
     check(&EstimateStatus::ALL, EstimateStatus::name);
     check(&ScoreStatus::ALL, ScoreStatus::name);
+    check(&Asked::ALL, Asked::name);
 }

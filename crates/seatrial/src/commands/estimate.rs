@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use artifact::{Provenance, commit, stage_document, stage_set_document};
 use clap::Parser;
 use identification::predictor::{InitialState, Levels};
-use identification::runs::RunEstimators;
+use identification::runs::{Asked, RunEstimators};
 use identification::{EstimateStatus, Estimator, MeanRemoval};
 use serde_json::json;
 use study::documents::ModelDocument;
@@ -45,7 +45,8 @@ pub struct Arguments {
     /// Every estimator on the same runs
     #[arg(long, conflicts_with = "estimator")]
     compare: bool,
-    /// What disturbs the runs: for `prediction-error` and --compare, and for standard errors of `output-error`
+    /// What disturbs the runs: for `prediction-error` and --compare, for standard errors of `output-error`, and to ask the runs
+    /// what the model lacks
     #[arg(long, value_name = "campaign.toml")]
     campaign: Option<PathBuf>,
     /// How the instruments' mean is removed
@@ -54,6 +55,9 @@ pub struct Arguments {
     /// Delivers the model of this run, by name (`optimized/3`), as model.json; without it that of the only run
     #[arg(long, value_name = "RUN", conflicts_with_all = ["shard", "gather", "compare"])]
     model_of: Option<String>,
+    /// Which runs are asked what the model lacks
+    #[arg(long, value_name = "WHICH", value_parser = choice(&Asked::ALL, Asked::name, Asked::description), default_value_t = Asked::Stated)]
+    criticise: Asked,
     #[command(flatten)]
     sharding: Sharding,
 }
@@ -93,7 +97,6 @@ impl Arguments {
         let reader = inputs::trajectories(file, "trajectories", vessel, &mut provenance)?;
         study::note_seed(reader.provenance(), &mut provenance);
         let initial = if reader.true_states() { InitialState::Known } else { InitialState::Estimated };
-        self.settings(initial, &mut provenance);
         let estimators = RunEstimators {
             vessel,
             estimators: if self.compare { Estimator::OF_RUNS.to_vec() } else { vec![self.estimator] },
@@ -101,16 +104,24 @@ impl Arguments {
             initial,
             levels,
         };
+        let asks = estimators.asks(self.criticise);
+        self.settings(initial, asks, &mut provenance);
         let share = self.sharding.shard.map_or(1.0, |shard| 1.0 / f64::from(shard.count));
         let rows = reader.expected_runs()? * share * estimators.estimators.len() as f64;
         inputs::fits(file, &format!("about {rows:.0} estimates"), rows * estimates::row_bytes(vessel))?;
         let each: f64 = estimators.estimators.iter().map(|estimator| estimator.seconds_per_row()).sum();
+        let each = each + if asks { estimators.seconds_per_row_asked() } else { 0.0 };
         let seconds = reader.rows().0 as f64 * share * each;
         let progress = Progress::new("blocks of runs", reader.blocks(), quiet).foretold(seconds);
         let block = |i: usize| {
-            let rows = estimators.estimates(&reader.runs(i)?);
+            let runs = reader.runs(i)?;
+            let mut rows =
+                estimators.estimates(&runs).map_err(|e| Failure::of_run(&e, &self.vessel, file))?;
+            if asks {
+                estimators.criticise(&runs, &mut rows);
+            }
             progress.advance(1);
-            rows.map_err(|e| Failure::of_run(&e, &self.vessel, file))
+            Ok(rows)
         };
         let made = Made::computed(
             out,
@@ -157,8 +168,11 @@ impl Arguments {
     }
 
     /// What the estimates depend on besides the inputs.
-    fn settings(&self, initial: InitialState, provenance: &mut Provenance) {
+    fn settings(&self, initial: InitialState, asks: bool, provenance: &mut Provenance) {
         let settings = &mut provenance.settings;
+        if asks {
+            settings.insert(estimates::CRITICISED.into(), json!(self.criticise));
+        }
         settings.insert("estimator".into(), json!(self.estimator));
         if self.compare {
             settings.insert("compared".into(), json!(Estimator::OF_RUNS));
@@ -242,14 +256,18 @@ fn publish(
     let Made { table, provenance, rows } = made;
     let out = table.path().to_owned();
     let (runs, identified) = (rows.len(), rows.iter().filter(|r| r.estimate.is_some()).count());
+    let asked = estimates::criticised(&provenance);
     let count = |status: EstimateStatus| rows.iter().filter(|r| r.status == status).count();
-    let (unexcited, unconverged, kept) = (
+    let (unexcited, unconverged, kept, rejected) = (
         count(EstimateStatus::NotIdentifiable),
         count(EstimateStatus::NotConverged),
         count(EstimateStatus::Kept),
+        count(EstimateStatus::Rejected),
     );
     let also = |count: usize, what: &str| if count > 0 { format!(", {count} {what}") } else { String::new() };
     let searched = also(unconverged, EstimateStatus::NotConverged.name()) + &also(kept, "kept unrefined");
+    let verdict =
+        if asked { format!(", {rejected} reject the model") } else { ", model not criticised".to_owned() };
     let summary = || Ok(estimates::summarize(&out, &provenance, vessel, &rows)?);
     let (also_model, left) = (if model.is_some() { ", a model" } else { "" }, is_of(document, path));
     match model {
@@ -269,12 +287,12 @@ fn publish(
     let part = provenance.shard.map_or(String::new(), |s| format!(", shard {s}"));
     Ok(Summary::of(
         &out,
-        format!("{runs} {things}, {unexcited} not identifiable{searched}{also_model}{part}"),
+        format!("{runs} {things}, {unexcited} not identifiable{searched}{verdict}{also_model}{part}"),
         if single && unconverged + kept == 0 {
-            json!({"runs": runs, "identified": identified})
+            json!({"runs": runs, "identified": identified, "rejected": asked.then_some(rejected)})
         } else {
             json!({"estimates": runs, "identified": identified, "not_identifiable": unexcited,
-                "not_converged": unconverged, "kept": kept})
+                "not_converged": unconverged, "kept": kept, "rejected": asked.then_some(rejected)})
         },
     ))
 }

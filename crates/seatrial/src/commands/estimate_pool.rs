@@ -5,7 +5,7 @@ use std::path::Path;
 use artifact::{Provenance, TableWriter, commit, stage_document, stage_set_document};
 use clap::Parser;
 use identification::Estimator;
-use identification::pooled::{Judgement, Pool, PoolError, Pooled, estimate};
+use identification::pooled::{Enriched, Judgement, Pool, PoolError, enriched};
 use serde_json::json;
 use study::documents::{EstimateDocument, ModelDocument, TrustDocument};
 use study::estimates;
@@ -41,6 +41,9 @@ pub struct Arguments {
     /// Lags of the standard errors (default 4 (samples/100)^(2/9))
     #[arg(long, value_name = "LAGS")]
     bandwidth: Option<u16>,
+    /// Terms that are added at most, one after the other, where the model is found to lack them
+    #[arg(long, value_name = "K", default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=50))]
+    add_terms: u16,
 }
 
 impl Task for Arguments {
@@ -61,9 +64,10 @@ impl Task for Arguments {
         self.note(&judgement, &mut provenance);
         let progress = Progress::new("resamples", replicates as usize, common.quiet);
         let resampled = |count: usize| progress.advance(count);
-        let found = estimate(&pool, &runs, self.estimator, &judgement, &resampled);
+        let most = usize::from(self.add_terms);
+        let found = enriched(&pool, &runs, self.estimator, &judgement, most, &resampled);
         let found = found.map_err(|e| self.failed(e))?;
-        self.publish([&out, &model], &provenance, &pool, &found)
+        self.publish([&out, &model], &provenance, &pool.of(&found.vessel, pool.nominal.clone()), &found)
     }
 }
 
@@ -75,6 +79,7 @@ impl Arguments {
             ("bootstrap", json!(judgement.replicates)),
             ("seed", json!(judgement.seed)),
             ("bandwidth", json!(judgement.bandwidth)),
+            ("add_terms", json!(Some(self.add_terms).filter(|most| *most > 0))),
         ];
         self.flags.note(settings, provenance);
     }
@@ -103,8 +108,9 @@ impl Arguments {
         [out, path]: [&Path; 2],
         provenance: &Provenance,
         pool: &Pool,
-        found: &Pooled,
+        enriched: &Enriched,
     ) -> Result<Summary, Failure> {
+        let found = &enriched.found;
         let (vessel, estimator) = (pool.vessel, self.estimator);
         let columns = estimates::columns(vessel);
         let name = |name| beside(out, MAIN, name);
@@ -113,7 +119,14 @@ impl Arguments {
         writer.push(columns.encode(&[found.as_run(estimator)])?)?;
         let document = EstimateDocument::pooled(vessel, estimator, pool.removal, found);
         let replicates = self.bootstrap.unwrap_or(0);
-        let trust = TrustDocument::new(pool, self.flags.nominal().source(), estimator, replicates, found);
+        let trust = TrustDocument::new(
+            pool,
+            self.flags.nominal().source(),
+            estimator,
+            replicates,
+            found,
+            &enriched.added,
+        );
         let mut staged = vec![writer.finish()?, stage_document(name("trust.json"), provenance, &trust)?];
         let model = ModelDocument::new(pool, estimator, found);
         if let Some(model) = &model {
@@ -130,12 +143,15 @@ impl Arguments {
             [] => String::new(),
             reasons => format!("; not identifiable: {}", reasons.join("; ")),
         };
+        let added: Vec<String> =
+            enriched.added.iter().map(|a| format!("`{}` in {}", a.term, a.degree)).collect();
+        let more = if added.is_empty() { String::new() } else { format!("; added: {}", added.join(", ")) };
         let (parts, sources, samples) = (found.parts, found.sources.len(), found.samples);
         Ok(Summary::of(
             out,
-            format!("{estimator} from {parts} parts of {sources} runs, {samples} samples{rest}"),
+            format!("{estimator} from {parts} parts of {sources} runs, {samples} samples{more}{rest}"),
             json!({"parts": parts, "sources": sources, "samples": samples,
-                "not_identifiable": refused, "statements": found.statements}),
+                "not_identifiable": refused, "added": added, "statements": found.statements}),
         ))
     }
 }

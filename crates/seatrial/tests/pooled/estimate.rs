@@ -149,3 +149,33 @@ fn what_is_not_excited_is_not_answered_and_the_rest_is() {
     let parameters = summary["data"]["designs"][0]["parameters"].as_array().unwrap();
     assert!(parameters[0]["mean"].is_null() && parameters.last().unwrap()["mean"].is_f64());
 }
+
+/// Without damping in sway the small study's model is wrong, and told so; what it lacks is added.
+#[test]
+fn terms_that_the_model_lacks_are_added_and_delivered() {
+    let folder = with(&["campaign.parquet"]);
+    let preset = include_str!("../../../vessel/presets/ljungberg-model-ship.toml");
+    let poorer: Vec<&str> = preset.split("\n\n").filter(|block| !block.contains("\"Y_v\"")).collect();
+    std::fs::write(folder.path().join("poorer.toml"), poorer.join("\n\n")).unwrap();
+    let line = format!("{POOL} --runs random/0,random/1,random/2 --estimator output-error --allow-mixed")
+        .replace("vessel.toml", "poorer.toml");
+    run(&folder, &format!("{line} --out estimates.parquet")).succeeds();
+    let before = json(&folder, "model.json");
+    assert_eq!(before["data"]["rejected"], true);
+    assert!(json(&folder, "trust.json")["data"]["added"].is_null());
+    run(&folder, &format!("{line} --add-terms 3 --out estimates.parquet")).succeeds();
+    let added = json(&folder, "trust.json")["data"]["added"].as_array().unwrap().clone();
+    assert!((1..=3).contains(&added.len()) && added.iter().any(|a| a["degree"] == "sway"), "{added:?}");
+    let model = json(&folder, "model.json");
+    let named = |document: &Value| {
+        let degrees = document["data"]["degrees"].as_array().unwrap().clone();
+        degrees.iter().map(|d| d["parameters"].as_array().unwrap().len()).sum::<usize>()
+    };
+    assert_eq!(named(&model), named(&before) + added.len());
+    let first = model["data"]["statements"][0].as_str().unwrap().to_owned();
+    assert!(first.contains(" added in ") && first.contains(" without it): "), "{first}");
+    let simulate = "simulate dictionary --model model.json --dictionary dictionary.toml --out again.parquet --allow-mixed";
+    run(&folder, simulate).succeeds();
+    run(&folder, &format!("{line} --add-terms 51 --out estimates.parquet"))
+        .refuses(2, &["--add-terms", "51"]);
+}

@@ -224,3 +224,34 @@ fn lasting_currents_and_wind_disturb_and_leave_other_channels_as_they_are() {
     let u = |table: &craft::Whole| table.blocks[0].columns[place("u")].as_f64().unwrap()[900];
     assert!((u(&white) - u(&lasting)).abs() > 1e-4);
 }
+
+/// The small study's model is right: few of its runs reject it, by chance. Without damping in sway it is wrong, and most do.
+#[test]
+fn runs_are_asked_what_the_model_lacks_where_disturbances_are_stated() {
+    let folder = with(&["campaign.parquet"]);
+    let preset = include_str!("../../../vessel/presets/ljungberg-model-ship.toml");
+    let poorer: Vec<&str> = preset.split("\n\n").filter(|block| !block.contains("\"Y_v\"")).collect();
+    std::fs::write(folder.path().join("poorer.toml"), poorer.join("\n\n")).unwrap();
+    let rejected = |line: &str| {
+        let ran = run(&folder, &format!("{line} --json")).succeeds();
+        let said: serde_json::Value = serde_json::from_str(&ran.stdout).unwrap();
+        let statuses = texts(&folder, "estimates.parquet", "estimates", 3);
+        let count = statuses.iter().filter(|own| *own == "identified, model rejected").count();
+        let summary = json(&folder, "estimate.json");
+        let designs = summary["data"]["designs"].as_array().unwrap();
+        let counted: Vec<Option<u64>> = designs.iter().map(|d| d["rejected"].as_u64()).collect();
+        assert_eq!(said["rejected"].as_u64(), counted.iter().copied().sum(), "{ran}");
+        (said["rejected"].as_u64(), count as u64)
+    };
+    let right = rejected(&format!("{ESTIMATE} --campaign campaign.toml"));
+    assert!(right.0 == Some(right.1) && right.1 <= RUNS, "{right:?}");
+    let wrong = ESTIMATE.replace("vessel.toml", "poorer.toml");
+    let wrong = rejected(&format!("{wrong} --campaign campaign.toml --allow-mixed"));
+    assert!(wrong.0 == Some(wrong.1) && wrong.1 > RUNS, "{wrong:?}");
+    assert_eq!(rejected(&format!("{ESTIMATE} --campaign campaign.toml --criticise never")), (None, 0));
+    assert_eq!(rejected(ESTIMATE), (None, 0));
+    let ran = run(&folder, ESTIMATE).succeeds();
+    assert!(ran.stdout.contains(", model not criticised"), "{ran}");
+    let ran = run(&folder, &format!("{ESTIMATE} --campaign campaign.toml")).succeeds();
+    assert!(ran.stdout.contains(" reject the model"), "{ran}");
+}

@@ -62,6 +62,9 @@ pub struct DesignSummary {
     /// that refine none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub kept: Option<u64>,
+    /// Runs that reject the model: something is missing beyond chance; absent where no run was asked.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rejected: Option<u64>,
     /// 2-norm of `relative_bias` over the parameters that have one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub relative_bias: Option<f64>,
@@ -179,6 +182,7 @@ impl EstimateDocument {
             design: found.design.clone(),
             runs: 1,
             identified: u64::from(found.degrees.iter().all(|d| d.reason.is_none())),
+            rejected: found.criticism.as_ref().map(|criticism| u64::from(criticism.rejected)),
             parameters: parameters.map(parameter).collect(),
             degrees: found.degrees.iter().map(DegreeSummary::from).collect(),
             ..DesignSummary::default()
@@ -220,7 +224,7 @@ impl Document for EstimateDocument {
     const ID: &'static str = "estimate";
     const VERSION: u32 = 1;
     const UNITS: Units = &[
-        ("1", "runs identified not_converged kept condition_median condition_max weakest_share"),
+        ("1", "runs identified not_converged kept rejected condition_median condition_max weakest_share"),
         ("1", "weakest_share_interval condition_median_interval seed trusted_within relative_bias"),
         ("1", "relative_spread relative_rms se_ratio se_ratio_min se_ratio_max"),
         ("1", "at_bound factor"),

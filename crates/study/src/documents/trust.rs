@@ -1,6 +1,6 @@
 use artifact::{Document, Units};
 use identification::criticism::Criticism;
-use identification::pooled::{DegreeTrust, NominalSource, Pool, Pooled, SourceErrors};
+use identification::pooled::{Added, DegreeTrust, NominalSource, Pool, Pooled, SourceErrors};
 use identification::{Estimator, MeanRemoval};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -41,6 +41,9 @@ pub struct TrustDocument {
     /// What the model lacks; absent where the model diverges or has no estimate.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub criticism: Option<Criticism>,
+    /// Terms that the model was found to lack and was given, in that order; absent where none were.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub added: Vec<Added>,
 }
 
 impl TrustDocument {
@@ -51,6 +54,7 @@ impl TrustDocument {
         estimator: Estimator,
         replicates: u32,
         found: &Pooled,
+        added: &[Added],
     ) -> Self {
         Self {
             estimator,
@@ -67,6 +71,7 @@ impl TrustDocument {
             constrained: ConstrainedParameter::all(pool.vessel, Some(found)),
             runs: found.sources.clone(),
             criticism: found.criticism.clone(),
+            added: added.to_vec(),
         }
     }
 }

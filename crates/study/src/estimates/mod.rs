@@ -9,7 +9,7 @@ use identification::{EstimateStatus, Estimator};
 use vessel::{DegreeOfFreedom, Vessel};
 
 pub use identification::RunEstimate as Row;
-pub use summary::{distinct, estimators, summarize};
+pub use summary::{CRITICISED, criticised, distinct, estimators, summarize};
 
 /// Schema id of estimates.
 pub const ID: &str = "estimates";
@@ -122,8 +122,9 @@ pub(crate) fn is_error(value: f64) -> bool {
 
 fn incomplete(file: &Path, row: usize) -> Error {
     let expected = format!(
-        "all parameters where the status is `{}` or `{}`",
+        "all parameters where the status is `{}`, `{}` or `{}`",
         EstimateStatus::Identified,
+        EstimateStatus::Rejected,
         EstimateStatus::Kept
     );
     crate::refuse(file, &format!("row {row}"), "an absent parameter", &expected, "run `estimate` again")

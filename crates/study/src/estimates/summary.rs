@@ -15,6 +15,9 @@ use crate::documents::{
 };
 use numerics::statistics::{quantile, quantile_interval, sorted, wilson};
 
+/// The setting that says under which noise runs were asked what the model lacks.
+pub const CRITICISED: &str = "criticised";
+
 /// The document of all `rows` of `file`, whose `provenance` has settings that name the leading estimator and how the mean
 /// was removed.
 ///
@@ -27,8 +30,10 @@ pub fn summarize(
     rows: &[Row],
 ) -> Result<EstimateDocument, Error> {
     let names = estimators(rows);
+    let criticised = criticised(provenance);
     let of = |estimator: Estimator| {
-        design_summaries(vessel, &rows.iter().filter(|r| r.estimator == estimator).collect::<Vec<_>>())
+        let own: Vec<&Row> = rows.iter().filter(|r| r.estimator == estimator).collect();
+        design_summaries(vessel, &own, criticised)
     };
     let summary = |estimator: &Estimator| EstimatorSummary { estimator: *estimator, designs: of(*estimator) };
     let leading = setting(file, provenance, "estimator")?;
@@ -42,6 +47,11 @@ pub fn summarize(
         constrained: ConstrainedParameter::all(vessel, None),
         trust: None,
     })
+}
+
+/// Whether the runs were asked what the model lacks, as `estimate` notes it.
+pub fn criticised(provenance: &Provenance) -> bool {
+    provenance.settings.contains_key(CRITICISED)
 }
 
 fn setting<T: DeserializeOwned>(file: &Path, provenance: &Provenance, key: &str) -> Result<T, Error> {
@@ -68,14 +78,14 @@ pub fn distinct<T: PartialEq>(all: impl Iterator<Item = T>) -> Vec<T> {
     once
 }
 
-fn design_summaries(vessel: &Vessel, rows: &[&Row]) -> Vec<DesignSummary> {
+fn design_summaries(vessel: &Vessel, rows: &[&Row], criticised: bool) -> Vec<DesignSummary> {
     let mut designs: Vec<&str> = rows.iter().map(|r| r.design.as_str()).collect();
     designs.dedup();
     let own = |design: &str| rows.iter().copied().filter(|r| r.design == design).collect::<Vec<_>>();
-    designs.iter().map(|design| design_summary(vessel, design, &own(design))).collect()
+    designs.iter().map(|design| design_summary(vessel, design, &own(design), criticised)).collect()
 }
 
-fn design_summary(vessel: &Vessel, design: &str, rows: &[&Row]) -> DesignSummary {
+fn design_summary(vessel: &Vessel, design: &str, rows: &[&Row], criticised: bool) -> DesignSummary {
     let count = |status: EstimateStatus| rows.iter().filter(|r| r.status == status).count() as u64;
     let by = |which: fn(Estimator) -> bool| rows.iter().any(|r| which(r.estimator));
     let found: Vec<RepeatedEstimates> =
@@ -88,6 +98,7 @@ fn design_summary(vessel: &Vessel, design: &str, rows: &[&Row]) -> DesignSummary
         identified: rows.iter().filter(|r| r.estimate.is_some()).count() as u64,
         not_converged: by(Estimator::searches).then(|| count(EstimateStatus::NotConverged)),
         kept: by(|e| e == Estimator::RefinedIv).then(|| count(EstimateStatus::Kept)),
+        rejected: criticised.then(|| count(EstimateStatus::Rejected)),
         relative_bias: norms.map(|[bias, _]| bias),
         relative_spread: norms.map(|[_, spread]| spread),
         relative_rms: norms.map(|[bias, spread]| libm::hypot(bias, spread)),

@@ -1,0 +1,137 @@
+use vessel::Streams;
+
+use super::score::{Group, Projected, Score, log_tail};
+
+/// How often scores are drawn as they would be under the model.
+const DRAWS: usize = 2000;
+/// What is left of a pivot below which a score is a mixture of others.
+const LEFT: f64 = 1e-9;
+/// The draws are the same in every criticism.
+const SEED: u64 = 1;
+
+/// Normal numbers that scores are drawn with.
+pub(super) struct Draws {
+    width: usize,
+    normals: Vec<f64>,
+}
+
+impl Draws {
+    /// For up to `width` unknowns.
+    pub fn new(width: usize) -> Self {
+        let mut normals = vec![0.0; (width * DRAWS).next_multiple_of(2)];
+        Streams::new(SEED, "criticism").normals(0, 0, &mut normals);
+        Self { width, normals }
+    }
+
+    /// By group, how probable it is under the model that any of them has a score as improbable as its own. Tests overlap, so
+    /// multiplying by their number would be too much: scores are drawn with the covariance that they have. What no draw
+    /// reaches is told by that product.
+    pub fn adjusted(&self, projected: &Projected, groups: &[(&Group, &Score)]) -> Vec<f64> {
+        let least = self.least(projected, groups);
+        let among = |score: &Score| {
+            let fewer = least.partition_point(|log_p| *log_p <= score.log_p);
+            let product = groups.len() as f64 * libm::exp(score.log_p);
+            ((fewer + 1) as f64 / (DRAWS + 1) as f64).min(product).min(1.0)
+        };
+        groups.iter().map(|(_, score)| among(score)).collect()
+    }
+
+    /// Of every draw the least logarithm of a probability, in ascending order.
+    fn least(&self, projected: &Projected, groups: &[(&Group, &Score)]) -> Vec<f64> {
+        let unknowns = groups.iter().flat_map(|(group, _)| group.unknowns.iter().map(Vec::as_slice));
+        let unknowns: Vec<&[usize]> = unknowns.collect();
+        let n = unknowns.len();
+        let correlation = projected.correlation(&unknowns);
+        let (factor, forms) = (lower(n, &correlation), forms(n, &correlation, groups));
+        let freedom = groups.iter().map(|(_, score)| score.freedom).max().unwrap_or(0);
+        let least = |z: &[f64]| {
+            let x: Vec<f64> = (0..n).map(|i| numerics::dot(&factor[i * n..=i * n + i], &z[..=i])).collect();
+            let mut most = vec![0.0_f64; freedom + 1];
+            for (first, inverse, q) in &forms {
+                let statistic = numerics::quadratic(&x[*first..first + q], inverse);
+                most[*q] = most[*q].max(statistic);
+            }
+            let tail = |(q, most): (usize, &f64)| if *most > 0.0 { log_tail(*most, q) } else { 0.0 };
+            most.iter().enumerate().map(tail).fold(0.0, f64::min)
+        };
+        let mut all: Vec<f64> = self.normals.chunks_exact(self.width.max(1)).take(DRAWS).map(least).collect();
+        all.sort_by(f64::total_cmp);
+        all
+    }
+}
+
+/// By group its first unknown, the inverse of the correlation of its unknowns, and how many they are.
+fn forms(n: usize, correlation: &[f64], groups: &[(&Group, &Score)]) -> Vec<(usize, Vec<f64>, usize)> {
+    let mut first = 0;
+    let form = |(group, _): &(&Group, &Score)| {
+        let (from, q) = (first, group.unknowns.len());
+        first += q;
+        let mut own: Vec<f64> = (0..q * q).map(|k| correlation[(from + k / q) * n + from + k % q]).collect();
+        let mut inverted = vec![0.0; q * q];
+        numerics::inverse(q, &mut own, &mut inverted)?;
+        Some((from, inverted, q))
+    };
+    groups.iter().filter_map(form).collect()
+}
+
+/// L with L Lᵀ = `a`, n × n, which may be singular.
+fn lower(n: usize, a: &[f64]) -> Vec<f64> {
+    let mut l = vec![0.0; n * n];
+    for j in 0..n {
+        let left = a[j * n + j] - (0..j).map(|k| l[j * n + k] * l[j * n + k]).sum::<f64>();
+        if left <= LEFT {
+            continue;
+        }
+        l[j * n + j] = left.sqrt();
+        for i in j + 1..n {
+            let rest = a[i * n + j] - (0..j).map(|k| l[i * n + k] * l[j * n + k]).sum::<f64>();
+            l[i * n + j] = rest / l[j * n + j];
+        }
+    }
+    l
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::predictor::Linear;
+
+    /// Scores of columns with this correlation beside one estimated unknown that is none of theirs.
+    fn projected(n: usize, correlation: impl Fn(usize, usize) -> f64) -> Projected {
+        let all = n + 1;
+        let entry = |(i, j): (usize, usize)| match (i, j) {
+            (0, 0) => 1.0,
+            (0, _) | (_, 0) => 0.0,
+            (i, j) => correlation(i - 1, j - 1),
+        };
+        let normal: Vec<f64> = (0..all * all).map(|k| entry((k / all, k % all))).collect();
+        let zeros = [vec![0.0; all * all], vec![0.0; all * all]];
+        let gradient: Vec<f64> = (0..all).map(|i| if i == 1 { 2.5 } else { 0.0 }).collect();
+        let [second, third] = zeros;
+        let sums = Linear {
+            samples: 100.0,
+            squares: [300.0, 0.0, 0.0],
+            gradient: [gradient, vec![0.0; all], vec![0.0; all]],
+            normal: [normal, second, third],
+        };
+        Projected::new(&sums, 1).unwrap()
+    }
+
+    fn first(n: usize, correlation: impl Fn(usize, usize) -> f64) -> (f64, f64) {
+        let projected = projected(n, correlation);
+        let groups: Vec<Group> = (0..n).map(|i| Group { unknowns: vec![vec![i]] }).collect();
+        let scores: Vec<Score> = groups.iter().map(|group| projected.score(group).unwrap()).collect();
+        let pairs: Vec<(&Group, &Score)> = groups.iter().zip(&scores).collect();
+        (Draws::new(n).adjusted(&projected, &pairs)[0], libm::exp(scores[0].log_p))
+    }
+
+    #[test]
+    fn law_tests_that_are_one_count_once_and_independent_ones_each() {
+        let (one, p) = first(1, |_, _| 1.0);
+        assert!((0.005..0.03).contains(&p) && (one - p).abs() < 0.005, "{one} {p}");
+        let (apart, _) = first(8, |i, j| if i == j { 1.0 } else { 0.0 });
+        assert!((apart - (1.0 - (1.0 - p).powi(8))).abs() < 0.02, "{apart} {p}");
+        let (alike, _) = first(8, |i, j| if i == j { 1.0 } else { 0.999_999 });
+        assert!((alike - p).abs() < 0.006, "{alike} {p}");
+    }
+}

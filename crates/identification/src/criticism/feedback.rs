@@ -1,0 +1,91 @@
+use numerics::distributions::normal_tails;
+use numerics::statistics::median;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use vessel::{Model, RunView};
+
+use super::problems::Series;
+
+/// What an input must answer with this probability or less, and how strongly, to be told.
+const UNLIKELY: f64 = 1e-3;
+const WEAK: f64 = 0.1;
+
+/// News are held to this many times their median, so that a few jumps of a course do not drown them.
+const MOST: f64 = 3.0;
+
+/// An input that answers what was measured at the same sample.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Feedback {
+    /// The input.
+    pub input: String,
+    /// The measured state, whose error by prediction it goes with: `u`, `v` or `r`.
+    pub state: String,
+    /// Correlation of the input's news with that error.
+    pub correlation: f64,
+    /// Probability of a larger one, of any input and state, where inputs know nothing of the errors.
+    pub p_value: f64,
+}
+
+/// The input that answers most to the white errors of `series`, if any does. What is looked at of an input is its news, which
+/// its last two values do not foretell: white errors of an estimate cannot go with those unless something answers within the
+/// sample. An autopilot with a sensor of its own answers to the ship's true motion alone, so to as much of an error as is no
+/// noise.
+pub(super) fn feedback(model: &Model, runs: &[RunView], series: &Series) -> Option<Feedback> {
+    let width = model.exogenous();
+    let tests = 3 * model.inputs;
+    let mut most: Option<Feedback> = None;
+    for input in 0..model.inputs {
+        let value = |run: usize, k: usize| runs[run].exogenous[k * width + input];
+        let Some(news) = news(series, value, runs) else { continue };
+        for (state, name) in ["u", "v", "r"].into_iter().enumerate() {
+            let (mut both, mut own, mut errors, mut n) = (0.0, 0.0, 0.0, 0.0);
+            for ((_, white), news) in series.iter().zip(&news) {
+                // White errors begin at sample 1, news at sample 2.
+                for (a, b) in news.iter().zip(&white[state][1..]) {
+                    both += a * b;
+                    own += a * a;
+                    errors += b * b;
+                    n += 1.0;
+                }
+            }
+            let correlation = both / (own * errors).sqrt();
+            if !correlation.is_finite()
+                || most.as_ref().is_some_and(|m| m.correlation.abs() >= correlation.abs())
+            {
+                continue;
+            }
+            let p_value = (tests as f64 * normal_tails(correlation * f64::sqrt(n))).min(1.0);
+            let input = model.input_variables()[input].name.clone();
+            most = Some(Feedback { input, state: name.to_owned(), correlation, p_value });
+        }
+    }
+    most.filter(|found| found.p_value < UNLIKELY && found.correlation.abs() > WEAK)
+}
+
+/// By run of `series`, from sample 2 on, what the last two values do not foretell of an input; none of one that they always do.
+fn news(series: &Series, value: impl Fn(usize, usize) -> f64, runs: &[RunView]) -> Option<Vec<Vec<f64>>> {
+    let row = |run: usize, k: usize| [value(run, k - 1), value(run, k - 2), 1.0];
+    let (mut normal, mut gradient) = ([0.0; 9], [0.0; 3]);
+    let mut squares = 0.0;
+    for (run, _) in series {
+        for k in 2..runs[*run].samples() {
+            let (row, y) = (row(*run, k), value(*run, k));
+            numerics::add_outer(&mut normal, &row, &row);
+            gradient.iter_mut().zip(row).for_each(|(sum, x)| *sum += x * y);
+            squares += y * y;
+        }
+    }
+    let mut foretold = gradient;
+    // Inputs that hardly vary by themselves are foretold well enough without one of the two.
+    (0..3).for_each(|i| normal[4 * i] *= 1.0 + 1e-9);
+    numerics::solve(3, &mut normal, &mut foretold)?;
+    let of = |run: usize, k: usize| value(run, k) - numerics::dot(&foretold, &row(run, k));
+    let all: Vec<Vec<f64>> =
+        series.iter().map(|(run, _)| (2..runs[*run].samples()).map(|k| of(*run, k)).collect()).collect();
+    let left: f64 = all.iter().flatten().map(|x| x * x).sum();
+    let typical = median(all.iter().flatten().map(|x| x.abs()).collect())?;
+    let held = |x: f64| x.clamp(-MOST * typical, MOST * typical);
+    let all = all.into_iter().map(|own| own.into_iter().map(held).collect()).collect();
+    (left > 1e-12 * squares && typical > 0.0).then_some(all)
+}

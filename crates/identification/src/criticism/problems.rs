@@ -1,0 +1,229 @@
+use numerics::times;
+use vessel::lanes::{SideBySide, by_lane, lane};
+use vessel::{LANES, Lane, Model, RunView};
+
+use super::channels::with_effects;
+use super::library::Lifted;
+use super::noise::{Guess, Search, side_by_side};
+use crate::predictor::{Linear, linearize, linearize_each, scaled_inverse};
+use crate::sensitivity::{Flow, Gain, Gusts, Levels, Recordings, filter_each, groups, with_states};
+
+/// Runs that are to be explained by a model.
+#[derive(Clone, Copy, Debug)]
+pub struct Subject<'a> {
+    /// The structure, with intercepts where they were estimated.
+    pub model: &'a Model,
+    /// The runs.
+    pub runs: &'a [RunView<'a>],
+    /// The sampling rate \[Hz\].
+    pub rate_hz: f64,
+    /// Whether simulations start from the true state; else from the measured one.
+    pub known_start: bool,
+    /// What disturbs the runs, where it is stated; else it is looked for.
+    pub levels: Option<Levels>,
+}
+
+/// An estimate that is to be judged, with the noise that it is judged under.
+#[derive(Clone, Debug)]
+pub(super) struct State {
+    pub parameters: Vec<f64>,
+    /// What was found of the noise where none is stated.
+    pub noise: Option<Guess>,
+}
+
+/// Forces over noise where every prediction begins at what was measured last.
+const FORCE: f64 = 1e3;
+
+/// White errors by degree of freedom from sample 1 on, with the place of the run that they are of.
+pub(super) type Series = Vec<(usize, [Vec<f64>; 3])>;
+
+/// Estimates of one model, each of runs of its own, side by side.
+pub(super) struct Problems<'a> {
+    pub subject: &'a Subject<'a>,
+    groups: Vec<(Vec<usize>, SideBySide)>,
+    /// By run which estimate is of it.
+    of_run: Vec<usize>,
+}
+
+impl<'a> Problems<'a> {
+    /// One estimate of all runs, or one of every run.
+    pub fn new(subject: &'a Subject, pooled: bool) -> Self {
+        let runs = 0..subject.runs.len();
+        let of_run = runs.clone().map(|run| if pooled { 0 } else { run }).collect();
+        Self { subject, groups: groups(subject.runs, runs).collect(), of_run }
+    }
+
+    pub fn count(&self) -> usize {
+        self.of_run.last().map_or(0, |last| last + 1)
+    }
+
+    /// Number of states of the filter: levels that are found drift.
+    fn states(&self) -> usize {
+        self.subject.levels.map_or(5, |levels| levels.states())
+    }
+
+    /// The search for the noise of one of them.
+    pub fn search(&self, problem: usize) -> Search<'_> {
+        let Subject { model, runs, rate_hz, known_start, .. } = *self.subject;
+        let own = runs.iter().zip(&self.of_run).filter(move |(_, of)| **of == problem);
+        Search::new(model, own.map(|(run, _): (&RunView, _)| *run), rate_hz, known_start)
+    }
+
+    /// Standard deviations of the errors of free simulations.
+    pub fn free_errors(&self, problem: usize, parameters: &[f64]) -> Option<[f64; 3]> {
+        let unknowns: Vec<Lane> = parameters.iter().copied().chain([0.0; 3]).map(Lane::splat).collect();
+        let (mut squares, mut samples) = ([0.0; 3], 0.0);
+        for (group, runs) in self.groups.iter().filter(|(group, _)| self.any(group, &[problem])) {
+            let recordings = Recordings::of(self.subject.model, runs);
+            let sums = linearize::<3>(&recordings, &unknowns, &[], None, &[], false);
+            for (_, own) in group.iter().zip(&sums).filter(|(run, _)| self.of_run[**run] == problem) {
+                samples += own.samples;
+                (0..3).for_each(|d| squares[d] += own.squares[d]);
+            }
+        }
+        let errors = squares.map(|sum| (sum / samples).sqrt());
+        errors.iter().all(|e| e.is_finite()).then_some(errors)
+    }
+
+    fn any(&self, group: &[usize], wanted: &[usize]) -> bool {
+        group.iter().any(|run| wanted.contains(&self.of_run[*run]))
+    }
+
+    /// White errors and their slopes by the model's parameters, of the `wanted` ones at these states; none where numbers end.
+    pub fn white(&self, wanted: &[usize], states: &[State]) -> Vec<Option<Linear>> {
+        let free: Vec<usize> = (0..self.subject.model.parameters()).collect();
+        let mut sums = Sums(vec![None; self.count()]);
+        for (group, runs) in self.groups.iter().filter(|(group, _)| self.any(group, wanted)) {
+            let found = with_states!(self, white(self, group, runs, states, &free));
+            sums.add(group, &self.of_run, found);
+        }
+        sums.finite()
+    }
+
+    /// Least squares of the `wanted` ones: predictions of a sample under forces beyond all noise are linear in the parameters.
+    pub fn least_squares(&self, wanted: &[usize]) -> Vec<(usize, Vec<f64>)> {
+        let std = self.subject.levels.map_or([1.0; 3], |levels| levels.measurement).map(|std| FORCE * std);
+        let gusts = Gusts { std, factor: 0.0 };
+        let measurement = std.map(|std| std / FORCE);
+        let levels = Levels { measurement, current: Flow::Still, force: Some(gusts) };
+        let forced = Subject { levels: Some(levels), ..*self.subject };
+        let same = Problems { subject: &forced, groups: self.groups.clone(), of_run: self.of_run.clone() };
+        let zero = State { parameters: vec![0.0; self.subject.model.parameters()], noise: None };
+        let sums = same.white(wanted, &vec![zero; self.count()]);
+        let step = |problem: &usize| Some((*problem, newton_step(sums[*problem].as_ref()?)?.0));
+        wanted.iter().filter_map(step).collect()
+    }
+
+    /// White errors and all sensitivities, those by the model's own parameters first, and the errors themselves.
+    pub fn look(&self, lifted: &Lifted, states: &[State]) -> (Vec<Option<Linear>>, Vec<Series>) {
+        let mut sums = Sums(vec![None; self.count()]);
+        let mut series: Vec<Series> = vec![Vec::new(); self.count()];
+        for (group, runs) in &self.groups {
+            let (found, white) = with_states!(self, look_at(self, lifted, group, runs, states));
+            sums.add(group, &self.of_run, found);
+            group.iter().zip(white).for_each(|(run, white)| series[self.of_run[*run]].push((*run, white)));
+        }
+        (sums.finite(), series)
+    }
+
+    /// Parameters by lane.
+    fn parameters(&self, group: &[usize], states: &[State]) -> Vec<Lane> {
+        let of = |run: usize| &states[self.of_run[group[run]]].parameters;
+        (0..self.subject.model.parameters()).map(|i| lane(group.len(), |run| of(run)[i])).collect()
+    }
+
+    /// What disturbs every lane.
+    fn levels(&self, group: &[usize], states: &[State]) -> Levels<Lane> {
+        let found = |run: usize| states[self.of_run[group[run]]].noise;
+        match self.subject.levels {
+            Some(stated) => stated.spread(),
+            None => {
+                let unknown = Guess::first([1.0; 3], self.subject.rate_hz)[0];
+                side_by_side(&by_lane(group.len(), |run| found(run).unwrap_or(unknown)), self.subject.rate_hz)
+            }
+        }
+    }
+}
+
+/// Sums of the runs of every estimate.
+struct Sums(Vec<Option<Linear>>);
+
+impl Sums {
+    fn add(&mut self, group: &[usize], of_run: &[usize], found: Vec<Linear>) {
+        for (run, own) in group.iter().zip(found) {
+            match &mut self.0[of_run[*run]] {
+                Some(total) => total.add(&own),
+                none => *none = Some(own),
+            }
+        }
+    }
+
+    fn finite(self) -> Vec<Option<Linear>> {
+        self.0.into_iter().map(|sum| sum.filter(Linear::finite)).collect()
+    }
+}
+
+fn white<const N: usize>(
+    problems: &Problems,
+    group: &[usize],
+    runs: &SideBySide,
+    states: &[State],
+    free: &[usize],
+) -> Vec<Linear> {
+    let (subject, levels) = (problems.subject, problems.levels(group, states));
+    let recordings = Recordings::of(subject.model, runs);
+    let unknowns = with_start(problems.parameters(group, states));
+    let (gains, _) = filter_each::<N>(&recordings, &unknowns, &levels, subject.known_start);
+    linearize_each(&recordings, &unknowns, free, Some(&levels), &gains, false)
+}
+
+fn look_at<const N: usize>(
+    problems: &Problems,
+    lifted: &Lifted,
+    group: &[usize],
+    runs: &SideBySide,
+    states: &[State],
+) -> (Vec<Linear>, Vec<[Vec<f64>; 3]>) {
+    let (subject, levels) = (problems.subject, problems.levels(group, states));
+    let parameters = problems.parameters(group, states);
+    let own = Recordings::of(subject.model, runs);
+    let (gains, innovations) =
+        filter_each::<N>(&own, &with_start(parameters.clone()), &levels, subject.known_start);
+    let predicted: Vec<Lane> = runs.measured.iter().zip(&innovations).map(|(y, e)| *y - *e).collect();
+    let exogenous = with_effects(subject.model, &parameters, &predicted, &runs.exogenous, subject.rate_hz);
+    let wider = SideBySide { exogenous, ..runs.clone() };
+    let recordings = Recordings::of(&lifted.model, &wider);
+    let free: Vec<usize> = lifted.known.iter().chain(&lifted.others).copied().collect();
+    let all = with_start(lifted.parameters(&parameters, Lane::ZERO));
+    let sums = linearize_each(&recordings, &all, &free, Some(&levels), &gains, false);
+    (sums, errors(runs, &gains, &innovations))
+}
+
+/// Parameters, and initial states as given.
+fn with_start(parameters: Vec<Lane>) -> Vec<Lane> {
+    parameters.into_iter().chain([Lane::ZERO; 3]).collect()
+}
+
+/// Innovations made white at each sample after the first, by lane: u, v, r.
+fn errors<const N: usize>(
+    run: &SideBySide,
+    gains: &[Gain<Lane, N>],
+    innovations: &[Lane],
+) -> Vec<[Vec<f64>; 3]> {
+    let all: Vec<[Lane; 3]> =
+        gains.iter().zip(innovations.as_chunks().0).map(|(gain, error)| gain.white(error)).collect();
+    let own = |lane: usize| {
+        let rows = &all[1..=run.samples[lane].min(all.len() - 1)];
+        [0, 1, 2].map(|d: usize| rows.iter().map(|white| white[d][lane]).collect())
+    };
+    (0..run.runs.min(LANES)).map(own).collect()
+}
+
+/// What the unknowns of white `sums` change by for the least errors, and by how much these fall then.
+pub(super) fn newton_step(sums: &Linear) -> Option<(Vec<f64>, f64)> {
+    let (normal, gradient) = sums.weighted([1.0; 3]);
+    let inverse = scaled_inverse(&normal, gradient.len()).ok()?;
+    let step = times(&inverse, &gradient);
+    let decrement = step.iter().zip(&gradient).map(|(x, g)| x * g).sum();
+    step.iter().all(|x| x.is_finite()).then_some((step, decrement))
+}

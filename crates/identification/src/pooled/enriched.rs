@@ -1,0 +1,119 @@
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use vessel::{DegreeOfFreedom, Vessel};
+
+use super::estimate::{PoolError, Pooled, estimate};
+use super::{Judgement, NominalModel, Pool, PooledRuns, Recorded};
+use crate::Estimator;
+use crate::criticism::Absent;
+use crate::search::listed;
+
+/// A term that a model lacked and was given.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Added {
+    /// The term.
+    pub term: String,
+    /// `surge`, `sway` or `yaw`.
+    pub degree: String,
+    /// What its parameter is called.
+    pub parameter: String,
+    /// The parameter's unit.
+    pub unit: String,
+    /// How probable it was under the model without it that anything looked for seems as likely to be missing.
+    pub p_value: f64,
+    /// The estimate in the model as it is now; null where it has none.
+    pub value: Option<f64>,
+    /// Its standard error.
+    pub standard_error: Option<f64>,
+}
+
+/// An estimate of a vessel whose model got further terms.
+#[derive(Clone, Debug)]
+pub struct Enriched {
+    /// The vessel with those terms.
+    pub vessel: Vessel,
+    /// Its estimate.
+    pub found: Pooled,
+    /// The terms, in the order in which they were found to be missing.
+    pub added: Vec<Added>,
+}
+
+/// Estimates as [`estimate`] does, adds the term that the model most likely lacks where it is rejected, and estimates again: until
+/// it is not rejected, lacks something that is no term, or `most` were added. A model that is not identifiable with a further
+/// term stays without it.
+///
+/// # Errors
+/// See [`estimate`].
+pub fn enriched<R: Recorded>(
+    pool: &Pool,
+    runs: &PooledRuns<R>,
+    estimator: Estimator,
+    judgement: &Judgement,
+    most: usize,
+    resampled: &(dyn Fn(usize) + Sync),
+) -> Result<Enriched, PoolError<R::Error>> {
+    let quick = Judgement { replicates: if most == 0 { judgement.replicates } else { 0 }, ..*judgement };
+    let (mut vessel, mut nominal) = (pool.vessel.clone(), pool.nominal.clone());
+    let (mut found, mut added) = (estimate(pool, runs, estimator, &quick, resampled)?, Vec::new());
+    while added.len() < most {
+        let Some((richer, place, more)) = lacking(&vessel, &found) else { break };
+        let mut theta = nominal.clone();
+        if let NominalModel::Known(theta) = &mut theta {
+            theta.insert(place, richer.nominal[place]);
+        }
+        match estimate(&pool.of(&richer, theta.clone()), runs, estimator, &quick, resampled) {
+            Ok(again) if again.delivered.is_some() => found = again,
+            Err(PoolError::Unread(e)) => return Err(PoolError::Unread(e)),
+            _ => break,
+        }
+        (vessel, nominal) = (richer, theta);
+        added.push(more);
+    }
+    if judgement.replicates != quick.replicates {
+        found = estimate(&pool.of(&vessel, nominal), runs, estimator, judgement, resampled)?;
+    }
+    for more in &mut added {
+        let own = found.degrees.iter().flat_map(|d| &d.parameters).find(|p| p.name == more.parameter);
+        (more.value, more.standard_error) = own.map_or((None, None), |p| (p.estimate, p.standard_error));
+    }
+    let told = added.iter().map(Added::told);
+    found.statements = told.chain(std::mem::take(&mut found.statements)).collect();
+    Ok(Enriched { vessel, found, added })
+}
+
+impl Added {
+    /// In words.
+    fn told(&self) -> String {
+        let number = |x: Option<f64>| x.map_or("none".to_owned(), |x| format!("{x:.3e}"));
+        let p = if self.p_value < 1e-4 { "p < 0.0001".to_owned() } else { format!("p {:.4}", self.p_value) };
+        let (value, error) = (number(self.value), number(self.standard_error));
+        format!("`{}` added in {} ({p} without it): {value} ± {error} {}", self.term, self.degree, self.unit)
+    }
+}
+
+/// `vessel` with the term that `found` says is most likely missing, and the place of its parameter; none where the model is not
+/// rejected or what is missing is no term. Its nominal value is what it would be if it were added.
+fn lacking(vessel: &Vessel, found: &Pooled) -> Option<(Vessel, usize, Added)> {
+    let criticism = found.criticism.as_ref().filter(|criticism| criticism.rejected)?;
+    let first: &Absent = criticism.absent.first()?;
+    let degree = DegreeOfFreedom::ALL.into_iter().find(|d| first.degree.as_deref() == Some(d.name()))?;
+    let mut lists: [&[String]; 3] = [&[]; 3];
+    let own = [first.name.clone()];
+    lists[degree as usize] = &own;
+    let model = listed(&vessel.model, lists).ok()?;
+    let place = model.layout().terms(degree as usize).end - 1;
+    let added = Added {
+        term: first.name.clone(),
+        degree: degree.name().to_owned(),
+        parameter: model.degrees[degree as usize].parameters.last()?.clone(),
+        unit: first.unit.clone(),
+        p_value: first.p_value,
+        value: None,
+        standard_error: None,
+    };
+    let mut richer = Vessel { model, ..vessel.clone() };
+    richer.value.insert(place, None);
+    richer.nominal.insert(place, *first.value.first()?);
+    (richer.model.parameters() == richer.nominal.len()).then_some((richer, place, added))
+}

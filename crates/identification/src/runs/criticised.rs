@@ -1,0 +1,71 @@
+use vessel::{Run, RunView};
+
+use super::estimators::RunEstimators;
+use crate::criticism::{Subject, criticise_each};
+use crate::predictor::InitialState;
+use crate::{EstimateStatus, RunEstimate};
+
+vessel::choices! {
+    /// Which runs are asked what the model lacks.
+    pub enum Asked {
+        /// Those whose disturbances are stated.
+        Stated = "stated",
+        /// All; noise that is not stated is looked for in every run, which takes a quarter of a second for each.
+        Always = "always",
+        /// None.
+        Never = "never",
+    }
+}
+
+impl RunEstimators<'_> {
+    /// Whether runs are asked. Sensors without noise are stated by nobody.
+    pub fn asks(&self, asked: Asked) -> bool {
+        let stated = self.levels.is_some_and(|levels| levels.measurement.iter().all(|std| *std > 0.0));
+        match asked {
+            Asked::Stated => stated,
+            Asked::Always => true,
+            Asked::Never => false,
+        }
+    }
+
+    /// Seconds that asking takes a thread for a row, to the order; see [`crate::Estimator::seconds_per_row`].
+    pub fn seconds_per_row_asked(&self) -> f64 {
+        if self.asks(Asked::Stated) { 6e-6 } else { 2.5e-4 }
+    }
+
+    /// Asks every run by itself what the model lacks; the estimates of those that reject it say so. Estimates are refined
+    /// under the noise before, so that the verdict is about model and run, whichever estimator's it began with, and one is
+    /// enough for all of them. `estimates`: those of `runs`, as [`RunEstimators::estimates`] orders them.
+    pub fn criticise(&self, runs: &[Run], estimates: &mut [RunEstimate]) {
+        let each = self.estimators.len().max(1);
+        let layout = self.vessel.model.layout().with_intercepts();
+        // The last estimator that has one: those that simulate come after those that regress.
+        let found = |own: &[RunEstimate]| {
+            own.iter().rev().find_map(|e| e.estimate.as_ref().map(|(theta, _)| theta.clone()))
+        };
+        let (mut asked, mut thetas) = (Vec::new(), Vec::new());
+        for (run, own) in estimates.chunks(each).enumerate() {
+            if let Some(theta) = found(own) {
+                asked.push(run);
+                thetas.push(layout.woven(&theta, [0.0; 3]));
+            }
+        }
+        let views: Vec<RunView> = asked.iter().map(|run| runs[*run].view()).collect();
+        let model = self.vessel.model.with_intercepts();
+        let subject = Subject {
+            model: &model,
+            runs: &views,
+            rate_hz: self.vessel.sample_rate_hz,
+            known_start: self.initial == InitialState::Known,
+            levels: self.levels.filter(|_| self.asks(Asked::Stated)),
+        };
+        for (run, found) in asked.iter().zip(criticise_each(&subject, &thetas)) {
+            let rejected = found.is_some_and(|found| found.rejected);
+            for estimate in estimates[run * each..(run + 1) * each].iter_mut().filter(|_| rejected) {
+                if estimate.estimate.is_some() {
+                    estimate.status = EstimateStatus::Rejected;
+                }
+            }
+        }
+    }
+}
