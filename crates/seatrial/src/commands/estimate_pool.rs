@@ -10,6 +10,7 @@ use serde_json::json;
 use study::documents::{EstimateDocument, ModelDocument, TrustDocument};
 use study::estimates;
 use study::files::read_vessel;
+use validation::comparison::Magnitudes;
 
 use super::estimate::MAIN;
 use crate::choice::choice;
@@ -61,7 +62,10 @@ impl Task for Arguments {
         let resampled = |count: usize| progress.advance(count);
         let found = estimate(&pool, &runs, self.estimator, &judgement, &resampled);
         let found = found.map_err(|e| self.failed(e))?;
-        self.publish(&out, &provenance, &pool, &found)
+        let magnitudes = Magnitudes::of(&vessel.model, &runs, vessel.sample_rate_hz)?;
+        let model = ModelDocument::new(&pool, self.estimator, &found);
+        let model = model.map(|model| ModelDocument { magnitudes, ..model });
+        self.publish(&out, &provenance, (&pool, &found), model.as_ref())
     }
 }
 
@@ -94,8 +98,8 @@ impl Arguments {
         &self,
         out: &Path,
         provenance: &Provenance,
-        pool: &Pool,
-        found: &Pooled,
+        (pool, found): (&Pool, &Pooled),
+        model: Option<&ModelDocument>,
     ) -> Result<Summary, Failure> {
         let (vessel, estimator) = (pool.vessel, self.estimator);
         let columns = estimates::columns(vessel);
@@ -107,8 +111,7 @@ impl Arguments {
         let replicates = self.bootstrap.unwrap_or(0);
         let trust = TrustDocument::new(pool, self.flags.nominal().source(), estimator, replicates, found);
         let mut staged = vec![writer.finish()?, stage_document(name("trust.json"), provenance, &trust)?];
-        let model = ModelDocument::new(pool, estimator, found);
-        if let Some(model) = &model {
+        if let Some(model) = model {
             staged.push(stage_document(name("model.json"), provenance, model)?);
         }
         staged.push(stage_set_document(&summary, provenance, &document, &staged)?);

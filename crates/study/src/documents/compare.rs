@@ -1,7 +1,7 @@
 use artifact::{Columns, Document, Units};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use validation::comparison::{Bands, Compared, ComparedModel, Difference, Outside, Traced};
+use validation::comparison::{Bands, Compared, ComparedModel, Difference, Outside, Traced, Validity};
 use vessel::DegreeOfFreedom;
 
 /// `compare.json`: a model beside others on recordings that it was not fitted to.
@@ -32,6 +32,9 @@ pub struct CompareDocument {
     pub bands: Option<Bands>,
     /// Channels that leave the range that the model was fitted on.
     pub outside: Vec<Outside>,
+    /// Where the ship moves less or more than in any stretch that the model was fitted to; null where that is not known.
+    #[serde(default)]
+    pub validity: Option<Validity>,
 }
 
 impl CompareDocument {
@@ -51,6 +54,7 @@ impl CompareDocument {
             differences: found.differences.clone(),
             bands: found.bands,
             outside: found.outside.clone(),
+            validity: found.validity.clone(),
         }
     }
 }
@@ -59,8 +63,11 @@ impl Document for CompareDocument {
     const ID: &'static str = "compare";
     const VERSION: u32 = 1;
     const UNITS: Units = &[
-        ("1", "windows diverged samples error_norm pairs median interval share inside_u inside_v inside_r"),
-        ("s", "window_s"),
+        (
+            "1",
+            "windows diverged samples error_norm pairs median interval share stretches below above inside_u inside_v inside_r",
+        ),
+        ("s", "window_s stretch_s"),
         ("m/s", "std_u std_v rmse_u rmse_v bias_u bias_v"),
         ("rad/s", "std_r rmse_r bias_r"),
         ("%", "fit_u fit_v fit_r"),

@@ -9,11 +9,13 @@ mod covered;
 mod errors;
 mod simulated;
 mod standing;
+mod validity;
 mod verdict;
 
 pub use bands::{Bands, Known};
 pub use compare::{CompareOptions, Compared, Traced, compare};
-pub use covered::Outside;
+pub use covered::{Counter, Outside};
 pub use errors::{ComparedErrors, ComparedRecording};
 pub use simulated::Contestant;
 pub use standing::{ComparedModel, Difference, Standing};
+pub use validity::{Magnitudes, STRETCH_S, Unlike, Validity};

@@ -1,0 +1,4 @@
+//! Models on recordings that they were not fitted to.
+
+mod apportioned;
+mod validity;
