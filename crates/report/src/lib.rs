@@ -34,6 +34,7 @@ mod plan_map;
 mod published_selection;
 pub mod results;
 mod sample;
+mod searched;
 mod selection;
 mod sequential;
 mod shown;
