@@ -38,6 +38,7 @@ mod residuals;
 pub mod results;
 mod sailed;
 mod sample;
+mod searched;
 mod selection;
 mod sequential;
 mod shown;

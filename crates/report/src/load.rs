@@ -81,7 +81,7 @@ pub fn load(sources: &Sources) -> Result<Study, Error> {
         return Err(study::refuse(
             &sources.results,
             "results",
-            "none of crossval.json, design.json, dictionary.parquet, plan.json, selection.json, sequential.json, trust.json, validation.json",
+            "none of crossval.json, design.json, dictionary.parquet, plan.json, search.json, selection.json, sequential.json, trust.json, validation.json",
             "files that the stages wrote",
             "run `make` first, or name their folder with --results",
         ));

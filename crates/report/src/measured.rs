@@ -9,6 +9,7 @@ use super::table::Table;
 use artifact::Error;
 use study::documents::{
     CompareDocument, CrossvalDocument, EstimatorScore, FreeRunErrors, IngestDocument, ModelDocument,
+    SearchDocument,
     SelectionScores, TrustDocument,
 };
 use study::listed;
@@ -27,19 +28,23 @@ pub struct Measured {
     pub model: Option<ModelDocument>,
     /// `compare.json`, and the model over time.
     pub compared: Option<(CompareDocument, Vec<Traced>)>,
+    /// `search.json`.
+    pub searched: Option<SearchDocument>,
 }
 
-/// Reads `ingest.json`, `trust.json`, `crossval.json` and `compare.json`; none where there is none of the last three.
+/// Reads `ingest.json`, `trust.json`, `crossval.json`, `compare.json` and `search.json`; none where there is none of the last
+/// four.
 pub(super) fn load(loader: &mut Loader) -> Result<Option<Measured>, Error> {
     let crossval = loader.document("crossval.json", "free simulation over recordings left out")?;
     let trust = loader.document("trust.json", "how far the pooled estimate can be trusted")?;
     let compared = super::compared::load(loader)?;
-    if crossval.is_none() && trust.is_none() && compared.is_none() {
+    let searched = loader.document("search.json", "how a structure was searched for")?;
+    if crossval.is_none() && trust.is_none() && compared.is_none() && searched.is_none() {
         return Ok(None);
     }
     let ingest = loader.document("ingest.json", "what was read from the logs, and its quality")?;
     let model = loader.document("model.json", "the model that the estimate delivers")?;
-    Ok(Some(Measured { ingest, trust, crossval, model, compared }))
+    Ok(Some(Measured { ingest, trust, crossval, model, compared, searched }))
 }
 
 /// Adds fits and errors of free simulations.
@@ -84,6 +89,15 @@ impl Measured {
                 "Fitted by {} to the other recordings, the model follows those left out, over {over}, with a fit of {} in \
                  surge, {} in sway and {} in yaw rate.",
                 score.name,
+                fit(errors.fit_u),
+                fit(errors.fit_v),
+                fit(errors.fit_r)
+            ));
+        }
+        if let Some(errors) = self.searched.as_ref().and_then(|found| found.nested.search) {
+            told.push(format!(
+                "A structure found by a search follows recordings that were left out of the whole search with a fit of {}, {} \
+                 and {}.",
                 fit(errors.fit_u),
                 fit(errors.fit_v),
                 fit(errors.fit_r)

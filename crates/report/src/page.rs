@@ -18,6 +18,7 @@ use super::parameters::parameters;
 use super::parts::{Figures, Section};
 use super::published_selection::published_selection;
 use super::realizations::realizations;
+use super::searched::searched;
 use super::selection::selection;
 use super::sequential::sequential;
 use super::study::Study;
@@ -64,6 +65,7 @@ fn of_trials(study: &Study, figures: &mut Figures) -> Vec<Section> {
 /// The sections of a study of measured logs.
 fn of_logs(study: &Study, measured: &Measured, figures: &mut Figures) -> Vec<Section> {
     let mut sections: Vec<Section> = compared(measured.compared.as_ref(), figures).into_iter().collect();
+    sections.extend(searched(measured.searched.as_ref(), figures));
     sections.extend([cross_validation(measured), delivered(measured), trust(measured)]);
     sections.extend(selection(study.selection.as_ref(), figures));
     sections.extend(published_selection(study, figures));

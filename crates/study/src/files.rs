@@ -31,6 +31,11 @@ pub fn read_simulated(path: &Path, provenance: &mut Provenance) -> Result<Vessel
     Ok(if is_model(path) { Vessel { value: truth, ..vessel } } else { vessel })
 }
 
+/// The `model.json` that stands in a vessel's place; none of a `vessel.toml`.
+pub fn read_model(path: &Path) -> Result<Option<ModelDocument>, Error> {
+    is_model(path).then(|| read_document(path).map(|read| read.data)).transpose()
+}
+
 fn is_model(path: &Path) -> bool {
     path.extension().is_some_and(|extension| extension == "json")
 }

@@ -71,11 +71,8 @@ impl Study<'_> {
     pub fn compact(&self, base: &[f64], without: Option<usize>, ridge: f64) -> Option<Compact> {
         let folds: Vec<Vec<&Recording>> =
             self.all_folds().filter(|fold| Some(*fold) != without).map(|fold| self.within(fold)).collect();
-        let (own, all) = (self.base.layout(), self.library.layout());
-        let intercept = |d: usize| all.terms(d).end..all.degree(d).end;
-        let places = |d: usize| (all.degree(d).start..).take(own.terms(d).len()).chain(intercept(d));
-        let start = (0..3).flat_map(places).collect();
-        let sizes = self.forward(&folds, start, &widened(self.base, self.library, base), ridge);
+        let wide = widened(self.base, self.library, base);
+        let sizes = self.forward(&folds, self.base_places(), &wide, ridge);
         let best = sizes.iter().min_by(|a, b| a.total().total_cmp(&b.total()))?;
         let names: Vec<&str> = self.library.parameter_names().collect();
         let errors: f64 = folds.iter().flatten().map(|r| r.errors()).sum();
@@ -114,7 +111,8 @@ impl Study<'_> {
         let model = subset(self.library, places);
         let wide = widened(self.base, self.library, base);
         let start: Vec<f64> = places.iter().map(|i| wide[*i]).collect();
-        let problem = Problem::new(&model, &recordings, self.rate_hz);
+        let known: Vec<bool> = places.iter().map(|i| self.known()[*i]).collect();
+        let problem = Problem::new(&model, &recordings, self.rate_hz).by_effect(&start, &known);
         let beta = minimum(&problem, problem.beta(&start), ridge, JUDGED)?;
         let exact = problem.exactly();
         let looked = exact.look(&beta)?;
@@ -128,13 +126,14 @@ impl Study<'_> {
     /// by a quadratic model of the errors that is made anew every few terms. `theta` is where it begins.
     fn forward(&self, folds: &[Vec<&Recording>], start: Vec<usize>, theta: &[f64], ridge: f64) -> Vec<Size> {
         let all: Vec<&Recording> = folds.iter().flatten().copied().collect();
-        let whole = Problem::new(self.library, &all, self.rate_hz);
+        let whole = Problem::new(self.library, &all, self.rate_hz).by_effect(theta, &self.known());
         let (mut places, mut beta) = (start, whole.beta(theta));
         let mut sizes: Vec<Size> = Vec::new();
         let mut best = (f64::INFINITY, 0);
         while places.len() < whole.sizes.len() && sizes.len() <= best.1 + PATIENCE {
             let model = subset(self.library, &places);
-            let problem = Problem::new(&model, &all, self.rate_hz);
+            let own = places.iter().map(|i| whole.sizes[*i]).collect();
+            let problem = Problem::new(&model, &all, self.rate_hz).sized(own);
             let from: Vec<f64> = places.iter().map(|i| beta[*i]).collect();
             let Some(fitted) = minimum(&problem, from, ridge, REFIT) else { break };
             beta = vec![0.0; whole.sizes.len()];

@@ -2,7 +2,7 @@ use vessel::{Compiled, Model};
 
 use super::nested::Fitted;
 use super::problem::limit;
-use super::recording::Recording;
+use super::recording::{Laid, Recording};
 use super::scores::{scores, together};
 use crate::pooled::{Covariance, Delivered, Part, RecordingConstant, covered};
 
@@ -65,7 +65,7 @@ pub(super) fn delivered(
     let (theta, intercepts) = (layout.theta(parameters), layout.intercepts(parameters));
     let (increment_std, constants) = gained(structure, recordings, &theta);
     let all: Vec<&Recording> = recordings.iter().collect();
-    let followed = scores(lifted, parameters, &all, limit(&all));
+    let followed = scores(lifted, parameters, &all, Laid::SideBySide, limit(&all));
     Delivered {
         theta,
         constant: [0, 1, 2].map(|d| structure.constant[d] + intercepts[d]),

@@ -14,6 +14,10 @@ pub struct NestedScore {
     pub search: Option<FreeRunErrors>,
     /// Those of the base structure.
     pub base: Option<FreeRunErrors>,
+    /// As `search`, over windows of which one begins at every quarter of another: where the first begins hardly counts.
+    pub search_overlapping: Option<FreeRunErrors>,
+    /// Those of the base structure.
+    pub base_overlapping: Option<FreeRunErrors>,
     /// Windows in which the found models diverged.
     pub diverged: u64,
     /// Recording by recording.

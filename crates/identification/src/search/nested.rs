@@ -7,7 +7,7 @@ use vessel::Model;
 
 use super::minimum::{Ending, least_squares, minimum, minimum_from, started};
 use super::problem::{Problem, limit};
-use super::recording::Recording;
+use super::recording::{Laid, Recording};
 use super::scores::{mean_fit, scores, standard_error, together};
 use crate::pooled::Score;
 
@@ -15,8 +15,12 @@ use crate::pooled::Score;
 const ALONG: Ending = Ending { steps: 2, enough: 1e-3 };
 /// Of the base structure.
 const BASE: Ending = Ending { steps: 20, enough: 1e-5 };
-/// Candidates worse than the best after which no smaller ridge is tried.
-const WORSE: usize = 2;
+/// Candidates worse than the best after which no smaller ridge is tried: with few recordings a large ridge may be the best of
+/// its neighbours, and yet not of all.
+const WORSE: usize = 3;
+
+/// Difference in mean fit \[%\] that tells nothing: a tenth of its usual standard error.
+const TIE: f64 = 0.2;
 
 /// What is searched through.
 pub(super) struct Study<'a> {
@@ -28,7 +32,9 @@ pub(super) struct Study<'a> {
     pub folds: &'a [usize],
     pub ridges: &'a [f64],
     pub rate_hz: f64,
+    /// Of u, v, r over windows side by side, and over those that overlap.
     pub std: [f64; 3],
+    pub overlapping_std: [f64; 3],
 }
 
 /// Of the model that is delivered.
@@ -70,16 +76,21 @@ pub(super) struct Choice {
 }
 
 impl Choice {
-    /// The place of the best; of equal ones the one with the larger ridge.
+    /// The place of the best; of those that can hardly be told from it, the one with the largest ridge.
     pub fn best(&self) -> Option<usize> {
+        let (_, highest) = self.highest()?;
+        let as_good = |c: &Candidate| c.score.is_some_and(|score| score >= highest - TIE);
+        self.candidates.iter().position(as_good)
+    }
+
+    fn highest(&self) -> Option<(usize, f64)> {
         let scores = self.candidates.iter().enumerate().filter_map(|(i, c)| Some((i, c.score?)));
-        let better = |best: (usize, f64), own: (usize, f64)| if own.1 > best.1 { own } else { best };
-        scores.reduce(better).map(|(i, _)| i)
+        scores.reduce(|best, own| if own.1 > best.1 { own } else { best })
     }
 
     fn add(&mut self, candidate: Candidate) {
         self.candidates.push(candidate);
-        self.ended = self.best().is_some_and(|best| self.candidates.len() > best + WORSE);
+        self.ended = self.highest().is_some_and(|(best, _)| self.candidates.len() > best + WORSE);
     }
 }
 
@@ -119,12 +130,31 @@ impl<'a> Study<'a> {
         let recordings = self.picked(|fold| !without.contains(&fold));
         let base = started(self.base, &recordings, self.rate_hz, BASE);
         let problem = Problem::new(self.library, &recordings, self.rate_hz);
-        let wide = base.as_ref().map(|base| problem.beta(&widened(self.base, self.library, base)));
-        let simple = least_squares(self.library, &recordings, self.rate_hz);
+        let simple = least_squares(self.library, &recordings, self.rate_hz).map(|beta| problem.theta(&beta));
+        let wide = base.as_ref().map(|base| widened(self.base, self.library, base));
+        let problem = match &wide {
+            Some(wide) => problem.by_effect(wide, &self.known()),
+            None => problem,
+        };
+        let [wide, simple] = [wide, simple].map(|theta| theta.map(|theta| problem.beta(&theta)));
         // From nothing at all no simulation diverges.
         let none = vec![0.0; self.library.parameters()];
         let starts = wide.into_iter().chain(simple).chain([none]).collect();
         RidgePath { problem, limit: limit(&recordings), base, starts, last: None, thetas: Vec::new() }
+    }
+
+    /// Places in the library of the base structure's parameters.
+    pub fn base_places(&self) -> Vec<usize> {
+        let (own, all) = (self.base.layout(), self.library.layout());
+        let intercept = |d: usize| all.terms(d).end..all.degree(d).end;
+        let places = |d: usize| (all.degree(d).start..).take(own.terms(d).len()).chain(intercept(d));
+        (0..3).flat_map(places).collect()
+    }
+
+    /// Which parameters of the library are the base structure's.
+    pub fn known(&self) -> Vec<bool> {
+        let places = self.base_places();
+        (0..self.library.parameters()).map(|i| places.contains(&i)).collect()
     }
 
     /// Chooses the ridge by recordings that are left out; again without each fold, by the folds that remain. A fit without two
@@ -177,8 +207,8 @@ impl<'a> Study<'a> {
         let whole = rejected == 0;
         Candidate {
             ridge,
-            score: mean_fit(&together(all.iter()), self.std).filter(|_| whole),
-            standard_error: standard_error(&all, self.std).filter(|_| whole),
+            score: mean_fit(&together(all.iter()), self.overlapping_std).filter(|_| whole),
+            standard_error: standard_error(&all, self.overlapping_std).filter(|_| whole),
             rejected,
         }
     }
@@ -191,7 +221,7 @@ impl<'a> Study<'a> {
         model: &Model,
         fold: usize,
     ) -> Option<Vec<Score>> {
-        theta.map(|theta| scores(model, theta, &self.within(fold), path.limit))
+        theta.map(|theta| scores(model, theta, &self.within(fold), Laid::Overlapping, path.limit))
     }
 }
 

@@ -12,6 +12,8 @@ use crate::sensitivity::{Recordings, Step, sweep};
 const USUAL: f64 = 0.2;
 /// A simulation that exceeds this many times the largest state that was measured has failed.
 const BEYOND: f64 = 5.0;
+/// By which factor parameters of the base structure are held back less than others, whose ridge counts as its square.
+const KNOWN: f64 = 0.03;
 /// In how many pieces Jacobians are made at most: more than threads, and the same for any number of them.
 const PIECES: usize = 16;
 
@@ -83,6 +85,28 @@ impl<'a> Problem<'a> {
     pub fn only(&self, recordings: &[&'a Recording]) -> Self {
         let own = Self::new(self.model, recordings, 1.0);
         Self { sizes: self.sizes.clone(), std: self.std, limit: self.limit, thin: self.thin, ..own }
+    }
+
+    /// The same errors as a function of parameters that are scaled by their effect: at `theta` the curvature along each of them
+    /// alone is 1, so that a ridge Λ would shrink it by 1/(1 + Λ). Along those that are `known` it is more, and they are
+    /// hardly held back. As it was where nothing can be simulated at `theta`.
+    pub fn by_effect(mut self, theta: &[f64], known: &[bool]) -> Self {
+        let beta = self.beta(theta);
+        let Some(slopes) = self.look(&beta).and_then(|looked| self.slopes(&beta, &looked)) else {
+            return self;
+        };
+        let p = self.sizes.len();
+        for (i, size) in self.sizes.iter_mut().enumerate() {
+            let own = slopes.curvature[i * p + i].sqrt();
+            let held = if known[i] { KNOWN } else { 1.0 };
+            *size = if own > 0.0 { *size / (own * held) } else { 0.0 };
+        }
+        self
+    }
+
+    /// The same with `sizes`.
+    pub fn sized(self, sizes: Vec<f64>) -> Self {
+        Self { sizes, ..self }
     }
 
     /// Number of errors.

@@ -13,27 +13,42 @@ pub struct Cut {
     pub scored: Option<usize>,
 }
 
+/// How windows that models are scored on lie.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Laid {
+    /// Side by side from where a run begins, as everybody else compares models.
+    SideBySide,
+    /// One begins at every quarter of another, so that a score hardly depends on where the first begins.
+    Overlapping,
+}
+
 /// One recording: left out as a whole.
 #[derive(Clone, Debug)]
 pub(super) struct Recording {
     pub name: String,
     /// Runs that follow each other are one.
     pub whole: Vec<Part>,
-    pub scored: Vec<Part>,
     cut: Cut,
 }
 
 impl Recording {
     /// All of `runs`.
     pub fn all(runs: &PooledRuns, cut: Cut) -> Vec<Self> {
-        let scored = runs.windows(cut.scored);
-        let of = |((name, whole), (_, scored)): ((String, Vec<Part>), (String, Vec<Part>))| Self {
-            name,
-            whole,
-            scored,
-            cut,
-        };
-        runs.windows(None).into_iter().zip(scored).map(of).collect()
+        runs.windows(None).into_iter().map(|(name, whole)| Self { name, whole, cut }).collect()
+    }
+
+    /// Its windows to score, all of one length; whole runs where they have none.
+    pub fn scored(&self, laid: Laid) -> impl Iterator<Item = RunView<'_>> + Clone {
+        let length = self.cut.scored;
+        self.whole.iter().flat_map(move |whole| {
+            let samples = whole.samples();
+            let length = length.unwrap_or(samples).max(1);
+            let every = if laid == Laid::SideBySide { length } else { length.div_ceil(4) };
+            let starts = (0..=samples.saturating_sub(length)).step_by(every);
+            starts
+                .filter(move |start| start + length <= samples)
+                .map(move |start| whole.view().part(start..start + length))
+        })
     }
 
     /// Its windows to fit, overlapping, each with the number of the stretch of a window's length that it begins in. The last

@@ -3,14 +3,25 @@ use rayon::prelude::*;
 use vessel::{LANES, Lane, Model, RunView};
 
 use super::problem::squares;
-use super::recording::Recording;
-use crate::pooled::{FreeRunErrors, Part, Score};
+use super::recording::{Laid, Recording};
+use crate::pooled::{FreeRunErrors, Score, deviations};
+
+/// Standard deviations of u, v, r over the windows of `recordings` that models are scored on.
+pub(super) fn varying<'r>(recordings: impl Iterator<Item = &'r Recording> + Clone, laid: Laid) -> [f64; 3] {
+    deviations(recordings.flat_map(move |r| r.scored(laid)).map(|window| window.measured))
+}
 
 /// How `model` with `theta` follows each of `recordings`; a window of which it leaves `limit` counts as diverged.
-pub(super) fn scores(model: &Model, theta: &[f64], recordings: &[&Recording], limit: [f64; 3]) -> Vec<Score> {
+pub(super) fn scores(
+    model: &Model,
+    theta: &[f64],
+    recordings: &[&Recording],
+    laid: Laid,
+    limit: [f64; 3],
+) -> Vec<Score> {
     let theta: Vec<Lane> = theta.iter().copied().map(Lane::splat).collect();
     let of = |recording: &&Recording| {
-        let windows: Vec<RunView> = recording.scored.iter().map(Part::view).collect();
+        let windows: Vec<RunView> = recording.scored(laid).collect();
         let mut score = Score::default();
         for group in windows.chunks(LANES) {
             for (window, found) in group.iter().zip(squares(model, &theta, group, limit)) {

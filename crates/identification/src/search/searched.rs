@@ -9,10 +9,10 @@ use super::deliver::{delivered, without_intercepts, without_zeros};
 use super::folds::folds;
 use super::judged::{Margin, NestedRecording, NestedScore};
 use super::nested::{Candidate, Choice, Fitted, Nested, Study};
-use super::recording::{Cut, Recording};
-use super::scores::{scores, together};
+use super::recording::{Cut, Laid, Recording};
+use super::scores::{scores, together, varying};
 use super::words;
-use crate::pooled::{Delivered, Part, PooledRuns, Score, deviations};
+use crate::pooled::{Delivered, FreeRunErrors, Part, PooledRuns, Score};
 
 /// How a model is searched for.
 #[derive(Clone, Debug, PartialEq)]
@@ -30,9 +30,9 @@ pub struct SearchOptions {
 }
 
 impl SearchOptions {
-    /// Ridges from 1e-1 to 1e-6 in half decades.
+    /// Ridges from 0.3 to 1e-6 in half decades.
     pub fn half_decades() -> Vec<f64> {
-        (0..=10).map(|i| libm::pow(10.0, -1.0 - 0.5 * f64::from(i))).collect()
+        (0..=11).map(|i| libm::pow(10.0, -0.5 - 0.5 * f64::from(i))).collect()
     }
 }
 
@@ -102,12 +102,11 @@ pub fn search(
         let (recordings, folds) = (recordings.len(), options.folds.max(3));
         return Err(SearchError::FewRecordings { recordings, folds });
     }
-    if recordings.iter().all(|r| r.scored.is_empty()) {
+    if recordings.iter().all(|r| r.scored(Laid::SideBySide).next().is_none()) {
         return Err(SearchError::NoWindow);
     }
     let structure = without_zeros(base, library, &recordings);
     let (base, library) = (base.with_intercepts(), structure.with_intercepts());
-    let scored = || recordings.iter().flat_map(|r| &r.scored);
     let setting = Study {
         base: &base,
         library: &library,
@@ -115,7 +114,8 @@ pub fn search(
         folds: &folds(&recordings, options.folds),
         ridges: &options.ridges,
         rate_hz: options.rate_hz,
-        std: deviations(scored().map(|p| p.measured.as_slice())),
+        std: varying(recordings.iter(), Laid::SideBySide),
+        overlapping_std: varying(recordings.iter(), Laid::Overlapping),
     };
     let nested = setting.nested(done);
     let (chosen, score) = chosen(&nested.all)?;
@@ -139,7 +139,7 @@ pub fn search(
         ),
         delivered: delivered(&structure, &found.all, &recordings, &parts),
         samples: parts.iter().map(|part| part.samples() as u64).sum(),
-        windows: scored().count() as u64,
+        windows: recordings.iter().map(|r| r.scored(Laid::SideBySide).count() as u64).sum(),
         std: setting.std,
         candidates,
         chosen,
@@ -227,48 +227,62 @@ impl Study<'_> {
 
     /// The models that were found without each fold, on that fold.
     fn judged(&self, by_folds: &[Judged]) -> NestedScore {
-        let (mut ridges, mut all) = (Vec::new(), Vec::new());
-        for (fold, Judged { ridge, model, base, limit }) in by_folds.iter().enumerate() {
-            ridges.push(*ridge);
-            let left_out = self.within(fold);
-            let of = |model: &Model, theta: &[f64]| scores(model, theta, &left_out, *limit);
-            let found = model.as_ref().map(|found| of(&found.model, &found.theta));
-            let base = base.as_ref().map(|base| of(self.base, base));
-            for (i, recording) in self.within(fold).into_iter().enumerate() {
-                all.push((recording, fold, found.as_ref().map(|s| s[i]), base.as_ref().map(|s| s[i])));
-            }
-        }
-        all.sort_by_key(|(recording, ..)| self.recordings.iter().position(|own| own.name == recording.name));
-        let of = |score: Option<Score>, recording: &Recording| {
-            score?.errors(deviations(recording.scored.iter().map(|p| p.measured.as_slice())))
+        let all = self.left_out(by_folds, Laid::SideBySide);
+        let own = |score: Option<Score>, recording: &Recording| {
+            score?.errors(varying(std::iter::once(recording), Laid::SideBySide))
         };
         let norm = |score: Option<Score>| score?.norm(self.std);
-        let told: Vec<NestedRecording> = all
-            .iter()
-            .map(|(recording, fold, found, base)| NestedRecording {
-                source: recording.name.clone(),
-                fold: *fold as u64,
-                search: of(*found, recording),
-                base: of(*base, recording),
-                search_norm: norm(*found),
-                base_norm: norm(*base),
-            })
-            .collect();
-        let (found, base): (Vec<Option<Score>>, Vec<Option<Score>>) =
-            all.iter().map(|(_, _, found, base)| (*found, *base)).unzip();
-        let whole = |scores: &[Option<Score>]| {
-            let all: Vec<Score> = scores.iter().copied().collect::<Option<_>>()?;
-            together(all.iter()).errors(self.std)
+        let told = |LeftOut { recording, fold, search, base }: &LeftOut| NestedRecording {
+            source: recording.name.clone(),
+            fold: *fold as u64,
+            search: own(*search, recording),
+            base: own(*base, recording),
+            search_norm: norm(*search),
+            base_norm: norm(*base),
         };
-        let simulated = all.iter().filter(|(recording, ..)| !recording.scored.is_empty());
-        let pairs = simulated.map(|(_, _, found, base)| [norm(*found), norm(*base)]);
+        let simulated = all.iter().filter(|one| one.recording.scored(Laid::SideBySide).next().is_some());
+        let pairs: Vec<_> = simulated.map(|one| [norm(one.search), norm(one.base)]).collect();
+        let overlapping = self.left_out(by_folds, Laid::Overlapping);
         NestedScore {
-            ridges,
-            search: whole(&found),
-            base: whole(&base),
-            diverged: found.iter().flatten().map(|score| score.diverged).sum(),
-            margin: Margin::of(&pairs.collect::<Vec<_>>()),
-            recordings: told,
+            ridges: by_folds.iter().map(|own| own.ridge).collect(),
+            search: whole(all.iter().map(|one| one.search), self.std),
+            base: whole(all.iter().map(|one| one.base), self.std),
+            search_overlapping: whole(overlapping.iter().map(|one| one.search), self.overlapping_std),
+            base_overlapping: whole(overlapping.iter().map(|one| one.base), self.overlapping_std),
+            diverged: all.iter().filter_map(|one| one.search).map(|score| score.diverged).sum(),
+            margin: Margin::of(&pairs),
+            recordings: all.iter().map(told).collect(),
         }
     }
+
+    /// Every recording when it was left out, in the order of the recordings.
+    fn left_out(&self, by_folds: &[Judged], laid: Laid) -> Vec<LeftOut<'_>> {
+        let mut all = Vec::new();
+        for (fold, Judged { model, base, limit, .. }) in by_folds.iter().enumerate() {
+            let recordings = self.within(fold);
+            let of = |model: &Model, theta: &[f64]| scores(model, theta, &recordings, laid, *limit);
+            let found = model.as_ref().map(|found| of(&found.model, &found.theta));
+            let base = base.as_ref().map(|base| of(self.base, base));
+            for (i, recording) in recordings.iter().enumerate() {
+                let [search, base] = [&found, &base].map(|scores| scores.as_ref().map(|s| s[i]));
+                all.push(LeftOut { recording, fold, search, base });
+            }
+        }
+        all.sort_by_key(|one| self.recordings.iter().position(|own| own.name == one.recording.name));
+        all
+    }
+}
+
+/// A recording when it was left out.
+struct LeftOut<'a> {
+    recording: &'a Recording,
+    fold: usize,
+    search: Option<Score>,
+    base: Option<Score>,
+}
+
+/// All together against `std`; none where one has no model.
+fn whole(scores: impl Iterator<Item = Option<Score>>, std: [f64; 3]) -> Option<FreeRunErrors> {
+    let all: Vec<Score> = scores.collect::<Option<_>>()?;
+    together(all.iter()).errors(std)
 }

@@ -16,7 +16,7 @@ pub(super) fn statements(
     nested: &NestedScore,
 ) -> Vec<String> {
     let mut out = vec![format!(
-        "ridge {} of {} tried: mean fit {score:.1} % of recordings that were left out",
+        "ridge {:.1e} of {} tried: mean fit {score:.1} % of recordings that were left out",
         candidates[chosen].ridge,
         candidates.len()
     )];
@@ -41,6 +41,13 @@ pub(super) fn statements(
             nested.diverged
         ),
     });
+    if let (Some(own), Some(base)) = (&nested.search_overlapping, &nested.base_overlapping) {
+        out.push(format!(
+            "the same over windows that begin at every quarter of one: fit {}; the base structure: fit {}",
+            fits(own),
+            fits(base)
+        ));
+    }
     out.extend(nested.margin.as_ref().map(against));
     let rejected: u64 = candidates.iter().map(|c| c.rejected).sum();
     if rejected > 0 {

@@ -10,6 +10,7 @@ use serde_json::json;
 use study::documents::{EstimateDocument, ModelDocument, TrustDocument};
 use study::estimates;
 use study::files::read_vessel;
+use validation::comparison::Magnitudes;
 
 use super::estimate::MAIN;
 use super::model_beside::model_beside;
@@ -67,7 +68,11 @@ impl Task for Arguments {
         let most = usize::from(self.add_terms);
         let found = enriched(&pool, &runs, self.estimator, &judgement, most, &resampled);
         let found = found.map_err(|e| self.failed(e))?;
-        self.publish([&out, &model], &provenance, &pool.of(&found.vessel, pool.nominal.clone()), &found)
+        let pool = pool.of(&found.vessel, pool.nominal.clone());
+        let magnitudes = Magnitudes::of(&vessel.model, &runs, vessel.sample_rate_hz)?;
+        let document = ModelDocument::new(&pool, self.estimator, &found.found);
+        let document = document.map(|document| ModelDocument { magnitudes, ..document });
+        self.publish([&out, &model], &provenance, (&pool, &found), document.as_ref())
     }
 }
 
@@ -107,8 +112,8 @@ impl Arguments {
         &self,
         [out, path]: [&Path; 2],
         provenance: &Provenance,
-        pool: &Pool,
-        enriched: &Enriched,
+        (pool, enriched): (&Pool, &Enriched),
+        model: Option<&ModelDocument>,
     ) -> Result<Summary, Failure> {
         let found = &enriched.found;
         let (vessel, estimator) = (pool.vessel, self.estimator);
@@ -128,8 +133,7 @@ impl Arguments {
             &enriched.added,
         );
         let mut staged = vec![writer.finish()?, stage_document(name("trust.json"), provenance, &trust)?];
-        let model = ModelDocument::new(pool, estimator, found);
-        if let Some(model) = &model {
+        if let Some(model) = model {
             staged.push(stage_document(path, provenance, model)?);
         }
         staged.push(stage_set_document(&summary, provenance, &document, &staged)?);

@@ -11,6 +11,7 @@ use serde_json::json;
 use study::TermLists;
 use study::documents::{ModelDocument, SearchDocument};
 use study::files::read_vessel;
+use validation::comparison::Magnitudes;
 use vessel::Model;
 
 use crate::cli::{Common, beside};
@@ -123,7 +124,8 @@ impl Task for Arguments {
         ];
         provenance.settings.extend(settings.map(|(key, value)| (key.to_owned(), value)));
         let document = SearchDocument::new(&vessel, cut, options.folds, &found);
-        let model = ModelDocument::searched(&vessel, &found);
+        let Ok(magnitudes) = Magnitudes::of(&vessel.model, &runs, vessel.sample_rate_hz);
+        let model = ModelDocument { magnitudes, ..ModelDocument::searched(&vessel, &found) };
         let members = vec![stage_document(beside(&out, MAIN, "model.json"), &provenance, &model)?];
         let main = stage_set_document(&out, &provenance, &document, &members)?;
         commit([main].into_iter().chain(members).collect())?;

@@ -1,16 +1,17 @@
 //! `simulate`: trajectories from a vessel and its maneuvers.
 
+use std::fmt::Display;
 use std::path::{Path, PathBuf};
 
 use crate::cli::{Common, Sharding, beside, given};
 use crate::failure::Failure;
 use crate::inputs;
 use crate::plan::MAIN;
-use crate::simulate::{Files, check_campaign, logs, write_campaign, write_maneuvers};
+use crate::simulate::{Files, beyond, check_campaign, logs, write_campaign, write_maneuvers};
 use crate::stage::{Summary, Task};
 use artifact::{Provenance, Shard, commit, gather};
 use clap::Parser;
-use serde_json::json;
+use serde_json::{Value, json};
 use study::campaign_file::CampaignFile;
 use study::documents::{DesignDocument, SIMULATED_FILE, SimulatedLogsDocument};
 use study::files::{generator, read_campaign, read_dictionary, read_simulated};
@@ -169,7 +170,7 @@ fn undisturbed(
         told["generated"] = json!(tally.kept);
         told["left_out"] = left_out.collect::<serde_json::Map<_, _>>().into();
     }
-    Ok(Summary::of(out, &tally, told))
+    Ok(with(beyond(vessel, out)?, out, &tally, told))
 }
 
 impl Task for Campaign {
@@ -249,6 +250,15 @@ fn gathered(sharding: &Sharding, out: &Path) -> Result<Summary, Failure> {
     Ok(Summary::of(out, format!("gathered {shards} shards"), json!({"shards": shards})))
 }
 
+/// What was written, and what to know of it.
+fn with(statements: Vec<String>, out: &Path, said: impl Display, mut told: Value) -> Summary {
+    if statements.is_empty() {
+        return Summary::of(out, said, told);
+    }
+    told["statements"] = json!(statements);
+    Summary::of(out, format!("{said}; {}", statements.join("; ")), told)
+}
+
 fn disturbed(
     campaign: &campaign::Campaign,
     files: &Files,
@@ -260,7 +270,7 @@ fn disturbed(
     let samples = campaign.samples();
     let part = provenance.shard.map_or(String::new(), |s: Shard| format!(", shard {s}"));
     let told = json!({"runs": runs, "samples": samples});
-    Ok(Summary::of(out, format!("{runs} runs of {samples} samples{part}"), told))
+    Ok(with(beyond(files.vessel, out)?, out, format!("{runs} runs of {samples} samples{part}"), told))
 }
 
 impl Task for Logs {

@@ -1,6 +1,9 @@
 //! `simulate`: trajectories of dictionaries, campaigns and validation maneuvers.
 
+mod beyond;
 pub mod logs;
+
+pub use beyond::beyond;
 
 use std::ops::Range;
 use std::path::Path;

@@ -136,6 +136,12 @@ fn where_a_model_leaves_what_it_was_fitted_on_is_told() {
     let outside = data["outside"].as_array().unwrap();
     assert!(outside.iter().any(|o| o["name"] == "u" && o["samples"].as_u64().unwrap() > 0), "{outside:?}");
     let statements = data["statements"].to_string();
+    // Whoever simulates with it is told too.
+    let simulate = "simulate dictionary --dictionary dictionary.toml --out dictionary.parquet";
+    let said = run(&folder, &format!("{simulate} --vessel narrow.json")).succeeds();
+    assert!(said.stdout.contains("u leaves the 0.8000 to 0.9000 m/s"), "{said}");
+    let said = run(&folder, &format!("{simulate} --vessel vessel.toml")).succeeds();
+    assert!(!said.stdout.contains("leaves the"), "{said}");
     run(&folder, REPORT).succeeds();
     let page = std::fs::read_to_string(folder.path().join("report.html")).unwrap();
     assert!(page.contains("The model on other recordings") && page.contains("u leaves the 0.8000 to"));

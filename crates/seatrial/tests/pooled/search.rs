@@ -65,6 +65,18 @@ fn a_term_that_the_structure_lacks_is_made_up_for_and_one_that_it_has_costs_litt
     put(&folder, "terms.toml", "surge = [\"u w\"]\n");
     refused(&folder, 3, &format!("{line} --allow-mixed --terms terms.toml"), &["terms.toml", "`w`"]);
     run(&folder, &format!("{line} --allow-mixed")).succeeds();
+    // Recordings that were left out speak for the model, which has none that is as long as a stretch.
+    let model = json(&folder, "model.json");
+    assert_eq!(model["data"]["rejected"], false);
+    assert!(
+        model["data"]["statements"].to_string().contains("not rejected by the recordings that were left out")
+    );
+    // The page shows the search.
+    run(&folder, &format!("{REPORT} --allow-mixed")).succeeds();
+    let page = std::fs::read_to_string(folder.path().join("report.html")).unwrap();
+    for piece in ["<section id=\"search\">", "Score against the ridge", "whole search", "X_u"] {
+        assert!(page.contains(piece), "{piece}");
+    }
     // The delivered model is what stands in the document, and others can run it.
     let line =
         "validate compare --model model.json --trajectories campaign.parquet --window-s 25 --allow-mixed";
@@ -96,6 +108,9 @@ fn few_terms_do_what_many_do() {
     assert!(mean(&few["nested"]["search"]) > mean(&many["nested"]["search"]) - 1.0, "{few}");
     let kept = terms(&few).into_iter().find(|t| t["degree"] == "surge" && t["term"] == "u").unwrap();
     assert_eq!((&kept["base"], &kept["chosen_by_folds"]), (&false.into(), &3.into()));
+    run(&folder, &format!("{REPORT} --allow-mixed")).succeeds();
+    let page = std::fs::read_to_string(folder.path().join("report.html")).unwrap();
+    assert!(page.contains("Score against the number of terms") && page.contains("Chosen without a fold"));
     let sizes = few["sizes"].as_array().unwrap();
     let constants = 3;
     let chosen = sizes.iter().find(|size| size["terms"] == terms(&few).len() + constants).unwrap();
@@ -126,4 +141,28 @@ fn a_search_whose_best_model_is_no_better_than_the_mean_is_no_answer() {
         &format!("{line} {RUNS} --out search.json"),
         &["no better than the mean", "campaign"],
     );
+}
+
+#[test]
+fn a_fold_that_diverges_is_rejected_and_counted_never_a_number() {
+    let folder = with(&[]);
+    let maneuver = |name: &str, speed: f64| {
+        format!(
+            "[[maneuver]]\nname = \"{name}\"\nkind = \"zig-zag\"\nshape = \"sine\"\nspeed_m_s = {speed}\n\
+             yaw_rate_amplitude_rad_s = 0.03\nperiod_s = 10.0\n"
+        )
+    };
+    // Whatever is fitted to the slow ones, five times their speed is far below that of the fast one.
+    let slow = (0..5).map(|i| maneuver(&format!("slow-{i}"), 0.1 + 0.005 * f64::from(i)));
+    let all: Vec<String> = slow.chain([maneuver("fast", 1.2)]).collect();
+    put(&folder, "dictionary.toml", &format!("duration_s = 37.5\n{}", all.join("\n")));
+    run(&folder, DICTIONARY).succeeds();
+    let line = SEARCH.replace("campaign.parquet", "dictionary.parquet");
+    let pieces = ["dictionary.parquet", "candidates diverge in some fold", "--fitted-window-s"];
+    refused(&folder, 4, &format!("{line} --out search.json"), &pieces);
+    assert!(!folder.path().join("search.json").exists() && !folder.path().join("model.json").exists());
+    // Without it nothing is rejected.
+    run(&folder, &format!("{line} --leave-out 5 --out search.json")).succeeds();
+    let data = json(&folder, "search.json")["data"].clone();
+    assert!(data["candidates"].as_array().unwrap().iter().all(|c| c["rejected"] == 0), "{data}");
 }

@@ -2,7 +2,7 @@ use artifact::{Columns, Document, Units};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use validation::comparison::{
-    Bands, Compared, ComparedModel, Difference, ErrorCorrelations, Outside, Traced,
+    Bands, Compared, ComparedModel, Difference, ErrorCorrelations, Outside, Traced, Validity,
 };
 use vessel::DegreeOfFreedom;
 
@@ -36,6 +36,9 @@ pub struct CompareDocument {
     pub outside: Vec<Outside>,
     /// How the model's errors correlate with themselves and with inputs: where they do beyond chance, it lacks something.
     pub correlations: Vec<ErrorCorrelations>,
+    /// Where the ship moves less or more than in any stretch that the model was fitted to; null where that is not known.
+    #[serde(default)]
+    pub validity: Option<Validity>,
 }
 
 impl CompareDocument {
@@ -56,6 +59,7 @@ impl CompareDocument {
             bands: found.bands,
             outside: found.outside.clone(),
             correlations: found.correlations.clone(),
+            validity: found.validity.clone(),
         }
     }
 }
@@ -64,9 +68,12 @@ impl Document for CompareDocument {
     const ID: &'static str = "compare";
     const VERSION: u32 = 1;
     const UNITS: Units = &[
-        ("1", "windows diverged samples error_norm pairs median interval share inside_u inside_v inside_r"),
+        (
+            "1",
+            "windows diverged samples error_norm pairs median interval share stretches below above inside_u inside_v inside_r",
+        ),
         ("1", "bound own crossed"),
-        ("s", "window_s"),
+        ("s", "window_s stretch_s"),
         ("m/s", "std_u std_v rmse_u rmse_v bias_u bias_v"),
         ("rad/s", "std_r rmse_r bias_r"),
         ("%", "fit_u fit_v fit_r"),

@@ -4,6 +4,7 @@ use identification::{Estimator, MeanRemoval, RunEstimate};
 use refusal::check_numbers;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use validation::comparison::Magnitudes;
 use vessel::{
     Constrained, Constraint, DegreeOfFreedom, InputSpec, Invalid, TermSpec, Variable, Vessel, VesselFile,
     Written,
@@ -39,7 +40,11 @@ pub struct ModelDocument {
     pub recordings: Vec<RecordingConstant>,
     /// What the data covered: the model is known to hold within.
     pub covered: Vec<Covered>,
-    /// Whether the data reject the structure; null where that could not be tried.
+    /// How large the motions were that it was fitted to; null where no run was long enough.
+    #[serde(default)]
+    pub magnitudes: Option<Magnitudes>,
+    /// Whether the data reject the structure; null where that could not be tried. Of a searched model: whether recordings
+    /// that were left out of the whole search speak against it.
     pub rejected: Option<bool>,
     /// What to know before using the model, in words.
     pub statements: Vec<String>,
@@ -176,6 +181,7 @@ impl ModelDocument {
             samples: delivered.recordings.iter().map(|own| own.samples).sum(),
             recordings: delivered.recordings.clone(),
             covered: delivered.covered.clone(),
+            magnitudes: None,
             rejected: None,
             statements: Vec::new(),
         }
@@ -353,7 +359,8 @@ impl Document for ModelDocument {
     const VERSION: u32 = 1;
     const UNITS: Units = &[
         ("Hz", "sample_rate_hz"),
-        ("1", "samples factor"),
+        ("1", "samples stretches factor"),
+        ("s", "stretch_s"),
         ("the parameter's unit", "value standard_error least_squares truth bounds"),
         ("the unit of the row's name times that of the column's", "entries"),
         ("the state's unit", "constant constant_least_squares increment_std output_rmse"),
@@ -365,6 +372,9 @@ impl Document for ModelDocument {
     fn check(&self) -> Result<(), Invalid> {
         let covered = self.covered.iter().map(|c| (format!("covered of {}", c.name), c.high - c.low));
         check_numbers(covered, "low below high", |width| width >= 0.0)?;
+        let channels = self.magnitudes.iter().flat_map(|m| &m.channels);
+        let widths = channels.map(|c| (format!("magnitude of {}", c.name), c.high - c.low));
+        check_numbers(widths, "low below high", |width| width >= 0.0)?;
         let names = self.covariance.as_ref().map_or(0, |c| c.names.len());
         let entries = self.covariance.as_ref().map_or(0, |c| c.entries.len());
         if entries != names * names {

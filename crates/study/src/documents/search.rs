@@ -125,10 +125,24 @@ impl ModelDocument {
             samples: found.samples,
             recordings: found.delivered.recordings.clone(),
             covered: found.delivered.covered.clone(),
-            rejected: None,
-            statements: found.statements.clone(),
+            magnitudes: None,
+            rejected: Some(rejected(&found.nested)),
+            statements: [&found.statements[..], &[verdict(&found.nested)]].concat(),
         }
     }
+}
+
+/// Whether recordings that were left out speak against what was found: it cannot follow them, is no better than their mean, or
+/// is worse than the structure that the search began with.
+fn rejected(nested: &NestedScore) -> bool {
+    let useless = nested.search.as_ref().is_none_or(|own| own.fits().iter().flatten().any(|fit| *fit <= 0.0));
+    let worse = nested.margin.as_ref().and_then(|margin| margin.interval[1]).is_some_and(|high| high < 0.0);
+    useless || worse
+}
+
+fn verdict(nested: &NestedScore) -> String {
+    let told = if rejected(nested) { "rejected" } else { "not rejected" };
+    format!("{told} by the recordings that were left out of the search")
 }
 
 fn degree(vessel: &Vessel, degree: DegreeOfFreedom, found: &Searched) -> ModelDegree {

@@ -3,6 +3,7 @@ use super::correlations::{ErrorCorrelations, error_correlations};
 use super::covered::{Counter, Outside};
 use super::simulated::{Contestant, Simulated};
 use super::standing::{ComparedModel, Difference};
+use super::validity::{Magnitudes, Validity};
 use super::verdict::{differences, verdict};
 use crate::crossval::CrossError;
 use identification::pooled::{Covered, Part, PooledRuns, deviations};
@@ -16,6 +17,8 @@ pub struct CompareOptions<'a> {
     pub known: Option<Known<'a>>,
     /// What the first model was fitted on.
     pub covered: &'a [Covered],
+    /// How large the motions were that the first model was fitted to, where that is known.
+    pub magnitudes: Option<&'a Magnitudes>,
     /// The sampling rate \[Hz\].
     pub rate_hz: f64,
 }
@@ -39,6 +42,8 @@ pub struct Compared {
     pub outside: Vec<Outside>,
     /// How the first model's errors correlate with themselves and with inputs.
     pub correlations: Vec<ErrorCorrelations>,
+    /// Where the ship moves less or more than in any stretch that the model was fitted to; none where that is not known.
+    pub validity: Option<Validity>,
     /// The verdict, and what to know, in words.
     pub statements: Vec<String>,
     /// The first model over time.
@@ -85,16 +90,22 @@ pub fn compare(
     let told: Vec<ComparedModel> = models.iter().map(|one| one.told(&sources, std)).collect();
     let differences = differences(&told, &models, std);
     let (bands, outside) = (looked.banded.and_then(|b| b.shares()), looked.counter.outside());
+    let whole = runs.windows(None);
+    let validity = options.magnitudes.and_then(|known| {
+        let runs = whole.iter().flat_map(|(_, parts)| parts).map(Part::view);
+        Validity::of(known, runs, options.rate_hz)
+    });
     Ok(Compared {
         windows: windows().count() as u64,
         samples: windows().map(|w| w.samples() as u64).sum(),
         std,
-        statements: verdict(&told, &differences, &outside, bands.as_ref()),
+        statements: verdict(&told, &differences, (validity.as_ref(), &outside), bands.as_ref()),
         models: told,
         differences,
         bands,
         correlations: error_correlations(first, &sources, &models[0]),
         outside,
+        validity,
         trace: looked.trace,
     })
 }
@@ -117,7 +128,7 @@ impl<'a> Looked<'a> {
         for ((source, windows), states) in sources.iter().zip(&found.windows) {
             for (i, (window, states)) in windows.iter().zip(states).enumerate() {
                 let Some(states) = states else { continue };
-                self.counter.add(window, states);
+                self.counter.add(&window.exogenous, states);
                 let bands = self.banded.as_mut().map(|banded| banded.add(window, states));
                 let pairs = window.measured.as_chunks::<3>().0.iter().zip(states.as_chunks::<3>().0);
                 self.trace.extend(pairs.enumerate().map(|(k, (measured, simulated))| Traced {

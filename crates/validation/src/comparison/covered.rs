@@ -1,7 +1,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use identification::pooled::{Covered, Part};
+use identification::pooled::Covered;
 
 /// How often a channel leaves the range that the model was fitted on.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -21,22 +21,34 @@ pub struct Outside {
     pub share: f64,
 }
 
+impl Outside {
+    /// In words.
+    pub fn statement(&self) -> String {
+        let Self { name, unit, low, high, share, samples } = self;
+        format!(
+            "{name} leaves the {low:.4} to {high:.4} {unit} that the model was fitted on in {samples} samples ({:.1} %)",
+            100.0 * share
+        )
+    }
+}
+
 /// Counts samples outside `covered`, which lists states, inputs, measured disturbances in the model's order.
-pub(super) struct Counter<'a> {
+pub struct Counter<'a> {
     covered: &'a [Covered],
     outside: Vec<u64>,
     samples: u64,
 }
 
 impl<'a> Counter<'a> {
+    /// Before anything was counted.
     pub fn new(covered: &'a [Covered]) -> Self {
         Self { covered, outside: vec![0; covered.len()], samples: 0 }
     }
 
-    /// Adds a window of which `states` were simulated.
-    pub fn add(&mut self, window: &Part, states: &[f64]) {
+    /// Adds the samples of a run: inputs and measured disturbances, and the `states`, (N+1) × 3.
+    pub fn add(&mut self, exogenous: &[f64], states: &[f64]) {
         let width = self.covered.len().saturating_sub(3);
-        let inputs = window.exogenous.chunks_exact(width.max(1));
+        let inputs = exogenous.chunks_exact(width.max(1));
         for (state, inputs) in states.as_chunks::<3>().0.iter().zip(inputs) {
             self.samples += 1;
             for (i, value) in state.iter().chain(inputs).enumerate().take(self.covered.len()) {

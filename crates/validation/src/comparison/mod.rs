@@ -10,6 +10,7 @@ mod covered;
 mod errors;
 mod simulated;
 mod standing;
+mod validity;
 mod verdict;
 
 pub use bands::{Bands, Known};
@@ -17,7 +18,8 @@ pub use compare::{CompareOptions, Compared, Traced, compare};
 pub use correlations::{
     ErrorCorrelations, ErrorKind, InputCorrelations, autocorrelations, cross_correlations,
 };
-pub use covered::Outside;
+pub use covered::{Counter, Outside};
 pub use errors::{ComparedErrors, ComparedRecording};
 pub use simulated::Contestant;
 pub use standing::{ComparedModel, Difference, Standing};
+pub use validity::{Magnitudes, STRETCH_S, Unlike, Validity};

@@ -5,6 +5,7 @@ use super::bands::Bands;
 use super::covered::Outside;
 use super::simulated::Simulated;
 use super::standing::{ComparedModel, Difference, Standing};
+use super::validity::Validity;
 use identification::pooled::listed;
 
 /// With fewer recordings than this their windows are compared: no interval of a median has both ends then.
@@ -34,12 +35,13 @@ pub(super) fn differences(told: &[ComparedModel], models: &[Simulated], std: [f6
 pub(super) fn verdict(
     told: &[ComparedModel],
     differences: &[Difference],
-    outside: &[Outside],
+    (validity, outside): (Option<&Validity>, &[Outside]),
     bands: Option<&Bands>,
 ) -> Vec<String> {
     let mut out: Vec<String> = told.first().map(headline).into_iter().collect();
     out.extend(differences.iter().map(against));
-    out.extend(outside.iter().map(left));
+    out.extend(validity.and_then(Validity::statement));
+    out.extend(outside.iter().map(Outside::statement));
     out.extend(bands.map(|b| {
         let [u, v, r] = [b.inside_u, b.inside_v, b.inside_r].map(|share| 100.0 * share);
         format!("inside the 95 % bands: u {u:.1} %, v {v:.1} %, r {r:.1} % of the samples")
@@ -90,12 +92,4 @@ fn against(difference: &Difference) -> String {
     };
     let median = number(median);
     format!("{told} {than}: its norm of RMSE/std lies {median} above (95 %: {low} to {high}; {pairs} pairs)")
-}
-
-fn left(outside: &Outside) -> String {
-    let Outside { name, unit, low, high, share, samples } = outside;
-    format!(
-        "{name} leaves the {low:.4} to {high:.4} {unit} that the model was fitted on in {samples} samples ({:.1} %)",
-        100.0 * share
-    )
 }

@@ -1,4 +1,5 @@
-//! Tests of this crate, one program.
+//! Models on recordings that they were not fitted to.
 
 mod apportioned;
 mod correlations;
+mod validity;

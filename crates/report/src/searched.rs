@@ -1,0 +1,159 @@
+use identification::search::{Candidate, NestedRecording, SizeScore};
+use maud::{Markup, html};
+
+use super::measured::free_runs;
+use super::number::{exact, or_dash, three, three_or_dash, three_within};
+use super::parts::{Figures, Section, statements};
+use super::table::Table;
+use crate::figures::{ScoredDot, scored};
+use study::documents::{FreeRunErrors, SearchDocument, SearchTerm};
+
+/// Terms beyond this many are not listed: those of the base structure first, then the largest against their standard errors.
+const MOST_TERMS: usize = 40;
+
+/// How the structure was searched for: candidates, the score on recordings that the search has not seen, terms.
+pub(super) fn searched(found: Option<&SearchDocument>, figures: &mut Figures) -> Option<Section> {
+    let found = found?;
+    let body = html! {
+        (about(found))
+        (statements(&found.statements))
+        (nested(found))
+        (ridges(found, figures))
+        @if !found.sizes.is_empty() { (sizes(found, figures)) }
+        (terms(found))
+        (recordings(found))
+    };
+    Some(Section::new("search", "Search for a structure", "The search for a structure", body))
+}
+
+fn about(found: &SearchDocument) -> Markup {
+    let windows =
+        found.window_s.map_or("whole recordings".to_owned(), |s| format!("windows of {} s", exact(s)));
+    html! {
+        p {
+            "Beside the terms of the vessel a library is fitted by the errors of free simulations over windows of "
+            (exact(found.fitted_window_s)) " s that begin every " (exact(found.every_s)) " s, held back by a ridge. "
+            (found.folds) " folds of whole recordings choose the ridge; the whole search is repeated without each fold and judged \
+             by it, over " (windows) ". Fit: 100 (1 − RMSE/std) over all windows together."
+        }
+    }
+}
+
+/// A score of the whole search or of the base structure.
+#[derive(Clone, Copy)]
+struct Judged<'a> {
+    name: &'a str,
+    windows: &'a str,
+    errors: Option<&'a FreeRunErrors>,
+}
+
+fn nested(found: &SearchDocument) -> Markup {
+    let nested = &found.nested;
+    let rows = [
+        ("whole search", "side by side", &nested.search),
+        ("base structure", "side by side", &nested.base),
+        ("whole search", "one at every quarter of another", &nested.search_overlapping),
+        ("base structure", "one at every quarter of another", &nested.base_overlapping),
+    ];
+    let rows = rows.map(|(name, windows, errors)| Judged { name, windows, errors: errors.as_ref() });
+    let table = Table::of(&rows).name("On recordings left out", |j| j.name).text("Windows", |j| j.windows);
+    html! {
+        (free_runs(table, |j| j.errors.copied()))
+        @if let Some(margin) = &nested.margin {
+            p.note {
+                "The base structure's norm of RMSE/std lies above that of the search by "
+                (three_within(margin.median, Some(margin.interval))) ": median over " (margin.pairs)
+                " recordings with its 95 % interval; one that contains 0 tells no difference."
+            }
+        }
+    }
+}
+
+fn ridges(found: &SearchDocument, figures: &mut Figures) -> Markup {
+    let chosen = |c: &Candidate| c.ridge == found.ridge;
+    let dot = |c: &Candidate| {
+        let (at, standard_error) = (c.ridge, c.standard_error);
+        Some(ScoredDot { at, score: c.score?, standard_error, chosen: chosen(c) })
+    };
+    let dots: Vec<ScoredDot> = found.candidates.iter().filter_map(dot).collect();
+    let figure = scored(&dots, true, ("ridge Λ [1]", "mean fit of u, v, r [%]"));
+    let table = Table::of(&found.candidates)
+        .mark("main", chosen)
+        .name("Ridge", |c| three(c.ridge))
+        .number("Mean fit [%]", |c| three_or_dash(c.score))
+        .number("Standard error", |c| three_or_dash(c.standard_error))
+        .number("Folds rejected", |c| c.rejected);
+    html! {
+        h3 { "Score against the ridge" }
+        (figures.place("search-ridge", figure, &html! {
+            b { "Mean fit over folds left out, with its standard error." }
+            " The filled dot is the ridge that was chosen. Standard errors are of one candidate over recordings; between \
+             candidates scores differ less, for the recordings are the same."
+        }))
+        (table)
+    }
+}
+
+fn sizes(found: &SearchDocument, figures: &mut Figures) -> Markup {
+    let kept = found.sizes.iter().find(|size| size.excess <= size.standard_error).map(|size| size.terms);
+    let dot = |size: &SizeScore| ScoredDot {
+        at: size.terms as f64,
+        score: size.excess,
+        standard_error: Some(size.standard_error),
+        chosen: Some(size.terms) == kept,
+    };
+    let dots: Vec<ScoredDot> = found.sizes.iter().map(dot).collect();
+    let figure = scored(&dots, false, ("number of terms [1]", "loss above the least [1]"));
+    html! {
+        h3 { "Score against the number of terms" }
+        (figures.place("search-terms", figure, &html! {
+            b { "Loss of folds left out above the least, with its standard error." }
+            " The filled dot is the fewest terms within a standard error of the best. Terms were added one by one, each time the \
+             one with the least loss."
+        }))
+    }
+}
+
+fn terms(found: &SearchDocument) -> Markup {
+    let told = |term: &SearchTerm| {
+        let error = term.standard_error.filter(|error| *error > 0.0);
+        error.map_or(0.0, |error| (term.value / error).abs())
+    };
+    let mut rows: Vec<&SearchTerm> = found.terms.iter().collect();
+    rows.sort_by(|a, b| b.base.cmp(&a.base).then(told(b).total_cmp(&told(a))));
+    let listed = rows.len().min(MOST_TERMS);
+    let table = Table::of(rows[..listed].iter().copied())
+        .compact()
+        .mark("main", |t| t.base)
+        .name("Term", |t| t.term.as_str())
+        .text("Of", |t| t.degree.as_str())
+        .text("Parameter", |t| t.name.as_str())
+        .number("Value", |t| three(t.value))
+        .number("Standard error", |t| three_or_dash(t.standard_error))
+        .number("Chosen without a fold", |t| or_dash(t.chosen_by_folds));
+    html! {
+        h3 { "Terms" }
+        (table)
+        p.note {
+            "Those of the base structure first, then by value over standard error, which knows nothing of the ridge's bias. "
+            @if rows.len() > listed { "The first " (listed) " of " (rows.len()) "; all are in `search.json`. " }
+            @if !found.sizes.is_empty() {
+                "Chosen without a fold: in how many of the " (found.folds) " searches without a fold the term was chosen too."
+            }
+        }
+    }
+}
+
+fn recordings(found: &SearchDocument) -> Markup {
+    let table = Table::of(&found.nested.recordings)
+        .compact()
+        .name("Recording", |r: &NestedRecording| r.source.as_str())
+        .number("Fold", |r| r.fold + 1)
+        .number("Error norm", |r| three_or_dash(r.search_norm))
+        .number("Of the base structure", |r| three_or_dash(r.base_norm));
+    html! {
+        h3 { "Recordings when they were left out" }
+        (free_runs(table, |r| r.search))
+        p.note { "Fits of a recording are against the standard deviations of its own states." }
+    }
+}
