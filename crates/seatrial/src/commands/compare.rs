@@ -65,13 +65,8 @@ impl Task for Arguments {
             .collect();
         let (covariance, rmse) = (model.covariance.as_ref(), model.output_rmse());
         let known = covariance.zip(rmse).map(|(covariance, rmse)| Known { covariance, rmse });
-        let options = CompareOptions {
-            window,
-            known,
-            covered: &model.covered,
-            magnitudes: model.magnitudes.as_ref(),
-            rate_hz,
-        };
+        let (covered, magnitudes) = (model.covered.as_slice(), model.magnitudes.as_ref());
+        let options = CompareOptions { window, known, covered, magnitudes, rate_hz };
         let found = compare(&contestants, &runs, &options);
         let found = found.map_err(|e| Failure::invalid(&self.of.trajectories, &e.invalid()))?;
         let settings = [("window_samples", json!(window)), ("runs", json!(self.of.runs))];

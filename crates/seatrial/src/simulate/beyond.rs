@@ -5,7 +5,7 @@ use std::path::Path;
 use study::files::read_model;
 use study::trajectories::{Layout, TrajectoryReader};
 use validation::comparison::{Counter, Outside, Validity};
-use vessel::{Run, Vessel};
+use vessel::Run;
 
 use crate::failure::Failure;
 
@@ -15,19 +15,16 @@ use crate::failure::Failure;
 /// Files that cannot be read.
 pub fn beyond(model: &Path, out: &Path) -> Result<Vec<String>, Failure> {
     let Some(model) = read_model(model)? else { return Ok(Vec::new()) };
-    let vessel: Vessel = model.vessel().map_err(|e| Failure::invalid(out, &e))?;
+    let vessel = model.vessel().map_err(|e| Failure::invalid(out, &e))?;
     let (layout, rate_hz) = (Layout::new(&vessel.model), vessel.sample_rate_hz);
     let reader = TrajectoryReader::open(out, &layout, rate_hz)?;
-    let mut counter = Counter::new(&model.covered);
-    let mut validity: Option<Validity> = None;
+    let (mut counter, mut validity) = (Counter::new(&model.covered), None);
     for block in 0..reader.blocks() {
         let runs = reader.runs(block)?;
         runs.iter().for_each(|run| counter.add(&run.exogenous, &run.measured));
-        let found = model.magnitudes.as_ref().and_then(|known| {
-            let views = runs.iter().map(Run::view);
-            Validity::of(known, views, rate_hz)
-        });
-        validity = Validity::together(validity, found);
+        let views = runs.iter().map(Run::view);
+        let own = model.magnitudes.as_ref().and_then(|known| Validity::of(known, views, rate_hz));
+        validity = Validity::together(validity, own);
     }
     let stretches = validity.as_ref().and_then(Validity::statement);
     Ok(stretches.into_iter().chain(counter.outside().iter().map(Outside::statement)).collect())

@@ -158,7 +158,8 @@ fn the_method_of_least_error_for_the_kvlcc2_reaches_the_baseline() {
 fn a_structure_found_for_the_kvlcc2_follows_runs_that_were_left_out_of_the_search() {
     let Some(folder) = ingested("kvlcc2", "kvlcc2_hsva") else { return };
     // One run left out at a time; a third of the usual windows, which is enough here.
-    let line = format!("estimate search {LOGGED} --recordings ingest.json --window-s 100 --folds 13 --every-s 60");
+    let line =
+        format!("estimate search {LOGGED} --recordings ingest.json --window-s 100 --folds 13 --every-s 60");
     let said = run(&folder, &format!("{line} --out search.json")).succeeds();
     let nested = json(&folder, "search.json")["data"]["nested"].clone();
     let fits = |of: &str| ["fit_u", "fit_v", "fit_r"].map(|fit| nested[of][fit].as_f64().unwrap());
