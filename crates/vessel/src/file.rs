@@ -211,7 +211,7 @@ fn replaced(file: &VesselFile) -> Result<[Vec<TermSpec>; 3], Invalid> {
 
 fn check_parameters(written: &[Vec<TermSpec>; 3]) -> Result<(), Invalid> {
     for spec in written.iter().flatten() {
-        for number in spec.value.iter().chain(&spec.nominal).filter(|number| !number.is_finite()) {
+        if let Some(number) = spec.value.iter().chain(&spec.nominal).find(|number| !number.is_finite()) {
             let thing = format!("parameter `{}`", spec.parameter);
             return Err(Invalid::new(thing, number.to_string(), "a finite number", "correct it"));
         }
