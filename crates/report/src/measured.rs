@@ -9,8 +9,7 @@ use super::table::Table;
 use artifact::Error;
 use study::documents::{
     CompareDocument, CrossvalDocument, EstimatorScore, FreeRunErrors, IngestDocument, ModelDocument,
-    SearchDocument,
-    SelectionScores, TrustDocument,
+    SearchDocument, SelectionScores, TrustDocument,
 };
 use study::listed;
 use validation::comparison::Traced;

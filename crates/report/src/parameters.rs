@@ -30,6 +30,8 @@ struct Shown<'a> {
     designs: &'a [DesignSummary],
     /// Why these, where several estimators were compared.
     why: Option<String>,
+    /// Whether all runs were pooled: then the trust in the estimate says what the model lacks.
+    pooled: bool,
 }
 
 impl<'a> Shown<'a> {
@@ -47,7 +49,8 @@ impl<'a> Shown<'a> {
             None => format!("No estimator is recommended; these are the estimates by {estimator}."),
         };
         let why = Some(why).filter(|_| !compared.is_empty());
-        Self { estimator, mean_removal: estimate.mean_removal, designs, why }
+        let pooled = estimate.trust.is_some();
+        Self { estimator, mean_removal: estimate.mean_removal, designs, why, pooled }
     }
 }
 
@@ -80,7 +83,7 @@ fn facts(estimate: &Shown, designs: &[&DesignSummary]) -> Markup {
             (entry("Mean of the instruments removed", display(estimate.mean_removal)))
             @for design in designs {
                 (entry(format!("Identified, {}", design.design), format!("{} of {} runs", design.identified, design.runs)))
-                @if estimate.trust.is_none() { (entry(format!("Model rejected, {}", design.design), rejected(design))) }
+                @if !estimate.pooled { (entry(format!("Model rejected, {}", design.design), rejected(design))) }
             }
             (entry("Spread", "standard deviation of the estimates over the identified runs"))
             (entry("Predicted", "median of the standard errors that the runs report of themselves"))

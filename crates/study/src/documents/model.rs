@@ -302,7 +302,9 @@ impl ModelDegree {
             Written::Estimated(place) => estimated(place),
             Written::Constrained(own) => ModelParameter {
                 least_squares: least_squares.map(|(theta, _)| own.value(theta)),
-                ..ModelParameter::constrained(vessel, own, &delivered.theta, |i| errors.get(i).copied().flatten())
+                ..ModelParameter::constrained(vessel, own, &delivered.theta, |i| {
+                    errors.get(i).copied().flatten()
+                })
             },
         };
         Self {
