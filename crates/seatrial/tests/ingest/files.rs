@@ -157,7 +157,7 @@ fn what_a_long_recording_puts_aside_changes_no_byte_and_leaves_no_file() {
         assert_eq!(ran.code, Some(0), "{}{}", ran.stdout, ran.stderr);
         ["made.parquet", "made-ingest.json"].map(|name| std::fs::read(folder.path().join(name)).unwrap())
     };
-    // The one fits what is held in memory; of the other four pieces are, and a piece is half a megabyte.
-    assert!(made(&[]) == made(&["--memory-mib", "16"]));
+    // The one fits what is held in memory; of the other twelve pieces are, and a piece is half a megabyte.
+    assert!(made(&[]) == made(&["--memory-mib", "48"]));
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 4);
 }
