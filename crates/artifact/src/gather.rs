@@ -85,7 +85,7 @@ struct Part<'a> {
 fn number(path: &Path, provenance: &Provenance) -> Result<Shard> {
     provenance.shard.ok_or_else(|| {
         let remedy = "name only files written with --shard";
-        Error::refuse(path, "shard", "a whole one", "a shard K/N", remedy)
+        Error::refuse(path, "shard", "a whole file", "a shard K/N", remedy)
     })
 }
 

@@ -94,7 +94,7 @@ fn a_shard_of_another_computation_is_refused() {
         foreign(&|p| p.shard = Some(Shard { index: 4, count: 5 }))
             .contains("number of shards: found 5, expected 4")
     );
-    assert!(foreign(&|p| p.shard = None).contains("shard: found a whole table, expected a shard K/N"));
+    assert!(foreign(&|p| p.shard = None).contains("shard: found a whole file, expected a shard K/N"));
 }
 
 #[test]

@@ -135,7 +135,7 @@ fn sets_of_shards_that_do_not_fit_are_refused() {
     let half = gather("half.parquet b.parquet c.parquet");
     refused(&folder, 3, &half, &["number of shards", "one computation"]);
     let whole = gather("campaign.parquet a.parquet b.parquet");
-    refused(&folder, 3, &whole, &["campaign.parquet", "a whole table", "--shard"]);
+    refused(&folder, 3, &whole, &["campaign.parquet", "a whole file", "--shard"]);
     let kind = gather("estimates.parquet");
     refused(&folder, 3, &kind, &["estimates.parquet", "estimates/1", "trajectories/1"]);
     refused(&folder, 1, &gather("a.parquet none.parquet"), &["none.parquet", "an existing file"]);
