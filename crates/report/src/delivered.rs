@@ -12,6 +12,9 @@ use study::listed;
 /// Parameters of the model that the estimate delivers, and whether its estimator is the one to recommend.
 pub(super) fn delivered(measured: &Measured) -> Section {
     let body = match &measured.model {
+        None if measured.trust.is_some() => html! {
+            p { "The estimate delivers no model: not every degree of freedom has an estimate. See below what it lacks." }
+        },
         None => missing("The model is", "model.json", "estimate pool"),
         Some(model) => html! {
             (chosen(model.estimator, measured.crossval.as_ref()))
