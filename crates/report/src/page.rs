@@ -52,7 +52,7 @@ pub fn render(study: &Study) -> Rendered {
 /// The sections of a study of simulated trials.
 fn of_trials(study: &Study, figures: &mut Figures) -> Vec<Section> {
     let mut sections = vec![comparison(study)];
-    sections.extend(realizations(study.tally.as_ref()));
+    sections.extend(realizations(study));
     sections.extend(estimators(study));
     sections.extend([allocation(study, figures), certificate(study), dictionary(study, figures)]);
     sections.extend(trajectory(study, figures));

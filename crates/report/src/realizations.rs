@@ -1,21 +1,26 @@
 use identification::Estimator;
 use maud::{display, html};
-use study::documents::{DesignScores, EstimatorScores, TallyDocument};
+use study::documents::{DesignScores, EstimatorScores};
 
 use super::number::{median, percent, q90};
 use super::parts::{Section, statements};
-use super::study::optimized_first;
+use super::study::{Study, optimized_first};
 use super::table::Table;
 
-/// What many realizations in memory say, by design and estimator.
-pub(super) fn realizations(tally: Option<&TallyDocument>) -> Option<Section> {
-    let tally = tally?;
+/// What many realizations in memory say, by design and estimator; where they are not those that the validation tells of.
+pub(super) fn realizations(study: &Study) -> Option<Section> {
+    let tally = study.tally.as_ref()?;
+    let counted: u64 = tally.tally.counted.iter().map(|counted| counted.runs).sum();
+    if tally.scores.len() < 2 && study.scored().iter().map(|design| design.runs).sum::<u64>() == counted {
+        return None;
+    }
     let rows: Vec<(Estimator, &DesignScores)> = tally.scores.iter().flat_map(designs).collect();
     let share = |share: f64, interval: Option<[f64; 2]>| {
         let half = interval.map_or(f64::NAN, |[low, high]| 50.0 * (high - low));
         format!("{:.2} ± {half:.2} %", 100.0 * share)
     };
     let table = Table::of(rows)
+        .compact()
         .name("Design", |(_, d)| d.design.as_str())
         .text("Estimator", |(estimator, _)| display(estimator))
         .number("Runs", |(_, d)| d.runs)
