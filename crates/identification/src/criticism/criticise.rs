@@ -50,7 +50,7 @@ fn judge(subject: &Subject, problems: &Problems, starts: &[Vec<f64>]) -> Vec<Opt
     let each = states.into_iter().zip(sums).zip(series);
     each.map(|((state, sums), series)| {
         let projected = Projected::new(&sums?, state.parameters.len())?;
-        Some(judged(subject, &lifted, &draws, &state, &projected, &series))
+        Some(judged(subject, &lifted, &draws, &state, &projected, &series)).filter(Criticism::is_finite)
     })
     .collect()
 }

@@ -64,6 +64,20 @@ pub struct Absent {
     pub candidate: bool,
 }
 
+impl Criticism {
+    /// Whether all that is told are numbers: errors of a model that all but diverges have squares that are none.
+    pub(super) fn is_finite(&self) -> bool {
+        let noise = [self.noise_u, self.noise_v, self.noise_r, self.current_std, self.error_ratio];
+        let absent = |a: &Absent| {
+            let [values, errors] = [&a.value, &a.standard_error].map(|all| all.iter().all(|x| x.is_finite()));
+            values && errors && [a.visible_from, a.p_value, a.evidence].iter().all(|x| x.is_finite())
+        };
+        let white = self.whiteness.iter().flat_map(|w| [w.statistic, w.p_value, w.first_autocorrelation]);
+        let optional = [self.p_value, self.current_time_s].into_iter().flatten();
+        noise.into_iter().chain(white).chain(optional).all(f64::is_finite) && self.absent.iter().all(absent)
+    }
+}
+
 impl Absent {
     /// `r |r|` in yaw.
     pub fn told(&self) -> String {

@@ -104,6 +104,18 @@ fn magnitudes_that_no_ship_has_are_put_down_to_the_table() {
     }
 }
 
+/// Errors of a model that a prior holds where simulations all but diverge have squares that are no numbers; the output was blamed
+/// for what was made of them.
+#[test]
+fn errors_beyond_numbers_are_no_criticism() {
+    let line = "estimate pool --vessel vessel.toml --trajectories campaign.parquet";
+    let (ground, stage) = all().into_iter().find(|(_, stage)| stage.line.starts_with(line)).unwrap();
+    let place = Place::on(ground);
+    for words in ["--runs 1 --prior 1e-9", "--part-s 1"] {
+        assert_eq!(ends(&place, &format!("{} {words}", stage.line_into("out/"))), Ok(0), "{words}");
+    }
+}
+
 /// The footer of a table whose first column begins before the file does.
 fn with_negative_offset(metadata: ParquetMetaData) -> ParquetMetaData {
     let mut groups = metadata.row_groups().to_vec();
