@@ -24,9 +24,24 @@ use crate::toml_input::text_of;
 /// # Errors
 /// [`Error::Io`] if the file cannot be read; [`Error::Refused`] if it is not JSON, is of another
 /// kind or version, does not fit its seal, has unknown, missing, doubled or mistyped keys, other units or values without
-/// meaning, or if beside it stand other files than those written with it.
+/// meaning, if beside it stand other files than those written with it, or if it is a shard.
 pub fn read_document<D: Document>(path: impl AsRef<Path>) -> Result<Loaded<D>> {
     let path = path.as_ref();
+    let loaded = read_part(path)?;
+    match loaded.provenance.shard {
+        None => Ok(loaded),
+        Some(shard) => {
+            let (expected, remedy) = ("the whole document", "put all shards together with --gather first");
+            Err(Error::refuse(path, "file", format!("shard {shard}"), expected, remedy))
+        }
+    }
+}
+
+/// Reads a document that may be a shard.
+///
+/// # Errors
+/// See [`read_document`].
+pub fn read_part<D: Document>(path: &Path) -> Result<Loaded<D>> {
     let (text, header) = opened(path)?;
     header.check(path, D::ID, D::VERSION)?;
     let digest = check_seal(path, &text, header.seal())?.digest;

@@ -8,7 +8,7 @@ use parquet::column::writer::ColumnCloseResult;
 use parquet::file::metadata::{ColumnChunkMetaData, RowGroupMetaData};
 
 use crate::error::{Error, Result};
-use crate::provenance::Provenance;
+use crate::provenance::{MIXED, Provenance};
 use crate::schema::TableSchema;
 use crate::shard::Shard;
 use crate::staged::Staged;
@@ -58,6 +58,39 @@ pub fn gather(
         }
     }
     writer.finish()
+}
+
+/// Refuses inputs of which the shard at `path` was made of others, or a setting that it was made with otherwise.
+///
+/// # Errors
+/// Names the input's file, or the setting.
+pub fn check_given(given: &Provenance, path: &Path, made: &Provenance) -> Result<()> {
+    let other = |role: &&String| made.inputs.get(*role).is_some_and(|digest| *digest != given.inputs[*role]);
+    if let Some(role) = given.inputs.keys().find(other) {
+        let file = given.told_by.get(role).map_or(path, |file| file);
+        let (found, expected) = (
+            format!("another {role} than that of {}", path.display()),
+            "the files that the shards were made of",
+        );
+        return Err(Error::refuse(
+            file,
+            "provenance",
+            found,
+            expected,
+            "name that file, or make the shards again",
+        ));
+    }
+    let other = |(name, value): &(&String, &serde_json::Value)| {
+        *name != MIXED && made.settings.get(*name).is_some_and(|made| made != *value)
+    };
+    match given.settings.iter().find(other) {
+        None => Ok(()),
+        Some((name, value)) => {
+            let (thing, found) = (format!("`{name}`"), format!("{}", made.settings[name]));
+            let expected = format!("{value}, as is asked for now");
+            Err(Error::refuse(path, thing, found, expected, "ask for the same, or make the shards again"))
+        }
+    }
 }
 
 /// Refuses files, in the order of their numbers, that are not all shards of one computation.

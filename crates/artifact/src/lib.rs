@@ -79,11 +79,11 @@ pub use columns::{Column, FloatColumn, IntegerColumn, Labels, Table, TextColumn}
 pub use decode::decoding;
 pub use digest::{Digest, Digesting};
 pub use document::{Document, Loaded, Units, json_schema, stage_document, stage_set_document, units};
-pub use document_reader::{read_document, read_json};
+pub use document_reader::{read_document, read_json, read_part};
 pub use encode::{EncodedBlock, encode_block};
 pub use error::{Error, Result};
 pub use foreign::ForeignTable;
-pub use gather::{check_shards, gather};
+pub use gather::{check_given, check_shards, gather};
 pub use inspect::{Inspected, inspect};
 pub use provenance::{MIXED, Provenance, STUDY_ROLES};
 pub use rows::Columns;

@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use artifact::{
-    Columns, Document, EncodedBlock, Error, Provenance, Staged, TableReader, TableWriter, commit,
-    commit_with_document, gather,
+    Columns, Document, EncodedBlock, Error, Provenance, Staged, TableReader, TableWriter, check_given,
+    commit, commit_with_document, gather,
 };
 
 use crate::failure::Failure;
@@ -21,14 +21,16 @@ pub struct Made<R> {
 }
 
 impl<R: Send + 'static> Made<R> {
-    /// Puts the files of all `shards` together and reads their rows.
+    /// Puts the files of all `shards` together and reads their rows. `given`: the inputs and settings that the whole is to be
+    /// told with.
     ///
     /// # Errors
-    /// Files that are no shards of one table, or not all of them.
+    /// Files that are no shards of one table, or not all of them; shards of other inputs or settings.
     pub fn gathered(
         shards: &[PathBuf],
         [out, document]: [&Path; 2],
         columns: &Columns<R>,
+        given: &Provenance,
         rows: impl Fn(&TableReader) -> Result<Vec<R>, Error>,
     ) -> Result<Self, Failure> {
         let schema = columns.schema();
@@ -37,7 +39,10 @@ impl<R: Send + 'static> Made<R> {
         let open = |path: &PathBuf| TableReader::open(path, schema.id, schema.version);
         let mut readers = shards.iter().map(open).collect::<Result<Vec<_>, _>>()?;
         readers.sort_by_key(|reader| reader.provenance().shard);
-        readers.iter().try_for_each(|reader| reader.require(&schema.columns))?;
+        readers.iter().try_for_each(|reader| {
+            reader.require(&schema.columns)?;
+            check_given(given, reader.path(), reader.provenance())
+        })?;
         let all = readers.iter().map(rows).collect::<Result<Vec<_>, _>>()?.into_iter().flatten().collect();
         let first = readers.first().map(|reader| reader.provenance().clone()).unwrap_or_default();
         Ok(Self { rows: all, provenance: Provenance { shard: None, ..first }, table })

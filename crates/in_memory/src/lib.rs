@@ -13,7 +13,7 @@ use identification::runs::{NominalDiverged, RunError, RunEstimators, RunInstrume
 use identification::{Estimator, InstrumentKind, MeanRemoval, RunEstimate, RunScore, ValidationRuns};
 use rayon::prelude::*;
 use study::campaign_file::CampaignFile;
-use study::documents::{Bounds as ErrorBounds, DesignScores};
+use study::documents::DesignScores;
 use study::scores::summarize;
 use thiserror::Error;
 use trial::campaign::{Campaign, Designed, Maneuvers, Refusal, SimulatedRun};
@@ -180,12 +180,7 @@ impl Study {
     /// What the scores of each design say together: above all the shares of realizations below the campaign's bounds, with
     /// their intervals.
     pub fn worth(&self, scores: &[RunScore]) -> Vec<DesignScores> {
-        let validation = &self.campaign.validation;
-        let bounds = ErrorBounds {
-            parameter_error: validation.parameter_error_bound,
-            simulation_error: validation.simulation_error_bound,
-        };
-        summarize(scores, bounds)
+        summarize(scores, self.campaign.bounds())
     }
 }
 
@@ -200,7 +195,11 @@ impl Optimum {
     }
 }
 
-fn undisturbed(
+/// The runs of all maneuvers of `generator`, each on its own, simulated with the parameters of `source`; `design` is their label.
+///
+/// # Errors
+/// A maneuver that the model cannot hold or that diverges; limits that no generated maneuver keeps.
+pub fn undisturbed(
     vessel: &Vessel,
     generator: &Generator,
     source: Source,

@@ -10,6 +10,7 @@ static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
 pub mod commands;
 pub mod design;
 pub mod ingest;
+pub mod monte_carlo;
 pub mod plan;
 pub mod pool;
 pub mod simulate;

@@ -4,6 +4,7 @@ use identification::Noise;
 use identification::predictor::{Flow, Gusts, Levels};
 use serde::Deserialize;
 use trial::campaign::{Sea, Settings};
+use validation::tally::Bounds;
 use vessel::{
     Axes, Current, DictionaryFile, Disturbances, Invalid, ManeuverSpec, Measurement, Source, Vessel, Wind,
     check_numbers,
@@ -75,6 +76,14 @@ impl CampaignFile {
     /// Current and measurement noise.
     pub fn disturbances(&self) -> Disturbances {
         Disturbances { current: self.current, measurement: self.measurement }
+    }
+
+    /// What the shares of good estimates are counted against.
+    pub fn bounds(&self) -> Bounds {
+        Bounds {
+            parameter_error: self.validation.parameter_error_bound,
+            simulation_error: self.validation.simulation_error_bound,
+        }
     }
 
     /// Size and seed of the campaign; `seed` replaces the file's.

@@ -1,21 +1,20 @@
 //! Tallies of shards, merged.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-use artifact::{Error, Loaded, Provenance, check_shards, read_document};
+use artifact::{Error, Loaded, Provenance};
 
 use crate::documents::TallyDocument;
+
+/// What the tally is usually called.
+pub const MAIN: &str = "tally.json";
 
 /// The tally that all `shards` make together, whatever their order.
 ///
 /// # Errors
 /// Files that are not all shards of one tally.
 pub fn merged(shards: &[PathBuf]) -> Result<(Provenance, TallyDocument), Error> {
-    let read = |path| Ok::<_, Error>((Path::new(path), read_document::<TallyDocument>(path)?));
-    let mut all: Vec<(&Path, Loaded<TallyDocument>)> = shards.iter().map(read).collect::<Result<_, _>>()?;
-    check_shards(all.iter().map(|(path, loaded)| (*path, &loaded.provenance)))?;
-    all.sort_by_key(|(_, loaded)| loaded.provenance.shard);
-    let mut all = all.into_iter();
+    let mut all = crate::parts::all::<TallyDocument>(shards)?.into_iter();
     let Some((_, first)) = all.next() else { unreachable!("there is a shard to gather") };
     let Loaded { data: mut merged, provenance, .. } = first;
     for (path, loaded) in all {

@@ -76,7 +76,7 @@ impl Task for Arguments {
         let document = beside(&out, MAIN, "estimate.json");
         let path = model_beside(&out, MAIN, [&self.vessel].into_iter().chain(&self.trajectories))?;
         let (made, model) = match self.sharding.gathers() {
-            true => (gathered(&self.sharding.gather, &vessel, [&out, &document])?, None),
+            true => (gathered(&self.sharding.gather, &vessel, [&out, &document], &provenance)?, None),
             false => self.computed(&vessel, levels, provenance, [&out, &document], common.quiet)?,
         };
         publish(&vessel, &document, made, (&path, model))
@@ -214,8 +214,13 @@ fn run_at(reader: &TrajectoryReader, place: usize) -> Result<Option<Run>, Failur
 }
 
 /// The estimates of all shards.
-fn gathered(shards: &[PathBuf], vessel: &Vessel, out: [&Path; 2]) -> Result<Made<Row>, Failure> {
-    Made::gathered(shards, out, &estimates::columns(vessel), |reader| {
+fn gathered(
+    shards: &[PathBuf],
+    vessel: &Vessel,
+    out: [&Path; 2],
+    given: &Provenance,
+) -> Result<Made<Row>, Failure> {
+    Made::gathered(shards, out, &estimates::columns(vessel), given, |reader| {
         let blocks = (0..reader.blocks()).map(|i| estimates::rows(reader, vessel, reader.path(), i));
         Ok(blocks.collect::<Result<Vec<_>, _>>()?.concat())
     })

@@ -7,13 +7,13 @@ use crate::cli::{Common, Sharding, beside, given};
 use crate::failure::Failure;
 use crate::inputs;
 use crate::plan::MAIN;
-use crate::simulate::{Files, beyond, check_campaign, logs, write_campaign, write_maneuvers};
+use crate::simulate::{CampaignFlags, Files, beyond, check_campaign, logs, write_campaign, write_maneuvers};
 use crate::stage::{Summary, Task};
 use artifact::{Provenance, Shard, commit, gather};
 use clap::Parser;
 use serde_json::{Value, json};
 use study::campaign_file::CampaignFile;
-use study::documents::{DesignDocument, SIMULATED_FILE, SimulatedLogsDocument};
+use study::documents::{SIMULATED_FILE, SimulatedLogsDocument};
 use study::files::{generator, read_campaign, read_dictionary, read_simulated};
 use study::logs_file::LogsFile;
 use study::track::read_planned;
@@ -39,11 +39,13 @@ pub struct Arguments {}
 )]
 pub struct Dictionary {
     /// The vessel
-    #[arg(long, visible_alias = "model", value_name = "vessel.toml")]
-    vessel: PathBuf,
+    #[arg(long, visible_alias = "model", required_unless_present = "gather", value_name = "vessel.toml")]
+    vessel: Option<PathBuf>,
     /// The maneuvers
-    #[arg(long, value_name = "dictionary.toml")]
-    dictionary: PathBuf,
+    #[arg(long, required_unless_present = "gather", value_name = "dictionary.toml")]
+    dictionary: Option<PathBuf>,
+    #[command(flatten)]
+    sharding: Sharding,
 }
 
 /// Disturbed runs of the optimized and the random design
@@ -55,18 +57,8 @@ pub struct Dictionary {
     --design design.json --out campaign.parquet"
 )]
 pub struct Campaign {
-    /// The vessel
-    #[arg(long, visible_alias = "model", required_unless_present = "gather", value_name = "vessel.toml")]
-    vessel: Option<PathBuf>,
-    /// The maneuvers
-    #[arg(long, required_unless_present = "gather", value_name = "dictionary.toml")]
-    dictionary: Option<PathBuf>,
-    /// Runs, disturbances, seed
-    #[arg(long, required_unless_present = "gather", value_name = "campaign.toml")]
-    campaign: Option<PathBuf>,
-    /// The optimized shares
-    #[arg(long, required_unless_present = "gather", value_name = "design.json")]
-    design: Option<PathBuf>,
+    #[command(flatten)]
+    of: CampaignFlags,
     #[command(flatten)]
     sharding: Sharding,
 }
@@ -129,14 +121,20 @@ pub struct Logs {
 
 impl Task for Dictionary {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
+        let own = [&self.vessel, &self.dictionary].into_iter().flatten();
+        let out = common.main_output("dictionary.parquet", own.chain(&self.sharding.gather))?;
+        if self.sharding.gathers() {
+            return gathered(&self.sharding, &out);
+        }
         let mut provenance = common.provenance("simulate");
-        let vessel = read_simulated(&self.vessel, &mut provenance)?;
-        let generator = read_dictionary(&self.dictionary, &vessel, &mut provenance)?;
+        let files = (given(&self.vessel, "vessel")?, given(&self.dictionary, "dictionary")?);
+        let vessel = read_simulated(files.0, &mut provenance)?;
+        let generator = read_dictionary(files.1, &vessel, &mut provenance)?;
         let source = vessel.best_known();
         provenance.settings.insert("model".into(), json!(source.name()));
-        let out = common.main_output("dictionary.parquet", [&self.vessel, &self.dictionary])?;
+        provenance.shard = self.sharding.shard;
         let maneuvers = Maneuvers::new(&vessel, &generator, source, "dictionary");
-        undisturbed(maneuvers, (&self.vessel, &self.dictionary), &out, &provenance, common)
+        undisturbed(maneuvers, files, &out, &provenance, common)
     }
 }
 
@@ -161,7 +159,7 @@ fn undisturbed(
     provenance: &Provenance,
     common: &Common,
 ) -> Result<Summary, Failure> {
-    let files = Files { vessel, dictionary, campaign: dictionary, sea: dictionary, design: dictionary };
+    let files = Files { vessel, ..Files::all(dictionary) };
     let maneuvers = maneuvers.map_err(|e| files.refused(e))?;
     let tally = write_maneuvers(&maneuvers, &files, out, provenance, common.quiet)?;
     let mut told = json!({"maneuvers": tally.maneuvers, "samples": tally.samples});
@@ -170,36 +168,23 @@ fn undisturbed(
         told["generated"] = json!(tally.kept);
         told["left_out"] = left_out.collect::<serde_json::Map<_, _>>().into();
     }
-    Ok(with(beyond(vessel, out)?, out, &tally, told))
+    let said = format!("{tally}{}", shard_of(provenance));
+    Ok(with(beyond(vessel, out)?, out, said, told))
 }
 
 impl Task for Campaign {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
-        let own = [&self.vessel, &self.dictionary, &self.campaign, &self.design].into_iter().flatten();
-        let out = common.main_output("campaign.parquet", own.chain(&self.sharding.gather))?;
+        let out = common.main_output("campaign.parquet", self.of.paths().chain(&self.sharding.gather))?;
         if self.sharding.gathers() {
             return gathered(&self.sharding, &out);
         }
         let mut provenance = common.provenance("simulate");
-        let files = Files {
-            vessel: given(&self.vessel, "vessel")?,
-            dictionary: given(&self.dictionary, "dictionary")?,
-            campaign: given(&self.campaign, "campaign")?,
-            sea: given(&self.campaign, "campaign")?,
-            design: given(&self.design, "design")?,
-        };
-        let vessel = read_simulated(files.vessel, &mut provenance)?;
-        let generator = read_dictionary(files.dictionary, &vessel, &mut provenance)?;
-        let config = read_campaign(files.campaign, &mut provenance)?;
-        let design: DesignDocument = inputs::document(files.design, "design", &mut provenance)?;
-        let settings = settings(&config, &self.sharding, common, &mut provenance);
-        let samples = settings.samples(&vessel).map_err(|e| files.refused(e))?;
+        let of = self.of.read(&mut provenance)?;
+        let settings = settings(&of.config, &self.sharding, common, &mut provenance);
+        let samples = settings.samples(&of.vessel).map_err(|e| of.files.refused(e))?;
         let runs = settings.runs() / f64::from(self.sharding.shard.map_or(1, |shard| shard.count));
-        check_campaign(files.campaign, runs, samples, &vessel, &out)?;
-        let sea = config.sea(&vessel).map_err(|e| Failure::invalid(files.vessel, &e))?;
-        let campaign = campaign::Campaign::new(sea, &generator, &design.designed(), &settings);
-        let campaign = campaign.map_err(|e| files.refused(e))?;
-        disturbed(&campaign, &files, &out, &provenance, common)
+        check_campaign(of.files.campaign, runs, samples, &of.vessel, &out)?;
+        disturbed(&of.campaign(&settings)?, &of.files, &out, &provenance, common)
     }
 }
 
@@ -268,9 +253,14 @@ fn disturbed(
 ) -> Result<Summary, Failure> {
     let runs = write_campaign(campaign, files, out, provenance, common.quiet)?;
     let samples = campaign.samples();
-    let part = provenance.shard.map_or(String::new(), |s: Shard| format!(", shard {s}"));
     let told = json!({"runs": runs, "samples": samples});
-    Ok(with(beyond(files.vessel, out)?, out, format!("{runs} runs of {samples} samples{part}"), told))
+    let said = format!("{runs} runs of {samples} samples{}", shard_of(provenance));
+    Ok(with(beyond(files.vessel, out)?, out, said, told))
+}
+
+/// Which part of the whole this is, for people.
+fn shard_of(provenance: &Provenance) -> String {
+    provenance.shard.map_or(String::new(), |shard: Shard| format!(", shard {shard}"))
 }
 
 impl Task for Logs {

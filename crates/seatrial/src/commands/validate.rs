@@ -7,7 +7,6 @@ use clap::Parser;
 use identification::ValidationRuns;
 use serde_json::json;
 use study::campaign_file::CampaignFile;
-use study::documents::{Bounds, ValidationDocument};
 use study::estimates;
 use study::files::{read_campaign, read_simulated};
 use study::scores::{self, Row};
@@ -65,7 +64,8 @@ impl Task for Arguments {
         let document = beside(&out, MAIN, "validation.json");
         let made = match self.sharding.gathers() {
             true => {
-                Made::gathered(&self.sharding.gather, [&out, &document], &scores::columns(), scores::rows)?
+                let shards = &self.sharding.gather;
+                Made::gathered(shards, [&out, &document], &scores::columns(), &provenance, scores::rows)?
             }
             false => self.computed(&vessel, &validation, provenance, [&out, &document], common.quiet)?,
         };
@@ -136,26 +136,13 @@ fn publish(
 ) -> Result<Summary, Failure> {
     let Made { table, provenance, rows } = made;
     let out = table.path().to_owned();
-    let bounds = Bounds {
-        parameter_error: config.validation.parameter_error_bound,
-        simulation_error: config.validation.simulation_error_bound,
-    };
-    let designs = scores::summarize(&rows, bounds);
-    let diverged: u64 = designs.iter().map(|d| d.diverged).sum();
+    let found = scores::document(&rows, config.bounds(), validation.samples(), &provenance);
+    let diverged: u64 = found.designs.iter().map(|d| d.diverged).sum();
     let summary = Summary::of(
         &out,
         format!("{} runs, {diverged} diverged", rows.len()),
-        json!({"runs": rows.len(), "diverged": diverged, "designs": designs}),
+        json!({"runs": rows.len(), "diverged": diverged, "designs": found.designs}),
     );
-    sharded::publish(table, document, &provenance, || {
-        Ok(ValidationDocument {
-            bounds,
-            samples: validation.samples(),
-            seed: study::seed(&provenance),
-            designs,
-            recommendations: study::recommendations(&rows),
-            compared: scores::compare(&rows, bounds),
-        })
-    })?;
+    sharded::publish(table, document, &provenance, || Ok(found))?;
     Ok(summary)
 }

@@ -1,9 +1,11 @@
 //! `simulate`: trajectories of dictionaries, campaigns and validation maneuvers.
 
 mod beyond;
+mod flags;
 pub mod logs;
 
 pub use beyond::beyond;
+pub use flags::{CampaignFlags, CampaignInputs};
 
 use std::ops::Range;
 use std::path::Path;
@@ -19,6 +21,7 @@ use crate::ordered::ordered;
 use crate::progress::Progress;
 
 /// The files of a simulation, for messages.
+#[derive(Clone, Copy)]
 pub struct Files<'a> {
     /// `vessel.toml`.
     pub vessel: &'a Path,
@@ -32,7 +35,12 @@ pub struct Files<'a> {
     pub design: &'a Path,
 }
 
-impl Files<'_> {
+impl<'a> Files<'a> {
+    /// All in one file.
+    pub fn all(file: &'a Path) -> Self {
+        Self { vessel: file, dictionary: file, campaign: file, sea: file, design: file }
+    }
+
     /// Names the file that is at fault.
     pub fn refused(&self, refusal: Refusal) -> Failure {
         let thing = |ordered| if ordered { "`data.sequence`" } else { "`data.shares`" };
@@ -92,7 +100,7 @@ pub fn check_campaign(
 /// Maneuvers per block.
 const BLOCK: usize = 64;
 
-/// Simulates every maneuver into `out`, and says what was left out.
+/// Simulates the maneuvers of `shard` (or all) into `out`, and says what was left out.
 ///
 /// # Errors
 /// See [`Maneuvers::simulate`]; limits that no generated maneuver keeps; output that fails.
@@ -104,9 +112,11 @@ pub fn write_maneuvers(
     quiet: bool,
 ) -> Result<Tally, Failure> {
     let count = maneuvers.count();
+    let blocks = count.div_ceil(BLOCK);
+    let mine = provenance.shard.map_or(0..blocks, |shard| shard.range(blocks));
     check_maneuvers(maneuvers, files, out)?;
     let (layout, mut writer) = writer(out, maneuvers.vessel(), provenance)?;
-    let progress = Progress::new("maneuvers", count, quiet);
+    let progress = Progress::new("maneuvers", count.min(mine.len() * BLOCK), quiet);
     let mut tally = Tally::default();
     let work = |block: usize| {
         let found = maneuvers.simulate(block * BLOCK..count.min((block + 1) * BLOCK));
@@ -115,11 +125,13 @@ pub fn write_maneuvers(
         let block = if runs.is_empty() { None } else { Some(encoded(&layout, maneuvers.vessel(), &runs)?) };
         Ok::<_, Failure>((block, tally))
     };
-    ordered(0..count.div_ceil(BLOCK), work, |(block, own)| {
+    ordered(mine, work, |(block, own)| {
         tally.merge(&own);
         Ok(block.map_or(Ok(()), |block| writer.push(block))?)
     })?;
-    tally.check().map_err(|e| Failure::invalid(files.dictionary, &e))?;
+    if provenance.shard.is_none() {
+        tally.check().map_err(|e| Failure::invalid(files.dictionary, &e))?;
+    }
     commit(vec![writer.finish()?])?;
     Ok(tally)
 }

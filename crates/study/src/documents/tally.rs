@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use validation::tally::{Bounds, Counted, PairCounts, QUANTILE_ERROR, Tally};
 
 use super::{DesignScores, EstimatorScores};
+use crate::estimates::distinct;
 
 /// `tally.json`: what the realizations of a campaign say together, as counts that merge exactly.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
@@ -62,12 +63,7 @@ impl TallyDocument {
         [samples, validation_samples]: [u64; 2],
         seed: u64,
     ) -> Self {
-        let mut estimators: Vec<Estimator> = Vec::new();
-        for counted in &tally.counted {
-            if !estimators.contains(&counted.estimator) {
-                estimators.push(counted.estimator);
-            }
-        }
+        let estimators = distinct(tally.counted.iter().map(|counted| counted.estimator));
         let of = |estimator: &Estimator| {
             let own = tally.counted.iter().filter(|c| c.estimator == *estimator);
             EstimatorScores { estimator: *estimator, designs: own.map(scores).collect() }

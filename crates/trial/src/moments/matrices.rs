@@ -1,3 +1,5 @@
+use std::collections::HashMap;
+
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use vessel::{Invalid, Model};
@@ -83,6 +85,7 @@ impl ManeuverMoments {
 #[derive(Clone, Debug, Default)]
 pub struct Pool {
     maneuvers: Vec<ManeuverMoments>,
+    places: HashMap<String, usize>,
 }
 
 impl Pool {
@@ -91,8 +94,11 @@ impl Pool {
     /// # Errors
     /// A second run of a maneuver that stands for one.
     pub fn add(&mut self, pooled: bool, more: ManeuverMoments) -> Result<(), Invalid> {
-        match self.maneuvers.iter_mut().find(|m| m.name == more.name) {
-            None => self.maneuvers.push(more),
+        match self.places.get(&more.name).and_then(|place| self.maneuvers.get_mut(*place)) {
+            None => {
+                self.places.insert(more.name.clone(), self.maneuvers.len());
+                self.maneuvers.push(more);
+            }
             Some(known) if pooled => known.pool(&more),
             Some(_) => {
                 let thing = format!("maneuver `{}`", more.name);

@@ -210,19 +210,27 @@ impl Tally {
         }
     }
 
-    /// Counts `scores`: of whole runs, each by all estimators.
+    /// Counts `scores`: of whole runs, each by all estimators in their order.
     pub fn add(&mut self, scores: &[RunScore], bounds: Bounds) {
-        for counted in &mut self.counted {
-            let by = scores.iter().filter(|score| score.estimator == counted.estimator);
-            let own: Vec<&RunScore> = by.filter(|score| score.design == counted.design).collect();
-            own.into_iter().for_each(|score| counted.add(score, bounds));
+        let estimators = self.estimators();
+        let pairs = estimators * (estimators - 1) / 2;
+        for run in scores.chunks_exact(estimators) {
+            let known = self.counted.iter().position(|counted| counted.design == run[0].design);
+            let Some(design) = known.map(|first| first / estimators) else { continue };
+            let counted = &mut self.counted[design * estimators..][..estimators];
+            counted.iter_mut().zip(run).for_each(|(counted, score)| counted.add(score, bounds));
+            let of_pairs = (0..estimators).flat_map(|other| (0..other).map(move |one| (one, other)));
+            let pairs = &mut self.pairs[design * pairs..][..pairs];
+            pairs.iter_mut().zip(of_pairs).for_each(|(pair, (one, other))| {
+                pair.add(&run[one], &run[other], bounds.parameter_error);
+            });
         }
-        for pair in &mut self.pairs {
-            let by = |e| scores.iter().filter(move |s| s.estimator == e);
-            let own = by(pair.one).zip(by(pair.other)).filter(|(one, _)| one.design == pair.design);
-            let own: Vec<_> = own.collect();
-            own.into_iter().for_each(|(one, other)| pair.add(one, other, bounds.parameter_error));
-        }
+    }
+
+    /// How many estimators there are of each design.
+    fn estimators(&self) -> usize {
+        let of_first = |counted: &&Counted| counted.design == self.counted[0].design;
+        self.counted.iter().take_while(of_first).count().max(1)
     }
 
     /// Counts what another of the same designs and estimators has counted; whether it is one.

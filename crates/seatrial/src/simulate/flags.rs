@@ -1,0 +1,90 @@
+use std::path::PathBuf;
+
+use artifact::Provenance;
+use clap::Args;
+use study::campaign_file::CampaignFile;
+use study::documents::DesignDocument;
+use study::files::{read_campaign, read_dictionary, read_simulated};
+use trial::campaign::{Campaign, Settings};
+use vessel::{Generator, Vessel};
+
+use super::Files;
+use crate::cli::given;
+use crate::failure::Failure;
+use crate::inputs;
+
+/// The files that a campaign is made of.
+#[derive(Clone, Debug, Args)]
+pub struct CampaignFlags {
+    /// The vessel
+    #[arg(long, visible_alias = "model", required_unless_present = "gather", value_name = "vessel.toml")]
+    vessel: Option<PathBuf>,
+    /// The maneuvers
+    #[arg(long, required_unless_present = "gather", value_name = "dictionary.toml")]
+    dictionary: Option<PathBuf>,
+    /// Runs, disturbances, validation, bounds, seed
+    #[arg(long, required_unless_present = "gather", value_name = "campaign.toml")]
+    campaign: Option<PathBuf>,
+    /// The optimized shares
+    #[arg(long, required_unless_present = "gather", value_name = "design.json")]
+    design: Option<PathBuf>,
+}
+
+/// What these files say.
+pub struct CampaignInputs<'a> {
+    /// Their names, for messages.
+    pub files: Files<'a>,
+    /// The vessel.
+    pub vessel: Vessel,
+    dictionary: Generator,
+    /// Runs, disturbances, validation, bounds, seed.
+    pub config: CampaignFile,
+    design: DesignDocument,
+}
+
+impl CampaignFlags {
+    /// All that are given.
+    pub fn paths(&self) -> impl Iterator<Item = &PathBuf> {
+        [&self.vessel, &self.dictionary, &self.campaign, &self.design].into_iter().flatten()
+    }
+
+    /// The files, for messages.
+    ///
+    /// # Errors
+    /// Usage, naming the one that is missing.
+    fn files(&self) -> Result<Files<'_>, Failure> {
+        let campaign = given(&self.campaign, "campaign")?;
+        Ok(Files {
+            vessel: given(&self.vessel, "vessel")?,
+            dictionary: given(&self.dictionary, "dictionary")?,
+            campaign,
+            sea: campaign,
+            design: given(&self.design, "design")?,
+        })
+    }
+
+    /// Reads them.
+    ///
+    /// # Errors
+    /// A file that is refused.
+    pub fn read(&self, provenance: &mut Provenance) -> Result<CampaignInputs<'_>, Failure> {
+        let files = self.files()?;
+        let vessel = read_simulated(files.vessel, provenance)?;
+        let dictionary = read_dictionary(files.dictionary, &vessel, provenance)?;
+        let config = read_campaign(files.campaign, provenance)?;
+        let design = inputs::document(files.design, "design", provenance)?;
+        Ok(CampaignInputs { files, vessel, dictionary, config, design })
+    }
+}
+
+impl CampaignInputs<'_> {
+    /// The runs that `settings` ask for.
+    ///
+    /// # Errors
+    /// A vessel without true parameters; a design of other maneuvers; a maneuver that the model cannot hold.
+    pub fn campaign(&self, settings: &Settings) -> Result<Campaign<'_>, Failure> {
+        let sea = self.config.sea(&self.vessel).map_err(|e| Failure::invalid(self.files.vessel, &e))?;
+        let campaign = Campaign::new(sea, &self.dictionary, &self.design.designed(), settings);
+        campaign.map_err(|e| self.files.refused(e))
+    }
+}

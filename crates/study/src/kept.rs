@@ -1,0 +1,147 @@
+//! The tables that are kept of realizations beside their tally.
+
+use std::path::Path;
+
+use artifact::{Error, Provenance, Staged, TableWriter, stage_set_document};
+use identification::{RunEstimate, RunScore};
+use trial::campaign::SimulatedRun;
+use validation::tally::Bounds;
+use vessel::Vessel;
+
+use crate::tallies::MAIN;
+use crate::trajectories::{BlockBuilder, Layout, rows_per_block};
+use crate::{beside, estimates, scores};
+
+vessel::choices! {
+    /// What is kept beside a tally.
+    pub enum Keep {
+        /// No table.
+        None = "none",
+        /// scores.parquet and validation.json.
+        Scores = "scores",
+        /// And estimates.parquet and estimate.json.
+        Estimates = "estimates",
+        /// And campaign.parquet.
+        Trajectories = "trajectories",
+    }
+}
+
+impl Keep {
+    /// Whether what `least` stands for is kept.
+    pub fn keeps(self, least: Self) -> bool {
+        self as u8 >= least as u8
+    }
+}
+
+/// Tables that are kept, and their rows.
+#[derive(Default)]
+pub struct Kept {
+    scores: Option<(TableWriter, Vec<RunScore>)>,
+    estimates: Option<(TableWriter, Vec<RunEstimate>)>,
+    runs: Option<(TableWriter, Layout)>,
+    vessel: Option<Vessel>,
+    first: usize,
+}
+
+impl Kept {
+    /// No rows yet; of trajectories those of `first` runs per design, or of all.
+    ///
+    /// # Errors
+    /// Output that fails.
+    pub fn new(
+        (keep, first): (Keep, Option<u32>),
+        vessel: &Vessel,
+        out: &Path,
+        provenance: &Provenance,
+    ) -> Result<Self, Error> {
+        let layout = Layout::new(&vessel.model);
+        let table = |least: Keep, name: &str, schema: &artifact::TableSchema, document: Option<&str>| {
+            if !keep.keeps(least) {
+                return Ok::<_, Error>(None);
+            }
+            let writer = TableWriter::create(beside(out, MAIN, name), schema, provenance)?;
+            Ok(Some(match document {
+                Some(document) => writer.with_document(&beside(out, MAIN, document)),
+                None => writer,
+            }))
+        };
+        let columns = estimates::columns(vessel);
+        let scored =
+            table(Keep::Scores, "scores.parquet", scores::columns().schema(), Some("validation.json"))?;
+        let estimated = table(Keep::Estimates, "estimates.parquet", columns.schema(), Some("estimate.json"))?;
+        let runs = table(Keep::Trajectories, "campaign.parquet", &layout.schema(), None)?;
+        let all = first.map_or(usize::MAX, |first| first as usize);
+        Ok(Self {
+            scores: scored.map(|writer| (writer, Vec::new())),
+            estimates: estimated.map(|writer| (writer, Vec::new())),
+            first: if runs.is_some() { all } else { 0 },
+            runs: runs.map(|writer| (writer, layout)),
+            vessel: Some(vessel.clone()),
+        })
+    }
+
+    /// How many runs of each design are to come with their trajectories.
+    pub fn first(&self) -> usize {
+        self.first
+    }
+
+    /// Takes the next rows, and the runs that are to come with their trajectories.
+    ///
+    /// # Errors
+    /// Output that fails.
+    pub fn push(
+        &mut self,
+        scored: Vec<RunScore>,
+        estimated: Vec<RunEstimate>,
+        runs: &[SimulatedRun],
+    ) -> Result<(), Error> {
+        let Some(vessel) = &self.vessel else { return Ok(()) };
+        if let Some((writer, rows)) = &mut self.scores {
+            writer.push(scores::columns().encode(&scored)?)?;
+            rows.extend(scored);
+        }
+        if let Some((writer, rows)) = &mut self.estimates {
+            writer.push(estimates::columns(vessel).encode(&estimated)?)?;
+            rows.extend(estimated);
+        }
+        let (Some((writer, layout)), Some(first)) = (&mut self.runs, runs.first()) else { return Ok(()) };
+        for runs in runs.chunks(rows_per_block(first.run.samples())) {
+            let mut builder = BlockBuilder::new(layout, vessel.sample_rate_hz);
+            runs.iter().for_each(|run| builder.push(run));
+            writer.push(artifact::encode_block(&layout.schema(), &builder.table())?)?;
+        }
+        Ok(())
+    }
+
+    /// The files beside the tally; `samples`: of the validation runs.
+    ///
+    /// # Errors
+    /// Output that fails.
+    pub fn finish(
+        self,
+        out: &Path,
+        bounds: Bounds,
+        samples: u64,
+        provenance: &Provenance,
+    ) -> Result<Vec<Staged>, Error> {
+        let mut files = Vec::new();
+        if let Some((vessel, (writer, rows))) = self.vessel.zip(self.estimates) {
+            let table = writer.finish()?;
+            let document = estimates::summarize(table.path(), provenance, &vessel, &rows)?;
+            let path = beside(out, MAIN, "estimate.json");
+            files.push(stage_set_document(path, provenance, &document, std::slice::from_ref(&table))?);
+            files.push(table);
+        }
+        if let Some((writer, rows)) = self.scores {
+            let table = writer.finish()?;
+            let document = scores::document(&rows, bounds, samples, provenance);
+            let path = beside(out, MAIN, "validation.json");
+            files.push(stage_set_document(path, provenance, &document, std::slice::from_ref(&table))?);
+            files.push(table);
+        }
+        if let Some((writer, _)) = self.runs {
+            files.push(writer.finish()?);
+        }
+        Ok(files)
+    }
+}

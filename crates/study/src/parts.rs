@@ -1,0 +1,33 @@
+//! Documents that were made in shards.
+
+use std::path::{Path, PathBuf};
+
+use artifact::{Document, Error, Loaded, Provenance, check_given, check_shards, read_part};
+
+use crate::documents::MomentsDocument;
+
+/// The documents of all `shards`, in the order of their numbers.
+///
+/// # Errors
+/// Files that are not all shards of one document.
+pub(crate) fn all<D: Document>(shards: &[PathBuf]) -> Result<Vec<(&Path, Loaded<D>)>, Error> {
+    let read = |path| Ok::<_, Error>((path, read_part::<D>(path)?));
+    let mut all: Vec<(&Path, Loaded<D>)> =
+        shards.iter().map(PathBuf::as_path).map(read).collect::<Result<_, _>>()?;
+    check_shards(all.iter().map(|(path, loaded)| (*path, &loaded.provenance)))?;
+    all.sort_by_key(|(_, loaded)| loaded.provenance.shard);
+    Ok(all)
+}
+
+/// The moments of all `shards` together. `given`: the inputs that they are to be made of.
+///
+/// # Errors
+/// Files that are not all shards of one document; shards of other inputs.
+pub fn moments(shards: &[PathBuf], given: &Provenance) -> Result<(Provenance, MomentsDocument), Error> {
+    let mut all = all::<MomentsDocument>(shards)?.into_iter();
+    let Some((path, first)) = all.next() else { unreachable!("there is a shard to gather") };
+    check_given(given, path, &first.provenance)?;
+    let Loaded { data: mut whole, provenance, .. } = first;
+    all.for_each(|(_, loaded)| whole.0.maneuvers.extend(loaded.data.0.maneuvers));
+    Ok((Provenance { shard: None, ..provenance }, whole))
+}
