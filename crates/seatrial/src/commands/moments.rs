@@ -12,6 +12,7 @@ use serde_json::json;
 use study::campaign_file::CampaignFile;
 use study::documents::MomentsDocument;
 use study::files::{generator, read_campaign, read_vessel};
+use study::parts;
 use study::trajectories::{TrajectoryReader, label};
 use trial::moments::{
     Expected, FreeRunModel, ManeuverMoments, Moments, Pool, Prediction, Unpredictable, check_constants,
@@ -20,7 +21,7 @@ use trial::moments::{
 use vessel::{Invalid, Run, Vessel};
 
 use crate::choice::choice;
-use crate::cli::Common;
+use crate::cli::{Common, Sharding};
 use crate::failure::Failure;
 use crate::inputs;
 use crate::ordered::ordered;
@@ -57,6 +58,8 @@ pub struct Arguments {
     /// The estimator to predict besides: `output-error` adds the matrices F and P, and G of the campaign's validation maneuvers
     #[arg(long, value_parser = choice(&Estimator::PREDICTED, Estimator::name, Estimator::description), default_value_t = Estimator::Iv, requires = "campaign")]
     estimator: Estimator,
+    #[command(flatten)]
+    sharding: Sharding,
 }
 
 impl Task for Arguments {
@@ -73,22 +76,29 @@ impl Task for Arguments {
         }
         provenance.settings.insert("instruments".into(), json!(self.instruments));
         let (disturbances, output_error) = predicted(self, &vessel, &mut provenance)?;
-        let prediction = Prediction::new(&vessel.model, disturbances.as_ref(), output_error.as_ref());
-        let maneuvers = maneuvers(self, &vessel, &prediction, &reader, common.quiet)?;
-        let document = MomentsDocument(Moments {
-            vessel: vessel.name.clone(),
-            sample_rate_hz: vessel.sample_rate_hz,
-            instruments: self.instruments,
-            degrees: structure(&vessel.model),
-            maneuvers,
-            disturbances,
-            output_error,
-        });
         let inputs = [&self.vessel, &self.trajectories].into_iter().chain(&self.campaign);
-        let out = common.main_output("moments.json", inputs)?;
+        let out = common.main_output("moments.json", inputs.chain(&self.sharding.gather))?;
+        let (provenance, document) = if self.sharding.gathers() {
+            parts::moments(&self.sharding.gather, &provenance)?
+        } else {
+            provenance.shard = self.sharding.shard;
+            let prediction = Prediction::new(&vessel.model, disturbances.as_ref(), output_error.as_ref());
+            let maneuvers = maneuvers(self, &vessel, &prediction, &reader, common.quiet)?;
+            let document = MomentsDocument(Moments {
+                vessel: vessel.name.clone(),
+                sample_rate_hz: vessel.sample_rate_hz,
+                instruments: self.instruments,
+                degrees: structure(&vessel.model),
+                maneuvers,
+                disturbances,
+                output_error,
+            });
+            (provenance, document)
+        };
         commit(vec![stage_document(&out, &provenance, &document)?])?;
         let count = document.0.maneuvers.len();
-        Ok(Summary::of(&out, format!("moments of {count} maneuvers"), json!({"maneuvers": count})))
+        let part = provenance.shard.map_or(String::new(), |shard| format!(", shard {shard}"));
+        Ok(Summary::of(&out, format!("moments of {count} maneuvers{part}"), json!({"maneuvers": count})))
     }
 }
 
@@ -105,8 +115,10 @@ fn maneuvers(
     quiet: bool,
 ) -> Result<Vec<ManeuverMoments>, Failure> {
     let instruments = RunInstruments::new(vessel, a.instruments);
-    let seconds = reader.rows().0 as f64 / ROWS_PER_SECOND;
-    let progress = Progress::new("blocks", reader.blocks(), quiet).foretold(seconds);
+    let blocks = a.sharding.shard.map_or(0..reader.blocks(), |shard| shard.range(reader.blocks()));
+    let share = blocks.len() as f64 / reader.blocks().max(1) as f64;
+    let seconds = share * reader.rows().0 as f64 / ROWS_PER_SECOND;
+    let progress = Progress::new("blocks", blocks.len(), quiet).foretold(seconds);
     let mut pool = Pool::default();
     let work = |block: usize| {
         let runs: Vec<Run> = prediction.runs(&reader.runs(block)?);
@@ -120,7 +132,14 @@ fn maneuvers(
         Ok::<_, Failure>(found)
     };
     let refused = |e: Invalid| Failure::invalid(&a.trajectories, &e);
-    ordered(0..reader.blocks(), work, |found| {
+    ordered(blocks, work, |found| {
+        let pooled = found.iter().find(|(pooled, _)| *pooled && a.sharding.shard.is_some());
+        if let Some((_, of)) = pooled {
+            let (thing, found) =
+                (format!("maneuver `{}`", of.name), "measured runs, which are pooled in one sum");
+            let (expected, remedy) = ("one simulated run per maneuver", "leave out --shard");
+            return Err(Failure::refuse(&a.trajectories, &thing, found, expected, remedy));
+        }
         found.into_iter().try_for_each(|(pooled, more)| pool.add(pooled, more)).map_err(refused)
     })?;
     pool.finish(&vessel.model).map_err(refused)

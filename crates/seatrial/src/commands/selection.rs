@@ -2,22 +2,24 @@
 
 use std::path::{Path, PathBuf};
 
-use artifact::{Provenance, TableWriter, commit_with_document};
+use artifact::{Provenance, commit};
 use clap::Parser;
 use identification::Estimator;
 use serde_json::json;
 use study::documents::SelectionDocument;
 use study::files::{read_reference, read_vessel};
-use study::selection::{Row, columns, document};
-use validation::selection::{PublishedLimits, SelectionOptions, available, select};
+use study::selection::{Row, columns, document, rows};
+use validation::selection::{PublishedLimits, Selection, SelectionOptions, Selector, available};
 
 use super::counts::counts;
 use crate::choice::choice;
-use crate::cli::{Common, beside};
+use crate::cli::{Common, Sharding, beside};
 use crate::failure::Failure;
 use crate::inputs;
+use crate::ordered::{joined, joined_blocks};
 use crate::pool::{PoolFlags, lost};
 use crate::progress::Progress;
+use crate::sharded::{self, Made};
 use crate::stage::{Summary, Task};
 
 /// The estimators that sums per sub-experiment are enough for.
@@ -51,7 +53,12 @@ pub struct Arguments {
     /// Published results to compare with: counts realizations beyond the errors at which their figures end
     #[arg(long, value_name = "reference.toml")]
     reference: Option<PathBuf>,
+    #[command(flatten)]
+    sharding: Sharding,
 }
+
+/// What the table is usually called.
+const MAIN: &str = "selection.parquet";
 
 impl Task for Arguments {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
@@ -64,7 +71,7 @@ impl Task for Arguments {
             )));
         }
         let inputs = self.flags.inputs().chain(&self.design).chain(&self.reference);
-        let out = common.main_output("selection.parquet", inputs)?;
+        let out = common.main_output(MAIN, inputs.chain(&self.sharding.gather))?;
         let (runs, pool) = self.flags.read(&vessel, &mut provenance, inputs::runs)?;
         let bytes = pool.bytes_of_many(&runs, rayon::current_num_threads());
         inputs::fits(&self.flags.of.trajectories, &runs.amount(), bytes)?;
@@ -77,12 +84,19 @@ impl Task for Arguments {
             seed: common.seed.unwrap_or(1),
             published_limits: self.published(&mut provenance)?,
         };
-        let progress = Progress::new("realizations", 2 * self.realizations as usize, common.quiet);
-        let found = select(&pool, &runs, &options, &|count| progress.advance(count));
-        let found = found.map_err(|e| lost(&self.flags.of.trajectories, &e))?;
         self.note(&options, &mut provenance);
-        let document = document(&pool, self.flags.nominal().source(), &options, &found);
-        publish(&out, &provenance, &found.realizations, &document)
+        let selector = Selector::new(&pool, &runs, &options);
+        let selector = selector.map_err(|e| lost(&self.flags.of.trajectories, &e))?;
+        let document_file = beside(&out, MAIN, "selection.json");
+        let outputs = [out.as_path(), document_file.as_path()];
+        let made = if self.sharding.gathers() {
+            Made::gathered(&self.sharding.gather, outputs, &columns(), &provenance, rows)?
+        } else {
+            provenance.shard = self.sharding.shard;
+            realized(&selector, outputs, provenance, common.quiet)?
+        };
+        let of = |found: &Selection| document(&pool, self.flags.nominal().source(), &options, found);
+        publish(made, &document_file, |rows| of(&selector.found(rows)))
     }
 }
 
@@ -106,17 +120,39 @@ impl Arguments {
     }
 }
 
+/// The rows of this shard, or all.
+fn realized(
+    selector: &Selector,
+    out: [&Path; 2],
+    provenance: Provenance,
+    quiet: bool,
+) -> Result<Made<Row>, Failure> {
+    let (groups, blocks) = (selector.groups(), joined_blocks(selector.groups()));
+    let share = provenance.shard.map_or(1.0, |shard| shard.range(blocks).len() as f64 / blocks as f64);
+    let all = (0..groups).map(|i| selector.realizations_of(i)).sum::<usize>();
+    let progress = Progress::new("realizations", (share * all as f64) as usize, quiet);
+    let group = |i: usize| {
+        progress.advance(selector.realizations_of(i));
+        Ok(selector.group(i))
+    };
+    Made::computed(out, &columns(), provenance, blocks, |i| joined(i, groups, group))
+}
+
 fn publish(
-    out: &Path,
-    provenance: &Provenance,
-    rows: &[Row],
-    document: &SelectionDocument,
+    made: Made<Row>,
+    file: &Path,
+    document: impl FnOnce(&[Row]) -> SelectionDocument,
 ) -> Result<Summary, Failure> {
-    let summary = beside(out, "selection.parquet", "selection.json");
-    let columns = columns();
-    let mut writer = TableWriter::create(out, columns.schema(), provenance)?.with_document(&summary);
-    writer.push(columns.encode(rows)?)?;
-    commit_with_document(writer.finish()?, &summary, provenance, document)?;
+    let Made { table, provenance, rows } = made;
+    let out = table.path().to_owned();
+    if let Some(shard) = provenance.shard {
+        commit(vec![table])?;
+        let told = json!({"realizations": rows.len()});
+        return Ok(Summary::of(&out, format!("{} realizations, shard {shard}", rows.len()), told));
+    }
+    let document = document(&rows);
     let told = json!({"ratio_q90": document.ratio_q90, "statements": document.statements});
-    Ok(Summary::of(out, document.statements.join("; "), told))
+    let said = document.statements.join("; ");
+    sharded::publish(table, file, &provenance, || Ok(document))?;
+    Ok(Summary::of(&out, said, told))
 }

@@ -2,21 +2,21 @@
 
 use std::path::{Path, PathBuf};
 
-use artifact::{Provenance, TableWriter, Work, commit_with_document};
+use artifact::{Provenance, Work, commit};
 use clap::Parser;
 use identification::predictor::InitialState;
 use identification::runs::RunEstimators;
 use identification::{Estimator, MeanRemoval};
 use serde_json::json;
 use study::files::{read_campaign, read_dictionary, read_sequential, read_simulated};
-use study::sequential::{SequentialFile, columns, document};
+use study::sequential::{SequentialFile, columns, document, rows};
 use trial::rounds::{self, Arm, Row, Trial};
 use vessel::{Invalid, LANES};
 
-use crate::cli::{Common, beside, budget};
+use crate::cli::{Common, Sharding, beside, budget};
 use crate::failure::Failure;
-use crate::ordered::ordered;
 use crate::progress::Progress;
+use crate::sharded::{self, Made};
 use crate::simulate::Files;
 use crate::stage::{Summary, Task};
 
@@ -41,13 +41,18 @@ pub struct Arguments {
     /// Rounds, sea time, accuracy
     #[arg(long, value_name = "sequential.toml")]
     config: PathBuf,
+    #[command(flatten)]
+    sharding: Sharding,
 }
+
+/// What the table is usually called.
+const MAIN: &str = "sequential.parquet";
 
 impl Task for Arguments {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
         let mut provenance = common.provenance("sequential");
-        let inputs = [&self.vessel, &self.dictionary, &self.campaign, &self.config];
-        let out = common.main_output("sequential.parquet", inputs)?;
+        let inputs = [&self.vessel, &self.dictionary, &self.campaign, &self.config].into_iter();
+        let out = common.main_output(MAIN, inputs.chain(&self.sharding.gather))?;
         let vessel = read_simulated(&self.vessel, &mut provenance)?;
         let generator = read_dictionary(&self.dictionary, &vessel, &mut provenance)?;
         let campaign = read_campaign(&self.campaign, &mut provenance)?;
@@ -62,12 +67,7 @@ impl Task for Arguments {
         let knowledge = config.knowledge(&vessel, seed).map_err(of(&self.config))?;
         let rounds = config.rounds as usize;
         let ends = rounds::ends(&vessel, config.duration_s, rounds).map_err(of(&self.config))?;
-        let rows = f64::from(config.realizations) * (Arm::ALL.len() * rounds) as f64;
-        let found = format!("{} realizations of {rounds} rounds", config.realizations);
-        let remedy = "take fewer `realizations`";
-        let work = Work { file: &self.config, thing: "`realizations`", found: &found, remedy };
-        // Rows are kept for their summary while they are made columns.
-        budget().memory(work, 2.0 * rows * size_of::<Row>() as f64)?;
+        self.check_room(&config)?;
         let noise = campaign.predictable_noise().map_err(of(&self.campaign))?;
         let sea = campaign.sea(&vessel).map_err(of(&self.vessel))?;
         let estimators = RunEstimators {
@@ -87,56 +87,81 @@ impl Task for Arguments {
         };
         let trial = Trial::new(sea, &generator, noise, estimators, knowledge, ends, segments)
             .map_err(|e| files.refused(e))?;
-        let rows = realizations(&trial, &files, config.realizations, common.quiet)?;
-        publish((self, &out), &provenance, &trial, &config, &rows, vessel.sample_rate_hz)
+        let (document, rate_hz) = (beside(&out, MAIN, "sequential.json"), vessel.sample_rate_hz);
+        let outputs = [out.as_path(), document.as_path()];
+        let made = if self.sharding.gathers() {
+            let shards = &self.sharding.gather;
+            Made::gathered(shards, outputs, &columns(rate_hz), &provenance, |reader| rows(reader, rate_hz))?
+        } else {
+            provenance.shard = self.sharding.shard;
+            realized(&trial, &files, (config.realizations, rate_hz), outputs, (provenance, common.quiet))?
+        };
+        publish(self, &document, made, &trial, (&config, rate_hz))
+    }
+}
+
+impl Arguments {
+    /// Refuses more realizations than fit into memory: their rows are kept for the summary while they are made columns.
+    fn check_room(&self, config: &SequentialFile) -> Result<(), Failure> {
+        let (realizations, rounds) = (config.realizations, config.rounds);
+        let rows = f64::from(realizations) * Arm::ALL.len() as f64 * f64::from(rounds);
+        let found = format!("{realizations} realizations of {rounds} rounds");
+        let remedy = "take fewer `realizations`, or --shard";
+        let work = Work { file: &self.config, thing: "`realizations`", found: &found, remedy };
+        let part = f64::from(self.sharding.shard.map_or(1, |shard| shard.count));
+        Ok(budget().memory(work, 2.0 * rows / part * size_of::<Row>() as f64)?)
     }
 }
 
 fn publish(
-    (a, out): (&Arguments, &Path),
-    provenance: &Provenance,
+    a: &Arguments,
+    file: &Path,
+    made: Made<Row>,
     trial: &Trial,
-    config: &SequentialFile,
-    rows: &[Row],
-    rate_hz: f64,
+    (config, rate_hz): (&SequentialFile, f64),
 ) -> Result<Summary, Failure> {
+    let Made { table, provenance, rows } = made;
+    let (out, count) = (table.path().to_owned(), config.realizations);
+    if let Some(shard) = provenance.shard {
+        commit(vec![table])?;
+        let told = json!({"rows": rows.len()});
+        return Ok(Summary::of(&out, format!("{} rows, shard {shard}", rows.len()), told));
+    }
     if rows.iter().all(|row| row.parameter_error.is_none()) {
         return Err(Failure::NoAnswer(format!(
-            "{}: rounds: found no estimate in any of {} realizations, expected some that converge; lengthen `duration_s`, or \
+            "{}: rounds: found no estimate in any of {count} realizations, expected some that converge; lengthen `duration_s`, or \
              give the vessel a nominal model nearer to it",
             a.config.display(),
-            config.realizations
         )));
     }
-    let summary = rounds::Summary::new(rows, trial.ends(), config.accuracy, rate_hz);
+    let summary = rounds::Summary::new(&rows, trial.ends(), config.accuracy, rate_hz);
     let document = document(config, summary, trial.maneuvers());
-    let columns = columns(rate_hz);
-    let summary = beside(out, "sequential.parquet", "sequential.json");
-    let mut writer = TableWriter::create(out, columns.schema(), provenance)?.with_document(&summary);
-    writer.push(columns.encode(rows)?)?;
-    commit_with_document(writer.finish()?, &summary, provenance, &document)?;
-    let (count, said) = (config.realizations, document.statements.join("; "));
+    let said = document.statements.join("; ");
     let told = json!({"realizations": count, "statements": document.statements});
-    Ok(Summary::of(out, format!("{count} realizations; {said}"), told))
+    sharded::publish(table, file, &provenance, || Ok(document))?;
+    Ok(Summary::of(&out, format!("{count} realizations; {said}"), told))
 }
 
-fn realizations(trial: &Trial, files: &Files, count: u32, quiet: bool) -> Result<Vec<Row>, Failure> {
+/// The rows of this shard, or all.
+fn realized(
+    trial: &Trial,
+    files: &Files,
+    (count, rate_hz): (u32, f64),
+    out: [&Path; 2],
+    (provenance, quiet): (Provenance, bool),
+) -> Result<Made<Row>, Failure> {
+    let groups = (count as usize).div_ceil(LANES);
+    let mine = provenance.shard.map_or(groups, |shard| shard.range(groups).len());
     // Every round of every arm is simulated and estimated from its start.
-    let rows = f64::from(count) * Arm::ALL.len() as f64 * trial.ends().iter().sum::<usize>() as f64;
-    let seconds = rows * Estimator::OutputError.seconds_per_row();
-    let progress = Progress::new("realizations", count as usize, quiet).foretold(seconds);
-    let work = |group: usize| {
+    let each = Arm::ALL.len() as f64 * trial.ends().iter().sum::<usize>() as f64;
+    let seconds = (mine * LANES) as f64 * each * Estimator::OutputError.seconds_per_row();
+    let progress = Progress::new("realizations", mine * LANES, quiet).foretold(seconds);
+    Made::computed(out, &columns(rate_hz), provenance, groups, |group| {
         let first = (group * LANES) as u32;
         let numbers = first..count.min(first + LANES as u32);
         let advance = numbers.len();
         let rows = trial.realizations(numbers).map_err(|e| files.refused(e));
         progress.advance(advance);
         rows
-    };
-    let mut rows = Vec::new();
-    ordered(0..(count as usize).div_ceil(LANES), work, |own| {
-        rows.extend(own);
-        Ok::<(), Failure>(())
-    })?;
-    Ok(rows)
+    })
 }

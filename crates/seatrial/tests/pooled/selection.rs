@@ -13,7 +13,7 @@ fn realizations_pick_what_the_counts_say() {
     assert_eq!(names, ["optimized", "random"]);
     let table = craft::read(&folder.path().join("selection.parquet"), "selection-realizations");
     let picked = |row: usize| {
-        let text = table.blocks[0].columns[2].text_at(row).unwrap();
+        let text = table.blocks[row / 64].columns[2].text_at(row % 64).unwrap();
         text.split(' ').map(|n| n.parse::<u64>().unwrap()).collect::<Vec<u64>>()
     };
     for row in 0..80 {
@@ -33,6 +33,24 @@ fn law_another_seed_draws_others_and_the_same_seed_the_same() {
     };
     assert_eq!(made(4), made(4));
     assert_ne!(made(4), made(5));
+}
+
+#[test]
+fn law_shards_gather_to_the_bytes_of_the_whole() {
+    let folder = with(&["campaign.parquet"]);
+    let line = SELECTION.replace("40", "70");
+    run(&folder, &format!("{line} --out selection.parquet --threads 1")).succeeds();
+    let all = || (bytes(&folder, "selection.parquet"), bytes(&folder, "selection.json"));
+    let whole = all();
+    for k in 1..=2 {
+        run(&folder, &format!("{line} --shard {k}/2 --threads 3 --out part-{k}.parquet")).succeeds();
+    }
+    run(&folder, &format!("{line} --gather part-2.parquet part-1.parquet --out selection.parquet"))
+        .succeeds();
+    assert_eq!(all(), whole);
+    let line = SELECTION.replace("40", "71");
+    let other = format!("{line} --gather part-1.parquet part-2.parquet --out refused.parquet");
+    run(&folder, &other).refuses(3, &["part-1.parquet", "`realizations`", "found 70", "71"]);
 }
 
 #[test]

@@ -47,6 +47,31 @@ fn used(design: &Value) -> Vec<f64> {
 }
 
 #[test]
+fn law_shards_of_candidates_gather_to_the_bytes_of_the_whole() {
+    let folder = generated();
+    for k in 1..=2 {
+        let line = DICTIONARY.replace("dictionary.parquet", &format!("part-{k}.parquet"));
+        run(&folder, &format!("{line} --shard {k}/2")).succeeds();
+    }
+    run(&folder, "simulate dictionary --gather part-2.parquet part-1.parquet --out again.parquet").succeeds();
+    assert_eq!(bytes(&folder, "again.parquet"), bytes(&folder, "dictionary.parquet"));
+    let parts: Vec<String> = (1..=3).map(|k| format!("part-{k}.json")).collect();
+    for (k, part) in parts.iter().enumerate() {
+        let line = OUTPUT_ERROR.replace("moments.json", part);
+        run(&folder, &format!("{line} --shard {}/3", k + 1)).succeeds();
+    }
+    let gather =
+        |parts: &str| format!("{} --gather {parts}", OUTPUT_ERROR.replace("moments.json", "again.json"));
+    run(&folder, &gather(&parts.join(" "))).succeeds();
+    assert_eq!(bytes(&folder, "again.json"), bytes(&folder, "moments.json"));
+    run(&folder, &gather("part-1.json part-3.json")).refuses(3, &["no shard 2/3"]);
+    let line = FOR.replace("moments.json", "part-2.json");
+    run(&folder, &line).refuses(3, &["part-2.json", "shard 2/3", "--gather"]);
+    edit(&folder, "campaign.toml", "std_m_s = 0.158", "std_m_s = 0.159");
+    run(&folder, &gather(&parts.join(" "))).refuses(3, &["campaign.toml", "another campaign", "part-1.json"]);
+}
+
+#[test]
 fn candidates_keep_their_limits_and_are_counted_by_reason() {
     let folder = generated();
     let ran = run(&folder, &format!("{DICTIONARY} --json")).succeeds();

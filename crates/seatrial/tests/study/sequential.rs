@@ -27,8 +27,12 @@ fn folder(config: &str) -> TempDir {
 /// Arm, realization, round, status, parameter error of every row.
 fn rows(folder: &TempDir) -> Vec<(String, i32, i32, String, Option<f64>)> {
     let table = TableReader::open(folder.path().join("sequential.parquet"), ID, VERSION).unwrap();
+    (0..table.blocks()).flat_map(|block| rows_of(&table, block)).collect()
+}
+
+fn rows_of(table: &TableReader, number: usize) -> Vec<(String, i32, i32, String, Option<f64>)> {
     let names = ["arm", "realization", "round", "status", "parameter_error"];
-    let block = table.read_block(0, &names).unwrap();
+    let block = table.read_block(number, &names).unwrap();
     let [arm, realization, round, status, error] = [0, 1, 2, 3, 4].map(|i| &block.columns[i]);
     let row = |i: usize| {
         let text = |column: &artifact::Column| column.text_at(i).unwrap().to_owned();
@@ -40,7 +44,7 @@ fn rows(folder: &TempDir) -> Vec<(String, i32, i32, String, Option<f64>)> {
             error.value_at(i),
         )
     };
-    (0..table.block_rows(0)).map(row).collect()
+    (0..table.block_rows(number)).map(row).collect()
 }
 
 fn found(folder: &TempDir) -> SequentialDocument {
@@ -70,6 +74,31 @@ fn law_more_time_and_a_design_leave_less_error_and_every_outcome_is_counted() {
     let [rounds, one_shot] = [&found.stopping[0], &found.stopping[1]];
     assert_eq!((rounds.arm, one_shot.arm), (Arm::Sequential, Arm::OneShot));
     assert!(rounds.stopped > 0 && rounds.mean_time_s < 90.0, "{rounds:?}");
+}
+
+#[test]
+fn law_shards_gather_to_the_bytes_of_the_whole_and_to_no_others() {
+    let folder = folder(&CONFIG.replace("= 16", "= 20"));
+    run(&folder, &format!("{SEQUENTIAL} --threads 1")).succeeds();
+    let all = |name: &str| (bytes(&folder, name), bytes(&folder, "sequential.json"));
+    let whole = all("sequential.parquet");
+    let parts: Vec<String> = (1..=3).map(|k| format!("part-{k}.parquet")).collect();
+    for (k, part) in parts.iter().enumerate() {
+        let shard = format!("--shard {}/3 --threads 3", k + 1);
+        run(
+            &folder,
+            &SEQUENTIAL.replace("sequential.parquet", part).replace("--out", &format!("{shard} --out")),
+        )
+        .succeeds();
+    }
+    let gather = format!("{SEQUENTIAL} --gather {}", parts.join(" "));
+    run(&folder, &gather).succeeds();
+    assert_eq!(all("sequential.parquet"), whole);
+    run(&folder, &format!("{SEQUENTIAL} --gather {} {}", parts[0], parts[2])).refuses(3, &["no shard 2/3"]);
+    run(&folder, &format!("{gather} --seed 9"))
+        .refuses(3, &["part-1.parquet", "`seed`", "as is asked for now"]);
+    edit(&folder, "sequential.toml", "accuracy = 0.5", "accuracy = 0.25");
+    run(&folder, &gather).refuses(3, &["sequential.toml", "another config", "part-1.parquet"]);
 }
 
 #[test]

@@ -6,4 +6,4 @@ mod table;
 
 pub use document::document;
 pub use file::SequentialFile;
-pub use table::{ID, VERSION, columns};
+pub use table::{ID, VERSION, columns, rows};

@@ -1,10 +1,29 @@
-use artifact::Columns;
+use artifact::{Columns, Error, TableReader};
 use trial::rounds::{Arm, Outcome, Row, Shared};
 
 /// Schema id.
 pub const ID: &str = "sequential";
 /// Version of the schema.
 pub const VERSION: u32 = 1;
+
+/// Reads the whole table.
+///
+/// # Errors
+/// Missing columns, damaged blocks.
+pub fn rows(reader: &TableReader, rate_hz: f64) -> Result<Vec<Row>, Error> {
+    let blank = Row {
+        arm: Arm::Sequential,
+        realization: 0,
+        round: 0,
+        samples: 0,
+        shared: Shared::Designed,
+        outcome: Outcome::Identified,
+        parameter_error: None,
+        predicted_error: None,
+        expected_error: None,
+    };
+    columns(rate_hz).read(reader, &blank)
+}
 
 /// The table of an arm of a realization at the end of a round, one per row, of runs at `rate_hz`.
 pub fn columns(rate_hz: f64) -> Columns<Row> {

@@ -10,4 +10,4 @@ mod select;
 pub use counts::{apportioned, available};
 pub use realize::Realization;
 pub use scores::{DEGENERATE, PublishedLimits, SelectionErrors, SelectionScores, SharesBeyond};
-pub use select::{Selection, SelectionOptions, select};
+pub use select::{Selection, SelectionOptions, Selector};

@@ -1,6 +1,5 @@
 use std::collections::BTreeMap;
 
-use rayon::prelude::*;
 use vessel::{LANES, RunView};
 
 use super::counts::available;
@@ -43,63 +42,92 @@ pub struct Selection {
     pub instrument_fit: Option<[f64; 3]>,
     /// Picked as the design says, and at random.
     pub designs: [SelectionScores; 2],
-    /// Those of both, in order.
-    pub realizations: Vec<Realization>,
     /// 90 % quantile of the optimized error norm over that of the random one; none where either is infinite.
     pub ratio_q90: Option<f64>,
     /// The result, and what went wrong, in words.
     pub statements: Vec<String>,
 }
 
-/// Picks, estimates, simulates. `done` is called with the number of realizations that are done.
-///
-/// # Errors
-/// The nominal simulation diverges.
-pub fn select(
-    pool: &Pool,
-    runs: &PooledRuns,
-    options: &SelectionOptions,
-    done: &(dyn Fn(usize) + Sync),
-) -> Result<Selection, LostInstruments> {
-    let prepared = Prepared::new(pool, runs, options.estimator)?;
-    let parts: Vec<Part> = runs.parts(None);
-    let std = deviations(parts.iter().map(|p| p.measured.as_slice()));
-    let views: Vec<RunView> = parts.iter().map(Part::view).collect();
-    let realizer = Realizer { pool, estimator: options.estimator, prepared: &prepared, parts: &views, std };
-    let labels: Vec<&str> = parts.iter().map(|p| p.label.as_str()).collect();
-    let picks = options.counts.values().sum::<u64>();
-    let draws = [
-        Draw::by_design(options.seed, &labels, &options.counts),
-        Draw::at_random(options.seed, parts.len(), picks as usize),
-    ];
-    let realizations = draws.each_ref().map(|draw| {
-        let chunk = |i: usize| {
-            let first = i * LANES;
-            let count = LANES.min(options.realizations as usize - first);
-            let found = realizer.chunk(draw, first as u32, count);
-            done(count);
-            found
-        };
-        let chunks = (options.realizations as usize).div_ceil(LANES);
-        let realizations: Vec<Vec<Realization>> = (0..chunks).into_par_iter().map(chunk).collect();
-        realizations.concat()
-    });
-    let designs =
-        [0, 1].map(|i| SelectionScores::new(draws[i].design, &realizations[i], options.published_limits));
-    let mut statements = vec![conclusion(&designs)];
-    statements.extend(prepared.warnings);
-    Ok(Selection {
-        picks,
-        available: available(&parts),
-        parts: parts.len(),
-        samples: parts.iter().map(|p| p.samples() as u64).sum(),
-        std,
-        instrument_fit: prepared.instrument_fit,
-        ratio_q90: q90(&designs[0]).zip(q90(&designs[1])).map(|(optimized, random)| optimized / random),
-        designs,
-        realizations: realizations.concat(),
-        statements,
-    })
+/// Makes the realizations of a selection study, in groups that depend on nothing but their number.
+pub struct Selector<'a> {
+    pool: &'a Pool<'a>,
+    options: &'a SelectionOptions,
+    prepared: Prepared,
+    parts: Vec<Part>,
+    /// Standard deviations of the measured u, v, r over the parts.
+    std: [f64; 3],
+    /// By the design, and at random.
+    draws: [Draw; 2],
+}
+
+impl<'a> Selector<'a> {
+    /// Sums up the sub-experiments of `runs`.
+    ///
+    /// # Errors
+    /// The nominal simulation diverges.
+    pub fn new(
+        pool: &'a Pool<'a>,
+        runs: &PooledRuns,
+        options: &'a SelectionOptions,
+    ) -> Result<Self, LostInstruments> {
+        let prepared = Prepared::new(pool, runs, options.estimator)?;
+        let parts: Vec<Part> = runs.parts(None);
+        let labels: Vec<&str> = parts.iter().map(|p| p.label.as_str()).collect();
+        let picks = options.counts.values().sum::<u64>() as usize;
+        let draws = [
+            Draw::by_design(options.seed, &labels, &options.counts),
+            Draw::at_random(options.seed, parts.len(), picks),
+        ];
+        let std = deviations(parts.iter().map(|p| p.measured.as_slice()));
+        Ok(Self { pool, options, prepared, parts, std, draws })
+    }
+
+    /// Groups of one design.
+    fn each(&self) -> usize {
+        (self.options.realizations as usize).div_ceil(LANES)
+    }
+
+    /// How many groups there are: those that the design picks, then those at random.
+    pub fn groups(&self) -> usize {
+        self.draws.len() * self.each()
+    }
+
+    /// How many realizations `group` has.
+    pub fn realizations_of(&self, group: usize) -> usize {
+        LANES.min(self.options.realizations as usize - group % self.each() * LANES)
+    }
+
+    /// The realizations of `group`.
+    pub fn group(&self, group: usize) -> Vec<Realization> {
+        let Self { pool, prepared, std, .. } = self;
+        let parts: Vec<RunView> = self.parts.iter().map(Part::view).collect();
+        let estimator = self.options.estimator;
+        let realizer = Realizer { pool, estimator, prepared, parts: &parts, std: *std };
+        let first = group % self.each() * LANES;
+        realizer.chunk(&self.draws[group / self.each()], first as u32, self.realizations_of(group))
+    }
+
+    /// What `realizations`, those of all groups in order, say together.
+    pub fn found(&self, realizations: &[Realization]) -> Selection {
+        let [optimized, random] = &self.draws;
+        let (own, others) =
+            realizations.split_at(realizations.partition_point(|r| r.design == optimized.design));
+        let of = |draw: &Draw, own| SelectionScores::new(draw.design, own, self.options.published_limits);
+        let designs = [of(optimized, own), of(random, others)];
+        let mut statements = vec![conclusion(&designs)];
+        statements.extend(self.prepared.warnings.clone());
+        Selection {
+            picks: self.options.counts.values().sum(),
+            available: available(&self.parts),
+            parts: self.parts.len(),
+            samples: self.parts.iter().map(|p| p.samples() as u64).sum(),
+            std: self.std,
+            instrument_fit: self.prepared.instrument_fit,
+            ratio_q90: q90(&designs[0]).zip(q90(&designs[1])).map(|(optimized, random)| optimized / random),
+            designs,
+            statements,
+        }
+    }
 }
 
 fn q90(scores: &SelectionScores) -> Option<f64> {
