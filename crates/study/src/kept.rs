@@ -10,7 +10,7 @@ use vessel::Vessel;
 
 use crate::tallies::MAIN;
 use crate::trajectories::{BlockBuilder, Layout, rows_per_block};
-use crate::{beside, estimates, scores};
+use crate::{beside, estimates, scores, validated};
 
 vessel::choices! {
     /// What is kept beside a tally.
@@ -134,7 +134,7 @@ impl Kept {
         }
         if let Some((writer, rows)) = self.scores {
             let table = writer.finish()?;
-            let document = scores::document(&rows, bounds, samples, provenance);
+            let document = validated(&rows, bounds, samples, provenance);
             let path = beside(out, MAIN, "validation.json");
             files.push(stage_set_document(path, provenance, &document, std::slice::from_ref(&table))?);
             files.push(table);

@@ -24,6 +24,7 @@ pub mod tallies;
 mod term_lists;
 pub mod track;
 pub mod trajectories;
+mod validated;
 
 pub use files::{beside, role_of};
 pub use identification::pooled::listed;
@@ -31,3 +32,4 @@ pub use recommendation::recommendations;
 pub use refusal::{invalid, refuse};
 pub use seed::{note_seed, seed};
 pub use term_lists::TermLists;
+pub use validated::validated;

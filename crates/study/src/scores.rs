@@ -2,13 +2,13 @@
 
 use std::collections::HashSet;
 
-use artifact::{Columns, Error, Provenance, TableReader};
+use artifact::{Columns, Error, TableReader};
 use identification::{Estimator, Quantiles, ScoreStatus, Share};
 use vessel::DegreeOfFreedom;
 
 pub use identification::RunScore as Row;
 
-use crate::documents::{Bounds, DesignScores, EstimatorScores, ValidationDocument};
+use crate::documents::{Bounds, DesignScores, EstimatorScores};
 use crate::estimates::{distinct, implausible, is_error};
 
 /// Schema id of scores.
@@ -74,18 +74,6 @@ pub fn estimators(rows: &[Row]) -> Vec<Estimator> {
 pub fn leading(rows: &[Row]) -> Option<Estimator> {
     let known = estimators(rows);
     known.iter().find(|e| **e == Estimator::Iv).or(known.first()).copied()
-}
-
-/// `validation.json` of `rows`, scored over `samples` samples of validation runs and made as `provenance` says.
-pub fn document(rows: &[Row], bounds: Bounds, samples: u64, provenance: &Provenance) -> ValidationDocument {
-    ValidationDocument {
-        bounds,
-        samples,
-        seed: crate::seed(provenance),
-        designs: summarize(rows, bounds),
-        recommendations: crate::recommendations(rows),
-        compared: compare(rows, bounds),
-    }
 }
 
 /// What the scores of each design say together, in the order of the rows, by the [`leading`] estimator.

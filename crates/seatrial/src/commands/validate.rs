@@ -136,7 +136,7 @@ fn publish(
 ) -> Result<Summary, Failure> {
     let Made { table, provenance, rows } = made;
     let out = table.path().to_owned();
-    let found = scores::document(&rows, config.bounds(), validation.samples(), &provenance);
+    let found = study::validated(&rows, config.bounds(), validation.samples(), &provenance);
     let diverged: u64 = found.designs.iter().map(|d| d.diverged).sum();
     let summary = Summary::of(
         &out,
