@@ -116,6 +116,16 @@ impl Candidates {
         Ok(())
     }
 
+    /// None yet, of the same dimensions.
+    pub(crate) fn none(&self) -> Self {
+        Self::new(self.dimensions.clone())
+    }
+
+    /// Appends one of the same dimensions whose entries are finite.
+    pub(crate) fn append(&mut self, entries: &[f64]) {
+        self.entries.extend_from_slice(entries);
+    }
+
     /// Number of candidates Q.
     pub fn len(&self) -> usize {
         self.entries.len() / self.size().max(1)

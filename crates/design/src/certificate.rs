@@ -50,7 +50,7 @@ pub(crate) fn row_scaling<'a>(n: usize, matrices: impl Iterator<Item = &'a [f64]
 }
 
 /// Symmetric to 1e-9 and without an eigenvalue below −1e-9 of the largest diagonal entry, by Cholesky elimination.
-fn is_semidefinite(n: usize, m: &[f64], scaling: &[f64]) -> bool {
+pub(crate) fn is_semidefinite(n: usize, m: &[f64], scaling: &[f64]) -> bool {
     let mut a: Vec<f64> = (0..n * n).map(|k| scaling[k / n] * m[k]).collect();
     let size = (0..n).map(|i| a[i * n + i].abs()).fold(0.0, f64::max);
     let off = |i: usize, j: usize| (a[i * n + j] - a[j * n + i]).abs();

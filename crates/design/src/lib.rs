@@ -42,6 +42,7 @@ mod select;
 mod shortest;
 mod spectrum;
 mod stock;
+mod streamed;
 mod subset;
 mod wanted;
 
@@ -64,4 +65,5 @@ pub use segments::{Segments, Whole, counted};
 pub use select::{Restricted, Restriction, Selected, select};
 pub use shortest::{Accuracy, AccuracyPoint, Question, Rivals, Shortest};
 pub use stock::{Available, Length, Stock};
+pub use streamed::{Blocks, Streamed, solve_streamed};
 pub use wanted::{AccuracyOf, OutOfReach, Wanted};

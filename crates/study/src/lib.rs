@@ -12,6 +12,7 @@ pub mod folder;
 pub mod ingest_file;
 pub mod kept;
 pub mod logs_file;
+pub mod moments_table;
 pub mod parts;
 pub mod plan;
 mod recommendation;

@@ -9,3 +9,4 @@ mod oracle_output_error;
 mod restrictions;
 mod rounding;
 mod shortest;
+mod streamed;

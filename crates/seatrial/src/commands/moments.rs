@@ -1,9 +1,9 @@
 //! `moments`: what each maneuver tells about the parameters.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashSet};
 use std::path::{Path, PathBuf};
 
-use artifact::{Provenance, commit, stage_document};
+use artifact::{Provenance, TableWriter, commit, commit_with_document, stage_document};
 use clap::Parser;
 use identification::pooled::{PooledRuns, PooledSums, Regression};
 use identification::runs::RunInstruments;
@@ -12,6 +12,7 @@ use serde_json::json;
 use study::campaign_file::CampaignFile;
 use study::documents::MomentsDocument;
 use study::files::{generator, read_campaign, read_vessel};
+use study::moments_table::{self, table_of};
 use study::parts;
 use study::trajectories::{TrajectoryReader, label};
 use trial::moments::{
@@ -58,6 +59,9 @@ pub struct Arguments {
     /// The estimator to predict besides: `output-error` adds the matrices F and P, and G of the campaign's validation maneuvers
     #[arg(long, value_parser = choice(&Estimator::PREDICTED, Estimator::name, Estimator::description), default_value_t = Estimator::Iv, requires = "campaign")]
     estimator: Estimator,
+    /// Writes the maneuvers into moments.parquet beside the document, as they come: for dictionaries of very many
+    #[arg(long, conflicts_with_all = ["campaign", "shard", "gather"])]
+    table: bool,
     #[command(flatten)]
     sharding: Sharding,
 }
@@ -78,22 +82,27 @@ impl Task for Arguments {
         let (disturbances, output_error) = predicted(self, &vessel, &mut provenance)?;
         let inputs = [&self.vessel, &self.trajectories].into_iter().chain(&self.campaign);
         let out = common.main_output("moments.json", inputs.chain(&self.sharding.gather))?;
-        let (provenance, document) = if self.sharding.gathers() {
-            parts::moments(&self.sharding.gather, &provenance)?
-        } else {
-            provenance.shard = self.sharding.shard;
-            let prediction = Prediction::new(&vessel.model, disturbances.as_ref(), output_error.as_ref());
-            let maneuvers = maneuvers(self, &vessel, &prediction, &reader, common.quiet)?;
-            let document = MomentsDocument(Moments {
+        let prediction = Prediction::new(&vessel.model, disturbances.as_ref(), output_error.as_ref());
+        let reading = Reading { a: self, vessel: &vessel, prediction, reader: &reader, quiet: common.quiet };
+        let head = |maneuvers: Vec<ManeuverMoments>| {
+            MomentsDocument(Moments {
                 vessel: vessel.name.clone(),
                 sample_rate_hz: vessel.sample_rate_hz,
                 instruments: self.instruments,
                 degrees: structure(&vessel.model),
                 maneuvers,
-                disturbances,
-                output_error,
-            });
-            (provenance, document)
+                disturbances: disturbances.clone(),
+                output_error: output_error.clone(),
+            })
+        };
+        if self.table {
+            return reading.table(&out, &provenance, &head(Vec::new()));
+        }
+        let (provenance, document) = if self.sharding.gathers() {
+            parts::moments(&self.sharding.gather, &provenance)?
+        } else {
+            provenance.shard = self.sharding.shard;
+            (provenance, head(reading.maneuvers()?))
         };
         commit(vec![stage_document(&out, &provenance, &document)?])?;
         let count = document.0.maneuvers.len();
@@ -106,43 +115,89 @@ impl Task for Arguments {
 /// 1.6 s, with the disturbances' matrices in 1.9, with those of `output-error` in 2.7.
 const ROWS_PER_SECOND: f64 = 5e5;
 
-/// The moments of all maneuvers in the table.
-fn maneuvers(
-    a: &Arguments,
-    vessel: &Vessel,
-    prediction: &Prediction,
-    reader: &TrajectoryReader,
+/// What is read, and how.
+struct Reading<'a> {
+    a: &'a Arguments,
+    vessel: &'a Vessel,
+    prediction: Prediction<'a>,
+    reader: &'a TrajectoryReader,
     quiet: bool,
-) -> Result<Vec<ManeuverMoments>, Failure> {
-    let instruments = RunInstruments::new(vessel, a.instruments);
-    let blocks = a.sharding.shard.map_or(0..reader.blocks(), |shard| shard.range(reader.blocks()));
-    let share = blocks.len() as f64 / reader.blocks().max(1) as f64;
-    let seconds = share * reader.rows().0 as f64 / ROWS_PER_SECOND;
-    let progress = Progress::new("blocks", blocks.len(), quiet).foretold(seconds);
-    let mut pool = Pool::default();
-    let work = |block: usize| {
-        let runs: Vec<Run> = prediction.runs(&reader.runs(block)?);
-        let mut found = Vec::with_capacity(runs.len());
-        for batch in instruments.batches(&runs) {
-            let (prepared, members) = batch.map_err(|e| Failure::invalid(&a.vessel, &e.invalid()))?;
-            let moments = prediction.moments(&prepared.batch(), members);
-            found.extend(moments.map_err(|e| Failure::invalid(&a.vessel, &e))?);
+}
+
+impl Reading<'_> {
+    /// The moments of all maneuvers.
+    fn maneuvers(&self) -> Result<Vec<ManeuverMoments>, Failure> {
+        let mut pool = Pool::default();
+        let refused = |e: Invalid| Failure::invalid(&self.a.trajectories, &e);
+        self.each(|pooled, more| {
+            if pooled && self.a.sharding.shard.is_some() {
+                return Err(self.pooled(&more.name, "--shard"));
+            }
+            pool.add(pooled, more).map_err(refused)
+        })?;
+        pool.finish(&self.vessel.model).map_err(refused)
+    }
+
+    /// Writes the moments of all maneuvers into the table beside `out`, as they come.
+    fn table(&self, out: &Path, provenance: &Provenance, head: &MomentsDocument) -> Result<Summary, Failure> {
+        let columns = moments_table::columns(&head.0.degrees);
+        let writer = TableWriter::create(table_of(out), columns.schema(), provenance)?;
+        let (mut writer, mut rows, mut count) = (writer.with_document(out), Vec::new(), 0);
+        let mut names = HashSet::new();
+        self.each(|pooled, more| {
+            if pooled || !names.insert(more.name.clone()) {
+                return Err(self.pooled(&more.name, "--table"));
+            }
+            let mut one = Pool::default();
+            let refused = |e: Invalid| Failure::invalid(&self.a.trajectories, &e);
+            one.add(false, more).map_err(refused)?;
+            rows.extend(one.finish(&self.vessel.model).map_err(refused)?);
+            count += 1;
+            if rows.len() == moments_table::BLOCK {
+                writer.push(columns.encode(&rows)?)?;
+                rows.clear();
+            }
+            Ok(())
+        })?;
+        if !rows.is_empty() {
+            writer.push(columns.encode(&rows)?)?;
         }
-        progress.advance(1);
-        Ok::<_, Failure>(found)
-    };
-    let refused = |e: Invalid| Failure::invalid(&a.trajectories, &e);
-    ordered(blocks, work, |found| {
-        let pooled = found.iter().find(|(pooled, _)| *pooled && a.sharding.shard.is_some());
-        if let Some((_, of)) = pooled {
-            let (thing, found) =
-                (format!("maneuver `{}`", of.name), "measured runs, which are pooled in one sum");
-            let (expected, remedy) = ("one simulated run per maneuver", "leave out --shard");
-            return Err(Failure::refuse(&a.trajectories, &thing, found, expected, remedy));
-        }
-        found.into_iter().try_for_each(|(pooled, more)| pool.add(pooled, more)).map_err(refused)
-    })?;
-    pool.finish(&vessel.model).map_err(refused)
+        commit_with_document(writer.finish()?, out, provenance, head)?;
+        let said = format!("moments of {count} maneuvers in {}", table_of(out).display());
+        Ok(Summary::of(out, said, json!({"maneuvers": count})))
+    }
+
+    /// Calls `take` with the moments of every run, in their order, and whether they are pooled with others of its maneuver.
+    fn each(
+        &self,
+        mut take: impl FnMut(bool, ManeuverMoments) -> Result<(), Failure>,
+    ) -> Result<(), Failure> {
+        let Self { a, vessel, prediction, reader, quiet } = self;
+        let instruments = RunInstruments::new(vessel, a.instruments);
+        let blocks = a.sharding.shard.map_or(0..reader.blocks(), |shard| shard.range(reader.blocks()));
+        let share = blocks.len() as f64 / reader.blocks().max(1) as f64;
+        let seconds = share * reader.rows().0 as f64 / ROWS_PER_SECOND;
+        let progress = Progress::new("blocks", blocks.len(), *quiet).foretold(seconds);
+        let work = |block: usize| {
+            let runs: Vec<Run> = prediction.runs(&reader.runs(block)?);
+            let mut found = Vec::with_capacity(runs.len());
+            for batch in instruments.batches(&runs) {
+                let (prepared, members) = batch.map_err(|e| Failure::invalid(&a.vessel, &e.invalid()))?;
+                let moments = prediction.moments(&prepared.batch(), members);
+                found.extend(moments.map_err(|e| Failure::invalid(&a.vessel, &e))?);
+            }
+            progress.advance(1);
+            Ok::<_, Failure>(found)
+        };
+        ordered(blocks, work, |found| found.into_iter().try_for_each(|(pooled, more)| take(pooled, more)))
+    }
+
+    /// Refuses runs that make one sum together where each is to stand alone.
+    fn pooled(&self, maneuver: &str, flag: &str) -> Failure {
+        let (found, expected) = ("more than one run, which make one sum", "one simulated run per maneuver");
+        let thing = format!("maneuver `{maneuver}`");
+        Failure::refuse(&self.a.trajectories, &thing, found, expected, &format!("leave out {flag}"))
+    }
 }
 
 /// The disturbances to expect, and the model of free simulations, where they are asked for.

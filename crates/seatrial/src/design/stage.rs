@@ -1,16 +1,19 @@
 use std::path::Path;
 
 use artifact::{Provenance, commit, read_document, stage_document};
-use design::{Available, Bounds, CountOptions, Design, Length, Options, Segments, counted};
+use design::{
+    Available, Bounds, CountOptions, Design, Length, Options, Segments, Streamed, counted, solve_streamed,
+};
 use serde_json::json;
 
 use super::Arguments;
 use super::problem::Problem;
-use super::refusal::scarce;
+use super::refusal::{no_design, scarce};
 use crate::cli::Common;
 use crate::failure::Failure;
 use crate::stage::{Summary, Task};
 use study::documents::{DesignDocument, MomentsDocument, Solved};
+use study::moments_table::{MomentsTable, TableError, table_of};
 use trial::moments::Moments;
 
 impl Task for Arguments {
@@ -24,7 +27,11 @@ impl Task for Arguments {
         let label = loaded.provenance.settings.get_key_value("data");
         provenance.settings.extend(label.map(|(k, v)| (k.clone(), v.clone())));
         let seed = common.seed.unwrap_or(1);
-        let document = design(self, seed, &moments, &mut provenance)?;
+        let (moments, streamed) = match moments.maneuvers.is_empty() && table_of(&self.moments).is_file() {
+            true => self.streamed(moments, seed).map(|(own, found)| (own, Some(found)))?,
+            false => (moments, None),
+        };
+        let document = design(self, (seed, streamed), &moments, &mut provenance)?;
         self.settings(seed, &mut provenance);
         let inputs = [&self.moments].into_iter().chain(&self.weights).chain(&self.available);
         let out = common.main_output("design.json", inputs)?;
@@ -33,10 +40,44 @@ impl Task for Arguments {
     }
 }
 
+impl Arguments {
+    /// The maneuvers of the table that have a share, and what was found over all of it.
+    fn streamed(&self, head: Moments, seed: u64) -> Result<(Moments, Streamed), Failure> {
+        let limits = [
+            (self.available.is_some(), "--available"),
+            (self.most_maneuvers.is_some(), "--most-maneuvers"),
+            (self.minimal_s.is_some(), "--minimal-s"),
+        ];
+        if let Some((_, flag)) = limits.into_iter().find(|(given, _)| *given) {
+            return Err(Failure::Usage(format!(
+                "{flag}: found moments in a table, which is gone through without it, expected moments in a document; run `moments` \
+                 without --table, or leave it out"
+            )));
+        }
+        let table = MomentsTable::open(&self.moments, head, self.estimated())?;
+        let options =
+            Options { tolerance: self.tolerance, random_starts: self.starts, seed, ..Options::default() };
+        let found = solve_streamed(&table, &options).map_err(|e| match e {
+            TableError::Table(error) => error.into(),
+            TableError::Design(error) => {
+                let dictionary = table.with(&[(0, 0)]).map_err(Failure::from).and_then(|moments| {
+                    let own = moments.dictionary(self.estimated());
+                    own.map_err(|e| Failure::invalid(&self.moments, &e))
+                });
+                match dictionary {
+                    Ok(dictionary) => no_design(&self.moments, None, dictionary.explain(error)),
+                    Err(failure) => failure,
+                }
+            }
+        })?;
+        Ok((table.with(&found.members)?, found))
+    }
+}
+
 /// The design of `moments`: criterion, what is available, shares, counts, order.
 fn design(
     a: &Arguments,
-    seed: u64,
+    (seed, streamed): (u64, Option<Streamed>),
     moments: &Moments,
     provenance: &mut Provenance,
 ) -> Result<DesignDocument, Failure> {
@@ -58,6 +99,11 @@ fn design(
     let (relaxed, accuracy) = match shortest {
         Some((design, accuracy)) => (design, Some(accuracy)),
         None => (criterion.solve(&bounds, &options).map_err(refuse)?, None),
+    };
+    let relaxed = match &streamed {
+        // The same shares; how good they are among all.
+        Some(Streamed { design, .. }) => Design { gap: design.gap, status: design.status, ..relaxed },
+        None => relaxed,
     };
     let few = problem.few(&relaxed, &bounds, a.few_duration(dictionary, &length)?, &options)?;
     let restricted = few.as_ref().map(|(_, found)| &found.design);
@@ -82,6 +128,7 @@ fn design(
         restricted: few.as_ref().map(|(few, found)| (*few, found)),
         accuracy: accuracy.as_ref(),
         sequence,
+        streamed: streamed.as_ref(),
     }
     .into())
 }

@@ -72,6 +72,39 @@ fn law_shards_of_candidates_gather_to_the_bytes_of_the_whole() {
 }
 
 #[test]
+fn law_a_design_over_a_table_is_the_one_over_the_document() {
+    let folder = generated();
+    run(&folder, MOMENTS).succeeds();
+    run(&folder, DESIGN).succeeds();
+    let whole = data(&folder);
+    let table = |line: &str| line.replace("moments.json", "moments-2.json");
+    run(&folder, &format!("{} --table", table(MOMENTS))).succeeds();
+    assert!(folder.path().join("moments-2.parquet").is_file());
+    run(&folder, &table(DESIGN)).succeeds();
+    let streamed = data(&folder);
+    let number = |design: &Value, key: &str| design[key].as_f64().unwrap();
+    assert!((number(&whole, "log_det") - number(&streamed, "log_det")).abs() < 1e-8);
+    assert!(number(&streamed, "relative_gap") <= 1e-10);
+    assert_eq!(streamed["candidates"].as_u64(), Some(whole["shares"].as_object().unwrap().len() as u64));
+    assert_eq!((&whole["status"], &whole["candidates"]), (&streamed["status"], &Value::Null));
+    for (name, share) in streamed["shares"].as_object().unwrap() {
+        let (own, other) = (share.as_f64().unwrap(), whole["shares"][name].as_f64().unwrap());
+        assert!((own - other).abs() < 1e-4, "{name}: {own} and {other}");
+    }
+    let equal = |design: &Value| design["efficiency"]["equal_shares"].as_f64().unwrap();
+    assert!((equal(&whole) - equal(&streamed)).abs() < 1e-8);
+    run(&folder, CAMPAIGN).succeeds();
+    let refused = |more: &str, code, pieces: &[&str]| {
+        run(&folder, &format!("{} {more}", table(DESIGN))).refuses(code, pieces)
+    };
+    refused("--most-maneuvers 3", 2, &["--most-maneuvers", "without --table"]);
+    refused("--criterion a-relative", 3, &["moments-2.json", "no expected disturbances"]);
+    run(&folder, &format!("{MOMENTS} --table --shard 1/2")).refuses(2, &["--table", "--shard"]);
+    std::fs::remove_file(folder.path().join("moments-2.parquet")).unwrap();
+    run(&folder, &table(DESIGN)).refuses(3, &["moments-2"]);
+}
+
+#[test]
 fn candidates_keep_their_limits_and_are_counted_by_reason() {
     let folder = generated();
     let ran = run(&folder, &format!("{DICTIONARY} --json")).succeeds();

@@ -33,6 +33,9 @@ pub struct DesignDocument {
     pub shares: BTreeMap<String, f64>,
     /// Maneuver names in the dictionary's order.
     pub order: Vec<String>,
+    /// How many maneuvers there were to choose from, where those without a share are not listed.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub candidates: Option<u64>,
     /// The criterion's derivative by every share, for `D` g_q = Σ_d tr(M_d(w)⁻¹ M_d,q): above `dimension` a maneuver is
     /// worth more time (above what the maneuvers between their bounds have, where `available` binds). Absent where inputs
     /// were refined instead of shares.
@@ -227,7 +230,7 @@ impl Document for DesignDocument {
     const VERSION: u32 = 1;
     const UNITS: Units = &[
         ("1", "shares sensitivities dimension gap relative_gap log_det iterations equal_shares single"),
-        ("1", "counts segments segment_samples efficiency samples wanted reached"),
+        ("1", "candidates counts segments segment_samples efficiency samples wanted reached"),
         ("s", "minimal_s duration_s"),
     ];
 

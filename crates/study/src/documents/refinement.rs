@@ -109,6 +109,7 @@ impl RefinedFiles<'_> {
             statement: document.statement.clone(),
             shares: BTreeMap::from([(NAME.to_owned(), 1.0)]),
             order: vec![NAME.into()],
+            candidates: None,
             sensitivities: BTreeMap::new(),
             dimension: None,
             gap: None,

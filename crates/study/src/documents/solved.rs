@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use design::{
     Accuracy, Available, Bounds, Candidates, CovariancePoint, Criterion, CriterionName, Design, Dictionary,
-    Evaluation, Norm, Objective, Restricted, Segments, Status, Whole,
+    Evaluation, Norm, Objective, Restricted, Segments, Status, Streamed, Whole,
 };
 use identification::{Estimator, MeanRemoval};
 use trial::arranging::Arranged;
@@ -43,6 +43,8 @@ pub struct Solved<'a> {
     pub accuracy: Option<&'a Accuracy>,
     /// Order and lengths, where they were asked for.
     pub sequence: Option<Arranged>,
+    /// What was found over all maneuvers of a table, where only those with a share are in the dictionary.
+    pub streamed: Option<&'a Streamed>,
 }
 
 /// A restriction as it was asked for.
@@ -67,6 +69,10 @@ impl From<Solved<'_>> for DesignDocument {
             Criterion::Covariance(_) => log_det(&dictionary.information, &design.shares),
         };
         let least_largest = least_largest(&solved);
+        let equal_shares = match solved.streamed {
+            Some(all) => design.of_mean(&all.mean, parameters),
+            None => criterion.efficiency(design, &vec![1.0 / count as f64; count], parameters),
+        };
         Self {
             criterion: solved.name,
             mean_removal: Some(solved.removal),
@@ -85,7 +91,7 @@ impl From<Solved<'_>> for DesignDocument {
             proved_global: design.status == Status::Optimal && solved.restricted.is_none() && !least_largest,
             starts: if least_largest { Vec::new() } else { starts },
             efficiency: Some(Efficiency {
-                equal_shares: criterion.efficiency(design, &vec![1.0 / count as f64; count], parameters),
+                equal_shares,
                 single: named(&criterion.single_efficiencies(design, parameters)),
             }),
             counts: solved.segments.as_ref().map(|(_, whole)| by_name(&dictionary.maneuvers, &whole.counts)),
@@ -98,6 +104,7 @@ impl From<Solved<'_>> for DesignDocument {
             accuracy: solved.accuracy.map(accuracy),
             sequence: solved.sequence.map(Into::into),
             order: dictionary.maneuvers.clone(),
+            candidates: solved.streamed.map(|all| all.candidates as u64),
         }
     }
 }
