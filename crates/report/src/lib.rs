@@ -21,6 +21,7 @@ mod excitation;
 pub mod figures;
 mod headline;
 mod histograms;
+mod lacking;
 mod load;
 mod loader;
 mod logs;

@@ -32,7 +32,7 @@ fn of_logs() -> Markup {
         (entry("Error norm", "2-norm over surge, sway and yaw rate of RMSE/std; √3 is as bad as the mean of the data."))
         (entry("Recording, sub-experiment", "What was logged in one go, and what it was cut into. Recordings are left out whole."))
         (entry("Condition index", "Square root of the condition number of the normal matrix with the intercept, columns scaled, means left in; from 30 on collinear (Belsley, Kuh and Welsch)."))
-        (entry("Standard error", "Sandwich covariance with autocorrelation (Newey and West); of output-error with any correlation within a sub-experiment."))
+        (entry("Standard error", "Sandwich covariance with autocorrelation (Newey and West); of output-error by how much the estimate changes where a sub-experiment is left out (jackknife)."))
         (entry("Partial R²", "How much of a term its instruments tell beyond what they tell of the others (Shea): 1 least squares, near 0 lost."))
         (entry("Whiteness", "Ljung and Box's test: probability of a larger statistic if the residuals were white."))
     }

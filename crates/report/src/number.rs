@@ -43,6 +43,11 @@ pub(super) fn percent(share: f64) -> String {
     }
 }
 
+/// A probability: `0.043`, `< 0.001`.
+pub(super) fn probability(p: f64) -> String {
+    if p < 0.001 { "< 0.001".to_owned() } else { format!("{p:.3}") }
+}
+
 /// A fit: `79.2 %`, or a dash.
 pub(super) fn fit(fit: Option<f64>) -> String {
     percent(fit.map_or(f64::NAN, |fit| fit / 100.0))

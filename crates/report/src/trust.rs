@@ -1,8 +1,8 @@
-use identification::criticism::{Absent, Criticism};
 use maud::{Markup, display, html};
 
+use super::lacking::lacking;
 use super::measured::{Measured, free_runs};
-use super::number::{fit, or_dash, percent, three, three_or_dash, unit};
+use super::number::{fit, or_dash, percent, probability, three, three_or_dash, unit};
 use super::parts::{Section, coded, missing, statements};
 use super::table::Table;
 use study::documents::{ConstrainedParameter, DegreeTrust, SourceErrors, TrustDocument};
@@ -14,7 +14,7 @@ pub(super) fn trust(measured: &Measured) -> Section {
         Some(found) => html! {
             (about(found))
             (statements(&found.statements))
-            @if let Some(criticism) = &found.criticism { (structure(criticism)) }
+            @if let Some(criticism) = &found.criticism { (lacking(criticism)) }
             (tests(found))
             @for degree in &found.degrees { (parameters(degree)) }
             @if !found.constrained.is_empty() { (constrained(&found.constrained)) }
@@ -56,38 +56,6 @@ fn about(found: &TrustDocument) -> Markup {
             "."
         }
     }
-}
-
-/// Rows of the table of what the model may lack.
-const MOST_ABSENT: usize = 12;
-
-/// What the model lacks, or would have to lack to be noticed.
-fn structure(found: &Criticism) -> Markup {
-    let numbers = |values: &[f64]| values.iter().map(|x| three(*x)).collect::<Vec<_>>().join(", ");
-    let table = Table::of(found.absent.iter().take(MOST_ABSENT))
-        .compact()
-        .mark("main", |a| found.rejected && a.candidate)
-        .name("Not in the model", Absent::told)
-        .number("If added", |a| numbers(&a.value))
-        .number("Standard error", |a| numbers(&a.standard_error))
-        .text("Unit", |a| unit(&a.unit))
-        .number("Seen from", |a| three(a.visible_from))
-        .number("p", |a| probability(a.p_value));
-    html! {
-        h3 { "What the model lacks" }
-        (table)
-        p.note {
-            "Score tests of whitened errors; p: of any among all that was looked for. Noise found: u " (three(found.noise_u)) " m/s, v "
-            (three(found.noise_v)) " m/s, r " (three(found.noise_r)) " rad/s, current " (three(found.current_std)) " m/s"
-            @if let Some(time) = found.current_time_s { " changing within " (three(time)) " s" }
-            ". Seen from: what these recordings would nearly always have shown."
-        }
-    }
-}
-
-/// A probability: `0.043`, `< 0.001`.
-fn probability(p: f64) -> String {
-    if p < 0.001 { "< 0.001".to_owned() } else { format!("{p:.3}") }
 }
 
 fn tests(found: &TrustDocument) -> Markup {
@@ -153,16 +121,22 @@ fn parameters(degree: &DegreeTrust) -> Markup {
     }
 }
 
-/// Rows of `entries`, as many as parameters.
-fn correlation<'a>(degree: &'a DegreeTrust, entries: &'a [f64]) -> Table<(&'a str, &'a [f64])> {
-    let names = || degree.parameters.iter().map(|p| p.name.as_str());
-    let rows = names().zip(entries.chunks(degree.parameters.len().max(1)));
-    let named = Table::of(rows).compact().name("Correlation", |(name, _)| name);
-    names().enumerate().fold(named, |table, (i, name)| {
-        table.number(name, |(_, row)| {
-            row.get(i).map(|x| format!("{x:.2}").replace('-', "−")).unwrap_or_default()
+/// Correlations between the estimates, `entries` as many rows as parameters; none with those that a bound holds.
+fn correlation(degree: &DegreeTrust, entries: &[f64]) -> Markup {
+    let own = &degree.parameters;
+    let rows = own.iter().zip(entries.chunks(own.len().max(1)));
+    let named = Table::of(rows).compact().name("Correlation", |(p, _)| p.name.as_str());
+    let table = own.iter().enumerate().fold(named, |table, (i, other)| {
+        table.number(&other.name, |(p, row)| {
+            let entry = row.get(i).filter(|_| !p.at_bound && !other.at_bound);
+            or_dash(entry.map(|x| format!("{x:.2}").replace('-', "−")))
         })
-    })
+    });
+    let held: Vec<&str> = own.iter().filter(|p| p.at_bound).map(|p| p.name.as_str()).collect();
+    html! {
+        (table)
+        @if !held.is_empty() { p.note { "A dash: " (held.join(", ")) " at its bound, which correlates with nothing." } }
+    }
 }
 
 fn runs(runs: &[SourceErrors]) -> Markup {

@@ -70,51 +70,64 @@ impl<'a> Refinement<'a> {
         let mut states: Vec<State> =
             starts.iter().map(|start| State { parameters: start.clone(), noise: None }).collect();
         let search = |(problem, state): (usize, &mut State)| {
-            let errors = problems.free_errors(problem, &state.parameters)?;
-            let (search, first) = (problems.search(problem), Guess::first(errors, subject.rate_hz));
+            let search = problems.search(problem);
+            let errors = problems.free_errors(problem, &state.parameters);
+            let first = errors.map_or(Vec::new(), |errors| Guess::first(errors, subject.rate_hz));
             state.noise = search.brief(&first, &state.parameters).first().map(|(found, _)| *found);
-            Some((search, first))
+            (search, first)
         };
         let searches = match subject.levels {
             Some(_) => states.iter().map(|_| None).collect(),
-            None => states.iter_mut().enumerate().map(search).collect(),
+            None => states.iter_mut().enumerate().map(search).map(Some).collect(),
         };
         Self { problems, states, searches, errors: Vec::new() }
     }
 
     fn run(mut self) -> Vec<State> {
-        let mut open: Vec<usize> = (0..self.states.len()).collect();
-        while !open.is_empty() {
-            self.settle(open);
-            open = self.again();
-        }
+        self.settle((0..self.states.len()).collect());
         self.elsewhere();
+        let open = self.again();
+        if !open.is_empty() {
+            self.settle(open);
+        }
         self.states
     }
 
-    /// Errors far beyond the stated noise may come from a search that is stuck: begins once more at least squares, and keeps
-    /// what errs less.
+    /// Begins once more at least squares, and keeps what is likelier: where noise is looked for, since the errors of an estimate
+    /// that is far off look like a current that drifts; where it is stated and errors are far beyond it.
     fn elsewhere(&mut self) {
         let far = |errors: &Option<Linear>| {
             errors.as_ref().is_none_or(|errors| squares(errors) > FAR * 3.0 * errors.samples)
         };
-        let open: Vec<usize> = (0..self.errors.len()).filter(|problem| far(&self.errors[*problem])).collect();
-        let (Some(_), false) = (self.problems.subject.levels, open.is_empty()) else { return };
-        let (before, errors) = (self.states.clone(), self.errors.clone());
+        let again = |problem: &usize| self.searches[*problem].is_some() || far(&self.errors[*problem]);
+        let open: Vec<usize> = (0..self.errors.len()).filter(again).collect();
+        if open.is_empty() {
+            return;
+        }
+        let before: Vec<f64> = open.iter().map(|problem| self.worth(*problem)).collect();
+        let (states, errors) = (self.states.clone(), self.errors.clone());
         for (problem, found) in self.problems.least_squares(&open) {
-            self.states[problem].parameters = found;
+            let noise = self.searches[problem].as_ref().map(|(search, _)| search.lasting());
+            self.states[problem] = State { parameters: found, noise };
         }
         self.settle(open.clone());
-        for problem in open {
-            let better = match (&self.errors[problem], &errors[problem]) {
-                (Some(found), Some(before)) => squares(found) < squares(before),
-                (found, _) => found.is_some(),
-            };
-            if !better {
-                self.states[problem] = before[problem].clone();
+        for (problem, before) in open.into_iter().zip(before) {
+            if self.worth(problem) <= before {
+                self.states[problem] = states[problem].clone();
                 self.errors[problem].clone_from(&errors[problem]);
             }
         }
+    }
+
+    /// By what states are compared: twice the log-likelihood where noise is looked for, else minus the squared white errors.
+    fn worth(&self, problem: usize) -> f64 {
+        let state = &self.states[problem];
+        let found = match (&self.searches[problem], &state.noise) {
+            (Some((search, _)), Some(noise)) => search.likelihood(noise, &state.parameters),
+            (Some(_), None) => None,
+            (None, _) => self.errors[problem].as_ref().map(|errors| -squares(errors)),
+        };
+        found.unwrap_or(f64::NEG_INFINITY)
     }
 
     fn settle(&mut self, mut open: Vec<usize>) {

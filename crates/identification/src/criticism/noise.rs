@@ -24,6 +24,8 @@ const ENOUGH: usize = 12_000;
 const TIMES: [f64; 3] = [3.0, 20.0, 150.0];
 /// Shares of the time between two samples below which a current is new at every sample, and of which it is first thought so.
 const NEW: [f64; 2] = [0.7, 0.2];
+/// Share of the speed that a current is first thought to have that stays.
+const SMALL: f64 = 0.1;
 /// Least time of a drift over that between two samples.
 const LEAST: f64 = 1e-3;
 /// Time of a drift from which a current stays as it is \[s\].
@@ -135,6 +137,30 @@ impl<'a> Search<'a> {
         let promising = self.brief(starts, parameters);
         let found = promising.iter().filter_map(|(start, _)| self.climb(*start, parameters, STEPS[0]));
         found.max_by(|a, b| a.1.total_cmp(&b.1))
+    }
+
+    /// Twice the log-likelihood.
+    pub fn likelihood(&self, at: &Guess, parameters: &[f64]) -> Option<f64> {
+        self.worth(at, parameters).map(|found| found.worth)
+    }
+
+    /// Where a search begins that knows nothing of errors: noise by what neighbouring samples differ by beyond steady change,
+    /// and a current that stays, small beside the speed.
+    pub fn lasting(&self) -> Guess {
+        let (mut rough, mut speed, mut samples) = ([0.0; 3], 0.0, 0.0);
+        for run in &self.runs {
+            for row in run.measured.as_chunks::<3>().0.windows(3) {
+                for (d, sum) in rough.iter_mut().enumerate() {
+                    let change = row[2][d][0] - 2.0 * row[1][d][0] + row[0][d][0];
+                    *sum += change * change / 6.0;
+                }
+                speed += row[1][0][0] * row[1][0][0] + row[1][1][0] * row[1][1][0];
+                samples += 1.0;
+            }
+        }
+        let log = |sum: f64| libm::log((sum / samples).sqrt().max(1e-9));
+        let [u, v, r] = rough.map(log);
+        Guess { logs: [u, v, r, log(speed) + libm::log(SMALL), libm::log(LASTING)] }
     }
 
     /// Goes uphill by damped steps, whose curvature is that of the samples' own slopes (Berndt, Hall, Hall and Hausman).

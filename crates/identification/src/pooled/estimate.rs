@@ -1,12 +1,12 @@
 use thiserror::Error;
-use vessel::RunView;
+use vessel::{DegreeOfFreedom, RunView};
 
 use super::entangled::entangled;
 use super::statements::statements;
 use super::trust::Judge;
 use super::{
     DegreeTrust, Delivered, Estimated, Judgement, LostInstruments, NoEstimate, ParameterTrust, Part, Parts,
-    Pool, PooledRuns, Recorded, SourceErrors, Status,
+    Pool, PooledRuns, Recorded, SourceErrors, Status, listed,
 };
 use crate::criticism::{Criticism, Subject, criticise};
 use crate::{EstimateStatus, Estimator, RunEstimate};
@@ -98,7 +98,8 @@ pub fn estimate<R: Recorded>(
     let criticised = criticism.iter().flat_map(|found| &found.statements).cloned();
     let started = criticism.as_ref().and_then(|criticism| noisy_start(&found, criticism));
     let alike = delivered.iter().flat_map(|own| entangled(own, pool.model.layout()));
-    let known: Vec<String> = started.into_iter().chain(statements(&degrees)).chain(alike).collect();
+    let spread = started.into_iter().chain(few_tell(pool, &found));
+    let known: Vec<String> = spread.chain(statements(&degrees)).chain(alike).collect();
     Ok(Pooled {
         design: runs.design().to_owned(),
         parts: parts.count(),
@@ -125,6 +126,27 @@ fn noisy_start(found: &Estimated, criticism: &Criticism) -> Option<String> {
             "standard errors do not hold: simulations start at measured states, whose noise is {:.0} % of the motion; use \
              `refined-iv`, or longer sub-experiments",
             100.0 * share
+        )
+    })
+}
+
+/// Sub-experiments that tell alike below which standard errors, which compare them, are a guess.
+const FEW: f64 = 3.0;
+
+/// That standard errors compare sub-experiments, of which few tell of some parameters.
+fn few_tell(pool: &Pool, found: &Estimated) -> Option<String> {
+    let (own, _) = found.output_error.as_ref()?;
+    let layout = pool.model.layout();
+    let degrees = DegreeOfFreedom::ALL.map(|d| d as usize).into_iter();
+    let places = degrees.filter(|d| found.used[*d] == Estimator::OutputError).flat_map(|d| layout.terms(d));
+    let telling = pool.vessel.model.parameter_names().zip(places);
+    let few = telling.filter(|(_, i)| own.telling[*i] > 0.0 && own.telling[*i] < FEW);
+    let named: Vec<String> = few.map(|(name, i)| format!("`{name}` {:.1}", own.telling[i])).collect();
+    (!named.is_empty()).then(|| {
+        format!(
+            "standard errors hold only roughly: they compare sub-experiments, of which few tell of a parameter ({}, if all told \
+             alike); use more runs, or a smaller --part-s",
+            listed(&named)
         )
     })
 }

@@ -1,5 +1,6 @@
 use std::ops::Range;
 
+use numerics::{quadratic, times};
 use rayon::prelude::*;
 use vessel::lanes::SideBySide;
 use vessel::{LANES, Lane, Model};
@@ -14,9 +15,12 @@ use crate::predictor::{
 pub struct OutputError {
     /// Of the model, in its order.
     pub parameters: Vec<f64>,
-    /// Their covariance, as many rows: H⁻¹ (Σ s sᵀ) H⁻¹ with the gradient s of each part, so that errors may be correlated
-    /// in any way within a part. Zero for parameters held, and for those at a bound.
+    /// Their covariance, as many rows: (G − 1)/G Σ δ δᵀ with the change δ of the estimate where one of the G parts is left out,
+    /// to first order (jackknife), so that errors may be correlated in any way within a part, and few parts do not make it
+    /// too small. Zero for parameters held, and for those at a bound.
     pub covariance: Vec<f64>,
+    /// Per parameter, how many parts would tell as much of it if all told alike; 0 for what is held.
+    pub telling: Vec<f64>,
     /// Steps tried.
     pub steps: usize,
     /// Whether the search ended at a minimum.
@@ -53,8 +57,9 @@ pub fn output_error<P: Parts>(
     let Some(found) = found.filter(|found| matches!(found.status, Ended::Converged | Ended::Stalled)) else {
         return Ok(None);
     };
-    Ok(problem.covariance(&found, weights)?.map(|covariance| OutputError {
+    Ok(problem.spread(&found, weights)?.map(|(covariance, telling)| OutputError {
         covariance,
+        telling,
         parameters: problem.whole(&found.point),
         steps: found.steps,
         converged: found.status == Ended::Converged,
@@ -115,22 +120,30 @@ impl<P: Parts> Problem<'_, P> {
         parts.par_chunks(LANES).flat_map_iter(linear).collect()
     }
 
-    fn covariance(&self, found: &Minimum, weights: [f64; 3]) -> Result<Option<Vec<f64>>, P::Error> {
-        let all = self.held.len();
+    /// The covariance of all parameters, and how many parts tell of each.
+    fn spread(&self, found: &Minimum, weights: [f64; 3]) -> Result<Option<Spread>, P::Error> {
         let Ok(inverse) = found.inverse(weights) else { return Ok(None) };
-        let mut out = vec![0.0; all * all];
+        let (all, free, parts) = (self.held.len(), self.free.len(), self.parts.count() as f64);
+        let (mut covariance, mut told) = (vec![0.0; all * all], vec![[0.0; 2]; all]);
         self.each(&found.point, |part| {
-            let (_, gradient) = part.weighted(weights);
-            let moved = numerics::times(&inverse, &gradient);
-            for (row, a) in self.free.iter().zip(&moved) {
+            let (normal, gradient) = part.weighted(weights);
+            // Without a part that alone determines a parameter there is no estimate: it counts as one that tells little.
+            let moved = found.without(part, weights).unwrap_or_else(|_| times(&inverse, &gradient));
+            for (i, (row, a)) in self.free.iter().zip(&moved).enumerate() {
                 for (column, b) in self.free.iter().zip(&moved) {
-                    out[row * all + column] += a * b;
+                    covariance[row * all + column] += (parts - 1.0) / parts * a * b;
                 }
+                let share = quadratic(&inverse[i * free..(i + 1) * free], &normal);
+                told[*row] = [told[*row][0] + share, told[*row][1] + share * share];
             }
         })?;
-        Ok(Some(out))
+        let alike = |[sum, squares]: [f64; 2]| if squares > 0.0 { sum * sum / squares } else { 0.0 };
+        Ok(Some((covariance, told.into_iter().map(alike).collect())))
     }
 }
+
+/// [`OutputError::covariance`] and [`OutputError::telling`].
+type Spread = (Vec<f64>, Vec<f64>);
 
 impl<P: Parts> Residuals for Problem<'_, P> {
     type Error = P::Error;

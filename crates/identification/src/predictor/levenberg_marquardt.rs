@@ -1,4 +1,5 @@
 use super::sums::Linear;
+use numerics::times;
 
 /// Several least-squares problems that are linearised in one pass.
 pub(crate) trait Residuals {
@@ -74,6 +75,16 @@ impl Minimum {
         let mut inverse = scaled_inverse(&normal, p)?;
         self.held.iter().for_each(|i| inverse[i * p + i] = 0.0);
         Ok(inverse)
+    }
+
+    /// By how much the unknowns change, to first order, where a `part` of what the problem is made of is left out: H⁻¹g, H of
+    /// the others and g of the part; or an unknown of which the others tell nothing.
+    pub(crate) fn without(&self, part: &Linear, weights: [f64; 3]) -> Result<Vec<f64>, usize> {
+        let (whole, _) = self.linear.weighted(weights);
+        let (own, mut gradient) = part.weighted(weights);
+        let mut others: Vec<f64> = whole.iter().zip(own).map(|(whole, own)| whole - own).collect();
+        hold(&self.held, &mut others, &mut gradient);
+        Ok(times(&scaled_inverse(&others, gradient.len())?, &gradient))
     }
 }
 

@@ -202,6 +202,37 @@ fn runs_that_reject_the_model_say_so_with_every_estimator() {
     assert!(!RunEstimators { levels: Some(silent), ..estimators }.asks(Asked::Stated));
 }
 
+/// An estimate at a bound is judged as it is delivered: held there, not as it would be without the bound.
+#[test]
+fn a_bound_that_excludes_the_truth_is_rejected_by_the_runs_whose_estimates_lie_at_it() {
+    let mut vessel = paper();
+    let experiment = experiment(&vessel);
+    let runs = whole(&experiment, recorded(&experiment, &vessel, &[], 3));
+    let mut judged = |bounds: Option<[f64; 2]>| -> Vec<(bool, EstimateStatus)> {
+        vessel.model.degrees[2].bounds = bounds.map(|bounds| (0, bounds)).into_iter().collect();
+        let estimators = RunEstimators {
+            vessel: &vessel,
+            estimators: vec![Estimator::Iv],
+            removal: MeanRemoval::Complete,
+            initial: InitialState::Known,
+            levels: Some(STATED),
+        };
+        let mut rows = estimators.estimates(&runs).unwrap();
+        estimators.criticise(&runs, &mut rows);
+        let place = vessel.model.layout().terms(2).start;
+        let ends = |theta: f64| bounds.is_some_and(|bounds| bounds.contains(&theta));
+        rows.iter().map(|row| (ends(row.estimate.as_ref().unwrap().0[place]), row.status)).collect()
+    };
+    let free = judged(None);
+    // N_r is −0.35.
+    assert_eq!(judged(Some([-0.25, 0.0])), [(true, EstimateStatus::Rejected); 3]);
+    assert_eq!(judged(Some([-1.0, 0.0])), free);
+    assert!(free.iter().any(|(_, status)| *status == EstimateStatus::Identified), "{free:?}");
+    // Some of the runs lie at this one, whatever becomes of them; the others are judged as without it.
+    let some = judged(Some([-0.35, 0.0]));
+    assert!(some.iter().zip(&free).all(|((ends, with), (_, without))| *ends || with == without), "{some:?}");
+}
+
 /// A filter that trusts its stated noise can be stuck far from the least errors.
 #[test]
 fn an_estimate_that_is_far_off_does_not_change_what_is_found_to_be_missing() {

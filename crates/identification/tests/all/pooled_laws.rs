@@ -173,6 +173,49 @@ fn law_output_errors_vanish_at_the_truth_that_undisturbed_data_came_from() {
     assert_eq!([3, 6, 10].map(|i: usize| found[i]), [0.0; 3]);
 }
 
+/// The definition of a jackknife, with every estimate searched for anew.
+#[test]
+fn law_standard_errors_of_output_error_are_those_of_estimates_with_a_part_left_out() {
+    let vessel = craft();
+    let parts = many(&vessel, 12, 60, 11);
+    let lifted = vessel.model.with_intercepts();
+    let start = lifted.layout().woven(&TRUTH, [0.0; 3]);
+    let sizes = lifted.layout().woven(&TRUTH.map(f64::abs), [1e-3; 3]);
+    let of = |parts: &Vec<Part>| {
+        let Ok(found) = output_error(&lifted, parts, &start, [0.2, 0.1, 0.05], &sizes);
+        found.unwrap()
+    };
+    let found = of(&parts);
+    let without = |i: usize| {
+        let others = parts.iter().enumerate().filter(|(k, _)| *k != i).map(|(_, part)| part.clone());
+        of(&others.collect()).parameters
+    };
+    let left: Vec<Vec<f64>> = (0..parts.len()).map(without).collect();
+    let (n, g) = (start.len(), parts.len() as f64);
+    for i in 0..n {
+        let squares: f64 = left.iter().map(|own| (own[i] - found.parameters[i]).powi(2)).sum();
+        let (expected, own) = ((squares * (g - 1.0) / g).sqrt(), found.covariance[i * n + i].sqrt());
+        assert!((own / expected - 1.0).abs() < 0.1, "{i}: {own} {expected}");
+        assert!((2.0..=g * (1.0 + 1e-9)).contains(&found.telling[i]), "{i}: {}", found.telling[i]);
+    }
+}
+
+/// Parts that are the same tell the same; a part that is repeated adds nothing but its number.
+#[test]
+fn law_as_many_parts_tell_of_a_parameter_as_there_are_where_all_are_alike() {
+    let vessel = craft();
+    let one = many(&vessel, 1, 90, 12).pop().unwrap();
+    let lifted = vessel.model.with_intercepts();
+    let start = lifted.layout().woven(&TRUTH, [0.0; 3]);
+    let sizes = lifted.layout().woven(&TRUTH.map(f64::abs), [1e-3; 3]);
+    for count in [1, 2, 5] {
+        let Ok(found) = output_error(&lifted, &vec![one.clone(); count], &start, [0.2, 0.1, 0.05], &sizes);
+        for telling in found.unwrap().telling {
+            assert_relative_eq!(telling, count as f64, max_relative = 1e-6);
+        }
+    }
+}
+
 #[test]
 fn a_term_that_hardly_varies_is_collinear_with_the_intercept() {
     let vessel = craft();

@@ -2,7 +2,7 @@
 
 use report::{Measured, Study, render};
 use serde_json::json;
-use study::documents::{CompareDocument, CrossvalDocument, ModelDocument};
+use study::documents::{CompareDocument, CrossvalDocument, ModelDocument, TrustDocument};
 
 fn model(truth: Option<f64>) -> ModelDocument {
     let degree = |name: &str, state: &str, unit: &str| {
@@ -98,4 +98,70 @@ fn what_is_left_of_the_errors_is_drawn_over_the_band() {
         assert!(html.contains(words), "{words}");
     }
     assert!(!html.contains("Correlations of free-run errors"));
+}
+
+/// `candidates` things that may be missing, the first `likely` of which may be it; the first parameter lies at its bound.
+fn trust(candidates: usize, likely: usize) -> TrustDocument {
+    let absent = |i: usize| {
+        let current = i == 1;
+        let values = if current { vec![0.25, -0.5] } else { vec![-0.4] };
+        json!({
+            "name": if current { "current".to_owned() } else { format!("v^{i}") },
+            "degree": if current { None } else { Some("sway") }, "unit": "1/m", "value": values,
+            "standard_error": vec![0.03; values.len()], "visible_from": 0.117, "p_value": 0.0004,
+            "evidence": 100.0 - i as f64, "candidate": i < likely
+        })
+    };
+    let parameter = |name: &str, at_bound: bool| {
+        json!({
+            "name": name, "term": "v", "unit": "1/s", "estimate": -0.1, "standard_error": null, "at_bound": at_bound,
+            "bootstrap_std": null, "bootstrap_low": null, "bootstrap_high": null, "variation": 1.0,
+            "instrument_strength": null
+        })
+    };
+    serde_json::from_value(json!({
+        "estimator": "output-error", "mean_removal": "complete", "nominal": "given", "prior": 0.0, "parts": 4,
+        "sources": 2, "samples": 400, "bandwidth": 4, "replicates": 0, "statements": [], "runs": [],
+        "degrees": [{
+            "name": "sway", "status": "identified", "reason": null, "estimator": "output-error", "condition": 2.0,
+            "condition_index": 3.0, "weakest": "", "correlation": [0.0, 0.0, 0.0, 1.0], "whiteness": null,
+            "parameters": [parameter("Y_v", true), parameter("Y_r", false)], "instrument_residual": null,
+            "instrument_fit": null
+        }],
+        "criticism": {
+            "rejected": likely > 0, "p_value": 0.0004, "stated_noise": false, "noise_u": 0.02, "noise_v": 0.02,
+            "noise_r": 0.02, "current_std": 0.1, "current_time_s": 30.0, "error_ratio": 1.0, "whiteness": [],
+            "absent": (0..candidates).map(absent).collect::<Vec<_>>(), "hidden": ["`v` in yaw"], "statements": []
+        }
+    }))
+    .unwrap()
+}
+
+#[test]
+fn what_a_model_may_lack_is_ranked_and_the_unlikely_is_folded_away() {
+    let said = |candidates: usize, likely: usize| {
+        page(Measured { trust: Some(trust(candidates, likely)), ..Measured::default() })
+    };
+    let all = said(9, 7);
+    let (open, folded) = all.split_once("<details>").unwrap();
+    assert!(open.contains("<code>v^6</code>") && !open.contains("<code>v^7</code>"), "{open}");
+    assert!(folded.contains("2 more candidates") && folded.contains("<code>v^8</code>"), "{folded}");
+    assert!(open.contains("−0.400 ± 0.0300") && open.contains("0.250 ± 0.0300, −0.500 ± 0.0300"), "{open}");
+    assert!(open.contains("&lt; 0.001") && open.contains("<td>sway</td>") && open.contains("<td>all</td>"));
+    assert!(
+        folded.contains("own terms: <code>v</code> in yaw") && folded.contains("Noise found"),
+        "{folded}"
+    );
+    assert!(said(9, 0).split_once("<details>").unwrap().1.contains("4 more candidates"));
+    assert!(!said(3, 0).contains("<details>"));
+}
+
+#[test]
+fn a_parameter_at_its_bound_correlates_with_nothing() {
+    let html = page(Measured { trust: Some(trust(1, 0)), ..Measured::default() });
+    let (_, table) = html.split_once(">Correlation<").unwrap();
+    let cells: Vec<&str> = table.split("<td class=\"number\">").skip(1).take(4).collect();
+    let cell = |i: usize| cells[i].split('<').next().unwrap();
+    assert_eq!([0, 1, 2, 3].map(cell), ["–", "–", "–", "1.00"]);
+    assert!(table.contains("A dash: Y_v at its bound"));
 }

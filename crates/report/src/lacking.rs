@@ -1,0 +1,69 @@
+//! What a model lacks, or would have to lack to be noticed.
+
+use identification::criticism::{Absent, Criticism};
+use maud::{Markup, html};
+
+use super::number::{probability, three, unit};
+use super::parts::coded;
+use super::table::Table;
+
+/// Candidates that are shown whatever the data say of them.
+const SHOWN: usize = 5;
+
+/// What was looked for, the likeliest first; those that the data do not speak for are folded away.
+pub(super) fn lacking(found: &Criticism) -> Markup {
+    let likely = found.absent.iter().take_while(|a| found.rejected && a.candidate).count();
+    let (first, others) = found.absent.split_at(likely.max(SHOWN).min(found.absent.len()));
+    html! {
+        h3 { "What the model lacks" }
+        (candidates(found, first))
+        @if !others.is_empty() {
+            details {
+                summary { (others.len()) " more candidates, for which these recordings speak less" }
+                (candidates(found, others))
+            }
+        }
+        p.note {
+            "Score tests of whitened errors of what the model does not have, the likeliest first; values with standard errors as they \
+             would be if it were added. p: how often any of all candidates would seem so likely in a right model. Seen from: the \
+             least that these recordings would nearly always have shown."
+        }
+        @if !found.hidden.is_empty() {
+            p.note { "Not to be told from the model's own terms: " (coded(&found.hidden.join(", "))) "." }
+        }
+        (noise(found))
+    }
+}
+
+fn candidates<'a>(found: &Criticism, absent: &'a [Absent]) -> Table<&'a Absent> {
+    Table::of(absent)
+        .compact()
+        .mark("main", |a| found.rejected && a.candidate)
+        .name("Not in the model", |a| match a.degree {
+            Some(_) => html! { code { (a.name) } },
+            None => html! { (a.name) },
+        })
+        .text("Degree", |a| a.degree.as_deref().unwrap_or("all"))
+        .number("If added", added)
+        .text("Unit", |a| unit(&a.unit))
+        .number("p", |a| probability(a.p_value))
+        .number("Seen from", |a| three(a.visible_from))
+}
+
+/// `−0.400 ± 0.030`; north and east of a current.
+fn added(absent: &Absent) -> String {
+    let each = absent.value.iter().zip(&absent.standard_error);
+    each.map(|(value, error)| format!("{} ± {}", three(*value), three(*error))).collect::<Vec<_>>().join(", ")
+}
+
+/// The noise that the errors were made white with.
+fn noise(found: &Criticism) -> Markup {
+    html! {
+        p.note {
+            "Noise " (if found.stated_noise { "stated" } else { "found" }) ": u " (three(found.noise_u)) " m/s, v "
+            (three(found.noise_v)) " m/s, r " (three(found.noise_r)) " rad/s, current " (three(found.current_std)) " m/s"
+            @if let Some(time) = found.current_time_s { " changing within " (three(time)) " s" }
+            "."
+        }
+    }
+}
