@@ -140,6 +140,7 @@ fn design() -> DesignDocument {
             .to_owned(),
         shares: by_name(|m| m.1),
         order: MANEUVERS.iter().map(|m| m.0.to_owned()).collect(),
+        candidates: None,
         sensitivities: by_name(|m| m.2),
         dimension: Some(13),
         gap: Some(4.1e-9),
