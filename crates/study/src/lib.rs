@@ -22,6 +22,7 @@ pub mod tallies;
 mod term_lists;
 pub mod track;
 pub mod trajectories;
+mod tried;
 
 pub use files::{beside, role_of};
 pub use identification::pooled::listed;
@@ -29,3 +30,4 @@ pub use recommendation::recommendations;
 pub use refusal::{invalid, refuse};
 pub use seed::{note_seed, seed};
 pub use term_lists::TermLists;
+pub use tried::Tried;
