@@ -55,11 +55,17 @@ fn nested(found: &SearchDocument) -> Markup {
     let overlapping =
         [("whole search", &nested.search_overlapping), ("base structure", &nested.base_overlapping)];
     let average = nested.average.as_ref();
-    let mean = |of: fn(&NestedAverage) -> &Option<FreeRunErrors>| average.map(|own| ("average of models", of(own)));
-    let [beside, overlapping] = [(beside, mean(|own| &own.errors)), (overlapping, mean(|own| &own.overlapping))]
-        .map(|(rows, mean)| rows.into_iter().chain(mean));
+    let mean =
+        |of: fn(&NestedAverage) -> &Option<FreeRunErrors>| average.map(|own| ("average of models", of(own)));
+    let [beside, overlapping] =
+        [(beside, mean(|own| &own.errors)), (overlapping, mean(|own| &own.overlapping))]
+            .map(|(rows, mean)| rows.into_iter().chain(mean));
     let judged = |windows: &'static str| {
-        move |(name, errors): (&'static str, &'_ Option<FreeRunErrors>)| Judged { name, windows, errors: *errors }
+        move |(name, errors): (&'static str, &'_ Option<FreeRunErrors>)| Judged {
+            name,
+            windows,
+            errors: *errors,
+        }
     };
     let rows: Vec<Judged> = beside
         .map(judged("side by side"))

@@ -69,7 +69,9 @@ impl Tried {
     pub fn known(&self) -> Option<Known<'_>> {
         let rmse = self.output_rmse?;
         match self.models.as_slice() {
-            [model] => model.covariance.as_ref().map(|covariance| Known { covariance: Some(covariance), rmse }),
+            [model] => {
+                model.covariance.as_ref().map(|covariance| Known { covariance: Some(covariance), rmse })
+            }
             _ => Some(Known { covariance: None, rmse }),
         }
     }

@@ -165,7 +165,9 @@ mod tests {
             let turning = drawn.iter().filter(|own| own.kind() == "turning").count();
             assert_eq!((drawn.len(), share(23)), (16, 16));
             assert!((6..=7).contains(&turning), "{turning}");
-            assert!(drawn.windows(2).all(|pair| pair[0].name < pair[1].name || pair[0].kind() != pair[1].kind()));
+            assert!(
+                drawn.windows(2).all(|pair| pair[0].name < pair[1].name || pair[0].kind() != pair[1].kind())
+            );
             let place = |own: &&Recording| all.iter().position(|other| other.name == own.name).unwrap();
             drawn.iter().for_each(|own| seen[place(own)] += 1);
         }

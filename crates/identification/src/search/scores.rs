@@ -30,7 +30,8 @@ pub(super) fn scores_of_mean(
     laid: Laid,
     limit: [f64; 3],
 ) -> Vec<Score> {
-    let models: Vec<(&Model, Vec<Lane>)> = models.iter().map(|(model, theta)| (*model, lanes(theta))).collect();
+    let models: Vec<(&Model, Vec<Lane>)> =
+        models.iter().map(|(model, theta)| (*model, lanes(theta))).collect();
     scored(recordings, laid, |windows| squares_of_mean(&models, windows, limit))
 }
 

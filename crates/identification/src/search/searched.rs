@@ -155,14 +155,7 @@ pub fn search(
     let parts: Vec<Part> = recordings.iter().flat_map(|r| &r.whole).cloned().collect();
     let structure = without_intercepts(&found.all.model);
     Ok(Searched {
-        statements: words::statements(
-            &candidates,
-            chosen,
-            score,
-            &found.sizes,
-            &found.all,
-            &nested_score,
-        ),
+        statements: words::statements(&candidates, chosen, score, &found.sizes, &found.all, &nested_score),
         delivered: delivered(&structure, &found.all, &recordings, &parts),
         samples: parts.iter().map(|part| part.samples() as u64).sum(),
         windows: recordings.iter().map(|r| r.scored(Laid::SideBySide).count() as u64).sum(),

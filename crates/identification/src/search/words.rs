@@ -64,8 +64,10 @@ pub(super) fn statements(
 fn at_bounds(found: &Fitted) -> Option<String> {
     let bounds = found.model.bounds()?;
     let own = found.model.parameter_names().zip(&found.theta).zip(bounds);
-    let held: Vec<String> =
-        own.filter(|((_, theta), ends)| ends.contains(theta)).map(|((name, _), _)| format!("`{name}`")).collect();
+    let held: Vec<String> = own
+        .filter(|((_, theta), ends)| ends.contains(theta))
+        .map(|((name, _), _)| format!("`{name}`"))
+        .collect();
     (!held.is_empty()).then(|| format!("held at a bound: {}", held.join(", ")))
 }
 

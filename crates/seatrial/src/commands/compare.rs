@@ -72,7 +72,7 @@ impl Task for Arguments {
         let window_s = window.map(|samples| samples as f64 / rate_hz);
         let document = CompareDocument::new(&vessel.name, window_s, &found);
         let columns = traces();
-                let mut writer = TableWriter::create(&table, columns.schema(), &provenance)?.with_document(&out);
+        let mut writer = TableWriter::create(&table, columns.schema(), &provenance)?.with_document(&out);
         writer.push(encode_block(columns.schema(), &columns.table(&found.trace))?)?;
         let members = vec![writer.finish()?];
         let main = stage_set_document(&out, &provenance, &document, &members)?;

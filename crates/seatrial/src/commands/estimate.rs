@@ -269,7 +269,8 @@ fn publish(
     let verdict =
         if asked { format!(", {rejected} reject the model") } else { ", model not criticised".to_owned() };
     let summary = || Ok(estimates::summarize(&out, &provenance, vessel, &rows)?);
-    let (also_model, left) = (if model.is_some() { ", a model" } else { "" }, is_of::<EstimateDocument>(document, path));
+    let (also_model, left) =
+        (if model.is_some() { ", a model" } else { "" }, is_of::<EstimateDocument>(document, path));
     match model {
         None => sharded::publish(table, document, &provenance, summary)?,
         Some(model) => {

@@ -116,7 +116,8 @@ impl Task for Arguments {
             rate_hz: vessel.sample_rate_hz,
         };
         let each = 1 + self.average.unwrap_or(0) as usize;
-        let fits = options.folds * (options.folds + 1) / 2 * options.ridges.len() + each * (options.folds + 1);
+        let fits =
+            options.folds * (options.folds + 1) / 2 * options.ridges.len() + each * (options.folds + 1);
         let progress = Progress::new("fits, at most", fits, common.quiet);
         let done = |count: usize| progress.advance(count);
         let found = search(&vessel.model, &library, &runs, &options, &done);

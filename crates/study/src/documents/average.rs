@@ -134,7 +134,12 @@ impl Document for AverageDocument {
     fn check(&self) -> Result<(), Invalid> {
         let (true, Some(first)) = (self.members.len() > 1, self.members.first()) else {
             let found = format!("{} models", self.members.len());
-            return Err(Invalid::new("data.members", found, "two models at least", "search for an average again"));
+            return Err(Invalid::new(
+                "data.members",
+                found,
+                "two models at least",
+                "search for an average again",
+            ));
         };
         let expected = shared(&first.model);
         for (i, AverageMember { model, .. }) in self.members.iter().enumerate() {

@@ -68,7 +68,12 @@ fn degree(vessel: &Vessel, degree: DegreeOfFreedom, model: &Model, delivered: &D
 }
 
 /// The terms of degree of freedom `d` of the structure `model`.
-pub(super) fn parameters(vessel: &Vessel, d: usize, model: &Model, delivered: &Delivered) -> Vec<ModelParameter> {
+pub(super) fn parameters(
+    vessel: &Vessel,
+    d: usize,
+    model: &Model,
+    delivered: &Delivered,
+) -> Vec<ModelParameter> {
     let (layout, known) = (model.layout(), vessel.model.layout().terms(d));
     let units = model.parameter_units();
     let covariance = delivered.covariance.as_ref();

@@ -90,7 +90,11 @@ impl SearchDocument {
             sizes: found.sizes.clone(),
             nested: found.nested.clone(),
             terms: DegreeOfFreedom::ALL.into_iter().flat_map(|d| terms(vessel, d, found)).collect(),
-            average: found.average.as_ref().zip(seed).map(|(own, seed)| AverageSummary::new(vessel, seed, own)),
+            average: found
+                .average
+                .as_ref()
+                .zip(seed)
+                .map(|(own, seed)| AverageSummary::new(vessel, seed, own)),
             statements: found.statements.clone(),
         }
     }

@@ -61,8 +61,9 @@ pub(super) fn error_correlations(
 ) -> Vec<ErrorCorrelations> {
     let all = || sources.iter().flat_map(|(_, windows)| windows);
     let simulated = all().zip(found.windows.iter().flatten());
-    let (followed, errors): (Vec<&Part>, Vec<[Vec<f64>; 3]>) =
-        simulated.filter_map(|(window, found)| Some((window, free_run(window, &found.as_ref()?.states)))).unzip();
+    let (followed, errors): (Vec<&Part>, Vec<[Vec<f64>; 3]>) = simulated
+        .filter_map(|(window, found)| Some((window, free_run(window, &found.as_ref()?.states))))
+        .unzip();
     let residuals: Vec<[Vec<f64>; 3]> = all().map(|window| one_step(first, window)).collect();
     let windows: Vec<&Part> = all().collect();
     let one_step = of_states(first, ErrorKind::OneStep, &windows, &residuals);

@@ -23,8 +23,10 @@ fn three(value: &Value) -> [f64; 3] {
 fn vessel(model: &Value) -> Vessel {
     let terms = |degree: &str| -> Vec<Value> {
         let all = model[degree].as_object().unwrap().iter();
-        all.map(|(term, value)| json!({"parameter": format!("{degree} {term}"), "term": term, "nominal": value}))
-            .collect()
+        all.map(
+            |(term, value)| json!({"parameter": format!("{degree} {term}"), "term": term, "nominal": value}),
+        )
+        .collect()
     };
     let input = |name: &str| json!({"name": name, "unit": "1"});
     let file: VesselFile = serde_json::from_value(json!({
