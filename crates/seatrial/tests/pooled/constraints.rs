@@ -3,8 +3,8 @@
 use serde_json::{Value, json};
 use tempfile::TempDir;
 
-use crate::support::*;
 use crate::search::measured;
+use crate::support::*;
 use crate::{CROSS, POOL};
 
 const PRESET: &str = include_str!("../../../vessel/presets/ljungberg-model-ship.toml");

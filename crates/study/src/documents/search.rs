@@ -125,7 +125,7 @@ impl Document for SearchDocument {
         (
             "1",
             "terms windows samples folds chosen_by_folds loss excess ridge ridges rejected diverged fold margin search_norm base_norm \
-             average_norm over_search over_base models chosen recordings_each",
+             average_norm over_search over_base models chosen recordings_each seed",
         ),
         ("%", "score fit_u fit_v fit_r"),
         ("m/s", "std_u std_v rmse_u rmse_v"),

@@ -62,7 +62,7 @@ impl Spreads {
         let alone: Vec<[f64; 3]> = rows.iter().map(|row| row.map(|std| Z * std)).collect();
         self.alone.add(window, states, &alone);
         let rmse = self.rmse?;
-        let with = |row: &[f64; 3]| [0, 1, 2].map(|d| Z * row[d].hypot(rmse[d]));
+        let with = |row: &[f64; 3]| [0, 1, 2].map(|d| Z * (row[d] * row[d] + rmse[d] * rmse[d]).sqrt());
         let bands: Vec<[f64; 3]> = rows.iter().map(with).collect();
         self.together.add(window, states, &bands);
         Some(bands)
