@@ -141,6 +141,7 @@ pub fn stage_set_document<D: Document>(
     files: &[Staged],
 ) -> Result<Staged> {
     let path = path.as_ref();
+    provenance.check_output(path)?;
     if let Some((field, value)) = first_not_finite(data) {
         let remedy = "leave the field out or correct the computation";
         return Err(Error::refuse(path, format!("data.{field}"), value, "a finite number", remedy));

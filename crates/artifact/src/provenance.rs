@@ -1,6 +1,6 @@
 //! Where a file's contents come from.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 use crate::digest::Digest;
@@ -32,6 +32,8 @@ pub struct Provenance {
     pub allow_mixed: bool,
     /// The file that told of each role's digest, for messages. Not written.
     pub told_by: BTreeMap<String, PathBuf>,
+    /// The input files: nothing that is made of them may take their place. Not written.
+    pub read: BTreeSet<PathBuf>,
 }
 
 impl Provenance {
@@ -41,6 +43,7 @@ impl Provenance {
     /// [`Error::Refused`] if another input was made of another such file.
     pub fn written(&mut self, role: &str, path: &Path, digest: Digest) -> Result<()> {
         self.note(role, path, digest)?;
+        self.read.insert(path.to_owned());
         self.origins.remove(role);
         self.inputs.insert(role.to_owned(), digest);
         Ok(())
@@ -68,6 +71,18 @@ impl Provenance {
     pub fn forget(&mut self, roles: &[&str]) {
         self.inputs.retain(|role, _| !roles.contains(&role.as_str()));
         self.origins.retain(|role, _| !roles.contains(&role.as_str()));
+    }
+
+    /// Refuses to put what is made of the inputs at the path of one of them.
+    pub(crate) fn check_output(&self, path: &Path) -> Result<()> {
+        let Ok(existing) = path.canonicalize() else { return Ok(()) };
+        match self.read.iter().any(|input| input.canonicalize().is_ok_and(|input| input == existing)) {
+            true => {
+                let (found, expected) = ("a file that this is made of", "another file");
+                Err(Error::refuse(path, "output", found, expected, "name another --out"))
+            }
+            false => Ok(()),
+        }
     }
 
     /// What was made of a mixture stays labelled so.

@@ -47,6 +47,7 @@ impl TableWriter {
     /// occurs twice, or nullable and not f64; [`Error::Io`] if the file cannot be created.
     pub fn create(path: impl AsRef<Path>, schema: &TableSchema, provenance: &Provenance) -> Result<Self> {
         let path = path.as_ref();
+        provenance.check_output(path)?;
         let layout = Layout::new(path, &schema.columns)?;
         let metadata = TableMetadata::new(schema, provenance);
         let file = Hashed { file: create_temporary(path)?, hasher: blake3::Hasher::new() };

@@ -109,6 +109,30 @@ impl Common {
     }
 }
 
+/// Where `name` of the set whose main file is `out`, usually called `usual`, goes. It may be none of `inputs`: a model that is
+/// made from another would take its place.
+///
+/// # Errors
+/// Usage, naming the input that would be overwritten.
+pub fn member<I: AsRef<Path>>(
+    out: &Path,
+    usual: &str,
+    name: &str,
+    inputs: impl IntoIterator<Item = I>,
+) -> Result<PathBuf, Failure> {
+    let member = beside(out, usual, name);
+    let Ok(existing) = member.canonicalize() else { return Ok(member) };
+    let same = |input: &I| input.as_ref().canonicalize().is_ok_and(|path| path == existing);
+    match inputs.into_iter().find(same) {
+        None => Ok(member),
+        Some(input) => Err(Failure::Usage(format!(
+            "--out: found that {name} beside it would replace {}, which is also an input, expected another place; name another \
+             output",
+            input.as_ref().display()
+        ))),
+    }
+}
+
 /// What a choice is called on the command line and in files.
 pub fn name_of(choice: impl ValueEnum) -> String {
     choice.to_possible_value().map_or(String::new(), |value| value.get_name().to_owned())

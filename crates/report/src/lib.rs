@@ -8,6 +8,7 @@
 
 mod accuracy;
 mod allocation;
+mod averaged;
 mod card;
 mod certificate;
 mod compared;

@@ -1,6 +1,7 @@
-use identification::search::{Candidate, NestedRecording, SizeScore};
+use identification::search::{Candidate, NestedAverage, NestedRecording, SizeScore};
 use maud::{Markup, html};
 
+use super::averaged::averaged;
 use super::measured::free_runs;
 use super::number::{exact, or_dash, three, three_or_dash, three_within};
 use super::parts::{Figures, Section, statements};
@@ -21,6 +22,7 @@ pub(super) fn searched(found: Option<&SearchDocument>, figures: &mut Figures) ->
         (ridges(found, figures))
         @if !found.sizes.is_empty() { (sizes(found, figures)) }
         (terms(found))
+        @if let Some(average) = &found.average { (averaged(average)) }
         (recordings(found))
     };
     Some(Section::new("search", "Search for a structure", "The search for a structure", body))
@@ -41,29 +43,49 @@ fn about(found: &SearchDocument) -> Markup {
 
 /// A score of the whole search or of the base structure.
 #[derive(Clone, Copy)]
-struct Judged<'a> {
-    name: &'a str,
-    windows: &'a str,
-    errors: Option<&'a FreeRunErrors>,
+struct Judged {
+    name: &'static str,
+    windows: &'static str,
+    errors: Option<FreeRunErrors>,
 }
 
 fn nested(found: &SearchDocument) -> Markup {
     let nested = &found.nested;
-    let rows = [
-        ("whole search", "side by side", &nested.search),
-        ("base structure", "side by side", &nested.base),
-        ("whole search", "one at every quarter of another", &nested.search_overlapping),
-        ("base structure", "one at every quarter of another", &nested.base_overlapping),
-    ];
-    let rows = rows.map(|(name, windows, errors)| Judged { name, windows, errors: errors.as_ref() });
+    let beside = [("whole search", &nested.search), ("base structure", &nested.base)];
+    let overlapping =
+        [("whole search", &nested.search_overlapping), ("base structure", &nested.base_overlapping)];
+    let average = nested.average.as_ref();
+    let mean =
+        |of: fn(&NestedAverage) -> &Option<FreeRunErrors>| average.map(|own| ("average of models", of(own)));
+    let [beside, overlapping] =
+        [(beside, mean(|own| &own.errors)), (overlapping, mean(|own| &own.overlapping))]
+            .map(|(rows, mean)| rows.into_iter().chain(mean));
+    let judged = |windows: &'static str| {
+        move |(name, errors): (&'static str, &'_ Option<FreeRunErrors>)| Judged {
+            name,
+            windows,
+            errors: *errors,
+        }
+    };
+    let rows: Vec<Judged> = beside
+        .map(judged("side by side"))
+        .chain(overlapping.map(judged("one at every quarter of another")))
+        .collect();
     let table = Table::of(&rows).name("On recordings left out", |j| j.name).text("Windows", |j| j.windows);
     html! {
-        (free_runs(table, |j| j.errors.copied()))
+        (free_runs(table, |j| j.errors))
         @if let Some(margin) = &nested.margin {
             p.note {
                 "The base structure's norm of RMSE/std lies above that of the search by "
                 (three_within(margin.median, Some(margin.interval))) ": median over " (margin.pairs)
                 " recordings with its 95 % interval; one that contains 0 tells no difference."
+            }
+        }
+        @if let Some(margin) = average.and_then(|own| own.over_search.as_ref()) {
+            p.note {
+                "That of the whole search, which is a single model, lies above that of the average by "
+                (three_within(margin.median, Some(margin.interval))) ". The average is nested too: all its models are found again \
+                 without each fold."
             }
         }
     }
@@ -145,12 +167,15 @@ fn terms(found: &SearchDocument) -> Markup {
 }
 
 fn recordings(found: &SearchDocument) -> Markup {
-    let table = Table::of(&found.nested.recordings)
+    let mut table = Table::of(&found.nested.recordings)
         .compact()
         .name("Recording", |r: &NestedRecording| r.source.as_str())
         .number("Fold", |r| r.fold + 1)
         .number("Error norm", |r| three_or_dash(r.search_norm))
         .number("Of the base structure", |r| three_or_dash(r.base_norm));
+    if found.average.is_some() {
+        table = table.number("Of the average", |r| three_or_dash(r.average_norm));
+    }
     html! {
         h3 { "Recordings when they were left out" }
         (free_runs(table, |r| r.search))

@@ -25,6 +25,7 @@ pub mod tallies;
 mod term_lists;
 pub mod track;
 pub mod trajectories;
+mod tried;
 mod validated;
 
 pub use files::{beside, role_of};
@@ -33,4 +34,5 @@ pub use recommendation::recommendations;
 pub use refusal::{invalid, refuse};
 pub use seed::{note_seed, seed};
 pub use term_lists::TermLists;
+pub use tried::Tried;
 pub use validated::validated;

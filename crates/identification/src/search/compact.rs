@@ -66,13 +66,11 @@ struct Told {
 }
 
 impl Study<'_> {
-    /// The fewest terms with which folds left out are followed within a standard error of the best; base terms stay.
-    /// `without` is left out of everything. None where nothing can be fitted.
-    pub fn compact(&self, base: &[f64], without: Option<usize>, ridge: f64) -> Option<Compact> {
-        let folds: Vec<Vec<&Recording>> =
-            self.all_folds().filter(|fold| Some(*fold) != without).map(|fold| self.within(fold)).collect();
+    /// The fewest terms with which folds left out are followed within a standard error of the best; base terms stay. Only
+    /// recordings of `folds` are looked at. None where nothing can be fitted.
+    pub fn compact(&self, base: &[f64], folds: &[Vec<&Recording>], ridge: f64) -> Option<Compact> {
         let wide = widened(self.base, self.library, base);
-        let sizes = self.forward(&folds, self.base_places(), &wide, ridge);
+        let sizes = self.forward(folds, self.base_places(), &wide, ridge);
         let best = sizes.iter().min_by(|a, b| a.total().total_cmp(&b.total()))?;
         let names: Vec<&str> = self.library.parameter_names().collect();
         let errors: f64 = folds.iter().flatten().map(|r| r.errors()).sum();
@@ -95,19 +93,16 @@ impl Study<'_> {
         Some(Compact { sizes: told, places })
     }
 
-    /// The model of the terms at `places`, fitted to all folds but `without`.
+    /// The model of the terms at `places`, fitted to all of `folds`; its covariance where it is `delivered`.
     pub fn fitted(
         &self,
         places: &[usize],
         base: &[f64],
-        without: Option<usize>,
+        folds: &[Vec<&Recording>],
         ridge: f64,
+        delivered: bool,
     ) -> Option<Fitted> {
-        let recordings: Vec<&Recording> = self
-            .all_folds()
-            .filter(|fold| Some(*fold) != without)
-            .flat_map(|fold| self.within(fold))
-            .collect();
+        let recordings: Vec<&Recording> = folds.iter().flatten().copied().collect();
         let model = subset(self.library, places);
         let wide = widened(self.base, self.library, base);
         let start: Vec<f64> = places.iter().map(|i| wide[*i]).collect();
@@ -116,8 +111,7 @@ impl Study<'_> {
         let beta = minimum(&problem, problem.beta(&start), ridge, JUDGED)?;
         let exact = problem.exactly();
         let looked = exact.look(&beta)?;
-        // Folds are judged, not delivered.
-        let covariance = without.is_none().then(|| exact.covariance(&beta, &looked, ridge)).flatten();
+        let covariance = delivered.then(|| exact.covariance(&beta, &looked, ridge)).flatten();
         let theta = exact.theta(&beta);
         Some(Fitted { model, theta, covariance })
     }
@@ -140,8 +134,9 @@ impl Study<'_> {
             places.iter().zip(&fitted).for_each(|(i, b)| beta[*i] = *b);
             let told: Option<Vec<Told>> = folds.iter().map(|own| told(&whole.only(own), &beta)).collect();
             let Some(told) = told else { break };
+            let held = whole.held(&beta);
             for _ in 0..BEFORE {
-                let Some(size) = addition(&told, &places, &beta, ridge) else { return sizes };
+                let Some(size) = addition(&told, &places, &beta, &held, ridge) else { return sizes };
                 places = size.places.clone();
                 if size.total() < best.0 * (1.0 - NONE) {
                     best = (size.total(), sizes.len() + 1);
@@ -159,17 +154,19 @@ fn told(problem: &Problem, beta: &[f64]) -> Option<Told> {
     Some(Told { errors: problem.errors(), loss: looked.loss, slopes })
 }
 
-/// `places` with the term that leaves the least loss of the folds left out; none where all are there.
-fn addition(told: &[Told], places: &[usize], beta: &[f64], ridge: f64) -> Option<Size> {
+/// `places` with the term that leaves the least loss of the folds left out; none where all are there. What is `held` at a bound
+/// stays.
+fn addition(told: &[Told], places: &[usize], beta: &[f64], held: &[bool], ridge: f64) -> Option<Size> {
     let p = beta.len();
+    let moving: Vec<usize> = places.iter().copied().filter(|i| !held[*i]).collect();
     let mut candidates: Vec<Size> = (0..p)
         .filter(|i| !places.contains(i))
         .map(|added| Size { places: Vec::new(), added, losses: Vec::with_capacity(told.len()) })
         .collect();
     for (fold, own) in told.iter().enumerate() {
-        let others = Others::new(told, fold, places, beta, ridge)?;
+        let others = Others::new(told, fold, &moving, beta, ridge)?;
         for size in &mut candidates {
-            size.losses.push(others.loss(own, places, size.added));
+            size.losses.push(others.loss(own, &moving, size.added));
         }
     }
     let mut best = candidates.into_iter().min_by(|a, b| a.total().total_cmp(&b.total()))?;

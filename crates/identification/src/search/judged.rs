@@ -24,9 +24,29 @@ pub struct NestedScore {
     pub recordings: Vec<NestedRecording>,
     /// Against the base structure.
     pub margin: Option<Margin>,
+    /// The mean trajectory of several models that were found so, where an average was asked for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub average: Option<NestedAverage>,
 }
 
-/// How far the base structure's norm of RMSE/std lies above the found models', recording by recording.
+/// The mean trajectory of several models on recordings that were left out of finding every one of them.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct NestedAverage {
+    /// Over all recordings; none where a fold lacks a model, or a window diverged.
+    pub errors: Option<FreeRunErrors>,
+    /// The same over windows of which one begins at every quarter of another.
+    pub overlapping: Option<FreeRunErrors>,
+    /// Windows in which a model diverged.
+    pub diverged: u64,
+    /// How far the single model's norm of RMSE/std lies above, recording by recording.
+    pub over_search: Option<Margin>,
+    /// How far the base structure's does.
+    pub over_base: Option<Margin>,
+}
+
+/// How far one norm of RMSE/std lies above another, recording by recording: the base structure's above the found models', where
+/// nothing else is said.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Margin {
@@ -54,10 +74,16 @@ pub struct NestedRecording {
     pub search_norm: Option<f64>,
     /// That of the base structure.
     pub base_norm: Option<f64>,
+    /// Errors of the mean trajectory, where an average was asked for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub average: Option<FreeRunErrors>,
+    /// Its norm.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub average_norm: Option<f64>,
 }
 
 impl Margin {
-    /// Of pairs of norms: the found model's and the base structure's.
+    /// Of pairs of norms: one's own and the other's.
     pub(super) fn of(pairs: &[[Option<f64>; 2]]) -> Option<Self> {
         let finite = |x: f64| Some(x).filter(|x| x.is_finite());
         let [low, median, high] = paired_median(pairs.iter().copied())?;

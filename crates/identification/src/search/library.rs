@@ -41,23 +41,6 @@ pub fn library(base: &Model, roles: &Roles) -> Model {
     model
 }
 
-/// Refuses bounds of a base structure: ridges hold parameters back, and bounds would have to hold along every path.
-///
-/// # Errors
-/// Names the parameter.
-pub fn check_bounds(base: &Model) -> Result<(), vessel::Invalid> {
-    let bounded = |degree: &Degree| degree.bounds.keys().next().map(|i| degree.parameters[*i].clone());
-    match base.degrees.iter().find_map(bounded) {
-        None => Ok(()),
-        Some(name) => Err(vessel::Invalid::new(
-            format!("parameter `{name}`"),
-            "`bounds`, which a search does not keep",
-            "parameters that are free, fixed or tied",
-            "remove the bounds, or fix the parameter",
-        )),
-    }
-}
-
 /// `base` with the terms of `lists` for surge, sway and yaw instead of the library's.
 ///
 /// # Errors

@@ -1,7 +1,10 @@
+use std::collections::BTreeMap;
+
 use vessel::Model;
 
-use super::problem::{Looked, Problem};
+use super::problem::{Looked, Problem, Slopes};
 use super::recording::Recording;
+use crate::bounded::{Equations, bounded};
 
 /// Damping of the first step, and beyond which none helps, in shares of the curvature.
 const DAMPING: [f64; 2] = [1e-6, 1e6];
@@ -15,17 +18,18 @@ pub(super) struct Ending {
     pub enough: f64,
 }
 
-/// Minimises loss(β) + ridge |β|² from `start` by Levenberg and Marquardt's method. None where the start leaves the limits.
+/// Minimises loss(β) + ridge |β|² within the bounds of β from `start` by Levenberg and Marquardt's method. None where the start
+/// leaves the limits.
 pub(super) fn minimum(problem: &Problem, start: Vec<f64>, ridge: f64, ending: Ending) -> Option<Vec<f64>> {
     let cost = |beta: &[f64], looked: &Looked| cost(beta, looked, ridge);
-    let mut beta = start;
+    let mut beta = problem.within(start);
     let mut looked = problem.look(&beta)?;
     let mut damping = DAMPING[0];
     for _ in 0..ending.steps {
         let Some(slopes) = problem.slopes(&beta, &looked) else { break };
         let before = cost(&beta, &looked);
         let taken = loop {
-            let trial = stepped(&beta, &slopes.curvature, &slopes.descent, ridge, damping);
+            let trial = stepped(problem, &beta, &slopes, [ridge, damping]);
             let found = trial.and_then(|trial| problem.look(&trial).map(|looked| (trial, looked)));
             match found.filter(|(trial, looked)| cost(trial, looked) <= before) {
                 Some(found) => break Some(found),
@@ -60,17 +64,53 @@ pub(super) fn minimum_from<'s>(
     minimum(problem, start.clone(), ridge, ending)
 }
 
-/// β + (H + ridge I + damping diag H)⁻¹ (g − ridge β); terms without effect stay.
-fn stepped(beta: &[f64], curvature: &[f64], descent: &[f64], ridge: f64, damping: f64) -> Option<Vec<f64>> {
+/// β + (H + ridge I + damping diag H)⁻¹ (g − ridge β), or where that leaves the bounds the least of the same quadratic within
+/// them; terms without effect stay.
+fn stepped(problem: &Problem, beta: &[f64], slopes: &Slopes, [ridge, damping]: [f64; 2]) -> Option<Vec<f64>> {
     let p = beta.len();
-    let mut matrix = curvature.to_vec();
-    let mut step: Vec<f64> = (0..p).map(|i| descent[i] - ridge * beta[i]).collect();
+    let mut matrix = slopes.curvature.clone();
+    let mut step: Vec<f64> = (0..p).map(|i| slopes.descent[i] - ridge * beta[i]).collect();
     for i in 0..p {
         let own = &mut matrix[i * p + i];
         *own = if *own > 0.0 { (1.0 + damping) * *own + ridge } else { 1.0 };
     }
+    let bounds: BTreeMap<usize, [f64; 2]> = problem.bounded().collect();
+    let whole = (!bounds.is_empty()).then(|| (matrix.clone(), step.clone()));
     numerics::solve(p, &mut matrix, &mut step)?;
+    if let Some((matrix, right)) = whole {
+        return limited(&matrix, &right, beta, &bounds, step);
+    }
     let moved: Vec<f64> = beta.iter().zip(step).map(|(b, s)| b + s).collect();
+    moved.iter().all(|b| b.is_finite()).then_some(moved)
+}
+
+/// β and the step that solves its equations within `bounds` of β; `step` is the one without.
+fn limited(
+    matrix: &[f64],
+    right: &[f64],
+    beta: &[f64],
+    bounds: &BTreeMap<usize, [f64; 2]>,
+    step: Vec<f64>,
+) -> Option<Vec<f64>> {
+    let p = beta.len();
+    let left: BTreeMap<usize, [f64; 2]> =
+        bounds.iter().map(|(i, ends)| (*i, ends.map(|end| end - beta[*i]))).collect();
+    let equations = Equations { a: matrix, b: right, bounds: &left };
+    let solve = |free: &[usize], mut right: Vec<f64>| {
+        let n = free.len();
+        let mut own: Vec<f64> = (0..n * n).map(|k| matrix[free[k / n] * p + free[k % n]]).collect();
+        let mut inverse = vec![0.0; n * n];
+        numerics::inverse(n, &mut own, &mut inverse).ok_or(0_usize)?;
+        right = numerics::times(&inverse, &right);
+        Ok((right, inverse))
+    };
+    let (step, _) = bounded(&equations, step, solve).ok()?;
+    let mut moved: Vec<f64> = beta.iter().zip(&step).map(|(b, s)| b + s).collect();
+    for (i, ends) in bounds {
+        // At a bound exactly, not but for rounding.
+        let at = (0..2).find(|end| step[*i] == left[i][*end]);
+        moved[*i] = at.map_or(moved[*i].clamp(ends[0], ends[1]), |end| ends[end]);
+    }
     moved.iter().all(|b| b.is_finite()).then_some(moved)
 }
 

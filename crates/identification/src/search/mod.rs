@@ -4,12 +4,15 @@
 //! term held back by a ridge Λβ² on its scaled parameter β. Λ is chosen by cross-validation over whole recordings, each fold
 //! on a path of its own, and the whole algorithm is judged once more by recordings that it has not seen.
 
+mod average;
 mod compact;
 mod deliver;
 mod folds;
 mod gram;
 mod judged;
+mod left_out;
 mod library;
+mod mean;
 mod minimum;
 mod nested;
 mod problem;
@@ -19,9 +22,11 @@ mod scores;
 mod searched;
 mod words;
 
+pub use average::{AverageOptions, Averaged, Member};
 pub use compact::SizeScore;
-pub use judged::{Margin, NestedRecording, NestedScore};
-pub use library::{check_bounds, library, listed};
+pub use judged::{Margin, NestedAverage, NestedRecording, NestedScore};
+pub use library::{library, listed};
+pub use mean::MeanTrajectory;
 pub use nested::Candidate;
 pub use recording::Cut;
 pub use roles::{NamedRoles, Roles};

@@ -120,7 +120,13 @@ impl<'a> Study<'a> {
         self.picked(|own| own == fold)
     }
 
-    fn picked(&self, keep: impl Fn(usize) -> bool) -> Vec<&'a Recording> {
+    /// The folds but the one at `without`.
+    pub fn others(&self, without: Option<usize>) -> Vec<Vec<&'a Recording>> {
+        self.all_folds().filter(|fold| Some(*fold) != without).map(|fold| self.within(fold)).collect()
+    }
+
+    /// The recordings of the folds that `keep` picks.
+    pub fn picked(&self, keep: impl Fn(usize) -> bool) -> Vec<&'a Recording> {
         self.recordings.iter().zip(self.folds).filter(|(_, fold)| keep(**fold)).map(|(r, _)| r).collect()
     }
 
@@ -141,6 +147,17 @@ impl<'a> Study<'a> {
         let none = vec![0.0; self.library.parameters()];
         let starts = wide.into_iter().chain(simple).chain([none]).collect();
         RidgePath { problem, limit: limit(&recordings), base, starts, last: None, thetas: Vec::new() }
+    }
+
+    /// The ridge that was chosen without the fold at `without`, and the base structure as it is fitted to the others.
+    pub fn given(&self, nested: &Nested, chosen: usize, without: Option<usize>) -> Option<(f64, Vec<f64>)> {
+        let Some(fold) = without else {
+            let base = started(self.base, &self.picked(|_| true), self.rate_hz, BASE)?;
+            return Some((self.ridges[chosen], base));
+        };
+        let choice = &nested.without[fold];
+        let ridge = choice.best().map(|best| choice.candidates[best].ridge)?;
+        Some((ridge, nested.paths[&vec![fold]].base.clone()?))
     }
 
     /// Places in the library of the base structure's parameters.

@@ -3,6 +3,7 @@ use vessel::lanes::SideBySide;
 use vessel::{Compiled, LANES, Lane, Model, RunView, Weather, simulate};
 
 use super::gram::Gram;
+use super::mean::MeanTrajectory;
 use super::recording::Recording;
 use crate::pooled::{Part, deviations};
 use crate::sensitivity::{Recordings, Step, sweep};
@@ -29,6 +30,8 @@ pub(super) struct Problem<'a> {
     limit: [f64; 3],
     /// 0 for a term that is always 0.
     pub sizes: Vec<f64>,
+    /// Within which θ stays, infinite at open ends; empty without bounds.
+    bounds: Vec<[f64; 2]>,
     /// Number of errors.
     residuals: f64,
     /// Every how many samples the curvature is summed up.
@@ -62,6 +65,7 @@ impl<'a> Problem<'a> {
             model,
             limit: limit(recordings),
             sizes: sizes(model, recordings, rate_hz),
+            bounds: model.bounds().unwrap_or_default(),
             residuals: (3 * samples).max(1) as f64,
             // States change little within a twentieth of a window.
             thin: (longest / 20).max(1),
@@ -119,8 +123,44 @@ impl<'a> Problem<'a> {
         Self { thin: 1, ..self }
     }
 
+    /// θ, within its bounds: at a bound to the bit where β is.
     pub fn theta(&self, beta: &[f64]) -> Vec<f64> {
-        beta.iter().zip(&self.sizes).map(|(beta, size)| beta * size).collect()
+        let mut theta: Vec<f64> = beta.iter().zip(&self.sizes).map(|(beta, size)| beta * size).collect();
+        for (i, [low, high]) in self.bounds.iter().enumerate() {
+            let [least, most] = self.ends(i);
+            theta[i] = match beta[i] {
+                beta if beta <= least => *low,
+                beta if beta >= most => *high,
+                _ => theta[i].clamp(*low, *high),
+            };
+        }
+        theta
+    }
+
+    /// Bounds of scaled parameter `i`. That of a term without effect goes nowhere.
+    fn ends(&self, i: usize) -> [f64; 2] {
+        let open = [f64::NEG_INFINITY, f64::INFINITY];
+        let bounds = self.bounds.get(i).filter(|_| self.sizes[i] > 0.0);
+        bounds.map_or(open, |bounds| bounds.map(|end| end / self.sizes[i]))
+    }
+
+    /// Bounds of the scaled parameters that have some.
+    pub fn bounded(&self) -> impl Iterator<Item = (usize, [f64; 2])> {
+        let all = (0..self.bounds.len()).map(|i| (i, self.ends(i)));
+        all.filter(|(_, ends)| ends.iter().any(|end| end.is_finite()))
+    }
+
+    /// β within its bounds.
+    pub fn within(&self, mut beta: Vec<f64>) -> Vec<f64> {
+        self.bounded().for_each(|(i, [low, high])| beta[i] = beta[i].clamp(low, high));
+        beta
+    }
+
+    /// Which of β lie at a bound.
+    pub fn held(&self, beta: &[f64]) -> Vec<bool> {
+        let mut held = vec![false; beta.len()];
+        self.bounded().for_each(|(i, ends)| held[i] = ends.contains(&beta[i]));
+        held
     }
 
     pub fn beta(&self, theta: &[f64]) -> Vec<f64> {
@@ -190,6 +230,13 @@ impl<'a> Problem<'a> {
         }
         let mut matrix = slopes.curvature;
         (0..p).for_each(|i| matrix[i * p + i] += if self.sizes[i] > 0.0 { ridge } else { 1.0 });
+        // What lies at a bound is known: it has no error, and leaves the others theirs.
+        let held = self.held(beta);
+        for i in (0..p).filter(|i| held[*i]) {
+            (0..p).for_each(|j| (matrix[i * p + j], matrix[j * p + i]) = (0.0, 0.0));
+            matrix[i * p + i] = 1.0;
+            sums.iter_mut().for_each(|sum| sum[i] = 0.0);
+        }
         let mut inverse = vec![0.0; p * p];
         numerics::inverse(p, &mut matrix, &mut inverse)?;
         let mut covariance = vec![0.0; p * p];
@@ -260,9 +307,36 @@ pub(super) fn squares(
     limit: [f64; 3],
 ) -> Vec<Option<[f64; 3]>> {
     let runs = SideBySide::of(windows);
+    errors(&states(model, theta, &runs), &runs, limit)
+}
+
+/// Those of the mean trajectory of several models with their parameters; none of a window of which one leaves `limit`.
+pub(super) fn squares_of_mean(
+    models: &[(&Model, Vec<Lane>)],
+    windows: &[RunView],
+    limit: [f64; 3],
+) -> Vec<Option<[f64; 3]>> {
+    let runs = SideBySide::of(windows);
+    let mut within = vec![true; windows.len()];
+    let mut mean = MeanTrajectory::default();
+    for (model, theta) in models {
+        let own = states(model, theta, &runs);
+        let found = errors(&own, &runs, limit);
+        within.iter_mut().zip(found).for_each(|(within, own)| *within &= own.is_some());
+        mean.add(&own);
+    }
+    let found = errors(mean.mean(), &runs, limit);
+    found.into_iter().zip(within).map(|(own, within)| own.filter(|_| within)).collect()
+}
+
+fn states(model: &Model, theta: &[Lane], runs: &SideBySide) -> Vec<Lane> {
     let mut states = vec![Lane::ZERO; runs.measured.len()];
     simulate(model, theta, runs.initial, &runs.exogenous, &Weather::CALM, &mut states);
-    let mut sums = vec![Some([0.0; 3]); windows.len()];
+    states
+}
+
+fn errors(states: &[Lane], runs: &SideBySide, limit: [f64; 3]) -> Vec<Option<[f64; 3]>> {
+    let mut sums = vec![Some([0.0; 3]); runs.runs];
     for (i, (state, measured)) in states.iter().zip(&runs.measured).enumerate().skip(3) {
         let (k, d) = (i / 3, i % 3);
         for (lane, sum) in sums.iter_mut().enumerate().filter(|(lane, _)| k <= runs.samples[*lane]) {

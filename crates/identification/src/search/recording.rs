@@ -34,7 +34,12 @@ pub(super) struct Recording {
 impl Recording {
     /// All of `runs`.
     pub fn all(runs: &PooledRuns, cut: Cut) -> Vec<Self> {
-        runs.windows(None).into_iter().map(|(name, whole)| Self { name, whole, cut }).collect()
+        runs.windows(None).into_iter().map(|(name, whole)| Self::new(name, whole, cut)).collect()
+    }
+
+    /// That of this name, of runs that follow each other.
+    pub fn new(name: String, whole: Vec<Part>, cut: Cut) -> Self {
+        Self { name, whole, cut }
     }
 
     /// Its windows to score, all of one length; whole runs where they have none.

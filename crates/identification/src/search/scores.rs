@@ -2,7 +2,7 @@ use numerics::statistics::{mean, spread};
 use rayon::prelude::*;
 use vessel::{LANES, Lane, Model, RunView};
 
-use super::problem::squares;
+use super::problem::{squares, squares_of_mean};
 use super::recording::{Laid, Recording};
 use crate::pooled::{FreeRunErrors, Score, deviations};
 
@@ -19,12 +19,36 @@ pub(super) fn scores(
     laid: Laid,
     limit: [f64; 3],
 ) -> Vec<Score> {
-    let theta: Vec<Lane> = theta.iter().copied().map(Lane::splat).collect();
+    let theta = lanes(theta);
+    scored(recordings, laid, |windows| squares(model, &theta, windows, limit))
+}
+
+/// How the mean trajectory of several `models` with their θ follows them.
+pub(super) fn scores_of_mean(
+    models: &[(&Model, &[f64])],
+    recordings: &[&Recording],
+    laid: Laid,
+    limit: [f64; 3],
+) -> Vec<Score> {
+    let models: Vec<(&Model, Vec<Lane>)> =
+        models.iter().map(|(model, theta)| (*model, lanes(theta))).collect();
+    scored(recordings, laid, |windows| squares_of_mean(&models, windows, limit))
+}
+
+fn lanes(theta: &[f64]) -> Vec<Lane> {
+    theta.iter().copied().map(Lane::splat).collect()
+}
+
+fn scored(
+    recordings: &[&Recording],
+    laid: Laid,
+    squares: impl Fn(&[RunView]) -> Vec<Option<[f64; 3]>> + Sync,
+) -> Vec<Score> {
     let of = |recording: &&Recording| {
         let windows: Vec<RunView> = recording.scored(laid).collect();
         let mut score = Score::default();
         for group in windows.chunks(LANES) {
-            for (window, found) in group.iter().zip(squares(model, &theta, group, limit)) {
+            for (window, found) in group.iter().zip(squares(group)) {
                 match found {
                     Some(squares) => {
                         (0..3).for_each(|d| score.squares[d] += squares[d]);

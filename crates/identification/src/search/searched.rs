@@ -4,15 +4,17 @@ use rayon::prelude::*;
 use thiserror::Error;
 use vessel::Model;
 
+use super::average::{AverageOptions, Averaged, share};
 use super::compact::{Compact, SizeScore};
 use super::deliver::{delivered, without_intercepts, without_zeros};
 use super::folds::folds;
-use super::judged::{Margin, NestedRecording, NestedScore};
+use super::judged::NestedScore;
+use super::left_out::Judged;
 use super::nested::{Candidate, Choice, Fitted, Nested, Study};
 use super::recording::{Cut, Laid, Recording};
-use super::scores::{scores, together, varying};
+use super::scores::varying;
 use super::words;
-use crate::pooled::{Delivered, FreeRunErrors, Part, PooledRuns, Score};
+use crate::pooled::{Delivered, Part, PooledRuns};
 
 /// How a model is searched for.
 #[derive(Clone, Debug, PartialEq)]
@@ -25,6 +27,8 @@ pub struct SearchOptions {
     pub ridges: Vec<f64>,
     /// Whether few terms are wanted instead of all that the ridge holds back.
     pub compact: bool,
+    /// Whether several models of few terms are wanted besides, to be averaged.
+    pub average: Option<AverageOptions>,
     /// The sampling rate \[Hz\].
     pub rate_hz: f64,
 }
@@ -59,6 +63,8 @@ pub struct Searched {
     pub chosen_by_folds: BTreeMap<String, u64>,
     /// The whole search and the base structure on recordings that were left out of both.
     pub nested: NestedScore,
+    /// Several models of few terms, where an average is wanted.
+    pub average: Option<Averaged>,
     /// What to know, in words.
     pub statements: Vec<String>,
 }
@@ -74,6 +80,17 @@ pub enum SearchError {
         /// Folds that were asked for.
         folds: usize,
     },
+    /// Too few to draw some of them for each model of an average.
+    #[error("{recordings} recordings for an average")]
+    FewForAverage {
+        /// Recordings that there are.
+        recordings: usize,
+        /// The least number.
+        needed: usize,
+    },
+    /// A model of the average diverges.
+    #[error("a model of the average diverges, or cannot be fitted")]
+    NoAverage,
     /// No run is as long as a window.
     #[error("no run is as long as a window")]
     NoWindow,
@@ -102,6 +119,11 @@ pub fn search(
         let (recordings, folds) = (recordings.len(), options.folds.max(3));
         return Err(SearchError::FewRecordings { recordings, folds });
     }
+    if let (Some(_), needed) = (options.average, needed(options.folds))
+        && recordings.len() < needed
+    {
+        return Err(SearchError::FewForAverage { recordings: recordings.len(), needed });
+    }
     if recordings.iter().all(|r| r.scored(Laid::SideBySide).next().is_none()) {
         return Err(SearchError::NoWindow);
     }
@@ -111,7 +133,7 @@ pub fn search(
         base: &base,
         library: &library,
         recordings: &recordings,
-        folds: &folds(&recordings, options.folds),
+        folds: &folds(&recordings.iter().collect::<Vec<_>>(), options.folds),
         ridges: &options.ridges,
         rate_hz: options.rate_hz,
         std: varying(recordings.iter(), Laid::SideBySide),
@@ -124,19 +146,16 @@ pub fn search(
     if options.compact {
         found = setting.few(&nested, chosen, done).ok_or_else(lost)?;
     }
-    let nested_score = setting.judged(&found.by_folds);
+    let averages = match options.average {
+        Some(wanted) => Some(setting.averages(&nested, chosen, wanted, done).ok_or(SearchError::NoAverage)?),
+        None => None,
+    };
+    let nested_score = setting.judged(&found.by_folds, averages.as_ref().map(|own| own.by_folds.as_slice()));
     let candidates = nested.all.candidates;
     let parts: Vec<Part> = recordings.iter().flat_map(|r| &r.whole).cloned().collect();
     let structure = without_intercepts(&found.all.model);
     Ok(Searched {
-        statements: words::statements(
-            &candidates,
-            chosen,
-            score,
-            &found.sizes,
-            &found.all.model,
-            &nested_score,
-        ),
+        statements: words::statements(&candidates, chosen, score, &found.sizes, &found.all, &nested_score),
         delivered: delivered(&structure, &found.all, &recordings, &parts),
         samples: parts.iter().map(|part| part.samples() as u64).sum(),
         windows: recordings.iter().map(|r| r.scored(Laid::SideBySide).count() as u64).sum(),
@@ -147,6 +166,7 @@ pub fn search(
         chosen_by_folds: found.chosen_by_folds,
         nested: nested_score,
         model: structure,
+        average: averages.map(|own| own.delivered(&recordings, &parts)),
     })
 }
 
@@ -159,12 +179,10 @@ struct Found {
     chosen_by_folds: BTreeMap<String, u64>,
 }
 
-/// What is judged by a fold that was left out of it.
-struct Judged {
-    ridge: Option<f64>,
-    model: Option<Fitted>,
-    base: Option<Vec<f64>>,
-    limit: [f64; 3],
+/// The least number of recordings of which each model of an average can draw as many as there are folds, without any fold.
+fn needed(folds: usize) -> usize {
+    let left = |recordings: usize| recordings - recordings.div_ceil(folds);
+    (folds..).find(|recordings| share(left(*recordings)) >= folds.max(3)).unwrap_or(usize::MAX)
 }
 
 fn chosen(all: &Choice) -> Result<(usize, f64), SearchError> {
@@ -196,13 +214,10 @@ impl Study<'_> {
     fn few(&self, nested: &Nested, chosen: usize, done: &(dyn Fn(usize) + Sync)) -> Option<Found> {
         let ridge = |choice: &Choice| choice.best().map(|best| choice.candidates[best].ridge);
         let search = |without: Option<usize>| {
-            let set: Vec<usize> = without.into_iter().collect();
-            let own = without.is_none().then(|| self.path(&[]));
-            let path = own.as_ref().unwrap_or_else(|| &nested.paths[&set]);
-            let ridge = without.map_or(Some(self.ridges[chosen]), |fold| ridge(&nested.without[fold]))?;
-            let base = path.base.as_ref()?;
-            let compact = self.compact(base, without, ridge)?;
-            let fitted = self.fitted(&compact.places, base, without, ridge);
+            let (ridge, base) = self.given(nested, chosen, without)?;
+            let folds = self.others(without);
+            let compact = self.compact(&base, &folds, ridge)?;
+            let fitted = self.fitted(&compact.places, &base, &folds, ridge, without.is_none());
             done(1);
             Some((compact, fitted?))
         };
@@ -224,65 +239,4 @@ impl Study<'_> {
         let by_folds = found.into_iter().enumerate().map(judged).collect();
         Some(Found { all, by_folds, sizes: compact.sizes, chosen_by_folds })
     }
-
-    /// The models that were found without each fold, on that fold.
-    fn judged(&self, by_folds: &[Judged]) -> NestedScore {
-        let all = self.left_out(by_folds, Laid::SideBySide);
-        let own = |score: Option<Score>, recording: &Recording| {
-            score?.errors(varying(std::iter::once(recording), Laid::SideBySide))
-        };
-        let norm = |score: Option<Score>| score?.norm(self.std);
-        let told = |LeftOut { recording, fold, search, base }: &LeftOut| NestedRecording {
-            source: recording.name.clone(),
-            fold: *fold as u64,
-            search: own(*search, recording),
-            base: own(*base, recording),
-            search_norm: norm(*search),
-            base_norm: norm(*base),
-        };
-        let simulated = all.iter().filter(|one| one.recording.scored(Laid::SideBySide).next().is_some());
-        let pairs: Vec<_> = simulated.map(|one| [norm(one.search), norm(one.base)]).collect();
-        let overlapping = self.left_out(by_folds, Laid::Overlapping);
-        NestedScore {
-            ridges: by_folds.iter().map(|own| own.ridge).collect(),
-            search: whole(all.iter().map(|one| one.search), self.std),
-            base: whole(all.iter().map(|one| one.base), self.std),
-            search_overlapping: whole(overlapping.iter().map(|one| one.search), self.overlapping_std),
-            base_overlapping: whole(overlapping.iter().map(|one| one.base), self.overlapping_std),
-            diverged: all.iter().filter_map(|one| one.search).map(|score| score.diverged).sum(),
-            margin: Margin::of(&pairs),
-            recordings: all.iter().map(told).collect(),
-        }
-    }
-
-    /// Every recording when it was left out, in the order of the recordings.
-    fn left_out(&self, by_folds: &[Judged], laid: Laid) -> Vec<LeftOut<'_>> {
-        let mut all = Vec::new();
-        for (fold, Judged { model, base, limit, .. }) in by_folds.iter().enumerate() {
-            let recordings = self.within(fold);
-            let of = |model: &Model, theta: &[f64]| scores(model, theta, &recordings, laid, *limit);
-            let found = model.as_ref().map(|found| of(&found.model, &found.theta));
-            let base = base.as_ref().map(|base| of(self.base, base));
-            for (i, recording) in recordings.iter().enumerate() {
-                let [search, base] = [&found, &base].map(|scores| scores.as_ref().map(|s| s[i]));
-                all.push(LeftOut { recording, fold, search, base });
-            }
-        }
-        all.sort_by_key(|one| self.recordings.iter().position(|own| own.name == one.recording.name));
-        all
-    }
-}
-
-/// A recording when it was left out.
-struct LeftOut<'a> {
-    recording: &'a Recording,
-    fold: usize,
-    search: Option<Score>,
-    base: Option<Score>,
-}
-
-/// All together against `std`; none where one has no model.
-fn whole(scores: impl Iterator<Item = Option<Score>>, std: [f64; 3]) -> Option<FreeRunErrors> {
-    let all: Vec<Score> = scores.collect::<Option<_>>()?;
-    together(all.iter()).errors(std)
 }

@@ -1,8 +1,6 @@
-use vessel::Model;
-
 use super::compact::SizeScore;
-use super::judged::{Margin, NestedScore};
-use super::nested::Candidate;
+use super::judged::{Margin, NestedAverage, NestedScore};
+use super::nested::{Candidate, Fitted};
 use super::scores::mean_of;
 use crate::pooled::FreeRunErrors;
 
@@ -12,7 +10,7 @@ pub(super) fn statements(
     chosen: usize,
     score: f64,
     sizes: &[SizeScore],
-    model: &Model,
+    found: &Fitted,
     nested: &NestedScore,
 ) -> Vec<String> {
     let mut out = vec![format!(
@@ -23,10 +21,11 @@ pub(super) fn statements(
     if !sizes.is_empty() {
         out.push(format!(
             "{} terms, the fewest that follow folds left out within a standard error of the best of {} numbers of terms",
-            model.parameters(),
+            found.model.parameters(),
             sizes.len()
         ));
     }
+    out.extend(at_bounds(found));
     out.push(match (&nested.search, &nested.base) {
         (Some(own), Some(base)) => format!(
             "the whole search with recordings left out: fit {}; the base structure: fit {}",
@@ -48,7 +47,8 @@ pub(super) fn statements(
             fits(base)
         ));
     }
-    out.extend(nested.margin.as_ref().map(against));
+    out.extend(nested.margin.as_ref().map(|margin| against(margin, "the base structure")));
+    out.extend(nested.average.iter().flat_map(averaged));
     let rejected: u64 = candidates.iter().map(|c| c.rejected).sum();
     if rejected > 0 {
         let ridges = candidates.iter().filter(|c| c.rejected > 0).count();
@@ -60,7 +60,38 @@ pub(super) fn statements(
     out
 }
 
-fn against(margin: &Margin) -> String {
+/// Which parameters their bounds hold.
+fn at_bounds(found: &Fitted) -> Option<String> {
+    let bounds = found.model.bounds()?;
+    let own = found.model.parameter_names().zip(&found.theta).zip(bounds);
+    let held: Vec<String> = own
+        .filter(|((_, theta), ends)| ends.contains(theta))
+        .map(|((name, _), _)| format!("`{name}`"))
+        .collect();
+    (!held.is_empty()).then(|| format!("held at a bound: {}", held.join(", ")))
+}
+
+/// What averaging brings on recordings that were left out.
+fn averaged(found: &NestedAverage) -> Vec<String> {
+    let mut out = vec![match &found.errors {
+        Some(own) => format!("the average with recordings left out: fit {}", fits(own)),
+        None => format!(
+            "the average is not validated: without some fold a model is missing, or diverges ({} windows) on what was left out",
+            found.diverged
+        ),
+    }];
+    out.extend(found.overlapping.as_ref().map(|own| {
+        format!("the average over windows that begin at every quarter of one: fit {}", fits(own))
+    }));
+    let pairs = [(&found.over_search, "the single model"), (&found.over_base, "the base structure")];
+    let told = |(margin, than): (&Option<Margin>, &str)| {
+        margin.as_ref().map(|margin| format!("the average is {}", against(margin, than)))
+    };
+    out.extend(pairs.into_iter().filter_map(told));
+    out
+}
+
+fn against(margin: &Margin, than: &str) -> String {
     let Margin { pairs, median, interval } = margin;
     let told = match interval {
         [Some(low), _] if *low > 0.0 => "better than",
@@ -70,7 +101,7 @@ fn against(margin: &Margin) -> String {
     let number = |x: &Option<f64>| x.map_or("∞".to_owned(), |x| format!("{x:+.3}"));
     let ([low, high], median) = (interval.each_ref().map(number), number(median));
     format!(
-        "{told} the base structure: its norm of RMSE/std lies {median} above (95 %: {low} to {high}; {pairs} recordings)"
+        "{told} {than}: its norm of RMSE/std lies {median} above (95 %: {low} to {high}; {pairs} recordings)"
     )
 }
 

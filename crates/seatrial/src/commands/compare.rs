@@ -5,12 +5,13 @@ use std::path::PathBuf;
 use artifact::{Provenance, TableWriter, commit, encode_block, stage_set_document};
 use clap::Parser;
 use serde_json::json;
-use study::documents::{CompareDocument, ModelDocument, traces};
+use study::Tried;
+use study::documents::{CompareDocument, traces};
 use study::files::read_vessel;
-use validation::comparison::{CompareOptions, Contestant, Known, Standing, compare};
+use validation::comparison::{CompareOptions, Contestant, Ship, Standing, compare};
 use vessel::Vessel;
 
-use crate::cli::{Common, beside};
+use crate::cli::{Common, member};
 use crate::failure::Failure;
 use crate::inputs;
 use crate::pool::{RunFlags, samples};
@@ -25,8 +26,8 @@ use crate::stage::{Summary, Task};
     --out compare.json"
 )]
 pub struct Arguments {
-    /// The model
-    #[arg(long, value_name = "model.json")]
+    /// The model, or several whose trajectories are averaged
+    #[arg(long, value_name = "model.json|average.json")]
     model: PathBuf,
     #[command(flatten)]
     of: RunFlags,
@@ -44,29 +45,25 @@ const MAIN: &str = "compare.json";
 impl Task for Arguments {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
         let mut provenance = common.provenance("validate");
-        let model: ModelDocument = inputs::document(&self.model, "model", &mut provenance)?;
+        let model = Tried::read(&self.model, &mut provenance)?;
         // What the model was fitted to is no part of what it is tried on, but the ship is the same.
         provenance.forget(&["dictionary", "campaign", "moments", "design", "validation", "estimates"]);
-        let vessel = model.vessel().map_err(|e| Failure::invalid(&self.model, &e))?;
-        let simple = model.by_least_squares().map_err(|e| Failure::invalid(&self.model, &e))?;
-        let other = self.against(&vessel, &mut provenance)?;
+        let vessel = model.vessel();
+        let other = self.against(vessel, &mut provenance)?;
         let rate_hz = vessel.sample_rate_hz;
         let window = self.window_s.map(|s| samples("--window-s", s, rate_hz)).transpose()?;
-        let inputs = [&self.model].into_iter().chain(&self.against).chain(self.of.inputs());
-        let out = common.main_output(MAIN, inputs)?;
-        let (runs, _) = self.of.read(&vessel, &mut provenance, inputs::runs)?;
-        let own = [(Standing::Model, Some(&vessel)), (Standing::Other, other.as_ref())];
-        let all = own.into_iter().chain([(Standing::LeastSquares, simple.as_ref())]);
-        let contestants: Vec<Contestant> = all
-            .filter_map(|(standing, vessel)| {
-                let vessel = vessel?;
-                Some(Contestant { standing, model: &vessel.model, theta: &vessel.nominal })
-            })
-            .collect();
-        let (covariance, rmse) = (model.covariance.as_ref(), model.output_rmse());
-        let known = covariance.zip(rmse).map(|(covariance, rmse)| Known { covariance, rmse });
-        let (covered, magnitudes) = (model.covered.as_slice(), model.magnitudes.as_ref());
-        let options = CompareOptions { window, known, covered, magnitudes, rate_hz };
+        let read = || [&self.model].into_iter().chain(&self.against).chain(self.of.inputs());
+        let out = common.main_output(MAIN, read())?;
+        let table = member(&out, MAIN, "compare.parquet", read())?;
+        let (runs, _) = self.of.read(vessel, &mut provenance, inputs::runs)?;
+        let others = [(Standing::Other, other.as_ref()), (Standing::LeastSquares, model.by_least_squares())];
+        let mut contestants = vec![Contestant { standing: model.standing(), ships: model.ships() }];
+        contestants.extend(others.into_iter().filter_map(|(standing, vessel)| {
+            let Vessel { model, nominal, .. } = vessel?;
+            Some(Contestant { standing, ships: vec![Ship { model, theta: nominal }] })
+        }));
+        let (covered, magnitudes) = (model.covered(), model.magnitudes());
+        let options = CompareOptions { window, known: model.known(), covered, magnitudes, rate_hz };
         let found = compare(&contestants, &runs, &options);
         let found = found.map_err(|e| Failure::invalid(&self.of.trajectories, &e.invalid()))?;
         let settings = [("window_samples", json!(window)), ("runs", json!(self.of.runs))];
@@ -75,7 +72,6 @@ impl Task for Arguments {
         let window_s = window.map(|samples| samples as f64 / rate_hz);
         let document = CompareDocument::new(&vessel.name, window_s, &found);
         let columns = traces();
-        let table = beside(&out, MAIN, "compare.parquet");
         let mut writer = TableWriter::create(&table, columns.schema(), &provenance)?.with_document(&out);
         writer.push(encode_block(columns.schema(), &columns.table(&found.trace))?)?;
         let members = vec![writer.finish()?];
@@ -93,6 +89,7 @@ impl Arguments {
         let mut own = Provenance::default();
         let other = read_vessel(path, &mut own)?;
         provenance.inputs.extend(own.inputs.into_values().map(|digest| ("against".to_owned(), digest)));
+        provenance.read.extend(own.read);
         let same =
             other.model.variables == vessel.model.variables && other.sample_rate_hz == vessel.sample_rate_hz;
         let (found, expected) = ("other channels or another rate", "those of --model");

@@ -8,16 +8,16 @@ use identification::predictor::{InitialState, Levels};
 use identification::runs::{Asked, RunEstimators};
 use identification::{EstimateStatus, Estimator, MeanRemoval};
 use serde_json::json;
-use study::documents::ModelDocument;
+use study::documents::{EstimateDocument, ModelDocument};
 use study::estimates::{self, Row};
 use study::files::{read_campaign, read_simulated};
 use study::trajectories::TrajectoryReader;
 use vessel::{Invalid, Run, Vessel, nearest};
 
-use super::model_beside::{is_of, model_beside};
+use super::earlier::is_of;
 use super::unidentified::refuse_if_none;
 use crate::choice::choice;
-use crate::cli::{Common, Sharding, beside, given};
+use crate::cli::{Common, Sharding, beside, given, member};
 use crate::failure::Failure;
 use crate::inputs;
 use crate::ordered::{joined, joined_blocks};
@@ -74,7 +74,7 @@ impl Task for Arguments {
         let out = common.main_output(MAIN, inputs)?;
         let levels = levels(self, &vessel, &mut provenance)?;
         let document = beside(&out, MAIN, "estimate.json");
-        let path = model_beside(&out, MAIN, [&self.vessel].into_iter().chain(&self.trajectories))?;
+        let path = member(&out, MAIN, "model.json", [&self.vessel].into_iter().chain(&self.trajectories))?;
         let (made, model) = match self.sharding.gathers() {
             true => (gathered(&self.sharding.gather, &vessel, [&out, &document], &provenance)?, None),
             false => self.computed(&vessel, levels, provenance, [&out, &document], common.quiet)?,
@@ -274,7 +274,8 @@ fn publish(
     let verdict =
         if asked { format!(", {rejected} reject the model") } else { ", model not criticised".to_owned() };
     let summary = || Ok(estimates::summarize(&out, &provenance, vessel, &rows)?);
-    let (also_model, left) = (if model.is_some() { ", a model" } else { "" }, is_of(document, path));
+    let (also_model, left) =
+        (if model.is_some() { ", a model" } else { "" }, is_of::<EstimateDocument>(document, path));
     match model {
         None => sharded::publish(table, document, &provenance, summary)?,
         Some(model) => {

@@ -13,9 +13,8 @@ use study::files::read_vessel;
 use validation::comparison::Magnitudes;
 
 use super::estimate::MAIN;
-use super::model_beside::model_beside;
 use crate::choice::choice;
-use crate::cli::{Common, beside};
+use crate::cli::{Common, beside, member};
 use crate::failure::Failure;
 use crate::inputs;
 use crate::pool::{PoolFlags, lost};
@@ -52,7 +51,7 @@ impl Task for Arguments {
         let mut provenance = common.provenance("estimate");
         let vessel = read_vessel(&self.flags.vessel, &mut provenance)?;
         let out = common.main_output(MAIN, self.flags.inputs())?;
-        let model = model_beside(&out, MAIN, self.flags.inputs())?;
+        let model = member(&out, MAIN, "model.json", self.flags.inputs())?;
         let (runs, pool) = self.flags.read(&vessel, &mut provenance, inputs::kept_runs)?;
         let judgement = Judgement {
             bandwidth: self.bandwidth.map(usize::from),

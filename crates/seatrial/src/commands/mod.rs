@@ -3,10 +3,10 @@
 mod compare;
 mod counts;
 mod cross;
+mod earlier;
 mod estimate;
 mod estimate_pool;
 mod ingest;
-mod model_beside;
 mod moments;
 mod monte_carlo;
 mod plan;

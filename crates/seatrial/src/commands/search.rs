@@ -5,16 +5,17 @@ use std::path::{Path, PathBuf};
 use artifact::{Provenance, commit, stage_document, stage_set_document};
 use clap::{Args, Parser};
 use identification::search::{
-    Cut, NamedRoles, Roles, SearchError, SearchOptions, check_bounds, library, listed, search,
+    AverageOptions, Cut, NamedRoles, Roles, SearchError, SearchOptions, library, listed, search,
 };
 use serde_json::json;
 use study::TermLists;
-use study::documents::{ModelDocument, SearchDocument};
+use study::documents::{AverageDocument, ModelDocument, SearchDocument};
 use study::files::read_vessel;
 use validation::comparison::Magnitudes;
 use vessel::Model;
 
-use crate::cli::{Common, beside};
+use super::earlier::is_of;
+use crate::cli::{Common, member};
 use crate::failure::Failure;
 use crate::inputs;
 use crate::pool::{RunFlags, samples};
@@ -55,6 +56,10 @@ pub struct Arguments {
     /// Keeps few terms: the fewest that follow recordings left out within a standard error of the best
     #[arg(long)]
     compact: bool,
+    /// Finds K models of few terms besides, to be averaged: each structure on 70 % of the recordings, each model fitted to all;
+    /// writes average.json. Takes about K times as long as --compact, since all are found again without each fold
+    #[arg(long, value_name = "K", value_parser = clap::value_parser!(u32).range(2..=99))]
+    average: Option<u32>,
 }
 
 /// What channels are to the library; those that are not named are found by unit and name.
@@ -90,9 +95,10 @@ impl Task for Arguments {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
         let mut provenance = common.provenance("estimate");
         let vessel = read_vessel(&self.vessel, &mut provenance)?;
-        check_bounds(&vessel.model).map_err(|e| Failure::invalid(&self.vessel, &e))?;
-        let out = common
-            .main_output(MAIN, [&self.vessel].into_iter().chain(&self.terms).chain(self.of.inputs()))?;
+        let read = || [&self.vessel].into_iter().chain(&self.terms).chain(self.of.inputs());
+        let out = common.main_output(MAIN, read())?;
+        let [single, several] = ["model.json", "average.json"].map(|name| member(&out, MAIN, name, read()));
+        let (single, several) = (single?, several?);
         let in_samples = |flag: &str, s: f64| samples(flag, s, vessel.sample_rate_hz);
         let cut = Cut {
             window: in_samples("--fitted-window-s", self.fitted_window_s)?,
@@ -106,9 +112,12 @@ impl Task for Arguments {
             folds: usize::from(self.folds),
             ridges: SearchOptions::half_decades(),
             compact: self.compact,
+            average: self.average.map(|models| AverageOptions { models, seed: common.seed.unwrap_or(1) }),
             rate_hz: vessel.sample_rate_hz,
         };
-        let fits = (options.folds * (options.folds + 1) / 2 * options.ridges.len()) + options.folds + 1;
+        let each = 1 + self.average.unwrap_or(0) as usize;
+        let fits =
+            options.folds * (options.folds + 1) / 2 * options.ridges.len() + each * (options.folds + 1);
         let progress = Progress::new("fits, at most", fits, common.quiet);
         let done = |count: usize| progress.advance(count);
         let found = search(&vessel.model, &library, &runs, &options, &done);
@@ -122,13 +131,24 @@ impl Task for Arguments {
             ("runs", json!(self.of.runs)),
             ("leave_out", json!(self.of.leave_out)),
         ];
+        let average = options.average.map(|own| [("average", json!(own.models)), ("seed", json!(own.seed))]);
+        let settings = settings.into_iter().chain(average.into_iter().flatten());
         provenance.settings.extend(settings.map(|(key, value)| (key.to_owned(), value)));
-        let document = SearchDocument::new(&vessel, cut, options.folds, &found);
+        let document = SearchDocument::new(&vessel, &options, &found);
         let Ok(magnitudes) = Magnitudes::of(&vessel.model, &runs, vessel.sample_rate_hz);
         let model = ModelDocument { magnitudes, ..ModelDocument::searched(&vessel, &found) };
-        let members = vec![stage_document(beside(&out, MAIN, "model.json"), &provenance, &model)?];
+        let mut members = vec![stage_document(single, &provenance, &model)?];
+        if let Some(found_all) = &found.average {
+            let average = AverageDocument::new(&vessel, found_all, found.samples, model.magnitudes.as_ref());
+            members.push(stage_document(&several, &provenance, &average)?);
+        }
+        let left = found.average.is_none() && is_of::<SearchDocument>(&out, &several);
         let main = stage_set_document(&out, &provenance, &document, &members)?;
         commit([main].into_iter().chain(members).collect())?;
+        if left {
+            // The average of an earlier search is not this one's.
+            let _ = std::fs::remove_file(several);
+        }
         Ok(Summary::of(
             &out,
             format!("{} terms; {}", document.terms.len(), found.statements.join("; ")),
@@ -169,6 +189,13 @@ fn refused(file: &Path, error: &SearchError) -> Failure {
             &format!("at least as many as folds, {folds}"),
             "name ingest.json with --recordings, add recordings, or ask for fewer --folds",
         ),
+        SearchError::FewForAverage { recordings, needed } => Failure::refuse(
+            file,
+            "recordings",
+            &recordings.to_string(),
+            &format!("at least {needed} for --average, of which 70 % without any fold are as many as folds"),
+            "add recordings, or ask for fewer --folds",
+        ),
         SearchError::NoWindow => Failure::refuse(
             file,
             "windows",
@@ -176,6 +203,7 @@ fn refused(file: &Path, error: &SearchError) -> Failure {
             "at least one",
             "shorten --window-s",
         ),
+        SearchError::NoAverage => answer("models that can be fitted; add recordings, or leave --average out"),
         SearchError::AllDiverge(_) => {
             answer("one that no fold rejects; shorten --fitted-window-s, or correct the base structure")
         }

@@ -3,6 +3,7 @@
 use serde_json::{Value, json};
 use tempfile::TempDir;
 
+use crate::search::measured;
 use crate::support::*;
 use crate::{CROSS, POOL};
 
@@ -172,30 +173,70 @@ fn constraints_that_cannot_be_are_refused() {
     refused(&folder, 3, &format!("{line} --prior 0.1"), &["`N_uv`", "`bounds` beside a prior"]);
 }
 
+const SEARCHED: &str = "estimate search --vessel vessel.toml --trajectories campaign.parquet --fitted-window-s 20 --every-s 15 \
+     --window-s 25 --folds 3 --terms terms.toml --runs random/0,random/1,optimized/0 --allow-mixed --out search.json";
+const TERMS: &str = "surge = [\"u |u|\", \"1\"]\nsway = [\"v |v|\", \"u r\"]\nyaw = [\"r |r|\"]\n";
+
+/// Mean fit of the base structure over the recordings that were left out.
+fn of_base(folder: &TempDir) -> f64 {
+    let base = json(folder, "search.json")["data"]["nested"]["base"].clone();
+    ["fit_u", "fit_v", "fit_r"].map(|fit| base[fit].as_f64().unwrap()).iter().sum::<f64>() / 3.0
+}
+
 #[test]
-fn a_search_keeps_what_is_fixed_and_tied_and_refuses_bounds() {
+fn a_search_keeps_what_is_fixed_tied_and_bounded_to_the_bit() {
     let folder = with(&["campaign.parquet"]);
-    let line = "estimate search --vessel vessel.toml --trajectories campaign.parquet --fitted-window-s 20 --every-s 15 \
-         --window-s 25 --folds 3 --terms terms.toml --runs random/0,random/1,optimized/0 --allow-mixed --out search.json";
-    put(
-        &folder,
-        "terms.toml",
-        "surge = [\"u |u|\", \"1\"]\nsway = [\"v |v|\", \"u r\"]\nyaw = [\"r |r|\"]\n",
-    );
+    put(&folder, "terms.toml", TERMS);
     written(&folder, &CONSTRAINED, CONSTANT);
-    refused(&folder, 3, line, &["`N_uv`", "`bounds`, which a search does not keep"]);
-    written(&folder, &CONSTRAINED[..2], CONSTANT);
-    run(&folder, line).succeeds();
-    let model = json(&folder, "model.json");
-    let [fixed, to, tied] = ["X_uu", "Y_v", "Y_ur"].map(|name| parameter(&model, name));
-    assert_eq!((&fixed["value"], &fixed["fixed"]), (&json!(-0.01), &json!(true)));
-    assert_eq!(tied["value"].as_f64().unwrap(), 0.06 * to["value"].as_f64().unwrap());
-    let terms = |d: usize| model["data"]["degrees"][d]["parameters"].as_array().unwrap().clone();
-    let count = |d: usize, term: &str| terms(d).iter().filter(|p| p["term"] == term).count();
-    assert_eq!(
-        [count(0, "u |u|"), count(1, "u r"), count(1, "1"), count(1, "v |v|"), count(2, "r |r|")],
-        [1; 5]
-    );
-    run(&folder, "simulate dictionary --model model.json --dictionary dictionary.toml --out d.parquet")
-        .succeeds();
+    for flags in ["", " --compact"] {
+        let said = run(&folder, &format!("{SEARCHED}{flags}")).succeeds();
+        assert!(said.stdout.contains("held at a bound: `N_uv`"), "{said}");
+        let model = json(&folder, "model.json");
+        let [fixed, to, tied, bound] = ["X_uu", "Y_v", "Y_ur", "N_uv"].map(|name| parameter(&model, name));
+        assert_eq!((&fixed["value"], &fixed["fixed"]), (&json!(-0.01), &json!(true)));
+        assert_eq!(tied["value"].as_f64().unwrap(), 0.06 * to["value"].as_f64().unwrap());
+        assert_eq!((&bound["value"], &bound["at_bound"]), (&json!(0.0), &json!(true)));
+        assert_eq!((&bound["bounds"], &bound["standard_error"]), (&json!([0.0, null]), &Value::Null));
+        assert!(to["standard_error"].as_f64().unwrap() > 0.0, "{to}");
+        let covariance = &model["data"]["covariance"];
+        let names = covariance["names"].as_array().unwrap();
+        let place = names.iter().position(|name| name == "N_uv").unwrap();
+        let row = &covariance["entries"].as_array().unwrap()[place * names.len()..(place + 1) * names.len()];
+        assert!(row.iter().all(|entry| *entry == 0.0), "{row:?}");
+        let terms = |d: usize| model["data"]["degrees"][d]["parameters"].as_array().unwrap().clone();
+        let count = |d: usize, term: &str| terms(d).iter().filter(|p| p["term"] == term).count();
+        assert_eq!([count(0, "u |u|"), count(1, "u r"), count(1, "1")], [1; 3]);
+        run(&folder, "simulate dictionary --model model.json --dictionary dictionary.toml --out d.parquet")
+            .succeeds();
+    }
+}
+
+#[test]
+fn every_fold_of_a_search_keeps_to_a_bound() {
+    let folder = measured("0.01");
+    put(&folder, "terms.toml", TERMS);
+    let fit = |lines: &str| {
+        written(&folder, &[("N_r", lines)], "");
+        run(&folder, SEARCHED).succeeds();
+        of_base(&folder)
+    };
+    // Where a bound holds the parameter in all folds, the base structure is as good as with it fixed there.
+    let (bounded, fixed) = (fit("nominal = -0.5\nbounds = [-inf, -0.5]"), fit("value = -0.5\nfixed = true"));
+    assert!((bounded - fixed).abs() < 0.01, "{bounded} {fixed}");
+    let free = fit("nominal = -0.5");
+    assert!((bounded - free).abs() > 0.1, "{bounded} {free}");
+}
+
+#[test]
+fn law_bounds_that_hold_nothing_change_nothing() {
+    let folder = with(&["campaign.parquet"]);
+    put(&folder, "terms.toml", TERMS);
+    let values = |bounds: &str| {
+        written(&folder, &[("N_uv", &format!("value = -0.03\nnominal = 0.0{bounds}"))], "");
+        run(&folder, SEARCHED).succeeds();
+        let data = json(&folder, "search.json")["data"].clone();
+        (data["terms"].clone(), data["candidates"].clone(), data["nested"].clone())
+    };
+    let free = values("");
+    assert_eq!(free, values("\nbounds = [-50.0, 50.0]"));
 }

@@ -11,7 +11,7 @@ const SEARCH: &str = "estimate search --vessel vessel.toml --trajectories campai
 const RUNS: &str = "--runs random/0,random/1,random/2,random/3,optimized/0,optimized/1";
 
 /// A campaign whose sensors and current err by `std`.
-fn measured(std: &str) -> TempDir {
+pub fn measured(std: &str) -> TempDir {
     let folder = with(&["design.json"]);
     let campaign = std::fs::read_to_string(folder.path().join("campaign.toml")).unwrap();
     put(&folder, "campaign.toml", &campaign.replace("0.15811388300841897", std));
@@ -115,6 +115,141 @@ fn few_terms_do_what_many_do() {
     let constants = 3;
     let chosen = sizes.iter().find(|size| size["terms"] == terms(&few).len() + constants).unwrap();
     assert!(chosen["excess"].as_f64().unwrap() <= chosen["standard_error"].as_f64().unwrap(), "{chosen}");
+}
+
+/// A search for three models to be averaged, among few terms so that it is fast.
+fn averaged() -> (TempDir, String) {
+    let folder = measured("0.01");
+    without(&folder, &["X_u", "X_uu"]);
+    let terms =
+        "surge = [\"u\", \"u |u|\", \"v r\"]\nsway = [\"v |v|\", \"r |r|\"]\nyaw = [\"v |v|\", \"r |r|\"]\n";
+    put(&folder, "terms.toml", terms);
+    (folder, format!("{SEARCH} {RUNS} --allow-mixed --terms terms.toml --out search.json"))
+}
+
+/// Writes `data` as an average, or as the model of one.
+fn unsealed(folder: &TempDir, of: &str, name: &str, data: Value) {
+    let mut document = json(folder, of);
+    document["seal"] = Value::Null;
+    document["data"] = data;
+    put(folder, name, &serde_json::to_string_pretty(&document).unwrap());
+}
+
+const TRY: &str =
+    "validate compare --trajectories campaign.parquet --window-s 25 --allow-mixed --out compare.json";
+
+#[test]
+fn several_models_are_found_averaged_and_tried_together() {
+    let (folder, line) = averaged();
+    let read = |name: &str| std::fs::read(folder.path().join(name)).unwrap();
+    let files = || ["search.json", "average.json", "model.json"].map(read);
+    let said = run(&folder, &format!("{line} --average 3 --threads 1")).succeeds();
+    assert!(said.stdout.contains("the average with recordings left out: fit u"), "{said}");
+    let alone = files();
+    run(&folder, &format!("{line} --average 3 --threads 3")).succeeds();
+    assert!(alone == files(), "other bytes with other threads");
+    let found = json(&folder, "search.json")["data"].clone();
+    let nested = &found["nested"]["average"];
+    // The single model has the exact structure among its terms, and so have the others.
+    assert!(mean(&nested["errors"]) > mean(&found["nested"]["search"]) - 2.0, "{nested}");
+    assert!(nested["over_search"]["pairs"] == 6 && nested["over_base"]["pairs"] == 6, "{nested}");
+    let terms = found["average"]["terms"].as_array().unwrap();
+    let u = terms.iter().find(|term| term["degree"] == "surge" && term["term"] == "u").unwrap();
+    let number = |value: &Value| value.as_f64().unwrap();
+    assert!(u["chosen"].as_u64().unwrap() > 0 && number(&u["lowest"]) <= number(&u["mean"]), "{u}");
+    let members = json(&folder, "average.json")["data"]["members"].as_array().unwrap().clone();
+    // Seven tenths of six.
+    let drawn: Vec<&Vec<Value>> = members.iter().map(|own| own["found_on"].as_array().unwrap()).collect();
+    assert!(drawn.len() == 3 && drawn.iter().all(|own| own.len() == 4), "{drawn:?}");
+    run(&folder, &format!("{TRY} --model average.json --against model.json")).succeeds();
+    let compared = json(&folder, "compare.json")["data"].clone();
+    assert_eq!(compared["models"][0]["name"], "average of models");
+    assert_eq!(compared["spread"]["models"], 3);
+    assert!(number(&compared["bands"]["inside_u"]) >= number(&compared["spread"]["inside_u"]));
+    run(&folder, &format!("{REPORT} --allow-mixed")).succeeds();
+    let page = std::fs::read_to_string(folder.path().join("report.html")).unwrap();
+    for piece in ["The average", "In so many models", "average of models", "how far the models are apart"] {
+        assert!(page.contains(piece), "{piece}");
+    }
+    // Another seed draws others.
+    run(&folder, &format!("{line} --average 3 --seed 2")).succeeds();
+    let others = json(&folder, "average.json")["data"]["members"].clone();
+    assert!((0..3).any(|i| others[i]["found_on"] != members[i]["found_on"]), "{others}");
+    // An average of an earlier search does not stay beside one without.
+    run(&folder, &line).succeeds();
+    assert!(!folder.path().join("average.json").exists());
+}
+
+#[test]
+fn law_an_average_of_equal_models_is_that_model_and_others_are_refused() {
+    let (folder, line) = averaged();
+    run(&folder, &format!("{line} --average 2")).succeeds();
+    let data = json(&folder, "average.json")["data"].clone();
+    let member = data["members"][1].clone();
+    let with = |change: &dyn Fn(&mut Value)| {
+        let mut data = data.clone();
+        change(&mut data);
+        unsealed(&folder, "average.json", "changed.json", data);
+    };
+    with(&|data| data["members"] = vec![member.clone(); 5].into());
+    run(&folder, &format!("{TRY} --model changed.json")).succeeds();
+    let several = json(&folder, "compare.json")["data"].clone();
+    unsealed(&folder, "model.json", "single.json", member["model"].clone());
+    run(&folder, &format!("{TRY} --model single.json")).succeeds();
+    let single = json(&folder, "compare.json")["data"].clone();
+    assert_eq!(several["models"][0]["errors"], single["models"][0]["errors"]);
+    assert_eq!(several["correlations"], single["correlations"]);
+    assert_eq!(several["spread"]["spread_u"], 0.0);
+    let try_it = format!("{TRY} --model changed.json").replace("compare.json", "other.json");
+    with(&|data| data["members"][1]["model"]["sample_rate_hz"] = 4.0.into());
+    refused(&folder, 3, &try_it, &["changed.json", "data.members[1]: sampling rate", "4 Hz", "8 Hz"]);
+    with(&|data| data["members"][1]["model"]["recordings"][0]["source"] = "another".into());
+    refused(&folder, 3, &try_it, &["data.members[1]: recordings", "another", "one search"]);
+    with(&|data| data["members"] = vec![member.clone()].into());
+    refused(&folder, 3, &try_it, &["data.members", "1 models", "two models"]);
+    // It is no vessel.
+    let simulate = "simulate dictionary --model average.json --dictionary dictionary.toml --out d.parquet";
+    refused(&folder, 3, simulate, &["average.json", "average/1", "model/1"]);
+}
+
+#[test]
+fn an_average_of_too_few_is_refused() {
+    let folder = with(&["campaign.parquet"]);
+    let line = |flags: &str| format!("{SEARCH} {RUNS} {flags} --out search.json");
+    refused(&folder, 2, &line("--average 1"), &["--average", "1"]);
+    let few = line("--average 2").replace(",optimized/1", "");
+    refused(
+        &folder,
+        3,
+        &few,
+        &["campaign.parquet", "recordings", "5", "at least 6 for --average", "--folds"],
+    );
+}
+
+#[test]
+fn what_is_written_takes_no_place_of_what_is_read() {
+    let (folder, line) = averaged();
+    run(&folder, &line).succeeds();
+    let model = line.replace("vessel.toml", "model.json");
+    refused(&folder, 2, &model, &["--out", "model.json", "also an input"]);
+    refused(
+        &folder,
+        2,
+        &line.replace("--out search.json", "--out terms.toml"),
+        &["terms.toml", "also an input"],
+    );
+    run(&folder, &format!("{TRY} --model model.json")).succeeds();
+    std::fs::copy(folder.path().join("campaign.parquet"), folder.path().join("compare.parquet")).unwrap();
+    let own = TRY.replace("campaign.parquet", "compare.parquet");
+    refused(&folder, 2, &format!("{own} --model model.json"), &["compare.parquet", "also an input"]);
+    for stage in [
+        "simulate dictionary --model model.json --dictionary dictionary.toml --out model.json",
+        "moments --model model.json --trajectories campaign.parquet --out model.json",
+        "estimate --model model.json --trajectories campaign.parquet --out estimates.parquet",
+        "estimate pool --model model.json --trajectories campaign.parquet --out estimates.parquet",
+    ] {
+        refused(&folder, 2, &format!("{stage} --allow-mixed"), &["--out", "model.json", "also an input"]);
+    }
 }
 
 #[test]

@@ -2,7 +2,7 @@ use artifact::{Columns, Document, Units};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use validation::comparison::{
-    Bands, Compared, ComparedModel, Difference, ErrorCorrelations, Outside, Traced, Validity,
+    Bands, Compared, ComparedModel, Difference, ErrorCorrelations, Outside, Spread, Traced, Validity,
 };
 use vessel::DegreeOfFreedom;
 
@@ -32,6 +32,9 @@ pub struct CompareDocument {
     pub differences: Vec<Difference>,
     /// Shares of the samples inside the model's 95 % bands; null where its errors are not known.
     pub bands: Option<Bands>,
+    /// How far the models of an average are apart; absent for a single model.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub spread: Option<Spread>,
     /// Channels that leave the range that the model was fitted on.
     pub outside: Vec<Outside>,
     /// How the model's errors correlate with themselves and with inputs: where they do beyond chance, it lacks something.
@@ -57,6 +60,7 @@ impl CompareDocument {
             models: found.models.clone(),
             differences: found.differences.clone(),
             bands: found.bands,
+            spread: found.spread,
             outside: found.outside.clone(),
             correlations: found.correlations.clone(),
             validity: found.validity.clone(),
@@ -72,10 +76,10 @@ impl Document for CompareDocument {
             "1",
             "windows diverged samples error_norm pairs median interval share stretches below above inside_u inside_v inside_r",
         ),
-        ("1", "bound own crossed"),
+        ("1", "bound own crossed models"),
         ("s", "window_s stretch_s"),
-        ("m/s", "std_u std_v rmse_u rmse_v bias_u bias_v"),
-        ("rad/s", "std_r rmse_r bias_r"),
+        ("m/s", "std_u std_v rmse_u rmse_v bias_u bias_v spread_u spread_v"),
+        ("rad/s", "std_r rmse_r bias_r spread_r"),
         ("%", "fit_u fit_v fit_r"),
         ("the channel's unit", "low high"),
     ];

@@ -1,11 +1,13 @@
 //! The documents that the stages exchange, as they stand in the files.
 
+mod average;
 mod compare;
 mod constrained;
 mod crossval;
 mod design;
 mod design_status;
 mod estimate;
+mod found;
 mod ingest;
 mod model;
 mod moments;
@@ -35,6 +37,7 @@ pub use identification::pooled::{DegreeTrust, FreeRunErrors, ParameterTrust, Sou
 pub use identification::{Quantiles, Share};
 pub use trial::moments::{DegreeMoments, ManeuverMoments, Moments};
 
+pub use average::{AverageDocument, AverageMember, AverageSummary, AverageTerm};
 pub use compare::{CompareDocument, traces};
 pub use constrained::ConstrainedParameter;
 pub use crossval::CrossvalDocument;
@@ -81,6 +84,7 @@ pub fn schemas() -> Vec<(&'static str, serde_json::Value)> {
         (TallyDocument::ID, json_schema::<TallyDocument>()),
         (PlanDocument::ID, json_schema::<PlanDocument>()),
         (ModelDocument::ID, json_schema::<ModelDocument>()),
+        (AverageDocument::ID, json_schema::<AverageDocument>()),
         (TrustDocument::ID, json_schema::<TrustDocument>()),
         (CompareDocument::ID, json_schema::<CompareDocument>()),
         (CrossvalDocument::ID, json_schema::<CrossvalDocument>()),

@@ -7,19 +7,19 @@ use identification::pooled::{Covariance, Part};
 use identification::predictor::{Recordings, Sensitivities};
 
 /// 97.5 % of a normal distribution lie below this many standard deviations.
-const Z: f64 = 1.959_963_984_540_054;
+pub(super) const Z: f64 = 1.959_963_984_540_054;
 
 /// What is known of the model's errors.
 #[derive(Clone, Copy, Debug)]
 pub struct Known<'a> {
-    /// Of its parameters.
-    pub covariance: &'a Covariance,
+    /// Of its parameters; none of an average, whose models are apart instead.
+    pub covariance: Option<&'a Covariance>,
     /// RMSE of u, v, r on the recordings that it was fitted to.
     pub rmse: [f64; 3],
 }
 
-/// Shares of the measured samples inside the 95 % bands of a model: from its parameters' covariance and the errors that its
-/// simulations had on what it was fitted to.
+/// Shares of the measured samples inside the 95 % bands of a model: from its parameters' covariance, or how far the models of an
+/// average are apart, and the errors that its simulations had on what it was fitted to.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Bands {
@@ -31,27 +31,63 @@ pub struct Bands {
     pub inside_r: f64,
 }
 
+impl Bands {
+    pub(super) fn of([inside_u, inside_v, inside_r]: [f64; 3]) -> Self {
+        Self { inside_u, inside_v, inside_r }
+    }
+}
+
+/// Counts of measured samples inside bands.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Inside {
+    inside: [u64; 3],
+    samples: u64,
+}
+
+impl Inside {
+    /// Adds a window, of which `states` were simulated; bands are `half` as wide on either side. The first sample is that which
+    /// the simulation starts at.
+    pub fn add(&mut self, window: &Part, states: &[f64], half: &[[f64; 3]]) {
+        let pairs = window.measured.as_chunks::<3>().0.iter().zip(states.as_chunks::<3>().0);
+        for ((measured, simulated), half) in pairs.zip(half).skip(1) {
+            self.samples += 1;
+            for d in 0..3 {
+                self.inside[d] += u64::from((measured[d] - simulated[d]).abs() <= half[d]);
+            }
+        }
+    }
+
+    pub fn samples(&self) -> u64 {
+        self.samples
+    }
+
+    /// The shares inside; none of nothing.
+    pub fn shares(&self) -> Option<[f64; 3]> {
+        (self.samples > 0).then(|| self.inside.map(|n| n as f64 / self.samples as f64))
+    }
+}
+
 /// The bands of one model.
 pub(super) struct Banded<'a> {
     model: Model,
     unknowns: Vec<f64>,
     free: Vec<usize>,
-    known: Known<'a>,
-    inside: [u64; 3],
-    samples: u64,
+    covariance: &'a Covariance,
+    rmse: [f64; 3],
+    inside: Inside,
 }
 
 impl<'a> Banded<'a> {
-    /// Of `model` with parameters `theta`, of which `known` is known.
-    pub fn new(model: &Model, theta: &[f64], known: Known<'a>) -> Self {
+    /// Of `model` with parameters `theta` and their `covariance`, whose simulations had errors of `rmse`.
+    pub fn new(model: &Model, theta: &[f64], covariance: &'a Covariance, rmse: [f64; 3]) -> Self {
         let lifted = model.with_intercepts();
         let layout = lifted.layout();
         // The constant is in the model already; its error is that of an intercept of zero.
         let unknowns = [layout.woven(theta, [0.0; 3]), vec![0.0; 3]].concat();
-        let joint = known.covariance.names.len() == layout.parameters();
+        let joint = covariance.names.len() == layout.parameters();
         let counts = layout.are_intercepts().map(|intercept| joint || !intercept);
         let free = counts.enumerate().filter_map(|(i, counts)| counts.then_some(i)).collect();
-        Self { model: lifted, unknowns, free, known, inside: [0; 3], samples: 0 }
+        Self { model: lifted, unknowns, free, covariance, rmse, inside: Inside::default() }
     }
 
     /// Half the widths of the bands over `window`, (N+1) × 3, of which `states` were simulated; counts what lies inside.
@@ -63,13 +99,7 @@ impl<'a> Banded<'a> {
         let found = Sensitivities::of(&recordings, &self.unknowns, &self.free, true);
         let half = |k: usize| self.half(&found, k);
         let bands: Vec<[f64; 3]> = (0..=window.samples()).map(half).collect();
-        let pairs = window.measured.as_chunks::<3>().0.iter().zip(states.as_chunks::<3>().0);
-        for ((measured, simulated), half) in pairs.zip(&bands).skip(1) {
-            self.samples += 1;
-            for d in 0..3 {
-                self.inside[d] += u64::from((measured[d] - simulated[d]).abs() <= half[d]);
-            }
-        }
+        self.inside.add(window, states, &bands);
         bands
     }
 
@@ -77,15 +107,14 @@ impl<'a> Banded<'a> {
         let all: Vec<[f64; 3]> = (0..self.free.len()).map(|i| found.by(k, i)).collect();
         [0, 1, 2].map(|d| {
             let by: Vec<f64> = all.iter().map(|by| by[d]).collect();
-            let moved = times(&self.known.covariance.entries, &by);
+            let moved = times(&self.covariance.entries, &by);
             let variance: f64 = by.iter().zip(moved).map(|(a, b)| a * b).sum();
-            Z * (variance.max(0.0) + self.known.rmse[d].powi(2)).sqrt()
+            Z * (variance.max(0.0) + self.rmse[d].powi(2)).sqrt()
         })
     }
 
     /// The shares inside; none of nothing.
     pub fn shares(&self) -> Option<Bands> {
-        let [inside_u, inside_v, inside_r] = self.inside.map(|n| n as f64 / self.samples as f64);
-        (self.samples > 0).then_some(Bands { inside_u, inside_v, inside_r })
+        self.inside.shares().map(Bands::of)
     }
 }

@@ -1,7 +1,8 @@
 use super::bands::{Banded, Bands, Known};
 use super::correlations::{ErrorCorrelations, error_correlations};
 use super::covered::{Counter, Outside};
-use super::simulated::{Contestant, Simulated};
+use super::simulated::{Contestant, Ship, Simulated, Trajectory};
+use super::spread::{Spread, Spreads};
 use super::standing::{ComparedModel, Difference};
 use super::validity::{Magnitudes, Validity};
 use super::verdict::{differences, verdict};
@@ -36,6 +37,8 @@ pub struct Compared {
     pub models: Vec<ComparedModel>,
     /// The first model against the others.
     pub differences: Vec<Difference>,
+    /// How far the models of an average are apart; none of a single model.
+    pub spread: Option<Spread>,
     /// Shares inside the bands; none where nothing is known of the model's errors.
     pub bands: Option<Bands>,
     /// Where the recordings leave what the model was fitted on.
@@ -89,7 +92,8 @@ pub fn compare(
     looked.at(&sources, &models[0]);
     let told: Vec<ComparedModel> = models.iter().map(|one| one.told(&sources, std)).collect();
     let differences = differences(&told, &models, std);
-    let (bands, outside) = (looked.banded.and_then(|b| b.shares()), looked.counter.outside());
+    let (bands, outside) = (looked.bands(), looked.counter.outside());
+    let spread = looked.spreads.as_ref().and_then(Spreads::told);
     let whole = runs.windows(None);
     let validity = options.magnitudes.and_then(|known| {
         let runs = whole.iter().flat_map(|(_, parts)| parts).map(Part::view);
@@ -99,10 +103,16 @@ pub fn compare(
         windows: windows().count() as u64,
         samples: windows().map(|w| w.samples() as u64).sum(),
         std,
-        statements: verdict(&told, &differences, (validity.as_ref(), &outside), bands.as_ref()),
+        statements: verdict(
+            &told,
+            &differences,
+            (validity.as_ref(), &outside),
+            (bands.as_ref(), spread.as_ref()),
+        ),
         models: told,
         differences,
         bands,
+        spread,
         correlations: error_correlations(first, &sources, &models[0]),
         outside,
         validity,
@@ -113,6 +123,7 @@ pub fn compare(
 /// The first model sample by sample.
 struct Looked<'a> {
     banded: Option<Banded<'a>>,
+    spreads: Option<Spreads>,
     counter: Counter<'a>,
     rate_hz: f64,
     trace: Vec<Traced>,
@@ -120,16 +131,33 @@ struct Looked<'a> {
 
 impl<'a> Looked<'a> {
     fn new(first: &Contestant, options: &CompareOptions<'a>) -> Self {
-        let banded = options.known.map(|known| Banded::new(first.model, first.theta, known));
-        Self { banded, counter: Counter::new(options.covered), rate_hz: options.rate_hz, trace: Vec::new() }
+        let rmse = options.known.map(|known| known.rmse);
+        let (banded, spreads) = match first.ships.as_slice() {
+            [Ship { model, theta }] => {
+                let known = options.known.and_then(|known| Some((known.covariance?, known.rmse)));
+                (known.map(|(covariance, rmse)| Banded::new(model, theta, covariance, rmse)), None)
+            }
+            several => (None, Some(Spreads::new(several.len(), rmse))),
+        };
+        let counter = Counter::new(options.covered);
+        Self { banded, spreads, counter, rate_hz: options.rate_hz, trace: Vec::new() }
+    }
+
+    /// Shares of the samples inside the bands.
+    fn bands(&self) -> Option<Bands> {
+        self.banded.as_ref().and_then(Banded::shares).or_else(|| self.spreads.as_ref()?.bands())
     }
 
     fn at(&mut self, sources: &[(String, Vec<Part>)], found: &Simulated) {
-        for ((source, windows), states) in sources.iter().zip(&found.windows) {
-            for (i, (window, states)) in windows.iter().zip(states).enumerate() {
-                let Some(states) = states else { continue };
+        for ((source, windows), found) in sources.iter().zip(&found.windows) {
+            for (i, (window, found)) in windows.iter().zip(found).enumerate() {
+                let Some(Trajectory { states, spread }) = found else { continue };
                 self.counter.add(&window.exogenous, states);
-                let bands = self.banded.as_mut().map(|banded| banded.add(window, states));
+                let bands = match (&mut self.banded, &mut self.spreads) {
+                    (Some(banded), _) => Some(banded.add(window, states)),
+                    (None, Some(spreads)) => spreads.add(window, states, spread),
+                    (None, None) => None,
+                };
                 let pairs = window.measured.as_chunks::<3>().0.iter().zip(states.as_chunks::<3>().0);
                 self.trace.extend(pairs.enumerate().map(|(k, (measured, simulated))| Traced {
                     source: source.clone(),

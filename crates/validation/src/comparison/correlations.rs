@@ -2,8 +2,9 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use vessel::DegreeOfFreedom;
 
-use super::simulated::{Contestant, Simulated};
+use super::simulated::{Contestant, Ship, Simulated};
 use identification::pooled::{Part, Regression};
+use identification::search::MeanTrajectory;
 
 /// Lags that errors are correlated with themselves over.
 const OWN: usize = 40;
@@ -60,8 +61,9 @@ pub(super) fn error_correlations(
 ) -> Vec<ErrorCorrelations> {
     let all = || sources.iter().flat_map(|(_, windows)| windows);
     let simulated = all().zip(found.windows.iter().flatten());
-    let (followed, errors): (Vec<&Part>, Vec<[Vec<f64>; 3]>) =
-        simulated.filter_map(|(window, states)| Some((window, free_run(window, states.as_deref()?)))).unzip();
+    let (followed, errors): (Vec<&Part>, Vec<[Vec<f64>; 3]>) = simulated
+        .filter_map(|(window, found)| Some((window, free_run(window, &found.as_ref()?.states))))
+        .unzip();
     let residuals: Vec<[Vec<f64>; 3]> = all().map(|window| one_step(first, window)).collect();
     let windows: Vec<&Part> = all().collect();
     let one_step = of_states(first, ErrorKind::OneStep, &windows, &residuals);
@@ -75,11 +77,21 @@ fn free_run(window: &Part, states: &[f64]) -> [Vec<f64>; 3] {
     [0, 1, 2].map(|d: usize| pairs().map(|(measured, simulated)| measured[d] - simulated[d]).collect())
 }
 
-/// Δy − φᵀθ of surge, sway and yaw.
+/// Those of the mean prediction.
 fn one_step(first: &Contestant, window: &Part) -> [Vec<f64>; 3] {
-    let (regression, layout) = (Regression::of(first.model, &window.whole()), first.model.layout());
+    let mut mean = [(); 3].map(|()| MeanTrajectory::default());
+    for ship in &first.ships {
+        let own = residuals(ship, window);
+        mean.iter_mut().zip(&own).for_each(|(mean, own)| mean.add(own));
+    }
+    mean.map(|mean| mean.mean().to_vec())
+}
+
+/// Δy − φᵀθ of surge, sway and yaw.
+fn residuals(ship: &Ship, window: &Part) -> [Vec<f64>; 3] {
+    let (regression, layout) = (Regression::of(ship.model, &window.whole()), ship.model.layout());
     [0, 1, 2].map(|d: usize| {
-        let (degree, theta) = (&regression.degrees[d], &first.theta[layout.terms(d)]);
+        let (degree, theta) = (&regression.degrees[d], &ship.theta[layout.terms(d)]);
         let gained = |k: usize| degree.phi(k).iter().zip(theta).map(|(f, t)| f * t).sum::<f64>();
         degree.target.iter().enumerate().map(|(k, target)| target - gained(k)).collect()
     })
@@ -91,7 +103,8 @@ fn of_states(
     windows: &[&Part],
     errors: &[[Vec<f64>; 3]],
 ) -> Vec<ErrorCorrelations> {
-    let (variables, width) = (&first.model.variables[3..], first.model.exogenous());
+    let Some(Ship { model, .. }) = first.ships.first() else { return Vec::new() };
+    let (variables, width) = (&model.variables[3..], model.exogenous());
     let channel = |i: usize| -> Vec<Vec<f64>> {
         windows.iter().map(|w| w.exogenous.iter().skip(i).step_by(width).copied().collect()).collect()
     };

@@ -9,6 +9,7 @@ mod correlations;
 mod covered;
 mod errors;
 mod simulated;
+mod spread;
 mod standing;
 mod validity;
 mod verdict;
@@ -20,6 +21,7 @@ pub use correlations::{
 };
 pub use covered::{Counter, Outside};
 pub use errors::{ComparedErrors, ComparedRecording};
-pub use simulated::Contestant;
+pub use simulated::{Contestant, Ship};
+pub use spread::Spread;
 pub use standing::{ComparedModel, Difference, Standing};
 pub use validity::{Magnitudes, STRETCH_S, Unlike, Validity};

@@ -3,22 +3,38 @@ use vessel::{Model, check_diverged, simulate_one};
 use super::errors::{ComparedRecording, Sums};
 use super::standing::{ComparedModel, Standing};
 use identification::pooled::{Part, deviations};
+use identification::search::MeanTrajectory;
 
-/// A model that takes part.
-#[derive(Clone, Copy, Debug)]
+/// Who takes part.
+#[derive(Clone, Debug)]
 pub struct Contestant<'a> {
     /// As what.
     pub standing: Standing,
+    /// The model; several of the same channels are averaged.
+    pub ships: Vec<Ship<'a>>,
+}
+
+/// A model.
+#[derive(Clone, Copy, Debug)]
+pub struct Ship<'a> {
     /// Its structure.
     pub model: &'a Model,
     /// Its parameters: surge, sway, yaw.
     pub theta: &'a [f64],
 }
 
-/// The states of every window of every source, as one model has them; none where it diverges.
+/// What is simulated over a window.
+pub(super) struct Trajectory {
+    /// u, v, r row by row.
+    pub states: Vec<f64>,
+    /// Standard deviations of the models that are averaged, row by row; empty of a single model.
+    pub spread: Vec<f64>,
+}
+
+/// Every window of every source, as one contestant has it; none where a model diverges.
 pub(super) struct Simulated {
     standing: Standing,
-    pub windows: Vec<Vec<Option<Vec<f64>>>>,
+    pub windows: Vec<Vec<Option<Trajectory>>>,
     /// Sums by source and window.
     pub sums: Vec<Vec<Sums>>,
 }
@@ -27,26 +43,34 @@ impl Simulated {
     fn new(
         standing: Standing,
         sources: &[(String, Vec<Part>)],
-        simulate: impl Fn(&[Part], &Part) -> Option<Vec<f64>>,
+        simulate: impl Fn(&[Part], &Part) -> Option<Trajectory>,
     ) -> Self {
         let (mut windows, mut sums) = (Vec::new(), Vec::new());
         for (_, own) in sources {
-            let states: Vec<Option<Vec<f64>>> = own.iter().map(|window| simulate(own, window)).collect();
-            let sum = |(window, states): (&Part, &Option<Vec<f64>>)| {
+            let found: Vec<Option<Trajectory>> = own.iter().map(|window| simulate(own, window)).collect();
+            let sum = |(window, found): (&Part, &Option<Trajectory>)| {
                 let mut sum = Sums::default();
-                sum.add(window, states.as_deref());
+                sum.add(window, found.as_ref().map(|found| found.states.as_slice()));
                 sum
             };
-            sums.push(own.iter().zip(&states).map(sum).collect());
-            windows.push(states);
+            sums.push(own.iter().zip(&found).map(sum).collect());
+            windows.push(found);
         }
         Self { standing, windows, sums }
     }
 
     pub fn of(one: &Contestant, sources: &[(String, Vec<Part>)]) -> Self {
         Self::new(one.standing, sources, |_, window| {
-            let states = simulate_one(one.model, one.theta, window.view().initial, &window.exogenous);
-            check_diverged(states.iter().copied()).is_none().then_some(states)
+            let mut mean = MeanTrajectory::default();
+            for Ship { model, theta } in &one.ships {
+                let states = simulate_one(model, theta, window.view().initial, &window.exogenous);
+                if check_diverged(states.iter().copied()).is_some() {
+                    return None;
+                }
+                mean.add(&states);
+            }
+            let spread = if one.ships.len() > 1 { mean.spread() } else { Vec::new() };
+            (!one.ships.is_empty()).then(|| Trajectory { states: mean.mean().to_vec(), spread })
         })
     }
 
@@ -56,7 +80,7 @@ impl Simulated {
             let rows = || all.iter().flat_map(|w| w.measured.as_chunks::<3>().0.iter().skip(1));
             let n = rows().count().max(1) as f64;
             let mean = [0, 1, 2].map(|d: usize| rows().map(|row| row[d]).sum::<f64>() / n);
-            Some(mean.repeat(window.samples() + 1))
+            Some(Trajectory { states: mean.repeat(window.samples() + 1), spread: Vec::new() })
         })
     }
 

@@ -8,6 +8,8 @@ vessel::choices! {
     pub enum Standing {
         /// The model.
         Model = "model",
+        /// Several models, whose trajectories are averaged.
+        Average = "average of models",
         /// Another model.
         Other = "other model",
         /// The same structure by least squares of the same data.

@@ -4,6 +4,7 @@ use vessel::DegreeOfFreedom;
 use super::bands::Bands;
 use super::covered::Outside;
 use super::simulated::Simulated;
+use super::spread::Spread;
 use super::standing::{ComparedModel, Difference, Standing};
 use super::validity::Validity;
 use identification::pooled::listed;
@@ -36,12 +37,13 @@ pub(super) fn verdict(
     told: &[ComparedModel],
     differences: &[Difference],
     (validity, outside): (Option<&Validity>, &[Outside]),
-    bands: Option<&Bands>,
+    (bands, spread): (Option<&Bands>, Option<&Spread>),
 ) -> Vec<String> {
     let mut out: Vec<String> = told.first().map(headline).into_iter().collect();
     out.extend(differences.iter().map(against));
     out.extend(validity.and_then(Validity::statement));
     out.extend(outside.iter().map(Outside::statement));
+    out.extend(spread.map(Spread::statement));
     out.extend(bands.map(|b| {
         let [u, v, r] = [b.inside_u, b.inside_v, b.inside_r].map(|share| 100.0 * share);
         format!("inside the 95 % bands: u {u:.1} %, v {v:.1} %, r {r:.1} % of the samples")
@@ -88,7 +90,7 @@ fn against(difference: &Difference) -> String {
     let than = match name {
         Standing::LeastSquares => "least squares",
         Standing::Other => "the other model",
-        Standing::Mean | Standing::Model => "the mean of the data",
+        Standing::Mean | Standing::Model | Standing::Average => "the mean of the data",
     };
     let median = number(median);
     format!("{told} {than}: its norm of RMSE/std lies {median} above (95 %: {low} to {high}; {pairs} pairs)")

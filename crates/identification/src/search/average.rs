@@ -1,0 +1,180 @@
+use rayon::prelude::*;
+use vessel::{Model, Streams};
+
+use super::deliver::{delivered, without_intercepts};
+use super::folds::folds;
+use super::left_out::ships;
+use super::nested::{Fitted, Nested, Study};
+use super::problem::limit;
+use super::recording::{Laid, Recording};
+use super::scores::{scores_of_mean, together};
+use crate::pooled::{Delivered, Part};
+
+/// How many models are averaged.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct AverageOptions {
+    /// Their number, two at least.
+    pub models: u32,
+    /// What keys the draws of recordings that each structure is found on.
+    pub seed: u64,
+}
+
+/// Models of few terms whose trajectories are averaged.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Averaged {
+    /// The models, in the order of their draws.
+    pub members: Vec<Member>,
+    /// RMSE of their mean trajectory over the recordings; none where a model diverges.
+    pub output_rmse: Option<[f64; 3]>,
+}
+
+/// One of several models.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Member {
+    /// Its structure.
+    pub model: Model,
+    /// The model of it, fitted to all recordings.
+    pub delivered: Delivered,
+    /// The recordings that its structure was found on.
+    pub found_on: Vec<String>,
+}
+
+/// A model, and what its structure was found on.
+pub(super) type Drawn = (Fitted, Vec<String>);
+
+/// The models of all recordings, and those without each fold: none where one cannot be found.
+pub(super) struct Averages {
+    all: Vec<Drawn>,
+    pub by_folds: Vec<Option<Vec<Fitted>>>,
+}
+
+impl Study<'_> {
+    /// Finds as many models as are `wanted`, each structure on some of the recordings and fitted to all; again without each
+    /// fold. The ridge and the base structure's fit are those that were found before. None where a model cannot be found.
+    pub fn averages(
+        &self,
+        nested: &Nested,
+        chosen: usize,
+        wanted: AverageOptions,
+        done: &(dyn Fn(usize) + Sync),
+    ) -> Option<Averages> {
+        let sets: Vec<Option<usize>> = std::iter::once(None).chain(self.all_folds().map(Some)).collect();
+        let given: Vec<Option<(f64, Vec<f64>)>> =
+            sets.par_iter().map(|without| self.given(nested, chosen, *without)).collect();
+        let numbers = 0..wanted.models;
+        let jobs: Vec<(usize, u32)> =
+            (0..sets.len()).flat_map(|set| numbers.clone().map(move |number| (set, number))).collect();
+        let find = |(set, number): (usize, u32)| {
+            let (ridge, base) = given[set].as_ref()?;
+            let found = self.drawn(sets[set], (base, *ridge), wanted.seed, number);
+            done(1);
+            found
+        };
+        let mut found: Vec<Option<Drawn>> = jobs.into_par_iter().map(find).collect();
+        let without = found.split_off(wanted.models as usize);
+        let fitted = |own: &mut [Option<Drawn>]| {
+            own.iter_mut().map(|found| Some(found.take()?.0)).collect::<Option<Vec<_>>>()
+        };
+        let mut without = without;
+        let by_folds = without.chunks_mut(wanted.models as usize).map(fitted).collect();
+        Some(Averages { all: found.into_iter().collect::<Option<_>>()?, by_folds })
+    }
+
+    /// Model `number`, whose structure is found on the recordings that it draws, and that is fitted to all but one fold.
+    fn drawn(
+        &self,
+        without: Option<usize>,
+        (base, ridge): (&[f64], f64),
+        seed: u64,
+        number: u32,
+    ) -> Option<Drawn> {
+        let recordings = self.picked(|fold| Some(fold) != without);
+        let purpose = without.map_or("average".to_owned(), |fold| format!("average without fold {fold}"));
+        let drawn = draw(&recordings, &Streams::new(seed, &purpose), number);
+        let count = self.all_folds().end.min(drawn.len());
+        let dealt = folds(&drawn, count);
+        let of = |fold: usize| {
+            drawn.iter().zip(&dealt).filter(|(_, own)| **own == fold).map(|(r, _)| *r).collect()
+        };
+        let within: Vec<Vec<&Recording>> = (0..count).map(of).collect();
+        let places = self.compact(base, &within, ridge)?.places;
+        let fitted = self.fitted(&places, base, &self.others(without), ridge, false)?;
+        Some((fitted, drawn.iter().map(|own| own.name.clone()).collect()))
+    }
+}
+
+impl Averages {
+    /// The models as they are handed over.
+    pub fn delivered(self, recordings: &[Recording], parts: &[Part]) -> Averaged {
+        let (fitted, found_on): (Vec<Fitted>, Vec<Vec<String>>) = self.all.into_iter().unzip();
+        let all: Vec<&Recording> = recordings.iter().collect();
+        let followed = scores_of_mean(&ships(&fitted), &all, Laid::SideBySide, limit(&all));
+        let member = |(found, found_on): (&Fitted, Vec<String>)| {
+            let model = without_intercepts(&found.model);
+            Member { delivered: delivered(&model, found, recordings, parts), model, found_on }
+        };
+        let members = fitted.iter().zip(found_on).map(member).collect();
+        Averaged { members, output_rmse: together(followed.iter()).rmse() }
+    }
+}
+
+/// How many of `recordings` a structure is found on: seven tenths.
+pub(super) fn share(recordings: usize) -> usize {
+    (7 * recordings + 5) / 10
+}
+
+/// Seven tenths of `recordings`, of each kind as large a share as can be, in their order. Depends on the stream and the number
+/// alone.
+fn draw<'a>(recordings: &[&'a Recording], streams: &Streams, number: u32) -> Vec<&'a Recording> {
+    let all = recordings.len();
+    let mut rest: Vec<usize> = (0..all).collect();
+    let mut order = Vec::with_capacity(all);
+    for channel in 0..all as u32 {
+        let place = streams.choices(number, channel, rest.len() as u32, 1)[0];
+        order.push(rest.swap_remove(place as usize));
+    }
+    // Those of one kind stay in the order that they were drawn in.
+    order.sort_by_key(|i| recordings[*i].kind());
+    // Evenly along that order, so that each kind gives its share; where it begins is drawn too.
+    let first = streams.choices(number, all as u32, all as u32, 1)[0] as usize;
+    let before = |place: usize| (place * share(all) + first) / all;
+    let mut drawn: Vec<usize> =
+        (0..all).filter(|place| before(place + 1) > before(*place)).map(|place| order[place]).collect();
+    drawn.sort_unstable();
+    drawn.into_iter().map(|i| recordings[i]).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::recording::Cut;
+    use super::*;
+
+    #[test]
+    fn law_seven_tenths_of_each_kind_are_drawn_and_every_recording_as_often() {
+        let cut = Cut { window: 1, every: 1, scored: None };
+        let named = |name: String| Recording::new(name, Vec::new(), cut);
+        let all: Vec<Recording> = (0..10)
+            .map(|i| named(format!("turning{i}")))
+            .chain((0..13).map(|i| named(format!("zigzag{i}"))))
+            .collect();
+        let all: Vec<&Recording> = all.iter().collect();
+        let streams = Streams::new(5, "average");
+        let mut seen = [0; 23];
+        for number in 0..400 {
+            let drawn = draw(&all, &streams, number);
+            let turning = drawn.iter().filter(|own| own.kind() == "turning").count();
+            assert_eq!((drawn.len(), share(23)), (16, 16));
+            assert!((6..=7).contains(&turning), "{turning}");
+            assert!(
+                drawn.windows(2).all(|pair| pair[0].name < pair[1].name || pair[0].kind() != pair[1].kind())
+            );
+            let place = |own: &&Recording| all.iter().position(|other| other.name == own.name).unwrap();
+            drawn.iter().for_each(|own| seen[place(own)] += 1);
+        }
+        // 278 each, give or take four standard deviations.
+        assert!(seen.iter().all(|n| (240..=316).contains(n)), "{seen:?}");
+        let again = draw(&all, &streams, 7);
+        assert!(again.iter().zip(draw(&all, &streams, 7)).all(|(a, b)| a.name == b.name));
+        assert!(again.iter().zip(draw(&all, &streams, 8)).any(|(a, b)| a.name != b.name));
+    }
+}

@@ -1,0 +1,108 @@
+use super::judged::{Margin, NestedAverage, NestedRecording, NestedScore};
+use super::nested::{Fitted, Study};
+use super::recording::{Laid, Recording};
+use super::scores::{scores, scores_of_mean, together, varying};
+use crate::pooled::{FreeRunErrors, Score};
+use vessel::Model;
+
+/// What is judged by a fold that was left out of it.
+pub(super) struct Judged {
+    pub ridge: Option<f64>,
+    pub model: Option<Fitted>,
+    pub base: Option<Vec<f64>>,
+    pub limit: [f64; 3],
+}
+
+/// A recording when it was left out.
+struct LeftOut<'a> {
+    recording: &'a Recording,
+    fold: usize,
+    search: Option<Score>,
+    base: Option<Score>,
+    average: Option<Score>,
+}
+
+impl Study<'_> {
+    /// The models that were found without each fold, on that fold; so the means of several, where there are `averages`.
+    pub fn judged(&self, by_folds: &[Judged], averages: Option<&[Option<Vec<Fitted>>]>) -> NestedScore {
+        let all = self.left_out(by_folds, averages, Laid::SideBySide);
+        let norm = |score: Option<Score>| score?.norm(self.std);
+        let told = |LeftOut { recording, fold, search, base, average }: &LeftOut| NestedRecording {
+            source: recording.name.clone(),
+            fold: *fold as u64,
+            search: own(*search, recording),
+            base: own(*base, recording),
+            search_norm: norm(*search),
+            base_norm: norm(*base),
+            average: own(*average, recording),
+            average_norm: norm(*average),
+        };
+        let simulated: Vec<&LeftOut> =
+            all.iter().filter(|one| one.recording.scored(Laid::SideBySide).next().is_some()).collect();
+        let paired = |own: fn(&LeftOut) -> Option<Score>, other: fn(&LeftOut) -> Option<Score>| {
+            Margin::of(&simulated.iter().map(|one| [norm(own(one)), norm(other(one))]).collect::<Vec<_>>())
+        };
+        let overlapping = self.left_out(by_folds, averages, Laid::Overlapping);
+        let diverged = |of: fn(&LeftOut) -> Option<Score>| {
+            all.iter().filter_map(of).map(|score| score.diverged).sum::<u64>()
+        };
+        NestedScore {
+            ridges: by_folds.iter().map(|own| own.ridge).collect(),
+            search: whole(all.iter().map(|one| one.search), self.std),
+            base: whole(all.iter().map(|one| one.base), self.std),
+            search_overlapping: whole(overlapping.iter().map(|one| one.search), self.overlapping_std),
+            base_overlapping: whole(overlapping.iter().map(|one| one.base), self.overlapping_std),
+            diverged: diverged(|one| one.search),
+            margin: paired(|one| one.search, |one| one.base),
+            average: averages.map(|_| NestedAverage {
+                errors: whole(all.iter().map(|one| one.average), self.std),
+                overlapping: whole(overlapping.iter().map(|one| one.average), self.overlapping_std),
+                diverged: diverged(|one| one.average),
+                over_search: paired(|one| one.average, |one| one.search),
+                over_base: paired(|one| one.average, |one| one.base),
+            }),
+            recordings: all.iter().map(told).collect(),
+        }
+    }
+
+    /// Every recording when it was left out, in the order of the recordings.
+    fn left_out(
+        &self,
+        by_folds: &[Judged],
+        averages: Option<&[Option<Vec<Fitted>>]>,
+        laid: Laid,
+    ) -> Vec<LeftOut<'_>> {
+        let mut all = Vec::new();
+        for (fold, Judged { model, base, limit, .. }) in by_folds.iter().enumerate() {
+            let recordings = self.within(fold);
+            let of = |model: &Model, theta: &[f64]| scores(model, theta, &recordings, laid, *limit);
+            let found = model.as_ref().map(|found| of(&found.model, &found.theta));
+            let base = base.as_ref().map(|base| of(self.base, base));
+            let several = averages.and_then(|all| all[fold].as_deref());
+            let average = several.map(|own| scores_of_mean(&ships(own), &recordings, laid, *limit));
+            for (i, recording) in recordings.iter().enumerate() {
+                let [search, base, average] =
+                    [&found, &base, &average].map(|scores| scores.as_ref().map(|s| s[i]));
+                all.push(LeftOut { recording, fold, search, base, average });
+            }
+        }
+        all.sort_by_key(|one| self.recordings.iter().position(|own| own.name == one.recording.name));
+        all
+    }
+}
+
+/// Structures with their parameters.
+pub(super) fn ships(all: &[Fitted]) -> Vec<(&Model, &[f64])> {
+    all.iter().map(|own| (&own.model, own.theta.as_slice())).collect()
+}
+
+/// Against the standard deviations of its own states.
+fn own(score: Option<Score>, recording: &Recording) -> Option<FreeRunErrors> {
+    score?.errors(varying(std::iter::once(recording), Laid::SideBySide))
+}
+
+/// All together against `std`; none where one has no model.
+fn whole(scores: impl Iterator<Item = Option<Score>>, std: [f64; 3]) -> Option<FreeRunErrors> {
+    let all: Vec<Score> = scores.collect::<Option<_>>()?;
+    together(all.iter()).errors(std)
+}

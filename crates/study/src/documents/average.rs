@@ -1,0 +1,199 @@
+use std::collections::BTreeMap;
+
+use artifact::{Document, Units};
+use identification::search::{Averaged, Member};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use validation::comparison::Magnitudes;
+use vessel::{DegreeOfFreedom, Invalid, Vessel};
+
+use super::found::parameters;
+use super::model::{ModelDocument, ModelParameter};
+
+/// `average.json`: several models of the same recordings, whose simulated trajectories are averaged. Their spread tells where
+/// the recordings leave the structure open.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct AverageDocument {
+    /// Name of the vessel.
+    pub vessel: String,
+    /// RMSE of the mean trajectory over the recordings that were fitted; null where a model diverges.
+    pub output_rmse_u: Option<f64>,
+    /// Of v.
+    pub output_rmse_v: Option<f64>,
+    /// Of r.
+    pub output_rmse_r: Option<f64>,
+    /// The models, two at least.
+    pub members: Vec<AverageMember>,
+}
+
+/// One of the models.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct AverageMember {
+    /// The recordings that its structure was found on.
+    pub found_on: Vec<String>,
+    /// The model of that structure, fitted to all recordings. It has no standard errors: the spread of the models takes their
+    /// place.
+    pub model: ModelDocument,
+}
+
+/// What the models of an average are made of.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct AverageSummary {
+    /// Their number.
+    pub models: u64,
+    /// The seed of the draws of recordings.
+    pub seed: u64,
+    /// How many recordings each structure was found on.
+    pub recordings_each: u64,
+    /// Terms that some model has: surge, sway, yaw, those that most models have first.
+    pub terms: Vec<AverageTerm>,
+}
+
+/// A term of some of the models.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct AverageTerm {
+    /// `surge`, `sway` or `yaw`.
+    pub degree: String,
+    /// Name of its parameter.
+    pub name: String,
+    /// What the parameter multiplies.
+    pub term: String,
+    /// Whether the structure that the search began with has it.
+    pub base: bool,
+    /// In how many of the models.
+    pub chosen: u64,
+    /// Least value in these.
+    pub lowest: f64,
+    /// Mean value in these.
+    pub mean: f64,
+    /// Largest.
+    pub highest: f64,
+}
+
+impl AverageDocument {
+    /// The models that were found for `vessel` in so many `samples`, whose motions were as large as `magnitudes`.
+    pub fn new(vessel: &Vessel, found: &Averaged, samples: u64, magnitudes: Option<&Magnitudes>) -> Self {
+        let [output_rmse_u, output_rmse_v, output_rmse_r] =
+            found.output_rmse.map_or([None; 3], |rmse| rmse.map(Some));
+        let member = |(i, own): (usize, &Member)| AverageMember {
+            found_on: own.found_on.clone(),
+            model: ModelDocument {
+                magnitudes: magnitudes.cloned(),
+                statements: vec![format!(
+                    "model {} of {} whose trajectories are averaged; its structure was found on {} recordings",
+                    i + 1,
+                    found.members.len(),
+                    own.found_on.len()
+                )],
+                ..ModelDocument::found(vessel, &own.model, &own.delivered, samples)
+            },
+        };
+        let members = found.members.iter().enumerate().map(member).collect();
+        Self { vessel: vessel.name.clone(), output_rmse_u, output_rmse_v, output_rmse_r, members }
+    }
+
+    /// RMSE of u, v, r of the mean trajectory over the recordings that were fitted.
+    pub fn output_rmse(&self) -> Option<[f64; 3]> {
+        Some([self.output_rmse_u?, self.output_rmse_v?, self.output_rmse_r?])
+    }
+}
+
+/// What the models of an average must have in common.
+fn shared(model: &ModelDocument) -> [(&'static str, String); 4] {
+    let names = |all: Vec<&str>| all.join(", ");
+    let inputs = model.inputs.iter().map(|own| own.name.as_str());
+    let channels = inputs.chain(model.measured.iter().map(|own| own.name.as_str())).collect();
+    let recordings = model.recordings.iter().map(|own| own.source.as_str()).collect();
+    [
+        ("vessel", model.vessel.clone()),
+        ("sampling rate", format!("{} Hz", model.sample_rate_hz)),
+        ("channels", names(channels)),
+        ("recordings", names(recordings)),
+    ]
+}
+
+impl Document for AverageDocument {
+    const ID: &'static str = "average";
+    const VERSION: u32 = 1;
+    const UNITS: Units = &[
+        ("Hz", "sample_rate_hz"),
+        ("1", "samples stretches factor"),
+        ("s", "stretch_s"),
+        ("the parameter's unit", "value standard_error least_squares truth bounds"),
+        ("the unit of the row's name times that of the column's", "entries"),
+        ("the state's unit", "constant constant_least_squares increment_std output_rmse"),
+        ("the channel's unit", "low high"),
+        ("m/s", "constant_u constant_v output_rmse_u output_rmse_v"),
+        ("rad/s", "constant_r output_rmse_r"),
+    ];
+
+    fn check(&self) -> Result<(), Invalid> {
+        let (true, Some(first)) = (self.members.len() > 1, self.members.first()) else {
+            let found = format!("{} models", self.members.len());
+            return Err(Invalid::new(
+                "data.members",
+                found,
+                "two models at least",
+                "search for an average again",
+            ));
+        };
+        let expected = shared(&first.model);
+        for (i, AverageMember { model, .. }) in self.members.iter().enumerate() {
+            model.check().map_err(|e| Invalid { thing: format!("data.members[{i}]: {}", e.thing), ..e })?;
+            let pairs = expected.iter().zip(shared(model));
+            if let Some(((what, expected), (_, found))) = pairs.into_iter().find(|((_, a), (_, b))| a != b) {
+                return Err(Invalid::new(
+                    format!("data.members[{i}]: {what}"),
+                    found,
+                    format!("{expected}, as in the first model"),
+                    "average models of one search",
+                ));
+            }
+        }
+        Ok(())
+    }
+}
+
+impl AverageSummary {
+    /// Of models that were found for `vessel` with draws of `seed`.
+    pub fn new(vessel: &Vessel, seed: u64, found: &Averaged) -> Self {
+        let each = |member: &Member| member.found_on.len() as u64;
+        Self {
+            models: found.members.len() as u64,
+            seed,
+            recordings_each: found.members.first().map_or(0, each),
+            terms: DegreeOfFreedom::ALL.into_iter().flat_map(|degree| terms(vessel, degree, found)).collect(),
+        }
+    }
+}
+
+fn terms(vessel: &Vessel, degree: DegreeOfFreedom, found: &Averaged) -> Vec<AverageTerm> {
+    let (d, base) = (degree as usize, vessel.written(degree).len());
+    let mut all: BTreeMap<String, AverageTerm> = BTreeMap::new();
+    for member in &found.members {
+        let own = parameters(vessel, d, &member.model, &member.delivered);
+        for (i, ModelParameter { name, term, value, .. }) in own.into_iter().enumerate() {
+            let new = AverageTerm {
+                degree: degree.name().to_owned(),
+                name: name.clone(),
+                term,
+                base: i < base,
+                chosen: 0,
+                lowest: value,
+                mean: 0.0,
+                highest: value,
+            };
+            let known = all.entry(name).or_insert(new);
+            known.chosen += 1;
+            known.mean += (value - known.mean) / known.chosen as f64;
+            (known.lowest, known.highest) = (known.lowest.min(value), known.highest.max(value));
+        }
+    }
+    let mut terms: Vec<AverageTerm> = all.into_values().collect();
+    terms.sort_by(|a, b| b.base.cmp(&a.base).then(b.chosen.cmp(&a.chosen)).then(a.name.cmp(&b.name)));
+    terms
+}

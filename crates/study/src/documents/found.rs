@@ -1,0 +1,117 @@
+//! Models whose structure was searched for.
+
+use identification::pooled::Delivered;
+use identification::search::{NestedScore, Searched};
+use identification::{Estimator, MeanRemoval};
+use vessel::{DegreeOfFreedom, Model, Vessel, Written};
+
+use super::model::{ModelDegree, ModelDocument, ModelParameter, bounds};
+
+impl ModelDocument {
+    /// The model that a search found for `vessel`, whose terms are the base structure.
+    pub fn searched(vessel: &Vessel, found: &Searched) -> Self {
+        Self {
+            rejected: Some(rejected(&found.nested)),
+            statements: [&found.statements[..], &[verdict(&found.nested)]].concat(),
+            ..Self::found(vessel, &found.model, &found.delivered, found.samples)
+        }
+    }
+
+    /// That of the structure `model`, as `delivered` after a fit to so many samples.
+    pub(super) fn found(vessel: &Vessel, model: &Model, delivered: &Delivered, samples: u64) -> Self {
+        let degree = |d: DegreeOfFreedom| degree(vessel, d, model, delivered);
+        let (inputs, measured) = Self::channels(vessel);
+        Self {
+            vessel: vessel.name.clone(),
+            sample_rate_hz: vessel.sample_rate_hz,
+            inputs,
+            measured,
+            degrees: DegreeOfFreedom::ALL.into_iter().map(degree).collect(),
+            covariance: delivered.covariance.clone(),
+            estimator: Estimator::OutputError,
+            mean_removal: MeanRemoval::Complete,
+            samples,
+            recordings: delivered.recordings.clone(),
+            covered: delivered.covered.clone(),
+            magnitudes: None,
+            rejected: None,
+            statements: Vec::new(),
+        }
+    }
+}
+
+/// Whether recordings that were left out speak against what was found: it cannot follow them, is no better than their mean, or
+/// is worse than the structure that the search began with.
+fn rejected(nested: &NestedScore) -> bool {
+    let useless = nested.search.as_ref().is_none_or(|own| own.fits().iter().flatten().any(|fit| *fit <= 0.0));
+    let worse = nested.margin.as_ref().and_then(|margin| margin.interval[1]).is_some_and(|high| high < 0.0);
+    useless || worse
+}
+
+fn verdict(nested: &NestedScore) -> String {
+    let told = if rejected(nested) { "rejected" } else { "not rejected" };
+    format!("{told} by the recordings that were left out of the search")
+}
+
+fn degree(vessel: &Vessel, degree: DegreeOfFreedom, model: &Model, delivered: &Delivered) -> ModelDegree {
+    let (d, Delivered { constant, increment_std, output_rmse, .. }) = (degree as usize, delivered);
+    ModelDegree {
+        name: degree.name().to_owned(),
+        state: degree.state().to_owned(),
+        unit: degree.unit().to_owned(),
+        parameters: parameters(vessel, d, model, delivered),
+        constant: constant[d],
+        constant_least_squares: None,
+        increment_std: increment_std[d],
+        output_rmse: output_rmse.map(|rmse| rmse[d]),
+    }
+}
+
+/// The terms of degree of freedom `d` of the structure `model`.
+pub(super) fn parameters(
+    vessel: &Vessel,
+    d: usize,
+    model: &Model,
+    delivered: &Delivered,
+) -> Vec<ModelParameter> {
+    let (layout, known) = (model.layout(), vessel.model.layout().terms(d));
+    let units = model.parameter_units();
+    let covariance = delivered.covariance.as_ref();
+    let error = |name: &String| {
+        let (of, n) = (covariance?, covariance?.names.len());
+        of.names.iter().position(|own| own == name).map(|i| of.entries[i * n + i].max(0.0).sqrt())
+    };
+    let degree = &model.degrees[d];
+    let parameter = |i: usize| {
+        let value = delivered.theta[layout.terms(d).start + i];
+        let at_bound = degree.at_bound(i, value);
+        ModelParameter {
+            name: degree.parameters[i].clone(),
+            term: degree.terms[i].text.clone(),
+            unit: units[layout.terms(d).start + i].clone(),
+            value,
+            standard_error: error(&degree.parameters[i]).filter(|_| !at_bound),
+            bounds: bounds(vessel, d, i),
+            at_bound,
+            truth: known.clone().nth(i).and_then(|known| vessel.value[known]),
+            ..ModelParameter::default()
+        }
+    };
+    // The base's terms come first, in the order that they are written in.
+    let names: Vec<&str> = vessel.model.parameter_names().collect();
+    let theta = base(vessel, model, delivered);
+    let written = vessel.written(DegreeOfFreedom::ALL[d]).into_iter().map(|written| match written {
+        Written::Estimated(place) => parameter(place - known.start),
+        Written::Constrained(own) => {
+            ModelParameter::constrained(vessel, own, &theta, |to| error(&names[to].to_owned()))
+        }
+    });
+    written.chain((known.len()..degree.terms.len()).map(parameter)).collect()
+}
+
+/// The values that were found for the parameters of the base structure.
+fn base(vessel: &Vessel, model: &Model, delivered: &Delivered) -> Vec<f64> {
+    let (all, own) = (model.layout(), vessel.model.layout());
+    let degree = |d: usize| delivered.theta[all.terms(d)][..own.terms(d).len()].to_vec();
+    [0, 1, 2].map(degree).concat()
+}

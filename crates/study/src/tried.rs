@@ -1,0 +1,88 @@
+//! What `validate compare` tries: a model, or several whose trajectories are averaged.
+
+use std::path::Path;
+
+use artifact::{Document, Error, Provenance, inspect, read_document};
+use identification::pooled::Covered;
+use validation::comparison::{Known, Magnitudes, Ship, Standing};
+use vessel::Vessel;
+
+use crate::documents::{AverageDocument, ModelDocument};
+
+/// A `model.json` or an `average.json`, with what its models come to.
+pub struct Tried {
+    models: Vec<ModelDocument>,
+    vessels: Vec<Vessel>,
+    output_rmse: Option<[f64; 3]>,
+    by_least_squares: Option<Vessel>,
+}
+
+impl Tried {
+    /// Reads it as the input `model`.
+    ///
+    /// # Errors
+    /// A file of another kind, or a damaged one; models that do not belong together.
+    pub fn read(path: &Path, provenance: &mut Provenance) -> Result<Self, Error> {
+        let several = |kind: &str| kind.starts_with(&format!("{}/", AverageDocument::ID));
+        // What is damaged is refused by the reader below.
+        let (models, output_rmse) = if inspect(path).ok().flatten().is_some_and(|own| several(&own.schema)) {
+            let average = read_document::<AverageDocument>(path)?;
+            provenance.made("model", path, average.digest, &average.provenance)?;
+            let output_rmse = average.data.output_rmse();
+            (average.data.members.into_iter().map(|member| member.model).collect(), output_rmse)
+        } else {
+            let model = read_document::<ModelDocument>(path)?;
+            provenance.made("model", path, model.digest, &model.provenance)?;
+            let output_rmse = model.data.output_rmse();
+            (vec![model.data], output_rmse)
+        };
+        let vessels = models.iter().map(ModelDocument::vessel).collect::<Result<Vec<_>, _>>();
+        let vessels = vessels.map_err(|e| crate::invalid(path, &e))?;
+        let by_least_squares = match models.as_slice() {
+            [model] => model.by_least_squares().map_err(|e| crate::invalid(path, &e))?,
+            _ => None,
+        };
+        Ok(Self { models, vessels, output_rmse, by_least_squares })
+    }
+
+    /// As what it takes part.
+    pub fn standing(&self) -> Standing {
+        if self.models.len() > 1 { Standing::Average } else { Standing::Model }
+    }
+
+    /// Its models, with the values that were found.
+    pub fn ships(&self) -> Vec<Ship<'_>> {
+        self.vessels.iter().map(|vessel| Ship { model: &vessel.model, theta: &vessel.nominal }).collect()
+    }
+
+    /// The vessel, by the first of its models.
+    pub fn vessel(&self) -> &Vessel {
+        &self.vessels[0]
+    }
+
+    /// The same structure by least squares of the same data, where that is known.
+    pub fn by_least_squares(&self) -> Option<&Vessel> {
+        self.by_least_squares.as_ref()
+    }
+
+    /// What is known of its errors.
+    pub fn known(&self) -> Option<Known<'_>> {
+        let rmse = self.output_rmse?;
+        match self.models.as_slice() {
+            [model] => {
+                model.covariance.as_ref().map(|covariance| Known { covariance: Some(covariance), rmse })
+            }
+            _ => Some(Known { covariance: None, rmse }),
+        }
+    }
+
+    /// What it was fitted on; all models of an average were fitted to the same.
+    pub fn covered(&self) -> &[Covered] {
+        &self.models[0].covered
+    }
+
+    /// How large the motions were that it was fitted to.
+    pub fn magnitudes(&self) -> Option<&Magnitudes> {
+        self.models[0].magnitudes.as_ref()
+    }
+}
