@@ -60,26 +60,24 @@ pub fn gather(
     writer.finish()
 }
 
-/// Refuses inputs of which the shard at `path` was made of others, or a setting that it was made with otherwise.
+/// Refuses inputs of which the shard at `path` was made of others, or a setting that it was made with otherwise. Where mixtures
+/// are allowed, such inputs label `given` instead.
 ///
 /// # Errors
 /// Names the input's file, or the setting.
-pub fn check_given(given: &Provenance, path: &Path, made: &Provenance) -> Result<()> {
+pub fn check_given(given: &mut Provenance, path: &Path, made: &Provenance) -> Result<()> {
     let other = |role: &&String| made.inputs.get(*role).is_some_and(|digest| *digest != given.inputs[*role]);
-    if let Some(role) = given.inputs.keys().find(other) {
+    let others: Vec<String> = given.inputs.keys().filter(other).cloned().collect();
+    if let Some(role) = others.first().filter(|_| !given.allow_mixed) {
         let file = given.told_by.get(role).map_or(path, |file| file);
         let (found, expected) = (
             format!("another {role} than that of {}", path.display()),
             "the files that the shards were made of",
         );
-        return Err(Error::refuse(
-            file,
-            "provenance",
-            found,
-            expected,
-            "name that file, or make the shards again",
-        ));
+        let remedy = "name that file, make the shards again, or add --allow-mixed";
+        return Err(Error::refuse(file, "provenance", found, expected, remedy));
     }
+    others.iter().for_each(|role| given.label(role));
     let other = |(name, value): &(&String, &serde_json::Value)| {
         *name != MIXED && made.settings.get(*name).is_some_and(|made| made != *value)
     };

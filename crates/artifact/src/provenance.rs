@@ -86,13 +86,13 @@ impl Provenance {
     }
 
     /// What was made of a mixture stays labelled so.
-    fn accept_label(&mut self, from: &Self) {
+    pub fn accept_label(&mut self, from: &Self) {
         if let Some(roles) = from.settings.get(MIXED).and_then(|roles| roles.as_array()) {
             roles.iter().filter_map(|role| role.as_str()).for_each(|role| self.label(role));
         }
     }
 
-    fn label(&mut self, role: &str) {
+    pub(crate) fn label(&mut self, role: &str) {
         let known = self.settings.entry(MIXED.to_owned()).or_insert_with(|| Vec::<String>::new().into());
         if let Some(roles) = known.as_array_mut()
             && !roles.iter().any(|known| known == role)

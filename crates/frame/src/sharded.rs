@@ -30,7 +30,7 @@ impl<R: Send + 'static> Made<R> {
         shards: &[PathBuf],
         [out, document]: [&Path; 2],
         columns: &Columns<R>,
-        given: &Provenance,
+        mut given: Provenance,
         rows: impl Fn(&TableReader) -> Result<Vec<R>, Error>,
     ) -> Result<Self, Failure> {
         let schema = columns.schema();
@@ -41,11 +41,13 @@ impl<R: Send + 'static> Made<R> {
         readers.sort_by_key(|reader| reader.provenance().shard);
         readers.iter().try_for_each(|reader| {
             reader.require(&schema.columns)?;
-            check_given(given, reader.path(), reader.provenance())
+            check_given(&mut given, reader.path(), reader.provenance())
         })?;
         let all = readers.iter().map(rows).collect::<Result<Vec<_>, _>>()?.into_iter().flatten().collect();
         let first = readers.first().map(|reader| reader.provenance().clone()).unwrap_or_default();
-        Ok(Self { rows: all, provenance: Provenance { shard: None, ..first }, table })
+        let mut provenance = Provenance { shard: None, ..first };
+        provenance.accept_label(&given);
+        Ok(Self { rows: all, provenance, table })
     }
 
     /// Computes the rows of every block of this shard in parallel. The whole table names the document that [`publish`] puts

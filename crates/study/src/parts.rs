@@ -23,11 +23,12 @@ pub(crate) fn all<D: Document>(shards: &[PathBuf]) -> Result<Vec<(&Path, Loaded<
 ///
 /// # Errors
 /// Files that are not all shards of one document; shards of other inputs.
-pub fn moments(shards: &[PathBuf], given: &Provenance) -> Result<(Provenance, MomentsDocument), Error> {
+pub fn moments(shards: &[PathBuf], mut given: Provenance) -> Result<(Provenance, MomentsDocument), Error> {
     let mut all = all::<MomentsDocument>(shards)?.into_iter();
     let Some((path, first)) = all.next() else { unreachable!("there is a shard to gather") };
-    check_given(given, path, &first.provenance)?;
-    let Loaded { data: mut whole, provenance, .. } = first;
+    check_given(&mut given, path, &first.provenance)?;
+    let Loaded { data: mut whole, mut provenance, .. } = first;
+    provenance.accept_label(&given);
     all.for_each(|(_, loaded)| whole.0.maneuvers.extend(loaded.data.0.maneuvers));
     Ok((Provenance { shard: None, ..provenance }, whole))
 }

@@ -4,7 +4,8 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use artifact::{
-    Digest, Document, Error, Loaded, Result, Units, commit, json_schema, read_document, stage_document,
+    Digest, Document, Error, Loaded, Result, Units, commit, json_schema, read_document, read_part,
+    stage_document,
 };
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -60,7 +61,9 @@ fn a_shard_is_kept() {
     let folder = folder();
     let path = folder.path().join("d.json");
     commit(vec![stage_document(&path, &shard(2, 3), &design()).unwrap()]).unwrap();
-    assert_eq!(read_document::<Design>(&path).unwrap().provenance, shard(2, 3));
+    assert_eq!(read_part::<Design>(&path).unwrap().provenance, shard(2, 3));
+    let refused = read_document::<Design>(&path).unwrap_err().to_string();
+    assert!(refused.contains("shard 2/3") && refused.contains("--gather"), "{refused}");
 }
 
 #[test]

@@ -154,8 +154,8 @@ mod tests {
         let cut = Cut { window: 1, every: 1, scored: None };
         let named = |name: String| Recording::new(name, Vec::new(), cut);
         let all: Vec<Recording> = (0..10)
-            .map(|i| named(format!("turning{i}")))
-            .chain((0..13).map(|i| named(format!("zigzag{i}"))))
+            .map(|i| named(format!("turning{i:02}")))
+            .chain((0..13).map(|i| named(format!("zigzag{i:02}"))))
             .collect();
         let all: Vec<&Recording> = all.iter().collect();
         let streams = Streams::new(5, "average");

@@ -76,7 +76,7 @@ impl Task for Arguments {
         let document = beside(&out, MAIN, "estimate.json");
         let path = member(&out, MAIN, "model.json", [&self.vessel].into_iter().chain(&self.trajectories))?;
         let (made, model) = match self.sharding.gathers() {
-            true => (gathered(&self.sharding.gather, &vessel, [&out, &document], &provenance)?, None),
+            true => (gathered(&self.sharding.gather, &vessel, [&out, &document], provenance)?, None),
             false => self.computed(&vessel, levels, provenance, [&out, &document], common.quiet)?,
         };
         publish(&vessel, &document, made, (&path, model))
@@ -218,7 +218,7 @@ fn gathered(
     shards: &[PathBuf],
     vessel: &Vessel,
     out: [&Path; 2],
-    given: &Provenance,
+    given: Provenance,
 ) -> Result<Made<Row>, Failure> {
     Made::gathered(shards, out, &estimates::columns(vessel), given, |reader| {
         let blocks = (0..reader.blocks()).map(|i| estimates::rows(reader, vessel, reader.path(), i));

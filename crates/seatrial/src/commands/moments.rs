@@ -99,7 +99,7 @@ impl Task for Arguments {
             return reading.table(&out, &provenance, &head(Vec::new()));
         }
         let (provenance, document) = if self.sharding.gathers() {
-            parts::moments(&self.sharding.gather, &provenance)?
+            parts::moments(&self.sharding.gather, provenance)?
         } else {
             provenance.shard = self.sharding.shard;
             (provenance, head(reading.maneuvers()?))

@@ -90,7 +90,7 @@ impl Task for Arguments {
         let document_file = beside(&out, MAIN, "selection.json");
         let outputs = [out.as_path(), document_file.as_path()];
         let made = if self.sharding.gathers() {
-            Made::gathered(&self.sharding.gather, outputs, &columns(), &provenance, rows)?
+            Made::gathered(&self.sharding.gather, outputs, &columns(), provenance, rows)?
         } else {
             provenance.shard = self.sharding.shard;
             realized(&selector, outputs, provenance, common.quiet)?

@@ -91,7 +91,7 @@ impl Task for Arguments {
         let outputs = [out.as_path(), document.as_path()];
         let made = if self.sharding.gathers() {
             let shards = &self.sharding.gather;
-            Made::gathered(shards, outputs, &columns(rate_hz), &provenance, |reader| rows(reader, rate_hz))?
+            Made::gathered(shards, outputs, &columns(rate_hz), provenance, |reader| rows(reader, rate_hz))?
         } else {
             provenance.shard = self.sharding.shard;
             realized(&trial, &files, (config.realizations, rate_hz), outputs, (provenance, common.quiet))?

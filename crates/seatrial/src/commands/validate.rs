@@ -65,7 +65,7 @@ impl Task for Arguments {
         let made = match self.sharding.gathers() {
             true => {
                 let shards = &self.sharding.gather;
-                Made::gathered(shards, [&out, &document], &scores::columns(), &provenance, scores::rows)?
+                Made::gathered(shards, [&out, &document], &scores::columns(), provenance, scores::rows)?
             }
             false => self.computed(&vessel, &validation, provenance, [&out, &document], common.quiet)?,
         };
