@@ -313,10 +313,15 @@ impl Done<'_> {
         progress: &Progress,
     ) -> Result<(), Failure> {
         let (bounds, first) = (bounds(self.config), kept.first);
+        let scores_alone = kept.estimates.is_none() && kept.runs.is_none();
         let work = |i: usize| {
             let (design, runs) = parts[i].clone();
             let count = runs.len();
-            let realized = self.study.realize(design, runs, first).map_err(|e| self.refused(e))?;
+            let realized = match scores_alone {
+                true => self.study.scores(design, runs).map(Realized::scored),
+                false => self.study.realize(design, runs, first),
+            };
+            let realized = realized.map_err(|e| self.refused(e))?;
             let mut own = self.blank();
             own.add(&realized.scores, bounds);
             progress.advance(count);
