@@ -7,6 +7,7 @@ mod monte_carlo;
 mod output_error;
 mod paper;
 mod planner;
+mod stage;
 mod table;
 mod timing;
 
@@ -14,6 +15,10 @@ use std::path::PathBuf;
 
 use clap::Parser;
 use serde_json::json;
+
+/// The programs' own.
+#[global_allocator]
+static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
 
 /// Measures Monte Carlo realizations, output-error estimates, design solves, table throughput and plans on one thread
 #[derive(Parser)]
@@ -25,15 +30,23 @@ struct Arguments {
     /// Measures nothing: writes the realizations that output error is measured on, with starts and estimates, as JSON
     #[arg(long, value_name = "FILE")]
     realizations: Option<PathBuf>,
+    /// Measures the loop of the stage monte-carlo alone
+    #[arg(long)]
+    stage: bool,
 }
 
 fn main() -> anyhow::Result<()> {
-    let Arguments { json: _, realizations } = Arguments::parse();
+    let Arguments { json: _, realizations, stage } = Arguments::parse();
     let paper = paper::Paper::new()?;
     if let Some(file) = realizations {
         return output_error::write(&paper, &file);
     }
+    if stage {
+        println!("{}", stage::measure(&paper)?);
+        return Ok(());
+    }
     let monte_carlo = monte_carlo::measure(&paper)?;
+    let stage = stage::measure(&paper)?;
     let output_error = output_error::measure(&paper)?;
     let small = design::measure(&paper.candidates()?, 1e-10, 50)?;
     let large = design::measure(&design::generated(&paper, 10_000)?, 1e-6, 3)?;
@@ -41,6 +54,7 @@ fn main() -> anyhow::Result<()> {
     let planner = planner::measure()?;
     let object = json!({
         "monte_carlo": monte_carlo,
+        "stage": stage,
         "output_error": output_error,
         "design_q11": small,
         "design_q10000": large,

@@ -66,7 +66,7 @@ impl Paper {
 }
 
 /// Samples per maneuver of the optimized experiment: the paper study's design.
-const OPTIMIZED: [(usize, usize); 6] = [(0, 193), (4, 43), (5, 229), (6, 101), (7, 85), (10, 349)];
+pub const OPTIMIZED: [(usize, usize); 6] = [(0, 193), (4, 43), (5, 229), (6, 101), (7, 85), (10, 349)];
 
 /// The optimized experiment among the paper's disturbances.
 pub struct Experiment<'a> {

@@ -28,8 +28,8 @@ pub(crate) enum AnyBatch<'a> {
 macro_rules! over_batch {
     ($any:expr, |$batch:ident| $pass:expr) => {
         match $any {
-            $crate::batch::AnyBatch::Lanes($batch) => $crate::vectorized::vectorized!($pass),
-            $crate::batch::AnyBatch::Shared($batch) => $crate::vectorized::vectorized!($pass),
+            $crate::batch::AnyBatch::Lanes($batch) => vessel::vectorized!($pass),
+            $crate::batch::AnyBatch::Shared($batch) => vessel::vectorized!($pass),
         }
     };
 }
@@ -81,15 +81,16 @@ impl<X: Number> Batch<'_, X> {
         }
         let constant = self.model.constant[d];
         if constant != 0.0 {
-            next[..count].iter_mut().for_each(|increment| *increment = *increment - Lane::splat(constant));
+            for increment in &mut next[..count] {
+                *increment = *increment - Lane::splat(constant);
+            }
         }
         for known in &self.model.degrees[d].known {
             let mut gained = [Lane::ZERO; BLOCK];
             known.add(&phi.values, &mut gained);
-            next[..count]
-                .iter_mut()
-                .zip(gained)
-                .for_each(|(increment, gained)| *increment = *increment - gained);
+            for (increment, gained) in next[..count].iter_mut().zip(gained) {
+                *increment = *increment - gained;
+            }
         }
         next
     }
@@ -170,7 +171,7 @@ pub(crate) fn add_totals<Y: Number>(signals: &[Block<Y>], sums: &mut [Lane]) {
         signals,
         sums,
         #[inline(always)]
-        |_, y| y.lane(),
+        |_, y, sum| sum + y.lane(),
     );
 }
 
@@ -181,7 +182,7 @@ pub(crate) fn add_squares<Y: Number>(signals: &[Block<Y>], sums: &mut [Lane]) {
         signals,
         sums,
         #[inline(always)]
-        |_, y| (y * y).lane(),
+        |_, y, sum| y.lane().fused(y.lane(), sum),
     );
 }
 
@@ -192,17 +193,17 @@ pub(crate) fn add_products<X: Number, Y: Number>(x: &Block<X>, signals: &[Block<
         signals,
         sums,
         #[inline(always)]
-        |t, y| x[t].lane() * y.lane(),
+        |t, y, sum| x[t].lane().fused(y.lane(), sum),
     );
 }
 
-/// Adds Σ_t f(t, y(t)) of every signal y to its entry of `sums`; several signals at a time, so that no addition waits for
+/// Adds to the entry of `sums` of every signal y what `f`(t, y(t), sum) makes of a sum, sample by sample; several signals at a time, so that no addition waits for
 /// the one before it.
 #[inline(always)]
 pub(crate) fn accumulate<Y: Number>(
     signals: &[Block<Y>],
     sums: &mut [Lane],
-    f: impl Fn(usize, Y) -> Lane + Copy,
+    f: impl Fn(usize, Y, Lane) -> Lane + Copy,
 ) {
     let (fours, rest) = signals.as_chunks::<4>();
     let (of_fours, of_rest) = sums.split_at_mut(4 * fours.len());
@@ -211,7 +212,12 @@ pub(crate) fn accumulate<Y: Number>(
     }
     match rest {
         [a, b, c] => add_sums(&[*a, *b, *c], &mut of_rest.as_chunks_mut::<3>().0[0], f),
-        _ => rest.iter().zip(of_rest.as_chunks_mut().0).for_each(|(y, sum)| add_sums(&[*y], sum, f)),
+        _ => {
+            // No function that is handed to an iterator: it may be compiled on its own, for the oldest processor.
+            for (y, sum) in rest.iter().zip(of_rest.as_chunks_mut().0) {
+                add_sums(&[*y], sum, f);
+            }
+        }
     }
 }
 
@@ -219,12 +225,12 @@ pub(crate) fn accumulate<Y: Number>(
 fn add_sums<Y: Number, const N: usize>(
     signals: &[Block<Y>; N],
     sums: &mut [Lane; N],
-    f: impl Fn(usize, Y) -> Lane,
+    f: impl Fn(usize, Y, Lane) -> Lane,
 ) {
     let mut own = [0; N].map(|_| Lane::ZERO);
     for t in 0..BLOCK {
         for (own, signal) in own.iter_mut().zip(signals) {
-            *own += f(t, signal[t]);
+            *own = f(t, signal[t], *own);
         }
     }
     for (sum, own) in sums.iter_mut().zip(own) {

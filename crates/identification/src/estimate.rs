@@ -1,11 +1,12 @@
 use std::collections::BTreeMap;
 
 use numerics::quadratic;
+use vessel::lanes::lane_of;
 use vessel::{LANES, Lane, Number};
 
 use crate::bounded::estimated;
 use crate::residual::{Group, InstrumentSquares, ResidualSums};
-use crate::solve::Normal;
+use crate::solve::{Normal, SolvedLanes};
 use crate::sums::LaneSums;
 use crate::{Batch, DegreeSums, Direction, Excitation, MeanRemoval, Sums};
 
@@ -39,6 +40,8 @@ pub struct Instruments {
     /// Per run its groups with the instruments' means, one per parameter.
     means: [Vec<Group>; LANES],
     squares: InstrumentSquares,
+    /// Which degrees of freedom have a term 1, whose parameter is the intercept.
+    constant: [bool; 3],
 }
 
 impl Instruments {
@@ -56,47 +59,135 @@ impl Instruments {
             ranges(batch, removal, lane).map(group).collect()
         });
         let squares = InstrumentSquares::over(batch.any(), means.each_ref().map(Vec::as_slice));
-        Self { removal, sums, means, squares }
+        let constant = batch.model.degrees.each_ref().map(|degree| degree.constant().is_some());
+        Self { removal, sums, means, squares, constant }
     }
 
     /// Estimates every run of a batch with these instruments: instrumental variables, or least squares where they are the
     /// measured states.
     pub fn estimate<X: Number>(&self, batch: &Batch<X>) -> Vec<Outcome> {
-        self.fit(batch, |_| ()).into_iter().map(|(outcome, ())| outcome).collect()
+        self.fit(batch).0
     }
 
     /// [`Instruments::estimate`], and per run the [`Excitation`] of surge, sway and yaw.
     pub fn estimate_with_excitation<X: Number>(&self, batch: &Batch<X>) -> Vec<(Outcome, [Excitation; 3])> {
-        self.fit(batch, |normals| [0, 1, 2].map(|d: usize| normals[d].excitation()))
+        let (outcomes, normals) = self.fit(batch);
+        let excitation = |lane: usize| [0, 1, 2].map(|d: usize| normals[d].lane(lane).excitation());
+        outcomes.into_iter().zip((0..LANES).map(excitation)).collect()
     }
 
-    fn fit<X: Number, T>(&self, batch: &Batch<X>, examine: impl Fn(&[Normal; 3]) -> T) -> Vec<(Outcome, T)> {
+    /// Estimates, and the equations that they solve.
+    fn fit<X: Number>(&self, batch: &Batch<X>) -> (Vec<Outcome>, [Normal<Lane>; 3]) {
+        let groups = self.groups(batch);
+        let centred = self.removal != MeanRemoval::None;
+        let normals = [0, 1, 2].map(|d: usize| Normal::new(groups.iter().map(|group| &group[d]), centred));
+        let solved = normals.each_ref().map(Normal::solve_lanes);
+        let unsolved: Vec<Option<Outcome>> =
+            (0..LANES).map(|lane| self.unsolved(&solved, batch.samples(), lane)).collect();
+        let mut theta: Vec<Lane> = solved.iter().flat_map(|degree| degree.theta.iter().copied()).collect();
+        for lane in (0..LANES).filter(|lane| unsolved[*lane].is_some()) {
+            theta.iter_mut().for_each(|lanes| lanes[lane] = 0.0);
+        }
+        let intercepts = self.intercepts(&groups, &theta);
+        let residuals = ResidualSums::over(batch.any(), &theta, intercepts.each_ref().map(Vec::as_slice));
+        let errors = self.standard_errors(&solved, &residuals, batch.samples());
+        let found = |(lane, unsolved): (usize, Option<Outcome>)| {
+            let estimate =
+                || Estimate { parameters: lane_of(&theta, lane), standard_errors: lane_of(&errors, lane) };
+            unsolved.unwrap_or_else(|| Outcome::Identified(estimate()))
+        };
+        (unsolved.into_iter().enumerate().map(found).collect(), normals)
+    }
+
+    /// All sums of a batch. Groups of runs with fewer than others are empty.
+    fn groups<X: Number>(&self, batch: &Batch<X>) -> Vec<[DegreeSums<Lane>; 3]> {
         let sums: BTreeMap<_, LaneSums> =
             self.sums.iter().map(|(range, own)| (range, own.with_measured(batch.any()))).collect();
-        let mut theta = vec![Lane::ZERO; batch.model.parameters()];
-        let mut intercepts: [Vec<Group>; LANES] = [const { Vec::new() }; LANES];
-        let mut fits = Vec::with_capacity(LANES);
+        let most = self.means.iter().map(Vec::len).max().unwrap_or(0);
+        let mut groups = vec![batch.model.degrees.each_ref().map(DegreeSums::of); most];
         for lane in 0..LANES {
-            let groups = ranges(batch, self.removal, lane).map(|range| sums[&range].lane(lane)).collect();
-            let run = Run { groups, centred: self.removal != MeanRemoval::None };
-            let normals = [0, 1, 2].map(|d| run.normal(d));
-            let solved = run.solve(&normals);
-            if let Ok(solved) = &solved {
-                theta.iter_mut().zip(&solved.theta).for_each(|(lanes, value)| lanes[lane] = *value);
-                intercepts[lane] = run.intercepts(&self.means[lane], &solved.theta);
+            for (group, range) in groups.iter_mut().zip(ranges(batch, self.removal, lane)) {
+                sums[&range].put(lane, group);
             }
-            fits.push((solved, examine(&normals)));
         }
-        let residuals = ResidualSums::over(batch.any(), &theta, intercepts.each_ref().map(Vec::as_slice));
-        let finish = |(lane, (solved, examined)): (usize, (Result<Solved, Outcome>, T))| {
-            let errors = |solved: Solved| {
-                let standard_errors =
-                    solved.standard_errors(&residuals, &self.squares, lane, batch.samples());
-                Outcome::Identified(Estimate { parameters: solved.theta, standard_errors })
-            };
-            (solved.map_or_else(std::convert::identity, errors), examined)
+        groups
+    }
+
+    /// Why a lane has no estimate.
+    fn unsolved(&self, solved: &[SolvedLanes; 3], samples: usize, lane: usize) -> Option<Outcome> {
+        solved.iter().enumerate().find_map(|(degree, own)| {
+            let (p, inverse) = (own.theta.len(), &own.inverse);
+            let held = || (0..p * p).all(|k| inverse[k][lane] == 0.0);
+            if samples <= p + self.intercepts_of(degree, lane) {
+                return Some(Outcome::TooShort);
+            }
+            let unexcited = own.unexcited[lane].or_else(|| held().then_some(0));
+            unexcited.map(|parameter| Outcome::NotIdentifiable(Direction { degree, parameter }))
+        })
+    }
+
+    /// How many intercepts degree of freedom `d` of a lane has.
+    fn intercepts_of(&self, d: usize, lane: usize) -> usize {
+        if self.removal != MeanRemoval::None && !self.constant[d] { self.means[lane].len() } else { 0 }
+    }
+
+    /// Three per run and group.
+    fn intercepts(&self, groups: &[[DegreeSums<Lane>; 3]], theta: &[Lane]) -> [Vec<Group>; LANES] {
+        let centred = self.removal != MeanRemoval::None;
+        let of = |group: &[DegreeSums<Lane>; 3]| {
+            let mut theta = theta;
+            group.each_ref().map(|degree| {
+                let (own, rest) = theta.split_at(degree.parameters());
+                theta = rest;
+                degree.intercept(own, centred)
+            })
         };
-        fits.into_iter().enumerate().map(finish).collect()
+        let lanes: Vec<[Lane; 3]> = groups.iter().map(of).collect();
+        std::array::from_fn(|lane| {
+            let own = self.means[lane].iter().zip(&lanes);
+            own.map(|(group, lanes)| Group {
+                start: group.start,
+                constants: lanes.map(|own| own[lane]).to_vec(),
+            })
+            .collect()
+        })
+    }
+
+    /// Of all lanes: from A⁻¹ (γ₀ Σζᶜζᶜᵀ + γ₁ Σ neighbours) A⁻ᵀ.
+    fn standard_errors(
+        &self,
+        solved: &[SolvedLanes; 3],
+        residuals: &ResidualSums,
+        samples: usize,
+    ) -> Vec<Lane> {
+        let freedom = |d: usize| {
+            Lane(std::array::from_fn(|lane| {
+                let p = solved[d].theta.len();
+                let own = estimated(&lane_of(&solved[d].inverse, lane), p) + self.intercepts_of(d, lane);
+                samples as f64 - own as f64
+            }))
+        };
+        let freedom = [0, 1, 2].map(freedom);
+        vessel::vectorized!({
+            let mut errors = Vec::new();
+            let mut pairs = self.squares.squares.iter().zip(&self.squares.neighbours);
+            for (d, SolvedLanes { theta, inverse, .. }) in solved.iter().enumerate() {
+                let p = theta.len();
+                let gamma0 = residuals.lag0[d] / freedom[d];
+                let within = |gamma1: f64, gamma0: f64| gamma1.max(-0.5 * gamma0).min(0.5 * gamma0);
+                let gamma1 = (residuals.lag1[d] / freedom[d]).each(gamma0, within);
+                let mut middle = vec![Lane::ZERO; p * p];
+                for i in 0..p {
+                    for (j, (squares, neighbours)) in (i..p).zip(pairs.by_ref()) {
+                        middle[i * p + j] = gamma0 * *squares + gamma1 * *neighbours;
+                        middle[j * p + i] = middle[i * p + j];
+                    }
+                }
+                let variance = |row: &[Lane]| quadratic(row, &middle).each(Lane::ZERO, f64::max);
+                errors.extend(inverse.chunks_exact(p.max(1)).map(|row| variance(row).sqrt()));
+            }
+            errors
+        })
     }
 }
 
@@ -136,11 +227,7 @@ impl Run {
 
     /// θ̂ of all degrees of freedom.
     pub(crate) fn solution(&self) -> Result<Solved, Outcome> {
-        self.solve(&[0, 1, 2].map(|d| self.normal(d)))
-    }
-
-    /// Solves all degrees of freedom.
-    fn solve(&self, normals: &[Normal; 3]) -> Result<Solved, Outcome> {
+        let normals = [0, 1, 2].map(|d| self.normal(d));
         let samples = self.samples();
         let intercepts = [0, 1, 2].map(|d| self.intercepts_of(d));
         let mut solved = Solved { theta: Vec::new(), inverses: Vec::new(), intercepts };
@@ -164,49 +251,9 @@ impl Run {
         let constant = self.groups.first().is_some_and(|sums| sums.degrees[d].known.constant);
         if self.centred && !constant { self.groups.len() } else { 0 }
     }
-
-    /// Three intercepts per group.
-    fn intercepts(&self, groups: &[Group], theta: &[f64]) -> Vec<Group> {
-        let of = |(group, sums): (&Group, &Sums)| {
-            let mut theta = theta;
-            let intercept = |degree: &DegreeSums| {
-                let (own, rest) = theta.split_at(degree.parameters());
-                theta = rest;
-                degree.intercept(own, self.centred)
-            };
-            Group { start: group.start, constants: sums.degrees.iter().map(intercept).collect() }
-        };
-        groups.iter().zip(&self.groups).map(of).collect()
-    }
 }
 
 impl Solved {
-    /// From A⁻¹ (γ₀ Σζᶜζᶜᵀ + γ₁ Σ neighbours) A⁻ᵀ.
-    fn standard_errors(
-        &self,
-        residuals: &ResidualSums,
-        instruments: &InstrumentSquares,
-        lane: usize,
-        samples: usize,
-    ) -> Vec<f64> {
-        let mut pairs = instruments.squares.iter().zip(&instruments.neighbours);
-        let middles = [0, 1, 2].map(|d: usize| {
-            let p = self.inverses[d].len().isqrt();
-            let freedom = (samples - estimated(&self.inverses[d], p) - self.intercepts[d]) as f64;
-            let gamma0 = residuals.lag0[d][lane] / freedom;
-            let gamma1 = (residuals.lag1[d][lane] / freedom).clamp(-0.5 * gamma0, 0.5 * gamma0);
-            let mut middle = vec![0.0; p * p];
-            for i in 0..p {
-                for (j, (squares, neighbours)) in (i..p).zip(pairs.by_ref()) {
-                    middle[i * p + j] = gamma0 * squares[lane] + gamma1 * neighbours[lane];
-                    middle[j * p + i] = middle[i * p + j];
-                }
-            }
-            middle
-        });
-        self.spread(&middles, [1.0; 3])
-    }
-
     /// N over N less unknowns, per degree of freedom: what residuals that were fitted are too small by.
     pub(crate) fn fitted(&self, samples: u64) -> [f64; 3] {
         let own = |d: usize| estimated(&self.inverses[d], self.inverses[d].len().isqrt());

@@ -36,7 +36,6 @@ mod status;
 mod sums;
 mod validate;
 mod validation_runs;
-mod vectorized;
 
 pub use batch::Batch;
 pub use estimate::{Estimate, Instruments, Outcome};
@@ -55,4 +54,4 @@ pub use solve::{Direction, Excitation};
 pub use status::{EstimateStatus, ScoreStatus};
 pub use sums::{DegreeSums, Known, Sums};
 pub use validate::{FreeRun, free_runs, parameter_error, rmse_norm};
-pub use validation_runs::{RunScore, ValidationRuns};
+pub use validation_runs::{Candidate, RunScore, ValidationRuns};

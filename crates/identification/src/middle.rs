@@ -10,7 +10,6 @@ use vessel::lanes::lane_of;
 use vessel::{Compiled, LANES, Lane};
 
 use crate::Batch;
-use crate::vectorized::vectorized;
 
 /// Standard deviations of what disturbs a run, white per sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -38,7 +37,7 @@ impl Noise {
 pub fn middle(batch: &Batch, theta: &[f64], noise: &Noise) -> Vec<Vec<Vec<f64>>> {
     let theta: Vec<Lane> = theta.iter().copied().map(Lane::splat).collect();
     let mut own = Compiled::new(batch.model, &theta);
-    let degrees = vectorized!(draws(batch, &mut own.clone(), &mut own, noise));
+    let degrees = vessel::vectorized!(draws(batch, &mut own.clone(), &mut own, noise));
     let of = |lane: usize| degrees.iter().map(|d| lane_of(&d.sum, lane)).collect();
     (0..LANES).map(of).collect()
 }

@@ -12,7 +12,6 @@ use vessel::{Compiled, LANES, Lane};
 
 use crate::estimate::{Run, Solved, ranges};
 use crate::predictor::windowed;
-use crate::vectorized::vectorized;
 use crate::{Batch, DegreeSums, Estimate, MeanRemoval, Noise, Outcome, Sums};
 
 /// Estimates every run of `batch`, whose instrument states were simulated with `parameters`, one lane each: these set the
@@ -89,7 +88,7 @@ struct Degree {
 impl Signals {
     fn of(batch: &Batch, parameters: &[Lane], range: Range<usize>) -> Self {
         let mut degrees = [0, 1, 2].map(|d| Degree::new(batch, d, range.len()));
-        vectorized!(filter(&mut degrees, batch, parameters, range));
+        vessel::vectorized!(filter(&mut degrees, batch, parameters, range));
         Self { degrees }
     }
 
@@ -119,8 +118,8 @@ impl Signals {
             }
             let means = &means;
             let middle = match noise {
-                Some(noise) => vectorized!(degree.responses(d, means, noise)),
-                None => windowed(&vectorized!(degree.scores(&theta, means)), p),
+                Some(noise) => vessel::vectorized!(degree.responses(d, means, noise)),
+                None => windowed(&vessel::vectorized!(degree.scores(&theta, means)), p),
             };
             for lane in (0..LANES).filter(|lane| own[*lane]) {
                 middles[lane].add(d, middle.iter().map(|m| m[lane]));

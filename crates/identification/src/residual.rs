@@ -93,8 +93,9 @@ impl ResidualSums {
             for (d, residual) in residuals.iter_mut().enumerate() {
                 subtract(residual, &intercepts[d], count);
                 for (f, theta) in regressors.by_ref().take(batch.model.degrees[d].terms.len()) {
+                    let less = Lane::ZERO - *theta;
                     for (e, f) in residual.iter_mut().zip(f) {
-                        *e = *e - *f * *theta;
+                        *e = f.fused(less, *e);
                     }
                 }
             }

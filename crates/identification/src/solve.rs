@@ -1,6 +1,8 @@
 use std::collections::BTreeMap;
 
 use numerics::times;
+use vessel::lanes::lane_of;
+use vessel::{LANES, Lane, Number};
 
 use crate::DegreeSums;
 use crate::bounded::{Equations, bounded};
@@ -29,38 +31,50 @@ const SINGULAR: f64 = 1e10;
 /// A centred sum of squares below this share of the plain one is rounding: the signal is constant.
 const CONSTANT: f64 = 1e-12;
 
-/// The normal equations of one degree of freedom, centred per group of samples.
+/// Pivot of the scaled normal matrix below which rows are exchanged: it is 1 at most where instruments and regressors are the same.
+const SMALL: f64 = 1e-3;
+
+/// Solutions of one degree of freedom of [`LANES`] runs.
+pub(crate) struct SolvedLanes {
+    pub theta: Vec<Lane>,
+    /// A⁻¹, p × p; rows and columns of parameters at a bound zero.
+    pub inverse: Vec<Lane>,
+    /// In lanes without a solution a parameter that is not excited.
+    pub unexcited: [Option<usize>; LANES],
+}
+
+/// The normal equations of one degree of freedom, centred per group of samples, of one run or of some side by side.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Normal {
+pub(crate) struct Normal<X = f64> {
     /// Σ ζᶜφᵀ, p × p.
-    pub a: Vec<f64>,
+    pub a: Vec<X>,
     /// Σ ζᶜΔy, p.
-    pub b: Vec<f64>,
+    pub b: Vec<X>,
     /// Root sums of squares of the centred instruments, 0 for constant ones.
-    pub zeta: Vec<f64>,
+    pub zeta: Vec<X>,
     /// The same of the regressors.
-    pub phi: Vec<f64>,
+    pub phi: Vec<X>,
     /// Within which the solution stays, by place.
     pub bounds: BTreeMap<usize, [f64; 2]>,
 }
 
 /// Normal equations in the making, group by group.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct NormalSums {
+pub(crate) struct NormalSums<X = f64> {
     /// With sums of squares instead of their roots.
-    normal: Normal,
+    normal: Normal<X>,
     /// Sums of squares of instruments and regressors that are not centred.
-    plain_zeta: Vec<f64>,
-    plain_phi: Vec<f64>,
+    plain_zeta: Vec<X>,
+    plain_phi: Vec<X>,
 }
 
-impl NormalSums {
+impl<X: Number> NormalSums<X> {
     /// Adds a group that shares an intercept, if it is `centred`.
-    pub(crate) fn add(&mut self, sums: &DegreeSums, centred: bool) {
+    pub(crate) fn add(&mut self, sums: &DegreeSums<X>, centred: bool) {
         let p = sums.parameters();
         if self.normal.b.len() != p {
             let normal = Normal { bounds: sums.known.bounds.clone(), ..Normal::zero(p) };
-            *self = Self { normal, plain_zeta: vec![0.0; p], plain_phi: vec![0.0; p] };
+            *self = Self { normal, plain_zeta: vec![X::ZERO; p], plain_phi: vec![X::ZERO; p] };
         }
         self.normal.add(sums, centred);
         for i in 0..p {
@@ -70,32 +84,41 @@ impl NormalSums {
     }
 
     /// The equations of all groups.
-    pub(crate) fn finish(self) -> Normal {
+    pub(crate) fn finish(self) -> Normal<X> {
         let Self { mut normal, plain_zeta, plain_phi } = self;
         let size = |centred: f64, plain: f64| if centred > CONSTANT * plain { centred.sqrt() } else { 0.0 };
         for i in 0..plain_zeta.len() {
-            normal.zeta[i] = size(normal.zeta[i], plain_zeta[i]);
-            normal.phi[i] = size(normal.phi[i], plain_phi[i]);
+            normal.zeta[i] = normal.zeta[i].each(plain_zeta[i], size);
+            normal.phi[i] = normal.phi[i].each(plain_phi[i], size);
         }
         normal
     }
 }
 
-impl Normal {
+impl<X: Number> Normal<X> {
     /// From the sums of the groups that share an intercept; `centred` says whether there is one at all.
-    pub(crate) fn new<'a>(groups: impl Iterator<Item = &'a DegreeSums>, centred: bool) -> Self {
-        let mut sums = NormalSums::default();
+    pub(crate) fn new<'a>(groups: impl Iterator<Item = &'a DegreeSums<X>>, centred: bool) -> Self
+    where
+        X: 'a,
+    {
+        let none = Normal {
+            a: Vec::new(),
+            b: Vec::new(),
+            zeta: Vec::new(),
+            phi: Vec::new(),
+            bounds: BTreeMap::new(),
+        };
+        let mut sums = NormalSums { normal: none, plain_zeta: Vec::new(), plain_phi: Vec::new() };
         groups.for_each(|group| sums.add(group, centred));
         sums.finish()
     }
 
     fn zero(p: usize) -> Self {
-        let zeros = || vec![0.0; p];
-        let bounds = BTreeMap::new();
-        Self { a: vec![0.0; p * p], b: zeros(), zeta: zeros(), phi: zeros(), bounds }
+        let zeros = |count: usize| vec![X::ZERO; count];
+        Self { a: zeros(p * p), b: zeros(p), zeta: zeros(p), phi: zeros(p), bounds: BTreeMap::new() }
     }
 
-    fn add(&mut self, sums: &DegreeSums, centred: bool) {
+    fn add(&mut self, sums: &DegreeSums<X>, centred: bool) {
         let p = self.b.len();
         let lifted = p + 1;
         let (sum_zeta, sum_phi) = (|i: usize| sums.a[i * lifted + p], |j: usize| sums.a[p * lifted + j]);
@@ -109,7 +132,75 @@ impl Normal {
             self.phi[i] += sums.regressor_squares[i] - share * sum_phi(i) * sum_phi(i);
         }
     }
+}
 
+impl Normal<Lane> {
+    /// The equations of one lane.
+    pub(crate) fn lane(&self, lane: usize) -> Normal {
+        let Self { a, b, zeta, phi, bounds } = self;
+        let [a, b, zeta, phi] = [a, b, zeta, phi].map(|own| lane_of(own, lane));
+        Normal { a, b, zeta, phi, bounds: bounds.clone() }
+    }
+
+    /// θ and A⁻¹ of every lane, or the index of a parameter that is not excited. A lane is solved by itself where its neighbours
+    /// would wait for it: equations that are close to singular, estimates at a bound.
+    pub(crate) fn solve_lanes(&self) -> SolvedLanes {
+        let (mut solved, regular) = vessel::vectorized!(self.in_order());
+        for lane in 0..LANES {
+            let open =
+                |(i, [low, high]): (&usize, &[f64; 2])| (*low..=*high).contains(&solved.theta[*i][lane]);
+            if regular[lane] > 0.0 && self.bounds.iter().all(open) {
+                continue;
+            }
+            match self.lane(lane).solve() {
+                Ok((theta, inverse)) => {
+                    solved.theta.iter_mut().zip(theta).for_each(|(lanes, own)| lanes[lane] = own);
+                    solved.inverse.iter_mut().zip(inverse).for_each(|(lanes, own)| lanes[lane] = own);
+                }
+                Err(parameter) => solved.unexcited[lane] = Some(parameter),
+            }
+        }
+        solved
+    }
+
+    /// All lanes as if there were no bounds, rows taken as they come, and a number above zero for those that are far from singular.
+    #[inline(always)]
+    fn in_order(&self) -> (SolvedLanes, Lane) {
+        let p = self.b.len();
+        let mut scaled: Vec<Lane> =
+            (0..p * p).map(|k| self.a[k] / (self.zeta[k / p] * self.phi[k % p])).collect();
+        let mut inverse = scaled.clone();
+        let before = moduli(&scaled);
+        numerics::inverse_in_order(p, &mut scaled, &mut inverse);
+        // No norm of a matrix is larger than the sum of all moduli.
+        let condition = before * moduli(&inverse);
+        let far = |condition: f64, _| if condition <= SINGULAR { 1.0 } else { 0.0 };
+        let regular = (0..p).fold(condition.each(condition, far), |regular, i| {
+            regular
+                .each(scaled[i * (p + 1)], |regular, pivot| if pivot.abs() >= SMALL { regular } else { 0.0 })
+        });
+        let mut theta = vec![Lane::ZERO; p];
+        for (k, entry) in inverse.iter_mut().enumerate() {
+            *entry = *entry / (self.phi[k / p] * self.zeta[k % p]);
+            theta[k / p] += *entry * self.b[k % p];
+        }
+        let finite = |regular: f64, theta: f64| if theta.is_finite() { regular } else { 0.0 };
+        let regular = theta.iter().fold(regular, |regular, theta| regular.each(*theta, finite));
+        (SolvedLanes { theta, inverse, unexcited: [None; LANES] }, regular)
+    }
+}
+
+/// Σ |entry|.
+#[inline(always)]
+fn moduli(entries: &[Lane]) -> Lane {
+    let mut sum = Lane::ZERO;
+    for entry in entries {
+        sum += entry.abs();
+    }
+    sum
+}
+
+impl Normal {
     /// θ within its bounds and A⁻¹ (p × p; rows and columns of parameters at a bound zero), or the index of a parameter that is
     /// not excited.
     pub(crate) fn solve(&self) -> Result<(Vec<f64>, Vec<f64>), usize> {
@@ -179,5 +270,68 @@ impl Normal {
             Some(constant) => Err(constant),
             None => Ok((0..p * p).map(|k| self.a[k] / (self.zeta[k / p] * self.phi[k % p])).collect()),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Equations whose scaled matrix is `a` and whose solution is 2, −1.
+    fn equations(a: [f64; 4]) -> Normal {
+        let ones = vec![1.0; 2];
+        let b = times(&a, &[2.0, -1.0]);
+        Normal { a: a.to_vec(), b, zeta: ones.clone(), phi: ones, bounds: BTreeMap::new() }
+    }
+
+    fn side_by_side(lanes: [&Normal; LANES]) -> Normal<Lane> {
+        let pick = |of: fn(&Normal) -> &[f64]| -> Vec<Lane> {
+            (0..of(lanes[0]).len()).map(|k| Lane(lanes.map(|own| of(own)[k]))).collect()
+        };
+        let [a, b] = [pick(|own| &own.a), pick(|own| &own.b)];
+        Normal { a, b, zeta: pick(|own| &own.zeta), phi: pick(|own| &own.phi), bounds: BTreeMap::new() }
+    }
+
+    #[test]
+    fn law_a_lane_whose_pivot_is_small_is_solved_by_itself_and_disturbs_no_other() {
+        let regular = equations([0.9, 0.2, -0.3, 0.8]);
+        // Its first pivot is nothing, and it is as well conditioned as can be.
+        let turned = equations([0.0, 1.0, 1.0, 0.0]);
+        let singular = equations([1.0, 1.0, 1.0, 1.0]);
+        let alone = side_by_side([&regular; LANES]).solve_lanes();
+        let mut lanes = [&regular; LANES];
+        (lanes[2], lanes[5]) = (&turned, &singular);
+        let found = side_by_side(lanes).solve_lanes();
+        for lane in 0..LANES {
+            if lane == 5 {
+                assert!(found.unexcited[lane].is_some());
+                continue;
+            }
+            assert_eq!(found.unexcited[lane], None);
+            let own = lanes[lane].solve().unwrap();
+            for (theta, (own, exact)) in found.theta.iter().zip(own.0.iter().zip([2.0, -1.0])) {
+                assert!((theta[lane] - own).abs() < 1e-15 && (own - exact).abs() < 1e-15);
+            }
+            for (entry, own) in found.inverse.iter().zip(&own.1) {
+                assert!((entry[lane] - own).abs() < 1e-15);
+            }
+        }
+        let same =
+            |k: usize| [0, 1, 3, 4, 6, 7].iter().all(|lane| found.theta[k][*lane] == alone.theta[k][0]);
+        assert!((0..2).all(same));
+    }
+
+    #[test]
+    fn law_bounds_hold_in_the_lanes_that_they_bind() {
+        let (free, mut held) = (equations([0.9, 0.2, -0.3, 0.8]), equations([0.9, 0.2, -0.3, 0.8]));
+        held.b = times(&held.a, &[5.0, -1.0]);
+        let mut lanes = [&free; LANES];
+        lanes[3] = &held;
+        let mut all = side_by_side(lanes);
+        all.bounds = [(0, [0.0, 3.0])].into();
+        let found = all.solve_lanes();
+        assert_eq!(found.theta[0][3], 3.0);
+        assert_eq!([0, 1].map(|k: usize| found.inverse[k][3]), [0.0; 2]);
+        assert!((found.theta[0][2] - 2.0).abs() < 1e-15);
     }
 }

@@ -136,37 +136,55 @@ impl DegreeSums<Lane> {
             known: self.known.clone(),
         }
     }
+
+    /// Takes one lane of `other`.
+    fn take(&mut self, lane: usize, other: &Self) {
+        for (own, other) in [
+            (&mut self.a, &other.a),
+            (&mut self.b, &other.b),
+            (&mut self.instrument_squares, &other.instrument_squares),
+            (&mut self.regressor_squares, &other.regressor_squares),
+        ] {
+            own.iter_mut().zip(other).for_each(|(own, other)| own[lane] = other[lane]);
+        }
+    }
 }
 
-impl DegreeSums {
+impl<X: Number> DegreeSums<X> {
     /// Σζ/N; zero where there is no intercept.
-    pub(crate) fn instrument_means(&self, centred: bool) -> impl Iterator<Item = f64> {
+    pub(crate) fn instrument_means(&self, centred: bool) -> impl Iterator<Item = X> {
         let (p, share) = (self.parameters(), self.share(centred));
         (0..p).map(move |i| share * self.a[i * (p + 1) + p])
     }
 
     /// (ΣΔy − Σφᵀθ)/N; zero where there is no intercept.
-    pub(crate) fn intercept(&self, theta: &[f64], centred: bool) -> f64 {
+    pub(crate) fn intercept(&self, theta: &[X], centred: bool) -> X {
         self.share(centred) * self.residual(theta)
     }
 
     /// ΣΔy − Σφᵀθ.
-    pub(crate) fn residual(&self, theta: &[f64]) -> f64 {
+    pub(crate) fn residual(&self, theta: &[X]) -> X {
         let p = self.parameters();
-        let predicted: f64 = theta.iter().zip(&self.a[p * (p + 1)..]).map(|(t, f)| t * f).sum();
+        let mut predicted = X::ZERO;
+        theta.iter().zip(&self.a[p * (p + 1)..]).for_each(|(t, f)| predicted += *t * *f);
         self.b[p] - predicted
     }
 
+    /// 1/N, what a sum counts in a mean; zero where no mean is removed.
+    pub(crate) fn share(&self, centred: bool) -> X {
+        let n = self.a.last().copied().unwrap_or(X::ZERO);
+        if !centred || self.known.constant {
+            return X::ZERO;
+        }
+        X::ONE.each(n, |one, n| if n > 0.0 { one / n } else { 0.0 })
+    }
+}
+
+impl DegreeSums {
     /// Σφ and, last, ΣΔy.
     pub(crate) fn end(&self) -> impl Iterator<Item = f64> {
         let p = self.parameters();
         self.a[p * (p + 1)..].iter().take(p).chain(&self.b[p..]).copied()
-    }
-
-    /// 1/N, what a sum counts in a mean; zero where no mean is removed.
-    pub(crate) fn share(&self, centred: bool) -> f64 {
-        let n = self.a.last().copied().unwrap_or(0.0);
-        if centred && !self.known.constant && n > 0.0 { 1.0 / n } else { 0.0 }
     }
 }
 
@@ -213,6 +231,14 @@ impl LaneSums {
             own
         };
         Sums { samples: self.range.len() as u64, degrees: self.degrees.iter().map(degree).collect() }
+    }
+
+    /// These sums in one lane of `degrees`, which hold those of others in other lanes.
+    pub(crate) fn put(&self, lane: usize, degrees: &mut [DegreeSums<Lane>; 3]) {
+        for (own, other) in degrees.iter_mut().zip(&self.degrees) {
+            own.take(lane, other);
+            own.a.last_mut().into_iter().for_each(|corner| corner[lane] = self.range.len() as f64);
+        }
     }
 
     /// Samples in blocks: (first, count).

@@ -1,4 +1,7 @@
-use vessel::{DIVERGED, LANES, Lane, Model, Number, Weather, check_diverged, follow, simulate};
+use vessel::{
+    Ambient, Arithmetic, Compiled, LANES, Lane, Model, Number, Weather, Wide, diverged_lanes, simulate,
+    vectorized,
+};
 
 /// Errors of a free simulation.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,44 +31,62 @@ pub fn rmse_norm(rmse: [f64; 3]) -> f64 {
 ///
 /// `parameters`: one lane per parameter. `exogenous`: N × exogenous. `reference`: (N+1) × 3 states; the simulation starts
 /// at the first.
-pub fn free_runs(
+pub fn free_runs<E: Number + Into<Wide<1>>>(
     model: &Model,
     parameters: &[Lane],
-    exogenous: &[impl Number],
+    exogenous: &[E],
     reference: &[f64],
 ) -> [FreeRun; LANES] {
-    let initial = [0, 1, 2].map(|d| Lane::splat(reference[d]));
+    let parameters: Vec<Wide<1>> = parameters.iter().copied().map(Wide::from).collect();
+    let [found] = free_runs_of(model, &parameters, exogenous, reference);
+    found
+}
+
+/// [`free_runs`] of `G` times as many models.
+pub(crate) fn free_runs_of<const G: usize, E: Number + Into<Wide<G>>>(
+    model: &Model,
+    parameters: &[Wide<G>],
+    exogenous: &[E],
+    reference: &[f64],
+) -> [[FreeRun; LANES]; G] {
+    let (squares, beyond) = vectorized!(squared_errors(model, parameters, exogenous, reference));
     let samples = (reference.len() / 3 - 1) as f64;
-    let (mut squares, mut beyond) = ([Lane::ZERO; 3], Lane::ZERO);
-    let mut truths = reference[3..].chunks_exact(3);
-    follow(
-        model,
-        parameters,
-        initial,
-        exogenous,
-        &Weather::CALM,
-        #[inline(always)]
-        |state| {
-            let Some(truth) = truths.next() else { return };
-            for d in 0..3 {
-                let error = state[d] - Lane::splat(truth[d]);
-                squares[d] += error * error;
-                for lane in 0..LANES {
-                    beyond[lane] = if state[d][lane].abs() <= DIVERGED { beyond[lane] } else { 1.0 };
-                }
-            }
-        },
-    );
-    let first_beyond = |lane: usize| {
-        let own: Vec<Lane> = parameters.iter().map(|p| Lane::splat(p[lane])).collect();
+    let initial = [0, 1, 2].map(|d| Lane::splat(reference[d]));
+    let first_beyond = |group: usize, lane: usize| {
+        let own: Vec<Lane> = parameters.iter().map(|p| Lane::splat(p.0[group][lane])).collect();
         let mut states = vec![Lane::ZERO; reference.len()];
         simulate(model, &own, initial, exogenous, &Weather::CALM, &mut states);
-        check_diverged(states.iter().map(|s| s[0])).map_or(0, |at| at.sample)
+        diverged_lanes(&states)[0].map_or(0, |at| at.sample)
     };
-    std::array::from_fn(|lane| match beyond[lane] > 0.0 {
-        true => FreeRun::Diverged(first_beyond(lane)),
-        false => FreeRun::Rmse(squares.map(|s| (s[lane] / samples).sqrt())),
+    std::array::from_fn(|group| {
+        std::array::from_fn(|lane| match beyond[group][lane] > 0.0 {
+            true => FreeRun::Diverged(first_beyond(group, lane)),
+            false => FreeRun::Rmse(squares.map(|s| (s.0[group][lane] / samples).sqrt())),
+        })
     })
+}
+
+/// Sums of squared errors of u, v and r, and a number above zero where one of them was beyond every bound.
+#[inline(always)]
+fn squared_errors<const G: usize, E: Number + Into<Wide<G>>>(
+    model: &Model,
+    parameters: &[Wide<G>],
+    exogenous: &[E],
+    reference: &[f64],
+) -> ([Wide<G>; 3], [Lane; G]) {
+    let width = model.exogenous().max(1);
+    let mut model = Compiled::new(model, parameters);
+    let mut state = [0, 1, 2].map(|d| Wide::from(reference[d]));
+    let (mut squares, mut beyond) = ([Wide::ZERO; 3], [Lane::ZERO; G]);
+    for (exogenous, truth) in exogenous.chunks_exact(width).zip(reference[3..].chunks_exact(3)) {
+        state = model.step(state, exogenous, Ambient::default());
+        for d in 0..3 {
+            let error = state[d] - Wide::from(truth[d]);
+            squares[d] += error * error;
+            beyond.iter_mut().zip(state[d].0).for_each(|(beyond, state)| beyond.mark(state));
+        }
+    }
+    (squares, beyond)
 }
 
 /// The 2-norm over the parameters of (θ̂ − θ)/θ. `None` where a true value is zero.

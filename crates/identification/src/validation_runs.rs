@@ -1,8 +1,7 @@
-use vessel::lanes::interleave;
-use vessel::{LANES, Run, Vessel};
+use vessel::{GROUPS, LANES, Lane, Run, Vessel, Wide};
 
-use crate::validate::rmse_norm;
-use crate::{EstimateStatus, Estimator, FreeRun, RunEstimate, ScoreStatus, free_runs, parameter_error};
+use crate::validate::{free_runs_of, rmse_norm};
+use crate::{EstimateStatus, Estimator, FreeRun, RunEstimate, ScoreStatus, parameter_error};
 
 /// What an estimate is worth in free simulation over the validation runs.
 #[derive(Clone, Debug, PartialEq)]
@@ -21,6 +20,29 @@ pub struct RunScore {
     pub rmse: [Option<f64>; 3],
     /// Their norm.
     pub simulation_error: Option<f64>,
+}
+
+/// What is scored: whose it is, and θ̂ where there is one.
+#[derive(Clone, Copy, Debug)]
+pub struct Candidate<'a> {
+    /// The design of the run that was estimated.
+    pub design: &'a str,
+    /// Its number.
+    pub run: i32,
+    /// The estimator.
+    pub estimator: Estimator,
+    /// Whether there is an estimate, and if not why.
+    pub status: EstimateStatus,
+    /// θ̂: surge, sway, yaw.
+    pub parameters: Option<&'a [f64]>,
+}
+
+impl<'a> From<&'a RunEstimate> for Candidate<'a> {
+    fn from(found: &'a RunEstimate) -> Self {
+        let RunEstimate { design, run, estimator, status, estimate, .. } = found;
+        let parameters = estimate.as_ref().map(|(theta, _)| theta.as_slice());
+        Self { design, run: *run, estimator: *estimator, status: *status, parameters }
+    }
 }
 
 /// The validation runs, ready to be simulated by several models at once.
@@ -42,42 +64,52 @@ impl<'a> ValidationRuns<'a> {
 
     /// Scores of `estimates`; parameter errors where the `truth` is known.
     pub fn score(&self, estimates: &[RunEstimate], truth: Option<&[f64]>) -> Vec<RunScore> {
-        estimates.chunks(LANES).flat_map(|chunk| self.score_lanes(chunk, truth)).collect()
+        self.scores(&estimates.iter().map(Candidate::from).collect::<Vec<_>>(), truth)
     }
 
-    fn score_lanes(&self, estimates: &[RunEstimate], truth: Option<&[f64]>) -> Vec<RunScore> {
-        let zero = vec![0.0; self.vessel.model.parameters()];
-        let own = |r: &'_ RunEstimate| r.estimate.as_ref().map(|(theta, _)| theta.clone());
-        let parameters: Vec<Vec<f64>> =
-            estimates.iter().map(|r| own(r).unwrap_or_else(|| zero.clone())).collect();
-        let lanes = interleave(&parameters.iter().map(Vec::as_slice).collect::<Vec<_>>());
-        let mut errors = vec![Some([0.0; 3]); estimates.len()];
+    /// [`Self::score`] of what is known of estimates.
+    pub fn scores(&self, candidates: &[Candidate], truth: Option<&[f64]>) -> Vec<RunScore> {
+        let some = |chunk: &[Candidate]| match chunk.len() {
+            0..=LANES => self.score_groups::<1>(chunk, truth),
+            _ => self.score_groups::<GROUPS>(chunk, truth),
+        };
+        candidates.chunks(GROUPS * LANES).flat_map(some).collect()
+    }
+
+    fn score_groups<const G: usize>(&self, candidates: &[Candidate], truth: Option<&[f64]>) -> Vec<RunScore> {
+        let model = &self.vessel.model;
+        let zero = vec![0.0; model.parameters()];
+        let of = |i: usize| candidates[i.min(candidates.len() - 1)].parameters.unwrap_or(&zero);
+        let lane = |group: usize, p: usize| Lane(std::array::from_fn(|lane| of(group * LANES + lane)[p]));
+        let parameters: Vec<Wide<G>> =
+            (0..zero.len()).map(|p| Wide(std::array::from_fn(|group| lane(group, p)))).collect();
+        let mut errors = vec![Some([0.0; 3]); candidates.len()];
         for run in &self.runs {
-            let found = free_runs(&self.vessel.model, &lanes, &run.exogenous, &run.measured);
-            for (total, found) in errors.iter_mut().zip(found) {
-                *total = add(*total, found, run.samples() as f64);
+            let found = free_runs_of(model, &parameters, &run.exogenous, &run.measured);
+            for (total, found) in errors.iter_mut().zip(found.as_flattened()) {
+                *total = add(*total, *found, run.samples() as f64);
             }
         }
-        let each = estimates.iter().zip(errors);
-        each.map(|(estimate, error)| self.scored(estimate, error, truth)).collect()
+        let each = candidates.iter().zip(errors);
+        each.map(|(candidate, error)| self.scored(candidate, error, truth)).collect()
     }
 
-    fn scored(&self, found: &RunEstimate, squares: Option<[f64; 3]>, truth: Option<&[f64]>) -> RunScore {
+    fn scored(&self, found: &Candidate, squares: Option<[f64; 3]>, truth: Option<&[f64]>) -> RunScore {
         let samples = self.samples() as f64;
-        let rmse = squares.filter(|_| found.estimate.is_some()).map(|s| s.map(|x| (x / samples).sqrt()));
-        let status = match (&found.estimate, rmse) {
+        let rmse = squares.filter(|_| found.parameters.is_some()).map(|s| s.map(|x| (x / samples).sqrt()));
+        let status = match (found.parameters, rmse) {
             (None, _) if found.status == EstimateStatus::NotConverged => ScoreStatus::NotConverged,
             (None, _) => ScoreStatus::NotIdentifiable,
             (Some(_), None) => ScoreStatus::Diverged,
             (Some(_), Some(_)) => ScoreStatus::Scored,
         };
-        let known = found.estimate.as_ref().zip(truth);
+        let known = found.parameters.zip(truth);
         RunScore {
-            design: found.design.clone(),
+            design: found.design.to_owned(),
             run: found.run,
             estimator: found.estimator,
             status,
-            parameter_error: known.and_then(|((theta, _), truth)| parameter_error(theta, truth)),
+            parameter_error: known.and_then(|(theta, truth)| parameter_error(theta, truth)),
             rmse: [0, 1, 2].map(|d| rmse.map(|r| r[d])),
             simulation_error: rmse.map(rmse_norm),
         }

@@ -2,11 +2,13 @@
 
 use std::ops::Range;
 
-use identification::runs::RunEstimators;
-use identification::{RunEstimate, RunScore, ValidationRuns};
+use identification::runs::{Alike, Doing, NominalDiverged, RunError, RunEstimators, RunInstruments};
+use identification::{
+    Candidate, EstimateStatus, Estimator, InstrumentKind, Outcome, RunEstimate, RunScore, ValidationRuns,
+};
 use rayon::prelude::*;
 use trial::campaign::{Campaign, SimulatedRun};
-use vessel::{LANES, Run};
+use vessel::{GROUPS, LANES, Run};
 
 use crate::StudyError;
 
@@ -36,6 +38,13 @@ pub struct Realized {
     pub scores: Vec<RunScore>,
 }
 
+impl Realized {
+    /// Of scores alone.
+    pub fn scored(scores: Vec<RunScore>) -> Self {
+        Self { scores, ..Self::default() }
+    }
+}
+
 impl MonteCarlo<'_> {
     /// Groups of runs of one design that are simulated side by side, all designs one after the other: what is shared between
     /// machines.
@@ -62,9 +71,7 @@ impl MonteCarlo<'_> {
     /// # Errors
     /// A simulation that diverges; runs that are too short.
     pub fn realize(&self, design: usize, runs: Range<usize>, kept: usize) -> Result<Realized, StudyError> {
-        let starts: Vec<usize> = runs.clone().step_by(TOGETHER).collect();
-        let some = |start: &usize| self.some(design, *start..runs.end.min(start + TOGETHER), kept);
-        let found: Vec<Result<Realized, StudyError>> = starts.par_iter().map(some).collect();
+        let found = parts_of(runs, |runs| self.some(design, runs, kept));
         found.into_iter().try_fold(Realized::default(), |mut all, found| {
             let Realized { runs, estimates, scores } = found?;
             all.runs.extend(runs);
@@ -83,4 +90,77 @@ impl MonteCarlo<'_> {
         let kept = again.filter(|simulated| (simulated.run.run as usize) < kept).collect();
         Ok(Realized { runs: kept, estimates, scores })
     }
+
+    /// The scores that [`Self::realize`] makes, alone. Where instruments alone are asked for, runs stay side by side from their
+    /// first sample to their score.
+    ///
+    /// # Errors
+    /// See [`Self::realize`].
+    pub fn scores(&self, design: usize, runs: Range<usize>) -> Result<Vec<RunScore>, StudyError> {
+        if self.estimators.estimators != [Estimator::Iv] {
+            return Ok(self.realize(design, runs, 0)?.scores);
+        }
+        let RunEstimators { vessel, removal, .. } = self.estimators;
+        let alike = self.campaign.experiment_of_all(design).map(|all| {
+            let doing = Doing {
+                design: self.campaign.names()[design],
+                run: runs.start as i32,
+                starts: all.segments.iter().map(|segment| segment.start).collect(),
+                initial: all.initial,
+                exogenous: &all.exogenous,
+            };
+            Alike::new(vessel, &doing, removal)
+        });
+        let alike = alike.transpose()?;
+        let found = parts_of(runs, |runs| self.scores_side_by_side(alike.as_ref(), design, runs));
+        Ok(found.into_iter().collect::<Result<Vec<_>, _>>()?.concat())
+    }
+
+    fn scores_side_by_side(
+        &self,
+        alike: Option<&Alike>,
+        design: usize,
+        runs: Range<usize>,
+    ) -> Result<Vec<RunScore>, StudyError> {
+        let RunEstimators { vessel, removal, .. } = self.estimators;
+        let instruments = RunInstruments::new(vessel, InstrumentKind::Nominal);
+        let (name, first) = (self.campaign.names()[design], runs.start);
+        let mut outcomes = Vec::with_capacity(runs.len());
+        for start in runs.clone().step_by(GROUPS * LANES) {
+            let some = start..runs.end.min(start + GROUPS * LANES);
+            for together in self.campaign.together(design, some)? {
+                let (count, before) = (together.runs(), first + outcomes.len());
+                let own = match alike {
+                    Some(alike) => alike.estimates(together.measured()),
+                    None => {
+                        let starts = together.starts();
+                        let own =
+                            instruments.estimates_side_by_side(together.side_by_side(), starts, removal);
+                        own.map_err(|(lane, at)| NominalDiverged::over(name, (before + lane) as i32, at))?
+                    }
+                };
+                outcomes.extend(own.into_iter().take(count));
+            }
+        }
+        let candidate = |i: usize| {
+            let (run, outcome) = ((first + i) as i32, &outcomes[i]);
+            let (status, parameters) = match outcome {
+                Outcome::Identified(own) => (EstimateStatus::Identified, Some(own.parameters.as_slice())),
+                Outcome::NotIdentifiable(_) => (EstimateStatus::NotIdentifiable, None),
+                Outcome::TooShort => {
+                    let samples = self.campaign.samples();
+                    return Err(RunError::TooShort { design: name.to_owned(), run, samples });
+                }
+            };
+            Ok(Candidate { design: name, run, estimator: Estimator::Iv, status, parameters })
+        };
+        let candidates = (0..outcomes.len()).map(candidate).collect::<Result<Vec<_>, _>>()?;
+        Ok(self.validation.scores(&candidates, self.truth.as_deref()))
+    }
+}
+
+/// What `of` makes of `runs`, a few at a time, on all threads; in their order.
+fn parts_of<T: Send>(runs: Range<usize>, of: impl Fn(Range<usize>) -> T + Sync) -> Vec<T> {
+    let starts: Vec<usize> = runs.clone().step_by(TOGETHER).collect();
+    starts.into_par_iter().map(|start| of(start..runs.end.min(start + TOGETHER))).collect()
 }

@@ -1,3 +1,5 @@
+use std::ops::{Div, Mul, Sub};
+
 /// A determinant by sign and logarithm of its modulus.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LogDet {
@@ -31,6 +33,37 @@ pub fn inverse(n: usize, a: &mut [f64], out: &mut [f64]) -> Option<LogDet> {
     out.fill(0.0);
     out.iter_mut().step_by(n + 1).for_each(|d| *d = 1.0);
     solve(n, a, out)
+}
+
+/// The inverse of A (n × n, destroyed) into `out` (n × n) by Gauss and Jordan's elimination, rows taken as they come; the
+/// pivots stand on the diagonal of `a` then. For many matrices side by side, which cannot exchange rows each in its own way:
+/// whoever asks looks at the pivots, and leaves matrices with small ones to [`inverse`].
+#[inline(always)]
+pub fn inverse_in_order<T>(n: usize, a: &mut [T], out: &mut [T])
+where
+    T: Copy + From<f64> + Sub<Output = T> + Mul<Output = T> + Div<Output = T>,
+{
+    for (k, entry) in out[..n * n].iter_mut().enumerate() {
+        *entry = T::from(if k % (n + 1) == 0 { 1.0 } else { 0.0 });
+    }
+    for k in 0..n {
+        let share = T::from(1.0) / a[k * n + k];
+        for j in 0..n {
+            if j > k {
+                a[k * n + j] = a[k * n + j] * share;
+            }
+            out[k * n + j] = out[k * n + j] * share;
+        }
+        for row in (0..n).filter(|row| *row != k) {
+            let factor = a[row * n + k];
+            for j in 0..n {
+                if j > k {
+                    a[row * n + j] = a[row * n + j] - factor * a[k * n + j];
+                }
+                out[row * n + j] = out[row * n + j] - factor * out[k * n + j];
+            }
+        }
+    }
 }
 
 /// Condition number in the 1-norm of A (n × n); infinite where it is singular.

@@ -1,5 +1,7 @@
 //! Products of small square blocks, n × n, row-major.
 
+use std::ops::{AddAssign, Mul};
+
 /// A B.
 pub fn product(n: usize, a: &[f64], b: &[f64]) -> Vec<f64> {
     let mut out = vec![0.0; n * n];
@@ -41,8 +43,14 @@ pub fn times(a: &[f64], x: &[f64]) -> Vec<f64> {
     a.chunks_exact(x.len().max(1)).map(|row| dot(row, x)).collect()
 }
 
-/// xᵀ A x.
-pub fn quadratic(x: &[f64], a: &[f64]) -> f64 {
-    let n = x.len();
-    (0..n * n).map(|k| x[k / n] * a[k] * x[k % n]).sum()
+/// xᵀ A x, of numbers or of many numbers side by side.
+#[inline(always)]
+pub fn quadratic<T: Copy + From<f64> + Mul<Output = T> + AddAssign>(x: &[T], a: &[T]) -> T {
+    let mut sum = T::from(0.0);
+    for (row, left) in a.chunks_exact(x.len().max(1)).zip(x) {
+        for (entry, right) in row.iter().zip(x) {
+            sum += *left * *entry * *right;
+        }
+    }
+    sum
 }

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use identification::Estimator;
-use in_memory::{MonteCarlo, StudyError};
+use in_memory::{MonteCarlo, Realized, StudyError};
 use study::kept::Kept;
 use validation::tally::{Bounds, Tally};
 use vessel::LANES;
@@ -67,11 +67,15 @@ impl Done<'_> {
         tally: &mut Tally,
         progress: &Progress,
     ) -> Result<(), Failure> {
-        let first = kept.first();
+        let (first, scores_alone) = (kept.first(), kept.of_scores_alone());
         let work = |i: usize| {
             let (design, runs) = parts[i].clone();
             let count = runs.len();
-            let realized = self.study.realize(design, runs, first).map_err(|e| refused(self.files, e))?;
+            let realized = match scores_alone {
+                true => self.study.scores(design, runs).map(Realized::scored),
+                false => self.study.realize(design, runs, first),
+            };
+            let realized = realized.map_err(|e| refused(self.files, e))?;
             let mut own = self.blank();
             own.add(&realized.scores, self.bounds);
             progress.advance(count);

@@ -85,6 +85,11 @@ impl Kept {
         self.first
     }
 
+    /// Whether neither estimates nor trajectories are kept.
+    pub fn of_scores_alone(&self) -> bool {
+        self.estimates.is_none() && self.runs.is_none()
+    }
+
     /// Takes the next rows, and the runs that are to come with their trajectories.
     ///
     /// # Errors

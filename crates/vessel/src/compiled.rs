@@ -1,7 +1,7 @@
 use std::ops::Range;
 
 use crate::products::{Curve, Derivatives, ONE, Products, Slope, first_coefficient, note, place};
-use crate::{Factor, Model, Number, Term};
+use crate::{Arithmetic, Factor, Model, Term};
 
 /// A model with its parameters, compiled to products of two places each, so that a step decides nothing. Places hold one,
 /// every variable, its modulus, its sign, and the leading products of whatever has more than two factors. Terms that are
@@ -97,7 +97,7 @@ impl Places {
     }
 }
 
-impl<'m, X: Number> Compiled<'m, X> {
+impl<'m, X: Arithmetic> Compiled<'m, X> {
     /// `model` with one number per parameter.
     pub fn new(model: &'m Model, parameters: &[X]) -> Self {
         let variables = model.variables.len();

@@ -2,7 +2,7 @@ use refusal::check_numbers;
 use serde::Deserialize;
 
 use crate::normals::Normals;
-use crate::{Invalid, LANES, Lane, Streams};
+use crate::{Invalid, LANES, Lane, Streams, vectorized};
 
 /// A current.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
@@ -236,22 +236,18 @@ fn add_noise<const WIDTH: usize>(
     out: &mut [Lane],
 ) {
     let (mut normals, std): ([Normals; WIDTH], _) = (streams.lanes(runs, first), std.map(Lane::splat));
-    // Compiled for every instruction set that pulp picks from.
-    pulp::Arch::new().dispatch(
-        #[inline(always)]
-        || {
-            let mut pairs = out.chunks_exact_mut(2 * WIDTH);
-            for rows in &mut pairs {
-                for (column, normals) in normals.iter_mut().enumerate() {
-                    let [one, two] = normals.pair();
-                    rows[column] += std[column] * one;
-                    rows[WIDTH + column] += std[column] * two;
-                }
+    vectorized!({
+        let mut pairs = out.chunks_exact_mut(2 * WIDTH);
+        for rows in &mut pairs {
+            for (column, normals) in normals.iter_mut().enumerate() {
+                let [one, two] = normals.pair();
+                rows[column] = std[column].fused(one, rows[column]);
+                rows[WIDTH + column] = std[column].fused(two, rows[WIDTH + column]);
             }
-            let last = pairs.into_remainder().iter_mut();
-            for ((entry, normals), std) in last.zip(&mut normals).zip(std) {
-                *entry += std * normals.pair()[0];
-            }
-        },
-    );
+        }
+        let last = pairs.into_remainder().iter_mut();
+        for ((entry, normals), std) in last.zip(&mut normals).zip(std) {
+            *entry = std.fused(normals.pair()[0], *entry);
+        }
+    });
 }

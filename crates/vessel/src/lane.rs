@@ -1,4 +1,4 @@
-use std::ops::{Add, AddAssign, Index, IndexMut, Mul, Sub};
+use std::ops::{Add, AddAssign, Div, Index, IndexMut, Mul, Sub};
 
 /// How many runs are computed side by side.
 pub const LANES: usize = 8;
@@ -30,11 +30,21 @@ impl Lane {
         self
     }
 
+    /// This times `factor` plus `other`, rounded once: the same bits on every processor. One without the instruction takes a
+    /// hundred times as long for it.
+    #[inline(always)]
+    pub fn fused(mut self, factor: Self, other: Self) -> Self {
+        for lane in 0..LANES {
+            self.0[lane] = self.0[lane].mul_add(factor.0[lane], other.0[lane]);
+        }
+        self
+    }
+
     /// −1, 0 or 1, lane by lane.
     #[inline(always)]
     pub fn sign(mut self) -> Self {
         for value in &mut self.0 {
-            *value = Number::sign(*value);
+            *value = Arithmetic::sign(*value);
         }
         self
     }
@@ -75,6 +85,7 @@ macro_rules! lane_by_lane {
 lane_by_lane!(Add, add, +=);
 lane_by_lane!(Sub, sub, -=);
 lane_by_lane!(Mul, mul, *=);
+lane_by_lane!(Div, div, /=);
 
 impl AddAssign for Lane {
     #[inline(always)]
@@ -90,8 +101,8 @@ impl From<f64> for Lane {
     }
 }
 
-/// What a signal is made of: a [`Lane`], or one number, of a single run or of all. Both give the same bits.
-pub trait Number:
+/// What a model is stepped with: a [`Lane`], several of them, or one number. All give the same bits.
+pub trait Arithmetic:
     Copy
     + std::fmt::Debug
     + Send
@@ -101,7 +112,6 @@ pub trait Number:
     + Sub<Output = Self>
     + Mul<Output = Self>
     + From<f64>
-    + Into<Lane>
 {
     /// Zero.
     const ZERO: Self;
@@ -111,8 +121,14 @@ pub trait Number:
     fn modulus(self) -> Self;
     /// −1, 0 or 1.
     fn sign(self) -> Self;
+}
+
+/// What a signal is made of: a [`Lane`], or one number, of a single run or of all.
+pub trait Number: Arithmetic + Div<Output = Self> + Into<Lane> {
     /// The number of every run.
     fn lane(self) -> Lane;
+    /// `f` of this number and `other`, run by run.
+    fn each(self, other: Self, f: impl Fn(f64, f64) -> f64) -> Self;
     /// Such numbers by what they are.
     fn numbers(entries: &[Self]) -> Numbers<'_>;
 }
@@ -127,7 +143,7 @@ pub enum Numbers<'a> {
     Shared(&'a [f64]),
 }
 
-impl Number for Lane {
+impl Arithmetic for Lane {
     const ZERO: Self = Self::ZERO;
     const ONE: Self = Self::ONE;
     #[inline(always)]
@@ -138,8 +154,18 @@ impl Number for Lane {
     fn sign(self) -> Self {
         self.sign()
     }
+}
+
+impl Number for Lane {
     #[inline(always)]
     fn lane(self) -> Lane {
+        self
+    }
+    #[inline(always)]
+    fn each(mut self, other: Self, f: impl Fn(f64, f64) -> f64) -> Self {
+        for (value, other) in self.0.iter_mut().zip(other.0) {
+            *value = f(*value, other);
+        }
         self
     }
     fn numbers(entries: &[Self]) -> Numbers<'_> {
@@ -147,7 +173,7 @@ impl Number for Lane {
     }
 }
 
-impl Number for f64 {
+impl Arithmetic for f64 {
     const ZERO: Self = 0.0;
     const ONE: Self = 1.0;
     #[inline(always)]
@@ -158,9 +184,16 @@ impl Number for f64 {
     fn sign(self) -> Self {
         if self == 0.0 { 0.0 } else { 1.0_f64.copysign(self) }
     }
+}
+
+impl Number for f64 {
     #[inline(always)]
     fn lane(self) -> Lane {
         Lane::splat(self)
+    }
+    #[inline(always)]
+    fn each(self, other: Self, f: impl Fn(f64, f64) -> f64) -> Self {
+        f(self, other)
     }
     fn numbers(entries: &[Self]) -> Numbers<'_> {
         Numbers::Shared(entries)

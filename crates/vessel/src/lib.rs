@@ -27,13 +27,16 @@ mod run;
 mod simulate;
 mod steady;
 mod term;
+#[doc(hidden)]
+pub mod vectorized;
+mod wide;
 
 pub use compiled::{Ambient, Compiled};
 pub use constraint::{Constrained, Constraint, Written};
 pub use disturbance::{Axes, Current, Disturbances, MOST_CURRENT_M_S, Measurement, Wind, check_currents};
 pub use equation::TermSpec;
 pub use file::{InputSpec, Source, Vessel, VesselFile};
-pub use lane::{LANES, Lane, Number, Numbers};
+pub use lane::{Arithmetic, LANES, Lane, Number, Numbers};
 pub use layout::ParameterLayout;
 pub use maneuver::{
     CandidateKind, DictionaryFile, Exceeded, GenerateSpec, Generator, Kind, Limits, ManeuverSpec, Realized,
@@ -45,6 +48,9 @@ pub use pose::{Pose, track};
 pub use refusal::{Invalid, check_numbers, choices, nearest};
 pub use refusals::{MOST_SAMPLES, refuse_endless};
 pub use run::{Run, RunView, Segment};
-pub use simulate::{DIVERGED, Diverged, Weather, check_diverged, follow, simulate, simulate_one};
+pub use simulate::{
+    DIVERGED, Diverged, Weather, check_diverged, diverged_lanes, simulate, simulate_groups, simulate_one,
+};
 pub use steady::{Motion, Steady};
 pub use term::{Factor, Product, Term};
+pub use wide::{GROUPS, Wide};

@@ -4,7 +4,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_xoshiro::Xoshiro256PlusPlus;
 
 use crate::LANES;
-use crate::normals::Normals;
+use crate::normals::{Normals, fill};
 
 /// Random numbers keyed by what they are for: one ChaCha8 key per (seed, design), one stream per run, of which 32 bytes
 /// per channel seed the fast generator that the channel draws from. What a run draws depends on nothing else.
@@ -29,10 +29,7 @@ impl Streams {
 
     /// Fills `out` with standard normal numbers from one channel of one run.
     pub fn normals(&self, run: u32, channel: u32, out: &mut [f64]) {
-        let [mut normals] = self.lanes([run; LANES], channel);
-        for pair in out.chunks_mut(2) {
-            pair.iter_mut().zip(normals.pair()).for_each(|(value, lane)| *value = lane[0]);
-        }
+        fill(self.channel(run, channel), out);
     }
 
     /// The normal numbers of neighbouring channels from `first` on, [`LANES`] runs side by side.

@@ -1,12 +1,12 @@
 use rand::Rng;
 
-use crate::{LANES, Lane};
+use crate::{LANES, Lane, vectorized};
 
 /// Standard normal numbers, two at a time, for [`LANES`] runs side by side: every lane draws from a Xoshiro256++
 /// generator of its own, by the method of Box and Muller.
 ///
-/// The functions in it are polynomials within 1.2e-10 of the true ones, relatively; only additions and multiplications
-/// that are never fused, and a square root, so that all instruction sets give the same bits. No number is beyond 8.5.
+/// The functions in it are polynomials within 1.2e-10 of the true ones, relatively; only additions and multiplications,
+/// fused wherever they are written so, and a square root, so that all instruction sets give the same bits. No number is beyond 8.5.
 #[derive(Clone, Debug)]
 pub(crate) struct Normals {
     /// Word by word, as vectors take them.
@@ -27,12 +27,7 @@ impl Normals {
     #[inline(always)]
     pub(crate) fn pair(&mut self) -> [Lane; 2] {
         let (radius, angle) = (self.bits(), self.bits());
-        let mut out = [Lane::ZERO; 2];
-        let [first, second] = &mut out;
-        for lane in 0..LANES {
-            (first.0[lane], second.0[lane]) = box_muller(radius[lane], angle[lane]);
-        }
-        out
+        pairs(&radius, &angle)
     }
 
     /// A step of Xoshiro256++ (Blackman & Vigna) in every lane.
@@ -52,6 +47,33 @@ impl Normals {
         }
         out
     }
+}
+
+/// Fills `out` with the numbers of a single generator, two at a time.
+pub(crate) fn fill(mut generator: impl Rng, out: &mut [f64]) {
+    vectorized!({
+        for out in out.chunks_mut(2 * LANES) {
+            let (mut radius, mut angle) = ([0; LANES], [0; LANES]);
+            for pair in 0..LANES {
+                (radius[pair], angle[pair]) = (generator.next_u64(), generator.next_u64());
+            }
+            let [first, second] = pairs(&radius, &angle);
+            for (i, value) in out.iter_mut().enumerate() {
+                *value = if i % 2 == 0 { first[i / 2] } else { second[i / 2] };
+            }
+        }
+    });
+}
+
+/// Two normal numbers from 128 random bits of every lane.
+#[inline(always)]
+fn pairs(radius: &[u64; LANES], angle: &[u64; LANES]) -> [Lane; 2] {
+    let mut out = [Lane::ZERO; 2];
+    let [first, second] = &mut out;
+    for lane in 0..LANES {
+        (first.0[lane], second.0[lane]) = box_muller(radius[lane], angle[lane]);
+    }
+    out
 }
 
 /// Two normal numbers from 128 random bits: a point whose distance from the origin comes from `radius` and whose
@@ -82,24 +104,36 @@ fn minus_twice_log(x: f64) -> f64 {
     const STEP: f64 = -2.0 * std::f64::consts::LN_2;
     let exponent = (x.to_bits().wrapping_sub(LOWEST) as i64) >> 52;
     let y = f64::from_bits(x.to_bits().wrapping_sub((exponent << 52) as u64)) - 1.0;
-    let (y2, [a, b, c, d, e, f]) = (y * y, [0, 1, 2, 3, 4, 5].map(|i| LOG[2 * i] + LOG[2 * i + 1] * y));
+    let y2 = y * y;
     let y4 = y2 * y2;
-    let polynomial = (a + b * y2) + y4 * ((c + d * y2) + y4 * (e + f * y2));
-    exponent as f64 * STEP + y * polynomial
+    let [low, middle, high] = [cubic(0, y, y2), cubic(4, y, y2), cubic(8, y, y2)];
+    let polynomial = high.mul_add(y4, middle).mul_add(y4, low);
+    y.mul_add(polynomial, exponent as f64 * STEP)
+}
+
+/// Four terms of the logarithm's polynomial from coefficient `i` on.
+#[inline(always)]
+fn cubic(i: usize, y: f64, y2: f64) -> f64 {
+    let [a, b, c, d] = [LOG[i], LOG[i + 1], LOG[i + 2], LOG[i + 3]];
+    d.mul_add(y, c).mul_add(y2, b.mul_add(y, a))
 }
 
 /// sin(π/4 t)/t of t², |t| ≤ 1.
 #[inline(always)]
 fn sine(x: f64) -> f64 {
-    let x2 = x * x;
-    (SINE[0] + SINE[1] * x) + x2 * ((SINE[2] + SINE[3] * x) + x2 * SINE[4])
+    quartic(&SINE, x)
 }
 
 /// cos(π/4 t) of t², |t| ≤ 1.
 #[inline(always)]
 fn cosine(x: f64) -> f64 {
+    quartic(&COSINE, x)
+}
+
+#[inline(always)]
+fn quartic(c: &[f64; 5], x: f64) -> f64 {
     let x2 = x * x;
-    (COSINE[0] + COSINE[1] * x) + x2 * ((COSINE[2] + COSINE[3] * x) + x2 * COSINE[4])
+    c[4].mul_add(x2, c[3].mul_add(x, c[2])).mul_add(x2, c[1].mul_add(x, c[0]))
 }
 
 /// Coefficients, lowest first, of the polynomials that interpolate −2 ln(1 + y)/y, sin(π/4 t)/t and cos(π/4 t) at

@@ -1,6 +1,6 @@
 //! Terms and parts of their derivatives as products of two places each.
 
-use crate::{Factor, Model, Number};
+use crate::{Arithmetic, Factor, Model};
 
 /// A part of the derivative of one parameter's term by `variable`, by the product rule.
 #[derive(Clone, Copy, Debug)]
@@ -51,7 +51,7 @@ impl Products {
     }
 
     #[inline(always)]
-    pub fn evaluate<X: Number>(&self, places: &mut [X]) {
+    pub fn evaluate<X: Arithmetic>(&self, places: &mut [X]) {
         for (i, [one, two]) in self.pairs.iter().enumerate() {
             places[self.first + i] = places[*one] * places[*two];
         }
@@ -71,7 +71,7 @@ impl<T> Derivatives<T> {
     /// what it takes. Known terms count as parameters after all others.
     #[cold]
     #[inline(never)]
-    fn new<X: Number>(
+    fn new<X: Arithmetic>(
         model: &Model,
         places: &mut Vec<X>,
         mut add: impl FnMut(&mut Self, usize, usize, &Written),
@@ -108,7 +108,7 @@ impl<T> Derivatives<T> {
     }
 
     #[inline(always)]
-    pub fn evaluate<X: Number>(&self, variables: usize, places: &mut [X]) {
+    pub fn evaluate<X: Arithmetic>(&self, variables: usize, places: &mut [X]) {
         for variable in &self.signs {
             places[1 + 2 * variables + variable] = places[1 + variable].sign();
         }
@@ -118,7 +118,7 @@ impl<T> Derivatives<T> {
 
 impl Derivatives<Slope> {
     /// By those variables that are states, or by the others.
-    pub fn once<X: Number>(model: &Model, places: &mut Vec<X>, states: bool) -> Self {
+    pub fn once<X: Arithmetic>(model: &Model, places: &mut Vec<X>, states: bool) -> Self {
         Self::new(model, places, |own, parameter, degree, term| {
             for (i, Factor { variable, .. }) in term.factors.iter().enumerate() {
                 if (*variable < 3) == states {
@@ -132,7 +132,7 @@ impl Derivatives<Slope> {
 
 impl Derivatives<Curve> {
     /// By a state and by any variable.
-    pub fn twice<X: Number>(model: &Model, places: &mut Vec<X>) -> Self {
+    pub fn twice<X: Arithmetic>(model: &Model, places: &mut Vec<X>) -> Self {
         Self::new(model, places, |own, parameter, degree, term| {
             for (i, Factor { variable: state, .. }) in term.factors.iter().enumerate() {
                 for (j, Factor { variable, .. }) in term.factors.iter().enumerate() {

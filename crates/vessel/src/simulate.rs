@@ -1,4 +1,4 @@
-use crate::{Ambient, Compiled, Lane, Model, Number, Numbers};
+use crate::{Ambient, Arithmetic, Compiled, GROUPS, LANES, Lane, Model, Number, Numbers, Wide, vectorized};
 
 /// A speed \[m/s\] or yaw rate \[rad/s\] beyond which a simulation counts as diverged.
 pub const DIVERGED: f64 = 1e3;
@@ -41,75 +41,85 @@ pub fn simulate(
     weather: &Weather,
     states: &mut [Lane],
 ) {
+    let initial = initial.map(Wide::from);
     match Number::numbers(exogenous) {
-        Numbers::Lanes(lanes) => keep(model, parameters, initial, lanes, weather, states),
-        Numbers::Shared(numbers) => keep(model, parameters, initial, numbers, weather, states),
+        Numbers::Lanes(lanes) => keep(model, parameters, initial, lanes, [*weather], [states]),
+        Numbers::Shared(numbers) => keep(model, parameters, initial, numbers, [*weather], [states]),
     }
 }
 
-/// Follows the runs and keeps their states.
-fn keep(
+/// [`simulate`] of [`GROUPS`] times as many runs, which share parameters, start and exogenous signals.
+pub fn simulate_groups(
     model: &Model,
     parameters: &[Lane],
-    initial: [Lane; 3],
-    exogenous: &[impl Number],
-    weather: &Weather,
-    states: &mut [Lane],
+    initial: [f64; 3],
+    exogenous: &[f64],
+    weather: [Weather; GROUPS],
+    states: [&mut [Lane]; GROUPS],
 ) {
-    states[..3].copy_from_slice(&initial);
-    let mut rows = states[3..].chunks_exact_mut(3);
-    follow(
-        model,
-        parameters,
-        initial,
-        exogenous,
-        weather,
-        #[inline(always)]
-        |state| {
-            if let Some(row) = rows.next() {
-                row.copy_from_slice(state);
-            }
-        },
-    );
+    keep(model, parameters, initial.map(Wide::from), exogenous, weather, states);
 }
 
-/// [`simulate`] that calls `each` with the states after every sample, 1 to N, instead of keeping them.
-pub fn follow(
+/// Follows the runs and keeps their states.
+fn keep<const G: usize, E: Copy + Into<Wide<G>>>(
     model: &Model,
     parameters: &[Lane],
-    initial: [Lane; 3],
-    exogenous: &[impl Number],
-    weather: &Weather,
-    mut each: impl FnMut(&[Lane; 3]),
+    initial: [Wide<G>; 3],
+    exogenous: &[E],
+    weather: [Weather; G],
+    mut states: [&mut [Lane]; G],
 ) {
-    let (mut model, width) = (Compiled::new(model, parameters), model.exogenous());
-    let Weather { current, turning, force } = *weather;
-    // Compiled for every instruction set that pulp picks from. Lanes are only added and multiplied, never fused, so that
-    // all give the same bits.
-    pulp::Arch::new().dispatch(
-        #[inline(always)]
-        || {
-            let (mut state, mut heading) = (initial, Lane::ZERO);
-            let (mut currents, mut forces) = (current.chunks_exact(2), force.chunks_exact(3));
-            for exogenous in exogenous.chunks_exact(width.max(1)) {
-                let current = currents.next().map(|own| match turning == 0.0 {
-                    true => [own[0], own[1]],
-                    false => turned(own, &heading),
-                });
-                let force = forces.next().map(|own| [own[0], own[1], own[2]]);
-                heading += Lane::splat(turning) * state[2];
-                state = model.step(state, exogenous, Ambient { current, force });
-                each(&state);
-            }
-        },
-    );
+    let parameters: Vec<Wide<G>> = parameters.iter().copied().map(Wide::from).collect();
+    let width = model.exogenous().max(1);
+    let mut model = Compiled::new(model, &parameters);
+    put(&mut states, 0, &initial);
+    vectorized!({
+        let (mut state, mut heading) = (initial, Wide::ZERO);
+        for (k, exogenous) in exogenous.chunks_exact(width).enumerate() {
+            let ambient = ambient(&weather, k, &heading);
+            heading += Wide(weather.map(|own| Lane::splat(own.turning))) * state[2];
+            state = model.step(state, exogenous, ambient);
+            put(&mut states, k + 1, &state);
+        }
+    });
+}
+
+/// What acts on the groups at sample `k`.
+#[inline(always)]
+fn ambient<const G: usize>(weather: &[Weather; G], k: usize, heading: &Wide<G>) -> Ambient<Wide<G>> {
+    let (mut current, mut force) = ([Wide::ZERO; 2], [Wide::ZERO; 3]);
+    for (group, own) in weather.iter().enumerate() {
+        if let Some(components) = own.current.as_chunks::<2>().0.get(k) {
+            let components =
+                if own.turning == 0.0 { *components } else { turned(components, &heading.0[group]) };
+            (0..2).for_each(|i| current[i].0[group] = components[i]);
+        }
+        if let Some(components) = own.force.as_chunks::<3>().0.get(k) {
+            (0..3).for_each(|i| force[i].0[group] = components[i]);
+        }
+    }
+    let any = |signal: fn(&Weather) -> bool| weather.iter().any(signal);
+    Ambient {
+        current: any(|own| !own.current.is_empty()).then_some(current),
+        force: any(|own| !own.force.is_empty()).then_some(force),
+    }
+}
+
+/// Puts the state of every group at sample `k`.
+#[inline(always)]
+fn put<const G: usize>(states: &mut [&mut [Lane]; G], k: usize, state: &[Wide<G>; 3]) {
+    for (group, states) in states.iter_mut().enumerate() {
+        if let Some(row) = states.as_chunks_mut::<3>().0.get_mut(k) {
+            (0..3).for_each(|d| row[d] = state[d].0[group]);
+        }
+    }
 }
 
 /// The components north and east along and across a heading. Called: sines and cosines are no vectors.
 #[inline(never)]
-fn turned(current: &[Lane], heading: &Lane) -> [Lane; 2] {
+fn turned(current: &[Lane; 2], heading: &Lane) -> [Lane; 2] {
     let mut out = [Lane::ZERO; 2];
-    for lane in 0..crate::LANES {
+    for lane in 0..LANES {
         let (sin, cos) = libm::sincos(heading[lane]);
         out[0][lane] = cos * current[0][lane] + sin * current[1][lane];
         out[1][lane] = cos * current[1][lane] - sin * current[0][lane];
@@ -135,4 +145,25 @@ pub fn simulate_one(model: &Model, parameters: &[f64], initial: [f64; 3], exogen
 pub fn check_diverged(mut states: impl Iterator<Item = f64>) -> Option<Diverged> {
     let beyond = |state: f64| state.is_nan() || state.abs() > DIVERGED;
     states.position(beyond).map(|i| Diverged { sample: i / 3, state: i % 3 })
+}
+
+/// [`check_diverged`] of every lane of `states`, (N+1) × 3 row-major. Lanes are looked at one by one where one of them diverged.
+pub fn diverged_lanes(states: &[Lane]) -> [Option<Diverged>; LANES] {
+    let beyond = vectorized!({
+        let mut beyond = Lane::ZERO;
+        states.iter().for_each(|state| beyond.mark(*state));
+        beyond
+    });
+    let at = |lane: usize| check_diverged(states.iter().map(|state| state[lane]));
+    std::array::from_fn(|lane| if beyond[lane] == 0.0 { None } else { at(lane) })
+}
+
+impl Lane {
+    /// Becomes 1 in every lane in which `state` is beyond [`DIVERGED`] or not finite.
+    #[inline(always)]
+    pub fn mark(&mut self, state: Lane) {
+        for (mark, state) in self.0.iter_mut().zip(state.0) {
+            *mark = if state.abs() <= DIVERGED { *mark } else { 1.0 };
+        }
+    }
 }

@@ -89,28 +89,37 @@ impl Product {
         let mut own = [X::ZERO; N];
         multiply(&self.factors, values, &mut own);
         let coefficient = X::from(self.coefficient);
-        out.iter_mut().zip(own).for_each(|(o, own)| *o += coefficient * own);
+        for (o, own) in out.iter_mut().zip(own) {
+            *o += coefficient * own;
+        }
     }
 }
 
 /// The product of `factors`; one without any.
 #[inline(always)]
 fn multiply<X: Number, const N: usize>(factors: &[Factor], values: &[[X; N]], out: &mut [X; N]) {
-    // What is decided per factor stays out of the loops, so that they are whole vectors.
+    // What is decided per factor stays out of the loops, so that they are whole vectors. Loops, and no functions that are
+    // handed to iterators: these may be compiled on their own, for the oldest processor.
     let Some((first, others)) = factors.split_first() else {
         *out = [X::ONE; N];
         return;
     };
     *out = values[first.variable];
     if first.modulus {
-        out.iter_mut().for_each(|o| *o = o.modulus());
+        for o in out.iter_mut() {
+            *o = o.modulus();
+        }
     }
     for factor in others {
         let pairs = out.iter_mut().zip(&values[factor.variable]);
         if factor.modulus {
-            pairs.for_each(|(o, value)| *o = *o * value.modulus());
+            for (o, value) in pairs {
+                *o = *o * value.modulus();
+            }
         } else {
-            pairs.for_each(|(o, value)| *o = *o * *value);
+            for (o, value) in pairs {
+                *o = *o * *value;
+            }
         }
     }
 }

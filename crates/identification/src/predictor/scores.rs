@@ -1,7 +1,6 @@
 use vessel::Lane;
 
 use crate::sensitivity::{Levels, Products, Recordings, Sensitivities, add_draws, add_start, backward};
-use crate::vectorized::vectorized;
 
 /// Covariance of Σ sᵀWe where errors are correlated over less than about 2√N samples. free × free lanes.
 pub(crate) fn correlated_scores(
@@ -49,7 +48,7 @@ pub(crate) fn disturbed_scores<const N: usize>(
 pub(crate) fn windowed(scores: &[Lane], p: usize) -> Vec<Lane> {
     let window = (2.0 * ((scores.len() / p) as f64).sqrt()).round().max(1.0) as usize;
     let share = Lane::splat(1.0 / window as f64);
-    vectorized!(products_of_windows(scores, p, window))
+    vessel::vectorized!(products_of_windows(scores, p, window))
         .finish()
         .square()
         .into_iter()

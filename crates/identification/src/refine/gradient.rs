@@ -11,7 +11,6 @@ use vessel::{LANES, Lane, Model};
 
 use super::criterion::{Forward, TraceCriterion};
 use crate::sensitivity::{Dynamics, Recordings, channels};
-use crate::vectorized::vectorized;
 
 /// A matrix of n rows, padded with zeros to whole lanes.
 struct Rows {
@@ -59,9 +58,9 @@ impl TraceCriterion<'_> {
         let factor = 2.0 * self.noise.current * self.noise.current;
         let response = Rows::of(n, &m.iter().map(|m| factor * m).collect::<Vec<f64>>());
         let parameters = &parameters[..];
-        let followed = vectorized!(follow(run, parameters, forward, &response));
+        let followed = vessel::vectorized!(follow(run, parameters, forward, &response));
         let back = Back { run, parameters, forward, state_slopes, followed, sources, weights };
-        vectorized!(back.gradient())
+        vessel::vectorized!(back.gradient())
     }
 
     /// M and Q, n × n, divided by φ.

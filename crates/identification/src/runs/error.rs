@@ -1,5 +1,5 @@
 use thiserror::Error;
-use vessel::{DegreeOfFreedom, Diverged, Invalid, Run};
+use vessel::{DegreeOfFreedom, Diverged, Invalid};
 
 /// The nominal model's simulation over a run left every bound, so that there are no instruments.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
@@ -19,8 +19,9 @@ impl NominalDiverged {
         self.at.invalid(format!("nominal model (`nominal`) over design {}, run {}", self.design, self.run))
     }
 
-    pub(super) fn over(run: &Run, at: Diverged) -> Self {
-        Self { design: run.design.clone(), run: run.run, at }
+    /// Over a run of `design`.
+    pub fn over(design: &str, run: i32, at: Diverged) -> Self {
+        Self { design: design.to_owned(), run, at }
     }
 }
 

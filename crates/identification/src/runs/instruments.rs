@@ -1,6 +1,7 @@
 use vessel::lanes::{SideBySide, by_lane, groups, interleave};
-use vessel::{Diverged, LANES, Lane, Run, Vessel, Weather, check_diverged, simulate, simulate_one};
+use vessel::{Diverged, Lane, Run, Vessel, Weather, check_diverged, diverged_lanes, simulate};
 
+use super::alike::{Alike, Doing};
 use super::error::NominalDiverged;
 use crate::{Batch, Excitation, InstrumentKind, Instruments, MeanRemoval, Outcome};
 
@@ -49,16 +50,18 @@ impl<'a> RunInstruments<'a> {
         removal: MeanRemoval,
     ) -> Result<Vec<(Outcome, [Excitation; 3])>, NominalDiverged> {
         let lengths: Vec<usize> = runs.iter().map(Run::samples).collect();
-        let mut shared: Option<Shared> = None;
+        let mut shared: Option<(&Run, Alike)> = None;
         let mut all = Vec::with_capacity(runs.len());
         for group in groups(&lengths) {
             let members = &runs[group];
             let same =
                 self.kind == InstrumentKind::Nominal && members.iter().all(|run| alike(run, &members[0]));
             let outcomes = if same {
-                let known = shared.take().filter(|shared| alike(shared.run, &members[0]));
-                let known = known.map_or_else(|| self.share(&members[0], removal), Ok)?;
-                shared.insert(known).estimate(self.vessel, members)
+                let known = shared.take().filter(|(run, _)| alike(run, &members[0]));
+                let share = || Ok((&members[0], Alike::new(self.vessel, &Doing::of(&members[0]), removal)?));
+                let (_, instruments) = shared.insert(known.map_or_else(share, Ok)?);
+                let measured = interleave(&members.iter().map(|r| r.measured.as_slice()).collect::<Vec<_>>());
+                instruments.estimates_with_excitation(&measured)
             } else {
                 let prepared = self.prepare(members)?;
                 let batch = prepared.batch();
@@ -69,17 +72,27 @@ impl<'a> RunInstruments<'a> {
         Ok(all)
     }
 
-    /// The instruments of `run` and of all that are alike.
-    fn share<'r>(&self, run: &'r Run, removal: MeanRemoval) -> Result<Shared<'r>, NominalDiverged> {
-        let states = simulate_one(&self.vessel.model, &self.vessel.nominal, run.initial, &run.exogenous);
-        if let Some(at) = check_diverged(states.iter().copied()) {
-            return Err(NominalDiverged::over(run, at));
+    /// Estimates of runs that stand side by side already; `starts`: of their segments.
+    ///
+    /// # Errors
+    /// Lane and place where a nominal simulation diverges.
+    pub fn estimates_side_by_side(
+        &self,
+        runs: SideBySide,
+        starts: Vec<Vec<usize>>,
+        removal: MeanRemoval,
+    ) -> Result<Vec<Outcome>, (usize, Diverged)> {
+        let mut prepared = Prepared::of(self.vessel, runs, starts);
+        if self.kind == InstrumentKind::Nominal {
+            prepared.simulate(&self.nominal);
+            let diverged =
+                diverged_lanes(&prepared.instrument_states).into_iter().take(prepared.starts.len());
+            if let Some(at) = diverged.enumerate().find_map(|(lane, at)| Some((lane, at?))) {
+                return Err(at);
+            }
         }
-        let starts = run.starts();
-        let unmeasured = vec![Lane::ZERO; states.len()];
-        let batch = shared_batch(self.vessel, run, &states, &starts, &unmeasured);
-        let sums = Instruments::new(&batch, removal);
-        Ok(Shared { run, states, starts, sums })
+        let batch = prepared.batch();
+        Ok(Instruments::new(&batch, removal).estimate(&batch))
     }
 
     fn prepare(&self, runs: &[Run]) -> Result<Prepared<'a>, NominalDiverged> {
@@ -88,7 +101,7 @@ impl<'a> RunInstruments<'a> {
             prepared.simulate(&self.nominal);
             for (lane, run) in runs.iter().enumerate() {
                 if let Some(at) = prepared.diverged(lane) {
-                    return Err(NominalDiverged::over(run, at));
+                    return Err(NominalDiverged::over(&run.design, run.run, at));
                 }
             }
         }
@@ -97,11 +110,15 @@ impl<'a> RunInstruments<'a> {
 }
 
 impl<'a> Prepared<'a> {
-    /// Up to [`LANES`] `runs` whose instruments are their regressors.
+    /// Up to [`vessel::LANES`] `runs` whose instruments are their regressors.
     pub(super) fn regressed(vessel: &'a Vessel, runs: &[Run]) -> Self {
         let own = SideBySide::of(&runs.iter().map(Run::view).collect::<Vec<_>>());
-        let starts = runs.iter().map(Run::starts).collect();
-        Self { vessel, instrument_states: own.measured.clone(), runs: own, starts }
+        Self::of(vessel, own, runs.iter().map(Run::starts).collect())
+    }
+
+    /// Runs whose segments start at `starts`, and whose instruments are their regressors.
+    fn of(vessel: &'a Vessel, runs: SideBySide, starts: Vec<Vec<usize>>) -> Self {
+        Self { vessel, instrument_states: runs.measured.clone(), runs, starts }
     }
 
     /// Simulates every run with `parameters`, one lane each, and takes the states as instruments.
@@ -137,31 +154,4 @@ impl<'a> Prepared<'a> {
 /// Whether two runs have the same instruments.
 fn alike(one: &Run, other: &Run) -> bool {
     one.initial == other.initial && one.segments == other.segments && one.exogenous == other.exogenous
-}
-
-/// Instruments of runs that are alike.
-struct Shared<'r> {
-    run: &'r Run,
-    states: Vec<f64>,
-    starts: Vec<usize>,
-    sums: Instruments,
-}
-
-impl Shared<'_> {
-    fn estimate(&self, vessel: &Vessel, runs: &[Run]) -> Vec<(Outcome, [Excitation; 3])> {
-        let measured = interleave(&runs.iter().map(|r| r.measured.as_slice()).collect::<Vec<_>>());
-        let batch = shared_batch(vessel, self.run, &self.states, &self.starts, &measured);
-        self.sums.estimate_with_excitation(&batch)
-    }
-}
-
-fn shared_batch<'b>(
-    vessel: &'b Vessel,
-    run: &'b Run,
-    instrument_states: &'b [f64],
-    starts: &'b [usize],
-    measured: &'b [Lane],
-) -> Batch<'b, f64> {
-    let (model, exogenous) = (&vessel.model, run.exogenous.as_slice());
-    Batch { model, measured, instrument_states, exogenous, segments: [starts; LANES] }
 }

@@ -1,5 +1,6 @@
 //! Estimates of single runs, by every estimator.
 
+mod alike;
 mod collinear;
 mod criticised;
 mod error;
@@ -9,6 +10,7 @@ mod instruments;
 mod refined;
 mod searched;
 
+pub use alike::{Alike, Doing};
 pub use collinear::CollinearRun;
 pub use criticised::Asked;
 pub use error::{NominalDiverged, RunError};

@@ -6,7 +6,6 @@ use super::products::Products;
 use super::recordings::Recordings;
 use super::sweep::Sensitivities;
 use super::unknowns::Unknowns;
-use crate::vectorized::vectorized;
 
 /// Goes back over `path`, which `recordings` took with `unknowns`: adjoints λ(k) = Aᵀλ(k+1) + W s(k), a column each, tell what
 /// a change of the states at k does to Σ sᵀWx. `between` is called for k from N − 1 to 0 with the dynamics at k and λ(k+1);
@@ -19,7 +18,7 @@ pub(crate) fn backward<X: Unknowns, const N: usize>(
     levels: Option<&Levels>,
     between: impl FnMut(&Local<X>, &[[Lane; N]]),
 ) -> Vec<[Lane; N]> {
-    vectorized!(go_back(recordings, unknowns, path, weights, levels, between))
+    vessel::vectorized!(go_back(recordings, unknowns, path, weights, levels, between))
 }
 
 #[inline(always)]

@@ -4,7 +4,6 @@ use super::dynamics::{Dynamics, Local};
 use super::levels::{Flow, Levels};
 use super::recordings::Recordings;
 use super::unknowns::Unknowns;
-use crate::vectorized::vectorized;
 
 /// What an extended Kalman filter does with a measurement.
 #[derive(Clone, Debug)]
@@ -68,7 +67,7 @@ pub(crate) fn filter_each<const N: usize>(
     levels: &Levels<Lane>,
     known_start: bool,
 ) -> (Vec<Gain<Lane, N>>, Vec<Lane>) {
-    vectorized!(filtered::<N>(recordings, unknowns, levels, known_start))
+    vessel::vectorized!(filtered::<N>(recordings, unknowns, levels, known_start))
 }
 
 #[inline(always)]

@@ -4,7 +4,6 @@ use vessel::Lane;
 
 use super::unknowns::Unknowns;
 use crate::batch::{BLOCK, Block, accumulate};
-use crate::vectorized::vectorized;
 
 /// Σ over samples of the product of every two signals, [`BLOCK`] samples at a time. Signals stand in columns as unknowns do.
 pub(crate) struct Products<X> {
@@ -57,7 +56,7 @@ impl<X: Unknowns> Products<X> {
                 others,
                 row,
                 #[inline(always)]
-                |t, other| X::of_column(own[t], i).lane() * other,
+                |t, other, sum| X::of_column(own[t], i).lane().fused(other, sum),
             );
         }
     }
@@ -67,7 +66,7 @@ impl<X: Unknowns> Products<X> {
         for signal in &mut self.columns {
             signal[self.filled..].fill(Lane::ZERO);
         }
-        vectorized!(self.add());
+        vessel::vectorized!(self.add());
         let mut first = 0;
         let mut row = |i: usize| {
             let own = first;

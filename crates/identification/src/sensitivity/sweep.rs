@@ -5,7 +5,6 @@ use super::kalman::Gain;
 use super::levels::Levels;
 use super::recordings::Recordings;
 use super::unknowns::Unknowns;
-use crate::vectorized::vectorized;
 
 /// One pass over recordings: predicts, compares, and carries the sensitivities along. `unknowns`: one number each, as
 /// [`Recordings::unknowns`] orders them; `free`: those whose sensitivities are wanted; `levels`: what disturbs, and `gains`
@@ -18,7 +17,7 @@ pub(crate) fn sweep<X: Unknowns, const N: usize>(
     gains: &[Gain<X, N>],
     each: impl FnMut(Step<'_, X, N>),
 ) {
-    vectorized!(go_along(recordings, unknowns, free, levels, gains, each));
+    vessel::vectorized!(go_along(recordings, unknowns, free, levels, gains, each));
 }
 
 /// What a sweep finds at a sample, before the sample's measurement corrects it.

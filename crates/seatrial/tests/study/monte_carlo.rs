@@ -64,6 +64,21 @@ fn law_runs_in_memory_are_the_runs_of_the_files_by_every_estimator() {
 }
 
 #[test]
+fn law_scores_are_the_same_whether_runs_are_kept_or_not() {
+    // More runs than are simulated at once, and a few that are left.
+    let folder = designed(43);
+    for keep in ["scores", "estimates"] {
+        std::fs::create_dir(folder.path().join(keep)).unwrap();
+        run(&folder, &format!("{LINE} --keep {keep} --out {keep}/tally.json")).succeeds();
+    }
+    let rows = scored(&folder, "scores/scores.parquet");
+    assert_eq!(rows.len(), 86);
+    assert!(rows == scored(&folder, "estimates/scores.parquet"));
+    let tallies = ["scores", "estimates"].map(|keep| tally(&folder, &format!("{keep}/tally.json")).tally);
+    assert!(tallies[0] == tallies[1]);
+}
+
+#[test]
 fn law_a_tally_counts_what_the_scores_say() {
     let folder = designed(20);
     run(&folder, &format!("{LINE} --estimator iv,ls --keep scores --out tally.json")).succeeds();

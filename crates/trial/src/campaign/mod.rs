@@ -6,6 +6,7 @@ mod realizations;
 mod refusal;
 mod sea;
 mod tally;
+mod together;
 
 pub(crate) use designed::Parts;
 pub use designed::{Designed, Plan, check_shares};
@@ -15,3 +16,4 @@ pub use realizations::{Campaign, Settings, random_segments};
 pub use refusal::Refusal;
 pub use sea::{Group, Sea, SimulatedRun, States};
 pub use tally::{LeftOut, Tally};
+pub use together::{Experiment, Together};

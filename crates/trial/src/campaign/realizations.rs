@@ -1,13 +1,15 @@
 use std::collections::BTreeSet;
 use std::ops::Range;
+use std::sync::Arc;
 
 use design::apportion;
 use rayon::prelude::*;
-use vessel::{Generator, LANES, Realized, Run, Segment, Streams, Vessel, refuse_endless};
+use vessel::{GROUPS, Generator, LANES, Realized, Segment, Streams, Vessel, refuse_endless};
 
 use super::Refusal;
 use super::designed::{Designed, Parts, Plan, too_short};
-use super::sea::{Group, Sea, SimulatedRun};
+use super::sea::{Group, Sea, SimulatedRun, States};
+use super::together::{Experiment, Together};
 
 /// Channel of the random stream that draws a random design's maneuvers.
 const MANEUVER_CHANNEL: u32 = 100;
@@ -57,6 +59,8 @@ struct Design {
     name: &'static str,
     streams: Streams,
     rule: Rule,
+    /// What all runs do, where it is the same.
+    all: Option<Arc<Experiment>>,
 }
 
 /// What the runs of a design do.
@@ -67,9 +71,27 @@ enum Rule {
     Drawn { maneuvers: Vec<usize>, lengths: Vec<usize> },
 }
 
+/// Up to [`LANES`] runs of a design, and what each of them does.
+struct Doing {
+    numbers: Vec<u32>,
+    experiments: Vec<Arc<Experiment>>,
+}
+
+impl Doing {
+    fn group<'a>(&'a self, design: &'a Design) -> Group<'a> {
+        Group {
+            design: design.name,
+            streams: &design.streams,
+            runs: &self.numbers,
+            initial: self.experiments.iter().map(|own| own.initial).collect(),
+            exogenous: self.experiments.iter().map(|own| own.exogenous.as_slice()).collect(),
+        }
+    }
+}
+
 impl Design {
     fn new(name: &'static str, seed: u64, rule: Rule) -> Self {
-        Self { name, streams: Streams::new(seed, name), rule }
+        Self { name, streams: Streams::new(seed, name), rule, all: None }
     }
 
     /// Plans that have every maneuver at every length that occurs in `realizations` runs: the runs' own, unless all there
@@ -131,7 +153,7 @@ impl<'a> Campaign<'a> {
         for plan in designs.iter().flat_map(|d| d.occurring(settings.realizations)) {
             parts.make(generator, &plan).map_err(Refusal::Dictionary)?;
         }
-        Ok(Self { sea, samples, realizations: settings.realizations, designs, parts, names })
+        Ok(Self { sea, samples, realizations: settings.realizations, designs, parts, names }.prepared())
     }
 
     /// Repeats `inputs` (N × inputs) from `initial`, open loop, as design `planned`.
@@ -154,7 +176,24 @@ impl<'a> Campaign<'a> {
         let parts = plan.iter().zip(segments).map(realize).collect();
         let names = segments.iter().map(|segment| segment.maneuver.clone()).collect();
         let designs = vec![Design::new("planned", settings.seed, Rule::Fixed(plan))];
-        Self { sea, samples, realizations: settings.realizations, designs, parts, names }
+        Self { sea, samples, realizations: settings.realizations, designs, parts, names }.prepared()
+    }
+
+    /// Joins what all runs of a design do once.
+    fn prepared(mut self) -> Self {
+        let all = |design: &Design| match &design.rule {
+            Rule::Fixed(plan) => Some(Arc::new(self.experiment(plan))),
+            Rule::Drawn { .. } => None,
+        };
+        let all: Vec<_> = self.designs.iter().map(all).collect();
+        self.designs.iter_mut().zip(all).for_each(|(design, all)| design.all = all);
+        self
+    }
+
+    fn experiment(&self, plan: &[(usize, usize)]) -> Experiment {
+        let (initial, inputs) = self.parts.joined(plan);
+        let exogenous = self.sea.vessel().model.undisturbed(&inputs);
+        Experiment { segments: self.segments(plan), initial, exogenous }
     }
 
     /// The vessel.
@@ -209,44 +248,51 @@ impl<'a> Campaign<'a> {
     /// # Errors
     /// A simulation that diverges.
     pub fn simulate(&self, design: usize, runs: Range<usize>) -> Result<Vec<SimulatedRun>, Refusal> {
-        let numbers: Vec<u32> = runs.map(|run| run as u32).collect();
-        let mut all = Vec::with_capacity(numbers.len());
-        for group in numbers.chunks(LANES) {
-            all.extend(self.group(&self.designs[design], group)?);
+        let mut all = Vec::with_capacity(runs.len());
+        for some in pieces(runs, GROUPS * LANES) {
+            for together in self.together(design, some)? {
+                all.extend((0..together.runs()).map(|lane| together.run(lane)));
+            }
         }
         Ok(all)
     }
 
-    fn group(&self, design: &Design, runs: &[u32]) -> Result<Vec<SimulatedRun>, Refusal> {
-        let plans: Vec<Plan> = runs.iter().map(|run| design.plan(*run)).collect();
-        let model = &self.sea.vessel().model;
-        let joined = plans.iter().map(|plan| self.parts.joined(plan));
-        let (initial, exogenous): (Vec<[f64; 3]>, Vec<Vec<f64>>) =
-            joined.map(|(initial, inputs)| (initial, model.undisturbed(&inputs))).unzip();
-        let states = self.sea.simulate(&Group {
-            design: design.name,
-            streams: &design.streams,
-            runs,
-            initial: initial.clone(),
-            exogenous: exogenous.iter().map(Vec::as_slice).collect(),
-        })?;
-        let each = plans.iter().zip(exogenous).enumerate();
-        let run = |(lane, (plan, exogenous)): (usize, (&Plan, Vec<f64>))| {
-            let [states, measured] = states.of(lane);
-            let run = Run {
-                design: design.name.to_owned(),
-                run: runs[lane] as i32,
-                segments: self.segments(plan),
-                exogenous,
-                measured,
-                initial: initial[lane],
-            };
-            SimulatedRun { run, states }
-        };
-        Ok(each.map(run).collect())
+    /// What all runs of a design do, where it is the same.
+    pub fn experiment_of_all(&self, design: usize) -> Option<&Arc<Experiment>> {
+        self.designs[design].all.as_ref()
     }
 
-    fn segments(&self, plan: &Plan) -> Vec<Segment> {
+    /// Simulates up to [`GROUPS`] times [`LANES`] runs of one design, side by side.
+    ///
+    /// # Errors
+    /// A simulation that diverges.
+    pub fn together(&self, design: usize, runs: Range<usize>) -> Result<Vec<Together>, Refusal> {
+        let design = &self.designs[design];
+        let all: Vec<Doing> = pieces(runs, LANES).map(|group| self.doing(design, group)).collect();
+        let groups: Vec<Group> = all.iter().map(|doing| doing.group(design)).collect();
+        let states = match <&[Group; GROUPS]>::try_from(groups.as_slice()) {
+            Ok(groups) if design.all.is_some() => self.sea.simulate_alike(groups)?,
+            _ => groups.iter().map(|group| self.sea.simulate(group)).collect::<Result<_, _>>()?,
+        };
+        let together = |(doing, states): (Doing, States)| Together {
+            design: design.name,
+            first: doing.numbers.first().copied().unwrap_or(0),
+            experiments: doing.experiments,
+            states,
+        };
+        Ok(all.into_iter().zip(states).map(together).collect())
+    }
+
+    fn doing(&self, design: &Design, runs: Range<usize>) -> Doing {
+        let numbers: Vec<u32> = runs.map(|run| run as u32).collect();
+        let own = |run: &u32| match &design.all {
+            Some(all) => Arc::clone(all),
+            None => Arc::new(self.experiment(&design.plan(*run))),
+        };
+        Doing { experiments: numbers.iter().map(own).collect(), numbers }
+    }
+
+    fn segments(&self, plan: &[(usize, usize)]) -> Vec<Segment> {
         let mut start = 0;
         let begin = |(maneuver, samples): &(usize, usize)| {
             start += samples;
@@ -254,6 +300,12 @@ impl<'a> Campaign<'a> {
         };
         plan.iter().map(begin).collect()
     }
+}
+
+/// `runs`, so `many` at a time.
+fn pieces(runs: Range<usize>, many: usize) -> impl Iterator<Item = Range<usize>> {
+    let end = runs.end;
+    runs.step_by(many).map(move |first| first..end.min(first + many))
 }
 
 /// Lengths of `segments` equally long segments of a run.

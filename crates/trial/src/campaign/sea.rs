@@ -1,7 +1,7 @@
 use vessel::lanes::{by_lane, interleave, lane, lane_of};
 use vessel::{
-    Current, Disturbances, Diverged, Invalid, LANES, Lane, Run, Source, Streams, Vessel, Weather, Wind,
-    check_diverged, simulate,
+    Current, Disturbances, Diverged, GROUPS, Invalid, LANES, Lane, Run, Source, Streams, Vessel, Weather,
+    Wind, check_diverged, diverged_lanes, simulate, simulate_groups,
 };
 
 use super::Refusal;
@@ -72,9 +72,32 @@ impl<'a> Sea<'a> {
     /// # Errors
     /// A vessel whose motion diverges, or disturbances that let it.
     pub fn simulate(&self, group: &Group) -> Result<States, Refusal> {
-        let truth = self.truth(group);
-        for lane in 0..group.runs.len() {
-            if let Some(at) = check_diverged(truth.iter().map(|s| s[lane])) {
+        self.measured(group, self.truth(group))
+    }
+
+    /// Simulates groups of runs that all start and do the same.
+    ///
+    /// # Errors
+    /// See [`Self::simulate`].
+    pub(super) fn simulate_alike(&self, groups: &[Group; GROUPS]) -> Result<Vec<States>, Refusal> {
+        let Group { initial, exogenous, .. } = &groups[0];
+        let weather = groups.each_ref().map(|group| self.weather(group));
+        let mut truths = groups.each_ref().map(|group| vec![Lane::ZERO; 3 * (self.samples(group) + 1)]);
+        simulate_groups(
+            &self.vessel.model,
+            &self.truth,
+            initial[0],
+            exogenous[0],
+            weather.each_ref().map(|own| self.acting(own)),
+            truths.each_mut().map(Vec::as_mut_slice),
+        );
+        groups.iter().zip(truths).map(|(group, truth)| self.measured(group, truth)).collect()
+    }
+
+    /// A group whose true states are known.
+    fn measured(&self, group: &Group, truth: Vec<Lane>) -> Result<States, Refusal> {
+        for (lane, at) in diverged_lanes(&truth).into_iter().enumerate().take(group.runs.len()) {
+            if let Some(at) = at {
                 return Err(self.at_fault(group, lane, at));
             }
         }
@@ -107,23 +130,46 @@ impl<'a> Sea<'a> {
     }
 
     fn truth(&self, group: &Group) -> Vec<Lane> {
-        let Group { streams, exogenous, .. } = group;
-        let (model, rate_hz, numbers) = (&self.vessel.model, self.vessel.sample_rate_hz, group.numbers());
-        let samples = exogenous.first().map_or(0, |e| e.len() / model.exogenous().max(1));
-        let (start, lanes) = (group.start(), interleave(exogenous));
-        let current = self.disturbances.current(streams, numbers, samples, rate_hz);
-        let mut states = vec![Lane::ZERO; 3 * (samples + 1)];
-        let turning = if self.disturbances.current.in_earth_axes() { 1.0 / rate_hz } else { 0.0 };
-        let force = self.wind.as_ref().map(|w| w.force(streams, numbers, samples, rate_hz));
-        let weather = Weather { current: &current, turning, force: &force.unwrap_or_default() };
-        simulate(model, &self.truth, start, &lanes, &weather, &mut states);
+        let (model, drawn) = (&self.vessel.model, self.weather(group));
+        let mut states = vec![Lane::ZERO; 3 * (self.samples(group) + 1)];
+        let (start, weather) = (group.start(), self.acting(&drawn));
+        match group.shared() {
+            Some(shared) => simulate(model, &self.truth, start, shared, &weather, &mut states),
+            None => {
+                let lanes = interleave(&group.exogenous);
+                simulate(model, &self.truth, start, &lanes, &weather, &mut states);
+            }
+        }
         states
+    }
+
+    fn samples(&self, group: &Group) -> usize {
+        group.exogenous.first().map_or(0, |e| e.len() / self.vessel.model.exogenous().max(1))
+    }
+
+    /// The current of a group's runs, and the wind's force.
+    fn weather(&self, group: &Group) -> [Vec<Lane>; 2] {
+        let (streams, numbers, rate_hz) = (group.streams, group.numbers(), self.vessel.sample_rate_hz);
+        let samples = self.samples(group);
+        let force = self.wind.as_ref().map(|w| w.force(streams, numbers, samples, rate_hz));
+        [self.disturbances.current(streams, numbers, samples, rate_hz), force.unwrap_or_default()]
+    }
+
+    fn acting<'w>(&self, [current, force]: &'w [Vec<Lane>; 2]) -> Weather<'w> {
+        let earth = self.disturbances.current.in_earth_axes();
+        Weather { current, turning: if earth { 1.0 / self.vessel.sample_rate_hz } else { 0.0 }, force }
     }
 }
 
 impl Group<'_> {
     fn numbers(&self) -> [u32; LANES] {
         by_lane(self.runs.len(), |run| self.runs[run])
+    }
+
+    /// What all runs have, where it is the same.
+    fn shared(&self) -> Option<&[f64]> {
+        let first = *self.exogenous.first()?;
+        self.exogenous.iter().all(|own| std::ptr::eq(*own, first)).then_some(first)
     }
 
     fn start(&self) -> [Lane; 3] {

@@ -1,6 +1,9 @@
 //! Random numbers are what they are keyed to be.
 
-use vessel::{Current, Disturbances, LANES, Lane, Measurement, Streams};
+use vessel::{
+    Axes, Current, Disturbances, GROUPS, LANES, Lane, Measurement, Streams, Vessel, Weather, simulate,
+    simulate_groups,
+};
 
 fn draws(seed: u64, purpose: &str, run: u32, channel: u32, count: usize) -> Vec<f64> {
     let mut out = vec![0.0; count];
@@ -129,4 +132,28 @@ fn law_choices_are_equally_likely() {
         let count = draws.iter().filter(|d| **d == value).count() as f64;
         assert!((count - 10_000.0).abs() < 4.0 * 10_000.0_f64.sqrt(), "{value}: {count}");
     }
+}
+
+#[test]
+fn law_runs_that_are_simulated_at_once_are_those_of_one_group_after_the_other() {
+    let vessel = Vessel::preset("ljungberg-model-ship").unwrap();
+    let theta: Vec<Lane> = vessel.nominal.iter().copied().map(Lane::splat).collect();
+    let (initial, inputs) = ([0.5, 0.0, 0.1], vec![120.0; 3 * 50]);
+    let current = Current::GaussMarkov { std_m_s: 0.3, time_constant_s: 5.0, axes: Axes::Earth };
+    let white = Measurement { std_u_m_s: 0.0, std_v_m_s: 0.0, std_r_rad_s: 0.0 };
+    let disturbances = Disturbances { current, measurement: white };
+    let streams = Streams::new(3, "x");
+    let drawn: [Vec<Lane>; GROUPS] = std::array::from_fn(|group| {
+        disturbances.current(&streams, std::array::from_fn(|lane| (LANES * group + lane) as u32), 50, 8.0)
+    });
+    let weather = drawn.each_ref().map(|current| Weather { current, turning: 0.125, force: &[] });
+    let mut at_once = [const { Vec::new() }; GROUPS].map(|_: Vec<Lane>| vec![Lane::ZERO; 3 * 51]);
+    let states = at_once.each_mut().map(Vec::as_mut_slice);
+    simulate_groups(&vessel.model, &theta, initial, &inputs, weather, states);
+    for (weather, at_once) in weather.iter().zip(&at_once) {
+        let mut alone = vec![Lane::ZERO; 3 * 51];
+        simulate(&vessel.model, &theta, initial.map(Lane::splat), &inputs, weather, &mut alone);
+        assert!(*at_once == alone);
+    }
+    assert!(at_once[0] != at_once[1]);
 }

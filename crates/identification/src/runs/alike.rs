@@ -1,0 +1,78 @@
+//! Runs that do the same: what their instruments come to is made once for all of them.
+
+use vessel::{LANES, Lane, Run, Vessel, check_diverged, simulate_one};
+
+use super::error::NominalDiverged;
+use crate::{Batch, Excitation, Instruments, MeanRemoval, Outcome};
+
+/// What a run does.
+#[derive(Clone, Debug)]
+pub struct Doing<'a> {
+    /// Its design.
+    pub design: &'a str,
+    /// Its number.
+    pub run: i32,
+    /// First samples of its segments.
+    pub starts: Vec<usize>,
+    /// State at the start.
+    pub initial: [f64; 3],
+    /// N × exogenous, row-major.
+    pub exogenous: &'a [f64],
+}
+
+impl<'a> Doing<'a> {
+    pub(super) fn of(run: &'a Run) -> Self {
+        let Run { design, initial, exogenous, .. } = run;
+        Self { design, run: run.run, starts: run.starts(), initial: *initial, exogenous }
+    }
+}
+
+/// The instruments of all runs that do the same.
+pub struct Alike<'a> {
+    vessel: &'a Vessel,
+    exogenous: &'a [f64],
+    starts: Vec<usize>,
+    states: Vec<f64>,
+    sums: Instruments,
+}
+
+impl<'a> Alike<'a> {
+    /// Of runs that do what `one` of them does.
+    ///
+    /// # Errors
+    /// A nominal simulation that diverges.
+    pub fn new(vessel: &'a Vessel, one: &Doing<'a>, removal: MeanRemoval) -> Result<Self, NominalDiverged> {
+        let Doing { design, run, starts, initial, exogenous } = one.clone();
+        let states = simulate_one(&vessel.model, &vessel.nominal, initial, exogenous);
+        if let Some(at) = check_diverged(states.iter().copied()) {
+            return Err(NominalDiverged::over(design, run, at));
+        }
+        let unmeasured = vec![Lane::ZERO; states.len()];
+        let sums = Instruments::new(&batch(vessel, exogenous, &states, &starts, &unmeasured), removal);
+        Ok(Self { vessel, exogenous, starts, states, sums })
+    }
+
+    /// Estimates of [`LANES`] such runs from their `measured` states, (N+1) × 3.
+    pub fn estimates(&self, measured: &[Lane]) -> Vec<Outcome> {
+        self.sums.estimate(&self.batch(measured))
+    }
+
+    /// [`Self::estimates`], and how each degree of freedom was excited.
+    pub(super) fn estimates_with_excitation(&self, measured: &[Lane]) -> Vec<(Outcome, [Excitation; 3])> {
+        self.sums.estimate_with_excitation(&self.batch(measured))
+    }
+
+    fn batch<'b>(&'b self, measured: &'b [Lane]) -> Batch<'b, f64> {
+        batch(self.vessel, self.exogenous, &self.states, &self.starts, measured)
+    }
+}
+
+fn batch<'b>(
+    vessel: &'b Vessel,
+    exogenous: &'b [f64],
+    instrument_states: &'b [f64],
+    starts: &'b [usize],
+    measured: &'b [Lane],
+) -> Batch<'b, f64> {
+    Batch { model: &vessel.model, measured, instrument_states, exogenous, segments: [starts; LANES] }
+}

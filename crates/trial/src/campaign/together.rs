@@ -1,0 +1,79 @@
+use std::sync::Arc;
+
+use vessel::lanes::{SideBySide, interleave, lane};
+use vessel::{LANES, Lane, Run, Segment};
+
+use super::sea::{SimulatedRun, States};
+
+/// What a run is to do, before anything disturbs it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Experiment {
+    /// Its segments, in order.
+    pub segments: Vec<Segment>,
+    /// State at the start: u, v \[m/s\], r \[rad/s\].
+    pub initial: [f64; 3],
+    /// Inputs, and measured disturbances of zero: N × exogenous, row-major.
+    pub exogenous: Vec<f64>,
+}
+
+/// Up to [`LANES`] runs of one design as they were simulated, side by side.
+pub struct Together {
+    pub(super) design: &'static str,
+    /// Number of the first.
+    pub(super) first: u32,
+    /// What each does; the same one, where all do the same.
+    pub(super) experiments: Vec<Arc<Experiment>>,
+    pub(super) states: States,
+}
+
+impl Together {
+    /// How many runs there are.
+    pub fn runs(&self) -> usize {
+        self.experiments.len()
+    }
+
+    /// Number of a run.
+    fn number(&self, lane: usize) -> i32 {
+        self.first as i32 + lane as i32
+    }
+
+    /// Measured states, (N+1) × 3.
+    pub fn measured(&self) -> &[Lane] {
+        &self.states.measured
+    }
+
+    /// First samples of the segments of each.
+    pub fn starts(&self) -> Vec<Vec<usize>> {
+        let own =
+            |experiment: &Arc<Experiment>| experiment.segments.iter().map(|segment| segment.start).collect();
+        self.experiments.iter().map(own).collect()
+    }
+
+    /// The runs as estimators take them.
+    pub fn side_by_side(self) -> SideBySide {
+        let exogenous: Vec<&[f64]> = self.experiments.iter().map(|own| own.exogenous.as_slice()).collect();
+        SideBySide {
+            runs: self.experiments.len(),
+            exogenous: interleave(&exogenous),
+            initial: [0, 1, 2]
+                .map(|d: usize| lane(self.experiments.len(), |run| self.experiments[run].initial[d])),
+            samples: [self.states.measured.len() / 3 - 1; LANES],
+            measured: self.states.measured,
+        }
+    }
+
+    /// A run by itself.
+    pub fn run(&self, lane: usize) -> SimulatedRun {
+        let [states, measured] = self.states.of(lane);
+        let Experiment { segments, initial, exogenous } = &*self.experiments[lane];
+        let run = Run {
+            design: self.design.to_owned(),
+            run: self.number(lane),
+            segments: segments.clone(),
+            exogenous: exogenous.clone(),
+            measured,
+            initial: *initial,
+        };
+        SimulatedRun { run, states }
+    }
+}
