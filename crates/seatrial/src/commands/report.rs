@@ -86,6 +86,7 @@ impl Task for Arguments {
             results: self.results.clone(),
             scenarios: self.scenarios.clone(),
             allow_mixed: common.allow_mixed,
+            changes: common.changes(),
         };
         let study = load(&sources)?;
         let page = render(&study);

@@ -4,6 +4,7 @@
 mod support;
 
 mod budgets;
+mod changed;
 mod command_line;
 mod criteria;
 mod documents;
