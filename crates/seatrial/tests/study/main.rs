@@ -23,3 +23,4 @@ mod refusals_output;
 mod refusals_toml;
 mod same_bytes;
 mod sequential;
+mod sweep;
