@@ -103,7 +103,7 @@ fn differences(sweep: &SweepDocument) -> Markup {
     let rows: Vec<(&SweptCell, &SweptLine, ShareDifference)> =
         rows(sweep).into_iter().filter_map(|(_, cell, line)| Some((cell, line, line.difference?))).collect();
     let difference = |difference: &ShareDifference| {
-        let [low, high] = difference.interval.map(|end| points(end));
+        let [low, high] = difference.interval.map(points);
         format!("{} ({low} to {high})", points(difference.share))
     };
     let told = |difference: &ShareDifference| match difference.interval {

@@ -1,4 +1,4 @@
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use artifact::{Error, Loaded, Provenance, read_document};
 use serde::Deserialize;
@@ -49,7 +49,7 @@ enum Found {
     Refused(String),
 }
 
-fn found(cell: &SweepCell, path: &PathBuf) -> Result<Found, Error> {
+fn found(cell: &SweepCell, path: &Path) -> Result<Found, Error> {
     if let Some(refusal) = &cell.refused {
         return Ok(Found::Refused(refusal.clone()));
     }
