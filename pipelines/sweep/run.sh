@@ -41,7 +41,7 @@ if ! cmp -s "$here/requirements.txt" "$venv/installed.txt"; then
     refuse "$python: found $("$python" --version 2>&1), expected Python 3.11 or later with venv; name one with SWEEP_PYTHON"
   echo "$venv: installing Snakemake" >&2
   "$python" -m venv --clear "$venv"
-  "$venv/bin/pip" install --quiet --disable-pip-version-check --requirement "$here/requirements.txt" ||
+  "$venv/bin/pip" install --quiet --disable-pip-version-check --retries 2 --timeout 20 --requirement "$here/requirements.txt" ||
     refuse "$venv: found no way to install requirements.txt, expected PyPI in reach; see above"
   cp "$here/requirements.txt" "$venv/installed.txt"
 fi
