@@ -21,7 +21,7 @@ ESTIMATE_FLAGS ?=
 PLAN_FLAGS     ?=
 -include $(STUDY)/study.mk
 
-STAGES  := ingest simulate moments design estimate validate monte-carlo plan sequential report
+STAGES  := ingest simulate moments design estimate validate monte-carlo sweep plan sequential report
 BINARIES := $(addprefix $(BIN)/,$(STAGES) seatrial)
 
 # A target is written whole or not at all by its stage, so an interrupted make resumes with the next stage.
@@ -40,6 +40,7 @@ help:
 	@echo "make helsinki          plan a trial off Helsinki and draw it, into out/helsinki/"
 	@echo "make STUDY=pipelines/esso-osaka LOGS=<folder>   a study of measured logs (docs/own-logs.md: where they are published)"
 	@echo "make sequential        trials designed in rounds against trials designed once, into out/sequential/"
+	@echo "make sweep             a study over a grid of its values (SWEEP=...) into out/sweep/, on a cluster with PROFILE=slurm (needs Python)"
 	@echo "make scenarios         compare the estimators under four kinds of disturbance, into out/scenarios/"
 	@echo "make results           run all studies, write docs/results.md and the front page's table and picture (takes a while)"
 	@echo "make smoke             the small study that the tests run, into out/smoke/"
@@ -173,6 +174,17 @@ $(ROUNDS_OUT)/sequential.parquet: $(ROUNDS)/vessel.toml $(ROUNDS_DICTIONARY) $(R
 $(ROUNDS_OUT)/report.html: $(ROUNDS_OUT)/sequential.parquet $(BIN)/report
 	$(BIN)/report --study $(ROUNDS) --dictionary $(ROUNDS_DICTIONARY) --results $(ROUNDS_OUT) $(FLAGS) --out $@
 
+# A study over a grid of its values, on Snakemake: on this machine, or on a cluster with PROFILE=slurm. What is there already is
+# not made again.
+SWEEP       ?= pipelines/sweep/sweep.toml
+SWEEP_OUT   ?= out/sweep
+SWEEP_FLAGS ?=
+PROFILE     ?= local
+
+.PHONY: sweep
+sweep: build
+	@sh pipelines/sweep/run.sh $(SWEEP) $(SWEEP_OUT) $(PROFILE) $(BIN) $(SWEEP_FLAGS)
+
 # Every study that docs/results.md has a table of, then that page, the front page's table and its picture. Takes a while.
 # Measured logs take part where their folders are.
 ESSO_OSAKA_LOGS ?= ../shared/data/esso_osaka
@@ -213,7 +225,7 @@ smoke:
 # The small study and the README's commands run the programs that the unit tests have just run: nothing is compiled twice.
 .PHONY: test
 test: format-check clippy unit
-	$(MAKE) BIN=target/debug smoke readme-check
+	$(MAKE) BIN=target/debug smoke readme-check sweep-check
 
 .PHONY: format-check
 format-check:
@@ -230,6 +242,11 @@ unit:
 .PHONY: readme-check
 readme-check: build
 	sh scripts/readme-check.sh $(BIN)
+
+# The same sweep with a full disk, a killed master, a cancelled job and on Slurm; skipped where there is no Python or Slurm
+.PHONY: sweep-check
+sweep-check: build
+	bash scripts/sweep-check.sh $(BIN)
 
 # --- upkeep
 

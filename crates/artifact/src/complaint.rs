@@ -10,21 +10,25 @@ use crate::error::Error;
 pub(crate) struct Complaint<'a> {
     /// The file.
     pub path: &'a Path,
-    /// Line in the file, from 1, where known.
-    pub line: Option<usize>,
-    /// The key on that line, where known.
-    pub key: Option<&'a str>,
+    /// Where in the file, as `line 3`, where known.
+    pub place: Option<String>,
+    /// The key there, where known.
+    pub key: Option<String>,
     /// serde's message, without a line number.
     pub message: &'a str,
 }
 
 impl Complaint<'_> {
+    /// The same about what `changes` have made of the file, which has no lines to be named.
+    pub fn changed(self, changes: &str) -> Self {
+        Self { place: Some(format!("with {changes}")), ..self }
+    }
+
     /// The refusal that says the same in this crate's form.
     pub fn refusal(&self) -> Error {
         let message = self.message.lines().next().unwrap_or_default().trim_end_matches('.');
         let (message, remark) = split_remark(message);
-        let place: Vec<String> =
-            self.line.map(|n| format!("line {n}")).into_iter().chain(remark.map(str::to_owned)).collect();
+        let place: Vec<String> = self.place.clone().into_iter().chain(remark.map(str::to_owned)).collect();
         let line = if place.is_empty() { String::new() } else { format!(" ({})", place.join(", ")) };
         let refuse = |thing: &str, found: String, expected: String, remedy: String| {
             Error::refuse(self.path, thing, format!("{found}{line}"), expected, remedy)
@@ -33,7 +37,7 @@ impl Complaint<'_> {
             return refuse("key", format!("key `{word}`"), one_of("key", &known), suggestion(&word, &known));
         }
         if let Some((word, known)) = strange_word(message, "unknown variant ") {
-            let thing = self.key.unwrap_or("value");
+            let thing = self.key.as_deref().unwrap_or("value");
             return refuse(thing, format!("`{word}`"), one_of("value", &known), suggestion(&word, &known));
         }
         if let Some(field) = message.strip_prefix("missing field ") {
@@ -45,7 +49,7 @@ impl Complaint<'_> {
 
     /// Wrong types, wrong lengths, duplicate keys, and messages of the program's own types.
     fn other(&self, message: &str, line: &str) -> Error {
-        let thing = self.key.unwrap_or("contents");
+        let thing = self.key.as_deref().unwrap_or("contents");
         let of_type = ["invalid type: ", "invalid value: ", "invalid length "];
         let stripped = of_type.iter().find_map(|prefix| message.strip_prefix(prefix)).unwrap_or(message);
         let (found, expected) =

@@ -134,8 +134,8 @@ pub(crate) fn refusal(path: &Path, text: &str, error: &serde_json::Error) -> Err
     let message = full.rsplit_once(" at line ").map_or(full.as_str(), |(message, _)| message);
     match error.classify() {
         Category::Data => {
-            let key = text.lines().nth(line.saturating_sub(1)).and_then(key_of);
-            Complaint { path, line: Some(line), key, message }.refusal()
+            let key = text.lines().nth(line.saturating_sub(1)).and_then(key_of).map(str::to_owned);
+            Complaint { path, place: Some(format!("line {line}")), key, message }.refusal()
         }
         _ => {
             let found = format!("{message} (line {line}, column {})", error.column());

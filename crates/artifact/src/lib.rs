@@ -37,6 +37,7 @@
 
 mod agreement;
 mod budget;
+mod changes;
 mod columns;
 mod commit;
 mod complaint;
@@ -75,6 +76,7 @@ mod unfinished;
 
 pub use self::budget::{Budget, Work, room};
 pub use self::commit::{commit, commit_with_document};
+pub use changes::{Change, Changes};
 pub use columns::{Column, FloatColumn, IntegerColumn, Labels, Table, TextColumn};
 pub use decode::decoding;
 pub use digest::{Digest, Digesting};

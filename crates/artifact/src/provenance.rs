@@ -3,9 +3,14 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
+use serde::de::DeserializeOwned;
+use serde_json::json;
+
+use crate::changes::Changes;
 use crate::digest::Digest;
 use crate::error::{Error, Result};
 use crate::shard::Shard;
+use crate::toml_input::read_changed;
 
 /// Roles that one file plays in a whole study: what is made of files that tell of different ones is a mixture.
 pub const STUDY_ROLES: [&str; 7] =
@@ -13,6 +18,9 @@ pub const STUDY_ROLES: [&str; 7] =
 
 /// The setting that labels what is made of mixed files: the roles that several files play.
 pub const MIXED: &str = "mixed";
+
+/// The setting that tells what took the place of the hand-written files' own values.
+const CHANGED: &str = "set";
 
 /// What produced a file, from what. Holds no clock, host, user or thread count, so that the
 /// same computation gives the same bytes.
@@ -30,6 +38,8 @@ pub struct Provenance {
     pub shard: Option<Shard>,
     /// Whether files of different studies may be used together. Not written.
     pub allow_mixed: bool,
+    /// What its hand-written inputs hold instead of their own values. Not written; what of it was applied stands in `settings`.
+    pub changes: Changes,
     /// The file that told of each role's digest, for messages. Not written.
     pub told_by: BTreeMap<String, PathBuf>,
     /// The input files: nothing that is made of them may take their place. Not written.
@@ -37,6 +47,21 @@ pub struct Provenance {
 }
 
 impl Provenance {
+    /// Reads the hand-written file at `path` as the input `role`, with the changes of `file` in it, its usual name without
+    /// `.toml`.
+    ///
+    /// # Errors
+    /// As [`crate::read_toml`] and [`Provenance::written`].
+    pub fn read_toml<T: DeserializeOwned>(&mut self, role: &str, file: &str, path: &Path) -> Result<T> {
+        let (parsed, digest) = read_changed(path, file, &self.changes)?;
+        self.written(role, path, digest)?;
+        for change in self.changes.of(file) {
+            let known = self.settings.entry(CHANGED.to_owned()).or_insert_with(|| json!({}));
+            known[change.key()] = json!(change.value());
+        }
+        Ok(parsed)
+    }
+
     /// Notes the hand-written file at `path` as the input `role`.
     ///
     /// # Errors

@@ -195,7 +195,7 @@ fn parse<T: DeserializeOwned>(path: &Path, envelope: &str) -> Result<T> {
     serde_json::from_str(envelope).map_err(|e| {
         let full = e.to_string();
         let message = full.rsplit_once(" at line ").map_or(full.as_str(), |(message, _)| message);
-        Complaint { path, line: None, key: Some("metadata"), message }.refusal()
+        Complaint { path, place: None, key: Some("metadata".to_owned()), message }.refusal()
     })
 }
 

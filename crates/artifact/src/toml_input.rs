@@ -5,6 +5,7 @@ use std::path::Path;
 use refusal::strictly;
 use serde::de::DeserializeOwned;
 
+use crate::changes::Changes;
 use crate::complaint::Complaint;
 use crate::digest::Digest;
 use crate::error::{Error, Result};
@@ -19,6 +20,26 @@ pub fn read_toml<T: DeserializeOwned>(path: impl AsRef<Path>) -> Result<(T, Dige
     let digest = Digest::of_bytes(&bytes);
     let text = text_of(path, bytes)?;
     Ok((parse_toml(&text, path)?, digest))
+}
+
+/// As [`read_toml`], with those of `changes` in it that are of `file`, the usual name without `.toml`. The digest is that of what
+/// the file says with them.
+pub(crate) fn read_changed<T: DeserializeOwned>(
+    path: &Path,
+    file: &str,
+    changes: &Changes,
+) -> Result<(T, Digest)> {
+    if changes.of(file).next().is_none() {
+        return read_toml(path);
+    }
+    let text = text_of(path, std::fs::read(path).map_err(|e| Error::io(path, "read", e))?)?;
+    // What is wrong with the file itself is said with its line.
+    let own = |refused: Error| parse_toml::<T>(&text, path).err().unwrap_or(refused);
+    let changed = changes.applied(file, &text).map_err(|e| own(Error::invalid(path, e)))?;
+    let parsed = toml::Deserializer::parse(&changed).and_then(strictly);
+    let parsed =
+        parsed.map_err(|e| own(complaint(&changed, path, &e).changed(&changes.told(file)).refusal()))?;
+    Ok((parsed, Digest::of_bytes(changed.as_bytes())))
 }
 
 /// The bytes of `path` as text.
@@ -38,14 +59,13 @@ pub(crate) fn text_of(path: &Path, bytes: Vec<u8>) -> Result<String> {
 /// key, a wrong type, a list where keys belong or an unknown choice, always with the line.
 pub fn parse_toml<T: DeserializeOwned>(text: &str, path: impl AsRef<Path>) -> Result<T> {
     let parsed = toml::Deserializer::parse(text).and_then(strictly);
-    parsed.map_err(|e| refusal(text, path.as_ref(), &e))
+    parsed.map_err(|e| complaint(text, path.as_ref(), &e).refusal())
 }
 
-fn refusal(text: &str, path: &Path, error: &toml::de::Error) -> Error {
+fn complaint<'a>(text: &str, path: &'a Path, error: &'a toml::de::Error) -> Complaint<'a> {
     let start = error.span().map(|span| span.start);
-    let key = start.and_then(|at| key_at(text, at));
-    let line = start.map(|at| line_at(text.as_bytes(), at));
-    Complaint { path, line, key: key.as_deref(), message: error.message() }.refusal()
+    let place = start.map(|at| format!("line {}", line_at(text.as_bytes(), at)));
+    Complaint { path, place, key: start.and_then(|at| key_at(text, at)), message: error.message() }
 }
 
 /// Number, from 1, of the line that holds byte `at`.

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
-use artifact::{Budget, Provenance, Shard};
+use artifact::{Budget, Change, Changes, Provenance, Shard};
 use clap::{Args, ValueEnum};
 
 use crate::failure::Failure;
@@ -25,6 +25,11 @@ pub struct Common {
     /// Uses files of different studies together; what is made of them is labelled as mixed
     #[arg(long, global = true)]
     pub allow_mixed: bool,
+    /// Replaces a value of a hand-written file before it is checked, as in campaign.realizations=100: the file's usual name
+    /// without .toml, the key, the value as in TOML or a plain word; an item of a list by its name or its place from 0.
+    /// May stand more than once
+    #[arg(long, global = true, value_name = "FILE.KEY=VALUE")]
+    pub set: Vec<Change>,
     /// No progress on stderr
     #[arg(long, global = true)]
     pub quiet: bool,
@@ -77,11 +82,18 @@ pub fn given<'a>(path: &'a Option<PathBuf>, flag: &str) -> Result<&'a Path, Fail
 }
 
 impl Common {
+    /// What the hand-written files hold instead of their own values. A key that is there twice was refused before the stage
+    /// began.
+    pub fn changes(&self) -> Changes {
+        Changes::new(self.set.clone()).unwrap_or_default()
+    }
+
     /// Provenance of what stage `stage` writes, without inputs and settings yet.
     pub fn provenance(&self, stage: &str) -> Provenance {
         Provenance {
             producer: format!("{stage} {}", env!("CARGO_PKG_VERSION")),
             allow_mixed: self.allow_mixed,
+            changes: self.changes(),
             ..Provenance::default()
         }
     }

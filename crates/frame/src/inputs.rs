@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use artifact::{Document, Provenance, Work, read_document, read_toml};
+use artifact::{Document, Provenance, Work, read_document};
 use serde::de::DeserializeOwned;
 use study::trajectories::{KeptRuns, Layout, TrajectoryReader};
 use vessel::{Run, Vessel};
@@ -20,14 +20,12 @@ pub fn document<D: Document>(path: &Path, key: &str, provenance: &mut Provenance
     Ok(loaded.data)
 }
 
-/// Reads a hand-written file as the input `key`.
+/// Reads the hand-written file that is usually called `<key>.toml` as the input `key`.
 ///
 /// # Errors
 /// A file that is refused.
 pub fn toml<T: DeserializeOwned>(path: &Path, key: &str, provenance: &mut Provenance) -> Result<T, Failure> {
-    let (file, digest) = read_toml(path)?;
-    provenance.written(key, path, digest)?;
-    Ok(file)
+    Ok(provenance.read_toml(key, key, path)?)
 }
 
 /// Opens trajectories of `vessel` as the input `key`.

@@ -4,13 +4,16 @@
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 
+mod changed;
 pub mod choice;
 pub mod cli;
 pub mod failure;
 pub mod inputs;
 mod interrupted;
+pub mod manual;
 pub mod ordered;
 pub mod progress;
 pub mod said;
 pub mod sharded;
 pub mod stage;
+pub mod verify;

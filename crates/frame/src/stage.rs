@@ -11,6 +11,7 @@ use clap::parser::ValueSource;
 use clap::{Arg, ArgMatches, Args, Command, CommandFactory, FromArgMatches, Parser};
 use serde_json::{Value, json};
 
+use crate::changed::check_changes;
 use crate::cli::{Common, set_budget};
 use crate::failure::Failure;
 use crate::interrupted::listen;
@@ -104,7 +105,10 @@ impl Stage {
             return stage.run(own);
         }
         match (self.parse)(matches).and_then(|task| Ok((task, Common::from_arg_matches(matches)?))) {
-            Ok((task, common)) => run(&*task, &common),
+            Ok((task, common)) => match check_changes(&(self.command)(), matches, &common.set) {
+                Ok(()) => run(&*task, &common),
+                Err(failure) => ended(&failure, common.json),
+            },
             Err(error) => usage(&error),
         }
     }

@@ -4,7 +4,10 @@ mod again;
 mod interval;
 
 pub use again::median_again;
-pub use interval::{mean_interval, paired_median, quantile_interval, quantile_ranks, wilson};
+pub use interval::{
+    mean_interval, paired_median, paired_share_difference, quantile_interval, quantile_ranks,
+    share_difference, wilson,
+};
 
 /// Mean, `None` of nothing.
 pub fn mean(values: &[f64]) -> Option<f64> {

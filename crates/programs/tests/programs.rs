@@ -12,6 +12,7 @@ fn every_program_is_its_stage() {
         ("estimate", env!("CARGO_BIN_EXE_estimate")),
         ("validate", env!("CARGO_BIN_EXE_validate")),
         ("monte-carlo", env!("CARGO_BIN_EXE_monte-carlo")),
+        ("sweep", env!("CARGO_BIN_EXE_sweep")),
         ("plan", env!("CARGO_BIN_EXE_plan")),
         ("sequential", env!("CARGO_BIN_EXE_sequential")),
         ("report", env!("CARGO_BIN_EXE_report")),

@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-use artifact::{Digest, Document, Error, Loaded, MIXED, Provenance, TableReader, read_document, read_toml};
+use artifact::{Changes, Digest, Document, Error, Loaded, MIXED, Provenance, TableReader, read_document};
 use serde::de::DeserializeOwned;
 use study::documents::Reference;
 use study::files::{read_reference, read_vessel};
@@ -22,6 +22,8 @@ pub struct Sources {
     pub scenarios: Vec<PathBuf>,
     /// Whether files of different studies may be shown together; the page says so.
     pub allow_mixed: bool,
+    /// What took the place of the hand-written files' own values when the results were made.
+    pub changes: Changes,
 }
 
 /// A file that may be missing.
@@ -46,7 +48,8 @@ pub(super) struct Loader<'a> {
 
 impl<'a> Loader<'a> {
     pub(super) fn new(sources: &'a Sources) -> Self {
-        let known = Provenance { allow_mixed: sources.allow_mixed, ..Provenance::default() };
+        let (allow_mixed, changes) = (sources.allow_mixed, sources.changes.clone());
+        let known = Provenance { allow_mixed, changes, ..Provenance::default() };
         Self { sources, files: Vec::new(), known, below: BTreeMap::new() }
     }
 
@@ -90,7 +93,7 @@ impl<'a> Loader<'a> {
     pub(super) fn vessel(&mut self) -> Result<Option<Vessel>, Error> {
         let Some(path) = existing(self.sources.study.join("vessel.toml")) else { return Ok(None) };
         let vessel = read_vessel(&path, &mut self.known)?;
-        self.note("vessel.toml", "model structure and parameters", Digest::of_file(&path)?);
+        self.read("vessel.toml", "model structure and parameters");
         Ok(Some(vessel))
     }
 
@@ -107,18 +110,23 @@ impl<'a> Loader<'a> {
     }
 
     fn toml_at<T: DeserializeOwned>(&mut self, path: &Path, name: &str, what: &str) -> Result<T, Error> {
-        let (value, digest) = read_toml(path)?;
-        self.note(name, what, digest);
-        self.known.written(role_of(name), path, digest)?;
+        let value = self.known.read_toml(role_of(name), name.trim_end_matches(".toml"), path)?;
+        self.read(name, what);
         Ok(value)
+    }
+
+    /// Notes the hand-written file `name`, which has been read.
+    fn read(&mut self, name: &str, what: &str) {
+        if let Some(digest) = self.known.inputs.get(role_of(name)) {
+            self.note(name, what, *digest);
+        }
     }
 
     /// What was published elsewhere.
     pub(super) fn reference(&mut self) -> Result<Option<Reference>, Error> {
         let Some(path) = existing(self.sources.study.join("reference.toml")) else { return Ok(None) };
-        let (reference, digest) = read_reference(&path)?;
-        self.note("reference.toml", "published results, to compare with", digest);
-        self.known.written(role_of("reference.toml"), &path, digest)?;
+        let reference = read_reference(&path, role_of("reference.toml"), &mut self.known)?;
+        self.read("reference.toml", "published results, to compare with");
         Ok(Some(reference))
     }
 

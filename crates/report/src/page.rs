@@ -80,7 +80,12 @@ fn of_logs(study: &Study, measured: &Measured, figures: &mut Figures) -> Vec<Sec
 }
 
 fn document(study: &Study, sections: &[Section]) -> Markup {
-    let planned = study.trajectory.is_some();
+    let style = study.trajectory.is_some().then_some(trajectory::STYLE);
+    whole(&format!("{} – {}", study.name, kind(study)), &headline(study), sections, style)
+}
+
+/// The whole document: title, what stands above all sections, these, and a style of their own.
+pub(super) fn whole(title: &str, head: &Markup, sections: &[Section], style: Option<&str>) -> Markup {
     html! {
         (DOCTYPE)
         html lang="en" {
@@ -88,12 +93,12 @@ fn document(study: &Study, sections: &[Section]) -> Markup {
                 meta charset="utf-8";
                 meta name="viewport" content="width=device-width, initial-scale=1";
                 meta name="color-scheme" content="light dark";
-                title { (study.name) " – " (kind(study)) }
-                style { (PreEscaped(STYLE)) @if planned { (PreEscaped(trajectory::STYLE)) } }
+                title { (title) }
+                style { (PreEscaped(STYLE)) @if let Some(own) = style { (PreEscaped(own)) } }
             }
             body {
                 main {
-                    (headline(study))
+                    (head)
                     nav aria-label="Contents" { @for s in sections { a href={ "#" (s.id) } { (s.title) } } }
                     @for s in sections { (s.content) }
                 }

@@ -15,7 +15,6 @@ pub mod plan;
 pub mod pool;
 pub mod simulate;
 pub mod umbrella;
-mod verify;
 
 pub use frame::{choice, cli, failure, inputs, ordered, progress, said, sharded, stage};
 pub use identification::{Estimator, RunEstimate, RunScore};

@@ -1,19 +1,16 @@
 //! `seatrial`: every stage as a subcommand, and what shells and manuals want to know about them.
 
-use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use artifact::{Staged, commit};
 use clap::{Arg, Command, CommandFactory, FromArgMatches, value_parser};
 use clap_complete::Shell;
-use clap_mangen::Man;
+use frame::manual::{completions, manual};
+use frame::verify::Verify;
 
 use crate::commands::STAGES;
 use crate::failure::Failure;
-use crate::said::on_stdout;
 use crate::stage::{dressed, ended, matches};
-use crate::verify::Verify;
 
 /// The program `seatrial`.
 pub fn main() -> ExitCode {
@@ -27,7 +24,9 @@ pub fn main() -> ExitCode {
         Some(("verify", own)) => Verify::from_arg_matches(own)
             .map_err(|e| Failure::Usage(e.to_string()))
             .and_then(|verify| verify.run()),
-        Some(("manual", own)) => manual(own.get_one::<PathBuf>("folder"), command),
+        Some(("manual", own)) => {
+            manual(own.get_one("folder").map_or(Path::new("."), PathBuf::as_path), command)
+        }
         Some((name, own)) => {
             let stage = STAGES.into_iter().find(|stage| stage.command().get_name() == name);
             return stage.map_or(ExitCode::FAILURE, |stage| stage.run(own));
@@ -74,34 +73,4 @@ fn named(command: Command) -> Command {
     });
     let help = lines.collect::<Vec<_>>().join("\n");
     command.after_help(help).mut_subcommands(named)
-}
-
-fn completions(shell: Option<Shell>, mut command: Command) -> Result<(), Failure> {
-    let mut script = Vec::new();
-    if let Some(shell) = shell {
-        clap_complete::generate(shell, &mut command, "seatrial", &mut script);
-    }
-    std::io::stdout().write_all(&script).map_err(|e| Failure::Failed(format!("stdout: {e}")))
-}
-
-fn manual(folder: Option<&PathBuf>, command: Command) -> Result<(), Failure> {
-    let folder = folder.map_or(Path::new("."), PathBuf::as_path);
-    std::fs::create_dir_all(folder).map_err(|e| artifact::Error::io(folder, "create", e))?;
-    let mut command = command.disable_help_subcommand(true);
-    command.build();
-    let mut staged = Vec::new();
-    pages(&command, folder, &mut staged)?;
-    let count = staged.len();
-    commit(staged)?;
-    on_stdout(format_args!("{}: {count} pages", folder.display()));
-    Ok(())
-}
-
-/// A page for `command` and each of its subcommands.
-fn pages(command: &Command, folder: &Path, staged: &mut Vec<Staged>) -> Result<(), Failure> {
-    let man = Man::new(command.clone());
-    let mut page = Vec::new();
-    man.render(&mut page).map_err(|e| Failure::Failed(format!("{}: {e}", man.get_filename())))?;
-    staged.push(Staged::bytes(folder.join(man.get_filename()), &page)?);
-    command.get_subcommands().try_for_each(|own| pages(own, folder, staged))
 }

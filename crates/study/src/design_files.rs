@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use artifact::{Digest, Error, Provenance, read_document, read_json, read_toml};
+use artifact::{Digest, Error, Provenance, read_document, read_json};
 use design::Stock;
 use refusal::check_numbers;
 use serde::Deserialize;
@@ -29,8 +29,7 @@ pub fn read_weights(
     parameters: &[&str],
     provenance: &mut Provenance,
 ) -> Result<Vec<f64>, Error> {
-    let (WeightsFile { weight }, digest) = read_toml::<WeightsFile>(path)?;
-    provenance.written("weights", path, digest)?;
+    let WeightsFile { weight } = provenance.read_toml("weights", "weights", path)?;
     check_weights(&weight, parameters).map_err(|e| invalid(path, &e))?;
     Ok(parameters.iter().map(|p| weight.get(*p).copied().unwrap_or(0.0)).collect())
 }
@@ -56,8 +55,13 @@ fn check_weights(written: &BTreeMap<String, f64>, parameters: &[&str]) -> Result
 /// A file that is refused, a maneuver that is not among `maneuvers` or that is limited twice, a negative time.
 pub fn read_stock(path: &Path, maneuvers: &[String], provenance: &mut Provenance) -> Result<Stock, Error> {
     let json = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("json"));
-    let (stock, digest) = if json { stock_of_json(path)? } else { read_toml::<Stock>(path)? };
-    provenance.written("available", path, digest)?;
+    let stock = if json {
+        let (stock, digest) = stock_of_json(path)?;
+        provenance.written("available", path, digest)?;
+        stock
+    } else {
+        provenance.read_toml("available", "available", path)?
+    };
     check_stock(&stock, maneuvers).map_err(|e| invalid(path, &e))?;
     Ok(stock)
 }
@@ -107,9 +111,8 @@ struct LimitsFile {
 /// # Errors
 /// A file that is refused; a limit of an unknown input, or one that is not above 0.
 pub fn read_limits(path: &Path, inputs: &[&str], provenance: &mut Provenance) -> Result<StatedLimits, Error> {
-    let (file, digest) = read_toml::<LimitsFile>(path)?;
-    provenance.written("limits", path, digest)?;
-    let LimitsFile { u_m_s, v_m_s, r_rad_s, inputs: amplitudes, rates } = file;
+    let LimitsFile { u_m_s, v_m_s, r_rad_s, inputs: amplitudes, rates } =
+        provenance.read_toml("limits", "limits", path)?;
     let limits = StatedLimits { states: [u_m_s, v_m_s, r_rad_s], inputs: amplitudes, rates };
     check_limits(&limits, inputs).map_err(|e| invalid(path, &e))?;
     Ok(limits)

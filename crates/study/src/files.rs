@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use artifact::{Digest, Provenance, read_document, read_toml};
+use artifact::{Digest, Provenance, read_document};
 use vessel::{DictionaryFile, Generator, Invalid, Vessel, VesselFile};
 
 use crate::campaign_file::CampaignFile;
@@ -19,8 +19,7 @@ pub fn read_vessel(path: &Path, provenance: &mut Provenance) -> Result<Vessel, E
         provenance.written("vessel", path, model.digest)?;
         return model.data.vessel().map_err(|e| crate::invalid(path, &e));
     }
-    let (file, digest) = read_toml::<VesselFile>(path)?;
-    provenance.written("vessel", path, digest)?;
+    let file: VesselFile = provenance.read_toml("vessel", "vessel", path)?;
     Vessel::from_file(file).map_err(|e| crate::invalid(path, &e))
 }
 
@@ -46,38 +45,34 @@ pub fn read_dictionary(
     vessel: &Vessel,
     provenance: &mut Provenance,
 ) -> Result<Generator, Error> {
-    let (file, digest) = read_toml::<DictionaryFile>(path)?;
-    provenance.written("dictionary", path, digest)?;
+    let file: DictionaryFile = provenance.read_toml("dictionary", "dictionary", path)?;
     generator(path, vessel, &file, provenance)
 }
 
 /// Reads `campaign.toml` and notes its digest.
 pub fn read_campaign(path: &Path, provenance: &mut Provenance) -> Result<CampaignFile, Error> {
-    let (file, digest) = read_toml::<CampaignFile>(path)?;
-    provenance.written("campaign", path, digest)?;
+    let file: CampaignFile = provenance.read_toml("campaign", "campaign", path)?;
     file.check().map_err(|e| crate::invalid(path, &e))?;
     Ok(file)
 }
 
 /// Reads `ingest.toml` and notes its digest.
 pub fn read_ingest(path: &Path, provenance: &mut Provenance) -> Result<IngestFile, Error> {
-    let (file, digest) = read_toml::<IngestFile>(path)?;
-    provenance.written("config", path, digest)?;
+    let file: IngestFile = provenance.read_toml("config", "ingest", path)?;
     file.check().map_err(|e| crate::invalid(path, &e))?;
     Ok(file)
 }
 
-/// Reads `reference.toml`, with its digest.
-pub fn read_reference(path: &Path) -> Result<(Reference, Digest), Error> {
-    let (file, digest) = read_toml::<Reference>(path)?;
+/// Reads `reference.toml` and notes its digest as the input `role`.
+pub fn read_reference(path: &Path, role: &str, provenance: &mut Provenance) -> Result<Reference, Error> {
+    let file: Reference = provenance.read_toml(role, "reference", path)?;
     file.check().map_err(|e| crate::invalid(path, &e))?;
-    Ok((file, digest))
+    Ok(file)
 }
 
 /// Reads `sequential.toml` and notes its digest.
 pub fn read_sequential(path: &Path, provenance: &mut Provenance) -> Result<SequentialFile, Error> {
-    let (file, digest) = read_toml::<SequentialFile>(path)?;
-    provenance.written("config", path, digest)?;
+    let file: SequentialFile = provenance.read_toml("config", "sequential", path)?;
     file.check().map_err(|e| crate::invalid(path, &e))?;
     Ok(file)
 }

@@ -21,6 +21,7 @@ pub mod scores;
 mod seed;
 pub mod selection;
 pub mod sequential;
+pub mod sweep;
 pub mod tallies;
 mod term_lists;
 pub mod track;

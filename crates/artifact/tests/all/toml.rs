@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use artifact::{Digest, Error, Result, parse_toml, read_toml};
+use artifact::{Change, Changes, Digest, Error, Provenance, Result, parse_toml, read_toml};
 use serde::Deserialize;
 
 use crate::sample::{folder, refusal};
@@ -111,4 +111,55 @@ fn a_file_that_is_not_text_is_refused() {
     let path = folder.path().join("study.toml");
     std::fs::write(&path, b"a = 1\nb = \"\xe4\"\n").unwrap();
     assert!(refusal(read_toml::<Study>(&path)).contains("found a byte that is not UTF-8 (line 2)"));
+}
+
+/// The study in `text` with `changes`, and what is noted of it.
+fn changed(text: &str, changes: &[&str]) -> Result<(Study, Provenance)> {
+    let folder = folder();
+    let path = folder.path().join("any.toml");
+    std::fs::write(&path, text).unwrap();
+    let changes = changes.iter().map(|change| change.parse::<Change>().unwrap()).collect();
+    let mut provenance = Provenance { changes: Changes::new(changes).unwrap(), ..Provenance::default() };
+    let study = provenance.read_toml::<Study>("config", "study", &path)?;
+    Ok((study, provenance))
+}
+
+#[test]
+fn law_changes_make_what_would_be_written() {
+    let good = GOOD.replace("18446744073709551615", "7");
+    let text = format!("{good}[[maneuver]]\nname = \"a b\"\n[limits]\nu = 1\n");
+    let changes =
+        ["study.shape=square", "study.maneuver.\"a b\".name=c", "study.limits.\"x.y\"=2.5", "other.seed=9"];
+    let (study, provenance) = changed(&text, &changes).unwrap();
+    let written = text.replace("sine", "square").replace("a b", "c") + "\"x.y\" = 2.5\n";
+    assert_eq!(study, parse(&written).unwrap());
+    let set = serde_json::json!({"study.shape": "square", "study.maneuver.\"a b\".name": "c", "study.limits.\"x.y\"": 2.5});
+    assert_eq!(provenance.settings["set"], set);
+    // What the file says decides the digest, not how or in which order it came to say it.
+    let other = [changes[2], changes[1], changes[0]];
+    let again = changed(&text.replace("# rate", "# the rate"), &other).unwrap().1;
+    assert_eq!(again.inputs, provenance.inputs);
+    assert_ne!(again.inputs["config"], Digest::of_bytes(text.as_bytes()));
+    let same = changed(&text, &["other.seed=9"]).unwrap().1;
+    assert_eq!((same.inputs["config"], same.settings.len()), (Digest::of_bytes(text.as_bytes()), 0));
+}
+
+#[test]
+fn changes_of_what_is_not_there_are_refused() {
+    let good = GOOD.replace("18446744073709551615", "7");
+    let refused = |text: &str, change: &str| refusal(changed(text, &[change]).map(|(study, _)| study));
+    let line = refused(&good, "study.sample_rate=9");
+    assert!(line.contains("any.toml: key: found key `sample_rate` (with study.sample_rate=9)"), "{line}");
+    let line = refused(&format!("{good}[[maneuver]]\nname = \"a\"\n"), "study.maneuver.b.name=c");
+    assert!(line.contains("`study.maneuver.b.name`: found `b`, expected a; did you mean `a`?"), "{line}");
+    let line = refused(&good, "study.seed.x=1");
+    assert!(line.contains("found `x` below 7, expected keys below a table or a list"), "{line}");
+    // What is wrong with the file itself is told with its line; what TOML's tables cannot hold, with its reason.
+    assert!(refused(&format!("{good}sed = 1\n"), "study.seed=1").contains("`sed` (line 5)"));
+    assert!(refused(GOOD, "study.shape=sine").contains("any.toml: text: found"));
+    for none in ["study=1", "study.seed", "study..seed=1", "=1", "a.b\nc=1", "a.{b}=1"] {
+        assert!(none.parse::<Change>().is_err(), "{none:?}");
+    }
+    let twice = ["a.b=1", "a.\"b\"=2"].map(|change| change.parse::<Change>().unwrap());
+    assert!(Changes::new(twice.to_vec()).is_err());
 }

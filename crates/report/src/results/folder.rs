@@ -59,5 +59,7 @@ pub(super) fn seed_of(provenance: &Provenance) -> Option<u64> {
 pub(super) fn reference(written: Option<&Path>, name: &str) -> Result<Option<Reference>, Error> {
     let study = name.split(' ').next().unwrap_or(name);
     let path = written.map(|written| written.join(study).join("reference.toml"));
-    path.and_then(existing).map(|path| Ok(read_reference(&path)?.0)).transpose()
+    path.and_then(existing)
+        .map(|path| read_reference(&path, "reference", &mut Provenance::default()))
+        .transpose()
 }

@@ -31,7 +31,8 @@ fn drawn() -> String {
 fn page(folder: &Path, map: &str) -> Result<String, String> {
     std::fs::write(folder.join("map.svg"), map).unwrap();
     let (study, results) = (folder.to_owned(), folder.to_owned());
-    let sources = Sources { study, dictionary: None, results, scenarios: Vec::new(), allow_mixed: false };
+    let (scenarios, changes) = (Vec::new(), artifact::Changes::default());
+    let sources = Sources { study, dictionary: None, results, scenarios, allow_mixed: false, changes };
     load(&sources).map(|study| render(&study).html).map_err(|refused| refused.to_string())
 }
 

@@ -86,10 +86,11 @@ impl Arguments {
     /// The model to compare with, which must have the channels of `vessel`.
     fn against(&self, vessel: &Vessel, provenance: &mut Provenance) -> Result<Option<Vessel>, Failure> {
         let Some(path) = &self.against else { return Ok(None) };
-        let mut own = Provenance::default();
+        let mut own = Provenance { changes: provenance.changes.clone(), ..Provenance::default() };
         let other = read_vessel(path, &mut own)?;
         provenance.inputs.extend(own.inputs.into_values().map(|digest| ("against".to_owned(), digest)));
         provenance.read.extend(own.read);
+        provenance.settings.extend(own.settings);
         let same =
             other.model.variables == vessel.model.variables && other.sample_rate_hz == vessel.sample_rate_hz;
         let (found, expected) = ("other channels or another rate", "those of --model");

@@ -15,6 +15,7 @@ mod search;
 mod selection;
 mod sequential;
 mod simulate;
+mod sweep;
 mod unidentified;
 mod validate;
 
@@ -46,6 +47,9 @@ pub const VALIDATE: Stage = Stage::of::<validate::Arguments>().with(&[
     Stage::of::<cross::Arguments>(),
     Stage::of::<selection::Arguments>(),
 ]);
+/// A study over a grid of its values.
+pub const SWEEP: Stage =
+    Stage::group::<sweep::Arguments>(&[Stage::of::<sweep::Cells>(), Stage::of::<sweep::Collect>()]);
 /// One trajectory that uses every maneuver as often as the design wants.
 pub const PLAN: Stage = Stage::of::<plan::Arguments>();
 /// Trials designed in rounds.
@@ -55,5 +59,16 @@ pub const REPORT: Stage =
     Stage::of::<report::Arguments>().with(&[Stage::of::<report::Results>(), Stage::of::<report::Picture>()]);
 
 /// Every stage, in the order in which a study runs them.
-pub const STAGES: [&Stage; 10] =
-    [&SIMULATE, &INGEST, &MOMENTS, &DESIGN, &ESTIMATE, &VALIDATE, &MONTE_CARLO, &PLAN, &SEQUENTIAL, &REPORT];
+pub const STAGES: [&Stage; 11] = [
+    &SIMULATE,
+    &INGEST,
+    &MOMENTS,
+    &DESIGN,
+    &ESTIMATE,
+    &VALIDATE,
+    &MONTE_CARLO,
+    &SWEEP,
+    &PLAN,
+    &SEQUENTIAL,
+    &REPORT,
+];

@@ -2,13 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::cli::{Common, folder_of, in_folder};
+use crate::cli::{Common, folder_of, given, in_folder};
 use crate::failure::Failure;
 use crate::stage::{Summary, Task};
 use artifact::{Staged, commit};
 use clap::Parser;
 use report::results::{Folders, tables};
-use report::{Sources, load, picture, render};
+use report::{Sources, load, picture, render, render_sweep};
 use serde_json::json;
 
 /// Inputs that an output could replace: folders alone are read.
@@ -65,31 +65,36 @@ pub struct Picture {
 )]
 pub struct Arguments {
     /// Folder of the study's hand-written files
-    #[arg(long, value_name = "FOLDER")]
-    study: PathBuf,
+    #[arg(long, value_name = "FOLDER", required_unless_present = "sweep")]
+    study: Option<PathBuf>,
     /// The maneuvers, where they are not in the study's folder
     #[arg(long, value_name = "dictionary.toml")]
     dictionary: Option<PathBuf>,
     /// Folder that the stages wrote into; what is missing there is said on the page
-    #[arg(long, value_name = "FOLDER")]
-    results: PathBuf,
+    #[arg(long, value_name = "FOLDER", required_unless_present = "sweep")]
+    results: Option<PathBuf>,
     /// Results of studies that compare estimators, to be put side by side
     #[arg(long, value_name = "FOLDER", num_args = 1..)]
     scenarios: Vec<PathBuf>,
+    /// A sweep, instead of a study
+    #[arg(long, value_name = "sweep.json", conflicts_with_all = ["study", "dictionary", "results", "scenarios"])]
+    sweep: Option<PathBuf>,
 }
 
 impl Task for Arguments {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
-        let sources = Sources {
-            study: self.study.clone(),
-            dictionary: self.dictionary.clone(),
-            results: self.results.clone(),
-            scenarios: self.scenarios.clone(),
-            allow_mixed: common.allow_mixed,
+        let page = match &self.sweep {
+            Some(path) => render_sweep(&artifact::read_document(path)?),
+            None => render(&load(&Sources {
+                study: given(&self.study, "study")?.to_owned(),
+                dictionary: self.dictionary.clone(),
+                results: given(&self.results, "results")?.to_owned(),
+                scenarios: self.scenarios.clone(),
+                allow_mixed: common.allow_mixed,
+                changes: common.changes(),
+            })?),
         };
-        let study = load(&sources)?;
-        let page = render(&study);
-        let out = common.main_output("report.html", NO_FILES)?;
+        let out = common.main_output("report.html", &self.sweep)?;
         let figures = folder_of(&out).join("figures");
         in_folder(&figures, || {
             let html = std::iter::once_with(|| Staged::bytes(&out, page.html.as_bytes()));

@@ -104,8 +104,7 @@ impl Arguments {
     /// Where the figures of a published selection study end.
     fn published(&self, provenance: &mut Provenance) -> Result<Option<PublishedLimits>, Failure> {
         let Some(file) = &self.reference else { return Ok(None) };
-        let (reference, digest) = read_reference(file)?;
-        provenance.written("reference", file, digest)?;
+        let reference = read_reference(file, "reference", provenance)?;
         Ok(reference.selection.as_ref().map(PublishedLimits::from))
     }
 

@@ -4,6 +4,7 @@
 mod support;
 
 mod budgets;
+mod changed;
 mod command_line;
 mod criteria;
 mod documents;
@@ -22,3 +23,4 @@ mod refusals_output;
 mod refusals_toml;
 mod same_bytes;
 mod sequential;
+mod sweep;

@@ -1,6 +1,7 @@
 //! The documents that the stages exchange, as they stand in the files.
 
 mod average;
+mod cells;
 mod compare;
 mod constrained;
 mod crossval;
@@ -21,6 +22,7 @@ mod sequential;
 mod simulated;
 mod solved;
 mod statements;
+mod sweep;
 mod tally;
 mod titles;
 mod trust;
@@ -32,12 +34,13 @@ use artifact::{Document, json_schema};
 pub use ::design::Degree;
 pub use ::validation::crossval::{EstimatorScore, SourceScore};
 pub use ::validation::selection::{PublishedLimits, SelectionErrors, SelectionScores, SharesBeyond};
-pub use ::validation::tally::Bounds;
+pub use ::validation::tally::{Bounds, ShareDifference};
 pub use identification::pooled::{DegreeTrust, FreeRunErrors, ParameterTrust, SourceErrors};
 pub use identification::{Quantiles, Share};
 pub use trial::moments::{DegreeMoments, ManeuverMoments, Moments};
 
 pub use average::{AverageDocument, AverageMember, AverageSummary, AverageTerm};
+pub use cells::{CellsDocument, SweepAxis, SweepCell, SweepDesign, SweepLine};
 pub use compare::{CompareDocument, traces};
 pub use constrained::ConstrainedParameter;
 pub use crossval::CrossvalDocument;
@@ -66,6 +69,7 @@ pub use selection::SelectionDocument;
 pub use sequential::SequentialDocument;
 pub use simulated::{SIMULATED_FILE, SimulatedLogsDocument, SimulatedRecording};
 pub use solved::{Few, Solved};
+pub use sweep::{RefusedCell, SweepDocument, SweptCell, SweptLine};
 pub use tally::{PairedRatio, TallyDocument};
 pub use trust::TrustDocument;
 pub use validation::{
@@ -82,6 +86,8 @@ pub fn schemas() -> Vec<(&'static str, serde_json::Value)> {
         (IngestDocument::ID, json_schema::<IngestDocument>()),
         (ValidationDocument::ID, json_schema::<ValidationDocument>()),
         (TallyDocument::ID, json_schema::<TallyDocument>()),
+        (CellsDocument::ID, json_schema::<CellsDocument>()),
+        (SweepDocument::ID, json_schema::<SweepDocument>()),
         (PlanDocument::ID, json_schema::<PlanDocument>()),
         (ModelDocument::ID, json_schema::<ModelDocument>()),
         (AverageDocument::ID, json_schema::<AverageDocument>()),

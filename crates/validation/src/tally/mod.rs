@@ -2,9 +2,11 @@
 //! take no more memory for more runs.
 
 mod counted;
+mod difference;
 mod exact;
 mod histogram;
 
 pub use counted::{Bounds, Counted, Errors, PairCounts, Tally};
+pub use difference::ShareDifference;
 pub use exact::ExactSum;
 pub use histogram::{Histogram, QUANTILE_ERROR};

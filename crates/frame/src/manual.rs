@@ -1,0 +1,49 @@
+//! What shells and manuals want to know about a command line.
+
+use std::io::Write;
+use std::path::Path;
+
+use artifact::{Staged, commit};
+use clap::Command;
+use clap_complete::Shell;
+use clap_mangen::Man;
+
+use crate::failure::Failure;
+use crate::said::on_stdout;
+
+/// Prints what `shell` completes the command lines of `command` with.
+///
+/// # Errors
+/// Output that fails.
+pub fn completions(shell: Option<Shell>, mut command: Command) -> Result<(), Failure> {
+    let (mut script, name) = (Vec::new(), command.get_name().to_owned());
+    if let Some(shell) = shell {
+        clap_complete::generate(shell, &mut command, name, &mut script);
+    }
+    std::io::stdout().write_all(&script).map_err(|e| Failure::Failed(format!("stdout: {e}")))
+}
+
+/// Writes the manual pages of `command` and its subcommands into `folder`.
+///
+/// # Errors
+/// Output that fails.
+pub fn manual(folder: &Path, command: Command) -> Result<(), Failure> {
+    std::fs::create_dir_all(folder).map_err(|e| artifact::Error::io(folder, "create", e))?;
+    let mut command = command.disable_help_subcommand(true);
+    command.build();
+    let mut staged = Vec::new();
+    pages(&command, folder, &mut staged)?;
+    let count = staged.len();
+    commit(staged)?;
+    on_stdout(format_args!("{}: {count} pages", folder.display()));
+    Ok(())
+}
+
+/// A page for `command` and each of its subcommands.
+fn pages(command: &Command, folder: &Path, staged: &mut Vec<Staged>) -> Result<(), Failure> {
+    let man = Man::new(command.clone());
+    let mut page = Vec::new();
+    man.render(&mut page).map_err(|e| Failure::Failed(format!("{}: {e}", man.get_filename())))?;
+    staged.push(Staged::bytes(folder.join(man.get_filename()), &page)?);
+    command.get_subcommands().try_for_each(|own| pages(own, folder, staged))
+}

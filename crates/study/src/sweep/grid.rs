@@ -1,0 +1,118 @@
+use std::path::{Path, PathBuf};
+
+use artifact::{Change, Changes, Error, Provenance};
+use serde_json::json;
+use toml::Value;
+use vessel::Invalid;
+
+use super::SweepFile;
+use crate::documents::{CellsDocument, SweepAxis, SweepCell, SweepDesign};
+use crate::files::{read_campaign, read_dictionary, read_simulated};
+
+/// The files that a grid may vary, in the order in which they are read.
+const FILES: [&str; 3] = ["vessel", "dictionary", "campaign"];
+/// Cells that a grid may have.
+const MOST: usize = 100_000;
+
+/// The cells of the sweep that is written in `path`: each of the grid, the last axis running fastest.
+///
+/// # Errors
+/// A file that is refused; a key of no file; a grid of which the study's files refuse every cell, as they do where there is
+/// no such key.
+pub fn cells(path: &Path, file: &SweepFile, provenance: &mut Provenance) -> Result<CellsDocument, Error> {
+    let refuse = |invalid: Invalid| crate::invalid(path, &invalid);
+    let axes = file.axes().map_err(refuse)?;
+    let count = axes.iter().try_fold(1_usize, |all, (_, values)| all.checked_mul(values.len()));
+    let Some(count) = count.filter(|count| *count <= MOST) else {
+        let (found, expected) = ("more cells", format!("at most {MOST}"));
+        return Err(crate::refuse(path, "`grid`", found, &expected, "vary less at once"));
+    };
+    let files = file.files(path);
+    // As they are, for what is wrong with them is no cell's fault.
+    read(&files, provenance)?;
+    let mut designs = Vec::new();
+    let mut cells: Vec<SweepCell> = Vec::with_capacity(count);
+    let mut first = None;
+    for number in 0..count {
+        let at = place(number, &axes);
+        let changes = changes(&at, &axes).map_err(refuse)?;
+        let mut own = Provenance { changes: changes.clone(), ..Provenance::default() };
+        let refused = read(&files, &mut own).err();
+        cells.push(SweepCell {
+            name: format!("cell-{number:05}"),
+            at,
+            set: flags(&changes, &FILES),
+            design: design(&mut designs, &changes),
+            inputs: own.inputs,
+            refused: refused.as_ref().map(ToString::to_string),
+        });
+        first = first.or(refused);
+    }
+    match first.filter(|_| cells.iter().all(|cell| cell.refused.is_some())) {
+        Some(refusal) => Err(refusal),
+        None => Ok(CellsDocument {
+            study: file.study.clone(),
+            dictionary: file.dictionary(),
+            axes: axes.into_iter().map(axis).collect(),
+            shards: file.shards,
+            baseline: file.baseline.clone(),
+            moments: file.moments_flags.clone(),
+            design: file.design_flags.clone(),
+            monte_carlo: file.monte_carlo(),
+            designs,
+            cells,
+        }),
+    }
+}
+
+fn axis((key, values): (String, Vec<Value>)) -> SweepAxis {
+    SweepAxis { key, values: values.iter().map(|value| json!(value)).collect() }
+}
+
+/// Reads the study's files as the stages do.
+fn read([vessel, dictionary, campaign]: &[PathBuf; 3], provenance: &mut Provenance) -> Result<(), Error> {
+    let vessel = read_simulated(vessel, provenance)?;
+    read_dictionary(dictionary, &vessel, provenance)?;
+    read_campaign(campaign, provenance)?;
+    Ok(())
+}
+
+/// The place on each axis of cell `number`.
+fn place(mut number: usize, axes: &[(String, Vec<Value>)]) -> Vec<usize> {
+    let mut at: Vec<usize> = Vec::with_capacity(axes.len());
+    for (_, values) in axes.iter().rev() {
+        at.push(number % values.len());
+        number /= values.len();
+    }
+    at.reverse();
+    at
+}
+
+/// What is set at `at`.
+fn changes(at: &[usize], axes: &[(String, Vec<Value>)]) -> Result<Changes, Invalid> {
+    let one = |(place, (key, values)): (&usize, &(String, Vec<Value>))| {
+        let change = Change::new(key, values[*place].clone())?;
+        match FILES.contains(&change.file()) {
+            true => Ok(change),
+            false => Err(Invalid::unknown(format!("`grid.{key}`"), change.file(), FILES)),
+        }
+    };
+    Changes::new(at.iter().zip(axes).map(one).collect::<Result<_, _>>()?)
+}
+
+/// `--set` for what is set in `files`.
+fn flags(changes: &Changes, files: &[&str]) -> Vec<String> {
+    let own = changes.iter().filter(|change| files.contains(&change.file()));
+    own.flat_map(|change| ["--set".to_owned(), change.to_string()]).collect()
+}
+
+/// The name of the design for these changes, which is a new one where none before had the same vessel and maneuvers.
+fn design(designs: &mut Vec<SweepDesign>, changes: &Changes) -> String {
+    let [vessel, dictionary] = [&FILES[..1], &FILES[..2]].map(|files| flags(changes, files));
+    if let Some(known) = designs.iter().find(|known| known.dictionary == dictionary) {
+        return known.name.clone();
+    }
+    let name = format!("design-{:05}", designs.len());
+    designs.push(SweepDesign { name: name.clone(), vessel, dictionary });
+    name
+}
