@@ -3,6 +3,7 @@
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 
+mod beyond;
 pub mod campaign_file;
 pub mod design_files;
 pub mod documents;
@@ -29,6 +30,7 @@ pub mod trajectories;
 mod tried;
 mod validated;
 
+pub use beyond::beyond;
 pub use files::{beside, role_of};
 pub use identification::pooled::listed;
 pub use recommendation::recommendations;

@@ -42,7 +42,7 @@ fn law_an_inverse_inverts_and_a_singular_block_is_none() {
 #[test]
 fn law_rows_taken_in_order_invert_too_where_pivots_are_large() {
     for n in 1..6 {
-        let entry = |k: usize| if k % (n + 1) == 0 { 1.0 } else { 0.3 * ((7 * k + 3) as f64).sin() };
+        let entry = |k: usize| if k.is_multiple_of(n + 1) { 1.0 } else { 0.3 * ((7 * k + 3) as f64).sin() };
         let a: Vec<f64> = (0..n * n).map(entry).collect();
         let (mut exchanged, mut in_order) = (vec![0.0; n * n], vec![0.0; n * n]);
         numerics::inverse(n, &mut a.clone(), &mut exchanged).unwrap();
@@ -54,7 +54,7 @@ fn law_rows_taken_in_order_invert_too_where_pivots_are_large() {
         );
         assert!(pivots.iter().step_by(n + 1).all(|pivot| pivot.abs() > 0.1));
         let product = numerics::product(n, &a, &in_order);
-        let off = |k: usize| product[k] - if k % (n + 1) == 0 { 1.0 } else { 0.0 };
+        let off = |k: usize| product[k] - if k.is_multiple_of(n + 1) { 1.0 } else { 0.0 };
         assert!((0..n * n).all(|k| off(k).abs() < 1e-13));
     }
 }

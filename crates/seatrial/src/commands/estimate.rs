@@ -15,7 +15,6 @@ use study::trajectories::TrajectoryReader;
 use vessel::{Invalid, Run, Vessel, nearest};
 
 use super::earlier::is_of;
-use super::unidentified::refuse_if_none;
 use crate::choice::choice;
 use crate::cli::{Common, Sharding, beside, given, member};
 use crate::failure::Failure;
@@ -130,8 +129,10 @@ impl Arguments {
             joined_blocks(reader.blocks()),
             |i| joined(i, reader.blocks(), block),
         )?;
-        if self.sharding.shard.is_none() {
-            refuse_if_none(&estimators, file, &reader, &made.rows)?;
+        if self.sharding.shard.is_none()
+            && let Some(why) = estimates::unidentified(&estimators, &reader, &made.rows)?
+        {
+            return Err(Failure::NoAnswer(format!("{}: {why}", file.display())));
         }
         let model = self.model(&estimators, file, &reader, &made.rows)?;
         Ok((made, model))

@@ -16,7 +16,6 @@ mod selection;
 mod sequential;
 mod simulate;
 mod sweep;
-mod unidentified;
 mod validate;
 
 use crate::stage::Stage;

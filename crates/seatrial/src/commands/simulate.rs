@@ -7,7 +7,7 @@ use crate::cli::{Common, Sharding, beside, given};
 use crate::failure::Failure;
 use crate::inputs;
 use crate::plan::MAIN;
-use crate::simulate::{CampaignFlags, Files, beyond, check_campaign, logs, write_campaign, write_maneuvers};
+use crate::simulate::{CampaignFlags, Files, check_campaign, logs, write_campaign, write_maneuvers};
 use crate::stage::{Summary, Task};
 use artifact::{Provenance, Shard, commit, gather};
 use clap::Parser;
@@ -169,7 +169,7 @@ fn undisturbed(
         told["left_out"] = left_out.collect::<serde_json::Map<_, _>>().into();
     }
     let said = format!("{tally}{}", shard_of(provenance));
-    Ok(with(beyond(vessel, out)?, out, said, told))
+    Ok(with(study::beyond(vessel, out)?, out, said, told))
 }
 
 impl Task for Campaign {
@@ -255,7 +255,7 @@ fn disturbed(
     let samples = campaign.samples();
     let told = json!({"runs": runs, "samples": samples});
     let said = format!("{runs} runs of {samples} samples{}", shard_of(provenance));
-    Ok(with(beyond(files.vessel, out)?, out, said, told))
+    Ok(with(study::beyond(files.vessel, out)?, out, said, told))
 }
 
 /// Which part of the whole this is, for people.

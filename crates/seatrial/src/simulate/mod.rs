@@ -1,10 +1,8 @@
 //! `simulate`: trajectories of dictionaries, campaigns and validation maneuvers.
 
-mod beyond;
 mod flags;
 pub mod logs;
 
-pub use beyond::beyond;
 pub use flags::{CampaignFlags, CampaignInputs};
 
 use std::ops::Range;

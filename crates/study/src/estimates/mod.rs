@@ -1,6 +1,7 @@
 //! The table of estimates: one row per run.
 
 mod summary;
+mod unidentified;
 
 use std::path::Path;
 
@@ -10,6 +11,7 @@ use vessel::{DegreeOfFreedom, Vessel};
 
 pub use identification::RunEstimate as Row;
 pub use summary::{CRITICISED, criticised, distinct, estimators, summarize};
+pub use unidentified::unidentified;
 
 /// Schema id of estimates.
 pub const ID: &str = "estimates";

@@ -2,20 +2,20 @@
 
 use std::path::Path;
 
-use study::files::read_model;
-use study::trajectories::{Layout, TrajectoryReader};
+use artifact::Error;
 use validation::comparison::{Counter, Outside, Validity};
 use vessel::Run;
 
-use crate::failure::Failure;
+use crate::files::read_model;
+use crate::trajectories::{Layout, TrajectoryReader};
 
 /// What to know of the runs in `out` that the model in the file `model` simulated; nothing where it is a vessel.toml.
 ///
 /// # Errors
 /// Files that cannot be read.
-pub fn beyond(model: &Path, out: &Path) -> Result<Vec<String>, Failure> {
+pub fn beyond(model: &Path, out: &Path) -> Result<Vec<String>, Error> {
     let Some(model) = read_model(model)? else { return Ok(Vec::new()) };
-    let vessel = model.vessel().map_err(|e| Failure::invalid(out, &e))?;
+    let vessel = model.vessel().map_err(|e| crate::invalid(out, &e))?;
     let (layout, rate_hz) = (Layout::new(&vessel.model), vessel.sample_rate_hz);
     let reader = TrajectoryReader::open(out, &layout, rate_hz)?;
     let (mut counter, mut validity) = (Counter::new(&model.covered), None);

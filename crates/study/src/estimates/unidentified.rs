@@ -1,28 +1,25 @@
-//! What `estimate` says where no run has an estimate.
+//! What is said where no run has an estimate.
 
-use std::path::Path;
-
+use artifact::Error;
 use identification::EstimateStatus;
 use identification::runs::RunEstimators;
-use study::estimates::Row;
-use study::trajectories::TrajectoryReader;
 use vessel::{DegreeOfFreedom, Vessel};
 
-use crate::failure::Failure;
+use super::Row;
+use crate::trajectories::TrajectoryReader;
 
-/// Refuses runs none of which has an estimate.
+/// Why none of the runs has an estimate: what makes the first of measured runs not identifiable; else how many searches ended
+/// nowhere, or the parameter that no run excites. `None` where some have one.
 ///
 /// # Errors
-/// No answer: why the first of measured runs is not identifiable; else how many searches ended nowhere, or the parameter that
-/// no run excites. A block that is damaged.
-pub fn refuse_if_none(
+/// A block that is damaged.
+pub fn unidentified(
     estimators: &RunEstimators,
-    file: &Path,
     reader: &TrajectoryReader,
     rows: &[Row],
-) -> Result<(), Failure> {
+) -> Result<Option<String>, Error> {
     if rows.is_empty() || rows.iter().any(|r| r.estimate.is_some()) {
-        return Ok(());
+        return Ok(None);
     }
     let searched = rows.iter().filter(|r| r.status == EstimateStatus::NotConverged).count();
     let first = reader.runs(0)?;
@@ -41,7 +38,7 @@ pub fn refuse_if_none(
         ),
         None => unexcited(estimators.vessel, &rows[0]),
     };
-    Err(Failure::NoAnswer(format!("{}: {why}", file.display())))
+    Ok(Some(why))
 }
 
 /// The parameter that the run does not excite.
