@@ -134,7 +134,7 @@ fn shares_that_are_none_are_refused_by_every_reader() {
     };
     changed(&|share| if share == 0.0 { -5.0 } else { share }, &["found -5", "a share from 0 to 1"]);
     changed(&|share| 7.0 * share, &["a share from 0 to 1"]);
-    changed(&|share| 0.5 * share, &["sum of `data.shares`", "found 0.5", "expected 1;"]);
+    changed(&|share| 0.25 * share, &["sum of `data.shares`", "found 0.2", "expected 1;"]);
 }
 
 #[test]
