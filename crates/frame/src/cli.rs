@@ -1,5 +1,6 @@
 //! Flags that all stages share.
 
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
@@ -98,11 +99,30 @@ impl Common {
         }
     }
 
-    /// The main output: `--out`, or `name` in it where it is a folder. It may be none of `inputs`.
+    /// The main output: `--out`, or `name` in it where it is a folder. It may be none of `inputs`, and its folder must be there:
+    /// that it is not is no surprise for the end of the work.
+    ///
+    /// # Errors
+    /// Usage, naming the input that would be overwritten; no such folder.
+    pub fn main_output<I: AsRef<Path>>(
+        &self,
+        name: &str,
+        inputs: impl IntoIterator<Item = I>,
+    ) -> Result<PathBuf, Failure> {
+        let out = self.output_in_any_folder(name, inputs)?;
+        let folder = if folder_of(&out).as_os_str().is_empty() { Path::new(".") } else { folder_of(&out) };
+        match std::fs::metadata(folder) {
+            Ok(found) if found.is_dir() => Ok(out),
+            Ok(_) => Err(artifact::Error::io(out, "create", ErrorKind::NotADirectory.into()).into()),
+            Err(error) => Err(artifact::Error::io(out, "create", error).into()),
+        }
+    }
+
+    /// [`Common::main_output`] of stages that make the folder.
     ///
     /// # Errors
     /// Usage, naming the input that would be overwritten.
-    pub fn main_output<I: AsRef<Path>>(
+    pub fn output_in_any_folder<I: AsRef<Path>>(
         &self,
         name: &str,
         inputs: impl IntoIterator<Item = I>,

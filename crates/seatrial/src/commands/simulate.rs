@@ -272,7 +272,8 @@ impl Task for Logs {
         let seed = common.seed.unwrap_or(config.seed);
         provenance.settings.insert("seed".into(), json!(seed));
         DataLabel::SimulatedLogs.label(&mut provenance);
-        let out = common.main_output(SIMULATED_FILE, [&self.vessel, &self.dictionary, &self.logs])?;
+        let out =
+            common.output_in_any_folder(SIMULATED_FILE, [&self.vessel, &self.dictionary, &self.logs])?;
         let files = logs::Files { vessel: &self.vessel, dictionary: &self.dictionary, logs: &self.logs };
         let entries = logs::simulate(&files, &vessel, &generator, &config, seed)?;
         let document = SimulatedLogsDocument::of(&vessel, &config, &entries);

@@ -19,6 +19,8 @@ use trial::moments::Moments;
 impl Task for Arguments {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
         self.check()?;
+        let inputs = [&self.moments].into_iter().chain(&self.weights).chain(&self.available);
+        let out = common.main_output("design.json", inputs)?;
         let loaded = read_document::<MomentsDocument>(&self.moments)?;
         let moments = loaded.data.moments().map_err(|e| Failure::invalid(&self.moments, &e))?;
         let mut provenance = common.provenance("design");
@@ -33,8 +35,6 @@ impl Task for Arguments {
         };
         let document = design(self, (seed, streamed), &moments, &mut provenance)?;
         self.settings(seed, &mut provenance);
-        let inputs = [&self.moments].into_iter().chain(&self.weights).chain(&self.available);
-        let out = common.main_output("design.json", inputs)?;
         commit(vec![stage_document(&out, &provenance, &document)?])?;
         Ok(summary(&out, &document))
     }

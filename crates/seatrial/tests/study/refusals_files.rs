@@ -182,7 +182,9 @@ fn a_file_of_another_kind_is_refused() {
     ]);
     let line = MOMENTS.replace("dictionary.parquet", "estimates.parquet");
     refused(&folder, 3, &line, &["estimates.parquet", "found estimates/1", "expected trajectories/1"]);
-    let line = DESIGN.replace("moments.json --out", "design.json --out");
+    let line = DESIGN
+        .replace("moments.json --out", "design.json --out")
+        .replace("--out design.json", "--out other.json");
     refused(&folder, 3, &line, &["design.json", "found design/1", "expected moments/1"]);
     let line = VALIDATE.replace("estimates.parquet", "validation.parquet");
     refused(&folder, 3, &line, &["validation.parquet", "found trajectories/1", "expected estimates/1"]);
