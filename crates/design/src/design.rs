@@ -214,11 +214,6 @@ impl Design {
         self.efficiency_scaled(&scaled, offset, shares, parameters)
     }
 
-    /// [`Design::efficiency`] of shares whose mixture is the one candidate of `mean`.
-    pub fn of_mean(&self, mean: &Candidates, parameters: usize) -> f64 {
-        self.efficiency(mean, &[1.0], parameters)
-    }
-
     /// [`Design::efficiency`] of every candidate on its own.
     pub fn single_efficiencies(&self, candidates: &Candidates, parameters: usize) -> Vec<f64> {
         let Ok((scaled, offset)) = candidates.scaled() else { return vec![0.0; candidates.len()] };

@@ -148,10 +148,9 @@ impl Reading<'_> {
             if pooled || !names.insert(more.name.clone()) {
                 return Err(self.pooled(&more.name, "--table"));
             }
-            let mut one = Pool::default();
-            let refused = |e: Invalid| Failure::invalid(&self.a.trajectories, &e);
-            one.add(false, more).map_err(refused)?;
-            rows.extend(one.finish(&self.vessel.model).map_err(refused)?);
+            let long_enough = more.check_length(&self.vessel.model);
+            long_enough.map_err(|e| Failure::invalid(&self.a.trajectories, &e))?;
+            rows.push(more);
             count += 1;
             if rows.len() == moments_table::BLOCK {
                 writer.push(columns.encode(&rows)?)?;

@@ -41,6 +41,11 @@ impl Task for Arguments {
 }
 
 impl Arguments {
+    /// How shares are searched.
+    fn options(&self, seed: u64) -> Options {
+        Options { tolerance: self.tolerance, random_starts: self.starts, seed, ..Options::default() }
+    }
+
     /// The maneuvers of the table that have a share, and what was found over all of it.
     fn streamed(&self, head: Moments, seed: u64) -> Result<(Moments, Streamed), Failure> {
         let limits = [
@@ -55,9 +60,7 @@ impl Arguments {
             )));
         }
         let table = MomentsTable::open(&self.moments, head, self.estimated())?;
-        let options =
-            Options { tolerance: self.tolerance, random_starts: self.starts, seed, ..Options::default() };
-        let found = solve_streamed(&table, &options).map_err(|e| match e {
+        let found = solve_streamed(&table, &self.options(seed)).map_err(|e| match e {
             TableError::Table(error) => error.into(),
             TableError::Design(error) => {
                 let dictionary = table.with(&[(0, 0)]).map_err(Failure::from).and_then(|moments| {
@@ -84,7 +87,7 @@ fn design(
     let problem = Problem::read(a, seed, moments, provenance)?;
     let (dictionary, criterion) = (&problem.dictionary, &problem.criterion);
     let refuse = |e| problem.refuse(dictionary.explain(e));
-    let options = Options { tolerance: a.tolerance, random_starts: a.starts, seed, ..Options::default() };
+    let options = a.options(seed);
     let shortest = problem.shortest(&options)?;
     let length = match &shortest {
         Some((_, accuracy)) => Length { samples: Some(accuracy.samples as f64), segments: None },

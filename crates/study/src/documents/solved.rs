@@ -70,7 +70,7 @@ impl From<Solved<'_>> for DesignDocument {
         };
         let least_largest = least_largest(&solved);
         let equal_shares = match solved.streamed {
-            Some(all) => design.of_mean(&all.mean, parameters),
+            Some(all) => design.efficiency(&all.mean, &[1.0], parameters),
             None => criterion.efficiency(design, &vec![1.0 / count as f64; count], parameters),
         };
         Self {

@@ -55,6 +55,23 @@ pub struct OutputErrorMoments {
 }
 
 impl ManeuverMoments {
+    /// Refuses fewer samples than a degree of freedom of `model` has unknowns.
+    ///
+    /// # Errors
+    /// Names the maneuver.
+    pub fn check_length(&self, model: &Model) -> Result<(), Invalid> {
+        let unknowns = model.degrees.iter().map(|d| d.terms.len() + 1).max().unwrap_or(0);
+        if self.samples as usize >= unknowns {
+            return Ok(());
+        }
+        Err(Invalid::new(
+            format!("maneuver `{}`", self.name),
+            format!("{} samples", self.samples),
+            format!("at least {unknowns}, the unknowns of a degree of freedom"),
+            "lengthen the maneuver",
+        ))
+    }
+
     /// Adds the moments of more samples of the same maneuver.
     pub fn pool(&mut self, more: &Self) {
         let samples = self.samples + more.samples;
@@ -114,15 +131,7 @@ impl Pool {
     /// # Errors
     /// One with fewer samples than a degree of freedom of `model` has unknowns.
     pub fn finish(self, model: &Model) -> Result<Vec<ManeuverMoments>, Invalid> {
-        let unknowns = model.degrees.iter().map(|d| d.terms.len() + 1).max().unwrap_or(0);
-        match self.maneuvers.iter().find(|m| (m.samples as usize) < unknowns) {
-            None => Ok(self.maneuvers),
-            Some(short) => Err(Invalid::new(
-                format!("maneuver `{}`", short.name),
-                format!("{} samples", short.samples),
-                format!("at least {unknowns}, the unknowns of a degree of freedom"),
-                "lengthen the maneuver",
-            )),
-        }
+        self.maneuvers.iter().try_for_each(|maneuver| maneuver.check_length(model))?;
+        Ok(self.maneuvers)
     }
 }
