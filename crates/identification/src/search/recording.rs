@@ -73,6 +73,11 @@ impl Recording {
         })
     }
 
+    /// Number of its samples.
+    pub fn samples(&self) -> usize {
+        self.whole.iter().map(Part::samples).sum()
+    }
+
     /// Number of errors in its windows.
     pub fn errors(&self) -> f64 {
         self.overlapping().map(|(_, window)| 3 * window.samples()).sum::<usize>() as f64

@@ -44,9 +44,9 @@ pub struct Arguments {
     /// Length of the windows that are fitted [s]
     #[arg(long, value_name = "S", default_value_t = 60.0)]
     fitted_window_s: f64,
-    /// From the start of one window to that of the next [s]
-    #[arg(long, value_name = "S", default_value_t = 20.0)]
-    every_s: f64,
+    /// From the start of one window to that of the next [s] (default: a quarter of a window)
+    #[arg(long, value_name = "S")]
+    every_s: Option<f64>,
     /// Scores models over windows of this length, side by side [s]; whole runs without it
     #[arg(long, value_name = "S")]
     window_s: Option<f64>,
@@ -100,9 +100,11 @@ impl Task for Arguments {
         let [single, several] = ["model.json", "average.json"].map(|name| member(&out, MAIN, name, read()));
         let (single, several) = (single?, several?);
         let in_samples = |flag: &str, s: f64| samples(flag, s, vessel.sample_rate_hz);
+        let window = in_samples("--fitted-window-s", self.fitted_window_s)?;
+        let every = self.every_s.map(|s| in_samples("--every-s", s)).transpose()?;
         let cut = Cut {
-            window: in_samples("--fitted-window-s", self.fitted_window_s)?,
-            every: in_samples("--every-s", self.every_s)?,
+            window,
+            every: every.unwrap_or(window.div_ceil(4)),
             scored: self.window_s.map(|s| in_samples("--window-s", s)).transpose()?,
         };
         let library = self.library(&vessel.model, &mut provenance)?;
