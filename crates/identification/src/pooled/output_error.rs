@@ -7,7 +7,7 @@ use vessel::{LANES, Lane, Model};
 
 use super::{Part, Parts};
 use crate::predictor::{
-    Ended, Linear, Minimum, Recordings, Residuals, STEPS, Weighting, linearize, minimize,
+    Asked, Ended, Linear, Minimum, Recordings, Residuals, STEPS, Weighting, linearize, minimize,
 };
 
 /// An estimate that minimises the errors of free simulations.
@@ -50,10 +50,10 @@ pub fn output_error<P: Parts>(
     sizes: &[f64],
 ) -> Result<Option<OutputError>, P::Error> {
     let free = (0..sizes.len()).filter(|i| sizes[*i] > 0.0).collect();
-    let problem = Problem { model, parts, order: by_length(parts), held: start.to_vec(), free };
+    let mut problem = Problem { model, parts, order: by_length(parts), held: start.to_vec(), free };
     let weights = std.map(|s| if s > 0.0 { s.powi(-2) } else { 0.0 });
     let from = problem.free.iter().map(|i| start[*i]).collect();
-    let found = minimize(&problem, vec![Weighting::Fixed(weights)], vec![from], STEPS)?.pop();
+    let found = minimize(&mut problem, vec![Weighting::Fixed(weights)], vec![from], STEPS)?.pop();
     let Some(found) = found.filter(|found| matches!(found.status, Ended::Converged | Ended::Stalled)) else {
         return Ok(None);
     };
@@ -148,9 +148,9 @@ type Spread = (Vec<f64>, Vec<f64>);
 impl<P: Parts> Residuals for Problem<'_, P> {
     type Error = P::Error;
 
-    fn linearize(&self, points: &[Vec<f64>]) -> Result<Vec<Linear>, P::Error> {
+    fn linearize(&mut self, asked: &[Asked]) -> Result<Vec<Linear>, P::Error> {
         let mut totals = Vec::new();
-        for point in points {
+        for Asked { point, .. } in asked {
             let mut total: Option<Linear> = None;
             self.each(point, |part| match &mut total {
                 Some(total) => total.add(part),

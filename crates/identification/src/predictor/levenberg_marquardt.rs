@@ -5,12 +5,19 @@ use numerics::times;
 pub(crate) trait Residuals {
     /// Why data cannot be looked at.
     type Error;
-    /// Linearises every problem at its point; numbers that are not finite where the prediction leaves every bound.
-    fn linearize(&self, points: &[Vec<f64>]) -> Result<Vec<Linear>, Self::Error>;
+    /// Linearises problems at the points that are asked for, each problem at one at most and all of them at first; numbers that
+    /// are not finite where the prediction leaves every bound. Problems that have ended are not asked for any more.
+    fn linearize(&mut self, asked: &[Asked]) -> Result<Vec<Linear>, Self::Error>;
     /// Within which the unknowns stay, infinite at open ends; empty without bounds.
     fn bounds(&self) -> Vec<[f64; 2]> {
         Vec::new()
     }
+}
+
+/// The point of a problem, by its place among all.
+pub(crate) struct Asked {
+    pub problem: usize,
+    pub point: Vec<f64>,
 }
 
 /// How the squared errors of u, v, r are weighed against each other.
@@ -143,28 +150,33 @@ struct Progress {
 }
 
 /// Minimises the squared errors of every problem from its start, with at most `steps` steps, by Levenberg and Marquardt's
-/// method on all problems side by side. Every problem has its own damping and end; problems that have ended stay. Steps are
-/// cut off at bounds; an unknown at a bound that the errors pull it beyond is held there.
+/// method on all problems side by side. Every problem has its own damping and end. Steps are cut off at bounds; an unknown at a
+/// bound that the errors pull it beyond is held there.
 pub(crate) fn minimize<R: Residuals>(
-    residuals: &R,
+    residuals: &mut R,
     weighting: Vec<Weighting>,
     starts: Vec<Vec<f64>>,
     steps: usize,
 ) -> Result<Vec<Minimum>, R::Error> {
     let bounds = residuals.bounds();
-    let starts: Vec<Vec<f64>> = starts.into_iter().map(|start| clipped(start, &bounds)).collect();
+    let clip = |(problem, start)| Asked { problem, point: clipped(start, &bounds) };
+    let starts: Vec<Asked> = starts.into_iter().enumerate().map(clip).collect();
     let linears = residuals.linearize(&starts)?;
     let each = weighting.into_iter().zip(starts).zip(linears);
-    let new = |((weighting, point), linear)| Progress::new(weighting, bounds.clone(), point, linear);
+    let new = |((weighting, start), linear): ((_, Asked), _)| {
+        Progress::new(weighting, bounds.clone(), start.point, linear)
+    };
     let mut problems: Vec<Progress> = each.map(new).collect();
     for _ in 0..steps {
-        if problems.iter().all(|p| p.ended.is_some()) {
+        let open = problems.iter_mut().enumerate().filter(|(_, own)| own.ended.is_none());
+        let trials: Vec<Asked> = open.map(|(problem, own)| Asked { problem, point: own.trial() }).collect();
+        if trials.is_empty() {
             break;
         }
-        let trials: Vec<Vec<f64>> = problems.iter_mut().map(Progress::trial).collect();
         let linears = residuals.linearize(&trials)?;
-        let found = trials.into_iter().zip(linears);
-        problems.iter_mut().zip(found).for_each(|(problem, (trial, linear))| problem.judge(trial, linear));
+        for (Asked { problem, point }, linear) in trials.into_iter().zip(linears) {
+            problems[problem].judge(point, linear);
+        }
     }
     let ended = |p: Progress| Minimum {
         point: p.point,
@@ -201,9 +213,6 @@ impl Progress {
 
     /// The point after a damped step.
     fn trial(&mut self) -> Vec<f64> {
-        if self.ended.is_some() {
-            return self.point.clone();
-        }
         self.steps += 1;
         let (mut normal, mut step) = self.linear.weighted(self.weighting.weights(&self.linear));
         let p = step.len();
@@ -218,9 +227,6 @@ impl Progress {
 
     /// Takes a step that does not raise the cost; rounding is no rise.
     fn judge(&mut self, trial: Vec<f64>, linear: Linear) {
-        if self.ended.is_some() {
-            return;
-        }
         let cost = self.weighting.cost(&linear);
         if linear.finite() && cost <= self.cost + 1e-12 * self.cost.abs() {
             (self.point, self.linear, self.cost) = (trial, linear, cost);

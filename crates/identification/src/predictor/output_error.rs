@@ -1,10 +1,10 @@
 use std::collections::BTreeMap;
 use std::convert::Infallible;
 
-use vessel::lanes::{by_lane, lane};
+use vessel::lanes::{SideBySide, lane};
 use vessel::{LANES, Lane, Model, ParameterLayout, RunView};
 
-use super::levenberg_marquardt::{Ended, Minimum, Residuals, STEPS, Weighting, minimize};
+use super::levenberg_marquardt::{Asked, Ended, Minimum, Residuals, STEPS, Weighting, minimize};
 use super::scores::{correlated_scores, disturbed_scores};
 use super::sums::{Linear, linearize};
 use crate::Direction;
@@ -94,6 +94,9 @@ pub fn output_error(
     searches.fits(spread)
 }
 
+/// Runs that are searched for at once: enough that lanes are filled to the end, few enough for the processor's caches.
+const TOGETHER: usize = 8 * LANES;
+
 /// How errors are weighed, see [`Weighting`].
 #[derive(Clone, Copy)]
 enum Weights {
@@ -139,16 +142,21 @@ impl Searches<'_> {
             .filter(open)
             .filter_map(|run| Some((run, start(self.best[run].as_ref(), run)?)))
             .collect();
+        let mut by_length: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+        points.keys().for_each(|run| by_length.entry(self.runs[*run].samples()).or_default().push(*run));
         let mut found = BTreeMap::new();
-        for (group, runs) in groups(self.runs, points.keys().copied()) {
-            let problem = Simulations::new(Recordings::of(self.model, &runs), self.initial);
-            let from = by_lane(group.len(), |i| {
-                let mut point = points[&group[i]].clone();
-                point.resize(problem.free.len(), 0.0);
+        for together in by_length.values().flat_map(|runs| runs.chunks(TOGETHER)) {
+            let mut search =
+                Search::new(self.model, together.iter().map(|run| self.runs[*run]), self.initial);
+            let from = |run: &usize| {
+                let mut point = points[run].clone();
+                point.resize(search.free.len(), 0.0);
                 point
-            });
-            let Ok(minima) = minimize(&problem, problem.weighting(weights), from.to_vec(), steps);
-            found.extend(group.into_iter().zip(minima));
+            };
+            let starts = together.iter().map(from).collect();
+            let weighting = together.iter().map(|run| weighting(&self.runs[*run], weights)).collect();
+            let Ok(minima) = minimize(&mut search, weighting, starts, steps);
+            found.extend(together.iter().copied().zip(minima));
         }
         found
     }
@@ -157,9 +165,15 @@ impl Searches<'_> {
         let mut fits = vec![Fit::NotConverged(0); self.runs.len()];
         let searched = (0..self.runs.len()).filter(|run| self.best[*run].is_some());
         for (group, runs) in groups(self.runs, searched) {
-            let problem = Simulations::new(Recordings::of(self.model, &runs), self.initial);
+            let recordings = Recordings::of(self.model, &runs);
+            let free = free(self.model, self.initial);
+            let problem = Simulations { recordings, free, initial: self.initial };
             let found: Vec<&Minimum> = group.iter().filter_map(|run| self.best[*run].as_ref()).collect();
-            let errors = problem.standard_errors(&found, spread);
+            let weights = group
+                .iter()
+                .zip(&found)
+                .map(|(run, minimum)| weighting(&self.runs[*run], Likelihood).weights(&minimum.linear));
+            let errors = problem.standard_errors(&found, &weights.collect::<Vec<_>>(), spread);
             for ((run, minimum), errors) in group.iter().zip(found).zip(errors) {
                 fits[*run] = fit(&problem.recordings, minimum, errors);
             }
@@ -168,14 +182,17 @@ impl Searches<'_> {
     }
 }
 
-/// Of the measured states.
-fn mean_squares(recordings: &Recordings) -> Vec<[f64; 3]> {
-    let mean_square = |lane: usize, d: usize| {
-        let own = recordings.measured.iter().skip(d).step_by(3).take(recordings.samples[lane] + 1);
-        let sum: f64 = own.map(|y| y[lane] * y[lane]).sum();
-        (sum / (recordings.samples[lane] + 1) as f64).max(1e-12)
+/// By the mean squares of what `run` measured.
+fn weighting(run: &RunView, weights: Weights) -> Weighting {
+    let mean_square = |d: usize| {
+        let sum: f64 = run.measured.iter().skip(d).step_by(3).map(|y| y * y).sum();
+        (sum / (run.samples() + 1) as f64).max(1e-12)
     };
-    (0..LANES).map(|lane| [0, 1, 2].map(|d| mean_square(lane, d))).collect()
+    let sizes = [0, 1, 2].map(mean_square);
+    match weights {
+        Likelihood => Weighting::Likelihood(sizes.map(|square| EXACT * square)),
+        Fixed => Weighting::Fixed(sizes.map(|square| square.recip())),
+    }
 }
 
 /// Whichever is a minimum; of two that are none, the first that got anywhere.
@@ -190,8 +207,8 @@ pub(super) fn better(a: Minimum, b: Minimum) -> Minimum {
 }
 
 /// One lane per unknown; the lanes' points hold the free ones.
-pub(super) fn side_by_side(points: &[Vec<f64>], all: usize) -> Vec<Lane> {
-    (0..all).map(|i| lane(points.len(), |run| points[run].get(i).copied().unwrap_or(0.0))).collect()
+pub(super) fn side_by_side(points: &[impl AsRef<[f64]>], all: usize) -> Vec<Lane> {
+    (0..all).map(|i| lane(points.len(), |run| points[run].as_ref().get(i).copied().unwrap_or(0.0))).collect()
 }
 
 pub(super) fn fit(recordings: &Recordings, minimum: &Minimum, errors: Option<Vec<f64>>) -> Fit {
@@ -228,49 +245,91 @@ fn all_held(layout: ParameterLayout, minimum: &Minimum) -> Option<usize> {
     (0..3).find(|d| layout.terms(*d).all(|i| minimum.held.contains(&i)))
 }
 
-/// Free simulations of runs side by side.
+/// Runs of one length that are searched for at once: [`LANES`] of them go side by side, and the lanes of those that have ended
+/// are left to others.
+struct Search<'a> {
+    model: &'a Model,
+    runs: Vec<RunView<'a>>,
+    free: Vec<usize>,
+    initial: InitialState,
+    packed: Vec<Packed>,
+}
+
+/// Some runs by their places, side by side.
+struct Packed {
+    runs: Vec<usize>,
+    data: SideBySide,
+}
+
+impl<'a> Search<'a> {
+    fn new(model: &'a Model, runs: impl Iterator<Item = RunView<'a>>, initial: InitialState) -> Self {
+        Self { model, runs: runs.collect(), free: free(model, initial), initial, packed: Vec::new() }
+    }
+
+    /// Moves the runs that are `asked` for together, where that leaves fewer groups.
+    fn pack(&mut self, asked: &[Asked]) {
+        if !self.packed.is_empty() && asked.len().div_ceil(LANES) >= self.packed.len() {
+            return;
+        }
+        let side_by_side = |asked: &[Asked]| {
+            let runs: Vec<usize> = asked.iter().map(|own| own.problem).collect();
+            let data = SideBySide::of(&runs.iter().map(|run| self.runs[*run]).collect::<Vec<_>>());
+            Packed { runs, data }
+        };
+        self.packed = asked.chunks(LANES).map(side_by_side).collect();
+    }
+}
+
+impl Residuals for Search<'_> {
+    type Error = Infallible;
+
+    fn linearize(&mut self, asked: &[Asked]) -> Result<Vec<Linear>, Infallible> {
+        self.pack(asked);
+        let points: BTreeMap<usize, &[f64]> =
+            asked.iter().map(|own| (own.problem, own.point.as_slice())).collect();
+        let mut found = BTreeMap::new();
+        for Packed { runs, data } in &self.packed {
+            let Some(any) = runs.iter().find_map(|run| points.get(run)) else { continue };
+            let recordings = Recordings::of(self.model, data);
+            // Lanes of runs that have ended go along with another's point.
+            let own: Vec<&[f64]> = runs.iter().map(|run| *points.get(run).unwrap_or(any)).collect();
+            let unknowns = side_by_side(&own, recordings.unknowns());
+            let from_start = self.initial == InitialState::Estimated;
+            let linears = linearize::<3>(&recordings, &unknowns, &self.free, None, &[], from_start);
+            found.extend(runs.iter().copied().zip(linears).filter(|(run, _)| points.contains_key(run)));
+        }
+        // Problems are asked for in the order of their places, as these stand.
+        Ok(found.into_values().collect())
+    }
+
+    fn bounds(&self) -> Vec<[f64; 2]> {
+        self.model.bounds().unwrap_or_default()
+    }
+}
+
+/// The unknowns that are searched for: all, or all but the initial state.
+fn free(model: &Model, initial: InitialState) -> Vec<usize> {
+    let offsets = if initial == InitialState::Known { 0 } else { 3 };
+    (0..model.parameters() + offsets).collect()
+}
+
+/// Free simulations of runs side by side, at their minima.
 struct Simulations<'a> {
     recordings: Recordings<'a>,
     free: Vec<usize>,
     initial: InitialState,
 }
 
-impl Residuals for Simulations<'_> {
-    type Error = Infallible;
-
-    fn linearize(&self, points: &[Vec<f64>]) -> Result<Vec<Linear>, Infallible> {
-        let unknowns = side_by_side(points, self.recordings.unknowns());
-        let from_start = self.initial == InitialState::Estimated;
-        Ok(linearize::<3>(&self.recordings, &unknowns, &self.free, None, &[], from_start))
-    }
-
-    fn bounds(&self) -> Vec<[f64; 2]> {
-        self.recordings.model.bounds().unwrap_or_default()
-    }
-}
-
-impl<'a> Simulations<'a> {
-    fn new(recordings: Recordings<'a>, initial: InitialState) -> Self {
-        let held = if initial == InitialState::Known { 3 } else { 0 };
-        Self { free: (0..recordings.unknowns() - held).collect(), recordings, initial }
-    }
-
-    /// One per lane.
-    fn weighting(&self, weights: Weights) -> Vec<Weighting> {
-        let of = |sizes: [f64; 3]| match weights {
-            Likelihood => Weighting::Likelihood(sizes.map(|square| EXACT * square)),
-            Fixed => Weighting::Fixed(sizes.map(|square| square.recip())),
-        };
-        mean_squares(&self.recordings).into_iter().map(of).collect()
-    }
-
+impl Simulations<'_> {
     /// √diag(H⁻¹ B H⁻¹), H = Σ sᵀWs, B the covariance of the scores Σ sᵀWe.
-    fn standard_errors(&self, found: &[&Minimum], spread: Spread) -> Vec<Option<Vec<f64>>> {
+    fn standard_errors(
+        &self,
+        found: &[&Minimum],
+        weights: &[[f64; 3]],
+        spread: Spread,
+    ) -> Vec<Option<Vec<f64>>> {
         let points: Vec<Vec<f64>> = found.iter().map(|minimum| minimum.point.clone()).collect();
-        let weighting = self.weighting(Likelihood);
         let unknowns = side_by_side(&points, self.recordings.unknowns());
-        let weights: Vec<[f64; 3]> =
-            found.iter().zip(&weighting).map(|(m, w)| w.weights(&m.linear)).collect();
         let weights = [0, 1, 2].map(|d: usize| lane(weights.len(), |run| weights[run][d]));
         let from_start = self.initial == InitialState::Estimated;
         let kept = Sensitivities::of(&self.recordings, &unknowns, &self.free, from_start);

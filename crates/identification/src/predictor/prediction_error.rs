@@ -3,7 +3,7 @@ use std::convert::Infallible;
 use vessel::lanes::by_lane;
 use vessel::{LANES, Lane, Model, RunView};
 
-use super::levenberg_marquardt::{Ended, Minimum, Residuals, STEPS, Weighting, minimize};
+use super::levenberg_marquardt::{Asked, Ended, Minimum, Residuals, STEPS, Weighting, minimize};
 use super::output_error::{Fit, InitialState, better, fit, side_by_side};
 use super::sums::{Linear, linearize};
 use crate::sensitivity::{Gain, Levels, Recordings, filter, groups, with_states};
@@ -59,9 +59,14 @@ struct Predictions<'a, const N: usize> {
 impl<const N: usize> Residuals for Predictions<'_, N> {
     type Error = Infallible;
 
-    fn linearize(&self, points: &[Vec<f64>]) -> Result<Vec<Linear>, Infallible> {
-        let unknowns = side_by_side(points, self.recordings.unknowns());
-        Ok(linearize(self.recordings, &unknowns, &self.free, Some(self.levels), &self.gains, true))
+    fn linearize(&mut self, asked: &[Asked]) -> Result<Vec<Linear>, Infallible> {
+        // A problem's gains stand in its lane: it cannot move to another. Lanes of problems that have ended go along with the first.
+        let own = |lane: usize| asked.iter().find(|own| own.problem == lane).or(asked.first());
+        let points: Vec<&[f64]> = (0..LANES).filter_map(own).map(|own| own.point.as_slice()).collect();
+        let unknowns = side_by_side(&points, self.recordings.unknowns());
+        let found = linearize(self.recordings, &unknowns, &self.free, Some(self.levels), &self.gains, true);
+        let wanted = |lane: &usize| asked.iter().any(|own| own.problem == *lane);
+        Ok((0..LANES).zip(found).filter(|(lane, _)| wanted(lane)).map(|(_, own)| own).collect())
     }
 
     fn bounds(&self) -> Vec<[f64; 2]> {
@@ -129,12 +134,12 @@ fn round<const N: usize>(
 ) -> Vec<Minimum> {
     let unknowns = side_by_side(&points, recordings.unknowns());
     let (gains, _) = filter::<N>(recordings, &unknowns, levels, known);
-    let problem = Predictions { recordings, levels, free: free.to_vec(), gains };
+    let mut problem = Predictions { recordings, levels, free: free.to_vec(), gains };
     let points = points.map(|mut point| {
         point.resize(free.len(), 0.0);
         point
     });
-    let Ok(minima) = minimize(&problem, vec![Weighting::Fixed([1.0; 3]); LANES], points.to_vec(), STEPS);
+    let Ok(minima) = minimize(&mut problem, vec![Weighting::Fixed([1.0; 3]); LANES], points.to_vec(), STEPS);
     minima
 }
 

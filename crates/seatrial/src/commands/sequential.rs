@@ -150,18 +150,25 @@ fn realized(
     out: [&Path; 2],
     (provenance, quiet): (Provenance, bool),
 ) -> Result<Made<Row>, Failure> {
-    let groups = (count as usize).div_ceil(LANES);
+    let together = together(count);
+    let groups = (count as usize).div_ceil(together);
     let mine = provenance.shard.map_or(groups, |shard| shard.range(groups).len());
     // Every round of every arm is simulated and estimated from its start.
     let each = Arm::ALL.len() as f64 * trial.ends().iter().sum::<usize>() as f64;
-    let seconds = (mine * LANES) as f64 * each * Estimator::OutputError.seconds_per_row();
-    let progress = Progress::new("realizations", mine * LANES, quiet).foretold(seconds);
+    let seconds = (mine * together) as f64 * each * Estimator::OutputError.seconds_per_row();
+    let progress = Progress::new("realizations", mine * together, quiet).foretold(seconds);
     Made::computed(out, &columns(rate_hz), provenance, groups, |group| {
-        let first = (group * LANES) as u32;
-        let numbers = first..count.min(first + LANES as u32);
+        let first = (group * together) as u32;
+        let numbers = first..count.min(first + together as u32);
         let advance = numbers.len();
         let rows = trial.realizations(numbers).map_err(|e| files.refused(e));
         progress.advance(advance);
         rows
     })
+}
+
+/// Realizations that are computed together. The more there are, the fewer lanes are empty while some searches go on; as few as
+/// fill the lanes once where there are few, so that shards and threads have their part.
+fn together(count: u32) -> usize {
+    (count as usize / (8 * LANES)).clamp(1, 4) * LANES
 }

@@ -2,7 +2,7 @@ use design::apportion;
 use identification::runs::{RunError, RunEstimators};
 use identification::{Noise, RunEstimate, parameter_error};
 use vessel::{
-    Generator, Invalid, Run, Source, Streams, Vessel, check_diverged, refuse_endless, simulate_one,
+    Generator, Invalid, LANES, Run, Source, Streams, Vessel, check_diverged, refuse_endless, simulate_one,
 };
 
 use super::growing_run::GrowingRun;
@@ -76,7 +76,7 @@ impl<'a> Trial<'a> {
         self.planner.maneuvers().len()
     }
 
-    /// The rows of realizations `numbers`, which are simulated side by side: realizations, arms, rounds in order.
+    /// The rows of realizations `numbers`, which are estimated side by side: realizations, arms, rounds in order.
     ///
     /// # Errors
     /// A maneuver that the model cannot hold; a true vessel that diverges; a run too short for its unknowns.
@@ -197,22 +197,33 @@ impl<'a> Trial<'a> {
     /// Simulates all runs side by side and estimates from each; nothing where the nominal model diverges. All arms meet the
     /// same disturbances in a realization.
     fn found(&self, arm: Arm, all: &[Realization]) -> Result<Vec<Option<RunEstimate>>, Refusal> {
-        let numbers: Vec<u32> = all.iter().map(|realization| realization.start.number).collect();
+        let bounded: Vec<bool> = all.iter().map(|realization| self.bounded(&realization.run)).collect();
+        let mut kept: Vec<Run> = Vec::with_capacity(all.len());
+        for (group, bounded) in all.chunks(LANES).zip(bounded.chunks(LANES)) {
+            kept.extend(self.measured(arm, group)?.zip(bounded).filter(|(_, b)| **b).map(|(run, _)| run));
+        }
+        let mut found = self.estimators.estimates(&kept).map_err(refused)?.into_iter();
+        Ok(bounded.iter().map(|b| b.then(|| found.next()).flatten()).collect())
+    }
+
+    /// The runs of up to [`LANES`] realizations as they were measured.
+    fn measured<'r>(
+        &'r self,
+        arm: Arm,
+        group: &'r [Realization],
+    ) -> Result<impl Iterator<Item = Run> + 'r, Refusal> {
+        let numbers: Vec<u32> = group.iter().map(|realization| realization.start.number).collect();
         let states = self.sea.simulate(&Group {
             design: arm.name(),
             streams: &Streams::new(self.knowledge.seed, "trial"),
             runs: &numbers,
-            initial: all.iter().map(|realization| realization.run.initial).collect(),
-            exogenous: all.iter().map(|realization| realization.run.exogenous.as_slice()).collect(),
+            initial: group.iter().map(|realization| realization.run.initial).collect(),
+            exogenous: group.iter().map(|realization| realization.run.exogenous.as_slice()).collect(),
         })?;
-        let bounded: Vec<bool> = all.iter().map(|realization| self.bounded(&realization.run)).collect();
-        let run = |lane: usize| {
+        Ok(group.iter().enumerate().map(move |(lane, realization)| {
             let [_, measured] = states.of(lane);
-            all[lane].run.recorded(self.generator, arm.name(), numbers[lane], measured)
-        };
-        let kept: Vec<Run> = (0..all.len()).filter(|lane| bounded[*lane]).map(run).collect();
-        let mut found = self.estimators.estimates(&kept).map_err(refused)?.into_iter();
-        Ok(bounded.iter().map(|b| b.then(|| found.next()).flatten()).collect())
+            realization.run.recorded(self.generator, arm.name(), numbers[lane], measured)
+        }))
     }
 
     /// Whether instruments can be simulated: the nominal model stays bounded.
