@@ -160,6 +160,8 @@ scenarios: build
 ROUNDS            := pipelines/sequential
 ROUNDS_DICTIONARY ?= $(ROUNDS)/dictionary.toml
 ROUNDS_OUT        ?= out/sequential
+# Such as ROUNDS_FLAGS="--set sequential.realizations=10000", which docs/results.md tells of
+ROUNDS_FLAGS      ?=
 
 .PHONY: sequential
 sequential: $(ROUNDS_OUT)/report.html
@@ -169,7 +171,7 @@ sequential: $(ROUNDS_OUT)/report.html
 $(ROUNDS_OUT)/sequential.parquet: $(ROUNDS)/vessel.toml $(ROUNDS_DICTIONARY) $(ROUNDS)/campaign.toml $(ROUNDS)/sequential.toml $(BIN)/sequential
 	@mkdir -p $(@D)
 	$(BIN)/sequential --vessel $(ROUNDS)/vessel.toml --dictionary $(ROUNDS_DICTIONARY) \
-	  --campaign $(ROUNDS)/campaign.toml --config $(ROUNDS)/sequential.toml $(FLAGS) --out $@
+	  --campaign $(ROUNDS)/campaign.toml --config $(ROUNDS)/sequential.toml $(ROUNDS_FLAGS) $(FLAGS) --out $@
 
 $(ROUNDS_OUT)/report.html: $(ROUNDS_OUT)/sequential.parquet $(BIN)/report
 	$(BIN)/report --study $(ROUNDS) --dictionary $(ROUNDS_DICTIONARY) --results $(ROUNDS_OUT) $(FLAGS) --out $@
@@ -199,8 +201,9 @@ results: build
 	$(MAKE) helsinki
 	$(MAKE) STUDY=pipelines/generated study
 	$(MAKE) scenarios
-	$(MAKE) sequential
-	$(MAKE) ROUNDS_DICTIONARY=pipelines/paper/dictionary.toml ROUNDS_OUT=$(ELEVEN) sequential
+	$(MAKE) ROUNDS_FLAGS="--set sequential.realizations=10000" sequential
+	$(MAKE) ROUNDS_FLAGS="--set sequential.realizations=10000" ROUNDS_DICTIONARY=pipelines/paper/dictionary.toml \
+	  ROUNDS_OUT=$(ELEVEN) sequential
 	for name in $(SELECTED_STUDIES); do $(MAKE) STUDY=pipelines/$$name OUT=out/$$name seeds || exit 1; done
 	for name in $(LOGGED_STUDIES); do \
 	  case $$name in esso-osaka) logs="$(ESSO_OSAKA_LOGS)" ;; *) logs="$(KVLCC2_LOGS)" ;; esac; \

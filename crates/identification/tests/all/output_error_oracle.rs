@@ -100,6 +100,42 @@ fn levels(kind: &str) -> Levels {
 }
 
 #[test]
+fn law_an_estimate_does_not_depend_on_the_runs_that_are_searched_for_beside_it() {
+    let all = Run::all();
+    let (vessel, truth) = (&all[0].vessel, truth(&all[0].vessel));
+    let model = vessel.model.with_intercepts();
+    // Other errors and starts for each: some searches end early, some late, some diverge and begin again.
+    let measured = |i: usize| -> Vec<f64> {
+        let own = all[i % all.len()].measured.iter().enumerate();
+        own.map(|(k, y)| y[0] + 0.03 * ((k * (i + 3)) as f64).sin()).collect()
+    };
+    let measured: Vec<Vec<f64>> = (0..2 * LANES + 3).map(measured).collect();
+    let exogenous: Vec<Vec<f64>> = all.iter().map(|run| run.inputs.iter().map(|x| x[0]).collect()).collect();
+    let runs: Vec<RunView> = measured
+        .iter()
+        .enumerate()
+        .map(|(i, measured)| {
+            let run = i % all.len();
+            RunView { measured, exogenous: &exogenous[run], initial: all[run].initial.map(|x| x[0]) }
+        })
+        .collect();
+    let start = |factor: f64| {
+        let theta: Vec<f64> = truth.iter().map(|t| factor * t).collect();
+        model.layout().woven(&theta, [0.0; 3])
+    };
+    let factors = [1.0, -3.0, 0.3, 1.2];
+    let starts: Vec<Vec<Vec<f64>>> =
+        (0..runs.len()).map(|i| vec![start(factors[i % 4]), start(0.9)]).collect();
+    let together = output_error(&model, &runs, &starts, InitialState::Known, Spread::Residuals);
+    assert!(together.iter().any(|fit| matches!(fit, Fit::Converged(_))));
+    for (i, fit) in together.iter().enumerate() {
+        let alone =
+            output_error(&model, &runs[i..=i], &starts[i..=i], InitialState::Known, Spread::Residuals);
+        assert_eq!(alone, std::slice::from_ref(fit), "run {i}");
+    }
+}
+
+#[test]
 fn oracle_output_error_estimates_agree_with_least_squares_of_scipy() {
     for run in Run::all() {
         for (initial, key) in [(InitialState::Known, "known"), (InitialState::Estimated, "estimated")] {
