@@ -3,7 +3,8 @@
 use crate::support::noise::Normals;
 use approx::assert_relative_eq;
 use identification::pooled::{
-    COLLINEAR, Centring, Options, Part, Prior, Regression, Status, bootstrap, fit, output_error, sandwich,
+    Bootstrap, COLLINEAR, Centring, Options, Part, Prior, Regression, Resample, Status, fit, output_error,
+    redraw, sandwich,
 };
 use identification::{MeanRemoval, Sums};
 use vessel::{RunView, Streams, Vessel, VesselFile, simulate_one};
