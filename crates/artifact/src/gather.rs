@@ -34,30 +34,59 @@ pub fn gather(
     id: &'static str,
     version: u32,
 ) -> Result<Staged> {
-    let mut readers = Vec::with_capacity(shards.len());
-    for path in shards {
-        let reader = TableReader::open(path, id, version)?;
-        readers.push((number(path, reader.provenance())?, reader));
-    }
-    readers.sort_by_key(|(shard, _)| *shard);
-    let Some((_, first)) = readers.first() else {
+    let readers = shards_of(shards, id, version)?;
+    let Some(first) = readers.first() else {
         return Err(Error::refuse(out, "shards", "none", "all shards of a table", "name the shards"));
     };
-    check_shards(readers.iter().map(|(_, reader)| (reader.path(), reader.provenance())))?;
-    readers.iter().try_for_each(|(_, reader)| refuse_other_columns(first, reader))?;
-    readers.iter().try_for_each(|(_, reader)| reader.check_unsealed())?;
     let schema = TableSchema { id, version, columns: first.columns().to_vec() };
     let provenance = Provenance { shard: None, ..first.provenance().clone() };
     let mut writer = TableWriter::create(out, &schema, &provenance)?;
     if let Some(document) = document {
         writer = writer.with_document(document);
     }
-    for (_, reader) in &readers {
+    for reader in &readers {
         for group in reader.row_groups() {
             writer.append(reader.source(), chunks(group))?;
         }
     }
     writer.finish()
+}
+
+/// The files of all `shards` of a table, in the order of their numbers.
+///
+/// # Errors
+/// As [`gather`].
+pub fn shards_of(shards: &[PathBuf], id: &'static str, version: u32) -> Result<Vec<TableReader>> {
+    let mut readers = Vec::with_capacity(shards.len());
+    for path in shards {
+        let reader = TableReader::open(path, id, version)?;
+        readers.push((number(path, reader.provenance())?, reader));
+    }
+    readers.sort_by_key(|(shard, _)| *shard);
+    let readers: Vec<TableReader> = readers.into_iter().map(|(_, reader)| reader).collect();
+    check_shards(readers.iter().map(|reader| (reader.path(), reader.provenance())))?;
+    let Some(first) = readers.first() else { return Ok(readers) };
+    readers.iter().try_for_each(|reader| refuse_other_columns(first, reader))?;
+    readers.iter().try_for_each(TableReader::check_unsealed)?;
+    Ok(readers)
+}
+
+/// Refuses the shard at `path` where it was made with a setting that is not `given`, or without one that is.
+///
+/// # Errors
+/// Names the setting.
+pub fn check_settings(given: &Provenance, path: &Path, made: &Provenance) -> Result<()> {
+    let told = |settings: &BTreeMap<String, serde_json::Value>| {
+        let own = settings.iter().filter(|(name, _)| *name != MIXED);
+        own.map(|(name, value)| (name.clone(), value.clone())).collect::<BTreeMap<_, _>>()
+    };
+    match differing_entry("settings", &told(&given.settings), &told(&made.settings)) {
+        None => Ok(()),
+        Some([thing, expected, found]) => {
+            let expected = format!("{expected}, as is asked for now");
+            Err(Error::refuse(path, thing, found, expected, "ask for the same, or make the shards again"))
+        }
+    }
 }
 
 /// Refuses inputs of which the shard at `path` was made of others, or a setting that it was made with otherwise. Where mixtures

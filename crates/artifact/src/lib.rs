@@ -85,7 +85,7 @@ pub use document_reader::{read_document, read_json, read_part};
 pub use encode::{EncodedBlock, encode_block};
 pub use error::{Error, Result};
 pub use foreign::ForeignTable;
-pub use gather::{check_given, check_shards, gather};
+pub use gather::{check_given, check_settings, check_shards, gather, shards_of};
 pub use inspect::{Inspected, inspect};
 pub use provenance::{MIXED, Provenance, STUDY_ROLES};
 pub use rows::Columns;

@@ -202,3 +202,27 @@ pub fn check_positive(flag: &str, value: Option<f64>) -> Result<(), Failure> {
         None => Ok(()),
     }
 }
+
+/// `value`, which must not be below `least`.
+///
+/// # Errors
+/// Usage, naming the flag.
+pub fn not_below(flag: &str, value: f64, least: f64) -> Result<f64, Failure> {
+    if value.is_finite() && value >= least {
+        return Ok(value);
+    }
+    Err(Failure::Usage(format!("{flag}: found {value}, expected a number from {least} on; correct it")))
+}
+
+/// Seconds in samples.
+///
+/// # Errors
+/// Usage: less than a sample.
+pub fn samples(flag: &str, seconds: f64, rate_hz: f64) -> Result<usize, Failure> {
+    let samples = (seconds * rate_hz).round();
+    if (1.0..1e9).contains(&samples) {
+        return Ok(samples as usize);
+    }
+    let expected = format!("at least a sample, {} s", 1.0 / rate_hz);
+    Err(Failure::Usage(format!("{flag}: found {seconds}, expected {expected}; correct it")))
+}

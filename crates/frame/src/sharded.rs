@@ -3,12 +3,14 @@
 use std::path::{Path, PathBuf};
 
 use artifact::{
-    Columns, Document, EncodedBlock, Error, Provenance, Staged, TableReader, TableWriter, check_given,
-    commit, commit_with_document, gather,
+    Columns, Document, EncodedBlock, Error, Provenance, Shard, Staged, TableReader, TableWriter, check_given,
+    check_settings, commit, commit_with_document, gather, shards_of,
 };
+use serde_json::json;
 
 use crate::failure::Failure;
 use crate::ordered::ordered;
+use crate::stage::Summary;
 
 /// A table that is complete but not published, and what is in it.
 pub struct Made<R> {
@@ -36,18 +38,22 @@ impl<R: Send + 'static> Made<R> {
         let schema = columns.schema();
         let table = gather(shards, out, Some(document), schema.id, schema.version)?;
         // Read from the shards: a refusal names the one at fault.
-        let open = |path: &PathBuf| TableReader::open(path, schema.id, schema.version);
-        let mut readers = shards.iter().map(open).collect::<Result<Vec<_>, _>>()?;
-        readers.sort_by_key(|reader| reader.provenance().shard);
-        readers.iter().try_for_each(|reader| {
-            reader.require(&schema.columns)?;
-            check_given(&mut given, reader.path(), reader.provenance())
-        })?;
-        let all = readers.iter().map(rows).collect::<Result<Vec<_>, _>>()?.into_iter().flatten().collect();
+        let readers = shards_of(shards, schema.id, schema.version)?;
+        let all = of_shards(&readers, columns, &mut given, rows)?;
         let first = readers.first().map(|reader| reader.provenance().clone()).unwrap_or_default();
         let mut provenance = Provenance { shard: None, ..first };
         provenance.accept_label(&given);
         Ok(Self { rows: all, provenance, table })
+    }
+
+    /// Gives the table of a shard its name, and tells of its rows, which are `things`.
+    ///
+    /// # Errors
+    /// Output that fails.
+    pub fn publish_shard(self, shard: Shard, things: &str) -> Result<Summary, Failure> {
+        let (out, count) = (self.table.path().to_owned(), self.rows.len());
+        commit(vec![self.table])?;
+        Ok(Summary::of(&out, format!("{count} {things}, shard {shard}"), json!({things: count})))
     }
 
     /// Computes the rows of every block of this shard in parallel. The whole table names the document that [`publish`] puts
@@ -78,6 +84,36 @@ impl<R: Send + 'static> Made<R> {
         })?;
         Ok(Self { table: writer.finish()?, provenance, rows: all })
     }
+}
+
+/// The rows of the files of all `shards` of a table, for work that `given` tells of and that needs them: each setting of either
+/// is one of the other.
+///
+/// # Errors
+/// Files that are no shards of one table, or not all of them; shards of other inputs or settings.
+pub fn rows_of_shards<R: 'static>(
+    shards: &[PathBuf],
+    columns: &Columns<R>,
+    given: &mut Provenance,
+    rows: impl Fn(&TableReader) -> Result<Vec<R>, Error>,
+) -> Result<Vec<R>, Failure> {
+    let readers = shards_of(shards, columns.schema().id, columns.schema().version)?;
+    let all = of_shards(&readers, columns, given, rows)?;
+    readers.iter().try_for_each(|reader| check_settings(given, reader.path(), reader.provenance()))?;
+    Ok(all)
+}
+
+fn of_shards<R: 'static>(
+    readers: &[TableReader],
+    columns: &Columns<R>,
+    given: &mut Provenance,
+    rows: impl Fn(&TableReader) -> Result<Vec<R>, Error>,
+) -> Result<Vec<R>, Failure> {
+    readers.iter().try_for_each(|reader| {
+        reader.require(&columns.schema().columns)?;
+        check_given(given, reader.path(), reader.provenance())
+    })?;
+    Ok(readers.iter().map(rows).collect::<Result<Vec<_>, _>>()?.into_iter().flatten().collect())
 }
 
 /// Gives `table` its name, and where it is whole, `document` beside it.

@@ -12,7 +12,7 @@ use std::error::Error;
 use identification::MeanRemoval;
 use identification::criticism::{Criticism, Subject, criticise, criticise_each};
 use identification::pooled::{
-    Judgement, NominalModel, Pool, PooledRuns, StandardErrors, enriched, standard_errors,
+    Judgement, NominalModel, Pool, PooledRuns, Resampling, StandardErrors, enriched, standard_errors,
 };
 use numerics::statistics::wilson;
 use rayon::prelude::*;
@@ -156,7 +156,9 @@ fn added(study: &Study, right: &[SimulatedRun], lacking: &[SimulatedRun]) -> Vec
     let judgement = Judgement { bandwidth: None, replicates: 0, seed: 1 };
     let terms = |run: &SimulatedRun| {
         let runs = pooled(std::slice::from_ref(run));
-        let found = enriched(&pool(study.vessel()), &runs, Estimator::Iv, &judgement, 4, &|_| ()).ok()?;
+        let found =
+            enriched(&pool(study.vessel()), &runs, Estimator::Iv, &judgement, 4, Resampling::Drawn(&|_| ()))
+                .ok()?;
         let mut terms: Vec<String> = found.added.into_iter().map(|a| a.term).collect();
         terms.sort_unstable();
         Some(terms)

@@ -14,6 +14,7 @@ use study::trajectories::label;
 use vessel::Vessel;
 
 use crate::choice::choice;
+use crate::cli::{not_below, samples};
 use crate::failure::Failure;
 use crate::inputs;
 
@@ -200,28 +201,4 @@ pub fn lost(file: &Path, lost: &LostInstruments) -> Failure {
          --part-s, name another --nominal, or use --estimator ls",
         file.display()
     ))
-}
-
-/// `value`, which must not be below `least`.
-///
-/// # Errors
-/// Usage, naming the flag.
-pub fn not_below(flag: &str, value: f64, least: f64) -> Result<f64, Failure> {
-    if value.is_finite() && value >= least {
-        return Ok(value);
-    }
-    Err(Failure::Usage(format!("{flag}: found {value}, expected a number from {least} on; correct it")))
-}
-
-/// Seconds in samples.
-///
-/// # Errors
-/// Usage: less than a sample.
-pub fn samples(flag: &str, seconds: f64, rate_hz: f64) -> Result<usize, Failure> {
-    let samples = (seconds * rate_hz).round();
-    if (1.0..1e9).contains(&samples) {
-        return Ok(samples as usize);
-    }
-    let expected = format!("at least a sample, {} s", 1.0 / rate_hz);
-    Err(Failure::Usage(format!("{flag}: found {seconds}, expected {expected}; correct it")))
 }

@@ -18,6 +18,7 @@ pub mod parts;
 pub mod plan;
 mod recommendation;
 mod refusal;
+pub mod resamples;
 pub mod scores;
 mod seed;
 pub mod selection;

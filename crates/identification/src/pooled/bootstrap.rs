@@ -1,8 +1,16 @@
+use std::ops::Range;
+
 use numerics::statistics::{quantile, sorted, spread};
 use vessel::Streams;
 
-use super::{Options, fit};
-use crate::Sums;
+/// The estimate from parts drawn again.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Resample {
+    /// Which of the resamples it is.
+    pub number: u32,
+    /// θ̂: surge, sway, yaw; none where this resample has no estimate of the degree of freedom.
+    pub theta: Vec<Option<f64>>,
+}
 
 /// What resampling the parts says about one degree of freedom.
 #[derive(Clone, Debug, PartialEq)]
@@ -24,31 +32,19 @@ pub struct Resampled {
     pub high: f64,
 }
 
-/// Draws as many of `parts` as there are, with replacement, `replicates` times, and estimates anew. `None` for a degree of
-/// freedom with fewer than two estimates. What a replicate draws depends on `streams` and its number alone.
-pub fn bootstrap(
-    parts: &[&Sums],
-    options: &Options,
-    replicates: u32,
-    streams: &Streams,
-) -> [Option<Bootstrap>; 3] {
-    let count = parts.len();
-    let mut found: [Vec<Vec<f64>>; 3] = Default::default();
-    for replicate in 0..replicates {
-        let resample: Vec<&Sums> = redraw(streams, replicate, count).into_iter().map(|i| parts[i]).collect();
-        for (d, degree) in fit(&resample, options).into_iter().enumerate() {
-            found[d].extend(degree.solution.map(|s| s.theta));
-        }
-    }
-    found.map(|thetas| Bootstrap::of(&thetas, replicates as usize))
-}
-
 /// Places of the parts that replicate number `replicate` draws from `count`: as many, with replacement.
 pub fn redraw(streams: &Streams, replicate: u32, count: usize) -> Vec<usize> {
     streams.choices(replicate, 0, count.max(1) as u32, count).into_iter().map(|i| i as usize).collect()
 }
 
 impl Bootstrap {
+    /// Of the parameters at `places` in all `resamples`; `None` where fewer than two of these have an estimate.
+    pub fn of_resamples(resamples: &[Resample], places: &Range<usize>) -> Option<Self> {
+        let own = |resample: &Resample| resample.theta[places.clone()].iter().copied().collect();
+        let thetas: Vec<Vec<f64>> = resamples.iter().filter_map(own).collect();
+        Self::of(&thetas, resamples.len())
+    }
+
     /// Of the estimates `thetas` that `replicates` resamples gave; `None` from fewer than two.
     pub fn of(thetas: &[Vec<f64>], replicates: usize) -> Option<Self> {
         let parameter = |i: usize| {

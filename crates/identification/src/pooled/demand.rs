@@ -39,7 +39,10 @@ impl Pool<'_> {
         let parts = runs.cut(self.part_samples);
         // Least squares, instruments and refined ones; means of its own for every part; sums that are drawn from.
         let own = if self.removal == MeanRemoval::Batch { 4.0 * end + 400.0 } else { 2.0 * end };
-        let drawn = if replicates > 0 { sums + 24.0 } else { 0.0 };
+        // `auto` draws from sums with two kinds of instruments; every thread adds up those that a resample of its own draws.
+        let kinds = if estimator == Estimator::Auto { 2.0 } else { 1.0 };
+        let drawn = if replicates > 0 { kinds * sums + 24.0 + threads as f64 * (own + 16.0) } else { 0.0 };
+        let resamples = f64::from(replicates) * (16.0 * self.vessel.model.parameters() as f64 + 60.0);
         let known = KNOWN[0] * runs.count() as f64 + KNOWN[1] * parts.count() as f64;
         let (simulates, searches) = match estimator {
             Estimator::OutputError if replicates > 0 => (threads, threads),
@@ -51,6 +54,7 @@ impl Pool<'_> {
         let windows = held + 3 * longest + searches * samples.min(runs.window());
         let together = 2 * LANES * simulates * longest_of(&parts).min(samples);
         known
+            + resamples
             + parts.count() as f64 * (3.0 * own + drawn)
             + (windows + together) as f64 * sample_bytes(&self.model)
             + longest_of(&parts) as f64 * look_bytes(&self.model)

@@ -3,7 +3,7 @@ use serde::{Deserialize, Serialize};
 use vessel::{DegreeOfFreedom, Vessel};
 
 use super::estimate::{PoolError, Pooled, estimate};
-use super::{Judgement, NominalModel, Pool, PooledRuns, Recorded};
+use super::{Judgement, NominalModel, Pool, PooledRuns, Recorded, Resampling};
 use crate::Estimator;
 use crate::criticism::Absent;
 use crate::search::listed;
@@ -39,9 +39,20 @@ pub struct Enriched {
     pub added: Vec<Added>,
 }
 
-/// Estimates as [`estimate`] does, adds the term that the model most likely lacks where it is rejected, and estimates again: until
-/// it is not rejected, lacks something that is no term, or `most` were added. A model that is not identifiable with a further
-/// term stays without it.
+/// A vessel whose model got the terms that it was found to lack.
+#[derive(Clone, Debug)]
+pub struct Grown {
+    /// The vessel.
+    pub vessel: Vessel,
+    /// What its instruments are simulated with.
+    pub nominal: NominalModel,
+    /// The terms, without estimates of them.
+    added: Vec<Added>,
+    /// Its estimate, judged without resamples; none where no term was to be added.
+    found: Option<Pooled>,
+}
+
+/// Estimates as [`grown`] and [`estimate`] do.
 ///
 /// # Errors
 /// See [`estimate`].
@@ -51,35 +62,75 @@ pub fn enriched<R: Recorded>(
     estimator: Estimator,
     judgement: &Judgement,
     most: usize,
-    resampled: &(dyn Fn(usize) + Sync),
+    resampling: Resampling,
 ) -> Result<Enriched, PoolError<R::Error>> {
-    let quick = Judgement { replicates: if most == 0 { judgement.replicates } else { 0 }, ..*judgement };
-    let (mut vessel, mut nominal) = (pool.vessel.clone(), pool.nominal.clone());
-    let (mut found, mut added) = (estimate(pool, runs, estimator, &quick, resampled)?, Vec::new());
-    while added.len() < most {
-        let Some((richer, place, more)) = lacking(&vessel, &found) else { break };
-        let mut theta = nominal.clone();
+    grown(pool, runs, estimator, judgement, most)?.judged(pool, runs, estimator, judgement, resampling)
+}
+
+/// Estimates as [`estimate`] does, adds the term that the model most likely lacks where it is rejected, and estimates again: until
+/// it is not rejected, lacks something that is no term, or `most` were added. A model that is not identifiable with a further
+/// term stays without it.
+///
+/// # Errors
+/// See [`estimate`].
+pub fn grown<R: Recorded>(
+    pool: &Pool,
+    runs: &PooledRuns<R>,
+    estimator: Estimator,
+    judgement: &Judgement,
+    most: usize,
+) -> Result<Grown, PoolError<R::Error>> {
+    let quick = Judgement { replicates: 0, ..*judgement };
+    let judged = |pool: &Pool| estimate(pool, runs, estimator, &quick, Resampling::Given(&[]));
+    let (vessel, nominal) = (pool.vessel.clone(), pool.nominal.clone());
+    let mut grown = Grown { vessel, nominal, added: Vec::new(), found: None };
+    if most > 0 {
+        grown.found = Some(judged(pool)?);
+    }
+    while grown.added.len() < most {
+        let lacks = |found| lacking(&grown.vessel, found);
+        let Some((richer, place, more)) = grown.found.as_ref().and_then(lacks) else { break };
+        let mut theta = grown.nominal.clone();
         if let NominalModel::Known(theta) = &mut theta {
             theta.insert(place, richer.nominal[place]);
         }
-        match estimate(&pool.of(&richer, theta.clone()), runs, estimator, &quick, resampled) {
-            Ok(again) if again.delivered.is_some() => found = again,
+        match judged(&pool.of(&richer, theta.clone())) {
+            Ok(again) if again.delivered.is_some() => grown.found = Some(again),
             Err(PoolError::Unread(e)) => return Err(PoolError::Unread(e)),
             _ => break,
         }
-        (vessel, nominal) = (richer, theta);
-        added.push(more);
+        (grown.vessel, grown.nominal) = (richer, theta);
+        grown.added.push(more);
     }
-    if judgement.replicates != quick.replicates {
-        found = estimate(&pool.of(&vessel, nominal), runs, estimator, judgement, resampled)?;
+    Ok(grown)
+}
+
+impl Grown {
+    /// The estimate, judged.
+    ///
+    /// # Errors
+    /// See [`estimate`].
+    pub fn judged<R: Recorded>(
+        self,
+        pool: &Pool,
+        runs: &PooledRuns<R>,
+        estimator: Estimator,
+        judgement: &Judgement,
+        resampling: Resampling,
+    ) -> Result<Enriched, PoolError<R::Error>> {
+        let Self { vessel, nominal, mut added, found } = self;
+        let mut found = match found.filter(|_| judgement.replicates == 0) {
+            Some(found) => found,
+            None => estimate(&pool.of(&vessel, nominal), runs, estimator, judgement, resampling)?,
+        };
+        for more in &mut added {
+            let own = found.degrees.iter().flat_map(|d| &d.parameters).find(|p| p.name == more.parameter);
+            (more.value, more.standard_error) = own.map_or((None, None), |p| (p.estimate, p.standard_error));
+        }
+        let told = added.iter().map(Added::told);
+        found.statements = told.chain(std::mem::take(&mut found.statements)).collect();
+        Ok(Enriched { vessel, found, added })
     }
-    for more in &mut added {
-        let own = found.degrees.iter().flat_map(|d| &d.parameters).find(|p| p.name == more.parameter);
-        (more.value, more.standard_error) = own.map_or((None, None), |p| (p.estimate, p.standard_error));
-    }
-    let told = added.iter().map(Added::told);
-    found.statements = told.chain(std::mem::take(&mut found.statements)).collect();
-    Ok(Enriched { vessel, found, added })
 }
 
 impl Added {

@@ -2,11 +2,12 @@ use thiserror::Error;
 use vessel::{DegreeOfFreedom, RunView};
 
 use super::entangled::entangled;
+use super::resampler::{Resampler, Resampling};
 use super::statements::statements;
 use super::trust::Judge;
 use super::{
     DegreeTrust, Delivered, Estimated, Judgement, LostInstruments, NoEstimate, ParameterTrust, Part, Parts,
-    Pool, PooledRuns, Recorded, SourceErrors, Status, listed,
+    Pool, PooledRuns, Recorded, Resample, SourceErrors, Status, listed,
 };
 use crate::criticism::{Criticism, Subject, criticise};
 use crate::{EstimateStatus, Estimator, RunEstimate};
@@ -75,8 +76,7 @@ pub enum PoolError<E> {
     Unread(E),
 }
 
-/// Estimates from all of `runs` and judges the estimate. `resampled` is called with the number of resamples that are done
-/// where each takes long.
+/// Estimates from all of `runs` and judges the estimate.
 ///
 /// # Errors
 /// No instruments; no degree of freedom that is identifiable; runs that cannot be read again.
@@ -85,11 +85,11 @@ pub fn estimate<R: Recorded>(
     runs: &PooledRuns<R>,
     estimator: Estimator,
     judgement: &Judgement,
-    resampled: &(dyn Fn(usize) + Sync),
+    resampling: Resampling,
 ) -> Result<Pooled, PoolError<R::Error>> {
     let parts = runs.cut(pool.part_samples);
     let found = solved(pool, &parts, estimator)?;
-    let judge = Judge { pool, found: &found, parts: &parts, judgement, resampled };
+    let judge = Judge { pool, found: &found, parts: &parts, judgement, resampling };
     let degrees = judge.degrees().map_err(PoolError::Unread)?;
     let sources = judge.sources(runs).map_err(PoolError::Unread)?;
     let delivered = Delivered::new(pool, &found, &parts, &degrees, &sources).map_err(PoolError::Unread)?;
@@ -111,6 +111,23 @@ pub fn estimate<R: Recorded>(
         delivered,
         criticism,
     })
+}
+
+/// Estimates as [`estimate`] does, from all of `runs` and nothing more, and calls `work` with what draws resamples of that
+/// estimate by their numbers.
+///
+/// # Errors
+/// See [`estimate`].
+pub fn resampled<R: Recorded, T>(
+    pool: &Pool,
+    runs: &PooledRuns<R>,
+    (estimator, seed): (Estimator, u64),
+    work: impl FnOnce(&(dyn Fn(u32) -> Result<Resample, R::Error> + Sync)) -> T,
+) -> Result<T, PoolError<R::Error>> {
+    let parts = runs.cut(pool.part_samples);
+    let found = solved(pool, &parts, estimator)?;
+    let resampler = Resampler::new(pool, &found, &parts, seed).map_err(PoolError::Unread)?;
+    Ok(work(&|number| resampler.draw(number)))
 }
 
 /// Noise beside the motion from which simulations that start at measured states bias the estimate.
@@ -186,7 +203,8 @@ pub fn standard_errors<R: Recorded>(
 ) -> Result<Option<StandardErrors>, PoolError<R::Error>> {
     let parts = runs.cut(pool.part_samples);
     let found = solved(pool, &parts, estimator)?;
-    let judge = Judge { pool, found: &found, parts: &parts, judgement, resampled: &|_| () };
+    let judge =
+        Judge { pool, found: &found, parts: &parts, judgement, resampling: Resampling::Drawn(&|_| ()) };
     let degrees = judge.degrees().map_err(PoolError::Unread)?;
     let all = || degrees.iter().flat_map(|d| &d.parameters);
     let theta: Option<Vec<f64>> = all().map(|p| p.estimate).collect();

@@ -1,17 +1,18 @@
+use std::borrow::Cow;
 use std::ops::Range;
 
-use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use vessel::{DegreeOfFreedom, Streams};
+use vessel::DegreeOfFreedom;
 
+use super::resampler::{Resampler, Resampling};
 use super::residual_tests::{ResidualTests, residuals_of};
 use super::sandwich::Filling;
 use super::strength::Strength;
 use super::{
-    Bootstrap, Centring, CrossCorrelation, Diagnosis, Estimated, FreeRunErrors, InstrumentFit, NoEstimate,
-    Options, Part, PartView, Parts, Pool, PooledRuns, Recorded, Regression, Score, Solution, Status,
-    Whiteness, bootstrap, default_bandwidth, deviations, redraw, unidentified, weakest,
+    Bootstrap, Centring, CrossCorrelation, Diagnosis, Estimated, FreeRunErrors, InstrumentFit, Part,
+    PartView, Parts, Pool, PooledRuns, Recorded, Regression, Resample, Score, Solution, Status, Whiteness,
+    default_bandwidth, deviations, unidentified, weakest,
 };
 use crate::{EstimateStatus, Estimator};
 
@@ -139,8 +140,7 @@ pub(super) struct Judge<'a, P> {
     pub found: &'a Estimated,
     pub parts: &'a P,
     pub judgement: &'a Judgement,
-    /// Called with the number of resamples that are done.
-    pub resampled: &'a (dyn Fn(usize) + Sync),
+    pub resampling: Resampling<'a>,
 }
 
 /// Numbers of one degree of freedom.
@@ -179,13 +179,9 @@ impl<P: Parts> Judge<'_, P> {
             i += 1;
         })?;
         let (fits, mut degrees) = (fit.found(), Vec::new());
-        let mut resampled = Vec::new();
-        for used in Estimator::ALL {
-            resampled.push(self.resampled_by(used)?);
-        }
+        let (resamples, layout) = (self.resamples()?, self.pool.vessel.model.layout());
         for (d, account) in DegreeOfFreedom::ALL.into_iter().zip(accounts) {
-            let used = self.found.used[d as usize];
-            let bootstrap = resampled[used as usize][d as usize].take();
+            let bootstrap = Bootstrap::of_resamples(&resamples, &layout.terms(d as usize));
             let places = self.pool.model.layout().terms(d as usize);
             let degree = account.closed(self.found, places, fits.map(|fits| fits[d as usize]), bootstrap);
             degrees.push(self.degree(d, &degree));
@@ -212,43 +208,17 @@ impl<P: Parts> Judge<'_, P> {
         }
     }
 
-    fn resampled_by(&self, used: Estimator) -> Result<[Option<Bootstrap>; 3], P::Error> {
-        let replicates = self.judgement.replicates;
-        let of = |d: &usize| self.found.used[*d] == used && self.found.degrees[*d].solution.is_some();
-        let Some(d) = [0, 1, 2].into_iter().find(of).filter(|_| replicates > 0) else {
-            return Ok([const { None }; 3]);
-        };
-        let streams = Streams::new(self.judgement.seed, "bootstrap over sub-experiments");
-        if used == Estimator::OutputError {
-            return self.simulated_again(&streams);
+    /// The resamples of the bootstrap: drawn now, or before.
+    fn resamples(&self) -> Result<Cow<'_, [Resample]>, P::Error> {
+        let Judgement { replicates, seed, .. } = *self.judgement;
+        match self.resampling {
+            Resampling::Given(resamples) => Ok(Cow::Borrowed(resamples)),
+            Resampling::Drawn(_) if replicates == 0 => Ok(Cow::Borrowed(&[])),
+            Resampling::Drawn(done) => {
+                let resampler = Resampler::new(self.pool, self.found, self.parts, seed)?;
+                Ok(Cow::Owned(resampler.first(replicates, done)?))
+            }
         }
-        let mut sums = Vec::with_capacity(self.parts.count());
-        let gathered = self.pool.sums(self.parts, self.found.simulated(d), |_, own| sums.push(own.clone()));
-        if let Err(NoEstimate::Unread(e)) = gathered {
-            return Err(e);
-        }
-        let nominal = self.found.nominal.as_ref().map(|(theta, _)| theta.as_slice());
-        // A resample is not refused for being collinear: its spread is what is asked for.
-        let options = Options { most: f64::INFINITY, ..self.pool.options(nominal, used) };
-        Ok(bootstrap(&sums.iter().collect::<Vec<_>>(), &options, replicates, &streams))
-    }
-
-    /// The bootstrap of an output-error estimate: every resample is simulated and fitted anew.
-    fn simulated_again(&self, streams: &Streams) -> Result<[Option<Bootstrap>; 3], P::Error> {
-        let work = |replicate: u32| {
-            let drawn = redraw(streams, replicate, self.parts.count());
-            let thetas = self.pool.simulated_again(self.parts, &drawn, self.found);
-            (self.resampled)(1);
-            thetas
-        };
-        let replicates = self.judgement.replicates;
-        let thetas: Vec<Option<[Vec<f64>; 3]>> =
-            (0..replicates).into_par_iter().map(work).collect::<Result<_, _>>()?;
-        let mut found: [Vec<Vec<f64>>; 3] = Default::default();
-        for thetas in thetas.into_iter().flatten() {
-            found.iter_mut().zip(thetas).for_each(|(own, theta)| own.push(theta));
-        }
-        Ok(found.map(|thetas| Bootstrap::of(&thetas, replicates as usize)))
     }
 
     fn degree(&self, d: DegreeOfFreedom, degree: &Degree) -> DegreeTrust {

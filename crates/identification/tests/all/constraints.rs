@@ -4,7 +4,7 @@ use crate::pooled_laws::{craft_file, part};
 use crate::support::noise::Normals;
 use identification::pooled::{
     DegreeRegression, Estimated, Judgement, NominalModel, Options, Part, Pool, PoolError, PooledRuns,
-    Regression, estimate, fit,
+    Regression, Resampling, estimate, fit,
 };
 use identification::predictor::{Flow, InitialState, Levels};
 use identification::runs::RunEstimators;
@@ -282,7 +282,7 @@ fn bounds_that_exclude_every_estimate_leave_none_and_say_which() {
     let runs = PooledRuns::new(runs(&parts), &BTreeMap::new());
     let judgement = Judgement { bandwidth: None, replicates: 0, seed: 1 };
     let Err(PoolError::Bounded(reasons)) =
-        estimate(&pool(&vessel), &runs, Estimator::Ls, &judgement, &|_| ())
+        estimate(&pool(&vessel), &runs, Estimator::Ls, &judgement, Resampling::Drawn(&|_| ()))
     else {
         panic!("an estimate")
     };
@@ -300,7 +300,8 @@ fn an_estimate_at_a_bound_has_no_standard_error_and_is_told() {
     let runs = PooledRuns::new(runs(&parts), &BTreeMap::new());
     let judgement = Judgement { bandwidth: None, replicates: 0, seed: 1 };
     for estimator in [Estimator::Ls, Estimator::OutputError] {
-        let found = estimate(&pool(&vessel), &runs, estimator, &judgement, &|_| ()).unwrap();
+        let found =
+            estimate(&pool(&vessel), &runs, estimator, &judgement, Resampling::Drawn(&|_| ())).unwrap();
         let own = &found.degrees[2].parameters[1];
         assert_eq!((own.estimate, own.standard_error, own.at_bound), (Some(0.0), None, true), "{estimator}");
         assert!(

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use crate::support::noise::Normals;
 use crate::support::{Experiment, dictionary, paper, truth};
 use identification::criticism::{Absent, Criticism, Subject, criticise, criticise_each};
-use identification::pooled::{Judgement, NominalModel, Pool, PooledRuns, enriched};
+use identification::pooled::{Judgement, NominalModel, Pool, PooledRuns, Resampling, enriched};
 use identification::predictor::{Flow, InitialState, Levels};
 use identification::runs::{Asked, RunEstimators};
 use identification::{EstimateStatus, Estimator, MeanRemoval};
@@ -317,7 +317,9 @@ fn terms_are_added_until_the_model_is_not_rejected() {
             constant: Vec::new(),
         };
         let judgement = Judgement { bandwidth: None, replicates: 0, seed: 1 };
-        let found = enriched(&pool, &runs, Estimator::OutputError, &judgement, most, &|_| ()).unwrap();
+        let found =
+            enriched(&pool, &runs, Estimator::OutputError, &judgement, most, Resampling::Drawn(&|_| ()))
+                .unwrap();
         let mut names: Vec<String> = found.added.iter().map(|a| format!("{} {}", a.term, a.degree)).collect();
         names.sort_unstable();
         (names, found)

@@ -6,7 +6,7 @@ use std::convert::Infallible;
 
 use crate::pooled_laws::{craft, part};
 use crate::support::noise::Normals;
-use identification::pooled::{Judgement, NominalModel, Pool, PooledRuns, Recorded, estimate};
+use identification::pooled::{Judgement, NominalModel, Pool, PooledRuns, Recorded, Resampling, estimate};
 use identification::{Estimator, MeanRemoval};
 use vessel::{Run, Segment, Vessel};
 
@@ -71,8 +71,8 @@ fn law_runs_that_are_read_again_give_the_same_bits() {
             constant: Vec::new(),
         };
         for estimator in Estimator::POOLED {
-            let expected = estimate(&pool, &held, estimator, &judgement, &|_| ()).unwrap();
-            let found = estimate(&pool, &again, estimator, &judgement, &|_| ()).unwrap();
+            let expected = estimate(&pool, &held, estimator, &judgement, Resampling::Drawn(&|_| ())).unwrap();
+            let found = estimate(&pool, &again, estimator, &judgement, Resampling::Drawn(&|_| ())).unwrap();
             // Written out, so that every digit counts and what is no number equals itself.
             assert_eq!(format!("{found:?}"), format!("{expected:?}"), "{estimator} {removal}");
             assert_eq!(found.sources.len(), 6);

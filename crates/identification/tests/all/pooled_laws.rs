@@ -3,7 +3,8 @@
 use crate::support::noise::Normals;
 use approx::assert_relative_eq;
 use identification::pooled::{
-    COLLINEAR, Centring, Options, Part, Prior, Regression, Status, bootstrap, fit, output_error, sandwich,
+    Bootstrap, COLLINEAR, Centring, Options, Part, Prior, Regression, Resample, Status, fit, output_error,
+    redraw, sandwich,
 };
 use identification::{MeanRemoval, Sums};
 use vessel::{RunView, Streams, Vessel, VesselFile, simulate_one};
@@ -126,10 +127,17 @@ fn law_bootstrap_and_sandwich_agree_on_much_data() {
     let sums: Vec<&Sums> = sums.iter().collect();
     let (_, errors) = errors(&data, &sums, 8);
     let streams = Streams::new(1, "test");
-    let resampled = bootstrap(&sums, &COMPLETE, 600, &streams);
-    assert_eq!(resampled, bootstrap(&sums, &COMPLETE, 600, &streams));
-    let found: Vec<f64> =
-        resampled.iter().flat_map(|d| d.as_ref().unwrap().parameters.iter().map(|p| p.std)).collect();
+    let resample = |number: u32| {
+        let drawn: Vec<&Sums> = redraw(&streams, number, sums.len()).into_iter().map(|i| sums[i]).collect();
+        let fitted = fit(&drawn, &COMPLETE).into_iter();
+        let theta = fitted.flat_map(|degree| degree.solution.unwrap().theta.into_iter().map(Some)).collect();
+        Resample { number, theta }
+    };
+    let resamples: Vec<Resample> = (0..600).map(resample).collect();
+    assert_eq!(resamples[7], resample(7));
+    let resampled = Bootstrap::of_resamples(&resamples, &(0..TRUTH.len())).unwrap();
+    assert_eq!(resampled.failed, 0);
+    let found: Vec<f64> = resampled.parameters.iter().map(|p| p.std).collect();
     for (bootstrap, sandwich) in found.iter().zip(&errors) {
         assert!((bootstrap / sandwich - 1.0).abs() < 0.3, "{found:?} {errors:?}");
     }

@@ -11,10 +11,10 @@ use study::files::read_vessel;
 use validation::comparison::{CompareOptions, Contestant, Ship, Standing, compare};
 use vessel::Vessel;
 
-use crate::cli::{Common, member};
+use crate::cli::{Common, member, samples};
 use crate::failure::Failure;
 use crate::inputs;
-use crate::pool::{RunFlags, samples};
+use crate::pool::RunFlags;
 use crate::stage::{Summary, Task};
 
 /// A model beside least squares, the mean of the data and another model, on any recordings; writes compare.json and

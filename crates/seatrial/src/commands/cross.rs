@@ -9,10 +9,10 @@ use study::files::read_vessel;
 use validation::crossval::{CrossOptions, Folds, cross_validate};
 
 use crate::choice::choice;
-use crate::cli::Common;
+use crate::cli::{Common, samples};
 use crate::failure::Failure;
 use crate::inputs;
-use crate::pool::{PoolFlags, samples};
+use crate::pool::PoolFlags;
 use crate::progress::Progress;
 use crate::stage::{Summary, Task};
 

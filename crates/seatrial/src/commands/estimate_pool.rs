@@ -2,23 +2,27 @@
 
 use std::path::Path;
 
-use artifact::{Provenance, TableWriter, commit, stage_document, stage_set_document};
+use artifact::{Provenance, Shard, TableReader, TableWriter, commit, stage_document, stage_set_document};
 use clap::Parser;
 use identification::Estimator;
-use identification::pooled::{Enriched, Judgement, Pool, PoolError, enriched};
+use identification::pooled::{
+    Enriched, Judgement, Pool, PoolError, PooledRuns, Recorded, Resample, Resampling, grown, resampled,
+};
 use serde_json::json;
 use study::documents::{EstimateDocument, ModelDocument, TrustDocument};
-use study::estimates;
 use study::files::read_vessel;
+use study::{estimates, resamples};
 use validation::comparison::Magnitudes;
+use vessel::Vessel;
 
 use super::estimate::MAIN;
 use crate::choice::choice;
-use crate::cli::{Common, beside, member};
+use crate::cli::{Common, Sharding, beside, member};
 use crate::failure::Failure;
 use crate::inputs;
 use crate::pool::{PoolFlags, lost};
 use crate::progress::Progress;
+use crate::sharded::{Made, rows_of_shards};
 use crate::stage::{Summary, Task};
 
 /// One estimate from all runs, whose segments each get instruments of their own; writes estimates.parquet, estimate.json,
@@ -27,7 +31,11 @@ use crate::stage::{Summary, Task};
 #[command(
     name = "pool",
     after_help = "Example:\n  estimate pool --vessel pipelines/kvlcc2/vessel.toml \
-    --trajectories trajectories.parquet --nominal least-squares --estimator auto --bootstrap 500 --out results/"
+    --trajectories trajectories.parquet --nominal least-squares --estimator auto --bootstrap 500 --out results/",
+    mut_arg("shard", |shard| shard.requires("bootstrap").help("Draw only the resamples of part K of N, into a table; gather the \
+    parts with --gather")),
+    mut_arg("gather", |gather| gather.requires("bootstrap").help("Take the resamples from the files of all shards instead of \
+    drawing them"))
 )]
 pub struct Arguments {
     #[command(flatten)]
@@ -44,13 +52,16 @@ pub struct Arguments {
     /// Terms that are added at most, one after the other, where the model is found to lack them
     #[arg(long, value_name = "K", default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=50))]
     add_terms: u16,
+    #[command(flatten)]
+    sharding: Sharding,
 }
 
 impl Task for Arguments {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
         let mut provenance = common.provenance("estimate");
         let vessel = read_vessel(&self.flags.vessel, &mut provenance)?;
-        let out = common.main_output(MAIN, self.flags.inputs())?;
+        let main = if self.sharding.shard.is_some() { resamples::MAIN } else { MAIN };
+        let out = common.main_output(main, self.flags.inputs().chain(&self.sharding.gather))?;
         let model = member(&out, MAIN, "model.json", self.flags.inputs())?;
         let (runs, pool) = self.flags.read(&vessel, &mut provenance, inputs::kept_runs)?;
         let judgement = Judgement {
@@ -62,10 +73,18 @@ impl Task for Arguments {
         let bytes = pool.bytes(&runs, self.estimator, replicates, threads);
         inputs::fits(&self.flags.of.trajectories, &runs.amount(), bytes)?;
         self.note(&judgement, &mut provenance);
+        let most = usize::from(self.add_terms);
+        let grown = grown(&pool, &runs, self.estimator, &judgement, most).map_err(|e| self.failed(e))?;
+        let own = pool.of(&grown.vessel, grown.nominal.clone());
+        if let Some(shard) = self.sharding.shard {
+            provenance.shard = Some(shard);
+            return self.shard(shard, &out, (&own, &runs), &judgement, (provenance, common.quiet));
+        }
+        let drawn = self.gathered(&grown.vessel, replicates, &mut provenance)?;
         let progress = Progress::new("resamples", replicates as usize, common.quiet);
         let resampled = |count: usize| progress.advance(count);
-        let most = usize::from(self.add_terms);
-        let found = enriched(&pool, &runs, self.estimator, &judgement, most, &resampled);
+        let resampling = drawn.as_deref().map_or(Resampling::Drawn(&resampled), Resampling::Given);
+        let found = grown.judged(&pool, &runs, self.estimator, &judgement, resampling);
         let found = found.map_err(|e| self.failed(e))?;
         let pool = pool.of(&found.vessel, pool.nominal.clone());
         let magnitudes = Magnitudes::of(&vessel.model, &runs, vessel.sample_rate_hz)?;
@@ -86,6 +105,43 @@ impl Arguments {
             ("add_terms", json!(Some(self.add_terms).filter(|most| *most > 0))),
         ];
         self.flags.note(settings, provenance);
+    }
+
+    /// Draws the resamples of `shard`.
+    fn shard<R: Recorded<Error = artifact::Error>>(
+        &self,
+        shard: Shard,
+        out: &Path,
+        (pool, runs): (&Pool, &PooledRuns<R>),
+        judgement: &Judgement,
+        (provenance, quiet): (Provenance, bool),
+    ) -> Result<Summary, Failure> {
+        let (blocks, each) = resamples::blocks(judgement.replicates);
+        let progress = Progress::new("blocks of resamples", shard.range(blocks).len(), quiet);
+        let (columns, last) = (resamples::columns(pool.vessel), judgement.replicates);
+        let made = resampled(pool, runs, (self.estimator, judgement.seed), |draw| {
+            Made::computed([out, out], &columns, provenance, blocks, |i| {
+                let first = i as u32 * each;
+                let rows = (first..last.min(first + each)).map(draw).collect::<Result<_, _>>()?;
+                progress.advance(1);
+                Ok(rows)
+            })
+        });
+        made.map_err(|e| self.failed(e))??.publish_shard(shard, "resamples")
+    }
+
+    /// The resamples of all shards; none where they are to be drawn.
+    fn gathered(
+        &self,
+        vessel: &Vessel,
+        replicates: u32,
+        provenance: &mut Provenance,
+    ) -> Result<Option<Vec<Resample>>, Failure> {
+        let Some(first) = self.sharding.gather.first() else { return Ok(None) };
+        let rows = |reader: &TableReader| resamples::rows(reader, vessel);
+        let found = rows_of_shards(&self.sharding.gather, &resamples::columns(vessel), provenance, rows)?;
+        resamples::check(&found, replicates, first)?;
+        Ok(Some(found))
     }
 
     fn failed(&self, error: PoolError<artifact::Error>) -> Failure {

@@ -15,10 +15,10 @@ use validation::comparison::Magnitudes;
 use vessel::Model;
 
 use super::earlier::is_of;
-use crate::cli::{Common, member};
+use crate::cli::{Common, member, samples};
 use crate::failure::Failure;
 use crate::inputs;
-use crate::pool::{RunFlags, samples};
+use crate::pool::RunFlags;
 use crate::progress::Progress;
 use crate::stage::{Summary, Task};
 

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use artifact::{Provenance, commit};
+use artifact::Provenance;
 use clap::Parser;
 use identification::Estimator;
 use serde_json::json;
@@ -142,13 +142,11 @@ fn publish(
     file: &Path,
     document: impl FnOnce(&[Row]) -> SelectionDocument,
 ) -> Result<Summary, Failure> {
+    if let Some(shard) = made.provenance.shard {
+        return made.publish_shard(shard, "realizations");
+    }
     let Made { table, provenance, rows } = made;
     let out = table.path().to_owned();
-    if let Some(shard) = provenance.shard {
-        commit(vec![table])?;
-        let told = json!({"realizations": rows.len()});
-        return Ok(Summary::of(&out, format!("{} realizations, shard {shard}", rows.len()), told));
-    }
     let document = document(&rows);
     let told = json!({"ratio_q90": document.ratio_q90, "statements": document.statements});
     let said = document.statements.join("; ");

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use artifact::{Provenance, Work, commit};
+use artifact::{Provenance, Work};
 use clap::Parser;
 use identification::predictor::InitialState;
 use identification::runs::RunEstimators;
@@ -120,13 +120,11 @@ fn publish(
     trial: &Trial,
     (config, rate_hz): (&SequentialFile, f64),
 ) -> Result<Summary, Failure> {
+    if let Some(shard) = made.provenance.shard {
+        return made.publish_shard(shard, "rows");
+    }
     let Made { table, provenance, rows } = made;
     let (out, count) = (table.path().to_owned(), config.realizations);
-    if let Some(shard) = provenance.shard {
-        commit(vec![table])?;
-        let told = json!({"rows": rows.len()});
-        return Ok(Summary::of(&out, format!("{} rows, shard {shard}", rows.len()), told));
-    }
     if rows.iter().all(|row| row.parameter_error.is_none()) {
         return Err(Failure::NoAnswer(format!(
             "{}: rounds: found no estimate in any of {count} realizations, expected some that converge; lengthen `duration_s`, or \

@@ -90,6 +90,83 @@ fn results_do_not_depend_on_threads() {
     }
 }
 
+#[test]
+fn law_resamples_in_shards_give_the_bytes_of_the_whole() {
+    let folder = with(&["campaign.parquet"]);
+    let few = "--runs random/0,random/1 --part-s 25 --bootstrap 12 --seed 3";
+    for (flags, shards) in [("iv --add-terms 1", 3), ("output-error --nominal least-squares", 2)] {
+        let line = format!("{POOL} {few} --estimator {flags}");
+        let all = || {
+            ["estimates.parquet", "estimate.json", "trust.json", "model.json"]
+                .map(|name| bytes(&folder, name))
+        };
+        run(&folder, &format!("{line} --threads 1 --out estimates.parquet")).succeeds();
+        let whole = all();
+        for k in 1..=shards {
+            run(&folder, &format!("{line} --shard {k}/{shards} --threads 2 --out part-{k}.parquet"))
+                .succeeds();
+        }
+        let parts: Vec<String> = (1..=shards).rev().map(|k| format!("part-{k}.parquet")).collect();
+        run(&folder, &format!("{line} --gather {} --out estimates.parquet", parts.join(" "))).succeeds();
+        assert!(all() == whole, "{flags}");
+    }
+    let table = craft::read(&folder.path().join("part-1.parquet"), "resamples");
+    let numbers: Vec<i32> =
+        table.blocks.iter().flat_map(|block| block.columns[0].as_i32().unwrap().to_vec()).collect();
+    assert_eq!(numbers, (0..8).collect::<Vec<i32>>());
+}
+
+#[test]
+fn resamples_that_are_not_those_asked_for_are_refused() {
+    let folder = with(&["campaign.parquet", "dictionary.parquet"]);
+    let line = format!("{POOL} --estimator ls --runs random/0,random/1 --part-s 25");
+    for k in 1..=2 {
+        run(&folder, &format!("{line} --bootstrap 20 --shard {k}/2 --out part-{k}.parquet")).succeeds();
+    }
+    let both = "--gather part-1.parquet part-2.parquet --out estimates.parquet";
+    for (line, said) in [
+        (
+            format!("{line} --bootstrap 20 --gather part-2.parquet --out estimates.parquet"),
+            vec!["part-2.parquet: shards: found no shard 1/2", "write the missing shards"],
+        ),
+        (
+            format!(
+                "{line} --bootstrap 20 --gather part-1.parquet part-2.parquet part-1.parquet --out estimates.parquet"
+            ),
+            vec!["shards: found shard 1/2 in part-1.parquet and in part-1.parquet"],
+        ),
+        (format!("{line} --bootstrap 21 {both}"), vec!["part-1.parquet", "`bootstrap`", "found 20", "21"]),
+        (format!("{line} --bootstrap 20 --seed 5 {both}"), vec!["part-1.parquet", "`seed`", "found 1", "5"]),
+        // A setting that is noted only where it is given.
+        (
+            format!("{POOL} --estimator ls --bootstrap 20 --part-s 25 {both}"),
+            vec!["part-1.parquet: settings.runs: found [\"random/0\",\"random/1\"], expected nothing"],
+        ),
+        (
+            format!("{line} --bandwidth 3 --bootstrap 20 {both}"),
+            vec!["part-1.parquet: settings.bandwidth: found nothing, expected 3"],
+        ),
+        (
+            format!("{line} --bootstrap 20 {both}")
+                .replace("campaign.parquet", "dictionary.parquet")
+                .replace("--runs random/0,random/1", ""),
+            vec!["dictionary.parquet: provenance: found another trajectories than that of part-1.parquet"],
+        ),
+        (
+            format!("{POOL} --gather campaign.parquet --bootstrap 20 --out x.parquet"),
+            vec!["campaign.parquet"],
+        ),
+        (
+            "estimate pool --vessel vessel.toml --trajectories part-1.parquet --out x.parquet".to_owned(),
+            vec!["part-1.parquet", "found resamples"],
+        ),
+    ] {
+        refused(&folder, 3, &line, &said);
+    }
+    refused(&folder, 2, &format!("{line} --shard 1/2 --out x.parquet"), &["--bootstrap"]);
+    refused(&folder, 2, &format!("{line} {both}"), &["--bootstrap"]);
+}
+
 /// In 8 MiB runs of 2 MB are not held in memory: each pass reads them again.
 #[test]
 fn runs_that_are_read_again_give_the_same_bytes() {

@@ -1,0 +1,101 @@
+use rayon::prelude::*;
+use vessel::Streams;
+
+use super::{Estimated, NoEstimate, Options, Parts, Pool, Resample, fit, redraw};
+use crate::{Estimator, Sums};
+
+/// Where the resamples of a bootstrap come from.
+#[derive(Clone, Copy)]
+pub enum Resampling<'a> {
+    /// They are drawn; called with the number of those that are done.
+    Drawn(&'a (dyn Fn(usize) + Sync)),
+    /// They were drawn before, all of them: in shards.
+    Given(&'a [Resample]),
+}
+
+/// Draws as many parts as there are, with replacement, and estimates anew as `found` was. What comes of it depends on the seed
+/// and the number of the resample alone.
+pub(super) struct Resampler<'a, P> {
+    pool: &'a Pool<'a>,
+    found: &'a Estimated,
+    parts: &'a P,
+    streams: Streams,
+    /// Sums part by part, for each estimator that degrees of freedom were estimated by; none where each resample is simulated.
+    sums: Vec<(Estimator, Vec<Sums>)>,
+}
+
+impl<'a, P: Parts> Resampler<'a, P> {
+    /// Goes through the parts once for each estimator that needs their sums.
+    ///
+    /// # Errors
+    /// Parts that cannot be read.
+    pub fn new(pool: &'a Pool, found: &'a Estimated, parts: &'a P, seed: u64) -> Result<Self, P::Error> {
+        let mut sums = Vec::new();
+        for used in Estimator::ALL {
+            let by = |d: &usize| found.used[*d] == used && found.degrees[*d].solution.is_some();
+            let Some(d) = [0, 1, 2].into_iter().find(by) else { continue };
+            let mut own = Vec::new();
+            if used != Estimator::OutputError {
+                match pool.sums(parts, found.simulated(d), |_, sums| own.push(sums.clone())) {
+                    Err(NoEstimate::Unread(e)) => return Err(e),
+                    // They could be simulated before.
+                    Err(NoEstimate::Lost(_)) => continue,
+                    Ok(_) => {}
+                }
+            }
+            sums.push((used, own));
+        }
+        let streams = Streams::new(seed, "bootstrap over sub-experiments");
+        Ok(Self { pool, found, parts, streams, sums })
+    }
+
+    /// Resample `number`.
+    ///
+    /// # Errors
+    /// Parts that cannot be read.
+    pub fn draw(&self, number: u32) -> Result<Resample, P::Error> {
+        let places = redraw(&self.streams, number, self.parts.count());
+        let mut theta: [Option<Vec<f64>>; 3] = Default::default();
+        for (used, sums) in &self.sums {
+            let mut own = match used {
+                Estimator::OutputError => self.simulated_again(&places)?,
+                _ => self.fitted(*used, &places.iter().map(|i| &sums[*i]).collect::<Vec<_>>()),
+            };
+            for d in (0..3).filter(|d| self.found.used[*d] == *used) {
+                theta[d] = own[d].take();
+            }
+        }
+        let layout = self.pool.vessel.model.layout();
+        let of = |(d, own): (usize, Option<Vec<f64>>)| match own {
+            Some(theta) => theta.into_iter().map(Some).collect(),
+            None => vec![None; layout.terms(d).len()],
+        };
+        Ok(Resample { number, theta: theta.into_iter().enumerate().flat_map(of).collect() })
+    }
+
+    /// The first `count` of them. `done` is called with the number of those that are done.
+    ///
+    /// # Errors
+    /// Parts that cannot be read.
+    pub fn first(&self, count: u32, done: &(dyn Fn(usize) + Sync)) -> Result<Vec<Resample>, P::Error> {
+        let work = |number: u32| {
+            let resample = self.draw(number);
+            done(1);
+            resample
+        };
+        (0..count).into_par_iter().map(work).collect()
+    }
+
+    fn fitted(&self, used: Estimator, sums: &[&Sums]) -> [Option<Vec<f64>>; 3] {
+        let nominal = self.found.nominal.as_ref().map(|(theta, _)| theta.as_slice());
+        // A resample is not refused for being collinear: its spread is what is asked for.
+        let options = Options { most: f64::INFINITY, ..self.pool.options(nominal, used) };
+        fit(sums, &options).map(|degree| degree.solution.map(|solution| solution.theta))
+    }
+
+    /// Of an output-error estimate: the parts are simulated and fitted anew.
+    fn simulated_again(&self, places: &[usize]) -> Result<[Option<Vec<f64>>; 3], P::Error> {
+        let thetas = self.pool.simulated_again(self.parts, places, self.found)?;
+        Ok(thetas.map_or_else(Default::default, |thetas| thetas.map(Some)))
+    }
+}
