@@ -11,8 +11,10 @@ use parquet::data_type::{ByteArray, DataType};
 use parquet::errors::{ParquetError, Result as ParquetResult};
 use parquet::file::metadata::RowGroupMetaData;
 use parquet::file::serialized_reader::SerializedPageReader;
+use parquet::schema::types::ColumnDescPtr;
 
 use crate::columns::{Column, Labels};
+use crate::pages;
 use crate::source::Source;
 
 /// Rows for which memory is set aside before they have been decoded.
@@ -68,8 +70,20 @@ pub(crate) fn decode_column(
     rows: usize,
 ) -> ParquetResult<Column> {
     let chunk = group.column(i);
-    let pages = SerializedPageReader::new(Arc::new(source.clone()), chunk, rows, None)?;
+    let pages = || SerializedPageReader::new(Arc::new(source.clone()), chunk, rows, None);
     let descriptor = chunk.column_descr_ptr();
+    match pages::decode(&mut pages()?, &descriptor, rows)? {
+        Some(column) => Ok(column),
+        None => decode_any(pages()?, descriptor, rows),
+    }
+}
+
+/// Decodes a column in any encoding, such as other programs write and as stood in tables before.
+fn decode_any(
+    pages: SerializedPageReader<Source>,
+    descriptor: ColumnDescPtr,
+    rows: usize,
+) -> ParquetResult<Column> {
     let nullable = descriptor.max_def_level() > 0;
     match get_column_reader(descriptor, Box::new(pages)) {
         ColumnReader::DoubleColumnReader(reader) if nullable => decode_nullable(reader, rows),
@@ -107,7 +121,8 @@ fn decode_nullable<T: DataType<T = f64>>(
     Ok(Column::nullable_f64(values, levels.iter().map(|&level| level > 0).collect()))
 }
 
-fn too_few(found: usize, expected: usize) -> ParquetError {
+/// Refuses a column of another length than its block.
+pub(crate) fn too_few(found: usize, expected: usize) -> ParquetError {
     ParquetError::General(format!("{found} values in a block of {expected} rows"))
 }
 
