@@ -52,7 +52,9 @@ pub(crate) fn join(bytes: &[u8], out: &mut Vec<f64>) {
     out.extend((rows / BLOCK * BLOCK..rows).map(value));
 }
 
-/// Byte i of row j becomes byte j of row i: halves, quarters and eighths of the squares change places.
+/// Byte i of row j becomes byte j of row i: halves, quarters and eighths of the squares change places. Inlined, as the squares
+/// then stay in registers.
+#[inline(always)]
 fn transposed(mut rows: Squares) -> Squares {
     const STEPS: [(usize, u64); 3] =
         [(4, 0x0000_0000_ffff_ffff), (2, 0x0000_ffff_0000_ffff), (1, 0x00ff_00ff_00ff_00ff)];
