@@ -1,8 +1,8 @@
 """Measures the workspace against what one would otherwise use, in one run on one machine. Called by `make bench`.
 
-    python scripts/bench.py [--study pipelines/paper] [--ours target/release/bench] [--rounds 2]
+    python scripts/bench.py [--study pipelines/paper] [--ours target/release/bench] [--rounds 2] [--tables]
 
-Builds nothing: `--ours` is run as it is with `--json`. The peers are numba (Monte Carlo loop), scipy's least_squares over
+Builds nothing: `--ours` is run as it is with `--json`, or with `--tables` for writing and reading tables alone. The peers are numba (Monte Carlo loop), scipy's least_squares over
 numba (output error), scipy SLSQP (design) and pyarrow (tables), all on one thread. Peers and ours take turns and the best of each counts. Needs numpy, scipy, numba
 and pyarrow; without them only our own figures are shown.
 """
@@ -67,13 +67,13 @@ def main() -> None:
     arguments = parse_arguments()
     if not arguments.ours.is_file():
         raise SystemExit(f"{arguments.ours}: no such program; build it with `cargo build --release --bin bench`")
-    peers = load_peers(arguments.study, arguments.ours)
+    peers = load_peers(arguments.study, arguments.ours, arguments.tables)
     ours: list[Figures] = []
     theirs: list[Figures] = []
     for _ in range(arguments.rounds):
         if peers is not None:
             theirs.append(peers())
-        own, inside = run_ours(arguments.ours)
+        own, inside = run_ours(arguments.ours, arguments.tables)
         ours.append(own)
         theirs.append(inside)
     print(machine())
@@ -87,21 +87,23 @@ def parse_arguments() -> argparse.Namespace:
     parser.add_argument("--study", type=Path, default=Path("pipelines/paper"), help="study folder")
     parser.add_argument("--ours", type=Path, default=Path("target/release/bench"), help="our own benchmark")
     parser.add_argument("--rounds", type=int, default=2, help="turns of peers and ours")
+    parser.add_argument("--tables", action="store_true", help="writing and reading tables alone")
     return parser.parse_args()
 
 
-def load_peers(study: Path, program: Path) -> Callable[[], Figures] | None:
+def load_peers(study: Path, program: Path, tables: bool) -> Callable[[], Figures] | None:
     """A measurement of all peers, compiled and warm; nothing if a package is missing."""
+    if tables:
+        return load_table(program)
     try:
         from peers.monte_carlo import MonteCarlo
         from peers.output_error import OutputError
         from peers.shares import Shares
-        from peers.table import TableIo
     except ImportError as error:
         print(f"peers are left out: {error}", file=sys.stderr)
         return None
     print("compiling the peers", file=sys.stderr)
-    monte_carlo, shares, table = MonteCarlo(study), Shares(study), TableIo()
+    monte_carlo, shares, table = MonteCarlo(study), Shares(study), load_table(program)
     with tempfile.TemporaryDirectory() as folder:
         realizations = Path(folder) / "realizations.json"
         call_ours(program, "--realizations", str(realizations))
@@ -110,24 +112,45 @@ def load_peers(study: Path, program: Path) -> Callable[[], Figures] | None:
     def measure() -> Figures:
         print("measuring the peers", file=sys.stderr)
         seconds, gap = shares.best_seconds()
-        write, read, size = table.best()
         return {
             "monte_carlo": (rate := monte_carlo.best_rate()),
             "stage_optimized": 1e6 / rate,
             "output_error": 1e3 * output_error.best_seconds(),
             "design_q11": 1e3 * seconds,
             "design_q11_gap": gap,
-            **table_figures(table.raw_bytes, write, read, size),
+            **(table() if table else {}),
         }
 
     return measure
 
 
-def run_ours(program: Path) -> tuple[Figures, Figures]:
+def load_table(program: Path) -> Callable[[], Figures] | None:
+    """A measurement of pyarrow on the rows that ours writes and reads; nothing if it is missing."""
+    try:
+        from peers.table import TableIo
+    except ImportError as error:
+        print(f"pyarrow is left out: {error}", file=sys.stderr)
+        return None
+    with tempfile.TemporaryDirectory() as folder:
+        rows = Path(folder) / "rows.parquet"
+        call_ours(program, "--table", str(rows))
+        table = TableIo(rows)
+
+    def measure() -> Figures:
+        write, read, size = table.best()
+        return table_figures(table.raw_bytes, write, read, size)
+
+    return measure
+
+
+def run_ours(program: Path, tables: bool) -> tuple[Figures, Figures]:
     """The figures of our own benchmark, from the JSON object that it prints, and of the peers that it runs itself."""
     print("measuring ours", file=sys.stderr)
-    found: dict[str, Any] = json.loads(call_ours(program, "--json"))
+    found: dict[str, Any] = json.loads(call_ours(program, "--tables" if tables else "--json"))
     table = found["table"]
+    of_table = table_figures(table["raw_bytes"], table["write_s"], table["read_s"], table["file_bytes"])
+    if tables:
+        return of_table, {}
     own = {
         "monte_carlo": found["monte_carlo"]["realizations_per_s_per_core"],
         "stage_optimized": found["stage"]["optimized"]["us_per_run"],
@@ -137,7 +160,7 @@ def run_ours(program: Path) -> tuple[Figures, Figures]:
         "design_q11_gap": found["design_q11"]["relative_gap"],
         "design_q10000": 1e3 * found["design_q10000"]["seconds"],
         "design_q10000_gap": found["design_q10000"]["relative_gap"],
-        **table_figures(table["raw_bytes"], table["write_s"], table["read_s"], table["file_bytes"]),
+        **of_table,
     }
     planner, inside = planner_figures(found["planner"])
     return {**own, **planner}, inside
@@ -185,6 +208,8 @@ def show(ours: Figures, theirs: Figures) -> None:
     row = "{:<36} {:>14} {:>12} {:>12} {:>7} {:>7}"
     print(row.format("what", "unit", "ours", "peer", "ratio", "target"))
     for line in LINES:
+        if line.key not in ours:
+            continue
         own, peer = ours[line.key], theirs.get(line.key)
         ratio = "-"
         if peer and own and line.unit:

@@ -11,12 +11,11 @@ use parquet::data_type::{ByteArray, DataType};
 use parquet::errors::{ParquetError, Result as ParquetResult};
 use parquet::file::metadata::RowGroupMetaData;
 use parquet::file::serialized_reader::SerializedPageReader;
+use parquet::schema::types::ColumnDescPtr;
 
 use crate::columns::{Column, Labels};
+use crate::pages::{self, Press, TRUSTED_ROWS, too_few};
 use crate::source::Source;
-
-/// Rows for which memory is set aside before they have been decoded.
-pub(crate) const TRUSTED_ROWS: usize = 1 << 20;
 
 /// Why something is not decoded.
 pub(crate) enum Undecoded {
@@ -66,10 +65,22 @@ pub(crate) fn decode_column(
     group: &RowGroupMetaData,
     i: usize,
     rows: usize,
+    press: &mut Press,
 ) -> ParquetResult<Column> {
     let chunk = group.column(i);
+    if let Some(column) = pages::decode(source, chunk, press, rows)? {
+        return Ok(column);
+    }
     let pages = SerializedPageReader::new(Arc::new(source.clone()), chunk, rows, None)?;
-    let descriptor = chunk.column_descr_ptr();
+    decode_any(pages, chunk.column_descr_ptr(), rows)
+}
+
+/// Decodes a column in any encoding, such as other programs write and as stood in tables before.
+fn decode_any(
+    pages: SerializedPageReader<Source>,
+    descriptor: ColumnDescPtr,
+    rows: usize,
+) -> ParquetResult<Column> {
     let nullable = descriptor.max_def_level() > 0;
     match get_column_reader(descriptor, Box::new(pages)) {
         ColumnReader::DoubleColumnReader(reader) if nullable => decode_nullable(reader, rows),
@@ -107,10 +118,6 @@ fn decode_nullable<T: DataType<T = f64>>(
     Ok(Column::nullable_f64(values, levels.iter().map(|&level| level > 0).collect()))
 }
 
-fn too_few(found: usize, expected: usize) -> ParquetError {
-    ParquetError::General(format!("{found} values in a block of {expected} rows"))
-}
-
 /// The distinct texts in order of appearance, and per row the index of its text.
 fn intern(texts: &[ByteArray]) -> ParquetResult<Column> {
     let mut labels = Labels::default();
@@ -118,4 +125,136 @@ fn intern(texts: &[ByteArray]) -> ParquetResult<Column> {
         labels.push(std::str::from_utf8(text.data())?, 1);
     }
     Ok(labels.column())
+}
+
+#[cfg(test)]
+mod tests {
+    use std::fs::File;
+    use std::path::Path;
+
+    use parquet::basic::{Compression, Encoding, ZstdLevel};
+    use parquet::column::writer::ColumnWriter;
+    use parquet::file::metadata::ParquetMetaData;
+    use parquet::file::properties::{WriterProperties, WriterVersion};
+    use parquet::file::writer::{SerializedFileWriter, TrackedWrite};
+
+    use super::*;
+    use crate::chunk::{Chunk, compressor};
+    use crate::layout::Layout;
+    use crate::schema::{ColumnSpec, Kind};
+
+    const ROWS: usize = 3000;
+
+    fn specs() -> Vec<ColumnSpec> {
+        let spec = |name: &str, kind, nullable| ColumnSpec::new(name, "1", kind, nullable);
+        vec![
+            spec("x", Kind::F64, false),
+            spec("y", Kind::F64, true),
+            spec("n", Kind::I32, false),
+            spec("t", Kind::Text, false),
+        ]
+    }
+
+    /// Numbers of all sizes, some absent alone and some side by side, integers that count and jump, labels that repeat.
+    fn columns() -> Vec<Column> {
+        let x: Vec<f64> = (0..ROWS).map(|i| (i as f64).sin() * 10_f64.powi(i as i32 % 50 - 25)).collect();
+        let y = x.iter().map(|x| x * 3.0).collect();
+        let present = (0..ROWS).map(|i| i % 7 > 0 && i % 1000 > 90).collect();
+        let n = (0..ROWS as i32).map(|i| if i % 97 == 0 { i32::MIN + i } else { i % 500 }).collect();
+        let labels = ["déjà vu", "", "sine", "spiral"].map(str::to_owned).to_vec();
+        let codes = (0..ROWS).map(|i| if i < 1000 { i as u32 % 3 } else { (i / 400 % 3) as u32 }).collect();
+        vec![Column::f64(x), Column::nullable_f64(y, present), Column::i32(n), Column::text(labels, codes)]
+    }
+
+    fn same(found: &Column, expected: &Column, what: &str) {
+        for row in 0..ROWS {
+            assert_eq!(
+                found.value_at(row).map(f64::to_bits),
+                expected.value_at(row).map(f64::to_bits),
+                "{what}"
+            );
+            assert_eq!(found.text_at(row), expected.text_at(row), "{what}, row {row}");
+        }
+        assert_eq!((found.nulls(), found.as_i32()), (expected.nulls(), expected.as_i32()), "{what}");
+    }
+
+    /// Writes the columns by the parquet crate, a few rows at a time.
+    fn written_by_others(file: File, properties: WriterProperties) -> ParquetMetaData {
+        let layout = Layout::new(Path::new("t"), &specs()).unwrap();
+        let root = layout.descriptor.root_schema_ptr();
+        let mut writer = SerializedFileWriter::new(file, root, Arc::new(properties)).unwrap();
+        let mut group = writer.next_row_group().unwrap();
+        for column in columns() {
+            let mut chunk = group.next_column().unwrap().unwrap();
+            match chunk.untyped() {
+                ColumnWriter::DoubleColumnWriter(to) => {
+                    let values = (0..ROWS).filter_map(|row| column.value_at(row)).collect::<Vec<_>>();
+                    let levels = (0..ROWS).map(|row| i16::from(!column.is_null(row))).collect::<Vec<_>>();
+                    to.write_batch(&values, Some(&levels), None).unwrap()
+                }
+                ColumnWriter::Int32ColumnWriter(to) => {
+                    to.write_batch(column.as_i32().unwrap(), None, None).unwrap()
+                }
+                ColumnWriter::ByteArrayColumnWriter(to) => {
+                    let texts: Vec<ByteArray> =
+                        (0..ROWS).map(|row| column.text_at(row).unwrap().into()).collect();
+                    to.write_batch(&texts, None, None).unwrap()
+                }
+                _ => unreachable!("no table has other columns"),
+            };
+            chunk.close().unwrap();
+        }
+        group.close().unwrap();
+        writer.close().unwrap()
+    }
+
+    #[test]
+    fn oracle_pages_that_the_parquet_crate_wrote_are_read() {
+        let zstd = Compression::ZSTD(ZstdLevel::default());
+        let any = || WriterProperties::builder().set_data_page_row_count_limit(700).set_write_batch_size(100);
+        // As tables were until pages were encoded here: split floats, dictionaries of integers.
+        let mut before = any().set_writer_version(WriterVersion::PARQUET_1_0).set_compression(zstd);
+        for name in ["x", "y"] {
+            before = before.set_column_dictionary_enabled(name.into(), false);
+            before = before.set_column_encoding(name.into(), Encoding::BYTE_STREAM_SPLIT);
+        }
+        let later = any().set_writer_version(WriterVersion::PARQUET_2_0).set_compression(zstd);
+        let ways = [
+            before,
+            any().set_compression(zstd),
+            any().set_compression(Compression::SNAPPY),
+            any().set_compression(zstd).set_dictionary_enabled(false),
+            later.set_dictionary_enabled(false),
+        ];
+        for (way, properties) in ways.into_iter().enumerate() {
+            let file = tempfile::tempfile().unwrap();
+            let metadata = written_by_others(file.try_clone().unwrap(), properties.build());
+            let source = Source::new(file).unwrap();
+            let mut press = Press::new().unwrap();
+            for (i, expected) in columns().iter().enumerate() {
+                let found = decode_column(&source, metadata.row_group(0), i, ROWS, &mut press).unwrap();
+                same(&found, expected, &format!("way {way}, column {i}"));
+            }
+        }
+    }
+
+    #[test]
+    fn oracle_the_parquet_crate_reads_our_pages() {
+        let layout = Layout::new(Path::new("t"), &specs()).unwrap();
+        let mut compressor = compressor().unwrap();
+        for (i, expected) in columns().iter().enumerate() {
+            let file = tempfile::tempfile().unwrap();
+            let mut to = TrackedWrite::new(file.try_clone().unwrap());
+            let mut chunk = Chunk::new(layout.descriptor.column(i), &mut compressor, &mut to);
+            chunk.push(expected).unwrap();
+            let chunk = chunk.close().unwrap();
+            drop(to.into_inner().unwrap());
+            let source = Source::new(file).unwrap();
+            let pages = SerializedPageReader::new(Arc::new(source.clone()), &chunk, ROWS, None).unwrap();
+            let found = decode_any(pages, chunk.column_descr_ptr(), ROWS).unwrap();
+            same(&found, expected, &format!("column {i}"));
+            let ours = pages::decode(&source, &chunk, &mut Press::new().unwrap(), ROWS).unwrap();
+            same(&ours.unwrap(), expected, &format!("column {i}, read here"));
+        }
+    }
 }

@@ -1,14 +1,12 @@
 //! Encoding one block of a table in memory.
 
 use std::path::Path;
-use std::sync::Arc;
 
-use bytes::Bytes;
-use parquet::column::writer::{ColumnCloseResult, ColumnWriter, get_column_writer};
-use parquet::data_type::ByteArray;
-use parquet::errors::{ParquetError, Result as ParquetResult};
-use parquet::file::writer::{SerializedPageWriter, TrackedWrite};
+use parquet::errors::Result as ParquetResult;
+use parquet::file::metadata::ColumnChunkMetaData;
+use parquet::file::writer::TrackedWrite;
 
+use crate::chunk::{Chunk, compressor};
 use crate::columns::{Column, Table};
 use crate::error::{Error, Result};
 use crate::layout::{Layout, write_error};
@@ -19,8 +17,8 @@ use crate::schema::{ColumnSpec, TableSchema};
 pub struct EncodedBlock {
     pub(crate) columns: Vec<ColumnSpec>,
     pub(crate) rows: usize,
-    pub(crate) bytes: Bytes,
-    pub(crate) chunks: Vec<ColumnCloseResult>,
+    pub(crate) bytes: Vec<u8>,
+    pub(crate) chunks: Vec<ColumnChunkMetaData>,
 }
 
 /// Encodes one block of a table as one Parquet row group. Pure: call it from many threads and
@@ -46,13 +44,15 @@ pub(crate) fn encode_checked(
     table: &Table,
 ) -> ParquetResult<EncodedBlock> {
     let rows = table.columns.first().map_or(0, Column::len);
-    let mut sink = TrackedWrite::new(Vec::new());
+    let mut compressor = compressor()?;
+    let mut sink = TrackedWrite::new(Vec::with_capacity(layout.most_bytes(rows)));
     let mut chunks = Vec::with_capacity(table.columns.len());
-    for (i, (spec, column)) in schema.columns.iter().zip(&table.columns).enumerate() {
-        chunks.push(encode_column(&mut sink, layout, i, spec, column)?);
+    for (i, column) in table.columns.iter().enumerate() {
+        let mut chunk = Chunk::new(layout.descriptor.column(i), &mut compressor, &mut sink);
+        chunk.push(column)?;
+        chunks.push(chunk.close()?);
     }
-    let bytes = sink.into_inner()?.into();
-    Ok(EncodedBlock { columns: schema.columns.clone(), rows, bytes, chunks })
+    Ok(EncodedBlock { columns: schema.columns.clone(), rows, bytes: sink.into_inner()?, chunks })
 }
 
 const REMEDY: &str = "give the block the columns of its schema";
@@ -114,56 +114,4 @@ pub(crate) fn check_piece(file: &Path, spec: &ColumnSpec, column: &Column, befor
         );
     }
     Ok(())
-}
-
-fn encode_column(
-    sink: &mut TrackedWrite<Vec<u8>>,
-    layout: &Layout,
-    i: usize,
-    spec: &ColumnSpec,
-    column: &Column,
-) -> ParquetResult<ColumnCloseResult> {
-    let pages = Box::new(SerializedPageWriter::new(sink));
-    let mut writer = get_column_writer(layout.descriptor.column(i), Arc::clone(&layout.properties), pages);
-    write_values(&mut writer, spec, column)?;
-    writer.close()
-}
-
-/// Appends the values of `column` to a column chunk.
-pub(crate) fn write_values(
-    writer: &mut ColumnWriter,
-    spec: &ColumnSpec,
-    column: &Column,
-) -> ParquetResult<()> {
-    let written = match writer {
-        ColumnWriter::DoubleColumnWriter(writer) => {
-            let values = column.as_f64().unwrap_or_default();
-            if spec.nullable {
-                let (present, levels) = compact(column, values);
-                writer.write_batch(&present, Some(&levels), None)
-            } else {
-                writer.write_batch(values, None, None)
-            }
-        }
-        ColumnWriter::Int32ColumnWriter(writer) => {
-            writer.write_batch(column.as_i32().unwrap_or_default(), None, None)
-        }
-        ColumnWriter::ByteArrayColumnWriter(writer) => writer.write_batch(&texts(column), None, None),
-        _ => Err(ParquetError::General("a column of a type that no table has".to_owned())),
-    };
-    written.map(drop)
-}
-
-/// The values that are present, and per row 1 where present and 0 where absent.
-fn compact(column: &Column, values: &[f64]) -> (Vec<f64>, Vec<i16>) {
-    let present = |row: &usize| !column.is_null(*row);
-    let levels = (0..values.len()).map(|row| i16::from(present(&row))).collect();
-    ((0..values.len()).filter(present).map(|row| values[row]).collect(), levels)
-}
-
-/// The text of every row; rows of the same label share its bytes.
-fn texts(column: &Column) -> Vec<ByteArray> {
-    let (labels, codes) = column.text_codes().unwrap_or_default();
-    let labels: Vec<ByteArray> = labels.iter().map(|label| label.as_str().into()).collect();
-    codes.iter().map(|&code| labels[code as usize].clone()).collect()
 }

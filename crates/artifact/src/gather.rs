@@ -4,9 +4,6 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Debug;
 use std::path::{Path, PathBuf};
 
-use parquet::column::writer::ColumnCloseResult;
-use parquet::file::metadata::{ColumnChunkMetaData, RowGroupMetaData};
-
 use crate::error::{Error, Result};
 use crate::provenance::{MIXED, Provenance};
 use crate::schema::TableSchema;
@@ -46,7 +43,8 @@ pub fn gather(
     }
     for reader in &readers {
         for group in reader.row_groups() {
-            writer.append(reader.source(), chunks(group))?;
+            let rows = usize::try_from(group.num_rows()).unwrap_or_default();
+            writer.append(reader.source(), rows, group.columns())?;
         }
     }
     writer.finish()
@@ -157,19 +155,6 @@ fn refuse_other_columns(first: &TableReader, other: &TableReader) -> Result<()> 
 fn foreign(first: &Path, other: &Path, [thing, expected, found]: [String; 3]) -> Error {
     let expected = format!("{expected} as in {}", first.display());
     Error::refuse(other, thing, found, expected, "name the shards of one computation only")
-}
-
-/// What the footer says about the column chunks of a block.
-fn chunks(group: &RowGroupMetaData) -> Vec<ColumnCloseResult> {
-    let chunk = |metadata: &ColumnChunkMetaData| ColumnCloseResult {
-        bytes_written: metadata.compressed_size().unsigned_abs(),
-        rows_written: group.num_rows().unsigned_abs(),
-        metadata: metadata.clone(),
-        bloom_filter: None,
-        column_index: None,
-        offset_index: None,
-    };
-    group.columns().iter().map(chunk).collect()
 }
 
 /// Refuses a shard that differs from the first in more than its number.

@@ -1,30 +1,21 @@
-//! How a table of this crate is laid out in Parquet: types, encodings, compression.
+//! How a table of this crate is laid out in Parquet: names and types.
 
 use std::collections::HashSet;
 use std::path::Path;
 use std::sync::Arc;
 
-use parquet::basic::{Compression, Encoding, LogicalType, Repetition, Type as Physical, ZstdLevel};
+use parquet::basic::{LogicalType, Repetition, Type as Physical};
 use parquet::errors::ParquetError;
-use parquet::file::properties::{EnabledStatistics, WriterProperties, WriterPropertiesPtr, WriterVersion};
-use parquet::schema::types::{ColumnPath, SchemaDescriptor, Type, TypePtr};
+use parquet::schema::types::{SchemaDescPtr, SchemaDescriptor, Type};
 
 use crate::decode::inner_io;
 use crate::error::{Error, Result};
 use crate::schema::{ColumnSpec, Kind};
 
-/// Rows and bytes per page: a block of usual size is one page per column.
-const PAGE_ROWS: usize = 1 << 17;
-const PAGE_BYTES: usize = 1 << 20;
-
 /// The Parquet side of a list of columns.
 pub(crate) struct Layout {
-    /// The root of the schema.
-    pub root: TypePtr,
-    /// The same, with levels.
-    pub descriptor: SchemaDescriptor,
-    /// Encodings and compression.
-    pub properties: WriterPropertiesPtr,
+    /// The columns, with levels.
+    pub descriptor: SchemaDescPtr,
 }
 
 impl Layout {
@@ -35,9 +26,13 @@ impl Layout {
         let fields = columns.iter().map(|c| parquet_type(c).map(Arc::new));
         let fields = fields.collect::<std::result::Result<_, _>>().map_err(broken)?;
         let root = Type::group_type_builder("schema").with_fields(fields).build().map_err(broken)?;
-        let root = Arc::new(root);
-        let properties = Arc::new(properties(columns).map_err(broken)?);
-        Ok(Self { descriptor: SchemaDescriptor::new(Arc::clone(&root)), root, properties })
+        Ok(Self { descriptor: Arc::new(SchemaDescriptor::new(Arc::new(root))) })
+    }
+
+    /// Bytes that so many rows of numbers take where nothing makes them fewer.
+    pub fn most_bytes(&self, rows: usize) -> usize {
+        let bytes = |kind: Physical| if kind == Physical::DOUBLE { 8 } else { 1 };
+        rows * self.descriptor.columns().iter().map(|column| bytes(column.physical_type())).sum::<usize>()
     }
 }
 
@@ -86,23 +81,4 @@ fn parquet_type(column: &ColumnSpec) -> std::result::Result<Type, ParquetError> 
         .with_repetition(repetition)
         .with_logical_type(logical)
         .build()
-}
-
-/// Floats: zstd 1 over split bytes. Text and integers: zstd 1 over a dictionary.
-fn properties(columns: &[ColumnSpec]) -> std::result::Result<WriterProperties, ParquetError> {
-    let mut builder = WriterProperties::builder()
-        .set_writer_version(WriterVersion::PARQUET_1_0)
-        .set_created_by("seatrial".to_owned())
-        .set_compression(Compression::ZSTD(ZstdLevel::try_new(1)?))
-        .set_statistics_enabled(EnabledStatistics::None)
-        .set_offset_index_disabled(true)
-        .set_data_page_row_count_limit(PAGE_ROWS)
-        .set_data_page_size_limit(PAGE_BYTES);
-    for column in columns.iter().filter(|c| c.kind == Kind::F64) {
-        let path = ColumnPath::from(column.name.as_str());
-        builder = builder
-            .set_column_dictionary_enabled(path.clone(), false)
-            .set_column_encoding(path, Encoding::BYTE_STREAM_SPLIT);
-    }
-    Ok(builder.build())
 }

@@ -36,12 +36,15 @@
 #![warn(missing_docs)]
 
 mod agreement;
+mod bits;
 mod budget;
 mod changes;
+mod chunk;
 mod columns;
 mod commit;
 mod complaint;
 mod decode;
+mod deltas;
 mod digest;
 mod document;
 mod document_reader;
@@ -59,6 +62,7 @@ mod layout;
 mod leftover;
 mod metadata;
 mod names;
+mod pages;
 mod pretty;
 mod provenance;
 mod rows;
@@ -69,6 +73,7 @@ mod set;
 mod shard;
 mod source;
 mod staged;
+mod streams;
 mod table_reader;
 mod table_writer;
 mod toml_input;

@@ -38,12 +38,12 @@ impl ChunkReader for Source {
     }
 
     fn get_bytes(&self, start: u64, length: usize) -> ParquetResult<Bytes> {
-        let mut bytes = Vec::new();
-        let from = From { file: Arc::clone(&self.file), at: start };
-        from.take(length as u64).read_to_end(&mut bytes)?;
-        if bytes.len() < length {
+        // No more memory than the file has bytes, whatever it says of itself.
+        if length as u64 > self.length.saturating_sub(start) {
             return Err(io::Error::from(io::ErrorKind::UnexpectedEof).into());
         }
+        let mut bytes = vec![0; length];
+        From { file: Arc::clone(&self.file), at: start }.read_exact(&mut bytes)?;
         Ok(bytes.into())
     }
 }

@@ -21,6 +21,7 @@ use crate::identity::Header;
 use crate::leftover::recover;
 use crate::metadata::TableMetadata;
 use crate::names::folder_of;
+use crate::pages::Press;
 use crate::provenance::Provenance;
 use crate::schema::ColumnSpec;
 use crate::seal;
@@ -113,9 +114,11 @@ impl TableReader {
         };
         let places = crate::agreement::places(&self.path, &self.columns, names)?;
         let group = self.metadata.row_group(i);
+        let mut press = guarded(&self.path, Press::new)?;
         let mut columns = Vec::with_capacity(places.len());
         for place in places {
-            let column = guarded(&self.path, || decode_column(&self.source, group, place, rows.len()))?;
+            let decode = || decode_column(&self.source, group, place, rows.len(), &mut press);
+            let column = guarded(&self.path, decode)?;
             self.check_values(place, &column, rows.start)?;
             columns.push(column);
         }

@@ -2,19 +2,22 @@
 
 use std::fmt;
 use std::fs::File;
-use std::io::{self, BufWriter, Seek, SeekFrom, Write};
+use std::io::{self, BufWriter, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
-use parquet::column::writer::ColumnCloseResult;
-use parquet::errors::Result as ParquetResult;
-use parquet::file::metadata::KeyValue;
+use parquet::errors::{ParquetError, Result as ParquetResult};
+use parquet::file::metadata::{
+    ColumnChunkMetaData, FileMetaData, KeyValue, ParquetMetaData, ParquetMetaDataWriter, RowGroupMetaData,
+};
 use parquet::file::reader::ChunkReader;
-use parquet::file::writer::SerializedFileWriter;
+use parquet::file::writer::TrackedWrite;
+use parquet::schema::types::SchemaDescPtr;
 use tempfile::NamedTempFile;
 
+use crate::chunk::{Chunk, PAGE_ROWS, compressor};
 use crate::columns::Column;
 use crate::digest::Digest;
-use crate::encode::{EncodedBlock, check_piece, check_rows, write_values};
+use crate::encode::{EncodedBlock, check_piece, check_rows};
 use crate::error::{Error, Result};
 use crate::fault;
 use crate::footer::Footer;
@@ -24,11 +27,16 @@ use crate::provenance::Provenance;
 use crate::schema::{ColumnSpec, TableSchema};
 use crate::staged::{Staged, create_temporary};
 
-/// Rows of the pieces that columns are given in: a multiple of what the encoder looks at before it ends a page.
-pub const PIECE_ROWS: usize = 1 << 16;
+/// Rows of the pieces that columns are given in: those of a page.
+pub const PIECE_ROWS: usize = PAGE_ROWS;
 
 /// Bytes that are hashed and written at a time: the hash is several times faster on long pieces.
 const PIECE: usize = 1 << 18;
+
+/// What a Parquet file begins with, its version, and who wrote it.
+const MAGIC: &[u8] = b"PAR1";
+const FORMAT: i32 = 1;
+const CREATOR: &str = "seatrial";
 
 /// A table being written, under a temporary name beside its target. Dropped before
 /// [`TableWriter::finish`], the file disappears. Holds no more than one block in memory.
@@ -36,7 +44,12 @@ pub struct TableWriter {
     path: PathBuf,
     columns: Vec<ColumnSpec>,
     metadata: TableMetadata,
-    writer: SerializedFileWriter<BufWriter<Hashed>>,
+    descriptor: SchemaDescPtr,
+    to: TrackedWrite<BufWriter<Hashed>>,
+    /// What the footer will say about the blocks.
+    groups: Vec<RowGroupMetaData>,
+    /// Whether a block was refused on the way, after a part of it was written.
+    cut_short: bool,
 }
 
 impl TableWriter {
@@ -52,9 +65,11 @@ impl TableWriter {
         let metadata = TableMetadata::new(schema, provenance);
         let file = Hashed { file: create_temporary(path)?, hasher: blake3::Hasher::new() };
         let pieces = BufWriter::with_capacity(PIECE, file);
-        let writer = SerializedFileWriter::new(pieces, layout.root, layout.properties);
-        let writer = writer.map_err(|e| write_error(path, e))?;
-        Ok(Self { path: path.to_owned(), columns: schema.columns.clone(), metadata, writer })
+        let mut to = TrackedWrite::new(pieces);
+        to.write_all(MAGIC).map_err(|e| Error::io(path, "write", e))?;
+        let (path, columns) = (path.to_owned(), schema.columns.clone());
+        let descriptor = layout.descriptor;
+        Ok(Self { path, columns, metadata, descriptor, to, groups: Vec::new(), cut_short: false })
     }
 
     /// Names the document beside the table that vouches for it (see [`crate::stage_set_document`]).
@@ -76,7 +91,13 @@ impl TableWriter {
         if block.rows == 0 {
             return Ok(());
         }
-        self.append(&block.bytes, block.chunks)
+        let start = self.to.bytes_written() as i64;
+        let chunks = block.chunks.iter().map(|chunk| moved(chunk, start));
+        let written = chunks.collect::<ParquetResult<_>>().and_then(|chunks| {
+            self.to.write_all(&block.bytes)?;
+            self.complete_group(start, block.rows, chunks)
+        });
+        written.map_err(|e| write_error(&self.path, e))
     }
 
     /// Appends a block of `rows` rows as [`crate::encode_block`] and [`TableWriter::push`] would, without ever having it in
@@ -95,21 +116,46 @@ impl TableWriter {
         if rows == 0 {
             return Ok(());
         }
+        self.cut_short = true;
         let file = Path::new(schema.id);
         let failed = |e| write_error(&self.path, e);
-        let mut group = self.writer.next_row_group().map_err(failed)?;
+        let start = self.to.bytes_written() as i64;
+        let mut compressor = compressor().map_err(failed)?;
+        let mut chunks = Vec::with_capacity(schema.columns.len());
         for (i, spec) in schema.columns.iter().enumerate() {
-            let Some(mut writer) = group.next_column().map_err(failed)? else { break };
+            let mut chunk = Chunk::new(self.descriptor.column(i), &mut compressor, &mut self.to);
             let mut written = 0;
             for piece in column(i) {
                 check_piece(file, spec, &piece, written)?;
-                write_values(writer.untyped(), spec, &piece).map_err(failed)?;
+                chunk.push(&piece).map_err(failed)?;
                 written += piece.len();
             }
             check_rows(file, spec, written, rows)?;
-            writer.close().map_err(failed)?;
+            chunks.push(chunk.close().map_err(failed)?);
         }
-        group.close().map(drop).map_err(failed)
+        self.complete_group(start, rows, chunks).map_err(|e| write_error(&self.path, e))?;
+        self.cut_short = false;
+        Ok(())
+    }
+
+    /// Notes a block for the footer: its columns stand in the file from `start` on.
+    fn complete_group(
+        &mut self,
+        start: i64,
+        rows: usize,
+        chunks: Vec<ColumnChunkMetaData>,
+    ) -> ParquetResult<()> {
+        let mut group = RowGroupMetaData::builder(self.descriptor.clone())
+            .set_total_byte_size(chunks.iter().map(ColumnChunkMetaData::uncompressed_size).sum())
+            .set_column_metadata(chunks)
+            .set_num_rows(rows as i64)
+            .set_file_offset(start);
+        // Numbers of blocks are optional, and there may be more blocks than numbers.
+        if let Ok(number) = i16::try_from(self.groups.len()) {
+            group = group.set_ordinal(number);
+        }
+        self.groups.push(group.build()?);
+        Ok(())
     }
 
     fn check_columns(&self, found: &[ColumnSpec]) -> Result<()> {
@@ -125,10 +171,36 @@ impl TableWriter {
         self.metadata.inputs.clone_from(&provenance.inputs);
     }
 
-    /// Appends a row group whose column chunks lie in `source`.
-    pub(crate) fn append(&mut self, source: &impl ChunkReader, chunks: Vec<ColumnCloseResult>) -> Result<()> {
-        let copied = append_chunks(&mut self.writer, source, chunks);
+    /// Appends a row group of `rows` rows whose column chunks lie in `source`.
+    pub(crate) fn append(
+        &mut self,
+        source: &impl ChunkReader,
+        rows: usize,
+        chunks: &[ColumnChunkMetaData],
+    ) -> Result<()> {
+        let copied = self.copy_chunks(source, chunks).and_then(|(start, chunks)| {
+            // As they follow each other, the first one's place is the block's.
+            self.complete_group(start, rows, chunks)
+        });
         copied.map_err(|e| write_error(&self.path, e))
+    }
+
+    fn copy_chunks(
+        &mut self,
+        source: &impl ChunkReader,
+        chunks: &[ColumnChunkMetaData],
+    ) -> ParquetResult<(i64, Vec<ColumnChunkMetaData>)> {
+        let start = self.to.bytes_written() as i64;
+        let mut copied = Vec::with_capacity(chunks.len());
+        for chunk in chunks {
+            let (from, length) = chunk.byte_range();
+            copied.push(moved(chunk, self.to.bytes_written() as i64 - from as i64)?);
+            let written = io::copy(&mut source.get_read(from)?.take(length), &mut self.to)?;
+            if written != length {
+                return Err(ParquetError::EOF(format!("{written} bytes of a column of {length}")));
+            }
+        }
+        Ok((start, copied))
     }
 
     /// Completes and seals the file and flushes it to the disk; [`crate::commit`] gives it its name.
@@ -139,8 +211,20 @@ impl TableWriter {
         let path = self.path;
         let metadata = serde_json::to_string(&self.metadata);
         let metadata = metadata.map_err(|e| Error::io(&path, "write", e.into()))?;
-        self.writer.append_key_value_metadata(KeyValue::new(KEY.to_owned(), metadata));
-        let pieces = self.writer.into_inner().map_err(|e| write_error(&path, e))?;
+        if self.cut_short {
+            let what = io::Error::other("a block that was not written to its end");
+            return Err(Error::io(&path, "write", what));
+        }
+        let rows = self.groups.iter().map(RowGroupMetaData::num_rows).sum();
+        let envelope = vec![KeyValue::new(KEY.to_owned(), metadata)];
+        let creator = Some(CREATOR.to_owned());
+        let file = FileMetaData::new(FORMAT, rows, creator, Some(envelope), self.descriptor, None);
+        let mut footer = Vec::new();
+        ParquetMetaDataWriter::new(&mut footer, &ParquetMetaData::new(file, self.groups))
+            .finish()
+            .and_then(|()| Ok(self.to.write_all(&footer)?))
+            .map_err(|e| write_error(&path, e))?;
+        let pieces = self.to.into_inner().map_err(|e| write_error(&path, e))?;
         let Hashed { mut file, hasher } =
             pieces.into_inner().map_err(|e| Error::io(&path, "write", e.into_error()))?;
         let footer = Footer::read(&path, file.as_file_mut())?;
@@ -159,17 +243,14 @@ impl fmt::Debug for TableWriter {
     }
 }
 
-fn append_chunks(
-    writer: &mut SerializedFileWriter<BufWriter<Hashed>>,
-    source: &impl ChunkReader,
-    chunks: Vec<ColumnCloseResult>,
-) -> ParquetResult<()> {
-    let mut group = writer.next_row_group()?;
-    for chunk in chunks {
-        group.append_column(source, chunk)?;
-    }
-    group.close()?;
-    Ok(())
+/// What the footer says about a column that stands `by` bytes further on.
+fn moved(chunk: &ColumnChunkMetaData, by: i64) -> ParquetResult<ColumnChunkMetaData> {
+    chunk
+        .clone()
+        .into_builder()
+        .set_data_page_offset(chunk.data_page_offset() + by)
+        .set_dictionary_page_offset(chunk.dictionary_page_offset().map(|offset| offset + by))
+        .build()
 }
 
 fn patch(file: &mut File, at: u64, text: &str) -> io::Result<()> {

@@ -33,16 +33,29 @@ struct Arguments {
     /// Measures the loop of the stage monte-carlo alone
     #[arg(long)]
     stage: bool,
+    /// Measures tables alone
+    #[arg(long)]
+    tables: bool,
+    /// Measures nothing: writes the table that writing and reading are measured on
+    #[arg(long, value_name = "FILE")]
+    table: Option<PathBuf>,
 }
 
 fn main() -> anyhow::Result<()> {
-    let Arguments { json: _, realizations, stage } = Arguments::parse();
+    let Arguments { json: _, realizations, stage, tables, table } = Arguments::parse();
     let paper = paper::Paper::new()?;
     if let Some(file) = realizations {
         return output_error::write(&paper, &file);
     }
+    if let Some(file) = table {
+        return table::write(&paper, &file);
+    }
     if stage {
         println!("{}", stage::measure(&paper)?);
+        return Ok(());
+    }
+    if tables {
+        println!("{}", json!({ "table": table::measure(&paper)? }));
         return Ok(());
     }
     let monte_carlo = monte_carlo::measure(&paper)?;
