@@ -60,13 +60,11 @@ fn transposed(mut rows: Squares) -> Squares {
         [(4, 0x0000_0000_ffff_ffff), (2, 0x0000_ffff_0000_ffff), (1, 0x00ff_00ff_00ff_00ff)];
     for (apart, mask) in STEPS {
         for upper in (0..SIDE).filter(|row| row & apart == 0) {
-            for group in 0..GROUPS {
-                let (one, other) = (rows[upper][group], rows[upper + apart][group]);
-                let shift = 8 * apart;
-                let changed = ((one >> shift) ^ other) & mask;
-                rows[upper][group] = one ^ (changed << shift);
-                rows[upper + apart][group] = other ^ changed;
-            }
+            let shift = 8 * apart;
+            let (one, other) = (rows[upper], rows[upper + apart]);
+            let changed: [u64; GROUPS] = from_fn(|group| ((one[group] >> shift) ^ other[group]) & mask);
+            rows[upper] = from_fn(|group| one[group] ^ (changed[group] << shift));
+            rows[upper + apart] = from_fn(|group| other[group] ^ changed[group]);
         }
     }
     rows
