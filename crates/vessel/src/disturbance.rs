@@ -3,7 +3,7 @@ use serde::Deserialize;
 
 use crate::noise::Channels;
 use crate::normals::Normals;
-use crate::{Invalid, LANES, Lane, Streams, Weather, vectorized};
+use crate::{Invalid, LANES, Lane, Streams, vectorized};
 
 /// A current.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
@@ -217,6 +217,23 @@ impl<const WIDTH: usize> Process<WIDTH> {
         self.draw(&mut out);
         out
     }
+}
+
+/// What acts on [`crate::LANES`] runs besides their inputs.
+#[derive(Clone, Copy, Debug)]
+pub struct Weather<'a> {
+    /// Current \[m/s\], N × 2, or empty for still water.
+    pub current: &'a [Lane],
+    /// Sampling interval \[s\] where the current's components are the earth's and the heading starts at zero; 0 where they
+    /// are the vessel's.
+    pub turning: f64,
+    /// What is added to the states after each sample, N × 3, or empty.
+    pub force: &'a [Lane],
+}
+
+impl Weather<'_> {
+    /// Still water, no force.
+    pub const CALM: Self = Self { current: &[], turning: 0.0, force: &[] };
 }
 
 /// What disturbs [`LANES`] runs, drawn as they go.

@@ -1,7 +1,7 @@
 use std::ops::Range;
 
 use crate::{
-    Ambient, Arithmetic, Compiled, Disturbing, LANES, Lane, Model, Number, Numbers, Wide, vectorized,
+    Ambient, Arithmetic, Compiled, Disturbing, LANES, Lane, Model, Number, Numbers, Weather, Wide, vectorized,
 };
 
 /// A speed \[m/s\] or yaw rate \[rad/s\] beyond which a simulation counts as diverged.
@@ -14,23 +14,6 @@ pub struct Diverged {
     pub sample: usize,
     /// Index of the state: 0 surge, 1 sway, 2 yaw rate.
     pub state: usize,
-}
-
-/// What acts on [`crate::LANES`] runs besides their inputs.
-#[derive(Clone, Copy, Debug)]
-pub struct Weather<'a> {
-    /// Current \[m/s\], N × 2, or empty for still water.
-    pub current: &'a [Lane],
-    /// Sampling interval \[s\] where the current's components are the earth's and the heading starts at zero; 0 where they
-    /// are the vessel's.
-    pub turning: f64,
-    /// What is added to the states after each sample, N × 3, or empty.
-    pub force: &'a [Lane],
-}
-
-impl Weather<'_> {
-    /// Still water, no force.
-    pub const CALM: Self = Self { current: &[], turning: 0.0, force: &[] };
 }
 
 /// Simulates [`crate::LANES`] runs of N samples side by side: x(k+1) = x(k) + θᵀφ(x(k) − x_c(k), exogenous(k)).
