@@ -1,4 +1,6 @@
-use vessel::{LANES, Lane, Model, Number, Numbers};
+use std::ops::Range;
+
+use vessel::{Factor, LANES, Lane, Model, Number, Numbers, Term};
 
 /// [`LANES`] runs of N samples side by side. All row-major. What the runs share (`X` = `f64`) is one number per entry
 /// instead of a lane; the results are the same bits.
@@ -73,11 +75,10 @@ impl<X: Number> Batch<'_, X> {
     /// evaluated there.
     #[inline(always)]
     pub(crate) fn increments(&self, k: usize, count: usize, d: usize, phi: &Regressors<Lane>) -> Block<Lane> {
-        let (mut now, mut next) = ([Lane::ZERO; BLOCK], [Lane::ZERO; BLOCK]);
-        copy_column(&self.measured[3 * k + d..], 3, count, Lane::lane, &mut now);
+        let mut next = [Lane::ZERO; BLOCK];
         copy_column(&self.measured[3 * (k + 1) + d..], 3, count, Lane::lane, &mut next);
-        for t in 0..BLOCK {
-            next[t] = next[t] - now[t];
+        for (next, now) in next.iter_mut().zip(&phi.signals[d]) {
+            *next = *next - *now;
         }
         let constant = self.model.constant[d];
         if constant != 0.0 {
@@ -87,7 +88,7 @@ impl<X: Number> Batch<'_, X> {
         }
         for known in &self.model.degrees[d].known {
             let mut gained = [Lane::ZERO; BLOCK];
-            known.add(&phi.values, &mut gained);
+            known.add(&phi.signals[..phi.variables], &mut gained);
             for (increment, gained) in next[..count].iter_mut().zip(gained) {
                 *increment = *increment - gained;
             }
@@ -123,17 +124,34 @@ pub(crate) const BLOCK: usize = 8;
 /// A signal at [`BLOCK`] samples.
 pub(crate) type Block<X> = [X; BLOCK];
 
-/// The terms' values at [`BLOCK`] samples, and the variables that they were evaluated with.
+/// The variables at [`BLOCK`] samples and the terms that are made of them. A term that is a variable is not copied.
 pub(crate) struct Regressors<X> {
-    values: Vec<Block<X>>,
-    /// One per parameter.
-    pub(crate) terms: Vec<Block<X>>,
+    /// Variables, then what of the terms is none.
+    signals: Vec<Block<X>>,
+    /// Of every term, the place of its signal.
+    places: Vec<usize>,
+    variables: usize,
 }
 
 impl<X: Number> Regressors<X> {
     pub(crate) fn new(model: &Model) -> Self {
-        let zeros = |count| vec![[X::ZERO; BLOCK]; count];
-        Self { values: zeros(model.variables.len()), terms: zeros(model.parameters()) }
+        let variables = model.variables.len();
+        let mut next = variables;
+        let place = |term: &Term| match (term.factors.as_slice(), term.tied.is_empty()) {
+            ([Factor { variable, modulus: false }], true) => *variable,
+            _ => {
+                next += 1;
+                next - 1
+            }
+        };
+        let places = model.degrees.iter().flat_map(|d| &d.terms).map(place).collect();
+        Self { signals: vec![[X::ZERO; BLOCK]; next], places, variables }
+    }
+
+    /// The terms in `range`.
+    #[inline(always)]
+    pub(crate) fn terms(&self, range: Range<usize>) -> Picked<'_, X> {
+        Picked { signals: &self.signals, places: &self.places[range] }
     }
 
     #[inline(always)]
@@ -146,7 +164,8 @@ impl<X: Number> Regressors<X> {
         k: usize,
         count: usize,
     ) {
-        let (own, others) = self.values.split_at_mut(3);
+        let (values, products) = self.signals.split_at_mut(self.variables);
+        let (own, others) = values.split_at_mut(3);
         for (i, variable) in own.iter_mut().enumerate() {
             copy_column(&states[3 * k + i..], 3, count, std::convert::identity, variable);
         }
@@ -154,19 +173,61 @@ impl<X: Number> Regressors<X> {
         for (i, variable) in others.iter_mut().enumerate() {
             copy_column(&exogenous[width * k + i..], width, count, convert, variable);
         }
-        let terms = model.degrees.iter().flat_map(|d| &d.terms);
-        for (term, out) in terms.zip(&mut self.terms) {
-            term.values(&self.values, out);
-            if term.is_constant() {
-                out[count..].fill(X::ZERO);
+        let mut places = self.places.iter();
+        for degree in &model.degrees {
+            for (term, place) in degree.terms.iter().zip(&mut places) {
+                let Some(out) = place.checked_sub(self.variables).and_then(|i| products.get_mut(i)) else {
+                    continue;
+                };
+                term.values(values, out);
+                if term.is_constant() {
+                    out[count..].fill(X::ZERO);
+                }
             }
         }
     }
 }
 
+/// Several signals at [`BLOCK`] samples.
+pub(crate) trait Signals<Y>: Copy {
+    /// How many.
+    fn count(self) -> usize;
+    /// One of them.
+    fn signal(&self, i: usize) -> &Block<Y>;
+}
+
+impl<Y> Signals<Y> for &[Block<Y>] {
+    #[inline(always)]
+    fn count(self) -> usize {
+        self.len()
+    }
+    #[inline(always)]
+    fn signal(&self, i: usize) -> &Block<Y> {
+        &self[i]
+    }
+}
+
+/// Signals among others.
+#[derive(Clone, Copy)]
+pub(crate) struct Picked<'a, X> {
+    signals: &'a [Block<X>],
+    places: &'a [usize],
+}
+
+impl<X: Copy> Signals<X> for Picked<'_, X> {
+    #[inline(always)]
+    fn count(self) -> usize {
+        self.places.len()
+    }
+    #[inline(always)]
+    fn signal(&self, i: usize) -> &Block<X> {
+        &self.signals[self.places[i]]
+    }
+}
+
 /// Adds Σ y of every signal y to its entry of `sums`.
 #[inline(always)]
-pub(crate) fn add_totals<Y: Number>(signals: &[Block<Y>], sums: &mut [Lane]) {
+pub(crate) fn add_totals<Y: Number>(signals: impl Signals<Y>, sums: &mut [Lane]) {
     accumulate(
         signals,
         sums,
@@ -177,7 +238,7 @@ pub(crate) fn add_totals<Y: Number>(signals: &[Block<Y>], sums: &mut [Lane]) {
 
 /// Adds Σ y² of every signal y to its entry of `sums`.
 #[inline(always)]
-pub(crate) fn add_squares<Y: Number>(signals: &[Block<Y>], sums: &mut [Lane]) {
+pub(crate) fn add_squares<Y: Number>(signals: impl Signals<Y>, sums: &mut [Lane]) {
     accumulate(
         signals,
         sums,
@@ -188,7 +249,7 @@ pub(crate) fn add_squares<Y: Number>(signals: &[Block<Y>], sums: &mut [Lane]) {
 
 /// Adds Σ x y of every signal y to its entry of `sums`.
 #[inline(always)]
-pub(crate) fn add_products<X: Number, Y: Number>(x: &Block<X>, signals: &[Block<Y>], sums: &mut [Lane]) {
+pub(crate) fn add_products<X: Number, Y: Number>(x: &Block<X>, signals: impl Signals<Y>, sums: &mut [Lane]) {
     accumulate(
         signals,
         sums,
@@ -201,39 +262,42 @@ pub(crate) fn add_products<X: Number, Y: Number>(x: &Block<X>, signals: &[Block<
 /// the one before it.
 #[inline(always)]
 pub(crate) fn accumulate<Y: Number>(
-    signals: &[Block<Y>],
+    signals: impl Signals<Y>,
     sums: &mut [Lane],
     f: impl Fn(usize, Y, Lane) -> Lane + Copy,
 ) {
-    let (fours, rest) = signals.as_chunks::<4>();
-    let (of_fours, of_rest) = sums.split_at_mut(4 * fours.len());
-    for (signals, sums) in fours.iter().zip(of_fours.as_chunks_mut().0) {
-        add_sums(signals, sums, f);
+    let count = signals.count();
+    let whole = count - count % 4;
+    for first in (0..whole).step_by(4) {
+        add_sums::<Y, 4>(&signals, first, sums, f);
     }
-    match rest {
-        [a, b, c] => add_sums(&[*a, *b, *c], &mut of_rest.as_chunks_mut::<3>().0[0], f),
-        _ => {
-            // No function that is handed to an iterator: it may be compiled on its own, for the oldest processor.
-            for (y, sum) in rest.iter().zip(of_rest.as_chunks_mut().0) {
-                add_sums(&[*y], sum, f);
-            }
-        }
+    match count % 4 {
+        3 => add_sums::<Y, 3>(&signals, whole, sums, f),
+        2 => add_sums::<Y, 2>(&signals, whole, sums, f),
+        1 => add_sums::<Y, 1>(&signals, whole, sums, f),
+        _ => {}
     }
 }
 
+/// [`accumulate`] of `N` signals from `first` on.
 #[inline(always)]
 fn add_sums<Y: Number, const N: usize>(
-    signals: &[Block<Y>; N],
-    sums: &mut [Lane; N],
+    signals: &impl Signals<Y>,
+    first: usize,
+    sums: &mut [Lane],
     f: impl Fn(usize, Y, Lane) -> Lane,
 ) {
-    let mut own = [0; N].map(|_| Lane::ZERO);
+    let mut signal = [signals.signal(first); N];
+    for (i, signal) in signal.iter_mut().enumerate() {
+        *signal = signals.signal(first + i);
+    }
+    let mut own = [Lane::ZERO; N];
     for t in 0..BLOCK {
-        for (own, signal) in own.iter_mut().zip(signals) {
+        for (own, signal) in own.iter_mut().zip(signal) {
             *own = f(t, signal[t], *own);
         }
     }
-    for (sum, own) in sums.iter_mut().zip(own) {
+    for (sum, own) in sums[first..first + N].iter_mut().zip(own) {
         *sum += own;
     }
 }

@@ -6,7 +6,7 @@
 use vessel::{LANES, Lane, Number};
 
 use crate::Batch;
-use crate::batch::{AnyBatch, BLOCK, Block, Regressors, add_products, add_squares, over_batch};
+use crate::batch::{AnyBatch, BLOCK, Block, Regressors, Signals, add_products, over_batch};
 
 /// A group of samples that shares its intercepts: its first sample, and a constant per signal.
 #[derive(Clone, Debug)]
@@ -39,11 +39,12 @@ impl InstrumentSquares {
         for k in (0..batch.samples()).step_by(BLOCK) {
             let count = BLOCK.min(batch.samples() - k);
             batch.zeta(k, count, &mut zeta);
-            for (((now, before), z), mean) in
-                now.iter_mut().zip(&mut before).zip(&zeta.terms).zip(means.at(k))
-            {
+            let terms = zeta.terms(0..now.len());
+            for (i, ((now, before), mean)) in now.iter_mut().zip(&mut before).zip(means.at(k)).enumerate() {
                 let edge = now[BLOCK - 1];
-                *now = z.map(X::lane);
+                for (now, z) in now.iter_mut().zip(terms.signal(i)) {
+                    *now = z.lane();
+                }
                 subtract(now, mean, count);
                 *before = delayed(now, edge);
             }
@@ -88,29 +89,36 @@ impl ResidualSums {
             let count = BLOCK.min(batch.samples() - k);
             let intercepts = intercepts.at(k);
             batch.phi(k, count, &mut phi);
-            let mut regressors = phi.terms.iter().zip(theta);
-            let mut residuals = [0, 1, 2].map(|d: usize| batch.increments(k, count, d, &phi));
-            for (d, residual) in residuals.iter_mut().enumerate() {
-                subtract(residual, &intercepts[d], count);
-                for (f, theta) in regressors.by_ref().take(batch.model.degrees[d].terms.len()) {
+            let mut first = 0;
+            for d in 0..3 {
+                let mut residual = batch.increments(k, count, d, &phi);
+                subtract(&mut residual, &intercepts[d], count);
+                let own = first..first + batch.model.degrees[d].terms.len();
+                let terms = phi.terms(own.clone());
+                for (i, theta) in theta[own.clone()].iter().enumerate() {
                     let less = Lane::ZERO - *theta;
-                    for (e, f) in residual.iter_mut().zip(f) {
+                    for (e, f) in residual.iter_mut().zip(terms.signal(i)) {
                         *e = f.fused(less, *e);
                     }
                 }
-            }
-            add_squares(&residuals, &mut sums.lag0);
-            for (d, residual) in residuals.iter().enumerate() {
-                let before = delayed(residual, edges[d]);
-                edges[d] = residual[BLOCK - 1];
-                add_products(
-                    &before,
-                    std::slice::from_ref(residual),
-                    std::slice::from_mut(&mut sums.lag1[d]),
-                );
+                first = own.end;
+                sums.add(d, &residual, &mut edges[d]);
             }
         }
         sums
+    }
+
+    /// Adds the products of a block of residuals with themselves and their neighbours; `edge` came before it.
+    #[inline(always)]
+    fn add(&mut self, d: usize, residual: &Block<Lane>, edge: &mut Lane) {
+        let (mut lag0, mut lag1) = (Lane::ZERO, Lane::ZERO);
+        for now in residual {
+            lag0 = now.fused(*now, lag0);
+            lag1 = edge.fused(*now, lag1);
+            *edge = *now;
+        }
+        self.lag0[d] += lag0;
+        self.lag1[d] += lag1;
     }
 }
 

@@ -5,7 +5,7 @@ use vessel::lanes::lane_of;
 use vessel::{Degree, Lane, Number, Term};
 
 use crate::Batch;
-use crate::batch::{AnyBatch, BLOCK, Regressors, add_products, add_squares, add_totals, over_batch};
+use crate::batch::{AnyBatch, BLOCK, Regressors, Signals, add_products, add_squares, add_totals, over_batch};
 
 /// Sums over regression pairs of all degrees of freedom. The sums of two pieces of data add to those of both.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -266,14 +266,16 @@ impl LaneSums {
             batch.zeta(k, count, &mut zeta);
             for (own, measured, sums) in self.degrees() {
                 let p = own.len();
-                let zeta = &zeta.terms[own];
-                for (z, row) in zeta.iter().zip(sums.a.chunks_exact_mut(p + 1)) {
+                let inputs = zeta.terms(own.start + measured..own.end);
+                let zeta = zeta.terms(own);
+                for (i, row) in sums.a.chunks_exact_mut(p + 1).take(p).enumerate() {
+                    let z = zeta.signal(i);
                     add_totals(std::slice::from_ref(z), &mut row[p..]);
-                    add_products(z, &zeta[measured..], &mut row[measured..p]);
+                    add_products(z, inputs, &mut row[measured..p]);
                 }
-                add_totals(&zeta[measured..], &mut sums.a[p * (p + 1) + measured..]);
+                add_totals(inputs, &mut sums.a[p * (p + 1) + measured..]);
                 add_squares(zeta, &mut sums.instrument_squares);
-                add_squares(&zeta[measured..], &mut sums.regressor_squares[measured..]);
+                add_squares(inputs, &mut sums.regressor_squares[measured..]);
             }
         }
     }
@@ -287,15 +289,16 @@ impl LaneSums {
             batch.zeta(k, count, &mut zeta);
             for (d, (own, measured, sums)) in self.degrees().enumerate() {
                 let increments = batch.increments(k, count, d, &phi);
-                let (zeta, p) = (&zeta.terms[own.clone()], own.len());
-                let phi = &phi.terms[own][..measured];
-                for (z, row) in zeta.iter().zip(sums.a.chunks_exact_mut(p + 1)) {
-                    add_products(z, phi, row);
+                let p = own.len();
+                let phi = phi.terms(own.start..own.start + measured);
+                let zeta = zeta.terms(own);
+                for (i, row) in sums.a.chunks_exact_mut(p + 1).take(p).enumerate() {
+                    add_products(zeta.signal(i), phi, row);
                 }
                 add_products(&increments, zeta, &mut sums.b);
                 add_totals(phi, &mut sums.a[p * (p + 1)..]);
                 add_squares(phi, &mut sums.regressor_squares);
-                add_totals(&[increments], &mut sums.b[p..]);
+                add_totals(std::slice::from_ref(&increments), &mut sums.b[p..]);
             }
         }
     }

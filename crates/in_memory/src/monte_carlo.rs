@@ -128,7 +128,7 @@ impl MonteCarlo<'_> {
         let mut outcomes = Vec::with_capacity(runs.len());
         for start in runs.clone().step_by(GROUPS * LANES) {
             let some = start..runs.end.min(start + GROUPS * LANES);
-            for together in self.campaign.together(design, some)? {
+            for together in self.campaign.together(design, some, false)? {
                 let (count, before) = (together.runs(), first + outcomes.len());
                 let own = match alike {
                     Some(alike) => alike.estimates(together.measured()),

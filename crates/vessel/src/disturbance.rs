@@ -1,6 +1,7 @@
 use refusal::check_numbers;
 use serde::Deserialize;
 
+use crate::noise::Channels;
 use crate::normals::Normals;
 use crate::{Invalid, LANES, Lane, Streams, vectorized};
 
@@ -113,6 +114,17 @@ impl Current {
     pub fn in_earth_axes(&self) -> bool {
         matches!(self, Self::Constant { axes: Axes::Earth, .. } | Self::GaussMarkov { axes: Axes::Earth, .. })
     }
+
+    /// None in still water.
+    fn process(&self, channels: &mut Channels, rate_hz: f64) -> Option<Process<2>> {
+        let factor = match self {
+            Self::None => return None,
+            Self::White { .. } => None,
+            Self::Constant { .. } => Some(1.0),
+            Self::GaussMarkov { time_constant_s, .. } => Some(factor(*time_constant_s, rate_hz)),
+        };
+        Some(Process::new(channels, [self.std_m_s(); 2], factor))
+    }
 }
 
 impl Wind {
@@ -128,7 +140,11 @@ impl Wind {
 
     /// What is added to the states of [`LANES`] runs after each of `samples` samples, samples × 3.
     pub fn force(&self, streams: &Streams, runs: [u32; LANES], samples: usize, rate_hz: f64) -> Vec<Lane> {
-        markov(streams, runs, WIND_CHANNEL, self.std_per_sample(rate_hz), self.factor(rate_hz), samples)
+        self.process(&mut streams.lanes(runs, WIND_CHANNEL), rate_hz).all(samples)
+    }
+
+    fn process(&self, channels: &mut Channels, rate_hz: f64) -> Process<3> {
+        Process::new(channels, self.std_per_sample(rate_hz), Some(self.factor(rate_hz)))
     }
 
     /// Refuses numbers without meaning.
@@ -160,23 +176,96 @@ fn check_time_constant(key: &str, value: Option<f64>) -> Result<(), Invalid> {
     check_numbers(value.map(|value| (key, value)), "more than zero seconds", |value| value > 0.0)
 }
 
-/// Stationary processes x(k+1) = factor · x(k) + white noise, samples × WIDTH; column i draws from channel `first + i`.
-fn markov<const WIDTH: usize>(
-    streams: &Streams,
-    runs: [u32; LANES],
-    first: u32,
-    std: [f64; WIDTH],
-    factor: f64,
-    samples: usize,
-) -> Vec<Lane> {
-    let fresh = (1.0 - factor * factor).max(0.0).sqrt();
-    let drawn = if fresh > 0.0 { samples } else { samples.min(1) };
-    let mut out = vec![Lane::ZERO; WIDTH * samples];
-    add_noise(streams, runs, first, std, &mut out[..WIDTH * drawn]);
-    for i in WIDTH..out.len() {
-        out[i] = Lane::splat(factor) * out[i - WIDTH] + Lane::splat(fresh) * out[i];
+/// Stationary processes of [`LANES`] runs, drawn some samples at a time: x(k+1) = factor · x(k) + white noise, or white noise alone.
+#[derive(Clone, Debug)]
+struct Process<const WIDTH: usize> {
+    noise: Noise<WIDTH>,
+    /// None of white noise.
+    factor: Option<f64>,
+    last: Option<[Lane; WIDTH]>,
+}
+
+impl<const WIDTH: usize> Process<WIDTH> {
+    /// Column i draws from one of the next channels, in their order, and has standard deviation `std[i]`.
+    fn new(channels: &mut Channels, std: [f64; WIDTH], factor: Option<f64>) -> Self {
+        Self { noise: Noise::new(channels, std), factor, last: None }
     }
-    out
+
+    /// The next samples, as many as `out` has rows. Their number is even, but for the last ones.
+    fn draw(&mut self, out: &mut [Lane]) {
+        out.fill(Lane::ZERO);
+        let Some(factor) = self.factor else { return self.noise.add(out) };
+        let fresh = (1.0 - factor * factor).max(0.0).sqrt();
+        let drawn = match (fresh > 0.0, self.last) {
+            (true, _) => out.len(),
+            (false, None) => WIDTH.min(out.len()),
+            (false, Some(_)) => 0,
+        };
+        self.noise.add(&mut out[..drawn]);
+        for row in out.as_chunks_mut::<WIDTH>().0 {
+            if let Some(last) = self.last {
+                for (entry, last) in row.iter_mut().zip(last) {
+                    *entry = Lane::splat(factor) * last + Lane::splat(fresh) * *entry;
+                }
+            }
+            self.last = Some(*row);
+        }
+    }
+
+    fn all(mut self, samples: usize) -> Vec<Lane> {
+        let mut out = vec![Lane::ZERO; WIDTH * samples];
+        self.draw(&mut out);
+        out
+    }
+}
+
+/// What acts on [`crate::LANES`] runs besides their inputs.
+#[derive(Clone, Copy, Debug)]
+pub struct Weather<'a> {
+    /// Current \[m/s\], N × 2, or empty for still water.
+    pub current: &'a [Lane],
+    /// Sampling interval \[s\] where the current's components are the earth's and the heading starts at zero; 0 where they
+    /// are the vessel's.
+    pub turning: f64,
+    /// What is added to the states after each sample, N × 3, or empty.
+    pub force: &'a [Lane],
+}
+
+impl Weather<'_> {
+    /// Still water, no force.
+    pub const CALM: Self = Self { current: &[], turning: 0.0, force: &[] };
+}
+
+/// What disturbs [`LANES`] runs, drawn as they go.
+#[derive(Clone, Debug)]
+pub struct Disturbing {
+    current: Option<Process<2>>,
+    force: Option<Process<3>>,
+    measurement: Noise<3>,
+    turning: f64,
+    /// What was drawn last.
+    drawn: [Vec<Lane>; 2],
+}
+
+impl Disturbing {
+    /// What acts during the next samples. Their number is even, but for the last ones.
+    pub(crate) fn next(&mut self, samples: usize) -> Weather<'_> {
+        let Self { current, force, drawn: [own, forces], .. } = self;
+        if let Some(current) = current {
+            own.resize(2 * samples, Lane::ZERO);
+            current.draw(own);
+        }
+        if let Some(force) = force {
+            forces.resize(3 * samples, Lane::ZERO);
+            force.draw(forces);
+        }
+        Weather { current: own, turning: self.turning, force: forces }
+    }
+
+    /// Adds measurement noise to the states of the next samples, samples × 3. Their number is even, but for the last ones.
+    pub(crate) fn measure(&mut self, states: &mut [Lane]) {
+        self.measurement.add(states);
+    }
 }
 
 impl Disturbances {
@@ -202,52 +291,70 @@ impl Disturbances {
 
     /// The current of [`LANES`] runs over `samples` samples at `rate_hz`, samples × 2, in its own axes; empty in still water.
     pub fn current(&self, streams: &Streams, runs: [u32; LANES], samples: usize, rate_hz: f64) -> Vec<Lane> {
-        match self.current {
-            Current::None => Vec::new(),
-            Current::White { std_m_s } => {
-                let mut out = vec![Lane::ZERO; 2 * samples];
-                add_noise(streams, runs, CURRENT_CHANNEL, [std_m_s; 2], &mut out);
-                out
-            }
-            Current::Constant { std_m_s, .. } => {
-                markov(streams, runs, CURRENT_CHANNEL, [std_m_s; 2], 1.0, samples)
-            }
-            Current::GaussMarkov { std_m_s, time_constant_s, .. } => {
-                let factor = factor(time_constant_s, rate_hz);
-                markov(streams, runs, CURRENT_CHANNEL, [std_m_s; 2], factor, samples)
-            }
-        }
+        let process = self.current.process(&mut streams.lanes(runs, CURRENT_CHANNEL), rate_hz);
+        process.map_or_else(Vec::new, |process| process.all(samples))
     }
 
     /// Adds measurement noise to the states of [`LANES`] runs, rows × 3.
     pub fn measure(&self, streams: &Streams, runs: [u32; LANES], states: &mut [Lane]) {
-        let m = self.measurement;
-        add_noise(streams, runs, 0, [m.std_u_m_s, m.std_v_m_s, m.std_r_rad_s], states);
+        self.measurement.noise(&mut streams.lanes(runs, 0)).add(states);
+    }
+
+    /// What disturbs [`LANES`] runs, by these and a wind, at `rate_hz`.
+    pub fn of_runs(
+        &self,
+        wind: Option<&Wind>,
+        streams: &Streams,
+        runs: [u32; LANES],
+        rate_hz: f64,
+    ) -> Disturbing {
+        // The current's channels follow those of the measurement.
+        let mut channels = streams.lanes(runs, 0);
+        Disturbing {
+            measurement: self.measurement.noise(&mut channels),
+            current: self.current.process(&mut channels, rate_hz),
+            force: wind.map(|wind| wind.process(&mut streams.lanes(runs, WIND_CHANNEL), rate_hz)),
+            turning: if self.current.in_earth_axes() { 1.0 / rate_hz } else { 0.0 },
+            drawn: [Vec::new(), Vec::new()],
+        }
     }
 }
 
-/// Adds white noise of standard deviation `std[i]` to column i of row-major `out`; column i draws from channel
-/// `first + i` of each lane's run.
-fn add_noise<const WIDTH: usize>(
-    streams: &Streams,
-    runs: [u32; LANES],
-    first: u32,
-    std: [f64; WIDTH],
-    out: &mut [Lane],
-) {
-    let (mut normals, std): ([Normals; WIDTH], _) = (streams.lanes(runs, first), std.map(Lane::splat));
-    vectorized!({
-        let mut pairs = out.chunks_exact_mut(2 * WIDTH);
-        for rows in &mut pairs {
-            for (column, normals) in normals.iter_mut().enumerate() {
-                let [one, two] = normals.pair();
-                rows[column] = std[column].fused(one, rows[column]);
-                rows[WIDTH + column] = std[column].fused(two, rows[WIDTH + column]);
+impl Measurement {
+    fn noise(&self, channels: &mut Channels) -> Noise<3> {
+        Noise::new(channels, [self.std_u_m_s, self.std_v_m_s, self.std_r_rad_s])
+    }
+}
+
+/// White noise in several columns, each with a channel of its own, of [`LANES`] runs.
+#[derive(Clone, Debug)]
+struct Noise<const WIDTH: usize> {
+    normals: [Normals; WIDTH],
+    std: [Lane; WIDTH],
+}
+
+impl<const WIDTH: usize> Noise<WIDTH> {
+    fn new(channels: &mut Channels, std: [f64; WIDTH]) -> Self {
+        Self { normals: channels.next(), std: std.map(Lane::splat) }
+    }
+
+    /// Adds the next numbers to the rows of `out`. Two rows take what is drawn at once; of an odd number of rows the last
+    /// takes the first half.
+    fn add(&mut self, out: &mut [Lane]) {
+        let Self { normals, std } = self;
+        vectorized!({
+            let mut pairs = out.chunks_exact_mut(2 * WIDTH);
+            for rows in &mut pairs {
+                for (column, normals) in normals.iter_mut().enumerate() {
+                    let [one, two] = normals.pair();
+                    rows[column] = std[column].fused(one, rows[column]);
+                    rows[WIDTH + column] = std[column].fused(two, rows[WIDTH + column]);
+                }
             }
-        }
-        let last = pairs.into_remainder().iter_mut();
-        for ((entry, normals), std) in last.zip(&mut normals).zip(std) {
-            *entry = std.fused(normals.pair()[0], *entry);
-        }
-    });
+            let last = pairs.into_remainder().iter_mut();
+            for ((entry, normals), std) in last.zip(normals).zip(std) {
+                *entry = std.fused(normals.pair()[0], *entry);
+            }
+        });
+    }
 }

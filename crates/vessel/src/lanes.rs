@@ -15,8 +15,22 @@ pub fn lane(count: usize, of: impl FnMut(usize) -> f64) -> Lane {
 /// Puts rows of up to [`LANES`] runs side by side. Shorter ones are filled up with zeros.
 pub fn interleave(runs: &[&[f64]]) -> Vec<Lane> {
     let length = runs.iter().map(|run| run.len()).max().unwrap_or(0);
-    let entry = |run: usize, i: usize| runs[run].get(i).copied().unwrap_or(0.0);
-    (0..length).map(|i| lane(runs.len(), |run| entry(run, i))).collect()
+    let mut out = Vec::with_capacity(length);
+    if length == 0 {
+        return out;
+    }
+    let rows: [&[f64]; LANES] = by_lane(runs.len(), |run| runs[run]);
+    // As long as all runs have numbers: whole blocks of them.
+    let blocks = rows.map(|run| run.as_chunks::<LANES>().0);
+    for block in 0..blocks.iter().map(|own| own.len()).min().unwrap_or(0) {
+        let block = blocks.map(|own| &own[block]);
+        for i in 0..LANES {
+            out.push(Lane(block.map(|own| own[i])));
+        }
+    }
+    let entry = |run: &[f64], i: usize| run.get(i).copied().unwrap_or(0.0);
+    out.extend((out.len()..length).map(|i| Lane(rows.map(|run| entry(run, i)))));
+    out
 }
 
 /// The rows of one lane.

@@ -33,7 +33,9 @@ mod wide;
 
 pub use compiled::{Ambient, Compiled};
 pub use constraint::{Constrained, Constraint, Written};
-pub use disturbance::{Axes, Current, Disturbances, MOST_CURRENT_M_S, Measurement, Wind, check_currents};
+pub use disturbance::{
+    Axes, Current, Disturbances, Disturbing, MOST_CURRENT_M_S, Measurement, Weather, Wind, check_currents,
+};
 pub use equation::TermSpec;
 pub use file::{InputSpec, Source, Vessel, VesselFile};
 pub use lane::{Arithmetic, LANES, Lane, Number, Numbers};
@@ -49,7 +51,8 @@ pub use refusal::{Invalid, check_numbers, choices, nearest};
 pub use refusals::{MOST_SAMPLES, refuse_endless};
 pub use run::{Run, RunView, Segment};
 pub use simulate::{
-    DIVERGED, Diverged, Weather, check_diverged, diverged_lanes, simulate, simulate_groups, simulate_one,
+    DIVERGED, Diverged, Driven, Recording, check_diverged, diverged_lanes, simulate, simulate_disturbed,
+    simulate_one,
 };
 pub use steady::{Motion, Steady};
 pub use term::{Factor, Product, Term};

@@ -117,6 +117,9 @@ impl Model {
     /// Inputs, N × inputs, beside measured disturbances of zero: N × exogenous, row-major.
     pub fn undisturbed(&self, inputs: &[f64]) -> Vec<f64> {
         let calm = self.exogenous() - self.inputs;
+        if calm == 0 {
+            return inputs.to_vec();
+        }
         let rows = inputs.chunks_exact(self.inputs);
         rows.flat_map(|row| row.iter().copied().chain(std::iter::repeat_n(0.0, calm))).collect()
     }

@@ -32,10 +32,9 @@ impl Streams {
         fill(self.channel(run, channel), out);
     }
 
-    /// The normal numbers of neighbouring channels from `first` on, [`LANES`] runs side by side.
-    pub(crate) fn lanes<const CHANNELS: usize>(&self, runs: [u32; LANES], first: u32) -> [Normals; CHANNELS] {
-        let mut keyed = runs.map(|run| self.keyed(run, first));
-        std::array::from_fn(|_| Normals::seeded(&mut keyed))
+    /// The channels of [`LANES`] runs from `first` on, side by side.
+    pub(crate) fn lanes(&self, runs: [u32; LANES], first: u32) -> Channels {
+        Channels(runs.map(|run| self.keyed(run, first)))
     }
 
     /// What seeds the generators of a run's channels from `channel` on, 32 bytes each.
@@ -57,6 +56,16 @@ impl Streams {
             }
         };
         (0..count).map(|_| draw()).collect()
+    }
+}
+
+/// Channels of runs side by side, taken one after the other.
+pub(crate) struct Channels([ChaCha8Rng; LANES]);
+
+impl Channels {
+    /// The normal numbers of the next channels.
+    pub(crate) fn next<const CHANNELS: usize>(&mut self) -> [Normals; CHANNELS] {
+        std::array::from_fn(|_| Normals::seeded(&mut self.0))
     }
 }
 

@@ -1,4 +1,8 @@
-use crate::{Ambient, Arithmetic, Compiled, GROUPS, LANES, Lane, Model, Number, Numbers, Wide, vectorized};
+use std::ops::Range;
+
+use crate::{
+    Ambient, Arithmetic, Compiled, Disturbing, LANES, Lane, Model, Number, Numbers, Weather, Wide, vectorized,
+};
 
 /// A speed \[m/s\] or yaw rate \[rad/s\] beyond which a simulation counts as diverged.
 pub const DIVERGED: f64 = 1e3;
@@ -10,23 +14,6 @@ pub struct Diverged {
     pub sample: usize,
     /// Index of the state: 0 surge, 1 sway, 2 yaw rate.
     pub state: usize,
-}
-
-/// What acts on [`crate::LANES`] runs besides their inputs.
-#[derive(Clone, Copy, Debug)]
-pub struct Weather<'a> {
-    /// Current \[m/s\], N × 2, or empty for still water.
-    pub current: &'a [Lane],
-    /// Sampling interval \[s\] where the current's components are the earth's and the heading starts at zero; 0 where they
-    /// are the vessel's.
-    pub turning: f64,
-    /// What is added to the states after each sample, N × 3, or empty.
-    pub force: &'a [Lane],
-}
-
-impl Weather<'_> {
-    /// Still water, no force.
-    pub const CALM: Self = Self { current: &[], turning: 0.0, force: &[] };
 }
 
 /// Simulates [`crate::LANES`] runs of N samples side by side: x(k+1) = x(k) + θᵀφ(x(k) − x_c(k), exogenous(k)).
@@ -41,47 +28,177 @@ pub fn simulate(
     weather: &Weather,
     states: &mut [Lane],
 ) {
-    let initial = initial.map(Wide::from);
+    let mut follow = Follow::new(model, parameters, initial.map(Wide::from));
+    let weather = [*weather];
     match Number::numbers(exogenous) {
-        Numbers::Lanes(lanes) => keep(model, parameters, initial, lanes, [*weather], [states]),
-        Numbers::Shared(numbers) => keep(model, parameters, initial, numbers, [*weather], [states]),
+        Numbers::Lanes(lanes) => vectorized!(follow.whole(&lanes, &weather, [states])),
+        Numbers::Shared(numbers) => vectorized!(follow.whole(&numbers, &weather, [states])),
     }
 }
 
-/// [`simulate`] of [`GROUPS`] times as many runs, which share parameters, start and exogenous signals.
-pub fn simulate_groups(
-    model: &Model,
-    parameters: &[Lane],
-    initial: [f64; 3],
-    exogenous: &[f64],
-    weather: [Weather; GROUPS],
-    states: [&mut [Lane]; GROUPS],
-) {
-    keep(model, parameters, initial.map(Wide::from), exogenous, weather, states);
+/// What `G` times [`crate::LANES`] runs are driven by: N × exogenous, row-major.
+#[derive(Clone, Copy, Debug)]
+pub enum Driven<'a, const G: usize> {
+    /// All by the same.
+    Alike(&'a [f64]),
+    /// Each by its own.
+    Own([&'a [Lane]; G]),
 }
 
-/// Follows the runs and keeps their states.
-fn keep<const G: usize, E: Copy + Into<Wide<G>>>(
+/// [`crate::LANES`] runs that are to be simulated: what disturbs them, and where their states go, (N+1) × 3.
+pub struct Recording<'a> {
+    /// What disturbs them.
+    pub disturbing: Disturbing,
+    /// The true states; empty where they are not wanted.
+    pub truth: &'a mut [Lane],
+    /// The states with measurement noise.
+    pub measured: &'a mut [Lane],
+}
+
+/// Samples that are drawn, simulated and measured before the next ones are, so that they stay in the nearest cache. An even number.
+const AT_ONCE: usize = 32;
+
+/// Simulates and measures `G` times as many runs as [`simulate`], as they are disturbed. In which lanes a state is beyond
+/// [`DIVERGED`] or not finite: a number above zero.
+pub fn simulate_disturbed<const G: usize>(
     model: &Model,
     parameters: &[Lane],
     initial: [Wide<G>; 3],
-    exogenous: &[E],
-    weather: [Weather; G],
-    mut states: [&mut [Lane]; G],
-) {
-    let parameters: Vec<Wide<G>> = parameters.iter().copied().map(Wide::from).collect();
-    let width = model.exogenous().max(1);
-    let mut model = Compiled::new(model, &parameters);
-    put(&mut states, 0, &initial);
-    vectorized!({
-        let (mut state, mut heading) = (initial, Wide::ZERO);
-        for (k, exogenous) in exogenous.chunks_exact(width).enumerate() {
-            let ambient = ambient(&weather, k, &heading);
-            heading += Wide(weather.map(|own| Lane::splat(own.turning))) * state[2];
-            state = model.step(state, exogenous, ambient);
-            put(&mut states, k + 1, &state);
+    driven: Driven<G>,
+    mut groups: [Recording; G],
+) -> [Lane; G] {
+    let mut follow = Follow::new(model, parameters, initial);
+    let samples = groups.first().map_or(0, |own| own.measured.len() / 3 - 1);
+    let mut beyond = [Lane::ZERO; G];
+    for first in (0..samples.max(1)).step_by(AT_ONCE) {
+        let end = samples.min(first + AT_ONCE);
+        let rows = 3 * first..3 * (end + usize::from(end == samples));
+        let some = groups.each_mut().map(|Recording { disturbing, measured, .. }| {
+            (disturbing.next(end - first), &mut measured[rows.clone()])
+        });
+        vectorized!(match driven {
+            Driven::Alike(exogenous) => follow.block(&exogenous, first..end, some, &mut beyond),
+            Driven::Own(exogenous) => follow.block(&exogenous, first..end, some, &mut beyond),
+        });
+        for Recording { disturbing, truth, measured } in &mut groups {
+            let measured = &mut measured[rows.clone()];
+            if !truth.is_empty() {
+                truth[rows.clone()].copy_from_slice(measured);
+            }
+            disturbing.measure(measured);
         }
-    });
+    }
+    beyond
+}
+
+/// Runs on their way.
+struct Follow<'m, const G: usize> {
+    model: Compiled<'m, Wide<G>>,
+    width: usize,
+    state: [Wide<G>; 3],
+    heading: Wide<G>,
+    row: Vec<Wide<G>>,
+}
+
+impl<'m, const G: usize> Follow<'m, G> {
+    fn new(model: &'m Model, parameters: &[Lane], initial: [Wide<G>; 3]) -> Self {
+        let parameters: Vec<Wide<G>> = parameters.iter().copied().map(Wide::from).collect();
+        Self {
+            width: model.exogenous().max(1),
+            row: vec![Wide::ZERO; model.exogenous()],
+            model: Compiled::new(model, &parameters),
+            state: initial,
+            heading: Wide::ZERO,
+        }
+    }
+
+    /// Goes through all samples.
+    #[inline(always)]
+    fn whole(&mut self, exogenous: &impl Rows<G>, weather: &[Weather; G], mut states: [&mut [Lane]; G]) {
+        let samples = exogenous.rows(self.width);
+        self.go(exogenous, 0..samples, weather, &mut states);
+        put(&mut states, samples, &self.state);
+    }
+
+    /// Goes through `samples` and puts the states, the one after the last where there is room for it. Marks lanes that are
+    /// beyond every bound.
+    #[inline(always)]
+    fn block(
+        &mut self,
+        exogenous: &impl Rows<G>,
+        samples: Range<usize>,
+        some: [(Weather, &mut [Lane]); G],
+        beyond: &mut [Lane; G],
+    ) {
+        let weather = some.each_ref().map(|(weather, _)| *weather);
+        let mut states = some.map(|(_, states)| states);
+        let count = samples.len();
+        self.go(exogenous, samples, &weather, &mut states);
+        put(&mut states, count, &self.state);
+        for (beyond, states) in beyond.iter_mut().zip(states) {
+            for state in states {
+                beyond.mark(*state);
+            }
+        }
+    }
+
+    /// Goes through `samples` and puts the state before each of them; weather and states begin at the first of them.
+    #[inline(always)]
+    fn go(
+        &mut self,
+        exogenous: &impl Rows<G>,
+        samples: Range<usize>,
+        weather: &[Weather; G],
+        states: &mut [&mut [Lane]; G],
+    ) {
+        let turning = Wide(weather.each_ref().map(|own| Lane::splat(own.turning)));
+        for (i, k) in samples.enumerate() {
+            put(states, i, &self.state);
+            let ambient = ambient(weather, i, &self.heading);
+            self.heading += turning * self.state[2];
+            let row = exogenous.row(k, self.width, &mut self.row);
+            self.state = self.model.step(self.state, row, ambient);
+        }
+    }
+}
+
+/// What drives runs, sample by sample.
+trait Rows<const G: usize> {
+    /// One number of one row.
+    type Entry: Copy + Into<Wide<G>>;
+    /// How many samples there are.
+    fn rows(&self, width: usize) -> usize;
+    /// The row of sample `k`; `own` has room for one.
+    fn row<'r>(&'r self, k: usize, width: usize, own: &'r mut [Wide<G>]) -> &'r [Self::Entry];
+}
+
+impl<const G: usize, E: Copy + Into<Wide<G>>> Rows<G> for &[E] {
+    type Entry = E;
+    #[inline(always)]
+    fn rows(&self, width: usize) -> usize {
+        self.len() / width
+    }
+    #[inline(always)]
+    fn row<'r>(&'r self, k: usize, width: usize, _: &'r mut [Wide<G>]) -> &'r [E] {
+        &self[width * k..width * (k + 1)]
+    }
+}
+
+impl<const G: usize> Rows<G> for [&[Lane]; G] {
+    type Entry = Wide<G>;
+    #[inline(always)]
+    fn rows(&self, width: usize) -> usize {
+        self.first().map_or(0, |own| own.len() / width)
+    }
+    #[inline(always)]
+    fn row<'r>(&'r self, k: usize, width: usize, own: &'r mut [Wide<G>]) -> &'r [Wide<G>] {
+        for (group, exogenous) in self.iter().enumerate() {
+            for (own, entry) in own.iter_mut().zip(&exogenous[width * k..width * (k + 1)]) {
+                own.0[group] = *entry;
+            }
+        }
+        own
+    }
 }
 
 /// What acts on the groups at sample `k`.

@@ -30,7 +30,7 @@ impl Parts {
     /// Initial state and inputs of a plan that was made.
     pub(crate) fn joined(&self, plan: &[(usize, usize)]) -> ([f64; 3], Vec<f64>) {
         let initial = plan.first().map_or([0.0; 3], |part| self.0[part].initial);
-        (initial, plan.iter().flat_map(|part| self.0[part].inputs.iter().copied()).collect())
+        (initial, plan.iter().map(|part| self.0[part].inputs.as_slice()).collect::<Vec<_>>().concat())
     }
 }
 

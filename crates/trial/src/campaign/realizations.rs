@@ -250,7 +250,7 @@ impl<'a> Campaign<'a> {
     pub fn simulate(&self, design: usize, runs: Range<usize>) -> Result<Vec<SimulatedRun>, Refusal> {
         let mut all = Vec::with_capacity(runs.len());
         for some in pieces(runs, GROUPS * LANES) {
-            for together in self.together(design, some)? {
+            for together in self.together(design, some, true)? {
                 all.extend((0..together.runs()).map(|lane| together.run(lane)));
             }
         }
@@ -262,18 +262,29 @@ impl<'a> Campaign<'a> {
         self.designs[design].all.as_ref()
     }
 
-    /// Simulates up to [`GROUPS`] times [`LANES`] runs of one design, side by side.
+    /// Simulates up to [`GROUPS`] times [`LANES`] runs of one design, side by side; their true states only where they are
+    /// `wanted`.
     ///
     /// # Errors
     /// A simulation that diverges.
-    pub fn together(&self, design: usize, runs: Range<usize>) -> Result<Vec<Together>, Refusal> {
+    pub fn together(
+        &self,
+        design: usize,
+        runs: Range<usize>,
+        wanted: bool,
+    ) -> Result<Vec<Together>, Refusal> {
         let design = &self.designs[design];
         let all: Vec<Doing> = pieces(runs, LANES).map(|group| self.doing(design, group)).collect();
         let groups: Vec<Group> = all.iter().map(|doing| doing.group(design)).collect();
-        let states = match <&[Group; GROUPS]>::try_from(groups.as_slice()) {
-            Ok(groups) if design.all.is_some() => self.sea.simulate_alike(groups)?,
-            _ => groups.iter().map(|group| self.sea.simulate(group)).collect::<Result<_, _>>()?,
-        };
+        let mut states = Vec::with_capacity(groups.len());
+        match <&[Group; GROUPS]>::try_from(groups.as_slice()) {
+            Ok(groups) => states.extend(self.sea.simulate_groups(groups.each_ref(), wanted)?),
+            Err(_) => {
+                for group in &groups {
+                    states.extend(self.sea.simulate_groups([group], wanted)?);
+                }
+            }
+        }
         let together = |(doing, states): (Doing, States)| Together {
             design: design.name,
             first: doing.numbers.first().copied().unwrap_or(0),

@@ -1,7 +1,7 @@
 use vessel::lanes::{by_lane, interleave, lane, lane_of};
 use vessel::{
-    Current, Disturbances, Diverged, GROUPS, Invalid, LANES, Lane, Run, Source, Streams, Vessel, Weather,
-    Wind, check_diverged, diverged_lanes, simulate, simulate_groups,
+    Current, Disturbances, Diverged, Driven, Invalid, LANES, Lane, Recording, Run, Source, Streams, Vessel,
+    Wide, Wind, diverged_lanes, simulate_disturbed,
 };
 
 use super::Refusal;
@@ -30,10 +30,12 @@ pub struct Group<'a> {
 
 /// States of a group's runs, (N+1) × 3, row-major.
 pub struct States {
-    /// The true ones.
+    /// The true ones; empty where nobody asked for them.
     pub truth: Vec<Lane>,
     /// With measurement noise.
     pub measured: Vec<Lane>,
+    /// What drove the runs, N × exogenous; empty where all of them were driven by the same.
+    pub(super) exogenous: Vec<Lane>,
 }
 
 /// A run as it would be recorded, with the truth behind it.
@@ -72,38 +74,61 @@ impl<'a> Sea<'a> {
     /// # Errors
     /// A vessel whose motion diverges, or disturbances that let it.
     pub fn simulate(&self, group: &Group) -> Result<States, Refusal> {
-        self.measured(group, self.truth(group))
+        let [states] = self.simulate_groups([group], true)?;
+        Ok(states)
     }
 
-    /// Simulates groups of runs that all start and do the same.
+    /// Simulates groups of runs of one length; their true states only where they are `wanted`.
     ///
     /// # Errors
     /// See [`Self::simulate`].
-    pub(super) fn simulate_alike(&self, groups: &[Group; GROUPS]) -> Result<Vec<States>, Refusal> {
-        let Group { initial, exogenous, .. } = &groups[0];
-        let weather = groups.each_ref().map(|group| self.weather(group));
-        let mut truths = groups.each_ref().map(|group| vec![Lane::ZERO; 3 * (self.samples(group) + 1)]);
-        simulate_groups(
-            &self.vessel.model,
-            &self.truth,
-            initial[0],
-            exogenous[0],
-            weather.each_ref().map(|own| self.acting(own)),
-            truths.each_mut().map(Vec::as_mut_slice),
-        );
-        groups.iter().zip(truths).map(|(group, truth)| self.measured(group, truth)).collect()
-    }
-
-    /// A group whose true states are known.
-    fn measured(&self, group: &Group, truth: Vec<Lane>) -> Result<States, Refusal> {
-        for (lane, at) in diverged_lanes(&truth).into_iter().enumerate().take(group.runs.len()) {
-            if let Some(at) = at {
-                return Err(self.at_fault(group, lane, at));
+    pub(super) fn simulate_groups<const G: usize>(
+        &self,
+        groups: [&Group; G],
+        wanted: bool,
+    ) -> Result<[States; G], Refusal> {
+        let (states, beyond) = self.followed(groups, wanted);
+        for (group, beyond) in groups.into_iter().zip(beyond) {
+            if (0..group.runs.len()).any(|lane| beyond[lane] > 0.0) {
+                let [States { truth, .. }] = self.followed([group], true).0;
+                let mut each = diverged_lanes(&truth).into_iter().enumerate();
+                if let Some((lane, at)) = each.find_map(|(lane, at)| Some((lane, at?))) {
+                    return Err(self.at_fault(group, lane, at));
+                }
             }
         }
-        let mut measured = truth.clone();
-        self.disturbances.measure(group.streams, group.numbers(), &mut measured);
-        Ok(States { truth, measured })
+        Ok(states)
+    }
+
+    /// The states, and in which lanes one is beyond every bound: a number above zero.
+    fn followed<const G: usize>(&self, groups: [&Group; G], wanted: bool) -> ([States; G], [Lane; G]) {
+        let (model, rate_hz) = (&self.vessel.model, self.vessel.sample_rate_hz);
+        let alike = groups[0].shared().filter(|first| {
+            groups.iter().all(|group| group.shared().is_some_and(|own| std::ptr::eq(own, *first)))
+        });
+        let lanes = |group: &Group| if alike.is_some() { Vec::new() } else { interleave(&group.exogenous) };
+        let exogenous = groups.map(lanes);
+        let driven = match alike {
+            Some(shared) => Driven::Alike(shared),
+            None => Driven::Own(exogenous.each_ref().map(Vec::as_slice)),
+        };
+        let mut states = groups.map(|group| {
+            let room = || vec![Lane::ZERO; 3 * (self.samples(group) + 1)];
+            let truth = if wanted { room() } else { Vec::new() };
+            (group, States { truth, measured: room(), exogenous: Vec::new() })
+        });
+        let recordings = states.each_mut().map(|(group, States { truth, measured, .. })| {
+            let (wind, numbers) = (self.wind.as_ref(), group.numbers());
+            let disturbing = self.disturbances.of_runs(wind, group.streams, numbers, rate_hz);
+            Recording { disturbing, truth, measured }
+        });
+        let start = groups.map(Group::start);
+        let initial = [0, 1, 2].map(|d: usize| Wide(start.map(|own| own[d])));
+        let beyond = simulate_disturbed(model, &self.truth, initial, driven, recordings);
+        let mut exogenous = exogenous.into_iter();
+        let states =
+            states.map(|(_, states)| States { exogenous: exogenous.next().unwrap_or_default(), ..states });
+        (states, beyond)
     }
 
     /// What is at fault where the run in `lane` diverges: the disturbances, where it does not without them.
@@ -111,7 +136,8 @@ impl<'a> Sea<'a> {
         let still = Disturbances { current: Current::None, ..self.disturbances };
         let bounded = |disturbances, wind| {
             let sea = Sea { vessel: self.vessel, truth: self.truth.clone(), disturbances, wind };
-            check_diverged(sea.truth(group).iter().map(|s| s[lane])).is_none()
+            let [beyond] = sea.followed([group], false).1;
+            beyond[lane] == 0.0
         };
         let run = format!("design {}, run {}", group.design, group.runs[lane]);
         if !bounded(still, None) {
@@ -129,35 +155,8 @@ impl<'a> Sea<'a> {
         Refusal::Sea(Invalid::new(key, found, expected, "lower it"))
     }
 
-    fn truth(&self, group: &Group) -> Vec<Lane> {
-        let (model, drawn) = (&self.vessel.model, self.weather(group));
-        let mut states = vec![Lane::ZERO; 3 * (self.samples(group) + 1)];
-        let (start, weather) = (group.start(), self.acting(&drawn));
-        match group.shared() {
-            Some(shared) => simulate(model, &self.truth, start, shared, &weather, &mut states),
-            None => {
-                let lanes = interleave(&group.exogenous);
-                simulate(model, &self.truth, start, &lanes, &weather, &mut states);
-            }
-        }
-        states
-    }
-
     fn samples(&self, group: &Group) -> usize {
         group.exogenous.first().map_or(0, |e| e.len() / self.vessel.model.exogenous().max(1))
-    }
-
-    /// The current of a group's runs, and the wind's force.
-    fn weather(&self, group: &Group) -> [Vec<Lane>; 2] {
-        let (streams, numbers, rate_hz) = (group.streams, group.numbers(), self.vessel.sample_rate_hz);
-        let samples = self.samples(group);
-        let force = self.wind.as_ref().map(|w| w.force(streams, numbers, samples, rate_hz));
-        [self.disturbances.current(streams, numbers, samples, rate_hz), force.unwrap_or_default()]
-    }
-
-    fn acting<'w>(&self, [current, force]: &'w [Vec<Lane>; 2]) -> Weather<'w> {
-        let earth = self.disturbances.current.in_earth_axes();
-        Weather { current, turning: if earth { 1.0 / self.vessel.sample_rate_hz } else { 0.0 }, force }
     }
 }
 

@@ -51,10 +51,11 @@ impl Together {
 
     /// The runs as estimators take them.
     pub fn side_by_side(self) -> SideBySide {
-        let exogenous: Vec<&[f64]> = self.experiments.iter().map(|own| own.exogenous.as_slice()).collect();
+        let rows = || self.experiments.iter().map(|own| own.exogenous.as_slice()).collect::<Vec<_>>();
+        let known = self.states.exogenous;
         SideBySide {
             runs: self.experiments.len(),
-            exogenous: interleave(&exogenous),
+            exogenous: if known.is_empty() { interleave(&rows()) } else { known },
             initial: [0, 1, 2]
                 .map(|d: usize| lane(self.experiments.len(), |run| self.experiments[run].initial[d])),
             samples: [self.states.measured.len() / 3 - 1; LANES],

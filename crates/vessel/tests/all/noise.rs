@@ -1,8 +1,8 @@
 //! Random numbers are what they are keyed to be.
 
 use vessel::{
-    Axes, Current, Disturbances, GROUPS, LANES, Lane, Measurement, Streams, Vessel, Weather, simulate,
-    simulate_groups,
+    Axes, Current, Disturbances, Driven, GROUPS, LANES, Lane, Measurement, Recording, Streams, Vessel,
+    Weather, Wide, Wind, simulate, simulate_disturbed,
 };
 
 fn draws(seed: u64, purpose: &str, run: u32, channel: u32, count: usize) -> Vec<f64> {
@@ -138,22 +138,38 @@ fn law_choices_are_equally_likely() {
 fn law_runs_that_are_simulated_at_once_are_those_of_one_group_after_the_other() {
     let vessel = Vessel::preset("ljungberg-model-ship").unwrap();
     let theta: Vec<Lane> = vessel.nominal.iter().copied().map(Lane::splat).collect();
-    let (initial, inputs) = ([0.5, 0.0, 0.1], vec![120.0; 3 * 50]);
+    let (initial, inputs) = ([0.5, 0.0, 0.1], vec![120.0; 3 * 64]);
     let current = Current::GaussMarkov { std_m_s: 0.3, time_constant_s: 5.0, axes: Axes::Earth };
-    let white = Measurement { std_u_m_s: 0.0, std_v_m_s: 0.0, std_r_rad_s: 0.0 };
-    let disturbances = Disturbances { current, measurement: white };
+    let measurement = Measurement { std_u_m_s: 0.1, std_v_m_s: 0.0, std_r_rad_s: 0.2 };
+    let disturbances = Disturbances { current, measurement };
+    let gusts =
+        Wind { std_surge_m_s2: 0.01, std_sway_m_s2: 0.02, std_yaw_rad_s2: 0.0, time_constant_s: Some(3.0) };
     let streams = Streams::new(3, "x");
-    let drawn: [Vec<Lane>; GROUPS] = std::array::from_fn(|group| {
-        disturbances.current(&streams, std::array::from_fn(|lane| (LANES * group + lane) as u32), 50, 8.0)
-    });
-    let weather = drawn.each_ref().map(|current| Weather { current, turning: 0.125, force: &[] });
-    let mut at_once = [const { Vec::new() }; GROUPS].map(|_: Vec<Lane>| vec![Lane::ZERO; 3 * 51]);
-    let states = at_once.each_mut().map(Vec::as_mut_slice);
-    simulate_groups(&vessel.model, &theta, initial, &inputs, weather, states);
-    for (weather, at_once) in weather.iter().zip(&at_once) {
-        let mut alone = vec![Lane::ZERO; 3 * 51];
-        simulate(&vessel.model, &theta, initial.map(Lane::splat), &inputs, weather, &mut alone);
-        assert!(*at_once == alone);
+    // Blocks that end inside, at and after the last sample, odd and even.
+    for samples in [50, 31, 32, 33, 64, 1] {
+        let numbers: [[u32; LANES]; GROUPS] =
+            std::array::from_fn(|group| std::array::from_fn(|lane| (LANES * group + lane) as u32));
+        let room = || [const { Vec::new() }; GROUPS].map(|_: Vec<Lane>| vec![Lane::ZERO; 3 * (samples + 1)]);
+        let (mut truth, mut measured) = (room(), room());
+        let mut recordings = Vec::new();
+        for ((numbers, truth), measured) in numbers.iter().zip(&mut truth).zip(&mut measured) {
+            let disturbing = disturbances.of_runs(Some(&gusts), &streams, *numbers, 8.0);
+            recordings.push(Recording { disturbing, truth, measured });
+        }
+        let recordings = recordings.try_into().unwrap_or_else(|_| panic!("as many as groups"));
+        let driven = Driven::Alike(&inputs[..3 * samples]);
+        simulate_disturbed::<GROUPS>(&vessel.model, &theta, initial.map(Wide::from), driven, recordings);
+        for ((numbers, truth), measured) in numbers.iter().zip(&truth).zip(&measured) {
+            let current = disturbances.current(&streams, *numbers, samples, 8.0);
+            let force = gusts.force(&streams, *numbers, samples, 8.0);
+            let weather = Weather { current: &current, turning: 0.125, force: &force };
+            let mut alone = vec![Lane::ZERO; 3 * (samples + 1)];
+            let inputs = &inputs[..3 * samples];
+            simulate(&vessel.model, &theta, initial.map(Lane::splat), inputs, &weather, &mut alone);
+            assert!(*truth == alone, "{samples}");
+            disturbances.measure(&streams, *numbers, &mut alone);
+            assert!(*measured == alone, "{samples}");
+        }
+        assert!(truth[0] != truth[1]);
     }
-    assert!(at_once[0] != at_once[1]);
 }
