@@ -30,7 +30,7 @@ pub struct MergedSums {
 pub fn merged(files: &[PathBuf], vessel: &Vessel, provenance: &mut Provenance) -> Result<MergedSums, Error> {
     let read = |path: &'_ PathBuf| read_document::<SumsDocument>(path).map(|loaded| (path.clone(), loaded));
     let mut all: Vec<(PathBuf, Loaded<SumsDocument>)> = files.iter().map(read).collect::<Result<_, _>>()?;
-    all.sort_by(|(_, one), (_, other)| one.digest.to_string().cmp(&other.digest.to_string()));
+    all.sort_by_key(|(_, loaded)| loaded.digest.to_string());
     let (mut sums, mut runs, mut known) = (RunSums::default(), 0_u64, BTreeMap::new());
     for (i, (path, loaded)) in all.iter().enumerate() {
         provenance.made(&format!("sums {}", i + 1), path, loaded.digest, &loaded.provenance)?;

@@ -35,6 +35,9 @@ fn merged(pool: &Pool, estimator: Estimator, groups: &[&[usize]]) -> Pooled {
     estimate_merged(pool, estimator, &whole, "measured").unwrap()
 }
 
+/// ζ, φ and Δy of a pair.
+type Row<'a> = (&'a [f64], &'a [f64], f64);
+
 const FORTH: &[&[usize]] = &[&[0, 1, 2, 3, 4, 5, 6, 7]];
 
 #[test]
@@ -93,7 +96,7 @@ fn law_covariances_of_merged_sums_are_those_of_white_residuals() {
                 degrees.flat_map(|r| (0..r.target.len()).map(move |k| (r.zeta(k), r.phi(k), r.target[k])))
             };
             let n = rows().count() as f64;
-            let mean = |of: &dyn Fn(&(&[f64], &[f64], f64)) -> f64| {
+            let mean = |of: &dyn Fn(&Row) -> f64| {
                 if intercepts == 1 { rows().map(|row| of(&row)).sum::<f64>() / n } else { 0.0 }
             };
             let zeta: Vec<f64> = (0..p).map(|i| mean(&|row| row.0[i])).collect();

@@ -37,6 +37,9 @@ pub struct SumsDocument {
     pub covered: Vec<Covered>,
 }
 
+/// How an entry is told.
+type Told = fn(&SumsDocument) -> String;
+
 /// Sums of products of one degree of freedom with p parameters.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -102,7 +105,7 @@ impl SumsDocument {
             let degree = |degree: &DegreeProducts| format!("{} of {}", degree.terms.join(", "), degree.name);
             own.degrees.iter().map(degree).collect::<Vec<_>>().join("; ")
         };
-        let told: [(&str, fn(&Self) -> String); 6] = [
+        let told: [(&str, Told); 6] = [
             ("`estimator`", |own| own.estimator.to_string()),
             ("`mean_removal`", |own| own.mean_removal.to_string()),
             ("`sample_rate_hz`", |own| own.sample_rate_hz.to_string()),
