@@ -1,7 +1,9 @@
 //! How a stage ends when it writes nothing: one line and an exit code.
 
+use std::convert::Infallible;
 use std::path::Path;
 
+use identification::pooled::{LostInstruments, PoolError};
 use identification::runs::RunError;
 use thiserror::Error;
 use vessel::Invalid;
@@ -45,6 +47,38 @@ impl Failure {
         Self::invalid(if diverged { vessel_file } else { file }, &error.invalid())
     }
 
+    /// That there are no instruments for runs of `file`.
+    pub fn lost(file: &Path, lost: &LostInstruments) -> Self {
+        Self::NoAnswer(format!(
+            "{}: {lost}: found no instruments, expected a nominal model that follows the data; cut shorter parts with \
+             --part-s, name another --nominal, or use --estimator ls",
+            file.display()
+        ))
+    }
+
+    /// That the runs of `file` give no pooled estimate.
+    pub fn of_pool<E>(error: PoolError<E>, file: &Path) -> Self
+    where
+        Self: From<E>,
+    {
+        match error {
+            PoolError::Unread(error) => error.into(),
+            PoolError::Lost(instruments) => Self::lost(file, &instruments),
+            PoolError::Bounded(reasons) => Self::NoAnswer(format!(
+                "{}: pooled estimate: found no room for an estimate ({}), expected a parameter that the data determine; widen \
+                 the `bounds`, or fix some of these parameters",
+                file.display(),
+                reasons.join("; ")
+            )),
+            PoolError::NotIdentifiable(reasons) => Self::NoAnswer(format!(
+                "{}: pooled estimate: found no degree of freedom that is identifiable ({}), expected one; add runs that vary \
+                 these terms, name a --prior, or use --estimator ls",
+                file.display(),
+                reasons.join("; ")
+            )),
+        }
+    }
+
     /// What is invalid in `file`.
     pub fn invalid(file: &Path, invalid: &Invalid) -> Self {
         artifact::Error::invalid(file, invalid.clone()).into()
@@ -57,5 +91,11 @@ impl From<artifact::Error> for Failure {
             artifact::Error::Refused { .. } => Self::Refused(error.to_string()),
             artifact::Error::Io { .. } => Self::Failed(error.to_string()),
         }
+    }
+}
+
+impl From<Infallible> for Failure {
+    fn from(never: Infallible) -> Self {
+        match never {}
     }
 }

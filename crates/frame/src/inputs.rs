@@ -38,8 +38,19 @@ pub fn trajectories(
     vessel: &Vessel,
     provenance: &mut Provenance,
 ) -> Result<TrajectoryReader, Failure> {
+    opened(path, key, vessel, provenance, TrajectoryReader::whole)
+}
+
+/// The same, refused where `check` does.
+fn opened(
+    path: &Path,
+    key: &str,
+    vessel: &Vessel,
+    provenance: &mut Provenance,
+    check: fn(&TrajectoryReader) -> Result<(), artifact::Error>,
+) -> Result<TrajectoryReader, Failure> {
     let reader = TrajectoryReader::open(path, &Layout::new(&vessel.model), vessel.sample_rate_hz)?;
-    reader.whole()?;
+    check(&reader)?;
     let (all, rows) = reader.rows();
     if all == 0 {
         let (expected, remedy) = ("at least one run", "write the trajectories again");
@@ -86,6 +97,17 @@ pub fn all(path: &Path, reader: &TrajectoryReader, vessel: &Vessel) -> Result<Ve
 /// # Errors
 /// See [`trajectories`].
 pub fn kept_runs(path: &Path, vessel: &Vessel, provenance: &mut Provenance) -> Result<KeptRuns, Failure> {
-    let reader = trajectories(path, "trajectories", vessel, provenance)?;
+    kept(trajectories(path, "trajectories", vessel, provenance)?, vessel)
+}
+
+/// The same, of which the file may hold a shard.
+///
+/// # Errors
+/// See [`trajectories`].
+pub fn kept_part(path: &Path, vessel: &Vessel, provenance: &mut Provenance) -> Result<KeptRuns, Failure> {
+    kept(opened(path, "trajectories", vessel, provenance, |_| Ok(()))?, vessel)
+}
+
+fn kept(reader: TrajectoryReader, vessel: &Vessel) -> Result<KeptRuns, Failure> {
     Ok(KeptRuns::new(reader, &Layout::new(&vessel.model), 0.25 * budget().bytes())?)
 }

@@ -12,6 +12,7 @@ pub mod inputs;
 mod interrupted;
 pub mod manual;
 pub mod ordered;
+pub mod pool;
 pub mod progress;
 pub mod said;
 pub mod sharded;

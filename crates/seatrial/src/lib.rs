@@ -12,11 +12,10 @@ pub mod design;
 pub mod ingest;
 pub mod monte_carlo;
 pub mod plan;
-pub mod pool;
 pub mod simulate;
 pub mod umbrella;
 
-pub use frame::{choice, cli, failure, inputs, ordered, progress, said, sharded, stage};
+pub use frame::{choice, cli, failure, inputs, ordered, pool, progress, said, sharded, stage};
 pub use identification::{Estimator, RunEstimate, RunScore};
 pub use in_memory::{Optimum, Study, StudyError};
 pub use study::campaign_file::CampaignFile;

@@ -127,7 +127,7 @@ impl Delivered {
 }
 
 /// What is known before, and intercepts.
-fn beyond(model: &Model, intercepts: [f64; 3]) -> [f64; 3] {
+pub(super) fn beyond(model: &Model, intercepts: [f64; 3]) -> [f64; 3] {
     [0, 1, 2].map(|d| model.constant[d] + intercepts[d])
 }
 
@@ -201,17 +201,17 @@ impl<'a> Account<'a> {
 }
 
 /// The least and the largest value of each variable of a model.
-struct Ranges<'a> {
+pub(super) struct Ranges<'a> {
     model: &'a Model,
     ends: Vec<[f64; 2]>,
 }
 
 impl<'a> Ranges<'a> {
-    fn new(model: &'a Model) -> Self {
+    pub fn new(model: &'a Model) -> Self {
         Self { model, ends: vec![[f64::INFINITY, f64::NEG_INFINITY]; model.variables.len()] }
     }
 
-    fn add(&mut self, run: &RunView) {
+    pub fn add(&mut self, run: &RunView) {
         let mut cover = |variable: usize, value: f64| {
             let [low, high] = &mut self.ends[variable];
             (*low, *high) = (low.min(value), high.max(value));
@@ -223,7 +223,7 @@ impl<'a> Ranges<'a> {
         }
     }
 
-    fn covered(&self) -> Vec<Covered> {
+    pub fn covered(&self) -> Vec<Covered> {
         let range = |(variable, [low, high]): (&Variable, &[f64; 2])| Covered {
             name: variable.name.clone(),
             unit: variable.unit.clone(),
@@ -252,6 +252,11 @@ fn covariance(model: &Model, found: &Estimated, degrees: &[DegreeTrust]) -> Opti
     if let Some((whole, _)) = simulated {
         return Some(Covariance::joint(model, whole.covariance.clone()));
     }
+    covariance_of(degrees)
+}
+
+/// That of degrees of freedom that were estimated each by itself.
+pub(super) fn covariance_of(degrees: &[DegreeTrust]) -> Option<Covariance> {
     let of = |degree: &DegreeTrust| -> Option<Vec<f64>> {
         degree.parameters.iter().map(ParameterTrust::spread).collect()
     };

@@ -1,4 +1,4 @@
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::ops::Range;
 
 use thiserror::Error;
@@ -20,6 +20,8 @@ pub struct PooledRuns<R = Vec<Run>> {
 /// What is known of a run without its samples.
 #[derive(Clone, Debug)]
 struct Known {
+    /// How manieth of the recorded runs it is.
+    index: usize,
     /// Where it is kept.
     block: usize,
     place: usize,
@@ -112,7 +114,8 @@ impl<R: Recorded> PooledRuns<R> {
             for (place, run) in of_block.iter().enumerate() {
                 let (design, starts) = (designs.place(&run.design), run.starts());
                 let (number, samples) = (run.run, run.samples());
-                runs.push(Known { block, place, number, design, source: 0, samples, starts });
+                let index = runs.len();
+                runs.push(Known { index, block, place, number, design, source: 0, samples, starts });
             }
         })?;
         let (several, mut sources) = (designs.names.len() > 1, Names::default());
@@ -156,6 +159,24 @@ impl<R: Recorded> PooledRuns<R> {
     /// Name of the design of the first run.
     pub fn design(&self) -> &str {
         self.runs.first().map_or("", |run| &self.designs[run.design])
+    }
+
+    /// Names of the designs of the runs that are selected, sorted.
+    pub fn selected_designs(&self) -> Vec<String> {
+        let names: BTreeSet<&String> = self.runs.iter().map(|run| &self.designs[run.design]).collect();
+        names.into_iter().cloned().collect()
+    }
+
+    /// Which of the recorded runs are selected, from 0: first and last of those that follow each other.
+    pub fn selected(&self) -> Vec<[u64; 2]> {
+        let mut ranges: Vec<[u64; 2]> = Vec::new();
+        for index in self.runs.iter().map(|run| run.index as u64) {
+            match ranges.last_mut() {
+                Some([_, last]) if *last + 1 == index => *last = index,
+                _ => ranges.push([index, index]),
+            }
+        }
+        ranges
     }
 
     /// Number of runs.

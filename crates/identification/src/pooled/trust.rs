@@ -10,9 +10,9 @@ use super::residual_tests::{ResidualTests, residuals_of};
 use super::sandwich::Filling;
 use super::strength::Strength;
 use super::{
-    Bootstrap, Centring, CrossCorrelation, Diagnosis, Estimated, FreeRunErrors, InstrumentFit, Part,
-    PartView, Parts, Pool, PooledRuns, Recorded, Regression, Resample, Score, Solution, Status, Whiteness,
-    default_bandwidth, deviations, unidentified, weakest,
+    Bootstrap, Centring, CrossCorrelation, DegreeFit, Diagnosis, Estimated, FreeRunErrors, InstrumentFit,
+    Part, PartView, Parts, Pool, PooledRuns, Recorded, Regression, Resample, Score, Solution, Status,
+    Whiteness, default_bandwidth, deviations, unidentified, weakest,
 };
 use crate::{EstimateStatus, Estimator};
 
@@ -144,14 +144,14 @@ pub(super) struct Judge<'a, P> {
 }
 
 /// Numbers of one degree of freedom.
-struct Degree {
-    covariance: Option<Vec<f64>>,
-    whiteness: Option<Whiteness>,
-    crossed: Option<CrossCorrelation>,
-    strength: Option<Vec<f64>>,
-    diagnosis: Diagnosis,
-    instrument_fit: Option<f64>,
-    bootstrap: Option<Bootstrap>,
+pub(super) struct Degree {
+    pub covariance: Option<Vec<f64>>,
+    pub whiteness: Option<Whiteness>,
+    pub crossed: Option<CrossCorrelation>,
+    pub strength: Option<Vec<f64>>,
+    pub diagnosis: Diagnosis,
+    pub instrument_fit: Option<f64>,
+    pub bootstrap: Option<Bootstrap>,
 }
 
 impl<P: Parts> Judge<'_, P> {
@@ -184,7 +184,8 @@ impl<P: Parts> Judge<'_, P> {
             let bootstrap = Bootstrap::of_resamples(&resamples, &layout.terms(d as usize));
             let places = self.pool.model.layout().terms(d as usize);
             let degree = account.closed(self.found, places, fits.map(|fits| fits[d as usize]), bootstrap);
-            degrees.push(self.degree(d, &degree));
+            let fit = &self.found.degrees[d as usize];
+            degrees.push(judged(self.pool, d, fit, self.found.used[d as usize], &degree));
         }
         Ok(degrees)
     }
@@ -221,68 +222,6 @@ impl<P: Parts> Judge<'_, P> {
         }
     }
 
-    fn degree(&self, d: DegreeOfFreedom, degree: &Degree) -> DegreeTrust {
-        let covariance = degree.covariance.as_deref();
-        let fit = &self.found.degrees[d as usize];
-        let model = &self.pool.vessel.model.degrees[d as usize];
-        let instrument_residual = degree.crossed.map(|c| InstrumentResidual {
-            instrument: model.terms[c.instrument].text.clone(),
-            lag: c.lag,
-            strongest: c.correlation,
-            p_value: c.p_value,
-        });
-        let finite = |x: f64| Some(x).filter(|x| x.is_finite());
-        DegreeTrust {
-            name: d.name().to_owned(),
-            status: match fit.status {
-                Status::Identified => EstimateStatus::Identified,
-                _ => EstimateStatus::NotIdentifiable,
-            },
-            reason: unidentified(d, model, &fit.status, &self.pool.constant),
-            estimator: self.found.used[d as usize],
-            condition: finite(degree.diagnosis.condition),
-            condition_index: finite(degree.diagnosis.index),
-            weakest: weakest(d, model, &degree.diagnosis, &self.pool.constant),
-            parameters: self.parameters(d, degree, fit.solution.as_ref()),
-            correlation: covariance.and_then(|c| {
-                let held = |i: usize| fit.solution.as_ref().is_some_and(|s| model.at_bound(i, s.theta[i]));
-                correlation(c, model.terms.len(), held)
-            }),
-            whiteness: degree.whiteness,
-            instrument_residual,
-            instrument_fit: degree.instrument_fit,
-        }
-    }
-
-    fn parameters(
-        &self,
-        d: DegreeOfFreedom,
-        degree: &Degree,
-        solution: Option<&Solution>,
-    ) -> Vec<ParameterTrust> {
-        let whole = &self.pool.vessel.model;
-        let model = &whole.degrees[d as usize];
-        let p = model.terms.len();
-        let units = &whole.parameter_units()[whole.layout().degree(d as usize)];
-        let resampled = |i: usize| degree.bootstrap.as_ref().map(|b| b.parameters[i]);
-        let at_bound = |i: usize| solution.is_some_and(|s| model.at_bound(i, s.theta[i]));
-        let error = |i: usize| degree.covariance.as_ref().map(|c| c[i * p + i].max(0.0).sqrt());
-        let parameter = |i: usize| ParameterTrust {
-            name: model.parameters[i].clone(),
-            term: model.terms[i].text.clone(),
-            unit: units[i].clone(),
-            estimate: solution.map(|s| s.theta[i]),
-            standard_error: error(i).filter(|_| !at_bound(i)),
-            at_bound: at_bound(i),
-            bootstrap_std: resampled(i).map(|r| r.std),
-            bootstrap_low: resampled(i).map(|r| r.low),
-            bootstrap_high: resampled(i).map(|r| r.high),
-            variation: degree.diagnosis.variation[i],
-            instrument_strength: degree.strength.as_ref().map(|s| s[i]),
-        };
-        (0..p).map(parameter).collect()
-    }
-
     /// Free simulation over every source.
     ///
     /// # Errors
@@ -307,6 +246,74 @@ impl<P: Parts> Judge<'_, P> {
             errors: score.and_then(|score| score.errors(std)),
         }
     }
+}
+
+/// How far `fit` can be trusted, the estimate of degree of freedom `d` by `used`.
+pub(super) fn judged(
+    pool: &Pool,
+    d: DegreeOfFreedom,
+    fit: &DegreeFit,
+    used: Estimator,
+    degree: &Degree,
+) -> DegreeTrust {
+    let covariance = degree.covariance.as_deref();
+    let model = &pool.vessel.model.degrees[d as usize];
+    let instrument_residual = degree.crossed.map(|c| InstrumentResidual {
+        instrument: model.terms[c.instrument].text.clone(),
+        lag: c.lag,
+        strongest: c.correlation,
+        p_value: c.p_value,
+    });
+    let finite = |x: f64| Some(x).filter(|x| x.is_finite());
+    DegreeTrust {
+        name: d.name().to_owned(),
+        status: match fit.status {
+            Status::Identified => EstimateStatus::Identified,
+            _ => EstimateStatus::NotIdentifiable,
+        },
+        reason: unidentified(d, model, &fit.status, &pool.constant),
+        estimator: used,
+        condition: finite(degree.diagnosis.condition),
+        condition_index: finite(degree.diagnosis.index),
+        weakest: weakest(d, model, &degree.diagnosis, &pool.constant),
+        parameters: parameters(pool, d, degree, fit.solution.as_ref()),
+        correlation: covariance.and_then(|c| {
+            let held = |i: usize| fit.solution.as_ref().is_some_and(|s| model.at_bound(i, s.theta[i]));
+            correlation(c, model.terms.len(), held)
+        }),
+        whiteness: degree.whiteness,
+        instrument_residual,
+        instrument_fit: degree.instrument_fit,
+    }
+}
+
+fn parameters(
+    pool: &Pool,
+    d: DegreeOfFreedom,
+    degree: &Degree,
+    solution: Option<&Solution>,
+) -> Vec<ParameterTrust> {
+    let whole = &pool.vessel.model;
+    let model = &whole.degrees[d as usize];
+    let p = model.terms.len();
+    let units = &whole.parameter_units()[whole.layout().degree(d as usize)];
+    let resampled = |i: usize| degree.bootstrap.as_ref().map(|b| b.parameters[i]);
+    let at_bound = |i: usize| solution.is_some_and(|s| model.at_bound(i, s.theta[i]));
+    let error = |i: usize| degree.covariance.as_ref().map(|c| c[i * p + i].max(0.0).sqrt());
+    let parameter = |i: usize| ParameterTrust {
+        name: model.parameters[i].clone(),
+        term: model.terms[i].text.clone(),
+        unit: units[i].clone(),
+        estimate: solution.map(|s| s.theta[i]),
+        standard_error: error(i).filter(|_| !at_bound(i)),
+        at_bound: at_bound(i),
+        bootstrap_std: resampled(i).map(|r| r.std),
+        bootstrap_low: resampled(i).map(|r| r.low),
+        bootstrap_high: resampled(i).map(|r| r.high),
+        variation: degree.diagnosis.variation[i],
+        instrument_strength: degree.strength.as_ref().map(|s| s[i]),
+    };
+    (0..p).map(parameter).collect()
 }
 
 /// What one degree of freedom is judged by, part by part.

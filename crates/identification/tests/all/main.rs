@@ -12,6 +12,7 @@ mod output_information;
 mod pooled_again;
 mod pooled_laws;
 mod pooled_oracle;
+mod pooled_sums;
 mod predicted_errors;
 mod quantiles;
 mod recommendation;

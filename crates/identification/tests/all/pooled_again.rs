@@ -30,7 +30,7 @@ impl Recorded for Blocks {
 }
 
 /// Runs of several lengths and of two or three segments; run 4 goes on where run 3 ends.
-fn runs(vessel: &Vessel) -> Vec<Run> {
+pub fn runs(vessel: &Vessel) -> Vec<Run> {
     let mut normals = Normals::new(9);
     let lengths = [60, 45, 60, 90, 30, 45, 75, 60];
     let run = |(i, samples): (usize, usize)| {

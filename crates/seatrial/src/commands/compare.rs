@@ -65,7 +65,7 @@ impl Task for Arguments {
         let (covered, magnitudes) = (model.covered(), model.magnitudes());
         let options = CompareOptions { window, known: model.known(), covered, magnitudes, rate_hz };
         let found = compare(&contestants, &runs, &options);
-        let found = found.map_err(|e| Failure::invalid(&self.of.trajectories, &e.invalid()))?;
+        let found = found.map_err(|e| Failure::invalid(self.of.file(), &e.invalid()))?;
         let settings = [("window_samples", json!(window)), ("runs", json!(self.of.runs))];
         let given = settings.into_iter().chain([("leave_out", json!(self.of.leave_out))]);
         provenance.settings.extend(given.map(|(key, value)| (key.to_owned(), value)));

@@ -48,7 +48,7 @@ impl Task for Arguments {
         let out = common.main_output("crossval.json", self.flags.inputs())?;
         let (runs, pool) = self.flags.read(&vessel, &mut provenance, inputs::runs)?;
         let bytes = pool.bytes_of_many(&runs, rayon::current_num_threads());
-        inputs::fits(&self.flags.of.trajectories, &runs.amount(), bytes)?;
+        inputs::fits(self.flags.of.file(), &runs.amount(), bytes)?;
         let names = |fold: &String| fold.split(',').map(|name| name.trim().to_owned()).collect();
         let folds = match (self.fold.is_empty(), self.folds) {
             (false, _) => Folds::Named(self.fold.iter().map(names).collect()),
@@ -62,7 +62,7 @@ impl Task for Arguments {
         };
         let progress = Progress::new("folds", folds * self.estimators.len(), common.quiet);
         let found = cross_validate(&pool, &runs, &options, &|count| progress.advance(count));
-        let found = found.map_err(|e| Failure::invalid(&self.flags.of.trajectories, &e.invalid()))?;
+        let found = found.map_err(|e| Failure::invalid(self.flags.of.file(), &e.invalid()))?;
         let settings = [
             ("estimators", json!(self.estimators)),
             ("intercepts", json!(true)),

@@ -1,26 +1,24 @@
 //! `estimate pool`: one estimate from all runs.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-use artifact::{Provenance, Shard, TableReader, TableWriter, commit, stage_document, stage_set_document};
+use artifact::{Provenance, Shard, TableReader};
 use clap::Parser;
 use identification::Estimator;
-use identification::pooled::{
-    Enriched, Judgement, Pool, PoolError, PooledRuns, Recorded, Resample, Resampling, grown, resampled,
-};
+use identification::pooled::{Judgement, Pool, PooledRuns, Recorded, Resample, Resampling, grown, resampled};
 use serde_json::json;
-use study::documents::{EstimateDocument, ModelDocument, TrustDocument};
 use study::files::read_vessel;
-use study::{estimates, resamples};
+use study::pooled_set::{MAIN, PooledSet};
+use study::resamples;
 use validation::comparison::Magnitudes;
 use vessel::Vessel;
 
-use super::estimate::MAIN;
+use super::estimate_sums::{added_up, merged};
 use crate::choice::choice;
-use crate::cli::{Common, Sharding, beside, member};
+use crate::cli::{Common, Sharding, member};
 use crate::failure::Failure;
 use crate::inputs;
-use crate::pool::{PoolFlags, lost};
+use crate::pool::PoolFlags;
 use crate::progress::Progress;
 use crate::sharded::{Made, rows_of_shards};
 use crate::stage::{Summary, Task};
@@ -31,7 +29,10 @@ use crate::stage::{Summary, Task};
 #[command(
     name = "pool",
     after_help = "Example:\n  estimate pool --vessel pipelines/kvlcc2/vessel.toml \
-    --trajectories trajectories.parquet --nominal least-squares --estimator auto --bootstrap 500 --out results/",
+    --trajectories trajectories.parquet --nominal least-squares --estimator auto --bootstrap 500 --out results/\n  \
+    estimate pool --vessel vessel.toml --trajectories part1.parquet --sums-only --out sums1.json\n  \
+    estimate pool --vessel vessel.toml --sums sums1.json,sums2.json --out results/",
+    mut_arg("trajectories", |file| file.required(false).required_unless_present("sums")),
     mut_arg("shard", |shard| shard.requires("bootstrap").help("Draw only the resamples of part K of N, into a table; gather the \
     parts with --gather")),
     mut_arg("gather", |gather| gather.requires("bootstrap").help("Take the resamples from the files of all shards instead of \
@@ -52,12 +53,24 @@ pub struct Arguments {
     /// Terms that are added at most, one after the other, where the model is found to lack them
     #[arg(long, value_name = "K", default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=50))]
     add_terms: u16,
+    /// Write only the sums of these runs, by `ls`, or by `iv` with a nominal model that is known, to be merged with --sums
+    #[arg(long, conflicts_with_all = ["bootstrap", "bandwidth", "add_terms", "shard", "gather", "prior", "sums"])]
+    sums_only: bool,
+    /// Estimate from the sums of any number of such files instead of runs
+    #[arg(long, value_name = "FILE,…", value_delimiter = ',', conflicts_with_all = ["trajectories", "recordings", "runs", "leave_out",
+        "part_s", "nominal", "bootstrap", "bandwidth", "add_terms", "shard", "gather"])]
+    sums: Vec<PathBuf>,
     #[command(flatten)]
     sharding: Sharding,
 }
 
 impl Task for Arguments {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
+        if self.sums_only {
+            return added_up(&self.flags, self.estimator, common);
+        } else if !self.sums.is_empty() {
+            return merged(&self.flags, self.estimator, &self.sums, common);
+        }
         let mut provenance = common.provenance("estimate");
         let vessel = read_vessel(&self.flags.vessel, &mut provenance)?;
         let main = if self.sharding.shard.is_some() { resamples::MAIN } else { MAIN };
@@ -71,10 +84,11 @@ impl Task for Arguments {
         };
         let (replicates, threads) = (judgement.replicates, rayon::current_num_threads());
         let bytes = pool.bytes(&runs, self.estimator, replicates, threads);
-        inputs::fits(&self.flags.of.trajectories, &runs.amount(), bytes)?;
+        inputs::fits(self.flags.of.file(), &runs.amount(), bytes)?;
         self.note(&judgement, &mut provenance);
         let most = usize::from(self.add_terms);
-        let grown = grown(&pool, &runs, self.estimator, &judgement, most).map_err(|e| self.failed(e))?;
+        let grown = grown(&pool, &runs, self.estimator, &judgement, most)
+            .map_err(|e| Failure::of_pool(e, self.flags.of.file()))?;
         let own = pool.of(&grown.vessel, grown.nominal.clone());
         if let Some(shard) = self.sharding.shard {
             provenance.shard = Some(shard);
@@ -85,12 +99,16 @@ impl Task for Arguments {
         let resampled = |count: usize| progress.advance(count);
         let resampling = drawn.as_deref().map_or(Resampling::Drawn(&resampled), Resampling::Given);
         let found = grown.judged(&pool, &runs, self.estimator, &judgement, resampling);
-        let found = found.map_err(|e| self.failed(e))?;
+        let found = found.map_err(|e| Failure::of_pool(e, self.flags.of.file()))?;
         let pool = pool.of(&found.vessel, pool.nominal.clone());
         let magnitudes = Magnitudes::of(&vessel.model, &runs, vessel.sample_rate_hz)?;
-        let document = ModelDocument::new(&pool, self.estimator, &found.found);
-        let document = document.map(|document| ModelDocument { magnitudes, ..document });
-        self.publish([&out, &model], &provenance, (&pool, &found), document.as_ref())
+        let estimated = (self.estimator, replicates);
+        let mut set =
+            PooledSet::new(&pool, self.flags.nominal().source(), estimated, (&found.found, &found.added));
+        set.model.iter_mut().for_each(|own| own.magnitudes.clone_from(&magnitudes));
+        set.write(pool.vessel, [&out, &model], &provenance)?;
+        let (said, told) = set.told();
+        Ok(Summary::of(&out, said, told))
     }
 }
 
@@ -127,7 +145,7 @@ impl Arguments {
                 Ok(rows)
             })
         });
-        made.map_err(|e| self.failed(e))??.publish_shard(shard, "resamples")
+        made.map_err(|e| Failure::of_pool(e, self.flags.of.file()))??.publish_shard(shard, "resamples")
     }
 
     /// The resamples of all shards; none where they are to be drawn.
@@ -142,75 +160,5 @@ impl Arguments {
         let found = rows_of_shards(&self.sharding.gather, &resamples::columns(vessel), provenance, rows)?;
         resamples::check(&found, replicates, first)?;
         Ok(Some(found))
-    }
-
-    fn failed(&self, error: PoolError<artifact::Error>) -> Failure {
-        match error {
-            PoolError::Unread(error) => error.into(),
-            PoolError::Lost(instruments) => lost(&self.flags.of.trajectories, &instruments),
-            PoolError::Bounded(reasons) => Failure::NoAnswer(format!(
-                "{}: pooled estimate: found no room for an estimate ({}), expected a parameter that the data determine; widen \
-                 the `bounds`, or fix some of these parameters",
-                self.flags.of.trajectories.display(),
-                reasons.join("; ")
-            )),
-            PoolError::NotIdentifiable(reasons) => Failure::NoAnswer(format!(
-                "{}: pooled estimate: found no degree of freedom that is identifiable ({}), expected one; add runs that vary \
-                 these terms, name a --prior, or use --estimator ls",
-                self.flags.of.trajectories.display(),
-                reasons.join("; ")
-            )),
-        }
-    }
-
-    fn publish(
-        &self,
-        [out, path]: [&Path; 2],
-        provenance: &Provenance,
-        (pool, enriched): (&Pool, &Enriched),
-        model: Option<&ModelDocument>,
-    ) -> Result<Summary, Failure> {
-        let found = &enriched.found;
-        let (vessel, estimator) = (pool.vessel, self.estimator);
-        let columns = estimates::columns(vessel);
-        let name = |name| beside(out, MAIN, name);
-        let summary = name("estimate.json");
-        let mut writer = TableWriter::create(out, columns.schema(), provenance)?.with_document(&summary);
-        writer.push(columns.encode(&[found.as_run(estimator)])?)?;
-        let document = EstimateDocument::pooled(vessel, estimator, pool.removal, found);
-        let replicates = self.bootstrap.unwrap_or(0);
-        let trust = TrustDocument::new(
-            pool,
-            self.flags.nominal().source(),
-            estimator,
-            replicates,
-            found,
-            &enriched.added,
-        );
-        let mut staged = vec![writer.finish()?, stage_document(name("trust.json"), provenance, &trust)?];
-        if let Some(model) = model {
-            staged.push(stage_document(path, provenance, model)?);
-        }
-        staged.push(stage_set_document(&summary, provenance, &document, &staged)?);
-        commit(staged)?;
-        if model.is_none() {
-            // That of an earlier estimate is not this one's; there may be none.
-            let _ = std::fs::remove_file(path);
-        }
-        let refused: Vec<&str> = found.degrees.iter().filter_map(|d| d.reason.as_deref()).collect();
-        let rest = match refused.as_slice() {
-            [] => String::new(),
-            reasons => format!("; not identifiable: {}", reasons.join("; ")),
-        };
-        let added: Vec<String> =
-            enriched.added.iter().map(|a| format!("`{}` in {}", a.term, a.degree)).collect();
-        let more = if added.is_empty() { String::new() } else { format!("; added: {}", added.join(", ")) };
-        let (parts, sources, samples) = (found.parts, found.sources.len(), found.samples);
-        Ok(Summary::of(
-            out,
-            format!("{estimator} from {parts} parts of {sources} runs, {samples} samples{more}{rest}"),
-            json!({"parts": parts, "sources": sources, "samples": samples,
-                "not_identifiable": refused, "added": added, "statements": found.statements}),
-        ))
     }
 }

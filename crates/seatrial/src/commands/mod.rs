@@ -6,6 +6,7 @@ mod cross;
 mod earlier;
 mod estimate;
 mod estimate_pool;
+mod estimate_sums;
 mod ingest;
 mod moments;
 mod monte_carlo;

@@ -123,7 +123,7 @@ impl Task for Arguments {
         let progress = Progress::new("fits, at most", fits, common.quiet);
         let done = |count: usize| progress.advance(count);
         let found = search(&vessel.model, &library, &runs, &options, &done);
-        let found = found.map_err(|e| refused(&self.of.trajectories, &e))?;
+        let found = found.map_err(|e| refused(self.of.file(), &e))?;
         let settings = [
             ("fitted_window_samples", json!(cut.window)),
             ("every_samples", json!(cut.every)),

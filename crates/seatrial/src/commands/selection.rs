@@ -17,7 +17,7 @@ use crate::cli::{Common, Sharding, beside};
 use crate::failure::Failure;
 use crate::inputs;
 use crate::ordered::{joined, joined_blocks};
-use crate::pool::{PoolFlags, lost};
+use crate::pool::PoolFlags;
 use crate::progress::Progress;
 use crate::sharded::{self, Made};
 use crate::stage::{Summary, Task};
@@ -74,7 +74,7 @@ impl Task for Arguments {
         let out = common.main_output(MAIN, inputs.chain(&self.sharding.gather))?;
         let (runs, pool) = self.flags.read(&vessel, &mut provenance, inputs::runs)?;
         let bytes = pool.bytes_of_many(&runs, rayon::current_num_threads());
-        inputs::fits(&self.flags.of.trajectories, &runs.amount(), bytes)?;
+        inputs::fits(self.flags.of.file(), &runs.amount(), bytes)?;
         let there = available(&runs.parts(None));
         let picks = self.picks.map(u64::from);
         let options = SelectionOptions {
@@ -86,7 +86,7 @@ impl Task for Arguments {
         };
         self.note(&options, &mut provenance);
         let selector = Selector::new(&pool, &runs, &options);
-        let selector = selector.map_err(|e| lost(&self.flags.of.trajectories, &e))?;
+        let selector = selector.map_err(|e| Failure::lost(self.flags.of.file(), &e))?;
         let document_file = beside(&out, MAIN, "selection.json");
         let outputs = [out.as_path(), document_file.as_path()];
         let made = if self.sharding.gathers() {

@@ -14,6 +14,7 @@ mod refusals;
 mod search;
 mod selection;
 mod single;
+mod sums;
 mod units;
 
 /// Pools the runs of the small study; add flags and an output.

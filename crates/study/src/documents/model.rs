@@ -40,7 +40,8 @@ pub struct ModelDocument {
     pub recordings: Vec<RecordingConstant>,
     /// What the data covered: the model is known to hold within.
     pub covered: Vec<Covered>,
-    /// How large the motions were that it was fitted to; null where no run was long enough.
+    /// How large the motions were that it was fitted to; null where no run was long enough, and from
+    /// sums of runs.
     #[serde(default)]
     pub magnitudes: Option<Magnitudes>,
     /// Whether the data reject the structure; null where that could not be tried. Of a searched model: whether recordings

@@ -7,7 +7,7 @@ use std::str::FromStr;
 use artifact::Provenance;
 use clap::Args;
 use identification::MeanRemoval;
-use identification::pooled::{LostInstruments, NominalModel, NominalSource, Pool, PooledRuns, Recorded};
+use identification::pooled::{NominalModel, NominalSource, Pool, PooledRuns, Recorded};
 use serde_json::{Value, json};
 use study::documents::{EstimateDocument, IngestDocument};
 use study::trajectories::label;
@@ -34,8 +34,8 @@ pub enum Nominal {
 #[derive(Clone, Debug, Args)]
 pub struct RunFlags {
     /// The runs
-    #[arg(long, value_name = "trajectories.parquet")]
-    pub trajectories: PathBuf,
+    #[arg(long, required = true, value_name = "trajectories.parquet")]
+    trajectories: Option<PathBuf>,
     /// What `ingest` wrote beside the trajectories: names the recordings that runs were cut from
     #[arg(long, value_name = "ingest.json")]
     pub recordings: Option<PathBuf>,
@@ -62,20 +62,25 @@ impl RunFlags {
     where
         artifact::Error: From<R::Error>,
     {
-        let kept = recorded(&self.trajectories, vessel, provenance)?;
+        let kept = recorded(self.file(), vessel, provenance)?;
         let read = |path: &PathBuf| inputs::document::<IngestDocument>(path, "recordings", provenance);
         let recordings = self.recordings.as_ref().map(read).transpose()?;
         let named = recordings.as_ref().map(IngestDocument::recordings_by_run).unwrap_or_default();
         let mut runs = PooledRuns::of(kept, &named).map_err(artifact::Error::from)?;
         label(runs.designs(), provenance);
         let selected = runs.select(&self.runs, &self.leave_out);
-        selected.map_err(|e| Failure::invalid(&self.trajectories, &e.invalid()))?;
+        selected.map_err(|e| Failure::invalid(self.file(), &e.invalid()))?;
         Ok((runs, recordings.as_ref().map(IngestDocument::constant_channels).unwrap_or_default()))
     }
 
     /// The files that are read.
     pub fn inputs(&self) -> impl Iterator<Item = &PathBuf> {
-        [&self.trajectories].into_iter().chain(&self.recordings)
+        self.trajectories.iter().chain(&self.recordings)
+    }
+
+    /// The file with the runs; the command line has one.
+    pub fn file(&self) -> &Path {
+        self.trajectories.as_deref().unwrap_or(Path::new(""))
     }
 }
 
@@ -192,13 +197,4 @@ impl FromStr for Nominal {
             file => Self::File(file.into()),
         })
     }
-}
-
-/// That there are no instruments for runs of `file`.
-pub fn lost(file: &Path, lost: &LostInstruments) -> Failure {
-    Failure::NoAnswer(format!(
-        "{}: {lost}: found no instruments, expected a nominal model that follows the data; cut shorter parts with \
-         --part-s, name another --nominal, or use --estimator ls",
-        file.display()
-    ))
 }

@@ -1,0 +1,90 @@
+//! The files of a pooled estimate, which are written together.
+
+use std::path::Path;
+
+use artifact::{Error, Provenance, TableWriter, commit, stage_document, stage_set_document};
+use identification::pooled::{Added, NominalSource, Pool, Pooled};
+use identification::{Estimator, RunEstimate};
+use serde_json::{Value, json};
+use vessel::Vessel;
+
+use crate::documents::{EstimateDocument, ModelDocument, TrustDocument};
+use crate::{beside, estimates};
+
+/// What the table is usually called.
+pub const MAIN: &str = "estimates.parquet";
+
+/// A row of estimates.parquet, estimate.json, trust.json and model.json.
+pub struct PooledSet {
+    /// The estimate as that of one run.
+    pub row: RunEstimate,
+    /// Its summary.
+    pub estimate: EstimateDocument,
+    /// How far it can be trusted.
+    pub trust: TrustDocument,
+    /// The model; none unless all degrees of freedom have an estimate.
+    pub model: Option<ModelDocument>,
+}
+
+impl PooledSet {
+    /// What `estimator` found from `pool` with instruments from `nominal`, with so many resamples.
+    pub fn new(
+        pool: &Pool,
+        nominal: NominalSource,
+        (estimator, replicates): (Estimator, u32),
+        (found, added): (&Pooled, &[Added]),
+    ) -> Self {
+        Self {
+            row: found.as_run(estimator),
+            estimate: EstimateDocument::pooled(pool.vessel, estimator, pool.removal, found),
+            trust: TrustDocument::new(pool, nominal, estimator, replicates, found, added),
+            model: ModelDocument::new(pool, estimator, found),
+        }
+    }
+
+    /// Writes the set whose main file is `out` and whose model is `path`.
+    ///
+    /// # Errors
+    /// Output that fails.
+    pub fn write(
+        &self,
+        vessel: &Vessel,
+        [out, path]: [&Path; 2],
+        provenance: &Provenance,
+    ) -> Result<(), Error> {
+        let columns = estimates::columns(vessel);
+        let name = |name| beside(out, MAIN, name);
+        let summary = name("estimate.json");
+        let mut writer = TableWriter::create(out, columns.schema(), provenance)?.with_document(&summary);
+        writer.push(columns.encode(std::slice::from_ref(&self.row))?)?;
+        let mut staged = vec![writer.finish()?, stage_document(name("trust.json"), provenance, &self.trust)?];
+        if let Some(model) = &self.model {
+            staged.push(stage_document(path, provenance, model)?);
+        }
+        staged.push(stage_set_document(&summary, provenance, &self.estimate, &staged)?);
+        commit(staged)?;
+        if self.model.is_none() {
+            // That of an earlier estimate is not this one's; there may be none.
+            let _ = std::fs::remove_file(path);
+        }
+        Ok(())
+    }
+
+    /// What it says in a line, and to programs.
+    pub fn told(&self) -> (String, Value) {
+        let TrustDocument { estimator, parts, sources, samples, statements, .. } = &self.trust;
+        let refused: Vec<&str> = self.trust.degrees.iter().filter_map(|d| d.reason.as_deref()).collect();
+        let rest = match refused.as_slice() {
+            [] => String::new(),
+            reasons => format!("; not identifiable: {}", reasons.join("; ")),
+        };
+        let added: Vec<String> =
+            self.trust.added.iter().map(|a| format!("`{}` in {}", a.term, a.degree)).collect();
+        let more = if added.is_empty() { String::new() } else { format!("; added: {}", added.join(", ")) };
+        (
+            format!("{estimator} from {parts} parts of {sources} runs, {samples} samples{more}{rest}"),
+            json!({"parts": parts, "sources": sources, "samples": samples,
+                "not_identifiable": refused, "added": added, "statements": statements}),
+        )
+    }
+}
