@@ -8,7 +8,8 @@ fn flags_of_a_pooled_estimate_need_it() {
         let name = flag.split(' ').next().unwrap();
         refused(&folder, 2, &format!("{ESTIMATE} {flag}"), &[name, "unexpected"]);
     }
-    refused(&folder, 2, &format!("{POOL} --shard 1/2 --out estimates.parquet"), &["--shard"]);
+    // Only resamples are drawn in shards.
+    refused(&folder, 2, &format!("{POOL} --shard 1/2 --out estimates.parquet"), &["--bootstrap <N>"]);
 }
 
 #[test]
