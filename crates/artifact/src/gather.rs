@@ -87,8 +87,8 @@ pub fn check_settings(given: &Provenance, path: &Path, made: &Provenance) -> Res
     }
 }
 
-/// Refuses inputs of which the shard at `path` was made of others, or a setting that it was made with otherwise. Where mixtures
-/// are allowed, such inputs label `given` instead.
+/// Refuses inputs of which the shard at `path` was made of others, or a setting that it was made with otherwise, or without. Where
+/// mixtures are allowed, such inputs label `given` instead.
 ///
 /// # Errors
 /// Names the input's file, or the setting.
@@ -106,12 +106,13 @@ pub fn check_given(given: &mut Provenance, path: &Path, made: &Provenance) -> Re
     }
     others.iter().for_each(|role| given.label(role));
     let other = |(name, value): &(&String, &serde_json::Value)| {
-        *name != MIXED && made.settings.get(*name).is_some_and(|made| made != *value)
+        *name != MIXED && made.settings.get(*name) != Some(*value)
     };
     match given.settings.iter().find(other) {
         None => Ok(()),
         Some((name, value)) => {
-            let (thing, found) = (format!("`{name}`"), format!("{}", made.settings[name]));
+            let made = made.settings.get(name).map_or("nothing".to_owned(), ToString::to_string);
+            let (thing, found) = (format!("`{name}`"), made);
             let expected = format!("{value}, as is asked for now");
             Err(Error::refuse(path, thing, found, expected, "ask for the same, or make the shards again"))
         }

@@ -144,7 +144,7 @@ fn resamples_that_are_not_those_asked_for_are_refused() {
         ),
         (
             format!("{line} --bandwidth 3 --bootstrap 20 {both}"),
-            vec!["part-1.parquet: settings.bandwidth: found nothing, expected 3"],
+            vec!["part-1.parquet: `bandwidth`: found nothing, expected 3"],
         ),
         (
             format!("{line} --bootstrap 20 {both}")
