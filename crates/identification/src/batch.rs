@@ -275,8 +275,8 @@ pub(crate) fn add_products<X: Number, Y: Number>(x: &Block<X>, signals: impl Sig
     );
 }
 
-/// Adds Σ x y of every signal x and every signal y to `sums`: a row of `width` for each x. Tiles of them stay in registers, so
-/// that a number that was loaded is used several times.
+/// Adds Σ x y of every signal x and every signal y to `sums`: a row of `width` for each x. Tiles of them stay in
+/// registers, so that a number that was loaded is used several times.
 #[inline(always)]
 pub(crate) fn add_outer<X: Number, Y: Number>(
     x: &impl Signals<X>,

@@ -64,8 +64,8 @@ impl InstrumentSquares {
         sums
     }
 
-    /// Adds products of one block with some others, those with itself and with its neighbours, from `place` on. Blocks begin with
-    /// the sample before.
+    /// Adds products of one block with some others, those with itself and with its neighbours, from `place` on. Blocks
+    /// begin with the sample before.
     #[inline(always)]
     fn add<const C: usize>(
         &mut self,

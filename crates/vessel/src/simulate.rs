@@ -36,8 +36,8 @@ pub fn simulate(
     }
 }
 
-/// Simulates `G` times as many runs as [`simulate`], of one length and in still water, each driven by its own exogenous inputs, into
-/// its own states.
+/// Simulates `G` times as many runs as [`simulate`], of one length and in still water, each driven by its own exogenous
+/// inputs, into its own states.
 pub fn simulate_groups<const G: usize>(
     model: &Model,
     parameters: &[Lane],

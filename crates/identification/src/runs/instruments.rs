@@ -75,8 +75,8 @@ impl<'a> RunInstruments<'a> {
         Ok(all)
     }
 
-    /// Estimates of runs that stand side by side already, group by group: with starts of their segments. Their instruments are simulated
-    /// with the nominal model, whatever kind others are.
+    /// Estimates of runs that stand side by side already, group by group: with starts of their segments. Their
+    /// instruments are simulated with the nominal model, whatever kind others are.
     ///
     /// # Errors
     /// Which run it is whose nominal simulation diverges, and where.
