@@ -131,10 +131,17 @@ pub(crate) struct Regressors<X> {
     /// Of every term, the place of its signal.
     places: Vec<usize>,
     variables: usize,
+    /// Of every signal, whether it is evaluated; the others stay zero.
+    wanted: Vec<bool>,
 }
 
 impl<X: Number> Regressors<X> {
     pub(crate) fn new(model: &Model) -> Self {
+        Self::of(model, [usize::MAX; 3])
+    }
+
+    /// The first `terms` terms of each degree of freedom, and the variables of its known terms.
+    pub(crate) fn of(model: &Model, terms: [usize; 3]) -> Self {
         let variables = model.variables.len();
         let mut next = variables;
         let place = |term: &Term| match (term.factors.as_slice(), term.tied.is_empty()) {
@@ -144,8 +151,19 @@ impl<X: Number> Regressors<X> {
                 next - 1
             }
         };
-        let places = model.degrees.iter().flat_map(|d| &d.terms).map(place).collect();
-        Self { signals: vec![[X::ZERO; BLOCK]; next], places, variables }
+        let places: Vec<usize> = model.degrees.iter().flat_map(|d| &d.terms).map(place).collect();
+        let mut wanted = vec![false; next];
+        model.known().flat_map(|(_, known)| &known.factors).for_each(|f| wanted[f.variable] = true);
+        let all = model
+            .degrees
+            .iter()
+            .zip(terms)
+            .flat_map(|(d, own)| d.terms.iter().enumerate().map(move |(i, t)| (t, i < own)));
+        for ((term, _), place) in all.zip(&places).filter(|((_, own), _)| *own) {
+            wanted[*place] = true;
+            term.products().flatten().for_each(|f| wanted[f.variable] = true);
+        }
+        Self { signals: vec![[X::ZERO; BLOCK]; next], places, variables, wanted }
     }
 
     /// The terms in `range`.
@@ -170,15 +188,14 @@ impl<X: Number> Regressors<X> {
             copy_column(&states[3 * k + i..], 3, count, std::convert::identity, variable);
         }
         let width = model.exogenous();
-        for (i, variable) in others.iter_mut().enumerate() {
+        for (i, variable) in others.iter_mut().enumerate().filter(|(i, _)| self.wanted[3 + i]) {
             copy_column(&exogenous[width * k + i..], width, count, convert, variable);
         }
         let mut places = self.places.iter();
         for degree in &model.degrees {
             for (term, place) in degree.terms.iter().zip(&mut places) {
-                let Some(out) = place.checked_sub(self.variables).and_then(|i| products.get_mut(i)) else {
-                    continue;
-                };
+                let product = place.checked_sub(self.variables).filter(|_| self.wanted[*place]);
+                let Some(out) = product.and_then(|i| products.get_mut(i)) else { continue };
                 term.values(values, out);
                 if term.is_constant() {
                     out[count..].fill(X::ZERO);
@@ -256,6 +273,64 @@ pub(crate) fn add_products<X: Number, Y: Number>(x: &Block<X>, signals: impl Sig
         #[inline(always)]
         |t, y, sum| x[t].lane().fused(y.lane(), sum),
     );
+}
+
+/// Adds Σ x y of every signal x and every signal y to `sums`: a row of `width` for each x. Tiles of them stay in
+/// registers, so that a number that was loaded is used several times.
+#[inline(always)]
+pub(crate) fn add_outer<X: Number, Y: Number>(
+    x: &impl Signals<X>,
+    y: &impl Signals<Y>,
+    width: usize,
+    sums: &mut [Lane],
+) {
+    let (rows, columns) = (x.count(), y.count());
+    for row in (0..rows).step_by(2) {
+        for column in (0..columns).step_by(3) {
+            let at = [row, column];
+            match (rows - row > 1, columns - column) {
+                (true, 1) => add_tile::<X, Y, 2, 1>(x, y, at, width, sums),
+                (true, 2) => add_tile::<X, Y, 2, 2>(x, y, at, width, sums),
+                (true, _) => add_tile::<X, Y, 2, 3>(x, y, at, width, sums),
+                (false, 1) => add_tile::<X, Y, 1, 1>(x, y, at, width, sums),
+                (false, 2) => add_tile::<X, Y, 1, 2>(x, y, at, width, sums),
+                (false, _) => add_tile::<X, Y, 1, 3>(x, y, at, width, sums),
+            }
+        }
+    }
+}
+
+/// A tile of [`add_outer`]: `R` rows and `C` columns from a place on.
+#[inline(always)]
+fn add_tile<X: Number, Y: Number, const R: usize, const C: usize>(
+    x: &impl Signals<X>,
+    y: &impl Signals<Y>,
+    [row, column]: [usize; 2],
+    width: usize,
+    sums: &mut [Lane],
+) {
+    let mut rows = [x.signal(row); R];
+    for (i, signal) in rows.iter_mut().enumerate() {
+        *signal = x.signal(row + i);
+    }
+    let mut columns = [y.signal(column); C];
+    for (i, signal) in columns.iter_mut().enumerate() {
+        *signal = y.signal(column + i);
+    }
+    let mut own = [[Lane::ZERO; C]; R];
+    for t in 0..BLOCK {
+        for (own, x) in own.iter_mut().zip(rows) {
+            for (own, y) in own.iter_mut().zip(columns) {
+                *own = x[t].lane().fused(y[t].lane(), *own);
+            }
+        }
+    }
+    for (i, own) in own.iter().enumerate() {
+        let first = (row + i) * width + column;
+        for (sum, own) in sums[first..first + C].iter_mut().zip(own) {
+            *sum += *own;
+        }
+    }
 }
 
 /// Adds to the entry of `sums` of every signal y what `f`(t, y(t), sum) makes of a sum, sample by sample; several signals at a time, so that no addition waits for

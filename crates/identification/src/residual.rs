@@ -6,7 +6,7 @@
 use vessel::{LANES, Lane, Number};
 
 use crate::Batch;
-use crate::batch::{AnyBatch, BLOCK, Block, Regressors, Signals, add_products, over_batch};
+use crate::batch::{AnyBatch, BLOCK, Block, Regressors, Signals, over_batch};
 
 /// A group of samples that shares its intercepts: its first sample, and a constant per signal.
 #[derive(Clone, Debug)]
@@ -34,36 +34,58 @@ impl InstrumentSquares {
         let mut sums = Self { squares: zeros(), neighbours: zeros() };
         let mut means = Constants::new(means, batch.model.parameters());
         let mut zeta = Regressors::new(batch.model);
-        let mut now = vec![[Lane::ZERO; BLOCK]; batch.model.parameters()];
-        let mut before = now.clone();
+        let mut centred = vec![[Lane::ZERO; 1 + BLOCK]; batch.model.parameters()];
         for k in (0..batch.samples()).step_by(BLOCK) {
             let count = BLOCK.min(batch.samples() - k);
             batch.zeta(k, count, &mut zeta);
-            let terms = zeta.terms(0..now.len());
-            for (i, ((now, before), mean)) in now.iter_mut().zip(&mut before).zip(means.at(k)).enumerate() {
-                let edge = now[BLOCK - 1];
-                for (now, z) in now.iter_mut().zip(terms.signal(i)) {
-                    *now = z.lane();
+            let terms = zeta.terms(0..centred.len());
+            for (i, (own, mean)) in centred.iter_mut().zip(means.at(k)).enumerate() {
+                let z = terms.signal(i);
+                own[0] = own[BLOCK];
+                for t in 0..BLOCK {
+                    own[1 + t] = z[t].lane() - mean[t];
                 }
-                subtract(now, mean, count);
-                *before = delayed(now, edge);
+                own[1 + count..].fill(Lane::ZERO);
             }
             let (mut first, mut place) = (0, 0);
             for p in batch.model.degrees.iter().map(|d| d.terms.len()) {
                 for i in first..first + p {
-                    let others = i..first + p;
-                    let entries = place..place + others.len();
-                    let (squares, neighbours) =
-                        (&mut sums.squares[entries.clone()], &mut sums.neighbours[entries.clone()]);
-                    add_products(&now[i], &now[others.clone()], squares);
-                    add_products(&before[i], &now[others.clone()], neighbours);
-                    add_products(&now[i], &before[others], neighbours);
-                    place = entries.end;
+                    for others in centred[i..first + p].chunks(2) {
+                        match others {
+                            [one, two] => sums.add(place, &centred[i], [one, two]),
+                            _ => sums.add(place, &centred[i], [&others[0]]),
+                        }
+                        place += others.len();
+                    }
                 }
                 first += p;
             }
         }
         sums
+    }
+
+    /// Adds products of one block with some others, those with itself and with its neighbours, from `place` on. Blocks
+    /// begin with the sample before.
+    #[inline(always)]
+    fn add<const C: usize>(
+        &mut self,
+        place: usize,
+        one: &[Lane; 1 + BLOCK],
+        others: [&[Lane; 1 + BLOCK]; C],
+    ) {
+        let mut own = [[Lane::ZERO; 3]; C];
+        for t in 0..BLOCK {
+            for ([now, after, before], other) in own.iter_mut().zip(others) {
+                *now = one[t + 1].fused(other[t + 1], *now);
+                *after = one[t].fused(other[t + 1], *after);
+                *before = one[t + 1].fused(other[t], *before);
+            }
+        }
+        for (i, [now, after, before]) in own.into_iter().enumerate() {
+            self.squares[place + i] += now;
+            self.neighbours[place + i] += after;
+            self.neighbours[place + i] += before;
+        }
     }
 }
 
@@ -129,14 +151,6 @@ fn subtract(signal: &mut Block<Lane>, constants: &Block<Lane>, count: usize) {
         signal[t] = signal[t] - constants[t];
     }
     signal[count..].fill(Lane::ZERO);
-}
-
-/// The signal one sample earlier; `edge` comes before it.
-#[inline(always)]
-fn delayed(signal: &Block<Lane>, edge: Lane) -> Block<Lane> {
-    let mut out = [edge; BLOCK];
-    out[1..].copy_from_slice(&signal[..BLOCK - 1]);
-    out
 }
 
 /// The groups' constants that hold at each sample of a block, lane by lane.

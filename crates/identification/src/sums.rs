@@ -5,7 +5,9 @@ use vessel::lanes::lane_of;
 use vessel::{Degree, Lane, Number, Term};
 
 use crate::Batch;
-use crate::batch::{AnyBatch, BLOCK, Regressors, Signals, add_products, add_squares, add_totals, over_batch};
+use crate::batch::{
+    AnyBatch, BLOCK, Regressors, Signals, add_outer, add_products, add_squares, add_totals, over_batch,
+};
 
 /// Sums over regression pairs of all degrees of freedom. The sums of two pieces of data add to those of both.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -283,7 +285,8 @@ impl LaneSums {
     /// Adds everything with measured terms or Δy in it.
     #[inline(always)]
     fn add_measured<X: Number>(&mut self, batch: &Batch<X>) {
-        let (mut phi, mut zeta) = (Regressors::new(batch.model), Regressors::new(batch.model));
+        let mut phi = Regressors::of(batch.model, self.measured);
+        let mut zeta = Regressors::new(batch.model);
         for (k, count) in self.blocks() {
             batch.phi(k, count, &mut phi);
             batch.zeta(k, count, &mut zeta);
@@ -292,9 +295,7 @@ impl LaneSums {
                 let p = own.len();
                 let phi = phi.terms(own.start..own.start + measured);
                 let zeta = zeta.terms(own);
-                for (i, row) in sums.a.chunks_exact_mut(p + 1).take(p).enumerate() {
-                    add_products(zeta.signal(i), phi, row);
-                }
+                add_outer(&zeta, &phi, p + 1, &mut sums.a);
                 add_products(&increments, zeta, &mut sums.b);
                 add_totals(phi, &mut sums.a[p * (p + 1)..]);
                 add_squares(phi, &mut sums.regressor_squares);

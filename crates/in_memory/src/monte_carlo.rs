@@ -128,18 +128,16 @@ impl MonteCarlo<'_> {
         let mut outcomes = Vec::with_capacity(runs.len());
         for start in runs.clone().step_by(GROUPS * LANES) {
             let some = start..runs.end.min(start + GROUPS * LANES);
-            for together in self.campaign.together(design, some, false)? {
-                let (count, before) = (together.runs(), first + outcomes.len());
-                let own = match alike {
-                    Some(alike) => alike.estimates(together.measured()),
-                    None => {
-                        let starts = together.starts();
-                        let own =
-                            instruments.estimates_side_by_side(together.side_by_side(), starts, removal);
-                        own.map_err(|(lane, at)| NominalDiverged::over(name, (before + lane) as i32, at))?
-                    }
-                };
-                outcomes.extend(own.into_iter().take(count));
+            let all = self.campaign.together(design, some, false)?;
+            let Some(alike) = alike else {
+                let before = first + outcomes.len();
+                let groups = all.into_iter().map(|own| (own.starts(), own.side_by_side()));
+                let own = instruments.nominal_side_by_side(groups, removal);
+                outcomes.extend(own.map_err(|(i, at)| NominalDiverged::over(name, (before + i) as i32, at))?);
+                continue;
+            };
+            for own in all {
+                outcomes.extend(alike.estimates(own.measured()).into_iter().take(own.runs()));
             }
         }
         let candidate = |i: usize| {

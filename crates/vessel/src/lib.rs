@@ -52,7 +52,7 @@ pub use refusals::{MOST_SAMPLES, refuse_endless};
 pub use run::{Run, RunView, Segment};
 pub use simulate::{
     DIVERGED, Diverged, Driven, Recording, check_diverged, diverged_lanes, simulate, simulate_disturbed,
-    simulate_one,
+    simulate_groups, simulate_one,
 };
 pub use steady::{Motion, Steady};
 pub use term::{Factor, Product, Term};

@@ -36,6 +36,20 @@ pub fn simulate(
     }
 }
 
+/// Simulates `G` times as many runs as [`simulate`], of one length and in still water, each driven by its own exogenous
+/// inputs, into its own states.
+pub fn simulate_groups<const G: usize>(
+    model: &Model,
+    parameters: &[Lane],
+    initial: [Wide<G>; 3],
+    runs: [(&[Lane], &mut [Lane]); G],
+) {
+    let mut follow = Follow::new(model, parameters, initial);
+    let exogenous = runs.each_ref().map(|(exogenous, _)| *exogenous);
+    let states = runs.map(|(_, states)| states);
+    vectorized!(follow.whole(&exogenous, &[Weather::CALM; G], states));
+}
+
 /// What `G` times [`crate::LANES`] runs are driven by: N × exogenous, row-major.
 #[derive(Clone, Copy, Debug)]
 pub enum Driven<'a, const G: usize> {
@@ -205,7 +219,10 @@ impl<const G: usize> Rows<G> for [&[Lane]; G] {
 #[inline(always)]
 fn ambient<const G: usize>(weather: &[Weather; G], k: usize, heading: &Wide<G>) -> Ambient<Wide<G>> {
     let (mut current, mut force) = ([Wide::ZERO; 2], [Wide::ZERO; 3]);
+    let (mut flowing, mut forced) = (false, false);
     for (group, own) in weather.iter().enumerate() {
+        flowing |= !own.current.is_empty();
+        forced |= !own.force.is_empty();
         if let Some(components) = own.current.as_chunks::<2>().0.get(k) {
             let components =
                 if own.turning == 0.0 { *components } else { turned(components, &heading.0[group]) };
@@ -215,11 +232,7 @@ fn ambient<const G: usize>(weather: &[Weather; G], k: usize, heading: &Wide<G>) 
             (0..3).for_each(|i| force[i].0[group] = components[i]);
         }
     }
-    let any = |signal: fn(&Weather) -> bool| weather.iter().any(signal);
-    Ambient {
-        current: any(|own| !own.current.is_empty()).then_some(current),
-        force: any(|own| !own.force.is_empty()).then_some(force),
-    }
+    Ambient { current: flowing.then_some(current), force: forced.then_some(force) }
 }
 
 /// Puts the state of every group at sample `k`.

@@ -99,17 +99,49 @@ impl Product {
 #[inline(always)]
 fn multiply<X: Number, const N: usize>(factors: &[Factor], values: &[[X; N]], out: &mut [X; N]) {
     // What is decided per factor stays out of the loops, so that they are whole vectors. Loops, and no functions that are
-    // handed to iterators: these may be compiled on their own, for the oldest processor.
-    let Some((first, others)) = factors.split_first() else {
-        *out = [X::ONE; N];
-        return;
-    };
-    *out = values[first.variable];
-    if first.modulus {
-        for o in out.iter_mut() {
-            *o = o.modulus();
+    // handed to iterators: these may be compiled on their own, for the oldest processor. The first two factors are taken
+    // at once: most terms have no more, and what is written is read again at a cost.
+    let others = match factors {
+        [] => {
+            *out = [X::ONE; N];
+            return;
         }
-    }
+        [first] => {
+            *out = values[first.variable];
+            if first.modulus {
+                for o in out.iter_mut() {
+                    *o = o.modulus();
+                }
+            }
+            return;
+        }
+        [first, second, others @ ..] => {
+            let (one, two) = (&values[first.variable], &values[second.variable]);
+            match (first.modulus, second.modulus) {
+                (false, false) => {
+                    for t in 0..N {
+                        out[t] = one[t] * two[t];
+                    }
+                }
+                (false, true) => {
+                    for t in 0..N {
+                        out[t] = one[t] * two[t].modulus();
+                    }
+                }
+                (true, false) => {
+                    for t in 0..N {
+                        out[t] = one[t].modulus() * two[t];
+                    }
+                }
+                (true, true) => {
+                    for t in 0..N {
+                        out[t] = one[t].modulus() * two[t].modulus();
+                    }
+                }
+            }
+            others
+        }
+    };
     for factor in others {
         let pairs = out.iter_mut().zip(&values[factor.variable]);
         if factor.modulus {

@@ -1,5 +1,8 @@
 use vessel::lanes::{SideBySide, by_lane, groups, interleave};
-use vessel::{Diverged, Lane, Run, Vessel, Weather, check_diverged, diverged_lanes, simulate};
+use vessel::{
+    Diverged, GROUPS, LANES, Lane, Run, Vessel, Weather, Wide, check_diverged, diverged_lanes, simulate,
+    simulate_groups,
+};
 
 use super::alike::{Alike, Doing};
 use super::error::NominalDiverged;
@@ -72,27 +75,35 @@ impl<'a> RunInstruments<'a> {
         Ok(all)
     }
 
-    /// Estimates of runs that stand side by side already; `starts`: of their segments.
+    /// Estimates of runs that stand side by side already, group by group: with starts of their segments. Their
+    /// instruments are simulated with the nominal model, whatever kind others are.
     ///
     /// # Errors
-    /// Lane and place where a nominal simulation diverges.
-    pub fn estimates_side_by_side(
+    /// Which run it is whose nominal simulation diverges, and where.
+    pub fn nominal_side_by_side(
         &self,
-        runs: SideBySide,
-        starts: Vec<Vec<usize>>,
+        groups: impl IntoIterator<Item = (Vec<Vec<usize>>, SideBySide)>,
         removal: MeanRemoval,
     ) -> Result<Vec<Outcome>, (usize, Diverged)> {
-        let mut prepared = Prepared::of(self.vessel, runs, starts);
-        if self.kind == InstrumentKind::Nominal {
-            prepared.simulate(&self.nominal);
-            let diverged =
-                diverged_lanes(&prepared.instrument_states).into_iter().take(prepared.starts.len());
-            if let Some(at) = diverged.enumerate().find_map(|(lane, at)| Some((lane, at?))) {
-                return Err(at);
+        let mut all: Vec<Prepared> =
+            groups.into_iter().map(|(starts, runs)| Prepared::calm(self.vessel, runs, starts)).collect();
+        match <&mut [Prepared; GROUPS]>::try_from(all.as_mut_slice()) {
+            Ok(groups) if groups.iter().all(|own| own.as_long_as(&groups[0])) => {
+                Prepared::simulate_groups(groups, &self.nominal);
             }
+            _ => all.iter_mut().for_each(|own| own.simulate(&self.nominal)),
         }
-        let batch = prepared.batch();
-        Ok(Instruments::new(&batch, removal).estimate(&batch))
+        let mut outcomes = Vec::with_capacity(all.len() * LANES);
+        for own in &all {
+            let count = own.starts.len();
+            let diverged = diverged_lanes(&own.instrument_states).into_iter().take(count).enumerate();
+            if let Some((lane, at)) = diverged.into_iter().find_map(|(lane, at)| Some((lane, at?))) {
+                return Err((outcomes.len() + lane, at));
+            }
+            let batch = own.batch();
+            outcomes.extend(Instruments::new(&batch, removal).estimate(&batch).into_iter().take(count));
+        }
+        Ok(outcomes)
     }
 
     fn prepare(&self, runs: &[Run]) -> Result<Prepared<'a>, NominalDiverged> {
@@ -119,6 +130,24 @@ impl<'a> Prepared<'a> {
     /// Runs whose segments start at `starts`, and whose instruments are their regressors.
     fn of(vessel: &'a Vessel, runs: SideBySide, starts: Vec<Vec<usize>>) -> Self {
         Self { vessel, instrument_states: runs.measured.clone(), runs, starts }
+    }
+
+    /// Runs whose instruments are still to be simulated.
+    fn calm(vessel: &'a Vessel, runs: SideBySide, starts: Vec<Vec<usize>>) -> Self {
+        Self { vessel, instrument_states: vec![Lane::ZERO; runs.measured.len()], runs, starts }
+    }
+
+    fn as_long_as(&self, other: &Self) -> bool {
+        self.runs.exogenous.len() == other.runs.exogenous.len()
+    }
+
+    /// [`Self::simulate`] of several, as long as each other.
+    fn simulate_groups(groups: &mut [Self; GROUPS], parameters: &[Lane]) {
+        let vessel = groups[0].vessel;
+        let initial = [0, 1, 2].map(|d: usize| Wide(groups.each_ref().map(|own| own.runs.initial[d])));
+        let runs = groups.each_mut();
+        let runs = runs.map(|own| (own.runs.exogenous.as_slice(), own.instrument_states.as_mut_slice()));
+        simulate_groups(&vessel.model, parameters, initial, runs);
     }
 
     /// Simulates every run with `parameters`, one lane each, and takes the states as instruments.
