@@ -15,7 +15,8 @@ use crate::StudyError;
 /// Runs that are simulated, estimated and scored together.
 const TOGETHER: usize = 8 * LANES;
 
-/// The same where minima are searched for, at most: few searches take long, and of many runs they fill the lanes among themselves.
+/// The same where minima are searched for, at most: few searches take long, and of many runs they fill the lanes among
+/// themselves.
 const SEARCHED: usize = 64 * LANES;
 
 /// A campaign, how its runs are estimated and what their models are worth.
