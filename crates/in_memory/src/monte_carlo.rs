@@ -15,6 +15,10 @@ use crate::StudyError;
 /// Runs that are simulated, estimated and scored together.
 const TOGETHER: usize = 8 * LANES;
 
+/// The same where minima are searched for, at most: few searches take long, and of many runs they fill the lanes among
+/// themselves.
+const SEARCHED: usize = 64 * LANES;
+
 /// A campaign, how its runs are estimated and what their models are worth.
 pub struct MonteCarlo<'a> {
     /// The runs.
@@ -71,7 +75,8 @@ impl MonteCarlo<'_> {
     /// # Errors
     /// A simulation that diverges; runs that are too short.
     pub fn realize(&self, design: usize, runs: Range<usize>, kept: usize) -> Result<Realized, StudyError> {
-        let found = parts_of(runs, |runs| self.some(design, runs, kept));
+        let together = self.together(runs.len());
+        let found = parts_of(runs, together, |runs| self.some(design, runs, kept));
         found.into_iter().try_fold(Realized::default(), |mut all, found| {
             let Realized { runs, estimates, scores } = found?;
             all.runs.extend(runs);
@@ -79,6 +84,13 @@ impl MonteCarlo<'_> {
             all.scores.extend(scores);
             Ok(all)
         })
+    }
+
+    /// How many of so many `runs` go together, so that every thread has some.
+    fn together(&self, runs: usize) -> usize {
+        let searching = |e: &Estimator| matches!(e, Estimator::OutputError | Estimator::PredictionError);
+        let most = if self.estimators.estimators.iter().any(searching) { SEARCHED } else { TOGETHER };
+        runs.div_ceil(rayon::current_num_threads()).next_multiple_of(LANES).clamp(TOGETHER, most)
     }
 
     fn some(&self, design: usize, runs: Range<usize>, kept: usize) -> Result<Realized, StudyError> {
@@ -112,7 +124,7 @@ impl MonteCarlo<'_> {
             Alike::new(vessel, &doing, removal)
         });
         let alike = alike.transpose()?;
-        let found = parts_of(runs, |runs| self.scores_side_by_side(alike.as_ref(), design, runs));
+        let found = parts_of(runs, TOGETHER, |runs| self.scores_side_by_side(alike.as_ref(), design, runs));
         Ok(found.into_iter().collect::<Result<Vec<_>, _>>()?.concat())
     }
 
@@ -157,8 +169,8 @@ impl MonteCarlo<'_> {
     }
 }
 
-/// What `of` makes of `runs`, a few at a time, on all threads; in their order.
-fn parts_of<T: Send>(runs: Range<usize>, of: impl Fn(Range<usize>) -> T + Sync) -> Vec<T> {
-    let starts: Vec<usize> = runs.clone().step_by(TOGETHER).collect();
-    starts.into_par_iter().map(|start| of(start..runs.end.min(start + TOGETHER))).collect()
+/// What `of` makes of `runs`, so many `together`, on all threads; in their order.
+fn parts_of<T: Send>(runs: Range<usize>, together: usize, of: impl Fn(Range<usize>) -> T + Sync) -> Vec<T> {
+    let starts: Vec<usize> = runs.clone().step_by(together).collect();
+    starts.into_par_iter().map(|start| of(start..runs.end.min(start + together))).collect()
 }
