@@ -27,6 +27,8 @@ pub fn commit(mut files: Vec<Staged>) -> Result<()> {
     refuse_same_targets(&files)?;
     let folders: BTreeSet<PathBuf> = files.iter().map(|file| folder_of(file.path()).to_owned()).collect();
     if files.len() < 2 {
+        // Whoever is told to end meanwhile takes no file away that is just getting its name.
+        let _committing = unfinished::committing();
         files.into_iter().try_for_each(Staged::rename)?;
     } else {
         let main = files.remove(0);
