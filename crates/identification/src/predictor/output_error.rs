@@ -8,7 +8,7 @@ use super::levenberg_marquardt::{Asked, Ended, Minimum, Residuals, STEPS, Weight
 use super::scores::{correlated_scores, disturbed_scores};
 use super::sums::{Linear, linearize};
 use crate::Direction;
-use crate::sensitivity::{Levels, Recordings, Sensitivities, groups, with_states};
+use crate::sensitivity::{Levels, Recordings, Sensitivities, groups, of_one_length, with_states};
 
 /// Where a simulation starts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -142,10 +142,8 @@ impl Searches<'_> {
             .filter(open)
             .filter_map(|run| Some((run, start(self.best[run].as_ref(), run)?)))
             .collect();
-        let mut by_length: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
-        points.keys().for_each(|run| by_length.entry(self.runs[*run].samples()).or_default().push(*run));
         let mut found = BTreeMap::new();
-        for together in by_length.values().flat_map(|runs| runs.chunks(TOGETHER)) {
+        for together in of_one_length(self.runs, points.keys().copied(), TOGETHER) {
             let mut search =
                 Search::new(self.model, together.iter().map(|run| self.runs[*run]), self.initial);
             let from = |run: &usize| {

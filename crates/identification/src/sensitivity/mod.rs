@@ -24,6 +24,6 @@ pub(crate) use levels::with_states;
 pub use levels::{Flow, Gusts, Levels};
 pub(crate) use products::Products;
 pub use recordings::Recordings;
-pub(crate) use recordings::groups;
+pub(crate) use recordings::{groups, of_one_length};
 pub use sweep::Sensitivities;
 pub(crate) use sweep::{Step, sweep};

@@ -74,15 +74,23 @@ impl<'a> Recordings<'a> {
     }
 }
 
+/// The runs at `chosen`, those of one length together, at most so many.
+pub(crate) fn of_one_length(
+    all: &[RunView],
+    chosen: impl Iterator<Item = usize>,
+    most: usize,
+) -> Vec<Vec<usize>> {
+    let mut by_length: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+    chosen.for_each(|run| by_length.entry(all[run].samples()).or_default().push(run));
+    by_length.values().flat_map(|runs| runs.chunks(most).map(<[usize]>::to_vec)).collect()
+}
+
 /// The runs at `chosen` in groups of up to [`LANES`] of equal length, and each group side by side.
 pub(crate) fn groups(
     all: &[RunView],
     chosen: impl Iterator<Item = usize>,
 ) -> impl Iterator<Item = (Vec<usize>, SideBySide)> {
-    let mut by_length: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
-    chosen.for_each(|run| by_length.entry(all[run].samples()).or_default().push(run));
-    let groups: Vec<Vec<usize>> =
-        by_length.values().flat_map(|runs| runs.chunks(LANES).map(<[usize]>::to_vec)).collect();
+    let groups = of_one_length(all, chosen, LANES);
     groups.into_iter().map(|group| {
         let own: Vec<RunView> = group.iter().map(|run| all[*run]).collect();
         (group, SideBySide::of(&own))
