@@ -33,6 +33,7 @@ pub mod search;
 mod sensitivity;
 mod solve;
 mod status;
+mod structured;
 mod sums;
 mod validate;
 mod validation_runs;

@@ -5,8 +5,8 @@
 
 use vessel::{LANES, Lane, Number};
 
-use crate::Batch;
 use crate::batch::{AnyBatch, BLOCK, Block, Regressors, Signals, over_batch};
+use crate::{Batch, structured};
 
 /// A group of samples that shares its intercepts: its first sample, and a constant per signal.
 #[derive(Clone, Debug)]
@@ -33,6 +33,15 @@ impl InstrumentSquares {
         let zeros = || vec![Lane::ZERO; triangles];
         let mut sums = Self { squares: zeros(), neighbours: zeros() };
         let mut means = Constants::new(means, batch.model.parameters());
+        if let Some(structure) = batch.model.structure() {
+            let mut edges = vec![Lane::ZERO; batch.model.parameters()];
+            for k in (0..batch.samples()).step_by(BLOCK) {
+                let (block, means) = ((k, BLOCK.min(batch.samples() - k)), means.at(k));
+                let own = [sums.squares.as_mut_slice(), sums.neighbours.as_mut_slice()];
+                structured::add_squares(structure, batch, block, means, &mut edges, own);
+            }
+            return sums;
+        }
         let mut zeta = Regressors::new(batch.model);
         let mut centred = vec![[Lane::ZERO; 1 + BLOCK]; batch.model.parameters()];
         for k in (0..batch.samples()).step_by(BLOCK) {
@@ -105,8 +114,19 @@ impl ResidualSums {
     fn of<X: Number>(batch: &Batch<X>, theta: &[Lane], intercepts: [&[Group]; LANES]) -> Self {
         let mut sums = Self { lag0: [Lane::ZERO; 3], lag1: [Lane::ZERO; 3] };
         let mut intercepts = Constants::new(intercepts, 3);
-        let mut phi = Regressors::new(batch.model);
         let mut edges = [Lane::ZERO; 3];
+        if let Some(structure) = batch.model.structure() {
+            for k in (0..batch.samples()).step_by(BLOCK) {
+                let (block, intercepts) = ((k, BLOCK.min(batch.samples() - k)), intercepts.at(k));
+                let mut residuals = [[Lane::ZERO; BLOCK]; 3];
+                structured::residuals(structure, batch, block, theta, intercepts, &mut residuals);
+                for (d, residuals) in residuals.iter().enumerate() {
+                    sums.add(d, residuals, &mut edges[d]);
+                }
+            }
+            return sums;
+        }
+        let mut phi = Regressors::new(batch.model);
         for k in (0..batch.samples()).step_by(BLOCK) {
             let count = BLOCK.min(batch.samples() - k);
             let intercepts = intercepts.at(k);

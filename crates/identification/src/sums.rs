@@ -4,10 +4,10 @@ use std::ops::Range;
 use vessel::lanes::lane_of;
 use vessel::{Degree, Lane, Number, Term};
 
-use crate::Batch;
 use crate::batch::{
     AnyBatch, BLOCK, Regressors, Signals, add_outer, add_products, add_squares, add_totals, over_batch,
 };
+use crate::{Batch, structured};
 
 /// Sums over regression pairs of all degrees of freedom. The sums of two pieces of data add to those of both.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -263,6 +263,12 @@ impl LaneSums {
     /// Adds Σζ, Σζ² and everything with terms of inputs alone.
     #[inline(always)]
     fn add_instruments<X: Number>(&mut self, batch: &Batch<X>) {
+        if let Some(structure) = batch.model.structure() {
+            for block in self.blocks() {
+                structured::add_instruments(structure, batch, block, &mut self.degrees);
+            }
+            return;
+        }
         let mut zeta = Regressors::new(batch.model);
         for (k, count) in self.blocks() {
             batch.zeta(k, count, &mut zeta);
@@ -285,6 +291,12 @@ impl LaneSums {
     /// Adds everything with measured terms or Δy in it.
     #[inline(always)]
     fn add_measured<X: Number>(&mut self, batch: &Batch<X>) {
+        if let Some(structure) = batch.model.structure() {
+            for block in self.blocks() {
+                structured::add_measured(structure, batch, block, &mut self.degrees);
+            }
+            return;
+        }
         let mut phi = Regressors::of(batch.model, self.measured);
         let mut zeta = Regressors::new(batch.model);
         for (k, count) in self.blocks() {

@@ -1,5 +1,5 @@
 use vessel::{
-    Ambient, Arithmetic, Compiled, LANES, Lane, Model, Number, Weather, Wide, diverged_lanes, simulate,
+    Ambient, Arithmetic, LANES, Lane, Model, Number, Step, Weather, Wide, diverged_lanes, simulate, stepping,
     vectorized,
 };
 
@@ -49,7 +49,12 @@ pub(crate) fn free_runs_of<const G: usize, E: Number + Into<Wide<G>>>(
     exogenous: &[E],
     reference: &[f64],
 ) -> [[FreeRun; LANES]; G] {
-    let (squares, beyond) = vectorized!(squared_errors(model, parameters, exogenous, reference));
+    let (squares, beyond) = stepping!(model, parameters, |mut step| vectorized!(squared_errors(
+        &mut step,
+        model.exogenous(),
+        exogenous,
+        reference
+    )));
     let samples = (reference.len() / 3 - 1) as f64;
     let initial = [0, 1, 2].map(|d| Lane::splat(reference[d]));
     let first_beyond = |group: usize, lane: usize| {
@@ -69,16 +74,14 @@ pub(crate) fn free_runs_of<const G: usize, E: Number + Into<Wide<G>>>(
 /// Sums of squared errors of u, v and r, and a number above zero where one of them was beyond every bound.
 #[inline(always)]
 fn squared_errors<const G: usize, E: Number + Into<Wide<G>>>(
-    model: &Model,
-    parameters: &[Wide<G>],
+    model: &mut impl Step<Wide<G>>,
+    width: usize,
     exogenous: &[E],
     reference: &[f64],
 ) -> ([Wide<G>; 3], [Lane; G]) {
-    let width = model.exogenous().max(1);
-    let mut model = Compiled::new(model, parameters);
     let mut state = [0, 1, 2].map(|d| Wide::from(reference[d]));
     let (mut squares, mut beyond) = ([Wide::ZERO; 3], [Lane::ZERO; G]);
-    for (exogenous, truth) in exogenous.chunks_exact(width).zip(reference[3..].chunks_exact(3)) {
+    for (exogenous, truth) in exogenous.chunks_exact(width.max(1)).zip(reference[3..].chunks_exact(3)) {
         state = model.step(state, exogenous, Ambient::default());
         for d in 0..3 {
             let error = state[d] - Wide::from(truth[d]);

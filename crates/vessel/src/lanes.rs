@@ -1,6 +1,6 @@
 //! Runs side by side: between one run's rows and [`Lane`]s.
 
-use crate::{LANES, Lane, RunView};
+use crate::{LANES, Lane, RunView, vectorized};
 
 /// What belongs to each lane where `count` runs, up to [`LANES`], stand side by side; lanes that are left repeat the last run.
 pub fn by_lane<T>(count: usize, mut of: impl FnMut(usize) -> T) -> [T; LANES] {
@@ -22,15 +22,25 @@ pub fn interleave(runs: &[&[f64]]) -> Vec<Lane> {
     let rows: [&[f64]; LANES] = by_lane(runs.len(), |run| runs[run]);
     // As long as all runs have numbers: whole blocks of them.
     let blocks = rows.map(|run| run.as_chunks::<LANES>().0);
-    for block in 0..blocks.iter().map(|own| own.len()).min().unwrap_or(0) {
-        let block = blocks.map(|own| &own[block]);
-        for i in 0..LANES {
-            out.push(Lane(block.map(|own| own[i])));
-        }
-    }
+    let whole = blocks.iter().map(|own| own.len()).min().unwrap_or(0);
+    vectorized!(transpose(blocks.map(|own| &own[..whole]), &mut out));
     let entry = |run: &[f64], i: usize| run.get(i).copied().unwrap_or(0.0);
     out.extend((out.len()..length).map(|i| Lane(rows.map(|run| entry(run, i)))));
     out
+}
+
+/// Appends blocks of numbers of every lane, as many of each.
+#[inline(always)]
+fn transpose(blocks: [&[[f64; LANES]]; LANES], out: &mut Vec<Lane>) {
+    for block in 0..blocks[0].len() {
+        let mut own = [Lane::ZERO; LANES];
+        for (lane, blocks) in blocks.iter().enumerate() {
+            for i in 0..LANES {
+                own[i].0[lane] = blocks[block][i];
+            }
+        }
+        out.extend_from_slice(&own);
+    }
 }
 
 /// The rows of one lane.

@@ -26,6 +26,7 @@ mod refusals;
 mod run;
 mod simulate;
 mod steady;
+mod structure;
 mod term;
 #[doc(hidden)]
 pub mod vectorized;
@@ -55,5 +56,6 @@ pub use simulate::{
     simulate_groups, simulate_one,
 };
 pub use steady::{Motion, Steady};
+pub use structure::{Built, Equation, ModelShip, Step, Structure, Visit};
 pub use term::{Factor, Product, Term};
 pub use wide::{GROUPS, Wide};

@@ -1,7 +1,8 @@
 use std::ops::Range;
 
 use crate::{
-    Ambient, Arithmetic, Compiled, Disturbing, LANES, Lane, Model, Number, Numbers, Weather, Wide, vectorized,
+    Ambient, Arithmetic, Disturbing, LANES, Lane, Model, Number, Numbers, Step, Weather, Wide, stepping,
+    vectorized,
 };
 
 /// A speed \[m/s\] or yaw rate \[rad/s\] beyond which a simulation counts as diverged.
@@ -28,12 +29,14 @@ pub fn simulate(
     weather: &Weather,
     states: &mut [Lane],
 ) {
-    let mut follow = Follow::new(model, parameters, initial.map(Wide::from));
-    let weather = [*weather];
-    match Number::numbers(exogenous) {
-        Numbers::Lanes(lanes) => vectorized!(follow.whole(&lanes, &weather, [states])),
-        Numbers::Shared(numbers) => vectorized!(follow.whole(&numbers, &weather, [states])),
-    }
+    let (initial, weather) = (initial.map(Wide::from), [*weather]);
+    stepping!(model, &wide(parameters), |mut step| {
+        let mut follow = Follow::new(&mut step, model, initial);
+        match Number::numbers(exogenous) {
+            Numbers::Lanes(lanes) => vectorized!(follow.whole(&lanes, &weather, [states])),
+            Numbers::Shared(numbers) => vectorized!(follow.whole(&numbers, &weather, [states])),
+        }
+    });
 }
 
 /// Simulates `G` times as many runs as [`simulate`], of one length and in still water, each driven by its own exogenous
@@ -44,10 +47,17 @@ pub fn simulate_groups<const G: usize>(
     initial: [Wide<G>; 3],
     runs: [(&[Lane], &mut [Lane]); G],
 ) {
-    let mut follow = Follow::new(model, parameters, initial);
     let exogenous = runs.each_ref().map(|(exogenous, _)| *exogenous);
     let states = runs.map(|(_, states)| states);
-    vectorized!(follow.whole(&exogenous, &[Weather::CALM; G], states));
+    stepping!(model, &wide(parameters), |mut step| {
+        let mut follow = Follow::new(&mut step, model, initial);
+        vectorized!(follow.whole(&exogenous, &[Weather::CALM; G], states))
+    });
+}
+
+/// The same parameters in every group.
+fn wide<const G: usize>(parameters: &[Lane]) -> Vec<Wide<G>> {
+    parameters.iter().copied().map(Wide::from).collect()
 }
 
 /// What `G` times [`crate::LANES`] runs are driven by: N × exogenous, row-major.
@@ -79,9 +89,19 @@ pub fn simulate_disturbed<const G: usize>(
     parameters: &[Lane],
     initial: [Wide<G>; 3],
     driven: Driven<G>,
+    groups: [Recording; G],
+) -> [Lane; G] {
+    stepping!(model, &wide(parameters), |mut step| {
+        disturbed(Follow::new(&mut step, model, initial), driven, groups)
+    })
+}
+
+/// [`simulate_disturbed`] of runs on their way.
+fn disturbed<const G: usize>(
+    mut follow: Follow<impl Step<Wide<G>>, G>,
+    driven: Driven<G>,
     mut groups: [Recording; G],
 ) -> [Lane; G] {
-    let mut follow = Follow::new(model, parameters, initial);
     let samples = groups.first().map_or(0, |own| own.measured.len() / 3 - 1);
     let mut beyond = [Lane::ZERO; G];
     for first in (0..samples.max(1)).step_by(AT_ONCE) {
@@ -106,21 +126,20 @@ pub fn simulate_disturbed<const G: usize>(
 }
 
 /// Runs on their way.
-struct Follow<'m, const G: usize> {
-    model: Compiled<'m, Wide<G>>,
+struct Follow<'m, M, const G: usize> {
+    model: &'m mut M,
     width: usize,
     state: [Wide<G>; 3],
     heading: Wide<G>,
     row: Vec<Wide<G>>,
 }
 
-impl<'m, const G: usize> Follow<'m, G> {
-    fn new(model: &'m Model, parameters: &[Lane], initial: [Wide<G>; 3]) -> Self {
-        let parameters: Vec<Wide<G>> = parameters.iter().copied().map(Wide::from).collect();
+impl<'m, M: Step<Wide<G>>, const G: usize> Follow<'m, M, G> {
+    fn new(step: &'m mut M, model: &Model, initial: [Wide<G>; 3]) -> Self {
         Self {
             width: model.exogenous().max(1),
             row: vec![Wide::ZERO; model.exogenous()],
-            model: Compiled::new(model, &parameters),
+            model: step,
             state: initial,
             heading: Wide::ZERO,
         }
@@ -260,14 +279,15 @@ fn turned(current: &[Lane; 2], heading: &Lane) -> [Lane; 2] {
 /// Simulates one run in still water. Shapes as in [`simulate`], one number per entry; returns (N+1) × 3 states.
 pub fn simulate_one(model: &Model, parameters: &[f64], initial: [f64; 3], exogenous: &[f64]) -> Vec<f64> {
     let width = model.exogenous().max(1);
-    let mut model = Compiled::new(model, parameters);
     let mut states = Vec::with_capacity(3 * (exogenous.len() / width + 1));
     states.extend(initial);
     let mut state = initial;
-    for exogenous in exogenous.chunks_exact(width) {
-        state = model.step(state, exogenous, Ambient::default());
-        states.extend(state);
-    }
+    stepping!(model, parameters, |mut step| {
+        for exogenous in exogenous.chunks_exact(width) {
+            state = step.step(state, exogenous, Ambient::default());
+            states.extend(state);
+        }
+    });
     states
 }
 

@@ -195,6 +195,40 @@ proptest! {
         }
     }
 
+    /// What is compiled for a structure gives the bits of what takes any model: one more channel, which no term has, makes the
+    /// paper's model one of these.
+    #[test]
+    fn law_a_known_structure_gives_the_bits_of_any_model(seed in 0u64..1000, lengths in [20usize..90, 20usize..90]) {
+        let vessel = paper();
+        let mut any = vessel.model.clone();
+        any.variables.push(vessel::Variable { name: "idle".to_owned(), unit: "1".to_owned() });
+        prop_assert!(vessel.model.structure().is_some() && any.structure().is_none());
+        let mut normals = Normals::new(seed);
+        let experiment = Experiment::random(&mut normals, &lengths);
+        let runs: Vec<Recording> = (0..LANES).map(|_| experiment.record(&vessel, 0.1, &mut normals)).collect();
+        let side_by_side = SideBySide::new(&runs.iter().collect::<Vec<_>>());
+        let own = side_by_side.batch(&vessel.model);
+        let wider: Vec<Lane> =
+            own.exogenous.chunks_exact(3).flat_map(|row| row.iter().copied().chain([Lane::ONE])).collect();
+        let shared = Batch {
+            model: own.model,
+            measured: own.measured,
+            instrument_states: runs[0].instrument_states.as_slice(),
+            exogenous: runs[0].exogenous.as_slice(),
+            segments: own.segments,
+        };
+        let wider_numbers: Vec<f64> =
+            shared.exogenous.chunks_exact(3).flat_map(|row| row.iter().copied().chain([1.0])).collect();
+        for removal in REMOVALS {
+            let found = format!("{:?}", estimate(&own, removal));
+            let general = estimate(&Batch { model: &any, exogenous: &wider, ..own }, removal);
+            prop_assert_eq!(&found, &format!("{general:?}"));
+            prop_assert_eq!(&found, &format!("{:?}", estimate(&shared, removal)));
+            let general = estimate(&Batch { model: &any, exogenous: &wider_numbers, ..shared }, removal);
+            prop_assert_eq!(&found, &format!("{general:?}"));
+        }
+    }
+
     /// A free simulation either has finite errors or is reported with its first sample beyond the bound.
     #[test]
     fn law_a_diverging_model_is_reported_and_is_never_a_nan(seed in 0u64..1_000_000) {

@@ -7,4 +7,5 @@ mod layout;
 mod maneuvers;
 mod noise;
 mod oracle;
+mod structure;
 mod terms;

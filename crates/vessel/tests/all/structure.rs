@@ -1,0 +1,80 @@
+//! Models whose structure is known when the program is compiled, beside the same models looked up term by term.
+
+use vessel::{Ambient, Arithmetic, Built, Compiled, LANES, Lane, Step, Vessel, Wide};
+
+fn model_ship() -> Vessel {
+    Vessel::from_file(toml::from_str("preset = \"ljungberg-model-ship\"").unwrap()).unwrap()
+}
+
+/// Numbers between -1 and 1, some of them zero.
+struct Some(u64);
+
+impl Some {
+    fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        let value = (self.0 >> 11) as f64 / (1_u64 << 52) as f64 - 1.0;
+        if value.abs() < 0.05 { 0.0 } else { value }
+    }
+
+    fn lane(&mut self) -> Lane {
+        Lane(std::array::from_fn(|_| self.next()))
+    }
+}
+
+/// Steps as bits, with and without current and force.
+fn steps<X: Arithmetic>(step: &mut impl Step<X>, mut number: impl FnMut() -> X) -> Vec<String> {
+    let mut state = [(); 3].map(|()| number());
+    let mut states = Vec::new();
+    for k in 0..200 {
+        let exogenous = [(); 3].map(|()| number());
+        let (current, force) = ([(); 2].map(|()| number()), [(); 3].map(|()| number()));
+        let ambient =
+            Ambient { current: (k % 2 == 0).then_some(current), force: (k % 3 == 0).then_some(force) };
+        let next = step.step(state, &exogenous, ambient);
+        states.push(format!("{next:?}"));
+        state = if k % 5 == 0 { [(); 3].map(|()| number()) } else { next };
+    }
+    states
+}
+
+#[test]
+fn law_a_structure_steps_like_its_model_bit_by_bit() {
+    let vessel = model_ship();
+    let structure = vessel.model.structure().expect("the preset's");
+    let truth = &vessel.nominal;
+    let lanes: Vec<Lane> = (0..10).map(|i| Some(i).lane()).collect();
+    let wide: Vec<Wide<2>> = (0..10).map(|i| Wide([Some(i).lane(), Some(100 + i).lane()])).collect();
+    for seed in 0..5 {
+        let (mut one, mut other) = (Some(seed), Some(seed));
+        let built = steps(&mut Built::new(structure, truth), || one.next());
+        assert_eq!(built, steps(&mut Compiled::new(&vessel.model, truth), || other.next()));
+        let (mut one, mut other) = (Some(seed), Some(seed));
+        let built = steps(&mut Built::new(structure, &lanes), || one.lane());
+        assert_eq!(built, steps(&mut Compiled::new(&vessel.model, &lanes), || other.lane()));
+        let (mut one, mut other) = (Some(seed), Some(seed));
+        let built = steps(&mut Built::new(structure, &wide), || Wide([one.lane(), one.lane()]));
+        assert_eq!(
+            built,
+            steps(&mut Compiled::new(&vessel.model, &wide), || Wide([other.lane(), other.lane()]))
+        );
+    }
+    assert_eq!(lanes[0].0.len(), LANES);
+}
+
+#[test]
+fn a_model_that_differs_in_anything_has_no_known_structure() {
+    type Change = fn(&mut vessel::Model);
+    let changes: [Change; 5] = [
+        |model| model.constant[1] = 0.1,
+        |model| model.degrees[0].terms.swap(0, 1),
+        |model| model.degrees[2].terms.truncate(2),
+        |model| model.degrees[1].known.push(vessel::Product { coefficient: 1.0, factors: Vec::new() }),
+        |model| model.variables.push(vessel::Variable { name: "wind".to_owned(), unit: "m/s".to_owned() }),
+    ];
+    for change in changes {
+        let mut model = model_ship().model;
+        assert!(model.structure().is_some());
+        change(&mut model);
+        assert!(model.structure().is_none());
+    }
+}
