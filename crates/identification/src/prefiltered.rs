@@ -8,10 +8,10 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-use vessel::{Compiled, LANES, Lane};
+use vessel::{LANES, Lane, Look};
 
 use crate::estimate::{Run, Solved, ranges};
-use crate::predictor::windowed;
+use crate::predictor::Windowed;
 use crate::{Batch, DegreeSums, Estimate, MeanRemoval, Noise, Outcome, Sums};
 
 /// Estimates every run of `batch`, whose instrument states were simulated with `parameters`, one lane each: these set the
@@ -88,7 +88,12 @@ struct Degree {
 impl Signals {
     fn of(batch: &Batch, parameters: &[Lane], range: Range<usize>) -> Self {
         let mut degrees = [0, 1, 2].map(|d| Degree::new(batch, d, range.len()));
-        vessel::vectorized!(filter(&mut degrees, batch, parameters, range));
+        vessel::stepping!(batch.model, parameters, |mut model| vessel::vectorized!(filter(
+            &mut degrees,
+            [&mut model.clone(), &mut model],
+            batch,
+            range
+        )));
         Self { degrees }
     }
 
@@ -119,7 +124,7 @@ impl Signals {
             let means = &means;
             let middle = match noise {
                 Some(noise) => vessel::vectorized!(degree.responses(d, means, noise)),
-                None => windowed(&vessel::vectorized!(degree.scores(&theta, means)), p),
+                None => vessel::vectorized!(degree.scores(&theta, means)).finish(),
             };
             for lane in (0..LANES).filter(|lane| own[*lane]) {
                 middles[lane].add(d, middle.iter().map(|m| m[lane]));
@@ -160,11 +165,11 @@ impl Degree {
         row[i] - mean * row[self.parameters]
     }
 
-    /// ζᶜε of every sample: N × p. `theta`: with the intercept; `means`: of the instruments, in units of the filtered 1.
+    /// ζᶜε of every sample. `theta`: with the intercept; `means`: of the instruments, in units of the filtered 1.
     #[inline(always)]
-    fn scores(&self, theta: &[Lane], means: &[Lane]) -> Vec<Lane> {
+    fn scores(&self, theta: &[Lane], means: &[Lane]) -> Windowed {
         let p = self.parameters;
-        let mut scores = Vec::with_capacity(self.target.len() * p);
+        let mut scores = Windowed::new(self.target.len(), p);
         for (k, target) in self.target.iter().enumerate() {
             let phi = &self.phi[k * (p + 1)..(k + 1) * (p + 1)];
             let mut residual = *target;
@@ -172,8 +177,9 @@ impl Degree {
                 residual = residual - *f * *t;
             }
             for (i, mean) in means.iter().enumerate() {
-                scores.push(self.centred(k, i, *mean) * residual);
+                scores.set(i, self.centred(k, i, *mean) * residual);
             }
+            scores.advance();
         }
         scores
     }
@@ -215,9 +221,12 @@ impl Degree {
 
 /// Fills the signals with samples `range`.
 #[inline(always)]
-fn filter(degrees: &mut [Degree; 3], batch: &Batch, parameters: &[Lane], range: Range<usize>) {
-    let mut simulated = Compiled::new(batch.model, parameters);
-    let mut measured = simulated.clone();
+fn filter<M: Look<Lane>>(
+    degrees: &mut [Degree; 3],
+    [simulated, measured]: [&mut M; 2],
+    batch: &Batch,
+    range: Range<usize>,
+) {
     let width = batch.model.exogenous();
     let most = 1.0 - 1.0 / range.len() as f64;
     for k in range.clone() {

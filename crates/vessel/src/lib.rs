@@ -56,6 +56,6 @@ pub use simulate::{
     simulate_groups, simulate_one,
 };
 pub use steady::{Motion, Steady};
-pub use structure::{Built, Equation, ModelShip, Step, Structure, Visit};
+pub use structure::{Built, Equation, Look, ModelShip, ModelShipWithIntercepts, Step, Structure, Visit};
 pub use term::{Factor, Product, Term};
 pub use wide::{GROUPS, Wide};

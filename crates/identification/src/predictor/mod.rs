@@ -18,6 +18,6 @@ pub(crate) use levenberg_marquardt::{
 };
 pub use output_error::{Fit, Fitted, InitialState, Spread, output_error};
 pub use prediction_error::{innovations, prediction_error};
-pub(crate) use scores::windowed;
+pub(crate) use scores::Windowed;
 pub use sums::Linear;
 pub(crate) use sums::{linearize, linearize_each};

@@ -330,10 +330,12 @@ impl Simulations<'_> {
         let unknowns = side_by_side(&points, self.recordings.unknowns());
         let weights = [0, 1, 2].map(|d: usize| lane(weights.len(), |run| weights[run][d]));
         let from_start = self.initial == InitialState::Estimated;
-        let kept = Sensitivities::of(&self.recordings, &unknowns, &self.free, from_start);
         let middles = match spread {
-            Spread::Residuals => correlated_scores(&self.recordings, &kept, weights),
+            Spread::Residuals => {
+                correlated_scores(&self.recordings, &unknowns, &self.free, from_start, weights)
+            }
             Spread::Stated(levels) => {
+                let kept = Sensitivities::of(&self.recordings, &unknowns, &self.free, from_start);
                 with_states!(levels, disturbed_scores(&self.recordings, &unknowns, &kept, weights, levels))
             }
         };

@@ -1,22 +1,37 @@
 use vessel::Lane;
 
-use crate::sensitivity::{Levels, Products, Recordings, Sensitivities, add_draws, add_start, backward};
+use crate::sensitivity::{
+    Levels, Products, Recordings, Sensitivities, Step, add_draws, add_start, backward, sweep,
+};
 
-/// Covariance of Σ sᵀWe where errors are correlated over less than about 2√N samples. free × free lanes.
+/// Covariance of Σ sᵀWe where errors are correlated over less than about 2√N samples, of recordings simulated with `unknowns` by
+/// the `free` ones. Sample 0 counts where `from_start`. free × free lanes.
 pub(crate) fn correlated_scores(
     recordings: &Recordings,
-    kept: &Sensitivities<Lane>,
+    unknowns: &[Lane],
+    free: &[usize],
+    from_start: bool,
     weights: [Lane; 3],
 ) -> Vec<Lane> {
-    let (p, rows) = (kept.free(), recordings.longest() + 1);
-    let mut scores = Vec::with_capacity(rows * p);
-    for k in 0..rows {
-        let e = &kept.errors[3 * k..3 * k + 3];
-        let weighted = [weights[0] * e[0], weights[1] * e[1], weights[2] * e[2]];
-        let score = |s: &[Lane; 3]| s[0] * weighted[0] + s[1] * weighted[1] + s[2] * weighted[2];
-        scores.extend(kept.at(k).iter().map(score));
-    }
-    windowed(&scores, p)
+    let mut scores = Windowed::new(recordings.longest() + 1, free.len());
+    sweep(
+        recordings,
+        unknowns,
+        free,
+        None,
+        &[],
+        #[inline(always)]
+        |step: Step<'_, Lane, 3>| {
+            let counts = if step.k == 0 && !from_start { Lane::ZERO } else { recordings.lasting(step.k) };
+            let weighted = [0, 1, 2].map(|d: usize| weights[d] * (step.error[d] * counts));
+            for (i, [u, v, r]) in step.sensitivities.iter().enumerate() {
+                let by = [*u * counts, *v * counts, *r * counts];
+                scores.set(i, by[0] * weighted[0] + by[1] * weighted[1] + by[2] * weighted[2]);
+            }
+            scores.advance();
+        },
+    );
+    scores.finish()
 }
 
 /// What `levels` add to the covariance of Σ sᵀWe beside measurement noise, to first order around the run's simulation: every
@@ -43,40 +58,57 @@ pub(crate) fn disturbed_scores<const N: usize>(
     draws.finish().square()
 }
 
-/// Covariance of the sum of the rows of `scores`, `p` entries each, correlated over less than about 2√N rows: the mean over all
-/// windows of that many rows of (Σ over the window)(…)ᵀ per row, which is what Bartlett's weights 1 − |lag|/L give. p × p lanes.
-pub(crate) fn windowed(scores: &[Lane], p: usize) -> Vec<Lane> {
-    let window = (2.0 * ((scores.len() / p) as f64).sqrt()).round().max(1.0) as usize;
-    let share = Lane::splat(1.0 / window as f64);
-    vessel::vectorized!(products_of_windows(scores, p, window))
-        .finish()
-        .square()
-        .into_iter()
-        .map(|sum| share * sum)
-        .collect()
+/// Covariance of the sum of rows of scores that are correlated over less than about 2√N rows: the mean over all windows of
+/// that many rows of (Σ over the window)(…)ᵀ per row, which is what Bartlett's weights 1 − |lag|/L give.
+pub(crate) struct Windowed {
+    /// The rows of the latest window, and how many there have been.
+    latest: Vec<Lane>,
+    rows: usize,
+    window: usize,
+    /// Over the latest window.
+    sum: Vec<Lane>,
+    products: Products<Lane>,
 }
 
-/// Products of the sums over all windows of the rows of `scores`.
-#[inline(always)]
-fn products_of_windows(scores: &[Lane], p: usize, window: usize) -> Products<Lane> {
-    let rows = scores.len() / p;
-    let mut sum = vec![Lane::ZERO; p];
-    let mut products = Products::new(p);
-    for k in 0..rows + window {
-        if k < rows {
-            for (sum, g) in sum.iter_mut().zip(&scores[k * p..]) {
-                *sum += *g;
-            }
-        }
-        if k >= window {
-            for (sum, g) in sum.iter_mut().zip(&scores[(k - window) * p..]) {
-                *sum = *sum - *g;
-            }
-        }
-        for (i, sum) in sum.iter().enumerate() {
-            products.set(i, *sum);
-        }
-        products.advance();
+impl Windowed {
+    /// Of so many `rows` of `p` scores.
+    pub(crate) fn new(rows: usize, p: usize) -> Self {
+        let window = (2.0 * (rows as f64).sqrt()).round().max(1.0) as usize;
+        let (latest, sum) = (vec![Lane::ZERO; window * p], vec![Lane::ZERO; p]);
+        Self { latest, rows: 0, window, sum, products: Products::new(p) }
     }
-    products
+
+    /// Score `i` of this row.
+    #[inline(always)]
+    pub(crate) fn set(&mut self, i: usize, score: Lane) {
+        let leaving = &mut self.latest[self.rows % self.window * self.sum.len() + i];
+        self.sum[i] = self.sum[i] + score - *leaving;
+        *leaving = score;
+        self.products.set(i, self.sum[i]);
+    }
+
+    /// Goes to the next row: every score was set of this one.
+    #[inline(always)]
+    pub(crate) fn advance(&mut self) {
+        self.rows += 1;
+        self.products.advance();
+    }
+
+    /// p × p lanes.
+    pub(crate) fn finish(mut self) -> Vec<Lane> {
+        let share = Lane::splat(1.0 / self.window as f64);
+        vessel::vectorized!(self.leave());
+        self.products.finish().square().into_iter().map(|sum| share * sum).collect()
+    }
+
+    /// Lets the last rows leave, one after the other.
+    #[inline(always)]
+    fn leave(&mut self) {
+        for _ in 0..self.window {
+            for i in 0..self.sum.len() {
+                self.set(i, Lane::ZERO);
+            }
+            self.advance();
+        }
+    }
 }

@@ -88,14 +88,16 @@ pub(crate) fn linearize_each<const N: usize>(
             }
         },
     );
-    let sums = products.map(Products::finish);
+    let sums = products.map(|products| products.finish().square());
     let first = usize::from(!from_start);
     let p = free.len();
+    let rows = |d: usize| sums[d].chunks_exact(p + 1);
     let linear = |lane: usize| Linear {
         samples: (recordings.samples[lane] + 1 - first) as f64,
-        squares: [0, 1, 2].map(|d: usize| sums[d].at(p, p)[lane]),
-        gradient: [0, 1, 2].map(|d: usize| (0..p).map(|i| sums[d].at(i, p)[lane]).collect()),
-        normal: [0, 1, 2].map(|d: usize| (0..p * p).map(|k| sums[d].at(k / p, k % p)[lane]).collect()),
+        squares: [0, 1, 2].map(|d: usize| sums[d][p * (p + 1) + p][lane]),
+        gradient: [0, 1, 2].map(|d: usize| rows(d).take(p).map(|row| row[p][lane]).collect()),
+        normal: [0, 1, 2]
+            .map(|d: usize| rows(d).take(p).flat_map(|row| &row[..p]).map(|sum| sum[lane]).collect()),
     };
     (0..LANES).map(linear).collect()
 }

@@ -31,7 +31,7 @@ fn go_back<X: Unknowns, const N: usize>(
     mut between: impl FnMut(&Local<X>, &[[Lane; N]]),
 ) -> Vec<[Lane; N]> {
     let theta = &unknowns[..recordings.model.parameters()];
-    let mut dynamics = Dynamics::<X, N>::new(recordings.model, theta, levels.map(Levels::spread).as_ref());
+    let mut dynamics = Dynamics::<_, X, N>::new(recordings.model, theta, levels.map(Levels::spread).as_ref());
     let weights = weights.map(X::lane);
     let mut adjoints = vec![[Lane::ZERO; N]; path.columns()];
     for k in (0..=recordings.longest()).rev() {

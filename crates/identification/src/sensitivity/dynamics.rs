@@ -1,12 +1,12 @@
-use vessel::{Compiled, Lane, Model};
+use vessel::{Compiled, Lane, Look, Model};
 
 use super::levels::{Flow, Levels};
 use super::unknowns::Unknowns;
 
 /// How the N states move on: u, v, r, then the current's two components (N = 5, 8), then three forces (N = 6, 8).
 #[derive(Clone, Debug)]
-pub(crate) struct Dynamics<'m, X, const N: usize> {
-    model: Compiled<'m, X>,
+pub(crate) struct Dynamics<M, X, const N: usize> {
+    model: M,
     current: X,
     turning: X,
     force: X,
@@ -33,27 +33,34 @@ const fn force(n: usize) -> bool {
     n == 6 || n == 8
 }
 
-impl<'m, X: Unknowns, const N: usize> Dynamics<'m, X, N> {
+impl<'m, X: Unknowns, const N: usize> Dynamics<Compiled<'m, X>, X, N> {
     /// Of `model` with `theta`, one number per parameter.
     pub(crate) fn new(model: &'m Model, theta: &[X], levels: Option<&Levels<X>>) -> Self {
-        let (current, turning) = match levels.map(|l| l.current) {
-            Some(Flow::Markov { factor, turning, .. }) => (factor, turning),
-            _ => (X::ZERO, X::ZERO),
-        };
-        let force = levels.and_then(|l| l.force).map_or(X::ZERO, |gusts| gusts.factor);
-        Self { model: Compiled::new(model, theta), current, turning, force }
-    }
-
-    /// φ of parameter `i`.
-    #[inline(always)]
-    pub(crate) fn term(&self, i: usize) -> X {
-        self.model.term(i)
+        Self::of(Compiled::new(model, theta), levels)
     }
 
     /// Transposed products where [`Self::at`] looked last: see [`Compiled::pull_back`].
     #[inline(always)]
     pub(crate) fn pull_back(&mut self, terms: &[X], slopes: &[[X; 3]; 3], out: &mut [X]) {
         self.model.pull_back(terms, slopes, out);
+    }
+}
+
+impl<M: Look<X>, X: Unknowns, const N: usize> Dynamics<M, X, N> {
+    /// Of `model` with its parameters.
+    pub(crate) fn of(model: M, levels: Option<&Levels<X>>) -> Self {
+        let (current, turning) = match levels.map(|l| l.current) {
+            Some(Flow::Markov { factor, turning, .. }) => (factor, turning),
+            _ => (X::ZERO, X::ZERO),
+        };
+        let force = levels.and_then(|l| l.force).map_or(X::ZERO, |gusts| gusts.factor);
+        Self { model, current, turning, force }
+    }
+
+    /// φ of parameter `i`.
+    #[inline(always)]
+    pub(crate) fn term(&self, i: usize) -> X {
+        self.model.term(i)
     }
 
     /// Looks at the states `z`.

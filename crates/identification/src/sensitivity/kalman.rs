@@ -1,4 +1,4 @@
-use vessel::Lane;
+use vessel::{Lane, Look};
 
 use super::dynamics::{Dynamics, Local};
 use super::levels::{Flow, Levels};
@@ -78,7 +78,7 @@ fn filtered<const N: usize>(
     known_start: bool,
 ) -> (Vec<Gain<Lane, N>>, Vec<Lane>) {
     let (theta, offsets) = unknowns.split_at(recordings.model.parameters());
-    let mut dynamics = Dynamics::<Lane, N>::new(recordings.model, theta, Some(levels));
+    let mut dynamics = Dynamics::<_, Lane, N>::new(recordings.model, theta, Some(levels));
     let noise = levels.measurement.map(|s| s * s);
     let mut z = [Lane::ZERO; N];
     for d in 0..3 {
@@ -161,7 +161,7 @@ fn shrink<const N: usize>(p: &mut [[Lane; N]; N], gain: &Gain<Lane, N>) {
 /// A P Aᵀ.
 #[inline(always)]
 fn moved<const N: usize>(
-    dynamics: &Dynamics<Lane, N>,
+    dynamics: &Dynamics<impl Look<Lane>, Lane, N>,
     local: &Local<Lane>,
     p: &[[Lane; N]; N],
 ) -> [[Lane; N]; N] {

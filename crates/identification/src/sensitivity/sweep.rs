@@ -1,4 +1,4 @@
-use vessel::{Lane, Model};
+use vessel::{Built, Lane, Look, Model};
 
 use super::dynamics::Dynamics;
 use super::kalman::Gain;
@@ -17,7 +17,14 @@ pub(crate) fn sweep<X: Unknowns, const N: usize>(
     gains: &[Gain<X, N>],
     each: impl FnMut(Step<'_, X, N>),
 ) {
-    vessel::vectorized!(go_along(recordings, unknowns, free, levels, gains, each));
+    let (model, (theta, _)) = (recordings.model, unknowns.split_at(recordings.model.parameters()));
+    if let Some(structure) = model.structure_with_intercepts() {
+        let dynamics = Dynamics::of(Built::new(structure, theta), levels);
+        vessel::vectorized!(go_along(dynamics, recordings, unknowns, free, gains, each));
+    } else {
+        let dynamics = Dynamics::new(model, theta, levels);
+        vessel::vectorized!(go_along(dynamics, recordings, unknowns, free, gains, each));
+    }
 }
 
 /// What a sweep finds at a sample, before the sample's measurement corrects it.
@@ -33,16 +40,15 @@ pub(crate) struct Step<'a, X, const N: usize> {
 
 #[inline(always)]
 fn go_along<X: Unknowns, const N: usize>(
+    mut dynamics: Dynamics<impl Look<X>, X, N>,
     recordings: &Recordings<X>,
     unknowns: &[X],
     free: &[usize],
-    levels: Option<&Levels<X>>,
     gains: &[Gain<X, N>],
     mut each: impl FnMut(Step<'_, X, N>),
 ) {
     let model = recordings.model;
-    let (theta, offsets) = unknowns.split_at(model.parameters());
-    let mut dynamics = Dynamics::<X, N>::new(model, theta, levels);
+    let offsets = &unknowns[model.parameters()..];
     let mut z = [X::ZERO; N];
     (0..3).for_each(|d| z[d] = recordings.initial[d] + offsets[d]);
     let mut sensitivities = vec![[Lane::ZERO; N]; free.len().div_ceil(X::PER_COLUMN)];

@@ -3,6 +3,7 @@
 use crate::support::explicit::{Regression, sizes};
 use crate::support::noise::Normals;
 use crate::support::{self, Experiment, Recording, SideBySide, dictionary, estimate, lanes, paper, truth};
+use identification::predictor::{Recordings, Sensitivities};
 use identification::{
     Batch, DegreeSums, FreeRun, Instruments, Known, MeanRemoval, Outcome, Sums, estimate_prefiltered,
     free_runs, moments,
@@ -219,7 +220,21 @@ proptest! {
         };
         let wider_numbers: Vec<f64> =
             shared.exogenous.chunks_exact(3).flat_map(|row| row.iter().copied().chain([1.0])).collect();
+        let theta: Vec<Lane> = truth(&vessel).into_iter().map(Lane::splat).collect();
+        let initial = [0, 1, 2].map(|d: usize| own.measured[d]);
+        let free: Vec<usize> = (0..13).collect();
+        let unknowns: Vec<Lane> = (0..16).map(|i| Lane::splat(0.01 * f64::from(i) - 0.1)).collect();
+        let paths = [(&vessel.model, own.exogenous), (&any, wider.as_slice())].map(|(model, exogenous)| {
+            let model = &model.with_intercepts();
+            let samples = [own.samples(); LANES];
+            let recordings = Recordings { model, measured: own.measured, exogenous, initial, samples };
+            format!("{:?}", Sensitivities::of(&recordings, &unknowns, &free, true))
+        });
+        prop_assert_eq!(&paths[0], &paths[1]);
         for removal in REMOVALS {
+            let found = format!("{:?}", estimate_prefiltered(&own, &theta, removal, None));
+            let general = Batch { model: &any, exogenous: &wider, ..own };
+            prop_assert_eq!(&found, &format!("{:?}", estimate_prefiltered(&general, &theta, removal, None)));
             let found = format!("{:?}", estimate(&own, removal));
             let general = estimate(&Batch { model: &any, exogenous: &wider, ..own }, removal);
             prop_assert_eq!(&found, &format!("{general:?}"));

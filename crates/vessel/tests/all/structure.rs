@@ -1,6 +1,6 @@
 //! Models whose structure is known when the program is compiled, beside the same models looked up term by term.
 
-use vessel::{Ambient, Arithmetic, Built, Compiled, LANES, Lane, Step, Vessel, Wide};
+use vessel::{Ambient, Arithmetic, Built, Compiled, LANES, Lane, Look, Step, Vessel, Wide};
 
 fn model_ship() -> Vessel {
     Vessel::from_file(toml::from_str("preset = \"ljungberg-model-ship\"").unwrap()).unwrap()
@@ -59,6 +59,41 @@ fn law_a_structure_steps_like_its_model_bit_by_bit() {
         );
     }
     assert_eq!(lanes[0].0.len(), LANES);
+}
+
+/// What is seen at points, as bits.
+fn seen<X: Arithmetic>(
+    look: &mut impl Look<X>,
+    parameters: usize,
+    mut number: impl FnMut() -> X,
+) -> Vec<String> {
+    let mut all = Vec::new();
+    for k in 0..100 {
+        let (state, exogenous) = ([(); 3].map(|()| number()), [(); 3].map(|()| number()));
+        let current = [(); 2].map(|()| number());
+        look.look(state, &exogenous, (k % 2 == 0).then_some(current));
+        let terms: Vec<X> = (0..parameters).map(|i| look.term(i)).collect();
+        all.push(format!("{terms:?} {:?} {:?} {:?}", look.slopes(), look.known(), look.next(state, None)));
+    }
+    all
+}
+
+#[test]
+fn law_a_structure_shows_terms_and_slopes_of_its_model_bit_by_bit() {
+    let vessel = model_ship();
+    let with_intercepts = vessel.model.with_intercepts();
+    assert!(with_intercepts.structure().is_none() && vessel.model.structure_with_intercepts().is_none());
+    let lanes: Vec<Lane> = (0..13).map(|i| Some(i).lane()).collect();
+    let (one, other) =
+        (vessel.model.structure().unwrap(), with_intercepts.structure_with_intercepts().unwrap());
+    for seed in 0..5 {
+        let (mut a, mut b) = (Some(seed), Some(seed));
+        let built = seen(&mut Built::new(one, &lanes), 10, || a.lane());
+        assert_eq!(built, seen(&mut Compiled::new(&vessel.model, &lanes[..10]), 10, || b.lane()));
+        let (mut a, mut b) = (Some(seed), Some(seed));
+        let built = seen(&mut Built::new(other, &lanes), 13, || a.lane());
+        assert_eq!(built, seen(&mut Compiled::new(&with_intercepts, &lanes), 13, || b.lane()));
+    }
 }
 
 #[test]
