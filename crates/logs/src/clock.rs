@@ -1,12 +1,10 @@
-use jiff::Timestamp;
-use jiff::civil::DateTime;
-use jiff::tz::TimeZone;
+use schemars::JsonSchema;
 use serde::Deserialize;
 
 use crate::Samples;
 
 /// What a time column counts.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum TimeUnit {
     /// Seconds, from any origin.
@@ -17,7 +15,7 @@ pub enum TimeUnit {
     Us,
     /// Nanoseconds.
     Ns,
-    /// Date and time as text, `2020-07-31T13:04:24.5+09:00`; without a zone UTC is meant.
+    /// Date and time as text, `2020-07-31T13:04:24.5+09:00`; without an offset in the time's `zone`.
     Iso8601,
 }
 
@@ -33,19 +31,14 @@ impl TimeUnit {
         }
     }
 
-    /// Seconds since 1970-01-01 UTC of a date and time in ISO 8601; UTC where it names no zone.
-    pub fn of_text(text: &str) -> Option<f64> {
-        let text = text.trim();
-        let in_utc =
-            || text.parse::<DateTime>().ok()?.to_zoned(TimeZone::UTC).ok().map(|time| time.timestamp());
-        let has_time = text.get(10..).is_some_and(|rest| rest.starts_with(['T', 't', ' ']));
-        let time = has_time.then(|| text.parse::<Timestamp>().ok().or_else(in_utc))??;
-        Some(time.as_duration().as_secs_f64())
+    /// Whether a text in ISO 8601 has a time of day, and not a day alone.
+    pub(crate) fn has_time(text: &str) -> bool {
+        text.get(10..).is_some_and(|rest| rest.starts_with(['T', 't', ' ']))
     }
 }
 
 /// What to do with rows whose time is before that of an earlier row.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum NonMonotonic {
     /// Refuse the file.
@@ -55,6 +48,19 @@ pub enum NonMonotonic {
     Sort,
     /// Leave them out.
     Drop,
+}
+
+/// What to do with rows that have the time of the row before, such as rows at 20 Hz with whole seconds.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum Repeated {
+    /// Leave them out where they are few; refuse the file where they are more than a fifth.
+    #[default]
+    Refuse,
+    /// Leave them out: the first row of each time stays.
+    Drop,
+    /// Spread the rows of each time evenly until the next.
+    Spread,
 }
 
 /// The rows of a file in the order of time, each time once.

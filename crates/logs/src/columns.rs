@@ -2,7 +2,7 @@ use std::sync::Arc;
 
 use refusal::{Invalid, nearest};
 
-use crate::{Samples, Store, TimeUnit};
+use crate::{Samples, Store};
 
 /// A column that is asked for.
 #[derive(Clone, Debug, PartialEq)]
@@ -116,23 +116,8 @@ impl Numbering {
     }
 }
 
-/// Seconds since 1970 of a date and time; NaN where there is none, nothing where it is something else.
-pub fn seconds_of(text: &str) -> Option<f64> {
-    TimeUnit::of_text(text).or_else(|| text.is_empty().then_some(f64::NAN))
-}
-
-/// What is wrong with a cell that should hold a date.
-pub fn no_date(line: usize, column: &str, text: &str, written_in: &str) -> Invalid {
-    Invalid::new(
-        cell_of(line, column),
-        format!("`{text}`"),
-        "a date and time such as 2020-07-31T13:04:24.5Z",
-        format!("correct the cell, or the time's `unit` in {written_in}"),
-    )
-}
-
 /// The columns of a file as asked for.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Columns {
     /// In the order asked for.
     pub cells: Vec<Cells>,
@@ -142,6 +127,8 @@ pub struct Columns {
     pub empty_rows: usize,
     /// Rows cut short at the end of the file, left out.
     pub cut_rows: usize,
+    /// Sentences with a wrong checksum, left out.
+    pub wrong_checksums: usize,
 }
 
 /// What messages call a cell.

@@ -9,8 +9,8 @@ use std::sync::Arc;
 
 use refusal::Invalid;
 
-use crate::columns::{Cells, Columns, Content, Numbering, cell_of, no_date, places, seconds_of};
-use crate::{Plan, Store};
+use crate::columns::{Cells, Columns, Content, cell_of, places};
+use crate::{FileSpec, NoStamp, Plan, Stamps, Store};
 
 /// Why a text is no log.
 #[derive(Debug)]
@@ -58,16 +58,15 @@ pub fn read_csv(
     group: usize,
     store: Option<&Arc<dyn Store>>,
 ) -> Result<Columns, CsvError> {
-    let (wanted, separator, written_in) =
-        (plan.wanted(group), plan.setup.files[group].separator, plan.setup.written_in);
+    let (wanted, spec, stamps) = (plan.wanted(group), &plan.setup.files[group], plan.stamps(group));
+    let (separator, written_in) = (spec.separator, plan.setup.written_in);
     let mut lines = Lines { bytes, line: Vec::new(), number: 0, read: 0 };
     let mut row = Row::default();
-    row.split(lines.next()?.unwrap_or_default().trim_start_matches('\u{feff}'), separator);
-    let header: Vec<String> = row.cells().map(|cell| cell.trim().to_owned()).collect();
+    let header = header(spec, &mut lines, &mut row)?;
     let places = places(&header, &wanted)
         .map_err(|missing| other_separator(&header, separator, written_in).unwrap_or(missing))?;
     let cells = wanted.iter().map(|w| Cells::none(w.content, store)).collect();
-    let mut columns = Columns { cells, lines: Numbering::default(), empty_rows: 0, cut_rows: 0 };
+    let mut columns = Columns { cells, ..Columns::default() };
     let mut short = None;
     while let Some(line) = lines.next()? {
         if let Some(short) = short {
@@ -89,36 +88,60 @@ pub fn read_csv(
             }
             columns.lines.push(line);
             for ((cells, place), wanted) in columns.cells.iter_mut().zip(&places).zip(&wanted) {
-                let cell = row.cell(*place).trim();
-                push(cells, wanted.content, cell).ok_or_else(|| match wanted.content {
-                    Content::Dates => no_date(line, &header[*place], cell, written_in),
-                    _ => no_number(line, &header[*place], cell),
-                })?;
+                let (cell, column) = (row.cell(*place).trim(), &header[*place]);
+                match wanted.content {
+                    Content::Dates => push_date(cells, stamps, cell)
+                        .map_err(|why| stamps.refused(line, column, cell, why, written_in))?,
+                    _ => push(cells, spec.decimal, cell)
+                        .ok_or_else(|| no_number(line, column, cell, spec.decimal, written_in))?,
+                }
             }
         } else if found < expected {
-            short = Some(wrong_width(line, found, expected, written_in));
+            short = Some(wrong_width(line, found, header.len(), spec, written_in));
         } else {
-            return Err(CsvError::Invalid(wrong_width(line, found, expected, written_in)));
+            return Err(CsvError::Invalid(wrong_width(line, found, header.len(), spec, written_in)));
         }
     }
     columns.cut_rows = usize::from(short.is_some());
     Ok(columns)
 }
 
-fn wrong_width(line: usize, found: usize, expected: usize, written_in: &str) -> Invalid {
-    let comma = if found > expected { " (decimal commas: export with decimal points)" } else { "" };
+/// The names of the columns: those of the header, or their numbers where there is none.
+fn header<B: BufRead>(spec: &FileSpec, lines: &mut Lines<B>, row: &mut Row) -> Result<Vec<String>, CsvError> {
+    for _ in 0..spec.skip_lines {
+        lines.next()?;
+    }
+    if !spec.header {
+        return Ok((1..=spec.columns.unwrap_or(0)).map(|number| number.to_string()).collect());
+    }
+    row.split(lines.next()?.unwrap_or_default().trim_start_matches('\u{feff}'), spec.separator);
+    Ok(row.cells().map(|cell| cell.trim().to_owned()).collect())
+}
+
+fn wrong_width(line: usize, found: usize, expected: usize, spec: &FileSpec, written_in: &str) -> Invalid {
+    let comma = found > expected && spec.separator == ',';
+    let comma =
+        if comma { " (decimal commas: export with decimal points, or another separator)" } else { "" };
+    let (as_in, columns) =
+        if spec.header { ("in the header", "") } else { ("`columns` says", ", `columns`") };
     Invalid::new(
         format!("line {line}"),
         format!("{found} cells"),
-        format!("{expected}, as in the header"),
-        format!("correct the line, or `separator` in {written_in}{comma}"),
+        format!("{expected}, as {as_in}"),
+        format!("correct the line, or `separator`{columns} in {written_in}{comma}"),
     )
 }
 
-fn no_number(line: usize, column: &str, found: &str) -> Invalid {
-    let comma = found.replacen(',', ".", 1).parse::<f64>().is_ok();
-    let remedy = if comma { "export with decimal points" } else { "correct the cell or leave it empty" };
-    Invalid::new(cell_of(line, column), format!("`{found}`"), "a number", remedy)
+fn no_number(line: usize, column: &str, found: &str, decimal: char, written_in: &str) -> Invalid {
+    let other = if decimal == '.' { ',' } else { '.' };
+    let comma = found.contains(other) && found.replacen(other, ".", 1).parse::<f64>().is_ok();
+    let remedy = if comma {
+        format!("set `decimal = \"{other}\"` in {written_in}, or export with decimal points")
+    } else {
+        "correct the cell or leave it empty".to_owned()
+    };
+    let expected = if decimal == ',' { "a number with a decimal comma" } else { "a number" };
+    Invalid::new(cell_of(line, column), format!("`{found}`"), expected, remedy)
 }
 
 /// The lines of a text, one at a time.
@@ -171,6 +194,13 @@ impl Row {
     fn split(&mut self, line: &str, separator: char) {
         self.text.clear();
         self.ends.clear();
+        if separator == ' ' {
+            for cell in line.split_ascii_whitespace() {
+                self.text.push_str(cell);
+                self.ends.push(self.text.len());
+            }
+            return;
+        }
         if !line.contains('"') {
             for cell in line.split(separator) {
                 self.text.push_str(cell);
@@ -201,17 +231,30 @@ impl Row {
     }
 }
 
-/// Appends `cell`; nothing where it is not what its column holds.
-fn push(cells: &mut Cells, content: Content, cell: &str) -> Option<()> {
-    let no_value = || NOTHING.contains(&cell.to_ascii_lowercase().as_str()).then_some(f64::NAN);
+/// Appends a number or a label; nothing where it is not what its column holds.
+fn push(cells: &mut Cells, decimal: char, cell: &str) -> Option<()> {
     match cells {
         Cells::Labels(labels) => labels.push(cell),
-        Cells::Numbers(numbers) => numbers.push(match content {
-            Content::Dates => seconds_of(cell)?,
-            _ => cell.parse().ok().or_else(no_value)?,
-        }),
+        Cells::Numbers(numbers) => numbers.push(number(cell, decimal)?),
     }
     Some(())
+}
+
+fn number(cell: &str, decimal: char) -> Option<f64> {
+    let parsed = match decimal {
+        '.' => cell.parse().ok(),
+        // A point between thousands would be taken for that before the decimals.
+        _ if cell.contains('.') => None,
+        _ => cell.replacen(decimal, ".", 1).parse().ok(),
+    };
+    parsed.or_else(|| NOTHING.contains(&cell.to_ascii_lowercase().as_str()).then_some(f64::NAN))
+}
+
+fn push_date(cells: &mut Cells, stamps: &Stamps, cell: &str) -> Result<(), NoStamp> {
+    if let Cells::Numbers(numbers) = cells {
+        numbers.push(stamps.seconds(cell)?);
+    }
+    Ok(())
 }
 
 /// What is said where columns are missing because the header, one cell as a whole, is separated by something else.

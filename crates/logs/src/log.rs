@@ -7,13 +7,18 @@ use refusal::Invalid;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::attitude::angles;
 use crate::columns::cell_of;
 use crate::samples::{View, steps};
-use crate::suspicion::Turns;
+use crate::spread::spread;
+use crate::suspicion::{Seen, Turns};
 use crate::{
-    Backwards, Cells, ChannelSpec, Columns, Labels, NonMonotonic, Numbering, Plan, Samples, Series, TimeSpec,
-    Unit, Unwrapping, order,
+    Backwards, Cells, ChannelSpec, Columns, FileSpec, Labels, NonMonotonic, Numbering, Plan, Repeated,
+    Samples, Series, TimeSpec, TimeUnit, Unit, Unwrapping, order,
 };
+
+/// Share of rows that may have the time of an earlier row without a word of it in the configuration.
+const FEW: f64 = 0.2;
 
 /// A file's channels on its own clock.
 #[derive(Clone, Debug, PartialEq)]
@@ -22,8 +27,8 @@ pub struct Log {
     pub times: Arc<Samples>,
     /// One series per channel of the group, in order, in SI units.
     pub channels: Vec<Series>,
-    /// The largest modulus of each channel as it was logged, in SI units.
-    pub largest: Vec<f64>,
+    /// What each channel looked like as it was logged.
+    pub(crate) seen: Vec<Seen>,
     /// Labels of sub-experiments, one per time.
     pub labels: Option<Labels>,
     /// What was read and left out.
@@ -46,6 +51,23 @@ pub struct RowSummary {
     pub repeated: u64,
     /// Earlier than a row before: left out or put in order, as `non_monotonic` says.
     pub backwards: u64,
+    /// Rows that had the time of the row before and were spread until the next.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub spread: u64,
+    /// Left out: sentences with a wrong checksum.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub wrong_checksums: u64,
+}
+
+impl RowSummary {
+    /// All rows that were left out, but for those that went backwards.
+    pub fn dropped(&self) -> u64 {
+        self.empty + self.cut + self.without_time + self.repeated + self.wrong_checksums
+    }
+}
+
+fn is_zero(count: &u64) -> bool {
+    *count == 0
 }
 
 impl std::ops::AddAssign for RowSummary {
@@ -56,6 +78,8 @@ impl std::ops::AddAssign for RowSummary {
         self.without_time += other.without_time;
         self.repeated += other.repeated;
         self.backwards += other.backwards;
+        self.spread += other.spread;
+        self.wrong_checksums += other.wrong_checksums;
     }
 }
 
@@ -65,26 +89,35 @@ impl Log {
     /// # Errors
     /// Time going backwards, no rows, angles in another unit.
     pub fn new(columns: Columns, group: usize, plan: &Plan) -> Result<Self, Invalid> {
-        let Columns { cells, lines, empty_rows, cut_rows } = columns;
+        let Columns { cells, lines, empty_rows, cut_rows, wrong_checksums } = columns;
         let (spec, mut cells) = (&plan.setup.files[group], cells.into_iter());
-        let times = times(&spec.time, cells.next());
+        let clock = cells.next();
+        let nanoseconds = spec.time.nanoseconds.as_ref().and_then(|_| cells.next());
+        let mut times = times(&spec.time, clock, nanoseconds, &lines)?;
         let mut counts = RowSummary {
-            read: (lines.rows() + empty_rows + cut_rows) as u64,
+            read: (lines.rows() + empty_rows + cut_rows + wrong_checksums) as u64,
             empty: empty_rows as u64,
             cut: cut_rows as u64,
+            wrong_checksums: wrong_checksums as u64,
             ..RowSummary::default()
         };
+        if spec.time.repeated == Repeated::Spread {
+            let moved;
+            (times, moved) = spread(times);
+            counts.spread = moved as u64;
+        }
         let rows = in_order(&times, &lines, plan, group, &mut counts)?;
         let times = Arc::new(rows.gathered(times));
         let rows = Rows { rows, lines, times, max_gap_s: plan.setup.max_gap_s };
         let labels = spec.label_column.is_some().then(|| cells.next_back()).flatten();
         let specs = spec.channel.iter().zip(&plan.units[group]);
-        let channels: Vec<(Cells, (&ChannelSpec, &Unit))> = cells.zip(specs).collect();
+        let cells = with_angles(cells.collect(), spec, &rows.lines)?;
+        let channels: Vec<(Cells, (&ChannelSpec, &Unit))> = cells.into_iter().zip(specs).collect();
         let channel = |(cells, (spec, unit))| rows.channel(cells, spec, unit);
         let channels = channels.into_par_iter().map(channel).collect::<Result<Vec<_>, _>>()?;
-        let (channels, largest) = channels.into_iter().unzip();
+        let (channels, seen) = channels.into_iter().unzip();
         let labels = labels.map(|labels| rows.labels(labels));
-        Ok(Self { times: rows.times, channels, largest, labels, counts })
+        Ok(Self { times: rows.times, channels, seen, labels, counts })
     }
 }
 
@@ -151,6 +184,17 @@ fn in_order(
         )
     })?;
     (counts.repeated, counts.backwards) = (ordered.repeated as u64, ordered.backwards as u64);
+    let few = ordered.repeated as f64 <= FEW * timed as f64;
+    let spec = &plan.setup.files[group].time;
+    if !few && spec.repeated == Repeated::Refuse {
+        return Err(Invalid::new(
+            format!("column `{}`", spec.column),
+            format!("the time of an earlier row in {} of {timed} rows", ordered.repeated),
+            "a time of its own for every row",
+            "set `repeated` in [file.time] to \"spread\", which spreads the rows of one time evenly until the next, or to \"drop\", \
+             which keeps the first",
+        ));
+    }
     let sorted = plan.setup.non_monotonic == NonMonotonic::Sort && ordered.backwards > 0;
     Ok(if sorted { Kept::Sorted(ordered.rows) } else { Kept::These(ordered.rows) })
 }
@@ -164,13 +208,12 @@ struct Rows {
 }
 
 impl Rows {
-    /// The channel that stands in `cells` in SI units, and the largest modulus there; angles are unwrapped before they are
-    /// scaled.
-    fn channel(&self, cells: Cells, spec: &ChannelSpec, unit: &Unit) -> Result<(Series, f64), Invalid> {
+    /// The channel that stands in `cells` in SI units, and what it looked like; angles are unwrapped before they are scaled.
+    fn channel(&self, cells: Cells, spec: &ChannelSpec, unit: &Unit) -> Result<(Series, Seen), Invalid> {
         let Cells::Numbers(numbers) = cells else { unreachable!("channels are read as numbers") };
         let numbers = self.rows.gathered(numbers);
         let mut turns = Turns::new(unit);
-        numbers.iter().for_each(|number| turns.see(number));
+        numbers.iter().zip(self.times.iter()).for_each(|(number, time)| turns.see(number, time));
         turns.check(&spec.column, |i| self.lines.line(self.rows.row(i)))?;
         let delayed = || Arc::new(numbers.made(self.times.iter().map(|time| time - spec.delay_s)));
         let times = if spec.delay_s == 0.0 { Arc::clone(&self.times) } else { delayed() };
@@ -184,7 +227,7 @@ impl Rows {
             spec.sign * spec.scale * unwrapped + spec.offset
         });
         let series = Series::shared(&times, numbers.made(values), spec.max_gap_s.unwrap_or(self.max_gap_s));
-        Ok((series, unit.factor * turns.largest()))
+        Ok((series, turns.seen()))
     }
 
     fn labels(&self, cells: Cells) -> Labels {
@@ -198,10 +241,38 @@ impl Rows {
     }
 }
 
-/// Times in seconds from what the column of times holds.
-fn times(spec: &TimeSpec, cells: Option<Cells>) -> Samples {
+/// Times in seconds from what the column of times holds, and that of their nanoseconds if there is one.
+fn times(
+    spec: &TimeSpec,
+    cells: Option<Cells>,
+    nanoseconds: Option<Cells>,
+    lines: &Numbering,
+) -> Result<Samples, Invalid> {
     let Some(Cells::Numbers(times)) = cells else { unreachable!("times are read as numbers") };
-    // Dates are in seconds already.
-    let unit = spec.unit.seconds().unwrap_or(1.0);
-    times.made(times.iter().map(|time| time * unit + spec.offset_s))
+    // What is no plain number is in seconds already.
+    let unit = spec.unit.and_then(TimeUnit::seconds).unwrap_or(1.0);
+    let Some(Cells::Numbers(nanoseconds)) = nanoseconds else {
+        return Ok(times.made(times.iter().map(|time| time * unit + spec.offset_s)));
+    };
+    if let Some((row, wrong)) =
+        nanoseconds.iter().enumerate().find(|(_, ns)| !(ns.is_nan() || (0.0..1e9).contains(ns)))
+    {
+        let column = spec.nanoseconds.as_deref().unwrap_or_default();
+        let expected = "nanoseconds of a second, from 0 to 999999999";
+        let remedy = "correct the cell, or the time's `nanoseconds`";
+        return Err(Invalid::new(cell_of(lines.line(row), column), format!("{wrong}"), expected, remedy));
+    }
+    let both = times.iter().zip(nanoseconds.iter());
+    Ok(times.made(both.map(|(time, ns)| time * unit + 1e-9 * ns + spec.offset_s)))
+}
+
+/// The cells of all channels: those that have a column of their own, and the angles of the quaternions after them.
+fn with_angles(mut cells: Vec<Cells>, spec: &FileSpec, lines: &Numbering) -> Result<Vec<Cells>, Invalid> {
+    let mut parts = cells.split_off(spec.plain().len()).into_iter();
+    for quaternion in &spec.quaternion {
+        if let [Some(w), Some(x), Some(y), Some(z)] = [(); 4].map(|()| parts.next()) {
+            cells.extend(angles(quaternion, [w, x, y, z], |row| lines.line(row))?);
+        }
+    }
+    Ok(cells)
 }

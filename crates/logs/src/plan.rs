@@ -7,7 +7,8 @@ use vessel::{Variable, Vessel};
 
 use crate::unassembled::MOST_ROWS;
 use crate::{
-    ChannelSpec, Content, Conventions, Derived, FileSpec, KINEMATIC, Setup, UNITS, Unit, Wanted, factor, unit,
+    ChannelSpec, Content, Conventions, Derived, FileSpec, KINEMATIC, Propulsor, Setup, Stamps, UNITS, Unit,
+    Wanted, factor, unit,
 };
 
 /// What is made of every recording.
@@ -21,6 +22,8 @@ pub struct Plan {
     pub further: Vec<(String, String)>,
     /// Units of the channels of every group of files.
     pub(crate) units: Vec<Vec<Unit>>,
+    /// How times that are text are read, per group of files.
+    stamps: Vec<Stamps>,
     provided: Vec<Provided>,
     /// Most rows of a file and of a recording.
     pub most_rows: usize,
@@ -67,7 +70,10 @@ impl Plan {
     ///
     /// # Errors
     /// An unknown unit, a channel that is given twice or has no usable name or another unit than needed, a source that nothing provides, and all channels that the vessel needs and nothing provides at once.
-    pub fn new(setup: Setup, vessel: Option<(&Vessel, &str)>) -> Result<Self, Invalid> {
+    pub fn new(mut setup: Setup, vessel: Option<(&Vessel, &str)>) -> Result<Self, Invalid> {
+        let body = setup.conventions.body;
+        setup.files = setup.files.into_iter().map(|file| file.with_angles(body)).collect();
+        let stamps = setup.files.iter().map(|file| Stamps::new(&file.time)).collect::<Result<_, _>>()?;
         let units = setup.files.iter().map(units).collect::<Result<Vec<_>, _>>()?;
         let mut provided = measured(&setup, &units);
         computed(&setup, &mut provided)?;
@@ -78,18 +84,31 @@ impl Plan {
             None => everything(&provided),
         };
         let further = further(&provided, &exogenous);
-        Ok(Self { setup, exogenous, further, units, provided, most_rows: MOST_ROWS })
+        Ok(Self { setup, exogenous, further, units, stamps, provided, most_rows: MOST_ROWS })
     }
 
-    /// The columns of a file of group `group`: time, the channels, and the labels if there are any.
+    /// The columns of a file of group `group`: time, its nanoseconds if they stand on their own, the channels, the parts of
+    /// quaternions, and the labels if there are any.
     pub fn wanted(&self, group: usize) -> Vec<Wanted> {
-        let FileSpec { time, channel: channels, label_column, .. } = &self.setup.files[group];
+        let file @ FileSpec { time, quaternion, label_column, .. } = &self.setup.files[group];
         let wanted = |column: &String, content| Wanted { column: column.clone(), content };
-        let channels = channels.iter().map(|channel| wanted(&channel.column, Content::Numbers));
+        let number = |column| wanted(column, Content::Numbers);
+        let first = wanted(&time.column, if time.is_text() { Content::Dates } else { Content::Numbers });
+        let channels = file.plain().iter().map(|channel| number(&channel.column));
+        let quaternions = quaternion.iter().flat_map(|quaternion| quaternion.columns()).map(number);
         let labels = label_column.iter().map(|column| wanted(column, Content::Labels));
-        let dates = time.unit.seconds().is_none();
-        let time = wanted(&time.column, if dates { Content::Dates } else { Content::Numbers });
-        [time].into_iter().chain(channels).chain(labels).collect()
+        [first]
+            .into_iter()
+            .chain(time.nanoseconds.iter().map(number))
+            .chain(channels)
+            .chain(quaternions)
+            .chain(labels)
+            .collect()
+    }
+
+    /// How times that are text are read in files of group `group`.
+    pub fn stamps(&self, group: usize) -> &Stamps {
+        &self.stamps[group]
     }
 
     /// With recordings that take at most `memory` bytes each, and `room` bytes where pieces of long ones are put aside.
@@ -183,11 +202,12 @@ fn computed(setup: &Setup, provided: &mut Vec<Provided>) -> Result<(), Invalid> 
         formula.channels.iter().try_for_each(|source| check_source(channel, source, provided))?;
         provided.push(Provided::new(channel, unit));
     }
-    for (_, speed, angle) in thrusters {
-        let sources = [(speed, "1/s")].into_iter().chain(angle.iter().map(|angle| (angle, "rad")));
-        for (source, unit) in sources {
+    for Propulsor { speed, angle, table, .. } in thrusters {
+        let pitch = table.iter().filter_map(|(_, pitch)| pitch.as_ref());
+        let units = [(speed, Some("1/s"))].into_iter().chain(angle.iter().map(|angle| (angle, Some("rad"))));
+        for (source, unit) in units.chain(pitch.map(|pitch| (pitch, None))) {
             check_source("tau1", source, provided)?;
-            check_thruster_unit(source, unit, provided)?;
+            unit.map_or(Ok(()), |unit| check_thruster_unit(source, unit, provided))?;
         }
     }
     if !thrusters.is_empty() {
@@ -257,8 +277,14 @@ fn check_motion(setup: &Setup, provided: &[Provided]) -> Result<(), Invalid> {
         let expected = "x and y, or latitude_deg and longitude_deg";
         return Err(Invalid::new("position", "one coordinate", expected, "add the other"));
     }
-    let mut lacking: Vec<&str> =
-        ["y_u", "y_v"].into_iter().filter(|name| !(has(name) || placed && has("psi"))).collect();
+    let along = ["v_x", "v_y"].map(has);
+    if along.contains(&true) && (along != [true; 2] || !has("psi") || has("y_u") || has("y_v")) {
+        let found = "`v_x` or `v_y` without the other, without `psi`, or beside `y_u` or `y_v`";
+        let expected = "both, and a heading to turn them by";
+        return Err(Invalid::new("velocities", found, expected, "add what is missing, or remove them"));
+    }
+    let turned = along == [true; 2] || placed && has("psi");
+    let mut lacking: Vec<&str> = ["y_u", "y_v"].into_iter().filter(|name| !(has(name) || turned)).collect();
     lacking.extend(["y_r"].into_iter().filter(|name| !has(name) && !has("psi")));
     if !lacking.is_empty() {
         let expected = "y_u, y_v, y_r, or x, y (or latitude_deg, longitude_deg) and psi to make them from";

@@ -4,16 +4,22 @@ use std::f64::consts::FRAC_PI_2;
 use chart::Plane;
 
 use crate::series::Sampler;
-use crate::{Body, Formula, Frame, Heading, Lever, Method, Series, Thruster, Unassembled};
+use crate::table::Axis;
+use crate::{
+    Body, ForceTable, Formula, Frame, Heading, Lever, Method, Series, Thruster, Unassembled, body_velocity,
+};
 
 /// Channels by name, each on its own clock.
 pub type Channels = BTreeMap<String, Series>;
 
-/// Channels of motion and their units: velocities over ground in body axes, position and heading, or geographic position.
-pub const KINEMATIC: [(&str, &str); 8] = [
+/// Channels of motion and their units: velocities over ground in body axes or along x and y, position and heading, or
+/// geographic position.
+pub const KINEMATIC: [(&str, &str); 10] = [
     ("y_u", "m/s"),
     ("y_v", "m/s"),
     ("y_r", "rad/s"),
+    ("v_x", "m/s"),
+    ("v_y", "m/s"),
     ("x", "m"),
     ("y", "m"),
     ("psi", "rad"),
@@ -41,15 +47,45 @@ pub struct Conventions {
     pub window_s: f64,
     /// Computed channels; each may use those before it.
     pub derived: Vec<Derived>,
-    /// Thrusters with the channels of their speed and, for azimuth thrusters, angle \[rad\] from forward to starboard;
-    /// their forces make up `tau1`, `tau2`, `tau3`.
-    pub thrusters: Vec<(Thruster, String, Option<String>)>,
+    /// Thrusters, whose forces make up `tau1`, `tau2`, `tau3`.
+    pub thrusters: Vec<Propulsor>,
     /// How velocities that are not measured are made from positions.
     pub method: Method,
     /// The common rate \[Hz\].
     pub rate_hz: f64,
     /// Every channel is averaged over this long before it is resampled \[s\].
     pub average_s: Option<f64>,
+}
+
+/// A thruster and the channels that it goes by.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Propulsor {
+    /// Where it is; how much it pushes, or with a table by how much more than that says.
+    pub thruster: Thruster,
+    /// Channel of its speed \[1/s\].
+    pub speed: String,
+    /// Channel of its angle, for azimuth thrusters: from forward to starboard \[rad\].
+    pub angle: Option<String>,
+    /// Its force from speed, and from the pitch in a channel where it has one.
+    pub table: Option<(ForceTable, Option<String>)>,
+}
+
+impl Propulsor {
+    /// The channels of its speed, angle and pitch, where it has them.
+    fn channels(&self) -> [Option<&String>; 3] {
+        let pitch = self.table.as_ref().and_then(|(_, pitch)| pitch.as_ref());
+        [Some(&self.speed), self.angle.as_ref(), pitch]
+    }
+
+    /// Its forces at these values of speed, angle and pitch, of those that it has.
+    fn forces(&self, [speed, angle, pitch]: [f64; 3]) -> Result<[f64; 3], Unassembled> {
+        let Some((table, channel)) = &self.table else { return Ok(self.thruster.forces(speed, angle)) };
+        let outside = |(axis, value, range)| {
+            let channel = if axis == Axis::Speed { Some(&self.speed) } else { channel.as_ref() };
+            Unassembled::OutsideTable { channel: channel.cloned().unwrap_or_default(), value, range }
+        };
+        Ok(self.thruster.forces(table.force(speed, pitch).map_err(outside)?, angle))
+    }
 }
 
 /// A channel computed from others.
@@ -121,6 +157,17 @@ fn turn(channels: &mut Channels, frame: Frame, conventions: &Conventions) {
             _ => taken.map(|value| starboard * value),
         };
     }
+    turn_velocities(channels, conventions.frame);
+}
+
+/// Velocities along x and y to such along the ship's axes, by the heading at the times of the first.
+fn turn_velocities(channels: &mut Channels, frame: Frame) {
+    let Some(psi) = channels.get("psi").cloned() else { return };
+    if let (Some(x), Some(y)) = (channels.remove("v_x"), channels.remove("v_y")) {
+        let [north, east] = frame.north_east(x, y);
+        channels.extend([("y_u".to_owned(), north), ("y_v".to_owned(), east)]);
+        pairwise(channels, ["y_u", "y_v"], &psi, body_velocity);
+    }
 }
 
 fn move_to_reference(channels: &mut Channels, conventions: &Conventions) {
@@ -158,7 +205,11 @@ fn pairwise(
 }
 
 /// `f` of the channels called `names`, on the clock of the first.
-fn combine(channels: &Channels, names: &[String], f: impl Fn(&[f64]) -> f64) -> Result<Series, Unassembled> {
+fn combine(
+    channels: &Channels,
+    names: &[String],
+    mut f: impl FnMut(&[f64]) -> f64,
+) -> Result<Series, Unassembled> {
     let source = |name: &String| channels.get(name).ok_or_else(|| Unassembled::NoChannel(name.clone()));
     let sources: Vec<&Series> = names.iter().map(source).collect::<Result<_, _>>()?;
     let Some(first) = sources.first() else { return Ok(Series::new(&[], &[], 0.0)) };
@@ -173,28 +224,39 @@ fn combine(channels: &Channels, names: &[String], f: impl Fn(&[f64]) -> f64) -> 
 
 fn add_forces(channels: &mut Channels, conventions: &Conventions) -> Result<(), Unassembled> {
     let mut names: Vec<String> = Vec::new();
-    let place_of = |names: &mut Vec<String>, name: &String| {
-        names.iter().position(|n| n == name).unwrap_or_else(|| {
+    let mut place_of = |name: &String| {
+        names.iter().position(|known| known == name).unwrap_or_else(|| {
             names.push(name.clone());
             names.len() - 1
         })
     };
-    let mut places = Vec::new();
-    for (thruster, speed, angle) in &conventions.thrusters {
-        let speed = place_of(&mut names, speed);
-        places.push((thruster, speed, angle.as_ref().map(|angle| place_of(&mut names, angle))));
-    }
-    if places.is_empty() {
+    let placed = |thruster| (thruster, Propulsor::channels(thruster).map(|name| name.map(&mut place_of)));
+    let thrusters: Vec<(&Propulsor, [Option<usize>; 3])> = conventions.thrusters.iter().map(placed).collect();
+    if thrusters.is_empty() {
         return Ok(());
     }
-    for (i, name) in FORCES.into_iter().enumerate() {
-        let force = combine(channels, &names, |values| {
-            let one = |(thruster, speed, angle): &(&Thruster, usize, Option<usize>)| {
-                thruster.forces(values[*speed], angle.map_or(FRAC_PI_2, |angle| values[angle]))[i]
+    // A tunnel thruster pushes to starboard; what has no pitch has none in its table.
+    let absent = [0.0, FRAC_PI_2, 0.0];
+    let mut outside = None;
+    for (i, force) in FORCES.into_iter().enumerate() {
+        let made = combine(channels, &names, |values| {
+            let forces = thrusters.iter().map(|(thruster, places)| {
+                let own = std::array::from_fn(|k| places[k].map_or(absent[k], |place| values[place]));
+                thruster.forces(own)
+            });
+            let one = |forces: Result<[f64; 3], Unassembled>| match forces {
+                Ok(forces) => forces[i],
+                Err(error) => {
+                    outside.get_or_insert(error);
+                    f64::NAN
+                }
             };
-            places.iter().map(one).sum()
+            forces.map(one).sum()
         })?;
-        channels.insert(name.to_owned(), force);
+        if let Some(error) = outside {
+            return Err(error);
+        }
+        channels.insert(force.to_owned(), made);
     }
     Ok(())
 }

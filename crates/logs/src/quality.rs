@@ -103,28 +103,56 @@ const COMPARED_HZ: f64 = 20.0;
 /// Longest lag that is looked for \[s\].
 const LONGEST_LAG_S: f64 = 5.0;
 
+/// What position and heading say about the motion, from parabolas over some time.
+pub(crate) struct Derivatives {
+    /// The heading, smoothed \[rad\].
+    pub(crate) psi: Series,
+    /// Its derivative \[rad/s\].
+    r: Series,
+    /// Those of north and east, where there are positions \[m/s\].
+    pub(crate) over_ground: Option<[Series; 2]>,
+}
+
+impl Derivatives {
+    /// None without a heading.
+    pub(crate) fn of(channels: &Channels, window_s: f64) -> Option<Self> {
+        let smoothed = |name: &str| channels.get(name).map(|series| series.smoothed(window_s));
+        let slope = |name: &str| smoothed(name).map(|(_, slope)| slope);
+        let (psi, r) = smoothed("psi")?;
+        let over_ground = slope("x").zip(slope("y")).map(|(north, east)| [north, east]);
+        Some(Self { psi, r, over_ground })
+    }
+
+    /// Compares measured surge, sway and yaw rate with these. None where either is not known or they never meet.
+    pub(crate) fn compared(&self, channels: &Channels) -> [Option<MotionSummary>; 3] {
+        let Self { psi, r, over_ground } = self;
+        [("y_u", State::U), ("y_v", State::V), ("y_r", State::R)].map(|(name, state)| {
+            let measured = channels.get(name)?;
+            let rate_hz = measured.rate_hz()?.min(COMPARED_HZ);
+            let times = times_of(measured, rate_hz);
+            let derivative = match (state, over_ground) {
+                (State::R, _) => times.made(r.at(times.iter())),
+                (_, Some([north, east])) => {
+                    let rates = north.at(times.iter()).zip(east.at(times.iter()));
+                    let body = |((n, e), psi)| body_velocity([n, e], psi)[state as usize];
+                    times.made(rates.zip(psi.at(times.iter())).map(body))
+                }
+                (_, None) => return None,
+            };
+            compare(state, &times.made(measured.at(times.iter())), &derivative, rate_hz)
+        })
+    }
+}
+
 /// Compares measured surge, sway and yaw rate with the derivatives of position and heading, taken from parabolas over
 /// `window_s`. None where either is not measured or they never meet.
 pub fn consistency(channels: &Channels, window_s: f64) -> [Option<MotionSummary>; 3] {
-    let smoothed = |name: &str| channels.get(name).map(|series| series.smoothed(window_s));
-    let slope = |name: &str| smoothed(name).map(|(_, slope)| slope);
-    let Some((psi, r)) = smoothed("psi") else { return [None; 3] };
-    let over_ground = slope("x").zip(slope("y")).map(|(north, east)| [north, east]);
-    [("y_u", State::U), ("y_v", State::V), ("y_r", State::R)].map(|(name, state)| {
-        let measured = channels.get(name)?;
-        let rate_hz = measured.rate_hz()?.min(COMPARED_HZ);
-        let times = times_of(measured, rate_hz);
-        let derivative = match (state, &over_ground) {
-            (State::R, _) => times.made(r.at(times.iter())),
-            (_, Some([north, east])) => {
-                let rates = north.at(times.iter()).zip(east.at(times.iter()));
-                let body = |((n, e), psi)| body_velocity([n, e], psi)[state as usize];
-                times.made(rates.zip(psi.at(times.iter())).map(body))
-            }
-            (_, None) => return None,
-        };
-        compare(state, &times.made(measured.at(times.iter())), &derivative, rate_hz)
-    })
+    Derivatives::of(channels, window_s).map_or([None; 3], |derivatives| derivatives.compared(channels))
+}
+
+/// The moments at which a channel is compared with others.
+pub(crate) fn at_most(series: &Series) -> Option<Samples> {
+    Some(times_of(series, series.rate_hz()?.min(COMPARED_HZ)))
 }
 
 /// Times at `rate_hz` in the pieces without gaps, and one in the middle of each gap, where nothing is known.

@@ -10,12 +10,14 @@ use serde::{Deserialize, Serialize};
 use vessel::Segment;
 
 use crate::assemble::on_one_clock;
+use crate::axes::check_axes;
+use crate::quality::Derivatives;
 use crate::segment::Labelled;
 use crate::source::called;
-use crate::suspicion::{check_ratios, warnings};
+use crate::suspicion::{Seen, check_ratios, warnings};
 use crate::{
     Assembled, ChannelSummary, Channels, Grid, Log, MotionSummary, Part, Plan, RowSummary, Samples,
-    Segmentation, Series, Source, Unassembled, WarningSummary, consistency, noise_std, prepare,
+    Segmentation, Series, Source, Unassembled, WarningSummary, noise_std, prepare,
 };
 
 /// What became of a recording.
@@ -97,6 +99,9 @@ pub struct RecordingSummary {
     pub splits: u64,
     /// Segments that were left out for being too short.
     pub short_segments: u64,
+    /// What is known of it and in none of its runs: outside of segments, or in those that were too short \[s\].
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub left_out_s: f64,
     /// Rows of its files.
     pub rows: RowSummary,
     /// Its channels, measured and computed, on their own clocks.
@@ -106,6 +111,10 @@ pub struct RecordingSummary {
     /// What is odd about its channels.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub warnings: Vec<WarningSummary>,
+}
+
+fn is_zero(seconds: &f64) -> bool {
+    *seconds == 0.0
 }
 
 /// Makes runs of the `logs` of `source`, one per group of files.
@@ -122,7 +131,7 @@ pub fn record(
     let labels = logs.iter().find_map(|log| labels(log, start_s));
     let setup = &plan.setup;
     let missing = missing(plan, &logs);
-    let largest: Vec<f64> = logs.iter().flat_map(|log| &log.largest).copied().collect();
+    let seen: Vec<Seen> = logs.iter().flat_map(|log| &log.seen).copied().collect();
     let mut rows = RowSummary::default();
     logs.iter().for_each(|log| rows += log.counts);
     let channels = channels(plan, logs, start_s);
@@ -130,9 +139,17 @@ pub fn record(
     let further: Vec<&str> = plan.further.iter().map(|(name, _)| name.as_str()).collect();
     let refused = |why: &Unassembled, found: &[ChannelSummary]| refused(source, why, slowest(plan, found));
     let channels = prepare(channels, &setup.conventions).map_err(|why| refused(&why, &[]))?;
-    let motion = consistency(&channels, setup.conventions.window_s);
+    let derivatives = Derivatives::of(&channels, setup.conventions.window_s);
+    let motion = match &derivatives {
+        Some(derivatives) => {
+            check_axes(&channels, derivatives, &setup.conventions)?;
+            derivatives.compared(&channels)
+        }
+        None => [None; 3],
+    };
+    drop(derivatives);
     let summaries = summaries(plan, &channels, &missing);
-    let warnings = warnings(setup, &channels, &summaries, &largest);
+    let warnings = warnings(setup, &channels, &summaries, &seen);
     let needed = [exogenous.as_slice(), &further];
     let made = on_one_clock(channels, &setup.conventions, needed, plan.most_rows)
         .map_err(|why| refused(&why, &summaries))?;
@@ -140,16 +157,19 @@ pub fn record(
     let (parts, short) = segmentation.runs(source, &made, labels.as_ref());
     let (duration_s, splits) =
         (made.grid.rows.saturating_sub(1) as f64 / made.grid.rate_hz, made.stretches.len().saturating_sub(1));
+    let known: usize = made.stretches.iter().map(|stretch| stretch.samples).sum();
     let runs = cut(plan, made, &parts);
+    let samples: usize = runs.iter().map(RecordedRun::samples).sum();
     let summary = RecordingSummary {
         name: source.name.clone(),
         files: source.files.clone(),
         runs: Vec::new(),
         duration_s,
-        samples: runs.iter().map(|run| run.samples() as u64).sum(),
+        samples: samples as u64,
         segments: runs.iter().map(|run| run.segments.len() as u64).sum(),
         splits: splits as u64,
         short_segments: short as u64,
+        left_out_s: known.saturating_sub(samples) as f64 / setup.conventions.rate_hz,
         rows,
         warnings,
         channels: summaries,
@@ -163,6 +183,11 @@ fn refused(source: &Source, why: &Unassembled, slowest: Option<(String, f64)>) -
     if let Unassembled::TooLong { most, .. } = why {
         let expected = format!("at most {most} rows, which memory and disk have room for");
         let remedy = "check the clocks for jumps, lower `sample_rate_hz`, or raise --memory-mib";
+        return Invalid::new(called(&source.name), why.to_string(), expected, remedy);
+    }
+    if let Unassembled::OutsideTable { range: [low, high], .. } = why {
+        let expected = format!("a thruster within its table, from {low} to {high}");
+        let remedy = "check the channel's unit and sign, or extend the table in [[thruster]]";
         return Invalid::new(called(&source.name), why.to_string(), expected, remedy);
     }
     let remedy = match slowest {

@@ -4,6 +4,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use refusal::Invalid;
+use schemars::JsonSchema;
 use serde::Deserialize;
 
 use crate::{Assembled, Grid, Labels, Samples, Source, Stretch};
@@ -49,7 +50,7 @@ pub enum Cut {
 }
 
 /// A sub-experiment by time.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Interval {
     /// Name of the recording.

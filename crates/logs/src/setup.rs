@@ -1,6 +1,7 @@
+use schemars::JsonSchema;
 use serde::Deserialize;
 
-use crate::{Conventions, NonMonotonic, TimeUnit};
+use crate::{Body, Conventions, NonMonotonic, Repeated, TimeUnit};
 
 /// How the logs of a ship were made.
 #[derive(Clone, Debug)]
@@ -18,7 +19,7 @@ pub struct Setup {
 }
 
 /// Files of one kind.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct FileSpec {
     /// Patterns with `*`, relative to the folder of the logs.
@@ -26,9 +27,20 @@ pub struct FileSpec {
     /// Template that finds `{run}` in a file's name (in its path where it has a `/`): files of several groups with the
     /// same `{run}` are one recording. Without it each file is a recording, named as the file.
     pub run_from_file: Option<String>,
-    /// Separator of CSV files.
+    /// Separator of CSV files; a blank stands for any number of them.
     #[serde(default = "comma")]
     pub separator: char,
+    /// What stands before the decimals in CSV files: `.` or `,`.
+    #[serde(default = "point")]
+    pub decimal: char,
+    /// Lines of CSV files that come before the header, or before the rows where there is none.
+    #[serde(default)]
+    pub skip_lines: usize,
+    /// Whether CSV files have a header; without one columns are called `1`, `2` and so on.
+    #[serde(default = "yes")]
+    pub header: bool,
+    /// Number of columns of CSV files without a header.
+    pub columns: Option<usize>,
     /// Column with labels of sub-experiments.
     pub label_column: Option<String>,
     /// The clock.
@@ -36,27 +48,48 @@ pub struct FileSpec {
     /// The channels.
     #[serde(default)]
     pub channel: Vec<ChannelSpec>,
+    /// Attitudes as quaternions.
+    #[serde(default)]
+    pub quaternion: Vec<QuaternionSpec>,
 }
 
 fn comma() -> char {
     ','
 }
 
+fn point() -> char {
+    '.'
+}
+
+fn yes() -> bool {
+    true
+}
+
 /// The clock of a kind of files.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TimeSpec {
     /// Its column.
     pub column: String,
     /// What it counts.
-    pub unit: TimeUnit,
+    pub unit: Option<TimeUnit>,
+    /// How it is written where it is text, in the manner of strptime: `%Y/%m/%d %H:%M:%S%.f`, with `%:z` for an offset;
+    /// in place of a unit.
+    pub format: Option<String>,
+    /// Where clocks showed the time where it is text without an offset: `Europe/Helsinki`, `+03:00`; UTC if it is not said.
+    pub zone: Option<String>,
+    /// Column with nanoseconds that are added to whole seconds.
+    pub nanoseconds: Option<String>,
+    /// What to do with rows that have the time of the row before.
+    #[serde(default)]
+    pub repeated: Repeated,
     /// Added to the clock \[s\].
     #[serde(default)]
     pub offset_s: f64,
 }
 
 /// A channel: `sign` · `scale` · (the column, converted) + `offset`, `delay_s` earlier.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ChannelSpec {
     /// The column it is in.
@@ -84,8 +117,94 @@ pub struct ChannelSpec {
     pub optional: bool,
 }
 
+/// An attitude as a quaternion w + x i + y j + z k, which turns body axes into those of the earth: from forward, starboard,
+/// down to north, east, down, or from forward, port, up to east, north, up. It becomes channels for heading, roll and pitch.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct QuaternionSpec {
+    /// Column of its real part.
+    pub w: String,
+    /// Column of its part along the forward axis.
+    pub x: String,
+    /// Column of its part along the second axis.
+    pub y: String,
+    /// Column of its part along the vertical axis.
+    pub z: String,
+    /// Channel for the heading.
+    #[serde(default = "psi")]
+    pub heading: String,
+    /// Channel for the roll, starboard side down.
+    pub roll: Option<String>,
+    /// Channel for the pitch, bow up.
+    pub pitch: Option<String>,
+    /// How far its length may be off 1.
+    #[serde(default = "hundredth")]
+    pub tolerance: f64,
+    /// The sensor's delay \[s\].
+    #[serde(default)]
+    pub delay_s: f64,
+    /// Its own longest gap \[s\].
+    pub max_gap_s: Option<f64>,
+}
+
 fn one() -> f64 {
     1.0
+}
+
+fn psi() -> String {
+    "psi".to_owned()
+}
+
+fn hundredth() -> f64 {
+    0.01
+}
+
+impl TimeSpec {
+    /// Whether it is text.
+    pub fn is_text(&self) -> bool {
+        self.format.is_some() || self.unit == Some(TimeUnit::Iso8601)
+    }
+}
+
+impl QuaternionSpec {
+    /// Its columns, in order.
+    pub(crate) fn columns(&self) -> [&String; 4] {
+        [&self.w, &self.x, &self.y, &self.z]
+    }
+
+    /// The channels that are made of it, heading first.
+    fn channels(&self, body: Body) -> impl Iterator<Item = ChannelSpec> {
+        let own = |channel: &String, sign, optional| ChannelSpec {
+            column: format!("{}`, `{}`, `{}`, `{}", self.w, self.x, self.y, self.z),
+            channel: channel.clone(),
+            unit: "rad".to_owned(),
+            sign,
+            scale: 1.0,
+            offset: 0.0,
+            delay_s: self.delay_s,
+            max_gap_s: self.max_gap_s,
+            optional,
+        };
+        // A turn about the axis to port puts the bow down.
+        let pitch = self.pitch.iter().map(move |pitch| own(pitch, body.starboard(), true));
+        let roll = self.roll.iter().map(move |roll| own(roll, 1.0, true));
+        [own(&self.heading, 1.0, false)].into_iter().chain(roll).chain(pitch)
+    }
+}
+
+impl FileSpec {
+    /// Appends the channels that quaternions become, angles in radians.
+    pub(crate) fn with_angles(mut self, body: Body) -> Self {
+        let angles: Vec<ChannelSpec> = self.quaternion.iter().flat_map(|q| q.channels(body)).collect();
+        self.channel.extend(angles);
+        self
+    }
+
+    /// The channels that have a column of their own, where those of quaternions have been appended.
+    pub(crate) fn plain(&self) -> &[ChannelSpec] {
+        let angles = |q: &QuaternionSpec| 1 + usize::from(q.roll.is_some()) + usize::from(q.pitch.is_some());
+        &self.channel[..self.channel.len() - self.quaternion.iter().map(angles).sum::<usize>()]
+    }
 }
 
 impl Setup {

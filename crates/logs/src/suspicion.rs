@@ -31,7 +31,25 @@ pub(crate) struct Turns<'a> {
     before: f64,
     count: usize,
     wraps: Vec<Wraps>,
+    /// A moment at least a second ago, and the number then.
+    anchor: (f64, f64),
+    fast: usize,
 }
+
+/// What a channel looked like as it was logged.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Seen {
+    /// Its largest modulus, in SI units.
+    largest: f64,
+    /// How often it moved faster than any direction does that a ship turns with.
+    fast: usize,
+}
+
+/// No direction turns faster for a second, were it that of a small model \[rad/s\].
+const FAST: f64 = 1.5;
+
+/// How often it must do so: a jump may be a fault.
+const OFTEN: usize = 3;
 
 /// Numbers that are a turn of another unit off the one before.
 struct Wraps {
@@ -48,11 +66,12 @@ impl<'a> Turns<'a> {
         let own = TAU / unit.factor;
         let others = TURNS.into_iter().filter(|(_, turn)| unit.si == "rad" && (turn / own - 1.0).abs() > 0.1);
         let wraps = others.map(|(unit, turn)| Wraps { unit, turn, first: None }).collect();
-        Self { unit, largest: 0.0, before: f64::NAN, count: 0, wraps }
+        let anchor = (f64::NEG_INFINITY, f64::NAN);
+        Self { unit, largest: 0.0, before: f64::NAN, count: 0, wraps, anchor, fast: 0 }
     }
 
-    /// Looks at the next number.
-    pub(crate) fn see(&mut self, number: f64) {
+    /// Looks at the next number, at `time` \[s\].
+    pub(crate) fn see(&mut self, number: f64, time: f64) {
         for Wraps { turn, first, .. } in &mut self.wraps {
             if first.is_none() && ((number - self.before).abs() / *turn - 1.0).abs() < 0.08 {
                 *first = Some((self.count, [self.before, number]));
@@ -60,14 +79,20 @@ impl<'a> Turns<'a> {
         }
         if number.is_finite() {
             self.largest = self.largest.max(number.abs());
+            let (since, from) = self.anchor;
+            if time - since >= 1.0 {
+                let rate = (number - from).abs() * self.unit.factor / (time - since);
+                self.fast += usize::from(rate > FAST);
+                self.anchor = (time, number);
+            }
         }
         self.before = number;
         self.count += 1;
     }
 
-    /// The largest modulus of all numbers.
-    pub(crate) fn largest(&self) -> f64 {
-        self.largest
+    /// What the numbers looked like.
+    pub(crate) fn seen(&self) -> Seen {
+        Seen { largest: self.unit.factor * self.largest, fast: self.fast }
     }
 
     /// Refuses `column`, whose number `i` stands on `line(i)`, where it wraps.
@@ -143,18 +168,20 @@ pub enum WarningKind {
 /// What is odd about a channel: the kind, how often, in words.
 type Oddity = (WarningKind, u64, String);
 
-/// What is odd about the channels of a recording; `largest` are the moduli of those that are logged, as they are logged.
+/// What is odd about the channels of a recording; `seen` is what those that are logged looked like there.
 pub(crate) fn warnings(
     setup: &Setup,
     channels: &Channels,
     found: &[ChannelSummary],
-    largest: &[f64],
+    seen: &[Seen],
 ) -> Vec<WarningSummary> {
     let mut odd: Vec<(&str, Oddity)> = Vec::new();
-    for (spec, largest) in setup.channels().zip(largest) {
+    for (spec, seen) in setup.channels().zip(seen) {
         let Some(channel) = found.iter().find(|channel| channel.name == spec.channel) else { continue };
-        let oddities = [constant(channel), angle(spec, *largest), slow(setup.conventions.rate_hz, channel)];
-        odd.extend(oddities.into_iter().flatten().map(|oddity| (channel.name.as_str(), oddity)));
+        let constant = constant(channel);
+        let oddities = [angle(spec, *seen, constant.is_some()), slow(setup.conventions.rate_hz, channel)];
+        let oddities = [constant].into_iter().chain(oddities);
+        odd.extend(oddities.flatten().map(|oddity| (channel.name.as_str(), oddity)));
     }
     odd.extend(jumps(channels).map(|oddity| ("psi", oddity)));
     let warning = |(channel, (kind, count, text)): (&str, Oddity)| WarningSummary {
@@ -171,13 +198,14 @@ fn constant(channel: &ChannelSummary) -> Option<Oddity> {
     Some((WarningKind::Constant, 1, format!("is {value} throughout")))
 }
 
-/// An angle that is logged beyond a turn (but for the heading, which may go round), or one in degrees that stays within a
-/// turn in radians. What is made of it without jumps may go round as often as it likes.
-fn angle(spec: &ChannelSpec, largest: f64) -> Option<Oddity> {
+/// An angle that is logged beyond a turn and stands still there, or moves faster than what goes round with a ship does; or
+/// one in degrees that stays within a turn in radians. An angle without wraps may go round as often as it likes.
+fn angle(spec: &ChannelSpec, Seen { largest, fast }: Seen, still: bool) -> Option<Oddity> {
     let degrees = largest.to_degrees();
     let text = match spec.unit.as_str() {
-        "rad" if largest > TAU && spec.channel != "psi" => {
-            format!("reaches {largest:.1} rad, more than a turn: it may be in degrees")
+        "rad" if largest > TAU && spec.channel != "psi" && (still || fast >= OFTEN) => {
+            let how = if still { "stands still at" } else { "moves by radians in a second and reaches" };
+            format!("{how} {largest:.1} rad, more than a turn: it may be in degrees")
         }
         "deg" if degrees <= TAU && largest > 0.0 => {
             format!("stays within {degrees:.2} deg: it may be in radians")

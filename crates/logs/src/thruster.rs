@@ -1,5 +1,6 @@
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
+use schemars::JsonSchema;
 use serde::Deserialize;
 
 /// What an azimuth thruster is set to: speed n \[1/s\] and direction of its push, from forward to starboard \[rad\], not
@@ -13,7 +14,7 @@ pub struct Setting {
 }
 
 /// A thruster's force from its speed n.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Law {
     /// c n |n|.

@@ -4,8 +4,8 @@ use std::fmt::Write;
 use std::sync::{Arc, Mutex};
 
 use logs::{
-    Conventions, Cut, Derived, FileSpec, Formula, Law, Lever, Log, Method, NonMonotonic, Plan, Recorded,
-    Samples, Segmentation, Setup, Source, SpeedClasses, Store, Thruster, read_csv, record,
+    Conventions, Cut, Derived, FileSpec, Formula, Law, Lever, Log, Method, NonMonotonic, Plan, Propulsor,
+    Recorded, Samples, Segmentation, Setup, Source, SpeedClasses, Store, Thruster, read_csv, record,
 };
 
 use crate::declared;
@@ -116,7 +116,7 @@ fn setup(labels: bool, method: Method, average_s: Option<f64>) -> Setup {
     let conventions = Conventions {
         lever: Lever([4.0, 1.0]),
         derived: vec![Derived { channel: "nn".into(), formula: square, unit: "1".into() }],
-        thrusters: vec![(thruster, "n".into(), Some("a".into()))],
+        thrusters: vec![Propulsor { thruster, speed: "n".into(), angle: Some("a".into()), table: None }],
         average_s,
         ..declared::conventions(method, 7.0)
     };

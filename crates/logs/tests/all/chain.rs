@@ -1,7 +1,7 @@
 //! What a chain of instruments logs, and that `assemble` gets the motion back from it.
 
 use logs::chain::{Actuator, Chain, Compass, Drift, Gnss, Hull, Key, Recording, Weather, Wind};
-use logs::{Channels, Conventions, Law, Method, Series, assemble, body_velocity};
+use logs::{Channels, Conventions, Law, Method, Propulsor, Series, assemble, body_velocity};
 use vessel::{Source, Vessel, VesselFile};
 
 use crate::declared;
@@ -111,7 +111,8 @@ fn back(recording: &Recording, actuators: &[Actuator]) -> logs::Assembled {
         let of = |f: &dyn Fn(logs::Setting) -> f64| recording.settings.iter().map(|s| f(s[i])).collect();
         channels.insert(format!("n{i}"), series(of(&|s| s.n)));
         channels.insert(format!("alpha{i}"), series(of(&|s| s.alpha)).unwrapped());
-        thrusters.push((actuator.thruster(), format!("n{i}"), Some(format!("alpha{i}"))));
+        let (speed, angle) = (format!("n{i}"), Some(format!("alpha{i}")));
+        thrusters.push(Propulsor { thruster: actuator.thruster(), speed, angle, table: None });
     }
     let conventions = Conventions { thrusters, ..declared::conventions(Method::Euler, RATE_HZ) };
     assemble(channels, &conventions, &["tau1", "tau2", "tau3"], &[]).unwrap()

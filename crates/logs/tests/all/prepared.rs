@@ -3,7 +3,7 @@
 use std::f64::consts::FRAC_PI_2;
 
 use logs::{
-    Body, Channels, Conventions, Derived, Formula, Frame, Heading, Law, Method, Series, Thruster,
+    Body, Channels, Conventions, Derived, Formula, Frame, Heading, Law, Method, Propulsor, Series, Thruster,
     Unassembled, prepare,
 };
 
@@ -64,9 +64,15 @@ fn computed_channels_may_use_those_before_them() {
 #[test]
 fn thrusters_add_up() {
     let aft = |y: f64| Thruster { law: Law::Linear, coefficient: 1.0, position_m: [-0.4, y] };
-    let named = |y: f64| (aft(y), "n".to_owned(), Some("alpha".to_owned()));
+    let of = |thruster, speed: &str, angle: Option<&str>| Propulsor {
+        thruster,
+        speed: speed.to_owned(),
+        angle: angle.map(str::to_owned),
+        table: None,
+    };
+    let named = |y: f64| of(aft(y), "n", Some("alpha"));
     let bow = Thruster { position_m: [0.4, 0.0], ..aft(0.0) };
-    let thrusters = vec![named(-0.1), named(0.1), (bow, "bow".to_owned(), None)];
+    let thrusters = vec![named(-0.1), named(0.1), of(bow, "bow", None)];
     let measured = channels(&[("n", &[2.0]), ("alpha", &[FRAC_PI_2]), ("bow", &[1.0])]);
     let found = prepare(measured, &Conventions { thrusters, ..conventions() }).unwrap();
     approx::assert_abs_diff_eq!(found["tau1"].values.first().unwrap(), 0.0, epsilon = 1e-15);

@@ -215,20 +215,21 @@ fn all(
 fn summary(out: &Path, document: &IngestDocument) -> Summary {
     let IngestDocument { runs, samples, maneuvers, recordings, .. } = document;
     let sum = |count: fn(&RecordingSummary) -> u64| recordings.iter().map(count).sum::<u64>();
-    let dropped = sum(|r| r.rows.empty + r.rows.cut + r.rows.without_time + r.rows.repeated);
+    let dropped = sum(|r| r.rows.dropped());
+    let left_out_s: f64 = recordings.iter().map(|r| r.left_out_s).sum();
     let (splits, short) = (sum(|r| r.splits), sum(|r| r.short_segments));
     let warnings = sum(|r| r.warnings.iter().map(|w| w.count).sum());
     let warned = if warnings > 0 { format!("; {warnings} warnings, see ingest.json") } else { String::new() };
     let label = document.data.map_or(String::new(), |label| format!("; {label}"));
     let line = format!(
         "{runs} runs, {samples} samples, {} maneuvers from {} recordings; {dropped} rows dropped, {splits} gaps \
-         that split a recording, {short} segments too short{warned}{label}",
+         that split a recording, {short} segments too short, {left_out_s:.0} s in no run{warned}{label}",
         maneuvers.len(),
         recordings.len(),
     );
     let told = json!({
         "runs": runs, "samples": samples, "recordings": recordings.len(), "maneuvers": maneuvers.len(),
-        "dropped_rows": dropped, "splits": splits, "short_segments": short, "warnings": warnings,
+        "dropped_rows": dropped, "splits": splits, "short_segments": short, "left_out_s": left_out_s, "warnings": warnings,
     });
     Summary::of(out, line, told)
 }

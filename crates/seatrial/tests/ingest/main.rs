@@ -1,9 +1,13 @@
 //! The `ingest` stage, run as a program on files.
 
+mod attitudes;
+mod clocks;
 mod document;
 mod files;
+mod forces;
 mod real;
 mod refusals;
 mod runner;
 mod segments;
+mod shapes;
 mod topics;

@@ -12,29 +12,6 @@ use parquet::schema::types::Type;
 
 use crate::runner::*;
 
-/// Must be refused with exit code 3 and `pieces`, and write nothing.
-#[track_caller]
-fn refused_in(folder: &Path, more: &[&str], pieces: &[&str]) {
-    let names = || {
-        let mut names: Vec<_> = fs::read_dir(folder).unwrap().map(|e| e.unwrap().file_name()).collect();
-        names.sort();
-        names
-    };
-    let before = names();
-    let ran = run(folder, &[&["--config", "ingest.toml", "--out", "trajectories.parquet"], more].concat());
-    assert_eq!(ran.code, Some(3), "{}{}", ran.stdout, ran.stderr);
-    assert_eq!((ran.stderr.lines().count(), ran.stdout.as_str()), (1, ""), "{}", ran.stderr);
-    for piece in [&["error: ", ": found ", ", expected ", "; "], pieces].concat() {
-        assert!(ran.stderr.contains(piece), "`{piece}` is missing: {}", ran.stderr);
-    }
-    assert_eq!(names(), before, "something was written");
-}
-
-#[track_caller]
-fn refused(config: &str, csv: &str, pieces: &[&str]) {
-    refused_in(folder(&[("ingest.toml", config), ("a.csv", csv)]).path(), &[], pieces);
-}
-
 #[test]
 fn unknown_keys_choices_and_units_are_refused_with_the_nearest() {
     let log = log(5);
@@ -71,11 +48,15 @@ fn cells_and_rows_that_cannot_be_read_are_named_by_line() {
         &log.replace("3,0.13", "3,0x13"),
         &["a.csv: line 5, column `u`", "found `0x13`", "a number"],
     );
-    refused(&config(""), &log.replace("3,0.13", "3,0.13,9"), &["line 5", "found 6 cells", "expected 5"]);
+    refused(
+        &config(""),
+        &log.replace("3,0.13", "3,0.13,9"),
+        &["line 5", "found 6 cells", "expected 5, as in the header"],
+    );
     refused(&config(""), &log.replace("0.02,0.001,62", "0.02"), &["line 4", "found 3 cells"]);
     let comma = log.replace(',', ";").replace("0.13", "0,13");
     let text = config("").replace("time =", "separator = \";\"\ntime =");
-    refused(&text, &comma, &["line 5", "`0,13`", "decimal points"]);
+    refused(&text, &comma, &["line 5", "`0,13`", "`decimal = \",\"`"]);
     let text = config("").replace("unit = \"s\"", "unit = \"iso8601\"");
     refused(&text, &log, &["line 2, column `t`", "found `0`", "2020-07-31T13:04:24.5Z"]);
 }

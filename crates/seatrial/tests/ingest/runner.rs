@@ -116,3 +116,27 @@ pub fn log(rows: usize) -> String {
     let row = |t: usize| format!("{t},{:.2},0.02,0.001,{}\n", 0.1 + 0.01 * t as f64, 60 + t);
     "t,u,v,r,n\n".to_owned() + &(0..rows).map(row).collect::<String>()
 }
+
+/// Must be refused with exit code 3 and `pieces`, and write nothing.
+#[track_caller]
+pub fn refused_in(folder: &Path, more: &[&str], pieces: &[&str]) {
+    let names = || {
+        let mut names: Vec<_> = fs::read_dir(folder).unwrap().map(|e| e.unwrap().file_name()).collect();
+        names.sort();
+        names
+    };
+    let before = names();
+    let ran = run(folder, &[&["--config", "ingest.toml", "--out", "trajectories.parquet"], more].concat());
+    assert_eq!(ran.code, Some(3), "{}{}", ran.stdout, ran.stderr);
+    assert_eq!((ran.stderr.lines().count(), ran.stdout.as_str()), (1, ""), "{}", ran.stderr);
+    for piece in [&["error: ", ": found ", ", expected ", "; "], pieces].concat() {
+        assert!(ran.stderr.contains(piece), "`{piece}` is missing: {}", ran.stderr);
+    }
+    assert_eq!(names(), before, "something was written");
+}
+
+/// Must be refused so with this configuration and the log `a.csv`.
+#[track_caller]
+pub fn refused(config: &str, csv: &str, pieces: &[&str]) {
+    refused_in(folder(&[("ingest.toml", config), ("a.csv", csv)]).path(), &[], pieces);
+}

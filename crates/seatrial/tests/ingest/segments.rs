@@ -23,7 +23,7 @@ fn runs(made: &Made) -> Vec<(String, f64, usize)> {
 #[test]
 fn windows_are_runs_of_their_own_named_by_kind_and_speed() {
     let log = log(36);
-    let top = "maneuver_from_file = \"{kind}/*\"\nwindow_s = 10\nspeed_classes_m_s = [0.2, 0.3]\neach_segment_is_a_run = true";
+    let top = "maneuver_from_file = \"{kind}/*\"\nwindow_s = 10\ntail_s = 10\nspeed_classes_m_s = [0.2, 0.3]\neach_segment_is_a_run = true";
     let text = config(top).replace("*.csv", "*/*.csv");
     let made = ingest(folder(&[("ingest.toml", &text), ("zigzag/1.csv", &log)]).path(), &CONFIG);
     let name = |speed: &str| format!("zigzag/{speed}");
@@ -43,11 +43,16 @@ fn windows_may_be_segments_of_one_run() {
 
 #[test]
 fn a_tail_that_is_long_enough_is_a_last_shorter_window() {
-    for (tail_s, rows, short) in [("5", 36, 0), ("5.5", 31, 1)] {
-        let made = made(&format!("window_s = 10\ntail_s = {tail_s}"), "", &[("a.csv", &log(36))]);
-        assert_eq!((made.rows, made.summary.recordings[0].short_segments), (rows, short), "{tail_s}");
+    for (tail, rows, short) in [("tail_s = 5", 36, 0), ("tail_s = 5.5", 31, 1), ("", 36, 0)] {
+        let made = made(&format!("window_s = 10\n{tail}"), "", &[("a.csv", &log(36))]);
+        let recording = &made.summary.recordings[0];
+        assert_eq!((made.rows, recording.short_segments), (rows, short), "{tail}");
+        assert_eq!(recording.left_out_s, 5.0 * short as f64, "{tail}");
+        assert!(made.line.contains(&format!("{} s in no run", 5 * short)), "{}", made.line);
         assert_eq!(made.i32("segment")[30..].last(), Some(&(2 + i32::from(short == 0))));
     }
+    // Two seconds are less than a quarter of a window.
+    assert_eq!(made("window_s = 10", "", &[("a.csv", &log(33))]).summary.recordings[0].left_out_s, 2.0);
 }
 
 #[test]

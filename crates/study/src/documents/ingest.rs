@@ -69,7 +69,7 @@ impl Document for IngestDocument {
     const UNITS: Units = &[
         ("Hz", "sample_rate_hz rate_hz"),
         ("1", "runs samples segments splits short_segments rows missing gaps gain count"),
-        ("s", "duration_s lag_s"),
+        ("s", "duration_s left_out_s lag_s"),
         ("unit of the channel", "noise min max"),
         ("m/s; rad/s for r", "rms robust_std bias"),
     ];

@@ -2,7 +2,7 @@
 
 use std::fmt::Display;
 
-use logs::Interval;
+use logs::{FileSpec, Interval, TimeSpec, TimeUnit};
 use refusal::{Invalid, check_numbers};
 
 use super::IngestFile;
@@ -16,16 +16,7 @@ impl IngestFile {
         self.check_numbers()?;
         self.check_channels()?;
         self.check_segments()?;
-        let separators = self.file.iter().map(|file| file.separator);
-        match separators.into_iter().find(|c| !c.is_ascii() || *c == '"' || *c == '\n' || *c == '\r') {
-            Some(found) => Err(Invalid::new(
-                "`separator`",
-                format!("`{}`", found.escape_default()),
-                "one character such as `,`, `;` or a tab",
-                "correct it",
-            )),
-            None => Ok(()),
-        }
+        self.file.iter().try_for_each(check_file)
     }
 
     fn check_numbers(&self) -> Result<(), Invalid> {
@@ -113,6 +104,12 @@ impl IngestFile {
             }
             check_positive([(format!("max_gap_s` of channel `{}", channel.channel), gap)])?;
         }
+        let attitudes = self.file.iter().flat_map(|file| &file.quaternion);
+        for quaternion in attitudes {
+            let gap = quaternion.max_gap_s.unwrap_or(1.0);
+            check_positive([("tolerance", quaternion.tolerance), ("max_gap_s", gap)])?;
+            check_numbers([("delay_s", quaternion.delay_s)], "a finite number", |_| true)?;
+        }
         let clocks = self.file.iter().map(|file| ("offset_s", file.time.offset_s));
         let antenna = self.antenna_m.map(|place| ("antenna_m", place));
         check_numbers(clocks.chain(antenna), "a finite number", |_| true)
@@ -144,6 +141,49 @@ impl IngestFile {
             None => Ok(()),
         }
     }
+}
+
+/// Refuses keys of a group of files that exclude each other or lack another.
+fn check_file(file: &FileSpec) -> Result<(), Invalid> {
+    let c = file.separator;
+    if !c.is_ascii() || ['"', '\n', '\r'].contains(&c) {
+        let expected = "one character such as `,`, `;`, a tab or a blank";
+        return Err(Invalid::new("`separator`", format!("`{}`", c.escape_default()), expected, "correct it"));
+    }
+    if !['.', ','].contains(&file.decimal) || file.decimal == c {
+        let found = format!("`{}` beside the separator `{c}`", file.decimal);
+        let expected = "`.` or `,`, and another separator";
+        return Err(Invalid::new("`decimal`", found, expected, "correct one of them"));
+    }
+    match (file.header, file.columns) {
+        (true, None) | (false, Some(1..)) => {}
+        (true, Some(_)) => {
+            let expected = "it for files without a header, `header = false`";
+            return Err(Invalid::new("`columns`", "it beside a header", expected, "remove one of the two"));
+        }
+        (false, _) => {
+            let expected = "`columns`, how many there are in the file";
+            return Err(Invalid::new("`header`", "files without header or `columns`", expected, "add it"));
+        }
+    }
+    check_time(&file.time)
+}
+
+fn check_time(time: &TimeSpec) -> Result<(), Invalid> {
+    if time.unit.is_some() == time.format.is_some() {
+        let found = if time.unit.is_some() { "both `unit` and `format`" } else { "no `unit`" };
+        let expected = "a `unit`, or the `format` of times that are text";
+        return Err(Invalid::new("`time`", found, expected, "name one of the two"));
+    }
+    if time.zone.is_some() && !time.is_text() {
+        let found = "`zone` of a time that is a number";
+        return Err(Invalid::new("`time`", found, "it for times that are text", "remove `zone`"));
+    }
+    if time.nanoseconds.is_some() && time.unit != Some(TimeUnit::S) {
+        let found = "`nanoseconds` beside another unit than seconds";
+        return Err(Invalid::new("`time`", found, "whole seconds in `column`", "set `unit = \"s\"`"));
+    }
+    Ok(())
 }
 
 fn check_positive<K: Display>(numbers: impl IntoIterator<Item = (K, f64)>) -> Result<(), Invalid> {

@@ -5,14 +5,15 @@ pub mod read;
 pub mod recordings;
 
 use logs::{
-    Body, Conventions, Cut, Derived, FileSpec, Formula, Frame, Heading, Interval, Kind, Law, Lever, Method,
-    Naming, NonMonotonic, Segmentation, Setup, SpeedClasses, Template, Thruster,
+    Body, Conventions, Cut, Derived, FileSpec, ForceTable, Formula, Frame, Heading, Interval, Kind, Law,
+    Lever, Method, Naming, NonMonotonic, Propulsor, Segmentation, Setup, SpeedClasses, Template, Thruster,
 };
 use refusal::Invalid;
+use schemars::JsonSchema;
 use serde::Deserialize;
 
 /// `ingest.toml` as written.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct IngestFile {
     /// Name of the design that the runs belong to.
@@ -58,7 +59,8 @@ pub struct IngestFile {
     pub maneuver_from_file: Option<String>,
     /// Sub-experiments are windows of this length \[s\] …
     pub window_s: Option<f64>,
-    /// … what is left at the end of a stretch being a last, shorter one if it is this long \[s\]; without it it is left out …
+    /// … what is left at the end of a stretch being a last, shorter one if it is this long \[s\], a quarter of `window_s` if
+    /// that is not said …
     pub tail_s: Option<f64>,
     /// … named by kind and class of mean speed, with these bounds \[m/s\].
     #[serde(default)]
@@ -80,7 +82,7 @@ fn measured() -> String {
 }
 
 /// A channel computed from others.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct DerivedSpec {
     /// Its name.
@@ -92,7 +94,7 @@ pub struct DerivedSpec {
 }
 
 /// How velocities are made from positions.
-#[derive(Clone, Copy, Debug, Deserialize)]
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct VelocitySpec {
     /// Explicit Euler differences, or slopes of local parabolas.
@@ -107,8 +109,8 @@ impl Default for VelocitySpec {
     }
 }
 
-/// A thruster. Axes: x forward, y starboard, z down.
-#[derive(Clone, Debug, Deserialize)]
+/// A thruster. Axes: x forward, y starboard, z down. It has a coefficient or a table.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "lowercase", deny_unknown_fields)]
 pub enum ThrusterSpec {
     /// Turns about the vertical.
@@ -117,11 +119,15 @@ pub enum ThrusterSpec {
         speed: String,
         /// Channel of its angle: where it pushes, from forward to starboard.
         angle: String,
+        /// Channel of its pitch, for a table over pitches.
+        pitch: Option<String>,
         /// Force per speed squared, or per speed \[N\].
-        coefficient: f64,
+        coefficient: Option<f64>,
         /// Force from speed.
         #[serde(default)]
         law: Law,
+        /// Force from speed, and pitch.
+        table: Option<TableSpec>,
         /// Forward and to starboard of the reference point \[m\].
         position_m: [f64; 2],
     },
@@ -129,21 +135,42 @@ pub enum ThrusterSpec {
     Tunnel {
         /// Channel of its speed.
         speed: String,
+        /// Channel of its pitch, for a table over pitches.
+        pitch: Option<String>,
         /// Force per speed squared, or per speed \[N\].
-        coefficient: f64,
+        coefficient: Option<f64>,
         /// Force from speed.
         #[serde(default)]
         law: Law,
+        /// Force from speed, and pitch.
+        table: Option<TableSpec>,
         /// Forward and to starboard of the reference point \[m\].
         position_m: [f64; 2],
     },
 }
 
+/// Forces of a thruster; between the places of a table they are interpolated linearly, beyond them there are none.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct TableSpec {
+    /// Speeds, increasing \[1/s\].
+    pub speed: Vec<f64>,
+    /// Pitches, increasing, in the SI unit of their channel.
+    pub pitch: Option<Vec<f64>>,
+    /// The force at each speed \[N\], of a table without pitches.
+    pub force: Option<Vec<f64>>,
+    /// A row of forces for each pitch \[N\].
+    pub forces: Option<Vec<Vec<f64>>>,
+}
+
+/// A rest at the end of a stretch is a window of its own where it is longer than this part of one, unless said otherwise.
+const USUAL_TAIL: usize = 4;
+
 impl IngestFile {
     /// How the logs were made.
     ///
     /// # Errors
-    /// A formula that cannot be read.
+    /// A formula that cannot be read, a thruster with a table that is none.
     pub fn setup(&self) -> Result<Setup, Invalid> {
         let conventions = Conventions {
             frame: self.frame,
@@ -152,7 +179,7 @@ impl IngestFile {
             lever: Lever(self.antenna_m),
             window_s: self.velocities.window_s,
             derived: self.derived.iter().map(derived).collect::<Result<_, _>>()?,
-            thrusters: self.thruster.iter().cloned().map(thruster).collect(),
+            thrusters: self.thruster.iter().cloned().map(thruster).collect::<Result<_, _>>()?,
             method: self.velocities.method,
             rate_hz: self.sample_rate_hz,
             average_s: self.average_s,
@@ -172,7 +199,8 @@ impl IngestFile {
             Cut::Labels
         } else if let Some(window_s) = self.window_s {
             let samples = ((window_s * self.sample_rate_hz).round() as usize).max(1);
-            let tail = self.tail_s.map_or(samples, |tail_s| self.least_samples(tail_s).clamp(1, samples));
+            let usual = samples.div_ceil(USUAL_TAIL);
+            let tail = self.tail_s.map_or(usual, |tail_s| self.least_samples(tail_s).clamp(1, samples));
             Cut::Windows { samples, tail, classes: self.speed_classes() }
         } else if self.segment.is_empty() {
             Cut::Whole
@@ -228,16 +256,50 @@ fn derived(spec: &DerivedSpec) -> Result<Derived, Invalid> {
     Ok(Derived { channel: spec.channel.clone(), formula, unit: spec.unit.clone() })
 }
 
-/// The thruster, the channel of its speed, and for an azimuth thruster that of its angle.
-fn thruster(spec: ThrusterSpec) -> (Thruster, String, Option<String>) {
-    match spec {
-        ThrusterSpec::Azimuth { speed, angle, coefficient, law, position_m } => {
-            (Thruster { law, coefficient, position_m }, speed, Some(angle))
+fn thruster(spec: ThrusterSpec) -> Result<Propulsor, Invalid> {
+    let (speed, angle, pitch, coefficient, law, spec, position_m) = match spec {
+        ThrusterSpec::Azimuth { speed, angle, pitch, coefficient, law, table, position_m } => {
+            (speed, Some(angle), pitch, coefficient, law, table, position_m)
         }
-        ThrusterSpec::Tunnel { speed, coefficient, law, position_m } => {
-            (Thruster { law, coefficient, position_m }, speed, None)
+        ThrusterSpec::Tunnel { speed, pitch, coefficient, law, table, position_m } => {
+            (speed, None, pitch, coefficient, law, table, position_m)
+        }
+    };
+    let made = |law, coefficient, table| {
+        let thruster = Thruster { law, coefficient, position_m };
+        Propulsor { thruster, speed, angle, table }
+    };
+    let refused =
+        |found: &str, expected, remedy| Err(Invalid::new("[[thruster]]", found.to_owned(), expected, remedy));
+    match (coefficient, spec) {
+        (Some(coefficient), None) if pitch.is_none() => Ok(made(law, coefficient, None)),
+        (Some(_), None) => refused("a `pitch` without a table", "a table over pitches", "add it"),
+        (None, Some(spec)) if pitch.is_some() == spec.pitch.is_some() => {
+            // What the table says is the force.
+            Ok(made(Law::Linear, 1.0, Some((table(spec)?, pitch))))
+        }
+        (None, Some(_)) => refused(
+            "`pitch` in the thruster or in its table alone",
+            "the channel of the pitch, and pitches in the table",
+            "add the other or remove it",
+        ),
+        (Some(_), Some(_)) | (None, None) => {
+            refused("both or none of `coefficient` and `table`", "one of the two", "remove one or add one")
         }
     }
+}
+
+fn table(TableSpec { speed, pitch, force, forces }: TableSpec) -> Result<ForceTable, Invalid> {
+    let forces = match (force, forces) {
+        (Some(row), None) if pitch.is_none() => vec![row],
+        (None, Some(rows)) if pitch.is_some() => rows,
+        _ => {
+            let found = "neither or both, or the wrong one, of `force` and `forces`";
+            let expected = "`force`, or with pitches `forces`";
+            return Err(Invalid::new("`table` of a thruster", found, expected, "correct it"));
+        }
+    };
+    ForceTable::new(speed, pitch, forces)
 }
 
 /// The template under `key`, which names a part `part`.

@@ -11,7 +11,7 @@ use artifact::{Digest, Digesting, Error, ForeignTable, Scratch};
 use flate2::read::MultiGzDecoder;
 use logs::{
     Cells, Columns, Content, CsvError, Labels, Log, Numbering, Plan, Recorded, Samples, Segmentation, Source,
-    Store, Wanted, no_date, places, read_csv, record, seconds_of,
+    Stamps, Store, Wanted, places, read_csv, record,
 };
 use refusal::Invalid;
 
@@ -122,7 +122,9 @@ fn parquet(path: &Path, plan: &Plan, group: usize, store: &Arc<dyn Store>) -> Re
     let column = |w: &Wanted| {
         Ok::<_, Error>(match w.content {
             Content::Labels => Cells::Labels(labels(&table, &w.column)?),
-            Content::Dates => Cells::Numbers(dates(path, &table, &w.column, plan, store)?),
+            Content::Dates => {
+                Cells::Numbers(dates((path, &table), &w.column, plan.stamps(group), plan, store)?)
+            }
             Content::Numbers => {
                 let mut numbers = Samples::new(store);
                 table.numbers(&w.column, |number| numbers.push(number))?;
@@ -131,7 +133,7 @@ fn parquet(path: &Path, plan: &Plan, group: usize, store: &Arc<dyn Store>) -> Re
         })
     };
     let cells = wanted.iter().map(column).collect::<Result<_, _>>()?;
-    Ok(Columns { cells, lines: Numbering::of_rows(table.rows()), empty_rows: 0, cut_rows: 0 })
+    Ok(Columns { cells, lines: Numbering::of_rows(table.rows()), ..Columns::default() })
 }
 
 fn labels(table: &ForeignTable, column: &str) -> Result<Labels, Error> {
@@ -141,23 +143,25 @@ fn labels(table: &ForeignTable, column: &str) -> Result<Labels, Error> {
 }
 
 fn dates(
-    path: &Path,
-    table: &ForeignTable,
+    (path, table): (&Path, &ForeignTable),
     column: &str,
+    stamps: &Stamps,
     plan: &Plan,
     store: &Arc<dyn Store>,
 ) -> Result<Samples, Error> {
     let (mut seconds, mut wrong) = (Samples::new(store), None);
     texts(table, column, |text| {
-        let known = seconds_of(text);
-        if known.is_none() && wrong.is_none() {
-            wrong = Some((seconds.len() + 1, text.to_owned()));
+        let known = stamps.seconds(text);
+        if let (Err(why), None) = (known, &wrong) {
+            wrong = Some((seconds.len() + 1, text.to_owned(), why));
         }
         seconds.push(known.unwrap_or(f64::NAN));
     })?;
     match wrong {
         None => Ok(seconds),
-        Some((row, found)) => Err(crate::invalid(path, &no_date(row, column, &found, plan.setup.written_in))),
+        Some((row, found, why)) => {
+            Err(crate::invalid(path, &stamps.refused(row, column, &found, why, plan.setup.written_in)))
+        }
     }
 }
 

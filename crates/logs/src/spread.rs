@@ -1,0 +1,79 @@
+//! Rows that share a time, spread until the next: clocks that were logged more coarsely than the rows.
+
+use numerics::statistics::median_again;
+
+use crate::Samples;
+
+/// Rows that follow each other and have one time.
+struct Shared {
+    time: f64,
+    rows: usize,
+}
+
+/// Steps that are longer than this many usual ones are gaps.
+const GAP: f64 = 1.5;
+
+/// `times` \[s\] with the rows of each spread evenly until the next, and how many were moved. Where a second is not whole, at
+/// the ends of a recording and at gaps, its rows keep the usual distance: at an end they follow their time, at a beginning
+/// they lead to the next.
+pub(crate) fn spread(times: Samples) -> (Samples, usize) {
+    let shared = shared(&times);
+    let known = times.iter().filter(|time| time.is_finite()).count();
+    let steps = || shared.windows(2).map(|pair| pair[1].time - pair[0].time);
+    let step = median_again(|| steps().filter(|step| *step > 0.0));
+    let (Some(step), true) = (step, known > shared.len()) else { return (times, 0) };
+    let usual = median_again(|| shared.iter().map(|own| own.rows as f64)).unwrap_or(1.0);
+    let afters = steps().map(Some).chain([None]);
+    let befores = [None].into_iter().chain(steps().map(Some));
+    let gap = |other: Option<f64>| other.is_none_or(|own| !(own > 0.0 && own <= GAP * step));
+    let mut rows = shared.iter().zip(befores.zip(afters)).flat_map(|(own, (before, after))| {
+        let count = own.rows as f64;
+        let (first, between) = match after {
+            after if gap(after) => (own.time, step / usual.max(count)),
+            Some(after) if gap(before) && count < usual => {
+                (own.time + after * (1.0 - count / usual), after / usual)
+            }
+            after => (own.time, after.unwrap_or(step) / count),
+        };
+        (0..own.rows).map(move |row| first + row as f64 * between)
+    });
+    let spread = times.iter().map(|time| if time.is_finite() { rows.next().unwrap_or(time) } else { time });
+    (times.made(spread), known - shared.len())
+}
+
+fn shared(times: &Samples) -> Vec<Shared> {
+    let mut shared: Vec<Shared> = Vec::new();
+    for time in times.iter().filter(|time| time.is_finite()) {
+        match shared.last_mut().filter(|last| last.time == time) {
+            Some(last) => last.rows += 1,
+            None => shared.push(Shared { time, rows: 1 }),
+        }
+    }
+    shared
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn spread_all(times: Vec<f64>) -> (Vec<f64>, usize) {
+        let (times, moved) = spread(times.into());
+        (times.to_vec(), moved)
+    }
+
+    #[test]
+    fn law_rows_at_a_constant_rate_get_their_times_back() {
+        // 4 Hz from 2.5 s on, with a gap from 6 to 9.5 s; of the first second and of that after the gap there are two rows.
+        let truth: Vec<f64> = (10..24).chain(38..47).map(|row| 0.25 * f64::from(row)).collect();
+        let (found, moved) = spread_all(truth.iter().map(|time| time.floor()).collect());
+        assert_eq!(found, truth);
+        assert_eq!(moved, truth.len() - 7);
+    }
+
+    #[test]
+    fn rows_without_a_time_and_clocks_that_are_fine_enough_stay() {
+        let (found, _) = spread_all(vec![0.0, f64::NAN, 0.0, 1.0, 1.0]);
+        assert!(found[1].is_nan() && found[2] == 0.5 && found[4] == 1.5, "{found:?}");
+        assert_eq!(spread_all(vec![0.0, 0.5, 1.5]), (vec![0.0, 0.5, 1.5], 0));
+    }
+}

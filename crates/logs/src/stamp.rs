@@ -1,0 +1,159 @@
+//! Dates and times as text: in ISO 8601 or as a format says, in a time zone or with an offset.
+
+use jiff::civil::DateTime;
+use jiff::fmt::strtime::BrokenDownTime;
+use jiff::tz::{AmbiguousOffset, Offset, TimeZone, TimeZoneDatabase};
+use jiff::{Timestamp, Zoned};
+use refusal::{Invalid, nearest};
+
+use crate::columns::cell_of;
+use crate::{TimeSpec, TimeUnit};
+
+/// How the times of a kind of files are read where they are text.
+#[derive(Clone, Debug)]
+pub struct Stamps {
+    /// ISO 8601 without one.
+    format: Option<String>,
+    /// Whether the format has a day, or the hours of one alone.
+    dated: bool,
+    /// Where clocks showed these times, and what messages call it; UTC where nothing is said.
+    zone: TimeZone,
+    called: String,
+}
+
+/// Why a text is no time.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NoStamp {
+    /// It does not fit.
+    Unread,
+    /// Clocks were set back: they showed it twice.
+    Twice,
+    /// Clocks were set forward: they never showed it.
+    Never,
+}
+
+impl Stamps {
+    /// How times are read as `spec` says.
+    ///
+    /// # Errors
+    /// A format that has no time of day or cannot be read back, a zone that is not known.
+    pub fn new(spec: &TimeSpec) -> Result<Self, Invalid> {
+        let (zone, called) = match &spec.zone {
+            Some(name) => (zone(name)?, name.clone()),
+            None => (TimeZone::UTC, "UTC".to_owned()),
+        };
+        let dated = spec.format.as_deref().map_or(Ok(true), has_day)?;
+        Ok(Self { format: spec.format.clone(), dated, zone, called })
+    }
+
+    /// Seconds since 1970-01-01 UTC of a text, or since midnight where the format has no day; NaN where there is none.
+    ///
+    /// # Errors
+    /// See [`NoStamp`].
+    pub fn seconds(&self, text: &str) -> Result<f64, NoStamp> {
+        let text = text.trim();
+        if text.is_empty() {
+            return Ok(f64::NAN);
+        }
+        let Some(format) = &self.format else { return self.iso(text) };
+        let parsed = BrokenDownTime::parse(format, text).map_err(|_| NoStamp::Unread)?;
+        if !self.dated {
+            let since = parsed.to_time().map_err(|_| NoStamp::Unread)?.duration_since(jiff::civil::Time::MIN);
+            return Ok(since.as_secs_f64());
+        }
+        if parsed.timestamp().is_some() || parsed.offset().is_some() {
+            return parsed.to_timestamp().map(since_1970).map_err(|_| NoStamp::Unread);
+        }
+        self.local(parsed.to_datetime().map_err(|_| NoStamp::Unread)?)
+    }
+
+    fn iso(&self, text: &str) -> Result<f64, NoStamp> {
+        if !TimeUnit::has_time(text) {
+            return Err(NoStamp::Unread);
+        }
+        match text.parse::<Timestamp>() {
+            Ok(time) => Ok(since_1970(time)),
+            Err(_) => self.local(text.parse().map_err(|_| NoStamp::Unread)?),
+        }
+    }
+
+    /// What clocks in the zone showed.
+    fn local(&self, shown: DateTime) -> Result<f64, NoStamp> {
+        let moment = self.zone.to_ambiguous_zoned(shown);
+        match moment.offset() {
+            AmbiguousOffset::Gap { .. } => Err(NoStamp::Never),
+            AmbiguousOffset::Fold { .. } => Err(NoStamp::Twice),
+            AmbiguousOffset::Unambiguous { offset } => {
+                offset.to_timestamp(shown).map(since_1970).map_err(|_| NoStamp::Unread)
+            }
+        }
+    }
+
+    /// What is said of a cell that is no time.
+    pub fn refused(&self, line: usize, column: &str, text: &str, why: NoStamp, written_in: &str) -> Invalid {
+        let found = match why {
+            NoStamp::Unread => format!("`{text}`"),
+            NoStamp::Twice => {
+                format!("`{text}`, which clocks in {} showed twice: they were set back", self.called)
+            }
+            NoStamp::Never => {
+                format!("`{text}`, which clocks in {} never showed: they were set forward", self.called)
+            }
+        };
+        let expected = match (why, &self.format) {
+            (NoStamp::Unread, Some(format)) => format!("a time that fits `{format}` as a whole"),
+            (NoStamp::Unread, None) => "a date and time such as 2020-07-31T13:04:24.5Z".to_owned(),
+            _ => "a time that tells one moment".to_owned(),
+        };
+        let remedy = match (why, &self.format) {
+            (NoStamp::Unread, Some(_)) => format!("correct the cell, or the time's `format` in {written_in}"),
+            (NoStamp::Unread, None) => format!("correct the cell, or the time's `unit` in {written_in}"),
+            _ => format!(
+                "write times with their offset (`%:z` in the `format`), or as UTC: {written_in} may say \
+                 `zone = \"+03:00\"` for such files"
+            ),
+        };
+        Invalid::new(cell_of(line, column), found, expected, remedy)
+    }
+}
+
+fn since_1970(time: Timestamp) -> f64 {
+    time.as_duration().as_secs_f64()
+}
+
+/// A zone by its name among those of the tz database that comes along, or by its offset.
+fn zone(name: &str) -> Result<TimeZone, Invalid> {
+    if name.starts_with(['+', '-']) {
+        let offset = BrokenDownTime::parse("%:z", name).ok().and_then(|parsed| parsed.offset());
+        return offset.map(Offset::to_time_zone).ok_or_else(|| unknown(name, None));
+    }
+    let known = TimeZoneDatabase::bundled();
+    known.get(name).map_err(|_| {
+        let names: Vec<String> = known.available().map(|name| name.to_string()).collect();
+        unknown(name, nearest(name, names.iter().map(String::as_str)))
+    })
+}
+
+fn unknown(name: &str, near: Option<&str>) -> Invalid {
+    let remedy = near.map_or("correct it".to_owned(), |near| format!("did you mean `{near}`?"));
+    let expected = "a zone such as Europe/Helsinki, or an offset such as +03:00";
+    Invalid::new("`zone`", format!("`{name}`"), expected, remedy)
+}
+
+/// Whether a `format` has a day, found by writing a moment and reading it.
+fn has_day(format: &str) -> Result<bool, Invalid> {
+    let refused = |found: String| {
+        let expected = "a format such as `%Y/%m/%d %H:%M:%S%.f`, with hours at least";
+        Invalid::new("`format`", found, expected, "correct it")
+    };
+    let moment: Zoned = Timestamp::UNIX_EPOCH.to_zoned(TimeZone::UTC);
+    let written = jiff::fmt::strtime::format(format, &moment)
+        .map_err(|_| refused(format!("`{format}`, which has no meaning")))?;
+    let read = BrokenDownTime::parse(format, &written)
+        .map_err(|_| refused(format!("`{format}`, which cannot be read")))?;
+    let dated = read.timestamp().is_some() || read.to_date().is_ok();
+    if read.hour().is_none() && read.timestamp().is_none() {
+        return Err(refused(format!("`{format}`, which has no time of day")));
+    }
+    Ok(dated)
+}
