@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use identification::predictor::InitialState;
-use identification::runs::RunEstimators;
+use identification::runs::{Beside, RunEstimators};
 use identification::{Estimator, MeanRemoval, ValidationRuns};
 use in_memory::MonteCarlo;
 use serde_json::{Value, json};
@@ -68,6 +68,7 @@ fn study<'a>(paper: &'a Paper, file: &CampaignFile) -> anyhow::Result<MonteCarlo
             estimators: vec![Estimator::Iv],
             removal: MeanRemoval::Complete,
             initial: InitialState::Known,
+            beside: Beside::default(),
             levels: Some(file.levels(vessel.sample_rate_hz)),
         },
         validation: validation.ok_or_else(|| anyhow::anyhow!("no validation maneuver"))?,

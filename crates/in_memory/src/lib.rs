@@ -9,7 +9,7 @@ pub use monte_carlo::{MonteCarlo, Realized};
 
 use design::{Bounds, Criterion, Design, NoDesign, Options};
 use identification::predictor::InitialState;
-use identification::runs::{NominalDiverged, RunError, RunEstimators, RunInstruments};
+use identification::runs::{Beside, NominalDiverged, RunError, RunEstimators, RunInstruments};
 use identification::{Estimator, InstrumentKind, MeanRemoval, RunEstimate, RunScore, ValidationRuns};
 use rayon::prelude::*;
 use study::campaign_file::CampaignFile;
@@ -157,6 +157,7 @@ impl Study {
             estimators: vec![estimator],
             removal: MeanRemoval::Complete,
             initial: InitialState::Known,
+            beside: Beside::default(),
             levels: Some(self.campaign.levels(self.vessel.sample_rate_hz)),
         };
         let found: Vec<_> = runs.par_chunks(TOGETHER).map(|some| estimators.estimates(some)).collect();

@@ -16,7 +16,7 @@ pub use crate::sensitivity::{Flow, Gusts, Levels, Recordings, Sensitivities};
 pub(crate) use levenberg_marquardt::{
     Asked, Ended, Minimum, Residuals, STEPS, Weighting, minimize, scaled_inverse,
 };
-pub use output_error::{Fit, Fitted, InitialState, Spread, output_error};
+pub use output_error::{Fit, Fitted, InitialState, Spread, Unknown, output_error};
 pub use prediction_error::{innovations, prediction_error};
 pub(crate) use scores::Windowed;
 pub use sums::Linear;

@@ -8,7 +8,7 @@ use super::levenberg_marquardt::{Asked, Ended, Minimum, Residuals, STEPS, Weight
 use super::scores::{correlated_scores, disturbed_scores};
 use super::sums::{Linear, linearize};
 use crate::Direction;
-use crate::sensitivity::{Levels, Recordings, Sensitivities, groups, of_one_length, with_states};
+use crate::sensitivity::{Flow, Levels, Recordings, Sensitivities, groups, of_one_length, with_states};
 
 /// Where a simulation starts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -23,6 +23,43 @@ impl InitialState {
     /// As in files.
     pub fn name(self) -> &'static str {
         ["known", "estimated"][self as usize]
+    }
+}
+
+/// What simulations do not know beside the parameters.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Unknown {
+    /// Where they start.
+    pub initial: InitialState,
+    /// A constant current: the time between two samples \[s\] where it keeps its direction over ground and so turns against the
+    /// vessel, 0 where it keeps it from the bow. `None`: still water.
+    pub current: Option<f64>,
+}
+
+impl From<InitialState> for Unknown {
+    fn from(initial: InitialState) -> Self {
+        Self { initial, current: None }
+    }
+}
+
+impl Unknown {
+    /// The unknowns that are searched for: the parameters of `model`, the initial state's offsets, the current's components.
+    fn free(self, model: &Model) -> Vec<usize> {
+        let parameters = model.parameters();
+        let offsets = if self.initial == InitialState::Known { 0..0 } else { 0..3 };
+        let current = if self.current.is_some() { 3..5 } else { 0..0 };
+        (0..parameters).chain(offsets.chain(current).map(|i| parameters + i)).collect()
+    }
+
+    /// Whether sample 0 counts.
+    fn from_start(self) -> bool {
+        self.initial == InitialState::Estimated
+    }
+
+    /// The current as a disturbance that stays.
+    fn levels(self) -> Option<Levels> {
+        let lasting = |turning| Flow::Markov { std: 0.0, factor: 1.0, turning };
+        self.current.map(|turning| Levels { measurement: [0.0; 3], current: lasting(turning), force: None })
     }
 }
 
@@ -57,6 +94,8 @@ pub struct Fitted {
     pub intercepts: [f64; 3],
     /// Estimated minus given initial state.
     pub offset: [f64; 3],
+    /// The current's components at the start, along and across the vessel \[m/s\]; zero where there is none.
+    pub current: [f64; 2],
     /// Root mean square errors of the prediction in u, v \[m/s\], r \[rad/s\].
     pub rmse: [f64; 3],
     /// Steps of the search.
@@ -71,15 +110,16 @@ const BRIEF: usize = 8;
 
 /// Estimates every run by the errors of free simulations: minimises Σ_d N log Σ e_d², the likelihood of white errors with a
 /// variance of their own in u, v and r, over the model's parameters (with or without intercepts) and, if so wanted, the
-/// initial state. Per run `starts` holds parameters to begin at; where the first ones diverge or lead to no minimum, the next are taken.
+/// initial state and a constant current. With an unknown current standard errors are made of the residuals, whatever `spread`. Per run `starts` holds parameters to begin at; where the first ones diverge or lead to no minimum, the next are taken.
 pub fn output_error(
     model: &Model,
     runs: &[RunView],
     starts: &[Vec<Vec<f64>>],
-    initial: InitialState,
+    unknown: impl Into<Unknown>,
     spread: Spread,
 ) -> Vec<Fit> {
-    let mut searches = Searches { model, runs, initial, best: vec![None; runs.len()] };
+    let unknown = unknown.into();
+    let mut searches = Searches { model, runs, unknown, best: vec![None; runs.len()] };
     let attempts = starts.iter().map(Vec::len).max().unwrap_or(0);
     searches.attempt(Likelihood, BRIEF, |_, run| starts[run].first().cloned());
     searches.attempt(Likelihood, STEPS, |best, _| best.map(|found| found.point.clone()));
@@ -109,7 +149,7 @@ use Weights::{Fixed, Likelihood};
 struct Searches<'a> {
     model: &'a Model,
     runs: &'a [RunView<'a>],
-    initial: InitialState,
+    unknown: Unknown,
     best: Vec<Option<Minimum>>,
 }
 
@@ -145,7 +185,7 @@ impl Searches<'_> {
         let mut found = BTreeMap::new();
         for together in of_one_length(self.runs, points.keys().copied(), TOGETHER) {
             let mut search =
-                Search::new(self.model, together.iter().map(|run| self.runs[*run]), self.initial);
+                Search::new(self.model, together.iter().map(|run| self.runs[*run]), self.unknown);
             let from = |run: &usize| {
                 let mut point = points[run].clone();
                 point.resize(search.free.len(), 0.0);
@@ -164,8 +204,8 @@ impl Searches<'_> {
         let searched = (0..self.runs.len()).filter(|run| self.best[*run].is_some());
         for (group, runs) in groups(self.runs, searched) {
             let recordings = Recordings::of(self.model, &runs);
-            let free = free(self.model, self.initial);
-            let problem = Simulations { recordings, free, initial: self.initial };
+            let free = self.unknown.free(self.model);
+            let problem = Simulations { recordings, free, unknown: self.unknown };
             let found: Vec<&Minimum> = group.iter().filter_map(|run| self.best[*run].as_ref()).collect();
             let weights = group
                 .iter()
@@ -173,7 +213,7 @@ impl Searches<'_> {
                 .map(|(run, minimum)| weighting(&self.runs[*run], Likelihood).weights(&minimum.linear));
             let errors = problem.standard_errors(&found, &weights.collect::<Vec<_>>(), spread);
             for ((run, minimum), errors) in group.iter().zip(found).zip(errors) {
-                fits[*run] = fit(&problem.recordings, minimum, errors);
+                fits[*run] = fit(&problem.recordings, minimum, errors, self.unknown);
             }
         }
         fits
@@ -204,14 +244,26 @@ pub(super) fn better(a: Minimum, b: Minimum) -> Minimum {
     if rank(&b) > rank(&a) { b } else { a }
 }
 
-/// One lane per unknown; the lanes' points hold the free ones.
-pub(super) fn side_by_side(points: &[impl AsRef<[f64]>], all: usize) -> Vec<Lane> {
-    (0..all).map(|i| lane(points.len(), |run| points[run].as_ref().get(i).copied().unwrap_or(0.0))).collect()
+/// One lane per unknown, of as many as the largest of the `free` ones asks for; the lanes' points hold these.
+pub(super) fn side_by_side(points: &[impl AsRef<[f64]>], free: &[usize], all: usize) -> Vec<Lane> {
+    let mut unknowns = vec![Lane::ZERO; free.last().map_or(all, |last| all.max(last + 1))];
+    for (place, unknown) in free.iter().enumerate() {
+        unknowns[*unknown] =
+            lane(points.len(), |run| points[run].as_ref().get(place).copied().unwrap_or(0.0));
+    }
+    unknowns
 }
 
-pub(super) fn fit(recordings: &Recordings, minimum: &Minimum, errors: Option<Vec<f64>>) -> Fit {
+pub(super) fn fit(
+    recordings: &Recordings,
+    minimum: &Minimum,
+    errors: Option<Vec<f64>>,
+    unknown: Unknown,
+) -> Fit {
     let layout = recordings.model.layout();
     let (point, all) = (&minimum.point, layout.parameters());
+    let free = unknown.free(recordings.model);
+    let beside = |i: usize| free.iter().position(|own| *own == all + i).map_or(0.0, |place| point[place]);
     let place = |unknown: usize| {
         let mut terms = (0..3).map(|d| (d, layout.terms(d)));
         terms.find(|(_, terms)| terms.contains(&unknown)).map(|(d, terms)| (d, unknown - terms.start))
@@ -230,7 +282,8 @@ pub(super) fn fit(recordings: &Recordings, minimum: &Minimum, errors: Option<Vec
             parameters: layout.theta(&point[..all]),
             standard_errors: layout.theta(&errors[..all]),
             intercepts: layout.intercepts(point),
-            offset: [0, 1, 2].map(|d| point.get(all + d).copied().unwrap_or(0.0)),
+            offset: [0, 1, 2].map(beside),
+            current: [3, 4].map(beside),
             rmse: minimum.linear.squares.map(|s| (s / minimum.linear.samples).sqrt()),
             steps: minimum.steps,
         }),
@@ -249,7 +302,7 @@ struct Search<'a> {
     model: &'a Model,
     runs: Vec<RunView<'a>>,
     free: Vec<usize>,
-    initial: InitialState,
+    unknown: Unknown,
     packed: Vec<Packed>,
 }
 
@@ -260,8 +313,8 @@ struct Packed {
 }
 
 impl<'a> Search<'a> {
-    fn new(model: &'a Model, runs: impl Iterator<Item = RunView<'a>>, initial: InitialState) -> Self {
-        Self { model, runs: runs.collect(), free: free(model, initial), initial, packed: Vec::new() }
+    fn new(model: &'a Model, runs: impl Iterator<Item = RunView<'a>>, unknown: Unknown) -> Self {
+        Self { model, runs: runs.collect(), free: unknown.free(model), unknown, packed: Vec::new() }
     }
 
     /// Moves the runs that are `asked` for together, where that leaves fewer groups.
@@ -291,9 +344,12 @@ impl Residuals for Search<'_> {
             let recordings = Recordings::of(self.model, data);
             // Lanes of runs that have ended go along with another's point.
             let own: Vec<&[f64]> = runs.iter().map(|run| *points.get(run).unwrap_or(any)).collect();
-            let unknowns = side_by_side(&own, recordings.unknowns());
-            let from_start = self.initial == InitialState::Estimated;
-            let linears = linearize::<3>(&recordings, &unknowns, &self.free, None, &[], from_start);
+            let unknowns = side_by_side(&own, &self.free, recordings.unknowns());
+            let (free, from_start) = (&self.free, self.unknown.from_start());
+            let linears = match self.unknown.levels() {
+                None => linearize::<3>(&recordings, &unknowns, free, None, &[], from_start),
+                some => linearize::<5>(&recordings, &unknowns, free, some.as_ref(), &[], from_start),
+            };
             found.extend(runs.iter().copied().zip(linears).filter(|(run, _)| points.contains_key(run)));
         }
         // Problems are asked for in the order of their places, as these stand.
@@ -305,17 +361,11 @@ impl Residuals for Search<'_> {
     }
 }
 
-/// The unknowns that are searched for: all, or all but the initial state.
-fn free(model: &Model, initial: InitialState) -> Vec<usize> {
-    let offsets = if initial == InitialState::Known { 0 } else { 3 };
-    (0..model.parameters() + offsets).collect()
-}
-
 /// Free simulations of runs side by side, at their minima.
 struct Simulations<'a> {
     recordings: Recordings<'a>,
     free: Vec<usize>,
-    initial: InitialState,
+    unknown: Unknown,
 }
 
 impl Simulations<'_> {
@@ -327,16 +377,21 @@ impl Simulations<'_> {
         spread: Spread,
     ) -> Vec<Option<Vec<f64>>> {
         let points: Vec<Vec<f64>> = found.iter().map(|minimum| minimum.point.clone()).collect();
-        let unknowns = side_by_side(&points, self.recordings.unknowns());
+        let Self { recordings, free, unknown } = self;
+        let unknowns = side_by_side(&points, free, recordings.unknowns());
         let weights = [0, 1, 2].map(|d: usize| lane(weights.len(), |run| weights[run][d]));
-        let from_start = self.initial == InitialState::Estimated;
-        let middles = match spread {
-            Spread::Residuals => {
-                correlated_scores(&self.recordings, &unknowns, &self.free, from_start, weights)
+        let (from_start, current) = (unknown.from_start(), unknown.levels());
+        let spread = if current.is_some() { Spread::Residuals } else { spread };
+        let middles = match (spread, &current) {
+            (Spread::Residuals, None) => {
+                correlated_scores::<3>(recordings, &unknowns, free, None, from_start, weights)
             }
-            Spread::Stated(levels) => {
-                let kept = Sensitivities::of(&self.recordings, &unknowns, &self.free, from_start);
-                with_states!(levels, disturbed_scores(&self.recordings, &unknowns, &kept, weights, levels))
+            (Spread::Residuals, some) => {
+                correlated_scores::<5>(recordings, &unknowns, free, some.as_ref(), from_start, weights)
+            }
+            (Spread::Stated(levels), _) => {
+                let kept = Sensitivities::of(recordings, &unknowns, free, from_start);
+                with_states!(levels, disturbed_scores(recordings, &unknowns, &kept, weights, levels))
             }
         };
         let p = self.free.len();

@@ -63,7 +63,7 @@ impl<const N: usize> Residuals for Predictions<'_, N> {
         // A problem's gains stand in its lane: it cannot move to another. Lanes of problems that have ended go along with the first.
         let own = |lane: usize| asked.iter().find(|own| own.problem == lane).or(asked.first());
         let points: Vec<&[f64]> = (0..LANES).filter_map(own).map(|own| own.point.as_slice()).collect();
-        let unknowns = side_by_side(&points, self.recordings.unknowns());
+        let unknowns = side_by_side(&points, &self.free, self.recordings.unknowns());
         let found = linearize(self.recordings, &unknowns, &self.free, Some(self.levels), &self.gains, true);
         let wanted = |lane: &usize| asked.iter().any(|own| own.problem == *lane);
         Ok((0..LANES).zip(found).filter(|(lane, _)| wanted(lane)).map(|(_, own)| own).collect())
@@ -121,7 +121,9 @@ fn rounds<const N: usize>(
             }
         }
     }
-    best.iter().map(|minimum| fit(recordings, minimum, errors(minimum, free.len()))).collect()
+    let fit =
+        |minimum: &Minimum| fit(recordings, minimum, errors(minimum, free.len()), InitialState::Known.into());
+    best.iter().map(fit).collect()
 }
 
 /// Gains along the filter at `points`, and the minima of the innovations that they leave.
@@ -132,7 +134,7 @@ fn round<const N: usize>(
     levels: &Levels,
     known: bool,
 ) -> Vec<Minimum> {
-    let unknowns = side_by_side(&points, recordings.unknowns());
+    let unknowns = side_by_side(&points, free, recordings.unknowns());
     let (gains, _) = filter::<N>(recordings, &unknowns, levels, known);
     let mut problem = Predictions { recordings, levels, free: free.to_vec(), gains };
     let points = points.map(|mut point| {
@@ -151,7 +153,8 @@ fn likelihoods<const N: usize>(
     known: bool,
 ) -> Vec<f64> {
     let points: Vec<Vec<f64>> = minima.iter().map(|m| m.point.clone()).collect();
-    let unknowns = side_by_side(&points, recordings.unknowns());
+    let free: Vec<usize> = (0..recordings.unknowns()).collect();
+    let unknowns = side_by_side(&points, &free, recordings.unknowns());
     let (gains, innovations) = filter::<N>(recordings, &unknowns, levels, known);
     let mut worth = vec![0.0; LANES];
     for (gain, error) in gains.iter().zip(innovations.as_chunks().0) {

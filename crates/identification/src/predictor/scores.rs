@@ -5,11 +5,12 @@ use crate::sensitivity::{
 };
 
 /// Covariance of Σ sᵀWe where errors are correlated over less than about 2√N samples, of recordings simulated with `unknowns` by
-/// the `free` ones. Sample 0 counts where `from_start`. free × free lanes.
-pub(crate) fn correlated_scores(
+/// the `free` ones, in a current of `levels` that is among them. Sample 0 counts where `from_start`. free × free lanes.
+pub(crate) fn correlated_scores<const N: usize>(
     recordings: &Recordings,
     unknowns: &[Lane],
     free: &[usize],
+    levels: Option<&Levels>,
     from_start: bool,
     weights: [Lane; 3],
 ) -> Vec<Lane> {
@@ -18,14 +19,14 @@ pub(crate) fn correlated_scores(
         recordings,
         unknowns,
         free,
-        None,
+        levels.map(Levels::spread).as_ref(),
         &[],
         #[inline(always)]
-        |step: Step<'_, Lane, 3>| {
+        |step: Step<'_, Lane, N>| {
             let counts = if step.k == 0 && !from_start { Lane::ZERO } else { recordings.lasting(step.k) };
             let weighted = [0, 1, 2].map(|d: usize| weights[d] * (step.error[d] * counts));
-            for (i, [u, v, r]) in step.sensitivities.iter().enumerate() {
-                let by = [*u * counts, *v * counts, *r * counts];
+            for (i, s) in step.sensitivities.iter().enumerate() {
+                let by = [s[0] * counts, s[1] * counts, s[2] * counts];
                 scores.set(i, by[0] * weighted[0] + by[1] * weighted[1] + by[2] * weighted[2]);
             }
             scores.advance();

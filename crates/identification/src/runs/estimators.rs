@@ -5,6 +5,7 @@ use super::error::RunError;
 use super::found::{Found, Regressed};
 use super::instruments::RunInstruments;
 use super::refined::refine;
+use super::searched::Beside;
 use crate::pooled::{Delivered, PartView, Regression};
 use crate::predictor::{InitialState, Levels};
 use crate::{Estimator, InstrumentKind, MeanRemoval, RunEstimate};
@@ -19,6 +20,8 @@ pub struct RunEstimators<'a> {
     pub removal: MeanRemoval,
     /// Where simulations start.
     pub initial: InitialState,
+    /// What searches take as unknown beside the parameters.
+    pub beside: Beside,
     /// What disturbs the runs, as far as it is stated.
     pub levels: Option<Levels>,
 }

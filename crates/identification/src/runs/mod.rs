@@ -16,3 +16,4 @@ pub use criticised::Asked;
 pub use error::{NominalDiverged, RunError};
 pub use estimators::RunEstimators;
 pub use instruments::{Prepared, RunInstruments};
+pub use searched::{Beside, Intercepts, UnknownCurrent};

@@ -1,10 +1,55 @@
 //! Output error and prediction error of single runs.
 
-use vessel::{Run, RunView};
+use std::borrow::Cow;
+
+use vessel::{Model, Run, RunView};
 
 use super::estimators::RunEstimators;
 use super::found::Found;
-use crate::predictor::{Fit, Levels, Spread, output_error, prediction_error};
+use crate::predictor::{Fit, Levels, Spread, Unknown, output_error, prediction_error};
+
+/// What estimates by simulation and prediction take as unknown beside the parameters of the vessel.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Beside {
+    /// A force that stays.
+    pub intercepts: Intercepts,
+    /// A current that stays, of output error alone.
+    pub current: UnknownCurrent,
+}
+
+vessel::choices! {
+    /// Forces that stay, which no term tells of.
+    pub enum Intercepts {
+        /// One for each degree of freedom.
+        Each = "each",
+        /// None: where disturbances are known to average out, or a current is the unknown, estimates are closer.
+        None = "none",
+    }
+}
+
+vessel::choices! {
+    /// A current that stays over a run and is not known.
+    pub enum UnknownCurrent {
+        /// None: still water.
+        None = "none",
+        /// It keeps its direction over ground.
+        Earth = "earth",
+        /// It keeps its direction from the bow.
+        Body = "body",
+    }
+}
+
+impl Default for Intercepts {
+    fn default() -> Self {
+        Self::Each
+    }
+}
+
+impl Default for UnknownCurrent {
+    fn default() -> Self {
+        Self::None
+    }
+}
 
 impl RunEstimators<'_> {
     /// Least errors of free simulations of `runs`. Searches begin at the estimates `near`, then at those of `iv`, then at the
@@ -14,7 +59,13 @@ impl RunEstimators<'_> {
             |(near, iv): (&Found, &Found)| self.starts([near, iv].map(|found| found.theta().map(without)));
         let starts: Vec<Vec<Vec<f64>>> = near.iter().zip(iv).map(starts).collect();
         let spread = self.levels.as_ref().map_or(Spread::Residuals, Spread::Stated);
-        output_error(&self.vessel.model.with_intercepts(), &views(runs), &starts, self.initial, spread)
+        let current = match self.beside.current {
+            UnknownCurrent::None => None,
+            UnknownCurrent::Earth => Some(1.0 / self.vessel.sample_rate_hz),
+            UnknownCurrent::Body => Some(0.0),
+        };
+        let unknown = Unknown { initial: self.initial, current };
+        output_error(&self.lifted(), &views(runs), &starts, unknown, spread)
     }
 
     /// Least errors of the predictions of `runs` by a filter for `levels`, from where free simulations have the least.
@@ -33,13 +84,20 @@ impl RunEstimators<'_> {
             self.starts([free, near.theta().map(without)])
         };
         let starts: Vec<Vec<Vec<f64>>> = free.iter().zip(near).map(starts).collect();
-        let model = self.vessel.model.with_intercepts();
-        prediction_error(&model, &views(runs), &starts, self.initial, levels)
+        prediction_error(&self.lifted(), &views(runs), &starts, self.initial, levels)
+    }
+
+    /// The model with its intercepts, if it is to have any.
+    fn lifted(&self) -> Cow<'_, Model> {
+        match self.beside.intercepts {
+            Intercepts::Each => Cow::Owned(self.vessel.model.with_intercepts()),
+            Intercepts::None => Cow::Borrowed(&self.vessel.model),
+        }
     }
 
     /// Those of `known` that there are, and the nominal model.
     fn starts(&self, known: [Option<Start>; 2]) -> Vec<Vec<f64>> {
-        let layout = self.vessel.model.layout().with_intercepts();
+        let layout = self.lifted().layout();
         let all = known.into_iter().flatten().chain([without(&self.vessel.nominal)]);
         all.map(|(theta, intercepts)| layout.woven(theta, intercepts)).collect()
     }

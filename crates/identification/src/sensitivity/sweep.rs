@@ -7,7 +7,7 @@ use super::recordings::Recordings;
 use super::unknowns::Unknowns;
 
 /// One pass over recordings: predicts, compares, and carries the sensitivities along. `unknowns`: one number each, as
-/// [`Recordings::unknowns`] orders them; `free`: those whose sensitivities are wanted; `levels`: what disturbs, and `gains`
+/// [`Recordings::unknowns`] orders them, and what the current and the forces begin with where that is not zero; `free`: those whose sensitivities are wanted; `levels`: what disturbs, and `gains`
 /// of every sample: neither for a free simulation. `each` is called with every sample from 0 to N.
 pub(crate) fn sweep<X: Unknowns, const N: usize>(
     recordings: &Recordings<X>,
@@ -50,7 +50,9 @@ fn go_along<X: Unknowns, const N: usize>(
     let model = recordings.model;
     let offsets = &unknowns[model.parameters()..];
     let mut z = [X::ZERO; N];
-    (0..3).for_each(|d| z[d] = recordings.initial[d] + offsets[d]);
+    for (d, offset) in offsets.iter().enumerate().take(N) {
+        z[d] = if d < 3 { recordings.initial[d] + *offset } else { *offset };
+    }
     let mut sensitivities = vec![[Lane::ZERO; N]; free.len().div_ceil(X::PER_COLUMN)];
     let effects: Vec<Effect> = free.iter().map(|i| Effect::of(*i, model)).collect();
     for (i, effect) in effects.iter().enumerate() {

@@ -1,7 +1,7 @@
 //! Measured runs whose instruments are collinear.
 
 use identification::predictor::InitialState;
-use identification::runs::RunEstimators;
+use identification::runs::{Beside, RunEstimators};
 use identification::{Estimator, MeanRemoval};
 use vessel::{Run, Segment, Vessel};
 
@@ -29,6 +29,7 @@ fn a_measured_run_at_steady_thrust_is_not_answered_and_a_simulated_one_is() {
         estimators: vec![Estimator::Iv],
         removal: MeanRemoval::Complete,
         initial: InitialState::Known,
+        beside: Beside::default(),
         levels: None,
     };
     let judged =

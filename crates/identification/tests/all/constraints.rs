@@ -7,7 +7,7 @@ use identification::pooled::{
     Regression, Resampling, estimate, fit,
 };
 use identification::predictor::{Flow, InitialState, Levels};
-use identification::runs::RunEstimators;
+use identification::runs::{Beside, RunEstimators};
 use identification::{Estimator, Known, MeanRemoval, RunEstimate, Sums};
 use std::collections::BTreeMap;
 use vessel::{InputSpec, Run, Segment, TermSpec, Vessel, VesselFile};
@@ -70,7 +70,9 @@ fn single(vessel: &Vessel, runs: &[Run]) -> Vec<RunEstimate> {
     let estimators = Estimator::OF_RUNS.to_vec();
     let levels = Levels { measurement: [0.01, 0.01, 0.005], current: Flow::Still, force: None };
     let (removal, initial) = (MeanRemoval::Complete, InitialState::Known);
-    RunEstimators { vessel, estimators, removal, initial, levels: Some(levels) }.estimates(runs).unwrap()
+    RunEstimators { vessel, estimators, removal, initial, beside: Beside::default(), levels: Some(levels) }
+        .estimates(runs)
+        .unwrap()
 }
 
 /// Of those with an estimate, by run, estimator and parameter: θ̂ and its standard error.

@@ -7,7 +7,7 @@ use crate::support::{Experiment, dictionary, paper, truth};
 use identification::criticism::{Absent, Criticism, Subject, criticise, criticise_each};
 use identification::pooled::{Judgement, NominalModel, Pool, PooledRuns, Resampling, enriched};
 use identification::predictor::{Flow, InitialState, Levels};
-use identification::runs::{Asked, RunEstimators};
+use identification::runs::{Asked, Beside, RunEstimators};
 use identification::{EstimateStatus, Estimator, MeanRemoval};
 use vessel::{Compiled, Model, Run, RunView, Segment, Term, Vessel, simulate_one};
 
@@ -186,6 +186,7 @@ fn runs_that_reject_the_model_say_so_with_every_estimator() {
         estimators: vec![Estimator::Iv, Estimator::OutputError],
         removal: MeanRemoval::Complete,
         initial: InitialState::Known,
+        beside: Beside::default(),
         levels: Some(STATED),
     };
     let statuses = |runs: Vec<Run>| -> Vec<EstimateStatus> {
@@ -215,6 +216,7 @@ fn a_bound_that_excludes_the_truth_is_rejected_by_the_runs_whose_estimates_lie_a
             estimators: vec![Estimator::Iv],
             removal: MeanRemoval::Complete,
             initial: InitialState::Known,
+            beside: Beside::default(),
             levels: Some(STATED),
         };
         let mut rows = estimators.estimates(&runs).unwrap();

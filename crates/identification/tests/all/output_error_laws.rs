@@ -3,7 +3,7 @@
 use crate::support::noise::Normals;
 use crate::support::{Experiment, dictionary, paper, truth};
 use identification::predictor::{
-    Fit, Fitted, Flow, Gusts, InitialState, Levels, Recordings, Sensitivities, Spread, output_error,
+    Fit, Fitted, Flow, Gusts, InitialState, Levels, Recordings, Sensitivities, Spread, Unknown, output_error,
     prediction_error,
 };
 use identification::{Batch, MeanRemoval, Outcome, estimate_prefiltered};
@@ -121,6 +121,45 @@ fn law_intercepts_take_a_constant_force_and_the_offset_an_unknown_start() {
     for d in 0..3 {
         approx::assert_relative_eq!(found[1].intercepts[d], force[d], max_relative = 1e-5);
         approx::assert_relative_eq!(found[1].offset[d], offset[d], max_relative = 1e-5);
+    }
+}
+
+/// A current that stays over ground while the vessel turns in it, or that stays in the vessel's axes: two unknowns take it, and the
+/// parameters are the true ones; no intercept does that.
+#[test]
+fn law_a_constant_current_is_found_with_the_parameters() {
+    let vessel = paper();
+    let experiment = experiment(&vessel);
+    let (samples, water) = (experiment.inputs.len() / 3, [0.05, -0.03]);
+    let currents: Vec<Lane> = (0..samples).flat_map(|_| water.map(Lane::splat)).collect();
+    let start = [0, 1, 2].map(|d: usize| Lane::splat(experiment.initial[d]));
+    let parameters = splat(&truth(&vessel));
+    for turning in [1.0 / vessel.sample_rate_hz, 0.0] {
+        let mut measured = vec![Lane::ZERO; 3 * (samples + 1)];
+        let weather = Weather { current: &currents, turning, force: &[] };
+        simulate(&vessel.model, &parameters, start, &experiment.inputs, &weather, &mut measured);
+        let runs = runs(&experiment, &measured);
+        let starts = vec![vec![vessel.nominal.clone()]; LANES];
+        let fits = |current| {
+            let unknown = Unknown { initial: InitialState::Known, current };
+            converged(output_error(&vessel.model, &runs, &starts, unknown, Spread::Residuals))
+        };
+        let found = &fits(Some(turning))[0];
+        // Simulations turn by sines, searches by polynomials that agree with them to 1e-9.
+        for (found, truth) in found.parameters.iter().zip(truth(&vessel)) {
+            approx::assert_relative_eq!(*found, truth, max_relative = 1e-4);
+        }
+        for (found, truth) in found.current.iter().zip(water) {
+            approx::assert_relative_eq!(*found, truth, max_relative = 1e-4);
+        }
+        let without = &fits(None)[0];
+        assert!(
+            without
+                .parameters
+                .iter()
+                .zip(truth(&vessel))
+                .any(|(found, truth)| (found / truth - 1.0).abs() > 0.05)
+        );
     }
 }
 

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use artifact::{Provenance, commit, stage_document, stage_set_document};
 use clap::Parser;
+use frame::beside::BesideFlags;
 use identification::predictor::{InitialState, Levels};
 use identification::runs::{Asked, RunEstimators};
 use identification::{EstimateStatus, Estimator, MeanRemoval};
@@ -51,6 +52,8 @@ pub struct Arguments {
     /// How the instruments' mean is removed
     #[arg(long, value_parser = choice(&MeanRemoval::ALL, MeanRemoval::name, MeanRemoval::description), default_value_t = MeanRemoval::Complete)]
     mean_removal: MeanRemoval,
+    #[command(flatten)]
+    beside: BesideFlags,
     /// Delivers the model of this run, by name (`optimized/3`), as model.json; without it that of the only run
     #[arg(long, value_name = "RUN", conflicts_with_all = ["shard", "gather", "compare"])]
     model_of: Option<String>,
@@ -101,8 +104,10 @@ impl Arguments {
             estimators: if self.compare { Estimator::OF_RUNS.to_vec() } else { vec![self.estimator] },
             removal: self.mean_removal,
             initial,
+            beside: self.beside.unknown(),
             levels,
         };
+        self.beside.check(&estimators.estimators)?;
         let asks = estimators.asks(self.criticise);
         self.settings(initial, asks, &mut provenance);
         let share = self.sharding.shard.map_or(1.0, |shard| 1.0 / f64::from(shard.count));
@@ -182,6 +187,7 @@ impl Arguments {
             settings.insert("initial_state".into(), json!(initial.name()));
         }
         settings.insert("mean_removal".into(), json!(self.mean_removal));
+        self.beside.note(settings);
         provenance.shard = self.sharding.shard;
     }
 }

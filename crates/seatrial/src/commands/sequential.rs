@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use artifact::{Provenance, Work};
 use clap::Parser;
 use identification::predictor::InitialState;
-use identification::runs::RunEstimators;
+use identification::runs::{Beside, RunEstimators};
 use identification::{Estimator, MeanRemoval};
 use serde_json::json;
 use study::files::{read_campaign, read_dictionary, read_sequential, read_simulated};
@@ -75,6 +75,7 @@ impl Task for Arguments {
             estimators: vec![Estimator::OutputError],
             removal: MeanRemoval::Complete,
             initial: InitialState::Known,
+            beside: Beside::default(),
             levels: Some(campaign.levels(vessel.sample_rate_hz)),
         };
         let segments = campaign.random.map_or(5, |random| random.segments as usize);

@@ -201,6 +201,16 @@ fn what_cannot_be_tallied_is_refused() {
         &["other.json", "settings.seed", "found 7"],
     );
     refused("monte-carlo --gather whole.json --out refused.json", 3, &["whole.json", "a shard K/N"]);
+    refused(
+        &format!("{LINE} --unknown-current earth --out refused.json"),
+        2,
+        &["--unknown-current earth", "`output-error`"],
+    );
+    refused(
+        &format!("{LINE} --intercepts none --out refused.json"),
+        2,
+        &["--intercepts none", "--mean-removal"],
+    );
     refused(&format!("{LINE} --until 1e-9 --out refused.json"), 2, &["--until", "1e-9", "2147483647 runs"]);
     refused(&format!("{LINE} --until 0.7 --out refused.json"), 2, &["--until", "below 0.5"]);
     refused(&format!("{LINE} --until 0.1 --shard 1/2 --out refused.json"), 2, &["--until"]);

@@ -1,0 +1,63 @@
+//! What estimates by simulation take as unknown: flags of all stages that make them.
+
+use std::collections::BTreeMap;
+
+use clap::Args;
+use identification::Estimator;
+use identification::runs::{Beside, Intercepts, UnknownCurrent};
+use serde_json::{Value, json};
+
+use crate::choice::choice;
+use crate::failure::Failure;
+
+/// The flags.
+#[derive(Args, Clone, Copy, Debug)]
+pub struct BesideFlags {
+    /// Forces that stay, as unknowns of `output-error` and `prediction-error`
+    #[arg(long, value_parser = choice(&Intercepts::ALL, Intercepts::name, Intercepts::description), default_value_t = Intercepts::Each)]
+    intercepts: Intercepts,
+    /// A current that stays over a run, as two more unknowns of `output-error`
+    #[arg(long, value_name = "AXES", value_parser = choice(&UnknownCurrent::ALL, UnknownCurrent::name, UnknownCurrent::description), default_value_t = UnknownCurrent::None)]
+    unknown_current: UnknownCurrent,
+}
+
+impl BesideFlags {
+    /// What they say.
+    pub fn unknown(self) -> Beside {
+        Beside { intercepts: self.intercepts, current: self.unknown_current }
+    }
+
+    /// Refuses what none of the `estimators` takes.
+    ///
+    /// # Errors
+    /// A flag for estimators that are not asked for.
+    pub fn check(self, estimators: &[Estimator]) -> Result<(), Failure> {
+        let simulated = estimators.contains(&Estimator::OutputError);
+        let searched = estimators.iter().any(|estimator| estimator.searches());
+        let asked = estimators.iter().map(|e| e.name()).collect::<Vec<_>>().join(", ");
+        if self.unknown_current != UnknownCurrent::None && !simulated {
+            return Err(Failure::Usage(format!(
+                "--unknown-current {} is for `output-error`: found {asked}; add it to --estimator or leave the flag out",
+                self.unknown_current
+            )));
+        }
+        if self.intercepts != Intercepts::Each && !searched {
+            return Err(Failure::Usage(format!(
+                "--intercepts {} is for `output-error` and `prediction-error`: found {asked}; --mean-removal is for the others",
+                self.intercepts
+            )));
+        }
+        Ok(())
+    }
+
+    /// Notes what is not as usual.
+    pub fn note(self, settings: &mut BTreeMap<String, Value>) {
+        let Beside { intercepts, current } = self.unknown();
+        if intercepts != Intercepts::default() {
+            settings.insert("intercepts".into(), json!(intercepts));
+        }
+        if current != UnknownCurrent::default() {
+            settings.insert("unknown_current".into(), json!(current));
+        }
+    }
+}
