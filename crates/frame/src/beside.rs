@@ -52,11 +52,11 @@ impl BesideFlags {
 
     /// Notes what is not as usual.
     pub fn note(self, settings: &mut BTreeMap<String, Value>) {
-        let Beside { intercepts, current } = self.unknown();
-        if intercepts != Intercepts::default() {
+        let (usual, Beside { intercepts, current }) = (Beside::default(), self.unknown());
+        if intercepts != usual.intercepts {
             settings.insert("intercepts".into(), json!(intercepts));
         }
-        if current != UnknownCurrent::default() {
+        if current != usual.current {
             settings.insert("unknown_current".into(), json!(current));
         }
     }

@@ -52,7 +52,7 @@ impl Unknown {
     }
 
     /// Whether sample 0 counts.
-    fn from_start(self) -> bool {
+    fn start_counts(self) -> bool {
         self.initial == InitialState::Estimated
     }
 
@@ -345,7 +345,7 @@ impl Residuals for Search<'_> {
             // Lanes of runs that have ended go along with another's point.
             let own: Vec<&[f64]> = runs.iter().map(|run| *points.get(run).unwrap_or(any)).collect();
             let unknowns = side_by_side(&own, &self.free, recordings.unknowns());
-            let (free, from_start) = (&self.free, self.unknown.from_start());
+            let (free, from_start) = (&self.free, self.unknown.start_counts());
             let linears = match self.unknown.levels() {
                 None => linearize::<3>(&recordings, &unknowns, free, None, &[], from_start),
                 some => linearize::<5>(&recordings, &unknowns, free, some.as_ref(), &[], from_start),
@@ -380,7 +380,7 @@ impl Simulations<'_> {
         let Self { recordings, free, unknown } = self;
         let unknowns = side_by_side(&points, free, recordings.unknowns());
         let weights = [0, 1, 2].map(|d: usize| lane(weights.len(), |run| weights[run][d]));
-        let (from_start, current) = (unknown.from_start(), unknown.levels());
+        let (from_start, current) = (unknown.start_counts(), unknown.levels());
         let spread = if current.is_some() { Spread::Residuals } else { spread };
         let middles = match (spread, &current) {
             (Spread::Residuals, None) => {

@@ -9,7 +9,7 @@ use super::found::Found;
 use crate::predictor::{Fit, Levels, Spread, Unknown, output_error, prediction_error};
 
 /// What estimates by simulation and prediction take as unknown beside the parameters of the vessel.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Beside {
     /// A force that stays.
     pub intercepts: Intercepts,
@@ -39,15 +39,9 @@ vessel::choices! {
     }
 }
 
-impl Default for Intercepts {
+impl Default for Beside {
     fn default() -> Self {
-        Self::Each
-    }
-}
-
-impl Default for UnknownCurrent {
-    fn default() -> Self {
-        Self::None
+        Self { intercepts: Intercepts::Each, current: UnknownCurrent::None }
     }
 }
 
