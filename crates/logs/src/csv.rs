@@ -4,34 +4,13 @@
 //! an editor shows, and blank lines are counted. Hence no general reader of CSV, whose rows go on over lines and which
 //! passes over blank ones in silence.
 
-use std::io::{self, BufRead, Read};
+use std::io::{BufRead, Read};
 use std::sync::Arc;
 
 use refusal::Invalid;
 
 use crate::columns::{Cells, Columns, Content, cell_of, places};
-use crate::{FileSpec, NoStamp, Plan, Stamps, Store};
-
-/// Why a text is no log.
-#[derive(Debug)]
-pub enum CsvError {
-    /// The bytes cannot be read.
-    Unreadable(io::Error),
-    /// They can, and are no log.
-    Invalid(Invalid),
-}
-
-impl From<io::Error> for CsvError {
-    fn from(error: io::Error) -> Self {
-        Self::Unreadable(error)
-    }
-}
-
-impl From<Invalid> for CsvError {
-    fn from(invalid: Invalid) -> Self {
-        Self::Invalid(invalid)
-    }
-}
+use crate::{FileSpec, LogError, NoStamp, Plan, Stamps, Store};
 
 /// What stands for no value.
 const NOTHING: [&str; 8] = ["", "nan", "na", "n/a", "null", "inf", "+inf", "-inf"];
@@ -57,10 +36,10 @@ pub fn read_csv(
     plan: &Plan,
     group: usize,
     store: Option<&Arc<dyn Store>>,
-) -> Result<Columns, CsvError> {
+) -> Result<Columns, LogError> {
     let (wanted, spec, stamps) = (plan.wanted(group), &plan.setup.files[group], plan.stamps(group));
     let (separator, written_in) = (spec.separator, plan.setup.written_in);
-    let mut lines = Lines { bytes, line: Vec::new(), number: 0, read: 0 };
+    let mut lines = Lines::new(bytes);
     let mut row = Row::default();
     let header = header(spec, &mut lines, &mut row)?;
     let places = places(&header, &wanted)
@@ -70,7 +49,7 @@ pub fn read_csv(
     let mut short = None;
     while let Some(line) = lines.next()? {
         if let Some(short) = short {
-            return Err(CsvError::Invalid(short));
+            return Err(LogError::Invalid(short));
         }
         row.split(line, separator);
         let (line, found, expected) = (lines.number, row.ends.len(), header.len());
@@ -78,12 +57,12 @@ pub fn read_csv(
             columns.empty_rows += 1;
         } else if found == expected {
             if columns.lines.rows() >= plan.most_rows {
-                return Err(CsvError::Invalid(plan.too_many_rows(line)));
+                return Err(LogError::Invalid(plan.too_many_rows(line)));
             }
             if let (Some(length), TYPICAL) = (length, columns.lines.rows()) {
                 let rows = (TYPICAL as f64 * length as f64 / lines.read as f64) as usize;
                 if rows / 2 > plan.most_rows {
-                    return Err(CsvError::Invalid(plan.too_many_rows(format_args!("about {rows}"))));
+                    return Err(LogError::Invalid(plan.too_many_rows(format_args!("about {rows}"))));
                 }
             }
             columns.lines.push(line);
@@ -99,7 +78,7 @@ pub fn read_csv(
         } else if found < expected {
             short = Some(wrong_width(line, found, header.len(), spec, written_in));
         } else {
-            return Err(CsvError::Invalid(wrong_width(line, found, header.len(), spec, written_in)));
+            return Err(LogError::Invalid(wrong_width(line, found, header.len(), spec, written_in)));
         }
     }
     columns.cut_rows = usize::from(short.is_some());
@@ -107,7 +86,7 @@ pub fn read_csv(
 }
 
 /// The names of the columns: those of the header, or their numbers where there is none.
-fn header<B: BufRead>(spec: &FileSpec, lines: &mut Lines<B>, row: &mut Row) -> Result<Vec<String>, CsvError> {
+fn header<B: BufRead>(spec: &FileSpec, lines: &mut Lines<B>, row: &mut Row) -> Result<Vec<String>, LogError> {
     for _ in 0..spec.skip_lines {
         lines.next()?;
     }
@@ -145,7 +124,7 @@ fn no_number(line: usize, column: &str, found: &str, decimal: char, written_in: 
 }
 
 /// The lines of a text, one at a time.
-struct Lines<B> {
+pub(crate) struct Lines<B> {
     bytes: B,
     line: Vec<u8>,
     /// Number of the line, from 1.
@@ -155,8 +134,21 @@ struct Lines<B> {
 }
 
 impl<B: BufRead> Lines<B> {
+    pub(crate) fn new(bytes: B) -> Self {
+        Self { bytes, line: Vec::new(), number: 0, read: 0 }
+    }
+
     /// The next line, without its end.
-    fn next(&mut self) -> Result<Option<&str>, CsvError> {
+    fn next(&mut self) -> Result<Option<&str>, LogError> {
+        let Some((number, line)) = self.bytes()? else { return Ok(None) };
+        std::str::from_utf8(line).map(Some).map_err(|_| {
+            let found = format!("a byte that is not UTF-8 (line {number})");
+            LogError::Invalid(Invalid::new("text", found, "UTF-8 text", "save the file as UTF-8"))
+        })
+    }
+
+    /// The number of the next line, from 1, and its bytes, without its end.
+    pub(crate) fn bytes(&mut self) -> Result<Option<(usize, &[u8])>, LogError> {
         self.line.clear();
         if (&mut self.bytes).take(LONGEST_LINE).read_until(b'\n', &mut self.line)? == 0 {
             return Ok(None);
@@ -164,7 +156,7 @@ impl<B: BufRead> Lines<B> {
         self.number += 1;
         self.read += self.line.len() as u64;
         if self.line.len() as u64 == LONGEST_LINE {
-            return Err(CsvError::Invalid(Invalid::new(
+            return Err(LogError::Invalid(Invalid::new(
                 format!("line {}", self.number),
                 format!("{LONGEST_LINE} bytes without an end of the line"),
                 "a row of cells",
@@ -172,11 +164,7 @@ impl<B: BufRead> Lines<B> {
             )));
         }
         let line = self.line.strip_suffix(b"\n").unwrap_or(&self.line);
-        let line = line.strip_suffix(b"\r").unwrap_or(line);
-        std::str::from_utf8(line).map(Some).map_err(|_| {
-            let found = format!("a byte that is not UTF-8 (line {})", self.number);
-            CsvError::Invalid(Invalid::new("text", found, "UTF-8 text", "save the file as UTF-8"))
-        })
+        Ok(Some((self.number, line.strip_suffix(b"\r").unwrap_or(line))))
     }
 }
 

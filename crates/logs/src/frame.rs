@@ -1,10 +1,10 @@
 use std::f64::consts::FRAC_PI_2;
 
 use schemars::JsonSchema;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 /// Axes of measured positions.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Frame {
     /// x north, y east.
@@ -15,7 +15,7 @@ pub enum Frame {
 }
 
 /// How measured headings count.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Heading {
     /// Clockwise from north, as a compass does (from the x axis of [`Frame::Ned`]).
@@ -25,7 +25,7 @@ pub enum Heading {
 }
 
 /// Axes of measured body velocities.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Body {
     /// x forward, y starboard, z down: sway to starboard and turns to starboard are positive.

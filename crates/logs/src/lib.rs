@@ -4,7 +4,7 @@
 //! (NED and FRD). Numbers are in SI units and radians once [`unit()`] has converted them.
 //!
 //! A [`Setup`] says how the logs were made; a [`Plan`] decides which channels a vessel needs of them. [`sources`] finds the
-//! files of each recording by their names, [`read_csv`] their columns, [`Log`] puts these on a clock, and [`record`] makes
+//! files of each recording by their names, [`read_csv`], [`read_nmea`] and [`read_bag`] their columns, [`Log`] puts these on a clock, and [`record`] makes
 //! runs of the logs of a recording and says how good their data are.
 //!
 //! A recording is a set of [`Series`], one per channel, each with a clock of its own. [`assemble`] turns it into channels
@@ -21,6 +21,7 @@ mod angle;
 mod assemble;
 mod attitude;
 mod axes;
+mod bag;
 pub mod chain;
 mod clock;
 mod columns;
@@ -31,6 +32,8 @@ mod grid;
 mod kinematics;
 mod lever;
 mod log;
+mod log_error;
+mod nmea;
 mod pattern;
 mod plan;
 mod prepare;
@@ -54,15 +57,18 @@ mod unit;
 pub use allocation::{Allocation, Unreachable};
 pub use angle::Unwrapping;
 pub use assemble::{Assembled, assemble};
+pub use bag::{LOG_TIME, PUBLISH_TIME, read_bag};
 pub use clock::{Backwards, NonMonotonic, Order, Repeated, TimeUnit, order};
 pub use columns::{Cells, Columns, Content, Labels, Numbering, Wanted, places};
-pub use csv::{CsvError, read_csv};
+pub use csv::read_csv;
 pub use formula::{Formula, Malformed};
 pub use frame::{Body, Frame, Heading};
 pub use grid::{Grid, Stretch, stretches};
 pub use kinematics::{Method, body_velocity, euler};
 pub use lever::Lever;
 pub use log::{Log, RowSummary};
+pub use log_error::LogError;
+pub use nmea::read_nmea;
 pub use pattern::{Pattern, Template};
 pub use plan::{Exogenous, PIECE, Plan};
 pub use prepare::{Channels, Conventions, Derived, KINEMATIC, Propulsor, prepare};
@@ -71,7 +77,7 @@ pub use record::{Recorded, RecordedRun, RecordingSummary, record};
 pub use samples::{Samples, Store, Values};
 pub use segment::{Cut, Interval, Part, Segmentation, SpeedClasses, check_intervals};
 pub use series::Series;
-pub use setup::{ChannelSpec, FileSpec, QuaternionSpec, Setup, TimeSpec};
+pub use setup::{ChannelSpec, FileSpec, Format, QuaternionSpec, Setup, TimeSpec};
 pub use smoother::{local_quadratic, window_samples};
 pub use source::{Kind, Naming, Source};
 pub use stamp::{NoStamp, Stamps};

@@ -27,6 +27,13 @@ pub struct FileSpec {
     /// Template that finds `{run}` in a file's name (in its path where it has a `/`): files of several groups with the
     /// same `{run}` are one recording. Without it each file is a recording, named as the file.
     pub run_from_file: Option<String>,
+    /// What the files are, if not as their names end: `.parquet`, `.mcap`, `.nmea`, all others CSV; all but Parquet may be `.gz` too.
+    pub format: Option<Format>,
+    /// Topic of a bag.
+    pub topic: Option<String>,
+    /// Share of sentences whose checksum may be wrong: they are left out and counted.
+    #[serde(default = "hundredth")]
+    pub max_wrong_checksums: f64,
     /// Separator of CSV files; a blank stands for any number of them.
     #[serde(default = "comma")]
     pub separator: char,
@@ -65,11 +72,40 @@ fn yes() -> bool {
     true
 }
 
+/// How a log is written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum Format {
+    /// Text with a row per line.
+    Csv,
+    /// Apache Parquet.
+    Parquet,
+    /// NMEA 0183, a sentence per line.
+    Nmea,
+    /// MCAP, of ROS 2 or with messages in JSON.
+    Mcap,
+}
+
+impl Format {
+    /// By the end of a file's name.
+    fn of(name: &str) -> Self {
+        let name = name.strip_suffix(".gz").unwrap_or(name);
+        match name.rsplit_once('.').map(|(_, end)| end) {
+            Some("parquet" | "parq" | "pq") => Self::Parquet,
+            Some("nmea") => Self::Nmea,
+            Some("mcap") => Self::Mcap,
+            _ => Self::Csv,
+        }
+    }
+}
+
 /// The clock of a kind of files.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TimeSpec {
-    /// Its column.
+    /// Its column. Of sentences: the kind that tells the time of those after it (`RMC`, `ZDA`, `GGA`, `GNS`, `GLL`), or
+    /// `prefix` for what stands before each. Of bags: `log_time`, `publish_time`, or a field; without a unit one that has
+    /// `sec` and `nanosec`, such as `header.stamp`.
     pub column: String,
     /// What it counts.
     pub unit: Option<TimeUnit>,
@@ -193,6 +229,11 @@ impl QuaternionSpec {
 }
 
 impl FileSpec {
+    /// How the file called `name` is written.
+    pub fn format_of(&self, name: &str) -> Format {
+        self.format.unwrap_or_else(|| Format::of(name))
+    }
+
     /// Appends the channels that quaternions become, angles in radians.
     pub(crate) fn with_angles(mut self, body: Body) -> Self {
         let angles: Vec<ChannelSpec> = self.quaternion.iter().flat_map(|q| q.channels(body)).collect();

@@ -1,7 +1,7 @@
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use schemars::JsonSchema;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 /// What an azimuth thruster is set to: speed n \[1/s\] and direction of its push, from forward to starboard \[rad\], not
 /// wrapped.
@@ -14,7 +14,7 @@ pub struct Setting {
 }
 
 /// A thruster's force from its speed n.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Law {
     /// c n |n|.

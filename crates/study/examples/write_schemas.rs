@@ -1,9 +1,11 @@
-//! Writes the JSON Schema of every document into a folder: `cargo run -p study --example write_schemas -- schemas`.
+//! Writes the JSON Schema of every document and of `ingest.toml` into a folder, and the page of the latter's keys into `docs` beside
+//! it: `cargo run -p study --example write_schemas -- schemas`.
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use study::documents::schemas;
+use study::ingest_file::{page, schema};
 
 fn main() -> ExitCode {
     let Some(folder) = std::env::args_os().nth(1).map(PathBuf::from) else {
@@ -24,8 +26,12 @@ fn main() -> ExitCode {
 
 fn write(folder: &Path) -> std::io::Result<()> {
     std::fs::create_dir_all(folder)?;
-    for (name, schema) in schemas() {
+    for (name, schema) in schemas().into_iter().chain([("ingest-toml", schema())]) {
         std::fs::write(folder.join(format!("{name}.schema.json")), format!("{schema:#}\n"))?;
+    }
+    let docs = folder.join("../docs");
+    if docs.is_dir() {
+        std::fs::write(docs.join("ingest-keys.md"), page())?;
     }
     Ok(())
 }

@@ -3,6 +3,7 @@
 mod attitudes;
 mod clocks;
 mod document;
+mod field;
 mod files;
 mod forces;
 mod real;

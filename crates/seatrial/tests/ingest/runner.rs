@@ -126,7 +126,8 @@ pub fn refused_in(folder: &Path, more: &[&str], pieces: &[&str]) {
         names
     };
     let before = names();
-    let ran = run(folder, &[&["--config", "ingest.toml", "--out", "trajectories.parquet"], more].concat());
+    let usual = ["--config", "ingest.toml", "--quiet", "--out", "trajectories.parquet"];
+    let ran = run(folder, &[&usual, more].concat());
     assert_eq!(ran.code, Some(3), "{}{}", ran.stdout, ran.stderr);
     assert_eq!((ran.stderr.lines().count(), ran.stdout.as_str()), (1, ""), "{}", ran.stderr);
     for piece in [&["error: ", ": found ", ", expected ", "; "], pieces].concat() {

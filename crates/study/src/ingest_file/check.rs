@@ -2,7 +2,7 @@
 
 use std::fmt::Display;
 
-use logs::{FileSpec, Interval, TimeSpec, TimeUnit};
+use logs::{FileSpec, Format, Interval, LOG_TIME, PUBLISH_TIME, TimeUnit};
 use refusal::{Invalid, check_numbers};
 
 use super::IngestFile;
@@ -166,11 +166,67 @@ fn check_file(file: &FileSpec) -> Result<(), Invalid> {
             return Err(Invalid::new("`header`", "files without header or `columns`", expected, "add it"));
         }
     }
-    check_time(&file.time)
+    let share = file.max_wrong_checksums;
+    check_numbers([("max_wrong_checksums", share)], "a share from 0 to 1", |share| {
+        (0.0..=1.0).contains(&share)
+    })?;
+    check_kinds(file)?;
+    check_time(file)
 }
 
-fn check_time(time: &TimeSpec) -> Result<(), Invalid> {
-    if time.unit.is_some() == time.format.is_some() {
+/// Refuses keys that files of a kind lack or do not have.
+fn check_kinds(file: &FileSpec) -> Result<(), Invalid> {
+    for pattern in &file.pattern {
+        let format = file.format_of(pattern);
+        if (format == Format::Mcap) != file.topic.is_some() {
+            let found = if file.topic.is_some() { "it for" } else { "none for" };
+            let expected = "one for every group of bags, and for no other files";
+            return Err(Invalid::new(
+                "`topic`",
+                format!("{found} `{pattern}`"),
+                expected,
+                "add or remove it",
+            ));
+        }
+        let others =
+            [file.label_column.is_some(), file.time.nanoseconds.is_some(), !file.quaternion.is_empty()];
+        let lacks = match format {
+            Format::Nmea => others.contains(&true),
+            Format::Mcap => others[0] || file.time.format.is_some(),
+            Format::Csv | Format::Parquet => false,
+        };
+        if lacks {
+            let found = "`label_column`, `nanoseconds`, `quaternion`, or a time as text";
+            let expected = "channels that are numbers: sentences have no more, bags quaternions too";
+            return Err(Invalid::new(format!("files `{pattern}`"), found, expected, "remove it"));
+        }
+    }
+    Ok(())
+}
+
+/// Whether the times of all files say by themselves what they count.
+fn tells_itself(file: &FileSpec) -> Option<bool> {
+    let kinds = file.pattern.iter().map(|pattern| match file.format_of(pattern) {
+        Format::Nmea => file.time.column != "prefix",
+        Format::Mcap => [LOG_TIME, PUBLISH_TIME].contains(&file.time.column.as_str()),
+        Format::Csv | Format::Parquet => false,
+    });
+    kinds.reduce(|a, b| a && b)
+}
+
+fn check_time(file: &FileSpec) -> Result<(), Invalid> {
+    let time = &file.time;
+    if tells_itself(file) == Some(true) {
+        return match time.unit.is_some() || time.format.is_some() || time.zone.is_some() {
+            true => {
+                let found = format!("`unit` of `{}`, or its `format` or `zone`", time.column);
+                Err(Invalid::new("`time`", found, "none: it is known", "remove it"))
+            }
+            false => Ok(()),
+        };
+    }
+    let is_bag = file.pattern.iter().all(|pattern| file.format_of(pattern) == Format::Mcap);
+    if time.unit.is_some() == time.format.is_some() && !is_bag {
         let found = if time.unit.is_some() { "both `unit` and `format`" } else { "no `unit`" };
         let expected = "a `unit`, or the `format` of times that are text";
         return Err(Invalid::new("`time`", found, expected, "name one of the two"));

@@ -3,6 +3,9 @@
 mod check;
 pub mod read;
 pub mod recordings;
+mod reference;
+
+pub use reference::{page, schema};
 
 use logs::{
     Body, Conventions, Cut, Derived, FileSpec, ForceTable, Formula, Frame, Heading, Interval, Kind, Law,
@@ -10,7 +13,7 @@ use logs::{
 };
 use refusal::Invalid;
 use schemars::JsonSchema;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 /// `ingest.toml` as written.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
@@ -94,7 +97,7 @@ pub struct DerivedSpec {
 }
 
 /// How velocities are made from positions.
-#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct VelocitySpec {
     /// Explicit Euler differences, or slopes of local parabolas.

@@ -1,6 +1,6 @@
 //! The files of a recording to its runs.
 //!
-//! CSV is decoded by [`logs`], which needs no more than bytes; Parquet here, for the sciences know no tables.
+//! Text and bags are decoded by [`logs`], which needs no more than bytes; Parquet here, for the sciences know no tables.
 
 use std::fs::File;
 use std::io::{BufRead, BufReader, ErrorKind};
@@ -10,8 +10,8 @@ use std::sync::Arc;
 use artifact::{Digest, Digesting, Error, ForeignTable, Scratch};
 use flate2::read::MultiGzDecoder;
 use logs::{
-    Cells, Columns, Content, CsvError, Labels, Log, Numbering, Plan, Recorded, Samples, Segmentation, Source,
-    Stamps, Store, Wanted, places, read_csv, record,
+    Cells, Columns, Content, Format, Labels, Log, LogError, Numbering, Plan, Recorded, Samples, Segmentation,
+    Source, Stamps, Store, Wanted, places, read_bag, read_csv, read_nmea, record,
 };
 use refusal::Invalid;
 
@@ -41,7 +41,7 @@ impl Store for Aside {
 /// room for in memory is put aside in `scratch`.
 ///
 /// # Errors
-/// Files that cannot be read; what [`read_csv`], [`Log::new`] and [`record`] refuse; channels that cannot be put aside.
+/// Files that cannot be read; what [`read_csv`], [`read_nmea`], [`read_bag`], [`Log::new`] and [`record`] refuse; channels that cannot be put aside.
 pub fn recorded(
     plan: &Plan,
     segmentation: &Segmentation,
@@ -80,8 +80,9 @@ fn columns(
     group: usize,
     store: &Arc<dyn Store>,
 ) -> Result<(Columns, Digest), Error> {
-    let extension = path.extension().and_then(|extension| extension.to_str());
-    if let Some("parquet" | "parq" | "pq") = extension {
+    let name = path.file_name().and_then(|name| name.to_str()).unwrap_or_default();
+    let format = plan.setup.files[group].format_of(name);
+    if format == Format::Parquet {
         return Ok((parquet(path, plan, group, store)?, Digest::of_file(path)?));
     }
     let unreadable = |e| Error::io(path, "read", e);
@@ -89,15 +90,21 @@ fn columns(
     let file = File::open(path).map_err(unreadable)?;
     let length = file.metadata().map_err(unreadable)?.len();
     let mut source = Digesting::new(file);
-    let (bytes, length): (Box<dyn BufRead>, _) = match extension {
-        Some("gz") => (Box::new(BufReader::with_capacity(BUFFER, MultiGzDecoder::new(&mut source))), None),
-        _ => (Box::new(BufReader::with_capacity(BUFFER, &mut source)), Some(length)),
+    let (mut bytes, length): (Box<dyn BufRead>, _) = match name.ends_with(".gz") {
+        true => (Box::new(BufReader::with_capacity(BUFFER, MultiGzDecoder::new(&mut source))), None),
+        false => (Box::new(BufReader::with_capacity(BUFFER, &mut source)), Some(length)),
     };
-    let columns = read_csv(bytes, length, plan, group, Some(store)).map_err(|error| match error {
-        CsvError::Unreadable(error) if is_damage(&error) => crate::invalid(path, &damaged(&error)),
-        CsvError::Unreadable(error) => unreadable(error),
-        CsvError::Invalid(invalid) => crate::invalid(path, &invalid),
+    let columns = match format {
+        Format::Nmea => read_nmea(&mut bytes, plan, group, Some(store)),
+        Format::Mcap => read_bag(&mut bytes, plan, group, Some(store)),
+        Format::Csv | Format::Parquet => read_csv(&mut bytes, length, plan, group, Some(store)),
+    };
+    let columns = columns.map_err(|error| match error {
+        LogError::Unreadable(error) if is_damage(&error) => crate::invalid(path, &damaged(&error)),
+        LogError::Unreadable(error) => unreadable(error),
+        LogError::Invalid(invalid) => crate::invalid(path, &invalid),
     })?;
+    drop(bytes);
     Ok((columns, source.digest().map_err(unreadable)?))
 }
 

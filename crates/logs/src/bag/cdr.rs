@@ -1,0 +1,200 @@
+//! Common Data Representation, version 1, as ROS 2 writes it (OMG, Data Distribution Service Interoperability Wire Protocol):
+//! values one after the other, each aligned to its size from after the four bytes that tell the order of bytes.
+
+use std::collections::BTreeMap;
+
+use super::fields::{Primitive, Shape, Step, Wrong};
+
+/// Bytes of a message, and how far they were read.
+pub(super) struct Cursor<'a> {
+    /// What follows the first four.
+    data: &'a [u8],
+    at: usize,
+    is_little: bool,
+}
+
+impl<'a> Cursor<'a> {
+    /// At the first value.
+    pub(super) fn new(message: &'a [u8]) -> Result<Self, Wrong> {
+        match message.split_at_checked(4) {
+            Some(([0, order @ (0 | 1), ..], data)) => Ok(Self { data, at: 0, is_little: *order == 1 }),
+            Some((head, _)) => {
+                let found = format!("the representation {:#06x}", u16::from_be_bytes([head[0], head[1]]));
+                Err((found, "plain CDR, 0x0000 or 0x0001".to_owned()))
+            }
+            None => Err((format!("{} bytes", message.len()), "at least 4".to_owned())),
+        }
+    }
+
+    /// The next `N` bytes, aligned to their number, the first being the lowest.
+    fn take<const N: usize>(&mut self) -> Option<[u8; N]> {
+        self.at = self.at.next_multiple_of(N);
+        let mut bytes: [u8; N] = self.data.get(self.at..self.at + N)?.try_into().ok()?;
+        self.at += N;
+        if !self.is_little {
+            bytes.reverse();
+        }
+        Some(bytes)
+    }
+
+    fn number(&mut self, kind: Primitive) -> Option<f64> {
+        Some(match kind {
+            Primitive::U8 => f64::from(u8::from_le_bytes(self.take()?)),
+            Primitive::I8 => f64::from(i8::from_le_bytes(self.take()?)),
+            Primitive::U16 => f64::from(u16::from_le_bytes(self.take()?)),
+            Primitive::I16 => f64::from(i16::from_le_bytes(self.take()?)),
+            Primitive::U32 => f64::from(u32::from_le_bytes(self.take()?)),
+            Primitive::I32 => f64::from(i32::from_le_bytes(self.take()?)),
+            Primitive::U64 => u64::from_le_bytes(self.take()?) as f64,
+            Primitive::I64 => i64::from_le_bytes(self.take()?) as f64,
+            Primitive::F32 => f64::from(f32::from_le_bytes(self.take()?)),
+            Primitive::F64 => f64::from_le_bytes(self.take()?),
+        })
+    }
+
+    fn length(&mut self) -> Option<usize> {
+        usize::try_from(u32::from_le_bytes(self.take()?)).ok()
+    }
+
+    fn skip(&mut self, bytes: usize) -> Option<()> {
+        self.at = self.at.checked_add(bytes).filter(|at| *at <= self.data.len())?;
+        Some(())
+    }
+}
+
+/// A shape, and where the numbers go that are asked for.
+pub(super) struct Node {
+    kind: Kind,
+    /// Places in the row.
+    slots: Vec<usize>,
+}
+
+enum Kind {
+    Number(Primitive),
+    Text,
+    Fields(Vec<Node>),
+    List {
+        of: Box<Node>,
+        len: Option<usize>,
+        /// Elements that something is asked of.
+        wanted: BTreeMap<usize, Node>,
+    },
+}
+
+impl Node {
+    /// Numbers of `shape` at the `wanted` paths, each with its place in the row.
+    ///
+    /// # Errors
+    /// The place whose path leads to no number.
+    pub(super) fn new(shape: &Shape, wanted: &[(usize, &[Step])]) -> Result<Self, usize> {
+        let ends: Vec<usize> =
+            wanted.iter().filter(|(_, path)| path.is_empty()).map(|(slot, _)| *slot).collect();
+        let is_number = matches!(shape, Shape::Number(_));
+        if let Some((slot, _)) = wanted.iter().find(|(_, path)| path.is_empty() != is_number) {
+            return Err(*slot);
+        }
+        let kind = match shape {
+            Shape::Number(kind) => Kind::Number(*kind),
+            Shape::Text => wanted.first().map_or(Ok(Kind::Text), |(slot, _)| Err(*slot))?,
+            Shape::Fields(fields) => {
+                let is_field = |step: &Step| fields.iter().any(|(name, _)| *step == Step::Name(name.clone()));
+                if let Some((slot, _)) = wanted.iter().find(|(_, path)| !is_field(&path[0])) {
+                    return Err(*slot);
+                }
+                let node = |(name, shape): &(String, Shape)| {
+                    Self::new(shape, &below(wanted, |step| *step == Step::Name(name.clone())))
+                };
+                Kind::Fields(fields.iter().map(node).collect::<Result<_, _>>()?)
+            }
+            Shape::List(of, len) => {
+                let mut elements = BTreeMap::new();
+                for (slot, path) in wanted {
+                    let Step::Index(i) = path[0] else { return Err(*slot) };
+                    if len.is_some_and(|len| i >= len) {
+                        return Err(*slot);
+                    }
+                    elements.insert(i, Self::new(of, &below(wanted, |step| *step == Step::Index(i)))?);
+                }
+                Kind::List { of: Box::new(Self::new(of, &[])?), len: *len, wanted: elements }
+            }
+        };
+        Ok(Self { kind, slots: ends })
+    }
+
+    /// Reads the next value and puts into `row` what is asked for; none where the message ends before.
+    pub(super) fn read(&self, cursor: &mut Cursor, row: &mut [f64]) -> Option<()> {
+        match &self.kind {
+            Kind::Number(kind) => {
+                let value = cursor.number(*kind)?;
+                self.slots.iter().for_each(|slot| row[*slot] = value);
+                Some(())
+            }
+            Kind::Text => {
+                let length = cursor.length()?;
+                cursor.skip(length)
+            }
+            // A message without fields has a byte all the same.
+            Kind::Fields(fields) if fields.is_empty() => cursor.skip(1),
+            Kind::Fields(fields) => fields.iter().try_for_each(|field| field.read(cursor, row)),
+            Kind::List { of, len, wanted } => {
+                let len = len.map_or_else(|| cursor.length(), Some)?;
+                (0..len).try_for_each(|i| wanted.get(&i).unwrap_or(of).read(cursor, row))
+            }
+        }
+    }
+}
+
+/// The paths that begin with a step, without it.
+fn below<'a>(wanted: &[(usize, &'a [Step])], is: impl Fn(&Step) -> bool) -> Vec<(usize, &'a [Step])> {
+    let own = wanted.iter().filter(|(_, path)| path.first().is_some_and(&is));
+    own.map(|(slot, path)| (*slot, &path[1..])).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::definition::definition;
+    use super::super::fields::steps;
+    use super::*;
+
+    /// `uint8 a = 7`, `string s = "hi"`, `float64[] w = [1.5, -2]`, `int16 b = -3`, `float32 c = 0.25` as fastcdr writes them.
+    fn message(is_little: bool) -> Vec<u8> {
+        let order = |mut bytes: Vec<u8>| {
+            if !is_little {
+                bytes.reverse();
+            }
+            bytes
+        };
+        let mut data = vec![0, u8::from(is_little), 0, 0, 7, 0, 0, 0];
+        data.extend(order(3_u32.to_le_bytes().to_vec()));
+        data.extend(b"hi\0\0");
+        data.extend(order(2_u32.to_le_bytes().to_vec()));
+        for value in [1.5_f64, -2.0] {
+            data.extend(order(value.to_le_bytes().to_vec()));
+        }
+        data.extend(order((-3_i16).to_le_bytes().to_vec()));
+        data.extend([0, 0]);
+        data.extend(order(0.25_f32.to_le_bytes().to_vec()));
+        data
+    }
+
+    #[test]
+    fn values_are_aligned_to_their_size_in_either_order_of_bytes() {
+        let shape = definition("a/A", "uint8 a\nstring s\nfloat64[] w\nint16 b\nfloat32 c\n").unwrap();
+        let paths = ["a", "w[1]", "b", "c", "w[5]"].map(|path| steps(path).unwrap());
+        let wanted: Vec<(usize, &[Step])> = paths.iter().map(Vec::as_slice).enumerate().collect();
+        let node = Node::new(&shape, &wanted).unwrap();
+        for is_little in [true, false] {
+            let data = message(is_little);
+            let mut row = [f64::NAN; 5];
+            node.read(&mut Cursor::new(&data).unwrap(), &mut row).unwrap();
+            assert_eq!(row[..4], [7.0, -2.0, -3.0, 0.25]);
+            assert!(row[4].is_nan(), "there are two weights");
+            let short = &data[..data.len() - 1];
+            assert_eq!(node.read(&mut Cursor::new(short).unwrap(), &mut row), None);
+        }
+        for path in ["s", "d", "w", "a.x", "a[0]"] {
+            let path = steps(path).unwrap();
+            assert!(Node::new(&shape, &[(3, &path)]).is_err_and(|slot| slot == 3), "{path:?}");
+        }
+    }
+}

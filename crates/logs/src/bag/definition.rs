@@ -1,0 +1,113 @@
+//! Definitions of messages as bags hold them: the message's own fields, then those of each type that it uses, with a line of
+//! `=` and `MSG: package/Type` before each. <https://docs.ros.org/en/rolling/Concepts/Basic/About-Interfaces.html>
+
+use super::fields::{Primitive, Shape};
+
+/// Types within types beyond which a definition is taken to go round in a circle.
+const DEEPEST: usize = 32;
+
+/// Names of numbers.
+const NUMBERS: [(&str, Primitive); 13] = [
+    ("bool", Primitive::U8),
+    ("byte", Primitive::U8),
+    ("char", Primitive::U8),
+    ("uint8", Primitive::U8),
+    ("int8", Primitive::I8),
+    ("uint16", Primitive::U16),
+    ("int16", Primitive::I16),
+    ("uint32", Primitive::U32),
+    ("int32", Primitive::I32),
+    ("uint64", Primitive::U64),
+    ("int64", Primitive::I64),
+    ("float32", Primitive::F32),
+    ("float64", Primitive::F64),
+];
+
+/// The types of a definition, `package/Type`, and their lines.
+struct Types<'a>(Vec<(String, Vec<&'a str>)>);
+
+/// The shape of messages of type `name` by the definition in `text`.
+///
+/// # Errors
+/// Says what cannot be read.
+pub(super) fn definition(name: &str, text: &str) -> Result<Shape, String> {
+    let mut types = Types(vec![(short(name), Vec::new())]);
+    for line in text.lines().map(str::trim) {
+        if let Some(next) = line.strip_prefix("MSG:") {
+            types.0.push((short(next.trim()), Vec::new()));
+        } else if let Some((_, lines)) = types.0.last_mut().filter(|_| !line.starts_with("==")) {
+            lines.push(line);
+        }
+    }
+    types.shape(&short(name), DEEPEST)
+}
+
+/// `package/Type` of `package/msg/Type`.
+fn short(name: &str) -> String {
+    name.replace("/msg/", "/")
+}
+
+impl Types<'_> {
+    fn shape(&self, name: &str, deep: usize) -> Result<Shape, String> {
+        let known = self.0.iter().find(|(known, _)| known == name);
+        let (_, lines) = known.ok_or_else(|| format!("no definition of `{name}`"))?;
+        if deep == 0 {
+            return Err(format!("`{name}` within itself"));
+        }
+        let package = name.split_once('/').map_or("", |(package, _)| package);
+        let fields = lines.iter().filter_map(|line| self.field(line, package, deep).transpose());
+        Ok(Shape::Fields(fields.collect::<Result<_, _>>()?))
+    }
+
+    /// The field on a line: none where there is nothing, a comment, or a constant, which messages do not have.
+    fn field(&self, line: &str, package: &str, deep: usize) -> Result<Option<(String, Shape)>, String> {
+        let line = line.split('#').next().unwrap_or_default();
+        let mut words = line.split_whitespace();
+        let (Some(kind), Some(name)) = (words.next(), words.next()) else {
+            return if line.trim().is_empty() { Ok(None) } else { Err(format!("`{line}`")) };
+        };
+        if name.contains('=') || words.next().is_some_and(|word| word.starts_with('=')) {
+            return Ok(None);
+        }
+        Ok(Some((name.to_owned(), self.kind(kind, package, deep)?)))
+    }
+
+    fn kind(&self, kind: &str, package: &str, deep: usize) -> Result<Shape, String> {
+        if let Some((of, len)) = kind.strip_suffix(']').and_then(|kind| kind.rsplit_once('[')) {
+            let fixed = !(len.is_empty() || len.starts_with("<="));
+            let len = fixed.then(|| len.parse().map_err(|_| format!("`{kind}`"))).transpose()?;
+            return Ok(Shape::List(Box::new(self.kind(of, package, deep)?), len));
+        }
+        let kind = kind.split("<=").next().unwrap_or(kind);
+        if let Some((_, number)) = NUMBERS.iter().find(|(known, _)| *known == kind) {
+            return Ok(Shape::Number(*number));
+        }
+        match kind {
+            "string" => Ok(Shape::Text),
+            // Its length in bytes is another for every implementation.
+            "wstring" => Err("a field of type `wstring`".to_owned()),
+            kind if kind.contains('/') => self.shape(&short(kind), deep - 1),
+            "Header" => self.shape("std_msgs/Header", deep - 1),
+            kind => self.shape(&format!("{package}/{kind}"), deep - 1),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn comments_constants_defaults_and_types_of_other_packages_are_read() {
+        let text = "# A pose\nstd_msgs/Header header\nuint8 OK=0\nint32 NONE = -1\nPoint[2] corners # two\nstring<=5 name \"x\"\n\
+            float64[] weights\n================\nMSG: std_msgs/Header\nbuiltin_interfaces/Time stamp\nstring frame_id\n=====\n\
+            MSG: builtin_interfaces/Time\nint32 sec\nuint32 nanosec\n====\nMSG: geometry_msgs/Point\nfloat64 x\nfloat32 y 1.5\n";
+        let shape = definition("geometry_msgs/msg/Thing", text).unwrap();
+        let paths =
+            ["header.stamp.sec", "header.stamp.nanosec", "corners[0].x", "corners[0].y", "weights[0]"];
+        assert_eq!(super::super::fields::leaves(&shape), paths);
+        let circle = definition("a/A", "A next\n").unwrap_err();
+        assert!(circle.contains("within itself"), "{circle}");
+        assert!(definition("a/A", "B next\n").unwrap_err().contains("no definition of `a/B`"));
+    }
+}
