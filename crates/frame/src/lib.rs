@@ -7,6 +7,7 @@
 mod changed;
 pub mod choice;
 pub mod cli;
+pub mod compiler;
 pub mod failure;
 pub mod inputs;
 mod interrupted;

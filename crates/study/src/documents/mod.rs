@@ -10,6 +10,7 @@ mod design_status;
 mod estimate;
 mod found;
 mod ingest;
+mod knowledge;
 mod model;
 mod moments;
 mod plan;
