@@ -4,11 +4,10 @@ use std::path::PathBuf;
 
 use artifact::{Staged, commit};
 use clap::Parser;
-use export::{COMPILED_WITH, Knowledge, Origin, PLATFORM, Portable, Target};
+use export::{COMPILED_WITH, PLATFORM, Target};
 use frame::compiler::compiled;
 use serde_json::json;
-use study::documents::ModelDocument;
-use study::files::{read_model, read_vessel};
+use study::exported::read_portable;
 use vessel::Source;
 
 use crate::choice::choice;
@@ -28,7 +27,7 @@ pub struct Arguments {
     #[arg(long, value_parser = choice(&Target::ALL, Target::name, Target::description))]
     to: Target,
     /// Which values of a vessel.toml (default: the true ones where all are known, else the nominal ones)
-    #[arg(long, value_parser = choice(&Source::ALL, Source::name, described))]
+    #[arg(long, value_parser = choice(&Source::ALL, Source::name, |own| ["The true ones", "The nominal ones"][own as usize]))]
     parameters: Option<Source>,
     /// The rate of the simulator that it is for, refused unless the model holds for it [Hz]
     #[arg(long, value_name = "HZ")]
@@ -38,27 +37,12 @@ pub struct Arguments {
     compiler: String,
 }
 
-fn described(source: Source) -> &'static str {
-    ["The true values", "The nominal values: of a model.json its estimates"][source as usize]
-}
-
 impl Task for Arguments {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
         check_positive("--rate-hz", self.rate_hz)?;
         let mut provenance = common.provenance("export");
-        let vessel = read_vessel(&self.model, &mut provenance)?;
-        let model = read_model(&self.model)?;
-        let known = model.as_ref().map_or_else(Knowledge::default, ModelDocument::knowledge);
-        let source = self.parameters.unwrap_or(vessel.best_known());
-        let estimates = model.is_some() && source == Source::Nominal;
-        let origin = Origin {
-            producer: format!("seatrial {}", provenance.producer),
-            file: self.model.file_name().unwrap_or_default().to_string_lossy().into_owned(),
-            digest: provenance.inputs["vessel"].to_string(),
-            values: if estimates { "estimates".to_owned() } else { format!("{} values", source.name()) },
-        };
+        let portable = read_portable(&self.model, self.parameters, &mut provenance)?;
         let refused = |e| Failure::invalid(&self.model, &e);
-        let portable = Portable::new(&vessel, source, &known, origin).map_err(refused)?;
         self.rate_hz.map_or(Ok(()), |rate| portable.check_rate(rate)).map_err(refused)?;
         let (out, names) = (&common.out, portable.file_names(self.to));
         only_folder_of(out, &names)?;
@@ -67,7 +51,9 @@ impl Task for Arguments {
         let library = if unit && PLATFORM.is_some() { build()? } else { None };
         let built = match &library {
             Some(_) => "; built for this system".to_owned(),
-            None if unit => format!("; its source alone: found no C compiler `{}`", self.compiler),
+            None if unit => {
+                format!("; its source alone: found no C compiler `{}` for this system", self.compiler)
+            }
             None => String::new(),
         };
         let told = json!({"files": names, "renamed": portable.renamed(), "built": library.is_some()});

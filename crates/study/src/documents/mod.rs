@@ -10,7 +10,6 @@ mod design_status;
 mod estimate;
 mod found;
 mod ingest;
-mod knowledge;
 mod model;
 mod moments;
 mod plan;
