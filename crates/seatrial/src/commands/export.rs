@@ -15,8 +15,7 @@ use crate::cli::{Common, check_positive, in_folder, only_folder_of};
 use crate::failure::Failure;
 use crate::stage::{Summary, Task};
 
-/// A model as a function of state and inputs for other tools, with its parameters and its range of validity; writes its files
-/// into a folder
+/// A model as a function of state and inputs for other tools, with its parameters and range of validity; writes a folder
 #[derive(Parser)]
 #[command(name = "export", after_help = "Example:\n  export --model model.json --to fmu --out exported/")]
 pub struct Arguments {
