@@ -21,7 +21,7 @@ ESTIMATE_FLAGS ?=
 PLAN_FLAGS     ?=
 -include $(STUDY)/study.mk
 
-STAGES  := ingest simulate moments design estimate validate monte-carlo sweep plan sequential report
+STAGES  := ingest simulate moments design estimate validate monte-carlo sweep plan sequential export report
 BINARIES := $(addprefix $(BIN)/,$(STAGES) seatrial)
 
 # A target is written whole or not at all by its stage, so an interrupted make resumes with the next stage.
@@ -59,7 +59,7 @@ help:
 .PHONY: build
 build: $(BINARIES)
 
-SOURCES := Cargo.toml Cargo.lock $(shell find crates -name '*.rs' -o -name 'Cargo.toml' -o -name '*.css' -o -path '*/presets/*.toml')
+SOURCES := Cargo.toml Cargo.lock $(shell find crates -name '*.rs' -o -name 'Cargo.toml' -o -name '*.css' -o -path '*/presets/*.toml' -o -path '*/templates/*')
 
 BUILD := $(if $(filter target/debug,$(BIN)),$(CARGO) test --workspace --locked --no-run,$(CARGO) build --release --locked -p seatrial -p programs)
 

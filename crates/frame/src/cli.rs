@@ -190,6 +190,36 @@ pub fn in_folder<T>(folder: &Path, write: impl FnOnce() -> Result<T, Failure>) -
     })
 }
 
+/// Refuses a folder that holds anything but files of these `names`: what is written there is to be taken whole. Names that begin
+/// with a dot count for nothing.
+///
+/// # Errors
+/// A folder that holds other files, or a file in its place.
+pub fn only_folder_of(folder: &Path, names: &[String]) -> Result<(), Failure> {
+    let entries = match std::fs::read_dir(folder) {
+        Ok(entries) => entries,
+        Err(error) if error.kind() == ErrorKind::NotFound => return Ok(()),
+        Err(error) => return Err(artifact::Error::io(folder, "list", error).into()),
+    };
+    let found = entries.filter_map(|entry| Some(entry.ok()?.file_name().to_string_lossy().into_owned()));
+    let mut others: Vec<String> =
+        found.filter(|name| !name.starts_with('.') && !names.contains(name)).collect();
+    others.sort();
+    match others.first() {
+        None => Ok(()),
+        Some(other) => {
+            let expected = format!("none but {}", names.join(", "));
+            Err(Failure::refuse(
+                folder,
+                "folder",
+                &format!("`{other}` in it"),
+                &expected,
+                "name another folder with --out",
+            ))
+        }
+    }
+}
+
 /// Refuses a number that is not above zero.
 ///
 /// # Errors

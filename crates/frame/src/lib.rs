@@ -8,6 +8,7 @@ pub mod beside;
 mod changed;
 pub mod choice;
 pub mod cli;
+pub mod compiler;
 pub mod failure;
 pub mod inputs;
 mod interrupted;

@@ -15,6 +15,7 @@ fn every_program_is_its_stage() {
         ("sweep", env!("CARGO_BIN_EXE_sweep")),
         ("plan", env!("CARGO_BIN_EXE_plan")),
         ("sequential", env!("CARGO_BIN_EXE_sequential")),
+        ("export", env!("CARGO_BIN_EXE_export")),
         ("report", env!("CARGO_BIN_EXE_report")),
     ];
     let stages = seatrial::commands::STAGES.map(|stage| stage.command());

@@ -8,6 +8,7 @@ pub mod campaign_file;
 pub mod design_files;
 pub mod documents;
 pub mod estimates;
+pub mod exported;
 pub mod files;
 pub mod folder;
 pub mod ingest_file;

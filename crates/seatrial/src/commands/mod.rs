@@ -7,6 +7,7 @@ mod earlier;
 mod estimate;
 mod estimate_pool;
 mod estimate_sums;
+mod export;
 mod ingest;
 mod moments;
 mod monte_carlo;
@@ -54,12 +55,14 @@ pub const SWEEP: Stage =
 pub const PLAN: Stage = Stage::of::<plan::Arguments>();
 /// Trials designed in rounds.
 pub const SEQUENTIAL: Stage = Stage::of::<sequential::Arguments>();
+/// A model for other tools.
+pub const EXPORT: Stage = Stage::of::<export::Arguments>();
 /// A study on one page, many in tables, a picture of one.
 pub const REPORT: Stage =
     Stage::of::<report::Arguments>().with(&[Stage::of::<report::Results>(), Stage::of::<report::Picture>()]);
 
 /// Every stage, in the order in which a study runs them.
-pub const STAGES: [&Stage; 11] = [
+pub const STAGES: [&Stage; 12] = [
     &SIMULATE,
     &INGEST,
     &MOMENTS,
@@ -70,5 +73,6 @@ pub const STAGES: [&Stage; 11] = [
     &SWEEP,
     &PLAN,
     &SEQUENTIAL,
+    &EXPORT,
     &REPORT,
 ];

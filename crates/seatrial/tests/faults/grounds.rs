@@ -53,7 +53,7 @@ const fn stage(
 const SEED: [&str; 2] = ["--vessel", "--seed 2 --vessel"];
 
 /// The paper's study with two runs per design, in all its forms.
-static PAPER: [Stage; 19] = [
+static PAPER: [Stage; 20] = [
     stage(
         "simulate dictionary --vessel vessel.toml --dictionary dictionary.toml",
         "dictionary.parquet",
@@ -169,6 +169,13 @@ static PAPER: [Stage; 19] = [
         "scores-3.parquet",
         ["scores-1.parquet scores-2.parquet", "scores-4.parquet scores-5.parquet"],
         &["scores-1.parquet", "scores-2.parquet", "validation.parquet"],
+    ),
+    // Into a folder of its own.
+    stage(
+        "export --vessel vessel.toml --to c --parameters value",
+        "",
+        ["--parameters value", "--parameters nominal"],
+        &["vessel.toml"],
     ),
     stage(
         "report --study . --results .",
@@ -343,7 +350,7 @@ fn varied(folder: &TempDir, name: &str, other: &str, from: &str, to: &str) {
 }
 
 /// Outputs that no stage reads, some of which stand beside what others read.
-const LAST: [&str; 3] = ["refined.json", "simulated.json", "report.html"];
+const LAST: [&str; 4] = ["refined.json", "simulated.json", "report.html", ""];
 
 /// Runs every stage in `folder`.
 fn made(folder: &TempDir, stages: &'static [Stage]) -> Ground {

@@ -13,7 +13,7 @@ const FLOORS: [&[&str]; 11] = [
     &["refusal", "numerics"],
     &["artifact"],
     &["vessel", "design", "lattice", "chart"],
-    &["identification", "logs"],
+    &["identification", "logs", "export"],
     &["trial", "validation"],
     &["study"],
     &["report", "in_memory"],
@@ -23,9 +23,19 @@ const FLOORS: [&[&str]; 11] = [
     &["bench"],
 ];
 
-/// The crates that compute.
-const SCIENCE: &[&str] =
-    &["numerics", "vessel", "identification", "validation", "design", "lattice", "chart", "logs", "trial"];
+/// The crates that compute, and the one that says in other languages what is computed.
+const SCIENCE: &[&str] = &[
+    "numerics",
+    "vessel",
+    "identification",
+    "validation",
+    "design",
+    "lattice",
+    "chart",
+    "logs",
+    "trial",
+    "export",
+];
 
 /// What the sources of some crates must not contain: crates, words, why.
 const WORDS: [(&[&str], &[&str], &str); 5] = [

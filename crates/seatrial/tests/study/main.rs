@@ -10,6 +10,7 @@ mod criteria;
 mod documents;
 mod estimates;
 mod estimators;
+mod export;
 mod generated;
 mod golden;
 mod in_memory;

@@ -1,0 +1,116 @@
+//! The model as C99.
+
+use crate::equation::Syntax;
+use crate::portable::{Parameter, Portable, Range};
+use crate::target::TextFile;
+use crate::template::fill;
+use crate::text::{comment, number, quoted};
+
+const SYNTAX: Syntax = Syntax {
+    modulus: "fabs",
+    parameter: |model, name| format!("p[{}_P_{name}]", model.upper()),
+    between: "\n        + ",
+};
+
+impl Portable {
+    /// What macros and constants begin with.
+    pub(crate) fn upper(&self) -> String {
+        self.base.to_uppercase()
+    }
+
+    /// Header, source, and a program from CSV to CSV.
+    pub(crate) fn c(&self) -> Vec<TextFile> {
+        let [header, source] = self.c_model();
+        let values = [("base", self.base.clone()), ("BASE", self.upper()), ("header", self.c_header())];
+        let text = fill(include_str!("templates/example.c"), &values);
+        vec![source, header, (format!("{}_example.c", self.base), text)]
+    }
+
+    /// Header and source.
+    pub(crate) fn c_model(&self) -> [TextFile; 2] {
+        let gain = |d: usize| SYNTAX.gain(self, d);
+        let values = [
+            ("base", self.base.clone()),
+            ("BASE", self.upper()),
+            ("header", self.c_header()),
+            ("vessel", quoted(&self.vessel)),
+            ("made_from", quoted(&format!("{}, {}", self.origin.file, self.origin.digest))),
+            ("rate", number(self.rate_hz)),
+            ("input_count", self.inputs().len().to_string()),
+            ("input_room", self.inputs().len().max(1).to_string()),
+            ("parameter_count", self.parameters.len().to_string()),
+            ("range_count", self.ranges.len().to_string()),
+            ("range_room", self.ranges.len().max(1).to_string()),
+            ("input_places", self.c_input_places()),
+            ("parameter_places", self.c_parameter_places()),
+            ("channels", self.c_channels()),
+            ("parameters", self.c_parameters()),
+            ("values", self.c_values()),
+            ("ranges", self.c_ranges()),
+            ("unpack", self.c_unpack()),
+            ("surge", gain(0)),
+            ("sway", gain(1)),
+            ("yaw", gain(2)),
+        ];
+        [("h", include_str!("templates/model.h")), ("c", include_str!("templates/model.c"))]
+            .map(|(extension, template)| (format!("{}.{extension}", self.base), fill(template, &values)))
+    }
+
+    pub(crate) fn c_header(&self) -> String {
+        format!("/*\n{} */", self.marked_header(" * "))
+    }
+
+    fn c_input_places(&self) -> String {
+        let line = |(i, own): (usize, &crate::Channel)| {
+            let told = comment(&format!("[{}] {}", own.unit, own.meaning));
+            format!("#define {}_I_{} {i} /* {told} */\n", self.upper(), own.identifier)
+        };
+        self.inputs().iter().enumerate().map(line).collect()
+    }
+
+    fn c_parameter_places(&self) -> String {
+        let line = |(i, own): (usize, &Parameter)| {
+            let told = comment(&format!("[{}] {}", own.unit, own.meaning));
+            format!("#define {}_P_{} {i} /* {told} */\n", self.upper(), own.identifier)
+        };
+        self.parameters.iter().enumerate().map(line).collect()
+    }
+
+    fn c_channels(&self) -> String {
+        let line = |own: &crate::Channel| {
+            format!("    {{{}, {}, {}}},\n", quoted(&own.identifier), quoted(&own.name), quoted(&own.unit))
+        };
+        self.channels.iter().map(line).collect()
+    }
+
+    fn c_parameters(&self) -> String {
+        let line = |own: &Parameter| {
+            let (name, unit) = (quoted(&own.name), quoted(&own.unit));
+            let (value, error) = (number(own.value), own.standard_error.map_or("-1.0".to_owned(), number));
+            format!("    {{{}, {name}, {unit}, {value}, {error}}},\n", quoted(&own.identifier))
+        };
+        self.parameters.iter().map(line).collect()
+    }
+
+    fn c_values(&self) -> String {
+        self.parameters.iter().map(|own| format!("    {},\n", number(own.value))).collect()
+    }
+
+    fn c_ranges(&self) -> String {
+        let line =
+            |own: &Range| format!("    {{{}, {}, {}}},\n", own.channel, number(own.low), number(own.high));
+        let nothing = "    {0, 0.0, 0.0},\n".to_owned();
+        if self.ranges.is_empty() { nothing } else { self.ranges.iter().map(line).collect() }
+    }
+
+    /// What gives channels their names within a step.
+    fn c_unpack(&self) -> String {
+        let states = (0..3).map(|place| (place, &self.channels[place]));
+        let all = states.chain(self.used().filter(|(place, _)| *place > 2));
+        let line = |(place, own): (usize, &crate::Channel)| {
+            let from = if place < 3 { format!("state[{place}]") } else { format!("input[{}]", place - 3) };
+            format!("    const double {} = {from}; /* [{}] */\n", own.identifier, comment(&own.unit))
+        };
+        all.map(line).collect()
+    }
+}

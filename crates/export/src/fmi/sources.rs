@@ -1,0 +1,48 @@
+//! The unit's C sources, and how they are compiled.
+
+use crate::portable::Portable;
+use crate::template::fill;
+use crate::text::{number, quoted};
+
+/// How the standard calls this system; none that it has no name for.
+pub const PLATFORM: Option<&str> = if cfg!(all(target_os = "linux", target_arch = "x86_64")) {
+    Some("linux64")
+} else if cfg!(target_os = "macos") {
+    Some("darwin64")
+} else {
+    None
+};
+
+/// How shared libraries end here.
+pub(super) const LIBRARY: &str = if cfg!(target_os = "macos") { "dylib" } else { "so" };
+
+/// What the compiler is told besides sources and output. Sums stay as they are written, so that results have the same bits.
+pub const COMPILED_WITH: [&str; 6] =
+    ["-std=c99", "-O2", "-ffp-contract=off", "-fPIC", "-shared", "-fvisibility=hidden"];
+
+impl Portable {
+    /// The unit's C sources, name and text: the functions of the standard, the model, its header.
+    pub fn unit_sources(&self) -> Vec<(String, String)> {
+        let [header, source] = self.c_model();
+        let starts = |channels: std::ops::Range<usize>| {
+            channels.map(|place| number(self.start(place))).collect::<Vec<_>>().join(", ")
+        };
+        let inputs = starts(3..self.channels.len());
+        let values = [
+            ("base", self.base.clone()),
+            ("BASE", self.upper()),
+            ("header", self.c_header()),
+            ("guid", quoted(&self.guid())),
+            ("initial_states", starts(0..3)),
+            ("initial_inputs", if inputs.is_empty() { "0.0".to_owned() } else { inputs }),
+        ];
+        let text = fill(include_str!("../templates/fmi2.c"), &values);
+        vec![(format!("{}_fmi2.c", self.base), text), source, header]
+    }
+
+    /// What tells units apart: what they are made from, and by which program.
+    pub(super) fn guid(&self) -> String {
+        let origin = &self.origin;
+        format!("{} {} {}", origin.digest, origin.values, origin.producer)
+    }
+}

@@ -1,0 +1,124 @@
+//! Names that are identifiers in every language that is written.
+
+use std::collections::BTreeSet;
+
+/// Words with a meaning in one of the languages, or in the generated code.
+const RESERVED: &str = "\
+    auto break case char const continue default do double else enum extern float for goto if inline int long register \
+    restrict return short signed sizeof static struct switch typedef union unsigned void volatile while asm NULL NAN \
+    INFINITY HUGE_VAL EOF errno main fabs size_t \
+    False None True and as assert async await class def del elif except finally from global import in is lambda nonlocal \
+    not or pass raise try with yield abs print \
+    catch classdef end elseif function otherwise parfor persistent spmd ans eps inf Inf nan NaN pi i j true false size \
+    zeros numel \
+    p du dv dr state states input inputs next parameters ranges model step simulate outside within_ranges \
+    initial_u initial_v initial_r time";
+
+/// Most letters of an identifier, but for what tells it from another: MATLAB takes 63 in all.
+const LONGEST: usize = 57;
+
+/// The Greek letters from alpha on, which are written out.
+const GREEK: [&str; 25] = [
+    "alpha", "beta", "gamma", "delta", "epsilon", "zeta", "eta", "theta", "iota", "kappa", "lambda", "mu",
+    "nu", "xi", "omicron", "pi", "rho", "sigma", "sigma", "tau", "upsilon", "phi", "chi", "psi", "omega",
+];
+
+/// The identifiers that are taken.
+pub struct Identifiers(BTreeSet<String>);
+
+impl Identifiers {
+    /// Those that mean something.
+    pub fn reserved() -> Self {
+        Self(RESERVED.split_whitespace().map(str::to_owned).collect())
+    }
+
+    /// What stands for `name` from now on: the name itself where it is an identifier that nothing else has.
+    pub fn take(&mut self, name: &str) -> String {
+        let plain = identifier(name);
+        let numbered = (2..).map(|number| format!("{plain}_{number}"));
+        let free = [plain.clone()].into_iter().chain(numbered).find(|own| !self.0.contains(own));
+        let free = free.unwrap_or(plain);
+        self.0.insert(free.clone());
+        free
+    }
+}
+
+/// `name` where it is an identifier already, else the nearest one.
+fn identifier(name: &str) -> String {
+    let letters = |c: char| c.is_ascii_alphanumeric() || c == '_';
+    if name.starts_with(|c: char| c.is_ascii_alphabetic())
+        && name.chars().all(letters)
+        && name.len() <= LONGEST
+    {
+        return name.to_owned();
+    }
+    let written: String = name.chars().map(spelled).collect();
+    let words: Vec<&str> = written.split('_').filter(|word| !word.is_empty()).collect();
+    let joined = words.join("_");
+    let begun =
+        if joined.starts_with(|c: char| c.is_ascii_alphabetic()) { joined } else { format!("x_{joined}") };
+    begun.trim_end_matches('_').chars().take(LONGEST).collect()
+}
+
+/// A letter as it may stand in an identifier.
+fn spelled(c: char) -> String {
+    let greek = |first: char| GREEK.get((u32::from(c).wrapping_sub(u32::from(first))) as usize);
+    match c {
+        c if c.is_ascii_alphanumeric() => c.to_string(),
+        'Α'..='Ω' => greek('Α').map_or("_".to_owned(), |name| name[..1].to_uppercase() + &name[1..]),
+        'α'..='ω' => greek('α').map_or("_".to_owned(), |name| (*name).to_owned()),
+        _ => "_".to_owned(),
+    }
+}
+
+/// What a file and its functions are called: the vessel's name in small letters.
+pub fn base(name: &str) -> String {
+    let mut taken = Identifiers::reserved();
+    match name.chars().any(|c| c.is_ascii_alphabetic()) {
+        true => taken.take(&identifier(&name.to_lowercase()).chars().take(40).collect::<String>()),
+        false => "vessel".to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_become_identifiers_of_their_own() {
+        let mut taken = Identifiers::reserved();
+        let cases = [
+            ("X_u", "X_u"),
+            ("X__u", "X__u"),
+            ("X_u|u|", "X_u_u"),
+            ("X_u u", "X_u_u_2"),
+            ("X_u|u", "X_u_u_3"),
+            ("δ", "delta"),
+            ("Δδ", "Deltadelta"),
+            ("_a", "a"),
+            ("1st", "x_1st"),
+            ("", "x"),
+            ("船", "x_2"),
+            ("for", "for_2"),
+            ("p", "p_2"),
+            ("a\"; system(\"b", "a_system_b"),
+        ];
+        for (name, expected) in cases {
+            assert_eq!(taken.take(name), expected, "{name}");
+        }
+        assert!(taken.take(&"long".repeat(50)).len() <= 63);
+    }
+
+    #[test]
+    fn files_are_named_after_the_vessel() {
+        for (name, expected) in [
+            ("Esso Osaka", "esso_osaka"),
+            ("船", "vessel"),
+            ("", "vessel"),
+            ("For", "for_2"),
+            ("2nd ship", "x_2nd_ship"),
+        ] {
+            assert_eq!(base(name), expected);
+        }
+    }
+}

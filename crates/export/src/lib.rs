@@ -1,0 +1,26 @@
+//! A vessel's model as source text that other tools take: Python, C, MATLAB or Octave, and a Functional Mock-up Unit.
+//!
+//! [`Portable`] is the model as every language wants it: channels, parameters and equations under names that are identifiers
+//! everywhere. A target turns it into text in memory; whoever calls writes the files and builds what is to be built.
+//!
+//! The generated code computes what [`vessel::Compiled::step`] does in the same order, so that both agree to the last bit
+//! where a processor does not fuse multiplication and addition.
+
+#![forbid(unsafe_code)]
+#![warn(missing_docs)]
+
+mod c;
+mod equation;
+mod fmi;
+mod header;
+mod identifier;
+mod matlab;
+mod portable;
+mod python;
+mod target;
+mod template;
+mod text;
+
+pub use fmi::{COMPILED_WITH, PLATFORM};
+pub use portable::{Channel, Knowledge, Origin, Parameter, Portable, Range, Summand, Tied};
+pub use target::Target;

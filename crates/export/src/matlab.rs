@@ -1,0 +1,79 @@
+//! The model as a function file for MATLAB and Octave.
+
+use crate::equation::Syntax;
+use crate::portable::{Parameter, Portable, Range};
+use crate::target::TextFile;
+use crate::template::fill;
+use crate::text::{comment, number, single};
+
+const SYNTAX: Syntax =
+    Syntax { modulus: "abs", parameter: |_, name| format!("p.{name}"), between: " ...\n    + " };
+
+impl Portable {
+    /// The function file.
+    pub(crate) fn matlab(&self) -> TextFile {
+        let gain = |d: usize| SYNTAX.gain(self, d);
+        let list = |channels: &[crate::Channel]| {
+            channels.iter().map(|own| single(&own.identifier)).collect::<Vec<_>>().join(", ")
+        };
+        let text = fill(
+            include_str!("templates/model.m"),
+            &[
+                ("base", self.base.clone()),
+                ("header", self.marked_header("%   ")),
+                ("vessel", single(&self.vessel)),
+                ("made_from", single(&format!("{}, {}", self.origin.file, self.origin.digest))),
+                ("rate", number(self.rate_hz)),
+                ("states", list(self.states())),
+                ("inputs", list(self.inputs())),
+                ("parameters", self.matlab_parameters()),
+                ("units", self.matlab_units()),
+                ("names", self.matlab_names()),
+                ("ranges", self.matlab_ranges()),
+                ("unpack", self.matlab_unpack()),
+                ("surge", gain(0)),
+                ("sway", gain(1)),
+                ("yaw", gain(2)),
+            ],
+        );
+        (format!("{}.m", self.base), text)
+    }
+
+    fn matlab_parameters(&self) -> String {
+        let line = |own: &Parameter| {
+            let (name, meaning) = (&own.identifier, comment(&format!("[{}] {}", own.unit, own.meaning)));
+            let (value, error) = (number(own.value), own.standard_error.map_or("NaN".to_owned(), number));
+            format!(
+                "model.parameters.{name} = {value};  % {meaning}\nmodel.standard_errors.{name} = {error};\n"
+            )
+        };
+        self.parameters.iter().map(line).collect()
+    }
+
+    fn matlab_units(&self) -> String {
+        let channels = self.channels.iter().map(|own| (&own.identifier, &own.unit));
+        let all = channels.chain(self.parameters.iter().map(|own| (&own.identifier, &own.unit)));
+        all.map(|(name, unit)| format!("model.units.{name} = {};\n", single(unit))).collect()
+    }
+
+    fn matlab_names(&self) -> String {
+        let all = self.renamed();
+        all.iter().map(|(own, name)| format!("model.names.{own} = {};\n", single(name))).collect()
+    }
+
+    fn matlab_ranges(&self) -> String {
+        let line = |own: &Range| {
+            let name = &self.channels[own.channel].identifier;
+            format!("model.ranges.{name} = [{}, {}];\n", number(own.low), number(own.high))
+        };
+        self.ranges.iter().map(line).collect()
+    }
+
+    /// What gives channels their names within a step.
+    fn matlab_unpack(&self) -> String {
+        let states = ["u = state(1);\n", "v = state(2);\n", "r = state(3);\n"].map(str::to_owned);
+        let inputs = self.used().filter(|(place, _)| *place > 2);
+        let inputs = inputs.map(|(place, own)| format!("{} = input({});\n", own.identifier, place - 2));
+        states.into_iter().chain(inputs).collect()
+    }
+}

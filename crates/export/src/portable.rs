@@ -1,0 +1,306 @@
+//! A model as every language wants it.
+
+use std::collections::BTreeMap;
+
+use vessel::{
+    Constraint, DegreeOfFreedom, Factor, Invalid, Product, Source, Term, Variable, Vessel, Written,
+};
+
+use crate::identifier::{Identifiers, base};
+
+/// A model with its parameters and all that is known of them, under names that are identifiers everywhere.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Portable {
+    /// The vessel's name, as written.
+    pub vessel: String,
+    /// What files and functions are called.
+    pub base: String,
+    /// The sampling rate that it holds for \[Hz\].
+    pub rate_hz: f64,
+    /// The states u, v, r, then the inputs, then the measured disturbances: in the order of the model's variables.
+    pub channels: Vec<Channel>,
+    /// What has a value of its own: surge, sway, yaw.
+    pub parameters: Vec<Parameter>,
+    /// What has that of another.
+    pub tied: Vec<Tied>,
+    /// What u, v and r gain in a sample, summand by summand.
+    pub equations: [Vec<Summand>; 3],
+    /// Within which the model is known to hold; none of a channel that nothing is known of.
+    pub ranges: Vec<Range>,
+    /// What to know before using it, in words.
+    pub notes: Vec<String>,
+    /// Where it comes from.
+    pub origin: Origin,
+}
+
+/// A state, an input or a measured disturbance.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Channel {
+    /// As written.
+    pub name: String,
+    /// In code.
+    pub identifier: String,
+    /// Its unit.
+    pub unit: String,
+    /// What it is, in words.
+    pub meaning: String,
+}
+
+/// A parameter with a value of its own.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Parameter {
+    /// As written.
+    pub name: String,
+    /// In code.
+    pub identifier: String,
+    /// Its unit.
+    pub unit: String,
+    /// Its value.
+    pub value: f64,
+    /// Its standard error, where that is known.
+    pub standard_error: Option<f64>,
+    /// What it multiplies, in words.
+    pub meaning: String,
+}
+
+/// A parameter that is another one times a factor.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Tied {
+    /// As written.
+    pub name: String,
+    /// The other one, as written.
+    pub to: String,
+    /// The factor.
+    pub factor: f64,
+}
+
+/// A parameter times a sum of products; of none where it stands alone.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Summand {
+    /// Its place among the parameters.
+    pub parameter: usize,
+    /// Products of channels, each with a number, where there is one.
+    pub products: Vec<(Vec<Factor>, Option<f64>)>,
+}
+
+/// Within which a channel was when the model was fitted.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Range {
+    /// The channel's place.
+    pub channel: usize,
+    /// Least value.
+    pub low: f64,
+    /// Largest value.
+    pub high: f64,
+}
+
+/// Where a model comes from.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Origin {
+    /// Program and version.
+    pub producer: String,
+    /// Name of the file.
+    pub file: String,
+    /// Its digest.
+    pub digest: String,
+    /// What its values are: estimates, true or nominal values.
+    pub values: String,
+}
+
+/// What is known of a model beside its values.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Knowledge {
+    /// Standard errors by parameter.
+    pub standard_errors: BTreeMap<String, f64>,
+    /// What the data covered: channel, least and largest value.
+    pub covered: Vec<(String, [f64; 2])>,
+    /// What to know before using the model.
+    pub notes: Vec<String>,
+}
+
+impl Portable {
+    /// `vessel` with the parameters of `source`.
+    ///
+    /// # Errors
+    /// A parameter without a value.
+    pub fn new(vessel: &Vessel, source: Source, known: &Knowledge, origin: Origin) -> Result<Self, Invalid> {
+        let theta = vessel.parameters(source)?;
+        let mut names = Identifiers::reserved();
+        let channels: Vec<Channel> = channels(vessel, &mut names);
+        let place = |name: &String| channels.iter().position(|own| own.name == *name);
+        let covered = known.covered.iter();
+        let ranges = covered
+            .filter_map(|(name, [low, high])| Some(Range { channel: place(name)?, low: *low, high: *high }));
+        let mut making = Making { vessel, known, names, parameters: Vec::new(), tied: Vec::new() };
+        let equations = DegreeOfFreedom::ALL.map(|d| making.equation(d, &theta));
+        let Making { parameters, tied, .. } = making;
+        Ok(Self {
+            vessel: vessel.name.clone(),
+            base: base(&vessel.name),
+            rate_hz: vessel.sample_rate_hz,
+            ranges: ranges.collect(),
+            notes: known.notes.clone(),
+            channels,
+            parameters,
+            tied,
+            equations,
+            origin,
+        })
+    }
+
+    /// That it holds for `rate_hz`, at which it is to be used.
+    ///
+    /// # Errors
+    /// Another rate: the parameters are those of a step of one length.
+    pub fn check_rate(&self, rate_hz: f64) -> Result<(), Invalid> {
+        if (rate_hz - self.rate_hz).abs() <= 1e-9 * self.rate_hz {
+            return Ok(());
+        }
+        Err(Invalid::new(
+            "sampling rate",
+            format!("{rate_hz} Hz wanted"),
+            format!("{} Hz, which the parameters hold for", self.rate_hz),
+            "step it at its own rate, or estimate a model at the other one",
+        ))
+    }
+
+    /// The states.
+    pub fn states(&self) -> &[Channel] {
+        &self.channels[..3]
+    }
+
+    /// The inputs and measured disturbances.
+    pub fn inputs(&self) -> &[Channel] {
+        &self.channels[3..]
+    }
+
+    /// The channels that some equation takes, with their places.
+    pub(crate) fn used(&self) -> impl Iterator<Item = (usize, &Channel)> {
+        let products = || self.equations.iter().flatten().flat_map(|summand| &summand.products);
+        let takes = move |place: usize| {
+            products().any(|(factors, _)| factors.iter().any(|factor| factor.variable == place))
+        };
+        self.channels.iter().enumerate().filter(move |(place, _)| takes(*place))
+    }
+
+    /// The names in code that are others than in the file, and those in the file.
+    pub fn renamed(&self) -> BTreeMap<String, String> {
+        let channels = self.channels.iter().map(|own| (&own.name, &own.identifier));
+        let all = channels.chain(self.parameters.iter().map(|own| (&own.name, &own.identifier)));
+        let others = all.filter(|(name, identifier)| name != identifier);
+        others.map(|(name, identifier)| (identifier.clone(), name.clone())).collect()
+    }
+
+    /// How much there is of it, and which names are others in code, in a line.
+    pub fn summary(&self) -> String {
+        let (inputs, parameters) = (self.inputs().len(), self.parameters.len());
+        let renamed = self.renamed().into_iter().map(|(own, name)| format!("; {name} is called {own}"));
+        format!(
+            "{inputs} inputs, {parameters} parameters, {} Hz{}",
+            self.rate_hz,
+            renamed.collect::<String>()
+        )
+    }
+
+    /// The value of a channel that a simulator begins with: the one nearest to zero within its range.
+    pub(crate) fn start(&self, channel: usize) -> f64 {
+        let range = self.ranges.iter().find(|range| range.channel == channel);
+        range.map_or(0.0, |range| 0.0_f64.max(range.low).min(range.high))
+    }
+}
+
+fn channels(vessel: &Vessel, names: &mut Identifiers) -> Vec<Channel> {
+    let model = &vessel.model;
+    let meaning = |place: usize| match place {
+        0 => "speed along x, forward".to_owned(),
+        1 => "speed along y, to starboard".to_owned(),
+        2 => "yaw rate, bow to starboard".to_owned(),
+        _ => match vessel.couplings.get(place - 3) {
+            None => "measured disturbance".to_owned(),
+            Some(None) => "input".to_owned(),
+            Some(Some((other, factor))) => {
+                let other = &model.input_variables()[*other].name;
+                format!("input; in maneuvers that leave it open, {factor} times {other}")
+            }
+        },
+    };
+    let channel = |(place, Variable { name, unit }): (usize, &Variable)| Channel {
+        identifier: names.take(name),
+        meaning: meaning(place),
+        name: name.clone(),
+        unit: unit.clone(),
+    };
+    model.variables.iter().enumerate().map(channel).collect()
+}
+
+/// Parameters and equations in the making.
+struct Making<'a> {
+    vessel: &'a Vessel,
+    known: &'a Knowledge,
+    names: Identifiers,
+    parameters: Vec<Parameter>,
+    tied: Vec<Tied>,
+}
+
+impl Making<'_> {
+    /// The summands of `d`, in the order in which a simulation adds them up: constant, estimated parameters, known ones.
+    fn equation(&mut self, d: DegreeOfFreedom, theta: &[f64]) -> Vec<Summand> {
+        let model = &self.vessel.model;
+        let degree = &model.degrees[d as usize];
+        let mut summands = Vec::new();
+        let constant = model.constant[d as usize];
+        if constant != 0.0 {
+            let (name, meaning) =
+                (format!("constant_{}", d.state()), format!("gain of {} per sample", d.state()));
+            let parameter = self.parameter(&name, d.unit().to_owned(), constant, meaning);
+            summands.push(Summand { parameter, products: Vec::new() });
+        }
+        for written in self.vessel.written(d) {
+            if let Written::Estimated(place) = written {
+                let i = place - model.layout().terms(d as usize).start;
+                let (name, term) = (&degree.parameters[i], &degree.terms[i]);
+                let parameter = self.parameter(name, model.unit(d, term), theta[place], meaning(d, term));
+                summands.push(Summand { parameter, products: products(term) });
+            }
+        }
+        for own in self.vessel.constrained.iter().filter(|own| own.degree == d) {
+            match own.constraint {
+                Constraint::Fixed(value) => {
+                    let (unit, meaning) = (model.unit(d, &own.term), meaning(d, &own.term));
+                    let parameter = self.parameter(&own.name, unit, value, meaning);
+                    summands.push(Summand { parameter, products: products(&own.term) });
+                }
+                Constraint::Tied { to, factor } => {
+                    let to = model.parameter_names().nth(to).unwrap_or_default().to_owned();
+                    self.tied.push(Tied { name: own.name.clone(), to, factor });
+                }
+            }
+        }
+        summands
+    }
+
+    fn parameter(&mut self, name: &str, unit: String, value: f64, meaning: String) -> usize {
+        self.parameters.push(Parameter {
+            identifier: self.names.take(name),
+            standard_error: self.known.standard_errors.get(name).copied(),
+            name: name.to_owned(),
+            unit,
+            value,
+            meaning,
+        });
+        self.parameters.len() - 1
+    }
+}
+
+/// What `term` is summed up of; nothing for the constant 1.
+fn products(term: &Term) -> Vec<(Vec<Factor>, Option<f64>)> {
+    if term.is_constant() && term.tied.is_empty() {
+        return Vec::new();
+    }
+    let tied = |Product { coefficient, factors }: &Product| (factors.clone(), Some(*coefficient));
+    [(term.factors.clone(), None)].into_iter().chain(term.tied.iter().map(tied)).collect()
+}
+
+fn meaning(d: DegreeOfFreedom, term: &Term) -> String {
+    format!("{}: {}", d.name(), term.text)
+}

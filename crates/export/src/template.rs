@@ -1,0 +1,26 @@
+//! Text with gaps.
+
+/// `template` with every `{{key}}` replaced by the value that has this key. What is filled in is not looked at again.
+pub fn fill(template: &str, values: &[(&str, String)]) -> String {
+    let mut pieces = template.split("{{");
+    let mut out = pieces.next().unwrap_or_default().to_owned();
+    for piece in pieces {
+        let (key, rest) = piece.split_once("}}").unwrap_or((piece, ""));
+        let value = values.iter().find(|(own, _)| *own == key);
+        debug_assert!(value.is_some(), "no value for {key}");
+        out.push_str(value.map_or("", |(_, value)| value));
+        out.push_str(rest);
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::fill;
+
+    #[test]
+    fn what_is_filled_in_is_not_looked_at_again() {
+        let values = [("a", "{{b}}".to_owned()), ("b", "2".to_owned())];
+        assert_eq!(fill("<{{a}} {{b}}>", &values), "<{{b}} 2>");
+    }
+}

@@ -1,0 +1,63 @@
+//! Numbers, texts and comments as the languages write them. What a user wrote can end no text and no comment.
+
+/// A number that reads back to the same bits in every language.
+pub fn number(value: f64) -> String {
+    format!("{value:?}")
+}
+
+/// `text` in one line.
+fn one_line(text: &str) -> String {
+    text.chars()
+        .map(|c| if c.is_control() || matches!(c, '\u{2028}' | '\u{2029}') { ' ' } else { c })
+        .collect()
+}
+
+/// `text` within a comment of any language.
+pub fn comment(text: &str) -> String {
+    one_line(text).replace("*/", "* /").replace("/*", "/ *").replace('\\', "/").replace("??", "? ?")
+}
+
+/// A text between double quotes, as Python and C take it. Two question marks and another sign would be one sign to C.
+pub fn quoted(text: &str) -> String {
+    let escaped = one_line(text).replace('\\', "\\\\").replace('"', "\\\"").replace("??", "?\\077");
+    format!("\"{escaped}\"")
+}
+
+/// A text between single quotes, as MATLAB takes it.
+pub fn single(text: &str) -> String {
+    format!("'{}'", one_line(text).replace('\'', "''"))
+}
+
+/// `text` in lines of at most `width` letters, where words allow.
+pub fn wrapped(text: &str, width: usize) -> Vec<String> {
+    let mut lines: Vec<String> = Vec::new();
+    for word in one_line(text).split_whitespace() {
+        match lines.last_mut() {
+            Some(line) if line.chars().count() + word.chars().count() < width => {
+                line.push(' ');
+                line.push_str(word);
+            }
+            _ => lines.push(word.to_owned()),
+        }
+    }
+    lines
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_a_user_wrote_ends_no_text_and_no_comment() {
+        assert_eq!(quoted("a\"b\\c\nd??/"), "\"a\\\"b\\\\c d?\\077/\"");
+        assert_eq!(single("it's\r%"), "'it''s %'");
+        assert_eq!(comment("*/ x \\\n/* ??/"), "* / x / / * ? ?/");
+    }
+
+    #[test]
+    fn numbers_read_back() {
+        for value in [0.1, -1e-300, 1.0 / 3.0, 12_345_678.9, 1e22, 5e-324] {
+            assert_eq!(number(value).parse::<f64>().unwrap().to_bits(), value.to_bits());
+        }
+    }
+}

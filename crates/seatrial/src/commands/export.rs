@@ -1,0 +1,66 @@
+//! `export`: a model for other tools.
+
+use std::path::PathBuf;
+
+use artifact::{Staged, commit};
+use clap::Parser;
+use export::{COMPILED_WITH, PLATFORM, Target};
+use frame::compiler::compiled;
+use serde_json::json;
+use study::exported::read_portable;
+use vessel::Source;
+
+use crate::choice::choice;
+use crate::cli::{Common, check_positive, in_folder, only_folder_of};
+use crate::failure::Failure;
+use crate::stage::{Summary, Task};
+
+/// A model as a function of state and inputs for other tools, with its parameters and range of validity; writes a folder
+#[derive(Parser)]
+#[command(name = "export", after_help = "Example:\n  export --model model.json --to fmu --out exported/")]
+pub struct Arguments {
+    /// The model, or a vessel
+    #[arg(long, visible_alias = "vessel", value_name = "model.json|vessel.toml")]
+    model: PathBuf,
+    /// What for
+    #[arg(long, value_parser = choice(&Target::ALL, Target::name, Target::description))]
+    to: Target,
+    /// Which values of a vessel.toml (default: the true ones where all are known, else the nominal ones)
+    #[arg(long, value_parser = choice(&Source::ALL, Source::name, |own| ["The true ones", "The nominal ones"][own as usize]))]
+    parameters: Option<Source>,
+    /// The rate of the simulator that it is for, refused unless the model holds for it [Hz]
+    #[arg(long, value_name = "HZ")]
+    rate_hz: Option<f64>,
+    /// The C compiler that builds the unit's binary; without one the unit has its source alone
+    #[arg(long, value_name = "PROGRAM", default_value = "cc")]
+    compiler: String,
+}
+
+impl Task for Arguments {
+    fn run(&self, common: &Common) -> Result<Summary, Failure> {
+        check_positive("--rate-hz", self.rate_hz)?;
+        let mut provenance = common.provenance("export");
+        let portable = read_portable(&self.model, self.parameters, &mut provenance)?;
+        let refused = |e| Failure::invalid(&self.model, &e);
+        self.rate_hz.map_or(Ok(()), |rate| portable.check_rate(rate)).map_err(refused)?;
+        let (out, names) = (&common.out, portable.file_names(self.to));
+        only_folder_of(out, &names)?;
+        let unit = self.to == Target::Fmu;
+        let build = || compiled(&self.compiler, &COMPILED_WITH, &portable.unit_sources());
+        let library = if unit && PLATFORM.is_some() { build()? } else { None };
+        let built = match &library {
+            Some(_) => "; built for this system".to_owned(),
+            None if unit => {
+                format!("; its source alone: found no C compiler `{}` for this system", self.compiler)
+            }
+            None => String::new(),
+        };
+        let told = json!({"files": names, "renamed": portable.renamed(), "built": library.is_some()});
+        let files = portable.files(self.to, library).map_err(refused)?;
+        in_folder(out, || {
+            let staged = names.iter().zip(&files).map(|(name, bytes)| Staged::bytes(out.join(name), bytes));
+            Ok(commit(staged.collect::<Result<_, _>>()?)?)
+        })?;
+        Ok(Summary::of(out, format!("{}{built}", portable.summary()), told))
+    }
+}

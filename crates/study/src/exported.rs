@@ -1,0 +1,44 @@
+//! Models that are exported: a `model.json` with all that is known of it, or a `vessel.toml`.
+
+use std::path::Path;
+
+use artifact::{Error, Provenance};
+use export::{Knowledge, Origin, Portable};
+use vessel::Source;
+
+use crate::documents::ModelDocument;
+use crate::files::{read_model, read_vessel};
+
+/// Reads the model in `path` for other tools and notes its digest: with the values of `source`, or the best known.
+///
+/// # Errors
+/// See [`read_vessel`]; a parameter without such a value.
+pub fn read_portable(
+    path: &Path,
+    source: Option<Source>,
+    provenance: &mut Provenance,
+) -> Result<Portable, Error> {
+    let vessel = read_vessel(path, provenance)?;
+    let model = read_model(path)?;
+    let source = source.unwrap_or(vessel.best_known());
+    let estimates = model.is_some() && source == Source::Nominal;
+    let digest = provenance.inputs.get("vessel").map(ToString::to_string);
+    let origin = Origin {
+        producer: format!("seatrial {}", provenance.producer),
+        file: path.file_name().unwrap_or_default().to_string_lossy().into_owned(),
+        digest: digest.unwrap_or_default(),
+        values: if estimates { "estimates".to_owned() } else { format!("{} values", source.name()) },
+    };
+    let known = model.as_ref().map_or_else(Knowledge::default, knowledge);
+    Portable::new(&vessel, source, &known, origin).map_err(|e| crate::invalid(path, &e))
+}
+
+/// Standard errors, what the data covered, what to know before using the model.
+fn knowledge(model: &ModelDocument) -> Knowledge {
+    let parameters = model.degrees.iter().flat_map(|degree| &degree.parameters);
+    Knowledge {
+        standard_errors: parameters.filter_map(|own| Some((own.name.clone(), own.standard_error?))).collect(),
+        covered: model.covered.iter().map(|own| (own.name.clone(), [own.low, own.high])).collect(),
+        notes: model.statements.clone(),
+    }
+}
