@@ -1,5 +1,6 @@
 //! The `ingest` stage, run as a program on files.
 
+mod derived;
 mod document;
 mod files;
 mod real;
