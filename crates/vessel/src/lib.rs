@@ -15,6 +15,7 @@ mod disturbance;
 mod equation;
 mod file;
 mod formula;
+mod held;
 mod lane;
 pub mod lanes;
 mod layout;

@@ -108,3 +108,73 @@ fn trajectories_with_other_derived_channels_are_refused() {
     let pieces = ["dictionary.parquet", "column `stream`, row 0", "formula `n_ahead^3 delta`"];
     refused(&folder, 3, &format!("{MOMENTS} --allow-mixed"), &pieces);
 }
+
+/// The made-up ship without what its maneuvers do not excite, and its maneuvers.
+fn logged() -> TempDir {
+    let (folder, fixtures) = (tempfile::tempdir().unwrap(), repository().join("fixtures/propeller"));
+    std::fs::copy(fixtures.join("dictionary.toml"), folder.path().join("dictionary.toml")).unwrap();
+    let text = std::fs::read_to_string(fixtures.join("vessel.toml")).unwrap();
+    let blocks = text.split("\n\n").filter(|block| !block.contains("wind_y") && !block.contains("astern"));
+    put(&folder, "vessel.toml", &blocks.collect::<Vec<_>>().join("\n\n"));
+    put(&folder, "campaign.toml", CAMPAIGN);
+    folder
+}
+
+const CAMPAIGN: &str = r#"
+seed = 1
+realizations = 8
+duration_s = 600.0
+current = { kind = "none" }
+measurement = { std_u_m_s = 0.005, std_v_m_s = 0.005, std_r_rad_s = 0.001 }
+random = { segments = 5 }
+validation = { parameter_error_bound = 1.0, simulation_error_bound = 0.2, maneuver = [
+    { name = "circle", kind = "steady-turn", duration_s = 100.0, speed_m_s = 0.35, yaw_rate_rad_s = -0.02 },
+] }
+"#;
+
+#[test]
+fn the_next_trial_is_designed_from_the_model_that_logs_give() {
+    let folder = logged();
+    run(&folder, DICTIONARY).succeeds();
+    let pool = "estimate pool --vessel vessel.toml --trajectories dictionary.parquet --estimator ls";
+    run(&folder, &format!("{pool} --out estimates.parquet")).succeeds();
+    let model = json(&folder, "model.json")["data"].clone();
+    assert_eq!(model["derived"][0]["formula"], "n_ahead^2 delta");
+    assert_eq!(model["inputs"][0]["range"], serde_json::json!([-10.0, 15.0]));
+    // Logs without noise give the ship itself: the next maneuvers are the same.
+    let of_model =
+        DICTIONARY.replace("vessel.toml", "model.json").replace("dictionary.parquet", "next.parquet");
+    run(&folder, &of_model).succeeds();
+    let table = |name: &str| craft::read(&folder.path().join(name), "trajectories");
+    let (ship, found) = (table("dictionary.parquet"), table("next.parquet"));
+    for name in ["n", "delta", "u", "r"] {
+        let place = ship.schema.columns.iter().position(|c| c.name == name).unwrap();
+        let values = |of: &craft::Whole| of.blocks[0].columns[place].as_f64().unwrap().to_vec();
+        for (ship, found) in values(&ship).into_iter().zip(values(&found)) {
+            assert!((ship - found).abs() <= 1e-6 || ship.is_nan(), "{name}: {found}, not {ship}");
+        }
+    }
+    let moments = "moments --vessel model.json --trajectories next.parquet --campaign campaign.toml --estimator output-error";
+    run(&folder, &format!("{moments} --out moments.json")).succeeds();
+    let design = "design --moments moments.json --for output-error --criterion v --duration-s 600";
+    run(&folder, &format!("{design} --out design.json")).succeeds();
+    let errors = json(&folder, "design.json")["data"]["covariance"]["standard_errors"].clone();
+    let errors = errors.as_object().unwrap();
+    assert!(errors.len() == 13 && errors.values().all(|error| error.as_f64().unwrap() > 0.0), "{errors:?}");
+    let trial =
+        "--vessel model.json --dictionary dictionary.toml --campaign campaign.toml --design design.json";
+    run(&folder, &format!("monte-carlo {trial} --estimator output-error --out tally.json")).succeeds();
+    // The spread of estimates is what was predicted: the ship follows to a small part of its speed.
+    let scores = json(&folder, "tally.json")["data"]["scores"][0]["designs"][0].clone();
+    assert!(scores["rmse_u"]["median"].as_f64().unwrap() < 0.01, "{scores}");
+}
+
+#[test]
+fn maneuvers_beyond_what_the_actuators_can_be_set_to_are_refused() {
+    let folder = logged();
+    edit(&folder, "dictionary.toml", "to_m_s = 0.5", "to_m_s = 0.9");
+    let pieces = ["maneuver `accelerate`, wanted motion: u = 0.9 m/s", "found n = ", "from -10 to 15"];
+    refused(&folder, 3, DICTIONARY, &pieces);
+    edit(&folder, "vessel.toml", "range = [-10.0, 15.0]", "range = [15.0, -10.0]");
+    refused(&folder, 3, DICTIONARY, &["input `n`", "`range` [15, -10]", "swap or correct them"]);
+}

@@ -1,6 +1,6 @@
 //! Channels that are computed from others.
 
-use vessel::{Formula, Invalid, Vessel, VesselFile, parse_inputs, simulate_one};
+use vessel::{Formula, Invalid, Vessel, VesselFile, Written, parse_inputs, simulate_one};
 
 const SHIP: &str = r#"
 name = "coaster"
@@ -118,4 +118,23 @@ fn tables_of_inputs_may_repeat_derived_channels_and_not_contradict_them() {
     let refusal = parse_inputs("n,delta,n_ahead\n3,0.1,3\n-3,0.1,-3\n", &model).unwrap_err().to_string();
     assert!(refusal.contains("line 3, column `n_ahead`"), "{refusal}");
     assert!(parse_inputs("n,delta,wind\n3,0.1,0\n", &model).is_err());
+}
+
+#[test]
+fn law_what_trials_hold_constant_is_known_and_acts_as_before() {
+    let (whole, held) = (ship(), ship().with_disturbances_held());
+    assert_eq!(whole.model.parameter_names().collect::<Vec<_>>(), ["a", "b", "c", "d", "e", "f", "g"]);
+    assert_eq!(held.model.parameter_names().collect::<Vec<_>>(), ["a", "b", "c", "e", "f", "g"]);
+    assert_eq!(held.nominal, [-0.01, 0.001, -0.1, -0.1, 0.0002, 0.0001]);
+    let sway = held.written(vessel::DegreeOfFreedom::Sway);
+    assert!(matches!(sway[..], [Written::Estimated(2), Written::Constrained(own)] if own.name == "d"));
+    let rows = whole.model.undisturbed(&[5.0, 0.1].repeat(50));
+    let states = |ship: &Vessel| simulate_one(&ship.model, &ship.nominal, [0.3, 0.0, 0.0], &rows);
+    for (found, expected) in states(&held).iter().zip(states(&whole)) {
+        approx::assert_relative_eq!(*found, expected, epsilon = 1e-16, max_relative = 1e-13);
+    }
+    assert!(states(&held)[3 * 50 + 1] < -1e-3, "the wind drives the ship");
+    // Nothing is held of a vessel without.
+    let plain = Vessel::preset("ljungberg-model-ship").unwrap();
+    assert_eq!(plain.clone().with_disturbances_held(), plain);
 }
