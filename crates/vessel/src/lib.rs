@@ -27,6 +27,7 @@ mod normals;
 mod pose;
 mod products;
 mod refusals;
+mod rows;
 mod run;
 mod simulate;
 mod steady;

@@ -125,7 +125,7 @@ seed = 1
 realizations = 8
 duration_s = 600.0
 current = { kind = "none" }
-measurement = { std_u_m_s = 0.005, std_v_m_s = 0.005, std_r_rad_s = 0.001 }
+measurement = { std_u_m_s = 0.0005, std_v_m_s = 0.0005, std_r_rad_s = 0.0001 }
 random = { segments = 5 }
 validation = { parameter_error_bound = 1.0, simulation_error_bound = 0.2, maneuver = [
     { name = "circle", kind = "steady-turn", duration_s = 100.0, speed_m_s = 0.35, yaw_rate_rad_s = -0.02 },
@@ -154,19 +154,32 @@ fn the_next_trial_is_designed_from_the_model_that_logs_give() {
             assert!((ship - found).abs() <= 1e-6 || ship.is_nan(), "{name}: {found}, not {ship}");
         }
     }
-    let moments = "moments --vessel model.json --trajectories next.parquet --campaign campaign.toml --estimator output-error";
-    run(&folder, &format!("{moments} --out moments.json")).succeeds();
-    let design = "design --moments moments.json --for output-error --criterion v --duration-s 600";
-    run(&folder, &format!("{design} --out design.json")).succeeds();
-    let errors = json(&folder, "design.json")["data"]["covariance"]["standard_errors"].clone();
+    // As the page wants them: in a folder of their own.
+    std::fs::create_dir(folder.path().join("next")).unwrap();
+    std::fs::copy(folder.path().join("model.json"), folder.path().join("next/model.json")).unwrap();
+    let moments = "moments --vessel model.json --trajectories next.parquet --campaign campaign.toml";
+    run(&folder, &format!("{moments} --estimator output-error --out next/moments.json")).succeeds();
+    let design = "design --moments next/moments.json --for output-error --criterion v --duration-s 600";
+    run(&folder, &format!("{design} --out next/design.json")).succeeds();
+    let errors = json(&folder, "next/design.json")["data"]["covariance"]["standard_errors"].clone();
     let errors = errors.as_object().unwrap();
     assert!(errors.len() == 13 && errors.values().all(|error| error.as_f64().unwrap() > 0.0), "{errors:?}");
     let trial =
-        "--vessel model.json --dictionary dictionary.toml --campaign campaign.toml --design design.json";
-    run(&folder, &format!("monte-carlo {trial} --estimator output-error --out tally.json")).succeeds();
-    // The spread of estimates is what was predicted: the ship follows to a small part of its speed.
-    let scores = json(&folder, "tally.json")["data"]["scores"][0]["designs"][0].clone();
+        "--vessel model.json --dictionary dictionary.toml --campaign campaign.toml --design next/design.json";
+    run(&folder, &format!("monte-carlo {trial} --estimator output-error --out next/tally.json")).succeeds();
+    // Models from so long a trial follow the ship to a small part of its speed.
+    let scores = json(&folder, "next/tally.json")["data"]["scores"][0]["designs"][0].clone();
     assert!(scores["rmse_u"]["median"].as_f64().unwrap() < 0.01, "{scores}");
+    run(&folder, REPORT).succeeds();
+    let page = String::from_utf8(bytes(&folder, "report.html")).unwrap();
+    for piece in [
+        "<section id=\"next\">",
+        "What that means for the fit",
+        "estimated anew from this trial",
+        "<code>N_stream</code>",
+    ] {
+        assert!(page.contains(piece), "{piece}");
+    }
 }
 
 #[test]
