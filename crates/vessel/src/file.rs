@@ -155,8 +155,9 @@ impl Vessel {
         let [surge, sway, yaw] = DegreeOfFreedom::ALL;
         let degrees = [degree(surge)?, degree(sway)?, degree(yaw)?];
         let name = file.name.clone().ok_or_else(|| missing("name"))?;
-        let (simulated, derived) =
-            (simulated(&file)?, derive(&file.derived, &variables, first_derived(&file))?);
+        let names: Vec<&str> = variables.iter().map(|v| v.name.as_str()).collect();
+        let derived = derive(&file.derived, &names, first_derived(&file))?;
+        let simulated = simulated(&file)?;
         let inputs = file.input.len();
         let model = Model { variables, inputs, simulated, derived, degrees, constant: file.constant };
         Ok(Self { name, sample_rate_hz: rate, model, value, nominal, couplings, ranges, constrained })
