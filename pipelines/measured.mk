@@ -21,7 +21,7 @@ SELECTED        ?=
 # may be asked for, and how long and in which noise the trial is
 NEXT            ?=
 SEARCH_FLAGS    ?=
-NEXT_FLAGS      ?= --criterion v
+NEXT_FLAGS      ?=
 
 MEASURED := $(OUT)/measured
 LOGGED   := --vessel $(STUDY)/vessel.toml --trajectories $(MEASURED)/trajectories.parquet

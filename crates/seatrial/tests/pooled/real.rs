@@ -235,7 +235,7 @@ fn the_next_trial_of_a_logged_ship_is_designed_from_its_model_within_what_the_lo
         let moments =
             "moments --vessel model.json --trajectories dictionary.parquet --campaign campaign.toml";
         run(&folder, &format!("{moments} --estimator output-error --out moments.json")).succeeds();
-        let design = "design --moments moments.json --for output-error --criterion v --duration-s 1200";
+        let design = "design --moments moments.json --for output-error --duration-s 1200";
         run(&folder, &format!("{design} --out design.json")).succeeds();
         let (model, design) = (json(&folder, "model.json"), json(&folder, "design.json"));
         let errors = design["data"]["covariance"]["standard_errors"].as_object().unwrap();
