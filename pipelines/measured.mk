@@ -17,10 +17,18 @@ TEST_FLAGS      ?=
 MOMENTS_FLAGS   ?= --instruments regressors
 SELECTION_FLAGS ?= --estimator iv --nominal least-squares
 SELECTED        ?=
+# With NEXT := yes a structure is searched for, and the next trial of its model is designed: $(STUDY)/next says what the helmsman
+# may be asked for, and how long and in which noise the trial is
+NEXT            ?=
+SEARCH_FLAGS    ?=
+NEXT_FLAGS      ?=
 
 MEASURED := $(OUT)/measured
 LOGGED   := --vessel $(STUDY)/vessel.toml --trajectories $(MEASURED)/trajectories.parquet
 RECORDED := --recordings $(MEASURED)/ingest.json
+NEXT_TRIAL := $(MEASURED)/next
+NEXT_MODEL := --vessel $(NEXT_TRIAL)/model.json
+NEXT_SEA   := --campaign $(STUDY)/next/campaign.toml
 NO_LOGS   = $(LOGS): no such folder; name that of the logs: make STUDY=$(STUDY) LOGS=<folder> (docs/own-logs.md: where they are published)
 
 .DEFAULT_GOAL := measured
@@ -71,5 +79,24 @@ PUBLISHED = $(wildcard $(STUDY)/reference.toml)
 $(MEASURED)/selection.parquet: $(MEASURED)/trajectories.parquet $(MEASURED)/design.json $(PUBLISHED)
 	$(BIN)/validate selection $(LOGGED) --design $(MEASURED)/design.json $(addprefix --reference ,$(PUBLISHED)) $(SELECTION_FLAGS) $(FLAGS) --out $@
 
+# The model that the next trial is designed with: search.json and model.json
+$(NEXT_TRIAL)/search.json: $(MEASURED)/trajectories.parquet $(STUDY)/study.mk
+	@mkdir -p $(@D)
+	$(BIN)/estimate search $(LOGGED) $(RECORDED) $(SEARCH_FLAGS) $(FLAGS) --out $@
+
+$(NEXT_TRIAL)/dictionary.parquet: $(NEXT_TRIAL)/search.json $(STUDY)/next/dictionary.toml
+	$(BIN)/simulate dictionary $(NEXT_MODEL) --dictionary $(STUDY)/next/dictionary.toml $(FLAGS) --out $@
+
+$(NEXT_TRIAL)/moments.json: $(NEXT_TRIAL)/dictionary.parquet $(STUDY)/next/campaign.toml
+	$(BIN)/moments $(NEXT_MODEL) --trajectories $< $(NEXT_SEA) --estimator output-error $(FLAGS) --out $@
+
+$(NEXT_TRIAL)/design.json: $(NEXT_TRIAL)/moments.json $(STUDY)/study.mk
+	$(BIN)/design --moments $< --for output-error $(NEXT_FLAGS) $(FLAGS) --out $@
+
+# What the errors of its estimates do to free simulations
+$(NEXT_TRIAL)/tally.json: $(NEXT_TRIAL)/design.json
+	$(BIN)/monte-carlo $(NEXT_MODEL) --dictionary $(STUDY)/next/dictionary.toml $(NEXT_SEA) --design $< --estimator output-error $(FLAGS) --out $@
+
+$(MEASURED)/report.html: $(if $(NEXT),$(NEXT_TRIAL)/tally.json)
 $(MEASURED)/report.html: $(MEASURED)/estimates.parquet $(MEASURED)/crossval.json $(if $(SELECTED),$(MEASURED)/selection.parquet) $(if $(TEST),$(MEASURED)/compare.json) $(BIN)/.built
 	$(BIN)/report --study $(STUDY) --results $(MEASURED) $(FLAGS) --out $@

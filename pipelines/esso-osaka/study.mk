@@ -10,4 +10,8 @@ TEST_FLAGS      := --window-s 100
 # Six sub-experiments of a minute, at 1 Hz.
 DESIGN_FLAGS    := --segments 6 --segment-samples 60
 SELECTED        := yes
+# The searched model, and half an hour of maneuvers that make it known best.
+NEXT            := yes
+SEARCH_FLAGS    := --window-s 100 --compact
+NEXT_FLAGS      := --duration-s 1800
 include pipelines/measured.mk

@@ -3,7 +3,7 @@
 use std::fmt::Display;
 
 use refusal::{Invalid, nearest};
-use vessel::{Variable, Vessel};
+use vessel::{DerivedChannel, Variable, Vessel};
 
 use crate::unassembled::MOST_ROWS;
 use crate::{
@@ -16,8 +16,10 @@ use crate::{
 pub struct Plan {
     /// How the logs were made.
     pub setup: Setup,
-    /// Inputs and measured disturbances.
+    /// Inputs and measured disturbances, then what the vessel derives from them.
     pub exogenous: Vec<Exogenous>,
+    /// How the latter follow, sample by sample, once all others are on one clock.
+    pub derived: Vec<DerivedChannel>,
     /// Channels that may be absent at some samples: name and unit.
     pub further: Vec<(String, String)>,
     /// Units of the channels of every group of files.
@@ -80,11 +82,15 @@ impl Plan {
         check_names(&provided)?;
         check_motion(&setup, &provided)?;
         let exogenous = match vessel {
-            Some((vessel, called)) => of_vessel(vessel, called, setup.conventions.rate_hz, &provided)?,
+            Some((vessel, called)) => {
+                check_derived(&setup, vessel, called, &provided)?;
+                of_vessel(vessel, called, setup.conventions.rate_hz, &provided)?
+            }
             None => everything(&provided),
         };
         let further = further(&provided, &exogenous);
-        Ok(Self { setup, exogenous, further, units, stamps, provided, most_rows: MOST_ROWS })
+        let derived = vessel.map_or(Vec::new(), |(vessel, _)| vessel.model.derived.clone());
+        Ok(Self { setup, exogenous, derived, further, units, stamps, provided, most_rows: MOST_ROWS })
     }
 
     /// The columns of a file of group `group`: time, its nanoseconds if they stand on their own, the channels, the parts of
@@ -313,7 +319,8 @@ fn of_vessel(
         let expected = format!("{} Hz, which the parameters in {called} hold for", vessel.sample_rate_hz);
         return Err(Invalid::new("`sample_rate_hz`", format!("{rate_hz} Hz"), expected, "make them equal"));
     }
-    let needed = &vessel.model.variables[3..];
+    let logged = vessel.model.variables.len() - vessel.model.derived.len();
+    let (needed, derived) = vessel.model.variables[3..].split_at(logged - 3);
     let find = |name: &str| provided.iter().find(|channel| channel.name == name);
     let missing: Vec<&str> =
         needed.iter().map(|v| v.name.as_str()).filter(|name| find(name).is_none()).collect();
@@ -326,6 +333,9 @@ fn of_vessel(
         ));
     }
     let found = needed.iter().filter_map(|variable| Some((variable, find(&variable.name)?)));
+    let made = derived
+        .iter()
+        .map(|Variable { name, unit }| Ok(Exogenous { name: name.clone(), unit: unit.clone(), factor: 1.0 }));
     found
         .map(|(Variable { name, unit, .. }, channel)| match factor(&channel.unit, unit) {
             Some(factor) => Ok(Exogenous { name: name.clone(), unit: unit.clone(), factor }),
@@ -334,7 +344,29 @@ fn of_vessel(
                 Err(wrong_unit(name, &channel.unit, expected, "correct one of them"))
             }
         })
+        .chain(made)
         .collect()
+}
+
+/// Refuses a channel that the logs provide and the vessel derives, unless both mean the same: one of them would not count.
+fn check_derived(setup: &Setup, vessel: &Vessel, called: &str, provided: &[Provided]) -> Result<(), Invalid> {
+    for own in &vessel.model.derived {
+        let Variable { name, unit } = &vessel.model.variables[own.variable];
+        let Some(channel) = provided.iter().find(|channel| channel.name == *name) else { continue };
+        let expected = format!("`{}` in {unit}, which {called} derives", own.text);
+        let same = setup.conventions.derived.iter().find(|derived| derived.channel == *name);
+        let found = match same {
+            Some(derived) if derived.formula == own.formula && derived.unit == *unit => continue,
+            Some(derived) if derived.formula == own.formula => format!("the same in {}", derived.unit),
+            Some(_) => "another formula".to_owned(),
+            None => format!("a logged channel in {}", channel.unit),
+        };
+        let remedy = format!(
+            "remove it from the configuration, which need not repeat {called}, or rename one of them"
+        );
+        return Err(Invalid::new(format!("channel `{name}`"), found, expected, remedy));
+    }
+    Ok(())
 }
 
 fn add_channel(name: &str, provided: &[Provided]) -> String {

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use refusal::Invalid;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use vessel::Segment;
+use vessel::{DerivedChannel, Segment};
 
 use crate::assemble::on_one_clock;
 use crate::axes::check_axes;
@@ -41,6 +41,8 @@ pub struct RecordedRun {
     made: Arc<Assembled>,
     /// What inputs and measured disturbances are multiplied by.
     factors: Arc<[f64]>,
+    /// What is derived from them.
+    derived: Arc<[DerivedChannel]>,
 }
 
 impl RecordedRun {
@@ -49,10 +51,26 @@ impl RecordedRun {
         self.rows.len() - 1
     }
 
-    /// Input or measured disturbance `i`, N values.
-    pub fn exogenous(&self, i: usize) -> impl Iterator<Item = f64> {
+    /// Input, measured disturbance or derived channel `i`, N values.
+    pub fn exogenous(&self, i: usize) -> Box<dyn Iterator<Item = f64> + '_> {
+        let Some(values) = self.made.exogenous.get(i) else { return self.derived(i) };
         let factor = self.factors[i];
-        self.made.exogenous[i].range(self.rows.start..self.rows.end - 1).map(move |value| factor * value)
+        Box::new(values.range(self.rows.start..self.rows.end - 1).map(move |value| factor * value))
+    }
+
+    /// Derived channel `i`, N values, each of those that it comes from at the same sample.
+    fn derived(&self, i: usize) -> Box<dyn Iterator<Item = f64> + '_> {
+        let Some(own) = self.derived.iter().find(|own| own.variable == i + 3) else {
+            return Box::new(std::iter::empty());
+        };
+        let mut sources: Vec<_> = own.sources.iter().map(|source| self.exogenous(source - 3)).collect();
+        let mut row = vec![0.0; sources.len()];
+        Box::new((1..self.rows.len()).map(move |_| {
+            row.iter_mut()
+                .zip(&mut sources)
+                .for_each(|(value, source)| *value = source.next().unwrap_or(f64::NAN));
+            own.formula.evaluate(&row)
+        }))
     }
 
     /// Surge, sway \[m/s\] or yaw rate \[rad/s\], N + 1 values.
@@ -135,7 +153,8 @@ pub fn record(
     let mut rows = RowSummary::default();
     logs.iter().for_each(|log| rows += log.counts);
     let channels = channels(plan, logs, start_s);
-    let exogenous: Vec<&str> = plan.exogenous.iter().map(|channel| channel.name.as_str()).collect();
+    let logged = plan.exogenous.len() - plan.derived.len();
+    let exogenous: Vec<&str> = plan.exogenous[..logged].iter().map(|channel| channel.name.as_str()).collect();
     let further: Vec<&str> = plan.further.iter().map(|(name, _)| name.as_str()).collect();
     let refused = |why: &Unassembled, found: &[ChannelSummary]| refused(source, why, slowest(plan, found));
     let channels = prepare(channels, &setup.conventions).map_err(|why| refused(&why, &[]))?;
@@ -243,10 +262,16 @@ fn slowest(plan: &Plan, found: &[ChannelSummary]) -> Option<(String, f64)> {
 /// The runs that consist of `parts` each, which follow each other.
 fn cut(plan: &Plan, made: Assembled, parts: &[Vec<Part>]) -> Vec<RecordedRun> {
     let (made, factors) = (Arc::new(made), plan.exogenous.iter().map(|input| input.factor).collect());
-    parts.iter().map(|parts| run_of(parts, &made, &factors)).collect()
+    let derived = plan.derived.as_slice().into();
+    parts.iter().map(|parts| run_of(parts, &made, &factors, &derived)).collect()
 }
 
-fn run_of(parts: &[Part], made: &Arc<Assembled>, factors: &Arc<[f64]>) -> RecordedRun {
+fn run_of(
+    parts: &[Part],
+    made: &Arc<Assembled>,
+    factors: &Arc<[f64]>,
+    derived: &Arc<[DerivedChannel]>,
+) -> RecordedRun {
     let start = parts[0].samples.start;
     let segment =
         |part: &Part| Segment { maneuver: part.maneuver.clone(), start: part.samples.start - start };
@@ -257,6 +282,7 @@ fn run_of(parts: &[Part], made: &Arc<Assembled>, factors: &Arc<[f64]>) -> Record
         rows: start..parts[parts.len() - 1].samples.end + 1,
         made: Arc::clone(made),
         factors: Arc::clone(factors),
+        derived: Arc::clone(derived),
     }
 }
 

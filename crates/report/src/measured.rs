@@ -4,6 +4,7 @@ use maud::{Markup, display, html};
 use super::SelectionStudy;
 use super::card::card;
 use super::loader::Loader;
+use super::next_trial::NextTrial;
 use super::number::{fit, or_dash, percent_within, three_or_dash};
 use super::table::Table;
 use artifact::Error;
@@ -29,6 +30,8 @@ pub struct Measured {
     pub compared: Option<(CompareDocument, Vec<Traced>)>,
     /// `search.json`.
     pub searched: Option<SearchDocument>,
+    /// The next trial.
+    pub next: Option<NextTrial>,
 }
 
 /// Reads `ingest.json`, `trust.json`, `crossval.json`, `compare.json` and `search.json`; none where there is none of the last
@@ -43,7 +46,8 @@ pub(super) fn load(loader: &mut Loader) -> Result<Option<Measured>, Error> {
     }
     let ingest = loader.document("ingest.json", "what was read from the logs, and its quality")?;
     let model = loader.document("model.json", "the model that the estimate delivers")?;
-    Ok(Some(Measured { ingest, trust, crossval, model, compared, searched }))
+    let next = super::next_trial::load(loader)?;
+    Ok(Some(Measured { ingest, trust, crossval, model, compared, searched, next }))
 }
 
 /// Adds fits and errors of free simulations.

@@ -13,6 +13,7 @@ use super::excitation::excitation;
 use super::headline::{headline, kind};
 use super::logs::logs;
 use super::measured::Measured;
+use super::next_trial::next_trial;
 use super::notes::{files, notation};
 use super::parameters::parameters;
 use super::parts::{Figures, Section};
@@ -75,6 +76,7 @@ fn of_logs(study: &Study, measured: &Measured, figures: &mut Figures) -> Vec<Sec
     if study.dictionary.is_some() {
         sections.push(dictionary(study, figures));
     }
+    sections.extend(next_trial(measured.next.as_ref()));
     sections.push(logs(measured));
     sections
 }

@@ -23,8 +23,14 @@ pub fn read_vessel(path: &Path, provenance: &mut Provenance) -> Result<Vessel, E
     Vessel::from_file(file).map_err(|e| crate::invalid(path, &e))
 }
 
-/// As [`read_vessel`], for stages that simulate trials or judge what was simulated: those of a model follow the model.
+/// As [`read_followed`], for stages that simulate trials or judge what was simulated: these tell nothing of disturbances that
+/// they hold constant.
 pub fn read_simulated(path: &Path, provenance: &mut Provenance) -> Result<Vessel, Error> {
+    read_followed(path, provenance).map(Vessel::with_disturbances_held)
+}
+
+/// As [`read_vessel`], for stages whose runs may be simulated: those of a model follow the model.
+pub fn read_followed(path: &Path, provenance: &mut Provenance) -> Result<Vessel, Error> {
     let vessel = read_vessel(path, provenance)?;
     let truth = vessel.nominal.iter().copied().map(Some).collect();
     Ok(if is_model(path) { Vessel { value: truth, ..vessel } } else { vessel })

@@ -18,8 +18,11 @@ pub fn mirror(vessel: &Vessel) -> Option<Vec<f64>> {
 fn is_mirrored(vessel: &Vessel, signs: &[f64], point: u32) -> bool {
     let value = |i: usize| libm::sin(f64::from(point) * 0.7 + i as f64 * 1.3);
     let count = vessel.model.exogenous();
-    let own: Vec<f64> = (0..count).map(|i| if i < signs.len() { value(i + 3) } else { 0.0 }).collect();
-    let mirrored: Vec<f64> = own.iter().enumerate().map(|(i, u)| signs.get(i).unwrap_or(&1.0) * u).collect();
+    let mut own: Vec<f64> = (0..count).map(|i| if i < signs.len() { value(i + 3) } else { 0.0 }).collect();
+    let mut mirrored: Vec<f64> =
+        own.iter().enumerate().map(|(i, u)| signs.get(i).unwrap_or(&1.0) * u).collect();
+    vessel.model.complete(&mut own);
+    vessel.model.complete(&mut mirrored);
     let [u, v, r] = [0, 1, 2].map(value);
     let (a, b) = (increments(vessel, [u, v, r], &own), increments(vessel, [u, -v, -r], &mirrored));
     let close = |x: f64, y: f64| (x - y).abs() <= 1e-9 * (x.abs() + y.abs());

@@ -4,8 +4,9 @@ use refusal::check_numbers;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::derived::derive;
 use crate::equation::{Equation, Reduced, TermSpec};
-use crate::{Constrained, DegreeOfFreedom, Invalid, Model, Term, Variable, Written};
+use crate::{Constrained, DegreeOfFreedom, DerivedSpec, Invalid, Model, Term, Variable, Written};
 
 /// `vessel.toml` as written.
 #[derive(Clone, Debug, Default, Deserialize)]
@@ -22,7 +23,10 @@ pub struct VesselFile {
     pub input: Vec<InputSpec>,
     /// Measured disturbances, in order.
     #[serde(default)]
-    pub measured: Vec<Variable>,
+    pub measured: Vec<MeasuredSpec>,
+    /// Channels that are computed from inputs, measured disturbances and each other.
+    #[serde(default)]
+    pub derived: Vec<DerivedSpec>,
     /// Terms of the surge equation.
     #[serde(default)]
     pub surge: Vec<TermSpec>,
@@ -55,6 +59,20 @@ pub struct InputSpec {
     pub follows: Option<String>,
     /// … by this factor.
     pub factor: Option<f64>,
+    /// Between which the actuator can be set.
+    pub range: Option<[f64; 2]>,
+}
+
+/// A measured disturbance.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct MeasuredSpec {
+    /// Name as used in terms and as a column.
+    pub name: String,
+    /// Its unit.
+    pub unit: String,
+    /// What it is wherever a trial is simulated; without it, none is.
+    pub simulated: Option<f64>,
 }
 
 /// Which of the two parameter sets is meant.
@@ -94,6 +112,8 @@ pub struct Vessel {
     pub nominal: Vec<f64>,
     /// Per input, the input that it follows and the factor.
     pub couplings: Vec<Option<(usize, f64)>>,
+    /// Per input, between which it can be set, where that is known.
+    pub ranges: Vec<Option<[f64; 2]>>,
     /// Parameters that are fixed or tied, in the order that they are written in.
     pub constrained: Vec<Constrained>,
 }
@@ -118,7 +138,7 @@ impl Vessel {
         check_numbers(constant, "at most 10 m/s or rad/s in a sample", |gained| gained.abs() <= 10.0)?;
         let variables = variables(&file)?;
         let terms = terms(&file, &variables)?;
-        let couplings = couplings(&file.input)?;
+        let (couplings, ranges) = (couplings(&file.input)?, ranges(&file.input)?);
         let written = replaced(&file)?;
         check_parameters(&written)?;
         let (mut value, mut nominal, mut constrained) = (Vec::new(), Vec::new(), Vec::new());
@@ -135,8 +155,12 @@ impl Vessel {
         let [surge, sway, yaw] = DegreeOfFreedom::ALL;
         let degrees = [degree(surge)?, degree(sway)?, degree(yaw)?];
         let name = file.name.clone().ok_or_else(|| missing("name"))?;
-        let model = Model { variables, inputs: file.input.len(), degrees, constant: file.constant };
-        Ok(Self { name, sample_rate_hz: rate, model, value, nominal, couplings, constrained })
+        let names: Vec<&str> = variables.iter().map(|v| v.name.as_str()).collect();
+        let derived = derive(&file.derived, &names, first_derived(&file))?;
+        let simulated = simulated(&file)?;
+        let inputs = file.input.len();
+        let model = Model { variables, inputs, simulated, derived, degrees, constant: file.constant };
+        Ok(Self { name, sample_rate_hz: rate, model, value, nominal, couplings, ranges, constrained })
     }
 
     /// One of the built-in vessels, by name.
@@ -180,6 +204,21 @@ impl Vessel {
             all.insert(own.place, Written::Constrained(own));
         }
         all
+    }
+
+    /// Whether there are inputs enough to command surge, sway and yaw, each by itself.
+    pub fn commands_sway(&self) -> bool {
+        self.model.inputs >= 3
+    }
+
+    /// The first of `inputs` that is set beyond its range but for rounding: its place and the range.
+    pub fn beyond_range(&self, inputs: &[f64]) -> Option<(usize, [f64; 2])> {
+        let beyond = |(i, (input, range)): (usize, (&f64, &Option<[f64; 2]>))| {
+            let [low, high] = (*range)?;
+            let rounding = 1e-9 * (high - low);
+            (!(low - rounding..=high + rounding).contains(input)).then_some((i, [low, high]))
+        };
+        inputs.iter().zip(&self.ranges).enumerate().find_map(beyond)
     }
 
     /// Number of samples in `duration_s`, to the nearest.
@@ -229,7 +268,8 @@ fn preset(file: VesselFile) -> Result<VesselFile, Invalid> {
         return Err(Invalid::unknown("`preset`", name, PRESETS.iter().map(|(name, _)| *name)));
     };
     let own = [&file.surge, &file.sway, &file.yaw].iter().any(|terms| !terms.is_empty());
-    if own || !file.input.is_empty() || !file.measured.is_empty() || file.sample_rate_hz.is_some() {
+    let channels = !(file.input.is_empty() && file.measured.is_empty() && file.derived.is_empty());
+    if own || channels || file.sample_rate_hz.is_some() {
         return Err(Invalid::new(
             "`preset`",
             "a structure of the file's own beside it",
@@ -251,13 +291,17 @@ fn variables(file: &VesselFile) -> Result<Vec<Variable>, Invalid> {
     let variable = |name: &str, unit: &str| Variable { name: name.to_owned(), unit: unit.to_owned() };
     let states = DegreeOfFreedom::ALL.into_iter().map(|d| variable(d.state(), d.unit()));
     let inputs = file.input.iter().map(|i| variable(&i.name, &i.unit));
-    let all: Vec<Variable> = states.chain(inputs).chain(file.measured.iter().cloned()).collect();
+    let measured = file.measured.iter().map(|m| variable(&m.name, &m.unit));
+    let derived = file.derived.iter().map(|d| variable(&d.name, &d.unit));
+    let all: Vec<Variable> = states.chain(inputs).chain(measured).chain(derived).collect();
     for (i, v) in all.iter().enumerate() {
         let reserved = i >= 3 && RESERVED.contains(&v.name.as_str());
         let plain = v.name.chars().all(|c| c.is_alphanumeric() || c == '_') && !v.name.is_empty();
         if all[..i].iter().any(|w| w.name == v.name) || reserved || !plain {
+            let what =
+                if i < first_derived(file) { "input or measured disturbance" } else { "derived channel" };
             return Err(Invalid::new(
-                format!("input or measured disturbance `{}`", v.name),
+                format!("{what} `{}`", v.name),
                 "a name that is taken or no plain name",
                 "letters, digits and _, each name once, no column of the trajectories",
                 "rename it",
@@ -265,6 +309,20 @@ fn variables(file: &VesselFile) -> Result<Vec<Variable>, Invalid> {
         }
     }
     Ok(all)
+}
+
+/// The place of the first derived channel among the variables.
+fn first_derived(file: &VesselFile) -> usize {
+    3 + file.input.len() + file.measured.len()
+}
+
+/// Values of measured disturbances in simulated trials, by place among the variables.
+fn simulated(file: &VesselFile) -> Result<BTreeMap<usize, f64>, Invalid> {
+    let known =
+        file.measured.iter().filter_map(|m| Some((format!("simulated` of `{}", m.name), m.simulated?)));
+    check_numbers(known, "a finite number", f64::is_finite)?;
+    let places = (3 + file.input.len()..).zip(&file.measured);
+    Ok(places.filter_map(|(place, measured)| Some((place, measured.simulated?))).collect())
 }
 
 /// Columns that the trajectories have already.
@@ -317,6 +375,20 @@ fn couplings(inputs: &[InputSpec]) -> Result<Vec<Option<(usize, f64)>>, Invalid>
         _ => Err(bad_coupling(input, "only one of `follows` and `factor`, or no finite factor")),
     };
     inputs.iter().map(coupling).collect()
+}
+
+/// Ranges with room in them.
+fn ranges(inputs: &[InputSpec]) -> Result<Vec<Option<[f64; 2]>>, Invalid> {
+    let range = |input: &InputSpec| match input.range {
+        Some([low, high]) if !(low.is_finite() && high.is_finite() && low < high) => Err(Invalid::new(
+            format!("input `{}`", input.name),
+            format!("`range` [{low}, {high}]"),
+            "a lowest and a higher, highest setting, both finite",
+            "swap or correct them",
+        )),
+        range => Ok(range),
+    };
+    inputs.iter().map(range).collect()
 }
 
 fn bad_coupling(input: &InputSpec, found: &str) -> Invalid {

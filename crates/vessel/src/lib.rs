@@ -10,19 +10,24 @@
 
 mod compiled;
 mod constraint;
+mod derived;
 mod disturbance;
 mod equation;
 mod file;
+mod formula;
+mod held;
 mod lane;
 pub mod lanes;
 mod layout;
 mod maneuver;
 mod model;
+mod newton;
 mod noise;
 mod normals;
 mod pose;
 mod products;
 mod refusals;
+mod rows;
 mod run;
 mod simulate;
 mod steady;
@@ -34,11 +39,13 @@ mod wide;
 
 pub use compiled::{Ambient, Compiled};
 pub use constraint::{Constrained, Constraint, Written};
+pub use derived::{DerivedChannel, DerivedSpec};
 pub use disturbance::{
     Axes, Current, Disturbances, Disturbing, MOST_CURRENT_M_S, Measurement, Weather, Wind, check_currents,
 };
 pub use equation::TermSpec;
-pub use file::{InputSpec, Source, Vessel, VesselFile};
+pub use file::{InputSpec, MeasuredSpec, Source, Vessel, VesselFile};
+pub use formula::{Formula, Malformed};
 pub use lane::{Arithmetic, LANES, Lane, Number, Numbers};
 pub use layout::ParameterLayout;
 pub use maneuver::{

@@ -1,8 +1,6 @@
 use std::collections::BTreeMap;
 
-use serde::Deserialize;
-
-use crate::{Product, Term};
+use crate::{DerivedChannel, Product, Term};
 
 /// Surge, sway or yaw.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -35,9 +33,8 @@ impl DegreeOfFreedom {
     }
 }
 
-/// A variable of the model: a state, an input or a measured disturbance.
-#[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
-#[serde(deny_unknown_fields)]
+/// A variable of the model: a state, an input, a measured disturbance or a derived channel.
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Variable {
     /// Name as used in terms.
     pub name: String,
@@ -83,10 +80,14 @@ const OPEN: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
 /// A model structure: what the states' increments are linear combinations of.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Model {
-    /// `u`, `v`, `r`, then the inputs, then the measured disturbances.
+    /// `u`, `v`, `r`, then the inputs, then the measured disturbances, then the derived channels.
     pub variables: Vec<Variable>,
     /// How many of the variables are inputs.
     pub inputs: usize,
+    /// Values of measured disturbances in simulated trials, by place among the variables.
+    pub simulated: BTreeMap<usize, f64>,
+    /// Channels that are computed from others, each after those that it is computed from.
+    pub derived: Vec<DerivedChannel>,
     /// Surge, sway, yaw.
     pub degrees: [Degree; 3],
     /// What u, v \[m/s\] and r \[rad/s\] gain in a sample whatever the vessel does: known, no parameter.
@@ -104,7 +105,7 @@ impl Model {
         self.input_variables().iter().map(|v| v.name.as_str()).collect()
     }
 
-    /// Number of inputs and measured disturbances.
+    /// Number of inputs, measured disturbances and derived channels.
     pub fn exogenous(&self) -> usize {
         self.variables.len() - 3
     }
@@ -114,14 +115,14 @@ impl Model {
         self.degrees.iter().map(|d| d.terms.len()).sum()
     }
 
-    /// Inputs, N × inputs, beside measured disturbances of zero: N × exogenous, row-major.
-    pub fn undisturbed(&self, inputs: &[f64]) -> Vec<f64> {
-        let calm = self.exogenous() - self.inputs;
-        if calm == 0 {
-            return inputs.to_vec();
-        }
-        let rows = inputs.chunks_exact(self.inputs);
-        rows.flat_map(|row| row.iter().copied().chain(std::iter::repeat_n(0.0, calm))).collect()
+    /// The measured disturbances.
+    pub fn measured(&self) -> &[Variable] {
+        &self.variables[3 + self.inputs..self.variables.len() - self.derived.len()]
+    }
+
+    /// Whether `other` has the same channels, computed alike.
+    pub fn has_channels_of(&self, other: &Self) -> bool {
+        self.variables == other.variables && self.derived == other.derived
     }
 
     /// The terms whose parameters are known, with their degrees of freedom.

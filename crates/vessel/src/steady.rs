@@ -1,5 +1,6 @@
 //! Which inputs hold a wanted motion steady: the inverse of the model at equilibrium.
 
+use crate::newton::{damped, plain};
 use crate::{Compiled, Invalid, Vessel};
 
 /// A motion through the water to hold.
@@ -18,9 +19,11 @@ pub struct Motion {
 pub struct Steady<'a> {
     vessel: &'a Vessel,
     model: Compiled<'a, f64>,
-    /// Inputs, then measured disturbances, which are zero.
+    /// Inputs, then measured disturbances and derived channels as in simulated trials.
     exogenous: Vec<f64>,
     gradients: Vec<[f64; 3]>,
+    /// What a search found last: motions that follow each other are held alike.
+    found: Vec<f64>,
 }
 
 impl<'a> Steady<'a> {
@@ -28,45 +31,72 @@ impl<'a> Steady<'a> {
     pub fn new(vessel: &'a Vessel, parameters: &[f64]) -> Self {
         let gradients = vec![[0.0; 3]; vessel.model.variables.len()];
         let exogenous = vec![0.0; vessel.model.exogenous()];
-        Self { vessel, model: Compiled::new(&vessel.model, parameters), exogenous, gradients }
+        let model = Compiled::new(&vessel.model, parameters);
+        Self { vessel, model, exogenous, gradients, found: Vec::new() }
     }
 
     /// The inputs that hold `motion`, by Newton's method from `unknowns` (inputs, then sway speed), which become the solution.
+    /// Where that leads nowhere, or beyond what the inputs can do, it is tried from zero and then, damped, from all over the
+    /// inputs' ranges: forces such as `n |n|` have no slope at zero.
     ///
     /// The unknowns are the inputs and, where the vessel has too few independent inputs to command it, the sway speed.
     /// The equations are zero increments and the couplings between inputs; a commanded sway speed releases the couplings.
     ///
     /// # Errors
-    /// A vessel without the inputs to command the motion; a motion that no inputs hold.
+    /// A vessel without the inputs to command the motion; a motion that no inputs were found to hold.
     pub fn solve(&mut self, motion: Motion, unknowns: &mut [f64]) -> Result<(), Invalid> {
         let wanted = Wanted::of(motion, self.vessel)?;
-        for _ in 0..50 {
-            let Some(step) = self.newton_step(&wanted, unknowns) else {
-                break;
-            };
-            let mut change: f64 = 0.0;
-            for (x, dx) in unknowns.iter_mut().zip(&step) {
-                change = change.max(dx.abs() / (x.abs() + 1e-9));
-                *x += dx;
-            }
-            if !unknowns.iter().all(|x| x.is_finite()) {
-                break;
-            }
-            if change < 1e-13 {
-                return Ok(());
+        let used = self.vessel.model.inputs + usize::from(wanted.sway_free);
+        let mut beyond = None;
+        for start in [unknowns[..used].to_vec(), vec![0.0; used]] {
+            let mut at = start;
+            if plain(&mut at, |unknowns| self.linearised(&wanted, unknowns)) {
+                if self.within(&at) {
+                    unknowns[..used].copy_from_slice(&at);
+                    return Ok(());
+                }
+                beyond.get_or_insert(at);
             }
         }
-        Err(unreachable_motion(wanted.motion))
+        let found = self.search(&wanted, beyond).ok_or_else(|| unreachable_motion(wanted.motion))?;
+        unknowns[..used].copy_from_slice(&found);
+        self.found = found;
+        Ok(())
     }
 
-    /// Solves Jacobian · step = −residual; `None` where the Jacobian is singular.
-    fn newton_step(&mut self, wanted: &Wanted, unknowns: &[f64]) -> Option<Vec<f64>> {
+    /// The first solution from any start that is within what the inputs can do, else any; `beyond` is one that is known.
+    fn search(&mut self, wanted: &Wanted, mut beyond: Option<Vec<f64>>) -> Option<Vec<f64>> {
+        let used = self.vessel.model.inputs + usize::from(wanted.sway_free);
+        let last = (self.found.len() == used).then(|| self.found.clone());
+        let around = Around::new(self.vessel, wanted);
+        let rest = (vec![0.0; used], around.scales(0));
+        let starts = last.map(|last| (last, around.scales(0))).into_iter().chain([rest]);
+        for (mut at, scales) in starts.chain(around.starts()) {
+            if damped(&mut at, &scales, |unknowns| self.linearised(wanted, unknowns)) {
+                if self.within(&at) {
+                    return Some(at);
+                }
+                beyond.get_or_insert(at);
+            }
+        }
+        beyond
+    }
+
+    /// Whether the vessel's inputs can do what `unknowns` ask of them.
+    fn within(&self, unknowns: &[f64]) -> bool {
+        self.vessel.beyond_range(unknowns).is_none()
+    }
+
+    /// Rows \[Jacobian | −residual\] at `unknowns`.
+    fn linearised(&mut self, wanted: &Wanted, unknowns: &[f64]) -> Vec<Vec<f64>> {
         let inputs = self.vessel.model.inputs;
         let n = inputs + usize::from(wanted.sway_free);
         let Motion { u, v, r } = wanted.motion;
         self.exogenous[..inputs].copy_from_slice(&unknowns[..inputs]);
-        self.model.look([u, v.unwrap_or(unknowns[inputs]), r], &self.exogenous, None);
+        self.vessel.model.complete(&mut self.exogenous);
+        self.model.look([u, v.unwrap_or_else(|| unknowns[inputs]), r], &self.exogenous, None);
         self.model.gradients(&mut self.gradients);
+        self.vessel.model.by_sources(&self.exogenous, &mut self.gradients);
         let increments = self.model.increments();
         let row = |d: usize| {
             let mut row = vec![-increments[d]; n + 1];
@@ -87,7 +117,7 @@ impl<'a> Steady<'a> {
                 }
             }
         }
-        solve(&rows)
+        rows
     }
 }
 
@@ -117,24 +147,77 @@ impl Wanted {
     }
 }
 
-/// Solves rows \[a | b\], each scaled to a largest coefficient of 1.
-fn solve(rows: &[Vec<f64>]) -> Option<Vec<f64>> {
-    let n = rows.len();
-    let mut a = Vec::with_capacity(n * n);
-    let mut b = Vec::with_capacity(n);
-    for row in rows {
-        let scale = row[..n].iter().fold(0.0_f64, |m, x| m.max(x.abs()));
-        a.extend(row[..n].iter().map(|x| x / scale));
-        b.push(row[n] / scale);
+/// Where solutions of a wanted motion are looked for.
+struct Around<'a> {
+    vessel: &'a Vessel,
+    wanted: &'a Wanted,
+}
+
+/// How far from the middle of its range an input starts, in halves of the range …
+const SHARES: [f64; 6] = [0.5, 0.9, 0.1, 0.7, 0.3, 1.0];
+
+/// … and from zero, where no range is known.
+const MAGNITUDES: [f64; 6] = [1.0, 1e2, 1e-2, 1e4, 1e6, 1e-4];
+
+/// Inputs that start at either side; any more start in the middle.
+const MOST_SIDES: usize = 4;
+
+impl<'a> Around<'a> {
+    fn new(vessel: &'a Vessel, wanted: &'a Wanted) -> Self {
+        Self { vessel, wanted }
     }
-    numerics::solve(n, &mut a, &mut b).map(|_| b)
+
+    /// Starts with the scales of their unknowns: all inputs in the middle or to either side, together with any sway.
+    fn starts(&self) -> impl Iterator<Item = (Vec<f64>, Vec<f64>)> {
+        let sides = 3_usize.pow(self.vessel.model.inputs.min(MOST_SIDES) as u32);
+        let ways = if self.wanted.sway_free { 3 } else { 1 };
+        (0..SHARES.len()).flat_map(move |level| {
+            (0..sides).flat_map(move |side| {
+                (0..ways).map(move |way| (self.start(level, side, way), self.scales(level)))
+            })
+        })
+    }
+
+    /// Digits of `side` to base 3 say where the inputs start.
+    fn start(&self, level: usize, side: usize, way: usize) -> Vec<f64> {
+        let Motion { u, r, .. } = self.wanted.motion;
+        let sign = |place: usize| [0.0, 1.0, -1.0][side / 3_usize.pow(place.min(19) as u32) % 3];
+        let inputs = self.vessel.ranges.iter().enumerate();
+        let mut start: Vec<f64> = inputs
+            .map(|(i, range)| match range {
+                Some([low, high]) => 0.5 * (low + high) + sign(i) * SHARES[level] * 0.5 * (high - low),
+                None => sign(i) * MAGNITUDES[level],
+            })
+            .collect();
+        for (i, coupling) in self.vessel.couplings.iter().enumerate() {
+            if let Some((leader, factor)) = coupling.filter(|_| self.wanted.coupled) {
+                start[i] = factor * start[leader];
+            }
+        }
+        if self.wanted.sway_free {
+            // A turn to starboard drifts to port.
+            let outwards = -0.1 * u.abs().max(0.1) * if r < 0.0 { -1.0 } else { 1.0 };
+            start.push([0.0, outwards, -outwards][way]);
+        }
+        start
+    }
+
+    fn scales(&self, level: usize) -> Vec<f64> {
+        let input =
+            |range: &Option<[f64; 2]>| range.map_or(MAGNITUDES[level], |[low, high]| 0.5 * (high - low));
+        let sway = self.wanted.sway_free.then(|| self.wanted.motion.u.abs().max(0.1));
+        self.vessel.ranges.iter().map(input).chain(sway).collect()
+    }
 }
 
 fn unreachable_motion(motion: Motion) -> Invalid {
     let sway = motion.v.map_or(String::new(), |v| format!(", v = {v} m/s"));
     Invalid::new(
         "wanted motion",
-        format!("u = {} m/s{sway}, r = {} rad/s, which no inputs hold steady", motion.u, motion.r),
+        format!(
+            "u = {} m/s{sway}, r = {} rad/s, which no inputs were found to hold steady",
+            motion.u, motion.r
+        ),
         "a motion that the model can hold",
         "lower the speeds, or turn the maneuver into inputs with the other parameters (`inputs_from`)",
     )

@@ -199,9 +199,11 @@ fn malformed(text: &str, found: &str) -> Invalid {
 fn unknown(text: &str, name: &str, variables: &[&str]) -> Invalid {
     let remedy = match nearest(name, variables.iter().copied()) {
         Some(near) => {
-            format!("did you mean `{near}`? (inputs and measured disturbances must be declared)")
+            format!(
+                "did you mean `{near}`? (inputs, measured disturbances and derived channels must be declared)"
+            )
         }
-        None => "declare it as [[input]] or [[measured]]".to_owned(),
+        None => "declare it as [[input]], [[measured]] or [[derived]]".to_owned(),
     };
     let found = if name.is_empty() { "a character that starts no name".into() } else { format!("`{name}`") };
     Invalid::new(format!("term `{text}`"), found, format!("one of {}", variables.join(", ")), remedy)

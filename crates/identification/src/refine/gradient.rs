@@ -179,6 +179,7 @@ impl Back<'_> {
             }
             let local = dynamics.at(forward.state(k), run.exogenous(k));
             dynamics.pull_back(&terms, &self.by_slopes(k, &big), &mut slopes);
+            run.model.by_sources(run.exogenous(k), slopes.as_chunks_mut::<1>().0);
             for (own, slope) in small.iter_mut().zip(&slopes) {
                 *own += slope;
             }

@@ -64,13 +64,6 @@ pub(super) struct Point {
 }
 
 impl Lagrangian<'_> {
-    fn exogenous(&self, inputs: &[f64]) -> Vec<f64> {
-        let model = self.criterion.model;
-        let disturbances = model.exogenous() - model.inputs;
-        let rows = inputs.chunks_exact(model.inputs.max(1));
-        rows.flat_map(|row| row.iter().copied().chain(std::iter::repeat_n(0.0, disturbances))).collect()
-    }
-
     /// The run of corrections `x`.
     pub(super) fn run(&mut self, x: &[f64]) -> Option<Forward> {
         self.value(x).map(|(_, point)| point.forward)
@@ -108,7 +101,7 @@ impl Objective for Lagrangian<'_> {
     fn value(&mut self, x: &[f64]) -> Option<(f64, Point)> {
         self.evaluations += 1;
         let inputs = self.signal.inputs(x);
-        let exogenous = self.exogenous(&inputs);
+        let exogenous = self.criterion.model.undisturbed(&inputs);
         let forward = self.criterion.forward(&exogenous)?;
         let forces = self.forces(&self.constraints(&forward.states, &inputs));
         let cost = |(force, nu): (&f64, &f64)| (force * force - nu * nu) / (2.0 * self.weight);

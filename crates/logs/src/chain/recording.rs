@@ -200,7 +200,7 @@ impl Chain<'_> {
             truth.poses.push(pose);
             truth.forces.push([0, 1, 2].map(|i| made[i] * self.units[i]));
             let (current, forces) = sea.acts(sample, state, pose.psi, self.hull.as_ref());
-            let exogenous = self.exogenous([0, 1, 2].map(|i| made[i] + forces[i]));
+            let exogenous = self.exogenous(made, forces);
             let next = model.step(state, &exogenous, Ambient { current: Some(current), force: None });
             if let Some(Diverged { state, .. }) = check_diverged(next.into_iter()) {
                 return Err(Failed::Diverged(Diverged { sample: sample + 1, state }));
@@ -225,10 +225,16 @@ impl Chain<'_> {
         hits.iter_mut().enumerate().map(|(i, hits)| of(i, hits)).collect()
     }
 
-    /// The model's inputs and measured disturbances under forces of thrusters and wind \[N, N m\].
-    fn exogenous(&self, forces: [f64; 3]) -> Vec<f64> {
+    /// What acts on the model under forces of thrusters and wind \[N, N m\]. What is derived from inputs is derived from those
+    /// that the thrusters make.
+    fn exogenous(&self, thrusters: [f64; 3], wind: [f64; 3]) -> Vec<f64> {
         let mut exogenous = vec![0.0; self.model.exogenous()];
-        exogenous.iter_mut().zip(forces).zip(self.units).for_each(|((to, f), unit)| *to = f * unit);
+        let set = |exogenous: &mut [f64], forces: [f64; 3]| {
+            exogenous.iter_mut().zip(forces).zip(self.units).for_each(|((to, f), unit)| *to = f * unit);
+        };
+        set(&mut exogenous, thrusters);
+        self.model.complete(&mut exogenous);
+        set(&mut exogenous, [0, 1, 2].map(|i| thrusters[i] + wind[i]));
         exogenous
     }
 

@@ -8,7 +8,6 @@ mod assembled;
 mod chain;
 mod clocks;
 mod declared;
-mod formulas;
 mod frames;
 mod grid;
 mod lever;

@@ -92,7 +92,7 @@ impl Arguments {
         provenance.read.extend(own.read);
         provenance.settings.extend(own.settings);
         let same =
-            other.model.variables == vessel.model.variables && other.sample_rate_hz == vessel.sample_rate_hz;
+            other.model.has_channels_of(&vessel.model) && other.sample_rate_hz == vessel.sample_rate_hz;
         let (found, expected) = ("other channels or another rate", "those of --model");
         let remedy = "compare models of the same logs";
         if same { Ok(Some(other)) } else { Err(Failure::refuse(path, "model", found, expected, remedy)) }

@@ -11,7 +11,7 @@ use identification::{EstimateStatus, Estimator, MeanRemoval};
 use serde_json::json;
 use study::documents::{EstimateDocument, ModelDocument};
 use study::estimates::{self, Row};
-use study::files::{read_campaign, read_simulated};
+use study::files::{read_campaign, read_followed};
 use study::trajectories::TrajectoryReader;
 use vessel::{Invalid, Run, Vessel, nearest};
 
@@ -70,7 +70,7 @@ pub const MAIN: &str = "estimates.parquet";
 impl Task for Arguments {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
         let mut provenance = common.provenance("estimate");
-        let vessel = read_simulated(&self.vessel, &mut provenance)?;
+        let vessel = read_followed(&self.vessel, &mut provenance)?;
         self.mean_removal.check(&vessel.model).map_err(|e| Failure::invalid(&self.vessel, &e))?;
         let inputs = [&self.vessel].into_iter().chain(&self.trajectories).chain(&self.sharding.gather);
         let out = common.main_output(MAIN, inputs)?;

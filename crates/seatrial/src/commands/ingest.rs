@@ -103,9 +103,8 @@ impl Arguments {
 }
 
 fn layout(plan: &Plan) -> Layout {
-    Layout {
-        exogenous: plan.exogenous.iter().map(|input| (input.name.clone(), input.unit.clone())).collect(),
-    }
+    let exogenous = plan.exogenous.iter().map(|input| (input.name.clone(), input.unit.clone())).collect();
+    Layout { exogenous, derived: plan.derived.clone() }
 }
 
 /// What became of all recordings.

@@ -70,11 +70,14 @@ impl Task for Arguments {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
         let mut provenance = common.provenance("moments");
         let mut vessel = read_vessel(&self.vessel, &mut provenance)?;
+        let reader = inputs::trajectories(&self.trajectories, "trajectories", &vessel, &mut provenance)?;
+        if reader.true_states() {
+            vessel = vessel.with_disturbances_held();
+        }
         check_constants(&vessel.model).map_err(|e| Failure::invalid(&self.vessel, &e))?;
         if let Some(nominal) = &self.nominal {
             vessel.nominal = nominal_of(self, nominal, &vessel, &mut provenance)?;
         }
-        let reader = inputs::trajectories(&self.trajectories, "trajectories", &vessel, &mut provenance)?;
         if reader.blocks() > 0 {
             label(reader.runs(0)?.iter().map(|run| run.design.as_str()), &mut provenance);
         }

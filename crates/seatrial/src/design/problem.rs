@@ -152,7 +152,7 @@ impl<'a> Problem<'a> {
             );
         }
         let (vessel, dictionary) = (given(&a.vessel, "vessel")?, given(&a.dictionary, "dictionary")?);
-        let vessel = read_vessel(vessel, provenance)?;
+        let vessel = read_vessel(vessel, provenance)?.with_disturbances_held();
         let generator = read_dictionary(dictionary, &vessel, provenance)?;
         let arranging = Arranging {
             vessel: &vessel,

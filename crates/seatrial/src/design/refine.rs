@@ -68,7 +68,7 @@ impl Task for Refine {
         for path in &others {
             Common { out: path.clone(), ..common.clone() }.main_output("", inputs())?;
         }
-        let vessel = read_vessel(&self.vessel, &mut provenance)?;
+        let vessel = read_vessel(&self.vessel, &mut provenance)?.with_disturbances_held();
         check_constants(&vessel.model).map_err(|e| Failure::invalid(&self.vessel, &e))?;
         let found = search(self, &vessel, &mut provenance)?;
         settings(self, &vessel, &found, &mut provenance);

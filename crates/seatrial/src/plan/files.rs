@@ -34,7 +34,7 @@ impl VoyageFiles<'_> {
     /// Reads everything for a plan that is to be written to `out`.
     pub(super) fn read(&self, out: &Path, provenance: &mut Provenance, seed: u64) -> Result<Brief, Failure> {
         check_names(out)?;
-        let vessel = read_vessel(self.vessel, provenance)?;
+        let vessel = read_vessel(self.vessel, provenance)?.with_disturbances_held();
         let config: PlanFile = inputs::toml(self.config, "plan", provenance)?;
         let task = config.task().map_err(|e| Failure::invalid(self.config, &e))?;
         let dictionary = inputs::runs(self.trajectories, &vessel, provenance)?;

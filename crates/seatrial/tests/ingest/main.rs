@@ -2,6 +2,7 @@
 
 mod attitudes;
 mod clocks;
+mod derived;
 mod document;
 mod field;
 mod files;

@@ -18,6 +18,7 @@ mod mixed;
 mod monte_carlo;
 mod oracle;
 mod pipeline;
+mod propeller;
 mod refine;
 mod refusals_files;
 mod refusals_output;

@@ -126,7 +126,7 @@ impl Document for AverageDocument {
         ("the parameter's unit", "value standard_error least_squares truth bounds"),
         ("the unit of the row's name times that of the column's", "entries"),
         ("the state's unit", "constant constant_least_squares increment_std output_rmse"),
-        ("the channel's unit", "low high"),
+        ("the channel's unit", "low high simulated range"),
         ("m/s", "constant_u constant_v output_rmse_u output_rmse_v"),
         ("rad/s", "constant_r output_rmse_r"),
     ];

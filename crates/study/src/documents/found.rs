@@ -20,12 +20,12 @@ impl ModelDocument {
     /// That of the structure `model`, as `delivered` after a fit to so many samples.
     pub(super) fn found(vessel: &Vessel, model: &Model, delivered: &Delivered, samples: u64) -> Self {
         let degree = |d: DegreeOfFreedom| degree(vessel, d, model, delivered);
-        let (inputs, measured) = Self::channels(vessel);
         Self {
             vessel: vessel.name.clone(),
             sample_rate_hz: vessel.sample_rate_hz,
-            inputs,
-            measured,
+            inputs: Vec::new(),
+            measured: Vec::new(),
+            derived: Vec::new(),
             degrees: DegreeOfFreedom::ALL.into_iter().map(degree).collect(),
             covariance: delivered.covariance.clone(),
             estimator: Estimator::OutputError,
@@ -37,6 +37,7 @@ impl ModelDocument {
             rejected: None,
             statements: Vec::new(),
         }
+        .with_channels(vessel)
     }
 }
 

@@ -6,8 +6,8 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use validation::comparison::Magnitudes;
 use vessel::{
-    Constrained, Constraint, DegreeOfFreedom, InputSpec, Invalid, TermSpec, Variable, Vessel, VesselFile,
-    Written,
+    Constrained, Constraint, DegreeOfFreedom, DerivedChannel, DerivedSpec, InputSpec, Invalid, MeasuredSpec,
+    TermSpec, Variable, Vessel, VesselFile, Written,
 };
 
 /// `model.json`: a model as it was estimated, with all that it takes to simulate it. Every stage that takes a `vessel.toml`
@@ -25,6 +25,9 @@ pub struct ModelDocument {
     pub inputs: Vec<ModelInput>,
     /// Measured disturbances, in order.
     pub measured: Vec<ModelChannel>,
+    /// Channels that are computed from inputs, measured disturbances and each other.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub derived: Vec<ModelDerived>,
     /// Surge, sway, yaw.
     pub degrees: Vec<ModelDegree>,
     /// Covariance of the values that were estimated by themselves, 0 at bounds; null where some have no standard error, and for
@@ -65,6 +68,9 @@ pub struct ModelInput {
     /// … by this factor.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub factor: Option<f64>,
+    /// Between which the actuator can be set.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub range: Option<[f64; 2]>,
 }
 
 /// A measured disturbance.
@@ -75,6 +81,21 @@ pub struct ModelChannel {
     pub name: String,
     /// Its unit.
     pub unit: String,
+    /// What it is wherever a trial is simulated, in its unit.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub simulated: Option<f64>,
+}
+
+/// A channel that is computed from others.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ModelDerived {
+    /// Name as used in terms and as a column.
+    pub name: String,
+    /// Its unit.
+    pub unit: String,
+    /// What it is.
+    pub formula: String,
 }
 
 /// The equation of one degree of freedom; its numbers are per sample, in the unit of its state.
@@ -168,13 +189,13 @@ impl ModelDocument {
         delivered: &Delivered,
         errors: &[Option<f64>],
     ) -> Self {
-        let (inputs, measured) = Self::channels(vessel);
         let degree = |d: DegreeOfFreedom| ModelDegree::new(vessel, delivered, errors, d);
         Self {
             vessel: vessel.name.clone(),
             sample_rate_hz: vessel.sample_rate_hz,
-            inputs,
-            measured,
+            inputs: Vec::new(),
+            measured: Vec::new(),
+            derived: Vec::new(),
             degrees: DegreeOfFreedom::ALL.into_iter().map(degree).collect(),
             covariance: delivered.covariance.clone(),
             estimator,
@@ -186,23 +207,42 @@ impl ModelDocument {
             rejected: None,
             statements: Vec::new(),
         }
+        .with_channels(vessel)
     }
 
-    /// The inputs and measured disturbances of `vessel`.
-    pub(super) fn channels(vessel: &Vessel) -> (Vec<ModelInput>, Vec<ModelChannel>) {
+    /// The same with the channels of `vessel`.
+    pub(super) fn with_channels(self, vessel: &Vessel) -> Self {
+        let model = &vessel.model;
         let input = |(i, variable): (usize, &Variable)| {
             let coupling = vessel.couplings[i];
-            let inputs = vessel.model.input_variables();
+            let inputs = model.input_variables();
             ModelInput {
                 name: variable.name.clone(),
                 unit: variable.unit.clone(),
                 follows: coupling.map(|(leader, _)| inputs[leader].name.clone()),
                 factor: coupling.map(|(_, factor)| factor),
+                range: vessel.ranges[i],
             }
         };
-        let channel = |v: &Variable| ModelChannel { name: v.name.clone(), unit: v.unit.clone() };
-        let inputs = vessel.model.input_variables().iter().enumerate().map(input).collect();
-        (inputs, vessel.model.variables[3 + vessel.model.inputs..].iter().map(channel).collect())
+        let measured = |(place, variable): (usize, &Variable)| ModelChannel {
+            name: variable.name.clone(),
+            unit: variable.unit.clone(),
+            simulated: model.simulated.get(&place).copied(),
+        };
+        let derived = |own: &DerivedChannel| ModelDerived {
+            name: model.variables[own.variable].name.clone(),
+            unit: model.variables[own.variable].unit.clone(),
+            formula: own.text.clone(),
+        };
+        // As they are written, not as they are computed.
+        let mut written: Vec<&DerivedChannel> = model.derived.iter().collect();
+        written.sort_by_key(|own| own.variable);
+        Self {
+            inputs: model.input_variables().iter().enumerate().map(input).collect(),
+            measured: (3 + model.inputs..).zip(model.measured()).map(measured).collect(),
+            derived: written.into_iter().map(derived).collect(),
+            ..self
+        }
     }
 
     /// The vessel that the model is of, with the estimates as its nominal values.
@@ -259,13 +299,24 @@ impl ModelDocument {
             unit: input.unit.clone(),
             follows: input.follows.clone(),
             factor: input.factor,
+            range: input.range,
         };
-        let channel = |c: &ModelChannel| Variable { name: c.name.clone(), unit: c.unit.clone() };
+        let channel = |c: &ModelChannel| MeasuredSpec {
+            name: c.name.clone(),
+            unit: c.unit.clone(),
+            simulated: c.simulated,
+        };
+        let derived = |d: &ModelDerived| DerivedSpec {
+            name: d.name.clone(),
+            unit: d.unit.clone(),
+            formula: d.formula.clone(),
+        };
         Some(Vessel::from_file(VesselFile {
             name: Some(self.vessel.clone()),
             sample_rate_hz: Some(self.sample_rate_hz),
             input: self.inputs.iter().map(input).collect(),
             measured: self.measured.iter().map(channel).collect(),
+            derived: self.derived.iter().map(derived).collect(),
             surge: terms(surge)?,
             sway: terms(sway)?,
             yaw: terms(yaw)?,
@@ -367,7 +418,7 @@ impl Document for ModelDocument {
         ("the parameter's unit", "value standard_error least_squares truth bounds"),
         ("the unit of the row's name times that of the column's", "entries"),
         ("the state's unit", "constant constant_least_squares increment_std output_rmse"),
-        ("the channel's unit", "low high"),
+        ("the channel's unit", "low high simulated range"),
         ("m/s", "constant_u constant_v"),
         ("rad/s", "constant_r"),
     ];

@@ -1,5 +1,5 @@
 use artifact::{ColumnSpec, Kind, TableSchema};
-use vessel::{DegreeOfFreedom, Model};
+use vessel::{DegreeOfFreedom, DerivedChannel, Model};
 
 /// Schema id of trajectories.
 pub const ID: &str = "trajectories";
@@ -17,14 +17,17 @@ pub const SIMULATED_PER_SECOND: f64 = 4e6;
 /// The columns of trajectories of one vessel.
 #[derive(Clone, Debug)]
 pub struct Layout {
-    /// Names and units of inputs and measured disturbances, in the model's order.
+    /// Names and units of inputs, measured disturbances and derived channels, in the model's order.
     pub exogenous: Vec<(String, String)>,
+    /// How those that are derived follow from the others.
+    pub derived: Vec<DerivedChannel>,
 }
 
 impl Layout {
     /// The columns for `model`.
     pub fn new(model: &Model) -> Self {
-        Self { exogenous: model.variables[3..].iter().map(|v| (v.name.clone(), v.unit.clone())).collect() }
+        let exogenous = model.variables[3..].iter().map(|v| (v.name.clone(), v.unit.clone())).collect();
+        Self { exogenous, derived: model.derived.clone() }
     }
 
     /// Bytes of memory that a row takes while runs are simulated and their block is encoded.

@@ -4,7 +4,7 @@ use std::sync::{Mutex, PoisonError};
 
 use artifact::{Column, Digest, Provenance, Shard, Table, TableReader};
 
-use vessel::{Run, Segment};
+use vessel::{DerivedChannel, Run, Segment};
 
 use super::{ID, Layout, VERSION};
 use artifact::Error;
@@ -15,6 +15,7 @@ pub struct TrajectoryReader {
     path: PathBuf,
     columns: Vec<String>,
     width: usize,
+    derived: Vec<DerivedChannel>,
     truth: bool,
     rate_hz: f64,
     /// Of every run that was read, by design and number, its first row.
@@ -35,9 +36,9 @@ impl TrajectoryReader {
         if truth {
             columns.extend(["u", "v", "r"].map(str::to_owned));
         }
-        let width = layout.exogenous.len();
+        let (width, derived) = (layout.exogenous.len(), layout.derived.clone());
         let known = Mutex::default();
-        Ok(Self { table, path: path.to_owned(), columns, width, truth, rate_hz, known })
+        Ok(Self { table, path: path.to_owned(), columns, width, derived, truth, rate_hz, known })
     }
 
     /// Number of blocks.
@@ -204,12 +205,14 @@ impl<'a> Block<'a> {
             }
         }
         self.check_magnitudes(start, end, &row)?;
+        let exogenous = self.exogenous_rows(start, end);
+        self.check_derived(&exogenous, &|k| row(start + k))?;
         let initial = if self.reader.truth { 3 } else { 0 };
         Ok(Run {
             design: self.design.text_at(start).unwrap_or("").to_owned(),
             run: self.run[start],
             segments: self.segments(start, end),
-            exogenous: self.exogenous_rows(start, end),
+            exogenous,
             measured: (start..end).flat_map(|r| (0..3).map(move |i| self.states[i][r])).collect(),
             initial: [0, 1, 2].map(|i| self.states[initial + i][start]),
         })
@@ -235,6 +238,25 @@ impl<'a> Block<'a> {
                 &expected,
                 "correct the value",
             ));
+        }
+        Ok(())
+    }
+
+    /// Refuses derived channels that are something else than their definition says: the file was made with another one.
+    fn check_derived(&self, rows: &[f64], row: &dyn Fn(usize) -> String) -> Result<(), Error> {
+        for own in &self.reader.derived {
+            let column = own.variable - 3;
+            for (k, values) in rows.chunks_exact(self.reader.width).enumerate() {
+                let (found, expected) = (values[column], own.value(values));
+                if !DerivedChannel::agrees(found, expected) {
+                    return Err(self.reader.refuse(
+                        &format!("column `{}`, {}", self.reader.columns[6 + column], row(k)),
+                        &found.to_string(),
+                        &format!("{expected}, by the formula `{}` of the vessel's file", own.text),
+                        "make the trajectories again with the same vessel's file",
+                    ));
+                }
+            }
         }
         Ok(())
     }

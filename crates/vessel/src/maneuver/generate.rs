@@ -32,14 +32,19 @@ impl Generator {
     /// Checks the dictionary and takes its tables of inputs from `read` (name → CSV).
     ///
     /// # Errors
-    /// See [`DictionaryFile::expanded`]; swings that the sampling rate cannot follow; a table of inputs that is refused; true
+    /// See [`DictionaryFile::expanded`] and [`crate::Model::check_simulated`]; swings that the sampling rate cannot follow; a table of inputs that is refused; true
     /// values that are needed and missing.
     pub fn new(
         vessel: &Vessel,
         dictionary: &DictionaryFile,
         read: impl Fn(&str) -> Result<String, Invalid>,
     ) -> Result<Self, Invalid> {
-        let maneuvers = dictionary.expanded()?;
+        let mut maneuvers = dictionary.expanded()?;
+        let written = dictionary.maneuvers.len();
+        if !vessel.commands_sway() {
+            maneuvers[written..].iter_mut().for_each(|drawn| drawn.kind.let_sway_come());
+        }
+        vessel.model.check_simulated()?;
         dictionary.check_sampling(vessel.sample_rate_hz)?;
         let limits = dictionary.generate.as_ref().map(|generate| generate.limits.clone());
         limits.as_ref().map_or(Ok(()), |limits| limits.check(&vessel.model))?;
@@ -50,8 +55,12 @@ impl Generator {
         let mut files = BTreeMap::new();
         for (index, maneuver) in dictionary.maneuvers.iter().enumerate() {
             if let Kind::Inputs { file, .. } = &maneuver.kind {
-                let inputs = parse_inputs(&read(file)?, &vessel.model)
-                    .map_err(|e| Invalid { thing: format!("{file}: {}", e.thing), ..e })?;
+                let named = |e: Invalid| Invalid { thing: format!("{file}: {}", e.thing), ..e };
+                let inputs = parse_inputs(&read(file)?, &vessel.model).map_err(named)?;
+                let rows = inputs.chunks_exact(vessel.model.inputs);
+                for (row, inputs) in rows.enumerate() {
+                    check_range(vessel, inputs, || format!("{file}: row {}", row + 1))?;
+                }
                 files.insert(index, inputs);
             }
         }
@@ -59,7 +68,7 @@ impl Generator {
             vessel: vessel.clone(),
             parameters: vessel.parameters(source)?,
             maneuvers,
-            written: dictionary.maneuvers.len(),
+            written,
             limits,
             default_s: dictionary.duration_s,
             files,
@@ -145,12 +154,26 @@ impl Generator {
             if held != Some(motion) {
                 unknowns.fill(0.0);
                 steady.solve(motion, &mut unknowns)?;
+                let wanted = || format!("wanted motion: u = {} m/s, r = {} rad/s", motion.u, motion.r);
+                check_range(&self.vessel, &unknowns[..width], wanted)?;
                 held = Some(motion);
             }
             inputs.extend_from_slice(&unknowns[..width]);
         }
         Ok(inputs)
     }
+}
+
+/// Refuses inputs beyond what the vessel's can be set to, which `what` asks for.
+fn check_range(vessel: &Vessel, inputs: &[f64], what: impl Fn() -> String) -> Result<(), Invalid> {
+    let Some((i, [low, high])) = vessel.beyond_range(inputs) else { return Ok(()) };
+    let variable = &vessel.model.input_variables()[i];
+    Err(Invalid::new(
+        what(),
+        format!("{} = {} {}", variable.name, inputs[i], variable.unit),
+        format!("a setting from {low} to {high}, its `range` in the vessel's file"),
+        "lower speeds and yaw rates, or correct the range",
+    ))
 }
 
 /// Nearest-sample stretching of recorded inputs (N × width) to `samples` samples.

@@ -308,6 +308,18 @@ impl Kind {
         [("speed_m_s", speed_m_s)].into_iter().chain(others).collect()
     }
 
+    /// Asks for no sway but what comes with the turn. A swing of the sway speed alone stays what it is.
+    pub(super) fn let_sway_come(&mut self) {
+        match self {
+            Self::ZigZag { sway_amplitude_m_s: sway, .. }
+            | Self::Spiral { sway_speed_m_s: sway, .. }
+            | Self::SteadyTurn { sway_speed_m_s: sway, .. }
+            | Self::PseudoRandomBinary { sway_amplitude_m_s: sway, .. } => *sway = None,
+            Self::Combined { sway_m_s, .. } => *sway_m_s = None,
+            _ => {}
+        }
+    }
+
     /// Amplitude of the yaw rate of a zig-zag \[rad/s\].
     pub(crate) fn yaw_rate_amplitude(
         shape: Shape,

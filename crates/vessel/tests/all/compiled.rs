@@ -1,5 +1,7 @@
 //! A compiled model beside its written terms.
 
+use std::collections::BTreeMap;
+
 use vessel::{Ambient, Compiled, Degree, Factor, LANES, Lane, Model, Term, Variable};
 
 const NAMES: [&str; 5] = ["u", "v", "r", "n", "delta"];
@@ -18,7 +20,9 @@ fn model() -> Model {
         degree(&["|r| r u", "|n| n u"]),
     ];
     let variable = |name: &&str| Variable { name: (*name).to_owned(), unit: String::new() };
-    Model { variables: NAMES.iter().map(variable).collect(), inputs: 2, degrees, constant: [0.0; 3] }
+    let (simulated, derived) = (BTreeMap::new(), Vec::new());
+    let variables = NAMES.iter().map(variable).collect();
+    Model { variables, inputs: 2, simulated, derived, degrees, constant: [0.0; 3] }
 }
 
 fn theta() -> Vec<f64> {

@@ -1,5 +1,7 @@
 //! Parameters and intercepts in one order.
 
+use std::collections::BTreeMap;
+
 use vessel::{Ambient, Compiled, Degree, Model, Term, Variable};
 
 fn model() -> Model {
@@ -13,6 +15,8 @@ fn model() -> Model {
     Model {
         variables: ["u", "v", "r"].map(variable).to_vec(),
         inputs: 0,
+        simulated: BTreeMap::new(),
+        derived: Vec::new(),
         degrees: [degree(&["u", "u |u|"]), degree(&["v"]), degree(&["r", "u r", "v"])],
         constant: [0.0; 3],
     }

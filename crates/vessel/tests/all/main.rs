@@ -2,7 +2,10 @@
 
 mod compiled;
 mod constraints;
+mod derived;
+mod equilibria;
 mod files;
+mod formulas;
 mod layout;
 mod maneuvers;
 mod noise;

@@ -1,5 +1,7 @@
 use thiserror::Error;
 
+use crate::Arithmetic;
+
 /// What is applied to a channel before it is multiplied with the others.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Function {
@@ -84,19 +86,60 @@ impl Formula {
 
     /// The value where `values` are those of [`Formula::channels`].
     pub fn evaluate(&self, values: &[f64]) -> f64 {
-        self.factors.iter().fold(self.coefficient, |product, factor| {
-            let x = values[factor.channel];
-            let value = match factor.function {
-                Function::Itself => x,
-                Function::Modulus => x.abs(),
-                // Not max or min, which would hide a missing value.
-                Function::PositivePart => 0.5 * (x + x.abs()),
-                Function::NegativePart => 0.5 * (x - x.abs()),
-                Function::Sine => libm::sin(x),
-                Function::Cosine => libm::cos(x),
-            };
-            product * value.powi(factor.power)
-        })
+        self.of(|channel| values[channel])
+    }
+
+    /// The value where those of [`Formula::channels`] are `value` of their places.
+    pub fn of(&self, value: impl Fn(usize) -> f64) -> f64 {
+        let factors = self.factors.iter();
+        factors.fold(self.coefficient, |product, factor| product * factor.value(value(factor.channel)))
+    }
+
+    /// Its slope by channel `by`, where those of [`Formula::channels`] are `value` of their places. The slope of a modulus at
+    /// zero is 0.
+    pub fn slope(&self, by: usize, value: impl Fn(usize) -> f64) -> f64 {
+        let without = |left_out: usize| {
+            let others = self.factors.iter().enumerate().filter(move |(i, _)| *i != left_out);
+            others
+                .fold(self.coefficient, |product, (_, factor)| product * factor.value(value(factor.channel)))
+        };
+        let own = self.factors.iter().enumerate().filter(|(_, factor)| factor.channel == by);
+        own.map(|(i, factor)| factor.slope(value(by)) * without(i)).sum()
+    }
+}
+
+impl Factor {
+    fn value(&self, x: f64) -> f64 {
+        self.function.value(x).powi(self.power)
+    }
+
+    fn slope(&self, x: f64) -> f64 {
+        f64::from(self.power) * self.function.value(x).powi(self.power - 1) * self.function.slope(x)
+    }
+}
+
+impl Function {
+    fn value(self, x: f64) -> f64 {
+        match self {
+            Self::Itself => x,
+            Self::Modulus => x.abs(),
+            // Not max or min, which would hide a missing value.
+            Self::PositivePart => 0.5 * (x + x.abs()),
+            Self::NegativePart => 0.5 * (x - x.abs()),
+            Self::Sine => libm::sin(x),
+            Self::Cosine => libm::cos(x),
+        }
+    }
+
+    fn slope(self, x: f64) -> f64 {
+        match self {
+            Self::Itself => 1.0,
+            Self::Modulus => x.sign(),
+            Self::PositivePart => 0.5 * (1.0 + x.sign()),
+            Self::NegativePart => 0.5 * (1.0 - x.sign()),
+            Self::Sine => libm::cos(x),
+            Self::Cosine => -libm::sin(x),
+        }
     }
 }
 

@@ -1,6 +1,6 @@
 //! Channels computed from others.
 
-use logs::Formula;
+use vessel::Formula;
 
 fn at(text: &str, values: &[f64]) -> f64 {
     Formula::parse(text).map_or(f64::NAN, |f| f.evaluate(values))

@@ -1,0 +1,199 @@
+//! The next trial of a ship that was logged: what to sail, and what that is worth.
+
+use std::fmt::Display;
+
+use artifact::{Error, Provenance, read_document};
+use maud::{Markup, html};
+use study::documents::{
+    DesignDocument, DesignScores, FreeRunErrors, ModelDegree, ModelDocument, ModelParameter, SearchDocument,
+    TallyDocument,
+};
+
+use super::loader::{Loader, existing};
+use super::number::{exact, fit, median, or_dash, percent, q90, three, three_or_dash, unit};
+use super::parts::{Section, coded, missing};
+use super::table::Table;
+
+/// What there is about the next trial.
+#[derive(Clone, Debug)]
+pub struct NextTrial {
+    /// `next/model.json`: the model that it is designed with.
+    pub model: ModelDocument,
+    /// `next/search.json`: how that was found.
+    pub searched: Option<SearchDocument>,
+    /// `next/design.json`.
+    pub design: DesignDocument,
+    /// `next/tally.json`: what is estimated from simulations of it.
+    pub tally: Option<TallyDocument>,
+}
+
+/// The folder of the results.
+const FOLDER: &str = "next";
+
+/// Reads what is in the folder `next` of the results; none without a design. A model begins a study of its own: its files have
+/// to belong together, not to the logs' other files.
+pub(super) fn load(loader: &mut Loader) -> Result<Option<NextTrial>, Error> {
+    let mut known = Provenance { allow_mixed: loader.sources.allow_mixed, ..Provenance::default() };
+    let Some(design) = read(loader, &mut known, "design", "the next trial's shares")? else {
+        return Ok(None);
+    };
+    let tally = read(loader, &mut known, "tally", "what is estimated from the next trial")?;
+    let Some(path) = existing(loader.sources.results.join(FOLDER).join("model.json")) else {
+        return Ok(None);
+    };
+    let model = read_document::<ModelDocument>(&path)?;
+    known.written("vessel", &path, model.digest)?;
+    loader.note("next/model.json", "the model that the next trial is designed with", model.digest);
+    let mut search = Provenance { allow_mixed: loader.sources.allow_mixed, ..Provenance::default() };
+    let searched = read(loader, &mut search, "search", "how that model was found")?;
+    Ok(Some(NextTrial { model: model.data, searched, design, tally }))
+}
+
+fn read<D: artifact::Document>(
+    loader: &mut Loader,
+    known: &mut Provenance,
+    name: &str,
+    what: &str,
+) -> Result<Option<D>, Error> {
+    let Some(path) = existing(loader.sources.results.join(FOLDER).join(format!("{name}.json"))) else {
+        return Ok(None);
+    };
+    let read = read_document::<D>(&path)?;
+    known.made(name, &path, read.digest, &read.provenance)?;
+    loader.note(&format!("{FOLDER}/{name}.json"), what, read.digest);
+    Ok(Some(read.data))
+}
+
+/// What to sail next, how well the parameters are known then, and how far models follow.
+pub(super) fn next_trial(next: Option<&NextTrial>) -> Option<Section> {
+    let next = next?;
+    let body = html! {
+        p {
+            "Designed with the model that was found in the logs, for estimates by its free simulation ("
+            (next.design.estimator.map_or("iv".to_owned(), |estimator| estimator.to_string()))
+            "). " (coded(&next.design.statement))
+            @if let Some(restricted) = &next.design.restricted { " " (coded(&restricted.statement)) }
+        }
+        (shares(next))
+        (free_runs(next))
+        (parameters(next))
+    };
+    Some(Section::new("next", "The next trial", "The next trial", body))
+}
+
+/// Seconds of the whole trial.
+fn duration_s(next: &NextTrial) -> Option<f64> {
+    let samples = next.design.covariance.as_ref()?.samples;
+    (samples > 1).then(|| samples as f64 / next.model.sample_rate_hz)
+}
+
+fn shares(next: &NextTrial) -> Markup {
+    let design = &next.design;
+    let mut rows: Vec<(&String, f64)> = design.shares.iter().map(|(name, share)| (name, *share)).collect();
+    rows.retain(|(_, share)| *share > 0.0);
+    rows.sort_by(|a, b| b.1.total_cmp(&a.1));
+    let whole = duration_s(next);
+    let table = Table::of(&rows)
+        .name("Maneuver", |(name, _)| name)
+        .number("Share", |(_, share)| percent(*share))
+        .number("Time [s]", |(_, share)| or_dash(whole.map(|whole| format!("{:.0}", share * whole))));
+    html! {
+        @if let Some(candidates) = design.candidates {
+            p.note { "Chosen of " (candidates) " maneuvers that propeller and rudder can hold." }
+        }
+        (table)
+    }
+}
+
+/// Errors of free simulations by model.
+#[derive(Clone, Copy)]
+struct Followed<'a> {
+    what: &'a str,
+    measured: Option<FreeRunErrors>,
+    simulated: Option<&'a DesignScores>,
+}
+
+impl Followed<'_> {
+    fn cell(
+        self,
+        measured: fn(FreeRunErrors) -> (f64, Option<f64>),
+        of: fn(&DesignScores) -> &study::documents::Quantiles,
+    ) -> String {
+        let known =
+            self.measured.map(measured).map(|(rmse, own)| format!("{} (fit {})", three(rmse), fit(own)));
+        let errors = self.simulated.map(|scores| format!("{}; {}", median(of(scores)), q90(of(scores))));
+        known.or(errors).unwrap_or_else(|| three_or_dash(None))
+    }
+}
+
+/// What errors of the parameters do to free simulations, beside the errors that the model has anyway.
+fn free_runs(next: &NextTrial) -> Markup {
+    let Some(tally) = &next.tally else {
+        return missing("What the trial's estimates are worth is", "next/tally.json", "monte-carlo");
+    };
+    let measured = next.searched.as_ref().and_then(|found| found.nested.search);
+    let model =
+        Followed { what: "this model, on recordings left out of the search", measured, simulated: None };
+    let scores = tally.scores.iter().flat_map(|own| &own.designs);
+    let scored = scores.map(|scores| Followed {
+        what: if scores.design == "optimized" {
+            "estimated anew from this trial"
+        } else {
+            "from random maneuvers"
+        },
+        measured: None,
+        simulated: Some(scores),
+    });
+    let rows: Vec<Followed> = measured.map(|_| model).into_iter().chain(scored).collect();
+    let table = Table::of(&rows)
+        .name("Model", |row| row.what)
+        .number("RMSE u [m/s]", |row| row.cell(|e| (e.rmse_u, e.fit_u), |s| &s.rmse_u))
+        .number("RMSE v [m/s]", |row| row.cell(|e| (e.rmse_v, e.fit_v), |s| &s.rmse_v))
+        .number("RMSE r [rad/s]", |row| row.cell(|e| (e.rmse_r, e.fit_r), |s| &s.rmse_r));
+    let stds = next.searched.as_ref().map(|found| [found.std_u, found.std_v, found.std_r]);
+    html! {
+        h3 { "What that means for the fit" }
+        (table)
+        p.note {
+            "Free simulations. Of simulated trials: median and 90\u{a0}% quantile over " (tally.realizations)
+            " trials in the stated noise, against the model itself over the validation maneuvers: what errors of the parameters \
+             alone cost, in still air and with the right structure."
+            @if let Some([u, v, r]) = stds {
+                " The logged motion has standard deviations of " (three(u)) "\u{a0}m/s, " (three(v)) "\u{a0}m/s and " (three(r))
+                "\u{a0}rad/s: a fit is 100\u{a0}(1 − RMSE/std)."
+            }
+        }
+    }
+}
+
+fn parameters(next: &NextTrial) -> Markup {
+    let predicted = next.design.covariance.as_ref().map(|own| &own.standard_errors);
+    let rows: Vec<(&ModelDegree, &ModelParameter)> = next
+        .model
+        .degrees
+        .iter()
+        .flat_map(|degree| degree.parameters.iter().map(move |parameter| (degree, parameter)))
+        .collect();
+    let after = |p: &ModelParameter| three_or_dash(predicted.and_then(|own| own.get(&p.name)).copied());
+    let table = Table::of(&rows)
+        .compact()
+        .name("Parameter", |(_, p)| html! { code { (p.name) } })
+        .text("Of", |(degree, _)| &degree.name)
+        .text("Unit", |(_, p)| unit(&p.unit))
+        .number("Value", |(_, p)| three(p.value))
+        .number("Standard error, logs", |(_, p)| three_or_dash(p.standard_error))
+        .number("Predicted, this trial", |(_, p)| after(p));
+    let told = duration_s(next).map(|s| format!(" of {} s", exact(s)));
+    html! {
+        h3 { "What the parameters would be known to" }
+        (table)
+        p.note {
+            "Predicted standard errors are those of estimates from this trial" (or_nothing(told))
+            " alone, under the noise that its campaign states. Those of the logs know nothing of the ridge's bias."
+        }
+    }
+}
+
+fn or_nothing(text: Option<impl Display>) -> String {
+    text.map_or(String::new(), |text| text.to_string())
+}
