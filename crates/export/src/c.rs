@@ -80,7 +80,7 @@ impl Portable {
         let line = |own: &crate::Channel| {
             format!("    {{{}, {}, {}}},\n", quoted(&own.identifier), quoted(&own.name), quoted(&own.unit))
         };
-        self.channels.iter().map(line).collect()
+        self.given().iter().map(line).collect()
     }
 
     fn c_parameters(&self) -> String {
@@ -105,12 +105,14 @@ impl Portable {
 
     /// What gives channels their names within a step.
     fn c_unpack(&self) -> String {
-        let states = (0..3).map(|place| (place, &self.channels[place]));
-        let all = states.chain(self.used().filter(|(place, _)| *place > 2));
+        let used = self.used();
+        let channels = self.given().iter().enumerate();
         let line = |(place, own): (usize, &crate::Channel)| {
             let from = if place < 3 { format!("state[{place}]") } else { format!("input[{}]", place - 3) };
             format!("    const double {} = {from}; /* [{}] */\n", own.identifier, comment(&own.unit))
         };
-        all.map(line).collect()
+        let given = channels.filter(|(place, _)| *place < 3 || used.contains(place)).map(line);
+        let derived = SYNTAX.derived(self).into_iter();
+        given.chain(derived.map(|(name, value)| format!("    const double {name} = {value};\n"))).collect()
     }
 }

@@ -8,7 +8,7 @@ const RESERVED: &str = "\
     restrict return short signed sizeof static struct switch typedef union unsigned void volatile while asm NULL NAN \
     INFINITY HUGE_VAL EOF errno main fabs size_t \
     False None True and as assert async await class def del elif except finally from global import in is lambda nonlocal \
-    not or pass raise try with yield abs print \
+    not or pass raise try with yield abs print sin cos \
     catch classdef end elseif function otherwise parfor persistent spmd ans eps inf Inf nan NaN pi i j true false size \
     zeros numel \
     p du dv dr state states input inputs next parameters ranges model step simulate outside within_ranges \

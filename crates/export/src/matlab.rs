@@ -72,8 +72,11 @@ impl Portable {
     /// What gives channels their names within a step.
     fn matlab_unpack(&self) -> String {
         let states = ["u = state(1);\n", "v = state(2);\n", "r = state(3);\n"].map(str::to_owned);
-        let inputs = self.used().filter(|(place, _)| *place > 2);
-        let inputs = inputs.map(|(place, own)| format!("{} = input({});\n", own.identifier, place - 2));
-        states.into_iter().chain(inputs).collect()
+        let used = self.used();
+        let inputs = self.inputs().iter().enumerate().filter(|(i, _)| used.contains(&(i + 3)));
+        let inputs = inputs.map(|(i, own)| format!("{} = input({});\n", own.identifier, i + 1));
+        let derived = SYNTAX.derived(self).into_iter();
+        let derived = derived.map(|(name, value)| format!("{name} = {value};\n"));
+        states.into_iter().chain(inputs).chain(derived).collect()
     }
 }

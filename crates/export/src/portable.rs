@@ -1,9 +1,10 @@
 //! A model as every language wants it.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use vessel::{
-    Constraint, DegreeOfFreedom, Factor, Invalid, Product, Source, Term, Variable, Vessel, Written,
+    Constraint, DegreeOfFreedom, DerivedChannel, Factor, Invalid, Product, Source, Term, Variable, Vessel,
+    Written,
 };
 
 use crate::identifier::{Identifiers, base};
@@ -17,8 +18,11 @@ pub struct Portable {
     pub base: String,
     /// The sampling rate that it holds for \[Hz\].
     pub rate_hz: f64,
-    /// The states u, v, r, then the inputs, then the measured disturbances: in the order of the model's variables.
+    /// The states u, v, r, then the inputs, the measured disturbances, and what is computed from these: in the order of the
+    /// model's variables.
     pub channels: Vec<Channel>,
+    /// How channels are computed, each after those that it is computed from.
+    pub derived: Vec<DerivedChannel>,
     /// What has a value of its own: surge, sway, yaw.
     pub parameters: Vec<Parameter>,
     /// What has that of another.
@@ -127,7 +131,9 @@ impl Portable {
         let theta = vessel.parameters(source)?;
         let mut names = Identifiers::reserved();
         let channels: Vec<Channel> = channels(vessel, &mut names);
-        let place = |name: &String| channels.iter().position(|own| own.name == *name);
+        let given = channels.len() - vessel.model.derived.len();
+        // What is computed is within its range where that which it is computed from is within its own.
+        let place = |name: &String| channels[..given].iter().position(|own| own.name == *name);
         let covered = known.covered.iter();
         let ranges = covered
             .filter_map(|(name, [low, high])| Some(Range { channel: place(name)?, low: *low, high: *high }));
@@ -140,6 +146,7 @@ impl Portable {
             rate_hz: vessel.sample_rate_hz,
             ranges: ranges.collect(),
             notes: known.notes.clone(),
+            derived: vessel.model.derived.clone(),
             channels,
             parameters,
             tied,
@@ -171,16 +178,25 @@ impl Portable {
 
     /// The inputs and measured disturbances.
     pub fn inputs(&self) -> &[Channel] {
-        &self.channels[3..]
+        &self.given()[3..]
     }
 
-    /// The channels that some equation takes, with their places.
-    pub(crate) fn used(&self) -> impl Iterator<Item = (usize, &Channel)> {
-        let products = || self.equations.iter().flatten().flat_map(|summand| &summand.products);
-        let takes = move |place: usize| {
-            products().any(|(factors, _)| factors.iter().any(|factor| factor.variable == place))
-        };
-        self.channels.iter().enumerate().filter(move |(place, _)| takes(*place))
+    /// The channels that are not computed: states, inputs, measured disturbances.
+    pub fn given(&self) -> &[Channel] {
+        &self.channels[..self.channels.len() - self.derived.len()]
+    }
+
+    /// The places of the channels that some equation takes, itself or through others.
+    pub(crate) fn used(&self) -> BTreeSet<usize> {
+        let products = self.equations.iter().flatten().flat_map(|summand| &summand.products);
+        let factors = products.flat_map(|(factors, _)| factors).map(|factor| factor.variable);
+        let mut used: BTreeSet<usize> = factors.collect();
+        for own in self.derived.iter().rev() {
+            if used.contains(&own.variable) {
+                used.extend(&own.sources);
+            }
+        }
+        used
     }
 
     /// The names in code that are others than in the file, and those in the file.
@@ -211,12 +227,13 @@ impl Portable {
 
 fn channels(vessel: &Vessel, names: &mut Identifiers) -> Vec<Channel> {
     let model = &vessel.model;
+    let derived = |place: usize| model.derived.iter().find(|own| own.variable == place);
     let meaning = |place: usize| match place {
         0 => "speed along x, forward".to_owned(),
         1 => "speed along y, to starboard".to_owned(),
         2 => "yaw rate, bow to starboard".to_owned(),
         _ => match vessel.couplings.get(place - 3) {
-            None => "measured disturbance".to_owned(),
+            None => derived(place).map_or("measured disturbance".to_owned(), |own| format!("= {}", own.text)),
             Some(None) => "input".to_owned(),
             Some(Some((other, factor))) => {
                 let other = &model.input_variables()[*other].name;

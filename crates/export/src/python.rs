@@ -80,7 +80,9 @@ impl Portable {
         };
         let inputs = all(self.inputs());
         let inputs = if inputs.is_empty() { String::new() } else { format!("    {inputs} = inputs\n") };
-        format!("    {} = state\n{inputs}", all(self.states()))
+        let derived = SYNTAX.derived(self).into_iter();
+        let derived: String = derived.map(|(name, value)| format!("    {name} = {value}\n")).collect();
+        format!("    {} = state\n{inputs}{derived}", all(self.states()))
     }
 }
 

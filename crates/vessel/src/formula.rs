@@ -4,12 +4,18 @@ use crate::Arithmetic;
 
 /// What is applied to a channel before it is multiplied with the others.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Function {
+pub enum Function {
+    /// Nothing.
     Itself,
+    /// `|n|`.
     Modulus,
+    /// n where above 0, else 0.
     PositivePart,
+    /// n where below 0, else 0.
     NegativePart,
+    /// The sine.
     Sine,
+    /// The cosine.
     Cosine,
 }
 
@@ -93,6 +99,18 @@ impl Formula {
     pub fn of(&self, value: impl Fn(usize) -> f64) -> f64 {
         let factors = self.factors.iter();
         factors.fold(self.coefficient, |product, factor| product * factor.value(value(factor.channel)))
+    }
+
+    /// The formula as a product in another language, in the order in which it is computed; `operand` writes what is applied to
+    /// the channel of a place. A power is a product of its own.
+    pub fn written(&self, operand: impl Fn(Function, usize) -> String) -> String {
+        let factor = |factor: &Factor| {
+            let one = operand(factor.function, factor.channel);
+            let all = std::iter::repeat_n(one, factor.power.unsigned_abs() as usize).collect::<Vec<_>>();
+            if let [only] = all.as_slice() { only.clone() } else { format!("({})", all.join(" * ")) }
+        };
+        let number = Some(format!("{:?}", self.coefficient)).filter(|_| self.coefficient != 1.0);
+        number.into_iter().chain(self.factors.iter().map(factor)).collect::<Vec<_>>().join(" * ")
     }
 
     /// Its slope by channel `by`, where those of [`Formula::channels`] are `value` of their places. The slope of a modulus at

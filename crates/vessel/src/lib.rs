@@ -45,7 +45,7 @@ pub use disturbance::{
 };
 pub use equation::TermSpec;
 pub use file::{InputSpec, MeasuredSpec, Source, Vessel, VesselFile};
-pub use formula::{Formula, Malformed};
+pub use formula::{Formula, Function, Malformed};
 pub use lane::{Arithmetic, LANES, Lane, Number, Numbers};
 pub use layout::ParameterLayout;
 pub use maneuver::{

@@ -53,7 +53,7 @@ impl Portable {
     }
 
     fn units(&self) -> String {
-        let channels = self.channels.iter().map(|own| &own.unit);
+        let channels = self.given().iter().map(|own| &own.unit);
         let all: BTreeSet<&String> = channels.chain(self.parameters.iter().map(|own| &own.unit)).collect();
         all.into_iter().map(|unit| format!("    <Unit name=\"{}\"/>\n", attribute(unit))).collect()
     }
@@ -71,7 +71,7 @@ impl Portable {
             ScalarVariable { name, description, role, unit: &own.unit, start, range: range(place) }
         };
         let states = (0..3).map(|place| channel(place, OUTPUT, None));
-        let inputs = (3..self.channels.len()).map(|place| channel(place, INPUT, Some(self.start(place))));
+        let inputs = (3..self.given().len()).map(|place| channel(place, INPUT, Some(self.start(place))));
         let parameters = self.parameters.iter().map(|own| {
             let error = own.standard_error.map(|error| format!(", standard error {}", number(error)));
             let meaning = format!("{}{}", own.meaning, error.unwrap_or_default());

@@ -27,7 +27,7 @@ impl Portable {
         let starts = |channels: std::ops::Range<usize>| {
             channels.map(|place| number(self.start(place))).collect::<Vec<_>>().join(", ")
         };
-        let inputs = starts(3..self.channels.len());
+        let inputs = starts(3..self.given().len());
         let values = [
             ("base", self.base.clone()),
             ("BASE", self.upper()),

@@ -11,6 +11,8 @@ Other parameters: ship.step(x, row, {**ship.PARAMETERS, "name": 1.0}). States an
 ship. On a command line: python3 {{base}}.py U V R < inputs.csv > states.csv
 """
 
+from math import cos, sin
+
 VESSEL = {{vessel}}
 MADE_FROM = {{made_from}}
 
