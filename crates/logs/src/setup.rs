@@ -153,8 +153,9 @@ pub struct ChannelSpec {
     pub optional: bool,
 }
 
-/// An attitude as a quaternion w + x i + y j + z k, which turns body axes into those of the earth: from forward, starboard,
-/// down to north, east, down, or from forward, port, up to east, north, up. It becomes channels for heading, roll and pitch.
+/// An attitude as a quaternion w + x i + y j + z k, which turns body axes into those of the earth. Either from forward,
+/// starboard, down to north, east, down, or from forward, port, up to east, north, up. It becomes channels for heading, roll
+/// and pitch.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct QuaternionSpec {
