@@ -13,5 +13,5 @@ SELECTED        := yes
 # The searched model, and half an hour of maneuvers that make it known best.
 NEXT            := yes
 SEARCH_FLAGS    := --window-s 100 --compact
-NEXT_FLAGS      := --duration-s 1800
+NEXT_FLAGS      := --duration-s 1800 --tolerance 1e-6
 include pipelines/measured.mk
