@@ -1,11 +1,11 @@
 use vessel::{Run, RunView, Vessel};
 
+use super::beside::Beside;
 use super::collinear::{CollinearRun, collinear_run};
 use super::error::RunError;
 use super::found::{Found, Regressed};
 use super::instruments::RunInstruments;
 use super::refined::refine;
-use super::searched::Beside;
 use crate::pooled::{Delivered, PartView, Regression};
 use crate::predictor::{InitialState, Levels};
 use crate::{Estimator, InstrumentKind, MeanRemoval, RunEstimate};

@@ -1,6 +1,7 @@
 //! Estimates of single runs, by every estimator.
 
 mod alike;
+mod beside;
 mod collinear;
 mod criticised;
 mod error;
@@ -11,9 +12,9 @@ mod refined;
 mod searched;
 
 pub use alike::{Alike, Doing};
+pub use beside::{Beside, Intercepts, UnknownCurrent};
 pub use collinear::CollinearRun;
 pub use criticised::Asked;
 pub use error::{NominalDiverged, RunError};
 pub use estimators::RunEstimators;
 pub use instruments::{Prepared, RunInstruments};
-pub use searched::{Beside, Intercepts, UnknownCurrent};

@@ -99,7 +99,9 @@ fn json_schemas_are_those_of_the_documents() {
         let kept: Value = serde_json::from_str(&text).unwrap();
         assert_eq!(kept, schema, "{} has drifted; {remedy}", path.display());
     }
-    let kept = std::fs::read_dir(&folder).unwrap().count();
+    // That of ingest.toml is checked where the keys of ingest.toml are.
+    let of_document = |file: &std::fs::DirEntry| !file.file_name().to_string_lossy().contains("-toml.");
+    let kept = std::fs::read_dir(&folder).unwrap().flatten().filter(of_document).count();
     assert_eq!(kept, schemas().len(), "schemas/ has a file of no document; {remedy}");
 }
 
