@@ -9,7 +9,6 @@ use vessel::{Equation, Lane, Number, Structure, Visit};
 
 use crate::Batch;
 use crate::batch::{BLOCK, Block};
-use crate::sums::DegreeSums;
 
 /// Variables of a sample: its state, then inputs and measured disturbances.
 #[inline(always)]
@@ -75,10 +74,18 @@ impl<'a, X: Number> Samples<'a, X> {
     }
 }
 
+/// The sums of a degree of freedom: see [`crate::DegreeSums`].
+pub(crate) struct Totals<'a> {
+    pub a: &'a mut [Lane],
+    pub b: &'a mut [Lane],
+    pub instrument_squares: &'a mut [Lane],
+    pub regressor_squares: &'a mut [Lane],
+}
+
 /// Adds everything of a block with measured terms or Δy in it to the sums.
 struct Measured<'a, X> {
     samples: Samples<'a, X>,
-    sums: &'a mut [DegreeSums<Lane>; 3],
+    sums: [Totals<'a>; 3],
 }
 
 /// Adds the samples `k..k + count` to `sums`, those with measured terms or Δy in them.
@@ -87,7 +94,7 @@ pub(crate) fn add_measured<X: Number, const V: usize, const P: usize>(
     structure: impl Structure<V, P>,
     batch: &Batch<X>,
     (k, count): (usize, usize),
-    sums: &mut [DegreeSums<Lane>; 3],
+    sums: [Totals; 3],
 ) {
     structure.visit(&mut Measured { samples: Samples::of(batch, k, count), sums });
 }
@@ -119,9 +126,9 @@ impl<X: Number, const V: usize> Visit<V> for Measured<'_, X> {
         for i in 0..P {
             add(&mut sums.a[i * (P + 1)..], &a[i]);
         }
-        add(&mut sums.b, &b);
+        add(sums.b, &b);
         add(&mut sums.a[P * (P + 1)..], &totals);
-        add(&mut sums.regressor_squares, &squares);
+        add(sums.regressor_squares, &squares);
         sums.b[P] += increments;
     }
 }
@@ -180,7 +187,7 @@ impl<X: Number, const V: usize> Visit<V> for Residuals<'_, X> {
 /// Adds Σζ, Σζ² and everything with terms of inputs alone to the sums.
 struct Unmeasured<'a, X> {
     samples: Samples<'a, X>,
-    sums: &'a mut [DegreeSums<Lane>; 3],
+    sums: [Totals<'a>; 3],
 }
 
 /// Adds the samples `k..k + count` to `sums`, what of them depends on the instruments alone.
@@ -189,7 +196,7 @@ pub(crate) fn add_instruments<X: Number, const V: usize, const P: usize>(
     structure: impl Structure<V, P>,
     batch: &Batch<X>,
     (k, count): (usize, usize),
-    sums: &mut [DegreeSums<Lane>; 3],
+    sums: [Totals; 3],
 ) {
     structure.visit(&mut Unmeasured { samples: Samples::of(batch, k, count), sums });
 }
@@ -221,7 +228,7 @@ impl<X: Number, const V: usize> Visit<V> for Unmeasured<'_, X> {
             sums.a[P * (P + 1) + j] += totals[j];
             sums.regressor_squares[j] += squares[j];
         }
-        add(&mut sums.instrument_squares, &squares);
+        add(sums.instrument_squares, &squares);
     }
 }
 

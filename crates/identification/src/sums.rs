@@ -7,6 +7,7 @@ use vessel::{Degree, Lane, Number, Term};
 use crate::batch::{
     AnyBatch, BLOCK, Regressors, Signals, add_outer, add_products, add_squares, add_totals, over_batch,
 };
+use crate::structured::Totals;
 use crate::{Batch, structured};
 
 /// Sums over regression pairs of all degrees of freedom. The sums of two pieces of data add to those of both.
@@ -128,6 +129,12 @@ impl<X: Number> DegreeSums<X> {
 }
 
 impl DegreeSums<Lane> {
+    #[inline(always)]
+    fn totals(&mut self) -> Totals<'_> {
+        let Self { a, b, instrument_squares, regressor_squares, .. } = self;
+        Totals { a, b, instrument_squares, regressor_squares }
+    }
+
     /// The sums of one lane.
     pub(crate) fn lane(&self, lane: usize) -> DegreeSums {
         DegreeSums {
@@ -260,12 +267,18 @@ impl LaneSums {
         })
     }
 
+    #[inline(always)]
+    fn totals(&mut self) -> [Totals<'_>; 3] {
+        let [u, v, r] = &mut self.degrees;
+        [u.totals(), v.totals(), r.totals()]
+    }
+
     /// Adds Σζ, Σζ² and everything with terms of inputs alone.
     #[inline(always)]
     fn add_instruments<X: Number>(&mut self, batch: &Batch<X>) {
         if let Some(structure) = batch.model.structure() {
             for block in self.blocks() {
-                structured::add_instruments(structure, batch, block, &mut self.degrees);
+                structured::add_instruments(structure, batch, block, self.totals());
             }
             return;
         }
@@ -293,7 +306,7 @@ impl LaneSums {
     fn add_measured<X: Number>(&mut self, batch: &Batch<X>) {
         if let Some(structure) = batch.model.structure() {
             for block in self.blocks() {
-                structured::add_measured(structure, batch, block, &mut self.degrees);
+                structured::add_measured(structure, batch, block, self.totals());
             }
             return;
         }

@@ -234,23 +234,49 @@ impl<S: Structure<V, P>, X: Arithmetic, const V: usize, const P: usize> Built<S,
 impl<S: Structure<V, P>, X: Arithmetic, const V: usize, const P: usize> Step<X> for Built<S, X, V, P> {
     #[inline(always)]
     fn step<E: Copy + Into<X>>(&mut self, state: [X; 3], exogenous: &[E], ambient: Ambient<X>) -> [X; 3] {
-        self.look(state, exogenous, ambient.current);
-        self.next(state, ambient.force)
+        // Nothing is kept of a point that is only passed through: all stays in registers.
+        let mut gained = GainedAt {
+            variables: variables(state, exogenous, ambient.current),
+            parameters: &self.parameters,
+            sums: [X::ZERO; 3],
+        };
+        self.structure.visit(&mut gained);
+        moved(state, gained.sums, ambient.force)
+    }
+}
+
+/// u, v, r through the water, then inputs and measured disturbances.
+#[inline(always)]
+fn variables<X: Arithmetic, E: Copy + Into<X>, const V: usize>(
+    state: [X; 3],
+    exogenous: &[E],
+    current: Option<[X; 2]>,
+) -> [X; V] {
+    let mut variables = [X::ZERO; V];
+    variables[..3].copy_from_slice(&state);
+    if let Some([along, across]) = current {
+        variables[0] = state[0] - along;
+        variables[1] = state[1] - across;
+    }
+    for i in 3..V {
+        variables[i] = exogenous[i - 3].into();
+    }
+    variables
+}
+
+#[inline(always)]
+fn moved<X: Arithmetic>(state: [X; 3], [u, v, r]: [X; 3], force: Option<[X; 3]>) -> [X; 3] {
+    let next = [state[0] + u, state[1] + v, state[2] + r];
+    match force {
+        Some(force) => [next[0] + force[0], next[1] + force[1], next[2] + force[2]],
+        None => next,
     }
 }
 
 impl<S: Structure<V, P>, X: Arithmetic, const V: usize, const P: usize> Look<X> for Built<S, X, V, P> {
     #[inline(always)]
     fn look<E: Copy + Into<X>>(&mut self, state: [X; 3], exogenous: &[E], current: Option<[X; 2]>) {
-        let variables = &mut self.variables;
-        variables[..3].copy_from_slice(&state);
-        if let Some([along, across]) = current {
-            variables[0] = state[0] - along;
-            variables[1] = state[1] - across;
-        }
-        for i in 3..V {
-            variables[i] = exogenous[i - 3].into();
-        }
+        self.variables = variables(state, exogenous, current);
         let (variables, terms) = (self.variables, &mut self.terms);
         self.structure.visit(&mut Terms { variables, terms });
     }
@@ -273,12 +299,7 @@ impl<S: Structure<V, P>, X: Arithmetic, const V: usize, const P: usize> Look<X> 
     fn next(&self, state: [X; 3], force: Option<[X; 3]>) -> [X; 3] {
         let mut gained = Gained { terms: &self.terms, parameters: &self.parameters, sums: [X::ZERO; 3] };
         self.structure.visit(&mut gained);
-        let [u, v, r] = gained.sums;
-        let next = [state[0] + u, state[1] + v, state[2] + r];
-        match force {
-            Some(force) => [next[0] + force[0], next[1] + force[1], next[2] + force[2]],
-            None => next,
-        }
+        moved(state, gained.sums, force)
     }
 }
 
@@ -309,6 +330,23 @@ impl<X: Arithmetic, const V: usize> Visit<V> for Gained<'_, X> {
     fn equation<Q: Equation<V, P, M>, const P: usize, const M: usize>(&mut self, d: usize, first: usize) {
         for (parameter, term) in self.parameters[first..first + P].iter().zip(&self.terms[first..]) {
             self.sums[d] += *parameter * *term;
+        }
+    }
+}
+
+/// The same at a point.
+struct GainedAt<'p, X, const V: usize> {
+    variables: [X; V],
+    parameters: &'p [X],
+    sums: [X; 3],
+}
+
+impl<X: Arithmetic, const V: usize> Visit<V> for GainedAt<'_, X, V> {
+    #[inline(always)]
+    fn equation<Q: Equation<V, P, M>, const P: usize, const M: usize>(&mut self, d: usize, first: usize) {
+        let terms = Q::terms(self.variables);
+        for (parameter, term) in self.parameters[first..first + P].iter().zip(terms) {
+            self.sums[d] += *parameter * term;
         }
     }
 }
