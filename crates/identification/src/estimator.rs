@@ -10,7 +10,7 @@ vessel::choices! {
         RefinedIv = "refined-iv",
         /// Least errors of free simulations, with intercepts.
         OutputError = "output-error",
-        /// Least errors of one-sample predictions by an extended Kalman filter of the disturbances that --campaign states.
+        /// Least errors of one-sample predictions by an extended Kalman filter of the disturbances that --campaign states, or that the run tells.
         PredictionError = "prediction-error",
         /// Of pooled sub-experiments: instrumental variables where they identify a degree of freedom, least squares elsewhere.
         Auto = "auto",

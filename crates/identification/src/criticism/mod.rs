@@ -7,6 +7,7 @@
 //! runs. How many are looked for is taken care of by draws of all scores together. Where no noise is stated it is found by its
 //! likelihood.
 
+mod calibrated;
 mod chance;
 mod channels;
 mod criticise;
@@ -18,6 +19,7 @@ mod problems;
 mod score;
 mod words;
 
+pub(crate) use calibrated::Calibration;
 pub use criticise::{LEVEL, criticise, criticise_each};
 pub use feedback::Feedback;
 pub use found::{Absent, Criticism};

@@ -125,8 +125,11 @@ impl RunEstimators<'_> {
             let iv: Vec<Found> = found.iv.iter().map(|r| r.found.clone()).collect();
             let free = self.output_error(runs, &found.refined, &iv);
             found.simulated = free.iter().map(Found::from).collect();
-            if let Some(levels) = self.levels.as_ref().filter(|_| wanted(&[PredictionError])) {
-                let fits = self.prediction_error(runs, &free, &found.refined, levels);
+            if wanted(&[PredictionError]) {
+                let fits = match &self.levels {
+                    Some(levels) => self.prediction_error(runs, &free, &found.refined, levels),
+                    None => self.calibrated(runs, &free, &found.refined),
+                };
                 found.predicted = fits.iter().map(Found::from).collect();
             }
         }

@@ -2,12 +2,20 @@
 
 use std::borrow::Cow;
 
+use rayon::prelude::*;
 use vessel::{Model, Run, RunView};
 
 use super::beside::{Intercepts, UnknownCurrent};
 use super::estimators::RunEstimators;
 use super::found::Found;
-use crate::predictor::{Fit, Levels, Spread, Unknown, output_error, prediction_error};
+use crate::Estimator;
+use crate::criticism::Calibration;
+use crate::predictor::{Fit, InitialState, Levels, Spread, Unknown, output_error, prediction_error};
+
+/// Share of the motion that errors are first thought to have where no free simulation follows it.
+const UNKNOWN: f64 = 0.2;
+/// How often noise and parameters are found in turns.
+const TURNS: usize = 3;
 
 impl RunEstimators<'_> {
     /// Least errors of free simulations of `runs`. Searches begin at the estimates `near`, then at those of `iv`, then at the
@@ -45,6 +53,49 @@ impl RunEstimators<'_> {
         prediction_error(&self.lifted(), &views(runs), &starts, self.initial, levels)
     }
 
+    /// Seconds that finding out what disturbs runs takes a thread for a row, to the order; see [`crate::Estimator::seconds_per_row`].
+    pub fn seconds_per_row_calibrated(&self) -> f64 {
+        let wanted = self.estimators.contains(&Estimator::PredictionError);
+        if wanted && self.levels.is_none() { 1e-3 } else { 0.0 }
+    }
+
+    /// The same where nobody says what disturbs `runs`: noise and a current are found by the likelihood of each run by itself, in
+    /// turns with its parameters, from where free simulations have the least errors, from the estimates `near` and from the nominal
+    /// model. The most likely of what they lead to counts.
+    pub(super) fn calibrated(&self, runs: &[Run], free: &[Fit], near: &[Found]) -> Vec<Fit> {
+        let each = runs.par_iter().zip(free).zip(near);
+        each.map(|((run, free), near)| self.calibrated_to(run, free, near)).collect()
+    }
+
+    fn calibrated_to(&self, run: &Run, free: &Fit, near: &Found) -> Fit {
+        let (model, view) = (self.lifted(), run.view());
+        let layout = model.layout();
+        let known = self.initial == InitialState::Known;
+        let simulated = match free {
+            Fit::Converged(found) => Some(found),
+            _ => None,
+        };
+        let errors = simulated
+            .map_or_else(|| [0, 1, 2].map(|d: usize| UNKNOWN * root_mean_square(&view, d)), |own| own.rmse);
+        let least = simulated.map(|own| (&own.parameters[..], own.intercepts));
+        let mut best: Option<(f64, Fit)> = None;
+        for mut theta in self.starts([least, near.theta().map(without)]) {
+            let mut calibration = Calibration::new(&model, view, self.vessel.sample_rate_hz, known);
+            for _ in 0..TURNS {
+                let Some((levels, _)) = calibration.levels(errors, &theta) else { break };
+                let starts = [vec![theta.clone()]];
+                let fits = prediction_error(&model, &[view], &starts, self.initial, &levels);
+                let Some(fit @ Fit::Converged(found)) = fits.first() else { break };
+                theta = layout.woven(&found.parameters, found.intercepts);
+                let Some((_, worth)) = calibration.levels(errors, &theta) else { break };
+                if best.as_ref().is_none_or(|(most, _)| worth > *most) {
+                    best = Some((worth, fit.clone()));
+                }
+            }
+        }
+        best.map_or_else(|| free.clone(), |(_, fit)| fit)
+    }
+
     /// The model with its intercepts, if it is to have any.
     fn lifted(&self) -> Cow<'_, Model> {
         match self.beside.intercepts {
@@ -59,6 +110,12 @@ impl RunEstimators<'_> {
         let all = known.into_iter().flatten().chain([without(&self.vessel.nominal)]);
         all.map(|(theta, intercepts)| layout.woven(theta, intercepts)).collect()
     }
+}
+
+/// Of measured u, v or r.
+fn root_mean_square(run: &RunView, d: usize) -> f64 {
+    let squares: f64 = run.measured.iter().skip(d).step_by(3).map(|y| y * y).sum();
+    (squares / (run.samples() + 1) as f64).sqrt()
 }
 
 /// Parameters of the terms, and intercepts.

@@ -45,8 +45,8 @@ pub struct Arguments {
     /// Every estimator on the same runs
     #[arg(long, conflicts_with = "estimator")]
     compare: bool,
-    /// What disturbs the runs: for `prediction-error` and --compare, for standard errors of `output-error`, and to ask the runs
-    /// what the model lacks
+    /// What disturbs the runs: for `prediction-error`, which else finds noise and a drifting current from each run by itself, for
+    /// standard errors of `output-error`, and to ask the runs what the model lacks
     #[arg(long, value_name = "campaign.toml")]
     campaign: Option<PathBuf>,
     /// How the instruments' mean is removed
@@ -115,6 +115,7 @@ impl Arguments {
         inputs::fits(file, &format!("about {rows:.0} estimates"), rows * estimates::row_bytes(vessel))?;
         let each: f64 = estimators.estimators.iter().map(|estimator| estimator.seconds_per_row()).sum();
         let each = each + if asks { estimators.seconds_per_row_asked() } else { 0.0 };
+        let each = each + estimators.seconds_per_row_calibrated();
         let seconds = reader.rows().0 as f64 * share * each;
         let progress = Progress::new("blocks of runs", reader.blocks(), quiet).foretold(seconds);
         let block = |i: usize| {
@@ -235,16 +236,7 @@ fn gathered(
 
 /// What disturbs the runs, where that is stated.
 fn levels(a: &Arguments, vessel: &Vessel, provenance: &mut Provenance) -> Result<Option<Levels>, Failure> {
-    let Some(file) = a.campaign.as_deref() else {
-        let needed =
-            [(a.compare, "--compare"), (a.estimator == Estimator::PredictionError, "prediction-error")];
-        return match needed.into_iter().find(|(needed, _)| *needed && !a.sharding.gathers()) {
-            None => Ok(None),
-            Some((_, what)) => Err(Failure::Usage(format!(
-                "--campaign: found none, expected the campaign.toml whose disturbances {what} needs; name it"
-            ))),
-        };
-    };
+    let Some(file) = a.campaign.as_deref() else { return Ok(None) };
     let levels = read_campaign(file, provenance)?.levels(vessel.sample_rate_hz);
     let silent = levels.measurement.iter().position(|std| *std == 0.0);
     match silent.filter(|_| a.compare || a.estimator == Estimator::PredictionError) {
