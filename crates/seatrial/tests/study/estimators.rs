@@ -145,7 +145,9 @@ fn prediction_error_finds_what_disturbs_the_runs() {
     let found = json(&folder, "estimate.json");
     let designs = found["data"]["designs"].as_array().unwrap();
     assert!(designs.iter().any(|own| own["identified"].as_u64().is_some_and(|runs| runs > 0)), "{found}");
-    assert!(found["settings"]["estimator"] == "prediction-error" && found["inputs"].get("campaign").is_none());
+    assert!(
+        found["settings"]["estimator"] == "prediction-error" && found["inputs"].get("campaign").is_none()
+    );
 }
 
 #[test]
