@@ -220,13 +220,15 @@ impl Searches<'_> {
     }
 }
 
+/// Of measured u, v or r.
+pub(crate) fn mean_square(run: &RunView, d: usize) -> f64 {
+    let sum: f64 = run.measured.iter().skip(d).step_by(3).map(|y| y * y).sum();
+    sum / (run.samples() + 1) as f64
+}
+
 /// By the mean squares of what `run` measured.
 fn weighting(run: &RunView, weights: Weights) -> Weighting {
-    let mean_square = |d: usize| {
-        let sum: f64 = run.measured.iter().skip(d).step_by(3).map(|y| y * y).sum();
-        (sum / (run.samples() + 1) as f64).max(1e-12)
-    };
-    let sizes = [0, 1, 2].map(mean_square);
+    let sizes = [0, 1, 2].map(|d: usize| mean_square(run, d).max(1e-12));
     match weights {
         Likelihood => Weighting::Likelihood(sizes.map(|square| EXACT * square)),
         Fixed => Weighting::Fixed(sizes.map(|square| square.recip())),

@@ -10,7 +10,9 @@ use super::estimators::RunEstimators;
 use super::found::Found;
 use crate::Estimator;
 use crate::criticism::Calibration;
-use crate::predictor::{Fit, InitialState, Levels, Spread, Unknown, output_error, prediction_error};
+use crate::predictor::{
+    Fit, Fitted, InitialState, Levels, Spread, Unknown, mean_square, output_error, prediction_error,
+};
 
 /// Share of the motion that errors are first thought to have where no free simulation follows it.
 const UNKNOWN: f64 = 0.2;
@@ -43,11 +45,7 @@ impl RunEstimators<'_> {
         levels: &Levels,
     ) -> Vec<Fit> {
         let starts = |(free, near): (&Fit, &Found)| {
-            let free = match free {
-                Fit::Converged(found) => Some((&found.parameters[..], found.intercepts)),
-                _ => None,
-            };
-            self.starts([free, near.theta().map(without)])
+            self.starts([converged(free).map(with_intercepts), near.theta().map(without)])
         };
         let starts: Vec<Vec<Vec<f64>>> = free.iter().zip(near).map(starts).collect();
         prediction_error(&self.lifted(), &views(runs), &starts, self.initial, levels)
@@ -71,15 +69,11 @@ impl RunEstimators<'_> {
         let (model, view) = (self.lifted(), run.view());
         let layout = model.layout();
         let known = self.initial == InitialState::Known;
-        let simulated = match free {
-            Fit::Converged(found) => Some(found),
-            _ => None,
-        };
+        let simulated = converged(free);
         let errors = simulated
-            .map_or_else(|| [0, 1, 2].map(|d: usize| UNKNOWN * root_mean_square(&view, d)), |own| own.rmse);
-        let least = simulated.map(|own| (&own.parameters[..], own.intercepts));
+            .map_or_else(|| [0, 1, 2].map(|d: usize| UNKNOWN * mean_square(&view, d).sqrt()), |own| own.rmse);
         let mut best: Option<(f64, Fit)> = None;
-        for mut theta in self.starts([least, near.theta().map(without)]) {
+        for mut theta in self.starts([simulated.map(with_intercepts), near.theta().map(without)]) {
             let mut calibration = Calibration::new(&model, view, self.vessel.sample_rate_hz, known);
             for _ in 0..TURNS {
                 let Some((levels, _)) = calibration.levels(errors, &theta) else { break };
@@ -112,14 +106,19 @@ impl RunEstimators<'_> {
     }
 }
 
-/// Of measured u, v or r.
-fn root_mean_square(run: &RunView, d: usize) -> f64 {
-    let squares: f64 = run.measured.iter().skip(d).step_by(3).map(|y| y * y).sum();
-    (squares / (run.samples() + 1) as f64).sqrt()
-}
-
 /// Parameters of the terms, and intercepts.
 type Start<'a> = (&'a [f64], [f64; 3]);
+
+fn converged(fit: &Fit) -> Option<&Fitted> {
+    match fit {
+        Fit::Converged(found) => Some(found),
+        _ => None,
+    }
+}
+
+fn with_intercepts(found: &Fitted) -> Start<'_> {
+    (&found.parameters, found.intercepts)
+}
 
 fn without(theta: &[f64]) -> Start<'_> {
     (theta, [0.0; 3])
