@@ -33,9 +33,19 @@ pub fn add_outer(a: &mut [f64], x: &[f64], y: &[f64]) {
     }
 }
 
-/// Σ_ij a_ij b_ij.
+/// Σ_ij a_ij b_ij, of as many entries as both have: eight sums side by side, so that none waits for the one before.
 pub fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
+    let both = a.len().min(b.len());
+    let ((a, a_rest), (b, b_rest)) = (a[..both].as_chunks::<8>(), b[..both].as_chunks::<8>());
+    let mut sums = [0.0; 8];
+    for (a, b) in a.iter().zip(b) {
+        for i in 0..8 {
+            sums[i] += a[i] * b[i];
+        }
+    }
+    let rest: f64 = a_rest.iter().zip(b_rest).map(|(a, b)| a * b).sum();
+    let [s0, s1, s2, s3, s4, s5, s6, s7] = sums;
+    ((s0 + s4) + (s2 + s6)) + ((s1 + s5) + (s3 + s7)) + rest
 }
 
 /// A x.

@@ -71,11 +71,15 @@ impl Objective for Covariance {
             let weight = block.unweighted(&slope);
             let changes: Vec<Change> = members.iter().map(|q| self.change(&block, &weight, *q, at)).collect();
             for (q, a) in changes.iter().enumerate() {
-                for (r, b) in changes.iter().enumerate() {
+                // Symmetric: tr S U C U'ᵀ too, since S and C are.
+                for (r, b) in changes.iter().enumerate().skip(q) {
                     let mixed = dot(&b.weighted, &a.pulled)
                         + dot(&a.weighted, &b.pulled)
                         + dot(&a.twisted, &b.relative);
                     curvature[q * k + r] += 2.0 * mixed;
+                    if r > q {
+                        curvature[r * k + q] += 2.0 * mixed;
+                    }
                 }
             }
             moved.push(changes.into_iter().map(|c| c.covariance).collect());

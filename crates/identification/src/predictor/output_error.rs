@@ -120,17 +120,26 @@ pub fn output_error(
 ) -> Vec<Fit> {
     let unknown = unknown.into();
     let mut searches = Searches { model, runs, unknown, best: vec![None; runs.len()] };
+    let from =
+        |weights| move |run: usize, i: usize| Some(Try { run, weights, point: starts[run].get(i)?.clone() });
+    let (likely, eased) = (from(Likelihood), from(Fixed));
+    searches.attempt(BRIEF, |run, _| likely(run, 0));
+    searches.attempt(STEPS, |run, best| Some(Try { run, weights: Likelihood, point: best?.point.clone() }));
+    // Few are left, in whose lanes all that may help goes side by side: their other starts, and, where one state is predicted far
+    // better than another so that its weight bars the way, weights that stay, to begin with.
     let attempts = starts.iter().map(Vec::len).max().unwrap_or(0);
-    searches.attempt(Likelihood, BRIEF, |_, run| starts[run].first().cloned());
-    searches.attempt(Likelihood, STEPS, |best, _| best.map(|found| found.point.clone()));
-    for i in 1..attempts {
-        searches.attempt(Likelihood, STEPS, |_, run| starts[run].get(i).cloned());
-    }
-    // Where one state is predicted far better than another its weight bars the way: begin with weights that stay.
-    for i in 0..attempts {
-        let eased = searches.minima(Fixed, STEPS, |_, run| starts[run].get(i).cloned());
-        searches.attempt(Likelihood, STEPS, |_, run| eased.get(&run).map(|found| found.point.clone()));
-    }
+    let others = searches.open().flat_map(|run| (1..attempts).filter_map(move |i| likely(run, i)));
+    let easier = searches.open().flat_map(|run| (0..attempts).filter_map(move |i| eased(run, i)));
+    let (others, easier): (Vec<Try>, Vec<Try>) = (others.collect(), easier.collect());
+    let mut found = searches.minima(others.iter().chain(&easier), STEPS);
+    let begun = found.split_off(others.len());
+    searches.keep(&others, found);
+    let open: Vec<usize> = searches.open().collect();
+    let begun = easier.iter().zip(begun).filter(|(own, _)| open.contains(&own.run));
+    let after: Vec<Try> =
+        begun.map(|(own, at)| Try { run: own.run, weights: Likelihood, point: at.point }).collect();
+    let found = searches.minima(after.iter(), STEPS);
+    searches.keep(&after, found);
     searches.fits(spread)
 }
 
@@ -145,6 +154,13 @@ enum Weights {
 }
 use Weights::{Fixed, Likelihood};
 
+/// Where a run is searched from.
+struct Try {
+    run: usize,
+    weights: Weights,
+    point: Vec<f64>,
+}
+
 /// Searches for the estimates of many runs, of which some end sooner than others.
 struct Searches<'a> {
     model: &'a Model,
@@ -154,49 +170,48 @@ struct Searches<'a> {
 }
 
 impl Searches<'_> {
-    /// Searches once more for those that have found nothing, from where `start` says; of what is found the better is kept.
-    fn attempt(
-        &mut self,
-        weights: Weights,
-        steps: usize,
-        start: impl Fn(Option<&Minimum>, usize) -> Option<Vec<f64>>,
-    ) {
-        for (run, found) in self.minima(weights, steps, start) {
-            let before = self.best[run].take();
-            self.best[run] = Some(match before {
+    /// The runs that have found nothing yet.
+    fn open(&self) -> impl Iterator<Item = usize> + '_ {
+        let is_open = |run: &usize| self.best[*run].as_ref().is_none_or(|b| b.status != Ended::Converged);
+        (0..self.runs.len()).filter(is_open)
+    }
+
+    /// Searches once more for those that have found nothing, from where `start` says, given what was best so far.
+    fn attempt(&mut self, steps: usize, start: impl Fn(usize, Option<&Minimum>) -> Option<Try>) {
+        let tries: Vec<Try> = self.open().filter_map(|run| start(run, self.best[run].as_ref())).collect();
+        let found = self.minima(tries.iter(), steps);
+        self.keep(&tries, found);
+    }
+
+    /// Of what is found and what was, the better.
+    fn keep(&mut self, tries: &[Try], found: Vec<Minimum>) {
+        for (own, found) in tries.iter().zip(found) {
+            let best = &mut self.best[own.run];
+            *best = Some(match best.take() {
                 Some(before) => better(before, found),
                 None => found,
             });
         }
     }
 
-    /// By run, for those without a minimum that `start` has a point for.
-    fn minima(
-        &self,
-        weights: Weights,
-        steps: usize,
-        start: impl Fn(Option<&Minimum>, usize) -> Option<Vec<f64>>,
-    ) -> BTreeMap<usize, Minimum> {
-        let open = |run: &usize| self.best[*run].as_ref().is_none_or(|b| b.status != Ended::Converged);
-        let points: BTreeMap<usize, Vec<f64>> = (0..self.runs.len())
-            .filter(open)
-            .filter_map(|run| Some((run, start(self.best[run].as_ref(), run)?)))
-            .collect();
+    /// What each of `tries` leads to.
+    fn minima<'t>(&self, tries: impl Iterator<Item = &'t Try>, steps: usize) -> Vec<Minimum> {
+        let tries: Vec<&Try> = tries.collect();
+        let runs: Vec<RunView> = tries.iter().map(|own| self.runs[own.run]).collect();
         let mut found = BTreeMap::new();
-        for together in of_one_length(self.runs, points.keys().copied(), TOGETHER) {
-            let mut search =
-                Search::new(self.model, together.iter().map(|run| self.runs[*run]), self.unknown);
-            let from = |run: &usize| {
-                let mut point = points[run].clone();
+        for together in of_one_length(&runs, 0..runs.len(), TOGETHER) {
+            let mut search = Search::new(self.model, together.iter().map(|i| runs[*i]), self.unknown);
+            let from = |i: &usize| {
+                let mut point = tries[*i].point.clone();
                 point.resize(search.free.len(), 0.0);
                 point
             };
             let starts = together.iter().map(from).collect();
-            let weighting = together.iter().map(|run| weighting(&self.runs[*run], weights)).collect();
+            let weighting = together.iter().map(|i| weighting(&runs[*i], tries[*i].weights)).collect();
             let Ok(minima) = minimize(&mut search, weighting, starts, steps);
-            found.extend(together.iter().copied().zip(minima));
+            found.extend(together.into_iter().zip(minima));
         }
-        found
+        found.into_values().collect()
     }
 
     fn fits(&self, spread: Spread) -> Vec<Fit> {

@@ -1,4 +1,4 @@
-use vessel::Lane;
+use vessel::{Built, Lane, Look};
 
 use super::dynamics::{Dynamics, Local};
 use super::levels::{Flow, Levels};
@@ -18,20 +18,25 @@ pub(crate) fn backward<X: Unknowns, const N: usize>(
     levels: Option<&Levels>,
     between: impl FnMut(&Local<X>, &[[Lane; N]]),
 ) -> Vec<[Lane; N]> {
-    vessel::vectorized!(go_back(recordings, unknowns, path, weights, levels, between))
+    let (model, (theta, _)) = (recordings.model, unknowns.split_at(recordings.model.parameters()));
+    let spread = levels.map(Levels::spread);
+    if let Some(structure) = model.structure_with_intercepts() {
+        let dynamics = Dynamics::of(Built::new(structure, theta), spread.as_ref());
+        vessel::vectorized!(go_back(dynamics, recordings, path, weights, between))
+    } else {
+        let dynamics = Dynamics::new(model, theta, spread.as_ref());
+        vessel::vectorized!(go_back(dynamics, recordings, path, weights, between))
+    }
 }
 
 #[inline(always)]
 fn go_back<X: Unknowns, const N: usize>(
+    mut dynamics: Dynamics<impl Look<X>, X, N>,
     recordings: &Recordings<X>,
-    unknowns: &[X],
     path: &Sensitivities<X>,
     weights: [X; 3],
-    levels: Option<&Levels>,
     mut between: impl FnMut(&Local<X>, &[[Lane; N]]),
 ) -> Vec<[Lane; N]> {
-    let theta = &unknowns[..recordings.model.parameters()];
-    let mut dynamics = Dynamics::<_, X, N>::new(recordings.model, theta, levels.map(Levels::spread).as_ref());
     let weights = weights.map(X::lane);
     let mut adjoints = vec![[Lane::ZERO; N]; path.columns()];
     for k in (0..=recordings.longest()).rev() {

@@ -5,13 +5,14 @@
 //! E = Σ Sᵀ W R W S of the measurement errors and P of the current, which moves the vessel: δx(k+1) = (I + J) δx(k) − J c(k), so
 //! that P = Σ_l λᵀ J σ_c² Jᵀ λ with the adjoint λ(k) = W S(k) + (I + J(k))ᵀ λ(k+1) at k = l + 1.
 
-use vessel::{Lane, Model};
+use vessel::{LANES, Lane, Model, lanes};
 
 use super::adjoint::{add_draws, backward};
 use super::levels::{Flow, Levels};
 use super::products::Products;
 use super::recordings::Recordings;
 use super::sweep::{Sensitivities, Step, sweep};
+use super::unknowns::Unknowns;
 use crate::Noise;
 
 /// Information of one run about the parameters with intercepts, per sample: n × n matrices, row-major, symmetric, in the order
@@ -45,12 +46,34 @@ pub fn output_information(
     let model = model.with_intercepts();
     let parameters = model.layout().woven(theta, [0.0; 3]);
     let run = Recordings::simulated(&model, initial, exogenous);
-    let told = Told::by(&run, &parameters, noise, |_| ());
-    let share = 1.0 / run.longest().max(1) as f64;
-    let mean = |matrix: Vec<f64>| -> Vec<f64> { matrix.into_iter().map(|entry| share * entry).collect() };
-    let [information, measurement, process] = [told.information, told.measurement, told.process].map(mean);
-    let finite = information.iter().chain(&process).all(|x| x.is_finite());
-    finite.then_some(OutputInformation { information, measurement, process })
+    Told::by(&run, &parameters, noise, |_| ()).mean(run.longest(), |entry| *entry)
+}
+
+/// [`output_information`] of many runs, from their initial states and by their exogenous signals; those of one length go side
+/// by side.
+pub fn output_informations(
+    model: &Model,
+    theta: &[f64],
+    runs: &[([f64; 3], &[f64])],
+    noise: &Noise,
+) -> Vec<Option<OutputInformation>> {
+    let model = model.with_intercepts();
+    let parameters: Vec<Lane> = model.layout().woven(theta, [0.0; 3]).into_iter().map(Lane::splat).collect();
+    let width = model.exogenous().max(1);
+    let samples: Vec<usize> = runs.iter().map(|(_, exogenous)| exogenous.len() / width).collect();
+    let mut found = Vec::with_capacity(runs.len());
+    for group in lanes::groups(&samples) {
+        let (own, samples) = (&runs[group.clone()], samples[group.start]);
+        let rows: Vec<&[f64]> = own.iter().map(|(_, exogenous)| *exogenous).collect();
+        let exogenous = lanes::interleave(&rows);
+        let initial = [0, 1, 2].map(|d: usize| lanes::lane(own.len(), |run| own[run].0[d]));
+        let samples_of = [samples; LANES];
+        let run =
+            Recordings { model: &model, measured: &[], exogenous: &exogenous, initial, samples: samples_of };
+        let told = Told::by(&run, &parameters, noise, |_| ());
+        found.extend((0..own.len()).map(|lane| told.mean(samples, |entry| entry[lane])));
+    }
+    found
 }
 
 /// Mean over the samples of Sᵀ S, n × n, rows and columns of intercepts zero: the variance that parameters' errors give a
@@ -75,13 +98,13 @@ pub fn prediction_weights(
     sum.iter().all(|x| x.is_finite()).then_some(sum)
 }
 
-/// What a run tells of the parameters: sums over its samples, n × n each.
-pub(crate) struct Told {
-    pub path: Sensitivities<f64>,
+/// What a run, or many side by side, tell of the parameters: sums over samples, n × n each.
+pub(crate) struct Told<X = f64> {
+    pub path: Sensitivities<X>,
     /// F, E and P.
-    pub information: Vec<f64>,
-    pub measurement: Vec<f64>,
-    pub process: Vec<f64>,
+    pub information: Vec<X>,
+    pub measurement: Vec<X>,
+    pub process: Vec<X>,
 }
 
 fn sum(a: &[f64], b: &[f64]) -> Vec<f64> {
@@ -93,19 +116,31 @@ impl Told {
     pub(crate) fn middle(&self) -> Vec<f64> {
         sum(&self.measurement, &self.process)
     }
+}
+
+impl<X: Unknowns> Told<X> {
+    /// Per sample, of the run that `of` takes an entry from.
+    fn mean(&self, samples: usize, of: impl Fn(&X) -> f64) -> Option<OutputInformation> {
+        let share = 1.0 / samples.max(1) as f64;
+        let [information, measurement, process] = [&self.information, &self.measurement, &self.process]
+            .map(|matrix| -> Vec<f64> { matrix.iter().map(|entry| share * of(entry)).collect() });
+        let finite = information.iter().chain(&process).all(|x| x.is_finite());
+        finite.then_some(OutputInformation { information, measurement, process })
+    }
 
     /// By `run`, simulated with `parameters`. `keep` is called with the columns of λ(k), for k from N to 1, where there is a
     /// current.
     pub(crate) fn by(
-        run: &Recordings<f64>,
-        parameters: &[f64],
+        run: &Recordings<X>,
+        parameters: &[X],
         noise: &Noise,
         mut keep: impl FnMut(&[[Lane; 3]]),
     ) -> Self {
         let (path, squares) = followed(run, parameters);
         let (weights, variances) = channels(noise);
-        let weighted = |by: [f64; 3]| -> Vec<f64> {
-            (0..squares[0].len()).map(|e| (0..3).map(|d| by[d] * squares[d][e]).sum()).collect()
+        let weighted = |by: [f64; 3]| -> Vec<X> {
+            let entry = |e: usize| (0..3).fold(X::ZERO, |sum, d| sum + X::from(by[d]) * squares[d][e]);
+            (0..squares[0].len()).map(entry).collect()
         };
         let information = weighted(weights);
         let measurement = weighted([0, 1, 2].map(|d: usize| weights[d] * weights[d] * variances[d]));
@@ -117,7 +152,7 @@ impl Told {
                 run,
                 parameters,
                 &path,
-                weights,
+                weights.map(X::from),
                 Some(&levels),
                 #[inline(always)]
                 |local, adjoints: &[[Lane; 3]]| {
@@ -138,12 +173,12 @@ pub(crate) fn channels(noise: &Noise) -> ([f64; 3], [f64; 3]) {
 }
 
 /// The run's states and sensitivities, and Σ s sᵀ of u, v and r.
-fn followed(run: &Recordings<f64>, parameters: &[f64]) -> (Sensitivities<f64>, [Vec<f64>; 3]) {
+fn followed<X: Unknowns>(run: &Recordings<X>, parameters: &[X]) -> (Sensitivities<X>, [Vec<X>; 3]) {
     let n = parameters.len();
-    let unknowns = [parameters, &[0.0; 3]].concat();
+    let unknowns = [parameters, &[X::ZERO; 3]].concat();
     let free: Vec<usize> = (0..n).collect();
     let mut path = Sensitivities::with_room(n, run.longest());
-    let mut squares = [0; 3].map(|_| Products::<f64>::new(n));
+    let mut squares = [0; 3].map(|_| Products::<X>::new(n));
     sweep(
         run,
         &unknowns,
@@ -151,8 +186,8 @@ fn followed(run: &Recordings<f64>, parameters: &[f64]) -> (Sensitivities<f64>, [
         None,
         &[],
         #[inline(always)]
-        |step: Step<'_, f64, 3>| {
-            path.keep(&step, 1.0);
+        |step: Step<'_, X, 3>| {
+            path.keep(&step, X::ONE);
             for (d, squares) in squares.iter_mut().enumerate() {
                 for (c, s) in step.sensitivities.iter().enumerate() {
                     squares.set(c, s[d]);

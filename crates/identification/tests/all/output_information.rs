@@ -2,7 +2,7 @@
 
 use crate::support::*;
 use identification::predictor::{Recordings, Sensitivities};
-use identification::{Noise, output_information, prediction_weights};
+use identification::{Noise, output_information, output_informations, prediction_weights};
 use vessel::{Lane, Model, Weather, simulate, simulate_one};
 
 /// The sensitivities of one run to all parameters, ∂x_d(k)/∂θ̃ for k = 1 to N: N × 3 × n, row-major.
@@ -112,6 +112,32 @@ fn law_the_variance_of_a_free_run_is_the_trace_of_weights_and_covariance() {
     let difference = run(&moved).iter().zip(run(&theta)).map(|(a, b)| (a - b).powi(2)).sum::<f64>() / 80.0;
     let predicted: f64 = (0..n * n).map(|e| errors[e / n] * weights[e] * errors[e % n]).sum();
     assert!((difference - predicted).abs() < 1e-3 * predicted, "{difference} {predicted}");
+}
+
+#[test]
+fn law_runs_side_by_side_tell_what_each_tells_alone() {
+    let vessel = paper();
+    let generator = dictionary(&vessel);
+    let (model, theta) = (&vessel.model, truth(&vessel));
+    let noise = Noise { measurement: [0.1, 0.2, 0.05], current: 0.3 };
+    let lengths = (0..generator.maneuvers().len()).map(|index| if index == 4 { 90 } else { 120 });
+    let runs: Vec<_> = lengths.enumerate().map(|(q, n)| generator.realize(q, n).unwrap()).collect();
+    let views: Vec<([f64; 3], &[f64])> =
+        runs.iter().map(|run| (run.initial, run.inputs.as_slice())).collect();
+    let together = output_informations(model, &theta, &views, &noise);
+    assert_eq!(together.len(), runs.len());
+    for (run, found) in runs.iter().zip(together) {
+        let alone = output_information(model, &theta, run.initial, &run.inputs, &noise).unwrap();
+        let found = found.unwrap();
+        let n = model.layout().with_intercepts().parameters();
+        let pairs = [(&found.information, &alone.information), (&found.process, &alone.process)];
+        for (found, alone) in pairs.into_iter().chain([(&found.measurement, &alone.measurement)]) {
+            for e in 0..n * n {
+                let size = (alone[e / n * (n + 1)] * alone[e % n * (n + 1)]).sqrt();
+                assert!((found[e] - alone[e]).abs() <= 1e-12 * size, "{e}: {} {}", found[e], alone[e]);
+            }
+        }
+    }
 }
 
 /// Finite differences of whole simulations agree to their own accuracy.

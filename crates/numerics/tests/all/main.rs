@@ -3,5 +3,6 @@
 mod distributions;
 mod intervals;
 mod lu;
+mod product;
 mod statistics;
 mod weakest;

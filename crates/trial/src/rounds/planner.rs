@@ -1,5 +1,5 @@
 use design::{Bounds, Candidates, Covariance, Norm, Options, solve_covariance};
-use identification::{Noise, OutputInformation, output_information};
+use identification::{Noise, OutputInformation, output_information, output_informations};
 use vessel::{Generator, Invalid, ParameterLayout, Vessel};
 
 use super::growing_run::GrowingRun;
@@ -61,8 +61,9 @@ impl<'a> Planner<'a> {
             _ => Some(self.information(theta, so_far.initial, &so_far.exogenous)?),
         };
         let share = coming as f64 / (before + coming) as f64;
-        let found: Vec<Option<OutputInformation>> =
-            self.maneuvers.iter().map(|m| self.information(theta, m.initial, &m.exogenous)).collect();
+        let runs: Vec<([f64; 3], &[f64])> =
+            self.maneuvers.iter().map(|m| (m.initial, m.exogenous.as_slice())).collect();
+        let found = output_informations(&self.vessel.model, theta, &runs, &self.noise);
         let whole = found.iter().flatten().map(|own| match &past {
             None => (own.information.clone(), own.middle()),
             Some(past) => (

@@ -33,6 +33,9 @@ struct Start {
     shares: Option<Vec<f64>>,
 }
 
+/// The estimates of realizations, nothing where the nominal model diverges.
+type Found = Vec<Option<RunEstimate>>;
+
 /// A realization in its trial.
 struct Realization<'a> {
     start: &'a Start,
@@ -83,8 +86,9 @@ impl<'a> Trial<'a> {
     pub fn realizations(&self, numbers: std::ops::Range<u32>) -> Result<Vec<Row>, Refusal> {
         let starts: Vec<Start> = numbers.map(|number| self.start(number)).collect();
         let mut rows = Vec::with_capacity(starts.len() * Arm::ALL.len() * self.ends.len());
+        let mut first = None;
         for arm in Arm::ALL {
-            rows.extend(self.arm(arm, &starts)?);
+            rows.extend(self.arm(arm, &starts, &mut first)?);
         }
         rows.sort_by_key(|row| (row.realization, row.arm as usize, row.round));
         Ok(rows)
@@ -97,8 +101,9 @@ impl<'a> Trial<'a> {
         Start { number, crude, shares }
     }
 
-    /// Rounds in order: plan, run, estimate, learn.
-    fn arm(&self, arm: Arm, starts: &[Start]) -> Result<Vec<Row>, Refusal> {
+    /// Rounds in order: plan, run, estimate, learn. `first`: what is found in the first round of a design from the crude model,
+    /// which two arms begin with, once it is known.
+    fn arm(&self, arm: Arm, starts: &[Start], first: &mut Option<Found>) -> Result<Vec<Row>, Refusal> {
         let begin =
             |start| Realization { start, known: self.first_model(arm, start), run: GrowingRun::default() };
         let mut all: Vec<Realization> = starts.iter().map(begin).collect();
@@ -109,7 +114,13 @@ impl<'a> Trial<'a> {
                 let shared = self.go_on(arm, realization, *end)?;
                 before.push((shared, self.expected(arm, realization)));
             }
-            let found = self.found(arm, &all)?;
+            let found = match round {
+                0 if arm.begins_crudely() => match first.take() {
+                    Some(found) => found,
+                    None => first.insert(self.found(arm, &all)?).clone(),
+                },
+                _ => self.found(arm, &all)?,
+            };
             for ((realization, found), (shared, expected_error)) in all.iter_mut().zip(found).zip(before) {
                 let estimate = found.as_ref().and_then(|found| found.estimate.as_ref());
                 rows.push(Row {
@@ -196,7 +207,7 @@ impl<'a> Trial<'a> {
 
     /// Simulates all runs side by side and estimates from each; nothing where the nominal model diverges. All arms meet the
     /// same disturbances in a realization.
-    fn found(&self, arm: Arm, all: &[Realization]) -> Result<Vec<Option<RunEstimate>>, Refusal> {
+    fn found(&self, arm: Arm, all: &[Realization]) -> Result<Found, Refusal> {
         let bounded: Vec<bool> = all.iter().map(|realization| self.bounded(&realization.run)).collect();
         let mut kept: Vec<Run> = Vec::with_capacity(all.len());
         for (group, bounded) in all.chunks(LANES).zip(bounded.chunks(LANES)) {

@@ -1,0 +1,16 @@
+use numerics::dot;
+
+#[test]
+fn law_a_dot_product_of_any_length_is_the_sum_of_products() {
+    for length in 0..40 {
+        let a: Vec<f64> = (0..length).map(|i| libm::sin(1.7 * f64::from(i))).collect();
+        let b: Vec<f64> = (0..length + 3).map(|i| libm::cos(2.3 * f64::from(i)) + 0.1).collect();
+        let (mut sum, mut size) = (0.0, 0.0);
+        for (a, b) in a.iter().zip(&b) {
+            sum += a * b;
+            size += (a * b).abs();
+        }
+        assert!((dot(&a, &b) - sum).abs() <= 1e-14 * size, "{length}");
+        assert_eq!(dot(&a, &b), dot(&b, &a), "{length}");
+    }
+}
