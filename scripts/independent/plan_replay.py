@@ -30,6 +30,7 @@ class Move:
     di: int
     dj: int
     to_h: int
+    cost: Fraction
     swept: tuple[Box, ...]
 
 
@@ -37,7 +38,6 @@ class Move:
 class Action:
     """`count` is the number of uses that an informative action requires, none for a basic one."""
 
-    cost: Fraction
     count: int | None
     moves: tuple[Move, ...]
 
@@ -131,9 +131,10 @@ def _problem(document: dict[str, Any]) -> Problem:
 
 def _action(entry: dict[str, Any], count: int | None) -> Action:
     def move(m: dict[str, Any]) -> Move:
-        return Move(m["h"], m["di"], m["dj"], m["to_h"], tuple(map(_box, m["swept"])))
+        cost = Fraction(m.get("cost", entry["cost"]))
+        return Move(m["h"], m["di"], m["dj"], m["to_h"], cost, tuple(map(_box, m["swept"])))
 
-    return Action(Fraction(entry["cost"]), count, tuple(map(move, entry["moves"])))
+    return Action(count, tuple(map(move, entry["moves"])))
 
 
 def _box(values: list[Any]) -> Box:
@@ -172,7 +173,7 @@ def replay(problem: Problem, steps: list[Any]) -> Replay:
         done.violations += [f"step {number} ({step['action']}): {wrong}" for wrong in wrongs]
         done.pose = end
         done.uses[step["action"]] += 1
-        done.cost += problem.actions[step["action"]].cost
+        done.cost += move.cost
     return done
 
 

@@ -122,6 +122,9 @@ pub struct MoveFile {
     pub dj: i32,
     /// Heading level in which it ends.
     pub to_h: usize,
+    /// Its own cost, where it is not that of its action.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cost: Option<f64>,
     /// Boxes relative to the start node that the hull sweeps \[m\].
     pub swept: Vec<[f64; 4]>,
 }
@@ -175,8 +178,10 @@ impl ProblemFile {
     fn actions(&self) -> (Vec<Action>, Vec<&[MoveFile]>) {
         let used = self.all_actions().filter(|(_, count, ..)| *count != Some(0));
         let build = |(name, count, cost, moves): (&String, Option<u32>, f64, &[MoveFile])| {
-            let one =
-                |m: &MoveFile| Move { from: m.h, di: m.di, dj: m.dj, to: m.to_h, cost: Cost::primary(cost) };
+            let one = |m: &MoveFile| {
+                let cost = Cost::primary(m.cost.unwrap_or(cost));
+                Move { from: m.h, di: m.di, dj: m.dj, to: m.to_h, cost }
+            };
             let moves = moves.iter().map(one).collect();
             Action { name: name.clone(), required: count.unwrap_or(0), moves }
         };

@@ -26,6 +26,7 @@ mod by_node;
 pub mod collision;
 mod demand;
 mod dense;
+mod export;
 mod fan;
 mod file;
 mod front;

@@ -1,13 +1,18 @@
-//! Routes and tracks as files: RTZ 1.0 (IEC 61174), GPX 1.1 and GeoJSON (RFC 7946). Pure functions from
-//! values to text.
+//! Routes and tracks as files: RTZ 1.0 (IEC 61174), GPX 1.1, KML 2.2, QGroundControl's plans and GeoJSON (RFC 7946). Pure
+//! functions from values to text.
 
 mod geojson;
 mod gpx;
+mod kml;
 mod points;
+mod qgroundcontrol;
 mod rtz;
 mod xml;
 
 pub use geojson::{Feature, Geometry, geojson};
 pub use gpx::gpx;
+pub use jiff::Timestamp;
+pub use kml::kml;
 pub use points::{Route, Track, Waypoint};
+pub use qgroundcontrol::qgroundcontrol;
 pub use rtz::rtz;

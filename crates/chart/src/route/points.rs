@@ -1,3 +1,4 @@
+use jiff::{SignedDuration, Timestamp};
 use refusal::check_numbers;
 
 use crate::Invalid;
@@ -5,6 +6,9 @@ use crate::plane::distance_m;
 
 /// A nautical mile \[m\].
 pub(crate) const NAUTICAL_MILE_M: f64 = 1852.0;
+
+/// Of WGS84's ellipsoid.
+const ECCENTRICITY: f64 = 0.081_819_190_842_621_49;
 
 /// Largest radius as a share of the shortest adjacent leg when radii are lowered: below the half that RTZ
 /// asks, so that readers with another formula for a leg's length agree.
@@ -25,15 +29,21 @@ pub struct Waypoint {
     pub turn_radius_m: Option<f64>,
     /// Speed on the leg that ends here \[m/s\]; not written for the first waypoint.
     pub speed_m_s: Option<f64>,
+    /// How far to port and to starboard of the leg that ends here the ship may come \[m\]; not written for the first waypoint.
+    pub xtd_m: Option<[f64; 2]>,
+    /// When the ship is here, after the departure \[s\].
+    pub time_s: Option<f64>,
     /// What is done on the leg that ends here; may be empty.
     pub note: String,
 }
 
-/// A route. It has no times: no format tells times from the departure, and nobody knows when that will be.
+/// A route.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Route {
     /// Name; ECDIS expect the file to be called like it.
     pub name: String,
+    /// When it begins. Without it no times are written: no format tells times from the departure.
+    pub departure: Option<Timestamp>,
     /// Waypoints in the order of sailing; at least two.
     pub waypoints: Vec<Waypoint>,
 }
@@ -45,6 +55,8 @@ pub struct Track {
     pub name: String,
     /// Points in order: longitude and latitude, WGS84 \[deg\].
     pub points: Vec<[f64; 2]>,
+    /// When the ship is at the first point, after the departure, and the time from point to point \[s\].
+    pub clock_s: [f64; 2],
 }
 
 impl Route {
@@ -52,6 +64,18 @@ impl Route {
     pub fn leg_m(&self, index: usize) -> Option<f64> {
         let (a, b) = (self.waypoints.get(index)?, self.waypoints.get(index + 1)?);
         Some(distance_m((a.lon_deg, a.lat_deg), (b.lon_deg, b.lat_deg)))
+    }
+
+    /// Course along the loxodrome from waypoint `index` to the next, true \[deg\]; `None` for the last.
+    pub fn course_deg(&self, index: usize) -> Option<f64> {
+        let (a, b) = (self.waypoints.get(index)?, self.waypoints.get(index + 1)?);
+        Some(course_deg([a.lon_deg, a.lat_deg], [b.lon_deg, b.lat_deg]))
+    }
+
+    /// When the ship is at waypoint `index`, where departure and time are known; to whole seconds.
+    pub(crate) fn instant(&self, index: usize) -> Option<String> {
+        let after_s = self.waypoints.get(index)?.time_s?;
+        instant(self.departure?, after_s.round())
     }
 
     /// Lowers turn radii to 0.49 of the shortest adjacent leg.
@@ -85,7 +109,21 @@ impl Route {
             let found = format!("id {} twice", twice[0]);
             return Err(Invalid::new("route", found, "every id once", "number the waypoints"));
         }
+        self.check_times()?;
         self.waypoints.iter().enumerate().try_for_each(|(index, w)| self.check_waypoint(index, w))
+    }
+
+    /// Refuses times that run backwards.
+    fn check_times(&self) -> Result<(), Invalid> {
+        let timed: Vec<(u32, f64)> = self.waypoints.iter().filter_map(|w| Some((w.id, w.time_s?))).collect();
+        let Some(pair) = timed.windows(2).find(|w| w[1].1 < w[0].1) else { return Ok(()) };
+        let [(before, early), (id, late)] = [pair[0], pair[1]];
+        Err(Invalid::new(
+            format!("waypoint {id}, time"),
+            format!("{late} s"),
+            format!("{early} s or more, the time of waypoint {before} before it"),
+            "put the waypoints in the order of sailing",
+        ))
     }
 
     fn check_waypoint(&self, index: usize, waypoint: &Waypoint) -> Result<(), Invalid> {
@@ -93,7 +131,14 @@ impl Route {
         text(&format!("{thing}, name"), &waypoint.name)?;
         text(&format!("{thing}, note"), &waypoint.note)?;
         place(&thing, [waypoint.lon_deg, waypoint.lat_deg])?;
-        let numbers = [("speed", waypoint.speed_m_s), ("turn radius", waypoint.turn_radius_m)];
+        let [port, starboard] = [0, 1].map(|side| waypoint.xtd_m.map(|xtd| xtd[side]));
+        let numbers = [
+            ("speed", waypoint.speed_m_s),
+            ("turn radius", waypoint.turn_radius_m),
+            ("time", waypoint.time_s),
+            ("port XTD", port),
+            ("starboard XTD", starboard),
+        ];
         let numbers =
             numbers.into_iter().filter_map(|(name, value)| Some((format!("{thing}, {name}"), value?)));
         check_numbers(numbers, "a finite number of 0 or more", |value| value >= 0.0)?;
@@ -112,11 +157,35 @@ impl Route {
 }
 
 impl Track {
+    /// When the ship is at point `index`, after the departure \[s\].
+    pub(crate) fn time_s(&self, index: usize) -> f64 {
+        self.clock_s[0] + index as f64 * self.clock_s[1]
+    }
+
     pub(crate) fn check(&self) -> Result<(), Invalid> {
         text("track name", &self.name)?;
         let point = |(i, p): (usize, &[f64; 2])| place(&format!("track `{}`, point {i}", self.name), *p);
         self.points.iter().enumerate().try_for_each(point)
     }
+}
+
+/// `after_s` after `departure`, as ISO 8601 in UTC.
+pub(crate) fn instant(departure: Timestamp, after_s: f64) -> Option<String> {
+    let after = SignedDuration::try_from_secs_f64(after_s).ok()?;
+    departure.checked_add(after).ok().map(|instant| instant.to_string())
+}
+
+/// Course along the loxodrome, true \[deg\].
+fn course_deg(from: [f64; 2], to: [f64; 2]) -> f64 {
+    // Isometric latitude on the ellipsoid: a loxodrome is straight over it.
+    let isometric = |lat_deg: f64| {
+        let sin = libm::sin(lat_deg.to_radians());
+        libm::atanh(sin) - ECCENTRICITY * libm::atanh(ECCENTRICITY * sin)
+    };
+    let east = (to[0] - from[0] + 540.0).rem_euclid(360.0) - 180.0;
+    let north = isometric(to[1]) - isometric(from[1]);
+    // Along a parallel both latitudes are one.
+    libm::atan2(east.to_radians(), north).to_degrees().rem_euclid(360.0)
 }
 
 /// Longitude within ±180 (180 itself is written −180), latitude within ±90.

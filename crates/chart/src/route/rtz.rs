@@ -28,7 +28,8 @@ pub fn rtz(route: &Route) -> Result<String, Invalid> {
             xml.create_element("routeInfo")
                 .with_attribute(("routeName", route.name.as_str()))
                 .write_empty()?;
-            xml.create_element("waypoints").write_inner_content(|xml| waypoints(xml, route)).map(|_| ())
+            xml.create_element("waypoints").write_inner_content(|xml| waypoints(xml, route))?;
+            if route.instant(0).is_some() { schedule(xml, route) } else { Ok(()) }
         })?;
         Ok(())
     })
@@ -63,10 +64,49 @@ fn waypoints(xml: &mut Xml, route: &Route) -> io::Result<()> {
     Ok(())
 }
 
+/// The departure as what was decided, the times that follow as what was calculated.
+fn schedule(xml: &mut Xml, route: &Route) -> io::Result<()> {
+    xml.create_element("schedules").write_inner_content(|xml| {
+        let own = xml.create_element("schedule").with_attributes([("id", "1"), ("name", "planned")]);
+        own.write_inner_content(|xml| {
+            xml.create_element("manual").write_inner_content(|xml| scheduled(xml, route, 0))?;
+            xml.create_element("calculated").write_inner_content(|xml| {
+                (0..route.waypoints.len()).try_for_each(|index| scheduled(xml, route, index))
+            })?;
+            Ok(())
+        })?;
+        Ok(())
+    })?;
+    Ok(())
+}
+
+/// A waypoint's time: the departure from the first, the arrival at others. Version 1.0 of the schema spells the element so.
+fn scheduled(xml: &mut Xml, route: &Route, index: usize) -> io::Result<()> {
+    let Some(time) = route.instant(index) else { return Ok(()) };
+    let waypoint = &route.waypoints[index];
+    let (id, speed) = (waypoint.id.to_string(), waypoint.speed_m_s.map(knots));
+    let mut element = xml.create_element("sheduleElement").with_attribute(("waypointId", id.as_str()));
+    element = element.with_attribute((if index == 0 { "etd" } else { "eta" }, time.as_str()));
+    if let Some(speed) = speed.as_deref().filter(|_| index > 0) {
+        element = element.with_attribute(("speed", speed));
+    }
+    element.write_empty().map(|_| ())
+}
+
+fn knots(speed_m_s: f64) -> String {
+    decimal(speed_m_s / KNOT_M_S, 6)
+}
+
 /// The leg that ends at a waypoint.
 fn leg(xml: &mut Xml, waypoint: &Waypoint) -> io::Result<()> {
-    let speed = waypoint.speed_m_s.map(|v| decimal(v / KNOT_M_S, 6));
-    let mut element = xml.create_element("leg").with_attribute(("geometryType", "Loxodrome"));
+    let speed = waypoint.speed_m_s.map(knots);
+    let xtd = waypoint.xtd_m.map(|xtd| xtd.map(|m| decimal(m / NAUTICAL_MILE_M, 6)));
+    let mut element = xml.create_element("leg");
+    if let Some([port, starboard]) = &xtd {
+        let sides = [("starboardXTD", starboard.as_str()), ("portsideXTD", port.as_str())];
+        element = element.with_attributes(sides);
+    }
+    element = element.with_attribute(("geometryType", "Loxodrome"));
     if let Some(speed) = &speed {
         element = element.with_attributes([("speedMin", speed.as_str()), ("speedMax", speed.as_str())]);
     }

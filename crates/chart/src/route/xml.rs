@@ -3,7 +3,7 @@
 use std::io;
 
 use quick_xml::Writer;
-use quick_xml::events::{BytesDecl, Event};
+use quick_xml::events::{BytesDecl, BytesText, Event};
 
 use crate::Invalid;
 
@@ -19,6 +19,11 @@ pub(crate) fn document(content: impl FnOnce(&mut Xml) -> io::Result<()>) -> Resu
     let mut text = String::from_utf8(writer.into_inner()).map_err(|e| failed(e.to_string()))?;
     text.push('\n');
     Ok(text)
+}
+
+/// An element that holds text.
+pub(crate) fn element(xml: &mut Xml, name: &str, text: &str) -> io::Result<()> {
+    xml.create_element(name).write_text_content(BytesText::new(text)).map(|_| ())
 }
 
 /// A decimal number without exponent and trailing zeros.

@@ -1,6 +1,9 @@
 //! Route and track files, read back by readers of their own.
 
-use chart::route::{Feature, Geometry, Route, Track, Waypoint, geojson, gpx, rtz};
+use chart::route::{
+    Feature, Geometry, Route, Timestamp, Track, Waypoint, geojson, gpx, kml, qgroundcontrol, rtz,
+};
+use geographiclib_rs::{DirectGeodesic, Geodesic};
 
 use crate::xml::{Element, read};
 
@@ -17,10 +20,13 @@ fn route() -> Route {
         lat_deg,
         turn_radius_m: Some(185.2),
         speed_m_s: Some(1852.0 / 360.0),
+        xtd_m: Some([18.52, 37.04]),
+        time_s: None,
         note: "zig-zag 20°/20° <n = 2>".to_owned(),
     };
     Route {
         name: "sea trial \"A&B\"".to_owned(),
+        departure: None,
         waypoints: vec![
             waypoint(3, "start", 24.912_345_678_9, 60.101_234_567_8),
             waypoint(0, "", 24.95, 60.12),
@@ -67,6 +73,8 @@ fn rtz_keeps_the_rules_of_version_1_0() {
         "knots"
     );
     assert_eq!(leg.get("geometryType"), Some("Loxodrome"));
+    assert!((leg.number("portsideXTD") - 0.01).abs() < 1e-9, "NM");
+    assert!((leg.number("starboardXTD") - 0.02).abs() < 1e-9, "NM");
     assert_eq!(leg.get("legInfo"), Some("zig-zag 20°/20° <n = 2>"));
     let shortest = haversine_m(waypoints[0], waypoints[1]).min(haversine_m(waypoints[1], waypoints[2]));
     assert!(inner.number("radius") * 1852.0 < shortest / 2.0);
@@ -77,7 +85,8 @@ fn rtz_keeps_the_rules_of_version_1_0() {
 fn gpx_keeps_the_rules_of_version_1_1() {
     let points =
         (0..50).map(|i| [24.9 + f64::from(i) * 1.234_567_8e-4, 60.1 - f64::from(i) * 2.345_678_9e-5]);
-    let track = Track { name: "planned & simulated".to_owned(), points: points.collect() };
+    let track =
+        Track { name: "planned & simulated".to_owned(), points: points.collect(), clock_s: [0.0, 0.5] };
     let root = read(&gpx(&route(), std::slice::from_ref(&track)).unwrap());
     assert_eq!((root.name.as_str(), root.get("version")), ("gpx", Some("1.1")));
     assert_eq!(root.get("xmlns"), Some("http://www.topografix.com/GPX/1/1"));
@@ -94,6 +103,109 @@ fn gpx_keeps_the_rules_of_version_1_1() {
         assert!((element.number("lon") - point[0]).abs() < 1e-9);
         assert!((element.number("lat") - point[1]).abs() < 1e-9);
     }
+}
+
+/// [`route`] that begins at eight in the morning and lasts an hour and a bit.
+fn timed() -> Route {
+    let mut route = route();
+    route.departure = Some("2026-06-01T11:00:00+03:00".parse::<Timestamp>().unwrap());
+    for (waypoint, time_s) in route.waypoints.iter_mut().zip([0.0, 90.4, 3725.0]) {
+        waypoint.time_s = Some(time_s);
+    }
+    route
+}
+
+#[test]
+fn rtz_tells_the_times_of_a_departure() {
+    assert!(!rtz(&route()).unwrap().contains("2026"), "no times without a departure");
+    let root = read(&rtz(&timed()).unwrap());
+    assert_eq!(names(&root), ["routeInfo", "waypoints", "schedules"], "the schema's order");
+    let schedule = root.one("schedules").one("schedule");
+    assert_eq!((schedule.get("id"), names(schedule)), (Some("1"), vec!["manual", "calculated"]));
+    let begin = schedule.one("manual").all("sheduleElement");
+    assert_eq!((begin.len(), begin[0].get("etd")), (1, Some("2026-06-01T08:00:00Z")));
+    let all = schedule.one("calculated").all("sheduleElement");
+    let ids: Vec<&str> = all.iter().map(|e| e.get("waypointId").unwrap()).collect();
+    assert_eq!(ids, ["3", "0", "7"]);
+    assert_eq!(all[1].get("eta"), Some("2026-06-01T08:01:30Z"));
+    assert_eq!(all[2].get("eta"), Some("2026-06-01T09:02:05Z"));
+    assert!((all[1].number("speed") - 10.0).abs() < 1e-6, "knots");
+}
+
+#[test]
+fn gpx_and_kml_tell_the_times_of_a_departure() {
+    let points = vec![[24.9, 60.1], [24.91, 60.1], [24.92, 60.1]];
+    let track = Track { name: "zig-zag".to_owned(), points, clock_s: [60.0, 0.5] };
+    let root = read(&gpx(&timed(), std::slice::from_ref(&track)).unwrap());
+    let route = root.one("rte").all("rtept");
+    assert_eq!(names(route[1]), ["time", "name", "desc"], "the schema's order");
+    assert_eq!(route[2].one("time").text, "2026-06-01T09:02:05Z");
+    let times: Vec<&str> =
+        root.one("trk").one("trkseg").all("trkpt").iter().map(|p| p.one("time").text.as_str()).collect();
+    assert_eq!(times, ["2026-06-01T08:01:00Z", "2026-06-01T08:01:00.5Z", "2026-06-01T08:01:01Z"]);
+    let root = read(&kml(&timed(), &[track]).unwrap());
+    let span = root.one("Document").all("Folder")[1].one("Placemark").one("TimeSpan");
+    assert_eq!(span.one("begin").text, "2026-06-01T08:01:00Z");
+    assert_eq!(span.one("end").text, "2026-06-01T08:01:01Z");
+}
+
+#[test]
+fn kml_holds_route_waypoints_and_tracks() {
+    let points = vec![[24.9, 60.1], [24.91, 60.12]];
+    let track = Track { name: "1 straight".to_owned(), points, clock_s: [0.0, 1.0] };
+    let root = read(&kml(&route(), &[track]).unwrap());
+    assert_eq!((root.name.as_str(), root.get("xmlns")), ("kml", Some("http://www.opengis.net/kml/2.2")));
+    let folders = root.one("Document").all("Folder");
+    let marks = folders[0].all("Placemark");
+    assert_eq!(marks.len(), 4, "the line and three waypoints");
+    let line: Vec<&str> = marks[0].one("LineString").one("coordinates").text.split(' ').collect();
+    assert_eq!(line[1], "24.95,60.12", "longitude first");
+    assert_eq!(marks[2].one("Point").one("coordinates").text, line[1]);
+    assert_eq!(names(marks[2]), ["name", "description", "Point"], "the schema's order");
+    let own = folders[1].one("Placemark");
+    assert_eq!(names(own), ["name", "LineString"]);
+    assert_eq!(own.one("LineString").one("coordinates").text, "24.9,60.1 24.91,60.12");
+}
+
+#[test]
+fn a_ground_stations_plan_goes_to_every_waypoint_at_its_speed() {
+    let plan: serde_json::Value = serde_json::from_str(&qgroundcontrol(&route()).unwrap()).unwrap();
+    assert_eq!((&plan["fileType"], &plan["version"]), (&"Plan".into(), &1.into()));
+    let items = plan["mission"]["items"].as_array().unwrap();
+    assert!(items.iter().enumerate().all(|(i, item)| item["doJumpId"] == i + 1));
+    let places: Vec<[f64; 2]> = items
+        .iter()
+        .filter(|item| item["command"] == 16)
+        .map(|item| [5, 4].map(|k: usize| item["params"][k].as_f64().unwrap()))
+        .collect();
+    let expected: Vec<[f64; 2]> = route().waypoints.iter().map(|w| [w.lon_deg, w.lat_deg]).collect();
+    assert_eq!(places, expected);
+    let speeds: Vec<&serde_json::Value> = items.iter().filter(|item| item["command"] == 178).collect();
+    assert_eq!(speeds.len(), 1, "said once where it stays");
+    assert_eq!(speeds[0]["params"][1].as_f64(), route().waypoints[1].speed_m_s);
+}
+
+#[test]
+fn law_a_course_that_is_held_leads_to_the_next_waypoint() {
+    let from = Waypoint { lon_deg: 24.9, lat_deg: 60.1, ..Waypoint::default() };
+    for (east, north) in [(0.2, 0.1), (-0.3, 0.05), (0.1, -0.2), (-0.1, -0.1), (0.3, 0.0), (0.0, 0.2)] {
+        let to = Waypoint { id: 1, lon_deg: 24.9 + east, lat_deg: 60.1 + north, ..Waypoint::default() };
+        let (east, goal) = (east, to.clone());
+        let route = Route { waypoints: vec![from.clone(), to], ..Route::default() };
+        let course = route.course_deg(0).unwrap();
+        // Small steps along geodesics that begin on the course.
+        let (mut lat, mut lon, earth) = (from.lat_deg, from.lon_deg, Geodesic::wgs84());
+        let steps = 2000;
+        for _ in 0..steps {
+            (lat, lon) = earth.direct(lat, lon, course, route.leg_m(0).unwrap() / f64::from(steps));
+        }
+        // The loxodrome is longer than the geodesic by less than this.
+        assert!(
+            (lat - goal.lat_deg).abs() < 2e-5 && (lon - goal.lon_deg).abs() < 4e-5,
+            "{east}: {lat} {lon}"
+        );
+    }
+    assert_eq!(Route::default().course_deg(0), None);
 }
 
 #[test]
@@ -137,7 +249,11 @@ fn geojson_is_read_back() {
 #[test]
 fn routes_that_break_the_rules_are_refused() {
     type Break = fn(&mut Route);
-    let broken: [(&str, Break); 9] = [
+    let broken: [(&str, Break); 11] = [
+        ("XTD", |r| r.waypoints[1].xtd_m = Some([10.0, -1.0])),
+        ("5 s or more, the time of waypoint 3", |r| {
+            (r.waypoints[0].time_s, r.waypoints[1].time_s) = (Some(5.0), Some(4.0));
+        }),
         ("id 3 twice", |r| r.waypoints[1].id = 3),
         ("half the shortest", |r| r.waypoints[1].turn_radius_m = Some(1500.0)),
         ("turn radius", |r| r.waypoints[1].turn_radius_m = Some(-1.0)),

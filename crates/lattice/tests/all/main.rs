@@ -2,6 +2,7 @@
 
 mod brute_force;
 mod collision;
+mod exported;
 mod files;
 mod random;
 mod reasons;

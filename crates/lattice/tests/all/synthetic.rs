@@ -99,7 +99,7 @@ fn zigzag(q: usize, count: u32, headings: usize) -> InformativeFile {
     let bulge = CELL * [0.3, 0.8, 0.2, 0.5][q % 4];
     let one = |heading: usize| {
         let (di, dj) = ahead(heading, headings, length, drift);
-        MoveFile { h: heading, di, dj, to_h: heading, swept: swept((di, dj), bulge, 12) }
+        MoveFile { h: heading, di, dj, to_h: heading, cost: None, swept: swept((di, dj), bulge, 12) }
     };
     InformativeFile { name: format!("zigzag_{q}"), count, cost: 0.0, moves: (0..headings).map(one).collect() }
 }
@@ -127,7 +127,7 @@ fn forward(headings: usize) -> BasicFile {
     let one = |heading: usize| {
         let length = if headings > 8 { 2.2 } else { 1.0 };
         let (di, dj) = ahead(heading, headings, length, 0.0);
-        MoveFile { h: heading, di, dj, to_h: heading, swept: swept((di, dj), 0.0, 3) }
+        MoveFile { h: heading, di, dj, to_h: heading, cost: None, swept: swept((di, dj), 0.0, 3) }
     };
     BasicFile { name: "forward".into(), cost: 1.0, moves: (0..headings).map(one).collect() }
 }
@@ -135,7 +135,7 @@ fn forward(headings: usize) -> BasicFile {
 fn turn(name: &str, headings: usize, by: usize) -> BasicFile {
     let one = |heading: usize| {
         let to_h = (heading + by) % headings;
-        MoveFile { h: heading, di: 0, dj: 0, to_h, swept: swept((0, 0), 0.0, 1) }
+        MoveFile { h: heading, di: 0, dj: 0, to_h, cost: None, swept: swept((0, 0), 0.0, 1) }
     };
     BasicFile { name: name.into(), cost: 1.0, moves: (0..headings).map(one).collect() }
 }

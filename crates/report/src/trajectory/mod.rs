@@ -5,6 +5,7 @@ pub(crate) mod files;
 mod front;
 mod map;
 mod moves;
+mod passage;
 mod sheet;
 mod trials;
 pub(crate) mod words;
@@ -19,6 +20,7 @@ use facts::{facts, information};
 use front::front;
 use map::is_tall;
 use moves::moves;
+use passage::passage;
 use sheet::sheet;
 use trials::trials;
 use words::{cost, minutes};
@@ -54,6 +56,7 @@ fn planned(study: &Study, main: &PlannedTrial, figures: &mut Figures) -> Markup 
         @match voyage {
             Some(voyage) => {
                 (information(&voyage.information, study.design.is_some()))
+                (passage(&voyage.passage))
                 (sheet(study, &main.plan, voyage))
                 (front(&main.plan, voyage, figures))
                 (moves(voyage))

@@ -65,6 +65,11 @@ pub(crate) fn knots(speed_m_s: f64) -> String {
     if speed_m_s.is_finite() { format!("{:.1}", speed_m_s / KNOT) } else { "–".to_owned() }
 }
 
+/// A distance in nautical miles: `0.43`.
+pub(crate) fn miles(distance_m: f64) -> String {
+    if distance_m.is_finite() { format!("{:.2}", distance_m / 1852.0) } else { "–".to_owned() }
+}
+
 /// A cost with its unit: `10 basic moves`, `3629 s`.
 pub(crate) fn cost(value: f64, unit: CostUnit) -> String {
     let number = exact((value * 1e3).round() / 1e3);
@@ -168,6 +173,11 @@ mod tests {
     #[test]
     fn headings_have_three_digits_and_no_360() {
         assert_eq!([45.0, 359.7, -90.0, 360.0, f64::NAN].map(heading), ["045°", "000°", "270°", "000°", "–"]);
+    }
+
+    #[test]
+    fn miles_are_nautical() {
+        assert_eq!([0.0, 1852.0, 463.0, f64::NAN].map(miles), ["0.00", "1.00", "0.25", "–"]);
     }
 
     #[test]

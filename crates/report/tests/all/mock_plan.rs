@@ -5,11 +5,11 @@ use std::collections::BTreeMap;
 use crate::mock;
 use report::{PlannedTrial, Study, Trajectory};
 use study::documents::{
-    CostUnit, PlanDocument, PlanLattice, PlanPose, PlanStatus, PlanStep, Primitive, SecondaryCost,
-    ValidationDocument, Voyage, VoyageLeg,
+    CostUnit, Passage, PassageLeg, PlanDocument, PlanLattice, PlanPose, PlanStatus, PlanStep, Primitive,
+    SecondaryCost, ValidationDocument, Voyage, VoyageLeg,
 };
 use trial::Side;
-use trial::voyage::{Check, FrontPoint, Information, Secondary};
+use trial::voyage::{Check, FrontPoint, Information, Secondary, Tide};
 
 pub const MAP: &str = "<svg role=\"img\" aria-label=\"Planned trial\" viewBox=\"0 0 5600 8370\" \
     xmlns=\"http://www.w3.org/2000/svg\">\n<title>Planned trial</title>\n<path d=\"M1 2l3 4\" fill=\"none\" \
@@ -85,6 +85,23 @@ fn step(action: &str, from: (u64, &str), to: (u64, &str)) -> PlanStep {
     PlanStep { action: action.to_owned(), variant: 0, from: pose(from), to: pose(to), cost: 1.0 }
 }
 
+fn passage_leg(what: &str, end_s: f64, turn_radius_m: Option<f64>, then: &[&str]) -> PassageLeg {
+    PassageLeg {
+        what: what.to_owned(),
+        informative: turn_radius_m.is_none(),
+        longitude_deg: 24.953,
+        latitude_deg: 60.15,
+        course_deg: 36.4,
+        distance_m: 463.0,
+        speed_m_s: 1.5,
+        end_s,
+        turn_radius_m,
+        xtd_port_m: 12.2,
+        xtd_starboard_m: 40.6,
+        then: then.iter().map(|what| (*what).to_owned()).collect(),
+    }
+}
+
 fn voyage() -> Voyage {
     Voyage {
         lattice: PlanLattice {
@@ -125,6 +142,17 @@ fn voyage() -> Voyage {
             left_area: 0,
             clearance_quantiles_m: [0.0, 12.5, 60.0],
             aground_open_loop: 17,
+        },
+        passage: Passage {
+            departure: Some("2026-06-01T08:00:00Z".to_owned()),
+            tide: Some(Tide { slot_s: 3600.0, level_m: -0.4, stream_m_s: [0.1, 0.0], spread_m_s: 0.05 }),
+            longitude_deg: 24.95,
+            latitude_deg: 60.148,
+            before: Vec::new(),
+            legs: vec![
+                passage_leg("straight", 90.0, Some(212.4), &[]),
+                passage_leg("steep (mirrored)", 290.0, None, &["turn-starboard"]),
+            ],
         },
         information: Information {
             predicted_log_det: Some(62.9),

@@ -104,9 +104,23 @@ fn the_maneuver_sheet_tells_the_crew_in_their_own_units() {
         ],
     );
     let html = rendered(&study).html;
-    assert_eq!(html.matches("<tr class=\"informative\">").count(), 2);
+    assert_eq!(html.matches("<tr class=\"informative\">").count(), 3, "two in the sheet, one in the passage");
     assert!(html.contains("style=\"border-color:#0072B2\">1</span>"));
     assert!(html.contains("style=\"border-color:#D55E00\">2</span>"));
+}
+
+#[test]
+fn the_passage_plan_tells_the_bridge() {
+    holds(
+        &text(&mock_plan::study()),
+        &[
+            "Passage plan",
+            "Times count from the departure at 2026-06-01T08:00:00Z.",
+            "Charted depths count with a tide of −0.400 m, its least over the 60 min 00 s of the slot.",
+            "036° 0.25 2.9 00:01:30 13 41 213 straight",
+            "036° 0.25 2.9 00:04:50 13 41 – steep (mirrored), turn-starboard",
+        ],
+    );
 }
 
 #[test]

@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use crate::cli::{Common, budget, given};
 use crate::failure::Failure;
-use crate::plan::{Limits, MAIN, VoyageFiles, plan_problem, plan_voyage};
+use crate::plan::{Limits, MAIN, VoyageFiles, Wanted, plan_problem, plan_voyage};
 use crate::stage::{Summary, Task};
 use clap::{Parser, ValueEnum};
 use lattice::{Engine, Options};
@@ -41,6 +41,9 @@ pub struct Arguments {
     /// Write a plan whose check runs aground or breaks the margin, too; every output is labelled as unsafe
     #[arg(long)]
     allow_unsafe: bool,
+    /// Write the lattice problem that was solved, too: for other solvers, and for --problem
+    #[arg(long, value_name = "problem.json", conflicts_with = "problem")]
+    export_problem: Option<PathBuf>,
     /// How to search
     #[arg(long, value_enum, default_value_t = EngineChoice::Auto)]
     engine: EngineChoice,
@@ -88,8 +91,10 @@ impl Task for Arguments {
         };
         let inputs = [files.vessel, files.config, files.trajectories].into_iter().chain(files.design);
         let out = common.main_output(MAIN, inputs)?;
-        let provenance = common.provenance("plan");
-        plan_voyage(&files, &out, &limits, common.seed.unwrap_or(1), self.allow_unsafe, provenance)
+        let (provenance, seed) = (common.provenance("plan"), common.seed.unwrap_or(1));
+        let wanted =
+            Wanted { out: &out, problem: self.export_problem.as_deref(), unsafe_too: self.allow_unsafe };
+        plan_voyage(&files, &wanted, &limits, seed, provenance)
     }
 }
 

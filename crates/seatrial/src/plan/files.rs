@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use artifact::Provenance;
 use study::documents::DesignDocument;
 use study::files::read_vessel;
-use study::plan::{PlanFile, read_charts};
+use study::plan::{PlanFile, in_tide, read_charts};
 use trial::voyage::{Brief, Shares};
 
 use crate::cli::beside;
@@ -28,7 +28,8 @@ pub struct VoyageFiles<'a> {
 pub const MAIN: &str = "plan.json";
 
 /// What is written beside `plan.json`.
-const BESIDE: [&str; 5] = ["track.parquet", "track.geojson", "route.rtz", "route.gpx", "map.svg"];
+const BESIDE: [&str; 7] =
+    ["track.parquet", "track.geojson", "route.rtz", "route.gpx", "route.kml", "route.plan", "map.svg"];
 
 impl VoyageFiles<'_> {
     /// Reads everything for a plan that is to be written to `out`.
@@ -37,6 +38,7 @@ impl VoyageFiles<'_> {
         let vessel = read_vessel(self.vessel, provenance)?.with_disturbances_held();
         let config: PlanFile = inputs::toml(self.config, "plan", provenance)?;
         let task = config.task().map_err(|e| Failure::invalid(self.config, &e))?;
+        let task = in_tide(self.config, &config, task, provenance)?;
         let dictionary = inputs::runs(self.trajectories, &vessel, provenance)?;
         let design = self.design.map(|path| inputs::document::<DesignDocument>(path, "design", provenance));
         let design = design.transpose()?.map(|d| Shares { order: d.order, share: d.shares });

@@ -9,4 +9,4 @@ mod voyage;
 pub use files::{MAIN, VoyageFiles};
 pub use limits::Limits;
 pub use problem::plan_problem;
-pub use voyage::plan_voyage;
+pub use voyage::{Wanted, plan_voyage};

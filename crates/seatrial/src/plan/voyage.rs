@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use artifact::{Provenance, Staged, commit, stage_set_document};
+use lattice::ProblemFile;
 use report::PlanMap;
 use serde_json::{Value, json};
 use study::documents::{PlanDocument, Voyage};
@@ -18,19 +19,28 @@ use crate::cli::beside;
 use crate::failure::Failure;
 use crate::stage::Summary;
 
-/// Plans a trial and writes `plan.json` to `out`; beside it `track.parquet`, `track.geojson`, `route.rtz`, `route.gpx` and
-/// `map.svg`.
+/// What is to be written.
+pub struct Wanted<'a> {
+    /// `plan.json`.
+    pub out: &'a Path,
+    /// The lattice problem that was solved.
+    pub problem: Option<&'a Path>,
+    /// Plans, too, that fail their check.
+    pub unsafe_too: bool,
+}
+
+/// Plans a trial and writes `plan.json`; beside it track, routes and map.
 ///
 /// # Errors
-/// Files that are refused; no plan, or none that passes its check unless `allow_unsafe`; output that fails.
+/// Files that are refused; no plan, or none that passes its check unless those are wanted; output that fails.
 pub fn plan_voyage(
     files: &VoyageFiles,
-    out: &Path,
+    wanted: &Wanted,
     limits: &Limits,
     seed: u64,
-    allow_unsafe: bool,
     mut provenance: Provenance,
 ) -> Result<Summary, Failure> {
+    let out = wanted.out;
     provenance.settings.insert("seed".into(), json!(seed));
     let brief = files.read(out, &mut provenance, seed)?;
     let refuse = |error| refusals::voyage(files, error);
@@ -39,12 +49,20 @@ pub fn plan_voyage(
     let prepared = Prepared::new(brief, &search).map_err(refuse)?;
     let solved = prepared.solve(&search).map_err(refuse)?;
     let sailing = prepared.sail(&solved, &search).map_err(refuse)?;
-    if !(allow_unsafe || sailing.check.safe) {
+    if !(wanted.unsafe_too || sailing.check.safe) {
         return Err(refusals::unsafe_plan(files.config, &sailing.check));
     }
+    prepared.check_slot(&sailing.sailed).map_err(refuse)?;
     let document = of_voyage(&prepared, &solved, &sailing);
     let planned = Planned { prepared: &prepared, solved: &solved, sailing: &sailing, document: &document };
-    commit(planned.stage(out, &provenance)?)?;
+    let mut staged = planned.stage(out, &provenance)?;
+    if let Some(path) = wanted.problem {
+        let cell_m = prepared.brief.task.cell_m;
+        let problem = ProblemFile::of(&solved.problem, "trial on a chart", cell_m);
+        let problem = problem.map_err(|e| Failure::invalid(files.config, &e))?;
+        staged.push(Staged::bytes(path, &serde_json::to_vec(&problem).unwrap_or_default())?);
+    }
+    commit(staged)?;
     Ok(summary(out, &document))
 }
 
@@ -78,6 +96,7 @@ impl Planned<'_> {
             document: self.document,
             voyage,
             sailed: &self.sailing.sailed,
+            sample_s: 1.0 / self.prepared.brief.vessel.sample_rate_hz,
         };
         let files = routes.files().map_err(|(name, invalid)| {
             Failure::Failed(artifact::Error::invalid(beside(out, MAIN, name), invalid).to_string())

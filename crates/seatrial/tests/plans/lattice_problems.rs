@@ -7,6 +7,7 @@ use std::path::PathBuf;
 use serde_json::{Value, json};
 use tempfile::TempDir;
 
+use crate::planned::{PLAN, small};
 use crate::support::*;
 
 pub const SOLVE: &str = "plan --problem problem.json --out plan.json";
@@ -179,4 +180,20 @@ fn a_problem_that_is_not_there_and_one_over_itself_are_told() {
         let ran = run(&folder, &format!("{SOLVE} --time-limit-s={limit}")).refuses(2, &["--time-limit-s"]);
         assert!(!folder.path().join("plan.json").exists(), "{ran}");
     }
+}
+
+#[test]
+fn law_an_exported_problem_has_the_plans_cost() {
+    let folder = small();
+    run(&folder, &format!("{PLAN} --export-problem problem.json")).succeeds();
+    let planned = json(&folder, "plan.json");
+    run(&folder, "plan --problem problem.json --out again.json").succeeds();
+    let again = json(&folder, "again.json");
+    assert_eq!(again["data"]["status"], "optimal");
+    assert_eq!(
+        (&again["data"]["cost"], &again["data"]["counts"]),
+        (&planned["data"]["cost"], &planned["data"]["counts"])
+    );
+    let both = run(&folder, "plan --problem problem.json --export-problem other.json --out x.json");
+    assert!(both.code == Some(2), "{both}");
 }

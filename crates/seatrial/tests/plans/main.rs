@@ -21,5 +21,6 @@ mod routes;
 mod safety;
 mod same_bytes;
 mod sea;
+mod tide;
 mod time_limits;
 mod waters;

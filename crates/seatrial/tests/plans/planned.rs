@@ -14,8 +14,16 @@ pub const PLAN: &str =
     "plan --vessel vessel.toml --trajectories dictionary.parquet --config plan.toml --out plan.json";
 
 /// What `plan` writes.
-pub const PLANNED: [&str; 6] =
-    ["plan.json", "track.parquet", "track.geojson", "route.rtz", "route.gpx", "map.svg"];
+pub const PLANNED: [&str; 8] = [
+    "plan.json",
+    "track.parquet",
+    "track.geojson",
+    "route.rtz",
+    "route.gpx",
+    "route.kml",
+    "route.plan",
+    "map.svg",
+];
 
 /// A plan of two maneuvers around an island, in a moment.
 pub const SMALL: &str = r#"cell_m = 120.0

@@ -4,6 +4,7 @@ use geojson::{FeatureCollection, GeometryValue};
 
 use crate::geometry::local_m;
 use crate::planned::*;
+use crate::support::*;
 use crate::xml::{Element, read};
 
 fn all() -> [&'static Planned; 3] {
@@ -24,21 +25,99 @@ fn metres(a: [f64; 2], b: [f64; 2]) -> f64 {
     x.hypot(y)
 }
 
-/// The nodes of the plan, without repetition, and where the track ends.
+/// The waypoints of the passage that the plan tells.
 fn waypoints(planned: &Planned) -> Vec<[f64; 2]> {
-    let number = |leg: &serde_json::Value, key: &str| leg[key].as_f64().unwrap();
-    let nodes = planned.legs().iter().map(|l| [number(l, "longitude_deg"), number(l, "latitude_deg")]);
-    let mut places: Vec<[f64; 2]> = nodes.collect();
-    places.dedup_by(|a, b| metres(*a, *b) < 1.0);
-    let end = *planned.track.place.last().unwrap();
-    if metres(places[places.len() - 1], end) >= 1.0 {
-        places.push(end);
-    }
-    places
+    let passage = &planned.plan["voyage"]["passage"];
+    let place = |own: &serde_json::Value| [number(own, "longitude_deg"), number(own, "latitude_deg")];
+    let legs = passage["legs"].as_array().unwrap().iter();
+    std::iter::once(place(passage)).chain(legs.map(place)).collect()
+}
+
+fn number(own: &serde_json::Value, key: &str) -> f64 {
+    own[key].as_f64().unwrap()
 }
 
 #[test]
-fn the_rtz_route_keeps_the_rules_of_version_1_0_and_passes_the_nodes() {
+fn law_the_passage_goes_from_node_to_node_and_turns_between_them() {
+    for planned in all() {
+        let places = waypoints(planned);
+        let passage = planned.plan["voyage"]["passage"]["legs"].as_array().unwrap();
+        let nodes: Vec<[f64; 2]> = planned
+            .legs()
+            .iter()
+            .map(|leg| [number(leg, "longitude_deg"), number(leg, "latitude_deg")])
+            .chain([*planned.track.place.last().unwrap()])
+            .collect();
+        let is_node = |place: [f64; 2]| nodes.iter().any(|node| metres(*node, place) < 30.0);
+        assert!(is_node(places[0]));
+        for (leg, place) in passage.iter().zip(&places[1..]) {
+            assert!(is_node(*place) || leg["turn_radius_m"].is_number(), "{leg}");
+        }
+        // Every maneuver that goes somewhere stands in the passage, in the order of the plan.
+        let told: Vec<&str> = passage
+            .iter()
+            .flat_map(|leg| leg["then"].as_array().unwrap().iter().rev().chain([&leg["what"]]))
+            .map(|what| what.as_str().unwrap())
+            .collect();
+        for leg in planned.legs().iter().filter(|leg| leg["informative"] == true) {
+            let name = leg["name"].as_str().unwrap();
+            let before = planned.plan["voyage"]["passage"]["before"].to_string();
+            assert!(told.iter().any(|what| what.starts_with(name)) || before.contains(name), "{name}");
+        }
+        let end = number(&planned.plan["voyage"], "duration_s");
+        let last = passage.last().unwrap();
+        let left = end - number(last, "end_s");
+        assert!(left.abs() < 1e-9 || left > 0.0 && !last["then"].as_array().unwrap().is_empty(), "{left}");
+        assert!(passage.windows(2).all(|pair| number(&pair[0], "end_s") <= number(&pair[1], "end_s")));
+    }
+}
+
+#[test]
+fn law_the_track_keeps_within_the_cross_track_distances() {
+    for planned in all() {
+        let places = waypoints(planned);
+        let passage = planned.plan["voyage"]["passage"]["legs"].as_array().unwrap();
+        for place in &planned.track.place {
+            // Within the corridor of some leg: beside it, or off one of its ends.
+            let within = places.windows(2).zip(passage).any(|(ends, leg)| {
+                let ([x, y], [to_x, to_y]) = (local_m(ends[0], *place), local_m(ends[0], ends[1]));
+                let length = to_x.hypot(to_y);
+                let along = (x * to_x + y * to_y) / length;
+                // To starboard: east of a course to the north.
+                let across = (x * to_y - y * to_x) / length;
+                let limit = number(leg, if across > 0.0 { "xtd_starboard_m" } else { "xtd_port_m" });
+                across.abs() <= limit + 0.5 && along > -600.0 && along < length + 600.0
+            });
+            assert!(within, "{place:?}");
+        }
+    }
+}
+
+#[test]
+fn a_departure_gives_routes_their_times_of_day() {
+    let planned = plan_small(&[("headings = 4", "headings = 4\ndeparture = \"2026-06-01T11:00:00+03:00\"")]);
+    assert_eq!(planned.plan["voyage"]["passage"]["departure"], "2026-06-01T08:00:00Z");
+    let root = read(planned.text("route.rtz"));
+    let times = root.one("schedules").one("schedule").one("calculated").all("sheduleElement");
+    assert_eq!(times[0].get("etd"), Some("2026-06-01T08:00:00Z"));
+    assert!(times[1..].windows(2).all(|pair| pair[0].get("eta").unwrap() <= pair[1].get("eta").unwrap()));
+    let gpx = read(planned.text("route.gpx"));
+    let track = gpx.one("trk").one("trkseg").all("trkpt");
+    assert_eq!(track[0].one("time").text, "2026-06-01T08:00:00Z");
+    assert!(planned.text("route.kml").contains("<begin>2026-06-01T08:"));
+}
+
+#[test]
+fn a_departure_that_is_no_time_is_refused() {
+    for wrong in ["2026-06-01T08:00:00", "tomorrow", "2026-06-31T08:00:00Z"] {
+        let folder = small_with(&[("headings = 4", &format!("headings = 4\ndeparture = \"{wrong}\""))]);
+        run(&folder, PLAN).refuses(3, &["plan.toml", "departure", wrong, "2026-06-01T08:00:00Z"]);
+        assert!(!folder.path().join("plan.json").exists());
+    }
+}
+
+#[test]
+fn the_rtz_route_keeps_the_rules_of_version_1_0_and_passes_the_waypoints() {
     for planned in all() {
         let root = read(planned.text("route.rtz"));
         assert_eq!((root.name.as_str(), root.get("version")), ("route", Some("1.0")));

@@ -12,6 +12,7 @@ mod found;
 mod ingest;
 mod model;
 mod moments;
+mod passage;
 mod plan;
 mod reference;
 mod refined;
@@ -58,6 +59,7 @@ pub use ingest::{
 };
 pub use model::{ModelChannel, ModelDegree, ModelDocument, ModelInput, ModelParameter};
 pub use moments::MomentsDocument;
+pub use passage::{Passage, PassageLeg};
 pub use plan::{
     CostUnit, PlanDocument, PlanLattice, PlanPose, PlanStatus, PlanStep, Primitive, SecondaryCost, Voyage,
     VoyageLeg,

@@ -1,5 +1,6 @@
 use std::collections::BTreeMap;
 
+use super::passage::Passage;
 use artifact::{Document, Units};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -119,6 +120,8 @@ pub struct Voyage {
     pub informative_s: f64,
     /// The simulated plan against the chart.
     pub check: Check,
+    /// The same from waypoint to waypoint.
+    pub passage: Passage,
     /// Information of what is sailed against what the counts promise.
     pub information: Information,
     /// Fewer uses for less time: the counts that no others beat, cheapest first. Empty where the search was not exhaustive.

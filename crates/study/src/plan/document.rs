@@ -6,6 +6,7 @@ use lattice::{Pose, Problem, Solution, Status, Step};
 use trial::voyage::{Check, Prepared, Sailing, Solved};
 
 use super::legs::Legs;
+use super::passage::Layout;
 use crate::documents::{CostUnit, PlanDocument, PlanPose, PlanStatus, PlanStep, SecondaryCost, Voyage};
 
 /// The plan of a lattice problem.
@@ -105,6 +106,7 @@ fn voyage(prepared: &Prepared, solved: &Solved, sailing: &Sailing) -> Voyage {
         duration_s: samples.len() as f64 / rate_hz,
         informative_s: samples.iter().filter(|s| s.informative).count() as f64 / rate_hz,
         check: sailing.check.clone(),
+        passage: Layout { prepared, solved, sailing }.passage(),
         information: sailing.information.clone(),
         front: solved.front.clone(),
     }

@@ -42,6 +42,10 @@ pub struct PlanFile {
     pub maneuver: Vec<ManeuverUse>,
     /// Time in informative maneuvers, for counts that follow from the design's shares \[s\].
     pub informative_s: Option<f64>,
+    /// When the trial begins, as `2026-06-01T08:00:00Z` or with an offset; without it nothing has times of day.
+    pub departure: Option<String>,
+    /// Level and stream of the water over time.
+    pub tide: Option<TideSpec>,
     /// Where the trial begins.
     pub start: Place,
     /// Where it may end.
@@ -90,6 +94,17 @@ pub enum ChartKind {
     Depth,
     /// A grid of elevations, negative down.
     Elevation,
+}
+
+/// A table of tides, and when the trial has to be over.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TideSpec {
+    /// CSV with the columns `time` (as `departure`), `level_m` over the chart's datum, and `stream_m_s`, `towards_deg` where the
+    /// stream is known; relative to this file.
+    pub file: PathBuf,
+    /// When the trial has to be over.
+    pub until: String,
 }
 
 /// A current, by where it sets.

@@ -5,10 +5,13 @@ mod check;
 mod document;
 mod file;
 mod legs;
+mod passage;
 mod routes;
 mod task;
+mod tide;
 
 pub use charts::read_charts;
 pub use document::{of_problem, of_voyage};
-pub use file::{ApproachSpec, ChartKind, ChartSpec, KnownCurrent, PlanFile};
+pub use file::{ApproachSpec, ChartKind, ChartSpec, KnownCurrent, PlanFile, TideSpec};
 pub use routes::Routes;
+pub use tide::in_tide;

@@ -1,11 +1,11 @@
-//! The plan as files for others: GeoJSON track, RTZ and GPX route.
+//! The plan as files for others: tracks, and routes for bridges and ground stations.
 
-use chart::route::{Feature, Geometry, Route, Track, Waypoint, geojson, gpx, rtz};
+use chart::route::{Feature, Geometry, Route, Track, Waypoint, geojson, gpx, kml, qgroundcontrol, rtz};
 use chart::{Invalid, Plane};
 use serde_json::{Value, json};
 use trial::{Sailed, Sample, Side};
 
-use crate::documents::{PlanDocument, Voyage, VoyageLeg};
+use crate::documents::{Passage, PlanDocument, Voyage, VoyageLeg};
 
 /// A plan's track on the globe.
 pub struct Routes<'a> {
@@ -17,20 +17,25 @@ pub struct Routes<'a> {
     pub voyage: &'a Voyage,
     /// What was sailed.
     pub sailed: &'a Sailed,
+    /// Time from sample to sample \[s\].
+    pub sample_s: f64,
 }
 
 impl Routes<'_> {
-    /// Names and contents of `track.geojson`, `route.rtz` and `route.gpx`.
+    /// Names and contents of the files for bridges and maps.
     ///
     /// # Errors
     /// A route that the format cannot hold, with the name of its file.
     pub fn files(&self) -> Result<Vec<(&'static str, String)>, (&'static str, Invalid)> {
-        let mut route = Route { name: self.labelled("route"), waypoints: self.waypoints() };
+        let departure = self.voyage.passage.departure.as_deref().and_then(|at| at.parse().ok());
+        let mut route = Route { name: self.labelled("route"), departure, waypoints: self.waypoints() };
         route.fit_radii();
         let files = [
             ("track.geojson", geojson(&self.features())),
             ("route.rtz", rtz(&route)),
             ("route.gpx", gpx(&route, &[self.track()])),
+            ("route.kml", kml(&route, &self.tracks())),
+            ("route.plan", qgroundcontrol(&route)),
         ];
         let named = |(name, text): (&'static str, Result<String, Invalid>)| match text {
             Ok(text) => Ok((name, text)),
@@ -67,45 +72,31 @@ impl Routes<'_> {
         self.sailed.ends.last().map_or([0.0; 2], |(pose, _)| self.position([pose.y, pose.x]))
     }
 
-    /// The nodes that the plan passes, each where the course or what is done may change.
+    /// The waypoints of the passage.
     fn waypoints(&self) -> Vec<Waypoint> {
-        let mut waypoints: Vec<Waypoint> = Vec::new();
-        let legs = &self.voyage.legs;
-        let after =
-            |k: usize| legs.get(k + 1).map_or(self.end(), |leg| [leg.longitude_deg, leg.latitude_deg]);
-        if let Some(first) = legs.first() {
-            waypoints.push(Waypoint {
-                name: "start".to_owned(),
-                lon_deg: first.longitude_deg,
-                lat_deg: first.latitude_deg,
-                ..Waypoint::default()
-            });
-        }
-        for (k, leg) in legs.iter().enumerate() {
-            let [lon_deg, lat_deg] = after(k);
-            let from = waypoints.last().map_or([0.0; 2], |w| [w.lon_deg, w.lat_deg]);
-            let way = geodesic(self.plane, from, [lon_deg, lat_deg]);
-            if way < 1.0 {
-                // Turns on the spot and maneuvers that end where they began are told at the waypoint itself.
-                if let Some(last) = waypoints.last_mut() {
-                    let so_far =
-                        if last.note.is_empty() { String::new() } else { format!("{}, ", last.note) };
-                    last.note = so_far + &self.what(leg);
-                }
-                continue;
-            }
-            let id = waypoints.len() as u32;
-            waypoints.push(Waypoint {
-                id,
-                name: format!("{id}"),
-                lon_deg,
-                lat_deg,
-                turn_radius_m: Some(way / 4.0),
-                // A leg that is over as soon as it begins has no speed.
-                speed_m_s: (leg.duration_s > 0.0).then(|| (way / leg.duration_s).max(0.01)),
-                note: self.what(leg),
-            });
-        }
+        let Passage { longitude_deg, latitude_deg, before, legs, .. } = &self.voyage.passage;
+        let label = if self.voyage.check.safe { "" } else { "unsafe plan: " };
+        let first = Waypoint {
+            name: "start".to_owned(),
+            lon_deg: *longitude_deg,
+            lat_deg: *latitude_deg,
+            time_s: Some(0.0),
+            note: noted(label, before),
+            ..Waypoint::default()
+        };
+        let later = legs.iter().enumerate().map(|(index, leg)| Waypoint {
+            id: index as u32 + 1,
+            name: (index + 1).to_string(),
+            lon_deg: leg.longitude_deg,
+            lat_deg: leg.latitude_deg,
+            turn_radius_m: leg.turn_radius_m,
+            // A leg that is over as soon as it begins has no speed.
+            speed_m_s: Some(leg.speed_m_s).filter(|speed| *speed > 0.0),
+            xtd_m: Some([leg.xtd_port_m, leg.xtd_starboard_m]),
+            time_s: Some(leg.end_s),
+            note: noted(label, std::iter::once(&leg.what).chain(&leg.then)),
+        });
+        let mut waypoints: Vec<Waypoint> = std::iter::once(first).chain(later).collect();
         if waypoints.len() == 1 {
             // A trial that stays at its node still needs a leg: to where it strays farthest.
             let from = [waypoints[0].lon_deg, waypoints[0].lat_deg];
@@ -120,16 +111,35 @@ impl Routes<'_> {
 
     fn track(&self) -> Track {
         let points = self.sailed.samples.iter().map(|s| self.place(s)).chain([self.end()]);
-        Track { name: self.labelled("planned track"), points: points.collect() }
+        let clock_s = [0.0, self.sample_s];
+        Track { name: self.labelled("planned track"), points: points.collect(), clock_s }
+    }
+
+    /// A track per leg, for maps in which each has its name.
+    fn tracks(&self) -> Vec<Track> {
+        let legs = self.voyage.legs.iter().enumerate();
+        let track = |(k, leg): (usize, &VoyageLeg)| Track {
+            name: format!("{} {}", k + 1, self.what(leg)),
+            points: self.line(k),
+            clock_s: [leg.start_s, self.sample_s],
+        };
+        legs.map(track).filter(|track| track.points.len() > 1).collect()
+    }
+
+    /// The track of step `k`, up to where the next one begins.
+    fn line(&self, k: usize) -> Vec<[f64; 2]> {
+        let samples = &self.sailed.samples;
+        let own = samples.iter().skip_while(|s| s.leg != k).take_while(|s| s.leg == k);
+        let mut line: Vec<[f64; 2]> = own.map(|s| self.place(s)).collect();
+        line.push(samples.iter().find(|s| s.leg == k + 1).map_or(self.end(), |s| self.place(s)));
+        line
     }
 
     fn features(&self) -> Vec<Feature> {
         let mut features = Vec::new();
         let samples = &self.sailed.samples;
         for (k, (step, leg)) in self.document.steps.iter().zip(&self.voyage.legs).enumerate() {
-            let own = samples.iter().skip_while(|s| s.leg != k).take_while(|s| s.leg == k);
-            let mut line: Vec<[f64; 2]> = own.map(|s| self.place(s)).collect();
-            line.push(samples.iter().find(|s| s.leg == k + 1).map_or(self.end(), |s| self.place(s)));
+            let line = self.line(k);
             if line.len() < 2 {
                 continue;
             }
@@ -160,6 +170,12 @@ impl Routes<'_> {
         }
         features
     }
+}
+
+/// What is done, in words; of an unsafe plan each says so.
+fn noted<'a>(label: &str, what: impl IntoIterator<Item = &'a String>) -> String {
+    let what: Vec<String> = what.into_iter().map(|what| format!("{label}{what}")).collect();
+    what.join(", ")
 }
 
 fn geodesic(plane: &Plane, a: [f64; 2], b: [f64; 2]) -> f64 {

@@ -1,5 +1,6 @@
 //! What `plan.toml` asks, as the science takes it.
 
+use chart::route::Timestamp;
 use trial::Approach;
 use trial::voyage::Task;
 use vessel::Invalid;
@@ -27,11 +28,22 @@ impl PlanFile {
             modes: self.speed_mode.clone(),
             maneuvers: self.maneuver.clone(),
             informative_s: self.informative_s,
+            departure: self.departure.as_deref().map(|at| second("departure", at)).transpose()?,
             start: self.start.clone(),
             goal: self.goal.clone(),
             cost: self.cost,
+            tide: None,
         })
     }
+}
+
+/// A time of day with its offset, the value of `key`, as seconds since 1970 in UTC.
+pub(super) fn second(key: &str, text: &str) -> Result<i64, Invalid> {
+    let refused = |_| {
+        let expected = "date, time and offset, such as 2026-06-01T08:00:00Z or 2026-06-01T11:00:00+03:00";
+        Invalid::new(format!("`{key}`"), format!("`{text}`"), expected, "write it so")
+    };
+    text.parse::<Timestamp>().map(Timestamp::as_second).map_err(refused)
 }
 
 impl KnownCurrent {

@@ -22,6 +22,7 @@ mod script;
 mod search;
 mod solve;
 mod task;
+mod tide;
 mod waters;
 
 pub use check::Check;
@@ -41,4 +42,5 @@ pub use solve::Solved;
 pub use task::{
     Area, Brief, CostRule, Goal, Hull, ManeuverUse, Place, Primary, Safety, Secondary, Shares, Task,
 };
+pub use tide::{Tide, TideRow};
 pub use waters::Waters;

@@ -7,7 +7,9 @@ use super::prepared::Prepared;
 use super::script::Script;
 use super::search::Search;
 use super::solve::Solved;
+use super::tide::Tide;
 use crate::Sailed;
+use vessel::Invalid;
 
 /// A plan as sailed in simulation.
 #[derive(Clone, Debug)]
@@ -49,5 +51,25 @@ impl Prepared {
             start: self.grid.pose(start.i, start.j, level),
             speed_m_s: self.grid.modes[mode].speed_m_s,
         }
+    }
+}
+
+impl Prepared {
+    /// Refuses a trial that lasts longer than its slot.
+    ///
+    /// # Errors
+    /// Such a trial.
+    pub fn check_slot(&self, sailed: &Sailed) -> Result<(), VoyageError> {
+        let Some(Tide { slot_s, .. }) = self.brief.task.tide else { return Ok(()) };
+        let lasts_s = sailed.samples.len() as f64 / self.brief.vessel.sample_rate_hz;
+        if lasts_s <= slot_s {
+            return Ok(());
+        }
+        Err(VoyageError::NoAnswer(Invalid::new(
+            "`tide.until`",
+            format!("a slot of {slot_s:.0} s"),
+            format!("{lasts_s:.0} s or more, which the plan takes"),
+            "begin earlier, ask for fewer maneuvers, or minimise `seconds`",
+        )))
     }
 }

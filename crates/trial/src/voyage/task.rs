@@ -6,6 +6,7 @@ use chart::Layer;
 use serde::{Deserialize, Serialize};
 use vessel::{Run, Vessel};
 
+use super::tide::Tide;
 use crate::{Approach, Handling, Mode};
 
 /// What a voyage is planned from.
@@ -63,12 +64,30 @@ pub struct Task {
     pub maneuvers: Vec<ManeuverUse>,
     /// Time in informative maneuvers, for counts that follow from the design's shares \[s\].
     pub informative_s: Option<f64>,
+    /// When the trial begins \[s since 1970, UTC\], where it is known.
+    pub departure: Option<i64>,
     /// Where the trial begins.
     pub start: Place,
     /// Where it may end.
     pub goal: Goal,
     /// What is minimised.
     pub cost: CostRule,
+    /// The tide, which depths and currents count with already.
+    pub tide: Option<Tide>,
+}
+
+impl Task {
+    /// The same task in a tide.
+    pub fn with_tide(mut self, tide: Tide) -> Self {
+        self.safety.transit_depth_m -= tide.level_m;
+        self.safety.trial_depth_m -= tide.level_m;
+        self.safety.unknown_current_m_s += tide.spread_m_s;
+        for (own, stream) in self.known_current_m_s.iter_mut().zip(tide.stream_m_s) {
+            *own += stream;
+        }
+        self.tide = Some(tide);
+        self
+    }
 }
 
 /// Corners of the lattice in degrees.

@@ -6,3 +6,4 @@ mod legs;
 mod moments;
 mod pieces;
 mod rounds;
+mod tide;

@@ -1,0 +1,52 @@
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use trial::voyage::Tide;
+
+/// The voyage as a bridge plans it: courses from waypoint to waypoint. Straight moves on one course are one leg; a turn under
+/// way is a waypoint where its two courses cross.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Passage {
+    /// When the trial begins, in UTC; absent where `plan.toml` does not say.
+    pub departure: Option<String>,
+    /// The tide that the plan counts with; absent without a table.
+    pub tide: Option<Tide>,
+    /// Longitude of the first waypoint.
+    pub longitude_deg: f64,
+    /// Latitude of the first waypoint.
+    pub latitude_deg: f64,
+    /// What is done at the first waypoint before going on.
+    pub before: Vec<String>,
+    /// In the order of sailing.
+    pub legs: Vec<PassageLeg>,
+}
+
+/// A leg of the passage.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct PassageLeg {
+    /// What is done on it.
+    pub what: String,
+    /// Whether an informative maneuver is run on it.
+    pub informative: bool,
+    /// Longitude of the waypoint where it ends.
+    pub longitude_deg: f64,
+    /// Latitude of that waypoint.
+    pub latitude_deg: f64,
+    /// Course along the loxodrome, true.
+    pub course_deg: f64,
+    /// Distance between the waypoints \[m\].
+    pub distance_m: f64,
+    /// Mean speed over ground along the simulated track \[m/s\].
+    pub speed_m_s: f64,
+    /// When the ship is at its waypoint, after the departure \[s\].
+    pub end_s: f64,
+    /// Radius of the ship's turn onto the next leg \[m\]; absent where it does not turn under way.
+    pub turn_radius_m: Option<f64>,
+    /// Farthest to port of the line between the waypoints, of the nominal track and those of the check that are kept \[m\].
+    pub xtd_port_m: f64,
+    /// Farthest to starboard \[m\].
+    pub xtd_starboard_m: f64,
+    /// What is done at its waypoint before going on, such as a turn on the spot.
+    pub then: Vec<String>,
+}

@@ -1,0 +1,231 @@
+//! The passage of a plan: the simulated tracks against the lines that a bridge draws.
+
+use std::ops::Range;
+
+use chart::route::{Route, Timestamp, Waypoint};
+use trial::voyage::{Prepared, Sailing, Solved};
+use trial::{Phase, Side};
+
+use crate::documents::{Passage, PassageLeg};
+
+/// Waypoints that are nearer than this are one \[m\].
+const ONE_PLACE_M: f64 = 1.0;
+/// Courses that differ by less are one \[rad\].
+const ONE_COURSE_RAD: f64 = 1e-6;
+
+/// A leg of the passage while it is laid out; places are north and east \[m\].
+struct Stretch {
+    what: String,
+    informative: bool,
+    /// Whether it may be lengthened.
+    straight: bool,
+    /// Steps of the plan that are sailed on it, some of them in part, and those at its waypoint.
+    steps: Range<usize>,
+    from: [f64; 2],
+    to: [f64; 2],
+    turn_radius_m: Option<f64>,
+    /// Samples of the nominal track.
+    samples: Range<usize>,
+    then: Vec<String>,
+}
+
+/// Lays out the passage of a plan as sailed.
+pub(super) struct Layout<'a> {
+    pub prepared: &'a Prepared,
+    pub solved: &'a Solved,
+    pub sailing: &'a Sailing,
+}
+
+impl Layout<'_> {
+    pub(super) fn passage(&self) -> Passage {
+        let mut before = Vec::new();
+        let stretches = self.stretches(&mut before);
+        let start = self.solved.solution.steps.first().map_or([0.0; 2], |step| self.prepared.node(step.from));
+        let (longitude_deg, latitude_deg) = self.geographic(start);
+        let mut legs: Vec<PassageLeg> = stretches.iter().map(|stretch| self.leg(stretch)).collect();
+        for ([port, starboard], leg) in self.strayed(&stretches).into_iter().zip(&mut legs) {
+            (leg.xtd_port_m, leg.xtd_starboard_m) = (port, starboard);
+        }
+        let departure = self.prepared.brief.task.departure.and_then(|at| Timestamp::from_second(at).ok());
+        let departure = departure.map(|at| at.to_string());
+        let tide = self.prepared.brief.task.tide;
+        Passage { departure, tide, longitude_deg, latitude_deg, before, legs }
+    }
+
+    fn geographic(&self, [north, east]: [f64; 2]) -> (f64, f64) {
+        self.prepared.chart.plane().to_geographic([east, north])
+    }
+
+    /// What the steps come to. Steps that end where they begin are told at the waypoint: at the first one in `before`.
+    fn stretches(&self, before: &mut Vec<String>) -> Vec<Stretch> {
+        let mut all: Vec<Stretch> = Vec::new();
+        let mut sample = 0;
+        for (k, step) in self.solved.solution.steps.iter().enumerate() {
+            let samples = sample..sample + self.sailing.sailed.samples.iter().filter(|s| s.leg == k).count();
+            sample = samples.end;
+            let (from, to) = (self.prepared.node(step.from), self.prepared.node(step.to));
+            let own = &self.prepared.rehearsed[self.sailing.legs[k]];
+            let side = own.leg.purpose.side();
+            let what = if side == Some(Side::Mirrored) {
+                format!("{} (mirrored)", own.name)
+            } else {
+                own.name.clone()
+            };
+            if distance(from, to) < ONE_PLACE_M {
+                // What strays from a waypoint counts for the leg that led there.
+                match all.last_mut() {
+                    Some(last) => {
+                        last.then.push(what);
+                        last.steps.end = k + 1;
+                    }
+                    None => before.push(what),
+                }
+                continue;
+            }
+            let informative = own.is_informative();
+            let straight = |what: &str, from, to, samples| Stretch {
+                what: what.to_owned(),
+                informative,
+                straight: !informative && what == STRAIGHT,
+                steps: k..k + 1,
+                from,
+                to,
+                turn_radius_m: None,
+                samples,
+                then: Vec::new(),
+            };
+            match self.corner(k).filter(|_| !informative) {
+                Some((corner, radius_m)) => {
+                    let middle = samples.start + self.nearest(&samples, corner);
+                    let mut first = straight(STRAIGHT, from, corner, samples.start..middle);
+                    first.turn_radius_m = Some(radius_m);
+                    append(&mut all, first);
+                    append(&mut all, straight(STRAIGHT, corner, to, middle..samples.end));
+                }
+                None => append(&mut all, straight(&what, from, to, samples)),
+            }
+        }
+        all
+    }
+
+    /// Where the courses at both ends of a step cross, if it turns under way, and the turn's radius.
+    fn corner(&self, k: usize) -> Option<([f64; 2], f64)> {
+        let (grid, step) = (&self.prepared.grid, &self.solved.solution.steps[k]);
+        let own = &self.prepared.rehearsed[self.sailing.legs[k]].leg;
+        let radius =
+            |phase: &Phase| if let Phase::Arc { radius_m, .. } = phase { Some(*radius_m) } else { None };
+        let radius_m = own.phases.iter().find_map(radius)?;
+        let [a, b] = [own.from, own.to].map(|layer| grid.heading_rad(grid.level_and_mode(layer).0));
+        let (from, to) = (self.prepared.node(step.from), self.prepared.node(step.to));
+        let [north, east] = [to[0] - from[0], to[1] - from[1]];
+        let ahead = (north * libm::sin(b) - east * libm::cos(b)) / libm::sin(b - a);
+        let corner = [from[0] + ahead * libm::cos(a), from[1] + ahead * libm::sin(a)];
+        let apart = distance(from, corner).min(distance(corner, to));
+        (ahead > 0.0 && apart.is_finite() && apart > ONE_PLACE_M).then_some((corner, radius_m))
+    }
+
+    /// Which of `samples` of the nominal track is nearest to `place`.
+    fn nearest(&self, samples: &Range<usize>, place: [f64; 2]) -> usize {
+        let away = self.sailing.sailed.samples[samples.clone()].iter();
+        let away = away.map(|s| distance([s.pose.x, s.pose.y], place)).enumerate();
+        away.min_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |(index, _)| index)
+    }
+
+    fn leg(&self, stretch: &Stretch) -> PassageLeg {
+        let ends = [stretch.from, stretch.to].map(|place| {
+            let (lon_deg, lat_deg) = self.geographic(place);
+            Waypoint { lon_deg, lat_deg, ..Waypoint::default() }
+        });
+        let (longitude_deg, latitude_deg) = (ends[1].lon_deg, ends[1].lat_deg);
+        let line = Route { waypoints: ends.into(), ..Route::default() };
+        let rate_hz = self.prepared.brief.vessel.sample_rate_hz;
+        PassageLeg {
+            what: stretch.what.clone(),
+            informative: stretch.informative,
+            longitude_deg,
+            latitude_deg,
+            course_deg: line.course_deg(0).unwrap_or(0.0),
+            distance_m: line.leg_m(0).unwrap_or(0.0),
+            speed_m_s: self.speed_m_s(&stretch.samples),
+            end_s: stretch.samples.end as f64 / rate_hz,
+            turn_radius_m: stretch.turn_radius_m,
+            xtd_port_m: 0.0,
+            xtd_starboard_m: 0.0,
+            then: stretch.then.clone(),
+        }
+    }
+
+    /// Mean speed along the nominal track.
+    fn speed_m_s(&self, samples: &Range<usize>) -> f64 {
+        let all = &self.sailing.sailed.samples;
+        let own = &all[samples.start..(samples.end + 1).min(all.len())];
+        let place = |s: &trial::Sample| [s.pose.x, s.pose.y];
+        let way: f64 = own.windows(2).map(|pair| distance(place(&pair[0]), place(&pair[1]))).sum();
+        let seconds = own.len().saturating_sub(1) as f64 / self.prepared.brief.vessel.sample_rate_hz;
+        if seconds > 0.0 { way / seconds } else { 0.0 }
+    }
+
+    /// How far to port and starboard of each stretch the tracks come \[m\].
+    fn strayed(&self, stretches: &[Stretch]) -> Vec<[f64; 2]> {
+        let mut strayed = vec![[0.0_f64; 2]; stretches.len()];
+        let tracks = std::iter::once(&self.sailing.sailed).chain(&self.sailing.runs);
+        for sample in tracks.flat_map(|sailed| &sailed.samples) {
+            let place = [sample.pose.x, sample.pose.y];
+            let own = stretches.iter().enumerate().filter(|(_, own)| own.steps.contains(&sample.leg));
+            let nearest = own.min_by(|a, b| a.1.away(place).total_cmp(&b.1.away(place)));
+            let nearest = nearest.or_else(|| stretches.first().map(|first| (0, first)));
+            if let Some((index, stretch)) = nearest {
+                let across = stretch.across(place);
+                let side = usize::from(across > 0.0);
+                strayed[index][side] = strayed[index][side].max(across.abs());
+            }
+        }
+        strayed
+    }
+}
+
+/// The move that goes straight ahead.
+const STRAIGHT: &str = trial::BASIC_MOVES[0];
+
+/// Appends `next`, or lengthens the last stretch by it where both go straight on one course.
+fn append(all: &mut Vec<Stretch>, next: Stretch) {
+    let Some(last) = all.last_mut() else { return all.push(next) };
+    let turned = libm::remainder(next.course() - last.course(), std::f64::consts::TAU).abs();
+    let on = last.straight && next.straight && last.turn_radius_m.is_none() && last.then.is_empty();
+    if !on || turned > ONE_COURSE_RAD {
+        return all.push(next);
+    }
+    last.to = next.to;
+    last.steps.end = next.steps.end;
+    last.samples.end = next.samples.end;
+    last.turn_radius_m = next.turn_radius_m;
+}
+
+impl Stretch {
+    fn course(&self) -> f64 {
+        libm::atan2(self.to[1] - self.from[1], self.to[0] - self.from[0])
+    }
+
+    /// Along the line and to starboard of it.
+    fn along(&self, [north, east]: [f64; 2]) -> [f64; 2] {
+        let (sin, cos) = libm::sincos(self.course());
+        let [north, east] = [north - self.from[0], east - self.from[1]];
+        [north * cos + east * sin, east * cos - north * sin]
+    }
+
+    /// To starboard of the line.
+    fn across(&self, place: [f64; 2]) -> f64 {
+        self.along(place)[1]
+    }
+
+    /// From the line between the waypoints.
+    fn away(&self, place: [f64; 2]) -> f64 {
+        let [along, across] = self.along(place);
+        let beyond = along - along.clamp(0.0, distance(self.from, self.to));
+        libm::hypot(beyond, across)
+    }
+}
+
+fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
+    libm::hypot(a[0] - b[0], a[1] - b[1])
+}
