@@ -12,6 +12,7 @@ pub mod compiler;
 pub mod failure;
 pub mod inputs;
 mod interrupted;
+pub mod limits;
 pub mod manual;
 pub mod ordered;
 pub mod pool;

@@ -12,6 +12,7 @@ mod ingest;
 mod moments;
 mod monte_carlo;
 mod plan;
+mod plan_resume;
 mod report;
 mod search;
 mod selection;
@@ -52,7 +53,7 @@ pub const VALIDATE: Stage = Stage::of::<validate::Arguments>().with(&[
 pub const SWEEP: Stage =
     Stage::group::<sweep::Arguments>(&[Stage::of::<sweep::Cells>(), Stage::of::<sweep::Collect>()]);
 /// One trajectory that uses every maneuver as often as the design wants.
-pub const PLAN: Stage = Stage::of::<plan::Arguments>();
+pub const PLAN: Stage = Stage::of::<plan::Arguments>().with(&[Stage::of::<plan_resume::Arguments>()]);
 /// Trials designed in rounds.
 pub const SEQUENTIAL: Stage = Stage::of::<sequential::Arguments>();
 /// A model for other tools.

@@ -1,6 +1,6 @@
 //! `plan`: one trajectory that uses every maneuver as often as the design wants.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use crate::cli::{Common, budget, given};
@@ -21,7 +21,7 @@ use lattice::{Engine, Options};
 )]
 pub struct Arguments {
     /// A lattice problem to solve instead of a chart (schema experiment-lattice-planning/1)
-    #[arg(long, value_name = "problem.json", conflicts_with_all = ["vessel", "trajectories", "config", "design"])]
+    #[arg(long, value_name = "problem.json", conflicts_with_all = ["vessel", "trajectories", "config", "design", "export_problem"])]
     problem: Option<PathBuf>,
     /// The vessel
     #[arg(long, visible_alias = "model", required_unless_present = "problem", value_name = "vessel.toml")]
@@ -35,6 +35,13 @@ pub struct Arguments {
     /// The design, for counts that follow from its shares
     #[arg(long, value_name = "design.json")]
     design: Option<PathBuf>,
+    #[command(flatten)]
+    how: How,
+}
+
+/// How a trial is planned.
+#[derive(clap::Args)]
+pub(super) struct How {
     /// Stop after this time, all phases counted, with the best plan so far and its gap
     #[arg(long, value_name = "SECONDS")]
     time_limit_s: Option<f64>,
@@ -42,7 +49,7 @@ pub struct Arguments {
     #[arg(long)]
     allow_unsafe: bool,
     /// Write the lattice problem that was solved, too: for other solvers, and for --problem
-    #[arg(long, value_name = "problem.json", conflicts_with = "problem")]
+    #[arg(long, value_name = "problem.json")]
     export_problem: Option<PathBuf>,
     /// How to search
     #[arg(long, value_enum, default_value_t = EngineChoice::Auto)]
@@ -61,6 +68,26 @@ enum EngineChoice {
 
 impl Task for Arguments {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
+        if let Some(problem) = &self.problem {
+            let limits = self.how.limits(common)?;
+            let out = common.main_output(MAIN, [problem])?;
+            return plan_problem(problem, &out, &limits, common.provenance("plan"));
+        }
+        let files = VoyageFiles {
+            vessel: given(&self.vessel, "vessel")?,
+            config: given(&self.config, "config")?,
+            trajectories: given(&self.trajectories, "trajectories")?,
+            design: self.design.as_deref(),
+            resumed: None,
+        };
+        let inputs = [files.vessel, files.config, files.trajectories].into_iter().chain(files.design);
+        let out = common.main_output(MAIN, inputs)?;
+        self.how.plan(&files, &out, common, "plan")
+    }
+}
+
+impl How {
+    fn limits(&self, common: &Common) -> Result<Limits, Failure> {
         let time = match self.time_limit_s {
             Some(s) if !(s.is_finite() && s > 0.0 && s < 1e9) => {
                 let message = format!("--time-limit-s: found {s}, expected seconds above 0; correct it");
@@ -68,7 +95,7 @@ impl Task for Arguments {
             }
             time => time.map(Duration::from_secs_f64),
         };
-        let limits = Limits {
+        Ok(Limits {
             engine: match self.engine {
                 EngineChoice::Auto => Engine::Auto,
                 EngineChoice::Exhaustive => Engine::Exhaustive,
@@ -78,23 +105,20 @@ impl Task for Arguments {
             started: Instant::now(),
             time,
             quiet: common.quiet,
-        };
-        if let Some(problem) = &self.problem {
-            let out = common.main_output(MAIN, [problem])?;
-            return plan_problem(problem, &out, &limits, common.provenance("plan"));
-        }
-        let files = VoyageFiles {
-            vessel: given(&self.vessel, "vessel")?,
-            config: given(&self.config, "config")?,
-            trajectories: given(&self.trajectories, "trajectories")?,
-            design: self.design.as_deref(),
-        };
-        let inputs = [files.vessel, files.config, files.trajectories].into_iter().chain(files.design);
-        let out = common.main_output(MAIN, inputs)?;
-        let (provenance, seed) = (common.provenance("plan"), common.seed.unwrap_or(1));
-        let wanted =
-            Wanted { out: &out, problem: self.export_problem.as_deref(), unsafe_too: self.allow_unsafe };
-        plan_voyage(&files, &wanted, &limits, seed, provenance)
+        })
+    }
+
+    /// Plans a trial on a chart.
+    pub(super) fn plan(
+        &self,
+        files: &VoyageFiles,
+        out: &Path,
+        common: &Common,
+        stage: &str,
+    ) -> Result<Summary, Failure> {
+        let (limits, seed) = (self.limits(common)?, common.seed.unwrap_or(1));
+        let wanted = Wanted { out, problem: self.export_problem.as_deref(), unsafe_too: self.allow_unsafe };
+        plan_voyage(files, &wanted, &limits, seed, common.provenance(stage))
     }
 }
 

@@ -3,10 +3,10 @@
 use std::path::{Path, PathBuf};
 
 use artifact::Provenance;
-use study::documents::DesignDocument;
+use study::documents::{DesignDocument, PlanDocument};
 use study::files::read_vessel;
-use study::plan::{PlanFile, in_tide, read_charts};
-use trial::voyage::{Brief, Shares};
+use study::plan::{PlanFile, in_tide, read_charts, resumed};
+use trial::voyage::{Brief, Place, Shares};
 
 use crate::cli::beside;
 use crate::failure::Failure;
@@ -22,6 +22,18 @@ pub struct VoyageFiles<'a> {
     pub trajectories: &'a Path,
     /// `design.json`, for counts that follow from its shares.
     pub design: Option<&'a Path>,
+    /// The plan whose rest is wanted.
+    pub resumed: Option<Resumed<'a>>,
+}
+
+/// A plan that was begun.
+pub struct Resumed<'a> {
+    /// `plan.json`.
+    pub plan: &'a Path,
+    /// Steps that are done.
+    pub done: usize,
+    /// Where the ship is.
+    pub from: &'a Place,
 }
 
 /// What a plan is usually called.
@@ -39,6 +51,13 @@ impl VoyageFiles<'_> {
         let config: PlanFile = inputs::toml(self.config, "plan", provenance)?;
         let task = config.task().map_err(|e| Failure::invalid(self.config, &e))?;
         let task = in_tide(self.config, &config, task, provenance)?;
+        let task = match &self.resumed {
+            Some(Resumed { plan, done, from }) => {
+                let begun = inputs::document::<PlanDocument>(plan, "plan", provenance)?;
+                resumed(task, &begun, *done, (*from).clone()).map_err(|e| Failure::invalid(plan, &e))?
+            }
+            None => task,
+        };
         let dictionary = inputs::runs(self.trajectories, &vessel, provenance)?;
         let design = self.design.map(|path| inputs::document::<DesignDocument>(path, "design", provenance));
         let design = design.transpose()?.map(|d| Shares { order: d.order, share: d.shares });

@@ -8,7 +8,7 @@ use serde_json::json;
 use study::documents::{PlanDocument, PlanStatus};
 use study::plan::of_problem;
 
-use super::limits::Limits;
+use super::Limits;
 use super::refusals::{no_plan, out_of_time, too_large};
 use crate::failure::Failure;
 use crate::stage::Summary;

@@ -11,8 +11,8 @@ use study::plan::{Routes, of_voyage};
 use study::track::stage_track;
 use trial::voyage::{Prepared, Sailing, Search, Solved};
 
+use super::Limits;
 use super::files::{MAIN, VoyageFiles};
-use super::limits::Limits;
 use super::problem::known;
 use super::refusals;
 use crate::cli::beside;

@@ -17,6 +17,7 @@ mod information;
 mod lattice_problems;
 mod place_refusals;
 mod planned;
+mod resume;
 mod routes;
 mod safety;
 mod same_bytes;

@@ -33,6 +33,7 @@ impl PlanFile {
             goal: self.goal.clone(),
             cost: self.cost,
             tide: None,
+            on_node: false,
         })
     }
 }

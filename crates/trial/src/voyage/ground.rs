@@ -12,6 +12,8 @@ pub const AT_REST: &str = "at rest";
 /// few cells that nearness to obstacles is told in.
 const CHART_BEYOND_M: f64 = 1000.0;
 const CHART_BEYOND_CELLS: f64 = 5.0;
+/// Part of a cell by which a start may be off its node.
+const ON_NODE: f64 = 1e-6;
 /// Sides of an area: over longer ones lengths on a plane are off by more than a hull's length, and a map of more elongated
 /// ones shows nothing.
 const LONGEST_SIDE_M: f64 = 200e3;
@@ -29,7 +31,7 @@ impl Task {
         drift_m: f64,
     ) -> Result<(Chart, Grid), Invalid> {
         let plane = self.area.plane()?;
-        let (corner, nx, ny) = self.nodes(&plane)?;
+        let (corner, [nx, ny]) = self.on_start(&plane, self.nodes(&plane)?);
         let far = [corner[0] + nx as f64 * self.cell_m, corner[1] + ny as f64 * self.cell_m];
         let margin = self.safety.margin_m + drift_m + CHART_BEYOND_CELLS * self.cell_m + CHART_BEYOND_M;
         let bounds = Bounds::new(corner, far)?.grown(margin);
@@ -45,7 +47,7 @@ impl Task {
     }
 
     /// South-western corner of the lattice's cells (east, north) \[m\], and the numbers of nodes eastward and northward.
-    fn nodes(&self, plane: &Plane) -> Result<([f64; 2], usize, usize), Invalid> {
+    fn nodes(&self, plane: &Plane) -> Result<([f64; 2], [usize; 2]), Invalid> {
         let corners = self.area.corners().map(|[lon, lat]| plane.to_plane(lon, lat));
         let least = |k: usize| corners.iter().map(|c| c[k]).fold(f64::INFINITY, f64::min);
         let most = |k: usize| corners.iter().map(|c| c[k]).fold(f64::NEG_INFINITY, f64::max);
@@ -59,11 +61,29 @@ impl Task {
         let count = |k: usize| ((most(k) - least(k)) / self.cell_m).floor();
         let (nx, ny) = (count(0), count(1));
         if nx >= 2.0 && ny >= 2.0 && nx * ny <= 4e6 {
-            return Ok(([least(0), least(1)], nx as usize, ny as usize));
+            return Ok(([least(0), least(1)], [nx as usize, ny as usize]));
         }
         let found = format!("{nx} × {ny} nodes");
         let expected = "from 2 × 2 to four million nodes";
         Err(Invalid::new("`area` and `cell_m`", found, expected, "correct one of them"))
+    }
+
+    /// The same lattice, moved by up to half a cell where its start has to be a node; what would leave the area is cut off.
+    fn on_start(
+        &self,
+        plane: &Plane,
+        (mut corner, mut count): ([f64; 2], [usize; 2]),
+    ) -> ([f64; 2], [usize; 2]) {
+        let start = plane.to_plane(self.start.longitude_deg, self.start.latitude_deg);
+        for k in 0..2 {
+            let cells = (start[k] - corner[k]) / self.cell_m - 0.5;
+            let off = cells - cells.round();
+            if self.on_node && off.abs() > ON_NODE {
+                corner[k] += (if off < 0.0 { off + 1.0 } else { off }) * self.cell_m;
+                count[k] -= 1;
+            }
+        }
+        (corner, count)
     }
 
     /// The speed modes, slowest first; at rest first of all where the vessel can turn on the spot.

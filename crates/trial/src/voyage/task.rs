@@ -74,6 +74,8 @@ pub struct Task {
     pub cost: CostRule,
     /// The tide, which depths and currents count with already.
     pub tide: Option<Tide>,
+    /// Whether the lattice is moved so that its start is a node.
+    pub on_node: bool,
 }
 
 impl Task {

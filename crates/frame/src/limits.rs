@@ -1,4 +1,4 @@
-//! Limits of a search.
+//! Limits of a search: its engine, memory and time, and how it tells how far it is.
 
 use std::time::{Duration, Instant};
 
@@ -26,22 +26,22 @@ pub struct Limits {
 
 impl Limits {
     /// As options of the search.
-    pub(super) fn options(&self) -> Options {
+    pub fn options(&self) -> Options {
         Options { engine: self.engine, memory_bytes: self.memory_bytes, ..Options::default() }
     }
 
     /// Whether there is time left.
-    pub(super) fn go_on(&self) -> bool {
+    pub fn go_on(&self) -> bool {
         self.time.is_none_or(|time| self.started.elapsed() < time)
     }
 
     /// Limits of a search that leaves time to check what it finds.
-    pub(super) fn before_check(&self) -> Self {
+    pub fn before_check(&self) -> Self {
         Self { time: self.time.map(|time| time.mul_f64(SEARCHED)), ..*self }
     }
 
     /// A watch that stops the search when its time is over, and tells progress every few seconds.
-    pub(super) fn watch(&self) -> Watch {
+    pub fn watch(&self) -> Watch {
         let limits = *self;
         let mut told = Instant::now();
         Box::new(move |progress: Progress| {

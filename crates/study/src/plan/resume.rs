@@ -1,0 +1,70 @@
+//! The rest of a plan, from wherever the ship is.
+
+use std::collections::BTreeMap;
+
+use trial::voyage::{Goal, ManeuverUse, Place, Task};
+use vessel::Invalid;
+
+use crate::documents::PlanDocument;
+
+/// `LONGITUDE,LATITUDE,HEADING` or `LONGITUDE,LATITUDE,HEADING,MODE`, in degrees.
+///
+/// # Errors
+/// Another text, in words.
+pub fn place(text: &str) -> Result<Place, String> {
+    let cells: Vec<&str> = text.split(',').map(str::trim).collect();
+    let number = |cell: &str| cell.parse::<f64>().ok().filter(|value| value.is_finite());
+    let refused = || {
+        format!(
+            "found `{text}`, expected LONGITUDE,LATITUDE,HEADING[,MODE] in degrees, such as 24.95,60.15,45,half"
+        )
+    };
+    let (numbers, mode) = match cells.len() {
+        3 => (&cells[..], None),
+        4 => (&cells[..3], Some(cells[3].to_owned())),
+        _ => return Err(refused()),
+    };
+    let numbers: Option<Vec<f64>> = numbers.iter().map(|cell| number(cell)).collect();
+    let numbers = numbers.ok_or_else(refused)?;
+    Ok(Place { longitude_deg: numbers[0], latitude_deg: numbers[1], heading_deg: numbers[2], mode })
+}
+
+/// What is left of `task` when the first `done` steps of its `plan` are done and the ship is at `from`, which becomes a node of
+/// the lattice. Home stays where the whole trial began.
+///
+/// # Errors
+/// More steps than the plan has; a plan of which nothing is left to do.
+pub fn resumed(mut task: Task, plan: &PlanDocument, done: usize, from: Place) -> Result<Task, Invalid> {
+    if done > plan.steps.len() {
+        let expected = format!("at most {}, the steps of the plan", plan.steps.len());
+        return Err(Invalid::new("`--done`", done.to_string(), expected, "count the steps that are done"));
+    }
+    let mut left: BTreeMap<&str, u64> =
+        plan.counts.iter().map(|(name, count)| (name.as_str(), *count)).collect();
+    for step in &plan.steps[..done] {
+        if let Some(count) = left.get_mut(step.action.as_str()) {
+            *count = count.saturating_sub(1);
+        }
+    }
+    left.retain(|_, count| *count > 0);
+    if left.is_empty() {
+        let found = format!("every maneuver among the first {done} steps");
+        let remedy = "sail the plan to its end, or count the steps again";
+        return Err(Invalid::new("`--done`", found, "a maneuver that is left to do", remedy));
+    }
+    let of = |(name, count): (&str, u64)| {
+        let known = task.maneuvers.iter().find(|own| own.name == name);
+        ManeuverUse {
+            name: name.to_owned(),
+            count: Some(count.min(u64::from(u32::MAX)) as u32),
+            piece_s: known.and_then(|own| own.piece_s),
+        }
+    };
+    task.maneuvers = left.into_iter().map(of).collect();
+    if matches!(task.goal, Goal::Home {}) {
+        task.goal = Goal::Places { places: vec![task.start] };
+    }
+    task.on_node = true;
+    task.start = from;
+    Ok(task)
+}
