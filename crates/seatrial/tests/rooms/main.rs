@@ -11,7 +11,7 @@ use source::Crate;
 /// Crates from the ground up: one may use those of the rows above its own.
 const FLOORS: [&[&str]; 11] = [
     &["refusal", "numerics"],
-    &["artifact"],
+    &["artifact", "enc"],
     &["vessel", "design", "lattice", "chart"],
     &["identification", "logs", "export"],
     &["trial", "validation"],
