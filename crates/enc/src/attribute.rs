@@ -25,3 +25,7 @@ pub const VERCSA: Attribute = (184, "VERCSA");
 pub const WATLEV: Attribute = (187, "WATLEV");
 /// Quality of a position: 1 surveyed, 4 approximate, 5 doubtful, 10 precisely known, and others.
 pub const QUAPOS: Attribute = (402, "QUAPOS");
+
+/// All of these.
+pub const ALL: [Attribute; 11] =
+    [CATCOV, DRVAL1, OBJNAM, RESTRN, VALDCO, VALSOU, VERCLR, VERCCL, VERCSA, WATLEV, QUAPOS];

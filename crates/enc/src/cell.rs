@@ -125,18 +125,13 @@ impl Changes {
 
 fn read(file: &[u8]) -> Result<(Identity, Changes), Invalid> {
     let records = records(file)?;
-    let (descriptive, data) =
-        records.split_first().map_or((&[][..], &[][..]), |(d, rest)| (std::slice::from_ref(d), rest));
-    descriptive.iter().try_for_each(layout::check)?;
-    let Some(first) = data.first() else {
-        let remedy = "download or copy the file again";
-        return Err(Invalid::new(
-            "cell",
-            "no data records",
-            "an identification, nodes, edges, objects",
-            remedy,
-        ));
+    let broken = |found: &str| {
+        let expected = "an identification, nodes, edges, objects";
+        Invalid::new("cell", found, expected, "download or copy the file again")
     };
+    let (descriptive, data) = records.split_first().ok_or_else(|| broken("no records"))?;
+    layout::check(descriptive)?;
+    let first = data.first().ok_or_else(|| broken("no data records"))?;
     let (identity, structure) = identity(first)?;
     let mut changes = Changes::default();
     for record in &data[1..] {

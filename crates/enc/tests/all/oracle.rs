@@ -1,4 +1,4 @@
-//! Cells with updates, against what GDAL reads of it (`scripts/oracle_enc.py`).
+//! Cells with updates, against what GDAL reads of it (`scripts/independent/enc.py`).
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};

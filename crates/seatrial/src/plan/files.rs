@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use artifact::Provenance;
 use study::documents::DesignDocument;
+use study::documents::PlanChart;
 use study::files::read_vessel;
 use study::plan::{PlanFile, read_charts};
 use trial::voyage::{Brief, Shares};
@@ -31,8 +32,13 @@ pub const MAIN: &str = "plan.json";
 const BESIDE: [&str; 5] = ["track.parquet", "track.geojson", "route.rtz", "route.gpx", "map.svg"];
 
 impl VoyageFiles<'_> {
-    /// Reads everything for a plan that is to be written to `out`.
-    pub(super) fn read(&self, out: &Path, provenance: &mut Provenance, seed: u64) -> Result<Brief, Failure> {
+    /// Reads everything for a plan that is to be written to `out`, and what became of the objects of electronic charts.
+    pub(super) fn read(
+        &self,
+        out: &Path,
+        provenance: &mut Provenance,
+        seed: u64,
+    ) -> Result<(Brief, Vec<PlanChart>), Failure> {
         check_names(out)?;
         let vessel = read_vessel(self.vessel, provenance)?.with_disturbances_held();
         let config: PlanFile = inputs::toml(self.config, "plan", provenance)?;
@@ -40,9 +46,9 @@ impl VoyageFiles<'_> {
         let dictionary = inputs::runs(self.trajectories, &vessel, provenance)?;
         let design = self.design.map(|path| inputs::document::<DesignDocument>(path, "design", provenance));
         let design = design.transpose()?.map(|d| Shares { order: d.order, share: d.shares });
-        let layers = read_charts(self.config, &config, provenance)?;
+        let charts = read_charts(self.config, &config, provenance)?;
         self.check_inputs(&config, out)?;
-        Ok(Brief { vessel, task, layers, dictionary, design, seed })
+        Ok((Brief { vessel, task, layers: charts.layers, dictionary, design, seed }, charts.objects))
     }
 
     /// Refuses to write over an input: any of them beside `out`, and charts under its own name.

@@ -5,7 +5,7 @@ use std::path::Path;
 use artifact::{Provenance, Staged, commit, stage_set_document};
 use report::PlanMap;
 use serde_json::{Value, json};
-use study::documents::{PlanDocument, Voyage};
+use study::documents::{PlanChart, PlanDocument, Voyage};
 use study::plan::{Routes, of_voyage};
 use study::track::stage_track;
 use trial::voyage::{Prepared, Sailing, Search, Solved};
@@ -16,6 +16,7 @@ use super::problem::known;
 use super::refusals;
 use crate::cli::beside;
 use crate::failure::Failure;
+use crate::said::on_stderr;
 use crate::stage::Summary;
 
 /// Plans a trial and writes `plan.json` to `out`; beside it `track.parquet`, `track.geojson`, `route.rtz`, `route.gpx` and
@@ -32,7 +33,7 @@ pub fn plan_voyage(
     mut provenance: Provenance,
 ) -> Result<Summary, Failure> {
     provenance.settings.insert("seed".into(), json!(seed));
-    let brief = files.read(out, &mut provenance, seed)?;
+    let (brief, charts) = files.read(out, &mut provenance, seed)?;
     let refuse = |error| refusals::voyage(files, error);
     let searched = limits.before_check();
     let search = Search { options: limits.options(), watch: &|| searched.watch(), go_on: &|| limits.go_on() };
@@ -42,9 +43,11 @@ pub fn plan_voyage(
     if !(allow_unsafe || sailing.check.safe) {
         return Err(refusals::unsafe_plan(files.config, &sailing.check));
     }
-    let document = of_voyage(&prepared, &solved, &sailing);
+    let told: Vec<String> = charts.iter().map(PlanChart::told).collect();
+    let document = PlanDocument { charts, ..of_voyage(&prepared, &solved, &sailing) };
     let planned = Planned { prepared: &prepared, solved: &solved, sailing: &sailing, document: &document };
     commit(planned.stage(out, &provenance)?)?;
+    told.iter().filter(|_| !limits.quiet).for_each(|chart| on_stderr(format_args!("plan: {chart}")));
     Ok(summary(out, &document))
 }
 

@@ -1,5 +1,6 @@
 //! A plan on a chart: what `plan.toml` asks, and the files that tell the plan.
 
+mod cells;
 mod charts;
 mod check;
 mod document;
@@ -8,7 +9,7 @@ mod legs;
 mod routes;
 mod task;
 
-pub use charts::read_charts;
+pub use charts::{Charts, read_charts};
 pub use document::{of_problem, of_voyage};
 pub use file::{ApproachSpec, ChartKind, ChartSpec, KnownCurrent, PlanFile};
 pub use routes::Routes;

@@ -1,6 +1,6 @@
 """What GDAL reads of an S-57 cell with its updates: per object class counts, sums and sizes, as JSON.
 
-    python3 scripts/oracle_enc.py ../shared/data/charts/enc/US4MD81M.000 fixtures/oracle/enc.json
+    python3 scripts/independent/enc.py ../shared/data/charts/enc/US4MD81M.000 fixtures/oracle/enc.json
 
 Needs GDAL's Python bindings (Debian: python3-gdal). The cell itself is not part of the project.
 """
