@@ -5,7 +5,8 @@
 //! (0 north, clockwise) \[rad\]; longitude comes before latitude, in degrees of WGS84; depths are positive
 //! down \[m\].
 //!
-//! GDAL turns a cell of an electronic chart (S-57) into GeoJSON, one object class at a time:
+//! Objects of electronic charts (S-57) come from the crate `enc`, each judged by the rule of its class ([`RULES`]). GDAL turns
+//! a cell into GeoJSON, one object class at a time:
 //!
 //! ```text
 //! ogr2ogr -f GeoJSON depare.geojson US5WA22M.000 DEPARE

@@ -2,7 +2,8 @@
 
 use std::collections::VecDeque;
 
-use crate::topology::Place;
+/// A place in the cell's units: longitude, latitude.
+pub(crate) type Place = [i32; 2];
 
 /// An edge in its direction.
 pub(crate) struct Run {

@@ -5,11 +5,9 @@ use std::collections::BTreeMap;
 use crate::attribute::QUAPOS;
 use crate::dataset::Parameters;
 use crate::record::{EDGE, Name, Object, Pointer, Vector};
-use crate::rings::{Run, polygons, runs};
+use crate::rings::{Place, Run, polygons, runs};
 use crate::{Feature, Geometry, Invalid};
 
-/// Places in the cell's units: longitude, latitude.
-pub(crate) type Place = [i32; 2];
 const AGAINST: u8 = 2;
 const NEITHER: u8 = 255;
 const INSIDE: u8 = 2;

@@ -59,11 +59,11 @@ pub struct PlanChart {
 pub struct PlanChartClass {
     /// Objects of the class on the whole chart.
     pub objects: u64,
-    /// Of which the ship keeps out of, or judges by their depth.
+    /// Of which the ship keeps clear, or which it judges by their depth.
     pub avoided: u64,
-    /// Of which only informative maneuvers keep out of.
+    /// Of which only informative maneuvers keep clear.
     pub maneuvers_avoid: u64,
-    /// Of which have no effect.
+    /// Of which without effect.
     pub ignored: u64,
 }
 

@@ -1,13 +1,20 @@
-//! Cells of electronic charts, with the updates that stand beside them.
+//! Files of charts, and cells of electronic ones with the updates that stand beside them.
 
 use std::path::{Path, PathBuf};
 
-use artifact::{Error, Provenance};
+use artifact::{Digest, Error, Provenance};
 use chart::{PolygonLayer, Rules, Tally};
 use enc::{Cell, Feature};
 
-use super::charts::bytes;
 use crate::documents::{PlanChart, PlanChartClass};
+
+/// The bytes of a chart's file, whose digest is noted.
+pub(super) fn bytes(path: &Path, provenance: &mut Provenance) -> Result<Vec<u8>, Error> {
+    let bytes = std::fs::read(path).map_err(|e| Error::io(path, "read", e))?;
+    let name = path.file_name().map_or(String::new(), |n| n.to_string_lossy().into_owned());
+    provenance.inputs.insert(format!("chart:{name}"), Digest::of_bytes(&bytes));
+    Ok(bytes)
+}
 
 /// Whether a file is the base of a cell, by its name.
 pub(super) fn is_cell(path: &Path) -> bool {

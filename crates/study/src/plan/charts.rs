@@ -2,13 +2,13 @@
 
 use std::path::Path;
 
-use artifact::{Digest, Error, Provenance};
+use artifact::{Error, Provenance};
 use chart::{
     Crs, DANGER_M, Grid, GridDeclaration, GridKind, Invalid, Layer, LayerKind, PolygonLayer, Rules,
     objects_of_geojson,
 };
 
-use super::cells::{cell, is_cell, of_objects};
+use super::cells::{bytes, cell, is_cell, of_objects};
 use super::file::{ChartKind, ChartSpec, PlanFile};
 use crate::documents::PlanChart;
 
@@ -49,14 +49,6 @@ pub fn read_charts(
         charts.read(&folder.join(&spec.file), spec, &rules, provenance)?;
     }
     Ok(charts)
-}
-
-/// The bytes of a chart's file, whose digest is noted.
-pub(super) fn bytes(path: &Path, provenance: &mut Provenance) -> Result<Vec<u8>, Error> {
-    let bytes = std::fs::read(path).map_err(|e| Error::io(path, "read", e))?;
-    let name = path.file_name().map_or(String::new(), |n| n.to_string_lossy().into_owned());
-    provenance.inputs.insert(format!("chart:{name}"), Digest::of_bytes(&bytes));
-    Ok(bytes)
 }
 
 impl Charts {
