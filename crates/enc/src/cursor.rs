@@ -35,12 +35,7 @@ impl<'a> Cursor<'a> {
     pub(crate) fn needed(record: &Record<'a>, tag: &'static str) -> Result<Self, Invalid> {
         Self::of(record, tag).ok_or_else(|| {
             let thing = format!("record {}", record.number);
-            Invalid::new(
-                thing,
-                format!("no field {tag}"),
-                format!("{tag}"),
-                "download or copy the file again",
-            )
+            Invalid::new(thing, format!("no field {tag}"), tag, "download or copy the file again")
         })
     }
 

@@ -64,8 +64,7 @@ pub(crate) fn other_product(found: &str) -> Invalid {
 
 /// The format at the end of a field's description.
 fn format_of(described: &[u8]) -> String {
-    let parts = described.split(|b| *b == UNIT_END);
-    let last = parts.last().unwrap_or_default();
+    let last = described.rsplit(|b| *b == UNIT_END).next().unwrap_or_default();
     last.iter().filter(|b| **b != FIELD_END).map(|b| char::from(*b)).collect()
 }
 
