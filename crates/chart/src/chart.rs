@@ -71,7 +71,7 @@ impl Chart {
                             Polygon::place(area_of_file, &plane).ok_or_else(|| off_earth(area_of_file))?;
                         polygons.extend(Some(placed).filter(|p| p.bounds.meets(&area)));
                     }
-                    let around = |mark| Polygon::around(mark, layer.danger_m, &plane);
+                    let around = |mark| Polygon::around(mark, &plane);
                     polygons.extend(layer.marks.iter().flat_map(around).filter(|p| p.bounds.meets(&area)));
                 }
                 Layer::Grid(grid) => grids.extend(PlacedGrid::place(grid, &plane, &area)?),
@@ -113,6 +113,11 @@ impl Chart {
     pub fn has_depth(&self) -> bool {
         let depth = |p: &Polygon| matches!(p.class, Class::Depth { .. });
         self.polygons.iter().any(depth) || self.grids.iter().any(|g| g.has_depth)
+    }
+
+    /// Whether some of it is for getting about only, free of informative maneuvers.
+    pub fn has_transit_only(&self) -> bool {
+        self.polygons.iter().any(|p| p.class == Class::TransitOnly)
     }
 
     /// Polygons cut to `bounds`, for drawing: rings to fill by the even-odd rule. Where a cut polygon falls

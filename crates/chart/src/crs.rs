@@ -5,12 +5,12 @@ use proj4rs::transform::transform;
 
 use crate::Invalid;
 
-const KNOWN: &str = "WGS84, EPSG:4326, EPSG:32601 to 32660 and 32701 to 32760 (UTM), EPSG:3067 (TM35FIN) or a `+proj=` string";
+const KNOWN: &str = "WGS84, `EPSG:` with the code of a system (such as EPSG:32635, EPSG:3067, EPSG:25832, EPSG:3857), or a `+proj=` string";
 
 /// The coordinate reference system of a grid.
 ///
-/// ETRS89 and WGS84 are taken as one (they differ by less than a metre); datum grids (`+nadgrids`) are not
-/// read.
+/// ETRS89, NAD83 and WGS84 are taken as one (they differ by a metre or two); other datums are turned by the parameters of their
+/// definition, to a few metres. Datum grids (`+nadgrids`) are not read.
 #[derive(Clone)]
 pub struct Crs {
     name: String,
@@ -25,11 +25,11 @@ impl fmt::Debug for Crs {
 }
 
 impl Crs {
-    /// `WGS84` or `EPSG:4326` (longitude, latitude in degrees), `EPSG:326zz` and `EPSG:327zz` (UTM north
-    /// and south), `EPSG:3067` (TM35FIN), or a PROJ string.
+    /// `WGS84` (longitude, latitude in degrees), `EPSG:` and a code of the EPSG's table, or a PROJ string. Eastings and
+    /// longitudes come first, whatever order the EPSG lays down.
     ///
     /// # Errors
-    /// Any other name, naming those that are known.
+    /// Any other name; a code that the table lacks, or of a projection that is not known.
     pub fn new(name: &str) -> Result<Self, Invalid> {
         let refuse = |why: &str| {
             Invalid::new(
@@ -40,7 +40,9 @@ impl Crs {
             )
         };
         let text = definition(name.trim()).ok_or_else(|| refuse("an unknown name"))?;
-        if text.contains("nadgrids") || text.contains("geocent") {
+        // `@null` stands for no grid, as in EPSG:3857.
+        let grids = text.replace("+nadgrids=@null", "");
+        if grids.contains("nadgrids") || text.contains("geocent") {
             return Err(refuse("datum grids or geocentric coordinates"));
         }
         let own = Proj::from_proj_string(&text).map_err(|e| refuse(&e.to_string()))?;
@@ -111,11 +113,5 @@ fn definition(name: &str) -> Option<String> {
     if !authority.eq_ignore_ascii_case("EPSG") {
         return None;
     }
-    match code.parse().ok()? {
-        4326_u32 => Some("+proj=longlat +datum=WGS84".to_owned()),
-        3067 => Some("+proj=utm +zone=35 +ellps=GRS80 +towgs84=0,0,0".to_owned()),
-        code @ 32601..=32660 => Some(format!("+proj=utm +zone={} +datum=WGS84", code - 32600)),
-        code @ 32701..=32760 => Some(format!("+proj=utm +zone={} +south +datum=WGS84", code - 32700)),
-        _ => None,
-    }
+    crs_definitions::from_code(code.trim().parse().ok()?).map(|known| known.proj4.to_owned())
 }

@@ -5,7 +5,8 @@
 //! (0 north, clockwise) \[rad\]; longitude comes before latitude, in degrees of WGS84; depths are positive
 //! down \[m\].
 //!
-//! GDAL turns a cell of an electronic chart (S-57) into GeoJSON, one object class at a time:
+//! Objects of electronic charts (S-57) come from the crate `enc`, each judged by the rule of its class ([`RULES`]). GDAL turns
+//! a cell into GeoJSON, one object class at a time:
 //!
 //! ```text
 //! ogr2ogr -f GeoJSON depare.geojson US5WA22M.000 DEPARE
@@ -47,6 +48,8 @@ mod frontier;
 mod geometries;
 mod grid;
 mod grid_header;
+mod objects;
+mod objects_geojson;
 mod obstacles;
 mod occupancy;
 mod orientation;
@@ -57,6 +60,7 @@ mod polygons;
 mod raster;
 pub mod ring;
 pub mod route;
+mod rules;
 
 pub use bounds::Bounds;
 pub use causes::Causes;
@@ -65,6 +69,8 @@ pub use clip::clip_ring;
 pub use crs::Crs;
 pub use footprint::{Footprint, Run};
 pub use grid::{Grid, GridCell, GridDeclaration, GridKind};
+pub use objects::{Tallies, Tally};
+pub use objects_geojson::objects_of_geojson;
 pub use obstacles::Obstacles;
 pub use placed::Polygon;
 pub use placed_grid::PlacedGrid;
@@ -72,3 +78,4 @@ pub use plane::Plane;
 pub use polygons::{Area, Class, DANGER_M, Filter, LayerKind, Mark, PolygonLayer};
 pub use raster::Raster;
 pub use refusal::Invalid;
+pub use rules::{DOUBTFUL_M, Judged, RULES, Rule, Rules, Treatment};

@@ -1,5 +1,5 @@
 use crate::distance::squared_gaps;
-use crate::occupancy::Occupancy;
+use crate::occupancy::{Occupancy, Sailing};
 use crate::raster::MOST_CELLS;
 use crate::{Causes, Chart, Footprint, Invalid, Raster};
 
@@ -21,8 +21,8 @@ pub struct Obstacles {
 }
 
 impl Obstacles {
-    /// Obstacles of a chart for a least depth \[m\] and a margin \[m\]. Call it twice for the layers of
-    /// transit and trial: a greater least depth and a greater margin only add blocked cells.
+    /// Obstacles of a chart for a least depth \[m\] and a margin \[m\], for informative maneuvers: what these keep out
+    /// of, too. A greater least depth and a greater margin only add blocked cells.
     ///
     /// Obstacles up to the margin outside the raster are seen. The least depth does not matter to charts of
     /// land only.
@@ -31,10 +31,28 @@ impl Obstacles {
     /// A raster without cells or with too many (its margin included); a least depth or margin that is not
     /// finite; a negative margin.
     pub fn new(chart: &Chart, raster: Raster, least_depth_m: f64, margin_m: f64) -> Result<Self, Invalid> {
+        Self::of(chart, raster, [least_depth_m, margin_m], Sailing::Maneuvers)
+    }
+
+    /// The same for getting about, which areas that are kept free of maneuvers ([`crate::Class::TransitOnly`]) do not hinder.
+    ///
+    /// # Errors
+    /// As [`Obstacles::new`].
+    pub fn in_transit(
+        chart: &Chart,
+        raster: Raster,
+        least_depth_m: f64,
+        margin_m: f64,
+    ) -> Result<Self, Invalid> {
+        Self::of(chart, raster, [least_depth_m, margin_m], Sailing::Transit)
+    }
+
+    fn of(chart: &Chart, raster: Raster, limits: [f64; 2], sailing: Sailing) -> Result<Self, Invalid> {
+        let [least_depth_m, margin_m] = limits;
         raster.check()?;
         let pad = check(&raster, least_depth_m, margin_m)?;
         let wide = raster.padded(pad);
-        let occupancy = Occupancy::of(chart, wide, least_depth_m);
+        let occupancy = Occupancy::of(chart, wide, least_depth_m, sailing);
         let set: Vec<bool> = occupancy.causes.iter().map(|c| c.any()).collect();
         let squared = squared_gaps(&set, wide.nx);
         let mut own = Self::empty(raster);

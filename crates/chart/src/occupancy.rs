@@ -6,6 +6,15 @@ use crate::{Bounds, Causes, Chart, Class, GridCell, PlacedGrid, Polygon, Raster,
 /// Cells that touch within this distance count as touched, so that rounding does not decide \[m\].
 const TOUCH_M: f64 = 1e-6;
 
+/// What the ship does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Sailing {
+    /// Gets about.
+    Transit,
+    /// Informative maneuvers.
+    Maneuvers,
+}
+
 /// Per cell of a raster, row by row from the south, why it is blocked.
 pub(crate) struct Occupancy {
     raster: Raster,
@@ -16,7 +25,7 @@ pub(crate) struct Occupancy {
 }
 
 impl Occupancy {
-    pub(crate) fn of(chart: &Chart, raster: Raster, least_depth_m: f64) -> Self {
+    pub(crate) fn of(chart: &Chart, raster: Raster, least_depth_m: f64, sailing: Sailing) -> Self {
         let mut own = Self {
             raster,
             bounds: raster.bounds().grown(TOUCH_M),
@@ -25,7 +34,7 @@ impl Occupancy {
             causes: vec![Causes::NONE; raster.nx * raster.ny],
         };
         for polygon in chart.polygons() {
-            if let Some(cause) = cause_of(polygon.class, least_depth_m) {
+            if let Some(cause) = cause_of(polygon.class, least_depth_m, sailing) {
                 own.block(polygon, cause);
             }
         }
@@ -127,8 +136,9 @@ impl Occupancy {
     }
 }
 
-fn cause_of(class: Class, least_depth_m: f64) -> Option<Causes> {
+fn cause_of(class: Class, least_depth_m: f64, sailing: Sailing) -> Option<Causes> {
     match class {
+        Class::TransitOnly => (sailing == Sailing::Maneuvers).then_some(Causes::NO_GO),
         Class::Land => Some(Causes::LAND),
         Class::NoGo => Some(Causes::NO_GO),
         Class::Depth { least_m: Some(depth) } | Class::Danger { least_m: Some(depth) }

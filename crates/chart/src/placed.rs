@@ -28,12 +28,12 @@ impl Polygon {
         Self::of_rings(area.class, area.rings.iter().enumerate().map(ring).collect())
     }
 
-    /// What lies within `radius_m` of a point or line: one polygon for the point, or for each straight piece of the line.
-    pub(crate) fn around(mark: &Mark, radius_m: f64, plane: &Plane) -> Vec<Self> {
+    /// What lies within the radius of a point or line: one polygon for the point, or for each straight piece of the line.
+    pub(crate) fn around(mark: &Mark, plane: &Plane) -> Vec<Self> {
         let mut line: Vec<[f64; 2]> = place_ring(&mark.positions, plane);
         line.extend(mark.positions.last().map(|p| plane.to_plane(p[0], p[1])));
         let pieces = line.windows(line.len().clamp(1, 2));
-        let ring = |piece: &[[f64; 2]]| capsule(piece[0], piece[piece.len() - 1], radius_m);
+        let ring = |piece: &[[f64; 2]]| capsule(piece[0], piece[piece.len() - 1], mark.radius_m);
         pieces.filter_map(|piece| Self::of_rings(mark.class, vec![ring(piece)])).collect()
     }
 
@@ -86,11 +86,13 @@ fn place_ring(ring: &[[f64; 2]], plane: &Plane) -> Vec<[f64; 2]> {
     placed
 }
 
-/// Points that cut a long edge. The same points whichever end comes first, so that neighbours keep a common
+/// Points that cut a long edge, which goes the short way round the earth. The same points whichever end comes first, so that neighbours keep a common
 /// border.
 fn between(a: [f64; 2], b: [f64; 2]) -> Vec<[f64; 2]> {
     let forward = a <= b;
     let (p, q) = if forward { (a, b) } else { (b, a) };
+    let turn = 360.0 * ((q[0] - p[0]) / 360.0).round();
+    let q = [q[0] - turn, q[1]];
     let east = (q[0] - p[0]) * libm::cos(f64::to_radians((p[1] + q[1]) / 2.0));
     let pieces = (libm::hypot(east, q[1] - p[1]) / PIECE_DEG).ceil().max(1.0) as usize;
     let at = |i: usize| {

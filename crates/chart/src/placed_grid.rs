@@ -88,9 +88,13 @@ fn corners(
 fn window(grid: &Grid, plane: &Plane, area: &Bounds) -> Result<Option<[std::ops::Range<usize>; 2]>, Invalid> {
     let own = |p: [f64; 2]| {
         let (lon, lat) = plane.to_geographic(p);
-        grid.crs.to_own(lon, lat)
+        let [x, y] = grid.crs.to_own(lon, lat)?;
+        // Longitudes as the grid has them: -179 or 181.
+        let middle = grid.corner[0] + grid.cell * grid.columns as f64 / 2.0;
+        let turn = if grid.crs.is_geographic() { 360.0 * ((x - middle) / 360.0).round() } else { 0.0 };
+        Ok([x - turn, y])
     };
-    let edge = area.edge(PER_SIDE).into_iter().map(own).collect::<Result<Vec<_>, _>>()?;
+    let edge = area.edge(PER_SIDE).into_iter().map(own).collect::<Result<Vec<_>, Invalid>>()?;
     let Some(around) = Bounds::around(&edge) else { return Ok(None) };
     let range = |k: usize, count: usize| {
         let low = ((around.min[k] - grid.corner[k]) / grid.cell).floor() - 2.0;

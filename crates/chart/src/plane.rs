@@ -8,7 +8,7 @@ use crate::Invalid;
 /// of the origin, lengths are too long by r²/(6 R²): 4·10⁻⁷ at 10 km, 1·10⁻⁵ at 50 km, 4·10⁻⁵ at 100 km.
 /// Distances between any two points within r are wrong by no more than that share. North on the plane is
 /// true north at the origin only: elsewhere it turns by the convergence, about x tan(latitude)/R (0.16° at
-/// x = 10 km, 60° north).
+/// x = 10 km, 60° north), which [`Plane::north_rad`] tells.
 #[derive(Clone, Copy, Debug)]
 pub struct Plane {
     lon_deg: f64,
@@ -20,15 +20,15 @@ impl Plane {
     /// The plane about `lon_deg`, `lat_deg` (WGS84).
     ///
     /// # Errors
-    /// An origin that is not finite or outside ±180° and ±89°.
+    /// An origin that is not finite or outside ±180° and ±90°.
     pub fn new(lon_deg: f64, lat_deg: f64) -> Result<Self, Invalid> {
-        if lon_deg.abs() <= 180.0 && lat_deg.abs() <= 89.0 {
+        if lon_deg.abs() <= 180.0 && lat_deg.abs() <= 90.0 {
             return Ok(Self { lon_deg, lat_deg, earth: Geodesic::wgs84() });
         }
         Err(Invalid::new(
             "origin of the plane",
             format!("longitude {lon_deg}, latitude {lat_deg}"),
-            "degrees within ±180 and ±89, longitude first",
+            "degrees within ±180 and ±90, longitude first",
             "correct the origin",
         ))
     }
@@ -38,6 +38,18 @@ impl Plane {
         let (distance, azimuth, _, _) = self.earth.inverse(self.lat_deg, self.lon_deg, lat_deg, lon_deg);
         let (sin, cos) = libm::sincos(f64::to_radians(azimuth));
         [distance * sin, distance * cos]
+    }
+
+    /// Direction of true north at a place on the plane \[m\], clockwise from the plane's own north \[rad\]: a true heading is
+    /// the one on the plane less this.
+    pub fn north_rad(&self, place: [f64; 2]) -> f64 {
+        // Half a minute of latitude to either side: the chord has the direction of the meridian in the middle. At a pole
+        // the other side is missing.
+        const STEP_DEG: f64 = 0.5 / 60.0;
+        let (lon, lat) = self.to_geographic(place);
+        let [south, north] =
+            [lat - STEP_DEG, lat + STEP_DEG].map(|lat| self.to_plane(lon, lat.clamp(-90.0, 90.0)));
+        libm::atan2(north[0] - south[0], north[1] - south[1])
     }
 
     /// Longitude (within ±180) and latitude \[deg\] of a place on the plane \[m\].

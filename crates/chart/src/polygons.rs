@@ -48,6 +48,8 @@ pub enum Class {
     Land,
     /// Keep out.
     NoGo,
+    /// Informative maneuvers keep out; others may pass.
+    TransitOnly,
     /// Water of a least depth.
     Depth {
         /// Least depth \[m, positive down\]; `None`: unknown, an obstacle at every least depth asked for.
@@ -67,10 +69,10 @@ pub struct PolygonLayer {
     pub areas: Vec<Area>,
     /// The points and lines, in the order of the file.
     pub marks: Vec<Mark>,
-    /// How far around its points and lines the danger reaches \[m\].
-    pub danger_m: f64,
     /// Features that the filter left out.
     pub filtered_out: usize,
+    /// Set where an area without any of it is open sea, and no other place.
+    pub open_sea: bool,
 }
 
 /// A point, or a line.
@@ -80,6 +82,8 @@ pub struct Mark {
     pub class: Class,
     /// Longitude and latitude \[deg\] of the point, or of the line's corners.
     pub positions: Vec<[f64; 2]>,
+    /// How far around it reaches what it stands for \[m\].
+    pub radius_m: f64,
     /// Index of the feature in the file.
     pub feature: usize,
 }
@@ -106,7 +110,7 @@ impl PolygonLayer {
     /// are all negative.
     pub fn from_geojson(text: &str, kind: &LayerKind, filter: Option<&Filter>) -> Result<Self, Invalid> {
         let features = features(text)?;
-        let mut layer = Self { areas: Vec::new(), marks: Vec::new(), danger_m: DANGER_M, filtered_out: 0 };
+        let mut layer = Self { areas: Vec::new(), marks: Vec::new(), filtered_out: 0, open_sea: false };
         let (mut named, mut placeless) = (false, 0);
         for (index, feature) in features.iter().enumerate() {
             if filter.is_some_and(|f| !passes(feature, f)) {
@@ -122,7 +126,7 @@ impl PolygonLayer {
             let class = of_mark(class);
             for line in own.lines {
                 let positions = positions(line, || format!("feature {index}"))?;
-                layer.marks.push(Mark { class, positions, feature: index });
+                layer.marks.push(Mark { class, positions, radius_m: DANGER_M, feature: index });
             }
         }
         layer.check(kind, features.len(), named, placeless)?;
@@ -131,8 +135,9 @@ impl PolygonLayer {
 
     /// The layer with dangers as far as `radius_m` around its points and lines.
     #[must_use]
-    pub fn with_danger(self, radius_m: f64) -> Self {
-        Self { danger_m: radius_m, ..self }
+    pub fn with_danger(mut self, radius_m: f64) -> Self {
+        self.marks.iter_mut().for_each(|mark| mark.radius_m = radius_m);
+        self
     }
 
     fn check(&self, kind: &LayerKind, features: usize, named: bool, placeless: usize) -> Result<(), Invalid> {
@@ -185,7 +190,7 @@ impl PolygonLayer {
     }
 }
 
-fn features(text: &str) -> Result<Vec<Feature>, Invalid> {
+pub(crate) fn features(text: &str) -> Result<Vec<Feature>, Invalid> {
     let geojson: GeoJson = text.parse().map_err(|e: geojson::Error| {
         Invalid::new(
             "GeoJSON",
@@ -243,19 +248,19 @@ fn passes(feature: &Feature, filter: &Filter) -> bool {
     filter.values.contains(&text)
 }
 
-fn rings(polygon: &PolygonType, feature: usize) -> Result<Vec<Vec<[f64; 2]>>, Invalid> {
+pub(crate) fn rings(polygon: &PolygonType, feature: usize) -> Result<Vec<Vec<[f64; 2]>>, Invalid> {
     let mut rings = Vec::with_capacity(polygon.len());
     for (k, ring) in polygon.iter().enumerate() {
         rings.push(positions(ring, || format!("feature {feature}, ring {k}"))?);
     }
     match ring_fault(&rings) {
         None => Ok(rings),
-        Some(fault) => Err(refuse(feature, &fault)),
+        Some(fault) => Err(faulty(&format!("feature {feature}"), &fault)),
     }
 }
 
 /// Longitudes and latitudes of what is called `thing`.
-fn positions(all: &[Position], thing: impl Fn() -> String) -> Result<Vec<[f64; 2]>, Invalid> {
+pub(crate) fn positions(all: &[Position], thing: impl Fn() -> String) -> Result<Vec<[f64; 2]>, Invalid> {
     let mut points = Vec::with_capacity(all.len());
     for position in all {
         let [lon, lat, ..] = *position.as_slice() else {
@@ -270,7 +275,8 @@ fn positions(all: &[Position], thing: impl Fn() -> String) -> Result<Vec<[f64; 2
     Ok(points)
 }
 
-fn refuse(feature: usize, fault: &RingFault) -> Invalid {
+/// Refuses the rings of what is called `named`.
+pub(crate) fn faulty(named: &str, fault: &RingFault) -> Invalid {
     let (ring, found, expected) = match fault {
         RingFault::Empty { ring } => {
             (ring, "an empty polygon".to_owned(), "at least three corners, with area")
@@ -285,9 +291,8 @@ fn refuse(feature: usize, fault: &RingFault) -> Invalid {
             (&one.0, found, "rings that do not cross themselves or each other")
         }
     };
-    let thing = format!("feature {feature}, ring {ring}");
     Invalid::new(
-        thing,
+        format!("{named}, ring {ring}"),
         found,
         expected,
         "repair the polygon, for instance with `ogr2ogr -makevalid`, or remove it",
@@ -314,7 +319,7 @@ fn class(
 }
 
 /// A point or line tells a depth and charts no water around it.
-fn of_mark(class: Class) -> Class {
+pub(crate) fn of_mark(class: Class) -> Class {
     match class {
         Class::Depth { least_m } => Class::Danger { least_m },
         class => class,

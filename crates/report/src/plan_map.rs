@@ -96,6 +96,7 @@ impl PlanMap<'_> {
                 Class::Danger { .. } => figure::Class::NoGo,
                 Class::Land => figure::Class::Land,
                 Class::NoGo => figure::Class::NoGo,
+                Class::TransitOnly => return None,
                 Class::Depth { least_m } => figure::Class::Depth { least_m: least_m? },
             };
             let mut rings = polygon.rings.into_iter();

@@ -4,6 +4,7 @@ mod footprints;
 mod geodesy;
 mod grid_files;
 mod marks;
+mod objects;
 mod obstacles;
 mod polygon_files;
 mod real_charts;

@@ -331,3 +331,25 @@ fn drawn_polygons_are_cut_to_the_box() {
     assert!((area(&drawn[0].rings[1]) + 222.8 * 223.1).abs() < 100.0, "{}", area(&drawn[0].rings[1]));
     assert!(chart.drawn(&Bounds::new([1200.0, 0.0], [1300.0, 100.0]).unwrap()).is_empty());
 }
+
+/// An island across the antimeridian, cut there as RFC 7946 has it, and one whose edges cross it uncut.
+#[test]
+fn islands_across_the_antimeridian_are_where_they_are() {
+    let cut = r#"{"type": "MultiPolygon", "coordinates": [
+        [[[179.99, -18.0], [180.0, -18.0], [180.0, -17.99], [179.99, -17.99], [179.99, -18.0]]],
+        [[[-180.0, -18.0], [-179.99, -18.0], [-179.99, -17.99], [-180.0, -17.99], [-180.0, -18.0]]]]}"#;
+    let uncut = r#"{"type": "Polygon", "coordinates":
+        [[[179.99, -18.0], [-179.99, -18.0], [-179.99, -17.99], [179.99, -17.99], [179.99, -18.0]]]}"#;
+    for text in [cut, uncut] {
+        let chart = land_chart(text, 180.0, -18.0, 6000.0);
+        let obstacles =
+            Obstacles::new(&chart, Raster::covering(&square(5000.0), 25.0).unwrap(), 0.0, 0.0).unwrap();
+        let is_land = |lon: f64, lat: f64| {
+            let (col, row) = obstacles.raster().cell_at(chart.plane().to_plane(lon, lat)).unwrap();
+            obstacles.causes(col, row) == Causes::LAND
+        };
+        for (lon, land) in [(179.985, false), (179.995, true), (-179.995, true), (-179.985, false)] {
+            assert_eq!(is_land(lon, -17.995), land, "{lon} of {text}");
+        }
+    }
+}

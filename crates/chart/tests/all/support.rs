@@ -6,14 +6,23 @@ use std::path::{Path, PathBuf};
 use chart::{Bounds, Chart, Layer, LayerKind, Plane, PolygonLayer};
 
 pub fn fixture(name: &str) -> String {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/charts").join(name);
+    let path = fixture_path(name);
     std::fs::read_to_string(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display()))
+}
+
+/// Where a chart of the repository is.
+pub fn fixture_path(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/charts").join(name)
+}
+
+/// Where a chart is that is not in the repository, if anywhere.
+pub fn shared_path(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data/charts").join(name)
 }
 
 /// A chart that is not in the repository; says so and gives `None` where it is absent.
 pub fn shared(name: &str) -> Option<String> {
-    let path: PathBuf = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data/charts").join(name);
-    let text = std::fs::read_to_string(&path).ok();
+    let text = std::fs::read_to_string(shared_path(name)).ok();
     if text.is_none() {
         println!("skipped: {name} is not beside the repository");
     }

@@ -77,6 +77,7 @@ pub fn plan() -> PlanDocument {
             step("turn-starboard", (2, "at rest"), (1, "at rest")),
         ],
         voyage: Some(voyage()),
+        charts: Vec::new(),
     }
 }
 

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use artifact::Provenance;
-use study::documents::{DesignDocument, PlanDocument};
+use study::documents::{DesignDocument, PlanChart, PlanDocument};
 use study::files::read_vessel;
 use study::plan::{PlanFile, in_tide, read_charts, resumed};
 use trial::voyage::{Brief, Place, Shares};
@@ -44,8 +44,13 @@ const BESIDE: [&str; 7] =
     ["track.parquet", "track.geojson", "route.rtz", "route.gpx", "route.kml", "route.plan", "map.svg"];
 
 impl VoyageFiles<'_> {
-    /// Reads everything for a plan that is to be written to `out`.
-    pub(super) fn read(&self, out: &Path, provenance: &mut Provenance, seed: u64) -> Result<Brief, Failure> {
+    /// Reads everything for a plan that is to be written to `out`, and what became of the objects of electronic charts.
+    pub(super) fn read(
+        &self,
+        out: &Path,
+        provenance: &mut Provenance,
+        seed: u64,
+    ) -> Result<(Brief, Vec<PlanChart>), Failure> {
         check_names(out)?;
         let vessel = read_vessel(self.vessel, provenance)?.with_disturbances_held();
         let config: PlanFile = inputs::toml(self.config, "plan", provenance)?;
@@ -61,9 +66,9 @@ impl VoyageFiles<'_> {
         let dictionary = inputs::runs(self.trajectories, &vessel, provenance)?;
         let design = self.design.map(|path| inputs::document::<DesignDocument>(path, "design", provenance));
         let design = design.transpose()?.map(|d| Shares { order: d.order, share: d.shares });
-        let layers = read_charts(self.config, &config, provenance)?;
+        let charts = read_charts(self.config, &config, provenance)?;
         self.check_inputs(&config, out)?;
-        Ok(Brief { vessel, task, layers, dictionary, design, seed })
+        Ok((Brief { vessel, task, layers: charts.layers, dictionary, design, seed }, charts.objects))
     }
 
     /// Refuses to write over an input: any of them beside `out`, and charts under its own name.

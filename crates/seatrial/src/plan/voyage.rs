@@ -6,7 +6,7 @@ use artifact::{Provenance, Staged, commit, stage_set_document};
 use lattice::ProblemFile;
 use report::PlanMap;
 use serde_json::{Value, json};
-use study::documents::{PlanDocument, Voyage};
+use study::documents::{PlanChart, PlanDocument, Voyage};
 use study::plan::{Routes, of_voyage};
 use study::track::stage_track;
 use trial::voyage::{Prepared, Sailing, Search, Solved};
@@ -17,6 +17,7 @@ use super::problem::known;
 use super::refusals;
 use crate::cli::beside;
 use crate::failure::Failure;
+use crate::said::on_stderr;
 use crate::stage::Summary;
 
 /// What is to be written.
@@ -42,7 +43,7 @@ pub fn plan_voyage(
 ) -> Result<Summary, Failure> {
     let out = wanted.out;
     provenance.settings.insert("seed".into(), json!(seed));
-    let brief = files.read(out, &mut provenance, seed)?;
+    let (brief, charts) = files.read(out, &mut provenance, seed)?;
     let refuse = |error| refusals::voyage(files, error);
     let searched = limits.before_check();
     let search = Search { options: limits.options(), watch: &|| searched.watch(), go_on: &|| limits.go_on() };
@@ -53,7 +54,8 @@ pub fn plan_voyage(
         return Err(refusals::unsafe_plan(files.config, &sailing.check));
     }
     prepared.check_slot(&sailing.sailed).map_err(refuse)?;
-    let document = of_voyage(&prepared, &solved, &sailing);
+    let told: Vec<String> = charts.iter().map(PlanChart::told).collect();
+    let document = PlanDocument { charts, ..of_voyage(&prepared, &solved, &sailing) };
     let planned = Planned { prepared: &prepared, solved: &solved, sailing: &sailing, document: &document };
     let mut staged = planned.stage(out, &provenance)?;
     if let Some(path) = wanted.problem {
@@ -63,6 +65,7 @@ pub fn plan_voyage(
         staged.push(Staged::bytes(path, &serde_json::to_vec(&problem).unwrap_or_default())?);
     }
     commit(staged)?;
+    told.iter().filter(|_| !limits.quiet).for_each(|chart| on_stderr(format_args!("plan: {chart}")));
     Ok(summary(out, &document))
 }
 

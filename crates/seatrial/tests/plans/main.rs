@@ -7,11 +7,13 @@ mod support;
 mod xml;
 
 mod budget;
+mod cells;
 mod chart_refusals;
 mod choices;
 mod file_refusals;
 mod fleet;
 mod geometry;
+mod globe;
 mod helsinki;
 mod information;
 mod lattice_problems;

@@ -11,7 +11,7 @@ use source::Crate;
 /// Crates from the ground up: one may use those of the rows above its own.
 const FLOORS: [&[&str]; 11] = [
     &["refusal", "numerics"],
-    &["artifact"],
+    &["artifact", "enc"],
     &["vessel", "design", "lattice", "chart"],
     &["identification", "logs", "export"],
     &["trial", "validation"],
@@ -32,6 +32,7 @@ const SCIENCE: &[&str] = &[
     "design",
     "lattice",
     "chart",
+    "enc",
     "logs",
     "trial",
     "export",
@@ -86,7 +87,7 @@ const LINES: [(&str, usize); 1] = [("seatrial", 5_000)];
 
 /// Most lines below `src/` of all crates together, unit tests among them: raised where something new is worth them, never for
 /// what is written a second time. And the largest share of one crate.
-const TOTAL: usize = 86_000;
+const TOTAL: usize = 88_250;
 const SHARE: f64 = 0.2;
 
 /// What does not hold yet: rule, crate, how much of it is left.

@@ -31,6 +31,61 @@ pub struct PlanDocument {
     pub steps: Vec<PlanStep>,
     /// The plan at sea; absent for a problem file.
     pub voyage: Option<Voyage>,
+    /// What became of the objects of electronic charts.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub charts: Vec<PlanChart>,
+}
+
+/// An electronic chart that the plan was made on.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct PlanChart {
+    /// Name of its file.
+    pub file: String,
+    /// Edition of a cell.
+    pub edition: Option<String>,
+    /// Its last update.
+    pub update: Option<u64>,
+    /// When that was issued, as YYYYMMDD.
+    pub issued: Option<String>,
+    /// Its compilation scale: 1 to this.
+    pub scale: Option<u64>,
+    /// What became of its objects, by class.
+    pub classes: BTreeMap<String, PlanChartClass>,
+}
+
+/// What became of the objects of one class.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct PlanChartClass {
+    /// Objects of the class on the whole chart.
+    pub objects: u64,
+    /// Of which the ship keeps clear, or which it judges by their depth.
+    pub avoided: u64,
+    /// Of which only informative maneuvers keep clear.
+    pub maneuvers_avoid: u64,
+    /// Of which without effect.
+    pub ignored: u64,
+}
+
+impl PlanChart {
+    /// Which chart it is, and which classes have no or less effect, with their numbers.
+    pub fn told(&self) -> String {
+        let counted = |count: fn(&PlanChartClass) -> u64| {
+            let some = self.classes.iter().filter(|(_, own)| count(own) > 0);
+            let all: Vec<String> = some.map(|(class, own)| format!("{} {class}", count(own))).collect();
+            if all.is_empty() { "none".to_owned() } else { all.join(", ") }
+        };
+        let Self { file, edition, update, scale, .. } = self;
+        let cell = match (edition, update, scale) {
+            (Some(edition), Some(update), Some(scale)) => {
+                format!(" (edition {edition}, update {update}, 1 : {scale})")
+            }
+            _ => String::new(),
+        };
+        let (kept, ignored) = (counted(|own| own.maneuvers_avoid), counted(|own| own.ignored));
+        format!("{file}{cell}: ignored {ignored}; only maneuvers avoid {kept}")
+    }
 }
 
 vessel::choices! {
@@ -170,7 +225,7 @@ pub struct VoyageLeg {
     pub longitude_deg: f64,
     /// Latitude of its first node.
     pub latitude_deg: f64,
-    /// Compass heading at its first node.
+    /// True heading at its first node.
     pub heading_deg: f64,
     /// Speed at its first node \[m/s\].
     pub speed_m_s: f64,
@@ -222,6 +277,7 @@ impl Document for PlanDocument {
         ("1", "log_det"),
         ("m", "cell_m residual_m end_error_m drift_margin_m clearance_m clearance_quantiles_m"),
         ("m", "margin_m shortfall_m sight_m"),
+        ("1", "objects avoided maneuvers_avoid ignored update scale"),
         ("deg", "longitude_deg latitude_deg heading_deg residual_deg"),
         ("m/s", "modes speed_m_s unknown_current_m_s"),
         ("s", "start_s duration_s informative_s maneuver_start_s maneuver_s leg_s"),

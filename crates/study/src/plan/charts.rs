@@ -2,14 +2,27 @@
 
 use std::path::Path;
 
-use artifact::{Digest, Error, Provenance};
-use chart::{Crs, DANGER_M, Grid, GridDeclaration, GridKind, Invalid, Layer, LayerKind, PolygonLayer};
+use artifact::{Error, Provenance};
+use chart::{
+    Crs, DANGER_M, Grid, GridDeclaration, GridKind, Invalid, Layer, LayerKind, PolygonLayer, Rules,
+    objects_of_geojson,
+};
 
+use super::cells::{bytes, cell, is_cell, of_objects};
 use super::file::{ChartKind, ChartSpec, PlanFile};
+use crate::documents::PlanChart;
 
 /// Property with the least depth of an area, and with the depth over a danger, in electronic charts (S-57).
 const LEAST: &str = "DRVAL1";
 const OVER: &str = "VALSOU";
+
+/// Charts as they were read.
+pub struct Charts {
+    /// What they show.
+    pub layers: Vec<Layer>,
+    /// What became of the objects of electronic charts.
+    pub objects: Vec<PlanChart>,
+}
 
 /// Reads the charts of `config`, whose files are relative to `config_file`, and notes their digests.
 ///
@@ -19,30 +32,98 @@ pub fn read_charts(
     config_file: &Path,
     config: &PlanFile,
     provenance: &mut Provenance,
-) -> Result<Vec<Layer>, Error> {
+) -> Result<Charts, Error> {
     if config.chart.is_empty() {
         let remedy = "add a [[chart]] with `file` and `kind`";
         return Err(Error::refuse(config_file, "[[chart]]", "none", "at least one chart", remedy));
     }
     let folder = config_file.parent().unwrap_or(Path::new(""));
-    config.chart.iter().map(|spec| layer(folder, spec, provenance)).collect()
+    let mut charts = Charts { layers: Vec::new(), objects: Vec::new() };
+    for spec in &config.chart {
+        let rules = Rules {
+            changed: spec.rules.clone(),
+            air_draught_m: config.hull.air_draught_m,
+            radius_m: spec.radius_m,
+            doubtful_radius_m: spec.doubtful_radius_m,
+        };
+        charts.read(&folder.join(&spec.file), spec, &rules, provenance)?;
+    }
+    Ok(charts)
 }
 
-fn layer(folder: &Path, spec: &ChartSpec, provenance: &mut Provenance) -> Result<Layer, Error> {
-    let path = folder.join(&spec.file);
-    let bytes = std::fs::read(&path).map_err(|e| Error::io(&path, "read", e))?;
-    let name = spec.file.file_name().map_or(String::new(), |n| n.to_string_lossy().into_owned());
-    provenance.inputs.insert(format!("chart:{name}"), Digest::of_bytes(&bytes));
-    let text = String::from_utf8(bytes)
-        .map_err(|e| Error::refuse(&path, "file", e.to_string(), "text in UTF-8", "export it again"))?;
-    let is_grid = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("asc"));
-    let parsed = if is_grid {
-        grid(&path, spec, &text)?
-    } else {
-        let layer = PolygonLayer::from_geojson(&text, &kind(&path, spec)?, spec.only.as_ref());
-        layer.map(|layer| Layer::Polygons(layer.with_danger(spec.radius_m.unwrap_or(DANGER_M))))
-    };
-    parsed.map_err(|e| Error::invalid(&path, e))
+impl Charts {
+    fn read(
+        &mut self,
+        path: &Path,
+        spec: &ChartSpec,
+        rules: &Rules,
+        provenance: &mut Provenance,
+    ) -> Result<(), Error> {
+        spec.check_keys(path)?;
+        if is_cell(path) {
+            let (layer, told) = cell(path, rules, provenance)?;
+            self.layers.push(Layer::Polygons(layer));
+            self.objects.push(told);
+            return Ok(());
+        }
+        let text = String::from_utf8(bytes(path, provenance)?)
+            .map_err(|e| Error::refuse(path, "file", e.to_string(), "text in UTF-8", "export it again"))?;
+        if spec.kind == Some(ChartKind::Objects) {
+            let objects = objects_of_geojson(&text).map_err(|e| Error::invalid(path, e))?;
+            let (layer, told) = of_objects(path, &objects, None, rules)?;
+            self.layers.push(Layer::Polygons(layer));
+            self.objects.push(told);
+            return Ok(());
+        }
+        let is_grid = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("asc"));
+        let parsed = if is_grid { grid(path, spec, &text)? } else { polygons(path, spec, &text)? };
+        self.layers.push(parsed.map_err(|e| Error::invalid(path, e))?);
+        Ok(())
+    }
+}
+
+impl ChartSpec {
+    /// Refuses keys that say nothing about such a file.
+    fn check_keys(&self, path: &Path) -> Result<(), Error> {
+        let objects = is_cell(path) || self.kind == Some(ChartKind::Objects);
+        let refuse = |thing: &str, found: &str, expected: &str, remedy: &str| {
+            Err(Error::refuse(path, thing, found, expected, remedy))
+        };
+        if is_cell(path) && self.kind.is_some_and(|kind| kind != ChartKind::Objects) {
+            let expected = "none, or `objects`: a cell shows objects of many classes";
+            return refuse(
+                "`kind`",
+                "another kind, of a cell",
+                expected,
+                "leave it out, and say in `rules` what differs",
+            );
+        }
+        if objects && (self.least.is_some() || self.only.is_some() || self.crs.is_some()) {
+            let expected = "`rules`, `radius_m`, `doubtful_radius_m` only";
+            return refuse("[[chart]]", "`least`, `only` or `crs`, of objects", expected, "leave them out");
+        }
+        if !objects && (!self.rules.is_empty() || self.doubtful_radius_m.is_some()) {
+            let expected = "a cell (`.000`), or `kind = \"objects\"`";
+            return refuse("[[chart]]", "`rules` or `doubtful_radius_m`", expected, "leave them out");
+        }
+        if !objects && self.kind.is_none() {
+            let expected = "land, no-go, depth, danger, elevation or objects";
+            return refuse(
+                "`kind`",
+                "none",
+                expected,
+                "say what the file shows; cells (`.000`) need no kind",
+            );
+        }
+        Ok(())
+    }
+}
+
+fn polygons(path: &Path, spec: &ChartSpec, text: &str) -> Result<Result<Layer, Invalid>, Error> {
+    let layer = PolygonLayer::from_geojson(text, &kind(path, spec)?, spec.only.as_ref());
+    let radius_m = spec.radius_m.unwrap_or(DANGER_M);
+    let open_sea = spec.open_sea;
+    Ok(layer.map(|layer| Layer::Polygons(PolygonLayer { open_sea, ..layer.with_danger(radius_m) })))
 }
 
 fn kind(path: &Path, spec: &ChartSpec) -> Result<LayerKind, Error> {
@@ -51,20 +132,17 @@ fn kind(path: &Path, spec: &ChartSpec) -> Result<LayerKind, Error> {
         let remedy = "leave `crs` out, or transform the file with `ogr2ogr -t_srs EPSG:4326`";
         return Err(Error::refuse(path, "`crs`", crs, "WGS84, as all GeoJSON is (RFC 7946)", remedy));
     }
+    let named = |usual: &str| spec.least.clone().unwrap_or_else(|| usual.to_owned());
     match spec.kind {
-        ChartKind::Land => Ok(LayerKind::Land),
-        ChartKind::NoGo => Ok(LayerKind::NoGo),
-        ChartKind::Depth => {
-            Ok(LayerKind::Depth { least: spec.least.clone().unwrap_or_else(|| LEAST.to_owned()) })
-        }
-        ChartKind::Danger => {
-            Ok(LayerKind::Danger { least: spec.least.clone().unwrap_or_else(|| OVER.to_owned()) })
-        }
-        ChartKind::Elevation => Err(Error::refuse(
+        Some(ChartKind::Land) => Ok(LayerKind::Land),
+        Some(ChartKind::NoGo) => Ok(LayerKind::NoGo),
+        Some(ChartKind::Depth) => Ok(LayerKind::Depth { least: named(LEAST) }),
+        Some(ChartKind::Danger) => Ok(LayerKind::Danger { least: named(OVER) }),
+        _ => Err(Error::refuse(
             path,
             "`kind`",
             "elevation, of polygons",
-            "land, no-go, depth or danger",
+            "land, no-go, depth, danger or objects",
             "elevations come as a grid (.asc)",
         )),
     }
@@ -72,12 +150,12 @@ fn kind(path: &Path, spec: &ChartSpec) -> Result<LayerKind, Error> {
 
 fn grid(path: &Path, spec: &ChartSpec, text: &str) -> Result<Result<Layer, Invalid>, Error> {
     let kind = match spec.kind {
-        ChartKind::Land => GridKind::LandMask,
-        ChartKind::Depth => GridKind::Depth,
-        ChartKind::Elevation => GridKind::Elevation,
-        ChartKind::NoGo | ChartKind::Danger => {
+        Some(ChartKind::Land) => GridKind::LandMask,
+        Some(ChartKind::Depth) => GridKind::Depth,
+        Some(ChartKind::Elevation) => GridKind::Elevation,
+        other => {
             let found =
-                format!("{}, of a grid", if spec.kind == ChartKind::NoGo { "no-go" } else { "danger" });
+                format!("{}, of a grid", if other == Some(ChartKind::NoGo) { "no-go" } else { "danger" });
             let expected = "land, depth or elevation";
             return Err(Error::refuse(path, "`kind`", found, expected, "draw it as a polygon"));
         }

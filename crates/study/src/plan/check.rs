@@ -55,8 +55,15 @@ impl PlanFile {
         for (name, piece_s) in self.maneuver.iter().filter_map(|m| Some((&m.name, m.piece_s?))) {
             check(format!("`piece_s` of maneuver `{name}`"), piece_s, above_0_to(1e7), "s")?;
         }
-        for (file, radius_m) in self.chart.iter().filter_map(|c| Some((c.file.display(), c.radius_m?))) {
-            check(format!("`radius_m` of chart `{file}`"), radius_m, above_0_to(1e4), "m")?;
+        for chart in &self.chart {
+            let radii = [("radius_m", chart.radius_m), ("doubtful_radius_m", chart.doubtful_radius_m)];
+            for (key, radius_m) in radii.iter().filter_map(|(key, value)| Some((key, (*value)?))) {
+                let thing = format!("`{key}` of chart `{}`", chart.file.display());
+                check(thing, radius_m, above_0_to(1e4), "m")?;
+            }
+        }
+        if let Some(air_draught_m) = self.hull.air_draught_m {
+            check("`hull.air_draught_m`".to_owned(), air_draught_m, above_0_to(200.0), "m")?;
         }
         (0..self.speed_mode.len()).try_for_each(|index| self.check_mode(index))
     }
@@ -108,11 +115,14 @@ impl PlanFile {
             ));
         }
         let a = self.area;
-        let ordered = a.west_deg < a.east_deg && a.south_deg < a.north_deg;
-        if !ordered || a.west_deg < -180.0 || a.east_deg > 180.0 || a.south_deg < -90.0 || a.north_deg > 90.0
-        {
+        let on_earth = [a.west_deg, a.east_deg].iter().all(|lon| lon.abs() <= 180.0)
+            && [a.south_deg, a.north_deg].iter().all(|lat| lat.abs() <= 90.0);
+        // West of an area across the antimeridian is the greater longitude; 180° is both.
+        let ordered =
+            a.south_deg < a.north_deg && (a.west_deg < a.east_deg || a.west_deg - a.east_deg > 180.0);
+        if !(on_earth && ordered) {
             let found = format!("{} to {} E, {} to {} N", a.west_deg, a.east_deg, a.south_deg, a.north_deg);
-            return refuse("area", found, "west below east, south below north, in degrees");
+            return refuse("area", found, "west below east (or across 180°), south below north, in degrees");
         }
         Ok(())
     }

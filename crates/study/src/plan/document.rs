@@ -66,6 +66,7 @@ fn plan(
         counts: uses(problem, solution),
         steps: solution.steps.iter().map(step).collect(),
         voyage: None,
+        charts: Vec::new(),
     }
 }
 

@@ -1,5 +1,6 @@
 //! `plan.toml`.
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use serde::Deserialize;
@@ -63,19 +64,25 @@ fn raster_per_cell() -> usize {
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ChartSpec {
-    /// GeoJSON (`.geojson`, `.json`) or ESRI ASCII grid (`.asc`), relative to this file.
+    /// GeoJSON (`.geojson`, `.json`), ESRI ASCII grid (`.asc`) or cell of an electronic chart (`.000`, its updates beside it),
+    /// relative to this file.
     pub file: PathBuf,
-    /// What it shows.
-    pub kind: ChartKind,
+    /// What it shows; a cell shows objects of many classes.
+    pub kind: Option<ChartKind>,
     /// Its coordinates; GeoJSON is always in WGS84.
     pub crs: Option<String>,
     /// Property with the least depth of an area (`DRVAL1`), or with the depth over a danger (`VALSOU`).
     pub least: Option<String>,
     /// How far around its points and lines the danger reaches \[m\]; 50 without it.
     pub radius_m: Option<f64>,
+    /// The same where a chart's object has a doubtful position \[m\]; 500 without it.
+    pub doubtful_radius_m: Option<f64>,
+    /// Classes of an electronic chart that are treated otherwise than usual.
+    #[serde(default)]
+    pub rules: BTreeMap<String, chart::Treatment>,
     /// Only these features.
     pub only: Option<chart::Filter>,
-    /// A grid of open sea, without land or missing cells.
+    /// A grid of open sea, without land or missing cells; or a chart of land that has none near.
     #[serde(default)]
     pub open_sea: bool,
 }
@@ -94,6 +101,8 @@ pub enum ChartKind {
     Depth,
     /// A grid of elevations, negative down.
     Elevation,
+    /// Objects of an electronic chart, each by the rule of its class: a cell, or GeoJSON that GDAL made of one.
+    Objects,
 }
 
 /// A table of tides, and when the trial has to be over.

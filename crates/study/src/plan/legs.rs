@@ -66,7 +66,7 @@ impl Legs<'_> {
             maneuver_s: open.map(|_| samples.iter().filter(|s| s.informative).count() as f64 / rate_hz),
             longitude_deg,
             latitude_deg,
-            heading_deg: compass_deg(at.psi),
+            heading_deg: self.prepared.true_deg(at),
             speed_m_s: grid.modes[mode].speed_m_s,
             end_error_m: self.sailing.sailed.ends.get(index).map_or(0.0, |(end, _)| off(*end)),
             largest_inputs: inputs.map(|(i, v)| (v.name.clone(), largest(i))).collect(),

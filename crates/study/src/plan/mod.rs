@@ -1,5 +1,6 @@
 //! A plan on a chart: what `plan.toml` asks, and the files that tell the plan.
 
+mod cells;
 mod charts;
 mod check;
 mod document;
@@ -11,7 +12,7 @@ mod routes;
 mod task;
 mod tide;
 
-pub use charts::read_charts;
+pub use charts::{Charts, read_charts};
 pub use document::{of_problem, of_voyage};
 pub use file::{ApproachSpec, ChartKind, ChartSpec, KnownCurrent, PlanFile, TideSpec};
 pub use resume::{place, resumed};

@@ -95,12 +95,12 @@ impl<'a> Clearance<'a> {
         let (own, sight_m) = (task.raster(&prepared.grid), prepared.sight_m());
         let area = own.bounds();
         let raster = fine(&area.grown(BEYOND_M), own.cell_m, sight_m)?;
-        let charted = |depth_m: f64| Obstacles::new(&prepared.chart, raster, depth_m, sight_m);
         let corners = task.hull.outline();
         let between = |(a, b): (&[f64; 2], &[f64; 2])| [*a, [(a[0] + b[0]) / 2.0, (a[1] + b[1]) / 2.0]];
         let outline = corners.iter().zip(corners.iter().cycle().skip(1)).flat_map(between).collect();
-        let transit = charted(task.safety.transit_depth_m)?;
-        Ok(Self { prepared, outline, transit, trial: charted(task.safety.trial_depth_m)?, area, sight_m })
+        let transit = Obstacles::in_transit(&prepared.chart, raster, task.safety.transit_depth_m, sight_m)?;
+        let trial = Obstacles::new(&prepared.chart, raster, task.safety.trial_depth_m, sight_m)?;
+        Ok(Self { prepared, outline, transit, trial, area, sight_m })
     }
 
     /// Of the hull at a sample.

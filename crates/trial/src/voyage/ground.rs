@@ -106,7 +106,14 @@ impl Task {
 impl Area {
     /// A plane about its middle.
     fn plane(&self) -> Result<Plane, Invalid> {
-        Plane::new((self.west_deg + self.east_deg) / 2.0, (self.south_deg + self.north_deg) / 2.0)
+        let middle = (self.west_deg + self.east_beyond_deg()) / 2.0;
+        let lon = if middle > 180.0 { middle - 360.0 } else { middle };
+        Plane::new(lon, (self.south_deg + self.north_deg) / 2.0)
+    }
+
+    /// The eastern edge, counted on beyond 180° where the area lies across the antimeridian.
+    fn east_beyond_deg(&self) -> f64 {
+        if self.east_deg < self.west_deg { self.east_deg + 360.0 } else { self.east_deg }
     }
 
     /// Longitude and latitude of the corners \[deg\].
@@ -129,21 +136,24 @@ impl Area {
             "[[chart]]",
             "nothing within `area`",
             "charts that cover the area, or lie around it",
-            "check the charts' `crs`, and the corners of `area`",
+            "check the charts' `crs` and the corners of `area`, or say `open_sea = true` of a chart of land",
         ))
     }
 
-    /// Whether the polygons of a layer lie around the area: one without any of them near is all water then.
+    /// Whether the polygons of a layer lie around the area, or it is said to be open sea: one without any of them near is
+    /// all water then.
     fn is_within(&self, layer: &Layer) -> bool {
         let Layer::Polygons(layer) = layer else { return false };
+        if layer.open_sea {
+            return true;
+        }
         let marks = || layer.marks.iter().flat_map(|mark| &mark.positions);
         let all = || layer.areas.iter().flat_map(|area| area.rings.iter().flatten()).chain(marks());
         let low = |k: usize| all().map(|p| p[k]).fold(f64::INFINITY, f64::min);
         let high = |k: usize| all().map(|p| p[k]).fold(f64::NEG_INFINITY, f64::max);
-        low(0) <= self.east_deg
-            && high(0) >= self.west_deg
-            && low(1) <= self.north_deg
-            && high(1) >= self.south_deg
+        let (west, east) = (self.west_deg, self.east_beyond_deg());
+        let meets = |turn: f64| low(0) + turn <= east && high(0) + turn >= west;
+        (meets(0.0) || meets(360.0)) && low(1) <= self.north_deg && high(1) >= self.south_deg
     }
 }
 

@@ -21,7 +21,8 @@ impl Prepared {
             let expected = "a place inside `area` and a compass heading";
             return Err(refuse(key, &found, expected, "move it, or widen `area`"));
         }
-        let level = self.grid.nearest_level(place.heading_deg.to_radians());
+        let grid_rad = place.heading_deg.to_radians() + self.chart.plane().north_rad([east, north]);
+        let level = self.grid.nearest_level(grid_rad);
         Ok(Pose { i: i as usize, j: j as usize, layer: self.grid.layer(level, self.mode(key, place)?) })
     }
 
@@ -48,12 +49,17 @@ impl Prepared {
         }
     }
 
-    /// A pose in words: its place in degrees, and its compass heading.
+    /// The true heading of a pose on the plane, from 0 to 360 \[deg\].
+    pub fn true_deg(&self, pose: vessel::Pose) -> f64 {
+        compass_deg(pose.psi - self.chart.plane().north_rad([pose.y, pose.x]))
+    }
+
+    /// A pose in words: its place in degrees, and its true heading.
     pub(super) fn words(&self, pose: Pose) -> String {
         let (level, _) = self.grid.level_and_mode(pose.layer);
         let at = self.grid.pose(pose.i, pose.j, level);
         let (longitude, latitude) = self.chart.plane().to_geographic([at.y, at.x]);
-        format!("{latitude:.4} N {longitude:.4} E heading {:.0}°", compass_deg(at.psi))
+        format!("{latitude:.4} N {longitude:.4} E heading {:.0}°", self.true_deg(at).round() % 360.0)
     }
 }
 

@@ -96,7 +96,7 @@ impl Task {
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Area {
-    /// Western edge.
+    /// Western edge; east of the eastern one where the area lies across the antimeridian.
     pub west_deg: f64,
     /// Southern edge.
     pub south_deg: f64,
@@ -117,6 +117,8 @@ pub struct Hull {
     /// Distance of the reference point forward of the middle \[m\].
     #[serde(default)]
     pub reference_m: f64,
+    /// Height above water, with what is to stay free over it \[m\]; without it no bridge of a chart is high enough.
+    pub air_draught_m: Option<f64>,
 }
 
 impl Hull {

@@ -102,8 +102,9 @@ impl Prepared {
         let (kinds, layer_of_leg) = self.obstacle_kinds(raster.cell_m);
         let obstacles: Vec<Obstacles> = kinds
             .par_iter()
-            .map(|(depth, margin)| {
-                in_time().and_then(|()| Ok(Obstacles::new(&self.chart, raster, *depth, *margin)?))
+            .map(|(depth, margin, maneuvers)| {
+                let new = if *maneuvers { Obstacles::new } else { Obstacles::in_transit };
+                in_time().and_then(|()| Ok(new(&self.chart, raster, *depth, *margin)?))
             })
             .collect::<Result<_, VoyageError>>()?;
         let node_distance_m = match task.cost.secondary {
@@ -126,7 +127,7 @@ impl Prepared {
     fn node_distances_m(&self, raster: Raster) -> Result<Vec<f64>, Invalid> {
         let (grid, safety) = (&self.grid, &self.brief.task.safety);
         let farthest_m = CLEARANCE_CLASSES as f64 * grid.cell_m;
-        let obstacles = Obstacles::new(&self.chart, raster, safety.transit_depth_m, farthest_m)?;
+        let obstacles = Obstacles::in_transit(&self.chart, raster, safety.transit_depth_m, farthest_m)?;
         let node = |k: usize| {
             let at = grid.pose(k % grid.nx, k / grid.nx, 0);
             obstacles.distance_m(at.y, at.x)
@@ -134,17 +135,17 @@ impl Prepared {
         Ok((0..grid.nx * grid.ny).map(node).collect())
     }
 
-    /// The different depths and margins that legs keep, margins of maneuvers in whole raster cells; and which of them
-    /// each leg keeps.
-    pub(super) fn obstacle_kinds(&self, raster_m: f64) -> (Vec<(f64, f64)>, Vec<usize>) {
+    /// The different depths and margins that legs keep, margins of maneuvers in whole raster cells, and whether areas of
+    /// transit only count; and which of them each leg keeps.
+    pub(super) fn obstacle_kinds(&self, raster_m: f64) -> (Vec<(f64, f64, bool)>, Vec<usize>) {
         let safety = &self.brief.task.safety;
-        let mut kinds: Vec<(f64, f64)> = Vec::new();
+        let mut kinds: Vec<(f64, f64, bool)> = Vec::new();
         let kind_of = |own: &Rehearsed| match own.is_informative() {
             true => {
                 let margin = ((safety.margin_m + self.drift_margin_m(own)) / raster_m).ceil() * raster_m;
-                (safety.trial_depth_m, margin)
+                (safety.trial_depth_m, margin, self.chart.has_transit_only())
             }
-            false => (safety.transit_depth_m, safety.margin_m),
+            false => (safety.transit_depth_m, safety.margin_m, false),
         };
         let of_leg = |own: &Rehearsed| {
             let kind = kind_of(own);

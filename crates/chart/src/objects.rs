@@ -1,0 +1,148 @@
+//! Objects of an electronic chart as polygons, points and lines of a layer, by the rules of their classes.
+
+use std::collections::BTreeMap;
+
+use enc::attribute::{DRVAL1, VALDCO, VALSOU, WATLEV};
+use enc::{Feature, Geometry, Polygon, class_name};
+
+use crate::grid::FARTHEST;
+use crate::polygons::of_mark;
+use crate::ring::ring_fault;
+use crate::rules::judged;
+use crate::{Area, Class, Invalid, Judged, Mark, PolygonLayer, Rules, Treatment};
+
+/// What became of the objects of one class.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Tally {
+    /// Objects of the class.
+    pub objects: u64,
+    /// Kept out of, or judged by their depth.
+    pub avoided: u64,
+    /// Kept out of by informative maneuvers only.
+    pub maneuvers_avoid: u64,
+    /// Without effect.
+    pub ignored: u64,
+}
+
+/// What became of the objects of a chart, by the acronym (or code) of their class.
+pub type Tallies = BTreeMap<String, Tally>;
+
+impl PolygonLayer {
+    /// The layer of a chart's objects, compiled at 1 to `scale` where that is known, and what became of them.
+    ///
+    /// # Errors
+    /// Rules for what is no class; an object that matters without a place; depths and clearances that are no numbers, or that no
+    /// sea has; rings that cross themselves or each other; no object that matters.
+    pub fn from_objects(
+        objects: &[Feature],
+        scale: Option<u32>,
+        rules: &Rules,
+    ) -> Result<(Self, Tallies), Invalid> {
+        rules.check()?;
+        let mut layer = Self { areas: Vec::new(), marks: Vec::new(), filtered_out: 0, open_sea: false };
+        let mut tallies = Tallies::new();
+        for (index, object) in objects.iter().enumerate() {
+            let name = class_name(object.class).map_or_else(|| object.class.to_string(), str::to_owned);
+            let own = tallies.entry(name).or_default();
+            own.objects += 1;
+            let treatment = layer.take(object, index, scale, rules)?;
+            match treatment {
+                Treatment::Avoid => own.avoided += 1,
+                Treatment::ManeuversAvoid => own.maneuvers_avoid += 1,
+                Treatment::Ignore => own.ignored += 1,
+            }
+        }
+        if layer.areas.is_empty() && layer.marks.is_empty() {
+            let found = format!("{} objects, none of a class that matters", objects.len());
+            let expected = "depths, land or dangers";
+            return Err(Invalid::new("chart", found, expected, "name another cell, or change its `rules`"));
+        }
+        Ok((layer, tallies))
+    }
+
+    /// Takes what an object blocks, and says what it does.
+    fn take(
+        &mut self,
+        object: &Feature,
+        index: usize,
+        scale: Option<u32>,
+        rules: &Rules,
+    ) -> Result<Treatment, Invalid> {
+        let mut treatment = rules.treatment(object);
+        if judged(object.class) == Judged::Clearance && rules.passes_under(object)? {
+            treatment = Treatment::Ignore;
+        }
+        let Some(class) = class(object, treatment)? else { return Ok(Treatment::Ignore) };
+        let radius_m = rules.radius_m(object, scale);
+        let mark =
+            |class: Class, positions: Vec<[f64; 2]>| Mark { class, positions, radius_m, feature: index };
+        match &object.geometry {
+            Geometry::None => {
+                let remedy = "take the cell with all its updates, or ignore the class by `rules`";
+                return Err(Invalid::new(
+                    object.named(),
+                    "no geometry",
+                    "a place of every object that matters",
+                    remedy,
+                ));
+            }
+            Geometry::Points(points) => {
+                self.marks.extend(points.iter().map(|point| mark(of_mark(class), vec![*point])));
+            }
+            Geometry::Soundings(points) => {
+                for [lon, lat, depth] in points {
+                    let class = Class::Danger { least_m: Some(sea_depth(object, *depth)?) };
+                    self.marks.push(mark(class, vec![[*lon, *lat]]));
+                }
+            }
+            Geometry::Lines(lines) => {
+                self.marks.extend(lines.iter().map(|line| mark(of_mark(class), line.clone())));
+            }
+            Geometry::Area(polygons) => {
+                for rings in polygons {
+                    check_rings(object, rings)?;
+                    self.areas.push(Area { class, rings: rings.clone(), feature: index });
+                }
+            }
+        }
+        Ok(treatment)
+    }
+}
+
+/// What an object is on the chart; `None` for one without effect.
+fn class(object: &Feature, treatment: Treatment) -> Result<Option<Class>, Invalid> {
+    let depth = |attribute| {
+        let value = object.number(attribute)?;
+        value.map(|depth| sea_depth(object, depth)).transpose()
+    };
+    Ok(match (treatment, judged(object.class)) {
+        (Treatment::Ignore, _) | (_, Judged::Coverage) => None,
+        (_, Judged::Depth) => Some(Class::Depth { least_m: depth(DRVAL1)? }),
+        (_, Judged::Sounding) => Some(Class::Danger { least_m: None }),
+        (_, Judged::Contour) => Some(Class::Danger { least_m: depth(VALDCO)? }),
+        (_, Judged::Danger) => {
+            Some(Class::Danger { least_m: depth(VALSOU)?.filter(|_| is_under_water(object)) })
+        }
+        (Treatment::ManeuversAvoid, _) => Some(Class::TransitOnly),
+        (Treatment::Avoid, Judged::Solid) => Some(Class::Land),
+        (Treatment::Avoid, Judged::Place | Judged::Clearance) => Some(Class::NoGo),
+    })
+}
+
+/// Whether a depth over an object can say that there is water over it: not where it is dry or afloat.
+fn is_under_water(object: &Feature) -> bool {
+    let level = object.list(WATLEV);
+    ![1, 2, 7].iter().any(|dry| level.contains(dry))
+}
+
+fn sea_depth(object: &Feature, depth_m: f64) -> Result<f64, Invalid> {
+    if depth_m.abs() <= FARTHEST {
+        return Ok(depth_m);
+    }
+    let expected = format!("a depth of at most {FARTHEST} m");
+    Err(Invalid::new(object.named(), format!("{depth_m} m"), expected, "report it to the chart's producer"))
+}
+
+fn check_rings(object: &Feature, rings: &Polygon) -> Result<(), Invalid> {
+    ring_fault(rings).map_or(Ok(()), |fault| Err(crate::polygons::faulty(&object.named(), &fault)))
+}

@@ -1,0 +1,146 @@
+//! A cell: its base file, then its updates.
+
+use std::collections::BTreeMap;
+
+use crate::dataset::{Parameters, Structure, identity, parameters};
+use crate::iso8211::records;
+use crate::record::{CONNECTED, EDGE, ISOLATED, Name, Object, Vector};
+use crate::topology::Topology;
+use crate::update::apply;
+use crate::{Feature, Identity, Invalid, Purpose, layout};
+
+/// A cell, as it stands after the updates that were applied.
+#[derive(Clone, Debug)]
+pub struct Cell {
+    identity: Identity,
+    parameters: Parameters,
+    vectors: BTreeMap<Name, Vector>,
+    objects: BTreeMap<u32, Object>,
+}
+
+impl Cell {
+    /// Reads the base file of a cell (`.000`).
+    ///
+    /// # Errors
+    /// What is no ISO 8211, cut off or encrypted; another product than a binary ENC of S-57; an update; records that
+    /// contradict each other.
+    pub fn read(file: &[u8]) -> Result<Self, Invalid> {
+        let (identity, changes) = read(file)?;
+        if identity.purpose == Purpose::Update {
+            let found = format!("update {} of edition {}", identity.update, identity.edition);
+            return Err(Invalid::new(
+                "cell",
+                found,
+                "a base cell",
+                "name the `.000` file, with its updates beside it",
+            ));
+        }
+        let Some(parameters) = changes.parameters else {
+            let remedy = "download or copy the file again";
+            return Err(Invalid::new("cell", "no field DSPM", "its datum and units", remedy));
+        };
+        let mut cell = Self { identity, parameters, vectors: BTreeMap::new(), objects: BTreeMap::new() };
+        cell.take(changes.vectors, changes.objects)?;
+        Ok(cell)
+    }
+
+    /// Applies the next update. One that the base file holds already, as a new issue does, changes nothing.
+    ///
+    /// # Errors
+    /// As [`Cell::read`]; an update that is not the next one, or of another edition; changes of records that are not
+    /// there. The cell is of no use after them.
+    pub fn update(&mut self, file: &[u8]) -> Result<(), Invalid> {
+        let (identity, changes) = read(file)?;
+        let own = &self.identity;
+        let found = format!("update {} of edition {}", identity.update, identity.edition);
+        let refuse = |found: String| {
+            let expected = format!("update {} of edition {}", own.update + 1, own.edition);
+            Err(Invalid::new("update", found, expected, "put all updates of the edition beside the cell"))
+        };
+        if identity.purpose == Purpose::Base {
+            return refuse(format!("a base cell of edition {}", identity.edition));
+        }
+        if identity.edition == own.edition && identity.update <= own.update {
+            return Ok(());
+        }
+        if identity.edition == "0" {
+            return refuse("the cell's cancellation".to_owned());
+        }
+        if identity.edition != own.edition || identity.update != own.update + 1 {
+            return refuse(found);
+        }
+        (self.identity.update, self.identity.issued) = (identity.update, identity.issued);
+        self.take(changes.vectors, changes.objects)
+    }
+
+    /// Which cell it is, with the number and date of its last update.
+    pub fn identity(&self) -> &Identity {
+        &self.identity
+    }
+
+    /// Compilation scale: 1 to this.
+    pub fn scale(&self) -> u32 {
+        self.parameters.scale
+    }
+
+    /// All objects, in the order of their records' numbers.
+    ///
+    /// # Errors
+    /// Objects whose nodes or edges are not there, or whose rings do not close.
+    pub fn features(&self) -> Result<Vec<Feature>, Invalid> {
+        let topology = Topology { vectors: &self.vectors, parameters: self.parameters };
+        self.objects.values().map(|object| topology.feature(object)).collect()
+    }
+
+    fn take(&mut self, vectors: Vec<Vector>, objects: Vec<Object>) -> Result<(), Invalid> {
+        vectors.into_iter().try_for_each(|vector| apply(&mut self.vectors, vector))?;
+        objects.into_iter().try_for_each(|object| apply(&mut self.objects, object))
+    }
+}
+
+/// What a file holds besides its identity.
+#[derive(Default)]
+struct Changes {
+    parameters: Option<Parameters>,
+    vectors: Vec<Vector>,
+    objects: Vec<Object>,
+}
+
+impl Changes {
+    /// Refuses a file that ends between two records.
+    fn check(&self, structure: &Structure) -> Result<(), Invalid> {
+        let nodes = |kind: u8| self.vectors.iter().filter(|vector| vector.name.0 == kind).count();
+        let found = [self.objects.len(), nodes(ISOLATED), nodes(CONNECTED), nodes(EDGE)];
+        let names = ["objects", "isolated nodes", "connected nodes", "edges"];
+        for ((name, found), told) in names.iter().zip(found).zip(structure.records) {
+            if found < told as usize {
+                let expected = format!("the {told} that it tells of");
+                let remedy = "download or copy the file again: it is cut off";
+                return Err(Invalid::new("cell", format!("{found} {name}"), expected, remedy));
+            }
+        }
+        Ok(())
+    }
+}
+
+fn read(file: &[u8]) -> Result<(Identity, Changes), Invalid> {
+    let records = records(file)?;
+    let broken = |found: &str| {
+        let expected = "an identification, nodes, edges, objects";
+        Invalid::new("cell", found, expected, "download or copy the file again")
+    };
+    let (descriptive, data) = records.split_first().ok_or_else(|| broken("no records"))?;
+    layout::check(descriptive)?;
+    let first = data.first().ok_or_else(|| broken("no data records"))?;
+    let (identity, structure) = identity(first)?;
+    let mut changes = Changes::default();
+    for record in &data[1..] {
+        if record.field("DSPM").is_some() {
+            changes.parameters = Some(parameters(record)?);
+        }
+        changes.vectors.extend(Vector::read(record)?);
+        changes.objects.extend(Object::read(record, structure.national)?);
+    }
+    changes.check(&structure)?;
+    Ok((identity, changes))
+}

@@ -1,0 +1,103 @@
+//! Subfields one after the other, as S-57 writes them: little-endian numbers, and text up to its end mark.
+
+use crate::Invalid;
+use crate::iso8211::{FIELD_END, Record, UNIT_END};
+
+/// How text is written (S-57, 2.4: lexical levels 0 and 1 are Latin letters of a byte, 2 is UCS-2).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Lexical {
+    Latin,
+    Ucs2,
+}
+
+/// What is left of a field.
+pub(crate) struct Cursor<'a> {
+    rest: &'a [u8],
+    tag: &'static str,
+    record: usize,
+}
+
+impl<'a> Cursor<'a> {
+    /// The field of a tag, without its end mark; `None` where the record lacks it.
+    pub(crate) fn of(record: &Record<'a>, tag: &'static str) -> Option<Self> {
+        Self::of_text(record, tag, Lexical::Latin)
+    }
+
+    /// The same for a field whose text and end mark are written as `lexical` says.
+    pub(crate) fn of_text(record: &Record<'a>, tag: &'static str, lexical: Lexical) -> Option<Self> {
+        let bytes = record.field(tag)?;
+        let end: &[u8] = if lexical == Lexical::Ucs2 { &[FIELD_END, 0] } else { &[FIELD_END] };
+        let rest = bytes.strip_suffix(end).or_else(|| bytes.strip_suffix(&[FIELD_END])).unwrap_or(bytes);
+        Some(Self { rest, tag, record: record.number })
+    }
+
+    /// The field of a tag that every such record has.
+    pub(crate) fn needed(record: &Record<'a>, tag: &'static str) -> Result<Self, Invalid> {
+        Self::of(record, tag).ok_or_else(|| {
+            let thing = format!("record {}", record.number);
+            Invalid::new(thing, format!("no field {tag}"), tag, "download or copy the file again")
+        })
+    }
+
+    pub(crate) fn is_empty(&self) -> bool {
+        self.rest.is_empty()
+    }
+
+    fn take<const N: usize>(&mut self) -> Result<[u8; N], Invalid> {
+        let Some((head, rest)) = self.rest.split_first_chunk::<N>() else { return Err(self.early()) };
+        self.rest = rest;
+        Ok(*head)
+    }
+
+    pub(crate) fn u8(&mut self) -> Result<u8, Invalid> {
+        Ok(self.take::<1>()?[0])
+    }
+
+    pub(crate) fn u16(&mut self) -> Result<u16, Invalid> {
+        Ok(u16::from_le_bytes(self.take()?))
+    }
+
+    pub(crate) fn u32(&mut self) -> Result<u32, Invalid> {
+        Ok(u32::from_le_bytes(self.take()?))
+    }
+
+    pub(crate) fn i32(&mut self) -> Result<i32, Invalid> {
+        Ok(i32::from_le_bytes(self.take()?))
+    }
+
+    /// A text of as many letters as are fixed for it.
+    pub(crate) fn letters<const N: usize>(&mut self) -> Result<String, Invalid> {
+        Ok(self.take::<N>()?.iter().map(|b| char::from(*b)).collect())
+    }
+
+    /// A text up to its end mark.
+    pub(crate) fn text(&mut self, lexical: Lexical) -> Result<String, Invalid> {
+        match lexical {
+            Lexical::Latin => {
+                let Some(end) = self.rest.iter().position(|b| *b == UNIT_END) else {
+                    return Err(self.early());
+                };
+                let text = self.rest[..end].iter().map(|b| char::from(*b)).collect();
+                self.rest = &self.rest[end + 1..];
+                Ok(text)
+            }
+            Lexical::Ucs2 => {
+                let (pairs, _) = self.rest.as_chunks::<2>();
+                let end = pairs.iter().position(|pair| *pair == [UNIT_END, 0]);
+                let Some(end) = end else { return Err(self.early()) };
+                let letters: Vec<u16> = pairs[..end].iter().map(|pair| u16::from_le_bytes(*pair)).collect();
+                self.rest = &self.rest[2 * end + 2..];
+                Ok(String::from_utf16_lossy(&letters))
+            }
+        }
+    }
+
+    fn early(&self) -> Invalid {
+        Invalid::new(
+            format!("record {}, field {}", self.record, self.tag),
+            "an end in the middle of a subfield",
+            "whole subfields",
+            "download or copy the file again",
+        )
+    }
+}

@@ -1,0 +1,74 @@
+//! Objects of a cell, with their places.
+
+use std::collections::BTreeMap;
+
+use crate::{Invalid, class_name};
+
+/// An object: what it is, where, and what is known of it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Feature {
+    /// Code of its class, see [`crate::class_name`].
+    pub class: u16,
+    /// What tells it from all others, in all editions: producer, number, subdivision.
+    pub id: String,
+    /// What is known of it, by the attribute's code, see [`crate::attribute`]; as text, empty where it is unknown.
+    pub attributes: BTreeMap<u16, String>,
+    /// Where it is.
+    pub geometry: Geometry,
+    /// What is said about the quality of its positions (QUAPOS); empty where nothing is.
+    pub position_quality: Vec<u8>,
+}
+
+/// Where an object is: longitude and latitude \[deg\].
+#[derive(Clone, Debug, PartialEq)]
+pub enum Geometry {
+    /// Nowhere: what says something of other objects.
+    None,
+    /// At points.
+    Points(Vec<[f64; 2]>),
+    /// Longitude, latitude, and depth \[m, positive down\].
+    Soundings(Vec<[f64; 3]>),
+    /// Along lines.
+    Lines(Vec<Vec<[f64; 2]>>),
+    /// Within polygons.
+    Area(Vec<Polygon>),
+}
+
+/// Closed rings: the outer one, then its holes.
+pub type Polygon = Vec<Vec<[f64; 2]>>;
+
+impl Feature {
+    /// Its class and what tells it from others, for messages.
+    pub fn named(&self) -> String {
+        match class_name(self.class) {
+            Some(name) => format!("{name} {}", self.id),
+            None => format!("class {} {}", self.class, self.id),
+        }
+    }
+
+    /// An attribute that is a number; `None` where it is unknown.
+    ///
+    /// # Errors
+    /// An attribute that is no finite number.
+    pub fn number(&self, (code, name): (u16, &str)) -> Result<Option<f64>, Invalid> {
+        let Some(text) = self.attributes.get(&code).map(|text| text.trim()).filter(|text| !text.is_empty())
+        else {
+            return Ok(None);
+        };
+        match text.parse::<f64>().ok().filter(|v| v.is_finite()) {
+            Some(value) => Ok(Some(value)),
+            None => Err(Invalid::new(
+                format!("{}, `{name}`", self.named()),
+                format!("`{text}`"),
+                "a number",
+                "report it to the chart's producer",
+            )),
+        }
+    }
+
+    /// The numbers of an attribute that is a list, such as `7,14`; those of none.
+    pub fn list(&self, (code, _): (u16, &str)) -> Vec<u16> {
+        let text = self.attributes.get(&code).map_or("", String::as_str);
+        text.split(',').filter_map(|part| part.trim().parse().ok()).collect()
+    }
+}

@@ -1,0 +1,4 @@
+//! Cells as they are read, whole and damaged.
+
+mod damaged;
+mod oracle;
