@@ -5,8 +5,8 @@ use std::fmt::Display;
 use artifact::{Error, Provenance, read_document};
 use maud::{Markup, html};
 use study::documents::{
-    DesignDocument, DesignScores, FreeRunErrors, ModelDegree, ModelDocument, ModelParameter, SearchDocument,
-    TallyDocument,
+    DesignDocument, DesignScores, FreeRunErrors, ModelDegree, ModelDocument, ModelParameter, Quantiles,
+    SearchDocument, TallyDocument,
 };
 
 use super::loader::{Loader, existing};
@@ -110,18 +110,19 @@ fn shares(next: &NextTrial) -> Markup {
 struct Followed<'a> {
     what: &'a str,
     measured: Option<FreeRunErrors>,
-    simulated: Option<&'a DesignScores>,
+    /// And which quantile of them.
+    simulated: Option<(&'a DesignScores, fn(&Quantiles) -> String)>,
 }
 
 impl Followed<'_> {
     fn cell(
         self,
         measured: fn(FreeRunErrors) -> (f64, Option<f64>),
-        of: fn(&DesignScores) -> &study::documents::Quantiles,
+        of: fn(&DesignScores) -> &Quantiles,
     ) -> String {
         let known =
             self.measured.map(measured).map(|(rmse, own)| format!("{} (fit {})", three(rmse), fit(own)));
-        let errors = self.simulated.map(|scores| format!("{}; {}", median(of(scores)), q90(of(scores))));
+        let errors = self.simulated.map(|(scores, value)| value(of(scores)));
         known.or(errors).unwrap_or_else(|| three_or_dash(None))
     }
 }
@@ -135,14 +136,17 @@ fn free_runs(next: &NextTrial) -> Markup {
     let model =
         Followed { what: "this model, on recordings left out of the search", measured, simulated: None };
     let scores = tally.scores.iter().flat_map(|own| &own.designs);
-    let scored = scores.map(|scores| Followed {
-        what: if scores.design == "optimized" {
-            "estimated anew from this trial"
-        } else {
-            "from random maneuvers"
-        },
-        measured: None,
-        simulated: Some(scores),
+    let scored = scores.flat_map(|scores| {
+        let [half, most] = match scores.design.as_str() {
+            "optimized" => ["estimated anew from this trial, median", "… 90 % quantile"],
+            _ => ["from random maneuvers, median", "… 90 % quantile"],
+        };
+        let row = |what, value: fn(&Quantiles) -> String| Followed {
+            what,
+            measured: None,
+            simulated: Some((scores, value)),
+        };
+        [row(half, median), row(most, q90)]
     });
     let rows: Vec<Followed> = measured.map(|_| model).into_iter().chain(scored).collect();
     let table = Table::of(&rows)
@@ -155,8 +159,8 @@ fn free_runs(next: &NextTrial) -> Markup {
         h3 { "What that means for the fit" }
         (table)
         p.note {
-            "Free simulations. Of simulated trials: median and 90\u{a0}% quantile over " (tally.realizations)
-            " trials in the stated noise, against the model itself over the validation maneuvers: what errors of the parameters \
+            "Free simulations. Of simulated trials: quantiles over " (tally.realizations)
+            " trials in the stated noise, with 95\u{a0}% intervals (– where none of them has an estimate that can be simulated), against the model itself over the validation maneuvers: what errors of the parameters \
              alone cost, in still air and with the right structure."
             @if let Some([u, v, r]) = stds {
                 " The logged motion has standard deviations of " (three(u)) "\u{a0}m/s, " (three(v)) "\u{a0}m/s and " (three(r))

@@ -254,3 +254,37 @@ fn a_singular_covariance_names_its_row() {
         Err(Error::Weight { row: 1, .. })
     ));
 }
+
+/// What makes a polynomial's coefficients known best makes it known best in any basis: powers, of which the information is all but
+/// singular, lead to the shares that Legendre's polynomials lead to, and to the same certificate.
+#[test]
+fn law_an_ill_conditioned_basis_changes_no_shares() {
+    let points = 41;
+    let solved = |basis: &dyn Fn(f64) -> Vec<f64>| {
+        let (mut information, mut middle) = (Candidates::new(vec![6]), Candidates::new(vec![6]));
+        for i in 0..points {
+            let row = basis(2.0 * f64::from(i) / f64::from(points - 1) - 1.0);
+            let square: Vec<f64> = row.iter().flat_map(|a| row.iter().map(move |b| a * b)).collect();
+            information.push(&square).unwrap();
+            middle.push(&square).unwrap();
+        }
+        let c = Covariance::new(&information, &middle, &[1.0; 6], Norm::LogDet).unwrap();
+        let options = Options { tolerance: 1e-6, ..Options::default() };
+        solve_covariance(&c, &Bounds::default(), &options).unwrap()
+    };
+    let legendre = solved(&|x| {
+        let mut all = vec![1.0, x];
+        for k in 2..6_i32 {
+            let (n, before, last) = (f64::from(k), all[all.len() - 2], all[all.len() - 1]);
+            all.push(((2.0 * n - 1.0) * x * last - (n - 1.0) * before) / n);
+        }
+        all
+    });
+    let powers = solved(&|x| (0..6).map(|k| (2.0 + x).powi(k)).collect());
+    for design in [&legendre, &powers] {
+        assert_eq!(design.status, Status::Optimal, "{:e}", design.gap);
+    }
+    for (a, b) in legendre.shares.iter().zip(&powers.shares) {
+        assert!((a - b).abs() < 2e-3, "{:?} {:?}", legendre.shares, powers.shares);
+    }
+}

@@ -12,7 +12,7 @@ use serde_json::json;
 use study::documents::{EstimateDocument, ModelDocument};
 use study::estimates::{self, Row};
 use study::files::{read_campaign, read_followed};
-use study::trajectories::TrajectoryReader;
+use study::trajectories::{Layout, TrajectoryReader};
 use vessel::{Invalid, Run, Vessel, nearest};
 
 use super::earlier::is_of;
@@ -70,7 +70,7 @@ pub const MAIN: &str = "estimates.parquet";
 impl Task for Arguments {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
         let mut provenance = common.provenance("estimate");
-        let vessel = read_followed(&self.vessel, &mut provenance)?;
+        let vessel = self.told(read_followed(&self.vessel, &mut provenance)?)?;
         self.mean_removal.check(&vessel.model).map_err(|e| Failure::invalid(&self.vessel, &e))?;
         let inputs = [&self.vessel].into_iter().chain(&self.trajectories).chain(&self.sharding.gather);
         let out = common.main_output(MAIN, inputs)?;
@@ -86,6 +86,23 @@ impl Task for Arguments {
 }
 
 impl Arguments {
+    /// The vessel as the runs tell of it: simulated ones, which are given with their true states, tell nothing of disturbances
+    /// that they hold constant.
+    fn told(&self, vessel: Vessel) -> Result<Vessel, Failure> {
+        if vessel.model.simulated.is_empty() {
+            return Ok(vessel);
+        }
+        let simulated = match (&self.trajectories, self.sharding.gather.first()) {
+            (Some(file), _) => {
+                let layout = Layout::new(&vessel.model);
+                TrajectoryReader::open(file, &layout, vessel.sample_rate_hz)?.true_states()
+            }
+            (None, Some(shard)) => !estimates::of_all(shard, &vessel)?,
+            (None, None) => false,
+        };
+        Ok(if simulated { vessel.with_disturbances_held() } else { vessel })
+    }
+
     /// Estimates from the runs of this shard, or of all.
     fn computed(
         &self,

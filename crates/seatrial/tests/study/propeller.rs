@@ -191,3 +191,52 @@ fn maneuvers_beyond_what_the_actuators_can_be_set_to_are_refused() {
     edit(&folder, "vessel.toml", "range = [-10.0, 15.0]", "range = [15.0, -10.0]");
     refused(&folder, 3, DICTIONARY, &["input `n`", "`range` [15, -10]", "swap or correct them"]);
 }
+
+#[test]
+fn law_derived_channels_without_a_column_are_computed() {
+    let folder = folder();
+    run(&folder, DICTIONARY).succeeds();
+    run(&folder, &format!("{MOMENTS} --allow-mixed")).succeeds();
+    let with_columns = json(&folder, "moments.json")["data"]["maneuvers"].clone();
+    // Under other names the file has columns of neither.
+    let vessel = std::fs::read_to_string(folder.path().join("vessel.toml")).unwrap();
+    put(&folder, "vessel.toml", &vessel.replace("stream", "race").replace("n_ahead", "forward"));
+    run(&folder, &format!("{MOMENTS} --allow-mixed")).succeeds();
+    let computed = json(&folder, "moments.json")["data"]["maneuvers"].clone();
+    assert_eq!(with_columns, computed);
+}
+
+/// Trials are simulated in still air, which tells nothing of what a wind does: its parameter is known, and the others are estimated.
+#[test]
+fn what_simulated_trials_hold_constant_is_not_estimated_from_them() {
+    let folder = logged();
+    let text = std::fs::read_to_string(repository().join("fixtures/propeller/vessel.toml")).unwrap();
+    let blocks: Vec<&str> = text.split("\n\n").filter(|block| !block.contains("astern")).collect();
+    assert!(blocks.iter().any(|block| block.contains("term = \"wind_y\"")));
+    put(&folder, "vessel.toml", &blocks.join("\n\n"));
+    run(&folder, DICTIONARY).succeeds();
+    let moments = "moments --vessel vessel.toml --trajectories dictionary.parquet --campaign campaign.toml";
+    run(&folder, &format!("{moments} --estimator output-error --out moments.json")).succeeds();
+    let design = "design --moments moments.json --for output-error --duration-s 600";
+    run(&folder, &format!("{design} --out design.json")).succeeds();
+    let trial =
+        "--vessel vessel.toml --dictionary dictionary.toml --campaign campaign.toml --design design.json";
+    run(&folder, &format!("simulate campaign {trial} --out campaign.parquet")).succeeds();
+    let line = "estimate --vessel vessel.toml --trajectories campaign.parquet --estimator output-error";
+    run(&folder, &format!("{line} --out estimates.parquet")).succeeds();
+    let document = json(&folder, "estimate.json")["data"].clone();
+    let of_wind = |name: &serde_json::Value| name.as_str().unwrap().contains("wind");
+    let parameters = document["designs"][0]["parameters"].as_array().unwrap();
+    assert!(parameters.iter().all(|own| !of_wind(&own["name"])) && document["designs"][0]["identified"] == 8);
+    assert!(
+        document["constrained"].as_array().unwrap().iter().any(|own| of_wind(&own["name"])),
+        "{document}"
+    );
+    // Shards of it are put together alike.
+    for part in [1, 2] {
+        run(&folder, &format!("{line} --shard {part}/2 --out part-{part}.parquet")).succeeds();
+    }
+    let gather = "estimate --vessel vessel.toml --gather part-1.parquet part-2.parquet --out whole.parquet";
+    run(&folder, gather).succeeds();
+    assert_eq!(bytes(&folder, "whole.parquet"), bytes(&folder, "estimates.parquet"));
+}

@@ -70,6 +70,16 @@ pub fn columns(vessel: &Vessel) -> Columns<Row> {
     columns
 }
 
+/// Whether the table `file` is of all parameters of `vessel`.
+///
+/// # Errors
+/// See [`TableReader::open`].
+pub fn of_all(file: &Path, vessel: &Vessel) -> Result<bool, Error> {
+    let table = TableReader::open(file, ID, VERSION)?;
+    let there = |name: &str| table.columns().iter().any(|column| column.name == name);
+    Ok(vessel.model.parameter_names().all(there))
+}
+
 /// Reads block `i` of `reader`.
 ///
 /// # Errors

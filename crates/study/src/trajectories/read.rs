@@ -2,7 +2,7 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
-use artifact::{Column, Digest, Provenance, Shard, Table, TableReader};
+use artifact::{Column, ColumnSpec, Digest, Provenance, Shard, Table, TableReader};
 
 use vessel::{DerivedChannel, Run, Segment};
 
@@ -15,7 +15,10 @@ pub struct TrajectoryReader {
     path: PathBuf,
     columns: Vec<String>,
     width: usize,
-    derived: Vec<DerivedChannel>,
+    /// Where the file's columns of inputs, disturbances and derived channels stand among those of the model.
+    places: Vec<usize>,
+    /// Channels that follow from others, and whether the file has a column of each.
+    derived: Vec<(DerivedChannel, bool)>,
     truth: bool,
     rate_hz: f64,
     /// Of every run that was read, by design and number, its first row.
@@ -23,22 +26,29 @@ pub struct TrajectoryReader {
 }
 
 impl TrajectoryReader {
-    /// Opens `path` and checks its columns and units.
+    /// Opens `path` and checks its columns and units. Derived channels that have no column are computed.
     ///
     /// # Errors
     /// See [`TableReader::open`] and [`TableReader::require`].
     pub fn open(path: &Path, layout: &Layout, rate_hz: f64) -> Result<Self, Error> {
         let table = TableReader::open(path, ID, VERSION)?;
-        let required = layout.required();
+        let there = |name: &str| table.columns().iter().any(|c| c.name == name);
+        let with_column = |own: &DerivedChannel| there(&layout.exogenous[own.variable - 3].0);
+        let derived: Vec<(DerivedChannel, bool)> =
+            layout.derived.iter().map(|own| (own.clone(), with_column(own))).collect();
+        let absent = |place: usize| derived.iter().any(|(own, there)| !there && own.variable - 3 == place);
+        let places: Vec<usize> = (0..layout.exogenous.len()).filter(|place| !absent(*place)).collect();
+        let wanted = layout.required().into_iter().enumerate();
+        let wanted = wanted.filter(|(i, _)| *i < 6 || !absent(i - 6));
+        let required: Vec<ColumnSpec> = wanted.map(|(_, column)| column).collect();
         table.require(&required)?;
         let mut columns: Vec<String> = required.iter().map(|c| c.name.clone()).collect();
-        let truth = ["u", "v", "r"].iter().all(|name| table.columns().iter().any(|c| c.name == *name));
+        let truth = ["u", "v", "r"].into_iter().all(there);
         if truth {
             columns.extend(["u", "v", "r"].map(str::to_owned));
         }
-        let (width, derived) = (layout.exogenous.len(), layout.derived.clone());
-        let known = Mutex::default();
-        Ok(Self { table, path: path.to_owned(), columns, width, derived, truth, rate_hz, known })
+        let (width, known) = (layout.exogenous.len(), Mutex::default());
+        Ok(Self { table, path: path.to_owned(), columns, width, places, derived, truth, rate_hz, known })
     }
 
     /// Number of blocks.
@@ -154,8 +164,8 @@ impl<'a> Block<'a> {
             maneuver: &columns[3],
             sample: i32s(4)?,
             t: f64s(5)?,
-            exogenous: &columns[6..6 + reader.width],
-            states: (6 + reader.width..columns.len()).map(f64s).collect::<Result<_, _>>()?,
+            exogenous: &columns[6..6 + reader.places.len()],
+            states: (6 + reader.places.len()..columns.len()).map(f64s).collect::<Result<_, _>>()?,
         })
     }
 
@@ -244,13 +254,14 @@ impl<'a> Block<'a> {
 
     /// Refuses derived channels that are something else than their definition says: the file was made with another one.
     fn check_derived(&self, rows: &[f64], row: &dyn Fn(usize) -> String) -> Result<(), Error> {
-        for own in &self.reader.derived {
+        for (own, _) in self.reader.derived.iter().filter(|(_, there)| *there) {
             let column = own.variable - 3;
+            let name = self.reader.places.iter().position(|place| *place == column).unwrap_or_default();
             for (k, values) in rows.chunks_exact(self.reader.width).enumerate() {
                 let (found, expected) = (values[column], own.value(values));
                 if !DerivedChannel::agrees(found, expected) {
                     return Err(self.reader.refuse(
-                        &format!("column `{}`, {}", self.reader.columns[6 + column], row(k)),
+                        &format!("column `{}`, {}", self.reader.columns[6 + name], row(k)),
                         &found.to_string(),
                         &format!("{expected}, by the formula `{}` of the vessel's file", own.text),
                         "make the trajectories again with the same vessel's file",
@@ -286,7 +297,19 @@ impl<'a> Block<'a> {
 
     fn exogenous_rows(&self, start: usize, end: usize) -> Vec<f64> {
         let columns: Vec<&[f64]> = self.exogenous.iter().filter_map(Column::as_f64).collect();
-        (start..end - 1).flat_map(|r| columns.iter().map(move |c| c[r])).collect()
+        let TrajectoryReader { width, places, derived, .. } = self.reader;
+        if places.len() == *width {
+            return (start..end - 1).flat_map(|r| columns.iter().map(move |c| c[r])).collect();
+        }
+        let mut rows = vec![0.0; width * (end - 1 - start)];
+        for (r, row) in (start..end - 1).zip(rows.chunks_exact_mut(*width)) {
+            columns.iter().zip(places).for_each(|(column, place)| row[*place] = column[r]);
+            // Each after those that it is computed from.
+            for (own, _) in derived.iter().filter(|(_, there)| !there) {
+                row[own.variable - 3] = own.value(row);
+            }
+        }
+        rows
     }
 }
 

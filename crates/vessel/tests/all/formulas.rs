@@ -31,3 +31,32 @@ fn what_is_no_product_is_refused() {
         assert!(Formula::parse(text).is_err(), "{text}");
     }
 }
+
+/// Channels, values and slopes that numpy found by functions written beside the formulas: `scripts/independent/derived.py`.
+#[test]
+fn oracle_derived_channels_and_their_slopes() {
+    let oracle: serde_json::Value =
+        serde_json::from_str(include_str!("../../../../fixtures/oracle/derived.json")).unwrap();
+    let numbers = |value: &serde_json::Value| -> Vec<f64> {
+        value.as_array().unwrap().iter().map(|x| x.as_f64().unwrap()).collect()
+    };
+    let cases = oracle["cases"].as_array().unwrap();
+    assert!(cases.len() >= 10);
+    for case in cases {
+        let text = case["formula"].as_str().unwrap();
+        let formula = Formula::parse(text).unwrap();
+        let channels: Vec<&str> =
+            case["channels"].as_array().unwrap().iter().filter_map(|c| c.as_str()).collect();
+        assert_eq!(formula.channels, channels, "{text}");
+        let values = numbers(&case["values"]);
+        let rows = case["rows"].as_array().unwrap().iter().zip(case["slopes"].as_array().unwrap());
+        for ((row, slopes), value) in rows.zip(values) {
+            let (row, slopes) = (numbers(row), numbers(slopes));
+            approx::assert_relative_eq!(formula.evaluate(&row), value, max_relative = 1e-12, epsilon = 1e-15);
+            for (by, slope) in slopes.into_iter().enumerate() {
+                let found = formula.slope(by, |channel| row[channel]);
+                approx::assert_relative_eq!(found, slope, max_relative = 1e-6, epsilon = 1e-7);
+            }
+        }
+    }
+}
