@@ -122,7 +122,7 @@ fn cells_that_are_encrypted_cut_off_or_of_another_product_are_refused() {
     fs::write(folder.path().join(CELL), scrambled).unwrap();
     refused(&folder, 3, PLAN, &[CELL, "S-63", "decrypt"]);
     fs::write(folder.path().join(CELL), &whole[..whole.len() / 2]).unwrap();
-    refused(&folder, 3, PLAN, &[CELL, "cut off"]);
+    refused(&folder, 3, PLAN, &[CELL, "a whole record", "download"]);
     refused(&damaged(CELL, b"03.1\x01", b"03.1\x02"), 3, PLAN, &[CELL, "product 2", "S-57"]);
     refused(&damaged(CELL, b"FSPC00", b"CSID00"), 3, PLAN, &[CELL, "S-101"]);
 }
@@ -205,5 +205,5 @@ fn a_plan_on_a_whole_cell_keeps_from_every_danger_what_its_rule_says() {
             near += u32::from(nearest < 3000.0);
         }
     }
-    assert!(near > 5, "{near} dangers near the plan");
+    assert!(near >= 3, "{near} dangers near the plan");
 }
