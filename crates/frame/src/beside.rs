@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use clap::Args;
 use identification::Estimator;
-use identification::runs::{Beside, Intercepts, UnknownCurrent};
+use identification::runs::{Beside, Intercepts, UnknownCurrent, UnknownWind};
 use serde_json::{Value, json};
 
 use crate::choice::choice;
@@ -16,15 +16,18 @@ pub struct BesideFlags {
     /// Forces that stay, as unknowns of `output-error` and `prediction-error`
     #[arg(long, value_parser = choice(&Intercepts::ALL, Intercepts::name, Intercepts::description), default_value_t = Intercepts::Each)]
     intercepts: Intercepts,
-    /// A current that stays over a run, as two more unknowns of `output-error`
+    /// A current of every run, as two more unknowns of `output-error`, or four where it drifts
     #[arg(long, value_name = "AXES", value_parser = choice(&UnknownCurrent::ALL, UnknownCurrent::name, UnknownCurrent::description), default_value_t = UnknownCurrent::None)]
     unknown_current: UnknownCurrent,
+    /// A wind of every run, whose direction no channel tells, as two more unknowns of `output-error`
+    #[arg(long, value_name = "AXES", value_parser = choice(&UnknownWind::ALL, UnknownWind::name, UnknownWind::description), default_value_t = UnknownWind::None)]
+    unknown_wind: UnknownWind,
 }
 
 impl BesideFlags {
     /// What they say.
     pub fn unknown(self) -> Beside {
-        Beside { intercepts: self.intercepts, current: self.unknown_current }
+        Beside { intercepts: self.intercepts, current: self.unknown_current, wind: self.unknown_wind }
     }
 
     /// Refuses what none of the `estimators` takes.
@@ -35,10 +38,21 @@ impl BesideFlags {
         let simulated = estimators.contains(&Estimator::OutputError);
         let searched = estimators.iter().any(|estimator| estimator.searches());
         let asked = estimators.iter().map(|e| e.name()).collect::<Vec<_>>().join(", ");
-        if self.unknown_current != UnknownCurrent::None && !simulated {
+        let flag = match (self.unknown_current, self.unknown_wind) {
+            (UnknownCurrent::None, UnknownWind::None) => None,
+            (UnknownCurrent::Body, UnknownWind::Earth) => {
+                return Err(Failure::Usage(
+                    "--unknown-current body beside --unknown-wind earth: one turns with the vessel and the other does not; take \
+                     --unknown-current earth or drifting"
+                        .to_owned(),
+                ));
+            }
+            (UnknownCurrent::None, wind) => Some(format!("--unknown-wind {wind}")),
+            (current, _) => Some(format!("--unknown-current {current}")),
+        };
+        if let Some(flag) = flag.filter(|_| !simulated) {
             return Err(Failure::Usage(format!(
-                "--unknown-current {} is for `output-error`: found {asked}; add it to --estimator or leave the flag out",
-                self.unknown_current
+                "{flag} is for `output-error`: found {asked}; add it to --estimator or leave the flag out"
             )));
         }
         if self.intercepts != Intercepts::Each && !searched {
@@ -52,12 +66,15 @@ impl BesideFlags {
 
     /// Notes what is not as usual.
     pub fn note(self, settings: &mut BTreeMap<String, Value>) {
-        let (usual, Beside { intercepts, current }) = (Beside::default(), self.unknown());
+        let (usual, Beside { intercepts, current, wind }) = (Beside::default(), self.unknown());
         if intercepts != usual.intercepts {
             settings.insert("intercepts".into(), json!(intercepts));
         }
         if current != usual.current {
             settings.insert("unknown_current".into(), json!(current));
+        }
+        if wind != usual.wind {
+            settings.insert("unknown_wind".into(), json!(wind));
         }
     }
 }

@@ -8,6 +8,7 @@ use artifact::Provenance;
 use clap::Args;
 use identification::MeanRemoval;
 use identification::pooled::{NominalModel, NominalSource, Pool, PooledRuns, Recorded};
+use identification::runs::Beside;
 use serde_json::{Value, json};
 use study::documents::{EstimateDocument, IngestDocument};
 use study::trajectories::label;
@@ -148,7 +149,8 @@ impl PoolFlags {
         let rate_hz = vessel.sample_rate_hz;
         let part_samples = self.part_s.map(|s| samples("--part-s", s, rate_hz)).transpose()?;
         let (model, removal) = (vessel.model.with_intercepts(), self.mean_removal);
-        let pool = Pool { vessel, model, removal, strength, nominal, part_samples, constant };
+        let beside = Beside::default();
+        let pool = Pool { vessel, model, removal, strength, nominal, part_samples, beside, constant };
         pool.check().map_err(|e| Failure::invalid(&self.vessel, &e))?;
         Ok((runs, pool))
     }

@@ -22,7 +22,10 @@ impl Estimator {
     pub const OF_RUNS: [Self; 5] =
         [Self::Ls, Self::Iv, Self::RefinedIv, Self::OutputError, Self::PredictionError];
     /// Those that estimate from pooled sub-experiments.
-    pub const POOLED: [Self; 5] = [Self::Ls, Self::Iv, Self::RefinedIv, Self::Auto, Self::OutputError];
+    pub const POOLED: [Self; 6] =
+        [Self::Ls, Self::Iv, Self::RefinedIv, Self::Auto, Self::OutputError, Self::PredictionError];
+    /// Those of them that are quick enough to be compared where nobody says which.
+    pub const COMPARED: [Self; 5] = [Self::Ls, Self::Iv, Self::RefinedIv, Self::Auto, Self::OutputError];
     /// Those whose accuracy a design predicts.
     pub const PREDICTED: [Self; 2] = [Self::Iv, Self::OutputError];
 

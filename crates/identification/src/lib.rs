@@ -11,6 +11,7 @@
 #![warn(missing_docs)]
 
 mod batch;
+mod beside;
 mod bounded;
 pub mod criticism;
 mod estimate;

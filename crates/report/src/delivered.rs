@@ -20,6 +20,7 @@ pub(super) fn delivered(measured: &Measured) -> Section {
             (chosen(model.estimator, measured.crossval.as_ref()))
             (parameters(model))
             (note(model))
+            (surroundings(model))
         },
     };
     Section::new("model", "Model", &heading(measured.model.as_ref()), body)
@@ -124,6 +125,35 @@ impl<'a> Row<'a> {
 
     fn least_squares(self) -> Option<f64> {
         self.parameter.map_or(self.degree.constant_least_squares, |p| p.least_squares)
+    }
+}
+
+/// Water and wind that were found with the model, if any were unknown.
+fn surroundings(model: &ModelDocument) -> Markup {
+    let mut rows = Vec::new();
+    for own in &model.surroundings {
+        rows.extend(own.found.iter().map(|found| (own, found)));
+    }
+    let table = Table::of(&rows)
+        .compact()
+        .name("Found around", |(own, _)| own.source.clone())
+        .number("Part", |(own, _)| own.part.to_string())
+        .text("Unknown", |(_, found)| found.name.as_str())
+        .text("Unit", |(_, found)| unit(&found.unit))
+        .number("Estimate", |(_, found)| three(found.value))
+        .number("Standard error", |(_, found)| three_or_dash(found.standard_error));
+    let turns = match model.surroundings.first().map(|own| own.axes.as_str()) {
+        Some("body") => "It keeps its direction from the bow.",
+        _ => "It keeps its direction over ground as the vessel turns.",
+    };
+    html! {
+        @if !rows.is_empty() {
+            (table)
+            p.note {
+                "Unknown water and wind, along and across the vessel as she heads where the part starts. " (turns)
+                " Simulations on this page go without it."
+            }
+        }
     }
 }
 

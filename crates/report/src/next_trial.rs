@@ -105,13 +105,16 @@ fn shares(next: &NextTrial) -> Markup {
     }
 }
 
+/// How a quantile is told.
+type Told = fn(&Quantiles) -> String;
+
 /// Errors of free simulations by model.
 #[derive(Clone, Copy)]
 struct Followed<'a> {
     what: &'a str,
     measured: Option<FreeRunErrors>,
     /// And which quantile of them.
-    simulated: Option<(&'a DesignScores, fn(&Quantiles) -> String)>,
+    simulated: Option<(&'a DesignScores, Told)>,
 }
 
 impl Followed<'_> {
@@ -141,11 +144,7 @@ fn free_runs(next: &NextTrial) -> Markup {
             "optimized" => ["estimated anew from this trial, median", "… 90 % quantile"],
             _ => ["from random maneuvers, median", "… 90 % quantile"],
         };
-        let row = |what, value: fn(&Quantiles) -> String| Followed {
-            what,
-            measured: None,
-            simulated: Some((scores, value)),
-        };
+        let row = |what, value: Told| Followed { what, measured: None, simulated: Some((scores, value)) };
         [row(half, median), row(most, q90)]
     });
     let rows: Vec<Followed> = measured.map(|_| model).into_iter().chain(scored).collect();

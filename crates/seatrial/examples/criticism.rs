@@ -14,6 +14,7 @@ use identification::criticism::{Criticism, Subject, criticise, criticise_each};
 use identification::pooled::{
     Judgement, NominalModel, Pool, PooledRuns, Resampling, StandardErrors, enriched, standard_errors,
 };
+use identification::runs::Beside;
 use numerics::statistics::wilson;
 use rayon::prelude::*;
 use seatrial::{CampaignFile, DictionaryFile, Estimator, Study, Vessel};
@@ -210,6 +211,7 @@ fn pool(vessel: &Vessel) -> Pool<'_> {
         strength: 0.0,
         nominal: NominalModel::Known(vessel.nominal.clone()),
         part_samples: None,
+        beside: Beside::default(),
         constant: Vec::new(),
     }
 }

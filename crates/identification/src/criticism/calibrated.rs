@@ -1,34 +1,62 @@
-//! What disturbs a run where nobody says so: by the likelihood of the run itself.
+//! What disturbs runs where nobody says so: by the likelihood of the runs themselves.
 
 use vessel::{Model, RunView};
 
 use super::noise::{Guess, Search};
 use crate::sensitivity::{Flow, Levels};
 
-/// Noise and a drifting current that make a run most likely, found in turns with its parameters.
+/// How often noise and parameters are found in turns.
+const TURNS: usize = 3;
+
+/// Noise and a drifting current that make runs most likely, found in turns with the parameters.
 pub(crate) struct Calibration<'a> {
     search: Search<'a>,
     rate_hz: f64,
-    found: Option<Guess>,
+    /// Root mean square errors of free simulations, which the first searches begin at.
+    errors: [f64; 3],
 }
 
 impl<'a> Calibration<'a> {
-    /// Of `run` under `model`, which it starts with at a state that may be known.
-    pub(crate) fn new(model: &'a Model, run: RunView, rate_hz: f64, known_start: bool) -> Self {
-        let search = Search::new(model, std::iter::once(run), rate_hz, known_start);
-        Self { search, rate_hz, found: None }
+    /// Of `runs` under `model`, which start at states that may be known; free simulations of it err by `errors`.
+    pub(crate) fn new<'r>(
+        model: &'a Model,
+        runs: impl Iterator<Item = RunView<'r>>,
+        rate_hz: f64,
+        known_start: bool,
+        errors: [f64; 3],
+    ) -> Self {
+        Self { search: Search::new(model, runs, rate_hz, known_start), rate_hz, errors }
     }
 
-    /// What is most likely under `parameters`, and twice its log-likelihood. Searches begin at what was found before, the
-    /// first ones where the root mean square `errors` of free simulations say. None where the filter's numbers end.
-    pub(crate) fn levels(&mut self, errors: [f64; 3], parameters: &[f64]) -> Option<(Levels, f64)> {
-        let starts = match self.found {
-            Some(found) => vec![found],
-            None => Guess::first(errors, self.rate_hz),
+    /// The most likely of what `fit` finds in turns with disturbances, beginning with parameters `theta`: `fit` is called with
+    /// disturbances and parameters, and gives others and whatever it has found, which comes with twice its log-likelihood. Each search of disturbances goes on from the last
+    /// one's and judges the parameters before it. None where the filter's numbers end.
+    ///
+    /// # Errors
+    /// Those of `fit`.
+    pub(crate) fn in_turns<T, E>(
+        &self,
+        mut theta: Vec<f64>,
+        mut fit: impl FnMut(&Levels, &[f64]) -> Result<Option<(Vec<f64>, T)>, E>,
+    ) -> Result<Option<(f64, T)>, E> {
+        let mut best: Option<(f64, T)> = None;
+        let Some((mut guess, _)) = self.search.from(&Guess::first(self.errors, self.rate_hz), &theta) else {
+            return Ok(None);
         };
-        let (found, worth) = self.search.from(&starts, parameters)?;
-        self.found = Some(found);
-        let (std, time_s) = found.current(self.rate_hz);
+        for _ in 0..TURNS {
+            let levels = self.levels(&guess);
+            let Some((next, found)) = fit(&levels, &theta)? else { break };
+            let Some((again, worth)) = self.search.from(&[guess], &next) else { break };
+            if best.as_ref().is_none_or(|(most, _)| worth > *most) {
+                best = Some((worth, found));
+            }
+            (guess, theta) = (again, next);
+        }
+        Ok(best)
+    }
+
+    fn levels(&self, guess: &Guess) -> Levels {
+        let (std, time_s) = guess.current(self.rate_hz);
         let current = match time_s {
             None => Flow::White { std },
             Some(time_s) => {
@@ -36,6 +64,6 @@ impl<'a> Calibration<'a> {
                 Flow::Markov { std, factor, turning }
             }
         };
-        Some((Levels { measurement: found.measurement(), current, force: None }, worth))
+        Levels { measurement: guess.measurement(), current, force: None }
     }
 }

@@ -23,4 +23,5 @@ pub(crate) use calibrated::Calibration;
 pub use criticise::{LEVEL, criticise, criticise_each};
 pub use feedback::Feedback;
 pub use found::{Absent, Criticism};
+pub(crate) use noise::ENOUGH;
 pub use problems::Subject;

@@ -19,7 +19,7 @@ const LONGEST: f64 = 1.5;
 /// Damping of the first step and beyond which none helps.
 const DAMPING: [f64; 2] = [1e-2, 1e6];
 /// Samples that are enough to know the noise.
-const ENOUGH: usize = 12_000;
+pub(crate) const ENOUGH: usize = 12_000;
 /// Times over which a drifting current is first thought to change \[s\].
 const TIMES: [f64; 3] = [3.0, 20.0, 150.0];
 /// Shares of the time between two samples below which a current is new at every sample, and of which it is first thought so.

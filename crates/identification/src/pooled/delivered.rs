@@ -5,9 +5,9 @@ use serde::{Deserialize, Serialize};
 use vessel::{DegreeOfFreedom, Model, RunView, Variable};
 
 use super::{
-    DegreeTrust, Estimated, ParameterTrust, Part, PartView, Parts, Pool, Regression, Score, SourceErrors,
+    DegreeTrust, Estimated, ParameterTrust, Part, PartView, Parts, Pool, Regression, Scales, Score, Searched,
+    SourceErrors, Surroundings,
 };
-use crate::Estimator;
 
 /// The model that an estimate delivers, whole: with it others simulate what was validated.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,6 +27,8 @@ pub struct Delivered {
     pub output_rmse: Option<[f64; 3]>,
     /// One entry per run or recording.
     pub recordings: Vec<RecordingConstant>,
+    /// Water and wind that were found with it, part by part; empty where nothing is unknown of them.
+    pub surroundings: Vec<Surroundings>,
     /// What the data covered: states, inputs, measured disturbances.
     pub covered: Vec<Covered>,
 }
@@ -89,25 +91,28 @@ impl Delivered {
         let beyond = |intercepts| beyond(&pool.model, intercepts);
         let mut account = Account::new(&pool.vessel.model, &theta, intercepts);
         parts.each(|part| account.add(&part))?;
+        let around = |(own, scales): &(Searched, Scales)| Surroundings::all(parts, own, scales.follow());
         Ok(Some(Self {
             constant: beyond(intercepts),
             covariance: covariance(&pool.model, found, degrees),
             least_squares: pool.least_squares(found).map(|(theta, own)| (theta, beyond(own))),
             increment_std: account.squares.map(|sum| (sum / f64::max(account.samples, 1.0)).sqrt()),
             output_rmse: pooled_rmse(sources),
+            surroundings: found.searched.as_ref().map_or(Ok(Vec::new()), around)?,
             covered: account.ranges.covered(),
             recordings: account.recordings(),
             theta,
         }))
     }
 
-    /// What an estimate of one run delivers, θ̂ and intercepts, beside those by least squares. Its covariance is not known: run
+    /// What an estimate of one run delivers, θ̂ and intercepts, beside those by least squares, and what was found around it. Its covariance is not known: run
     /// by run only standard errors are.
     pub(crate) fn of_run(
         model: &Model,
         part: &PartView,
         (theta, intercepts): (Vec<f64>, [f64; 3]),
         least_squares: Option<(Vec<f64>, [f64; 3])>,
+        surroundings: Option<Surroundings>,
     ) -> Self {
         let mut account = Account::new(model, &theta, intercepts);
         account.add(part);
@@ -119,6 +124,7 @@ impl Delivered {
             least_squares: least_squares.map(|(theta, own)| (theta, beyond(model, own))),
             increment_std: account.squares.map(|sum| (sum / f64::max(account.samples, 1.0)).sqrt()),
             output_rmse: Score::of(&lifted, &parameters, [part.run].into_iter()).rmse(),
+            surroundings: surroundings.into_iter().collect(),
             covered: account.ranges.covered(),
             recordings: account.recordings(),
             theta,
@@ -246,10 +252,10 @@ impl Covariance {
     }
 }
 
-/// That of an output-error estimate is of all unknowns together; else each degree of freedom has its own.
+/// That of a search is of all unknowns together; else each degree of freedom has its own.
 fn covariance(model: &Model, found: &Estimated, degrees: &[DegreeTrust]) -> Option<Covariance> {
-    let simulated = found.output_error.as_ref().filter(|_| found.used == [Estimator::OutputError; 3]);
-    if let Some((whole, _)) = simulated {
+    let searched = found.searched.as_ref().filter(|_| found.used.iter().all(|used| used.searches()));
+    if let Some((whole, _)) = searched {
         return Some(Covariance::joint(model, whole.covariance.clone()));
     }
     covariance_of(degrees)

@@ -36,7 +36,7 @@ impl Pool<'_> {
         threads: usize,
     ) -> f64 {
         let [sums, end] = sums_bytes(&self.model);
-        let parts = runs.cut(self.part_samples);
+        let parts = self.cut(runs);
         // Least squares, instruments and refined ones; means of its own for every part; sums that are drawn from.
         let own = if self.removal == MeanRemoval::Batch { 4.0 * end + 400.0 } else { 2.0 * end };
         // `auto` draws from sums with two kinds of instruments; every thread adds up those that a resample of its own draws.
@@ -45,8 +45,8 @@ impl Pool<'_> {
         let resamples = f64::from(replicates) * (16.0 * self.vessel.model.parameters() as f64 + 60.0);
         let known = KNOWN[0] * runs.count() as f64 + KNOWN[1] * parts.count() as f64;
         let (simulates, searches) = match estimator {
-            Estimator::OutputError if replicates > 0 => (threads, threads),
-            Estimator::OutputError => (threads, 1),
+            used if used.searches() && replicates > 0 => (threads, threads),
+            used if used.searches() => (threads, 1),
             _ => (0, 1),
         };
         let (samples, longest) = runs.samples();
@@ -64,7 +64,7 @@ impl Pool<'_> {
     /// in memory, on so many `threads`.
     pub fn bytes_of_many(&self, runs: &PooledRuns, threads: usize) -> f64 {
         let [sums, end] = sums_bytes(&self.model);
-        let parts = runs.cut(self.part_samples);
+        let parts = self.cut(runs);
         let several = parts.count() as f64 * (3.0 * sums + 200.0 + threads as f64 * (6.0 * end + 16.0));
         let looks = (threads * longest_of(&parts)) as f64 * look_bytes(&self.model);
         4.0 * runs.samples().0 as f64 * sample_bytes(&self.model) + several + looks

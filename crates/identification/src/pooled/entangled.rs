@@ -137,6 +137,7 @@ mod tests {
             least_squares: None,
             increment_std: [0.0; 3],
             output_rmse: None,
+            surroundings: Vec::new(),
             recordings: Vec::new(),
             covered: Vec::new(),
         };

@@ -6,8 +6,8 @@ use super::resampler::{Resampler, Resampling};
 use super::statements::statements;
 use super::trust::Judge;
 use super::{
-    DegreeTrust, Delivered, Estimated, Judgement, LostInstruments, NoEstimate, ParameterTrust, Part, Parts,
-    Pool, PooledRuns, Recorded, Resample, SourceErrors, Status, listed,
+    DegreeTrust, Delivered, Estimated, Follow, Judgement, LostInstruments, NoEstimate, ParameterTrust, Part,
+    Parts, Pool, PooledRuns, Recorded, Resample, SourceErrors, Status, listed,
 };
 use crate::criticism::{Criticism, Subject, criticise};
 use crate::{EstimateStatus, Estimator, RunEstimate};
@@ -87,7 +87,7 @@ pub fn estimate<R: Recorded>(
     judgement: &Judgement,
     resampling: Resampling,
 ) -> Result<Pooled, PoolError<R::Error>> {
-    let parts = runs.cut(pool.part_samples);
+    let parts = pool.cut(runs);
     let found = solved(pool, &parts, estimator)?;
     let judge = Judge { pool, found: &found, parts: &parts, judgement, resampling };
     let degrees = judge.degrees().map_err(PoolError::Unread)?;
@@ -98,7 +98,7 @@ pub fn estimate<R: Recorded>(
     let criticised = criticism.iter().flat_map(|found| &found.statements).cloned();
     let started = criticism.as_ref().and_then(|criticism| noisy_start(&found, criticism));
     let alike = delivered.iter().flat_map(|own| entangled(own, pool.model.layout()));
-    let spread = started.into_iter().chain(few_tell(pool, &found));
+    let spread = started.into_iter().chain(few_tell(pool, &found)).chain(around(pool, &found));
     let known: Vec<String> = spread.chain(statements(&degrees)).chain(alike).collect();
     Ok(Pooled {
         design: runs.design().to_owned(),
@@ -124,7 +124,7 @@ pub fn resampled<R: Recorded, T>(
     (estimator, seed): (Estimator, u64),
     work: impl FnOnce(&(dyn Fn(u32) -> Result<Resample, R::Error> + Sync)) -> T,
 ) -> Result<T, PoolError<R::Error>> {
-    let parts = runs.cut(pool.part_samples);
+    let parts = pool.cut(runs);
     let found = solved(pool, &parts, estimator)?;
     let resampler = Resampler::new(pool, &found, &parts, seed).map_err(PoolError::Unread)?;
     Ok(work(&|number| resampler.draw(number)))
@@ -135,7 +135,11 @@ const NOISY: f64 = 0.2;
 
 /// That free simulations start at states whose noise is not small beside the motion.
 fn noisy_start(found: &Estimated, criticism: &Criticism) -> Option<String> {
-    let (_, scales) = found.output_error.as_ref()?;
+    let (_, scales) = found.searched.as_ref()?;
+    // Filters weigh the first state like any other.
+    if matches!(scales.follow(), Follow::Predicted(..)) {
+        return None;
+    }
     let noise = [criticism.noise_u, criticism.noise_v, criticism.noise_r];
     let share = noise.iter().zip(scales.std()).map(|(noise, std)| noise / std).fold(0.0, f64::max);
     (share > NOISY).then(|| {
@@ -147,15 +151,28 @@ fn noisy_start(found: &Estimated, criticism: &Criticism) -> Option<String> {
     })
 }
 
+/// That a model was found in waters, or by a filter, that simulations of the recordings do without.
+fn around(pool: &Pool, found: &Estimated) -> Option<String> {
+    let (own, scales) = found.searched.as_ref()?;
+    match scales.follow() {
+        Follow::Simulated(_) => (!own.around.is_empty()).then(|| {
+            "found with water and wind of its own in every run: free simulations of the recordings go in still water, \
+             without wind, and err by what these do"
+                .to_owned()
+        }),
+        Follow::Predicted(levels, _) => Some(levels.told(1.0 / pool.vessel.sample_rate_hz)),
+    }
+}
+
 /// Sub-experiments that tell alike below which standard errors, which compare them, are a guess.
 const FEW: f64 = 3.0;
 
 /// That standard errors compare sub-experiments, of which few tell of some parameters.
 fn few_tell(pool: &Pool, found: &Estimated) -> Option<String> {
-    let (own, _) = found.output_error.as_ref()?;
+    let (own, _) = found.searched.as_ref()?;
     let layout = pool.model.layout();
     let degrees = DegreeOfFreedom::ALL.map(|d| d as usize).into_iter();
-    let places = degrees.filter(|d| found.used[*d] == Estimator::OutputError).flat_map(|d| layout.terms(d));
+    let places = degrees.filter(|d| found.used[*d].searches()).flat_map(|d| layout.terms(d));
     let telling = pool.vessel.model.parameter_names().zip(places);
     let few = telling.filter(|(_, i)| own.telling[*i] > 0.0 && own.telling[*i] < FEW);
     let named: Vec<String> = few.map(|(name, i)| format!("`{name}` {:.1}", own.telling[i])).collect();
@@ -201,7 +218,7 @@ pub fn standard_errors<R: Recorded>(
     estimator: Estimator,
     judgement: &Judgement,
 ) -> Result<Option<StandardErrors>, PoolError<R::Error>> {
-    let parts = runs.cut(pool.part_samples);
+    let parts = pool.cut(runs);
     let found = solved(pool, &parts, estimator)?;
     let judge =
         Judge { pool, found: &found, parts: &parts, judgement, resampling: Resampling::Drawn(&|_| ()) };

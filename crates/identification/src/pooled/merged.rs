@@ -154,6 +154,7 @@ fn delivered(
         least_squares: of(least_squares).map(|(theta, own)| (theta, beyond(&pool.model, own))),
         increment_std,
         output_rmse: None,
+        surroundings: Vec::new(),
         recordings: Vec::new(),
         covered: sums.covered.clone(),
     })

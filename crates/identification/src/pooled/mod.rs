@@ -7,6 +7,7 @@
 //!
 //! Plain numbers, no lanes: measured data sets are small.
 
+mod around;
 mod bootstrap;
 mod centre;
 mod delivered;
@@ -20,7 +21,6 @@ mod fit;
 mod instrument_fit;
 mod merged;
 mod nominal;
-mod output_error;
 mod part;
 mod pool;
 mod pooled_sums;
@@ -31,8 +31,11 @@ mod residual_tests;
 mod run_sums;
 mod runs;
 mod sandwich;
+mod search;
+mod searched;
 mod statements;
 mod strength;
+mod surroundings;
 mod trust;
 mod windows;
 mod words;
@@ -50,7 +53,6 @@ pub use fit::{DegreeFit, Options, Prior, Solution, Status};
 pub use instrument_fit::InstrumentFit;
 pub use merged::estimate_merged;
 pub use nominal::{NominalModel, NominalSource};
-pub use output_error::{OutputError, output_error};
 pub use part::{LostInstruments, Part};
 pub use pool::{Estimated, NoEstimate, Pool};
 pub use pooled_sums::{PooledSums, diagnose, fit};
@@ -61,8 +63,10 @@ pub use residual_tests::{CrossCorrelation, Whiteness, residuals, whiteness};
 pub use run_sums::{Products, RunSums};
 pub use runs::{CutRuns, PooledRuns, SelectError};
 pub use sandwich::{default_bandwidth, sandwich};
+pub use searched::{Follow, Scales, Searched, least_errors};
 pub use strength::Strength;
 pub use strength::strength;
+pub use surroundings::{FoundUnknown, Surroundings};
 pub use trust::{DegreeTrust, InstrumentResidual, Judgement, ParameterTrust, SourceErrors};
 pub use windows::{FreeRunErrors, Score, deviations};
 pub use words::listed;

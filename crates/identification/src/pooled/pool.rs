@@ -2,10 +2,12 @@ use vessel::{Degree, DegreeOfFreedom, Invalid, Model, Vessel};
 
 use super::windows::StateMeans;
 use super::{
-    COLLINEAR, DegreeFit, Drawn, LostInstruments, NominalModel, Options, OutputError, PartView, Parts,
-    PooledSums, Prior, Regression, Status, joined, output_error, unidentified,
+    COLLINEAR, CutRuns, DegreeFit, LostInstruments, NominalModel, Options, PartView, Parts, PooledRuns,
+    PooledSums, Prior, Recorded, Regression, Scales, Searched, joined, unidentified,
 };
-use crate::{DegreeSums, Estimator, MeanRemoval, Sums};
+use crate::beside::Beside;
+use crate::predictor::{InitialState, Unknown};
+use crate::{Estimator, MeanRemoval, Sums};
 
 /// How often refined instruments are simulated again.
 const ROUNDS: usize = 3;
@@ -25,23 +27,10 @@ pub struct Pool<'a> {
     pub nominal: NominalModel,
     /// Most samples of a part; segments are not cut without it.
     pub part_samples: Option<usize>,
+    /// What searches take as unknown beside the parameters.
+    pub beside: Beside,
     /// Logged channels that never vary, to name where a term hardly does.
     pub constant: Vec<String>,
-}
-
-/// What errors and steps of an output-error estimate are measured by.
-pub struct Scales {
-    /// Standard deviations of the measured u, v, r.
-    std: [f64; 3],
-    /// Per parameter, intercepts among them, the change that would matter; 0 holds it.
-    sizes: Vec<f64>,
-}
-
-impl Scales {
-    /// Standard deviations of the measured u, v, r.
-    pub(super) fn std(&self) -> [f64; 3] {
-        self.std
-    }
 }
 
 /// An estimate of pooled parts.
@@ -52,8 +41,8 @@ pub struct Estimated {
     pub used: [Estimator; 3],
     /// Nominal parameters and intercepts, where there were any.
     pub nominal: Option<(Vec<f64>, [f64; 3])>,
-    /// The output-error estimate and its scales, where it was asked for and found.
-    pub output_error: Option<(OutputError, Scales)>,
+    /// What a search found and its scales, where one was asked for and found.
+    pub searched: Option<(Searched, Scales)>,
     /// Why no instruments were simulated with `auto`, which then is least squares.
     pub diverged: Option<LostInstruments>,
     /// Parameters of the model with intercepts that the instruments were simulated with.
@@ -88,6 +77,11 @@ impl Estimated {
 
     fn by_instruments(&self, d: usize) -> bool {
         matches!(self.used[d], Estimator::Iv | Estimator::RefinedIv)
+    }
+
+    /// The sums with the regressors as instruments.
+    pub(super) fn least_squares_sums(&self) -> &PooledSums {
+        &self.ls
     }
 
     pub(super) fn means(&self) -> &StateMeans {
@@ -140,6 +134,19 @@ impl Pool<'_> {
         Pool { vessel, model: vessel.model.with_intercepts(), nominal, constant, ..*self }
     }
 
+    /// What `runs` are cut into: segments, or whole runs where what is around the vessel is unknown, and the same all along.
+    pub fn cut<'r, R: Recorded>(&self, runs: &'r PooledRuns<R>) -> CutRuns<'r, R> {
+        match self.unknown().around().next() {
+            None => runs.cut(self.part_samples),
+            Some(_) => runs.whole(self.part_samples),
+        }
+    }
+
+    /// What free simulations do not know.
+    pub(super) fn unknown(&self) -> Unknown {
+        Unknown::new(InitialState::Known, self.beside, 1.0 / self.vessel.sample_rate_hz)
+    }
+
     /// Estimates from `parts`, which are gone through once for every kind of sums, and for every step of a search.
     ///
     /// # Errors
@@ -158,7 +165,7 @@ impl Pool<'_> {
             degrees: fitted,
             used: [Estimator::Ls; 3],
             nominal,
-            output_error: None,
+            searched: None,
             diverged: None,
             instruments: None,
             ls,
@@ -171,16 +178,14 @@ impl Pool<'_> {
         // Where least squares found no model to simulate, nothing is identified either way.
         if let Some(nominal) = found.nominal.clone() {
             match self.instrumented(parts, estimator, nominal, &mut found) {
-                Err(NoEstimate::Lost(diverged))
-                    if matches!(estimator, Estimator::Auto | Estimator::OutputError) =>
-                {
+                Err(NoEstimate::Lost(diverged)) if estimator == Estimator::Auto || estimator.searches() => {
                     found.diverged = Some(diverged);
                 }
                 result => result?,
             }
         }
-        if estimator == Estimator::OutputError {
-            self.simulated(parts, &mut found).map_err(NoEstimate::Unread)?;
+        if estimator.searches() {
+            self.searched(parts, estimator, &mut found).map_err(NoEstimate::Unread)?;
         }
         Ok(found)
     }
@@ -262,80 +267,12 @@ impl Pool<'_> {
         }
         let used = if estimator == Estimator::RefinedIv { Estimator::RefinedIv } else { Estimator::Iv };
         for (d, degree) in degrees.into_iter().enumerate() {
-            if degree.solution.is_some() || !matches!(estimator, Estimator::Auto | Estimator::OutputError) {
+            if degree.solution.is_some() || !(estimator == Estimator::Auto || estimator.searches()) {
                 (found.degrees[d], found.used[d]) = (degree, used);
             }
         }
         (found.iv, found.instruments) = (Some(data), Some(model));
         Ok(())
-    }
-
-    /// Goes on from the estimate at hand to the least errors of free simulations. Where those diverge, it stays.
-    fn simulated<P: Parts>(&self, parts: &P, found: &mut Estimated) -> Result<(), P::Error> {
-        let Some(start) = found.parameters(&self.model) else { return Ok(()) };
-        let mut deviations = found.means.deviations();
-        parts.each(|part| deviations.add(part.run.measured))?;
-        let std = deviations.found();
-        let scales = Scales { std, sizes: self.sizes(&found.ls, std) };
-        let Some(best) = self.least_errors(parts, &start, &scales)? else { return Ok(()) };
-        let degrees = self.split(&best.parameters);
-        for (d, (theta, intercept)) in degrees.into_iter().enumerate() {
-            let model = &self.vessel.model.degrees[d];
-            if theta.iter().enumerate().all(|(i, value)| model.at_bound(i, *value)) {
-                found.degrees[d] = DegreeFit { status: Status::Bounded, solution: None };
-            }
-            if let Some(solution) = &mut found.degrees[d].solution {
-                (solution.theta, solution.intercept) = (theta, intercept);
-            }
-            found.used[d] = Estimator::OutputError;
-        }
-        found.output_error = Some((best, scales));
-        Ok(())
-    }
-
-    fn least_errors<P: Parts>(
-        &self,
-        parts: &P,
-        start: &[f64],
-        scales: &Scales,
-    ) -> Result<Option<OutputError>, P::Error> {
-        output_error(&self.model, parts, start, scales.std, &scales.sizes)
-    }
-
-    /// The output-error estimate of the parts at `drawn`, started at that of all: θ̂ of surge, sway and yaw.
-    ///
-    /// # Errors
-    /// Parts that cannot be read.
-    pub fn simulated_again<P: Parts>(
-        &self,
-        parts: &P,
-        drawn: &[usize],
-        found: &Estimated,
-    ) -> Result<Option<[Vec<f64>; 3]>, P::Error> {
-        let Some((all, scales)) = &found.output_error else { return Ok(None) };
-        let best = self.least_errors(&Drawn { parts, places: drawn }, &all.parameters, scales)?;
-        Ok(best.map(|best| self.split(&best.parameters).map(|(theta, _)| theta)))
-    }
-
-    /// θ and intercept of surge, sway and yaw from parameters of the model with intercepts.
-    fn split(&self, parameters: &[f64]) -> [(Vec<f64>, f64); 3] {
-        let layout = self.model.layout();
-        let intercepts = layout.intercepts(parameters);
-        [0, 1, 2].map(|d| (parameters[layout.terms(d)].to_vec(), intercepts[d]))
-    }
-
-    /// Per parameter, intercepts among them, the value with which its term alone would make up the state's deviation in a sample; 0 for an
-    /// intercept that is not estimated and a term that is always 0.
-    fn sizes(&self, sums: &PooledSums, std: [f64; 3]) -> Vec<f64> {
-        let whole = sums.total();
-        let n = whole.samples.max(1) as f64;
-        let size = |square: f64, std: f64| if square > 0.0 { std / (square / n).sqrt() } else { 0.0 };
-        let intercept = |std: f64| if self.removal == MeanRemoval::None { 0.0 } else { std };
-        let degree = |(degree, std): (&DegreeSums, f64)| -> Vec<f64> {
-            let own = degree.regressor_squares.iter().map(|square| size(*square, std));
-            own.chain((!degree.known.constant).then(|| intercept(std))).collect()
-        };
-        whole.degrees.iter().zip(std).flat_map(degree).collect()
     }
 
     /// Why degrees of freedom have no estimate, in words.

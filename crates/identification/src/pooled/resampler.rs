@@ -35,7 +35,7 @@ impl<'a, P: Parts> Resampler<'a, P> {
             let by = |d: &usize| found.used[*d] == used && found.degrees[*d].solution.is_some();
             let Some(d) = [0, 1, 2].into_iter().find(by) else { continue };
             let mut own = Vec::new();
-            if used != Estimator::OutputError {
+            if !used.searches() {
                 match pool.sums(parts, found.simulated(d), |_, sums| own.push(sums.clone())) {
                     Err(NoEstimate::Unread(e)) => return Err(e),
                     // They could be simulated before.
@@ -58,7 +58,7 @@ impl<'a, P: Parts> Resampler<'a, P> {
         let mut theta: [Option<Vec<f64>>; 3] = Default::default();
         for (used, sums) in &self.sums {
             let mut own = match used {
-                Estimator::OutputError => self.simulated_again(&places)?,
+                used if used.searches() => self.searched_again(&places)?,
                 _ => self.fitted(*used, &places.iter().map(|i| &sums[*i]).collect::<Vec<_>>()),
             };
             for d in (0..3).filter(|d| self.found.used[*d] == *used) {
@@ -93,9 +93,9 @@ impl<'a, P: Parts> Resampler<'a, P> {
         fit(sums, &options).map(|degree| degree.solution.map(|solution| solution.theta))
     }
 
-    /// Of an output-error estimate: the parts are simulated and fitted anew.
-    fn simulated_again(&self, places: &[usize]) -> Result<[Option<Vec<f64>>; 3], P::Error> {
-        let thetas = self.pool.simulated_again(self.parts, places, self.found)?;
+    /// Of a search: the parts are simulated or predicted and fitted anew.
+    fn searched_again(&self, places: &[usize]) -> Result<[Option<Vec<f64>>; 3], P::Error> {
+        let thetas = self.pool.searched_again(self.parts, places, self.found)?;
         Ok(thetas.map_or_else(Default::default, |thetas| thetas.map(Some)))
     }
 }

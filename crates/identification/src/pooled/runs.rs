@@ -216,9 +216,18 @@ impl<R: Recorded> PooledRuns<R> {
 
     /// The segments, each cut into equal parts of at most `most` samples.
     pub fn cut(&self, most: Option<usize>) -> CutRuns<'_, R> {
+        self.pieces(most, |known| known.segments().collect())
+    }
+
+    /// The runs, whatever segments they have, cut in the same way.
+    pub fn whole(&self, most: Option<usize>) -> CutRuns<'_, R> {
+        self.pieces(most, |known| std::iter::once(0..known.samples).collect())
+    }
+
+    fn pieces(&self, most: Option<usize>, of: impl Fn(&Known) -> Vec<Range<usize>>) -> CutRuns<'_, R> {
         let mut places = Vec::new();
         for (run, known) in self.runs.iter().enumerate() {
-            for (segment, samples) in known.segments().enumerate() {
+            for (segment, samples) in of(known).into_iter().enumerate() {
                 let pieces = equal(samples.start, samples.end, most);
                 places.extend(pieces.map(|samples| Place { run, segment, samples }));
             }

@@ -1,5 +1,4 @@
 use super::{COLLINEAR, DegreeTrust, Whiteness, listed};
-use crate::Estimator;
 
 /// Below this share of a regressor its instruments count as lost.
 const WEAK: f64 = 0.1;
@@ -45,10 +44,10 @@ fn weak(degree: &DegreeTrust) -> Option<String> {
 
 fn not_white(degree: &DegreeTrust, white: &Whiteness) -> String {
     let allowed = match degree.estimator {
-        Estimator::OutputError => "any correlation within a sub-experiment".to_owned(),
+        used if used.searches() => "any correlation within a sub-experiment".to_owned(),
         _ => format!("{} lags", white.lags),
     };
-    let wide = degree.estimator != Estimator::OutputError && white.first_autocorrelation < ALTERNATING;
+    let wide = !degree.estimator.searches() && white.first_autocorrelation < ALTERNATING;
     format!(
         "{}: residuals are not white (neighbours correlate by {:.2}): the standard errors allow for {allowed}{}",
         degree.name,

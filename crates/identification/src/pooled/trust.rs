@@ -330,8 +330,8 @@ impl<'a> Account<'a> {
     fn new(found: &'a Estimated, d: usize, bandwidth: usize) -> Self {
         let (sums, solution) = (found.data(d), found.degrees[d].solution.as_ref());
         let p = sums.total().degrees[d].parameters();
-        // An output-error estimate has a covariance of its own.
-        let own = found.output_error.is_some() && found.used[d] == Estimator::OutputError;
+        // An estimate of a search has a covariance of its own.
+        let own = found.searched.is_some() && found.used[d].searches();
         Self {
             d,
             centring: sums.centring(),
@@ -368,10 +368,10 @@ impl<'a> Account<'a> {
         bootstrap: Option<Bootstrap>,
     ) -> Degree {
         let (d, centring) = (self.d, self.centring);
-        let simulated = || found.output_error.as_ref().map(|(simulated, _)| simulated.covariance_of(places));
+        let searched = || found.searched.as_ref().map(|(searched, _)| searched.covariance_of(places));
         let covariance = self.solution.and_then(|solution| match self.filling {
             Some(filling) => Some(filling.covariance(&centring, solution, d)),
-            None => simulated(),
+            None => searched(),
         });
         Degree {
             covariance,

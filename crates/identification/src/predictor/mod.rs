@@ -11,14 +11,16 @@ mod output_error;
 mod prediction_error;
 mod scores;
 mod sums;
+mod unknown;
 
 pub use crate::sensitivity::{Flow, Gusts, Levels, Recordings, Sensitivities};
 pub(crate) use levenberg_marquardt::{
     Asked, Ended, Minimum, Residuals, STEPS, Weighting, minimize, scaled_inverse,
 };
 pub(crate) use output_error::mean_square;
-pub use output_error::{Fit, Fitted, InitialState, Spread, Unknown, output_error};
+pub use output_error::{Fit, Fitted, Spread, output_error};
 pub use prediction_error::{innovations, prediction_error};
 pub(crate) use scores::Windowed;
 pub use sums::Linear;
 pub(crate) use sums::{linearize, linearize_each};
+pub use unknown::{AROUND, InitialState, Unknown};

@@ -5,63 +5,11 @@ use vessel::lanes::{SideBySide, lane};
 use vessel::{LANES, Lane, Model, ParameterLayout, RunView};
 
 use super::levenberg_marquardt::{Asked, Ended, Minimum, Residuals, STEPS, Weighting, minimize};
-use super::scores::{correlated_scores, disturbed_scores};
-use super::sums::{Linear, linearize};
+use super::scores::disturbed_scores;
+use super::sums::Linear;
+use super::unknown::{AROUND, Unknown};
 use crate::Direction;
-use crate::sensitivity::{Flow, Levels, Recordings, Sensitivities, groups, of_one_length, with_states};
-
-/// Where a simulation starts.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum InitialState {
-    /// At the recording's own start, which is known.
-    Known,
-    /// Near it: its offset is estimated, and the first measurement counts.
-    Estimated,
-}
-
-impl InitialState {
-    /// As in files.
-    pub fn name(self) -> &'static str {
-        ["known", "estimated"][self as usize]
-    }
-}
-
-/// What simulations do not know beside the parameters.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Unknown {
-    /// Where they start.
-    pub initial: InitialState,
-    /// A constant current: the time between two samples \[s\] where it keeps its direction over ground and so turns against the
-    /// vessel, 0 where it keeps it from the bow. `None`: still water.
-    pub current: Option<f64>,
-}
-
-impl From<InitialState> for Unknown {
-    fn from(initial: InitialState) -> Self {
-        Self { initial, current: None }
-    }
-}
-
-impl Unknown {
-    /// The unknowns that are searched for: the parameters of `model`, the initial state's offsets, the current's components.
-    fn free(self, model: &Model) -> Vec<usize> {
-        let parameters = model.parameters();
-        let offsets = if self.initial == InitialState::Known { 0..0 } else { 0..3 };
-        let current = if self.current.is_some() { 3..5 } else { 0..0 };
-        (0..parameters).chain(offsets.chain(current).map(|i| parameters + i)).collect()
-    }
-
-    /// Whether sample 0 counts.
-    fn start_counts(self) -> bool {
-        self.initial == InitialState::Estimated
-    }
-
-    /// The current as a disturbance that stays.
-    fn levels(self) -> Option<Levels> {
-        let lasting = |turning| Flow::Markov { std: 0.0, factor: 1.0, turning };
-        self.current.map(|turning| Levels { measurement: [0.0; 3], current: lasting(turning), force: None })
-    }
-}
+use crate::sensitivity::{Levels, Recordings, Sensitivities, groups, of_one_length, with_states};
 
 /// What standard errors are made of.
 #[derive(Clone, Copy, Debug)]
@@ -94,8 +42,8 @@ pub struct Fitted {
     pub intercepts: [f64; 3],
     /// Estimated minus given initial state.
     pub offset: [f64; 3],
-    /// The current's components at the start, along and across the vessel \[m/s\]; zero where there is none.
-    pub current: [f64; 2],
+    /// What is around the vessel, and standard errors of it; zero where nothing is unknown of it.
+    pub around: Box<[[f64; AROUND]; 2]>,
     /// Root mean square errors of the prediction in u, v \[m/s\], r \[rad/s\].
     pub rmse: [f64; 3],
     /// Steps of the search.
@@ -110,7 +58,7 @@ const BRIEF: usize = 8;
 
 /// Estimates every run by the errors of free simulations: minimises Σ_d N log Σ e_d², the likelihood of white errors with a
 /// variance of their own in u, v and r, over the model's parameters (with or without intercepts) and, if so wanted, the
-/// initial state and a constant current. With an unknown current standard errors are made of the residuals, whatever `spread`. Per run `starts` holds parameters to begin at; where the first ones diverge or lead to no minimum, the next are taken.
+/// initial state, water and wind. With these standard errors are made of the residuals, whatever `spread`. Per run `starts` holds parameters to begin at; where the first ones diverge or lead to no minimum, the next are taken.
 pub fn output_error(
     model: &Model,
     runs: &[RunView],
@@ -280,7 +228,8 @@ pub(super) fn fit(
     let layout = recordings.model.layout();
     let (point, all) = (&minimum.point, layout.parameters());
     let free = unknown.free(recordings.model);
-    let beside = |i: usize| free.iter().position(|own| *own == all + i).map_or(0.0, |place| point[place]);
+    let beside =
+        |of: &[f64], i: usize| free.iter().position(|own| *own == all + i).map_or(0.0, |place| of[place]);
     let place = |unknown: usize| {
         let mut terms = (0..3).map(|d| (d, layout.terms(d)));
         terms.find(|(_, terms)| terms.contains(&unknown)).map(|(d, terms)| (d, unknown - terms.start))
@@ -299,8 +248,8 @@ pub(super) fn fit(
             parameters: layout.theta(&point[..all]),
             standard_errors: layout.theta(&errors[..all]),
             intercepts: layout.intercepts(point),
-            offset: [0, 1, 2].map(beside),
-            current: [3, 4].map(beside),
+            offset: [0, 1, 2].map(|d| beside(point, d)),
+            around: Box::new([point, &errors].map(|of| std::array::from_fn(|i| beside(of, 3 + i)))),
             rmse: minimum.linear.squares.map(|s| (s / minimum.linear.samples).sqrt()),
             steps: minimum.steps,
         }),
@@ -362,11 +311,7 @@ impl Residuals for Search<'_> {
             // Lanes of runs that have ended go along with another's point.
             let own: Vec<&[f64]> = runs.iter().map(|run| *points.get(run).unwrap_or(any)).collect();
             let unknowns = side_by_side(&own, &self.free, recordings.unknowns());
-            let (free, from_start) = (&self.free, self.unknown.start_counts());
-            let linears = match self.unknown.levels() {
-                None => linearize::<3>(&recordings, &unknowns, free, None, &[], from_start),
-                some => linearize::<5>(&recordings, &unknowns, free, some.as_ref(), &[], from_start),
-            };
+            let linears = self.unknown.linearize(&recordings, &unknowns, &self.free);
             found.extend(runs.iter().copied().zip(linears).filter(|(run, _)| points.contains_key(run)));
         }
         // Problems are asked for in the order of their places, as these stand.
@@ -397,16 +342,11 @@ impl Simulations<'_> {
         let Self { recordings, free, unknown } = self;
         let unknowns = side_by_side(&points, free, recordings.unknowns());
         let weights = [0, 1, 2].map(|d: usize| lane(weights.len(), |run| weights[run][d]));
-        let (from_start, current) = (unknown.start_counts(), unknown.levels());
-        let spread = if current.is_some() { Spread::Residuals } else { spread };
-        let middles = match (spread, &current) {
-            (Spread::Residuals, None) => {
-                correlated_scores::<3>(recordings, &unknowns, free, None, from_start, weights)
-            }
-            (Spread::Residuals, some) => {
-                correlated_scores::<5>(recordings, &unknowns, free, some.as_ref(), from_start, weights)
-            }
-            (Spread::Stated(levels), _) => {
+        let spread = if unknown.around().next().is_some() { Spread::Residuals } else { spread };
+        let middles = match spread {
+            Spread::Residuals => unknown.scores(recordings, &unknowns, free, weights),
+            Spread::Stated(levels) => {
+                let from_start = unknown.start_counts();
                 let kept = Sensitivities::of(recordings, &unknowns, free, from_start);
                 with_states!(levels, disturbed_scores(recordings, &unknowns, &kept, weights, levels))
             }

@@ -4,8 +4,9 @@ use vessel::lanes::by_lane;
 use vessel::{LANES, Lane, Model, RunView};
 
 use super::levenberg_marquardt::{Asked, Ended, Minimum, Residuals, STEPS, Weighting, minimize};
-use super::output_error::{Fit, InitialState, better, fit, side_by_side};
+use super::output_error::{Fit, better, fit, side_by_side};
 use super::sums::{Linear, linearize};
+use super::unknown::InitialState;
 use crate::sensitivity::{Gain, Levels, Recordings, filter, groups, with_states};
 
 /// Most often that the filter's gains are computed, the first time at the start.

@@ -3,7 +3,7 @@ use vessel::{LANES, Lane};
 use crate::sensitivity::{Gain, Levels, Products, Recordings, Step, sweep};
 
 /// Sums of squares and products of errors e and sensitivities s = ∂x̂/∂(unknown), per state u, v, r.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Linear {
     /// Number of samples.
     pub samples: f64,

@@ -1,12 +1,12 @@
 use vessel::{Run, RunView, Vessel};
 
-use super::beside::Beside;
 use super::collinear::{CollinearRun, collinear_run};
 use super::error::RunError;
 use super::found::{Found, Regressed};
 use super::instruments::RunInstruments;
 use super::refined::refine;
-use crate::pooled::{Delivered, PartView, Regression};
+use crate::beside::Beside;
+use crate::pooled::{Delivered, PartView, Regression, Surroundings};
 use crate::predictor::{InitialState, Levels};
 use crate::{Estimator, InstrumentKind, MeanRemoval, RunEstimate};
 
@@ -86,7 +86,10 @@ impl RunEstimators<'_> {
         let (runs, model) = (std::slice::from_ref(run), &self.vessel.model);
         let Some(estimator) = self.estimators.first().copied() else { return Ok(None) };
         let found = self.found(runs)?;
-        let intercepts = found.first(estimator).and_then(|own| own.intercepts);
+        let (intercepts, around) =
+            found.first(estimator).map_or((None, None), |own| (own.intercepts, own.around));
+        let around = around.filter(|_| estimator == Estimator::OutputError);
+        let around = around.and_then(|own| Surroundings::of(self.unknown(), (name, 0), &own));
         let row = found.by(self, estimator, runs).pop();
         let Some((row, theta)) = row.and_then(|row| Some((row.clone(), row.estimate?.0))) else {
             return Ok(None);
@@ -104,7 +107,7 @@ impl RunEstimators<'_> {
             (theta, own)
         });
         let own = intercepts.unwrap_or_else(|| left(&theta));
-        Ok(Some((row, Delivered::of_run(model, &part, (theta, own), simple))))
+        Ok(Some((row, Delivered::of_run(model, &part, (theta, own), simple, around))))
     }
 
     /// Everything that the wanted estimators need, each made once.

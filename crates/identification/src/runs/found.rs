@@ -1,7 +1,7 @@
 use vessel::{Run, Vessel};
 
 use super::error::RunError;
-use crate::predictor::Fit;
+use crate::predictor::{AROUND, Fit};
 use crate::{Direction, EstimateStatus, Estimator, Excitation, Outcome, RunEstimate};
 
 /// What an estimator makes of one run.
@@ -11,6 +11,8 @@ pub(super) struct Found {
     pub estimate: Option<(Vec<f64>, Vec<f64>)>,
     /// Intercepts, where they were estimated with the parameters; else they are what the terms leave on average.
     pub intercepts: Option<[f64; 3]>,
+    /// What is around the vessel, and standard errors of it, where that was searched for.
+    pub around: Option<[[f64; AROUND]; 2]>,
 }
 
 /// What instrumental variables, or least squares, make of one run, and how it was excited.
@@ -29,7 +31,7 @@ impl Found {
     }
 
     fn none(status: EstimateStatus) -> Self {
-        Self { status, estimate: None, intercepts: None }
+        Self { status, estimate: None, intercepts: None, around: None }
     }
 }
 
@@ -40,6 +42,7 @@ impl From<&Fit> for Found {
                 status: EstimateStatus::Identified,
                 estimate: Some((found.parameters.clone(), found.standard_errors.clone())),
                 intercepts: Some(found.intercepts),
+                around: Some(*found.around),
             },
             Fit::NotConverged(_) => Self::none(EstimateStatus::NotConverged),
             Fit::NotIdentifiable(_) => Self::none(EstimateStatus::NotIdentifiable),
@@ -58,7 +61,7 @@ impl Regressed {
         match outcome {
             Outcome::Identified(found) => {
                 let estimate = Some((found.parameters, found.standard_errors));
-                let found = Found { status: EstimateStatus::Identified, estimate, intercepts: None };
+                let found = Found { estimate, ..Found::none(EstimateStatus::Identified) };
                 Ok(Self { found, condition, weakest })
             }
             Outcome::NotIdentifiable(Direction { degree, parameter }) => {

@@ -1,7 +1,6 @@
 //! Estimates of single runs, by every estimator.
 
 mod alike;
-mod beside;
 mod collinear;
 mod criticised;
 mod error;
@@ -11,8 +10,8 @@ mod instruments;
 mod refined;
 mod searched;
 
+pub use crate::beside::{Beside, Intercepts, UnknownCurrent, UnknownWind};
 pub use alike::{Alike, Doing};
-pub use beside::{Beside, Intercepts, UnknownCurrent};
 pub use collinear::CollinearRun;
 pub use criticised::Asked;
 pub use error::{NominalDiverged, RunError};

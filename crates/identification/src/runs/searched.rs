@@ -1,14 +1,15 @@
 //! Output error and prediction error of single runs.
 
 use std::borrow::Cow;
+use std::convert::Infallible;
 
 use rayon::prelude::*;
 use vessel::{Model, Run, RunView};
 
-use super::beside::{Intercepts, UnknownCurrent};
 use super::estimators::RunEstimators;
 use super::found::Found;
 use crate::Estimator;
+use crate::beside::Intercepts;
 use crate::criticism::Calibration;
 use crate::predictor::{
     Fit, Fitted, InitialState, Levels, Spread, Unknown, mean_square, output_error, prediction_error,
@@ -16,8 +17,6 @@ use crate::predictor::{
 
 /// Share of the motion that errors are first thought to have where no free simulation follows it.
 const UNKNOWN: f64 = 0.2;
-/// How often noise and parameters are found in turns.
-const TURNS: usize = 3;
 
 impl RunEstimators<'_> {
     /// Least errors of free simulations of `runs`. Searches begin at the estimates `near`, then at those of `iv`, then at the
@@ -27,13 +26,12 @@ impl RunEstimators<'_> {
             |(near, iv): (&Found, &Found)| self.starts([near, iv].map(|found| found.theta().map(without)));
         let starts: Vec<Vec<Vec<f64>>> = near.iter().zip(iv).map(starts).collect();
         let spread = self.levels.as_ref().map_or(Spread::Residuals, Spread::Stated);
-        let current = match self.beside.current {
-            UnknownCurrent::None => None,
-            UnknownCurrent::Earth => Some(1.0 / self.vessel.sample_rate_hz),
-            UnknownCurrent::Body => Some(0.0),
-        };
-        let unknown = Unknown { initial: self.initial, current };
-        output_error(&self.lifted(), &views(runs), &starts, unknown, spread)
+        output_error(&self.lifted(), &views(runs), &starts, self.unknown(), spread)
+    }
+
+    /// What free simulations do not know.
+    pub(super) fn unknown(&self) -> Unknown {
+        Unknown::new(self.initial, self.beside, 1.0 / self.vessel.sample_rate_hz)
     }
 
     /// Least errors of the predictions of `runs` by a filter for `levels`, from where free simulations have the least.
@@ -72,21 +70,21 @@ impl RunEstimators<'_> {
         let simulated = converged(free);
         let errors = simulated
             .map_or_else(|| [0, 1, 2].map(|d: usize| UNKNOWN * mean_square(&view, d).sqrt()), |own| own.rmse);
-        let mut best: Option<(f64, Fit)> = None;
-        for mut theta in self.starts([simulated.map(with_intercepts), near.theta().map(without)]) {
-            let mut calibration = Calibration::new(&model, view, self.vessel.sample_rate_hz, known);
-            for _ in 0..TURNS {
-                let Some((levels, _)) = calibration.levels(errors, &theta) else { break };
-                let starts = [vec![theta.clone()]];
-                let fits = prediction_error(&model, &[view], &starts, self.initial, &levels);
-                let Some(fit @ Fit::Converged(found)) = fits.first() else { break };
-                theta = layout.woven(&found.parameters, found.intercepts);
-                let Some((_, worth)) = calibration.levels(errors, &theta) else { break };
-                if best.as_ref().is_none_or(|(most, _)| worth > *most) {
-                    best = Some((worth, fit.clone()));
-                }
-            }
-        }
+        let rate_hz = self.vessel.sample_rate_hz;
+        let calibration = Calibration::new(&model, std::iter::once(view), rate_hz, known, errors);
+        let fit = |levels: &Levels, theta: &[f64]| {
+            let starts = [vec![theta.to_vec()]];
+            let fit = prediction_error(&model, &[view], &starts, self.initial, levels).pop();
+            let next = fit.as_ref().and_then(converged);
+            let next = next.map(|found| layout.woven(&found.parameters, found.intercepts));
+            Ok::<_, Infallible>(next.zip(fit))
+        };
+        let starts = self.starts([simulated.map(with_intercepts), near.theta().map(without)]);
+        let turned = starts.into_iter().filter_map(|theta| {
+            let Ok(turned) = calibration.in_turns(theta, fit);
+            turned
+        });
+        let best = turned.reduce(|best, own| if own.0 > best.0 { own } else { best });
         best.map_or_else(|| free.clone(), |(_, fit)| fit)
     }
 

@@ -74,6 +74,7 @@ pub(super) fn delivered(
         increment_std,
         output_rmse: together(followed.iter()).rmse(),
         recordings: constants,
+        surroundings: Vec::new(),
         covered: covered(structure, parts),
     }
 }

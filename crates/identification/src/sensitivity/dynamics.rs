@@ -3,7 +3,8 @@ use vessel::{Compiled, Lane, Look, Model};
 use super::levels::{Flow, Levels};
 use super::unknowns::Unknowns;
 
-/// How the N states move on: u, v, r, then the current's two components (N = 5, 8), then three forces (N = 6, 8).
+/// How the N states move on: u, v, r, then the current's two components (N = 5, 8, 9), then three forces (N = 6, 8); or, of free
+/// simulations alone, what changes the current's components and what pushes the vessel in a sample, both over ground (N = 9).
 #[derive(Clone, Debug)]
 pub(crate) struct Dynamics<M, X, const N: usize> {
     model: M,
@@ -18,15 +19,20 @@ pub(crate) struct Local<X> {
     turn: Turn<X>,
 }
 
-/// A current that turns against the vessel by its heading's change: cosine and sine, and what r changes in its components.
+/// What keeps its direction over ground turns against the vessel by its heading's change: cosine and sine, and what r changes in the
+/// components of the current, of its change and of the wind.
 struct Turn<X> {
     cos: X,
     sin: X,
-    by_r: [X; 2],
+    by_r: [[X; 2]; 3],
 }
 
 const fn current(n: usize) -> bool {
-    n == 5 || n == 8
+    n == 5 || n == 8 || n == 9
+}
+
+const fn around(n: usize) -> bool {
+    n == 9
 }
 
 const fn force(n: usize) -> bool {
@@ -73,16 +79,24 @@ impl<M: Look<X>, X: Unknowns, const N: usize> Dynamics<M, X, N> {
 
     #[inline(always)]
     fn turn(&self, z: &[X; N]) -> Turn<X> {
+        let still = [[X::ZERO; 2]; 3];
         if !current(N) {
-            return Turn { cos: X::ONE, sin: X::ZERO, by_r: [X::ZERO; 2] };
+            return Turn { cos: X::ONE, sin: X::ZERO, by_r: still };
         }
         // Polynomials: to 1e-9 for turns of up to 0.15 rad per sample.
         let angle = self.turning * z[2];
         let square = angle * angle;
         let cos = X::ONE + square * (X::from(-0.5) + square * X::from(1.0 / 24.0));
         let sin = angle * (X::ONE + square * (X::from(-1.0 / 6.0) + square * X::from(1.0 / 120.0)));
-        let (along, across) = (cos * z[4] - sin * z[3], X::ZERO - (cos * z[3] + sin * z[4]));
-        Turn { cos, sin, by_r: [self.turning * along, self.turning * across] }
+        let by_r = |[along, across]: [X; 2]| {
+            let by = [cos * across - sin * along, X::ZERO - (cos * along + sin * across)];
+            by.map(|by| self.turning * by)
+        };
+        let turned = match around(N) {
+            true => [by_r([z[3] + z[5], z[4] + z[6]]), by_r([z[5], z[6]]), by_r([z[7], z[8]])],
+            false => [by_r([z[3], z[4]]), still[1], still[2]],
+        };
+        Turn { cos, sin, by_r: turned }
     }
 
     /// The next states, after [`Self::at`] looked at `z`.
@@ -92,8 +106,13 @@ impl<M: Look<X>, X: Unknowns, const N: usize> Dynamics<M, X, N> {
         let mut next = *z;
         next[..3].copy_from_slice(&self.model.next([z[0], z[1], z[2]], forces));
         if current(N) {
-            next[3] = self.current * (local.turn.cos * z[3] + local.turn.sin * z[4]);
-            next[4] = self.current * (local.turn.cos * z[4] - local.turn.sin * z[3]);
+            let changed = if around(N) { [z[3] + z[5], z[4] + z[6]] } else { [z[3], z[4]] };
+            [next[3], next[4]] = local.turn.of(changed).map(|c| self.current * c);
+        }
+        if around(N) {
+            (next[0], next[1]) = (next[0] + z[7], next[1] + z[8]);
+            [next[5], next[6]] = local.turn.of([z[5], z[6]]);
+            [next[7], next[8]] = local.turn.of([z[7], z[8]]);
         }
         if force(N) {
             for i in N - 3..N {
@@ -115,9 +134,13 @@ impl<M: Look<X>, X: Unknowns, const N: usize> Dynamics<M, X, N> {
             }
         }
         if current(N) {
-            let (kept, [cos, sin, along, across]) = (self.current.lane(), local.turn.lanes());
-            out[3] = kept * (cos * s[3] + sin * s[4] + along * s[2]);
-            out[4] = kept * (cos * s[4] - sin * s[3] + across * s[2]);
+            let changed = if around(N) { [s[3] + s[5], s[4] + s[6]] } else { [s[3], s[4]] };
+            [out[3], out[4]] = local.turn.forward(0, changed, s[2]).map(|c| self.current.lane() * c);
+        }
+        if around(N) {
+            (out[0], out[1]) = (out[0] + s[7], out[1] + s[8]);
+            [out[5], out[6]] = local.turn.forward(1, [s[5], s[6]], s[2]);
+            [out[7], out[8]] = local.turn.forward(2, [s[7], s[8]], s[2]);
         }
         if force(N) {
             for i in N - 3..N {
@@ -127,7 +150,7 @@ impl<M: Look<X>, X: Unknowns, const N: usize> Dynamics<M, X, N> {
         out
     }
 
-    /// Aᵀ λ for a column of λ.
+    /// Aᵀ λ for a column of λ; not of what stands around a free simulation (N = 9).
     #[inline(always)]
     pub(crate) fn backward(&self, local: &Local<X>, adjoint: &[Lane; N]) -> [Lane; N] {
         let mut out = *adjoint;
@@ -154,8 +177,21 @@ impl<M: Look<X>, X: Unknowns, const N: usize> Dynamics<M, X, N> {
 }
 
 impl<X: Unknowns> Turn<X> {
+    /// Components one sample later.
+    #[inline(always)]
+    fn of(&self, [along, across]: [X; 2]) -> [X; 2] {
+        [self.cos * along + self.sin * across, self.cos * across - self.sin * along]
+    }
+
+    /// The same of columns of sensitivities, those of the vector `i` of [`Turn::by_r`] and that of r.
+    #[inline(always)]
+    fn forward(&self, i: usize, [along, across]: [Lane; 2], r: Lane) -> [Lane; 2] {
+        let (cos, sin, by_r) = (self.cos.lane(), self.sin.lane(), &self.by_r[i]);
+        [cos * along + sin * across + by_r[0].lane() * r, cos * across - sin * along + by_r[1].lane() * r]
+    }
+
     #[inline(always)]
     fn lanes(&self) -> [Lane; 4] {
-        [self.cos.lane(), self.sin.lane(), self.by_r[0].lane(), self.by_r[1].lane()]
+        [self.cos.lane(), self.sin.lane(), self.by_r[0][0].lane(), self.by_r[0][1].lane()]
     }
 }

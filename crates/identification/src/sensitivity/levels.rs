@@ -1,5 +1,8 @@
 use crate::Noise;
 
+/// Correlation of neighbouring samples from which a current counts as one that stays.
+const LASTING: f64 = 1.0 - 1e-6;
+
 /// What disturbs a run, as far as it is known; `X`: of every run side by side.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Levels<X = f64> {
@@ -63,6 +66,23 @@ impl Levels {
             _ => return None,
         };
         Some(Noise { measurement: self.measurement, current })
+    }
+
+    /// What the filter takes for noise and current, in words; samples are `interval_s` \[s\] apart.
+    pub(crate) fn told(&self, interval_s: f64) -> String {
+        let [u, v, r] = self.measurement;
+        let current = match self.current {
+            Flow::Still => "still water".to_owned(),
+            Flow::White { std } => format!("a current of {std:.2e} m/s that is new at every sample"),
+            Flow::Markov { std, factor, .. } if factor < LASTING => {
+                format!(
+                    "a current of {std:.2e} m/s that changes over {:.3} s",
+                    -interval_s / libm::log(factor)
+                )
+            }
+            Flow::Markov { std, .. } => format!("a current of {std:.2e} m/s that stays"),
+        };
+        format!("most likely disturbances: noise of {u:.2e}, {v:.2e} m/s and {r:.2e} rad/s, {current}")
     }
 
     /// Number of states of vessel and disturbances together: 3, and 2 for a current that lasts, and 3 for gusts.

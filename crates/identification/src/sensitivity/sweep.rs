@@ -7,7 +7,7 @@ use super::recordings::Recordings;
 use super::unknowns::Unknowns;
 
 /// One pass over recordings: predicts, compares, and carries the sensitivities along. `unknowns`: one number each, as
-/// [`Recordings::unknowns`] orders them, and what the current and the forces begin with where that is not zero; `free`: those whose sensitivities are wanted; `levels`: what disturbs, and `gains`
+/// [`Recordings::unknowns`] orders them, and what the disturbances begin with where that is not zero; `free`: those whose sensitivities are wanted; `levels`: what disturbs, and `gains`
 /// of every sample: neither for a free simulation. `each` is called with every sample from 0 to N.
 pub(crate) fn sweep<X: Unknowns, const N: usize>(
     recordings: &Recordings<X>,

@@ -49,6 +49,7 @@ fn pool(vessel: &Vessel) -> Pool<'_> {
         strength: 0.0,
         nominal: NominalModel::Known(vessel.nominal.clone()),
         part_samples: None,
+        beside: Beside::default(),
         constant: Vec::new(),
     }
 }
@@ -228,7 +229,7 @@ fn law_bounds_that_do_not_bind_change_no_bit_and_those_that_do_hold_like_a_fixed
         (by_name(&held, &found), by_name(&fixed, &pooled(&fixed, &parts, Estimator::OutputError)));
     assert_eq!(found_by["X_vr"], at);
     expected_by.iter().for_each(|(name, value)| close(found_by[name], *value, 1e-3));
-    let (best, _) = found.output_error.as_ref().unwrap();
+    let (best, _) = found.searched.as_ref().unwrap();
     let n = best.parameters.len();
     assert!((0..n).all(|j| best.covariance[n + j] == 0.0) && best.covariance[0] > 0.0);
     let (found, expected) = (each(&held, &single(&held, &runs)), each(&fixed, &single(&fixed, &runs)));

@@ -316,6 +316,7 @@ fn terms_are_added_until_the_model_is_not_rejected() {
             strength: 0.0,
             nominal: NominalModel::Known(vessel.nominal.clone()),
             part_samples: None,
+            beside: Beside::default(),
             constant: Vec::new(),
         };
         let judgement = Judgement { bandwidth: None, replicates: 0, seed: 1 };

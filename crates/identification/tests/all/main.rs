@@ -10,6 +10,7 @@ mod output_error_laws;
 mod output_error_oracle;
 mod output_information;
 mod pooled_again;
+mod pooled_around;
 mod pooled_laws;
 mod pooled_oracle;
 mod pooled_sums;

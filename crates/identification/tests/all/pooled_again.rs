@@ -7,6 +7,7 @@ use std::convert::Infallible;
 use crate::pooled_laws::{craft, part};
 use crate::support::noise::Normals;
 use identification::pooled::{Judgement, NominalModel, Pool, PooledRuns, Recorded, Resampling, estimate};
+use identification::runs::Beside;
 use identification::{Estimator, MeanRemoval};
 use vessel::{Run, Segment, Vessel};
 
@@ -68,6 +69,7 @@ fn law_runs_that_are_read_again_give_the_same_bits() {
             strength: 0.0,
             nominal: NominalModel::Known(vessel.nominal.clone()),
             part_samples,
+            beside: Beside::default(),
             constant: Vec::new(),
         };
         for estimator in Estimator::POOLED {

@@ -3,14 +3,20 @@
 use crate::support::noise::Normals;
 use approx::assert_relative_eq;
 use identification::pooled::{
-    Bootstrap, COLLINEAR, Centring, Options, Part, Prior, Regression, Resample, Status, fit, output_error,
-    redraw, sandwich,
+    Bootstrap, COLLINEAR, Centring, Follow, Options, Part, Prior, Regression, Resample, Status, fit,
+    least_errors, redraw, sandwich,
 };
+use identification::predictor::InitialState;
 use identification::{MeanRemoval, Sums};
 use vessel::{RunView, Streams, Vessel, VesselFile, simulate_one};
 
 const TRUTH: [f64; 8] = [-0.06, 0.7, 0.01, -0.25, -0.3, -0.2, -0.08, 0.1];
 const COMPLETE: Options = Options { removal: MeanRemoval::Complete, prior: None, most: f64::INFINITY };
+
+/// Free simulations that start at known states in still water.
+fn still() -> Follow {
+    Follow::Simulated(InitialState::Known.into())
+}
 
 pub fn craft() -> Vessel {
     Vessel::from_file(craft_file()).unwrap()
@@ -171,12 +177,12 @@ fn law_output_errors_vanish_at_the_truth_that_undisturbed_data_came_from() {
     let lifted = vessel.model.with_intercepts();
     let start = lifted.layout().woven(&vessel.nominal, [0.0; 3]);
     let sizes = lifted.layout().woven(&TRUTH.map(f64::abs), [1e-3; 3]);
-    let Ok(found) = output_error(&lifted, &parts, &start, [0.2, 0.1, 0.05], &sizes);
+    let Ok(found) = least_errors(&lifted, &parts, &start, [0.2, 0.1, 0.05], &sizes, &still());
     for (found, truth) in found.unwrap().parameters.iter().zip(lifted.layout().woven(&TRUTH, [0.0; 3])) {
         assert_relative_eq!(*found, truth, max_relative = 1e-4, epsilon = 1e-6);
     }
     let held = lifted.layout().woven(&[1.0; 8], [0.0; 3]);
-    let Ok(found) = output_error(&lifted, &parts, &start, [0.2, 0.1, 0.05], &held);
+    let Ok(found) = least_errors(&lifted, &parts, &start, [0.2, 0.1, 0.05], &held, &still());
     let found = found.unwrap().parameters;
     assert_eq!([3, 6, 10].map(|i: usize| found[i]), [0.0; 3]);
 }
@@ -190,7 +196,7 @@ fn law_standard_errors_of_output_error_are_those_of_estimates_with_a_part_left_o
     let start = lifted.layout().woven(&TRUTH, [0.0; 3]);
     let sizes = lifted.layout().woven(&TRUTH.map(f64::abs), [1e-3; 3]);
     let of = |parts: &Vec<Part>| {
-        let Ok(found) = output_error(&lifted, parts, &start, [0.2, 0.1, 0.05], &sizes);
+        let Ok(found) = least_errors(&lifted, parts, &start, [0.2, 0.1, 0.05], &sizes, &still());
         found.unwrap()
     };
     let found = of(&parts);
@@ -217,7 +223,8 @@ fn law_as_many_parts_tell_of_a_parameter_as_there_are_where_all_are_alike() {
     let start = lifted.layout().woven(&TRUTH, [0.0; 3]);
     let sizes = lifted.layout().woven(&TRUTH.map(f64::abs), [1e-3; 3]);
     for count in [1, 2, 5] {
-        let Ok(found) = output_error(&lifted, &vec![one.clone(); count], &start, [0.2, 0.1, 0.05], &sizes);
+        let Ok(found) =
+            least_errors(&lifted, &vec![one.clone(); count], &start, [0.2, 0.1, 0.05], &sizes, &still());
         for telling in found.unwrap().telling {
             assert_relative_eq!(telling, count as f64, max_relative = 1e-6);
         }

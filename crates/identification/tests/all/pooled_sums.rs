@@ -8,6 +8,7 @@ use approx::assert_relative_eq;
 use identification::pooled::{
     Judgement, NominalModel, Part, Pool, Pooled, PooledRuns, Resampling, RunSums, estimate, estimate_merged,
 };
+use identification::runs::Beside;
 use identification::{Estimator, MeanRemoval};
 use numerics::congruence;
 use vessel::Vessel;
@@ -20,6 +21,7 @@ fn pool(vessel: &Vessel, removal: MeanRemoval) -> Pool<'_> {
         strength: 0.0,
         nominal: NominalModel::Known(vessel.nominal.clone()),
         part_samples: Some(40),
+        beside: Beside::default(),
         constant: Vec::new(),
     }
 }

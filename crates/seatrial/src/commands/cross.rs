@@ -27,7 +27,7 @@ pub struct Arguments {
     #[command(flatten)]
     flags: PoolFlags,
     /// The estimators to compare
-    #[arg(long, value_parser = choice(&Estimator::POOLED, Estimator::name, Estimator::description), value_delimiter = ',', default_values_t = Estimator::POOLED)]
+    #[arg(long, value_parser = choice(&Estimator::POOLED, Estimator::name, Estimator::description), value_delimiter = ',', default_values_t = Estimator::COMPARED)]
     estimators: Vec<Estimator>,
     /// Simulates over windows of this length, side by side [s]; whole runs without it
     #[arg(long, value_name = "S")]

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use artifact::{Provenance, Shard, TableReader};
 use clap::Parser;
+use frame::beside::BesideFlags;
 use identification::Estimator;
 use identification::pooled::{Judgement, Pool, PooledRuns, Recorded, Resample, Resampling, grown, resampled};
 use serde_json::json;
@@ -44,6 +45,8 @@ pub struct Arguments {
     /// The estimator
     #[arg(long, value_parser = choice(&Estimator::POOLED, Estimator::name, Estimator::description), default_value_t = Estimator::Iv)]
     estimator: Estimator,
+    #[command(flatten)]
+    beside: BesideFlags,
     /// Resamples of the bootstrap over sub-experiments
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=1_000_000))]
     bootstrap: Option<u32>,
@@ -66,6 +69,7 @@ pub struct Arguments {
 
 impl Task for Arguments {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
+        self.beside.check(&[self.estimator])?;
         if self.sums_only {
             return added_up(&self.flags, self.estimator, common);
         } else if !self.sums.is_empty() {
@@ -77,6 +81,7 @@ impl Task for Arguments {
         let out = common.main_output(main, self.flags.inputs().chain(&self.sharding.gather))?;
         let model = member(&out, MAIN, "model.json", self.flags.inputs())?;
         let (runs, pool) = self.flags.read(&vessel, &mut provenance, inputs::kept_runs)?;
+        let pool = Pool { beside: self.beside.unknown(), ..pool };
         let judgement = Judgement {
             bandwidth: self.bandwidth.map(usize::from),
             replicates: self.bootstrap.unwrap_or(0),
@@ -123,6 +128,7 @@ impl Arguments {
             ("add_terms", json!(Some(self.add_terms).filter(|most| *most > 0))),
         ];
         self.flags.note(settings, provenance);
+        self.beside.note(&mut provenance.settings);
     }
 
     /// Draws the resamples of `shard`.

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use artifact::{commit, stage_document};
 use identification::pooled::{NoEstimate, NominalModel, Pool, estimate_merged};
+use identification::runs::Beside;
 use identification::{Estimator, MeanRemoval};
 use serde_json::json;
 use study::documents::SumsDocument;
@@ -100,6 +101,7 @@ pub fn merged(
         strength,
         nominal: NominalModel::Known(about.nominal_values.clone()),
         part_samples: None,
+        beside: Beside::default(),
         constant: Vec::new(),
     };
     pool.check().map_err(|e| Failure::invalid(&flags.vessel, &e))?;

@@ -32,6 +32,7 @@ impl ModelDocument {
             mean_removal: MeanRemoval::Complete,
             samples,
             recordings: delivered.recordings.clone(),
+            surroundings: delivered.surroundings.clone(),
             covered: delivered.covered.clone(),
             magnitudes: None,
             rejected: None,

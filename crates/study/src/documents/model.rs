@@ -1,5 +1,5 @@
 use artifact::{Document, Units};
-use identification::pooled::{Covariance, Covered, Delivered, Pool, Pooled, RecordingConstant};
+use identification::pooled::{Covariance, Covered, Delivered, Pool, Pooled, RecordingConstant, Surroundings};
 use identification::{Estimator, MeanRemoval, RunEstimate};
 use refusal::check_numbers;
 use schemars::JsonSchema;
@@ -41,6 +41,9 @@ pub struct ModelDocument {
     pub samples: u64,
     /// What each run or recording gains beside the terms.
     pub recordings: Vec<RecordingConstant>,
+    /// Water and wind that were found with it, where they were unknown.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub surroundings: Vec<Surroundings>,
     /// What the data covered: the model is known to hold within.
     pub covered: Vec<Covered>,
     /// How large the motions were that it was fitted to; null where no run was long enough, and from
@@ -202,6 +205,7 @@ impl ModelDocument {
             mean_removal,
             samples: delivered.recordings.iter().map(|own| own.samples).sum(),
             recordings: delivered.recordings.clone(),
+            surroundings: delivered.surroundings.clone(),
             covered: delivered.covered.clone(),
             magnitudes: None,
             rejected: None,
@@ -413,7 +417,7 @@ impl Document for ModelDocument {
     const VERSION: u32 = 1;
     const UNITS: Units = &[
         ("Hz", "sample_rate_hz"),
-        ("1", "samples stretches factor"),
+        ("1", "samples stretches factor part"),
         ("s", "stretch_s"),
         ("the parameter's unit", "value standard_error least_squares truth bounds"),
         ("the unit of the row's name times that of the column's", "entries"),

@@ -5,8 +5,10 @@
 pub struct Beside {
     /// A force that stays.
     pub intercepts: Intercepts,
-    /// A current that stays, of output error alone.
+    /// A current, of output error alone.
     pub current: UnknownCurrent,
+    /// A wind, of output error alone.
+    pub wind: UnknownWind,
 }
 
 vessel::choices! {
@@ -20,19 +22,31 @@ vessel::choices! {
 }
 
 vessel::choices! {
-    /// A current that stays over a run and is not known.
+    /// A current that is not known.
     pub enum UnknownCurrent {
         /// None: still water.
         None = "none",
-        /// It keeps its direction over ground.
+        /// It stays, and keeps its direction over ground.
         Earth = "earth",
-        /// It keeps its direction from the bow.
+        /// It stays, and keeps its direction from the bow.
         Body = "body",
+        /// It changes evenly with time, over ground.
+        Drifting = "drifting",
+    }
+}
+
+vessel::choices! {
+    /// A wind whose direction is not known.
+    pub enum UnknownWind {
+        /// None, or one that terms of measured channels tell of.
+        None = "none",
+        /// It pushes steadily in one direction over ground, along and across the vessel as she turns.
+        Earth = "earth",
     }
 }
 
 impl Default for Beside {
     fn default() -> Self {
-        Self { intercepts: Intercepts::Each, current: UnknownCurrent::None }
+        Self { intercepts: Intercepts::Each, current: UnknownCurrent::None, wind: UnknownWind::None }
     }
 }

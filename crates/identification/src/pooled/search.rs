@@ -1,0 +1,125 @@
+//! Pooled estimates that are searched for, by simulations and by predictions.
+
+use crate::beside::Intercepts;
+use crate::criticism::{Calibration, ENOUGH};
+
+use crate::{DegreeSums, Estimator, MeanRemoval};
+
+use super::windows::Score;
+use super::{
+    DegreeFit, Drawn, Estimated, Follow, Part, Parts, Pool, PooledSums, Scales, Searched, Status,
+    least_errors,
+};
+
+impl Pool<'_> {
+    /// Goes on from the estimate at hand to the least errors of free simulations, and from there to those of predictions where
+    /// these are wanted. Where simulations diverge, the estimate at hand stays.
+    pub(super) fn searched<P: Parts>(
+        &self,
+        parts: &P,
+        estimator: Estimator,
+        found: &mut Estimated,
+    ) -> Result<(), P::Error> {
+        let Some((theta, intercepts)) = found.theta() else { return Ok(()) };
+        let intercepts = if self.beside.intercepts == Intercepts::None { [0.0; 3] } else { intercepts };
+        let start = self.model.layout().woven(&theta, intercepts);
+        let mut deviations = found.means().deviations();
+        parts.each(|part| deviations.add(part.run.measured))?;
+        let std = deviations.found();
+        let sizes = self.sizes(found.least_squares_sums(), std);
+        let mut scales = Scales { std, sizes, follow: Follow::Simulated(self.unknown()) };
+        let Some(mut best) = self.least_errors(parts, &start, &scales)? else { return Ok(()) };
+        if estimator == Estimator::PredictionError {
+            let Some(predicted) = self.predicted(parts, &best, &scales)? else { return Ok(()) };
+            (scales.follow, best) = predicted;
+        }
+        for (d, (theta, intercept)) in self.split(&best.parameters).into_iter().enumerate() {
+            let model = &self.vessel.model.degrees[d];
+            if theta.iter().enumerate().all(|(i, value)| model.at_bound(i, *value)) {
+                found.degrees[d] = DegreeFit { status: Status::Bounded, solution: None };
+            }
+            if let Some(solution) = &mut found.degrees[d].solution {
+                (solution.theta, solution.intercept) = (theta, intercept);
+            }
+            found.used[d] = estimator;
+        }
+        found.searched = Some((best, scales));
+        Ok(())
+    }
+
+    /// The least errors of predictions by filters for noise and a drifting current that make the first parts most likely, found
+    /// in turns from an estimate by simulations.
+    fn predicted<P: Parts>(
+        &self,
+        parts: &P,
+        simulated: &Searched,
+        scales: &Scales,
+    ) -> Result<Option<(Follow, Searched)>, P::Error> {
+        let (mut samples, mut first) = (0, Vec::new());
+        let enough = |i: &usize| {
+            let before = samples;
+            samples += parts.samples(*i);
+            before < ENOUGH
+        };
+        let places: Vec<usize> = (0..parts.count()).take_while(enough).collect();
+        parts.at(&places, |part| first.push(Part::new("", "", part.run)))?;
+        let views = || first.iter().map(Part::view);
+        // Where no simulation follows the parts to their ends, they are first thought to err by all of the motion.
+        let errors = Score::of(&self.model, &simulated.parameters, views()).rmse().unwrap_or(scales.std);
+        let rate_hz = self.vessel.sample_rate_hz;
+        let calibration = Calibration::new(&self.model, views(), rate_hz, false, errors);
+        let turned = calibration.in_turns(simulated.parameters.clone(), |levels, theta| {
+            let follow = Follow::Predicted(*levels, theta.to_vec());
+            let scales = Scales { follow, std: scales.std, sizes: scales.sizes.clone() };
+            let found = self.least_errors(parts, theta, &scales)?;
+            Ok(found.map(|found| (found.parameters.clone(), (scales.follow, found))))
+        })?;
+        Ok(turned.map(|(_, found)| found))
+    }
+
+    fn least_errors<P: Parts>(
+        &self,
+        parts: &P,
+        start: &[f64],
+        Scales { std, sizes, follow }: &Scales,
+    ) -> Result<Option<Searched>, P::Error> {
+        least_errors(&self.model, parts, start, *std, sizes, follow)
+    }
+
+    /// The estimate of a search from the parts at `drawn`, started at that of all: θ̂ of surge, sway and yaw.
+    ///
+    /// # Errors
+    /// Parts that cannot be read.
+    pub fn searched_again<P: Parts>(
+        &self,
+        parts: &P,
+        drawn: &[usize],
+        found: &Estimated,
+    ) -> Result<Option<[Vec<f64>; 3]>, P::Error> {
+        let Some((all, scales)) = &found.searched else { return Ok(None) };
+        let best = self.least_errors(&Drawn { parts, places: drawn }, &all.parameters, scales)?;
+        Ok(best.map(|best| self.split(&best.parameters).map(|(theta, _)| theta)))
+    }
+
+    /// θ and intercept of surge, sway and yaw from parameters of the model with intercepts.
+    fn split(&self, parameters: &[f64]) -> [(Vec<f64>, f64); 3] {
+        let layout = self.model.layout();
+        let intercepts = layout.intercepts(parameters);
+        [0, 1, 2].map(|d| (parameters[layout.terms(d)].to_vec(), intercepts[d]))
+    }
+
+    /// Per parameter, intercepts among them, the value with which its term alone would make up the state's deviation in a sample; 0 for an
+    /// intercept that is not estimated and a term that is always 0.
+    fn sizes(&self, sums: &PooledSums, std: [f64; 3]) -> Vec<f64> {
+        let whole = sums.total();
+        let n = whole.samples.max(1) as f64;
+        let size = |square: f64, std: f64| if square > 0.0 { std / (square / n).sqrt() } else { 0.0 };
+        let none = self.removal == MeanRemoval::None || self.beside.intercepts == Intercepts::None;
+        let intercept = |std: f64| if none { 0.0 } else { std };
+        let degree = |(degree, std): (&DegreeSums, f64)| -> Vec<f64> {
+            let own = degree.regressor_squares.iter().map(|square| size(*square, std));
+            own.chain((!degree.known.constant).then(|| intercept(std))).collect()
+        };
+        whole.degrees.iter().zip(std).flat_map(degree).collect()
+    }
+}

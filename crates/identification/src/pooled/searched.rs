@@ -1,0 +1,282 @@
+use std::ops::Range;
+
+use numerics::{quadratic, times};
+use rayon::prelude::*;
+use vessel::lanes::SideBySide;
+use vessel::{LANES, Lane, Model};
+
+use super::around::{Around, Settled};
+use super::{Part, Parts};
+use crate::predictor::{
+    AROUND, Asked, Ended, Levels, Linear, Minimum, Recordings, Residuals, STEPS, Unknown, Weighting,
+    linearize, minimize,
+};
+use crate::sensitivity::{filter, with_states};
+
+/// An estimate that minimises the errors of simulations or predictions.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Searched {
+    /// Of the model, in its order.
+    pub parameters: Vec<f64>,
+    /// Their covariance, as many rows: (G − 1)/G Σ δ δᵀ with the change δ of the estimate where one of the G parts is left out,
+    /// to first order (jackknife), so that errors may be correlated in any way within a part, and few parts do not make it
+    /// too small. Zero for parameters held, and for those at a bound.
+    pub covariance: Vec<f64>,
+    /// Per parameter, how many parts would tell as much of it if all told alike; 0 for what is held.
+    pub telling: Vec<f64>,
+    /// Of every part what is around it, and standard errors of it (see [`AROUND`]); empty where nothing is unknown of it.
+    pub around: Vec<[[f64; AROUND]; 2]>,
+    /// Steps tried.
+    pub steps: usize,
+    /// Whether the search ended at a minimum.
+    pub converged: bool,
+}
+
+impl Searched {
+    /// The covariance of the parameters at `places`, as many rows.
+    pub(super) fn covariance_of(&self, places: Range<usize>) -> Vec<f64> {
+        let all = self.parameters.len();
+        let pairs = places.clone().flat_map(|i| places.clone().map(move |j| (i, j)));
+        pairs.map(|(i, j)| self.covariance[i * all + j]).collect()
+    }
+}
+
+/// What makes the errors of parts small.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Follow {
+    /// Free simulations, each from its part's first measured state, in water and wind of its own.
+    Simulated(Unknown),
+    /// One-sample predictions by a Kalman filter for these levels, whose gains are those along it at these parameters.
+    Predicted(Levels, Vec<f64>),
+}
+
+/// What errors and steps of a search are measured by.
+pub struct Scales {
+    /// Standard deviations of the measured u, v, r.
+    pub(super) std: [f64; 3],
+    /// Per parameter, intercepts among them, the change that would matter; 0 holds it.
+    pub(super) sizes: Vec<f64>,
+    /// What makes them small.
+    pub(super) follow: Follow,
+}
+
+impl Scales {
+    /// Standard deviations of the measured u, v, r.
+    pub(super) fn std(&self) -> [f64; 3] {
+        self.std
+    }
+
+    /// What makes the errors small.
+    pub fn follow(&self) -> &Follow {
+        &self.follow
+    }
+}
+
+/// Minimises Σ (e_d/std_d)² of simulations over `parts`, or Σ of squared whitened innovations, by Levenberg and
+/// Marquardt's method from `start` (parameters of `model`). `std`: of measured u, v, r. `sizes`: per parameter the change
+/// that would matter; 0 holds it. `None` where the start diverges or a parameter has no effect of its own.
+///
+/// # Errors
+/// Parts that cannot be read, all of which every step of the search looks at.
+pub fn least_errors<P: Parts>(
+    model: &Model,
+    parts: &P,
+    start: &[f64],
+    std: [f64; 3],
+    sizes: &[f64],
+    follow: &Follow,
+) -> Result<Option<Searched>, P::Error> {
+    let free: Vec<usize> = (0..sizes.len()).filter(|i| sizes[*i] > 0.0).collect();
+    let weights = std.map(|s| if s > 0.0 { s.powi(-2) } else { 0.0 });
+    let (order, around) = (by_length(parts), vec![Vec::new(); parts.count()]);
+    let mut problem = Problem { model, parts, order, held: start.to_vec(), free, weights, follow, around };
+    let weights = problem.weighting();
+    let from = problem.free.iter().map(|i| start[*i]).collect();
+    let found = minimize(&mut problem, vec![Weighting::Fixed(weights)], vec![from], STEPS)?.pop();
+    let Some(found) = found.filter(|found| matches!(found.status, Ended::Converged | Ended::Stalled)) else {
+        return Ok(None);
+    };
+    Ok(problem.spread(&found)?.map(|Spread { covariance, telling, around }| Searched {
+        covariance,
+        telling,
+        around,
+        parameters: problem.whole(&found.point),
+        steps: found.steps,
+        converged: found.status == Ended::Converged,
+    }))
+}
+
+/// One problem: all parts, [`LANES`] of them at a time.
+struct Problem<'a, P> {
+    model: &'a Model,
+    parts: &'a P,
+    /// Places of the parts: those of similar length go side by side.
+    order: Vec<usize>,
+    held: Vec<f64>,
+    free: Vec<usize>,
+    /// Of squared errors in u, v, r.
+    weights: [f64; 3],
+    follow: &'a Follow,
+    /// What was last found around the parts, in their order.
+    around: Vec<Vec<f64>>,
+}
+
+/// The longest first.
+fn by_length(parts: &impl Parts) -> Vec<usize> {
+    let mut order: Vec<usize> = (0..parts.count()).collect();
+    order.sort_by_key(|i| std::cmp::Reverse(parts.samples(*i)));
+    order
+}
+
+impl<P: Parts> Problem<'_, P> {
+    /// All parameters of a point.
+    fn whole(&self, point: &[f64]) -> Vec<f64> {
+        let mut whole = self.held.clone();
+        self.free.iter().zip(point).for_each(|(i, value)| whole[*i] = *value);
+        whole
+    }
+
+    /// What is unknown around the parts, if anything is.
+    fn unknown(&self) -> Option<Unknown> {
+        match self.follow {
+            Follow::Simulated(unknown) => Some(*unknown).filter(|own| own.around().next().is_some()),
+            Follow::Predicted(..) => None,
+        }
+    }
+
+    /// How the sums of parts are weighed: innovations are white, and what is settled around a part is weighed already.
+    fn weighting(&self) -> [f64; 3] {
+        match (self.follow, self.unknown()) {
+            (Follow::Simulated(_), None) => self.weights,
+            _ => [1.0; 3],
+        }
+    }
+
+    /// Calls `look` with every part linearised, in order; with the spread of what is around it where that is wanted.
+    fn each(&self, point: &[f64], spread: bool, mut look: impl FnMut(Settled)) -> Result<(), P::Error> {
+        let whole = self.whole(point);
+        let together = LANES * rayon::current_num_threads();
+        let mut waiting: Vec<Part> = Vec::with_capacity(together);
+        let mut first = 0;
+        let mut pass = |waiting: &mut Vec<Part>| {
+            self.settled(waiting, first, &whole, spread).into_iter().for_each(&mut look);
+            first += waiting.len();
+            waiting.clear();
+        };
+        self.parts.at(&self.order, |part| {
+            waiting.push(Part::new("", "", part.run));
+            if waiting.len() == together {
+                pass(&mut waiting);
+            }
+        })?;
+        pass(&mut waiting);
+        Ok(())
+    }
+
+    /// Parts from the `first` on linearised, [`LANES`] of them by a thread.
+    fn settled(&self, parts: &[Part], first: usize, whole: &[f64], spread: bool) -> Vec<Settled> {
+        let settled = |(i, parts): (usize, &[Part])| {
+            let group = SideBySide::of(&parts.iter().map(Part::view).collect::<Vec<_>>());
+            let recordings = Recordings::of(self.model, &group);
+            let mut found: Vec<Settled> = match self.unknown() {
+                None => self.linears(&recordings, whole).into_iter().map(Settled::from).collect(),
+                Some(unknown) => {
+                    let starts = &self.around[first + i * LANES..][..parts.len()];
+                    let around = Around::new(&recordings, unknown, whole, self.weights);
+                    around.settled(&self.free, starts, spread)
+                }
+            };
+            found.truncate(group.runs);
+            found
+        };
+        parts.par_chunks(LANES).enumerate().flat_map_iter(settled).collect()
+    }
+
+    fn linears(&self, recordings: &Recordings, whole: &[f64]) -> Vec<Linear> {
+        let lanes =
+            |whole: &[f64]| -> Vec<Lane> { whole.iter().copied().chain([0.0; 3]).map(Lane::splat).collect() };
+        match self.follow {
+            Follow::Simulated(_) => linearize::<3>(recordings, &lanes(whole), &self.free, None, &[], false),
+            Follow::Predicted(levels, at) => {
+                with_states!(levels, innovations(recordings, &lanes(whole), &lanes(at), &self.free, levels))
+            }
+        }
+    }
+
+    /// The covariance of all parameters, how many parts tell of each, and what is around the parts.
+    fn spread(&self, found: &Minimum) -> Result<Option<Spread>, P::Error> {
+        let weights = self.weighting();
+        let Ok(inverse) = found.inverse(weights) else { return Ok(None) };
+        let (all, free, parts) = (self.held.len(), self.free.len(), self.parts.count() as f64);
+        let (mut covariance, mut told) = (vec![0.0; all * all], vec![[0.0; 2]; all]);
+        let mut settled = Vec::new();
+        self.each(&found.point, true, |own| {
+            let (normal, gradient) = own.linear.weighted(weights);
+            // Without a part that alone determines a parameter there is no estimate: it counts as one that tells little.
+            let moved = found.without(&own.linear, weights).unwrap_or_else(|_| times(&inverse, &gradient));
+            for (i, (row, a)) in self.free.iter().zip(&moved).enumerate() {
+                for (column, b) in self.free.iter().zip(&moved) {
+                    covariance[row * all + column] += (parts - 1.0) / parts * a * b;
+                }
+                let share = quadratic(&inverse[i * free..(i + 1) * free], &normal);
+                told[*row] = [told[*row][0] + share, told[*row][1] + share * share];
+            }
+            settled.push(own.without_sums());
+        })?;
+        let alike = |[sum, squares]: [f64; 2]| if squares > 0.0 { sum * sum / squares } else { 0.0 };
+        let mut around = Vec::new();
+        if let Some(unknown) = self.unknown() {
+            around.resize(settled.len(), [[0.0; AROUND]; 2]);
+            let pairs = self.free.iter().flat_map(|i| self.free.iter().map(move |j| i * all + j));
+            let own: Vec<f64> = pairs.map(|k| covariance[k]).collect();
+            let found = self.order.iter().zip(&settled);
+            found.for_each(|(place, settled)| around[*place] = settled.around(unknown, &own));
+        }
+        Ok(Some(Spread { covariance, telling: told.into_iter().map(alike).collect(), around }))
+    }
+}
+
+/// Whitened innovations of a filter for `levels`, linearised at `unknowns` with the gains that it has along `at`.
+fn innovations<const N: usize>(
+    recordings: &Recordings,
+    unknowns: &[Lane],
+    at: &[Lane],
+    free: &[usize],
+    levels: &Levels,
+) -> Vec<Linear> {
+    let (gains, _) = filter::<N>(recordings, at, levels, false);
+    linearize(recordings, unknowns, free, Some(levels), &gains, true)
+}
+
+/// See the fields of [`Searched`].
+struct Spread {
+    covariance: Vec<f64>,
+    telling: Vec<f64>,
+    around: Vec<[[f64; AROUND]; 2]>,
+}
+
+impl<P: Parts> Residuals for Problem<'_, P> {
+    type Error = P::Error;
+
+    fn linearize(&mut self, asked: &[Asked]) -> Result<Vec<Linear>, P::Error> {
+        let mut totals = Vec::new();
+        for Asked { point, .. } in asked {
+            let (mut total, mut around): (Option<Linear>, _) = (None, Vec::new());
+            self.each(point, false, |part| {
+                match &mut total {
+                    Some(total) => total.add(&part.linear),
+                    None => total = Some(part.linear),
+                }
+                around.push(part.around);
+            })?;
+            totals.extend(total);
+            self.around = around;
+        }
+        Ok(totals)
+    }
+
+    fn bounds(&self) -> Vec<[f64; 2]> {
+        let all = self.model.bounds();
+        all.map_or(Vec::new(), |all| self.free.iter().map(|i| all[*i]).collect())
+    }
+}

@@ -1,0 +1,93 @@
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::{Follow, PartView, Parts, Searched};
+use crate::beside::UnknownCurrent;
+use crate::predictor::{AROUND, Unknown};
+
+/// Water and wind that were found with a model in one run, or in a part of one.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Surroundings {
+    /// The run or recording.
+    pub source: String,
+    /// Which of the parts that simulations start anew with, from 0.
+    pub part: u64,
+    /// `earth`: it keeps its direction over ground as the vessel turns; `body`: from the bow.
+    pub axes: String,
+    /// What was found, along and across the vessel as she heads where the part starts: a current, its change with time (drift),
+    /// and a wind's push.
+    pub found: Vec<FoundUnknown>,
+}
+
+/// An unknown beside the parameters.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct FoundUnknown {
+    /// What it is: `current along` and the like.
+    pub name: String,
+    /// Its unit.
+    pub unit: String,
+    /// The estimate.
+    pub value: f64,
+    /// Its standard error; null where it has none, as where it makes no difference.
+    pub standard_error: Option<f64>,
+}
+
+/// As they are told of, and their units.
+const NAMES: [(&str, &str); AROUND] = [
+    ("current along", "m/s"),
+    ("current across", "m/s"),
+    ("drift along", "m/s^2"),
+    ("drift across", "m/s^2"),
+    ("wind along", "m/s^2"),
+    ("wind across", "m/s^2"),
+];
+
+impl Surroundings {
+    /// Values and standard errors of what is `unknown` around part number `part` of `source`; none where nothing is.
+    pub(crate) fn of(
+        unknown: Unknown,
+        (source, part): (&str, usize),
+        [values, errors]: &[[f64; AROUND]; 2],
+    ) -> Option<Self> {
+        let found = |i: usize| {
+            // What a sample adds becomes what a second does.
+            let per = if i < 2 { 1.0 } else { unknown.interval_s };
+            let (name, unit) = NAMES[i];
+            FoundUnknown {
+                name: name.to_owned(),
+                unit: unit.to_owned(),
+                value: values[i] / per,
+                standard_error: Some(errors[i] / per).filter(|error| *error > 0.0),
+            }
+        };
+        let found: Vec<FoundUnknown> = unknown.around().map(found).collect();
+        let axes = if unknown.current == UnknownCurrent::Body { "body" } else { "earth" };
+        let (source, part, axes) = (source.to_owned(), part as u64, axes.to_owned());
+        (!found.is_empty()).then_some(Self { source, part, axes, found })
+    }
+
+    /// Of all parts that were `searched`.
+    ///
+    /// # Errors
+    /// Parts that cannot be read.
+    pub(super) fn all<P: Parts>(
+        parts: &P,
+        searched: &Searched,
+        follow: &Follow,
+    ) -> Result<Vec<Self>, P::Error> {
+        let (Follow::Simulated(unknown), mut around) = (follow, searched.around.iter().enumerate()) else {
+            return Ok(Vec::new());
+        };
+        let mut all = Vec::new();
+        let mut add = |part: PartView| {
+            let own = around.next();
+            all.extend(own.and_then(|(i, own)| Self::of(*unknown, (part.source, i), own)));
+        };
+        if !searched.around.is_empty() {
+            parts.each(&mut add)?;
+        }
+        Ok(all)
+    }
+}

@@ -1,0 +1,118 @@
+use vessel::{Lane, Model};
+
+use super::scores::correlated_scores;
+use super::sums::{Linear, linearize};
+use crate::beside::{Beside, UnknownCurrent, UnknownWind};
+use crate::sensitivity::{Flow, Levels, Recordings};
+
+/// Where a simulation starts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum InitialState {
+    /// At the recording's own start, which is known.
+    Known,
+    /// Near it: its offset is estimated, and the first measurement counts.
+    Estimated,
+}
+
+impl InitialState {
+    /// As in files.
+    pub fn name(self) -> &'static str {
+        ["known", "estimated"][self as usize]
+    }
+}
+
+/// What free simulations do not know beside the parameters.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Unknown {
+    /// Where they start.
+    pub initial: InitialState,
+    /// The water that the vessel moves in.
+    pub current: UnknownCurrent,
+    /// What pushes her.
+    pub wind: UnknownWind,
+    /// Time between two samples \[s\].
+    pub interval_s: f64,
+}
+
+/// Most unknowns of water and wind: along and across the vessel at the start, the current \[m/s\], its change and the wind's push in a
+/// sample \[m/s\].
+pub const AROUND: usize = 6;
+
+impl From<InitialState> for Unknown {
+    fn from(initial: InitialState) -> Self {
+        Self::new(initial, Beside::default(), 0.0)
+    }
+}
+
+impl Unknown {
+    /// Of runs sampled every `interval_s` \[s\].
+    pub fn new(initial: InitialState, beside: Beside, interval_s: f64) -> Self {
+        Self { initial, current: beside.current, wind: beside.wind, interval_s }
+    }
+
+    /// The unknowns that are searched for: the parameters of `model`, the initial state's offsets, those of water and wind.
+    pub(super) fn free(self, model: &Model) -> Vec<usize> {
+        let parameters = model.parameters();
+        let offsets = if self.initial == InitialState::Known { 0..0 } else { 0..3 };
+        let own = (0..parameters).chain(offsets.map(|i| parameters + i));
+        own.chain(self.around().map(|i| parameters + 3 + i)).collect()
+    }
+
+    /// Which of the [`AROUND`] are searched for.
+    pub fn around(self) -> impl Iterator<Item = usize> {
+        let current = match self.current {
+            UnknownCurrent::None => 0..0,
+            UnknownCurrent::Earth | UnknownCurrent::Body => 0..2,
+            UnknownCurrent::Drifting => 0..4,
+        };
+        current.chain(if self.wind == UnknownWind::None { 0..0 } else { 4..6 })
+    }
+
+    /// Whether sample 0 counts.
+    pub(super) fn start_counts(self) -> bool {
+        self.initial == InitialState::Estimated
+    }
+
+    /// Water and wind as disturbances that stay.
+    pub(super) fn levels(self) -> Option<Levels> {
+        let turning = if self.current == UnknownCurrent::Body { 0.0 } else { self.interval_s };
+        let lasting = Flow::Markov { std: 0.0, factor: 1.0, turning };
+        let any = self.around().next();
+        any.map(|_| Levels { measurement: [0.0; 3], current: lasting, force: None })
+    }
+
+    /// States of the vessel and of what is around it.
+    fn states(self) -> usize {
+        match self.around().last() {
+            None => 3,
+            Some(0..2) => 5,
+            Some(_) => 9,
+        }
+    }
+
+    /// Free simulations linearised, see [`linearize`].
+    pub(crate) fn linearize(self, recordings: &Recordings, unknowns: &[Lane], free: &[usize]) -> Vec<Linear> {
+        let (levels, counts) = (self.levels(), self.start_counts());
+        match self.states() {
+            3 => linearize::<3>(recordings, unknowns, free, None, &[], counts),
+            5 => linearize::<5>(recordings, unknowns, free, levels.as_ref(), &[], counts),
+            _ => linearize::<9>(recordings, unknowns, free, levels.as_ref(), &[], counts),
+        }
+    }
+
+    /// What correlated errors do to the scores of free simulations, see [`correlated_scores`].
+    pub(crate) fn scores(
+        self,
+        recordings: &Recordings,
+        unknowns: &[Lane],
+        free: &[usize],
+        weights: [Lane; 3],
+    ) -> Vec<Lane> {
+        let (levels, counts) = (self.levels(), self.start_counts());
+        match self.states() {
+            3 => correlated_scores::<3>(recordings, unknowns, free, None, counts, weights),
+            5 => correlated_scores::<5>(recordings, unknowns, free, levels.as_ref(), counts, weights),
+            _ => correlated_scores::<9>(recordings, unknowns, free, levels.as_ref(), counts, weights),
+        }
+    }
+}

@@ -1,0 +1,228 @@
+//! What must hold of pooled estimates where water and wind are unknown, or found by a filter.
+
+use approx::assert_relative_eq;
+use identification::pooled::{Follow, NominalModel, Part, Pool, Searched, least_errors};
+use identification::predictor::{
+    Fit, Fitted, Flow, InitialState, Levels, Spread, Unknown, output_error, prediction_error,
+};
+use identification::runs::{Beside, Intercepts, UnknownCurrent};
+use identification::{Estimator, MeanRemoval};
+use vessel::{Lane, RunView, Vessel, Weather, simulate};
+
+use crate::support::noise::Normals;
+use crate::support::{Experiment, dictionary, paper, truth};
+
+const EARTH: Beside = Beside { current: UnknownCurrent::Earth, intercepts: Intercepts::None, ..NOTHING };
+const NOTHING: Beside = Beside {
+    intercepts: Intercepts::Each,
+    current: UnknownCurrent::None,
+    wind: identification::runs::UnknownWind::None,
+};
+/// Maneuvers of the dictionary that tell of every parameter, in runs of several lengths.
+const PLANS: [&[(usize, usize)]; 4] = [
+    &[(0, 80), (5, 110), (7, 50), (10, 90)],
+    &[(4, 40), (5, 100), (6, 60), (10, 130)],
+    &[(10, 120), (0, 70), (5, 120)],
+    &[(7, 60), (10, 110), (5, 120), (4, 40)],
+];
+
+fn unknown(vessel: &Vessel, beside: Beside) -> Unknown {
+    Unknown::new(InitialState::Known, beside, 1.0 / vessel.sample_rate_hz)
+}
+
+/// Currents that stay or drift over ground, two components a sample.
+type Water<'a> = dyn FnMut(usize) -> [f64; 2] + 'a;
+
+/// A run of the paper's vessel in a current, with noise on all samples but the first.
+fn part(
+    vessel: &Vessel,
+    plan: &[(usize, usize)],
+    water: &mut Water,
+    noise: f64,
+    normals: &mut Normals,
+) -> Part {
+    let experiment = Experiment::of_maneuvers(&dictionary(vessel), plan);
+    let samples = experiment.inputs.len() / 3;
+    let current: Vec<Lane> = (0..samples).flat_map(|k| water(k).map(Lane::splat)).collect();
+    let mut states = vec![Lane::ZERO; 3 * (samples + 1)];
+    let weather = Weather { current: &current, turning: 1.0 / vessel.sample_rate_hz, force: &[] };
+    let theta: Vec<Lane> = truth(vessel).into_iter().map(Lane::splat).collect();
+    simulate(
+        &vessel.model,
+        &theta,
+        experiment.initial.map(Lane::splat),
+        &experiment.inputs,
+        &weather,
+        &mut states,
+    );
+    let mut measured: Vec<f64> = states.iter().map(|x| x[0]).collect();
+    measured[3..].iter_mut().for_each(|y| *y += noise * normals.next());
+    Part::new("run", "a", RunView::measured(&measured, &experiment.inputs))
+}
+
+/// A current of its own in every run, and what was drawn.
+fn parts(vessel: &Vessel, noise: f64, seed: u64) -> (Vec<Part>, Vec<[f64; 2]>) {
+    let mut normals = Normals::new(seed);
+    let waters: Vec<[f64; 2]> = PLANS.iter().map(|_| [0, 1].map(|_| 0.08 * normals.next())).collect();
+    let parts = PLANS.iter().zip(&waters).map(|(plan, water)| {
+        let water = *water;
+        part(vessel, plan, &mut |_| water, noise, &mut normals)
+    });
+    (parts.collect(), waters)
+}
+
+fn found(vessel: &Vessel, parts: &Vec<Part>, std: [f64; 3], start: &[f64], follow: &Follow) -> Searched {
+    let sizes: Vec<f64> = truth(vessel).iter().map(|t| t.abs()).collect();
+    let Ok(found) = least_errors(&vessel.model, parts, start, std, &sizes, follow);
+    found.unwrap()
+}
+
+#[test]
+fn law_the_current_of_every_run_is_found_with_the_parameters_of_all() {
+    let vessel = paper();
+    let (parts, waters) = parts(&vessel, 0.0, 5);
+    let of = |beside| {
+        let follow = Follow::Simulated(unknown(&vessel, beside));
+        found(&vessel, &parts, [0.3, 0.1, 0.1], &vessel.nominal, &follow)
+    };
+    let own = of(EARTH);
+    for (found, truth) in own.parameters.iter().zip(truth(&vessel)) {
+        assert_relative_eq!(*found, truth, max_relative = 1e-4);
+    }
+    for ([found, _], truth) in own.around.iter().zip(waters) {
+        assert_relative_eq!(found[0], truth[0], max_relative = 1e-3);
+        assert_relative_eq!(found[1], truth[1], max_relative = 1e-3);
+    }
+    let still = of(Beside { current: UnknownCurrent::None, ..EARTH });
+    assert!(still.around.is_empty());
+    let mut pairs = still.parameters.iter().zip(truth(&vessel));
+    assert!(pairs.any(|(found, truth)| (found / truth - 1.0).abs() > 0.05));
+}
+
+fn converged(fits: Vec<Fit>) -> Fitted {
+    match fits.into_iter().next() {
+        Some(Fit::Converged(found)) => found,
+        other => panic!("{other:?}"),
+    }
+}
+
+/// The current that follows the parameters is the one that is searched for beside them.
+#[test]
+fn law_of_one_run_pooled_and_single_estimates_are_the_same() {
+    let vessel = paper();
+    let (mut parts, _) = parts(&vessel, 0.02, 6);
+    parts.truncate(1);
+    let (view, starts) = (parts[0].view(), vec![vec![vessel.nominal.clone()]]);
+    let around = unknown(&vessel, EARTH);
+    let single = converged(output_error(&vessel.model, &[view], &starts, around, Spread::Residuals));
+    // The weights that likelihood ends at.
+    let pooled = found(&vessel, &parts, single.rmse, &vessel.nominal, &Follow::Simulated(around));
+    for (a, b) in pooled.parameters.iter().zip(&single.parameters) {
+        assert_relative_eq!(*a, *b, max_relative = 1e-5);
+    }
+    for (a, b) in pooled.around[0][0].iter().zip(single.around[0]) {
+        assert_relative_eq!(*a, b, max_relative = 1e-4, epsilon = 1e-9);
+    }
+}
+
+#[test]
+fn law_standard_errors_of_currents_are_their_spread() {
+    let vessel = paper();
+    let follow = Follow::Simulated(unknown(&vessel, EARTH));
+    let (mut squares, mut told, runs) = ([[0.0; 2]; 4], [[0.0; 2]; 4], 60);
+    for seed in 0..runs {
+        let (parts, waters) = parts(&vessel, 0.02, 100 + seed);
+        let own = found(&vessel, &parts, [0.02; 3], &truth(&vessel), &follow);
+        for (i, ([values, errors], truth)) in own.around.iter().zip(waters).enumerate() {
+            for c in 0..2 {
+                squares[i][c] += (values[c] - truth[c]).powi(2);
+                told[i][c] += errors[c].powi(2);
+            }
+        }
+    }
+    // Of 60 squares the mean varies by a fifth; standard errors count few samples as correlated and four parts as many.
+    for (square, told) in squares.iter().flatten().zip(told.iter().flatten()) {
+        let ratio = (told / square).sqrt();
+        assert!((0.6..1.6).contains(&ratio), "{ratio}: {squares:?} {told:?}");
+    }
+}
+
+/// The same gains, and a start that is as unknown.
+#[test]
+fn law_of_one_run_pooled_and_single_predictions_are_the_same() {
+    let vessel = paper();
+    let mut normals = Normals::new(8);
+    let rate = vessel.sample_rate_hz;
+    let levels = Levels {
+        measurement: [0.02; 3],
+        current: Flow::Markov { std: 0.05, factor: (-1.0 / (30.0 * rate)).exp(), turning: 1.0 / rate },
+        force: None,
+    };
+    let parts = vec![drifted(&vessel, PLANS[1], &levels, &mut normals)];
+    let (view, starts) = (parts[0].view(), vec![vec![truth(&vessel)]]);
+    let single =
+        converged(prediction_error(&vessel.model, &[view], &starts, InitialState::Estimated, &levels));
+    let follow = Follow::Predicted(levels, single.parameters.clone());
+    let pooled = found(&vessel, &parts, [1.0; 3], &single.parameters, &follow);
+    for ((a, b), error) in pooled.parameters.iter().zip(&single.parameters).zip(&single.standard_errors) {
+        assert!((a - b).abs() < 0.1 * error, "{a} {b} {error}");
+    }
+}
+
+/// In a current that drifts as `levels` say.
+fn drifted(vessel: &Vessel, plan: &[(usize, usize)], levels: &Levels, normals: &mut Normals) -> Part {
+    let Flow::Markov { std, factor, .. } = levels.current else { panic!("drifts") };
+    let mut own = Normals::new((1e6 * normals.next().abs()) as u64);
+    let mut water = [0, 1].map(|_| std * own.next());
+    let mut drift = |_| {
+        let now = water;
+        water = now.map(|c| factor * c + std * (1.0 - factor * factor).sqrt() * own.next());
+        now
+    };
+    part(vessel, plan, &mut drift, levels.measurement[0], normals)
+}
+
+/// Of runs in a drifting current, which is nothing that a simulation knows: the filter's levels are found, and its parameters are
+/// nearer to the truth.
+#[test]
+fn law_predictions_of_pooled_runs_find_the_drift_and_better_parameters() {
+    let vessel = paper();
+    let mut normals = Normals::new(9);
+    let rate = vessel.sample_rate_hz;
+    let levels = Levels {
+        measurement: [0.02; 3],
+        current: Flow::Markov { std: 0.08, factor: (-1.0 / (20.0 * rate)).exp(), turning: 1.0 / rate },
+        force: None,
+    };
+    let pool = Pool {
+        vessel: &vessel,
+        model: vessel.model.with_intercepts(),
+        removal: MeanRemoval::Complete,
+        strength: 0.0,
+        nominal: NominalModel::Known(vessel.nominal.clone()),
+        part_samples: None,
+        beside: Beside::default(),
+        constant: Vec::new(),
+    };
+    let distance = |theta: &[f64]| {
+        let relative = theta.iter().zip(truth(&vessel)).map(|(a, b)| (a / b - 1.0).powi(2));
+        relative.sum::<f64>().sqrt()
+    };
+    let (mut simulated, mut predicted) = (0.0, 0.0);
+    for _ in 0..4 {
+        let parts: Vec<Part> =
+            PLANS.iter().map(|plan| drifted(&vessel, plan, &levels, &mut normals)).collect();
+        let of = |estimator| pool.estimate(&parts, estimator).unwrap_or_else(|_| panic!("{estimator}"));
+        let (free, filtered) = (of(Estimator::OutputError), of(Estimator::PredictionError));
+        assert_eq!(filtered.used, [Estimator::PredictionError; 3]);
+        simulated += distance(&free.theta().unwrap().0);
+        predicted += distance(&filtered.theta().unwrap().0);
+        let (_, scales) = filtered.searched.as_ref().unwrap();
+        let Follow::Predicted(own, _) = scales.follow() else { panic!("predicted") };
+        let Flow::Markov { std, factor, .. } = own.current else { panic!("{own:?}") };
+        let time_s = -1.0 / (rate * factor.ln());
+        assert!((0.04..0.16).contains(&std) && (5.0..80.0).contains(&time_s), "{std} {time_s}");
+        own.measurement.iter().for_each(|noise| assert_relative_eq!(*noise, 0.02, max_relative = 0.2));
+    }
+    assert!(predicted < 0.6 * simulated, "{predicted} {simulated}");
+}
