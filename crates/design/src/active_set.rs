@@ -147,17 +147,13 @@ fn improve<O: Objective>(objective: &O, bounds: &Bounds, shares: &[f64], toleran
     };
     let direction = quadratic.ascent()?;
     let slope = quadratic.slope(&direction);
-    let moved = |length: f64| {
+    let mut length = 1.0;
+    for _ in 0..40 {
         let mut trial = shares.to_vec();
         for ((q, w), d) in members.iter().zip(&quadratic.shares).zip(&direction) {
             trial[*q] = (w + length * d).max(0.0);
         }
         bounds.repair(&mut trial);
-        trial
-    };
-    let mut length = 1.0;
-    for _ in 0..40 {
-        let trial = moved(length);
         let enough = before + 1e-4 * length * slope - 1e-14 * before.abs().max(1.0);
         if let Some(value) = objective.evaluate(&trial, &mut at).filter(|value| *value >= enough) {
             let relative_gap = relative_gap(objective, bounds, &trial, &at);
@@ -165,20 +161,7 @@ fn improve<O: Objective>(objective: &O, bounds: &Bounds, shares: &[f64], toleran
         }
         length *= 0.5;
     }
-    // Of ill-conditioned information the value is not known well enough to see what the last steps gain; their gap tells.
-    let trial = moved(1.0);
-    let value = objective.evaluate(&trial, &mut at)?;
-    let gap = relative_gap(objective, bounds, &trial, &at);
-    let closer = gap < 0.5 * bounds.gap(&sensitivities, shares, objective.degree()) / objective.degree();
-    (closer && as_good(value, before)).then_some(Step { shares: trial, value, relative_gap: gap })
-}
-
-/// Rounding of the value where the information is ill-conditioned, over its size.
-const ROUNDED: f64 = 1e-9;
-
-/// Whether `value` is no less than another but for rounding.
-pub(crate) fn as_good(value: f64, other: f64) -> bool {
-    value >= other - ROUNDED * other.abs().max(1.0)
+    None
 }
 
 /// The shares between their bounds, and those at a bound that are most worth leaving it: `JOINING` of either kind.

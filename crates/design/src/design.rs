@@ -2,7 +2,7 @@ use argmin::core::{Executor, State as _};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use crate::active_set::{State, as_good};
+use crate::active_set::State;
 use crate::{ActiveSetNewton, Bounds, Candidates, Covariance, Error, Objective, is_concave};
 
 /// How to solve.
@@ -133,10 +133,6 @@ pub(crate) fn from_points<O: Objective>(
         .iter()
         .max_by(|a, b| a.log_det.total_cmp(&b.log_det))
         .ok_or_else(|| Error::Solver("every start was singular".into()))?;
-    // One that stalled may seem better by rounding than one that did not.
-    let ended = |start: &&Start| start.relative_gap <= options.tolerance;
-    let as_well = |start: &&Start| ended(start) && as_good(start.log_det, best.log_det);
-    let best = Some(best).filter(ended).or_else(|| starts.iter().find(as_well)).unwrap_or(best);
     let mut at = O::Point::default();
     objective.evaluate(&best.shares, &mut at);
     let sensitivities = objective.sensitivities(&at);

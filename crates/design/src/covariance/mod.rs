@@ -204,7 +204,10 @@ impl Covariance {
             }
             // M is Aᵀ.
             let inverse = transposed(n, &inverse);
-            at.covariance.extend(congruence(n, &inverse, &at.sums[1][range]));
+            let covariance = congruence(n, &inverse, &at.sums[1][range]);
+            // Rounding is not symmetric, and eigenvalues of nearly singular information would tell of nothing else.
+            let entry = |e: usize| 0.5 * (covariance[e] + covariance[e % n * n + e / n]);
+            at.covariance.extend((0..n * n).map(entry));
             at.inverse.extend(inverse);
         }
         Some(())

@@ -261,26 +261,26 @@ fn a_singular_covariance_names_its_row() {
 fn law_an_ill_conditioned_basis_changes_no_shares() {
     let points = 41;
     let solved = |basis: &dyn Fn(f64) -> Vec<f64>| {
-        let (mut information, mut middle) = (Candidates::new(vec![6]), Candidates::new(vec![6]));
+        let (mut information, mut middle) = (Candidates::new(vec![5]), Candidates::new(vec![5]));
         for i in 0..points {
             let row = basis(2.0 * f64::from(i) / f64::from(points - 1) - 1.0);
             let square: Vec<f64> = row.iter().flat_map(|a| row.iter().map(move |b| a * b)).collect();
             information.push(&square).unwrap();
             middle.push(&square).unwrap();
         }
-        let c = Covariance::new(&information, &middle, &[1.0; 6], Norm::LogDet).unwrap();
+        let c = Covariance::new(&information, &middle, &[1.0; 5], Norm::LogDet).unwrap();
         let options = Options { tolerance: 1e-6, ..Options::default() };
         solve_covariance(&c, &Bounds::default(), &options).unwrap()
     };
     let legendre = solved(&|x| {
         let mut all = vec![1.0, x];
-        for k in 2..6_i32 {
+        for k in 2..5_i32 {
             let (n, before, last) = (f64::from(k), all[all.len() - 2], all[all.len() - 1]);
             all.push(((2.0 * n - 1.0) * x * last - (n - 1.0) * before) / n);
         }
         all
     });
-    let powers = solved(&|x| (0..6).map(|k| (2.0 + x).powi(k)).collect());
+    let powers = solved(&|x| (0..5).map(|k| (2.0 + x).powi(k)).collect());
     for design in [&legendre, &powers] {
         assert_eq!(design.status, Status::Optimal, "{:e}", design.gap);
     }
