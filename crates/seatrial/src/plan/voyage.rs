@@ -36,12 +36,12 @@ pub fn plan_voyage(
     let refuse = |error| refusals::voyage(files, error);
     let searched = limits.before_check();
     let search = Search { options: limits.options(), watch: &|| searched.watch(), go_on: &|| limits.go_on() };
-    let prepared = Prepared::new(brief, &search).map_err(refuse)?;
-    let solved = prepared.solve(&search).map_err(refuse)?;
-    let sailing = prepared.sail(&solved, &search).map_err(refuse)?;
+    let mut prepared = Prepared::new(brief, &search).map_err(refuse)?;
+    let (solved, sailing) = prepared.plan(&search).map_err(refuse)?;
     if !(allow_unsafe || sailing.check.safe) {
         return Err(refusals::unsafe_plan(files.config, &sailing.check));
     }
+    for d in &prepared.dropped { eprintln!("dropped {} from {} {:?}: {}", d.name, d.from, d.side, d.why); }
     let document = of_voyage(&prepared, &solved, &sailing);
     let planned = Planned { prepared: &prepared, solved: &solved, sailing: &sailing, document: &document };
     commit(planned.stage(out, &provenance)?)?;

@@ -201,8 +201,8 @@ pub struct Primitive {
     pub residual_m: f64,
     /// Difference from the level's heading at its end \[deg\].
     pub residual_deg: f64,
-    /// Clearance kept for the drift of an unknown current during it \[m\].
-    pub drift_margin_m: f64,
+    /// Largest distance from the nominal vessel of those who rehearsed it, before the recovery \[m\].
+    pub spread_m: f64,
     /// Nodes of the lattice at which it fits on the chart.
     pub fits: u64,
 }
@@ -214,14 +214,15 @@ impl Document for PlanDocument {
         ("1 or s, as cost_unit says", "cost lower_bound gap"),
         ("1 or s", "value"),
         ("1", "counts variant i j h to_h di dj fits nx ny headings runs aground aground_open_loop seed"),
-        ("1", "below_margin left_area aground_interval parameter_error"),
+        ("1", "below_margin left_area aground_interval parameter_error vessels vessels_aground"),
+        ("1", "aground_bound aground_bound_by_vessels ends ends_astray tolerance_used rounds"),
         ("1", "predicted_log_det realised_log_det whole_log_det efficiency design_efficiency dimension"),
         ("1", "log_det"),
-        ("m", "cell_m residual_m end_error_m drift_margin_m clearance_m clearance_quantiles_m"),
+        ("m", "cell_m residual_m end_error_m spread_m clearance_m clearance_quantiles_m"),
         ("m", "margin_m shortfall_m sight_m"),
         ("deg", "longitude_deg latitude_deg heading_deg residual_deg"),
         ("m/s", "modes speed_m_s unknown_current_m_s"),
-        ("s", "start_s duration_s informative_s maneuver_start_s maneuver_s leg_s"),
+        ("s", "proved_s sailed_s sailed_quantiles_s start_s duration_s informative_s maneuver_start_s maneuver_s leg_s"),
         ("as declared in vessel.toml", "largest_inputs"),
     ];
 }

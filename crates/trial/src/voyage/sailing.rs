@@ -1,13 +1,19 @@
 //! The plan in continuous space: sailed, checked against the chart, and what it tells.
 
-use super::check::{Check, Clearance};
+use super::check::{Check, Checked, Checking};
+use super::clearance::Clearance;
 use super::error::VoyageError;
 use super::information::Information;
 use super::prepared::Prepared;
 use super::script::Script;
 use super::search::Search;
 use super::solve::Solved;
-use crate::Sailed;
+use crate::{Rehearser, Sailed};
+
+/// How often a plan is searched before the last one has to do.
+const ROUNDS: u32 = 12;
+/// Who teaches a leg in a round: so many at most, over all legs.
+const PUPILS: usize = 400;
 
 /// A plan as sailed in simulation.
 #[derive(Clone, Debug)]
@@ -25,18 +31,41 @@ pub struct Sailing {
 }
 
 impl Prepared {
-    /// Sails the plan in continuous space, checks it against the chart and says what it tells.
+    /// Plans and sails until what is proved is what can be sailed: legs that broke a margin or missed a tolerance in a check
+    /// are rehearsed by whoever failed them, too, and the search begins again. The last plan is given where none passes.
     ///
     /// # Errors
-    /// A command that the model cannot hold, a simulation that diverges; no time.
-    pub fn sail(&self, solved: &Solved, search: &Search) -> Result<Sailing, VoyageError> {
+    /// As [`Self::solve`], with what the checks showed; a simulation that diverges; no time.
+    pub fn plan(&mut self, search: &Search) -> Result<(Solved, Sailing), VoyageError> {
+        let clearance = Clearance::new(self)?;
+        for round in 1.. {
+            let solved = self.solve(search).map_err(|error| error.after(round - 1))?;
+            let (sailing, taught) = self.sail(&solved, &clearance, round, search)?;
+            if taught.is_empty() || round == ROUNDS {
+                return Ok((solved, sailing));
+            }
+            let legs = taught.into_iter().take(PUPILS).map(|(step, who)| (sailing.legs[step], who));
+            self.learn(legs.collect(), search).map_err(|error| error.after(round))?;
+        }
+        Err(VoyageError::OutOfTime("the rounds of plan and check"))
+    }
+
+    /// Sails the plan in continuous space, checks it against the chart and says what it tells, and who failed which steps.
+    fn sail(
+        &self,
+        solved: &Solved,
+        clearance: &Clearance,
+        round: u32,
+        search: &Search,
+    ) -> Result<(Sailing, Vec<(usize, Rehearser)>), VoyageError> {
         let legs: Vec<usize> =
             solved.solution.steps.iter().map(|step| solved.moves.leg_of_step(step)).collect();
         let script = self.script(solved, &legs);
-        let sailed = script.sail(&self.brief.vessel.nominal, [0.0; 2])?;
-        let (check, runs) = Clearance::new(self)?.check(&script, &sailed, &legs, search)?;
+        let sailed = script.sailed(&self.brief.vessel.nominal, [0.0; 2])?;
+        let checking = Checking { script: &script, clearance, legs: &legs, nominal: &sailed, round };
+        let Checked { check, tracks, taught } = checking.check(search)?;
         let information = self.information_sailed(&legs, &sailed);
-        Ok(Sailing { legs, sailed, runs, check, information })
+        Ok((Sailing { legs, sailed, runs: tracks, check, information }, taught))
     }
 
     fn script<'a>(&'a self, solved: &Solved, legs: &[usize]) -> Script<'a> {
