@@ -22,7 +22,8 @@ fn main() -> Result<(), Failure> {
     let layers = vec![Layer::Polygons(PolygonLayer::from_geojson(&land, &LayerKind::Land, None)?)];
     let number = |index: usize| arguments.get(index).map(|text| text.parse::<f64>()).transpose();
     let Some(west_deg) = number(1)? else { return plan("Helsinki", &mut helsinki(layers)?) };
-    let [south_deg, east_deg, north_deg, starts] = [2, 3, 4, 5].map(|i| number(i).ok().flatten().unwrap_or(0.0));
+    let [south_deg, east_deg, north_deg, starts] =
+        [2, 3, 4, 5].map(|i| number(i).ok().flatten().unwrap_or(0.0));
     let area = Area { west_deg, south_deg, east_deg, north_deg };
     let seed = number(6)?.unwrap_or(1.0) as u64;
     let began = Instant::now();
@@ -33,7 +34,16 @@ fn main() -> Result<(), Failure> {
     }
     for own in prepared.rehearsed.iter().filter(|own| prepared.grid.level_and_mode(own.leg.from).0 < 2) {
         let (leg, s) = (&own.leg, own.seconds(1.0));
-        println!("{} {:?} {}: {} {} -> {}, {s} s, {:.0} m", own.name, leg.purpose.side(), leg.from, leg.di, leg.dj, leg.to, own.spread_m());
+        println!(
+            "{} {:?} {}: {} {} -> {}, {s} s, {:.0} m",
+            own.name,
+            leg.purpose.side(),
+            leg.from,
+            leg.di,
+            leg.dj,
+            leg.to,
+            own.spread_m()
+        );
     }
     let mut planned = 0;
     for draw in 0.. {
@@ -74,7 +84,16 @@ fn plan(name: &str, brief: &mut Brief) -> Result<(), Failure> {
     }
     for own in prepared.rehearsed.iter().filter(|own| prepared.grid.level_and_mode(own.leg.from).0 < 2) {
         let (leg, s) = (&own.leg, own.seconds(1.0));
-        println!("{} {:?} {}: {} {} -> {}, {s} s, {:.0} m", own.name, leg.purpose.side(), leg.from, leg.di, leg.dj, leg.to, own.spread_m());
+        println!(
+            "{} {:?} {}: {} {} -> {}, {s} s, {:.0} m",
+            own.name,
+            leg.purpose.side(),
+            leg.from,
+            leg.di,
+            leg.dj,
+            leg.to,
+            own.spread_m()
+        );
     }
     tell(name, &mut prepared)
 }
@@ -82,7 +101,7 @@ fn plan(name: &str, brief: &mut Brief) -> Result<(), Failure> {
 /// Plans and tells what it comes to.
 fn tell(name: &str, prepared: &mut Prepared) -> Result<(), Failure> {
     let began = Instant::now();
-    let (solved, sailing) = prepared.plan(&search())?;
+    let (solved, sailing) = prepared.plan(&search(), false)?;
     let check = &sailing.check;
     println!(
         "{name}: {} steps, cost {}, {:.0} s proved, {:.0} s sailed ({:+.2} %), tolerance used {:.2}, {} of {} ends astray, {} of {} aground, {} below, least {:.0} of {:.0} m, {} rounds, {:.1} s {}",
@@ -129,7 +148,11 @@ fn ship(below: &str) -> Result<(Vessel, Vec<Run>), Failure> {
 }
 
 fn counted(counts: &[(&str, u32)]) -> Vec<ManeuverUse> {
-    let own = |(name, count): &(&str, u32)| ManeuverUse { name: (*name).to_owned(), count: Some(*count), piece_s: None };
+    let own = |(name, count): &(&str, u32)| ManeuverUse {
+        name: (*name).to_owned(),
+        count: Some(*count),
+        piece_s: None,
+    };
     counts.iter().map(own).collect()
 }
 
@@ -186,7 +209,12 @@ fn coaster(layers: Vec<Layer>, area: Area) -> Result<Brief, Failure> {
 
 fn helsinki(layers: Vec<Layer>) -> Result<Brief, Failure> {
     let (vessel, dictionary) = ship("pipelines/helsinki")?;
-    let place = |longitude_deg, latitude_deg, heading_deg| Place { longitude_deg, latitude_deg, heading_deg, mode: None };
+    let place = |longitude_deg, latitude_deg, heading_deg| Place {
+        longitude_deg,
+        latitude_deg,
+        heading_deg,
+        mode: None,
+    };
     let task = Task {
         area: Area { west_deg: 24.905, south_deg: 60.105, east_deg: 25.035, north_deg: 60.170 },
         cell_m: 120.0,

@@ -55,12 +55,7 @@ impl<'a> Inversion<'a> {
     ///
     /// # Errors
     /// A vessel without the inputs to command surge, yaw and, where wanted, sway.
-    pub fn inputs(
-        &mut self,
-        state: [f64; 3],
-        current: [f64; 2],
-        wanted: &Gains,
-    ) -> Result<&[f64], Invalid> {
+    pub fn inputs(&mut self, state: [f64; 3], current: [f64; 2], wanted: &Gains) -> Result<&[f64], Invalid> {
         if self.last.is_empty() {
             self.begin(state, current, wanted.sway)?;
         }
@@ -130,7 +125,8 @@ impl<'a> Inversion<'a> {
         let mut changed = false;
         for (i, change) in free.iter().zip(changes) {
             let before = self.last[*i];
-            let after = self.vessel.ranges[*i].map_or(before + change, |[low, high]| (before + change).clamp(low, high));
+            let after = self.vessel.ranges[*i]
+                .map_or(before + change, |[low, high]| (before + change).clamp(low, high));
             changed |= (after - before).abs() > 1e-12 * after.abs();
             self.last[*i] = after;
         }

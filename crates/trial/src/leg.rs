@@ -98,7 +98,14 @@ impl Leg {
     pub(crate) fn turned(&self, quarters: usize, grid: &Grid) -> Self {
         let ([dj, di], mut phases) = (turned([self.dj, self.di], quarters), self.phases.clone());
         phases.iter_mut().for_each(|phase| phase.turn(quarters));
-        Self { purpose: self.purpose.clone(), from: grid.turned(self.from, quarters), di, dj, to: grid.turned(self.to, quarters), phases }
+        Self {
+            purpose: self.purpose.clone(),
+            from: grid.turned(self.from, quarters),
+            di,
+            dj,
+            to: grid.turned(self.to, quarters),
+            phases,
+        }
     }
 }
 

@@ -3,7 +3,9 @@ use vessel::{Invalid, Pose, Vessel};
 use crate::leg::turned;
 use crate::rehearser::Underway;
 use crate::sail::End;
-use crate::{Astray, Grid, Handling, Leg, Piece, Purpose, Rehearser, Sailed, Tolerance, Used, basic_moves, sail};
+use crate::{
+    Astray, Grid, Handling, Leg, Piece, Purpose, Rehearser, Sailed, Tolerance, Used, basic_moves, sail,
+};
 
 /// What comes before and after an informative maneuver.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -148,7 +150,13 @@ impl Repertoire<'_> {
     }
 
     /// What of a tolerance a vessel uses at a node in `layer`.
-    pub(crate) fn used_at(&self, tolerance: &Tolerance, layer: usize, node: [f64; 2], (pose, state): End) -> Used {
+    pub(crate) fn used_at(
+        &self,
+        tolerance: &Tolerance,
+        layer: usize,
+        node: [f64; 2],
+        (pose, state): End,
+    ) -> Used {
         let (level, mode) = self.grid.level_and_mode(layer);
         let (heading, speed) = (self.grid.heading_rad(level), self.grid.modes[mode].speed_m_s);
         tolerance.used(&Astray::of(pose, state, node), heading, speed)

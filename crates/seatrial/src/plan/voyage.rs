@@ -37,11 +37,10 @@ pub fn plan_voyage(
     let searched = limits.before_check();
     let search = Search { options: limits.options(), watch: &|| searched.watch(), go_on: &|| limits.go_on() };
     let mut prepared = Prepared::new(brief, &search).map_err(refuse)?;
-    let (solved, sailing) = prepared.plan(&search).map_err(refuse)?;
+    let (solved, sailing) = prepared.plan(&search, allow_unsafe).map_err(refuse)?;
     if !(allow_unsafe || sailing.check.safe) {
         return Err(refusals::unsafe_plan(files.config, &sailing.check));
     }
-    for d in &prepared.dropped { eprintln!("dropped {} from {} {:?}: {}", d.name, d.from, d.side, d.why); }
     let document = of_voyage(&prepared, &solved, &sailing);
     let planned = Planned { prepared: &prepared, solved: &solved, sailing: &sailing, document: &document };
     commit(planned.stage(out, &provenance)?)?;
@@ -111,7 +110,8 @@ fn summary(out: &Path, document: &PlanDocument) -> Summary {
             said += &format!("; UNSAFE: {}", check.faults.join(", "));
         }
         let own = json!({"duration_s": duration_s, "clearance_m": check.clearance_m, "safe": check.safe,
-            "faults": check.faults, "aground": check.aground, "runs": check.runs, "left_area": check.left_area});
+            "faults": check.faults, "aground": check.aground, "runs": check.runs, "left_area": check.left_area,
+            "rounds": check.rounds});
         if let (Value::Object(all), Value::Object(own)) = (&mut told, own) {
             all.extend(own);
         }

@@ -59,8 +59,8 @@ pub use ingest::{
 pub use model::{ModelChannel, ModelDegree, ModelDocument, ModelInput, ModelParameter};
 pub use moments::MomentsDocument;
 pub use plan::{
-    CostUnit, PlanDocument, PlanLattice, PlanPose, PlanStatus, PlanStep, Primitive, SecondaryCost, Voyage,
-    VoyageLeg,
+    CostUnit, DroppedMove, PlanDocument, PlanLattice, PlanPose, PlanStatus, PlanStep, Primitive,
+    SecondaryCost, Voyage, VoyageLeg,
 };
 pub use reference::{Published, PublishedPicks, PublishedSelection, PublishedShare, Reference};
 pub use refined::{RefinedDocument, RefinedExperiment, RefinedLimit};

@@ -113,6 +113,8 @@ pub struct Voyage {
     pub legs: Vec<VoyageLeg>,
     /// How the maneuvers became moves, one per heading and side.
     pub primitives: Vec<Primitive>,
+    /// Moves that are not offered to the search, since not all who rehearsed them end settled.
+    pub dropped: Vec<DroppedMove>,
     /// Time from start to end \[s\].
     pub duration_s: f64,
     /// Of which in informative maneuvers \[s\].
@@ -207,6 +209,22 @@ pub struct Primitive {
     pub fits: u64,
 }
 
+/// A move that is not offered to the search.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct DroppedMove {
+    /// Action.
+    pub name: String,
+    /// Which way, for a maneuver.
+    pub side: Option<Side>,
+    /// Heading level that it would begin from.
+    pub h: u64,
+    /// Speed mode that it would begin from.
+    pub mode: String,
+    /// Of which tolerance how much is used at the end of the best that was tried.
+    pub why: String,
+}
+
 impl Document for PlanDocument {
     const ID: &'static str = "plan";
     const VERSION: u32 = 1;
@@ -222,7 +240,10 @@ impl Document for PlanDocument {
         ("m", "margin_m shortfall_m sight_m"),
         ("deg", "longitude_deg latitude_deg heading_deg residual_deg"),
         ("m/s", "modes speed_m_s unknown_current_m_s"),
-        ("s", "proved_s sailed_s sailed_quantiles_s start_s duration_s informative_s maneuver_start_s maneuver_s leg_s"),
+        (
+            "s",
+            "proved_s sailed_s sailed_quantiles_s start_s duration_s informative_s maneuver_start_s maneuver_s leg_s",
+        ),
         ("as declared in vessel.toml", "largest_inputs"),
     ];
 }

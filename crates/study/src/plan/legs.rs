@@ -4,7 +4,7 @@ use lattice::Step;
 use trial::Sample;
 use trial::voyage::{Prepared, Rehearsed, Sailing, Solved, compass_deg};
 
-use crate::documents::{PlanLattice, Primitive, VoyageLeg};
+use crate::documents::{DroppedMove, PlanLattice, Primitive, VoyageLeg};
 
 /// Whose legs they are.
 pub(super) struct Legs<'a> {
@@ -77,6 +77,17 @@ impl Legs<'_> {
     pub(super) fn primitives(&self) -> Vec<Primitive> {
         let legs = self.prepared.rehearsed.iter().enumerate();
         legs.filter_map(|(index, own)| self.primitive(index, own)).collect()
+    }
+
+    /// What is not offered to the search.
+    pub(super) fn dropped(&self) -> Vec<DroppedMove> {
+        let grid = &self.prepared.grid;
+        let dropped = self.prepared.dropped.iter().map(|own| {
+            let (level, mode) = grid.level_and_mode(own.from);
+            let (name, mode, why) = (own.name.clone(), grid.modes[mode].name.clone(), own.why.clone());
+            DroppedMove { name, side: own.side, h: level as u64, mode, why }
+        });
+        dropped.collect()
     }
 
     fn primitive(&self, index: usize, own: &Rehearsed) -> Option<Primitive> {

@@ -1,7 +1,7 @@
 //! What `plan.toml` asks, as the science takes it.
 
-use trial::{Approach, Tolerance};
 use trial::voyage::Task;
+use trial::{Approach, Tolerance};
 use vessel::Invalid;
 
 use super::file::{KnownCurrent, PlanFile};
@@ -60,9 +60,7 @@ impl PlanFile {
                 heading_rad: own.tolerance_deg.to_radians(),
                 surge_m_s: speed_m_s,
                 sway_m_s: speed_m_s + crabbing_m_s,
-                yaw_rate_rad_s: own
-                    .tolerance_rad_s
-                    .unwrap_or(YAW_RATE * self.handling.turn_rate_rad_s),
+                yaw_rate_rad_s: own.tolerance_rad_s.unwrap_or(YAW_RATE * self.handling.turn_rate_rad_s),
             },
         }
     }

@@ -160,7 +160,8 @@ impl Checking<'_> {
             self.run(run, vessels).map_err(VoyageError::NoAnswer)
         };
         let found: Vec<Run> = (0..runs).into_par_iter().map(one).collect::<Result<_, VoyageError>>()?;
-        let taught = (0..runs).zip(&found).flat_map(|(run, own)| self.taught(run % vessels, run, own)).collect();
+        let taught =
+            (0..runs).zip(&found).flat_map(|(run, own)| self.taught(run % vessels, run, own)).collect();
         let check = self.judged(&found, vessels as usize);
         Ok(Checked { check, tracks: found.into_iter().filter_map(|run| run.track).collect(), taught })
     }

@@ -61,8 +61,7 @@ impl Clearance {
         let outline: Vec<[f64; 2]> =
             corners.iter().zip(corners.iter().cycle().skip(1)).flat_map(between).collect();
         let radius_m = outline.iter().map(|[x, y]| libm::hypot(*x, *y)).fold(0.0, f64::max);
-        let (transit, trial) =
-            (charted(task.safety.transit_depth_m)?, charted(task.safety.trial_depth_m)?);
+        let (transit, trial) = (charted(task.safety.transit_depth_m)?, charted(task.safety.trial_depth_m)?);
         Ok(Self { outline, radius_m, transit, trial, area, sight_m })
     }
 

@@ -49,7 +49,9 @@ impl VoyageError {
         match self {
             Self::Infeasible(reason) if rounds > 0 => {
                 let checks = if rounds == 1 { "a check".to_owned() } else { format!("{rounds} checks") };
-                Self::Infeasible(format!("{reason}; {checks} showed that plans with less room cannot be sailed"))
+                Self::Infeasible(format!(
+                    "{reason}; {checks} showed that plans with less room cannot be sailed"
+                ))
             }
             other => other,
         }

@@ -52,8 +52,19 @@ impl Prepared {
         let information = pieces.iter().map(|piece| MomentSums::of_piece(vessel, piece)).collect();
         let (mirror, others) = (mirror(vessel), brief.rehearsers());
         let (rehearsed, dropped) = (Vec::new(), Vec::new());
-        let mut prepared =
-            Self { brief, chart, grid, wanted, pieces, mirror, groups: Vec::new(), others, rehearsed, dropped, information };
+        let mut prepared = Self {
+            brief,
+            chart,
+            grid,
+            wanted,
+            pieces,
+            mirror,
+            groups: Vec::new(),
+            others,
+            rehearsed,
+            dropped,
+            information,
+        };
         prepared.check_modes()?;
         prepared.groups = groups(&prepared.repertoire());
         prepared.rehearse(search)?;
@@ -102,7 +113,11 @@ impl Prepared {
     }
 
     /// Lets those who failed a leg rehearse it from now on.
-    pub(super) fn learn(&mut self, taught: Vec<(usize, Rehearser)>, search: &Search) -> Result<(), VoyageError> {
+    pub(super) fn learn(
+        &mut self,
+        taught: Vec<(usize, Rehearser)>,
+        search: &Search,
+    ) -> Result<(), VoyageError> {
         for (leg, who) in taught {
             let group = self.rehearsed[leg].group;
             self.groups[group].taught.push(who);

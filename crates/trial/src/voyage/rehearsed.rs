@@ -100,7 +100,8 @@ fn thinned(poses: &[Pose], cell_m: f64) -> impl Iterator<Item = Pose> {
     let mut kept: Option<Pose> = None;
     poses.iter().enumerate().filter_map(move |(index, pose)| {
         let near = kept.is_some_and(|kept| {
-            libm::hypot(pose.x - kept.x, pose.y - kept.y) < APART * cell_m && (pose.psi - kept.psi).abs() < TURNED
+            libm::hypot(pose.x - kept.x, pose.y - kept.y) < APART * cell_m
+                && (pose.psi - kept.psi).abs() < TURNED
         });
         if near && index + 1 < poses.len() {
             return None;
@@ -144,7 +145,9 @@ pub(super) fn rehearse(
     for (group, outcomes) in found.into_iter().enumerate() {
         for (quarter, outcome) in (0..quarters).flat_map(|q| outcomes.iter().map(move |o| (q, o))) {
             match outcome {
-                Ok(settled) => rehearsed.push(Rehearsed::new(settled, quarter, repertoire.grid, group, &name)),
+                Ok(settled) => {
+                    rehearsed.push(Rehearsed::new(settled, quarter, repertoire.grid, group, &name))
+                }
                 Err(unsettled) => dropped.push(Dropped {
                     name: name(&unsettled.purpose),
                     side: unsettled.purpose.side(),

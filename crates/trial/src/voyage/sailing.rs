@@ -32,22 +32,43 @@ pub struct Sailing {
 
 impl Prepared {
     /// Plans and sails until what is proved is what can be sailed: legs that broke a margin or missed a tolerance in a check
-    /// are rehearsed by whoever failed them, too, and the search begins again. The last plan is given where none passes.
+    /// are rehearsed by whoever failed them, too, and the search begins again. Where that leaves no plan, the last one is given if
+    /// `keep_unsafe`; so it is where none passes in many rounds.
     ///
     /// # Errors
     /// As [`Self::solve`], with what the checks showed; a simulation that diverges; no time.
-    pub fn plan(&mut self, search: &Search) -> Result<(Solved, Sailing), VoyageError> {
+    pub fn plan(&mut self, search: &Search, keep_unsafe: bool) -> Result<(Solved, Sailing), VoyageError> {
         let clearance = Clearance::new(self)?;
-        for round in 1.. {
-            let solved = self.solve(search).map_err(|error| error.after(round - 1))?;
-            let (sailing, taught) = self.sail(&solved, &clearance, round, search)?;
-            if taught.is_empty() || round == ROUNDS {
-                return Ok((solved, sailing));
+        let mut round = 1;
+        let (mut planned, mut taught) = self.once(&clearance, round, search)?;
+        while !taught.is_empty() && round < ROUNDS {
+            let legs =
+                taught.into_iter().take(PUPILS).map(|(step, who)| (planned.1.legs[step], who)).collect();
+            let mut wiser = self.clone();
+            let again = wiser.learn(legs, search).and_then(|()| wiser.once(&clearance, round + 1, search));
+            match again {
+                Ok(again) => {
+                    *self = wiser;
+                    (planned, taught) = again;
+                }
+                Err(_) if keep_unsafe => break,
+                Err(error) => return Err(error.after(round)),
             }
-            let legs = taught.into_iter().take(PUPILS).map(|(step, who)| (sailing.legs[step], who));
-            self.learn(legs.collect(), search).map_err(|error| error.after(round))?;
+            round += 1;
         }
-        Err(VoyageError::OutOfTime("the rounds of plan and check"))
+        Ok(planned)
+    }
+
+    /// One round of search and check: the plan, and who failed which of its steps.
+    fn once(
+        &self,
+        clearance: &Clearance,
+        round: u32,
+        search: &Search,
+    ) -> Result<((Solved, Sailing), Vec<(usize, Rehearser)>), VoyageError> {
+        let solved = self.solve(search)?;
+        let (sailing, taught) = self.sail(&solved, clearance, round, search)?;
+        Ok(((solved, sailing), taught))
     }
 
     /// Sails the plan in continuous space, checks it against the chart and says what it tells, and who failed which steps.
