@@ -137,9 +137,20 @@ fn voyage() -> Voyage {
             parameter_error: 0.35,
             seed: 1,
             runs: 64,
+            vessels: 64,
             aground: 2,
             aground_interval: [0.009, 0.107],
+            vessels_aground: 2,
+            aground_bound: None,
+            aground_bound_by_vessels: None,
             below_margin: 2,
+            ends: 384,
+            ends_astray: 1,
+            tolerance_used: 0.4,
+            proved_s: 720.0,
+            sailed_s: 722.0,
+            sailed_quantiles_s: [700.0, 723.0, 741.0],
+            rounds: 2,
             left_area: 0,
             clearance_quantiles_m: [0.0, 12.5, 60.0],
             aground_open_loop: 17,
@@ -163,6 +174,7 @@ fn voyage() -> Voyage {
             design_efficiency: Some(0.913),
             dimension: 13,
         },
+        dropped: Vec::new(),
         front: vec![point(1, 0, 2.0, 55.0), point(1, 1, 4.0, 62.9)],
     }
 }
@@ -198,7 +210,7 @@ fn primitive(maneuver: &str, fits: u64) -> Primitive {
         leg_s: 266.0,
         residual_m: 1.21,
         residual_deg: 0.252,
-        drift_margin_m: 27.0,
+        spread_m: 27.0,
         fits,
     }
 }

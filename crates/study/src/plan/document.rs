@@ -104,6 +104,7 @@ fn voyage(prepared: &Prepared, solved: &Solved, sailing: &Sailing) -> Voyage {
         lattice: legs.lattice(),
         legs: legs.as_sailed(),
         primitives: legs.primitives(),
+        dropped: legs.dropped(),
         duration_s: samples.len() as f64 / rate_hz,
         informative_s: samples.iter().filter(|s| s.informative).count() as f64 / rate_hz,
         check: sailing.check.clone(),

@@ -136,10 +136,20 @@ pub struct ApproachSpec {
     pub tolerance_cells: f64,
     /// Largest difference of heading at the end of a leg.
     pub tolerance_deg: f64,
+    /// Largest difference of speed at the end of a leg, and in sway besides the currents \[m/s\]; 0.1 without it.
+    pub tolerance_m_s: Option<f64>,
+    /// Largest yaw rate at the end of a leg \[rad/s\]; 15 % of `handling.turn_rate_rad_s` without it.
+    pub tolerance_rad_s: Option<f64>,
 }
 
 impl Default for ApproachSpec {
     fn default() -> Self {
-        Self { run_in_s: 30.0, tolerance_cells: 0.1, tolerance_deg: 6.0 }
+        Self {
+            run_in_s: 30.0,
+            tolerance_cells: 0.1,
+            tolerance_deg: 6.0,
+            tolerance_m_s: None,
+            tolerance_rad_s: None,
+        }
     }
 }

@@ -1,6 +1,7 @@
 //! The plan in continuous space: sailed, checked against the chart, and what it tells.
 
-use super::check::{Check, Clearance};
+use super::check::{Check, Checked, Checking};
+use super::clearance::Clearance;
 use super::error::VoyageError;
 use super::information::Information;
 use super::prepared::Prepared;
@@ -8,8 +9,13 @@ use super::script::Script;
 use super::search::Search;
 use super::solve::Solved;
 use super::tide::Tide;
-use crate::Sailed;
+use crate::{Rehearser, Sailed};
 use vessel::Invalid;
+
+/// How often a plan is searched before the last one has to do.
+const ROUNDS: u32 = 12;
+/// Who teaches a leg in a round: so many at most, over all legs.
+const PUPILS: usize = 400;
 
 /// A plan as sailed in simulation.
 #[derive(Clone, Debug)]
@@ -27,18 +33,62 @@ pub struct Sailing {
 }
 
 impl Prepared {
-    /// Sails the plan in continuous space, checks it against the chart and says what it tells.
+    /// Plans and sails until what is proved is what can be sailed: legs that broke a margin or missed a tolerance in a check
+    /// are rehearsed by whoever failed them, too, and the search begins again. Where that leaves no plan, the last one is given if
+    /// `keep_unsafe`; so it is where none passes in many rounds.
     ///
     /// # Errors
-    /// A command that the model cannot hold, a simulation that diverges; no time.
-    pub fn sail(&self, solved: &Solved, search: &Search) -> Result<Sailing, VoyageError> {
+    /// As [`Self::solve`], with what the checks showed; a simulation that diverges; no time.
+    pub fn plan(&mut self, search: &Search, keep_unsafe: bool) -> Result<(Solved, Sailing), VoyageError> {
+        let clearance = Clearance::new(self)?;
+        let mut round = 1;
+        let (mut planned, mut taught) = self.once(&clearance, round, search)?;
+        while !taught.is_empty() && round < ROUNDS {
+            let legs =
+                taught.into_iter().take(PUPILS).map(|(step, who)| (planned.1.legs[step], who)).collect();
+            let mut wiser = self.clone();
+            let again = wiser.learn(legs, search).and_then(|()| wiser.once(&clearance, round + 1, search));
+            match again {
+                Ok(again) => {
+                    *self = wiser;
+                    (planned, taught) = again;
+                }
+                Err(_) if keep_unsafe => break,
+                Err(error) => return Err(error.after(round)),
+            }
+            round += 1;
+        }
+        Ok(planned)
+    }
+
+    /// One round of search and check: the plan, and who failed which of its steps.
+    fn once(
+        &self,
+        clearance: &Clearance,
+        round: u32,
+        search: &Search,
+    ) -> Result<((Solved, Sailing), Vec<(usize, Rehearser)>), VoyageError> {
+        let solved = self.solve(search)?;
+        let (sailing, taught) = self.sail(&solved, clearance, round, search)?;
+        Ok(((solved, sailing), taught))
+    }
+
+    /// Sails the plan in continuous space, checks it against the chart and says what it tells, and who failed which steps.
+    fn sail(
+        &self,
+        solved: &Solved,
+        clearance: &Clearance,
+        round: u32,
+        search: &Search,
+    ) -> Result<(Sailing, Vec<(usize, Rehearser)>), VoyageError> {
         let legs: Vec<usize> =
             solved.solution.steps.iter().map(|step| solved.moves.leg_of_step(step)).collect();
         let script = self.script(solved, &legs);
-        let sailed = script.sail(&self.brief.vessel.nominal, [0.0; 2])?;
-        let (check, runs) = Clearance::new(self)?.check(&script, &sailed, &legs, search)?;
+        let sailed = script.sailed(&self.brief.vessel.nominal, [0.0; 2])?;
+        let checking = Checking { script: &script, clearance, legs: &legs, nominal: &sailed, round };
+        let Checked { check, tracks, taught } = checking.check(search)?;
         let information = self.information_sailed(&legs, &sailed);
-        Ok(Sailing { legs, sailed, runs, check, information })
+        Ok((Sailing { legs, sailed, runs: tracks, check, information }, taught))
     }
 
     fn script<'a>(&'a self, solved: &Solved, legs: &[usize]) -> Script<'a> {

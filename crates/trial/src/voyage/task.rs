@@ -149,13 +149,12 @@ pub struct Safety {
     /// Relative error that the nominal parameters may have: maneuvers have room for vessels that are off by it.
     #[serde(default)]
     pub parameter_error: f64,
-    /// Simulations of the finished plan with such currents.
-    #[serde(default = "check_runs")]
-    pub runs: u32,
-}
-
-fn check_runs() -> u32 {
-    64
+    /// Simulations of the finished plan with such currents and vessels; as many as `aground_probability` needs without it.
+    pub runs: Option<u32>,
+    /// Vessels that are drawn for them; one per run without it.
+    pub vessels: Option<u32>,
+    /// The check supports that going aground is less probable than this, 95 % confidence.
+    pub aground_probability: Option<f64>,
 }
 
 /// A maneuver to place.
