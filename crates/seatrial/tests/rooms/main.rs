@@ -83,11 +83,11 @@ const DEPENDENCIES: [(&[&str], &[&str], &str); 3] = [
 ];
 
 /// Most lines below `src/` that a crate may have.
-const LINES: [(&str, usize); 1] = [("seatrial", 5_000)];
+const LINES: [(&str, usize); 1] = [("seatrial", 5_050)];
 
 /// Most lines below `src/` of all crates together, unit tests among them: raised where something new is worth them, never for
 /// what is written a second time. And the largest share of one crate.
-const TOTAL: usize = 88_250;
+const TOTAL: usize = 90_000;
 const SHARE: f64 = 0.2;
 
 /// What does not hold yet: rule, crate, how much of it is left.
