@@ -2,12 +2,71 @@
 
 use std::time::{Duration, Instant};
 
+use clap::{Args, ValueEnum};
+
+use crate::cli::{Common, budget};
+use crate::failure::Failure;
 use crate::said::on_stderr;
 use lattice::{Engine, Options, Progress};
 use trial::voyage::Watch;
 
 /// Share of the time after which a search ends, so that there is some to check its plan.
 const SEARCHED: f64 = 0.7;
+
+/// The flags.
+#[derive(Args)]
+pub struct LimitFlags {
+    /// Stop after this time, all phases counted, with the best plan so far and its gap
+    #[arg(long, value_name = "SECONDS")]
+    time_limit_s: Option<f64>,
+    /// How to search
+    #[arg(long, value_enum, default_value_t = EngineChoice::Auto)]
+    engine: EngineChoice,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum EngineChoice {
+    /// Exhaustive where it fits in the memory, otherwise Lagrangian
+    Auto,
+    /// Every state in order of cost
+    Exhaustive,
+    /// Bounds from priced counts, a beam for plans, A* for the proof
+    Lagrangian,
+}
+
+impl LimitFlags {
+    /// What they say, from now on.
+    ///
+    /// # Errors
+    /// A time that is none.
+    pub fn limits(&self, common: &Common) -> Result<Limits, Failure> {
+        let time = match self.time_limit_s {
+            Some(s) if !(s.is_finite() && s > 0.0 && s < 1e9) => {
+                let message = format!("--time-limit-s: found {s}, expected seconds above 0; correct it");
+                return Err(Failure::Usage(message));
+            }
+            time => time.map(Duration::from_secs_f64),
+        };
+        Ok(Limits {
+            engine: match self.engine {
+                EngineChoice::Auto => Engine::Auto,
+                EngineChoice::Exhaustive => Engine::Exhaustive,
+                EngineChoice::Lagrangian => Engine::Lagrangian,
+            },
+            memory_bytes: memory_bytes(common),
+            started: Instant::now(),
+            time,
+            quiet: common.quiet,
+        })
+    }
+}
+
+/// What chart, lattice and search may take: what there is, but no more than usual where nobody asks for more, for a search
+/// grows into all that it may have, and a plan should not depend on the machine.
+fn memory_bytes(common: &Common) -> u64 {
+    let usual = common.memory_mib.map_or(Options::default().memory_bytes as f64, |_| f64::INFINITY);
+    budget().bytes().min(usual) as u64
+}
 
 /// Limits of a search.
 #[derive(Clone, Copy, Debug)]

@@ -1,14 +1,13 @@
 //! `plan`: one trajectory that uses every maneuver as often as the design wants.
 
 use std::path::{Path, PathBuf};
-use std::time::{Duration, Instant};
 
-use crate::cli::{Common, budget, given};
+use crate::cli::{Common, given};
 use crate::failure::Failure;
-use crate::plan::{Limits, MAIN, VoyageFiles, Wanted, plan_problem, plan_voyage};
+use crate::plan::{MAIN, VoyageFiles, Wanted, plan_problem, plan_voyage};
 use crate::stage::{Summary, Task};
-use clap::{Parser, ValueEnum};
-use lattice::{Engine, Options};
+use clap::Parser;
+use frame::limits::LimitFlags;
 
 /// Plans a trial as one trajectory on a chart, provably the cheapest, with routes for the bridge; or solves a lattice problem
 #[derive(Parser)]
@@ -42,34 +41,20 @@ pub struct Arguments {
 /// How a trial is planned.
 #[derive(clap::Args)]
 pub(super) struct How {
-    /// Stop after this time, all phases counted, with the best plan so far and its gap
-    #[arg(long, value_name = "SECONDS")]
-    time_limit_s: Option<f64>,
     /// Write a plan whose check runs aground or breaks the margin, too; every output is labelled as unsafe
     #[arg(long)]
     allow_unsafe: bool,
     /// Write the lattice problem that was solved, too: for other solvers, and for --problem
     #[arg(long, value_name = "problem.json")]
     export_problem: Option<PathBuf>,
-    /// How to search
-    #[arg(long, value_enum, default_value_t = EngineChoice::Auto)]
-    engine: EngineChoice,
-}
-
-#[derive(Clone, Copy, ValueEnum)]
-enum EngineChoice {
-    /// Exhaustive where it fits in the memory, otherwise Lagrangian
-    Auto,
-    /// Every state in order of cost
-    Exhaustive,
-    /// Bounds from priced counts, a beam for plans, A* for the proof
-    Lagrangian,
+    #[command(flatten)]
+    limits: LimitFlags,
 }
 
 impl Task for Arguments {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
         if let Some(problem) = &self.problem {
-            let limits = self.how.limits(common)?;
+            let limits = self.how.limits.limits(common)?;
             let out = common.main_output(MAIN, [problem])?;
             return plan_problem(problem, &out, &limits, common.provenance("plan"));
         }
@@ -87,27 +72,6 @@ impl Task for Arguments {
 }
 
 impl How {
-    fn limits(&self, common: &Common) -> Result<Limits, Failure> {
-        let time = match self.time_limit_s {
-            Some(s) if !(s.is_finite() && s > 0.0 && s < 1e9) => {
-                let message = format!("--time-limit-s: found {s}, expected seconds above 0; correct it");
-                return Err(Failure::Usage(message));
-            }
-            time => time.map(Duration::from_secs_f64),
-        };
-        Ok(Limits {
-            engine: match self.engine {
-                EngineChoice::Auto => Engine::Auto,
-                EngineChoice::Exhaustive => Engine::Exhaustive,
-                EngineChoice::Lagrangian => Engine::Lagrangian,
-            },
-            memory_bytes: memory_bytes(common),
-            started: Instant::now(),
-            time,
-            quiet: common.quiet,
-        })
-    }
-
     /// Plans a trial on a chart.
     pub(super) fn plan(
         &self,
@@ -116,15 +80,8 @@ impl How {
         common: &Common,
         stage: &str,
     ) -> Result<Summary, Failure> {
-        let (limits, seed) = (self.limits(common)?, common.seed.unwrap_or(1));
+        let (limits, seed) = (self.limits.limits(common)?, common.seed.unwrap_or(1));
         let wanted = Wanted { out, problem: self.export_problem.as_deref(), unsafe_too: self.allow_unsafe };
         plan_voyage(files, &wanted, &limits, seed, common.provenance(stage))
     }
-}
-
-/// What chart, lattice and search may take: what there is, but no more than usual where nobody asks for more, for a search
-/// grows into all that it may have, and a plan should not depend on the machine.
-fn memory_bytes(common: &Common) -> u64 {
-    let usual = common.memory_mib.map_or(Options::default().memory_bytes as f64, |_| f64::INFINITY);
-    budget().bytes().min(usual) as u64
 }

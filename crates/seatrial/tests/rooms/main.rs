@@ -83,7 +83,7 @@ const DEPENDENCIES: [(&[&str], &[&str], &str); 3] = [
 ];
 
 /// Most lines below `src/` that a crate may have.
-const LINES: [(&str, usize); 1] = [("seatrial", 5_050)];
+const LINES: [(&str, usize); 1] = [("seatrial", 5_000)];
 
 /// Most lines below `src/` of all crates together, unit tests among them: raised where something new is worth them, never for
 /// what is written a second time. And the largest share of one crate.
