@@ -1,64 +1,28 @@
-use serde::Deserialize;
-use vessel::{Invalid, Motion, Pose, Steady, Vessel, check_numbers};
+use vessel::{Invalid, Pose, Vessel};
 
 use crate::grid::wrap;
-use crate::{Phase, Ship};
+use crate::handling::{COURSE, MEMORY, MOST_AT_ONCE, SPEED, YAW_RATE};
+use crate::inversion::{Gains, Inversion};
+use crate::{Handling, Phase, Ship};
 
-/// How the vessel is handled between informative maneuvers.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Handling {
-    /// Largest yaw rate under autopilot \[rad/s\].
-    pub turn_rate_rad_s: f64,
-    /// Speed of repositioning at rest, in surge and sway \[m/s\].
-    pub crawl_m_s: f64,
-    /// Acceleration along a leg that changes speed \[m/s²\].
-    pub acceleration_m_s2: f64,
-    /// Time constant of keeping position, speed and heading \[s\].
-    pub response_s: f64,
-    /// Distance ahead at which a line is aimed at \[m\].
-    pub lookahead_m: f64,
-}
-
-impl Handling {
-    /// Refuses numbers without meaning, and those with which a leg would last for days: every leg is simulated to its end.
-    ///
-    /// # Errors
-    /// Names the key.
-    pub fn check(&self) -> Result<(), Invalid> {
-        let keys = [
-            ("turn_rate_rad_s", self.turn_rate_rad_s, 1e-4..=10.0),
-            ("crawl_m_s", self.crawl_m_s, 1e-3..=20.0),
-            ("acceleration_m_s2", self.acceleration_m_s2, 1e-5..=100.0),
-            ("response_s", self.response_s, 1e-3..=3600.0),
-            ("lookahead_m", self.lookahead_m, 1e-3..=1e5),
-        ];
-        keys.into_iter().try_for_each(|(key, value, range)| {
-            let expected = format!("a number from {} to {}", range.start(), range.end());
-            check_numbers([(format!("handling.{key}"), value)], &expected, |value| range.contains(&value))
-        })
-    }
-}
-
-/// Steers a vessel along the phases of legs: line-of-sight guidance under way, position keeping at rest; each command
-/// becomes the inputs that hold it steady.
+/// Steers a vessel along the phases of legs: line-of-sight guidance of the course over the ground under way, position keeping
+/// at rest. What is commanded becomes accelerations, and these become inputs by [`Inversion`].
 #[derive(Clone, Debug)]
 pub struct Autopilot<'a> {
-    steady: Steady<'a>,
-    inputs: usize,
+    inversion: Inversion<'a>,
     handling: Handling,
     /// North and east components of the current that it reckons with \[m/s\].
     pub known_current_m_s: [f64; 2],
-    unknowns: Vec<f64>,
 }
 
 /// Speeds below this part of those that are used at rest count as being at rest.
 const AT_REST: f64 = 0.1;
-
 /// What the vessel is asked to do over the ground, in its own axes.
 #[derive(Clone, Copy, Debug)]
 struct Command {
     u: f64,
+    /// At which u is to change \[m/s²\].
+    acceleration: f64,
     v: Option<f64>,
     r: f64,
 }
@@ -66,15 +30,15 @@ struct Command {
 impl<'a> Autopilot<'a> {
     /// An autopilot that knows the vessel by `parameters`.
     pub fn new(vessel: &'a Vessel, parameters: &[f64], handling: Handling) -> Self {
-        let (steady, inputs) = (Steady::new(vessel, parameters), vessel.model.inputs);
-        Self { steady, inputs, handling, known_current_m_s: [0.0; 2], unknowns: vec![0.0; inputs + 1] }
+        let inversion = Inversion::new(vessel, parameters, handling.response_s / MEMORY);
+        Self { inversion, handling, known_current_m_s: [0.0; 2] }
     }
 
     /// Inputs for the next sample on `phase`, whose positions are relative to `node` (north, east); `start` is where the
     /// vessel was when the phase began.
     ///
     /// # Errors
-    /// A command that no inputs hold.
+    /// A vessel without the inputs that it takes.
     pub fn steer(
         &mut self,
         phase: &Phase,
@@ -83,27 +47,29 @@ impl<'a> Autopilot<'a> {
         ship: &Ship,
     ) -> Result<&[f64], Invalid> {
         let command = self.command(phase, node, start, ship);
-        let [north, east] = self.known_current_m_s;
-        let (sin, cos) = libm::sincos(ship.pose.psi);
-        let motion = Motion {
-            u: command.u - (north * cos + east * sin),
-            v: command.v.map(|v| v - (east * cos - north * sin)),
-            r: command.r,
+        let part = |of: f64| (of * ship.sample_s() / self.handling.response_s).min(MOST_AT_ONCE);
+        let [u, v, r] = ship.state;
+        let gains = Gains {
+            u: command.acceleration * ship.sample_s() + part(SPEED) * (command.u - u),
+            v: part(SPEED) * (command.v.unwrap_or(0.0) - v),
+            sway: command.v.is_some(),
+            r: part(YAW_RATE) * (command.r - r),
         };
-        self.hold(motion)
+        let current = self.known_current(ship.pose);
+        self.inversion.inputs(ship.state, current, &gains)
     }
 
-    fn hold(&mut self, motion: Motion) -> Result<&[f64], Invalid> {
-        // From the last solution if that leads somewhere, else afresh.
-        let last = self.unknowns.clone();
-        if self.steady.solve(motion, &mut self.unknowns).is_err() {
-            self.unknowns.fill(0.0);
-            if let Err(refusal) = self.steady.solve(motion, &mut self.unknowns) {
-                self.unknowns = last;
-                return Err(refusal);
-            }
-        }
-        Ok(&self.unknowns[..self.inputs])
+    /// Sees what became of `before` under `inputs`, whoever set them.
+    pub fn observe(&mut self, pose: Pose, before: [f64; 3], inputs: &[f64], after: [f64; 3]) {
+        let current = self.known_current(pose);
+        self.inversion.observe(before, inputs, current, after);
+    }
+
+    /// Along and across the vessel.
+    fn known_current(&self, pose: Pose) -> [f64; 2] {
+        let [north, east] = self.known_current_m_s;
+        let (sin, cos) = libm::sincos(pose.psi);
+        [north * cos + east * sin, east * cos - north * sin]
     }
 
     /// Whether `phase` is done, `elapsed_s` after it began.
@@ -161,47 +127,46 @@ impl<'a> Autopilot<'a> {
                 let whole = left_on_line(node, to, heading_rad, start);
                 let left = left_on_line(node, to, heading_rad, ship.pose);
                 let part = if whole > 0.0 { (1.0 - left / whole).clamp(0.0, 1.0) } else { 1.0 };
-                let speed = (from_m_s.powi(2) + part * (to_m_s.powi(2) - from_m_s.powi(2))).max(0.0).sqrt();
+                let squares = to_m_s.powi(2) - from_m_s.powi(2);
+                let speed = (from_m_s.powi(2) + part * squares).max(0.0).sqrt().max(h.crawl_m_s);
+                let acceleration = if whole > 0.0 { squares / (2.0 * whole) } else { 0.0 };
                 let [north, east] = offset(node, to, ship.pose);
                 let across = north * libm::sin(heading_rad) - east * libm::cos(heading_rad);
                 let aim = heading_rad - libm::atan(across / h.lookahead_m);
-                self.under_way(speed.max(h.crawl_m_s), aim, 0.0, ship)
+                Command { u: speed, acceleration, v: None, r: self.towards(aim, 0.0, ship) }
             }
             Phase::Arc { centre, radius_m, side, speed_m_s, .. } => {
                 let [north, east] = offset(node, centre, ship.pose);
                 let across = side * (radius_m - libm::hypot(north, east));
                 // Outside the arc (negative for starboard) the aim is turned inwards.
                 let aim = course(phase, node, ship.pose) - libm::atan(across / h.lookahead_m);
-                self.under_way(speed_m_s, aim, side * speed_m_s / radius_m, ship)
+                let r = self.towards(aim, side * speed_m_s / radius_m, ship);
+                Command { u: speed_m_s, acceleration: 0.0, v: None, r }
             }
             Phase::Hold { at, heading_rad } => {
                 let [north, east] = offset(node, at, ship.pose);
                 let (sin, cos) = libm::sincos(ship.pose.psi);
                 let limit = |x: f64| (x / h.response_s).clamp(-h.crawl_m_s, h.crawl_m_s);
-                let u = urged(limit(north * cos + east * sin), ship.state[0]);
-                let v = Some(urged(limit(east * cos - north * sin), ship.state[1]));
-                Command { u, v, r: self.yaw(heading_rad, 0.0, ship) }
+                let v = Some(limit(east * cos - north * sin));
+                let r = self.yaw(wrap(heading_rad - ship.pose.psi), 0.0);
+                Command { u: limit(north * cos + east * sin), acceleration: 0.0, v, r }
             }
-            Phase::Maneuver => Command { u: ship.state[0], v: None, r: 0.0 },
+            Phase::Maneuver => Command { u: ship.state[0], acceleration: 0.0, v: None, r: 0.0 },
         }
     }
 
-    fn under_way(&self, u: f64, aim_rad: f64, turn_rad_s: f64, ship: &Ship) -> Command {
-        let u = urged(u, ship.state[0]);
-        Command { u, v: None, r: self.yaw(aim_rad, turn_rad_s, ship) }
+    /// The yaw rate that turns the course over the ground towards `aim_rad` on a path that turns itself.
+    fn towards(&self, aim_rad: f64, turn_rad_s: f64, ship: &Ship) -> f64 {
+        let [u, v, _] = ship.state;
+        let course = ship.pose.psi + libm::atan2(v, u.max(self.handling.crawl_m_s));
+        self.yaw(wrap(aim_rad - course), turn_rad_s)
     }
 
-    fn yaw(&self, heading_rad: f64, turn_rad_s: f64, ship: &Ship) -> f64 {
+    fn yaw(&self, off_rad: f64, turn_rad_s: f64) -> f64 {
         let h = &self.handling;
-        let wanted = turn_rad_s + 4.0 * wrap(heading_rad - ship.pose.psi) / h.response_s;
         let limit = h.turn_rate_rad_s.max(turn_rad_s.abs() * 1.2);
-        wanted.clamp(-limit, limit)
+        (turn_rad_s + COURSE * off_rad / h.response_s).clamp(-limit, limit)
     }
-}
-
-/// A speed to ask for so that `wanted` is reached in about a third of the time that the inputs which hold it take.
-fn urged(wanted: f64, actual: f64) -> f64 {
-    wanted + 2.0 * (wanted - actual)
 }
 
 /// North and east from the vessel to `place`, which is relative to `node`.

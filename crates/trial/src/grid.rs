@@ -46,6 +46,12 @@ impl Grid {
         (layer % self.headings, layer / self.headings)
     }
 
+    /// The layer that `layer` becomes by quarter turns to port.
+    pub(crate) fn turned(&self, layer: usize, quarters: usize) -> usize {
+        let (level, mode) = self.level_and_mode(layer);
+        self.layer((level + quarters * self.headings / 4) % self.headings, mode)
+    }
+
     /// Compass heading of a level \[rad\], in (−π, π].
     pub fn heading_rad(&self, level: usize) -> f64 {
         wrap(FRAC_PI_2 - TAU * level as f64 / self.headings as f64)

@@ -1,113 +1,66 @@
-use vessel::{Invalid, Pose, Vessel};
+use vessel::{Invalid, Pose};
 
 use crate::grid::{around, wrap};
-use crate::{Autopilot, Grid, Handling, Leg, Phase, Piece, Purpose, Sailed, Ship, Side, sail};
+use crate::rehearser::Underway;
+use crate::repertoire::{Outcome, Settled, Unsettled};
+use crate::{Leg, Phase, Piece, Purpose, Rehearser, Repertoire, Sailed, Side, Used};
 
-/// What comes before and after an informative maneuver.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Approach {
-    /// Steady approach at the maneuver's initial speed, with zero yaw rate \[s\].
-    pub run_in_s: f64,
-    /// Largest distance from the node at the end of a leg \[m\].
-    pub tolerance_m: f64,
-    /// Largest difference from the level's heading at the end of a leg \[rad\].
-    pub tolerance_rad: f64,
-}
-
-/// Everything that legs are made from.
-#[derive(Clone, Debug)]
-pub struct Repertoire<'a> {
-    /// The vessel; its nominal parameters count.
-    pub vessel: &'a Vessel,
-    /// The lattice.
-    pub grid: &'a Grid,
-    /// How the vessel is handled.
-    pub handling: &'a Handling,
-    /// What comes before and after a maneuver.
-    pub approach: &'a Approach,
-    /// Pieces of maneuvers.
-    pub pieces: &'a [Piece],
-    /// Signs of the inputs that run a piece to the other side, where the vessel has a mirror image.
-    pub mirror: Option<&'a [f64]>,
-    /// North and east components of the known mean current \[m/s\].
-    pub mean_current_m_s: [f64; 2],
-}
+/// How often a run-in is lengthened, and by which factor, before a maneuver is given up.
+const RUN_INS: i32 = 7;
+const LONGER: f64 = 1.5;
+/// Nodes that a recovery is tried to, nearest first.
+const RECOVERIES: usize = 60;
 
 impl Repertoire<'_> {
-    /// The legs of piece `index`, one per heading level and side: a steady approach, the piece open loop, a recovery onto
-    /// the nearest node ahead; simulated in the mean current.
+    /// The legs of piece `index` from a heading level, one per side: a steady approach until all `others` are settled, the
+    /// piece open loop, a recovery onto the first node ahead that all end settled at.
     ///
     /// # Errors
-    /// A piece that starts at a speed that no mode has; no node within reach of the maneuver's end.
-    pub fn informative(&self, index: usize) -> Result<Vec<Leg>, Invalid> {
-        let search = Search { repertoire: self, index };
-        let mode = search.mode_of(self.pieces[index].speed_m_s)?;
+    /// A piece that starts at a speed that no mode has; as [`crate::sail`].
+    pub fn informative(
+        &self,
+        index: usize,
+        level: usize,
+        others: &[Rehearser],
+    ) -> Result<Vec<Outcome>, Invalid> {
+        let search = Search { repertoire: self, index, others };
+        let mode = search.mode()?;
         let mirrored = (self.mirror.is_some() && !search.is_straight()).then_some(Side::Mirrored);
         let sides = [Side::AsDesigned].into_iter().chain(mirrored);
-        let legs = sides.flat_map(|side| (0..self.grid.headings).map(move |level| (level, side)));
-        legs.map(|(level, side)| search.leg(level, mode, side)).collect()
+        sides.map(|side| search.leg(level, mode, side)).collect()
     }
 
-    /// Carries out one leg from a node at the origin by the nominal model, as slow or fast as its mode says.
+    /// The mode that piece `index` begins in.
     ///
     /// # Errors
-    /// As [`sail`].
-    pub fn rehearse(&self, leg: &Leg) -> Result<(Sailed, Pose), Invalid> {
-        self.rehearse_with(leg, &self.vessel.nominal, None)
-    }
-
-    /// [`Self::rehearse`] by a vessel with other `parameters` than the nominal ones, which the autopilot goes by, from where
-    /// an earlier leg left it, off the node and off its speed: `start`.
-    ///
-    /// # Errors
-    /// As [`sail`].
-    pub fn rehearse_with(
-        &self,
-        leg: &Leg,
-        parameters: &[f64],
-        start: Option<&Astray>,
-    ) -> Result<(Sailed, Pose), Invalid> {
-        let (level, mode) = self.grid.level_and_mode(leg.from);
-        let pose = Pose { x: 0.0, y: 0.0, psi: self.grid.heading_rad(level) };
-        let mut ship = Ship::new(self.vessel, parameters, pose, self.grid.modes[mode].speed_m_s);
-        if let Some(Astray { pose, state }) = start {
-            (ship.pose, ship.state) = (*pose, *state);
-        }
-        ship.current_m_s = self.mean_current_m_s;
-        let mut autopilot = Autopilot::new(self.vessel, &self.vessel.nominal, *self.handling);
-        autopilot.known_current_m_s = self.mean_current_m_s;
-        let legs = [([0.0, 0.0], leg)];
-        let sailed = sail(legs, self.pieces, self.mirror.unwrap_or(&[]), &mut ship, &mut autopilot)?;
-        Ok((sailed, ship.pose))
-    }
-
-    /// Where `sailed`, a rehearsal of `leg`, ends, seen from the node at which it should.
-    pub fn astray(&self, leg: &Leg, sailed: &Sailed) -> Option<Astray> {
-        let [north, east] = self.grid.displacement(leg.di, leg.dj);
-        let (pose, state) = *sailed.ends.last()?;
-        Some(Astray { pose: Pose { x: pose.x - north, y: pose.y - east, ..pose }, state })
-    }
-}
-
-/// A vessel that is not quite at a node.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Astray {
-    /// Where it is, from the node (north, east), and its heading.
-    pub pose: Pose,
-    /// u, v \[m/s\], r \[rad/s\].
-    pub state: [f64; 3],
-}
-
-impl Astray {
-    /// Distance from the node \[m\].
-    pub fn distance_m(&self) -> f64 {
-        libm::hypot(self.pose.x, self.pose.y)
+    /// No mode has the piece's speed.
+    pub fn mode_of(&self, index: usize) -> Result<usize, Invalid> {
+        Search { repertoire: self, index, others: &[] }.mode()
     }
 }
 
 struct Search<'a> {
     repertoire: &'a Repertoire<'a>,
     index: usize,
+    others: &'a [Rehearser],
+}
+
+/// A maneuver that has been run by the nominal vessel (first) and all others, before its recovery.
+struct Run<'a> {
+    leg: Leg,
+    sailed: Sailed,
+    ends: Vec<Underway<'a>>,
+    tracks: Vec<Vec<Pose>>,
+}
+
+/// A node to recover to.
+#[derive(Clone, Copy, Debug)]
+struct Node {
+    /// Distance of the nominal vessel, with what lies across counted twice.
+    cost: f64,
+    di: i32,
+    dj: i32,
+    layer: usize,
 }
 
 impl Search<'_> {
@@ -116,8 +69,8 @@ impl Search<'_> {
     }
 
     /// The mode with the piece's initial speed.
-    fn mode_of(&self, speed: f64) -> Result<usize, Invalid> {
-        let grid = self.repertoire.grid;
+    fn mode(&self) -> Result<usize, Invalid> {
+        let (grid, speed) = (self.repertoire.grid, self.piece().speed_m_s);
         let off = |m: usize| (grid.modes[m].speed_m_s - speed).abs();
         match grid.nearest_mode(speed) {
             Some(mode) if off(mode) <= 0.05 * speed + 1e-9 => Ok(mode),
@@ -140,96 +93,170 @@ impl Search<'_> {
         rows.flat_map(|row| row.iter().zip(signs)).all(|(u, s)| *s > 0.0 || *u == 0.0)
     }
 
-    fn leg(&self, level: usize, mode: usize, side: Side) -> Result<Leg, Invalid> {
-        let heading = self.repertoire.grid.heading_rad(level);
-        let speed = self.piece().speed_m_s;
-        let run_in = speed * self.repertoire.approach.run_in_s;
-        let mut leg = Leg {
-            purpose: Purpose::Informative { piece: self.index, side },
-            from: self.repertoire.grid.layer(level, mode),
-            di: 0,
-            dj: 0,
-            to: 0,
-            phases: Vec::new(),
+    fn leg(&self, level: usize, mode: usize, side: Side) -> Result<Outcome, Invalid> {
+        let (from, purpose) =
+            (self.repertoire.grid.layer(level, mode), Purpose::Informative { piece: self.index, side });
+        let run = match self.run_in(from, &purpose)? {
+            Ok(run_in) => self.run(run_in)?,
+            Err(used) => {
+                let why = format!("before the maneuver {used} at best");
+                return Ok(Err(Unsettled { from, purpose, why }));
+            }
         };
-        if run_in > 0.0 {
-            let to = [run_in * libm::cos(heading), run_in * libm::sin(heading)];
-            leg.phases.push(Phase::Line { to, heading_rad: heading, from_m_s: speed, to_m_s: speed });
+        Ok(self.recovered(run)?.map_err(|used| Unsettled { from, purpose, why: used.to_string() }))
+    }
+
+    /// The shortest steady approach after which all are settled.
+    fn run_in(&self, from: usize, purpose: &Purpose) -> Result<Result<Leg, Used>, Invalid> {
+        let (level, _) = self.repertoire.grid.level_and_mode(from);
+        let heading_rad = self.repertoire.grid.heading_rad(level);
+        let leg = |phases| Leg { purpose: purpose.clone(), from, di: 0, dj: 0, to: from, phases };
+        let speed = self.piece().speed_m_s;
+        if speed == 0.0 {
+            let leg = leg(vec![Phase::Hold { at: [0.0; 2], heading_rad }]);
+            return Ok(self.approached(&leg, [0.0; 2])?.map_or(Ok(leg), Err));
         }
-        leg.phases.push(Phase::Maneuver);
-        let (end, speed) = self.simulate(&leg)?;
-        let mut ends = self.ends(end, speed);
-        ends.sort_by(|a, b| a.0.total_cmp(&b.0));
-        for (_, di, dj, layer) in ends {
-            let candidate =
-                Leg { di, dj, to: layer, phases: self.recovered(&leg, di, dj, layer, speed), ..leg.clone() };
-            let (end, _) = self.simulate(&candidate)?;
-            if self.is_at_node(end, &candidate) {
-                return Ok(candidate);
+        let (least, response) = (self.repertoire.approach.run_in_s, self.repertoire.handling.response_s);
+        let mut best = Used { part: f64::INFINITY, of: "position" };
+        for longer in 0..RUN_INS {
+            let seconds = if longer == 0 { least } else { least.max(response) * LONGER.powi(longer) };
+            let way = speed * seconds;
+            let to = [way * libm::cos(heading_rad), way * libm::sin(heading_rad)];
+            let line = Phase::Line { to, heading_rad, from_m_s: speed, to_m_s: speed };
+            let leg = leg(if way > 0.0 { vec![line] } else { Vec::new() });
+            match self.approached(&leg, to)? {
+                None => return Ok(Ok(leg)),
+                Some(used) if used.part < best.part => best = used,
+                Some(_) => {}
             }
         }
-        Err(Invalid::new(
-            format!("maneuver `{}` at heading level {level}", self.piece().maneuver),
-            format!("no node that the vessel recovers to within {} m", self.repertoire.approach.tolerance_m),
-            "a node ahead of its end",
-            "raise `approach.tolerance_cells` or `approach.tolerance_deg`, or take another `cell_m` or more headings",
-        ))
+        Ok(Err(best))
     }
 
-    /// Pose and surge speed at the end of a leg from the origin.
-    fn simulate(&self, leg: &Leg) -> Result<(Pose, f64), Invalid> {
-        let (sailed, end) = self.repertoire.rehearse(leg)?;
-        Ok((end, sailed.ends.last().map_or(0.0, |(_, state)| state[0])))
+    /// What one uses beyond the tolerance who is not settled at `place` after an approach.
+    fn approached(&self, leg: &Leg, place: [f64; 2]) -> Result<Option<Used>, Invalid> {
+        for who in [None].into_iter().chain(self.others.iter().map(Some)) {
+            let mut underway = self.repertoire.underway(leg.from, who)?;
+            let (_, end) = self.repertoire.track(leg, &mut underway)?;
+            let tolerance = self.repertoire.approach.tolerance.ended();
+            let used = self.repertoire.used_at(&tolerance, leg.from, place, end);
+            if used.part > 1.0 {
+                return Ok(Some(used));
+            }
+        }
+        Ok(None)
     }
 
-    /// Nodes to recover to from `end`, with what each costs: distance, and twice what lies across.
-    fn ends(&self, end: Pose, speed: f64) -> Vec<(f64, i32, i32, usize)> {
+    /// Approach and maneuver, by all.
+    fn run(&self, approach: Leg) -> Result<Run<'_>, Invalid> {
+        let mut leg = approach;
+        leg.phases.push(Phase::Maneuver);
+        let mut nominal = self.repertoire.underway(leg.from, None)?;
+        let sailed = self.repertoire.sailed(&leg, &mut nominal)?;
+        let (mut ends, mut tracks) = (vec![nominal], Vec::new());
+        for who in self.others {
+            let mut underway = self.repertoire.underway(leg.from, Some(who))?;
+            tracks.push(self.repertoire.track(&leg, &mut underway)?.0);
+            ends.push(underway);
+        }
+        Ok(Run { leg, sailed, ends, tracks })
+    }
+
+    /// With a recovery to the first node that all end settled at.
+    fn recovered(&self, run: Run) -> Result<Result<Settled, Used>, Invalid> {
+        let mut best = Used { part: f64::INFINITY, of: "position" };
+        let speed = run.ends[0].ship.state[0];
+        for node in self.nodes(&run, speed).into_iter().take(RECOVERIES) {
+            let recovery = self.recovery(&run.leg, node, speed);
+            match self.recover(&run, &recovery)? {
+                Ok(settled) => return Ok(Ok(settled)),
+                Err(used) if used.part < best.part => best = used,
+                Err(_) => {}
+            }
+        }
+        Ok(Err(best))
+    }
+
+    /// `run` with its `recovery`, unless one does not settle.
+    fn recover(&self, run: &Run, recovery: &Leg) -> Result<Result<Settled, Used>, Invalid> {
+        let repertoire = self.repertoire;
+        let mut nominal = run.ends[0].clone();
+        let last = repertoire.sailed(recovery, &mut nominal)?;
+        let used = repertoire.used(recovery, last.ends.last());
+        if used.part > 1.0 {
+            return Ok(Err(used));
+        }
+        let mut tracks = run.tracks.clone();
+        for (track, underway) in tracks.iter_mut().zip(&run.ends[1..]) {
+            let (poses, end) = repertoire.track(recovery, &mut underway.clone())?;
+            let used = repertoire.used(recovery, Some(&end));
+            if used.part > 1.0 {
+                return Ok(Err(used));
+            }
+            track.extend(poses);
+        }
+        let mut sailed = run.sailed.clone();
+        sailed.samples.extend(last.samples);
+        sailed.ends = last.ends;
+        let mut leg = run.leg.clone();
+        leg.phases.extend(recovery.phases.clone());
+        let Leg { di, dj, to, .. } = *recovery;
+        Ok(Ok(Settled { leg: Leg { di, dj, to, ..leg }, sailed, tracks }))
+    }
+
+    /// The recovery of `leg` onto a node, alone.
+    fn recovery(&self, leg: &Leg, node: Node, speed: f64) -> Leg {
+        let Repertoire { grid, handling, .. } = self.repertoire;
+        let Node { di, dj, layer, .. } = node;
+        let (level, mode) = grid.level_and_mode(layer);
+        let (to, heading_rad) = (grid.displacement(di, dj), grid.heading_rad(level));
+        let phase = match grid.modes[mode].speed_m_s {
+            0.0 => Phase::Hold { at: to, heading_rad },
+            to_m_s => Phase::Line { to, heading_rad, from_m_s: speed.max(handling.crawl_m_s), to_m_s },
+        };
+        Leg { di, dj, to: layer, phases: vec![phase], ..leg.clone() }
+    }
+
+    /// Nodes that all can recover to, cheapest first.
+    fn nodes(&self, run: &Run, speed: f64) -> Vec<Node> {
         let Repertoire { grid, handling, .. } = self.repertoire;
         let Some(mode) = grid.nearest_mode(speed) else { return Vec::new() };
         let at_rest = grid.modes[mode].speed_m_s == 0.0;
+        let end = run.ends[0].ship.pose;
         let (nearest, h) = (grid.nearest_level(end.psi), grid.headings);
         let mut levels = vec![nearest, (nearest + 1) % h, (nearest + h - 1) % h];
         levels.dedup();
         let cell = grid.cell_m;
-        let far = (4.0 + (4.0 * handling.lookahead_m / cell).ceil()).min(grid.nx.max(grid.ny) as f64) as i32;
-        let reach = if at_rest { 1 } else { far };
+        let spread = run.ends.iter().map(|one| libm::hypot(one.ship.pose.x - end.x, one.ship.pose.y - end.y));
+        let spread = spread.fold(0.0, f64::max);
+        let lookahead = if at_rest { 0.0 } else { 6.0 * handling.lookahead_m };
+        let far = (2.0 + ((spread + lookahead) / cell).ceil()).min(grid.nx.max(grid.ny) as f64) as i32;
         let [i, j] = [(end.y / cell).round() as i32, (end.x / cell).round() as i32];
         let mut found = Vec::new();
         for level in levels {
             let heading = grid.heading_rad(level);
             let swing = wrap(heading - end.psi).abs() * handling.lookahead_m;
-            for (di, dj) in around(i, j, reach) {
-                let [north, east] = grid.displacement(di, dj);
-                let [north, east] = [north - end.x, east - end.y];
-                let ahead = north * libm::cos(heading) + east * libm::sin(heading);
-                let across = (north * libm::sin(heading) - east * libm::cos(heading)).abs();
-                if at_rest || (ahead > 0.0 && across <= 1.5 * cell) {
-                    found.push((ahead.abs() + 2.0 * across + swing, di, dj, grid.layer(level, mode)));
+            for (di, dj) in around(i, j, far) {
+                let place = grid.displacement(di, dj);
+                let [ahead, across] = seen(end, place, heading);
+                let cost = ahead.abs() + 2.0 * across.abs() + swing;
+                let reached = |one: &Underway| {
+                    let [ahead, across] = seen(one.ship.pose, place, heading);
+                    ahead > 0.5 * across.abs()
+                };
+                if at_rest || (across.abs() <= 1.5 * cell && run.ends.iter().all(reached)) {
+                    found.push(Node { cost, di, dj, layer: grid.layer(level, mode) });
                 }
             }
         }
+        found.sort_by(|a, b| a.cost.total_cmp(&b.cost));
         found
     }
+}
 
-    fn recovered(&self, leg: &Leg, di: i32, dj: i32, layer: usize, speed: f64) -> Vec<Phase> {
-        let Repertoire { grid, handling, .. } = self.repertoire;
-        let (level, mode) = grid.level_and_mode(layer);
-        let (to, heading_rad) = (grid.displacement(di, dj), grid.heading_rad(level));
-        let from_m_s = speed.max(handling.crawl_m_s);
-        let mut phases = leg.phases.clone();
-        phases.push(match grid.modes[mode].speed_m_s {
-            0.0 => Phase::Hold { at: to, heading_rad },
-            to_m_s => Phase::Line { to, heading_rad, from_m_s, to_m_s },
-        });
-        phases
-    }
-
-    fn is_at_node(&self, end: Pose, leg: &Leg) -> bool {
-        let Repertoire { grid, approach, .. } = self.repertoire;
-        let [north, east] = grid.displacement(leg.di, leg.dj);
-        let (level, _) = grid.level_and_mode(leg.to);
-        let off = libm::hypot(end.x - north, end.y - east);
-        let turned = wrap(end.psi - grid.heading_rad(level)).abs();
-        off <= approach.tolerance_m && turned <= approach.tolerance_rad
-    }
+/// How far ahead of a vessel on `heading`, and across, a place lies.
+fn seen(from: Pose, [north, east]: [f64; 2], heading: f64) -> [f64; 2] {
+    let (sin, cos) = libm::sincos(heading);
+    let [north, east] = [north - from.x, east - from.y];
+    [north * cos + east * sin, north * sin - east * cos]
 }

@@ -1,3 +1,8 @@
+use std::f64::consts::FRAC_PI_2;
+
+use crate::Grid;
+use crate::grid::wrap;
+
 /// One move of the lattice as a script for the autopilot. Positions are north and east of the start node \[m\],
 /// headings compass \[rad\].
 #[derive(Clone, Debug, PartialEq)]
@@ -86,4 +91,48 @@ pub enum Phase {
     },
     /// The piece's inputs, open loop.
     Maneuver,
+}
+
+impl Leg {
+    /// The same leg turned to port by `quarters` quarter turns: the sea looks alike from all of them where no current is known.
+    pub(crate) fn turned(&self, quarters: usize, grid: &Grid) -> Self {
+        let ([dj, di], mut phases) = (turned([self.dj, self.di], quarters), self.phases.clone());
+        phases.iter_mut().for_each(|phase| phase.turn(quarters));
+        Self {
+            purpose: self.purpose.clone(),
+            from: grid.turned(self.from, quarters),
+            di,
+            dj,
+            to: grid.turned(self.to, quarters),
+            phases,
+        }
+    }
+}
+
+impl Phase {
+    fn turn(&mut self, quarters: usize) {
+        let by = |heading: &mut f64| *heading = wrap(*heading - quarters as f64 * FRAC_PI_2);
+        match self {
+            Self::Line { to, heading_rad, .. } => (*to, ()) = (turned(*to, quarters), by(heading_rad)),
+            Self::Arc { centre, to_rad, .. } => (*centre, ()) = (turned(*centre, quarters), by(to_rad)),
+            Self::Hold { at, heading_rad } => (*at, ()) = (turned(*at, quarters), by(heading_rad)),
+            Self::Maneuver => {}
+        }
+    }
+}
+
+/// North and east, turned to port by quarter turns.
+pub(crate) fn turned<T: Copy + std::ops::Neg<Output = T>>([north, east]: [T; 2], quarters: usize) -> [T; 2] {
+    match quarters % 4 {
+        0 => [north, east],
+        1 => [east, -north],
+        2 => [-north, -east],
+        _ => [-east, north],
+    }
+}
+
+/// North and east, as along and across a heading, to starboard.
+pub(crate) fn turned_back([north, east]: [f64; 2], heading_rad: f64) -> [f64; 2] {
+    let (sin, cos) = libm::sincos(heading_rad);
+    [north * cos + east * sin, east * cos - north * sin]
 }

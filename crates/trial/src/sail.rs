@@ -26,85 +26,141 @@ pub struct Sailed {
     pub ends: Vec<(vessel::Pose, [f64; 3])>,
 }
 
+/// One sample as it passes.
+#[derive(Clone, Copy, Debug)]
+pub struct Passing<'s> {
+    /// Index of the leg.
+    pub leg: usize,
+    /// Whether an informative maneuver is being run.
+    pub informative: bool,
+    /// Where the vessel is.
+    pub pose: vessel::Pose,
+    /// u, v \[m/s\], r \[rad/s\].
+    pub state: [f64; 3],
+    /// Inputs held until the next sample.
+    pub inputs: &'s [f64],
+}
+
+impl Sailed {
+    /// What `legs` come to, see [`sail`].
+    ///
+    /// # Errors
+    /// As [`sail`].
+    pub fn of<'l>(
+        legs: impl IntoIterator<Item = ([f64; 2], &'l Leg)>,
+        pieces: &[Piece],
+        mirror: &[f64],
+        ship: &mut Ship,
+        autopilot: &mut Autopilot,
+    ) -> Result<Self, Invalid> {
+        let mut samples = Vec::new();
+        let ends = sail(legs, pieces, mirror, ship, autopilot, |passing| samples.push(passing.into()))?;
+        Ok(Self { samples, ends })
+    }
+}
+
+impl From<Passing<'_>> for Sample {
+    fn from(Passing { leg, informative, pose, state, inputs }: Passing) -> Self {
+        Self { leg, informative, pose, state, inputs: inputs.to_vec() }
+    }
+}
+
+/// Where a vessel was, and how fast, at the end of a leg.
+pub type End = (vessel::Pose, [f64; 3]);
+
 /// Carries out `legs`, each from its own node (north, east), starting wherever `ship` is. Pieces' inputs are multiplied by
-/// `mirror` where they are run to the other side.
+/// `mirror` where they are run to the other side. `record` is told of every sample; the ends of legs are given.
 ///
 /// # Errors
-/// A command that the model cannot hold; a simulation that leaves every bound.
+/// A vessel that cannot be commanded; a simulation that leaves every bound.
 pub fn sail<'l>(
     legs: impl IntoIterator<Item = ([f64; 2], &'l Leg)>,
     pieces: &[Piece],
     mirror: &[f64],
     ship: &mut Ship,
     autopilot: &mut Autopilot,
-) -> Result<Sailed, Invalid> {
-    let mut sailed = Sailed { samples: Vec::new(), ends: Vec::new() };
+    mut record: impl FnMut(Passing),
+) -> Result<Vec<End>, Invalid> {
+    let mut ends = Vec::new();
+    let mut way = Way { ship, autopilot, record: &mut record, inputs: Vec::new() };
     for (index, (node, leg)) in legs.into_iter().enumerate() {
         for phase in &leg.phases {
             match (phase, &leg.purpose) {
                 (Phase::Maneuver, Purpose::Informative { piece, side }) => {
-                    let piece = &pieces[*piece];
-                    let width = piece.inputs.len() / piece.samples;
-                    for row in piece.inputs.chunks_exact(width) {
-                        let sign = |i: usize| match side {
-                            Side::AsDesigned => 1.0,
-                            Side::Mirrored => mirror[i],
-                        };
-                        let inputs = row.iter().enumerate().map(|(i, u)| sign(i) * u).collect();
-                        advance(ship, index, true, inputs, &mut sailed)?;
-                    }
+                    let signs = if *side == Side::Mirrored { mirror } else { &[] };
+                    way.run(index, &pieces[*piece], signs)?;
                 }
-                _ => follow(phase, node, index, ship, autopilot, &mut sailed)?,
+                _ => way.follow(phase, node, index)?,
             }
         }
-        sailed.ends.push((ship.pose, ship.state));
+        ends.push((way.ship.pose, way.ship.state));
     }
-    Ok(sailed)
+    Ok(ends)
 }
 
 /// No turn or line takes longer: numbers that ask for it make no sense, and its samples would fill the memory.
 const LONGEST_PHASE: usize = 500_000;
 
-fn follow(
-    phase: &Phase,
-    node: [f64; 2],
-    leg: usize,
-    ship: &mut Ship,
-    autopilot: &mut Autopilot,
-    sailed: &mut Sailed,
-) -> Result<(), Invalid> {
-    let start = ship.pose;
-    let mut elapsed_s = 0.0;
-    while !autopilot.is_done(phase, node, start, ship, elapsed_s) {
-        if elapsed_s > LONGEST_PHASE as f64 * ship.sample_s() {
-            let expected = format!("at most {LONGEST_PHASE} samples of a turn or a line");
-            let remedy = "correct `cell_m`, the speeds or `handling`";
-            return Err(Invalid::new("leg under way", format!("over {elapsed_s:.0} s"), expected, remedy));
-        }
-        let inputs = autopilot.steer(phase, node, start, ship)?.to_vec();
-        advance(ship, leg, false, inputs, sailed)?;
-        elapsed_s += ship.sample_s();
-    }
-    Ok(())
+/// A vessel on its way.
+struct Way<'w, 's, 'a> {
+    ship: &'w mut Ship<'s>,
+    autopilot: &'w mut Autopilot<'a>,
+    record: &'w mut dyn FnMut(Passing),
+    inputs: Vec<f64>,
 }
 
-fn advance(
-    ship: &mut Ship,
-    leg: usize,
-    informative: bool,
-    inputs: Vec<f64>,
-    sailed: &mut Sailed,
-) -> Result<(), Invalid> {
-    let (pose, state) = (ship.pose, ship.state);
-    ship.step(&inputs);
-    sailed.samples.push(Sample { leg, informative, pose, state, inputs });
-    if ship.state.iter().all(|s| s.abs() <= vessel::DIVERGED) {
-        return Ok(());
+impl<'s> Way<'_, 's, '_> {
+    /// Runs a piece open loop, its inputs multiplied by `signs` if there are any.
+    fn run(&mut self, leg: usize, piece: &Piece, signs: &[f64]) -> Result<(), Invalid> {
+        let width = piece.inputs.len() / piece.samples;
+        for row in piece.inputs.chunks_exact(width) {
+            self.inputs.clear();
+            self.inputs.extend(row.iter().enumerate().map(|(i, u)| signs.get(i).unwrap_or(&1.0) * u));
+            self.advance(leg, true, Ship::command)?;
+        }
+        Ok(())
     }
-    Err(Invalid::new(
-        "model under way",
-        format!("{:?} after sample {}", ship.state, sailed.samples.len()),
-        "speeds within bounds",
-        "shorten the maneuver, or check the parameters in vessel.toml",
-    ))
+
+    fn follow(&mut self, phase: &Phase, node: [f64; 2], leg: usize) -> Result<(), Invalid> {
+        let start = self.ship.pose;
+        let mut elapsed_s = 0.0;
+        while !self.autopilot.is_done(phase, node, start, self.ship, elapsed_s) {
+            if elapsed_s > LONGEST_PHASE as f64 * self.ship.sample_s() {
+                let expected = format!("at most {LONGEST_PHASE} samples of a turn or a line");
+                let remedy = "correct `cell_m`, the speeds or `handling`";
+                let found = format!("over {elapsed_s:.0} s");
+                return Err(Invalid::new("leg under way", found, expected, remedy));
+            }
+            let inputs = self.autopilot.steer(phase, node, start, self.ship)?;
+            self.inputs.clear();
+            self.inputs.extend_from_slice(inputs);
+            self.advance(leg, false, Ship::reach)?;
+            elapsed_s += self.ship.sample_s();
+        }
+        Ok(())
+    }
+
+    /// A sample with the inputs as `set` sets them.
+    fn advance(
+        &mut self,
+        leg: usize,
+        informative: bool,
+        set: for<'i> fn(&'i mut Ship<'s>, &[f64]) -> &'i [f64],
+    ) -> Result<(), Invalid> {
+        let Self { ship, autopilot, record, inputs } = self;
+        let (pose, state) = (ship.pose, ship.state);
+        let actual = set(ship, inputs);
+        inputs.copy_from_slice(actual);
+        autopilot.observe(pose, state, inputs, ship.state);
+        record(Passing { leg, informative, pose, state, inputs });
+        if ship.state.iter().all(|s| s.abs() <= vessel::DIVERGED) {
+            return Ok(());
+        }
+        Err(Invalid::new(
+            "model under way",
+            format!("{:?}", ship.state),
+            "speeds within bounds",
+            "shorten the maneuver, or check the parameters in vessel.toml",
+        ))
+    }
 }

@@ -1,4 +1,4 @@
-use vessel::{Ambient, Compiled, Pose, Vessel};
+use vessel::{Actuator, Ambient, Compiled, Pose, Vessel};
 
 /// A vessel under way: pose and state, moved sample by sample in a current.
 #[derive(Clone, Debug)]
@@ -6,8 +6,10 @@ pub struct Ship<'a> {
     vessel: &'a Vessel,
     model: Compiled<'a, f64>,
     sample_s: f64,
-    /// Inputs, then measured disturbances and derived channels.
+    /// Inputs as the actuators are set, then measured disturbances and derived channels.
     exogenous: Vec<f64>,
+    /// Whether the actuators have been set: before, they are wherever they are wanted.
+    is_set: bool,
     /// North and east components of the current \[m/s\].
     pub current_m_s: [f64; 2],
     /// Where it is.
@@ -24,6 +26,7 @@ impl<'a> Ship<'a> {
             model: Compiled::new(&vessel.model, parameters),
             sample_s: 1.0 / vessel.sample_rate_hz,
             exogenous: vec![0.0; vessel.model.exogenous()],
+            is_set: false,
             current_m_s: [0.0; 2],
             pose,
             state: [speed_m_s, 0.0, 0.0],
@@ -35,12 +38,36 @@ impl<'a> Ship<'a> {
         self.sample_s
     }
 
-    /// Moves on by one sample under `inputs`: x(k+1) = x(k) + θᵀφ, then the pose by an explicit Euler step.
+    /// Moves on by one sample while the actuators follow `commands`; gives where they are.
+    pub fn command(&mut self, commands: &[f64]) -> &[f64] {
+        self.act(commands, Actuator::after)
+    }
+
+    /// Moves on by one sample with the actuators as near to `wanted` as any commands take them; gives where they are.
+    pub fn reach(&mut self, wanted: &[f64]) -> &[f64] {
+        self.act(wanted, Actuator::towards)
+    }
+
+    fn act(&mut self, commands: &[f64], reached: fn(&Actuator, f64, f64, f64) -> f64) -> &[f64] {
+        for ((setting, command), own) in self.exogenous.iter_mut().zip(commands).zip(&self.vessel.actuators) {
+            *setting = if self.is_set { reached(own, *setting, *command, self.sample_s) } else { *command };
+        }
+        self.advance();
+        &self.exogenous[..self.vessel.model.inputs]
+    }
+
+    /// Moves on by one sample under `inputs`, whatever the actuators can do.
     pub fn step(&mut self, inputs: &[f64]) {
+        self.exogenous.iter_mut().zip(inputs).for_each(|(to, from)| *to = *from);
+        self.advance();
+    }
+
+    /// x(k+1) = x(k) + θᵀφ, then the pose by an explicit Euler step.
+    fn advance(&mut self) {
+        self.is_set = true;
         let (sin, cos) = libm::sincos(self.pose.psi);
         let [north, east] = self.current_m_s;
         let current = Some([north * cos + east * sin, east * cos - north * sin]);
-        self.exogenous.iter_mut().zip(inputs).for_each(|(to, from)| *to = *from);
         self.vessel.model.complete(&mut self.exogenous);
         let dt = self.sample_s;
         self.pose.x += dt * (self.state[0] * cos - self.state[1] * sin);

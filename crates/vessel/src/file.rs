@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::derived::derive;
 use crate::equation::{Equation, Reduced, TermSpec};
-use crate::{Constrained, DegreeOfFreedom, DerivedSpec, Invalid, Model, Term, Variable, Written};
+use crate::{Actuator, Constrained, DegreeOfFreedom, DerivedSpec, Invalid, Model, Term, Variable, Written};
 
 /// `vessel.toml` as written.
 #[derive(Clone, Debug, Default, Deserialize)]
@@ -48,7 +48,7 @@ pub struct VesselFile {
 }
 
 /// An input.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct InputSpec {
     /// Name as used in terms and as a column.
@@ -61,6 +61,10 @@ pub struct InputSpec {
     pub factor: Option<f64>,
     /// Between which the actuator can be set.
     pub range: Option<[f64; 2]>,
+    /// Time constant with which the actuator follows a command \[s\]; 0 without it.
+    pub lag_s: Option<f64>,
+    /// How much it changes in a second at most.
+    pub rate_per_s: Option<f64>,
 }
 
 /// A measured disturbance.
@@ -112,8 +116,8 @@ pub struct Vessel {
     pub nominal: Vec<f64>,
     /// Per input, the input that it follows and the factor.
     pub couplings: Vec<Option<(usize, f64)>>,
-    /// Per input, between which it can be set, where that is known.
-    pub ranges: Vec<Option<[f64; 2]>>,
+    /// Per input, what sets it.
+    pub actuators: Vec<Actuator>,
     /// Parameters that are fixed or tied, in the order that they are written in.
     pub constrained: Vec<Constrained>,
 }
@@ -138,7 +142,8 @@ impl Vessel {
         check_numbers(constant, "at most 10 m/s or rad/s in a sample", |gained| gained.abs() <= 10.0)?;
         let variables = variables(&file)?;
         let terms = terms(&file, &variables)?;
-        let (couplings, ranges) = (couplings(&file.input)?, ranges(&file.input)?);
+        let couplings = couplings(&file.input)?;
+        let actuators = file.input.iter().map(Actuator::of).collect::<Result<_, _>>()?;
         let written = replaced(&file)?;
         check_parameters(&written)?;
         let (mut value, mut nominal, mut constrained) = (Vec::new(), Vec::new(), Vec::new());
@@ -160,7 +165,7 @@ impl Vessel {
         let simulated = simulated(&file)?;
         let inputs = file.input.len();
         let model = Model { variables, inputs, simulated, derived, degrees, constant: file.constant };
-        Ok(Self { name, sample_rate_hz: rate, model, value, nominal, couplings, ranges, constrained })
+        Ok(Self { name, sample_rate_hz: rate, model, value, nominal, couplings, actuators, constrained })
     }
 
     /// One of the built-in vessels, by name.
@@ -213,12 +218,12 @@ impl Vessel {
 
     /// The first of `inputs` that is set beyond its range but for rounding: its place and the range.
     pub fn beyond_range(&self, inputs: &[f64]) -> Option<(usize, [f64; 2])> {
-        let beyond = |(i, (input, range)): (usize, (&f64, &Option<[f64; 2]>))| {
-            let [low, high] = (*range)?;
+        let beyond = |(i, (input, actuator)): (usize, (&f64, &Actuator))| {
+            let [low, high] = actuator.range?;
             let rounding = 1e-9 * (high - low);
             (!(low - rounding..=high + rounding).contains(input)).then_some((i, [low, high]))
         };
-        inputs.iter().zip(&self.ranges).enumerate().find_map(beyond)
+        inputs.iter().zip(&self.actuators).enumerate().find_map(beyond)
     }
 
     /// Number of samples in `duration_s`, to the nearest.
@@ -375,20 +380,6 @@ fn couplings(inputs: &[InputSpec]) -> Result<Vec<Option<(usize, f64)>>, Invalid>
         _ => Err(bad_coupling(input, "only one of `follows` and `factor`, or no finite factor")),
     };
     inputs.iter().map(coupling).collect()
-}
-
-/// Ranges with room in them.
-fn ranges(inputs: &[InputSpec]) -> Result<Vec<Option<[f64; 2]>>, Invalid> {
-    let range = |input: &InputSpec| match input.range {
-        Some([low, high]) if !(low.is_finite() && high.is_finite() && low < high) => Err(Invalid::new(
-            format!("input `{}`", input.name),
-            format!("`range` [{low}, {high}]"),
-            "a lowest and a higher, highest setting, both finite",
-            "swap or correct them",
-        )),
-        range => Ok(range),
-    };
-    inputs.iter().map(range).collect()
 }
 
 fn bad_coupling(input: &InputSpec, found: &str) -> Invalid {

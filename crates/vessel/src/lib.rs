@@ -8,6 +8,7 @@
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 
+mod actuator;
 mod compiled;
 mod constraint;
 mod derived;
@@ -37,6 +38,7 @@ mod term;
 pub mod vectorized;
 mod wide;
 
+pub use actuator::Actuator;
 pub use compiled::{Ambient, Compiled};
 pub use constraint::{Constrained, Constraint, Written};
 pub use derived::{DerivedChannel, DerivedSpec};

@@ -1,7 +1,7 @@
 //! Which inputs hold a wanted motion steady: the inverse of the model at equilibrium.
 
 use crate::newton::{damped, plain};
-use crate::{Compiled, Invalid, Vessel};
+use crate::{Actuator, Compiled, Invalid, Vessel};
 
 /// A motion through the water to hold.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -182,9 +182,9 @@ impl<'a> Around<'a> {
     fn start(&self, level: usize, side: usize, way: usize) -> Vec<f64> {
         let Motion { u, r, .. } = self.wanted.motion;
         let sign = |place: usize| [0.0, 1.0, -1.0][side / 3_usize.pow(place.min(19) as u32) % 3];
-        let inputs = self.vessel.ranges.iter().enumerate();
+        let inputs = self.vessel.actuators.iter().enumerate();
         let mut start: Vec<f64> = inputs
-            .map(|(i, range)| match range {
+            .map(|(i, actuator)| match actuator.range {
                 Some([low, high]) => 0.5 * (low + high) + sign(i) * SHARES[level] * 0.5 * (high - low),
                 None => sign(i) * MAGNITUDES[level],
             })
@@ -203,10 +203,9 @@ impl<'a> Around<'a> {
     }
 
     fn scales(&self, level: usize) -> Vec<f64> {
-        let input =
-            |range: &Option<[f64; 2]>| range.map_or(MAGNITUDES[level], |[low, high]| 0.5 * (high - low));
+        let input = |own: &Actuator| own.range.map_or(MAGNITUDES[level], |[low, high]| 0.5 * (high - low));
         let sway = self.wanted.sway_free.then(|| self.wanted.motion.u.abs().max(0.1));
-        self.vessel.ranges.iter().map(input).chain(sway).collect()
+        self.vessel.actuators.iter().map(input).chain(sway).collect()
     }
 }
 

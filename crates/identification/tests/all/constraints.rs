@@ -167,13 +167,8 @@ fn law_two_halves_of_a_channel_that_are_tied_give_the_estimate_of_the_whole() {
     // `port` holds the rudder where it is below 0 with its sign changed, `starboard` where it is above.
     let halves = craft(|file| {
         let unit = "rad".to_owned();
-        let channel = |name: &str| InputSpec {
-            name: name.into(),
-            unit: unit.clone(),
-            follows: None,
-            factor: None,
-            range: None,
-        };
+        let channel =
+            |name: &str| InputSpec { name: name.into(), unit: unit.clone(), ..InputSpec::default() };
         file.input.truncate(1);
         file.input.extend([channel("starboard"), channel("port")]);
         spec(file, "N_delta").term = "u^2 starboard".into();

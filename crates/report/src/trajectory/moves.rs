@@ -67,6 +67,6 @@ fn table(voyage: &Voyage) -> Table<(bool, &Primitive)> {
         .number("Leg [s]", |(_, p)| three(p.leg_s))
         .number("Residual [m]", |(_, p)| three(p.residual_m))
         .number("Residual [°]", |(_, p)| three(p.residual_deg))
-        .number("Drift margin [m]", |(_, p)| three(p.drift_margin_m))
+        .number("Spread [m]", |(_, p)| three(p.spread_m))
         .number("Fits", |(_, p)| p.fits)
 }

@@ -5,11 +5,11 @@ use std::collections::BTreeMap;
 use crate::mock;
 use report::{PlannedTrial, Study, Trajectory};
 use study::documents::{
-    CostUnit, Passage, PassageLeg, PlanDocument, PlanLattice, PlanPose, PlanStatus, PlanStep, Primitive,
-    SecondaryCost, ValidationDocument, Voyage, VoyageLeg,
+    CostUnit, Passage, PassageLeg, PlanDocument, PlanHandling, PlanLattice, PlanPose, PlanStatus, PlanStep,
+    Primitive, SecondaryCost, ValidationDocument, Voyage, VoyageLeg,
 };
-use trial::Side;
 use trial::voyage::{Check, FrontPoint, Information, Secondary, Tide};
+use trial::{Ability, DerivedHandling, Handling, Side};
 
 pub const MAP: &str = "<svg role=\"img\" aria-label=\"Planned trial\" viewBox=\"0 0 5600 8370\" \
     xmlns=\"http://www.w3.org/2000/svg\">\n<title>Planned trial</title>\n<path d=\"M1 2l3 4\" fill=\"none\" \
@@ -137,9 +137,20 @@ fn voyage() -> Voyage {
             parameter_error: 0.35,
             seed: 1,
             runs: 64,
+            vessels: 64,
             aground: 2,
             aground_interval: [0.009, 0.107],
+            vessels_aground: 2,
+            aground_bound: None,
+            aground_bound_by_vessels: None,
             below_margin: 2,
+            ends: 384,
+            ends_astray: 1,
+            tolerance_used: 0.4,
+            proved_s: 720.0,
+            sailed_s: 722.0,
+            sailed_quantiles_s: [700.0, 723.0, 741.0],
+            rounds: 2,
             left_area: 0,
             clearance_quantiles_m: [0.0, 12.5, 60.0],
             aground_open_loop: 17,
@@ -163,8 +174,30 @@ fn voyage() -> Voyage {
             design_efficiency: Some(0.913),
             dimension: 13,
         },
+        dropped: Vec::new(),
+        handling: handling(),
         front: vec![point(1, 0, 2.0, 55.0), point(1, 1, 4.0, 62.9)],
     }
+}
+
+fn handling() -> PlanHandling {
+    let used = Handling {
+        turn_rate_rad_s: 0.05,
+        crawl_m_s: 0.5,
+        acceleration_m_s2: 0.05,
+        response_s: 30.0,
+        lookahead_m: 60.0,
+    };
+    let ability = Ability {
+        turn_rate_rad_s: Some(0.12),
+        turn_acceleration_rad_s2: Some(0.01),
+        acceleration_m_s2: Some(0.3),
+        braking_m_s2: Some(0.4),
+        coasting_m_s2: 0.06,
+        lag_s: 1.5,
+    };
+    let handling = Handling { turn_rate_rad_s: 0.06, lookahead_m: 90.0, ..used };
+    PlanHandling { used, derived: DerivedHandling { handling, ability } }
 }
 
 fn leg(name: &str, side: Option<Side>, start_s: f64, duration_s: f64, speed_m_s: f64) -> VoyageLeg {
@@ -198,7 +231,7 @@ fn primitive(maneuver: &str, fits: u64) -> Primitive {
         leg_s: 266.0,
         residual_m: 1.21,
         residual_deg: 0.252,
-        drift_margin_m: 27.0,
+        spread_m: 27.0,
         fits,
     }
 }

@@ -14,7 +14,7 @@ use frame::limits::LimitFlags;
 #[command(
     name = "plan",
     after_help = "Example:\n  plan --vessel pipelines/helsinki/vessel.toml --trajectories out/helsinki/dictionary.parquet \
-    --config pipelines/helsinki/plan.toml --allow-unsafe --out out/helsinki/plan.json\n  \
+    --config pipelines/helsinki/plan.toml --out out/helsinki/plan.json\n  \
     plan --problem fixtures/lattice/channel.json --out plan.json\n\n\
     Without --memory-mib it takes at most 4096 MiB, on any machine that has them."
 )]

@@ -54,7 +54,7 @@ impl VoyageFiles<'_> {
         check_names(out)?;
         let vessel = read_vessel(self.vessel, provenance)?.with_disturbances_held();
         let config: PlanFile = inputs::toml(self.config, "plan", provenance)?;
-        let task = config.task().map_err(|e| Failure::invalid(self.config, &e))?;
+        let task = config.task(&vessel).map_err(|e| Failure::invalid(self.config, &e))?;
         let task = in_tide(self.config, &config, task, provenance)?;
         let task = match &self.resumed {
             Some(Resumed { plan, done, from }) => {

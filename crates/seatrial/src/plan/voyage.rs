@@ -47,9 +47,8 @@ pub fn plan_voyage(
     let refuse = |error| refusals::voyage(files, error);
     let searched = limits.before_check();
     let search = Search { options: limits.options(), watch: &|| searched.watch(), go_on: &|| limits.go_on() };
-    let prepared = Prepared::new(brief, &search).map_err(refuse)?;
-    let solved = prepared.solve(&search).map_err(refuse)?;
-    let sailing = prepared.sail(&solved, &search).map_err(refuse)?;
+    let mut prepared = Prepared::new(brief, &search).map_err(refuse)?;
+    let (solved, sailing) = prepared.plan(&search, wanted.unsafe_too).map_err(refuse)?;
     if !(wanted.unsafe_too || sailing.check.safe) {
         return Err(refusals::unsafe_plan(files.config, &sailing.check));
     }
@@ -133,7 +132,8 @@ fn summary(out: &Path, document: &PlanDocument) -> Summary {
             said += &format!("; UNSAFE: {}", check.faults.join(", "));
         }
         let own = json!({"duration_s": duration_s, "clearance_m": check.clearance_m, "safe": check.safe,
-            "faults": check.faults, "aground": check.aground, "runs": check.runs, "left_area": check.left_area});
+            "faults": check.faults, "aground": check.aground, "runs": check.runs, "left_area": check.left_area,
+            "rounds": check.rounds});
         if let (Value::Object(all), Value::Object(own)) = (&mut told, own) {
             all.extend(own);
         }

@@ -94,9 +94,9 @@ fn law_the_track_is_at_its_node_when_a_leg_begins() {
         assert_eq!(starts.len(), planned.legs().len() + 1);
         for (leg, (row, node)) in planned.legs().iter().zip(starts.iter().zip(nodes(planned))) {
             let [x, y] = local_m(node, track.place[*row]);
-            assert!(x.hypot(y) < 15.0, "{leg}: {x} {y}");
+            assert!(x.hypot(y) < 12.0, "{leg}: {x} {y}");
             let off = turned(track.pose[*row][2], leg["heading_deg"].as_f64().unwrap().to_radians());
-            assert!(off.abs() < 6.0_f64.to_radians() + 1e-9, "{leg}: {off}");
+            assert!(off.abs() < 6.0_f64.to_radians(), "{leg}: {off}");
             assert_eq!(track.t[*row], leg["start_s"].as_f64().unwrap());
         }
     }
@@ -132,9 +132,10 @@ fn law_informative_steps_are_primitives_of_the_list() {
             let moved = [&own["di"], &own["dj"], &own["to_h"]].map(|n| n.as_i64().unwrap());
             assert_eq!(moved, [to_i - i, to_j - j, to_h], "{step}");
             assert!(own["fits"].as_u64() > Some(0) && own["maneuver_s"] == leg["maneuver_s"], "{own}");
+            // At least one of those who rehearse it is in the strongest current, which nobody corrects in a maneuver.
             let drift =
                 own["maneuver_s"].as_f64().unwrap() * planned.number("/voyage/check/unknown_current_m_s");
-            assert!((own["drift_margin_m"].as_f64().unwrap() - drift).abs() < 1e-9, "{own}");
+            assert!(own["spread_m"].as_f64().unwrap() > 0.5 * drift, "{own}");
         }
     }
 }
@@ -215,7 +216,9 @@ fn speeds(planned: &Planned) -> impl Iterator<Item = (f64, [f64; 3])> {
 fn the_vessel_is_about_as_fast_as_its_mode_under_way_when_a_leg_begins() {
     for planned in all() {
         for (wanted, [u, v, r]) in speeds(planned).filter(|(wanted, _)| *wanted > 0.0) {
-            assert!((u - wanted).abs() < 0.35 && v.abs() < 0.2 && r.abs() < 0.02, "{wanted}: {u} {v} {r}");
+            // The tolerances that plan.toml leaves as they are.
+            let settled = (u - wanted).abs() < 0.1 && v.abs() < 0.25 && r.abs() < 0.0075;
+            assert!(settled, "{wanted}: {u} {v} {r}");
         }
     }
 }
@@ -256,15 +259,27 @@ fn oracle_the_hull_keeps_the_clearance_that_the_check_tells() {
         assert_eq!(planned.voyage()["check"]["clear"], true);
         // What is told is a lower bound, up to two diagonals of raster cells (30 m) below the truth.
         assert!(told <= least + 0.5 && least < told + 85.0, "{told} of {least}");
-        // The margin of 50 m less the tolerance at the start of a leg, a tenth of 120 m.
-        assert!(least > 38.0, "{least}");
+        assert!(least >= 50.0 && planned.number("/voyage/check/shortfall_m") == 0.0, "{least}");
     }
 }
 
 #[test]
-fn in_unknown_current_no_run_goes_aground_where_the_parameters_are_known() {
-    let check = &small_planned().voyage()["check"];
-    assert_eq!(check["aground"], 0, "{check}");
+fn no_run_of_any_vessel_in_any_current_goes_aground_or_misses_what_was_proved() {
+    for planned in all() {
+        let check = &planned.voyage()["check"];
+        let none = ["aground", "below_margin", "vessels_aground"].map(|key| check[key].as_u64());
+        assert_eq!((none, &check["safe"]), ([Some(0); 3], &true.into()), "{check}");
+        assert!(check["clearance_quantiles_m"][0].as_f64() >= check["margin_m"].as_f64(), "{check}");
+        let number = |key: &str| check[key].as_f64().unwrap();
+        assert!(number("ends_astray") <= 1e-3 * number("ends") && number("tolerance_used") <= 1.0, "{check}");
+        let longer = number("sailed_s") / number("proved_s") - 1.0;
+        assert!(longer.abs() < 0.02 && number("sailed_s") == planned.number("/voyage/duration_s"), "{check}");
+    }
+    for planned in helsinki_planned() {
+        let check = &planned.voyage()["check"];
+        assert_eq!((&check["runs"], &check["vessels"]), (&1536.into(), &24.into()), "{check}");
+        assert_eq!((&check["parameter_error"], &check["margin_m"]), (&0.35.into(), &50.0.into()), "{check}");
+    }
     for planned in all() {
         let check = &planned.voyage()["check"];
         assert!(check["runs"].as_u64() >= Some(4), "{check}");

@@ -13,35 +13,25 @@ use crate::xml::read;
 const START: &str = "longitude_deg = 24.985\nlatitude_deg = 60.0";
 const OWN_CHART: &str = "[[chart]]\nfile = \"land.geojson\"\nkind = \"land\"";
 
-/// The line that plans the Helsinki study with four headings, on copies in `folder`.
-fn harbour(folder: &TempDir) -> String {
-    for file in ["pipelines/helsinki/plan-4-headings.toml", HELSINKI_LAND] {
-        fs::create_dir_all(folder.path().join(file).parent().unwrap()).unwrap();
-        fs::copy(repository().join(file), folder.path().join(file)).unwrap();
-    }
-    PLAN.replace("plan.toml", "pipelines/helsinki/plan-4-headings.toml")
+/// The small study with a vessel of which hardly anything is known.
+fn strained() -> TempDir {
+    small_with(&[("runs = 4", "runs = 1000\nparameter_error = 0.9"), ("margin_m = 20.0", "margin_m = 60.0")])
 }
 
 #[test]
 fn a_plan_that_fails_its_check_is_refused_and_writes_nothing() {
-    let folder = small();
-    let line = harbour(&folder);
-    let pieces = [
-        "plan-4-headings.toml",
-        "of 64 runs aground (",
-        "least clearance 0 m",
-        "at least 50 m",
-        "--allow-unsafe",
-    ];
-    refused(&folder, 4, &line, &pieces);
+    let folder = strained();
+    refused(&folder, 4, PLAN, &["plan.toml", "plan"]);
     assert!(PLANNED.iter().all(|name| !folder.path().join(name).exists()));
 }
 
 #[test]
 fn a_plan_that_fails_its_check_and_is_allowed_says_so_in_every_output() {
-    let [_, planned] = helsinki_planned();
+    let folder = strained();
+    run(&folder, &format!("{PLAN} --allow-unsafe")).succeeds();
+    let planned = Planned::of(&folder);
     let check = &planned.voyage()["check"];
-    assert_eq!((&check["safe"], &check["parameter_error"]), (&false.into(), &0.35.into()), "{check}");
+    assert_eq!(check["safe"], false, "{check}");
     let fault = check["faults"][0].as_str().unwrap();
     assert!(fault.contains("runs aground") && planned.plan["statement"].as_str().unwrap().contains(fault));
     let route = read(planned.text("route.rtz"));
@@ -84,6 +74,12 @@ fn law_the_interval_of_the_share_aground_is_wilsons() {
             assert!(((p - share).powi(2) - z2 * p * (1.0 - p) / n).abs() < 1e-9, "{check}");
         }
         assert!(interval[0] <= share && share <= interval[1] && check["seed"] == 1);
+        // Were going aground as probable as the bound, none in so many would be this improbable: half of 5 % in the first
+        // round, half of that in the next.
+        let doubt = 0.05 * 0.5_f64.powf(number("rounds"));
+        for (bound, independent) in [("aground_bound", n), ("aground_bound_by_vessels", number("vessels"))] {
+            assert!(((1.0 - number(bound)).powf(independent) - doubt).abs() < 1e-9, "{check}");
+        }
     }
 }
 
@@ -181,37 +177,4 @@ fn dangers_that_make_no_sense_are_refused() {
     let folder = dangers("kind = \"danger\"", "3");
     edit(&folder, "wrecks.geojson", r#"{"type": "Point", "coordinates": [24.985, 60.0003]}"#, "null");
     refused(&folder, 3, PLAN, &["wrecks.geojson", "1 of 2 features without a geometry"]);
-}
-
-#[test]
-fn a_leg_that_is_over_at_once_loses_no_plan() {
-    // Cells shorter than what the vessel overshoots.
-    let folder = small_with(&[
-        ("cell_m = 120.0", "cell_m = 1.2"),
-        ("maneuver = [{ name = \"zig-zag-steep\", count = 1 }, {", "maneuver = [{"),
-        ("west_deg = 24.98", "west_deg = 24.983"),
-        ("east_deg = 25.02", "east_deg = 24.993"),
-        ("south_deg = 59.99", "south_deg = 59.998"),
-        ("north_deg = 60.01", "north_deg = 60.003"),
-        (START, "longitude_deg = 24.988\nlatitude_deg = 60.0"),
-        ("[start]", "[approach]\nrun_in_s = 0.0\ntolerance_cells = 4.0\n[start]"),
-        (
-            "kind = \"home\"",
-            "kind = \"places\"\nplaces = [{ longitude_deg = 24.9895, latitude_deg = 60.0005, heading_deg = 90.0, mode = \"half\" }]",
-        ),
-        ("length_m = 30.0", "length_m = 3.0"),
-        ("beam_m = 8.0", "beam_m = 1.0"),
-        ("margin_m = 20.0", "margin_m = 1.0"),
-        (
-            "primary = \"basic-moves\"\nsecondary = \"seconds\"",
-            "primary = \"seconds\"\nsecondary = \"turns\"",
-        ),
-    ]);
-    run(&folder, PLAN).succeeds();
-    let planned = Planned::of(&folder);
-    assert!(planned.legs().iter().any(|leg| leg["duration_s"] == 0.0), "no leg is over at once");
-    let route = read(planned.text("route.rtz"));
-    let legs = route.one("waypoints").all("waypoint").into_iter().flat_map(|point| point.all("leg"));
-    let speeds: Vec<Option<f64>> = legs.map(|leg| leg.get("speedMax").map(|v| v.parse().unwrap())).collect();
-    assert!(speeds.iter().flatten().all(|v| v.is_finite() && *v > 0.0), "{speeds:?}");
 }

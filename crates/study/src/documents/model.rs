@@ -74,6 +74,12 @@ pub struct ModelInput {
     /// Between which the actuator can be set.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub range: Option<[f64; 2]>,
+    /// Time constant with which the actuator follows a command \[s\].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub lag_s: Option<f64>,
+    /// How much it changes in a second at most.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rate_per_s: Option<f64>,
 }
 
 /// A measured disturbance.
@@ -225,7 +231,9 @@ impl ModelDocument {
                 unit: variable.unit.clone(),
                 follows: coupling.map(|(leader, _)| inputs[leader].name.clone()),
                 factor: coupling.map(|(_, factor)| factor),
-                range: vessel.ranges[i],
+                range: vessel.actuators[i].range,
+                lag_s: Some(vessel.actuators[i].lag_s).filter(|lag| *lag > 0.0),
+                rate_per_s: vessel.actuators[i].rate_per_s,
             }
         };
         let measured = |(place, variable): (usize, &Variable)| ModelChannel {
@@ -304,6 +312,8 @@ impl ModelDocument {
             follows: input.follows.clone(),
             factor: input.factor,
             range: input.range,
+            lag_s: input.lag_s,
+            rate_per_s: input.rate_per_s,
         };
         let channel = |c: &ModelChannel| MeasuredSpec {
             name: c.name.clone(),
@@ -418,7 +428,8 @@ impl Document for ModelDocument {
     const UNITS: Units = &[
         ("Hz", "sample_rate_hz"),
         ("1", "samples stretches factor part"),
-        ("s", "stretch_s"),
+        ("s", "stretch_s lag_s"),
+        ("the channel's unit a second", "rate_per_s"),
         ("the parameter's unit", "value standard_error least_squares truth bounds"),
         ("the unit of the row's name times that of the column's", "entries"),
         ("the state's unit", "constant constant_least_squares increment_std output_rmse"),

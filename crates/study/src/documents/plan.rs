@@ -4,8 +4,8 @@ use super::passage::Passage;
 use artifact::{Document, Units};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use trial::Side;
 use trial::voyage::{Check, FrontPoint, Information, Primary, Secondary};
+use trial::{DerivedHandling, Handling, Side};
 
 /// `plan.json`: a walk over the lattice that uses every maneuver as often as asked, and what becomes of it at sea.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
@@ -169,6 +169,10 @@ pub struct Voyage {
     pub legs: Vec<VoyageLeg>,
     /// How the maneuvers became moves, one per heading and side.
     pub primitives: Vec<Primitive>,
+    /// Moves that are not offered to the search, since not all who rehearsed them end settled.
+    pub dropped: Vec<DroppedMove>,
+    /// How the vessel is handled, and what it can do.
+    pub handling: PlanHandling,
     /// Time from start to end \[s\].
     pub duration_s: f64,
     /// Of which in informative maneuvers \[s\].
@@ -259,10 +263,36 @@ pub struct Primitive {
     pub residual_m: f64,
     /// Difference from the level's heading at its end \[deg\].
     pub residual_deg: f64,
-    /// Clearance kept for the drift of an unknown current during it \[m\].
-    pub drift_margin_m: f64,
+    /// Largest distance from the nominal vessel of those who rehearsed it, before the recovery \[m\].
+    pub spread_m: f64,
     /// Nodes of the lattice at which it fits on the chart.
     pub fits: u64,
+}
+
+/// How the vessel is handled between maneuvers.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct PlanHandling {
+    /// As planned: what `plan.toml` states, else what follows from the vessel.
+    pub used: Handling,
+    /// What follows from the vessel.
+    pub derived: DerivedHandling,
+}
+
+/// A move that is not offered to the search.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct DroppedMove {
+    /// Action.
+    pub name: String,
+    /// Which way, for a maneuver.
+    pub side: Option<Side>,
+    /// Heading level that it would begin from.
+    pub h: u64,
+    /// Speed mode that it would begin from.
+    pub mode: String,
+    /// Of which tolerance how much is used at the end of the best that was tried.
+    pub why: String,
 }
 
 impl Document for PlanDocument {
@@ -272,15 +302,23 @@ impl Document for PlanDocument {
         ("1 or s, as cost_unit says", "cost lower_bound gap"),
         ("1 or s", "value"),
         ("1", "counts variant i j h to_h di dj fits nx ny headings runs aground aground_open_loop seed"),
-        ("1", "below_margin left_area aground_interval parameter_error"),
+        ("1", "below_margin left_area aground_interval parameter_error vessels vessels_aground"),
+        ("1", "aground_bound aground_bound_by_vessels ends ends_astray tolerance_used rounds"),
         ("1", "predicted_log_det realised_log_det whole_log_det efficiency design_efficiency dimension"),
         ("1", "log_det"),
-        ("m", "cell_m residual_m end_error_m drift_margin_m clearance_m clearance_quantiles_m"),
-        ("m", "margin_m shortfall_m sight_m"),
+        ("m", "cell_m residual_m end_error_m spread_m clearance_m clearance_quantiles_m"),
+        ("m", "margin_m shortfall_m sight_m lookahead_m"),
         ("1", "objects avoided maneuvers_avoid ignored update scale"),
         ("deg", "longitude_deg latitude_deg heading_deg residual_deg"),
-        ("m/s", "modes speed_m_s unknown_current_m_s"),
-        ("s", "start_s duration_s informative_s maneuver_start_s maneuver_s leg_s"),
+        ("m/s", "modes speed_m_s unknown_current_m_s crawl_m_s"),
+        ("m/s^2", "acceleration_m_s2 braking_m_s2 coasting_m_s2"),
+        ("rad/s", "turn_rate_rad_s"),
+        ("rad/s^2", "turn_acceleration_rad_s2"),
+        (
+            "s",
+            "proved_s sailed_s sailed_quantiles_s start_s duration_s informative_s maneuver_start_s maneuver_s leg_s \
+             response_s lag_s",
+        ),
         ("as declared in vessel.toml", "largest_inputs"),
     ];
 }

@@ -47,7 +47,6 @@ impl PlanFile {
     /// # Errors
     /// Names the key.
     pub(super) fn check(&self) -> Result<(), Invalid> {
-        self.handling.check()?;
         for (key, value, range, unit) in self.numbers() {
             check(format!("`{key}`"), value, range, unit)?;
         }
@@ -68,7 +67,7 @@ impl PlanFile {
         (0..self.speed_mode.len()).try_for_each(|index| self.check_mode(index))
     }
 
-    fn numbers(&self) -> [Number; 16] {
+    fn numbers(&self) -> [Number; 20] {
         let (hull, safety, approach) = (self.hull, self.safety, self.approach);
         let [speed, towards] = self.known_current.map_or([0.0; 2], |c| [c.speed_m_s, c.towards_deg]);
         let within = |most: f64| (Included(-most), Included(most));
@@ -82,10 +81,24 @@ impl PlanFile {
             ("safety.trial_depth_m", safety.trial_depth_m, FROM_0, "m"),
             ("safety.unknown_current_m_s", safety.unknown_current_m_s, from_0_to(MOST_CURRENT_M_S), "m/s"),
             ("safety.parameter_error", safety.parameter_error, from_0_to(0.99), "(1 is 100 %)"),
-            ("safety.runs", f64::from(safety.runs), (Included(1.0), Included(1e6)), "runs"),
+            ("safety.runs", f64::from(safety.runs.unwrap_or(1)), (Included(1.0), Included(1e6)), "runs"),
+            (
+                "safety.vessels",
+                f64::from(safety.vessels.unwrap_or(1)),
+                (Included(1.0), Included(1e6)),
+                "vessels",
+            ),
+            (
+                "safety.aground_probability",
+                safety.aground_probability.unwrap_or(0.5),
+                (Included(1e-5), Included(0.5)),
+                "",
+            ),
             ("approach.run_in_s", approach.run_in_s, from_0_to(1e4), "s"),
             ("approach.tolerance_cells", approach.tolerance_cells, ABOVE_0, "cells"),
             ("approach.tolerance_deg", approach.tolerance_deg, ABOVE_0, "degrees"),
+            ("approach.tolerance_m_s", approach.tolerance_m_s.unwrap_or(1.0), ABOVE_0, "m/s"),
+            ("approach.tolerance_rad_s", approach.tolerance_rad_s.unwrap_or(1.0), ABOVE_0, "rad/s"),
             ("known_current.speed_m_s", speed, from_0_to(MOST_CURRENT_M_S), "m/s"),
             ("known_current.towards_deg", towards, within(360.0), "degrees"),
             ("informative_s", self.informative_s.unwrap_or(1.0), ABOVE_0, "s"),

@@ -7,7 +7,9 @@ use trial::voyage::{Check, Prepared, Sailing, Solved};
 
 use super::legs::Legs;
 use super::passage::Layout;
-use crate::documents::{CostUnit, PlanDocument, PlanPose, PlanStatus, PlanStep, SecondaryCost, Voyage};
+use crate::documents::{
+    CostUnit, PlanDocument, PlanHandling, PlanPose, PlanStatus, PlanStep, SecondaryCost, Voyage,
+};
 
 /// The plan of a lattice problem.
 pub fn of_problem(problem: &Problem, solution: &Solution) -> PlanDocument {
@@ -98,12 +100,14 @@ fn uses(problem: &Problem, solution: &Solution) -> BTreeMap<String, u64> {
 
 fn voyage(prepared: &Prepared, solved: &Solved, sailing: &Sailing) -> Voyage {
     let samples = &sailing.sailed.samples;
-    let rate_hz = prepared.brief.vessel.sample_rate_hz;
+    let (task, rate_hz) = (&prepared.brief.task, prepared.brief.vessel.sample_rate_hz);
     let legs = Legs { prepared, solved, sailing };
     Voyage {
         lattice: legs.lattice(),
         legs: legs.as_sailed(),
         primitives: legs.primitives(),
+        dropped: legs.dropped(),
+        handling: PlanHandling { used: task.handling, derived: task.derived },
         duration_s: samples.len() as f64 / rate_hz,
         informative_s: samples.iter().filter(|s| s.informative).count() as f64 / rate_hz,
         check: sailing.check.clone(),

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use serde::Deserialize;
 use trial::voyage::{Area, CostRule, Goal, Hull, ManeuverUse, Place, Safety};
-use trial::{Handling, Mode};
+use trial::{Mode, StatedHandling};
 
 /// `plan.toml` as written.
 #[derive(Clone, Debug, Deserialize)]
@@ -30,8 +30,9 @@ pub struct PlanFile {
     pub safety: Safety,
     /// The current that is known.
     pub known_current: Option<KnownCurrent>,
-    /// How the vessel is handled between maneuvers.
-    pub handling: Handling,
+    /// How the vessel is handled between maneuvers, as far as it does not follow from the vessel.
+    #[serde(default)]
+    pub handling: StatedHandling,
     /// What comes before and after a maneuver.
     #[serde(default)]
     pub approach: ApproachSpec,
@@ -136,10 +137,20 @@ pub struct ApproachSpec {
     pub tolerance_cells: f64,
     /// Largest difference of heading at the end of a leg.
     pub tolerance_deg: f64,
+    /// Largest difference of speed at the end of a leg, and in sway besides the currents \[m/s\]; 0.1 without it.
+    pub tolerance_m_s: Option<f64>,
+    /// Largest yaw rate at the end of a leg \[rad/s\]; 15 % of the turn rate without it.
+    pub tolerance_rad_s: Option<f64>,
 }
 
 impl Default for ApproachSpec {
     fn default() -> Self {
-        Self { run_in_s: 30.0, tolerance_cells: 0.1, tolerance_deg: 6.0 }
+        Self {
+            run_in_s: 30.0,
+            tolerance_cells: 0.1,
+            tolerance_deg: 6.0,
+            tolerance_m_s: None,
+            tolerance_rad_s: None,
+        }
     }
 }

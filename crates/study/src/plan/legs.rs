@@ -4,7 +4,7 @@ use lattice::Step;
 use trial::Sample;
 use trial::voyage::{Prepared, Rehearsed, Sailing, Solved, compass_deg};
 
-use crate::documents::{PlanLattice, Primitive, VoyageLeg};
+use crate::documents::{DroppedMove, PlanLattice, Primitive, VoyageLeg};
 
 /// Whose legs they are.
 pub(super) struct Legs<'a> {
@@ -79,6 +79,17 @@ impl Legs<'_> {
         legs.filter_map(|(index, own)| self.primitive(index, own)).collect()
     }
 
+    /// What is not offered to the search.
+    pub(super) fn dropped(&self) -> Vec<DroppedMove> {
+        let grid = &self.prepared.grid;
+        let dropped = self.prepared.dropped.iter().map(|own| {
+            let (level, mode) = grid.level_and_mode(own.from);
+            let (name, mode, why) = (own.name.clone(), grid.modes[mode].name.clone(), own.why.clone());
+            DroppedMove { name, side: own.side, h: level as u64, mode, why }
+        });
+        dropped.collect()
+    }
+
     fn primitive(&self, index: usize, own: &Rehearsed) -> Option<Primitive> {
         let grid = &self.prepared.grid;
         let rate_hz = self.prepared.brief.vessel.sample_rate_hz;
@@ -97,7 +108,7 @@ impl Legs<'_> {
             leg_s: own.seconds(rate_hz),
             residual_m: libm::hypot(own.end.x - north, own.end.y - east),
             residual_deg: if turned > 180.0 { turned - 360.0 } else { turned },
-            drift_margin_m: self.prepared.drift_margin_m(own),
+            spread_m: own.spread_m(),
             fits: self.solved.waters.fits_at(index) as u64,
         })
     }

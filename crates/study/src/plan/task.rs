@@ -1,19 +1,21 @@
 //! What `plan.toml` asks, as the science takes it.
 
 use chart::route::Timestamp;
-use trial::Approach;
 use trial::voyage::Task;
-use vessel::Invalid;
+use trial::{Approach, DerivedHandling, Handling, Tolerance};
+use vessel::{Invalid, Vessel};
 
-use super::file::{ApproachSpec, KnownCurrent, PlanFile};
+use super::file::{KnownCurrent, PlanFile};
 
 impl PlanFile {
-    /// What is asked.
+    /// What is asked of `vessel`.
     ///
     /// # Errors
-    /// Numbers without meaning: names the key.
-    pub fn task(&self) -> Result<Task, Invalid> {
+    /// Numbers without meaning, or beyond the vessel: names the key.
+    pub fn task(&self, vessel: &Vessel) -> Result<Task, Invalid> {
         self.check()?;
+        let derived = DerivedHandling::of(vessel, &self.speed_mode, self.hull.length_m)?;
+        let handling = self.handling.completed(&derived)?;
         Ok(Task {
             area: self.area,
             cell_m: self.cell_m,
@@ -23,8 +25,9 @@ impl PlanFile {
             hull: self.hull,
             safety: self.safety,
             known_current_m_s: self.known_current.map_or([0.0; 2], |current| current.components_m_s()),
-            handling: self.handling,
-            approach: self.approach.on_cells(self.cell_m),
+            handling,
+            derived,
+            approach: self.approach(&handling),
             modes: self.speed_mode.clone(),
             maneuvers: self.maneuver.clone(),
             informative_s: self.informative_s,
@@ -55,13 +58,26 @@ impl KnownCurrent {
     }
 }
 
-impl ApproachSpec {
-    /// With tolerances in metres and radians, on cells of `cell_m`.
-    fn on_cells(self, cell_m: f64) -> Approach {
+/// Parts of the allowed yaw rate, and speeds \[m/s\], that a settled vessel keeps within where nobody says otherwise.
+const YAW_RATE: f64 = 0.15;
+const SPEED_M_S: f64 = 0.1;
+
+impl PlanFile {
+    /// What comes before and after a maneuver, with tolerances in metres and radians.
+    fn approach(&self, handling: &Handling) -> Approach {
+        let own = self.approach;
+        let known = self.known_current.map_or(0.0, |current| current.speed_m_s);
+        let crabbing_m_s = known + self.safety.unknown_current_m_s;
+        let speed_m_s = own.tolerance_m_s.unwrap_or(SPEED_M_S);
         Approach {
-            run_in_s: self.run_in_s,
-            tolerance_m: self.tolerance_cells * cell_m,
-            tolerance_rad: self.tolerance_deg.to_radians(),
+            run_in_s: own.run_in_s,
+            tolerance: Tolerance {
+                distance_m: own.tolerance_cells * self.cell_m,
+                heading_rad: own.tolerance_deg.to_radians(),
+                surge_m_s: speed_m_s,
+                sway_m_s: speed_m_s + crabbing_m_s,
+                yaw_rate_rad_s: own.tolerance_rad_s.unwrap_or(YAW_RATE * handling.turn_rate_rad_s),
+            },
         }
     }
 }

@@ -13,7 +13,7 @@ impl Prepared {
     pub(super) fn within<'a>(&self, moves: &Moves, search: &Search<'a>) -> Result<Search<'a>, VoyageError> {
         let (task, grid) = (&self.brief.task, &self.grid);
         let raster = task.raster(grid);
-        let (kinds, _) = self.obstacle_kinds(raster.cell_m);
+        let (kinds, _) = self.obstacle_kinds();
         let cells = |(_, margin_m, _): &(f64, f64, bool)| {
             let around = 2 * ((margin_m / raster.cell_m).ceil() as u128 + 1);
             (raster.nx as u128 + around) * (raster.ny as u128 + around)

@@ -1,34 +1,31 @@
-//! The finished plan in continuous space: how near the hull comes to what is charted as an obstacle, by the nominal model,
-//! and by vessels and in currents that are not known.
+//! The finished plan in continuous space: how near the hull comes to what is charted as an obstacle and how well legs end,
+//! by the nominal model, and by vessels and in currents that are not known.
 
-use chart::{Bounds, Invalid, Obstacles, Raster};
 use numerics::statistics::{quantile, sorted, wilson};
 use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use vessel::{Pose, Streams};
 
+use super::clearance::{Clearance, Passage};
 use super::error::VoyageError;
 use super::prepared::Prepared;
 use super::script::Script;
 use super::search::Search;
-use super::task::Brief;
-use crate::{Sailed, Sample};
+use crate::leg::turned_back;
+use crate::{Astray, End, Rehearser, Sailed};
 
-/// How far beyond the lattice a hull's clearance is still measured \[m\]. The chart is read farther than that.
-const BEYOND_M: f64 = 500.0;
-/// Raster cells that distances are measured on, at most, unless the lattice's own raster has more.
-const MOST_CELLS: f64 = 4e6;
-/// Cells of that raster per cell of the lattice's raster, at most.
-const FINEST: u32 = 8;
 /// Tracks that are kept to be drawn.
 const TRACKS: u32 = 200;
+/// Of all rounds together, how probable it may be that a bound does not hold.
+const DOUBT: f64 = 0.05;
+/// Part of the proved time that the sailed one may differ by.
+const LONGER: f64 = 0.02;
 
 /// The plan simulated in continuous space.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Check {
-    /// Whether the hull keeps its margin in every simulation.
+    /// Whether the hull keeps its margin and every leg its tolerance in every simulation, in the time that is proved.
     pub safe: bool,
     /// What is broken, in words; empty for a safe plan.
     pub faults: Vec<String>,
@@ -36,7 +33,7 @@ pub struct Check {
     pub clearance_m: f64,
     /// Whether the hull stays clear.
     pub clear: bool,
-    /// Distance that was asked for \[m\]; maneuvers keep the drift of the unknown current besides.
+    /// Distance that was asked for \[m\].
     pub margin_m: f64,
     /// By how much the nominal track falls short of that; 0 where it keeps it \[m\].
     pub shortfall_m: f64,
@@ -48,14 +45,38 @@ pub struct Check {
     pub parameter_error: f64,
     /// Of the currents and parameters.
     pub seed: u64,
-    /// Simulations of the whole plan, each with a constant current and parameters of its own, even within those bounds.
+    /// Simulations of the whole plan, each with a constant current of its own, by vessels whose parameters are even within
+    /// that bound.
     pub runs: u64,
+    /// How many vessels were drawn for them.
+    pub vessels: u64,
     /// Of which touched an obstacle, or went where the chart was not read.
     pub aground: u64,
     /// The share of them that this leaves possible, Wilson's 95 %.
     pub aground_interval: [f64; 2],
+    /// Vessels of which a run went aground.
+    pub vessels_aground: u64,
+    /// Going aground is less probable than this, 95 % confidence; runs count as independent, which those of one vessel are
+    /// not. None where a run went aground.
+    pub aground_bound: Option<f64>,
+    /// The same where only vessels count as independent: the share of vessels that go aground in any of so many currents.
+    pub aground_bound_by_vessels: Option<f64>,
     /// Runs that came nearer than the margin, those aground among them.
     pub below_margin: u64,
+    /// Ends of legs in all runs.
+    pub ends: u64,
+    /// Of which lie beyond a tolerance.
+    pub ends_astray: u64,
+    /// The largest part of a tolerance that the nominal vessel uses at the end of any leg.
+    pub tolerance_used: f64,
+    /// Time that the proved plan takes, leg by leg, each from its node \[s\].
+    pub proved_s: f64,
+    /// Time that the nominal vessel takes for all of it \[s\].
+    pub sailed_s: f64,
+    /// Time that the runs take: least, median, most \[s\].
+    pub sailed_quantiles_s: [f64; 3],
+    /// How often the plan was searched, with what earlier checks taught; every check draws anew.
+    pub rounds: u64,
     /// Runs that left the lattice's area, which is no obstacle.
     pub left_area: u64,
     /// Least clearance of each run: smallest, 5 %, median \[m\].
@@ -64,136 +85,216 @@ pub struct Check {
     pub aground_open_loop: u64,
 }
 
-/// Distance of the hull from obstacles.
-pub(super) struct Clearance<'a> {
-    prepared: &'a Prepared,
-    /// Outline about the reference point, x forward, y to starboard \[m\], with the middles of its sides.
-    outline: Vec<[f64; 2]>,
-    /// In transit.
-    transit: Obstacles,
-    /// In informative maneuvers.
-    trial: Obstacles,
-    /// The lattice's area.
-    area: Bounds,
-    /// As far as distances are measured \[m\].
-    sight_m: f64,
+/// What a check comes to.
+pub(super) struct Checked {
+    pub check: Check,
+    /// Tracks to be drawn.
+    pub tracks: Vec<Sailed>,
+    /// Steps that broke a margin or missed a tolerance, and who sailed them, from where.
+    pub taught: Vec<(usize, Rehearser)>,
 }
 
-/// What a track came to.
-#[derive(Clone, Copy, Debug)]
-struct Passage {
-    /// Least distance from obstacles; 0 where the chart was not read \[m\].
-    clearance_m: f64,
-    /// Whether the hull left the lattice's area.
-    left_area: bool,
+/// A plan that is checked.
+pub(super) struct Checking<'a> {
+    pub script: &'a Script<'a>,
+    pub clearance: &'a Clearance,
+    /// Rehearsed leg of every step.
+    pub legs: &'a [usize],
+    /// Sailed by the nominal model without unknown current.
+    pub nominal: &'a Sailed,
+    /// How often the plan was checked, this time included.
+    pub round: u32,
 }
 
-impl<'a> Clearance<'a> {
-    /// Rasters of the chart around the lattice, finer than those of the search.
-    pub(super) fn new(prepared: &'a Prepared) -> Result<Self, Invalid> {
-        let task = &prepared.brief.task;
-        let (own, sight_m) = (task.raster(&prepared.grid), prepared.sight_m());
-        let area = own.bounds();
-        let raster = fine(&area.grown(BEYOND_M), own.cell_m, sight_m)?;
-        let corners = task.hull.outline();
-        let between = |(a, b): (&[f64; 2], &[f64; 2])| [*a, [(a[0] + b[0]) / 2.0, (a[1] + b[1]) / 2.0]];
-        let outline = corners.iter().zip(corners.iter().cycle().skip(1)).flat_map(between).collect();
-        let transit = Obstacles::in_transit(&prepared.chart, raster, task.safety.transit_depth_m, sight_m)?;
-        let trial = Obstacles::new(&prepared.chart, raster, task.safety.trial_depth_m, sight_m)?;
-        Ok(Self { prepared, outline, transit, trial, area, sight_m })
-    }
+/// A run of a check.
+struct Run {
+    /// Per step.
+    passages: Vec<Passage>,
+    /// Of all.
+    passage: Passage,
+    /// Without corrections.
+    open_loop: Passage,
+    ends: Vec<End>,
+    seconds: f64,
+    track: Option<Sailed>,
+}
 
-    /// Of the hull at a sample.
-    fn at(&self, pose: Pose, informative: bool) -> Passage {
-        let (sin, cos) = libm::sincos(pose.psi);
-        let obstacles = if informative { &self.trial } else { &self.transit };
-        let mut own = Passage { clearance_m: self.sight_m, left_area: false };
-        for [x, y] in &self.outline {
-            let place = [pose.y + x * sin + y * cos, pose.x + x * cos - y * sin];
-            own.clearance_m = own.clearance_m.min(obstacles.distance_m(place[0], place[1]));
-            own.left_area |= !self.area.contains(place);
-        }
-        own
-    }
-
-    /// Along a track.
-    fn of(&self, sailed: &Sailed) -> Passage {
-        let start = Passage { clearance_m: self.sight_m, left_area: false };
-        sailed.samples.iter().map(|s| self.at(s.pose, s.informative)).fold(start, |a, b| Passage {
-            clearance_m: a.clearance_m.min(b.clearance_m),
-            left_area: a.left_area || b.left_area,
-        })
-    }
-
-    /// By how much a track falls short of the margin, and in the maneuvers of `legs` of the drift besides.
-    fn shortfall_m(&self, sailed: &Sailed, legs: &[usize]) -> f64 {
-        let margin_m = self.prepared.brief.task.safety.margin_m;
-        let drift_m = |s: &Sample| match s.informative {
-            true => self.prepared.drift_margin_m(&self.prepared.rehearsed[legs[s.leg]]),
-            false => 0.0,
+impl Prepared {
+    /// How many runs a check of this round takes, and by how many vessels.
+    pub(super) fn runs(&self, round: u32) -> [u32; 2] {
+        let safety = &self.brief.task.safety;
+        let needed = |p: f64| (libm::log(doubt(round)) / libm::log1p(-p)).ceil().max(1.0) as u32;
+        let runs = match (safety.runs, safety.aground_probability) {
+            (Some(runs), None) => runs,
+            (runs, probability) => {
+                let needed = needed(probability.unwrap_or(USUAL_PROBABILITY));
+                runs.map_or(needed, |runs| runs.max(needed))
+            }
         };
-        let short = |s: &Sample| margin_m + drift_m(s) - self.at(s.pose, s.informative).clearance_m;
-        sailed.samples.iter().map(short).fold(0.0, f64::max)
+        [runs, safety.vessels.unwrap_or(runs).min(runs)]
+    }
+}
+
+/// The bound on going aground that a check supports where nobody asks for another.
+pub(super) const USUAL_PROBABILITY: f64 = 0.01;
+
+/// How probable it may be that the bound of a round does not hold: halved from round to round, so that they add up.
+fn doubt(round: u32) -> f64 {
+    DOUBT * 0.5_f64.powi(round as i32)
+}
+
+impl Checking<'_> {
+    fn prepared(&self) -> &Prepared {
+        self.script.prepared
     }
 
-    /// Sails the script with parameters and in currents that are not known: the check, and tracks to be drawn. `nominal`
-    /// is the script sailed by the nominal model without unknown current, `legs` are those of its steps.
+    /// Sails the script with parameters and in currents that are not known.
     ///
     /// # Errors
-    /// A command that the model cannot hold, a simulation that diverges; no time.
-    pub(super) fn check(
-        &self,
-        script: &Script<'_>,
-        nominal: &Sailed,
-        legs: &[usize],
-        search: &Search,
-    ) -> Result<(Check, Vec<Sailed>), VoyageError> {
-        let brief = &script.prepared.brief;
-        let (safety, go_on) = (brief.task.safety, search.go_on);
+    /// A simulation that diverges; no time.
+    pub(super) fn check(&self, search: &Search) -> Result<Checked, VoyageError> {
+        let [runs, vessels] = self.prepared().runs(self.round);
         let one = |run: u32| {
-            if !go_on() {
+            if !(search.go_on)() {
                 return Err(VoyageError::OutOfTime("the check of the plan"));
             }
-            let (parameters, unknown) = (brief.drawn("checked-parameters", run), brief.current(run));
             // A drawn vessel that cannot be sailed is no fault of a file.
-            let sailed = script.sail(&parameters, unknown).map_err(VoyageError::NoAnswer)?;
-            let open = script.repeat(nominal, &parameters, unknown);
-            Ok((self.of(&sailed), self.of(&open), (run < TRACKS).then_some(sailed)))
+            self.run(run, vessels).map_err(VoyageError::NoAnswer)
         };
-        let found: Vec<(Passage, Passage, Option<Sailed>)> =
-            (0..safety.runs).into_par_iter().map(one).collect::<Result<_, VoyageError>>()?;
-        let least = sorted(found.iter().map(|(passage, ..)| Some(passage.clearance_m)));
-        let count = |is: &dyn Fn(&Passage, &Passage) -> bool| {
-            found.iter().filter(|(sailed, open, _)| is(sailed, open)).count() as u64
+        let found: Vec<Run> = (0..runs).into_par_iter().map(one).collect::<Result<_, VoyageError>>()?;
+        let taught =
+            (0..runs).zip(&found).flat_map(|(run, own)| self.taught(run % vessels, run, own)).collect();
+        let check = self.judged(&found, vessels as usize);
+        Ok(Checked { check, tracks: found.into_iter().filter_map(|run| run.track).collect(), taught })
+    }
+
+    fn parameters(&self, vessel: u32) -> Vec<f64> {
+        self.prepared().brief.drawn(&format!("checked-parameters-{}", self.round), vessel)
+    }
+
+    fn unknown(&self, run: u32) -> [f64; 2] {
+        self.prepared().brief.current(&format!("unknown-current-{}", self.round), run)
+    }
+
+    fn run(&self, run: u32, vessels: u32) -> Result<Run, vessel::Invalid> {
+        let (parameters, unknown) = (self.parameters(run % vessels), self.unknown(run));
+        let (clearance, rate_hz) = (self.clearance, self.prepared().brief.vessel.sample_rate_hz);
+        let mut passages = vec![clearance.open(); self.legs.len()];
+        let mut samples = 0_u64;
+        let mut track = (run < TRACKS).then(Vec::new);
+        let ends = self.script.sail(&parameters, unknown, |own| {
+            clearance.add(&mut passages[own.leg], own.pose, own.informative);
+            samples += 1;
+            if let Some(track) = &mut track {
+                track.push(own.into());
+            }
+        })?;
+        let mut open_loop = clearance.open();
+        self.script.repeat(self.nominal, &parameters, unknown, |own| {
+            clearance.add(&mut open_loop, own.pose, own.informative);
+        });
+        let passage = passages.iter().fold(clearance.open(), |a, b| a.and(b));
+        let track = track.map(|samples| Sailed { samples, ends: ends.clone() });
+        Ok(Run { passages, passage, open_loop, ends, seconds: samples as f64 / rate_hz, track })
+    }
+
+    /// What of the tolerance is used at the end of every step.
+    fn used(&self, ends: &[End]) -> Vec<f64> {
+        let repertoire = self.prepared().repertoire();
+        let own = self.script.legs.iter().zip(ends);
+        let tolerance = repertoire.approach.tolerance;
+        own.map(|((node, leg), end)| {
+            let [north, east] = self.prepared().grid.displacement(leg.di, leg.dj);
+            repertoire.used_at(&tolerance, leg.to, [node[0] + north, node[1] + east], *end).part
+        })
+        .collect()
+    }
+
+    /// The steps of a run that broke the margin or missed a tolerance, having begun within it; and who sailed them.
+    fn taught(&self, vessel: u32, run: u32, own: &Run) -> Vec<(usize, Rehearser)> {
+        let margin_m = self.prepared().brief.task.safety.margin_m;
+        let used = self.used(&own.ends);
+        let failed = |step: &usize| {
+            let began_well = *step == 0 || used[step - 1] <= 1.0;
+            own.passages[*step].clearance_m < margin_m || (used[*step] > 1.0 && began_well)
         };
-        let (own, runs) = (self.of(nominal), u64::from(safety.runs));
-        let aground = count(&|sailed, _| sailed.clearance_m <= 0.0);
+        let failures = (0..self.legs.len()).filter(failed);
+        failures.map(|step| (step, self.rehearser(vessel, run, step, &own.ends))).collect()
+    }
+
+    /// Who sailed a step, as a rehearsal of its leg begins.
+    fn rehearser(&self, vessel: u32, run: u32, step: usize, ends: &[End]) -> Rehearser {
+        let (node, leg) = self.script.legs[step];
+        let grid = &self.prepared().grid;
+        let (level, mode) = grid.level_and_mode(leg.from);
+        let (heading, speed) = (grid.heading_rad(level), grid.modes[mode].speed_m_s);
+        let exact = (self.script.start, [speed, 0.0, 0.0]);
+        let (pose, [u, v, r]) = if step == 0 { exact } else { ends[step - 1] };
+        let Astray { pose, .. } = Astray::of(pose, [u, v, r], node);
+        let [along, across] = turned_back([pose.x, pose.y], heading);
+        Rehearser {
+            parameters: self.parameters(vessel),
+            current_m_s: turned_back(self.unknown(run), heading),
+            off: [along, across, crate::grid::wrap(pose.psi - heading)],
+            motion: [u - speed, v, r],
+        }
+    }
+
+    fn judged(&self, found: &[Run], vessels: usize) -> Check {
+        let (prepared, clearance) = (self.prepared(), self.clearance);
+        let safety = prepared.brief.task.safety;
+        let count = |is: &dyn Fn(&Run) -> bool| found.iter().filter(|run| is(run)).count() as u64;
+        let least = sorted(found.iter().map(|run| Some(run.passage.clearance_m)));
+        let seconds = sorted(found.iter().map(|run| Some(run.seconds)));
+        let mut own = clearance.open();
+        self.nominal.samples.iter().for_each(|s| clearance.add(&mut own, s.pose, s.informative));
+        let rate_hz = prepared.brief.vessel.sample_rate_hz;
+        let (runs, is_aground) = (found.len() as u64, |run: &Run| run.passage.clearance_m <= 0.0);
+        let aground = count(&is_aground);
+        let mut lost = vec![false; vessels];
+        found.iter().enumerate().for_each(|(run, own)| lost[run % vessels] |= is_aground(own));
+        let vessels_aground = lost.iter().filter(|lost| **lost).count() as u64;
+        let bound = |independent: usize| {
+            (aground == 0).then(|| 1.0 - libm::exp(libm::log(doubt(self.round)) / independent as f64))
+        };
+        let astray = |run: &Run| self.used(&run.ends).iter().filter(|used| **used > 1.0).count() as u64;
         let check = Check {
             safe: false,
             faults: Vec::new(),
             clearance_m: own.clearance_m,
             clear: own.clearance_m > 0.0,
             margin_m: safety.margin_m,
-            shortfall_m: self.shortfall_m(nominal, legs),
-            sight_m: self.sight_m,
+            shortfall_m: (safety.margin_m - own.clearance_m).max(0.0),
+            sight_m: clearance.sight_m,
             unknown_current_m_s: safety.unknown_current_m_s,
             parameter_error: safety.parameter_error,
-            seed: brief.seed,
+            seed: prepared.brief.seed,
             runs,
+            vessels: vessels as u64,
             aground,
             aground_interval: wilson(aground, runs).unwrap_or([0.0, 1.0]),
-            below_margin: count(&|sailed, _| sailed.clearance_m < safety.margin_m),
-            left_area: count(&|sailed, _| sailed.left_area),
+            vessels_aground,
+            aground_bound: bound(found.len()),
+            aground_bound_by_vessels: bound(vessels),
+            below_margin: count(&|run| run.passage.clearance_m < safety.margin_m),
+            ends: found.iter().map(|run| run.ends.len() as u64).sum(),
+            ends_astray: found.iter().map(astray).sum(),
+            tolerance_used: self.used(&self.nominal.ends).into_iter().fold(0.0, f64::max),
+            proved_s: self.legs.iter().map(|leg| prepared.rehearsed[*leg].seconds(rate_hz)).sum(),
+            sailed_s: self.nominal.samples.len() as f64 / rate_hz,
+            sailed_quantiles_s: [0.0, 0.5, 1.0].map(|q| quantile(&seconds, q).unwrap_or(0.0)),
+            rounds: u64::from(self.round),
+            left_area: count(&|run| run.passage.left_area),
             clearance_quantiles_m: [0.0, 0.05, 0.5].map(|q| quantile(&least, q).unwrap_or(0.0)),
-            aground_open_loop: count(&|_, open| open.clearance_m <= 0.0),
+            aground_open_loop: count(&|run| run.open_loop.clearance_m <= 0.0),
         };
-        Ok((check.judged(), found.into_iter().filter_map(|(.., sailed)| sailed).collect()))
+        check.with_faults()
     }
 }
 
 impl Check {
     /// With its faults in words.
-    fn judged(mut self) -> Self {
+    fn with_faults(mut self) -> Self {
         let percent = |share: f64| format!("{:.1}", 100.0 * share);
         let mut faults = Vec::new();
         if !self.clear {
@@ -210,36 +311,15 @@ impl Check {
             let (nearer, runs) = (self.below_margin - self.aground, self.runs);
             faults.push(format!("{nearer} of {runs} runs afloat nearer than the margin"));
         }
+        if self.ends_astray > 0 {
+            let (astray, ends) = (self.ends_astray, self.ends);
+            faults.push(format!("{astray} of {ends} ends of legs beyond their tolerance"));
+        }
+        if (self.sailed_s - self.proved_s).abs() > LONGER * self.proved_s {
+            let (sailed, proved) = (self.sailed_s, self.proved_s);
+            faults.push(format!("sailed in {sailed:.0} s what is proved to take {proved:.0} s"));
+        }
         (self.safe, self.faults) = (faults.is_empty(), faults);
         self
-    }
-}
-
-/// The finest raster over `bounds`, of whole parts of `cell_m`, that still has a sensible number of cells `around_m` included.
-fn fine(bounds: &Bounds, cell_m: f64, around_m: f64) -> Result<Raster, Invalid> {
-    let wide = bounds.grown(around_m);
-    let cells =
-        |parts: u32| (0..2).map(|k| (wide.max[k] - wide.min[k]) / cell_m * f64::from(parts)).product::<f64>();
-    let parts = (2..=FINEST).rev().find(|parts| cells(*parts) <= MOST_CELLS).unwrap_or(1);
-    Raster::covering(bounds, cell_m / f64::from(parts))
-}
-
-impl Prepared {
-    /// As far as distances from obstacles are measured in the check \[m\]: the chart is read as far all around.
-    fn sight_m(&self) -> f64 {
-        let drift_m = self.rehearsed.iter().map(|own| self.drift_margin_m(own)).fold(0.0, f64::max);
-        BEYOND_M + self.brief.task.safety.margin_m + drift_m
-    }
-}
-
-impl Brief {
-    /// A constant current of run `run`, north and east: any direction, any strength up to the bound.
-    fn current(&self, run: u32) -> [f64; 2] {
-        const STEPS: u32 = 1 << 20;
-        let drawn = Streams::new(self.seed, "unknown-current").choices(run, 0, STEPS, 2);
-        let part = |i: usize| (f64::from(drawn[i]) + 0.5) / f64::from(STEPS);
-        let (sin, cos) = libm::sincos(std::f64::consts::TAU * part(0));
-        let speed = self.task.safety.unknown_current_m_s * part(1);
-        [speed * cos, speed * sin]
     }
 }

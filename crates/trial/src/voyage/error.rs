@@ -41,3 +41,19 @@ pub enum VoyageError {
     #[error("no plan: {0:?}")]
     NoPlan(NoPlan),
 }
+
+impl VoyageError {
+    /// The same, found after so many checks of plans that could not be sailed.
+    #[must_use]
+    pub(super) fn after(self, rounds: u32) -> Self {
+        match self {
+            Self::Infeasible(reason) if rounds > 0 => {
+                let checks = if rounds == 1 { "a check".to_owned() } else { format!("{rounds} checks") };
+                Self::Infeasible(format!(
+                    "{reason}; {checks} showed that plans with less room cannot be sailed"
+                ))
+            }
+            other => other,
+        }
+    }
+}

@@ -2,11 +2,14 @@
 //! sea.
 //!
 //! [`Prepared::new`] lays out chart and lattice and rehearses every leg, [`Prepared::solve`] finds the cheapest walk
-//! with its proof, [`Prepared::sail`] carries it out in simulation, in the known current and in unknown ones.
+//! with its proof, [`Prepared::plan`] sails it in simulation, in the known current and in unknown ones, and goes on until
+//! what is proved is what can be sailed.
 
 mod budget;
 mod check;
+mod clearance;
 mod counts;
+mod draws;
 mod error;
 mod footing;
 mod front;
@@ -35,7 +38,7 @@ pub use information::Information;
 pub use moves::Moves;
 pub use places::compass_deg;
 pub use prepared::Prepared;
-pub use rehearsed::Rehearsed;
+pub use rehearsed::{Dropped, Rehearsed};
 pub use sailing::Sailing;
 pub use search::{Search, Watch};
 pub use solve::Solved;

@@ -1,18 +1,15 @@
 //! What a search starts from: chart and lattice laid out, counts known, every leg rehearsed.
 
 use chart::Chart;
-use vessel::Streams;
+use vessel::Invalid;
 
 use super::counts::Wanted;
 use super::error::VoyageError;
 use super::moment_sums::MomentSums;
-use super::rehearsed::{Rehearsed, rehearse};
+use super::rehearsed::{Dropped, Group, Rehearsed, groups, rehearse};
 use super::search::Search;
 use super::task::Brief;
-use crate::{Grid, Piece, Repertoire, mirror};
-
-/// How many vessels with other parameters rehearse every maneuver.
-const OTHER_VESSELS: u32 = 16;
+use crate::{Grid, Piece, Rehearser, Repertoire, mirror};
 
 /// A trial prepared for the search.
 #[derive(Clone, Debug)]
@@ -27,10 +24,14 @@ pub struct Prepared {
     pub wanted: Vec<Wanted>,
     /// The same pieces.
     pub(super) pieces: Vec<Piece>,
-    /// Signs of inputs for the other side; empty where the vessel has no mirror image.
-    pub(super) mirror: Vec<f64>,
+    /// Signs of inputs for the other side, where the vessel has a mirror image.
+    pub(super) mirror: Option<Vec<f64>>,
+    groups: Vec<Group>,
+    others: Vec<Rehearser>,
     /// Every leg of the lattice.
     pub rehearsed: Vec<Rehearsed>,
+    /// Legs that nobody could be sure to end.
+    pub dropped: Vec<Dropped>,
     /// What each piece tells.
     pub(super) information: Vec<MomentSums>,
 }
@@ -39,7 +40,8 @@ impl Prepared {
     /// Lays out chart and lattice, finds the counts and rehearses every leg.
     ///
     /// # Errors
-    /// Values of the task that make no sense for this vessel, dictionary, design or chart.
+    /// Values of the task that make no sense for this vessel, dictionary, design or chart; a maneuver that nobody can be
+    /// sure to recover from.
     pub fn new(brief: Brief, search: &Search) -> Result<Self, VoyageError> {
         let Brief { vessel, task, .. } = &brief;
         let wanted = brief.wanted()?;
@@ -48,47 +50,84 @@ impl Prepared {
         let drift_m = task.safety.unknown_current_m_s * longest as f64 / vessel.sample_rate_hz;
         let (chart, grid) = task.ground(vessel, &brief.layers, drift_m)?;
         let information = pieces.iter().map(|piece| MomentSums::of_piece(vessel, piece)).collect();
-        let mirror = mirror(vessel);
-        let repertoire = Repertoire {
-            vessel,
-            grid: &grid,
+        let (mirror, others) = (mirror(vessel), brief.rehearsers());
+        let (rehearsed, dropped) = (Vec::new(), Vec::new());
+        let mut prepared = Self {
+            brief,
+            chart,
+            grid,
+            wanted,
+            pieces,
+            mirror,
+            groups: Vec::new(),
+            others,
+            rehearsed,
+            dropped,
+            information,
+        };
+        prepared.check_modes()?;
+        prepared.groups = groups(&prepared.repertoire());
+        prepared.rehearse(search)?;
+        Ok(prepared)
+    }
+
+    /// Everything that legs are made from.
+    pub(super) fn repertoire(&self) -> Repertoire<'_> {
+        let task = &self.brief.task;
+        Repertoire {
+            vessel: &self.brief.vessel,
+            grid: &self.grid,
             handling: &task.handling,
             approach: &task.approach,
-            pieces: &pieces,
-            mirror: mirror.as_deref(),
+            pieces: &self.pieces,
+            mirror: self.mirror.as_deref(),
             mean_current_m_s: task.known_current_m_s,
-        };
-        let rehearsed = rehearse(&repertoire, &wanted, &brief.other_vessels(), search.go_on)?;
-        let mirror = mirror.unwrap_or_default();
-        Ok(Self { brief, chart, grid, wanted, pieces, mirror, rehearsed, information })
+        }
+    }
+
+    fn check_modes(&self) -> Result<(), Invalid> {
+        (0..self.pieces.len()).try_for_each(|piece| self.repertoire().mode_of(piece).map(|_| ()))
+    }
+
+    /// Rehearses all legs by those who always do, and by those who taught something.
+    fn rehearse(&mut self, search: &Search) -> Result<(), VoyageError> {
+        let (rehearsed, dropped) =
+            rehearse(&self.repertoire(), &self.groups, &self.wanted, &self.others, search.go_on)?;
+        (self.rehearsed, self.dropped) = (rehearsed, dropped);
+        self.wanted.iter().try_for_each(|wanted| self.check_offered(&wanted.piece.maneuver))
+    }
+
+    /// Refuses a maneuver that has no leg from any heading.
+    fn check_offered(&self, name: &str) -> Result<(), VoyageError> {
+        if self.rehearsed.iter().any(|own| own.name == name) {
+            return Ok(());
+        }
+        let why = self.dropped.iter().find(|dropped| dropped.name == name);
+        let why = why.map_or_else(String::new, |dropped| format!(", {}", dropped.why));
+        Err(VoyageError::NoAnswer(Invalid::new(
+            format!("maneuver `{name}`"),
+            format!("no leg that all who rehearse it end settled{why}"),
+            "a node that every vessel within `safety.parameter_error` recovers to in any unknown current",
+            "raise the tolerances of `approach`, know the parameters better, or shorten the maneuver",
+        )))
+    }
+
+    /// Lets those who failed a leg rehearse it from now on.
+    pub(super) fn learn(
+        &mut self,
+        taught: Vec<(usize, Rehearser)>,
+        search: &Search,
+    ) -> Result<(), VoyageError> {
+        for (leg, who) in taught {
+            let group = self.rehearsed[leg].group;
+            self.groups[group].taught.push(who);
+        }
+        self.rehearse(search)
     }
 
     /// North and east of a pose's node \[m\].
     pub fn node(&self, pose: lattice::Pose) -> [f64; 2] {
         let at = self.grid.pose(pose.i, pose.j, 0);
         [at.x, at.y]
-    }
-
-    /// Clearance to keep for the drift of an unknown current while a leg's maneuver is run open loop \[m\].
-    pub fn drift_margin_m(&self, own: &Rehearsed) -> f64 {
-        let Brief { vessel, task, .. } = &self.brief;
-        task.safety.unknown_current_m_s * own.open_loop() as f64 / vessel.sample_rate_hz
-    }
-}
-
-impl Brief {
-    /// The vessels that rehearse besides the nominal one.
-    fn other_vessels(&self) -> Vec<Vec<f64>> {
-        let some = if self.task.safety.parameter_error > 0.0 { OTHER_VESSELS } else { 0 };
-        (0..some).map(|run| self.drawn("parameter-error", run)).collect()
-    }
-
-    /// Parameters of run `run`, each evenly within the stated error of its nominal value.
-    pub(super) fn drawn(&self, purpose: &str, run: u32) -> Vec<f64> {
-        const STEPS: u32 = 1 << 20;
-        let error = self.task.safety.parameter_error;
-        let off = |draw: u32| 1.0 + error * (2.0 * (f64::from(draw) + 0.5) / f64::from(STEPS) - 1.0);
-        let drawn = Streams::new(self.seed, purpose).choices(run, 0, STEPS, self.vessel.nominal.len());
-        self.vessel.nominal.iter().zip(drawn).map(|(p, draw)| p * off(draw)).collect()
     }
 }

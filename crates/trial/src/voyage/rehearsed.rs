@@ -1,4 +1,4 @@
-//! Every leg, carried out once before the search.
+//! Every leg, carried out before the search by whoever may have to sail it.
 
 use chart::Footprint;
 use rayon::prelude::*;
@@ -6,21 +6,57 @@ use vessel::{Invalid, Pose};
 
 use super::counts::Wanted;
 use super::error::VoyageError;
-use crate::{Astray, Leg, Purpose, Repertoire, Sailed, basic_legs};
+use crate::{Grid, Leg, Outcome, Purpose, Rehearser, Repertoire, Sailed, Settled, Side};
 
-/// A leg, carried out from the origin by the nominal model in the known current.
+/// How far a rehearsed track's corners are apart at most, in raster cells, and how far it turns between them \[rad\].
+const APART: f64 = 0.25;
+const TURNED: f64 = 0.1;
+
+/// A leg that all who rehearsed it end settled.
 #[derive(Clone, Debug)]
 pub struct Rehearsed {
     /// What is carried out.
     pub leg: Leg,
-    /// What is sailed.
+    /// What the nominal model sails in the known current, from the origin.
     pub sailed: Sailed,
-    /// Where it ends.
+    /// Where that ends.
     pub end: Pose,
-    /// Where it leads vessels with other parameters: their poses.
+    /// Where it leads other vessels, in currents that are not known, from wherever legs may end: their poses.
     pub strayed: Vec<Vec<Pose>>,
     /// Name of the action.
     pub name: String,
+    /// Index of the group of legs that it was rehearsed with.
+    pub(super) group: usize,
+}
+
+/// A leg that the search is not offered.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Dropped {
+    /// Name of the action.
+    pub name: String,
+    /// Which way, for a maneuver.
+    pub side: Option<Side>,
+    /// Heading level and mode that it would begin from.
+    pub from: usize,
+    /// Why.
+    pub why: String,
+}
+
+/// Legs that begin alike and are rehearsed together.
+#[derive(Clone, Debug)]
+pub(super) struct Group {
+    level: usize,
+    what: What,
+    /// Who showed in a check that a leg of theirs is not as good as it was thought to be.
+    pub taught: Vec<Rehearser>,
+}
+
+#[derive(Clone, Copy, Debug)]
+enum What {
+    /// The basic moves of a mode.
+    Basic(usize),
+    /// A piece.
+    Informative(usize),
 }
 
 impl Rehearsed {
@@ -39,79 +75,111 @@ impl Rehearsed {
         matches!(self.leg.purpose, Purpose::Informative { .. })
     }
 
+    /// The largest distance between where those who rehearsed it and the nominal vessel are at the same time before the
+    /// recovery \[m\].
+    pub fn spread_m(&self) -> f64 {
+        let open = self.sailed.samples.iter().rposition(|s| s.informative);
+        let Some(own) = open.map(|last| self.sailed.samples[last].pose) else { return 0.0 };
+        let others = self.strayed.iter().filter_map(|track| track.get(open.unwrap_or(0)));
+        others.map(|pose| libm::hypot(pose.x - own.x, pose.y - own.y)).fold(0.0, f64::max)
+    }
+
     /// The area that the hull sweeps, by any of the vessels that rehearsed the leg.
     pub(super) fn footprint(&self, hull: &[[f64; 2]], cell_m: f64) -> Result<Footprint, Invalid> {
         let swept = |poses: &[Pose]| {
-            let poses: Vec<(f64, f64, f64)> = poses.iter().map(|p| (p.y, p.x, p.psi)).collect();
+            let poses: Vec<(f64, f64, f64)> = thinned(poses, cell_m).map(|p| (p.y, p.x, p.psi)).collect();
             Footprint::swept(hull, &poses, cell_m)
         };
-        let nominal = swept(&track(&self.sailed, self.end))?;
-        self.strayed.iter().try_fold(nominal, |whole, poses| Ok(whole.union(&swept(poses)?)))
+        let nominal: Vec<Pose> = self.sailed.samples.iter().map(|s| s.pose).chain([self.end]).collect();
+        self.strayed.iter().try_fold(swept(&nominal)?, |whole, poses| Ok(whole.union(&swept(poses)?)))
     }
 }
 
-/// Carries out every leg of the repertoire by the nominal model, and by each of `others`.
+/// The poses between which a track is straight to a fraction of a raster cell, the last among them.
+fn thinned(poses: &[Pose], cell_m: f64) -> impl Iterator<Item = Pose> {
+    let mut kept: Option<Pose> = None;
+    poses.iter().enumerate().filter_map(move |(index, pose)| {
+        let near = kept.is_some_and(|kept| {
+            libm::hypot(pose.x - kept.x, pose.y - kept.y) < APART * cell_m
+                && (pose.psi - kept.psi).abs() < TURNED
+        });
+        if near && index + 1 < poses.len() {
+            return None;
+        }
+        kept = Some(*pose);
+        kept
+    })
+}
+
+/// The groups of legs of a lattice: from all heading levels, or from those of a quarter turn where all directions of the sea
+/// are alike.
+pub(super) fn groups(repertoire: &Repertoire) -> Vec<Group> {
+    let grid = repertoire.grid;
+    let levels = if repertoire.is_isotropic() { grid.headings / 4 } else { grid.headings };
+    let basic = (0..grid.modes.len()).map(What::Basic);
+    let all = basic.chain((0..repertoire.pieces.len()).map(What::Informative));
+    all.flat_map(|what| (0..levels).map(move |level| Group { level, what, taught: Vec::new() })).collect()
+}
+
+/// Rehearses the legs of every group by `others`, and by those who taught the group.
 pub(super) fn rehearse(
     repertoire: &Repertoire,
+    groups: &[Group],
     wanted: &[Wanted],
-    others: &[Vec<f64>],
+    others: &[Rehearser],
     go_on: &(dyn Fn() -> bool + Sync),
-) -> Result<Vec<Rehearsed>, VoyageError> {
-    let mut legs = basic_legs(repertoire.grid, repertoire.handling);
-    let pieces = (0..wanted.len()).into_par_iter();
-    let informative: Vec<Vec<Leg>> =
-        pieces.map(|piece| in_time(go_on, || repertoire.informative(piece))).collect::<Result<_, _>>()?;
-    legs.extend(informative.into_iter().flatten());
-    let each = others.par_iter().map(|parameters| in_time(go_on, || strays(repertoire, &legs, parameters)));
-    let each: Vec<Vec<Vec<Vec<Pose>>>> = each.collect::<Result<_, VoyageError>>()?;
-    let mut strayed = vec![Vec::new(); legs.len()];
-    for of_vessel in each {
-        strayed.iter_mut().zip(of_vessel).for_each(|(all, own)| all.extend(own));
-    }
-    let one = |(leg, strayed): (Leg, Vec<Vec<Pose>>)| {
-        let (sailed, end) = in_time(go_on, || repertoire.rehearse(&leg))?;
-        let name = match &leg.purpose {
-            Purpose::Basic(name) => name.clone(),
-            Purpose::Informative { piece, .. } => wanted[*piece].piece.maneuver.clone(),
-        };
-        Ok(Rehearsed { leg, sailed, end, strayed, name })
+) -> Result<(Vec<Rehearsed>, Vec<Dropped>), VoyageError> {
+    let outcomes = |group: &Group| {
+        if !go_on() {
+            return Err(VoyageError::OutOfTime("the rehearsal of legs"));
+        }
+        Ok(group.outcomes(repertoire, others)?)
     };
-    legs.into_par_iter().zip(strayed).map(one).collect()
-}
-
-/// What `work` gives, unless the time is over.
-fn in_time<T>(
-    go_on: &(dyn Fn() -> bool + Sync),
-    work: impl Fn() -> Result<T, Invalid>,
-) -> Result<T, VoyageError> {
-    if go_on() { Ok(work()?) } else { Err(VoyageError::OutOfTime("the rehearsal of legs")) }
-}
-
-/// Where every leg leads a vessel with other `parameters`: from its node, and from as far off it as an earlier leg leaves
-/// the vessel. Errors chain: a vessel whose maneuvers end astray begins the next leg there.
-fn strays(repertoire: &Repertoire, legs: &[Leg], parameters: &[f64]) -> Result<Vec<Vec<Vec<Pose>>>, Invalid> {
-    let from_node = |leg| repertoire.rehearse_with(leg, parameters, None);
-    let first = legs.iter().map(from_node).collect::<Result<Vec<_>, _>>()?;
-    let mut worst: Vec<Option<Astray>> = vec![None; repertoire.grid.layers()];
-    for (leg, (sailed, _)) in legs.iter().zip(&first) {
-        let end = repertoire.astray(leg, sailed);
-        let known = &mut worst[leg.to];
-        if end.is_some_and(|end| known.is_none_or(|worst| end.distance_m() > worst.distance_m())) {
-            *known = end;
+    let found: Vec<Vec<Outcome>> = groups.par_iter().map(outcomes).collect::<Result<_, VoyageError>>()?;
+    let name = |purpose: &Purpose| match purpose {
+        Purpose::Basic(name) => name.clone(),
+        Purpose::Informative { piece, .. } => wanted[*piece].piece.maneuver.clone(),
+    };
+    let (mut rehearsed, mut dropped) = (Vec::new(), Vec::new());
+    let quarters = if repertoire.is_isotropic() { 4 } else { 1 };
+    for (group, outcomes) in found.into_iter().enumerate() {
+        for (quarter, outcome) in (0..quarters).flat_map(|q| outcomes.iter().map(move |o| (q, o))) {
+            match outcome {
+                Ok(settled) => {
+                    rehearsed.push(Rehearsed::new(settled, quarter, repertoire.grid, group, &name))
+                }
+                Err(unsettled) => dropped.push(Dropped {
+                    name: name(&unsettled.purpose),
+                    side: unsettled.purpose.side(),
+                    from: repertoire.grid.turned(unsettled.from, quarter),
+                    why: unsettled.why.clone(),
+                }),
+            }
         }
     }
-    let again = |(leg, (sailed, end)): (&Leg, &(Sailed, Pose))| {
-        let mut tracks = vec![track(sailed, *end)];
-        if let Some(start) = &worst[leg.from] {
-            let (sailed, end) = repertoire.rehearse_with(leg, parameters, Some(start))?;
-            tracks.push(track(&sailed, end));
-        }
-        Ok(tracks)
-    };
-    legs.iter().zip(&first).map(again).collect()
+    Ok((rehearsed, dropped))
 }
 
-/// Poses of all samples, and the last.
-fn track(sailed: &Sailed, end: Pose) -> Vec<Pose> {
-    sailed.samples.iter().map(|s| s.pose).chain([end]).collect()
+impl Rehearsed {
+    fn new(
+        settled: &Settled,
+        quarter: usize,
+        grid: &Grid,
+        group: usize,
+        name: &dyn Fn(&Purpose) -> String,
+    ) -> Self {
+        let Settled { leg, sailed, tracks } = settled.turned(quarter, grid);
+        let end = sailed.ends.last().map(|(pose, _)| *pose).unwrap_or_default();
+        Self { name: name(&leg.purpose), leg, sailed, end, strayed: tracks, group }
+    }
+}
+
+impl Group {
+    fn outcomes(&self, repertoire: &Repertoire, others: &[Rehearser]) -> Result<Vec<Outcome>, Invalid> {
+        let all: Vec<Rehearser> = others.iter().chain(&self.taught).cloned().collect();
+        match self.what {
+            What::Basic(mode) => repertoire.basic(self.level, mode, &all),
+            What::Informative(piece) => repertoire.informative(piece, self.level, &all),
+        }
+    }
 }

@@ -1,6 +1,7 @@
 //! The plan in continuous space: sailed, checked against the chart, and what it tells.
 
-use super::check::{Check, Clearance};
+use super::check::{Check, Checked, Checking};
+use super::clearance::Clearance;
 use super::error::VoyageError;
 use super::information::Information;
 use super::prepared::Prepared;
@@ -8,8 +9,13 @@ use super::script::Script;
 use super::search::Search;
 use super::solve::Solved;
 use super::tide::Tide;
-use crate::Sailed;
+use crate::{Rehearser, Sailed};
 use vessel::Invalid;
+
+/// How often a plan is searched before the last one has to do.
+const ROUNDS: u32 = 12;
+/// Who teaches a leg in a round: so many at most, over all legs.
+const PUPILS: usize = 400;
 
 /// A plan as sailed in simulation.
 #[derive(Clone, Debug)]
@@ -26,19 +32,56 @@ pub struct Sailing {
     pub information: Information,
 }
 
+/// One round of search and check.
+struct Round {
+    /// Which one, from 1.
+    number: u32,
+    solved: Solved,
+    sailing: Sailing,
+    /// Steps that broke a margin or missed a tolerance, and who sailed them.
+    taught: Vec<(usize, Rehearser)>,
+}
+
 impl Prepared {
-    /// Sails the plan in continuous space, checks it against the chart and says what it tells.
+    /// Plans and sails until what is proved is what can be sailed: legs that broke a margin or missed a tolerance in a check
+    /// are rehearsed by whoever failed them, too, and the search begins again. Where that leaves no plan, the last one is given if
+    /// `keep_unsafe`; so it is where none passes in many rounds.
     ///
     /// # Errors
-    /// A command that the model cannot hold, a simulation that diverges; no time.
-    pub fn sail(&self, solved: &Solved, search: &Search) -> Result<Sailing, VoyageError> {
+    /// As [`Self::solve`], with what the checks showed; a simulation that diverges; no time.
+    pub fn plan(&mut self, search: &Search, keep_unsafe: bool) -> Result<(Solved, Sailing), VoyageError> {
+        let clearance = Clearance::new(self)?;
+        let mut round = self.round(&clearance, 1, search)?;
+        while !round.taught.is_empty() && round.number < ROUNDS {
+            let Round { sailing, taught, number, .. } = &round;
+            let taught = taught.iter().take(PUPILS);
+            let legs = taught.map(|(step, who)| (sailing.legs[*step], who.clone())).collect();
+            let mut wiser = self.clone();
+            let next = wiser.learn(legs, search).and_then(|()| wiser.round(&clearance, number + 1, search));
+            match next {
+                Ok(next) => {
+                    *self = wiser;
+                    round = next;
+                }
+                Err(_) if keep_unsafe => break,
+                Err(error) => return Err(error.after(*number)),
+            }
+        }
+        Ok((round.solved, round.sailing))
+    }
+
+    /// Searches, sails the plan in continuous space, checks it against the chart and says what it tells.
+    fn round(&self, clearance: &Clearance, number: u32, search: &Search) -> Result<Round, VoyageError> {
+        let solved = self.solve(search)?;
         let legs: Vec<usize> =
             solved.solution.steps.iter().map(|step| solved.moves.leg_of_step(step)).collect();
-        let script = self.script(solved, &legs);
-        let sailed = script.sail(&self.brief.vessel.nominal, [0.0; 2])?;
-        let (check, runs) = Clearance::new(self)?.check(&script, &sailed, &legs, search)?;
+        let script = self.script(&solved, &legs);
+        let sailed = script.sailed(&self.brief.vessel.nominal, [0.0; 2])?;
+        let checking = Checking { script: &script, clearance, legs: &legs, nominal: &sailed, round: number };
+        let Checked { check, tracks, taught } = checking.check(search)?;
         let information = self.information_sailed(&legs, &sailed);
-        Ok(Sailing { legs, sailed, runs, check, information })
+        let sailing = Sailing { legs, sailed, runs: tracks, check, information };
+        Ok(Round { number, solved, sailing, taught })
     }
 
     fn script<'a>(&'a self, solved: &Solved, legs: &[usize]) -> Script<'a> {

@@ -3,7 +3,7 @@
 use vessel::{Invalid, Pose};
 
 use super::prepared::Prepared;
-use crate::{Autopilot, Leg, Sailed, Sample, Ship, sail};
+use crate::{Autopilot, End, Leg, Passing, Sailed, Ship, sail};
 
 /// What is sailed: legs from their nodes (north, east), in order.
 pub(super) struct Script<'a> {
@@ -14,24 +14,43 @@ pub(super) struct Script<'a> {
 }
 
 impl Script<'_> {
-    /// Carried out by a vessel with `parameters` in the known current and `unknown` (north, east).
-    pub(super) fn sail(&self, parameters: &[f64], unknown: [f64; 2]) -> Result<Sailed, Invalid> {
+    /// Carried out by a vessel with `parameters` in the known current and `unknown` (north, east); `record` is told of every
+    /// sample.
+    pub(super) fn sail(
+        &self,
+        parameters: &[f64],
+        unknown: [f64; 2],
+        record: impl FnMut(Passing),
+    ) -> Result<Vec<End>, Invalid> {
         let Prepared { brief, pieces, mirror, .. } = self.prepared;
         let mut ship = self.ship(parameters, unknown);
         let mut autopilot = Autopilot::new(&brief.vessel, &brief.vessel.nominal, brief.task.handling);
         autopilot.known_current_m_s = brief.task.known_current_m_s;
-        sail(self.legs.iter().copied(), pieces, mirror, &mut ship, &mut autopilot)
+        let mirror = mirror.as_deref().unwrap_or_default();
+        sail(self.legs.iter().copied(), pieces, mirror, &mut ship, &mut autopilot, record)
     }
 
-    /// The inputs of a track, sample by sample, without corrections.
-    pub(super) fn repeat(&self, nominal: &Sailed, parameters: &[f64], unknown: [f64; 2]) -> Sailed {
+    /// All that a vessel with `parameters` sails.
+    pub(super) fn sailed(&self, parameters: &[f64], unknown: [f64; 2]) -> Result<Sailed, Invalid> {
+        let mut samples = Vec::new();
+        let ends = self.sail(parameters, unknown, |passing| samples.push(passing.into()))?;
+        Ok(Sailed { samples, ends })
+    }
+
+    /// The inputs of a track, sample by sample, without corrections: `record` is told of every sample.
+    pub(super) fn repeat(
+        &self,
+        nominal: &Sailed,
+        parameters: &[f64],
+        unknown: [f64; 2],
+        mut record: impl FnMut(Passing),
+    ) {
         let mut ship = self.ship(parameters, unknown);
-        let mut sailed = Sailed { samples: Vec::with_capacity(nominal.samples.len()), ends: Vec::new() };
         for sample in &nominal.samples {
-            sailed.samples.push(Sample { pose: ship.pose, state: ship.state, ..sample.clone() });
-            ship.step(&sample.inputs);
+            let (pose, state, inputs) = (ship.pose, ship.state, &sample.inputs[..]);
+            record(Passing { leg: sample.leg, informative: sample.informative, pose, state, inputs });
+            ship.step(inputs);
         }
-        sailed
     }
 
     fn ship<'s>(&'s self, parameters: &[f64], unknown: [f64; 2]) -> Ship<'s> {

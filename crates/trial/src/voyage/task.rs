@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use vessel::{Run, Vessel};
 
 use super::tide::Tide;
-use crate::{Approach, Handling, Mode};
+use crate::{Approach, DerivedHandling, Handling, Mode};
 
 /// What a voyage is planned from.
 #[derive(Clone, Debug)]
@@ -56,6 +56,8 @@ pub struct Task {
     pub known_current_m_s: [f64; 2],
     /// How the vessel is handled between maneuvers.
     pub handling: Handling,
+    /// How it would be, if nobody said anything.
+    pub derived: DerivedHandling,
     /// What comes before and after a maneuver.
     pub approach: Approach,
     /// Speeds that the vessel may have at a node, besides being at rest.
@@ -149,13 +151,12 @@ pub struct Safety {
     /// Relative error that the nominal parameters may have: maneuvers have room for vessels that are off by it.
     #[serde(default)]
     pub parameter_error: f64,
-    /// Simulations of the finished plan with such currents.
-    #[serde(default = "check_runs")]
-    pub runs: u32,
-}
-
-fn check_runs() -> u32 {
-    64
+    /// Simulations of the finished plan with such currents and vessels; as many as `aground_probability` needs without it.
+    pub runs: Option<u32>,
+    /// Vessels that are drawn for them; one per run without it.
+    pub vessels: Option<u32>,
+    /// The check supports that going aground is less probable than this, 95 % confidence.
+    pub aground_probability: Option<f64>,
 }
 
 /// A maneuver to place.

@@ -99,7 +99,7 @@ impl Prepared {
             .par_iter()
             .map(|own| in_time().and_then(|()| Ok(own.footprint(&hull, raster.cell_m)?)))
             .collect::<Result<_, VoyageError>>()?;
-        let (kinds, layer_of_leg) = self.obstacle_kinds(raster.cell_m);
+        let (kinds, layer_of_leg) = self.obstacle_kinds();
         let obstacles: Vec<Obstacles> = kinds
             .par_iter()
             .map(|(depth, margin, maneuvers)| {
@@ -135,16 +135,13 @@ impl Prepared {
         Ok((0..grid.nx * grid.ny).map(node).collect())
     }
 
-    /// The different depths and margins that legs keep, margins of maneuvers in whole raster cells, and whether areas of
-    /// transit only count; and which of them each leg keeps.
-    pub(super) fn obstacle_kinds(&self, raster_m: f64) -> (Vec<(f64, f64, bool)>, Vec<usize>) {
+    /// The different depths and margins that legs keep, and whether areas of transit only count; and which of them each leg
+    /// keeps.
+    pub(super) fn obstacle_kinds(&self) -> (Vec<(f64, f64, bool)>, Vec<usize>) {
         let safety = &self.brief.task.safety;
         let mut kinds: Vec<(f64, f64, bool)> = Vec::new();
         let kind_of = |own: &Rehearsed| match own.is_informative() {
-            true => {
-                let margin = ((safety.margin_m + self.drift_margin_m(own)) / raster_m).ceil() * raster_m;
-                (safety.trial_depth_m, margin, self.chart.has_transit_only())
-            }
+            true => (safety.trial_depth_m, safety.margin_m, self.chart.has_transit_only()),
             false => (safety.transit_depth_m, safety.margin_m, false),
         };
         let of_leg = |own: &Rehearsed| {

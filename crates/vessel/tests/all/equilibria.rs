@@ -43,7 +43,7 @@ fn law_equilibria_are_what_long_simulations_of_propeller_ships_come_to() {
     let without_ranges = PROPELLER.replace("\nrange = ", "\n# ");
     for (text, name) in [(PROPELLER, "ranges"), (&without_ranges, "none"), (ESSO_OSAKA, "Esso Osaka")] {
         let vessel = ship(text);
-        assert_eq!(name != "none", vessel.ranges[0].is_some());
+        assert_eq!(name != "none", vessel.actuators[0].range.is_some());
         for u in [0.15, 0.3, 0.5] {
             for r in [-0.02, -0.005, 0.0, 0.01, 0.025] {
                 comes_to(&vessel, u, r);

@@ -1,5 +1,6 @@
 //! Maneuvers, disturbances and motion.
 
+mod actuators;
 mod compiled;
 mod constraints;
 mod derived;

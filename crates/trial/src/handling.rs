@@ -1,0 +1,272 @@
+use std::ops::RangeInclusive;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use vessel::{Compiled, Invalid, Motion, Steady, Vessel, check_numbers};
+
+use crate::Mode;
+
+/// How the vessel is handled between informative maneuvers.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Handling {
+    /// Largest yaw rate under autopilot \[rad/s\].
+    pub turn_rate_rad_s: f64,
+    /// Speed of repositioning at rest, in surge and sway \[m/s\].
+    pub crawl_m_s: f64,
+    /// Acceleration along a leg that changes speed \[m/s²\].
+    pub acceleration_m_s2: f64,
+    /// Time constant of keeping position, speed and heading \[s\].
+    pub response_s: f64,
+    /// Distance ahead at which a line is aimed at \[m\].
+    pub lookahead_m: f64,
+}
+
+/// As much of it as somebody states; what is left out follows from the vessel.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct StatedHandling {
+    /// See [`Handling::turn_rate_rad_s`].
+    pub turn_rate_rad_s: Option<f64>,
+    /// See [`Handling::crawl_m_s`].
+    pub crawl_m_s: Option<f64>,
+    /// See [`Handling::acceleration_m_s2`].
+    pub acceleration_m_s2: Option<f64>,
+    /// See [`Handling::response_s`].
+    pub response_s: Option<f64>,
+    /// See [`Handling::lookahead_m`].
+    pub lookahead_m: Option<f64>,
+}
+
+/// What the nominal vessel can do at the speeds of its modes under way.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Ability {
+    /// Largest yaw rate that its actuators hold in every mode \[rad/s\]; null where no range bounds it.
+    pub turn_rate_rad_s: Option<f64>,
+    /// How fast it can begin to turn in every mode \[rad/s²\]; null where no range bounds it.
+    pub turn_acceleration_rad_s2: Option<f64>,
+    /// How fast it can gain speed in every mode \[m/s²\]; null where no range bounds it.
+    pub acceleration_m_s2: Option<f64>,
+    /// How fast it can lose speed in every mode \[m/s²\]; null where no range bounds it.
+    pub braking_m_s2: Option<f64>,
+    /// How fast it loses speed with all inputs at zero, in its slowest mode \[m/s²\].
+    pub coasting_m_s2: f64,
+    /// Longest lag of its actuators \[s\].
+    pub lag_s: f64,
+}
+
+/// How a vessel of these abilities is handled where nobody says otherwise.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct DerivedHandling {
+    /// Handling.
+    pub handling: Handling,
+    /// What it follows from.
+    pub ability: Ability,
+}
+
+/// Loops inside of each other, each faster than the one around it: parts of the response time for the course, for speeds,
+/// for the yaw rate and for what the model lacks.
+pub(crate) const COURSE: f64 = 4.0;
+pub(crate) const SPEED: f64 = 4.0;
+pub(crate) const YAW_RATE: f64 = 8.0;
+pub(crate) const MEMORY: f64 = 8.0;
+/// Largest part of an error that is taken back within a sample.
+pub(crate) const MOST_AT_ONCE: f64 = 0.5;
+
+/// Of the largest yaw rate: the rest is for vessels that turn worse than the nominal one.
+const OF_TURN_RATE: f64 = 0.5;
+/// Radius of turns where no range of an actuator bounds them \[lengths\].
+const TURN_LENGTHS: f64 = 4.0;
+/// Way of the slowest mode within the response time \[lengths\].
+const RESPONSE_LENGTHS: f64 = 1.5;
+/// Time for its own length of a vessel that has no mode under way \[s\].
+const AT_REST_LENGTH_S: f64 = 20.0;
+/// Of the slowest mode's speed.
+const OF_SPEED: f64 = 0.2;
+/// Largest yaw rate that is looked for \[rad/s\].
+const FASTEST_TURN_RAD_S: f64 = 2.0;
+/// Halvings of what the largest yaw rate is known to.
+const HALVINGS: usize = 24;
+
+impl Handling {
+    /// Each number with its key, and where it may be.
+    fn numbers(&self) -> [(&'static str, f64, RangeInclusive<f64>); 5] {
+        [
+            ("turn_rate_rad_s", self.turn_rate_rad_s, 1e-4..=10.0),
+            ("crawl_m_s", self.crawl_m_s, 1e-3..=20.0),
+            ("acceleration_m_s2", self.acceleration_m_s2, 1e-5..=100.0),
+            ("response_s", self.response_s, 1e-3..=3600.0),
+            ("lookahead_m", self.lookahead_m, 1e-3..=1e5),
+        ]
+    }
+
+    /// Refuses numbers without meaning, and those with which a leg would last for days: every leg is simulated to its end.
+    ///
+    /// # Errors
+    /// Names the key.
+    pub fn check(&self) -> Result<(), Invalid> {
+        self.numbers().into_iter().try_for_each(|(key, value, range)| {
+            let expected = format!("a number from {} to {}", range.start(), range.end());
+            check_numbers([(format!("handling.{key}"), value)], &expected, |value| range.contains(&value))
+        })
+    }
+}
+
+impl StatedHandling {
+    /// What is left out taken from `derived`, the rest checked against what the vessel can do.
+    ///
+    /// # Errors
+    /// Numbers without meaning, or beyond the vessel: names the key.
+    pub fn completed(&self, derived: &DerivedHandling) -> Result<Handling, Invalid> {
+        let usual = derived.handling;
+        let handling = Handling {
+            turn_rate_rad_s: self.turn_rate_rad_s.unwrap_or(usual.turn_rate_rad_s),
+            crawl_m_s: self.crawl_m_s.unwrap_or(usual.crawl_m_s),
+            acceleration_m_s2: self.acceleration_m_s2.unwrap_or(usual.acceleration_m_s2),
+            response_s: self.response_s.unwrap_or(usual.response_s),
+            lookahead_m: self.lookahead_m.unwrap_or(usual.lookahead_m),
+        };
+        handling.check()?;
+        let Ability { turn_rate_rad_s, acceleration_m_s2, braking_m_s2, .. } = derived.ability;
+        let most = [acceleration_m_s2, braking_m_s2].into_iter().flatten().reduce(f64::min);
+        beyond("turn_rate_rad_s", "rad/s", handling.turn_rate_rad_s, turn_rate_rad_s)?;
+        beyond("acceleration_m_s2", "m/s^2", handling.acceleration_m_s2, most)?;
+        Ok(handling)
+    }
+}
+
+/// Refuses more than the vessel can do.
+fn beyond(key: &str, unit: &str, value: f64, most: Option<f64>) -> Result<(), Invalid> {
+    match most.filter(|most| value > *most) {
+        None => Ok(()),
+        Some(most) => Err(Invalid::new(
+            format!("`handling.{key}`"),
+            format!("{value} {unit}"),
+            format!(
+                "at most {most:.3} {unit}, which the nominal vessel does within the `range` of its inputs"
+            ),
+            "lower it, or leave it out",
+        )),
+    }
+}
+
+impl DerivedHandling {
+    /// Of the nominal `vessel`, which is `length_m` long, at the speeds of `modes`.
+    ///
+    /// # Errors
+    /// A vessel that cannot be steered in a mode under way.
+    pub fn of(vessel: &Vessel, modes: &[Mode], length_m: f64) -> Result<Self, Invalid> {
+        let under_way = modes.iter().map(|mode| mode.speed_m_s).filter(|speed| *speed > 0.0);
+        let slowest = under_way.clone().reduce(f64::min).unwrap_or(length_m / AT_REST_LENGTH_S);
+        let fastest = under_way.clone().reduce(f64::max).unwrap_or(slowest);
+        let ability = Ability::of(vessel, under_way, slowest)?;
+        let turn_rate_rad_s =
+            ability.turn_rate_rad_s.map_or(slowest / (TURN_LENGTHS * length_m), |most| OF_TURN_RATE * most);
+        let reversed = ability.turn_acceleration_rad_s2.map_or(0.0, |most| turn_rate_rad_s / most);
+        let samples_s = YAW_RATE / (MOST_AT_ONCE * vessel.sample_rate_hz);
+        let slow = [RESPONSE_LENGTHS * length_m / slowest, YAW_RATE * reversed, YAW_RATE * ability.lag_s];
+        let response_s = slow.into_iter().fold(samples_s, f64::max);
+        let able = [ability.acceleration_m_s2, ability.braking_m_s2].into_iter().flatten();
+        let acceleration_m_s2 = able.map(|most| 0.5 * most).fold(ability.coasting_m_s2, f64::min);
+        let handling = Handling {
+            turn_rate_rad_s,
+            crawl_m_s: OF_SPEED * slowest,
+            acceleration_m_s2,
+            response_s,
+            // Errors across a line die out without swinging at the fastest mode, and faster at others.
+            lookahead_m: fastest * response_s,
+        };
+        Ok(Self { handling, ability })
+    }
+}
+
+impl Ability {
+    fn of(vessel: &Vessel, speeds: impl Iterator<Item = f64>, slowest: f64) -> Result<Self, Invalid> {
+        let mut own = Self {
+            turn_rate_rad_s: None,
+            turn_acceleration_rad_s2: None,
+            acceleration_m_s2: None,
+            braking_m_s2: None,
+            coasting_m_s2: -gains(vessel, slowest, &vec![0.0; vessel.model.inputs])[0],
+            lag_s: vessel.actuators.iter().map(|own| own.lag_s).fold(0.0, f64::max),
+        };
+        let least = |known: &mut Option<f64>, new: Option<f64>| {
+            *known = [*known, new].into_iter().flatten().reduce(f64::min);
+        };
+        for speed in speeds {
+            let mut steady = Steady::new(vessel, &vessel.nominal);
+            let straight = held(vessel, &mut steady, speed, 0.0)?;
+            let [gain, loss, turn] = extremes(vessel, speed, &straight);
+            least(&mut own.acceleration_m_s2, gain);
+            least(&mut own.braking_m_s2, loss);
+            least(&mut own.turn_acceleration_rad_s2, turn);
+            least(&mut own.turn_rate_rad_s, largest_turn(vessel, &mut steady, speed));
+        }
+        Ok(own)
+    }
+}
+
+/// The inputs that hold a speed and a yaw rate within the actuators' ranges.
+fn held(vessel: &Vessel, steady: &mut Steady, speed: f64, turn: f64) -> Result<Vec<f64>, Invalid> {
+    let mut unknowns = vec![0.0; vessel.model.inputs + 1];
+    steady.solve(Motion { u: speed, v: None, r: turn }, &mut unknowns)?;
+    unknowns.truncate(vessel.model.inputs);
+    match vessel.beyond_range(&unknowns) {
+        None => Ok(unknowns),
+        Some((input, [low, high])) => {
+            let name = &vessel.model.input_variables()[input].name;
+            Err(Invalid::new(
+                format!("speed of {speed} m/s straight ahead"),
+                format!("`{name}` = {:.4}", unknowns[input]),
+                format!("{low} to {high}, its `range`"),
+                "correct the [[speed_mode]], or the range in vessel.toml",
+            ))
+        }
+    }
+}
+
+/// The largest yaw rate that can be held at a speed; `None` where none is too large.
+fn largest_turn(vessel: &Vessel, steady: &mut Steady, speed: f64) -> Option<f64> {
+    let (mut low, mut high) = (0.0, FASTEST_TURN_RAD_S);
+    if vessel.actuators.iter().all(|own| own.range.is_none()) || held(vessel, steady, speed, high).is_ok() {
+        return None;
+    }
+    for _ in 0..HALVINGS {
+        let middle = 0.5 * (low + high);
+        match held(vessel, steady, speed, middle) {
+            Ok(_) => low = middle,
+            Err(_) => high = middle,
+        }
+    }
+    Some(low)
+}
+
+/// The largest gain and loss of speed and the largest gain of yaw rate, either way the smaller one, that an input can bring
+/// about from where the vessel goes straight ahead \[per s\].
+fn extremes(vessel: &Vessel, speed: f64, straight: &[f64]) -> [Option<f64>; 3] {
+    let mut found = [None; 4];
+    for (input, actuator) in vessel.actuators.iter().enumerate() {
+        for end in actuator.range.into_iter().flatten() {
+            let mut inputs = straight.to_vec();
+            inputs[input] = end;
+            let [u, _, r] = gains(vessel, speed, &inputs);
+            for (best, gain) in found.iter_mut().zip([u, -u, r, -r]) {
+                *best = Some(best.map_or(gain, |known: f64| known.max(gain)));
+            }
+        }
+    }
+    let [gain, loss, starboard, port] = found;
+    [gain, loss, starboard.into_iter().chain(port).reduce(f64::min)]
+}
+
+/// What u, v and r gain in a second, straight ahead.
+fn gains(vessel: &Vessel, speed: f64, inputs: &[f64]) -> [f64; 3] {
+    let mut exogenous = vec![0.0; vessel.model.exogenous()];
+    exogenous[..inputs.len()].copy_from_slice(inputs);
+    vessel.model.complete(&mut exogenous);
+    let mut model = Compiled::new(&vessel.model, &vessel.nominal);
+    model.look([speed, 0.0, 0.0], &exogenous, None);
+    model.increments().map(|gain| gain * vessel.sample_rate_hz)
+}

@@ -1,0 +1,179 @@
+use vessel::{Compiled, Invalid, Motion, Steady, Vessel};
+
+/// Most steps of Newton's method per sample; a model that is linear in its inputs needs one.
+const STEPS: usize = 5;
+/// A residual below this part of a metre per second (or radian) in a sample is none.
+const SMALL: f64 = 1e-9;
+/// Largest part of what a model was seen to lack that is believed within a sample.
+const MOST_BELIEVED: f64 = 0.3;
+
+/// Inputs that give a vessel the accelerations it is asked for, by a model of it and by what that model was seen to lack:
+/// dynamic inversion with a disturbance observer. Errors of parameters and currents that nobody knows are not told
+/// apart: both show as gains of u, v and r that the model does not explain.
+#[derive(Clone, Debug)]
+pub(crate) struct Inversion<'a> {
+    vessel: &'a Vessel,
+    model: Compiled<'a, f64>,
+    steady: Steady<'a>,
+    /// Inputs, then measured disturbances and derived channels.
+    exogenous: Vec<f64>,
+    gradients: Vec<[f64; 3]>,
+    /// What was asked of the actuators last; empty before the first time.
+    last: Vec<f64>,
+    /// Gains of u, v, r in a sample that the model does not explain.
+    pub unexplained: [f64; 3],
+    /// Part of a new one that is believed.
+    believed: f64,
+}
+
+/// Gains in a sample that are wanted; sway may be left to what comes with the turn.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Gains {
+    pub u: f64,
+    pub v: f64,
+    /// Whether sway is wanted even where inputs have to leave their couplings for it.
+    pub sway: bool,
+    pub r: f64,
+}
+
+impl<'a> Inversion<'a> {
+    /// By `parameters`; what the model lacks is known after about `memory_s`.
+    pub fn new(vessel: &'a Vessel, parameters: &[f64], memory_s: f64) -> Self {
+        Self {
+            vessel,
+            model: Compiled::new(&vessel.model, parameters),
+            steady: Steady::new(vessel, parameters),
+            exogenous: vec![0.0; vessel.model.exogenous()],
+            gradients: vec![[0.0; 3]; vessel.model.variables.len()],
+            last: Vec::new(),
+            unexplained: [0.0; 3],
+            believed: (1.0 / (memory_s * vessel.sample_rate_hz)).min(MOST_BELIEVED),
+        }
+    }
+
+    /// The inputs that give `wanted` at `state`, in a known current of body components `current`.
+    ///
+    /// # Errors
+    /// A vessel without the inputs to command surge, yaw and, where wanted, sway.
+    pub fn inputs(&mut self, state: [f64; 3], current: [f64; 2], wanted: &Gains) -> Result<&[f64], Invalid> {
+        if self.last.is_empty() {
+            self.begin(state, current, wanted.sway)?;
+        }
+        let free = self.free(wanted.sway);
+        for _ in 0..STEPS {
+            let rows = self.linearised(state, current, wanted, &free);
+            if rows.iter().all(|row| row[3].abs() <= SMALL) || !self.corrected(&free, solved(rows)) {
+                break;
+            }
+        }
+        Ok(&self.last)
+    }
+
+    /// Begins with inputs that hold the vessel as it is; fails where the inputs do not command it.
+    fn begin(&mut self, state: [f64; 3], current: [f64; 2], sway: bool) -> Result<(), Invalid> {
+        let inputs = self.vessel.model.inputs;
+        let mut unknowns = vec![0.0; inputs + 1];
+        let motion = Motion { u: state[0] - current[0], v: sway.then_some(0.0), r: 0.0 };
+        self.steady.solve(motion, &mut unknowns)?;
+        unknowns.truncate(inputs);
+        self.last = unknowns;
+        Ok(())
+    }
+
+    /// The inputs that are set freely: at most three.
+    fn free(&self, sway: bool) -> Vec<usize> {
+        let leads = |i: &usize| sway || self.vessel.couplings[*i].is_none();
+        (0..self.vessel.model.inputs).filter(leads).take(3).collect()
+    }
+
+    /// Rows \[slopes by the free inputs | what is missing\] of surge, sway and yaw; sway is left out where two inputs command
+    /// the vessel.
+    fn linearised(
+        &mut self,
+        state: [f64; 3],
+        current: [f64; 2],
+        wanted: &Gains,
+        free: &[usize],
+    ) -> [[f64; 4]; 3] {
+        self.look(state, current, None);
+        self.model.gradients(&mut self.gradients);
+        self.vessel.model.by_sources(&self.exogenous, &mut self.gradients);
+        let increments = self.model.increments();
+        let gains = [wanted.u, wanted.v, wanted.r];
+        let mut rows = [[0.0; 4]; 3];
+        for d in (0..3).filter(|d| *d != 1 || free.len() == 3) {
+            for (slope, leader) in rows[d].iter_mut().zip(free) {
+                *slope = self.slope(d, *leader, wanted.sway);
+            }
+            rows[d][3] = gains[d] - increments[d] - self.unexplained[d];
+        }
+        rows
+    }
+
+    /// Slope of degree of freedom `d` by input `leader`, with the inputs that follow it.
+    fn slope(&self, d: usize, leader: usize, alone: bool) -> f64 {
+        let own = self.gradients[3 + leader][d];
+        let follows = |(i, coupling): (usize, &Option<(usize, f64)>)| match coupling {
+            Some((of, factor)) if *of == leader && !alone => Some(factor * self.gradients[3 + i][d]),
+            _ => None,
+        };
+        own + self.vessel.couplings.iter().enumerate().filter_map(follows).sum::<f64>()
+    }
+
+    /// Changes the inputs as far as their ranges allow; whether that changed anything.
+    fn corrected(&mut self, free: &[usize], changes: [f64; 3]) -> bool {
+        let mut changed = false;
+        for (i, change) in free.iter().zip(changes) {
+            let before = self.last[*i];
+            let after = self.vessel.actuators[*i]
+                .range
+                .map_or(before + change, |[low, high]| (before + change).clamp(low, high));
+            changed |= (after - before).abs() > 1e-12 * after.abs();
+            self.last[*i] = after;
+        }
+        if free.len() < self.last.len() {
+            for (i, coupling) in self.vessel.couplings.iter().enumerate() {
+                if let Some((leader, factor)) = coupling {
+                    self.last[i] = factor * self.last[*leader];
+                }
+            }
+        }
+        changed
+    }
+
+    fn look(&mut self, state: [f64; 3], current: [f64; 2], inputs: Option<&[f64]>) {
+        let inputs = inputs.unwrap_or(&self.last);
+        self.exogenous.iter_mut().zip(inputs).for_each(|(to, from)| *to = *from);
+        self.vessel.model.complete(&mut self.exogenous);
+        self.model.look(state, &self.exogenous, Some(current));
+    }
+
+    /// Learns from a sample: `before` became `after` under `inputs`.
+    pub fn observe(&mut self, before: [f64; 3], inputs: &[f64], current: [f64; 2], after: [f64; 3]) {
+        self.look(before, current, Some(inputs));
+        let increments = self.model.increments();
+        for d in 0..3 {
+            let lacking = after[d] - before[d] - increments[d] - self.unexplained[d];
+            self.unexplained[d] += self.believed * lacking;
+        }
+    }
+}
+
+/// What solves rows \[A | b\], by elimination; unknowns without a slope stay as they are.
+fn solved(mut rows: [[f64; 4]; 3]) -> [f64; 3] {
+    let mut used = [false; 3];
+    let mut pivots = [None; 3];
+    for column in 0..3 {
+        let open = (0..3).filter(|row| !used[*row]);
+        let best = open.max_by(|a, b| rows[*a][column].abs().total_cmp(&rows[*b][column].abs()));
+        let Some(row) = best.filter(|row| rows[*row][column].abs() > 1e-15) else { continue };
+        used[row] = true;
+        pivots[column] = Some(row);
+        let own = rows[row];
+        for other in (0..3).filter(|other| *other != row) {
+            let factor = rows[other][column] / own[column];
+            rows[other].iter_mut().zip(own).for_each(|(to, from)| *to -= factor * from);
+        }
+    }
+    [0, 1, 2].map(|column| pivots[column].map_or(0.0, |row: usize| rows[row][3] / rows[row][column]))
+}

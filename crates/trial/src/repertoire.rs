@@ -1,0 +1,169 @@
+use vessel::{Invalid, Pose, Vessel};
+
+use crate::leg::turned;
+use crate::rehearser::Underway;
+use crate::sail::End;
+use crate::{
+    Astray, Grid, Handling, Leg, Piece, Purpose, Rehearser, Sailed, Tolerance, Used, basic_moves, sail,
+};
+
+/// What comes before and after an informative maneuver.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Approach {
+    /// Steady approach at the maneuver's initial speed, with zero yaw rate \[s\].
+    pub run_in_s: f64,
+    /// What legs end within, and maneuvers begin within.
+    pub tolerance: Tolerance,
+}
+
+/// Everything that legs are made from.
+#[derive(Clone, Debug)]
+pub struct Repertoire<'a> {
+    /// The vessel; its nominal parameters count.
+    pub vessel: &'a Vessel,
+    /// The lattice.
+    pub grid: &'a Grid,
+    /// How the vessel is handled.
+    pub handling: &'a Handling,
+    /// What comes before and after a maneuver.
+    pub approach: &'a Approach,
+    /// Pieces of maneuvers.
+    pub pieces: &'a [Piece],
+    /// Signs of the inputs that run a piece to the other side, where the vessel has a mirror image.
+    pub mirror: Option<&'a [f64]>,
+    /// North and east components of the known mean current \[m/s\].
+    pub mean_current_m_s: [f64; 2],
+}
+
+/// A leg that all who rehearsed it end settled at its node.
+#[derive(Clone, Debug)]
+pub struct Settled {
+    /// What is carried out.
+    pub leg: Leg,
+    /// From its node by the nominal vessel.
+    pub sailed: Sailed,
+    /// Where it leads those who rehearsed it: their poses.
+    pub tracks: Vec<Vec<Pose>>,
+}
+
+/// A leg that cannot be offered.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Unsettled {
+    /// Heading level and mode that it begins from.
+    pub from: usize,
+    /// Name of the basic move or the piece.
+    pub purpose: Purpose,
+    /// What the best that was tried leaves, and by whom.
+    pub why: String,
+}
+
+/// What rehearsals of a leg come to.
+pub type Outcome = Result<Settled, Unsettled>;
+
+impl Settled {
+    /// The same leg turned to port by quarter turns.
+    pub fn turned(&self, quarters: usize, grid: &Grid) -> Self {
+        let pose = |pose: &Pose| {
+            let [x, y] = turned([pose.x, pose.y], quarters);
+            Pose { x, y, psi: pose.psi - quarters as f64 * std::f64::consts::FRAC_PI_2 }
+        };
+        let mut sailed = self.sailed.clone();
+        sailed.samples.iter_mut().for_each(|sample| sample.pose = pose(&sample.pose));
+        sailed.ends.iter_mut().for_each(|end| end.0 = pose(&end.0));
+        let tracks = self.tracks.iter().map(|track| track.iter().map(pose).collect()).collect();
+        Self { leg: self.leg.turned(quarters, grid), sailed, tracks }
+    }
+}
+
+impl Repertoire<'_> {
+    /// The basic moves from a heading level and mode, each the shortest that `others` end settled.
+    ///
+    /// # Errors
+    /// As [`sail`].
+    pub fn basic(&self, level: usize, mode: usize, others: &[Rehearser]) -> Result<Vec<Outcome>, Invalid> {
+        let moves = basic_moves(self.grid, self.handling, level, mode);
+        moves.into_iter().filter(|legs| !legs.is_empty()).map(|legs| self.shortest(legs, others)).collect()
+    }
+
+    /// The first of `legs` that all end settled.
+    fn shortest(&self, legs: Vec<Leg>, others: &[Rehearser]) -> Result<Outcome, Invalid> {
+        let from = (legs[0].from, legs[0].purpose.clone());
+        let mut best = Used { part: f64::INFINITY, of: "position" };
+        for leg in legs {
+            let begun = |who: Option<&Rehearser>| self.underway(leg.from, who);
+            match self.all_settle(&leg, begun, others)? {
+                Ok(settled) => return Ok(Ok(settled)),
+                Err(used) if used.part < best.part => best = used,
+                Err(_) => {}
+            }
+        }
+        Ok(Err(Unsettled { from: from.0, purpose: from.1, why: best.to_string() }))
+    }
+
+    /// Whether the nominal vessel and `others` end `leg` settled; if not, by whom most of the tolerance is used.
+    fn all_settle<'s>(
+        &'s self,
+        leg: &Leg,
+        begun: impl Fn(Option<&Rehearser>) -> Result<Underway<'s>, Invalid>,
+        others: &[Rehearser],
+    ) -> Result<Result<Settled, Used>, Invalid> {
+        let mut nominal = begun(None)?;
+        let sailed = self.sailed(leg, &mut nominal)?;
+        let used = self.used(leg, sailed.ends.last());
+        if used.part > 1.0 {
+            return Ok(Err(used));
+        }
+        let mut tracks = Vec::with_capacity(others.len());
+        for who in others {
+            let mut underway = begun(Some(who))?;
+            let (poses, end) = self.track(leg, &mut underway)?;
+            let used = self.used(leg, Some(&end));
+            if used.part > 1.0 {
+                return Ok(Err(used));
+            }
+            tracks.push(poses);
+        }
+        Ok(Ok(Settled { leg: leg.clone(), sailed, tracks }))
+    }
+
+    /// What a vessel sails on `leg`.
+    pub(crate) fn sailed(&self, leg: &Leg, underway: &mut Underway) -> Result<Sailed, Invalid> {
+        let Underway { ship, autopilot } = underway;
+        Sailed::of([([0.0; 2], leg)], self.pieces, self.mirror.unwrap_or(&[]), ship, autopilot)
+    }
+
+    /// Its poses, and where it ends.
+    pub(crate) fn track(&self, leg: &Leg, underway: &mut Underway) -> Result<(Vec<Pose>, End), Invalid> {
+        let Underway { ship, autopilot } = underway;
+        let mut poses = Vec::new();
+        let mirror = self.mirror.unwrap_or(&[]);
+        sail([([0.0; 2], leg)], self.pieces, mirror, ship, autopilot, |sample| poses.push(sample.pose))?;
+        poses.push(ship.pose);
+        Ok((poses, (ship.pose, ship.state)))
+    }
+
+    /// What of the tolerance of rehearsals is used where `leg` ends.
+    pub(crate) fn used(&self, leg: &Leg, end: Option<&End>) -> Used {
+        let Some((pose, state)) = end else { return Used { part: f64::INFINITY, of: "position" } };
+        let tolerance = self.approach.tolerance.ended();
+        self.used_at(&tolerance, leg.to, self.grid.displacement(leg.di, leg.dj), (*pose, *state))
+    }
+
+    /// What of a tolerance a vessel uses at a node in `layer`.
+    pub(crate) fn used_at(
+        &self,
+        tolerance: &Tolerance,
+        layer: usize,
+        node: [f64; 2],
+        (pose, state): End,
+    ) -> Used {
+        let (level, mode) = self.grid.level_and_mode(layer);
+        let (heading, speed) = (self.grid.heading_rad(level), self.grid.modes[mode].speed_m_s);
+        tolerance.used(&Astray::of(pose, state, node), heading, speed)
+    }
+
+    /// Whether all directions of the sea are alike.
+    pub fn is_isotropic(&self) -> bool {
+        self.mean_current_m_s == [0.0; 2]
+    }
+}

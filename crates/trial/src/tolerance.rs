@@ -1,0 +1,96 @@
+use std::fmt;
+
+use vessel::Pose;
+
+use crate::grid::wrap;
+
+/// How far from its node, and from being settled there, a leg may end. Nodes of all legs have the same, so legs that
+/// end within it from anywhere within it can follow each other: errors do not grow.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tolerance {
+    /// Distance from the node \[m\].
+    pub distance_m: f64,
+    /// Difference from the level's heading \[rad\].
+    pub heading_rad: f64,
+    /// Difference from the mode's speed \[m/s\].
+    pub surge_m_s: f64,
+    /// Sway speed over the ground \[m/s\].
+    pub sway_m_s: f64,
+    /// Yaw rate \[rad/s\].
+    pub yaw_rate_rad_s: f64,
+}
+
+/// A vessel that is not quite at a node.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Astray {
+    /// Where it is, from the node (north, east), and its heading.
+    pub pose: Pose,
+    /// u, v \[m/s\], r \[rad/s\].
+    pub state: [f64; 3],
+}
+
+impl Astray {
+    /// A vessel seen from `node`.
+    pub fn of(pose: Pose, state: [f64; 3], [north, east]: [f64; 2]) -> Self {
+        Self { pose: Pose { x: pose.x - north, y: pose.y - east, ..pose }, state }
+    }
+
+    /// Distance from the node \[m\].
+    pub fn distance_m(&self) -> f64 {
+        libm::hypot(self.pose.x, self.pose.y)
+    }
+}
+
+/// The part of a tolerance that is used up, and which one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Used {
+    /// 1 is all of it.
+    pub part: f64,
+    /// Of what, in words.
+    pub of: &'static str,
+}
+
+impl fmt::Display for Used {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} {:.1} times its tolerance", self.of, self.part)
+    }
+}
+
+/// Of the tolerance: how near its node a rehearsed leg ends at least, and from how far off others begin; and how far off in
+/// heading, speed and yaw rate they begin.
+const NEAR: f64 = 0.25;
+const BEGUN: f64 = 0.5;
+
+impl Tolerance {
+    /// What rehearsals end within: nearer than what is asked for, so that what they did not see still keeps the tolerance.
+    #[must_use]
+    pub fn ended(&self) -> Self {
+        Self { distance_m: NEAR * self.distance_m, ..*self }
+    }
+
+    /// What rehearsals begin within.
+    #[must_use]
+    pub fn begun(&self) -> Self {
+        let Self { heading_rad, surge_m_s, yaw_rate_rad_s, .. } = *self;
+        Self {
+            heading_rad: BEGUN * heading_rad,
+            surge_m_s: BEGUN * surge_m_s,
+            yaw_rate_rad_s: BEGUN * yaw_rate_rad_s,
+            ..self.ended()
+        }
+    }
+
+    /// What a vessel at a node of `heading_rad` and `speed_m_s` uses most of.
+    pub fn used(&self, vessel: &Astray, heading_rad: f64, speed_m_s: f64) -> Used {
+        let [u, v, r] = vessel.state;
+        let parts = [
+            ("position", vessel.distance_m() / self.distance_m),
+            ("heading", wrap(vessel.pose.psi - heading_rad).abs() / self.heading_rad),
+            ("speed", (u - speed_m_s).abs() / self.surge_m_s),
+            ("sway", v.abs() / self.sway_m_s),
+            ("yaw rate", r.abs() / self.yaw_rate_rad_s),
+        ];
+        let most = parts.into_iter().max_by(|a, b| a.1.total_cmp(&b.1));
+        most.map_or(Used { part: f64::INFINITY, of: "position" }, |(of, part)| Used { part, of })
+    }
+}

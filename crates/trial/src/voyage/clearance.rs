@@ -1,0 +1,98 @@
+//! How near the hull comes to what is charted as an obstacle, in continuous space.
+
+use chart::{Bounds, Invalid, Obstacles, Raster};
+use vessel::Pose;
+
+use super::prepared::Prepared;
+
+/// How far beyond the lattice a hull's clearance is still measured \[m\]. The chart is read farther than that.
+const BEYOND_M: f64 = 500.0;
+/// Raster cells that distances are measured on, at most, unless the lattice's own raster has more.
+const MOST_CELLS: f64 = 4e6;
+/// Cells of that raster per cell of the lattice's raster, at most.
+const FINEST: u32 = 8;
+
+/// Distance of the hull from obstacles.
+pub(super) struct Clearance {
+    /// Outline about the reference point, x forward, y to starboard \[m\], with the middles of its sides.
+    outline: Vec<[f64; 2]>,
+    /// Farthest that any of it is from the reference point \[m\].
+    radius_m: f64,
+    /// In transit.
+    transit: Obstacles,
+    /// In informative maneuvers.
+    trial: Obstacles,
+    /// The lattice's area.
+    area: Bounds,
+    /// As far as distances are measured \[m\].
+    pub sight_m: f64,
+}
+
+/// What a track came to.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Passage {
+    /// Least distance from obstacles; 0 where the chart was not read \[m\].
+    pub clearance_m: f64,
+    /// Whether the hull left the lattice's area.
+    pub left_area: bool,
+}
+
+impl Passage {
+    /// Of both.
+    pub(super) fn and(self, other: &Self) -> Self {
+        Self {
+            clearance_m: self.clearance_m.min(other.clearance_m),
+            left_area: self.left_area || other.left_area,
+        }
+    }
+}
+
+impl Clearance {
+    /// Rasters of the chart around the lattice, finer than those of the search.
+    pub(super) fn new(prepared: &Prepared) -> Result<Self, Invalid> {
+        let task = &prepared.brief.task;
+        let own = task.raster(&prepared.grid);
+        let sight_m = BEYOND_M + task.safety.margin_m;
+        let area = own.bounds();
+        let raster = fine(&area.grown(BEYOND_M), own.cell_m, sight_m)?;
+        let corners = task.hull.outline();
+        let between = |(a, b): (&[f64; 2], &[f64; 2])| [*a, [(a[0] + b[0]) / 2.0, (a[1] + b[1]) / 2.0]];
+        let outline: Vec<[f64; 2]> =
+            corners.iter().zip(corners.iter().cycle().skip(1)).flat_map(between).collect();
+        let radius_m = outline.iter().map(|[x, y]| libm::hypot(*x, *y)).fold(0.0, f64::max);
+        let transit = Obstacles::in_transit(&prepared.chart, raster, task.safety.transit_depth_m, sight_m)?;
+        let trial = Obstacles::new(&prepared.chart, raster, task.safety.trial_depth_m, sight_m)?;
+        Ok(Self { outline, radius_m, transit, trial, area, sight_m })
+    }
+
+    /// A passage that has seen nothing yet.
+    pub(super) fn open(&self) -> Passage {
+        Passage { clearance_m: self.sight_m, left_area: false }
+    }
+
+    /// Of the hull at a sample, added to `passage`.
+    pub(super) fn add(&self, passage: &mut Passage, pose: Pose, informative: bool) {
+        let obstacles = if informative { &self.trial } else { &self.transit };
+        // Where the reference point is farther off than the hull reaches, no corner counts.
+        let far = obstacles.distance_m(pose.y, pose.x) - self.radius_m - 2.0 * obstacles.raster().cell_m;
+        let inside = self.area.grown(-self.radius_m).contains([pose.y, pose.x]);
+        if far > passage.clearance_m && (inside || passage.left_area) {
+            return;
+        }
+        let (sin, cos) = libm::sincos(pose.psi);
+        for [x, y] in &self.outline {
+            let place = [pose.y + x * sin + y * cos, pose.x + x * cos - y * sin];
+            passage.clearance_m = passage.clearance_m.min(obstacles.distance_m(place[0], place[1]));
+            passage.left_area |= !self.area.contains(place);
+        }
+    }
+}
+
+/// The finest raster over `bounds`, of whole parts of `cell_m`, that still has a sensible number of cells `around_m` included.
+fn fine(bounds: &Bounds, cell_m: f64, around_m: f64) -> Result<Raster, Invalid> {
+    let wide = bounds.grown(around_m);
+    let cells =
+        |parts: u32| (0..2).map(|k| (wide.max[k] - wide.min[k]) / cell_m * f64::from(parts)).product::<f64>();
+    let parts = (2..=FINEST).rev().find(|parts| cells(*parts) <= MOST_CELLS).unwrap_or(1);
+    Raster::covering(bounds, cell_m / f64::from(parts))
+}
