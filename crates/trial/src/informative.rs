@@ -1,7 +1,7 @@
 use vessel::{Invalid, Pose};
 
 use crate::grid::{around, wrap};
-use crate::rehearser::Underway;
+use crate::rehearser::{Crew, Underway};
 use crate::repertoire::{Outcome, Settled, Unsettled};
 use crate::{Leg, Phase, Piece, Purpose, Rehearser, Repertoire, Sailed, Side, Used};
 
@@ -23,11 +23,12 @@ impl Repertoire<'_> {
         level: usize,
         others: &[Rehearser],
     ) -> Result<Vec<Outcome>, Invalid> {
-        let search = Search { repertoire: self, index, others };
-        let mode = search.mode()?;
+        let from = self.grid.layer(level, self.mode_of(index)?);
+        let search = Search { repertoire: self, index, from };
+        let mut crew = self.crew(from, others)?;
         let mirrored = (self.mirror.is_some() && !search.is_straight()).then_some(Side::Mirrored);
         let sides = [Side::AsDesigned].into_iter().chain(mirrored);
-        sides.map(|side| search.leg(level, mode, side)).collect()
+        sides.map(|side| search.leg(side, &mut crew)).collect()
     }
 
     /// The mode that piece `index` begins in.
@@ -35,22 +36,50 @@ impl Repertoire<'_> {
     /// # Errors
     /// No mode has the piece's speed.
     pub fn mode_of(&self, index: usize) -> Result<usize, Invalid> {
-        Search { repertoire: self, index, others: &[] }.mode()
+        let Piece { maneuver, speed_m_s: speed, .. } = &self.pieces[index];
+        let off = |m: usize| (self.grid.modes[m].speed_m_s - speed).abs();
+        match self.grid.nearest_mode(*speed) {
+            Some(mode) if off(mode) <= 0.05 * speed + 1e-9 => Ok(mode),
+            _ => {
+                let names = self.grid.modes.iter().map(|m| format!("`{}` {} m/s", m.name, m.speed_m_s));
+                Err(Invalid::new(
+                    format!("maneuver `{maneuver}`"),
+                    format!("a start at {speed} m/s"),
+                    format!("the speed of a mode: {}", names.collect::<Vec<_>>().join(", ")),
+                    "add a [[speed_mode]] with that speed",
+                ))
+            }
+        }
     }
 }
 
 struct Search<'a> {
     repertoire: &'a Repertoire<'a>,
+    /// Of the piece.
     index: usize,
-    others: &'a [Rehearser],
+    /// Layer that it begins in.
+    from: usize,
 }
 
-/// A maneuver that has been run by the nominal vessel (first) and all others, before its recovery.
+/// A maneuver that has been run by all, before its recovery.
 struct Run<'a> {
     leg: Leg,
     sailed: Sailed,
-    ends: Vec<Underway<'a>>,
+    crew: Crew<'a>,
     tracks: Vec<Vec<Pose>>,
+}
+
+impl Run<'_> {
+    /// With what all sailed to recover.
+    fn with(self, recovered: Settled) -> Settled {
+        let Self { mut leg, mut sailed, mut tracks, .. } = self;
+        let Settled { leg: Leg { di, dj, to, phases, .. }, sailed: last, tracks: lasts } = recovered;
+        sailed.samples.extend(last.samples);
+        sailed.ends = last.ends;
+        tracks.iter_mut().zip(lasts).for_each(|(track, last)| track.extend(last));
+        leg.phases.extend(phases);
+        Settled { leg: Leg { di, dj, to, ..leg }, sailed, tracks }
+    }
 }
 
 /// A node to recover to.
@@ -68,24 +97,6 @@ impl Search<'_> {
         &self.repertoire.pieces[self.index]
     }
 
-    /// The mode with the piece's initial speed.
-    fn mode(&self) -> Result<usize, Invalid> {
-        let (grid, speed) = (self.repertoire.grid, self.piece().speed_m_s);
-        let off = |m: usize| (grid.modes[m].speed_m_s - speed).abs();
-        match grid.nearest_mode(speed) {
-            Some(mode) if off(mode) <= 0.05 * speed + 1e-9 => Ok(mode),
-            _ => {
-                let names = grid.modes.iter().map(|m| format!("`{}` {} m/s", m.name, m.speed_m_s));
-                Err(Invalid::new(
-                    format!("maneuver `{}`", self.piece().maneuver),
-                    format!("a start at {speed} m/s"),
-                    format!("the speed of a mode: {}", names.collect::<Vec<_>>().join(", ")),
-                    "add a [[speed_mode]] with that speed",
-                ))
-            }
-        }
-    }
-
     /// Whether mirroring the piece leaves it as it is.
     fn is_straight(&self) -> bool {
         let signs = self.repertoire.mirror.unwrap_or(&[]);
@@ -93,115 +104,96 @@ impl Search<'_> {
         rows.flat_map(|row| row.iter().zip(signs)).all(|(u, s)| *s > 0.0 || *u == 0.0)
     }
 
-    fn leg(&self, level: usize, mode: usize, side: Side) -> Result<Outcome, Invalid> {
-        let (from, purpose) =
-            (self.repertoire.grid.layer(level, mode), Purpose::Informative { piece: self.index, side });
-        let run = match self.run_in(from, &purpose)? {
-            Ok(run_in) => self.run(run_in)?,
+    fn leg(&self, side: Side, crew: &mut Crew) -> Result<Outcome, Invalid> {
+        let (from, purpose) = (self.from, Purpose::Informative { piece: self.index, side });
+        let run = match self.run_in(&purpose, crew)? {
+            Ok(run_in) => self.run(run_in, crew)?,
             Err(used) => {
                 let why = format!("before the maneuver {used} at best");
                 return Ok(Err(Unsettled { from, purpose, why }));
             }
         };
-        Ok(self.recovered(run)?.map_err(|used| Unsettled { from, purpose, why: used.to_string() }))
+        let recovered = match run {
+            Ok(run) => self.recovered(run)?,
+            Err(lost) => Err(lost),
+        };
+        Ok(recovered.map_err(|used| Unsettled { from, purpose, why: used.to_string() }))
     }
 
     /// The shortest steady approach after which all are settled.
-    fn run_in(&self, from: usize, purpose: &Purpose) -> Result<Result<Leg, Used>, Invalid> {
-        let (level, _) = self.repertoire.grid.level_and_mode(from);
+    fn run_in(&self, purpose: &Purpose, crew: &mut Crew) -> Result<Result<Leg, Used>, Invalid> {
+        let (level, _) = self.repertoire.grid.level_and_mode(self.from);
         let heading_rad = self.repertoire.grid.heading_rad(level);
-        let leg = |phases| Leg { purpose: purpose.clone(), from, di: 0, dj: 0, to: from, phases };
+        let leg =
+            |phases| Leg { purpose: purpose.clone(), from: self.from, di: 0, dj: 0, to: self.from, phases };
         let speed = self.piece().speed_m_s;
         if speed == 0.0 {
             let leg = leg(vec![Phase::Hold { at: [0.0; 2], heading_rad }]);
-            return Ok(self.approached(&leg, [0.0; 2])?.map_or(Ok(leg), Err));
+            return Ok(self.approached(&leg, [0.0; 2], crew)?.map(|()| leg));
         }
         let (least, response) = (self.repertoire.approach.run_in_s, self.repertoire.handling.response_s);
-        let mut best = Used { part: f64::INFINITY, of: "position" };
+        let mut best = Used::LOST;
         for longer in 0..RUN_INS {
             let seconds = if longer == 0 { least } else { least.max(response) * LONGER.powi(longer) };
             let way = speed * seconds;
             let to = [way * libm::cos(heading_rad), way * libm::sin(heading_rad)];
             let line = Phase::Line { to, heading_rad, from_m_s: speed, to_m_s: speed };
             let leg = leg(if way > 0.0 { vec![line] } else { Vec::new() });
-            match self.approached(&leg, to)? {
-                None => return Ok(Ok(leg)),
-                Some(used) if used.part < best.part => best = used,
-                Some(_) => {}
+            match self.approached(&leg, to, crew)? {
+                Ok(()) => return Ok(Ok(leg)),
+                Err(used) => best = best.or(used),
             }
         }
         Ok(Err(best))
     }
 
-    /// What one uses beyond the tolerance who is not settled at `place` after an approach.
-    fn approached(&self, leg: &Leg, place: [f64; 2]) -> Result<Option<Used>, Invalid> {
-        for who in [None].into_iter().chain(self.others.iter().map(Some)) {
-            let mut underway = self.repertoire.underway(leg.from, who)?;
-            let (_, end) = self.repertoire.track(leg, &mut underway)?;
-            let tolerance = self.repertoire.approach.tolerance.ended();
+    /// Whether all are settled at `place` after an approach.
+    fn approached(&self, leg: &Leg, place: [f64; 2], crew: &mut Crew) -> Result<Result<(), Used>, Invalid> {
+        let tolerance = self.repertoire.approach.tolerance.ended();
+        let settled = |end| {
             let used = self.repertoire.used_at(&tolerance, leg.from, place, end);
-            if used.part > 1.0 {
-                return Ok(Some(used));
-            }
-        }
-        Ok(None)
+            if used.part > 1.0 { Err(used) } else { Ok(()) }
+        };
+        let (_, end) = self.repertoire.track(leg, &mut crew.nominal.clone())?;
+        Ok(settled(end).and_then(|()| {
+            let others = crew.each(|mut underway| {
+                let (_, end) = self.repertoire.track(leg, &mut underway).map_err(|_| Used::LOST)?;
+                settled(end)
+            });
+            others.map(|_| ())
+        }))
     }
 
     /// Approach and maneuver, by all.
-    fn run(&self, approach: Leg) -> Result<Run<'_>, Invalid> {
+    fn run<'a>(&self, approach: Leg, crew: &mut Crew<'a>) -> Result<Result<Run<'a>, Used>, Invalid> {
         let mut leg = approach;
         leg.phases.push(Phase::Maneuver);
-        let mut nominal = self.repertoire.underway(leg.from, None)?;
+        let mut nominal = crew.nominal.clone();
         let sailed = self.repertoire.sailed(&leg, &mut nominal)?;
-        let (mut ends, mut tracks) = (vec![nominal], Vec::new());
-        for who in self.others {
-            let mut underway = self.repertoire.underway(leg.from, Some(who))?;
-            tracks.push(self.repertoire.track(&leg, &mut underway)?.0);
-            ends.push(underway);
-        }
-        Ok(Run { leg, sailed, ends, tracks })
+        let others = crew.each(|mut underway| {
+            let (mut poses, _) = self.repertoire.track(&leg, &mut underway).map_err(|_| Used::LOST)?;
+            // Where it is now is where the recovery begins.
+            poses.pop();
+            Ok((poses, underway))
+        });
+        Ok(others.map(|others| {
+            let (tracks, ends) = others.into_iter().unzip();
+            Run { leg, sailed, crew: Crew::new(nominal, ends), tracks }
+        }))
     }
 
     /// With a recovery to the first node that all end settled at.
-    fn recovered(&self, run: Run) -> Result<Result<Settled, Used>, Invalid> {
-        let mut best = Used { part: f64::INFINITY, of: "position" };
-        let speed = run.ends[0].ship.state[0];
-        for node in self.nodes(&run, speed).into_iter().take(RECOVERIES) {
+    fn recovered(&self, mut run: Run) -> Result<Result<Settled, Used>, Invalid> {
+        let mut best = Used::LOST;
+        let speed = run.crew.nominal.ship.state[0];
+        for node in self.nodes(&run.crew, speed).into_iter().take(RECOVERIES) {
             let recovery = self.recovery(&run.leg, node, speed);
-            match self.recover(&run, &recovery)? {
-                Ok(settled) => return Ok(Ok(settled)),
-                Err(used) if used.part < best.part => best = used,
-                Err(_) => {}
+            match self.repertoire.all_settle(&recovery, &mut run.crew)? {
+                Ok(recovered) => return Ok(Ok(run.with(recovered))),
+                Err(used) => best = best.or(used),
             }
         }
         Ok(Err(best))
-    }
-
-    /// `run` with its `recovery`, unless one does not settle.
-    fn recover(&self, run: &Run, recovery: &Leg) -> Result<Result<Settled, Used>, Invalid> {
-        let repertoire = self.repertoire;
-        let mut nominal = run.ends[0].clone();
-        let last = repertoire.sailed(recovery, &mut nominal)?;
-        let used = repertoire.used(recovery, last.ends.last());
-        if used.part > 1.0 {
-            return Ok(Err(used));
-        }
-        let mut tracks = run.tracks.clone();
-        for (track, underway) in tracks.iter_mut().zip(&run.ends[1..]) {
-            let (poses, end) = repertoire.track(recovery, &mut underway.clone())?;
-            let used = repertoire.used(recovery, Some(&end));
-            if used.part > 1.0 {
-                return Ok(Err(used));
-            }
-            track.extend(poses);
-        }
-        let mut sailed = run.sailed.clone();
-        sailed.samples.extend(last.samples);
-        sailed.ends = last.ends;
-        let mut leg = run.leg.clone();
-        leg.phases.extend(recovery.phases.clone());
-        let Leg { di, dj, to, .. } = *recovery;
-        Ok(Ok(Settled { leg: Leg { di, dj, to, ..leg }, sailed, tracks }))
     }
 
     /// The recovery of `leg` onto a node, alone.
@@ -218,20 +210,22 @@ impl Search<'_> {
     }
 
     /// Nodes that all can recover to, cheapest first.
-    fn nodes(&self, run: &Run, speed: f64) -> Vec<Node> {
+    fn nodes(&self, crew: &Crew, speed: f64) -> Vec<Node> {
         let Repertoire { grid, handling, .. } = self.repertoire;
         let Some(mode) = grid.nearest_mode(speed) else { return Vec::new() };
         let at_rest = grid.modes[mode].speed_m_s == 0.0;
-        let end = run.ends[0].ship.pose;
+        let end = crew.nominal.ship.pose;
         let (nearest, h) = (grid.nearest_level(end.psi), grid.headings);
         let mut levels = vec![nearest, (nearest + 1) % h, (nearest + h - 1) % h];
         levels.dedup();
         let cell = grid.cell_m;
-        let spread = run.ends.iter().map(|one| libm::hypot(one.ship.pose.x - end.x, one.ship.pose.y - end.y));
+        let spread =
+            crew.others.iter().map(|one| libm::hypot(one.ship.pose.x - end.x, one.ship.pose.y - end.y));
         let spread = spread.fold(0.0, f64::max);
         let lookahead = if at_rest { 0.0 } else { 6.0 * handling.lookahead_m };
         let far = (2.0 + ((spread + lookahead) / cell).ceil()).min(grid.nx.max(grid.ny) as f64) as i32;
         let [i, j] = [(end.y / cell).round() as i32, (end.x / cell).round() as i32];
+        let all = || [&crew.nominal].into_iter().chain(&crew.others);
         let mut found = Vec::new();
         for level in levels {
             let heading = grid.heading_rad(level);
@@ -244,7 +238,7 @@ impl Search<'_> {
                     let [ahead, across] = seen(one.ship.pose, place, heading);
                     ahead > 0.5 * across.abs()
                 };
-                if at_rest || (across.abs() <= 1.5 * cell && run.ends.iter().all(reached)) {
+                if at_rest || (across.abs() <= 1.5 * cell && all().all(reached)) {
                     found.push(Node { cost, di, dj, layer: grid.layer(level, mode) });
                 }
             }

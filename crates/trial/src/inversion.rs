@@ -61,8 +61,12 @@ impl<'a> Inversion<'a> {
         }
         let free = self.free(wanted.sway);
         for _ in 0..STEPS {
-            let rows = self.linearised(state, current, wanted, &free);
-            if rows.iter().all(|row| row[3].abs() <= SMALL) || !self.corrected(&free, solved(rows)) {
+            let missing = self.missing(state, current, wanted, &free);
+            if missing.iter().all(|missing| missing.abs() <= SMALL) {
+                break;
+            }
+            let rows = self.linearised(missing, wanted.sway, &free);
+            if !self.corrected(&free, solved(rows)) {
                 break;
             }
         }
@@ -86,26 +90,25 @@ impl<'a> Inversion<'a> {
         (0..self.vessel.model.inputs).filter(leads).take(3).collect()
     }
 
-    /// Rows \[slopes by the free inputs | what is missing\] of surge, sway and yaw; sway is left out where two inputs command
-    /// the vessel.
-    fn linearised(
-        &mut self,
-        state: [f64; 3],
-        current: [f64; 2],
-        wanted: &Gains,
-        free: &[usize],
-    ) -> [[f64; 4]; 3] {
+    /// Gains of u, v and r that the inputs do not bring about yet; sway is left out where two inputs command the vessel.
+    fn missing(&mut self, state: [f64; 3], current: [f64; 2], wanted: &Gains, free: &[usize]) -> [f64; 3] {
         self.look(state, current, None);
-        self.model.gradients(&mut self.gradients);
-        self.vessel.model.by_sources(&self.exogenous, &mut self.gradients);
         let increments = self.model.increments();
         let gains = [wanted.u, wanted.v, wanted.r];
+        let missing = [0, 1, 2].map(|d| gains[d] - increments[d] - self.unexplained[d]);
+        [missing[0], if free.len() == 3 { missing[1] } else { 0.0 }, missing[2]]
+    }
+
+    /// Rows \[slopes by the free inputs | what is missing\] of surge, sway and yaw where the model looks.
+    fn linearised(&mut self, missing: [f64; 3], alone: bool, free: &[usize]) -> [[f64; 4]; 3] {
+        self.model.gradients(&mut self.gradients);
+        self.vessel.model.by_sources(&self.exogenous, &mut self.gradients);
         let mut rows = [[0.0; 4]; 3];
         for d in (0..3).filter(|d| *d != 1 || free.len() == 3) {
             for (slope, leader) in rows[d].iter_mut().zip(free) {
-                *slope = self.slope(d, *leader, wanted.sway);
+                *slope = self.slope(d, *leader, alone);
             }
-            rows[d][3] = gains[d] - increments[d] - self.unexplained[d];
+            rows[d][3] = missing[d];
         }
         rows
     }

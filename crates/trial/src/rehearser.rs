@@ -1,6 +1,6 @@
 use vessel::{Invalid, Pose};
 
-use crate::{Autopilot, Phase, Repertoire, Ship};
+use crate::{Autopilot, Phase, Repertoire, Ship, Used};
 
 /// Who rehearses a leg: a vessel, the current that nobody knows of, and how far off its node it begins.
 #[derive(Clone, Debug)]
@@ -22,10 +22,49 @@ pub(crate) struct Underway<'a> {
     pub autopilot: Autopilot<'a>,
 }
 
+/// All who rehearse, wherever they are by now: the nominal vessel and others.
+#[derive(Clone, Debug)]
+pub(crate) struct Crew<'a> {
+    pub nominal: Underway<'a>,
+    pub others: Vec<Underway<'a>>,
+    /// Places of the others: who failed last is asked first, and mostly fails again.
+    order: Vec<usize>,
+}
+
+impl<'a> Crew<'a> {
+    /// The nominal vessel and others.
+    pub fn new(nominal: Underway<'a>, others: Vec<Underway<'a>>) -> Self {
+        let order = (0..others.len()).collect();
+        Self { nominal, others, order }
+    }
+
+    /// What `tried` gives for each of the others, in their order, unless one fails.
+    pub fn each<T>(&mut self, tried: impl Fn(Underway<'a>) -> Result<T, Used>) -> Result<Vec<T>, Used> {
+        let mut found: Vec<Option<T>> = self.others.iter().map(|_| None).collect();
+        for place in 0..self.order.len() {
+            let index = self.order[place];
+            match tried(self.others[index].clone()) {
+                Ok(own) => found[index] = Some(own),
+                Err(used) => {
+                    self.order[..=place].rotate_right(1);
+                    return Err(used);
+                }
+            }
+        }
+        Ok(found.into_iter().flatten().collect())
+    }
+}
+
 impl Repertoire<'_> {
+    /// The nominal vessel and `others` at the origin, in `layer`.
+    pub(crate) fn crew(&self, layer: usize, others: &[Rehearser]) -> Result<Crew<'_>, Invalid> {
+        let others = others.iter().map(|who| self.underway(layer, Some(who)));
+        Ok(Crew::new(self.underway(layer, None)?, others.collect::<Result<_, _>>()?))
+    }
+
     /// A vessel at the origin, in `layer`: the nominal one on its node, or another, as it enters a leg. Its autopilot has held
     /// it for a while, so that it knows what to expect.
-    pub(crate) fn underway(&self, layer: usize, who: Option<&Rehearser>) -> Result<Underway<'_>, Invalid> {
+    fn underway(&self, layer: usize, who: Option<&Rehearser>) -> Result<Underway<'_>, Invalid> {
         let (level, mode) = self.grid.level_and_mode(layer);
         let (heading, speed) = (self.grid.heading_rad(level), self.grid.modes[mode].speed_m_s);
         let parameters = who.map_or(&self.vessel.nominal, |who| &who.parameters);

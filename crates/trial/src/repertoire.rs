@@ -1,7 +1,7 @@
 use vessel::{Invalid, Pose, Vessel};
 
 use crate::leg::turned;
-use crate::rehearser::Underway;
+use crate::rehearser::{Crew, Underway};
 use crate::sail::End;
 use crate::{
     Astray, Grid, Handling, Leg, Piece, Purpose, Rehearser, Sailed, Tolerance, Used, basic_moves, sail,
@@ -82,48 +82,38 @@ impl Repertoire<'_> {
     /// As [`sail`].
     pub fn basic(&self, level: usize, mode: usize, others: &[Rehearser]) -> Result<Vec<Outcome>, Invalid> {
         let moves = basic_moves(self.grid, self.handling, level, mode);
-        moves.into_iter().filter(|legs| !legs.is_empty()).map(|legs| self.shortest(legs, others)).collect()
+        let mut crew = self.crew(self.grid.layer(level, mode), others)?;
+        let moves = moves.into_iter().filter(|legs| !legs.is_empty());
+        moves.map(|legs| self.shortest(legs, &mut crew)).collect()
     }
 
     /// The first of `legs` that all end settled.
-    fn shortest(&self, legs: Vec<Leg>, others: &[Rehearser]) -> Result<Outcome, Invalid> {
+    fn shortest(&self, legs: Vec<Leg>, crew: &mut Crew) -> Result<Outcome, Invalid> {
         let from = (legs[0].from, legs[0].purpose.clone());
-        let mut best = Used { part: f64::INFINITY, of: "position" };
+        let mut best = Used::LOST;
         for leg in legs {
-            let begun = |who: Option<&Rehearser>| self.underway(leg.from, who);
-            match self.all_settle(&leg, begun, others)? {
+            match self.all_settle(&leg, crew)? {
                 Ok(settled) => return Ok(Ok(settled)),
-                Err(used) if used.part < best.part => best = used,
-                Err(_) => {}
+                Err(used) => best = best.or(used),
             }
         }
         Ok(Err(Unsettled { from: from.0, purpose: from.1, why: best.to_string() }))
     }
 
-    /// Whether the nominal vessel and `others` end `leg` settled; if not, by whom most of the tolerance is used.
-    fn all_settle<'s>(
-        &'s self,
-        leg: &Leg,
-        begun: impl Fn(Option<&Rehearser>) -> Result<Underway<'s>, Invalid>,
-        others: &[Rehearser],
-    ) -> Result<Result<Settled, Used>, Invalid> {
-        let mut nominal = begun(None)?;
-        let sailed = self.sailed(leg, &mut nominal)?;
+    /// What all of `crew` sail on `leg`, unless one does not end settled.
+    pub(crate) fn all_settle(&self, leg: &Leg, crew: &mut Crew) -> Result<Result<Settled, Used>, Invalid> {
+        let sailed = self.sailed(leg, &mut crew.nominal.clone())?;
         let used = self.used(leg, sailed.ends.last());
         if used.part > 1.0 {
             return Ok(Err(used));
         }
-        let mut tracks = Vec::with_capacity(others.len());
-        for who in others {
-            let mut underway = begun(Some(who))?;
-            let (poses, end) = self.track(leg, &mut underway)?;
+        let tracks = crew.each(|mut underway| {
+            // Who cannot be simulated is lost.
+            let (poses, end) = self.track(leg, &mut underway).map_err(|_| Used::LOST)?;
             let used = self.used(leg, Some(&end));
-            if used.part > 1.0 {
-                return Ok(Err(used));
-            }
-            tracks.push(poses);
-        }
-        Ok(Ok(Settled { leg: leg.clone(), sailed, tracks }))
+            if used.part > 1.0 { Err(used) } else { Ok(poses) }
+        });
+        Ok(tracks.map(|tracks| Settled { leg: leg.clone(), sailed, tracks }))
     }
 
     /// What a vessel sails on `leg`.
@@ -144,7 +134,7 @@ impl Repertoire<'_> {
 
     /// What of the tolerance of rehearsals is used where `leg` ends.
     pub(crate) fn used(&self, leg: &Leg, end: Option<&End>) -> Used {
-        let Some((pose, state)) = end else { return Used { part: f64::INFINITY, of: "position" } };
+        let Some((pose, state)) = end else { return Used::LOST };
         let tolerance = self.approach.tolerance.ended();
         self.used_at(&tolerance, leg.to, self.grid.displacement(leg.di, leg.dj), (*pose, *state))
     }

@@ -50,8 +50,22 @@ pub struct Used {
     pub of: &'static str,
 }
 
+impl Used {
+    /// Of a vessel that is nowhere near.
+    pub const LOST: Self = Self { part: f64::INFINITY, of: "motion" };
+
+    /// The better one of two.
+    #[must_use]
+    pub(crate) fn or(self, other: Self) -> Self {
+        if other.part < self.part { other } else { self }
+    }
+}
+
 impl fmt::Display for Used {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.part.is_infinite() {
+            return write!(f, "{} beyond every bound", self.of);
+        }
         write!(f, "{} {:.1} times its tolerance", self.of, self.part)
     }
 }
@@ -91,6 +105,6 @@ impl Tolerance {
             ("yaw rate", r.abs() / self.yaw_rate_rad_s),
         ];
         let most = parts.into_iter().max_by(|a, b| a.1.total_cmp(&b.1));
-        most.map_or(Used { part: f64::INFINITY, of: "position" }, |(of, part)| Used { part, of })
+        most.map_or(Used::LOST, |(of, part)| Used { part, of })
     }
 }

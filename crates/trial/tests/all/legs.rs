@@ -2,7 +2,11 @@
 
 use std::path::Path;
 
-use trial::{Approach, Grid, Handling, Mode, Piece, Rehearser, Repertoire, Settled, Side, Tolerance, mirror};
+use crate::handling::coaster;
+use trial::{
+    Approach, DerivedHandling, Grid, Handling, Mode, Piece, Rehearser, Repertoire, Settled, Side, Tolerance,
+    mirror,
+};
 use vessel::{DictionaryFile, Generator, Vessel};
 
 const HANDLING: Handling = Handling {
@@ -142,4 +146,34 @@ fn informative_legs_have_a_mirror_image() {
     let all = legs(8, [0.0, 0.0], &grid(8), &[]);
     let count = |side: Side| all.iter().filter(|own| own.leg.purpose.side() == Some(side)).count();
     assert_eq!((count(Side::AsDesigned), count(Side::Mirrored)), (6, 6));
+}
+
+#[test]
+fn law_no_input_of_a_leg_changes_faster_than_its_actuator_and_legs_still_end_settled() {
+    let vessel = coaster("range = [-400.0, 1200.0]\nlag_s = 6.0", "lag_s = 2.0\nrate_per_s = 0.02");
+    let modes =
+        [("slow", 2.5), ("fast", 4.0)].map(|(name, speed_m_s)| Mode { name: name.to_owned(), speed_m_s });
+    let handling = DerivedHandling::of(&vessel, &modes, 60.0).unwrap().handling;
+    let grid = Grid { modes: modes.to_vec(), cell_m: 250.0, ..grid(8) };
+    let tolerance = Tolerance { distance_m: 25.0, yaw_rate_rad_s: 0.0018, ..TOLERANCE };
+    let approach = Approach { tolerance, ..APPROACH };
+    let mirror = mirror(&vessel);
+    // The rudder goes over at once, as commands do.
+    let inputs: Vec<f64> = (0..240).flat_map(|k| [250.0, if k / 60 % 2 == 0 { 0.3 } else { -0.3 }]).collect();
+    let piece = Piece { maneuver: "zig-zag".to_owned(), speed_m_s: 4.0, samples: 240, inputs };
+    let repertoire = Repertoire {
+        handling: &handling,
+        approach: &approach,
+        ..repertoire(&vessel, &grid, std::slice::from_ref(&piece), mirror.as_deref(), [0.0; 2])
+    };
+    let mut legs = repertoire.informative(0, 0, &[]).unwrap();
+    (0..2).for_each(|mode| legs.extend(repertoire.basic(0, mode, &[]).unwrap()));
+    assert_eq!(legs.len(), 2 + 2 * 4);
+    for leg in legs {
+        let Settled { leg, sailed, .. } = leg.unwrap_or_else(|unsettled| panic!("{unsettled:?}"));
+        for pair in sailed.samples.windows(2) {
+            let turned = (pair[1].inputs[1] - pair[0].inputs[1]).abs();
+            assert!(turned <= 0.02 + 1e-12, "{:?}: {turned}", leg.purpose);
+        }
+    }
 }

@@ -2,6 +2,7 @@
 
 mod campaign;
 mod grid;
+mod handling;
 mod legs;
 mod moments;
 mod pieces;
