@@ -119,7 +119,7 @@ def plan(options, dictionary, number, start):
     if ran.returncode != 0:
         line = ran.stderr.strip().splitlines()[-1] if ran.stderr.strip() else ""
         return ran.returncode, seconds, line.split("plan.toml: ")[-1], None
-    return 0, seconds, "", json.loads((folder / "plan.json").read_text())
+    return 0, seconds, "", json.loads((folder / "plan.json").read_text())["data"]
 
 
 def row(number, start, result):

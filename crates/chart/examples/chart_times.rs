@@ -53,8 +53,12 @@ fn tacoma(folder: &Path) -> Result<(), Failure> {
     let path = folder.join("US5WA22M_depth_25m_utm10n.asc");
     let text = std::fs::read_to_string(&path)?;
     let load = || -> Result<Chart, Invalid> {
-        let declared =
-            GridDeclaration { kind: GridKind::Depth, crs: Crs::new("EPSG:32610")?, open_sea: false };
+        let declared = GridDeclaration {
+            kind: GridKind::Depth,
+            crs: Some(Crs::new("EPSG:32610")?),
+            variable: None,
+            open_sea: false,
+        };
         let grid = Grid::from_ascii(&text, &declared)?;
         Chart::new(Plane::new(origin.0, origin.1)?, area, &[Layer::Grid(grid)], None)
     };

@@ -92,6 +92,12 @@ impl Crs {
         }
     }
 
+    /// A file whose coordinates are in nobody knows which system.
+    pub(crate) fn undeclared() -> Invalid {
+        let remedy = "add `crs = \"EPSG:…\"` to its [[chart]]";
+        Invalid::new("`crs`", "none", "the system of the grid's coordinates", remedy)
+    }
+
     fn outside(&self, found: &str) -> Invalid {
         Invalid::new(
             format!("CRS `{}`", self.name),

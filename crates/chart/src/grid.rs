@@ -23,8 +23,10 @@ pub(crate) const FARTHEST: f64 = 12_000.0;
 pub struct GridDeclaration {
     /// What its numbers are.
     pub kind: GridKind,
-    /// The system of its coordinates.
-    pub crs: Crs,
+    /// The system of its coordinates, where the file does not say.
+    pub crs: Option<Crs>,
+    /// The variable of a NetCDF file, where it has several.
+    pub variable: Option<String>,
     /// Set where the area really is open sea, without land, drying or missing cells: otherwise a grid of
     /// only depths is refused as one of elevations of land.
     pub open_sea: bool,
@@ -73,13 +75,30 @@ impl Grid {
     pub fn from_ascii(text: &str, declared: &GridDeclaration) -> Result<Self, Invalid> {
         let mut lines = text.lines().enumerate().filter(|(_, l)| !l.trim().is_empty()).peekable();
         let header = header(&mut lines)?;
-        check_degrees(&header, &declared.crs)?;
+        let crs = declared.crs.clone().ok_or_else(Crs::undeclared)?;
+        check_degrees(&header, &crs)?;
         let values = values(lines, &header, text.len() / 2 + 1)?;
-        check_values(&values, &header, declared)?;
+        Self::of(&header, values, crs, declared)
+    }
+
+    /// Of values from north to south.
+    pub(crate) fn of(
+        header: &Header,
+        values: Vec<f64>,
+        crs: Crs,
+        declared: &GridDeclaration,
+    ) -> Result<Self, Invalid> {
+        check_degrees(header, &crs)?;
+        if header.columns.checked_mul(header.rows) != Some(values.len()) || values.is_empty() {
+            let (found, expected) =
+                (format!("{} values", values.len()), format!("{} × {}", header.columns, header.rows));
+            return Err(shape("grid".to_owned(), found, expected));
+        }
+        check_values(&values, header, declared)?;
         let cell = |v: &f64| meaning(*v, declared.kind, header.no_data);
         let cells = values.chunks(header.columns).rev().flatten().map(cell).collect();
         Ok(Self {
-            crs: declared.crs.clone(),
+            crs,
             has_depth: declared.kind != GridKind::LandMask,
             corner: header.corner,
             cell: header.cell,

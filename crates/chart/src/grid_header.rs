@@ -2,7 +2,20 @@ use std::iter::Peekable;
 
 use crate::Invalid;
 
-/// Header of an ESRI ASCII grid.
+/// What stands for cells without data where the file has something else.
+pub(crate) const MISSING: f64 = f64::MAX;
+
+/// Refuses cells that are not as high as wide; their side.
+pub(crate) fn check_square(width: f64, height: f64) -> Result<f64, Invalid> {
+    let side = (width * height).sqrt();
+    if side.is_finite() && side > 0.0 && (width - height).abs() <= 1e-4 * side {
+        return Ok(side);
+    }
+    let found = format!("cells of {width} × {height}");
+    Err(Invalid::new("grid", found, "square cells", "resample it, for instance with `gdalwarp -tr`"))
+}
+
+/// Header of a grid.
 pub(crate) struct Header {
     pub columns: usize,
     pub rows: usize,

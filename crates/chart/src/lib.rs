@@ -48,6 +48,8 @@ mod frontier;
 mod geometries;
 mod grid;
 mod grid_header;
+mod grid_netcdf;
+mod grid_tiff;
 mod objects;
 mod objects_geojson;
 mod obstacles;

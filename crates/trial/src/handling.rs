@@ -166,7 +166,12 @@ impl DerivedHandling {
             ability.turn_rate_rad_s.map_or(slowest / (TURN_LENGTHS * length_m), |most| OF_TURN_RATE * most);
         let reversed = ability.turn_acceleration_rad_s2.map_or(0.0, |most| turn_rate_rad_s / most);
         let samples_s = YAW_RATE / (MOST_AT_ONCE * vessel.sample_rate_hz);
-        let slow = [RESPONSE_LENGTHS * length_m / slowest, YAW_RATE * reversed, YAW_RATE * ability.lag_s];
+        let slow = [
+            RESPONSE_LENGTHS * length_m / slowest,
+            YAW_RATE * reversed,
+            YAW_RATE * ability.lag_s,
+            COURSE * laid_s(vessel, slowest, turn_rate_rad_s)?,
+        ];
         let response_s = slow.into_iter().fold(samples_s, f64::max);
         let able = [ability.acceleration_m_s2, ability.braking_m_s2].into_iter().flatten();
         let acceleration_m_s2 = able.map(|most| 0.5 * most).fold(ability.coasting_m_s2, f64::min);
@@ -227,6 +232,19 @@ fn held(vessel: &Vessel, steady: &mut Steady, speed: f64, turn: f64) -> Result<V
     }
 }
 
+/// How long the slowest actuator takes to be laid for a turn.
+fn laid_s(vessel: &Vessel, speed: f64, turn: f64) -> Result<f64, Invalid> {
+    if vessel.actuators.iter().all(|own| own.rate_per_s.is_none()) {
+        return Ok(0.0);
+    }
+    let mut steady = Steady::new(vessel, &vessel.nominal);
+    let straight = held(vessel, &mut steady, speed, 0.0)?;
+    let turning = held(vessel, &mut steady, speed, turn)?;
+    let settings = straight.iter().zip(&turning).zip(&vessel.actuators);
+    let seconds = settings.filter_map(|((a, b), own)| Some((b - a).abs() / own.rate_per_s?));
+    Ok(seconds.fold(0.0, f64::max))
+}
+
 /// The largest yaw rate that can be held at a speed; `None` where none is too large.
 fn largest_turn(vessel: &Vessel, steady: &mut Steady, speed: f64) -> Option<f64> {
     let (mut low, mut high) = (0.0, FASTEST_TURN_RAD_S);
@@ -244,21 +262,27 @@ fn largest_turn(vessel: &Vessel, steady: &mut Steady, speed: f64) -> Option<f64>
 }
 
 /// The largest gain and loss of speed and the largest gain of yaw rate, either way the smaller one, that an input can bring
-/// about from where the vessel goes straight ahead \[per s\].
+/// about from where the vessel goes straight ahead \[per s\]; `None` for what no range bounds.
 fn extremes(vessel: &Vessel, speed: f64, straight: &[f64]) -> [Option<f64>; 3] {
-    let mut found = [None; 4];
+    let mut found = [0.0_f64; 4];
     for (input, actuator) in vessel.actuators.iter().enumerate() {
-        for end in actuator.range.into_iter().flatten() {
+        let changed = |setting: f64| {
             let mut inputs = straight.to_vec();
-            inputs[input] = end;
+            inputs[input] = setting;
             let [u, _, r] = gains(vessel, speed, &inputs);
-            for (best, gain) in found.iter_mut().zip([u, -u, r, -r]) {
-                *best = Some(best.map_or(gain, |known: f64| known.max(gain)));
+            [u, -u, r, -r]
+        };
+        let usual = changed(straight[input]);
+        let ends = actuator.range.unwrap_or([-1.0, 1.0].map(|step| straight[input] + step));
+        for gained in ends.map(changed) {
+            for ((most, gain), usual) in found.iter_mut().zip(gained).zip(usual) {
+                let boundless = actuator.range.is_none() && (gain - usual).abs() > 0.0;
+                *most = if boundless { f64::INFINITY } else { most.max(gain) };
             }
         }
     }
     let [gain, loss, starboard, port] = found;
-    [gain, loss, starboard.into_iter().chain(port).reduce(f64::min)]
+    [gain, loss, starboard.min(port)].map(|most| Some(most).filter(|most| most.is_finite() && *most > 0.0))
 }
 
 /// What u, v and r gain in a second, straight ahead.

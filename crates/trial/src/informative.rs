@@ -8,8 +8,9 @@ use crate::{Leg, Phase, Piece, Purpose, Rehearser, Repertoire, Sailed, Side, Use
 /// How often a run-in is lengthened, and by which factor, before a maneuver is given up.
 const RUN_INS: i32 = 7;
 const LONGER: f64 = 1.5;
-/// Nodes that a recovery is tried to, nearest first.
-const RECOVERIES: usize = 60;
+/// Nodes that a recovery is tried to: the nearest ones, then as many from all over the others.
+const NEAREST: usize = 40;
+const FARTHER: usize = 20;
 
 impl Repertoire<'_> {
     /// The legs of piece `index` from a heading level, one per side: a steady approach until all `others` are settled, the
@@ -186,8 +187,10 @@ impl Search<'_> {
     fn recovered(&self, mut run: Run) -> Result<Result<Settled, Used>, Invalid> {
         let mut best = Used::LOST;
         let speed = run.crew.nominal.ship.state[0];
-        for node in self.nodes(&run.crew, speed).into_iter().take(RECOVERIES) {
-            let recovery = self.recovery(&run.leg, node, speed);
+        let nodes = self.nodes(&run.crew, speed);
+        let step = nodes.len().saturating_sub(NEAREST).div_ceil(FARTHER).max(1);
+        for node in nodes.iter().take(NEAREST).chain(nodes.iter().skip(NEAREST).step_by(step)) {
+            let recovery = self.recovery(&run.leg, *node, speed);
             match self.repertoire.all_settle(&recovery, &mut run.crew)? {
                 Ok(recovered) => return Ok(Ok(run.with(recovered))),
                 Err(used) => best = best.or(used),

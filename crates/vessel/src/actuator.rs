@@ -45,22 +45,28 @@ impl Actuator {
 
     /// Where it is after `seconds` under `command`, having been at `setting`: an exponential approach, no faster than it can.
     pub fn after(&self, setting: f64, command: f64, seconds: f64) -> f64 {
-        let change = self.nearer(seconds) * (command - setting);
-        setting + self.rate_per_s.map_or(change, |rate| change.clamp(-rate * seconds, rate * seconds))
+        self.no_faster(setting, self.lagging(setting, command, seconds), seconds)
     }
 
     /// The nearest to `wanted` that any command takes it to within `seconds`, from `setting`.
     pub fn towards(&self, setting: f64, wanted: f64, seconds: f64) -> f64 {
         let reached = self.range.map_or(wanted, |ends| {
-            let [low, high] = ends.map(|end| setting + self.nearer(seconds) * (end - setting));
+            let [low, high] = ends.map(|end| self.lagging(setting, end, seconds));
             wanted.clamp(low, high)
         });
-        let change = reached - setting;
-        setting + self.rate_per_s.map_or(change, |rate| change.clamp(-rate * seconds, rate * seconds))
+        self.no_faster(setting, reached, seconds)
     }
 
-    /// The part of a change that is done after `seconds`.
-    fn nearer(&self, seconds: f64) -> f64 {
-        if self.lag_s > 0.0 { -libm::expm1(-seconds / self.lag_s) } else { 1.0 }
+    /// Where the lag alone leaves it.
+    fn lagging(&self, setting: f64, command: f64, seconds: f64) -> f64 {
+        match self.lag_s > 0.0 {
+            true => setting - libm::expm1(-seconds / self.lag_s) * (command - setting),
+            false => command,
+        }
+    }
+
+    fn no_faster(&self, setting: f64, reached: f64, seconds: f64) -> f64 {
+        let most = |rate: f64| reached.clamp(setting - rate * seconds, setting + rate * seconds);
+        self.rate_per_s.map_or(reached, most)
     }
 }

@@ -80,7 +80,8 @@ fn a_lake_is_water_and_beyond_the_area_nothing_is_known() {
 #[test]
 fn a_grid_blocks_what_its_bad_cells_touch() {
     let crs = Crs::new("EPSG:32635").unwrap();
-    let declared = GridDeclaration { kind: GridKind::Depth, crs: crs.clone(), open_sea: false };
+    let declared =
+        GridDeclaration { kind: GridKind::Depth, crs: Some(crs.clone()), variable: None, open_sea: false };
     let grid = Grid::from_ascii(&fixture("depth_5x4.asc"), &declared).unwrap();
     let (lon, lat) = crs.to_geographic([500_250.0, 6_650_200.0]).unwrap();
     let plane = Plane::new(lon, lat).unwrap();
@@ -307,7 +308,7 @@ fn layers_made_by_hand_are_checked() {
     layer.areas[0].rings[0][0][1] = 91.0;
     assert!(Chart::new(plane, square(900.0), &[Layer::Polygons(layer)], None).is_err());
     let crs = Crs::new("EPSG:32635").unwrap();
-    let declared = GridDeclaration { kind: GridKind::Depth, crs, open_sea: false };
+    let declared = GridDeclaration { kind: GridKind::Depth, crs: Some(crs), variable: None, open_sea: false };
     let mut grid = Grid::from_ascii(&fixture("depth_5x4.asc"), &declared).unwrap();
     grid.cells.pop();
     assert!(Chart::new(plane, square(900.0), &[Layer::Grid(grid)], None).is_err());

@@ -45,8 +45,9 @@ pub(super) fn voyage(files: &VoyageFiles, error: VoyageError) -> Failure {
 pub(super) fn unsafe_plan(config: &Path, check: &Check) -> Failure {
     let (least, margin) = (check.clearance_m.min(check.clearance_quantiles_m[0]), check.margin_m);
     Failure::NoAnswer(format!(
-        "{}: plan at sea: found {}, least clearance {least:.0} m, expected at least {margin} m in every simulation; \
-         raise `safety.margin_m`, know the parameters better, or take it labelled with --allow-unsafe",
+        "{}: plan at sea: found {}, least clearance {least:.0} m, expected at least {margin} m and ends \
+         of legs within `approach` in every simulation; raise `safety.margin_m` or the tolerances, know the parameters better, or \
+         take it labelled with --allow-unsafe",
         config.display(),
         check.faults.join(", ")
     ))

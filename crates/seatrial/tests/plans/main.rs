@@ -14,6 +14,7 @@ mod file_refusals;
 mod fleet;
 mod geometry;
 mod globe;
+mod handling;
 mod helsinki;
 mod information;
 mod lattice_problems;

@@ -66,6 +66,12 @@ impl Charts {
             self.objects.push(told);
             return Ok(());
         }
+        if let Some(format) = GridFormat::of(path) {
+            let declared = declared(path, spec)?;
+            let grid = format.read(bytes(path, provenance)?, &declared);
+            self.layers.push(Layer::Grid(grid.map_err(|e| Error::invalid(path, e))?));
+            return Ok(());
+        }
         let text = String::from_utf8(bytes(path, provenance)?)
             .map_err(|e| Error::refuse(path, "file", e.to_string(), "text in UTF-8", "export it again"))?;
         if spec.kind == Some(ChartKind::Objects) {
@@ -75,9 +81,7 @@ impl Charts {
             self.objects.push(told);
             return Ok(());
         }
-        let is_grid = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("asc"));
-        let parsed = if is_grid { grid(path, spec, &text)? } else { polygons(path, spec, &text)? };
-        self.layers.push(parsed.map_err(|e| Error::invalid(path, e))?);
+        self.layers.push(polygons(path, spec, &text)?.map_err(|e| Error::invalid(path, e))?);
         Ok(())
     }
 }
@@ -105,6 +109,14 @@ impl ChartSpec {
         if !objects && (!self.rules.is_empty() || self.doubtful_radius_m.is_some()) {
             let expected = "a cell (`.000`), or `kind = \"objects\"`";
             return refuse("[[chart]]", "`rules` or `doubtful_radius_m`", expected, "leave them out");
+        }
+        if self.variable.is_some() && !matches!(GridFormat::of(path), Some(GridFormat::NetCdf)) {
+            return refuse(
+                "`variable`",
+                "one of a file without variables",
+                "a NetCDF file (.nc)",
+                "leave it out",
+            );
         }
         if !objects && self.kind.is_none() {
             let expected = "land, no-go, depth, danger, elevation or objects";
@@ -143,12 +155,45 @@ fn kind(path: &Path, spec: &ChartSpec) -> Result<LayerKind, Error> {
             "`kind`",
             "elevation, of polygons",
             "land, no-go, depth, danger or objects",
-            "elevations come as a grid (.asc)",
+            "elevations come as a grid (.asc, .tif, .nc)",
         )),
     }
 }
 
-fn grid(path: &Path, spec: &ChartSpec, text: &str) -> Result<Result<Layer, Invalid>, Error> {
+/// How a grid is written.
+#[derive(Clone, Copy)]
+enum GridFormat {
+    Ascii,
+    Tiff,
+    NetCdf,
+}
+
+impl GridFormat {
+    /// By the file's extension; `None` of no grid.
+    fn of(path: &Path) -> Option<Self> {
+        match path.extension()?.to_str()?.to_ascii_lowercase().as_str() {
+            "asc" => Some(Self::Ascii),
+            "tif" | "tiff" => Some(Self::Tiff),
+            "nc" => Some(Self::NetCdf),
+            _ => None,
+        }
+    }
+
+    fn read(self, bytes: Vec<u8>, declared: &GridDeclaration) -> Result<Grid, Invalid> {
+        match self {
+            Self::Ascii => {
+                let text = String::from_utf8(bytes)
+                    .map_err(|e| Invalid::new("file", e.to_string(), "text in UTF-8", "export it again"))?;
+                Grid::from_ascii(&text, declared)
+            }
+            Self::Tiff => Grid::from_tiff(&bytes, declared),
+            Self::NetCdf => Grid::from_netcdf(bytes, declared),
+        }
+    }
+}
+
+/// What `spec` says of a grid.
+fn declared(path: &Path, spec: &ChartSpec) -> Result<GridDeclaration, Error> {
     let kind = match spec.kind {
         Some(ChartKind::Land) => GridKind::LandMask,
         Some(ChartKind::Depth) => GridKind::Depth,
@@ -164,10 +209,6 @@ fn grid(path: &Path, spec: &ChartSpec, text: &str) -> Result<Result<Layer, Inval
         let (found, expected) = (format!("{radius_m} m, of a grid"), "none: it is for points and lines");
         return Err(Error::refuse(path, "`radius_m`", found, expected, "leave it out"));
     }
-    let Some(crs) = &spec.crs else {
-        let remedy = "add `crs = \"EPSG:…\"` to its [[chart]]";
-        return Err(Error::refuse(path, "`crs`", "none", "the system of the grid's coordinates", remedy));
-    };
-    let declared = Crs::new(crs).map(|crs| GridDeclaration { kind, crs, open_sea: spec.open_sea });
-    Ok(declared.and_then(|declared| Grid::from_ascii(text, &declared)).map(Layer::Grid))
+    let crs = spec.crs.as_deref().map(Crs::new).transpose().map_err(|e| Error::invalid(path, e))?;
+    Ok(GridDeclaration { kind, crs, variable: spec.variable.clone(), open_sea: spec.open_sea })
 }

@@ -65,13 +65,15 @@ fn raster_per_cell() -> usize {
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ChartSpec {
-    /// GeoJSON (`.geojson`, `.json`), ESRI ASCII grid (`.asc`) or cell of an electronic chart (`.000`, its updates beside it),
-    /// relative to this file.
+    /// GeoJSON (`.geojson`, `.json`), grid (`.asc`, GeoTIFF `.tif`, NetCDF `.nc`) or cell of an electronic chart (`.000`, its
+    /// updates beside it), relative to this file.
     pub file: PathBuf,
     /// What it shows; a cell shows objects of many classes.
     pub kind: Option<ChartKind>,
-    /// Its coordinates; GeoJSON is always in WGS84.
+    /// Its coordinates, where the file does not say; GeoJSON is always in WGS84.
     pub crs: Option<String>,
+    /// The variable of a NetCDF file with depths or elevations, where it has several.
+    pub variable: Option<String>,
     /// Property with the least depth of an area (`DRVAL1`), or with the depth over a danger (`VALSOU`).
     pub least: Option<String>,
     /// How far around its points and lines the danger reaches \[m\]; 50 without it.

@@ -16,6 +16,8 @@ use crate::{Astray, End, Rehearser, Sailed};
 
 /// Tracks that are kept to be drawn.
 const TRACKS: u32 = 200;
+/// Runs after which a check ends that has taught something: the next plan is checked instead.
+const FIRST_RUNS: u32 = 64;
 /// Of all rounds together, how probable it may be that a bound does not hold.
 const DOUBT: f64 = 0.05;
 /// Part of the proved time that the sailed one may differ by.
@@ -104,6 +106,8 @@ pub(super) struct Checking<'a> {
     pub nominal: &'a Sailed,
     /// How often the plan was checked, this time included.
     pub round: u32,
+    /// Whether all runs are sailed, even after one has failed.
+    pub is_last: bool,
 }
 
 /// A run of a check.
@@ -112,7 +116,7 @@ struct Run {
     passages: Vec<Passage>,
     /// Of all.
     passage: Passage,
-    /// Without corrections.
+    /// Without corrections, until it goes aground.
     open_loop: Passage,
     ends: Vec<End>,
     seconds: f64,
@@ -161,9 +165,15 @@ impl Checking<'_> {
             // A drawn vessel that cannot be sailed is no fault of a file.
             self.run(run, vessels).map_err(VoyageError::NoAnswer)
         };
-        let found: Vec<Run> = (0..runs).into_par_iter().map(one).collect::<Result<_, VoyageError>>()?;
-        let taught =
-            (0..runs).zip(&found).flat_map(|(run, own)| self.taught(run % vessels, run, own)).collect();
+        let (mut found, mut taught) = (Vec::new(), Vec::new());
+        let mut next = 0;
+        while next < runs && (taught.is_empty() || self.is_last) {
+            let some = next..(next + FIRST_RUNS.max(next * FIRST_RUNS)).min(runs);
+            let new: Vec<Run> = some.clone().into_par_iter().map(one).collect::<Result<_, VoyageError>>()?;
+            taught.extend(some.clone().zip(&new).flat_map(|(run, own)| self.taught(run % vessels, run, own)));
+            found.extend(new);
+            next = some.end;
+        }
         let check = self.judged(&found, vessels as usize);
         Ok(Checked { check, tracks: found.into_iter().filter_map(|run| run.track).collect(), taught })
     }
@@ -192,6 +202,7 @@ impl Checking<'_> {
         let mut open_loop = clearance.open();
         self.script.repeat(self.nominal, &parameters, unknown, |own| {
             clearance.add(&mut open_loop, own.pose, own.informative);
+            open_loop.clearance_m > 0.0
         });
         let passage = passages.iter().fold(clearance.open(), |a, b| a.and(b));
         let track = track.map(|samples| Sailed { samples, ends: ends.clone() });

@@ -35,6 +35,10 @@ pub(super) struct Passage {
     pub clearance_m: f64,
     /// Whether the hull left the lattice's area.
     pub left_area: bool,
+    /// How far the vessel may go on before it can have come nearer \[m\].
+    unseen_m: f64,
+    /// Where it was last, east and north \[m\], and whether that was in an informative maneuver.
+    last: ([f64; 2], bool),
 }
 
 impl Passage {
@@ -43,6 +47,8 @@ impl Passage {
         Self {
             clearance_m: self.clearance_m.min(other.clearance_m),
             left_area: self.left_area || other.left_area,
+            unseen_m: 0.0,
+            ..self
         }
     }
 }
@@ -67,16 +73,32 @@ impl Clearance {
 
     /// A passage that has seen nothing yet.
     pub(super) fn open(&self) -> Passage {
-        Passage { clearance_m: self.sight_m, left_area: false }
+        Passage { clearance_m: self.sight_m, left_area: false, unseen_m: 0.0, last: ([0.0; 2], false) }
+    }
+
+    /// How far a place is from where the hull can reach out of the area; below 0 beyond it \[m\].
+    fn room_m(&self, place: [f64; 2]) -> f64 {
+        let Bounds { min, max } = self.area;
+        let ends = [0, 1].map(|k| (place[k] - min[k]).min(max[k] - place[k]));
+        ends[0].min(ends[1]) - self.radius_m
     }
 
     /// Of the hull at a sample, added to `passage`.
     pub(super) fn add(&self, passage: &mut Passage, pose: Pose, informative: bool) {
+        let place = [pose.y, pose.x];
+        let (before, was_informative) = std::mem::replace(&mut passage.last, (place, informative));
+        let [east, north] = [0, 1].map(|k| place[k] - before[k]);
+        passage.unseen_m -= (east * east + north * north).sqrt();
+        if passage.unseen_m > 0.0 && was_informative == informative {
+            return;
+        }
+        passage.unseen_m = 0.0;
         let obstacles = if informative { &self.trial } else { &self.transit };
         // Where the reference point is farther off than the hull reaches, no corner counts.
         let far = obstacles.distance_m(pose.y, pose.x) - self.radius_m - 2.0 * obstacles.raster().cell_m;
-        let inside = self.area.grown(-self.radius_m).contains([pose.y, pose.x]);
-        if far > passage.clearance_m && (inside || passage.left_area) {
+        let room = if passage.left_area { f64::INFINITY } else { self.room_m(place) };
+        if far > passage.clearance_m && room >= 0.0 {
+            passage.unseen_m = (far - passage.clearance_m).min(room);
             return;
         }
         let (sin, cos) = libm::sincos(pose.psi);

@@ -91,9 +91,10 @@ impl Prepared {
 
     /// Rehearses all legs by those who always do, and by those who taught something.
     fn rehearse(&mut self, search: &Search) -> Result<(), VoyageError> {
+        let mut groups = std::mem::take(&mut self.groups);
         let (rehearsed, dropped) =
-            rehearse(&self.repertoire(), &self.groups, &self.wanted, &self.others, search.go_on)?;
-        (self.rehearsed, self.dropped) = (rehearsed, dropped);
+            rehearse(&self.repertoire(), &mut groups, &self.wanted, &self.others, search.go_on)?;
+        (self.groups, self.rehearsed, self.dropped) = (groups, rehearsed, dropped);
         self.wanted.iter().try_for_each(|wanted| self.check_offered(&wanted.piece.maneuver))
     }
 
@@ -120,7 +121,7 @@ impl Prepared {
     ) -> Result<(), VoyageError> {
         for (leg, who) in taught {
             let group = self.rehearsed[leg].group;
-            self.groups[group].taught.push(who);
+            self.groups[group].learn(who);
         }
         self.rehearse(search)
     }

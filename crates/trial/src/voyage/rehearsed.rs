@@ -1,5 +1,7 @@
 //! Every leg, carried out before the search by whoever may have to sail it.
 
+use std::sync::Arc;
+
 use chart::Footprint;
 use rayon::prelude::*;
 use vessel::{Invalid, Pose};
@@ -48,7 +50,9 @@ pub(super) struct Group {
     level: usize,
     what: What,
     /// Who showed in a check that a leg of theirs is not as good as it was thought to be.
-    pub taught: Vec<Rehearser>,
+    taught: Vec<Rehearser>,
+    /// What rehearsals came to; nothing where someone has not rehearsed yet.
+    outcomes: Option<Arc<Vec<Outcome>>>,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -118,35 +122,39 @@ pub(super) fn groups(repertoire: &Repertoire) -> Vec<Group> {
     let levels = if repertoire.is_isotropic() { grid.headings / 4 } else { grid.headings };
     let basic = (0..grid.modes.len()).map(What::Basic);
     let all = basic.chain((0..repertoire.pieces.len()).map(What::Informative));
-    all.flat_map(|what| (0..levels).map(move |level| Group { level, what, taught: Vec::new() })).collect()
+    all.flat_map(|what| {
+        (0..levels).map(move |level| Group { level, what, taught: Vec::new(), outcomes: None })
+    })
+    .collect()
 }
 
-/// Rehearses the legs of every group by `others`, and by those who taught the group.
+/// Rehearses the legs of every group by `others`, and by those who taught the group, unless they have done so.
 pub(super) fn rehearse(
     repertoire: &Repertoire,
-    groups: &[Group],
+    groups: &mut [Group],
     wanted: &[Wanted],
     others: &[Rehearser],
     go_on: &(dyn Fn() -> bool + Sync),
 ) -> Result<(Vec<Rehearsed>, Vec<Dropped>), VoyageError> {
-    let outcomes = |group: &Group| {
+    groups.par_iter_mut().filter(|group| group.outcomes.is_none()).try_for_each(|group| {
         if !go_on() {
             return Err(VoyageError::OutOfTime("the rehearsal of legs"));
         }
-        Ok(group.outcomes(repertoire, others)?)
-    };
-    let found: Vec<Vec<Outcome>> = groups.par_iter().map(outcomes).collect::<Result<_, VoyageError>>()?;
+        group.outcomes = Some(Arc::new(group.rehearsed(repertoire, others)?));
+        Ok(())
+    })?;
     let name = |purpose: &Purpose| match purpose {
         Purpose::Basic(name) => name.clone(),
         Purpose::Informative { piece, .. } => wanted[*piece].piece.maneuver.clone(),
     };
     let (mut rehearsed, mut dropped) = (Vec::new(), Vec::new());
     let quarters = if repertoire.is_isotropic() { 4 } else { 1 };
-    for (group, outcomes) in found.into_iter().enumerate() {
+    for (index, group) in groups.iter().enumerate() {
+        let outcomes = group.outcomes.as_deref().map_or(&[][..], |outcomes| outcomes);
         for (quarter, outcome) in (0..quarters).flat_map(|q| outcomes.iter().map(move |o| (q, o))) {
             match outcome {
                 Ok(settled) => {
-                    rehearsed.push(Rehearsed::new(settled, quarter, repertoire.grid, group, &name))
+                    rehearsed.push(Rehearsed::new(settled, quarter, repertoire.grid, index, &name))
                 }
                 Err(unsettled) => dropped.push(Dropped {
                     name: name(&unsettled.purpose),
@@ -175,7 +183,13 @@ impl Rehearsed {
 }
 
 impl Group {
-    fn outcomes(&self, repertoire: &Repertoire, others: &[Rehearser]) -> Result<Vec<Outcome>, Invalid> {
+    /// Lets `who` rehearse, too, from now on.
+    pub(super) fn learn(&mut self, who: Rehearser) {
+        self.taught.push(who);
+        self.outcomes = None;
+    }
+
+    fn rehearsed(&self, repertoire: &Repertoire, others: &[Rehearser]) -> Result<Vec<Outcome>, Invalid> {
         let all: Vec<Rehearser> = others.iter().chain(&self.taught).cloned().collect();
         match self.what {
             What::Basic(mode) => repertoire.basic(self.level, mode, &all),

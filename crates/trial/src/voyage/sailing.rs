@@ -53,35 +53,57 @@ impl Prepared {
         let clearance = Clearance::new(self)?;
         let mut round = self.round(&clearance, 1, search)?;
         while !round.taught.is_empty() && round.number < ROUNDS {
-            let Round { sailing, taught, number, .. } = &round;
-            let taught = taught.iter().take(PUPILS);
-            let legs = taught.map(|(step, who)| (sailing.legs[*step], who.clone())).collect();
             let mut wiser = self.clone();
-            let next = wiser.learn(legs, search).and_then(|()| wiser.round(&clearance, number + 1, search));
-            match next {
+            match wiser.again(&round, &clearance, search) {
                 Ok(next) => {
                     *self = wiser;
                     round = next;
                 }
-                Err(_) if keep_unsafe => break,
-                Err(error) => return Err(error.after(*number)),
+                Err(_) if keep_unsafe => {
+                    // Its check ended early.
+                    (round.sailing, _) =
+                        self.sail(&round.solved, &clearance, (round.number, true), search)?;
+                    break;
+                }
+                Err(error) => return Err(error.after(round.number)),
             }
         }
-        Ok((round.solved, round.sailing))
+        let Round { mut solved, sailing, .. } = round;
+        solved.front = self.front(&solved.problem, &solved.moves, search);
+        Ok((solved, sailing))
     }
 
-    /// Searches, sails the plan in continuous space, checks it against the chart and says what it tells.
+    /// The round after `round`, with what that one taught.
+    fn again(&mut self, round: &Round, clearance: &Clearance, search: &Search) -> Result<Round, VoyageError> {
+        let taught = round.taught.iter().take(PUPILS);
+        let legs = taught.map(|(step, who)| (round.sailing.legs[*step], who.clone())).collect();
+        self.learn(legs, search)?;
+        self.round(clearance, round.number + 1, search)
+    }
+
+    /// Searches and sails.
     fn round(&self, clearance: &Clearance, number: u32, search: &Search) -> Result<Round, VoyageError> {
         let solved = self.solve(search)?;
+        let (sailing, taught) = self.sail(&solved, clearance, (number, number == ROUNDS), search)?;
+        Ok(Round { number, solved, sailing, taught })
+    }
+
+    /// Sails the plan in continuous space, checks it against the chart and says what it tells, and who failed which steps.
+    fn sail(
+        &self,
+        solved: &Solved,
+        clearance: &Clearance,
+        (round, is_last): (u32, bool),
+        search: &Search,
+    ) -> Result<(Sailing, Vec<(usize, Rehearser)>), VoyageError> {
         let legs: Vec<usize> =
             solved.solution.steps.iter().map(|step| solved.moves.leg_of_step(step)).collect();
-        let script = self.script(&solved, &legs);
+        let script = self.script(solved, &legs);
         let sailed = script.sailed(&self.brief.vessel.nominal, [0.0; 2])?;
-        let checking = Checking { script: &script, clearance, legs: &legs, nominal: &sailed, round: number };
+        let checking = Checking { script: &script, clearance, legs: &legs, nominal: &sailed, round, is_last };
         let Checked { check, tracks, taught } = checking.check(search)?;
         let information = self.information_sailed(&legs, &sailed);
-        let sailing = Sailing { legs, sailed, runs: tracks, check, information };
-        Ok(Round { number, solved, sailing, taught })
+        Ok((Sailing { legs, sailed, runs: tracks, check, information }, taught))
     }
 
     fn script<'a>(&'a self, solved: &Solved, legs: &[usize]) -> Script<'a> {

@@ -37,18 +37,20 @@ impl Script<'_> {
         Ok(Sailed { samples, ends })
     }
 
-    /// The inputs of a track, sample by sample, without corrections: `record` is told of every sample.
+    /// The inputs of a track, sample by sample, without corrections: `record` is told of every sample, and says whether to go on.
     pub(super) fn repeat(
         &self,
         nominal: &Sailed,
         parameters: &[f64],
         unknown: [f64; 2],
-        mut record: impl FnMut(Passing),
+        mut record: impl FnMut(Passing) -> bool,
     ) {
         let mut ship = self.ship(parameters, unknown);
         for sample in &nominal.samples {
             let (pose, state, inputs) = (ship.pose, ship.state, &sample.inputs[..]);
-            record(Passing { leg: sample.leg, informative: sample.informative, pose, state, inputs });
+            if !record(Passing { leg: sample.leg, informative: sample.informative, pose, state, inputs }) {
+                return;
+            }
             ship.step(inputs);
         }
     }

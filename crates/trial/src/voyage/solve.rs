@@ -20,7 +20,8 @@ pub struct Solved {
     pub problem: Problem,
     /// The plan.
     pub solution: Solution,
-    /// Counts that no others beat in both cost and information, cheapest first; empty where the search was not exhaustive.
+    /// Counts that no others beat in both cost and information, cheapest first; empty where the search was not exhaustive, and
+    /// before a plan has passed its check.
     pub front: Vec<FrontPoint>,
 }
 
@@ -41,8 +42,7 @@ impl Prepared {
             }
             limit => VoyageError::NoPlan(limit),
         })?;
-        let front = self.front(&problem, &moves, search);
-        Ok(Solved { waters, moves, problem, solution, front })
+        Ok(Solved { waters, moves, problem, solution, front: Vec::new() })
     }
 
     fn problem(

@@ -150,7 +150,7 @@ fn informative_legs_have_a_mirror_image() {
 
 #[test]
 fn law_no_input_of_a_leg_changes_faster_than_its_actuator_and_legs_still_end_settled() {
-    let vessel = coaster("range = [-400.0, 1200.0]\nlag_s = 6.0", "lag_s = 2.0\nrate_per_s = 0.02");
+    let vessel = coaster("range = [-400.0, 1200.0]\nlag_s = 6.0", "lag_s = 2.0\nrate_per_s = 0.05");
     let modes =
         [("slow", 2.5), ("fast", 4.0)].map(|(name, speed_m_s)| Mode { name: name.to_owned(), speed_m_s });
     let handling = DerivedHandling::of(&vessel, &modes, 60.0).unwrap().handling;
@@ -173,7 +173,7 @@ fn law_no_input_of_a_leg_changes_faster_than_its_actuator_and_legs_still_end_set
         let Settled { leg, sailed, .. } = leg.unwrap_or_else(|unsettled| panic!("{unsettled:?}"));
         for pair in sailed.samples.windows(2) {
             let turned = (pair[1].inputs[1] - pair[0].inputs[1]).abs();
-            assert!(turned <= 0.02 + 1e-12, "{:?}: {turned}", leg.purpose);
+            assert!(turned <= 0.05 + 1e-12, "{:?}: {turned}", leg.purpose);
         }
     }
 }

@@ -1,0 +1,42 @@
+//! How the vessel is handled: what follows from it, and what it cannot do.
+
+use crate::planned::*;
+use crate::support::*;
+
+const HANDLING: &str = "[handling]\nturn_rate_rad_s = 0.05\ncrawl_m_s = 0.5\nacceleration_m_s2 = 0.05\nresponse_s = 30.0\nlookahead_m = 60.0\n";
+
+#[test]
+fn handling_that_is_left_out_follows_from_the_vessel_and_both_are_told() {
+    let planned = plan_small(&[(HANDLING, "[handling]\nturn_rate_rad_s = 0.04\n")]);
+    let handling = &planned.voyage()["handling"];
+    let [used, derived] = [&handling["used"], &handling["derived"]["handling"]];
+    assert_eq!(used["turn_rate_rad_s"], 0.04);
+    for key in ["crawl_m_s", "acceleration_m_s2", "response_s", "lookahead_m"] {
+        assert_eq!(used[key], derived[key], "{handling}");
+    }
+    // One and a half lengths of 30 m at 1.5 m/s, and the way of that time.
+    assert_eq!((&used["response_s"], &used["lookahead_m"]), (&30.0.into(), &45.0.into()));
+    assert!(derived["turn_rate_rad_s"].as_f64() != Some(0.04), "{handling}");
+    assert_eq!(planned.voyage()["check"]["safe"], true);
+}
+
+#[test]
+fn a_vessel_that_cannot_hold_its_track_is_refused_in_one_line() {
+    let ship = |keys: &str| {
+        let folder = small_with(&[]);
+        edit(&folder, "vessel.toml", "unit = \"kN m\"", &format!("unit = \"kN m\"\n{keys}"));
+        folder
+    };
+    // Hardly any moment, and one that comes far too late.
+    for (keys, pieces) in [
+        ("range = [-1e-6, 1e-6]", ["plan.toml", "`handling.turn_rate_rad_s`", "the nominal vessel"]),
+        (
+            "range = [-300.0, 300.0]\nlag_s = 900.0",
+            ["plan.toml", "no leg that all who rehearse it end settled", "know the parameters better"],
+        ),
+    ] {
+        let folder = ship(keys);
+        let code = if keys.contains("lag_s") { 4 } else { 3 };
+        refused(&folder, code, &format!("{PLAN} --allow-mixed"), &pieces);
+    }
+}
