@@ -1,6 +1,6 @@
-use vessel::{Invalid, Pose};
+use vessel::Invalid;
 
-use crate::{Autopilot, Phase, Repertoire, Ship, Used};
+use crate::{Autopilot, Phase, Ship, Used};
 
 /// Who rehearses a leg: a vessel, the current that nobody knows of, and how far off its node it begins.
 #[derive(Clone, Debug)]
@@ -55,43 +55,9 @@ impl<'a> Crew<'a> {
     }
 }
 
-impl Repertoire<'_> {
-    /// The nominal vessel and `others` at the origin, in `layer`.
-    pub(crate) fn crew(&self, layer: usize, others: &[Rehearser]) -> Result<Crew<'_>, Invalid> {
-        let others = others.iter().map(|who| self.underway(layer, Some(who)));
-        Ok(Crew::new(self.underway(layer, None)?, others.collect::<Result<_, _>>()?))
-    }
-
-    /// A vessel at the origin, in `layer`: the nominal one on its node, or another, as it enters a leg. Its autopilot has held
-    /// it for a while, so that it knows what to expect.
-    fn underway(&self, layer: usize, who: Option<&Rehearser>) -> Result<Underway<'_>, Invalid> {
-        let (level, mode) = self.grid.level_and_mode(layer);
-        let (heading, speed) = (self.grid.heading_rad(level), self.grid.modes[mode].speed_m_s);
-        let parameters = who.map_or(&self.vessel.nominal, |who| &who.parameters);
-        let pose = Pose { x: 0.0, y: 0.0, psi: heading };
-        let mut ship = Ship::new(self.vessel, parameters, pose, speed);
-        let turned = |[ahead, right]: [f64; 2]| {
-            let (sin, cos) = libm::sincos(heading);
-            [ahead * cos - right * sin, ahead * sin + right * cos]
-        };
-        let unknown = turned(who.map_or([0.0; 2], |who| who.current_m_s));
-        ship.current_m_s = [0, 1].map(|d| self.mean_current_m_s[d] + unknown[d]);
-        let mut autopilot = Autopilot::new(self.vessel, &self.vessel.nominal, *self.handling);
-        autopilot.known_current_m_s = self.mean_current_m_s;
-        let mut underway = Underway { ship, autopilot };
-        if let Some(who) = who {
-            underway.hold(heading, speed, self.handling.response_s)?;
-            let [x, y] = turned([who.off[0], who.off[1]]);
-            underway.ship.pose = Pose { x, y, psi: heading + who.off[2] };
-            underway.ship.state = [speed + who.motion[0], who.motion[1], who.motion[2]];
-        }
-        Ok(underway)
-    }
-}
-
 impl Underway<'_> {
     /// Holds the vessel on its heading and at its speed for a while.
-    fn hold(&mut self, heading_rad: f64, speed_m_s: f64, seconds: f64) -> Result<(), Invalid> {
+    pub fn hold(&mut self, heading_rad: f64, speed_m_s: f64, seconds: f64) -> Result<(), Invalid> {
         let Self { ship, autopilot } = self;
         let far = 10.0 * speed_m_s * seconds;
         let to = [far * libm::cos(heading_rad), far * libm::sin(heading_rad)];

@@ -2,7 +2,7 @@
 
 use refusal::check_numbers;
 
-use crate::{InputSpec, Invalid};
+use crate::Invalid;
 
 /// The actuator of an input.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -19,28 +19,33 @@ pub struct Actuator {
 const LONGEST_LAG_S: f64 = 1e4;
 
 impl Actuator {
-    /// As written for an input.
+    /// Of input `name`, as written: its range, lag \[s\] and rate \[1/s\].
     ///
     /// # Errors
     /// A range without room in it, a lag below 0, a rate that is not above 0.
-    pub(crate) fn of(input: &InputSpec) -> Result<Self, Invalid> {
-        let thing = |key: &str| format!("{key}` of input `{}", input.name);
-        if let Some([low, high]) = input.range
+    pub(crate) fn new(
+        name: &str,
+        range: Option<[f64; 2]>,
+        lag_s: Option<f64>,
+        rate_per_s: Option<f64>,
+    ) -> Result<Self, Invalid> {
+        let thing = |key: &str| format!("{key}` of input `{name}");
+        if let Some([low, high]) = range
             && !(low.is_finite() && high.is_finite() && low < high)
         {
             return Err(Invalid::new(
-                format!("input `{}`", input.name),
+                format!("input `{name}`"),
                 format!("`range` [{low}, {high}]"),
                 "a lowest and a higher, highest setting, both finite",
                 "swap or correct them",
             ));
         }
         let expected = format!("0 to {LONGEST_LAG_S} s");
-        let lag = input.lag_s.map(|lag| (thing("lag_s"), lag));
+        let lag = lag_s.map(|lag| (thing("lag_s"), lag));
         check_numbers(lag, &expected, |lag| (0.0..=LONGEST_LAG_S).contains(&lag))?;
-        let rate = input.rate_per_s.map(|rate| (thing("rate_per_s"), rate));
+        let rate = rate_per_s.map(|rate| (thing("rate_per_s"), rate));
         check_numbers(rate, "a finite rate above 0", |rate| rate > 0.0 && rate.is_finite())?;
-        Ok(Self { range: input.range, lag_s: input.lag_s.unwrap_or(0.0), rate_per_s: input.rate_per_s })
+        Ok(Self { range, lag_s: lag_s.unwrap_or(0.0), rate_per_s })
     }
 
     /// Where it is after `seconds` under `command`, having been at `setting`: an exponential approach, no faster than it can.

@@ -143,7 +143,8 @@ impl Vessel {
         let variables = variables(&file)?;
         let terms = terms(&file, &variables)?;
         let couplings = couplings(&file.input)?;
-        let actuators = file.input.iter().map(Actuator::of).collect::<Result<_, _>>()?;
+        let actuator = |own: &InputSpec| Actuator::new(&own.name, own.range, own.lag_s, own.rate_per_s);
+        let actuators = file.input.iter().map(actuator).collect::<Result<_, _>>()?;
         let written = replaced(&file)?;
         check_parameters(&written)?;
         let (mut value, mut nominal, mut constrained) = (Vec::new(), Vec::new(), Vec::new());

@@ -3,6 +3,7 @@
 mod footprints;
 mod geodesy;
 mod grid_files;
+mod grid_formats;
 mod marks;
 mod objects;
 mod obstacles;

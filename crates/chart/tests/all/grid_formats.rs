@@ -1,0 +1,98 @@
+//! Grids in the forms that agencies publish: GeoTIFF and NetCDF.
+
+use std::path::{Path, PathBuf};
+
+use chart::{Crs, Grid, GridCell, GridDeclaration, GridKind, Invalid};
+use serde_json::Value;
+
+fn repository() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
+}
+
+fn bytes(name: &str) -> Vec<u8> {
+    std::fs::read(repository().join("fixtures/charts/grids").join(name)).unwrap()
+}
+
+fn declared(name: &str) -> GridDeclaration {
+    let kind = if name.starts_with("depth") { GridKind::Depth } else { GridKind::Elevation };
+    GridDeclaration { kind, crs: None, variable: None, open_sea: false }
+}
+
+fn read(name: &str, bytes: Vec<u8>, declared: &GridDeclaration) -> Result<Grid, Invalid> {
+    if name.ends_with(".nc") { Grid::from_netcdf(bytes, declared) } else { Grid::from_tiff(&bytes, declared) }
+}
+
+#[test]
+fn oracle_grids_are_read_as_gdal_reads_them() {
+    let text = std::fs::read_to_string(repository().join("fixtures/oracle/grids.json")).unwrap();
+    let expected: Vec<Value> = serde_json::from_str(&text).unwrap();
+    assert_eq!(expected.len(), 5);
+    for own in &expected {
+        let name = own["file"].as_str().unwrap();
+        let variable = own["variable"].as_str().map(str::to_owned);
+        let declared = GridDeclaration { variable, ..declared(name) };
+        let grid = read(name, bytes(name), &declared).unwrap_or_else(|e| panic!("{name}: {e}"));
+        assert_eq!(grid.crs.name(), own["crs"].as_str().unwrap_or("WGS84"), "{name}");
+        let corner: [f64; 2] = serde_json::from_value(own["corner"].clone()).unwrap();
+        let near = |a: f64, b: f64| (a - b).abs() <= 1e-9 * b.abs().max(1.0);
+        assert!(
+            near(grid.corner[0], corner[0]) && near(grid.corner[1], corner[1]),
+            "{name}: {:?}",
+            grid.corner
+        );
+        assert!(near(grid.cell, own["cell"].as_f64().unwrap()), "{name}: {}", grid.cell);
+        let rows: Vec<Vec<Option<f64>>> = serde_json::from_value(own["values"].clone()).unwrap();
+        assert_eq!([grid.rows, grid.columns], [rows.len(), rows[0].len()]);
+        let sign = if declared.kind == GridKind::Depth { 1.0 } else { -1.0 };
+        for (cell, value) in grid.cells.iter().zip(rows.iter().rev().flatten()) {
+            let same = match (cell, value) {
+                (GridCell::Missing, None) => true,
+                (GridCell::Depth(depth), Some(value)) => near(*depth, sign * value),
+                _ => false,
+            };
+            assert!(same, "{name}: {cell:?} {value:?}");
+        }
+    }
+}
+
+#[test]
+fn what_a_file_does_not_say_or_says_otherwise_is_refused() {
+    let refused = |name: &str, declared: &GridDeclaration, pieces: &[&str]| {
+        let said = read(name, bytes(name), declared).map(|_| ()).unwrap_err().to_string();
+        assert!(pieces.iter().all(|piece| said.contains(piece)), "{said}");
+    };
+    let own = declared("emodnet.nc");
+    refused("emodnet.nc", &own, &["`variable`", "2 grids", "elevation, value_count"]);
+    let other = GridDeclaration { variable: Some("depth".to_owned()), ..own.clone() };
+    refused("emodnet.nc", &other, &["no grid `depth`", "elevation, value_count"]);
+    let crs = Some(Crs::new("EPSG:32634").unwrap());
+    refused(
+        "depth_utm.tif",
+        &GridDeclaration { crs, ..declared("depth") },
+        &["`crs`", "EPSG:32635, as the file says"],
+    );
+    let swapped = read("a.tif", bytes("gebco.nc"), &own).map(|_| ()).unwrap_err().to_string();
+    assert!(swapped.contains("GeoTIFF") && swapped.contains("a whole GeoTIFF"), "{swapped}");
+    let swapped = read("a.nc", bytes("depth_utm.tif"), &own).map(|_| ()).unwrap_err().to_string();
+    assert!(swapped.contains("NetCDF"), "{swapped}");
+}
+
+#[test]
+fn damaged_files_are_refused_or_read_and_never_panic() {
+    for name in ["depth_utm.tif", "elevation_point.tif", "gebco.nc", "emodnet.nc", "classic.nc"] {
+        let (whole, declared) = (bytes(name), declared(name));
+        for cut in (0..whole.len()).step_by(53) {
+            let _ = read(name, whole[..cut].to_vec(), &declared);
+        }
+        let mut state = 1_u64;
+        for _ in 0..2000 {
+            let mut damaged = whole.clone();
+            for _ in 0..3 {
+                state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+                let at = (state >> 33) as usize % damaged.len();
+                damaged[at] = (state >> 20) as u8;
+            }
+            let _ = read(name, damaged, &declared);
+        }
+    }
+}
