@@ -68,6 +68,9 @@ impl<'a> Autopilot<'a> {
     /// Along and across the vessel.
     fn known_current(&self, pose: Pose) -> [f64; 2] {
         let [north, east] = self.known_current_m_s;
+        if [north, east] == [0.0; 2] {
+            return [0.0; 2];
+        }
         let (sin, cos) = libm::sincos(pose.psi);
         [north * cos + east * sin, east * cos - north * sin]
     }
@@ -77,7 +80,7 @@ impl<'a> Autopilot<'a> {
         let ahead = ship.state[0] * ship.sample_s() / 2.0;
         match *phase {
             Phase::Line { to, heading_rad, .. } => {
-                let left = left_on_line(node, to, heading_rad, ship.pose);
+                let left = along(offset(node, to, ship.pose), libm::sincos(heading_rad));
                 left <= ahead.max(0.0) || elapsed_s > self.patience_s(phase, node, start)
             }
             Phase::Arc { to_rad, side, .. } => {
@@ -124,14 +127,15 @@ impl<'a> Autopilot<'a> {
         let h = &self.handling;
         match *phase {
             Phase::Line { to, heading_rad, from_m_s, to_m_s } => {
-                let whole = left_on_line(node, to, heading_rad, start);
-                let left = left_on_line(node, to, heading_rad, ship.pose);
+                let (sin, cos) = libm::sincos(heading_rad);
+                let [north, east] = offset(node, to, ship.pose);
+                let whole = along(offset(node, to, start), (sin, cos));
+                let left = along([north, east], (sin, cos));
                 let part = if whole > 0.0 { (1.0 - left / whole).clamp(0.0, 1.0) } else { 1.0 };
                 let squares = to_m_s.powi(2) - from_m_s.powi(2);
                 let speed = (from_m_s.powi(2) + part * squares).max(0.0).sqrt().max(h.crawl_m_s);
                 let acceleration = if whole > 0.0 { squares / (2.0 * whole) } else { 0.0 };
-                let [north, east] = offset(node, to, ship.pose);
-                let across = north * libm::sin(heading_rad) - east * libm::cos(heading_rad);
+                let across = north * sin - east * cos;
                 let aim = heading_rad - libm::atan(across / h.lookahead_m);
                 Command { u: speed, acceleration, v: None, r: self.towards(aim, 0.0, ship) }
             }
@@ -174,10 +178,9 @@ fn offset(node: [f64; 2], place: [f64; 2], pose: Pose) -> [f64; 2] {
     [node[0] + place[0] - pose.x, node[1] + place[1] - pose.y]
 }
 
-/// Distance left along a line.
-fn left_on_line(node: [f64; 2], to: [f64; 2], heading_rad: f64, pose: Pose) -> f64 {
-    let [north, east] = offset(node, to, pose);
-    north * libm::cos(heading_rad) + east * libm::sin(heading_rad)
+/// How far a place, north and east, lies along a heading of this sine and cosine.
+fn along([north, east]: [f64; 2], (sin, cos): (f64, f64)) -> f64 {
+    north * cos + east * sin
 }
 
 /// Course of an arc abeam of the vessel \[rad\].

@@ -12,7 +12,7 @@ use super::prepared::Prepared;
 use super::script::Script;
 use super::search::Search;
 use crate::leg::turned_back;
-use crate::{Astray, End, Rehearser, Sailed};
+use crate::{Astray, End, Rehearser, Sailed, Sample};
 
 /// Tracks that are kept to be drawn.
 const TRACKS: u32 = 200;
@@ -196,7 +196,7 @@ impl Checking<'_> {
             clearance.add(&mut passages[own.leg], own.pose, own.informative);
             samples += 1;
             if let Some(track) = &mut track {
-                track.push(own.into());
+                track.push(Sample { inputs: Vec::new(), ..own.into() });
             }
         })?;
         let mut open_loop = clearance.open();

@@ -11,6 +11,9 @@ use super::search::Search;
 use super::task::Brief;
 use crate::{Grid, Piece, Rehearser, Repertoire, mirror};
 
+/// What is known of legs: rehearsals, legs that all end settled, legs that some do not.
+pub(super) type Known = (Vec<Group>, Vec<Rehearsed>, Vec<Dropped>);
+
 /// A trial prepared for the search.
 #[derive(Clone, Debug)]
 pub struct Prepared {
@@ -67,7 +70,8 @@ impl Prepared {
         };
         prepared.check_modes()?;
         prepared.groups = groups(&prepared.repertoire());
-        prepared.rehearse(search)?;
+        prepared.learn(std::iter::empty(), search)?;
+        prepared.check_offered()?;
         Ok(prepared)
     }
 
@@ -89,20 +93,11 @@ impl Prepared {
         (0..self.pieces.len()).try_for_each(|piece| self.repertoire().mode_of(piece).map(|_| ()))
     }
 
-    /// Rehearses all legs by those who always do, and by those who taught something.
-    fn rehearse(&mut self, search: &Search) -> Result<(), VoyageError> {
-        let mut groups = std::mem::take(&mut self.groups);
-        let (rehearsed, dropped) =
-            rehearse(&self.repertoire(), &mut groups, &self.wanted, &self.others, search.go_on)?;
-        (self.groups, self.rehearsed, self.dropped) = (groups, rehearsed, dropped);
-        self.wanted.iter().try_for_each(|wanted| self.check_offered(&wanted.piece.maneuver))
-    }
-
     /// Refuses a maneuver that has no leg from any heading.
-    fn check_offered(&self, name: &str) -> Result<(), VoyageError> {
-        if self.rehearsed.iter().any(|own| own.name == name) {
-            return Ok(());
-        }
+    pub(super) fn check_offered(&self) -> Result<(), VoyageError> {
+        let offered = |name: &str| self.rehearsed.iter().any(|own| own.name == name);
+        let mut names = self.wanted.iter().map(|wanted| wanted.piece.maneuver.as_str());
+        let Some(name) = names.find(|name| !offered(name)) else { return Ok(()) };
         let why = self.dropped.iter().find(|dropped| dropped.name == name);
         let why = why.map_or_else(String::new, |dropped| format!(", {}", dropped.why));
         Err(VoyageError::NoAnswer(Invalid::new(
@@ -113,17 +108,24 @@ impl Prepared {
         )))
     }
 
-    /// Lets those who failed a leg rehearse it from now on.
-    pub(super) fn learn(
+    /// Lets those who failed a leg rehearse it from now on; gives what was known before.
+    pub(super) fn learn<'w>(
         &mut self,
-        taught: Vec<(usize, Rehearser)>,
+        taught: impl Iterator<Item = (usize, &'w Rehearser)>,
         search: &Search,
-    ) -> Result<(), VoyageError> {
-        for (leg, who) in taught {
-            let group = self.rehearsed[leg].group;
-            self.groups[group].learn(who);
-        }
-        self.rehearse(search)
+    ) -> Result<Known, VoyageError> {
+        let mut groups = self.groups.clone();
+        taught.for_each(|(leg, who)| groups[self.rehearsed[leg].group].learn(who.clone()));
+        let (rehearsed, dropped) =
+            rehearse(&self.repertoire(), &mut groups, &self.wanted, &self.others, search.go_on)?;
+        Ok(self.know((groups, rehearsed, dropped)))
+    }
+
+    /// Takes what is known; gives what was known before.
+    pub(super) fn know(&mut self, (groups, rehearsed, dropped): Known) -> Known {
+        let groups = std::mem::replace(&mut self.groups, groups);
+        let rehearsed = std::mem::replace(&mut self.rehearsed, rehearsed);
+        (groups, rehearsed, std::mem::replace(&mut self.dropped, dropped))
     }
 
     /// North and east of a pose's node \[m\].

@@ -24,7 +24,7 @@ pub struct Sailing {
     pub legs: Vec<usize>,
     /// By the nominal model in the known current.
     pub sailed: Sailed,
-    /// By other vessels in unknown currents, the first of them: to be drawn.
+    /// By other vessels in unknown currents, the first of them: to be drawn, without their inputs.
     pub runs: Vec<Sailed>,
     /// Against the chart.
     pub check: Check,
@@ -53,12 +53,8 @@ impl Prepared {
         let clearance = Clearance::new(self)?;
         let mut round = self.round(&clearance, 1, search)?;
         while !round.taught.is_empty() && round.number < ROUNDS {
-            let mut wiser = self.clone();
-            match wiser.again(&round, &clearance, search) {
-                Ok(next) => {
-                    *self = wiser;
-                    round = next;
-                }
+            match self.again(&round, &clearance, search) {
+                Ok(next) => round = next,
                 Err(_) if keep_unsafe => {
                     // Its check ended early.
                     (round.sailing, _) =
@@ -73,12 +69,15 @@ impl Prepared {
         Ok((solved, sailing))
     }
 
-    /// The round after `round`, with what that one taught.
+    /// The round after `round`, with what that one taught; that is forgotten again where it leaves no plan.
     fn again(&mut self, round: &Round, clearance: &Clearance, search: &Search) -> Result<Round, VoyageError> {
         let taught = round.taught.iter().take(PUPILS);
-        let legs = taught.map(|(step, who)| (round.sailing.legs[*step], who.clone())).collect();
-        self.learn(legs, search)?;
-        self.round(clearance, round.number + 1, search)
+        let before = self.learn(taught.map(|(step, who)| (round.sailing.legs[*step], who)), search)?;
+        let next = self.check_offered().and_then(|()| self.round(clearance, round.number + 1, search));
+        if next.is_err() {
+            self.know(before);
+        }
+        next
     }
 
     /// Searches and sails.
