@@ -36,10 +36,12 @@ impl Grid {
             let remedy = "write one band, for instance with `gdal_translate -b 1`";
             return Err(Invalid::new("GeoTIFF", format!("{band:?}"), "one band of numbers", remedy));
         }
-        let keys = Keys::of(decoder.get_tag_u16_vec(Tag::GeoKeyDirectoryTag).unwrap_or_default());
+        let keys = decoder.find_tag_unsigned_vec(Tag::GeoKeyDirectoryTag).map_err(refuse)?;
+        let keys = Keys(keys.unwrap_or_default());
         let crs = keys.crs(declared.crs.as_ref())?;
         let [cell, west, north] = placed(&mut decoder, &keys)?;
-        let no_data = decoder.get_tag_ascii_string(Tag::GdalNodata).ok();
+        let no_data = decoder.find_tag(Tag::GdalNodata).map_err(refuse)?;
+        let no_data = no_data.map(|text| text.into_string().map_err(refuse)).transpose()?;
         let no_data = no_data.and_then(|text| text.trim_matches(['\0', ' ']).parse::<f64>().ok());
         let missing = |value: &f64| value.is_nan() || no_data == Some(*value);
         let image = decoder.read_image().map_err(refuse)?;
@@ -77,10 +79,6 @@ fn placed(decoder: &mut Decoder<Cursor<&[u8]>>, keys: &Keys) -> Result<[f64; 3],
 struct Keys(Vec<u16>);
 
 impl Keys {
-    fn of(directory: Vec<u16>) -> Self {
-        Self(directory)
-    }
-
     /// The value of a key that stands in the directory itself.
     fn value(&self, key: u16) -> Option<u16> {
         let entries = self.0.get(4..)?.chunks_exact(4);
