@@ -151,10 +151,34 @@ SCENARIOS := white current-constant current-gauss-markov wind-bias
 scenarios: build
 	@for name in $(SCENARIOS); do \
 	  $(MAKE) --no-print-directory STUDY=pipelines/scenarios/$$name OUT=out/scenarios/$$name study || exit 1; done
+	@$(MAKE) --no-print-directory unknown
 	$(BIN)/report --study pipelines/scenarios/white --dictionary pipelines/paper/dictionary.toml \
 	  --results out/scenarios/white --scenarios $(SCENARIOS:%=out/scenarios/%) $(FLAGS) --out out/scenarios/report.html
 	@echo
 	@echo "Report: out/scenarios/report.html"
+
+# The same trials, estimated with what the study does not tell: water and wind as unknowns, no forces that stay, the noise.
+WAYS := current current-alone drifting drifting-alone wind no-intercepts undeclared
+WAY_current        := --estimator output-error --unknown-current earth
+WAY_current-alone  := $(WAY_current) --intercepts none
+WAY_drifting       := --estimator output-error --unknown-current drifting
+WAY_drifting-alone := $(WAY_drifting) --intercepts none
+WAY_wind           := --estimator output-error --unknown-wind earth
+WAY_no-intercepts  := --estimator output-error --intercepts none
+WAY_undeclared     := --estimator prediction-error
+UNKNOWN := $(foreach name,$(SCENARIOS),$(WAYS:%=out/scenarios/$(name)/unknown/%))
+
+.PHONY: unknown
+unknown: $(UNKNOWN:%=%/scores.parquet)
+
+# Of the stem white/unknown/wind, the first word is the scenario's name and the last the way's
+.SECONDEXPANSION:
+$(UNKNOWN:%=%/scores.parquet): out/scenarios/%/scores.parquet: out/scenarios/$$(*D:/unknown=)/campaign.parquet $(BIN)/estimate $(BIN)/validate
+	@mkdir -p $(@D)
+	$(BIN)/estimate --vessel pipelines/scenarios/$(*D:/unknown=)/vessel.toml --trajectories $< $(WAY_$(*F)) $(FLAGS) \
+	  --out $(@D)/estimates.parquet
+	$(BIN)/validate --vessel pipelines/scenarios/$(*D:/unknown=)/vessel.toml --campaign pipelines/scenarios/$(*D:/unknown=)/campaign.toml \
+	  --estimates $(@D)/estimates.parquet --validation $(<D)/validation.parquet $(FLAGS) --out $@
 
 # Trials designed in rounds against trials designed once.
 ROUNDS            := pipelines/sequential
@@ -213,7 +237,7 @@ results: build
 .PHONY: docs
 docs: $(BIN)/report
 	$(BIN)/report results --written pipelines --studies out/paper out/generated out/helsinki out/helsinki/planned \
-	  --scenarios $(SCENARIOS:%=out/scenarios/%) --rounds out/sequential $(ELEVEN) \
+	  --scenarios $(SCENARIOS:%=out/scenarios/%) --unknown $(UNKNOWN) --rounds out/sequential $(ELEVEN) \
 	  --selections $(foreach name,$(SELECTED_STUDIES),$(foreach seed,1 2 3 4 5 6 7 8 9 10,out/$(name)/seeds/$(seed)/measured)) \
 	  --logs out/esso-osaka/measured out/kvlcc2/measured --out docs/results.md
 	sh scripts/front-table.sh docs/results.md README.md

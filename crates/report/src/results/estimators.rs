@@ -11,7 +11,7 @@ use super::table::{Table, median};
 use crate::number::or_dash;
 
 /// The design whose errors the table has.
-const DESIGN: &str = "optimized";
+pub(super) const DESIGN: &str = "optimized";
 
 pub(super) fn section(folders: &[PathBuf]) -> Result<Option<String>, Error> {
     let (found, missing) = documents::<ValidationDocument>(folders, "validation.json")?;

@@ -7,6 +7,7 @@ mod logs;
 mod rounds;
 mod selections;
 mod table;
+mod unknown;
 
 use std::path::PathBuf;
 
@@ -21,6 +22,8 @@ pub struct Folders {
     pub studies: Vec<PathBuf>,
     /// The same, where estimators were compared.
     pub scenarios: Vec<PathBuf>,
+    /// Of a scenario each, in a folder below: estimates with water and wind as unknowns: validation.json, estimate.json.
+    pub unknown: Vec<PathBuf>,
     /// Trials in rounds: sequential.json.
     pub rounds: Vec<PathBuf>,
     /// Picks of sub-experiments: selection.json.
@@ -37,6 +40,7 @@ pub fn tables(folders: &Folders) -> Result<String, Error> {
     let sections = [
         designs::section(&folders.studies, folders.written.as_deref())?,
         estimators::section(&folders.scenarios)?,
+        unknown::section(&folders.unknown)?,
         rounds::section(&folders.rounds)?,
         selections::section(&folders.selections, folders.written.as_deref())?,
         logs::section(&folders.logs)?,

@@ -28,6 +28,9 @@ pub struct Results {
     /// Studies that compare estimators (validation.json)
     #[arg(long, value_name = "FOLDER", num_args = 1..)]
     scenarios: Vec<PathBuf>,
+    /// The same with water and wind as unknowns (validation.json, estimate.json)
+    #[arg(long, value_name = "FOLDER", num_args = 1..)]
+    unknown: Vec<PathBuf>,
     /// Trials in rounds (sequential.json)
     #[arg(long, value_name = "FOLDER", num_args = 1..)]
     rounds: Vec<PathBuf>,
@@ -113,6 +116,7 @@ impl Task for Results {
             written: self.written.clone(),
             studies: self.studies.clone(),
             scenarios: self.scenarios.clone(),
+            unknown: self.unknown.clone(),
             rounds: self.rounds.clone(),
             selections: self.selections.clone(),
             logs: self.logs.clone(),

@@ -262,3 +262,25 @@ fn runs_are_asked_what_the_model_lacks_where_disturbances_are_stated() {
     let ran = run(&folder, &format!("{ESTIMATE} --campaign campaign.toml")).succeeds();
     assert!(ran.stdout.contains(" reject the model"), "{ran}");
 }
+
+/// Estimates that are told nothing of water and wind stand among the results, each with what it took as unknown.
+#[test]
+fn results_name_what_was_unknown() {
+    let folder = with(&["campaign.parquet", "validation.parquet"]);
+    let way = "out/scenarios/white/unknown/current";
+    std::fs::create_dir_all(folder.path().join(way)).unwrap();
+    let flags = "--unknown-current earth --intercepts none";
+    let there = |line: &str| {
+        let line = line.replace("estimates.parquet", &format!("{way}/estimates.parquet"));
+        line.replace("scores.parquet", &format!("{way}/scores.parquet"))
+    };
+    run(&folder, &there(&format!("{ESTIMATE} --estimator output-error {flags}"))).succeeds();
+    run(&folder, &there(VALIDATE)).succeeds();
+    let missing = way.replace("current", "wind");
+    run(&folder, &format!("report results --unknown {way} {missing} --out results.md")).succeeds();
+    let text = std::fs::read_to_string(folder.path().join("results.md")).unwrap();
+    let row = format!("| scenarios white | {RUNS} | 1 | `output-error {flags}` |");
+    for piece in [row.as_str(), "Not here: scenarios white unknown wind"] {
+        assert!(text.contains(piece), "{piece}: {text}");
+    }
+}

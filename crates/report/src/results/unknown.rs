@@ -1,0 +1,51 @@
+//! Estimators that find what a study does not tell: water, wind, noise.
+
+use std::path::PathBuf;
+
+use artifact::Error;
+use serde_json::Value;
+use study::documents::{EstimateDocument, ValidationDocument};
+
+use super::folder::{documents, label, left_out};
+use super::table::{Table, median};
+use crate::loader::document_at;
+use crate::number::{or_dash, percent};
+
+/// Settings of estimates that say what was unknown, as flags of `estimate`.
+const FLAGS: [(&str, &str); 3] = [
+    ("unknown_current", "--unknown-current"),
+    ("unknown_wind", "--unknown-wind"),
+    ("intercepts", "--intercepts"),
+];
+
+pub(super) fn section(folders: &[PathBuf]) -> Result<Option<String>, Error> {
+    let (found, missing) = documents::<ValidationDocument>(folders, "validation.json")?;
+    let mut rows = Vec::new();
+    for (folder, validation) in &found {
+        let estimate = document_at::<EstimateDocument>(folder.join("estimate.json"))?;
+        let settings = estimate.map(|own| own.provenance.settings).unwrap_or_default();
+        let told = |name: &str| settings.get(name).and_then(Value::as_str);
+        let flags = FLAGS.iter().filter_map(|(name, flag)| Some(format!(" {flag} {}", told(name)?)));
+        let way = format!("`{}{}`", told("estimator").unwrap_or("–"), flags.collect::<String>());
+        let scenario = folder.ancestors().nth(2).map(label);
+        rows.extend(
+            validation
+                .data
+                .designs
+                .iter()
+                .map(|own| (scenario.clone(), way.clone(), validation.data.seed, own)),
+        );
+    }
+    rows.retain(|(.., own)| own.design == super::estimators::DESIGN);
+    let table = Table::of(rows)
+        .column("scenario", |(scenario, ..)| or_dash(scenario.clone()))
+        .column("trials", |(.., own)| own.runs.to_string())
+        .column("seed", |(.., seed, _)| or_dash(*seed))
+        .column("estimator", |(_, way, ..)| way.clone())
+        .column("median parameter error", |(.., own)| median(&own.parameter_error))
+        .column("without an estimate", |(.., own)| or_dash(own.without_estimate_share.map(percent)));
+    let note = left_out(&missing, "not computed");
+    Ok(table.text().map(|table| format!("## Water and wind as unknowns\n\n{HEAD}\n\n{table}{note}")))
+}
+
+const HEAD: &str = "The same trials of the optimized design, estimated without being told of the disturbances (`estimate` without `--campaign`).";
