@@ -129,30 +129,29 @@ impl<'a> Row<'a> {
 }
 
 /// Water and wind that were found with the model, if any were unknown.
+/// What was found around every part, a row each.
 fn surroundings(model: &ModelDocument) -> Markup {
-    let mut rows = Vec::new();
-    for own in &model.surroundings {
-        rows.extend(own.found.iter().map(|found| (own, found)));
-    }
-    let table = Table::of(&rows)
+    let Some(first) = model.surroundings.first() else { return html! {} };
+    let named = Table::of(&model.surroundings)
         .compact()
-        .name("Found around", |(own, _)| own.source.clone())
-        .number("Part", |(own, _)| own.part.to_string())
-        .text("Unknown", |(_, found)| found.name.as_str())
-        .text("Unit", |(_, found)| unit(&found.unit))
-        .number("Estimate", |(_, found)| three(found.value))
-        .number("Standard error", |(_, found)| three_or_dash(found.standard_error));
-    let turns = match model.surroundings.first().map(|own| own.axes.as_str()) {
-        Some("body") => "It keeps its direction from the bow.",
+        .name("Found around", |own| own.source.clone())
+        .number("Part", |own| own.part.to_string());
+    let table = first.found.iter().enumerate().fold(named, |table, (i, head)| {
+        table.classed("number broken", format!("{} {}", head.name, unit(&head.unit)), |own| {
+            let told = own.found.get(i).map(|own| (three(own.value), three_or_dash(own.standard_error)));
+            or_dash(told.map(|(value, error)| format!("{value} ±\u{a0}{error}")))
+        })
+    });
+    let turns = match first.axes.as_str() {
+        "body" => "It keeps its direction from the bow.",
         _ => "It keeps its direction over ground as the vessel turns.",
     };
     html! {
-        @if !rows.is_empty() {
-            (table)
-            p.note {
-                "Unknown water and wind, along and across the vessel as she heads where the part starts. " (turns)
-                " Simulations on this page go without it."
-            }
+        h3 { "Unknown water and wind" }
+        (table)
+        p.note {
+            "With standard errors; along and across the vessel as she heads where the part starts. " (turns)
+            " Simulations on this page go without it."
         }
     }
 }

@@ -145,21 +145,25 @@ fn free_runs(next: &NextTrial) -> Markup {
             _ => ["from random maneuvers, median", "… 90 % quantile"],
         };
         let row = |what, value: Told| Followed { what, measured: None, simulated: Some((scores, value)) };
-        [row(half, median), row(most, q90)]
+        match scores.not_identifiable == scores.runs {
+            true => vec![row("from random maneuvers: no trial tells all parameters", median)],
+            false => vec![row(half, median), row(most, q90)],
+        }
     });
     let rows: Vec<Followed> = measured.map(|_| model).into_iter().chain(scored).collect();
     let table = Table::of(&rows)
+        .compact()
         .name("Model", |row| row.what)
-        .number("RMSE u [m/s]", |row| row.cell(|e| (e.rmse_u, e.fit_u), |s| &s.rmse_u))
-        .number("RMSE v [m/s]", |row| row.cell(|e| (e.rmse_v, e.fit_v), |s| &s.rmse_v))
-        .number("RMSE r [rad/s]", |row| row.cell(|e| (e.rmse_r, e.fit_r), |s| &s.rmse_r));
+        .classed("number broken", "RMSE u [m/s]", |row| row.cell(|e| (e.rmse_u, e.fit_u), |s| &s.rmse_u))
+        .classed("number broken", "RMSE v [m/s]", |row| row.cell(|e| (e.rmse_v, e.fit_v), |s| &s.rmse_v))
+        .classed("number broken", "RMSE r [rad/s]", |row| row.cell(|e| (e.rmse_r, e.fit_r), |s| &s.rmse_r));
     let stds = next.searched.as_ref().map(|found| [found.std_u, found.std_v, found.std_r]);
     html! {
         h3 { "What that means for the fit" }
         (table)
         p.note {
             "Free simulations. Of simulated trials: quantiles over " (tally.realizations)
-            " trials in the stated noise, with 95\u{a0}% intervals (– where none of them has an estimate that can be simulated), against the model itself over the validation maneuvers: what errors of the parameters \
+            " trials in the stated noise, with 95\u{a0}% intervals (– where there are none to simulate), against the model itself over the validation maneuvers: what errors of the parameters \
              alone cost, in still air and with the right structure."
             @if let Some([u, v, r]) = stds {
                 " The logged motion has standard deviations of " (three(u)) "\u{a0}m/s, " (three(v)) "\u{a0}m/s and " (three(r))
@@ -192,7 +196,8 @@ fn parameters(next: &NextTrial) -> Markup {
         (table)
         p.note {
             "Predicted standard errors are those of estimates from this trial" (or_nothing(told))
-            " alone, under the noise that its campaign states. Those of the logs know nothing of the ridge's bias."
+            " alone, under the noise that its campaign states; – where it holds constant what they stand before. Those of the \
+             logs know nothing of the ridge's bias."
         }
     }
 }

@@ -9,13 +9,14 @@ use crate::campaign_file::CampaignFile;
 use crate::documents::{ModelDocument, Reference};
 use crate::ingest_file::IngestFile;
 use crate::sequential::SequentialFile;
+use crate::tried::is_average;
 use artifact::Error;
 
 /// Reads `vessel.toml`, or the `model.json` that stands in its place, and notes its digest. A model is where a new study begins:
 /// what it was made of is no part of that.
 pub fn read_vessel(path: &Path, provenance: &mut Provenance) -> Result<Vessel, Error> {
     if is_model(path) {
-        let model = read_document::<ModelDocument>(path)?;
+        let model = read_document::<ModelDocument>(path).map_err(|e| not_one(path).unwrap_or(e))?;
         provenance.written("vessel", path, model.digest)?;
         return model.data.vessel().map_err(|e| crate::invalid(path, &e));
     }
@@ -39,6 +40,15 @@ pub fn read_followed(path: &Path, provenance: &mut Provenance) -> Result<Vessel,
 /// The `model.json` that stands in a vessel's place; none of a `vessel.toml`.
 pub fn read_model(path: &Path) -> Result<Option<ModelDocument>, Error> {
     is_model(path).then(|| read_document(path).map(|read| read.data)).transpose()
+}
+
+/// What is said of an average, whose models are of no one structure.
+fn not_one(path: &Path) -> Option<Error> {
+    is_average(path).then(|| {
+        let found = "average/1, several models whose trajectories are averaged";
+        let remedy = "take the `model.json` of the same search, or try the average by `validate compare`";
+        Error::refuse(path, "schema", found, "model/1, a single model", remedy)
+    })
 }
 
 fn is_model(path: &Path) -> bool {

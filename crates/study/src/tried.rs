@@ -9,6 +9,12 @@ use vessel::Vessel;
 
 use crate::documents::{AverageDocument, ModelDocument};
 
+/// Whether a file is an average; none that is damaged, which its reader refuses.
+pub(crate) fn is_average(path: &Path) -> bool {
+    let average = |kind: &str| kind.starts_with(&format!("{}/", AverageDocument::ID));
+    inspect(path).ok().flatten().is_some_and(|own| average(&own.schema))
+}
+
 /// A `model.json` or an `average.json`, with what its models come to.
 pub struct Tried {
     models: Vec<ModelDocument>,
@@ -23,9 +29,7 @@ impl Tried {
     /// # Errors
     /// A file of another kind, or a damaged one; models that do not belong together.
     pub fn read(path: &Path, provenance: &mut Provenance) -> Result<Self, Error> {
-        let several = |kind: &str| kind.starts_with(&format!("{}/", AverageDocument::ID));
-        // What is damaged is refused by the reader below.
-        let (models, output_rmse) = if inspect(path).ok().flatten().is_some_and(|own| several(&own.schema)) {
+        let (models, output_rmse) = if is_average(path) {
             let average = read_document::<AverageDocument>(path)?;
             provenance.made("model", path, average.digest, &average.provenance)?;
             let output_rmse = average.data.output_rmse();

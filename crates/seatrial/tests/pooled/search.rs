@@ -209,7 +209,10 @@ fn law_an_average_of_equal_models_is_that_model_and_others_are_refused() {
     refused(&folder, 3, &try_it, &["data.members", "1 models", "two models"]);
     // It is no vessel.
     let simulate = "simulate dictionary --model average.json --dictionary dictionary.toml --out d.parquet";
-    refused(&folder, 3, simulate, &["average.json", "average/1", "model/1"]);
+    let told =
+        ["average.json", "average/1, several models", "model/1, a single", "`model.json` of the same search"];
+    refused(&folder, 3, simulate, &told);
+    refused(&folder, 3, "export --model average.json --to c --out exported/", &told);
 }
 
 #[test]
