@@ -1,12 +1,15 @@
 use std::marker::PhantomData;
 
-use vessel::Lane;
+use pulp::{Arch, Simd, WithSimd};
+use vessel::{LANES, Lane};
 
 use super::unknowns::Unknowns;
 use crate::batch::{BLOCK, Block, accumulate};
 
-/// Columns whose products with as many others are summed up at once: each sum has a register.
+/// Columns whose products with as many others are summed up in one go.
 const TILE: usize = 5;
+/// Half of the lanes: a register of processors whose registers are too few for a tile.
+const HALF: usize = LANES / 2;
 type Tile = [[Lane; TILE]; TILE];
 
 /// Σ over samples of the product of every two signals, [`BLOCK`] samples at a time. Signals stand in columns as unknowns do.
@@ -42,16 +45,8 @@ impl<X: Unknowns> Products<X> {
     fn add(&mut self) {
         self.filled = 0;
         if X::PER_COLUMN == 1 {
-            let mut tiles = self.sums.tiles.iter_mut();
             let columns = self.columns.as_chunks().0;
-            for (i, one) in columns.iter().enumerate() {
-                if let Some(tile) = tiles.next() {
-                    add_tile::<true>(tile, one, one);
-                }
-                for (other, tile) in columns[i + 1..].iter().zip(&mut tiles) {
-                    add_tile::<false>(tile, one, other);
-                }
-            }
+            Arch::new().dispatch(Tiles { tiles: &mut self.sums.tiles, columns });
             return;
         }
         let mut rest = &mut self.sums.rows[..];
@@ -79,24 +74,84 @@ impl<X: Unknowns> Products<X> {
     }
 }
 
-/// Adds the products of some columns with some others over a block; of those with themselves each once.
+/// Adds the products of all columns with all over a block.
+struct Tiles<'a> {
+    tiles: &'a mut [Tile],
+    columns: &'a [[Block<Lane>; TILE]],
+}
+
+impl WithSimd for Tiles<'_> {
+    type Output = ();
+
+    /// Every sum has a register: of 32 that hold all lanes there are enough for a tile, of 16 for two rows of half the lanes.
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        if S::F64_LANES == LANES { self.add::<true>() } else { self.add::<false>() }
+    }
+}
+
+impl Tiles<'_> {
+    #[inline(always)]
+    fn add<const WHOLE: bool>(self) {
+        let mut tiles = self.tiles.iter_mut();
+        for (i, one) in self.columns.iter().enumerate() {
+            if let Some(tile) = tiles.next() {
+                add_tile::<true, WHOLE>(tile, one, one);
+            }
+            for (other, tile) in self.columns[i + 1..].iter().zip(&mut tiles) {
+                add_tile::<false, WHOLE>(tile, one, other);
+            }
+        }
+    }
+}
+
+/// Adds the products of some columns with some others; of those with themselves each once.
+#[inline(always)]
+fn add_tile<const THEMSELVES: bool, const WHOLE: bool>(
+    tile: &mut Tile,
+    one: &[Block<Lane>; TILE],
+    other: &[Block<Lane>; TILE],
+) {
+    if WHOLE {
+        return add_rows::<THEMSELVES, LANES, 0, TILE>(tile, one, other, 0);
+    }
+    for half in 0..2 {
+        add_rows::<THEMSELVES, HALF, 0, 2>(tile, one, other, half);
+        add_rows::<THEMSELVES, HALF, 2, 2>(tile, one, other, half);
+        add_rows::<THEMSELVES, HALF, 4, 1>(tile, one, other, half);
+    }
+}
+
+/// Adds `ROWS` rows of a tile, from row `FROM` on, in the lanes of `part`: `WIDTH` lanes a part.
 #[allow(clippy::needless_range_loop)] // Unrolled, so that every sum has a register.
 #[inline(always)]
-fn add_tile<const THEMSELVES: bool>(tile: &mut Tile, one: &[Block<Lane>; TILE], other: &[Block<Lane>; TILE]) {
-    let mut own = [[Lane::ZERO; TILE]; TILE];
+fn add_rows<const THEMSELVES: bool, const WIDTH: usize, const FROM: usize, const ROWS: usize>(
+    tile: &mut Tile,
+    one: &[Block<Lane>; TILE],
+    other: &[Block<Lane>; TILE],
+    part: usize,
+) {
+    let mut own = [[[0.0_f64; WIDTH]; TILE]; ROWS];
     for t in 0..BLOCK {
-        for i in 0..TILE {
+        for i in 0..ROWS {
+            let factor = &one[FROM + i][t].0.as_chunks::<WIDTH>().0[part];
             for j in 0..TILE {
-                if !THEMSELVES || i <= j {
-                    own[i][j] = one[i][t].fused(other[j][t], own[i][j]);
+                let others = &other[j][t].0.as_chunks::<WIDTH>().0[part];
+                if !THEMSELVES || FROM + i <= j {
+                    for lane in 0..WIDTH {
+                        own[i][j][lane] = factor[lane].mul_add(others[lane], own[i][j][lane]);
+                    }
                 }
             }
         }
     }
-    for i in 0..TILE {
+    for i in 0..ROWS {
         for j in 0..TILE {
-            if !THEMSELVES || i <= j {
-                tile[i][j] += own[i][j];
+            if !THEMSELVES || FROM + i <= j {
+                let sums = &mut tile[FROM + i][j].0.as_chunks_mut::<WIDTH>().0[part];
+                for lane in 0..WIDTH {
+                    sums[lane] += own[i][j][lane];
+                }
             }
         }
     }

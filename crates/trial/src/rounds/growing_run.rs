@@ -1,6 +1,6 @@
 use vessel::{Generator, Invalid, Run, Segment, Vessel};
 
-use crate::campaign::Plan;
+use crate::campaign::Parts;
 
 /// One realization's run so far: it grows, the ship does not start again.
 #[derive(Clone, Debug, Default)]
@@ -19,19 +19,29 @@ impl GrowingRun {
         self.exogenous.len() / vessel.model.exogenous().max(1)
     }
 
-    /// Goes on with `plan`, from the state that the vessel is in; a run that is new starts at its first maneuver's.
+    /// Goes on with `plan`, from the state that the vessel is in; a run that is new starts at its first maneuver's. `parts` has
+    /// what was made for other runs.
     ///
     /// # Errors
     /// A motion that the model cannot hold.
-    pub fn go_on(&mut self, vessel: &Vessel, generator: &Generator, plan: &Plan) -> Result<(), Invalid> {
-        for (maneuver, samples) in plan {
-            let part = generator.realize(*maneuver, *samples)?;
-            if self.segments.is_empty() {
-                self.initial = part.initial;
-            }
-            self.segments.push((*maneuver, self.samples(vessel)));
-            self.exogenous.extend(vessel.model.undisturbed(&part.inputs));
+    pub fn go_on(
+        &mut self,
+        vessel: &Vessel,
+        generator: &Generator,
+        parts: &mut Parts,
+        plan: &[(usize, usize)],
+    ) -> Result<(), Invalid> {
+        parts.make(generator, plan)?;
+        let (initial, inputs) = parts.joined(plan);
+        if self.segments.is_empty() {
+            self.initial = initial;
         }
+        let mut start = self.samples(vessel);
+        for (maneuver, samples) in plan {
+            self.segments.push((*maneuver, start));
+            start += samples;
+        }
+        self.exogenous.extend(vessel.model.undisturbed(&inputs));
         Ok(())
     }
 

@@ -133,6 +133,8 @@ mod tests {
     use design::apportion;
     use vessel::{DictionaryFile, Source};
 
+    use crate::campaign::{Parts, Plan};
+
     const NOISE: Noise = Noise { measurement: [0.1, 0.1, 0.1], current: 0.1 };
 
     #[test]
@@ -147,7 +149,8 @@ mod tests {
         let go_on = |run: &GrowingRun, shares: &[f64]| {
             let counts = apportion(shares, 500).into_iter().enumerate().filter(|(_, n)| *n > 0);
             let mut longer = run.clone();
-            longer.go_on(&vessel, &generator, &counts.map(|(q, n)| (q, n as usize)).collect()).unwrap();
+            let plan: Plan = counts.map(|(q, n)| (q, n as usize)).collect();
+            longer.go_on(&vessel, &generator, &mut Parts::default(), &plan).unwrap();
             longer
         };
         let error = |run: &GrowingRun| {

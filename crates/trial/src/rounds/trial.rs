@@ -9,7 +9,7 @@ use super::growing_run::GrowingRun;
 use super::knowledge::Knowledge;
 use super::planner::Planner;
 use super::row::{Arm, Outcome, Row, Shared};
-use crate::campaign::{Group, Plan, Refusal, Sea, even_lengths, random_segments};
+use crate::campaign::{Group, Parts, Plan, Refusal, Sea, even_lengths, random_segments};
 
 /// What all realizations share.
 pub struct Trial<'a> {
@@ -108,10 +108,11 @@ impl<'a> Trial<'a> {
             |start| Realization { start, known: self.first_model(arm, start), run: GrowingRun::default() };
         let mut all: Vec<Realization> = starts.iter().map(begin).collect();
         let mut rows = Vec::with_capacity(starts.len() * self.ends.len());
+        let mut parts = Parts::default();
         for (round, end) in self.ends.iter().enumerate() {
             let mut before = Vec::with_capacity(starts.len());
             for realization in &mut all {
-                let shared = self.go_on(arm, realization, *end)?;
+                let shared = self.go_on(arm, realization, &mut parts, *end)?;
                 before.push((shared, self.expected(arm, realization)));
             }
             let found = match round {
@@ -141,14 +142,20 @@ impl<'a> Trial<'a> {
 
     /// Plans the time until `end`. The sequential trial is one run that grows; the others are laid out for the time that
     /// they end after.
-    fn go_on(&self, arm: Arm, realization: &mut Realization, end: usize) -> Result<Shared, Refusal> {
+    fn go_on(
+        &self,
+        arm: Arm,
+        realization: &mut Realization,
+        parts: &mut Parts,
+        end: usize,
+    ) -> Result<Shared, Refusal> {
         let vessel = self.sea.vessel();
         if arm != Arm::Sequential {
             realization.run = GrowingRun::default();
         }
         let coming = end - realization.run.samples(vessel);
         let (plan, shared) = self.plan(arm, realization, coming);
-        let went = realization.run.go_on(vessel, self.generator, &plan);
+        let went = realization.run.go_on(vessel, self.generator, parts, &plan);
         went.map_err(Refusal::Dictionary)?;
         Ok(shared)
     }
