@@ -60,6 +60,8 @@ fn at_sea(plan: &PlanDocument, voyage: &Voyage) -> Markup {
         h3 { "At sea, simulated by the nominal model" }
         dl.facts {
             (fact("Duration", &minutes(voyage.duration_s), &format!("{}\u{a0}s", exact(voyage.duration_s))))
+            (fact("Proved to take", &format!("{}\u{a0}s", exact(voyage.check.proved_s)),
+                &format!("each move from its node; sailed in {}\u{a0}s", exact(voyage.check.sailed_s))))
             (fact("In informative maneuvers", &minutes(voyage.informative_s),
                 &format!("{} of the time, {maneuvers} maneuvers", percent(share))))
             (fact("Clearance", &clear, "of the hull from anything charted as an obstacle"))
@@ -72,7 +74,7 @@ fn at_sea(plan: &PlanDocument, voyage: &Voyage) -> Markup {
 fn margin(check: &Check) -> String {
     match check.shortfall_m > 0.0 {
         true => format!("{}\u{a0}m short of it", three(check.shortfall_m)),
-        false => "kept, with the drift of maneuvers".to_owned(),
+        false => "kept".to_owned(),
     }
 }
 
@@ -93,6 +95,10 @@ fn currents(check: &Check) -> Markup {
         dl.facts {
             (fact("Aground", &part(check.aground, check.runs), &format!("95\u{a0}% interval {from} to {to}; position corrected between the maneuvers")))
             (fact("Nearer than the margin", &part(check.below_margin, check.runs), &format!("of {}\u{a0}m, those aground among them", exact(check.margin_m))))
+            (fact("Going aground", &bound(check.aground_bound), &format!("{} where runs of one vessel count as one ({} vessels)",
+                bound(check.aground_bound_by_vessels), check.vessels)))
+            (fact("Ends of moves beyond a tolerance", &part(check.ends_astray, check.ends),
+                &searches(check.rounds)))
             (fact("Outside of the area", &part(check.left_area, check.runs), "its edge is no obstacle"))
             (fact("Aground if sailed open loop", &part(check.aground_open_loop, check.runs), "the planned inputs, never corrected"))
             (fact("Least clearance of a run", &format!("{least}\u{a0}m"),
@@ -105,6 +111,19 @@ fn currents(check: &Check) -> Markup {
             }
         }
     }
+}
+
+/// How often the plan was searched.
+fn searches(rounds: u64) -> String {
+    match rounds {
+        1 => "of the first plan that was found".to_owned(),
+        _ => format!("{rounds} searches, each with what the check before taught"),
+    }
+}
+
+/// What no run aground says of the probability, with 95 % confidence.
+fn bound(bound: Option<f64>) -> String {
+    bound.map_or("not bounded".to_owned(), |bound| format!("below {}", percent(bound)))
 }
 
 /// What the trial tells against what its counts promise.

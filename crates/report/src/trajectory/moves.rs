@@ -3,7 +3,8 @@ use maud::{Markup, html};
 use super::words::level;
 use crate::number::three;
 use crate::table::Table;
-use study::documents::{PlanLattice, Primitive, Voyage};
+use study::documents::{DroppedMove, PlanHandling, PlanLattice, Primitive, Voyage};
+use trial::Handling;
 
 /// How the maneuvers became moves of the lattice, folded away.
 pub(super) fn moves(voyage: &Voyage) -> Markup {
@@ -22,10 +23,43 @@ pub(super) fn moves(voyage: &Voyage) -> Markup {
                 (table(voyage))
                 p.note {
                     "Displacement: to the node where the recovery ends. Residual: distance from that node and difference from its heading, \
-                     under the nominal model. Drift margin: clearance kept for an unknown current, besides the margin of safety. \
+                     under the nominal model. Spread: largest distance from the nominal vessel of those who rehearsed it, before the recovery. \
                      Fits: nodes of the lattice at which the move is clear of obstacles."
                 }
             }
+            (dropped(&voyage.dropped))
+            (handling(&voyage.handling))
+        }
+    }
+}
+
+/// Moves that the search was not offered.
+fn dropped(dropped: &[DroppedMove]) -> Markup {
+    let Some(first) = dropped.first() else { return html! {} };
+    html! {
+        p.note {
+            (dropped.len()) " moves are not offered to the search, since not all who rehearsed them end settled: such as "
+            (first.name) " (" (first.mode) "), " (first.why) "."
+        }
+    }
+}
+
+/// How the vessel is handled between maneuvers.
+fn handling(told: &PlanHandling) -> Markup {
+    let PlanHandling { used, derived } = told;
+    let words = |own: &Handling| {
+        format!(
+            "turns of up to {}\u{a0}rad/s, changes of speed by {}\u{a0}m/s², response within {}\u{a0}s, lines aimed at {}\u{a0}m ahead",
+            three(own.turn_rate_rad_s),
+            three(own.acceleration_m_s2),
+            three(own.response_s),
+            three(own.lookahead_m)
+        )
+    };
+    html! {
+        p.note {
+            "Handled with " (words(used)) "."
+            @if *used != derived.handling { " From the vessel alone would follow " (words(&derived.handling)) "." }
         }
     }
 }
