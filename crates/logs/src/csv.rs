@@ -52,7 +52,7 @@ pub fn read_csv(
             return Err(LogError::Invalid(short));
         }
         row.split(line, separator);
-        let (line, found, expected) = (lines.number, row.ends.len(), header.len());
+        let (line, found, expected) = (lines.number, row.cells.len(), header.len());
         if row.cells().all(|cell| cell.trim().is_empty()) {
             columns.empty_rows += 1;
         } else if found == expected {
@@ -171,51 +171,58 @@ impl<B: BufRead> Lines<B> {
 /// The cells of a line. Used again for every line, so that no line is allocated.
 #[derive(Default)]
 struct Row {
-    /// The cells' texts, one after the other.
+    /// The line; of one with quotes, the cells' texts.
     text: String,
-    /// Where each ends.
-    ends: Vec<usize>,
+    /// Where each cell begins and ends.
+    cells: Vec<[usize; 2]>,
 }
 
 impl Row {
-    /// A cell in quotes may contain the separator, and quotes written twice.
+    /// The separator is an ASCII character; a blank stands for any number of them.
     fn split(&mut self, line: &str, separator: char) {
         self.text.clear();
-        self.ends.clear();
+        self.cells.clear();
         if separator == ' ' {
-            for cell in line.split_ascii_whitespace() {
-                self.text.push_str(cell);
-                self.ends.push(self.text.len());
+            let place = |cell: &str| cell.as_ptr().addr() - line.as_ptr().addr();
+            self.cells.extend(line.split_ascii_whitespace().map(|c| [place(c), place(c) + c.len()]));
+        } else if line.contains('"') {
+            return self.split_quoted(line, separator);
+        } else {
+            let mut start = 0;
+            for (at, _) in line.bytes().enumerate().filter(|(_, byte)| char::from(*byte) == separator) {
+                self.cells.push([start, at]);
+                start = at + 1;
             }
-            return;
+            self.cells.push([start, line.len()]);
         }
-        if !line.contains('"') {
-            for cell in line.split(separator) {
-                self.text.push_str(cell);
-                self.ends.push(self.text.len());
-            }
-            return;
-        }
-        let mut quoted = false;
+        self.text.push_str(line);
+    }
+
+    /// A cell in quotes may contain the separator, and quotes written twice.
+    fn split_quoted(&mut self, line: &str, separator: char) {
+        let (mut quoted, mut start) = (false, 0);
         let mut characters = line.chars().peekable();
         while let Some(c) = characters.next() {
             match c {
                 '"' if quoted && characters.next_if_eq(&'"').is_some() => self.text.push('"'),
                 '"' => quoted = !quoted,
-                c if c == separator && !quoted => self.ends.push(self.text.len()),
+                c if c == separator && !quoted => {
+                    self.cells.push([start, self.text.len()]);
+                    start = self.text.len();
+                }
                 c => self.text.push(c),
             }
         }
-        self.ends.push(self.text.len());
+        self.cells.push([start, self.text.len()]);
     }
 
     fn cell(&self, place: usize) -> &str {
-        let start = if place == 0 { 0 } else { self.ends[place - 1] };
-        &self.text[start..self.ends[place]]
+        let [start, end] = self.cells[place];
+        &self.text[start..end]
     }
 
     fn cells(&self) -> impl Iterator<Item = &str> {
-        (0..self.ends.len()).map(|place| self.cell(place))
+        (0..self.cells.len()).map(|place| self.cell(place))
     }
 }
 
