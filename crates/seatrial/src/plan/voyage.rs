@@ -78,6 +78,15 @@ struct Planned<'a> {
 
 impl Planned<'_> {
     fn stage(&self, out: &Path, provenance: &Provenance) -> Result<Vec<Staged>, Failure> {
+        let (map, others) =
+            rayon::join(|| self.stage_map(out), || self.stage_track_and_routes(out, provenance));
+        let mut staged = others?;
+        staged.push(map?);
+        staged.insert(0, stage_set_document(out, provenance, self.document, &staged)?);
+        Ok(staged)
+    }
+
+    fn stage_track_and_routes(&self, out: &Path, provenance: &Provenance) -> Result<Vec<Staged>, Failure> {
         let Self { prepared, sailing, document, .. } = self;
         let (plane, vessel) = (prepared.chart.plane(), &prepared.brief.vessel);
         let mut staged = Vec::new();
@@ -87,8 +96,6 @@ impl Planned<'_> {
             staged.push(stage_track([&track, out], provenance, vessel, plane, &names, &sailing.sailed)?);
             staged.extend(self.stage_routes(out, voyage)?);
         }
-        staged.push(self.stage_map(out)?);
-        staged.insert(0, stage_set_document(out, provenance, *document, &staged)?);
         Ok(staged)
     }
 

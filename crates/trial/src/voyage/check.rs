@@ -152,11 +152,16 @@ impl Checking<'_> {
         self.script.prepared
     }
 
-    /// Sails the script with parameters and in currents that are not known.
+    /// Sails the script with parameters and in currents that are not known; `beside` is carried out beside the last runs, if it
+    /// comes to those.
     ///
     /// # Errors
     /// A simulation that diverges; no time.
-    pub(super) fn check(&self, search: &Search) -> Result<Checked, VoyageError> {
+    pub(super) fn check<T: Send>(
+        &self,
+        search: &Search,
+        beside: impl FnOnce() -> T + Send,
+    ) -> Result<(Checked, Option<T>), VoyageError> {
         let [runs, vessels] = self.prepared().runs(self.round);
         let one = |run: u32| {
             if !(search.go_on)() {
@@ -166,16 +171,25 @@ impl Checking<'_> {
             self.run(run, vessels).map_err(VoyageError::NoAnswer)
         };
         let (mut found, mut taught) = (Vec::new(), Vec::new());
-        let mut next = 0;
+        let (mut next, mut beside, mut aside) = (0, Some(beside), None);
         while next < runs && (taught.is_empty() || self.is_last) {
             let some = next..(next + FIRST_RUNS.max(next * FIRST_RUNS)).min(runs);
-            let new: Vec<Run> = some.clone().into_par_iter().map(one).collect::<Result<_, VoyageError>>()?;
+            let sail = || some.clone().into_par_iter().map(one).collect::<Result<Vec<Run>, VoyageError>>();
+            let new = match beside.take_if(|_| some.end == runs) {
+                Some(own) => {
+                    let (new, own) = rayon::join(sail, own);
+                    aside = Some(own);
+                    new?
+                }
+                None => sail()?,
+            };
             taught.extend(some.clone().zip(&new).flat_map(|(run, own)| self.taught(run % vessels, run, own)));
             found.extend(new);
             next = some.end;
         }
         let check = self.judged(&found, vessels as usize);
-        Ok(Checked { check, tracks: found.into_iter().filter_map(|run| run.track).collect(), taught })
+        let tracks = found.into_iter().filter_map(|run| run.track).collect();
+        Ok((Checked { check, tracks, taught }, aside))
     }
 
     fn parameters(&self, vessel: u32) -> Vec<f64> {

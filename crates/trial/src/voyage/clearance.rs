@@ -66,9 +66,12 @@ impl Clearance {
         let outline: Vec<[f64; 2]> =
             corners.iter().zip(corners.iter().cycle().skip(1)).flat_map(between).collect();
         let radius_m = outline.iter().map(|[x, y]| libm::hypot(*x, *y)).fold(0.0, f64::max);
-        let transit = Obstacles::in_transit(&prepared.chart, raster, task.safety.transit_depth_m, sight_m)?;
-        let trial = Obstacles::new(&prepared.chart, raster, task.safety.trial_depth_m, sight_m)?;
-        Ok(Self { outline, radius_m, transit, trial, area, sight_m })
+        let (chart, safety) = (&prepared.chart, &task.safety);
+        let (transit, trial) = rayon::join(
+            || Obstacles::in_transit(chart, raster, safety.transit_depth_m, sight_m),
+            || Obstacles::new(chart, raster, safety.trial_depth_m, sight_m),
+        );
+        Ok(Self { outline, radius_m, transit: transit?, trial: trial?, area, sight_m })
     }
 
     /// A passage that has seen nothing yet.

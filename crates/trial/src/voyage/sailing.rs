@@ -58,15 +58,13 @@ impl Prepared {
                 Err(_) if keep_unsafe => {
                     // Its check ended early.
                     (round.sailing, _) =
-                        self.sail(&round.solved, &clearance, (round.number, true), search)?;
+                        self.sail(&mut round.solved, &clearance, (round.number, true), search)?;
                     break;
                 }
                 Err(error) => return Err(error.after(round.number)),
             }
         }
-        let Round { mut solved, sailing, .. } = round;
-        solved.front = self.front(&solved.problem, &solved.moves, search);
-        Ok((solved, sailing))
+        Ok((round.solved, round.sailing))
     }
 
     /// The round after `round`, with what that one taught; that is forgotten again where it leaves no plan.
@@ -82,15 +80,16 @@ impl Prepared {
 
     /// Searches and sails.
     fn round(&self, clearance: &Clearance, number: u32, search: &Search) -> Result<Round, VoyageError> {
-        let solved = self.solve(search)?;
-        let (sailing, taught) = self.sail(&solved, clearance, (number, number == ROUNDS), search)?;
+        let mut solved = self.solve(search)?;
+        let (sailing, taught) = self.sail(&mut solved, clearance, (number, number == ROUNDS), search)?;
         Ok(Round { number, solved, sailing, taught })
     }
 
-    /// Sails the plan in continuous space, checks it against the chart and says what it tells, and who failed which steps.
+    /// Sails the plan in continuous space, checks it against the chart and says what it tells, and who failed which steps. The
+    /// front is searched beside the check.
     fn sail(
         &self,
-        solved: &Solved,
+        solved: &mut Solved,
         clearance: &Clearance,
         (round, is_last): (u32, bool),
         search: &Search,
@@ -100,8 +99,10 @@ impl Prepared {
         let script = self.script(solved, &legs);
         let sailed = script.sailed(&self.brief.vessel.nominal, [0.0; 2])?;
         let checking = Checking { script: &script, clearance, legs: &legs, nominal: &sailed, round, is_last };
-        let Checked { check, tracks, taught } = checking.check(search)?;
+        let (Checked { check, tracks, taught }, front) =
+            checking.check(search, || self.front(&solved.problem, &solved.moves, search))?;
         let information = self.information_sailed(&legs, &sailed);
+        solved.front = front.unwrap_or_default();
         Ok((Sailing { legs, sailed, runs: tracks, check, information }, taught))
     }
 

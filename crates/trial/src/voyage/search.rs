@@ -11,7 +11,7 @@ pub struct Search<'a> {
     /// Engine and memory.
     pub options: Options,
     /// Makes a watch for every search: of a plan, and of the front.
-    pub watch: &'a dyn Fn() -> Watch,
+    pub watch: &'a (dyn Fn() -> Watch + Sync),
     /// Asked from time to time whether any other phase goes on.
     pub go_on: &'a (dyn Fn() -> bool + Sync),
 }
