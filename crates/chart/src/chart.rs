@@ -1,7 +1,7 @@
 use serde::Deserialize;
 
 use crate::frontier::frontier;
-use crate::{Area, Bounds, Class, Grid, Invalid, PlacedGrid, Plane, Polygon, PolygonLayer};
+use crate::{Area, Bounds, Called, Class, Grid, Invalid, PlacedGrid, Plane, Polygon, PolygonLayer, Spot};
 
 /// What places that no layer charts are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
@@ -32,6 +32,7 @@ pub struct Chart {
     area: Bounds,
     uncharted: Uncharted,
     polygons: Vec<Polygon>,
+    spots: Vec<Spot>,
     grids: Vec<PlacedGrid>,
     charted: Charted,
 }
@@ -62,7 +63,7 @@ impl Chart {
     ) -> Result<Self, Invalid> {
         let uncharted = uncharted_of(layers, uncharted)?;
         let mut polygons = Vec::new();
-        let mut grids = Vec::new();
+        let (mut spots, mut grids) = (Vec::new(), Vec::new());
         for layer in layers {
             match layer {
                 Layer::Polygons(layer) => {
@@ -71,6 +72,8 @@ impl Chart {
                             Polygon::place(area_of_file, &plane).ok_or_else(|| off_earth(area_of_file))?;
                         polygons.extend(Some(placed).filter(|p| p.bounds.meets(&area)));
                     }
+                    let own = layer.marks.iter().filter_map(|mark| Spot::place(mark, &plane));
+                    spots.extend(own.filter(|spot| area.contains(spot.place)));
                     let around = |mark| Polygon::around(mark, &plane);
                     polygons.extend(layer.marks.iter().flat_map(around).filter(|p| p.bounds.meets(&area)));
                 }
@@ -81,7 +84,7 @@ impl Chart {
             Uncharted::Obstacle => charted(&polygons, &grids),
             Uncharted::Water => Charted { polygons: Vec::new(), frontier: Vec::new() },
         };
-        Ok(Self { plane, area, uncharted, polygons, grids, charted })
+        Ok(Self { plane, area, uncharted, polygons, spots, grids, charted })
     }
 
     /// The plane that everything is on.
@@ -102,6 +105,11 @@ impl Chart {
     /// Polygons that meet the area, whole, in the order of the layers; those around points and lines after a layer's own.
     pub fn polygons(&self) -> &[Polygon] {
         &self.polygons
+    }
+
+    /// Charted points in the area.
+    pub fn spots(&self) -> &[Spot] {
+        &self.spots
     }
 
     /// Grids, cut to the area with up to two cells to spare.
@@ -125,7 +133,8 @@ impl Chart {
     pub fn drawn(&self, bounds: &Bounds) -> Vec<Polygon> {
         let cut = |p: &Polygon| {
             let rings = p.rings.iter().map(|r| crate::clip::clip_ring(r, bounds)).filter(|r| r.len() > 2);
-            Polygon::of_rings(p.class, rings.collect())
+            let cut = Polygon::of_rings(p.class, &p.called, rings.collect())?;
+            Some(Polygon { is_of_point: p.is_of_point, ..cut })
         };
         self.polygons.iter().filter(|p| p.bounds.meets(bounds)).filter_map(cut).collect()
     }
@@ -169,7 +178,7 @@ fn charted(polygons: &[Polygon], grids: &[PlacedGrid]) -> Charted {
     let known = polygons.iter().filter(|p| matches!(p.class, Class::Land | Class::Depth { .. })).cloned();
     let frames = grids.iter().filter(|g| g.has_depth).filter_map(|g| {
         let class = Class::Depth { least_m: None };
-        Polygon::of_rings(class, vec![g.frame()])
+        Polygon::of_rings(class, &Called::plain("water"), vec![g.frame()])
     });
     let polygons: Vec<Polygon> = known.chain(frames).collect();
     let frontier = frontier(&polygons);

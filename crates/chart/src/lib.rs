@@ -37,11 +37,13 @@
 #![warn(missing_docs)]
 
 mod bounds;
+mod called;
 mod causes;
 mod chart;
 mod clip;
 mod cover;
 mod crs;
+mod dangers;
 mod distance;
 mod footprint;
 mod frontier;
@@ -65,16 +67,18 @@ pub mod route;
 mod rules;
 
 pub use bounds::Bounds;
+pub use called::Called;
 pub use causes::Causes;
 pub use chart::{Chart, Layer, Uncharted};
 pub use clip::clip_ring;
 pub use crs::Crs;
+pub use dangers::{Dangers, Nearest};
 pub use footprint::{Footprint, Run};
 pub use grid::{Grid, GridCell, GridDeclaration, GridKind};
 pub use objects::{Tallies, Tally};
 pub use objects_geojson::objects_of_geojson;
 pub use obstacles::Obstacles;
-pub use placed::Polygon;
+pub use placed::{Polygon, Spot};
 pub use placed_grid::PlacedGrid;
 pub use plane::Plane;
 pub use polygons::{Area, Class, DANGER_M, Filter, LayerKind, Mark, PolygonLayer};

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use enc::attribute::{DRVAL1, VALDCO, VALSOU, WATLEV};
 use enc::{Feature, Geometry, Polygon, class_name};
 
+use crate::called::Called;
 use crate::grid::FARTHEST;
 use crate::polygons::of_mark;
 use crate::ring::ring_fault;
@@ -74,8 +75,12 @@ impl PolygonLayer {
         }
         let Some(class) = class(object, treatment)? else { return Ok(Treatment::Ignore) };
         let radius_m = rules.radius_m(object, scale);
-        let mark =
-            |class: Class, positions: Vec<[f64; 2]>| Mark { class, positions, radius_m, feature: index };
+        let called = Called::object(object, class);
+        let sounding = matches!(object.geometry, Geometry::Soundings(_));
+        let mark = |class: Class, positions: Vec<[f64; 2]>| {
+            let called = if sounding { Called::object(object, class) } else { called.clone() };
+            Mark { class, called, sounding, positions, radius_m, feature: index }
+        };
         match &object.geometry {
             Geometry::None => {
                 let remedy = "take the cell with all its updates, or ignore the class by `rules`";
@@ -101,7 +106,12 @@ impl PolygonLayer {
             Geometry::Area(polygons) => {
                 for rings in polygons {
                     check_rings(object, rings)?;
-                    self.areas.push(Area { class, rings: rings.clone(), feature: index });
+                    self.areas.push(Area {
+                        class,
+                        called: called.clone(),
+                        rings: rings.clone(),
+                        feature: index,
+                    });
                 }
             }
         }

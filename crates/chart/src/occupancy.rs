@@ -1,7 +1,7 @@
 //! Cells of a raster that a chart's layers block.
 
 use crate::cover::{Size, along, centres, each_edge};
-use crate::{Bounds, Causes, Chart, Class, GridCell, PlacedGrid, Polygon, Raster, Uncharted};
+use crate::{Bounds, Called, Causes, Chart, Class, GridCell, PlacedGrid, Polygon, Raster, Uncharted};
 
 /// Cells that touch within this distance count as touched, so that rounding does not decide \[m\].
 const TOUCH_M: f64 = 1e-6;
@@ -69,18 +69,7 @@ impl Occupancy {
 
     /// Blocks what touches bad cells of a grid, by runs of equal cause along its rows.
     fn block_grid(&mut self, grid: &PlacedGrid, least_depth_m: f64) {
-        for row in 0..grid.rows {
-            let cells = &grid.cells[row * grid.columns..(row + 1) * grid.columns];
-            let mut start = 0;
-            for run in cells.chunk_by(|a, b| bad(*a, least_depth_m) == bad(*b, least_depth_m)) {
-                let columns = start..start + run.len();
-                start = columns.end;
-                let Some(cause) = bad(run[0], least_depth_m) else { continue };
-                let class = Class::Land;
-                let strip = Polygon::of_rings(class, vec![grid.strip(columns, row..row + 1)]);
-                strip.iter().for_each(|s| self.block(s, cause));
-            }
-        }
+        each_strip(grid, least_depth_m, |strip, cause| self.block(strip, cause));
     }
 
     /// Blocks every cell that is not charted as a whole: by one polygon, or by several that share the
@@ -136,7 +125,28 @@ impl Occupancy {
     }
 }
 
-fn cause_of(class: Class, least_depth_m: f64, sailing: Sailing) -> Option<Causes> {
+/// The bad cells of a grid, by runs of equal cause along its rows.
+pub(crate) fn each_strip(grid: &PlacedGrid, least_depth_m: f64, mut each: impl FnMut(&Polygon, Causes)) {
+    let [land, shoal, missing] = ["land", "shoal", "no data"].map(Called::plain);
+    for row in 0..grid.rows {
+        let cells = &grid.cells[row * grid.columns..(row + 1) * grid.columns];
+        let mut start = 0;
+        for run in cells.chunk_by(|a, b| bad(*a, least_depth_m) == bad(*b, least_depth_m)) {
+            let columns = start..start + run.len();
+            start = columns.end;
+            let Some(cause) = bad(run[0], least_depth_m) else { continue };
+            let called = match run[0] {
+                GridCell::Missing => &missing,
+                GridCell::Land => &land,
+                GridCell::Water | GridCell::Depth(_) => &shoal,
+            };
+            let strip = Polygon::of_rings(Class::Land, called, vec![grid.strip(columns, row..row + 1)]);
+            strip.iter().for_each(|s| each(s, cause));
+        }
+    }
+}
+
+pub(crate) fn cause_of(class: Class, least_depth_m: f64, sailing: Sailing) -> Option<Causes> {
     match class {
         Class::TransitOnly => (sailing == Sailing::Maneuvers).then_some(Causes::NO_GO),
         Class::Land => Some(Causes::LAND),

@@ -1,7 +1,7 @@
 //! Polygons of longitude and latitude on the plane.
 
 use crate::ring::doubled_area;
-use crate::{Area, Bounds, Class, Mark, Plane};
+use crate::{Area, Bounds, Called, Class, Mark, Plane};
 
 /// Longest piece of an edge \[deg of latitude\]: about a kilometre, over which the straight line in
 /// longitude and latitude and the one on the plane part by less than 0.1 m up to 70° of latitude.
@@ -9,11 +9,37 @@ const PIECE_DEG: f64 = 0.01;
 /// Corners of half a circle around the end of a line.
 const HALF_CIRCLE: usize = 8;
 
+/// A charted point on the plane: a danger, or a depth that was measured.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Spot {
+    /// What it is.
+    pub class: Class,
+    /// What people call it.
+    pub called: Called,
+    /// Whether it is a depth that was measured, and no thing that lies there.
+    pub sounding: bool,
+    /// East and north \[m\].
+    pub place: [f64; 2],
+}
+
+impl Spot {
+    /// Nothing for a line.
+    pub(crate) fn place(mark: &Mark, plane: &Plane) -> Option<Self> {
+        let [[longitude, latitude]] = mark.positions[..] else { return None };
+        let place = plane.to_plane(longitude, latitude);
+        Some(Self { class: mark.class, called: mark.called.clone(), sounding: mark.sounding, place })
+    }
+}
+
 /// A polygon on the plane.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Polygon {
     /// What it is.
     pub class: Class,
+    /// What people call it.
+    pub called: Called,
+    /// Whether it is what lies around a charted point.
+    pub is_of_point: bool,
     /// Rings \[m\] without the repeated last position: the outer one counter-clockwise, then the holes
     /// clockwise. Edges are cut to about a kilometre, so that they follow the straight lines of the file.
     pub rings: Vec<Vec<[f64; 2]>>,
@@ -25,7 +51,7 @@ impl Polygon {
     /// `None` for a polygon without a finite point.
     pub(crate) fn place(area: &Area, plane: &Plane) -> Option<Self> {
         let ring = |(k, r): (usize, &Vec<[f64; 2]>)| oriented(place_ring(r, plane), k == 0);
-        Self::of_rings(area.class, area.rings.iter().enumerate().map(ring).collect())
+        Self::of_rings(area.class, &area.called, area.rings.iter().enumerate().map(ring).collect())
     }
 
     /// What lies within the radius of a point or line: one polygon for the point, or for each straight piece of the line.
@@ -34,13 +60,14 @@ impl Polygon {
         line.extend(mark.positions.last().map(|p| plane.to_plane(p[0], p[1])));
         let pieces = line.windows(line.len().clamp(1, 2));
         let ring = |piece: &[[f64; 2]]| capsule(piece[0], piece[piece.len() - 1], mark.radius_m);
-        pieces.filter_map(|piece| Self::of_rings(mark.class, vec![ring(piece)])).collect()
+        let own = pieces.filter_map(|piece| Self::of_rings(mark.class, &mark.called, vec![ring(piece)]));
+        own.map(|polygon| Self { is_of_point: mark.positions.len() == 1, ..polygon }).collect()
     }
 
-    pub(crate) fn of_rings(class: Class, rings: Vec<Vec<[f64; 2]>>) -> Option<Self> {
+    pub(crate) fn of_rings(class: Class, called: &Called, rings: Vec<Vec<[f64; 2]>>) -> Option<Self> {
         let bounds = Bounds::around(rings.iter().flatten())?;
         let finite = rings.iter().flatten().flatten().all(|v| v.is_finite());
-        finite.then_some(Self { class, rings, bounds })
+        finite.then(|| Self { class, called: called.clone(), is_of_point: false, rings, bounds })
     }
 
     /// Edges in the direction that keeps the polygon on the left.

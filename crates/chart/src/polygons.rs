@@ -2,6 +2,7 @@ use geojson::{Feature, GeoJson, JsonObject, JsonValue, PolygonType, Position};
 use serde::Deserialize;
 
 use crate::Invalid;
+use crate::called::{Called, called};
 use crate::geometries::Geometries;
 use crate::grid::FARTHEST;
 use crate::ring::{RingFault, ring_fault};
@@ -80,6 +81,10 @@ pub struct PolygonLayer {
 pub struct Mark {
     /// What it is.
     pub class: Class,
+    /// What people call it.
+    pub called: Called,
+    /// Whether it is a depth that was measured, and no thing that lies there.
+    pub sounding: bool,
     /// Longitude and latitude \[deg\] of the point, or of the line's corners.
     pub positions: Vec<[f64; 2]>,
     /// How far around it reaches what it stands for \[m\].
@@ -93,6 +98,8 @@ pub struct Mark {
 pub struct Area {
     /// What it is.
     pub class: Class,
+    /// What people call it.
+    pub called: Called,
     /// Rings of (longitude, latitude) \[deg\], closed: the last position repeats the first.
     pub rings: Vec<Vec<[f64; 2]>>,
     /// Index of the feature in the file.
@@ -111,7 +118,7 @@ impl PolygonLayer {
     pub fn from_geojson(text: &str, kind: &LayerKind, filter: Option<&Filter>) -> Result<Self, Invalid> {
         let features = features(text)?;
         let mut layer = Self { areas: Vec::new(), marks: Vec::new(), filtered_out: 0, open_sea: false };
-        let (mut named, mut placeless) = (false, 0);
+        let (mut has_depth, mut placeless) = (false, 0);
         for (index, feature) in features.iter().enumerate() {
             if filter.is_some_and(|f| !passes(feature, f)) {
                 layer.filtered_out += 1;
@@ -119,17 +126,21 @@ impl PolygonLayer {
             }
             let own = Geometries::of(feature);
             placeless += usize::from(own.polygons.is_empty() && own.lines.iter().all(|line| line.is_empty()));
-            let class = class(kind, feature.properties.as_ref(), index, &mut named)?;
+            let class = class(kind, feature.properties.as_ref(), index, &mut has_depth)?;
+            let called = called(class, feature.properties.as_ref());
             for polygon in own.polygons {
-                layer.areas.push(Area { class, rings: rings(polygon, index)?, feature: index });
+                let rings = rings(polygon, index)?;
+                layer.areas.push(Area { class, called: called.clone(), rings, feature: index });
             }
+            let sounding = matches!(class, Class::Depth { .. });
             let class = of_mark(class);
             for line in own.lines {
                 let positions = positions(line, || format!("feature {index}"))?;
-                layer.marks.push(Mark { class, positions, radius_m: DANGER_M, feature: index });
+                let (called, radius_m) = (called.clone(), DANGER_M);
+                layer.marks.push(Mark { class, called, sounding, positions, radius_m, feature: index });
             }
         }
-        layer.check(kind, features.len(), named, placeless)?;
+        layer.check(kind, features.len(), has_depth, placeless)?;
         Ok(layer)
     }
 

@@ -62,6 +62,24 @@ impl Figures {
         self.placed(name, svg, caption, "figure wide")
     }
 
+    /// As [`Figures::place`], for a drawing that comes in parts, too: these stand beside each other where there is room.
+    pub(super) fn place_parted(
+        &mut self,
+        name: &str,
+        svg: String,
+        parts: Option<[String; 2]>,
+        caption: &Markup,
+    ) -> Markup {
+        let Some([first, second]) = parts else { return self.place(name, svg, caption) };
+        self.files.push((format!("{name}.svg"), svg));
+        html! {
+            figure.figure {
+                div.parted { div { (PreEscaped(first)) } div { (PreEscaped(second)) } }
+                figcaption { (caption) }
+            }
+        }
+    }
+
     fn placed(&mut self, name: &str, svg: String, caption: &Markup, class: &str) -> Markup {
         self.files.push((format!("{name}.svg"), svg.clone()));
         html! {

@@ -1,18 +1,18 @@
-//! A plan's map beside histograms, as one picture for a front page.
+//! A plan's map above histograms, as one picture for a front page.
 
 /// Width and height of the map's place, of a histogram's, and the gap between, in units of the picture.
-const MAP: [u32; 2] = [660, 960];
+const MAP: [u32; 2] = [1140, 760];
 const HISTOGRAM: [u32; 2] = [560, 470];
 const GAP: u32 = 20;
 
-/// `map` on the left, `histograms` above each other on the right, on white: whole `<svg>` elements as this crate draws them.
+/// `map` above, `histograms` beside each other below, on white: whole `<svg>` elements as this crate draws them.
 pub fn picture(map: &str, histograms: &[&str; 2]) -> String {
-    let (width, height) = (MAP[0] + HISTOGRAM[0] + 3 * GAP, MAP[1] + 2 * GAP);
-    let right = MAP[0] + 2 * GAP;
+    let (width, height) = (MAP[0] + 2 * GAP, MAP[1] + HISTOGRAM[1] + 3 * GAP);
+    let below = MAP[1] + 2 * GAP;
     let placed = [
         placed(map, [GAP, GAP], MAP),
-        placed(histograms[0], [right, GAP], HISTOGRAM),
-        placed(histograms[1], [right, 2 * GAP + HISTOGRAM[1]], HISTOGRAM),
+        placed(histograms[0], [GAP, below], HISTOGRAM),
+        placed(histograms[1], [2 * GAP + HISTOGRAM[0], below], HISTOGRAM),
     ];
     format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" color=\"#1d242b\">\n\

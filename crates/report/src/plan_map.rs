@@ -1,14 +1,19 @@
 //! `map.svg`: the plan on its chart.
 
-use chart::{Bounds, Causes, Class, GridCell, Invalid, Obstacles, PlacedGrid, Plane, Uncharted};
-use study::documents::PlanDocument;
-use trial::voyage::{Prepared, Sailing, Solved};
-use trial::{Sailed, Sample};
+use std::collections::BTreeSet;
+
+use chart::{Bounds, Causes, Class, GridCell, Invalid, Obstacles, Plane, Raster, Uncharted};
+use study::documents::{PassageLeg, PlanDocument};
+use trial::Sample;
+use trial::voyage::{Hull, Prepared, Sailing, Solved};
 
 use crate::figures::map as figure;
 
 /// Limits between the shades of depth [m].
 const DEPTHS_M: [f64; 6] = [0.0, 2.0, 5.0, 10.0, 20.0, 50.0];
+
+/// Cells of a tube's raster along the longer side of the map.
+const TUBE_CELLS: f64 = 560.0;
 
 /// A planned trial to be drawn.
 pub struct PlanMap<'a> {
@@ -52,6 +57,10 @@ impl PlanMap<'_> {
             areas: self.areas(&bounds),
             margins: self.margins(),
             maneuvers: document.counts.iter().map(|(name, count)| (name.clone(), *count)).collect(),
+            spots: self.spots(),
+            names: self.names(&bounds),
+            tube: self.tube(&bounds),
+            corridors: self.corridors(),
             tracks: self.tracks(),
             hulls: self.hulls(),
             start: self.sailing.sailed.samples.first().map(place),
@@ -77,7 +86,7 @@ impl PlanMap<'_> {
         let raster = self.solved.waters.transit().raster();
         let class = |k: usize| {
             let at = raster.node(k % raster.nx, k / raster.nx).map(|o| o + raster.cell_m / 2.0);
-            grids.iter().find_map(|grid| match cell_at(grid, at)? {
+            grids.iter().find_map(|grid| match grid.at(at)? {
                 GridCell::Missing => None,
                 GridCell::Land => Some(figure::Class::Land),
                 GridCell::Water => Some(figure::Class::Depth { least_m: 0.0 }),
@@ -93,6 +102,7 @@ impl PlanMap<'_> {
         let area = |polygon: chart::Polygon| {
             let class = match polygon.class {
                 Class::Danger { least_m: Some(least_m) } if least_m >= deep_m => return None,
+                Class::Danger { .. } if polygon.is_of_point => return None,
                 Class::Danger { .. } => figure::Class::NoGo,
                 Class::Land => figure::Class::Land,
                 Class::NoGo => figure::Class::NoGo,
@@ -103,6 +113,79 @@ impl PlanMap<'_> {
             Some(figure::Area { class, ring: rings.next()?, holes: rings.collect() })
         };
         self.prepared.chart.drawn(bounds).into_iter().filter_map(area).collect()
+    }
+
+    fn spots(&self) -> Vec<figure::Spot> {
+        let spot = |own: &chart::Spot| figure::Spot {
+            at: own.place,
+            symbol: if own.sounding { figure::Symbol::Sounding } else { figure::Symbol::Danger },
+            depth_m: own.called.depth_m,
+            title: own.called.to_string(),
+        };
+        self.prepared.chart.spots().iter().map(spot).collect()
+    }
+
+    /// Names of areas, the largest first.
+    fn names(&self, bounds: &Bounds) -> Vec<([f64; 2], String)> {
+        let named = |polygon: chart::Polygon| {
+            let Bounds { min, max } = polygon.bounds;
+            let name = polygon.called.name.filter(|_| !polygon.is_of_point)?;
+            let size = (max[0] - min[0]) * (max[1] - min[1]);
+            Some((size, [0, 1].map(|k| (min[k] + max[k]) / 2.0), name.to_string()))
+        };
+        let mut all: Vec<_> = self.prepared.chart.drawn(bounds).into_iter().filter_map(named).collect();
+        all.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let mut seen = BTreeSet::new();
+        all.retain(|(_, _, name)| seen.insert(name.clone()));
+        all.into_iter().map(|(_, at, name)| (at, name)).collect()
+    }
+
+    /// What the hulls of the check's runs swept.
+    fn tube(&self, bounds: &Bounds) -> Option<figure::Tube> {
+        let side = (0..2).map(|k| bounds.max[k] - bounds.min[k]).fold(0.0, f64::max);
+        let grid = Raster::covering(bounds, side / TUBE_CELLS).ok()?;
+        let body = body(&self.prepared.brief.task.hull, grid.cell_m);
+        let mut swept = vec![false; grid.nx * grid.ny];
+        let all = std::iter::once(&self.sailing.sailed).chain(&self.sailing.runs);
+        for sailed in all {
+            let mut last = [f64::INFINITY; 2];
+            for sample in &sailed.samples {
+                let place = place(sample);
+                if libm::hypot(place[0] - last[0], place[1] - last[1]) < grid.cell_m / 2.0 {
+                    continue;
+                }
+                last = place;
+                let (sin, cos) = libm::sincos(sample.pose.psi);
+                let points =
+                    body.iter().map(|[x, y]| [place[0] + x * sin + y * cos, place[1] + x * cos - y * sin]);
+                let cells = points.filter_map(|point| grid.cell_at(point));
+                cells.for_each(|(column, row)| swept[row * grid.nx + column] = true);
+            }
+        }
+        let vessels = self.sailing.runs.len();
+        (vessels > 0).then_some(figure::Tube { grid, swept, vessels })
+    }
+
+    /// As wide to each side as the passage plan tells.
+    fn corridors(&self) -> Vec<Vec<[f64; 2]>> {
+        let Some(passage) = self.document.voyage.as_ref().map(|voyage| &voyage.passage) else {
+            return Vec::new();
+        };
+        let plane = self.prepared.chart.plane();
+        let mut from = plane.to_plane(passage.longitude_deg, passage.latitude_deg);
+        let ring = |leg: &PassageLeg| {
+            let to = plane.to_plane(leg.longitude_deg, leg.latitude_deg);
+            let along = [to[0] - from[0], to[1] - from[1]];
+            let length = libm::hypot(along[0], along[1]);
+            let starboard = [along[1] / length, -along[0] / length];
+            let beside = |at: [f64; 2], by: f64| [0, 1].map(|k| at[k] + by * starboard[k]);
+            let (port, right) = (-leg.xtd_port_m, leg.xtd_starboard_m);
+            let ring = vec![beside(from, port), beside(to, port), beside(to, right), beside(from, right)];
+            from = to;
+            ring
+        };
+        let rings: Vec<Vec<[f64; 2]>> = passage.legs.iter().map(ring).collect();
+        rings.into_iter().filter(|ring| ring.iter().flatten().all(|v| v.is_finite())).collect()
     }
 
     /// What only depth (of water that is charted) or margin blocks.
@@ -126,7 +209,7 @@ impl PlanMap<'_> {
     }
 
     fn tracks(&self) -> Vec<figure::Track> {
-        let mut tracks: Vec<figure::Track> = self.sailing.runs.iter().map(realization).collect();
+        let mut tracks: Vec<figure::Track> = Vec::new();
         let names: Vec<&String> = self.document.counts.keys().collect();
         let mut number = 0;
         let samples = &self.sailing.sailed.samples;
@@ -170,23 +253,14 @@ fn place(sample: &Sample) -> [f64; 2] {
     [sample.pose.y, sample.pose.x]
 }
 
-/// The cell of a grid that holds a place, its edges taken as straight: near enough for drawing.
-fn cell_at(grid: &PlacedGrid, place: [f64; 2]) -> Option<GridCell> {
-    let corner = |column: usize, row: usize| grid.corners[row * (grid.columns + 1) + column];
-    let origin = corner(0, 0);
-    let along = |end: [f64; 2], count: usize| [0, 1].map(|k| (end[k] - origin[k]) / count as f64);
-    let (a, b) = (along(corner(grid.columns, 0), grid.columns), along(corner(0, grid.rows), grid.rows));
-    let p = [place[0] - origin[0], place[1] - origin[1]];
-    let det = a[0] * b[1] - a[1] * b[0];
-    let column = ((p[0] * b[1] - p[1] * b[0]) / det).floor();
-    let row = ((a[0] * p[1] - a[1] * p[0]) / det).floor();
-    let inside = column >= 0.0 && row >= 0.0 && column < grid.columns as f64 && row < grid.rows as f64;
-    inside.then(|| grid.cells[row as usize * grid.columns + column as usize])
-}
-
-fn realization(sailed: &Sailed) -> figure::Track {
-    let points = sailed.samples.iter().step_by(5).map(place).collect();
-    figure::Track { style: figure::TrackStyle::Realization, points, number: None }
+/// Points of a hull, x forward and y to starboard, apart by no more than `apart_m`.
+fn body(hull: &Hull, apart_m: f64) -> Vec<[f64; 2]> {
+    let steps = |length: f64| (length / apart_m).ceil().max(1.0) as u32;
+    let (long, wide) = (steps(hull.length_m), steps(hull.beam_m));
+    let stern = -hull.length_m / 2.0 - hull.reference_m;
+    let x = move |k: u32| stern + hull.length_m * f64::from(k) / f64::from(long);
+    let y = move |k: u32| hull.beam_m * (f64::from(k) / f64::from(wide) - 0.5);
+    (0..=long).flat_map(|i| (0..=wide).map(move |j| [x(i), y(j)])).collect()
 }
 
 /// Longitudes and latitudes at round minutes.

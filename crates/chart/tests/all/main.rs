@@ -1,5 +1,6 @@
 //! Charts as they are read, what they leave free, and routes.
 
+mod dangers;
 mod footprints;
 mod geodesy;
 mod grid_files;

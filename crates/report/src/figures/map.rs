@@ -17,6 +17,7 @@ mod marks;
 mod numbers;
 mod outline;
 mod simplify;
+mod spots;
 mod surround;
 mod tracks;
 mod view;
@@ -25,15 +26,38 @@ use chart::Invalid;
 
 use crate::figures::svg::{self, Colours, Sheet};
 
-pub use input::{Area, Cells, Class, Frame, Graticule, Map, Margin, Purpose, Track, TrackStyle};
+pub use input::{
+    Area, Cells, Class, Frame, Graticule, Map, Margin, Purpose, Spot, Symbol, Track, TrackStyle, Tube,
+};
 
 use legend::Legend;
 use view::{LABEL, View, WIDTH};
 
+/// Name of the legend's group.
+const LEGEND: &str = "Legend";
+
+/// A drawing of [`map_figure`] and its legend, each an SVG element of its own; nothing where it is none.
+pub fn parted(svg: &str) -> Option<[String; 2]> {
+    let (map, legend) = svg.split_once(&format!("<g aria-label=\"{LEGEND}\">"))?;
+    let (legend, after) = legend.rsplit_once("</g>")?;
+    let (before, rest) = svg.split_once("viewBox=\"0 0 ")?;
+    let (size, rest) = rest.split_once('"')?;
+    let (attributes, _) = rest.split_once('>')?;
+    let wide = svg::units(WIDTH);
+    let left = size.split(' ').next()?.parse::<i64>().ok()? - wide;
+    let part = |from: i64, width: i64, body: &str| {
+        let places = body.split(" y=\"").skip(1);
+        let lowest = places.filter_map(|after| after.split('"').next()?.parse::<i64>().ok()).max()?;
+        let height = lowest + svg::units(LABEL);
+        Some(format!("{before}viewBox=\"{from} 0 {width} {height}\"{attributes}>{body}{after}"))
+    };
+    Some([part(0, wide, map.split_once('>')?.1)?, part(wide, left, legend)?])
+}
+
 /// Draws `map` as one SVG element that scales to the width of whatever holds it.
 ///
-/// From below: cells, areas of water (the shoalest above), margins, no-go areas, land, graticule, tracks, hulls, goal
-/// and start, step numbers. Coordinates are exact to a tenth of a pixel of a drawing 560 pixels wide. Cells finer than
+/// From below: cells, areas of water (the shoalest above), margins, no-go areas, land, graticule, charted points and names,
+/// tube and corridors, tracks, hulls, goal and start, step numbers. The legend stands beside the map, in a group of its own. Coordinates are exact to a tenth of a pixel of a drawing 560 pixels wide. Cells finer than
 /// a pixel, and cells too ragged to keep the file small, are merged in blocks that show their most dangerous class.
 /// Coordinates are finite, a raster has a value per cell, and tracks name maneuvers that the map declares.
 ///
@@ -55,9 +79,8 @@ pub fn map_figure(map: &Map) -> Result<String, Invalid> {
     surround::draw(&mut sheet, &view, &map.graticule);
     map.warning.iter().for_each(|warning| surround::warning(&mut sheet, &view, warning));
     let legend = Legend::new(map);
-    let top = view.opposite.1 + surround::FOOT;
-    legend.draw(&mut sheet, top);
-    Ok(whole(map, &sheet, top + legend.height()))
+    sheet.labelled(LEGEND, |sheet| legend.draw(sheet));
+    Ok(whole(map, &sheet, (view.opposite.1 + surround::FOOT).max(legend.height())))
 }
 
 fn draw(sheet: &mut Sheet, view: &View, map: &Map) {
@@ -69,6 +92,9 @@ fn draw(sheet: &mut Sheet, view: &View, map: &Map) {
     map.margins.iter().for_each(|margin| margins::draw(sheet, view, margin));
     areas::obstacles(sheet, view, map);
     surround::graticule(sheet, view, &map.graticule);
+    spots::draw(sheet, view, map);
+    map.tube.iter().for_each(|tube| margins::tube(sheet, view, tube));
+    tracks::corridors(sheet, view, &map.corridors);
     tracks::draw(sheet, view, map);
     marks::hulls(sheet, view, &map.hulls);
     marks::ends(sheet, view, map);
@@ -80,5 +106,5 @@ fn whole(map: &Map, sheet: &Sheet, height: f64) -> String {
         format!(" stroke-linecap=\"round\" font-family=\"sans-serif\" font-size=\"{}\"", svg::units(LABEL));
     let (title, described) = (Sheet::written(&map.title), Sheet::written(&map.description));
     let head = format!("<title>{title}</title>\n<desc>{described}</desc>\n");
-    sheet.svg((WIDTH, height), &map.title, &attributes, &head)
+    sheet.svg((WIDTH + legend::WIDTH, height), &map.title, &attributes, &head)
 }

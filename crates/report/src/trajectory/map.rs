@@ -84,11 +84,3 @@ fn check(attributes: &str) -> Result<(), String> {
     }
     Ok(())
 }
-
-/// Whether the drawing is clearly higher than wide.
-pub(super) fn is_tall(svg: &str) -> bool {
-    let text = svg.split_once("viewBox=\"").and_then(|(_, after)| after.split_once('"'));
-    let sizes =
-        text.map(|(numbers, _)| numbers.split(' ').filter_map(|n| n.parse().ok()).collect::<Vec<f64>>());
-    sizes.is_some_and(|sizes| matches!(sizes[..], [_, _, width, height] if height > 1.15 * width))
-}

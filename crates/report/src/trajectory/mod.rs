@@ -13,12 +13,12 @@ pub(crate) mod words;
 use maud::{Markup, html};
 use trial::voyage::Check;
 
+use crate::figures::map::parted;
 use crate::number::three;
 use crate::parts::{Figures, Section, missing};
 use crate::study::{PlannedTrial, Study};
 use facts::{facts, information};
 use front::front;
-use map::is_tall;
 use moves::moves;
 use passage::passage;
 use sheet::sheet;
@@ -41,7 +41,6 @@ pub(super) fn trajectory(study: &Study, figures: &mut Figures) -> Option<Section
 
 fn planned(study: &Study, main: &PlannedTrial, figures: &mut Figures) -> Markup {
     let map = map(main, figures);
-    let tall = main.map.as_deref().is_some_and(is_tall);
     let voyage = main.plan.voyage.as_ref();
     html! {
         p.caution {
@@ -52,7 +51,7 @@ fn planned(study: &Study, main: &PlannedTrial, figures: &mut Figures) -> Markup 
         }
         @if let Some(voyage) = voyage { (unsafe_note(&voyage.check)) }
         (outdated(main))
-        div.map-and-facts.tall[tall] { (map) div { (facts(&main.plan)) } }
+        div.map-and-facts { (map) div { (facts(&main.plan)) } }
         @match voyage {
             Some(voyage) => {
                 (information(&voyage.information, study.design.is_some()))
@@ -95,7 +94,7 @@ fn map(main: &PlannedTrial, figures: &mut Figures) -> Markup {
         " Numbers: informative maneuvers, as in the maneuver sheet."
     };
     match &main.map {
-        Some(svg) => html! { div.map { (figures.place("map", svg.clone(), &caption)) } },
+        Some(svg) => html! { div.map { (figures.place_parted("map", svg.clone(), parted(svg), &caption)) } },
         None => missing("The map is", "map.svg", "plan"),
     }
 }
@@ -110,7 +109,7 @@ fn variants(all: &[PlannedTrial], figures: &mut Figures) -> Markup {
         placed.push(match &variant.map {
             Some(svg) => {
                 let file = variant.name.replacen("plan", "map", 1);
-                html! { div.map { (figures.place(&file, svg.clone(), &in_one_line(variant))) } }
+                html! { div.map { (figures.place_parted(&file, svg.clone(), parted(svg), &in_one_line(variant))) } }
             }
             None => html! { p.note { (in_one_line(variant)) " No map.svg." } },
         });

@@ -6,6 +6,9 @@ use study::documents::{Passage, PassageLeg};
 
 /// The passage plan, to be printed for the bridge.
 pub(super) fn passage(passage: &Passage) -> Markup {
+    let with_depth = passage.legs.iter().any(|leg| leg.least_depth_m.is_some());
+    let under_keel = passage.legs.iter().any(|leg| leg.under_keel_m.is_some());
+    let depth_head = if under_keel { ["Under keel", "[m]"] } else { ["Least depth", "[m]"] };
     html! {
         @if !passage.legs.is_empty() {
             div.crew {
@@ -13,7 +16,8 @@ pub(super) fn passage(passage: &Passage) -> Markup {
                 p.note {
                     "Waypoints are those of the route files: where the course or what is done changes, and where the courses of a turn cross. \
                      Courses are true, along loxodromes. XTD is as far as the simulated tracks of the check come to port and to starboard of \
-                     the line; radii are those that the ship turns with. "
+                     the line; radii are those that the ship turns with. \
+                     Depths and the nearest danger are those along the nominal track; the doubt about a danger's place is taken off. "
                     @match &passage.departure {
                         Some(departure) => { "Times count from the departure at " (departure) "." }
                         None => {
@@ -34,9 +38,10 @@ pub(super) fn passage(passage: &Passage) -> Markup {
                             th.number scope="col" { "Distance" br; "[NM]" }
                             th.number scope="col" { "Speed" br; "[kn]" }
                             th scope="col" { "Time" br; "h:min:s" }
-                            th.number scope="col" { "XTD port" br; "[m]" }
-                            th.number scope="col" { "XTD starboard" br; "[m]" }
+                            th.number scope="col" { "XTD [m]" br; "port, starb." }
                             th.number scope="col" { "Radius" br; "[m]" }
+                            @if with_depth { th.number scope="col" { (depth_head[0]) br; (depth_head[1]) } }
+                            th scope="col" { "Nearest danger" }
                             th scope="col" { "What" }
                         }
                     }
@@ -46,10 +51,10 @@ pub(super) fn passage(passage: &Passage) -> Markup {
                             (place(passage.latitude_deg, passage.longitude_deg))
                             td colspan="3" { "" }
                             td.time { (clock(0.0)) }
-                            td colspan="3" { "" }
+                            td colspan=(if with_depth { 4 } else { 3 }) { "" }
                             td.wrap { (passage.before.join(", ")) }
                         }
-                        @for (index, leg) in passage.legs.iter().enumerate() { (line(index + 1, leg)) }
+                        @for (index, leg) in passage.legs.iter().enumerate() { (line(index + 1, leg, with_depth)) }
                     }
                 } }
             }
@@ -57,7 +62,7 @@ pub(super) fn passage(passage: &Passage) -> Markup {
     }
 }
 
-fn line(number: usize, leg: &PassageLeg) -> Markup {
+fn line(number: usize, leg: &PassageLeg, with_depth: bool) -> Markup {
     let what: Vec<&str> = std::iter::once(&leg.what).chain(&leg.then).map(String::as_str).collect();
     html! {
         tr.informative[leg.informative] {
@@ -67,9 +72,10 @@ fn line(number: usize, leg: &PassageLeg) -> Markup {
             td.number { (miles(leg.distance_m)) }
             td.number { (knots(leg.speed_m_s)) }
             td.time { (clock(leg.end_s)) }
-            td.number { (metres(leg.xtd_port_m)) }
-            td.number { (metres(leg.xtd_starboard_m)) }
+            td.number { (metres(leg.xtd_port_m)) ", " (metres(leg.xtd_starboard_m)) }
             td.number { (or_dash(leg.turn_radius_m.map(metres))) }
+            @if with_depth { td.number { (or_dash(leg.under_keel_m.or(leg.least_depth_m).map(tenths))) } }
+            td.danger { (nearest(leg)) }
             td.wrap { (what.join(", ")) }
         }
     }
@@ -77,6 +83,16 @@ fn line(number: usize, leg: &PassageLeg) -> Markup {
 
 fn place(latitude_deg: f64, longitude_deg: f64) -> Markup {
     html! { td.place { (latitude(latitude_deg)) br; (longitude(longitude_deg)) } }
+}
+
+fn nearest(leg: &PassageLeg) -> String {
+    let told = leg.nearest.as_ref().map(|own| format!("{}, {:.0} m", own.what, own.distance_m.floor()));
+    or_dash(told)
+}
+
+/// Down to the tenth: water may not be told too deep.
+fn tenths(value: f64) -> String {
+    or_dash(value.is_finite().then(|| format!("{:.1}", (value * 10.0).floor() / 10.0)))
 }
 
 /// Up to the next metre: a corridor may not be told too narrow.

@@ -3,7 +3,9 @@
 use crate::archipelago::archipelago;
 use crate::drawing::{attribute, check, corners, doubled_area, elements, frame};
 use chart::Raster;
-use report::figures::map::{Area, Cells, Class, Frame, Map, Margin, Purpose, Track, TrackStyle};
+use report::figures::map::{
+    Area, Cells, Class, Frame, Map, Margin, Purpose, Spot, Symbol, Track, TrackStyle, Tube, parted,
+};
 use report::figures::map_figure;
 
 const LAND: &str = "fill=\"#e2c59c\"";
@@ -306,6 +308,42 @@ fn labels_that_would_run_into_each_other_are_left_out() {
     let labels = svg.matches("′E</text>").count();
     assert!((4..12).contains(&labels), "{labels}");
     assert!(svg.contains("60°N") && !svg.contains("south of it"));
+}
+
+#[test]
+fn charted_points_names_and_what_was_swept_are_drawn_where_there_is_room() {
+    let spot = |x: f64, symbol, depth_m: Option<f64>| Spot {
+        at: [x, 500.0],
+        symbol,
+        depth_m,
+        title: "WRECKS <Anna>".to_owned(),
+    };
+    let spots = vec![
+        spot(300.0, Symbol::Sounding, Some(12.37)),
+        spot(302.0, Symbol::Sounding, Some(4.0)),
+        spot(600.0, Symbol::Sounding, Some(44.9)),
+        spot(800.0, Symbol::Danger, None),
+        spot(2000.0, Symbol::Danger, Some(1.0)),
+    ];
+    let grid = Raster { origin: [0.0, 0.0], cell_m: 100.0, nx: 10, ny: 10 };
+    let swept = (0..100).map(|k| k % 10 == 4).collect();
+    let names = vec![([500.0, 800.0], "Träholm".to_owned()), ([505.0, 800.0], "Smaller".to_owned())];
+    let svg = drawn(&Map {
+        spots,
+        names,
+        tube: Some(Tube { grid, swept, vessels: 64 }),
+        corridors: vec![vec![[100.0, 100.0], [900.0, 100.0], [900.0, 150.0], [100.0, 150.0]]],
+        ..Map::default()
+    });
+    let map = &parted(&svg).unwrap()[0];
+    // The shoalest of two that are too near, whole metres where a tenth does not matter, nothing outside of the frame.
+    for (text, times) in [("4", 1), ("12.3", 0), ("44", 1), ("1", 0), ("Träholm", 1), ("Smaller", 0)] {
+        assert_eq!(map.matches(&format!(">{text}</text>")).count(), times, "{text}");
+    }
+    assert_eq!(map.matches("<title>WRECKS &lt;Anna&gt;</title>").count(), 1);
+    for label in ["swept by 64 vessels", "corridor (XTD)", "sounding [m]", "danger, depth over it [m]"] {
+        assert!(svg.contains(&format!(">{label}</text>")), "{label}");
+    }
 }
 
 /// Fill of the legend's chip beside a label.

@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use crate::mock;
 use report::{PlannedTrial, Study, Trajectory};
 use study::documents::{
-    CostUnit, Passage, PassageLeg, PlanDocument, PlanHandling, PlanLattice, PlanPose, PlanStatus, PlanStep,
-    Primitive, SecondaryCost, ValidationDocument, Voyage, VoyageLeg,
+    CostUnit, NearestDanger, Passage, PassageLeg, PlanDocument, PlanHandling, PlanLattice, PlanPose,
+    PlanStatus, PlanStep, Primitive, SecondaryCost, ValidationDocument, Voyage, VoyageLeg,
 };
 use trial::voyage::{Check, FrontPoint, Information, Secondary, Tide};
 use trial::{Ability, DerivedHandling, Handling, Side};
@@ -99,6 +99,9 @@ fn passage_leg(what: &str, end_s: f64, turn_radius_m: Option<f64>, then: &[&str]
         turn_radius_m,
         xtd_port_m: 12.2,
         xtd_starboard_m: 40.6,
+        least_depth_m: Some(9.26),
+        under_keel_m: None,
+        nearest: Some(NearestDanger { what: "WRECKS Träholm".to_owned(), distance_m: 90.7 }),
         then: then.iter().map(|what| (*what).to_owned()).collect(),
     }
 }

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use artifact::{Provenance, commit, stage_document};
+use report::figures::map::parted;
 use report::figures::map::{Area, Class, Map, Track, TrackStyle};
 use report::figures::map_figure;
 use report::{Sources, load, render};
@@ -45,10 +46,17 @@ fn planned() -> tempfile::TempDir {
 
 #[test]
 fn a_map_as_drawn_is_taken_over() {
+    // In two parts, the legend beside the map: nothing is lost but the group around it.
     let html = page(planned().path(), &drawn()).unwrap();
-    assert!(html.contains(&drawn()) && html.contains("class=\"map-and-facts tall\""));
-    let flat = drawn().replacen("viewBox=\"0 0 ", "viewBox=\"0 0 1", 1);
-    assert!(!page(planned().path(), &flat).unwrap().contains("class=\"map-and-facts tall\""));
+    let [map, legend] = parted(&drawn()).unwrap();
+    assert!(html.contains(&map) && html.contains(&legend));
+    assert!(map.contains("<title>Planned trial</title>") && !map.contains(">basic move</text>"));
+    assert!(legend.contains(">basic move</text>") && !legend.contains("<title>scale"));
+    let elements = |svg: &str| svg.matches("/>").count() + svg.matches("</text>").count();
+    assert_eq!(elements(&map) + elements(&legend), elements(&drawn()));
+    // A drawing of another hand is shown as it is.
+    let whole = drawn().replace("aria-label=\"Legend\"", "aria-label=\"Other\"");
+    assert!(page(planned().path(), &whole).unwrap().contains(&whole));
 }
 
 #[test]

@@ -74,6 +74,31 @@ fn a_cell_is_planned_on_as_its_updates_leave_it() {
 }
 
 #[test]
+fn the_passage_tells_the_water_under_the_keel_and_the_nearest_danger() {
+    let folder = bay("");
+    edit(&folder, "plan.toml", "length_m = 30.0", "length_m = 30.0\ndraught_m = 4.0");
+    run(&folder, PLAN).succeeds();
+    let planned = Planned::of(&folder);
+    let legs = planned.plan["voyage"]["passage"]["legs"].as_array().unwrap();
+    for leg in legs {
+        let number = |value: &Value| value.as_f64().unwrap();
+        let (depth, keel) = (number(&leg["least_depth_m"]), number(&leg["under_keel_m"]));
+        assert!(depth >= 6.0 && (depth - 4.0 - keel).abs() < 1e-9, "{leg}");
+        assert!(number(&leg["nearest"]["distance_m"]) >= 20.0, "{leg}");
+        assert!(leg["nearest"]["what"].as_str().is_some_and(|what| !what.is_empty()), "{leg}");
+    }
+    // No charted danger is nearer to the track than the least that the passage tells, with 50 m of doubt.
+    let least =
+        legs.iter().map(|leg| leg["nearest"]["distance_m"].as_f64().unwrap()).fold(f64::INFINITY, f64::min);
+    for danger in [[25.01, 60.005], [24.994, 60.0055], [24.99, 59.996], [24.992, 60.004]] {
+        let nearest = places(&planned).iter().map(|p| apart_m(*p, danger)).fold(f64::INFINITY, f64::min);
+        assert!(nearest > least + 40.0, "{danger:?}: {nearest}, {least}");
+    }
+    let draught = ("length_m = 30.0", "length_m = 30.0\ndraught_m = 0.0");
+    refused(&small_with(&[draught]), 3, PLAN, &["plan.toml", "hull.draught_m"]);
+}
+
+#[test]
 fn rules_radii_and_the_air_draught_are_taken_from_plan_toml() {
     let folder = bay(
         "rules = { FAIRWY = \"avoid\", RESARE = \"ignore\" }\nradius_m = 80.0\ndoubtful_radius_m = 300.0",

@@ -59,7 +59,7 @@ pub use ingest::{
 };
 pub use model::{ModelChannel, ModelDegree, ModelDocument, ModelInput, ModelParameter};
 pub use moments::MomentsDocument;
-pub use passage::{Passage, PassageLeg};
+pub use passage::{NearestDanger, Passage, PassageLeg};
 pub use plan::{
     CostUnit, DroppedMove, PlanChart, PlanChartClass, PlanDocument, PlanHandling, PlanLattice, PlanPose,
     PlanStatus, PlanStep, Primitive, SecondaryCost, Voyage, VoyageLeg,

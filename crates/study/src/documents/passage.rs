@@ -21,6 +21,16 @@ pub struct Passage {
     pub legs: Vec<PassageLeg>,
 }
 
+/// Land, a shoal or another thing to keep clear of.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct NearestDanger {
+    /// What it is and its name, as the chart has them.
+    pub what: String,
+    /// How far it is, with the doubt about its place taken off \[m\].
+    pub distance_m: f64,
+}
+
 /// A leg of the passage.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -47,6 +57,12 @@ pub struct PassageLeg {
     pub xtd_port_m: f64,
     /// Farthest to starboard \[m\].
     pub xtd_starboard_m: f64,
+    /// Least charted depth along the nominal track, at the chart's datum; absent where none is charted \[m\].
+    pub least_depth_m: Option<f64>,
+    /// The same at the tide's least level, under the keel; absent without `hull.draught_m`, too \[m\].
+    pub under_keel_m: Option<f64>,
+    /// The danger nearest to the nominal track of the reference point.
+    pub nearest: Option<NearestDanger>,
     /// What is done at its waypoint before going on, such as a turn on the spot.
     pub then: Vec<String>,
 }

@@ -61,8 +61,9 @@ impl PlanFile {
                 check(thing, radius_m, above_0_to(1e4), "m")?;
             }
         }
-        if let Some(air_draught_m) = self.hull.air_draught_m {
-            check("`hull.air_draught_m`".to_owned(), air_draught_m, above_0_to(200.0), "m")?;
+        let draughts = [("air_draught_m", self.hull.air_draught_m), ("draught_m", self.hull.draught_m)];
+        for (key, draught_m) in draughts.into_iter().filter_map(|(key, value)| Some((key, value?))) {
+            check(format!("`hull.{key}`"), draught_m, above_0_to(200.0), "m")?;
         }
         (0..self.speed_mode.len()).try_for_each(|index| self.check_mode(index))
     }

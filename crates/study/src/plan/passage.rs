@@ -2,16 +2,19 @@
 
 use std::ops::Range;
 
+use chart::Dangers;
 use chart::route::{Route, Timestamp, Waypoint};
 use trial::voyage::{Prepared, Sailing, Solved};
 use trial::{Phase, Side};
 
-use crate::documents::{Passage, PassageLeg};
+use crate::documents::{NearestDanger, Passage, PassageLeg};
 
 /// Waypoints that are nearer than this are one \[m\].
 const ONE_PLACE_M: f64 = 1.0;
 /// Courses that differ by less are one \[rad\].
 const ONE_COURSE_RAD: f64 = 1e-6;
+/// Places of a track from which dangers are looked for are apart by as much, at least \[m\].
+const LOOKOUT_M: f64 = 5.0;
 
 /// A leg of the passage while it is laid out; places are north and east \[m\].
 struct Stretch {
@@ -42,7 +45,8 @@ impl Layout<'_> {
         let stretches = self.stretches(&mut before);
         let start = self.solved.solution.steps.first().map_or([0.0; 2], |step| self.prepared.node(step.from));
         let (longitude_deg, latitude_deg) = self.geographic(start);
-        let mut legs: Vec<PassageLeg> = stretches.iter().map(|stretch| self.leg(stretch)).collect();
+        let dangers = self.prepared.chart.dangers(self.prepared.brief.task.safety.transit_depth_m);
+        let mut legs: Vec<PassageLeg> = stretches.iter().map(|stretch| self.leg(stretch, &dangers)).collect();
         for ([port, starboard], leg) in self.strayed(&stretches).into_iter().zip(&mut legs) {
             (leg.xtd_port_m, leg.xtd_starboard_m) = (port, starboard);
         }
@@ -131,7 +135,7 @@ impl Layout<'_> {
         away.min_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |(index, _)| index)
     }
 
-    fn leg(&self, stretch: &Stretch) -> PassageLeg {
+    fn leg(&self, stretch: &Stretch, dangers: &Dangers) -> PassageLeg {
         let ends = [stretch.from, stretch.to].map(|place| {
             let (lon_deg, lat_deg) = self.geographic(place);
             Waypoint { lon_deg, lat_deg, ..Waypoint::default() }
@@ -139,6 +143,14 @@ impl Layout<'_> {
         let (longitude_deg, latitude_deg) = (ends[1].lon_deg, ends[1].lat_deg);
         let line = Route { waypoints: ends.into(), ..Route::default() };
         let rate_hz = self.prepared.brief.vessel.sample_rate_hz;
+        let places = self.places(&stretch.samples);
+        let nearest = dangers
+            .nearest(&places)
+            .map(|own| NearestDanger { what: own.called.to_string(), distance_m: own.distance_m });
+        let task = &self.prepared.brief.task;
+        let least_depth_m = self.prepared.chart.least_depth_m(&places);
+        let level_m = task.tide.map_or(0.0, |tide| tide.level_m);
+        let under_keel = |(depth_m, draught_m): (f64, f64)| depth_m + level_m - draught_m;
         PassageLeg {
             what: stretch.what.clone(),
             informative: stretch.informative,
@@ -151,8 +163,25 @@ impl Layout<'_> {
             turn_radius_m: stretch.turn_radius_m,
             xtd_port_m: 0.0,
             xtd_starboard_m: 0.0,
+            least_depth_m,
+            under_keel_m: least_depth_m.zip(task.hull.draught_m).map(under_keel),
+            nearest,
             then: stretch.then.clone(),
         }
+    }
+
+    /// East and north of the nominal track, as thin as the lookout needs it.
+    fn places(&self, samples: &Range<usize>) -> Vec<[f64; 2]> {
+        let all = &self.sailing.sailed.samples;
+        let mut kept: Vec<[f64; 2]> = Vec::new();
+        let last = (samples.end + 1).min(all.len());
+        for (index, sample) in all[..last].iter().enumerate().skip(samples.start) {
+            let place = [sample.pose.y, sample.pose.x];
+            if index + 1 == last || kept.last().is_none_or(|last| distance(*last, place) >= LOOKOUT_M) {
+                kept.push(place);
+            }
+        }
+        kept
     }
 
     /// Mean speed along the nominal track.

@@ -121,6 +121,8 @@ pub struct Hull {
     pub reference_m: f64,
     /// Height above water, with what is to stay free over it \[m\]; without it no bridge of a chart is high enough.
     pub air_draught_m: Option<f64>,
+    /// Draught \[m\]: the passage plan tells the water under the keel with it.
+    pub draught_m: Option<f64>,
 }
 
 impl Hull {

@@ -80,6 +80,16 @@ pub(crate) fn maneuver_paint(index: usize) -> Paint {
     Paint::solid(palette::series(index))
 }
 
+/// Depths in figures.
+pub(crate) const DEPTH_DIGITS: Paint = Paint::solid((0x3d, 0x55, 0x6b));
+pub(crate) const DANGER_CIRCLE: Look =
+    Look::filled(Paint::solid((0xbf, 0xdc, 0xee))).outlined(DARK, 0.9).dashed(1.2, 1.6);
+
+/// Where simulated vessels went.
+pub(crate) const TUBE: Look = Look::filled(DARK.faded(0.16)).outlined(DARK.faded(0.45), 0.6);
+/// The corridor of a leg.
+pub(crate) const CORRIDOR: Look = Look::drawn(VIOLET.faded(0.75), 0.8).dashed(4.0, 2.5);
+
 pub(crate) const BASIC: Look = Look::drawn(GREY, 2.0);
 pub(crate) const RUN_IN: Look = Look::drawn(DARK, 1.0);
 

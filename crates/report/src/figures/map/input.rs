@@ -22,6 +22,14 @@ pub struct Map {
     pub areas: Vec<Area>,
     /// Cells that only the safety margin blocks, drawn in this order.
     pub margins: Vec<Margin>,
+    /// Charted points.
+    pub spots: Vec<Spot>,
+    /// Names, and what they stand at; the first of them come first where there is little room.
+    pub names: Vec<([f64; 2], String)>,
+    /// Where simulated vessels went.
+    pub tube: Option<Tube>,
+    /// The corridor of each leg of the passage, a ring.
+    pub corridors: Vec<Vec<[f64; 2]>>,
     /// The informative maneuvers, each with how often it is used; their order is that of the colours.
     pub maneuvers: Vec<(String, u64)>,
     /// Lines.
@@ -108,6 +116,39 @@ pub struct Margin {
     pub grid: Raster,
     /// One value per cell.
     pub blocked: Vec<bool>,
+}
+
+/// A charted point.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Spot {
+    /// Where it is.
+    pub at: [f64; 2],
+    /// How it is drawn.
+    pub symbol: Symbol,
+    /// Depth over it \[m\].
+    pub depth_m: Option<f64>,
+    /// Its title.
+    pub title: String,
+}
+
+/// How a charted point is drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Symbol {
+    /// As a depth.
+    Sounding,
+    /// As a thing that is kept clear of.
+    Danger,
+}
+
+/// Cells that hulls swept.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Tube {
+    /// Where the cells are.
+    pub grid: Raster,
+    /// One value per cell.
+    pub swept: Vec<bool>,
+    /// How many vessels sailed.
+    pub vessels: usize,
 }
 
 /// How a line is drawn.

@@ -1,18 +1,20 @@
 use super::input::{Map, Purpose, TrackStyle};
 use super::legend_entries::{self, Entry, Sample};
-use super::view::{LABEL, WIDTH};
-use super::{colours, marks};
+use super::view::{self, LABEL};
+use super::{colours, marks, spots};
 use crate::figures::svg::{Anchor, Lettering, Look, Paint, Path, Point, Sheet};
 
-const COLUMNS: usize = 2;
+/// Width of the legend's column \[px\].
+pub(crate) const WIDTH: f64 = 290.0;
 const LINE: f64 = 22.0;
 const HEADING: f64 = 23.0;
 const GAP: f64 = 8.0;
-const LEFT: f64 = 8.0;
+const LEFT: f64 = view::WIDTH + 10.0;
+const TOP: f64 = 4.0;
 /// Half the size of the chip beside a label [px].
 const CHIP: (f64, f64) = (17.0, 7.5);
 
-/// The legend, in sections of two columns.
+/// The legend, in sections, beside the map.
 pub(crate) struct Legend {
     sections: Vec<(&'static str, Vec<Entry>)>,
 }
@@ -28,21 +30,19 @@ impl Legend {
     }
 
     pub(crate) fn height(&self) -> f64 {
-        self.sections.iter().map(|(_, entries)| height(entries)).sum()
+        TOP + self.sections.iter().map(|(_, entries)| height(entries)).sum::<f64>()
     }
 
-    pub(crate) fn draw(&self, sheet: &mut Sheet, top: f64) {
-        let mut top = top;
+    pub(crate) fn draw(&self, sheet: &mut Sheet) {
+        let mut top = TOP;
         for (heading, entries) in &self.sections {
             let letters = Lettering::new(LABEL, Anchor::Start).painted(Paint::ink(1.0)).bold();
             sheet.text(heading, (LEFT, top + 0.45 * HEADING), letters);
-            let lines = entries.len().div_ceil(COLUMNS);
             for (index, (sample, label)) in entries.iter().enumerate() {
-                let left = LEFT + (index / lines) as f64 * WIDTH / COLUMNS as f64;
-                let y = top + HEADING + LINE * ((index % lines) as f64 + 0.45);
-                draw_sample(sheet, *sample, (left + CHIP.0, y));
+                let y = top + HEADING + LINE * (index as f64 + 0.45);
+                draw_sample(sheet, *sample, (LEFT + CHIP.0, y));
                 let letters = Lettering::new(LABEL, Anchor::Start).painted(Paint::ink(0.9));
-                sheet.text(label, (left + 2.0 * CHIP.0 + 8.0, y), letters);
+                sheet.text(label, (LEFT + 2.0 * CHIP.0 + 8.0, y), letters);
             }
             top += height(entries);
         }
@@ -50,7 +50,7 @@ impl Legend {
 }
 
 fn height(entries: &[Entry]) -> f64 {
-    HEADING + entries.len().div_ceil(COLUMNS) as f64 * LINE + GAP
+    HEADING + entries.len() as f64 * LINE + GAP
 }
 
 /// A chip of the map with what the label explains.
@@ -70,6 +70,17 @@ fn draw_sample(sheet: &mut Sheet, sample: Sample, at: Point) {
         Sample::Start => sheet.disc(at, marks::START, colours::START),
         Sample::Goal => sheet.disc(at, 0.9 * marks::GOAL, colours::GOAL),
         Sample::Margin(purpose) => margin(sheet, purpose, corner, opposite),
+        Sample::Danger => spots::danger(sheet, at),
+        Sample::Tube => {
+            sheet.bar((corner.0 + 3.0, at.1 - 4.0), (opposite.0 - 3.0, at.1 + 4.0), colours::TUBE)
+        }
+        Sample::Corridor => {
+            sheet.bar((corner.0 + 3.0, at.1 - 4.0), (opposite.0 - 3.0, at.1 + 4.0), colours::CORRIDOR)
+        }
+        Sample::Sounding => {
+            let letters = Lettering::new(9.0, Anchor::Middle).painted(colours::DEPTH_DIGITS);
+            sheet.text("7.4", at, letters);
+        }
         _ => {}
     }
 }

@@ -1,5 +1,5 @@
 use super::areas::{band, bands};
-use super::input::{Class, Map, Purpose, TrackStyle};
+use super::input::{Class, Map, Purpose, Symbol, TrackStyle};
 use super::tracks::MOST_REALIZATIONS;
 use crate::figures::text;
 
@@ -15,6 +15,10 @@ pub(crate) enum Sample {
     Depth { band: usize, bands: usize },
     Background { uncharted: bool },
     Margin(Purpose),
+    Danger,
+    Sounding,
+    Tube,
+    Corridor,
 }
 
 /// A line of a legend.
@@ -46,7 +50,10 @@ pub(crate) fn tracks(map: &Map) -> Vec<Entry> {
     ];
     let present = lines.into_iter().filter(|(style, _)| count(*style) > 0);
     let mut entries: Vec<Entry> = present.map(|(style, label)| (Sample::Track(style), label)).collect();
+    let swept = map.tube.iter().map(|tube| (Sample::Tube, format!("swept by {} vessels", tube.vessels)));
+    entries.extend(swept);
     let marks = [
+        (!map.corridors.is_empty(), Sample::Corridor, "corridor (XTD)"),
         (!map.hulls.is_empty(), Sample::Hull, "hull"),
         (map.start.is_some(), Sample::Start, "start"),
         (map.goal.is_some(), Sample::Goal, "goal"),
@@ -68,10 +75,13 @@ pub(crate) fn chart(map: &Map) -> Vec<Entry> {
         Class::Depth { least_m } => Some(band(*least_m, limits)),
         _ => None,
     };
+    let spots = |symbol| map.spots.iter().any(|spot| spot.symbol == symbol);
     let margin = |purpose| map.margins.iter().any(|margin| margin.purpose == purpose);
     let dangers = [
         (classes().any(|class| *class == Class::Land), Sample::Land, "land"),
         (classes().any(|class| *class == Class::NoGo), Sample::NoGo, "no-go"),
+        (spots(Symbol::Danger), Sample::Danger, "danger, depth over it [m]"),
+        (spots(Symbol::Sounding), Sample::Sounding, "sounding [m]"),
         (margin(Purpose::Transit), Sample::Margin(Purpose::Transit), "safety margin, transit"),
         (margin(Purpose::Trial), Sample::Margin(Purpose::Trial), "safety margin, trial"),
     ];

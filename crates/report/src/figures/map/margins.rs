@@ -1,7 +1,9 @@
+use chart::Raster;
+
 use super::clip;
 use super::colours;
 use super::grid::Ranks;
-use super::input::{Margin, Purpose};
+use super::input::{Margin, Purpose, Tube};
 use super::view::View;
 use crate::figures::svg::{Path, Sheet};
 
@@ -12,18 +14,29 @@ const APART: f64 = 4.5;
 
 /// Draws a margin: pale red for transit, hatched for trial.
 pub(crate) fn draw(sheet: &mut Sheet, view: &View, margin: &Margin) {
-    let Some(mut cells) = Ranks::new(view, &margin.grid, |cell| u8::from(margin.blocked[cell])) else {
-        return;
-    };
+    let Some((cells, border)) = bordered(view, &margin.grid, &margin.blocked) else { return };
+    if margin.purpose == Purpose::Trial {
+        sheet.path(&hatching(view, &cells), colours::HATCH);
+    }
+    sheet.path(&border, colours::margin(margin.purpose));
+}
+
+/// Draws where hulls swept.
+pub(crate) fn tube(sheet: &mut Sheet, view: &View, tube: &Tube) {
+    if let Some((_, border)) = bordered(view, &tube.grid, &tube.swept) {
+        sheet.path(&border, colours::TUBE);
+    }
+}
+
+/// Cells, merged until their border is short enough, and that border.
+fn bordered(view: &View, grid: &Raster, set: &[bool]) -> Option<(Ranks, Path)> {
+    let mut cells = Ranks::new(view, grid, |cell| u8::from(set[cell]))?;
     let mut border = cells.border(view, 1..);
     while border.data().len() > ROOM && cells.size() != (1, 1) {
         cells = cells.merged(2);
         border = cells.border(view, 1..);
     }
-    if margin.purpose == Purpose::Trial {
-        sheet.path(&hatching(view, &cells), colours::HATCH);
-    }
-    sheet.path(&border, colours::margin(margin.purpose));
+    Some((cells, border))
 }
 
 /// Diagonals of the cells on every n-th diagonal of the grid, each run of cells as one line.

@@ -28,6 +28,13 @@ pub(crate) fn draw(sheet: &mut Sheet, view: &View, map: &Map) {
     map.tracks.iter().for_each(|track| maneuver(sheet, view, map, track));
 }
 
+/// Outlines of the legs' corridors.
+pub(crate) fn corridors(sheet: &mut Sheet, view: &View, corridors: &[Vec<[f64; 2]>]) {
+    let mut path = Path::default();
+    corridors.iter().for_each(|ring| path.ring(&clip::ring(view, &view.placed(ring))));
+    sheet.path(&path, colours::CORRIDOR);
+}
+
 /// A maneuver with its name as a title.
 fn maneuver(sheet: &mut Sheet, view: &View, map: &Map, track: &Track) {
     let TrackStyle::Maneuver(index) = track.style else { return };

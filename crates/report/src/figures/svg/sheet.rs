@@ -42,6 +42,13 @@ impl Sheet {
         text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
     }
 
+    /// What `draw` draws, as a group that is called `label`.
+    pub(crate) fn labelled(&mut self, label: &str, draw: impl FnOnce(&mut Self)) {
+        self.body += &format!("<g aria-label=\"{}\">\n", Self::written(label));
+        draw(self);
+        self.body += "</g>\n";
+    }
+
     /// What `draw` draws, as one group with a title.
     pub(crate) fn titled(&mut self, title: &str, draw: impl FnOnce(&mut Self)) {
         self.body += &format!("<g><title>{}</title>\n", Self::written(title));

@@ -1,0 +1,64 @@
+//! What people call the things of a chart.
+
+use std::fmt;
+use std::sync::Arc;
+
+use enc::attribute::OBJNAM;
+use enc::{Feature, class_name};
+use geojson::JsonObject;
+
+use crate::Class;
+
+/// Properties that tell a feature's name.
+const NAMES: [&str; 3] = ["OBJNAM", "name", "NAME"];
+
+/// What a thing of a chart is called; told as `WRECKS Träholm 4.2 m`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Called {
+    /// What it is: the acronym of its class, or a word.
+    pub what: &'static str,
+    /// Its own name.
+    pub name: Option<Arc<str>>,
+    /// The depth over it \[m\].
+    pub depth_m: Option<f64>,
+}
+
+impl Called {
+    /// Something without a name.
+    pub(crate) fn plain(what: &'static str) -> Self {
+        Self { what, name: None, depth_m: None }
+    }
+
+    pub(crate) fn object(object: &Feature, class: Class) -> Self {
+        let name = object.attributes.get(&OBJNAM.0).map(|name| name.trim());
+        Self::of(class_name(object.class).unwrap_or("object"), name, class)
+    }
+
+    fn of(what: &'static str, name: Option<&str>, class: Class) -> Self {
+        let depth_m = match class {
+            Class::Depth { least_m } | Class::Danger { least_m } => least_m,
+            Class::Land | Class::NoGo | Class::TransitOnly => None,
+        };
+        Self { what, name: name.filter(|name| !name.is_empty()).map(Arc::from), depth_m }
+    }
+}
+
+impl fmt::Display for Called {
+    fn fmt(&self, out: &mut fmt::Formatter) -> fmt::Result {
+        out.write_str(self.what)?;
+        self.name.iter().try_for_each(|name| write!(out, " {name}"))?;
+        self.depth_m.iter().try_for_each(|depth| write!(out, " {depth} m"))
+    }
+}
+
+/// What a feature of GeoJSON is called.
+pub(crate) fn called(class: Class, properties: Option<&JsonObject>) -> Called {
+    let what = match class {
+        Class::Land => "land",
+        Class::NoGo | Class::TransitOnly => "no-go area",
+        Class::Depth { .. } => "water",
+        Class::Danger { .. } => "danger",
+    };
+    let name = |key: &&str| Some(properties?.get(*key)?.as_str()?.trim()).filter(|name| !name.is_empty());
+    Called::of(what, NAMES.iter().find_map(name), class)
+}

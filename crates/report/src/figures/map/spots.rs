@@ -1,0 +1,113 @@
+//! Soundings, dangers and names, as far as there is room for them.
+
+use super::input::{Map, Spot, Symbol};
+use super::view::View;
+use super::{colours, marks};
+use crate::figures::svg::{Anchor, Lettering, Look, Point, Sheet};
+use crate::figures::text;
+
+/// Size of depths and names \[px\].
+const DIGITS: f64 = 8.5;
+const NAME: f64 = 10.5;
+/// Radius of a danger's circle \[px\].
+pub(crate) const CIRCLE: f64 = 4.2;
+/// Half the side of its cross \[px\].
+const CROSS: f64 = 2.2;
+/// Depths are written with a tenth up to here \[m\].
+const TENTHS_M: f64 = 31.0;
+/// Points that are drawn, at most.
+const MOST: usize = 400;
+
+/// Draws the dangers, and the soundings between them, the shoalest first; then names.
+pub(crate) fn draw(sheet: &mut Sheet, view: &View, map: &Map) {
+    let mut room = Room::default();
+    let mut spots: Vec<(&Spot, Point)> =
+        map.spots.iter().filter_map(|spot| Some((spot, marks::placed(view, Some(spot.at))?))).collect();
+    let rank = |spot: &Spot| (spot.symbol == Symbol::Sounding, spot.depth_m.unwrap_or(f64::NEG_INFINITY));
+    spots.sort_by(|(a, _), (b, _)| {
+        let (a, b) = (rank(a), rank(b));
+        a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
+    });
+    let mut drawn = 0;
+    for (spot, at) in spots {
+        if drawn < MOST && one(sheet, view, spot, at, &mut room) {
+            drawn += 1;
+        }
+    }
+    for (at, name) in &map.names {
+        let Some(at) = marks::placed(view, Some(*at)) else { continue };
+        let half = (0.5 * text::width(name, NAME), 0.6 * NAME);
+        if view.holds(at, half.1)
+            && view.holds((at.0 - half.0, at.1), 0.0)
+            && view.holds((at.0 + half.0, at.1), 0.0)
+            && room.take(at, half)
+        {
+            sheet.text(name, at, Lettering::new(NAME, Anchor::Middle).painted(colours::DARK.faded(0.85)));
+        }
+    }
+}
+
+/// Draws a point if there is room for it.
+fn one(sheet: &mut Sheet, view: &View, spot: &Spot, at: Point, room: &mut Room) -> bool {
+    let depth = spot.depth_m.map(depth);
+    let letters = |anchor| Lettering::new(DIGITS, anchor).painted(colours::DEPTH_DIGITS);
+    match spot.symbol {
+        Symbol::Sounding => {
+            let Some(depth) = depth else { return false };
+            let half = (0.5 * text::width(&depth, DIGITS) + 3.0, 0.5 * DIGITS + 3.0);
+            if !(view.holds(at, half.0) && room.take(at, half)) {
+                return false;
+            }
+            sheet.text(&depth, at, letters(Anchor::Middle));
+        }
+        Symbol::Danger => {
+            if !room.take(at, (CIRCLE, CIRCLE)) {
+                return false;
+            }
+            sheet.titled(&spot.title, |sheet| danger(sheet, at));
+            let beside = (at.0 + CIRCLE + 2.0, at.1);
+            let depth = depth.map(|depth| (0.5 * text::width(&depth, DIGITS), depth));
+            if let Some((half, depth)) = depth
+                && view.holds(beside, 2.0 * half)
+                && room.take((beside.0 + half, beside.1), (half, 0.5 * DIGITS))
+            {
+                sheet.text(&depth, beside, letters(Anchor::Start));
+            }
+        }
+    }
+    true
+}
+
+/// A cross in a dotted circle.
+pub(crate) fn danger(sheet: &mut Sheet, (x, y): Point) {
+    sheet.disc((x, y), CIRCLE, colours::DANGER_CIRCLE);
+    let cross = Look::drawn(colours::DARK, 1.0);
+    sheet.line((x - CROSS, y), (x + CROSS, y), cross);
+    sheet.line((x, y - CROSS), (x, y + CROSS), cross);
+}
+
+/// Metres, down to the tenth where that matters.
+fn depth(metres: f64) -> String {
+    let value = if metres < TENTHS_M { (metres * 10.0).floor() / 10.0 } else { metres.floor() };
+    text::signed(&value.to_string())
+}
+
+/// Boxes that are taken.
+#[derive(Default)]
+struct Room {
+    taken: Vec<(Point, Point)>,
+}
+
+impl Room {
+    /// Takes the box around `at` that reaches `half` to each side, if it is free.
+    fn take(&mut self, at: Point, half: Point) -> bool {
+        let apart = |(other, wide): &(Point, Point)| {
+            (other.0 - at.0).abs() >= wide.0 + half.0 || (other.1 - at.1).abs() >= wide.1 + half.1
+        };
+        let free = self.taken.iter().all(apart);
+        if free {
+            self.taken.push((at, half));
+        }
+        free
+    }
+}
