@@ -6,6 +6,7 @@ mod support;
 #[path = "../../../chart/tests/all/xml.rs"]
 mod xml;
 
+mod area;
 mod budget;
 mod cells;
 mod chart_refusals;

@@ -127,16 +127,6 @@ impl PlanFile {
                 "informative maneuvers need the deeper water",
             ));
         }
-        let a = self.area;
-        let on_earth = [a.west_deg, a.east_deg].iter().all(|lon| lon.abs() <= 180.0)
-            && [a.south_deg, a.north_deg].iter().all(|lat| lat.abs() <= 90.0);
-        // West of an area across the antimeridian is the greater longitude; 180° is both.
-        let ordered =
-            a.south_deg < a.north_deg && (a.west_deg < a.east_deg || a.west_deg - a.east_deg > 180.0);
-        if !(on_earth && ordered) {
-            let found = format!("{} to {} E, {} to {} N", a.west_deg, a.east_deg, a.south_deg, a.north_deg);
-            return refuse("area", found, "west below east (or across 180°), south below north, in degrees");
-        }
         Ok(())
     }
 

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use serde::Deserialize;
-use trial::voyage::{Area, CostRule, Goal, Hull, ManeuverUse, Place, Safety};
+use trial::voyage::{CostRule, Goal, Hull, ManeuverUse, Place, Safety};
 use trial::{Mode, StatedHandling};
 
 /// `plan.toml` as written.
@@ -18,8 +18,8 @@ pub struct PlanFile {
     /// Raster cells per lattice cell, even: how finely the chart and the hull's swept area are compared.
     #[serde(default = "raster_per_cell")]
     pub raster_per_cell: usize,
-    /// Corners of the lattice.
-    pub area: Area,
+    /// Where the ship may sail; the lattice covers it.
+    pub area: AreaSpec,
     /// Charts, all of them at once.
     pub chart: Vec<ChartSpec>,
     /// What uncharted places count as: obstacles as soon as a chart has depths, else water.
@@ -59,6 +59,22 @@ pub struct PlanFile {
 
 fn raster_per_cell() -> usize {
     4
+}
+
+/// Where the ship may sail: a box, or a polygon.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct AreaSpec {
+    /// Western edge of the box; east of the eastern one where it lies across the antimeridian.
+    pub west_deg: Option<f64>,
+    /// Southern edge of the box.
+    pub south_deg: Option<f64>,
+    /// Eastern edge of the box.
+    pub east_deg: Option<f64>,
+    /// Northern edge of the box.
+    pub north_deg: Option<f64>,
+    /// Instead of the box: longitude and latitude of a polygon's corners, in their order, either way round \[deg\].
+    pub corners: Option<Vec<[f64; 2]>>,
 }
 
 /// One chart.

@@ -17,7 +17,7 @@ impl PlanFile {
         let derived = DerivedHandling::of(vessel, &self.speed_mode, self.hull.length_m)?;
         let handling = self.handling.completed(&derived)?;
         Ok(Task {
-            area: self.area,
+            area: self.area.area()?,
             cell_m: self.cell_m,
             headings: self.headings,
             raster_per_cell: self.raster_per_cell,

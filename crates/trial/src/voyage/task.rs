@@ -38,7 +38,7 @@ pub struct Shares {
 /// What a trial on a chart is asked to do, and where.
 #[derive(Clone, Debug)]
 pub struct Task {
-    /// Corners of the lattice.
+    /// Where the ship may sail.
     pub area: Area,
     /// Distance of neighbouring nodes of the lattice \[m\].
     pub cell_m: f64,
@@ -94,9 +94,8 @@ impl Task {
     }
 }
 
-/// Corners of the lattice in degrees.
-#[derive(Clone, Copy, Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
+/// Where the ship may sail, in degrees: a box, or a polygon within it. The lattice covers the box.
+#[derive(Clone, Debug)]
 pub struct Area {
     /// Western edge; east of the eastern one where the area lies across the antimeridian.
     pub west_deg: f64,
@@ -106,6 +105,8 @@ pub struct Area {
     pub east_deg: f64,
     /// Northern edge.
     pub north_deg: f64,
+    /// Longitude and latitude of the polygon's corners, in their order; none where all of the box is meant.
+    pub corners: Vec<[f64; 2]>,
 }
 
 /// The hull in the horizontal plane: a rectangle with a pointed bow.

@@ -1,6 +1,6 @@
 //! Where legs fit on the chart.
 
-use chart::{Footprint, Obstacles, Raster};
+use chart::{Footprint, Mask, Obstacles, Raster};
 use lattice::Pose;
 use rayon::prelude::*;
 use vessel::Invalid;
@@ -22,6 +22,8 @@ pub struct Waters {
     layer_of_leg: Vec<usize>,
     /// One per depth and margin.
     obstacles: Vec<Obstacles>,
+    /// Open where the area is, if that is not all of the raster.
+    area: Option<Mask>,
     /// Of every leg.
     footprints: Vec<Footprint>,
     /// Pitch of the lattice \[m\].
@@ -45,13 +47,18 @@ impl Waters {
 
     fn is_free(&self, layer: usize, footprint: &Footprint, i: usize, j: usize) -> bool {
         let at = |n: usize| n * self.per_cell + self.per_cell / 2;
-        self.obstacles[layer].is_free(footprint, at(i), at(j))
+        let in_area = self.area.as_ref().is_none_or(|area| area.is_free(footprint, at(i), at(j)));
+        in_area && self.obstacles[layer].is_free(footprint, at(i), at(j))
     }
 
-    /// Whether a footprint at node (i, j) stays on the raster.
-    fn is_on_raster(&self, footprint: &Footprint, i: usize, j: usize) -> bool {
+    /// Whether a footprint at node (i, j) stays in the area.
+    fn is_in_area(&self, footprint: &Footprint, i: usize, j: usize) -> bool {
         let raster = self.obstacles[0].raster();
-        let at = |n: usize| (n * self.per_cell + self.per_cell / 2) as i64;
+        let node = |n: usize| n * self.per_cell + self.per_cell / 2;
+        if let Some(area) = &self.area {
+            return area.is_free(footprint, node(i), node(j));
+        }
+        let at = |n: usize| node(n) as i64;
         let within = |from: i64, to: i64, count: usize| from >= 0 && to < count as i64;
         footprint.runs().iter().all(|run| {
             let row = at(j) + i64::from(run.row);
@@ -111,7 +118,9 @@ impl Prepared {
             Secondary::Clearance => self.node_distances_m(raster)?,
             _ => Vec::new(),
         };
+        let area = task.area.polygon(self.chart.plane()).map(|polygon| Mask::beyond(&polygon, raster));
         Ok(Waters {
+            area,
             per_cell: task.raster_per_cell,
             layer_of_leg,
             node_distance_m,
@@ -181,7 +190,7 @@ impl Prepared {
         };
         let own = grid.pose(pose.i, pose.j, level);
         let gap = waters.obstacles[layer].distance_m(own.y, own.x);
-        let near = match waters.is_on_raster(&hull, pose.i, pose.j) {
+        let near = match waters.is_in_area(&hull, pose.i, pose.j) {
             true => format!("{gap:.0} m from an obstacle"),
             false => "where the hull reaches out of `area`".to_owned(),
         };
