@@ -28,7 +28,7 @@ impl AreaSpec {
                 let expected = "the polygon's corners, or the four edges of a box";
                 return refuse(format!("both `corners` and `{key}`"), expected, "leave one of them out");
             }
-            check_corners("area.corners", corners)?;
+            check_corners("`area.corners`", corners)?;
             return Ok(around(corners));
         }
         if let Some((key, _)) = edges.iter().find(|(_, edge)| edge.is_none()) {
@@ -49,11 +49,10 @@ impl AreaSpec {
     }
 }
 
-/// Refuses corners, the value of `key`, that are those of no polygon.
-pub(super) fn check_corners(key: &str, corners: &[[f64; 2]]) -> Result<(), Invalid> {
-    let refuse = |found: String, expected: &str, remedy: &str| {
-        Err(Invalid::new(format!("`{key}`"), found, expected, remedy))
-    };
+/// Refuses corners, called `thing`, that are those of no polygon.
+pub(super) fn check_corners(thing: &str, corners: &[[f64; 2]]) -> Result<(), Invalid> {
+    let refuse =
+        |found: String, expected: &str, remedy: &str| Err(Invalid::new(thing, found, expected, remedy));
     if corners.len() < 3 {
         return refuse(format!("{} corners", corners.len()), "at least three", &format!("write {CORNERS}"));
     }

@@ -7,6 +7,7 @@ use trial::Mode;
 use trial::voyage::AT_REST;
 use vessel::{Invalid, MOST_CURRENT_M_S};
 
+use super::area::check_corners;
 use super::file::PlanFile;
 
 /// Where a number may be.
@@ -60,6 +61,12 @@ impl PlanFile {
                 let thing = format!("`{key}` of chart `{}`", chart.file.display());
                 check(thing, radius_m, above_0_to(1e4), "m")?;
             }
+        }
+        for (limit, number) in self.speed_limit.iter().zip(1..) {
+            let own = limit.name.as_ref().map_or_else(|| number.to_string(), |name| format!("`{name}`"));
+            check_corners(&format!("`corners` of speed limit {own}"), &limit.corners)?;
+            let thing = format!("`max_speed_m_s` of speed limit {own}");
+            check(thing, limit.max_speed_m_s, ABOVE_0, "m/s")?;
         }
         if let Some(air_draught_m) = self.hull.air_draught_m {
             check("`hull.air_draught_m`".to_owned(), air_draught_m, above_0_to(200.0), "m")?;

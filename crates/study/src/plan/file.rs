@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use serde::Deserialize;
-use trial::voyage::{CostRule, Goal, Hull, ManeuverUse, Place, Safety};
+use trial::voyage::{CostRule, Goal, Hull, ManeuverUse, Place, Safety, SpeedLimit};
 use trial::{Mode, StatedHandling};
 
 /// `plan.toml` as written.
@@ -39,6 +39,9 @@ pub struct PlanFile {
     /// Speeds that the vessel may have at a node, besides being at rest.
     #[serde(default)]
     pub speed_mode: Vec<Mode>,
+    /// Speeds that are not exceeded in parts of the area.
+    #[serde(default)]
+    pub speed_limit: Vec<SpeedLimit>,
     /// The maneuvers to place; without any, those of the design.
     #[serde(default)]
     pub maneuver: Vec<ManeuverUse>,

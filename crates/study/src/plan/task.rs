@@ -29,6 +29,7 @@ impl PlanFile {
             derived,
             approach: self.approach(&handling),
             modes: self.speed_mode.clone(),
+            speed_limits: self.speed_limit.clone(),
             maneuvers: self.maneuver.clone(),
             informative_s: self.informative_s,
             departure: self.departure.as_deref().map(|at| second("departure", at)).transpose()?,

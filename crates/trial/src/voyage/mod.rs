@@ -43,7 +43,8 @@ pub use sailing::Sailing;
 pub use search::{Search, Watch};
 pub use solve::Solved;
 pub use task::{
-    Area, Brief, CostRule, Goal, Hull, ManeuverUse, Place, Primary, Safety, Secondary, Shares, Task,
+    Area, Brief, CostRule, Goal, Hull, ManeuverUse, Place, Primary, Safety, Secondary, Shares, SpeedLimit,
+    Task,
 };
 pub use tide::{Tide, TideRow};
 pub use waters::Waters;

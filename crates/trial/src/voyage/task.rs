@@ -62,6 +62,8 @@ pub struct Task {
     pub approach: Approach,
     /// Speeds that the vessel may have at a node, besides being at rest.
     pub modes: Vec<Mode>,
+    /// Speeds that are not exceeded in parts of the area.
+    pub speed_limits: Vec<SpeedLimit>,
     /// The maneuvers to place; without any, those of the design.
     pub maneuvers: Vec<ManeuverUse>,
     /// Time in informative maneuvers, for counts that follow from the design's shares \[s\].
@@ -107,6 +109,18 @@ pub struct Area {
     pub north_deg: f64,
     /// Longitude and latitude of the polygon's corners, in their order; none where all of the box is meant.
     pub corners: Vec<[f64; 2]>,
+}
+
+/// A speed that is not exceeded in a part of the area: legs that do are not offered where any of it is swept.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SpeedLimit {
+    /// What messages call it.
+    pub name: Option<String>,
+    /// Longitude and latitude of its polygon's corners, in their order, either way round \[deg\].
+    pub corners: Vec<[f64; 2]>,
+    /// The limit, over the ground \[m/s\].
+    pub max_speed_m_s: f64,
 }
 
 /// The hull in the horizontal plane: a rectangle with a pointed bow.
