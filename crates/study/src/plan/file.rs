@@ -49,6 +49,8 @@ pub struct PlanFile {
     pub informative_s: Option<f64>,
     /// When the trial begins, as `2026-06-01T08:00:00Z` or with an offset; without it nothing has times of day.
     pub departure: Option<String>,
+    /// When the trial may take place.
+    pub slot: Option<SlotSpec>,
     /// Level and stream of the water over time.
     pub tide: Option<TideSpec>,
     /// Where the trial begins.
@@ -136,6 +138,19 @@ pub struct TideSpec {
     pub file: PathBuf,
     /// When the trial has to be over.
     pub until: String,
+}
+
+/// When the trial may take place: as far as each key says.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SlotSpec {
+    /// It begins then or later (written as `departure`).
+    pub from: Option<String>,
+    /// It is over by then (written as `departure`).
+    pub until: Option<String>,
+    /// It takes place between sunrise and sunset at the area's middle.
+    #[serde(default)]
+    pub daylight: bool,
 }
 
 /// A current, by where it sets.

@@ -78,6 +78,8 @@ pub struct Task {
     pub cost: CostRule,
     /// The tide, which depths and currents count with already.
     pub tide: Option<Tide>,
+    /// When it has to be over; None where only the tide says.
+    pub slot: Option<Slot>,
     /// Whether the lattice is moved so that its start is a node.
     pub on_node: bool,
 }
@@ -109,6 +111,15 @@ pub struct Area {
     pub north_deg: f64,
     /// Longitude and latitude of the polygon's corners, in their order; none where all of the box is meant.
     pub corners: Vec<[f64; 2]>,
+}
+
+/// When a trial has to be over.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Slot {
+    /// The key that says so.
+    pub key: &'static str,
+    /// After the departure \[s\].
+    pub lasts_s: f64,
 }
 
 /// A speed that is not exceeded in a part of the area: legs that do are not offered where any of it is swept.
