@@ -1,7 +1,7 @@
 use crate::distance::squared_gaps;
 use crate::occupancy::{Occupancy, Sailing};
 use crate::raster::MOST_CELLS;
-use crate::{Causes, Chart, Footprint, Invalid, Raster};
+use crate::{Causes, Chart, Footprint, Invalid, Mask, Raster};
 
 /// Where the ship may not be: blocked cells of a raster, and the distance to what blocks them.
 ///
@@ -15,9 +15,7 @@ pub struct Obstacles {
     raster: Raster,
     causes: Vec<Causes>,
     gap_m: Vec<f32>,
-    blocked: Vec<bool>,
-    /// Per row, the number of blocked cells before each column: `nx + 1` entries.
-    before: Vec<u32>,
+    blocked: Mask,
 }
 
 impl Obstacles {
@@ -55,43 +53,22 @@ impl Obstacles {
         let occupancy = Occupancy::of(chart, wide, least_depth_m, sailing);
         let set: Vec<bool> = occupancy.causes.iter().map(|c| c.any()).collect();
         let squared = squared_gaps(&set, wide.nx);
-        let mut own = Self::empty(raster);
+        let cells = raster.nx * raster.ny;
+        let (mut causes, mut gap_m) = (Vec::with_capacity(cells), Vec::with_capacity(cells));
+        let mut blocked = Vec::with_capacity(cells);
         let reach = (margin_m / raster.cell_m).powi(2);
         for row in 0..raster.ny {
             let from = (row + pad) * wide.nx + pad;
-            own.causes.extend(&occupancy.causes[from..from + raster.nx]);
+            causes.extend(&occupancy.causes[from..from + raster.nx]);
             for (col, gap) in squared[from..from + raster.nx].iter().enumerate() {
                 let obstacle = set[from + col];
-                own.blocked.push(obstacle || *gap < reach);
+                blocked.push(obstacle || *gap < reach);
                 let edge = edge_gap(&raster, pad, col, row);
                 let cells = if obstacle { 0.0 } else { gap.sqrt().min(edge) };
-                own.gap_m.push(round_down(cells * raster.cell_m));
+                gap_m.push(round_down(cells * raster.cell_m));
             }
         }
-        own.count();
-        Ok(own)
-    }
-
-    fn empty(raster: Raster) -> Self {
-        let cells = raster.nx * raster.ny;
-        Self {
-            raster,
-            causes: Vec::with_capacity(cells),
-            gap_m: Vec::with_capacity(cells),
-            blocked: Vec::with_capacity(cells),
-            before: Vec::with_capacity(cells + raster.ny),
-        }
-    }
-
-    fn count(&mut self) {
-        for row in self.blocked.chunks(self.raster.nx) {
-            let mut count = 0;
-            self.before.push(count);
-            for blocked in row {
-                count += u32::from(*blocked);
-                self.before.push(count);
-            }
-        }
+        Ok(Self { raster, causes, gap_m, blocked: Mask::new(raster, blocked) })
     }
 
     /// The raster.
@@ -101,7 +78,7 @@ impl Obstacles {
 
     /// Whether a cell is blocked, the margin included; cells off the raster are.
     pub fn is_blocked(&self, col: usize, row: usize) -> bool {
-        self.index(col, row).is_none_or(|k| self.blocked[k])
+        self.index(col, row).is_none_or(|k| self.blocked.closed()[k])
     }
 
     /// What makes a cell an obstacle, the margin left aside; `NONE` for cells that are free or blocked by
@@ -112,7 +89,7 @@ impl Obstacles {
 
     /// Blocked cells, row by row from the south: `nx · ny` entries.
     pub fn blocked(&self) -> &[bool] {
-        &self.blocked
+        self.blocked.closed()
     }
 
     /// Clearance \[m\]: the ship can go this far from the point's cell, in any direction, without meeting
@@ -126,25 +103,7 @@ impl Obstacles {
     /// Whether a footprint put on node (col, row) covers free cells only. Off the raster is blocked, as is
     /// a footprint of another cell size. Takes one look-up per run.
     pub fn is_free(&self, footprint: &Footprint, col: usize, row: usize) -> bool {
-        let same = footprint.cell_m() == self.raster.cell_m;
-        same && footprint.runs().iter().all(|run| {
-            let at = |node: usize, offset: i32| i64::try_from(node).ok()?.checked_add(i64::from(offset));
-            let (Some(row), Some(first), Some(last)) =
-                (at(row, run.row), at(col, run.first), at(col, run.last))
-            else {
-                return false;
-            };
-            self.row_is_free(row, first, last)
-        })
-    }
-
-    fn row_is_free(&self, row: i64, first: i64, last: i64) -> bool {
-        let Raster { nx, ny, .. } = self.raster;
-        if row < 0 || row >= ny as i64 || first < 0 || last >= nx as i64 || first > last {
-            return false;
-        }
-        let start = row as usize * (nx + 1);
-        self.before[start + last as usize + 1] == self.before[start + first as usize]
+        self.blocked.is_free(footprint, col, row)
     }
 
     fn index(&self, col: usize, row: usize) -> Option<usize> {

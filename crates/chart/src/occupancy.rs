@@ -4,7 +4,7 @@ use crate::cover::{Size, along, centres, each_edge};
 use crate::{Bounds, Called, Causes, Chart, Class, GridCell, PlacedGrid, Polygon, Raster, Uncharted};
 
 /// Cells that touch within this distance count as touched, so that rounding does not decide \[m\].
-const TOUCH_M: f64 = 1e-6;
+pub(crate) const TOUCH_M: f64 = 1e-6;
 
 /// What the ship does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

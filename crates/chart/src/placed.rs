@@ -54,6 +54,25 @@ impl Polygon {
         Self::of_rings(area.class, &area.called, area.rings.iter().enumerate().map(ring).collect())
     }
 
+    /// The polygon of corners (longitude, latitude \[deg\]) in their order; `None` without a finite one.
+    pub fn of_corners(class: Class, corners: &[[f64; 2]], plane: &Plane) -> Option<Self> {
+        let closed: Vec<[f64; 2]> = corners.iter().chain(corners.first()).copied().collect();
+        Self::of_rings(class, &Called::plain("area"), vec![oriented(place_ring(&closed, plane), true)])
+    }
+
+    /// How far a place is inside of the nearest edge; below 0 outside \[m\].
+    pub fn room_m(&self, [x, y]: [f64; 2]) -> f64 {
+        let (mut inside, mut nearest) = (false, f64::INFINITY);
+        for [a, b] in self.edges() {
+            let [along, up] = [b[0] - a[0], b[1] - a[1]];
+            inside ^= (a[1] > y) != (b[1] > y) && x < a[0] + (y - a[1]) / up * along;
+            let part = ((x - a[0]) * along + (y - a[1]) * up) / (along * along + up * up);
+            let part = if part.is_finite() { part.clamp(0.0, 1.0) } else { 0.0 };
+            nearest = nearest.min(libm::hypot(x - a[0] - part * along, y - a[1] - part * up));
+        }
+        if inside { nearest } else { -nearest }
+    }
+
     /// What lies within the radius of a point or line: one polygon for the point, or for each straight piece of the line.
     pub(crate) fn around(mark: &Mark, plane: &Plane) -> Vec<Self> {
         let mut line: Vec<[f64; 2]> = place_ring(&mark.positions, plane);

@@ -6,6 +6,7 @@ mod geodesy;
 mod grid_files;
 mod grid_formats;
 mod marks;
+mod masks;
 mod objects;
 mod obstacles;
 mod polygon_files;

@@ -6,6 +6,7 @@ mod support;
 #[path = "../../../chart/tests/all/xml.rs"]
 mod xml;
 
+mod area;
 mod budget;
 mod cells;
 mod chart_refusals;
@@ -25,6 +26,8 @@ mod routes;
 mod safety;
 mod same_bytes;
 mod sea;
+mod slot;
+mod speed_limit;
 mod tide;
 mod time_limits;
 mod waters;

@@ -80,7 +80,7 @@ impl Depths {
 }
 
 /// The hull's corners at every second, and whether a maneuver is under way.
-fn hull(planned: &Planned) -> impl Iterator<Item = ([f64; 2], bool)> {
+pub fn hull(planned: &Planned) -> impl Iterator<Item = ([f64; 2], bool)> {
     let corners = [[0.0, 0.0], [15.0, 0.0], [9.0, 4.0], [-15.0, 4.0], [-15.0, -4.0], [9.0, -4.0]];
     let track = &planned.track;
     (0..track.place.len()).flat_map(move |row| {

@@ -7,6 +7,7 @@ use trial::Mode;
 use trial::voyage::AT_REST;
 use vessel::{Invalid, MOST_CURRENT_M_S};
 
+use super::area::check_corners;
 use super::file::PlanFile;
 
 /// Where a number may be.
@@ -60,6 +61,12 @@ impl PlanFile {
                 let thing = format!("`{key}` of chart `{}`", chart.file.display());
                 check(thing, radius_m, above_0_to(1e4), "m")?;
             }
+        }
+        for (limit, number) in self.speed_limit.iter().zip(1..) {
+            let own = limit.name.as_ref().map_or_else(|| number.to_string(), |name| format!("`{name}`"));
+            check_corners(&format!("`corners` of speed limit {own}"), &limit.corners)?;
+            let thing = format!("`max_speed_m_s` of speed limit {own}");
+            check(thing, limit.max_speed_m_s, ABOVE_0, "m/s")?;
         }
         let draughts = [("air_draught_m", self.hull.air_draught_m), ("draught_m", self.hull.draught_m)];
         for (key, draught_m) in draughts.into_iter().filter_map(|(key, value)| Some((key, value?))) {
@@ -127,16 +134,6 @@ impl PlanFile {
                 format!("at least the transit depth, {}", self.safety.transit_depth_m),
                 "informative maneuvers need the deeper water",
             ));
-        }
-        let a = self.area;
-        let on_earth = [a.west_deg, a.east_deg].iter().all(|lon| lon.abs() <= 180.0)
-            && [a.south_deg, a.north_deg].iter().all(|lat| lat.abs() <= 90.0);
-        // West of an area across the antimeridian is the greater longitude; 180° is both.
-        let ordered =
-            a.south_deg < a.north_deg && (a.west_deg < a.east_deg || a.west_deg - a.east_deg > 180.0);
-        if !(on_earth && ordered) {
-            let found = format!("{} to {} E, {} to {} N", a.west_deg, a.east_deg, a.south_deg, a.north_deg);
-            return refuse("area", found, "west below east (or across 180°), south below north, in degrees");
         }
         Ok(())
     }

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use serde::Deserialize;
-use trial::voyage::{Area, CostRule, Goal, Hull, ManeuverUse, Place, Safety};
+use trial::voyage::{CostRule, Goal, Hull, ManeuverUse, Place, Safety, SpeedLimit};
 use trial::{Mode, StatedHandling};
 
 /// `plan.toml` as written.
@@ -18,8 +18,8 @@ pub struct PlanFile {
     /// Raster cells per lattice cell, even: how finely the chart and the hull's swept area are compared.
     #[serde(default = "raster_per_cell")]
     pub raster_per_cell: usize,
-    /// Corners of the lattice.
-    pub area: Area,
+    /// Where the ship may sail; the lattice covers it.
+    pub area: AreaSpec,
     /// Charts, all of them at once.
     pub chart: Vec<ChartSpec>,
     /// What uncharted places count as: obstacles as soon as a chart has depths, else water.
@@ -39,6 +39,9 @@ pub struct PlanFile {
     /// Speeds that the vessel may have at a node, besides being at rest.
     #[serde(default)]
     pub speed_mode: Vec<Mode>,
+    /// Speeds that are not exceeded in parts of the area.
+    #[serde(default)]
+    pub speed_limit: Vec<SpeedLimit>,
     /// The maneuvers to place; without any, those of the design.
     #[serde(default)]
     pub maneuver: Vec<ManeuverUse>,
@@ -46,6 +49,8 @@ pub struct PlanFile {
     pub informative_s: Option<f64>,
     /// When the trial begins, as `2026-06-01T08:00:00Z` or with an offset; without it nothing has times of day.
     pub departure: Option<String>,
+    /// When the trial may take place.
+    pub slot: Option<SlotSpec>,
     /// Level and stream of the water over time.
     pub tide: Option<TideSpec>,
     /// Where the trial begins.
@@ -59,6 +64,22 @@ pub struct PlanFile {
 
 fn raster_per_cell() -> usize {
     4
+}
+
+/// Where the ship may sail: a box, or a polygon.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct AreaSpec {
+    /// Western edge of the box; east of the eastern one where it lies across the antimeridian.
+    pub west_deg: Option<f64>,
+    /// Southern edge of the box.
+    pub south_deg: Option<f64>,
+    /// Eastern edge of the box.
+    pub east_deg: Option<f64>,
+    /// Northern edge of the box.
+    pub north_deg: Option<f64>,
+    /// Instead of the box: longitude and latitude of a polygon's corners, in their order, either way round \[deg\].
+    pub corners: Option<Vec<[f64; 2]>>,
 }
 
 /// One chart.
@@ -117,6 +138,19 @@ pub struct TideSpec {
     pub file: PathBuf,
     /// When the trial has to be over.
     pub until: String,
+}
+
+/// When the trial may take place: as far as each key says.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SlotSpec {
+    /// It begins then or later (written as `departure`).
+    pub from: Option<String>,
+    /// It is over by then (written as `departure`).
+    pub until: Option<String>,
+    /// It takes place between sunrise and sunset at the area's middle.
+    #[serde(default)]
+    pub daylight: bool,
 }
 
 /// A current, by where it sets.

@@ -1,5 +1,6 @@
 //! A plan on a chart: what `plan.toml` asks, and the files that tell the plan.
 
+mod area;
 mod cells;
 mod charts;
 mod check;
@@ -9,12 +10,13 @@ mod legs;
 mod passage;
 mod resume;
 mod routes;
+mod slot;
 mod task;
 mod tide;
 
 pub use charts::{Charts, read_charts};
 pub use document::{of_problem, of_voyage};
-pub use file::{ApproachSpec, ChartKind, ChartSpec, KnownCurrent, PlanFile, TideSpec};
+pub use file::{ApproachSpec, AreaSpec, ChartKind, ChartSpec, KnownCurrent, PlanFile, SlotSpec, TideSpec};
 pub use resume::{place, resumed};
 pub use routes::Routes;
 pub use tide::in_tide;

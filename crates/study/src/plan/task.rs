@@ -16,8 +16,11 @@ impl PlanFile {
         self.check()?;
         let derived = DerivedHandling::of(vessel, &self.speed_mode, self.hull.length_m)?;
         let handling = self.handling.completed(&derived)?;
+        let area = self.area.area()?;
+        let departure = self.departure.as_deref().map(|at| second("departure", at)).transpose()?;
         Ok(Task {
-            area: self.area,
+            slot: self.slot(&area, departure)?,
+            area,
             cell_m: self.cell_m,
             headings: self.headings,
             raster_per_cell: self.raster_per_cell,
@@ -29,9 +32,10 @@ impl PlanFile {
             derived,
             approach: self.approach(&handling),
             modes: self.speed_mode.clone(),
+            speed_limits: self.speed_limit.clone(),
             maneuvers: self.maneuver.clone(),
             informative_s: self.informative_s,
-            departure: self.departure.as_deref().map(|at| second("departure", at)).transpose()?,
+            departure,
             start: self.start.clone(),
             goal: self.goal.clone(),
             cost: self.cost,

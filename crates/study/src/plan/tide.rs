@@ -52,7 +52,8 @@ pub fn in_tide(
     Ok(task.with_tide(tide))
 }
 
-fn told(at_s: f64) -> String {
+/// A time in seconds since 1970, in words.
+pub(super) fn told(at_s: f64) -> String {
     Timestamp::from_second(at_s as i64).map_or_else(|_| format!("{at_s} s"), |at| at.to_string())
 }
 

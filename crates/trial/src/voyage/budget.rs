@@ -19,8 +19,9 @@ impl Prepared {
             (raster.nx as u128 + around) * (raster.ny as u128 + around)
         };
         let lattice = Lattice { nx: grid.nx, ny: grid.ny, layers: grid.layers() };
-        let footing =
-            Footing { lattice: Demand::new(lattice, &moves.actions), cells: kinds.iter().map(cells).sum() };
+        let masks = usize::from(!task.area.corners.is_empty()) + task.speed_limits.len();
+        let cells = kinds.iter().map(cells).sum::<u128>() + (masks * raster.nx * raster.ny) as u128;
+        let footing = Footing { lattice: Demand::new(lattice, &moves.actions), cells };
         if footing.bytes() > u128::from(search.options.memory_bytes) {
             return Err(VoyageError::TooLarge(footing));
         }

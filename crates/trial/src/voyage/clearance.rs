@@ -1,6 +1,6 @@
 //! How near the hull comes to what is charted as an obstacle, in continuous space.
 
-use chart::{Bounds, Invalid, Obstacles, Raster};
+use chart::{Bounds, Invalid, Obstacles, Polygon, Raster};
 use vessel::Pose;
 
 use super::prepared::Prepared;
@@ -24,6 +24,8 @@ pub(super) struct Clearance {
     trial: Obstacles,
     /// The lattice's area.
     area: Bounds,
+    /// The part of it that is sailed in, where that is not all.
+    polygon: Option<Polygon>,
     /// As far as distances are measured \[m\].
     pub sight_m: f64,
 }
@@ -71,7 +73,9 @@ impl Clearance {
             || Obstacles::in_transit(chart, raster, safety.transit_depth_m, sight_m),
             || Obstacles::new(chart, raster, safety.trial_depth_m, sight_m),
         );
-        Ok(Self { outline, radius_m, transit: transit?, trial: trial?, area, sight_m })
+        let polygon = task.area.polygon(chart.plane());
+        let (transit, trial) = (transit?, trial?);
+        Ok(Self { outline, radius_m, transit, trial, area, polygon, sight_m })
     }
 
     /// A passage that has seen nothing yet.
@@ -83,7 +87,11 @@ impl Clearance {
     fn room_m(&self, place: [f64; 2]) -> f64 {
         let Bounds { min, max } = self.area;
         let ends = [0, 1].map(|k| (place[k] - min[k]).min(max[k] - place[k]));
-        ends[0].min(ends[1]) - self.radius_m
+        ends[0].min(ends[1]).min(self.room_in_polygon_m(place)) - self.radius_m
+    }
+
+    fn room_in_polygon_m(&self, place: [f64; 2]) -> f64 {
+        self.polygon.as_ref().map_or(f64::INFINITY, |polygon| polygon.room_m(place))
     }
 
     /// Of the hull at a sample, added to `passage`.
@@ -108,7 +116,8 @@ impl Clearance {
         for [x, y] in &self.outline {
             let place = [pose.y + x * sin + y * cos, pose.x + x * cos - y * sin];
             passage.clearance_m = passage.clearance_m.min(obstacles.distance_m(place[0], place[1]));
-            passage.left_area |= !self.area.contains(place);
+            let is_outside = || room < 0.0 && self.room_in_polygon_m(place) < 0.0;
+            passage.left_area |= !self.area.contains(place) || is_outside();
         }
     }
 }

@@ -1,6 +1,6 @@
 //! The chart on its plane, and the lattice laid over the task's area.
 
-use chart::{Bounds, Chart, Layer, Plane, Raster};
+use chart::{Bounds, Chart, Class, Layer, Plane, Polygon, Raster};
 use vessel::{Invalid, Motion, Steady, Vessel};
 
 use super::task::{Area, Task};
@@ -48,7 +48,10 @@ impl Task {
 
     /// South-western corner of the lattice's cells (east, north) \[m\], and the numbers of nodes eastward and northward.
     fn nodes(&self, plane: &Plane) -> Result<([f64; 2], [usize; 2]), Invalid> {
-        let corners = self.area.corners().map(|[lon, lat]| plane.to_plane(lon, lat));
+        let corners = match self.area.polygon(plane) {
+            Some(polygon) => polygon.rings.concat(),
+            None => self.area.box_corners().map(|[lon, lat]| plane.to_plane(lon, lat)).into(),
+        };
         let least = |k: usize| corners.iter().map(|c| c[k]).fold(f64::INFINITY, f64::min);
         let most = |k: usize| corners.iter().map(|c| c[k]).fold(f64::NEG_INFINITY, f64::max);
         let sides = [0, 1].map(|k: usize| most(k) - least(k));
@@ -106,9 +109,20 @@ impl Task {
 impl Area {
     /// A plane about its middle.
     fn plane(&self) -> Result<Plane, Invalid> {
+        let [lon, lat] = self.middle_deg();
+        Plane::new(lon, lat)
+    }
+
+    /// Longitude and latitude of the box's middle.
+    pub fn middle_deg(&self) -> [f64; 2] {
         let middle = (self.west_deg + self.east_beyond_deg()) / 2.0;
         let lon = if middle > 180.0 { middle - 360.0 } else { middle };
-        Plane::new(lon, (self.south_deg + self.north_deg) / 2.0)
+        [lon, (self.south_deg + self.north_deg) / 2.0]
+    }
+
+    /// The polygon on a plane; `None` where all of the box is meant.
+    pub(super) fn polygon(&self, plane: &Plane) -> Option<Polygon> {
+        Polygon::of_corners(Class::NoGo, &self.corners, plane)
     }
 
     /// The eastern edge, counted on beyond 180° where the area lies across the antimeridian.
@@ -116,8 +130,8 @@ impl Area {
         if self.east_deg < self.west_deg { self.east_deg + 360.0 } else { self.east_deg }
     }
 
-    /// Longitude and latitude of the corners \[deg\].
-    fn corners(&self) -> [[f64; 2]; 4] {
+    /// Longitude and latitude of the box's corners \[deg\].
+    fn box_corners(&self) -> [[f64; 2]; 4] {
         [
             [self.west_deg, self.south_deg],
             [self.east_deg, self.south_deg],

@@ -9,6 +9,7 @@ mod budget;
 mod check;
 mod clearance;
 mod counts;
+mod daylight;
 mod draws;
 mod error;
 mod footing;
@@ -30,6 +31,7 @@ mod waters;
 
 pub use check::Check;
 pub use counts::Wanted;
+pub use daylight::Daylight;
 pub use error::VoyageError;
 pub use footing::Footing;
 pub use front::FrontPoint;
@@ -43,7 +45,8 @@ pub use sailing::Sailing;
 pub use search::{Search, Watch};
 pub use solve::Solved;
 pub use task::{
-    Area, Brief, CostRule, Goal, Hull, ManeuverUse, Place, Primary, Safety, Secondary, Shares, Task,
+    Area, Brief, CostRule, Goal, Hull, ManeuverUse, Place, Primary, Safety, Secondary, Shares, Slot,
+    SpeedLimit, Task,
 };
 pub use tide::{Tide, TideRow};
 pub use waters::Waters;

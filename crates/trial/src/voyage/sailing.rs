@@ -8,7 +8,7 @@ use super::prepared::Prepared;
 use super::script::Script;
 use super::search::Search;
 use super::solve::Solved;
-use super::tide::Tide;
+use super::task::Slot;
 use crate::{Rehearser, Sailed};
 use vessel::Invalid;
 
@@ -120,19 +120,19 @@ impl Prepared {
 }
 
 impl Prepared {
-    /// Refuses a trial that lasts longer than its slot.
+    /// Refuses a trial that lasts longer than its slot, or than that of its tide.
     ///
     /// # Errors
     /// Such a trial.
     pub fn check_slot(&self, sailed: &Sailed) -> Result<(), VoyageError> {
-        let Some(Tide { slot_s, .. }) = self.brief.task.tide else { return Ok(()) };
+        let task = &self.brief.task;
         let lasts_s = sailed.samples.len() as f64 / self.brief.vessel.sample_rate_hz;
-        if lasts_s <= slot_s {
-            return Ok(());
-        }
+        let tide = task.tide.map(|tide| Slot { key: "tide.until", lasts_s: tide.slot_s });
+        let mut slots = tide.into_iter().chain(task.slot);
+        let Some(slot) = slots.find(|slot| lasts_s > slot.lasts_s) else { return Ok(()) };
         Err(VoyageError::NoAnswer(Invalid::new(
-            "`tide.until`",
-            format!("a slot of {slot_s:.0} s"),
+            format!("`{}`", slot.key),
+            format!("a slot of {:.0} s", slot.lasts_s),
             format!("{lasts_s:.0} s or more, which the plan takes"),
             "begin earlier, ask for fewer maneuvers, or minimise `seconds`",
         )))

@@ -74,7 +74,10 @@ impl Prepared {
 
     /// Why there is no plan, and the most that could be sailed instead.
     fn infeasible(&self, reason: &Reason, front: &[FrontPoint]) -> String {
-        let text = in_words(reason, |pose| self.words(pose), self.grid.cell_m);
+        let mut text = in_words(reason, |pose| self.words(pose), self.grid.cell_m);
+        if !self.brief.task.speed_limits.is_empty() {
+            text += "; legs faster than a [[speed_limit]] count as without room in it";
+        }
         match front.last().filter(|point| point.counts.values().any(|n| *n > 0)) {
             None => text,
             Some(point) => {

@@ -38,7 +38,7 @@ pub struct Shares {
 /// What a trial on a chart is asked to do, and where.
 #[derive(Clone, Debug)]
 pub struct Task {
-    /// Corners of the lattice.
+    /// Where the ship may sail.
     pub area: Area,
     /// Distance of neighbouring nodes of the lattice \[m\].
     pub cell_m: f64,
@@ -62,6 +62,8 @@ pub struct Task {
     pub approach: Approach,
     /// Speeds that the vessel may have at a node, besides being at rest.
     pub modes: Vec<Mode>,
+    /// Speeds that are not exceeded in parts of the area.
+    pub speed_limits: Vec<SpeedLimit>,
     /// The maneuvers to place; without any, those of the design.
     pub maneuvers: Vec<ManeuverUse>,
     /// Time in informative maneuvers, for counts that follow from the design's shares \[s\].
@@ -76,6 +78,8 @@ pub struct Task {
     pub cost: CostRule,
     /// The tide, which depths and currents count with already.
     pub tide: Option<Tide>,
+    /// When it has to be over; None where only the tide says.
+    pub slot: Option<Slot>,
     /// Whether the lattice is moved so that its start is a node.
     pub on_node: bool,
 }
@@ -94,9 +98,8 @@ impl Task {
     }
 }
 
-/// Corners of the lattice in degrees.
-#[derive(Clone, Copy, Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
+/// Where the ship may sail, in degrees: a box, or a polygon within it. The lattice covers the box.
+#[derive(Clone, Debug)]
 pub struct Area {
     /// Western edge; east of the eastern one where the area lies across the antimeridian.
     pub west_deg: f64,
@@ -106,6 +109,29 @@ pub struct Area {
     pub east_deg: f64,
     /// Northern edge.
     pub north_deg: f64,
+    /// Longitude and latitude of the polygon's corners, in their order; none where all of the box is meant.
+    pub corners: Vec<[f64; 2]>,
+}
+
+/// When a trial has to be over.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Slot {
+    /// The key that says so.
+    pub key: &'static str,
+    /// After the departure \[s\].
+    pub lasts_s: f64,
+}
+
+/// A speed that is not exceeded in a part of the area: legs that do are not offered where any of it is swept.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SpeedLimit {
+    /// What messages call it.
+    pub name: Option<String>,
+    /// Longitude and latitude of its polygon's corners, in their order, either way round \[deg\].
+    pub corners: Vec<[f64; 2]>,
+    /// The limit, over the ground \[m/s\].
+    pub max_speed_m_s: f64,
 }
 
 /// The hull in the horizontal plane: a rectangle with a pointed bow.

@@ -1,6 +1,6 @@
 //! Where legs fit on the chart.
 
-use chart::{Footprint, Obstacles, Raster};
+use chart::{Class, Footprint, Mask, Obstacles, Polygon, Raster};
 use lattice::Pose;
 use rayon::prelude::*;
 use vessel::Invalid;
@@ -22,6 +22,12 @@ pub struct Waters {
     layer_of_leg: Vec<usize>,
     /// One per depth and margin.
     obstacles: Vec<Obstacles>,
+    /// Open where the area is, if that is not all of the raster.
+    area: Option<Mask>,
+    /// Closed where each speed limit holds.
+    limits: Vec<Mask>,
+    /// Speed limits that each leg exceeds: indices into `limits`.
+    exceeded: Vec<Vec<usize>>,
     /// Of every leg.
     footprints: Vec<Footprint>,
     /// Pitch of the lattice \[m\].
@@ -35,7 +41,14 @@ pub struct Waters {
 impl Waters {
     /// Whether leg `index` may start at node (i, j).
     pub fn fits(&self, index: usize, i: usize, j: usize) -> bool {
-        self.is_free(self.layer_of_leg[index], &self.footprints[index], i, j)
+        let footprint = &self.footprints[index];
+        let is_slow = |limit: &usize| self.limits[*limit].is_free(footprint, self.cell(i), self.cell(j));
+        self.exceeded[index].iter().all(is_slow) && self.is_free(self.layer_of_leg[index], footprint, i, j)
+    }
+
+    /// Column or row of the raster's cell north-east of the node in column or row `n`.
+    fn cell(&self, n: usize) -> usize {
+        n * self.per_cell + self.per_cell / 2
     }
 
     /// The number of nodes at which leg `index` may start.
@@ -44,14 +57,18 @@ impl Waters {
     }
 
     fn is_free(&self, layer: usize, footprint: &Footprint, i: usize, j: usize) -> bool {
-        let at = |n: usize| n * self.per_cell + self.per_cell / 2;
-        self.obstacles[layer].is_free(footprint, at(i), at(j))
+        let at = [self.cell(i), self.cell(j)];
+        let in_area = self.area.as_ref().is_none_or(|area| area.is_free(footprint, at[0], at[1]));
+        in_area && self.obstacles[layer].is_free(footprint, at[0], at[1])
     }
 
-    /// Whether a footprint at node (i, j) stays on the raster.
-    fn is_on_raster(&self, footprint: &Footprint, i: usize, j: usize) -> bool {
+    /// Whether a footprint at node (i, j) stays in the area.
+    fn is_in_area(&self, footprint: &Footprint, i: usize, j: usize) -> bool {
         let raster = self.obstacles[0].raster();
-        let at = |n: usize| (n * self.per_cell + self.per_cell / 2) as i64;
+        if let Some(area) = &self.area {
+            return area.is_free(footprint, self.cell(i), self.cell(j));
+        }
+        let at = |n: usize| self.cell(n) as i64;
         let within = |from: i64, to: i64, count: usize| from >= 0 && to < count as i64;
         footprint.runs().iter().all(|run| {
             let row = at(j) + i64::from(run.row);
@@ -111,7 +128,15 @@ impl Prepared {
             Secondary::Clearance => self.node_distances_m(raster)?,
             _ => Vec::new(),
         };
+        let area = task.area.polygon(self.chart.plane()).map(|polygon| Mask::beyond(&polygon, raster));
+        let limits = task.speed_limits.iter().filter_map(|limit| {
+            let polygon = Polygon::of_corners(Class::NoGo, &limit.corners, self.chart.plane())?;
+            Some(Mask::within(&polygon, raster))
+        });
         Ok(Waters {
+            area,
+            limits: limits.collect(),
+            exceeded: self.rehearsed.iter().map(|own| self.exceeded(own)).collect(),
             per_cell: task.raster_per_cell,
             layer_of_leg,
             node_distance_m,
@@ -121,6 +146,17 @@ impl Prepared {
             nx: grid.nx,
             ny: grid.ny,
         })
+    }
+
+    /// The speed limits that the nominal vessel exceeds on a leg: at either end, or by more than the tolerance on the way.
+    fn exceeded(&self, own: &Rehearsed) -> Vec<usize> {
+        let task = &self.brief.task;
+        let mode_m_s = |layer: usize| self.grid.modes[self.grid.level_and_mode(layer).1].speed_m_s;
+        let speeds_m_s = own.sailed.samples.iter().map(|s| libm::hypot(s.state[0], s.state[1]));
+        let way_m_s = speeds_m_s.fold(0.0, f64::max) - task.approach.tolerance.surge_m_s;
+        let fastest_m_s = mode_m_s(own.leg.from).max(mode_m_s(own.leg.to)).max(way_m_s);
+        let limits = task.speed_limits.iter().enumerate();
+        limits.filter(|(_, limit)| fastest_m_s > limit.max_speed_m_s).map(|(index, _)| index).collect()
     }
 
     /// Distance of every node to the nearest obstacle, as far as it makes a class \[m\].
@@ -181,7 +217,7 @@ impl Prepared {
         };
         let own = grid.pose(pose.i, pose.j, level);
         let gap = waters.obstacles[layer].distance_m(own.y, own.x);
-        let near = match waters.is_on_raster(&hull, pose.i, pose.j) {
+        let near = match waters.is_in_area(&hull, pose.i, pose.j) {
             true => format!("{gap:.0} m from an obstacle"),
             false => "where the hull reaches out of `area`".to_owned(),
         };

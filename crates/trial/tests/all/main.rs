@@ -1,6 +1,7 @@
 //! The crate as its users see it.
 
 mod campaign;
+mod daylight;
 mod grid;
 mod handling;
 mod legs;
