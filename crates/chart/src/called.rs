@@ -7,8 +7,6 @@ use enc::attribute::OBJNAM;
 use enc::{Feature, class_name};
 use geojson::JsonObject;
 
-use crate::Class;
-
 /// Properties that tell a feature's name.
 const NAMES: [&str; 3] = ["OBJNAM", "name", "NAME"];
 
@@ -29,17 +27,16 @@ impl Called {
         Self { what, name: None, depth_m: None }
     }
 
-    pub(crate) fn object(object: &Feature, class: Class) -> Self {
+    pub(crate) fn object(object: &Feature, depth_m: Option<f64>) -> Self {
         let name = object.attributes.get(&OBJNAM.0).map(|name| name.trim());
-        Self::of(class_name(object.class).unwrap_or("object"), name, class)
+        let name = name.filter(|name| !name.is_empty()).map(Arc::from);
+        Self { what: class_name(object.class).unwrap_or("object"), name, depth_m }
     }
 
-    fn of(what: &'static str, name: Option<&str>, class: Class) -> Self {
-        let depth_m = match class {
-            Class::Depth { least_m } | Class::Danger { least_m } => least_m,
-            Class::Land | Class::NoGo | Class::TransitOnly => None,
-        };
-        Self { what, name: name.filter(|name| !name.is_empty()).map(Arc::from), depth_m }
+    /// What a feature of GeoJSON is called that is `what`.
+    pub(crate) fn feature(what: &'static str, properties: Option<&JsonObject>, depth_m: Option<f64>) -> Self {
+        let name = |key: &&str| Some(properties?.get(*key)?.as_str()?.trim()).filter(|name| !name.is_empty());
+        Self { what, name: NAMES.iter().find_map(name).map(Arc::from), depth_m }
     }
 }
 
@@ -49,16 +46,4 @@ impl fmt::Display for Called {
         self.name.iter().try_for_each(|name| write!(out, " {name}"))?;
         self.depth_m.iter().try_for_each(|depth| write!(out, " {depth} m"))
     }
-}
-
-/// What a feature of GeoJSON is called.
-pub(crate) fn called(class: Class, properties: Option<&JsonObject>) -> Called {
-    let what = match class {
-        Class::Land => "land",
-        Class::NoGo | Class::TransitOnly => "no-go area",
-        Class::Depth { .. } => "water",
-        Class::Danger { .. } => "danger",
-    };
-    let name = |key: &&str| Some(properties?.get(*key)?.as_str()?.trim()).filter(|name| !name.is_empty());
-    Called::of(what, NAMES.iter().find_map(name), class)
 }

@@ -75,10 +75,10 @@ impl PolygonLayer {
         }
         let Some(class) = class(object, treatment)? else { return Ok(Treatment::Ignore) };
         let radius_m = rules.radius_m(object, scale);
-        let called = Called::object(object, class);
+        let called = Called::object(object, class.depth_m());
         let sounding = matches!(object.geometry, Geometry::Soundings(_));
         let mark = |class: Class, positions: Vec<[f64; 2]>| {
-            let called = if sounding { Called::object(object, class) } else { called.clone() };
+            let called = if sounding { Called::object(object, class.depth_m()) } else { called.clone() };
             Mark { class, called, sounding, positions, radius_m, feature: index }
         };
         match &object.geometry {

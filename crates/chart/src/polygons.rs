@@ -2,7 +2,7 @@ use geojson::{Feature, GeoJson, JsonObject, JsonValue, PolygonType, Position};
 use serde::Deserialize;
 
 use crate::Invalid;
-use crate::called::{Called, called};
+use crate::called::Called;
 use crate::geometries::Geometries;
 use crate::grid::FARTHEST;
 use crate::ring::{RingFault, ring_fault};
@@ -76,6 +76,26 @@ pub struct PolygonLayer {
     pub open_sea: bool,
 }
 
+impl Class {
+    /// In a word.
+    fn word(self) -> &'static str {
+        match self {
+            Self::Land => "land",
+            Self::NoGo | Self::TransitOnly => "no-go area",
+            Self::Depth { .. } => "water",
+            Self::Danger { .. } => "danger",
+        }
+    }
+
+    /// The depth of it or over it, where that is known \[m\].
+    pub(crate) fn depth_m(self) -> Option<f64> {
+        match self {
+            Self::Depth { least_m } | Self::Danger { least_m } => least_m,
+            Self::Land | Self::NoGo | Self::TransitOnly => None,
+        }
+    }
+}
+
 /// A point, or a line.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mark {
@@ -127,7 +147,7 @@ impl PolygonLayer {
             let own = Geometries::of(feature);
             placeless += usize::from(own.polygons.is_empty() && own.lines.iter().all(|line| line.is_empty()));
             let class = class(kind, feature.properties.as_ref(), index, &mut has_depth)?;
-            let called = called(class, feature.properties.as_ref());
+            let called = Called::feature(class.word(), feature.properties.as_ref(), class.depth_m());
             for polygon in own.polygons {
                 let rings = rings(polygon, index)?;
                 layer.areas.push(Area { class, called: called.clone(), rings, feature: index });

@@ -61,6 +61,14 @@ impl PlanMap<'_> {
             names: self.names(&bounds),
             tube: self.tube(&bounds),
             corridors: self.corridors(),
+            edge: self.ring(&prepared.brief.task.area.corners),
+            speed_limits: prepared
+                .brief
+                .task
+                .speed_limits
+                .iter()
+                .map(|own| self.ring(&own.corners))
+                .collect(),
             tracks: self.tracks(),
             hulls: self.hulls(),
             start: self.sailing.sailed.samples.first().map(place),
@@ -186,6 +194,12 @@ impl PlanMap<'_> {
         };
         let rings: Vec<Vec<[f64; 2]>> = passage.legs.iter().map(ring).collect();
         rings.into_iter().filter(|ring| ring.iter().flatten().all(|v| v.is_finite())).collect()
+    }
+
+    /// On the plane.
+    fn ring(&self, corners: &[[f64; 2]]) -> Vec<[f64; 2]> {
+        let plane = self.prepared.chart.plane();
+        corners.iter().map(|[longitude, latitude]| plane.to_plane(*longitude, *latitude)).collect()
     }
 
     /// What only depth (of water that is charted) or margin blocks.

@@ -94,7 +94,9 @@ fn draw(sheet: &mut Sheet, view: &View, map: &Map) {
     surround::graticule(sheet, view, &map.graticule);
     spots::draw(sheet, view, map);
     map.tube.iter().for_each(|tube| margins::tube(sheet, view, tube));
-    tracks::corridors(sheet, view, &map.corridors);
+    tracks::outlines(sheet, view, std::slice::from_ref(&map.edge), colours::EDGE);
+    tracks::outlines(sheet, view, &map.speed_limits, colours::SPEED_LIMIT);
+    tracks::outlines(sheet, view, &map.corridors, colours::CORRIDOR);
     tracks::draw(sheet, view, map);
     marks::hulls(sheet, view, &map.hulls);
     marks::ends(sheet, view, map);

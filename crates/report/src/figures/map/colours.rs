@@ -87,6 +87,10 @@ pub(crate) const DANGER_CIRCLE: Look =
 
 /// Where simulated vessels went.
 pub(crate) const TUBE: Look = Look::filled(DARK.faded(0.16)).outlined(DARK.faded(0.45), 0.6);
+/// The edge of the area that is no box.
+pub(crate) const EDGE: Look = Look::drawn(DARK, 1.3).dashed(7.0, 3.0);
+/// Where speed is limited.
+pub(crate) const SPEED_LIMIT: Look = Look::drawn(FORBIDDEN_EDGE.faded(0.9), 1.2).dashed(1.5, 2.5);
 /// The corridor of a leg.
 pub(crate) const CORRIDOR: Look = Look::drawn(VIOLET.faded(0.75), 0.8).dashed(4.0, 2.5);
 

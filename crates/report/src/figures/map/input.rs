@@ -30,6 +30,10 @@ pub struct Map {
     pub tube: Option<Tube>,
     /// The corridor of each leg of the passage, a ring.
     pub corridors: Vec<Vec<[f64; 2]>>,
+    /// The area that the hull is kept in, where that is no box: a ring.
+    pub edge: Vec<[f64; 2]>,
+    /// Where speed is limited, rings.
+    pub speed_limits: Vec<Vec<[f64; 2]>>,
     /// The informative maneuvers, each with how often it is used; their order is that of the colours.
     pub maneuvers: Vec<(String, u64)>,
     /// Lines.

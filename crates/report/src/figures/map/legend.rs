@@ -64,6 +64,7 @@ fn draw_sample(sheet: &mut Sheet, sample: Sample, at: Point) {
         Sample::Depth { band, bands } => chip(edged(colours::depth(band, bands))),
         _ => chip(colours::depth(0, 1)),
     }
+    let within = ((corner.0 + 3.0, at.1 - 4.0), (opposite.0 - 3.0, at.1 + 4.0));
     match sample {
         Sample::Track(style) => track(sheet, style, at),
         Sample::Hull => sheet.path(&hull(at), colours::HULL),
@@ -71,11 +72,11 @@ fn draw_sample(sheet: &mut Sheet, sample: Sample, at: Point) {
         Sample::Goal => sheet.disc(at, 0.9 * marks::GOAL, colours::GOAL),
         Sample::Margin(purpose) => margin(sheet, purpose, corner, opposite),
         Sample::Danger => spots::danger(sheet, at),
-        Sample::Tube => {
-            sheet.bar((corner.0 + 3.0, at.1 - 4.0), (opposite.0 - 3.0, at.1 + 4.0), colours::TUBE)
-        }
-        Sample::Corridor => {
-            sheet.bar((corner.0 + 3.0, at.1 - 4.0), (opposite.0 - 3.0, at.1 + 4.0), colours::CORRIDOR)
+        Sample::Tube => sheet.bar(within.0, within.1, colours::TUBE),
+        Sample::Corridor => sheet.bar(within.0, within.1, colours::CORRIDOR),
+        Sample::Edge => sheet.bar(within.0, within.1, colours::EDGE),
+        Sample::SpeedLimit => {
+            sheet.bar(within.0, within.1, colours::SPEED_LIMIT);
         }
         Sample::Sounding => {
             let letters = Lettering::new(9.0, Anchor::Middle).painted(colours::DEPTH_DIGITS);

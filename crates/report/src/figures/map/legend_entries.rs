@@ -19,6 +19,8 @@ pub(crate) enum Sample {
     Sounding,
     Tube,
     Corridor,
+    Edge,
+    SpeedLimit,
 }
 
 /// A line of a legend.
@@ -90,6 +92,12 @@ pub(crate) fn chart(map: &Map) -> Vec<Entry> {
     let charted = (0..bands).filter(|band| classes().any(|class| shade(class) == Some(*band)));
     entries.extend(charted.map(|band| (Sample::Depth { band, bands }, depth(band, limits))));
     let background = if map.uncharted { "not charted" } else { "water, no depth charted" };
+    let outlines = [
+        (!map.edge.is_empty(), Sample::Edge, "edge of the area"),
+        (!map.speed_limits.is_empty(), Sample::SpeedLimit, "speed limit"),
+    ];
+    let outlines = outlines.into_iter().filter(|outline| outline.0);
+    entries.extend(outlines.map(|(_, sample, label)| (sample, label.to_owned())));
     entries.push((Sample::Background { uncharted: map.uncharted }, background.to_owned()));
     entries
 }

@@ -28,11 +28,11 @@ pub(crate) fn draw(sheet: &mut Sheet, view: &View, map: &Map) {
     map.tracks.iter().for_each(|track| maneuver(sheet, view, map, track));
 }
 
-/// Outlines of the legs' corridors.
-pub(crate) fn corridors(sheet: &mut Sheet, view: &View, corridors: &[Vec<[f64; 2]>]) {
+/// Outlines of corridors and of areas.
+pub(crate) fn outlines(sheet: &mut Sheet, view: &View, rings: &[Vec<[f64; 2]>], look: Look) {
     let mut path = Path::default();
-    corridors.iter().for_each(|ring| path.ring(&clip::ring(view, &view.placed(ring))));
-    sheet.path(&path, colours::CORRIDOR);
+    rings.iter().for_each(|ring| path.ring(&clip::ring(view, &view.placed(ring))));
+    sheet.path(&path, look);
 }
 
 /// A maneuver with its name as a title.
