@@ -40,7 +40,7 @@ fn law_the_nearest_danger_is_that_of_all_edges_and_depths_are_the_least() {
     let chart = Chart::new(plane, area, &[Layer::Polygons(layer)], None).unwrap();
     let dangers = chart.dangers(5.0);
     let mut told = 0;
-    for k in 0..200 {
+    for k in 0..400 {
         let start = [f64::from(k % 20) * 150.0 - 1500.0, f64::from(k / 20) * 250.0 - 1250.0];
         let track: Vec<[f64; 2]> = (0..4).map(|i| [start[0] + 40.0 * f64::from(i), start[1]]).collect();
         let gap = |([x, y], half, _): &([f64; 2], f64, f64)| {
