@@ -212,7 +212,7 @@ fn each_figure_of_a_picture_has_a_place_of_its_own() {
     let made = picture(&figure("map"), &[&figure("one"), &figure("two")]);
     assert_eq!(made.matches("<svg ").count(), 4);
     assert_eq!(made.matches("</svg>").count(), 4);
-    for place in ["x=\"20\" y=\"20\" width=\"660\"", "x=\"700\" y=\"20\"", "x=\"700\" y=\"510\""] {
+    for place in ["x=\"20\" y=\"20\" width=\"1140\"", "x=\"20\" y=\"800\"", "x=\"600\" y=\"800\""] {
         assert!(made.contains(place), "{place}");
     }
 }
