@@ -4,8 +4,8 @@ use std::collections::BTreeSet;
 use std::fmt;
 
 use serde::de::{
-    Deserialize, DeserializeSeed, Deserializer, EnumAccess, Error, MapAccess, SeqAccess, Unexpected,
-    VariantAccess, Visitor,
+    Deserialize, DeserializeSeed, Deserializer, EnumAccess, Error, IgnoredAny, MapAccess, SeqAccess,
+    Unexpected, VariantAccess, Visitor,
 };
 
 /// A deserializer, or what one is handed on to, that is [`strictly`] read.
@@ -20,7 +20,7 @@ fn strict<'a, D>(inner: D) -> Strict<'a, D> {
 }
 
 /// `T` from `deserializer`. A list is refused where keys belong, for its values would be told apart by their places alone, and
-/// so is a key that occurs twice in a map, for the first would be lost.
+/// so is a key that occurs twice in a map, for the first would be lost, and a value beyond those that a list takes.
 ///
 /// # Errors
 /// These; those of `T`.
@@ -148,14 +148,18 @@ impl<'de, V: Visitor<'de>> Visitor<'de> for Taking<'_, V> {
         self.visitor.visit_newtype_struct(strict(deserializer))
     }
 
-    fn visit_seq<A: SeqAccess<'de>>(self, items: A) -> Result<V::Value, A::Error> {
+    fn visit_seq<A: SeqAccess<'de>>(self, mut items: A) -> Result<V::Value, A::Error> {
         // An enum whose kind is one of its keys comes through `deserialize_any`; serde says so in what it expects.
         let tagged =
             || (&self.visitor as &dyn serde::de::Expected).to_string().starts_with("internally tagged enum");
         if self.keyed || tagged() {
             return Err(A::Error::invalid_type(Unexpected::Other("a list"), &"keys with values"));
         }
-        self.visitor.visit_seq(strict(items))
+        let value = self.visitor.visit_seq(strict(&mut items))?;
+        match items.next_element::<IgnoredAny>()? {
+            None => Ok(value),
+            Some(_) => Err(A::Error::custom("a value too many in a list, expected a shorter one")),
+        }
     }
 
     fn visit_map<A: MapAccess<'de>>(self, entries: A) -> Result<V::Value, A::Error> {

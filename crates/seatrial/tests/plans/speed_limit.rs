@@ -52,7 +52,7 @@ fn law_a_limit_that_no_leg_exceeds_changes_nothing() {
 #[test]
 fn a_limit_below_all_speeds_closes_its_polygon() {
     let folder = small_with(&[("[start]", &limit(ALL, "0.2"))]);
-    refused(&folder, 4, PLAN, &["plan.toml", "no feasible plan (proved)", "[[speed_limit]]"]);
+    refused(&folder, 4, PLAN, &["plan.toml", "found none (proved)", "[[speed_limit]]"]);
 }
 
 #[test]
