@@ -47,6 +47,34 @@ fn used(design: &Value) -> Vec<f64> {
 }
 
 #[test]
+fn law_candidates_start_at_the_speeds_that_are_stated() {
+    let folder = written(2);
+    let starting = |starts: &str| {
+        let table = format!("[generate]\nspeed_m_s = [0.0, 1.2]\nstart_m_s = {starts}");
+        put(&folder, "dictionary.toml", &GENERATE.replace("[generate]", &table).replace("= 120", "= 90"));
+    };
+    starting("[0.25, 0.75]");
+    run(&folder, DICTIONARY).succeeds();
+    let table = craft::read(&folder.path().join("dictionary.parquet"), "trajectories");
+    let named = |name: &str| table.schema.columns.iter().position(|column| column.name == name).unwrap();
+    let [t, u] = ["t", "u"].map(named);
+    let of = |block: &artifact::Table| {
+        let begins = (0..block.columns[t].len()).filter(|row| block.columns[t].value_at(*row) == Some(0.0));
+        begins.map(|row| block.columns[u].value_at(row).unwrap()).collect::<Vec<_>>()
+    };
+    let first: Vec<f64> = table.blocks.iter().flat_map(of).collect();
+    assert!(first.iter().all(|u| [0.25, 0.75].contains(u)), "{first:?}");
+    assert!([0.25, 0.75].iter().all(|start| first.iter().filter(|u| *u == start).count() > 10), "{first:?}");
+    for (starts, said) in [
+        ("[0.5, 1.3]", ["`generate.start_m_s`", "1.3 m/s", "speeds from 0 to 1.2 m/s"]),
+        ("[1.0]", ["`generate.start_m_s`", "[1.0] m/s", "for `accelerate`"]),
+    ] {
+        starting(starts);
+        refused(&folder, 3, DICTIONARY, &said);
+    }
+}
+
+#[test]
 fn law_shards_of_candidates_gather_to_the_bytes_of_the_whole() {
     let folder = generated();
     for k in 1..=2 {

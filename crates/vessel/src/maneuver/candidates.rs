@@ -1,7 +1,7 @@
 //! Candidates by generation: a table `[generate]` in `dictionary.toml` instead of maneuvers written by hand.
 
 use super::draw::Draw;
-use super::generate_spec::{CandidateKind, GenerateSpec};
+use super::generate_spec::GenerateSpec;
 use super::spec::ManeuverSpec;
 use crate::{Invalid, Streams};
 
@@ -12,7 +12,7 @@ impl GenerateSpec {
     /// A number without meaning.
     pub fn candidates(&self) -> Result<Vec<ManeuverSpec>, Invalid> {
         self.check()?;
-        let kinds: &[CandidateKind] = if self.kinds.is_empty() { &CandidateKind::ALL } else { &self.kinds };
+        let kinds = self.kinds();
         let streams = Streams::new(self.seed, "candidates");
         let one = |index: u32| {
             let kind = kinds[index as usize % kinds.len()];

@@ -43,15 +43,19 @@ impl<R: Rng> Draw<'_, R> {
         ((period * 10.0).round() / 10.0).clamp(shortest, longest)
     }
 
-    fn speeds(&self) -> [f64; 2] {
-        let limit = self.spec.limits.u_m_s;
-        let [low, high] = self.spec.speed_m_s.unwrap_or([0.0, limit]);
-        [low.max(-limit), high.min(limit)]
+    fn speed(&mut self) -> f64 {
+        let [low, high] = self.spec.speeds();
+        self.start(low, high)
     }
 
-    fn speed(&mut self) -> f64 {
-        let [low, high] = self.speeds();
-        self.within(low, high)
+    /// One of the speeds to start at that lie within a range, or any in it where none are stated.
+    fn start(&mut self, low: f64, high: f64) -> f64 {
+        let starts: Vec<f64> =
+            self.spec.start_m_s.iter().copied().filter(|start| (low..=high).contains(start)).collect();
+        match starts.len() {
+            0 => self.within(low, high),
+            n => starts[(n as f64 * self.share()) as usize],
+        }
     }
 
     fn shape(&mut self) -> Shape {
@@ -89,8 +93,8 @@ impl<R: Rng> Draw<'_, R> {
                 sway_speed_m_s: Some(self.within(-sway, sway)),
             },
             CandidateKind::PseudoRandomBinary => {
-                let [low, high] = self.speeds();
-                let speed = self.within(low, high);
+                let [low, high] = self.spec.speeds();
+                let speed = self.start(low, high);
                 Kind::PseudoRandomBinary {
                     speed_m_s: speed,
                     speed_amplitude_m_s: self.within(0.0, (high - speed).min(speed - low)),
@@ -114,7 +118,7 @@ impl<R: Rng> Draw<'_, R> {
     }
 
     fn combined(&mut self, seed: u64, shape: impl Fn(&mut Self) -> SignalShape) -> Kind {
-        let [low, high] = self.speeds();
+        let [low, high] = self.spec.speeds();
         let (sway, rate) = (self.spec.limits.v_m_s, self.spec.limits.r_rad_s);
         let mut drawn = |low: f64, high: f64| {
             let shape = shape(self);
@@ -124,7 +128,8 @@ impl<R: Rng> Draw<'_, R> {
         let yaw_rate_rad_s = Some(drawn(-rate, rate));
         let sway_m_s = drawn(-sway, sway);
         let sway_m_s = (self.share() < 0.8).then_some(sway_m_s);
-        Kind::Combined { speed_m_s, yaw_rate_rad_s, sway_m_s }
+        let start_m_s = if self.spec.start_m_s.is_empty() { None } else { Some(self.start(low, high)) };
+        Kind::Combined { start_m_s, speed_m_s, yaw_rate_rad_s, sway_m_s }
     }
 
     /// A signal within a range.
@@ -143,10 +148,19 @@ impl<R: Rng> Draw<'_, R> {
 
     /// From one speed to another at least a quarter of the range away.
     fn change(&mut self, kind: CandidateKind) -> Kind {
-        let [low, high] = self.speeds();
+        let [low, high] = self.spec.speeds();
         let far = 0.25 * (high - low);
-        let slow = self.within(low, high - far);
-        let fast = self.within(slow + far, high);
+        let starts = self.spec.starts_of(kind).filter(|_| !self.spec.start_m_s.is_empty());
+        let (slow, fast) = match (kind, starts) {
+            (CandidateKind::Decelerate, Some([least, most])) => {
+                let fast = self.start(least, most);
+                (self.within(low, fast - far), fast)
+            }
+            _ => {
+                let slow = self.start(low, high - far);
+                (slow, self.within(slow + far, high))
+            }
+        };
         match kind {
             CandidateKind::Accelerate => Kind::Accelerate { from_m_s: slow, to_m_s: fast },
             _ => Kind::Decelerate { from_m_s: fast, to_m_s: slow },

@@ -207,7 +207,7 @@ impl<'a> Plan<'a> {
         };
         let duration_s = samples as f64 / rate_hz;
         let waves = match *kind {
-            Kind::Combined { speed_m_s, yaw_rate_rad_s, sway_m_s } => {
+            Kind::Combined { speed_m_s, yaw_rate_rad_s, sway_m_s, .. } => {
                 let mut channel = 0;
                 [Some(speed_m_s), yaw_rate_rad_s, sway_m_s].map(|signal| {
                     channel += 1;
@@ -228,7 +228,7 @@ impl<'a> Plan<'a> {
             | Kind::SteadyTurn { speed_m_s, .. }
             | Kind::PseudoRandomBinary { speed_m_s, .. }
             | Kind::Inputs { speed_m_s, .. } => speed_m_s,
-            Kind::Combined { .. } => self.motion(0).u,
+            Kind::Combined { start_m_s, .. } => start_m_s.unwrap_or_else(|| self.motion(0).u),
         }
     }
 

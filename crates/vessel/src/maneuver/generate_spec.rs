@@ -24,6 +24,9 @@ pub struct GenerateSpec {
     pub kinds: Vec<CandidateKind>,
     /// Speeds to draw from \[m/s\]: lowest and highest; without it from standstill to the limit.
     pub speed_m_s: Option<[f64; 2]>,
+    /// Speeds that candidates start at \[m/s\], as a plan's modes have them; without any, each starts at one of its own.
+    #[serde(default)]
+    pub start_m_s: Vec<f64>,
     /// Periods to draw from \[s\]: shortest and longest.
     #[serde(default = "periods")]
     pub period_s: [f64; 2],
@@ -117,7 +120,51 @@ impl GenerateSpec {
             Some([low, high]) if !(low.is_finite() && high.is_finite() && low <= high) => {
                 refuse("speed_m_s", low, "a lowest speed and a highest one not below it")
             }
-            _ => Ok(()),
+            _ => self.check_starts(),
+        }
+    }
+
+    /// Refuses starts outside the range of speeds, and kinds that none of them leaves room for.
+    fn check_starts(&self) -> Result<(), Invalid> {
+        let [low, high] = self.speeds();
+        let refuse = |found: String, expected: String| {
+            let remedy = "correct it, or widen `generate.speed_m_s`";
+            Err(Invalid::new("`generate.start_m_s`", found, expected, remedy))
+        };
+        if let Some(outside) = self.start_m_s.iter().find(|start| !(low..=high).contains(*start)) {
+            return refuse(format!("{outside} m/s"), format!("speeds from {low} to {high} m/s"));
+        }
+        for kind in self.kinds().iter().filter(|_| !self.start_m_s.is_empty()) {
+            let Some([least, most]) = self.starts_of(*kind) else { continue };
+            if !self.start_m_s.iter().any(|start| (least..=most).contains(start)) {
+                let expected = format!("one from {least} to {most} m/s for `{kind}`");
+                return refuse(format!("{:?} m/s", self.start_m_s), expected);
+            }
+        }
+        Ok(())
+    }
+
+    /// The kinds to draw of, in turn.
+    pub(super) fn kinds(&self) -> &[CandidateKind] {
+        if self.kinds.is_empty() { &CandidateKind::ALL } else { &self.kinds }
+    }
+
+    /// Lowest and highest speed to draw \[m/s\].
+    pub(super) fn speeds(&self) -> [f64; 2] {
+        let limit = self.limits.u_m_s;
+        let [low, high] = self.speed_m_s.unwrap_or([0.0, limit]);
+        [low.max(-limit), high.min(limit)]
+    }
+
+    /// Lowest and highest speed that a change of speed may start at \[m/s\], a quarter of the range from where it ends; `None` for
+    /// kinds that start at any.
+    pub(super) fn starts_of(&self, kind: CandidateKind) -> Option<[f64; 2]> {
+        let [low, high] = self.speeds();
+        let far = 0.25 * (high - low);
+        match kind {
+            CandidateKind::Accelerate => Some([low, high - far]),
+            CandidateKind::Decelerate => Some([low + far, high]),
+            _ => None,
         }
     }
 

@@ -152,6 +152,8 @@ pub enum Kind {
     },
     /// Speed, yaw rate and sway speed each follow a signal of their own.
     Combined {
+        /// Surge speed at the start \[m/s\]; without it that of the signal.
+        start_m_s: Option<f64>,
         /// Surge speed \[m/s\].
         #[serde(deserialize_with = "strictly")]
         speed_m_s: Signal,
@@ -291,10 +293,11 @@ impl Kind {
                 sway_amplitude_m_s,
                 ..
             } => keyed![speed_m_s, speed_amplitude_m_s, yaw_rate_amplitude_rad_s, sway_amplitude_m_s],
-            Self::Combined { .. } => {
+            Self::Combined { start_m_s, .. } => {
                 let numbers =
                     |(key, s): (&'static str, Signal)| [s.mean, s.amplitude, s.phase].map(|x| (key, x));
-                self.signals().into_iter().flat_map(numbers).collect()
+                let signals = self.signals().into_iter().flat_map(numbers);
+                signals.chain(start_m_s.map(|start| ("start_m_s", start))).collect()
             }
             Self::Inputs { speed_m_s, .. } => keyed![speed_m_s],
         }
@@ -302,7 +305,7 @@ impl Kind {
 
     /// The signals of a combined maneuver with their keys.
     fn signals(&self) -> Vec<(&'static str, Signal)> {
-        let Self::Combined { speed_m_s, yaw_rate_rad_s, sway_m_s } = *self else { return Vec::new() };
+        let Self::Combined { speed_m_s, yaw_rate_rad_s, sway_m_s, .. } = *self else { return Vec::new() };
         let others = [("yaw_rate_rad_s", yaw_rate_rad_s), ("sway_m_s", sway_m_s)];
         let others = others.into_iter().filter_map(|(key, signal)| signal.map(|signal| (key, signal)));
         [("speed_m_s", speed_m_s)].into_iter().chain(others).collect()
