@@ -150,15 +150,14 @@ impl<'de, V: Visitor<'de>> Visitor<'de> for Taking<'_, V> {
 
     fn visit_seq<A: SeqAccess<'de>>(self, mut items: A) -> Result<V::Value, A::Error> {
         // An enum whose kind is one of its keys comes through `deserialize_any`; serde says so in what it expects.
-        let tagged =
-            || (&self.visitor as &dyn serde::de::Expected).to_string().starts_with("internally tagged enum");
-        if self.keyed || tagged() {
+        let expecting = (&self.visitor as &dyn serde::de::Expected).to_string();
+        if self.keyed || expecting.starts_with("internally tagged enum") {
             return Err(A::Error::invalid_type(Unexpected::Other("a list"), &"keys with values"));
         }
         let value = self.visitor.visit_seq(strict(&mut items))?;
         match items.next_element::<IgnoredAny>()? {
             None => Ok(value),
-            Some(_) => Err(A::Error::custom("a value too many in a list, expected a shorter one")),
+            Some(_) => Err(A::Error::custom(format_args!("a value too many, expected {expecting}"))),
         }
     }
 
