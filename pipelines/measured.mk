@@ -97,6 +97,12 @@ $(NEXT_TRIAL)/design.json: $(NEXT_TRIAL)/moments.json $(STUDY)/study.mk
 $(NEXT_TRIAL)/tally.json: $(NEXT_TRIAL)/design.json
 	$(BIN)/monte-carlo $(NEXT_MODEL) --dictionary $(STUDY)/next/dictionary.toml $(NEXT_SEA) --design $< --estimator output-error $(FLAGS) --out $@
 
-$(MEASURED)/report.html: $(if $(NEXT),$(NEXT_TRIAL)/tally.json)
+# Where it is sailed, where the study says so
+NEXT_PLAN = $(if $(wildcard $(STUDY)/next/plan.toml),$(NEXT_TRIAL)/plan.json)
+
+$(NEXT_TRIAL)/plan.json: $(NEXT_TRIAL)/design.json $(STUDY)/next/plan.toml
+	$(BIN)/plan $(NEXT_MODEL) --trajectories $(NEXT_TRIAL)/dictionary.parquet --design $< --config $(STUDY)/next/plan.toml $(FLAGS) --out $@
+
+$(MEASURED)/report.html: $(if $(NEXT),$(NEXT_TRIAL)/tally.json $(NEXT_PLAN))
 $(MEASURED)/report.html: $(MEASURED)/estimates.parquet $(MEASURED)/crossval.json $(if $(SELECTED),$(MEASURED)/selection.parquet) $(if $(TEST),$(MEASURED)/compare.json) $(BIN)/.built
 	$(BIN)/report --study $(STUDY) --results $(MEASURED) $(FLAGS) --out $@

@@ -11,8 +11,10 @@ use study::documents::{
 
 use super::loader::{Loader, existing};
 use super::number::{exact, fit, median, or_dash, percent, q90, three, three_or_dash, unit};
-use super::parts::{Section, coded, missing};
+use super::parts::{Figures, Section, coded, missing};
+use super::study::{PlannedTrial, Study};
 use super::table::Table;
+use super::trajectory::planned as trajectory;
 
 /// What there is about the next trial.
 #[derive(Clone, Debug)]
@@ -25,6 +27,8 @@ pub struct NextTrial {
     pub design: DesignDocument,
     /// `next/tally.json`: what is estimated from simulations of it.
     pub tally: Option<TallyDocument>,
+    /// `next/plan.json` and its map: where it is sailed.
+    pub planned: Option<PlannedTrial>,
 }
 
 /// The folder of the results.
@@ -44,9 +48,12 @@ pub(super) fn load(loader: &mut Loader) -> Result<Option<NextTrial>, Error> {
     let model = read_document::<ModelDocument>(&path)?;
     known.written("vessel", &path, model.digest)?;
     loader.note("next/model.json", "the model that the next trial is designed with", model.digest);
+    let plan = read(loader, &mut known, "plan", "the next trial's trajectory")?;
+    let map = super::trajectory::files::map(loader, &format!("{FOLDER}/map.svg"))?;
+    let planned = plan.map(|plan| PlannedTrial { name: String::new(), plan, map, stale: Vec::new() });
     let mut search = Provenance { allow_mixed: loader.sources.allow_mixed, ..Provenance::default() };
     let searched = read(loader, &mut search, "search", "how that model was found")?;
-    Ok(Some(NextTrial { model: model.data, searched, design, tally }))
+    Ok(Some(NextTrial { model: model.data, searched, design, tally, planned }))
 }
 
 fn read<D: artifact::Document>(
@@ -65,7 +72,7 @@ fn read<D: artifact::Document>(
 }
 
 /// What to sail next, how well the parameters are known then, and how far models follow.
-pub(super) fn next_trial(next: Option<&NextTrial>) -> Option<Section> {
+pub(super) fn next_trial(study: &Study, next: Option<&NextTrial>, figures: &mut Figures) -> Option<Section> {
     let next = next?;
     let body = html! {
         p {
@@ -77,6 +84,7 @@ pub(super) fn next_trial(next: Option<&NextTrial>) -> Option<Section> {
         (shares(next))
         (free_runs(next))
         (parameters(next))
+        @if let Some(planned) = &next.planned { h3 { "Where it is sailed" } (trajectory(study, planned, figures)) }
     };
     Some(Section::new("next", "The next trial", "The next trial", body))
 }

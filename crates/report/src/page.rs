@@ -76,13 +76,15 @@ fn of_logs(study: &Study, measured: &Measured, figures: &mut Figures) -> Vec<Sec
     if study.dictionary.is_some() {
         sections.push(dictionary(study, figures));
     }
-    sections.extend(next_trial(measured.next.as_ref()));
+    sections.extend(next_trial(study, measured.next.as_ref(), figures));
     sections.push(logs(measured));
     sections
 }
 
 fn document(study: &Study, sections: &[Section]) -> Markup {
-    let style = study.trajectory.is_some().then_some(trajectory::STYLE);
+    let next = study.measured.as_ref().and_then(|measured| measured.next.as_ref());
+    let planned = study.trajectory.is_some() || next.is_some_and(|next| next.planned.is_some());
+    let style = planned.then_some(trajectory::STYLE);
     whole(&format!("{} – {}", study.name, kind(study)), &headline(study), sections, style)
 }
 

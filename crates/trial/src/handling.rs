@@ -81,6 +81,9 @@ const OF_TURN_RATE: f64 = 0.5;
 const TURN_LENGTHS: f64 = 4.0;
 /// Way of the slowest mode within the response time \[lengths\].
 const RESPONSE_LENGTHS: f64 = 1.5;
+/// A course aimed at a point ahead on a line turns by no more than this part of speed over lookahead: 2/(3√3), where it crosses
+/// the line at atan(1/√2).
+const OF_LOOKAHEAD: f64 = 0.384_900_179_459_750_5;
 /// Time for its own length of a vessel that has no mode under way \[s\].
 const AT_REST_LENGTH_S: f64 = 20.0;
 /// Of the slowest mode's speed.
@@ -180,8 +183,9 @@ impl DerivedHandling {
             crawl_m_s: OF_SPEED * slowest,
             acceleration_m_s2,
             response_s,
-            // Errors across a line die out without swinging at the fastest mode, and faster at others.
-            lookahead_m: fastest * response_s,
+            // Errors across a line die out without swinging at the fastest mode, and faster at others: neither the response nor
+            // the yaw rate is too slow for it.
+            lookahead_m: fastest * response_s.max(OF_LOOKAHEAD / turn_rate_rad_s),
         };
         Ok(Self { handling, ability })
     }

@@ -109,7 +109,8 @@ fn stale(loader: &Loader, name: &str, loaded: &Loaded<PlanDocument>) -> Vec<Stri
     roles.iter().filter(|role| differs(role)).map(|(_, file)| (*file).to_owned()).collect()
 }
 
-fn map(loader: &mut Loader, name: &str) -> Result<Option<String>, Error> {
+/// The map `name` of the results, noted; none where there is no such file.
+pub(crate) fn map(loader: &mut Loader, name: &str) -> Result<Option<String>, Error> {
     let path = loader.sources.results.join(name);
     if !path.exists() {
         return Ok(None);

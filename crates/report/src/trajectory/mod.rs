@@ -39,7 +39,8 @@ pub(super) fn trajectory(study: &Study, figures: &mut Figures) -> Option<Section
     Some(Section::new("trajectory", "Trajectory", "Trajectory", body))
 }
 
-fn planned(study: &Study, main: &PlannedTrial, figures: &mut Figures) -> Markup {
+/// A plan on its chart, at sea and for the crew.
+pub(super) fn planned(study: &Study, main: &PlannedTrial, figures: &mut Figures) -> Markup {
     let map = map(main, figures);
     let voyage = main.plan.voyage.as_ref();
     html! {

@@ -56,6 +56,25 @@ fn law_speed_is_gained_and_lost_as_fast_as_a_step_of_the_thrust_does_it() {
     assert!((coasting_m_s2 + gain(2.5, 0.0)).abs() < 1e-12);
 }
 
+/// A point that is always headed for the point ahead on a line turns no faster than the vessel can, in its fastest mode.
+#[test]
+fn law_a_line_is_aimed_at_as_near_as_the_yaw_rate_can_follow() {
+    for (rudder, binding) in [("0.6", false), ("0.05", true)] {
+        let vessel = coaster("range = [-400.0, 1200.0]", &format!("range = [-{rudder}, {rudder}]"));
+        let handling = derived(&vessel).handling;
+        let (mut across, mut before, mut most, step_s) = (20.0 * handling.lookahead_m, None, 0.0_f64, 0.01);
+        while across > 0.1 {
+            let course = (across / handling.lookahead_m).atan();
+            most = before.map_or(most, |before: f64| most.max((before - course) / step_s));
+            before = Some(course);
+            across -= MODES[1] * course.sin() * step_s;
+        }
+        let part = most / handling.turn_rate_rad_s;
+        let expected = if binding { 0.999..1.001 } else { 0.0..0.999 };
+        assert!(expected.contains(&part), "rudder {rudder}: {part} of the yaw rate");
+    }
+}
+
 #[test]
 fn what_is_stated_is_taken_unless_the_vessel_cannot_do_it() {
     let vessel = coaster("range = [-400.0, 1200.0]", "range = [-0.6, 0.6]\nlag_s = 8.0");

@@ -137,7 +137,7 @@ impl GenerateSpec {
         for kind in self.kinds().iter().filter(|_| !self.start_m_s.is_empty()) {
             let Some([least, most]) = self.starts_of(*kind) else { continue };
             if !self.start_m_s.iter().any(|start| (least..=most).contains(start)) {
-                let expected = format!("one from {least} to {most} m/s for `{kind}`");
+                let expected = format!("one from {least:.3} to {most:.3} m/s for `{kind}`");
                 return refuse(format!("{:?} m/s", self.start_m_s), expected);
             }
         }
