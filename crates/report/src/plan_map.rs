@@ -133,13 +133,15 @@ impl PlanMap<'_> {
         self.prepared.chart.spots().iter().map(spot).collect()
     }
 
-    /// Names of areas, the largest first.
+    /// Names of areas, the largest first, each where its area is widest halfway up.
     fn names(&self, bounds: &Bounds) -> Vec<([f64; 2], String)> {
         let named = |polygon: chart::Polygon| {
             let Bounds { min, max } = polygon.bounds;
+            let halfway = (min[1] + max[1]) / 2.0;
+            let [west, east] = widest(&polygon.rings, halfway)?;
             let name = polygon.called.name.filter(|_| !polygon.is_of_point)?;
             let size = (max[0] - min[0]) * (max[1] - min[1]);
-            Some((size, [0, 1].map(|k| (min[k] + max[k]) / 2.0), name.to_string()))
+            Some((size, [(west + east) / 2.0, halfway], name.to_string()))
         };
         let mut all: Vec<_> = self.prepared.chart.drawn(bounds).into_iter().filter_map(named).collect();
         all.sort_by(|a, b| b.0.total_cmp(&a.0));
@@ -275,6 +277,22 @@ fn body(hull: &Hull, apart_m: f64) -> Vec<[f64; 2]> {
     let x = move |k: u32| stern + hull.length_m * f64::from(k) / f64::from(long);
     let y = move |k: u32| hull.beam_m * (f64::from(k) / f64::from(wide) - 0.5);
     (0..=long).flat_map(|i| (0..=wide).map(move |j| [x(i), y(j)])).collect()
+}
+
+/// The longest stretch of `rings`, filled by the even-odd rule, along the parallel at `y`.
+fn widest(rings: &[Vec<[f64; 2]>], y: f64) -> Option<[f64; 2]> {
+    let mut crossings: Vec<f64> = Vec::new();
+    for ring in rings {
+        let edges = ring.iter().zip(ring.iter().cycle().skip(1));
+        crossings.extend(
+            edges
+                .filter(|(p, q)| (p[1] > y) != (q[1] > y))
+                .map(|(p, q)| p[0] + (y - p[1]) / (q[1] - p[1]) * (q[0] - p[0])),
+        );
+    }
+    crossings.sort_by(f64::total_cmp);
+    let stretches = crossings.chunks_exact(2).map(|pair| [pair[0], pair[1]]);
+    stretches.max_by(|a, b| (a[1] - a[0]).total_cmp(&(b[1] - b[0])))
 }
 
 /// Longitudes and latitudes at round minutes.
