@@ -19,11 +19,19 @@ pub fn beyond(model: &Path, out: &Path) -> Result<Vec<String>, Error> {
     let (layout, rate_hz) = (Layout::new(&vessel.model), vessel.sample_rate_hz);
     let reader = TrajectoryReader::open(out, &layout, rate_hz)?;
     let (mut counter, mut validity) = (Counter::new(&model.covered), None);
+    let mut magnitudes = model.magnitudes;
+    // A disturbance whose value in simulations is stated is not less than it should be.
+    for channel in magnitudes.iter_mut().flat_map(|known| &mut known.channels) {
+        let place = vessel.model.variables.iter().position(|variable| variable.name == channel.name);
+        if place.is_some_and(|place| vessel.model.simulated.contains_key(&place)) {
+            channel.low = 0.0;
+        }
+    }
     for block in 0..reader.blocks() {
         let runs = reader.runs(block)?;
         runs.iter().for_each(|run| counter.add(&run.exogenous, &run.measured));
         let views = runs.iter().map(Run::view);
-        let own = model.magnitudes.as_ref().and_then(|known| Validity::of(known, views, rate_hz));
+        let own = magnitudes.as_ref().and_then(|known| Validity::of(known, views, rate_hz));
         validity = Validity::together(validity, own);
     }
     let stretches = validity.as_ref().and_then(Validity::statement);

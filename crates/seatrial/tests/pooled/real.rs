@@ -231,12 +231,17 @@ fn the_next_trial_of_a_logged_ship_is_designed_from_its_model_within_what_the_lo
         }
         let simulate = "simulate dictionary --vessel model.json --dictionary dictionary.toml";
         let few = "--set dictionary.generate.candidates=100";
-        run(&folder, &format!("{simulate} {few} --out dictionary.parquet")).succeeds();
+        let said = run(&folder, &format!("{simulate} {few} --out dictionary.parquet")).succeeds().stdout;
+        assert!(!said.contains("wind_x below"), "calm is what vessel.toml asks for: {said}");
         let moments =
             "moments --vessel model.json --trajectories dictionary.parquet --campaign campaign.toml";
         run(&folder, &format!("{moments} --estimator output-error --out moments.json")).succeeds();
         let design = "design --moments moments.json --for output-error --duration-s 1200";
         run(&folder, &format!("{design} --out design.json")).succeeds();
+        let plan = "plan --vessel model.json --trajectories dictionary.parquet --design design.json --config plan.toml";
+        let short = "--set plan.informative_s=480 --set plan.safety.runs=24";
+        run(&folder, &format!("{plan} {short} --out plan.json")).succeeds();
+        assert_eq!(json(&folder, "plan.json")["data"]["voyage"]["check"]["aground"], 0);
         let (model, design) = (json(&folder, "model.json"), json(&folder, "design.json"));
         let errors = design["data"]["covariance"]["standard_errors"].as_object().unwrap();
         assert!(errors.values().all(|error| error.as_f64().unwrap() > 0.0), "{errors:?}");
