@@ -11,10 +11,9 @@ use study::documents::{
 
 use super::loader::{Loader, existing};
 use super::number::{exact, fit, median, or_dash, percent, q90, three, three_or_dash, unit};
-use super::parts::{Figures, Section, coded, missing};
-use super::study::{PlannedTrial, Study};
+use super::parts::{Section, coded, missing};
+use super::planned_trial::{PlannedTrial, map};
 use super::table::Table;
-use super::trajectory::planned as trajectory;
 
 /// What there is about the next trial.
 #[derive(Clone, Debug)]
@@ -49,7 +48,7 @@ pub(super) fn load(loader: &mut Loader) -> Result<Option<NextTrial>, Error> {
     known.written("vessel", &path, model.digest)?;
     loader.note("next/model.json", "the model that the next trial is designed with", model.digest);
     let plan = read(loader, &mut known, "plan", "the next trial's trajectory")?;
-    let map = super::trajectory::files::map(loader, &format!("{FOLDER}/map.svg"))?;
+    let map = map(loader, &format!("{FOLDER}/map.svg"))?;
     let planned = plan.map(|plan| PlannedTrial { name: String::new(), plan, map, stale: Vec::new() });
     let mut search = Provenance { allow_mixed: loader.sources.allow_mixed, ..Provenance::default() };
     let searched = read(loader, &mut search, "search", "how that model was found")?;
@@ -71,9 +70,8 @@ fn read<D: artifact::Document>(
     Ok(Some(read.data))
 }
 
-/// What to sail next, how well the parameters are known then, and how far models follow.
-pub(super) fn next_trial(study: &Study, next: Option<&NextTrial>, figures: &mut Figures) -> Option<Section> {
-    let next = next?;
+/// What to sail next, how well the parameters are known then, and how far models follow; `sailed` tells where.
+pub(super) fn next_trial(next: &NextTrial, sailed: Option<Markup>) -> Section {
     let body = html! {
         p {
             "Designed with the model that was found in the logs, for estimates by its free simulation ("
@@ -84,9 +82,9 @@ pub(super) fn next_trial(study: &Study, next: Option<&NextTrial>, figures: &mut 
         (shares(next))
         (free_runs(next))
         (parameters(next))
-        @if let Some(planned) = &next.planned { h3 { "Where it is sailed" } (trajectory(study, planned, figures)) }
+        @if let Some(sailed) = sailed { h3 { "Where it is sailed" } (sailed) }
     };
-    Some(Section::new("next", "The next trial", "The next trial", body))
+    Section::new("next", "The next trial", "The next trial", body)
 }
 
 /// Seconds of the whole trial.

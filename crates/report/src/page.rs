@@ -76,7 +76,10 @@ fn of_logs(study: &Study, measured: &Measured, figures: &mut Figures) -> Vec<Sec
     if study.dictionary.is_some() {
         sections.push(dictionary(study, figures));
     }
-    sections.extend(next_trial(study, measured.next.as_ref(), figures));
+    if let Some(next) = &measured.next {
+        let sailed = next.planned.as_ref().map(|own| trajectory::planned(study, own, figures));
+        sections.push(next_trial(next, sailed));
+    }
     sections.push(logs(measured));
     sections
 }

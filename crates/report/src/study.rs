@@ -1,9 +1,11 @@
 use study::documents::{
-    DesignDocument, DesignScores, EstimateDocument, MomentsDocument, PlanDocument, Reference,
-    SequentialDocument, TallyDocument, ValidationDocument,
+    DesignDocument, DesignScores, EstimateDocument, MomentsDocument, Reference, SequentialDocument,
+    TallyDocument, ValidationDocument,
 };
 use study::scores;
 use vessel::{Variable, Vessel};
+
+use super::planned_trial::PlannedTrial;
 
 /// Everything that the page can show. What is absent is said to be missing.
 #[derive(Clone, Debug, Default)]
@@ -72,19 +74,6 @@ pub struct Trajectory {
     pub estimate: Option<EstimateDocument>,
     /// `planned/validation.json`: errors of those estimates.
     pub validation: Option<ValidationDocument>,
-}
-
-/// A plan with its map.
-#[derive(Clone, Debug)]
-pub struct PlannedTrial {
-    /// Name of its folder, `plan-4-headings`; empty for the study's own plan.
-    pub name: String,
-    /// `plan.json`.
-    pub plan: PlanDocument,
-    /// `map.svg`, free of scripts and links.
-    pub map: Option<String>,
-    /// Files of this study that are not those that the plan was made from.
-    pub stale: Vec<String>,
 }
 
 /// One maneuver over time. All vectors are as long as `t`; a value that is not finite is left out of the figures.

@@ -4,9 +4,9 @@ use std::path::Path;
 
 use artifact::{Digest, Error, Loaded};
 
-use super::map::refused;
 use crate::loader::Loader;
-use crate::study::{PlannedTrial, Trajectory};
+use crate::planned_trial::{PlannedTrial, map};
+use crate::study::Trajectory;
 use study::documents::PlanDocument;
 
 /// What `plan` writes beside `plan.json`.
@@ -107,22 +107,4 @@ fn stale(loader: &Loader, name: &str, loaded: &Loaded<PlanDocument>) -> Vec<Stri
         found.is_some_and(|found| found != used.to_string())
     };
     roles.iter().filter(|role| differs(role)).map(|(_, file)| (*file).to_owned()).collect()
-}
-
-/// The map `name` of the results, noted; none where there is no such file.
-pub(crate) fn map(loader: &mut Loader, name: &str) -> Result<Option<String>, Error> {
-    let path = loader.sources.results.join(name);
-    if !path.exists() {
-        return Ok(None);
-    }
-    let bytes = std::fs::read(&path).map_err(|e| Error::io(&path, "read", e))?;
-    let digest = Digest::of_bytes(&bytes);
-    let text = String::from_utf8(bytes).map_err(|_| "bytes that are not UTF-8".to_owned());
-    let checked = text.and_then(|text| refused(&text).map_or(Ok(text), Err));
-    let svg = checked.map_err(|found| {
-        let expected = "a drawing of shapes and text, without scripts, styles or links";
-        study::refuse(&path, "map", &found, expected, "run `plan` again, or remove the file")
-    })?;
-    loader.note(name, "map of the plan", digest);
-    Ok(Some(svg))
 }

@@ -3,7 +3,6 @@
 mod facts;
 pub(crate) mod files;
 mod front;
-mod map;
 mod moves;
 mod passage;
 mod sheet;
@@ -16,7 +15,8 @@ use trial::voyage::Check;
 use crate::figures::map::parted;
 use crate::number::three;
 use crate::parts::{Figures, Section, missing};
-use crate::study::{PlannedTrial, Study};
+use crate::planned_trial::PlannedTrial;
+use crate::study::Study;
 use facts::{facts, information};
 use front::front;
 use moves::moves;

@@ -33,7 +33,7 @@ const ATTRIBUTES: [&str; 25] = [
 const NAMESPACE: &str = "http://www.w3.org/2000/svg";
 
 /// What a page must not take over from `svg`; none where it is one plain drawing with balanced tags.
-pub(super) fn refused(svg: &str) -> Option<String> {
+pub(crate) fn refused(svg: &str) -> Option<String> {
     if !svg.starts_with("<svg ") || !svg.trim_end().ends_with("</svg>") {
         return Some("text that is not one <svg> element".to_owned());
     }
