@@ -1,6 +1,6 @@
 """Plans the trial of the 60 m coaster from random starts on a chart, and tells what becomes of each.
 
-    python3 scripts/random_starts.py --chart ../shared/data/charts/turku_archipelago_land_gshhg_f.geojson \\
+    python3 scripts/random_starts.py --chart ../shared/data/charts/turku_archipelago_land_gshhg_f.geojson --kind land \\
         --box 21.75 59.95 22.45 60.4 --starts 25 --seed 1 --out out/random-starts
 
 Starts on an obstacle are drawn anew. For every other one: the exit code, time and memory of `seatrial plan`, and of a plan how
