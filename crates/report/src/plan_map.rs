@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use chart::{Bounds, Causes, Class, GridCell, Invalid, Obstacles, Plane, Raster, Uncharted};
-use study::documents::{PassageLeg, PlanDocument};
+use study::documents::PlanDocument;
 use trial::Sample;
 use trial::voyage::{Hull, Prepared, Sailing, Solved};
 
@@ -178,24 +178,9 @@ impl PlanMap<'_> {
 
     /// As wide to each side as the passage plan tells.
     fn corridors(&self) -> Vec<Vec<[f64; 2]>> {
-        let Some(passage) = self.document.voyage.as_ref().map(|voyage| &voyage.passage) else {
-            return Vec::new();
-        };
-        let plane = self.prepared.chart.plane();
-        let mut from = plane.to_plane(passage.longitude_deg, passage.latitude_deg);
-        let ring = |leg: &PassageLeg| {
-            let to = plane.to_plane(leg.longitude_deg, leg.latitude_deg);
-            let along = [to[0] - from[0], to[1] - from[1]];
-            let length = libm::hypot(along[0], along[1]);
-            let starboard = [along[1] / length, -along[0] / length];
-            let beside = |at: [f64; 2], by: f64| [0, 1].map(|k| at[k] + by * starboard[k]);
-            let (port, right) = (-leg.xtd_port_m, leg.xtd_starboard_m);
-            let ring = vec![beside(from, port), beside(to, port), beside(to, right), beside(from, right)];
-            from = to;
-            ring
-        };
-        let rings: Vec<Vec<[f64; 2]>> = passage.legs.iter().map(ring).collect();
-        rings.into_iter().filter(|ring| ring.iter().flatten().all(|v| v.is_finite())).collect()
+        let voyage = self.document.voyage.iter();
+        let rings = voyage.flat_map(|voyage| voyage.passage.corridors(self.prepared.chart.plane()));
+        rings.flatten().map(Vec::from).collect()
     }
 
     /// On the plane.

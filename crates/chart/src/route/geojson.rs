@@ -1,6 +1,6 @@
 use geojson::{FeatureCollection, GeometryValue, JsonObject, Position};
 
-use super::points::place;
+use super::points::rounded;
 use crate::Invalid;
 
 /// A feature: where and what.
@@ -19,13 +19,15 @@ pub enum Geometry {
     Point([f64; 2]),
     /// A track of at least two points.
     Line(Vec<[f64; 2]>),
+    /// An area without holes: a corridor. Counterclockwise, the last point is the first.
+    Polygon(Vec<[f64; 2]>),
 }
 
 /// The features as a GeoJSON FeatureCollection (RFC 7946), in their order: longitude first, to 10⁻⁹
 /// degrees.
 ///
 /// # Errors
-/// Coordinates that are not finite or out of range; a line of fewer than two points; a step over the antimeridian, where
+/// Coordinates that are not finite or out of range; a line of fewer than two points, a polygon of fewer than four; a step over the antimeridian, where
 /// RFC 7946 wants a cut.
 pub fn geojson(features: &[Feature]) -> Result<String, Invalid> {
     let feature = |(index, f): (usize, &Feature)| {
@@ -47,20 +49,18 @@ fn geometry(geometry: &Geometry, thing: &str) -> Result<GeometryValue, Invalid> 
     match geometry {
         Geometry::Point(p) => Ok(GeometryValue::Point { coordinates: positions(&[*p], 1, thing)?.remove(0) }),
         Geometry::Line(line) => Ok(GeometryValue::LineString { coordinates: positions(line, 2, thing)? }),
+        Geometry::Polygon(ring) => {
+            Ok(GeometryValue::Polygon { coordinates: vec![positions(ring, 4, thing)?] })
+        }
     }
 }
 
 fn positions(points: &[[f64; 2]], least: usize, thing: &str) -> Result<Vec<Position>, Invalid> {
-    points.iter().try_for_each(|p| place(thing, *p))?;
-    let expected = "whole lines on one side of the antimeridian";
-    if points.len() < least {
-        let found = format!("{} points", points.len());
-        return Err(Invalid::new(thing, found, expected, "give at least two points"));
-    }
+    let points = rounded(points, least, thing)?;
     if let Some(w) = points.windows(2).find(|w| (w[1][0] - w[0][0]).abs() > 180.0) {
         let found = format!("a step from {} to {} degrees", w[0][0], w[1][0]);
+        let expected = "whole lines on one side of the antimeridian";
         return Err(Invalid::new(thing, found, expected, "cut it at 180°"));
     }
-    let round = |v: f64| (v * 1e9).round() / 1e9;
-    Ok(points.iter().map(|p| Position::from(p.map(round))).collect())
+    Ok(points.into_iter().map(Position::from).collect())
 }

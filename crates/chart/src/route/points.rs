@@ -171,8 +171,12 @@ impl Track {
 
 /// `after_s` after `departure`, as ISO 8601 in UTC.
 pub(crate) fn instant(departure: Timestamp, after_s: f64) -> Option<String> {
-    let after = SignedDuration::try_from_secs_f64(after_s).ok()?;
-    departure.checked_add(after).ok().map(|instant| instant.to_string())
+    later(departure, after_s).map(|instant| instant.to_string())
+}
+
+/// `after_s` after `departure`.
+pub(crate) fn later(departure: Timestamp, after_s: f64) -> Option<Timestamp> {
+    departure.checked_add(SignedDuration::try_from_secs_f64(after_s).ok()?).ok()
 }
 
 /// Course along the loxodrome, true \[deg\].
@@ -195,6 +199,16 @@ pub(crate) fn place(thing: &str, [lon, lat]: [f64; 2]) -> Result<(), Invalid> {
     }
     let found = format!("longitude {lon}, latitude {lat}");
     Err(Invalid::new(thing, found, "degrees within ±180 and ±90", "correct it"))
+}
+
+/// `least` places or more, to 10⁻⁹ degrees (0.1 mm).
+pub(crate) fn rounded(places: &[[f64; 2]], least: usize, thing: &str) -> Result<Vec<[f64; 2]>, Invalid> {
+    places.iter().try_for_each(|p| place(thing, *p))?;
+    if places.len() < least {
+        let (found, expected) = (format!("{} points", places.len()), format!("at least {least}"));
+        return Err(Invalid::new(thing, found, expected, "give more of them"));
+    }
+    Ok(places.iter().map(|p| p.map(|v| (v * 1e9).round() / 1e9)).collect())
 }
 
 /// Names must be one line of text: XML cannot hold control characters.

@@ -3,6 +3,7 @@
 mod dangers;
 mod footprints;
 mod geodesy;
+mod geopackages;
 mod grid_files;
 mod grid_formats;
 mod marks;

@@ -10,13 +10,14 @@ use crate::study::Trajectory;
 use study::documents::PlanDocument;
 
 /// What `plan` writes beside `plan.json`.
-const BESIDE: [(&str, &str); 6] = [
+const BESIDE: [(&str, &str); 7] = [
     ("track.parquet", "planned trajectory, every sample"),
     ("track.geojson", "planned track, for charts"),
     ("route.rtz", "route for the bridge"),
     ("route.gpx", "route and track for receivers"),
     ("route.kml", "route and track for globes"),
     ("route.plan", "route for ground stations of autopilots"),
+    ("route.gpkg", "passage and track as layers for QGIS"),
 ];
 
 /// The trajectory that the study plans; none where there is neither `plan.toml` nor `plan.json`.

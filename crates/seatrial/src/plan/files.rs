@@ -40,8 +40,16 @@ pub struct Resumed<'a> {
 pub const MAIN: &str = "plan.json";
 
 /// What is written beside `plan.json`.
-const BESIDE: [&str; 7] =
-    ["track.parquet", "track.geojson", "route.rtz", "route.gpx", "route.kml", "route.plan", "map.svg"];
+const BESIDE: [&str; 8] = [
+    "track.parquet",
+    "track.geojson",
+    "route.rtz",
+    "route.gpx",
+    "route.kml",
+    "route.plan",
+    "route.gpkg",
+    "map.svg",
+];
 
 impl VoyageFiles<'_> {
     /// Reads everything for a plan that is to be written to `out`, and what became of the objects of electronic charts.

@@ -110,8 +110,7 @@ impl Planned<'_> {
         let files = routes.files().map_err(|(name, invalid)| {
             Failure::Failed(artifact::Error::invalid(beside(out, MAIN, name), invalid).to_string())
         })?;
-        let stage =
-            |(name, text): (&str, String)| Ok(Staged::bytes(beside(out, MAIN, name), text.as_bytes())?);
+        let stage = |(name, bytes): (&str, Vec<u8>)| Ok(Staged::bytes(beside(out, MAIN, name), &bytes)?);
         files.into_iter().map(stage).collect()
     }
 

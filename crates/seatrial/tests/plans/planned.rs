@@ -14,7 +14,7 @@ pub const PLAN: &str =
     "plan --vessel vessel.toml --trajectories dictionary.parquet --config plan.toml --out plan.json";
 
 /// What `plan` writes.
-pub const PLANNED: [&str; 8] = [
+pub const PLANNED: [&str; 9] = [
     "plan.json",
     "track.parquet",
     "track.geojson",
@@ -22,6 +22,7 @@ pub const PLANNED: [&str; 8] = [
     "route.gpx",
     "route.kml",
     "route.plan",
+    "route.gpkg",
     "map.svg",
 ];
 

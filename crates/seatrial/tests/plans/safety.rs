@@ -44,6 +44,8 @@ fn a_plan_that_fails_its_check_and_is_allowed_says_so_in_every_output() {
     assert!(track["features"].as_array().unwrap().iter().all(|f| f["properties"]["safe"] == false));
     assert!(planned.text("route.kml").contains("route (unsafe)"));
     assert!(planned.text("route.plan").contains("route (unsafe)"));
+    let package = String::from_utf8_lossy(planned.study.bytes("route.gpkg"));
+    assert!(package.contains("unsafe plan: corridors") && package.contains("unsafe plan: planned track"));
     assert!(planned.text("map.svg").contains("Unsafe: the plan fails its own check"));
     let folder = planned.study.with(&["plan.json", "map.svg", "dictionary.parquet"]);
     fs::create_dir(folder.path().join("out")).unwrap();
@@ -56,7 +58,8 @@ fn a_plan_that_fails_its_check_and_is_allowed_says_so_in_every_output() {
     let small = small_planned();
     assert_eq!(small.voyage()["check"]["safe"], true);
     PLANNED.iter().filter(|name| !name.ends_with("parquet")).for_each(|name| {
-        assert!(!small.text(name).to_lowercase().contains("unsafe"), "{name}");
+        let text = String::from_utf8_lossy(small.study.bytes(name));
+        assert!(!text.to_lowercase().contains("unsafe"), "{name}");
     });
 }
 

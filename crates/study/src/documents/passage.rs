@@ -1,3 +1,4 @@
+use chart::Plane;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use trial::voyage::Tide;
@@ -65,4 +66,24 @@ pub struct PassageLeg {
     pub nearest: Option<NearestDanger>,
     /// What is done at its waypoint before going on, such as a turn on the spot.
     pub then: Vec<String>,
+}
+
+impl Passage {
+    /// The corners of every leg's corridor on `plane`, as wide to each side as its cross-track distances; to port of its start first,
+    /// clockwise. None for a leg without a length.
+    pub fn corridors(&self, plane: &Plane) -> Vec<Option<[[f64; 2]; 4]>> {
+        let mut from = plane.to_plane(self.longitude_deg, self.latitude_deg);
+        let corridor = |leg: &PassageLeg| {
+            let to = plane.to_plane(leg.longitude_deg, leg.latitude_deg);
+            let start = std::mem::replace(&mut from, to);
+            let along = [to[0] - start[0], to[1] - start[1]];
+            let length = libm::hypot(along[0], along[1]);
+            let starboard = [along[1] / length, -along[0] / length];
+            let beside = |at: [f64; 2], by: f64| [0, 1].map(|k| at[k] + by * starboard[k]);
+            let (port, right) = (-leg.xtd_port_m, leg.xtd_starboard_m);
+            (length > 0.0)
+                .then(|| [beside(start, port), beside(to, port), beside(to, right), beside(start, right)])
+        };
+        self.legs.iter().map(corridor).collect()
+    }
 }

@@ -1,11 +1,18 @@
-//! The plan as files for others: tracks, and routes for bridges and ground stations.
+//! The plan as files for others: tracks, layers for maps, and routes for bridges and ground stations.
 
-use chart::route::{Feature, Geometry, Route, Track, Waypoint, geojson, gpx, kml, qgroundcontrol, rtz};
+use chart::route::{
+    Feature, Geometry, Route, StyledLayer, Track, Waypoint, geojson, geopackage, gpx, kml, qgroundcontrol,
+    rtz,
+};
 use chart::{Invalid, Plane};
-use serde_json::{Value, json};
+use serde_json::json;
 use trial::{Sailed, Sample, Side};
 
+use super::layers::{Layers, object};
 use crate::documents::{Passage, PlanDocument, Voyage, VoyageLeg};
+
+/// A file's name and content.
+pub type NamedFile = (&'static str, Vec<u8>);
 
 /// A plan's track on the globe.
 pub struct Routes<'a> {
@@ -26,22 +33,35 @@ impl Routes<'_> {
     ///
     /// # Errors
     /// A route that the format cannot hold, with the name of its file.
-    pub fn files(&self) -> Result<Vec<(&'static str, String)>, (&'static str, Invalid)> {
+    pub fn files(&self) -> Result<Vec<NamedFile>, (&'static str, Invalid)> {
         let departure = self.voyage.passage.departure.as_deref().and_then(|at| at.parse().ok());
         let mut route = Route { name: self.labelled("route"), departure, waypoints: self.waypoints() };
         route.fit_radii();
+        let features = self.features();
         let files = [
-            ("track.geojson", geojson(&self.features())),
-            ("route.rtz", rtz(&route)),
-            ("route.gpx", gpx(&route, &[self.track()])),
-            ("route.kml", kml(&route, &self.tracks())),
-            ("route.plan", qgroundcontrol(&route)),
+            ("track.geojson", geojson(&features).map(String::into_bytes)),
+            ("route.rtz", rtz(&route).map(String::into_bytes)),
+            ("route.gpx", gpx(&route, &[self.track()]).map(String::into_bytes)),
+            ("route.kml", kml(&route, &self.tracks()).map(String::into_bytes)),
+            ("route.plan", qgroundcontrol(&route).map(String::into_bytes)),
+            ("route.gpkg", geopackage(&self.layers(&route, features), departure)),
         ];
-        let named = |(name, text): (&'static str, Result<String, Invalid>)| match text {
-            Ok(text) => Ok((name, text)),
+        let named = |(name, bytes): (&'static str, Result<Vec<u8>, Invalid>)| match bytes {
+            Ok(bytes) => Ok((name, bytes)),
             Err(invalid) => Err((name, invalid)),
         };
         files.into_iter().map(named).collect()
+    }
+
+    fn layers(&self, route: &Route, features: Vec<Feature>) -> Vec<StyledLayer> {
+        let (plane, passage, label) = (self.plane, &self.voyage.passage, self.label());
+        let is_line = |feature: &Feature| matches!(feature.geometry, Geometry::Line(_));
+        Layers { plane, route, passage, tracks: features.into_iter().filter(is_line).collect(), label }.all()
+    }
+
+    /// What is said before whatever is done by an unsafe plan.
+    fn label(&self) -> &'static str {
+        if self.voyage.check.safe { "" } else { "unsafe plan: " }
     }
 
     /// A name, of which a plan that fails its check says so.
@@ -51,7 +71,7 @@ impl Routes<'_> {
 
     /// What is done on a leg, in words; of an unsafe plan each says so.
     fn what(&self, leg: &VoyageLeg) -> String {
-        let label = if self.voyage.check.safe { "" } else { "unsafe plan: " };
+        let label = self.label();
         match leg.side {
             Some(Side::Mirrored) => format!("{label}{} (mirrored)", leg.name),
             _ => format!("{label}{}", leg.name),
@@ -75,7 +95,7 @@ impl Routes<'_> {
     /// The waypoints of the passage.
     fn waypoints(&self) -> Vec<Waypoint> {
         let Passage { longitude_deg, latitude_deg, before, legs, .. } = &self.voyage.passage;
-        let label = if self.voyage.check.safe { "" } else { "unsafe plan: " };
+        let label = self.label();
         let first = Waypoint {
             name: "start".to_owned(),
             lon_deg: *longitude_deg,
@@ -147,6 +167,7 @@ impl Routes<'_> {
                 geometry: Geometry::Line(line),
                 properties: object(json!({
                     "step": k + 1,
+                    "name": self.what(leg),
                     "action": step.action,
                     "variant": step.variant,
                     "informative": leg.informative,
@@ -181,11 +202,4 @@ fn noted<'a>(label: &str, what: impl IntoIterator<Item = &'a String>) -> String 
 fn geodesic(plane: &Plane, a: [f64; 2], b: [f64; 2]) -> f64 {
     let (a, b) = (plane.to_plane(a[0], a[1]), plane.to_plane(b[0], b[1]));
     libm::hypot(a[0] - b[0], a[1] - b[1])
-}
-
-fn object(value: Value) -> serde_json::Map<String, Value> {
-    match value {
-        Value::Object(object) => object,
-        _ => serde_json::Map::new(),
-    }
 }
