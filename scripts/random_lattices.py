@@ -62,9 +62,10 @@ def problems(arguments: argparse.Namespace, folder: Path):
     for number in range(arguments.random):
         path = folder / f"random_{arguments.seed}_{number}.json"
         draw = random.Random(f"{arguments.seed} {number}")
+        walked = draw.random() < WALKED
         document = random_problem(draw, path.stem)
-        if draw.random() < WALKED:
-            ask_for_a_walk(draw, document)
+        while walked and not ask_for_a_walk(draw, document):
+            document = random_problem(draw, path.stem)
         path.write_text(json.dumps(document), "utf-8")
         yield path
         path.unlink()
@@ -131,8 +132,9 @@ def random_problem(draw: random.Random, name: str) -> dict[str, Any]:
     }
 
 
-def ask_for_a_walk(draw: random.Random, document: dict[str, Any]) -> None:
-    """Asks for the end and the uses of a random walk of up to twelve moves, so that there is a plan."""
+def ask_for_a_walk(draw: random.Random, document: dict[str, Any]) -> bool:
+    """Asks for the end and the uses of a random walk of up to twelve moves, so that there is a plan; says whether it leads
+    from pose to pose at all and uses something."""
     problem = problem_of(document)
     pose, uses = problem.start, collections.Counter()
     for _ in range(draw.randint(1, 12)):
@@ -143,6 +145,7 @@ def ask_for_a_walk(draw: random.Random, document: dict[str, Any]) -> None:
     document["goal"] = pose
     for slot, own in enumerate(document["informative"]):
         own["count"] = uses[slot]
+    return pose != problem.start and any(uses[slot] for slot in range(len(document["informative"])))
 
 
 def action(draw: random.Random, name: str, headings: int, rule: str, informative: bool) -> dict[str, Any]:
