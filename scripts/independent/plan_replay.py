@@ -101,12 +101,13 @@ def read_problem(path: Path) -> Problem:
     try:
         if document["schema"] != SCHEMA:
             raise Unusable(f"found schema {document['schema']}, expected {SCHEMA}")
-        return _problem(document)
+        return problem_of(document)
     except (KeyError, TypeError, ValueError, IndexError) as error:
         raise Unusable(f"not a problem of {SCHEMA}: {type(error).__name__}: {error}") from error
 
 
-def _problem(document: dict[str, Any]) -> Problem:
+def problem_of(document: dict[str, Any]) -> Problem:
+    """The problem that a document of the schema tells."""
     lattice, expected = document["lattice"], document.get("expected", {})
     informative, basic = ([(entry["name"], entry) for entry in document[key]] for key in ("informative", "basic"))
     actions = {name: _action(entry, entry["count"]) for name, entry in informative}
@@ -169,7 +170,7 @@ def replay(problem: Problem, steps: list[Any]) -> Replay:
             done.whole = False
             break
         start, end = done.pose, (done.pose[0] + move.di, done.pose[1] + move.dj, move.to_h)
-        wrongs = _told(step, "from", start) + _told(step, "to", end) + _blocked(problem, start, end, move)
+        wrongs = _told(step, "from", start) + _told(step, "to", end) + blocked(problem, start, end, move)
         done.violations += [f"step {number} ({step['action']}): {wrong}" for wrong in wrongs]
         done.pose = end
         done.uses[step["action"]] += 1
@@ -200,7 +201,7 @@ def _told(step: dict[str, Any], key: str, pose: Pose) -> list[str]:
     return [] if found == pose else [f"found `{key}` {found}, expected {pose}"]
 
 
-def _blocked(problem: Problem, start: Pose, end: Pose, move: Move) -> list[str]:
+def blocked(problem: Problem, start: Pose, end: Pose, move: Move) -> list[str]:
     """Why a move is not allowed."""
     nx, ny, headings = problem.size
     wrongs = [] if problem.holds(end) else [f"ends at {end}, expected inside {nx} × {ny} × {headings}"]

@@ -41,7 +41,7 @@ struct Search<'a> {
     bound: &'a Bound,
     plan: Option<(u64, Walk)>,
     nodes: Nodes,
-    queue: RadixHeap<u32>,
+    queue: RadixHeap<u64, u32>,
 }
 
 impl Search<'_> {

@@ -9,9 +9,11 @@ pub(crate) struct ByNode<T> {
 }
 
 impl<T> ByNode<T> {
-    /// Of no node yet.
-    pub fn new() -> Self {
-        Self { offsets: vec![0], entries: Vec::new() }
+    /// Of no node yet, with room for `nodes` and `entries`.
+    pub fn with_room(nodes: usize, entries: usize) -> Self {
+        let mut offsets = Vec::with_capacity(nodes + 1);
+        offsets.push(0);
+        Self { offsets, entries: Vec::with_capacity(entries) }
     }
 
     /// Adds the next node with its entries.

@@ -2,10 +2,10 @@
 
 use crate::{Action, Lattice};
 
-/// Bytes of a pose in the problem's and the graph's tables together, about.
+/// Bytes of a pose in the graph's and a search's tables together, about.
 const PER_POSE: u128 = 28;
-/// Bytes of an allowed move: once in the problem, in the graph forward and backward.
-const PER_MOVE: u128 = 24;
+/// Bytes of an allowed move, about: a bit in the problem, and once in the tables of a search.
+const PER_MOVE: u128 = 10;
 
 /// What a lattice with its moves takes, told before anything is allocated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -27,7 +27,7 @@ impl Demand {
         Self { poses, moves: moves.fold(0, u128::saturating_add) }
     }
 
-    /// Bytes that problem and graph take at most, about; the search takes more.
+    /// Bytes that problem, graph and the arcs of a search take at most, about; its states take more.
     pub fn bytes(&self) -> u128 {
         let poses = self.poses.saturating_mul(PER_POSE);
         poses.saturating_add(self.moves.saturating_mul(PER_MOVE))

@@ -5,12 +5,14 @@ use crate::radix_heap::RadixHeap;
 use crate::watch::{self, Verdict, Walk, Watch};
 use crate::{Limit, recover};
 
+/// How many states are taken out between two looks at the memory of the queue.
+const LOOKS: u32 = 1 << 12;
+
 /// A distance as it is stored.
-pub(crate) trait Stored: Copy + PartialEq {
+pub(crate) trait Stored: Copy + Default + Ord + Into<u64> {
     const UNREACHED: Self;
     /// Nothing if it is too large.
     fn store(key: u64) -> Option<Self>;
-    fn key(self) -> u64;
 }
 
 impl Stored for u32 {
@@ -18,18 +20,12 @@ impl Stored for u32 {
     fn store(key: u64) -> Option<Self> {
         u32::try_from(key).ok().filter(|&stored| stored < u32::MAX)
     }
-    fn key(self) -> u64 {
-        u64::from(self)
-    }
 }
 
 impl Stored for u64 {
     const UNREACHED: Self = u64::MAX;
     fn store(key: u64) -> Option<Self> {
         Some(key)
-    }
-    fn key(self) -> u64 {
-        self
     }
 }
 
@@ -42,11 +38,13 @@ enum Ended {
     Stopped,
     /// A distance did not fit into its storage.
     Overflow,
+    /// The queue did not fit into the memory.
+    Full,
 }
 
-/// Bytes that the search takes: distances and, at its widest, about half a queue entry per state.
+/// Bytes that the search usually takes: distances, and about half of a state's entries in a queue at its widest.
 pub(crate) fn bytes(graph: &Graph) -> u128 {
-    graph.states().saturating_mul(if narrow(graph) { 12 } else { 16 })
+    graph.states().saturating_mul(if narrow(graph) { 12 } else { 16 }) + u128::from(graph.arc_bytes(false))
 }
 
 /// Whether distances are likely to fit in 32 bits.
@@ -60,22 +58,26 @@ pub(crate) fn fits(graph: &Graph) -> bool {
 }
 
 /// The cheapest plan.
-pub(crate) fn search(graph: &Graph, watch: &mut Watch) -> Verdict {
+pub(crate) fn search(graph: &Graph, memory: u64, watch: &mut Watch) -> Verdict {
+    if graph.lay_out(false, watch).is_none() {
+        return Verdict::stopped(None, watch.lower, Limit::Time);
+    }
     if narrow(graph) {
-        let mut dense = Dense::<u32>::new(graph);
+        let mut dense = Dense::<u32>::new(graph, memory);
         match dense.run(watch, false) {
             Ended::Overflow => {}
             ended => return dense.verdict(&ended, watch.lower),
         }
     }
-    let mut dense = Dense::<u64>::new(graph);
+    let mut dense = Dense::<u64>::new(graph, memory);
     let ended = dense.run(watch, false);
     dense.verdict(&ended, watch.lower)
 }
 
 /// The least key of every count vector at any goal, by mixed-radix number; nothing if stopped.
-pub(crate) fn front(graph: &Graph, watch: &mut Watch) -> Option<Vec<Option<u64>>> {
-    let mut dense = Dense::<u64>::new(graph);
+pub(crate) fn front(graph: &Graph, memory: u64, watch: &mut Watch) -> Option<Vec<Option<u64>>> {
+    graph.lay_out(false, watch)?;
+    let mut dense = Dense::<u64>::new(graph, memory);
     match dense.run(watch, true) {
         Ended::Exhausted => Some((0..dense.vectors as u64).map(|vector| dense.at_goal(vector)).collect()),
         _ => None,
@@ -89,14 +91,18 @@ struct Dense<'a, D> {
     vectors: usize,
     /// By `vector * nodes + node`.
     distances: Vec<D>,
+    /// Bytes that the queue may hold.
+    queued: u64,
 }
 
 impl<'a, D: Stored> Dense<'a, D> {
-    fn new(graph: &'a Graph) -> Self {
+    fn new(graph: &'a Graph, memory: u64) -> Self {
         let required = graph.problem.required();
         let (strides, vectors) = watch::strides(&required);
         let vectors = vectors as usize;
-        Self { graph, required, strides, vectors, distances: vec![D::UNREACHED; vectors * graph.len()] }
+        let distances = vec![D::UNREACHED; vectors * graph.len()];
+        let queued = memory.saturating_sub(graph.arc_bytes(false) + size_of_val(&distances[..]) as u64);
+        Self { graph, required, strides, vectors, distances, queued }
     }
 
     fn run(&mut self, watch: &mut Watch, to_the_end: bool) -> Ended {
@@ -104,11 +110,17 @@ impl<'a, D: Stored> Dense<'a, D> {
         let mut queue = RadixHeap::new();
         let Some(zero) = D::store(0) else { return Ended::Overflow };
         self.distances[self.graph.start as usize] = zero;
-        queue.push(0, self.graph.start);
+        queue.push(zero, self.graph.start);
+        let mut popped = 0_u32;
         while let Some((key, state)) = queue.pop() {
-            if self.distances[state as usize].key() != key {
+            popped = popped.wrapping_add(1);
+            if popped.is_multiple_of(LOOKS) && queue.bytes() > self.queued {
+                return Ended::Full;
+            }
+            if self.distances[state as usize] != key {
                 continue;
             }
+            let key = key.into();
             let (vector, node) = (state / nodes, state % nodes);
             if !to_the_end {
                 watch.raise(key);
@@ -127,7 +139,7 @@ impl<'a, D: Stored> Dense<'a, D> {
     }
 
     /// Follows all arcs of a state; nothing if a distance does not fit.
-    fn relax(&mut self, queue: &mut RadixHeap<u32>, key: u64, vector: u32, node: u32) -> Option<()> {
+    fn relax(&mut self, queue: &mut RadixHeap<D, u32>, key: u64, vector: u32, node: u32) -> Option<()> {
         let nodes = self.graph.len() as u64;
         for arc in self.graph.arcs(node) {
             let (step, slot) = self.graph.price(arc.step);
@@ -143,9 +155,10 @@ impl<'a, D: Stored> Dense<'a, D> {
             let end = vector * nodes + u64::from(arc.node);
             let distance = D::store(key + step)?;
             let known = &mut self.distances[end as usize];
-            if *known == D::UNREACHED || known.key() > distance.key() {
+            // Unreached is the largest distance.
+            if *known > distance {
                 *known = distance;
-                queue.push(key + step, end as u32);
+                queue.push(distance, end as u32);
             }
         }
         Some(())
@@ -159,6 +172,7 @@ impl<'a, D: Stored> Dense<'a, D> {
             },
             Ended::Exhausted => Verdict { possible: self.possible(), ..Verdict::proved(None) },
             Ended::Stopped | Ended::Overflow => Verdict::stopped(None, lower, Limit::Time),
+            Ended::Full => Verdict::stopped(None, lower, Limit::Memory),
         }
     }
 
@@ -169,7 +183,7 @@ impl<'a, D: Stored> Dense<'a, D> {
 
     fn distance(&self, vector: u64, node: u32) -> Option<u64> {
         let stored = self.distances[vector as usize * self.graph.len() + node as usize];
-        (stored != D::UNREACHED).then(|| stored.key())
+        (stored != D::UNREACHED).then(|| stored.into())
     }
 
     fn at_goal(&self, vector: u64) -> Option<u64> {

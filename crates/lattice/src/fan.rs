@@ -4,6 +4,7 @@ use crate::bits::Shift;
 use crate::by_node::ByNode;
 use crate::graph::Graph;
 use crate::layout::{Digit, Layout};
+use crate::watch::Watch;
 
 /// Arcs by node: where they end, and an index.
 pub(crate) type Fan = ByNode<(u32, u32)>;
@@ -30,8 +31,8 @@ pub(crate) struct Fans<const W: usize> {
     /// Free arcs to a higher block, with an index of `hops`.
     pub higher: Fan,
     pub hops: Vec<Hop>,
-    /// Arcs to the next level.
-    pub onward: Fan,
+    /// Ends of arcs to the next level.
+    pub onward: ByNode<u32>,
 }
 
 #[derive(Clone, Copy, PartialEq)]
@@ -41,8 +42,19 @@ enum Class {
     Onward,
 }
 
+impl Class {
+    fn within(self) -> Option<u32> {
+        if let Self::Within(index) = self { Some(index) } else { None }
+    }
+
+    fn higher(self) -> Option<u32> {
+        if let Self::Higher(index) = self { Some(index) } else { None }
+    }
+}
+
 impl<const W: usize> Fans<W> {
-    pub fn new(graph: &Graph, layout: &Layout) -> Self {
+    /// Nothing if told to stop.
+    pub fn new(graph: &Graph, layout: &Layout, watch: &mut Watch) -> Option<Self> {
         // The first shift is that of a free basic move: none.
         let mut shifts = vec![Shift { mask: [u64::MAX; W], words: 0, bits: 0 }];
         let mut hops = Vec::new();
@@ -65,21 +77,28 @@ impl<const W: usize> Fans<W> {
             (0, None) => Class::Within(0),
             (_, None) => Class::Onward,
         };
-        let pick = |wanted: fn(Class) -> Option<u32>| fan(graph, |step| wanted(class(step)));
-        Self {
-            within: pick(|class| if let Class::Within(index) = class { Some(index) } else { None }),
-            shifts,
-            higher: pick(|class| if let Class::Higher(index) = class { Some(index) } else { None }),
-            hops,
-            onward: pick(|class| (class == Class::Onward).then_some(0)),
+        let classes: Vec<Class> = (0..graph.problem.moves.len() as u32).map(class).collect();
+        let mut within = fan(graph, &classes, |class| class.within().is_some());
+        let mut higher = fan(graph, &classes, |class| class.higher().is_some());
+        let mut onward = fan(graph, &classes, |class| class == Class::Onward);
+        let mut arcs = Vec::new();
+        for node in 0..graph.len() as u32 {
+            if !watch.go_on(1) {
+                return None;
+            }
+            arcs.clear();
+            arcs.extend(graph.ways(node).map(|arc| (arc.node, classes[arc.step as usize])));
+            let arcs = || arcs.iter().copied();
+            within.push(arcs().filter_map(|(end, class)| class.within().map(|index| (end, index))));
+            higher.push(arcs().filter_map(|(end, class)| class.higher().map(|index| (end, index))));
+            onward.push(arcs().filter(|(_, class)| *class == Class::Onward).map(|(end, _)| end));
         }
+        Some(Self { within, shifts, higher, hops, onward })
     }
 }
 
-fn fan(graph: &Graph, wanted: impl Fn(u32) -> Option<u32>) -> Fan {
-    let mut fan = Fan::new();
-    for node in 0..graph.len() as u32 {
-        fan.push(graph.arcs(node).iter().filter_map(|arc| Some((arc.node, wanted(arc.step)?))));
-    }
-    fan
+/// Of no node yet, with room for all moves of some classes.
+fn fan<T>(graph: &Graph, classes: &[Class], wanted: fn(Class) -> bool) -> ByNode<T> {
+    let entries = graph.problem.arc_count(|step| wanted(classes[step]));
+    ByNode::with_room(graph.len(), entries)
 }

@@ -39,7 +39,7 @@ pub fn front(
     }
     let keys = match step {
         Some(step) => layered::front(&graph, step, &mut watch),
-        None => dense::front(&graph, &mut watch),
+        None => dense::front(&graph, options.memory_bytes.saturating_sub(graph.bytes()), &mut watch),
     };
     keys.map(|keys| points(problem, &keys))
 }

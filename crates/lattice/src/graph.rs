@@ -1,14 +1,16 @@
 //! The poses that matter: reached from the start and with a way to a goal, by any moves however often.
 
+use std::cell::OnceCell;
+
+use crate::allowed::Arc;
 use crate::by_node::ByNode;
-use crate::problem::Arc;
 use crate::watch::{self, Watch};
 use crate::{Goal, Problem};
 
 /// Number of a pose that does not matter.
 const NONE: u32 = u32::MAX;
 
-/// The live poses, renumbered as *nodes* in the order of their numbers, with arcs both ways.
+/// The live poses, renumbered as *nodes* in the order of their numbers, with what leads from one to another.
 pub(crate) struct Graph<'a> {
     pub problem: &'a Problem,
     /// Pose number by node.
@@ -16,8 +18,11 @@ pub(crate) struct Graph<'a> {
     pub start: u32,
     pub is_goal: Vec<bool>,
     pub goals: Vec<u32>,
-    arcs: ByNode<Arc>,
-    back: ByNode<Back>,
+    /// Node by pose number.
+    nodes: Vec<u32>,
+    /// All arcs, and the same seen from their ends, for engines that go through them again and again.
+    arcs: OnceCell<ByNode<Arc>>,
+    back: OnceCell<ByNode<Back>>,
 }
 
 /// An arc seen from its end: the node where it starts, and its index.
@@ -40,15 +45,46 @@ impl<'a> Graph<'a> {
         for (node, &pose) in poses.iter().enumerate() {
             nodes[pose as usize] = node as u32;
         }
-        let arcs = forward(problem, &poses, &nodes, watch)?;
-        let back = backward(&arcs, poses.len());
-        if !watch.go_on(poses.len() as u64) {
+        if !watch.go_on(all as u64) {
             return None;
         }
         let is_goal: Vec<bool> = poses.iter().map(|&pose| is_goal(problem, pose)).collect();
         let goals = (0..poses.len() as u32).filter(|&node| is_goal[node as usize]).collect();
-        let start = nodes[start];
-        Some(Self { problem, poses, start, is_goal, goals, arcs, back })
+        let (start, arcs, back) = (nodes[start], OnceCell::new(), OnceCell::new());
+        Some(Self { problem, poses, start, is_goal, goals, nodes, arcs, back })
+    }
+
+    /// Lays out the arcs; both ways for [`Self::back`]. Nothing if told to stop.
+    pub fn lay_out(&self, both_ways: bool, watch: &mut Watch) -> Option<()> {
+        if self.arcs.get().is_none() {
+            let mut arcs = ByNode::with_room(self.len(), self.arc_count());
+            for node in 0..self.len() as u32 {
+                arcs.push(self.ways(node));
+                watch.go_on(1).then_some(())?;
+            }
+            self.arcs.get_or_init(|| arcs);
+        }
+        if both_ways && self.back.get().is_none() {
+            let back = backward(self.laid_out(), self.len());
+            self.back.get_or_init(|| back);
+        }
+        watch.go_on(self.len() as u64).then_some(())
+    }
+
+    fn laid_out(&self) -> &ByNode<Arc> {
+        self.arcs.get().unwrap_or_else(|| unreachable!("engines lay out the arcs first"))
+    }
+
+    /// The arcs from a node, found anew.
+    pub fn ways(&self, node: u32) -> impl Iterator<Item = Arc> + '_ {
+        let arcs = self.problem.arcs(self.poses[node as usize] as usize);
+        arcs.map(|arc| Arc { node: self.nodes[arc.node as usize], ..arc }).filter(|arc| arc.node != NONE)
+    }
+
+    /// Where the arcs into a node start, and their moves, found anew.
+    pub fn ways_into(&self, node: u32) -> impl Iterator<Item = (u32, u32)> + '_ {
+        let arcs = self.problem.arcs_into(self.poses[node as usize] as usize);
+        arcs.map(|arc| (self.nodes[arc.node as usize], arc.step)).filter(|(from, _)| *from != NONE)
     }
 
     /// Number of nodes.
@@ -63,22 +99,23 @@ impl<'a> Graph<'a> {
 
     /// Indices of the arcs from a node.
     pub fn range(&self, node: u32) -> std::ops::Range<u32> {
-        self.arcs.range(node as usize)
+        self.laid_out().range(node as usize)
     }
 
     /// The arc of an index.
     pub fn arc(&self, index: u32) -> Arc {
-        self.arcs.entries()[index as usize]
+        self.laid_out().entries()[index as usize]
     }
 
     /// The arcs from a node.
     pub fn arcs(&self, node: u32) -> &[Arc] {
-        self.arcs.of(node as usize)
+        self.laid_out().of(node as usize)
     }
 
     /// The arcs into a node.
     pub fn back(&self, node: u32) -> &[Back] {
-        self.back.of(node as usize)
+        let back = self.back.get().unwrap_or_else(|| unreachable!("engines lay out the arcs first"));
+        back.of(node as usize)
     }
 
     /// Key of a move and the slot of its action.
@@ -87,14 +124,20 @@ impl<'a> Graph<'a> {
         (known.key, known.slot)
     }
 
-    /// Number of arcs.
+    /// Number of arcs, at most.
     pub fn arc_count(&self) -> usize {
-        self.arcs.entries().len()
+        self.problem.arc_count(|_| true)
     }
 
-    /// Bytes that graph and problem hold, about.
+    /// Bytes that graph and problem hold, about, before arcs are laid out.
     pub fn bytes(&self) -> u64 {
-        (self.arc_count() * 24 + self.poses.len() * 28) as u64
+        (self.nodes.len() * 8 + self.poses.len() * 8) as u64
+    }
+
+    /// Bytes of arcs that are laid out, about.
+    pub fn arc_bytes(&self, both_ways: bool) -> u64 {
+        let one_way = (self.arc_count() * 8 + self.len() * 4) as u64;
+        if both_ways { 2 * one_way } else { one_way }
     }
 }
 
@@ -124,15 +167,14 @@ pub(crate) fn reached(problem: &Problem, watch: &mut Watch) -> Option<Vec<bool>>
     let mut reached = vec![false; problem.lattice().poses()];
     let start = problem.lattice().number(problem.start());
     reached[start] = true;
-    let mut stack = vec![start];
+    let mut stack = vec![start as u32];
     while let Some(pose) = stack.pop() {
         if !watch.go_on(1) {
             return None;
         }
-        for arc in problem.arcs(pose) {
-            let end = arc.node as usize;
-            if !std::mem::replace(&mut reached[end], true) {
-                stack.push(end);
+        for arc in problem.arcs(pose as usize) {
+            if !std::mem::replace(&mut reached[arc.node as usize], true) {
+                stack.push(arc.node);
             }
         }
     }
@@ -145,41 +187,20 @@ fn homing(problem: &Problem, watch: &mut Watch) -> Option<Vec<bool>> {
     let Goal::Poses(goals) = problem.goal() else {
         return Some(vec![true; poses]);
     };
-    let starts = into_poses(problem);
     let mut homing = vec![false; poses];
-    let mut stack: Vec<usize> = goals.iter().map(|&pose| problem.lattice().number(pose)).collect();
-    stack.iter().for_each(|&pose| homing[pose] = true);
+    let mut stack: Vec<u32> = goals.iter().map(|&pose| problem.lattice().number(pose) as u32).collect();
+    stack.iter().for_each(|&pose| homing[pose as usize] = true);
     while let Some(pose) = stack.pop() {
         if !watch.go_on(1) {
             return None;
         }
-        for &start in starts.of(pose) {
-            if !std::mem::replace(&mut homing[start as usize], true) {
-                stack.push(start as usize);
+        for arc in problem.arcs_into(pose as usize) {
+            if !std::mem::replace(&mut homing[arc.node as usize], true) {
+                stack.push(arc.node);
             }
         }
     }
     Some(homing)
-}
-
-/// The poses with a move into each pose.
-fn into_poses(problem: &Problem) -> ByNode<u32> {
-    let poses = problem.lattice().poses();
-    let starts = |pose: usize| problem.arcs(pose).iter().map(move |arc| (arc.node, pose as u32));
-    ByNode::sorted(poses, || (0..poses).flat_map(starts))
-}
-
-/// Nothing if told to stop.
-fn forward(problem: &Problem, poses: &[u32], nodes: &[u32], watch: &mut Watch) -> Option<ByNode<Arc>> {
-    let mut arcs = ByNode::new();
-    for &pose in poses {
-        if !watch.go_on(1) {
-            return None;
-        }
-        let inside = problem.arcs(pose as usize).iter().filter(|arc| nodes[arc.node as usize] != NONE);
-        arcs.push(inside.map(|arc| Arc { node: nodes[arc.node as usize], step: arc.step }));
-    }
-    Some(arcs)
 }
 
 fn backward(arcs: &ByNode<Arc>, nodes: usize) -> ByNode<Back> {

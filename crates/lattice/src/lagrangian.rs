@@ -11,7 +11,7 @@ const WIDTHS: [usize; 2] = [64, 512];
 const FIRST_WIDTH: usize = 64;
 const LAST_WIDTH: usize = 2048;
 /// Most entries of a bound that is still worked out when the time is over.
-const GLIMPSED: u128 = 5_000_000;
+const GLIMPSED: u128 = 500_000;
 /// Most entries of all bounds per action.
 const MOST_ENTRIES: u128 = 400_000_000;
 
@@ -33,13 +33,14 @@ pub(crate) fn search(graph: &Graph, memory: u64, depth: Depth, watch: &mut Watch
     }
 }
 
-/// Whether [`glimpse`] takes a second at most.
+/// Whether [`glimpse`] takes a tenth of a second at most.
 pub(crate) fn is_glimpsed_at_once(graph: &Graph) -> bool {
     Table::entries(graph, None) <= GLIMPSED
 }
 
 /// A plan from one bound without prices and a narrow beam.
 pub(crate) fn glimpse(graph: &Graph, watch: &mut Watch) -> Option<(u64, Walk)> {
+    graph.lay_out(true, watch)?;
     let prices = Prices::zero(graph);
     let table = Table::new(graph, &prices, None, false, watch)?;
     beam::search(graph, &Bound::new(graph, prices, table), FIRST_WIDTH, None, watch)
@@ -54,6 +55,7 @@ struct Search<'a> {
 impl Search<'_> {
     /// Nothing if told to stop.
     fn run(&mut self, depth: Depth, watch: &mut Watch) -> Option<Verdict> {
+        self.memory = self.memory.saturating_sub(self.graph.arc_bytes(true));
         if Table::entries(self.graph, None) * 12 > u128::from(self.memory) {
             return Some(Verdict::stopped(None, watch.lower, Limit::Memory));
         }

@@ -38,28 +38,34 @@ pub(crate) fn step(graph: &Graph) -> Option<u64> {
 pub(crate) fn bytes(graph: &Graph) -> u128 {
     let layout = Layout::new(&graph.problem.required());
     let plane = layout.blocks.saturating_mul((graph.len() * layout.words * 8) as u128);
-    plane.saturating_mul(2 + USUAL_PLANES) + (graph.arc_count() * 8) as u128
+    plane.saturating_mul(2 + USUAL_PLANES) + u128::from(bytes_beside(graph, layout.words))
+}
+
+/// Bytes that it takes beside the states of all blocks: arcs, the states of one block, queues.
+fn bytes_beside(graph: &Graph, words: usize) -> u64 {
+    (graph.arc_count() * 8 + graph.len() * (20 + 16 * words)) as u64
 }
 
 /// The cheapest plan. Stops with limit `Memory` and the optimum as the lower bound if levels cannot be kept.
 pub(crate) fn search(graph: &Graph, step: u64, memory: u64, watch: &mut Watch) -> Verdict {
     let layout = Layout::new(&graph.problem.required());
-    match layout.words {
-        1 => Layered::<1>::new(graph, layout, step, memory).search(watch),
-        2 => Layered::<2>::new(graph, layout, step, memory).search(watch),
-        4 => Layered::<4>::new(graph, layout, step, memory).search(watch),
-        _ => Layered::<8>::new(graph, layout, step, memory).search(watch),
-    }
+    let found = match layout.words {
+        1 => Layered::<1>::new(graph, layout, step, memory, watch).map(|new| new.search(watch)),
+        2 => Layered::<2>::new(graph, layout, step, memory, watch).map(|new| new.search(watch)),
+        4 => Layered::<4>::new(graph, layout, step, memory, watch).map(|new| new.search(watch)),
+        _ => Layered::<8>::new(graph, layout, step, memory, watch).map(|new| new.search(watch)),
+    };
+    found.unwrap_or_else(|| Verdict::stopped(None, watch.lower, Limit::Time))
 }
 
 /// The least key of every count vector at any goal, by mixed-radix number; nothing if stopped.
 pub(crate) fn front(graph: &Graph, step: u64, watch: &mut Watch) -> Option<Vec<Option<u64>>> {
     let layout = Layout::new(&graph.problem.required());
     match layout.words {
-        1 => Layered::<1>::new(graph, layout, step, 0).front(watch),
-        2 => Layered::<2>::new(graph, layout, step, 0).front(watch),
-        4 => Layered::<4>::new(graph, layout, step, 0).front(watch),
-        _ => Layered::<8>::new(graph, layout, step, 0).front(watch),
+        1 => Layered::<1>::new(graph, layout, step, 0, watch)?.front(watch),
+        2 => Layered::<2>::new(graph, layout, step, 0, watch)?.front(watch),
+        4 => Layered::<4>::new(graph, layout, step, 0, watch)?.front(watch),
+        _ => Layered::<8>::new(graph, layout, step, 0, watch)?.front(watch),
     }
 }
 
@@ -95,13 +101,15 @@ enum Level {
 }
 
 impl<'a, const W: usize> Layered<'a, W> {
-    fn new(graph: &'a Graph<'a>, layout: Layout, step: u64, memory: u64) -> Self {
+    /// Nothing if told to stop.
+    fn new(graph: &'a Graph<'a>, layout: Layout, step: u64, memory: u64, watch: &mut Watch) -> Option<Self> {
         let (nodes, blocks) = (graph.len(), layout.blocks as usize);
         let plane = (nodes * blocks * W * 8) as u64;
         let dirty_words = nodes.div_ceil(64);
-        let planes_left = Some((memory / plane.max(1)).saturating_sub(2));
-        Self {
-            fans: Fans::new(graph, &layout),
+        let for_planes = memory.saturating_sub(bytes_beside(graph, W));
+        let planes_left = Some((for_planes / plane.max(1)).saturating_sub(2));
+        Some(Self {
+            fans: Fans::new(graph, &layout, watch)?,
             graph,
             layout,
             step,
@@ -117,7 +125,7 @@ impl<'a, const W: usize> Layered<'a, W> {
             queue: Vec::new(),
             touched: Vec::new(),
             planes_left,
-        }
+        })
     }
 
     fn search(mut self, watch: &mut Watch) -> Verdict {
@@ -283,7 +291,7 @@ impl<'a, const W: usize> Layered<'a, W> {
                     states.arrive(higher, end, &new);
                 }
             }
-            for &(end, _) in self.fans.onward.of(node as usize) {
+            for &end in self.fans.onward.of(node as usize) {
                 states.arrive(block, end, &new);
             }
         }

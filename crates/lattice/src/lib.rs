@@ -19,6 +19,7 @@
 extern crate self as lattice;
 
 mod a_star;
+mod allowed;
 mod ascent;
 mod beam;
 mod bits;

@@ -103,7 +103,7 @@ fn exhaustive(graph: &Graph, options: &Options, has_plan: bool, watch: &mut Watc
     let memory = memory(graph, options);
     let verdict = match layered::step(graph) {
         Some(step) => layered::search(graph, step, memory, watch),
-        None => dense::search(graph, watch),
+        None => dense::search(graph, memory, watch),
     };
     match verdict.stopped_by {
         Some(Limit::Memory) => lagrangian::search(graph, memory, Depth::Proof, watch),

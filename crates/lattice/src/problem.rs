@@ -1,4 +1,4 @@
-use crate::by_node::ByNode;
+use crate::allowed::{Allowed, Arc};
 use crate::units::Units;
 use crate::{Action, Cost, Goal, Invalid, Lattice, MoveId, Pose, validate};
 
@@ -14,8 +14,7 @@ pub struct Problem {
     pub(crate) moves: Vec<Known>,
     /// The informative actions, by slot: index of the action, uses, and the key that every use costs at least.
     pub(crate) informative: Vec<Informative>,
-    /// Arcs by pose.
-    arcs: ByNode<Arc>,
+    allowed: Allowed,
 }
 
 /// What the searches know of a move.
@@ -36,13 +35,6 @@ pub(crate) struct Informative {
     pub action: usize,
     pub required: u32,
     pub least_key: u64,
-}
-
-/// An allowed move: the pose (or node) where it ends, and the move.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Arc {
-    pub node: u32,
-    pub step: u32,
 }
 
 impl Problem {
@@ -66,8 +58,8 @@ impl Problem {
         let informative = informative(&actions);
         let units = Units::new(&costs(&actions), longest_plan(&lattice, &actions))?;
         let moves = known_moves(&actions, &units);
-        let arcs = adjacency(&lattice, &actions, &moves, allowed)?;
-        let mut problem = Self { lattice, actions, start, goal, units, moves, informative, arcs };
+        let allowed = allowed_moves(&lattice, &actions, &moves, allowed)?;
+        let mut problem = Self { lattice, actions, start, goal, units, moves, informative, allowed };
         problem.split_off_least_keys();
         Ok(problem)
     }
@@ -109,12 +101,23 @@ impl Problem {
     /// Whether the move of this action may be made from `pose`.
     pub fn is_allowed(&self, pose: Pose, id: MoveId) -> bool {
         self.lattice.contains(pose)
-            && self.arcs(self.lattice.number(pose)).iter().any(|arc| self.moves[arc.step as usize].id == id)
+            && self.arcs(self.lattice.number(pose)).any(|arc| self.moves[arc.step as usize].id == id)
     }
 
     /// The allowed moves from the pose of a number.
-    pub(crate) fn arcs(&self, number: usize) -> &[Arc] {
-        self.arcs.of(number)
+    pub(crate) fn arcs(&self, number: usize) -> impl Iterator<Item = Arc> + '_ {
+        self.allowed.arcs(number)
+    }
+
+    /// The allowed moves into the pose of a number, with the poses where they start, in the order of these.
+    pub(crate) fn arcs_into(&self, number: usize) -> impl Iterator<Item = Arc> + '_ {
+        self.allowed.arcs_into(number)
+    }
+
+    /// From how many poses some moves are allowed, all together.
+    pub(crate) fn arc_count(&self, wanted: impl Fn(usize) -> bool) -> usize {
+        let counts = self.allowed.counts().iter().enumerate();
+        counts.filter(|(step, _)| wanted(*step)).map(|(_, count)| count).sum()
     }
 
     /// The uses that are required, by slot.
@@ -172,25 +175,28 @@ fn known_moves(actions: &[Action], units: &Units) -> Vec<Known> {
     known
 }
 
-fn adjacency(
+fn allowed_moves(
     lattice: &Lattice,
     actions: &[Action],
     moves: &[Known],
     mut allowed: impl FnMut(MoveId, usize, usize) -> bool,
-) -> Result<ByNode<Arc>, Invalid> {
-    let mut by_layer = vec![Vec::new(); lattice.layers];
-    for (step, known) in moves.iter().enumerate() {
-        let shape = &actions[known.id.action].moves[known.id.index];
-        by_layer[shape.from].push((step as u32, known.id, shape));
+) -> Result<Allowed, Invalid> {
+    let shape = |known: &Known| actions[known.id.action].moves[known.id.index];
+    let shapes = moves.iter().map(shape);
+    let mut all = Allowed::new(*lattice, shapes.map(|shape| (shape.from, shape.di, shape.dj, shape.to)));
+    let mut count = 0;
+    for layer in 0..lattice.layers {
+        let ways: Vec<_> = all.ways(layer).iter().map(|way| (*way, &moves[way.step as usize])).collect();
+        for cell in 0..lattice.nx * lattice.ny {
+            let pose = Pose { i: cell % lattice.nx, j: cell / lattice.nx, layer };
+            for &(way, known) in &ways {
+                if lattice.end(pose, &shape(known)).is_some() && allowed(known.id, pose.i, pose.j) {
+                    all.allow(way, cell);
+                    count += 1;
+                }
+            }
+        }
+        validate::arcs(count)?;
     }
-    let mut arcs = ByNode::new();
-    for number in 0..lattice.poses() {
-        let pose = lattice.pose(number);
-        arcs.push(by_layer[pose.layer].iter().filter_map(|&(step, id, shape)| {
-            let end = lattice.end(pose, shape).filter(|_| allowed(id, pose.i, pose.j))?;
-            Some(Arc { node: lattice.number(end) as u32, step })
-        }));
-        validate::arcs(arcs.entries().len())?;
-    }
-    Ok(arcs)
+    Ok(all)
 }

@@ -2,38 +2,41 @@
 //! one taken out (Ahuja, Mehlhorn, Orlin, Tarjan 1990). For small costs it acts like Dial's buckets.
 
 const BUCKETS: usize = 65;
+/// Most entries for which a bucket that was spread keeps its memory.
+const KEPT: usize = 1 << 16;
 
-pub(crate) struct RadixHeap<T> {
-    last: u64,
-    buckets: Vec<Vec<(u64, T)>>,
+/// `K` is how a key is kept.
+pub(crate) struct RadixHeap<K, T> {
+    last: K,
+    buckets: Vec<Vec<(K, T)>>,
 }
 
-impl<T: Copy> RadixHeap<T> {
+impl<K: Copy + Default + Ord + Into<u64>, T: Copy> RadixHeap<K, T> {
     pub fn new() -> Self {
-        Self { last: 0, buckets: (0..BUCKETS).map(|_| Vec::new()).collect() }
+        Self { last: K::default(), buckets: (0..BUCKETS).map(|_| Vec::new()).collect() }
     }
 
     /// Bytes that the queue holds.
     pub fn bytes(&self) -> u64 {
         let entries: usize = self.buckets.iter().map(Vec::capacity).sum();
-        (entries * size_of::<(u64, T)>()) as u64
+        (entries * size_of::<(K, T)>()) as u64
     }
 
     /// Empties the queue and lets keys start at 0 again.
     pub fn clear(&mut self) {
         self.buckets.iter_mut().for_each(Vec::clear);
-        self.last = 0;
+        self.last = K::default();
     }
 
     /// Adds an entry. A key below the last one taken out counts as that one.
-    pub fn push(&mut self, key: u64, value: T) {
+    pub fn push(&mut self, key: K, value: T) {
         debug_assert!(key >= self.last, "keys never decrease");
         let key = key.max(self.last);
         self.buckets[bucket(key, self.last)].push((key, value));
     }
 
     /// Takes out an entry of the least key, of several the one that was added last.
-    pub fn pop(&mut self) -> Option<(u64, T)> {
+    pub fn pop(&mut self) -> Option<(K, T)> {
         if self.buckets[0].is_empty() {
             self.spread()?;
         }
@@ -48,14 +51,16 @@ impl<T: Copy> RadixHeap<T> {
         for &(key, value) in &entries {
             self.buckets[bucket(key, self.last)].push((key, value));
         }
-        entries.clear();
-        self.buckets[first] = entries;
+        if entries.capacity() <= KEPT {
+            entries.clear();
+            self.buckets[first] = entries;
+        }
         Some(())
     }
 }
 
-fn bucket(key: u64, last: u64) -> usize {
-    (u64::BITS - (key ^ last).leading_zeros()) as usize
+fn bucket<K: Into<u64>>(key: K, last: K) -> usize {
+    (u64::BITS - (key.into() ^ last.into()).leading_zeros()) as usize
 }
 
 #[cfg(test)]

@@ -102,8 +102,9 @@ pub(crate) fn from_map(problem: &Problem, reach: &Reach) -> Option<Reason> {
         return None;
     }
     let lattice = problem.lattice();
-    if problem.arcs(lattice.number(problem.start())).is_empty() {
-        let has_room: Vec<bool> = (0..lattice.poses()).map(|pose| !problem.arcs(pose).is_empty()).collect();
+    if problem.arcs(lattice.number(problem.start())).next().is_none() {
+        let has_room: Vec<bool> =
+            (0..lattice.poses()).map(|pose| problem.arcs(pose).next().is_some()).collect();
         let start = problem.start();
         return Some(Reason::StartEnclosed { start, nearest: nearest(problem, &has_room, &[start]) });
     }
@@ -120,7 +121,7 @@ fn goal(problem: &Problem, reached: &[bool]) -> Option<Reason> {
     }
     let mut entered = vec![false; lattice.poses()];
     for pose in 0..lattice.poses() {
-        problem.arcs(pose).iter().for_each(|arc| entered[arc.node as usize] = true);
+        problem.arcs(pose).for_each(|arc| entered[arc.node as usize] = true);
     }
     if goals.iter().any(|&pose| entered[lattice.number(pose)]) {
         return Some(Reason::GoalUnreachable { nearest: nearest(problem, reached, goals) });

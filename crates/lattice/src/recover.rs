@@ -42,25 +42,24 @@ fn entry(graph: &Graph, node: u32, counts: &mut [u32], here: u64, distance: &Dis
         if at == graph.start && here == 0 && counts.iter().all(|&count| count == 0) {
             return Some(Entry { along: along(&after, at), before: None });
         }
-        for back in graph.back(at) {
-            let step = graph.arc(back.arc).step;
+        for (from, step) in graph.ways_into(at) {
             let (key, slot) = graph.price(step);
             let Some(before) = here.checked_sub(key) else { continue };
             match slot.map(|slot| slot as usize) {
                 Some(slot) if counts[slot] > 0 => {
                     counts[slot] -= 1;
-                    if distance(back.from, counts) == Some(before) {
-                        return Some(Entry { along: along(&after, at), before: Some((back.from, step)) });
+                    if distance(from, counts) == Some(before) {
+                        return Some(Entry { along: along(&after, at), before: Some((from, step)) });
                     }
                     counts[slot] += 1;
                 }
-                None if distance(back.from, counts) != Some(before) => {}
+                None if distance(from, counts) != Some(before) => {}
                 None if key > 0 => {
-                    return Some(Entry { along: along(&after, at), before: Some((back.from, step)) });
+                    return Some(Entry { along: along(&after, at), before: Some((from, step)) });
                 }
                 None => {
-                    after.entry(back.from).or_insert_with(|| {
-                        queue.push(back.from);
+                    after.entry(from).or_insert_with(|| {
+                        queue.push(from);
                         Some((at, step))
                     });
                 }

@@ -80,22 +80,20 @@ impl Table {
         let mut table = Self { tracked, rest, nodes: graph.len(), values: vec![NEVER; entries], next };
         let mut queue = RadixHeap::new();
         for layer in 0..(own + 1) * rest {
-            table.begin(graph, prices, layer);
-            table.spread(graph, prices, layer, &mut queue);
-            if !watch.go_on(graph.len() as u64) {
-                return None;
-            }
+            table.begin(graph, prices, layer, watch)?;
+            table.spread(graph, prices, layer, &mut queue, watch)?;
         }
         Some(table)
     }
 
-    /// Values of a layer from those with one use less.
-    fn begin(&mut self, graph: &Graph, prices: &Prices, layer: usize) {
+    /// Values of a layer from those with one use less. Nothing if told to stop.
+    fn begin(&mut self, graph: &Graph, prices: &Prices, layer: usize, watch: &mut Watch) -> Option<()> {
         let base = layer * self.nodes;
         if layer == 0 {
             graph.goals.iter().for_each(|&goal| self.values[goal as usize] = 0);
         }
         for node in 0..self.nodes as u32 {
+            watch.go_on(1).then_some(())?;
             for index in graph.range(node) {
                 let arc = graph.arc(index);
                 let (key, Some(slot)) = graph.price(arc.step) else { continue };
@@ -107,6 +105,7 @@ impl Table {
                 }
             }
         }
+        Some(())
     }
 
     /// The layer after a use of the slot, and what the use earns.
@@ -117,12 +116,19 @@ impl Table {
         (!layer.is_multiple_of(self.rest)).then(|| (layer - 1, prices.values[slot]))
     }
 
-    /// Basic moves within a layer, by Dijkstra's method from all its nodes.
-    fn spread(&mut self, graph: &Graph, prices: &Prices, layer: usize, queue: &mut RadixHeap<u32>) {
+    /// Basic moves within a layer, by Dijkstra's method from all its nodes. Nothing if told to stop.
+    fn spread(
+        &mut self,
+        graph: &Graph,
+        prices: &Prices,
+        layer: usize,
+        queue: &mut RadixHeap<u64, u32>,
+        watch: &mut Watch,
+    ) -> Option<()> {
         let base = layer * self.nodes;
         let Some(&least) = self.values[base..base + self.nodes].iter().min().filter(|&&least| least != NEVER)
         else {
-            return;
+            return Some(());
         };
         queue.clear();
         for node in 0..self.nodes {
@@ -131,6 +137,7 @@ impl Table {
             }
         }
         while let Some((key, node)) = queue.pop() {
+            watch.go_on(1).then_some(())?;
             if self.values[base + node as usize] - least != key as i64 {
                 continue;
             }
@@ -144,6 +151,7 @@ impl Table {
                 }
             }
         }
+        Some(())
     }
 
     fn set(&mut self, at: usize, value: i64, arc: u32) {
