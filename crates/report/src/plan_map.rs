@@ -4,8 +4,8 @@ use std::collections::BTreeSet;
 
 use chart::{Bounds, Causes, Class, GridCell, Invalid, Obstacles, Plane, Raster, Uncharted};
 use study::documents::PlanDocument;
-use trial::Sample;
 use trial::voyage::{Hull, Prepared, Sailing, Solved};
+use trial::{Fix, Sample};
 
 use crate::figures::map as figure;
 
@@ -156,16 +156,16 @@ impl PlanMap<'_> {
         let grid = Raster::covering(bounds, side / TUBE_CELLS).ok()?;
         let body = body(&self.prepared.brief.task.hull, grid.cell_m);
         let mut swept = vec![false; grid.nx * grid.ny];
-        let all = std::iter::once(&self.sailing.sailed).chain(&self.sailing.runs);
-        for sailed in all {
+        let own: Vec<Fix> = self.sailing.sailed.fixes().collect();
+        for track in std::iter::once(&own).chain(&self.sailing.runs) {
             let mut last = [f64::INFINITY; 2];
-            for sample in &sailed.samples {
-                let place = place(sample);
+            for Fix { pose, .. } in track {
+                let place = [pose.y, pose.x];
                 if libm::hypot(place[0] - last[0], place[1] - last[1]) < grid.cell_m / 2.0 {
                     continue;
                 }
                 last = place;
-                let (sin, cos) = libm::sincos(sample.pose.psi);
+                let (sin, cos) = libm::sincos(pose.psi);
                 let points =
                     body.iter().map(|[x, y]| [place[0] + x * sin + y * cos, place[1] + x * cos - y * sin]);
                 let cells = points.filter_map(|point| grid.cell_at(point));

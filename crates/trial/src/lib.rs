@@ -36,7 +36,7 @@ pub use leg::{Leg, Phase, Purpose, Side};
 pub use piece::{Piece, period};
 pub use rehearser::Rehearser;
 pub use repertoire::{Approach, Outcome, Repertoire, Settled, Unsettled};
-pub use sail::{End, Passing, Sailed, Sample, sail};
+pub use sail::{End, Fix, Passing, Sailed, Sample, sail};
 pub use ship::Ship;
 pub use symmetry::mirror;
 pub use tolerance::{Astray, Tolerance, Used};

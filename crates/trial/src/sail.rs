@@ -17,6 +17,15 @@ pub struct Sample {
     pub inputs: Vec<f64>,
 }
 
+/// Where a vessel is under way.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Fix {
+    /// Index of the leg.
+    pub leg: usize,
+    /// Where the vessel is.
+    pub pose: vessel::Pose,
+}
+
 /// What was sailed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sailed {
@@ -42,6 +51,11 @@ pub struct Passing<'s> {
 }
 
 impl Sailed {
+    /// Where the vessel was at every sample.
+    pub fn fixes(&self) -> impl Iterator<Item = Fix> + '_ {
+        self.samples.iter().map(|sample| Fix { leg: sample.leg, pose: sample.pose })
+    }
+
     /// What `legs` come to, see [`sail`].
     ///
     /// # Errors

@@ -197,10 +197,10 @@ impl Layout<'_> {
     /// How far to port and starboard of each stretch the tracks come \[m\].
     fn strayed(&self, stretches: &[Stretch]) -> Vec<[f64; 2]> {
         let mut strayed = vec![[0.0_f64; 2]; stretches.len()];
-        let tracks = std::iter::once(&self.sailing.sailed).chain(&self.sailing.runs);
-        for sample in tracks.flat_map(|sailed| &sailed.samples) {
-            let place = [sample.pose.x, sample.pose.y];
-            let own = stretches.iter().enumerate().filter(|(_, own)| own.steps.contains(&sample.leg));
+        let runs = self.sailing.runs.iter().flatten().copied();
+        for fix in self.sailing.sailed.fixes().chain(runs) {
+            let place = [fix.pose.x, fix.pose.y];
+            let own = stretches.iter().enumerate().filter(|(_, own)| own.steps.contains(&fix.leg));
             let nearest = own.min_by(|a, b| a.1.away(place).total_cmp(&b.1.away(place)));
             let nearest = nearest.or_else(|| stretches.first().map(|first| (0, first)));
             if let Some((index, stretch)) = nearest {

@@ -12,7 +12,7 @@ use super::prepared::Prepared;
 use super::script::Script;
 use super::search::Search;
 use crate::leg::turned_back;
-use crate::{Astray, End, Rehearser, Sailed, Sample};
+use crate::{Astray, End, Fix, Rehearser, Sailed};
 
 /// Tracks that are kept to be drawn.
 const TRACKS: u32 = 200;
@@ -91,7 +91,7 @@ pub struct Check {
 pub(super) struct Checked {
     pub check: Check,
     /// Tracks to be drawn.
-    pub tracks: Vec<Sailed>,
+    pub tracks: Vec<Vec<Fix>>,
     /// Steps that broke a margin or missed a tolerance, and who sailed them, from where.
     pub taught: Vec<(usize, Rehearser)>,
 }
@@ -120,7 +120,7 @@ struct Run {
     open_loop: Passage,
     ends: Vec<End>,
     seconds: f64,
-    track: Option<Sailed>,
+    track: Option<Vec<Fix>>,
 }
 
 impl Prepared {
@@ -210,7 +210,7 @@ impl Checking<'_> {
             clearance.add(&mut passages[own.leg], own.pose, own.informative);
             samples += 1;
             if let Some(track) = &mut track {
-                track.push(Sample { inputs: Vec::new(), ..own.into() });
+                track.push(Fix { leg: own.leg, pose: own.pose });
             }
         })?;
         let mut open_loop = clearance.open();
@@ -219,7 +219,6 @@ impl Checking<'_> {
             open_loop.clearance_m > 0.0
         });
         let passage = passages.iter().fold(clearance.open(), |a, b| a.and(b));
-        let track = track.map(|samples| Sailed { samples, ends: ends.clone() });
         Ok(Run { passages, passage, open_loop, ends, seconds: samples as f64 / rate_hz, track })
     }
 

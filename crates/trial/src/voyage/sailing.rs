@@ -9,7 +9,7 @@ use super::script::Script;
 use super::search::Search;
 use super::solve::Solved;
 use super::task::Slot;
-use crate::{Rehearser, Sailed};
+use crate::{Fix, Rehearser, Sailed};
 use vessel::Invalid;
 
 /// How often a plan is searched before the last one has to do.
@@ -24,8 +24,8 @@ pub struct Sailing {
     pub legs: Vec<usize>,
     /// By the nominal model in the known current.
     pub sailed: Sailed,
-    /// By other vessels in unknown currents, the first of them: to be drawn, without their inputs.
-    pub runs: Vec<Sailed>,
+    /// By other vessels in unknown currents, the first of them: to be drawn.
+    pub runs: Vec<Vec<Fix>>,
     /// Against the chart.
     pub check: Check,
     /// What it tells against what the counts promise.
