@@ -10,7 +10,7 @@ use geojson::JsonObject;
 /// Properties that tell a feature's name.
 const NAMES: [&str; 3] = ["OBJNAM", "name", "NAME"];
 
-/// What a thing of a chart is called; told as `WRECKS Träholm 4.2 m`.
+/// Class, name and depth of a charted thing, printed as `WRECKS Träholm 4.2 m`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Called {
     /// What it is: the acronym of its class, or a word.

@@ -33,7 +33,7 @@ impl Chart {
         Dangers { chart: self, polygons }
     }
 
-    /// The least depth charted at any of `places` (east and north \[m\]); `None` where none is \[m\].
+    /// The least depth \[m\] charted at any of `places` (east and north \[m\]); `None` where no depth is charted.
     pub fn least_depth_m(&self, places: &[[f64; 2]]) -> Option<f64> {
         let around = Bounds::around(places)?;
         let own = |p: &Polygon| {

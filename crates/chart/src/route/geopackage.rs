@@ -149,17 +149,19 @@ impl Package {
     /// Makes the table of a layer.
     fn fill(&self, layer: &StyledLayer, shapes: &[Vec<[f64; 2]>]) -> rusqlite::Result<()> {
         let StyledLayer { name, shape, columns, features, .. } = layer;
-        let told: String =
+        let declared: String =
             columns.iter().map(|(name, column)| format!(", {name} {}", column.name())).collect();
-        let table =
-            format!("CREATE TABLE {name} (fid INTEGER PRIMARY KEY NOT NULL, geom {}{told})", shape.name());
+        let table = format!(
+            "CREATE TABLE {name} (fid INTEGER PRIMARY KEY NOT NULL, geom {}{declared})",
+            shape.name()
+        );
         self.connection.execute_batch(&table)?;
         let places = ", ?".repeat(columns.len());
         let mut row = self.connection.prepare(&format!("INSERT INTO {name} VALUES (NULL, ?{places})"))?;
         for (feature, places) in features.iter().zip(shapes) {
-            let told =
+            let values =
                 columns.iter().map(|(name, column)| self.value(*column, feature.properties.get(*name)));
-            row.execute(params_from_iter(once(Value::Blob(blob(*shape, places))).chain(told)))?;
+            row.execute(params_from_iter(once(Value::Blob(blob(*shape, places))).chain(values)))?;
         }
         Ok(())
     }

@@ -39,7 +39,7 @@ fn law_the_nearest_danger_is_that_of_all_edges_and_depths_are_the_least() {
     let layer = PolygonLayer::from_geojson(&squares(&all), &kind, None).unwrap();
     let chart = Chart::new(plane, area, &[Layer::Polygons(layer)], None).unwrap();
     let dangers = chart.dangers(5.0);
-    let mut told = 0;
+    let mut over_shoals = 0;
     for k in 0..400 {
         let start = [f64::from(k % 20) * 150.0 - 1500.0, f64::from(k / 20) * 250.0 - 1250.0];
         let track: Vec<[f64; 2]> = (0..4).map(|i| [start[0] + 40.0 * f64::from(i), start[1]]).collect();
@@ -62,9 +62,9 @@ fn law_the_nearest_danger_is_that_of_all_edges_and_depths_are_the_least() {
         let over: Vec<f64> = all.iter().filter(|own| gap(own) == 0.0).map(|own| own.2).collect();
         let least = over.iter().copied().reduce(f64::min);
         assert_eq!(chart.least_depth_m(&track), least);
-        told += usize::from(over.len() > 1);
+        over_shoals += usize::from(over.len() > 1);
     }
-    assert!(told > 5, "some tracks cross a shoal: {told}");
+    assert!(over_shoals > 5, "some tracks cross a shoal: {over_shoals}");
 }
 
 #[test]
