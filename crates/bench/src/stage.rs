@@ -6,6 +6,9 @@ use identification::predictor::InitialState;
 use identification::runs::{Beside, RunEstimators};
 use identification::{Estimator, MeanRemoval, ValidationRuns};
 use in_memory::MonteCarlo;
+use rand::SeedableRng;
+use rand_distr::{Distribution, StandardNormal};
+use rand_xoshiro::Xoshiro256PlusPlus;
 use serde_json::{Value, json};
 use study::campaign_file::CampaignFile;
 use trial::campaign::{Campaign, Designed, Maneuvers};
@@ -29,7 +32,7 @@ pub fn measure(paper: &Paper) -> anyhow::Result<Value> {
         simulation_error: file.validation.simulation_error_bound,
     };
     let one = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
-    let mut found = BTreeMap::new();
+    let mut found = BTreeMap::from([("rand_distr", json!({ "us_per_run": 1e6 * drawn(paper)? }))]);
     for (design, name) in study.campaign.names().into_iter().enumerate() {
         let (seconds, tally) = one.install(|| fastest(REPETITIONS, || counted(&study, design, bounds)))?;
         let counted = tally.counted.iter().find(|counted| counted.design == name);
@@ -40,6 +43,22 @@ pub fn measure(paper: &Paper) -> anyhow::Result<Value> {
         );
     }
     Ok(json!(found))
+}
+
+/// Seconds that rand_distr takes to draw as many normal numbers as disturb a run: two of the current and three of the measurement
+/// at every sample, three at its end.
+fn drawn(paper: &Paper) -> anyhow::Result<f64> {
+    let samples: usize = OPTIMIZED.iter().map(|(_, samples)| samples).sum();
+    let noise = paper.vessel.model.degrees.len() * (samples + 1) + 2 * samples;
+    let mut rng = Xoshiro256PlusPlus::seed_from_u64(1);
+    let mut numbers = vec![0.0; noise];
+    let (seconds, _) = fastest(REPETITIONS * RUNS / 10, || {
+        for number in &mut numbers {
+            *number = StandardNormal.sample(&mut rng);
+        }
+        Ok(std::hint::black_box(numbers[0]))
+    })?;
+    Ok(seconds)
 }
 
 fn counted(study: &MonteCarlo, design: usize, bounds: Bounds) -> anyhow::Result<Tally> {

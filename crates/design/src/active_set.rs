@@ -48,7 +48,7 @@ impl<O: Objective> Solver<&O, State> for ActiveSetNewton {
     fn init(&mut self, problem: &mut Problem<&O>, mut state: State) -> Result<(State, Option<KV>), Error> {
         let mut shares = state.take_param().unwrap_or_default();
         let objective = *problem.problem.as_ref().ok_or_else(|| Error::msg("no problem"))?;
-        concentrate(objective, &self.bounds, &mut shares);
+        concentrate(objective, &self.bounds, 2 * objective.size() + 16, &mut shares);
         let mut at = O::Point::default();
         let value = objective.evaluate(&shares, &mut at).ok_or_else(|| Error::msg("singular start"))?;
         self.relative_gap = Some(relative_gap(objective, &self.bounds, &shares, &at));
@@ -101,10 +101,9 @@ pub(crate) fn relative_gap<O: Objective>(
     bounds.gap(&sensitivities, shares, objective.degree()) / objective.degree()
 }
 
-/// Cuts a support that is far larger than an optimal one can be: multiplicative steps w_q ← w_q g_q^κ, then the largest
-/// shares. The point is kept where the cut would make it singular.
-fn concentrate<O: Objective>(objective: &O, bounds: &Bounds, shares: &mut Vec<f64>) {
-    let most = 2 * objective.size() + 16;
+/// Cuts a support of more than `most`, which is far larger than an optimal one: multiplicative steps w_q ← w_q g_q^κ, then the
+/// largest shares, half as many as `most`. The point is kept where the cut would make it singular.
+pub(crate) fn concentrate<O: Objective>(objective: &O, bounds: &Bounds, most: usize, shares: &mut Vec<f64>) {
     if shares.iter().filter(|w| **w > 0.0).count() <= most {
         return;
     }

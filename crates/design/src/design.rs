@@ -2,7 +2,7 @@ use argmin::core::{Executor, State as _};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use crate::active_set::State;
+use crate::active_set::{State, concentrate};
 use crate::{ActiveSetNewton, Bounds, Candidates, Covariance, Error, Objective, is_concave};
 
 /// How to solve.
@@ -96,6 +96,39 @@ pub fn solve_covariance(
     options: &Options,
 ) -> Result<Design, Error> {
     optimise(covariance, bounds, options, covariance.is_concave())
+}
+
+/// [`solve_covariance`] without bounds, from `shares` instead of equal and random ones: those of a problem nearly the same.
+///
+/// # Errors
+/// As there; [`Error::Shape`] for another number of shares than candidates, [`Error::Solver`] where they are singular.
+pub fn solve_covariance_from(
+    covariance: &Covariance,
+    shares: &[f64],
+    options: &Options,
+) -> Result<Design, Error> {
+    if shares.len() != covariance.len() {
+        return Err(Error::Shape { found: shares.len(), expected: covariance.len() });
+    }
+    let (mut from, bounds) = (shares.to_vec(), Bounds::default());
+    bounds.fill(&mut from);
+    from_points(covariance, &bounds, options, covariance.is_concave(), vec![from])
+}
+
+/// [`solve_covariance`] without bounds, from equal shares that multiplicative steps have cut to about `support` candidates:
+/// sooner done where far fewer than there are take part.
+///
+/// # Errors
+/// As there.
+pub fn solve_covariance_among(
+    covariance: &Covariance,
+    support: usize,
+    options: &Options,
+) -> Result<Design, Error> {
+    let count = covariance.len();
+    let mut shares = vec![1.0 / count as f64; count];
+    concentrate(covariance, &Bounds::default(), 2 * support, &mut shares);
+    solve_covariance_from(covariance, &shares, options)
 }
 
 /// By how much at most, as a fraction of the experiment's time, a criterion of `value` is below what any shares within the

@@ -54,7 +54,10 @@ pub use certificate::is_concave;
 pub use counts::{CountOptions, Counted, Method, count_segments};
 pub use covariance::{Covariance, CovariancePoint};
 pub use criterion::{CovarianceCriterion, Criterion, CriterionName};
-pub use design::{Design, Options, Start, Status, solve, solve_covariance, solve_within};
+pub use design::{
+    Design, Options, Start, Status, solve, solve_covariance, solve_covariance_among, solve_covariance_from,
+    solve_within,
+};
 pub use dictionary::{Degree, Dictionary};
 pub use no_design::NoDesign;
 pub use norm::Norm;

@@ -8,6 +8,9 @@ use crate::eigen::symmetric;
 pub(crate) struct Spectrum {
     /// The norm.
     pub value: f64,
+    /// ∂norm/∂C of each block.
+    pub slopes: Vec<Vec<f64>>,
+    /// Those of a [`Norm::LogDet`].
     blocks: Vec<Eigen>,
     norm: Norm,
 }
@@ -17,8 +20,6 @@ struct Eigen {
     k: usize,
     values: Vec<f64>,
     vectors: Vec<f64>,
-    /// Derivative of the norm by each eigenvalue.
-    slopes: Vec<f64>,
 }
 
 /// The norm alone.
@@ -37,47 +38,26 @@ pub(crate) fn value(norm: Norm, blocks: &[Vec<f64>]) -> Option<f64> {
 }
 
 impl Spectrum {
-    /// `None` where the norm is not defined: no positive eigenvalue, or for log det one that is not positive.
-    pub(crate) fn of(norm: Norm, matrices: Vec<Vec<f64>>) -> Option<Self> {
-        let eigen = |matrix: &Vec<f64>| {
-            let k = matrix.len().isqrt();
-            let (values, vectors) = symmetric(k, matrix);
-            let values = values.into_iter().map(|v| v.max(0.0)).collect();
-            Eigen { k, values, vectors, slopes: Vec::new() }
-        };
-        let mut blocks: Vec<Eigen> = matrices.iter().map(eigen).collect();
+    /// `None` where the norm is not defined: no variance, or for log det an eigenvalue that is not positive.
+    pub(crate) fn of(norm: Norm, matrices: &[Vec<f64>]) -> Option<Self> {
         match norm {
             Norm::LogDet => {
+                let blocks: Vec<Eigen> = matrices.iter().map(|matrix| Eigen::of(matrix)).collect();
                 let value: f64 = blocks.iter().flat_map(|b| &b.values).map(|v| libm::log(*v)).sum();
-                for block in &mut blocks {
-                    block.slopes = block.values.iter().map(|v| 1.0 / v).collect();
-                }
-                value.is_finite().then_some(Self { value, blocks, norm })
+                let slopes = blocks.iter().map(Eigen::inverse).collect();
+                value.is_finite().then_some(Self { value, slopes, blocks, norm })
             }
             Norm::Trace => {
-                // Relative to the largest eigenvalue, so that nothing overflows.
-                let largest = blocks.iter().flat_map(|b| &b.values).copied().fold(0.0, f64::max);
-                if !(largest > 0.0 && largest.is_finite()) {
-                    return None;
-                }
-                let sum: f64 = blocks.iter().flat_map(|b| &b.values).map(|v| v / largest).sum();
-                for block in &mut blocks {
-                    block.slopes = vec![1.0 / (largest * sum); block.k];
-                }
-                Some(Self { value: libm::log(largest) + libm::log(sum), blocks, norm })
+                let value = value(norm, matrices).filter(|value| value.is_finite())?;
+                let share = libm::exp(-value);
+                let identity = |matrix: &Vec<f64>| {
+                    let k = matrix.len().isqrt();
+                    (0..k * k).map(|e| if e % (k + 1) == 0 { share } else { 0.0 }).collect()
+                };
+                let slopes = matrices.iter().map(identity).collect();
+                Some(Self { value, slopes, blocks: Vec::new(), norm })
             }
         }
-    }
-
-    /// ∂norm/∂C of each block.
-    pub(crate) fn slopes(&self) -> impl Iterator<Item = Vec<f64>> + '_ {
-        self.blocks.iter().map(|block| {
-            let k = block.k;
-            let entry = |i: usize, j: usize| {
-                (0..k).map(|e| block.vectors[i * k + e] * block.slopes[e] * block.vectors[j * k + e]).sum()
-            };
-            (0..k * k).map(|e| entry(e / k, e % k)).collect()
-        })
     }
 
     /// Adds the norm's own second derivative along the changes C_q, C_r of the covariance to `curvature`. `changes`: per
@@ -103,6 +83,21 @@ impl Spectrum {
 }
 
 impl Eigen {
+    fn of(matrix: &[f64]) -> Self {
+        let k = matrix.len().isqrt();
+        let (values, vectors) = symmetric(k, matrix);
+        Self { k, values: values.into_iter().map(|v| v.max(0.0)).collect(), vectors }
+    }
+
+    /// C⁻¹.
+    fn inverse(&self) -> Vec<f64> {
+        let k = self.k;
+        let entry = |i: usize, j: usize| {
+            (0..k).map(|e| self.vectors[i * k + e] / self.values[e] * self.vectors[j * k + e]).sum()
+        };
+        (0..k * k).map(|e| entry(e / k, e % k)).collect()
+    }
+
     /// −tr(C⁻¹ C_q C⁻¹ C_r) of all members.
     fn add_log_det_curvature(&self, changes: &[Vec<f64>], curvature: &mut [f64]) {
         let (k, members) = (self.k, changes.len());

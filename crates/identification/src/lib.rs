@@ -51,7 +51,9 @@ pub use quantiles::{Quantiles, Share};
 pub use recommendation::{Contender, MOST_WITHOUT_ESTIMATE, Other, PairedDifference, Recommendation};
 pub use repeated::{RepeatedEstimates, TRUSTED, relative_norms};
 pub use run_estimate::RunEstimate;
-pub use sensitivity::{OutputInformation, output_information, output_informations, prediction_weights};
+pub use sensitivity::{
+    OutputInformation, Simulated, output_information, output_informations, prediction_weights,
+};
 pub use solve::{Direction, Excitation};
 pub use status::{EstimateStatus, ScoreStatus};
 pub use sums::{DegreeSums, Known, Sums};

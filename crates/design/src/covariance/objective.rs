@@ -40,12 +40,12 @@ impl Objective for Covariance {
 
     fn evaluate(&self, shares: &[f64], at: &mut CovariancePoint) -> Option<f64> {
         self.invert(shares, at)?;
-        let spectrum = Spectrum::of(self.norm, self.weighted_blocks(at))?;
+        let spectrum = Spectrum::of(self.norm, &self.weighted_blocks(at))?;
         at.slopes.iter_mut().for_each(Vec::clear);
-        for (block, slope) in self.blocks().zip(spectrum.slopes()) {
+        for (block, slope) in self.blocks().zip(&spectrum.slopes) {
             let n = block.n;
             let inverse = &at.inverse[block.range.clone()];
-            let weight = block.unweighted(&slope);
+            let weight = block.unweighted(slope);
             // dΦ = 2 tr(S A⁻¹ dA C) − tr(A⁻ᵀ S A⁻¹ dB), S = ∂norm/∂C.
             let left = product(n, &weight, inverse);
             let of_m = product(n, &at.covariance[block.range.clone()], &left);
@@ -67,8 +67,8 @@ impl Objective for Covariance {
         let mut moved: Vec<Vec<Vec<f64>>> = Vec::new();
         let k = members.len();
         let mut curvature = vec![0.0; k * k];
-        for (block, slope) in self.blocks().zip(at.spectrum.slopes()) {
-            let weight = block.unweighted(&slope);
+        for (block, slope) in self.blocks().zip(&at.spectrum.slopes) {
+            let weight = block.unweighted(slope);
             let changes: Vec<Change> = members.iter().map(|q| self.change(&block, &weight, *q, at)).collect();
             for (q, a) in changes.iter().enumerate() {
                 // Symmetric: tr S U C U'ᵀ too, since S and C are.

@@ -2,7 +2,7 @@
 
 use design::{
     Bounds, Candidates, Covariance, CovariancePoint, Error, Norm, Objective, Options, Status, solve,
-    solve_covariance, solve_within,
+    solve_covariance, solve_covariance_among, solve_covariance_from, solve_within,
 };
 
 fn uniform(seed: u64) -> impl FnMut() -> f64 {
@@ -131,6 +131,34 @@ fn law_a_of_a_straight_line_takes_the_ends() {
     for end in [0, 4] {
         assert!((design.shares[end] - 0.5).abs() < 1e-6, "{:?}", design.shares);
     }
+}
+
+/// Of a concave criterion there is one best value, wherever the search begins.
+#[test]
+fn law_a_search_from_other_shares_or_among_few_ends_at_the_same_value() {
+    let mut information = Candidates::new(vec![4]);
+    for i in 0..201 {
+        let x = -1.0 + 0.01 * f64::from(i);
+        let phi: Vec<f64> = (0..4).map(|p| x.powi(p)).collect();
+        information.push(&(0..16).map(|k| phi[k / 4] * phi[k % 4]).collect::<Vec<_>>()).unwrap();
+    }
+    let options = Options { random_starts: 0, tolerance: 1e-8, ..Options::default() };
+    let solved = |weights: [f64; 4]| {
+        let c = Covariance::new(&information, &information, &weights, Norm::Trace).unwrap();
+        let design = solve_covariance(&c, &Bounds::default(), &options).unwrap();
+        (c, design)
+    };
+    let (c, best) = solved([1.0, 2.0, 3.0, 4.0]);
+    let (_, other) = solved([4.0, 0.5, 1.0, 0.1]);
+    let from = solve_covariance_from(&c, &other.shares, &options).unwrap();
+    let among = solve_covariance_among(&c, 8, &options).unwrap();
+    for own in [from, among] {
+        assert_eq!(own.status, Status::Optimal);
+        assert!((own.log_det - best.log_det).abs() < 1e-7, "{} {}", own.log_det, best.log_det);
+    }
+    assert!(matches!(solve_covariance_from(&c, &[1.0], &options), Err(Error::Shape { .. })));
+    let one = [&[1.0][..], &[0.0; 200]].concat();
+    assert!(matches!(solve_covariance_from(&c, &one, &options), Err(Error::Solver(_))));
 }
 
 #[test]

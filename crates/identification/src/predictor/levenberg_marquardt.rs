@@ -1,5 +1,5 @@
 use super::sums::Linear;
-use numerics::times;
+use numerics::{dot, times};
 
 /// Several least-squares problems that are linearised in one pass.
 pub(crate) trait Residuals {
@@ -134,6 +134,9 @@ const DAMPING: [f64; 2] = [1e-4, 1e9];
 /// Condition number of the scaled normal matrix from which an unknown counts as without effect.
 const SINGULAR: f64 = 1e12;
 
+/// Decrement from which on steps count on what was learnt of the second derivatives of the predictions.
+const NEAR: f64 = 3.0;
+
 /// A problem on its way.
 #[derive(Clone, Debug)]
 struct Progress {
@@ -143,6 +146,8 @@ struct Progress {
     point: Vec<f64>,
     linear: Linear,
     cost: f64,
+    /// What the normal matrix lacks of the cost's second derivatives; nothing at first.
+    second: Vec<f64>,
     damping: f64,
     decrement: f64,
     steps: usize,
@@ -198,6 +203,7 @@ impl Progress {
             point,
             linear,
             cost,
+            second: Vec::new(),
             damping: DAMPING[0],
             decrement: f64::INFINITY,
             steps: 0,
@@ -214,28 +220,69 @@ impl Progress {
     /// The point after a damped step.
     fn trial(&mut self) -> Vec<f64> {
         self.steps += 1;
-        let (mut normal, mut step) = self.linear.weighted(self.weighting.weights(&self.linear));
-        let p = step.len();
-        hold(&self.held, &mut normal, &mut step);
+        let (mut normal, mut gradient) = self.linear.weighted(self.weighting.weights(&self.linear));
+        let p = gradient.len();
+        hold(&self.held, &mut normal, &mut gradient);
         (0..p).for_each(|i| normal[i * p + i] *= 1.0 + self.damping);
+        let step = self.newton_step(&normal, &gradient).or_else(|| solved(normal, &gradient));
         let mut trial = self.point.clone();
-        if numerics::solve(p, &mut normal, &mut step).is_some() {
+        if let Some(step) = step {
             trial.iter_mut().zip(step).for_each(|(x, step)| *x += step);
         }
         clipped(trial, &self.bounds)
+    }
+
+    /// The step with second derivatives, where they are known and it lessens the cost.
+    fn newton_step(&self, normal: &[f64], gradient: &[f64]) -> Option<Vec<f64>> {
+        if self.second.is_empty() || self.decrement > NEAR {
+            return None;
+        }
+        let step = solved(normal.iter().zip(&self.second).map(|(n, s)| n + s).collect(), gradient)?;
+        let (decrease, without) =
+            (dot(&step, gradient), self.decrement.powi(2) * self.weighting.variance(&self.linear));
+        (decrease > 0.0 && decrease < 4.0 * without).then_some(step)
     }
 
     /// Takes a step that does not raise the cost; rounding is no rise.
     fn judge(&mut self, trial: Vec<f64>, linear: Linear) {
         let cost = self.weighting.cost(&linear);
         if linear.finite() && cost <= self.cost + 1e-12 * self.cost.abs() {
+            self.learn(&trial, &linear);
             (self.point, self.linear, self.cost) = (trial, linear, cost);
             self.damping = (0.1 * self.damping).max(1e-12);
             self.settle();
         } else {
+            self.second.clear();
             self.damping *= 10.0;
             if self.damping > DAMPING[1] {
                 self.ended = Some(if self.decrement < ROUNDED { Ended::Converged } else { Ended::Stalled });
+            }
+        }
+    }
+
+    /// Learns of the second derivatives from a step s to `next`, along which the gradient changes by y: by the secant condition
+    /// (N + S) s = y on the part S that the normal matrix N lacks, with the least change of S in the norm that y sets; sized before.
+    /// Dennis, Gay & Welsch, *ACM Trans. Math. Softw.* 7 (1981). Nothing is learnt where bounds hold unknowns.
+    fn learn(&mut self, next: &[f64], linear: &Linear) {
+        let (_, before) = self.linear.weighted(self.weighting.weights(&self.linear));
+        let (normal, after) = linear.weighted(self.weighting.weights(linear));
+        let step: Vec<f64> = next.iter().zip(&self.point).map(|(new, old)| new - old).collect();
+        let change: Vec<f64> = before.iter().zip(&after).map(|(before, after)| before - after).collect();
+        let along = dot(&change, &step);
+        if !self.held.is_empty() || !(along > 0.0) {
+            return self.second.clear();
+        }
+        let lacking = difference(&change, &times(&normal, &step));
+        let (p, wanted) = (step.len(), dot(&lacking, &step));
+        self.second.resize(p * p, 0.0);
+        let known = numerics::quadratic(&step, &self.second).abs();
+        let size = if wanted.abs() < known { wanted.abs() / known } else { 1.0 };
+        self.second.iter_mut().for_each(|entry| *entry *= size);
+        let missed = difference(&lacking, &times(&self.second, &step));
+        let share = dot(&missed, &step) / along;
+        for (row, (missed_i, change_i)) in self.second.chunks_exact_mut(p).zip(missed.iter().zip(&change)) {
+            for (entry, (missed_j, change_j)) in row.iter_mut().zip(missed.iter().zip(&change)) {
+                *entry += (missed_i * change_j + change_i * missed_j - share * change_i * change_j) / along;
             }
         }
     }
@@ -260,6 +307,17 @@ impl Progress {
             }
         }
     }
+}
+
+/// The solution of `matrix` x = `right`, if there is one.
+fn solved(mut matrix: Vec<f64>, right: &[f64]) -> Option<Vec<f64>> {
+    let mut solution = right.to_vec();
+    numerics::solve(right.len(), &mut matrix, &mut solution)?;
+    Some(solution)
+}
+
+fn difference(a: &[f64], b: &[f64]) -> Vec<f64> {
+    a.iter().zip(b).map(|(a, b)| a - b).collect()
 }
 
 /// The inverse of a normal matrix, or the unknown that has no effect of its own.

@@ -4,7 +4,7 @@ use super::collinear::{CollinearRun, collinear_run};
 use super::error::RunError;
 use super::found::{Found, Regressed};
 use super::instruments::RunInstruments;
-use super::refined::refine;
+use super::refined::{Refined, refine};
 use crate::beside::Beside;
 use crate::pooled::{Delivered, PartView, Regression, Surroundings};
 use crate::predictor::{InitialState, Levels};
@@ -31,7 +31,7 @@ pub struct RunEstimators<'a> {
 struct Everything {
     ls: Vec<Regressed>,
     iv: Vec<Regressed>,
-    refined: Vec<Found>,
+    refined: Refined,
     simulated: Vec<Found>,
     predicted: Vec<Found>,
 }
@@ -42,7 +42,7 @@ impl Everything {
         match estimator {
             Estimator::Ls => self.ls.first().map(|own| &own.found),
             Estimator::Iv | Estimator::Auto => self.iv.first().map(|own| &own.found),
-            Estimator::RefinedIv => self.refined.first(),
+            Estimator::RefinedIv => self.refined.last.first(),
             Estimator::OutputError => self.simulated.first(),
             Estimator::PredictionError => self.predicted.first(),
         }
@@ -57,7 +57,7 @@ impl Everything {
         match estimator {
             Estimator::Ls => rows(&mut self.ls.iter().map(|r| &r.found), &self.ls),
             Estimator::Iv | Estimator::Auto => rows(&mut self.iv.iter().map(|r| &r.found), &self.iv),
-            Estimator::RefinedIv => rows(&mut self.refined.iter(), &self.iv),
+            Estimator::RefinedIv => rows(&mut self.refined.last.iter(), &self.iv),
             Estimator::OutputError => rows(&mut self.simulated.iter(), &self.iv),
             Estimator::PredictionError => rows(&mut self.predicted.iter(), &self.iv),
         }
@@ -122,16 +122,18 @@ impl RunEstimators<'_> {
             found.iv = self.regressed(InstrumentKind::Nominal, runs)?;
         }
         if wanted(&[RefinedIv, OutputError, PredictionError]) {
-            found.refined = refine(self.vessel, runs, &found.iv, self.removal, self.levels.as_ref());
+            let to_the_end = wanted(&[RefinedIv]);
+            let levels = self.levels.as_ref();
+            found.refined = refine(self.vessel, runs, &found.iv, self.removal, levels, to_the_end);
         }
         if wanted(&[OutputError, PredictionError]) {
             let iv: Vec<Found> = found.iv.iter().map(|r| r.found.clone()).collect();
-            let free = self.output_error(runs, &found.refined, &iv);
+            let free = self.output_error(runs, &found.refined.near, &iv);
             found.simulated = free.iter().map(Found::from).collect();
             if wanted(&[PredictionError]) {
                 let fits = match &self.levels {
-                    Some(levels) => self.prediction_error(runs, &free, &found.refined, levels),
-                    None => self.calibrated(runs, &free, &found.refined),
+                    Some(levels) => self.prediction_error(runs, &free, &found.refined.near, levels),
+                    None => self.calibrated(runs, &free, &found.refined.near),
                 };
                 found.predicted = fits.iter().map(Found::from).collect();
             }

@@ -1,5 +1,7 @@
 //! Instrumental variables whose instruments and prefilter come from the estimate.
 
+use std::ops::Range;
+
 use vessel::lanes::{groups, interleave};
 use vessel::{Run, Vessel};
 
@@ -10,31 +12,42 @@ use crate::{EstimateStatus, MeanRemoval, Noise, Outcome, estimate_prefiltered};
 
 /// Maximum number of refinement iterations.
 const ROUNDS: usize = 8;
+/// Iterations after which searches for the least errors have a good place to begin at.
+pub(super) const NEAR: usize = 2;
 /// A round that moves no parameter by more than this share of its standard error is the last.
 const ENOUGH: f64 = 0.01;
 
-/// Refines the estimates `iv` of `runs`. Where the simulation with the first one diverges, the nominal model's instruments
-/// and filter are taken instead; where a later one does, or instruments made with it identify nothing, the last good estimate
-/// is kept and marked so.
+/// Refined estimates of runs.
+#[derive(Default)]
+pub(super) struct Refined {
+    /// After [`NEAR`] iterations.
+    pub near: Vec<Found>,
+    /// After all of them; as many are made as are wanted.
+    pub last: Vec<Found>,
+}
+
+/// Refines the estimates `iv` of `runs`, `to_the_end` or as far as searches need it. Where the simulation with the first one
+/// diverges, the nominal model's instruments and filter are taken instead; where a later one does, or instruments made with it
+/// identify nothing, the last good estimate is kept and marked so.
 pub(super) fn refine(
     vessel: &Vessel,
     runs: &[Run],
     iv: &[Regressed],
     removal: MeanRemoval,
     levels: Option<&Levels>,
-) -> Vec<Found> {
+    to_the_end: bool,
+) -> Refined {
     let noise = levels.and_then(Levels::white);
     let lengths: Vec<usize> = runs.iter().map(Run::samples).collect();
-    let mut all = Vec::with_capacity(runs.len());
+    let mut all = Refined::default();
     for group in groups(&lengths) {
         let mut batch = Refinement::new(vessel, &runs[group.clone()], &iv[group], removal, noise);
-        for round in 0..ROUNDS {
-            if batch.done.iter().all(|done| *done) {
-                break;
-            }
-            batch.round(round == 0);
+        batch.go_on(0..NEAR);
+        all.near.extend_from_slice(&batch.found);
+        if to_the_end {
+            batch.go_on(NEAR..ROUNDS);
+            all.last.extend(batch.found);
         }
-        all.extend(batch.found);
     }
     all
 }
@@ -69,6 +82,15 @@ impl<'a> Refinement<'a> {
             found: found.collect(),
             models: iv.iter().map(|r| r.found.theta().unwrap_or(&vessel.nominal).to_vec()).collect(),
             done: iv.iter().map(|r| r.found.theta().is_none()).collect(),
+        }
+    }
+
+    fn go_on(&mut self, rounds: Range<usize>) {
+        for round in rounds {
+            if self.done.iter().all(|done| *done) {
+                break;
+            }
+            self.round(round == 0);
         }
     }
 

@@ -49,24 +49,36 @@ pub fn output_information(
     Told::by(&run, &parameters, noise, |_| ()).mean(run.longest(), |entry| *entry)
 }
 
-/// [`output_information`] of many runs, from their initial states and by their exogenous signals; those of one length go side
-/// by side.
+/// A run to be simulated: with the parameters `theta` from its initial state by its exogenous signals, see
+/// [`output_information`].
+#[derive(Clone, Copy, Debug)]
+pub struct Simulated<'a> {
+    /// θ.
+    pub theta: &'a [f64],
+    /// u, v \[m/s\], r \[rad/s\].
+    pub initial: [f64; 3],
+    /// Inputs and measured disturbances, a row per sample.
+    pub exogenous: &'a [f64],
+}
+
+/// [`output_information`] of many runs; those of one length go side by side.
 pub fn output_informations(
     model: &Model,
-    theta: &[f64],
-    runs: &[([f64; 3], &[f64])],
+    runs: &[Simulated],
     noise: &Noise,
 ) -> Vec<Option<OutputInformation>> {
     let model = model.with_intercepts();
-    let parameters: Vec<Lane> = model.layout().woven(theta, [0.0; 3]).into_iter().map(Lane::splat).collect();
+    let layout = model.layout();
     let width = model.exogenous().max(1);
-    let samples: Vec<usize> = runs.iter().map(|(_, exogenous)| exogenous.len() / width).collect();
+    let samples: Vec<usize> = runs.iter().map(|run| run.exogenous.len() / width).collect();
     let mut found = Vec::with_capacity(runs.len());
     for group in lanes::groups(&samples) {
         let (own, samples) = (&runs[group.clone()], samples[group.start]);
-        let rows: Vec<&[f64]> = own.iter().map(|(_, exogenous)| *exogenous).collect();
+        let parameters: Vec<Vec<f64>> = own.iter().map(|run| layout.woven(run.theta, [0.0; 3])).collect();
+        let parameters = lanes::interleave(&parameters.iter().map(Vec::as_slice).collect::<Vec<_>>());
+        let rows: Vec<&[f64]> = own.iter().map(|run| run.exogenous).collect();
         let exogenous = lanes::interleave(&rows);
-        let initial = [0, 1, 2].map(|d: usize| lanes::lane(own.len(), |run| own[run].0[d]));
+        let initial = [0, 1, 2].map(|d: usize| lanes::lane(own.len(), |run| own[run].initial[d]));
         let samples_of = [samples; LANES];
         let run =
             Recordings { model: &model, measured: &[], exogenous: &exogenous, initial, samples: samples_of };

@@ -17,7 +17,9 @@ mod unknowns;
 
 pub(crate) use adjoint::{add_draws, add_start, backward};
 pub(crate) use dynamics::Dynamics;
-pub use information::{OutputInformation, output_information, output_informations, prediction_weights};
+pub use information::{
+    OutputInformation, Simulated, output_information, output_informations, prediction_weights,
+};
 pub(crate) use information::{Told, channels};
 pub(crate) use kalman::{Gain, filter, filter_each};
 pub(crate) use levels::with_states;

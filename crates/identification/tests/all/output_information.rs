@@ -2,7 +2,7 @@
 
 use crate::support::*;
 use identification::predictor::{Recordings, Sensitivities};
-use identification::{Noise, output_information, output_informations, prediction_weights};
+use identification::{Noise, Simulated, output_information, output_informations, prediction_weights};
 use vessel::{Lane, Model, Weather, simulate, simulate_one};
 
 /// The sensitivities of one run to all parameters, ∂x_d(k)/∂θ̃ for k = 1 to N: N × 3 × n, row-major.
@@ -122,12 +122,16 @@ fn law_runs_side_by_side_tell_what_each_tells_alone() {
     let noise = Noise { measurement: [0.1, 0.2, 0.05], current: 0.3 };
     let lengths = (0..generator.maneuvers().len()).map(|index| if index == 4 { 90 } else { 120 });
     let runs: Vec<_> = lengths.enumerate().map(|(q, n)| generator.realize(q, n).unwrap()).collect();
-    let views: Vec<([f64; 3], &[f64])> =
-        runs.iter().map(|run| (run.initial, run.inputs.as_slice())).collect();
-    let together = output_informations(model, &theta, &views, &noise);
+    // Each with a model of its own.
+    let scaled = |q: usize| theta.iter().map(move |t| t * (1.0 + 0.01 * q as f64)).collect();
+    let models: Vec<Vec<f64>> = (0..runs.len()).map(scaled).collect();
+    let each = runs.iter().zip(&models);
+    let views: Vec<Simulated> =
+        each.map(|(run, theta)| Simulated { theta, initial: run.initial, exogenous: &run.inputs }).collect();
+    let together = output_informations(model, &views, &noise);
     assert_eq!(together.len(), runs.len());
-    for (run, found) in runs.iter().zip(together) {
-        let alone = output_information(model, &theta, run.initial, &run.inputs, &noise).unwrap();
+    for (run, found) in views.iter().zip(together) {
+        let alone = output_information(model, run.theta, run.initial, run.exogenous, &noise).unwrap();
         let found = found.unwrap();
         let n = model.layout().with_intercepts().parameters();
         let pairs = [(&found.information, &alone.information), (&found.process, &alone.process)];

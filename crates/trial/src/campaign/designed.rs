@@ -9,9 +9,14 @@ use super::Refusal;
 /// What happens in a run: maneuver (its place in the dictionary) and samples, one after the other.
 pub type Plan = Vec<(usize, usize)>;
 
-/// Maneuvers at the lengths that occur in plans, made once.
+/// Maneuvers as they occur in plans, made once.
 #[derive(Default)]
-pub(crate) struct Parts(BTreeMap<(usize, usize), Realized>);
+pub(crate) struct Parts {
+    /// Those that are stretched to their length.
+    stretched: BTreeMap<(usize, usize), Realized>,
+    /// The others at the greatest length so far: shorter ones are their beginning.
+    longest: BTreeMap<usize, (usize, Realized)>,
+}
 
 impl Parts {
     /// Makes what `plan` has besides what is known.
@@ -20,8 +25,12 @@ impl Parts {
     /// A maneuver that the model cannot hold.
     pub(crate) fn make(&mut self, generator: &Generator, plan: &[(usize, usize)]) -> Result<(), Invalid> {
         for (index, samples) in plan {
-            if let Entry::Vacant(entry) = self.0.entry((*index, *samples)) {
-                entry.insert(generator.realize(*index, *samples)?);
+            if !generator.goes_on(*index) {
+                if let Entry::Vacant(entry) = self.stretched.entry((*index, *samples)) {
+                    entry.insert(generator.realize(*index, *samples)?);
+                }
+            } else if self.longest.get(index).is_none_or(|(longest, _)| longest < samples) {
+                self.longest.insert(*index, (*samples, generator.realize(*index, *samples)?));
             }
         }
         Ok(())
@@ -29,14 +38,24 @@ impl Parts {
 
     /// Initial state and inputs of a plan that was made.
     pub(crate) fn joined(&self, plan: &[(usize, usize)]) -> ([f64; 3], Vec<f64>) {
-        let initial = plan.first().map_or([0.0; 3], |part| self.0[part].initial);
-        (initial, plan.iter().map(|part| self.0[part].inputs.as_slice()).collect::<Vec<_>>().concat())
+        let initial = plan.first().map_or([0.0; 3], |part| self.part(part).0);
+        (initial, plan.iter().map(|part| self.part(part).1).collect::<Vec<_>>().concat())
+    }
+
+    fn part(&self, part: &(usize, usize)) -> ([f64; 3], &[f64]) {
+        match self.stretched.get(part) {
+            Some(own) => (own.initial, &own.inputs),
+            None => {
+                let (samples, own) = &self.longest[&part.0];
+                (own.initial, &own.inputs[..own.inputs.len() / samples * part.1])
+            }
+        }
     }
 }
 
 impl FromIterator<((usize, usize), Realized)> for Parts {
     fn from_iter<I: IntoIterator<Item = ((usize, usize), Realized)>>(parts: I) -> Self {
-        Self(parts.into_iter().collect())
+        Self { stretched: parts.into_iter().collect(), longest: BTreeMap::new() }
     }
 }
 

@@ -1,8 +1,7 @@
-use design::{Bounds, Candidates, Covariance, Norm, Options, solve_covariance};
-use identification::{Noise, OutputInformation, output_information, output_informations};
+use design::{Candidates, Covariance, Norm, Options, solve_covariance_among, solve_covariance_from};
+use identification::{Noise, OutputInformation, Simulated, output_informations};
 use vessel::{Generator, Invalid, ParameterLayout, Vessel};
 
-use super::growing_run::GrowingRun;
 use crate::campaign::{Judged, judge};
 
 /// Designs for output-error estimates, from a model and from the run so far.
@@ -10,6 +9,16 @@ pub struct Planner<'a> {
     vessel: &'a Vessel,
     noise: Noise,
     maneuvers: Vec<Maneuver>,
+}
+
+/// What a trial has been, before its next round.
+pub struct SoFar<'a> {
+    /// Number of samples that were sailed.
+    pub samples: usize,
+    /// What they tell, by the model that plans.
+    pub information: &'a OutputInformation,
+    /// Shares of the round before: those of the next are searched for from there.
+    pub shares: &'a [f64],
 }
 
 /// A maneuver at its own length.
@@ -52,19 +61,16 @@ impl<'a> Planner<'a> {
         &self,
         theta: &[f64],
         sizes: &[f64],
-        so_far: &GrowingRun,
+        so_far: Option<SoFar>,
         coming: usize,
     ) -> Option<Vec<f64>> {
-        let before = so_far.samples(self.vessel);
-        let past = match before {
-            0 => None,
-            _ => Some(self.information(theta, so_far.initial, &so_far.exogenous)?),
-        };
+        let before = so_far.as_ref().map_or(0, |so_far| so_far.samples);
+        let past = so_far.as_ref().map(|so_far| so_far.information);
         let share = coming as f64 / (before + coming) as f64;
-        let runs: Vec<([f64; 3], &[f64])> =
-            self.maneuvers.iter().map(|m| (m.initial, m.exogenous.as_slice())).collect();
-        let found = output_informations(&self.vessel.model, theta, &runs, &self.noise);
-        let whole = found.iter().flatten().map(|own| match &past {
+        let each = self.maneuvers.iter();
+        let each = each.map(|m| Simulated { theta, initial: m.initial, exogenous: &m.exogenous });
+        let found = self.informations(&each.collect::<Vec<_>>());
+        let whole = found.iter().flatten().map(|own| match past {
             None => (own.information.clone(), own.middle()),
             Some(past) => (
                 mixed(&past.information, &own.information, share),
@@ -72,26 +78,44 @@ impl<'a> Planner<'a> {
             ),
         });
         let criterion = self.criterion(whole, sizes)?;
-        let options = Options { random_starts: 0, tolerance: 1e-4, ..Options::default() };
-        let mut designed =
-            solve_covariance(&criterion, &Bounds::default(), &options).ok()?.shares.into_iter();
+        let latest = so_far.map(|so_far| {
+            let kept = so_far.shares.iter().zip(&found).filter(|(_, found)| found.is_some());
+            kept.map(|(share, _)| *share).collect::<Vec<f64>>()
+        });
+        let mut designed = self.solved(&criterion, latest)?.into_iter();
         Some(found.iter().map(|own| own.as_ref().and_then(|_| designed.next()).unwrap_or(0.0)).collect())
     }
 
-    /// Standard errors of the parameters that an output-error estimate from `run` has if the parameters are `theta`.
-    /// `None` where the model diverges or a direction is not excited.
-    pub fn standard_errors(&self, theta: &[f64], sizes: &[f64], run: &GrowingRun) -> Option<Vec<f64>> {
-        let own = self.information(theta, run.initial, &run.exogenous)?;
-        let samples = run.samples(self.vessel) as f64;
-        let criterion = self.criterion([(own.information.clone(), own.middle())].into_iter(), sizes)?;
+    /// The best shares, searched for from the `latest` if there are any.
+    fn solved(&self, criterion: &Covariance, latest: Option<Vec<f64>>) -> Option<Vec<f64>> {
+        let options = Options { random_starts: 0, tolerance: 1e-4, ..Options::default() };
+        let from = latest.filter(|shares| shares.iter().any(|share| *share > 0.0));
+        let designed = match from.map(|shares| solve_covariance_from(criterion, &shares, &options)) {
+            Some(Ok(designed)) => designed,
+            _ => solve_covariance_among(criterion, 2 * self.layout().parameters(), &options).ok()?,
+        };
+        Some(designed.shares)
+    }
+
+    /// Standard errors of the parameters that an output-error estimate has from a run of `samples` that tells `information`.
+    /// `None` where a direction is not excited.
+    pub fn standard_errors(
+        &self,
+        information: &OutputInformation,
+        sizes: &[f64],
+        samples: usize,
+    ) -> Option<Vec<f64>> {
+        let own = (information.information.clone(), information.middle());
+        let criterion = self.criterion(std::iter::once(own), sizes)?;
         let variances = criterion.variances(&[1.0])?;
         let kept = self.weights(sizes);
         let errors = variances.iter().zip(kept).filter(|(_, weight)| *weight > 0.0);
-        Some(errors.map(|(variance, _)| (variance.max(0.0) / samples).sqrt()).collect())
+        Some(errors.map(|(variance, _)| (variance.max(0.0) / samples as f64).sqrt()).collect())
     }
 
-    fn information(&self, theta: &[f64], initial: [f64; 3], exogenous: &[f64]) -> Option<OutputInformation> {
-        output_information(&self.vessel.model, theta, initial, exogenous, &self.noise)
+    /// What runs tell. `None` for those that diverge.
+    pub fn informations(&self, runs: &[Simulated]) -> Vec<Option<OutputInformation>> {
+        output_informations(&self.vessel.model, runs, &self.noise)
     }
 
     /// The sum of var/size² over candidates' information and middle matrices.
@@ -133,6 +157,8 @@ mod tests {
     use design::apportion;
     use vessel::{DictionaryFile, Source};
 
+    use super::super::growing_run::GrowingRun;
+
     use crate::campaign::{Parts, Plan};
 
     const NOISE: Noise = Noise { measurement: [0.1, 0.1, 0.1], current: 0.1 };
@@ -153,17 +179,22 @@ mod tests {
             longer.go_on(&vessel, &generator, &mut Parts::default(), &plan).unwrap();
             longer
         };
+        let told = |run: &GrowingRun| {
+            let own = Simulated { theta: &theta, initial: run.initial, exogenous: &run.exogenous };
+            planner.informations(&[own]).pop().flatten().unwrap()
+        };
         let error = |run: &GrowingRun| {
-            let errors = planner.standard_errors(&theta, &sizes, run).unwrap();
+            let own = told(run);
+            let errors = planner.standard_errors(&own, &sizes, run.samples(&vessel)).unwrap();
             errors.iter().zip(&sizes).map(|(e, s)| (e / s).powi(2)).sum::<f64>().sqrt()
         };
-        let new = GrowingRun::default();
-        let once = planner.shares(&theta, &sizes, &new, 500).unwrap();
-        let equal = vec![1.0 / 11.0; 11];
+        let once = planner.shares(&theta, &sizes, None, 500).unwrap();
+        let (new, equal) = (GrowingRun::default(), vec![1.0 / 11.0; 11]);
         assert!(error(&go_on(&new, &once)) < error(&go_on(&new, &equal)));
         // The same maneuver for a while: the best rest is another one than the best whole.
         let lopsided = go_on(&new, &[1.0].iter().chain(&[0.0; 10]).copied().collect::<Vec<_>>());
-        let rest = planner.shares(&theta, &sizes, &lopsided, 500).unwrap();
+        let so_far = SoFar { samples: 500, information: &told(&lopsided), shares: &once };
+        let rest = planner.shares(&theta, &sizes, Some(so_far), 500).unwrap();
         assert!(rest[0] < once[0], "{rest:?} {once:?}");
         assert!(error(&go_on(&lopsided, &rest)) < error(&go_on(&lopsided, &equal)));
     }

@@ -15,13 +15,6 @@ vessel::choices! {
     }
 }
 
-impl Arm {
-    /// Whether its first round is planned with the crude model.
-    pub fn begins_crudely(self) -> bool {
-        matches!(self, Self::Sequential | Self::OneShot)
-    }
-}
-
 /// How the time of a plan was shared out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]

@@ -1,13 +1,13 @@
 use design::apportion;
 use identification::runs::{RunError, RunEstimators};
-use identification::{Noise, RunEstimate, parameter_error};
+use identification::{Noise, OutputInformation, RunEstimate, Simulated, parameter_error};
 use vessel::{
     Generator, Invalid, LANES, Run, Source, Streams, Vessel, check_diverged, refuse_endless, simulate_one,
 };
 
 use super::growing_run::GrowingRun;
 use super::knowledge::Knowledge;
-use super::planner::Planner;
+use super::planner::{Planner, SoFar};
 use super::row::{Arm, Outcome, Row, Shared};
 use crate::campaign::{Group, Parts, Plan, Refusal, Sea, even_lengths, random_segments};
 
@@ -36,11 +36,14 @@ struct Start {
 /// The estimates of realizations, nothing where the nominal model diverges.
 type Found = Vec<Option<RunEstimate>>;
 
-/// A realization in its trial.
+/// A realization in the trial of an arm.
 struct Realization<'a> {
+    arm: Arm,
     start: &'a Start,
     /// Parameters of the model that plans.
     known: Vec<f64>,
+    /// Of the latest plan.
+    shares: Vec<f64>,
     run: GrowingRun,
 }
 
@@ -64,7 +67,7 @@ impl<'a> Trial<'a> {
         let truth = truth(sea.vessel()).map_err(Refusal::Vessel)?;
         let planner = Planner::new(sea.vessel(), generator, noise).map_err(Refusal::Dictionary)?;
         let informed = planner
-            .shares(&truth, &knowledge.sizes(&truth), &GrowingRun::default(), ends[0])
+            .shares(&truth, &knowledge.sizes(&truth), None, ends[0])
             .ok_or_else(|| Refusal::Dictionary(unexcited()))?;
         Ok(Self { sea, generator, planner, estimators, knowledge, truth, informed, ends, random_segments })
     }
@@ -85,10 +88,12 @@ impl<'a> Trial<'a> {
     /// A maneuver that the model cannot hold; a true vessel that diverges; a run too short for its unknowns.
     pub fn realizations(&self, numbers: std::ops::Range<u32>) -> Result<Vec<Row>, Refusal> {
         let starts: Vec<Start> = numbers.map(|number| self.start(number)).collect();
+        let begin = |arm| starts.iter().map(move |start| self.begin(arm, start)).collect();
+        let mut arms: Vec<Vec<Realization>> = Arm::ALL.into_iter().map(begin).collect();
         let mut rows = Vec::with_capacity(starts.len() * Arm::ALL.len() * self.ends.len());
-        let mut first = None;
-        for arm in Arm::ALL {
-            rows.extend(self.arm(arm, &starts, &mut first)?);
+        let mut parts = Parts::default();
+        for round in 0..self.ends.len() {
+            rows.extend(self.round(round, &mut arms, &mut parts)?);
         }
         rows.sort_by_key(|row| (row.realization, row.arm as usize, row.round));
         Ok(rows)
@@ -97,100 +102,129 @@ impl<'a> Trial<'a> {
     fn start(&self, number: u32) -> Start {
         let crude = self.knowledge.crude(number);
         let sizes = self.knowledge.sizes(&crude);
-        let shares = self.planner.shares(&crude, &sizes, &GrowingRun::default(), self.ends[0]);
+        let shares = self.planner.shares(&crude, &sizes, None, self.ends[0]);
         Start { number, crude, shares }
     }
 
-    /// Rounds in order: plan, run, estimate, learn. `first`: what is found in the first round of a design from the crude model,
-    /// which two arms begin with, once it is known.
-    fn arm(&self, arm: Arm, starts: &[Start], first: &mut Option<Found>) -> Result<Vec<Row>, Refusal> {
-        let begin =
-            |start| Realization { start, known: self.first_model(arm, start), run: GrowingRun::default() };
-        let mut all: Vec<Realization> = starts.iter().map(begin).collect();
-        let mut rows = Vec::with_capacity(starts.len() * self.ends.len());
-        let mut parts = Parts::default();
-        for (round, end) in self.ends.iter().enumerate() {
-            let mut before = Vec::with_capacity(starts.len());
-            for realization in &mut all {
-                let shared = self.go_on(arm, realization, &mut parts, *end)?;
-                before.push((shared, self.expected(arm, realization)));
+    fn begin<'s>(&self, arm: Arm, start: &'s Start) -> Realization<'s> {
+        let known = if arm == Arm::Informed { self.truth.clone() } else { start.crude.clone() };
+        Realization { arm, start, known, shares: Vec::new(), run: GrowingRun::default() }
+    }
+
+    /// A round of all arms: plan, run, estimate, learn.
+    fn round(
+        &self,
+        round: usize,
+        arms: &mut [Vec<Realization>],
+        parts: &mut Parts,
+    ) -> Result<Vec<Row>, Refusal> {
+        let samples = self.ends[round];
+        let told = self.told(&arms[Arm::Sequential as usize]);
+        let told = told.iter().map(Option::as_ref).chain(std::iter::repeat(None));
+        let each = arms.iter_mut().flatten().zip(told);
+        let shared = each.map(|(realization, told)| self.go_on(realization, told, parts, samples));
+        let shared: Vec<Shared> = shared.collect::<Result<_, _>>()?;
+        let expected = self.expected(&arms[Arm::OneShot as usize]);
+        let found = self.estimated(round, arms)?;
+        let row = |((realization, found), shared): ((&mut Realization, Option<RunEstimate>), _)| {
+            let estimate = found.as_ref().and_then(|found| found.estimate.as_ref());
+            Row {
+                arm: realization.arm,
+                realization: realization.start.number,
+                round: round as u32,
+                samples,
+                shared,
+                outcome: found.as_ref().map_or(Outcome::Diverged, |found| found.status.into()),
+                parameter_error: estimate.and_then(|(t, _)| parameter_error(t, &self.truth)),
+                predicted_error: estimate.map(|(t, errors)| self.learn(realization, t, errors)),
+                expected_error: None,
             }
-            let found = match round {
-                0 if arm.begins_crudely() => match first.take() {
-                    Some(found) => found,
-                    None => first.insert(self.found(arm, &all)?).clone(),
-                },
-                _ => self.found(arm, &all)?,
-            };
-            for ((realization, found), (shared, expected_error)) in all.iter_mut().zip(found).zip(before) {
-                let estimate = found.as_ref().and_then(|found| found.estimate.as_ref());
-                rows.push(Row {
-                    arm,
-                    realization: realization.start.number,
-                    round: round as u32,
-                    samples: *end,
-                    shared,
-                    outcome: found.as_ref().map_or(Outcome::Diverged, |found| found.status.into()),
-                    parameter_error: estimate.and_then(|(t, _)| parameter_error(t, &self.truth)),
-                    predicted_error: estimate.map(|(t, errors)| self.learn(arm, realization, t, errors)),
-                    expected_error,
-                });
-            }
-        }
+        };
+        let mut rows: Vec<Row> = arms.iter_mut().flatten().zip(found).zip(shared).map(row).collect();
+        let one_shot = rows.iter_mut().filter(|row| row.arm == Arm::OneShot);
+        one_shot.zip(expected).for_each(|(row, expected)| row.expected_error = expected);
         Ok(rows)
     }
 
-    /// Plans the time until `end`. The sequential trial is one run that grows; the others are laid out for the time that
-    /// they end after.
+    /// The estimates at the end of a round, arm by arm. In the first round the arms that begin with the crude model are one.
+    fn estimated(&self, round: usize, arms: &[Vec<Realization>]) -> Result<Found, Refusal> {
+        let repeats = |arm: &Arm| round == 0 && *arm == Arm::OneShot;
+        let own = Arm::ALL.into_iter().filter(|arm| !repeats(arm));
+        let mut found = self.found(own.map(|arm| arms[arm as usize].as_slice()))?.into_iter();
+        let mut all: Vec<Found> = Vec::with_capacity(arms.len());
+        for (arm, realizations) in Arm::ALL.iter().zip(arms) {
+            all.push(match repeats(arm) {
+                true => all[Arm::Sequential as usize].clone(),
+                false => found.by_ref().take(realizations.len()).collect(),
+            });
+        }
+        Ok(all.into_iter().flatten().collect())
+    }
+
+    /// What `realizations` have been told so far, by the models that plan; nothing before their first round.
+    fn told(&self, realizations: &[Realization]) -> Vec<Option<OutputInformation>> {
+        let begun = realizations.iter().filter(|realization| !realization.run.exogenous.is_empty());
+        let runs = begun.map(|own| Simulated {
+            theta: &own.known,
+            initial: own.run.initial,
+            exogenous: &own.run.exogenous,
+        });
+        self.planner.informations(&runs.collect::<Vec<_>>())
+    }
+
+    /// Plans the time until `end`, after what the run has `told`. The sequential trial is one run that grows; the others are laid
+    /// out for the time that they end after.
     fn go_on(
         &self,
-        arm: Arm,
         realization: &mut Realization,
+        told: Option<&OutputInformation>,
         parts: &mut Parts,
         end: usize,
     ) -> Result<Shared, Refusal> {
         let vessel = self.sea.vessel();
-        if arm != Arm::Sequential {
+        if realization.arm != Arm::Sequential {
             realization.run = GrowingRun::default();
         }
         let coming = end - realization.run.samples(vessel);
-        let (plan, shared) = self.plan(arm, realization, coming);
+        let (plan, shared) = self.plan(realization, told, coming);
         let went = realization.run.go_on(vessel, self.generator, parts, &plan);
         went.map_err(Refusal::Dictionary)?;
         Ok(shared)
     }
 
     /// The error that an estimate promises of itself; in rounds the next is planned with what is learnt.
-    fn learn(&self, arm: Arm, realization: &mut Realization, theta: &[f64], standard_errors: &[f64]) -> f64 {
+    fn learn(&self, realization: &mut Realization, theta: &[f64], standard_errors: &[f64]) -> f64 {
         let learnt = self.knowledge.learnt(&realization.start.crude, theta, standard_errors);
         let promised = self.knowledge.relative(standard_errors, &learnt);
-        if arm == Arm::Sequential {
+        if realization.arm == Arm::Sequential {
             realization.known = learnt;
         }
         promised
     }
 
-    /// The model that the first plan is made with.
-    fn first_model(&self, arm: Arm, start: &Start) -> Vec<f64> {
-        if arm == Arm::Informed { self.truth.clone() } else { start.crude.clone() }
-    }
-
     /// What the coming samples hold, and how it was chosen.
-    fn plan(&self, arm: Arm, realization: &Realization, coming: usize) -> (Plan, Shared) {
-        let Realization { start, known, run } = realization;
-        let first = run.exogenous.is_empty();
-        let shares = match arm {
+    fn plan(
+        &self,
+        realization: &mut Realization,
+        told: Option<&OutputInformation>,
+        coming: usize,
+    ) -> (Plan, Shared) {
+        let Realization { arm, start, known, shares, run } = realization;
+        let designed = match arm {
             Arm::Random => return (self.drawn(start.number, coming), Shared::Drawn),
             Arm::Informed => Some(self.informed.clone()),
-            Arm::Sequential if !first => {
-                self.planner.shares(known, &self.knowledge.sizes(known), run, coming)
+            Arm::Sequential if !run.exogenous.is_empty() => {
+                let samples = run.samples(self.sea.vessel());
+                let so_far = told.map(|information| SoFar { samples, information, shares });
+                let sizes = self.knowledge.sizes(known);
+                so_far.and_then(|so_far| self.planner.shares(known, &sizes, Some(so_far), coming))
             }
             Arm::Sequential | Arm::OneShot => start.shares.clone(),
         };
-        let shared = if shares.is_some() { Shared::Designed } else { Shared::Even };
+        let shared = if designed.is_some() { Shared::Designed } else { Shared::Even };
         let maneuvers = self.planner.maneuvers();
-        let shares = shares.unwrap_or_else(|| vec![1.0 / maneuvers.len() as f64; maneuvers.len()]);
-        let counts = apportion(&shares, coming as u64);
+        *shares = designed.unwrap_or_else(|| vec![1.0 / maneuvers.len() as f64; maneuvers.len()]);
+        let counts = apportion(shares, coming as u64);
         (maneuvers.zip(counts).filter(|(_, n)| *n > 0).map(|(q, n)| (q, n as usize)).collect(), shared)
     }
 
@@ -202,37 +236,36 @@ impl<'a> Trial<'a> {
         random_segments(&streams, number, &maneuvers, &lengths)
     }
 
-    /// The error after the run that the crude model expects, by which a one-shot trial is sized.
-    fn expected(&self, arm: Arm, realization: &Realization) -> Option<f64> {
-        if arm != Arm::OneShot {
-            return None;
-        }
-        let Realization { known, run, .. } = realization;
-        let errors = self.planner.standard_errors(known, &self.knowledge.sizes(known), run)?;
-        Some(self.knowledge.relative(&errors, known))
+    /// The errors after the runs that crude models expect, by which one-shot trials are sized.
+    fn expected(&self, one_shot: &[Realization]) -> Vec<Option<f64>> {
+        let expected = |(realization, told): (&Realization, Option<OutputInformation>)| {
+            let (sizes, samples) =
+                (self.knowledge.sizes(&realization.known), realization.run.samples(self.sea.vessel()));
+            let errors = self.planner.standard_errors(&told?, &sizes, samples)?;
+            Some(self.knowledge.relative(&errors, &realization.known))
+        };
+        one_shot.iter().zip(self.told(one_shot)).map(expected).collect()
     }
 
-    /// Simulates all runs side by side and estimates from each; nothing where the nominal model diverges. All arms meet the
-    /// same disturbances in a realization.
-    fn found(&self, arm: Arm, all: &[Realization]) -> Result<Found, Refusal> {
-        let bounded: Vec<bool> = all.iter().map(|realization| self.bounded(&realization.run)).collect();
-        let mut kept: Vec<Run> = Vec::with_capacity(all.len());
-        for (group, bounded) in all.chunks(LANES).zip(bounded.chunks(LANES)) {
-            kept.extend(self.measured(arm, group)?.zip(bounded).filter(|(_, b)| **b).map(|(run, _)| run));
+    /// Simulates the runs of `arms` side by side and estimates from each, arm by arm; nothing where the nominal model diverges.
+    /// All arms meet the same disturbances in a realization.
+    fn found<'r>(&self, arms: impl Iterator<Item = &'r [Realization<'r>]>) -> Result<Found, Refusal> {
+        let (mut kept, mut bounded): (Vec<Run>, Vec<bool>) = (Vec::new(), Vec::new());
+        for group in arms.flat_map(|all| all.chunks(LANES)) {
+            let own: Vec<bool> = group.iter().map(|realization| self.bounded(&realization.run)).collect();
+            kept.extend(self.measured(group)?.zip(&own).filter(|(_, bounded)| **bounded).map(|(run, _)| run));
+            bounded.extend(own);
         }
         let mut found = self.estimators.estimates(&kept).map_err(refused)?.into_iter();
-        Ok(bounded.iter().map(|b| b.then(|| found.next()).flatten()).collect())
+        Ok(bounded.into_iter().map(|b| b.then(|| found.next()).flatten()).collect())
     }
 
-    /// The runs of up to [`LANES`] realizations as they were measured.
-    fn measured<'r>(
-        &'r self,
-        arm: Arm,
-        group: &'r [Realization],
-    ) -> Result<impl Iterator<Item = Run> + 'r, Refusal> {
+    /// The runs of up to [`LANES`] realizations of an arm as they were measured.
+    fn measured<'r>(&'r self, group: &'r [Realization]) -> Result<impl Iterator<Item = Run> + 'r, Refusal> {
         let numbers: Vec<u32> = group.iter().map(|realization| realization.start.number).collect();
+        let design = group.first().map_or("", |realization| realization.arm.name());
         let states = self.sea.simulate(&Group {
-            design: arm.name(),
+            design,
             streams: &Streams::new(self.knowledge.seed, "trial"),
             runs: &numbers,
             initial: group.iter().map(|realization| realization.run.initial).collect(),
@@ -240,7 +273,7 @@ impl<'a> Trial<'a> {
         })?;
         Ok(group.iter().enumerate().map(move |(lane, realization)| {
             let [_, measured] = states.of(lane);
-            realization.run.recorded(self.generator, arm.name(), numbers[lane], measured)
+            realization.run.recorded(self.generator, design, numbers[lane], measured)
         }))
     }
 

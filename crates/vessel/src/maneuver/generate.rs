@@ -126,6 +126,11 @@ impl Generator {
         }
     }
 
+    /// Whether maneuver `index` in few samples is the beginning of the same in more: nothing of it is stretched.
+    pub fn goes_on(&self, index: usize) -> bool {
+        !self.files.contains_key(&index) && self.maneuvers[index].kind.goes_on()
+    }
+
     /// Maneuver `index` carried out in `samples` samples. Swings keep their period, sweeps and recorded inputs are
     /// stretched to the length.
     ///

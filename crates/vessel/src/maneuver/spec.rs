@@ -3,7 +3,7 @@ use serde::de::Error as _;
 use serde::{Deserialize, Deserializer};
 
 use super::shape::Shape;
-use super::signal::{SWING_SAMPLES, Signal, check_period};
+use super::signal::{SWING_SAMPLES, Signal, SignalShape, check_period};
 use crate::Invalid;
 
 /// One maneuver.
@@ -262,6 +262,18 @@ impl ManeuverSpec {
 }
 
 impl Kind {
+    /// Whether it begins in the same way however long it lasts.
+    pub(super) fn goes_on(&self) -> bool {
+        match *self {
+            Self::Spiral { .. } | Self::Inputs { .. } => false,
+            Self::Combined { speed_m_s, yaw_rate_rad_s, sway_m_s, .. } => {
+                let signals = [Some(speed_m_s), yaw_rate_rad_s, sway_m_s];
+                signals.iter().flatten().all(|signal| signal.shape != SignalShape::Ramp)
+            }
+            _ => true,
+        }
+    }
+
     /// What is a number where it is given, with its key.
     fn numbers(&self) -> Vec<(&'static str, f64)> {
         // An optional number that is absent counts as 0.

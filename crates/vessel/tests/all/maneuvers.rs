@@ -129,3 +129,26 @@ fn dictionaries_that_cannot_be_meant_are_refused() {
     let short = generator("duration_s = 0.01\n[[maneuver]]\nname = \"a\"\nkind = \"steady-turn\"\nspeed_m_s = 1.0\nyaw_rate_rad_s = 0.1\n").unwrap();
     assert!(short.samples(0).unwrap_err().to_string().contains("zero samples"));
 }
+
+#[test]
+fn law_a_maneuver_that_goes_on_begins_as_the_same_that_is_shorter() {
+    let shapes = ["constant", "square", "sine", "triangle", "ramp", "pseudo-random", "multisine"];
+    let combined = |shape: &&str| {
+        format!(
+            "[[maneuver]]\nname = \"{shape}\"\nkind = \"combined\"\nspeed_m_s = {{ mean = 0.7 }}\n\
+             yaw_rate_rad_s = {{ shape = \"{shape}\", amplitude = 0.2, period_s = 10.0 }}\n"
+        )
+    };
+    let binary = "[[maneuver]]\nname = \"binary\"\nkind = \"pseudo-random-binary\"\nspeed_m_s = 0.6\n\
+                  yaw_rate_amplitude_rad_s = 0.2\ndwell_s = 3.0\n";
+    let own: String = shapes.iter().map(combined).collect();
+    let generator = generator(&format!("{PAPER_DICTIONARY}{own}{binary}")).unwrap();
+    let stretched = ["spiral-0.4", "spiral-0.75", "spiral-1.0", "ramp"].len();
+    let goes_on: Vec<bool> = (0..generator.maneuvers().len()).map(|q| generator.goes_on(q)).collect();
+    assert_eq!(goes_on.iter().filter(|goes_on| !**goes_on).count(), stretched, "{goes_on:?}");
+    for (q, goes_on) in goes_on.into_iter().enumerate() {
+        let [short, long] = [120, 300].map(|samples| generator.realize(q, samples).unwrap());
+        let same = short.initial == long.initial && long.inputs.starts_with(&short.inputs);
+        assert_eq!(same, goes_on, "{}", generator.maneuvers()[q].name);
+    }
+}
