@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import xml.etree.ElementTree as ET
 from dataclasses import dataclass, field
+from datetime import datetime
 
 from .geographic import Position, position
 from .xml_text import number
@@ -16,10 +17,11 @@ ORDER = ("metadata", "wpt", "rte", "trk", "extensions")
 
 @dataclass
 class Gpx:
-    """Points of all routes and of all tracks, in order."""
+    """Points of all routes and of all tracks, in order, and when those of routes are reached [s since 1970]."""
 
     route: list[Position] = field(default_factory=list)
     track: list[Position] = field(default_factory=list)
+    times: list[float] = field(default_factory=list)
 
 
 def check_gpx(root: ET.Element) -> tuple[list[str], Gpx]:
@@ -34,6 +36,7 @@ def check_gpx(root: ET.Element) -> tuple[list[str], Gpx]:
     wrongs += _order(root)
     _points(root.findall(_name("wpt")), "wpt", wrongs)
     route = _points(root.findall(f"{_name('rte')}/{_name('rtept')}"), "rtept", wrongs)
+    times = _times(root.findall(f"{_name('rte')}/{_name('rtept')}/{_name('time')}"), wrongs)
     track = _points(root.findall(f"{_name('trk')}/{_name('trkseg')}/{_name('trkpt')}"), "trkpt", wrongs)
     for points, place in ((route, "rtept in rte"), (track, "trkpt in trk and trkseg")):
         tag = place.split()[0]
@@ -42,7 +45,7 @@ def check_gpx(root: ET.Element) -> tuple[list[str], Gpx]:
             wrongs.append(f"{tag}: found {stray} elsewhere, expected every {place}")
     if not route and not track:
         wrongs.append("points: found none, expected a route or a track")
-    return wrongs, Gpx(route, track)
+    return wrongs, Gpx(route, track, times)
 
 
 def _name(tag: str) -> str:
@@ -71,3 +74,16 @@ def _points(points: list[ET.Element], tag: str, wrongs: list[str]) -> list[Posit
         else:
             positions.append(at)
     return positions
+
+
+def _times(elements: list[ET.Element], wrongs: list[str]) -> list[float]:
+    """Times of arrival, to the second; `wrongs` gets a line where they run backwards."""
+    texts = [element.text or "" for element in elements]
+    try:
+        times = [datetime.fromisoformat(text.replace("Z", "+00:00")).timestamp() for text in texts]
+    except ValueError:
+        wrongs.append(f"rtept: found times {texts}, expected those of XML Schema")
+        return []
+    if any(a > b for a, b in zip(times, times[1:])):
+        wrongs.append(f"rtept: found times {texts}, expected times that do not run backwards")
+    return times

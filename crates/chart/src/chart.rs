@@ -102,6 +102,19 @@ impl Chart {
         self.uncharted
     }
 
+    /// Bytes that it takes, about.
+    pub fn bytes(&self) -> u64 {
+        let polygon = |own: &Polygon| {
+            let rings = own.rings.iter().map(|ring| size_of_val(&ring[..]) + size_of_val(ring));
+            size_of_val(own) + rings.sum::<usize>()
+        };
+        let polygons = self.polygons.iter().chain(&self.charted.polygons).map(polygon);
+        let grids =
+            self.grids.iter().map(|grid| size_of_val(&grid.cells[..]) + size_of_val(&grid.corners[..]));
+        let places = size_of_val(&self.charted.frontier[..]) + size_of_val(&self.spots[..]);
+        (polygons.chain(grids).sum::<usize>() + places) as u64
+    }
+
     /// Polygons that meet the area, whole, in the order of the layers; those around points and lines after a layer's own.
     pub fn polygons(&self) -> &[Polygon] {
         &self.polygons

@@ -1,46 +1,62 @@
 //! Exact Euclidean distance transform (Felzenszwalb and Huttenlocher 2012), of gaps between cells.
 
 /// Squared gap, in units of cells, from every cell to the nearest set cell: the least distance of any of
-/// their points, max(|Δcol| − 1, 0)² + max(|Δrow| − 1, 0)². Infinite where no cell is set. Row by row, as
-/// `set`.
+/// their points, max(|Δcol| − 1, 0)² + max(|Δrow| − 1, 0)². Infinite where no cell is set. `each` is told of every row
+/// of `nx` columns, one after the other. Nothing if `go_on`, asked at every row, says no.
 ///
 /// The gap between squares is the distance between centres after the set cells have grown by their eight
 /// neighbours, so the transform of centres stays exact.
-pub(crate) fn squared_gaps(set: &[bool], nx: usize) -> Vec<f64> {
-    let mut squared = vertical_gaps(set, nx);
+pub(crate) fn squared_gaps(
+    set: impl Fn(usize) -> bool,
+    [nx, ny]: [usize; 2],
+    go_on: &dyn Fn() -> bool,
+    mut each: impl FnMut(usize, &[f64]),
+) -> Option<()> {
+    let vertical = vertical_gaps(set, [nx, ny], go_on)?;
     let mut envelope = Envelope::with_capacity(nx);
-    let mut grown = vec![0.0; nx];
-    for row in squared.chunks_mut(nx) {
+    let (mut grown, mut squared) = (vec![0.0; nx], vec![0.0; nx]);
+    for (row, rows) in vertical.chunks(nx.max(1)).enumerate() {
         for (i, g) in grown.iter_mut().enumerate() {
             let near = i.saturating_sub(1)..(i + 2).min(nx);
-            *g = row[near].iter().copied().fold(f64::INFINITY, f64::min);
+            *g = rows[near].iter().copied().map(between).fold(f64::INFINITY, f64::min);
         }
         envelope.build(&grown);
-        envelope.fill(row);
+        envelope.fill(&mut squared);
+        each(row, &squared);
+        go_on().then_some(())?;
     }
-    squared
+    Some(())
 }
 
-/// Squared gap to the nearest set cell of the same column.
-fn vertical_gaps(set: &[bool], nx: usize) -> Vec<f64> {
-    let mut rows = vec![f64::INFINITY; set.len()];
-    let ny = set.len() / nx.max(1);
-    let mut since = vec![f64::INFINITY; nx];
-    let mut sweep = |row: usize, rows: &mut Vec<f64>| {
+/// No set cell in a column.
+const NONE: u32 = u32::MAX;
+
+/// Squared gap of cells that are so many rows apart.
+fn between(rows: u32) -> f64 {
+    if rows == NONE { f64::INFINITY } else { f64::from(rows.saturating_sub(1)).powi(2) }
+}
+
+/// Rows to the nearest set cell of the same column.
+fn vertical_gaps(
+    set: impl Fn(usize) -> bool,
+    [nx, ny]: [usize; 2],
+    go_on: &dyn Fn() -> bool,
+) -> Option<Vec<u32>> {
+    let mut rows = vec![NONE; nx * ny];
+    let mut since = vec![NONE; nx];
+    let mut sweep = |row: usize| {
         for (i, s) in since.iter_mut().enumerate() {
             let k = row * nx + i;
-            *s = if set[k] { 0.0 } else { *s + 1.0 };
+            *s = if set(k) { 0 } else { s.saturating_add(1) };
             rows[k] = rows[k].min(*s);
         }
+        go_on().then_some(())
     };
-    (0..ny).for_each(|row| sweep(row, &mut rows));
+    (0..ny).try_for_each(&mut sweep)?;
     // What the first sweep leaves over is a distance of the last row from below: too long for any row
     // above, so harmless.
-    (0..ny).rev().for_each(|row| sweep(row, &mut rows));
-    for r in &mut rows {
-        *r = (*r - 1.0).max(0.0).powi(2);
-    }
-    rows
+    (0..ny).rev().try_for_each(sweep)?;
+    Some(rows)
 }
 
 /// Lower envelope of the parabolas (x − i)² + f(i).

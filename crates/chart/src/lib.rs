@@ -79,7 +79,7 @@ pub use grid::{Grid, GridCell, GridDeclaration, GridKind};
 pub use mask::Mask;
 pub use objects::{Tallies, Tally};
 pub use objects_geojson::objects_of_geojson;
-pub use obstacles::Obstacles;
+pub use obstacles::{Distances, Obstacles};
 pub use placed::{Polygon, Spot};
 pub use placed_grid::PlacedGrid;
 pub use plane::Plane;

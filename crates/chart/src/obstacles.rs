@@ -3,6 +3,93 @@ use crate::occupancy::{Occupancy, Sailing};
 use crate::raster::MOST_CELLS;
 use crate::{Causes, Chart, Footprint, Invalid, Mask, Raster};
 
+/// How far every cell of a raster is from what is charted as an obstacle: all that a clearance takes of [`Obstacles`].
+#[derive(Clone, Debug)]
+pub struct Distances {
+    raster: Raster,
+    gap_m: Vec<f32>,
+}
+
+impl Distances {
+    /// Bytes of a cell, those around the raster included, while distances are found, about.
+    pub const FOUND_BYTES: u64 = 9;
+
+    /// Of [`Obstacles::new`] for a least depth \[m\], as far as `sight_m`; nothing once `go_on` says no.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn new(
+        chart: &Chart,
+        raster: Raster,
+        [least_depth_m, sight_m]: [f64; 2],
+        go_on: &dyn Fn() -> bool,
+    ) -> Result<Option<Self>, Invalid> {
+        Self::of(chart, raster, [least_depth_m, sight_m], Sailing::Maneuvers, go_on, |_, _| ())
+    }
+
+    /// Of [`Obstacles::in_transit`].
+    ///
+    /// # Errors
+    /// As there.
+    pub fn in_transit(
+        chart: &Chart,
+        raster: Raster,
+        [least_depth_m, sight_m]: [f64; 2],
+        go_on: &dyn Fn() -> bool,
+    ) -> Result<Option<Self>, Invalid> {
+        Self::of(chart, raster, [least_depth_m, sight_m], Sailing::Transit, go_on, |_, _| ())
+    }
+
+    /// `each` is told of every cell why it is an obstacle, and the squared gap to the nearest one \[cells²\].
+    fn of(
+        chart: &Chart,
+        raster: Raster,
+        [least_depth_m, margin_m]: [f64; 2],
+        sailing: Sailing,
+        go_on: &dyn Fn() -> bool,
+        mut each: impl FnMut(Causes, f64),
+    ) -> Result<Option<Self>, Invalid> {
+        raster.check()?;
+        let pad = check(&raster, least_depth_m, margin_m)?;
+        let wide = raster.padded(pad);
+        let causes = Occupancy::of(chart, wide, least_depth_m, sailing).causes;
+        let mut gap_m = Vec::with_capacity(raster.nx * raster.ny);
+        let told = squared_gaps(
+            |k| causes[k].any(),
+            [wide.nx, wide.ny],
+            go_on,
+            |wide_row, squared| {
+                let Some(row) = wide_row.checked_sub(pad).filter(|row| *row < raster.ny) else { return };
+                let own = &causes[wide_row * wide.nx + pad..][..raster.nx];
+                for (col, (cause, gap)) in own.iter().zip(&squared[pad..]).enumerate() {
+                    let edge = edge_gap(&raster, pad, col, row);
+                    let cells = if cause.any() { 0.0 } else { gap.sqrt().min(edge) };
+                    gap_m.push(round_down(cells * raster.cell_m));
+                    each(*cause, *gap);
+                }
+            },
+        );
+        Ok(told.map(|()| Self { raster, gap_m }))
+    }
+
+    /// The raster.
+    pub fn raster(&self) -> Raster {
+        self.raster
+    }
+
+    /// Clearance \[m\]: the ship can go this far from the point's cell, in any direction, without meeting
+    /// an obstacle cell (margin left aside) or the edge of what was looked at, the margin outside the
+    /// raster. Never more than the true distance; 0 on obstacles and off the raster.
+    pub fn distance_m(&self, x: f64, y: f64) -> f64 {
+        let cell = self.raster.cell_at([x, y]);
+        cell.and_then(|(col, row)| self.index(col, row)).map_or(0.0, |k| f64::from(self.gap_m[k]))
+    }
+
+    fn index(&self, col: usize, row: usize) -> Option<usize> {
+        (col < self.raster.nx && row < self.raster.ny).then(|| row * self.raster.nx + col)
+    }
+}
+
 /// Where the ship may not be: blocked cells of a raster, and the distance to what blocks them.
 ///
 /// A cell is an *obstacle* when any part of it is land, no-go, shoaler than the least depth, or not
@@ -12,9 +99,8 @@ use crate::{Causes, Chart, Footprint, Invalid, Mask, Raster};
 /// more than that may be kept (70 m in all at 25 m).
 #[derive(Clone, Debug)]
 pub struct Obstacles {
-    raster: Raster,
+    distances: Distances,
     causes: Vec<Causes>,
-    gap_m: Vec<f32>,
     blocked: Mask,
 }
 
@@ -46,45 +132,32 @@ impl Obstacles {
     }
 
     fn of(chart: &Chart, raster: Raster, limits: [f64; 2], sailing: Sailing) -> Result<Self, Invalid> {
-        let [least_depth_m, margin_m] = limits;
         raster.check()?;
-        let pad = check(&raster, least_depth_m, margin_m)?;
-        let wide = raster.padded(pad);
-        let occupancy = Occupancy::of(chart, wide, least_depth_m, sailing);
-        let set: Vec<bool> = occupancy.causes.iter().map(|c| c.any()).collect();
-        let squared = squared_gaps(&set, wide.nx);
         let cells = raster.nx * raster.ny;
-        let (mut causes, mut gap_m) = (Vec::with_capacity(cells), Vec::with_capacity(cells));
-        let mut blocked = Vec::with_capacity(cells);
-        let reach = (margin_m / raster.cell_m).powi(2);
-        for row in 0..raster.ny {
-            let from = (row + pad) * wide.nx + pad;
-            causes.extend(&occupancy.causes[from..from + raster.nx]);
-            for (col, gap) in squared[from..from + raster.nx].iter().enumerate() {
-                let obstacle = set[from + col];
-                blocked.push(obstacle || *gap < reach);
-                let edge = edge_gap(&raster, pad, col, row);
-                let cells = if obstacle { 0.0 } else { gap.sqrt().min(edge) };
-                gap_m.push(round_down(cells * raster.cell_m));
-            }
-        }
-        Ok(Self { raster, causes, gap_m, blocked: Mask::new(raster, blocked) })
+        let (mut causes, mut blocked) = (Vec::with_capacity(cells), Vec::with_capacity(cells));
+        let reach = (limits[1] / raster.cell_m).powi(2);
+        let distances = Distances::of(chart, raster, limits, sailing, &|| true, |cause, gap| {
+            causes.push(cause);
+            blocked.push(cause.any() || gap < reach);
+        })?;
+        let Some(distances) = distances else { unreachable!("nobody says no") };
+        Ok(Self { distances, causes, blocked: Mask::new(raster, blocked) })
     }
 
     /// The raster.
     pub fn raster(&self) -> Raster {
-        self.raster
+        self.distances.raster
     }
 
     /// Whether a cell is blocked, the margin included; cells off the raster are.
     pub fn is_blocked(&self, col: usize, row: usize) -> bool {
-        self.index(col, row).is_none_or(|k| self.blocked.closed()[k])
+        self.distances.index(col, row).is_none_or(|k| self.blocked.closed()[k])
     }
 
     /// What makes a cell an obstacle, the margin left aside; `NONE` for cells that are free or blocked by
     /// the margin only.
     pub fn causes(&self, col: usize, row: usize) -> Causes {
-        self.index(col, row).map_or(Causes::UNCHARTED, |k| self.causes[k])
+        self.distances.index(col, row).map_or(Causes::UNCHARTED, |k| self.causes[k])
     }
 
     /// Blocked cells, row by row from the south: `nx · ny` entries.
@@ -92,22 +165,15 @@ impl Obstacles {
         self.blocked.closed()
     }
 
-    /// Clearance \[m\]: the ship can go this far from the point's cell, in any direction, without meeting
-    /// an obstacle cell (margin left aside) or the edge of what was looked at, the margin outside the
-    /// raster. Never more than the true distance; 0 on obstacles and off the raster.
+    /// See [`Distances::distance_m`].
     pub fn distance_m(&self, x: f64, y: f64) -> f64 {
-        let cell = self.raster.cell_at([x, y]);
-        cell.and_then(|(col, row)| self.index(col, row)).map_or(0.0, |k| f64::from(self.gap_m[k]))
+        self.distances.distance_m(x, y)
     }
 
     /// Whether a footprint put on node (col, row) covers free cells only. Off the raster is blocked, as is
     /// a footprint of another cell size. Takes one look-up per run.
     pub fn is_free(&self, footprint: &Footprint, col: usize, row: usize) -> bool {
         self.blocked.is_free(footprint, col, row)
-    }
-
-    fn index(&self, col: usize, row: usize) -> Option<usize> {
-        (col < self.raster.nx && row < self.raster.ny).then(|| row * self.raster.nx + col)
     }
 }
 

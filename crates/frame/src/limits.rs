@@ -13,6 +13,14 @@ use trial::voyage::Watch;
 /// Share of the time after which a search ends, so that there is some to check its plan.
 const SEARCHED: f64 = 0.7;
 
+/// Memory that the program takes before there is any work, about: its pages, and what it reads \[bytes\].
+const PROGRAM_BYTES: u64 = 24 << 20;
+
+/// MiB of work that takes so many bytes, with those of the program.
+pub fn mib_with_program(bytes: u128) -> u128 {
+    bytes.saturating_add(PROGRAM_BYTES.into()).div_ceil(1 << 20)
+}
+
 /// The flags.
 #[derive(Args)]
 pub struct LimitFlags {
@@ -61,11 +69,11 @@ impl LimitFlags {
     }
 }
 
-/// What chart, lattice and search may take: what there is, but no more than usual where nobody asks for more, for a search
+/// What chart, lattice, search and check may take beside the program: what there is, but no more than usual where nobody asks for more, for a search
 /// grows into all that it may have, and a plan should not depend on the machine.
 fn memory_bytes(common: &Common) -> u64 {
     let usual = common.memory_mib.map_or(Options::default().memory_bytes as f64, |_| f64::INFINITY);
-    budget().bytes().min(usual) as u64
+    (budget().bytes().min(usual) as u64).saturating_sub(PROGRAM_BYTES)
 }
 
 /// Limits of a search.

@@ -11,12 +11,15 @@ use crate::watch::{Walk, Watch};
 /// By bound of the plan, then larger key first, then state.
 type Queue = BinaryHeap<Reverse<(u64, Reverse<u64>, u32)>>;
 
+/// Bytes of a state in a queue, with room for it to grow.
+const QUEUED_BYTES: u64 = 2 * size_of::<Reverse<(u64, Reverse<u64>, u32)>>() as u64;
+
 /// A plan cheaper than `upper`, following at most `width` states for every number of uses left (on the last stretch as
-/// many as it takes). Nothing if it finds none or is told to stop.
+/// many as it takes), as far as so many bytes hold them. Nothing if it finds none or is told to stop.
 pub(crate) fn search(
     graph: &Graph,
     bound: &Bound,
-    width: usize,
+    (width, memory): (usize, u64),
     upper: Option<u64>,
     watch: &mut Watch,
 ) -> Option<(u64, Walk)> {
@@ -26,6 +29,7 @@ pub(crate) fn search(
     let mut queues: Vec<Queue> = (0..=all.total).map(|_| Queue::new()).collect();
     let first = nodes.reach(graph.start, all, 0, By::START)?;
     queues[all.total as usize].push(Reverse((bound.key(graph.start, all)?, Reverse(0), first)));
+    let mut queued = 0;
     for total in (0..=all.total as usize).rev() {
         let mut followed = 0;
         while let Some(Reverse((least, _, index))) = queues[total].pop() {
@@ -37,7 +41,8 @@ pub(crate) fn search(
                 return Some((seen.key, nodes.walk(index)));
             }
             followed += 1;
-            if (followed > width && total > 0) || !watch.go_on(1) {
+            let is_full = nodes.bytes() + queued * QUEUED_BYTES > memory;
+            if (followed > width && total > 0) || is_full || !watch.go_on(1) {
                 break;
             }
             nodes.at_mut(index).closed = true;
@@ -45,6 +50,7 @@ pub(crate) fn search(
                 let Some(rest) = bound.key(node, left).filter(|rest| key + rest < upper) else { continue };
                 if let Some(index) = nodes.reach(node, left, key, By::step(index, step)) {
                     queues[left.total as usize].push(Reverse((key + rest, Reverse(key), index)));
+                    queued += 1;
                 }
             }
         }

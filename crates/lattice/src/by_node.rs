@@ -1,5 +1,7 @@
 //! Entries by node, one node after the other.
 
+use crate::watch::Watch;
+
 /// Some entries of every node.
 #[derive(Clone, Debug)]
 pub(crate) struct ByNode<T> {
@@ -40,10 +42,18 @@ impl<T> ByNode<T> {
 }
 
 impl<T: Copy + Default> ByNode<T> {
-    /// Of `nodes` nodes, from entries in any order, each with its node; those of a node keep their order.
-    pub fn sorted<I: Iterator<Item = (u32, T)>>(nodes: usize, entries: impl Fn() -> I) -> Self {
+    /// Of `nodes` nodes, from entries in any order, each with its node; those of a node keep their order. Nothing if told to
+    /// stop.
+    pub fn sorted<I: Iterator<Item = (u32, T)>>(
+        nodes: usize,
+        entries: impl Fn() -> I,
+        watch: &mut Watch,
+    ) -> Option<Self> {
         let mut offsets = vec![0; nodes + 1];
-        entries().for_each(|(node, _)| offsets[node as usize + 1] += 1);
+        for (node, _) in entries() {
+            offsets[node as usize + 1] += 1;
+            watch.go_on(1).then_some(())?;
+        }
         for node in 0..nodes {
             offsets[node + 1] += offsets[node];
         }
@@ -53,7 +63,8 @@ impl<T: Copy + Default> ByNode<T> {
             let at = &mut next[node as usize];
             sorted[*at as usize] = entry;
             *at += 1;
+            watch.go_on(1).then_some(())?;
         }
-        Self { offsets, entries: sorted }
+        Some(Self { offsets, entries: sorted })
     }
 }

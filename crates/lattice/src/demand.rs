@@ -32,4 +32,9 @@ impl Demand {
         let poses = self.poses.saturating_mul(PER_POSE);
         poses.saturating_add(self.moves.saturating_mul(PER_MOVE))
     }
+
+    /// Bytes of the problem that stay when its search is over, about: a bit for each move.
+    pub fn kept_bytes(&self) -> u128 {
+        self.moves / 8
+    }
 }

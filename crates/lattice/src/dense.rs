@@ -2,7 +2,7 @@
 
 use crate::graph::Graph;
 use crate::radix_heap::RadixHeap;
-use crate::watch::{self, Verdict, Walk, Watch};
+use crate::watch::{self, Verdict, Walk, Watch, filled};
 use crate::{Limit, recover};
 
 /// How many states are taken out between two looks at the memory of the queue.
@@ -63,13 +63,17 @@ pub(crate) fn search(graph: &Graph, memory: u64, watch: &mut Watch) -> Verdict {
         return Verdict::stopped(None, watch.lower, Limit::Time);
     }
     if narrow(graph) {
-        let mut dense = Dense::<u32>::new(graph, memory);
+        let Some(mut dense) = Dense::<u32>::new(graph, memory, watch) else {
+            return Verdict::stopped(None, watch.lower, Limit::Time);
+        };
         match dense.run(watch, false) {
             Ended::Overflow => {}
             ended => return dense.verdict(&ended, watch.lower),
         }
     }
-    let mut dense = Dense::<u64>::new(graph, memory);
+    let Some(mut dense) = Dense::<u64>::new(graph, memory, watch) else {
+        return Verdict::stopped(None, watch.lower, Limit::Time);
+    };
     let ended = dense.run(watch, false);
     dense.verdict(&ended, watch.lower)
 }
@@ -77,7 +81,7 @@ pub(crate) fn search(graph: &Graph, memory: u64, watch: &mut Watch) -> Verdict {
 /// The least key of every count vector at any goal, by mixed-radix number; nothing if stopped.
 pub(crate) fn front(graph: &Graph, memory: u64, watch: &mut Watch) -> Option<Vec<Option<u64>>> {
     graph.lay_out(false, watch)?;
-    let mut dense = Dense::<u64>::new(graph, memory);
+    let mut dense = Dense::<u64>::new(graph, memory, watch)?;
     match dense.run(watch, true) {
         Ended::Exhausted => Some((0..dense.vectors as u64).map(|vector| dense.at_goal(vector)).collect()),
         _ => None,
@@ -96,13 +100,14 @@ struct Dense<'a, D> {
 }
 
 impl<'a, D: Stored> Dense<'a, D> {
-    fn new(graph: &'a Graph, memory: u64) -> Self {
+    /// Nothing if told to stop.
+    fn new(graph: &'a Graph, memory: u64, watch: &mut Watch) -> Option<Self> {
         let required = graph.problem.required();
         let (strides, vectors) = watch::strides(&required);
         let vectors = vectors as usize;
-        let distances = vec![D::UNREACHED; vectors * graph.len()];
+        let distances = filled(vectors * graph.len(), D::UNREACHED, watch)?;
         let queued = memory.saturating_sub(graph.arc_bytes(false) + size_of_val(&distances[..]) as u64);
-        Self { graph, required, strides, vectors, distances, queued }
+        Some(Self { graph, required, strides, vectors, distances, queued })
     }
 
     fn run(&mut self, watch: &mut Watch, to_the_end: bool) -> Ended {

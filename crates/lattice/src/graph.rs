@@ -65,7 +65,7 @@ impl<'a> Graph<'a> {
             self.arcs.get_or_init(|| arcs);
         }
         if both_ways && self.back.get().is_none() {
-            let back = backward(self.laid_out(), self.len());
+            let back = backward(self.laid_out(), self.len(), watch)?;
             self.back.get_or_init(|| back);
         }
         watch.go_on(self.len() as u64).then_some(())
@@ -203,9 +203,10 @@ fn homing(problem: &Problem, watch: &mut Watch) -> Option<Vec<bool>> {
     Some(homing)
 }
 
-fn backward(arcs: &ByNode<Arc>, nodes: usize) -> ByNode<Back> {
+/// Nothing if told to stop.
+fn backward(arcs: &ByNode<Arc>, nodes: usize, watch: &mut Watch) -> Option<ByNode<Back>> {
     let back = |from: usize| {
         arcs.range(from).map(move |arc| (arcs.entries()[arc as usize].node, Back { from: from as u32, arc }))
     };
-    ByNode::sorted(nodes, || (0..nodes).flat_map(back))
+    ByNode::sorted(nodes, || (0..nodes).flat_map(back), watch)
 }

@@ -26,7 +26,8 @@ pub(crate) enum Depth {
 
 /// The cheapest plan, or the best that is found within the limits.
 pub(crate) fn search(graph: &Graph, memory: u64, depth: Depth, watch: &mut Watch) -> Verdict {
-    let mut search = Search { graph, memory, plan: None };
+    // Bounds and beams come and go, and the allocator keeps what they leave for a while.
+    let mut search = Search { graph, memory: memory / 3 * 2, plan: None };
     match search.run(depth, watch) {
         Some(verdict) => verdict,
         None => Verdict::stopped(search.plan, watch.lower, Limit::Time),
@@ -39,15 +40,22 @@ pub(crate) fn is_glimpsed_at_once(graph: &Graph) -> bool {
 }
 
 /// A plan from one bound without prices and a narrow beam.
-pub(crate) fn glimpse(graph: &Graph, watch: &mut Watch) -> Option<(u64, Walk)> {
+pub(crate) fn glimpse(graph: &Graph, memory: u64, watch: &mut Watch) -> Option<(u64, Walk)> {
     graph.lay_out(true, watch)?;
     let prices = Prices::zero(graph);
     let table = Table::new(graph, &prices, None, false, watch)?;
-    beam::search(graph, &Bound::new(graph, prices, table), FIRST_WIDTH, None, watch)
+    let memory = memory.saturating_sub(table.bytes());
+    beam::search(graph, &Bound::new(graph, prices, table), (FIRST_WIDTH, memory), None, watch)
+}
+
+/// Bytes of all its tables.
+fn bytes(bound: &Bound) -> u64 {
+    bound.tables.iter().map(Table::bytes).sum()
 }
 
 struct Search<'a> {
     graph: &'a Graph<'a>,
+    /// What is left of it.
     memory: u64,
     plan: Option<(u64, Walk)>,
 }
@@ -59,7 +67,7 @@ impl Search<'_> {
         if Table::entries(self.graph, None) * 12 > u128::from(self.memory) {
             return Some(Verdict::stopped(None, watch.lower, Limit::Memory));
         }
-        self.plan = glimpse(self.graph, watch);
+        self.plan = glimpse(self.graph, self.memory, watch);
         self.note(watch);
         let mut bound = match ascent::ascend(self.graph, self.upper(), watch) {
             ascent::Ascent::Infeasible => return Some(Verdict::proved(None)),
@@ -67,11 +75,14 @@ impl Search<'_> {
             ascent::Ascent::Stopped => return None,
             ascent::Ascent::Bound(bound) => bound,
         };
+        self.memory = self.memory.saturating_sub(bytes(&bound));
         for width in WIDTHS {
             self.widen(&bound, width, watch)?;
         }
         if !self.is_proved(watch) {
+            let known = bytes(&bound);
             self.bounds_per_action(&mut bound, watch)?;
+            self.memory = self.memory.saturating_sub(bytes(&bound) - known);
             if bound.key(self.graph.start, bound.packing.all()).is_none() {
                 return Some(Verdict::proved(None));
             }
@@ -83,9 +94,7 @@ impl Search<'_> {
         if depth == Depth::Root {
             return None;
         }
-        let used: u64 = bound.tables.iter().map(Table::bytes).sum();
-        let memory = self.memory.saturating_sub(used);
-        Some(a_star::search(self.graph, &bound, self.plan.take(), memory, watch))
+        Some(a_star::search(self.graph, &bound, self.plan.take(), self.memory, watch))
     }
 
     fn upper(&self) -> Option<u64> {
@@ -105,7 +114,7 @@ impl Search<'_> {
     /// A better plan by a wider beam. Nothing if told to stop.
     fn widen(&mut self, bound: &Bound, width: usize, watch: &mut Watch) -> Option<()> {
         if !self.is_proved(watch) {
-            let found = beam::search(self.graph, bound, width, self.upper(), watch);
+            let found = beam::search(self.graph, bound, (width, self.memory), self.upper(), watch);
             self.plan = found.or(self.plan.take());
             self.note(watch);
         }

@@ -108,7 +108,8 @@ fn exhaustive(graph: &Graph, options: &Options, has_plan: bool, watch: &mut Watc
     match verdict.stopped_by {
         Some(Limit::Memory) => lagrangian::search(graph, memory, Depth::Proof, watch),
         Some(Limit::Time) if !has_plan && lagrangian::is_glimpsed_at_once(graph) => {
-            let plan = lagrangian::glimpse(graph, &mut Watch::new(graph.problem, u64::MAX, &mut |_| true));
+            let plan =
+                lagrangian::glimpse(graph, memory, &mut Watch::new(graph.problem, u64::MAX, &mut |_| true));
             Verdict::stopped(plan, verdict.lower, Limit::Time)
         }
         _ => verdict,

@@ -9,7 +9,7 @@
 use crate::graph::Graph;
 use crate::radix_heap::RadixHeap;
 use crate::uses::{Left, Packing};
-use crate::watch::Watch;
+use crate::watch::{Watch, filled};
 
 /// No walk.
 const NEVER: i64 = i64::MAX;
@@ -76,8 +76,9 @@ impl Table {
         let own = tracked.map_or(0, |slot| required[slot] as usize);
         let rest = required.iter().sum::<u32>() as usize - own + 1;
         let entries = (own + 1) * rest * graph.len();
-        let next = if with_next { vec![NO_ARC; entries] } else { Vec::new() };
-        let mut table = Self { tracked, rest, nodes: graph.len(), values: vec![NEVER; entries], next };
+        let next = if with_next { filled(entries, NO_ARC, watch)? } else { Vec::new() };
+        let values = filled(entries, NEVER, watch)?;
+        let mut table = Self { tracked, rest, nodes: graph.len(), values, next };
         let mut queue = RadixHeap::new();
         for layer in 0..(own + 1) * rest {
             table.begin(graph, prices, layer, watch)?;

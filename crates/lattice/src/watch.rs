@@ -80,6 +80,19 @@ impl<'a, 'b> Watch<'a, 'b> {
     }
 }
 
+/// Entries that are laid out between two questions whether to go on.
+const AT_ONCE: usize = 1 << 18;
+
+/// So many times `value`. Nothing if told to stop.
+pub(crate) fn filled<T: Copy>(count: usize, value: T, watch: &mut Watch) -> Option<Vec<T>> {
+    let mut all = Vec::with_capacity(count);
+    while all.len() < count {
+        watch.go_on(AT_ONCE as u64).then_some(())?;
+        all.resize((all.len() + AT_ONCE).min(count), value);
+    }
+    Some(all)
+}
+
 /// Asks every few thousand times whether to go on, and remembers a no.
 pub struct Asked<'a> {
     go_on: &'a dyn Fn() -> bool,

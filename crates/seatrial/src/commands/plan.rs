@@ -16,7 +16,7 @@ use frame::limits::LimitFlags;
     after_help = "Example:\n  plan --vessel pipelines/helsinki/vessel.toml --trajectories out/helsinki/dictionary.parquet \
     --config pipelines/helsinki/plan.toml --out out/helsinki/plan.json\n  \
     plan --problem fixtures/lattice/channel.json --out plan.json\n\n\
-    Without --memory-mib it takes at most 4096 MiB, on any machine that has them."
+    --memory-mib counts every phase, and 24 MiB of the program's own; without it 4096 MiB at most."
 )]
 pub struct Arguments {
     /// A lattice problem to solve instead of a chart (schema experiment-lattice-planning/1)

@@ -3,6 +3,7 @@
 use std::fmt::Display;
 use std::path::Path;
 
+use frame::limits::mib_with_program;
 use lattice::{Demand, NoPlan};
 use trial::voyage::{Check, VoyageError};
 use vessel::{Invalid, nearest};
@@ -36,7 +37,7 @@ pub(super) fn voyage(files: &VoyageFiles, error: VoyageError) -> Failure {
         VoyageError::NoAnswer(invalid) => Failure::NoAnswer(format!("{}: {invalid}", config.display())),
         VoyageError::Infeasible(reason) => infeasible(config, &reason),
         VoyageError::OutOfTime(phase) => out_of_time(config, phase),
-        VoyageError::TooLarge(footing) => does_not_fit(config, &footing),
+        VoyageError::TooLarge(footing) => does_not_fit(config, &footing, footing.bytes()),
         VoyageError::NoPlan(why) => no_plan(config, &why),
     }
 }
@@ -67,7 +68,7 @@ pub(super) fn no_plan(file: &Path, why: &NoPlan) -> Failure {
             no_answer(file, &found, remedy)
         }
         NoPlan::TooLarge { states, bytes } => {
-            let found = format!("{states} states, which take {} MiB", bytes.div_ceil(1 << 20));
+            let found = format!("{states} states, which take {} MiB", mib_with_program(*bytes));
             let remedy = "raise --memory-mib, take --engine auto, or reduce counts, headings, speed modes or the lattice";
             no_answer(file, &found, remedy)
         }
@@ -83,15 +84,16 @@ pub(super) fn out_of_time(file: &Path, phase: &str) -> Failure {
 /// A lattice that is not even laid out.
 pub(super) fn too_large(file: &Path, demand: &Demand) -> Failure {
     let Demand { poses, moves } = demand;
-    let mib = demand.bytes().div_ceil(1 << 20);
-    does_not_fit(file, &format_args!("{poses} poses with up to {moves} moves, which take {mib} MiB"))
+    does_not_fit(file, &format_args!("{poses} poses with up to {moves} moves"), demand.bytes())
 }
 
-fn does_not_fit(file: &Path, found: &dyn Display) -> Failure {
+fn does_not_fit(file: &Path, what: &dyn Display, bytes: u128) -> Failure {
     let remedy = "raise --memory-mib, or reduce the lattice, headings, speed modes or `raster_per_cell`";
-    let message =
-        format!("{}: plan: found {found}, expected less than --memory-mib; {remedy}", file.display());
-    Failure::NoAnswer(message)
+    let found = format!("{what}, which take {} MiB", mib_with_program(bytes));
+    Failure::NoAnswer(format!(
+        "{}: plan: found {found}, expected at most --memory-mib; {remedy}",
+        file.display()
+    ))
 }
 
 fn infeasible(file: &Path, reason: &str) -> Failure {

@@ -108,7 +108,7 @@ fn more_states_than_memory_allows_are_told_with_what_to_reduce() {
         ("count = 1 }, {", "count = 60 }, {"),
         ("\"sway-zig-zag\", count = 1", "\"sway-zig-zag\", count = 60"),
     ]);
-    let line = format!("{PLAN} --engine exhaustive --memory-mib 1");
+    let line = format!("{PLAN} --engine exhaustive --memory-mib 100");
     refused(
         &folder,
         4,

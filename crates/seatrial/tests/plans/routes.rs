@@ -106,6 +106,27 @@ fn a_departure_gives_routes_their_times_of_day() {
     let track = gpx.one("trk").one("trkseg").all("trkpt");
     assert_eq!(track[0].one("time").text, "2026-06-01T08:00:00Z");
     assert!(planned.text("route.kml").contains("<begin>2026-06-01T08:"));
+    // The nominal vessel reaches waypoints at whole seconds.
+    let package = package(&planned);
+    let mut etas =
+        package.prepare("SELECT substr(eta, 1, 19) || 'Z', eta FROM waypoints ORDER BY fid").unwrap();
+    let etas: Vec<[String; 2]> =
+        etas.query_map([], |row| Ok([row.get(0)?, row.get(1)?])).unwrap().map(Result::unwrap).collect();
+    let route = gpx.one("rte").all("rtept");
+    assert!(
+        etas.len() == route.len()
+            && etas[0][0] == "2026-06-01T08:00:00Z"
+            && etas.is_sorted_by(|a, b| a[1] < b[1])
+    );
+    assert!(etas.iter().zip(route).all(|([eta, _], own)| *eta == own.one("time").text));
+}
+
+/// The GeoPackage of a plan.
+fn package(planned: &Planned) -> Connection {
+    let bytes = planned.study.bytes("route.gpkg");
+    let mut package = Connection::open_in_memory().unwrap();
+    package.deserialize_read_exact("main", bytes, bytes.len(), true).unwrap();
+    package
 }
 
 #[test]
@@ -199,9 +220,7 @@ fn the_geojson_track_has_a_line_per_leg_that_joins_the_next() {
 #[test]
 fn the_geopackage_has_the_passage_and_the_track_as_styled_layers() {
     for planned in all() {
-        let bytes = planned.study.bytes("route.gpkg");
-        let mut package = Connection::open_in_memory().unwrap();
-        package.deserialize_read_exact("main", bytes, bytes.len(), true).unwrap();
+        let package = package(planned);
         let texts = |query: &str| -> Vec<String> {
             let mut query = package.prepare(query).unwrap();
             query.query_map([], |row| row.get(0)).unwrap().map(Result::unwrap).collect()

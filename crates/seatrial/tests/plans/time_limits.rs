@@ -101,13 +101,13 @@ fn law_a_stopped_search_brackets_the_optimum() {
 #[test]
 fn more_states_than_memory_allows_are_told_with_what_to_reduce() {
     let pieces = ["problem.json", "states", "MiB", "--memory-mib", "reduce counts"];
-    refused(&folder(), 4, &format!("{SOLVE} --engine exhaustive --memory-mib 4"), &pieces);
+    refused(&folder(), 4, &format!("{SOLVE} --engine exhaustive --memory-mib 28"), &pieces);
 }
 
 #[test]
 fn little_memory_is_no_reason_for_a_wrong_claim() {
     let folder = folder();
-    let ran = run(&folder, &format!("{SOLVE} --memory-mib 3 --time-limit-s 2"));
+    let ran = run(&folder, &format!("{SOLVE} --memory-mib 27 --time-limit-s 2"));
     if ran.code == Some(4) {
         ran.refuses(4, &["--memory-mib"]);
         return;

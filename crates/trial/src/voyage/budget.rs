@@ -1,32 +1,94 @@
-//! Whether chart and lattice fit in the memory, told before anything of that size is allocated.
+//! Whether chart, lattice and check fit in the memory, told before anything of that size is allocated.
 
 use lattice::{Demand, Lattice};
 
+use super::check::{Run, TRACKS};
+use super::clearance::cells_around;
 use super::error::VoyageError;
 use super::footing::Footing;
 use super::moves::Moves;
 use super::prepared::Prepared;
 use super::search::Search;
+use super::task::Secondary;
+use crate::{Fix, Sample};
+
+/// Bytes of inputs that were read and of threads, and of all that is written, about.
+const READ_BYTES: u128 = 16 << 20;
+const WRITTEN_BYTES: u128 = 12 << 20;
+
+/// Most uses of a maneuver that are reckoned with before the search, which refuses far more of them.
+const MOST_USES: u32 = 1000;
+
+/// Refuses what takes more than `memory_bytes`.
+fn fits(footing: Footing, memory_bytes: u64) -> Result<(), VoyageError> {
+    if footing.bytes() > u128::from(memory_bytes) { Err(VoyageError::TooLarge(footing)) } else { Ok(()) }
+}
 
 impl Prepared {
+    /// Refuses rasters that do not fit in the memory, whatever legs come to.
+    pub(super) fn check_rasters(&self, search: &Search) -> Result<(), VoyageError> {
+        fits(self.footing(&[])?, search.options.memory_bytes)
+    }
+
     /// Refuses what does not fit in the memory; else the search with what the rasters leave of it.
     pub(super) fn within<'a>(&self, moves: &Moves, search: &Search<'a>) -> Result<Search<'a>, VoyageError> {
+        let footing = self.footing(&moves.actions)?;
+        fits(footing, search.options.memory_bytes)?;
+        Ok(search.beside(footing.kept_bytes()))
+    }
+
+    /// Refuses a plan whose check does not fit in the memory; else a search beside it, with what it leaves.
+    pub(super) fn within_check<'a>(
+        &self,
+        moves: &Moves,
+        (round, samples): (u32, usize),
+        search: &Search<'a>,
+    ) -> Result<Search<'a>, VoyageError> {
+        let footing = Footing { check: self.check_bytes(round, samples), ..self.footing(&moves.actions)? };
+        fits(footing, search.options.memory_bytes)?;
+        Ok(search.beside(footing.kept_bytes() + footing.lattice.kept_bytes() + footing.check))
+    }
+
+    fn footing(&self, actions: &[lattice::Action]) -> Result<Footing, VoyageError> {
         let (task, grid) = (&self.brief.task, &self.grid);
         let raster = task.raster(grid);
-        let (kinds, _) = self.obstacle_kinds();
-        let cells = |(_, margin_m, _): &(f64, f64, bool)| {
-            let around = 2 * ((margin_m / raster.cell_m).ceil() as u128 + 1);
-            (raster.nx as u128 + around) * (raster.ny as u128 + around)
-        };
-        let lattice = Lattice { nx: grid.nx, ny: grid.ny, layers: grid.layers() };
+        let layers =
+            self.obstacle_kinds().0.len().max(1) + usize::from(task.cost.secondary == Secondary::Clearance);
         let masks = usize::from(!task.area.corners.is_empty()) + task.speed_limits.len();
-        let cells = kinds.iter().map(cells).sum::<u128>() + (masks * raster.nx * raster.ny) as u128;
-        let footing = Footing { lattice: Demand::new(lattice, &moves.actions), cells };
-        if footing.bytes() > u128::from(search.options.memory_bytes) {
-            return Err(VoyageError::TooLarge(footing));
-        }
-        let mut left = search.clone();
-        left.options.memory_bytes -= footing.kept_bytes() as u64;
-        Ok(left)
+        let around = cells_around(&raster, task.safety.margin_m);
+        let lattice = Lattice { nx: grid.nx, ny: grid.ny, layers: grid.layers() };
+        Ok(Footing {
+            lattice: Demand::new(lattice, actions),
+            cells: layers as u128 * around + (masks * raster.nx * raster.ny) as u128,
+            clearance_cells: self.clearance_cells()?,
+            // The chart stood in memory as it was read, too.
+            beside: READ_BYTES + 2 * u128::from(self.chart.bytes()) + self.leg_bytes(),
+            check: self.check_bytes(1, self.least_samples()),
+        })
+    }
+
+    /// Bytes of the rehearsed legs.
+    fn leg_bytes(&self) -> u128 {
+        let sample = size_of::<Sample>() + 8 * self.brief.vessel.model.inputs;
+        let bytes =
+            |own: &super::Rehearsed| own.sailed.samples.len() * sample + size_of_val(own.footprint.runs());
+        self.rehearsed.iter().map(|own| bytes(own) as u128).sum()
+    }
+
+    /// Bytes of a check's runs, of the tracks that are kept of them and of the nominal one.
+    fn check_bytes(&self, round: u32, samples: usize) -> u128 {
+        let [runs, _] = self.runs(round);
+        let sample = size_of::<Sample>() + 8 * self.brief.vessel.model.inputs;
+        let tracks = runs.min(TRACKS) as usize * size_of::<Fix>() * 9 / 8;
+        WRITTEN_BYTES + (runs as usize * size_of::<Run>()) as u128 + (samples * (tracks + sample)) as u128
+    }
+
+    /// Samples of all maneuvers, each from the heading that takes the least: any plan has more.
+    fn least_samples(&self) -> usize {
+        let rate_hz = self.brief.vessel.sample_rate_hz;
+        let pieces = self.wanted.iter().enumerate();
+        let seconds =
+            pieces.map(|(piece, own)| f64::from(own.count.min(MOST_USES)) * self.shortest_leg_s(piece));
+        seconds.filter(|s| s.is_finite()).map(|s| (s * rate_hz) as usize).sum()
     }
 }

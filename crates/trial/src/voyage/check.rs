@@ -15,7 +15,7 @@ use crate::leg::turned_back;
 use crate::{Astray, End, Fix, Rehearser, Sailed};
 
 /// Tracks that are kept to be drawn.
-const TRACKS: u32 = 200;
+pub(super) const TRACKS: u32 = 200;
 /// Runs after which a check ends that has taught something: the next plan is checked instead.
 const FIRST_RUNS: u32 = 64;
 /// Of all rounds together, how probable it may be that a bound does not hold.
@@ -111,16 +111,16 @@ pub(super) struct Checking<'a> {
 }
 
 /// A run of a check.
-struct Run {
-    /// Per step.
-    passages: Vec<Passage>,
-    /// Of all.
+pub(super) struct Run {
     passage: Passage,
     /// Without corrections, until it goes aground.
     open_loop: Passage,
-    ends: Vec<End>,
+    /// Ends of legs, and those beyond a tolerance.
+    ends: [u64; 2],
     seconds: f64,
     track: Option<Vec<Fix>>,
+    /// Steps that broke the margin or missed a tolerance, having begun within it; and who sailed them.
+    taught: Vec<(usize, Rehearser)>,
 }
 
 impl Prepared {
@@ -175,7 +175,7 @@ impl Checking<'_> {
         while next < runs && (taught.is_empty() || self.is_last) {
             let some = next..(next + FIRST_RUNS.max(next * FIRST_RUNS)).min(runs);
             let sail = || some.clone().into_par_iter().map(one).collect::<Result<Vec<Run>, VoyageError>>();
-            let new = match beside.take_if(|_| some.end == runs) {
+            let mut new = match beside.take_if(|_| some.end == runs) {
                 Some(own) => {
                     let (new, own) = rayon::join(sail, own);
                     aside = Some(own);
@@ -183,7 +183,7 @@ impl Checking<'_> {
                 }
                 None => sail()?,
             };
-            taught.extend(some.clone().zip(&new).flat_map(|(run, own)| self.taught(run % vessels, run, own)));
+            taught.extend(new.iter_mut().flat_map(|own| std::mem::take(&mut own.taught)));
             found.extend(new);
             next = some.end;
         }
@@ -205,7 +205,9 @@ impl Checking<'_> {
         let (clearance, rate_hz) = (self.clearance, self.prepared().brief.vessel.sample_rate_hz);
         let mut passages = vec![clearance.open(); self.legs.len()];
         let mut samples = 0_u64;
-        let mut track = (run < TRACKS).then(Vec::new);
+        // Some vessels take longer than the nominal one.
+        let room = self.nominal.samples.len() * 9 / 8;
+        let mut track = (run < TRACKS).then(|| Vec::with_capacity(room));
         let ends = self.script.sail(&parameters, unknown, |own| {
             clearance.add(&mut passages[own.leg], own.pose, own.informative);
             samples += 1;
@@ -219,7 +221,11 @@ impl Checking<'_> {
             open_loop.clearance_m > 0.0
         });
         let passage = passages.iter().fold(clearance.open(), |a, b| a.and(b));
-        Ok(Run { passages, passage, open_loop, ends, seconds: samples as f64 / rate_hz, track })
+        // Nobody asks what the last round taught.
+        let taught =
+            if self.is_last { Vec::new() } else { self.taught(run % vessels, run, &passages, &ends) };
+        let ends = [ends.len() as u64, self.used(&ends).iter().filter(|used| **used > 1.0).count() as u64];
+        Ok(Run { passage, open_loop, ends, seconds: samples as f64 / rate_hz, track, taught })
     }
 
     /// What of the tolerance is used at the end of every step.
@@ -235,15 +241,15 @@ impl Checking<'_> {
     }
 
     /// The steps of a run that broke the margin or missed a tolerance, having begun within it; and who sailed them.
-    fn taught(&self, vessel: u32, run: u32, own: &Run) -> Vec<(usize, Rehearser)> {
+    fn taught(&self, vessel: u32, run: u32, passages: &[Passage], ends: &[End]) -> Vec<(usize, Rehearser)> {
         let margin_m = self.prepared().brief.task.safety.margin_m;
-        let used = self.used(&own.ends);
+        let used = self.used(ends);
         let failed = |step: &usize| {
             let began_well = *step == 0 || used[step - 1] <= 1.0;
-            own.passages[*step].clearance_m < margin_m || (used[*step] > 1.0 && began_well)
+            passages[*step].clearance_m < margin_m || (used[*step] > 1.0 && began_well)
         };
         let failures = (0..self.legs.len()).filter(failed);
-        failures.map(|step| (step, self.rehearser(vessel, run, step, &own.ends))).collect()
+        failures.map(|step| (step, self.rehearser(vessel, run, step, ends))).collect()
     }
 
     /// Who sailed a step, as a rehearsal of its leg begins.
@@ -281,7 +287,6 @@ impl Checking<'_> {
         let bound = |independent: usize| {
             (aground == 0).then(|| 1.0 - libm::exp(libm::log(doubt(self.round)) / independent as f64))
         };
-        let astray = |run: &Run| self.used(&run.ends).iter().filter(|used| **used > 1.0).count() as u64;
         let check = Check {
             safe: false,
             faults: Vec::new(),
@@ -301,8 +306,8 @@ impl Checking<'_> {
             aground_bound: bound(found.len()),
             aground_bound_by_vessels: bound(vessels),
             below_margin: count(&|run| run.passage.clearance_m < safety.margin_m),
-            ends: found.iter().map(|run| run.ends.len() as u64).sum(),
-            ends_astray: found.iter().map(astray).sum(),
+            ends: found.iter().map(|run| run.ends[0]).sum(),
+            ends_astray: found.iter().map(|run| run.ends[1]).sum(),
             tolerance_used: self.used(&self.nominal.ends).into_iter().fold(0.0, f64::max),
             proved_s: self.legs.iter().map(|leg| prepared.rehearsed[*leg].seconds(rate_hz)).sum(),
             sailed_s: self.nominal.samples.len() as f64 / rate_hz,

@@ -1,9 +1,11 @@
 //! How near the hull comes to what is charted as an obstacle, in continuous space.
 
-use chart::{Bounds, Invalid, Obstacles, Polygon, Raster};
+use chart::{Bounds, Distances, Invalid, Polygon, Raster};
 use vessel::Pose;
 
+use super::error::VoyageError;
 use super::prepared::Prepared;
+use super::task::Task;
 
 /// How far beyond the lattice a hull's clearance is still measured \[m\]. The chart is read farther than that.
 const BEYOND_M: f64 = 500.0;
@@ -19,9 +21,9 @@ pub(super) struct Clearance {
     /// Farthest that any of it is from the reference point \[m\].
     radius_m: f64,
     /// In transit.
-    transit: Obstacles,
-    /// In informative maneuvers.
-    trial: Obstacles,
+    transit: Distances,
+    /// In informative maneuvers, where these are not the same.
+    trial: Option<Distances>,
     /// The lattice's area.
     area: Bounds,
     /// The part of it that is sailed in, where that is not all.
@@ -57,12 +59,10 @@ impl Passage {
 
 impl Clearance {
     /// Rasters of the chart around the lattice, finer than those of the search.
-    pub(super) fn new(prepared: &Prepared) -> Result<Self, Invalid> {
+    pub(super) fn new(prepared: &Prepared, go_on: &(dyn Fn() -> bool + Sync)) -> Result<Self, VoyageError> {
         let task = &prepared.brief.task;
-        let own = task.raster(&prepared.grid);
-        let sight_m = BEYOND_M + task.safety.margin_m;
-        let area = own.bounds();
-        let raster = fine(&area.grown(BEYOND_M), own.cell_m, sight_m)?;
+        let (area, sight_m) = (task.raster(&prepared.grid).bounds(), sight_m(task));
+        let raster = prepared.clearance_raster()?;
         let corners = task.hull.outline();
         let between = |(a, b): (&[f64; 2], &[f64; 2])| [*a, [(a[0] + b[0]) / 2.0, (a[1] + b[1]) / 2.0]];
         let outline: Vec<[f64; 2]> =
@@ -70,11 +70,16 @@ impl Clearance {
         let radius_m = outline.iter().map(|[x, y]| libm::hypot(*x, *y)).fold(0.0, f64::max);
         let (chart, safety) = (&prepared.chart, &task.safety);
         let (transit, trial) = rayon::join(
-            || Obstacles::in_transit(chart, raster, safety.transit_depth_m, sight_m),
-            || Obstacles::new(chart, raster, safety.trial_depth_m, sight_m),
+            || Distances::in_transit(chart, raster, [safety.transit_depth_m, sight_m], go_on),
+            || {
+                let trial = || Distances::new(chart, raster, [safety.trial_depth_m, sight_m], go_on);
+                prepared.has_waters_of_trials().then(trial).transpose()
+            },
         );
+        let late = VoyageError::OutOfTime("the layout of the chart");
         let polygon = task.area.polygon(chart.plane());
-        let (transit, trial) = (transit?, trial?);
+        let (Some(transit), trial) = (transit?, trial?) else { return Err(late) };
+        let trial = trial.map(|own| own.ok_or(late)).transpose()?;
         Ok(Self { outline, radius_m, transit, trial, area, polygon, sight_m })
     }
 
@@ -104,7 +109,7 @@ impl Clearance {
             return;
         }
         passage.unseen_m = 0.0;
-        let obstacles = if informative { &self.trial } else { &self.transit };
+        let obstacles = self.trial.as_ref().filter(|_| informative).unwrap_or(&self.transit);
         // Where the reference point is farther off than the hull reaches, no corner counts.
         let far = obstacles.distance_m(pose.y, pose.x) - self.radius_m - 2.0 * obstacles.raster().cell_m;
         let room = if passage.left_area { f64::INFINITY } else { self.room_m(place) };
@@ -122,6 +127,30 @@ impl Clearance {
     }
 }
 
+impl Prepared {
+    /// The raster that clearances are measured on.
+    fn clearance_raster(&self) -> Result<Raster, Invalid> {
+        let own = self.brief.task.raster(&self.grid);
+        fine(&own.bounds().grown(BEYOND_M), own.cell_m, sight_m(&self.brief.task))
+    }
+
+    /// Its cells, with those around it that are looked at, of all that is made at once.
+    pub(super) fn clearance_cells(&self) -> Result<u128, Invalid> {
+        let layers = if self.has_waters_of_trials() { 2 } else { 1 };
+        Ok(layers * cells_around(&self.clearance_raster()?, sight_m(&self.brief.task)))
+    }
+
+    /// Whether informative maneuvers keep clear of other things than legs in transit.
+    fn has_waters_of_trials(&self) -> bool {
+        let safety = &self.brief.task.safety;
+        self.chart.has_transit_only() || safety.trial_depth_m != safety.transit_depth_m
+    }
+}
+
+fn sight_m(task: &Task) -> f64 {
+    BEYOND_M + task.safety.margin_m
+}
+
 /// The finest raster over `bounds`, of whole parts of `cell_m`, that still has a sensible number of cells `around_m` included.
 fn fine(bounds: &Bounds, cell_m: f64, around_m: f64) -> Result<Raster, Invalid> {
     let wide = bounds.grown(around_m);
@@ -129,4 +158,10 @@ fn fine(bounds: &Bounds, cell_m: f64, around_m: f64) -> Result<Raster, Invalid> 
         |parts: u32| (0..2).map(|k| (wide.max[k] - wide.min[k]) / cell_m * f64::from(parts)).product::<f64>();
     let parts = (2..=FINEST).rev().find(|parts| cells(*parts) <= MOST_CELLS).unwrap_or(1);
     Raster::covering(bounds, cell_m / f64::from(parts))
+}
+
+/// Cells of a raster, with those around it that are looked at for a margin.
+pub(super) fn cells_around(raster: &Raster, margin_m: f64) -> u128 {
+    let around = 2 * ((margin_m / raster.cell_m).ceil() as u128 + 1);
+    (raster.nx as u128 + around) * (raster.ny as u128 + around)
 }

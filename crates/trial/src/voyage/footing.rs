@@ -1,43 +1,55 @@
-//! What chart and lattice take in memory.
+//! What chart, lattice and check take in memory.
 
 use std::fmt;
 
+use chart::Distances;
 use lattice::Demand;
 
-/// Bytes of a raster cell while obstacles are found, about: causes, distances, what is charted; and of what is kept.
-const PER_CELL: u128 = 26;
+/// Bytes of a raster cell while obstacles are found, about: causes, gaps of rows, what is kept; and of what is kept.
+const PER_CELL: u128 = 16;
 const KEPT_PER_CELL: u128 = 10;
 
-/// What a search stands on.
+/// What a search and its check stand on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Footing {
     /// Poses and moves of the lattice.
     pub lattice: Demand,
     /// Cells of all rasters of obstacles.
     pub cells: u128,
+    /// Cells of the rasters that clearances are measured on.
+    pub clearance_cells: u128,
+    /// Bytes of the chart, of legs and of what was read.
+    pub beside: u128,
+    /// Bytes of the check of a plan, and of what is written of it.
+    pub check: u128,
 }
 
 impl Footing {
     /// Bytes that it takes at most, about.
     pub fn bytes(&self) -> u128 {
-        let rasters = self.cells.saturating_mul(PER_CELL);
-        rasters.max(self.kept_bytes().saturating_add(self.lattice.bytes()))
+        let rasters = self.standing().saturating_add(self.cells.saturating_mul(PER_CELL));
+        let checked = self.lattice.kept_bytes().saturating_add(self.check);
+        let searched = self.lattice.bytes().max(checked);
+        let searched = self.kept_bytes().saturating_add(searched);
+        rasters.max(searched)
     }
 
-    /// Bytes of rasters that stay while the lattice is searched.
+    /// Bytes that stay while the lattice is searched.
     pub(super) fn kept_bytes(&self) -> u128 {
-        self.cells.saturating_mul(KEPT_PER_CELL)
+        self.standing().saturating_add(self.cells.saturating_mul(KEPT_PER_CELL))
+    }
+
+    /// Bytes that stay from round to round. The allocator keeps what it took to find clearances for a while.
+    fn standing(&self) -> u128 {
+        let clearances = self.clearance_cells.saturating_mul(Distances::FOUND_BYTES.into());
+        self.beside.saturating_add(clearances)
     }
 }
 
 impl fmt::Display for Footing {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Demand { poses, moves } = self.lattice;
-        let mib = self.bytes().div_ceil(1 << 20);
-        write!(
-            f,
-            "{poses} poses with up to {moves} moves and {} raster cells, which take {mib} MiB",
-            self.cells
-        )
+        let cells = self.cells + self.clearance_cells;
+        write!(f, "{poses} poses with up to {moves} moves and {cells} raster cells")
     }
 }

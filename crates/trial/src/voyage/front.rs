@@ -70,7 +70,7 @@ impl Prepared {
     }
 
     /// Time of the shortest leg that uses a piece \[s\].
-    fn shortest_leg_s(&self, wanted: usize) -> f64 {
+    pub(super) fn shortest_leg_s(&self, wanted: usize) -> f64 {
         let uses =
             |purpose: &Purpose| matches!(purpose, Purpose::Informative { piece, .. } if *piece == wanted);
         let own = self.rehearsed.iter().filter(|own| uses(&own.leg.purpose));

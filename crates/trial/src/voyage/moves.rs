@@ -1,5 +1,7 @@
 //! Legs at sea as moves of the lattice, and what they cost.
 
+use std::sync::Arc;
+
 use lattice::{Action, Cost, Move, Step};
 
 use super::counts::Wanted;
@@ -19,7 +21,12 @@ pub struct Moves {
 
 impl Moves {
     /// Groups legs by name; the costs as `rule` says.
-    pub(super) fn new(rehearsed: &[Rehearsed], wanted: &[Wanted], rule: &CostRule, rate_hz: f64) -> Self {
+    pub(super) fn new(
+        rehearsed: &[Arc<Rehearsed>],
+        wanted: &[Wanted],
+        rule: &CostRule,
+        rate_hz: f64,
+    ) -> Self {
         let mut moves = Self { actions: Vec::new(), legs: Vec::new() };
         let classes = if rule.secondary == Secondary::Clearance { CLEARANCE_CLASSES } else { 1 };
         for (index, own) in rehearsed.iter().enumerate() {

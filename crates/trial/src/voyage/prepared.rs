@@ -1,18 +1,20 @@
 //! What a search starts from: chart and lattice laid out, counts known, every leg rehearsed.
 
+use std::sync::Arc;
+
 use chart::Chart;
 use vessel::Invalid;
 
 use super::counts::Wanted;
 use super::error::VoyageError;
 use super::moment_sums::MomentSums;
-use super::rehearsed::{Dropped, Group, Rehearsed, groups, rehearse};
+use super::rehearsed::{Dropped, Group, Rehearsal, Rehearsed, groups};
 use super::search::Search;
 use super::task::Brief;
 use crate::{Grid, Piece, Rehearser, Repertoire, mirror};
 
 /// What is known of legs: rehearsals, legs that all end settled, legs that some do not.
-pub(super) type Known = (Vec<Group>, Vec<Rehearsed>, Vec<Dropped>);
+pub(super) type Known = (Vec<Group>, Vec<Arc<Rehearsed>>, Vec<Dropped>);
 
 /// A trial prepared for the search.
 #[derive(Clone, Debug)]
@@ -32,7 +34,7 @@ pub struct Prepared {
     groups: Vec<Group>,
     others: Vec<Rehearser>,
     /// Every leg of the lattice.
-    pub rehearsed: Vec<Rehearsed>,
+    pub rehearsed: Vec<Arc<Rehearsed>>,
     /// Legs that nobody could be sure to end.
     pub dropped: Vec<Dropped>,
     /// What each piece tells.
@@ -43,15 +45,17 @@ impl Prepared {
     /// Lays out chart and lattice, finds the counts and rehearses every leg.
     ///
     /// # Errors
-    /// Values of the task that make no sense for this vessel, dictionary, design or chart; a maneuver that nobody can be
-    /// sure to recover from.
-    pub fn new(brief: Brief, search: &Search) -> Result<Self, VoyageError> {
+    /// Values of the task that make no sense for this vessel, dictionary, design or chart; rasters that do not fit in the
+    /// memory; a maneuver that nobody can be sure to recover from.
+    pub fn new(mut brief: Brief, search: &Search) -> Result<Self, VoyageError> {
+        let layers = std::mem::take(&mut brief.layers);
         let Brief { vessel, task, .. } = &brief;
         let wanted = brief.wanted()?;
         let pieces: Vec<Piece> = wanted.iter().map(|w| w.piece.clone()).collect();
         let longest = pieces.iter().map(|piece| piece.samples).max().unwrap_or(0);
         let drift_m = task.safety.unknown_current_m_s * longest as f64 / vessel.sample_rate_hz;
-        let (chart, grid) = task.ground(vessel, &brief.layers, drift_m)?;
+        let (chart, grid) = task.ground(vessel, &layers, drift_m)?;
+        drop(layers);
         let information = pieces.iter().map(|piece| MomentSums::of_piece(vessel, piece)).collect();
         let (mirror, others) = (mirror(vessel), brief.rehearsers());
         let (rehearsed, dropped) = (Vec::new(), Vec::new());
@@ -69,8 +73,9 @@ impl Prepared {
             information,
         };
         prepared.check_modes()?;
+        prepared.check_rasters(search)?;
         prepared.groups = groups(&prepared.repertoire());
-        prepared.learn(std::iter::empty(), search)?;
+        prepared.learn(Vec::new(), search)?;
         prepared.check_offered()?;
         Ok(prepared)
     }
@@ -109,15 +114,22 @@ impl Prepared {
     }
 
     /// Lets those who failed a leg rehearse it from now on; gives what was known before.
-    pub(super) fn learn<'w>(
+    pub(super) fn learn(
         &mut self,
-        taught: impl Iterator<Item = (usize, &'w Rehearser)>,
+        taught: Vec<(usize, Rehearser)>,
         search: &Search,
     ) -> Result<Known, VoyageError> {
         let mut groups = self.groups.clone();
-        taught.for_each(|(leg, who)| groups[self.rehearsed[leg].group].learn(who.clone()));
-        let (rehearsed, dropped) =
-            rehearse(&self.repertoire(), &mut groups, &self.wanted, &self.others, search.go_on)?;
+        taught.into_iter().for_each(|(leg, who)| groups[self.rehearsed[leg].group].learn(who));
+        let task = &self.brief.task;
+        let rehearsal = Rehearsal {
+            repertoire: self.repertoire(),
+            wanted: &self.wanted,
+            others: &self.others,
+            hull: task.hull.outline(),
+            cell_m: task.raster(&self.grid).cell_m,
+        };
+        let (rehearsed, dropped) = rehearsal.rehearse(&mut groups, search.go_on)?;
         Ok(self.know((groups, rehearsed, dropped)))
     }
 

@@ -8,7 +8,7 @@ use vessel::{Invalid, Pose};
 
 use super::counts::Wanted;
 use super::error::VoyageError;
-use crate::{Grid, Leg, Outcome, Purpose, Rehearser, Repertoire, Sailed, Settled, Side};
+use crate::{Leg, Outcome, Purpose, Rehearser, Repertoire, Sailed, Settled, Side};
 
 /// How far a rehearsed track's corners are apart at most, in raster cells, and how far it turns between them \[rad\].
 const APART: f64 = 0.25;
@@ -23,13 +23,19 @@ pub struct Rehearsed {
     pub sailed: Sailed,
     /// Where that ends.
     pub end: Pose,
-    /// Where it leads other vessels, in currents that are not known, from wherever legs may end: their poses.
-    pub strayed: Vec<Vec<Pose>>,
+    /// The largest distance between where those who rehearsed it, in currents that are not known and from wherever legs may end,
+    /// and the nominal vessel are at the same time before the recovery \[m\].
+    pub spread_m: f64,
     /// Name of the action.
     pub name: String,
+    /// The area that the hull sweeps, by any of the vessels that rehearsed the leg.
+    pub(super) footprint: Footprint,
     /// Index of the group of legs that it was rehearsed with.
     pub(super) group: usize,
 }
+
+/// A leg that was rehearsed: one to offer, or one to drop.
+type Tried = Result<Arc<Rehearsed>, Dropped>;
 
 /// A leg that the search is not offered.
 #[derive(Clone, Debug, PartialEq)]
@@ -52,7 +58,18 @@ pub(super) struct Group {
     /// Who showed in a check that a leg of theirs is not as good as it was thought to be.
     taught: Vec<Rehearser>,
     /// What rehearsals came to; nothing where someone has not rehearsed yet.
-    outcomes: Option<Arc<Vec<Outcome>>>,
+    outcomes: Option<Arc<Vec<Tried>>>,
+}
+
+/// What legs are rehearsed with.
+pub(super) struct Rehearsal<'a> {
+    pub repertoire: Repertoire<'a>,
+    pub wanted: &'a [Wanted],
+    /// Who rehearses every leg.
+    pub others: &'a [Rehearser],
+    /// Outline of the hull \[m\], and the cells that tell what it sweeps \[m\].
+    pub hull: Vec<[f64; 2]>,
+    pub cell_m: f64,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -78,25 +95,14 @@ impl Rehearsed {
     pub fn is_informative(&self) -> bool {
         matches!(self.leg.purpose, Purpose::Informative { .. })
     }
+}
 
-    /// The largest distance between where those who rehearsed it and the nominal vessel are at the same time before the
-    /// recovery \[m\].
-    pub fn spread_m(&self) -> f64 {
-        let open = self.sailed.samples.iter().rposition(|s| s.informative);
-        let Some(own) = open.map(|last| self.sailed.samples[last].pose) else { return 0.0 };
-        let others = self.strayed.iter().filter_map(|track| track.get(open.unwrap_or(0)));
-        others.map(|pose| libm::hypot(pose.x - own.x, pose.y - own.y)).fold(0.0, f64::max)
-    }
-
-    /// The area that the hull sweeps, by any of the vessels that rehearsed the leg.
-    pub(super) fn footprint(&self, hull: &[[f64; 2]], cell_m: f64) -> Result<Footprint, Invalid> {
-        let swept = |poses: &[Pose]| {
-            let poses: Vec<(f64, f64, f64)> = thinned(poses, cell_m).map(|p| (p.y, p.x, p.psi)).collect();
-            Footprint::swept(hull, &poses, cell_m)
-        };
-        let nominal: Vec<Pose> = self.sailed.samples.iter().map(|s| s.pose).chain([self.end]).collect();
-        self.strayed.iter().try_fold(swept(&nominal)?, |whole, poses| Ok(whole.union(&swept(poses)?)))
-    }
+/// The largest distance of the tracks from the nominal vessel when that ends its open-loop part \[m\].
+fn spread_m(Settled { sailed, tracks, .. }: &Settled) -> f64 {
+    let Some(open) = sailed.samples.iter().rposition(|s| s.informative) else { return 0.0 };
+    let own = sailed.samples[open].pose;
+    let others = tracks.iter().filter_map(|track| track.get(open));
+    others.map(|pose| libm::hypot(pose.x - own.x, pose.y - own.y)).fold(0.0, f64::max)
 }
 
 /// The poses between which a track is straight to a fraction of a raster cell, the last among them.
@@ -128,58 +134,77 @@ pub(super) fn groups(repertoire: &Repertoire) -> Vec<Group> {
     .collect()
 }
 
-/// Rehearses the legs of every group by `others`, and by those who taught the group, unless they have done so.
-pub(super) fn rehearse(
-    repertoire: &Repertoire,
-    groups: &mut [Group],
-    wanted: &[Wanted],
-    others: &[Rehearser],
-    go_on: &(dyn Fn() -> bool + Sync),
-) -> Result<(Vec<Rehearsed>, Vec<Dropped>), VoyageError> {
-    groups.par_iter_mut().filter(|group| group.outcomes.is_none()).try_for_each(|group| {
-        if !go_on() {
-            return Err(VoyageError::OutOfTime("the rehearsal of legs"));
-        }
-        group.outcomes = Some(Arc::new(group.rehearsed(repertoire, others)?));
-        Ok(())
-    })?;
-    let name = |purpose: &Purpose| match purpose {
-        Purpose::Basic(name) => name.clone(),
-        Purpose::Informative { piece, .. } => wanted[*piece].piece.maneuver.clone(),
-    };
-    let (mut rehearsed, mut dropped) = (Vec::new(), Vec::new());
-    let quarters = if repertoire.is_isotropic() { 4 } else { 1 };
-    for (index, group) in groups.iter().enumerate() {
-        let outcomes = group.outcomes.as_deref().map_or(&[][..], |outcomes| outcomes);
-        for (quarter, outcome) in (0..quarters).flat_map(|q| outcomes.iter().map(move |o| (q, o))) {
-            match outcome {
-                Ok(settled) => {
-                    rehearsed.push(Rehearsed::new(settled, quarter, repertoire.grid, index, &name))
-                }
-                Err(unsettled) => dropped.push(Dropped {
-                    name: name(&unsettled.purpose),
-                    side: unsettled.purpose.side(),
-                    from: repertoire.grid.turned(unsettled.from, quarter),
-                    why: unsettled.why.clone(),
-                }),
+impl Rehearsal<'_> {
+    /// Rehearses the legs of every group by the others, and by those who taught the group, unless they have done so.
+    pub fn rehearse(
+        &self,
+        groups: &mut [Group],
+        go_on: &(dyn Fn() -> bool + Sync),
+    ) -> Result<(Vec<Arc<Rehearsed>>, Vec<Dropped>), VoyageError> {
+        let new = groups.par_iter_mut().enumerate().filter(|(_, group)| group.outcomes.is_none());
+        new.try_for_each(|(index, group)| {
+            if !go_on() {
+                return Err(VoyageError::OutOfTime("the rehearsal of legs"));
             }
+            group.outcomes = Some(Arc::new(self.tried(group, index)?));
+            Ok(())
+        })?;
+        let (mut rehearsed, mut dropped) = (Vec::new(), Vec::new());
+        let all = groups.iter().filter_map(|group| group.outcomes.as_deref()).flatten();
+        all.for_each(|tried| match tried {
+            Ok(own) => rehearsed.push(own.clone()),
+            Err(own) => dropped.push(own.clone()),
+        });
+        Ok((rehearsed, dropped))
+    }
+
+    /// The legs of a group, from its heading level and from those that lie quarter turns to port of it.
+    fn tried(&self, group: &Group, index: usize) -> Result<Vec<Tried>, Invalid> {
+        let outcomes = group.rehearsed(&self.repertoire, self.others)?;
+        let quarters = if self.repertoire.is_isotropic() { 4 } else { 1 };
+        let all = (0..quarters).flat_map(|quarter| outcomes.iter().map(move |own| (quarter, own)));
+        all.map(|(quarter, outcome)| match outcome {
+            Ok(settled) => {
+                let settled = settled.turned(quarter, self.repertoire.grid);
+                self.rehearsed(settled, index).map(|own| Ok(Arc::new(own)))
+            }
+            Err(unsettled) => Ok(Err(Dropped {
+                name: self.name(&unsettled.purpose),
+                side: unsettled.purpose.side(),
+                from: self.repertoire.grid.turned(unsettled.from, quarter),
+                why: unsettled.why.clone(),
+            })),
+        })
+        .collect()
+    }
+
+    fn name(&self, purpose: &Purpose) -> String {
+        match purpose {
+            Purpose::Basic(name) => name.clone(),
+            Purpose::Informative { piece, .. } => self.wanted[*piece].piece.maneuver.clone(),
         }
     }
-    Ok((rehearsed, dropped))
+
+    fn rehearsed(&self, settled: Settled, group: usize) -> Result<Rehearsed, Invalid> {
+        let (footprint, spread_m) = (self.footprint(&settled)?, spread_m(&settled));
+        let Settled { leg, sailed, .. } = settled;
+        let end = end(&sailed);
+        Ok(Rehearsed { name: self.name(&leg.purpose), leg, sailed, end, spread_m, footprint, group })
+    }
+
+    fn footprint(&self, Settled { sailed, tracks, .. }: &Settled) -> Result<Footprint, Invalid> {
+        let swept = |poses: &[Pose]| {
+            let poses: Vec<_> = thinned(poses, self.cell_m).map(|p| (p.y, p.x, p.psi)).collect();
+            Footprint::swept(&self.hull, &poses, self.cell_m)
+        };
+        let nominal: Vec<Pose> = sailed.samples.iter().map(|s| s.pose).chain([end(sailed)]).collect();
+        tracks.iter().try_fold(swept(&nominal)?, |whole, poses| Ok(whole.union(&swept(poses)?)))
+    }
 }
 
-impl Rehearsed {
-    fn new(
-        settled: &Settled,
-        quarter: usize,
-        grid: &Grid,
-        group: usize,
-        name: &dyn Fn(&Purpose) -> String,
-    ) -> Self {
-        let Settled { leg, sailed, tracks } = settled.turned(quarter, grid);
-        let end = sailed.ends.last().map(|(pose, _)| *pose).unwrap_or_default();
-        Self { name: name(&leg.purpose), leg, sailed, end, strayed: tracks, group }
-    }
+/// Where the vessel was at last.
+fn end(sailed: &Sailed) -> Pose {
+    sailed.ends.last().map(|(pose, _)| *pose).unwrap_or_default()
 }
 
 impl Group {

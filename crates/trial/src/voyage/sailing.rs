@@ -42,6 +42,14 @@ struct Round {
     taught: Vec<(usize, Rehearser)>,
 }
 
+impl Round {
+    /// Who is to rehearse which legs.
+    fn pupils(&mut self) -> Vec<(usize, Rehearser)> {
+        let taught = std::mem::take(&mut self.taught).into_iter().take(PUPILS);
+        taught.map(|(step, who)| (self.sailing.legs[step], who)).collect()
+    }
+}
+
 impl Prepared {
     /// Plans and sails until what is proved is what can be sailed: legs that broke a margin or missed a tolerance in a check
     /// are rehearsed by whoever failed them, too, and the search begins again. Where that leaves no plan, the last one is given if
@@ -50,28 +58,36 @@ impl Prepared {
     /// # Errors
     /// As [`Self::solve`], with what the checks showed; a simulation that diverges; no time.
     pub fn plan(&mut self, search: &Search, keep_unsafe: bool) -> Result<(Solved, Sailing), VoyageError> {
-        let clearance = Clearance::new(self)?;
+        let clearance = Clearance::new(self, search.go_on)?;
         let mut round = self.round(&clearance, 1, search)?;
         while !round.taught.is_empty() && round.number < ROUNDS {
-            match self.again(&round, &clearance, search) {
-                Ok(next) => round = next,
-                Err(_) if keep_unsafe => {
+            let (number, taught) = (round.number, round.pupils());
+            // Only where it may be wanted after all does it stay in memory.
+            let last = keep_unsafe.then_some(round);
+            match (self.again(taught, number + 1, &clearance, search), last) {
+                (Ok(next), _) => round = next,
+                (Err(_), Some(last)) => {
+                    round = last;
                     // Its check ended early.
-                    (round.sailing, _) =
-                        self.sail(&mut round.solved, &clearance, (round.number, true), search)?;
+                    (round.sailing, _) = self.sail(&mut round.solved, &clearance, (number, true), search)?;
                     break;
                 }
-                Err(error) => return Err(error.after(round.number)),
+                (Err(error), None) => return Err(error.after(number)),
             }
         }
         Ok((round.solved, round.sailing))
     }
 
-    /// The round after `round`, with what that one taught; that is forgotten again where it leaves no plan.
-    fn again(&mut self, round: &Round, clearance: &Clearance, search: &Search) -> Result<Round, VoyageError> {
-        let taught = round.taught.iter().take(PUPILS);
-        let before = self.learn(taught.map(|(step, who)| (round.sailing.legs[*step], who)), search)?;
-        let next = self.check_offered().and_then(|()| self.round(clearance, round.number + 1, search));
+    /// A round after one that taught `taught`, by leg; that is forgotten again where it leaves no plan.
+    fn again(
+        &mut self,
+        taught: Vec<(usize, Rehearser)>,
+        number: u32,
+        clearance: &Clearance,
+        search: &Search,
+    ) -> Result<Round, VoyageError> {
+        let before = self.learn(taught, search)?;
+        let next = self.check_offered().and_then(|()| self.round(clearance, number, search));
         if next.is_err() {
             self.know(before);
         }
@@ -98,9 +114,10 @@ impl Prepared {
             solved.solution.steps.iter().map(|step| solved.moves.leg_of_step(step)).collect();
         let script = self.script(solved, &legs);
         let sailed = script.sailed(&self.brief.vessel.nominal, [0.0; 2])?;
+        let left = self.within_check(&solved.moves, (round, sailed.samples.len()), search)?;
         let checking = Checking { script: &script, clearance, legs: &legs, nominal: &sailed, round, is_last };
         let (Checked { check, tracks, taught }, front) =
-            checking.check(search, || self.front(&solved.problem, &solved.moves, search))?;
+            checking.check(search, || self.front(&solved.problem, &solved.moves, &left))?;
         let information = self.information_sailed(&legs, &sailed);
         solved.front = front.unwrap_or_default();
         Ok((Sailing { legs, sailed, runs: tracks, check, information }, taught))

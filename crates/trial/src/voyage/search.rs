@@ -17,6 +17,14 @@ pub struct Search<'a> {
 }
 
 impl Search<'_> {
+    /// The same, with so many bytes of memory less.
+    pub(super) fn beside(&self, bytes: u128) -> Self {
+        let mut left = self.clone();
+        let bytes = u64::try_from(bytes).unwrap_or(u64::MAX);
+        left.options.memory_bytes = left.options.memory_bytes.saturating_sub(bytes);
+        left
+    }
+
     /// The cheapest plan.
     ///
     /// # Errors

@@ -1,6 +1,8 @@
 //! Where legs fit on the chart.
 
-use chart::{Class, Footprint, Mask, Obstacles, Polygon, Raster};
+use std::sync::Arc;
+
+use chart::{Class, Distances, Footprint, Mask, Obstacles, Polygon, Raster};
 use lattice::Pose;
 use rayon::prelude::*;
 use vessel::Invalid;
@@ -28,8 +30,8 @@ pub struct Waters {
     limits: Vec<Mask>,
     /// Speed limits that each leg exceeds: indices into `limits`.
     exceeded: Vec<Vec<usize>>,
-    /// Of every leg.
-    footprints: Vec<Footprint>,
+    /// Every leg, with its footprint.
+    legs: Vec<Arc<Rehearsed>>,
     /// Pitch of the lattice \[m\].
     cell_m: f64,
     /// Distance of the node (i, j) to the nearest obstacle \[m\], at j · nx + i; empty where no cost asks for it.
@@ -41,7 +43,7 @@ pub struct Waters {
 impl Waters {
     /// Whether leg `index` may start at node (i, j).
     pub fn fits(&self, index: usize, i: usize, j: usize) -> bool {
-        let footprint = &self.footprints[index];
+        let footprint = &self.legs[index].footprint;
         let is_slow = |limit: &usize| self.limits[*limit].is_free(footprint, self.cell(i), self.cell(j));
         self.exceeded[index].iter().all(is_slow) && self.is_free(self.layer_of_leg[index], footprint, i, j)
     }
@@ -83,7 +85,7 @@ impl Waters {
     }
 
     /// Obstacles of informative maneuvers, with the widest margin.
-    pub fn deepest(&self, rehearsed: &[Rehearsed]) -> &Obstacles {
+    pub fn deepest(&self, rehearsed: &[Arc<Rehearsed>]) -> &Obstacles {
         let blocked = |index: &usize| {
             self.obstacles[self.layer_of_leg[*index]].blocked().iter().filter(|b| **b).count()
         };
@@ -104,18 +106,12 @@ fn nodes(nx: usize, ny: usize) -> impl Iterator<Item = (usize, usize)> {
 }
 
 impl Prepared {
-    /// Footprints of all legs, and the obstacles that each of them has to keep clear of.
+    /// The obstacles that each leg has to keep clear of.
     pub(super) fn waters(&self, go_on: &(dyn Fn() -> bool + Sync)) -> Result<Waters, VoyageError> {
         let in_time =
             || if go_on() { Ok(()) } else { Err(VoyageError::OutOfTime("the layout of the chart")) };
         let (task, grid) = (&self.brief.task, &self.grid);
         let raster = task.raster(grid);
-        let hull = task.hull.outline();
-        let footprints: Vec<Footprint> = self
-            .rehearsed
-            .par_iter()
-            .map(|own| in_time().and_then(|()| Ok(own.footprint(&hull, raster.cell_m)?)))
-            .collect::<Result<_, VoyageError>>()?;
         let (kinds, layer_of_leg) = self.obstacle_kinds();
         let obstacles: Vec<Obstacles> = kinds
             .par_iter()
@@ -125,7 +121,7 @@ impl Prepared {
             })
             .collect::<Result<_, VoyageError>>()?;
         let node_distance_m = match task.cost.secondary {
-            Secondary::Clearance => self.node_distances_m(raster)?,
+            Secondary::Clearance => self.node_distances_m(raster, go_on)?,
             _ => Vec::new(),
         };
         let area = task.area.polygon(self.chart.plane()).map(|polygon| Mask::beyond(&polygon, raster));
@@ -141,7 +137,7 @@ impl Prepared {
             layer_of_leg,
             node_distance_m,
             obstacles,
-            footprints,
+            legs: self.rehearsed.clone(),
             cell_m: task.cell_m,
             nx: grid.nx,
             ny: grid.ny,
@@ -160,10 +156,12 @@ impl Prepared {
     }
 
     /// Distance of every node to the nearest obstacle, as far as it makes a class \[m\].
-    fn node_distances_m(&self, raster: Raster) -> Result<Vec<f64>, Invalid> {
+    fn node_distances_m(&self, raster: Raster, go_on: &dyn Fn() -> bool) -> Result<Vec<f64>, VoyageError> {
         let (grid, safety) = (&self.grid, &self.brief.task.safety);
         let farthest_m = CLEARANCE_CLASSES as f64 * grid.cell_m;
-        let obstacles = Obstacles::in_transit(&self.chart, raster, safety.transit_depth_m, farthest_m)?;
+        let limits = [safety.transit_depth_m, farthest_m];
+        let obstacles = Distances::in_transit(&self.chart, raster, limits, go_on)?
+            .ok_or(VoyageError::OutOfTime("the layout of the chart"))?;
         let node = |k: usize| {
             let at = grid.pose(k % grid.nx, k / grid.nx, 0);
             obstacles.distance_m(at.y, at.x)
@@ -180,7 +178,7 @@ impl Prepared {
             true => (safety.trial_depth_m, safety.margin_m, self.chart.has_transit_only()),
             false => (safety.transit_depth_m, safety.margin_m, false),
         };
-        let of_leg = |own: &Rehearsed| {
+        let of_leg = |own: &Arc<Rehearsed>| {
             let kind = kind_of(own);
             kinds.iter().position(|k| *k == kind).unwrap_or_else(|| {
                 kinds.push(kind);
