@@ -1,7 +1,9 @@
 use serde::Deserialize;
 
 use crate::frontier::frontier;
-use crate::{Area, Bounds, Called, Class, Grid, Invalid, PlacedGrid, Plane, Polygon, PolygonLayer, Spot};
+use crate::{
+    Area, Bounds, Called, Class, Contour, Grid, Invalid, PlacedGrid, Plane, Polygon, PolygonLayer, Spot,
+};
 
 /// What places that no layer charts are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
@@ -33,6 +35,7 @@ pub struct Chart {
     uncharted: Uncharted,
     polygons: Vec<Polygon>,
     spots: Vec<Spot>,
+    contours: Vec<Contour>,
     grids: Vec<PlacedGrid>,
     charted: Charted,
 }
@@ -63,7 +66,7 @@ impl Chart {
     ) -> Result<Self, Invalid> {
         let uncharted = uncharted_of(layers, uncharted)?;
         let mut polygons = Vec::new();
-        let (mut spots, mut grids) = (Vec::new(), Vec::new());
+        let (mut spots, mut contours, mut grids) = (Vec::new(), Vec::new(), Vec::new());
         for layer in layers {
             match layer {
                 Layer::Polygons(layer) => {
@@ -74,6 +77,8 @@ impl Chart {
                     }
                     let own = layer.marks.iter().filter_map(|mark| Spot::place(mark, &plane));
                     spots.extend(own.filter(|spot| area.contains(spot.place)));
+                    let lines = layer.contours.iter();
+                    contours.extend(lines.filter_map(|line| Contour::place(line, &plane, &area)));
                     let around = |mark| Polygon::around(mark, &plane);
                     polygons.extend(layer.marks.iter().flat_map(around).filter(|p| p.bounds.meets(&area)));
                 }
@@ -84,7 +89,7 @@ impl Chart {
             Uncharted::Obstacle => charted(&polygons, &grids),
             Uncharted::Water => Charted { polygons: Vec::new(), frontier: Vec::new() },
         };
-        Ok(Self { plane, area, uncharted, polygons, spots, grids, charted })
+        Ok(Self { plane, area, uncharted, polygons, spots, contours, grids, charted })
     }
 
     /// The plane that everything is on.
@@ -111,8 +116,9 @@ impl Chart {
         let polygons = self.polygons.iter().chain(&self.charted.polygons).map(polygon);
         let grids =
             self.grids.iter().map(|grid| size_of_val(&grid.cells[..]) + size_of_val(&grid.corners[..]));
+        let contours = self.contours.iter().map(|own| size_of_val(own) + size_of_val(&own.line[..]));
         let places = size_of_val(&self.charted.frontier[..]) + size_of_val(&self.spots[..]);
-        (polygons.chain(grids).sum::<usize>() + places) as u64
+        (polygons.chain(grids).chain(contours).sum::<usize>() + places) as u64
     }
 
     /// Polygons that meet the area, whole, in the order of the layers; those around points and lines after a layer's own.
@@ -123,6 +129,11 @@ impl Chart {
     /// Charted points in the area.
     pub fn spots(&self) -> &[Spot] {
         &self.spots
+    }
+
+    /// Charted lines of one depth that meet the area.
+    pub fn contours(&self) -> &[Contour] {
+        &self.contours
     }
 
     /// Grids, cut to the area with up to two cells to spare.

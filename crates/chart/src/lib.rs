@@ -83,7 +83,7 @@ pub use obstacles::{Distances, Obstacles};
 pub use placed::{Polygon, Spot};
 pub use placed_grid::PlacedGrid;
 pub use plane::Plane;
-pub use polygons::{Area, Class, DANGER_M, Filter, LayerKind, Mark, PolygonLayer};
+pub use polygons::{Area, Class, Contour, DANGER_M, Filter, LayerKind, Mark, PolygonLayer};
 pub use raster::Raster;
 pub use refusal::Invalid;
 pub use rules::{DOUBTFUL_M, Judged, RULES, Rule, Rules, Treatment};

@@ -10,7 +10,7 @@ use crate::grid::FARTHEST;
 use crate::polygons::of_mark;
 use crate::ring::ring_fault;
 use crate::rules::judged;
-use crate::{Area, Class, Invalid, Judged, Mark, PolygonLayer, Rules, Treatment};
+use crate::{Area, Class, Contour, Invalid, Judged, Mark, PolygonLayer, Rules, Treatment};
 
 /// What became of the objects of one class.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -40,7 +40,13 @@ impl PolygonLayer {
         rules: &Rules,
     ) -> Result<(Self, Tallies), Invalid> {
         rules.check()?;
-        let mut layer = Self { areas: Vec::new(), marks: Vec::new(), filtered_out: 0, open_sea: false };
+        let mut layer = Self {
+            areas: Vec::new(),
+            marks: Vec::new(),
+            contours: Vec::new(),
+            filtered_out: 0,
+            open_sea: false,
+        };
         let mut tallies = Tallies::new();
         for (index, object) in objects.iter().enumerate() {
             let name = class_name(object.class).map_or_else(|| object.class.to_string(), str::to_owned);
@@ -69,6 +75,10 @@ impl PolygonLayer {
         scale: Option<u32>,
         rules: &Rules,
     ) -> Result<Treatment, Invalid> {
+        if let (Judged::Contour, Geometry::Lines(lines)) = (judged(object.class), &object.geometry) {
+            let depth_m = object.number(VALDCO)?;
+            self.contours.extend(lines.iter().map(|line| Contour { depth_m, line: line.clone() }));
+        }
         let mut treatment = rules.treatment(object);
         if judged(object.class) == Judged::Clearance && rules.passes_under(object)? {
             treatment = Treatment::Ignore;

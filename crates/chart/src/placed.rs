@@ -1,7 +1,7 @@
 //! Polygons of longitude and latitude on the plane.
 
 use crate::ring::doubled_area;
-use crate::{Area, Bounds, Called, Class, Mark, Plane};
+use crate::{Area, Bounds, Called, Class, Contour, Mark, Plane};
 
 /// Longest piece of an edge \[deg of latitude\]: about a kilometre, over which the straight line in
 /// longitude and latitude and the one on the plane part by less than 0.1 m up to 70° of latitude.
@@ -28,6 +28,15 @@ impl Spot {
         let [[longitude, latitude]] = mark.positions[..] else { return None };
         let place = plane.to_plane(longitude, latitude);
         Some(Self { class: mark.class, called: mark.called.clone(), sounding: mark.sounding, place })
+    }
+}
+
+impl Contour {
+    /// On the plane; `None` for one that does not meet `area`.
+    pub(crate) fn place(charted: &Self, plane: &Plane, area: &Bounds) -> Option<Self> {
+        let line = place_line(&charted.line, plane);
+        let bounds = Bounds::around(&line)?;
+        bounds.meets(area).then_some(Self { depth_m: charted.depth_m, line })
     }
 }
 
@@ -75,8 +84,7 @@ impl Polygon {
 
     /// What lies within the radius of a point or line: one polygon for the point, or for each straight piece of the line.
     pub(crate) fn around(mark: &Mark, plane: &Plane) -> Vec<Self> {
-        let mut line: Vec<[f64; 2]> = place_ring(&mark.positions, plane);
-        line.extend(mark.positions.last().map(|p| plane.to_plane(p[0], p[1])));
+        let line = place_line(&mark.positions, plane);
         let pieces = line.windows(line.len().clamp(1, 2));
         let ring = |piece: &[[f64; 2]]| capsule(piece[0], piece[piece.len() - 1], mark.radius_m);
         let own = pieces.filter_map(|piece| Self::of_rings(mark.class, &mark.called, vec![ring(piece)]));
@@ -121,6 +129,13 @@ fn capsule(a: [f64; 2], b: [f64; 2], radius_m: f64) -> Vec<[f64; 2]> {
     };
     let quarter = std::f64::consts::FRAC_PI_2;
     [half(b, ahead - quarter), half(a, ahead + quarter)].concat()
+}
+
+/// With both ends.
+fn place_line(positions: &[[f64; 2]], plane: &Plane) -> Vec<[f64; 2]> {
+    let mut line = place_ring(positions, plane);
+    line.extend(positions.last().map(|p| plane.to_plane(p[0], p[1])));
+    line
 }
 
 fn place_ring(ring: &[[f64; 2]], plane: &Plane) -> Vec<[f64; 2]> {

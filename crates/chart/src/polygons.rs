@@ -70,6 +70,8 @@ pub struct PolygonLayer {
     pub areas: Vec<Area>,
     /// The points and lines, in the order of the file.
     pub marks: Vec<Mark>,
+    /// Lines of one depth: for maps.
+    pub contours: Vec<Contour>,
     /// Features that the filter left out.
     pub filtered_out: usize,
     /// Set where an area without any of it is open sea, and no other place.
@@ -113,6 +115,15 @@ pub struct Mark {
     pub feature: usize,
 }
 
+/// A charted line of one depth: it is drawn, and blocks nothing by itself.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Contour {
+    /// Depth \[m\], where it is known.
+    pub depth_m: Option<f64>,
+    /// Its corners: longitude and latitude \[deg\] in a layer, east and north \[m\] on the plane of a chart.
+    pub line: Vec<[f64; 2]>,
+}
+
 /// One polygon: the outer ring, then its holes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Area {
@@ -137,7 +148,13 @@ impl PolygonLayer {
     /// are all negative.
     pub fn from_geojson(text: &str, kind: &LayerKind, filter: Option<&Filter>) -> Result<Self, Invalid> {
         let features = features(text)?;
-        let mut layer = Self { areas: Vec::new(), marks: Vec::new(), filtered_out: 0, open_sea: false };
+        let mut layer = Self {
+            areas: Vec::new(),
+            marks: Vec::new(),
+            contours: Vec::new(),
+            filtered_out: 0,
+            open_sea: false,
+        };
         let (mut has_depth, mut placeless) = (false, 0);
         for (index, feature) in features.iter().enumerate() {
             if filter.is_some_and(|f| !passes(feature, f)) {

@@ -55,6 +55,7 @@ impl PlanMap<'_> {
             depth_limits_m: if prepared.chart.has_depth() { DEPTHS_M.to_vec() } else { Vec::new() },
             cells: self.cells(),
             areas: self.areas(&bounds),
+            contours: self.contours(),
             margins: self.margins(),
             maneuvers: document.counts.iter().map(|(name, count)| (name.clone(), *count)).collect(),
             spots: self.spots(),
@@ -121,6 +122,11 @@ impl PlanMap<'_> {
             Some(figure::Area { class, ring: rings.next()?, holes: rings.collect() })
         };
         self.prepared.chart.drawn(bounds).into_iter().filter_map(area).collect()
+    }
+
+    fn contours(&self) -> Vec<figure::Contour> {
+        let own = self.prepared.chart.contours().iter();
+        own.map(|own| figure::Contour { depth_m: own.depth_m, line: own.line.clone() }).collect()
     }
 
     fn spots(&self) -> Vec<figure::Spot> {

@@ -175,6 +175,29 @@ fn geojson_that_gdal_made_of_a_cell_is_the_same_objects() {
 }
 
 #[test]
+fn contours_are_kept_for_maps_and_block_nothing() {
+    let cell = bay();
+    let mut objects = cell.features().unwrap();
+    let plane = Plane::new(25.0, 60.0).unwrap();
+    let line = |east: f64| vec![[east, 60.0], [east, 60.001]];
+    objects.push(Feature {
+        class: class("DEPCNT").unwrap(),
+        id: "1-2-3".into(),
+        attributes: BTreeMap::from([(enc::attribute::VALDCO.0, "5".to_owned())]),
+        geometry: Geometry::Lines(vec![line(25.001), line(27.0)]),
+        position_quality: Vec::new(),
+    });
+    let (layer, tallies) =
+        PolygonLayer::from_objects(&objects, Some(cell.scale()), &Rules::default()).unwrap();
+    assert_eq!((tallies["DEPCNT"].objects, tallies["DEPCNT"].ignored), (1, 1));
+    let without = self::layer(&cell, &Rules::default()).0;
+    assert_eq!((layer.areas.len(), layer.marks.len()), (without.areas.len(), without.marks.len()));
+    let chart = Chart::new(plane, square(4900.0), &[Layer::Polygons(layer)], None).unwrap();
+    let [own] = chart.contours() else { panic!("{:?}", chart.contours()) };
+    assert_eq!((own.depth_m, own.line[0]), (Some(5.0), plane.to_plane(25.001, 60.0)));
+}
+
+#[test]
 fn objects_that_matter_have_a_place() {
     let wreck = |geometry| Feature {
         class: class("WRECKS").unwrap(),

@@ -269,7 +269,8 @@ impl Progress {
         let step: Vec<f64> = next.iter().zip(&self.point).map(|(new, old)| new - old).collect();
         let change: Vec<f64> = before.iter().zip(&after).map(|(before, after)| before - after).collect();
         let along = dot(&change, &step);
-        if !self.held.is_empty() || !(along > 0.0) {
+        let rises = along > 0.0;
+        if !(rises && self.held.is_empty()) {
             return self.second.clear();
         }
         let lacking = difference(&change, &times(&normal, &step));

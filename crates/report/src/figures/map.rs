@@ -27,7 +27,8 @@ use chart::Invalid;
 use crate::figures::svg::{self, Colours, Sheet};
 
 pub use input::{
-    Area, Cells, Class, Frame, Graticule, Map, Margin, Purpose, Spot, Symbol, Track, TrackStyle, Tube,
+    Area, Cells, Class, Contour, Frame, Graticule, Map, Margin, Purpose, Spot, Symbol, Track, TrackStyle,
+    Tube,
 };
 
 use legend::Legend;
@@ -89,6 +90,7 @@ fn draw(sheet: &mut Sheet, view: &View, map: &Map) {
         cells::draw(sheet, view, cells, &map.depth_limits_m);
     }
     areas::water(sheet, view, map);
+    tracks::contours(sheet, view, &map.contours);
     map.margins.iter().for_each(|margin| margins::draw(sheet, view, margin));
     areas::obstacles(sheet, view, map);
     surround::graticule(sheet, view, &map.graticule);

@@ -4,7 +4,7 @@ use crate::archipelago::archipelago;
 use crate::drawing::{attribute, check, corners, doubled_area, elements, frame};
 use chart::Raster;
 use report::figures::map::{
-    Area, Cells, Class, Frame, Map, Margin, Purpose, Spot, Symbol, Track, TrackStyle, Tube, parted,
+    Area, Cells, Class, Contour, Frame, Map, Margin, Purpose, Spot, Symbol, Track, TrackStyle, Tube, parted,
 };
 use report::figures::map_figure;
 
@@ -327,9 +327,13 @@ fn charted_points_names_and_what_was_swept_are_drawn_where_there_is_room() {
     ];
     let grid = Raster { origin: [0.0, 0.0], cell_m: 100.0, nx: 10, ny: 10 };
     let swept = (0..100).map(|k| k % 10 == 4).collect();
+    let along = |k: u32| [300.0 + 20.0 * f64::from(k), 300.0 + 5.0 * f64::from(k % 2)];
+    let contour = |depth_m, corners| Contour { depth_m, line: (0..corners).map(along).collect() };
+    let contours = vec![contour(Some(7.0), 20), contour(Some(2.0), 4), contour(None, 20)];
     let names = vec![([500.0, 800.0], "Träholm".to_owned()), ([505.0, 800.0], "Smaller".to_owned())];
     let svg = drawn(&Map {
         spots,
+        contours,
         names,
         tube: Some(Tube { grid, swept, vessels: 64 }),
         corridors: vec![vec![[100.0, 100.0], [900.0, 100.0], [900.0, 150.0], [100.0, 150.0]]],
@@ -337,11 +341,19 @@ fn charted_points_names_and_what_was_swept_are_drawn_where_there_is_room() {
     });
     let map = &parted(&svg).unwrap()[0];
     // The shoalest of two that are too near, whole metres where a tenth does not matter, nothing outside of the frame.
-    for (text, times) in [("4", 1), ("12.3", 0), ("44", 1), ("1", 0), ("Träholm", 1), ("Smaller", 0)] {
+    for (text, times) in
+        [("4", 1), ("12.3", 0), ("44", 1), ("1", 0), ("Träholm", 1), ("Smaller", 0), ("7", 1), ("2", 0)]
+    {
         assert_eq!(map.matches(&format!(">{text}</text>")).count(), times, "{text}");
     }
     assert_eq!(map.matches("<title>WRECKS &lt;Anna&gt;</title>").count(), 1);
-    for label in ["swept by 64 vessels", "corridor (XTD)", "sounding [m]", "danger, depth over it [m]"] {
+    for label in [
+        "swept by 64 vessels",
+        "corridor (XTD)",
+        "sounding [m]",
+        "depth contour [m]",
+        "danger, depth over it [m]",
+    ] {
         assert!(svg.contains(&format!(">{label}</text>")), "{label}");
     }
 }

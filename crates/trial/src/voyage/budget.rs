@@ -13,7 +13,7 @@ use super::task::Secondary;
 use crate::{Fix, Sample};
 
 /// Bytes of inputs that were read and of threads, and of all that is written, about.
-const READ_BYTES: u128 = 16 << 20;
+const READ_BYTES: u128 = 28 << 20;
 const WRITTEN_BYTES: u128 = 12 << 20;
 
 /// Most uses of a maneuver that are reckoned with before the search, which refuses far more of them.

@@ -81,6 +81,9 @@ pub(crate) fn maneuver_paint(index: usize) -> Paint {
 }
 
 /// Depths in figures.
+/// A line of one depth, and its value.
+pub(crate) const CONTOUR_PAINT: Paint = Paint::solid((0x4f, 0x7f, 0xab));
+pub(crate) const CONTOUR: Look = Look::drawn(CONTOUR_PAINT, FINE);
 pub(crate) const DEPTH_DIGITS: Paint = Paint::solid((0x3d, 0x55, 0x6b));
 pub(crate) const DANGER_CIRCLE: Look =
     Look::filled(Paint::solid((0xbf, 0xdc, 0xee))).outlined(DARK, 0.9).dashed(1.2, 1.6);

@@ -20,6 +20,8 @@ pub struct Map {
     pub cells: Option<Cells>,
     /// Polygons.
     pub areas: Vec<Area>,
+    /// Lines of one depth.
+    pub contours: Vec<Contour>,
     /// Cells that only the safety margin blocks, drawn in this order.
     pub margins: Vec<Margin>,
     /// Charted points.
@@ -91,6 +93,15 @@ pub struct Area {
     pub ring: Vec<[f64; 2]>,
     /// Inner rings.
     pub holes: Vec<Vec<[f64; 2]>>,
+}
+
+/// A line of one depth.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Contour {
+    /// Its depth \[m\], where it is known.
+    pub depth_m: Option<f64>,
+    /// Its points in order.
+    pub line: Vec<[f64; 2]>,
 }
 
 /// A raster of classes.

@@ -78,6 +78,7 @@ fn draw_sample(sheet: &mut Sheet, sample: Sample, at: Point) {
         Sample::SpeedLimit => {
             sheet.bar(within.0, within.1, colours::SPEED_LIMIT);
         }
+        Sample::Contour => sheet.line((within.0.0, at.1), (within.1.0, at.1), colours::CONTOUR),
         Sample::Sounding => {
             let letters = Lettering::new(9.0, Anchor::Middle).painted(colours::DEPTH_DIGITS);
             sheet.text("7.4", at, letters);

@@ -17,6 +17,7 @@ pub(crate) enum Sample {
     Margin(Purpose),
     Danger,
     Sounding,
+    Contour,
     Tube,
     Corridor,
     Edge,
@@ -84,6 +85,7 @@ pub(crate) fn chart(map: &Map) -> Vec<Entry> {
         (classes().any(|class| *class == Class::NoGo), Sample::NoGo, "no-go"),
         (spots(Symbol::Danger), Sample::Danger, "danger, depth over it [m]"),
         (spots(Symbol::Sounding), Sample::Sounding, "sounding [m]"),
+        (!map.contours.is_empty(), Sample::Contour, "depth contour [m]"),
         (margin(Purpose::Transit), Sample::Margin(Purpose::Transit), "safety margin, transit"),
         (margin(Purpose::Trial), Sample::Margin(Purpose::Trial), "safety margin, trial"),
     ];

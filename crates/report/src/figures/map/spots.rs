@@ -1,8 +1,8 @@
 //! Soundings, dangers and names, as far as there is room for them.
 
-use super::input::{Map, Spot, Symbol};
+use super::input::{Contour, Map, Spot, Symbol};
 use super::view::View;
-use super::{colours, marks};
+use super::{clip, colours, marks};
 use crate::figures::svg::{Anchor, Lettering, Look, Point, Sheet};
 use crate::figures::text;
 
@@ -15,6 +15,8 @@ pub(crate) const CIRCLE: f64 = 4.2;
 const CROSS: f64 = 2.2;
 /// Depths are written with a tenth up to here \[m\].
 const TENTHS_M: f64 = 31.0;
+/// Corners from which on a contour is long enough to have its value beside it.
+const LONG: usize = 12;
 /// Points that are drawn, at most.
 const MOST: usize = 400;
 
@@ -34,6 +36,7 @@ pub(crate) fn draw(sheet: &mut Sheet, view: &View, map: &Map) {
             drawn += 1;
         }
     }
+    map.contours.iter().for_each(|contour| value(sheet, view, contour, &mut room));
     for (at, name) in &map.names {
         let Some(at) = marks::placed(view, Some(*at)) else { continue };
         let half = (0.5 * text::width(name, NAME), 0.6 * NAME);
@@ -76,6 +79,19 @@ fn one(sheet: &mut Sheet, view: &View, spot: &Spot, at: Point, room: &mut Room) 
         }
     }
     true
+}
+
+/// The depth of a contour in the middle of its longest part, if there is room for it.
+fn value(sheet: &mut Sheet, view: &View, contour: &Contour, room: &mut Room) {
+    let parts = clip::line(view, &view.placed(&contour.line));
+    let Some((part, depth_m)) = parts.iter().max_by_key(|part| part.len()).zip(contour.depth_m) else {
+        return;
+    };
+    let (value, at) = (depth(depth_m), part[part.len() / 2]);
+    let half = (0.5 * text::width(&value, DIGITS) + 2.0, 0.5 * DIGITS + 2.0);
+    if part.len() >= LONG && view.holds(at, half.0) && room.take(at, half) {
+        sheet.text(&value, at, Lettering::new(DIGITS, Anchor::Middle).painted(colours::CONTOUR_PAINT));
+    }
 }
 
 /// A cross in a dotted circle.

@@ -1,4 +1,4 @@
-use super::input::{Map, Track, TrackStyle};
+use super::input::{Contour, Map, Track, TrackStyle};
 use super::simplify::simplified;
 use super::view::View;
 use super::{clip, colours};
@@ -33,6 +33,16 @@ pub(crate) fn outlines(sheet: &mut Sheet, view: &View, rings: &[Vec<[f64; 2]>], 
     let mut path = Path::default();
     rings.iter().for_each(|ring| path.ring(&clip::ring(view, &view.placed(ring))));
     sheet.path(&path, look);
+}
+
+/// Lines of one depth; their values stand with the soundings.
+pub(crate) fn contours(sheet: &mut Sheet, view: &View, contours: &[Contour]) {
+    let mut path = Path::default();
+    for contour in contours {
+        let parts = clip::line(view, &view.placed(&contour.line));
+        parts.iter().for_each(|part| path.line(&simplified(part, COARSE)));
+    }
+    sheet.path(&path, colours::CONTOUR);
 }
 
 /// A maneuver with its name as a title.
