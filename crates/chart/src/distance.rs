@@ -1,8 +1,8 @@
 //! Exact Euclidean distance transform (Felzenszwalb and Huttenlocher 2012), of gaps between cells.
 
 /// Squared gap, in units of cells, from every cell to the nearest set cell: the least distance of any of
-/// their points, max(|Δcol| − 1, 0)² + max(|Δrow| − 1, 0)². Infinite where no cell is set. `each` is told of every row
-/// of `nx` columns, one after the other. Nothing if `go_on`, asked at every row, says no.
+/// their points, max(|Δcol| − 1, 0)² + max(|Δrow| − 1, 0)². Infinite where no cell is set. `each` is called
+/// with every row of `nx` columns in turn. `None` once `go_on`, which is asked at every row, says no.
 ///
 /// The gap between squares is the distance between centres after the set cells have grown by their eight
 /// neighbours, so the transform of centres stays exact.

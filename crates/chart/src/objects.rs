@@ -40,13 +40,7 @@ impl PolygonLayer {
         rules: &Rules,
     ) -> Result<(Self, Tallies), Invalid> {
         rules.check()?;
-        let mut layer = Self {
-            areas: Vec::new(),
-            marks: Vec::new(),
-            contours: Vec::new(),
-            filtered_out: 0,
-            open_sea: false,
-        };
+        let mut layer = Self::default();
         let mut tallies = Tallies::new();
         for (index, object) in objects.iter().enumerate() {
             let name = class_name(object.class).map_or_else(|| object.class.to_string(), str::to_owned);

@@ -40,7 +40,7 @@ impl Distances {
         Self::of(chart, raster, [least_depth_m, sight_m], Sailing::Transit, go_on, |_, _| ())
     }
 
-    /// `each` is told of every cell why it is an obstacle, and the squared gap to the nearest one \[cells²\].
+    /// `each` is called with every cell's causes, and its squared gap to the nearest obstacle \[cells²\].
     fn of(
         chart: &Chart,
         raster: Raster,
@@ -54,7 +54,7 @@ impl Distances {
         let wide = raster.padded(pad);
         let causes = Occupancy::of(chart, wide, least_depth_m, sailing).causes;
         let mut gap_m = Vec::with_capacity(raster.nx * raster.ny);
-        let told = squared_gaps(
+        let whole = squared_gaps(
             |k| causes[k].any(),
             [wide.nx, wide.ny],
             go_on,
@@ -69,7 +69,7 @@ impl Distances {
                 }
             },
         );
-        Ok(told.map(|()| Self { raster, gap_m }))
+        Ok(whole.map(|()| Self { raster, gap_m }))
     }
 
     /// The raster.

@@ -64,7 +64,7 @@ pub enum Class {
 }
 
 /// Polygons, points and lines of one kind, WGS84.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct PolygonLayer {
     /// The polygons, in the order of the file.
     pub areas: Vec<Area>,
@@ -148,13 +148,7 @@ impl PolygonLayer {
     /// are all negative.
     pub fn from_geojson(text: &str, kind: &LayerKind, filter: Option<&Filter>) -> Result<Self, Invalid> {
         let features = features(text)?;
-        let mut layer = Self {
-            areas: Vec::new(),
-            marks: Vec::new(),
-            contours: Vec::new(),
-            filtered_out: 0,
-            open_sea: false,
-        };
+        let mut layer = Self::default();
         let (mut has_depth, mut placeless) = (false, 0);
         for (index, feature) in features.iter().enumerate() {
             if filter.is_some_and(|f| !passes(feature, f)) {
