@@ -45,6 +45,17 @@ fn random(count: usize, seed: u64, dimensions: &[usize]) -> (Candidates, Candida
     (information, middle)
 }
 
+/// Information about cubic polynomials at `count` places, `apart` from each other, from −1 on.
+fn cubics(count: u32, apart: f64) -> Candidates {
+    let mut information = Candidates::new(vec![4]);
+    for i in 0..count {
+        let x = -1.0 + apart * f64::from(i);
+        let phi: Vec<f64> = (0..4).map(|p| x.powi(p)).collect();
+        information.push(&(0..16).map(|k| phi[k / 4] * phi[k % 4]).collect::<Vec<_>>()).unwrap();
+    }
+    information
+}
+
 const DIMENSIONS: [usize; 3] = [5, 4, 4];
 
 /// 1 for parameters, 0 for the intercept at the end of every block.
@@ -98,12 +109,7 @@ fn law_gradients_and_curvatures_are_those_of_finite_differences() {
 /// With B proportional to a symmetric information the covariance is its inverse: D on either is the same problem.
 #[test]
 fn law_d_of_the_covariance_is_d_of_the_information_where_the_noise_is_white() {
-    let mut information = Candidates::new(vec![4]);
-    for i in 0..21 {
-        let x = -1.0 + 0.1 * f64::from(i);
-        let phi: Vec<f64> = (0..4).map(|p| x.powi(p)).collect();
-        information.push(&(0..16).map(|k| phi[k / 4] * phi[k % 4]).collect::<Vec<_>>()).unwrap();
-    }
+    let information = cubics(21, 0.1);
     let c = Covariance::new(&information, &information, &[1.0; 4], Norm::LogDet).unwrap();
     assert!(c.is_concave());
     let (one, other) = (
@@ -136,12 +142,7 @@ fn law_a_of_a_straight_line_takes_the_ends() {
 /// Of a concave criterion there is one best value, wherever the search begins.
 #[test]
 fn law_a_search_from_other_shares_or_among_few_ends_at_the_same_value() {
-    let mut information = Candidates::new(vec![4]);
-    for i in 0..201 {
-        let x = -1.0 + 0.01 * f64::from(i);
-        let phi: Vec<f64> = (0..4).map(|p| x.powi(p)).collect();
-        information.push(&(0..16).map(|k| phi[k / 4] * phi[k % 4]).collect::<Vec<_>>()).unwrap();
-    }
+    let information = cubics(201, 0.01);
     let options = Options { random_starts: 0, tolerance: 1e-8, ..Options::default() };
     let solved = |weights: [f64; 4]| {
         let c = Covariance::new(&information, &information, &weights, Norm::Trace).unwrap();
