@@ -36,12 +36,9 @@ fn strongest(block: &Block<'_>, direction: &[f64]) -> usize {
     (0..n).max_by(|a, b| part(*a).total_cmp(&part(*b))).unwrap_or(0)
 }
 
-/// Whether every B_q is one multiple, per block, of the information in symmetric form.
+/// Whether every B_q is one multiple, per block, of the information in symmetric form, which is semidefinite.
 pub(super) fn is_proportional(information: &Candidates, middle: &Candidates) -> bool {
-    if !is_concave(information) {
-        return false;
-    }
-    information.blocks().all(|(n, range)| {
+    let proportional = information.blocks().all(|(n, range)| {
         let matrices = (0..information.len()).map(|q| &information.candidate(q)[range.clone()]);
         let Some(factors) = row_scaling(n, matrices) else { return false };
         // A D with A = Mᵀ: instrument i is d_i times regressor i.
@@ -64,5 +61,6 @@ pub(super) fn is_proportional(information: &Candidates, middle: &Candidates) -> 
             })
             .sum();
         factor > 0.0 && left <= 1e-18 * total
-    })
+    });
+    proportional && is_concave(information)
 }

@@ -1,4 +1,5 @@
 use super::sums::Linear;
+use crate::sensitivity::Slopes;
 use numerics::{dot, times};
 
 /// Several least-squares problems that are linearised in one pass.
@@ -8,6 +9,14 @@ pub(crate) trait Residuals {
     /// Linearises problems at the points that are asked for, each problem at one at most and all of them at first; numbers that
     /// are not finite where the prediction leaves every bound. Problems that have ended are not asked for any more.
     fn linearize(&mut self, asked: &[Asked]) -> Result<Vec<Linear>, Self::Error>;
+    /// Whether [`Self::slopes`] takes much less time.
+    fn has_slopes(&self) -> bool {
+        false
+    }
+    /// Squared errors and their slopes only, weighed as each problem's errors are.
+    fn slopes(&mut self, _asked: &[Asked]) -> Vec<Slopes> {
+        Vec::new()
+    }
     /// Within which the unknowns stay, infinite at open ends; empty without bounds.
     fn bounds(&self) -> Vec<[f64; 2]> {
         Vec::new()
@@ -17,6 +26,7 @@ pub(crate) trait Residuals {
 /// The point of a problem, by its place among all.
 pub(crate) struct Asked {
     pub problem: usize,
+    pub weighting: Weighting,
     pub point: Vec<f64>,
 }
 
@@ -31,30 +41,28 @@ pub(crate) enum Weighting {
 }
 
 impl Weighting {
-    fn cost(&self, linear: &Linear) -> f64 {
+    fn cost(&self, squares: [f64; 3], samples: f64) -> f64 {
         match self {
-            Self::Fixed(weights) => (0..3).map(|d| weights[d] * linear.squares[d]).sum(),
+            Self::Fixed(weights) => (0..3).map(|d| weights[d] * squares[d]).sum(),
             Self::Likelihood(floor) => {
-                let n = linear.samples;
-                (0..3).map(|d| n * libm::log(linear.squares[d] / n + floor[d])).sum()
+                (0..3).map(|d| samples * libm::log(squares[d] / samples + floor[d])).sum()
             }
         }
     }
 
-    /// Of weighted errors; that of exact data counts as 1e-16.
-    fn variance(&self, linear: &Linear) -> f64 {
+    /// Of weighted errors that cost so much; that of exact data counts as 1e-16.
+    fn variance(&self, cost: f64, samples: f64) -> f64 {
         match self {
-            Self::Fixed(_) => (self.cost(linear) / (3.0 * linear.samples).max(1.0)).max(1e-16),
+            Self::Fixed(_) => (cost / (3.0 * samples).max(1.0)).max(1e-16),
             Self::Likelihood(_) => 1.0,
         }
     }
 
-    pub(crate) fn weights(&self, linear: &Linear) -> [f64; 3] {
+    /// Of errors whose sums of squares over so many samples are `squares`.
+    pub(crate) fn weights(&self, squares: [f64; 3], samples: f64) -> [f64; 3] {
         match self {
             Self::Fixed(weights) => *weights,
-            Self::Likelihood(floor) => {
-                [0, 1, 2].map(|d| (linear.squares[d] / linear.samples + floor[d]).recip())
-            }
+            Self::Likelihood(floor) => [0, 1, 2].map(|d| (squares[d] / samples + floor[d]).recip()),
         }
     }
 }
@@ -134,8 +142,12 @@ const DAMPING: [f64; 2] = [1e-4, 1e9];
 /// Condition number of the scaled normal matrix from which an unknown counts as without effect.
 const SINGULAR: f64 = 1e12;
 
-/// Decrement from which on steps count on what was learnt of the second derivatives of the predictions.
+/// Decrement from which on steps count on what was learnt of the second derivatives.
 const NEAR: f64 = 3.0;
+/// Decrement from which on slopes alone tell whether a step is good.
+const SLOPING: f64 = 10.0;
+/// Share of the decrement before from which on a step does too little for the normal matrix to stay.
+const SLOW: f64 = 0.9;
 
 /// A problem on its way.
 #[derive(Clone, Debug)]
@@ -146,6 +158,15 @@ struct Progress {
     point: Vec<f64>,
     linear: Linear,
     cost: f64,
+    /// Of `linear`, weighted, and its inverse; without what is held.
+    normal: Vec<f64>,
+    inverse: Vec<f64>,
+    /// At the point, as is the cost.
+    gradient: Vec<f64>,
+    /// Whether `linear` is of the point, and not of one before it.
+    exact: bool,
+    /// Whether all is to be looked at where the point is, without a step.
+    looks: bool,
     /// What the normal matrix lacks of the cost's second derivatives; nothing at first.
     second: Vec<f64>,
     damping: f64,
@@ -156,7 +177,8 @@ struct Progress {
 
 /// Minimises the squared errors of every problem from its start, with at most `steps` steps, by Levenberg and Marquardt's
 /// method on all problems side by side. Every problem has its own damping and end. Steps are cut off at bounds; an unknown at a
-/// bound that the errors pull it beyond is held there.
+/// bound that the errors pull it beyond is held there. Near a minimum the normal matrix stays and slopes are enough, until it
+/// is found; there all is looked at again.
 pub(crate) fn minimize<R: Residuals>(
     residuals: &mut R,
     weighting: Vec<Weighting>,
@@ -164,23 +186,43 @@ pub(crate) fn minimize<R: Residuals>(
     steps: usize,
 ) -> Result<Vec<Minimum>, R::Error> {
     let bounds = residuals.bounds();
-    let clip = |(problem, start)| Asked { problem, point: clipped(start, &bounds) };
-    let starts: Vec<Asked> = starts.into_iter().enumerate().map(clip).collect();
+    let clip = |(problem, (start, weighting))| Asked { problem, weighting, point: clipped(start, &bounds) };
+    let starts: Vec<Asked> = starts.into_iter().zip(weighting).enumerate().map(clip).collect();
     let linears = residuals.linearize(&starts)?;
-    let each = weighting.into_iter().zip(starts).zip(linears);
-    let new = |((weighting, start), linear): ((_, Asked), _)| {
-        Progress::new(weighting, bounds.clone(), start.point, linear)
+    let new =
+        |(start, linear): (Asked, _)| Progress::new(start.weighting, bounds.clone(), start.point, linear);
+    let mut problems: Vec<Progress> = starts.into_iter().zip(linears).map(new).collect();
+    let sloping = residuals.has_slopes();
+    let asked = |problems: &mut [Progress], near: bool| -> Vec<Asked> {
+        let all = problems.iter_mut().enumerate();
+        let open = all.filter(|(_, own)| own.goes_on(steps) && (sloping && own.is_near()) == near);
+        let ask = |(problem, own): (_, &mut Progress)| Asked {
+            problem,
+            weighting: own.weighting,
+            point: own.trial(),
+        };
+        open.map(ask).collect()
     };
-    let mut problems: Vec<Progress> = each.map(new).collect();
-    for _ in 0..steps {
-        let open = problems.iter_mut().enumerate().filter(|(_, own)| own.ended.is_none());
-        let trials: Vec<Asked> = open.map(|(problem, own)| Asked { problem, point: own.trial() }).collect();
-        if trials.is_empty() {
-            break;
+    while problems.iter().any(|own| own.goes_on(steps)) {
+        loop {
+            let trials = asked(&mut problems, false);
+            if trials.is_empty() {
+                break;
+            }
+            let linears = residuals.linearize(&trials)?;
+            for (own, linear) in trials.into_iter().zip(linears) {
+                problems[own.problem].judge(own.point, linear);
+            }
         }
-        let linears = residuals.linearize(&trials)?;
-        for (Asked { problem, point }, linear) in trials.into_iter().zip(linears) {
-            problems[problem].judge(point, linear);
+        loop {
+            let trials = asked(&mut problems, true);
+            if trials.is_empty() {
+                break;
+            }
+            let slopes = residuals.slopes(&trials);
+            for (own, slopes) in trials.into_iter().zip(slopes) {
+                problems[own.problem].judge_slopes(own.point, slopes);
+            }
         }
     }
     let ended = |p: Progress| Minimum {
@@ -195,7 +237,8 @@ pub(crate) fn minimize<R: Residuals>(
 
 impl Progress {
     fn new(weighting: Weighting, bounds: Vec<[f64; 2]>, point: Vec<f64>, linear: Linear) -> Self {
-        let cost = weighting.cost(&linear);
+        let cost = weighting.cost(linear.squares, linear.samples);
+        let finite = cost.is_finite() && linear.finite();
         let mut progress = Self {
             weighting,
             bounds,
@@ -203,28 +246,42 @@ impl Progress {
             point,
             linear,
             cost,
+            normal: Vec::new(),
+            inverse: Vec::new(),
+            gradient: Vec::new(),
+            exact: true,
+            looks: false,
             second: Vec::new(),
             damping: DAMPING[0],
             decrement: f64::INFINITY,
             steps: 0,
-            ended: None,
+            ended: (!finite).then_some(Ended::Diverged),
         };
-        if cost.is_finite() && progress.linear.finite() {
+        if finite {
             progress.settle();
-        } else {
-            progress.ended = Some(Ended::Diverged);
         }
         progress
     }
 
+    /// Whether there is something left to be done with so many steps at most.
+    fn goes_on(&self, steps: usize) -> bool {
+        self.ended.is_none() && (self.looks || self.steps < steps)
+    }
+
+    /// Whether slopes tell enough of the next point.
+    fn is_near(&self) -> bool {
+        !self.looks && self.decrement <= SLOPING && self.held.is_empty()
+    }
+
     /// The point after a damped step.
     fn trial(&mut self) -> Vec<f64> {
+        if self.looks {
+            return self.point.clone();
+        }
         self.steps += 1;
-        let (mut normal, mut gradient) = self.linear.weighted(self.weighting.weights(&self.linear));
-        let p = gradient.len();
-        hold(&self.held, &mut normal, &mut gradient);
-        (0..p).for_each(|i| normal[i * p + i] *= 1.0 + self.damping);
-        let step = self.newton_step(&normal, &gradient).or_else(|| solved(normal, &gradient));
+        let (mut damped, p) = (self.normal.clone(), self.gradient.len());
+        (0..p).for_each(|i| damped[i * p + i] *= 1.0 + self.damping);
+        let step = self.newton_step(&damped).or_else(|| solved(damped, &self.gradient));
         let mut trial = self.point.clone();
         if let Some(step) = step {
             trial.iter_mut().zip(step).for_each(|(x, step)| *x += step);
@@ -233,47 +290,81 @@ impl Progress {
     }
 
     /// The step with second derivatives, where they are known and it lessens the cost.
-    fn newton_step(&self, normal: &[f64], gradient: &[f64]) -> Option<Vec<f64>> {
+    fn newton_step(&self, damped: &[f64]) -> Option<Vec<f64>> {
         if self.second.is_empty() || self.decrement > NEAR {
             return None;
         }
-        let step = solved(normal.iter().zip(&self.second).map(|(n, s)| n + s).collect(), gradient)?;
-        let (decrease, without) =
-            (dot(&step, gradient), self.decrement.powi(2) * self.weighting.variance(&self.linear));
+        let step = solved(damped.iter().zip(&self.second).map(|(n, s)| n + s).collect(), &self.gradient)?;
+        let (decrease, without) = (dot(&step, &self.gradient), self.decrement.powi(2) * self.variance());
         (decrease > 0.0 && decrease < 4.0 * without).then_some(step)
     }
 
-    /// Takes a step that does not raise the cost; rounding is no rise.
+    fn variance(&self) -> f64 {
+        self.weighting.variance(self.cost, self.linear.samples)
+    }
+
+    /// Whether a step to where errors cost so much is taken: it does not raise the cost; rounding is no rise.
+    fn lessens(&self, cost: f64) -> bool {
+        cost <= self.cost + 1e-12 * self.cost.abs()
+    }
+
+    /// Takes a step or looks again.
     fn judge(&mut self, trial: Vec<f64>, linear: Linear) {
-        let cost = self.weighting.cost(&linear);
-        if linear.finite() && cost <= self.cost + 1e-12 * self.cost.abs() {
-            self.learn(&trial, &linear);
-            (self.point, self.linear, self.cost) = (trial, linear, cost);
-            self.damping = (0.1 * self.damping).max(1e-12);
-            self.settle();
-        } else {
+        let cost = self.weighting.cost(linear.squares, linear.samples);
+        if !(self.looks || linear.finite() && self.lessens(cost)) {
+            return self.go_back();
+        }
+        if self.looks {
             self.second.clear();
-            self.damping *= 10.0;
-            if self.damping > DAMPING[1] {
-                self.ended = Some(if self.decrement < ROUNDED { Ended::Converged } else { Ended::Stalled });
-            }
+        } else {
+            let weights = self.weighting.weights(linear.squares, linear.samples);
+            let (normal, gradient) = linear.weighted(weights);
+            self.learn(&trial, &normal, &gradient);
+            self.damping = (0.1 * self.damping).max(1e-12);
+        }
+        (self.point, self.linear, self.cost) = (trial, linear, cost);
+        (self.exact, self.looks) = (true, false);
+        self.settle();
+    }
+
+    /// Takes a step of which slopes alone are known; looks at all where it is the last one, does little, or ends at a bound.
+    fn judge_slopes(&mut self, trial: Vec<f64>, slopes: Slopes) {
+        let cost = self.weighting.cost(slopes.squares, self.linear.samples);
+        if !self.lessens(cost) {
+            self.looks = !self.exact;
+            return if self.exact { self.go_back() } else { self.second.clear() };
+        }
+        let normal = std::mem::take(&mut self.normal);
+        self.learn(&trial, &normal, &slopes.gradient);
+        (self.normal, self.gradient) = (normal, slopes.gradient);
+        (self.point, self.cost, self.exact) = (trial, cost, false);
+        self.damping = (0.1 * self.damping).max(1e-12);
+        let before = self.measure();
+        self.looks =
+            self.decrement < 0.5 * ENOUGH || self.decrement > SLOW * before || !self.pulled().is_empty();
+    }
+
+    /// Damps the next step more.
+    fn go_back(&mut self) {
+        self.second.clear();
+        self.damping *= 10.0;
+        if self.damping > DAMPING[1] {
+            self.ended = Some(if self.decrement < ROUNDED { Ended::Converged } else { Ended::Stalled });
         }
     }
 
     /// Learns of the second derivatives from a step s to `next`, along which the gradient changes by y: by the secant condition
     /// (N + S) s = y on the part S that the normal matrix N lacks, with the least change of S in the norm that y sets; sized before.
     /// Dennis, Gay & Welsch, *ACM Trans. Math. Softw.* 7 (1981). Nothing is learnt where bounds hold unknowns.
-    fn learn(&mut self, next: &[f64], linear: &Linear) {
-        let (_, before) = self.linear.weighted(self.weighting.weights(&self.linear));
-        let (normal, after) = linear.weighted(self.weighting.weights(linear));
+    fn learn(&mut self, next: &[f64], normal: &[f64], gradient: &[f64]) {
         let step: Vec<f64> = next.iter().zip(&self.point).map(|(new, old)| new - old).collect();
-        let change: Vec<f64> = before.iter().zip(&after).map(|(before, after)| before - after).collect();
+        let change = difference(&self.gradient, gradient);
         let along = dot(&change, &step);
         let rises = along > 0.0;
         if !(rises && self.held.is_empty()) {
             return self.second.clear();
         }
-        let lacking = difference(&change, &times(&normal, &step));
+        let lacking = difference(&change, &times(normal, &step));
         let (p, wanted) = (step.len(), dot(&lacking, &step));
         self.second.resize(p * p, 0.0);
         let known = numerics::quadratic(&step, &self.second).abs();
@@ -288,25 +379,38 @@ impl Progress {
         }
     }
 
-    /// Looks whether the point is a minimum, or has none.
-    fn settle(&mut self) {
-        let (mut normal, mut gradient) = self.linear.weighted(self.weighting.weights(&self.linear));
+    /// Unknowns at a bound that the errors pull them beyond.
+    fn pulled(&self) -> Vec<usize> {
         let pulled = |(i, [low, high]): (usize, &[f64; 2])| {
-            let (x, pull) = (self.point[i], gradient[i]);
+            let (x, pull) = (self.point[i], self.gradient[i]);
             (x == *low && pull <= 0.0 || x == *high && pull >= 0.0).then_some(i)
         };
-        self.held = self.bounds.iter().enumerate().filter_map(pulled).collect();
-        hold(&self.held, &mut normal, &mut gradient);
-        match scaled_inverse(&normal, gradient.len()) {
+        self.bounds.iter().enumerate().filter_map(pulled).collect()
+    }
+
+    /// Looks whether the point is a minimum, or has none.
+    fn settle(&mut self) {
+        let weights = self.weighting.weights(self.linear.squares, self.linear.samples);
+        (self.normal, self.gradient) = self.linear.weighted(weights);
+        self.held = self.pulled();
+        hold(&self.held, &mut self.normal, &mut self.gradient);
+        match scaled_inverse(&self.normal, self.gradient.len()) {
             Err(unknown) => self.ended = Some(Ended::Singular(unknown)),
             Ok(inverse) => {
-                let square = numerics::quadratic(&gradient, &inverse);
-                self.decrement = (square.max(0.0) / self.weighting.variance(&self.linear)).sqrt();
-                if self.decrement < ENOUGH || square == 0.0 {
+                self.inverse = inverse;
+                self.measure();
+                if self.decrement < ENOUGH {
                     self.ended = Some(Ended::Converged);
                 }
             }
         }
+    }
+
+    /// Measures how far the minimum is, and tells how far it was.
+    fn measure(&mut self) -> f64 {
+        let square = numerics::quadratic(&self.gradient, &self.inverse);
+        let decrement = (square.max(0.0) / self.variance()).sqrt();
+        std::mem::replace(&mut self.decrement, decrement)
     }
 }
 

@@ -4,7 +4,7 @@
 //! simulation, and the estimate one of *output error*; with the gains of an extended Kalman filter it corrects itself at
 //! every sample, and the estimate is one of *prediction error*, for runs that are disturbed on their way. Forward
 //! sensitivities ∂x̂/∂(θ, x̂(0)) go along (`sensitivity`), [`vessel::LANES`] runs side by side; Levenberg and Marquardt's
-//! method takes the steps.
+//! method takes the steps. Near a minimum one adjoint, which gives the slopes alone, takes their place.
 
 mod levenberg_marquardt;
 mod output_error;

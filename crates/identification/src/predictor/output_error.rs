@@ -1,4 +1,4 @@
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::convert::Infallible;
 
 use vessel::lanes::{SideBySide, lane};
@@ -9,7 +9,7 @@ use super::scores::disturbed_scores;
 use super::sums::Linear;
 use super::unknown::{AROUND, Unknown};
 use crate::Direction;
-use crate::sensitivity::{Levels, Recordings, Sensitivities, groups, of_one_length, with_states};
+use crate::sensitivity::{Levels, Recordings, Sensitivities, Slopes, groups, of_one_length, with_states};
 
 /// What standard errors are made of.
 #[derive(Clone, Copy, Debug)]
@@ -54,7 +54,7 @@ pub struct Fitted {
 const EXACT: f64 = 1e-12;
 
 /// Steps after which searches that have not ended go on among themselves, so that none waits for its neighbours.
-const BRIEF: usize = 8;
+const BRIEF: usize = 16;
 
 /// Estimates every run by the errors of free simulations: minimises Σ_d N log Σ e_d², the likelihood of white errors with a
 /// variance of their own in u, v and r, over the model's parameters (with or without intercepts) and, if so wanted, the
@@ -165,16 +165,17 @@ impl Searches<'_> {
     fn fits(&self, spread: Spread) -> Vec<Fit> {
         let mut fits = vec![Fit::NotConverged(0); self.runs.len()];
         let searched = (0..self.runs.len()).filter(|run| self.best[*run].is_some());
+        let mut kept = Sensitivities::default();
         for (group, runs) in groups(self.runs, searched) {
             let recordings = Recordings::of(self.model, &runs);
             let free = self.unknown.free(self.model);
             let problem = Simulations { recordings, free, unknown: self.unknown };
             let found: Vec<&Minimum> = group.iter().filter_map(|run| self.best[*run].as_ref()).collect();
-            let weights = group
-                .iter()
-                .zip(&found)
-                .map(|(run, minimum)| weighting(&self.runs[*run], Likelihood).weights(&minimum.linear));
-            let errors = problem.standard_errors(&found, &weights.collect::<Vec<_>>(), spread);
+            let weights = group.iter().zip(&found).map(|(run, minimum)| {
+                weighting(&self.runs[*run], Likelihood)
+                    .weights(minimum.linear.squares, minimum.linear.samples)
+            });
+            let errors = problem.standard_errors(&found, &weights.collect::<Vec<_>>(), spread, &mut kept);
             for ((run, minimum), errors) in group.iter().zip(found).zip(errors) {
                 fits[*run] = fit(&problem.recordings, minimum, errors, self.unknown);
             }
@@ -269,7 +270,10 @@ struct Search<'a> {
     runs: Vec<RunView<'a>>,
     free: Vec<usize>,
     unknown: Unknown,
-    packed: Vec<Packed>,
+    all: Vec<Packed>,
+    some: Vec<Packed>,
+    /// Room for the states of a simulation.
+    path: Vec<[Lane; 3]>,
 }
 
 /// Some runs by their places, side by side.
@@ -280,20 +284,66 @@ struct Packed {
 
 impl<'a> Search<'a> {
     fn new(model: &'a Model, runs: impl Iterator<Item = RunView<'a>>, unknown: Unknown) -> Self {
-        Self { model, runs: runs.collect(), free: unknown.free(model), unknown, packed: Vec::new() }
+        Self {
+            model,
+            runs: runs.collect(),
+            free: unknown.free(model),
+            unknown,
+            all: Vec::new(),
+            some: Vec::new(),
+            path: Vec::new(),
+        }
     }
 
-    /// Moves the runs that are `asked` for together, where that leaves fewer groups.
-    fn pack(&mut self, asked: &[Asked]) {
-        if !self.packed.is_empty() && asked.len().div_ceil(LANES) >= self.packed.len() {
-            return;
+    /// Groups that hold the runs that are `asked` for: all of them, or those alone that were asked for lately, where these leave
+    /// many lanes empty.
+    fn packed(&mut self, asked: &[Asked]) -> &[Packed] {
+        let wanted = asked.len().div_ceil(LANES);
+        let enough = |packed: &[Packed]| 3 * wanted > 2 * packed.len();
+        if self.all.is_empty() {
+            self.all = self.pack((0..self.runs.len()).collect());
         }
-        let side_by_side = |asked: &[Asked]| {
-            let runs: Vec<usize> = asked.iter().map(|own| own.problem).collect();
+        if enough(&self.all) {
+            return &self.all;
+        }
+        let there: BTreeSet<usize> =
+            self.some.iter().flat_map(|packed| packed.runs.iter().copied()).collect();
+        if !enough(&self.some) || !asked.iter().all(|own| there.contains(&own.problem)) {
+            self.some = self.pack(asked.iter().map(|own| own.problem).collect());
+        }
+        &self.some
+    }
+
+    fn pack(&self, runs: Vec<usize>) -> Vec<Packed> {
+        let side_by_side = |runs: &[usize]| {
             let data = SideBySide::of(&runs.iter().map(|run| self.runs[*run]).collect::<Vec<_>>());
-            Packed { runs, data }
+            Packed { runs: runs.to_vec(), data }
         };
-        self.packed = asked.chunks(LANES).map(side_by_side).collect();
+        runs.chunks(LANES).map(side_by_side).collect()
+    }
+
+    /// What `look` finds of the runs that are `asked` for, in their order; it is given recordings side by side, the unknowns and
+    /// which is asked in a lane.
+    fn each<T>(
+        &mut self,
+        asked: &[Asked],
+        mut look: impl FnMut(&Recordings, &[Lane], &[&Asked]) -> Vec<T>,
+    ) -> Vec<T> {
+        let (model, free) = (self.model, self.free.clone());
+        let by_run: BTreeMap<usize, &Asked> = asked.iter().map(|own| (own.problem, own)).collect();
+        let mut found = BTreeMap::new();
+        for Packed { runs, data } in self.packed(asked) {
+            let Some(any) = runs.iter().find_map(|run| by_run.get(run)) else { continue };
+            let recordings = Recordings::of(model, data);
+            // Lanes of runs that are not asked for go along with another's point.
+            let own: Vec<&Asked> = runs.iter().map(|run| *by_run.get(run).unwrap_or(any)).collect();
+            let points: Vec<&[f64]> = own.iter().map(|own| own.point.as_slice()).collect();
+            let unknowns = side_by_side(&points, &free, recordings.unknowns());
+            let looked = look(&recordings, &unknowns, &own);
+            found.extend(runs.iter().copied().zip(looked).filter(|(run, _)| by_run.contains_key(run)));
+        }
+        // Problems are asked for in the order of their places, as these stand.
+        found.into_values().collect()
     }
 }
 
@@ -301,21 +351,27 @@ impl Residuals for Search<'_> {
     type Error = Infallible;
 
     fn linearize(&mut self, asked: &[Asked]) -> Result<Vec<Linear>, Infallible> {
-        self.pack(asked);
-        let points: BTreeMap<usize, &[f64]> =
-            asked.iter().map(|own| (own.problem, own.point.as_slice())).collect();
-        let mut found = BTreeMap::new();
-        for Packed { runs, data } in &self.packed {
-            let Some(any) = runs.iter().find_map(|run| points.get(run)) else { continue };
-            let recordings = Recordings::of(self.model, data);
-            // Lanes of runs that have ended go along with another's point.
-            let own: Vec<&[f64]> = runs.iter().map(|run| *points.get(run).unwrap_or(any)).collect();
-            let unknowns = side_by_side(&own, &self.free, recordings.unknowns());
-            let linears = self.unknown.linearize(&recordings, &unknowns, &self.free);
-            found.extend(runs.iter().copied().zip(linears).filter(|(run, _)| points.contains_key(run)));
-        }
-        // Problems are asked for in the order of their places, as these stand.
-        Ok(found.into_values().collect())
+        let (unknown, free) = (self.unknown, self.free.clone());
+        Ok(self.each(asked, |recordings, unknowns, _| unknown.linearize(recordings, unknowns, &free)))
+    }
+
+    fn has_slopes(&self) -> bool {
+        self.unknown.has_slopes()
+    }
+
+    fn slopes(&mut self, asked: &[Asked]) -> Vec<Slopes> {
+        let (unknown, free) = (self.unknown, self.free.clone());
+        let mut path = std::mem::take(&mut self.path);
+        let found = self.each(asked, |recordings, unknowns, own| {
+            let samples = recordings.samples[0] + usize::from(unknown.start_counts());
+            let weights = |lane: usize, squares| {
+                let own = own.get(lane).or(own.first()).map(|own| own.weighting);
+                own.map_or([0.0; 3], |own| own.weights(squares, samples as f64))
+            };
+            unknown.slopes(recordings, unknowns, &free, weights, &mut path)
+        });
+        self.path = path;
+        found
     }
 
     fn bounds(&self) -> Vec<[f64; 2]> {
@@ -331,12 +387,13 @@ struct Simulations<'a> {
 }
 
 impl Simulations<'_> {
-    /// √diag(H⁻¹ B H⁻¹), H = Σ sᵀWs, B the covariance of the scores Σ sᵀWe.
+    /// √diag(H⁻¹ B H⁻¹), H = Σ sᵀWs, B the covariance of the scores Σ sᵀWe. `kept` is room for sensitivities.
     fn standard_errors(
         &self,
         found: &[&Minimum],
         weights: &[[f64; 3]],
         spread: Spread,
+        kept: &mut Sensitivities<Lane>,
     ) -> Vec<Option<Vec<f64>>> {
         let points: Vec<Vec<f64>> = found.iter().map(|minimum| minimum.point.clone()).collect();
         let Self { recordings, free, unknown } = self;
@@ -347,8 +404,8 @@ impl Simulations<'_> {
             Spread::Residuals => unknown.scores(recordings, &unknowns, free, weights),
             Spread::Stated(levels) => {
                 let from_start = unknown.start_counts();
-                let kept = Sensitivities::of(recordings, &unknowns, free, from_start);
-                with_states!(levels, disturbed_scores(recordings, &unknowns, &kept, weights, levels))
+                kept.follow(recordings, &unknowns, free, from_start);
+                with_states!(levels, disturbed_scores(recordings, &unknowns, kept, weights, levels))
             }
         };
         let p = self.free.len();

@@ -3,7 +3,7 @@ use vessel::{Lane, Model};
 use super::scores::correlated_scores;
 use super::sums::{Linear, linearize};
 use crate::beside::{Beside, UnknownCurrent, UnknownWind};
-use crate::sensitivity::{Flow, Levels, Recordings};
+use crate::sensitivity::{Flow, Levels, Recordings, Slopes, slopes};
 
 /// Where a simulation starts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -98,6 +98,23 @@ impl Unknown {
             5 => linearize::<5>(recordings, unknowns, free, levels.as_ref(), &[], counts),
             _ => linearize::<9>(recordings, unknowns, free, levels.as_ref(), &[], counts),
         }
+    }
+
+    /// Whether [`Self::slopes`] are to be had: of the vessel's states alone.
+    pub(super) fn has_slopes(self) -> bool {
+        self.states() == 3
+    }
+
+    /// The squared errors of free simulations and their slopes, see [`slopes`].
+    pub(super) fn slopes(
+        self,
+        recordings: &Recordings,
+        unknowns: &[Lane],
+        free: &[usize],
+        weights: impl Fn(usize, [f64; 3]) -> [f64; 3],
+        path: &mut Vec<[Lane; 3]>,
+    ) -> Vec<Slopes> {
+        slopes(recordings, unknowns, free, self.start_counts(), weights, path)
     }
 
     /// What correlated errors do to the scores of free simulations, see [`correlated_scores`].

@@ -51,7 +51,8 @@ impl TraceCriterion<'_> {
         let (model, parameters) = self.lifted();
         let run = Recordings::simulated(&model, self.initial, exogenous);
         let mut adjoints = Vec::new();
-        let mut told = Told::by(&run, &parameters, &self.noise, |own| adjoints.extend_from_slice(own));
+        let keep = |own: &[[Lane; 3]]| adjoints.extend_from_slice(own);
+        let mut told = Told::by(&run, &parameters, &self.noise, Sensitivities::default(), keep);
         let states = std::mem::take(&mut told.path.states);
         if check_diverged(states.iter().copied()).is_some() {
             return None;

@@ -70,7 +70,19 @@ impl RunEstimators<'_> {
     /// # Errors
     /// A nominal simulation that diverges, a run that is too short.
     pub fn estimates(&self, runs: &[Run]) -> Result<Vec<RunEstimate>, RunError> {
-        let found = self.found(runs)?;
+        self.estimates_from(runs, None)
+    }
+
+    /// The same, searched for from `near` ones where these are known, by run.
+    ///
+    /// # Errors
+    /// See [`RunEstimators::estimates`].
+    pub fn estimates_from(
+        &self,
+        runs: &[Run],
+        near: Option<&[Option<Vec<f64>>]>,
+    ) -> Result<Vec<RunEstimate>, RunError> {
+        let found = self.found(runs, near)?;
         let columns = self.estimators.iter().map(|e| found.by(self, *e, runs).into_iter());
         let mut columns: Vec<_> = columns.collect();
         let row = |_| columns.iter_mut().filter_map(Iterator::next).collect::<Vec<_>>();
@@ -85,7 +97,7 @@ impl RunEstimators<'_> {
     pub fn delivered(&self, run: &Run, name: &str) -> Result<Option<(RunEstimate, Delivered)>, RunError> {
         let (runs, model) = (std::slice::from_ref(run), &self.vessel.model);
         let Some(estimator) = self.estimators.first().copied() else { return Ok(None) };
-        let found = self.found(runs)?;
+        let found = self.found(runs, None)?;
         let (intercepts, around) =
             found.first(estimator).map_or((None, None), |own| (own.intercepts, own.around));
         let around = around.filter(|_| estimator == Estimator::OutputError);
@@ -110,8 +122,8 @@ impl RunEstimators<'_> {
         Ok(Some((row, Delivered::of_run(model, &part, (theta, own), simple, around))))
     }
 
-    /// Everything that the wanted estimators need, each made once.
-    fn found(&self, runs: &[Run]) -> Result<Everything, RunError> {
+    /// Everything that the wanted estimators need, each made once; searches begin at `near`, if that is known.
+    fn found(&self, runs: &[Run], near: Option<&[Option<Vec<f64>>]>) -> Result<Everything, RunError> {
         use Estimator::{Ls, OutputError, PredictionError, RefinedIv};
         let wanted = |any: &[Estimator]| self.estimators.iter().any(|e| any.contains(e));
         let mut found = Everything::default();
@@ -121,7 +133,10 @@ impl RunEstimators<'_> {
         if self.estimators.iter().any(|e| *e != Ls) {
             found.iv = self.regressed(InstrumentKind::Nominal, runs)?;
         }
-        if wanted(&[RefinedIv, OutputError, PredictionError]) {
+        if let (Some(near), false) = (near, wanted(&[RefinedIv])) {
+            let each = near.iter().zip(&found.iv);
+            found.refined.near = each.map(|(near, iv)| iv.found.clone().or_at(near.as_deref())).collect();
+        } else if wanted(&[RefinedIv, OutputError, PredictionError]) {
             let to_the_end = wanted(&[RefinedIv]);
             let levels = self.levels.as_ref();
             found.refined = refine(self.vessel, runs, &found.iv, self.removal, levels, to_the_end);

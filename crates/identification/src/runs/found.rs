@@ -30,6 +30,14 @@ impl Found {
         self.estimate.as_ref().map(|(theta, _)| theta.as_slice())
     }
 
+    /// The parameters `theta`, where they are known.
+    pub(super) fn or_at(mut self, theta: Option<&[f64]>) -> Self {
+        if let Some(theta) = theta {
+            self.estimate = Some((theta.to_vec(), vec![f64::NAN; theta.len()]));
+        }
+        self
+    }
+
     fn none(status: EstimateStatus) -> Self {
         Self { status, estimate: None, intercepts: None, around: None }
     }

@@ -1,4 +1,4 @@
-use vessel::{Compiled, Lane, Look, Model};
+use vessel::{Ambient, Compiled, Lane, Look, Model};
 
 use super::levels::{Flow, Levels};
 use super::unknowns::Unknowns;
@@ -97,6 +97,12 @@ impl<M: Look<X>, X: Unknowns, const N: usize> Dynamics<M, X, N> {
             false => [by_r([z[3], z[4]]), still[1], still[2]],
         };
         Turn { cos, sin, by_r: turned }
+    }
+
+    /// The next u, v, r, without a look at what they come from.
+    #[inline(always)]
+    pub(crate) fn step(&mut self, state: [X; 3], exogenous: &[X]) -> [X; 3] {
+        self.model.step(state, exogenous, Ambient::default())
     }
 
     /// The next states, after [`Self::at`] looked at `z`.

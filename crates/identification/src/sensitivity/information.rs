@@ -46,7 +46,7 @@ pub fn output_information(
     let model = model.with_intercepts();
     let parameters = model.layout().woven(theta, [0.0; 3]);
     let run = Recordings::simulated(&model, initial, exogenous);
-    Told::by(&run, &parameters, noise, |_| ()).mean(run.longest(), |entry| *entry)
+    Told::by(&run, &parameters, noise, Sensitivities::default(), |_| ()).mean(run.longest(), |entry| *entry)
 }
 
 /// A run to be simulated: with the parameters `theta` from its initial state by its exogenous signals, see
@@ -72,6 +72,7 @@ pub fn output_informations(
     let width = model.exogenous().max(1);
     let samples: Vec<usize> = runs.iter().map(|run| run.exogenous.len() / width).collect();
     let mut found = Vec::with_capacity(runs.len());
+    let mut room = Sensitivities::default();
     for group in lanes::groups(&samples) {
         let (own, samples) = (&runs[group.clone()], samples[group.start]);
         let parameters: Vec<Vec<f64>> = own.iter().map(|run| layout.woven(run.theta, [0.0; 3])).collect();
@@ -82,8 +83,9 @@ pub fn output_informations(
         let samples_of = [samples; LANES];
         let run =
             Recordings { model: &model, measured: &[], exogenous: &exogenous, initial, samples: samples_of };
-        let told = Told::by(&run, &parameters, noise, |_| ());
+        let told = Told::by(&run, &parameters, noise, room, |_| ());
         found.extend((0..own.len()).map(|lane| told.mean(samples, |entry| entry[lane])));
+        room = told.path;
     }
     found
 }
@@ -99,13 +101,11 @@ pub fn prediction_weights(
     let model = model.with_intercepts();
     let layout = model.layout();
     let run = Recordings::simulated(&model, initial, exogenous);
-    let (_, squares) = followed(&run, &layout.woven(theta, [0.0; 3]));
+    let mut path = Sensitivities::default();
+    let [squares] = followed(&run, &layout.woven(theta, [0.0; 3]), [[1.0; 3]], &mut path);
     let (n, share) = (layout.parameters(), 1.0 / run.longest().max(1) as f64);
     let counted: Vec<f64> = layout.are_intercepts().map(|is| if is { 0.0 } else { 1.0 }).collect();
-    let entry = |e: usize| {
-        let sum: f64 = squares.iter().map(|own| own[e]).sum();
-        share * counted[e / n] * counted[e % n] * sum
-    };
+    let entry = |e: usize| share * counted[e / n] * counted[e % n] * squares[e];
     let sum: Vec<f64> = (0..n * n).map(entry).collect();
     sum.iter().all(|x| x.is_finite()).then_some(sum)
 }
@@ -140,22 +140,22 @@ impl<X: Unknowns> Told<X> {
         finite.then_some(OutputInformation { information, measurement, process })
     }
 
-    /// By `run`, simulated with `parameters`. `keep` is called with the columns of λ(k), for k from N to 1, where there is a
-    /// current.
+    /// By `run`, simulated with `parameters`; its path takes the place of `path`. `keep` is called with the columns of λ(k), for k
+    /// from N to 1, where there is a current.
     pub(crate) fn by(
         run: &Recordings<X>,
         parameters: &[X],
         noise: &Noise,
+        mut path: Sensitivities<X>,
         mut keep: impl FnMut(&[[Lane; 3]]),
     ) -> Self {
-        let (path, squares) = followed(run, parameters);
         let (weights, variances) = channels(noise);
-        let weighted = |by: [f64; 3]| -> Vec<X> {
-            let entry = |e: usize| (0..3).fold(X::ZERO, |sum, d| sum + X::from(by[d]) * squares[d][e]);
-            (0..squares[0].len()).map(entry).collect()
+        let [information, measurement] = if variances.iter().all(|variance| *variance > 0.0) {
+            let [both] = followed(run, parameters, [weights], &mut path);
+            [both.clone(), both]
+        } else {
+            followed(run, parameters, [weights, variances], &mut path)
         };
-        let information = weighted(weights);
-        let measurement = weighted([0, 1, 2].map(|d: usize| weights[d] * weights[d] * variances[d]));
         let mut draws = Products::new(parameters.len());
         if noise.current > 0.0 {
             let current = Flow::White { std: noise.current };
@@ -184,13 +184,19 @@ pub(crate) fn channels(noise: &Noise) -> ([f64; 3], [f64; 3]) {
     (if known { variances.map(f64::recip) } else { [1.0; 3] }, variances)
 }
 
-/// The run's states and sensitivities, and Σ s sᵀ of u, v and r.
-fn followed<X: Unknowns>(run: &Recordings<X>, parameters: &[X]) -> (Sensitivities<X>, [Vec<X>; 3]) {
+/// Follows `run` into `path`, and sums up Σ_d w_d s_d s_dᵀ for all of the `weights` w.
+fn followed<X: Unknowns, const W: usize>(
+    run: &Recordings<X>,
+    parameters: &[X],
+    weights: [[f64; 3]; W],
+    path: &mut Sensitivities<X>,
+) -> [Vec<X>; W] {
     let n = parameters.len();
     let unknowns = [parameters, &[X::ZERO; 3]].concat();
     let free: Vec<usize> = (0..n).collect();
-    let mut path = Sensitivities::with_room(n, run.longest());
-    let mut squares = [0; 3].map(|_| Products::<X>::new(n));
+    path.clear(n, run.longest());
+    let roots = weights.map(|by| by.map(|weight| Lane::splat(weight.sqrt())));
+    let mut squares = [0; W].map(|_| Products::<X>::new(n));
     sweep(
         run,
         &unknowns,
@@ -200,13 +206,15 @@ fn followed<X: Unknowns>(run: &Recordings<X>, parameters: &[X]) -> (Sensitivitie
         #[inline(always)]
         |step: Step<'_, X, 3>| {
             path.keep(&step, X::ONE);
-            for (d, squares) in squares.iter_mut().enumerate() {
-                for (c, s) in step.sensitivities.iter().enumerate() {
-                    squares.set(c, s[d]);
+            for (squares, roots) in squares.iter_mut().zip(&roots) {
+                for (d, root) in roots.iter().enumerate() {
+                    for (c, s) in step.sensitivities.iter().enumerate() {
+                        squares.set(c, *root * s[d]);
+                    }
+                    squares.advance();
                 }
-                squares.advance();
             }
         },
     );
-    (path, squares.map(|own| own.finish().square()))
+    squares.map(|own| own.finish().square())
 }

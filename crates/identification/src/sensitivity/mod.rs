@@ -1,7 +1,8 @@
 //! How simulated and predicted states change with what is unknown: the one engine behind estimates, their standard errors, the
 //! information of experiments and its gradient.
 //!
-//! States go from sample to sample by [`Dynamics`]; forward sensitivities go along ([`sweep`]), adjoints go back ([`backward`]).
+//! States go from sample to sample by [`Dynamics`]; forward sensitivities go along ([`sweep`]), adjoints go back ([`backward`], and a single one
+//! where the slopes of squared errors are all that is wanted: [`slopes`]).
 //! Both are columns of lanes. Numbers `X` are [`vessel::Lane`]s for runs side by side, each unknown in a column of its own; or `f64`
 //! for a single run, [`vessel::LANES`] unknowns beside each other in a column ([`unknowns::Unknowns`]).
 
@@ -12,6 +13,7 @@ mod kalman;
 mod levels;
 mod products;
 mod recordings;
+mod slopes;
 mod sweep;
 mod unknowns;
 
@@ -27,5 +29,6 @@ pub use levels::{Flow, Gusts, Levels};
 pub(crate) use products::Products;
 pub use recordings::Recordings;
 pub(crate) use recordings::{groups, of_one_length};
+pub(crate) use slopes::{Slopes, slopes};
 pub use sweep::Sensitivities;
 pub(crate) use sweep::{Step, sweep};

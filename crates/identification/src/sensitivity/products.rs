@@ -117,8 +117,13 @@ fn add_tile<const THEMSELVES: bool, const WHOLE: bool>(
     }
     for half in 0..2 {
         add_rows::<THEMSELVES, HALF, 0, 2>(tile, one, other, half);
-        add_rows::<THEMSELVES, HALF, 2, 2>(tile, one, other, half);
-        add_rows::<THEMSELVES, HALF, 4, 1>(tile, one, other, half);
+        if THEMSELVES {
+            // Half of the last rows' products: as many as of two rows.
+            add_rows::<THEMSELVES, HALF, 2, 3>(tile, one, other, half);
+        } else {
+            add_rows::<THEMSELVES, HALF, 2, 2>(tile, one, other, half);
+            add_rows::<THEMSELVES, HALF, 4, 1>(tile, one, other, half);
+        }
     }
 }
 

@@ -116,10 +116,29 @@ pub struct Sensitivities<X> {
     columns: Vec<[Lane; 3]>,
 }
 
+impl<X> Default for Sensitivities<X> {
+    fn default() -> Self {
+        Self { free: 0, errors: Vec::new(), states: Vec::new(), columns: Vec::new() }
+    }
+}
+
 impl<X: Unknowns> Sensitivities<X> {
     /// Of `recordings` simulated with `unknowns`, to those in `free`. Sample 0 counts where `from_start`.
     pub fn of(recordings: &Recordings<X>, unknowns: &[X], free: &[usize], from_start: bool) -> Self {
-        let mut kept = Self::with_room(free.len(), recordings.longest());
+        let mut kept = Self::default();
+        kept.follow(recordings, unknowns, free, from_start);
+        kept
+    }
+
+    /// Follows other recordings, in the place of those before, see [`Self::of`].
+    pub(crate) fn follow(
+        &mut self,
+        recordings: &Recordings<X>,
+        unknowns: &[X],
+        free: &[usize],
+        from_start: bool,
+    ) {
+        self.clear(free.len(), recordings.longest());
         sweep(
             recordings,
             unknowns,
@@ -128,23 +147,24 @@ impl<X: Unknowns> Sensitivities<X> {
             &[],
             #[inline(always)]
             |step: Step<'_, X, 3>| {
-                kept.keep(
+                self.keep(
                     &step,
                     if step.k == 0 && !from_start { X::ZERO } else { recordings.lasting(step.k) },
                 );
             },
         );
-        kept
     }
 
-    pub(crate) fn with_room(free: usize, samples: usize) -> Self {
+    /// Makes room for other recordings.
+    pub(crate) fn clear(&mut self, free: usize, samples: usize) {
         let rows = samples + 1;
-        Self {
-            free,
-            errors: Vec::with_capacity(3 * rows),
-            states: Vec::with_capacity(3 * rows),
-            columns: Vec::with_capacity(rows * free.div_ceil(X::PER_COLUMN)),
+        self.free = free;
+        for (kept, room) in [(&mut self.errors, 3 * rows), (&mut self.states, 3 * rows)] {
+            kept.clear();
+            kept.reserve(room);
         }
+        self.columns.clear();
+        self.columns.reserve(rows * free.div_ceil(X::PER_COLUMN));
     }
 
     /// Keeps a sample, which counts as much as `counts` says.

@@ -24,7 +24,11 @@ impl Unknowns for Lane {
     }
     #[inline(always)]
     fn by_lane(of: impl Fn(usize) -> f64) -> Self {
-        Self(std::array::from_fn(of))
+        let mut lanes = Self::ZERO;
+        for (lane, own) in lanes.0.iter_mut().enumerate() {
+            *own = of(lane);
+        }
+        lanes
     }
 }
 

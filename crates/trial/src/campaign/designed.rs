@@ -1,5 +1,6 @@
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
+use std::sync::Arc;
 
 use design::apportion;
 use vessel::{Generator, Invalid, Realized};
@@ -10,12 +11,12 @@ use super::Refusal;
 pub type Plan = Vec<(usize, usize)>;
 
 /// Maneuvers as they occur in plans, made once.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub(crate) struct Parts {
     /// Those that are stretched to their length.
     stretched: BTreeMap<(usize, usize), Realized>,
     /// The others at the greatest length so far: shorter ones are their beginning.
-    longest: BTreeMap<usize, (usize, Realized)>,
+    longest: BTreeMap<usize, (usize, Arc<Realized>)>,
 }
 
 impl Parts {
@@ -30,10 +31,19 @@ impl Parts {
                     entry.insert(generator.realize(*index, *samples)?);
                 }
             } else if self.longest.get(index).is_none_or(|(longest, _)| longest < samples) {
-                self.longest.insert(*index, (*samples, generator.realize(*index, *samples)?));
+                self.longest.insert(*index, (*samples, Arc::new(generator.realize(*index, *samples)?)));
             }
         }
         Ok(())
+    }
+
+    /// Takes over those of `others` that shorter ones are the beginning of, for other plans.
+    pub(crate) fn take(&mut self, others: Self) {
+        for (index, own) in others.longest {
+            if self.longest.get(&index).is_none_or(|(longest, _)| *longest < own.0) {
+                self.longest.insert(index, own);
+            }
+        }
     }
 
     /// Initial state and inputs of a plan that was made.

@@ -1,3 +1,5 @@
+use std::sync::{Mutex, PoisonError};
+
 use design::apportion;
 use identification::runs::{RunError, RunEstimators};
 use identification::{Noise, OutputInformation, RunEstimate, Simulated, parameter_error};
@@ -23,6 +25,8 @@ pub struct Trial<'a> {
     informed: Vec<f64>,
     ends: Vec<usize>,
     random_segments: usize,
+    /// Maneuvers that were made for realizations before.
+    parts: Mutex<Parts>,
 }
 
 /// A realization before its trial.
@@ -45,6 +49,8 @@ struct Realization<'a> {
     /// Of the latest plan.
     shares: Vec<f64>,
     run: GrowingRun,
+    /// The latest estimate.
+    latest: Option<Vec<f64>>,
 }
 
 impl<'a> Trial<'a> {
@@ -69,7 +75,19 @@ impl<'a> Trial<'a> {
         let informed = planner
             .shares(&truth, &knowledge.sizes(&truth), None, ends[0])
             .ok_or_else(|| Refusal::Dictionary(unexcited()))?;
-        Ok(Self { sea, generator, planner, estimators, knowledge, truth, informed, ends, random_segments })
+        let parts = Mutex::default();
+        Ok(Self {
+            sea,
+            generator,
+            planner,
+            estimators,
+            knowledge,
+            truth,
+            informed,
+            ends,
+            random_segments,
+            parts,
+        })
     }
 
     /// Samples by the end of every round.
@@ -91,10 +109,11 @@ impl<'a> Trial<'a> {
         let begin = |arm| starts.iter().map(move |start| self.begin(arm, start)).collect();
         let mut arms: Vec<Vec<Realization>> = Arm::ALL.into_iter().map(begin).collect();
         let mut rows = Vec::with_capacity(starts.len() * Arm::ALL.len() * self.ends.len());
-        let mut parts = Parts::default();
+        let mut parts = self.parts.lock().unwrap_or_else(PoisonError::into_inner).clone();
         for round in 0..self.ends.len() {
             rows.extend(self.round(round, &mut arms, &mut parts)?);
         }
+        self.parts.lock().unwrap_or_else(PoisonError::into_inner).take(parts);
         rows.sort_by_key(|row| (row.realization, row.arm as usize, row.round));
         Ok(rows)
     }
@@ -108,7 +127,8 @@ impl<'a> Trial<'a> {
 
     fn begin<'s>(&self, arm: Arm, start: &'s Start) -> Realization<'s> {
         let known = if arm == Arm::Informed { self.truth.clone() } else { start.crude.clone() };
-        Realization { arm, start, known, shares: Vec::new(), run: GrowingRun::default() }
+        let run = GrowingRun::default();
+        Realization { arm, start, known, shares: Vec::new(), run, latest: None }
     }
 
     /// A round of all arms: plan, run, estimate, learn.
@@ -128,6 +148,7 @@ impl<'a> Trial<'a> {
         let found = self.estimated(round, arms)?;
         let row = |((realization, found), shared): ((&mut Realization, Option<RunEstimate>), _)| {
             let estimate = found.as_ref().and_then(|found| found.estimate.as_ref());
+            realization.latest = estimate.map(|(theta, _)| theta.clone()).or(realization.latest.take());
             Row {
                 arm: realization.arm,
                 realization: realization.start.number,
@@ -150,7 +171,7 @@ impl<'a> Trial<'a> {
     fn estimated(&self, round: usize, arms: &[Vec<Realization>]) -> Result<Found, Refusal> {
         let repeats = |arm: &Arm| round == 0 && *arm == Arm::OneShot;
         let own = Arm::ALL.into_iter().filter(|arm| !repeats(arm));
-        let mut found = self.found(own.map(|arm| arms[arm as usize].as_slice()))?.into_iter();
+        let mut found = self.found(round, own.map(|arm| arms[arm as usize].as_slice()))?.into_iter();
         let mut all: Vec<Found> = Vec::with_capacity(arms.len());
         for (arm, realizations) in Arm::ALL.iter().zip(arms) {
             all.push(match repeats(arm) {
@@ -209,7 +230,7 @@ impl<'a> Trial<'a> {
         told: Option<&OutputInformation>,
         coming: usize,
     ) -> (Plan, Shared) {
-        let Realization { arm, start, known, shares, run } = realization;
+        let Realization { arm, start, known, shares, run, .. } = realization;
         let designed = match arm {
             Arm::Random => return (self.drawn(start.number, coming), Shared::Drawn),
             Arm::Informed => Some(self.informed.clone()),
@@ -249,14 +270,25 @@ impl<'a> Trial<'a> {
 
     /// Simulates the runs of `arms` side by side and estimates from each, arm by arm; nothing where the nominal model diverges.
     /// All arms meet the same disturbances in a realization.
-    fn found<'r>(&self, arms: impl Iterator<Item = &'r [Realization<'r>]>) -> Result<Found, Refusal> {
-        let (mut kept, mut bounded): (Vec<Run>, Vec<bool>) = (Vec::new(), Vec::new());
+    fn found<'r>(
+        &self,
+        round: usize,
+        arms: impl Iterator<Item = &'r [Realization<'r>]>,
+    ) -> Result<Found, Refusal> {
+        let (mut kept, mut near, mut bounded) = (Vec::new(), Vec::new(), Vec::new());
         for group in arms.flat_map(|all| all.chunks(LANES)) {
-            let own: Vec<bool> = group.iter().map(|realization| self.bounded(&realization.run)).collect();
-            kept.extend(self.measured(group)?.zip(&own).filter(|(_, bounded)| **bounded).map(|(run, _)| run));
-            bounded.extend(own);
+            let runs = self.measured(group)?;
+            for (realization, run) in group.iter().zip(runs) {
+                bounded.push(self.bounded(&realization.run));
+                if bounded.last() == Some(&true) {
+                    kept.push(run);
+                    near.push(realization.latest.clone());
+                }
+            }
         }
-        let mut found = self.estimators.estimates(&kept).map_err(refused)?.into_iter();
+        // After the first round estimates are searched for from those before.
+        let near = (round > 0).then_some(near.as_slice());
+        let mut found = self.estimators.estimates_from(&kept, near).map_err(refused)?.into_iter();
         Ok(bounded.into_iter().map(|b| b.then(|| found.next()).flatten()).collect())
     }
 

@@ -1,0 +1,141 @@
+use vessel::{Built, LANES, Lane, Look};
+
+use super::dynamics::Dynamics;
+use super::recordings::Recordings;
+
+/// Squared errors of a free simulation, and how they fall with the unknowns.
+pub(crate) struct Slopes {
+    /// Σ e² of u, v, r.
+    pub squares: [f64; 3],
+    /// Σ_d w_d Σ s_d e_d, an entry per free unknown.
+    pub gradient: Vec<f64>,
+}
+
+/// Of `recordings` simulated with `unknowns`, per lane, for the unknowns in `free`; `weights` are given lane and squared errors, `path` is
+/// room for the states. One adjoint, λ(k) = Aᵀλ(k+1) + W e(k), takes the place of all sensitivities: a parameter's entry is Σ φ(k) λ(k+1).
+pub(crate) fn slopes(
+    recordings: &Recordings,
+    unknowns: &[Lane],
+    free: &[usize],
+    from_start: bool,
+    weights: impl Fn(usize, [f64; 3]) -> [f64; 3],
+    path: &mut Vec<[Lane; 3]>,
+) -> Vec<Slopes> {
+    let (model, first) = (recordings.model, usize::from(!from_start));
+    let theta = &unknowns[..model.parameters()];
+    let (squares, gradient) = if let Some(structure) = model.structure_with_intercepts() {
+        let dynamics = Dynamics::of(Built::new(structure, theta), None);
+        vessel::vectorized!(there_and_back(dynamics, recordings, unknowns, first, weights, path))
+    } else {
+        let dynamics = Dynamics::new(model, theta, None);
+        vessel::vectorized!(there_and_back(dynamics, recordings, unknowns, first, weights, path))
+    };
+    let own = |lane: usize| Slopes {
+        squares: squares.map(|sum| sum[lane]),
+        gradient: free.iter().map(|i| gradient[*i][lane]).collect(),
+    };
+    (0..LANES).map(own).collect()
+}
+
+/// Squared errors, and their slopes by every unknown. Samples count from `first` on.
+#[inline(always)]
+fn there_and_back(
+    mut dynamics: Dynamics<impl Look<Lane>, Lane, 3>,
+    recordings: &Recordings,
+    unknowns: &[Lane],
+    first: usize,
+    weights: impl Fn(usize, [f64; 3]) -> [f64; 3],
+    path: &mut Vec<[Lane; 3]>,
+) -> ([Lane; 3], Vec<Lane>) {
+    let (layout, last) = (recordings.model.layout(), recordings.longest());
+    let (all, degrees) = (layout.parameters(), [0, 1, 2].map(|d| layout.degree(d)));
+    let even = recordings.samples.iter().all(|samples| *samples == last);
+    let counted = |k: usize, z: [Lane; 3]| {
+        let error = recordings.error(k, z);
+        if even { error } else { error.map(|e| e * recordings.lasting(k)) }
+    };
+    let mut z = [0, 1, 2].map(|d: usize| recordings.initial[d] + unknowns[all + d]);
+    path.clear();
+    path.reserve(last + 1);
+    let mut squares = [Lane::ZERO; 3];
+    for k in 0..=last {
+        path.push(z);
+        if k >= first {
+            let error = counted(k, z);
+            for d in 0..3 {
+                squares[d] = error[d].fused(error[d], squares[d]);
+            }
+        }
+        if k < last {
+            z = dynamics.step(z, recordings.exogenous(k));
+        }
+    }
+    let by_lane: [[f64; 3]; LANES] = std::array::from_fn(|lane| weights(lane, squares.map(|sum| sum[lane])));
+    let weights = [0, 1, 2].map(|d: usize| Lane(by_lane.map(|own| own[d])));
+    let mut gradient = vec![Lane::ZERO; all + 3];
+    let mut adjoint = [Lane::ZERO; 3];
+    for (k, z) in path.iter().enumerate().rev() {
+        if k < last {
+            let local = dynamics.at(z, recordings.exogenous(k));
+            for d in 0..3 {
+                for i in degrees[d].clone() {
+                    gradient[i] = dynamics.term(i).fused(adjoint[d], gradient[i]);
+                }
+            }
+            adjoint = dynamics.backward(&local, &adjoint);
+        }
+        if k >= first {
+            let error = counted(k, *z);
+            for d in 0..3 {
+                adjoint[d] += weights[d] * error[d];
+            }
+        }
+    }
+    gradient[all..].copy_from_slice(&adjoint);
+    (squares, gradient)
+}
+
+#[cfg(test)]
+mod tests {
+    use vessel::{Lane, Source, Vessel};
+
+    use super::*;
+    use crate::predictor::linearize;
+
+    #[test]
+    fn law_slopes_are_those_of_all_sensitivities() {
+        let vessel = Vessel::preset("ljungberg-model-ship").unwrap();
+        let model = vessel.model.with_intercepts();
+        let wave = |k: usize, by: f64| Lane::splat((by * k as f64).sin());
+        let inputs =
+            |k: usize| [500.0, 90.0, 40.0].map(|size| Lane::splat(size) * wave(k, 0.05 + 0.001 * size));
+        let exogenous: Vec<Lane> = (0..203).flat_map(inputs).collect();
+        let measured: Vec<Lane> = (0..3 * 204).map(|k| Lane::splat(0.3) * wave(k, 1.7)).collect();
+        let mut samples = [203; LANES];
+        let theta = model.layout().woven(&vessel.parameters(Source::Value).unwrap(), [1e-3, -2e-3, 1e-3]);
+        let unknowns: Vec<Lane> =
+            [theta, vec![0.02, -0.01, 0.03]].concat().into_iter().map(Lane::splat).collect();
+        let free: Vec<usize> = (0..unknowns.len()).collect();
+        for (shorter, from_start) in [(203, true), (203, false), (90, true)] {
+            samples[3] = shorter;
+            let recordings = Recordings {
+                model: &model,
+                measured: &measured,
+                exogenous: &exogenous,
+                initial: [Lane::ZERO; 3],
+                samples,
+            };
+            let all = linearize::<3>(&recordings, &unknowns, &free, None, &[], from_start);
+            let weights = |lane: usize, squares: [f64; 3]| squares.map(|square| (lane + 1) as f64 / square);
+            let found = slopes(&recordings, &unknowns, &free, from_start, weights, &mut Vec::new());
+            for (lane, (found, all)) in found.iter().zip(&all).enumerate() {
+                let (_, gradient) = all.weighted(weights(lane, all.squares));
+                let size = gradient.iter().fold(0.0_f64, |most, own| most.max(own.abs()));
+                let near =
+                    |a: f64, b: f64, size: f64| assert!((a - b).abs() <= 1e-11 * size, "{lane}: {a} {b}");
+                (0..3).for_each(|d| near(found.squares[d], all.squares[d], all.squares[d]));
+                found.gradient.iter().zip(&gradient).for_each(|(a, b)| near(*a, *b, size));
+            }
+        }
+    }
+}
