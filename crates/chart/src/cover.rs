@@ -11,11 +11,12 @@ pub(crate) struct Size {
 impl Size {
     /// The whole numbers from floor(low) to floor(high) among 0..count.
     fn clamp(low: f64, high: f64, count: usize) -> Option<(usize, usize)> {
-        let (low, high) = (low.floor(), high.floor());
-        if high < 0.0 || low >= count as f64 || low > high {
+        if high < 0.0 || low >= count as f64 {
             return None;
         }
-        Some((low.max(0.0) as usize, high.min(count as f64 - 1.0) as usize))
+        // As whole numbers they are rounded down.
+        let (first, last) = (low.max(0.0) as usize, (high as usize).min(count - 1));
+        (first <= last).then_some((first, last))
     }
 }
 

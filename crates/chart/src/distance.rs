@@ -18,7 +18,7 @@ pub(crate) fn squared_gaps(
     for (row, rows) in vertical.chunks(nx.max(1)).enumerate() {
         for (i, g) in grown.iter_mut().enumerate() {
             let near = i.saturating_sub(1)..(i + 2).min(nx);
-            *g = rows[near].iter().copied().map(between).fold(f64::INFINITY, f64::min);
+            *g = between(rows[near].iter().copied().min().unwrap_or(NONE));
         }
         envelope.build(&grown);
         envelope.fill(&mut squared);

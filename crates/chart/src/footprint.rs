@@ -51,7 +51,19 @@ impl Footprint {
     #[must_use]
     pub fn union(&self, other: &Self) -> Self {
         let others = if other.cell_m == self.cell_m { &other.runs[..] } else { &[] };
-        let mut all: Vec<Run> = self.runs.iter().chain(others).copied().collect();
+        Self::merged(self.cell_m, self.runs.iter().chain(others).copied().collect())
+    }
+
+    /// The cells turned to port by quarter turns about the node.
+    #[must_use]
+    pub fn turned(&self, quarters: usize) -> Self {
+        let Some(more) = quarters.checked_sub(1) else { return self.clone() };
+        let cell = |row: i32, column: i32| Run { row: column, first: -row - 1, last: -row - 1 };
+        let all = self.runs.iter().flat_map(|run| (run.first..=run.last).map(|column| cell(run.row, column)));
+        Self::merged(self.cell_m, all.collect()).turned(more)
+    }
+
+    fn merged(cell_m: f64, mut all: Vec<Run>) -> Self {
         all.sort_unstable_by_key(|run| (run.row, run.first));
         let mut runs: Vec<Run> = Vec::with_capacity(all.len());
         for run in all {
@@ -62,7 +74,7 @@ impl Footprint {
                 _ => runs.push(run),
             }
         }
-        Self { cell_m: self.cell_m, runs }
+        Self { cell_m, runs }
     }
 
     /// Side of the cells \[m\].

@@ -42,7 +42,8 @@ impl Raster {
     /// Column and row of the cell that holds a point; `None` off the raster.
     pub fn cell_at(&self, [x, y]: [f64; 2]) -> Option<(usize, usize)> {
         let index = |v: f64, k: usize, count: usize| {
-            let i = ((v - self.origin[k]) / self.cell_m).floor();
+            // As a whole number it is rounded down.
+            let i = (v - self.origin[k]) / self.cell_m;
             (i >= 0.0 && i < count as f64).then_some(i as usize)
         };
         Some((index(x, 0, self.nx)?, index(y, 1, self.ny)?))

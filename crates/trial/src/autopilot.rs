@@ -75,17 +75,16 @@ impl<'a> Autopilot<'a> {
         [north * cos + east * sin, east * cos - north * sin]
     }
 
-    /// Whether `phase` is done, `elapsed_s` after it began.
-    pub fn is_done(&self, phase: &Phase, node: [f64; 2], start: Pose, ship: &Ship, elapsed_s: f64) -> bool {
+    /// Whether `phase` is done, or `is_late`.
+    pub fn is_done(&self, phase: &Phase, node: [f64; 2], ship: &Ship, is_late: bool) -> bool {
         let ahead = ship.state[0] * ship.sample_s() / 2.0;
         match *phase {
             Phase::Line { to, heading_rad, .. } => {
                 let left = along(offset(node, to, ship.pose), libm::sincos(heading_rad));
-                left <= ahead.max(0.0) || elapsed_s > self.patience_s(phase, node, start)
+                left <= ahead.max(0.0) || is_late
             }
             Phase::Arc { to_rad, side, .. } => {
-                side * wrap(to_rad - course(phase, node, ship.pose)) <= 0.0
-                    || elapsed_s > self.patience_s(phase, node, start)
+                side * wrap(to_rad - course(phase, node, ship.pose)) <= 0.0 || is_late
             }
             Phase::Hold { at, heading_rad } => {
                 let [north, east] = offset(node, at, ship.pose);
@@ -96,14 +95,14 @@ impl<'a> Autopilot<'a> {
                 let h = &self.handling;
                 let at_rest =
                     libm::hypot(u, v) <= AT_REST * h.crawl_m_s && r.abs() <= AT_REST * h.turn_rate_rad_s;
-                (there && turned && at_rest) || elapsed_s > self.patience_s(phase, node, start)
+                (there && turned && at_rest) || is_late
             }
             Phase::Maneuver => true,
         }
     }
 
-    /// How long a phase may take before it is given up: a position error then stays, and is reported \[s\].
-    fn patience_s(&self, phase: &Phase, node: [f64; 2], start: Pose) -> f64 {
+    /// How long a phase may take before it is late and given up: a position error then stays, and is reported \[s\].
+    pub fn patience_s(&self, phase: &Phase, node: [f64; 2], start: Pose) -> f64 {
         let h = &self.handling;
         match *phase {
             Phase::Line { to, from_m_s, to_m_s, .. } => {

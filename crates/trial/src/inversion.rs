@@ -20,6 +20,8 @@ pub(crate) struct Inversion<'a> {
     gradients: Vec<[f64; 3]>,
     /// What was asked of the actuators last; empty before the first time.
     last: Vec<f64>,
+    /// State and current where the model looks.
+    looked: Option<([f64; 3], [f64; 2])>,
     /// Gains of u, v, r in a sample that the model does not explain.
     pub unexplained: [f64; 3],
     /// Part of a new one that is believed.
@@ -46,6 +48,7 @@ impl<'a> Inversion<'a> {
             exogenous: vec![0.0; vessel.model.exogenous()],
             gradients: vec![[0.0; 3]; vessel.model.variables.len()],
             last: Vec::new(),
+            looked: None,
             unexplained: [0.0; 3],
             believed: (1.0 / (memory_s * vessel.sample_rate_hz)).min(MOST_BELIEVED),
         }
@@ -59,14 +62,15 @@ impl<'a> Inversion<'a> {
         if self.last.is_empty() {
             self.begin(state, current, wanted.sway)?;
         }
-        let free = self.free(wanted.sway);
+        let (free, count) = self.free(wanted.sway);
+        let free = &free[..count];
         for _ in 0..STEPS {
-            let missing = self.missing(state, current, wanted, &free);
+            let missing = self.missing(state, current, wanted, free);
             if missing.iter().all(|missing| missing.abs() <= SMALL) {
                 break;
             }
-            let rows = self.linearised(missing, wanted.sway, &free);
-            if !self.corrected(&free, solved(rows)) {
+            let rows = self.linearised(missing, wanted.sway, free);
+            if !self.corrected(free, solved(rows)) {
                 break;
             }
         }
@@ -84,10 +88,13 @@ impl<'a> Inversion<'a> {
         Ok(())
     }
 
-    /// The inputs that are set freely: at most three.
-    fn free(&self, sway: bool) -> Vec<usize> {
+    /// The inputs that are set freely, and how many: at most three.
+    fn free(&self, sway: bool) -> ([usize; 3], usize) {
         let leads = |i: &usize| sway || self.vessel.couplings[*i].is_none();
-        (0..self.vessel.model.inputs).filter(leads).take(3).collect()
+        let mut free = [0; 3];
+        let places = free.iter_mut().zip((0..self.vessel.model.inputs).filter(leads));
+        let count = places.map(|(place, input)| *place = input).count();
+        (free, count)
     }
 
     /// Gains of u, v and r that the inputs do not bring about yet; sway is left out where two inputs command the vessel.
@@ -144,8 +151,13 @@ impl<'a> Inversion<'a> {
         changed
     }
 
+    /// Goes to a state and inputs, unless the model looks there already.
     fn look(&mut self, state: [f64; 3], current: [f64; 2], inputs: Option<&[f64]>) {
         let inputs = inputs.unwrap_or(&self.last);
+        if self.looked == Some((state, current)) && self.exogenous[..inputs.len()] == *inputs {
+            return;
+        }
+        self.looked = Some((state, current));
         self.exogenous.iter_mut().zip(inputs).for_each(|(to, from)| *to = *from);
         self.vessel.model.complete(&mut self.exogenous);
         self.model.look(state, &self.exogenous, Some(current));

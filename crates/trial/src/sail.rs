@@ -137,8 +137,9 @@ impl<'s> Way<'_, 's, '_> {
 
     fn follow(&mut self, phase: &Phase, node: [f64; 2], leg: usize) -> Result<(), Invalid> {
         let start = self.ship.pose;
+        let patience_s = self.autopilot.patience_s(phase, node, start);
         let mut elapsed_s = 0.0;
-        while !self.autopilot.is_done(phase, node, start, self.ship, elapsed_s) {
+        while !self.autopilot.is_done(phase, node, self.ship, elapsed_s > patience_s) {
             if elapsed_s > LONGEST_PHASE as f64 * self.ship.sample_s() {
                 let expected = format!("at most {LONGEST_PHASE} samples of a turn or a line");
                 let remedy = "correct `cell_m`, the speeds or `handling`";

@@ -1,5 +1,7 @@
 //! Footprints against brute-force sampling of the moving hull.
 
+use std::f64::consts::FRAC_PI_2;
+
 use chart::Footprint;
 use proptest::prelude::*;
 
@@ -86,6 +88,17 @@ proptest! {
             prop_assert!(w[0].row < w[1].row || (w[0].row == w[1].row && w[0].last + 1 < w[1].first));
         }
         prop_assert!(footprint.runs().iter().all(|r| r.first <= r.last));
+    }
+
+    #[test]
+    fn law_what_is_swept_turns_with_the_poses(
+        hull in hull(), poses in prop::collection::vec((-300.0..300.0_f64, -300.0..300.0_f64, -4.0..8.0_f64), 1..5),
+    ) {
+        let to_port: Vec<_> = poses.iter().map(|(x, y, heading)| (-y, *x, heading - FRAC_PI_2)).collect();
+        let [own, turned] = [&poses, &to_port].map(|poses| Footprint::swept(&hull, poses, 12.5).unwrap());
+        prop_assert_eq!(own.turned(1), turned.clone());
+        prop_assert_eq!(own.turned(4), own);
+        prop_assert_eq!(turned.turned(4), turned);
     }
 }
 

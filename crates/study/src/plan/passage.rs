@@ -32,6 +32,14 @@ struct Stretch {
     then: Vec<String>,
 }
 
+/// The line between the waypoints of a leg.
+struct Line {
+    from: [f64; 2],
+    /// Sine and cosine of its course.
+    turned: (f64, f64),
+    length_m: f64,
+}
+
 /// Lays out the passage of a plan as sailed.
 pub(super) struct Layout<'a> {
     pub prepared: &'a Prepared,
@@ -197,14 +205,16 @@ impl Layout<'_> {
     /// How far to port and starboard of each stretch the tracks come \[m\].
     fn strayed(&self, stretches: &[Stretch]) -> Vec<[f64; 2]> {
         let mut strayed = vec![[0.0_f64; 2]; stretches.len()];
+        let lines: Vec<Line> = stretches.iter().map(Stretch::line).collect();
         let runs = self.sailing.runs.iter().flatten().copied();
         for fix in self.sailing.sailed.fixes().chain(runs) {
             let place = [fix.pose.x, fix.pose.y];
             let own = stretches.iter().enumerate().filter(|(_, own)| own.steps.contains(&fix.leg));
-            let nearest = own.min_by(|a, b| a.1.away(place).total_cmp(&b.1.away(place)));
-            let nearest = nearest.or_else(|| stretches.first().map(|first| (0, first)));
-            if let Some((index, stretch)) = nearest {
-                let across = stretch.across(place);
+            let own = own.map(|(index, _)| index);
+            let nearest = own.min_by(|a, b| lines[*a].away(place).total_cmp(&lines[*b].away(place)));
+            let index = nearest.unwrap_or(0);
+            if let Some(line) = lines.get(index) {
+                let across = line.along(place)[1];
                 let side = usize::from(across > 0.0);
                 strayed[index][side] = strayed[index][side].max(across.abs());
             }
@@ -235,22 +245,23 @@ impl Stretch {
         libm::atan2(self.to[1] - self.from[1], self.to[0] - self.from[0])
     }
 
+    fn line(&self) -> Line {
+        Line { from: self.from, turned: libm::sincos(self.course()), length_m: distance(self.from, self.to) }
+    }
+}
+
+impl Line {
     /// Along the line and to starboard of it.
     fn along(&self, [north, east]: [f64; 2]) -> [f64; 2] {
-        let (sin, cos) = libm::sincos(self.course());
+        let (sin, cos) = self.turned;
         let [north, east] = [north - self.from[0], east - self.from[1]];
         [north * cos + east * sin, east * cos - north * sin]
-    }
-
-    /// To starboard of the line.
-    fn across(&self, place: [f64; 2]) -> f64 {
-        self.along(place)[1]
     }
 
     /// From the line between the waypoints.
     fn away(&self, place: [f64; 2]) -> f64 {
         let [along, across] = self.along(place);
-        let beyond = along - along.clamp(0.0, distance(self.from, self.to));
+        let beyond = along - along.clamp(0.0, self.length_m);
         libm::hypot(beyond, across)
     }
 }

@@ -204,18 +204,26 @@ impl Checking<'_> {
         let (parameters, unknown) = (self.parameters(run % vessels), self.unknown(run));
         let (clearance, rate_hz) = (self.clearance, self.prepared().brief.vessel.sample_rate_hz);
         let mut passages = vec![clearance.open(); self.legs.len()];
-        let mut samples = 0_u64;
+        let (mut samples, mut leg) = (0_u64, 0);
+        let margin_m = self.prepared().brief.task.safety.margin_m;
         // Some vessels take longer than the nominal one.
         let room = self.nominal.samples.len() * 9 / 8;
         let mut track = (run < TRACKS).then(|| Vec::with_capacity(room));
         let ends = self.script.sail(&parameters, unknown, |own| {
+            if own.leg > leg {
+                // What is farther off than the margin and than what was passed before does not matter.
+                passages[own.leg].clearance_m = passages[leg].clearance_m.max(margin_m);
+                leg = own.leg;
+            }
             clearance.add(&mut passages[own.leg], own.pose, own.informative);
             samples += 1;
             if let Some(track) = &mut track {
                 track.push(Fix { leg: own.leg, pose: own.pose });
             }
         })?;
+        // Only whether it goes aground matters.
         let mut open_loop = clearance.open();
+        open_loop.clearance_m = f64::MIN_POSITIVE;
         self.script.repeat(self.nominal, &parameters, unknown, |own| {
             clearance.add(&mut open_loop, own.pose, own.informative);
             open_loop.clearance_m > 0.0

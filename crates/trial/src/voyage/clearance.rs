@@ -88,11 +88,13 @@ impl Clearance {
         Passage { clearance_m: self.sight_m, left_area: false, unseen_m: 0.0, last: ([0.0; 2], false) }
     }
 
-    /// How far a place is from where the hull can reach out of the area; below 0 beyond it \[m\].
-    fn room_m(&self, place: [f64; 2]) -> f64 {
-        let Bounds { min, max } = self.area;
+    /// How far a place is from where the hull can reach out of the area, or out of all that is `seen` once it has left the
+    /// area; below 0 beyond it \[m\].
+    fn room_m(&self, place: [f64; 2], seen: Option<Bounds>) -> f64 {
+        let Bounds { min, max } = seen.unwrap_or(self.area);
         let ends = [0, 1].map(|k| (place[k] - min[k]).min(max[k] - place[k]));
-        ends[0].min(ends[1]).min(self.room_in_polygon_m(place)) - self.radius_m
+        let polygon_m = if seen.is_some() { f64::INFINITY } else { self.room_in_polygon_m(place) };
+        ends[0].min(ends[1]).min(polygon_m) - self.radius_m
     }
 
     fn room_in_polygon_m(&self, place: [f64; 2]) -> f64 {
@@ -112,7 +114,7 @@ impl Clearance {
         let obstacles = self.trial.as_ref().filter(|_| informative).unwrap_or(&self.transit);
         // Where the reference point is farther off than the hull reaches, no corner counts.
         let far = obstacles.distance_m(pose.y, pose.x) - self.radius_m - 2.0 * obstacles.raster().cell_m;
-        let room = if passage.left_area { f64::INFINITY } else { self.room_m(place) };
+        let room = self.room_m(place, passage.left_area.then(|| obstacles.raster().bounds()));
         if far > passage.clearance_m && room >= 0.0 {
             passage.unseen_m = (far - passage.clearance_m).min(room);
             return;

@@ -8,7 +8,7 @@ use vessel::{Invalid, Pose};
 
 use super::counts::Wanted;
 use super::error::VoyageError;
-use crate::{Leg, Outcome, Purpose, Rehearser, Repertoire, Sailed, Settled, Side};
+use crate::{Grid, Leg, Outcome, Purpose, Rehearser, Repertoire, Sailed, Settled, Side, Unsettled};
 
 /// How far a rehearsed track's corners are apart at most, in raster cells, and how far it turns between them \[rad\].
 const APART: f64 = 0.25;
@@ -91,6 +91,14 @@ impl Rehearsed {
         self.sailed.samples.iter().filter(|s| s.informative).count()
     }
 
+    /// The same leg turned to port by quarter turns.
+    fn turned(&self, quarters: usize, grid: &Grid) -> Self {
+        let Self { name, leg, sailed, .. } = self.clone();
+        let Settled { leg, sailed, .. } = Settled { leg, sailed, tracks: Vec::new() }.turned(quarters, grid);
+        let footprint = self.footprint.turned(quarters);
+        Self { name, leg, end: end(&sailed), sailed, footprint, ..*self }
+    }
+
     /// Whether it is an informative maneuver.
     pub fn is_informative(&self) -> bool {
         matches!(self.leg.purpose, Purpose::Informative { .. })
@@ -160,22 +168,21 @@ impl Rehearsal<'_> {
 
     /// The legs of a group, from its heading level and from those that lie quarter turns to port of it.
     fn tried(&self, group: &Group, index: usize) -> Result<Vec<Tried>, Invalid> {
-        let outcomes = group.rehearsed(&self.repertoire, self.others)?;
-        let quarters = if self.repertoire.is_isotropic() { 4 } else { 1 };
-        let all = (0..quarters).flat_map(|quarter| outcomes.iter().map(move |own| (quarter, own)));
-        all.map(|(quarter, outcome)| match outcome {
-            Ok(settled) => {
-                let settled = settled.turned(quarter, self.repertoire.grid);
-                self.rehearsed(settled, index).map(|own| Ok(Arc::new(own)))
+        let (grid, outcomes) = (self.repertoire.grid, group.rehearsed(&self.repertoire, self.others)?);
+        let tried = |outcome: Outcome| match outcome {
+            Ok(settled) => self.rehearsed(settled, index).map(Ok),
+            Err(Unsettled { from, purpose, why }) => {
+                Ok(Err(Dropped { name: self.name(&purpose), side: purpose.side(), from, why }))
             }
-            Err(unsettled) => Ok(Err(Dropped {
-                name: self.name(&unsettled.purpose),
-                side: unsettled.purpose.side(),
-                from: self.repertoire.grid.turned(unsettled.from, quarter),
-                why: unsettled.why.clone(),
-            })),
-        })
-        .collect()
+        };
+        let own = outcomes.into_iter().map(tried).collect::<Result<Vec<_>, Invalid>>()?;
+        let quarters = if self.repertoire.is_isotropic() { 4 } else { 1 };
+        let all = (0..quarters).flat_map(|quarter| own.iter().map(move |own| (quarter, own)));
+        let turned = |(quarter, own): (usize, &Result<Rehearsed, Dropped>)| match own {
+            Ok(own) => Ok(Arc::new(own.turned(quarter, grid))),
+            Err(own) => Err(Dropped { from: grid.turned(own.from, quarter), ..own.clone() }),
+        };
+        Ok(all.map(turned).collect())
     }
 
     fn name(&self, purpose: &Purpose) -> String {

@@ -58,8 +58,9 @@ impl Prepared {
     /// # Errors
     /// As [`Self::solve`], with what the checks showed; a simulation that diverges; no time.
     pub fn plan(&mut self, search: &Search, keep_unsafe: bool) -> Result<(Solved, Sailing), VoyageError> {
-        let clearance = Clearance::new(self, search.go_on)?;
-        let mut round = self.round(&clearance, 1, search)?;
+        let (clearance, solved) = rayon::join(|| Clearance::new(self, search.go_on), || self.solve(search));
+        let clearance = clearance?;
+        let mut round = self.round(&clearance, (1, solved?), search)?;
         while !round.taught.is_empty() && round.number < ROUNDS {
             let (number, taught) = (round.number, round.pupils());
             // Only where it may be wanted after all does it stay in memory.
@@ -87,16 +88,21 @@ impl Prepared {
         search: &Search,
     ) -> Result<Round, VoyageError> {
         let before = self.learn(taught, search)?;
-        let next = self.check_offered().and_then(|()| self.round(clearance, number, search));
+        let solved = self.check_offered().and_then(|()| self.solve(search));
+        let next = solved.and_then(|solved| self.round(clearance, (number, solved), search));
         if next.is_err() {
             self.know(before);
         }
         next
     }
 
-    /// Searches and sails.
-    fn round(&self, clearance: &Clearance, number: u32, search: &Search) -> Result<Round, VoyageError> {
-        let mut solved = self.solve(search)?;
+    /// Sails what a search found.
+    fn round(
+        &self,
+        clearance: &Clearance,
+        (number, mut solved): (u32, Solved),
+        search: &Search,
+    ) -> Result<Round, VoyageError> {
         let (sailing, taught) = self.sail(&mut solved, clearance, (number, number == ROUNDS), search)?;
         Ok(Round { number, solved, sailing, taught })
     }

@@ -7,6 +7,7 @@ use super::front::FrontPoint;
 use super::moves::Moves;
 use super::prepared::Prepared;
 use super::search::{Search, in_words};
+use super::task::Secondary;
 use super::waters::Waters;
 
 /// A solved trial.
@@ -59,14 +60,14 @@ impl Prepared {
             poses.iter().try_for_each(|pose| self.check_water(waters, "goal", *pose))?;
         }
         let lattice = Lattice { nx: self.grid.nx, ny: self.grid.ny, layers: self.grid.layers() };
+        let by_class = task.cost.secondary == Secondary::Clearance;
         let mut asked = Asked::new(go_on);
         let allowed = |id: MoveId, i: usize, j: usize| {
             if !asked.go_on() {
                 return false;
             }
             let (leg, class) = moves.legs[id.action][id.index];
-            let shared = moves.legs[id.action].iter().any(|(other, c)| *other == leg && *c != class);
-            (!shared || waters.class(i, j) == class) && waters.fits(leg, i, j)
+            (!by_class || waters.class(i, j) == class) && waters.fits(leg, i, j)
         };
         let problem = Problem::new(lattice, moves.actions.clone(), start, goal, allowed)?;
         if asked.stopped { Err(VoyageError::OutOfTime("the layout of the lattice")) } else { Ok(problem) }
