@@ -12,6 +12,8 @@ use trial::voyage::Watch;
 
 /// Share of the time after which a search ends, so that there is some to check its plan.
 const SEARCHED: f64 = 0.7;
+/// The same where there is nothing to check.
+const FOUND: f64 = 0.95;
 
 /// Memory that the program takes before there is any work, about: its pages, and what it reads \[bytes\].
 const PROGRAM_BYTES: u64 = 24 << 20;
@@ -105,6 +107,11 @@ impl Limits {
     /// Limits of a search that leaves time to check what it finds.
     pub fn before_check(&self) -> Self {
         Self { time: self.time.map(|time| time.mul_f64(SEARCHED)), ..*self }
+    }
+
+    /// Limits of a search that leaves time to give its memory back and to write what it finds.
+    pub fn before_writing(&self) -> Self {
+        Self { time: self.time.map(|time| time.mul_f64(FOUND)), ..*self }
     }
 
     /// A watch that stops the search when its time is over, and tells progress every few seconds.

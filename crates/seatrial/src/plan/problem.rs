@@ -30,8 +30,8 @@ pub fn plan_problem(
     }
     let problem = parsed.into_problem_while(&|| limits.go_on()).map_err(|e| Failure::invalid(file, &e))?;
     let problem = problem.ok_or_else(|| out_of_time(file, "the layout of the map"))?;
-    let solution =
-        plan(&problem, &limits.options(), &mut *limits.watch()).map_err(|why| no_plan(file, &why))?;
+    let solution = plan(&problem, &limits.options(), &mut *limits.before_writing().watch())
+        .map_err(|why| no_plan(file, &why))?;
     let document = of_problem(&problem, &solution);
     provenance.inputs.insert("problem".into(), digest);
     commit(vec![stage_document(out, &provenance, &document)?])?;
