@@ -54,7 +54,7 @@ pub struct Fitted {
 const EXACT: f64 = 1e-12;
 
 /// Steps after which searches that have not ended go on among themselves, so that none waits for its neighbours.
-const BRIEF: usize = 16;
+const BRIEF: usize = 24;
 
 /// Estimates every run by the errors of free simulations: minimises Σ_d N log Σ e_d², the likelihood of white errors with a
 /// variance of their own in u, v and r, over the model's parameters (with or without intercepts) and, if so wanted, the

@@ -51,7 +51,7 @@ fn go_back<X: Unknowns, const N: usize>(
         }
         for (a, s) in adjoints.iter_mut().zip(path.at(k)) {
             for d in 0..3 {
-                a[d] += weights[d] * s[d];
+                a[d] = weights[d].fused(s[d], a[d]);
             }
         }
     }
@@ -72,7 +72,8 @@ pub(crate) fn add_draws<X: Unknowns, const N: usize>(
             let std = X::from(std);
             let (by_u, by_v, by_r) = (std * surge[i], std * sway[i], std * yaw[i]);
             for (place, a) in adjoints.iter().enumerate() {
-                draws.set(place, by_u.lane() * a[0] + by_v.lane() * a[1] + by_r.lane() * a[2]);
+                let by_r = by_r.lane() * a[2];
+                draws.set(place, by_u.lane().fused(a[0], by_v.lane().fused(a[1], by_r)));
             }
             draws.advance();
         }

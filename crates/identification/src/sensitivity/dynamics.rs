@@ -134,7 +134,8 @@ impl<M: Look<X>, X: Unknowns, const N: usize> Dynamics<M, X, N> {
         let mut out = *s;
         let (x, y) = if current(N) { (s[0] - s[3], s[1] - s[4]) } else { (s[0], s[1]) };
         for (d, slope) in local.slopes.iter().enumerate() {
-            out[d] = s[d] + (slope[0].lane() * x + slope[1].lane() * y + slope[2].lane() * s[2]);
+            let by_r = slope[2].lane().fused(s[2], s[d]);
+            out[d] = slope[0].lane().fused(x, slope[1].lane().fused(y, by_r));
             if force(N) {
                 out[d] += s[N - 3 + d];
             }
@@ -161,17 +162,18 @@ impl<M: Look<X>, X: Unknowns, const N: usize> Dynamics<M, X, N> {
     pub(crate) fn backward(&self, local: &Local<X>, adjoint: &[Lane; N]) -> [Lane; N] {
         let mut out = *adjoint;
         let [surge, sway, yaw] = &local.slopes;
-        let mut through = [Lane::ZERO; 3];
+        let through = |i: usize, start: Lane| {
+            let by_yaw = yaw[i].lane().fused(adjoint[2], start);
+            surge[i].lane().fused(adjoint[0], sway[i].lane().fused(adjoint[1], by_yaw))
+        };
         for i in 0..3 {
-            through[i] =
-                surge[i].lane() * adjoint[0] + sway[i].lane() * adjoint[1] + yaw[i].lane() * adjoint[2];
-            out[i] = adjoint[i] + through[i];
+            out[i] = through(i, adjoint[i]);
         }
         if current(N) {
             let (kept, [cos, sin, along, across]) = (self.current.lane(), local.turn.lanes());
             out[2] += kept * (along * adjoint[3] + across * adjoint[4]);
-            out[3] = kept * (cos * adjoint[3] - sin * adjoint[4]) - through[0];
-            out[4] = kept * (sin * adjoint[3] + cos * adjoint[4]) - through[1];
+            out[3] = kept * (cos * adjoint[3] - sin * adjoint[4]) - through(0, Lane::ZERO);
+            out[4] = kept * (sin * adjoint[3] + cos * adjoint[4]) - through(1, Lane::ZERO);
         }
         if force(N) {
             for d in 0..3 {

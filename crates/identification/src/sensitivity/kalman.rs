@@ -166,11 +166,17 @@ fn moved<const N: usize>(
     p: &[[Lane; N]; N],
 ) -> [[Lane; N]; N] {
     // P is symmetric: its rows are its columns.
-    let half: [[Lane; N]; N] = std::array::from_fn(|j| dynamics.forward(local, &p[j]));
-    std::array::from_fn(|i| {
-        let row: [Lane; N] = std::array::from_fn(|j| half[j][i]);
-        dynamics.forward(local, &row)
-    })
+    let (mut half, mut whole) = ([[Lane::ZERO; N]; N], [[Lane::ZERO; N]; N]);
+    for j in 0..N {
+        let moved = dynamics.forward(local, &p[j]);
+        for i in 0..N {
+            half[i][j] = moved[i];
+        }
+    }
+    for i in 0..N {
+        whole[i] = dynamics.forward(local, &half[i]);
+    }
+    whole
 }
 
 /// Adds what a sample's disturbances contribute to the covariance.
