@@ -190,19 +190,18 @@ impl Candidates {
         for by_row in [true, false, true] {
             let mut first = 0;
             for (block, (n, range)) in self.blocks().enumerate() {
-                for i in 0..n {
-                    let places: Vec<usize> =
-                        (0..n).map(|j| range.start + if by_row { i * n + j } else { j * n + i }).collect();
-                    let norm = out.candidates.root_mean_square(&places);
-                    if norm == 0.0 {
-                        let direction = (0..n).map(|j| f64::from(u8::from(i == j))).collect();
-                        return Err(Error::Unexcited { block, direction });
-                    }
-                    out.offset += libm::log(norm);
-                    out.candidates.divide(&places, norm);
-                    let factors = if by_row { &mut out.rows } else { &mut out.columns };
-                    factors[first + i] *= norm;
+                let norms = out.candidates.root_mean_squares(n, range.clone(), by_row);
+                if let Some(zero) = norms.iter().position(|norm| *norm == 0.0) {
+                    let direction = (0..n).map(|j| f64::from(u8::from(zero == j))).collect();
+                    return Err(Error::Unexcited { block, direction });
                 }
+                let factors = if by_row { &mut out.rows } else { &mut out.columns };
+                for (factor, norm) in factors[first..].iter_mut().zip(&norms) {
+                    out.offset += libm::log(*norm);
+                    *factor *= norm;
+                }
+                let of = |e: usize| norms[if by_row { e / n } else { e % n }];
+                out.candidates.divide(range, &(0..n * n).map(of).collect::<Vec<_>>());
                 first += n;
             }
         }
@@ -214,9 +213,8 @@ impl Candidates {
         let mut out = self.clone();
         let mut first = 0;
         for (n, range) in self.blocks() {
-            for e in 0..n * n {
-                out.divide(&[range.start + e], factors[first + e / n] * factors[first + e % n]);
-            }
+            let of = |e: usize| factors[first + e / n] * factors[first + e % n];
+            out.divide(range, &(0..n * n).map(of).collect::<Vec<_>>());
             first += n;
         }
         out
@@ -242,16 +240,27 @@ impl Candidates {
         Ok(())
     }
 
-    fn root_mean_square(&self, places: &[usize]) -> f64 {
-        let squares =
-            self.entries.chunks_exact(self.size()).map(|e| places.iter().map(|p| e[*p] * e[*p]).sum::<f64>());
-        (squares.sum::<f64>() / self.len() as f64).sqrt()
+    /// Over all candidates, of every row or every column of a block of n rows that stands in `range`.
+    fn root_mean_squares(&self, n: usize, range: Range<usize>, by_row: bool) -> Vec<f64> {
+        let mut squares = vec![0.0; n];
+        let mut own = vec![0.0; n];
+        for entries in self.entries.chunks_exact(self.size()) {
+            own.fill(0.0);
+            for (i, row) in entries[range.clone()].chunks_exact(n).enumerate() {
+                for (j, entry) in row.iter().enumerate() {
+                    own[if by_row { i } else { j }] += entry * entry;
+                }
+            }
+            squares.iter_mut().zip(&own).for_each(|(all, own)| *all += own);
+        }
+        squares.iter().map(|square| (square / self.len() as f64).sqrt()).collect()
     }
 
-    fn divide(&mut self, places: &[usize], norm: f64) {
+    /// Divides the entries in `range` of every candidate, each by its own of `by`.
+    fn divide(&mut self, range: Range<usize>, by: &[f64]) {
         let size = self.size();
         for entries in self.entries.chunks_exact_mut(size) {
-            places.iter().for_each(|p| entries[*p] /= norm);
+            entries[range.clone()].iter_mut().zip(by).for_each(|(entry, by)| *entry /= by);
         }
     }
 }

@@ -70,7 +70,8 @@ impl Objective for Candidates {
         at.log_det = 0.0;
         let mut regular = true;
         for (n, range) in self.blocks() {
-            match numerics::inverse(n, &mut at.sum[range.clone()], &mut at.inverse[range.clone()]) {
+            match numerics::inverse_and_log_det(n, &mut at.sum[range.clone()], &mut at.inverse[range.clone()])
+            {
                 Some(det) => at.log_det += det.log_abs,
                 None => regular = false,
             }

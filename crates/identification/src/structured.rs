@@ -64,13 +64,13 @@ impl<'a, X: Number> Samples<'a, X> {
         &self,
         t: usize,
     ) -> [Lane; P] {
-        Q::terms(variables(self.measured[t], self.row(t), X::lane))
+        Q::terms(&variables(self.measured[t], self.row(t), X::lane))
     }
 
     /// ζ of sample `t`.
     #[inline(always)]
     fn zeta<Q: Equation<V, P, M>, const V: usize, const P: usize, const M: usize>(&self, t: usize) -> [X; P] {
-        Q::terms(variables(self.instrument_states[t], self.row(t), std::convert::identity))
+        Q::terms(&variables(self.instrument_states[t], self.row(t), std::convert::identity))
     }
 }
 

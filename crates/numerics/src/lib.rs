@@ -12,6 +12,6 @@ mod product;
 pub mod statistics;
 mod weakest;
 
-pub use lu::{LogDet, condition, inverse, inverse_in_order, log_det, one_norm, solve};
+pub use lu::{LogDet, condition, inverse, inverse_and_log_det, inverse_in_order, log_det, one_norm, solve};
 pub use product::{add_outer, congruence, dot, product, quadratic, times, transposed};
 pub use weakest::{Weakest, weakest};

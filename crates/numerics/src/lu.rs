@@ -1,5 +1,7 @@
 use std::ops::{Div, Mul, Sub};
 
+use pulp::{Arch, Simd, WithSimd};
+
 /// A determinant by sign and logarithm of its modulus.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LogDet {
@@ -11,9 +13,32 @@ pub struct LogDet {
 
 /// Solves A X = B by Gaussian elimination with partial pivoting. `a`: n × n, destroyed. `b`: n × columns, replaced by
 /// X. `None` where a pivot is zero or not finite.
-pub fn solve(n: usize, a: &mut [f64], b: &mut [f64]) -> Option<LogDet> {
+pub fn solve(n: usize, a: &mut [f64], b: &mut [f64]) -> Option<()> {
+    Arch::new().dispatch(Solve { n, a, b }).map(|_| ())
+}
+
+/// What is solved, for the instruction sets that pulp picks from: the same sums in the same order, so that all give the same bits.
+struct Solve<'a> {
+    n: usize,
+    a: &'a mut [f64],
+    b: &'a mut [f64],
+}
+
+impl WithSimd for Solve<'_> {
+    type Output = Option<f64>;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> Option<f64> {
+        let Self { n, a, b } = self;
+        solved(n, a, b)
+    }
+}
+
+/// Replaces B by X: the sign of the determinant, whose pivots stand on the diagonal of `a` then.
+#[inline(always)]
+fn solved(n: usize, a: &mut [f64], b: &mut [f64]) -> Option<f64> {
     let columns = b.len() / n.max(1);
-    let det = eliminate(n, a, columns, b)?;
+    let sign = eliminate(n, a, columns, b)?;
     for row in (0..n).rev() {
         let (head, tail) = b.split_at_mut((row + 1) * columns);
         let target = &mut head[row * columns..];
@@ -25,14 +50,23 @@ pub fn solve(n: usize, a: &mut [f64], b: &mut [f64]) -> Option<LogDet> {
         let pivot = a[row * n + row];
         target.iter_mut().for_each(|t| *t /= pivot);
     }
-    Some(det)
+    Some(sign)
+}
+
+/// The inverse of A (n × n, destroyed) into `out` (n × n).
+pub fn inverse(n: usize, a: &mut [f64], out: &mut [f64]) -> Option<()> {
+    signed_inverse(n, a, out).map(|_| ())
 }
 
 /// The inverse of A (n × n, destroyed) into `out` (n × n), with the determinant.
-pub fn inverse(n: usize, a: &mut [f64], out: &mut [f64]) -> Option<LogDet> {
+pub fn inverse_and_log_det(n: usize, a: &mut [f64], out: &mut [f64]) -> Option<LogDet> {
+    signed_inverse(n, a, out).map(|sign| of_pivots(n, a, sign))
+}
+
+fn signed_inverse(n: usize, a: &mut [f64], out: &mut [f64]) -> Option<f64> {
     out.fill(0.0);
     out.iter_mut().step_by(n + 1).for_each(|d| *d = 1.0);
-    solve(n, a, out)
+    Arch::new().dispatch(Solve { n, a, b: out })
 }
 
 /// The inverse of A (n × n, destroyed) into `out` (n × n) by Gauss and Jordan's elimination, rows taken as they come; the
@@ -82,12 +116,18 @@ pub fn one_norm(n: usize, a: &[f64]) -> f64 {
 
 /// The determinant of A (n × n, destroyed).
 pub fn log_det(n: usize, a: &mut [f64]) -> Option<LogDet> {
-    eliminate(n, a, 0, &mut [])
+    eliminate(n, a, 0, &mut []).map(|sign| of_pivots(n, a, sign))
 }
 
-/// Reduces A to upper triangular form, doing the same to the rows of B.
-fn eliminate(n: usize, a: &mut [f64], columns: usize, b: &mut [f64]) -> Option<LogDet> {
-    let mut det = LogDet { log_abs: 0.0, sign: 1.0 };
+/// The determinant of a matrix that was reduced to `a`.
+fn of_pivots(n: usize, a: &[f64], sign: f64) -> LogDet {
+    LogDet { log_abs: a.iter().step_by(n + 1).map(|pivot| libm::log(pivot.abs())).sum(), sign }
+}
+
+/// Reduces A to upper triangular form, doing the same to the rows of B: the sign of its determinant.
+#[inline(always)]
+fn eliminate(n: usize, a: &mut [f64], columns: usize, b: &mut [f64]) -> Option<f64> {
+    let mut sign = 1.0;
     for k in 0..n {
         let pivot_row = (k..n).max_by(|i, j| a[i * n + k].abs().total_cmp(&a[j * n + k].abs()))?;
         let pivot = a[pivot_row * n + k];
@@ -97,10 +137,9 @@ fn eliminate(n: usize, a: &mut [f64], columns: usize, b: &mut [f64]) -> Option<L
         if pivot_row != k {
             swap_rows(a, n, k, pivot_row);
             swap_rows(b, columns, k, pivot_row);
-            det.sign = -det.sign;
+            sign = -sign;
         }
-        det.log_abs += libm::log(pivot.abs());
-        det.sign *= pivot.signum();
+        sign *= pivot.signum();
         for row in k + 1..n {
             let factor = a[row * n + k] / pivot;
             if factor != 0.0 {
@@ -109,10 +148,11 @@ fn eliminate(n: usize, a: &mut [f64], columns: usize, b: &mut [f64]) -> Option<L
             }
         }
     }
-    Some(det)
+    Some(sign)
 }
 
 /// Row `row` minus `factor` times row `k` (above it), from column `from` on.
+#[inline(always)]
 fn subtract_row(a: &mut [f64], width: usize, k: usize, row: usize, from: usize, factor: f64) {
     let (above, below) = a.split_at_mut(row * width);
     for (x, p) in below[from..width].iter_mut().zip(&above[k * width + from..(k + 1) * width]) {
@@ -120,6 +160,7 @@ fn subtract_row(a: &mut [f64], width: usize, k: usize, row: usize, from: usize, 
     }
 }
 
+#[inline(always)]
 fn swap_rows(a: &mut [f64], width: usize, upper: usize, lower: usize) {
     let (above, below) = a.split_at_mut(lower * width);
     above[upper * width..(upper + 1) * width].swap_with_slice(&mut below[..width]);

@@ -2,18 +2,56 @@
 
 use std::ops::{AddAssign, Mul};
 
+use pulp::{Arch, Simd, WithSimd};
+
 /// A B.
 pub fn product(n: usize, a: &[f64], b: &[f64]) -> Vec<f64> {
     let mut out = vec![0.0; n * n];
-    if n == 0 {
-        return out;
-    }
-    for (row, left) in out.chunks_exact_mut(n).zip(a.chunks_exact(n)) {
-        for (factor, right) in left.iter().zip(b.chunks_exact(n)) {
-            row.iter_mut().zip(right).for_each(|(o, r)| *o += factor * r);
-        }
+    if n > 0 {
+        Arch::new().dispatch(Product { n, a, b, out: &mut out });
     }
     out
+}
+
+/// Columns of a product that are summed up side by side.
+const COLUMNS: usize = 8;
+
+/// What is multiplied, for the instruction sets that pulp picks from: the same sums in the same order, so that all give the same bits.
+struct Product<'a> {
+    n: usize,
+    a: &'a [f64],
+    b: &'a [f64],
+    out: &'a mut [f64],
+}
+
+impl WithSimd for Product<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Self { n, a, b, out } = self;
+        for (row, left) in out.chunks_exact_mut(n).zip(a.chunks_exact(n)) {
+            if n < COLUMNS {
+                for (factor, right) in left.iter().zip(b.chunks_exact(n)) {
+                    row.iter_mut().zip(right).for_each(|(o, r)| *o += factor * r);
+                }
+                continue;
+            }
+            // The last columns are as many, some of them once more.
+            for first in (0..n.next_multiple_of(COLUMNS)).step_by(COLUMNS).map(|first| first.min(n - COLUMNS))
+            {
+                let mut sums = [0.0; COLUMNS];
+                for (factor, right) in left.iter().zip(b.chunks_exact(n)) {
+                    if let Some(right) = right[first..].first_chunk::<COLUMNS>() {
+                        for (sum, right) in sums.iter_mut().zip(right) {
+                            *sum += factor * right;
+                        }
+                    }
+                }
+                row[first..first + COLUMNS].copy_from_slice(&sums);
+            }
+        }
+    }
 }
 
 /// Aᵀ.

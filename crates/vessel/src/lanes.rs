@@ -14,19 +14,26 @@ pub fn lane(count: usize, of: impl FnMut(usize) -> f64) -> Lane {
 
 /// Puts rows of up to [`LANES`] runs side by side. Shorter ones are filled up with zeros.
 pub fn interleave(runs: &[&[f64]]) -> Vec<Lane> {
+    let mut out = Vec::new();
+    interleave_into(runs, &mut out);
+    out
+}
+
+/// The same in the place of what was in `out`.
+fn interleave_into(runs: &[&[f64]], out: &mut Vec<Lane>) {
     let length = runs.iter().map(|run| run.len()).max().unwrap_or(0);
-    let mut out = Vec::with_capacity(length);
+    out.clear();
+    out.reserve(length);
     if length == 0 {
-        return out;
+        return;
     }
     let rows: [&[f64]; LANES] = by_lane(runs.len(), |run| runs[run]);
     // As long as all runs have numbers: whole blocks of them.
     let blocks = rows.map(|run| run.as_chunks::<LANES>().0);
     let whole = blocks.iter().map(|own| own.len()).min().unwrap_or(0);
-    vectorized!(transpose(blocks.map(|own| &own[..whole]), &mut out));
+    vectorized!(transpose(blocks.map(|own| &own[..whole]), out));
     let entry = |run: &[f64], i: usize| run.get(i).copied().unwrap_or(0.0);
     out.extend((out.len()..length).map(|i| Lane(rows.map(|run| entry(run, i)))));
-    out
 }
 
 /// Appends blocks of numbers of every lane, as many of each.
@@ -49,7 +56,7 @@ pub fn lane_of(values: &[Lane], lane: usize) -> Vec<f64> {
 }
 
 /// Up to [`LANES`] runs side by side, all row-major, as long as the longest of them.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct SideBySide {
     /// How many runs there are.
     pub runs: usize,
@@ -66,16 +73,21 @@ pub struct SideBySide {
 impl SideBySide {
     /// Of `runs`; lanes that are left repeat the last one.
     pub fn of(runs: &[RunView]) -> Self {
-        let rows = |of: for<'a> fn(&RunView<'a>) -> &'a [f64]| -> Vec<Lane> {
-            interleave(&runs.iter().map(of).collect::<Vec<_>>())
+        let mut of = Self::default();
+        of.fill(runs);
+        of
+    }
+
+    /// Takes `runs` in the place of those before.
+    pub fn fill(&mut self, runs: &[RunView]) {
+        let rows = |of: for<'a> fn(&RunView<'a>) -> &'a [f64], out: &mut Vec<Lane>| {
+            interleave_into(&runs.iter().map(of).collect::<Vec<_>>(), out);
         };
-        Self {
-            runs: runs.len(),
-            measured: rows(|run| run.measured),
-            exogenous: rows(|run| run.exogenous),
-            initial: [0, 1, 2].map(|d: usize| lane(runs.len(), |run| runs[run].initial[d])),
-            samples: by_lane(runs.len(), |run| runs[run].samples()),
-        }
+        self.runs = runs.len();
+        rows(|run| run.measured, &mut self.measured);
+        rows(|run| run.exogenous, &mut self.exogenous);
+        self.initial = [0, 1, 2].map(|d: usize| lane(runs.len(), |run| runs[run].initial[d]));
+        self.samples = by_lane(runs.len(), |run| runs[run].samples());
     }
 }
 

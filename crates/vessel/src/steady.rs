@@ -1,6 +1,6 @@
 //! Which inputs hold a wanted motion steady: the inverse of the model at equilibrium.
 
-use crate::newton::{damped, plain};
+use crate::newton::{Rows, damped, plain};
 use crate::{Actuator, Compiled, Invalid, Vessel};
 
 /// A motion through the water to hold.
@@ -50,7 +50,7 @@ impl<'a> Steady<'a> {
         let mut beyond = None;
         for start in [unknowns[..used].to_vec(), vec![0.0; used]] {
             let mut at = start;
-            if plain(&mut at, |unknowns| self.linearised(&wanted, unknowns)) {
+            if plain(&mut at, |unknowns, rows| self.linearised(&wanted, unknowns, rows)) {
                 if self.within(&at) {
                     unknowns[..used].copy_from_slice(&at);
                     return Ok(());
@@ -72,7 +72,7 @@ impl<'a> Steady<'a> {
         let rest = (vec![0.0; used], around.scales(0));
         let starts = last.map(|last| (last, around.scales(0))).into_iter().chain([rest]);
         for (mut at, scales) in starts.chain(around.starts()) {
-            if damped(&mut at, &scales, |unknowns| self.linearised(wanted, unknowns)) {
+            if damped(&mut at, &scales, |unknowns, rows| self.linearised(wanted, unknowns, rows)) {
                 if self.within(&at) {
                     return Some(at);
                 }
@@ -87,8 +87,8 @@ impl<'a> Steady<'a> {
         self.vessel.beyond_range(unknowns).is_none()
     }
 
-    /// Rows \[Jacobian | −residual\] at `unknowns`.
-    fn linearised(&mut self, wanted: &Wanted, unknowns: &[f64]) -> Vec<Vec<f64>> {
+    /// Fills in rows \[Jacobian | −residual\] at `unknowns`.
+    fn linearised(&mut self, wanted: &Wanted, unknowns: &[f64], rows: &mut Rows) {
         let inputs = self.vessel.model.inputs;
         let n = inputs + usize::from(wanted.sway_free);
         let Motion { u, v, r } = wanted.motion;
@@ -97,27 +97,24 @@ impl<'a> Steady<'a> {
         self.model.look([u, v.unwrap_or_else(|| unknowns[inputs]), r], &self.exogenous, None);
         self.model.gradients(&mut self.gradients);
         self.vessel.model.by_sources(&self.exogenous, &mut self.gradients);
-        let increments = self.model.increments();
-        let row = |d: usize| {
-            let mut row = vec![-increments[d]; n + 1];
+        rows.clear(n);
+        for (d, increment) in self.model.increments().into_iter().enumerate() {
+            let row = rows.push();
             row[..n].iter_mut().enumerate().for_each(|(j, entry)| {
                 *entry = self.gradients[if j < inputs { 3 + j } else { 1 }][d];
             });
-            row
-        };
-        let mut rows: Vec<Vec<f64>> = (0..3).map(row).collect();
+            row[n] = -increment;
+        }
         if wanted.coupled {
             for (i, coupling) in self.vessel.couplings.iter().enumerate() {
                 if let Some((leader, factor)) = coupling {
-                    let mut row = vec![0.0; n + 1];
+                    let row = rows.push();
                     row[i] = 1.0;
                     row[*leader] = -factor;
                     row[n] = factor * unknowns[*leader] - unknowns[i];
-                    rows.push(row);
                 }
             }
         }
-        rows
     }
 }
 

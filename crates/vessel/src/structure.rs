@@ -9,10 +9,10 @@ pub trait Equation<const V: usize, const P: usize, const M: usize> {
     const TERMS: [&'static [Factor]; P];
 
     /// φ at `variables`: u, v, r, then the inputs and measured disturbances.
-    fn terms<X: Arithmetic>(variables: [X; V]) -> [X; P];
+    fn terms<X: Arithmetic>(variables: &[X; V]) -> [X; P];
 
     /// ∂(θᵀφ)/∂(u, v, r) at `variables`, of as many `parameters`. The slope of a modulus at zero is 0.
-    fn slopes<X: Arithmetic>(variables: [X; V], parameters: &[X]) -> [X; 3];
+    fn slopes<X: Arithmetic>(variables: &[X; V], parameters: &[X]) -> [X; 3];
 }
 
 /// What is done with each degree of freedom of a structure.
@@ -36,11 +36,11 @@ macro_rules! equation {
         impl Equation<$v, $p, $m> for $name {
             const TERMS: [&'static [Factor]; $p] = [$(&[$(equation!(@factor $factor)),*]),+];
             #[inline(always)]
-            fn terms<X: Arithmetic>(x: [X; $v]) -> [X; $p] {
+            fn terms<X: Arithmetic>(x: &[X; $v]) -> [X; $p] {
                 [$(equation!(@product x, $($factor)*)),+]
             }
             #[inline(always)]
-            fn slopes<X: Arithmetic>(x: [X; $v], parameters: &[X]) -> [X; 3] {
+            fn slopes<X: Arithmetic>(x: &[X; $v], parameters: &[X]) -> [X; 3] {
                 let (mut slopes, mut parameters) = ([X::ZERO; 3], parameters.iter());
                 $(
                     if let Some(parameter) = parameters.next() {
@@ -253,15 +253,28 @@ fn variables<X: Arithmetic, E: Copy + Into<X>, const V: usize>(
     current: Option<[X; 2]>,
 ) -> [X; V] {
     let mut variables = [X::ZERO; V];
-    variables[..3].copy_from_slice(&state);
-    if let Some([along, across]) = current {
-        variables[0] = state[0] - along;
-        variables[1] = state[1] - across;
-    }
+    fill(&mut variables, state, exogenous, current);
+    variables
+}
+
+/// The same in place.
+#[inline(always)]
+fn fill<X: Arithmetic, E: Copy + Into<X>, const V: usize>(
+    variables: &mut [X; V],
+    state: [X; 3],
+    exogenous: &[E],
+    current: Option<[X; 2]>,
+) {
+    let [u, v, r] = state;
+    (variables[0], variables[1]) = match current {
+        Some([along, across]) => (u - along, v - across),
+        None => (u, v),
+    };
+    variables[2] = r;
+    let exogenous = &exogenous[..V - 3];
     for i in 3..V {
         variables[i] = exogenous[i - 3].into();
     }
-    variables
 }
 
 #[inline(always)]
@@ -276,9 +289,9 @@ fn moved<X: Arithmetic>(state: [X; 3], [u, v, r]: [X; 3], force: Option<[X; 3]>)
 impl<S: Structure<V, P>, X: Arithmetic, const V: usize, const P: usize> Look<X> for Built<S, X, V, P> {
     #[inline(always)]
     fn look<E: Copy + Into<X>>(&mut self, state: [X; 3], exogenous: &[E], current: Option<[X; 2]>) {
-        self.variables = variables(state, exogenous, current);
-        let (variables, terms) = (self.variables, &mut self.terms);
-        self.structure.visit(&mut Terms { variables, terms });
+        fill(&mut self.variables, state, exogenous, current);
+        let Self { structure, variables, terms, .. } = self;
+        structure.visit(&mut Terms { variables, terms });
     }
     #[inline(always)]
     fn term(&self, i: usize) -> X {
@@ -291,7 +304,7 @@ impl<S: Structure<V, P>, X: Arithmetic, const V: usize, const P: usize> Look<X> 
     #[inline(always)]
     fn slopes(&mut self) -> [[X; 3]; 3] {
         let Self { structure, parameters, variables, .. } = self;
-        let mut slopes = Slopes { variables: *variables, parameters, slopes: [[X::ZERO; 3]; 3] };
+        let mut slopes = Slopes { variables, parameters, slopes: [[X::ZERO; 3]; 3] };
         structure.visit(&mut slopes);
         slopes.slopes
     }
@@ -305,7 +318,7 @@ impl<S: Structure<V, P>, X: Arithmetic, const V: usize, const P: usize> Look<X> 
 
 /// φ of all parameters.
 struct Terms<'t, X, const V: usize> {
-    variables: [X; V],
+    variables: &'t [X; V],
     terms: &'t mut [X],
 }
 
@@ -344,7 +357,7 @@ struct GainedAt<'p, X, const V: usize> {
 impl<X: Arithmetic, const V: usize> Visit<V> for GainedAt<'_, X, V> {
     #[inline(always)]
     fn equation<Q: Equation<V, P, M>, const P: usize, const M: usize>(&mut self, d: usize, first: usize) {
-        let terms = Q::terms(self.variables);
+        let terms = Q::terms(&self.variables);
         for (parameter, term) in self.parameters[first..first + P].iter().zip(terms) {
             self.sums[d] += *parameter * term;
         }
@@ -353,7 +366,7 @@ impl<X: Arithmetic, const V: usize> Visit<V> for GainedAt<'_, X, V> {
 
 /// ∂(θᵀφ)/∂(u, v, r) of surge, sway and yaw.
 struct Slopes<'p, X, const V: usize> {
-    variables: [X; V],
+    variables: &'p [X; V],
     parameters: &'p [X],
     slopes: [[X; 3]; 3],
 }

@@ -46,6 +46,10 @@ pub(super) fn is_proportional(information: &Candidates, middle: &Candidates) -> 
             let m = &information.candidate(q)[range.clone()];
             (0..n * n).map(|e| factors[e / n] * m[e]).collect()
         };
+        let all = (0..information.len()).map(|q| &middle.candidate(q)[range.clone()]);
+        if !is_multiple(&symmetric(0), &middle.candidate(0)[range.clone()], all) {
+            return false;
+        }
         let (mut own, mut cross, mut total) = (0.0, 0.0, 0.0);
         for q in 0..information.len() {
             let (s, b) = (symmetric(q), &middle.candidate(q)[range.clone()]);
@@ -63,4 +67,11 @@ pub(super) fn is_proportional(information: &Candidates, middle: &Candidates) -> 
         factor > 0.0 && left <= 1e-18 * total
     });
     proportional && is_concave(information)
+}
+
+/// Whether `b` may be a multiple of `s`, beside `all` that are: a look that costs little and leaves few to be looked at closely.
+fn is_multiple<'a>(s: &[f64], b: &[f64], all: impl Iterator<Item = &'a [f64]>) -> bool {
+    let factor = dot(s, b) / dot(s, s);
+    let left: f64 = s.iter().zip(b).map(|(s, b)| (b - factor * s).powi(2)).sum();
+    left <= 1e-9 * all.map(|b| dot(b, b)).sum::<f64>() || !left.is_finite()
 }

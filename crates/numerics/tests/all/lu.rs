@@ -2,7 +2,7 @@
 
 use approx::assert_relative_eq;
 use faer::linalg::solvers::Solve;
-use numerics::{condition, inverse, log_det, solve};
+use numerics::{condition, inverse, inverse_and_log_det, log_det, solve};
 use proptest::prelude::*;
 
 proptest! {
@@ -13,7 +13,9 @@ proptest! {
         prop_assume!(condition < 1e6);
         let mut block: Vec<f64> = (0..n * n).map(|k| a[(k / n, k % n)]).collect();
         let mut x = rhs[..n].to_vec();
-        let det = solve(n, &mut block, &mut x).unwrap();
+        let (mut whole, mut inverted) = (block.clone(), vec![0.0; n * n]);
+        solve(n, &mut block, &mut x).unwrap();
+        let det = inverse_and_log_det(n, &mut whole, &mut inverted).unwrap();
         let expected = a.partial_piv_lu().solve(faer::Mat::from_fn(n, 1, |i, _| rhs[i]));
         for i in 0..n {
             assert_relative_eq!(x[i], expected[(i, 0)], max_relative = 1e-8, epsilon = 1e-9);

@@ -1,4 +1,4 @@
-use numerics::dot;
+use numerics::{dot, product};
 
 #[test]
 fn law_a_dot_product_of_any_length_is_the_sum_of_products() {
@@ -12,5 +12,16 @@ fn law_a_dot_product_of_any_length_is_the_sum_of_products() {
         }
         assert!((dot(&a, &b) - sum).abs() <= 1e-14 * size, "{length}");
         assert_eq!(dot(&a, &b), dot(&b, &a), "{length}");
+    }
+}
+
+#[test]
+fn law_a_product_of_any_size_has_the_sums_of_rows_by_columns() {
+    for n in 1..21 {
+        let a: Vec<f64> = (0..n * n).map(|i| libm::sin(1.7 * i as f64)).collect();
+        let b: Vec<f64> = (0..n * n).map(|i| libm::cos(2.3 * i as f64) + 0.1).collect();
+        let entry = |i: usize, j: usize| (0..n).fold(0.0, |sum, k| sum + a[i * n + k] * b[k * n + j]);
+        let expected: Vec<f64> = (0..n * n).map(|e| entry(e / n, e % n)).collect();
+        assert_eq!(product(n, &a, &b), expected, "{n}");
     }
 }
