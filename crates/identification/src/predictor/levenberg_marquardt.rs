@@ -13,6 +13,10 @@ pub(crate) trait Residuals {
     fn has_slopes(&self) -> bool {
         false
     }
+    /// Whether minima that slopes tell of are looked at by others, see [`Minimum::look`].
+    fn looks_later(&self) -> bool {
+        false
+    }
     /// Squared errors and their slopes only, weighed as each problem's errors are.
     fn slopes(&mut self, _asked: &[Asked]) -> Vec<Slopes> {
         Vec::new()
@@ -71,8 +75,9 @@ impl Weighting {
 #[derive(Clone, Debug)]
 pub(crate) struct Minimum {
     pub point: Vec<f64>,
-    /// At the point.
+    /// At the point, where it is exact; else of one before it.
     pub linear: Linear,
+    pub exact: bool,
     pub status: Ended,
     /// Steps tried.
     pub steps: usize,
@@ -81,6 +86,14 @@ pub(crate) struct Minimum {
 }
 
 impl Minimum {
+    /// Takes what its problem is at the point. Whether that is a minimum.
+    pub(crate) fn look(&mut self, linear: Linear, weighting: Weighting) -> bool {
+        let looked = Progress::new(weighting, Vec::new(), std::mem::take(&mut self.point), linear);
+        let found = looked.ended == Some(Ended::Converged);
+        (self.point, self.linear, self.exact) = (looked.point, looked.linear, true);
+        found
+    }
+
     /// The inverse of the normal matrix of the unknowns that are not held, rows and columns of those zero, or an unknown that
     /// has no effect of its own.
     pub(crate) fn inverse(&self, weights: [f64; 3]) -> Result<Vec<f64>, usize> {
@@ -178,7 +191,7 @@ struct Progress {
 /// Minimises the squared errors of every problem from its start, with at most `steps` steps, by Levenberg and Marquardt's
 /// method on all problems side by side. Every problem has its own damping and end. Steps are cut off at bounds; an unknown at a
 /// bound that the errors pull it beyond is held there. Near a minimum the normal matrix stays and slopes are enough, until it
-/// is found; there all is looked at again.
+/// is found; there all is looked at again, unless others do so.
 pub(crate) fn minimize<R: Residuals>(
     residuals: &mut R,
     weighting: Vec<Weighting>,
@@ -221,13 +234,14 @@ pub(crate) fn minimize<R: Residuals>(
             }
             let slopes = residuals.slopes(&trials);
             for (own, slopes) in trials.into_iter().zip(slopes) {
-                problems[own.problem].judge_slopes(own.point, slopes);
+                problems[own.problem].judge_slopes(own.point, slopes, residuals.looks_later());
             }
         }
     }
     let ended = |p: Progress| Minimum {
         point: p.point,
         linear: p.linear,
+        exact: p.exact,
         status: p.ended.unwrap_or(Ended::Stalled),
         steps: p.steps,
         held: p.held,
@@ -327,8 +341,9 @@ impl Progress {
         self.settle();
     }
 
-    /// Takes a step of which slopes alone are known; looks at all where it is the last one, does little, or ends at a bound.
-    fn judge_slopes(&mut self, trial: Vec<f64>, slopes: Slopes) {
+    /// Takes a step of which slopes alone are known; looks at all where it is the last one, unless others do so `later`, does little,
+    /// or ends at a bound.
+    fn judge_slopes(&mut self, trial: Vec<f64>, slopes: Slopes, later: bool) {
         let cost = self.weighting.cost(slopes.squares, self.linear.samples);
         if !self.lessens(cost) {
             self.looks = !self.exact;
@@ -340,8 +355,11 @@ impl Progress {
         (self.point, self.cost, self.exact) = (trial, cost, false);
         self.damping = (0.1 * self.damping).max(1e-12);
         let before = self.measure();
-        self.looks =
-            self.decrement < 0.5 * ENOUGH || self.decrement > SLOW * before || !self.pulled().is_empty();
+        let (is_last, is_free) = (self.decrement < 0.5 * ENOUGH, self.pulled().is_empty());
+        if is_last && is_free && later {
+            self.ended = Some(Ended::Converged);
+        }
+        self.looks = is_last || self.decrement > SLOW * before || !is_free;
     }
 
     /// Damps the next step more.

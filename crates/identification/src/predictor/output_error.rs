@@ -6,7 +6,7 @@ use vessel::{LANES, Lane, Model, ParameterLayout, RunView};
 
 use super::levenberg_marquardt::{Asked, Ended, Minimum, Residuals, STEPS, Weighting, minimize};
 use super::scores::disturbed_scores;
-use super::sums::Linear;
+use super::sums::{Linear, linearize_and_keep};
 use super::unknown::{AROUND, Unknown};
 use crate::Direction;
 use crate::sensitivity::{Levels, Recordings, Sensitivities, Slopes, groups, of_one_length, with_states};
@@ -67,7 +67,8 @@ pub fn output_error(
     spread: Spread,
 ) -> Vec<Fit> {
     let unknown = unknown.into();
-    let mut searches = Searches { model, runs, unknown, best: vec![None; runs.len()] };
+    let best = vec![None; runs.len()];
+    let mut searches = Searches { model, runs, unknown, best, room: Room::default(), exactly: false };
     let from =
         |weights| move |run: usize, i: usize| Some(Try { run, weights, point: starts[run].get(i)?.clone() });
     let (likely, eased) = (from(Likelihood), from(Fixed));
@@ -115,6 +116,9 @@ struct Searches<'a> {
     runs: &'a [RunView<'a>],
     unknown: Unknown,
     best: Vec<Option<Minimum>>,
+    room: Room,
+    /// Whether searches look at their minima themselves.
+    exactly: bool,
 }
 
 impl Searches<'_> {
@@ -143,12 +147,14 @@ impl Searches<'_> {
     }
 
     /// What each of `tries` leads to.
-    fn minima<'t>(&self, tries: impl Iterator<Item = &'t Try>, steps: usize) -> Vec<Minimum> {
+    fn minima<'t>(&mut self, tries: impl Iterator<Item = &'t Try>, steps: usize) -> Vec<Minimum> {
         let tries: Vec<&Try> = tries.collect();
         let runs: Vec<RunView> = tries.iter().map(|own| self.runs[own.run]).collect();
         let mut found = BTreeMap::new();
         for together in of_one_length(&runs, 0..runs.len(), TOGETHER) {
-            let mut search = Search::new(self.model, together.iter().map(|i| runs[*i]), self.unknown);
+            let room = std::mem::take(&mut self.room);
+            let mut search = Search::new(self.model, together.iter().map(|i| runs[*i]), self.unknown, room);
+            search.exactly = self.exactly;
             let from = |i: &usize| {
                 let mut point = tries[*i].point.clone();
                 point.resize(search.free.len(), 0.0);
@@ -157,30 +163,65 @@ impl Searches<'_> {
             let starts = together.iter().map(from).collect();
             let weighting = together.iter().map(|i| weighting(&runs[*i], tries[*i].weights)).collect();
             let Ok(minima) = minimize(&mut search, weighting, starts, steps);
+            self.room = search.room;
             found.extend(together.into_iter().zip(minima));
         }
         found.into_values().collect()
     }
 
-    fn fits(&self, spread: Spread) -> Vec<Fit> {
+    /// What became of the runs. Minima that slopes told of are looked at here, side by side; what is none is searched for once more.
+    fn fits(&mut self, spread: Spread) -> Vec<Fit> {
         let mut fits = vec![Fit::NotConverged(0); self.runs.len()];
-        let searched = (0..self.runs.len()).filter(|run| self.best[*run].is_some());
+        let searched = (0..self.runs.len()).filter(|run| self.best[*run].is_some()).collect();
+        let missed = self.fit(searched, spread, &mut fits);
+        let from = |run: &usize| {
+            self.best[*run].as_ref().map(|best| Try {
+                run: *run,
+                weights: Likelihood,
+                point: best.point.clone(),
+            })
+        };
+        let tries: Vec<Try> = missed.iter().filter_map(from).collect();
+        self.exactly = true;
+        for (own, mut found) in tries.iter().zip(self.minima(tries.iter(), STEPS)) {
+            found.steps += self.best[own.run].as_ref().map_or(0, |before| before.steps);
+            self.best[own.run] = Some(found);
+        }
+        self.fit(missed, spread, &mut fits);
+        fits
+    }
+
+    /// Puts what became of `searched` runs into `fits`: those that are at no minimum, which slopes had told of.
+    fn fit(&mut self, searched: Vec<usize>, spread: Spread, fits: &mut [Fit]) -> Vec<usize> {
+        let mut missed = Vec::new();
         let mut kept = Sensitivities::default();
-        for (group, runs) in groups(self.runs, searched) {
+        let spread = if self.unknown.around().next().is_some() { Spread::Residuals } else { spread };
+        for (group, runs) in groups(self.runs, searched.into_iter()) {
             let recordings = Recordings::of(self.model, &runs);
             let free = self.unknown.free(self.model);
-            let problem = Simulations { recordings, free, unknown: self.unknown };
-            let found: Vec<&Minimum> = group.iter().filter_map(|run| self.best[*run].as_ref()).collect();
-            let weights = group.iter().zip(&found).map(|(run, minimum)| {
-                weighting(&self.runs[*run], Likelihood)
-                    .weights(minimum.linear.squares, minimum.linear.samples)
-            });
-            let errors = problem.standard_errors(&found, &weights.collect::<Vec<_>>(), spread, &mut kept);
-            for ((run, minimum), errors) in group.iter().zip(found).zip(errors) {
-                fits[*run] = fit(&problem.recordings, minimum, errors, self.unknown);
+            let mut found: Vec<Minimum> = group.iter().filter_map(|run| self.best[*run].take()).collect();
+            let points: Vec<&Vec<f64>> = found.iter().map(|minimum| &minimum.point).collect();
+            let unknowns = side_by_side(&points, &free, recordings.unknowns());
+            let problem = Simulations { recordings, unknowns, free, unknown: self.unknown };
+            let weighting: Vec<Weighting> =
+                group.iter().map(|run| weighting(&self.runs[*run], Likelihood)).collect();
+            if found.iter().all(|minimum| minimum.exact) {
+                problem.follow(spread, &mut kept);
+            } else {
+                let each = group.iter().zip(&mut found).zip(&weighting).zip(problem.look(spread, &mut kept));
+                for (((run, minimum), weighting), linear) in each.filter(|(((_, own), _), _)| !own.exact) {
+                    if !minimum.look(linear, *weighting) {
+                        missed.push(*run);
+                    }
+                }
+            }
+            let errors = problem.standard_errors(&found, &weighting, spread, &kept);
+            for ((run, minimum), errors) in group.into_iter().zip(found).zip(errors) {
+                fits[run] = fit(&problem.recordings, &minimum, errors, self.unknown);
+                self.best[run] = Some(minimum);
             }
         }
-        fits
+        missed
     }
 }
 
@@ -270,28 +311,40 @@ struct Search<'a> {
     runs: Vec<RunView<'a>>,
     free: Vec<usize>,
     unknown: Unknown,
+    /// How many groups hold all runs, and how many those alone that were asked for lately; none where that was not wanted yet.
+    all: usize,
+    some: usize,
+    room: Room,
+    exactly: bool,
+}
+
+/// What searches leave to those after them, so that memory is asked for once.
+#[derive(Default)]
+struct Room {
     all: Vec<Packed>,
     some: Vec<Packed>,
-    /// Room for the states of a simulation.
+    /// The states of a simulation.
     path: Vec<[Lane; 3]>,
 }
 
 /// Some runs by their places, side by side.
+#[derive(Default)]
 struct Packed {
     runs: Vec<usize>,
     data: SideBySide,
 }
 
 impl<'a> Search<'a> {
-    fn new(model: &'a Model, runs: impl Iterator<Item = RunView<'a>>, unknown: Unknown) -> Self {
+    fn new(model: &'a Model, runs: impl Iterator<Item = RunView<'a>>, unknown: Unknown, room: Room) -> Self {
         Self {
             model,
             runs: runs.collect(),
             free: unknown.free(model),
             unknown,
-            all: Vec::new(),
-            some: Vec::new(),
-            path: Vec::new(),
+            all: 0,
+            some: 0,
+            room,
+            exactly: true,
         }
     }
 
@@ -299,27 +352,20 @@ impl<'a> Search<'a> {
     /// many lanes empty.
     fn packed(&mut self, asked: &[Asked]) -> &[Packed] {
         let wanted = asked.len().div_ceil(LANES);
-        let enough = |packed: &[Packed]| 3 * wanted > 2 * packed.len();
-        if self.all.is_empty() {
-            self.all = self.pack((0..self.runs.len()).collect());
+        let enough = |packed: usize| 3 * wanted > 2 * packed;
+        if self.all == 0 {
+            self.all = pack(&self.runs, &(0..self.runs.len()).collect::<Vec<_>>(), &mut self.room.all);
         }
-        if enough(&self.all) {
-            return &self.all;
+        if enough(self.all) {
+            return &self.room.all[..self.all];
         }
         let there: BTreeSet<usize> =
-            self.some.iter().flat_map(|packed| packed.runs.iter().copied()).collect();
-        if !enough(&self.some) || !asked.iter().all(|own| there.contains(&own.problem)) {
-            self.some = self.pack(asked.iter().map(|own| own.problem).collect());
+            self.room.some[..self.some].iter().flat_map(|packed| packed.runs.iter().copied()).collect();
+        if !enough(self.some) || !asked.iter().all(|own| there.contains(&own.problem)) {
+            let wanted: Vec<usize> = asked.iter().map(|own| own.problem).collect();
+            self.some = pack(&self.runs, &wanted, &mut self.room.some);
         }
-        &self.some
-    }
-
-    fn pack(&self, runs: Vec<usize>) -> Vec<Packed> {
-        let side_by_side = |runs: &[usize]| {
-            let data = SideBySide::of(&runs.iter().map(|run| self.runs[*run]).collect::<Vec<_>>());
-            Packed { runs: runs.to_vec(), data }
-        };
-        runs.chunks(LANES).map(side_by_side).collect()
+        &self.room.some[..self.some]
     }
 
     /// What `look` finds of the runs that are `asked` for, in their order; it is given recordings side by side, the unknowns and
@@ -347,6 +393,17 @@ impl<'a> Search<'a> {
     }
 }
 
+/// Puts those of `runs` that are `wanted` side by side into the first groups of `room`: how many these are.
+fn pack(runs: &[RunView], wanted: &[usize], room: &mut Vec<Packed>) -> usize {
+    let count = wanted.len().div_ceil(LANES);
+    room.resize_with(count.max(room.len()), Packed::default);
+    for (own, packed) in wanted.chunks(LANES).zip(room) {
+        packed.runs = own.to_vec();
+        packed.data.fill(&own.iter().map(|run| runs[*run]).collect::<Vec<_>>());
+    }
+    count
+}
+
 impl Residuals for Search<'_> {
     type Error = Infallible;
 
@@ -359,9 +416,13 @@ impl Residuals for Search<'_> {
         self.unknown.has_slopes()
     }
 
+    fn looks_later(&self) -> bool {
+        !self.exactly
+    }
+
     fn slopes(&mut self, asked: &[Asked]) -> Vec<Slopes> {
         let (unknown, free) = (self.unknown, self.free.clone());
-        let mut path = std::mem::take(&mut self.path);
+        let mut path = std::mem::take(&mut self.room.path);
         let found = self.each(asked, |recordings, unknowns, own| {
             let samples = recordings.samples[0] + usize::from(unknown.start_counts());
             let weights = |lane: usize, squares| {
@@ -370,7 +431,7 @@ impl Residuals for Search<'_> {
             };
             unknown.slopes(recordings, unknowns, &free, weights, &mut path)
         });
-        self.path = path;
+        self.room.path = path;
         found
     }
 
@@ -382,34 +443,49 @@ impl Residuals for Search<'_> {
 /// Free simulations of runs side by side, at their minima.
 struct Simulations<'a> {
     recordings: Recordings<'a>,
+    unknowns: Vec<Lane>,
     free: Vec<usize>,
     unknown: Unknown,
 }
 
 impl Simulations<'_> {
-    /// √diag(H⁻¹ B H⁻¹), H = Σ sᵀWs, B the covariance of the scores Σ sᵀWe. `kept` is room for sensitivities.
+    /// Looks at all of them; where the spread is stated, sensitivities are `kept`.
+    fn look(&self, spread: Spread, kept: &mut Sensitivities<Lane>) -> Vec<Linear> {
+        let Self { recordings, unknowns, free, unknown } = self;
+        match spread {
+            Spread::Residuals => unknown.linearize(recordings, unknowns, free),
+            Spread::Stated(_) => linearize_and_keep(recordings, unknowns, free, unknown.start_counts(), kept),
+        }
+    }
+
+    /// Follows them, where the spread is stated.
+    fn follow(&self, spread: Spread, kept: &mut Sensitivities<Lane>) {
+        if let Spread::Stated(_) = spread {
+            kept.follow(&self.recordings, &self.unknowns, &self.free, self.unknown.start_counts());
+        }
+    }
+
+    /// √diag(H⁻¹ B H⁻¹), H = Σ sᵀWs, B the covariance of the scores Σ sᵀWe. Where the spread is stated, sensitivities were `kept`.
     fn standard_errors(
         &self,
-        found: &[&Minimum],
-        weights: &[[f64; 3]],
+        found: &[Minimum],
+        weighting: &[Weighting],
         spread: Spread,
-        kept: &mut Sensitivities<Lane>,
+        kept: &Sensitivities<Lane>,
     ) -> Vec<Option<Vec<f64>>> {
-        let points: Vec<Vec<f64>> = found.iter().map(|minimum| minimum.point.clone()).collect();
-        let Self { recordings, free, unknown } = self;
-        let unknowns = side_by_side(&points, free, recordings.unknowns());
+        let Self { recordings, unknowns, free, unknown } = self;
+        let own = found.iter().zip(weighting);
+        let weights: Vec<[f64; 3]> =
+            own.map(|(own, weighting)| weighting.weights(own.linear.squares, own.linear.samples)).collect();
         let weights = [0, 1, 2].map(|d: usize| lane(weights.len(), |run| weights[run][d]));
-        let spread = if unknown.around().next().is_some() { Spread::Residuals } else { spread };
         let middles = match spread {
-            Spread::Residuals => unknown.scores(recordings, &unknowns, free, weights),
+            Spread::Residuals => unknown.scores(recordings, unknowns, free, weights),
             Spread::Stated(levels) => {
-                let from_start = unknown.start_counts();
-                kept.follow(recordings, &unknowns, free, from_start);
-                with_states!(levels, disturbed_scores(recordings, &unknowns, kept, weights, levels))
+                with_states!(levels, disturbed_scores(recordings, unknowns, kept, weights, levels))
             }
         };
         let p = self.free.len();
-        let errors = |(lane, minimum): (usize, &&Minimum)| {
+        let errors = |(lane, minimum): (usize, &Minimum)| {
             let own = [0, 1, 2].map(|d: usize| weights[d][lane]);
             let inverse = minimum.inverse(own).ok()?;
             let mut middle: Vec<f64> = middles.iter().map(|m| m[lane]).collect();

@@ -1,6 +1,6 @@
 use vessel::{LANES, Lane};
 
-use crate::sensitivity::{Gain, Levels, Products, Recordings, Step, sweep};
+use crate::sensitivity::{Gain, Levels, Products, Recordings, Sensitivities, Step, sweep};
 
 /// Sums of squares and products of errors e and sensitivities s = ∂x̂/∂(unknown), per state u, v, r.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -79,8 +79,18 @@ pub(crate) fn linearize_each<const N: usize>(
                 return;
             }
             let (gain, mask) = (gains.get(step.k), (!even).then(|| recordings.lasting(step.k)));
-            for (i, s) in step.sensitivities.iter().enumerate() {
-                set(&mut products, i, [s[0], s[1], s[2]], gain, mask);
+            if gain.is_none() && mask.is_none() {
+                for (d, products) in products.iter_mut().enumerate() {
+                    products.fill(
+                        step.sensitivities,
+                        #[inline(always)]
+                        |s| s[d],
+                    );
+                }
+            } else {
+                for (i, s) in step.sensitivities.iter().enumerate() {
+                    set(&mut products, i, [s[0], s[1], s[2]], gain, mask);
+                }
             }
             set(&mut products, free.len(), step.error, gain, mask);
             for products in &mut products {
@@ -88,9 +98,51 @@ pub(crate) fn linearize_each<const N: usize>(
             }
         },
     );
+    linears(products, recordings, from_start)
+}
+
+/// The same of free simulations, which are `kept`.
+pub(crate) fn linearize_and_keep(
+    recordings: &Recordings,
+    unknowns: &[Lane],
+    free: &[usize],
+    from_start: bool,
+    kept: &mut Sensitivities<Lane>,
+) -> Vec<Linear> {
+    let mut products = [0; 3].map(|_| Products::<Lane>::new(free.len() + 1));
+    kept.clear(free.len(), recordings.longest());
+    sweep(
+        recordings,
+        unknowns,
+        free,
+        None,
+        &[],
+        #[inline(always)]
+        |step: Step<'_, Lane, 3>| {
+            if step.k == 0 && !from_start {
+                return kept.keep(&step, Lane::ZERO);
+            }
+            let counts = recordings.lasting(step.k);
+            kept.keep(&step, counts);
+            for (d, products) in products.iter_mut().enumerate() {
+                products.fill(
+                    step.sensitivities,
+                    #[inline(always)]
+                    |s| s[d] * counts,
+                );
+                products.set(free.len(), step.error[d] * counts);
+                products.advance();
+            }
+        },
+    );
+    linears(products, recordings, from_start)
+}
+
+/// By lane, of sums of sensitivities and, last, errors.
+fn linears(products: [Products<Lane>; 3], recordings: &Recordings, from_start: bool) -> Vec<Linear> {
     let sums = products.map(|products| products.finish().square());
     let first = usize::from(!from_start);
-    let p = free.len();
+    let p = sums[0].len().isqrt() - 1;
     let rows = |d: usize| sums[d].chunks_exact(p + 1);
     let linear = |lane: usize| Linear {
         samples: (recordings.samples[lane] + 1 - first) as f64,

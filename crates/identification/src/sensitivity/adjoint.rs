@@ -71,10 +71,11 @@ pub(crate) fn add_draws<X: Unknowns, const N: usize>(
             let [surge, sway, yaw] = &local.slopes;
             let std = X::from(std);
             let (by_u, by_v, by_r) = (std * surge[i], std * sway[i], std * yaw[i]);
-            for (place, a) in adjoints.iter().enumerate() {
-                let by_r = by_r.lane() * a[2];
-                draws.set(place, by_u.lane().fused(a[0], by_v.lane().fused(a[1], by_r)));
-            }
+            draws.fill(
+                adjoints,
+                #[inline(always)]
+                |a| by_u.lane().fused(a[0], by_v.lane().fused(a[1], by_r.lane() * a[2])),
+            );
             draws.advance();
         }
     }
@@ -102,9 +103,11 @@ fn add_state<X: Unknowns, const N: usize>(
     std: f64,
 ) {
     if std > 0.0 {
-        for (place, a) in adjoints.iter().enumerate() {
-            draws.set(place, Lane::splat(std) * a[i]);
-        }
+        draws.fill(
+            adjoints,
+            #[inline(always)]
+            |a| Lane::splat(std) * a[i],
+        );
         draws.advance();
     }
 }

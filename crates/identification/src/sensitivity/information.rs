@@ -208,9 +208,11 @@ fn followed<X: Unknowns, const W: usize>(
             path.keep(&step, X::ONE);
             for (squares, roots) in squares.iter_mut().zip(&roots) {
                 for (d, root) in roots.iter().enumerate() {
-                    for (c, s) in step.sensitivities.iter().enumerate() {
-                        squares.set(c, *root * s[d]);
-                    }
+                    squares.fill(
+                        step.sensitivities,
+                        #[inline(always)]
+                        |s| *root * s[d],
+                    );
                     squares.advance();
                 }
             }

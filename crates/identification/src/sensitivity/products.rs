@@ -32,6 +32,15 @@ impl<X: Unknowns> Products<X> {
         self.columns[c][self.filled] = value;
     }
 
+    /// The first columns at this sample: of every one in `from` its `value`.
+    #[inline(always)]
+    pub(crate) fn fill<T>(&mut self, from: &[T], value: impl Fn(&T) -> Lane) {
+        let at = self.filled % BLOCK;
+        for (column, own) in self.columns.iter_mut().zip(from) {
+            column[at] = value(own);
+        }
+    }
+
     /// Goes to the next sample: every column was set at this one.
     #[inline(always)]
     pub(crate) fn advance(&mut self) {
