@@ -31,7 +31,13 @@ impl Parts {
                     entry.insert(generator.realize(*index, *samples)?);
                 }
             } else if self.longest.get(index).is_none_or(|(longest, _)| longest < samples) {
-                self.longest.insert(*index, (*samples, Arc::new(generator.realize(*index, *samples)?)));
+                // What was too short once will be so again: half as much more, where the model holds it.
+                let more = if self.longest.contains_key(index) { samples + samples / 2 } else { *samples };
+                let made = match generator.realize(*index, more) {
+                    Ok(made) => (more, Arc::new(made)),
+                    Err(_) => (*samples, Arc::new(generator.realize(*index, *samples)?)),
+                };
+                self.longest.insert(*index, made);
             }
         }
         Ok(())
@@ -143,4 +149,27 @@ pub(super) fn too_short(samples: usize, key: &str) -> Refusal {
         "at least one sample per segment",
         "lengthen `duration_s` or take fewer segments",
     ))
+}
+
+#[cfg(test)]
+mod tests {
+    use vessel::{DictionaryFile, Vessel};
+
+    use super::*;
+
+    #[test]
+    fn law_maneuvers_are_the_same_whatever_was_made_of_them_before() {
+        let vessel = Vessel::preset("ljungberg-model-ship").unwrap();
+        let dictionary: DictionaryFile =
+            toml::from_str(include_str!("../../../../pipelines/paper/dictionary.toml")).unwrap();
+        let generator = Generator::without_tables(&vessel, &dictionary).unwrap();
+        let mut shared = Parts::default();
+        for samples in [40, 100, 30, 120, 200, 40] {
+            let plan: Plan = (0..generator.maneuvers().len()).map(|index| (index, samples)).collect();
+            let mut own = Parts::default();
+            own.make(&generator, &plan).unwrap();
+            shared.make(&generator, &plan).unwrap();
+            assert_eq!(shared.joined(&plan), own.joined(&plan), "{samples}");
+        }
+    }
 }
