@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use artifact::Provenance;
 use study::documents::{DesignDocument, PlanChart, PlanDocument};
 use study::files::read_vessel;
-use study::plan::{PlanFile, in_tide, read_charts, resumed};
+use study::plan::{Charts, PlanFile, in_tide, read_charts, resumed};
 use trial::voyage::{Brief, Place, Shares};
 
 use crate::cli::beside;
@@ -74,9 +74,9 @@ impl VoyageFiles<'_> {
         let dictionary = inputs::runs(self.trajectories, &vessel, provenance)?;
         let design = self.design.map(|path| inputs::document::<DesignDocument>(path, "design", provenance));
         let design = design.transpose()?.map(|d| Shares { order: d.order, share: d.shares });
-        let charts = read_charts(self.config, &config, provenance)?;
+        let Charts { layers, objects, bytes: chart_bytes } = read_charts(self.config, &config, provenance)?;
         self.check_inputs(&config, out)?;
-        Ok((Brief { vessel, task, layers: charts.layers, dictionary, design, seed }, charts.objects))
+        Ok((Brief { vessel, task, layers, chart_bytes, dictionary, design, seed }, objects))
     }
 
     /// Refuses to write over an input: any of them beside `out`, and charts under its own name.

@@ -35,13 +35,15 @@ pub(super) fn cell(
         cell.update(&bytes(&update, provenance)?).map_err(|e| Error::invalid(&update, e))?;
     }
     let objects = cell.features().map_err(|e| Error::invalid(path, e))?;
-    let (layer, told) = of_objects(path, &objects, Some(cell.scale()), rules)?;
-    let identity = cell.identity();
+    let (scale, identity) = (cell.scale(), cell.identity().clone());
+    // Large, and not needed any more.
+    drop(cell);
+    let (layer, told) = of_objects(path, &objects, Some(scale), rules)?;
     let told = PlanChart {
-        edition: Some(identity.edition.clone()),
+        edition: Some(identity.edition),
         update: Some(identity.update.into()),
-        issued: Some(identity.issued.clone()),
-        scale: Some(cell.scale().into()),
+        issued: Some(identity.issued),
+        scale: Some(scale.into()),
         ..told
     };
     Ok((layer, told))

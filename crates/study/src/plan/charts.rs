@@ -22,6 +22,8 @@ pub struct Charts {
     pub layers: Vec<Layer>,
     /// What became of the objects of electronic charts.
     pub objects: Vec<PlanChart>,
+    /// How long the files of those that show objects are together.
+    pub bytes: u64,
 }
 
 /// Reads the charts of `config`, whose files are relative to `config_file`, and notes their digests.
@@ -38,7 +40,7 @@ pub fn read_charts(
         return Err(Error::refuse(config_file, "[[chart]]", "none", "at least one chart", remedy));
     }
     let folder = config_file.parent().unwrap_or(Path::new(""));
-    let mut charts = Charts { layers: Vec::new(), objects: Vec::new() };
+    let mut charts = Charts { layers: Vec::new(), objects: Vec::new(), bytes: 0 };
     for spec in &config.chart {
         let rules = Rules {
             changed: spec.rules.clone(),
@@ -46,7 +48,11 @@ pub fn read_charts(
             radius_m: spec.radius_m,
             doubtful_radius_m: spec.doubtful_radius_m,
         };
-        charts.read(&folder.join(&spec.file), spec, &rules, provenance)?;
+        let path = folder.join(&spec.file);
+        charts.read(&path, spec, &rules, provenance)?;
+        if GridFormat::of(&path).is_none() {
+            charts.bytes += std::fs::metadata(&path).map_or(0, |about| about.len());
+        }
     }
     Ok(charts)
 }

@@ -14,6 +14,8 @@ use crate::{Fix, Sample};
 
 /// Bytes of inputs that were read and of threads, and of all that is written, about.
 const READ_BYTES: u128 = 28 << 20;
+/// Bytes that it takes to read a byte of a chart's file, of which the allocator keeps most for a while.
+const PER_CHART_BYTE: u128 = 14;
 const WRITTEN_BYTES: u128 = 12 << 20;
 
 /// Most uses of a maneuver that are reckoned with before the search, which refuses far more of them.
@@ -62,9 +64,14 @@ impl Prepared {
             cells: layers as u128 * around + (masks * raster.nx * raster.ny) as u128,
             clearance_cells: self.clearance_cells()?,
             // The chart stood in memory as it was read, too.
-            beside: READ_BYTES + 2 * u128::from(self.chart.bytes()) + self.leg_bytes(),
+            beside: self.read_bytes() + 2 * u128::from(self.chart.bytes()) + self.leg_bytes(),
             check: self.check_bytes(1, self.least_samples()),
         })
+    }
+
+    /// Bytes of what was read.
+    fn read_bytes(&self) -> u128 {
+        READ_BYTES.max(PER_CHART_BYTE * u128::from(self.brief.chart_bytes))
     }
 
     /// Bytes of the rehearsed legs.

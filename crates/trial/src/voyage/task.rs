@@ -18,6 +18,8 @@ pub struct Brief {
     pub task: Task,
     /// The charts.
     pub layers: Vec<Layer>,
+    /// Bytes of the files of those that show objects.
+    pub chart_bytes: u64,
     /// The dictionary's maneuvers, one per run.
     pub dictionary: Vec<Run>,
     /// The design's shares, for counts that follow from them.
