@@ -75,9 +75,10 @@ impl Weighting {
 #[derive(Clone, Debug)]
 pub(crate) struct Minimum {
     pub point: Vec<f64>,
-    /// At the point, where it is exact; else of one before it.
+    /// At the point or, where that is unseen or no minimum, maybe at one before it.
     pub linear: Linear,
-    pub exact: bool,
+    /// Whether slopes alone told of this minimum.
+    pub unseen: bool,
     pub status: Ended,
     /// Steps tried.
     pub steps: usize,
@@ -90,7 +91,7 @@ impl Minimum {
     pub(crate) fn look(&mut self, linear: Linear, weighting: Weighting) -> bool {
         let looked = Progress::new(weighting, Vec::new(), std::mem::take(&mut self.point), linear);
         let found = looked.ended == Some(Ended::Converged);
-        (self.point, self.linear, self.exact) = (looked.point, looked.linear, true);
+        (self.point, self.linear, self.unseen) = (looked.point, looked.linear, false);
         found
     }
 
@@ -241,7 +242,7 @@ pub(crate) fn minimize<R: Residuals>(
     let ended = |p: Progress| Minimum {
         point: p.point,
         linear: p.linear,
-        exact: p.exact,
+        unseen: p.ended == Some(Ended::Converged) && !p.exact,
         status: p.ended.unwrap_or(Ended::Stalled),
         steps: p.steps,
         held: p.held,

@@ -205,11 +205,11 @@ impl Searches<'_> {
             let problem = Simulations { recordings, unknowns, free, unknown: self.unknown };
             let weighting: Vec<Weighting> =
                 group.iter().map(|run| weighting(&self.runs[*run], Likelihood)).collect();
-            if found.iter().all(|minimum| minimum.exact) {
+            if !found.iter().any(|minimum| minimum.unseen) {
                 problem.follow(spread, &mut kept);
             } else {
                 let each = group.iter().zip(&mut found).zip(&weighting).zip(problem.look(spread, &mut kept));
-                for (((run, minimum), weighting), linear) in each.filter(|(((_, own), _), _)| !own.exact) {
+                for (((run, minimum), weighting), linear) in each.filter(|(((_, own), _), _)| own.unseen) {
                     if !minimum.look(linear, *weighting) {
                         missed.push(*run);
                     }
