@@ -5,6 +5,9 @@ use std::path::Path;
 
 use crate::error::{Error, Result};
 
+/// Memory that a program takes before there is any work, about: its pages, and what it reads \[bytes\].
+pub const PROGRAM_BYTES: u64 = 24 << 20;
+
 /// What the work of a stage may use.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Budget {

@@ -79,7 +79,7 @@ mod table_writer;
 mod toml_input;
 mod unfinished;
 
-pub use self::budget::{Budget, Work, room};
+pub use self::budget::{Budget, PROGRAM_BYTES, Work, room};
 pub use self::commit::{commit, commit_with_document};
 pub use changes::{Change, Changes};
 pub use columns::{Column, FloatColumn, IntegerColumn, Labels, Table, TextColumn};

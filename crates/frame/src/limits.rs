@@ -2,6 +2,7 @@
 
 use std::time::{Duration, Instant};
 
+use artifact::PROGRAM_BYTES;
 use clap::{Args, ValueEnum};
 
 use crate::cli::{Common, budget};
@@ -14,9 +15,6 @@ use trial::voyage::Watch;
 const SEARCHED: f64 = 0.7;
 /// The same where there is nothing to check.
 const FOUND: f64 = 0.95;
-
-/// Memory that the program takes before there is any work, about: its pages, and what it reads \[bytes\].
-const PROGRAM_BYTES: u64 = 24 << 20;
 
 /// MiB of work that takes so many bytes, with those of the program.
 pub fn mib_with_program(bytes: u128) -> u128 {

@@ -8,7 +8,7 @@ use study::files::read_vessel;
 use study::plan::{Charts, PlanFile, in_tide, read_charts, resumed};
 use trial::voyage::{Brief, Place, Shares};
 
-use crate::cli::beside;
+use crate::cli::{beside, budget};
 use crate::failure::Failure;
 use crate::inputs;
 
@@ -74,9 +74,9 @@ impl VoyageFiles<'_> {
         let dictionary = inputs::runs(self.trajectories, &vessel, provenance)?;
         let design = self.design.map(|path| inputs::document::<DesignDocument>(path, "design", provenance));
         let design = design.transpose()?.map(|d| Shares { order: d.order, share: d.shares });
-        let Charts { layers, objects, bytes: chart_bytes } = read_charts(self.config, &config, provenance)?;
+        let Charts { layers, objects, bytes } = read_charts(self.config, &config, budget(), provenance)?;
         self.check_inputs(&config, out)?;
-        Ok((Brief { vessel, task, layers, chart_bytes, dictionary, design, seed }, objects))
+        Ok((Brief { vessel, task, layers, chart_bytes: bytes, dictionary, design, seed }, objects))
     }
 
     /// Refuses to write over an input: any of them beside `out`, and charts under its own name.

@@ -58,7 +58,7 @@ fn law_a_plan_goes_through_with_the_memory_that_its_refusal_tells() {
         number.and_then(|text| text.parse().ok()).unwrap_or_else(|| panic!("{ran}"))
     };
     // Rasters are known before the rehearsals, legs after them, the check when there is a plan.
-    let mut needed = 1;
+    let mut needed = 25;
     for _ in 0..4 {
         let ran = tried(needed);
         if ran.code == Some(0) {

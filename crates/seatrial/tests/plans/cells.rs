@@ -153,6 +153,12 @@ fn cells_that_are_encrypted_cut_off_or_of_another_product_are_refused() {
 }
 
 #[test]
+fn a_cell_that_does_not_fit_in_the_memory_is_refused_before_it_is_read() {
+    let pieces = ["ZZ5BAY01.000: file", "bytes, which takes 24 MiB of memory", "24 MiB of --memory-mib"];
+    refused(&damaged(CELL, b"DSID", b"none"), 3, &format!("{PLAN} --memory-mib 24"), &pieces);
+}
+
+#[test]
 fn updates_of_which_one_is_missing_are_refused() {
     let folder = bay("");
     fs::remove_file(folder.path().join("ZZ5BAY01.001")).unwrap();

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use artifact::{Error, Provenance};
+use artifact::{Budget, Error, PROGRAM_BYTES, Provenance, Work};
 use chart::{
     Crs, DANGER_M, Grid, GridDeclaration, GridKind, Invalid, Layer, LayerKind, PolygonLayer, Rules,
     objects_of_geojson,
@@ -22,17 +22,21 @@ pub struct Charts {
     pub layers: Vec<Layer>,
     /// What became of the objects of electronic charts.
     pub objects: Vec<PlanChart>,
-    /// How long the files of those that show objects are together.
+    /// Memory that it took to read them \[bytes\].
     pub bytes: u64,
 }
+
+/// Bytes that it takes to read a byte of a file of polygons or objects.
+const PER_BYTE: u64 = 14;
 
 /// Reads the charts of `config`, whose files are relative to `config_file`, and notes their digests.
 ///
 /// # Errors
-/// No chart at all; files that cannot be read or are no charts of what is said of them.
+/// No chart at all; files that cannot be read, do not fit in the memory of `budget` or are no charts of what is said of them.
 pub fn read_charts(
     config_file: &Path,
     config: &PlanFile,
+    budget: &Budget,
     provenance: &mut Provenance,
 ) -> Result<Charts, Error> {
     if config.chart.is_empty() {
@@ -49,10 +53,15 @@ pub fn read_charts(
             doubtful_radius_m: spec.doubtful_radius_m,
         };
         let path = folder.join(&spec.file);
-        charts.read(&path, spec, &rules, provenance)?;
         if GridFormat::of(&path).is_none() {
-            charts.bytes += std::fs::metadata(&path).map_or(0, |about| about.len());
+            let length = std::fs::metadata(&path).map_or(0, |about| about.len());
+            charts.bytes += PER_BYTE * length;
+            let (found, remedy) =
+                (format!("{length} bytes"), "raise --memory-mib, or cut the chart to the area");
+            let work = Work { file: &path, thing: "file", found: &found, remedy };
+            budget.memory(work, (PROGRAM_BYTES + charts.bytes) as f64)?;
         }
+        charts.read(&path, spec, &rules, provenance)?;
     }
     Ok(charts)
 }

@@ -14,8 +14,6 @@ use crate::{Fix, Sample};
 
 /// Bytes of inputs that were read and of threads, and of all that is written, about.
 const READ_BYTES: u128 = 28 << 20;
-/// Bytes that it takes to read a byte of a chart's file, of which the allocator keeps most for a while.
-const PER_CHART_BYTE: u128 = 14;
 const WRITTEN_BYTES: u128 = 12 << 20;
 
 /// Most uses of a maneuver that are reckoned with before the search, which refuses far more of them.
@@ -71,7 +69,7 @@ impl Prepared {
 
     /// Bytes of what was read.
     fn read_bytes(&self) -> u128 {
-        READ_BYTES.max(PER_CHART_BYTE * u128::from(self.brief.chart_bytes))
+        READ_BYTES.max(self.brief.chart_bytes.into())
     }
 
     /// Bytes of the rehearsed legs.

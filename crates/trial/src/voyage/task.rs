@@ -18,7 +18,7 @@ pub struct Brief {
     pub task: Task,
     /// The charts.
     pub layers: Vec<Layer>,
-    /// Bytes of the files of those that show objects.
+    /// Bytes of memory that reading them took, of which the allocator keeps most for a while.
     pub chart_bytes: u64,
     /// The dictionary's maneuvers, one per run.
     pub dictionary: Vec<Run>,
