@@ -1,6 +1,7 @@
 use argmin::core::{Error, IterState, KV, Problem, Solver, TerminationReason, TerminationStatus};
 use serde::{Deserialize, Serialize};
 
+use crate::Evaluation;
 use crate::bounds::{Bounds, largest};
 use crate::objective::Objective;
 
@@ -8,14 +9,18 @@ use crate::objective::Objective;
 pub(crate) type State = IterState<Vec<f64>, (), (), (), (), f64>;
 
 /// Maximises an [`Objective`] over the simplex, or the part of it below upper bounds, by Newton steps on the support and
-/// the candidates that are most worth adding to it. An argmin [`Solver`]: its observers, checkpoints and limits apply.
+/// the candidates that are most worth adding to it. An argmin [`Solver`]: its observers, checkpoints and limits apply. `P` is what the
+/// objective leaves where it is evaluated.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct ActiveSetNewton {
+pub struct ActiveSetNewton<P = Evaluation> {
     /// Stop at this relative gap.
     pub tolerance: f64,
     bounds: Bounds,
     relative_gap: Option<f64>,
     stalled: bool,
+    /// The last iterate.
+    #[serde(skip)]
+    last: Option<Evaluated<P>>,
 }
 
 /// Multiplicative steps before the support is cut to what Newton's method can handle.
@@ -23,10 +28,10 @@ const MULTIPLICATIVE_STEPS: usize = 40;
 /// Candidates that may join the support in one iteration.
 const JOINING: usize = 8;
 
-impl ActiveSetNewton {
+impl<P> ActiveSetNewton<P> {
     /// Stops at a relative gap of `tolerance`.
     pub fn new(tolerance: f64) -> Self {
-        Self { tolerance, bounds: Bounds::default(), relative_gap: None, stalled: false }
+        Self { tolerance, bounds: Bounds::default(), relative_gap: None, stalled: false, last: None }
     }
 
     /// The same within `bounds`. The shares that it starts from must lie within them.
@@ -40,7 +45,7 @@ impl ActiveSetNewton {
     }
 }
 
-impl<O: Objective> Solver<&O, State> for ActiveSetNewton {
+impl<O: Objective> Solver<&O, State> for ActiveSetNewton<O::Point> {
     fn name(&self) -> &str {
         "active-set Newton on the simplex"
     }
@@ -49,10 +54,8 @@ impl<O: Objective> Solver<&O, State> for ActiveSetNewton {
         let mut shares = state.take_param().unwrap_or_default();
         let objective = *problem.problem.as_ref().ok_or_else(|| Error::msg("no problem"))?;
         concentrate(objective, &self.bounds, 2 * objective.size() + 16, &mut shares);
-        let mut at = O::Point::default();
-        let value = objective.evaluate(&shares, &mut at).ok_or_else(|| Error::msg("singular start"))?;
-        self.relative_gap = Some(relative_gap(objective, &self.bounds, &shares, &at));
-        Ok((state.param(shares).cost(-value), None))
+        let start = Evaluated::of(objective, shares).ok_or_else(|| Error::msg("singular start"))?;
+        Ok((self.arrive(start, objective, state), None))
     }
 
     fn next_iter(
@@ -61,14 +64,15 @@ impl<O: Objective> Solver<&O, State> for ActiveSetNewton {
         mut state: State,
     ) -> Result<(State, Option<KV>), Error> {
         let shares = state.take_param().ok_or_else(|| Error::msg("no shares"))?;
+        let objective = *problem.problem.as_ref().ok_or_else(|| Error::msg("no problem"))?;
+        // It is another one after a checkpoint.
+        let last = self.last.take().filter(|last| last.shares == shares);
+        let last = last.or_else(|| Evaluated::of(objective, shares.clone()));
         let step = problem.problem("evaluations", |objective| {
-            Ok(improve(*objective, &self.bounds, &shares, self.tolerance))
+            Ok(last.and_then(|last| improve(*objective, &self.bounds, &last, self.tolerance)))
         })?;
         Ok(match step {
-            Some(Step { shares, value, relative_gap }) => {
-                self.relative_gap = Some(relative_gap);
-                (state.param(shares).cost(-value), None)
-            }
+            Some(next) => (self.arrive(next, objective, state), None),
             None => {
                 self.stalled = true;
                 let cost = state.cost;
@@ -90,15 +94,33 @@ impl<O: Objective> Solver<&O, State> for ActiveSetNewton {
     }
 }
 
-/// The gap over the objective's degree.
-pub(crate) fn relative_gap<O: Objective>(
-    objective: &O,
-    bounds: &Bounds,
-    shares: &[f64],
-    at: &O::Point,
-) -> f64 {
-    let sensitivities = objective.sensitivities(at);
-    bounds.gap(&sensitivities, shares, objective.degree()) / objective.degree()
+impl<P> ActiveSetNewton<P> {
+    /// The state at the iterate `next`.
+    fn arrive(&mut self, next: Evaluated<P>, objective: &impl Objective, state: State) -> State {
+        let degree = objective.degree();
+        self.relative_gap = Some(self.bounds.gap(&next.sensitivities, &next.shares, degree) / degree);
+        let state = state.param(next.shares.clone()).cost(-next.value);
+        self.last = Some(next);
+        state
+    }
+}
+
+/// Shares with what an objective says of them.
+#[derive(Clone, Debug)]
+struct Evaluated<P> {
+    shares: Vec<f64>,
+    at: P,
+    value: f64,
+    sensitivities: Vec<f64>,
+}
+
+impl<P: Default> Evaluated<P> {
+    fn of<O: Objective<Point = P>>(objective: &O, shares: Vec<f64>) -> Option<Self> {
+        let mut at = P::default();
+        let value = objective.evaluate(&shares, &mut at)?;
+        let sensitivities = objective.sensitivities(&at);
+        Some(Self { shares, at, value, sensitivities })
+    }
 }
 
 /// Cuts a support of more than `most`, which is far larger than an optimal one: multiplicative steps w_q ← w_q g_q^κ, then the
@@ -126,37 +148,34 @@ pub(crate) fn concentrate<O: Objective>(objective: &O, bounds: &Bounds, most: us
     }
 }
 
-struct Step {
-    shares: Vec<f64>,
-    value: f64,
-    relative_gap: f64,
-}
-
 /// One iteration: who takes part, in which direction, how far.
-fn improve<O: Objective>(objective: &O, bounds: &Bounds, shares: &[f64], tolerance: f64) -> Option<Step> {
-    let mut at = O::Point::default();
-    let before = objective.evaluate(shares, &mut at)?;
-    let sensitivities = objective.sensitivities(&at);
-    let members = members(bounds, shares, &sensitivities, objective.degree(), tolerance);
+fn improve<O: Objective>(
+    objective: &O,
+    bounds: &Bounds,
+    Evaluated { shares, at, value: before, sensitivities }: &Evaluated<O::Point>,
+    tolerance: f64,
+) -> Option<Evaluated<O::Point>> {
+    let members = members(bounds, shares, sensitivities, objective.degree(), tolerance);
     let quadratic = Quadratic {
         shares: members.iter().map(|q| shares[*q]).collect(),
         upper: members.iter().map(|q| bounds.upper(*q)).collect(),
         gradient: members.iter().map(|q| sensitivities[*q]).collect(),
-        curvature: objective.curvature(&members, &at),
+        curvature: objective.curvature(&members, at),
     };
     let direction = quadratic.ascent()?;
     let slope = quadratic.slope(&direction);
     let mut length = 1.0;
+    let mut at = O::Point::default();
     for _ in 0..40 {
-        let mut trial = shares.to_vec();
+        let mut trial = shares.clone();
         for ((q, w), d) in members.iter().zip(&quadratic.shares).zip(&direction) {
             trial[*q] = (w + length * d).max(0.0);
         }
         bounds.repair(&mut trial);
         let enough = before + 1e-4 * length * slope - 1e-14 * before.abs().max(1.0);
         if let Some(value) = objective.evaluate(&trial, &mut at).filter(|value| *value >= enough) {
-            let relative_gap = relative_gap(objective, bounds, &trial, &at);
-            return Some(Step { shares: trial, value, relative_gap });
+            let sensitivities = objective.sensitivities(&at);
+            return Some(Evaluated { shares: trial, at, value, sensitivities });
         }
         length *= 0.5;
     }

@@ -1,6 +1,6 @@
 use std::ops::Range;
 
-use numerics::transposed;
+use numerics::{add_rows, transposed};
 use thiserror::Error;
 
 /// Candidate information matrices that are no design problem.
@@ -164,11 +164,7 @@ impl Candidates {
     pub fn sum(&self, shares: &[f64], out: &mut Vec<f64>) {
         out.clear();
         out.resize(self.size(), 0.0);
-        for (entries, share) in self.entries.chunks_exact(self.size()).zip(shares) {
-            if *share != 0.0 {
-                out.iter_mut().zip(entries).for_each(|(o, e)| *o += share * e);
-            }
-        }
+        add_rows(out, &self.entries, shares);
     }
 
     /// Rows and columns scaled so that the mean candidate has rows and columns of size one, and what log|det| of the

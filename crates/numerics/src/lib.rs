@@ -13,5 +13,5 @@ pub mod statistics;
 mod weakest;
 
 pub use lu::{LogDet, condition, inverse, inverse_and_log_det, inverse_in_order, log_det, one_norm, solve};
-pub use product::{add_outer, congruence, dot, product, quadratic, times, transposed};
+pub use product::{add_outer, add_rows, congruence, dot, product, quadratic, times, transposed};
 pub use weakest::{Weakest, weakest};

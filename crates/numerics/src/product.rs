@@ -71,19 +71,71 @@ pub fn add_outer(a: &mut [f64], x: &[f64], y: &[f64]) {
     }
 }
 
+/// Entries from which on it is worth asking what the processor can do.
+const MANY: usize = 64;
+
 /// Σ_ij a_ij b_ij, of as many entries as both have: eight sums side by side, so that none waits for the one before.
 pub fn dot(a: &[f64], b: &[f64]) -> f64 {
     let both = a.len().min(b.len());
-    let ((a, a_rest), (b, b_rest)) = (a[..both].as_chunks::<8>(), b[..both].as_chunks::<8>());
-    let mut sums = [0.0; 8];
-    for (a, b) in a.iter().zip(b) {
-        for i in 0..8 {
-            sums[i] += a[i] * b[i];
+    let dot = Dot { a: &a[..both], b: &b[..both] };
+    if both < MANY { dot.sum() } else { Arch::new().dispatch(dot) }
+}
+
+struct Dot<'a> {
+    a: &'a [f64],
+    b: &'a [f64],
+}
+
+impl Dot<'_> {
+    #[inline(always)]
+    fn sum(self) -> f64 {
+        let ((a, a_rest), (b, b_rest)) = (self.a.as_chunks::<8>(), self.b.as_chunks::<8>());
+        let mut sums = [0.0; 8];
+        for (a, b) in a.iter().zip(b) {
+            for i in 0..8 {
+                sums[i] += a[i] * b[i];
+            }
+        }
+        let rest: f64 = a_rest.iter().zip(b_rest).map(|(a, b)| a * b).sum();
+        let [s0, s1, s2, s3, s4, s5, s6, s7] = sums;
+        ((s0 + s4) + (s2 + s6)) + ((s1 + s5) + (s3 + s7)) + rest
+    }
+}
+
+impl WithSimd for Dot<'_> {
+    type Output = f64;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> f64 {
+        self.sum()
+    }
+}
+
+/// Adds c_k x_k to `out` for every row x_k of `rows`, of which each has as many entries as `out`, and its coefficient c_k, in turn.
+pub fn add_rows(out: &mut [f64], rows: &[f64], coefficients: &[f64]) {
+    if !out.is_empty() {
+        Arch::new().dispatch(Rows { out, rows, coefficients });
+    }
+}
+
+struct Rows<'a> {
+    out: &'a mut [f64],
+    rows: &'a [f64],
+    coefficients: &'a [f64],
+}
+
+impl WithSimd for Rows<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Self { out, rows, coefficients } = self;
+        for (row, c) in rows.chunks_exact(out.len()).zip(coefficients) {
+            if *c != 0.0 {
+                out.iter_mut().zip(row).for_each(|(o, x)| *o += c * x);
+            }
         }
     }
-    let rest: f64 = a_rest.iter().zip(b_rest).map(|(a, b)| a * b).sum();
-    let [s0, s1, s2, s3, s4, s5, s6, s7] = sums;
-    ((s0 + s4) + (s2 + s6)) + ((s1 + s5) + (s3 + s7)) + rest
 }
 
 /// A x.

@@ -108,7 +108,7 @@ impl<'a> Inversion<'a> {
 
     /// Rows \[slopes by the free inputs | what is missing\] of surge, sway and yaw where the model looks.
     fn linearised(&mut self, missing: [f64; 3], alone: bool, free: &[usize]) -> [[f64; 4]; 3] {
-        self.model.gradients(&mut self.gradients);
+        self.model.exogenous_gradients(&mut self.gradients);
         self.vessel.model.by_sources(&self.exogenous, &mut self.gradients);
         let mut rows = [[0.0; 4]; 3];
         for d in (0..3).filter(|d| *d != 1 || free.len() == 3) {

@@ -251,10 +251,21 @@ impl<'m, X: Arithmetic> Compiled<'m, X> {
 
     /// ∂(θ_dᵀφ_d)/∂z for every variable z: variables × 3.
     pub fn gradients(&mut self, out: &mut [[X; 3]]) {
+        self.gradients_by(&[true, false], out);
+    }
+
+    /// [`Self::gradients`] of the exogenous variables; those of the states are zero.
+    pub fn exogenous_gradients(&mut self, out: &mut [[X; 3]]) {
+        self.gradients_by(&[false], out);
+    }
+
+    /// By the states or by the exogenous variables.
+    fn gradients_by(&mut self, which: &[bool], out: &mut [[X; 3]]) {
         let Self { model, parameters, by_state, by_exogenous, places, .. } = self;
         out.fill([X::ZERO; 3]);
-        for (own, states) in [(by_state, true), (by_exogenous, false)] {
-            let own = own.get_or_insert_with(|| Derivatives::once(model, places, states));
+        for states in which {
+            let own = if *states { &mut *by_state } else { &mut *by_exogenous };
+            let own = own.get_or_insert_with(|| Derivatives::once(model, places, *states));
             own.evaluate(model.variables.len(), places);
             for Slope { parameter, degree, variable, places: [one, two] } in &own.parts {
                 out[*variable][*degree] += parameters[*parameter] * (places[*one] * places[*two]);

@@ -9,11 +9,14 @@ const SOLVED: f64 = 1e-13;
 
 /// The unknowns that solve the equations from `unknowns` on, by full steps. `linearised` fills in rows \[Jacobian | −residual\].
 /// Whether they do.
-pub(crate) fn plain(unknowns: &mut [f64], mut linearised: impl FnMut(&[f64], &mut Rows)) -> bool {
-    let (mut rows, mut solver) = (Rows::default(), Solver::default());
+pub(crate) fn plain(
+    unknowns: &mut [f64],
+    Room { rows, solver }: &mut Room,
+    mut linearised: impl FnMut(&[f64], &mut Rows),
+) -> bool {
     for _ in 0..STEPS {
-        linearised(unknowns, &mut rows);
-        let Some(step) = solver.solve(&rows) else {
+        linearised(unknowns, rows);
+        let Some(step) = solver.solve(rows) else {
             return false;
         };
         let mut change: f64 = 0.0;
@@ -29,6 +32,13 @@ pub(crate) fn plain(unknowns: &mut [f64], mut linearised: impl FnMut(&[f64], &mu
         }
     }
     false
+}
+
+/// What searches leave to those after them, so that memory is asked for once.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Room {
+    rows: Rows,
+    solver: Solver,
 }
 
 /// Rows \[Jacobian | −residual\] of as many equations as unknowns.
@@ -126,7 +136,7 @@ fn length(step: &[f64], unknowns: &[f64], scales: &[f64]) -> f64 {
 }
 
 /// Room for what is solved.
-#[derive(Default)]
+#[derive(Clone, Debug, Default)]
 struct Solver {
     a: Vec<f64>,
     b: Vec<f64>,

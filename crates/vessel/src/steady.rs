@@ -1,6 +1,6 @@
 //! Which inputs hold a wanted motion steady: the inverse of the model at equilibrium.
 
-use crate::newton::{Rows, damped, plain};
+use crate::newton::{Room, Rows, damped, plain};
 use crate::{Actuator, Compiled, Invalid, Vessel};
 
 /// A motion through the water to hold.
@@ -24,6 +24,9 @@ pub struct Steady<'a> {
     gradients: Vec<[f64; 3]>,
     /// What a search found last: motions that follow each other are held alike.
     found: Vec<f64>,
+    room: Room,
+    /// Where a search is.
+    at: Vec<f64>,
 }
 
 impl<'a> Steady<'a> {
@@ -32,7 +35,7 @@ impl<'a> Steady<'a> {
         let gradients = vec![[0.0; 3]; vessel.model.variables.len()];
         let exogenous = vec![0.0; vessel.model.exogenous()];
         let model = Compiled::new(&vessel.model, parameters);
-        Self { vessel, model, exogenous, gradients, found: Vec::new() }
+        Self { vessel, model, exogenous, gradients, found: Vec::new(), room: Room::default(), at: Vec::new() }
     }
 
     /// The inputs that hold `motion`, by Newton's method from `unknowns` (inputs, then sway speed), which become the solution.
@@ -48,14 +51,21 @@ impl<'a> Steady<'a> {
         let wanted = Wanted::of(motion, self.vessel)?;
         let used = self.vessel.model.inputs + usize::from(wanted.sway_free);
         let mut beyond = None;
-        for start in [unknowns[..used].to_vec(), vec![0.0; used]] {
-            let mut at = start;
-            if plain(&mut at, |unknowns, rows| self.linearised(&wanted, unknowns, rows)) {
-                if self.within(&at) {
-                    unknowns[..used].copy_from_slice(&at);
+        for from_zero in [false, true] {
+            if from_zero {
+                unknowns[..used].fill(0.0);
+            }
+            let (mut at, mut room) = (std::mem::take(&mut self.at), std::mem::take(&mut self.room));
+            at.clear();
+            at.extend_from_slice(&unknowns[..used]);
+            let found = plain(&mut at, &mut room, |unknowns, rows| self.linearised(&wanted, unknowns, rows));
+            (self.at, self.room) = (at, room);
+            if found {
+                if self.within(&self.at) {
+                    unknowns[..used].copy_from_slice(&self.at);
                     return Ok(());
                 }
-                beyond.get_or_insert(at);
+                beyond.get_or_insert_with(|| self.at.clone());
             }
         }
         let found = self.search(&wanted, beyond).ok_or_else(|| unreachable_motion(wanted.motion))?;
@@ -95,7 +105,11 @@ impl<'a> Steady<'a> {
         self.exogenous[..inputs].copy_from_slice(&unknowns[..inputs]);
         self.vessel.model.complete(&mut self.exogenous);
         self.model.look([u, v.unwrap_or_else(|| unknowns[inputs]), r], &self.exogenous, None);
-        self.model.gradients(&mut self.gradients);
+        if wanted.sway_free {
+            self.model.gradients(&mut self.gradients);
+        } else {
+            self.model.exogenous_gradients(&mut self.gradients);
+        }
         self.vessel.model.by_sources(&self.exogenous, &mut self.gradients);
         rows.clear(n);
         for (d, increment) in self.model.increments().into_iter().enumerate() {

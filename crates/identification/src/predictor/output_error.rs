@@ -1,3 +1,4 @@
+use std::cell::Cell;
 use std::collections::{BTreeMap, BTreeSet};
 use std::convert::Infallible;
 
@@ -68,7 +69,7 @@ pub fn output_error(
 ) -> Vec<Fit> {
     let unknown = unknown.into();
     let best = vec![None; runs.len()];
-    let mut searches = Searches { model, runs, unknown, best, room: Room::default(), exactly: false };
+    let mut searches = Searches { model, runs, unknown, best, room: ROOM.take(), exactly: false };
     let from =
         |weights| move |run: usize, i: usize| Some(Try { run, weights, point: starts[run].get(i)?.clone() });
     let (likely, eased) = (from(Likelihood), from(Fixed));
@@ -89,7 +90,9 @@ pub fn output_error(
         begun.map(|(own, at)| Try { run: own.run, weights: Likelihood, point: at.point }).collect();
     let found = searches.minima(after.iter(), STEPS);
     searches.keep(&after, found);
-    searches.fits(spread)
+    let fits = searches.fits(spread);
+    ROOM.set(searches.room);
+    fits
 }
 
 /// Runs that are searched for at once: enough that lanes are filled to the end, few enough for the processor's caches.
@@ -194,7 +197,7 @@ impl Searches<'_> {
     /// Puts what became of `searched` runs into `fits`: those that are at no minimum, which slopes had told of.
     fn fit(&mut self, searched: Vec<usize>, spread: Spread, fits: &mut [Fit]) -> Vec<usize> {
         let mut missed = Vec::new();
-        let mut kept = Sensitivities::default();
+        let mut kept = std::mem::take(&mut self.room.kept);
         let spread = if self.unknown.around().next().is_some() { Spread::Residuals } else { spread };
         for (group, runs) in groups(self.runs, searched.into_iter()) {
             let recordings = Recordings::of(self.model, &runs);
@@ -221,6 +224,7 @@ impl Searches<'_> {
                 self.best[run] = Some(minimum);
             }
         }
+        self.room.kept = kept;
         missed
     }
 }
@@ -325,6 +329,13 @@ struct Room {
     some: Vec<Packed>,
     /// The states of a simulation.
     path: Vec<[Lane; 3]>,
+    /// What the last look at minima saw.
+    kept: Sensitivities<Lane>,
+}
+
+thread_local! {
+    /// Of the thread's last searches.
+    static ROOM: Cell<Room> = Cell::default();
 }
 
 /// Some runs by their places, side by side.
