@@ -1,5 +1,5 @@
 use vessel::{
-    Ambient, Arithmetic, LANES, Lane, Model, Number, Step, Weather, Wide, diverged_lanes, simulate, stepping,
+    Arithmetic, LANES, Lane, Model, Number, Row, Step, Weather, Wide, diverged_lanes, simulate, stepping,
     vectorized,
 };
 
@@ -31,24 +31,30 @@ pub fn rmse_norm(rmse: [f64; 3]) -> f64 {
 ///
 /// `parameters`: one lane per parameter. `exogenous`: N × exogenous. `reference`: (N+1) × 3 states; the simulation starts
 /// at the first.
-pub fn free_runs<E: Number + Into<Wide<1>>>(
+pub fn free_runs<E: Number>(
     model: &Model,
     parameters: &[Lane],
     exogenous: &[E],
     reference: &[f64],
-) -> [FreeRun; LANES] {
+) -> [FreeRun; LANES]
+where
+    for<'a> &'a [E]: Row<Wide<1>>,
+{
     let parameters: Vec<Wide<1>> = parameters.iter().copied().map(Wide::from).collect();
     let [found] = free_runs_of(model, &parameters, exogenous, reference);
     found
 }
 
 /// [`free_runs`] of `G` times as many models.
-pub(crate) fn free_runs_of<const G: usize, E: Number + Into<Wide<G>>>(
+pub(crate) fn free_runs_of<const G: usize, E: Number>(
     model: &Model,
     parameters: &[Wide<G>],
     exogenous: &[E],
     reference: &[f64],
-) -> [[FreeRun; LANES]; G] {
+) -> [[FreeRun; LANES]; G]
+where
+    for<'a> &'a [E]: Row<Wide<G>>,
+{
     let (squares, beyond) = stepping!(model, parameters, |mut step| vectorized!(squared_errors(
         &mut step,
         model.exogenous(),
@@ -73,16 +79,24 @@ pub(crate) fn free_runs_of<const G: usize, E: Number + Into<Wide<G>>>(
 
 /// Sums of squared errors of u, v and r, and a number above zero where one of them was beyond every bound.
 #[inline(always)]
-fn squared_errors<const G: usize, E: Number + Into<Wide<G>>>(
+fn squared_errors<const G: usize, E: Number>(
     model: &mut impl Step<Wide<G>>,
     width: usize,
     exogenous: &[E],
     reference: &[f64],
-) -> ([Wide<G>; 3], [Lane; G]) {
+) -> ([Wide<G>; 3], [Lane; G])
+where
+    for<'a> &'a [E]: Row<Wide<G>>,
+{
     let mut state = [0, 1, 2].map(|d| Wide::from(reference[d]));
     let (mut squares, mut beyond) = ([Wide::ZERO; 3], [Lane::ZERO; G]);
     for (exogenous, truth) in exogenous.chunks_exact(width.max(1)).zip(reference[3..].chunks_exact(3)) {
-        state = model.step(state, exogenous, Ambient::default());
+        model.advance(
+            &mut state,
+            exogenous,
+            #[inline(always)]
+            |_| [0.0; 2],
+        );
         for d in 0..3 {
             let error = state[d] - Wide::from(truth[d]);
             squares[d] += error * error;

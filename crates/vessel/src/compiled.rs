@@ -1,7 +1,7 @@
 use std::ops::Range;
 
 use crate::products::{Curve, Derivatives, ONE, Products, Slope, first_coefficient, note, place};
-use crate::{Arithmetic, Factor, Model, Term};
+use crate::{Arithmetic, Factor, Model, Row, Term};
 
 /// A model with its parameters, compiled to products of two places each, so that a step decides nothing. Places hold one,
 /// every variable, its modulus, its sign, and the leading products of whatever has more than two factors. Terms that are
@@ -144,7 +144,7 @@ impl<'m, X: Arithmetic> Compiled<'m, X> {
     /// current of surge and sway components in body axes \[m/s\].
     #[inline(always)]
     pub fn look<E: Copy + Into<X>>(&mut self, state: [X; 3], exogenous: &[E], current: Option<[X; 2]>) {
-        let Self { variables, moduli, products, tied, places, .. } = self;
+        let Self { variables, places, .. } = self;
         places[1..4].copy_from_slice(&state);
         if let Some([along, across]) = current {
             places[1] = state[0] - along;
@@ -153,6 +153,13 @@ impl<'m, X: Arithmetic> Compiled<'m, X> {
         for (place, value) in places[4..=*variables].iter_mut().zip(exogenous) {
             *place = (*value).into();
         }
+        self.evaluate();
+    }
+
+    /// What follows from the variables.
+    #[inline(always)]
+    fn evaluate(&mut self) {
+        let Self { variables, moduli, products, tied, places, .. } = self;
         for variable in moduli {
             places[1 + *variables + *variable] = places[1 + *variable].modulus();
         }
@@ -212,6 +219,27 @@ impl<'m, X: Arithmetic> Compiled<'m, X> {
     pub fn step<E: Copy + Into<X>>(&mut self, state: [X; 3], exogenous: &[E], ambient: Ambient<X>) -> [X; 3] {
         self.look(state, exogenous, ambient.current);
         self.next(state, ambient.force)
+    }
+
+    /// [`Self::step`] in place, in a current.
+    #[inline(always)]
+    pub(crate) fn advance(
+        &mut self,
+        state: &mut [X; 3],
+        exogenous: impl Row<X>,
+        current: impl Fn(X::Place) -> [f64; 2],
+    ) {
+        let Self { variables, places, .. } = self;
+        places[1] = state[0] - X::of(|place| current(place)[0]);
+        places[2] = state[1] - X::of(|place| current(place)[1]);
+        places[3] = state[2];
+        let exogenous = exogenous.up_to(*variables - 3);
+        for (i, own) in places[4..=*variables].iter_mut().enumerate() {
+            *own = X::of(|place| exogenous.entry(i, place));
+        }
+        self.evaluate();
+        let gained = self.increments();
+        state.iter_mut().zip(gained).for_each(|(state, gained)| *state += gained);
     }
 
     /// J with J\[d\]\[i\] = θ_dᵀ ∂φ_d/∂(state i). The slope of a modulus at zero is 0, here and below.

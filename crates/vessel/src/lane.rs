@@ -121,6 +121,39 @@ pub trait Arithmetic:
     fn modulus(self) -> Self;
     /// −1, 0 or 1.
     fn sign(self) -> Self;
+    /// Where one of its numbers stands.
+    type Place: Copy;
+    /// The number at a place.
+    fn at(&self, place: Self::Place) -> f64;
+    /// Changes `own`, place by place. Its loop over the lanes stays one until it is vectorized: so whole vectors come of it,
+    /// even where what is changed is carried from sample to sample.
+    fn change<const N: usize>(own: &mut [Self; N], f: impl Fn(Self::Place, [f64; N]) -> [f64; N]);
+    /// Of what is at every place.
+    #[inline(always)]
+    fn of(f: impl Fn(Self::Place) -> f64) -> Self {
+        let mut own = [Self::ZERO];
+        Self::change(&mut own, |place, _| [f(place)]);
+        own[0]
+    }
+}
+
+/// What drives a vessel during a sample: its inputs and measured disturbances.
+pub trait Row<X: Arithmetic>: Copy {
+    /// The first `count` of them, which there are.
+    fn up_to(self, count: usize) -> Self;
+    /// One of them at a place.
+    fn entry(&self, i: usize, place: X::Place) -> f64;
+}
+
+impl<X: Arithmetic> Row<X> for &[f64] {
+    #[inline(always)]
+    fn up_to(self, count: usize) -> Self {
+        &self[..count]
+    }
+    #[inline(always)]
+    fn entry(&self, i: usize, _: X::Place) -> f64 {
+        self[i]
+    }
 }
 
 /// What a signal is made of: a [`Lane`], or one number, of a single run or of all.
@@ -154,6 +187,20 @@ impl Arithmetic for Lane {
     fn sign(self) -> Self {
         self.sign()
     }
+    type Place = usize;
+    #[inline(always)]
+    fn at(&self, lane: usize) -> f64 {
+        self.0[lane]
+    }
+    #[inline(always)]
+    fn change<const N: usize>(own: &mut [Self; N], f: impl Fn(usize, [f64; N]) -> [f64; N]) {
+        for lane in 0..LANES {
+            let found = f(lane, std::array::from_fn(|i| own[i].0[lane]));
+            for i in 0..N {
+                own[i].0[lane] = found[i];
+            }
+        }
+    }
 }
 
 impl Number for Lane {
@@ -183,6 +230,15 @@ impl Arithmetic for f64 {
     #[inline(always)]
     fn sign(self) -> Self {
         if self == 0.0 { 0.0 } else { 1.0_f64.copysign(self) }
+    }
+    type Place = ();
+    #[inline(always)]
+    fn at(&self, (): ()) -> f64 {
+        *self
+    }
+    #[inline(always)]
+    fn change<const N: usize>(own: &mut [Self; N], f: impl Fn((), [f64; N]) -> [f64; N]) {
+        *own = f((), *own);
     }
 }
 

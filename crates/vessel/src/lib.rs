@@ -48,7 +48,7 @@ pub use disturbance::{
 pub use equation::TermSpec;
 pub use file::{InputSpec, MeasuredSpec, Source, Vessel, VesselFile};
 pub use formula::{Formula, Function, Malformed};
-pub use lane::{Arithmetic, LANES, Lane, Number, Numbers};
+pub use lane::{Arithmetic, LANES, Lane, Number, Numbers, Row};
 pub use layout::ParameterLayout;
 pub use maneuver::{
     CandidateKind, DictionaryFile, Exceeded, GenerateSpec, Generator, Kind, Limits, ManeuverSpec, Realized,

@@ -1,7 +1,7 @@
 use std::ops::Range;
 
 use crate::{
-    Ambient, Arithmetic, Disturbing, LANES, Lane, Model, Number, Numbers, Step, Weather, Wide, stepping,
+    Ambient, Arithmetic, Disturbing, LANES, Lane, Model, Number, Numbers, Row, Step, Weather, Wide, stepping,
     vectorized,
 };
 
@@ -131,18 +131,11 @@ struct Follow<'m, M, const G: usize> {
     width: usize,
     state: [Wide<G>; 3],
     heading: Wide<G>,
-    row: Vec<Wide<G>>,
 }
 
 impl<'m, M: Step<Wide<G>>, const G: usize> Follow<'m, M, G> {
     fn new(step: &'m mut M, model: &Model, initial: [Wide<G>; 3]) -> Self {
-        Self {
-            width: model.exogenous().max(1),
-            row: vec![Wide::ZERO; model.exogenous()],
-            model: step,
-            state: initial,
-            heading: Wide::ZERO,
-        }
+        Self { width: model.exogenous().max(1), model: step, state: initial, heading: Wide::ZERO }
     }
 
     /// Goes through all samples.
@@ -184,53 +177,105 @@ impl<'m, M: Step<Wide<G>>, const G: usize> Follow<'m, M, G> {
         weather: &[Weather; G],
         states: &mut [&mut [Lane]; G],
     ) {
+        let count = samples.len();
+        let simple = |own: &Weather| own.turning == 0.0 && own.force.is_empty();
+        let flowing = weather.iter().filter(|own| own.current.len() >= 2 * count).count();
+        let still = weather.iter().filter(|own| own.current.is_empty()).count();
+        if !weather.iter().all(simple) || flowing.max(still) < G {
+            return self.go_in_all_weathers(exogenous, samples, weather, states);
+        }
+        if still == G {
+            for (i, k) in samples.enumerate() {
+                put(states, i, &self.state);
+                self.model.advance(
+                    &mut self.state,
+                    exogenous.row(k, self.width),
+                    #[inline(always)]
+                    |_| [0.0; 2],
+                );
+            }
+            return;
+        }
+        let mut currents = [[].as_slice(); G];
+        for (group, own) in weather.iter().enumerate() {
+            currents[group] = &own.current.as_chunks::<2>().0[..count];
+        }
+        for (i, k) in samples.enumerate() {
+            put(states, i, &self.state);
+            self.model.advance(
+                &mut self.state,
+                exogenous.row(k, self.width),
+                #[inline(always)]
+                |[group, lane]| {
+                    let [along, across] = &currents[group][i];
+                    [along.0[lane], across.0[lane]]
+                },
+            );
+        }
+    }
+
+    /// The same where a current turns with the earth, a force pushes, or the weather of some is another than that of others.
+    #[inline(always)]
+    fn go_in_all_weathers(
+        &mut self,
+        exogenous: &impl Rows<G>,
+        samples: Range<usize>,
+        weather: &[Weather; G],
+        states: &mut [&mut [Lane]; G],
+    ) {
         let turning = Wide(weather.each_ref().map(|own| Lane::splat(own.turning)));
         for (i, k) in samples.enumerate() {
             put(states, i, &self.state);
-            let ambient = ambient(weather, i, &self.heading);
+            let Ambient { current, force } = ambient(weather, i, &self.heading);
             self.heading += turning * self.state[2];
-            let row = exogenous.row(k, self.width, &mut self.row);
-            self.state = self.model.step(self.state, row, ambient);
+            let row = exogenous.row(k, self.width);
+            let current = current.unwrap_or([Wide::ZERO; 2]);
+            self.model.advance(
+                &mut self.state,
+                row,
+                #[inline(always)]
+                |place| [current[0].at(place), current[1].at(place)],
+            );
+            let forced = self.state.iter_mut().zip(force.into_iter().flatten());
+            forced.for_each(|(state, force)| *state += force);
         }
     }
 }
 
 /// What drives runs, sample by sample.
 trait Rows<const G: usize> {
-    /// One number of one row.
-    type Entry: Copy + Into<Wide<G>>;
+    /// What drives them during one.
+    type Row: Row<Wide<G>>;
     /// How many samples there are.
     fn rows(&self, width: usize) -> usize;
-    /// The row of sample `k`; `own` has room for one.
-    fn row<'r>(&'r self, k: usize, width: usize, own: &'r mut [Wide<G>]) -> &'r [Self::Entry];
+    /// The row of sample `k`.
+    fn row(&self, k: usize, width: usize) -> Self::Row;
 }
 
-impl<const G: usize, E: Copy + Into<Wide<G>>> Rows<G> for &[E] {
-    type Entry = E;
+impl<'a, const G: usize, E> Rows<G> for &'a [E]
+where
+    &'a [E]: Row<Wide<G>>,
+{
+    type Row = Self;
     #[inline(always)]
     fn rows(&self, width: usize) -> usize {
         self.len() / width
     }
     #[inline(always)]
-    fn row<'r>(&'r self, k: usize, width: usize, _: &'r mut [Wide<G>]) -> &'r [E] {
+    fn row(&self, k: usize, width: usize) -> Self {
         &self[width * k..width * (k + 1)]
     }
 }
 
 impl<const G: usize> Rows<G> for [&[Lane]; G] {
-    type Entry = Wide<G>;
+    type Row = Self;
     #[inline(always)]
     fn rows(&self, width: usize) -> usize {
         self.first().map_or(0, |own| own.len() / width)
     }
     #[inline(always)]
-    fn row<'r>(&'r self, k: usize, width: usize, own: &'r mut [Wide<G>]) -> &'r [Wide<G>] {
-        for (group, exogenous) in self.iter().enumerate() {
-            for (own, entry) in own.iter_mut().zip(&exogenous[width * k..width * (k + 1)]) {
-                own.0[group] = *entry;
-            }
-        }
-        own
+    fn row(&self, k: usize, width: usize) -> Self {
+        self.map(|own| &own[width * k..width * (k + 1)])
     }
 }
 

@@ -1,7 +1,7 @@
 //! Models whose terms are known when the program is compiled: what goes through them sample by sample keeps all in registers.
 //! They give the same bits as [`Compiled`], which takes any model.
 
-use crate::{Ambient, Arithmetic, Compiled, Factor, Model};
+use crate::{Ambient, Arithmetic, Compiled, Factor, Model, Row};
 
 /// The `P` terms of a degree of freedom in `V` variables; the first `M` depend on the vessel's state, the others do not.
 pub trait Equation<const V: usize, const P: usize, const M: usize> {
@@ -165,13 +165,16 @@ impl<const V: usize> Visit<V> for Same<'_> {
 }
 
 /// What goes from sample to sample.
-pub trait Step<X> {
+pub trait Step<X: Arithmetic> {
     /// One sample on: see [`Compiled::step`].
     fn step<E: Copy + Into<X>>(&mut self, state: [X; 3], exogenous: &[E], ambient: Ambient<X>) -> [X; 3];
+
+    /// The same in place, in a current of surge and sway components in body axes.
+    fn advance(&mut self, state: &mut [X; 3], exogenous: impl Row<X>, current: impl Fn(X::Place) -> [f64; 2]);
 }
 
 /// What is asked at points: see the functions of these names of [`Compiled`].
-pub trait Look<X>: Step<X> {
+pub trait Look<X: Arithmetic>: Step<X> {
     /// Goes to a point.
     fn look<E: Copy + Into<X>>(&mut self, state: [X; 3], exogenous: &[E], current: Option<[X; 2]>);
     /// φ of parameter `i`.
@@ -188,6 +191,15 @@ impl<X: Arithmetic> Step<X> for Compiled<'_, X> {
     #[inline(always)]
     fn step<E: Copy + Into<X>>(&mut self, state: [X; 3], exogenous: &[E], ambient: Ambient<X>) -> [X; 3] {
         Compiled::step(self, state, exogenous, ambient)
+    }
+    #[inline(always)]
+    fn advance(
+        &mut self,
+        state: &mut [X; 3],
+        exogenous: impl Row<X>,
+        current: impl Fn(X::Place) -> [f64; 2],
+    ) {
+        Compiled::advance(self, state, exogenous, current);
     }
 }
 
@@ -242,6 +254,35 @@ impl<S: Structure<V, P>, X: Arithmetic, const V: usize, const P: usize> Step<X> 
         };
         self.structure.visit(&mut gained);
         moved(state, gained.sums, ambient.force)
+    }
+    #[inline(always)]
+    fn advance(
+        &mut self,
+        state: &mut [X; 3],
+        exogenous: impl Row<X>,
+        current: impl Fn(X::Place) -> [f64; 2],
+    ) {
+        let Self { structure, parameters, .. } = self;
+        let exogenous = exogenous.up_to(V - 3);
+        X::change(
+            state,
+            #[inline(always)]
+            |place, own| {
+                let ([u, v, r], [along, across]) = (own, current(place));
+                let mut variables = [0.0; V];
+                variables[..3].copy_from_slice(&[u - along, v - across, r]);
+                for (i, variable) in variables[3..].iter_mut().enumerate() {
+                    *variable = exogenous.entry(i, place);
+                }
+                let mut now = [0.0; P];
+                for i in 0..P {
+                    now[i] = parameters[i].at(place);
+                }
+                let mut gained = GainedAt { variables, parameters: &now, sums: [0.0; 3] };
+                structure.visit(&mut gained);
+                moved(own, gained.sums, None)
+            },
+        );
     }
 }
 

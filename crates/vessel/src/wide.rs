@@ -1,6 +1,6 @@
 use std::ops::{Add, AddAssign, Mul, Sub};
 
-use crate::{Arithmetic, Lane};
+use crate::{Arithmetic, LANES, Lane, Row};
 
 /// How many times [`crate::LANES`] runs are stepped at once where there are as many: none waits for itself then.
 pub const GROUPS: usize = 4;
@@ -59,5 +59,55 @@ impl<const G: usize> Arithmetic for Wide<G> {
     #[inline(always)]
     fn sign(self) -> Self {
         Self(self.0.map(Lane::sign))
+    }
+    type Place = [usize; 2];
+    #[inline(always)]
+    fn at(&self, [group, lane]: [usize; 2]) -> f64 {
+        self.0[group].0[lane]
+    }
+    #[allow(clippy::needless_range_loop)] // What iterators make of arrays is not always inlined, and then has no vectors.
+    #[inline(always)]
+    fn change<const N: usize>(own: &mut [Self; N], f: impl Fn([usize; 2], [f64; N]) -> [f64; N]) {
+        for group in 0..G {
+            let mut here = [[0.0; LANES]; N];
+            for i in 0..N {
+                here[i] = own[i].0[group].0;
+            }
+            for lane in 0..LANES {
+                let mut now = [0.0; N];
+                for i in 0..N {
+                    now[i] = here[i][lane];
+                }
+                let found = f([group, lane], now);
+                for i in 0..N {
+                    here[i][lane] = found[i];
+                }
+            }
+            for i in 0..N {
+                own[i].0[group].0 = here[i];
+            }
+        }
+    }
+}
+
+impl<const G: usize> Row<Wide<G>> for &[Lane] {
+    #[inline(always)]
+    fn up_to(self, count: usize) -> Self {
+        &self[..count]
+    }
+    #[inline(always)]
+    fn entry(&self, i: usize, [_, lane]: [usize; 2]) -> f64 {
+        self[i].0[lane]
+    }
+}
+
+impl<const G: usize> Row<Wide<G>> for [&[Lane]; G] {
+    #[inline(always)]
+    fn up_to(self, count: usize) -> Self {
+        self.map(|own| &own[..count])
+    }
+    #[inline(always)]
+    fn entry(&self, i: usize, [group, lane]: [usize; 2]) -> f64 {
+        self[group][i].0[lane]
     }
 }

@@ -8,8 +8,6 @@ use crate::batch::{BLOCK, Block, accumulate};
 
 /// Columns whose products with as many others are summed up in one go.
 const TILE: usize = 5;
-/// Half of the lanes: a register of processors whose registers are too few for a tile.
-const HALF: usize = LANES / 2;
 type Tile = [[Lane; TILE]; TILE];
 
 /// Σ over samples of the product of every two signals, [`BLOCK`] samples at a time. Signals stand in columns as unknowns do.
@@ -92,23 +90,16 @@ struct Tiles<'a> {
 impl WithSimd for Tiles<'_> {
     type Output = ();
 
-    /// Every sum has a register: of 32 that hold all lanes there are enough for a tile, of 16 for two rows of half the lanes.
+    /// Every sum has a register: of 32 that hold all lanes there are enough for a tile, of 16 for two rows.
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) {
-        if S::F64_LANES == LANES { self.add::<true>() } else { self.add::<false>() }
-    }
-}
-
-impl Tiles<'_> {
-    #[inline(always)]
-    fn add<const WHOLE: bool>(self) {
+    fn with_simd<S: Simd>(self, simd: S) {
         let mut tiles = self.tiles.iter_mut();
         for (i, one) in self.columns.iter().enumerate() {
             if let Some(tile) = tiles.next() {
-                add_tile::<true, WHOLE>(tile, one, one);
+                add_tile::<S, true>(simd, tile, one, one);
             }
             for (other, tile) in self.columns[i + 1..].iter().zip(&mut tiles) {
-                add_tile::<false, WHOLE>(tile, one, other);
+                add_tile::<S, false>(simd, tile, one, other);
             }
         }
     }
@@ -116,45 +107,46 @@ impl Tiles<'_> {
 
 /// Adds the products of some columns with some others; of those with themselves each once.
 #[inline(always)]
-fn add_tile<const THEMSELVES: bool, const WHOLE: bool>(
+fn add_tile<S: Simd, const THEMSELVES: bool>(
+    simd: S,
     tile: &mut Tile,
     one: &[Block<Lane>; TILE],
     other: &[Block<Lane>; TILE],
 ) {
-    if WHOLE {
-        return add_rows::<THEMSELVES, LANES, 0, TILE>(tile, one, other, 0);
-    }
-    for half in 0..2 {
-        add_rows::<THEMSELVES, HALF, 0, 2>(tile, one, other, half);
+    for part in 0..LANES / S::F64_LANES {
+        if S::F64_LANES == LANES {
+            add_rows::<S, THEMSELVES, 0, TILE>(simd, tile, one, other, part);
+            continue;
+        }
+        add_rows::<S, THEMSELVES, 0, 2>(simd, tile, one, other, part);
         if THEMSELVES {
             // Half of the last rows' products: as many as of two rows.
-            add_rows::<THEMSELVES, HALF, 2, 3>(tile, one, other, half);
+            add_rows::<S, THEMSELVES, 2, 3>(simd, tile, one, other, part);
         } else {
-            add_rows::<THEMSELVES, HALF, 2, 2>(tile, one, other, half);
-            add_rows::<THEMSELVES, HALF, 4, 1>(tile, one, other, half);
+            add_rows::<S, THEMSELVES, 2, 2>(simd, tile, one, other, part);
+            add_rows::<S, THEMSELVES, 4, 1>(simd, tile, one, other, part);
         }
     }
 }
 
-/// Adds `ROWS` rows of a tile, from row `FROM` on, in the lanes of `part`: `WIDTH` lanes a part.
+/// Adds `ROWS` rows of a tile, from row `FROM` on, in the lanes of `part`: a register of the processor's.
 #[allow(clippy::needless_range_loop)] // Unrolled, so that every sum has a register.
 #[inline(always)]
-fn add_rows<const THEMSELVES: bool, const WIDTH: usize, const FROM: usize, const ROWS: usize>(
+fn add_rows<S: Simd, const THEMSELVES: bool, const FROM: usize, const ROWS: usize>(
+    simd: S,
     tile: &mut Tile,
     one: &[Block<Lane>; TILE],
     other: &[Block<Lane>; TILE],
     part: usize,
 ) {
-    let mut own = [[[0.0_f64; WIDTH]; TILE]; ROWS];
+    let mut own = [[simd.splat_f64s(0.0); TILE]; ROWS];
     for t in 0..BLOCK {
         for i in 0..ROWS {
-            let factor = &one[FROM + i][t].0.as_chunks::<WIDTH>().0[part];
+            let factor = S::as_simd_f64s(&one[FROM + i][t].0).0[part];
             for j in 0..TILE {
-                let others = &other[j][t].0.as_chunks::<WIDTH>().0[part];
                 if !THEMSELVES || FROM + i <= j {
-                    for lane in 0..WIDTH {
-                        own[i][j][lane] = factor[lane].mul_add(others[lane], own[i][j][lane]);
-                    }
+                    let other = S::as_simd_f64s(&other[j][t].0).0[part];
+                    own[i][j] = simd.mul_add_f64s(factor, other, own[i][j]);
                 }
             }
         }
@@ -162,10 +154,8 @@ fn add_rows<const THEMSELVES: bool, const WIDTH: usize, const FROM: usize, const
     for i in 0..ROWS {
         for j in 0..TILE {
             if !THEMSELVES || FROM + i <= j {
-                let sums = &mut tile[FROM + i][j].0.as_chunks_mut::<WIDTH>().0[part];
-                for lane in 0..WIDTH {
-                    sums[lane] += own[i][j][lane];
-                }
+                let sum = &mut S::as_mut_simd_f64s(&mut tile[FROM + i][j].0).0[part];
+                *sum = simd.add_f64s(*sum, own[i][j]);
             }
         }
     }

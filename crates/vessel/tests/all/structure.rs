@@ -21,7 +21,7 @@ impl Some {
     }
 }
 
-/// Steps as bits, with and without current and force.
+/// Steps as bits, with and without current and force; those in place are the same.
 fn steps<X: Arithmetic>(step: &mut impl Step<X>, mut number: impl FnMut() -> X) -> Vec<String> {
     let mut state = [(); 3].map(|()| number());
     let mut states = Vec::new();
@@ -32,6 +32,11 @@ fn steps<X: Arithmetic>(step: &mut impl Step<X>, mut number: impl FnMut() -> X) 
             Ambient { current: (k % 2 == 0).then_some(current), force: (k % 3 == 0).then_some(force) };
         let next = step.step(state, &exogenous, ambient);
         states.push(format!("{next:?}"));
+        let row = [0.3, 0.1 * f64::from(k) - 7.0, 0.0];
+        let drifting = step.step(state, &row, Ambient { current: Option::Some(current), force: None });
+        let mut advanced = state;
+        step.advance(&mut advanced, row.as_slice(), |place| current.map(|own| own.at(place)));
+        assert_eq!(format!("{advanced:?}"), format!("{drifting:?}"));
         state = if k % 5 == 0 { [(); 3].map(|()| number()) } else { next };
     }
     states
