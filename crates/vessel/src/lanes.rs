@@ -1,10 +1,33 @@
 //! Runs side by side: between one run's rows and [`Lane`]s.
 
+use std::cell::RefCell;
+
 use crate::{LANES, Lane, RunView, vectorized};
 
 /// What belongs to each lane where `count` runs, up to [`LANES`], stand side by side; lanes that are left repeat the last run.
 pub fn by_lane<T>(count: usize, mut of: impl FnMut(usize) -> T) -> [T; LANES] {
     std::array::from_fn(|lane| of(lane.min(count - 1)))
+}
+
+/// Rooms that were given back, and how many are kept.
+const KEPT: usize = 12;
+thread_local! {
+    static ROOMS: RefCell<Vec<Vec<Lane>>> = const { RefCell::new(Vec::new()) };
+}
+
+/// Room for so many lanes, with anything in it: one that was given back on this thread, whose memory is at hand, or a new one.
+pub fn room(lanes: usize) -> Vec<Lane> {
+    let mut room = ROOMS.with_borrow_mut(Vec::pop).unwrap_or_default();
+    room.resize(lanes, Lane::ZERO);
+    room
+}
+
+/// Gives rooms back for others on this thread.
+pub fn give_back<const N: usize>(rooms: [Vec<Lane>; N]) {
+    ROOMS.with_borrow_mut(|kept| {
+        kept.extend(rooms);
+        kept.truncate(KEPT);
+    });
 }
 
 /// A number of each of `count` runs.
@@ -14,7 +37,7 @@ pub fn lane(count: usize, of: impl FnMut(usize) -> f64) -> Lane {
 
 /// Puts rows of up to [`LANES`] runs side by side. Shorter ones are filled up with zeros.
 pub fn interleave(runs: &[&[f64]]) -> Vec<Lane> {
-    let mut out = Vec::new();
+    let mut out = room(0);
     interleave_into(runs, &mut out);
     out
 }

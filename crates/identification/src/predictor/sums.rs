@@ -81,11 +81,7 @@ pub(crate) fn linearize_each<const N: usize>(
             let (gain, mask) = (gains.get(step.k), (!even).then(|| recordings.lasting(step.k)));
             if gain.is_none() && mask.is_none() {
                 for (d, products) in products.iter_mut().enumerate() {
-                    products.fill(
-                        step.sensitivities,
-                        #[inline(always)]
-                        |s| s[d],
-                    );
+                    products.scale(step.sensitivities, d, Lane::ONE);
                 }
             } else {
                 for (i, s) in step.sensitivities.iter().enumerate() {
@@ -125,11 +121,7 @@ pub(crate) fn linearize_and_keep(
             let counts = recordings.lasting(step.k);
             kept.keep(&step, counts);
             for (d, products) in products.iter_mut().enumerate() {
-                products.fill(
-                    step.sensitivities,
-                    #[inline(always)]
-                    |s| s[d] * counts,
-                );
+                products.scale(step.sensitivities, d, counts);
                 products.set(free.len(), step.error[d] * counts);
                 products.advance();
             }

@@ -1,4 +1,4 @@
-use vessel::lanes::{SideBySide, by_lane, groups, interleave};
+use vessel::lanes::{SideBySide, by_lane, give_back, groups, interleave, room};
 use vessel::{
     Diverged, GROUPS, LANES, Lane, Run, Vessel, Weather, Wide, check_diverged, diverged_lanes, simulate,
     simulate_groups,
@@ -103,6 +103,9 @@ impl<'a> RunInstruments<'a> {
             let batch = own.batch();
             outcomes.extend(Instruments::new(&batch, removal).estimate(&batch).into_iter().take(count));
         }
+        for Prepared { runs, instrument_states, .. } in all {
+            give_back([runs.measured, runs.exogenous, instrument_states]);
+        }
         Ok(outcomes)
     }
 
@@ -134,7 +137,7 @@ impl<'a> Prepared<'a> {
 
     /// Runs whose instruments are still to be simulated.
     fn calm(vessel: &'a Vessel, runs: SideBySide, starts: Vec<Vec<usize>>) -> Self {
-        Self { vessel, instrument_states: vec![Lane::ZERO; runs.measured.len()], runs, starts }
+        Self { vessel, instrument_states: room(runs.measured.len()), runs, starts }
     }
 
     fn as_long_as(&self, other: &Self) -> bool {

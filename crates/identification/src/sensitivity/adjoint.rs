@@ -1,5 +1,6 @@
 use vessel::{Built, Lane, Look};
 
+use super::columns::Backward;
 use super::dynamics::{Dynamics, Local};
 use super::levels::{Flow, Levels};
 use super::products::Products;
@@ -40,20 +41,19 @@ fn go_back<X: Unknowns, const N: usize>(
     let weights = weights.map(X::lane);
     let mut adjoints = vec![[Lane::ZERO; N]; path.columns()];
     for k in (0..=recordings.longest()).rev() {
+        let mut slopes = None;
         if k < recordings.longest() {
             let mut z = [X::ZERO; N];
             z[..3].copy_from_slice(path.state(k));
             let local = dynamics.at(&z, recordings.exogenous(k));
             between(&local, &adjoints);
-            for a in &mut adjoints {
-                *a = dynamics.backward(&local, a);
+            if N == 3 {
+                slopes = Some(local.slopes.map(|own| own.map(X::lane)));
+            } else {
+                adjoints.iter_mut().for_each(|a| *a = dynamics.backward(&local, a));
             }
         }
-        for (a, s) in adjoints.iter_mut().zip(path.at(k)) {
-            for d in 0..3 {
-                a[d] = weights[d].fused(s[d], a[d]);
-            }
-        }
+        Backward { slopes, weights, sensitivities: path.at(k), adjoints: &mut adjoints }.go();
     }
     adjoints
 }
@@ -71,11 +71,7 @@ pub(crate) fn add_draws<X: Unknowns, const N: usize>(
             let [surge, sway, yaw] = &local.slopes;
             let std = X::from(std);
             let (by_u, by_v, by_r) = (std * surge[i], std * sway[i], std * yaw[i]);
-            draws.fill(
-                adjoints,
-                #[inline(always)]
-                |a| by_u.lane().fused(a[0], by_v.lane().fused(a[1], by_r.lane() * a[2])),
-            );
+            draws.weigh(adjoints, [by_u, by_v, by_r].map(X::lane));
             draws.advance();
         }
     }
@@ -103,11 +99,7 @@ fn add_state<X: Unknowns, const N: usize>(
     std: f64,
 ) {
     if std > 0.0 {
-        draws.fill(
-            adjoints,
-            #[inline(always)]
-            |a| Lane::splat(std) * a[i],
-        );
+        draws.scale(adjoints, i, Lane::splat(std));
         draws.advance();
     }
 }

@@ -208,11 +208,7 @@ fn followed<X: Unknowns, const W: usize>(
             path.keep(&step, X::ONE);
             for (squares, roots) in squares.iter_mut().zip(&roots) {
                 for (d, root) in roots.iter().enumerate() {
-                    squares.fill(
-                        step.sensitivities,
-                        #[inline(always)]
-                        |s| *root * s[d],
-                    );
+                    squares.scale(step.sensitivities, d, *root);
                     squares.advance();
                 }
             }

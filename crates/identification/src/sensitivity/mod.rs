@@ -7,6 +7,7 @@
 //! for a single run, [`vessel::LANES`] unknowns beside each other in a column ([`unknowns::Unknowns`]).
 
 mod adjoint;
+mod columns;
 mod dynamics;
 mod information;
 mod kalman;

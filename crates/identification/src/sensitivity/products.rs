@@ -3,6 +3,7 @@ use std::marker::PhantomData;
 use pulp::{Arch, Simd, WithSimd};
 use vessel::{LANES, Lane};
 
+use super::columns::{Scale, Weigh};
 use super::unknowns::Unknowns;
 use crate::batch::{BLOCK, Block, accumulate};
 
@@ -30,13 +31,18 @@ impl<X: Unknowns> Products<X> {
         self.columns[c][self.filled] = value;
     }
 
-    /// The first columns at this sample: of every one in `from` its `value`.
+    /// The first columns at this sample: w₀x₀ + w₁x₁ + w₂x₂ of every one in `from`.
     #[inline(always)]
-    pub(crate) fn fill<T>(&mut self, from: &[T], value: impl Fn(&T) -> Lane) {
-        let at = self.filled % BLOCK;
-        for (column, own) in self.columns.iter_mut().zip(from) {
-            column[at] = value(own);
-        }
+    pub(crate) fn weigh<const N: usize>(&mut self, from: &[[Lane; N]], weights: [Lane; 3]) {
+        let row = self.filled % BLOCK;
+        Weigh { weights, columns: from, blocks: &mut self.columns, row }.go();
+    }
+
+    /// The same: entry `entry` of every one in `from`, times `factor`.
+    #[inline(always)]
+    pub(crate) fn scale<const N: usize>(&mut self, from: &[[Lane; N]], entry: usize, factor: Lane) {
+        let row = self.filled % BLOCK;
+        Scale { factor, entry, columns: from, blocks: &mut self.columns, row }.go();
     }
 
     /// Goes to the next sample: every column was set at this one.

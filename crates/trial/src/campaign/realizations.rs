@@ -192,7 +192,8 @@ impl<'a> Campaign<'a> {
 
     fn experiment(&self, plan: &[(usize, usize)]) -> Experiment {
         let (initial, inputs) = self.parts.joined(plan);
-        let exogenous = self.sea.vessel().model.undisturbed(&inputs);
+        let model = &self.sea.vessel().model;
+        let exogenous = if model.exogenous() == model.inputs { inputs } else { model.undisturbed(&inputs) };
         Experiment { segments: self.segments(plan), initial, exogenous }
     }
 

@@ -1,4 +1,4 @@
-use vessel::lanes::{by_lane, interleave, lane, lane_of};
+use vessel::lanes::{by_lane, interleave, lane, lane_of, room};
 use vessel::{
     Current, Disturbances, Diverged, Driven, Invalid, LANES, Lane, Recording, Run, Source, Streams, Vessel,
     Wide, Wind, diverged_lanes, simulate_disturbed,
@@ -113,9 +113,9 @@ impl<'a> Sea<'a> {
             None => Driven::Own(exogenous.each_ref().map(Vec::as_slice)),
         };
         let mut states = groups.map(|group| {
-            let room = || vec![Lane::ZERO; 3 * (self.samples(group) + 1)];
-            let truth = if wanted { room() } else { Vec::new() };
-            (group, States { truth, measured: room(), exogenous: Vec::new() })
+            let own = || room(3 * (self.samples(group) + 1));
+            let truth = if wanted { own() } else { Vec::new() };
+            (group, States { truth, measured: own(), exogenous: Vec::new() })
         });
         let recordings = states.each_mut().map(|(group, States { truth, measured, .. })| {
             let (wind, numbers) = (self.wind.as_ref(), group.numbers());

@@ -1,6 +1,6 @@
 use std::sync::Arc;
 
-use vessel::lanes::{SideBySide, interleave, lane};
+use vessel::lanes::{SideBySide, give_back, interleave, lane};
 use vessel::{LANES, Lane, Run, Segment};
 
 use super::sea::{SimulatedRun, States};
@@ -61,6 +61,11 @@ impl Together {
             samples: [self.states.measured.len() / 3 - 1; LANES],
             measured: self.states.measured,
         }
+    }
+
+    /// Gives back the room for the states.
+    pub fn give_back(self) {
+        give_back([self.states.measured]);
     }
 
     /// A run by itself.
