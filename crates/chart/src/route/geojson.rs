@@ -24,11 +24,11 @@ pub enum Geometry {
 }
 
 /// The features as a GeoJSON FeatureCollection (RFC 7946), in their order: longitude first, to 10⁻⁹
-/// degrees.
+/// degrees. Lines are cut at the antimeridian, as it asks.
 ///
 /// # Errors
-/// Coordinates that are not finite or out of range; a line of fewer than two points, a polygon of fewer than four; a step over the antimeridian, where
-/// RFC 7946 wants a cut.
+/// Coordinates that are not finite or out of range; a line of fewer than two points, a polygon of fewer than four; a polygon
+/// across the antimeridian.
 pub fn geojson(features: &[Feature]) -> Result<String, Invalid> {
     let feature = |(index, f): (usize, &Feature)| {
         let geometry = geometry(&f.geometry, &format!("feature {index}"))?;
@@ -48,11 +48,38 @@ pub fn geojson(features: &[Feature]) -> Result<String, Invalid> {
 fn geometry(geometry: &Geometry, thing: &str) -> Result<GeometryValue, Invalid> {
     match geometry {
         Geometry::Point(p) => Ok(GeometryValue::Point { coordinates: positions(&[*p], 1, thing)?.remove(0) }),
-        Geometry::Line(line) => Ok(GeometryValue::LineString { coordinates: positions(line, 2, thing)? }),
+        Geometry::Line(line) => self::line(line, thing),
         Geometry::Polygon(ring) => {
             Ok(GeometryValue::Polygon { coordinates: vec![positions(ring, 4, thing)?] })
         }
     }
+}
+
+fn line(line: &[[f64; 2]], thing: &str) -> Result<GeometryValue, Invalid> {
+    let (mut parts, mut part) = (Vec::new(), Vec::new());
+    for (index, place) in line.iter().enumerate() {
+        let before = index.checked_sub(1).map(|before| line[before]);
+        if let Some([end, begin]) = before.and_then(|before| at_antimeridian(before, *place)) {
+            part.push(end);
+            parts.push(std::mem::replace(&mut part, vec![begin]));
+        }
+        part.push(*place);
+    }
+    parts.push(part);
+    let parts = parts.iter().map(|part| positions(part, 2, thing)).collect::<Result<Vec<_>, _>>()?;
+    Ok(match <[_; 1]>::try_from(parts) {
+        Ok([coordinates]) => GeometryValue::LineString { coordinates },
+        Err(coordinates) => GeometryValue::MultiLineString { coordinates },
+    })
+}
+
+/// Where a step crosses the antimeridian, on its own side and on the other; nothing where it does not.
+fn at_antimeridian(from: [f64; 2], to: [f64; 2]) -> Option<[[f64; 2]; 2]> {
+    let edge = 180_f64.copysign(from[0]);
+    let step = to[0] + 2.0 * edge - from[0];
+    let part = if step == 0.0 { 0.0 } else { (edge - from[0]) / step };
+    let latitude = from[1] + part * (to[1] - from[1]);
+    ((to[0] - from[0]).abs() > 180.0).then_some([[edge, latitude], [-edge, latitude]])
 }
 
 fn positions(points: &[[f64; 2]], least: usize, thing: &str) -> Result<Vec<Position>, Invalid> {

@@ -9,7 +9,7 @@ use crate::Invalid;
 
 const NAMESPACE: &str = "http://www.cirm.org/RTZ/1/0";
 const KNOT_M_S: f64 = NAUTICAL_MILE_M / 3600.0;
-/// Radii must be below this.
+/// Radii must be below this, and so must cross-track distances.
 const LARGEST_NM: f64 = 10.0;
 
 /// The route as RTZ 1.0 (IEC 61174:2015, annex S): nautical miles and knots.
@@ -100,7 +100,9 @@ fn knots(speed_m_s: f64) -> String {
 /// The leg that ends at a waypoint.
 fn leg(xml: &mut Xml, waypoint: &Waypoint) -> io::Result<()> {
     let speed = waypoint.speed_m_s.map(knots);
-    let xtd = waypoint.xtd_m.map(|xtd| xtd.map(|m| decimal(m / NAUTICAL_MILE_M, 6)));
+    // A corridor wider than the format can tell is left out, not narrowed.
+    let xtd = waypoint.xtd_m.filter(|xtd| xtd.iter().all(|m| m / NAUTICAL_MILE_M < LARGEST_NM - 1e-6));
+    let xtd = xtd.map(|xtd| xtd.map(|m| decimal(m / NAUTICAL_MILE_M, 6)));
     let mut element = xml.create_element("leg");
     if let Some([port, starboard]) = &xtd {
         let sides = [("starboardXTD", starboard.as_str()), ("portsideXTD", port.as_str())];

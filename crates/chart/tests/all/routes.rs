@@ -247,6 +247,34 @@ fn geojson_is_read_back() {
 }
 
 #[test]
+fn a_line_across_the_antimeridian_is_cut_there() {
+    let line = vec![[179.9, 1.0], [-179.7, 2.0], [-179.9, 3.0], [180.0, 4.0], [-179.9, 5.0]];
+    let text =
+        geojson(&[Feature { geometry: Geometry::Line(line), properties: serde_json::Map::new() }]).unwrap();
+    let read: serde_json::Value = serde_json::from_str(&text).unwrap();
+    let geometry = &read["features"][0]["geometry"];
+    assert_eq!(geometry["type"], "MultiLineString");
+    let parts: Vec<Vec<[f64; 2]>> = serde_json::from_value(geometry["coordinates"].clone()).unwrap();
+    assert_eq!(parts[0], [[179.9, 1.0], [180.0, 1.25]]);
+    assert_eq!(parts[1][..3], [[-180.0, 1.25], [-179.7, 2.0], [-179.9, 3.0]]);
+    assert!(
+        parts.iter().flat_map(|part| part.windows(2)).all(|w| (w[0][0] - w[1][0]).abs() < 1.0),
+        "{parts:?}"
+    );
+    let last = parts.last().unwrap().last().unwrap();
+    assert_eq!(*last, [-179.9, 5.0]);
+}
+
+#[test]
+fn a_corridor_that_rtz_cannot_tell_is_left_out() {
+    let mut route = route();
+    route.waypoints.iter_mut().for_each(|own| own.xtd_m = Some([1.0, 18_519.0]));
+    assert!(rtz(&route).unwrap().contains("starboardXTD"));
+    route.waypoints.iter_mut().for_each(|own| own.xtd_m = Some([1.0, 18_521.0]));
+    assert!(!rtz(&route).unwrap().contains("XTD"));
+}
+
+#[test]
 fn routes_that_break_the_rules_are_refused() {
     type Break = fn(&mut Route);
     let broken: [(&str, Break); 11] = [
@@ -296,5 +324,6 @@ fn geometries_that_break_the_rules_are_refused() {
     assert!(one(Geometry::Point([181.0, 0.0])).is_err());
     assert!(one(Geometry::Point([f64::NAN, 0.0])).is_err());
     assert!(one(Geometry::Line(vec![[0.0, 0.0]])).is_err());
-    assert!(one(Geometry::Line(vec![[179.9, 0.0], [-179.9, 0.0]])).unwrap_err().to_string().contains("180"));
+    let across = vec![[179.9, 0.0], [-179.9, 0.0], [-179.9, 0.1], [179.9, 0.0]];
+    assert!(one(Geometry::Polygon(across)).unwrap_err().to_string().contains("180"));
 }

@@ -20,6 +20,27 @@ fn an_area_across_the_antimeridian_is_planned_as_any_other() {
     assert!((lattice(&own.plan) - lattice(&usual.plan) - 155.0).abs() < 1e-6);
 }
 
+/// The same, heading across it.
+#[test]
+fn law_a_track_across_the_antimeridian_is_cut_there() {
+    let folder = small_with(&[
+        ("west_deg = 24.98", "west_deg = 179.98"),
+        ("east_deg = 25.02", "east_deg = -179.98"),
+        ("longitude_deg = 24.985", "longitude_deg = 179.997"),
+        ("heading_deg = 0.0", "heading_deg = 90.0"),
+    ]);
+    let land = ISLAND.replace("24.998", "-179.990").replace("25.002", "-179.988");
+    put(&folder, "land.geojson", &land.replace("59.999", "60.008").replace("60.001", "60.009"));
+    run(&folder, PLAN).succeeds();
+    let track = json(&folder, "track.geojson");
+    let lines = track["features"].as_array().unwrap().iter().map(|feature| &feature["geometry"]);
+    let cut = lines.filter(|geometry| geometry["type"] == "MultiLineString");
+    let parts: Vec<Vec<[f64; 2]>> =
+        cut.flat_map(|own| serde_json::from_value::<Vec<_>>(own["coordinates"].clone()).unwrap()).collect();
+    assert!(!parts.is_empty());
+    assert!(parts.iter().flat_map(|part| part.windows(2)).all(|w| (w[0][0] - w[1][0]).abs() < 1.0));
+}
+
 /// At 80 degrees north, 1 km east of the area's middle, true north is 0.3 degrees off the grid's.
 #[test]
 fn headings_are_true_and_not_the_grids() {
