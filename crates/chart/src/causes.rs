@@ -24,6 +24,11 @@ impl Causes {
         self.0 & cause.0 != 0
     }
 
+    /// Without any other.
+    pub(crate) fn only(self, cause: Self) -> Self {
+        Self(self.0 & cause.0)
+    }
+
     pub(crate) fn with(self, cause: Self) -> Self {
         Self(self.0 | cause.0)
     }

@@ -1,8 +1,12 @@
+use std::borrow::Cow;
+
 use serde::Deserialize;
 
 use crate::frontier::frontier;
+use crate::occupancy::Occupancy;
 use crate::{
-    Area, Bounds, Called, Class, Contour, Grid, Invalid, PlacedGrid, Plane, Polygon, PolygonLayer, Spot,
+    Area, Bounds, Called, Causes, Class, Contour, Grid, Invalid, PlacedGrid, Plane, Polygon, PolygonLayer,
+    Raster, Spot,
 };
 
 /// What places that no layer charts are.
@@ -38,6 +42,18 @@ pub struct Chart {
     contours: Vec<Contour>,
     grids: Vec<PlacedGrid>,
     charted: Charted,
+    known_by: KnownBy,
+}
+
+/// What says of a place what is there.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum KnownBy {
+    /// Depths: what neither they nor land cover is not known.
+    Depths,
+    /// A chart of land in polygons: the rest is water.
+    Land,
+    /// Neither: grids of land and water, as far as they reach.
+    Grids,
 }
 
 /// Where there is a depth: what the charted polygons cover, and the edges with nothing charted beyond.
@@ -89,7 +105,8 @@ impl Chart {
             Uncharted::Obstacle => charted(&polygons, &grids),
             Uncharted::Water => Charted { polygons: Vec::new(), frontier: Vec::new() },
         };
-        Ok(Self { plane, area, uncharted, polygons, spots, contours, grids, charted })
+        let known_by = KnownBy::of(layers);
+        Ok(Self { plane, area, uncharted, polygons, spots, contours, grids, charted, known_by })
     }
 
     /// The plane that everything is on.
@@ -105,6 +122,15 @@ impl Chart {
     /// What places without any layer are.
     pub fn uncharted(&self) -> Uncharted {
         self.uncharted
+    }
+
+    /// Per cell of a raster, row by row from the south, whether any part of it is not charted, whatever such places count as.
+    ///
+    /// Charts with depths show what a depth or land polygon or a depth grid covers, charts of land in polygons everything, and
+    /// grids of land what they cover; cells without data of a grid show nothing.
+    pub fn uncharted_cells(&self, raster: Raster) -> Vec<bool> {
+        let causes = Occupancy::of_uncharted(self, raster).causes;
+        causes.into_iter().map(Causes::any).collect()
     }
 
     /// Bytes that it takes, about.
@@ -166,6 +192,49 @@ impl Chart {
     pub(crate) fn charted(&self) -> &Charted {
         &self.charted
     }
+
+    /// What is charted, whatever places without any layer are; `None` where that is all.
+    pub(crate) fn covered(&self) -> Option<Cow<'_, Charted>> {
+        match (self.known_by, self.uncharted) {
+            (KnownBy::Land, _) => None,
+            (KnownBy::Depths, Uncharted::Obstacle) => Some(Cow::Borrowed(&self.charted)),
+            (KnownBy::Depths, Uncharted::Water) => Some(Cow::Owned(charted(&self.polygons, &self.grids))),
+            (KnownBy::Grids, _) => {
+                let frames = self.grids.iter().filter_map(frame);
+                Some(Cow::Owned(Charted::new(frames.collect())))
+            }
+        }
+    }
+}
+
+impl KnownBy {
+    fn of(layers: &[Layer]) -> Self {
+        let has = |layer: &Layer, is: fn(&Class) -> bool| match layer {
+            Layer::Polygons(p) => p.areas.iter().any(|area| is(&area.class)),
+            Layer::Grid(_) => false,
+        };
+        let depth = |layer: &Layer| matches!(layer, Layer::Grid(grid) if grid.has_depth);
+        let land = |layer: &Layer| matches!(layer, Layer::Polygons(own) if own.open_sea);
+        if layers.iter().any(|own| depth(own) || has(own, |class| matches!(class, Class::Depth { .. }))) {
+            Self::Depths
+        } else if layers.iter().any(|own| land(own) || has(own, |class| *class == Class::Land)) {
+            Self::Land
+        } else {
+            Self::Grids
+        }
+    }
+}
+
+impl Charted {
+    fn new(polygons: Vec<Polygon>) -> Self {
+        let frontier = frontier(&polygons);
+        Self { polygons, frontier }
+    }
+}
+
+/// What a grid covers.
+fn frame(grid: &PlacedGrid) -> Option<Polygon> {
+    Polygon::of_rings(Class::Depth { least_m: None }, &Called::plain("water"), vec![grid.frame()])
 }
 
 fn off_earth(area: &Area) -> Invalid {
@@ -181,11 +250,7 @@ fn uncharted_of(layers: &[Layer], asked: Option<Uncharted>) -> Result<Uncharted,
     if layers.is_empty() {
         return Err(Invalid::new("chart", "no layer", "at least one layer", "name a file of land or depths"));
     }
-    let depth = layers.iter().any(|layer| match layer {
-        Layer::Polygons(p) => p.areas.iter().any(|a| matches!(a.class, Class::Depth { .. })),
-        Layer::Grid(g) => g.has_depth,
-    });
-    match (asked, depth) {
+    match (asked, KnownBy::of(layers) == KnownBy::Depths) {
         (Some(Uncharted::Obstacle), false) => Err(Invalid::new(
             "`uncharted`",
             "`obstacle` without a layer of depths",
@@ -200,11 +265,5 @@ fn uncharted_of(layers: &[Layer], asked: Option<Uncharted>) -> Result<Uncharted,
 
 fn charted(polygons: &[Polygon], grids: &[PlacedGrid]) -> Charted {
     let known = polygons.iter().filter(|p| matches!(p.class, Class::Land | Class::Depth { .. })).cloned();
-    let frames = grids.iter().filter(|g| g.has_depth).filter_map(|g| {
-        let class = Class::Depth { least_m: None };
-        Polygon::of_rings(class, &Called::plain("water"), vec![g.frame()])
-    });
-    let polygons: Vec<Polygon> = known.chain(frames).collect();
-    let frontier = frontier(&polygons);
-    Charted { polygons, frontier }
+    Charted::new(known.chain(grids.iter().filter(|g| g.has_depth).filter_map(frame)).collect())
 }

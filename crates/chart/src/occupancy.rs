@@ -1,5 +1,6 @@
 //! Cells of a raster that a chart's layers block.
 
+use crate::chart::Charted;
 use crate::cover::{Size, along, centres, each_edge};
 use crate::{Bounds, Called, Causes, Chart, Class, GridCell, PlacedGrid, Polygon, Raster, Uncharted};
 
@@ -26,13 +27,7 @@ pub(crate) struct Occupancy {
 
 impl Occupancy {
     pub(crate) fn of(chart: &Chart, raster: Raster, least_depth_m: f64, sailing: Sailing) -> Self {
-        let mut own = Self {
-            raster,
-            bounds: raster.bounds().grown(TOUCH_M),
-            size: Size { nx: raster.nx, ny: raster.ny },
-            slack: TOUCH_M / raster.cell_m,
-            causes: vec![Causes::NONE; raster.nx * raster.ny],
-        };
+        let mut own = Self::open(raster);
         for polygon in chart.polygons() {
             if let Some(cause) = cause_of(polygon.class, least_depth_m, sailing) {
                 own.block(polygon, cause);
@@ -42,10 +37,32 @@ impl Occupancy {
             own.block_grid(grid, least_depth_m);
         }
         if chart.uncharted() == Uncharted::Obstacle {
-            own.block_uncharted(chart);
+            own.block_uncharted(chart.charted());
         }
         own.block_outside(&chart.area());
         own
+    }
+
+    /// Blocked where nothing is charted, or a grid has no data: by water and land alike, whatever such places count as.
+    pub(crate) fn of_uncharted(chart: &Chart, raster: Raster) -> Self {
+        let mut own = Self::open(raster);
+        chart.grids().iter().for_each(|grid| own.block_grid(grid, f64::NEG_INFINITY));
+        own.causes.iter_mut().for_each(|cause| *cause = cause.only(Causes::UNCHARTED));
+        if let Some(charted) = chart.covered() {
+            own.block_uncharted(&charted);
+        }
+        own
+    }
+
+    /// Nothing is blocked.
+    fn open(raster: Raster) -> Self {
+        Self {
+            raster,
+            bounds: raster.bounds().grown(TOUCH_M),
+            size: Size { nx: raster.nx, ny: raster.ny },
+            slack: TOUCH_M / raster.cell_m,
+            causes: vec![Causes::NONE; raster.nx * raster.ny],
+        }
     }
 
     /// Blocks every cell that a polygon touches.
@@ -74,10 +91,9 @@ impl Occupancy {
 
     /// Blocks every cell that is not charted as a whole: by one polygon, or by several that share the
     /// borders inside it.
-    fn block_uncharted(&mut self, chart: &Chart) {
+    fn block_uncharted(&mut self, charted: &Charted) {
         let nx = self.raster.nx;
         let (size, slack) = (self.size, self.slack);
-        let charted = chart.charted();
         let mut whole = vec![false; self.causes.len()];
         let mut centre = vec![false; self.causes.len()];
         let mut border = vec![0_u32; self.causes.len()];

@@ -65,6 +65,37 @@ fn uncharted_places_are_obstacles_or_water_as_declared() {
 }
 
 #[test]
+fn law_cells_on_no_chart_are_the_same_whatever_they_count_as() {
+    let raster = Raster::covering(&square(1900.0), 20.0).unwrap();
+    let [water, obstacle] = [Uncharted::Water, Uncharted::Obstacle].map(|own| channel(Some(own), 2000.0));
+    let uncharted = obstacle.uncharted_cells(raster);
+    assert_eq!(uncharted, water.uncharted_cells(raster));
+    let obstacles = Obstacles::new(&obstacle, raster, 9.0, 0.0).unwrap();
+    let cells = (0..raster.ny).flat_map(|row| (0..raster.nx).map(move |col| (col, row)));
+    assert!(cells.zip(&uncharted).all(|((c, r), own)| obstacles.causes(c, r).has(Causes::UNCHARTED) == *own));
+    let share = uncharted.iter().filter(|own| **own).count() as f64 / uncharted.len() as f64;
+    assert!(share > 0.2 && share < 0.9, "{share}");
+    let land = land_chart(&fixture("square_island.geojson"), 25.0, 60.0, 2000.0);
+    assert!(land.uncharted_cells(raster).iter().all(|own| !own), "a chart of land shows water, too");
+}
+
+#[test]
+fn a_grid_of_land_shows_what_it_covers() {
+    let crs = Crs::new("EPSG:32635").unwrap();
+    let declared =
+        GridDeclaration { kind: GridKind::LandMask, crs: Some(crs.clone()), variable: None, open_sea: false };
+    let text = "ncols 2\nnrows 2\nxllcorner 500000\nyllcorner 6650000\ncellsize 500\n0 0\n1 0\n";
+    let grid = Grid::from_ascii(text, &declared).unwrap();
+    let (lon, lat) = crs.to_geographic([500_500.0, 6_650_500.0]).unwrap();
+    let chart =
+        Chart::new(Plane::new(lon, lat).unwrap(), square(1000.0), &[Layer::Grid(grid)], None).unwrap();
+    let raster = Raster::covering(&square(1000.0), 10.0).unwrap();
+    let uncharted = chart.uncharted_cells(raster).iter().filter(|own| **own).count() as f64;
+    // 1 km of 2 km on a side, and the cells along its edge.
+    assert!((uncharted / 40_000.0 - 0.75).abs() < 0.02, "{uncharted}");
+}
+
+#[test]
 fn a_lake_is_water_and_beyond_the_area_nothing_is_known() {
     let chart = land_chart(&fixture("square_island.geojson"), 25.0, 60.0, 1500.0);
     assert!(!chart.has_depth());
