@@ -1,5 +1,7 @@
 //! Whether chart, lattice and check fit in the memory, told before anything of that size is allocated.
 
+use std::collections::BTreeSet;
+
 use lattice::{Demand, Lattice};
 
 use super::check::{Run, TRACKS};
@@ -8,9 +10,10 @@ use super::error::VoyageError;
 use super::footing::Footing;
 use super::moves::Moves;
 use super::prepared::Prepared;
+use super::rehearsed::Rehearsed;
 use super::search::Search;
 use super::task::Secondary;
-use crate::{Fix, Sample};
+use crate::{Fix, Rehearser, Sample};
 
 /// Bytes of inputs that were read and of threads, and of all that is written, about.
 const READ_BYTES: u128 = 28 << 20;
@@ -56,15 +59,26 @@ impl Prepared {
             self.obstacle_kinds().0.len().max(1) + usize::from(task.cost.secondary == Secondary::Clearance);
         let masks = usize::from(!task.area.corners.is_empty()) + task.speed_limits.len();
         let around = cells_around(&raster, task.safety.margin_m);
-        let lattice = Lattice { nx: grid.nx, ny: grid.ny, layers: grid.layers() };
         Ok(Footing {
-            lattice: Demand::new(lattice, actions),
+            lattice: self.demand(actions),
             cells: layers as u128 * around + (masks * raster.nx * raster.ny) as u128,
             clearance_cells: self.clearance_cells()?,
             // The chart stood in memory as it was read, too.
             beside: self.read_bytes() + 2 * u128::from(self.chart.bytes()) + self.leg_bytes(),
             check: self.check_bytes(1, self.least_samples()),
         })
+    }
+
+    fn demand(&self, actions: &[lattice::Action]) -> Demand {
+        let grid = &self.grid;
+        Demand::new(Lattice { nx: grid.nx, ny: grid.ny, layers: grid.layers() }, actions)
+    }
+
+    /// Bytes that a round's plan takes while the next one is searched: its problem, and its legs that others rehearse now.
+    pub(super) fn last_bytes(&self, moves: &Moves, taught: &[(usize, Rehearser)]) -> u128 {
+        let anew: BTreeSet<usize> = taught.iter().map(|(leg, _)| self.rehearsed[*leg].group).collect();
+        let legs = self.rehearsed.iter().filter(|own| anew.contains(&own.group));
+        self.demand(&moves.actions).kept_bytes() + legs.map(|own| self.bytes_of(own)).sum::<u128>()
     }
 
     /// Bytes of what was read.
@@ -74,10 +88,12 @@ impl Prepared {
 
     /// Bytes of the rehearsed legs.
     fn leg_bytes(&self) -> u128 {
+        self.rehearsed.iter().map(|own| self.bytes_of(own)).sum()
+    }
+
+    fn bytes_of(&self, own: &Rehearsed) -> u128 {
         let sample = size_of::<Sample>() + 8 * self.brief.vessel.model.inputs;
-        let bytes =
-            |own: &super::Rehearsed| own.sailed.samples.len() * sample + size_of_val(own.footprint.runs());
-        self.rehearsed.iter().map(|own| bytes(own) as u128).sum()
+        (own.sailed.samples.len() * sample + size_of_val(own.footprint.runs())) as u128
     }
 
     /// Bytes of a check's runs, of the tracks that are kept of them and of the nominal one.

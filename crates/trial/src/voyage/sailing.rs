@@ -4,12 +4,14 @@ use super::check::{Check, Checked, Checking};
 use super::clearance::Clearance;
 use super::error::VoyageError;
 use super::information::Information;
+use super::moves::Moves;
 use super::prepared::Prepared;
 use super::script::Script;
 use super::search::Search;
 use super::solve::Solved;
 use super::task::Slot;
 use crate::{Fix, Rehearser, Sailed};
+use lattice::{Problem, Solution};
 use vessel::Invalid;
 
 /// How often a plan is searched before the last one has to do.
@@ -42,11 +44,20 @@ struct Round {
     taught: Vec<(usize, Rehearser)>,
 }
 
+/// What is left of a round while the next one is searched: all that its plan takes to be sailed again.
+struct Last {
+    number: u32,
+    moves: Moves,
+    problem: Problem,
+    solution: Solution,
+}
+
 impl Round {
-    /// Who is to rehearse which legs.
-    fn pupils(&mut self) -> Vec<(usize, Rehearser)> {
-        let taught = std::mem::take(&mut self.taught).into_iter().take(PUPILS);
-        taught.map(|(step, who)| (self.sailing.legs[step], who)).collect()
+    /// Who is to rehearse which legs, and what may be wanted after all. Where legs fit can be told again: it takes most memory.
+    fn ended(self) -> (Vec<(usize, Rehearser)>, Last) {
+        let Self { number, solved: Solved { moves, problem, solution, .. }, sailing, taught } = self;
+        let taught = taught.into_iter().take(PUPILS).map(|(step, who)| (sailing.legs[step], who)).collect();
+        (taught, Last { number, moves, problem, solution })
     }
 }
 
@@ -62,35 +73,46 @@ impl Prepared {
         let clearance = clearance?;
         let mut round = self.round(&clearance, (1, solved?), search)?;
         while !round.taught.is_empty() && round.number < ROUNDS {
-            let (number, taught) = (round.number, round.pupils());
+            let next = round.number + 1;
+            let (taught, last) = round.ended();
             // Only where it may be wanted after all does it stay in memory.
-            let last = keep_unsafe.then_some(round);
-            match (self.again(taught, number + 1, &clearance, search), last) {
-                (Ok(next), _) => round = next,
-                (Err(_), Some(last)) => {
-                    round = last;
-                    // Its check ended early.
-                    (round.sailing, _) = self.sail(&mut round.solved, &clearance, (number, true), search)?;
-                    break;
-                }
-                (Err(error), None) => return Err(error.after(number)),
-            }
+            let last = keep_unsafe.then_some(last);
+            let kept = last.as_ref().map_or(0, |last| self.last_bytes(&last.moves, &taught));
+            let next_round = self.again(taught, (next, keep_unsafe), &clearance, &search.beside(kept));
+            round = match (next_round, last) {
+                (Ok(round), _) => round,
+                (Err(_), Some(last)) => return self.sail_again(last, &clearance, search),
+                (Err(error), None) => return Err(error.after(next - 1)),
+            };
         }
         Ok((round.solved, round.sailing))
     }
 
-    /// A round after one that taught `taught`, by leg; that is forgotten again where it leaves no plan.
+    /// The plan of a round after which there was none, with all of its check.
+    fn sail_again(
+        &self,
+        Last { number, moves, problem, solution }: Last,
+        clearance: &Clearance,
+        search: &Search,
+    ) -> Result<(Solved, Sailing), VoyageError> {
+        let waters = self.waters(search.go_on)?;
+        let mut solved = Solved { waters, moves, problem, solution, front: Vec::new() };
+        let (sailing, _) = self.sail(&mut solved, clearance, (number, true), search)?;
+        Ok((solved, sailing))
+    }
+
+    /// A round after one that taught `taught`, by leg; where it leaves no plan, that is forgotten again if `keep`.
     fn again(
         &mut self,
         taught: Vec<(usize, Rehearser)>,
-        number: u32,
+        (number, keep): (u32, bool),
         clearance: &Clearance,
         search: &Search,
     ) -> Result<Round, VoyageError> {
-        let before = self.learn(taught, search)?;
+        let before = Some(self.learn(taught, search)?).filter(|_| keep);
         let solved = self.check_offered().and_then(|()| self.solve(search));
         let next = solved.and_then(|solved| self.round(clearance, (number, solved), search));
-        if next.is_err() {
+        if let (Err(_), Some(before)) = (&next, before) {
             self.know(before);
         }
         next
