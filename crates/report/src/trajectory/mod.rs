@@ -10,6 +10,7 @@ mod trials;
 pub(crate) mod words;
 
 use maud::{Markup, html};
+use study::documents::Voyage;
 use trial::voyage::Check;
 
 use crate::figures::map::parted;
@@ -48,7 +49,9 @@ pub(super) fn planned(study: &Study, main: &PlannedTrial, figures: &mut Figures)
             b { "Not for navigation." }
             " The plan was checked in simulation against the charts that are named under "
             a href="#files" { "Files" }
-            " and against nothing else. The master decides."
+            " and against nothing else."
+            @if let Some(uncharted) = voyage.and_then(Voyage::uncharted) { " " (uncharted) "." }
+            " The master decides."
         }
         @if let Some(voyage) = voyage { (unsafe_note(&voyage.check)) }
         (outdated(main))

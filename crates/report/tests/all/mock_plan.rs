@@ -158,6 +158,8 @@ fn voyage() -> Voyage {
             clearance_quantiles_m: [0.0, 12.5, 60.0],
             aground_open_loop: 17,
         },
+        uncharted_share: 0.034,
+        uncharted_is_water: false,
         passage: Passage {
             departure: Some("2026-06-01T08:00:00Z".to_owned()),
             tide: Some(Tide { slot_s: 3600.0, level_m: -0.4, stream_m_s: [0.1, 0.0], spread_m_s: 0.05 }),

@@ -6,7 +6,7 @@ use artifact::{Provenance, Staged, commit, stage_set_document};
 use lattice::ProblemFile;
 use report::PlanMap;
 use serde_json::{Value, json};
-use study::documents::{PlanChart, PlanDocument, Voyage};
+use study::documents::{PlanDocument, Voyage};
 use study::plan::{Routes, of_voyage};
 use study::track::stage_track;
 use trial::voyage::{Prepared, Sailing, Search, Solved};
@@ -53,7 +53,6 @@ pub fn plan_voyage(
         return Err(refusals::unsafe_plan(files.config, &sailing.check));
     }
     prepared.check_slot(&sailing.sailed).map_err(refuse)?;
-    let told: Vec<String> = charts.iter().map(PlanChart::told).collect();
     let document = PlanDocument { charts, ..of_voyage(&prepared, &solved, &sailing) };
     let planned = Planned { prepared: &prepared, solved: &solved, sailing: &sailing, document: &document };
     let mut staged = planned.stage(out, &provenance)?;
@@ -64,7 +63,7 @@ pub fn plan_voyage(
         staged.push(Staged::bytes(path, &serde_json::to_vec(&problem).unwrap_or_default())?);
     }
     commit(staged)?;
-    told.iter().filter(|_| !limits.quiet).for_each(|chart| on_stderr(format_args!("plan: {chart}")));
+    document.told().filter(|_| !limits.quiet).for_each(|chart| on_stderr(format_args!("plan: {chart}")));
     Ok(summary(out, &document))
 }
 

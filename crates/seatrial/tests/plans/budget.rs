@@ -72,6 +72,48 @@ fn law_a_plan_goes_through_with_the_memory_that_its_refusal_tells() {
     panic!("refused with {needed} MiB, which it says to take");
 }
 
+/// Exit code and peak memory of the program in a folder \[MiB\].
+#[cfg(target_os = "linux")]
+fn peak_mib(folder: &TempDir, line: &str) -> (Option<i32>, f64) {
+    let mut command = std::process::Command::new(SEATRIAL);
+    command.args(line.split_whitespace()).arg("--quiet").current_dir(folder.path());
+    let (out, err) = (std::process::Stdio::null(), std::process::Stdio::null());
+    let mut child = command.stdout(out).stderr(err).spawn().unwrap();
+    let mut peak_kib = 0.0_f64;
+    loop {
+        let status = std::fs::read_to_string(format!("/proc/{}/status", child.id())).unwrap_or_default();
+        let told = status.lines().find_map(|line| line.strip_prefix("VmHWM:")?.split_whitespace().next());
+        peak_kib = peak_kib.max(told.and_then(|text| text.parse().ok()).unwrap_or(0.0));
+        if let Some(ended) = child.try_wait().unwrap() {
+            return (ended.code(), peak_kib / 1024.0);
+        }
+        std::thread::sleep(std::time::Duration::from_millis(2));
+    }
+}
+
+/// A vessel of which hardly anything is known: after the first round there is no plan, so that of the first one is taken.
+#[cfg(target_os = "linux")]
+#[test]
+fn law_a_plan_that_is_kept_although_unsafe_keeps_to_the_memory() {
+    let folder = small_with(&[
+        ("runs = 4", "runs = 1000\nparameter_error = 0.9"),
+        ("margin_m = 20.0", "margin_m = 60.0"),
+        ("headings = 4", "headings = 4\nraster_per_cell = 64"),
+    ]);
+    let line = format!("{PLAN} --allow-unsafe");
+    let (mut planned, mut refused) = (0, 0);
+    for mib in [100, 130, 152, 160, 200] {
+        let (code, peak) = peak_mib(&folder, &format!("{line} --memory-mib {mib}"));
+        assert!(peak > 1.0 && peak <= 1.1 * f64::from(mib), "{peak} of {mib} MiB");
+        match code {
+            Some(0) => planned += 1,
+            code => refused += i32::from(code == Some(4)),
+        }
+    }
+    assert!(planned > 0 && refused > 0 && planned + refused == 5, "{planned} {refused}");
+    assert_eq!(json(&folder, "plan.json")["data"]["voyage"]["check"]["safe"], false);
+}
+
 #[test]
 fn the_time_limit_counts_layout_and_check() {
     let line = format!("{SOLVE} --memory-mib 8192 --time-limit-s 0.05");

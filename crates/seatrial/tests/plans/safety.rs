@@ -126,6 +126,53 @@ fn the_areas_edge_is_no_obstacle_and_nobody_crosses_it() {
     refused(&edge, 4, PLAN, &["`start`", "the hull reaches out of `area`", "the nearest clear node is"]);
 }
 
+#[test]
+fn law_as_many_runs_leave_what_is_read_of_the_chart_as_drift_off_it() {
+    let (runs, strongest_m_s) = (400, 0.6);
+    let folder = small_with(&[
+        ("kind = \"land\"", "kind = \"land\"\nopen_sea = true"),
+        ("unknown_current_m_s = 0.05\nruns = 4", "unknown_current_m_s = 0.6\nruns = 400"),
+    ]);
+    put(&folder, "land.geojson", &ISLAND.replace("59.", "61.").replace("60.", "61."));
+    run(&folder, PLAN).succeeds();
+    let planned = Planned::of(&folder);
+    let check = &planned.voyage()["check"];
+    assert!(check["aground"] == 0 && check["clearance_m"] == check["sight_m"], "{check}");
+    // Without corrections a vessel of known parameters goes the nominal way and drifts: there is nothing else to touch.
+    let lattice = |key: &str| planned.number(&format!("/voyage/lattice/{key}"));
+    let first = [lattice("longitude_deg"), lattice("latitude_deg")];
+    let edges = |nodes: &str| [-500.0, lattice("cell_m") * lattice(nodes) + 500.0];
+    let half_m = lattice("cell_m") / 2.0;
+    let track = planned.track.place.iter().zip(&planned.track.t);
+    let places: Vec<([f64; 2], f64)> =
+        track.map(|(place, t)| (east_north_m(first, *place).map(|m| m + half_m), *t)).collect();
+    let [[west, east], [south, north]] = ["nx", "ny"].map(edges);
+    let leaves = |[v_east, v_north]: [f64; 2]| {
+        places.iter().any(|([x, y], t)| {
+            let (x, y) = (x + v_east * t, y + v_north * t);
+            !(west..east).contains(&x) || !(south..north).contains(&y)
+        })
+    };
+    let drawn = (0..120).flat_map(|angle| (0..50).map(move |part| (f64::from(angle), f64::from(part))));
+    let left = drawn.filter(|(angle, part)| {
+        let (sin, cos) = (angle * std::f64::consts::TAU / 120.0).sin_cos();
+        let speed = strongest_m_s * (part + 0.5) / 50.0;
+        leaves([speed * sin, speed * cos])
+    });
+    let expected = left.count() as f64 / 6000.0;
+    let share = check["aground_open_loop"].as_f64().unwrap() / f64::from(runs);
+    let spread = (expected * (1.0 - expected) / f64::from(runs)).sqrt();
+    assert!(expected > 0.1 && expected < 0.9, "{expected}");
+    assert!((share - expected).abs() < 4.0 * spread, "{share} {expected}");
+}
+
+/// East and north of a place a few kilometres from another, on a sphere \[m\].
+fn east_north_m(from: [f64; 2], [lon, lat]: [f64; 2]) -> [f64; 2] {
+    let north = (lat - from[1]).to_radians();
+    let east = (lon - from[0]).to_radians() * ((lat + from[1]) / 2.0).to_radians().cos();
+    [east, north].map(|angle| 6_371_000.0 * angle)
+}
+
 /// The small study with a chart `[[chart]]` of dangers beside the land, at a place near its start.
 fn dangers(keys: &str, depth: &str) -> TempDir {
     let chart = format!("{OWN_CHART}\n[[chart]]\nfile = \"wrecks.geojson\"\n{keys}");

@@ -36,6 +36,14 @@ pub struct PlanDocument {
     pub charts: Vec<PlanChart>,
 }
 
+impl PlanDocument {
+    /// What is to be told of its charts, a line each.
+    pub fn told(&self) -> impl Iterator<Item = String> {
+        let uncharted = self.voyage.as_ref().and_then(Voyage::uncharted);
+        self.charts.iter().map(PlanChart::told).chain(uncharted)
+    }
+}
+
 /// An electronic chart that the plan was made on.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -179,12 +187,26 @@ pub struct Voyage {
     pub informative_s: f64,
     /// The simulated plan against the chart.
     pub check: Check,
+    /// The part of the area that no chart shows, from 0 to 1.
+    pub uncharted_share: f64,
+    /// Whether that counts as water; else it is an obstacle.
+    pub uncharted_is_water: bool,
     /// The same from waypoint to waypoint.
     pub passage: Passage,
     /// Information of what is sailed against what the counts promise.
     pub information: Information,
     /// Fewer uses for less time: the counts that no others beat, cheapest first. Empty where the search was not exhaustive.
     pub front: Vec<FrontPoint>,
+}
+
+impl Voyage {
+    /// What is told of places that no chart shows, in words; nothing where there are none.
+    pub fn uncharted(&self) -> Option<String> {
+        let percent = 100.0 * self.uncharted_share;
+        let part = if percent < 0.05 { "less than 0.1".to_owned() } else { format!("{percent:.1}") };
+        let counts = if self.uncharted_is_water { "which counts as water" } else { "which is kept out of" };
+        (percent > 0.0).then(|| format!("{part} % of the area is on no chart, {counts}"))
+    }
 }
 
 /// The lattice of a voyage.
@@ -303,7 +325,10 @@ impl Document for PlanDocument {
         ("1 or s", "value"),
         ("1", "counts variant i j h to_h di dj fits nx ny headings runs aground aground_open_loop seed"),
         ("1", "below_margin left_area aground_interval parameter_error vessels vessels_aground"),
-        ("1", "aground_bound aground_bound_by_vessels ends ends_astray tolerance_used rounds"),
+        (
+            "1",
+            "aground_bound aground_bound_by_vessels ends ends_astray tolerance_used rounds uncharted_share",
+        ),
         ("1", "predicted_log_det realised_log_det whole_log_det efficiency design_efficiency dimension"),
         ("1", "log_det"),
         ("m", "cell_m residual_m end_error_m spread_m clearance_m clearance_quantiles_m"),

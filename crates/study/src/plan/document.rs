@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use chart::Uncharted;
 use lattice::{Pose, Problem, Solution, Status, Step};
 use trial::voyage::{Check, Prepared, Sailing, Solved};
 
@@ -111,6 +112,8 @@ fn voyage(prepared: &Prepared, solved: &Solved, sailing: &Sailing) -> Voyage {
         duration_s: samples.len() as f64 / rate_hz,
         informative_s: samples.iter().filter(|s| s.informative).count() as f64 / rate_hz,
         check: sailing.check.clone(),
+        uncharted_share: prepared.uncharted_share(),
+        uncharted_is_water: prepared.chart.uncharted() == Uncharted::Water,
         passage: Layout { prepared, solved, sailing }.passage(),
         information: sailing.information.clone(),
         front: solved.front.clone(),

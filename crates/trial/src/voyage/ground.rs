@@ -1,8 +1,9 @@
 //! The chart on its plane, and the lattice laid over the task's area.
 
-use chart::{Bounds, Chart, Class, Layer, Plane, Polygon, Raster};
+use chart::{Bounds, Chart, Class, Layer, Mask, Plane, Polygon, Raster};
 use vessel::{Invalid, Motion, Steady, Vessel};
 
+use super::prepared::Prepared;
 use super::task::{Area, Task};
 use crate::{Grid, Mode};
 
@@ -103,6 +104,20 @@ impl Task {
         let origin = grid.origin_m.map(|o| o - self.cell_m / 2.0);
         let count = |n: usize| n * self.raster_per_cell;
         Raster { origin, cell_m, nx: count(grid.nx), ny: count(grid.ny) }
+    }
+}
+
+impl Prepared {
+    /// The part of the area that no chart shows, from 0 to 1: by cells of the lattice's raster, of which it takes some part.
+    pub fn uncharted_share(&self) -> f64 {
+        let raster = self.brief.task.raster(&self.grid);
+        let area = self.brief.task.area.polygon(self.chart.plane());
+        let beyond = area.map(|polygon| Mask::beyond(&polygon, raster));
+        let is_in = |cell: usize| beyond.as_ref().is_none_or(|beyond| !beyond.closed()[cell]);
+        let cells = self.chart.uncharted_cells(raster).into_iter().enumerate();
+        let inside = cells.filter(|(cell, _)| is_in(*cell)).map(|(_, uncharted)| u64::from(uncharted));
+        let (all, uncharted) = inside.fold((0_u64, 0), |(all, sum), own| (all + 1, sum + own));
+        uncharted as f64 / all.max(1) as f64
     }
 }
 
