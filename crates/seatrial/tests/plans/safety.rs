@@ -128,10 +128,10 @@ fn the_areas_edge_is_no_obstacle_and_nobody_crosses_it() {
 
 #[test]
 fn law_as_many_runs_leave_what_is_read_of_the_chart_as_drift_off_it() {
-    let (runs, strongest_m_s) = (400, 0.6);
+    let (runs, strongest_m_s) = (2000, 0.6);
     let folder = small_with(&[
         ("kind = \"land\"", "kind = \"land\"\nopen_sea = true"),
-        ("unknown_current_m_s = 0.05\nruns = 4", "unknown_current_m_s = 0.6\nruns = 400"),
+        ("unknown_current_m_s = 0.05\nruns = 4", "unknown_current_m_s = 0.6\nruns = 2000"),
     ]);
     put(&folder, "land.geojson", &ISLAND.replace("59.", "61.").replace("60.", "61."));
     run(&folder, PLAN).succeeds();
@@ -162,7 +162,7 @@ fn law_as_many_runs_leave_what_is_read_of_the_chart_as_drift_off_it() {
     let expected = left.count() as f64 / 6000.0;
     let share = check["aground_open_loop"].as_f64().unwrap() / f64::from(runs);
     let spread = (expected * (1.0 - expected) / f64::from(runs)).sqrt();
-    assert!(expected > 0.1 && expected < 0.9, "{expected}");
+    assert!(expected > 0.03 && expected < 0.9, "{expected}");
     assert!((share - expected).abs() < 4.0 * spread, "{share} {expected}");
 }
 
