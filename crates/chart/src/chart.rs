@@ -3,10 +3,8 @@ use std::borrow::Cow;
 use serde::Deserialize;
 
 use crate::frontier::frontier;
-use crate::occupancy::Occupancy;
 use crate::{
-    Area, Bounds, Called, Causes, Class, Contour, Grid, Invalid, PlacedGrid, Plane, Polygon, PolygonLayer,
-    Raster, Spot,
+    Area, Bounds, Called, Class, Contour, Grid, Invalid, PlacedGrid, Plane, Polygon, PolygonLayer, Spot,
 };
 
 /// What places that no layer charts are.
@@ -122,15 +120,6 @@ impl Chart {
     /// What places without any layer are.
     pub fn uncharted(&self) -> Uncharted {
         self.uncharted
-    }
-
-    /// Per cell of a raster, row by row from the south, whether any part of it is not charted, whatever such places count as.
-    ///
-    /// Charts with depths show what a depth or land polygon or a depth grid covers, charts of land in polygons everything, and
-    /// grids of land what they cover; cells without data of a grid show nothing.
-    pub fn uncharted_cells(&self, raster: Raster) -> Vec<bool> {
-        let causes = Occupancy::of_uncharted(self, raster).causes;
-        causes.into_iter().map(Causes::any).collect()
     }
 
     /// Bytes that it takes, about.

@@ -141,6 +141,17 @@ impl Occupancy {
     }
 }
 
+impl Chart {
+    /// Per cell of a raster, row by row from the south, whether any part of it is not charted, whatever such places count as.
+    ///
+    /// Charts with depths show what a depth or land polygon or a depth grid covers, charts of land in polygons everything, and
+    /// grids of land what they cover; cells without data of a grid show nothing.
+    pub fn uncharted_cells(&self, raster: Raster) -> Vec<bool> {
+        let causes = Occupancy::of_uncharted(self, raster).causes;
+        causes.into_iter().map(Causes::any).collect()
+    }
+}
+
 /// The bad cells of a grid, by runs of equal cause along its rows.
 pub(crate) fn each_strip(grid: &PlacedGrid, least_depth_m: f64, mut each: impl FnMut(&Polygon, Causes)) {
     let [land, shoal, missing] = ["land", "shoal", "no data"].map(Called::plain);
