@@ -111,6 +111,26 @@ fn absurd_but_finite_numbers_are_refused() {
 }
 
 #[test]
+fn tolerances_below_what_the_sensors_tell_apart_are_refused() {
+    // The small study's tolerances: 0.1 of 120 m, 6 degrees, 0.1 m/s, and 15 % of 0.05 rad/s.
+    for (key, refused, kept, tolerance) in [
+        ("position_m", "6.1", "6.0", "tolerance_cells"),
+        ("heading_deg", "3.1", "3.0", "tolerance_deg"),
+        ("speed_m_s", "0.051", "0.05", "tolerance_m_s"),
+        ("yaw_rate_rad_s", "0.0038", "0.00374", "tolerance_rad_s"),
+    ] {
+        let sensors = |value: &str| format!("[sensors]\n{key} = {value}\n\n[start]");
+        let pieces =
+            [&format!("`approach.{tolerance}`"), "2 standard deviations", &format!("`sensors.{key}`")];
+        edited("[start]", &sensors(refused), &pieces);
+        edited("[start]", &sensors("-0.1"), &[&format!("`sensors.{key}`")]);
+        edited("[start]", &sensors("nan"), &[&format!("`sensors.{key}`")]);
+        run(&small_with(&[("[start]", &sensors(kept))]), PLAN).succeeds();
+    }
+    edited("[start]", "[sensors]\nposition = 1.0\n\n[start]", &["`position`", "`position_m`?"]);
+}
+
+#[test]
 fn choices_that_no_lattice_has_are_refused() {
     for headings in ["5", "0", "3", "32", "1000000000"] {
         edited("headings = 4", &format!("headings = {headings}"), &["`headings`", headings, "4, 8 or 16"]);

@@ -3,8 +3,8 @@
 use std::ops::Bound::{self, Excluded, Included, Unbounded};
 use std::ops::RangeBounds;
 
-use trial::Mode;
 use trial::voyage::AT_REST;
+use trial::{Mode, Tolerance};
 use vessel::{Invalid, MOST_CURRENT_M_S};
 
 use super::area::check_corners;
@@ -17,6 +17,9 @@ type Number = (&'static str, f64, Range, &'static str);
 
 const ABOVE_0: Range = (Excluded(0.0), Unbounded);
 const FROM_0: Range = (Included(0.0), Unbounded);
+
+/// Standard deviations of a sensor that a tolerance has room for at least: 95 of 100 measurements are no farther off.
+const SEEN: f64 = 2.0;
 
 /// Above 0 up to `most`.
 fn above_0_to(most: f64) -> Range {
@@ -75,8 +78,8 @@ impl PlanFile {
         (0..self.speed_mode.len()).try_for_each(|index| self.check_mode(index))
     }
 
-    fn numbers(&self) -> [Number; 20] {
-        let (hull, safety, approach) = (self.hull, self.safety, self.approach);
+    fn numbers(&self) -> [Number; 24] {
+        let (hull, safety, approach, sensors) = (self.hull, self.safety, self.approach, self.sensors);
         let [speed, towards] = self.known_current.map_or([0.0; 2], |c| [c.speed_m_s, c.towards_deg]);
         let within = |most: f64| (Included(-most), Included(most));
         [
@@ -107,10 +110,43 @@ impl PlanFile {
             ("approach.tolerance_deg", approach.tolerance_deg, ABOVE_0, "degrees"),
             ("approach.tolerance_m_s", approach.tolerance_m_s.unwrap_or(1.0), ABOVE_0, "m/s"),
             ("approach.tolerance_rad_s", approach.tolerance_rad_s.unwrap_or(1.0), ABOVE_0, "rad/s"),
+            ("sensors.position_m", sensors.position_m, FROM_0, "m"),
+            ("sensors.heading_deg", sensors.heading_deg, FROM_0, "degrees"),
+            ("sensors.speed_m_s", sensors.speed_m_s, FROM_0, "m/s"),
+            ("sensors.yaw_rate_rad_s", sensors.yaw_rate_rad_s, FROM_0, "rad/s"),
             ("known_current.speed_m_s", speed, from_0_to(MOST_CURRENT_M_S), "m/s"),
             ("known_current.towards_deg", towards, within(360.0), "degrees"),
             ("informative_s", self.informative_s.unwrap_or(1.0), ABOVE_0, "s"),
         ]
+    }
+
+    /// Refuses tolerances that nobody on board can tell to be kept, such as one that follows from the handling.
+    pub(super) fn check_sensors(&self, tolerance: &Tolerance) -> Result<(), Invalid> {
+        let sensors = self.sensors;
+        for (key, tolerance, sensor, deviation, unit) in [
+            ("tolerance_cells", tolerance.distance_m, "position_m", sensors.position_m, "m"),
+            (
+                "tolerance_deg",
+                tolerance.heading_rad.to_degrees(),
+                "heading_deg",
+                sensors.heading_deg,
+                "degrees",
+            ),
+            ("tolerance_m_s", tolerance.surge_m_s, "speed_m_s", sensors.speed_m_s, "m/s"),
+            ("tolerance_rad_s", tolerance.yaw_rate_rad_s, "yaw_rate_rad_s", sensors.yaw_rate_rad_s, "rad/s"),
+        ] {
+            let least = SEEN * deviation;
+            // Angles come from radians.
+            if tolerance < least * (1.0 - 1e-12) {
+                return Err(Invalid::new(
+                    format!("`approach.{key}`"),
+                    format!("{tolerance} {unit}"),
+                    format!("at least {least} {unit}, {SEEN} standard deviations of `sensors.{sensor}`"),
+                    "raise the tolerance, or measure better",
+                ));
+            }
+        }
+        Ok(())
     }
 
     fn check_choices(&self) -> Result<(), Invalid> {

@@ -36,6 +36,9 @@ pub struct PlanFile {
     /// What comes before and after a maneuver.
     #[serde(default)]
     pub approach: ApproachSpec,
+    /// What the ship's sensors can tell apart.
+    #[serde(default)]
+    pub sensors: SensorSpec,
     /// Speeds that the vessel may have at a node, besides being at rest.
     #[serde(default)]
     pub speed_mode: Vec<Mode>,
@@ -189,4 +192,18 @@ impl Default for ApproachSpec {
             tolerance_rad_s: None,
         }
     }
+}
+
+/// Standard deviations of what the ship measures on its way; 0 of what is exact.
+#[derive(Clone, Copy, Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct SensorSpec {
+    /// Position, north and east each \[m\].
+    pub position_m: f64,
+    /// Heading \[degrees\].
+    pub heading_deg: f64,
+    /// Speeds u and v \[m/s\].
+    pub speed_m_s: f64,
+    /// Yaw rate \[rad/s\].
+    pub yaw_rate_rad_s: f64,
 }

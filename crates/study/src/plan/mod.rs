@@ -17,7 +17,9 @@ mod tide;
 
 pub use charts::{Charts, read_charts};
 pub use document::{of_problem, of_voyage};
-pub use file::{ApproachSpec, AreaSpec, ChartKind, ChartSpec, KnownCurrent, PlanFile, SlotSpec, TideSpec};
+pub use file::{
+    ApproachSpec, AreaSpec, ChartKind, ChartSpec, KnownCurrent, PlanFile, SensorSpec, SlotSpec, TideSpec,
+};
 pub use resume::{place, resumed};
 pub use routes::{NamedFile, Routes};
 pub use tide::in_tide;

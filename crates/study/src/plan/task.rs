@@ -16,6 +16,8 @@ impl PlanFile {
         self.check()?;
         let derived = DerivedHandling::of(vessel, &self.speed_mode, self.hull.length_m)?;
         let handling = self.handling.completed(&derived)?;
+        let approach = self.approach(&handling);
+        self.check_sensors(&approach.tolerance)?;
         let area = self.area.area()?;
         let departure = self.departure.as_deref().map(|at| second("departure", at)).transpose()?;
         Ok(Task {
@@ -30,7 +32,7 @@ impl PlanFile {
             known_current_m_s: self.known_current.map_or([0.0; 2], |current| current.components_m_s()),
             handling,
             derived,
-            approach: self.approach(&handling),
+            approach,
             modes: self.speed_mode.clone(),
             speed_limits: self.speed_limit.clone(),
             maneuvers: self.maneuver.clone(),
