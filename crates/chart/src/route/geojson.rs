@@ -75,11 +75,14 @@ fn line(line: &[[f64; 2]], thing: &str) -> Result<GeometryValue, Invalid> {
 
 /// Where a step crosses the antimeridian, on its own side and on the other; nothing where it does not.
 fn at_antimeridian(from: [f64; 2], to: [f64; 2]) -> Option<[[f64; 2]; 2]> {
+    if (to[0] - from[0]).abs() <= 180.0 {
+        return None;
+    }
     let edge = 180_f64.copysign(from[0]);
     let step = to[0] + 2.0 * edge - from[0];
     let part = if step == 0.0 { 0.0 } else { (edge - from[0]) / step };
     let latitude = from[1] + part * (to[1] - from[1]);
-    ((to[0] - from[0]).abs() > 180.0).then_some([[edge, latitude], [-edge, latitude]])
+    Some([[edge, latitude], [-edge, latitude]])
 }
 
 fn positions(points: &[[f64; 2]], least: usize, thing: &str) -> Result<Vec<Position>, Invalid> {
