@@ -59,13 +59,13 @@ impl<X: Number> Batch<'_, X> {
         self.measured.len() / 3 - 1
     }
 
-    /// Evaluates φ at samples `k..k + count`, `count` ≤ [`BLOCK`]; zero beyond.
+    /// Evaluates φ at samples `k..k + count`, `count` ≤ [`SPAN`]; zero beyond.
     #[inline(always)]
     pub(crate) fn phi(&self, k: usize, count: usize, out: &mut Regressors<Lane>) {
         out.evaluate(self.model, self.measured, self.exogenous, X::lane, k, count);
     }
 
-    /// Evaluates ζ at samples `k..k + count`, `count` ≤ [`BLOCK`]; zero beyond.
+    /// Evaluates ζ at samples `k..k + count`, `count` ≤ [`SPAN`]; zero beyond.
     #[inline(always)]
     pub(crate) fn zeta(&self, k: usize, count: usize, out: &mut Regressors<X>) {
         out.evaluate(self.model, self.instrument_states, self.exogenous, std::convert::identity, k, count);
@@ -74,65 +74,97 @@ impl<X: Number> Batch<'_, X> {
     /// Δy of degree of freedom `d` less the model's constant and known terms at samples `k..k + count`; zero beyond. `phi` was
     /// evaluated there.
     #[inline(always)]
-    pub(crate) fn increments(&self, k: usize, count: usize, d: usize, phi: &Regressors<Lane>) -> Block<Lane> {
-        let mut next = [Lane::ZERO; BLOCK];
-        copy_column(&self.measured[3 * (k + 1) + d..], 3, count, Lane::lane, &mut next);
-        for (next, now) in next.iter_mut().zip(&phi.signals[d]) {
-            *next = *next - *now;
+    pub(crate) fn increments(
+        &self,
+        k: usize,
+        count: usize,
+        d: usize,
+        phi: &Regressors<Lane>,
+        out: &mut Span<Lane>,
+    ) {
+        copy_state(&self.measured[3 * (k + 1)..], d, count, out);
+        for (own, now) in out.iter_mut().zip(&phi.signals[d]) {
+            *own = *own - *now;
         }
         let constant = self.model.constant[d];
         if constant != 0.0 {
-            for increment in &mut next[..count] {
+            for increment in &mut out[..count] {
                 *increment = *increment - Lane::splat(constant);
             }
         }
         for known in &self.model.degrees[d].known {
-            let mut gained = [Lane::ZERO; BLOCK];
+            let mut gained = [Lane::ZERO; SPAN];
             known.add(&phi.signals[..phi.variables], &mut gained);
-            for (increment, gained) in next[..count].iter_mut().zip(gained) {
+            for (increment, gained) in out[..count].iter_mut().zip(gained) {
                 *increment = *increment - gained;
             }
         }
-        next
     }
 }
 
-/// Copies `count` entries of a column into a block, and zeros beyond: the terms of zeros are zeros. A whole block is a loop
-/// of fixed length without conditions, so that each entry moves as one vector.
+/// Copies state `i` of `count` samples, and zeros beyond: the terms of zeros are zeros. A whole span is a loop of fixed
+/// length without conditions, so that each entry moves as one vector.
+#[inline(always)]
+fn copy_state<X: Number>(states: &[X], i: usize, count: usize, out: &mut Span<X>) {
+    let rows = states.as_chunks::<3>().0;
+    match rows.first_chunk::<SPAN>() {
+        Some(rows) if count == SPAN => {
+            for t in 0..SPAN {
+                out[t] = rows[t][i];
+            }
+        }
+        _ => {
+            *out = [X::ZERO; SPAN];
+            for (value, row) in out.iter_mut().zip(&rows[..count]) {
+                *value = row[i];
+            }
+        }
+    }
+}
+
+/// [`copy_state`] of a column.
 #[inline(always)]
 fn copy_column<X: Number, Y: Number>(
     column: &[X],
     stride: usize,
     count: usize,
     convert: impl Fn(X) -> Y,
-    out: &mut Block<Y>,
+    out: &mut Span<Y>,
 ) {
-    if count == BLOCK {
+    if count == SPAN {
         for (t, value) in out.iter_mut().enumerate() {
             *value = convert(column[stride * t]);
         }
     } else {
-        *out = [Y::ZERO; BLOCK];
+        *out = [Y::ZERO; SPAN];
         for (value, entry) in out.iter_mut().zip(column.iter().step_by(stride)).take(count) {
             *value = convert(*entry);
         }
     }
 }
 
-/// Samples that are evaluated at once.
+/// Samples that are summed up before their sum is added to the others.
 pub(crate) const BLOCK: usize = 8;
 /// A signal at [`BLOCK`] samples.
 pub(crate) type Block<X> = [X; BLOCK];
 
-/// The variables at [`BLOCK`] samples and the terms that are made of them. A term that is a variable is not copied.
+/// Samples at which the terms of any model are evaluated at once: several blocks, so that what is decided per term is
+/// decided seldom, and few enough for the nearest cache.
+pub(crate) const SPAN: usize = 4 * BLOCK;
+/// A signal at [`SPAN`] samples.
+pub(crate) type Span<X> = [X; SPAN];
+
+/// The variables at [`SPAN`] samples and the terms that are made of them. A term that is a variable is not copied.
 pub(crate) struct Regressors<X> {
     /// Variables, then what of the terms is none.
-    signals: Vec<Block<X>>,
+    signals: Vec<Span<X>>,
     /// Of every term, the place of its signal.
     places: Vec<usize>,
     variables: usize,
-    /// Of every signal, whether it is evaluated; the others stay zero.
-    wanted: Vec<bool>,
+    /// The inputs and measured disturbances that are evaluated; the others stay zero.
+    exogenous: Vec<usize>,
+    /// The terms that are evaluated: degree of freedom, place in it, place of the signal after the variables.
+    products: Vec<[usize; 3]>,
 }
 
 impl<X: Number> Regressors<X> {
@@ -143,27 +175,23 @@ impl<X: Number> Regressors<X> {
     /// The first `terms` terms of each degree of freedom, and the variables of its known terms.
     pub(crate) fn of(model: &Model, terms: [usize; 3]) -> Self {
         let variables = model.variables.len();
+        let (mut places, mut products) = (Vec::new(), Vec::new());
+        let mut used: Vec<usize> =
+            model.known().flat_map(|(_, known)| &known.factors).map(|f| f.variable).collect();
         let mut next = variables;
-        let place = |term: &Term| match (term.factors.as_slice(), term.tied.is_empty()) {
-            ([Factor { variable, modulus: false }], true) => *variable,
-            _ => {
-                next += 1;
-                next - 1
+        for (d, (degree, own)) in model.degrees.iter().zip(terms).enumerate() {
+            for (i, term) in degree.terms.iter().enumerate() {
+                let variable = variable_of(term);
+                places.push(variable.unwrap_or(next));
+                if i < own {
+                    used.extend(term.products().flatten().map(|f| f.variable));
+                    products.extend(variable.is_none().then_some([d, i, next - variables]));
+                }
+                next += usize::from(variable.is_none());
             }
-        };
-        let places: Vec<usize> = model.degrees.iter().flat_map(|d| &d.terms).map(place).collect();
-        let mut wanted = vec![false; next];
-        model.known().flat_map(|(_, known)| &known.factors).for_each(|f| wanted[f.variable] = true);
-        let all = model
-            .degrees
-            .iter()
-            .zip(terms)
-            .flat_map(|(d, own)| d.terms.iter().enumerate().map(move |(i, t)| (t, i < own)));
-        for ((term, _), place) in all.zip(&places).filter(|((_, own), _)| *own) {
-            wanted[*place] = true;
-            term.products().flatten().for_each(|f| wanted[f.variable] = true);
         }
-        Self { signals: vec![[X::ZERO; BLOCK]; next], places, variables, wanted }
+        let exogenous = (3..variables).filter(|i| used.contains(i)).map(|i| i - 3).collect();
+        Self { signals: vec![[X::ZERO; SPAN]; next], places, variables, exogenous, products }
     }
 
     /// The terms in `range`.
@@ -185,41 +213,45 @@ impl<X: Number> Regressors<X> {
         let (values, products) = self.signals.split_at_mut(self.variables);
         let (own, others) = values.split_at_mut(3);
         for (i, variable) in own.iter_mut().enumerate() {
-            copy_column(&states[3 * k + i..], 3, count, std::convert::identity, variable);
+            copy_state(&states[3 * k..], i, count, variable);
         }
         let width = model.exogenous();
-        for (i, variable) in others.iter_mut().enumerate().filter(|(i, _)| self.wanted[3 + i]) {
-            copy_column(&exogenous[width * k + i..], width, count, convert, variable);
+        for i in &self.exogenous {
+            copy_column(&exogenous[width * k + i..], width, count, convert, &mut others[*i]);
         }
-        let mut places = self.places.iter();
-        for degree in &model.degrees {
-            for (term, place) in degree.terms.iter().zip(&mut places) {
-                let product = place.checked_sub(self.variables).filter(|_| self.wanted[*place]);
-                let Some(out) = product.and_then(|i| products.get_mut(i)) else { continue };
-                term.values(values, out);
-                if term.is_constant() {
-                    out[count..].fill(X::ZERO);
-                }
+        for [d, i, place] in &self.products {
+            let (term, out) = (&model.degrees[*d].terms[*i], &mut products[*place]);
+            term.values(values, out);
+            if term.is_constant() {
+                out[count..].fill(X::ZERO);
             }
         }
     }
 }
 
-/// Several signals at [`BLOCK`] samples.
-pub(crate) trait Signals<Y>: Copy {
+/// The variable that a term is.
+fn variable_of(term: &Term) -> Option<usize> {
+    match (term.factors.as_slice(), term.tied.is_empty()) {
+        ([Factor { variable, modulus: false }], true) => Some(*variable),
+        _ => None,
+    }
+}
+
+/// Several signals at `N` samples, whole blocks of them.
+pub(crate) trait Signals<Y, const N: usize>: Copy {
     /// How many.
     fn count(self) -> usize;
     /// One of them.
-    fn signal(&self, i: usize) -> &Block<Y>;
+    fn signal(&self, i: usize) -> &[Y; N];
 }
 
-impl<Y> Signals<Y> for &[Block<Y>] {
+impl<Y, const N: usize> Signals<Y, N> for &[[Y; N]] {
     #[inline(always)]
     fn count(self) -> usize {
         self.len()
     }
     #[inline(always)]
-    fn signal(&self, i: usize) -> &Block<Y> {
+    fn signal(&self, i: usize) -> &[Y; N] {
         &self[i]
     }
 }
@@ -227,24 +259,34 @@ impl<Y> Signals<Y> for &[Block<Y>] {
 /// Signals among others.
 #[derive(Clone, Copy)]
 pub(crate) struct Picked<'a, X> {
-    signals: &'a [Block<X>],
+    signals: &'a [Span<X>],
     places: &'a [usize],
 }
 
-impl<X: Copy> Signals<X> for Picked<'_, X> {
+impl<X: Copy> Signals<X, SPAN> for Picked<'_, X> {
     #[inline(always)]
     fn count(self) -> usize {
         self.places.len()
     }
     #[inline(always)]
-    fn signal(&self, i: usize) -> &Block<X> {
+    fn signal(&self, i: usize) -> &Span<X> {
         &self.signals[self.places[i]]
     }
 }
 
+/// `C` signals from `first` on.
+#[inline(always)]
+fn some_of<Y, const N: usize, const C: usize>(signals: &impl Signals<Y, N>, first: usize) -> [&[Y; N]; C] {
+    let mut some = [signals.signal(first); C];
+    for (i, signal) in some.iter_mut().enumerate() {
+        *signal = signals.signal(first + i);
+    }
+    some
+}
+
 /// Adds Σ y of every signal y to its entry of `sums`.
 #[inline(always)]
-pub(crate) fn add_totals<Y: Number>(signals: impl Signals<Y>, sums: &mut [Lane]) {
+pub(crate) fn add_totals<Y: Number, const N: usize>(signals: impl Signals<Y, N>, sums: &mut [Lane]) {
     accumulate(
         signals,
         sums,
@@ -255,7 +297,7 @@ pub(crate) fn add_totals<Y: Number>(signals: impl Signals<Y>, sums: &mut [Lane])
 
 /// Adds Σ y² of every signal y to its entry of `sums`.
 #[inline(always)]
-pub(crate) fn add_squares<Y: Number>(signals: impl Signals<Y>, sums: &mut [Lane]) {
+pub(crate) fn add_squares<Y: Number, const N: usize>(signals: impl Signals<Y, N>, sums: &mut [Lane]) {
     accumulate(
         signals,
         sums,
@@ -266,7 +308,11 @@ pub(crate) fn add_squares<Y: Number>(signals: impl Signals<Y>, sums: &mut [Lane]
 
 /// Adds Σ x y of every signal y to its entry of `sums`.
 #[inline(always)]
-pub(crate) fn add_products<X: Number, Y: Number>(x: &Block<X>, signals: impl Signals<Y>, sums: &mut [Lane]) {
+pub(crate) fn add_products<X: Number, Y: Number, const N: usize>(
+    x: &[X; N],
+    signals: impl Signals<Y, N>,
+    sums: &mut [Lane],
+) {
     accumulate(
         signals,
         sums,
@@ -278,9 +324,9 @@ pub(crate) fn add_products<X: Number, Y: Number>(x: &Block<X>, signals: impl Sig
 /// Adds Σ x y of every signal x and every signal y to `sums`: a row of `width` for each x. Tiles of them stay in
 /// registers, so that a number that was loaded is used several times.
 #[inline(always)]
-pub(crate) fn add_outer<X: Number, Y: Number>(
-    x: &impl Signals<X>,
-    y: &impl Signals<Y>,
+pub(crate) fn add_outer<X: Number, Y: Number, const N: usize>(
+    x: &impl Signals<X, N>,
+    y: &impl Signals<Y, N>,
     width: usize,
     sums: &mut [Lane],
 ) {
@@ -289,12 +335,12 @@ pub(crate) fn add_outer<X: Number, Y: Number>(
         for column in (0..columns).step_by(3) {
             let at = [row, column];
             match (rows - row > 1, columns - column) {
-                (true, 1) => add_tile::<X, Y, 2, 1>(x, y, at, width, sums),
-                (true, 2) => add_tile::<X, Y, 2, 2>(x, y, at, width, sums),
-                (true, _) => add_tile::<X, Y, 2, 3>(x, y, at, width, sums),
-                (false, 1) => add_tile::<X, Y, 1, 1>(x, y, at, width, sums),
-                (false, 2) => add_tile::<X, Y, 1, 2>(x, y, at, width, sums),
-                (false, _) => add_tile::<X, Y, 1, 3>(x, y, at, width, sums),
+                (true, 1) => add_tile::<X, Y, N, 2, 1>(x, y, at, width, sums),
+                (true, 2) => add_tile::<X, Y, N, 2, 2>(x, y, at, width, sums),
+                (true, _) => add_tile::<X, Y, N, 2, 3>(x, y, at, width, sums),
+                (false, 1) => add_tile::<X, Y, N, 1, 1>(x, y, at, width, sums),
+                (false, 2) => add_tile::<X, Y, N, 1, 2>(x, y, at, width, sums),
+                (false, _) => add_tile::<X, Y, N, 1, 3>(x, y, at, width, sums),
             }
         }
     }
@@ -302,77 +348,83 @@ pub(crate) fn add_outer<X: Number, Y: Number>(
 
 /// A tile of [`add_outer`]: `R` rows and `C` columns from a place on.
 #[inline(always)]
-fn add_tile<X: Number, Y: Number, const R: usize, const C: usize>(
-    x: &impl Signals<X>,
-    y: &impl Signals<Y>,
+fn add_tile<X: Number, Y: Number, const N: usize, const R: usize, const C: usize>(
+    x: &impl Signals<X, N>,
+    y: &impl Signals<Y, N>,
     [row, column]: [usize; 2],
     width: usize,
     sums: &mut [Lane],
 ) {
-    let mut rows = [x.signal(row); R];
-    for (i, signal) in rows.iter_mut().enumerate() {
-        *signal = x.signal(row + i);
+    let (x, y): ([_; R], [_; C]) = (some_of(x, row), some_of(y, column));
+    let mut tile = [[Lane::ZERO; C]; R];
+    for (i, tile) in tile.iter_mut().enumerate() {
+        let first = (row + i) * width + column;
+        tile.copy_from_slice(&sums[first..first + C]);
     }
-    let mut columns = [y.signal(column); C];
-    for (i, signal) in columns.iter_mut().enumerate() {
-        *signal = y.signal(column + i);
-    }
-    let mut own = [[Lane::ZERO; C]; R];
-    for t in 0..BLOCK {
-        for (own, x) in own.iter_mut().zip(rows) {
-            for (own, y) in own.iter_mut().zip(columns) {
-                *own = x[t].lane().fused(y[t].lane(), *own);
+    for block in (0..N).step_by(BLOCK) {
+        let mut own = [[Lane::ZERO; C]; R];
+        for t in block..block + BLOCK {
+            for i in 0..R {
+                for j in 0..C {
+                    own[i][j] = x[i][t].lane().fused(y[j][t].lane(), own[i][j]);
+                }
+            }
+        }
+        for i in 0..R {
+            for j in 0..C {
+                tile[i][j] += own[i][j];
             }
         }
     }
-    for (i, own) in own.iter().enumerate() {
+    for (i, tile) in tile.iter().enumerate() {
         let first = (row + i) * width + column;
-        for (sum, own) in sums[first..first + C].iter_mut().zip(own) {
-            *sum += *own;
-        }
+        sums[first..first + C].copy_from_slice(tile);
     }
 }
 
-/// Adds to the entry of `sums` of every signal y what `f`(t, y(t), sum) makes of a sum, sample by sample; several signals at a time, so that no addition waits for
-/// the one before it.
+/// Adds to the entry of `sums` of every signal y what `f`(t, y(t), sum) makes of a sum, sample by sample, block by block;
+/// several signals at a time, so that no addition waits for the one before it.
 #[inline(always)]
-pub(crate) fn accumulate<Y: Number>(
-    signals: impl Signals<Y>,
+pub(crate) fn accumulate<Y: Number, const N: usize>(
+    signals: impl Signals<Y, N>,
     sums: &mut [Lane],
     f: impl Fn(usize, Y, Lane) -> Lane + Copy,
 ) {
     let count = signals.count();
     let whole = count - count % 4;
     for first in (0..whole).step_by(4) {
-        add_sums::<Y, 4>(&signals, first, sums, f);
+        add_sums::<Y, N, 4>(&signals, first, sums, f);
     }
     match count % 4 {
-        3 => add_sums::<Y, 3>(&signals, whole, sums, f),
-        2 => add_sums::<Y, 2>(&signals, whole, sums, f),
-        1 => add_sums::<Y, 1>(&signals, whole, sums, f),
+        3 => add_sums::<Y, N, 3>(&signals, whole, sums, f),
+        2 => add_sums::<Y, N, 2>(&signals, whole, sums, f),
+        1 => add_sums::<Y, N, 1>(&signals, whole, sums, f),
         _ => {}
     }
 }
 
-/// [`accumulate`] of `N` signals from `first` on.
+/// [`accumulate`] of `C` signals from `first` on.
+#[allow(clippy::needless_range_loop)] // What iterators make of arrays is not always inlined, and then has no vectors.
 #[inline(always)]
-fn add_sums<Y: Number, const N: usize>(
-    signals: &impl Signals<Y>,
+fn add_sums<Y: Number, const N: usize, const C: usize>(
+    signals: &impl Signals<Y, N>,
     first: usize,
     sums: &mut [Lane],
     f: impl Fn(usize, Y, Lane) -> Lane,
 ) {
-    let mut signal = [signals.signal(first); N];
-    for (i, signal) in signal.iter_mut().enumerate() {
-        *signal = signals.signal(first + i);
-    }
-    let mut own = [Lane::ZERO; N];
-    for t in 0..BLOCK {
-        for (own, signal) in own.iter_mut().zip(signal) {
-            *own = f(t, signal[t], *own);
+    let some: [_; C] = some_of(signals, first);
+    let mut totals = [Lane::ZERO; C];
+    totals.copy_from_slice(&sums[first..first + C]);
+    for block in (0..N).step_by(BLOCK) {
+        let mut own = [Lane::ZERO; C];
+        for t in block..block + BLOCK {
+            for i in 0..C {
+                own[i] = f(t, some[i][t], own[i]);
+            }
+        }
+        for i in 0..C {
+            totals[i] += own[i];
         }
     }
-    for (sum, own) in sums[first..first + N].iter_mut().zip(own) {
-        *sum += own;
-    }
+    sums[first..first + C].copy_from_slice(&totals);
 }

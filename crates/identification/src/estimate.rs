@@ -103,6 +103,9 @@ impl Instruments {
     fn groups<X: Number>(&self, batch: &Batch<X>) -> Vec<[DegreeSums<Lane>; 3]> {
         let sums: BTreeMap<_, LaneSums> =
             self.sums.iter().map(|(range, own)| (range, own.with_measured(batch.any()))).collect();
+        if self.sums.len() == 1 {
+            return sums.into_values().map(LaneSums::whole).collect();
+        }
         let most = self.means.iter().map(Vec::len).max().unwrap_or(0);
         let mut groups = vec![batch.model.degrees.each_ref().map(DegreeSums::of); most];
         for lane in 0..LANES {
@@ -163,7 +166,7 @@ impl Instruments {
         let freedom = |d: usize| {
             Lane(std::array::from_fn(|lane| {
                 let p = solved[d].theta.len();
-                let own = estimated(&lane_of(&solved[d].inverse, lane), p) + self.intercepts_of(d, lane);
+                let own = estimated(p, |k| solved[d].inverse[k][lane]) + self.intercepts_of(d, lane);
                 samples as f64 - own as f64
             }))
         };
@@ -237,7 +240,7 @@ impl Run {
             }
             let unexcited = |parameter| Outcome::NotIdentifiable(Direction { degree: d, parameter });
             let (theta, inverse) = normal.solve().map_err(unexcited)?;
-            if estimated(&inverse, theta.len()) == 0 {
+            if estimated(theta.len(), |k| inverse[k]) == 0 {
                 return Err(unexcited(0));
             }
             solved.theta.extend(theta);
@@ -256,7 +259,7 @@ impl Run {
 impl Solved {
     /// N over N less unknowns, per degree of freedom: what residuals that were fitted are too small by.
     pub(crate) fn fitted(&self, samples: u64) -> [f64; 3] {
-        let own = |d: usize| estimated(&self.inverses[d], self.inverses[d].len().isqrt());
+        let own = |d: usize| estimated(self.inverses[d].len().isqrt(), |k| self.inverses[d][k]);
         let unknowns = |d: usize| own(d) + self.intercepts[d];
         [0, 1, 2].map(|d| samples as f64 / (samples as f64 - unknowns(d) as f64))
     }

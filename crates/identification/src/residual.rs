@@ -3,9 +3,9 @@
 //! θ̂ − θ = A⁻¹ Σ ζᶜ(k) ε(k). The residual contains e(k+1) − e(k), so it is correlated with its neighbours: it is taken as
 //! a moving average of order one with autocovariances γ₀, γ₁, and |γ₁| ≤ γ₀/2 as every such process has.
 
-use vessel::{LANES, Lane, Number};
+use vessel::{LANES, Lane, Model, Number};
 
-use crate::batch::{AnyBatch, BLOCK, Block, Regressors, Signals, over_batch};
+use crate::batch::{AnyBatch, BLOCK, Block, Regressors, SPAN, Signals, over_batch};
 use crate::{Batch, structured};
 
 /// A group of samples that shares its intercepts: its first sample, and a constant per signal.
@@ -44,33 +44,42 @@ impl InstrumentSquares {
         }
         let mut zeta = Regressors::new(batch.model);
         let mut centred = vec![[Lane::ZERO; 1 + BLOCK]; batch.model.parameters()];
-        for k in (0..batch.samples()).step_by(BLOCK) {
-            let count = BLOCK.min(batch.samples() - k);
+        for k in (0..batch.samples()).step_by(SPAN) {
+            let count = SPAN.min(batch.samples() - k);
             batch.zeta(k, count, &mut zeta);
             let terms = zeta.terms(0..centred.len());
-            for (i, (own, mean)) in centred.iter_mut().zip(means.at(k)).enumerate() {
-                let z = terms.signal(i);
-                own[0] = own[BLOCK];
-                for t in 0..BLOCK {
-                    own[1 + t] = z[t].lane() - mean[t];
-                }
-                own[1 + count..].fill(Lane::ZERO);
-            }
-            let (mut first, mut place) = (0, 0);
-            for p in batch.model.degrees.iter().map(|d| d.terms.len()) {
-                for i in first..first + p {
-                    for others in centred[i..first + p].chunks(2) {
-                        match others {
-                            [one, two] => sums.add(place, &centred[i], [one, two]),
-                            _ => sums.add(place, &centred[i], [&others[0]]),
-                        }
-                        place += others.len();
+            for block in (0..count).step_by(BLOCK) {
+                let means = means.at(k + block);
+                for (i, (own, mean)) in centred.iter_mut().zip(means).enumerate() {
+                    let z = terms.signal(i);
+                    own[0] = own[BLOCK];
+                    for t in 0..BLOCK {
+                        own[1 + t] = z[block + t].lane() - mean[t];
                     }
+                    own[1 + BLOCK.min(count - block)..].fill(Lane::ZERO);
                 }
-                first += p;
+                sums.add_block(batch.model, &centred);
             }
         }
         sums
+    }
+
+    /// Adds a block of centred instruments, which begin with the sample before.
+    #[inline(always)]
+    fn add_block(&mut self, model: &Model, centred: &[[Lane; 1 + BLOCK]]) {
+        let (mut first, mut place) = (0, 0);
+        for p in model.degrees.iter().map(|d| d.terms.len()) {
+            for i in first..first + p {
+                for others in centred[i..first + p].chunks(2) {
+                    match others {
+                        [one, two] => self.add(place, &centred[i], [one, two]),
+                        _ => self.add(place, &centred[i], [&others[0]]),
+                    }
+                    place += others.len();
+                }
+            }
+            first += p;
+        }
     }
 
     /// Adds products of one block with some others, those with itself and with its neighbours, from `place` on. Blocks
@@ -127,24 +136,29 @@ impl ResidualSums {
             return sums;
         }
         let mut phi = Regressors::new(batch.model);
-        for k in (0..batch.samples()).step_by(BLOCK) {
-            let count = BLOCK.min(batch.samples() - k);
-            let intercepts = intercepts.at(k);
+        for k in (0..batch.samples()).step_by(SPAN) {
+            let count = SPAN.min(batch.samples() - k);
             batch.phi(k, count, &mut phi);
-            let mut first = 0;
-            for d in 0..3 {
-                let mut residual = batch.increments(k, count, d, &phi);
-                subtract(&mut residual, &intercepts[d], count);
-                let own = first..first + batch.model.degrees[d].terms.len();
-                let terms = phi.terms(own.clone());
-                for (i, theta) in theta[own.clone()].iter().enumerate() {
-                    let less = Lane::ZERO - *theta;
-                    for (e, f) in residual.iter_mut().zip(terms.signal(i)) {
-                        *e = f.fused(less, *e);
+            let mut increments = [[Lane::ZERO; SPAN]; 3];
+            for (d, own) in increments.iter_mut().enumerate() {
+                batch.increments(k, count, d, &phi, own);
+            }
+            for block in (0..count).step_by(BLOCK) {
+                let intercepts = intercepts.at(k + block);
+                let within = BLOCK.min(count - block);
+                let mut first = 0;
+                for d in 0..3 {
+                    let mut residual = [Lane::ZERO; BLOCK];
+                    for t in 0..BLOCK {
+                        residual[t] = increments[d][block + t] - intercepts[d][t];
                     }
+                    residual[within..].fill(Lane::ZERO);
+                    let own = first..first + batch.model.degrees[d].terms.len();
+                    let terms = phi.terms(own.clone());
+                    subtract(&mut residual, terms, &theta[own.clone()], block);
+                    first = own.end;
+                    sums.add(d, &residual, &mut edges[d]);
                 }
-                first = own.end;
-                sums.add(d, &residual, &mut edges[d]);
             }
         }
         sums
@@ -164,13 +178,18 @@ impl ResidualSums {
     }
 }
 
-/// Subtracts the first `count` constants; beyond, the signal stays zero.
+/// Subtracts the terms with their parameters, in the block that begins at sample `block` of theirs.
 #[inline(always)]
-fn subtract(signal: &mut Block<Lane>, constants: &Block<Lane>, count: usize) {
-    for t in 0..BLOCK {
-        signal[t] = signal[t] - constants[t];
+fn subtract(residual: &mut Block<Lane>, terms: impl Signals<Lane, SPAN>, theta: &[Lane], block: usize) {
+    let mut own = *residual;
+    for (i, theta) in theta.iter().enumerate() {
+        let less = Lane::ZERO - *theta;
+        let Some(term) = terms.signal(i)[block..].first_chunk::<BLOCK>() else { break };
+        for t in 0..BLOCK {
+            own[t] = term[t].fused(less, own[t]);
+        }
     }
-    signal[count..].fill(Lane::ZERO);
+    *residual = own;
 }
 
 /// The groups' constants that hold at each sample of a block, lane by lane.

@@ -5,7 +5,7 @@ use vessel::lanes::lane_of;
 use vessel::{Degree, Lane, Number, Term};
 
 use crate::batch::{
-    AnyBatch, BLOCK, Regressors, Signals, add_outer, add_products, add_squares, add_totals, over_batch,
+    AnyBatch, BLOCK, Regressors, SPAN, Signals, add_outer, add_products, add_squares, add_totals, over_batch,
 };
 use crate::structured::Totals;
 use crate::{Batch, structured};
@@ -242,6 +242,13 @@ impl LaneSums {
         Sums { samples: self.range.len() as u64, degrees: self.degrees.iter().map(degree).collect() }
     }
 
+    /// The sums of all lanes, where all have the same samples.
+    pub(crate) fn whole(mut self) -> [DegreeSums<Lane>; 3] {
+        let count = Lane::splat(self.range.len() as f64);
+        self.degrees.iter_mut().flat_map(|own| own.a.last_mut()).for_each(|corner| *corner = count);
+        self.degrees
+    }
+
     /// These sums in one lane of `degrees`, which hold those of others in other lanes.
     pub(crate) fn put(&self, lane: usize, degrees: &mut [DegreeSums<Lane>; 3]) {
         for (own, other) in degrees.iter_mut().zip(&self.degrees) {
@@ -250,10 +257,10 @@ impl LaneSums {
         }
     }
 
-    /// Samples in blocks: (first, count).
-    fn blocks(&self) -> impl Iterator<Item = (usize, usize)> + use<> {
+    /// Samples, so many at a time: (first, count).
+    fn parts(&self, of: usize) -> impl Iterator<Item = (usize, usize)> + use<> {
         let end = self.range.end;
-        self.range.clone().step_by(BLOCK).map(move |k| (k, BLOCK.min(end - k)))
+        self.range.clone().step_by(of).map(move |k| (k, of.min(end - k)))
     }
 
     /// Per degree of freedom: its place among the parameters, how many terms are measured, and the sums.
@@ -277,13 +284,13 @@ impl LaneSums {
     #[inline(always)]
     fn add_instruments<X: Number>(&mut self, batch: &Batch<X>) {
         if let Some(structure) = batch.model.structure() {
-            for block in self.blocks() {
+            for block in self.parts(BLOCK) {
                 structured::add_instruments(structure, batch, block, self.totals());
             }
             return;
         }
         let mut zeta = Regressors::new(batch.model);
-        for (k, count) in self.blocks() {
+        for (k, count) in self.parts(SPAN) {
             batch.zeta(k, count, &mut zeta);
             for (own, measured, sums) in self.degrees() {
                 let p = own.len();
@@ -305,18 +312,19 @@ impl LaneSums {
     #[inline(always)]
     fn add_measured<X: Number>(&mut self, batch: &Batch<X>) {
         if let Some(structure) = batch.model.structure() {
-            for block in self.blocks() {
+            for block in self.parts(BLOCK) {
                 structured::add_measured(structure, batch, block, self.totals());
             }
             return;
         }
         let mut phi = Regressors::of(batch.model, self.measured);
         let mut zeta = Regressors::new(batch.model);
-        for (k, count) in self.blocks() {
+        let mut increments = [Lane::ZERO; SPAN];
+        for (k, count) in self.parts(SPAN) {
             batch.phi(k, count, &mut phi);
             batch.zeta(k, count, &mut zeta);
             for (d, (own, measured, sums)) in self.degrees().enumerate() {
-                let increments = batch.increments(k, count, d, &phi);
+                batch.increments(k, count, d, &phi, &mut increments);
                 let p = own.len();
                 let phi = phi.terms(own.start..own.start + measured);
                 let zeta = zeta.terms(own);

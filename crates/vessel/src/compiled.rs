@@ -239,7 +239,9 @@ impl<'m, X: Arithmetic> Compiled<'m, X> {
         }
         self.evaluate();
         let gained = self.increments();
-        state.iter_mut().zip(gained).for_each(|(state, gained)| *state += gained);
+        for d in 0..3 {
+            state[d] += gained[d];
+        }
     }
 
     /// J with J\[d\]\[i\] = θ_dᵀ ∂φ_d/∂(state i). The slope of a modulus at zero is 0, here and below.

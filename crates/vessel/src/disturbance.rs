@@ -193,8 +193,8 @@ impl<const WIDTH: usize> Process<WIDTH> {
 
     /// The next samples, as many as `out` has rows. Their number is even, but for the last ones.
     fn draw(&mut self, out: &mut [Lane]) {
+        let Some(factor) = self.factor else { return self.noise.put(out) };
         out.fill(Lane::ZERO);
-        let Some(factor) = self.factor else { return self.noise.add(out) };
         let fresh = (1.0 - factor * factor).max(0.0).sqrt();
         let drawn = match (fresh > 0.0, self.last) {
             (true, _) => out.len(),
@@ -341,20 +341,37 @@ impl<const WIDTH: usize> Noise<WIDTH> {
     /// Adds the next numbers to the rows of `out`. Two rows take what is drawn at once; of an odd number of rows the last
     /// takes the first half.
     fn add(&mut self, out: &mut [Lane]) {
+        vectorized!(self.change(
+            out,
+            #[inline(always)]
+            |own, noise, std| std.fused(noise, own)
+        ));
+    }
+
+    /// Puts the next numbers there instead: what is not read need not have been written.
+    fn put(&mut self, out: &mut [Lane]) {
+        vectorized!(self.change(
+            out,
+            #[inline(always)]
+            |_, noise, std| std.fused(noise, Lane::ZERO)
+        ));
+    }
+
+    /// Makes `f` of every entry, the number that was drawn for it, and its standard deviation.
+    #[inline(always)]
+    fn change(&mut self, out: &mut [Lane], f: impl Fn(Lane, Lane, Lane) -> Lane) {
         let Self { normals, std } = self;
-        vectorized!({
-            let mut pairs = out.chunks_exact_mut(2 * WIDTH);
-            for rows in &mut pairs {
-                for (column, normals) in normals.iter_mut().enumerate() {
-                    let [one, two] = normals.pair();
-                    rows[column] = std[column].fused(one, rows[column]);
-                    rows[WIDTH + column] = std[column].fused(two, rows[WIDTH + column]);
-                }
+        let mut pairs = out.chunks_exact_mut(2 * WIDTH);
+        for rows in &mut pairs {
+            for (column, normals) in normals.iter_mut().enumerate() {
+                let [one, two] = normals.pair();
+                rows[column] = f(rows[column], one, std[column]);
+                rows[WIDTH + column] = f(rows[WIDTH + column], two, std[column]);
             }
-            let last = pairs.into_remainder().iter_mut();
-            for ((entry, normals), std) in last.zip(normals).zip(std) {
-                *entry = std.fused(normals.pair()[0], *entry);
-            }
-        });
+        }
+        let last = pairs.into_remainder().iter_mut();
+        for ((entry, normals), std) in last.zip(normals).zip(std) {
+            *entry = f(*entry, normals.pair()[0], *std);
+        }
     }
 }

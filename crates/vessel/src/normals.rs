@@ -14,11 +14,15 @@ pub(crate) struct Normals {
 }
 
 impl Normals {
-    /// Seeded by the next words of one generator per lane.
+    /// Seeded by the next 32 bytes of one generator per lane.
     pub(crate) fn seeded(generators: &mut [impl Rng; LANES]) -> Self {
         let mut state = [[0; LANES]; 4];
-        for word in &mut state {
-            *word = std::array::from_fn(|lane| generators[lane].next_u64());
+        for (lane, generator) in generators.iter_mut().enumerate() {
+            let mut seed = [0; 32];
+            generator.fill_bytes(&mut seed);
+            for (word, bytes) in state.iter_mut().zip(seed.as_chunks::<8>().0) {
+                word[lane] = u64::from_le_bytes(*bytes);
+            }
         }
         Self { state }
     }

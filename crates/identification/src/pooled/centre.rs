@@ -35,7 +35,7 @@ impl Centring {
     /// `gain` of their estimate.
     pub(super) fn unknowns(&self, d: usize, gain: &[f64], p: usize) -> usize {
         let is = |of: fn(&Means) -> bool| self.parts.first().is_some_and(|means| of(&means[d]));
-        let parameters = if is(|means| means.bounded) { estimated(gain, p) } else { p };
+        let parameters = if is(|means| means.bounded) { estimated(p, |k| gain[k]) } else { p };
         let none = self.removal == MeanRemoval::None || is(|means| means.constant);
         parameters + if none { 0 } else { self.parts.len() }
     }

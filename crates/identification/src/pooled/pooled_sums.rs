@@ -125,7 +125,7 @@ impl PooledSums {
             }
         }
         let bounded = !self.total.degrees[d].known.bounds.is_empty();
-        if bounded && estimated(&gain, theta.len()) == 0 {
+        if bounded && estimated(theta.len(), |k| gain[k]) == 0 {
             return DegreeFit { status: Status::Bounded, solution: None };
         }
         let intercept = self.mean_residual(d, &theta);
