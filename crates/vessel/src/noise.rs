@@ -1,5 +1,4 @@
-use rand::Rng;
-use rand::SeedableRng;
+use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_xoshiro::Xoshiro256PlusPlus;
 
@@ -34,7 +33,11 @@ impl Streams {
 
     /// The channels of [`LANES`] runs from `first` on, side by side.
     pub(crate) fn lanes(&self, runs: [u32; LANES], first: u32) -> Channels {
-        Channels(runs.map(|run| self.keyed(run, first)))
+        let mut seeds = [[[0; 32]; AHEAD]; LANES];
+        for (seeds, run) in seeds.iter_mut().zip(runs) {
+            self.keyed(run, first).fill_bytes(seeds.as_flattened_mut());
+        }
+        Channels { seeds, next: 0 }
     }
 
     /// What seeds the generators of a run's channels from `channel` on, 32 bytes each.
@@ -59,13 +62,21 @@ impl Streams {
     }
 }
 
-/// Channels of runs side by side, taken one after the other.
-pub(crate) struct Channels([ChaCha8Rng; LANES]);
+/// How many channels are taken one after the other, at most.
+const AHEAD: usize = 8;
+
+/// Channels of runs side by side, taken one after the other: what seeds their generators.
+pub(crate) struct Channels {
+    seeds: [[[u8; 32]; AHEAD]; LANES],
+    next: usize,
+}
 
 impl Channels {
     /// The normal numbers of the next channels.
     pub(crate) fn next<const CHANNELS: usize>(&mut self) -> [Normals; CHANNELS] {
-        std::array::from_fn(|_| Normals::seeded(&mut self.0))
+        let first = self.next;
+        self.next += CHANNELS;
+        std::array::from_fn(|i| Normals::seeded(self.seeds.each_ref().map(|own| &own[first + i])))
     }
 }
 

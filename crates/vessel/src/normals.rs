@@ -14,12 +14,10 @@ pub(crate) struct Normals {
 }
 
 impl Normals {
-    /// Seeded by the next 32 bytes of one generator per lane.
-    pub(crate) fn seeded(generators: &mut [impl Rng; LANES]) -> Self {
+    /// Seeded by 32 bytes per lane.
+    pub(crate) fn seeded(seeds: [&[u8; 32]; LANES]) -> Self {
         let mut state = [[0; LANES]; 4];
-        for (lane, generator) in generators.iter_mut().enumerate() {
-            let mut seed = [0; 32];
-            generator.fill_bytes(&mut seed);
+        for (lane, seed) in seeds.into_iter().enumerate() {
             for (word, bytes) in state.iter_mut().zip(seed.as_chunks::<8>().0) {
                 word[lane] = u64::from_le_bytes(*bytes);
             }
