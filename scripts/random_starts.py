@@ -141,7 +141,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--seatrial", default=ROOT / "target/release/seatrial")
     parser.add_argument("--chart", type=pathlib.Path, required=True)
-    parser.add_argument("--kind", help="kind of the chart; none for a cell of an electronic chart")
+    parser.add_argument("--kind", help="kind of the chart; left out for a cell of an electronic chart")
     parser.add_argument("--box", type=float, nargs=4, required=True, metavar=("WEST", "SOUTH", "EAST", "NORTH"))
     parser.add_argument("--reach-km", type=float, default=7.0, help="half of the area's side")
     parser.add_argument("--margin", type=float, default=150.0)

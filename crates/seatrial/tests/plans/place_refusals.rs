@@ -73,6 +73,20 @@ fn a_start_without_room_to_turn_says_where_the_nearest_room_is() {
 }
 
 #[test]
+fn places_south_and_west_are_told_as_such() {
+    // The same pond.
+    let folder = small_with(&[
+        ("west_deg = 24.98", "west_deg = -25.02"),
+        ("east_deg = 25.02", "east_deg = -24.98"),
+        ("south_deg = 59.99", "south_deg = -60.01"),
+        ("north_deg = 60.01", "north_deg = -59.99"),
+        (START, &at(-25.0, -60.0)),
+    ]);
+    put(&folder, "land.geojson", &ring(-25.0006, -60.0005, 0.0006, 0.004));
+    refused(&folder, 4, PLAN, &["start", "m away", " S ", " W heading"]);
+}
+
+#[test]
 fn a_goal_that_no_way_leads_to_is_told() {
     // The goal in a lagoon of 700 m.
     let folder = small_with(&[(GOAL, &to(25.003, 60.0))]);

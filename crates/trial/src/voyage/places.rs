@@ -59,7 +59,10 @@ impl Prepared {
         let (level, _) = self.grid.level_and_mode(pose.layer);
         let at = self.grid.pose(pose.i, pose.j, level);
         let (longitude, latitude) = self.chart.plane().to_geographic([at.y, at.x]);
-        format!("{latitude:.4} N {longitude:.4} E heading {:.0}°", self.true_deg(at).round() % 360.0)
+        let part = |degrees: f64, side: char| format!("{:.4} {side}", degrees.abs());
+        let north = part(latitude, if latitude < 0.0 { 'S' } else { 'N' });
+        let east = part(longitude, if longitude < 0.0 { 'W' } else { 'E' });
+        format!("{north} {east} heading {:.0}°", self.true_deg(at).round() % 360.0)
     }
 }
 
