@@ -223,38 +223,32 @@ impl LaneSums {
         sums
     }
 
+    /// Nothing but the number of samples.
     fn zero<X: Number>(batch: &Batch<X>, range: Range<usize>) -> Self {
         let measured = [0, 1, 2].map(|d: usize| {
             let of_state = |term: &Term| term.products().flatten().any(|f| f.variable < 3);
             batch.model.degrees[d].terms.iter().rposition(of_state).map_or(0, |last| last + 1)
         });
-        let degrees = batch.model.degrees.each_ref().map(DegreeSums::of);
+        let mut degrees = batch.model.degrees.each_ref().map(DegreeSums::of);
+        let count = Lane::splat(range.len() as f64);
+        degrees.iter_mut().flat_map(|own| own.a.last_mut()).for_each(|corner| *corner = count);
         Self { degrees, measured, range }
     }
 
     /// The sums of one lane.
     pub(crate) fn lane(&self, lane: usize) -> Sums {
-        let degree = |degree: &DegreeSums<Lane>| {
-            let mut own = degree.lane(lane);
-            own.a.last_mut().into_iter().for_each(|corner| *corner = self.range.len() as f64);
-            own
-        };
-        Sums { samples: self.range.len() as u64, degrees: self.degrees.iter().map(degree).collect() }
+        let degrees = self.degrees.iter().map(|own| own.lane(lane)).collect();
+        Sums { samples: self.range.len() as u64, degrees }
     }
 
     /// The sums of all lanes, where all have the same samples.
-    pub(crate) fn whole(mut self) -> [DegreeSums<Lane>; 3] {
-        let count = Lane::splat(self.range.len() as f64);
-        self.degrees.iter_mut().flat_map(|own| own.a.last_mut()).for_each(|corner| *corner = count);
+    pub(crate) fn whole(self) -> [DegreeSums<Lane>; 3] {
         self.degrees
     }
 
     /// These sums in one lane of `degrees`, which hold those of others in other lanes.
     pub(crate) fn put(&self, lane: usize, degrees: &mut [DegreeSums<Lane>; 3]) {
-        for (own, other) in degrees.iter_mut().zip(&self.degrees) {
-            own.take(lane, other);
-            own.a.last_mut().into_iter().for_each(|corner| corner[lane] = self.range.len() as f64);
-        }
+        degrees.iter_mut().zip(&self.degrees).for_each(|(own, other)| own.take(lane, other));
     }
 
     /// Samples, so many at a time: (first, count).
