@@ -26,7 +26,8 @@ pub(crate) enum AnyBatch<'a> {
     Shared(Batch<'a, f64>),
 }
 
-/// What a pass over a batch of either kind comes to, [`vectorized!`].
+/// What a pass over a batch of either kind comes to, [`vectorized!`]. Passes of models whose structure is known and passes of any
+/// model are compiled apart: together, they keep fewer numbers in registers.
 macro_rules! over_batch {
     ($any:expr, |$batch:ident| $pass:expr) => {
         match $any {
@@ -36,6 +37,16 @@ macro_rules! over_batch {
     };
 }
 pub(crate) use over_batch;
+
+impl<'a> AnyBatch<'a> {
+    /// The model structure.
+    pub(crate) fn model(&self) -> &'a Model {
+        match self {
+            Self::Lanes(batch) => batch.model,
+            Self::Shared(batch) => batch.model,
+        }
+    }
+}
 
 impl<'a, X: Number> Batch<'a, X> {
     /// The same batch, `X` told.
@@ -69,6 +80,15 @@ impl<X: Number> Batch<'_, X> {
     #[inline(always)]
     pub(crate) fn zeta(&self, k: usize, count: usize, out: &mut Regressors<X>) {
         out.evaluate(self.model, self.instrument_states, self.exogenous, std::convert::identity, k, count);
+    }
+
+    /// The measured states between which Δy lies at samples `k..k + count`, where nothing is to be subtracted from it and
+    /// these are a whole span.
+    #[inline(always)]
+    pub(crate) fn between(&self, k: usize, count: usize, d: usize) -> Option<&[[Lane; 3]; SPAN + 1]> {
+        let bare = self.model.constant[d] == 0.0 && self.model.degrees[d].known.is_empty();
+        let rows = self.measured.as_chunks::<3>().0[k..].first_chunk();
+        rows.filter(|_| bare && count == SPAN)
     }
 
     /// Δy of degree of freedom `d` less the model's constant and known terms at samples `k..k + count`; zero beyond. `phi` was
@@ -154,6 +174,9 @@ pub(crate) const SPAN: usize = 4 * BLOCK;
 /// A signal at [`SPAN`] samples.
 pub(crate) type Span<X> = [X; SPAN];
 
+/// All terms of each degree of freedom.
+pub(crate) const ALL: [Range<usize>; 3] = [0..usize::MAX, 0..usize::MAX, 0..usize::MAX];
+
 /// The variables at [`SPAN`] samples and the terms that are made of them. A term that is a variable is not copied.
 pub(crate) struct Regressors<X> {
     /// Variables, then what of the terms is none.
@@ -169,11 +192,11 @@ pub(crate) struct Regressors<X> {
 
 impl<X: Number> Regressors<X> {
     pub(crate) fn new(model: &Model) -> Self {
-        Self::of(model, [usize::MAX; 3])
+        Self::of(model, ALL)
     }
 
-    /// The first `terms` terms of each degree of freedom, and the variables of its known terms.
-    pub(crate) fn of(model: &Model, terms: [usize; 3]) -> Self {
+    /// Those terms of each degree of freedom that are in `terms`, and the variables of its known terms.
+    pub(crate) fn of(model: &Model, terms: [Range<usize>; 3]) -> Self {
         let variables = model.variables.len();
         let (mut places, mut products) = (Vec::new(), Vec::new());
         let mut used: Vec<usize> =
@@ -183,7 +206,7 @@ impl<X: Number> Regressors<X> {
             for (i, term) in degree.terms.iter().enumerate() {
                 let variable = variable_of(term);
                 places.push(variable.unwrap_or(next));
-                if i < own {
+                if own.contains(&i) {
                     used.extend(term.products().flatten().map(|f| f.variable));
                     products.extend(variable.is_none().then_some([d, i, next - variables]));
                 }
@@ -194,10 +217,10 @@ impl<X: Number> Regressors<X> {
         Self { signals: vec![[X::ZERO; SPAN]; next], places, variables, exogenous, products }
     }
 
-    /// The terms in `range`.
+    /// All terms.
     #[inline(always)]
-    pub(crate) fn terms(&self, range: Range<usize>) -> Picked<'_, X> {
-        Picked { signals: &self.signals, places: &self.places[range] }
+    pub(crate) fn terms(&self) -> Picked<'_, X> {
+        Picked { signals: &self.signals, places: &self.places }
     }
 
     #[inline(always)]
@@ -263,6 +286,74 @@ pub(crate) struct Picked<'a, X> {
     places: &'a [usize],
 }
 
+impl<X> Picked<'_, X> {
+    /// Those in `range`.
+    #[inline(always)]
+    pub(crate) fn part(self, range: Range<usize>) -> Self {
+        Self { places: &self.places[range], ..self }
+    }
+}
+
+/// ζ at all samples of a batch whose runs share it, evaluated once for all that share it.
+pub(crate) struct Kept<X> {
+    regressors: Regressors<X>,
+    /// The signals of `regressors`, span after span.
+    signals: Vec<Span<X>>,
+}
+
+impl Kept<f64> {
+    /// Of a batch of any model whose runs share ζ.
+    pub(crate) fn of(batch: AnyBatch) -> Option<Self> {
+        let AnyBatch::Shared(batch) = batch else { return None };
+        let (mut regressors, mut signals) = (Regressors::new(batch.model), Vec::new());
+        vessel::vectorized!(for k in (0..batch.samples()).step_by(SPAN) {
+            batch.zeta(k, SPAN.min(batch.samples() - k), &mut regressors);
+            signals.extend_from_slice(&regressors.signals);
+        });
+        Some(Self { regressors, signals })
+    }
+}
+
+/// Where ζ comes from.
+pub(crate) enum Zeta<'k, X> {
+    /// It was kept, of the batch's first sample and all after it.
+    Kept(&'k Kept<X>),
+    /// It is evaluated, span by span.
+    Evaluated(Regressors<X>),
+}
+
+impl<'k, X: Number> Zeta<'k, X> {
+    /// ζ from sample `first` on, those in `terms` of each degree of freedom.
+    pub(crate) fn new(
+        kept: Option<&'k Kept<X>>,
+        first: usize,
+        model: &Model,
+        terms: [Range<usize>; 3],
+    ) -> Self {
+        match kept.filter(|_| first.is_multiple_of(SPAN)) {
+            Some(kept) => Self::Kept(kept),
+            None => Self::Evaluated(Regressors::of(model, terms)),
+        }
+    }
+
+    /// Its terms at samples `k..k + count`, `count` ≤ [`SPAN`]. What is beyond is finite, and zero after
+    /// the batch's last.
+    #[inline(always)]
+    pub(crate) fn at(&mut self, batch: &Batch<X>, k: usize, count: usize) -> Picked<'_, X> {
+        match self {
+            Self::Kept(Kept { regressors, signals }) => {
+                let width = regressors.signals.len();
+                let signals = &signals[k / SPAN * width..][..width];
+                Picked { signals, places: &regressors.places }
+            }
+            Self::Evaluated(regressors) => {
+                batch.zeta(k, count, regressors);
+                regressors.terms()
+            }
+        }
+    }
+}
+
 impl<X: Copy> Signals<X, SPAN> for Picked<'_, X> {
     #[inline(always)]
     fn count(self) -> usize {
@@ -276,12 +367,14 @@ impl<X: Copy> Signals<X, SPAN> for Picked<'_, X> {
 
 /// `C` signals from `first` on.
 #[inline(always)]
-fn some_of<Y, const N: usize, const C: usize>(signals: &impl Signals<Y, N>, first: usize) -> [&[Y; N]; C] {
-    let mut some = [signals.signal(first); C];
-    for (i, signal) in some.iter_mut().enumerate() {
-        *signal = signals.signal(first + i);
-    }
-    some
+pub(crate) fn some_of<Y, const N: usize, const C: usize>(
+    signals: &impl Signals<Y, N>,
+    first: usize,
+) -> [&[Y; N]; C] {
+    std::array::from_fn(
+        #[inline(always)]
+        |i| signals.signal(first + i),
+    )
 }
 
 /// Adds Σ y of every signal y to its entry of `sums`.
@@ -319,67 +412,6 @@ pub(crate) fn add_products<X: Number, Y: Number, const N: usize>(
         #[inline(always)]
         |t, y, sum| x[t].lane().fused(y.lane(), sum),
     );
-}
-
-/// Adds Σ x y of every signal x and every signal y to `sums`: a row of `width` for each x. Tiles of them stay in
-/// registers, so that a number that was loaded is used several times.
-#[inline(always)]
-pub(crate) fn add_outer<X: Number, Y: Number, const N: usize>(
-    x: &impl Signals<X, N>,
-    y: &impl Signals<Y, N>,
-    width: usize,
-    sums: &mut [Lane],
-) {
-    let (rows, columns) = (x.count(), y.count());
-    for row in (0..rows).step_by(2) {
-        for column in (0..columns).step_by(3) {
-            let at = [row, column];
-            match (rows - row > 1, columns - column) {
-                (true, 1) => add_tile::<X, Y, N, 2, 1>(x, y, at, width, sums),
-                (true, 2) => add_tile::<X, Y, N, 2, 2>(x, y, at, width, sums),
-                (true, _) => add_tile::<X, Y, N, 2, 3>(x, y, at, width, sums),
-                (false, 1) => add_tile::<X, Y, N, 1, 1>(x, y, at, width, sums),
-                (false, 2) => add_tile::<X, Y, N, 1, 2>(x, y, at, width, sums),
-                (false, _) => add_tile::<X, Y, N, 1, 3>(x, y, at, width, sums),
-            }
-        }
-    }
-}
-
-/// A tile of [`add_outer`]: `R` rows and `C` columns from a place on.
-#[inline(always)]
-fn add_tile<X: Number, Y: Number, const N: usize, const R: usize, const C: usize>(
-    x: &impl Signals<X, N>,
-    y: &impl Signals<Y, N>,
-    [row, column]: [usize; 2],
-    width: usize,
-    sums: &mut [Lane],
-) {
-    let (x, y): ([_; R], [_; C]) = (some_of(x, row), some_of(y, column));
-    let mut tile = [[Lane::ZERO; C]; R];
-    for (i, tile) in tile.iter_mut().enumerate() {
-        let first = (row + i) * width + column;
-        tile.copy_from_slice(&sums[first..first + C]);
-    }
-    for block in (0..N).step_by(BLOCK) {
-        let mut own = [[Lane::ZERO; C]; R];
-        for t in block..block + BLOCK {
-            for i in 0..R {
-                for j in 0..C {
-                    own[i][j] = x[i][t].lane().fused(y[j][t].lane(), own[i][j]);
-                }
-            }
-        }
-        for i in 0..R {
-            for j in 0..C {
-                tile[i][j] += own[i][j];
-            }
-        }
-    }
-    for (i, tile) in tile.iter().enumerate() {
-        let first = (row + i) * width + column;
-        sums[first..first + C].copy_from_slice(tile);
-    }
 }
 
 /// Adds to the entry of `sums` of every signal y what `f`(t, y(t), sum) makes of a sum, sample by sample, block by block;

@@ -4,6 +4,7 @@ use numerics::quadratic;
 use vessel::lanes::lane_of;
 use vessel::{LANES, Lane, Number};
 
+use crate::batch::Kept;
 use crate::bounded::estimated;
 use crate::residual::{Group, InstrumentSquares, ResidualSums};
 use crate::solve::{Normal, SolvedLanes};
@@ -40,6 +41,8 @@ pub struct Instruments {
     /// Per run its groups with the instruments' means, one per parameter.
     means: [Vec<Group>; LANES],
     squares: InstrumentSquares,
+    /// ζ, where runs share it and the model is none whose structure is known.
+    kept: Option<Kept<f64>>,
     /// Which degrees of freedom have a term 1, whose parameter is the intercept.
     constant: [bool; 3],
 }
@@ -60,7 +63,8 @@ impl Instruments {
         });
         let squares = InstrumentSquares::over(batch.any(), means.each_ref().map(Vec::as_slice));
         let constant = batch.model.degrees.each_ref().map(|degree| degree.constant().is_some());
-        Self { removal, sums, means, squares, constant }
+        let kept = if batch.model.structure().is_none() { Kept::of(batch.any()) } else { None };
+        Self { removal, sums, means, squares, kept, constant }
     }
 
     /// Estimates every run of a batch with these instruments: instrumental variables, or least squares where they are the
@@ -89,7 +93,12 @@ impl Instruments {
             theta.iter_mut().for_each(|lanes| lanes[lane] = 0.0);
         }
         let intercepts = self.intercepts(&groups, &theta);
-        let residuals = ResidualSums::over(batch.any(), &theta, intercepts.each_ref().map(Vec::as_slice));
+        let residuals = ResidualSums::over(
+            batch.any(),
+            &theta,
+            intercepts.each_ref().map(Vec::as_slice),
+            self.kept.as_ref(),
+        );
         let errors = self.standard_errors(&solved, &residuals, batch.samples());
         let found = |(lane, unsolved): (usize, Option<Outcome>)| {
             let estimate =
@@ -101,8 +110,11 @@ impl Instruments {
 
     /// All sums of a batch. Groups of runs with fewer than others are empty.
     fn groups<X: Number>(&self, batch: &Batch<X>) -> Vec<[DegreeSums<Lane>; 3]> {
-        let sums: BTreeMap<_, LaneSums> =
-            self.sums.iter().map(|(range, own)| (range, own.with_measured(batch.any()))).collect();
+        let sums: BTreeMap<_, LaneSums> = self
+            .sums
+            .iter()
+            .map(|(range, own)| (range, own.with_measured(batch.any(), self.kept.as_ref())))
+            .collect();
         if self.sums.len() == 1 {
             return sums.into_values().map(LaneSums::whole).collect();
         }

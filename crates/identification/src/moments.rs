@@ -19,7 +19,7 @@ pub struct ManeuverMoments {
 /// The moments of each lane of a batch of whole maneuvers.
 pub fn moments<X: Number>(batch: &Batch<X>) -> Vec<ManeuverMoments> {
     let middle = batch.samples() / 2;
-    let sums = |range| LaneSums::of_instruments(batch.any(), range).with_measured(batch.any());
+    let sums = |range| LaneSums::of_instruments(batch.any(), range).with_measured(batch.any(), None);
     let halves = [sums(0..middle), sums(middle..batch.samples())];
     (0..LANES)
         .map(|lane| {

@@ -2,10 +2,11 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 
 use vessel::lanes::lane_of;
-use vessel::{Degree, Lane, Number, Term};
+use vessel::{Degree, Lane, Model, Number, Term, vectorized};
 
 use crate::batch::{
-    AnyBatch, BLOCK, Regressors, SPAN, Signals, add_outer, add_products, add_squares, add_totals, over_batch,
+    ALL, AnyBatch, BLOCK, Kept, Picked, Regressors, SPAN, Signals, Span, Zeta, add_products, add_squares,
+    add_totals, over_batch, some_of,
 };
 use crate::structured::Totals;
 use crate::{Batch, structured};
@@ -197,6 +198,13 @@ impl DegreeSums {
     }
 }
 
+/// After how many terms of each degree of freedom all are made of inputs alone.
+pub(crate) fn measured(model: &Model) -> [usize; 3] {
+    let of_state = |term: &Term| term.products().flatten().any(|f| f.variable < 3);
+    let last = |degree: &Degree| degree.terms.iter().rposition(of_state);
+    model.degrees.each_ref().map(|degree| last(degree).map_or(0, |last| last + 1))
+}
+
 /// [`Sums`] of a batch over some samples, lane by lane.
 #[derive(Clone)]
 pub(crate) struct LaneSums {
@@ -209,27 +217,36 @@ pub(crate) struct LaneSums {
 impl LaneSums {
     /// What depends on the instruments alone, over samples `range`; zero elsewhere.
     pub(crate) fn of_instruments(batch: AnyBatch, range: Range<usize>) -> Self {
-        over_batch!(batch, |batch| {
-            let mut sums = Self::zero(&batch, range);
-            sums.add_instruments(&batch);
-            sums
-        })
+        let mut sums = Self::zero(batch.model(), range);
+        match batch.model().structure() {
+            Some(known) => over_batch!(batch, |batch| for block in sums.parts(BLOCK) {
+                structured::add_instruments(known, &batch, block, sums.totals());
+            }),
+            None => over_batch!(batch, |batch| sums.add_instruments(&batch)),
+        }
+        sums
     }
 
-    /// These sums of instruments with all the others.
-    pub(crate) fn with_measured(&self, batch: AnyBatch) -> Self {
+    /// These sums of instruments with all the others. `kept` is ζ of all samples, where it was kept.
+    pub(crate) fn with_measured(&self, batch: AnyBatch, kept: Option<&Kept<f64>>) -> Self {
         let mut sums = self.clone();
-        over_batch!(batch, |batch| sums.add_measured(&batch));
+        if let Some(known) = batch.model().structure() {
+            over_batch!(batch, |batch| for block in sums.parts(BLOCK) {
+                structured::add_measured(known, &batch, block, sums.totals());
+            });
+            return sums;
+        }
+        match batch {
+            AnyBatch::Lanes(batch) => vectorized!(sums.add_measured(&batch, None)),
+            AnyBatch::Shared(batch) => vectorized!(sums.add_measured(&batch, kept)),
+        }
         sums
     }
 
     /// Nothing but the number of samples.
-    fn zero<X: Number>(batch: &Batch<X>, range: Range<usize>) -> Self {
-        let measured = [0, 1, 2].map(|d: usize| {
-            let of_state = |term: &Term| term.products().flatten().any(|f| f.variable < 3);
-            batch.model.degrees[d].terms.iter().rposition(of_state).map_or(0, |last| last + 1)
-        });
-        let mut degrees = batch.model.degrees.each_ref().map(DegreeSums::of);
+    fn zero(model: &Model, range: Range<usize>) -> Self {
+        let measured = measured(model);
+        let mut degrees = model.degrees.each_ref().map(DegreeSums::of);
         let count = Lane::splat(range.len() as f64);
         degrees.iter_mut().flat_map(|own| own.a.last_mut()).for_each(|corner| *corner = count);
         Self { degrees, measured, range }
@@ -277,19 +294,13 @@ impl LaneSums {
     /// Adds Σζ, Σζ² and everything with terms of inputs alone.
     #[inline(always)]
     fn add_instruments<X: Number>(&mut self, batch: &Batch<X>) {
-        if let Some(structure) = batch.model.structure() {
-            for block in self.parts(BLOCK) {
-                structured::add_instruments(structure, batch, block, self.totals());
-            }
-            return;
-        }
         let mut zeta = Regressors::new(batch.model);
         for (k, count) in self.parts(SPAN) {
             batch.zeta(k, count, &mut zeta);
             for (own, measured, sums) in self.degrees() {
                 let p = own.len();
-                let inputs = zeta.terms(own.start + measured..own.end);
-                let zeta = zeta.terms(own);
+                let inputs = zeta.terms().part(own.start + measured..own.end);
+                let zeta = zeta.terms().part(own);
                 for (i, row) in sums.a.chunks_exact_mut(p + 1).take(p).enumerate() {
                     let z = zeta.signal(i);
                     add_totals(std::slice::from_ref(z), &mut row[p..]);
@@ -304,30 +315,135 @@ impl LaneSums {
 
     /// Adds everything with measured terms or Δy in it.
     #[inline(always)]
-    fn add_measured<X: Number>(&mut self, batch: &Batch<X>) {
-        if let Some(structure) = batch.model.structure() {
-            for block in self.parts(BLOCK) {
-                structured::add_measured(structure, batch, block, self.totals());
-            }
-            return;
-        }
-        let mut phi = Regressors::of(batch.model, self.measured);
-        let mut zeta = Regressors::new(batch.model);
+    fn add_measured<X: Number>(&mut self, batch: &Batch<X>, kept: Option<&Kept<X>>) {
+        let mut phi = Regressors::of(batch.model, self.measured.map(|measured| 0..measured));
+        let mut zeta = Zeta::new(kept, self.range.start, batch.model, ALL);
+        let mut columns = [0, 1, 2].map(|d: usize| Columns::new(self.measured[d], &self.degrees[d]));
         let mut increments = [Lane::ZERO; SPAN];
         for (k, count) in self.parts(SPAN) {
             batch.phi(k, count, &mut phi);
-            batch.zeta(k, count, &mut zeta);
-            for (d, (own, measured, sums)) in self.degrees().enumerate() {
-                batch.increments(k, count, d, &phi, &mut increments);
-                let p = own.len();
-                let phi = phi.terms(own.start..own.start + measured);
-                let zeta = zeta.terms(own);
-                add_outer(&zeta, &phi, p + 1, &mut sums.a);
-                add_products(&increments, zeta, &mut sums.b);
-                add_totals(phi, &mut sums.a[p * (p + 1)..]);
-                add_squares(phi, &mut sums.regressor_squares);
-                add_totals(std::slice::from_ref(&increments), &mut sums.b[p..]);
+            let zeta = zeta.at(batch, k, count);
+            for (d, (own, measured, _)) in self.degrees().enumerate() {
+                let regressors = phi.terms().part(own.start..own.start + measured);
+                let zeta = zeta.part(own);
+                let columns = &mut columns[d];
+                for i in 0..measured {
+                    let regressor = regressors.signal(i);
+                    columns.add(
+                        i,
+                        zeta,
+                        #[inline(always)]
+                        |t| regressor[t],
+                    );
+                }
+                if let Some(rows) = batch.between(k, count, d) {
+                    columns.add(
+                        measured,
+                        zeta,
+                        #[inline(always)]
+                        |t| rows[t + 1][d] - rows[t][d],
+                    );
+                } else {
+                    batch.increments(k, count, d, &phi, &mut increments);
+                    columns.add(
+                        measured,
+                        zeta,
+                        #[inline(always)]
+                        |t| increments[t],
+                    );
+                }
             }
         }
+        self.degrees.iter_mut().zip(columns).for_each(|(sums, columns)| columns.put(sums));
+    }
+}
+
+/// Sums of one degree of freedom with measured terms or Δy in them: a column for each of these, then one for Δy.
+struct Columns {
+    /// Of a signal y: Σ ζ y, p of them, Σ y and Σ y².
+    sums: Vec<Lane>,
+    height: usize,
+}
+
+/// Instruments that are multiplied at once: their sums have a register each.
+const AT_ONCE: usize = 4;
+
+impl Columns {
+    fn new(measured: usize, sums: &DegreeSums<Lane>) -> Self {
+        let height = sums.parameters() + 2;
+        Self { sums: vec![Lane::ZERO; (measured + 1) * height], height }
+    }
+
+    /// Adds the sums of a signal to its column.
+    #[inline(always)]
+    fn add<X: Number>(&mut self, column: usize, zeta: Picked<X>, y: impl Fn(usize) -> Lane + Copy) {
+        let sums = &mut self.sums[column * self.height..(column + 1) * self.height];
+        let mut done = 0;
+        while zeta.count() - done > AT_ONCE {
+            add_rows::<X, AT_ONCE, false>(some_of(&zeta, done), y, &mut sums[done..]);
+            done += AT_ONCE;
+        }
+        let sums = &mut sums[done..];
+        match zeta.count() - done {
+            0 => add_rows::<X, 0, true>(some_of(&zeta, done), y, sums),
+            1 => add_rows::<X, 1, true>(some_of(&zeta, done), y, sums),
+            2 => add_rows::<X, 2, true>(some_of(&zeta, done), y, sums),
+            3 => add_rows::<X, 3, true>(some_of(&zeta, done), y, sums),
+            _ => add_rows::<X, AT_ONCE, true>(some_of(&zeta, done), y, sums),
+        }
+    }
+
+    /// Puts the sums where they belong.
+    fn put(&self, own: &mut DegreeSums<Lane>) {
+        let p = own.parameters();
+        let columns = self.sums.chunks_exact(self.height);
+        let measured = columns.len() - 1;
+        for (j, column) in columns.enumerate() {
+            if j < measured {
+                (0..=p).for_each(|i| own.a[i * (p + 1) + j] = column[i]);
+                own.regressor_squares[j] = column[p + 1];
+            } else {
+                own.b.copy_from_slice(&column[..=p]);
+            }
+        }
+    }
+}
+
+/// Adds Σ ζ y of `R` instruments to the first sums; `LAST` ones are followed by Σ y and Σ y².
+#[allow(clippy::needless_range_loop)] // What iterators make of arrays is not always inlined, and then has no vectors.
+#[inline(always)]
+fn add_rows<X: Number, const R: usize, const LAST: bool>(
+    zeta: [&Span<X>; R],
+    y: impl Fn(usize) -> Lane,
+    sums: &mut [Lane],
+) {
+    let (sums, more) = sums.split_at_mut(R);
+    let mut whole = [Lane::ZERO; R];
+    whole.copy_from_slice(sums);
+    let mut ends = [Lane::ZERO; 2];
+    if LAST {
+        ends.copy_from_slice(more);
+    }
+    for block in (0..SPAN).step_by(BLOCK) {
+        let (mut own, mut total, mut square) = ([Lane::ZERO; R], Lane::ZERO, Lane::ZERO);
+        for t in block..block + BLOCK {
+            let y = y(t);
+            for i in 0..R {
+                own[i] = zeta[i][t].lane().fused(y, own[i]);
+            }
+            if LAST {
+                total += y;
+                square = y.fused(y, square);
+            }
+        }
+        for i in 0..R {
+            whole[i] += own[i];
+        }
+        ends[0] += total;
+        ends[1] += square;
+    }
+    sums.copy_from_slice(&whole);
+    if LAST {
+        more.copy_from_slice(&ends);
     }
 }

@@ -1,5 +1,5 @@
 use vessel::{
-    Arithmetic, LANES, Lane, Model, Number, Row, Step, Weather, Wide, diverged_lanes, simulate, stepping,
+    Arithmetic, LANES, Lane, Model, Number, Row, Step, Weather, Wide, advancing, diverged_lanes, simulate,
     vectorized,
 };
 
@@ -55,7 +55,7 @@ pub(crate) fn free_runs_of<const G: usize, E: Number>(
 where
     for<'a> &'a [E]: Row<Wide<G>>,
 {
-    let (squares, beyond) = stepping!(model, parameters, |mut step| vectorized!(squared_errors(
+    let (squares, beyond) = advancing!(model, parameters, |mut step| vectorized!(squared_errors(
         &mut step,
         model.exogenous(),
         exogenous,

@@ -51,6 +51,20 @@ struct Weighted<X> {
     places: [usize; 2],
 }
 
+/// What steps of a model are made of; places by their numbers.
+pub(crate) struct Parts<X> {
+    pub variables: usize,
+    /// How many.
+    pub places: usize,
+    /// A variable and its modulus.
+    pub moduli: Vec<[usize; 2]>,
+    /// Two places and their product.
+    pub products: Vec<[usize; 3]>,
+    pub constant: [X; 3],
+    /// Parameters, and the two places of their terms.
+    pub sums: [Vec<(X, [usize; 2])>; 3],
+}
+
 /// Places in the making.
 struct Places {
     variables: usize,
@@ -140,6 +154,22 @@ impl<'m, X: Arithmetic> Compiled<'m, X> {
         }
     }
 
+    /// What steps are made of; `None` where terms are tied to each other.
+    pub(crate) fn parts(&self) -> Option<Parts<X>> {
+        let Self { variables, moduli, products, tied, sums, constant, places, .. } = self;
+        let sums = sums.each_ref().map(|own| own.iter().map(|term| (term.parameter, term.places)).collect());
+        let moduli = moduli.iter().map(|variable| [1 + variable, 1 + variables + variable]);
+        let leading = products.pairs.iter().enumerate();
+        tied.is_empty().then(|| Parts {
+            variables: *variables,
+            places: places.len(),
+            moduli: moduli.collect(),
+            products: leading.map(|(i, [one, two])| [*one, *two, products.first + i]).collect(),
+            constant: *constant,
+            sums,
+        })
+    }
+
     /// Goes to a state (u, v over ground \[m/s\], r \[rad/s\]) and one number per input and measured disturbance, in a
     /// current of surge and sway components in body axes \[m/s\].
     #[inline(always)]
@@ -194,13 +224,16 @@ impl<'m, X: Arithmetic> Compiled<'m, X> {
     /// θᵀφ of surge, sway and yaw, and what they gain without parameters.
     #[inline(always)]
     pub fn increments(&self) -> [X; 3] {
-        let mut sums = self.constant;
-        for (sum, terms) in sums.iter_mut().zip(&self.sums) {
-            for Weighted { parameter, places: [one, two] } in terms {
-                *sum += *parameter * (self.places[*one] * self.places[*two]);
-            }
+        [self.increment(0), self.increment(1), self.increment(2)]
+    }
+
+    #[inline(always)]
+    fn increment(&self, d: usize) -> X {
+        let mut sum = self.constant[d];
+        for Weighted { parameter, places: [one, two] } in &self.sums[d] {
+            sum += *parameter * (self.places[*one] * self.places[*two]);
         }
-        sums
+        sum
     }
 
     /// The state after `state`, which was looked at, under a force as in [`Ambient`].
@@ -238,10 +271,10 @@ impl<'m, X: Arithmetic> Compiled<'m, X> {
             *own = X::of(|place| exogenous.entry(i, place));
         }
         self.evaluate();
-        let gained = self.increments();
-        for d in 0..3 {
-            state[d] += gained[d];
-        }
+        // One after the other: a sum of all three takes registers from what else goes on.
+        state[0] += self.increment(0);
+        state[1] += self.increment(1);
+        state[2] += self.increment(2);
     }
 
     /// J with J\[d\]\[i\] = θ_dᵀ ∂φ_d/∂(state i). The slope of a modulus at zero is 0, here and below.

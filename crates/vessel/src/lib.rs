@@ -30,6 +30,7 @@ mod products;
 mod refusals;
 mod rows;
 mod run;
+mod shaped;
 mod simulate;
 mod steady;
 mod structure;
@@ -60,6 +61,7 @@ pub use pose::{Pose, track};
 pub use refusal::{Invalid, check_numbers, choices, nearest};
 pub use refusals::{MOST_SAMPLES, refuse_endless};
 pub use run::{Run, RunView, Segment};
+pub use shaped::Shaped;
 pub use simulate::{
     DIVERGED, Diverged, Driven, Recording, check_diverged, diverged_lanes, simulate, simulate_disturbed,
     simulate_groups, simulate_one,

@@ -1,8 +1,8 @@
 use std::ops::Range;
 
 use crate::{
-    Ambient, Arithmetic, Disturbing, LANES, Lane, Model, Number, Numbers, Row, Step, Weather, Wide, stepping,
-    vectorized,
+    Ambient, Arithmetic, Disturbing, LANES, Lane, Model, Number, Numbers, Row, Step, Weather, Wide,
+    advancing, stepping, vectorized,
 };
 
 /// A speed \[m/s\] or yaw rate \[rad/s\] beyond which a simulation counts as diverged.
@@ -91,7 +91,7 @@ pub fn simulate_disturbed<const G: usize>(
     driven: Driven<G>,
     groups: [Recording; G],
 ) -> [Lane; G] {
-    stepping!(model, &wide(parameters), |mut step| {
+    advancing!(model, &wide(parameters), |mut step| {
         disturbed(Follow::new(&mut step, model, initial), driven, groups)
     })
 }

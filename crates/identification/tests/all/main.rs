@@ -1,5 +1,6 @@
 //! What must hold of estimates, and what independent computations found.
 
+mod any_model;
 mod collinear;
 mod constraints;
 mod criticism;

@@ -1,6 +1,8 @@
 //! Models whose structure is known when the program is compiled, beside the same models looked up term by term.
 
-use vessel::{Ambient, Arithmetic, Built, Compiled, LANES, Lane, Look, Step, Vessel, Wide};
+use vessel::{
+    Ambient, Arithmetic, Built, Compiled, LANES, Lane, Look, Model, Shaped, Step, Term, Vessel, Wide,
+};
 
 fn model_ship() -> Vessel {
     Vessel::from_file(toml::from_str("preset = \"ljungberg-model-ship\"").unwrap()).unwrap()
@@ -64,6 +66,74 @@ fn law_a_structure_steps_like_its_model_bit_by_bit() {
         );
     }
     assert_eq!(lanes[0].0.len(), LANES);
+}
+
+/// The model ship with other terms of surge, sway and yaw.
+fn model_of(terms: [&[&str]; 3]) -> Model {
+    let mut model = model_ship().model;
+    let names: Vec<String> = model.variables.iter().map(|variable| variable.name.clone()).collect();
+    let names: Vec<&str> = names.iter().map(String::as_str).collect();
+    let parsed = |texts: &[&str]| texts.iter().map(|text| Term::parse(text, &names).unwrap()).collect();
+    model.degrees.iter_mut().zip(terms).for_each(|(degree, texts)| degree.terms = parsed(texts));
+    model
+}
+
+/// Whether steps of a model in a shape are those of the model, bit by bit.
+fn check_shape<const L: usize, const P: usize, const I: usize>(model: &Model) {
+    assert!(model.structure().is_none());
+    let count = model.degrees.iter().map(|degree| degree.terms.len()).sum::<usize>() as u64;
+    let lanes: Vec<Lane> = (0..count).map(|i| Some(i).lane()).collect();
+    let wide: Vec<Wide<2>> = (0..count).map(|i| Wide([Some(i).lane(), Some(100 + i).lane()])).collect();
+    for seed in 0..5 {
+        let (mut one, mut other) = (Some(seed), Some(seed));
+        let mut own = Compiled::new(model, &lanes);
+        let mut shaped = Shaped::<_, L, P, I>::new(&own).expect("of this shape");
+        assert_eq!(steps(&mut shaped, || one.lane()), steps(&mut own, || other.lane()));
+        let (mut one, mut other) = (Some(seed), Some(seed));
+        let mut own = Compiled::new(model, &wide);
+        let mut shaped = Shaped::<_, L, P, I>::new(&own).expect("of this shape");
+        assert_eq!(
+            steps(&mut shaped, || Wide([one.lane(), one.lane()])),
+            steps(&mut own, || Wide([other.lane(), other.lane()]))
+        );
+    }
+}
+
+#[test]
+fn law_a_model_of_a_common_shape_steps_like_any_model_bit_by_bit() {
+    check_shape::<1, 2, 1>(&model_of([&["u", "v r", "u |u|", "tau1"], &["v", "u r", "tau2"], &["r", "u v"]]));
+    // Products of inputs and of more than two factors, an input before its place, a constant.
+    check_shape::<1, 2, 1>(&model_of([
+        &["u", "u^2 |tau1| r", "tau1"],
+        &["tau2", "v", "u r"],
+        &["1", "r", "v"],
+    ]));
+    let mut model = model_of([
+        &["u", "u |u|", "v r", "|tau1| tau1", "tau2", "tau1"],
+        &["v", "u r", "v |v|", "u |u| tau3", "tau2"],
+        &["r", "u v", "r |r|", "tau3", "|v| r"],
+    ]);
+    check_shape::<1, 5, 1>(&model);
+    model.constant[1] = 0.25;
+    let factors = model.degrees[0].terms[1].factors.clone();
+    model.degrees[2].known.push(vessel::Product { coefficient: -0.5, factors });
+    check_shape::<1, 5, 1>(&model);
+}
+
+#[test]
+fn a_model_of_another_shape_or_of_few_terms_is_stepped_as_it_is() {
+    let fits = |model: &Model| {
+        let count = model.degrees.iter().map(|degree| degree.terms.len()).sum::<usize>();
+        Shaped::<_, 1, 2, 1>::new(&Compiled::new(model, &vec![1.0; count])).is_some()
+    };
+    let sway: &[&str] = &["v", "u r", "tau2"];
+    let mut model = model_of([&["u", "u |u|", "v r", "tau1"], sway, sway]);
+    assert!(fits(&model));
+    assert!(!fits(&model_of([&["u", "u |u|", "v r", "r |r|", "tau1"], sway, sway])), "three products");
+    assert!(!fits(&model_of([&["u", "v r", "tau1"], &["v", "tau2"], &["r", "tau3"]])), "seven terms");
+    let tied = vessel::Product { coefficient: 2.0, factors: model.degrees[0].terms[2].factors.clone() };
+    model.degrees[1].terms[1].tied.push(tied);
+    assert!(!fits(&model), "tied terms");
 }
 
 /// What is seen at points, as bits.

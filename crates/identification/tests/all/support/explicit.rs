@@ -78,7 +78,7 @@ pub fn sizes(rows: &[Vec<f64>]) -> Vec<f64> {
 }
 
 /// Gaussian elimination with columns and rows scaled to a largest entry of one and partial pivoting.
-fn solve(mut a: Vec<Vec<f64>>, mut b: Vec<f64>) -> Vec<f64> {
+pub fn solve(mut a: Vec<Vec<f64>>, mut b: Vec<f64>) -> Vec<f64> {
     let n = b.len();
     let scales: Vec<f64> = (0..n).map(|j| a.iter().map(|row| row[j].abs()).fold(0.0, f64::max)).collect();
     for (row, right) in a.iter_mut().zip(&mut b) {
