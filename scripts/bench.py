@@ -43,12 +43,12 @@ class Line:
 
 
 LINES = (
-    Line("Monte Carlo, realizations per core", "monte_carlo", "1/s", True, 10.0),
-    Line("  optimized run of `monte-carlo`", "stage_optimized", "us", False, None),
+    Line("Monte Carlo, realizations per core", "monte_carlo", "1/s", True, None),
+    Line("  optimized run of `monte-carlo`", "stage_optimized", "us", False, 3.5),
     Line("  random run of `monte-carlo`", "stage_random", "us", False, None),
     Line("  optimized run, model not known to it", "stage_interpreted", "us", False, 0.67),
     Line("  beside rand_distr's normals alone", "stage_drawn", "us", False, 1.0),
-    Line("output error, realization of 1000", "output_error", "ms", False, None),
+    Line("output error, realization of 1000", "output_error", "ms", False, 20.0),
     Line("design, 11 maneuvers", "design_q11", "ms", False, 50.0),
     Line("  its relative gap", "design_q11_gap", "", False, None),
     Line("design, 10000 maneuvers", "design_q10000", "ms", False, None),
