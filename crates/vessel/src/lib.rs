@@ -33,6 +33,7 @@ mod run;
 mod shaped;
 mod simulate;
 mod steady;
+mod stepping;
 mod structure;
 mod term;
 #[doc(hidden)]
