@@ -271,7 +271,7 @@ impl<'m, X: Arithmetic> Compiled<'m, X> {
             *own = X::of(|place| exogenous.entry(i, place));
         }
         self.evaluate();
-        // One after the other: a sum of all three takes registers from what else goes on.
+        // Each sum is finished before the next begins: three at once need more registers than processors have.
         state[0] += self.increment(0);
         state[1] += self.increment(1);
         state[2] += self.increment(2);
