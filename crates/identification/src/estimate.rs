@@ -4,11 +4,13 @@ use numerics::quadratic;
 use vessel::lanes::lane_of;
 use vessel::{LANES, Lane, Number};
 
-use crate::batch::Kept;
 use crate::bounded::estimated;
-use crate::residual::{Group, InstrumentSquares, ResidualSums};
+use crate::groups::Group;
+use crate::lags::Lags;
+use crate::lane_sums::LaneSums;
+use crate::residual::{InstrumentSquares, residuals};
 use crate::solve::{Normal, SolvedLanes};
-use crate::sums::LaneSums;
+use crate::spans::Kept;
 use crate::{Batch, DegreeSums, Direction, Excitation, MeanRemoval, Sums};
 
 /// An estimate of one run.
@@ -50,20 +52,22 @@ pub struct Instruments {
 impl Instruments {
     /// The instruments of `batch`; what was measured does not matter.
     pub fn new<X: Number>(batch: &Batch<X>, removal: MeanRemoval) -> Self {
-        let mut sums = BTreeMap::new();
+        let (mut sums, kept) = (BTreeMap::new(), Kept::of(batch.any()));
         let means: [Vec<Group>; LANES] = std::array::from_fn(|lane| {
             let group = |(start, end): (usize, usize)| {
                 let own = sums.entry((start, end));
-                let own = own.or_insert_with(|| LaneSums::of_instruments(batch.any(), start..end)).lane(lane);
+                let own = own
+                    .or_insert_with(|| LaneSums::of_instruments(batch.any(), kept.as_ref(), start..end))
+                    .lane(lane);
                 let centred = removal != MeanRemoval::None;
                 let means = own.degrees.iter().flat_map(|d| d.instrument_means(centred)).collect();
                 Group { start, constants: means }
             };
             ranges(batch, removal, lane).map(group).collect()
         });
-        let squares = InstrumentSquares::over(batch.any(), means.each_ref().map(Vec::as_slice));
+        let squares =
+            InstrumentSquares::over(batch.any(), kept.as_ref(), means.each_ref().map(Vec::as_slice));
         let constant = batch.model.degrees.each_ref().map(|degree| degree.constant().is_some());
-        let kept = if batch.model.structure().is_none() { Kept::of(batch.any()) } else { None };
         Self { removal, sums, means, squares, kept, constant }
     }
 
@@ -93,12 +97,8 @@ impl Instruments {
             theta.iter_mut().for_each(|lanes| lanes[lane] = 0.0);
         }
         let intercepts = self.intercepts(&groups, &theta);
-        let residuals = ResidualSums::over(
-            batch.any(),
-            &theta,
-            intercepts.each_ref().map(Vec::as_slice),
-            self.kept.as_ref(),
-        );
+        let intercepts = intercepts.each_ref().map(Vec::as_slice);
+        let residuals = residuals(batch.any(), self.kept.as_ref(), &theta, intercepts);
         let errors = self.standard_errors(&solved, &residuals, batch.samples());
         let found = |(lane, unsolved): (usize, Option<Outcome>)| {
             let estimate =
@@ -169,12 +169,7 @@ impl Instruments {
     }
 
     /// Of all lanes: from A⁻¹ (γ₀ Σζᶜζᶜᵀ + γ₁ Σ neighbours) A⁻ᵀ.
-    fn standard_errors(
-        &self,
-        solved: &[SolvedLanes; 3],
-        residuals: &ResidualSums,
-        samples: usize,
-    ) -> Vec<Lane> {
+    fn standard_errors(&self, solved: &[SolvedLanes; 3], residuals: &Lags, samples: usize) -> Vec<Lane> {
         let freedom = |d: usize| {
             Lane(std::array::from_fn(|lane| {
                 let p = solved[d].theta.len();

@@ -1,7 +1,7 @@
 use numerics::transposed;
 use vessel::{LANES, Number};
 
-use crate::sums::LaneSums;
+use crate::lane_sums::LaneSums;
 use crate::{Batch, Sums};
 
 /// The moments of one maneuver.
@@ -19,7 +19,7 @@ pub struct ManeuverMoments {
 /// The moments of each lane of a batch of whole maneuvers.
 pub fn moments<X: Number>(batch: &Batch<X>) -> Vec<ManeuverMoments> {
     let middle = batch.samples() / 2;
-    let sums = |range| LaneSums::of_instruments(batch.any(), range).with_measured(batch.any(), None);
+    let sums = |range| LaneSums::of_instruments(batch.any(), None, range).with_measured(batch.any(), None);
     let halves = [sums(0..middle), sums(middle..batch.samples())];
     (0..LANES)
         .map(|lane| {

@@ -1,6 +1,6 @@
 use std::ops::Range;
 
-use crate::products::{Curve, Derivatives, ONE, Products, Slope, first_coefficient, note, place};
+use crate::products::{Curve, Derivatives, ONE, Products, Slope, first_coefficient, note, place, put_state};
 use crate::{Arithmetic, Factor, Model, Row, Term};
 
 /// A model with its parameters, compiled to products of two places each, so that a step decides nothing. Places hold one,
@@ -263,9 +263,7 @@ impl<'m, X: Arithmetic> Compiled<'m, X> {
         current: impl Fn(X::Place) -> [f64; 2],
     ) {
         let Self { variables, places, .. } = self;
-        places[1] = state[0] - X::of(|place| current(place)[0]);
-        places[2] = state[1] - X::of(|place| current(place)[1]);
-        places[3] = state[2];
+        put_state(places, state, current);
         let exogenous = exogenous.up_to(*variables - 3);
         for (i, own) in places[4..=*variables].iter_mut().enumerate() {
             *own = X::of(|place| exogenous.entry(i, place));

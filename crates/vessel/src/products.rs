@@ -24,6 +24,18 @@ pub(crate) struct Curve {
 /// The place that holds one.
 pub(crate) const ONE: usize = 0;
 
+/// Puts u, v through the water that moves with `current` and r to their places.
+#[inline(always)]
+pub(crate) fn put_state<X: Arithmetic>(
+    places: &mut [X],
+    state: &[X; 3],
+    current: impl Fn(X::Place) -> [f64; 2],
+) {
+    places[1] = state[0] - X::of(|place| current(place)[0]);
+    places[2] = state[1] - X::of(|place| current(place)[1]);
+    places[3] = state[2];
+}
+
 /// Products of two places each, which stand after one another from place `first` on.
 #[derive(Clone, Debug)]
 pub(crate) struct Products {

@@ -1,6 +1,6 @@
 //! Models of a common shape: loops count to lengths that are known when the program is compiled.
 
-use crate::products::ONE;
+use crate::products::{ONE, put_state};
 use crate::{Ambient, Arithmetic, Compiled, Row, Step};
 
 /// How many places there are; a mask of indices.
@@ -137,9 +137,7 @@ impl<X: Arithmetic, const L: usize, const P: usize, const I: usize> Step<X> for 
         exogenous: impl Row<X>,
         current: impl Fn(X::Place) -> [f64; 2],
     ) {
-        self.places[1] = state[0] - X::of(|place| current(place)[0]);
-        self.places[2] = state[1] - X::of(|place| current(place)[1]);
-        self.places[3] = state[2];
+        put_state(&mut *self.places, state, current);
         let exogenous = exogenous.up_to(self.exogenous);
         self.gain(
             state,

@@ -30,7 +30,7 @@ pub fn simulate(
     states: &mut [Lane],
 ) {
     let (initial, weather) = (initial.map(Wide::from), [*weather]);
-    stepping!(model, &wide(parameters), |mut step| {
+    advancing!(model, &wide(parameters), |mut step| {
         let mut follow = Follow::new(&mut step, model, initial);
         match Number::numbers(exogenous) {
             Numbers::Lanes(lanes) => vectorized!(follow.whole(&lanes, &weather, [states])),
@@ -49,7 +49,7 @@ pub fn simulate_groups<const G: usize>(
 ) {
     let exogenous = runs.each_ref().map(|(exogenous, _)| *exogenous);
     let states = runs.map(|(_, states)| states);
-    stepping!(model, &wide(parameters), |mut step| {
+    advancing!(model, &wide(parameters), |mut step| {
         let mut follow = Follow::new(&mut step, model, initial);
         vectorized!(follow.whole(&exogenous, &[Weather::CALM; G], states))
     });

@@ -5,7 +5,7 @@ use vessel::{LANES, Lane};
 
 use super::columns::{Scale, Weigh};
 use super::unknowns::Unknowns;
-use crate::batch::{BLOCK, Block, accumulate};
+use crate::batch::{BLOCK, Block};
 
 /// Columns whose products with as many others are summed up in one go.
 const TILE: usize = 5;
@@ -84,6 +84,39 @@ impl<X: Unknowns> Products<X> {
         }
         vessel::vectorized!(self.add());
         self.sums
+    }
+}
+
+/// Adds to the sum of every block what `f`(t, value, sum) makes of it, sample by sample; several at a time, so that no addition
+/// waits for the one before it.
+#[inline(always)]
+fn accumulate(blocks: &[Block<Lane>], sums: &mut [Lane], f: impl Fn(usize, Lane, Lane) -> Lane + Copy) {
+    let (fours, rest) = blocks.as_chunks::<4>();
+    let (some, sums) = sums.split_at_mut(4 * fours.len());
+    for (four, sums) in fours.iter().zip(some.as_chunks_mut().0) {
+        add_sums(four, sums, f);
+    }
+    for (one, sum) in rest.as_chunks::<1>().0.iter().zip(sums.as_chunks_mut().0) {
+        add_sums(one, sum, f);
+    }
+}
+
+/// [`accumulate`] of `C` blocks.
+#[allow(clippy::needless_range_loop)] // What iterators make of arrays is not always inlined, and then has no vectors.
+#[inline(always)]
+fn add_sums<const C: usize>(
+    blocks: &[Block<Lane>; C],
+    sums: &mut [Lane; C],
+    f: impl Fn(usize, Lane, Lane) -> Lane,
+) {
+    let mut own = [Lane::ZERO; C];
+    for t in 0..BLOCK {
+        for i in 0..C {
+            own[i] = f(t, blocks[i][t], own[i]);
+        }
+    }
+    for i in 0..C {
+        sums[i] += own[i];
     }
 }
 

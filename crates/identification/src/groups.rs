@@ -1,0 +1,60 @@
+use vessel::{LANES, Lane};
+
+/// A group of samples that shares its intercepts: its first sample, and a constant per signal.
+#[derive(Clone, Debug)]
+pub(crate) struct Group {
+    pub start: usize,
+    pub constants: Vec<f64>,
+}
+
+/// The groups of every run.
+pub(crate) type Groups<'a> = [&'a [Group]; LANES];
+
+/// The groups' constants that hold at each of `N` samples, lane by lane.
+pub(crate) struct Constants<'a, const N: usize> {
+    groups: Groups<'a>,
+    signals: Vec<[Lane; N]>,
+    next: [usize; LANES],
+    /// The samples with this one among them are the next that differ from those before.
+    changes: usize,
+}
+
+impl<'a, const N: usize> Constants<'a, N> {
+    pub(crate) fn new(groups: Groups<'a>, signals: usize) -> Self {
+        Self { groups, signals: vec![[Lane::ZERO; N]; signals], next: [0; LANES], changes: 0 }
+    }
+
+    /// The constants of the samples from `k` on; they are asked for one after the other.
+    pub(crate) fn at(&mut self, k: usize) -> &[[Lane; N]] {
+        if self.changes < k + N {
+            self.changes = usize::MAX;
+            (0..LANES).for_each(|lane| self.enter(k, lane));
+        }
+        &self.signals
+    }
+
+    fn enter(&mut self, k: usize, lane: usize) {
+        let groups = self.groups[lane];
+        // A group that began among the last samples holds for all of these.
+        if let Some(i) = self.next[lane].checked_sub(1) {
+            self.hold(lane, 0, &groups[i]);
+        }
+        while let Some(group) = groups.get(self.next[lane]).filter(|g| g.start < k + N) {
+            self.hold(lane, group.start - k, group);
+            self.next[lane] += 1;
+            if group.start > k {
+                self.changes = self.changes.min(k + N);
+            }
+        }
+        if let Some(group) = groups.get(self.next[lane]) {
+            self.changes = self.changes.min(group.start);
+        }
+    }
+
+    /// Lets `group` hold for `lane` from sample `from` of these on.
+    fn hold(&mut self, lane: usize, from: usize, group: &Group) {
+        for (signal, value) in self.signals.iter_mut().zip(&group.constants) {
+            signal[from..].iter_mut().for_each(|at| at[lane] = *value);
+        }
+    }
+}

@@ -1,0 +1,113 @@
+use std::ops::Range;
+
+use vessel::lanes::lane_of;
+use vessel::{Lane, Model};
+
+use crate::batch::{AnyBatch, BLOCK, over_batch};
+use crate::spans::{self, Kept};
+use crate::structured::{self, Totals};
+use crate::{DegreeSums, Sums};
+
+/// [`Sums`] of a batch over some samples, lane by lane.
+#[derive(Clone)]
+pub(crate) struct LaneSums {
+    degrees: [DegreeSums<Lane>; 3],
+    range: Range<usize>,
+}
+
+impl LaneSums {
+    /// What depends on the instruments alone, over samples `range`; zero elsewhere. `kept` is ζ of all samples, where it was kept.
+    pub(crate) fn of_instruments(batch: AnyBatch, kept: Option<&Kept<f64>>, range: Range<usize>) -> Self {
+        let mut sums = Self::zero(batch.model(), range);
+        match batch.model().structure() {
+            Some(known) => over_batch!(batch, |batch| for block in sums.blocks() {
+                structured::add_instruments(known, &batch, block, sums.totals());
+            }),
+            None => over_batch!(batch, kept, |batch, own| {
+                spans::add_instruments(&batch, own, sums.range.clone(), &mut sums.degrees);
+            }),
+        }
+        sums
+    }
+
+    /// These sums of instruments with all the others.
+    pub(crate) fn with_measured(&self, batch: AnyBatch, kept: Option<&Kept<f64>>) -> Self {
+        let mut sums = self.clone();
+        match batch.model().structure() {
+            Some(known) => over_batch!(batch, |batch| for block in sums.blocks() {
+                structured::add_measured(known, &batch, block, sums.totals());
+            }),
+            None => over_batch!(batch, kept, |batch, own| {
+                spans::add_measured(&batch, own, sums.range.clone(), &mut sums.degrees);
+            }),
+        }
+        sums
+    }
+
+    /// Nothing but the number of samples.
+    fn zero(model: &Model, range: Range<usize>) -> Self {
+        let mut degrees = model.degrees.each_ref().map(DegreeSums::of);
+        let count = Lane::splat(range.len() as f64);
+        degrees.iter_mut().flat_map(|own| own.a.last_mut()).for_each(|corner| *corner = count);
+        Self { degrees, range }
+    }
+
+    /// The sums of one lane.
+    pub(crate) fn lane(&self, lane: usize) -> Sums {
+        let degrees = self.degrees.iter().map(|own| own.lane(lane)).collect();
+        Sums { samples: self.range.len() as u64, degrees }
+    }
+
+    /// The sums of all lanes, where all have the same samples.
+    pub(crate) fn whole(self) -> [DegreeSums<Lane>; 3] {
+        self.degrees
+    }
+
+    /// These sums in one lane of `degrees`, which hold those of others in other lanes.
+    pub(crate) fn put(&self, lane: usize, degrees: &mut [DegreeSums<Lane>; 3]) {
+        degrees.iter_mut().zip(&self.degrees).for_each(|(own, other)| own.take(lane, other));
+    }
+
+    /// Samples, a block at a time: (first, count).
+    fn blocks(&self) -> impl Iterator<Item = (usize, usize)> + use<> {
+        let end = self.range.end;
+        self.range.clone().step_by(BLOCK).map(move |k| (k, BLOCK.min(end - k)))
+    }
+
+    #[inline(always)]
+    fn totals(&mut self) -> [Totals<'_>; 3] {
+        let [u, v, r] = &mut self.degrees;
+        [u.totals(), v.totals(), r.totals()]
+    }
+}
+
+impl DegreeSums<Lane> {
+    #[inline(always)]
+    fn totals(&mut self) -> Totals<'_> {
+        let Self { a, b, instrument_squares, regressor_squares, .. } = self;
+        Totals { a, b, instrument_squares, regressor_squares }
+    }
+
+    /// The sums of one lane.
+    pub(crate) fn lane(&self, lane: usize) -> DegreeSums {
+        DegreeSums {
+            a: lane_of(&self.a, lane),
+            b: lane_of(&self.b, lane),
+            instrument_squares: lane_of(&self.instrument_squares, lane),
+            regressor_squares: lane_of(&self.regressor_squares, lane),
+            known: self.known.clone(),
+        }
+    }
+
+    /// Takes one lane of `other`.
+    fn take(&mut self, lane: usize, other: &Self) {
+        for (own, other) in [
+            (&mut self.a, &other.a),
+            (&mut self.b, &other.b),
+            (&mut self.instrument_squares, &other.instrument_squares),
+            (&mut self.regressor_squares, &other.regressor_squares),
+        ] {
+            own.iter_mut().zip(other).for_each(|(own, other)| own[lane] = other[lane]);
+        }
+    }
+}

@@ -1,0 +1,13 @@
+//! Passes over the samples of any model, span by span: what is decided per term is decided once for all samples of a span. They
+//! give the same bits as those of [`crate::structured`].
+
+mod columns;
+mod kept;
+mod regressors;
+mod residuals;
+mod squares;
+
+pub(crate) use columns::{add_instruments, add_measured};
+pub(crate) use kept::Kept;
+pub(crate) use residuals::add_residuals;
+pub(crate) use squares::add_squares;
