@@ -1,3 +1,5 @@
+use std::ops::Range;
+
 use vessel::{LANES, Lane, Model, Number, Numbers};
 
 /// [`LANES`] runs of N samples side by side. All row-major. What the runs share (`X` = `f64`) is one number per entry
@@ -86,3 +88,9 @@ impl<X> Batch<'_, X> {
 pub(crate) const BLOCK: usize = 8;
 /// A signal at [`BLOCK`] samples.
 pub(crate) type Block<X> = [X; BLOCK];
+
+/// Samples `range`, `N` at a time: (first, count).
+pub(crate) fn parts<const N: usize>(range: Range<usize>) -> impl Iterator<Item = (usize, usize)> {
+    let end = range.end;
+    range.step_by(N).map(move |k| (k, N.min(end - k)))
+}

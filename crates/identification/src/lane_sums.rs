@@ -3,7 +3,7 @@ use std::ops::Range;
 use vessel::lanes::lane_of;
 use vessel::{Lane, Model};
 
-use crate::batch::{AnyBatch, BLOCK, over_batch};
+use crate::batch::{AnyBatch, BLOCK, over_batch, parts};
 use crate::spans::{self, Kept};
 use crate::structured::{self, Totals};
 use crate::{DegreeSums, Sums};
@@ -20,7 +20,7 @@ impl LaneSums {
     pub(crate) fn of_instruments(batch: AnyBatch, kept: Option<&Kept<f64>>, range: Range<usize>) -> Self {
         let mut sums = Self::zero(batch.model(), range);
         match batch.model().structure() {
-            Some(known) => over_batch!(batch, |batch| for block in sums.blocks() {
+            Some(known) => over_batch!(batch, |batch| for block in parts::<BLOCK>(sums.range.clone()) {
                 structured::add_instruments(known, &batch, block, sums.totals());
             }),
             None => over_batch!(batch, kept, |batch, own| {
@@ -34,7 +34,7 @@ impl LaneSums {
     pub(crate) fn with_measured(&self, batch: AnyBatch, kept: Option<&Kept<f64>>) -> Self {
         let mut sums = self.clone();
         match batch.model().structure() {
-            Some(known) => over_batch!(batch, |batch| for block in sums.blocks() {
+            Some(known) => over_batch!(batch, |batch| for block in parts::<BLOCK>(sums.range.clone()) {
                 structured::add_measured(known, &batch, block, sums.totals());
             }),
             None => over_batch!(batch, kept, |batch, own| {
@@ -66,12 +66,6 @@ impl LaneSums {
     /// These sums in one lane of `degrees`, which hold those of others in other lanes.
     pub(crate) fn put(&self, lane: usize, degrees: &mut [DegreeSums<Lane>; 3]) {
         degrees.iter_mut().zip(&self.degrees).for_each(|(own, other)| own.take(lane, other));
-    }
-
-    /// Samples, a block at a time: (first, count).
-    fn blocks(&self) -> impl Iterator<Item = (usize, usize)> + use<> {
-        let end = self.range.end;
-        self.range.clone().step_by(BLOCK).map(move |k| (k, BLOCK.min(end - k)))
     }
 
     #[inline(always)]

@@ -5,7 +5,7 @@
 
 use vessel::{Lane, Number, Structure};
 
-use crate::batch::{AnyBatch, BLOCK, over_batch};
+use crate::batch::{AnyBatch, BLOCK, over_batch, parts};
 use crate::groups::{Constants, Groups};
 use crate::lags::Lags;
 use crate::spans::{self, Kept};
@@ -42,8 +42,8 @@ impl InstrumentSquares {
     ) {
         let mut means = Constants::<BLOCK>::new(means, P);
         let mut edges = [Lane::ZERO; P];
-        for k in (0..batch.samples()).step_by(BLOCK) {
-            let (block, means) = ((k, BLOCK.min(batch.samples() - k)), means.at(k));
+        for block in parts::<BLOCK>(0..batch.samples()) {
+            let means = means.at(block.0);
             let own = [self.squares.as_mut_slice(), self.neighbours.as_mut_slice()];
             structured::add_squares(structure, batch, block, means, &mut edges, own);
         }
@@ -78,8 +78,8 @@ fn add_known<X: Number, const V: usize, const P: usize>(
 ) {
     let mut intercepts = Constants::<BLOCK>::new(intercepts, 3);
     let mut edges = [Lane::ZERO; 3];
-    for k in (0..batch.samples()).step_by(BLOCK) {
-        let (block, intercepts) = ((k, BLOCK.min(batch.samples() - k)), intercepts.at(k));
+    for block in parts::<BLOCK>(0..batch.samples()) {
+        let intercepts = intercepts.at(block.0);
         let mut residuals = [[Lane::ZERO; BLOCK]; 3];
         structured::residuals(structure, batch, block, theta, intercepts, &mut residuals);
         for (d, own) in residuals.iter().enumerate() {

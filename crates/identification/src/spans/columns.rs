@@ -5,8 +5,8 @@ use std::ops::Range;
 use vessel::{Lane, Number};
 
 use super::kept::{Kept, Zeta};
-use super::regressors::{ALL, Picked, Regressors, SPAN, Span, measured, spans};
-use crate::batch::BLOCK;
+use super::regressors::{ALL, Picked, Regressors, SPAN, Span, measured};
+use crate::batch::{BLOCK, parts};
 use crate::{Batch, DegreeSums};
 
 /// Adds Σζ, Σζ² and everything with terms of inputs alone, over samples `range`.
@@ -20,7 +20,7 @@ pub(crate) fn add_instruments<X: Number>(
     let measured = measured(batch.model);
     let mut zeta = Zeta::new(kept, batch, &range, ALL);
     let mut columns = sums.each_ref().map(|own| Columns::new(own.parameters(), own.parameters()));
-    for (k, count) in spans(range) {
+    for (k, count) in parts::<SPAN>(range) {
         let zeta = zeta.at(batch, k, count);
         let mut first = 0;
         for (d, columns) in columns.iter_mut().enumerate() {
@@ -65,7 +65,7 @@ pub(crate) fn add_measured<X: Number>(
     let mut zeta = Zeta::new(kept, batch, &range, ALL);
     let mut columns = [0, 1, 2].map(|d: usize| Columns::new(measured[d] + 1, sums[d].parameters()));
     let mut increments = [Lane::ZERO; SPAN];
-    for (k, count) in spans(range) {
+    for (k, count) in parts::<SPAN>(range) {
         batch.phi(k, count, &mut phi);
         let zeta = zeta.at(batch, k, count);
         let mut first = 0;

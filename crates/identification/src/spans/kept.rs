@@ -2,15 +2,16 @@ use std::ops::Range;
 
 use vessel::Number;
 
-use super::regressors::{ALL, Picked, Regressors, SPAN, Span, spans};
+use super::regressors::{ALL, Picked, Regressors, SPAN, Span};
 use crate::Batch;
-use crate::batch::AnyBatch;
+use crate::batch::{AnyBatch, parts};
 
 /// ζ at all samples of a batch whose runs share it, evaluated once for all passes and for all batches that share it.
 pub(crate) struct Kept<X> {
-    regressors: Regressors<X>,
-    /// The signals of `regressors`, span after span.
+    /// As in [`Regressors`]: so many signals, span after span, and of every term the place of its own.
+    width: usize,
     signals: Vec<Span<X>>,
+    places: Vec<usize>,
 }
 
 impl Kept<f64> {
@@ -21,11 +22,11 @@ impl Kept<f64> {
             return None;
         }
         let (mut regressors, mut signals) = (Regressors::of(batch.model, ALL), Vec::new());
-        vessel::vectorized!(for (k, count) in spans(0..batch.samples()) {
+        vessel::vectorized!(for (k, count) in parts::<SPAN>(0..batch.samples()) {
             batch.zeta(k, count, &mut regressors);
             signals.extend_from_slice(&regressors.signals);
         });
-        Some(Self { regressors, signals })
+        Some(Self { width: regressors.signals.len(), signals, places: regressors.places })
     }
 }
 
@@ -38,7 +39,8 @@ pub(super) enum Zeta<'k, X> {
 }
 
 impl<'k, X: Number> Zeta<'k, X> {
-    /// ζ at samples `range`, those in `terms` of each degree of freedom.
+    /// ζ at samples `range`, those in `terms` of each degree of freedom. What was kept serves where `range` begins and ends with
+    /// its spans.
     pub(super) fn new(
         kept: Option<&'k Kept<X>>,
         batch: &Batch<X>,
@@ -56,10 +58,8 @@ impl<'k, X: Number> Zeta<'k, X> {
     #[inline(always)]
     pub(super) fn at(&mut self, batch: &Batch<X>, k: usize, count: usize) -> Picked<'_, X> {
         match self {
-            Self::Kept(Kept { regressors, signals }) => {
-                let width = regressors.signals.len();
-                let signals = &signals[k / SPAN * width..][..width];
-                Picked { signals, places: &regressors.places }
+            Self::Kept(Kept { width, signals, places }) => {
+                Picked { signals: &signals[k / SPAN * width..][..*width], places }
             }
             Self::Evaluated(regressors) => {
                 batch.zeta(k, count, regressors);

@@ -11,12 +11,6 @@ pub(super) const SPAN: usize = 4 * BLOCK;
 /// A signal at [`SPAN`] samples.
 pub(super) type Span<X> = [X; SPAN];
 
-/// Samples `range`, a span at a time: (first, count).
-pub(super) fn spans(range: Range<usize>) -> impl Iterator<Item = (usize, usize)> {
-    let end = range.end;
-    range.step_by(SPAN).map(move |k| (k, SPAN.min(end - k)))
-}
-
 /// After how many terms of each degree of freedom all are made of inputs alone: those are the same in φ and in ζ.
 pub(super) fn measured(model: &Model) -> [usize; 3] {
     let of_state = |term: &Term| term.products().flatten().any(|f| f.variable < 3);

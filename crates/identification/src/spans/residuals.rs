@@ -3,9 +3,9 @@
 use vessel::{Lane, Number};
 
 use super::kept::{Kept, Zeta};
-use super::regressors::{Picked, Regressors, SPAN, Span, measured, spans};
+use super::regressors::{Picked, Regressors, SPAN, Span, measured};
 use crate::Batch;
-use crate::batch::BLOCK;
+use crate::batch::{BLOCK, parts};
 use crate::groups::{Constants, Groups};
 use crate::lags::Lags;
 
@@ -25,7 +25,7 @@ pub(crate) fn add_residuals<X: Number>(
     let mut inputs =
         Zeta::new(kept, batch, &(0..batch.samples()), measured.map(|measured| measured..usize::MAX));
     let mut left = [Lane::ZERO; SPAN];
-    for (k, count) in spans(0..batch.samples()) {
+    for (k, count) in parts::<SPAN>(0..batch.samples()) {
         batch.phi(k, count, &mut phi);
         let inputs = inputs.at(batch, k, count);
         let intercepts = intercepts.at(k);

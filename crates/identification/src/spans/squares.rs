@@ -3,9 +3,9 @@
 use vessel::{Lane, Number};
 
 use super::kept::{Kept, Zeta};
-use super::regressors::{ALL, spans};
+use super::regressors::{ALL, SPAN};
 use crate::Batch;
-use crate::batch::BLOCK;
+use crate::batch::{BLOCK, parts};
 use crate::groups::{Constants, Groups};
 
 /// Samples that are centred and multiplied before the next ones are, so that they stay in the nearest cache beside a span.
@@ -25,7 +25,7 @@ pub(crate) fn add_squares<X: Number>(
     let mut means = Constants::<PART>::new(means, batch.model.parameters());
     let mut zeta = Zeta::new(kept, batch, &(0..batch.samples()), ALL);
     let mut centred = vec![[Lane::ZERO; 1 + PART]; batch.model.parameters()];
-    for (k, count) in spans(0..batch.samples()) {
+    for (k, count) in parts::<SPAN>(0..batch.samples()) {
         let zeta = zeta.at(batch, k, count);
         for part in (0..count).step_by(PART) {
             for (i, (own, mean)) in centred.iter_mut().zip(means.at(k + part)).enumerate() {
