@@ -26,7 +26,7 @@ pub(crate) enum AnyBatch<'a> {
     Shared(Batch<'a, f64>),
 }
 
-/// What a pass over a batch of either kind comes to, [`vessel::vectorized!`]; what was kept of one whose runs share it goes with it.
+/// What a pass over a batch of either kind comes to, [`vessel::vectorized!`].
 /// Passes of models whose structure is known and passes of any model are compiled apart: together, they keep fewer numbers in
 /// registers.
 macro_rules! over_batch {
@@ -34,18 +34,6 @@ macro_rules! over_batch {
         match $any {
             $crate::batch::AnyBatch::Lanes($batch) => vessel::vectorized!($pass),
             $crate::batch::AnyBatch::Shared($batch) => vessel::vectorized!($pass),
-        }
-    };
-    ($any:expr, $of_shared:expr, |$batch:ident, $kept:ident| $pass:expr) => {
-        match $any {
-            $crate::batch::AnyBatch::Lanes($batch) => {
-                let $kept = None;
-                vessel::vectorized!($pass)
-            }
-            $crate::batch::AnyBatch::Shared($batch) => {
-                let $kept = $of_shared;
-                vessel::vectorized!($pass)
-            }
         }
     };
 }

@@ -44,7 +44,7 @@ pub struct Instruments {
     means: [Vec<Group>; LANES],
     squares: InstrumentSquares,
     /// ζ, where runs share it and the model is none whose structure is known.
-    kept: Option<Kept<f64>>,
+    kept: Kept,
     /// Which degrees of freedom have a term 1, whose parameter is the intercept.
     constant: [bool; 3],
 }
@@ -57,7 +57,7 @@ impl Instruments {
             let group = |(start, end): (usize, usize)| {
                 let own = sums.entry((start, end));
                 let own = own
-                    .or_insert_with(|| LaneSums::of_instruments(batch.any(), kept.as_ref(), start..end))
+                    .or_insert_with(|| LaneSums::of_instruments(batch.any(), &kept, start..end))
                     .lane(lane);
                 let centred = removal != MeanRemoval::None;
                 let means = own.degrees.iter().flat_map(|d| d.instrument_means(centred)).collect();
@@ -65,8 +65,7 @@ impl Instruments {
             };
             ranges(batch, removal, lane).map(group).collect()
         });
-        let squares =
-            InstrumentSquares::over(batch.any(), kept.as_ref(), means.each_ref().map(Vec::as_slice));
+        let squares = InstrumentSquares::over(batch.any(), &kept, means.each_ref().map(Vec::as_slice));
         let constant = batch.model.degrees.each_ref().map(|degree| degree.constant().is_some());
         Self { removal, sums, means, squares, kept, constant }
     }
@@ -98,7 +97,7 @@ impl Instruments {
         }
         let intercepts = self.intercepts(&groups, &theta);
         let intercepts = intercepts.each_ref().map(Vec::as_slice);
-        let residuals = residuals(batch.any(), self.kept.as_ref(), &theta, intercepts);
+        let residuals = residuals(batch.any(), &self.kept, &theta, intercepts);
         let errors = self.standard_errors(&solved, &residuals, batch.samples());
         let found = |(lane, unsolved): (usize, Option<Outcome>)| {
             let estimate =
@@ -113,7 +112,7 @@ impl Instruments {
         let sums: BTreeMap<_, LaneSums> = self
             .sums
             .iter()
-            .map(|(range, own)| (range, own.with_measured(batch.any(), self.kept.as_ref())))
+            .map(|(range, own)| (range, own.with_measured(batch.any(), &self.kept)))
             .collect();
         if self.sums.len() == 1 {
             return sums.into_values().map(LaneSums::whole).collect();

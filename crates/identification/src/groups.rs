@@ -33,6 +33,13 @@ impl<'a, const N: usize> Constants<'a, N> {
         &self.signals
     }
 
+    /// [`Self::at`], and zero from the last of `count` samples on.
+    pub(crate) fn within(&mut self, k: usize, count: usize) -> &[[Lane; N]] {
+        self.at(k);
+        self.signals.iter_mut().for_each(|signal| signal[count..].fill(Lane::ZERO));
+        &self.signals
+    }
+
     fn enter(&mut self, k: usize, lane: usize) {
         let groups = self.groups[lane];
         // A group that began among the last samples holds for all of these.

@@ -17,28 +17,28 @@ pub(crate) struct LaneSums {
 
 impl LaneSums {
     /// What depends on the instruments alone, over samples `range`; zero elsewhere. `kept` is ζ of all samples, where it was kept.
-    pub(crate) fn of_instruments(batch: AnyBatch, kept: Option<&Kept<f64>>, range: Range<usize>) -> Self {
+    pub(crate) fn of_instruments(batch: AnyBatch, kept: &Kept, range: Range<usize>) -> Self {
         let mut sums = Self::zero(batch.model(), range);
         match batch.model().structure() {
             Some(known) => over_batch!(batch, |batch| for block in parts::<BLOCK>(sums.range.clone()) {
                 structured::add_instruments(known, &batch, block, sums.totals());
             }),
-            None => over_batch!(batch, kept, |batch, own| {
-                spans::add_instruments(&batch, own, sums.range.clone(), &mut sums.degrees);
+            None => over_batch!(batch, |batch| {
+                spans::add_instruments(&batch, kept, sums.range.clone(), &mut sums.degrees);
             }),
         }
         sums
     }
 
     /// These sums of instruments with all the others.
-    pub(crate) fn with_measured(&self, batch: AnyBatch, kept: Option<&Kept<f64>>) -> Self {
+    pub(crate) fn with_measured(&self, batch: AnyBatch, kept: &Kept) -> Self {
         let mut sums = self.clone();
         match batch.model().structure() {
             Some(known) => over_batch!(batch, |batch| for block in parts::<BLOCK>(sums.range.clone()) {
                 structured::add_measured(known, &batch, block, sums.totals());
             }),
-            None => over_batch!(batch, kept, |batch, own| {
-                spans::add_measured(&batch, own, sums.range.clone(), &mut sums.degrees);
+            None => over_batch!(batch, |batch| {
+                spans::add_measured(&batch, kept, sums.range.clone(), &mut sums.degrees);
             }),
         }
         sums

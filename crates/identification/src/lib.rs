@@ -29,6 +29,7 @@ mod prefiltered;
 mod quantiles;
 mod recommendation;
 pub mod refine;
+mod registers;
 mod repeated;
 mod residual;
 mod run_estimate;

@@ -2,6 +2,7 @@ use numerics::transposed;
 use vessel::{LANES, Number};
 
 use crate::lane_sums::LaneSums;
+use crate::spans::Kept;
 use crate::{Batch, Sums};
 
 /// The moments of one maneuver.
@@ -19,7 +20,8 @@ pub struct ManeuverMoments {
 /// The moments of each lane of a batch of whole maneuvers.
 pub fn moments<X: Number>(batch: &Batch<X>) -> Vec<ManeuverMoments> {
     let middle = batch.samples() / 2;
-    let sums = |range| LaneSums::of_instruments(batch.any(), None, range).with_measured(batch.any(), None);
+    let kept = Kept::of(batch.any());
+    let sums = |range| LaneSums::of_instruments(batch.any(), &kept, range).with_measured(batch.any(), &kept);
     let halves = [sums(0..middle), sums(middle..batch.samples())];
     (0..LANES)
         .map(|lane| {

@@ -19,15 +19,15 @@ pub(crate) struct InstrumentSquares {
 
 impl InstrumentSquares {
     /// `kept` is ζ, where it was kept. `means`: the instruments' means per run and group.
-    pub(crate) fn over(batch: AnyBatch, kept: Option<&Kept<f64>>, means: Groups) -> Self {
+    pub(crate) fn over(batch: AnyBatch, kept: &Kept, means: Groups) -> Self {
         let model = batch.model();
         let triangles = model.degrees.iter().map(|d| d.terms.len() * (d.terms.len() + 1) / 2).sum();
         let zeros = || vec![Lane::ZERO; triangles];
         let mut sums = Self { squares: zeros(), neighbours: zeros() };
         match model.structure() {
             Some(known) => over_batch!(batch, |batch| sums.add_known(known, &batch, means)),
-            None => over_batch!(batch, kept, |batch, own| {
-                spans::add_squares(&batch, own, means, [&mut sums.squares, &mut sums.neighbours]);
+            None => over_batch!(batch, |batch| {
+                spans::add_squares(&batch, kept, means, [&mut sums.squares, &mut sums.neighbours]);
             }),
         }
         sums
@@ -52,17 +52,12 @@ impl InstrumentSquares {
 
 /// What the residuals of `theta` come to, one lane per parameter. `kept` is ζ, where it was kept. `intercepts`: three per run and
 /// group.
-pub(crate) fn residuals(
-    batch: AnyBatch,
-    kept: Option<&Kept<f64>>,
-    theta: &[Lane],
-    intercepts: Groups,
-) -> Lags {
+pub(crate) fn residuals(batch: AnyBatch, kept: &Kept, theta: &[Lane], intercepts: Groups) -> Lags {
     let mut lags = Lags::ZERO;
     match batch.model().structure() {
         Some(known) => over_batch!(batch, |batch| add_known(known, &batch, theta, intercepts, &mut lags)),
-        None => over_batch!(batch, kept, |batch, own| {
-            spans::add_residuals(&batch, own, theta, intercepts, &mut lags);
+        None => over_batch!(batch, |batch| {
+            spans::add_residuals(&batch, kept, theta, intercepts, &mut lags);
         }),
     }
     lags

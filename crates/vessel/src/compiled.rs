@@ -111,6 +111,16 @@ impl Places {
     }
 }
 
+/// In which order terms are summed up, whatever their order in the model, so that more models have a common shape: states,
+/// products, then inputs and measured disturbances.
+fn kind([one, two]: [usize; 2], variables: usize) -> u8 {
+    match (one, two) {
+        (..=3, ONE) => 0,
+        (_, ONE) if one <= variables => 2,
+        _ => 1,
+    }
+}
+
 impl<'m, X: Arithmetic> Compiled<'m, X> {
     /// `model` with one number per parameter.
     pub fn new(model: &'m Model, parameters: &[X]) -> Self {
@@ -126,7 +136,10 @@ impl<'m, X: Arithmetic> Compiled<'m, X> {
         let mut sums = model.degrees.each_ref().map(|degree| {
             let own = first..first + degree.terms.len();
             first = own.end;
-            own.map(|i| Weighted { parameter: parameters[i], places: terms[i] }).collect::<Vec<_>>()
+            let mut sum: Vec<_> =
+                own.map(|i| Weighted { parameter: parameters[i], places: terms[i] }).collect();
+            sum.sort_by_key(|term| kind(term.places, variables));
+            sum
         });
         for ((d, places), parameter) in known.into_iter().zip(&all[terms.len()..]) {
             sums[d].push(Weighted { parameter: *parameter, places });

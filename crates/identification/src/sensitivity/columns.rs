@@ -2,26 +2,10 @@
 //! and gather their numbers one by one.
 
 use pulp::{Arch, Simd, WithSimd};
-use vessel::{LANES, Lane};
+use vessel::Lane;
 
 use crate::batch::Block;
-
-/// The registers that a lane fills.
-#[inline(always)]
-fn parts<S: Simd>() -> usize {
-    LANES / S::F64_LANES
-}
-
-/// Register `part` of a lane.
-#[inline(always)]
-fn part<S: Simd>(lane: &Lane, part: usize) -> S::f64s {
-    S::as_simd_f64s(&lane.0).0[part]
-}
-
-#[inline(always)]
-fn put<S: Simd>(lane: &mut Lane, part: usize, value: S::f64s) {
-    S::as_mut_simd_f64s(&mut lane.0).0[part] = value;
-}
+use crate::registers::{part, parts, put};
 
 /// λ(k) = Aᵀλ(k+1) + W s(k) in every column of adjoints; A is one beside its slopes by u, v, r, and none at the last sample.
 pub(crate) struct Backward<'a, const N: usize> {

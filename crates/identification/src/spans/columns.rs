@@ -2,51 +2,46 @@
 
 use std::ops::Range;
 
-use vessel::{Lane, Number};
+use pulp::{Arch, Simd, WithSimd};
+use vessel::Lane;
 
-use super::kept::{Kept, Zeta};
-use super::regressors::{ALL, Picked, Regressors, SPAN, Span, measured};
-use crate::batch::{BLOCK, parts};
+use super::regressors::{ALL, Regressors, measured};
+use super::signals::{Difference, SPAN, Signal, Signals, spans};
+use super::zeta::{Instrument, Kept, Zeta};
+use crate::batch::BLOCK;
+use crate::registers::{add, parts};
 use crate::{Batch, DegreeSums};
 
 /// Adds Σζ, Σζ² and everything with terms of inputs alone, over samples `range`.
 #[inline(always)]
-pub(crate) fn add_instruments<X: Number>(
+pub(crate) fn add_instruments<X: Instrument>(
     batch: &Batch<X>,
-    kept: Option<&Kept<X>>,
+    kept: &Kept,
     range: Range<usize>,
     sums: &mut [DegreeSums<Lane>; 3],
 ) {
     let measured = measured(batch.model);
-    let mut zeta = Zeta::new(kept, batch, &range, ALL);
-    let mut columns = sums.each_ref().map(|own| Columns::new(own.parameters(), own.parameters()));
-    for (k, count) in parts::<SPAN>(range) {
-        let zeta = zeta.at(batch, k, count);
-        let mut first = 0;
+    let mut zeta = X::zeta(batch, kept, ALL);
+    let mut columns = [0, 1, 2].map(|d: usize| {
+        let p = sums[d].parameters();
+        Columns::new(p - measured[d], p)
+    });
+    for (k, count) in spans(range) {
+        zeta.go_to(k, count);
         for (d, columns) in columns.iter_mut().enumerate() {
-            let own = zeta.part(first..first + columns.height);
-            first += columns.height;
-            for i in 0..own.count() {
-                let signal = own.signal(i);
-                let others = if i < measured[d] { own.part(0..0) } else { own };
-                columns.add(
-                    i,
-                    others,
-                    #[inline(always)]
-                    |t| signal[t].lane(),
-                );
-            }
+            let all = zeta.terms(d);
+            columns.add::<Difference, 0>(all.part(measured[d]..all.count()), all, []);
         }
     }
     for (d, (own, columns)) in sums.iter_mut().zip(columns).enumerate() {
         let p = own.parameters();
-        for (j, (products, [total, square])) in columns.each().enumerate() {
-            own.a[j * (p + 1) + p] = total;
-            own.instrument_squares[j] = square;
-            if j >= measured[d] {
-                (0..p).for_each(|i| own.a[i * (p + 1) + j] = products[i]);
-                own.a[p * (p + 1) + j] = total;
-                own.regressor_squares[j] = square;
+        for (i, (products, [total, square])) in columns.each().enumerate() {
+            own.a[i * (p + 1) + p] = total;
+            own.instrument_squares[i] = square;
+            own.a[i * (p + 1) + measured[d]..][..products.len()].copy_from_slice(products);
+            if i >= measured[d] {
+                own.a[p * (p + 1) + i] = total;
+                own.regressor_squares[i] = square;
             }
         }
     }
@@ -54,50 +49,21 @@ pub(crate) fn add_instruments<X: Number>(
 
 /// Adds everything with measured terms or Δy in it, over samples `range`.
 #[inline(always)]
-pub(crate) fn add_measured<X: Number>(
+pub(crate) fn add_measured<X: Instrument>(
     batch: &Batch<X>,
-    kept: Option<&Kept<X>>,
+    kept: &Kept,
     range: Range<usize>,
     sums: &mut [DegreeSums<Lane>; 3],
 ) {
     let measured = measured(batch.model);
-    let mut phi = Regressors::of(batch.model, measured.map(|measured| 0..measured));
-    let mut zeta = Zeta::new(kept, batch, &range, ALL);
-    let mut columns = [0, 1, 2].map(|d: usize| Columns::new(measured[d] + 1, sums[d].parameters()));
-    let mut increments = [Lane::ZERO; SPAN];
-    for (k, count) in parts::<SPAN>(range) {
-        batch.phi(k, count, &mut phi);
-        let zeta = zeta.at(batch, k, count);
-        let mut first = 0;
+    let mut phi = Regressors::phi(batch, measured.map(|measured| 0..measured));
+    let mut zeta = X::zeta(batch, kept, ALL);
+    let mut columns = [0, 1, 2].map(|d: usize| Columns::new(sums[d].parameters(), measured[d] + 1));
+    for (k, count) in spans(range) {
+        phi.go_to(k, count);
+        zeta.go_to(k, count);
         for (d, columns) in columns.iter_mut().enumerate() {
-            let (regressors, own) =
-                (phi.terms().part(first..first + measured[d]), zeta.part(first..first + columns.height));
-            first += columns.height;
-            for i in 0..measured[d] {
-                let regressor = regressors.signal(i);
-                columns.add(
-                    i,
-                    own,
-                    #[inline(always)]
-                    |t| regressor[t],
-                );
-            }
-            if let Some(rows) = batch.between(k, count, d) {
-                columns.add(
-                    measured[d],
-                    own,
-                    #[inline(always)]
-                    |t| rows[t + 1][d] - rows[t][d],
-                );
-            } else {
-                batch.increments(k, count, d, &phi, &mut increments);
-                columns.add(
-                    measured[d],
-                    own,
-                    #[inline(always)]
-                    |t| increments[t],
-                );
-            }
+            columns.add(zeta.terms(d), phi.terms(d), [phi.increments(d)]);
         }
     }
     for (d, (own, columns)) in sums.iter_mut().zip(columns).enumerate() {
@@ -115,18 +81,18 @@ pub(crate) fn add_measured<X: Number>(
     }
 }
 
-/// A column of sums for each of several signals y: Σ ζ y of every instrument, Σ y and Σ y².
+/// A column of sums for each of several signals y: Σ x y with every one of others, Σ y and Σ y².
 struct Columns {
     sums: Vec<Lane>,
-    /// Instruments.
+    /// How many others.
     height: usize,
 }
 
-/// Instruments that are multiplied at once: their sums have a register each.
+/// Signals of either kind that are multiplied at once: every sum of theirs has a register.
 const AT_ONCE: usize = 4;
 
 impl Columns {
-    fn new(count: usize, height: usize) -> Self {
+    fn new(height: usize, count: usize) -> Self {
         Self { sums: vec![Lane::ZERO; count * (height + 2)], height }
     }
 
@@ -138,62 +104,143 @@ impl Columns {
         })
     }
 
-    /// Adds the sums of a signal to its column, with those of its products with the first instruments.
-    #[inline(always)]
-    fn add<X: Number>(&mut self, column: usize, zeta: Picked<X>, y: impl Fn(usize) -> Lane + Copy) {
-        let height = self.height;
-        let column = &mut self.sums[column * (height + 2)..(column + 1) * (height + 2)];
-        let (sums, ends) = column.split_at_mut(height);
-        let mut done = 0;
-        while zeta.count() - done > AT_ONCE {
-            add_rows::<X, AT_ONCE, false>(zeta.some(done), y, &mut sums[done..], ends);
-            done += AT_ONCE;
+    /// Adds the sums of all signals y, `last` after the others, and of the products with all x.
+    fn add<Z: Signal, const E: usize>(&mut self, x: impl Signals, y: impl Signals, last: [Z; E]) {
+        let mut first = 0;
+        while y.count() - first >= AT_ONCE {
+            self.add_columns::<_, Z, AT_ONCE, 0>(x, first, y.some(first), []);
+            first += AT_ONCE;
         }
-        let sums = &mut sums[done..];
-        match zeta.count() - done {
-            0 => add_rows::<X, 0, true>(zeta.some(done), y, sums, ends),
-            1 => add_rows::<X, 1, true>(zeta.some(done), y, sums, ends),
-            2 => add_rows::<X, 2, true>(zeta.some(done), y, sums, ends),
-            3 => add_rows::<X, 3, true>(zeta.some(done), y, sums, ends),
-            _ => add_rows::<X, AT_ONCE, true>(zeta.some(done), y, sums, ends),
+        match y.count() - first {
+            0 => self.add_columns::<_, _, 0, E>(x, first, y.some(first), last),
+            1 => self.add_columns::<_, _, 1, E>(x, first, y.some(first), last),
+            2 => self.add_columns::<_, _, 2, E>(x, first, y.some(first), last),
+            _ => self.add_columns::<_, _, 3, E>(x, first, y.some(first), last),
+        }
+    }
+
+    /// [`Self::add`] of few columns, the first of which is `first`.
+    fn add_columns<Y: Signal, Z: Signal, const C: usize, const E: usize>(
+        &mut self,
+        x: impl Signals,
+        first: usize,
+        y: [Y; C],
+        last: [Z; E],
+    ) {
+        let Self { sums, height } = self;
+        let mut to = To { sums: &mut sums[first * (*height + 2)..], height: *height, row: 0 };
+        while *height - to.row > AT_ONCE {
+            to.add::<_, _, _, AT_ONCE, C, E>(x.some(to.row), y, last);
+            to.row += AT_ONCE;
+        }
+        match *height - to.row {
+            0 => to.add::<_, _, _, 0, C, E>(x.some(to.row), y, last),
+            1 => to.add::<_, _, _, 1, C, E>(x.some(to.row), y, last),
+            2 => to.add::<_, _, _, 2, C, E>(x.some(to.row), y, last),
+            3 => to.add::<_, _, _, 3, C, E>(x.some(to.row), y, last),
+            _ => to.add::<_, _, _, AT_ONCE, C, E>(x.some(to.row), y, last),
         }
     }
 }
 
-/// Adds Σ ζ y of `R` instruments to the first of `sums`; the `LAST` ones add Σ y and Σ y² to `ends`.
-#[allow(clippy::needless_range_loop)] // What iterators make of arrays is not always inlined, and then has no vectors.
+/// Columns that sums are added to, products from `row` on. From row 0 on, Σ y and Σ y² are added, too.
+struct To<'a> {
+    sums: &'a mut [Lane],
+    height: usize,
+    row: usize,
+}
+
+impl To<'_> {
+    fn add<X: Signal, Y: Signal, Z: Signal, const R: usize, const C: usize, const E: usize>(
+        &mut self,
+        x: [X; R],
+        y: [Y; C],
+        last: [Z; E],
+    ) {
+        if C + E > 0 {
+            Arch::new().dispatch(Tile { x, y, last, to: self });
+        }
+    }
+
+    /// Adds to column `j`.
+    #[inline(always)]
+    fn put<S: Simd, const R: usize>(
+        &mut self,
+        simd: S,
+        j: usize,
+        at: usize,
+        own: [S::f64s; R],
+        ends: [S::f64s; 2],
+    ) {
+        let column = &mut self.sums[j * (self.height + 2)..(j + 1) * (self.height + 2)];
+        let (products, both) = column.split_at_mut(self.height);
+        for (sum, own) in products[self.row..self.row + R].iter_mut().zip(own) {
+            add(simd, sum, at, own);
+        }
+        if self.row == 0 {
+            add(simd, &mut both[0], at, ends[0]);
+            add(simd, &mut both[1], at, ends[1]);
+        }
+    }
+}
+
+/// Signals x and y, few enough that every sum of their products has a register.
+struct Tile<'a, 'b, X, Y, Z, const R: usize, const C: usize, const E: usize> {
+    x: [X; R],
+    y: [Y; C],
+    last: [Z; E],
+    to: &'a mut To<'b>,
+}
+
+impl<X: Signal, Y: Signal, Z: Signal, const R: usize, const C: usize, const E: usize> WithSimd
+    for Tile<'_, '_, X, Y, Z, R, C, E>
+{
+    type Output = ();
+
+    #[allow(clippy::needless_range_loop)] // What iterators make of arrays is not always inlined, and then has no vectors.
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Self { x, y, last, to } = self;
+        let zero = simd.splat_f64s(0.0);
+        for at in 0..parts::<S>() {
+            for block in (0..SPAN).step_by(BLOCK) {
+                let (mut own, mut ends) = ([[zero; R]; C], [[zero; 2]; C]);
+                let (mut own_last, mut ends_last) = ([[zero; R]; E], [[zero; 2]; E]);
+                for t in block..block + BLOCK {
+                    let mut now = [zero; R];
+                    for i in 0..R {
+                        now[i] = x[i].at(simd, t, at);
+                    }
+                    for j in 0..C {
+                        add_one(simd, now, y[j].at(simd, t, at), &mut own[j], &mut ends[j]);
+                    }
+                    for j in 0..E {
+                        add_one(simd, now, last[j].at(simd, t, at), &mut own_last[j], &mut ends_last[j]);
+                    }
+                }
+                for j in 0..C {
+                    to.put(simd, j, at, own[j], ends[j]);
+                }
+                for j in 0..E {
+                    to.put(simd, C + j, at, own_last[j], ends_last[j]);
+                }
+            }
+        }
+    }
+}
+
+/// Adds the products of y with some x, y and its square.
 #[inline(always)]
-fn add_rows<X: Number, const R: usize, const LAST: bool>(
-    zeta: [&Span<X>; R],
-    y: impl Fn(usize) -> Lane,
-    sums: &mut [Lane],
-    ends: &mut [Lane],
+fn add_one<S: Simd, const R: usize>(
+    simd: S,
+    x: [S::f64s; R],
+    y: S::f64s,
+    own: &mut [S::f64s; R],
+    ends: &mut [S::f64s; 2],
 ) {
-    let (mut whole, mut both) = ([Lane::ZERO; R], [Lane::ZERO; 2]);
-    whole.copy_from_slice(&sums[..R]);
-    if LAST {
-        both.copy_from_slice(ends);
+    for i in 0..R {
+        own[i] = simd.mul_add_f64s(x[i], y, own[i]);
     }
-    for block in (0..SPAN).step_by(BLOCK) {
-        let (mut own, mut total, mut square) = ([Lane::ZERO; R], Lane::ZERO, Lane::ZERO);
-        for t in block..block + BLOCK {
-            let y = y(t);
-            for i in 0..R {
-                own[i] = zeta[i][t].lane().fused(y, own[i]);
-            }
-            if LAST {
-                total += y;
-                square = y.fused(y, square);
-            }
-        }
-        for i in 0..R {
-            whole[i] += own[i];
-        }
-        both[0] += total;
-        both[1] += square;
-    }
-    sums[..R].copy_from_slice(&whole);
-    if LAST {
-        ends.copy_from_slice(&both);
-    }
+    ends[0] = simd.add_f64s(ends[0], y);
+    ends[1] = simd.mul_add_f64s(y, y, ends[1]);
 }

@@ -2,12 +2,13 @@
 //! give the same bits as those of [`crate::structured`].
 
 mod columns;
-mod kept;
 mod regressors;
 mod residuals;
+mod signals;
 mod squares;
+mod zeta;
 
 pub(crate) use columns::{add_instruments, add_measured};
-pub(crate) use kept::Kept;
 pub(crate) use residuals::add_residuals;
 pub(crate) use squares::add_squares;
+pub(crate) use zeta::Kept;

@@ -1,15 +1,11 @@
 use std::ops::Range;
 
-use vessel::{Factor, Lane, Model, Number, Term};
+use pulp::{Arch, Simd, WithSimd};
+use vessel::{Factor, Lane, Model, Number, Numbers, Term};
 
+use super::signals::{Column, Difference, Modulus, Product, SPAN, Signal, Signals};
 use crate::Batch;
-use crate::batch::BLOCK;
-
-/// Samples at which terms are evaluated at once: several blocks, so that what is decided per term is decided seldom, and few
-/// enough for the nearest cache.
-pub(super) const SPAN: usize = 4 * BLOCK;
-/// A signal at [`SPAN`] samples.
-pub(super) type Span<X> = [X; SPAN];
+use crate::registers::{parts, put};
 
 /// After how many terms of each degree of freedom all are made of inputs alone: those are the same in φ and in ζ.
 pub(super) fn measured(model: &Model) -> [usize; 3] {
@@ -20,215 +16,337 @@ pub(super) fn measured(model: &Model) -> [usize; 3] {
 /// All terms of each degree of freedom.
 pub(super) const ALL: [Range<usize>; 3] = [0..usize::MAX, 0..usize::MAX, 0..usize::MAX];
 
-/// The variables at [`SPAN`] samples and the terms that are made of them. A term that is a variable is not copied.
-pub(super) struct Regressors<X> {
-    /// Variables, then what of the terms is none.
-    pub signals: Vec<Span<X>>,
-    /// Of every term, the place of its signal.
-    pub places: Vec<usize>,
-    variables: usize,
-    /// The variables that are evaluated, u, v, r and then the others; what is not stays zero.
-    states: Vec<usize>,
-    exogenous: Vec<usize>,
-    /// The terms that are evaluated: degree of freedom, place in it, place of the signal after the variables.
-    products: Vec<[usize; 3]>,
-}
-
-impl<X: Number> Regressors<X> {
-    /// Those terms of each degree of freedom that are in `terms`, and the variables of its known terms.
-    pub(super) fn of(model: &Model, terms: [Range<usize>; 3]) -> Self {
-        let variables = model.variables.len();
-        let (mut places, mut products) = (Vec::new(), Vec::new());
-        let mut used: Vec<usize> =
-            model.known().flat_map(|(_, known)| &known.factors).map(|f| f.variable).collect();
-        let mut next = variables;
-        for (d, (degree, own)) in model.degrees.iter().zip(terms).enumerate() {
-            for (i, term) in degree.terms.iter().enumerate() {
-                let variable = variable_of(term);
-                places.push(variable.unwrap_or(next));
-                if own.contains(&i) {
-                    used.extend(term.products().flatten().map(|f| f.variable));
-                    products.extend(variable.is_none().then_some([d, i, next - variables]));
-                }
-                next += usize::from(variable.is_none());
-            }
-        }
-        let of = |range: Range<usize>| range.filter(|i| used.contains(i));
-        let (states, exogenous) = (of(0..3).collect(), of(3..variables).map(|i| i - 3).collect());
-        Self { signals: vec![[X::ZERO; SPAN]; next], places, variables, states, exogenous, products }
-    }
-
-    /// All terms.
-    #[inline(always)]
-    pub(super) fn terms(&self) -> Picked<'_, X> {
-        Picked { signals: &self.signals, places: &self.places }
-    }
-
-    #[inline(always)]
-    fn evaluate<E: Number>(
-        &mut self,
-        model: &Model,
-        states: &[X],
-        exogenous: &[E],
-        convert: impl Fn(E) -> X + Copy,
-        k: usize,
-        count: usize,
-    ) {
-        let (values, products) = self.signals.split_at_mut(self.variables);
-        let (own, others) = values.split_at_mut(3);
-        for i in &self.states {
-            copy_state(&states[3 * k..], *i, count, &mut own[*i]);
-        }
-        let width = model.exogenous();
-        for i in &self.exogenous {
-            copy_column(&exogenous[width * k + i..], width, count, convert, &mut others[*i]);
-        }
-        for [d, i, place] in &self.products {
-            let (term, out) = (&model.degrees[*d].terms[*i], &mut products[*place]);
-            term.values(values, out);
-            if term.is_constant() {
-                out[count..].fill(X::ZERO);
-            }
-        }
-    }
-}
-
-impl<X: Number> Batch<'_, X> {
-    /// Evaluates φ at samples `k..k + count`, `count` ≤ [`SPAN`]; zero beyond.
-    #[inline(always)]
-    pub(super) fn phi(&self, k: usize, count: usize, out: &mut Regressors<Lane>) {
-        out.evaluate(self.model, self.measured, self.exogenous, X::lane, k, count);
-    }
-
-    /// Evaluates ζ at samples `k..k + count`, `count` ≤ [`SPAN`]; zero beyond.
-    #[inline(always)]
-    pub(super) fn zeta(&self, k: usize, count: usize, out: &mut Regressors<X>) {
-        out.evaluate(self.model, self.instrument_states, self.exogenous, std::convert::identity, k, count);
-    }
-
-    /// The measured states between which Δy lies at samples `k..k + count`, where nothing is to be subtracted from it and
-    /// these are a whole span.
-    #[inline(always)]
-    pub(super) fn between(&self, k: usize, count: usize, d: usize) -> Option<&[[Lane; 3]; SPAN + 1]> {
-        let bare = self.model.constant[d] == 0.0 && self.model.degrees[d].known.is_empty();
-        let rows = self.measured.as_chunks::<3>().0[k..].first_chunk();
-        rows.filter(|_| bare && count == SPAN)
-    }
-
-    /// Δy of degree of freedom `d` less the model's constant and known terms at samples `k..k + count`; zero beyond. `phi` was
-    /// evaluated there.
-    #[inline(always)]
-    pub(super) fn increments(
-        &self,
-        k: usize,
-        count: usize,
-        d: usize,
-        phi: &Regressors<Lane>,
-        out: &mut Span<Lane>,
-    ) {
-        let mut before = [Lane::ZERO; SPAN];
-        copy_state(&self.measured[3 * k..], d, count, &mut before);
-        copy_state(&self.measured[3 * (k + 1)..], d, count, out);
-        for (own, before) in out.iter_mut().zip(before) {
-            *own = *own - before;
-        }
-        let constant = self.model.constant[d];
-        if constant != 0.0 {
-            for increment in &mut out[..count] {
-                *increment = *increment - Lane::splat(constant);
-            }
-        }
-        for known in &self.model.degrees[d].known {
-            let mut gained = [Lane::ZERO; SPAN];
-            known.add(&phi.signals[..phi.variables], &mut gained);
-            for (increment, gained) in out[..count].iter_mut().zip(gained) {
-                *increment = *increment - gained;
-            }
-        }
-    }
-}
-
-/// The variable that a term is.
-fn variable_of(term: &Term) -> Option<usize> {
-    match (term.factors.as_slice(), term.tied.is_empty()) {
-        ([Factor { variable, modulus: false }], true) => Some(*variable),
-        _ => None,
-    }
-}
-
-/// Signals among others.
+/// Where a signal stands: in which column of which table.
 #[derive(Clone, Copy)]
-pub(super) struct Picked<'a, X> {
-    pub signals: &'a [Span<X>],
-    pub places: &'a [usize],
+pub(super) enum Place {
+    State(usize),
+    Input(usize),
+    /// Among what is computed span by span.
+    Computed(usize),
+    /// One.
+    One,
 }
 
-impl<X> Picked<'_, X> {
-    /// How many.
-    #[inline(always)]
-    pub(super) fn count(self) -> usize {
-        self.places.len()
-    }
+/// Three signals at the samples of a span, row by row.
+pub(super) type Table = Vec<Lane>;
 
-    /// One of them.
-    #[inline(always)]
-    pub(super) fn signal(&self, i: usize) -> &Span<X> {
-        &self.signals[self.places[i]]
-    }
-
-    /// `C` of them, from `first` on.
-    #[inline(always)]
-    pub(super) fn some<const C: usize>(&self, first: usize) -> [&Span<X>; C] {
-        std::array::from_fn(
-            #[inline(always)]
-            |i| self.signal(first + i),
-        )
-    }
-
-    /// Those in `range`.
-    #[inline(always)]
-    pub(super) fn part(self, range: Range<usize>) -> Self {
-        Self { places: &self.places[range], ..self }
-    }
+/// Products of signals with their coefficients, and where their sum goes.
+struct Sum {
+    products: Vec<(f64, Vec<Place>)>,
+    computed: usize,
 }
 
-/// Copies state `i` of `count` samples, and zeros beyond: the terms of zeros are zeros. A whole span is a loop of fixed
-/// length without conditions, so that each entry moves as one vector.
-#[inline(always)]
-fn copy_state<X: Number>(states: &[X], i: usize, count: usize, out: &mut Span<X>) {
-    let rows = states.as_chunks::<3>().0;
-    match rows.first_chunk::<SPAN>() {
-        Some(rows) if count == SPAN => {
-            for t in 0..SPAN {
-                out[t] = rows[t][i];
+/// Terms of a model at the samples of a span, each as a product of two signals.
+pub(super) struct Regressors<'a> {
+    model: &'a Model,
+    states: &'a [Lane],
+    inputs: Numbers<'a>,
+    /// Per degree of freedom and term its two factors.
+    factors: [Vec<[Place; 2]>; 3],
+    /// The variables whose moduli are factors, and where these go.
+    moduli: Vec<(usize, Place, usize)>,
+    /// Terms with more than two factors or with others tied to them; their first products have no coefficients.
+    sums: Vec<Sum>,
+    /// Of φ, per degree of freedom what is known of Δy, and where Δy goes that cannot be read from the states.
+    increments: Vec<Sum>,
+    /// Of each signal the table whose first column it is.
+    computed: Vec<Table>,
+    /// Likewise those inputs that factors are made of, where they cannot be read where they stand.
+    copied: Vec<(usize, Table)>,
+    /// The span: its first sample, whether all is read where it stands, and if not the states, zero beyond.
+    k: usize,
+    whole: bool,
+    last: Table,
+    /// Ones of such a span.
+    ones: Table,
+}
+
+impl<'a> Regressors<'a> {
+    /// φ of a batch, those terms of each degree of freedom that are in `terms`; and Δy.
+    pub(super) fn phi<X: Number>(batch: &Batch<'a, X>, terms: [Range<usize>; 3]) -> Self {
+        let mut own = Self::of(batch.model, batch.measured, X::numbers(batch.exogenous), terms);
+        for degree in &batch.model.degrees {
+            let known = degree.known.iter().map(|known| (known.coefficient, own.places(&known.factors)));
+            let (products, computed) = (known.collect(), own.place());
+            own.increments.push(Sum { products, computed });
+        }
+        own
+    }
+
+    /// ζ of a batch, likewise.
+    pub(super) fn zeta(batch: &Batch<'a, Lane>, terms: [Range<usize>; 3]) -> Self {
+        Self::of(batch.model, batch.instrument_states, Numbers::Lanes(batch.exogenous), terms)
+    }
+
+    fn of(model: &'a Model, states: &'a [Lane], inputs: Numbers<'a>, terms: [Range<usize>; 3]) -> Self {
+        let mut own = Self {
+            model,
+            states,
+            inputs,
+            factors: Default::default(),
+            moduli: Vec::new(),
+            sums: Vec::new(),
+            increments: Vec::new(),
+            computed: Vec::new(),
+            copied: Vec::new(),
+            k: 0,
+            whole: true,
+            last: Table::new(),
+            ones: Table::new(),
+        };
+        for (d, (degree, range)) in model.degrees.iter().zip(terms).enumerate() {
+            for (_, term) in degree.terms.iter().enumerate().filter(|(i, _)| range.contains(i)) {
+                let factors = own.term(term);
+                own.factors[d].push(factors);
             }
         }
-        _ => {
-            *out = [X::ZERO; SPAN];
-            for (value, row) in out.iter_mut().zip(&rows[..count]) {
-                *value = row[i];
+        own
+    }
+
+    /// Two signals whose product is a term.
+    fn term(&mut self, term: &Term) -> [Place; 2] {
+        let factors = self.places(&term.factors);
+        match factors[..] {
+            [] if term.tied.is_empty() => [Place::One; 2],
+            [one] if term.tied.is_empty() => [one, Place::One],
+            [one, two] if term.tied.is_empty() => [one, two],
+            _ => {
+                let tied = term.tied.iter().map(|tied| (tied.coefficient, self.places(&tied.factors)));
+                let products = [(1.0, factors)].into_iter().chain(tied).collect();
+                let computed = self.place();
+                self.sums.push(Sum { products, computed });
+                [Place::Computed(computed), Place::One]
             }
         }
     }
+
+    /// A place for what is computed.
+    fn place(&mut self) -> usize {
+        self.computed.push(Table::new());
+        self.computed.len() - 1
+    }
+
+    fn places(&mut self, factors: &[Factor]) -> Vec<Place> {
+        factors.iter().map(|factor| self.factor(*factor)).collect()
+    }
+
+    fn factor(&mut self, Factor { variable, modulus }: Factor) -> Place {
+        if !modulus {
+            return self.variable(variable);
+        }
+        let found = self.moduli.iter().find(|(of, ..)| *of == variable).map(|(.., computed)| *computed);
+        Place::Computed(found.unwrap_or_else(|| {
+            let (place, computed) = (self.variable(variable), self.place());
+            self.moduli.push((variable, place, computed));
+            computed
+        }))
+    }
+
+    fn variable(&mut self, variable: usize) -> Place {
+        if variable < 3 {
+            return Place::State(variable);
+        }
+        let input = variable - 3;
+        let found = self.copied.iter().position(|(of, _)| *of == input);
+        Place::Input(found.unwrap_or_else(|| {
+            self.copied.push((input, Table::new()));
+            self.copied.len() - 1
+        }))
+    }
+
+    /// Goes to samples `k..k + count`, `count` ≤ [`SPAN`]; all is zero beyond, and only the last span is not whole.
+    #[inline(always)]
+    pub(super) fn go_to(&mut self, k: usize, count: usize) {
+        (self.k, self.whole) = (k, count == SPAN);
+        if !self.whole {
+            self.last = self.states[3 * k..3 * (k + count)].to_vec();
+            self.ones = vec![Lane::ONE; 3 * count];
+            self.last.resize(3 * SPAN, Lane::ZERO);
+            self.ones.resize(3 * SPAN, Lane::ZERO);
+        }
+        self.copy_inputs(count);
+        for i in 0..self.moduli.len() {
+            let (_, place, computed) = self.moduli[i];
+            self.compute(computed, |own, out| fill(Modulus(own.column(place)), out));
+        }
+        for i in 0..self.sums.len() {
+            self.compute(self.sums[i].computed, |own, out| {
+                let [(_, first), tied @ ..] = &own.sums[i].products[..] else { return };
+                own.multiply(first, out);
+                own.add(tied, out);
+            });
+        }
+        for d in 0..self.increments.len() {
+            if !self.read_increments(d) {
+                self.compute(self.increments[d].computed, |own, out| own.increase(d, count, out));
+            }
+        }
+    }
+
+    /// Whether inputs are read where they stand.
+    #[inline(always)]
+    fn read_inputs(&self) -> Option<&'a [Lane]> {
+        match self.inputs {
+            Numbers::Lanes(inputs) if self.whole && self.model.exogenous() == 3 => Some(inputs),
+            _ => None,
+        }
+    }
+
+    #[inline(always)]
+    fn copy_inputs(&mut self, count: usize) {
+        if self.read_inputs().is_some() {
+            return;
+        }
+        let width = self.model.exogenous();
+        for (i, table) in &mut self.copied {
+            table.resize(3 * SPAN, Lane::ZERO);
+            let first = width * self.k + *i;
+            let rows = table.chunks_exact_mut(3).take(count).enumerate();
+            match self.inputs {
+                Numbers::Lanes(inputs) => rows.for_each(|(t, row)| row[0] = inputs[first + width * t]),
+                Numbers::Shared(inputs) => {
+                    rows.for_each(|(t, row)| row[0] = Lane::splat(inputs[first + width * t]));
+                }
+            }
+            table[3 * count..].fill(Lane::ZERO);
+        }
+    }
+
+    /// Lets `f` compute a signal.
+    #[inline(always)]
+    fn compute(&mut self, computed: usize, f: impl Fn(&Self, &mut Table)) {
+        let mut out = std::mem::take(&mut self.computed[computed]);
+        out.resize(3 * SPAN, Lane::ZERO);
+        f(self, &mut out);
+        self.computed[computed] = out;
+    }
+
+    /// The product of some signals.
+    #[inline(always)]
+    fn multiply(&self, factors: &[Place], out: &mut Table) {
+        let first = |i: usize| self.column(factors.get(i).copied().unwrap_or(Place::One));
+        fill(Product([first(0), first(1)]), out);
+        for factor in factors.iter().skip(2) {
+            let column = self.column(*factor);
+            (0..SPAN).for_each(|t| out[3 * t] = out[3 * t] * column.entry(t));
+        }
+    }
+
+    /// Adds products with their coefficients.
+    #[inline(always)]
+    fn add(&self, products: &[(f64, Vec<Place>)], out: &mut Table) {
+        let mut own = vec![Lane::ZERO; 3 * SPAN];
+        for (coefficient, factors) in products {
+            self.multiply(factors, &mut own);
+            (0..SPAN).for_each(|t| out[3 * t] += Lane::splat(*coefficient) * own[3 * t]);
+        }
+    }
+
+    /// Δy less the model's constant and known terms.
+    #[inline(always)]
+    fn increase(&self, d: usize, count: usize, out: &mut Table) {
+        let rows = self.states.as_chunks::<3>().0;
+        let constant = Lane::splat(self.model.constant[d]);
+        for t in 0..count {
+            out[3 * t] = rows[self.k + t + 1][d] - rows[self.k + t][d];
+            out[3 * t] = out[3 * t] - constant;
+        }
+        for known in &self.increments[d].products {
+            let mut gained = vec![Lane::ZERO; 3 * SPAN];
+            self.add(std::slice::from_ref(known), &mut gained);
+            (0..count).for_each(|t| out[3 * t] = out[3 * t] - gained[3 * t]);
+        }
+        out[3 * count..].fill(Lane::ZERO);
+    }
+
+    #[inline(always)]
+    fn column(&self, place: Place) -> Column<'_> {
+        let entries = match place {
+            Place::State(i) if self.whole => &self.states[3 * self.k + i..],
+            Place::State(i) => &self.last[i..],
+            Place::Input(i) => match self.read_inputs() {
+                Some(inputs) => &inputs[3 * self.k + self.copied[i].0..],
+                None => &self.copied[i].1,
+            },
+            Place::Computed(i) => &self.computed[i],
+            Place::One if self.whole => return Column::ONE,
+            Place::One => &self.ones,
+        };
+        Column::of(entries)
+    }
+
+    /// Whether Δy is read from the states.
+    #[inline(always)]
+    fn read_increments(&self, d: usize) -> bool {
+        self.whole && self.model.constant[d] == 0.0 && self.increments[d].products.is_empty()
+    }
+
+    /// Δy of degree of freedom `d` less the model's constant and known terms.
+    #[inline(always)]
+    pub(super) fn increments(&self, d: usize) -> Difference<'_> {
+        if self.read_increments(d) {
+            let after = &self.states[3 * (self.k + 1) + d..];
+            Difference([Column::of(after), self.column(Place::State(d))])
+        } else {
+            Difference([self.column(Place::Computed(self.increments[d].computed)), Column::ZERO])
+        }
+    }
+
+    /// The terms of degree of freedom `d`.
+    #[inline(always)]
+    pub(super) fn terms(&self, d: usize) -> Products<'_> {
+        Products { table: self, factors: &self.factors[d] }
+    }
 }
 
-/// [`copy_state`] of a column.
+/// Terms as products of two signals.
+#[derive(Clone, Copy)]
+pub(super) struct Products<'s> {
+    table: &'s Regressors<'s>,
+    factors: &'s [[Place; 2]],
+}
+
+impl<'s> Signals for Products<'s> {
+    type One = Product<'s>;
+
+    #[inline(always)]
+    fn count(self) -> usize {
+        self.factors.len()
+    }
+
+    #[inline(always)]
+    fn one(self, i: usize) -> Product<'s> {
+        let [one, two] = self.factors[i];
+        Product([self.table.column(one), self.table.column(two)])
+    }
+
+    #[inline(always)]
+    fn part(self, range: Range<usize>) -> Self {
+        Self { factors: &self.factors[range], ..self }
+    }
+}
+
+/// Writes a signal into the first column of a table.
 #[inline(always)]
-fn copy_column<X: Number, Y: Number>(
-    column: &[X],
-    stride: usize,
-    count: usize,
-    convert: impl Fn(X) -> Y,
-    out: &mut Span<Y>,
-) {
-    if count == SPAN {
-        for (t, value) in out.iter_mut().enumerate() {
-            *value = convert(column[stride * t]);
-        }
-    } else {
-        *out = [Y::ZERO; SPAN];
-        for (value, entry) in out.iter_mut().zip(column.iter().step_by(stride)).take(count) {
-            *value = convert(*entry);
+pub(super) fn fill(signal: impl Signal, out: &mut Table) {
+    Arch::new().dispatch(Fill { signal, out });
+}
+
+struct Fill<'a, T> {
+    signal: T,
+    out: &'a mut Table,
+}
+
+impl<T: Signal> WithSimd for Fill<'_, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Self { signal, out } = self;
+        for at in 0..parts::<S>() {
+            for (t, row) in out.as_chunks_mut::<3>().0.iter_mut().take(SPAN).enumerate() {
+                put::<S>(&mut row[0], at, signal.at(simd, t, at));
+            }
         }
     }
 }

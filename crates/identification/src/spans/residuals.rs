@@ -1,19 +1,22 @@
 //! Residuals, and their products with each other.
 
-use vessel::{Lane, Number};
+use pulp::{Arch, Simd, WithSimd};
+use vessel::Lane;
 
-use super::kept::{Kept, Zeta};
-use super::regressors::{Picked, Regressors, SPAN, Span, measured};
+use super::regressors::{Regressors, Table, fill, measured};
+use super::signals::{Column, Difference, SPAN, Signal, Signals, spans};
+use super::zeta::{Instrument, Kept, Zeta};
 use crate::Batch;
-use crate::batch::{BLOCK, parts};
+use crate::batch::BLOCK;
 use crate::groups::{Constants, Groups};
 use crate::lags::Lags;
+use crate::registers::{add, part, parts, put};
 
 /// Adds what the residuals of `theta` come to, one lane per parameter. `intercepts`: three per run and group.
 #[inline(always)]
-pub(crate) fn add_residuals<X: Number>(
+pub(crate) fn add_residuals<X: Instrument>(
     batch: &Batch<X>,
-    kept: Option<&Kept<X>>,
+    kept: &Kept,
     theta: &[Lane],
     intercepts: Groups,
     lags: &mut Lags,
@@ -21,162 +24,158 @@ pub(crate) fn add_residuals<X: Number>(
     let mut edges = [Lane::ZERO; 3];
     let mut intercepts = Constants::<SPAN>::new(intercepts, 3);
     let measured = measured(batch.model);
-    let mut phi = Regressors::of(batch.model, measured.map(|measured| 0..measured));
-    let mut inputs =
-        Zeta::new(kept, batch, &(0..batch.samples()), measured.map(|measured| measured..usize::MAX));
-    let mut left = [Lane::ZERO; SPAN];
-    for (k, count) in parts::<SPAN>(0..batch.samples()) {
-        batch.phi(k, count, &mut phi);
-        let inputs = inputs.at(batch, k, count);
-        let intercepts = intercepts.at(k);
-        let mut first = 0;
+    let mut phi = Regressors::phi(batch, measured.map(|measured| 0..measured));
+    let mut inputs = X::zeta(batch, kept, measured.map(|measured| measured..usize::MAX));
+    let less: Vec<Lane> = theta.iter().map(|theta| Lane::ZERO - *theta).collect();
+    for (k, count) in spans(0..batch.samples()) {
+        phi.go_to(k, count);
+        inputs.go_to(k, count);
+        let intercepts = intercepts.within(k, count);
+        let mut less = less.as_slice();
         for d in 0..3 {
-            let own = first..first + batch.model.degrees[d].terms.len();
-            first = own.end;
-            let middle = own.start + measured[d];
             let terms = Terms {
-                measured: phi.terms().part(own.start..middle),
-                inputs: inputs.part(middle..own.end),
-                theta: &theta[own],
+                increments: phi.increments(d),
+                intercepts: &intercepts[d],
+                measured: phi.terms(d),
+                inputs: inputs.terms(d),
+                less,
             };
-            let (intercepts, residuals) = (&intercepts[d], Residuals { d, lags, edge: &mut edges[d] });
-            match batch.between(k, count, d).filter(|_| terms.at_once()) {
-                Some(rows) => residuals.subtract(
-                    #[inline(always)]
-                    |t| rows[t + 1][d] - rows[t][d] - intercepts[t],
-                    terms,
-                ),
-                None => {
-                    batch.increments(k, count, d, &phi, &mut left);
-                    for (left, intercept) in left[..count].iter_mut().zip(intercepts) {
-                        *left = *left - *intercept;
-                    }
-                    let terms = if terms.at_once() { terms } else { terms.subtract_all(&mut left) };
-                    residuals.subtract(
-                        #[inline(always)]
-                        |t| left[t],
-                        terms,
-                    );
-                }
-            }
+            less = &less[batch.model.degrees[d].terms.len()..];
+            terms.add([&mut lags.lag0[d], &mut lags.lag1[d]], &mut edges[d]);
         }
     }
 }
 
-/// Where the residuals of a degree of freedom go.
-struct Residuals<'a> {
-    d: usize,
-    lags: &'a mut Lags,
-    /// The one before.
-    edge: &'a mut Lane,
-}
-
-impl Residuals<'_> {
-    /// Adds the residuals of a span: `y` less terms that are few enough.
-    #[inline(always)]
-    fn subtract<X: Number>(self, y: impl Fn(usize) -> Lane, terms: Terms<X>) {
-        match (terms.measured.count(), terms.inputs.count()) {
-            (1, 0) => self.add::<X, 1, 0>(y, terms),
-            (1, _) => self.add::<X, 1, 1>(y, terms),
-            (2, 0) => self.add::<X, 2, 0>(y, terms),
-            (2, _) => self.add::<X, 2, 1>(y, terms),
-            (3, 0) => self.add::<X, 3, 0>(y, terms),
-            (3, _) => self.add::<X, 3, 1>(y, terms),
-            (AT_ONCE, 0) => self.add::<X, AT_ONCE, 0>(y, terms),
-            (AT_ONCE, _) => self.add::<X, AT_ONCE, 1>(y, terms),
-            (_, 0) => self.add::<X, 0, 0>(y, terms),
-            (_, _) => self.add::<X, 0, 1>(y, terms),
-        }
-    }
-
-    /// [`Self::subtract`] of `C` terms and `I` of inputs alone.
-    #[inline(always)]
-    fn add<X: Number, const C: usize, const I: usize>(self, y: impl Fn(usize) -> Lane, terms: Terms<X>) {
-        let (measured, inputs): ([_; C], [_; I]) = (terms.measured.some(0), terms.inputs.some(0));
-        let (first, last) = (less::<C>(terms.theta), less::<I>(&terms.theta[C..]));
-        for block in (0..SPAN).step_by(BLOCK) {
-            self.lags.add(
-                self.d,
-                #[inline(always)]
-                |t| {
-                    let t = block + t;
-                    remaining(remaining(y(t), &measured, &first, t), &inputs, &last, t)
-                },
-                self.edge,
-            );
-        }
-    }
-}
-
-/// The terms of a degree of freedom in a span: those with measured states in them, then those of inputs alone.
+/// A degree of freedom in a span.
 #[derive(Clone, Copy)]
-struct Terms<'a, X> {
-    measured: Picked<'a, Lane>,
-    inputs: Picked<'a, X>,
-    /// Parameters of all.
-    theta: &'a [Lane],
+struct Terms<'a, M, I> {
+    increments: Difference<'a>,
+    intercepts: &'a [Lane; SPAN],
+    measured: M,
+    inputs: I,
+    /// Parameters of the measured terms and of those of inputs alone, below zero; and of what follows.
+    less: &'a [Lane],
 }
 
 /// Terms with measured states that are subtracted at once: their parameters have a register each.
 const AT_ONCE: usize = 4;
 
-impl<X: Number> Terms<'_, X> {
-    /// Whether all can be subtracted at once.
+impl<M: Signals, I: Signals> Terms<'_, M, I> {
+    /// Adds the residuals' products to the sums of both lags; the residual `edge` came before them, and becomes the last.
+    fn add(self, lags: [&mut Lane; 2], edge: &mut Lane) {
+        if self.measured.count() > AT_ONCE || self.inputs.count() > 1 {
+            return self.add_many(lags, edge);
+        }
+        match (self.measured.count(), self.inputs.count()) {
+            (0, 0) => self.add_few::<0, 0>(lags, edge),
+            (0, _) => self.add_few::<0, 1>(lags, edge),
+            (1, 0) => self.add_few::<1, 0>(lags, edge),
+            (1, _) => self.add_few::<1, 1>(lags, edge),
+            (2, 0) => self.add_few::<2, 0>(lags, edge),
+            (2, _) => self.add_few::<2, 1>(lags, edge),
+            (3, 0) => self.add_few::<3, 0>(lags, edge),
+            (3, _) => self.add_few::<3, 1>(lags, edge),
+            (_, 0) => self.add_few::<AT_ONCE, 0>(lags, edge),
+            (_, _) => self.add_few::<AT_ONCE, 1>(lags, edge),
+        }
+    }
+
+    /// All terms are subtracted at once.
+    fn add_few<const C: usize, const D: usize>(self, lags: [&mut Lane; 2], edge: &mut Lane) {
+        let Self { increments, intercepts, measured, inputs, less } = self;
+        let (measured, inputs) = (measured.some::<C>(0), inputs.some::<D>(0));
+        Arch::new().dispatch(Residuals { increments, intercepts, measured, inputs, less, lags, edge });
+    }
+
+    /// Terms are subtracted one after the other.
+    fn add_many(self, lags: [&mut Lane; 2], edge: &mut Lane) {
+        let Self { increments, intercepts, measured, inputs, less } = self;
+        let mut left = vec![Lane::ZERO; 3 * SPAN];
+        fill(increments, &mut left);
+        (0..SPAN).for_each(|t| left[3 * t] = left[3 * t] - intercepts[t]);
+        let (of_measured, of_inputs) = less.split_at(measured.count());
+        for (i, less) in of_measured.iter().enumerate() {
+            Arch::new().dispatch(Less { term: measured.one(i), less, left: &mut left });
+        }
+        for (i, less) in of_inputs[..inputs.count()].iter().enumerate() {
+            Arch::new().dispatch(Less { term: inputs.one(i), less, left: &mut left });
+        }
+        let (measured, inputs) = (measured.part(0..0), inputs.part(0..0));
+        let increments = Difference([Column::of(&left), Column::ZERO]);
+        Terms { increments, intercepts: &[Lane::ZERO; SPAN], measured, inputs, less }
+            .add_few::<0, 0>(lags, edge);
+    }
+}
+
+/// A term that is subtracted with its parameter.
+struct Less<'a, T> {
+    term: T,
+    less: &'a Lane,
+    left: &'a mut Table,
+}
+
+impl<T: Signal> WithSimd for Less<'_, T> {
+    type Output = ();
+
     #[inline(always)]
-    fn at_once(&self) -> bool {
-        self.measured.count() <= AT_ONCE && self.inputs.count() <= 1
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Self { term, less, left } = self;
+        for at in 0..parts::<S>() {
+            for (t, row) in left.as_chunks_mut::<3>().0.iter_mut().take(SPAN).enumerate() {
+                let left =
+                    simd.mul_add_f64s(term.at(simd, t, at), part::<S>(less, at), part::<S>(&row[0], at));
+                put::<S>(&mut row[0], at, left);
+            }
+        }
     }
+}
 
-    /// Subtracts all with their parameters; what is left of them.
+/// Residuals of few terms, and where their products go.
+struct Residuals<'a, M, I, const C: usize, const D: usize> {
+    increments: Difference<'a>,
+    intercepts: &'a [Lane; SPAN],
+    measured: [M; C],
+    inputs: [I; D],
+    less: &'a [Lane],
+    lags: [&'a mut Lane; 2],
+    edge: &'a mut Lane,
+}
+
+impl<M: Signal, I: Signal, const C: usize, const D: usize> WithSimd for Residuals<'_, M, I, C, D> {
+    type Output = ();
+
+    #[allow(clippy::needless_range_loop)] // What iterators make of arrays is not always inlined, and then has no vectors.
     #[inline(always)]
-    fn subtract_all(self, left: &mut Span<Lane>) -> Self {
-        let (of_measured, of_inputs) = self.theta.split_at(self.measured.count());
-        subtract_each(left, self.measured, of_measured);
-        subtract_each(left, self.inputs, of_inputs);
-        Self { measured: self.measured.part(0..0), inputs: self.inputs.part(0..0), theta: &[] }
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Self { increments, intercepts, measured, inputs, less, lags, edge } = self;
+        let zero = simd.splat_f64s(0.0);
+        for at in 0..parts::<S>() {
+            let (mut first, mut last) = ([zero; C], [zero; D]);
+            for i in 0..C {
+                first[i] = part::<S>(&less[i], at);
+            }
+            for i in 0..D {
+                last[i] = part::<S>(&less[C + i], at);
+            }
+            let mut before = part::<S>(edge, at);
+            for block in (0..SPAN).step_by(BLOCK) {
+                let mut own = [zero; 2];
+                for t in block..block + BLOCK {
+                    let mut now = simd.sub_f64s(increments.at(simd, t, at), part::<S>(&intercepts[t], at));
+                    for i in 0..C {
+                        now = simd.mul_add_f64s(measured[i].at(simd, t, at), first[i], now);
+                    }
+                    for i in 0..D {
+                        now = simd.mul_add_f64s(inputs[i].at(simd, t, at), last[i], now);
+                    }
+                    own[0] = simd.mul_add_f64s(now, now, own[0]);
+                    own[1] = simd.mul_add_f64s(before, now, own[1]);
+                    before = now;
+                }
+                add(simd, lags[0], at, own[0]);
+                add(simd, lags[1], at, own[1]);
+            }
+            put::<S>(edge, at, before);
+        }
     }
-}
-
-/// Subtracts terms with their parameters, some at a time.
-#[inline(always)]
-fn subtract_each<X: Number>(left: &mut Span<Lane>, terms: Picked<X>, theta: &[Lane]) {
-    let whole = theta.len() - theta.len() % AT_ONCE;
-    for i in (0..whole).step_by(AT_ONCE) {
-        subtract_some::<X, AT_ONCE>(left, terms.some(i), &theta[i..]);
-    }
-    for i in whole..theta.len() {
-        subtract_some::<X, 1>(left, terms.some(i), &theta[i..]);
-    }
-}
-
-#[inline(always)]
-fn subtract_some<X: Number, const C: usize>(left: &mut Span<Lane>, terms: [&Span<X>; C], theta: &[Lane]) {
-    let less = less(theta);
-    for (t, left) in left.iter_mut().enumerate() {
-        *left = remaining(*left, &terms, &less, t);
-    }
-}
-
-/// The first `C` parameters, below zero.
-#[inline(always)]
-fn less<const C: usize>(theta: &[Lane]) -> [Lane; C] {
-    let mut less = [Lane::ZERO; C];
-    for (less, theta) in less.iter_mut().zip(theta) {
-        *less = *less - *theta;
-    }
-    less
-}
-
-/// A residual at sample `t` less some terms.
-#[inline(always)]
-fn remaining<X: Number, const C: usize>(
-    mut residual: Lane,
-    terms: &[&Span<X>; C],
-    less: &[Lane; C],
-    t: usize,
-) -> Lane {
-    for i in 0..C {
-        residual = terms[i][t].lane().fused(less[i], residual);
-    }
-    residual
 }

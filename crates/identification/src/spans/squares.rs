@@ -1,96 +1,219 @@
 //! Products of centred instruments with each other and with their neighbours.
 
-use vessel::{Lane, Number};
+use pulp::{Arch, Simd, WithSimd};
+use vessel::Lane;
 
-use super::kept::{Kept, Zeta};
-use super::regressors::{ALL, SPAN};
+use super::regressors::ALL;
+use super::signals::{SPAN, Signal, Signals, spans};
+use super::zeta::{Instrument, Kept, Zeta};
 use crate::Batch;
-use crate::batch::{BLOCK, parts};
+use crate::batch::BLOCK;
 use crate::groups::{Constants, Groups};
+use crate::registers::{self, add, parts, put};
 
-/// Samples that are centred and multiplied before the next ones are, so that they stay in the nearest cache beside a span.
-const PART: usize = 2 * BLOCK;
-/// A centred instrument at the sample before a part of a span and at those of the part.
-type Centred = [Lane; 1 + PART];
+/// Instruments of a degree of freedom that are multiplied with each other at once.
+const AT_ONCE: usize = 4;
+/// Means at the samples of a span.
+type Means = [Lane; SPAN];
 
 /// Adds to Σ ζᶜζᶜᵀ and to Σ (ζᶜ(k−1) ζᶜ(k)ᵀ + its transpose), upper triangles of all degrees of freedom. `means`: the instruments'
 /// means per run and group.
 #[inline(always)]
-pub(crate) fn add_squares<X: Number>(
+pub(crate) fn add_squares<X: Instrument>(
     batch: &Batch<X>,
-    kept: Option<&Kept<X>>,
+    kept: &Kept,
     means: Groups,
     [squares, neighbours]: [&mut [Lane]; 2],
 ) {
-    let mut means = Constants::<PART>::new(means, batch.model.parameters());
-    let mut zeta = Zeta::new(kept, batch, &(0..batch.samples()), ALL);
-    let mut centred = vec![[Lane::ZERO; 1 + PART]; batch.model.parameters()];
-    for (k, count) in parts::<SPAN>(0..batch.samples()) {
-        let zeta = zeta.at(batch, k, count);
-        for part in (0..count).step_by(PART) {
-            for (i, (own, mean)) in centred.iter_mut().zip(means.at(k + part)).enumerate() {
-                let z = zeta.signal(i);
-                own[0] = own[PART];
-                for t in 0..PART {
-                    own[1 + t] = z[part + t].lane() - mean[t];
-                }
-                own[1 + PART.min(count - part)..].fill(Lane::ZERO);
-            }
-            let (mut first, mut place) = (0, 0);
-            for p in batch.model.degrees.iter().map(|d| d.terms.len()) {
-                for i in first..first + p {
-                    let sums = [&mut squares[place..], &mut neighbours[place..]];
-                    add_row(&centred[i], &centred[i..first + p], sums);
-                    place += first + p - i;
-                }
-                first += p;
-            }
+    let mut means = Constants::<SPAN>::new(means, batch.model.parameters());
+    let mut zeta = X::zeta(batch, kept, ALL);
+    let mut edges = vec![Lane::ZERO; batch.model.parameters()];
+    for (k, count) in spans(0..batch.samples()) {
+        zeta.go_to(k, count);
+        let means = means.within(k, count);
+        let (mut first, mut place) = (0, 0);
+        for d in 0..3 {
+            let terms = zeta.terms(d);
+            let p = terms.count();
+            let (means, edges) = (&means[first..first + p], &mut edges[first..first + p]);
+            let own = place..place + p * (p + 1) / 2;
+            (first, place) = (first + p, own.end);
+            Centred { terms, means }.add(edges, [&mut squares[own.clone()], &mut neighbours[own]]);
         }
     }
 }
 
-/// Adds the products of one with all of `others`.
-#[inline(always)]
-fn add_row(one: &Centred, mut others: &[Centred], [mut squares, mut neighbours]: [&mut [Lane]; 2]) {
-    while let [two, three, rest @ ..] = others
-        && rest.len() != 1
-    {
-        add_products(one, [two, three], [squares, neighbours]);
-        (others, squares, neighbours) = (rest, &mut squares[2..], &mut neighbours[2..]);
+/// A span of a degree of freedom's instruments less their means.
+#[derive(Clone, Copy)]
+struct Centred<'a, T> {
+    terms: T,
+    means: &'a [Means],
+}
+
+impl<'a, T: Signals> Centred<'a, T> {
+    /// Adds all products. `edges` are those of the sample before; they become the last.
+    fn add(self, edges: &mut [Lane], mut sums: [&mut [Lane]; 2]) {
+        let p = edges.len();
+        let place = |i: usize, j: usize| i * p + j - i * (i + 1) / 2;
+        for first in (0..p).step_by(AT_ONCE) {
+            for row in 0..first {
+                let sums = sums.each_mut().map(|sums| &mut sums[place(row, first)..]);
+                match p - first {
+                    1 => self.add_row::<1>(row, first, edges, sums),
+                    2 => self.add_row::<2>(row, first, edges, sums),
+                    3 => self.add_row::<3>(row, first, edges, sums),
+                    _ => self.add_row::<AT_ONCE>(row, first, edges, sums),
+                }
+            }
+        }
+        for first in (0..p).step_by(AT_ONCE) {
+            let sums = sums.each_mut().map(|sums| &mut sums[place(first, first)..]);
+            match p - first {
+                1 => self.add_triangle::<1>(first, edges, sums),
+                2 => self.add_triangle::<2>(first, edges, sums),
+                3 => self.add_triangle::<3>(first, edges, sums),
+                _ => self.add_triangle::<AT_ONCE>(first, edges, sums),
+            }
+        }
     }
-    match others {
-        [two, three, four] => add_products(one, [two, three, four], [squares, neighbours]),
-        [two] => add_products(one, [two], [squares, neighbours]),
-        _ => {}
+
+    /// Adds the products of `N` instruments from `first` on with each other.
+    fn add_triangle<const N: usize>(self, first: usize, edges: &mut [Lane], sums: [&mut [Lane]; 2]) {
+        let width = edges.len() - first;
+        let all = self.some::<N>(first, edges);
+        let edge = Arch::new().dispatch(Triangle { all, width, sums });
+        edges[first..first + N].copy_from_slice(&edge);
+    }
+
+    /// Adds the products of instrument `row` with `N` others from `first` on.
+    fn add_row<const N: usize>(self, row: usize, first: usize, edges: &[Lane], sums: [&mut [Lane]; 2]) {
+        let (one, others) = (self.some::<1>(row, edges), self.some::<N>(first, edges));
+        Arch::new().dispatch(Row { one, others, sums });
+    }
+
+    /// `N` instruments from `first` on.
+    fn some<const N: usize>(self, first: usize, edges: &[Lane]) -> Some<'a, T::One, N> {
+        let mut edge = [Lane::ZERO; N];
+        edge.copy_from_slice(&edges[first..first + N]);
+        Some { terms: self.terms.some(first), means: std::array::from_fn(|i| &self.means[first + i]), edge }
     }
 }
 
-/// Adds the products of one with some others, those at the same sample and those with neighbours.
-#[allow(clippy::needless_range_loop)] // What iterators make of arrays is not always inlined, and then has no vectors.
-#[inline(always)]
-fn add_products<const C: usize>(
-    one: &Centred,
-    others: [&Centred; C],
-    [squares, neighbours]: [&mut [Lane]; 2],
-) {
-    let mut whole = [[Lane::ZERO; C]; 2];
-    whole[0].copy_from_slice(&squares[..C]);
-    whole[1].copy_from_slice(&neighbours[..C]);
-    for block in (0..PART).step_by(BLOCK) {
-        let (mut now, mut after, mut before) = ([Lane::ZERO; C], [Lane::ZERO; C], [Lane::ZERO; C]);
-        for t in block..block + BLOCK {
-            for i in 0..C {
-                now[i] = one[t + 1].fused(others[i][t + 1], now[i]);
-                after[i] = one[t].fused(others[i][t + 1], after[i]);
-                before[i] = one[t + 1].fused(others[i][t], before[i]);
+/// Some instruments, their means, and what they are at the sample before.
+struct Some<'a, T, const N: usize> {
+    terms: [T; N],
+    means: [&'a Means; N],
+    edge: [Lane; N],
+}
+
+impl<T: Signal, const N: usize> Some<'_, T, N> {
+    /// Register `part` of them at sample `t`, centred.
+    #[allow(clippy::needless_range_loop)] // What iterators make of arrays is not always inlined, and then has no vectors.
+    #[inline(always)]
+    fn at<S: Simd>(&self, simd: S, t: usize, part: usize) -> [S::f64s; N] {
+        let mut now = [simd.splat_f64s(0.0); N];
+        for i in 0..N {
+            let mean = registers::part::<S>(&self.means[i][t], part);
+            now[i] = simd.sub_f64s(self.terms[i].at(simd, t, part), mean);
+        }
+        now
+    }
+
+    /// At the sample before.
+    #[inline(always)]
+    fn before<S: Simd>(&self, simd: S, part: usize) -> [S::f64s; N] {
+        let mut before = [simd.splat_f64s(0.0); N];
+        for (before, edge) in before.iter_mut().zip(&self.edge) {
+            *before = registers::part::<S>(edge, part);
+        }
+        before
+    }
+}
+
+/// Instruments that are multiplied with each other. The first row of sums has `width` entries, each other one less than the one
+/// before.
+struct Triangle<'a, T, const N: usize> {
+    all: Some<'a, T, N>,
+    width: usize,
+    sums: [&'a mut [Lane]; 2],
+}
+
+impl<T: Signal, const N: usize> WithSimd for Triangle<'_, T, N> {
+    /// Those of the last sample.
+    type Output = [Lane; N];
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> [Lane; N] {
+        let Self { all, width, sums: [squares, neighbours] } = self;
+        let zero = simd.splat_f64s(0.0);
+        let mut edge = all.edge;
+        for at in 0..parts::<S>() {
+            let mut before = all.before(simd, at);
+            for block in (0..SPAN).step_by(BLOCK) {
+                let (mut own, mut followed) = ([[zero; N]; N], [[zero; N]; N]);
+                for t in block..block + BLOCK {
+                    let now = all.at(simd, t, at);
+                    for i in 0..N {
+                        for j in 0..N {
+                            if j >= i {
+                                own[i][j] = simd.mul_add_f64s(now[i], now[j], own[i][j]);
+                            }
+                            followed[i][j] = simd.mul_add_f64s(before[i], now[j], followed[i][j]);
+                        }
+                    }
+                    before = now;
+                }
+                let mut place = 0;
+                for i in 0..N {
+                    for j in i..N {
+                        add(simd, &mut squares[place + j - i], at, own[i][j]);
+                        add(simd, &mut neighbours[place + j - i], at, followed[i][j]);
+                        add(simd, &mut neighbours[place + j - i], at, followed[j][i]);
+                    }
+                    place += width - i;
+                }
+            }
+            for i in 0..N {
+                put::<S>(&mut edge[i], at, before[i]);
             }
         }
-        for i in 0..C {
-            whole[0][i] += now[i];
-            whole[1][i] += after[i];
-            whole[1][i] += before[i];
+        edge
+    }
+}
+
+/// An instrument that is multiplied with others.
+struct Row<'a, T, const N: usize> {
+    one: Some<'a, T, 1>,
+    others: Some<'a, T, N>,
+    sums: [&'a mut [Lane]; 2],
+}
+
+impl<T: Signal, const N: usize> WithSimd for Row<'_, T, N> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Self { one, others, sums: [squares, neighbours] } = self;
+        let zero = simd.splat_f64s(0.0);
+        for at in 0..parts::<S>() {
+            let ([mut one_before], mut before) = (one.before(simd, at), others.before(simd, at));
+            for block in (0..SPAN).step_by(BLOCK) {
+                let (mut own, mut after, mut ahead) = ([zero; N], [zero; N], [zero; N]);
+                for t in block..block + BLOCK {
+                    let ([one_now], now) = (one.at(simd, t, at), others.at(simd, t, at));
+                    for j in 0..N {
+                        own[j] = simd.mul_add_f64s(one_now, now[j], own[j]);
+                        after[j] = simd.mul_add_f64s(one_before, now[j], after[j]);
+                        ahead[j] = simd.mul_add_f64s(one_now, before[j], ahead[j]);
+                    }
+                    (one_before, before) = (one_now, now);
+                }
+                for j in 0..N {
+                    add(simd, &mut squares[j], at, own[j]);
+                    add(simd, &mut neighbours[j], at, after[j]);
+                    add(simd, &mut neighbours[j], at, ahead[j]);
+                }
+            }
         }
     }
-    squares[..C].copy_from_slice(&whole[0]);
-    neighbours[..C].copy_from_slice(&whole[1]);
 }

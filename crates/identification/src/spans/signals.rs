@@ -1,0 +1,159 @@
+//! Signals at some samples, read where they stand.
+
+use std::ops::Range;
+
+use pulp::Simd;
+use vessel::Lane;
+
+use crate::batch::{BLOCK, parts};
+use crate::registers;
+
+/// Samples that a pass takes at once: several blocks, so that what is decided per term is decided seldom, and few enough for the
+/// nearest cache.
+pub(super) const SPAN: usize = 4 * BLOCK;
+
+/// The spans of samples `range`: first sample, count.
+pub(super) fn spans(range: Range<usize>) -> impl Iterator<Item = (usize, usize)> {
+    parts::<SPAN>(range)
+}
+
+/// A signal at the samples of a span.
+pub(crate) trait Signal: Copy {
+    /// Zero at all samples.
+    const ZERO: Self;
+    /// Register `part` of it at sample `t`.
+    fn at<S: Simd>(self, simd: S, t: usize, part: usize) -> S::f64s;
+}
+
+/// Several signals.
+pub(crate) trait Signals: Copy {
+    /// One of them.
+    type One: Signal;
+    /// How many.
+    fn count(self) -> usize;
+    /// One of them.
+    fn one(self, i: usize) -> Self::One;
+    /// Those in `range`.
+    fn part(self, range: Range<usize>) -> Self;
+
+    /// `C` of them, from `first` on.
+    #[inline(always)]
+    fn some<const C: usize>(self, first: usize) -> [Self::One; C] {
+        let mut some = [Self::One::ZERO; C];
+        for (i, one) in some.iter_mut().enumerate() {
+            *one = self.one(first + i);
+        }
+        some
+    }
+}
+
+/// From the first to the last entry of a column of a table with three columns at the samples of a span. Wherever signals stand, they
+/// stand so: with a distance that is known when the program is compiled, all of them are read with one index.
+#[derive(Clone, Copy)]
+pub(super) struct Column<'a>(&'a [Lane; 3 * SPAN - 2]);
+
+static ZEROS: [Lane; 3 * SPAN - 2] = [Lane::ZERO; 3 * SPAN - 2];
+static ONES: [Lane; 3 * SPAN - 2] = [Lane::ONE; 3 * SPAN - 2];
+
+impl<'a> Column<'a> {
+    /// Zeros.
+    pub(super) const ZERO: Self = Self(&ZEROS);
+
+    /// Ones.
+    pub(super) const ONE: Self = Self(&ONES);
+
+    /// The column that begins with `entries`.
+    #[inline(always)]
+    pub(super) fn of(entries: &'a [Lane]) -> Self {
+        entries.first_chunk().map_or(Self::ZERO, Self)
+    }
+
+    /// Register `part` of the entry of sample `t`.
+    #[inline(always)]
+    fn at<S: Simd>(self, t: usize, part: usize) -> S::f64s {
+        registers::part::<S>(&self.0[3 * t], part)
+    }
+
+    /// The entry of sample `t`.
+    #[inline(always)]
+    pub(super) fn entry(self, t: usize) -> Lane {
+        self.0[3 * t]
+    }
+}
+
+/// The product of two columns, computed where it is read: that takes less time than to write it and to read it again.
+#[derive(Clone, Copy)]
+pub(super) struct Product<'a>(pub [Column<'a>; 2]);
+
+impl Signal for Product<'_> {
+    const ZERO: Self = Self([Column::ZERO; 2]);
+
+    #[inline(always)]
+    fn at<S: Simd>(self, simd: S, t: usize, part: usize) -> S::f64s {
+        let Self([one, two]) = self;
+        simd.mul_f64s(one.at::<S>(t, part), two.at::<S>(t, part))
+    }
+}
+
+/// What a column is more than another.
+#[derive(Clone, Copy)]
+pub(super) struct Difference<'a>(pub [Column<'a>; 2]);
+
+impl Signal for Difference<'_> {
+    const ZERO: Self = Self([Column::ZERO; 2]);
+
+    #[inline(always)]
+    fn at<S: Simd>(self, simd: S, t: usize, part: usize) -> S::f64s {
+        let Self([one, two]) = self;
+        simd.sub_f64s(one.at::<S>(t, part), two.at::<S>(t, part))
+    }
+}
+
+/// The modulus of a column.
+#[derive(Clone, Copy)]
+pub(super) struct Modulus<'a>(pub Column<'a>);
+
+impl Signal for Modulus<'_> {
+    const ZERO: Self = Self(Column::ZERO);
+
+    #[inline(always)]
+    fn at<S: Simd>(self, simd: S, t: usize, part: usize) -> S::f64s {
+        simd.abs_f64s(self.0.at::<S>(t, part))
+    }
+}
+
+/// A signal that all runs share.
+impl Signal for &[f64; SPAN] {
+    const ZERO: Self = &[0.0; SPAN];
+
+    #[inline(always)]
+    fn at<S: Simd>(self, simd: S, t: usize, _: usize) -> S::f64s {
+        simd.splat_f64s(self[t])
+    }
+}
+
+/// Columns of numbers that all runs share, from sample `k` on.
+#[derive(Clone, Copy)]
+pub(super) struct Shared<'a> {
+    pub columns: &'a [Vec<f64>],
+    pub k: usize,
+}
+
+impl<'a> Signals for Shared<'a> {
+    type One = &'a [f64; SPAN];
+
+    #[inline(always)]
+    fn count(self) -> usize {
+        self.columns.len()
+    }
+
+    #[inline(always)]
+    fn one(self, i: usize) -> &'a [f64; SPAN] {
+        self.columns[i][self.k..].first_chunk().unwrap_or(&[0.0; SPAN])
+    }
+
+    #[inline(always)]
+    fn part(self, range: Range<usize>) -> Self {
+        Self { columns: &self.columns[range], ..self }
+    }
+}

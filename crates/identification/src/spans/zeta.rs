@@ -1,0 +1,129 @@
+use std::ops::Range;
+
+use vessel::{Compiled, Lane, Number};
+
+use super::regressors::Regressors;
+use super::signals::{SPAN, Shared, Signals};
+use crate::Batch;
+use crate::batch::AnyBatch;
+
+/// ζ at all samples of a batch whose runs share it, evaluated once for all passes and for all batches that share it.
+pub(crate) struct Kept {
+    /// A column per term, a span of zeros at its end; none where runs do not share ζ, or the model's structure is known.
+    columns: Vec<Vec<f64>>,
+}
+
+impl Kept {
+    /// Of a batch.
+    pub(crate) fn of(batch: AnyBatch) -> Self {
+        let mut columns = Vec::new();
+        if let AnyBatch::Shared(batch) = batch
+            && batch.model.structure().is_none()
+        {
+            let p = batch.model.parameters();
+            columns.resize_with(p, Vec::new);
+            let mut terms = Compiled::new(batch.model, &vec![0.0; p]);
+            let width = batch.model.exogenous();
+            for k in 0..batch.samples() {
+                let states = batch.instrument_states.as_chunks().0[k];
+                terms.look(states, &batch.exogenous[width * k..width * (k + 1)], None);
+                columns.iter_mut().enumerate().for_each(|(i, column)| column.push(terms.term(i)));
+            }
+            columns.iter_mut().for_each(|column| column.extend([0.0; SPAN]));
+        }
+        Self { columns }
+    }
+}
+
+/// ζ, span by span.
+pub(crate) trait Zeta {
+    /// Terms of a degree of freedom.
+    type Terms<'s>: Signals
+    where
+        Self: 's;
+    /// Goes to samples `k..k + count`, `count` ≤ [`SPAN`].
+    fn go_to(&mut self, k: usize, count: usize);
+    /// The terms of degree of freedom `d` there; zero beyond.
+    fn terms(&self, d: usize) -> Self::Terms<'_>;
+}
+
+/// What ζ is made of: lanes, or numbers that all runs share.
+pub(crate) trait Instrument: Number {
+    /// ζ of a batch, those in `terms` of each degree of freedom. `kept` is of the same batch.
+    fn zeta<'s>(batch: &Batch<'s, Self>, kept: &'s Kept, terms: [Range<usize>; 3]) -> impl Zeta + 's;
+}
+
+impl Instrument for Lane {
+    #[inline(always)]
+    fn zeta<'s>(batch: &Batch<'s, Lane>, _: &'s Kept, terms: [Range<usize>; 3]) -> impl Zeta + 's {
+        Regressors::zeta(batch, terms)
+    }
+}
+
+impl Zeta for Regressors<'_> {
+    type Terms<'s>
+        = super::regressors::Products<'s>
+    where
+        Self: 's;
+
+    #[inline(always)]
+    fn go_to(&mut self, k: usize, count: usize) {
+        self.go_to(k, count);
+    }
+
+    #[inline(always)]
+    fn terms(&self, d: usize) -> Self::Terms<'_> {
+        self.terms(d)
+    }
+}
+
+impl Instrument for f64 {
+    #[inline(always)]
+    fn zeta<'s>(batch: &Batch<'s, f64>, kept: &'s Kept, terms: [Range<usize>; 3]) -> impl Zeta + 's {
+        let mut first = 0;
+        let places = [0, 1, 2].map(|d: usize| {
+            let p = batch.model.degrees[d].terms.len();
+            let own = first + terms[d].start.min(p)..first + terms[d].end.min(p);
+            first += p;
+            own
+        });
+        OfShared { places, columns: &kept.columns, last: None, k: 0 }
+    }
+}
+
+/// ζ that runs share.
+struct OfShared<'s> {
+    /// Of each degree of freedom among the columns.
+    places: [Range<usize>; 3],
+    columns: &'s [Vec<f64>],
+    /// A span that is not whole, zero beyond.
+    last: Option<Vec<Vec<f64>>>,
+    k: usize,
+}
+
+impl Zeta for OfShared<'_> {
+    type Terms<'s>
+        = Shared<'s>
+    where
+        Self: 's;
+
+    #[inline(always)]
+    fn go_to(&mut self, k: usize, count: usize) {
+        self.k = k;
+        let padded = |column: &Vec<f64>| {
+            let mut padded = column[k..k + count].to_vec();
+            padded.resize(SPAN, 0.0);
+            padded
+        };
+        self.last = (count < SPAN).then(|| self.columns.iter().map(padded).collect());
+    }
+
+    #[inline(always)]
+    fn terms(&self, d: usize) -> Shared<'_> {
+        let (columns, k) = match &self.last {
+            Some(last) => (last.as_slice(), 0),
+            None => (self.columns, self.k),
+        };
+        Shared { columns: &columns[self.places[d].clone()], k }
+    }
+}
