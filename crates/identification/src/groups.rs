@@ -1,3 +1,5 @@
+use std::ops::Range;
+
 use vessel::{LANES, Lane};
 
 /// A group of samples that shares its intercepts: its first sample, and a constant per signal.
@@ -33,11 +35,17 @@ impl<'a, const N: usize> Constants<'a, N> {
         &self.signals
     }
 
-    /// [`Self::at`], and zero from the last of `count` samples on.
-    pub(crate) fn within(&mut self, k: usize, count: usize) -> &[[Lane; N]] {
-        self.at(k);
-        self.signals.iter_mut().for_each(|signal| signal[count..].fill(Lane::ZERO));
-        &self.signals
+    /// The constants at the first of the samples `range`, and until where they hold: over one or more times `N` samples, or over fewer
+    /// to the end of `range`, and zero beyond.
+    pub(crate) fn over(&mut self, range: Range<usize>) -> (usize, &[[Lane; N]]) {
+        self.at(range.start);
+        if range.len() < N {
+            self.signals.iter_mut().for_each(|signal| signal[range.len()..].fill(Lane::ZERO));
+            return (range.end, &self.signals);
+        }
+        let whole = |samples: usize| samples / N * N;
+        let same = whole(self.changes - range.start).max(N);
+        (range.start + same.min(whole(range.len())), &self.signals)
     }
 
     fn enter(&mut self, k: usize, lane: usize) {

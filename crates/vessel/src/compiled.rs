@@ -112,9 +112,10 @@ impl Places {
 }
 
 /// In which order terms are summed up, whatever their order in the model, so that more models have a common shape: states,
-/// products, then inputs and measured disturbances.
+/// products, inputs and measured disturbances, then the constant.
 fn kind([one, two]: [usize; 2], variables: usize) -> u8 {
     match (one, two) {
+        (ONE, ONE) => 3,
         (..=3, ONE) => 0,
         (_, ONE) if one <= variables => 2,
         _ => 1,

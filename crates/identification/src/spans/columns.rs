@@ -5,7 +5,7 @@ use std::ops::Range;
 use pulp::{Arch, Simd, WithSimd};
 use vessel::Lane;
 
-use super::regressors::{ALL, Regressors, measured};
+use super::regressors::{ALL, Order, Regressors};
 use super::signals::{Difference, SPAN, Signal, Signals, spans};
 use super::zeta::{Instrument, Kept, Zeta};
 use crate::batch::BLOCK;
@@ -20,28 +20,30 @@ pub(crate) fn add_instruments<X: Instrument>(
     range: Range<usize>,
     sums: &mut [DegreeSums<Lane>; 3],
 ) {
-    let measured = measured(batch.model);
+    let orders = Order::of(batch.model);
     let mut zeta = X::zeta(batch, kept, ALL);
     let mut columns = [0, 1, 2].map(|d: usize| {
         let p = sums[d].parameters();
-        Columns::new(p - measured[d], p)
+        Columns::new(p - orders[d].measured, p)
     });
     for (k, count) in spans(range) {
         zeta.go_to(k, count);
         for (d, columns) in columns.iter_mut().enumerate() {
             let all = zeta.terms(d);
-            columns.add::<Difference, 0>(all.part(measured[d]..all.count()), all, []);
+            columns.add::<Difference, 0>(all.part(orders[d].measured..all.count()), all, []);
         }
     }
-    for (d, (own, columns)) in sums.iter_mut().zip(columns).enumerate() {
+    for ((own, columns), Order { terms, measured }) in sums.iter_mut().zip(columns).zip(&orders) {
         let p = own.parameters();
-        for (i, (products, [total, square])) in columns.each().enumerate() {
+        for (place, (i, (products, [total, square]))) in terms.iter().zip(columns.each()).enumerate() {
             own.a[i * (p + 1) + p] = total;
-            own.instrument_squares[i] = square;
-            own.a[i * (p + 1) + measured[d]..][..products.len()].copy_from_slice(products);
-            if i >= measured[d] {
+            own.instrument_squares[*i] = square;
+            for (j, product) in terms[*measured..].iter().zip(products) {
+                own.a[i * (p + 1) + j] = *product;
+            }
+            if place >= *measured {
                 own.a[p * (p + 1) + i] = total;
-                own.regressor_squares[i] = square;
+                own.regressor_squares[*i] = square;
             }
         }
     }
@@ -55,10 +57,10 @@ pub(crate) fn add_measured<X: Instrument>(
     range: Range<usize>,
     sums: &mut [DegreeSums<Lane>; 3],
 ) {
-    let measured = measured(batch.model);
-    let mut phi = Regressors::phi(batch, measured.map(|measured| 0..measured));
+    let orders = Order::of(batch.model);
+    let mut phi = Regressors::phi(batch, orders.each_ref().map(|order| 0..order.measured));
     let mut zeta = X::zeta(batch, kept, ALL);
-    let mut columns = [0, 1, 2].map(|d: usize| Columns::new(sums[d].parameters(), measured[d] + 1));
+    let mut columns = [0, 1, 2].map(|d: usize| Columns::new(sums[d].parameters(), orders[d].measured + 1));
     for (k, count) in spans(range) {
         phi.go_to(k, count);
         zeta.go_to(k, count);
@@ -66,15 +68,20 @@ pub(crate) fn add_measured<X: Instrument>(
             columns.add(zeta.terms(d), phi.terms(d), [phi.increments(d)]);
         }
     }
-    for (d, (own, columns)) in sums.iter_mut().zip(columns).enumerate() {
+    for ((own, columns), Order { terms, measured }) in sums.iter_mut().zip(columns).zip(&orders) {
         let p = own.parameters();
-        for (j, (products, [total, square])) in columns.each().enumerate() {
-            if j < measured[d] {
-                (0..p).for_each(|i| own.a[i * (p + 1) + j] = products[i]);
-                own.a[p * (p + 1) + j] = total;
-                own.regressor_squares[j] = square;
+        for (place, (products, [total, square])) in columns.each().enumerate() {
+            for (i, product) in terms.iter().zip(products) {
+                if place < *measured {
+                    own.a[i * (p + 1) + terms[place]] = *product;
+                } else {
+                    own.b[*i] = *product;
+                }
+            }
+            if place < *measured {
+                own.a[p * (p + 1) + terms[place]] = total;
+                own.regressor_squares[terms[place]] = square;
             } else {
-                own.b[..p].copy_from_slice(products);
                 own.b[p] = total;
             }
         }

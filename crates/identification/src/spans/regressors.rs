@@ -7,10 +7,25 @@ use super::signals::{Column, Difference, Modulus, Product, SPAN, Signal, Signals
 use crate::Batch;
 use crate::registers::{parts, put};
 
-/// After how many terms of each degree of freedom all are made of inputs alone: those are the same in φ and in ζ.
-pub(super) fn measured(model: &Model) -> [usize; 3] {
-    let of_state = |term: &Term| term.products().flatten().any(|f| f.variable < 3);
-    model.degrees.each_ref().map(|degree| degree.terms.iter().rposition(of_state).map_or(0, |last| last + 1))
+/// In which order the passes take the terms of a degree of freedom: first those with states in them, then those of inputs alone,
+/// which are the same in φ and in ζ.
+pub(super) struct Order {
+    pub terms: Vec<usize>,
+    /// How many have states in them.
+    pub measured: usize,
+}
+
+impl Order {
+    /// Of each degree of freedom.
+    pub(super) fn of(model: &Model) -> [Self; 3] {
+        model.degrees.each_ref().map(|degree| {
+            let of_states = |i: &usize| degree.terms[*i].products().flatten().any(|f| f.variable < 3);
+            let (mut terms, inputs): (Vec<_>, Vec<_>) = (0..degree.terms.len()).partition(of_states);
+            let measured = terms.len();
+            terms.extend(inputs);
+            Self { terms, measured }
+        })
+    }
 }
 
 /// All terms of each degree of freedom.
@@ -62,7 +77,7 @@ pub(super) struct Regressors<'a> {
 }
 
 impl<'a> Regressors<'a> {
-    /// φ of a batch, those terms of each degree of freedom that are in `terms`; and Δy.
+    /// φ of a batch, those terms of each degree of freedom whose places are in `terms`; and Δy.
     pub(super) fn phi<X: Number>(batch: &Batch<'a, X>, terms: [Range<usize>; 3]) -> Self {
         let mut own = Self::of(batch.model, batch.measured, X::numbers(batch.exogenous), terms);
         for degree in &batch.model.degrees {
@@ -94,9 +109,9 @@ impl<'a> Regressors<'a> {
             last: Table::new(),
             ones: Table::new(),
         };
-        for (d, (degree, range)) in model.degrees.iter().zip(terms).enumerate() {
-            for (_, term) in degree.terms.iter().enumerate().filter(|(i, _)| range.contains(i)) {
-                let factors = own.term(term);
+        for (d, (order, range)) in Order::of(model).iter().zip(terms).enumerate() {
+            for i in range.start..range.end.min(order.terms.len()) {
+                let factors = own.term(&model.degrees[d].terms[order.terms[i]]);
                 own.factors[d].push(factors);
             }
         }

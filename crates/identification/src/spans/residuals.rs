@@ -3,11 +3,11 @@
 use pulp::{Arch, Simd, WithSimd};
 use vessel::Lane;
 
-use super::regressors::{Regressors, Table, fill, measured};
-use super::signals::{Column, Difference, SPAN, Signal, Signals, spans};
+use super::regressors::{Order, Regressors, Table, fill};
+use super::signals::{Blocks, Column, Difference, SPAN, Signal, Signals, spans};
 use super::zeta::{Instrument, Kept, Zeta};
 use crate::Batch;
-use crate::batch::BLOCK;
+use crate::batch::{BLOCK, Block};
 use crate::groups::{Constants, Groups};
 use crate::lags::Lags;
 use crate::registers::{add, part, parts, put};
@@ -22,38 +22,46 @@ pub(crate) fn add_residuals<X: Instrument>(
     lags: &mut Lags,
 ) {
     let mut edges = [Lane::ZERO; 3];
-    let mut intercepts = Constants::<SPAN>::new(intercepts, 3);
-    let measured = measured(batch.model);
-    let mut phi = Regressors::phi(batch, measured.map(|measured| 0..measured));
-    let mut inputs = X::zeta(batch, kept, measured.map(|measured| measured..usize::MAX));
-    let less: Vec<Lane> = theta.iter().map(|theta| Lane::ZERO - *theta).collect();
+    let mut intercepts = Constants::<BLOCK>::new(intercepts, 3);
+    let orders = Order::of(batch.model);
+    let mut phi = Regressors::phi(batch, orders.each_ref().map(|order| 0..order.measured));
+    let mut inputs = X::zeta(batch, kept, orders.each_ref().map(|order| order.measured..usize::MAX));
+    let mut rest = theta;
+    let less = orders.map(|Order { terms, .. }| {
+        let own = rest.split_off(..terms.len()).unwrap_or_default();
+        terms.iter().map(|i| Lane::ZERO - own[*i]).collect::<Vec<_>>()
+    });
     for (k, count) in spans(0..batch.samples()) {
         phi.go_to(k, count);
         inputs.go_to(k, count);
-        let intercepts = intercepts.within(k, count);
-        let mut less = less.as_slice();
-        for d in 0..3 {
-            let terms = Terms {
-                increments: phi.increments(d),
-                intercepts: &intercepts[d],
-                measured: phi.terms(d),
-                inputs: inputs.terms(d),
-                less,
-            };
-            less = &less[batch.model.degrees[d].terms.len()..];
-            terms.add([&mut lags.lag0[d], &mut lags.lag1[d]], &mut edges[d]);
+        let mut at = k;
+        while at < k + count {
+            let (end, intercepts) = intercepts.over(at..k + count);
+            for d in 0..3 {
+                let terms = Terms {
+                    blocks: Blocks::of(at - k..end - k),
+                    increments: phi.increments(d),
+                    intercepts: &intercepts[d],
+                    measured: phi.terms(d),
+                    inputs: inputs.terms(d),
+                    less: &less[d],
+                };
+                terms.add([&mut lags.lag0[d], &mut lags.lag1[d]], &mut edges[d]);
+            }
+            at = end;
         }
     }
 }
 
-/// A degree of freedom in a span.
+/// Blocks of a degree of freedom, with the same intercepts in each.
 #[derive(Clone, Copy)]
 struct Terms<'a, M, I> {
+    blocks: Blocks,
     increments: Difference<'a>,
-    intercepts: &'a [Lane; SPAN],
+    intercepts: &'a Block<Lane>,
     measured: M,
     inputs: I,
-    /// Parameters of the measured terms and of those of inputs alone, below zero; and of what follows.
+    /// Parameters of the measured terms and of those of inputs alone, below zero.
     less: &'a [Lane],
 }
 
@@ -82,17 +90,26 @@ impl<M: Signals, I: Signals> Terms<'_, M, I> {
 
     /// All terms are subtracted at once.
     fn add_few<const C: usize, const D: usize>(self, lags: [&mut Lane; 2], edge: &mut Lane) {
-        let Self { increments, intercepts, measured, inputs, less } = self;
+        let Self { blocks, increments, intercepts, measured, inputs, less } = self;
         let (measured, inputs) = (measured.some::<C>(0), inputs.some::<D>(0));
-        Arch::new().dispatch(Residuals { increments, intercepts, measured, inputs, less, lags, edge });
+        Arch::new().dispatch(Residuals {
+            blocks,
+            increments,
+            intercepts,
+            measured,
+            inputs,
+            less,
+            lags,
+            edge,
+        });
     }
 
     /// Terms are subtracted one after the other.
     fn add_many(self, lags: [&mut Lane; 2], edge: &mut Lane) {
-        let Self { increments, intercepts, measured, inputs, less } = self;
+        let Self { blocks, increments, intercepts, measured, inputs, less } = self;
         let mut left = vec![Lane::ZERO; 3 * SPAN];
         fill(increments, &mut left);
-        (0..SPAN).for_each(|t| left[3 * t] = left[3 * t] - intercepts[t]);
+        (0..SPAN).for_each(|t| left[3 * t] = left[3 * t] - intercepts[t % BLOCK]);
         let (of_measured, of_inputs) = less.split_at(measured.count());
         for (i, less) in of_measured.iter().enumerate() {
             Arch::new().dispatch(Less { term: measured.one(i), less, left: &mut left });
@@ -102,7 +119,7 @@ impl<M: Signals, I: Signals> Terms<'_, M, I> {
         }
         let (measured, inputs) = (measured.part(0..0), inputs.part(0..0));
         let increments = Difference([Column::of(&left), Column::ZERO]);
-        Terms { increments, intercepts: &[Lane::ZERO; SPAN], measured, inputs, less }
+        Terms { blocks, increments, intercepts: &[Lane::ZERO; BLOCK], measured, inputs, less }
             .add_few::<0, 0>(lags, edge);
     }
 }
@@ -132,8 +149,9 @@ impl<T: Signal> WithSimd for Less<'_, T> {
 
 /// Residuals of few terms, and where their products go.
 struct Residuals<'a, M, I, const C: usize, const D: usize> {
+    blocks: Blocks,
     increments: Difference<'a>,
-    intercepts: &'a [Lane; SPAN],
+    intercepts: &'a Block<Lane>,
     measured: [M; C],
     inputs: [I; D],
     less: &'a [Lane],
@@ -147,7 +165,7 @@ impl<M: Signal, I: Signal, const C: usize, const D: usize> WithSimd for Residual
     #[allow(clippy::needless_range_loop)] // What iterators make of arrays is not always inlined, and then has no vectors.
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Self { increments, intercepts, measured, inputs, less, lags, edge } = self;
+        let Self { blocks, increments, intercepts, measured, inputs, less, lags, edge } = self;
         let zero = simd.splat_f64s(0.0);
         for at in 0..parts::<S>() {
             let (mut first, mut last) = ([zero; C], [zero; D]);
@@ -158,10 +176,12 @@ impl<M: Signal, I: Signal, const C: usize, const D: usize> WithSimd for Residual
                 last[i] = part::<S>(&less[C + i], at);
             }
             let mut before = part::<S>(edge, at);
-            for block in (0..SPAN).step_by(BLOCK) {
+            for block in blocks.starts() {
                 let mut own = [zero; 2];
-                for t in block..block + BLOCK {
-                    let mut now = simd.sub_f64s(increments.at(simd, t, at), part::<S>(&intercepts[t], at));
+                for (t, intercept) in intercepts.iter().enumerate() {
+                    let t = block + t;
+                    let increment = increments.at(simd, t, at);
+                    let mut now = simd.sub_f64s(increment, part::<S>(intercept, at));
                     for i in 0..C {
                         now = simd.mul_add_f64s(measured[i].at(simd, t, at), first[i], now);
                     }

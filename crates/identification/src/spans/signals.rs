@@ -17,6 +17,28 @@ pub(super) fn spans(range: Range<usize>) -> impl Iterator<Item = (usize, usize)>
     parts::<SPAN>(range)
 }
 
+/// Some blocks of a span.
+#[derive(Clone, Copy)]
+pub(super) struct Blocks {
+    first: usize,
+    end: usize,
+}
+
+impl Blocks {
+    /// Those of samples `range`, the first of which begins a block.
+    pub(super) fn of(range: Range<usize>) -> Self {
+        Self { first: range.start / BLOCK, end: range.end.div_ceil(BLOCK) }
+    }
+
+    /// The first sample of each. It is seen here that they are in a span.
+    #[inline(always)]
+    pub(super) fn starts(self) -> impl Iterator<Item = usize> {
+        (0..SPAN / BLOCK)
+            .filter(move |block| self.first <= *block && *block < self.end)
+            .map(|block| BLOCK * block)
+    }
+}
+
 /// A signal at the samples of a span.
 pub(crate) trait Signal: Copy {
     /// Zero at all samples.

@@ -3,18 +3,18 @@
 use pulp::{Arch, Simd, WithSimd};
 use vessel::Lane;
 
-use super::regressors::ALL;
-use super::signals::{SPAN, Signal, Signals, spans};
+use super::regressors::{ALL, Order};
+use super::signals::{Blocks, Signal, Signals, spans};
 use super::zeta::{Instrument, Kept, Zeta};
 use crate::Batch;
-use crate::batch::BLOCK;
+use crate::batch::{BLOCK, Block};
 use crate::groups::{Constants, Groups};
 use crate::registers::{self, add, parts, put};
 
 /// Instruments of a degree of freedom that are multiplied with each other at once.
 const AT_ONCE: usize = 4;
-/// Means at the samples of a span.
-type Means = [Lane; SPAN];
+/// Means at the samples of a block.
+type Means = Block<Lane>;
 
 /// Adds to Σ ζᶜζᶜᵀ and to Σ (ζᶜ(k−1) ζᶜ(k)ᵀ + its transpose), upper triangles of all degrees of freedom. `means`: the instruments'
 /// means per run and group.
@@ -25,39 +25,66 @@ pub(crate) fn add_squares<X: Instrument>(
     means: Groups,
     [squares, neighbours]: [&mut [Lane]; 2],
 ) {
-    let mut means = Constants::<SPAN>::new(means, batch.model.parameters());
+    let mut means = Constants::<BLOCK>::new(means, batch.model.parameters());
     let mut zeta = X::zeta(batch, kept, ALL);
     let mut edges = vec![Lane::ZERO; batch.model.parameters()];
+    let orders = Order::of(batch.model);
+    let mut sums = orders.each_ref().map(|Order { terms, .. }| {
+        let entries = terms.len() * (terms.len() + 1) / 2;
+        [vec![Lane::ZERO; entries], vec![Lane::ZERO; entries]]
+    });
     for (k, count) in spans(0..batch.samples()) {
         zeta.go_to(k, count);
-        let means = means.within(k, count);
-        let (mut first, mut place) = (0, 0);
-        for d in 0..3 {
-            let terms = zeta.terms(d);
-            let p = terms.count();
-            let (means, edges) = (&means[first..first + p], &mut edges[first..first + p]);
-            let own = place..place + p * (p + 1) / 2;
-            (first, place) = (first + p, own.end);
-            Centred { terms, means }.add(edges, [&mut squares[own.clone()], &mut neighbours[own]]);
+        let mut at = k;
+        while at < k + count {
+            let (end, means) = means.over(at..k + count);
+            let blocks = Blocks::of(at - k..end - k);
+            let mut first = 0;
+            for (d, own) in sums.iter_mut().enumerate() {
+                let (terms, order) = (zeta.terms(d), orders[d].terms.as_slice());
+                let range = first..first + order.len();
+                first = range.end;
+                let centred = Centred { terms, order, means: &means[range.clone()], blocks };
+                centred.add(&mut edges[range], own.each_mut().map(Vec::as_mut_slice));
+            }
+            at = end;
         }
+    }
+    let mut first = 0;
+    for (Order { terms, .. }, own) in orders.iter().zip(&sums) {
+        let p = terms.len();
+        for (i, j) in (0..p).flat_map(|i| (i..p).map(move |j| (i, j))) {
+            let (row, column) = (terms[i].min(terms[j]), terms[i].max(terms[j]));
+            let to = first + place(p, row, column);
+            squares[to] = own[0][place(p, i, j)];
+            neighbours[to] = own[1][place(p, i, j)];
+        }
+        first += p * (p + 1) / 2;
     }
 }
 
-/// A span of a degree of freedom's instruments less their means.
+/// Where entry (i, j) of the upper triangle of a p × p matrix stands.
+fn place(p: usize, i: usize, j: usize) -> usize {
+    i * p + j - i * (i + 1) / 2
+}
+
+/// Blocks of a degree of freedom's instruments less their means, the same in each block.
 #[derive(Clone, Copy)]
 struct Centred<'a, T> {
     terms: T,
+    /// Of every term its place among the means.
+    order: &'a [usize],
     means: &'a [Means],
+    blocks: Blocks,
 }
 
 impl<'a, T: Signals> Centred<'a, T> {
     /// Adds all products. `edges` are those of the sample before; they become the last.
     fn add(self, edges: &mut [Lane], mut sums: [&mut [Lane]; 2]) {
         let p = edges.len();
-        let place = |i: usize, j: usize| i * p + j - i * (i + 1) / 2;
         for first in (0..p).step_by(AT_ONCE) {
             for row in 0..first {
-                let sums = sums.each_mut().map(|sums| &mut sums[place(row, first)..]);
+                let sums = sums.each_mut().map(|sums| &mut sums[place(p, row, first)..]);
                 match p - first {
                     1 => self.add_row::<1>(row, first, edges, sums),
                     2 => self.add_row::<2>(row, first, edges, sums),
@@ -67,7 +94,7 @@ impl<'a, T: Signals> Centred<'a, T> {
             }
         }
         for first in (0..p).step_by(AT_ONCE) {
-            let sums = sums.each_mut().map(|sums| &mut sums[place(first, first)..]);
+            let sums = sums.each_mut().map(|sums| &mut sums[place(p, first, first)..]);
             match p - first {
                 1 => self.add_triangle::<1>(first, edges, sums),
                 2 => self.add_triangle::<2>(first, edges, sums),
@@ -95,7 +122,12 @@ impl<'a, T: Signals> Centred<'a, T> {
     fn some<const N: usize>(self, first: usize, edges: &[Lane]) -> Some<'a, T::One, N> {
         let mut edge = [Lane::ZERO; N];
         edge.copy_from_slice(&edges[first..first + N]);
-        Some { terms: self.terms.some(first), means: std::array::from_fn(|i| &self.means[first + i]), edge }
+        Some {
+            terms: self.terms.some(first),
+            means: std::array::from_fn(|i| &self.means[self.order[first + i]]),
+            edge,
+            blocks: self.blocks,
+        }
     }
 }
 
@@ -104,17 +136,18 @@ struct Some<'a, T, const N: usize> {
     terms: [T; N],
     means: [&'a Means; N],
     edge: [Lane; N],
+    blocks: Blocks,
 }
 
 impl<T: Signal, const N: usize> Some<'_, T, N> {
-    /// Register `part` of them at sample `t`, centred.
+    /// Register `part` of them at sample `t` of a block, centred.
     #[allow(clippy::needless_range_loop)] // What iterators make of arrays is not always inlined, and then has no vectors.
     #[inline(always)]
-    fn at<S: Simd>(&self, simd: S, t: usize, part: usize) -> [S::f64s; N] {
+    fn at<S: Simd>(&self, simd: S, block: usize, t: usize, part: usize) -> [S::f64s; N] {
         let mut now = [simd.splat_f64s(0.0); N];
         for i in 0..N {
             let mean = registers::part::<S>(&self.means[i][t], part);
-            now[i] = simd.sub_f64s(self.terms[i].at(simd, t, part), mean);
+            now[i] = simd.sub_f64s(self.terms[i].at(simd, block + t, part), mean);
         }
         now
     }
@@ -149,10 +182,10 @@ impl<T: Signal, const N: usize> WithSimd for Triangle<'_, T, N> {
         let mut edge = all.edge;
         for at in 0..parts::<S>() {
             let mut before = all.before(simd, at);
-            for block in (0..SPAN).step_by(BLOCK) {
+            for block in all.blocks.starts() {
                 let (mut own, mut followed) = ([[zero; N]; N], [[zero; N]; N]);
-                for t in block..block + BLOCK {
-                    let now = all.at(simd, t, at);
+                for t in 0..BLOCK {
+                    let now = all.at(simd, block, t, at);
                     for i in 0..N {
                         for j in 0..N {
                             if j >= i {
@@ -197,10 +230,10 @@ impl<T: Signal, const N: usize> WithSimd for Row<'_, T, N> {
         let zero = simd.splat_f64s(0.0);
         for at in 0..parts::<S>() {
             let ([mut one_before], mut before) = (one.before(simd, at), others.before(simd, at));
-            for block in (0..SPAN).step_by(BLOCK) {
+            for block in one.blocks.starts() {
                 let (mut own, mut after, mut ahead) = ([zero; N], [zero; N], [zero; N]);
-                for t in block..block + BLOCK {
-                    let ([one_now], now) = (one.at(simd, t, at), others.at(simd, t, at));
+                for t in 0..BLOCK {
+                    let ([one_now], now) = (one.at(simd, block, t, at), others.at(simd, block, t, at));
                     for j in 0..N {
                         own[j] = simd.mul_add_f64s(one_now, now[j], own[j]);
                         after[j] = simd.mul_add_f64s(one_before, now[j], after[j]);

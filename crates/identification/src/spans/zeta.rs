@@ -2,14 +2,14 @@ use std::ops::Range;
 
 use vessel::{Compiled, Lane, Number};
 
-use super::regressors::Regressors;
+use super::regressors::{Order, Products, Regressors};
 use super::signals::{SPAN, Shared, Signals};
 use crate::Batch;
 use crate::batch::AnyBatch;
 
 /// ζ at all samples of a batch whose runs share it, evaluated once for all passes and for all batches that share it.
 pub(crate) struct Kept {
-    /// A column per term, a span of zeros at its end; none where runs do not share ζ, or the model's structure is known.
+    /// A column per term in the passes' order, a span of zeros at its end; none where runs do not share ζ, or the model's structure is known.
     columns: Vec<Vec<f64>>,
 }
 
@@ -20,14 +20,20 @@ impl Kept {
         if let AnyBatch::Shared(batch) = batch
             && batch.model.structure().is_none()
         {
-            let p = batch.model.parameters();
-            columns.resize_with(p, Vec::new);
-            let mut terms = Compiled::new(batch.model, &vec![0.0; p]);
+            let mut first = 0;
+            let places = Order::of(batch.model).into_iter().flat_map(|Order { terms, .. }| {
+                first += terms.len();
+                let own = first - terms.len();
+                terms.into_iter().map(move |i| own + i)
+            });
+            let places: Vec<usize> = places.collect();
+            columns.resize_with(places.len(), Vec::new);
+            let mut terms = Compiled::new(batch.model, &vec![0.0; places.len()]);
             let width = batch.model.exogenous();
             for k in 0..batch.samples() {
                 let states = batch.instrument_states.as_chunks().0[k];
                 terms.look(states, &batch.exogenous[width * k..width * (k + 1)], None);
-                columns.iter_mut().enumerate().for_each(|(i, column)| column.push(terms.term(i)));
+                columns.iter_mut().zip(&places).for_each(|(column, i)| column.push(terms.term(*i)));
             }
             columns.iter_mut().for_each(|column| column.extend([0.0; SPAN]));
         }
@@ -62,7 +68,7 @@ impl Instrument for Lane {
 
 impl Zeta for Regressors<'_> {
     type Terms<'s>
-        = super::regressors::Products<'s>
+        = Products<'s>
     where
         Self: 's;
 
