@@ -73,7 +73,6 @@ impl Term {
     }
 
     /// The term's values at `N` samples at once; `values` holds one array per variable.
-    #[inline(always)]
     pub fn values<X: Number, const N: usize>(&self, values: &[[X; N]], out: &mut [X; N]) {
         multiply(&self.factors, values, out);
         for tied in &self.tied {
@@ -84,8 +83,7 @@ impl Term {
 
 impl Product {
     /// Adds its values at `N` samples to `out`, see [`Term::values`].
-    #[inline(always)]
-    pub fn add<X: Number, const N: usize>(&self, values: &[[X; N]], out: &mut [X; N]) {
+    fn add<X: Number, const N: usize>(&self, values: &[[X; N]], out: &mut [X; N]) {
         let mut own = [X::ZERO; N];
         multiply(&self.factors, values, &mut own);
         let coefficient = X::from(self.coefficient);
@@ -96,62 +94,11 @@ impl Product {
 }
 
 /// The product of `factors`; one without any.
-#[inline(always)]
 fn multiply<X: Number, const N: usize>(factors: &[Factor], values: &[[X; N]], out: &mut [X; N]) {
-    // What is decided per factor stays out of the loops, so that they are whole vectors. Loops, and no functions that are
-    // handed to iterators: these may be compiled on their own, for the oldest processor. The first two factors are taken
-    // at once: most terms have no more, and what is written is read again at a cost.
-    let others = match factors {
-        [] => {
-            *out = [X::ONE; N];
-            return;
-        }
-        [first] => {
-            *out = values[first.variable];
-            if first.modulus {
-                for o in out.iter_mut() {
-                    *o = o.modulus();
-                }
-            }
-            return;
-        }
-        [first, second, others @ ..] => {
-            let (one, two) = (&values[first.variable], &values[second.variable]);
-            match (first.modulus, second.modulus) {
-                (false, false) => {
-                    for t in 0..N {
-                        out[t] = one[t] * two[t];
-                    }
-                }
-                (false, true) => {
-                    for t in 0..N {
-                        out[t] = one[t] * two[t].modulus();
-                    }
-                }
-                (true, false) => {
-                    for t in 0..N {
-                        out[t] = one[t].modulus() * two[t];
-                    }
-                }
-                (true, true) => {
-                    for t in 0..N {
-                        out[t] = one[t].modulus() * two[t].modulus();
-                    }
-                }
-            }
-            others
-        }
-    };
-    for factor in others {
-        let pairs = out.iter_mut().zip(&values[factor.variable]);
-        if factor.modulus {
-            for (o, value) in pairs {
-                *o = *o * value.modulus();
-            }
-        } else {
-            for (o, value) in pairs {
-                *o = *o * *value;
-            }
+    *out = [X::ONE; N];
+    for factor in factors {
+        for (o, value) in out.iter_mut().zip(&values[factor.variable]) {
+            *o = *o * if factor.modulus { value.modulus() } else { *value };
         }
     }
 }

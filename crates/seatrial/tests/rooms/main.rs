@@ -87,7 +87,7 @@ const LINES: [(&str, usize); 1] = [("seatrial", 5_000)];
 
 /// Most lines below `src/` of all crates together, unit tests among them: raised where something new is worth them, never for
 /// what is written a second time. And the largest share of one crate.
-const TOTAL: usize = 96_210;
+const TOTAL: usize = 96_780;
 const SHARE: f64 = 0.2;
 
 /// What does not hold yet: rule, crate, how much of it is left.
