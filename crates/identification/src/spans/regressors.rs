@@ -323,6 +323,7 @@ pub(super) struct Products<'s> {
 
 impl<'s> Signals for Products<'s> {
     type One = Product<'s>;
+    const ZERO: Self::One = Product([Column::ZERO; 2]);
 
     #[inline(always)]
     fn count(self) -> usize {

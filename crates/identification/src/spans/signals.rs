@@ -41,8 +41,6 @@ impl Blocks {
 
 /// A signal at the samples of a span.
 pub(crate) trait Signal: Copy {
-    /// Zero at all samples.
-    const ZERO: Self;
     /// Register `part` of it at sample `t`.
     fn at<S: Simd>(self, simd: S, t: usize, part: usize) -> S::f64s;
 }
@@ -51,6 +49,8 @@ pub(crate) trait Signal: Copy {
 pub(crate) trait Signals: Copy {
     /// One of them.
     type One: Signal;
+    /// Zero at all samples.
+    const ZERO: Self::One;
     /// How many.
     fn count(self) -> usize;
     /// One of them.
@@ -61,7 +61,7 @@ pub(crate) trait Signals: Copy {
     /// `C` of them, from `first` on.
     #[inline(always)]
     fn some<const C: usize>(self, first: usize) -> [Self::One; C] {
-        let mut some = [Self::One::ZERO; C];
+        let mut some = [Self::ZERO; C];
         for (i, one) in some.iter_mut().enumerate() {
             *one = self.one(first + i);
         }
@@ -108,8 +108,6 @@ impl<'a> Column<'a> {
 pub(super) struct Product<'a>(pub [Column<'a>; 2]);
 
 impl Signal for Product<'_> {
-    const ZERO: Self = Self([Column::ZERO; 2]);
-
     #[inline(always)]
     fn at<S: Simd>(self, simd: S, t: usize, part: usize) -> S::f64s {
         let Self([one, two]) = self;
@@ -122,8 +120,6 @@ impl Signal for Product<'_> {
 pub(super) struct Difference<'a>(pub [Column<'a>; 2]);
 
 impl Signal for Difference<'_> {
-    const ZERO: Self = Self([Column::ZERO; 2]);
-
     #[inline(always)]
     fn at<S: Simd>(self, simd: S, t: usize, part: usize) -> S::f64s {
         let Self([one, two]) = self;
@@ -136,8 +132,6 @@ impl Signal for Difference<'_> {
 pub(super) struct Modulus<'a>(pub Column<'a>);
 
 impl Signal for Modulus<'_> {
-    const ZERO: Self = Self(Column::ZERO);
-
     #[inline(always)]
     fn at<S: Simd>(self, simd: S, t: usize, part: usize) -> S::f64s {
         simd.abs_f64s(self.0.at::<S>(t, part))
@@ -146,8 +140,6 @@ impl Signal for Modulus<'_> {
 
 /// A signal that all runs share.
 impl Signal for &[f64; SPAN] {
-    const ZERO: Self = &[0.0; SPAN];
-
     #[inline(always)]
     fn at<S: Simd>(self, simd: S, t: usize, _: usize) -> S::f64s {
         simd.splat_f64s(self[t])
@@ -163,6 +155,7 @@ pub(super) struct Shared<'a> {
 
 impl<'a> Signals for Shared<'a> {
     type One = &'a [f64; SPAN];
+    const ZERO: Self::One = &[0.0; SPAN];
 
     #[inline(always)]
     fn count(self) -> usize {
@@ -171,7 +164,7 @@ impl<'a> Signals for Shared<'a> {
 
     #[inline(always)]
     fn one(self, i: usize) -> &'a [f64; SPAN] {
-        self.columns[i][self.k..].first_chunk().unwrap_or(&[0.0; SPAN])
+        self.columns[i][self.k..].first_chunk().unwrap_or(Self::ZERO)
     }
 
     #[inline(always)]

@@ -9,34 +9,34 @@ use crate::batch::AnyBatch;
 
 /// ζ at all samples of a batch whose runs share it, evaluated once for all passes and for all batches that share it.
 pub(crate) struct Kept {
-    /// A column per term in the passes' order, a span of zeros at its end; none where runs do not share ζ, or the model's structure is known.
-    columns: Vec<Vec<f64>>,
+    /// Per degree of freedom a column per term in the passes' order, a span of zeros at its end; none where runs do not share ζ, or the
+    /// model's structure is known.
+    columns: [Vec<Vec<f64>>; 3],
 }
 
 impl Kept {
     /// Of a batch.
     pub(crate) fn of(batch: AnyBatch) -> Self {
-        let mut columns = Vec::new();
-        if let AnyBatch::Shared(batch) = batch
-            && batch.model.structure().is_none()
-        {
-            let mut first = 0;
-            let places = Order::of(batch.model).into_iter().flat_map(|Order { terms, .. }| {
-                first += terms.len();
-                let own = first - terms.len();
-                terms.into_iter().map(move |i| own + i)
-            });
-            let places: Vec<usize> = places.collect();
-            columns.resize_with(places.len(), Vec::new);
-            let mut terms = Compiled::new(batch.model, &vec![0.0; places.len()]);
-            let width = batch.model.exogenous();
-            for k in 0..batch.samples() {
-                let states = batch.instrument_states.as_chunks().0[k];
-                terms.look(states, &batch.exogenous[width * k..width * (k + 1)], None);
-                columns.iter_mut().zip(&places).for_each(|(column, i)| column.push(terms.term(*i)));
-            }
-            columns.iter_mut().for_each(|column| column.extend([0.0; SPAN]));
+        let AnyBatch::Shared(batch) = batch else { return Self { columns: Default::default() } };
+        if batch.model.structure().is_some() {
+            return Self { columns: Default::default() };
         }
+        let orders = Order::of(batch.model);
+        let mut columns = orders.each_ref().map(|order| vec![Vec::new(); order.terms.len()]);
+        let mut terms = Compiled::new(batch.model, &vec![0.0; batch.model.parameters()]);
+        let width = batch.model.exogenous();
+        for k in 0..batch.samples() {
+            let states = batch.instrument_states.as_chunks().0[k];
+            terms.look(states, &batch.exogenous[width * k..width * (k + 1)], None);
+            let mut first = 0;
+            for (columns, order) in columns.iter_mut().zip(&orders) {
+                for (column, i) in columns.iter_mut().zip(&order.terms) {
+                    column.push(terms.term(first + i));
+                }
+                first += order.terms.len();
+            }
+        }
+        columns.iter_mut().flatten().for_each(|column| column.extend([0.0; SPAN]));
         Self { columns }
     }
 }
@@ -85,25 +85,18 @@ impl Zeta for Regressors<'_> {
 
 impl Instrument for f64 {
     #[inline(always)]
-    fn zeta<'s>(batch: &Batch<'s, f64>, kept: &'s Kept, terms: [Range<usize>; 3]) -> impl Zeta + 's {
-        let mut first = 0;
-        let places = [0, 1, 2].map(|d: usize| {
-            let p = batch.model.degrees[d].terms.len();
-            let own = first + terms[d].start.min(p)..first + terms[d].end.min(p);
-            first += p;
-            own
-        });
-        OfShared { places, columns: &kept.columns, last: None, k: 0 }
+    fn zeta<'s>(_: &Batch<'s, f64>, kept: &'s Kept, terms: [Range<usize>; 3]) -> impl Zeta + 's {
+        OfShared { terms, columns: &kept.columns, last: None, k: 0 }
     }
 }
 
 /// ζ that runs share.
 struct OfShared<'s> {
-    /// Of each degree of freedom among the columns.
-    places: [Range<usize>; 3],
-    columns: &'s [Vec<f64>],
+    /// Of each degree of freedom, those that are asked for.
+    terms: [Range<usize>; 3],
+    columns: &'s [Vec<Vec<f64>>; 3],
     /// A span that is not whole, zero beyond.
-    last: Option<Vec<Vec<f64>>>,
+    last: Option<[Vec<Vec<f64>>; 3]>,
     k: usize,
 }
 
@@ -121,15 +114,17 @@ impl Zeta for OfShared<'_> {
             padded.resize(SPAN, 0.0);
             padded
         };
-        self.last = (count < SPAN).then(|| self.columns.iter().map(padded).collect());
+        self.last =
+            (count < SPAN).then(|| self.columns.each_ref().map(|own| own.iter().map(padded).collect()));
     }
 
     #[inline(always)]
     fn terms(&self, d: usize) -> Shared<'_> {
         let (columns, k) = match &self.last {
-            Some(last) => (last.as_slice(), 0),
-            None => (self.columns, self.k),
+            Some(last) => (&last[d], 0),
+            None => (&self.columns[d], self.k),
         };
-        Shared { columns: &columns[self.places[d].clone()], k }
+        let Range { start, end } = self.terms[d];
+        Shared { columns: &columns[start..end.min(columns.len())], k }
     }
 }
