@@ -2,9 +2,9 @@
 
 use std::convert::Infallible;
 use std::io;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-use refusal::{Invalid, one_line};
+use refusal::{Invalid, one_line, shortened};
 
 /// Result of this crate's functions.
 pub type Result<T> = std::result::Result<T, Error>;
@@ -13,7 +13,7 @@ pub type Result<T> = std::result::Result<T, Error>;
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
     /// The contents of a file, or what was to be written, are not acceptable.
-    #[error("{}", one_line(&format!("{}: {invalid}", file.display())))]
+    #[error("{}: {invalid}", shown(.file))]
     Refused {
         /// The file that holds the thing; for a block not yet in a file, the table's schema id.
         file: PathBuf,
@@ -55,7 +55,22 @@ impl Error {
     }
 }
 
-fn io_line(path: &std::path::Path, action: &str, source: &io::Error) -> String {
+/// Most characters of the operating system's or a library's answer in a message.
+const SOURCE: usize = 200;
+
+/// Most characters of a path in a message.
+const PATH: usize = 120;
+
+/// `path` in one line; of a long one the end, which tells most.
+fn shown(path: &Path) -> String {
+    let path = one_line(&path.display().to_string());
+    match path.chars().count() {
+        ..=PATH => path,
+        length => ['…'].into_iter().chain(path.chars().skip(length - PATH + 1)).collect(),
+    }
+}
+
+fn io_line(path: &Path, action: &str, source: &io::Error) -> String {
     let (expected, remedy) = match (action, source.kind()) {
         ("read", io::ErrorKind::NotFound) => ("an existing file", "check the path or write the file first"),
         (_, io::ErrorKind::NotFound) => ("an existing folder", "create the folder first"),
@@ -71,7 +86,8 @@ fn io_line(path: &std::path::Path, action: &str, source: &io::Error) -> String {
         ("read", _) => ("a readable file", "check the file and its disk"),
         _ => ("a writable place", "check the folder and its disk"),
     };
-    one_line(&format!("{}: {action}: found {source}, expected {expected}; {remedy}", path.display()))
+    let found = shortened(&one_line(&source.to_string()), SOURCE);
+    format!("{}: {action}: found {found}, expected {expected}; {remedy}", shown(path))
 }
 
 /// Whoever holds data in memory reads them again without fail.

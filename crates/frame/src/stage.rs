@@ -9,6 +9,7 @@ use artifact::fault::{Fault, inject};
 use clap::error::ErrorKind;
 use clap::parser::ValueSource;
 use clap::{Arg, ArgMatches, Args, Command, CommandFactory, FromArgMatches, Parser};
+use refusal::shortened;
 use serde_json::{Value, json};
 
 use crate::changed::check_changes;
@@ -212,11 +213,15 @@ fn one_line(message: &str) -> String {
     format!("{}; see --help", words.join(" "))
 }
 
+/// Most characters of a message.
+const LONGEST: usize = 490;
+
 /// Tells a failure.
 pub fn ended(failure: &Failure, json: bool) -> ExitCode {
-    on_stderr(format_args!("error: {failure}"));
+    let message = shortened(&failure.to_string(), LONGEST);
+    on_stderr(format_args!("error: {message}"));
     if json {
-        on_stdout(json!({"exit_code": failure.exit_code(), "error": failure.to_string()}));
+        on_stdout(json!({"exit_code": failure.exit_code(), "error": message}));
     }
     ExitCode::from(failure.exit_code())
 }

@@ -2,7 +2,7 @@ use std::sync::Arc;
 
 use refusal::{Invalid, nearest};
 
-use crate::{Samples, Store};
+use crate::{Omissions, Samples, Store};
 
 /// A column that is asked for.
 #[derive(Clone, Debug, PartialEq)]
@@ -129,6 +129,8 @@ pub struct Columns {
     pub cut_rows: usize,
     /// Sentences with a wrong checksum, left out.
     pub wrong_checksums: usize,
+    /// Values left out, by column and reason.
+    pub omitted: Omissions,
 }
 
 /// What messages call a cell.

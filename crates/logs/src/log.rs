@@ -13,8 +13,8 @@ use crate::samples::{View, steps};
 use crate::spread::spread;
 use crate::suspicion::{Seen, Turns};
 use crate::{
-    Backwards, Cells, ChannelSpec, Columns, FileSpec, Labels, NonMonotonic, Numbering, Plan, Repeated,
-    Samples, Series, TimeSpec, TimeUnit, Unit, Unwrapping, order,
+    Backwards, Cells, ChannelSpec, Columns, FileSpec, Labels, NonMonotonic, Numbering, Omissions, Plan,
+    Repeated, Samples, Series, TimeSpec, TimeUnit, Unit, Unwrapping, order,
 };
 
 /// Share of rows that may have the time of an earlier row without a word of it in the configuration.
@@ -33,6 +33,8 @@ pub struct Log {
     pub labels: Option<Labels>,
     /// What was read and left out.
     pub counts: RowSummary,
+    /// Values that were left out, by channel and reason.
+    pub omitted: Omissions,
 }
 
 /// Rows that were read, and left out.
@@ -89,7 +91,7 @@ impl Log {
     /// # Errors
     /// Time going backwards, no rows, angles in another unit.
     pub fn new(columns: Columns, group: usize, plan: &Plan) -> Result<Self, Invalid> {
-        let Columns { cells, lines, empty_rows, cut_rows, wrong_checksums } = columns;
+        let Columns { cells, lines, empty_rows, cut_rows, wrong_checksums, omitted: by_column } = columns;
         let (spec, mut cells) = (&plan.setup.files[group], cells.into_iter());
         let clock = cells.next();
         let nanoseconds = spec.time.nanoseconds.as_ref().and_then(|_| cells.next());
@@ -117,7 +119,12 @@ impl Log {
         let channels = channels.into_par_iter().map(channel).collect::<Result<Vec<_>, _>>()?;
         let (channels, seen) = channels.into_iter().unzip();
         let labels = labels.map(|labels| rows.labels(labels));
-        Ok(Self { times: rows.times, channels, seen, labels, counts })
+        let mut omitted = Omissions::default();
+        omitted.append(&by_column, |column| {
+            let channel = spec.channel.iter().find(|channel| channel.column == column);
+            channel.map_or(column, |channel| &channel.channel)
+        });
+        Ok(Self { times: rows.times, channels, seen, labels, counts, omitted })
     }
 }
 

@@ -16,8 +16,8 @@ use crate::segment::Labelled;
 use crate::source::called;
 use crate::suspicion::{Seen, check_ratios, warnings};
 use crate::{
-    Assembled, ChannelSummary, Channels, Grid, Log, MotionSummary, Part, Plan, RowSummary, Samples,
-    Segmentation, Series, Source, Unassembled, WarningSummary, noise_std, prepare,
+    Assembled, ChannelSummary, Channels, Grid, Log, MotionSummary, Omission, Omissions, Part, Plan,
+    RowSummary, Samples, Segmentation, Series, Source, Unassembled, WarningSummary, noise_std, prepare,
 };
 
 /// What became of a recording.
@@ -122,6 +122,9 @@ pub struct RecordingSummary {
     pub left_out_s: f64,
     /// Rows of its files.
     pub rows: RowSummary,
+    /// Values that were left out, by channel and reason.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub omitted: Vec<Omission>,
     /// Its channels, measured and computed, on their own clocks.
     pub channels: Vec<ChannelSummary>,
     /// Measured velocities beside the derivatives of position and heading, where there are both.
@@ -152,6 +155,8 @@ pub fn record(
     let seen: Vec<Seen> = logs.iter().flat_map(|log| &log.seen).copied().collect();
     let mut rows = RowSummary::default();
     logs.iter().for_each(|log| rows += log.counts);
+    let mut omitted = Omissions::default();
+    logs.iter().for_each(|log| omitted.append(&log.omitted, |channel| channel));
     let channels = channels(plan, logs, start_s);
     let logged = plan.exogenous.len() - plan.derived.len();
     let exogenous: Vec<&str> = plan.exogenous[..logged].iter().map(|channel| channel.name.as_str()).collect();
@@ -190,6 +195,7 @@ pub fn record(
         short_segments: short as u64,
         left_out_s: known.saturating_sub(samples) as f64 / setup.conventions.rate_hz,
         rows,
+        omitted: omitted.into_vec(),
         warnings,
         channels: summaries,
         motion: motion.into_iter().flatten().collect(),

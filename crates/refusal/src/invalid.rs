@@ -1,6 +1,10 @@
 use std::fmt;
 
-use crate::nearest;
+use crate::bounded::fitted;
+use crate::{nearest, one_line};
+
+/// Most characters of the four parts of a message together: with a file's name they stay below 500.
+const MOST: usize = 360;
 
 /// A value that is refused. It knows no file: whoever read one adds its name.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -43,18 +47,13 @@ impl Invalid {
 
 impl fmt::Display for Invalid {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { thing, found, expected, remedy } = self;
-        f.write_str(&one_line(&format!("{thing}: found {found}, expected {expected}; {remedy}")))
+        let parts = [&self.thing, &self.found, &self.expected, &self.remedy].map(|part| one_line(part));
+        let [thing, found, expected, remedy] = fitted(parts.each_ref().map(String::as_str), MOST);
+        write!(f, "{thing}: found {found}, expected {expected}; {remedy}")
     }
 }
 
 impl std::error::Error for Invalid {}
-
-/// `text` with every run of line breaks and other control characters replaced by one space.
-pub fn one_line(text: &str) -> String {
-    let parts = text.split(|c: char| c.is_control() || c == '\u{2028}' || c == '\u{2029}');
-    parts.filter(|part| !part.is_empty()).collect::<Vec<_>>().join(" ")
-}
 
 #[cfg(test)]
 mod tests {
@@ -64,5 +63,7 @@ mod tests {
     fn a_message_is_one_line_whatever_its_parts_hold() {
         let invalid = Invalid::new("`a`", "x\r\n\u{2028}y", "z", "correct it");
         assert_eq!(invalid.to_string(), "`a`: found x y, expected z; correct it");
+        let invalid = Invalid::new("`a`", "x".repeat(300_000), "z", "correct it").to_string();
+        assert!(invalid.chars().count() < 500 && invalid.ends_with("…, expected z; correct it"));
     }
 }

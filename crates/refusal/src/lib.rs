@@ -4,13 +4,15 @@
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 
+mod bounded;
 mod choices;
 mod invalid;
 mod nearest;
 mod numbers;
 mod strict;
 
-pub use invalid::{Invalid, one_line};
+pub use bounded::{foreign, one_line, shortened};
+pub use invalid::Invalid;
 pub use nearest::nearest;
 pub use numbers::check_numbers;
 pub use strict::strictly;
