@@ -7,6 +7,7 @@ mod document;
 mod field;
 mod files;
 mod forces;
+mod known;
 mod real;
 mod refusals;
 mod runner;
