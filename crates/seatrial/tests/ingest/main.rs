@@ -13,4 +13,5 @@ mod refusals;
 mod runner;
 mod segments;
 mod shapes;
+mod shared;
 mod topics;

@@ -26,6 +26,7 @@ mod routes;
 mod safety;
 mod same_bytes;
 mod sea;
+mod shared;
 mod slot;
 mod speed_limit;
 mod tide;
