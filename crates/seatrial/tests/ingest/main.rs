@@ -4,6 +4,8 @@ mod attitudes;
 mod clocks;
 mod derived;
 mod document;
+#[path = "../support/draw.rs"]
+mod draw;
 mod field;
 mod files;
 mod forces;
@@ -13,4 +15,5 @@ mod refusals;
 mod runner;
 mod segments;
 mod shapes;
+mod silent;
 mod topics;
