@@ -2,7 +2,7 @@ use std::sync::Arc;
 
 use refusal::{Invalid, nearest};
 
-use crate::{Omissions, Samples, Store};
+use crate::{Omissions, Samples, Store, WarningSummary};
 
 /// A column that is asked for.
 #[derive(Clone, Debug, PartialEq)]
@@ -131,6 +131,27 @@ pub struct Columns {
     pub wrong_checksums: usize,
     /// Values left out, by column and reason.
     pub omitted: Omissions,
+    /// Whether rows follow a stamp with their time.
+    pub is_stamped: bool,
+    /// Whether rows may come late: they are put in the order of time.
+    pub is_sorted: bool,
+    /// Sentences of the clock that came late and told no time.
+    pub late: usize,
+    /// What is odd about them.
+    pub warnings: Vec<WarningSummary>,
+    /// Columns with clocks of their own, in place of those above.
+    pub apart: Vec<Apart>,
+}
+
+/// Columns of one sensor, the first of them its clock.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Apart {
+    /// What messages call it.
+    pub source: String,
+    /// Places of the channels that the others are, and which choice the sensor is for each, from 0; none where it is none.
+    pub channels: Vec<(usize, Option<usize>)>,
+    /// The columns.
+    pub columns: Columns,
 }
 
 /// What messages call a cell.

@@ -14,7 +14,7 @@ use crate::spread::spread;
 use crate::suspicion::{Seen, Turns};
 use crate::{
     Backwards, Cells, ChannelSpec, Columns, FileSpec, Labels, NonMonotonic, Numbering, Omissions, Plan,
-    Repeated, Samples, Series, TimeSpec, TimeUnit, Unit, Unwrapping, order,
+    Repeated, Samples, Series, TimeSpec, TimeUnit, Unit, Unwrapping, WarningSummary, order,
 };
 
 /// Share of rows that may have the time of an earlier row without a word of it in the configuration.
@@ -35,6 +35,10 @@ pub struct Log {
     pub counts: RowSummary,
     /// Values that were left out, by channel and reason.
     pub omitted: Omissions,
+    /// Per channel, how many rows there are, with a value or without.
+    pub(crate) rows: Vec<usize>,
+    /// What is odd about where they are from.
+    pub(crate) warnings: Vec<WarningSummary>,
 }
 
 /// Rows that were read, and left out.
@@ -59,6 +63,9 @@ pub struct RowSummary {
     /// Left out: sentences with a wrong checksum.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub wrong_checksums: u64,
+    /// Sentences of the clock that came late: they told no time.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub late: u64,
 }
 
 impl RowSummary {
@@ -82,16 +89,22 @@ impl std::ops::AddAssign for RowSummary {
         self.backwards += other.backwards;
         self.spread += other.spread;
         self.wrong_checksums += other.wrong_checksums;
+        self.late += other.late;
     }
 }
 
 impl Log {
-    /// The log that stands in `columns`, those that [`Plan::wanted`] names for `group`.
+    /// The log of some of the channels, which stand in `columns` after their clock.
     ///
     /// # Errors
     /// Time going backwards, no rows, angles in another unit.
-    pub fn new(columns: Columns, group: usize, plan: &Plan) -> Result<Self, Invalid> {
-        let Columns { cells, lines, empty_rows, cut_rows, wrong_checksums, omitted: by_column } = columns;
+    pub(crate) fn of(
+        columns: Columns,
+        channels: &[usize],
+        group: usize,
+        plan: &Plan,
+    ) -> Result<Self, Invalid> {
+        let Columns { cells, lines, empty_rows, cut_rows, wrong_checksums, omitted: by_column, .. } = columns;
         let (spec, mut cells) = (&plan.setup.files[group], cells.into_iter());
         let clock = cells.next();
         let nanoseconds = spec.time.nanoseconds.as_ref().and_then(|_| cells.next());
@@ -105,14 +118,15 @@ impl Log {
         };
         if spec.time.repeated == Repeated::Spread {
             let moved;
-            (times, moved) = spread(times);
+            (times, moved) = spread(times, columns.is_stamped);
             counts.spread = moved as u64;
         }
-        let rows = in_order(&times, &lines, plan, group, &mut counts)?;
+        let policy = if columns.is_sorted { NonMonotonic::Sort } else { plan.setup.non_monotonic };
+        let rows = in_order(&times, &lines, plan, (group, policy), &mut counts)?;
         let times = Arc::new(rows.gathered(times));
         let rows = Rows { rows, lines, times, max_gap_s: plan.setup.max_gap_s };
         let labels = spec.label_column.is_some().then(|| cells.next_back()).flatten();
-        let specs = spec.channel.iter().zip(&plan.units[group]);
+        let specs = channels.iter().map(|channel| (&spec.channel[*channel], &plan.units[group][*channel]));
         let cells = with_angles(cells.collect(), spec, &rows.lines)?;
         let channels: Vec<(Cells, (&ChannelSpec, &Unit))> = cells.into_iter().zip(specs).collect();
         let channel = |(cells, (spec, unit))| rows.channel(cells, spec, unit);
@@ -124,7 +138,18 @@ impl Log {
             let channel = spec.channel.iter().find(|channel| channel.column == column);
             channel.map_or(column, |channel| &channel.channel)
         });
-        Ok(Self { times: rows.times, channels, seen, labels, counts, omitted })
+        let channels: Vec<Series> = channels;
+        let rows_of = vec![rows.times.len(); channels.len()];
+        Ok(Self {
+            times: rows.times,
+            channels,
+            seen,
+            rows: rows_of,
+            labels,
+            counts,
+            omitted,
+            warnings: Vec::new(),
+        })
     }
 }
 
@@ -169,7 +194,7 @@ fn in_order(
     times: &Samples,
     lines: &Numbering,
     plan: &Plan,
-    group: usize,
+    (group, policy): (usize, NonMonotonic),
     counts: &mut RowSummary,
 ) -> Result<Kept, Invalid> {
     let timed = times.iter().filter(|time| time.is_finite()).count();
@@ -182,7 +207,7 @@ fn in_order(
         let remedy = "remove the file or narrow the pattern";
         return Err(Invalid::new("file", found, "at least one row", remedy));
     }
-    let ordered = order(times, plan.setup.non_monotonic).map_err(|Backwards { row, time, latest }| {
+    let ordered = order(times, policy).map_err(|Backwards { row, time, latest }| {
         Invalid::new(
             cell_of(lines.line(row), &plan.setup.files[group].time.column),
             format!("{time} s after {latest} s"),
@@ -202,7 +227,7 @@ fn in_order(
              which keeps the first",
         ));
     }
-    let sorted = plan.setup.non_monotonic == NonMonotonic::Sort && ordered.backwards > 0;
+    let sorted = policy == NonMonotonic::Sort && ordered.backwards > 0;
     Ok(if sorted { Kept::Sorted(ordered.rows) } else { Kept::These(ordered.rows) })
 }
 
@@ -275,7 +300,7 @@ fn times(
 
 /// The cells of all channels: those that have a column of their own, and the angles of the quaternions after them.
 fn with_angles(mut cells: Vec<Cells>, spec: &FileSpec, lines: &Numbering) -> Result<Vec<Cells>, Invalid> {
-    let mut parts = cells.split_off(spec.plain().len()).into_iter();
+    let mut parts = cells.split_off(spec.plain().len().min(cells.len())).into_iter();
     for quaternion in &spec.quaternion {
         if let [Some(w), Some(x), Some(y), Some(z)] = [(); 4].map(|()| parts.next()) {
             cells.extend(angles(quaternion, [w, x, y, z], |row| lines.line(row))?);

@@ -157,6 +157,7 @@ pub fn record(
     logs.iter().for_each(|log| rows += log.counts);
     let mut omitted = Omissions::default();
     logs.iter().for_each(|log| omitted.append(&log.omitted, |channel| channel));
+    let of_logs: Vec<WarningSummary> = logs.iter().flat_map(|log| log.warnings.clone()).collect();
     let channels = channels(plan, logs, start_s);
     let logged = plan.exogenous.len() - plan.derived.len();
     let exogenous: Vec<&str> = plan.exogenous[..logged].iter().map(|channel| channel.name.as_str()).collect();
@@ -173,7 +174,7 @@ pub fn record(
     };
     drop(derivatives);
     let summaries = summaries(plan, &channels, &missing);
-    let warnings = warnings(setup, &channels, &summaries, &seen);
+    let warnings = [warnings(setup, &channels, &summaries, &seen), of_logs].concat();
     let needed = [exogenous.as_slice(), &further];
     let made = on_one_clock(channels, &setup.conventions, needed, plan.most_rows)
         .map_err(|why| refused(&why, &summaries))?;
@@ -233,8 +234,8 @@ fn labels(log: &Log, start_s: f64) -> Option<Labelled> {
 
 /// Per channel of the files, how many rows have no value.
 fn missing(plan: &Plan, logs: &[Log]) -> Vec<(String, usize)> {
-    let series = logs.iter().flat_map(|log| log.channels.iter().map(|series| (log.times.len(), series)));
-    let lacking = series.map(|(rows, series)| rows - series.t.len());
+    let series = logs.iter().flat_map(|log| log.rows.iter().zip(&log.channels));
+    let lacking = series.map(|(rows, series)| rows.saturating_sub(series.t.len()));
     plan.setup.channels().map(|spec| spec.channel.clone()).zip(lacking).collect()
 }
 

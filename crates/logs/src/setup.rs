@@ -1,6 +1,7 @@
 use schemars::JsonSchema;
 use serde::Deserialize;
 
+use crate::nmea::Accepted;
 use crate::{Body, Conventions, NonMonotonic, Repeated, TimeUnit};
 
 /// How the logs of a ship were made.
@@ -34,6 +35,17 @@ pub struct FileSpec {
     /// Share of sentences whose checksum may be wrong: they are left out and counted.
     #[serde(default = "hundredth")]
     pub max_wrong_checksums: f64,
+    /// Whether sentences need a checksum; also optional where `max_wrong_checksums` is 1.
+    #[serde(default)]
+    pub checksums: Checksums,
+    /// Talkers of sentences, such as `["HE", "GP"]`: where several send a channel, the first counts, and the next ones where
+    /// it is silent for longer than the channel's `max_gap_s`. Without it several talkers are refused.
+    #[serde(default)]
+    pub prefer: Vec<String>,
+    /// Sentences whose values count: fixes of GGA by number, modes of GNS, RMC, GLL, VTG and THS by letter. Without it all count
+    /// but fixes 0, 6, 7, 8 and modes E, M, S, N, V.
+    #[serde(default)]
+    pub quality: Accepted,
     /// Separator of CSV files; a blank stands for any number of them.
     #[serde(default = "comma")]
     pub separator: char,
@@ -97,6 +109,17 @@ impl Format {
             _ => Self::Csv,
         }
     }
+}
+
+/// Whether sentences need a checksum.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum Checksums {
+    /// Sentences without one are left out.
+    #[default]
+    Required,
+    /// Sentences without one are read.
+    Optional,
 }
 
 /// The clock of a kind of files.
