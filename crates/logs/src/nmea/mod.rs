@@ -17,7 +17,7 @@ use std::sync::Arc;
 
 use refusal::{Invalid, nearest};
 
-use crate::csv::Lines;
+use crate::lines::Lines;
 use crate::{Cells, Columns, Content, LogError, Plan, Store, factor};
 use clock::Clock;
 use fields::{Column, columns};
@@ -41,7 +41,7 @@ pub fn read_nmea(
         .collect::<Result<_, _>>()?;
     let clock = Clock::new(&spec.time.column, plan.stamps(group), spec.time.is_text())?;
     let mut reading = Reading { wanted, clock, made: made(plan, group, store), ..Reading::new(plan) };
-    let mut lines = Lines::new(bytes);
+    let mut lines = Lines::new(bytes)?;
     while let Some((number, line)) = lines.bytes()? {
         // What is no text fails its checksum.
         reading.line(&String::from_utf8_lossy(line), number)?;

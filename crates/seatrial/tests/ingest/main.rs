@@ -1,9 +1,11 @@
 //! The `ingest` stage, run as a program on files.
 
 mod attitudes;
+mod bags;
 mod clocks;
 mod derived;
 mod document;
+mod encodings;
 mod field;
 mod files;
 mod forces;
@@ -13,4 +15,7 @@ mod refusals;
 mod runner;
 mod segments;
 mod shapes;
+mod strangers;
+mod table_clocks;
 mod topics;
+mod typed;
