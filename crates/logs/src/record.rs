@@ -11,6 +11,7 @@ use vessel::{DerivedChannel, Segment};
 
 use crate::assemble::on_one_clock;
 use crate::axes::check_axes;
+use crate::pace::check_pace;
 use crate::quality::Derivatives;
 use crate::segment::Labelled;
 use crate::source::called;
@@ -148,6 +149,7 @@ pub fn record(
     plan: &Plan,
     segmentation: &Segmentation,
 ) -> Result<Recorded, Invalid> {
+    check_leaps(source, &logs)?;
     let start_s = logs.iter().filter_map(|log| log.times.first()).fold(f64::INFINITY, f64::min);
     let labels = logs.iter().find_map(|log| labels(log, start_s));
     let setup = &plan.setup;
@@ -174,6 +176,7 @@ pub fn record(
     };
     drop(derivatives);
     let summaries = summaries(plan, &channels, &missing);
+    check_pace(setup, &channels, &summaries)?;
     let warnings = [warnings(setup, &channels, &summaries, &seen), of_logs].concat();
     let needed = [exogenous.as_slice(), &further];
     let made = on_one_clock(channels, &setup.conventions, needed, plan.most_rows)
@@ -187,7 +190,7 @@ pub fn record(
     let samples: usize = runs.iter().map(RecordedRun::samples).sum();
     let summary = RecordingSummary {
         name: source.name.clone(),
-        files: source.files.clone(),
+        files: source.files.concat(),
         runs: Vec::new(),
         duration_s,
         samples: samples as u64,
@@ -202,6 +205,21 @@ pub fn record(
         motion: motion.into_iter().flatten().collect(),
     };
     Ok(Recorded { runs, summary })
+}
+
+/// Refuses clocks of which one has a second 60 and another, which goes on after it, has not.
+fn check_leaps(source: &Source, logs: &[Log]) -> Result<(), Invalid> {
+    let Some(leap_s) = logs.iter().find_map(|log| log.leap_s) else { return Ok(()) };
+    let has_none = |log: &&Log| log.leap_s.is_none() && log.times.last().is_some_and(|last| last >= leap_s);
+    match logs.iter().find(has_none) {
+        None => Ok(()),
+        Some(_) => Err(Invalid::new(
+            called(&source.name),
+            "a second 60 in files of one group and none in those of another",
+            "clocks that count alike",
+            "cut the recording there",
+        )),
+    }
 }
 
 /// Why `source` becomes no runs; `slowest` is the channel with the longest step, and that step \[s\].

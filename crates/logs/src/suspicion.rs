@@ -95,7 +95,7 @@ impl<'a> Turns<'a> {
     }
 
     /// Refuses `column`, whose number `i` stands on `line(i)`, where it wraps.
-    pub(crate) fn check(&self, column: &str, line: impl Fn(usize) -> usize) -> Result<(), Invalid> {
+    pub(crate) fn check(&self, column: &str, line: impl Fn(usize) -> String) -> Result<(), Invalid> {
         for Wraps { unit: name, turn, first } in &self.wraps {
             if let Some((i, [before, number])) = first.filter(|_| self.largest <= 1.02 * turn) {
                 return Err(Invalid::new(

@@ -24,7 +24,7 @@ use std::sync::Arc;
 
 use refusal::{Invalid, foreign, nearest};
 
-use crate::csv::Lines;
+use crate::lines::Lines;
 use crate::{ChannelSpec, Columns, FileSpec, LogError, Plan, Store, WarningSummary, factor};
 use census::Census;
 use clockwork::Clock;
@@ -52,7 +52,7 @@ pub fn read_nmea(
     let census = Census::new(spec, &wanted);
     let mut reading =
         Reading { plan, spec, wanted, store, clock, census, tables: Vec::new(), heard: Heard::default() };
-    let mut lines = Lines::new(bytes);
+    let mut lines = Lines::new(bytes)?;
     while let Some((number, line)) = lines.bytes()? {
         // What is no text fails its checksum.
         reading.line(&String::from_utf8_lossy(line), number)?;

@@ -25,7 +25,7 @@ pub fn simulated_label(
         return Ok(None);
     }
     let loaded = read_document::<SimulatedLogsDocument>(&path)?;
-    for file in sources.iter().flat_map(|source| &source.files) {
+    for file in sources.iter().flat_map(|source| source.files.iter().flatten()) {
         let log = folder.join(file);
         let listed = loaded.data.recordings.iter().find(|recording| recording.file == *file);
         let expected = match listed {

@@ -1,11 +1,13 @@
 //! The `ingest` stage, run as a program on files.
 
 mod attitudes;
+mod bags;
 mod clocks;
 mod derived;
 mod document;
 #[path = "../support/draw.rs"]
 mod draw;
+mod encodings;
 mod field;
 mod files;
 mod fixes;
@@ -21,5 +23,8 @@ mod sentences;
 mod shapes;
 mod shared;
 mod silent;
+mod strangers;
+mod table_clocks;
 mod talkers;
 mod topics;
+mod typed;

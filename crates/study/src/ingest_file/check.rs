@@ -212,6 +212,10 @@ fn check_kinds(file: &FileSpec) -> Result<(), Invalid> {
                 "add or remove it",
             ));
         }
+        if file.publisher.is_some() && format != Format::Mcap {
+            let found = format!("it for `{pattern}`");
+            return Err(Invalid::new("`publisher`", found, "it for the topic of a bag", "remove it"));
+        }
         let others =
             [file.label_column.is_some(), file.time.nanoseconds.is_some(), !file.quaternion.is_empty()];
         let lacks = match format {
