@@ -2,12 +2,11 @@
 //!
 //! Text and bags are decoded by [`logs`], which needs no more than bytes; Parquet here, for the sciences know no tables.
 
-use std::fs::File;
 use std::io::{BufRead, BufReader, ErrorKind};
 use std::path::Path;
 use std::sync::Arc;
 
-use artifact::{Digest, Digesting, Error, ForeignTable, Scratch};
+use artifact::{Digest, Digesting, Error, ForeignTable, Scratch, open};
 use flate2::read::MultiGzDecoder;
 use logs::{
     Cells, Columns, Content, Format, Labels, Log, LogError, Numbering, Plan, Recorded, Samples, Segmentation,
@@ -87,7 +86,7 @@ fn columns(
     }
     let unreadable = |e| Error::io(path, "read", e);
     const BUFFER: usize = 1 << 18;
-    let file = File::open(path).map_err(unreadable)?;
+    let file = open(path)?;
     let length = file.metadata().map_err(unreadable)?.len();
     let mut source = Digesting::new(file);
     let (mut bytes, length): (Box<dyn BufRead>, _) = match name.ends_with(".gz") {
@@ -108,9 +107,9 @@ fn columns(
     Ok((columns, source.digest().map_err(unreadable)?))
 }
 
-/// Whether the bytes are at fault and not the disk.
+/// Whether the bytes are at fault and not the disk, whose errors have a number of the system.
 fn is_damage(error: &std::io::Error) -> bool {
-    matches!(error.kind(), ErrorKind::UnexpectedEof | ErrorKind::InvalidData | ErrorKind::InvalidInput)
+    error.raw_os_error().is_none()
 }
 
 fn damaged(error: &std::io::Error) -> Invalid {

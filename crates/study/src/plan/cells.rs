@@ -10,7 +10,7 @@ use crate::documents::{PlanChart, PlanChartClass};
 
 /// The bytes of a chart's file, whose digest is noted.
 pub(super) fn bytes(path: &Path, provenance: &mut Provenance) -> Result<Vec<u8>, Error> {
-    let bytes = std::fs::read(path).map_err(|e| Error::io(path, "read", e))?;
+    let bytes = artifact::read(path)?;
     let name = path.file_name().map_or(String::new(), |n| n.to_string_lossy().into_owned());
     provenance.inputs.insert(format!("chart:{name}"), Digest::of_bytes(&bytes));
     Ok(bytes)
