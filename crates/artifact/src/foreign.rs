@@ -1,6 +1,5 @@
 //! Reading columns of Parquet files that other programs wrote: no seal, no units, any simple type.
 
-use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -8,12 +7,14 @@ use parquet::basic::Compression;
 use parquet::column::reader::{ColumnReader, ColumnReaderImpl, get_column_reader};
 use parquet::data_type::{AsBytes, ByteArray, DataType};
 use parquet::errors::{ParquetError, Result as ParquetResult};
-use parquet::file::metadata::{ParquetMetaData, ParquetMetaDataReader, RowGroupMetaData};
-use parquet::file::serialized_reader::SerializedPageReader;
+use parquet::file::metadata::{ParquetMetaData, ParquetMetaDataOptions, RowGroupMetaData};
 
 use crate::decode::{Undecoded, decoded};
 use crate::error::{Error, Result};
+use crate::footer;
 use crate::meaning::{Meaning, Timed, meaning};
+use crate::ordinary::open;
+use crate::page_bytes::pages;
 use crate::source::Source;
 
 /// A Parquet file of any origin. Nothing in it is trusted.
@@ -32,9 +33,11 @@ impl ForeignTable {
     pub fn open(path: impl AsRef<Path>) -> Result<Self> {
         let path = path.as_ref();
         let unreadable = |e| Error::io(path, "read", e);
-        let file = File::open(path).map_err(unreadable)?;
+        let mut file = open(path)?;
+        let footer = footer::bytes_of(&mut file).map_err(unreadable)?;
+        let (_, footer) = footer.ok_or_else(|| damaged(path, "no Parquet header or footer"))?;
         let source = Source::new(file).map_err(unreadable)?;
-        let metadata = guarded(path, || ParquetMetaDataReader::new().parse_and_finish(&source))?;
+        let metadata = guarded(path, || footer::metadata(&footer, &ParquetMetaDataOptions::new()))?;
         let schema = metadata.file_metadata().schema_descr();
         let columns = schema.columns().iter().map(|column| column.path().string()).collect();
         Ok(Self { path: path.to_owned(), source, metadata, columns })
@@ -153,12 +156,7 @@ impl ForeignTable {
         for group in self.metadata.row_groups() {
             let rows = rows_of(group);
             let block = guarded(&self.path, || {
-                let pages = SerializedPageReader::new(
-                    Arc::new(self.source.clone()),
-                    group.column(place),
-                    rows,
-                    None,
-                )?;
+                let pages = pages(&self.source, group.column(place), rows)?;
                 let reader = get_column_reader(Arc::clone(&descriptor), Box::new(pages));
                 decode(reader, meaning, descriptor.max_def_level(), rows).transpose()
             })?;
@@ -260,14 +258,13 @@ fn spread<T: DataType>(
 }
 
 fn guarded<T>(path: &Path, decode: impl FnOnce() -> ParquetResult<T>) -> Result<T> {
-    decoded(decode).map_err(|undecoded| {
-        let found = match undecoded {
-            // Decompressors say in this way, too, what is wrong with the bytes.
-            Undecoded::Unreadable(io) if io.raw_os_error().is_some() => return Error::io(path, "read", io),
-            Undecoded::Unreadable(io) => io.to_string(),
-            Undecoded::Damaged(found) => found,
-        };
-        let remedy = "the file is truncated, damaged or of another format: export it again";
-        Error::refuse(path, "file", found, "a whole Parquet file", remedy)
+    decoded(decode).map_err(|undecoded| match undecoded {
+        Undecoded::Unreadable(io) => Error::io(path, "read", io),
+        Undecoded::Damaged(found) => damaged(path, &found),
     })
+}
+
+fn damaged(path: &Path, found: &str) -> Error {
+    let remedy = "the file is truncated, damaged or of another format: export it again";
+    Error::refuse(path, "file", found, "a whole Parquet file", remedy)
 }

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use artifact::{Digest, Provenance, read_document};
+use artifact::{Digest, Provenance, is_written, read_document};
 
 use logs::Source;
 use study::documents::{SIMULATED_FILE, SimulatedLogsDocument};
@@ -21,7 +21,7 @@ pub fn simulated_label(
     provenance: &mut Provenance,
 ) -> Result<Option<DataLabel>, Failure> {
     let path = folder.join(SIMULATED_FILE);
-    if !path.is_file() {
+    if !is_written(&path) {
         return Ok(None);
     }
     let loaded = read_document::<SimulatedLogsDocument>(&path)?;

@@ -2,12 +2,11 @@
 //!
 //! Text and bags are decoded by [`logs`], which needs no more than bytes; Parquet here, for the sciences know no tables.
 
-use std::fs::File;
 use std::io::{BufRead, BufReader, ErrorKind, Read};
 use std::path::Path;
 use std::sync::Arc;
 
-use artifact::{Digest, Digesting, Error, Scratch};
+use artifact::{Digest, Digesting, Error, Scratch, open};
 use flate2::read::MultiGzDecoder;
 use logs::{
     Columns, FileSpec, Format, Log, LogError, Plan, Recorded, SNIFFED, Segmentation, Source, Store, read_bag,
@@ -114,17 +113,10 @@ fn joined(mut parts: Vec<(&str, Columns)>) -> Columns {
 /// How the file at `path` is written, called `name`; refuses what is no file, and files of other formats by their names.
 fn known(path: &Path, name: &str, spec: &FileSpec) -> Result<Format, Error> {
     let unreadable = |e| Error::io(path, "read", e);
-    if !std::fs::metadata(path).map_err(unreadable)?.is_file() {
-        let found = "a pipe, a device or another special file";
-        return Err(crate::invalid(
-            path,
-            &Invalid::new("file", found, "a file", "copy what it gives into one"),
-        ));
-    }
     let (format, most) = (spec.format_of(name), SNIFFED as u64);
     let is_from_top = spec.skip_lines == 0;
     let mut head = Vec::new();
-    File::open(path).and_then(|file| file.take(most).read_to_end(&mut head)).map_err(unreadable)?;
+    open(path)?.take(most).read_to_end(&mut head).map_err(unreadable)?;
     if name.ends_with(".gz") && !head.is_empty() {
         if !head.starts_with(&[0x1F, 0x8B]) {
             let found = "bytes that gzip did not write, in a file called .gz";
@@ -152,7 +144,7 @@ fn columns(
     }
     let unreadable = |e| Error::io(path, "read", e);
     const BUFFER: usize = 1 << 18;
-    let file = File::open(path).map_err(unreadable)?;
+    let file = open(path)?;
     let length = file.metadata().map_err(unreadable)?.len();
     let mut source = Digesting::new(file);
     let (mut bytes, length): (Box<dyn BufRead>, _) = match name.ends_with(".gz") {
@@ -173,9 +165,9 @@ fn columns(
     Ok((columns, source.digest().map_err(unreadable)?))
 }
 
-/// Whether the bytes are at fault and not the disk.
+/// Whether the bytes are at fault and not the disk, whose errors have a number of the system.
 fn is_damage(error: &std::io::Error) -> bool {
-    matches!(error.kind(), ErrorKind::UnexpectedEof | ErrorKind::InvalidData | ErrorKind::InvalidInput)
+    error.raw_os_error().is_none()
 }
 
 fn damaged(error: &std::io::Error) -> Invalid {

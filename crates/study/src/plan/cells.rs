@@ -18,18 +18,9 @@ const PER_PLACE: u64 = 72;
 
 /// The bytes of a chart's file, whose digest is noted.
 pub(super) fn bytes(path: &Path, provenance: &mut Provenance) -> Result<Vec<u8>, Error> {
-    let bytes = contents(path)?;
+    let bytes = artifact::read(path)?;
     note(path, &bytes, provenance);
     Ok(bytes)
-}
-
-/// The bytes of a file, but of nothing else that may have its name.
-pub(super) fn contents(path: &Path) -> Result<Vec<u8>, Error> {
-    if std::fs::metadata(path).is_ok_and(|about| !about.is_file()) {
-        let remedy = "name a file, or put one there";
-        return Err(Error::refuse(path, "file", "a folder, a pipe or a device", "a file", remedy));
-    }
-    std::fs::read(path).map_err(|e| Error::io(path, "read", e))
 }
 
 /// Notes the digest of a chart's file by its name; by a number behind it where another chart's file has the same.

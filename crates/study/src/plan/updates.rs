@@ -7,7 +7,7 @@ use artifact::{Error, Provenance};
 use enc::{Identity, Listed, Purpose, identify, listed};
 use refusal::foreign;
 
-use super::cells::{bytes, contents};
+use super::cells::bytes;
 use super::exchange_set::{CellFile, ExchangeSet};
 
 /// A file of a cell, and what it says that it is.
@@ -19,7 +19,7 @@ pub(super) struct Found {
 
 impl Found {
     pub(super) fn read(path: &Path) -> Result<Self, Error> {
-        let bytes = contents(path)?;
+        let bytes = artifact::read(path)?;
         let identity = identify(&bytes).map_err(|e| Error::invalid(path, e))?;
         Ok(Self { path: path.to_path_buf(), bytes, identity })
     }
