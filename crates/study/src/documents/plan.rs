@@ -1,6 +1,7 @@
 use std::collections::BTreeMap;
 
 use super::passage::Passage;
+use super::plan_depths::PlanDepths;
 use artifact::{Document, Units};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -31,7 +32,7 @@ pub struct PlanDocument {
     pub steps: Vec<PlanStep>,
     /// The plan at sea; absent for a problem file.
     pub voyage: Option<Voyage>,
-    /// What became of the objects of electronic charts.
+    /// What became of the objects of electronic charts, and what depths are measured in.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub charts: Vec<PlanChart>,
 }
@@ -44,7 +45,7 @@ impl PlanDocument {
     }
 }
 
-/// An electronic chart that the plan was made on.
+/// A chart with objects or depths that the plan was made on.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PlanChart {
@@ -60,6 +61,9 @@ pub struct PlanChart {
     pub scale: Option<u64>,
     /// What became of its objects, by class.
     pub classes: BTreeMap<String, PlanChartClass>,
+    /// What its depths are measured in.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub depths: Option<PlanDepths>,
 }
 
 /// What became of the objects of one class.
@@ -91,8 +95,12 @@ impl PlanChart {
             }
             _ => String::new(),
         };
+        if let Some(depths) = self.depths.as_ref().filter(|_| self.classes.is_empty()) {
+            return format!("{file}: {}", depths.told());
+        }
         let (kept, ignored) = (counted(|own| own.maneuvers_avoid), counted(|own| own.ignored));
-        format!("{file}{cell}: ignored {ignored}; only maneuvers avoid {kept}")
+        let depths = self.depths.as_ref().map_or(String::new(), |depths| format!("; {}", depths.told()));
+        format!("{file}{cell}: ignored {ignored}; only maneuvers avoid {kept}{depths}")
     }
 }
 
@@ -333,7 +341,8 @@ impl Document for PlanDocument {
         ("1", "log_det"),
         ("m", "cell_m residual_m end_error_m spread_m clearance_m clearance_quantiles_m"),
         ("m", "margin_m shortfall_m sight_m lookahead_m"),
-        ("1", "objects avoided maneuvers_avoid ignored update scale"),
+        ("1", "objects avoided maneuvers_avoid ignored update scale invalid"),
+        ("as unit says", "offset"),
         ("deg", "longitude_deg latitude_deg heading_deg residual_deg"),
         ("m/s", "modes speed_m_s unknown_current_m_s crawl_m_s"),
         ("m/s^2", "acceleration_m_s2 braking_m_s2 coasting_m_s2"),

@@ -71,6 +71,7 @@ pub(super) fn of_objects(
         issued: None,
         scale: None,
         classes: tallies.into_iter().map(|(class, tally)| (class, of(tally))).collect(),
+        depths: None,
     };
     Ok((layer, told))
 }
