@@ -5,8 +5,8 @@ use std::path::Path;
 use std::time::Instant;
 
 use chart::{
-    Bounds, Chart, Crs, Filter, Footprint, Grid, GridDeclaration, GridKind, Invalid, Layer, LayerKind,
-    Obstacles, Plane, PolygonLayer, Raster,
+    Bounds, Chart, Crs, Filter, Footprint, Grid, GridDeclaration, GridKind, Layer, LayerKind, Obstacles,
+    Plane, PolygonLayer, Raster, Reading,
 };
 
 type Failure = Box<dyn std::error::Error>;
@@ -23,10 +23,10 @@ fn main() -> Result<(), Failure> {
 
 fn land(path: &Path, origin: (f64, f64), half: [f64; 2], cell_m: f64) -> Result<(), Failure> {
     let text = std::fs::read_to_string(path)?;
-    let load = || -> Result<Chart, Invalid> {
+    let load = || -> Result<Chart, Failure> {
         let layer = PolygonLayer::from_geojson(&text, &LayerKind::Land, None)?;
         let area = Bounds::new(half.map(|v| -v - 200.0), half.map(|v| v + 200.0))?;
-        Chart::new(Plane::new(origin.0, origin.1)?, area, &[Layer::Polygons(layer)], None)
+        Ok(Chart::new(Plane::new(origin.0, origin.1)?, area, &[Layer::Polygons(layer)], None)?)
     };
     report(path, &load, half, cell_m)
 }
@@ -37,7 +37,7 @@ fn tacoma(folder: &Path) -> Result<(), Failure> {
     let area = Bounds::new(half.map(|v| -v - 200.0), half.map(|v| v + 200.0))?;
     let path = folder.join("US5WA22M_areas.geojson");
     let text = std::fs::read_to_string(&path)?;
-    let load = || -> Result<Chart, Invalid> {
+    let load = || -> Result<Chart, Failure> {
         let of = |values: &[&str]| Filter {
             property: "objl".to_owned(),
             values: values.iter().map(|v| (*v).to_owned()).collect(),
@@ -47,27 +47,28 @@ fn tacoma(folder: &Path) -> Result<(), Failure> {
         let solid = of(&["LNDARE", "PONTON", "HULKES"]);
         let land = PolygonLayer::from_geojson(&text, &LayerKind::Land, Some(&solid))?;
         let layers = [Layer::Polygons(depths), Layer::Polygons(land)];
-        Chart::new(Plane::new(origin.0, origin.1)?, area, &layers, None)
+        Ok(Chart::new(Plane::new(origin.0, origin.1)?, area, &layers, None)?)
     };
     report(&path, &load, half, 25.0)?;
     let path = folder.join("US5WA22M_depth_25m_utm10n.asc");
     let text = std::fs::read_to_string(&path)?;
-    let load = || -> Result<Chart, Invalid> {
+    let load = || -> Result<Chart, Failure> {
         let declared = GridDeclaration {
             kind: GridKind::Depth,
             crs: Some(Crs::new("EPSG:32610")?),
+            unit: None,
             variable: None,
             open_sea: false,
         };
-        let grid = Grid::from_ascii(&text, &declared)?;
-        Chart::new(Plane::new(origin.0, origin.1)?, area, &[Layer::Grid(grid)], None)
+        let grid = Grid::from_ascii(&text, &declared, &Reading::whole())?;
+        Ok(Chart::new(Plane::new(origin.0, origin.1)?, area, &[Layer::Grid(grid)], None)?)
     };
     report(&path, &load, half, 25.0)
 }
 
 fn report(
     path: &Path,
-    load: &dyn Fn() -> Result<Chart, Invalid>,
+    load: &dyn Fn() -> Result<Chart, Failure>,
     half: [f64; 2],
     cell_m: f64,
 ) -> Result<(), Failure> {

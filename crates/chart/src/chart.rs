@@ -122,18 +122,21 @@ impl Chart {
         self.uncharted
     }
 
-    /// Bytes that it takes, about.
+    /// Bytes that it takes beside its grids, about.
     pub fn bytes(&self) -> u64 {
         let polygon = |own: &Polygon| {
             let rings = own.rings.iter().map(|ring| size_of_val(&ring[..]) + size_of_val(ring));
             size_of_val(own) + rings.sum::<usize>()
         };
         let polygons = self.polygons.iter().chain(&self.charted.polygons).map(polygon);
-        let grids =
-            self.grids.iter().map(|grid| size_of_val(&grid.cells[..]) + size_of_val(&grid.corners[..]));
         let contours = self.contours.iter().map(|own| size_of_val(own) + size_of_val(&own.line[..]));
         let places = size_of_val(&self.charted.frontier[..]) + size_of_val(&self.spots[..]);
-        (polygons.chain(grids).chain(contours).sum::<usize>() + places) as u64
+        (polygons.chain(contours).sum::<usize>() + places) as u64
+    }
+
+    /// Bytes of its grids, which stand in memory once: as they were read.
+    pub fn grid_bytes(&self) -> u64 {
+        self.grids.iter().map(PlacedGrid::bytes).sum::<usize>() as u64
     }
 
     /// Polygons that meet the area, whole, in the order of the layers; those around points and lines after a layer's own.
@@ -223,7 +226,7 @@ impl Charted {
 
 /// What a grid covers.
 fn frame(grid: &PlacedGrid) -> Option<Polygon> {
-    Polygon::of_rings(Class::Depth { least_m: None }, &Called::plain("water"), vec![grid.frame()])
+    Polygon::of_rings(Class::Depth { least_m: None }, &Called::plain("water"), vec![grid.frame()?])
 }
 
 fn off_earth(area: &Area) -> Invalid {

@@ -3,7 +3,7 @@ use std::fmt;
 use proj4rs::Proj;
 use proj4rs::transform::transform;
 
-use crate::Invalid;
+use crate::{DepthUnit, Invalid};
 
 const KNOWN: &str = "WGS84, `EPSG:` with the code of a system (such as EPSG:32635, EPSG:3067, EPSG:25832, EPSG:3857), or a `+proj=` string";
 
@@ -14,6 +14,7 @@ const KNOWN: &str = "WGS84, `EPSG:` with the code of a system (such as EPSG:3263
 #[derive(Clone)]
 pub struct Crs {
     name: String,
+    definition: String,
     own: Box<Proj>,
     wgs84: Box<Proj>,
 }
@@ -51,7 +52,34 @@ impl Crs {
         if !(own.has_inverse() && own.has_forward()) {
             return Err(refuse("a projection without inverse"));
         }
-        Ok(Self { name: name.trim().to_owned(), own: Box::new(own), wgs84: Box::new(wgs84) })
+        let name = name.trim().to_owned();
+        Ok(Self { name, definition: text, own: Box::new(own), wgs84: Box::new(wgs84) })
+    }
+
+    /// Whether coordinates are longitudes and latitudes that lie within a metre or two of those of WGS84, by its definition.
+    pub fn is_near_wgs84(&self) -> bool {
+        let value = |key: &str| self.value(key);
+        let datum = value("datum");
+        let is_near =
+            |shift: &str| shift.split(',').all(|part| part.parse().is_ok_and(|v: f64| v.abs() <= 1.0));
+        let named = matches!(datum, Some("WGS84" | "NAD83"));
+        let alike = datum.is_none() && matches!(value("ellps"), Some("WGS84" | "GRS80"));
+        self.is_geographic()
+            && value("pm").is_none()
+            && (named || alike)
+            && value("towgs84").is_none_or(is_near)
+    }
+
+    /// The unit of heights, where the definition has one.
+    pub(crate) fn vertical_unit(&self) -> Option<DepthUnit> {
+        DepthUnit::of_text(self.value("vunits")?)
+    }
+
+    /// The value of a key of the definition.
+    fn value(&self, key: &str) -> Option<&str> {
+        let own = |part: &'_ str| part.strip_prefix('+')?.strip_prefix(key)?.strip_prefix('=').map(str::len);
+        let part = self.definition.split_whitespace().find(|part| own(part).is_some())?;
+        part.split_once('=').map(|(_, value)| value)
     }
 
     /// The name as given.
@@ -112,12 +140,27 @@ fn definition(name: &str) -> Option<String> {
     if name.starts_with("+proj=") {
         return Some(name.to_owned());
     }
-    if name.eq_ignore_ascii_case("WGS84") {
+    let (authority, code) = parts(name);
+    if authority.is_empty() && matches!(code.to_ascii_uppercase().as_str(), "WGS84" | "CRS84" | "CRS84H") {
         return Some("+proj=longlat +datum=WGS84".to_owned());
     }
-    let (authority, code) = name.split_once(':')?;
-    if !authority.eq_ignore_ascii_case("EPSG") {
+    if authority == "OGC" && code.eq_ignore_ascii_case("CRS83") {
+        return Some("+proj=longlat +datum=NAD83".to_owned());
+    }
+    if authority != "EPSG" {
         return None;
     }
-    crs_definitions::from_code(code.trim().parse().ok()?).map(|known| known.proj4.to_owned())
+    crs_definitions::from_code(code.parse().ok()?).map(|known| known.proj4.to_owned())
+}
+
+/// Authority, in capitals, and code of a name such as `EPSG:4326`, `urn:ogc:def:crs:EPSG::4326` or
+/// `http://www.opengis.net/def/crs/EPSG/0/4326`; the codes of OGC's own longitudes and latitudes stand alone.
+fn parts(name: &str) -> (String, &str) {
+    let words: Vec<&str> =
+        name.split([':', '/', '#']).map(str::trim).filter(|word| !word.is_empty()).collect();
+    let code = words.last().copied().unwrap_or_default();
+    let is_ogc = code.to_ascii_uppercase().starts_with("CRS84");
+    let of = |authority: &&&str| ["EPSG", "OGC"].contains(&authority.to_ascii_uppercase().as_str());
+    let authority = words.iter().rev().skip(1).find(of).filter(|_| !is_ogc);
+    (authority.map_or_else(String::new, |word| word.to_ascii_uppercase()), code)
 }

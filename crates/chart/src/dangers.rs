@@ -103,16 +103,16 @@ impl Dangers<'_> {
 impl PlacedGrid {
     /// The cell that holds a place; its edges are taken as straight.
     pub fn at(&self, place: [f64; 2]) -> Option<GridCell> {
-        let corner = |column: usize, row: usize| self.corners[row * (self.columns + 1) + column];
-        let origin = corner(0, 0);
+        let corner = |column: usize, row: usize| self.corner(column, row);
+        let origin = corner(0, 0)?;
         let along = |end: [f64; 2], count: usize| [0, 1].map(|k| (end[k] - origin[k]) / count as f64);
-        let (a, b) = (along(corner(self.columns, 0), self.columns), along(corner(0, self.rows), self.rows));
+        let (a, b) = (along(corner(self.columns, 0)?, self.columns), along(corner(0, self.rows)?, self.rows));
         let p = [place[0] - origin[0], place[1] - origin[1]];
         let det = a[0] * b[1] - a[1] * b[0];
         let column = ((p[0] * b[1] - p[1] * b[0]) / det).floor();
         let row = ((a[0] * p[1] - a[1] * p[0]) / det).floor();
         let inside = column >= 0.0 && row >= 0.0 && column < self.columns as f64 && row < self.rows as f64;
-        inside.then(|| self.cells[row as usize * self.columns + column as usize])
+        inside.then(|| self.cell(column as usize, row as usize))
     }
 }
 

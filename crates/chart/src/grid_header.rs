@@ -1,9 +1,6 @@
 use std::iter::Peekable;
 
-use crate::Invalid;
-
-/// What stands for cells without data where the file has something else.
-pub(crate) const MISSING: f64 = f64::MAX;
+use crate::{Crs, Invalid};
 
 /// Refuses cells that are not as high as wide; their side.
 pub(crate) fn check_square(width: f64, height: f64) -> Result<f64, Invalid> {
@@ -15,30 +12,87 @@ pub(crate) fn check_square(width: f64, height: f64) -> Result<f64, Invalid> {
     Err(Invalid::new("grid", found, "square cells", "resample it, for instance with `gdalwarp -tr`"))
 }
 
-/// Header of a grid.
+/// Refuses coordinates in metres that are declared as degrees.
+pub(crate) fn check_degrees(header: &Header, crs: &Crs) -> Result<(), Invalid> {
+    let far = |k: usize, cells: usize| header.corner[k] + header.cell * cells as f64;
+    let [west, south] = header.corner;
+    let (east, north) = (far(0, header.columns), far(1, header.rows));
+    // Cells may be centred on the last meridian or the poles.
+    let half = header.cell / 2.0 + 1e-9;
+    let inside =
+        west >= -180.0 - half && east <= 360.0 + half && south >= -90.0 - half && north <= 90.0 + half;
+    if inside || !crs.is_geographic() {
+        return Ok(());
+    }
+    Err(Invalid::new(
+        format!("CRS `{}`", crs.name()),
+        format!("corners {west}, {south} and {east}, {north} (projected coordinates: mixed CRS)"),
+        "longitude and latitude in degrees",
+        "name the system of the grid's coordinates, such as `EPSG:32635`",
+    ))
+}
+
+/// Most columns, and most rows, of a grid.
+pub(crate) const MOST_ON_A_SIDE: usize = 1_000_000;
+
+/// Where the cells of a grid are.
+#[derive(Clone, Debug)]
 pub(crate) struct Header {
     pub columns: usize,
     pub rows: usize,
     /// South-western corner of the grid.
     pub corner: [f64; 2],
     pub cell: f64,
-    pub no_data: f64,
+}
+
+/// What stands for no data in the rows of text: a number, or a word for none.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum MissingWord {
+    Number(f64),
+    Word,
+}
+
+impl MissingWord {
+    /// Of an ESRI grid whose header does not say.
+    const USUAL: Self = Self::Number(-9999.0);
+
+    fn of(text: &str) -> Option<Self> {
+        let number = text.parse().ok().filter(|v: &f64| v.is_finite()).map(Self::Number);
+        number.or_else(|| is_word(text).then_some(Self::Word))
+    }
+
+    /// The number that stands for no data.
+    pub fn number(self) -> Option<f64> {
+        if let Self::Number(number) = self { Some(number) } else { None }
+    }
+
+    /// Whether `token`, which is no number, stands for no data.
+    pub fn is(self, token: &str) -> bool {
+        self == Self::Word && is_word(token)
+    }
+}
+
+/// Whether a word stands for no number, as programs write it.
+fn is_word(text: &str) -> bool {
+    ["nan", "-nan", "+nan", "null", "none", "na", "n/a", "1.#qnan", "-1.#ind", "nan(ind)", "-nan(ind)"]
+        .contains(&text.to_ascii_lowercase().as_str())
 }
 
 /// Reads `key value` lines up to the first row of numbers.
 pub(crate) fn header<'a>(
     lines: &mut Peekable<impl Iterator<Item = (usize, &'a str)>>,
-) -> Result<Header, Invalid> {
+) -> Result<(Header, MissingWord), Invalid> {
     let mut found = Keys::default();
     let is_key = |line: &str| line.trim_start().starts_with(|c: char| c.is_ascii_alphabetic());
-    while let Some((number, line)) = lines.next_if(|(_, l)| is_key(l) && !is_number(l)) {
+    while let Some((number, line)) = lines.next_if(|(_, l)| is_key(l) && !is_row(l)) {
         found.take(number, line)?;
     }
     found.finish()
 }
 
-fn is_number(line: &str) -> bool {
-    line.split_ascii_whitespace().next().is_some_and(|t| t.parse::<f64>().is_ok())
+fn is_row(line: &str) -> bool {
+    let first = line.split_ascii_whitespace().next();
+    first.is_some_and(|token| token.parse::<f64>().is_ok() || is_word(token))
 }
 
 #[derive(Default)]
@@ -48,17 +102,25 @@ struct Keys {
     corner: [Option<f64>; 2],
     centre: [Option<f64>; 2],
     cell: Option<f64>,
-    no_data: Option<f64>,
+    missing: Option<MissingWord>,
 }
 
 impl Keys {
     fn take(&mut self, number: usize, line: &str) -> Result<(), Invalid> {
         let mut words = line.split_ascii_whitespace();
         let key = words.next().unwrap_or_default().to_ascii_lowercase();
-        let value = words.next().and_then(|v| v.parse().ok()).filter(|v: &f64| v.is_finite());
-        let (Some(value), None) = (value, words.next()) else {
-            let found = format!("`{}`", line.trim());
-            return Err(refuse(format!("line {}", number + 1), found, "a key and one finite number"));
+        let word = words.next().filter(|_| words.next().is_none());
+        if key == "nodata_value" {
+            let Some(missing) = word.and_then(MissingWord::of) else {
+                let expected = "NODATA_value and a number, `nan` or `null`";
+                return Err(refuse(format!("line {}", number + 1), quoted(line), expected));
+            };
+            return once(&key, self.missing.replace(missing).is_some());
+        }
+        let value = word.and_then(|word| word.parse().ok()).filter(|v: &f64| v.is_finite());
+        let Some(value) = value else {
+            let expected = "a key and one finite number";
+            return Err(refuse(format!("line {}", number + 1), quoted(line), expected));
         };
         let slot = match key.as_str() {
             "ncols" => &mut self.columns,
@@ -68,20 +130,17 @@ impl Keys {
             "xllcenter" => &mut self.centre[0],
             "yllcenter" => &mut self.centre[1],
             "cellsize" => &mut self.cell,
-            "nodata_value" => &mut self.no_data,
             _ => {
                 let expected =
                     "ncols, nrows, xllcorner, yllcorner (or xllcenter, yllcenter), cellsize, NODATA_value";
-                return Err(refuse(format!("line {}", number + 1), format!("key `{key}`"), expected));
+                let found = format!("key {}", quoted(&key));
+                return Err(refuse(format!("line {}", number + 1), found, expected));
             }
         };
-        match slot.replace(value) {
-            None => Ok(()),
-            Some(_) => Err(refuse(format!("key `{key}`"), "twice".to_owned(), "every key once")),
-        }
+        once(&key, slot.replace(value).is_some())
     }
 
-    fn finish(self) -> Result<Header, Invalid> {
+    fn finish(self) -> Result<(Header, MissingWord), Invalid> {
         let cell = present(self.cell, "cellsize")?;
         if cell <= 0.0 {
             return Err(refuse("`cellsize`".to_owned(), cell.to_string(), "a size above 0"));
@@ -90,14 +149,23 @@ impl Keys {
             (None, Some(centre)) => Ok(centre - cell / 2.0),
             (corner, _) => present(corner, key),
         };
-        Ok(Header {
+        let header = Header {
             columns: count(self.columns, "ncols")?,
             rows: count(self.rows, "nrows")?,
             corner: [corner(0, "xllcorner")?, corner(1, "yllcorner")?],
             cell,
-            no_data: self.no_data.unwrap_or(-9999.0),
-        })
+        };
+        Ok((header, self.missing.unwrap_or(MissingWord::USUAL)))
     }
+}
+
+/// A text of the file, short and in quotes.
+fn quoted(text: &str) -> String {
+    format!("`{}`", refusal::foreign(text.trim()))
+}
+
+fn once(key: &str, again: bool) -> Result<(), Invalid> {
+    if again { Err(refuse(format!("key `{key}`"), "twice".to_owned(), "every key once")) } else { Ok(()) }
 }
 
 fn present(value: Option<f64>, key: &str) -> Result<f64, Invalid> {
@@ -106,7 +174,7 @@ fn present(value: Option<f64>, key: &str) -> Result<f64, Invalid> {
 
 fn count(value: Option<f64>, key: &str) -> Result<usize, Invalid> {
     let value = present(value, key)?;
-    if (1.0..=1e6).contains(&value) && value.fract() == 0.0 {
+    if (1.0..=MOST_ON_A_SIDE as f64).contains(&value) && value.fract() == 0.0 {
         return Ok(value as usize);
     }
     Err(refuse(format!("`{key}`"), value.to_string(), "a whole number from 1 to 1000000"))

@@ -1,64 +1,132 @@
 //! GeoTIFF: grids as hydrographic agencies publish them.
 
-use std::io::Cursor;
+use std::io::{Read, Seek};
 
-use tiff::decoder::{Decoder, DecodingResult, Limits};
+use tiff::decoder::{ChunkType, Decoder, DecodingResult, Limits};
 use tiff::tags::Tag;
 use tiff::{ColorType, TiffError};
 
-use crate::grid_header::{Header, MISSING, check_square};
-use crate::{Crs, Grid, GridDeclaration, Invalid};
+use crate::grid_cells::{Block, Cells, Rows};
+use crate::grid_header::{Header, MOST_ON_A_SIDE, check_square};
+use crate::grid_packing::Packing;
+use crate::grid_tiff_keys::Keys;
+use crate::grid_tiff_metadata::Metadata;
+use crate::{DepthUnit, Grid, GridDeclaration, GridKind, Invalid, Reading, Unread};
 
-/// Most bytes of an image, decoded.
-const MOST_BYTES: usize = 1 << 30;
-/// Keys of the GeoKey directory: how a value relates to its pixel, geographic and projected system.
-const RASTER_TYPE: u16 = 1025;
-const GEOGRAPHIC: u16 = 2048;
-const PROJECTED: u16 = 3072;
-/// A value of `RASTER_TYPE`: it holds at the pixel's middle, which the coordinates are of.
-const PIXEL_IS_POINT: u16 = 2;
-/// A code of a system that has none.
-const USER_DEFINED: u16 = 32767;
+/// Most bytes of a block of an image, decoded.
+const MOST_BYTES: f64 = 1e9;
+/// Most strips or tiles of an image.
+const MOST_BLOCKS: u64 = 1 << 24;
+/// Metadata as GDAL writes it.
+const GDAL_METADATA: Tag = Tag::Unknown(42112);
 
 impl Grid {
-    /// Reads a GeoTIFF of one band, its rows from north to south. Its EPSG code need not be declared.
+    /// Reads a GeoTIFF of one band, its rows from north to south. Its EPSG code need not be declared. Scale, offset, unit and
+    /// vertical datum are taken as its metadata and keys say.
     ///
     /// # Errors
-    /// No TIFF of one band, or one that is damaged or too large; a grid that is turned, or not of squares; a system that is
-    /// neither told nor declared, or told otherwise than declared; as [`Grid::from_ascii`].
-    pub fn from_tiff(bytes: &[u8], declared: &GridDeclaration) -> Result<Self, Invalid> {
+    /// No TIFF of one band, or one that is damaged; a grid that is turned, or not of squares; a system that is
+    /// neither told nor declared, or told otherwise than declared; a unit that is not known, or not the declared one; as
+    /// [`Grid::from_ascii`].
+    pub fn from_tiff(
+        source: impl Read + Seek,
+        declared: &GridDeclaration,
+        reading: &Reading,
+    ) -> Result<Self, Unread> {
         let mut limits = Limits::default();
-        limits.decoding_buffer_size = MOST_BYTES;
-        let mut decoder = Decoder::new(Cursor::new(bytes)).map_err(refuse)?.with_limits(limits);
+        let most = reading.bytes.min(MOST_BYTES) as usize;
+        (limits.decoding_buffer_size, limits.intermediate_buffer_size) = (most, most);
+        let mut decoder = Decoder::new(source).map_err(refuse)?.with_limits(limits);
         let (columns, rows) = decoder.dimensions().map_err(refuse)?;
-        let band = decoder.colortype().map_err(refuse)?;
-        if !matches!(band, ColorType::Gray(_)) {
-            let remedy = "write one band, for instance with `gdal_translate -b 1`";
-            return Err(Invalid::new("GeoTIFF", format!("{band:?}"), "one band of numbers", remedy));
-        }
-        let keys = decoder.find_tag_unsigned_vec(Tag::GeoKeyDirectoryTag).map_err(refuse)?;
-        let keys = Keys(keys.unwrap_or_default());
+        let bits = bits(&mut decoder)?;
+        let keys = Keys::read(&mut decoder)?;
         let crs = keys.crs(declared.crs.as_ref())?;
-        let [cell, west, north] = placed(&mut decoder, &keys)?;
-        let no_data = decoder.find_tag(Tag::GdalNodata).map_err(refuse)?;
-        let no_data = no_data.map(|text| text.into_string().map_err(refuse)).transpose()?;
-        let no_data = no_data.and_then(|text| text.trim_matches(['\0', ' ']).parse::<f64>().ok());
-        let missing = |value: &f64| value.is_nan() || no_data == Some(*value);
-        let image = decoder.read_image().map_err(refuse)?;
-        let values = numbers(image)?.map(|value| if missing(&value) { MISSING } else { value }).collect();
-        let header = Header {
-            columns: columns as usize,
-            rows: rows as usize,
-            corner: [west, north - cell * f64::from(rows)],
-            cell,
-            no_data: MISSING,
-        };
-        Self::of(&header, values, crs, declared)
+        let header = header(&mut decoder, &keys, [columns, rows])?;
+        let packing = packing(&mut decoder, &keys, declared, bits)?;
+        let cells = Cells::new(header, crs, packing, declared, reading)?;
+        let blocks = Blocks::of(&mut decoder, [columns, rows])?;
+        // Decoded, and about as much before that.
+        let size = f64::from(blocks.size[0]) * f64::from(blocks.size[1]);
+        cells.check_room(size * f64::from(bits) / 8.0 * 2.0)?;
+        cells.read(blocks.all(), Rows::FromNorth, |block| {
+            numbers(decoder.read_chunk(blocks.index(block)).map_err(refuse)?).map_err(Unread::from)
+        })
     }
 }
 
-/// Side of a cell, western and northern edge.
-fn placed(decoder: &mut Decoder<Cursor<&[u8]>>, keys: &Keys) -> Result<[f64; 3], Invalid> {
+/// Bits of a number, of which there is one per pixel.
+fn bits<R: Read + Seek>(decoder: &mut Decoder<R>) -> Result<u8, Invalid> {
+    match decoder.colortype().map_err(refuse)? {
+        ColorType::Gray(bits) => Ok(bits),
+        band => {
+            let remedy = "write one band, for instance with `gdal_translate -b 1`";
+            Err(Invalid::new("GeoTIFF", format!("{band:?}"), "one band of numbers", remedy))
+        }
+    }
+}
+
+/// What the metadata, the tags and the keys say of the numbers.
+fn packing<R: Read + Seek>(
+    decoder: &mut Decoder<R>,
+    keys: &Keys,
+    declared: &GridDeclaration,
+    bits: u8,
+) -> Result<Packing, Invalid> {
+    let text = |value: tiff::decoder::ifd::Value| value.into_string().map_err(refuse);
+    let metadata = decoder.find_tag(GDAL_METADATA).map_err(refuse)?.map(text).transpose()?;
+    let metadata = Metadata::read(metadata.as_deref().unwrap_or_default())?;
+    metadata.check_direction(declared.kind)?;
+    let format: Option<Vec<u16>> = decoder.find_tag_unsigned_vec(Tag::SampleFormat).map_err(refuse)?;
+    let is_single = bits == 32 && format.is_some_and(|format| format.first() == Some(&3));
+    let no_data = decoder.find_tag(Tag::GdalNodata).map_err(refuse)?.map(text).transpose()?;
+    let no_data = no_data.as_deref().map(|text| no_data_of(text, is_single)).transpose()?;
+    let unit = match declared.kind {
+        GridKind::LandMask => None,
+        _ => same(metadata.unit()?, keys.unit()?)?,
+    };
+    Ok(Packing {
+        scale: metadata.number("scale")?.unwrap_or(1.0),
+        offset: metadata.number("offset")?.unwrap_or(0.0),
+        unit,
+        datum: keys.datum().or_else(|| metadata.datum()),
+        missing: no_data.into_iter().collect(),
+        ..Default::default()
+    })
+}
+
+/// The number that stands for no data, as it is in a file of single precision if it `is_single`.
+fn no_data_of(text: &str, is_single: bool) -> Result<f64, Invalid> {
+    let text = text.trim_matches(['\0', ' ']);
+    match text.parse::<f64>() {
+        Ok(number) if is_single => Ok(f64::from(number as f32)),
+        Ok(number) => Ok(number),
+        Err(_) => {
+            let found = format!("`{}`", refusal::foreign(text));
+            let remedy = "write it again, for instance with `gdal_edit.py -a_nodata -9999`";
+            Err(Invalid::new("GDAL_NODATA", found, "a number", remedy))
+        }
+    }
+}
+
+/// The unit of two that may be told.
+fn same(metadata: Option<DepthUnit>, keys: Option<DepthUnit>) -> Result<Option<DepthUnit>, Invalid> {
+    match (metadata, keys) {
+        (Some(one), Some(other)) if one != other => Err(Invalid::new(
+            "UNITTYPE",
+            format!("`{}`", one.name()),
+            format!("`{}`, as the file's vertical system says", other.name()),
+            "correct one of them in the file",
+        )),
+        (one, other) => Ok(one.or(other)),
+    }
+}
+
+/// Where the cells are.
+fn header<R: Read + Seek>(
+    decoder: &mut Decoder<R>,
+    keys: &Keys,
+    [columns, rows]: [u32; 2],
+) -> Result<Header, Invalid> {
     let scale = decoder.get_tag_f64_vec(Tag::ModelPixelScaleTag);
     let point = decoder.get_tag_f64_vec(Tag::ModelTiepointTag);
     let (Ok([width, height, ..]), Ok([column, row, _, x, y, _])) = (scale.as_deref(), point.as_deref())
@@ -70,45 +138,81 @@ fn placed(decoder: &mut Decoder<Cursor<&[u8]>>, keys: &Keys) -> Result<[f64; 3],
             "straighten it, for instance with `gdalwarp`",
         ));
     };
+    if [columns, rows].iter().any(|side| !(1..=MOST_ON_A_SIDE).contains(&(*side as usize))) {
+        let expected = format!("1 to {MOST_ON_A_SIDE} on a side");
+        return Err(Invalid::new(
+            "GeoTIFF",
+            format!("{columns} × {rows} cells"),
+            expected,
+            "cut it to the area",
+        ));
+    }
     let cell = check_square(*width, *height)?;
-    let half = if keys.value(RASTER_TYPE) == Some(PIXEL_IS_POINT) { 0.5 } else { 0.0 };
-    Ok([cell, x - cell * (column + half), y + cell * (row + half)])
+    let half = if keys.is_point() { 0.5 } else { 0.0 };
+    let [west, north] = [x - cell * (column + half), y + cell * (row + half)];
+    let corner = [west, north - cell * f64::from(rows)];
+    Ok(Header { columns: columns as usize, rows: rows as usize, corner, cell })
 }
 
-/// The GeoKey directory: a header, then key, place, count and value.
-struct Keys(Vec<u16>);
+/// The strips or tiles of an image.
+#[derive(Clone, Copy)]
+struct Blocks {
+    /// Columns and rows of the image, and of a block.
+    image: [u32; 2],
+    size: [u32; 2],
+    /// Blocks beside each other, and below.
+    count: [u32; 2],
+}
 
-impl Keys {
-    /// The value of a key that stands in the directory itself.
-    fn value(&self, key: u16) -> Option<u16> {
-        let entries = self.0.get(4..)?.chunks_exact(4);
-        entries.filter(|entry| entry[0] == key && entry[1] == 0).map(|entry| entry[3]).next()
-    }
-
-    /// The system that is told, or declared.
-    fn crs(&self, declared: Option<&Crs>) -> Result<Crs, Invalid> {
-        let codes = [PROJECTED, GEOGRAPHIC].map(|key| self.value(key));
-        let told = codes.into_iter().flatten().find(|code| *code != 0 && *code != USER_DEFINED);
-        match (told, declared) {
-            (None, None) => Err(Crs::undeclared()),
-            (None, Some(declared)) => Ok(declared.clone()),
-            (Some(code), None) => Crs::new(&format!("EPSG:{code}")),
-            (Some(code), Some(declared)) => {
-                let code = format!("EPSG:{code}");
-                let wgs84 = |name: &str| ["WGS84", "EPSG:4326"].contains(&name.to_ascii_uppercase().as_str());
-                let name = declared.name();
-                if name.eq_ignore_ascii_case(&code) || name.starts_with('+') || wgs84(&code) && wgs84(name) {
-                    return Ok(declared.clone());
-                }
-                let expected = format!("{code}, as the file says");
-                Err(Invalid::new("`crs`", name, expected, "leave `crs` out, or mend the file"))
-            }
+impl Blocks {
+    fn of<R: Read + Seek>(decoder: &mut Decoder<R>, image: [u32; 2]) -> Result<Self, Invalid> {
+        let (columns, rows) = decoder.chunk_dimensions();
+        let size = match decoder.get_chunk_type() {
+            ChunkType::Strip => [image[0], rows.min(image[1])],
+            ChunkType::Tile => [columns, rows],
+        };
+        if size.contains(&0) {
+            let found = format!("blocks of {columns} × {rows}");
+            return Err(Invalid::new("GeoTIFF", found, "strips or tiles with cells", "export it again"));
         }
+        let count = [0, 1].map(|k: usize| image[k].div_ceil(size[k]));
+        let all = u64::from(count[0]) * u64::from(count[1]);
+        if all > MOST_BLOCKS {
+            let expected = format!("at most {MOST_BLOCKS}");
+            return Err(Invalid::new(
+                "GeoTIFF",
+                format!("{all} strips or tiles"),
+                expected,
+                "export it in larger ones",
+            ));
+        }
+        Ok(Self { image, size, count })
+    }
+
+    /// All of them, from the north.
+    fn all(self) -> impl Iterator<Item = Block> + Clone {
+        let along = move |k: usize, index: u32| {
+            let start = index * self.size[k];
+            start..start.saturating_add(self.size[k]).min(self.image[k])
+        };
+        let wide = |range: std::ops::Range<u32>| range.start as usize..range.end as usize;
+        (0..self.count[1]).flat_map(move |down| {
+            let rows = along(1, down);
+            let from_south = self.image[1] - rows.end..self.image[1] - rows.start;
+            (0..self.count[0]).map(move |across| [wide(along(0, across)), wide(from_south.clone())])
+        })
+    }
+
+    /// The number of a block.
+    fn index(self, [columns, rows]: &Block) -> u32 {
+        let row = self.image[1] as usize - rows.end;
+        let [across, down] = [columns.start / self.size[0] as usize, row / self.size[1] as usize];
+        down as u32 * self.count[0] + across as u32
     }
 }
 
-fn numbers(image: DecodingResult) -> Result<Box<dyn Iterator<Item = f64>>, Invalid> {
-    Ok(match image {
+fn numbers(block: DecodingResult) -> Result<Box<dyn Iterator<Item = f64>>, Invalid> {
+    Ok(match block {
         DecodingResult::U8(all) => Box::new(all.into_iter().map(f64::from)),
         DecodingResult::I8(all) => Box::new(all.into_iter().map(f64::from)),
         DecodingResult::U16(all) => Box::new(all.into_iter().map(f64::from)),
@@ -125,7 +229,7 @@ fn numbers(image: DecodingResult) -> Result<Box<dyn Iterator<Item = f64>>, Inval
     })
 }
 
-fn refuse(error: TiffError) -> Invalid {
+pub(crate) fn refuse(error: TiffError) -> Invalid {
     Invalid::new(
         "GeoTIFF",
         error.to_string(),

@@ -4,19 +4,32 @@ use enc::attribute::ALL;
 use enc::{Feature as Object, Geometry, class};
 use geojson::{Feature, JsonObject, JsonValue, Position};
 
-use crate::Invalid;
 use crate::geometries::Geometries;
 use crate::polygons::{features, positions, rings};
+use crate::{Invalid, Reading, Unread};
 
 /// The objects of a GeoJSON file. What is said about the quality of positions is not in such files.
 ///
 /// # Errors
 /// Corrupt JSON; coordinates other than WGS84; a feature without the code of its class; rings that are open or cross.
 pub fn objects_of_geojson(text: &str) -> Result<Vec<Object>, Invalid> {
-    features(text)?.iter().enumerate().map(|(index, feature)| object(feature, index)).collect()
+    read_objects(text, &Reading::whole()).map_err(Unread::into_invalid)
 }
 
-fn object(feature: &Feature, index: usize) -> Result<Object, Invalid> {
+/// The same, while there is time.
+///
+/// # Errors
+/// As [`objects_of_geojson`]; the end of the time.
+pub fn read_objects(text: &str, reading: &Reading) -> Result<Vec<Object>, Unread> {
+    let features = features(text, reading)?;
+    let objects = features.iter().enumerate().map(|(index, feature)| {
+        reading.check_time()?;
+        object(feature, index, reading)
+    });
+    objects.collect()
+}
+
+fn object(feature: &Feature, index: usize, reading: &Reading) -> Result<Object, Unread> {
     let properties = feature.properties.as_ref();
     let value = |name: &str| properties.and_then(|own| own.get(name)).filter(|value| !value.is_null());
     let code = value("OBJL").and_then(text).and_then(|code| code.parse().ok());
@@ -26,7 +39,8 @@ fn object(feature: &Feature, index: usize) -> Result<Object, Invalid> {
             value("OBJL").map_or("none".to_owned(), JsonValue::to_string),
             "the code of its object class, as GDAL writes it",
             "convert the cell again by `ogr2ogr`, or name a `kind` for the whole file",
-        ));
+        )
+        .into());
     };
     let attributes = ALL.iter().filter_map(|(code, name)| Some((*code, text(value(name)?)?))).collect();
     let mut own = Object {
@@ -36,7 +50,7 @@ fn object(feature: &Feature, index: usize) -> Result<Object, Invalid> {
         geometry: Geometry::None,
         position_quality: Vec::new(),
     };
-    own.geometry = geometry(feature, index, Some(code) == class("SOUNDG"))?;
+    own.geometry = geometry(feature, index, Some(code) == class("SOUNDG"), reading)?;
     Ok(own)
 }
 
@@ -60,16 +74,16 @@ fn text(value: &JsonValue) -> Option<String> {
     }
 }
 
-fn geometry(feature: &Feature, index: usize, soundings: bool) -> Result<Geometry, Invalid> {
+fn geometry(feature: &Feature, index: usize, soundings: bool, reading: &Reading) -> Result<Geometry, Unread> {
     let own = Geometries::of(feature);
     let named = || format!("feature {index}");
     if !own.polygons.is_empty() {
-        let polygons = own.polygons.into_iter().map(|polygon| rings(polygon, index));
+        let polygons = own.polygons.into_iter().map(|polygon| rings(polygon, index, reading));
         return Ok(Geometry::Area(polygons.collect::<Result<_, _>>()?));
     }
     if soundings {
         let all = own.lines.iter().flat_map(|line| line.iter());
-        return Ok(Geometry::Soundings(all.map(|p| sounding(p, index)).collect::<Result<_, _>>()?));
+        return Ok(Geometry::Soundings(all.map(|p| sounding(p, index)).collect::<Result<_, Invalid>>()?));
     }
     let lines = own.lines.into_iter().map(|line| positions(line, named)).collect::<Result<Vec<_>, _>>()?;
     if lines.iter().all(|line| line.len() < 2) {

@@ -2,7 +2,8 @@
 
 use crate::chart::Charted;
 use crate::cover::{Size, along, centres, each_edge};
-use crate::{Bounds, Called, Causes, Chart, Class, GridCell, PlacedGrid, Polygon, Raster, Uncharted};
+use crate::grid_cells::LAND;
+use crate::{Bounds, Called, Causes, Chart, Class, PlacedGrid, Polygon, Raster, Uncharted};
 
 /// Cells that touch within this distance count as touched, so that rounding does not decide \[m\].
 pub(crate) const TOUCH_M: f64 = 1e-6;
@@ -155,19 +156,21 @@ impl Chart {
 /// The bad cells of a grid, by runs of equal cause along its rows.
 pub(crate) fn each_strip(grid: &PlacedGrid, least_depth_m: f64, mut each: impl FnMut(&Polygon, Causes)) {
     let [land, shoal, missing] = ["land", "shoal", "no data"].map(Called::plain);
+    let bad = |value: f32| bad(value, grid.has_depth, least_depth_m);
     for row in 0..grid.rows {
-        let cells = &grid.cells[row * grid.columns..(row + 1) * grid.columns];
         let mut start = 0;
-        for run in cells.chunk_by(|a, b| bad(*a, least_depth_m) == bad(*b, least_depth_m)) {
+        for run in grid.row(row).chunk_by(|a, b| bad(*a) == bad(*b)) {
             let columns = start..start + run.len();
             start = columns.end;
-            let Some(cause) = bad(run[0], least_depth_m) else { continue };
-            let called = match run[0] {
-                GridCell::Missing => &missing,
-                GridCell::Land => &land,
-                GridCell::Water | GridCell::Depth(_) => &shoal,
+            let Some(cause) = bad(run[0]) else { continue };
+            let called = match cause {
+                Causes::UNCHARTED => &missing,
+                Causes::LAND => &land,
+                _ => &shoal,
             };
-            let strip = Polygon::of_rings(Class::Land, called, vec![grid.strip(columns, row..row + 1)]);
+            // Where the projection fails within a grid, all of it is closed.
+            let outline = grid.strip(columns, row..row + 1).or_else(|| grid.frame());
+            let strip = outline.and_then(|ring| Polygon::of_rings(Class::Land, called, vec![ring]));
             strip.iter().for_each(|s| each(s, cause));
         }
     }
@@ -187,12 +190,13 @@ pub(crate) fn cause_of(class: Class, least_depth_m: f64, sailing: Sailing) -> Op
     }
 }
 
-fn bad(cell: GridCell, least_depth_m: f64) -> Option<Causes> {
-    match cell {
-        GridCell::Missing => Some(Causes::UNCHARTED),
-        GridCell::Land => Some(Causes::LAND),
-        GridCell::Water => None,
-        GridCell::Depth(depth) if depth >= least_depth_m => None,
-        GridCell::Depth(_) => Some(Causes::SHOAL),
+/// What is bad about a value as a grid keeps it. Both depths are compared to the seven digits that it has.
+fn bad(value: f32, has_depth: bool, least_depth_m: f64) -> Option<Causes> {
+    if value.is_nan() {
+        Some(Causes::UNCHARTED)
+    } else if has_depth {
+        (value < least_depth_m as f32).then_some(Causes::SHOAL)
+    } else {
+        (value == LAND).then_some(Causes::LAND)
     }
 }

@@ -1,9 +1,19 @@
 //! The part of a grid that covers the chart's area, on the plane.
 
-use crate::{Bounds, Grid, GridCell, Invalid, Plane};
+use std::ops::Range;
+use std::sync::Arc;
+
+use crate::grid_cells::Block;
+use crate::grid_header::Header;
+use crate::{Bounds, Crs, Grid, GridCell, Invalid, Plane};
 
 /// Points of the area's edge that are looked at to find the part of a grid that covers it, per side.
 const PER_SIDE: usize = 32;
+
+/// Most cells whose corners are kept rather than found anew whenever one is wanted.
+const MOST_KEPT: usize = 4_000_000;
+/// Corners on a side of a block of cells whose corners are not kept: between them a side is as good as straight.
+const PER_BLOCK: usize = 64;
 
 /// A window of a grid: cells row by row from the south, and the places of their corners.
 #[derive(Clone, Debug)]
@@ -12,18 +22,48 @@ pub struct PlacedGrid {
     pub columns: usize,
     /// Rows of the window.
     pub rows: usize,
-    /// What is known of the cells, row by row from the south.
-    pub cells: Vec<GridCell>,
-    /// Places of the corners \[m\], `columns + 1` to a row, row by row from the south.
-    pub corners: Vec<[f64; 2]>,
     /// Whether it tells depths (not only land).
     pub has_depth: bool,
+    cells: Arc<[f32]>,
+    corners: Corners,
+}
+
+/// The places of corners of cells \[m\].
+#[derive(Clone, Debug)]
+enum Corners {
+    /// `columns + 1` to a row, row by row from the south.
+    Kept(Vec<[f64; 2]>),
+    /// Of a window with too many cells.
+    Found(Box<Frame>),
+}
+
+/// Where the cells of a window are.
+#[derive(Clone, Debug)]
+struct Frame {
+    crs: Crs,
+    plane: Plane,
+    corner: [f64; 2],
+    cell: f64,
+    /// The first column and row of the window.
+    first: [usize; 2],
+}
+
+impl Frame {
+    fn corner(&self, column: usize, row: usize) -> Result<[f64; 2], Invalid> {
+        let index = [self.first[0] + column, self.first[1] + row];
+        let own = [0, 1].map(|k: usize| self.corner[k] + index[k] as f64 * self.cell);
+        let (lon, lat) = self.crs.to_geographic(own)?;
+        Ok(self.plane.to_plane(lon, lat))
+    }
 }
 
 impl PlacedGrid {
     /// `None` where the grid does not meet the area.
     pub(crate) fn place(grid: &Grid, plane: &Plane, area: &Bounds) -> Result<Option<Self>, Invalid> {
-        if grid.columns.checked_mul(grid.rows) != Some(grid.cells.len())
+        let [kept_columns, kept_rows] = &grid.window;
+        let within = kept_columns.end <= grid.columns && kept_rows.end <= grid.rows;
+        if kept_columns.len().checked_mul(kept_rows.len()) != Some(grid.cells.len())
+            || !within
             || grid.cell.is_nan()
             || grid.cell <= 0.0
         {
@@ -35,63 +75,111 @@ impl PlacedGrid {
                 "read it from a file",
             ));
         }
-        let Some([columns, rows]) = window(grid, plane, area)? else { return Ok(None) };
-        let corners = corners(grid, plane, &columns, &rows)?;
-        let row = |j: usize| &grid.cells[j * grid.columns..][columns.clone()];
-        Ok(Some(Self {
-            columns: columns.len(),
-            rows: rows.len(),
-            cells: rows.clone().flat_map(row).copied().collect(),
-            corners,
-            has_depth: grid.has_depth,
-        }))
+        let (corner, cell) = (grid.corner, grid.cell);
+        let header = Header { columns: grid.columns, rows: grid.rows, corner, cell };
+        let Some(wanted) = window(&header, &grid.crs, plane, area)? else { return Ok(None) };
+        let [columns, rows] =
+            [0, 1].map(|k| wanted[k].start.max(grid.window[k].start)..wanted[k].end.min(grid.window[k].end));
+        if columns.is_empty() || rows.is_empty() {
+            return Ok(None);
+        }
+        let first = [columns.start, rows.start];
+        let frame = Frame { crs: grid.crs.clone(), plane: *plane, corner, cell, first };
+        let corners = Corners::of(frame, columns.len(), rows.len())?;
+        let (nx, ny, has_depth) = (columns.len(), rows.len(), grid.has_depth);
+        Ok(Some(Self { columns: nx, rows: ny, cells: grid.part([columns, rows]), corners, has_depth }))
+    }
+
+    /// Bytes that it takes, about.
+    pub(crate) fn bytes(&self) -> usize {
+        let kept = if let Corners::Kept(corners) = &self.corners { size_of_val(&corners[..]) } else { 0 };
+        size_of_val(&self.cells[..]) + kept
+    }
+
+    /// The values of a row from the south, as [`Grid`] keeps them.
+    pub(crate) fn row(&self, row: usize) -> &[f32] {
+        &self.cells[row * self.columns..(row + 1) * self.columns]
+    }
+
+    /// What is known of a cell.
+    pub(crate) fn cell(&self, column: usize, row: usize) -> GridCell {
+        GridCell::of(self.row(row)[column], self.has_depth)
+    }
+
+    /// The place of a corner \[m\]; `None` outside of the projection's domain.
+    pub(crate) fn corner(&self, column: usize, row: usize) -> Option<[f64; 2]> {
+        match &self.corners {
+            Corners::Kept(corners) => corners.get(row * (self.columns + 1) + column).copied(),
+            Corners::Found(frame) => frame.corner(column, row).ok(),
+        }
     }
 
     /// The outline, counter-clockwise.
-    pub(crate) fn frame(&self) -> Vec<[f64; 2]> {
+    pub(crate) fn frame(&self) -> Option<Vec<[f64; 2]>> {
         self.strip(0..self.columns, 0..self.rows)
     }
 
-    /// The outline of a block of cells, counter-clockwise, with all corners on it.
-    pub(crate) fn strip(
-        &self,
-        columns: std::ops::Range<usize>,
-        rows: std::ops::Range<usize>,
-    ) -> Vec<[f64; 2]> {
-        let corner = |i: usize, j: usize| self.corners[j * (self.columns + 1) + i];
-        let south = columns.clone().map(|i| corner(i, rows.start));
-        let east = rows.clone().map(|j| corner(columns.end, j));
-        let north = columns.clone().rev().map(|i| corner(i + 1, rows.end));
-        let west = rows.clone().rev().map(|j| corner(columns.start, j + 1));
-        south.chain(east).chain(north).chain(west).collect()
+    /// The outline of a block of cells, counter-clockwise, with all corners on it, or as many as show how it bends; `None` outside
+    /// of the projection's domain.
+    pub(crate) fn strip(&self, columns: Range<usize>, rows: Range<usize>) -> Option<Vec<[f64; 2]>> {
+        let step = |range: &Range<usize>| match self.corners {
+            Corners::Kept(_) => 1,
+            Corners::Found(_) => range.len().div_ceil(PER_BLOCK).max(1),
+        };
+        let (across, up) = (step(&columns), step(&rows));
+        let south = columns.clone().step_by(across).map(|i| (i, rows.start));
+        let east = rows.clone().step_by(up).map(|j| (columns.end, j));
+        let north = columns.clone().map(|i| i + 1).rev().step_by(across).map(|i| (i, rows.end));
+        let west = rows.clone().map(|j| j + 1).rev().step_by(up).map(|j| (columns.start, j));
+        south.chain(east).chain(north).chain(west).map(|(i, j)| self.corner(i, j)).collect()
     }
 }
 
-fn corners(
-    grid: &Grid,
-    plane: &Plane,
-    columns: &std::ops::Range<usize>,
-    rows: &std::ops::Range<usize>,
-) -> Result<Vec<[f64; 2]>, Invalid> {
-    let mut corners = Vec::with_capacity((columns.len() + 1) * (rows.len() + 1));
-    for j in rows.start..=rows.end {
-        for i in columns.start..=columns.end {
-            let own = [grid.corner[0] + i as f64 * grid.cell, grid.corner[1] + j as f64 * grid.cell];
-            let (lon, lat) = grid.crs.to_geographic(own)?;
-            corners.push(plane.to_plane(lon, lat));
+impl Corners {
+    /// Those of all cells, or none where there are too many: then those of the outline are tried.
+    fn of(frame: Frame, columns: usize, rows: usize) -> Result<Self, Invalid> {
+        if columns * rows > MOST_KEPT {
+            let outline = (0..=columns).flat_map(|i| [(i, 0), (i, rows)]);
+            let outline = outline.chain((0..=rows).flat_map(|j| [(0, j), (columns, j)]));
+            for (column, row) in outline {
+                frame.corner(column, row)?;
+            }
+            return Ok(Self::Found(Box::new(frame)));
         }
+        let all = (0..=rows).flat_map(|j| (0..=columns).map(move |i| (i, j)));
+        Ok(Self::Kept(all.map(|(i, j)| frame.corner(i, j)).collect::<Result<_, _>>()?))
     }
-    Ok(corners)
+}
+
+impl Grid {
+    /// The values of a part of the window.
+    fn part(&self, part: Block) -> Arc<[f32]> {
+        if part == self.window {
+            return Arc::clone(&self.cells);
+        }
+        let ([columns, rows], [own_columns, own_rows]) = (part, &self.window);
+        let row = |j: usize| {
+            let start = (j - own_rows.start) * own_columns.len();
+            let row = &self.cells[start..start + own_columns.len()];
+            &row[columns.start - own_columns.start..columns.end - own_columns.start]
+        };
+        rows.flat_map(row).copied().collect()
+    }
 }
 
 /// Columns and rows that cover the area, with two cells to spare.
-fn window(grid: &Grid, plane: &Plane, area: &Bounds) -> Result<Option<[std::ops::Range<usize>; 2]>, Invalid> {
+pub(crate) fn window(
+    grid: &Header,
+    crs: &Crs,
+    plane: &Plane,
+    area: &Bounds,
+) -> Result<Option<Block>, Invalid> {
     let own = |p: [f64; 2]| {
         let (lon, lat) = plane.to_geographic(p);
-        let [x, y] = grid.crs.to_own(lon, lat)?;
+        let [x, y] = crs.to_own(lon, lat)?;
         // Longitudes as the grid has them: -179 or 181.
         let middle = grid.corner[0] + grid.cell * grid.columns as f64 / 2.0;
-        let turn = if grid.crs.is_geographic() { 360.0 * ((x - middle) / 360.0).round() } else { 0.0 };
+        let turn = if crs.is_geographic() { 360.0 * ((x - middle) / 360.0).round() } else { 0.0 };
         Ok([x - turn, y])
     };
     let edge = area.edge(PER_SIDE).into_iter().map(own).collect::<Result<Vec<_>, Invalid>>()?;

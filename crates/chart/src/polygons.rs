@@ -1,15 +1,22 @@
+use std::io::{BufReader, Read};
+
 use geojson::{Feature, GeoJson, JsonObject, JsonValue, PolygonType, Position};
 use serde::Deserialize;
 
-use crate::Invalid;
 use crate::called::Called;
+use crate::geojson_crs::check_member;
 use crate::geometries::Geometries;
 use crate::grid::FARTHEST;
-use crate::ring::{RingFault, ring_fault};
+use crate::ring::{RingFault, ring_fault_while};
+use crate::{DepthUnit, Invalid, Reading, Unread};
 
 /// How far around a charted point or line the danger reaches where nothing else is said \[m\]: as well as older surveys
 /// place it.
 pub const DANGER_M: f64 = 50.0;
+
+/// Features, and bytes, between two looks at the clock.
+const AT_ONCE: usize = 1000;
+const AT_ONCE_BYTES: usize = 1 << 16;
 
 /// What the polygons of a file are.
 #[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
@@ -138,29 +145,45 @@ pub struct Area {
 }
 
 impl PolygonLayer {
-    /// Reads GeoJSON (RFC 7946) of any geometry. Points and lines are dangers as far as [`DANGER_M`] around them, unless
+    /// Reads GeoJSON (RFC 7946) of any geometry, with depths in metres. As [`PolygonLayer::read`].
+    ///
+    /// # Errors
+    /// As [`PolygonLayer::read`].
+    pub fn from_geojson(text: &str, kind: &LayerKind, filter: Option<&Filter>) -> Result<Self, Invalid> {
+        Self::read(text, (kind, DepthUnit::Metre), filter, &Reading::whole()).map_err(Unread::into_invalid)
+    }
+
+    /// Reads GeoJSON (RFC 7946) of any geometry, its depths in a unit. Points and lines are dangers as far as [`DANGER_M`] around them, unless
     /// [`PolygonLayer::with_danger`] says otherwise; in a layer of depths they tell a depth, and chart no water.
     ///
     /// # Errors
     /// Corrupt JSON; a `crs` member other than WGS84 or coordinates outside ±180 and ±90; features without a place; nothing
     /// left; an empty or open ring, one that crosses itself or another of its polygon (features that the filter leaves out
     /// are not checked); a depth property that no feature has or that is no number, or a depth that no sea has; depths that
-    /// are all negative.
-    pub fn from_geojson(text: &str, kind: &LayerKind, filter: Option<&Filter>) -> Result<Self, Invalid> {
-        let features = features(text)?;
+    /// are all negative. What does not fit in time.
+    pub fn read(
+        text: &str,
+        (kind, unit): (&LayerKind, DepthUnit),
+        filter: Option<&Filter>,
+        reading: &Reading,
+    ) -> Result<Self, Unread> {
+        let features = features(text, reading)?;
         let mut layer = Self::default();
         let (mut has_depth, mut placeless) = (false, 0);
         for (index, feature) in features.iter().enumerate() {
+            if index % AT_ONCE == 0 {
+                reading.check_time()?;
+            }
             if filter.is_some_and(|f| !passes(feature, f)) {
                 layer.filtered_out += 1;
                 continue;
             }
             let own = Geometries::of(feature);
             placeless += usize::from(own.polygons.is_empty() && own.lines.iter().all(|line| line.is_empty()));
-            let class = class(kind, feature.properties.as_ref(), index, &mut has_depth)?;
+            let class = class((kind, unit), feature.properties.as_ref(), index, &mut has_depth)?;
             let called = Called::feature(class.word(), feature.properties.as_ref(), class.depth_m());
             for polygon in own.polygons {
-                let rings = rings(polygon, index)?;
+                let rings = rings(polygon, index, reading)?;
                 layer.areas.push(Area { class, called: called.clone(), rings, feature: index });
             }
             let sounding = matches!(class, Class::Depth { .. });
@@ -232,15 +255,18 @@ impl PolygonLayer {
     }
 }
 
-pub(crate) fn features(text: &str) -> Result<Vec<Feature>, Invalid> {
-    let geojson: GeoJson = text.parse().map_err(|e: geojson::Error| {
-        Invalid::new(
-            "GeoJSON",
-            plain(&e.to_string()),
-            "a whole FeatureCollection",
-            "export or download the file again",
-        )
-    })?;
+pub(crate) fn features(text: &str, reading: &Reading) -> Result<Vec<Feature>, Unread> {
+    let watched = Watched { rest: text.as_bytes(), reading };
+    let read: Result<GeoJson, _> = serde_json::from_reader(BufReader::with_capacity(AT_ONCE_BYTES, watched));
+    let geojson = match read {
+        Ok(geojson) => geojson,
+        Err(e) if e.is_io() => return Err(Unread::OutOfTime),
+        Err(e) => {
+            let expected = "a whole FeatureCollection";
+            let remedy = "export or download the file again";
+            return Err(Invalid::new("GeoJSON", plain(&e.to_string()), expected, remedy).into());
+        }
+    };
     let (features, members) = match geojson {
         GeoJson::FeatureCollection(c) => (c.features, c.foreign_members),
         GeoJson::Feature(f) => {
@@ -249,8 +275,21 @@ pub(crate) fn features(text: &str) -> Result<Vec<Feature>, Invalid> {
         }
         GeoJson::Geometry(g) => (vec![Feature::from(g)], None),
     };
-    check_crs(members.as_ref())?;
+    check_member(members.as_ref())?;
     Ok(features)
+}
+
+/// A text that ends with an error when there is no time left.
+struct Watched<'a> {
+    rest: &'a [u8],
+    reading: &'a Reading<'a>,
+}
+
+impl Read for Watched<'_> {
+    fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
+        self.reading.check_time().map_err(std::io::Error::other)?;
+        self.rest.read(buffer)
+    }
 }
 
 /// A message about GeoJSON without what was expected instead, which it says in words of the programming language.
@@ -261,17 +300,7 @@ fn plain(message: &str) -> String {
     format!("{found}{place}")
 }
 
-fn check_crs(members: Option<&JsonObject>) -> Result<(), Invalid> {
-    let Some(crs) = members.and_then(|m| m.get("crs")).filter(|c| !c.is_null()) else { return Ok(()) };
-    let name = crs.pointer("/properties/name").and_then(JsonValue::as_str).unwrap_or_default();
-    let code = name.to_ascii_uppercase();
-    if code.ends_with("CRS84") || code.ends_with(":4326") || code == "WGS84" {
-        return Ok(());
-    }
-    Err(mixed("`crs` member", format!("`{crs}`")))
-}
-
-fn mixed(thing: impl Into<String>, found: impl Into<String>) -> Invalid {
+pub(crate) fn mixed(thing: impl Into<String>, found: impl Into<String>) -> Invalid {
     Invalid::new(
         thing,
         format!("{} (projected coordinates in a WGS84 layer: mixed CRS)", found.into()),
@@ -290,14 +319,19 @@ fn passes(feature: &Feature, filter: &Filter) -> bool {
     filter.values.contains(&text)
 }
 
-pub(crate) fn rings(polygon: &PolygonType, feature: usize) -> Result<Vec<Vec<[f64; 2]>>, Invalid> {
+pub(crate) fn rings(
+    polygon: &PolygonType,
+    feature: usize,
+    reading: &Reading,
+) -> Result<Vec<Vec<[f64; 2]>>, Unread> {
     let mut rings = Vec::with_capacity(polygon.len());
     for (k, ring) in polygon.iter().enumerate() {
         rings.push(positions(ring, || format!("feature {feature}, ring {k}"))?);
     }
-    match ring_fault(&rings) {
-        None => Ok(rings),
-        Some(fault) => Err(faulty(&format!("feature {feature}"), &fault)),
+    match ring_fault_while(&rings, reading.go_on) {
+        Some(None) => Ok(rings),
+        Some(Some(fault)) => Err(faulty(&format!("feature {feature}"), &fault).into()),
+        None => Err(Unread::OutOfTime),
     }
 }
 
@@ -342,7 +376,7 @@ pub(crate) fn faulty(named: &str, fault: &RingFault) -> Invalid {
 }
 
 fn class(
-    kind: &LayerKind,
+    (kind, unit): (&LayerKind, DepthUnit),
     properties: Option<&JsonObject>,
     index: usize,
     named: &mut bool,
@@ -352,12 +386,12 @@ fn class(
         LayerKind::Land => return Ok(Class::Land),
         LayerKind::NoGo => return Ok(Class::NoGo),
         LayerKind::Danger { least } => {
-            return Ok(Class::Danger { least_m: depth(value(least), index, least)? });
+            return Ok(Class::Danger { least_m: depth((value(least), unit), index, least)? });
         }
         LayerKind::Depth { least } => least,
     };
     *named |= value(least).is_some();
-    Ok(Class::Depth { least_m: depth(value(least), index, least)? })
+    Ok(Class::Depth { least_m: depth((value(least), unit), index, least)? })
 }
 
 /// A point or line tells a depth and charts no water around it.
@@ -369,18 +403,22 @@ pub(crate) fn of_mark(class: Class) -> Class {
 }
 
 /// A depth, which some exports write as text; null and empty are unknown.
-fn depth(value: Option<&JsonValue>, feature: usize, name: &str) -> Result<Option<f64>, Invalid> {
+fn depth(
+    (value, unit): (Option<&JsonValue>, DepthUnit),
+    feature: usize,
+    name: &str,
+) -> Result<Option<f64>, Invalid> {
     let number = match value {
         None | Some(JsonValue::Null) => return Ok(None),
         Some(JsonValue::String(s)) if s.trim().is_empty() => return Ok(None),
         Some(JsonValue::String(s)) => s.trim().parse().ok(),
         Some(v) => v.as_f64(),
     };
-    match number.filter(|v: &f64| v.abs() <= FARTHEST) {
+    match number.map(|v: f64| v * unit.metres()).filter(|v| v.abs() <= FARTHEST) {
         Some(v) => Ok(Some(v)),
         None => Err(Invalid::new(
             format!("feature {feature}, property `{name}`"),
-            value.map(JsonValue::to_string).unwrap_or_default(),
+            value.map(|own| refusal::foreign(&own.to_string())).unwrap_or_default(),
             format!("a depth of at most {FARTHEST} m, or null"),
             "correct it (null where it is unknown) or name another property",
         )),

@@ -38,12 +38,24 @@ pub enum RingFault {
 /// Rings may touch themselves and each other at points and along edges; only proper crossings are faults.
 /// Edges are swept along the axis on which they are shorter: n log n for coastlines.
 pub fn ring_fault(rings: &[Vec<[f64; 2]>]) -> Option<RingFault> {
+    ring_fault_while(rings, &|| true).flatten()
+}
+
+/// The same, while `go_on` says so; `None` where it did not.
+pub(crate) fn ring_fault_while(
+    rings: &[Vec<[f64; 2]>],
+    go_on: &dyn Fn() -> bool,
+) -> Option<Option<RingFault>> {
     if rings.is_empty() {
-        return Some(RingFault::Empty { ring: 0 });
+        return Some(Some(RingFault::Empty { ring: 0 }));
     }
-    let flat = || rings.iter().position(|r| doubled_area(r) == 0.0).map(|ring| RingFault::Empty { ring });
+    if let Some(fault) = rings.iter().enumerate().find_map(|(k, r)| shape_fault(k, r)) {
+        return Some(Some(fault));
+    }
     // A bow tie may have no area either, so crossings are looked for before that.
-    rings.iter().enumerate().find_map(|(k, r)| shape_fault(k, r)).or_else(|| crossing(rings)).or_else(flat)
+    let crossing = crossing(rings, go_on)?;
+    let flat = || rings.iter().position(|r| doubled_area(r) == 0.0).map(|ring| RingFault::Empty { ring });
+    Some(crossing.or_else(flat))
 }
 
 fn shape_fault(index: usize, ring: &[[f64; 2]]) -> Option<RingFault> {
@@ -71,19 +83,28 @@ struct Edge {
     place: (usize, usize),
 }
 
-fn crossing(rings: &[Vec<[f64; 2]>]) -> Option<RingFault> {
+/// Pairs of edges between two looks at the clock.
+const AT_ONCE: u64 = 1 << 16;
+
+/// The first crossing; `None` where there was no time to look.
+fn crossing(rings: &[Vec<[f64; 2]>], go_on: &dyn Fn() -> bool) -> Option<Option<RingFault>> {
     let mut edges = edges(rings);
     edges.sort_by(|a, b| a.low.total_cmp(&b.low));
+    let mut pairs = 0_u64;
     for (i, a) in edges.iter().enumerate() {
         for b in edges[i + 1..].iter().take_while(|b| b.low <= a.high) {
+            pairs += 1;
+            if pairs.is_multiple_of(AT_ONCE) && !go_on() {
+                return None;
+            }
             let apart = a.side[1] < b.side[0] || b.side[1] < a.side[0];
             if !apart && cross_properly(a.ends[0], a.ends[1], b.ends[0], b.ends[1]) {
                 let (one, other) = (a.place.min(b.place), a.place.max(b.place));
-                return Some(RingFault::Crossing { one, other, near: rings[one.0][one.1] });
+                return Some(Some(RingFault::Crossing { one, other, near: rings[one.0][one.1] }));
             }
         }
     }
-    None
+    Some(None)
 }
 
 /// All edges, with their extent along the axis of the sweep (`low`, `high`) and across it (`side`).

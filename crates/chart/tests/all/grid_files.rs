@@ -1,29 +1,35 @@
 //! What ESRI ASCII grids are read and refused.
 
-use chart::{Crs, Grid, GridCell, GridDeclaration, GridKind};
+use chart::{Crs, Grid, GridCell, GridDeclaration, GridKind, Reading};
 
 use crate::support::fixture;
 
 fn read(text: &str, kind: GridKind) -> Result<Grid, String> {
-    let declared =
-        GridDeclaration { kind, crs: Some(Crs::new("EPSG:32635").unwrap()), variable: None, open_sea: false };
-    Grid::from_ascii(text, &declared).map_err(|e| e.to_string())
+    let declared = GridDeclaration {
+        kind,
+        crs: Some(Crs::new("EPSG:32635").unwrap()),
+        unit: None,
+        variable: None,
+        open_sea: false,
+    };
+    Grid::from_ascii(text, &declared, &Reading::whole()).map_err(|e| e.to_string())
 }
 
 #[test]
 fn rows_run_from_south_to_north_and_depths_positive_down() {
     let grid = read(&fixture("depth_5x4.asc"), GridKind::Depth).unwrap();
     assert_eq!((grid.columns, grid.rows, grid.corner, grid.cell), (5, 4, [500_000.0, 6_650_000.0], 100.0));
-    assert_eq!(grid.cells[0], GridCell::Depth(-0.5));
-    assert_eq!(grid.cells[15], GridCell::Depth(12.5));
-    assert_eq!(grid.cells[19], GridCell::Missing);
+    let cells: Vec<GridCell> = grid.cells().collect();
+    assert_eq!(cells[0], GridCell::Depth(-0.5));
+    assert_eq!(cells[15], GridCell::Depth(12.5));
+    assert_eq!(cells[19], GridCell::Missing);
 }
 
 #[test]
 fn elevations_and_cell_centres_say_the_same() {
     let depth = read(&fixture("depth_5x4.asc"), GridKind::Depth).unwrap();
     let elevation = read(&fixture("elevation_5x4.asc"), GridKind::Elevation).unwrap();
-    assert_eq!(depth.cells, elevation.cells);
+    assert!(depth.cells().eq(elevation.cells()));
     assert_eq!(depth.corner, elevation.corner);
 }
 
@@ -88,7 +94,8 @@ fn signs_that_look_wrong_are_refused_naming_the_other() {
     assert!(read(&rows("5 7 -1"), GridKind::Depth).is_ok());
     assert!(read(&rows("0 1 -9999"), GridKind::LandMask).is_ok());
     let crs = Crs::new("WGS84").unwrap();
-    let sea = GridDeclaration { kind: GridKind::Depth, crs: Some(crs), variable: None, open_sea: true };
-    assert!(Grid::from_ascii(&rows("5 7 9"), &sea).is_ok());
-    assert!(Grid::from_ascii(&rows("-5 -7 -9"), &sea).is_err());
+    let sea =
+        GridDeclaration { kind: GridKind::Depth, crs: Some(crs), unit: None, variable: None, open_sea: true };
+    assert!(Grid::from_ascii(&rows("5 7 9"), &sea, &Reading::whole()).is_ok());
+    assert!(Grid::from_ascii(&rows("-5 -7 -9"), &sea, &Reading::whole()).is_err());
 }

@@ -2,7 +2,7 @@
 
 use chart::{
     Bounds, Causes, Chart, Crs, Filter, Footprint, Grid, GridDeclaration, GridKind, Layer, LayerKind,
-    Obstacles, Plane, PolygonLayer, Raster, Uncharted,
+    Obstacles, Plane, PolygonLayer, Raster, Reading, Uncharted,
 };
 use proptest::prelude::*;
 
@@ -82,10 +82,15 @@ fn law_cells_on_no_chart_are_the_same_whatever_they_count_as() {
 #[test]
 fn a_grid_of_land_shows_what_it_covers() {
     let crs = Crs::new("EPSG:32635").unwrap();
-    let declared =
-        GridDeclaration { kind: GridKind::LandMask, crs: Some(crs.clone()), variable: None, open_sea: false };
+    let declared = GridDeclaration {
+        kind: GridKind::LandMask,
+        crs: Some(crs.clone()),
+        unit: None,
+        variable: None,
+        open_sea: false,
+    };
     let text = "ncols 2\nnrows 2\nxllcorner 500000\nyllcorner 6650000\ncellsize 500\n0 0\n1 0\n";
-    let grid = Grid::from_ascii(text, &declared).unwrap();
+    let grid = Grid::from_ascii(text, &declared, &Reading::whole()).unwrap();
     let (lon, lat) = crs.to_geographic([500_500.0, 6_650_500.0]).unwrap();
     let chart =
         Chart::new(Plane::new(lon, lat).unwrap(), square(1000.0), &[Layer::Grid(grid)], None).unwrap();
@@ -111,9 +116,14 @@ fn a_lake_is_water_and_beyond_the_area_nothing_is_known() {
 #[test]
 fn a_grid_blocks_what_its_bad_cells_touch() {
     let crs = Crs::new("EPSG:32635").unwrap();
-    let declared =
-        GridDeclaration { kind: GridKind::Depth, crs: Some(crs.clone()), variable: None, open_sea: false };
-    let grid = Grid::from_ascii(&fixture("depth_5x4.asc"), &declared).unwrap();
+    let declared = GridDeclaration {
+        kind: GridKind::Depth,
+        crs: Some(crs.clone()),
+        unit: None,
+        variable: None,
+        open_sea: false,
+    };
+    let grid = Grid::from_ascii(&fixture("depth_5x4.asc"), &declared, &Reading::whole()).unwrap();
     let (lon, lat) = crs.to_geographic([500_250.0, 6_650_200.0]).unwrap();
     let plane = Plane::new(lon, lat).unwrap();
     let chart = Chart::new(plane, square(400.0), &[Layer::Grid(grid)], None).unwrap();
@@ -339,9 +349,15 @@ fn layers_made_by_hand_are_checked() {
     layer.areas[0].rings[0][0][1] = 91.0;
     assert!(Chart::new(plane, square(900.0), &[Layer::Polygons(layer)], None).is_err());
     let crs = Crs::new("EPSG:32635").unwrap();
-    let declared = GridDeclaration { kind: GridKind::Depth, crs: Some(crs), variable: None, open_sea: false };
-    let mut grid = Grid::from_ascii(&fixture("depth_5x4.asc"), &declared).unwrap();
-    grid.cells.pop();
+    let declared = GridDeclaration {
+        kind: GridKind::Depth,
+        crs: Some(crs),
+        unit: None,
+        variable: None,
+        open_sea: false,
+    };
+    let mut grid = Grid::from_ascii(&fixture("depth_5x4.asc"), &declared, &Reading::whole()).unwrap();
+    grid.rows -= 1;
     assert!(Chart::new(plane, square(900.0), &[Layer::Grid(grid)], None).is_err());
 }
 

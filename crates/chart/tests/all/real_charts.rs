@@ -2,13 +2,13 @@
 
 use chart::{
     Causes, Chart, Crs, Filter, Grid, GridCell, GridDeclaration, GridKind, Layer, LayerKind, Obstacles,
-    Plane, PolygonLayer, Raster,
+    Plane, PolygonLayer, Raster, Reading,
 };
 
 use crate::support::{fixture, land, land_chart, shared, square};
 
 fn declared(kind: GridKind, crs: &str) -> GridDeclaration {
-    GridDeclaration { kind, crs: Some(Crs::new(crs).unwrap()), variable: None, open_sea: false }
+    GridDeclaration { kind, crs: Some(Crs::new(crs).unwrap()), unit: None, variable: None, open_sea: false }
 }
 
 /// The corners of a grid's cells on a plane.
@@ -64,16 +64,18 @@ fn the_helsinki_shoreline_is_read() {
 #[test]
 fn oracle_the_helsinki_land_mask_agrees() {
     let Some(text) = shared("helsinki_landmask_25m_tm35fin.asc") else { return };
-    let mask = Grid::from_ascii(&text, &declared(GridKind::LandMask, "EPSG:3067")).unwrap();
+    let mask =
+        Grid::from_ascii(&text, &declared(GridKind::LandMask, "EPSG:3067"), &Reading::whole()).unwrap();
     let chart = land_chart(&fixture("helsinki_land_gshhg.geojson"), 24.97, 60.13, 6000.0);
     let raster = Raster::covering(&square(4500.0), 5.0).unwrap();
     let obstacles = Obstacles::new(&chart, raster, 0.0, 0.0).unwrap();
     let [mut land, mut missed, mut water, mut extra] = [0; 4];
     let placed = Placed::new(&mask, chart.plane());
+    let cells: Vec<GridCell> = mask.cells().collect();
     for cell in placed.cells(raster) {
         // The mask has land wherever a cell touches land. Our cells are 5 m: what we block inside its water
         // is within a diagonal of the cell's side.
-        if mask.cells[cell.1 * mask.columns + cell.0] == GridCell::Land {
+        if cells[cell.1 * mask.columns + cell.0] == GridCell::Land {
             land += 1;
             let points = placed.samples(cell, 11, 0.0);
             missed += usize::from(!points.iter().any(|p| blocked(&obstacles, p)));
@@ -91,7 +93,8 @@ fn oracle_the_helsinki_land_mask_agrees() {
 #[test]
 fn the_land_mask_as_a_chart_agrees_with_the_polygons() {
     let Some(text) = shared("helsinki_landmask_25m_tm35fin.asc") else { return };
-    let mask = Grid::from_ascii(&text, &declared(GridKind::LandMask, "EPSG:3067")).unwrap();
+    let mask =
+        Grid::from_ascii(&text, &declared(GridKind::LandMask, "EPSG:3067"), &Reading::whole()).unwrap();
     let plane = Plane::new(24.97, 60.13).unwrap();
     let raster = Raster::covering(&square(4000.0), 25.0).unwrap();
     let by_mask = Chart::new(plane, square(4500.0), &[Layer::Grid(mask)], None).unwrap();
@@ -129,18 +132,19 @@ fn oracle_the_tacoma_depth_grid_agrees() {
     else {
         return;
     };
-    let grid = Grid::from_ascii(&grid, &declared(GridKind::Depth, "EPSG:32610")).unwrap();
+    let grid = Grid::from_ascii(&grid, &declared(GridKind::Depth, "EPSG:32610"), &Reading::whole()).unwrap();
     let chart = tacoma(&areas, 3000.0);
     let raster = Raster::covering(&square(2900.0), 10.0).unwrap();
     let placed = Placed::new(&grid, chart.plane());
+    let cells: Vec<GridCell> = grid.cells().collect();
     for least in [0.0, 1.8, 5.4, 9.1] {
         let obstacles = Obstacles::new(&chart, raster, least, 0.0).unwrap();
         let deep =
-            |i: usize, j: usize| matches!(grid.cells[j * grid.columns + i], GridCell::Depth(d) if d >= least);
+            |i: usize, j: usize| matches!(cells[j * grid.columns + i], GridCell::Depth(d) if d >= least);
         let [mut shoal, mut missed, mut inner, mut extra] = [0; 4];
         for (i, j) in placed.cells(raster) {
             // The grid has the least depth at the cell's centre, and no data wherever the cell touches land.
-            let no_data = grid.cells[j * grid.columns + i] == GridCell::Missing;
+            let no_data = cells[j * grid.columns + i] == GridCell::Missing;
             let points = placed.samples((i, j), if no_data { 11 } else { 1 }, 0.0);
             let any = points.iter().any(|p| blocked(&obstacles, p));
             let around = || (i - 2..=i + 2).flat_map(|a| (j - 2..=j + 2).map(move |b| (a, b)));

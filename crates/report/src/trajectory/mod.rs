@@ -11,7 +11,7 @@ mod trials;
 pub(crate) mod words;
 
 use maud::{Markup, html};
-use study::documents::Voyage;
+use study::documents::{PlanDocument, Voyage};
 use trial::voyage::Check;
 
 use crate::figures::map::parted;
@@ -55,6 +55,7 @@ pub(super) fn planned(study: &Study, main: &PlannedTrial, figures: &mut Figures)
             @if let Some(uncharted) = voyage.and_then(Voyage::uncharted) { " " (uncharted) "." }
             " The master decides."
         }
+        (measured(&main.plan))
         @if let Some(voyage) = voyage { (unsafe_note(&voyage.check)) }
         (outdated(main))
         div.map-and-facts { (map) div { (facts(&main.plan)) } }
@@ -68,6 +69,17 @@ pub(super) fn planned(study: &Study, main: &PlannedTrial, figures: &mut Figures)
                 (charts(&main.plan.charts))
             }
             None => p.missing { "Times, places and clearances not shown: the plan solves a lattice problem without a chart or a vessel." }
+        }
+    }
+}
+
+/// What the depths of each chart are measured in, and from which datum.
+fn measured(plan: &PlanDocument) -> Markup {
+    let depths = plan.charts.iter().filter_map(|chart| Some((&chart.file, chart.depths.as_ref()?)));
+    let depths: Vec<String> = depths.map(|(file, depths)| format!("{file}: {}", depths.told())).collect();
+    html! {
+        @if !depths.is_empty() {
+            p.note { b { "Depths and heights." } " " (depths.join("; ")) "." }
         }
     }
 }

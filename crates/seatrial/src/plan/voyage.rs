@@ -43,7 +43,7 @@ pub fn plan_voyage(
 ) -> Result<Summary, Failure> {
     let out = wanted.out;
     provenance.settings.insert("seed".into(), json!(seed));
-    let (brief, charts) = files.read(out, &mut provenance, seed)?;
+    let (brief, charts) = files.read(out, &mut provenance, seed, limits)?;
     let refuse = |error| refusals::voyage(files, error);
     let searched = limits.before_check();
     let search = Search { options: limits.options(), watch: &|| searched.watch(), go_on: &|| limits.go_on() };
@@ -132,6 +132,9 @@ fn summary(out: &Path, document: &PlanDocument) -> Summary {
         said += &format!(", {duration_s} s at sea, {more}{:.0} m clear", check.clearance_m);
         if check.left_area > 0 {
             said += &format!(", {} of {} runs outside of the area", check.left_area, check.runs);
+        }
+        for told in document.charts.iter().filter_map(|chart| Some((&chart.file, chart.depths.as_ref()?))) {
+            said += &format!("; {}: {}", told.0, told.1.told());
         }
         if !check.safe {
             said += &format!("; UNSAFE: {}", check.faults.join(", "));

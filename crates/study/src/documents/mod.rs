@@ -14,6 +14,7 @@ mod model;
 mod moments;
 mod passage;
 mod plan;
+mod plan_depths;
 mod reference;
 mod refined;
 mod refinement;
@@ -64,6 +65,7 @@ pub use plan::{
     CostUnit, DroppedMove, LeftOut, PlanChart, PlanChartClass, PlanDocument, PlanHandling, PlanLattice,
     PlanPose, PlanStatus, PlanStep, Primitive, SecondaryCost, Voyage, VoyageLeg,
 };
+pub use plan_depths::{PlanDepths, PlanUnitFrom};
 pub use reference::{Published, PublishedPicks, PublishedSelection, PublishedShare, Reference};
 pub use refined::{RefinedDocument, RefinedExperiment, RefinedLimit};
 pub use refinement::RefinedFiles;

@@ -1,6 +1,7 @@
 use std::collections::BTreeMap;
 
 use super::passage::Passage;
+use super::plan_depths::PlanDepths;
 use artifact::{Document, Units};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -31,7 +32,7 @@ pub struct PlanDocument {
     pub steps: Vec<PlanStep>,
     /// The plan at sea; absent for a problem file.
     pub voyage: Option<Voyage>,
-    /// What became of the objects of electronic charts.
+    /// What became of the objects of electronic charts, and what depths are measured in.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub charts: Vec<PlanChart>,
 }
@@ -44,7 +45,7 @@ impl PlanDocument {
     }
 }
 
-/// An electronic chart that the plan was made on.
+/// A chart with objects or depths that the plan was made on.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PlanChart {
@@ -69,6 +70,9 @@ pub struct PlanChart {
     pub notes: Vec<String>,
     /// What became of its objects, by class.
     pub classes: BTreeMap<String, PlanChartClass>,
+    /// What its depths are measured in.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub depths: Option<PlanDepths>,
 }
 
 /// What became of the objects of one class.
@@ -123,9 +127,13 @@ impl PlanChart {
         })
     }
 
-    /// Which chart it is, which classes have no or less effect, with their numbers and reasons, and what is to be said of its
-    /// files.
+    /// Which chart it is, in what its depths are, which classes have no or less effect, with their numbers and reasons, and what
+    /// is to be said of its files.
     pub fn told(&self) -> String {
+        let depths = self.depths.as_ref().map(PlanDepths::told);
+        if let Some(depths) = depths.as_ref().filter(|_| self.classes.is_empty()) {
+            return format!("{}: {depths}", self.file);
+        }
         let mut by_reason: BTreeMap<&str, Vec<String>> = BTreeMap::new();
         for LeftOut { class, objects, why } in self.left_out() {
             by_reason.entry(why).or_default().push(format!("{objects} {class}"));
@@ -135,7 +143,7 @@ impl PlanChart {
         let reasons = by_reason.into_iter().map(|(why, own)| format!("{} ({why})", own.join(", ")));
         let reasons: Vec<String> = reasons.collect();
         let ignored = if reasons.is_empty() { "none".to_owned() } else { reasons.join(", ") };
-        let notes: String = self.notes.iter().map(|note| format!("; {note}")).collect();
+        let notes: String = depths.iter().chain(&self.notes).map(|note| format!("; {note}")).collect();
         format!("{}: ignored {ignored}; only maneuvers avoid {}{notes}", self.named(), listed(maneuvers))
     }
 }
@@ -377,7 +385,8 @@ impl Document for PlanDocument {
         ("1", "log_det"),
         ("m", "cell_m residual_m end_error_m spread_m clearance_m clearance_quantiles_m"),
         ("m", "margin_m shortfall_m sight_m lookahead_m"),
-        ("1", "objects avoided maneuvers_avoid ignored reasons update scale"),
+        ("1", "objects avoided maneuvers_avoid ignored reasons update scale invalid"),
+        ("as unit says", "offset"),
         ("deg", "longitude_deg latitude_deg heading_deg residual_deg"),
         ("m/s", "modes speed_m_s unknown_current_m_s crawl_m_s"),
         ("m/s^2", "acceleration_m_s2 braking_m_s2 coasting_m_s2"),

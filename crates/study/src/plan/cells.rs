@@ -71,7 +71,7 @@ fn below(folder: &Path) -> Result<Vec<PathBuf>, Error> {
 }
 
 /// How charts are read: what they may take, what they took before, and the folders that were looked into.
-pub(super) struct Reading<'a> {
+pub(super) struct CellReader<'a> {
     pub budget: &'a Budget,
     pub provenance: &'a mut Provenance,
     /// Memory of the charts so far \[bytes\].
@@ -79,7 +79,7 @@ pub(super) struct Reading<'a> {
     pub sets: BTreeMap<PathBuf, ExchangeSet>,
 }
 
-impl Reading<'_> {
+impl CellReader<'_> {
     /// A cell, its updates applied, by the rules of its classes; and what became of its objects.
     ///
     /// # Errors
@@ -219,6 +219,7 @@ pub(super) fn of_objects(
         vertical_datum: None,
         notes: Vec::new(),
         classes: tallies.into_iter().map(|(class, tally)| (class, of(tally))).collect(),
+        depths: None,
     };
     Ok((layer, told))
 }

@@ -1,49 +1,80 @@
 //! The charts that `plan.toml` names, read from their files.
 
 use std::collections::BTreeMap;
+use std::fs::Metadata;
 use std::path::Path;
 
 use artifact::{Budget, Error, PROGRAM_BYTES, Provenance, Work};
 use chart::{
-    Crs, DANGER_M, Grid, GridDeclaration, GridKind, Invalid, Layer, LayerKind, PolygonLayer, Rules,
-    objects_of_geojson,
+    Bounds, DANGER_M, DepthUnit, Layer, LayerKind, Measured, Plane, PolygonLayer, Reading, Rules, UnitFrom,
+    Unread, read_objects,
 };
 
-use super::cells::{PER_BYTE, Reading, bytes, cells_of, of_objects};
+use super::cells::{CellReader, PER_BYTE, bytes, cells_of, of_objects};
+use super::chart_grids::GridFormat;
+use super::chart_text::text;
 use super::exchange_set::existing;
 use super::file::{ChartKind, ChartSpec, PlanFile};
 use crate::documents::PlanChart;
-
-/// Property with the least depth of an area, and with the depth over a danger, in electronic charts (S-57).
-const LEAST: &str = "DRVAL1";
-const OVER: &str = "VALSOU";
 
 /// Charts as they were read.
 pub struct Charts {
     /// What they show.
     pub layers: Vec<Layer>,
-    /// What became of the objects of electronic charts.
-    pub objects: Vec<PlanChart>,
-    /// Memory that it took to read them \[bytes\].
+    /// What became of the objects of electronic charts, and what depths are measured in.
+    pub told: Vec<PlanChart>,
+    /// Memory that it took to read them, their grids aside \[bytes\].
     pub bytes: u64,
+    /// Memory of their grids \[bytes\].
+    grid_bytes: u64,
 }
+
+/// What reading charts may take, and the part of them that is wanted.
+#[derive(Clone, Copy)]
+pub struct Means<'a> {
+    /// The area, on its plane.
+    pub area: (&'a Plane, &'a Bounds),
+    /// The memory.
+    pub budget: &'a Budget,
+    /// Whether there is time left.
+    pub go_on: &'a (dyn Fn() -> bool + Sync),
+}
+
+/// Why charts were not read.
+#[derive(Debug)]
+pub enum ChartsError {
+    /// A file is refused, or cannot be read.
+    Refused(Error),
+    /// There was no time left.
+    OutOfTime,
+}
+
+impl From<Error> for ChartsError {
+    fn from(error: Error) -> Self {
+        Self::Refused(error)
+    }
+}
+
+/// How to ask for less memory.
+const LESS: &str = "raise --memory-mib, or cut the chart to the area";
 
 /// Reads the charts of `config`, whose files are relative to `config_file`, and notes their digests.
 ///
 /// # Errors
-/// No chart at all; files that cannot be read, do not fit in the memory of `budget` or are no charts of what is said of them.
+/// No chart at all; files that cannot be read, do not fit in the memory, or are no charts of what is said of them; the end of
+/// the time.
 pub fn read_charts(
     config_file: &Path,
     config: &PlanFile,
-    budget: &Budget,
+    means: &Means,
     provenance: &mut Provenance,
-) -> Result<Charts, Error> {
+) -> Result<Charts, ChartsError> {
     if config.chart.is_empty() {
         let remedy = "add a [[chart]] with `file` and `kind`";
-        return Err(Error::refuse(config_file, "[[chart]]", "none", "at least one chart", remedy));
+        return Err(Error::refuse(config_file, "[[chart]]", "none", "at least one chart", remedy).into());
     }
     let folder = config_file.parent().unwrap_or(Path::new(""));
-    let mut charts = Charts { layers: Vec::new(), objects: Vec::new(), bytes: 0 };
+    let mut charts = Charts { layers: Vec::new(), told: Vec::new(), bytes: 0, grid_bytes: 0 };
     let mut sets = BTreeMap::new();
     for spec in &config.chart {
         let rules = Rules {
@@ -55,180 +86,105 @@ pub fn read_charts(
         let path = existing(folder.join(&spec.file));
         if let Some(cells) = cells_of(&path)? {
             spec.check_keys(&path, true)?;
-            let mut reading = Reading { budget, provenance, bytes: charts.bytes, sets };
+            let bytes = charts.bytes + charts.grid_bytes;
+            let mut reader = CellReader { budget: means.budget, provenance, bytes, sets };
             for cell in cells {
-                let (layer, told) = reading.cell(&cell, &rules)?;
+                if !(means.go_on)() {
+                    return Err(ChartsError::OutOfTime);
+                }
+                let (layer, told) = reader.cell(&cell, &rules)?;
                 charts.layers.push(Layer::Polygons(layer));
-                charts.objects.push(told);
+                charts.told.push(told);
             }
-            (charts.bytes, sets) = (reading.bytes, reading.sets);
+            (charts.bytes, sets) = (reader.bytes - charts.grid_bytes, reader.sets);
             continue;
         }
-        if GridFormat::of(&path).is_none() {
-            let length = std::fs::metadata(&path).map_or(0, |about| about.len());
-            charts.bytes += PER_BYTE * length;
-            let (found, remedy) =
-                (format!("{length} bytes"), "raise --memory-mib, or cut the chart to the area");
-            let work = Work { file: &path, thing: "file", found: &found, remedy };
-            budget.memory(work, (PROGRAM_BYTES + charts.bytes) as f64)?;
-        }
-        charts.read(&path, spec, &rules, provenance)?;
+        charts.check_file(&path, means)?;
+        charts.read(&path, spec, &rules, means, provenance)?;
     }
     Ok(charts)
 }
 
 impl Charts {
+    /// Refuses pipes and the like, and counts what it takes to read a file of polygons or objects.
+    fn check_file(&mut self, path: &Path, means: &Means) -> Result<(), ChartsError> {
+        if !(means.go_on)() {
+            return Err(ChartsError::OutOfTime);
+        }
+        let about = std::fs::metadata(path);
+        if about.as_ref().is_ok_and(|about| !(about.is_file() || about.is_dir())) {
+            let (found, expected) = ("a pipe or a device", "a file");
+            return Err(Error::refuse(path, "file", found, expected, "copy it into a file").into());
+        }
+        if GridFormat::of(path).is_none() {
+            let length = about.as_ref().map_or(0, Metadata::len);
+            self.bytes += PER_BYTE * length;
+            let found = format!("{length} bytes");
+            let work = Work { file: path, thing: "file", found: &found, remedy: LESS };
+            means.budget.memory(work, self.taken())?;
+        }
+        Ok(())
+    }
+
+    /// Bytes until now, with those of the program.
+    fn taken(&self) -> f64 {
+        (PROGRAM_BYTES + self.bytes + self.grid_bytes) as f64
+    }
+
     fn read(
         &mut self,
         path: &Path,
         spec: &ChartSpec,
         rules: &Rules,
+        means: &Means,
         provenance: &mut Provenance,
-    ) -> Result<(), Error> {
+    ) -> Result<(), ChartsError> {
         spec.check_keys(path, false)?;
+        let area = Some(means.area);
+        let reading = Reading { area, bytes: means.budget.bytes() - self.taken(), go_on: means.go_on };
         if let Some(format) = GridFormat::of(path) {
-            let declared = declared(path, spec)?;
-            let grid = format.read(bytes(path, provenance)?, &declared);
-            self.layers.push(Layer::Grid(grid.map_err(|e| Error::invalid(path, e))?));
+            let grid = format.read(path, &spec.grid(path)?, &reading, provenance)?;
+            let grid = grid.map_err(|e| self.unread(path, e, means))?;
+            self.grid_bytes += grid.bytes();
+            self.told.extend(grid.measured.as_ref().map(|measured| PlanChart::measured(path, measured)));
+            self.layers.push(Layer::Grid(grid));
             return Ok(());
         }
-        let text = String::from_utf8(bytes(path, provenance)?)
-            .map_err(|e| Error::refuse(path, "file", e.to_string(), "text in UTF-8", "export it again"))?;
+        let text = text(bytes(path, provenance)?).map_err(|e| Error::invalid(path, e))?;
         if spec.kind == Some(ChartKind::Objects) {
-            let objects = objects_of_geojson(&text).map_err(|e| Error::invalid(path, e))?;
+            let objects = read_objects(&text, &reading).map_err(|e| self.unread(path, e, means))?;
             let (layer, told) = of_objects(path, &objects, None, rules)?;
             self.layers.push(Layer::Polygons(layer));
-            self.objects.push(told);
+            self.told.push(told);
             return Ok(());
         }
-        self.layers.push(polygons(path, spec, &text)?.map_err(|e| Error::invalid(path, e))?);
-        Ok(())
-    }
-}
-
-impl ChartSpec {
-    /// Refuses keys that say nothing about such a file, be it a cell or another.
-    fn check_keys(&self, path: &Path, is_cell: bool) -> Result<(), Error> {
-        let objects = is_cell || self.kind == Some(ChartKind::Objects);
-        let refuse = |thing: &str, found: &str, expected: &str, remedy: &str| {
-            Err(Error::refuse(path, thing, found, expected, remedy))
+        let kind = spec.layer_kind(path)?;
+        let (unit, unit_from) = match spec.depth_unit {
+            Some(unit) => (unit, UnitFrom::Declared),
+            None => (DepthUnit::Metre, UnitFrom::Assumed),
         };
-        if is_cell && self.kind.is_some_and(|kind| kind != ChartKind::Objects) {
-            let expected = "none, or `objects`: a cell shows objects of many classes";
-            return refuse(
-                "`kind`",
-                "another kind, of a cell",
-                expected,
-                "leave it out, and say in `rules` what differs",
-            );
+        let layer = PolygonLayer::read(&text, (&kind, unit), spec.only.as_ref(), &reading);
+        let layer = layer.map_err(|e| self.unread(path, e, means))?;
+        let radius_m = spec.radius_m.unwrap_or(DANGER_M);
+        let layer = PolygonLayer { open_sea: spec.open_sea, ..layer.with_danger(radius_m) };
+        if matches!(kind, LayerKind::Depth { .. } | LayerKind::Danger { .. }) {
+            self.told.push(PlanChart::measured(path, &Measured::plainly(unit, unit_from)));
         }
-        if objects && (self.least.is_some() || self.only.is_some() || self.crs.is_some()) {
-            let expected = "`rules`, `radius_m`, `doubtful_radius_m` only";
-            return refuse("[[chart]]", "`least`, `only` or `crs`, of objects", expected, "leave them out");
-        }
-        if !objects && (!self.rules.is_empty() || self.doubtful_radius_m.is_some()) {
-            let expected = "a cell (`.000`), or `kind = \"objects\"`";
-            return refuse("[[chart]]", "`rules` or `doubtful_radius_m`", expected, "leave them out");
-        }
-        if self.variable.is_some() && !matches!(GridFormat::of(path), Some(GridFormat::NetCdf)) {
-            return refuse(
-                "`variable`",
-                "one of a file without variables",
-                "a NetCDF file (.nc)",
-                "leave it out",
-            );
-        }
-        if !objects && self.kind.is_none() {
-            let expected = "land, no-go, depth, danger, elevation or objects";
-            return refuse(
-                "`kind`",
-                "none",
-                expected,
-                "say what the file shows; cells (`.000`) need no kind",
-            );
-        }
+        self.layers.push(Layer::Polygons(layer));
         Ok(())
     }
-}
 
-fn polygons(path: &Path, spec: &ChartSpec, text: &str) -> Result<Result<Layer, Invalid>, Error> {
-    let layer = PolygonLayer::from_geojson(text, &kind(path, spec)?, spec.only.as_ref());
-    let radius_m = spec.radius_m.unwrap_or(DANGER_M);
-    let open_sea = spec.open_sea;
-    Ok(layer.map(|layer| Layer::Polygons(PolygonLayer { open_sea, ..layer.with_danger(radius_m) })))
-}
-
-fn kind(path: &Path, spec: &ChartSpec) -> Result<LayerKind, Error> {
-    let wgs84 = |name: &str| ["WGS84", "EPSG:4326"].contains(&name.to_ascii_uppercase().as_str());
-    if let Some(crs) = spec.crs.as_deref().filter(|name| !wgs84(name)) {
-        let remedy = "leave `crs` out, or transform the file with `ogr2ogr -t_srs EPSG:4326`";
-        return Err(Error::refuse(path, "`crs`", crs, "WGS84, as all GeoJSON is (RFC 7946)", remedy));
-    }
-    let named = |usual: &str| spec.least.clone().unwrap_or_else(|| usual.to_owned());
-    match spec.kind {
-        Some(ChartKind::Land) => Ok(LayerKind::Land),
-        Some(ChartKind::NoGo) => Ok(LayerKind::NoGo),
-        Some(ChartKind::Depth) => Ok(LayerKind::Depth { least: named(LEAST) }),
-        Some(ChartKind::Danger) => Ok(LayerKind::Danger { least: named(OVER) }),
-        _ => Err(Error::refuse(
-            path,
-            "`kind`",
-            "elevation, of polygons",
-            "land, no-go, depth, danger or objects",
-            "elevations come as a grid (.asc, .tif, .nc)",
-        )),
-    }
-}
-
-/// How a grid is written.
-#[derive(Clone, Copy)]
-enum GridFormat {
-    Ascii,
-    Tiff,
-    NetCdf,
-}
-
-impl GridFormat {
-    /// By the file's extension; `None` of no grid.
-    fn of(path: &Path) -> Option<Self> {
-        match path.extension()?.to_str()?.to_ascii_lowercase().as_str() {
-            "asc" => Some(Self::Ascii),
-            "tif" | "tiff" => Some(Self::Tiff),
-            "nc" => Some(Self::NetCdf),
-            _ => None,
-        }
-    }
-
-    fn read(self, bytes: Vec<u8>, declared: &GridDeclaration) -> Result<Grid, Invalid> {
-        match self {
-            Self::Ascii => {
-                let text = String::from_utf8(bytes)
-                    .map_err(|e| Invalid::new("file", e.to_string(), "text in UTF-8", "export it again"))?;
-                Grid::from_ascii(&text, declared)
+    /// Why a chart was not read, by its name.
+    fn unread(&self, path: &Path, unread: Unread, means: &Means) -> ChartsError {
+        match unread {
+            Unread::Invalid(invalid) => Error::invalid(path, invalid).into(),
+            Unread::OutOfTime => ChartsError::OutOfTime,
+            Unread::TooLarge { found, bytes } => {
+                let work = Work { file: path, thing: "grid", found: &found, remedy: LESS };
+                let refused = means.budget.memory(work, self.taken() + bytes).err();
+                let invalid = || Error::refuse(path, "grid", found.as_str(), "less of it", LESS);
+                refused.unwrap_or_else(invalid).into()
             }
-            Self::Tiff => Grid::from_tiff(&bytes, declared),
-            Self::NetCdf => Grid::from_netcdf(bytes, declared),
         }
     }
-}
-
-/// What `spec` says of a grid.
-fn declared(path: &Path, spec: &ChartSpec) -> Result<GridDeclaration, Error> {
-    let kind = match spec.kind {
-        Some(ChartKind::Land) => GridKind::LandMask,
-        Some(ChartKind::Depth) => GridKind::Depth,
-        Some(ChartKind::Elevation) => GridKind::Elevation,
-        other => {
-            let found =
-                format!("{}, of a grid", if other == Some(ChartKind::NoGo) { "no-go" } else { "danger" });
-            let expected = "land, depth or elevation";
-            return Err(Error::refuse(path, "`kind`", found, expected, "draw it as a polygon"));
-        }
-    };
-    if let Some(radius_m) = spec.radius_m {
-        let (found, expected) = (format!("{radius_m} m, of a grid"), "none: it is for points and lines");
-        return Err(Error::refuse(path, "`radius_m`", found, expected, "leave it out"));
-    }
-    let crs = spec.crs.as_deref().map(Crs::new).transpose().map_err(|e| Error::invalid(path, e))?;
-    Ok(GridDeclaration { kind, crs, variable: spec.variable.clone(), open_sea: spec.open_sea })
 }

@@ -96,6 +96,9 @@ pub struct ChartSpec {
     pub kind: Option<ChartKind>,
     /// Its coordinates, where the file does not say; GeoJSON is always in WGS84.
     pub crs: Option<String>,
+    /// The unit of its depths, elevations or depths over dangers, where the file does not say: m, dm, cm, mm, km, ft, us-ft or
+    /// fathom; metres without it.
+    pub depth_unit: Option<chart::DepthUnit>,
     /// The variable of a NetCDF file with depths or elevations, where it has several.
     pub variable: Option<String>,
     /// Property with the least depth of an area (`DRVAL1`), or with the depth over a danger (`VALSOU`).

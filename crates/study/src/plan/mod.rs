@@ -2,6 +2,9 @@
 
 mod area;
 mod cells;
+mod chart_grids;
+mod chart_keys;
+mod chart_text;
 mod charts;
 mod check;
 mod document;
@@ -17,7 +20,7 @@ mod task;
 mod tide;
 mod updates;
 
-pub use charts::{Charts, read_charts};
+pub use charts::{Charts, ChartsError, Means, read_charts};
 pub use document::{of_problem, of_voyage};
 pub use file::{
     ApproachSpec, AreaSpec, ChartKind, ChartSpec, KnownCurrent, PlanFile, SensorSpec, SlotSpec, TideSpec,

@@ -63,8 +63,11 @@ impl Prepared {
             lattice: self.demand(actions),
             cells: layers as u128 * around + (masks * raster.nx * raster.ny) as u128,
             clearance_cells: self.clearance_cells()?,
-            // The chart stood in memory as it was read, too.
-            beside: self.read_bytes() + 2 * u128::from(self.chart.bytes()) + self.leg_bytes(),
+            // The chart stood in memory as it was read, too, but for the cells of its grids.
+            beside: self.read_bytes()
+                + 2 * u128::from(self.chart.bytes())
+                + u128::from(self.chart.grid_bytes())
+                + self.leg_bytes(),
             check: self.check_bytes(1, self.least_samples()),
         })
     }

@@ -3,8 +3,10 @@
 use chart::{Bounds, Chart, Class, Layer, Mask, Plane, Polygon, Raster};
 use vessel::{Invalid, Motion, Steady, Vessel};
 
+use super::counts::Wanted;
+use super::error::VoyageError;
 use super::prepared::Prepared;
-use super::task::{Area, Task};
+use super::task::{Area, Brief, Task};
 use crate::{Grid, Mode};
 
 /// Name of the mode of a vessel that is held in place.
@@ -20,7 +22,32 @@ const ON_NODE: f64 = 1e-6;
 const LONGEST_SIDE_M: f64 = 200e3;
 const MOST_ELONGATED: f64 = 20.0;
 
+impl Brief {
+    /// The plane that the trial is on, and the part of it that charts are wanted of.
+    ///
+    /// # Errors
+    /// As [`Prepared::new`], of counts and area.
+    pub fn sight(&self) -> Result<(Plane, Bounds), VoyageError> {
+        let plane = self.task.area.plane()?;
+        let laid = self.task.on_start(&plane, self.task.nodes(&plane)?);
+        Ok((plane, self.task.sight(laid, self.drift_m(&self.wanted()?))?))
+    }
+
+    /// How far unknown currents carry the vessel in the longest piece of a maneuver \[m\].
+    pub(super) fn drift_m(&self, wanted: &[Wanted]) -> f64 {
+        let longest = wanted.iter().map(|own| own.piece.samples).max().unwrap_or(0);
+        self.task.safety.unknown_current_m_s * longest as f64 / self.vessel.sample_rate_hz
+    }
+}
+
 impl Task {
+    /// The part of the plane that charts are wanted of. Maneuvers drift by up to `drift_m`.
+    fn sight(&self, (corner, [nx, ny]): ([f64; 2], [usize; 2]), drift_m: f64) -> Result<Bounds, Invalid> {
+        let far = [corner[0] + nx as f64 * self.cell_m, corner[1] + ny as f64 * self.cell_m];
+        let margin = self.safety.margin_m + drift_m + CHART_BEYOND_CELLS * self.cell_m + CHART_BEYOND_M;
+        Ok(Bounds::new(corner, far)?.grown(margin))
+    }
+
     /// The chart of `layers` around the area, and the lattice over it. Maneuvers drift by up to `drift_m`.
     ///
     /// # Errors
@@ -33,9 +60,7 @@ impl Task {
     ) -> Result<(Chart, Grid), Invalid> {
         let plane = self.area.plane()?;
         let (corner, [nx, ny]) = self.on_start(&plane, self.nodes(&plane)?);
-        let far = [corner[0] + nx as f64 * self.cell_m, corner[1] + ny as f64 * self.cell_m];
-        let margin = self.safety.margin_m + drift_m + CHART_BEYOND_CELLS * self.cell_m + CHART_BEYOND_M;
-        let bounds = Bounds::new(corner, far)?.grown(margin);
+        let bounds = self.sight((corner, [nx, ny]), drift_m)?;
         let chart = Chart::new(plane, bounds, layers, self.uncharted)?;
         self.area.check_shown(layers, &chart)?;
         let modes = self.modes_of(vessel);

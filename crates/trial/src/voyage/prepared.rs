@@ -52,9 +52,7 @@ impl Prepared {
         let Brief { vessel, task, .. } = &brief;
         let wanted = brief.wanted()?;
         let pieces: Vec<Piece> = wanted.iter().map(|w| w.piece.clone()).collect();
-        let longest = pieces.iter().map(|piece| piece.samples).max().unwrap_or(0);
-        let drift_m = task.safety.unknown_current_m_s * longest as f64 / vessel.sample_rate_hz;
-        let (chart, grid) = task.ground(vessel, &layers, drift_m)?;
+        let (chart, grid) = task.ground(vessel, &layers, brief.drift_m(&wanted))?;
         drop(layers);
         let information = pieces.iter().map(|piece| MomentSums::of_piece(vessel, piece)).collect();
         let (mirror, others) = (mirror(vessel), brief.rehearsers());

@@ -1,0 +1,175 @@
+//! Units of depths and heights, as files and people write them.
+
+use serde::Deserialize;
+
+use crate::Invalid;
+
+/// A unit of depths and heights.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+pub enum DepthUnit {
+    /// Metres.
+    #[serde(rename = "m")]
+    Metre,
+    /// Tenths of a metre.
+    #[serde(rename = "dm")]
+    Decimetre,
+    /// Hundredths of a metre.
+    #[serde(rename = "cm")]
+    Centimetre,
+    /// Thousandths of a metre.
+    #[serde(rename = "mm")]
+    Millimetre,
+    /// Thousands of metres.
+    #[serde(rename = "km")]
+    Kilometre,
+    /// International feet of 0.3048 m.
+    #[serde(rename = "ft")]
+    Foot,
+    /// Feet of the surveys of the United States, 1200/3937 m.
+    #[serde(rename = "us-ft")]
+    SurveyFoot,
+    /// Fathoms of six international feet.
+    #[serde(rename = "fathom")]
+    Fathom,
+}
+
+/// A unit: its name in `plan.toml`, its metres, its code in the EPSG's table (0 for none that is known), and how files write it
+/// besides, in small letters without spaces.
+type About = (DepthUnit, &'static str, f64, u16, &'static [&'static str]);
+
+const ALL: [About; 8] = [
+    (DepthUnit::Metre, "m", 1.0, 9001, &["metre", "metres", "meter", "meters"]),
+    (DepthUnit::Decimetre, "dm", 0.1, 0, &["decimetre", "decimetres", "decimeter", "decimeters"]),
+    (DepthUnit::Centimetre, "cm", 0.01, 1033, &["centimetre", "centimetres", "centimeter", "centimeters"]),
+    (DepthUnit::Millimetre, "mm", 0.001, 1025, &["millimetre", "millimetres", "millimeter", "millimeters"]),
+    (DepthUnit::Kilometre, "km", 1000.0, 9036, &["kilometre", "kilometres", "kilometer", "kilometers"]),
+    (DepthUnit::Foot, "ft", 0.3048, 9002, &["foot", "feet", "internationalfoot", "internationalfeet"]),
+    (
+        DepthUnit::SurveyFoot,
+        "us-ft",
+        1200.0 / 3937.0,
+        9003,
+        &[
+            "ussurveyfoot",
+            "ussurveyfeet",
+            "surveyfoot",
+            "surveyfeet",
+            "usft",
+            "usfoot",
+            "usfeet",
+            "ftus",
+            "footus",
+        ],
+    ),
+    (DepthUnit::Fathom, "fathom", 1.8288, 9014, &["fathoms", "fath", "fth", "ftm"]),
+];
+
+/// Where a unit comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum UnitFrom {
+    /// The file says so.
+    File,
+    /// `depth_unit` says so.
+    Declared,
+    /// Nobody says so: metres.
+    Assumed,
+}
+
+impl DepthUnit {
+    fn about(self) -> &'static About {
+        &ALL[self as usize]
+    }
+
+    /// As in `plan.toml`.
+    pub fn name(self) -> &'static str {
+        self.about().1
+    }
+
+    /// Its length \[m\].
+    pub fn metres(self) -> f64 {
+        self.about().2
+    }
+
+    /// The unit that a file calls `text`, whatever its case and number.
+    pub fn of_text(text: &str) -> Option<Self> {
+        let parts = text.trim().split([' ', '_', '-', '.']);
+        let word = parts.collect::<String>().to_ascii_lowercase();
+        let is_it = |own: &&About| own.1.replace('-', "") == word || own.4.contains(&word.as_str());
+        ALL.iter().find(is_it).map(|own| own.0)
+    }
+
+    /// The unit of a code of the EPSG's table.
+    pub(crate) fn of_epsg(code: u16) -> Option<Self> {
+        ALL.iter().find(|own| code > 0 && own.3 == code).map(|own| own.0)
+    }
+
+    /// The unit that a file calls `text`, where it says anything. `thing` is what says so.
+    pub(crate) fn stated(thing: &str, text: Option<&str>) -> Result<Option<Self>, Invalid> {
+        let Some(text) = text.map(str::trim).filter(|text| !text.is_empty()) else { return Ok(None) };
+        Self::of_text(text).map(Some).ok_or_else(|| unknown(thing, text))
+    }
+
+    /// The unit of a chart, and where it comes from: what the file and `depth_unit` say has to agree.
+    pub(crate) fn agreed(stated: Option<Self>, declared: Option<Self>) -> Result<(Self, UnitFrom), Invalid> {
+        match (stated, declared) {
+            (Some(stated), Some(declared)) if stated != declared => Err(Invalid::new(
+                "`depth_unit`",
+                format!("`{}`", declared.name()),
+                format!("`{}`, as the file says", stated.name()),
+                "leave `depth_unit` out, or correct what the file says of its unit",
+            )),
+            (Some(stated), _) => Ok((stated, UnitFrom::File)),
+            (None, Some(declared)) => Ok((declared, UnitFrom::Declared)),
+            (None, None) => Ok((Self::Metre, UnitFrom::Assumed)),
+        }
+    }
+}
+
+/// A unit of a file that is not known.
+pub(crate) fn unknown(thing: &str, text: &str) -> Invalid {
+    let names: Vec<&str> = ALL.iter().map(|own| own.1).collect();
+    Invalid::new(
+        thing,
+        format!("`{}`", refusal::foreign(text)),
+        format!("a unit of depths: {}", names.join(", ")),
+        "convert the depths to metres, or correct the unit in the file",
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn units_are_known_by_all_their_names() {
+        for (text, unit) in [
+            ("m", DepthUnit::Metre),
+            (" Meters ", DepthUnit::Metre),
+            ("METRE", DepthUnit::Metre),
+            ("dm", DepthUnit::Decimetre),
+            ("Centimeters", DepthUnit::Centimetre),
+            ("FEET", DepthUnit::Foot),
+            ("US survey foot", DepthUnit::SurveyFoot),
+            ("US_survey_feet", DepthUnit::SurveyFoot),
+            ("us-ft", DepthUnit::SurveyFoot),
+            ("Fathoms", DepthUnit::Fathom),
+        ] {
+            assert_eq!(DepthUnit::of_text(text), Some(unit), "{text}");
+        }
+        for text in ["", "m/s", "m2", "m-1", "1", "degrees", "yards", "m s"] {
+            assert_eq!(DepthUnit::of_text(text), None, "{text}");
+        }
+        for own in ALL {
+            assert_eq!((own.0.name(), DepthUnit::of_text(own.1)), (own.1, Some(own.0)));
+        }
+    }
+
+    #[test]
+    fn what_file_and_plan_say_has_to_agree() {
+        let (ft, m) = (Some(DepthUnit::Foot), Some(DepthUnit::Metre));
+        assert_eq!(DepthUnit::agreed(ft, ft), Ok((DepthUnit::Foot, UnitFrom::File)));
+        assert_eq!(DepthUnit::agreed(None, ft), Ok((DepthUnit::Foot, UnitFrom::Declared)));
+        assert_eq!(DepthUnit::agreed(None, None), Ok((DepthUnit::Metre, UnitFrom::Assumed)));
+        assert!(DepthUnit::agreed(ft, m).unwrap_err().to_string().contains("`ft`, as the file says"));
+    }
+}

@@ -1,0 +1,20 @@
+//! The system that a GeoJSON file names: RFC 7946 has none but WGS84, and older files name others that are as good.
+
+use geojson::{JsonObject, JsonValue};
+
+use crate::polygons::mixed;
+use crate::{Crs, Invalid};
+
+/// Refuses a member `crs` of coordinates that are no longitudes and latitudes within a metre or two of those of WGS84.
+pub(crate) fn check_member(members: Option<&JsonObject>) -> Result<(), Invalid> {
+    let Some(crs) = members.and_then(|m| m.get("crs")).filter(|c| !c.is_null()) else { return Ok(()) };
+    let name = crs.pointer("/properties/name").and_then(JsonValue::as_str).map(str::to_owned);
+    // The form of the draft of 2008: a code of the EPSG's table.
+    let code =
+        || crs.pointer("/properties/code").map(|code| format!("EPSG:{}", code.to_string().replace('"', "")));
+    let is_near = |name: String| Crs::new(&name).is_ok_and(|crs| crs.is_near_wgs84());
+    if name.or_else(code).is_some_and(is_near) {
+        return Ok(());
+    }
+    Err(mixed("`crs` member", format!("`{}`", refusal::foreign(&crs.to_string()))))
+}

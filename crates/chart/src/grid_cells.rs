@@ -1,0 +1,258 @@
+//! Cells of a grid as they are read, and whether they are depths at all.
+
+use std::ops::Range;
+use std::sync::Arc;
+
+use crate::grid::FARTHEST;
+use crate::grid_header::{Header, check_degrees};
+use crate::grid_packing::{Measured, Number, Packing};
+use crate::placed_grid::window;
+use crate::{Crs, Grid, GridDeclaration, GridKind, Invalid, Reading, Unread};
+
+/// Stands for land and for water of unknown depth in cells of a mask.
+pub(crate) const LAND: f32 = 1.0;
+/// Bytes of a cell.
+const CELL_BYTES: f64 = 4.0;
+
+/// Columns from the west and rows from the south.
+pub(crate) type Block = [Range<usize>; 2];
+
+/// Which way the rows of a file run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Rows {
+    FromNorth,
+    FromSouth,
+}
+
+/// The cells of a grid that were read until now.
+pub(crate) struct Cells<'a> {
+    header: Header,
+    crs: Crs,
+    declared: &'a GridDeclaration,
+    packing: Packing,
+    measured: Measured,
+    reading: &'a Reading<'a>,
+    /// What is kept of the grid.
+    window: Block,
+    kept: Vec<f32>,
+    known: u64,
+    missing: u64,
+    /// Least and greatest value, in metres.
+    range: [f64; 2],
+    /// The first value that no sea has, and how many there are.
+    far: Option<f64>,
+    many_far: u64,
+    /// The first value of a mask that is neither land nor water.
+    odd: Option<f64>,
+}
+
+impl<'a> Cells<'a> {
+    /// None yet; refuses what cannot be kept.
+    pub fn new(
+        header: Header,
+        crs: Crs,
+        packing: Packing,
+        declared: &'a GridDeclaration,
+        reading: &'a Reading<'a>,
+    ) -> Result<Self, Unread> {
+        check_degrees(&header, &crs)?;
+        let measured = packing.measured(declared)?;
+        let window = match reading.area {
+            Some((plane, area)) => window(&header, &crs, plane, area)?.unwrap_or([0..0, 0..0]),
+            None => [0..header.columns, 0..header.rows],
+        };
+        let kept = nothing([0, 1].map(|k: usize| window[k].len()), reading)?;
+        let range = [f64::INFINITY, f64::NEG_INFINITY];
+        Ok(Self {
+            header,
+            crs,
+            declared,
+            packing,
+            measured,
+            reading,
+            window,
+            kept,
+            known: 0,
+            missing: 0,
+            range,
+            far: None,
+            many_far: 0,
+            odd: None,
+        })
+    }
+
+    /// What is kept.
+    pub fn window(&self) -> &Block {
+        &self.window
+    }
+
+    /// Refuses to read `bytes` of a file at once that there is no room for beside the cells.
+    pub fn check_room(&self, bytes: f64) -> Result<(), Unread> {
+        let cells = CELL_BYTES * self.kept.len() as f64;
+        self.reading.check_memory(cells + bytes, || {
+            format!("{} cells around the area, in blocks of {bytes} bytes", self.kept.len())
+        })
+    }
+
+    /// Reads blocks of the file: all that the window meets, and others until it is known that these are depths.
+    pub fn read<N: Iterator<Item = f64>>(
+        mut self,
+        blocks: impl Iterator<Item = Block> + Clone,
+        rows: Rows,
+        mut numbers: impl FnMut(&Block) -> Result<N, Unread>,
+    ) -> Result<Grid, Unread> {
+        let window = self.window.clone();
+        let is_within = move |block: &Block| (0..2).all(|k| meet(&block[k], &window[k]));
+        let is_beyond = |block: &Block| !is_within(block);
+        for block in blocks.clone().filter(&is_within) {
+            self.reading.check_time()?;
+            self.take(&block, rows, numbers(&block)?);
+        }
+        for block in blocks.filter(is_beyond) {
+            if self.is_plain() {
+                break;
+            }
+            self.reading.check_time()?;
+            self.take(&block, rows, numbers(&block)?);
+        }
+        Ok(self.finish()?)
+    }
+
+    /// The numbers of a block, row by row as the file has them.
+    pub fn take(&mut self, [columns, rows]: &Block, order: Rows, mut numbers: impl Iterator<Item = f64>) {
+        let metres = self.measured.unit.metres();
+        for k in 0..rows.len() {
+            let row = if order == Rows::FromNorth { rows.end - 1 - k } else { rows.start + k };
+            let kept =
+                self.window[1].contains(&row).then(|| (row - self.window[1].start) * self.window[0].len());
+            for column in columns.clone() {
+                let Some(raw) = numbers.next() else { return };
+                let cell = self.cell(self.packing.number(raw, metres));
+                if let Some(start) = kept.filter(|_| self.window[0].contains(&column)) {
+                    self.kept[start + column - self.window[0].start] = cell;
+                }
+            }
+        }
+    }
+
+    /// What is kept of a number.
+    fn cell(&mut self, number: Number) -> f32 {
+        let value = match number {
+            Number::Value(value) => value,
+            Number::Missing | Number::Invalid => {
+                self.measured.invalid += u64::from(number == Number::Invalid);
+                self.missing += 1;
+                return f32::NAN;
+            }
+        };
+        self.known += 1;
+        self.range = [self.range[0].min(value), self.range[1].max(value)];
+        match self.declared.kind {
+            GridKind::LandMask => {
+                if value != 0.0 && value != f64::from(LAND) {
+                    self.odd.get_or_insert(value);
+                }
+                return value as f32;
+            }
+            _ if value.abs() > FARTHEST => {
+                self.far.get_or_insert(value);
+                self.many_far += 1;
+            }
+            _ => {}
+        }
+        if self.declared.kind == GridKind::Elevation { -value as f32 } else { value as f32 }
+    }
+
+    /// Whether nothing more has to be read to tell depths from heights.
+    fn is_plain(&self) -> bool {
+        let [low, high] = self.range;
+        let gap = self.missing > 0 || self.declared.open_sea;
+        match self.declared.kind {
+            GridKind::LandMask => self.known > 0,
+            GridKind::Depth => high > 0.0 && (low <= 0.0 || gap),
+            GridKind::Elevation => low < 0.0 && (high >= 0.0 || gap),
+        }
+    }
+
+    /// The grid.
+    pub fn finish(self) -> Result<Grid, Invalid> {
+        self.check()?;
+        let has_depth = self.declared.kind != GridKind::LandMask;
+        Ok(Grid {
+            crs: self.crs,
+            has_depth,
+            corner: self.header.corner,
+            cell: self.header.cell,
+            columns: self.header.columns,
+            rows: self.header.rows,
+            window: self.window,
+            cells: Arc::from(self.kept),
+            measured: has_depth.then_some(self.measured),
+        })
+    }
+
+    fn check(&self) -> Result<(), Invalid> {
+        let [low, high] = self.range;
+        let found = format!("{low}..{high}");
+        if self.known == 0 {
+            return Err(Invalid::new("grid", "no cell with data", "cells with data", "export another area"));
+        }
+        if let Some(value) = self.odd {
+            return Err(Invalid::new(
+                "grid",
+                format!("{value} among {found}"),
+                "0 and 1 only in a land mask",
+                "declare it as `depth` or `elevation`",
+            ));
+        }
+        if let Some(value) = self.far {
+            return Err(Invalid::new(
+                "grid",
+                format!("{value} in {} of {} cells", self.many_far, self.known + self.missing),
+                format!("depths and heights of at most {FARTHEST} m"),
+                "write cells without data as the NODATA_value, for instance with `gdal_translate -a_nodata -9999`",
+            ));
+        }
+        self.check_sign(&found)
+    }
+
+    fn check_sign(&self, found: &str) -> Result<(), Invalid> {
+        let [low, high] = self.range;
+        let (all_land, all_deep) = match self.declared.kind {
+            GridKind::LandMask => return Ok(()),
+            GridKind::Depth => (high <= 0.0, low > 0.0),
+            GridKind::Elevation => (low >= 0.0, high < 0.0),
+        };
+        let (name, other) = match self.declared.kind {
+            GridKind::Depth => ("depth", "elevation"),
+            _ => ("elevation", "depth"),
+        };
+        if all_land {
+            let found = format!("{found}, all land as `{name}`");
+            return Err(Invalid::new("grid", found, "some water", format!("declare it as `{other}`")));
+        }
+        if all_deep && self.missing == 0 && !self.declared.open_sea {
+            let found = format!("{found}, all deep as `{name}`");
+            let remedy = format!("declare it as `{other}`, or as open sea if it is");
+            return Err(Invalid::new("grid", found, "some land, drying or missing cells", remedy));
+        }
+        Ok(())
+    }
+}
+
+/// As many cells without data, if they fit in the memory.
+fn nothing([columns, rows]: [usize; 2], reading: &Reading) -> Result<Vec<f32>, Unread> {
+    let (found, bytes) =
+        (format!("{columns} × {rows} cells around the area"), CELL_BYTES * columns as f64 * rows as f64);
+    let mut cells = Vec::new();
+    let fits = bytes <= reading.bytes && cells.try_reserve_exact(columns.saturating_mul(rows)).is_ok();
+    if !fits {
+        return Err(Unread::TooLarge { found, bytes });
+    }
+    cells.resize(columns * rows, f32::NAN);
+    Ok(cells)
+}
+
+fn meet(a: &Range<usize>, b: &Range<usize>) -> bool {
+    a.start < b.end && b.start < a.end
+}

@@ -1,0 +1,101 @@
+//! From the numbers of a grid's file to metres.
+
+use crate::depth_unit::{DepthUnit, UnitFrom};
+use crate::{GridDeclaration, GridKind, Invalid};
+
+/// What the depths or heights of a chart are measured in, and from.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Measured {
+    /// The unit of what scale and offset make of the file's numbers.
+    pub unit: DepthUnit,
+    /// Where that comes from.
+    pub unit_from: UnitFrom,
+    /// The file's numbers are multiplied by this.
+    pub scale: f64,
+    /// This is added then.
+    pub offset: f64,
+    /// The vertical datum, where the file states one.
+    pub datum: Option<String>,
+    /// Cells outside of the range that the file calls valid, of those that were read: without data.
+    pub invalid: u64,
+}
+
+impl Measured {
+    /// Numbers as they stand in a file that says nothing of them.
+    pub fn plainly(unit: DepthUnit, unit_from: UnitFrom) -> Self {
+        Self { unit, unit_from, scale: 1.0, offset: 0.0, datum: None, invalid: 0 }
+    }
+}
+
+/// What a file says of its numbers.
+#[derive(Clone, Debug)]
+pub(crate) struct Packing {
+    pub scale: f64,
+    pub offset: f64,
+    pub unit: Option<DepthUnit>,
+    pub datum: Option<String>,
+    /// Numbers of the file that stand for no data.
+    pub missing: Vec<f64>,
+    /// Numbers of the file below or above these do so, too.
+    pub valid: [f64; 2],
+}
+
+impl Default for Packing {
+    fn default() -> Self {
+        let valid = [f64::NEG_INFINITY, f64::INFINITY];
+        Self { scale: 1.0, offset: 0.0, unit: None, datum: None, missing: Vec::new(), valid }
+    }
+}
+
+/// A number of a file.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Number {
+    /// Without data.
+    Missing,
+    /// Outside of what is valid.
+    Invalid,
+    /// In metres; of a mask as it is.
+    Value(f64),
+}
+
+impl Packing {
+    /// What the numbers are measured in, as the file and its declaration say; a land mask has no unit.
+    pub fn measured(&self, declared: &GridDeclaration) -> Result<Measured, Invalid> {
+        if !(self.scale.is_finite() && self.scale != 0.0 && self.offset.is_finite()) {
+            let found = format!("{} and {}", self.scale, self.offset);
+            let expected = "finite numbers, the scale not 0";
+            return Err(Invalid::new("scale and offset", found, expected, "correct them in the file"));
+        }
+        let (unit, unit_from) = match declared.kind {
+            GridKind::LandMask => (DepthUnit::Metre, UnitFrom::File),
+            GridKind::Depth | GridKind::Elevation => {
+                let crs = declared.crs.as_ref().and_then(|crs| crs.vertical_unit());
+                let stated = match (self.unit, crs) {
+                    (Some(own), Some(crs)) if own != crs => {
+                        return Err(Invalid::new(
+                            "`crs`",
+                            format!("heights in `{}`", crs.name()),
+                            format!("`{}`, as the file says", own.name()),
+                            "name the horizontal system alone, or correct the file",
+                        ));
+                    }
+                    (own, crs) => own.or(crs),
+                };
+                DepthUnit::agreed(stated, declared.unit)?
+            }
+        };
+        let (scale, offset, datum) = (self.scale, self.offset, self.datum.clone());
+        Ok(Measured { unit, unit_from, scale, offset, datum, invalid: 0 })
+    }
+
+    /// A number of the file, in units of `metres`.
+    pub fn number(&self, raw: f64, metres: f64) -> Number {
+        if raw.is_nan() || self.missing.contains(&raw) {
+            Number::Missing
+        } else if raw < self.valid[0] || raw > self.valid[1] {
+            Number::Invalid
+        } else {
+            Number::Value((raw * self.scale + self.offset) * metres)
+        }
+    }
+}

@@ -1,0 +1,127 @@
+//! The keys of a GeoTIFF: its systems, horizontal and vertical.
+
+use std::io::{Read, Seek};
+
+use tiff::decoder::Decoder;
+use tiff::tags::Tag;
+
+use crate::depth_unit::{DepthUnit, unknown};
+use crate::grid_tiff::refuse;
+use crate::{Crs, Invalid};
+
+/// How a value relates to its pixel, the geographic and the projected system.
+const RASTER_TYPE: u16 = 1025;
+const GEOGRAPHIC: u16 = 2048;
+const PROJECTED: u16 = 3072;
+/// The vertical system, what it is called, its datum and its unit.
+const VERTICAL: u16 = 4096;
+const VERTICAL_CITATION: u16 = 4097;
+const VERTICAL_DATUM: u16 = 4098;
+const VERTICAL_UNIT: u16 = 4099;
+/// A value of `RASTER_TYPE`: it holds at the pixel's middle, which the coordinates are of.
+const PIXEL_IS_POINT: u16 = 2;
+/// A code of a system that has none.
+const USER_DEFINED: u16 = 32767;
+
+/// Vertical systems of the EPSG's table in international feet, and in feet of the surveys of the United States.
+const IN_FEET: [u16; 7] = [5614, 6130, 6131, 6132, 8050, 8051, 8228];
+const IN_SURVEY_FEET: [u16; 6] = [5702, 6358, 6359, 6360, 8052, 8053];
+
+/// The GeoKey directory: a header, then key, place, count and value; and the texts that it refers to.
+pub(crate) struct Keys {
+    directory: Vec<u16>,
+    texts: String,
+}
+
+impl Keys {
+    pub fn read<R: Read + Seek>(decoder: &mut Decoder<R>) -> Result<Self, Invalid> {
+        let directory = decoder.find_tag_unsigned_vec(Tag::GeoKeyDirectoryTag).map_err(refuse)?;
+        let texts = decoder.find_tag(Tag::GeoAsciiParamsTag).map_err(refuse)?;
+        let texts = texts.and_then(|texts| texts.into_string().ok()).unwrap_or_default();
+        Ok(Self { directory: directory.unwrap_or_default(), texts })
+    }
+
+    /// Place, count and value of a key.
+    fn entry(&self, key: u16) -> Option<[u16; 3]> {
+        let entries = self.directory.get(4..)?.chunks_exact(4);
+        entries.filter(|entry| entry[0] == key).map(|entry| [entry[1], entry[2], entry[3]]).next()
+    }
+
+    /// The value of a key that stands in the directory itself.
+    fn value(&self, key: u16) -> Option<u16> {
+        self.entry(key).filter(|[place, ..]| *place == 0).map(|[_, _, value]| value)
+    }
+
+    /// The code of a key, where it is one.
+    fn code(&self, key: u16) -> Option<u16> {
+        self.value(key).filter(|code| *code != 0 && *code != USER_DEFINED)
+    }
+
+    /// The text of a key.
+    fn text(&self, key: u16) -> Option<String> {
+        let [place, count, start] = self.entry(key)?;
+        let range = usize::from(start)..usize::from(start) + usize::from(count);
+        let text = self.texts.get(range).filter(|_| place == 34737)?.trim_matches(['|', '\0', ' ']);
+        (!text.is_empty()).then(|| refusal::foreign(text))
+    }
+
+    /// Whether coordinates are those of the middles of cells.
+    pub fn is_point(&self) -> bool {
+        self.value(RASTER_TYPE) == Some(PIXEL_IS_POINT)
+    }
+
+    /// The vertical datum, by the name and the code of its system.
+    pub fn datum(&self) -> Option<String> {
+        let code = self.code(VERTICAL).map(|code| format!("EPSG:{code}"));
+        let code = code.or_else(|| self.code(VERTICAL_DATUM).map(|code| format!("datum EPSG:{code}")));
+        match (self.text(VERTICAL_CITATION), code) {
+            (Some(name), Some(code)) => Some(format!("{name} ({code})")),
+            (name, code) => name.or(code),
+        }
+    }
+
+    /// The unit of heights that the vertical system has.
+    pub fn unit(&self) -> Result<Option<DepthUnit>, Invalid> {
+        let own = match self.value(VERTICAL_UNIT).filter(|code| *code != 0) {
+            None => None,
+            Some(code) => match DepthUnit::of_epsg(code) {
+                None => return Err(unknown("VerticalUnitsGeoKey", &code.to_string())),
+                unit => unit,
+            },
+        };
+        let of_system = match self.code(VERTICAL) {
+            Some(code) if IN_FEET.contains(&code) => Some(DepthUnit::Foot),
+            Some(code) if IN_SURVEY_FEET.contains(&code) => Some(DepthUnit::SurveyFoot),
+            _ => None,
+        };
+        match (own, of_system) {
+            (Some(own), Some(system)) if own != system => Err(Invalid::new(
+                "VerticalUnitsGeoKey",
+                format!("`{}`", own.name()),
+                format!("`{}`, the unit of the vertical system", system.name()),
+                "correct one of them in the file",
+            )),
+            _ => Ok(own.or(of_system)),
+        }
+    }
+
+    /// The system that is told, or declared.
+    pub fn crs(&self, declared: Option<&Crs>) -> Result<Crs, Invalid> {
+        let told = [PROJECTED, GEOGRAPHIC].into_iter().find_map(|key| self.code(key));
+        match (told, declared) {
+            (None, None) => Err(Crs::undeclared()),
+            (None, Some(declared)) => Ok(declared.clone()),
+            (Some(code), None) => Crs::new(&format!("EPSG:{code}")),
+            (Some(code), Some(declared)) => {
+                let (code, name) = (format!("EPSG:{code}"), declared.name());
+                let near =
+                    || Crs::new(&code).is_ok_and(|told| told.is_near_wgs84()) && declared.is_near_wgs84();
+                if name.eq_ignore_ascii_case(&code) || name.starts_with('+') || near() {
+                    return Ok(declared.clone());
+                }
+                let expected = format!("{code}, as the file says");
+                Err(Invalid::new("`crs`", name, expected, "leave `crs` out, or mend the file"))
+            }
+        }
+    }
+}

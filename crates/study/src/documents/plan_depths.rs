@@ -1,0 +1,88 @@
+//! What the depths of a chart were measured in.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use chart::{Measured, UnitFrom};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::plan::PlanChart;
+
+/// What the depths, or heights, of a chart are measured in, and from.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct PlanDepths {
+    /// Their unit, as in `plan.toml`: m, dm, cm, mm, km, ft, us-ft or fathom.
+    pub unit: String,
+    /// Where that comes from.
+    pub unit_from: PlanUnitFrom,
+    /// The file's numbers were multiplied by this.
+    pub scale: f64,
+    /// This was added then, in the unit.
+    pub offset: f64,
+    /// The vertical datum; absent where the file does not state one.
+    pub datum: Option<String>,
+    /// Cells that count as without data, since they are outside of the range that the file calls valid; of those that were read.
+    pub invalid: u64,
+}
+
+vessel::choices! {
+    /// Where the unit of a chart comes from.
+    pub enum PlanUnitFrom {
+        /// The file states it.
+        File = "file",
+        /// `depth_unit` in plan.toml states it.
+        PlanToml = "plan.toml",
+        /// Nobody states it.
+        Assumed = "assumed",
+    }
+}
+
+impl PlanDepths {
+    /// In words: `ft (file), datum not stated`.
+    pub fn told(&self) -> String {
+        let from = match self.unit_from {
+            PlanUnitFrom::File => "as the file says",
+            PlanUnitFrom::PlanToml => "as plan.toml says",
+            PlanUnitFrom::Assumed => "assumed, for neither the file nor plan.toml says",
+        };
+        let mut told = format!("depths in {} ({from})", self.unit);
+        if self.scale != 1.0 || self.offset != 0.0 {
+            told += &format!(" after scale {} and offset {}", self.scale, self.offset);
+        }
+        told += &format!(", datum {}", self.datum.as_deref().unwrap_or("not stated"));
+        if self.invalid > 0 {
+            told += &format!(", {} cells outside of the valid range without data", self.invalid);
+        }
+        told
+    }
+}
+
+impl PlanChart {
+    /// A chart that has depths and no objects.
+    pub(crate) fn measured(path: &Path, measured: &Measured) -> Self {
+        let unit_from = match measured.unit_from {
+            UnitFrom::File => PlanUnitFrom::File,
+            UnitFrom::Declared => PlanUnitFrom::PlanToml,
+            UnitFrom::Assumed => PlanUnitFrom::Assumed,
+        };
+        let depths = PlanDepths {
+            unit: measured.unit.name().to_owned(),
+            unit_from,
+            scale: measured.scale,
+            offset: measured.offset,
+            datum: measured.datum.clone(),
+            invalid: measured.invalid,
+        };
+        Self {
+            file: path.file_name().map_or(String::new(), |name| name.to_string_lossy().into_owned()),
+            edition: None,
+            update: None,
+            issued: None,
+            scale: None,
+            classes: BTreeMap::new(),
+            depths: Some(depths),
+        }
+    }
+}

@@ -1,0 +1,65 @@
+//! Charts that are grids, of which the part around the area is read.
+
+use std::fs::File;
+use std::io::{BufReader, Seek};
+use std::path::Path;
+
+use artifact::{Digesting, Error, Provenance};
+use chart::{Grid, GridDeclaration, Reading, Unread};
+
+use super::cells::bytes;
+use super::chart_text::text;
+
+/// How a grid is written.
+#[derive(Clone, Copy)]
+pub(super) enum GridFormat {
+    Ascii,
+    Tiff,
+    NetCdf,
+}
+
+impl GridFormat {
+    /// By the file's extension; `None` of no grid.
+    pub fn of(path: &Path) -> Option<Self> {
+        match path.extension()?.to_str()?.to_ascii_lowercase().as_str() {
+            "asc" => Some(Self::Ascii),
+            "tif" | "tiff" => Some(Self::Tiff),
+            "nc" => Some(Self::NetCdf),
+            _ => None,
+        }
+    }
+
+    /// Reads a grid, and notes the digest of its file.
+    pub fn read(
+        self,
+        path: &Path,
+        declared: &GridDeclaration,
+        reading: &Reading,
+        provenance: &mut Provenance,
+    ) -> Result<Result<Grid, Unread>, Error> {
+        Ok(match self {
+            Self::Ascii => {
+                let length = std::fs::metadata(path).map_or(0, |about| about.len()) as f64;
+                if length > reading.bytes {
+                    let found = format!("{length} bytes of text");
+                    return Ok(Err(Unread::TooLarge { found, bytes: length }));
+                }
+                let text = text(bytes(path, provenance)?).map_err(|e| Error::invalid(path, e))?;
+                Grid::from_ascii(&text, declared, &Reading { bytes: reading.bytes - length, ..*reading })
+            }
+            Self::Tiff => Grid::from_tiff(BufReader::new(open(path, provenance)?), declared, reading),
+            Self::NetCdf => Grid::from_netcdf(open(path, provenance)?, declared, reading),
+        })
+    }
+}
+
+/// The file of a chart, whose digest is noted.
+fn open(path: &Path, provenance: &mut Provenance) -> Result<File, Error> {
+    let failed = |e| Error::io(path, "read", e);
+    let mut file = File::open(path).map_err(failed)?;
+    let digest = Digesting::new(&file).digest().map_err(failed)?;
+    file.rewind().map_err(failed)?;
+    let name = path.file_name().map_or(String::new(), |n| n.to_string_lossy().into_owned());
+    provenance.inputs.insert(format!("chart:{name}"), digest);
+    Ok(file)
+}

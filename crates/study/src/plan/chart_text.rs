@@ -1,0 +1,68 @@
+//! Charts that are text, in whichever encoding they come.
+
+use chart::Invalid;
+
+/// Marks at the beginning of a text: of UTF-32 before UTF-16, whose mark begins alike.
+const UTF_32: [&[u8]; 2] = [&[0xff, 0xfe, 0, 0], &[0, 0, 0xfe, 0xff]];
+
+/// The text of a file: in UTF-8, with or without a byte order mark, or in UTF-16 with one.
+///
+/// # Errors
+/// Bytes that are no text of these; names UTF-16 without a mark, and UTF-32.
+pub(super) fn text(bytes: Vec<u8>) -> Result<String, Invalid> {
+    if UTF_32.iter().any(|mark| bytes.starts_with(mark)) {
+        return Err(refuse("text in UTF-32".to_owned()));
+    }
+    match bytes.get(..2) {
+        Some([0xff, 0xfe]) => wide(&bytes[2..], u16::from_le_bytes),
+        Some([0xfe, 0xff]) => wide(&bytes[2..], u16::from_be_bytes),
+        _ => narrow(bytes),
+    }
+}
+
+fn narrow(mut bytes: Vec<u8>) -> Result<String, Invalid> {
+    if bytes.starts_with(&[0xef, 0xbb, 0xbf]) {
+        bytes.drain(..3);
+    }
+    let zeros = bytes.iter().take(64).filter(|byte| **byte == 0).count();
+    if zeros > 16 {
+        return Err(refuse("text in UTF-16 without a byte order mark".to_owned()));
+    }
+    String::from_utf8(bytes).map_err(|e| refuse(e.to_string()))
+}
+
+fn wide(bytes: &[u8], unit: fn([u8; 2]) -> u16) -> Result<String, Invalid> {
+    let (pairs, rest) = bytes.as_chunks::<2>();
+    if !rest.is_empty() {
+        return Err(refuse("text in UTF-16 that is cut off".to_owned()));
+    }
+    let decoded = char::decode_utf16(pairs.iter().map(|pair| unit(*pair)));
+    decoded.collect::<Result<_, _>>().map_err(|_| refuse("half a character of UTF-16".to_owned()))
+}
+
+fn refuse(found: String) -> Invalid {
+    let expected = "text in UTF-8, or in UTF-16 with a byte order mark";
+    Invalid::new("file", found, expected, "export it again, or convert it with `iconv -t UTF-8`")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn texts_are_read_by_their_marks() {
+        let units: Vec<u16> = "aé€😀".encode_utf16().collect();
+        let wide = |mark: [u8; 2], unit: fn(u16) -> [u8; 2]| {
+            mark.into_iter().chain(units.iter().flat_map(|own| unit(*own))).collect::<Vec<u8>>()
+        };
+        let [little, big] = [wide([0xff, 0xfe], u16::to_le_bytes), wide([0xfe, 0xff], u16::to_be_bytes)];
+        for bytes in ["aé€😀".into(), "\u{feff}aé€😀".into(), little.clone(), big] {
+            assert_eq!(text(bytes).as_deref(), Ok("aé€😀"));
+        }
+        assert!(text(little[..little.len() - 1].to_vec()).unwrap_err().to_string().contains("cut off"));
+        let bare: Vec<u8> = "x".repeat(40).encode_utf16().flat_map(u16::to_le_bytes).collect();
+        assert!(text(bare).unwrap_err().to_string().contains("UTF-16 without"));
+        assert!(text(vec![0xff, 0xfe, 0, 0, 65, 0, 0, 0]).unwrap_err().to_string().contains("UTF-32"));
+        assert!(text(vec![0xff, 0]).unwrap_err().to_string().contains("UTF-8"));
+    }
+}
