@@ -5,6 +5,8 @@ mod bags;
 mod clocks;
 mod derived;
 mod document;
+#[path = "../support/draw.rs"]
+mod draw;
 mod encodings;
 mod field;
 mod files;
@@ -15,6 +17,8 @@ mod refusals;
 mod runner;
 mod segments;
 mod shapes;
+mod silent;
+mod silent_tables;
 mod strangers;
 mod table_clocks;
 mod topics;
