@@ -23,6 +23,7 @@ mod sentences;
 mod shapes;
 mod shared;
 mod silent;
+mod silent_tables;
 mod strangers;
 mod table_clocks;
 mod talkers;

@@ -21,7 +21,8 @@ fn law_encodings_and_ends_of_lines_are_never_silent() {
     let tally = none_is_silent(100, |draw| {
         let table = csv(60, |k| k.to_string());
         let ends = [&["\n"][..], &["\r\n"], &["\r"], &["\r", "\n"], &["\r\n", "\r"]][draw.below(5)];
-        let text: String = table.lines().zip(ends.iter().cycle()).flat_map(|(line, end)| [line, end]).collect();
+        let text: String =
+            table.lines().zip(ends.iter().cycle()).flat_map(|(line, end)| [line, end]).collect();
         let marked = ["", "\u{feff}"][draw.below(2)].to_owned() + &text;
         let units = marked.encode_utf16();
         let bytes: Vec<u8> = match draw.below(4) {
@@ -38,7 +39,8 @@ fn law_encodings_and_ends_of_lines_are_never_silent() {
 #[test]
 fn law_cells_that_are_none_or_too_many_are_never_silent() {
     none_is_silent(101, |draw| {
-        let words = ["", "NaN", "n/a", "-9999x", "null", "1,5", "0,5", "#N/A", "\"\"", "12:00", "-", "1e", "O.5"];
+        let words =
+            ["", "NaN", "n/a", "-9999x", "null", "1,5", "0,5", "#N/A", "\"\"", "12:00", "-", "1e", "O.5"];
         let (word, line, column) = (words[draw.below(words.len())], draw.between(1, 61), draw.below(8));
         let table = csv(60, |k| k.to_string());
         let with = |text: &str| {
@@ -53,7 +55,12 @@ fn law_cells_that_are_none_or_too_many_are_never_silent() {
         let table: String =
             lines.map(|(k, text)| if k == line { with(text) } else { text.to_owned() } + "\n").collect();
         // Nobody can know of what the first or the last row lacks, but that they do.
-        let rows = if [1, 61].contains(&line) && column < 7 && word.trim_matches(['"']).parse::<f64>().is_err() { 60 } else { 61 };
+        let rows =
+            if [1, 61].contains(&line) && column < 7 && word.trim_matches(['"']).parse::<f64>().is_err() {
+                60
+            } else {
+                61
+            };
         faulty("unit = \"s\"", "", table, rows)
             .named(&["splits", "without_time"])
             .what(format!("`{word}` in line {line}, column {column}"))
@@ -80,7 +87,11 @@ fn law_clocks_that_begin_anew_are_never_silent() {
         let periods = [1 << 16, 1 << 24, 1 << 31, 1 << 32, 86_400 * per_second, 604_800 * per_second];
         let period = periods[draw.below(6)];
         let start = draw.below(period.min(1 << 40) as usize) as u64;
-        let start = if draw.below(2) == 0 { start } else { period - draw.between(1, 59) as u64 * per_second % period };
+        let start = if draw.below(2) == 0 {
+            start
+        } else {
+            period - draw.between(1, 59) as u64 * per_second % period
+        };
         let half = if draw.below(3) == 0 { period / 2 } else { 0 };
         let now = |k: usize| ((start + k as u64 * per_second + half) % period) as i64 - half as i64;
         faulty(&format!("unit = \"{unit}\""), POLICIES[draw.below(3)], csv(60, |k| now(k).to_string()), 61)
@@ -90,7 +101,15 @@ fn law_clocks_that_begin_anew_are_never_silent() {
     let tally = none_is_silent(104, |draw| {
         let start = 86_400 - draw.between(1, 59);
         let swapped = if draw.below(4) == 0 { 99 } else { draw.below(60) };
-        let row = |k: usize| if k == swapped { k + 1 } else if k == swapped + 1 { k - 1 } else { k };
+        let row = |k: usize| {
+            if k == swapped {
+                k + 1
+            } else if k == swapped + 1 {
+                k - 1
+            } else {
+                k
+            }
+        };
         let table = csv(60, |k| of_day(start + row(k)));
         faulty("format = \"%H:%M:%S\"", POLICIES[draw.below(3)], table, 61)
             .named(&["backwards", "sorted"])
@@ -114,7 +133,9 @@ fn law_seconds_60_are_never_silent() {
             let day = if k <= leap { "2016-12-31" } else { "2017-01-01" };
             if key.contains("%Y") || key.contains("iso") { format!("{day} {time}") } else { time }
         };
-        faulty(key, POLICIES[draw.below(3)], csv(60, stamp), 61).named(&["leap"]).what(format!("in row {leap}"))
+        faulty(key, POLICIES[draw.below(3)], csv(60, stamp), 61)
+            .named(&["leap"])
+            .what(format!("in row {leap}"))
     });
 }
 
@@ -123,7 +144,9 @@ fn law_times_without_leading_zeros_are_never_silent() {
     none_is_silent(106, |draw| {
         let unit = [1000_u64, 1_000_000, 1_000_000_000][draw.below(3)];
         let (jitter, from) = (draw.between(1, 40) as u64, draw.below(1000) as u64);
-        let now = |k: usize| (50_000 + k as u64) * unit + from * unit / 1000 + (k as u64 * 7 % 13) * jitter * unit / 20_000;
+        let now = |k: usize| {
+            (50_000 + k as u64) * unit + from * unit / 1000 + (k as u64 * 7 % 13) * jitter * unit / 20_000
+        };
         let (time, text): (_, fn(u64) -> String) = match draw.below(2) {
             0 => ("unit = \"s\"", |second| second.to_string()),
             _ => ("format = \"%H:%M:%S.%f\"", |second| of_day(second as usize)),
@@ -157,7 +180,8 @@ fn law_times_in_another_unit_are_never_silent() {
         let ((said, _), (_, per_second)) = (units[draw.below(4)], units[draw.below(4)]);
         let start = draw.below(2) as i64 * 1_744_373_300;
         let table = csv(60, |k| ((start + k as i64) * per_second).to_string());
-        faulty(&format!("unit = \"{said}\""), POLICIES[draw.below(3)], table, 61).what(format!("{per_second} as {said}"))
+        faulty(&format!("unit = \"{said}\""), POLICIES[draw.below(3)], table, 61)
+            .what(format!("{per_second} as {said}"))
     });
 }
 
@@ -175,7 +199,9 @@ fn law_recordings_in_parts_are_never_silent() {
         let names = [["a_0.csv", "a_1.csv"], ["a_9.csv", "a_10.csv"], ["a_b.csv", "a_a.csv"]][draw.below(3)];
         let mut faulty = Faulty::new(&config, names[0], first, 61);
         faulty.files.push((names[1].to_owned(), second.into_bytes()));
-        faulty.named(&["repeated", "backwards", "sorted"]).what(format!("at {middle}, {overlap} twice, {names:?}"))
+        faulty
+            .named(&["repeated", "backwards", "sorted"])
+            .what(format!("at {middle}, {overlap} twice, {names:?}"))
     });
 }
 
