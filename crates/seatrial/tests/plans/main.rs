@@ -28,6 +28,7 @@ mod same_bytes;
 mod sea;
 mod slot;
 mod speed_limit;
+mod tables;
 mod tide;
 mod time_limits;
 mod waters;
