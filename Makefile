@@ -4,6 +4,23 @@
 #   make STUDY=pipelines/my   another study (a folder with vessel.toml, dictionary.toml, campaign.toml)
 #   make help                 all targets
 
+# What names of files and folders may be made of: make takes no blanks in them, and a shell reads what else they may hold.
+PLAIN := a b c d e f g h i j k l m n o p q r s t u v w x y z A B C D E F G H I J K L M N O P Q R S T U V W X Y Z \
+  0 1 2 3 4 5 6 7 8 9 . _ / + -
+NAMED := STUDY DICTIONARY OUT LOGS BIN SWEEP SWEEP_OUT PROFILE ROUNDS_DICTIONARY ROUNDS_OUT ESSO_OSAKA_LOGS KVLCC2_LOGS
+EMPTY :=
+define LINE
+
+
+endef
+# Without the characters of $2; blanks and ends of lines show as [blank]
+without = $(if $2,$(call without,$(subst $(firstword $2),,$1),$(wordlist 2,99,$2)),$1)
+shown = $(subst $(EMPTY) ,[blank],$(subst $(EMPTY)	,[blank],$(subst $(LINE),[blank],$1)))
+check = $(if $(call without,$1,$(PLAIN))$(filter -%,$1),$(error $2: found `$1`, expected a name of letters, digits and . _ / + -, \
+  not with a - first; rename the folder or file))
+# Those that are given on the command line or by the environment; what they would expand to is not looked at
+$(foreach name,$(NAMED),$(if $(filter command environment,$(origin $(name))),$(call check,$(call shown,$(value $(name))),$(name))))
+
 STUDY   ?= pipelines/paper
 # Its maneuvers; a study's study.mk may name another study's
 DICTIONARY ?= $(STUDY)/dictionary.toml

@@ -14,6 +14,9 @@ refuse() {
   exit 3
 }
 
+case $sweep$out$bin in
+  *[{}]*) refuse "$sweep, $out: found a name with { or }, expected none, which Snakemake takes for a pattern; rename it" ;;
+esac
 [ -d "$profile" ] || refuse "profile: found $kind, expected $(ls "$here/profiles" | paste -sd ' '); name one"
 if [ "$kind" = slurm ]; then
   for program in sbatch squeue scancel; do

@@ -7,6 +7,16 @@ const RESERVED: &str = "\
     auto break case char const continue default do double else enum extern float for goto if inline int long register \
     restrict return short signed sizeof static struct switch typedef union unsigned void volatile while asm NULL NAN \
     INFINITY HUGE_VAL EOF errno main fabs size_t \
+    linux unix i386 mips sparc sun vax arm hpux near far huge pascal cdecl interface small hyper min max IN OUT \
+    I complex imaginary bool nullptr constexpr thread_local alignas alignof static_assert typeof typeof_unqual \
+    HUGE HUGE_VALF HUGE_VALL MAXFLOAT DOMAIN SING OVERFLOW UNDERFLOW PLOSS TLOSS X_TLOSS BUFSIZ RAND_MAX EXIT_SUCCESS \
+    EXIT_FAILURE TMP_MAX FILENAME_MAX FOPEN_MAX L_tmpnam P_tmpdir SEEK_SET SEEK_CUR SEEK_END stdin stdout stderr \
+    math_errhandling MATH_ERRNO MATH_ERREXCEPT FP_NAN FP_INFINITE FP_ZERO FP_SUBNORMAL FP_NORMAL FP_ILOGB0 FP_ILOGBNAN \
+    M_E M_LOG2E M_LOG10E M_LN2 M_LN10 M_PI M_PI_2 M_PI_4 M_1_PI M_2_PI M_2_SQRTPI M_SQRT2 M_SQRT1_2 \
+    class new delete this template typename namespace using public private protected operator friend virtual explicit \
+    export mutable throw reinterpret_cast dynamic_cast const_cast static_cast decltype noexcept consteval constinit \
+    concept requires co_await co_return co_yield wchar_t char8_t char16_t char32_t typeid \
+    and_eq bitand bitor compl not_eq or_eq xor xor_eq \
     False None True and as assert async await class def del elif except finally from global import in is lambda nonlocal \
     not or pass raise try with yield abs print sin cos \
     catch classdef end elseif function otherwise parfor persistent spmd ans eps inf Inf nan NaN pi i j true false size \

@@ -207,16 +207,23 @@ pub fn only_folder_of(folder: &Path, names: &[String]) -> Result<(), Failure> {
     }
 }
 
-/// Refuses a number that is not above zero.
+/// The largest number that a flag takes: whatever it counts has an end.
+const LARGEST: f64 = 1e12;
+
+/// Refuses a number that is not above zero, or that no study means.
 ///
 /// # Errors
 /// Usage, naming the flag.
 pub fn check_positive(flag: &str, value: Option<f64>) -> Result<(), Failure> {
-    match value.filter(|value| !(value.is_finite() && *value > 0.0)) {
-        Some(value) => {
-            Err(Failure::Usage(format!("{flag}: found {value}, expected a number above 0; correct it")))
+    let refuse = |value: f64, expected: &str| {
+        Err(Failure::Usage(format!("{flag}: found {value:?}, expected {expected}; correct it")))
+    };
+    match value {
+        Some(value) if !(value.is_finite() && value > 0.0) => refuse(value, "a number above 0"),
+        Some(value) if !(1e-15..=LARGEST).contains(&value) => {
+            refuse(value, &format!("a number from 1e-15 to {LARGEST:e}"))
         }
-        None => Ok(()),
+        _ => Ok(()),
     }
 }
 
@@ -225,10 +232,11 @@ pub fn check_positive(flag: &str, value: Option<f64>) -> Result<(), Failure> {
 /// # Errors
 /// Usage, naming the flag.
 pub fn not_below(flag: &str, value: f64, least: f64) -> Result<f64, Failure> {
-    if value.is_finite() && value >= least {
+    if value.is_finite() && value >= least && value <= LARGEST {
         return Ok(value);
     }
-    Err(Failure::Usage(format!("{flag}: found {value}, expected a number from {least} on; correct it")))
+    let most = if value > LARGEST { format!(" to {LARGEST:e}") } else { " on".to_owned() };
+    Err(Failure::Usage(format!("{flag}: found {value:?}, expected a number from {least}{most}; correct it")))
 }
 
 /// Seconds in samples.

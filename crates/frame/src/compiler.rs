@@ -1,14 +1,17 @@
 //! Libraries that a C compiler of this machine builds, where there is one.
 
 use std::fs;
-use std::io::ErrorKind;
-use std::path::Path;
-use std::process::Command;
+use std::io::{self, ErrorKind};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Output, Stdio};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use tempfile::TempDir;
 
 use crate::failure::Failure;
 
 /// What `compiler` makes of the sources `files` (name and text) with `flags`; none where there is no such program. It works in a
-/// folder of its own, whose name leaves no trace in what it makes.
+/// folder of its own that nobody else reads, whose name leaves no trace in what it makes.
 ///
 /// # Errors
 /// A folder that cannot be written, sources that do not compile.
@@ -18,18 +21,21 @@ pub fn compiled(
     files: &[(String, String)],
 ) -> Result<Option<Vec<u8>>, Failure> {
     let failed = |what: String| Failure::Failed(format!("{compiler}: {what}"));
-    let folder = tempfile::tempdir().map_err(|e| failed(format!("temporary folder: {e}")))?;
-    let io = |e: std::io::Error| artifact::Error::io(folder.path(), "use", e);
+    let work = Work::begin().map_err(|e| failed(format!("temporary folder: {e}")))?;
+    let folder = work.folder.path();
+    let io = |e: io::Error| artifact::Error::io(folder, "use", e);
     for (name, text) in files {
-        fs::write(folder.path().join(name), text).map_err(io)?;
+        fs::write(folder.join(name), text).map_err(io)?;
     }
     let sources = files
         .iter()
         .map(|(name, _)| name)
         .filter(|name| Path::new(name).extension().is_some_and(|e| e == "c"));
     let mut command = Command::new(compiler);
-    command.args(flags).args(sources).args(["-o", "library", "-lm"]).current_dir(&folder);
-    let output = match command.output() {
+    command.args(flags).args(sources).args(["-o", "library", "-lm"]).current_dir(folder);
+    // What the compiler puts aside goes with the folder.
+    command.env("TMPDIR", folder);
+    let output = match work.output(command) {
         Ok(output) => output,
         Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
         Err(error) => return Err(failed(error.to_string())),
@@ -41,5 +47,104 @@ pub fn compiled(
             "found that it does not compile the unit ({first}), expected a C99 compiler; name another"
         )));
     }
-    Ok(Some(fs::read(folder.path().join("library")).map_err(io)?))
+    Ok(Some(fs::read(folder.join("library")).map_err(io)?))
 }
+
+/// What is under way, for the case that the process is told to end.
+static UNDER_WAY: Mutex<Vec<UnderWay>> = Mutex::new(Vec::new());
+
+struct UnderWay {
+    folder: PathBuf,
+    /// The compiler and what it has started.
+    group: Option<u32>,
+}
+
+/// Ends the compilers of this process and removes their folders; the process must end after that.
+pub(crate) fn abandon() {
+    let under_way = under_way();
+    for own in &*under_way {
+        own.group.into_iter().for_each(end);
+        // What is just ending may still write a file.
+        for _ in 0..50 {
+            if fs::remove_dir_all(&own.folder).is_ok() || !own.folder.exists() {
+                break;
+            }
+            std::thread::sleep(std::time::Duration::from_millis(10));
+        }
+    }
+    // Nothing is begun or ended any more.
+    std::mem::forget(under_way);
+}
+
+/// A folder to compile in, noted while it is there.
+struct Work {
+    folder: TempDir,
+}
+
+impl Work {
+    fn begin() -> io::Result<Self> {
+        let mut under_way = under_way();
+        let folder = private_folder()?;
+        under_way.push(UnderWay { folder: folder.path().to_owned(), group: None });
+        Ok(Self { folder })
+    }
+
+    /// What `command` says in the end.
+    fn output(&self, mut command: Command) -> io::Result<Output> {
+        command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
+        apart(&mut command);
+        let child = self.noted(|| command.spawn())?;
+        child.wait_with_output()
+    }
+
+    /// Notes the child that `spawn` starts: not between the two is the process told to end.
+    fn noted(&self, spawn: impl FnOnce() -> io::Result<Child>) -> io::Result<Child> {
+        let mut under_way = under_way();
+        let child = spawn()?;
+        let own = under_way.iter_mut().find(|own| own.folder == self.folder.path());
+        own.into_iter().for_each(|own| own.group = Some(child.id()));
+        Ok(child)
+    }
+}
+
+impl Drop for Work {
+    fn drop(&mut self) {
+        under_way().retain(|own| own.folder != self.folder.path());
+    }
+}
+
+fn under_way() -> MutexGuard<'static, Vec<UnderWay>> {
+    UNDER_WAY.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+#[cfg(unix)]
+fn private_folder() -> io::Result<TempDir> {
+    use std::os::unix::fs::PermissionsExt;
+    tempfile::Builder::new().permissions(fs::Permissions::from_mode(0o700)).tempdir()
+}
+
+#[cfg(not(unix))]
+fn private_folder() -> io::Result<TempDir> {
+    tempfile::tempdir()
+}
+
+/// Starts `command` in a process group of its own, which can be ended as a whole.
+#[cfg(unix)]
+fn apart(command: &mut Command) {
+    std::os::unix::process::CommandExt::process_group(command, 0);
+}
+
+#[cfg(not(unix))]
+fn apart(_: &mut Command) {}
+
+#[cfg(unix)]
+fn end(group: u32) {
+    use rustix::process::{Pid, Signal, kill_process_group};
+    if let Some(pid) = i32::try_from(group).ok().and_then(Pid::from_raw) {
+        // One that has ended is no longer there.
+        let _ = kill_process_group(pid, Signal::KILL);
+    }
+}
+
+#[cfg(not(unix))]
+fn end(_: u32) {}

@@ -11,6 +11,7 @@ pub fn listen() {
     std::thread::spawn(move || {
         if let Some(signal) = signals.forever().next() {
             artifact::abandon();
+            crate::compiler::abandon();
             on_stderr("error: interrupted");
             std::process::exit(128 + signal);
         }

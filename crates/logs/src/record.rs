@@ -4,7 +4,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use rayon::prelude::*;
-use refusal::Invalid;
+use refusal::{Invalid, check_name};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use vessel::{DerivedChannel, Segment};
@@ -183,6 +183,8 @@ pub fn record(
         .map_err(|why| refused(&why, &summaries))?;
     check_ratios(&motion)?;
     let (parts, short) = segmentation.runs(source, &made, labels.as_ref());
+    let maneuver = || format!("{}, a maneuver", called(&source.name));
+    parts.iter().flatten().try_for_each(|part| check_name(maneuver(), &part.maneuver))?;
     let (duration_s, splits) =
         (made.grid.rows.saturating_sub(1) as f64 / made.grid.rate_hz, made.stretches.len().saturating_sub(1));
     let known: usize = made.stretches.iter().map(|stretch| stretch.samples).sum();

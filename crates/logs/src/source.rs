@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use refusal::{Invalid, foreign};
+use refusal::{Invalid, check_name, foreign};
 
 use crate::{FileSpec, Template};
 
@@ -87,6 +87,8 @@ impl Naming {
             Kind::Named(template) => named(template, &files[0][0])?,
             Kind::Recording => name.clone(),
         };
+        check_name(format!("recording of `{}`", foreign(&files[0][0])), &name)?;
+        check_name(format!("maneuver of `{}`", foreign(&files[0][0])), &kind)?;
         Ok(Source { name, files, kind })
     }
 }

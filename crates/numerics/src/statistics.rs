@@ -2,12 +2,14 @@
 
 mod again;
 mod interval;
+mod told;
 
 pub use again::median_again;
 pub use interval::{
     mean_interval, paired_median, paired_share_difference, quantile_interval, quantile_ranks,
     share_difference, wilson,
 };
+pub use told::{LEAST_FOR_MEDIAN, median_interval_in_words};
 
 /// Mean, `None` of nothing.
 pub fn mean(values: &[f64]) -> Option<f64> {

@@ -7,12 +7,14 @@
 mod bounded;
 mod choices;
 mod invalid;
+mod names;
 mod nearest;
 mod numbers;
 mod strict;
 
 pub use bounded::{foreign, one_line, shortened};
 pub use invalid::Invalid;
+pub use names::check_name;
 pub use nearest::nearest;
-pub use numbers::check_numbers;
+pub use numbers::{check_numbers, check_ranges};
 pub use strict::strictly;

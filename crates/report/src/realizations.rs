@@ -2,7 +2,7 @@ use identification::Estimator;
 use maud::{display, html};
 use study::documents::{DesignScores, EstimatorScores};
 
-use super::number::{median, percent, q90};
+use super::number::{median, or_dash, percent, q90};
 use super::parts::{Section, statements};
 use super::study::{Study, optimized_first};
 use super::table::Table;
@@ -16,8 +16,8 @@ pub(super) fn realizations(study: &Study) -> Option<Section> {
     }
     let rows: Vec<(Estimator, &DesignScores)> = tally.scores.iter().flat_map(designs).collect();
     let share = |share: f64, interval: Option<[f64; 2]>| {
-        let half = interval.map_or(f64::NAN, |[low, high]| 50.0 * (high - low));
-        format!("{:.2} ± {half:.2} %", 100.0 * share)
+        let half = |[low, high]: [f64; 2]| 50.0 * (high - low);
+        or_dash(interval.map(|ends| format!("{:.2} ± {:.2} %", 100.0 * share, half(ends))))
     };
     let table = Table::of(rows)
         .compact()

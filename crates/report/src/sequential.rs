@@ -1,7 +1,7 @@
 use crate::figures::{AccuracyCurve, accuracy};
 use maud::{Markup, html};
 
-use super::number::{exact, percent_within, three, three_or_dash, three_within};
+use super::number::{exact, or_dash, percent_within, three, three_or_dash, three_within};
 use super::parts::{Figures, Section};
 use super::table::{Table, grouped};
 use study::documents::SequentialDocument;
@@ -83,7 +83,7 @@ fn gains(gains: &[RoundGain]) -> Markup {
         .name("Time [s]", |gain| three(gain.time_s))
         .number("Error in rounds / one-shot", |gain| three_or_dash(gain.ratio))
         .number("95 % interval", |gain| {
-            format!("{} to {}", three_or_dash(gain.low), three_or_dash(gain.high))
+            or_dash(gain.low.zip(gain.high).map(|(low, high)| format!("{} to {}", three(low), three(high))))
         })
         .number("Realizations", |gain| gain.pairs);
     html! {

@@ -2,6 +2,7 @@
 
 use identification::Noise;
 use identification::predictor::{Flow, Gusts, Levels};
+use refusal::check_ranges;
 use serde::Deserialize;
 use trial::campaign::{Sea, Settings};
 use validation::tally::Bounds;
@@ -70,7 +71,12 @@ impl CampaignFile {
             ("validation.parameter_error_bound", self.validation.parameter_error_bound),
             ("validation.simulation_error_bound", self.validation.simulation_error_bound),
         ];
-        check_numbers(positive, "more than zero", |value| value > 0.0)
+        check_numbers(positive, "more than zero", |value| value > 0.0)?;
+        check_ranges([
+            ("duration_s", self.duration_s, 1e-6..=1e9, "s"),
+            ("validation.parameter_error_bound", self.validation.parameter_error_bound, 1e-9..=1e9, ""),
+            ("validation.simulation_error_bound", self.validation.simulation_error_bound, 1e-9..=1e9, ""),
+        ])
     }
 
     /// Current and measurement noise.

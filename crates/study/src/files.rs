@@ -115,6 +115,10 @@ pub fn generator(
     };
     let generator = Generator::new(vessel, file, read).map_err(|e| crate::invalid(path, &e))?;
     provenance.inputs.extend(digests.into_inner());
+    if !generator.tables().is_empty() {
+        let tables: Vec<String> = generator.tables().values().map(ToString::to_string).collect();
+        provenance.settings.insert("tables".into(), tables.into());
+    }
     Ok(generator)
 }
 

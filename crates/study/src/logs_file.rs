@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use logs::chain::{Actuator, Chain, Compass, Day, Gnss, Hull, Schedule};
-use refusal::{Invalid, check_numbers};
+use refusal::{Invalid, check_name, check_numbers};
 use serde::Deserialize;
 use vessel::Vessel;
 
@@ -58,6 +58,7 @@ impl LogsFile {
             return Err(Invalid::new("[[thruster]]", "none", expected, "add one"));
         }
         for day in &self.day {
+            check_name("`name` of a [[day]]", &day.name)?;
             let named = |e: Invalid| Invalid { thing: format!("day `{}`, {}", day.name, e.thing), ..e };
             day.weather().check().map_err(named)?;
             if day.wind.is_some() && self.hull.is_none() {

@@ -43,7 +43,7 @@ impl Piece {
                 "shorten the piece, or lengthen the maneuver in the dictionary",
             ));
         }
-        let samples = match period(&inputs, width) {
+        let samples = match target.and_then(|_| period(&inputs, width)) {
             Some(period) => {
                 let whole = ((wanted as f64 / period as f64).round() as usize).clamp(1, all / period);
                 whole * period

@@ -2,6 +2,8 @@
 
 use serde::Deserialize;
 
+use refusal::foreign;
+
 use crate::{Formula, Invalid, nearest};
 
 /// A channel as written.
@@ -49,7 +51,7 @@ pub(crate) fn derive(
 ) -> Result<Vec<DerivedChannel>, Invalid> {
     let one = |(i, spec): (usize, &DerivedSpec)| {
         let formula = Formula::parse(&spec.formula).map_err(|malformed| {
-            let found = format!("`{}` with {malformed}", spec.formula);
+            let found = format!("`{}` with {malformed}", foreign(&spec.formula));
             let expected = "a product such as `positive(n)`, `n |n|` or `-1 wind^2 cos(gamma)`";
             refused(&spec.name, &found, expected, "write the formula again")
         })?;

@@ -1,4 +1,4 @@
-use refusal::check_numbers;
+use refusal::{check_numbers, check_ranges};
 use serde::Deserialize;
 
 use crate::noise::Channels;
@@ -173,7 +173,8 @@ fn check_deviations<const N: usize>(deviations: [(&str, f64); N]) -> Result<(), 
 }
 
 fn check_time_constant(key: &str, value: Option<f64>) -> Result<(), Invalid> {
-    check_numbers(value.map(|value| (key, value)), "more than zero seconds", |value| value > 0.0)
+    check_numbers(value.map(|value| (key, value)), "more than zero seconds", |value| value > 0.0)?;
+    check_ranges(value.map(|value| (key, value, 1e-6..=1e9, "s")))
 }
 
 /// Stationary processes of [`LANES`] runs, drawn some samples at a time: x(k+1) = factor · x(k) + white noise, or white noise alone.

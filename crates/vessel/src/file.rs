@@ -1,6 +1,7 @@
 use std::collections::BTreeMap;
+use std::ops::RangeInclusive;
 
-use refusal::check_numbers;
+use refusal::{check_name, check_numbers, check_ranges};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -138,6 +139,8 @@ impl Vessel {
         };
         let rate = file.sample_rate_hz.ok_or_else(|| missing("sample_rate_hz"))?;
         check_numbers([("sample_rate_hz", rate)], "a rate above 0 Hz", |rate| rate > 0.0)?;
+        check_ranges([("sample_rate_hz", rate, 1e-6..=1e6, "Hz")])?;
+        check_ranges(counts(&file))?;
         let constant = file.constant.map(|gained| ("constant", gained));
         check_numbers(constant, "at most 10 m/s or rad/s in a sample", |gained| gained.abs() <= 10.0)?;
         let variables = variables(&file)?;
@@ -161,6 +164,7 @@ impl Vessel {
         let [surge, sway, yaw] = DegreeOfFreedom::ALL;
         let degrees = [degree(surge)?, degree(sway)?, degree(yaw)?];
         let name = file.name.clone().ok_or_else(|| missing("name"))?;
+        check_name("`name` of the vessel", &name)?;
         let names: Vec<&str> = variables.iter().map(|v| v.name.as_str()).collect();
         let derived = derive(&file.derived, &names, first_derived(&file))?;
         let simulated = simulated(&file)?;
@@ -233,6 +237,16 @@ impl Vessel {
     }
 }
 
+/// How many channels and terms there are, with how many there may be.
+fn counts(file: &VesselFile) -> [(&'static str, f64, RangeInclusive<f64>, &'static str); 6] {
+    let channels =
+        [("input", file.input.len()), ("measured", file.measured.len()), ("derived", file.derived.len())];
+    let terms = [("surge", file.surge.len()), ("sway", file.sway.len()), ("yaw", file.yaw.len())];
+    let [a, b, c] = channels.map(|(key, count)| (key, count as f64, 0.0..=200.0, "channels"));
+    let [d, e, f] = terms.map(|(key, count)| (key, count as f64, 0.0..=2000.0, "terms"));
+    [a, b, c, d, e, f]
+}
+
 /// The terms of surge, sway and yaw as written, with the values of [value] and [nominal].
 fn replaced(file: &VesselFile) -> Result<[Vec<TermSpec>; 3], Invalid> {
     let mut written = [&file.surge, &file.sway, &file.yaw].map(Vec::clone);
@@ -256,6 +270,7 @@ fn replaced(file: &VesselFile) -> Result<[Vec<TermSpec>; 3], Invalid> {
 
 fn check_parameters(written: &[Vec<TermSpec>; 3]) -> Result<(), Invalid> {
     for spec in written.iter().flatten() {
+        check_name("`parameter` of a term", &spec.parameter)?;
         if let Some(number) = spec.value.iter().chain(&spec.nominal).find(|number| !number.is_finite()) {
             let thing = format!("parameter `{}`", spec.parameter);
             return Err(Invalid::new(thing, number.to_string(), "a finite number", "correct it"));
@@ -301,6 +316,10 @@ fn variables(file: &VesselFile) -> Result<Vec<Variable>, Invalid> {
     let derived = file.derived.iter().map(|d| variable(&d.name, &d.unit));
     let all: Vec<Variable> = states.chain(inputs).chain(measured).chain(derived).collect();
     for (i, v) in all.iter().enumerate() {
+        check_name(format!("`name` of channel {}", i.saturating_sub(2)), &v.name)?;
+        if !v.unit.is_empty() {
+            check_name(format!("`unit` of channel `{}`", v.name), &v.unit)?;
+        }
         let reserved = i >= 3 && RESERVED.contains(&v.name.as_str());
         let plain = v.name.chars().all(|c| c.is_alphanumeric() || c == '_') && !v.name.is_empty();
         if all[..i].iter().any(|w| w.name == v.name) || reserved || !plain {

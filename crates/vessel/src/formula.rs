@@ -1,6 +1,7 @@
 use thiserror::Error;
 
 use crate::Arithmetic;
+use crate::term::MOST_FACTORS;
 
 /// What is applied to a channel before it is multiplied with the others.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -66,6 +67,9 @@ impl Formula {
             rest = after.trim_start();
             rest = rest.strip_prefix('*').unwrap_or(rest).trim_start();
         }
+        if !formula.coefficient.is_finite() {
+            return Err(Malformed("numbers whose product is infinite".to_owned()));
+        }
         if formula.channels.is_empty() {
             return Err(Malformed("no channel".to_owned()));
         }
@@ -87,6 +91,9 @@ impl Formula {
             self.channels.len() - 1
         });
         self.factors.push(Factor { channel, function, power });
+        if self.factors.len() > MOST_FACTORS {
+            return Err(Malformed(format!("more than {MOST_FACTORS} factors")));
+        }
         Ok(after)
     }
 

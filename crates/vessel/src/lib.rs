@@ -53,8 +53,8 @@ pub use formula::{Formula, Function, Malformed};
 pub use lane::{Arithmetic, LANES, Lane, Number, Numbers, Row};
 pub use layout::ParameterLayout;
 pub use maneuver::{
-    CandidateKind, DictionaryFile, Exceeded, GenerateSpec, Generator, Kind, Limits, ManeuverSpec, Realized,
-    Shape, Signal, SignalShape, parse_inputs,
+    CandidateKind, DictionaryFile, Exceeded, GenerateSpec, Generator, InputTable, Kind, Limits, ManeuverSpec,
+    Pace, PlayedTable, Realized, Shape, Signal, SignalShape,
 };
 pub use model::{Degree, DegreeOfFreedom, Model, Variable};
 pub use noise::Streams;

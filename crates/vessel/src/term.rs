@@ -1,3 +1,5 @@
+use refusal::foreign;
+
 use crate::{Invalid, Number, nearest};
 
 /// One factor of a term: a variable or its modulus.
@@ -8,6 +10,9 @@ pub struct Factor {
     /// Whether the modulus is meant.
     pub modulus: bool,
 }
+
+/// Most factors of a term, and of a formula.
+pub(crate) const MOST_FACTORS: usize = 32;
 
 /// A product of variables and moduli, such as `u |u|`, `v r` or `u |u| delta`. A power is a repeated factor.
 #[derive(Clone, Debug, PartialEq)]
@@ -44,6 +49,9 @@ impl Term {
         while !rest.is_empty() {
             let (factor, power, after) = parse_factor(text, rest, variables)?;
             factors.extend(std::iter::repeat_n(factor, power));
+            if factors.len() > MOST_FACTORS {
+                return Err(malformed(text, &format!("more than {MOST_FACTORS} factors")));
+            }
             rest = after.trim_start().trim_start_matches('*').trim_start();
         }
         if factors.is_empty() {
@@ -136,7 +144,7 @@ fn parse_power<'a>(text: &str, rest: &'a str) -> Result<(usize, &'a str), Invali
 
 fn malformed(text: &str, found: &str) -> Invalid {
     Invalid::new(
-        format!("term `{text}`"),
+        format!("term `{}`", foreign(text)),
         found,
         "a product such as `u |u|`, `v r` or `u^2 delta`, or the constant `1`",
         "write the term again",
@@ -153,5 +161,10 @@ fn unknown(text: &str, name: &str, variables: &[&str]) -> Invalid {
         None => "declare it as [[input]], [[measured]] or [[derived]]".to_owned(),
     };
     let found = if name.is_empty() { "a character that starts no name".into() } else { format!("`{name}`") };
-    Invalid::new(format!("term `{text}`"), found, format!("one of {}", variables.join(", ")), remedy)
+    Invalid::new(
+        format!("term `{}`", foreign(text)),
+        found,
+        format!("one of {}", variables.join(", ")),
+        remedy,
+    )
 }

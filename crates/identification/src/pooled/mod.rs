@@ -69,5 +69,5 @@ pub use strength::strength;
 pub use surroundings::{FoundUnknown, Surroundings};
 pub use trust::{DegreeTrust, InstrumentResidual, Judgement, ParameterTrust, SourceErrors};
 pub use windows::{FreeRunErrors, Score, deviations};
-pub use words::listed;
 pub(crate) use words::{collinear, first_named, unidentified, weakest};
+pub use words::{lies_above, listed};

@@ -98,11 +98,7 @@ fn against(margin: &Margin, than: &str) -> String {
         [_, Some(high)] if *high < 0.0 => "worse than",
         _ => "not told apart from",
     };
-    let number = |x: &Option<f64>| x.map_or("∞".to_owned(), |x| format!("{x:+.3}"));
-    let ([low, high], median) = (interval.each_ref().map(number), number(median));
-    format!(
-        "{told} {than}: its norm of RMSE/std lies {median} above (95 %: {low} to {high}; {pairs} recordings)"
-    )
+    format!("{told} {than}: {}", crate::pooled::lies_above(*median, *interval, *pairs, "recordings"))
 }
 
 fn fits(errors: &FreeRunErrors) -> String {

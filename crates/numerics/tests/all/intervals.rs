@@ -3,8 +3,8 @@
 use serde_json::Value;
 
 use numerics::statistics::{
-    mean_interval, paired_median, paired_share_difference, quantile_interval, share_difference, sorted,
-    wilson,
+    LEAST_FOR_MEDIAN, mean_interval, median_interval_in_words, paired_median, paired_share_difference,
+    quantile_interval, share_difference, sorted, wilson,
 };
 
 const ORACLE: &str = include_str!("../../../../fixtures/oracle/intervals.json");
@@ -134,4 +134,27 @@ fn law_nineteen_of_twenty_intervals_hold_the_mean_they_were_drawn_from() {
     let share = held.count() as f64 / 2000.0;
     assert!((0.93..0.97).contains(&share), "{share}");
     assert_eq!(mean_interval(&[1.0]), None);
+}
+
+#[test]
+fn law_an_interval_of_a_median_is_told_as_soon_as_there_is_one_and_never_as_no_number() {
+    let number = |x: f64| format!("{x:.1}");
+    for count in 0..40_u64 {
+        let values: Vec<f64> = (0..count).map(|i| i as f64).collect();
+        let ends = quantile_interval(&values, 0.5);
+        let told = median_interval_in_words(ends, count, number);
+        assert_eq!(told.is_ok(), count >= LEAST_FOR_MEDIAN, "{count}: {told:?}");
+        // What has no value is infinite: more and more of the pairs.
+        for absent in 0..=count as usize {
+            let mut some = values.clone();
+            some[count as usize - absent..].fill(f64::INFINITY);
+            let said = match median_interval_in_words(quantile_interval(&some, 0.5), count, number) {
+                Ok(said) | Err(said) => said,
+            };
+            assert!(!said.contains("NaN") && !said.contains("inf"), "{said}");
+        }
+    }
+    let few = median_interval_in_words([None; 2], 3, number).unwrap_err();
+    assert_eq!(few, "too few pairs for a 95 % interval: 3, at least 6");
+    assert_eq!(median_interval_in_words([Some(1.0), None], 9, number).unwrap(), "from 1.0 up");
 }

@@ -10,7 +10,7 @@ use identification::predictor::InitialState;
 use identification::runs::RunEstimators;
 use identification::{Estimator, MeanRemoval, ValidationRuns};
 use in_memory::{MonteCarlo, undisturbed};
-use serde_json::json;
+use serde_json::{Value, json};
 use study::campaign_file::CampaignFile;
 use study::documents::TallyDocument;
 use study::estimates::{self, distinct};
@@ -25,7 +25,7 @@ use crate::choice::choice;
 use crate::cli::{Common, Sharding, budget, folder_of};
 use crate::failure::Failure;
 use crate::monte_carlo::{BLOCK, Done, needed_for, refused};
-use crate::simulate::{CampaignFlags, Files};
+use crate::simulate::{CampaignFlags, Files, note_plays};
 use crate::stage::{Summary, Task};
 
 /// Simulates, estimates and scores a campaign's runs in memory; writes tally.json
@@ -91,6 +91,7 @@ impl Arguments {
             validation: validation(&of.vessel, config, files.campaign)?,
             truth: of.vessel.value.iter().copied().collect(),
         };
+        note_plays(&study.campaign, &mut provenance);
         self.check_room(&study, files.campaign, out)?;
         let done = Done { study: &study, files: &files, bounds: config.bounds(), quiet: common.quiet };
         let mut kept = Kept::new((self.keep, self.keep_first), study.campaign.vessel(), out, &provenance)?;
@@ -234,11 +235,9 @@ fn published(
     let runs = |c: &validation::tally::Counted| c.runs;
     let first = document.tally.counted.first().map(|counted| counted.estimator);
     let own = document.tally.counted.iter().filter(|counted| Some(counted.estimator) == first);
-    let said: Vec<String> = document
-        .statements
-        .iter()
-        .map(|statement| format!("; {}", statement.trim_end_matches('.')))
-        .collect();
+    let plays = provenance.settings.get("plays").and_then(Value::as_array).into_iter().flatten();
+    let statements = plays.filter_map(Value::as_str).chain(document.statements.iter().map(String::as_str));
+    let said: Vec<String> = statements.map(|said| format!("; {}", said.trim_end_matches('.'))).collect();
     let runs: u64 = own.map(runs).sum();
     Ok(Summary::of(
         out,

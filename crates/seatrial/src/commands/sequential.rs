@@ -135,7 +135,9 @@ fn publish(
     }
     let summary = rounds::Summary::new(&rows, trial.ends(), config.accuracy, rate_hz);
     let document = document(config, summary, trial.maneuvers());
-    let said = document.statements.join("; ");
+    let said: Vec<String> =
+        trial.statement().into_iter().chain(document.statements.iter().cloned()).collect();
+    let said = said.join("; ");
     let told = json!({"realizations": count, "statements": document.statements});
     sharded::publish(table, file, &provenance, || Ok(document))?;
     Ok(Summary::of(&out, format!("{count} realizations; {said}"), told))

@@ -7,7 +7,9 @@ use crate::cli::{Common, Sharding, beside, given};
 use crate::failure::Failure;
 use crate::inputs;
 use crate::plan::MAIN;
-use crate::simulate::{CampaignFlags, Files, check_campaign, logs, write_campaign, write_maneuvers};
+use crate::simulate::{
+    CampaignFlags, Files, check_campaign, logs, note_plays, write_campaign, write_maneuvers,
+};
 use crate::stage::{Summary, Task};
 use artifact::{Provenance, Shard, commit, gather};
 use clap::Parser;
@@ -169,7 +171,8 @@ fn undisturbed(
         told["left_out"] = left_out.collect::<serde_json::Map<_, _>>().into();
     }
     let said = format!("{tally}{}", shard_of(provenance));
-    Ok(with(study::beyond(vessel, out)?, out, said, told))
+    let statements = [maneuvers.tables(), study::beyond(vessel, out)?].concat();
+    Ok(with(statements, out, said, told))
 }
 
 impl Task for Campaign {
@@ -184,7 +187,9 @@ impl Task for Campaign {
         let samples = settings.samples(&of.vessel).map_err(|e| of.files.refused(e))?;
         let runs = settings.runs() / f64::from(self.sharding.shard.map_or(1, |shard| shard.count));
         check_campaign(of.files.campaign, runs, samples, &of.vessel, &out)?;
-        disturbed(&of.campaign(&settings)?, &of.files, &out, &provenance, common)
+        let campaign = of.campaign(&settings)?;
+        note_plays(&campaign, &mut provenance);
+        disturbed(&campaign, &of.files, &out, &provenance, common)
     }
 }
 
@@ -255,7 +260,8 @@ fn disturbed(
     let samples = campaign.samples();
     let told = json!({"runs": runs, "samples": samples});
     let said = format!("{runs} runs of {samples} samples{}", shard_of(provenance));
-    Ok(with(study::beyond(files.vessel, out)?, out, said, told))
+    let statements = [campaign.statements().to_vec(), study::beyond(files.vessel, out)?].concat();
+    Ok(with(statements, out, said, told))
 }
 
 /// Which part of the whole this is, for people.

@@ -85,10 +85,10 @@ pub struct Arguments {
     #[arg(long, value_name = "GAP", default_value_t = 1e-10)]
     pub(super) tolerance: f64,
     /// Find the best counts of this many whole segments
-    #[arg(long, value_name = "N", requires = "segment_samples", value_parser = clap::value_parser!(u64).range(1..))]
+    #[arg(long, value_name = "N", requires = "segment_samples", value_parser = clap::value_parser!(u64).range(1..=1_000_000_000))]
     pub(super) segments: Option<u64>,
     /// Samples per segment
-    #[arg(long, value_name = "N", requires = "segments", value_parser = clap::value_parser!(u64).range(1..))]
+    #[arg(long, value_name = "N", requires = "segments", value_parser = clap::value_parser!(u64).range(1..=1_000_000_000))]
     pub(super) segment_samples: Option<u64>,
 }
 

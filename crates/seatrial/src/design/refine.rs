@@ -125,7 +125,7 @@ fn plan(
     let samples = vessel.samples(config.duration_s);
     refuse_endless("`duration_s`", samples).map_err(|e| Failure::invalid(&a.campaign, &e))?;
     let names: Vec<String> = generator.maneuvers().iter().map(|m| m.name.clone()).collect();
-    design.designed().plan(&names, samples).map_err(|e| files(a).refused(e))
+    design.designed().plan(&names, generator.tables(), samples).map_err(|e| files(a).refused(e))
 }
 
 fn files(a: &Refine) -> Files<'_> {

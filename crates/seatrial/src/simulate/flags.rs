@@ -88,3 +88,10 @@ impl CampaignInputs<'_> {
         campaign.map_err(|e| self.files.refused(e))
     }
 }
+
+/// Notes what became of maneuvers whose inputs stand in tables, where there are any.
+pub fn note_plays(campaign: &Campaign, provenance: &mut Provenance) {
+    if !campaign.statements().is_empty() {
+        provenance.settings.insert("plays".into(), campaign.statements().into());
+    }
+}

@@ -3,7 +3,7 @@
 mod flags;
 pub mod logs;
 
-pub use flags::{CampaignFlags, CampaignInputs};
+pub use flags::{CampaignFlags, CampaignInputs, note_plays};
 
 use std::ops::Range;
 use std::path::Path;

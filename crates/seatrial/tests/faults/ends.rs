@@ -160,10 +160,15 @@ pub struct Ended {
 
 /// Starts `line`; `fault`, such as `kill:3`, awaits it.
 pub fn start(place: &Place, line: &str, fault: &str) -> Child {
+    start_within(place, line, fault, MEMORY_KIB)
+}
+
+/// The same in less memory.
+fn start_within(place: &Place, line: &str, fault: &str, memory_kib: u64) -> Child {
     let said = fs::File::create(place.path().join("said")).unwrap();
     let mut command = Command::new("sh");
     let seconds = place.ground.seconds.map_or(String::new(), |seconds| format!("ulimit -t {seconds}; "));
-    command.args(["-c", &format!("{seconds}ulimit -v {MEMORY_KIB}; exec \"$0\" \"$@\""), SEATRIAL]);
+    command.args(["-c", &format!("{seconds}ulimit -v {memory_kib}; exec \"$0\" \"$@\""), SEATRIAL]);
     command.args(line.split_whitespace()).current_dir(place.path()).env("SEATRIAL_FAULT", fault);
     command
         .env("RUST_BACKTRACE", "0")
@@ -175,12 +180,16 @@ pub fn start(place: &Place, line: &str, fault: &str) -> Child {
 }
 
 /// Waits for a process, not for ever.
-pub fn wait(place: &Place, mut child: Child) -> Ended {
+pub fn wait(place: &Place, child: Child) -> Ended {
+    wait_for(place, child, LIMIT)
+}
+
+fn wait_for(place: &Place, mut child: Child, limit: Duration) -> Ended {
     let started = Instant::now();
     let status = loop {
         match child.try_wait().unwrap() {
             Some(status) => break Some(status),
-            None if started.elapsed() > LIMIT => {
+            None if started.elapsed() > limit => {
                 child.kill().unwrap();
                 child.wait().unwrap();
                 break None;
@@ -204,7 +213,7 @@ impl Ended {
             if self.is_at_work {
                 return Ok(AT_WORK);
             }
-            return Err((Wrong::TimeOut, format!("does not end within {} s", LIMIT.as_secs())));
+            return Err((Wrong::TimeOut, "does not end in time".to_owned()));
         };
         if self.told.contains("panicked at") || status.code() == Some(101) {
             return Err((Wrong::Panic, told()));
@@ -234,8 +243,13 @@ fn is_out_of_time(status: ExitStatus) -> bool {
 
 /// Runs `line` where nothing is written yet: it writes files that its readers take, or refuses and leaves nothing.
 pub fn ends(place: &Place, line: &str) -> Result<i32, Fault> {
+    ends_within(place, line, LIMIT, MEMORY_KIB)
+}
+
+/// The same in less time and memory.
+pub fn ends_within(place: &Place, line: &str, limit: Duration, memory_kib: u64) -> Result<i32, Fault> {
     let before = place.inputs();
-    let ended = wait(place, start(place, line, ""));
+    let ended = wait_for(place, start_within(place, line, "", memory_kib), limit);
     let code = ended.judged()?;
     if code == AT_WORK {
         return Ok(code);

@@ -58,7 +58,7 @@ const WORDS: [&str; 34] = [
 ];
 
 /// The flags of a stage, with the dashes, and whether each takes a value: those that its help names.
-fn flags(line: &str) -> Vec<(String, bool)> {
+pub fn flags(line: &str) -> Vec<(String, bool)> {
     static KNOWN: Mutex<BTreeMap<String, Vec<(String, bool)>>> = Mutex::new(BTreeMap::new());
     let words: Vec<&str> = line.split_whitespace().take_while(|word| !word.starts_with("--")).collect();
     let mut known = KNOWN.lock().unwrap();

@@ -16,6 +16,7 @@ mod fuzz;
 mod grounds;
 mod kills;
 mod named;
+mod numbers;
 mod outputs;
 mod places;
 mod points;

@@ -33,6 +33,7 @@ mod sea;
 mod shared;
 mod slot;
 mod speed_limit;
+mod tables;
 mod tide;
 mod time_limits;
 mod units;

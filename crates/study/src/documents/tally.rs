@@ -1,5 +1,6 @@
 use artifact::{Document, Units};
 use identification::{Estimator, Share};
+use numerics::statistics::median_interval_in_words;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use validation::tally::{Bounds, Counted, PairCounts, QUANTILE_ERROR, Tally};
@@ -81,7 +82,8 @@ impl TallyDocument {
             tally,
         };
         let shares = document.tally.counted.iter().filter_map(|counted| share_in_words(counted, bounds));
-        let pairs = document.paired.iter().filter_map(PairedRatio::in_words);
+        let pairs = document.paired.iter().zip(&document.tally.pairs);
+        let pairs = pairs.filter_map(|(own, counts)| own.in_words(counts.ratio.count()));
         document.statements = shares.chain(pairs).collect();
         document
     }
@@ -143,20 +145,22 @@ fn share_in_words(counted: &Counted, bounds: Bounds) -> Option<String> {
 }
 
 impl PairedRatio {
-    /// Whether the runs tell one from the other, and which is better.
-    fn in_words(&self) -> Option<String> {
-        let Self { design, one, other, median_ratio, median_ratio_interval, .. } = self;
-        let [low, high] = median_ratio_interval.map(|end| end.unwrap_or(f64::NAN));
-        let found = format!(
-            "median ratio {:.3} (95 % interval {low:.3} to {high:.3}) over the same runs",
-            (*median_ratio)?
-        );
-        Some(if low > 1.0 {
-            format!("{design}: {one} has less parameter error than {other}: {found}.")
-        } else if high < 1.0 {
-            format!("{design}: {other} has less parameter error than {one}: {found}.")
-        } else {
-            format!("{design}: {one} and {other} cannot be told apart by parameter error: {found}.")
+    /// Whether the `runs` tell one from the other, and which is better.
+    fn in_words(&self, runs: u64) -> Option<String> {
+        let Self { design, one, other, median_ratio, median_ratio_interval: ends, .. } = self;
+        let interval = match median_interval_in_words(*ends, runs, |end| format!("{end:.3}")) {
+            Ok(interval) => format!("95 % interval {interval}"),
+            Err(why) => why,
+        };
+        let found = format!("median ratio {:.3} ({interval}) over the same runs", (*median_ratio)?);
+        Some(match *ends {
+            [Some(low), _] if low > 1.0 => {
+                format!("{design}: {one} has less parameter error than {other}: {found}.")
+            }
+            [_, Some(high)] if high < 1.0 => {
+                format!("{design}: {other} has less parameter error than {one}: {found}.")
+            }
+            _ => format!("{design}: {one} and {other} cannot be told apart by parameter error: {found}."),
         })
     }
 }

@@ -3,9 +3,9 @@
 use std::fmt::Display;
 
 use logs::{Accepted, Checksums, FileSpec, Format, Interval, LOG_TIME, PUBLISH_TIME, TimeUnit};
-use refusal::{Invalid, check_numbers, foreign};
+use refusal::{Invalid, check_name, check_numbers, check_ranges, foreign};
 
-use super::IngestFile;
+use super::{IngestFile, ThrusterSpec};
 
 impl IngestFile {
     /// Refuses numbers without meaning and keys that exclude each other.
@@ -14,6 +14,7 @@ impl IngestFile {
     /// Names the key.
     pub fn check(&self) -> Result<(), Invalid> {
         self.check_numbers()?;
+        self.check_names()?;
         self.check_channels()?;
         self.check_segments()?;
         self.file.iter().try_for_each(check_file)
@@ -30,6 +31,7 @@ impl IngestFile {
             ("min_s", self.min_s),
         ];
         check_positive(numbers.into_iter().filter_map(|(key, value)| Some((key, value?))))?;
+        self.check_ranges()?;
         let rising = self.speed_classes_m_s.windows(2).all(|pair| pair[0] < pair[1]);
         if !rising || self.speed_classes_m_s.iter().any(|bound| !(bound.is_finite() && *bound > 0.0)) {
             return Err(Invalid::new(
@@ -48,6 +50,40 @@ impl IngestFile {
             return Err(Invalid::new("`tail_s`", found, expected, "correct it or remove it"));
         }
         self.check_speed_names()
+    }
+
+    /// Refuses numbers that no log has room for.
+    fn check_ranges(&self) -> Result<(), Invalid> {
+        // Something of a second or so where a number is not stated.
+        let or_one = |value: Option<f64>| value.unwrap_or(1.0);
+        let (seconds, metres) = (1e-9..=1e9, -1e4..=1e4);
+        check_ranges([
+            ("sample_rate_hz", self.sample_rate_hz, 1e-6..=1e6, "Hz"),
+            ("max_gap_s", self.max_gap_s, seconds.clone(), "s"),
+            ("average_s", or_one(self.average_s), 1e-9..=1e5, "s"),
+            ("velocities.window_s", self.velocities.window_s, 1e-6..=1e5, "s"),
+            ("window_s", or_one(self.window_s), 1e-6..=1e7, "s"),
+            ("tail_s", or_one(self.tail_s), 1e-9..=1e7, "s"),
+            ("min_s", or_one(self.min_s), seconds.clone(), "s"),
+        ])?;
+        check_ranges(self.antenna_m.map(|place| ("antenna_m", place, metres.clone(), "m")))?;
+        let classes = self.speed_classes_m_s.iter();
+        check_ranges(classes.map(|bound| ("speed_classes_m_s", *bound, 0.0..=1000.0, "m/s")))?;
+        let times =
+            self.segment.iter().flat_map(|own| [("segment.from_s", own.from_s), ("segment.to_s", own.to_s)]);
+        check_ranges(times.map(|(key, time)| (key, time, -1e9..=1e9, "s")))?;
+        self.thruster.iter().try_for_each(check_thruster)
+    }
+
+    /// Refuses names that figures and pages cannot hold.
+    fn check_names(&self) -> Result<(), Invalid> {
+        let own = [("design", &self.design)].into_iter().chain(self.maneuver.iter().map(|m| ("maneuver", m)));
+        let classes = self.speed_class_names.iter().flatten().map(|name| ("speed_class_names", name));
+        let segments = self.segment.iter().map(|segment| ("segment.maneuver", &segment.maneuver));
+        let channels = self.file.iter().flat_map(|file| &file.channel).map(|own| ("channel", &own.channel));
+        let derived = self.derived.iter().map(|own| ("derived.channel", &own.channel));
+        let all = own.chain(classes).chain(segments).chain(channels).chain(derived);
+        all.into_iter().try_for_each(|(key, name)| check_name(format!("`{key}`"), name))
     }
 
     fn check_speed_names(&self) -> Result<(), Invalid> {
@@ -103,14 +139,28 @@ impl IngestFile {
                 ));
             }
             check_positive([(format!("max_gap_s` of channel `{}", channel.channel), gap)])?;
+            let own = |key: &str| format!("{key}` of channel `{}", channel.channel);
+            check_ranges([
+                (own("scale"), channel.scale, -1e15..=1e15, ""),
+                (own("offset"), channel.offset, -1e15..=1e15, ""),
+                (own("delay_s"), channel.delay_s, -1e9..=1e9, "s"),
+                (own("max_gap_s"), gap, 1e-9..=1e9, "s"),
+            ])?;
         }
         let attitudes = self.file.iter().flat_map(|file| &file.quaternion);
         for quaternion in attitudes {
             let gap = quaternion.max_gap_s.unwrap_or(1.0);
             check_positive([("tolerance", quaternion.tolerance), ("max_gap_s", gap)])?;
-            check_numbers([("delay_s", quaternion.delay_s)], "a finite number", |_| true)?;
+            check_ranges([
+                ("tolerance", quaternion.tolerance, 1e-12..=1e3, ""),
+                ("max_gap_s", gap, 1e-9..=1e9, "s"),
+                ("delay_s", quaternion.delay_s, -1e9..=1e9, "s"),
+            ])?;
         }
+        let columns = self.file.iter().filter_map(|file| file.columns);
+        check_ranges(columns.map(|count| ("columns", count as f64, 0.0..=1e5, "columns")))?;
         let clocks = self.file.iter().map(|file| ("offset_s", file.time.offset_s));
+        check_ranges(clocks.clone().map(|(key, offset)| (key, offset, -1e12..=1e12, "s")))?;
         let antenna = self.antenna_m.map(|place| ("antenna_m", place));
         check_numbers(clocks.chain(antenna), "a finite number", |_| true)
     }
@@ -141,6 +191,13 @@ impl IngestFile {
             None => Ok(()),
         }
     }
+}
+
+fn check_thruster(thruster: &ThrusterSpec) -> Result<(), Invalid> {
+    let (ThrusterSpec::Azimuth { coefficient, position_m, .. }
+    | ThrusterSpec::Tunnel { coefficient, position_m, .. }) = thruster;
+    check_ranges([("thruster.coefficient", coefficient.unwrap_or(1.0), -1e12..=1e12, "")])?;
+    check_ranges(position_m.map(|place| ("thruster.position_m", place, -1e4..=1e4, "m")))
 }
 
 /// Refuses keys of a group of files that exclude each other or lack another.

@@ -1,8 +1,9 @@
 //! Numbers and names of `plan.toml` that are written well and still make no sense.
 
-use std::ops::Bound::{self, Excluded, Included, Unbounded};
+use std::ops::Bound::{self, Excluded, Included};
 use std::ops::RangeBounds;
 
+use refusal::check_name;
 use trial::voyage::AT_REST;
 use trial::{Mode, Tolerance};
 use vessel::{Invalid, MOST_CURRENT_M_S};
@@ -14,9 +15,6 @@ use super::file::PlanFile;
 type Range = (Bound<f64>, Bound<f64>);
 /// A number: its key, where it may be, and its unit.
 type Number = (&'static str, f64, Range, &'static str);
-
-const ABOVE_0: Range = (Excluded(0.0), Unbounded);
-const FROM_0: Range = (Included(0.0), Unbounded);
 
 /// Standard deviations of a sensor that a tolerance has room for at least: 95 of 100 measurements are no farther off.
 const SEEN: f64 = 2.0;
@@ -37,10 +35,9 @@ fn check(thing: String, value: f64, range: Range, unit: &str) -> Result<(), Inva
         return Ok(());
     }
     let expected = match range {
-        (Excluded(least), Included(most)) => format!("above {least} to {most} {unit}"),
+        (Excluded(least), Included(most)) => format!("a number above {least} to {most} {unit}"),
         (Included(least), Included(most)) => format!("from {least} to {most} {unit}"),
-        (Excluded(least), _) => format!("a number above {least}"),
-        _ => "a number from 0 up".to_owned(),
+        _ => "another number".to_owned(),
     };
     Err(Invalid::new(thing, value.to_string(), expected, "correct it"))
 }
@@ -66,10 +63,11 @@ impl PlanFile {
             }
         }
         for (limit, number) in self.speed_limit.iter().zip(1..) {
+            limit.name.iter().try_for_each(|name| check_name("`name` of a speed limit", name))?;
             let own = limit.name.as_ref().map_or_else(|| number.to_string(), |name| format!("`{name}`"));
             check_corners(&format!("`corners` of speed limit {own}"), &limit.corners)?;
             let thing = format!("`max_speed_m_s` of speed limit {own}");
-            check(thing, limit.max_speed_m_s, ABOVE_0, "m/s")?;
+            check(thing, limit.max_speed_m_s, above_0_to(1000.0), "m/s")?;
         }
         let draughts = [("air_draught_m", self.hull.air_draught_m), ("draught_m", self.hull.draught_m)];
         for (key, draught_m) in draughts.into_iter().filter_map(|(key, value)| Some((key, value?))) {
@@ -83,13 +81,13 @@ impl PlanFile {
         let [speed, towards] = self.known_current.map_or([0.0; 2], |c| [c.speed_m_s, c.towards_deg]);
         let within = |most: f64| (Included(-most), Included(most));
         [
-            ("cell_m", self.cell_m, ABOVE_0, "m"),
+            ("cell_m", self.cell_m, above_0_to(1e6), "m"),
             ("hull.length_m", hull.length_m, above_0_to(1000.0), "m"),
             ("hull.beam_m", hull.beam_m, above_0_to(1000.0), "m"),
             ("hull.reference_m", hull.reference_m, within(hull.length_m / 2.0), "m, a point of the hull"),
             ("safety.margin_m", safety.margin_m, from_0_to(1e5), "m"),
-            ("safety.transit_depth_m", safety.transit_depth_m, FROM_0, "m"),
-            ("safety.trial_depth_m", safety.trial_depth_m, FROM_0, "m"),
+            ("safety.transit_depth_m", safety.transit_depth_m, from_0_to(12_000.0), "m"),
+            ("safety.trial_depth_m", safety.trial_depth_m, from_0_to(12_000.0), "m"),
             ("safety.unknown_current_m_s", safety.unknown_current_m_s, from_0_to(MOST_CURRENT_M_S), "m/s"),
             ("safety.parameter_error", safety.parameter_error, from_0_to(0.99), "(1 is 100 %)"),
             ("safety.runs", f64::from(safety.runs.unwrap_or(1)), (Included(1.0), Included(1e6)), "runs"),
@@ -106,17 +104,17 @@ impl PlanFile {
                 "",
             ),
             ("approach.run_in_s", approach.run_in_s, from_0_to(1e4), "s"),
-            ("approach.tolerance_cells", approach.tolerance_cells, ABOVE_0, "cells"),
-            ("approach.tolerance_deg", approach.tolerance_deg, ABOVE_0, "degrees"),
-            ("approach.tolerance_m_s", approach.tolerance_m_s.unwrap_or(1.0), ABOVE_0, "m/s"),
-            ("approach.tolerance_rad_s", approach.tolerance_rad_s.unwrap_or(1.0), ABOVE_0, "rad/s"),
-            ("sensors.position_m", sensors.position_m, FROM_0, "m"),
-            ("sensors.heading_deg", sensors.heading_deg, FROM_0, "degrees"),
-            ("sensors.speed_m_s", sensors.speed_m_s, FROM_0, "m/s"),
-            ("sensors.yaw_rate_rad_s", sensors.yaw_rate_rad_s, FROM_0, "rad/s"),
+            ("approach.tolerance_cells", approach.tolerance_cells, above_0_to(1e3), "cells"),
+            ("approach.tolerance_deg", approach.tolerance_deg, above_0_to(360.0), "degrees"),
+            ("approach.tolerance_m_s", approach.tolerance_m_s.unwrap_or(1.0), above_0_to(100.0), "m/s"),
+            ("approach.tolerance_rad_s", approach.tolerance_rad_s.unwrap_or(1.0), above_0_to(10.0), "rad/s"),
+            ("sensors.position_m", sensors.position_m, from_0_to(1e6), "m"),
+            ("sensors.heading_deg", sensors.heading_deg, from_0_to(360.0), "degrees"),
+            ("sensors.speed_m_s", sensors.speed_m_s, from_0_to(100.0), "m/s"),
+            ("sensors.yaw_rate_rad_s", sensors.yaw_rate_rad_s, from_0_to(10.0), "rad/s"),
             ("known_current.speed_m_s", speed, from_0_to(MOST_CURRENT_M_S), "m/s"),
             ("known_current.towards_deg", towards, within(360.0), "degrees"),
-            ("informative_s", self.informative_s.unwrap_or(1.0), ABOVE_0, "s"),
+            ("informative_s", self.informative_s.unwrap_or(1.0), above_0_to(1e9), "s"),
         ]
     }
 
@@ -180,6 +178,7 @@ impl PlanFile {
             Err(Invalid::new(format!("speed mode `{}`", mode.name), found, expected, remedy))
         };
         let Mode { name, speed_m_s } = mode;
+        check_name("`name` of a speed mode", name)?;
         if !(speed_m_s.is_finite() && *speed_m_s > 0.0) {
             let remedy = "being at rest is always there where the vessel can hold it: leave it out";
             return refuse(format!("{speed_m_s} m/s"), "a speed above 0 m/s", remedy);

@@ -1,5 +1,6 @@
 use std::collections::BTreeMap;
 
+use refusal::check_ranges;
 use serde::Deserialize;
 use trial::rounds::Knowledge;
 use vessel::{Invalid, Source, Vessel, check_numbers};
@@ -43,7 +44,8 @@ impl SequentialFile {
         ];
         let floors = self.floor.iter().map(|(name, value)| (format!("floor.{name}"), *value));
         let positive = keys.into_iter().map(|(key, value)| (key.to_owned(), value)).chain(floors);
-        check_numbers(positive, "more than zero", |value| value > 0.0)?;
+        check_numbers(positive.clone(), "more than zero", |value| value > 0.0)?;
+        check_ranges(positive.map(|(key, value)| (key, value, 1e-12..=1e9, "")))?;
         let spread = [("nominal_spread", self.nominal_spread)];
         check_numbers(spread, "a number from 0 to 2", |value| (0.0..=2.0).contains(&value))
     }

@@ -2,6 +2,7 @@ use std::path::{Path, PathBuf};
 
 use artifact::{Error, Provenance};
 use identification::Estimator;
+use refusal::{check_ranges, foreign, one_line};
 use serde::Deserialize;
 use toml::{Table, Value};
 use vessel::{Invalid, check_numbers};
@@ -53,17 +54,25 @@ impl SweepFile {
     /// A file that is refused.
     pub fn read(path: &Path, provenance: &mut Provenance) -> Result<Self, Error> {
         let file: Self = provenance.read_toml("config", "sweep", path)?;
-        file.check().map_err(|e| crate::invalid(path, &e))?;
+        let refuse = |e| crate::invalid(path, &e);
+        check_path("--config", &path.to_string_lossy()).map_err(refuse)?;
+        file.check().map_err(refuse)?;
         Ok(file)
     }
 
     fn check(&self) -> Result<(), Invalid> {
+        check_path("`study`", &self.study)?;
+        check_path("`dictionary`", &self.dictionary())?;
         let positive = [
             ("realizations", f64::from(self.realizations.unwrap_or(1))),
             ("shards", f64::from(self.shards)),
             ("half_width", self.half_width.unwrap_or(1.0)),
         ];
         check_numbers(positive, "more than zero", |value| value > 0.0)?;
+        check_ranges([
+            ("shards", f64::from(self.shards), 1.0..=1e5, "parts"),
+            ("half_width", self.half_width.unwrap_or(0.1), 1e-6..=0.5, ""),
+        ])?;
         if self.half_width.is_some() && (self.realizations.is_some() || self.shards > 1) {
             let (expected, remedy) = ("it alone", "remove `realizations` and `shards`, or `half_width`");
             return Err(Invalid::new(
@@ -121,6 +130,17 @@ impl SweepFile {
             true => Err(Invalid::new("`grid`", "no key", "at least one", "name what is to be varied")),
             false => Ok(axes),
         }
+    }
+}
+
+/// Refuses names of files that Snakemake would take for a pattern, or that stand in no line.
+fn check_path(thing: &str, path: &str) -> Result<(), Invalid> {
+    match path.contains(['{', '}']) || one_line(path) != path {
+        true => {
+            let expected = "a name in one line, without { and }";
+            Err(Invalid::new(thing, foreign(path), expected, "rename the folder or file"))
+        }
+        false => Ok(()),
     }
 }
 

@@ -4,6 +4,7 @@ use std::sync::{Mutex, PoisonError};
 
 use artifact::{Column, ColumnSpec, Digest, Provenance, Shard, Table, TableReader};
 
+use refusal::check_name;
 use vessel::{DerivedChannel, Run, Segment};
 
 use super::{ID, Layout, VERSION};
@@ -154,6 +155,11 @@ struct Block<'a> {
 impl<'a> Block<'a> {
     fn new(table: &'a Table, reader: &'a TrajectoryReader) -> Result<Self, Error> {
         let columns = &table.columns;
+        for (name, column) in [("design", &columns[0]), ("maneuver", &columns[3])] {
+            let labels = column.text_codes().map_or(&[][..], |(labels, _)| labels);
+            let held = labels.iter().try_for_each(|label| check_name(format!("column `{name}`"), label));
+            held.map_err(|e| crate::invalid(&reader.path, &e))?;
+        }
         let i32s = |i: usize| columns[i].as_i32().ok_or_else(|| reader.wrong_kind(i));
         let f64s = |i: usize| columns[i].as_f64().ok_or_else(|| reader.wrong_kind(i));
         Ok(Self {

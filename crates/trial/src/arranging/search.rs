@@ -2,11 +2,10 @@
 
 use std::collections::BTreeMap;
 
-use design::apportion;
 use rayon::prelude::*;
 use vessel::{Invalid, LANES, Streams, simulate_one};
 
-use crate::campaign::{Parts, Plan};
+use crate::campaign::{Parts, Plan, shared_out};
 
 use super::{Arranged, Arranging, Kept, generated_limits};
 
@@ -21,16 +20,15 @@ const JOINING: usize = 12;
 
 impl Arranging<'_> {
     /// The best sequence that a local search finds from the dictionary's order: segments trade samples, change places, or make
-    /// room for others. `shares`: of the maneuvers, with their `sensitivities`.
+    /// room for others. Tables are played whole, so they trade no samples. `shares`: of the maneuvers, with their `sensitivities`.
     ///
     /// # Errors
-    /// A generator without the dictionary's maneuvers; a motion that the model cannot hold.
+    /// A generator without the dictionary's maneuvers; a motion that the model cannot hold; samples that whole plays do not fill.
     pub fn search(&self, shares: &[f64], sensitivities: &[f64], samples: usize) -> Result<Arranged, Invalid> {
         let places = self.places()?;
-        let counts = apportion(shares, samples as u64);
-        let used = (0..counts.len()).filter(|q| counts[*q] > 0);
-        let mut now: Plan = used.map(|q| (places[q], counts[q] as usize)).collect();
-        now.sort_unstable();
+        let mut own = vec![0.0; self.generator.maneuvers().len()];
+        places.iter().zip(shares).for_each(|(place, share)| own[*place] = *share);
+        let mut now = shared_out(&own, self.generator.tables(), samples)?;
         let mut order: Vec<usize> = (0..places.len()).collect();
         order.sort_by(|a, b| sensitivities[*b].total_cmp(&sensitivities[*a]).then(a.cmp(b)));
         let joining: Vec<usize> = order.into_iter().take(JOINING).map(|q| places[q]).collect();
@@ -86,9 +84,10 @@ impl Arranging<'_> {
         let streams = Streams::new(self.seed, "sequence");
         let mut bits = streams.choices(round, 0, u32::MAX, 16 * NEIGHBOURS).into_iter();
         let mut draw = move |below: usize| bits.next().unwrap_or(0) as usize % below.max(1);
+        let now = plan;
         (0..NEIGHBOURS)
             .map(|_| {
-                let mut plan = plan.clone();
+                let mut plan = now.clone();
                 for _ in 0..1 + draw(3) {
                     let (from, to) = (draw(plan.len()), draw(plan.len()));
                     match draw(5) {
@@ -110,9 +109,21 @@ impl Arranging<'_> {
                         }
                     }
                 }
-                merged(plan)
+                let plan = self.merged(plan);
+                if self.is_whole(&plan) { plan } else { now.clone() }
             })
             .collect()
+    }
+
+    /// Whether every table is played at its own length.
+    fn is_whole(&self, plan: &Plan) -> bool {
+        let tables = self.generator.tables();
+        plan.iter().all(|(q, n)| tables.get(q).is_none_or(|table| table.samples == *n))
+    }
+
+    /// Without parts of no samples; neighbours of the same maneuver become one, but for tables.
+    fn merged(&self, plan: Plan) -> Plan {
+        merged(plan, |q| self.generator.tables().contains_key(&q))
     }
 
     /// The criterion's value of every plan; minus infinity where it is not defined.
@@ -124,11 +135,11 @@ impl Arranging<'_> {
     }
 }
 
-/// Without parts of no samples; neighbours of the same maneuver become one.
-fn merged(plan: Plan) -> Plan {
+/// Without parts of no samples; neighbours of the same maneuver become one where it is not played `whole`.
+fn merged(plan: Plan, whole: impl Fn(usize) -> bool) -> Plan {
     let mut out: Plan = Vec::with_capacity(plan.len());
     for (maneuver, samples) in plan.into_iter().filter(|(_, n)| *n > 0) {
-        match out.last_mut().filter(|(last, _)| *last == maneuver) {
+        match out.last_mut().filter(|(last, _)| *last == maneuver && !whole(maneuver)) {
             Some(last) => last.1 += samples,
             None => out.push((maneuver, samples)),
         }
@@ -142,6 +153,7 @@ mod tests {
 
     #[test]
     fn parts_without_samples_go_and_neighbours_of_one_maneuver_become_one() {
-        assert_eq!(merged(vec![(1, 3), (2, 0), (1, 4), (0, 2)]), [(1, 7), (0, 2)]);
+        let plan = vec![(1, 3), (2, 0), (1, 4), (0, 2), (0, 2)];
+        assert_eq!(merged(plan, |q| q == 0), [(1, 7), (0, 2), (0, 2)]);
     }
 }

@@ -2,13 +2,10 @@ use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
 use std::sync::Arc;
 
-use design::apportion;
 use vessel::{Generator, Invalid, Realized};
 
 use super::Refusal;
-
-/// What happens in a run: maneuver (its place in the dictionary) and samples, one after the other.
-pub type Plan = Vec<(usize, usize)>;
+use super::plays::{Plan, Tables, said, shared_out};
 
 /// Maneuvers as they occur in plans, made once.
 #[derive(Clone, Default)]
@@ -85,25 +82,33 @@ pub struct Designed {
 }
 
 impl Designed {
-    /// The maneuvers for a run of `samples` samples; `names`: those of the dictionary.
+    /// The maneuvers for a run of `samples` samples; `names`: those of the dictionary, of which `tables` are played whole.
     ///
     /// # Errors
-    /// A maneuver that the dictionary does not have, shares that are none, an order of another length, no sample.
-    pub fn plan(&self, names: &[String], samples: usize) -> Result<Plan, Refusal> {
+    /// A maneuver that the dictionary does not have, shares that are none, an order of another length or with parts of tables,
+    /// no sample, samples that nothing fills.
+    pub fn plan(&self, names: &[String], tables: &Tables, samples: usize) -> Result<Plan, Refusal> {
         if let Some(unknown) = self.shares.keys().find(|name| !names.contains(name)) {
             return Err(Refusal::UnknownManeuver { name: unknown.clone(), ordered: false });
         }
         check_shares(&self.shares).map_err(Refusal::Design)?;
         if let Some(order) = &self.order {
-            return ordered(order, names, samples);
+            return ordered(order, names, tables, samples);
         }
         if samples == 0 {
             return Err(too_short(samples, "duration_s"));
         }
-        let shares: Vec<f64> =
-            names.iter().map(|name| self.shares.get(name).copied().unwrap_or(0.0)).collect();
-        let counts = apportion(&shares, samples as u64).into_iter().enumerate();
-        Ok(counts.filter(|(_, n)| *n > 0).map(|(q, n)| (q, n as usize)).collect())
+        shared_out(&self.of(names), tables, samples).map_err(Refusal::Campaign)
+    }
+
+    /// The shares of maneuvers `names`.
+    fn of(&self, names: &[String]) -> Vec<f64> {
+        names.iter().map(|name| self.shares.get(name).copied().unwrap_or(0.0)).collect()
+    }
+
+    /// What became of the shares of tables in `plan`, a line each.
+    pub(super) fn said(&self, names: &[String], tables: &Tables, plan: &Plan) -> Vec<String> {
+        if self.order.is_some() { Vec::new() } else { said(&self.of(names), tables, plan) }
     }
 }
 
@@ -123,22 +128,35 @@ pub fn check_shares(shares: &BTreeMap<String, f64>) -> Result<(), Invalid> {
 }
 
 /// The design's own order and lengths.
-fn ordered(order: &[(String, usize)], names: &[String], samples: usize) -> Result<Plan, Refusal> {
+fn ordered(
+    order: &[(String, usize)],
+    names: &[String],
+    tables: &Tables,
+    samples: usize,
+) -> Result<Plan, Refusal> {
     let total = order.iter().map(|(_, n)| n).sum();
     if total != samples {
         return Err(Refusal::OtherLength { ordered: total, samples });
     }
-    let part = |(name, n): &(String, usize)| match names.iter().position(|known| known == name) {
-        Some(q) if *n > 0 => Ok((q, *n)),
-        Some(_) => Err(Refusal::Design(Invalid::new(
-            "`data.sequence`",
-            format!("`{name}` without a sample"),
-            "at least one",
-            "arrange it again",
-        ))),
-        None => Err(Refusal::UnknownManeuver { name: name.clone(), ordered: true }),
+    let refuse = |found, expected: &str| {
+        Err(Refusal::Design(Invalid::new("`data.sequence`", found, expected, "arrange it again")))
     };
-    order.iter().map(part).collect()
+    let mut plan = Plan::new();
+    for (name, n) in order {
+        let Some(q) = names.iter().position(|known| known == name) else {
+            return Err(Refusal::UnknownManeuver { name: name.clone(), ordered: true });
+        };
+        let part = tables.get(&q).map_or(*n, |table| table.samples);
+        if *n == 0 {
+            return refuse(format!("`{name}` without a sample"), "at least one");
+        }
+        if n % part != 0 {
+            let found = format!("{n} samples of `{name}`, which has a table of {part}");
+            return refuse(found, "whole plays of its table");
+        }
+        plan.extend(std::iter::repeat_n((q, part), n / part));
+    }
+    Ok(plan)
 }
 
 /// Runs of `samples` samples that `key` makes too short.

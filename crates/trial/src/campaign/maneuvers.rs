@@ -41,6 +41,11 @@ impl<'a> Maneuvers<'a> {
         self.generator.maneuvers().len()
     }
 
+    /// How those are played whose inputs stand in tables, a line each.
+    pub fn tables(&self) -> Vec<String> {
+        self.generator.tables().values().map(ToString::to_string).collect()
+    }
+
     /// Rows of maneuvers `indices`: of all, and of those among them that no limit leaves out.
     ///
     /// # Errors

@@ -2,6 +2,7 @@
 
 mod designed;
 mod maneuvers;
+mod plays;
 mod realizations;
 mod refusal;
 mod sea;
@@ -9,8 +10,10 @@ mod tally;
 mod together;
 
 pub(crate) use designed::Parts;
-pub use designed::{Designed, Plan, check_shares};
+pub use designed::{Designed, check_shares};
 pub use maneuvers::{Judged, Maneuvers, judge};
+pub use plays::{Plan, Tables};
+pub(crate) use plays::{drawable, shared_out};
 pub(crate) use realizations::even_lengths;
 pub use realizations::{Campaign, Settings, random_segments};
 pub use refusal::Refusal;

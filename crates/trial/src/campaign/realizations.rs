@@ -7,7 +7,8 @@ use rayon::prelude::*;
 use vessel::{GROUPS, Generator, LANES, Realized, Segment, Streams, Vessel, refuse_endless};
 
 use super::Refusal;
-use super::designed::{Designed, Parts, Plan, too_short};
+use super::designed::{Designed, Parts, too_short};
+use super::plays::{Plan, drawable, left_out};
 use super::sea::{Group, Sea, SimulatedRun, States};
 use super::together::{Experiment, Together};
 
@@ -53,6 +54,8 @@ pub struct Campaign<'a> {
     /// Every maneuver at every length that occurs.
     parts: Parts,
     names: Vec<String>,
+    /// What became of maneuvers whose inputs stand in tables.
+    statements: Vec<String>,
 }
 
 struct Design {
@@ -137,7 +140,9 @@ impl<'a> Campaign<'a> {
     ) -> Result<Self, Refusal> {
         let samples = settings.samples(sea.vessel())?;
         let names: Vec<String> = generator.maneuvers().iter().map(|m| m.name.clone()).collect();
-        let optimized = design.plan(&names, samples)?;
+        let tables = generator.tables();
+        let optimized = design.plan(&names, tables, samples)?;
+        let mut statements = design.said(&names, tables, &optimized);
         let mut designs = vec![Design::new("optimized", settings.seed, Rule::Fixed(optimized))];
         if let Some(segments) = settings.random_segments {
             if segments as usize > samples {
@@ -145,15 +150,20 @@ impl<'a> Campaign<'a> {
             }
             // Generated maneuvers that exceed their limits are in no design.
             let known = |q: &usize| generator.limits(*q).is_none() || design.shares.contains_key(&names[*q]);
-            let maneuvers = (0..names.len()).filter(known).collect();
-            let rule = Rule::Drawn { maneuvers, lengths: even_lengths(segments as usize, samples) };
-            designs.push(Design::new("random", settings.seed, rule));
+            let known: Vec<usize> = (0..names.len()).filter(known).collect();
+            let lengths = even_lengths(segments as usize, samples);
+            let maneuvers = drawable(&known, tables, &lengths);
+            statements.extend(left_out(&known, &maneuvers, tables, &lengths));
+            if !maneuvers.is_empty() {
+                designs.push(Design::new("random", settings.seed, Rule::Drawn { maneuvers, lengths }));
+            }
         }
         let mut parts = Parts::default();
         for plan in designs.iter().flat_map(|d| d.occurring(settings.realizations)) {
             parts.make(generator, &plan).map_err(Refusal::Dictionary)?;
         }
-        Ok(Self { sea, samples, realizations: settings.realizations, designs, parts, names }.prepared())
+        let realizations = settings.realizations;
+        Ok(Self { sea, samples, realizations, designs, parts, names, statements }.prepared())
     }
 
     /// Repeats `inputs` (N × inputs) from `initial`, open loop, as design `planned`.
@@ -176,7 +186,8 @@ impl<'a> Campaign<'a> {
         let parts = plan.iter().zip(segments).map(realize).collect();
         let names = segments.iter().map(|segment| segment.maneuver.clone()).collect();
         let designs = vec![Design::new("planned", settings.seed, Rule::Fixed(plan))];
-        Self { sea, samples, realizations: settings.realizations, designs, parts, names }.prepared()
+        let (realizations, statements) = (settings.realizations, Vec::new());
+        Self { sea, samples, realizations, designs, parts, names, statements }.prepared()
     }
 
     /// Joins what all runs of a design do once.
@@ -200,6 +211,11 @@ impl<'a> Campaign<'a> {
     /// The vessel.
     pub fn vessel(&self) -> &'a Vessel {
         self.sea.vessel()
+    }
+
+    /// What became of maneuvers whose inputs stand in tables, a line each.
+    pub fn statements(&self) -> &[String] {
+        &self.statements
     }
 
     /// Number of designs.

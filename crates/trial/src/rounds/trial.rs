@@ -1,6 +1,5 @@
 use std::sync::{Mutex, PoisonError};
 
-use design::apportion;
 use identification::runs::{RunError, RunEstimators};
 use identification::{Noise, OutputInformation, RunEstimate, Simulated, parameter_error};
 use vessel::{
@@ -11,7 +10,9 @@ use super::growing_run::GrowingRun;
 use super::knowledge::Knowledge;
 use super::planner::{Planner, SoFar};
 use super::row::{Arm, Outcome, Row, Shared};
-use crate::campaign::{Group, Parts, Plan, Refusal, Sea, even_lengths, random_segments};
+use crate::campaign::{
+    Group, Parts, Plan, Refusal, Sea, drawable, even_lengths, random_segments, shared_out,
+};
 
 /// What all realizations share.
 pub struct Trial<'a> {
@@ -72,6 +73,9 @@ impl<'a> Trial<'a> {
     ) -> Result<Self, Refusal> {
         let truth = truth(sea.vessel()).map_err(Refusal::Vessel)?;
         let planner = Planner::new(sea.vessel(), generator, noise).map_err(Refusal::Dictionary)?;
+        if planner.maneuvers().all(|q| generator.tables().contains_key(&q)) {
+            return Err(Refusal::Dictionary(tables_alone()));
+        }
         let informed = planner
             .shares(&truth, &knowledge.sizes(&truth), None, ends[0])
             .ok_or_else(|| Refusal::Dictionary(unexcited()))?;
@@ -98,6 +102,19 @@ impl<'a> Trial<'a> {
     /// Number of maneuvers to design with.
     pub fn maneuvers(&self) -> usize {
         self.planner.maneuvers().len()
+    }
+
+    /// What becomes of maneuvers whose inputs stand in tables, where there are any, in words.
+    pub fn statement(&self) -> Option<String> {
+        let names: Vec<&str> =
+            self.generator.tables().values().map(|table| table.maneuver.as_str()).collect();
+        (!names.is_empty()).then(|| {
+            format!(
+                "tables of inputs ({}) are played whole: their shares of a round are rounded to plays, and random trials go \
+                 without those of another length than a segment",
+                names.join(", ")
+            )
+        })
     }
 
     /// The rows of realizations `numbers`, which are estimated side by side: realizations, arms, rounds in order.
@@ -245,15 +262,28 @@ impl<'a> Trial<'a> {
         let shared = if designed.is_some() { Shared::Designed } else { Shared::Even };
         let maneuvers = self.planner.maneuvers();
         *shares = designed.unwrap_or_else(|| vec![1.0 / maneuvers.len() as f64; maneuvers.len()]);
-        let counts = apportion(shares, coming as u64);
-        (maneuvers.zip(counts).filter(|(_, n)| *n > 0).map(|(q, n)| (q, n as usize)).collect(), shared)
+        (self.shared_out(&maneuvers.collect::<Vec<_>>(), shares, coming), shared)
     }
 
-    /// Equally long segments, each of them any maneuver.
+    /// `coming` samples by the shares of `maneuvers`. What whole plays of tables leave is shared out among the others, evenly
+    /// where none of them has a share.
+    fn shared_out(&self, maneuvers: &[usize], shares: &[f64], coming: usize) -> Plan {
+        let (tables, count) = (self.generator.tables(), self.generator.maneuvers().len());
+        let mut all = vec![0.0; count];
+        maneuvers.iter().zip(shares).for_each(|(q, share)| all[*q] = *share);
+        shared_out(&all, tables, coming).unwrap_or_else(|_| {
+            let others = maneuvers.iter().filter(|q| !tables.contains_key(q));
+            others.for_each(|q| all[*q] = 1e-9);
+            shared_out(&all, tables, coming).unwrap_or_default()
+        })
+    }
+
+    /// Equally long segments, each of them any maneuver; tables of another length are left out.
     fn drawn(&self, number: u32, samples: usize) -> Plan {
         let lengths = even_lengths(self.random_segments.min(samples).max(1), samples);
         let streams = Streams::new(self.knowledge.seed, &format!("random {samples}"));
-        let maneuvers: Vec<usize> = self.planner.maneuvers().collect();
+        let maneuvers =
+            drawable(&self.planner.maneuvers().collect::<Vec<_>>(), self.generator.tables(), &lengths);
         random_segments(&streams, number, &maneuvers, &lengths)
     }
 
@@ -360,6 +390,12 @@ fn refused(error: RunError) -> Refusal {
         RunError::Diverged(_) => Refusal::Vessel(error.invalid()),
         RunError::TooShort { .. } => Refusal::Campaign(error.invalid()),
     }
+}
+
+/// Rounds are filled to their end, which whole plays of tables do not.
+fn tables_alone() -> Invalid {
+    let expected = "at least one that is generated, for what whole plays of tables leave of a round";
+    Invalid::new("maneuvers", "tables of inputs alone", expected, "add a maneuver")
 }
 
 fn unexcited() -> Invalid {

@@ -1,6 +1,6 @@
 //! Runs at sea, and the experiments that designs state.
 
-use trial::campaign::{Designed, Group, Refusal, Sea};
+use trial::campaign::{Designed, Group, Refusal, Sea, Tables};
 use vessel::{Current, Disturbances, Measurement, Streams, Vessel, Wind};
 
 #[test]
@@ -57,17 +57,17 @@ fn designed(shares: [(&str, f64); 2]) -> Designed {
 #[test]
 fn samples_are_shared_out_in_the_dictionarys_order_or_taken_in_the_designs_own() {
     let design = designed([("zig-zag", 0.75), ("turn", 0.25)]);
-    assert_eq!(design.plan(&names(), 8).unwrap(), [(0, 2), (1, 6)]);
+    assert_eq!(design.plan(&names(), &Tables::new(), 8).unwrap(), [(0, 2), (1, 6)]);
     let order = Some(vec![("zig-zag".to_owned(), 5), ("turn".to_owned(), 3)]);
     let arranged = Designed { order, ..design };
-    assert_eq!(arranged.plan(&names(), 8).unwrap(), [(1, 5), (0, 3)]);
+    assert_eq!(arranged.plan(&names(), &Tables::new(), 8).unwrap(), [(1, 5), (0, 3)]);
     let other = Refusal::OtherLength { ordered: 8, samples: 9 };
-    assert_eq!(arranged.plan(&names(), 9), Err(other));
+    assert_eq!(arranged.plan(&names(), &Tables::new(), 9), Err(other));
 }
 
 #[test]
 fn shares_that_are_none_are_refused() {
-    let refused = |design: Designed| design.plan(&names(), 8).unwrap_err().to_string();
+    let refused = |design: Designed| design.plan(&names(), &Tables::new(), 8).unwrap_err().to_string();
     assert!(refused(designed([("turn", 0.5), ("zig-zag", 0.4)])).contains("sum of `data.shares`"));
     assert!(refused(designed([("turn", 1.5), ("zig-zag", -0.5)])).contains("a share from 0 to 1"));
     assert!(refused(designed([("turn", 0.5), ("spiral", 0.5)])).contains("`spiral`"));

@@ -7,7 +7,7 @@ use super::simulated::Simulated;
 use super::spread::Spread;
 use super::standing::{ComparedModel, Difference, Standing};
 use super::validity::Validity;
-use identification::pooled::listed;
+use identification::pooled::{lies_above, listed};
 
 /// With fewer recordings than this their windows are compared: no interval of a median has both ends then.
 const FEW: usize = 6;
@@ -80,8 +80,6 @@ fn fit((d, fit): (DegreeOfFreedom, Option<f64>)) -> String {
 
 fn against(difference: &Difference) -> String {
     let Difference { name, pairs, median, interval } = difference;
-    let number = |x: &Option<f64>| x.map_or("∞".to_owned(), |x| format!("{x:+.3}"));
-    let [low, high] = interval.each_ref().map(number);
     let told = match interval {
         [Some(low), _] if *low > 0.0 => "better than",
         [_, Some(high)] if *high < 0.0 => "worse than",
@@ -92,6 +90,6 @@ fn against(difference: &Difference) -> String {
         Standing::Other => "the other model",
         Standing::Mean | Standing::Model | Standing::Average => "the mean of the data",
     };
-    let median = number(median);
-    format!("{told} {than}: its norm of RMSE/std lies {median} above (95 %: {low} to {high}; {pairs} pairs)")
+    let lies = lies_above(*median, *interval, *pairs, "pairs");
+    format!("{told} {than}: {lies}")
 }

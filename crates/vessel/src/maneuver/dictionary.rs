@@ -1,5 +1,6 @@
 use std::collections::BTreeSet;
 
+use refusal::check_name;
 use serde::Deserialize;
 
 use super::generate_spec::GenerateSpec;
@@ -48,10 +49,11 @@ pub(crate) fn check_all(maneuvers: &[ManeuverSpec], default_s: Option<f64>) -> R
     }
     let mut names = BTreeSet::new();
     for maneuver in maneuvers {
-        if maneuver.name.is_empty() || !names.insert(maneuver.name.as_str()) {
+        check_name("`name` of a [[maneuver]]", &maneuver.name)?;
+        if !names.insert(maneuver.name.as_str()) {
             return Err(Invalid::new(
                 format!("maneuver `{}`", maneuver.name),
-                "a name that is empty or used twice",
+                "a name that is used twice",
                 "a name of its own for every maneuver",
                 "rename one of them",
             ));

@@ -1,10 +1,12 @@
 use std::collections::BTreeMap;
 
 use super::generate_spec::Limits;
+use super::played::PlayedTable;
+use super::settings::check_range;
 use super::signal::Wave;
 use super::spec::{Kind, ManeuverSpec};
 use crate::steady::{Motion, Steady};
-use crate::{DictionaryFile, Invalid, Source, Streams, Vessel, parse_inputs, refuse_endless};
+use crate::{DictionaryFile, Invalid, Source, Streams, Vessel, refuse_endless};
 
 /// A maneuver turned into inputs.
 #[derive(Clone, Debug, PartialEq)]
@@ -25,7 +27,7 @@ pub struct Generator {
     written: usize,
     limits: Option<Limits>,
     default_s: Option<f64>,
-    files: BTreeMap<usize, Vec<f64>>,
+    tables: BTreeMap<usize, PlayedTable>,
 }
 
 impl Generator {
@@ -52,16 +54,10 @@ impl Generator {
             Source::Value => dictionary.inputs_from,
             Source::Nominal => Source::Nominal,
         };
-        let mut files = BTreeMap::new();
+        let mut tables = BTreeMap::new();
         for (index, maneuver) in dictionary.maneuvers.iter().enumerate() {
-            if let Kind::Inputs { file, .. } = &maneuver.kind {
-                let named = |e: Invalid| Invalid { thing: format!("{file}: {}", e.thing), ..e };
-                let inputs = parse_inputs(&read(file)?, &vessel.model).map_err(named)?;
-                let rows = inputs.chunks_exact(vessel.model.inputs);
-                for (row, inputs) in rows.enumerate() {
-                    check_range(vessel, inputs, || format!("{file}: row {}", row + 1))?;
-                }
-                files.insert(index, inputs);
+            if let Some(table) = PlayedTable::of(maneuver, vessel, &read)? {
+                tables.insert(index, table);
             }
         }
         Ok(Self {
@@ -71,7 +67,7 @@ impl Generator {
             written,
             limits,
             default_s: dictionary.duration_s,
-            files,
+            tables,
         })
     }
 
@@ -114,8 +110,7 @@ impl Generator {
         let maneuver = &self.maneuvers[index];
         let endless = || format!("maneuver `{}`, `duration_s`", maneuver.name);
         let own = maneuver.duration(self.default_s).map(|s| self.vessel.samples(s));
-        let file = self.files.get(&index).map(|inputs| inputs.len() / self.vessel.model.inputs);
-        match file.or(own) {
+        match self.tables.get(&index).map(|table| table.samples).or(own) {
             Some(samples) if samples > 0 => refuse_endless(endless(), samples).map(|()| samples),
             _ => Err(Invalid::new(
                 format!("maneuver `{}`", maneuver.name),
@@ -126,21 +121,27 @@ impl Generator {
         }
     }
 
-    /// Whether maneuver `index` in few samples is the beginning of the same in more: nothing of it is stretched.
-    pub fn goes_on(&self, index: usize) -> bool {
-        !self.files.contains_key(&index) && self.maneuvers[index].kind.goes_on()
+    /// The maneuvers whose inputs stand in tables, by their places.
+    pub fn tables(&self) -> &BTreeMap<usize, PlayedTable> {
+        &self.tables
     }
 
-    /// Maneuver `index` carried out in `samples` samples. Swings keep their period, sweeps and recorded inputs are
-    /// stretched to the length.
+    /// Whether maneuver `index` in few samples is the beginning of the same in more: nothing of it is stretched.
+    pub fn goes_on(&self, index: usize) -> bool {
+        self.maneuvers[index].kind.goes_on()
+    }
+
+    /// Maneuver `index` carried out in `samples` samples. Swings keep their period, sweeps are stretched to the length. Tables
+    /// begin as they are written.
     ///
     /// # Errors
-    /// A motion that the model cannot hold.
+    /// A motion that the model cannot hold; a table of fewer samples.
     pub fn realize(&self, index: usize, samples: usize) -> Result<Realized, Invalid> {
         let maneuver = &self.maneuvers[index];
-        if let (Kind::Inputs { speed_m_s, .. }, Some(recorded)) = (&maneuver.kind, self.files.get(&index)) {
-            let inputs = stretch(recorded, self.vessel.model.inputs, samples);
-            return Ok(Realized { initial: [*speed_m_s, 0.0, 0.0], inputs });
+        if let Some(table) = self.tables.get(&index) {
+            let inputs = table.first(samples)?.to_vec();
+            let plan = Plan::new(&maneuver.kind, self.vessel.sample_rate_hz, 0);
+            return Ok(Realized { initial: [plan.start_speed(), 0.0, 0.0], inputs });
         }
         let plan = Plan::new(&maneuver.kind, self.vessel.sample_rate_hz, samples);
         let named = |e: Invalid| Invalid { thing: format!("maneuver `{}`, {}", maneuver.name, e.thing), ..e };
@@ -167,25 +168,6 @@ impl Generator {
         }
         Ok(inputs)
     }
-}
-
-/// Refuses inputs beyond what the vessel's can be set to, which `what` asks for.
-fn check_range(vessel: &Vessel, inputs: &[f64], what: impl Fn() -> String) -> Result<(), Invalid> {
-    let Some((i, [low, high])) = vessel.beyond_range(inputs) else { return Ok(()) };
-    let variable = &vessel.model.input_variables()[i];
-    Err(Invalid::new(
-        what(),
-        format!("{} = {} {}", variable.name, inputs[i], variable.unit),
-        format!("a setting from {low} to {high}, its `range` in the vessel's file"),
-        "lower speeds and yaw rates, or correct the range",
-    ))
-}
-
-/// Nearest-sample stretching of recorded inputs (N × width) to `samples` samples.
-fn stretch(recorded: &[f64], width: usize, samples: usize) -> Vec<f64> {
-    let rows = recorded.len() / width;
-    let row = |k: usize| (k * rows / samples).min(rows - 1) * width;
-    (0..samples).flat_map(|k| recorded[row(k)..row(k) + width].iter().copied()).collect()
 }
 
 /// The wanted motion, sample by sample.

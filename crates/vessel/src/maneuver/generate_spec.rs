@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use refusal::check_numbers;
+use refusal::{check_numbers, check_ranges};
 use serde::Deserialize;
 
 use super::signal::{MULTISINE_SAMPLES, SWING_SAMPLES, check_period};
@@ -108,6 +108,18 @@ impl GenerateSpec {
         check_numbers(all, "more than zero", |value| value > 0.0)?;
         let duration = self.duration_s.map(|duration| ("generate.duration_s", duration));
         check_numbers(duration, "more than 0 s", |value| value > 0.0)?;
+        check_ranges(duration.map(|(key, duration)| (key, duration, 0.0..=1e9, "s")))?;
+        check_ranges(self.period_s.map(|period| ("generate.period_s", period, 0.0..=1e9, "s")))?;
+        let speeds = self.speed_m_s.into_iter().flatten();
+        check_ranges(speeds.map(|speed| ("generate.speed_m_s", speed, -100.0..=100.0, "m/s")))?;
+        let moduli = [
+            ("u_m_s", limits.u_m_s, 100.0),
+            ("v_m_s", limits.v_m_s, 100.0),
+            ("r_rad_s", limits.r_rad_s, 10.0),
+        ];
+        check_ranges(
+            moduli.map(|(key, limit, most)| (format!("generate.limits.{key}"), limit, 0.0..=most, "")),
+        )?;
         let [shortest, longest] = self.period_s;
         if !(shortest > 0.0 && longest >= shortest && longest.is_finite()) {
             return refuse(

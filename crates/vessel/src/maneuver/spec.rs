@@ -23,6 +23,9 @@ pub struct ManeuverSpec {
 const FASTEST_M_S: f64 = 100.0;
 const FASTEST_RAD_S: f64 = 10.0;
 
+/// The longest duration and period of a maneuver \[s\].
+const LONGEST_S: f64 = 1e9;
+
 /// Keys of every maneuver, whatever its kind.
 const COMMON_KEYS: [&str; 4] = ["name", "kind", "description", "duration_s"];
 
@@ -166,8 +169,11 @@ pub enum Kind {
     },
     /// Inputs from a file.
     Inputs {
-        /// Name of the table with a column per input, a row per sample.
+        /// Name of the table with a column per input, and a row per sample or with its time in a column `t` \[s\].
         file: String,
+        /// Whether the table's rows are other times than the samples: inputs go on straight lines between them.
+        #[serde(default)]
+        resample: bool,
         /// Speed at the start \[m/s\].
         #[serde(default)]
         speed_m_s: f64,
@@ -195,6 +201,7 @@ impl ManeuverSpec {
             let (most, unit) = match key {
                 _ if key.ends_with("_m_s") => (FASTEST_M_S, "m/s"),
                 _ if key.ends_with("_rad_s") => (FASTEST_RAD_S, "rad/s"),
+                "heading_amplitude_rad" => (FASTEST_RAD_S, "rad"),
                 _ => continue,
             };
             if value.abs() > most {
@@ -253,7 +260,13 @@ impl ManeuverSpec {
     }
 
     fn above_zero(&self, key: &str, value: f64) -> Result<(), Invalid> {
-        if value.is_finite() && value > 0.0 { Ok(()) } else { Err(self.invalid(key, value, "more than 0 s")) }
+        if !(value.is_finite() && value > 0.0) {
+            return Err(self.invalid(key, value, "more than 0 s"));
+        }
+        if value > LONGEST_S {
+            return Err(self.invalid(key, value, &format!("at most {LONGEST_S:e} s")));
+        }
+        Ok(())
     }
 
     fn invalid(&self, key: &str, value: f64, expected: &str) -> Invalid {
@@ -265,7 +278,7 @@ impl Kind {
     /// Whether it begins in the same way however long it lasts.
     pub(super) fn goes_on(&self) -> bool {
         match *self {
-            Self::Spiral { .. } | Self::Inputs { .. } => false,
+            Self::Spiral { .. } => false,
             Self::Combined { speed_m_s, yaw_rate_rad_s, sway_m_s, .. } => {
                 let signals = [Some(speed_m_s), yaw_rate_rad_s, sway_m_s];
                 signals.iter().flatten().all(|signal| signal.shape != SignalShape::Ramp)

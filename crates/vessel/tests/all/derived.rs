@@ -1,6 +1,6 @@
 //! Channels that are computed from others.
 
-use vessel::{Formula, Invalid, Vessel, VesselFile, Written, parse_inputs, simulate_one};
+use vessel::{Formula, InputTable, Invalid, Vessel, VesselFile, Written, simulate_one};
 
 const SHIP: &str = r#"
 name = "coaster"
@@ -114,10 +114,11 @@ fn a_measured_disturbance_that_no_one_gives_a_value_is_not_simulated() {
 #[test]
 fn tables_of_inputs_may_repeat_derived_channels_and_not_contradict_them() {
     let model = ship().model;
-    assert_eq!(parse_inputs("n,delta,n_ahead\n3,0.1,3\n-3,0.1,0\n", &model).unwrap(), [3.0, 0.1, -3.0, 0.1]);
-    let refusal = parse_inputs("n,delta,n_ahead\n3,0.1,3\n-3,0.1,-3\n", &model).unwrap_err().to_string();
+    let table = InputTable::parse("n,delta,n_ahead\n3,0.1,3\n-3,0.1,0\n", &model).unwrap();
+    assert_eq!(table.inputs, [3.0, 0.1, -3.0, 0.1]);
+    let refusal = InputTable::parse("n,delta,n_ahead\n3,0.1,3\n-3,0.1,-3\n", &model).unwrap_err().to_string();
     assert!(refusal.contains("line 3, column `n_ahead`"), "{refusal}");
-    assert!(parse_inputs("n,delta,wind\n3,0.1,0\n", &model).is_err());
+    assert!(InputTable::parse("n,delta,wind\n3,0.1,0\n", &model).is_err());
 }
 
 #[test]

@@ -1,0 +1,41 @@
+use crate::{Invalid, foreign, one_line};
+
+/// Most characters of a name: it stands in figures and routes.
+const LONGEST: usize = 200;
+
+/// Refuses a name that figures, routes and pages cannot hold: none, one of more than 200 characters, or one with ends of lines,
+/// marks that nobody sees, or what XML has no place for.
+///
+/// # Errors
+/// Names `thing`, whose name it is.
+pub fn check_name(thing: impl Into<String>, name: &str) -> Result<(), Invalid> {
+    let count = name.chars().count();
+    let refuse = |found: String| {
+        let expected = format!("1 to {LONGEST} characters that can be seen, in one line");
+        Err(Invalid::new(thing, found, expected, "rename it"))
+    };
+    let unheld = |c: &char| matches!(c, '\u{fffe}' | '\u{ffff}') || one_line(&c.to_string()) != c.to_string();
+    match name.chars().find(unheld) {
+        Some(c) => refuse(format!("`{}` with the character U+{:04X}", foreign(name), u32::from(c))),
+        None if name.trim().is_empty() => refuse("no name".to_owned()),
+        None if count > LONGEST => refuse(format!("`{}`, {count} characters", foreign(name))),
+        None => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_that_nothing_can_hold_are_refused() {
+        for held in ["zig-zag 20/20", "Kehrwende (süd)", "操舵", "a&<b>\"'"] {
+            check_name("maneuver", held).unwrap();
+        }
+        let refused = |name: &str| check_name("maneuver", name).unwrap_err().to_string();
+        assert!(refused("a\u{ffff}b").contains("U+FFFF"));
+        assert!(refused("a\nb").contains("U+000A") && refused("a\u{202e}b").contains("U+202E"));
+        assert!(refused("").contains("no name") && refused(" ").contains("no name"));
+        assert!(refused(&"x".repeat(201)).contains("201 characters"));
+    }
+}

@@ -1,0 +1,62 @@
+//! `make` and `sweep` with names that a shell or Snakemake would take for something else.
+
+use std::process::Command;
+
+use crate::support::*;
+
+/// Exit code and what `make -n` says with a variable, on the command line or in the environment.
+fn made(variable: &str, in_environment: bool) -> (Option<i32>, String) {
+    let mut command = Command::new("make");
+    command.args(["--no-print-directory", "-n", "study"]).current_dir(repository());
+    // Not those of a make that runs the tests.
+    for name in ["MAKEFLAGS", "MAKELEVEL", "MFLAGS"] {
+        command.env_remove(name);
+    }
+    match (variable.split_once('='), in_environment) {
+        (Some((name, value)), true) => command.env(name, value),
+        _ => command.arg(variable),
+    };
+    let output = command.output().unwrap();
+    (output.status.code(), String::from_utf8_lossy(&output.stderr).into_owned())
+}
+
+#[test]
+fn names_that_a_shell_takes_for_more_are_refused_by_make() {
+    if Command::new("make").arg("--version").output().is_err() {
+        println!("skipped: there is no make");
+        return;
+    }
+    for (variable, found) in [
+        ("STUDY=a b", "a[blank]b"),
+        ("STUDY=pipelines/a&b", "pipelines/a&b"),
+        ("STUDY=pipelines/{x}", "pipelines/{x}"),
+        ("STUDY=$(shell touch made)", "$(shell[blank]touch[blank]made)"),
+        ("STUDY=-f", "-f"),
+        ("OUT=x;y", "x;y"),
+        ("LOGS=my logs", "my[blank]logs"),
+        ("SWEEP=a`b", "a`b"),
+        ("SWEEP_OUT=a>b", "a>b"),
+        ("PROFILE=a|b", "a|b"),
+        ("DICTIONARY=a'b", "a'b"),
+        ("BIN=a\tb", "a[blank]b"),
+    ] {
+        for in_environment in [false, true] {
+            let (code, said) = made(variable, in_environment);
+            let name = variable.split('=').next().unwrap();
+            let expected = format!("{name}: found `{found}`, expected a name of letters, digits");
+            assert!(code == Some(2) && said.contains(&expected), "{variable}: {code:?} {said}");
+            assert_eq!(said.lines().count(), 1, "{said}");
+        }
+    }
+    assert!(!repository().join("made").exists());
+    let (code, said) = made("STUDY=pipelines/smoke", false);
+    assert_eq!(code, Some(0), "{said}");
+}
+
+#[test]
+fn a_sweep_of_a_study_that_snakemake_takes_for_a_pattern_is_refused_by_name() {
+    let folder = with(&[]);
+    put(&folder, "sweep.toml", "study = \"{x}\"\n[grid]\ncampaign.duration_s = [100.0]\n");
+    let line = "sweep cells --config sweep.toml --out cells.json";
+    refused(&folder, 3, line, &["sweep.toml", "`study`", "found {x}", "without { and }"]);
+}

@@ -1,0 +1,13 @@
+use crate::{Invalid, Vessel};
+
+/// Refuses inputs beyond what the vessel's can be set to, which `what` asks for.
+pub(super) fn check_range(vessel: &Vessel, inputs: &[f64], what: impl Fn() -> String) -> Result<(), Invalid> {
+    let Some((i, [low, high])) = vessel.beyond_range(inputs) else { return Ok(()) };
+    let variable = &vessel.model.input_variables()[i];
+    Err(Invalid::new(
+        what(),
+        format!("{} = {} {}", variable.name, inputs[i], variable.unit),
+        format!("a setting from {low} to {high}, its `range` in the vessel's file"),
+        "lower speeds and yaw rates, or correct the range",
+    ))
+}
