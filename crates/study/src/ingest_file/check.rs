@@ -2,7 +2,7 @@
 
 use std::fmt::Display;
 
-use logs::{FileSpec, Format, Interval, LOG_TIME, PUBLISH_TIME, TimeUnit};
+use logs::{ChannelSpec, FileSpec, Format, Interval, LOG_TIME, PUBLISH_TIME, TimeUnit};
 use refusal::{Invalid, check_numbers};
 
 use super::IngestFile;
@@ -23,6 +23,7 @@ impl IngestFile {
         let numbers = [
             ("sample_rate_hz", Some(self.sample_rate_hz)),
             ("max_gap_s", Some(self.max_gap_s)),
+            ("max_speed_m_s", Some(self.max_speed_m_s)),
             ("average_s", self.average_s),
             ("velocities.window_s", Some(self.velocities.window_s)),
             ("window_s", self.window_s),
@@ -103,6 +104,7 @@ impl IngestFile {
                 ));
             }
             check_positive([(format!("max_gap_s` of channel `{}", channel.channel), gap)])?;
+            check_gate(channel)?;
         }
         let attitudes = self.file.iter().flat_map(|file| &file.quaternion);
         for quaternion in attitudes {
@@ -140,6 +142,25 @@ impl IngestFile {
             )),
             None => Ok(()),
         }
+    }
+}
+
+/// Refuses a channel whose values could not be told from what is none.
+fn check_gate(channel: &ChannelSpec) -> Result<(), Invalid> {
+    let key = |key: &str| format!("{key}` of channel `{}", channel.channel);
+    let missing = channel.missing.iter().flatten().map(|number| (key("missing"), *number));
+    check_numbers(missing, "finite numbers", |_| true)?;
+    check_numbers([(key("max_omitted"), channel.max_omitted)], "a share from 0 to 1", |share| {
+        (0.0..=1.0).contains(&share)
+    })?;
+    match channel.valid {
+        Some([low, high]) if !(low < high && (high - low).is_finite()) => Err(Invalid::new(
+            format!("`{}`", key("valid")),
+            format!("[{low}, {high}]"),
+            "the least and the greatest value",
+            "correct it",
+        )),
+        _ => Ok(()),
     }
 }
 
