@@ -27,7 +27,7 @@ pub(crate) struct TableMetadata {
     pub inputs: BTreeMap<String, Digest>,
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     origins: BTreeMap<String, Digest>,
-    settings: BTreeMap<String, Value>,
+    pub(crate) settings: BTreeMap<String, Value>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     shard: Option<Shard>,
     /// The document beside the table that vouches for it.

@@ -169,6 +169,7 @@ impl TableWriter {
     /// What the table was made of, where more is known of that than at its start.
     pub fn set_inputs(&mut self, provenance: &Provenance) {
         self.metadata.inputs.clone_from(&provenance.inputs);
+        self.metadata.settings.clone_from(&provenance.settings);
     }
 
     /// Appends a row group of `rows` rows whose column chunks lie in `source`.

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use artifact::{Document, Provenance, Work, read_document};
 use serde::de::DeserializeOwned;
+use study::Doubtful;
 use study::trajectories::{KeptRuns, Layout, TrajectoryReader};
 use vessel::{Run, Vessel};
 
@@ -60,6 +61,7 @@ fn opened(
     let layout = Layout::new(&vessel.model);
     fits(path, &format!("a row group of {rows} rows"), at_once * layout.working_bytes())?;
     provenance.made(key, path, reader.digest(), reader.provenance())?;
+    Doubtful::of(reader.provenance()).note(provenance);
     Ok(reader)
 }
 

@@ -10,6 +10,7 @@ use identification::MeanRemoval;
 use identification::pooled::{NominalModel, NominalSource, Pool, PooledRuns, Recorded};
 use identification::runs::Beside;
 use serde_json::{Value, json};
+use study::Doubtful;
 use study::documents::{EstimateDocument, IngestDocument};
 use study::trajectories::label;
 use vessel::Vessel;
@@ -46,6 +47,9 @@ pub struct RunFlags {
     /// All but these runs or recordings
     #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
     pub leave_out: Vec<String>,
+    /// Takes recordings, too, that ingest.json calls doubtful
+    #[arg(long)]
+    pub allow_doubtful: bool,
 }
 
 impl RunFlags {
@@ -71,6 +75,9 @@ impl RunFlags {
         label(runs.designs(), provenance);
         let selected = runs.select(&self.runs, &self.leave_out);
         selected.map_err(|e| Failure::invalid(self.file(), &e.invalid()))?;
+        if !self.allow_doubtful {
+            Doubtful::of(provenance).check(self.file(), |run| runs.has(run))?;
+        }
         Ok((runs, recordings.as_ref().map(IngestDocument::constant_channels).unwrap_or_default()))
     }
 

@@ -22,20 +22,32 @@ struct Squares {
     speed: f64,
     /// Off the derivative of position along the ship's axes; along north and east; along east and north.
     off: [f64; 3],
+    /// Of the measured velocities; products of these and of the derivatives along the ship's axes, inner and outer.
+    measured: f64,
+    products: [f64; 2],
 }
 
-/// Refuses measured `y_u` and `y_v` that follow the derivative of position in the axes of the earth and not in the ship's.
+/// By how much measured velocities are turned against the derivative of position, which the heading turned \[rad\], and
+/// which share of the squares of what they are off it is left without that.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Turned {
+    pub(crate) angle: f64,
+    pub(crate) left: f64,
+}
+
+/// Refuses measured `y_u` and `y_v` that follow the derivative of position in the axes of the earth and not in the ship's; else
+/// how these are turned against it.
 pub(crate) fn check_axes(
     channels: &Channels,
     derivatives: &Derivatives,
     conventions: &Conventions,
-) -> Result<(), Invalid> {
+) -> Result<Option<Turned>, Invalid> {
     let (Some(u), Some(v), Some([north, east])) =
         (channels.get("y_u"), channels.get("y_v"), &derivatives.over_ground)
     else {
-        return Ok(());
+        return Ok(None);
     };
-    let Some(times) = at_most(u) else { return Ok(()) };
+    let Some(times) = at_most(u) else { return Ok(None) };
     let starboard = conventions.body.starboard();
     let measured = u.at(times.iter()).zip(v.at(times.iter()));
     let rates = north.at(times.iter()).zip(east.at(times.iter())).zip(derivatives.psi.at(times.iter()));
@@ -47,19 +59,29 @@ pub(crate) fn check_axes(
         let own = starboard * v;
         squares.moments += 1;
         squares.speed += north * north + east * east;
-        let axes = [
-            ([u, v], body_velocity([north, east], psi)),
-            ([u, own], [north, east]),
-            ([u, own], [east, north]),
-        ];
+        let body = body_velocity([north, east], psi);
+        squares.measured += u * u + v * v;
+        squares.products[0] += u * body[0] + v * body[1];
+        squares.products[1] += v * body[0] - u * body[1];
+        let axes = [([u, v], body), ([u, own], [north, east]), ([u, own], [east, north])];
         for (sum, ([a, b], [c, d])) in squares.off.iter_mut().zip(axes) {
             *sum += (a - c) * (a - c) + (b - d) * (b - d);
         }
     }
-    squares.check(conventions.frame)
+    squares.check(conventions.frame)?;
+    Ok(squares.turned())
 }
 
 impl Squares {
+    /// None where there are too few moments, or no motion.
+    fn turned(&self) -> Option<Turned> {
+        let [inner, outer] = self.products;
+        let (length, off) = (libm::hypot(inner, outer), self.off[0]);
+        let left = (self.measured + self.speed - 2.0 * length).max(0.0) / off;
+        (self.moments >= MOMENTS && left.is_finite())
+            .then(|| Turned { angle: libm::atan2(outer, inner), left })
+    }
+
     fn check(&self, frame: Frame) -> Result<(), Invalid> {
         let mean = |sum: f64| (sum / self.moments.max(1) as f64).sqrt();
         let (speed, [body, first, second]) = (mean(self.speed), self.off.map(mean));

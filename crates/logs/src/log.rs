@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::attitude::angles;
 use crate::columns::cell_of;
+use crate::gate::{Gate, Limit, check_share};
 use crate::rollover::{set, unrolled};
 use crate::samples::{View, steps};
 use crate::spread::spread;
@@ -172,25 +173,31 @@ impl Log {
         let times = Arc::new(rows.gathered(times));
         let rows = Rows { rows, lines, times, max_gap_s: plan.setup.max_gap_s };
         let labels = spec.label_column.is_some().then(|| cells.next_back()).flatten();
-        let specs = channels.iter().map(|channel| (&spec.channel[*channel], &plan.units[group][*channel]));
+        let specs = channels.iter().map(|channel| {
+            let own = (&spec.channel[*channel], &plan.units[group][*channel]);
+            (own, &plan.limits[group][*channel])
+        });
         let cells = with_angles(cells.collect(), spec, &rows.lines)?;
-        let channels: Vec<(Cells, (&ChannelSpec, &Unit))> = cells.into_iter().zip(specs).collect();
-        let channel = |(cells, (spec, unit))| rows.channel(cells, spec, unit);
-        let channels = channels.into_par_iter().map(channel).collect::<Result<Vec<_>, _>>()?;
-        let (channels, seen) = channels.into_iter().unzip();
+        let channels: Vec<(Cells, ((&ChannelSpec, &Unit), &Limit))> = cells.into_iter().zip(specs).collect();
+        let channel = |(cells, ((spec, unit), limit))| rows.channel(cells, spec, unit, limit);
+        let judged = channels.into_par_iter().map(channel).collect::<Result<Vec<_>, _>>()?;
         let labels = labels.map(|labels| rows.labels(labels));
         let mut omitted = Omissions::default();
         omitted.append(&by_column, |column| {
             let channel = spec.channel.iter().find(|channel| channel.column == column);
             channel.map_or(column, |channel| &channel.channel)
         });
-        let channels: Vec<Series> = channels;
-        let rows_of = vec![rows.times.len(); channels.len()];
+        let (mut channels, mut seen) = (Vec::with_capacity(judged.len()), Vec::with_capacity(judged.len()));
+        for channel in judged {
+            omitted.append(&channel.omitted, |name| name);
+            channels.push(channel.series);
+            seen.push(channel.seen);
+        }
         Ok(Self {
+            rows: vec![rows.times.len(); channels.len()],
             times: rows.times,
             channels,
             seen,
-            rows: rows_of,
             labels,
             counts,
             omitted,
@@ -333,6 +340,14 @@ fn check_seams(times: &Samples, lines: &Numbering, plan: &Plan) -> Result<(), In
     Ok(())
 }
 
+/// A channel whose numbers have been judged.
+struct Judged {
+    series: Series,
+    /// What it looked like as it was logged.
+    seen: Seen,
+    omitted: Omissions,
+}
+
 /// The rows that stay of a file, in the order of time.
 struct Rows {
     rows: Kept,
@@ -342,26 +357,39 @@ struct Rows {
 }
 
 impl Rows {
-    /// The channel that stands in `cells` in SI units, and what it looked like; angles are unwrapped before they are scaled.
-    fn channel(&self, cells: Cells, spec: &ChannelSpec, unit: &Unit) -> Result<(Series, Seen), Invalid> {
+    /// The channel that stands in `cells` in SI units, and what it looked like; what is not possible is left out, and angles are
+    /// unwrapped before they are scaled.
+    fn channel(
+        &self,
+        cells: Cells,
+        spec: &ChannelSpec,
+        unit: &Unit,
+        limit: &Limit,
+    ) -> Result<Judged, Invalid> {
         let Cells::Numbers(numbers) = cells else { unreachable!("channels are read as numbers") };
         let numbers = self.rows.gathered(numbers);
-        let mut turns = Turns::new(unit);
-        numbers.iter().zip(self.times.iter()).for_each(|(number, time)| turns.see(number, time));
+        let (mut turns, mut gate) = (Turns::new(unit), Gate::new(spec, unit, limit));
+        numbers.iter().zip(self.times.iter()).for_each(|(number, time)| turns.see(gate.see(number), time));
         turns.check(&spec.column, |i| self.lines.place(self.rows.row(i)))?;
         let delayed = || Arc::new(numbers.made(self.times.iter().map(|time| time - spec.delay_s)));
         let times = if spec.delay_s == 0.0 { Arc::clone(&self.times) } else { delayed() };
         let mut unwrapping = (unit.si == "rad").then(Unwrapping::default);
+        // A scale beside numbers beyond a turn is one of its unit; else it is that of a gear, whose angle wraps before it.
+        let of_unit = spec.scale != 1.0 && turns.go_beyond();
+        let [inner, outer] =
+            if of_unit { [unit.factor * spec.scale, 1.0] } else { [unit.factor, spec.scale] };
         let values = numbers.iter().map(|number| {
-            let value = number * unit.factor;
+            let value = gate.keep(number) * inner;
             let unwrapped = match unwrapping.as_mut().filter(|_| value.is_finite()) {
                 Some(unwrapping) => unwrapping.next(value),
                 None => value,
             };
-            spec.sign * spec.scale * unwrapped + spec.offset
+            spec.sign * outer * unwrapped + spec.offset
         });
         let series = Series::shared(&times, numbers.made(values), spec.max_gap_s.unwrap_or(self.max_gap_s));
-        Ok((series, turns.seen()))
+        let (values, omitted) = gate.counted();
+        check_share(&spec.channel, values, omitted.as_slice(), spec.max_omitted, Some(limit))?;
+        Ok(Judged { series, seen: turns.seen(), omitted })
     }
 
     fn labels(&self, cells: Cells) -> Labels {

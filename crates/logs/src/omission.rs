@@ -8,8 +8,14 @@ refusal::choices! {
     pub enum Reason {
         /// Numbers that stand for no value.
         Missing = "missing",
-        /// Beyond what `valid` allows.
+        /// Beyond `valid`, or beyond what is possible where that is not said.
         Range = "range",
+        /// Of a place that no ship gets to from the one before.
+        Motion = "motion",
+        /// The same value again and again while the ship moves.
+        Frozen = "frozen",
+        /// 0 N 0 E, where there is no fix.
+        NullIsland = "0 N 0 E",
         /// Of a fix that is none, or of a quality that nobody asked for.
         Quality = "quality",
         /// Of a sentence that lacks what its value is made of, such as a heading without variation.
@@ -50,6 +56,26 @@ impl Omissions {
     /// Counts what `others` count, of channels as `named` calls their columns.
     pub fn append<'a>(&mut self, others: &'a Self, named: impl Fn(&'a str) -> &'a str) {
         others.0.iter().for_each(|other| self.add(named(&other.channel), other.reason, other.count));
+    }
+
+    /// `14 values left out: 12 of psi (missing), 2 of y_u (range)`, no more than some by name; `None` where there are none.
+    pub fn in_words(&self) -> Option<String> {
+        const NAMED: usize = 6;
+        let all: u64 = self.0.iter().map(|one| one.count).sum();
+        let one = |one: &Omission| format!("{} of `{}` ({})", one.count, one.channel, one.reason);
+        let named: Vec<String> = self.0.iter().take(NAMED).map(one).collect();
+        let more = self.0.len().saturating_sub(NAMED);
+        let more = if more > 0 {
+            format!(" and more of {more} other kinds, see ingest.json")
+        } else {
+            String::new()
+        };
+        (all > 0).then(|| format!("{all} values left out: {}{more}", named.join(", ")))
+    }
+
+    /// All of them.
+    pub fn as_slice(&self) -> &[Omission] {
+        &self.0
     }
 
     /// All of them.

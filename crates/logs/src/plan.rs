@@ -5,6 +5,7 @@ use std::fmt::Display;
 use refusal::{Invalid, nearest};
 use vessel::{DerivedChannel, Variable, Vessel};
 
+use crate::gate::Limit;
 use crate::unassembled::MOST_ROWS;
 use crate::{
     ChannelSpec, Content, Conventions, Derived, FileSpec, KINEMATIC, Propulsor, Setup, Stamps, UNITS, Unit,
@@ -24,6 +25,8 @@ pub struct Plan {
     pub further: Vec<(String, String)>,
     /// Units of the channels of every group of files.
     pub(crate) units: Vec<Vec<Unit>>,
+    /// What the numbers of these may be.
+    pub(crate) limits: Vec<Vec<Limit>>,
     /// How times that are text are read, per group of files.
     stamps: Vec<Stamps>,
     provided: Vec<Provided>,
@@ -90,7 +93,8 @@ impl Plan {
         };
         let further = further(&provided, &exogenous);
         let derived = vessel.map_or(Vec::new(), |(vessel, _)| vessel.model.derived.clone());
-        Ok(Self { setup, exogenous, derived, further, units, stamps, provided, most_rows: MOST_ROWS })
+        let limits = limits(&setup, &units, vessel, &exogenous);
+        Ok(Self { setup, exogenous, derived, further, units, limits, stamps, provided, most_rows: MOST_ROWS })
     }
 
     /// The columns of a file of group `group`: time, its nanoseconds if they stand on their own, the channels, the parts of
@@ -187,6 +191,26 @@ fn known_unit(spec: &ChannelSpec) -> Result<Unit, Invalid> {
             ),
         )
     })
+}
+
+/// What the numbers of all channels may be: those of the vessel's inputs as it says.
+fn limits(
+    setup: &Setup,
+    units: &[Vec<Unit>],
+    vessel: Option<(&Vessel, &str)>,
+    exogenous: &[Exogenous],
+) -> Vec<Vec<Limit>> {
+    let range = |channel: &str| {
+        let (vessel, called) = vessel?;
+        let (input, actuator) =
+            exogenous.iter().zip(&vessel.actuators).find(|(own, _)| own.name == channel)?;
+        Some((actuator.range?.map(|end| end / input.factor), called))
+    };
+    let of = |(spec, unit): (&ChannelSpec, &Unit)| {
+        Limit::new(spec, unit, range(&spec.channel), setup.max_speed_m_s)
+    };
+    let group = |(file, units): (&FileSpec, &Vec<Unit>)| file.channel.iter().zip(units).map(of).collect();
+    setup.files.iter().zip(units).map(group).collect()
 }
 
 fn wrong_unit(channel: &str, unit: &str, expected: String, remedy: &str) -> Invalid {

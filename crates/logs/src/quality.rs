@@ -77,7 +77,7 @@ pub struct MotionSummary {
     /// By how much the measured velocity is late; null where there is too little motion to tell. Where a filter and no pure
     /// delay is behind it, it depends on `velocities.window_s`.
     pub lag_s: Option<f64>,
-    /// Slope of the line of measured over derivative, 1 where both are in the same unit; null where they are not correlated.
+    /// Slope of the line of measured over derivative, 1 where both are in the same unit and count alike; null where they are not correlated.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub gain: Option<f64>,
 }
@@ -210,7 +210,7 @@ fn gain(measured: &Samples, derivative: &Samples) -> Option<f64> {
     let squares: f64 = derivative.iter().map(|d| (d - mean) * (d - mean)).sum();
     let products: f64 = measured.iter().zip(derivative.iter()).map(|(m, d)| m * (d - mean)).sum();
     let correlation = correlations(measured, derivative, 0)[0];
-    (correlation > TOLD).then(|| products / squares)
+    (correlation.abs() > TOLD).then(|| products / squares)
 }
 
 /// By how much `measured` comes after `reference` \[s\]; both at `rate_hz`, equally long. The shift within ±`longest_s` (and

@@ -11,14 +11,17 @@ use vessel::{DerivedChannel, Segment};
 
 use crate::assemble::on_one_clock;
 use crate::axes::check_axes;
+use crate::contradiction::Contradictions;
+use crate::gate::{check_share, keep_alive, keep_possible};
 use crate::pace::check_pace;
 use crate::quality::Derivatives;
 use crate::segment::Labelled;
 use crate::source::called;
 use crate::suspicion::{Seen, check_ratios, warnings};
 use crate::{
-    Assembled, ChannelSummary, Channels, Grid, Log, MotionSummary, Omission, Omissions, Part, Plan,
-    RowSummary, Samples, Segmentation, Series, Source, Unassembled, WarningSummary, noise_std, prepare,
+    Assembled, ChannelSpec, ChannelSummary, Channels, Grid, Log, MotionSummary, Omission, Omissions, Part,
+    Plan, Reason, RowSummary, Samples, Segmentation, Series, Setup, Source, Unassembled, WarningSummary,
+    noise_std, prepare,
 };
 
 /// What became of a recording.
@@ -133,6 +136,9 @@ pub struct RecordingSummary {
     /// What is odd about its channels.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub warnings: Vec<WarningSummary>,
+    /// Why no estimate is made of it unless asked, in words.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub doubtful: Vec<String>,
 }
 
 fn is_zero(seconds: &f64) -> bool {
@@ -153,31 +159,35 @@ pub fn record(
     let start_s = logs.iter().filter_map(|log| log.times.first()).fold(f64::INFINITY, f64::min);
     let labels = logs.iter().find_map(|log| labels(log, start_s));
     let setup = &plan.setup;
-    let missing = missing(plan, &logs);
+    let rows_of = rows_of(plan, &logs);
     let seen: Vec<Seen> = logs.iter().flat_map(|log| &log.seen).copied().collect();
     let mut rows = RowSummary::default();
     logs.iter().for_each(|log| rows += log.counts);
     let mut omitted = Omissions::default();
     logs.iter().for_each(|log| omitted.append(&log.omitted, |channel| channel));
     let of_logs: Vec<WarningSummary> = logs.iter().flat_map(|log| log.warnings.clone()).collect();
-    let channels = channels(plan, logs, start_s);
+    let channels = possible(channels(plan, logs, start_s), setup, &mut omitted)?;
+    let doubts = doubts(setup, &channels, omitted.as_slice());
+    let missing = missing(rows_of, &channels);
     let logged = plan.exogenous.len() - plan.derived.len();
     let exogenous: Vec<&str> = plan.exogenous[..logged].iter().map(|channel| channel.name.as_str()).collect();
     let further: Vec<&str> = plan.further.iter().map(|(name, _)| name.as_str()).collect();
     let refused = |why: &Unassembled, found: &[ChannelSummary]| refused(source, why, slowest(plan, found));
     let channels = prepare(channels, &setup.conventions).map_err(|why| refused(&why, &[]))?;
     let derivatives = Derivatives::of(&channels, setup.conventions.window_s);
-    let motion = match &derivatives {
+    let (motion, turned) = match &derivatives {
         Some(derivatives) => {
-            check_axes(&channels, derivatives, &setup.conventions)?;
-            derivatives.compared(&channels)
+            let turned = check_axes(&channels, derivatives, &setup.conventions)?;
+            (derivatives.compared(&channels), turned)
         }
-        None => [None; 3],
+        None => ([None; 3], None),
     };
     drop(derivatives);
     let summaries = summaries(plan, &channels, &missing);
     check_pace(setup, &channels, &summaries)?;
-    let warnings = [warnings(setup, &channels, &summaries, &seen), of_logs].concat();
+    let contradictions = Contradictions::of(&motion, turned, setup.conventions.rate_hz);
+    let warnings = warnings(setup, &channels, &summaries, &seen, &contradictions.told);
+    let warnings = [warnings, of_logs].concat();
     let needed = [exogenous.as_slice(), &further];
     let made = on_one_clock(channels, &setup.conventions, needed, plan.most_rows)
         .map_err(|why| refused(&why, &summaries))?;
@@ -203,6 +213,7 @@ pub fn record(
         rows,
         omitted: omitted.into_vec(),
         warnings,
+        doubtful: doubts.into_iter().chain(contradictions.broken).collect(),
         channels: summaries,
         motion: motion.into_iter().flatten().collect(),
     };
@@ -252,11 +263,58 @@ fn labels(log: &Log, start_s: f64) -> Option<Labelled> {
     Some(Labelled { times: Arc::clone(&log.times), start_s, labels: log.labels.clone()? })
 }
 
-/// Per channel of the files, how many rows have no value.
-fn missing(plan: &Plan, logs: &[Log]) -> Vec<(String, usize)> {
-    let series = logs.iter().flat_map(|log| log.rows.iter().zip(&log.channels));
-    let lacking = series.map(|(rows, series)| rows.saturating_sub(series.t.len()));
-    plan.setup.channels().map(|spec| spec.channel.clone()).zip(lacking).collect()
+/// Per channel of the files, how many rows there are.
+fn rows_of(plan: &Plan, logs: &[Log]) -> Vec<(String, usize)> {
+    let rows = logs.iter().flat_map(|log| log.rows.iter().copied());
+    plan.setup.channels().map(|spec| spec.channel.clone()).zip(rows).collect()
+}
+
+/// The same, how many of these have no value.
+fn missing(rows_of: Vec<(String, usize)>, channels: &Channels) -> Vec<(String, usize)> {
+    let known = |name: &String| channels.get(name).map_or(0, |series| series.t.len());
+    let lacking = |(name, rows): (String, usize)| {
+        let lacking = rows.saturating_sub(known(&name));
+        (name, lacking)
+    };
+    rows_of.into_iter().map(lacking).collect()
+}
+
+/// Share of a channel's values from which on it is doubtful what is left of it.
+const DOUBTFUL: f64 = 0.05;
+
+/// The channels of which much was left out, in words: neither as the configuration says, nor by the quality of a fix.
+fn doubts(setup: &Setup, channels: &Channels, omitted: &[Omission]) -> Vec<String> {
+    let of = |spec: &ChannelSpec| {
+        let stated = |reason: Reason| match reason {
+            Reason::Missing => spec.missing.is_some(),
+            Reason::Range => spec.valid.is_some(),
+            reason => reason == Reason::Quality,
+        };
+        let own = omitted.iter().filter(|one| one.channel == spec.channel);
+        let (asked, found) = own.fold((0, 0), |(asked, found), one| match stated(one.reason) {
+            true => (asked + one.count, found),
+            false => (asked, found + one.count),
+        });
+        let kept = channels.get(&spec.channel).map_or(0, |series| series.t.len() as u64);
+        let all = kept + asked + found;
+        (found as f64 > DOUBTFUL * all as f64)
+            .then(|| format!("`{}` lacks {found} of {all} values, which were left out", spec.channel))
+    };
+    setup.channels().filter_map(of).collect()
+}
+
+/// What of `channels` is possible for a ship; the rest is left out and counted.
+fn possible(mut channels: Channels, setup: &Setup, omitted: &mut Omissions) -> Result<Channels, Invalid> {
+    let before: Vec<(&ChannelSpec, usize)> =
+        setup.channels().filter_map(|spec| Some((spec, channels.get(&spec.channel)?.t.len()))).collect();
+    let mut own = Omissions::default();
+    keep_possible(&mut channels, setup.max_speed_m_s, &mut own);
+    keep_alive(&mut channels, &mut own);
+    for (spec, values) in before {
+        check_share(&spec.channel, values as u64, own.as_slice(), spec.max_omitted, None)?;
+    }
+    omitted.append(&own, |name| name);
+    Ok(channels)
 }
 
 /// All channels by name, on the recording's clock.

@@ -17,6 +17,8 @@ pub struct Setup {
     pub max_gap_s: f64,
     /// What to do where time goes backwards.
     pub non_monotonic: NonMonotonic,
+    /// The speed that the ship does not exceed \[m/s\].
+    pub max_speed_m_s: f64,
 }
 
 /// Files of one kind.
@@ -174,6 +176,15 @@ pub struct ChannelSpec {
     pub delay_s: f64,
     /// Its own longest gap \[s\].
     pub max_gap_s: Option<f64>,
+    /// Numbers that stand for no value, as they stand in the column: `[-9999, 65535]`. Without it, numbers such as these that
+    /// stand apart from their neighbours are left out; with it, even `[]`, only those in it are.
+    pub missing: Option<Vec<f64>>,
+    /// Least and greatest value, as numbers stand in the column; what is beyond is left out. Without it what is possible for a
+    /// channel of its kind: the `range` of the vessel's input, or what [your own logs](own-logs.md#values-that-are-none) says.
+    pub valid: Option<[f64; 2]>,
+    /// Share of its values that may be left out as missing, out of range or not possible.
+    #[serde(default = "fifth")]
+    pub max_omitted: f64,
     /// Whether it may be absent at some samples; for channels that the vessel does not need.
     #[serde(default)]
     pub optional: bool,
@@ -214,6 +225,10 @@ fn one() -> f64 {
     1.0
 }
 
+fn fifth() -> f64 {
+    0.2
+}
+
 fn psi() -> String {
     "psi".to_owned()
 }
@@ -251,6 +266,9 @@ impl QuaternionSpec {
             offset: 0.0,
             delay_s: self.delay_s,
             max_gap_s: self.max_gap_s,
+            missing: Some(Vec::new()),
+            valid: None,
+            max_omitted: fifth(),
             optional,
         };
         // A turn about the axis to port puts the bow down.

@@ -89,6 +89,11 @@ impl<'a> Turns<'a> {
         self.count += 1;
     }
 
+    /// Whether the numbers exceed a turn of their unit.
+    pub(crate) fn go_beyond(&self) -> bool {
+        self.unit.si == "rad" && self.largest * self.unit.factor > 1.02 * TAU
+    }
+
     /// What the numbers looked like.
     pub(crate) fn seen(&self) -> Seen {
         Seen { largest: self.unit.factor * self.largest, fast: self.fast }
@@ -166,10 +171,16 @@ pub enum WarningKind {
     Source,
     /// Its clock was corrected.
     Clock,
+    /// It comes later or earlier than what it is compared with.
+    Lag,
+    /// It is larger or smaller than what it is compared with.
+    Gain,
+    /// It is off what it is compared with by a constant.
+    Bias,
 }
 
 /// What is odd about a channel: the kind, how often, in words.
-type Oddity = (WarningKind, u64, String);
+pub(crate) type Oddity = (WarningKind, u64, String);
 
 /// What is odd about the channels of a recording; `seen` is what those that are logged looked like there.
 pub(crate) fn warnings(
@@ -177,6 +188,7 @@ pub(crate) fn warnings(
     channels: &Channels,
     found: &[ChannelSummary],
     seen: &[Seen],
+    contradictions: &[(&'static str, Oddity)],
 ) -> Vec<WarningSummary> {
     let mut odd: Vec<(&str, Oddity)> = Vec::new();
     for (spec, seen) in setup.channels().zip(seen) {
@@ -187,6 +199,8 @@ pub(crate) fn warnings(
         odd.extend(oddities.flatten().map(|oddity| (channel.name.as_str(), oddity)));
     }
     odd.extend(jumps(channels).map(|oddity| ("psi", oddity)));
+    odd.extend(place_jumps(channels).map(|oddity| ("x", oddity)));
+    odd.extend(contradictions.iter().cloned());
     let warning = |(channel, (kind, count, text)): (&str, Oddity)| WarningSummary {
         kind,
         channel: channel.to_owned(),
@@ -231,5 +245,29 @@ fn jumps(channels: &Channels) -> Option<Oddity> {
     let above = (12.0 * median_again(turned)?).max(0.2);
     let count = turned().filter(|step| *step > above).count();
     let text = format!("jumps by more than {:.1} deg {count} times", above.to_degrees());
+    (count > 0).then_some((WarningKind::Jump, count as u64, text))
+}
+
+/// Changes of the speed from place to place above 1 m/s and twelve times the median change, which no ship makes. Places that
+/// are repeated, as between fixes, count once.
+fn place_jumps(channels: &Channels) -> Option<Oddity> {
+    let (x, y) = (channels.get("x")?, channels.get("y")?);
+    let changes = || {
+        let places = x.t.iter().zip(x.values.iter()).zip(y.at(x.t.iter()));
+        let (mut before, mut speed) = ([f64::NAN; 3], [f64::NAN; 2]);
+        places.filter_map(move |((t, x), y)| {
+            let [t0, x0, y0] = before;
+            if (x, y) == (x0, y0) {
+                return None;
+            }
+            let now = [x - x0, y - y0].map(|way| way / (t - t0));
+            let change = ((now[0] - speed[0]).powi(2) + (now[1] - speed[1]).powi(2)).sqrt();
+            (before, speed) = ([t, x, y], now);
+            change.is_finite().then_some(change)
+        })
+    };
+    let above = (12.0 * median_again(changes)?).max(1.0);
+    let count = changes().filter(|change| *change > above).count();
+    let text = format!("and `y` jump, by their speed, by more than {above:.1} m/s {count} times");
     (count > 0).then_some((WarningKind::Jump, count as u64, text))
 }

@@ -18,6 +18,7 @@ pub(super) fn logs(measured: &Measured) -> Section {
                 "."
             }
             (recordings(found))
+            (left_out(found))
             (warnings(found))
             (motion(found))
             h3 { "Channels" }
@@ -43,6 +44,22 @@ fn recordings(found: &IngestDocument) -> Table<&RecordingSummary> {
         .number("Without, with repeated, with earlier time", |r| {
             format!("{}, {}, {}", r.rows.without_time, r.rows.repeated, r.rows.backwards)
         })
+}
+
+/// Values that were left out of all recordings, and recordings of which no estimate is made unless asked.
+fn left_out(found: &IngestDocument) -> Markup {
+    let omitted = found.omitted();
+    let doubtful = || found.recordings.iter().filter(|recording| !recording.doubtful.is_empty());
+    html! {
+        @if !omitted.as_slice().is_empty() {
+            h3 { "Values left out" }
+            ul { @for one in omitted.as_slice() { li { (one.count) " of `" (one.channel) "` (" (display(one.reason)) ")" } } }
+        }
+        @if doubtful().next().is_some() {
+            h3 { "Doubtful recordings" }
+            ul { @for recording in doubtful() { li { (recording.name) ": " (recording.doubtful.join("; ")) } } }
+        }
+    }
 }
 
 /// What is odd about channels, with the recordings that it is so in.

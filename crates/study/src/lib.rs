@@ -7,6 +7,7 @@ mod beyond;
 pub mod campaign_file;
 pub mod design_files;
 pub mod documents;
+mod doubtful;
 pub mod estimates;
 pub mod exported;
 pub mod files;
@@ -35,6 +36,7 @@ mod tried;
 mod validated;
 
 pub use beyond::beyond;
+pub use doubtful::Doubtful;
 pub use files::{beside, role_of};
 pub use identification::pooled::listed;
 pub use recommendation::recommendations;

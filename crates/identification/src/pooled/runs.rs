@@ -151,6 +151,11 @@ impl<R: Recorded> PooledRuns<R> {
         if self.runs.is_empty() { Err(SelectError::NoneLeft) } else { Ok(()) }
     }
 
+    /// Whether a run of this number is selected.
+    pub fn has(&self, number: i32) -> bool {
+        self.runs.iter().any(|run| run.number == number)
+    }
+
     /// Names of the designs of all runs, whether selected or not.
     pub fn designs(&self) -> impl Iterator<Item = &str> {
         self.designs.iter().map(String::as_str)

@@ -121,7 +121,14 @@ fn setup(labels: bool, method: Method, average_s: Option<f64>) -> Setup {
         ..declared::conventions(method, 7.0)
     };
     let non_monotonic = if labels { NonMonotonic::Sort } else { NonMonotonic::Drop };
-    Setup { written_in: "ingest.toml", files: vec![file], conventions, max_gap_s: 0.5, non_monotonic }
+    Setup {
+        written_in: "ingest.toml",
+        files: vec![file],
+        conventions,
+        max_gap_s: 0.5,
+        non_monotonic,
+        max_speed_m_s: 30.0,
+    }
 }
 
 fn recorded(setup: Setup, cut: Cut, store: Option<&Arc<dyn Store>>) -> Recorded {

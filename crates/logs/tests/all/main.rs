@@ -9,6 +9,7 @@ mod chain;
 mod clocks;
 mod declared;
 mod frames;
+mod gate;
 mod grid;
 mod lever;
 mod motion;

@@ -9,6 +9,7 @@ use identification::predictor::{InitialState, Levels};
 use identification::runs::{Asked, RunEstimators};
 use identification::{EstimateStatus, Estimator, MeanRemoval};
 use serde_json::json;
+use study::Doubtful;
 use study::documents::{EstimateDocument, ModelDocument};
 use study::estimates::{self, Row};
 use study::files::{read_campaign, read_followed};
@@ -60,6 +61,9 @@ pub struct Arguments {
     /// Which runs are asked what the model lacks
     #[arg(long, value_name = "WHICH", value_parser = choice(&Asked::ALL, Asked::name, Asked::description), default_value_t = Asked::Stated)]
     criticise: Asked,
+    /// Takes recordings, too, that ingest.json calls doubtful
+    #[arg(long)]
+    allow_doubtful: bool,
     #[command(flatten)]
     sharding: Sharding,
 }
@@ -115,6 +119,9 @@ impl Arguments {
         let file = given(&self.trajectories, "trajectories")?;
         let reader = inputs::trajectories(file, "trajectories", vessel, &mut provenance)?;
         study::note_seed(reader.provenance(), &mut provenance);
+        if !self.allow_doubtful {
+            Doubtful::of(reader.provenance()).check(file, |_| true)?;
+        }
         let initial = if reader.true_states() { InitialState::Known } else { InitialState::Estimated };
         let estimators = RunEstimators {
             vessel,

@@ -14,6 +14,7 @@ use artifact::{Digest, Scratch, TableWriter, commit_with_document, room};
 use clap::Parser;
 use logs::{PIECE, Plan, Recorded, RowSummary, Source, Totals, check_intervals};
 use serde_json::json;
+use study::Doubtful;
 use study::documents::{IngestDocument, RecordingSummary};
 use study::files::{read_ingest, read_vessel};
 use study::ingest_file::IngestFile;
@@ -73,6 +74,7 @@ impl Task for Arguments {
         let mut writer = TableWriter::create(&out, &schema, &provenance)?.with_document(&summary_file);
         let made = all((self, common), &config, &plan, (&folder, &out), sources, &mut writer)?;
         provenance.inputs.extend(made.logs);
+        Doubtful::among(&made.recordings).note(&mut provenance);
         writer.set_inputs(&provenance);
         let document = IngestDocument {
             vessel: vessel.map(|vessel| vessel.name),
@@ -223,16 +225,28 @@ fn summary(out: &Path, document: &IngestDocument) -> Summary {
     let (splits, short) = (sum(|r| r.splits), sum(|r| r.short_segments));
     let warnings = sum(|r| r.warnings.iter().map(|w| w.count).sum());
     let warned = if warnings > 0 { format!("; {warnings} warnings, see ingest.json") } else { String::new() };
+    let doubtful = Doubtful::among(recordings);
+    let names: Vec<&str> = doubtful.names().collect();
+    let doubted = match names.as_slice() {
+        [] => String::new(),
+        [first, more @ ..] => {
+            format!("; doubtful: `{first}` and {} more recordings, see ingest.json", more.len())
+        }
+    };
     let label = document.data.map_or(String::new(), |label| format!("; {label}"));
+    let omitted = document.omitted();
+    let left_out = omitted.in_words().map_or(String::new(), |words| format!("; {words}"));
     let line = format!(
         "{runs} runs, {samples} samples, {} maneuvers from {} recordings; {dropped} rows dropped, {splits} gaps \
-         that split a recording, {short} segments too short, {left_out_s:.0} s in no run{mended}{warned}{label}",
+         that split a recording, {short} segments too short, {left_out_s:.0} s in no \
+         run{mended}{left_out}{warned}{doubted}{label}",
         maneuvers.len(),
         recordings.len(),
     );
     let told = json!({
         "runs": runs, "samples": samples, "recordings": recordings.len(), "maneuvers": maneuvers.len(),
         "dropped_rows": dropped, "splits": splits, "short_segments": short, "left_out_s": left_out_s, "warnings": warnings,
+        "omitted": omitted.as_slice(), "doubtful": names,
     });
     Summary::of(out, line, told)
 }

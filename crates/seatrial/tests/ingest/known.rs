@@ -29,7 +29,7 @@ pub fn revolutions(t: f64) -> f64 {
 }
 
 /// Places from 0 to `seconds`, one a second: metres to the north and to the east of the first.
-fn track(seconds: usize) -> Vec<[f64; 2]> {
+pub fn track(seconds: usize) -> Vec<[f64; 2]> {
     const STEPS: usize = 200;
     let over_ground = |t: f64| {
         let ([u, v, _], psi) = (motion(t), heading(t));

@@ -8,10 +8,12 @@ mod document;
 #[path = "../support/draw.rs"]
 mod draw;
 mod encodings;
+mod faulty;
 mod field;
 mod files;
 mod fixes;
 mod forces;
+mod gate;
 mod known;
 mod real;
 mod refusals;

@@ -5,6 +5,7 @@ pub use logs::{
     ChannelSummary, ManeuverCount, MotionSummary, RecordingSummary, RowSummary, State, WarningKind,
     WarningSummary,
 };
+use logs::{Omission, Omissions};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -46,6 +47,15 @@ impl IngestDocument {
             r.runs.iter().map(move |run| (*run as i32, name.clone())).collect::<Vec<_>>()
         };
         self.recordings.iter().flat_map(named).collect()
+    }
+
+    /// What was left out of all recordings, value by value.
+    pub fn omitted(&self) -> Omissions {
+        let mut omitted = Omissions::default();
+        for Omission { channel, reason, count } in self.recordings.iter().flat_map(|r| &r.omitted) {
+            omitted.add(channel, *reason, *count);
+        }
+        omitted
     }
 
     /// `n` at 10.23 1/s, for every channel that is constant and not 0 over all recordings.

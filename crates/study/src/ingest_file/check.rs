@@ -2,7 +2,7 @@
 
 use std::fmt::Display;
 
-use logs::{Accepted, Checksums, FileSpec, Format, Interval, LOG_TIME, PUBLISH_TIME, TimeUnit};
+use logs::{Accepted, ChannelSpec, Checksums, FileSpec, Format, Interval, LOG_TIME, PUBLISH_TIME, TimeUnit};
 use refusal::{Invalid, check_name, check_numbers, check_ranges, foreign};
 
 use super::{IngestFile, ThrusterSpec};
@@ -24,6 +24,7 @@ impl IngestFile {
         let numbers = [
             ("sample_rate_hz", Some(self.sample_rate_hz)),
             ("max_gap_s", Some(self.max_gap_s)),
+            ("max_speed_m_s", Some(self.max_speed_m_s)),
             ("average_s", self.average_s),
             ("velocities.window_s", Some(self.velocities.window_s)),
             ("window_s", self.window_s),
@@ -146,6 +147,7 @@ impl IngestFile {
                 (own("delay_s"), channel.delay_s, -1e9..=1e9, "s"),
                 (own("max_gap_s"), gap, 1e-9..=1e9, "s"),
             ])?;
+            check_gate(channel)?;
         }
         let attitudes = self.file.iter().flat_map(|file| &file.quaternion);
         for quaternion in attitudes {
@@ -198,6 +200,25 @@ fn check_thruster(thruster: &ThrusterSpec) -> Result<(), Invalid> {
     | ThrusterSpec::Tunnel { coefficient, position_m, .. }) = thruster;
     check_ranges([("thruster.coefficient", coefficient.unwrap_or(1.0), -1e12..=1e12, "")])?;
     check_ranges(position_m.map(|place| ("thruster.position_m", place, -1e4..=1e4, "m")))
+}
+
+/// Refuses a channel whose values could not be told from what is none.
+fn check_gate(channel: &ChannelSpec) -> Result<(), Invalid> {
+    let key = |key: &str| format!("{key}` of channel `{}", channel.channel);
+    let missing = channel.missing.iter().flatten().map(|number| (key("missing"), *number));
+    check_numbers(missing, "finite numbers", |_| true)?;
+    check_numbers([(key("max_omitted"), channel.max_omitted)], "a share from 0 to 1", |share| {
+        (0.0..=1.0).contains(&share)
+    })?;
+    match channel.valid {
+        Some([low, high]) if !(low < high && (high - low).is_finite()) => Err(Invalid::new(
+            format!("`{}`", key("valid")),
+            format!("[{low}, {high}]"),
+            "the least and the greatest value",
+            "correct it",
+        )),
+        _ => Ok(()),
+    }
 }
 
 /// Refuses keys of a group of files that exclude each other or lack another.

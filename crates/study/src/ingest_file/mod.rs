@@ -32,6 +32,9 @@ pub struct IngestFile {
     /// What to do where time goes backwards.
     #[serde(default)]
     pub non_monotonic: NonMonotonic,
+    /// The speed that the ship does not exceed \[m/s\]: faster ones, and places that it would not get to, are left out.
+    #[serde(default = "thirty")]
+    pub max_speed_m_s: f64,
     /// Axes of `x` and `y`.
     #[serde(default)]
     pub frame: Frame,
@@ -83,6 +86,10 @@ pub struct IngestFile {
 
 fn measured() -> String {
     "measured".to_owned()
+}
+
+fn thirty() -> f64 {
+    30.0
 }
 
 /// A channel computed from others.
@@ -194,6 +201,7 @@ impl IngestFile {
             conventions,
             max_gap_s: self.max_gap_s,
             non_monotonic: self.non_monotonic,
+            max_speed_m_s: self.max_speed_m_s,
         })
     }
 

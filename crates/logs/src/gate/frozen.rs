@@ -1,0 +1,144 @@
+//! Sensors that repeat a value while the ship moves.
+
+use super::hold::{Hold, Holds};
+use super::places::pair;
+use crate::{Channels, Omissions, Reason, Series};
+
+/// Velocities; where one stands still, another tells whether the ship's motion did.
+const VELOCITIES: [&str; 5] = ["y_u", "y_v", "y_r", "v_x", "v_y"];
+
+/// A turn from which on a heading was not still \[rad\].
+const TURNED: f64 = 0.035;
+
+/// A speed from which on a place was not still \[m/s\].
+const MOVED_M_S: f64 = 0.1;
+
+/// Leaves out of `channels` what a frozen sensor repeats, and counts it. What is constant because the ship is at rest, or moves
+/// steadily, stays.
+pub(crate) fn keep_alive(channels: &mut Channels, omitted: &mut Omissions) {
+    let names = ["psi"].into_iter().chain(VELOCITIES);
+    let mut frozen: Vec<(&str, Vec<Hold>)> = names
+        .filter_map(|name| {
+            let series = channels.get(name)?;
+            let holds = Holds::of(series, None, |[from, _], [to, _]| (to - from).abs());
+            Some((name, holds.long().filter(|hold| is_frozen(name, hold, &holds, channels)).collect()))
+        })
+        .collect();
+    if let Some((names, metres)) = pair(channels)
+        && let [Some(first), Some(second)] = names.map(|name| channels.get(name))
+    {
+        let holds = Holds::of(first, Some(second), metres);
+        let found: Vec<Hold> = holds.long().filter(|hold| is_stuck(hold, &holds, channels)).collect();
+        frozen.extend(names.map(|name| (name, found.clone())));
+    }
+    for (name, holds) in frozen.iter().filter(|(_, holds)| !holds.is_empty()) {
+        let Some(series) = channels.get_mut(*name) else { continue };
+        let (kept, count) = without(series, holds);
+        *series = kept;
+        omitted.add(name, Reason::Frozen, count);
+    }
+}
+
+/// Whether the place stood still while the ship moved: by its speed, or by how abruptly the place stopped or went on.
+fn is_stuck(hold: &Hold, holds: &Holds, channels: &Channels) -> bool {
+    let speed = ["y_u", "v_x"].iter().zip(["y_v", "v_y"]).find_map(|(first, second)| {
+        let [first, second] = [channels.get(*first)?, channels.get(second)?];
+        mean_speed(first, second, hold)
+    });
+    match speed {
+        Some(speed) => {
+            let way = speed * hold.duration_s();
+            speed >= MOVED_M_S && way >= 5.0 * holds.step && hold.is_abrupt(0.25 * holds.step)
+        }
+        None => hold.step_out >= 3.0 * holds.step || hold.step_in >= 0.5 * holds.step,
+    }
+}
+
+fn mean_speed(first: &Series, second: &Series, hold: &Hold) -> Option<f64> {
+    let times = || hold.moments();
+    let speeds = first.at(times()).zip(second.at(times())).map(|(a, b)| libm::hypot(a, b));
+    let (sum, count) =
+        speeds.filter(|speed| speed.is_finite()).fold((0.0, 0), |(sum, n), speed| (sum + speed, n + 1));
+    (count > 0).then(|| sum / f64::from(count))
+}
+
+fn is_frozen(name: &str, hold: &Hold, holds: &Holds, channels: &Channels) -> bool {
+    let step = holds.step;
+    match name {
+        "psi" => match channels.get("y_r") {
+            Some(rate) => is_caught_up(hold, step, rate),
+            None => hold.step_out >= 3.0 * step,
+        },
+        _ => {
+            // Rates below what an instrument resolves are exactly zero.
+            let abrupt = hold.is_abrupt(match hold.value {
+                0.0 => 3.0 * step,
+                _ if hold.is_cut() => 0.05 * step,
+                _ => 0.25 * step,
+            });
+            let turned = || name == "y_r" && channels.get("psi").is_some_and(|psi| turns_unevenly(hold, psi));
+            abrupt && (turned() || others_vary(name, hold, channels))
+        }
+    }
+}
+
+/// Whether the heading, which stood still, is taken up again where the yaw rate says that it must be.
+fn is_caught_up(hold: &Hold, step: f64, rate: &Series) -> bool {
+    let moments = || hold.moments();
+    let (mut turned, mut most, mut before) = (0.0_f64, 0.0_f64, hold.times[0]);
+    for (time, rate) in moments().zip(rate.at(moments())).filter(|(_, rate)| rate.is_finite()) {
+        turned += rate * (time - before);
+        (most, before) = (most.max(turned.abs()), time);
+    }
+    let missed = (hold.step_out - turned.abs()).abs();
+    most >= TURNED.max(3.0 * step) && !(missed > 0.5 * turned.abs() + 0.5 * TURNED + step)
+}
+
+/// Whether the heading did not turn by the yaw rate that stood still.
+fn turns_unevenly(hold: &Hold, psi: &Series) -> bool {
+    let moments = || hold.moments();
+    let known = || moments().zip(psi.at(moments())).filter(|(_, psi)| psi.is_finite());
+    let Some((start, first)) = known().next() else { return false };
+    // Which way either counts is not known here.
+    [1.0, -1.0].into_iter().all(|sign| {
+        known().any(|(time, psi)| (psi - first - sign * hold.value * (time - start)).abs() >= TURNED)
+    })
+}
+
+/// Whether another velocity varied meanwhile as it does elsewhere.
+fn others_vary(name: &str, hold: &Hold, channels: &Channels) -> bool {
+    VELOCITIES.into_iter().filter(|other| *other != name).any(|other| {
+        channels.get(other).is_some_and(|series| {
+            let (mut inside, mut all, mut before) = ((0.0, 0_u32), (0.0, 0_u32), f64::NAN);
+            for (time, value) in series.t.iter().zip(series.values.iter()) {
+                let step = (value - before).abs();
+                before = value;
+                if step.is_finite() {
+                    all = (all.0 + step, all.1 + 1);
+                    if time > hold.times[0] && time <= hold.times[1] {
+                        inside = (inside.0 + step, inside.1 + 1);
+                    }
+                }
+            }
+            inside.1 > 0 && inside.0 / f64::from(inside.1) > 0.25 * all.0 / f64::from(all.1)
+        })
+    })
+}
+
+/// `series` without what `holds` repeat, and how many values that are.
+fn without(series: &Series, holds: &[Hold]) -> (Series, u64) {
+    let (mut count, mut next) = (0, 0);
+    let values = series.values.made(series.t.iter().zip(series.values.iter()).map(|(time, value)| {
+        while holds.get(next).is_some_and(|hold| hold.times[1] < time) {
+            next += 1;
+        }
+        match holds.get(next).filter(|hold| hold.times[0] < time) {
+            Some(_) => {
+                count += 1;
+                f64::NAN
+            }
+            None => value,
+        }
+    }));
+    (series.with(values), count)
+}

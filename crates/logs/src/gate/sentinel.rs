@@ -1,0 +1,161 @@
+//! Numbers such as 65535 or -9999 that instruments write where they know nothing.
+
+use std::sync::LazyLock;
+
+/// What is all ones in two or four bytes, and one less or more.
+const BYTES: [f64; 6] = [65_535.0, 32_767.0, 32_768.0, 4_294_967_295.0, 2_147_483_647.0, 2_147_483_648.0];
+
+/// Powers of ten that these may have been divided by.
+const DECIMALS: i32 = 7;
+
+/// Nines, which may have been divided by up to a hundred.
+const NINES: [f64; 4] = [9_999.0, 99_999.0, 999_999.0, 9_999_999.0];
+
+/// What formats and programs fill tables with.
+const FILLS: [f64; 5] = [1e20, 1e30, 1e36, 9.969_209_968_386_869e36, 3.402_823_466_385_288_6e38];
+
+/// Smaller ones are too usual.
+const LEAST: f64 = 3.0;
+
+/// All moduli, in order.
+static KNOWN: LazyLock<Vec<f64>> = LazyLock::new(|| {
+    let divided = |of: &'static [f64], decimals: i32| {
+        of.iter().flat_map(move |number| (0..=decimals).map(move |k| number / 10.0_f64.powi(k)))
+    };
+    let mut known: Vec<f64> = divided(&BYTES, DECIMALS).chain(divided(&NINES, 2)).chain(FILLS).collect();
+    known.retain(|number| *number >= LEAST);
+    known.sort_by(f64::total_cmp);
+    known
+});
+
+/// Whether a number is one of them, as 32 bits have it.
+fn is_known(number: f64) -> bool {
+    let (size, rounding) = (number.abs(), 2e-7 * number.abs());
+    if size < LEAST {
+        return false;
+    }
+    let next = KNOWN.partition_point(|known| *known < size - rounding);
+    number == -999.0 || KNOWN.get(next).is_some_and(|known| *known <= size + rounding)
+}
+
+/// How many times the mean step a number must be off its neighbours to be looked at …
+const LOOKED_AT: f64 = 3.0;
+
+/// … and to be taken for none.
+const TAKEN: f64 = 5.0;
+
+/// Steps after which their mean is trusted.
+const FEW: u64 = 8;
+
+/// Numbers that are looked at in a column.
+const MOST: usize = 4;
+
+/// Finds such numbers: known ones that stand apart from what is before and after them.
+pub(super) struct Sentinels {
+    /// A turn, of angles that wrap.
+    turn: Option<f64>,
+    /// The last number that is none of them.
+    before: f64,
+    /// Sum of the moduli of all steps, and how many.
+    steps: (f64, u64),
+    found: Vec<Found>,
+    /// Which of these the last number is.
+    open: Option<usize>,
+    /// Whether all have been seen.
+    all_seen: bool,
+}
+
+/// A number that may stand for no value.
+struct Found {
+    number: f64,
+    /// The step to it, where it came last.
+    entry: f64,
+    /// The most that it stands apart from what is before and after it.
+    apart: f64,
+}
+
+impl Sentinels {
+    pub(super) fn new(turn: Option<f64>) -> Self {
+        Self { turn, before: f64::NAN, steps: (0.0, 0), found: Vec::new(), open: None, all_seen: false }
+    }
+
+    /// The modulus of a step, of angles that within a turn.
+    fn step(&self, from: f64, to: f64) -> f64 {
+        let step = (to - from).abs();
+        match self.turn {
+            Some(turn) if step > 0.5 * turn => (step - turn * (step / turn).round()).abs(),
+            _ => step,
+        }
+    }
+
+    fn mean(&self) -> f64 {
+        self.steps.0 / self.steps.1.max(1) as f64
+    }
+
+    #[inline]
+    pub(super) fn see(&mut self, number: f64) {
+        if let Some(open) = self.open {
+            if number == self.found[open].number {
+                return;
+            }
+            self.leave(open, self.step(self.found[open].number, number));
+        }
+        let step = self.step(self.before, number);
+        let near = self.steps.1 >= FEW && step <= LOOKED_AT * self.mean();
+        if !near && number != self.before && is_known(number) && self.enter(number, step) {
+            return;
+        }
+        if step.is_finite() {
+            self.steps = (self.steps.0 + step, self.steps.1 + 1);
+        }
+        self.before = number;
+    }
+
+    /// Notes a number that is `step` off the one before; whether there is room for it.
+    fn enter(&mut self, number: f64, step: f64) -> bool {
+        let place = self.found.iter().position(|found| found.number == number).unwrap_or(self.found.len());
+        if place == MOST {
+            return false;
+        }
+        if place == self.found.len() {
+            self.found.push(Found { number, entry: f64::NAN, apart: 0.0 });
+        }
+        self.found[place].entry = step;
+        self.open = Some(place);
+        true
+    }
+
+    /// Notes that what is after the number at `place` is `step` off it; NaN at the end, as the step from nothing at the start.
+    fn leave(&mut self, place: usize, step: f64) {
+        let found = &mut self.found[place];
+        found.apart = found.apart.max(found.entry.min(step));
+        self.open = None;
+    }
+
+    /// Whether a number is a value; all have been seen.
+    #[inline]
+    pub(super) fn keeps(&mut self, number: f64) -> bool {
+        if self.found.is_empty() {
+            return true;
+        }
+        self.keeps_beside(number)
+    }
+
+    fn keeps_beside(&mut self, number: f64) -> bool {
+        let mean = self.mean();
+        if !self.all_seen {
+            if let Some(open) = self.open {
+                self.leave(open, f64::NAN);
+            }
+            // Those that do not stand apart are numbers like others; from here on `before` is that of this pass.
+            self.found.retain(|found| found.apart > TAKEN * mean);
+            (self.all_seen, self.before) = (true, f64::NAN);
+        }
+        let known = self.found.iter().any(|found| found.number == number);
+        if known && !(self.step(self.before, number) <= LOOKED_AT * mean) {
+            return false;
+        }
+        self.before = number;
+        true
+    }
+}

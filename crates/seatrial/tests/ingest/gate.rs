@@ -1,0 +1,198 @@
+//! What of a log counts for no value, and what is made of a log of which much did not.
+
+use std::path::Path;
+use std::process::Command;
+
+use crate::known::*;
+use crate::runner::*;
+
+/// Channel, reason and count of what was left out of the first recording.
+fn omitted(made: &Made) -> Vec<(String, String, u64)> {
+    let all = made.summary.recordings[0].omitted.iter();
+    all.map(|one| (one.channel.clone(), one.reason.to_string(), one.count)).collect()
+}
+
+/// The healthy table with `keys` for the channel of `column`, whose cells at `rows` are `cell`.
+fn faulty(column: &str, keys: &str, rows: &[usize], cell: &str) -> tempfile::TempDir {
+    let place = 1 + COLUMNS.iter().position(|own| *own == column).unwrap();
+    let config = table_config("*.csv", "unit = \"s\"", "");
+    let own = format!("column = \"{column}\"");
+    let config = config.replace(&own, &format!("{own}{keys}"));
+    let changed = |(row, line): (usize, &str)| {
+        let mut cells: Vec<&str> = line.split(',').collect();
+        if row > 0 && rows.contains(&(row - 1)) {
+            cells[place] = cell;
+        }
+        cells.join(",") + "\n"
+    };
+    let log: String = csv(60, |k| k.to_string()).lines().enumerate().map(changed).collect();
+    folder(&[("ingest.toml", &config), ("a.csv", &log)])
+}
+
+fn told(one: (&str, &str, u64)) -> Vec<(String, String, u64)> {
+    vec![(one.0.to_owned(), one.1.to_owned(), one.2)]
+}
+
+#[test]
+fn numbers_that_stand_for_no_value_are_left_out_and_named() {
+    let made = read(faulty("psi", ", missing = [65535, -9999]", &[20, 21, 40], "65535").path());
+    assert_eq!(omitted(&made), told(("psi", "missing", 3)));
+    assert!(made.line.contains("3 values left out: 3 of `psi` (missing)"), "{}", made.line);
+    let made = read(faulty("psi", "", &[20, 21, 40], "327.67").path());
+    assert_eq!(omitted(&made), told(("psi", "missing", 3)), "a known number that stands apart");
+    let made = read(faulty("psi", ", missing = []", &[20, 21, 40], "327.67").path());
+    assert_eq!(omitted(&made), vec![], "the configuration says that there are none");
+}
+
+#[test]
+fn numbers_out_of_range_are_left_out_as_they_stand_in_the_column() {
+    let made = read(faulty("delta", ", sign = -1, valid = [-14.5, 15]", &[], "").path());
+    let below = rows(60).iter().filter(|row| row[4] < -14.5).count() as u64;
+    assert_eq!(omitted(&made), told(("delta", "range", below)));
+    let made = read(faulty("delta", "", &[20, 21, 40], "-9999").path());
+    assert_eq!(omitted(&made), told(("delta", "range", 3)), "no rudder");
+    let made = read(faulty("psi", "", &[20, 21, 40], "655.35").path());
+    assert_eq!(made.summary.recordings[0].omitted.iter().map(|one| one.count).sum::<u64>(), 3, "no heading");
+    let made = read(faulty("n", "", &[20], "70000").path());
+    assert_eq!(omitted(&made), told(("n", "range", 1)), "no shaft");
+}
+
+#[test]
+fn a_channel_of_which_much_is_left_out_is_refused_with_channel_reason_and_share() {
+    let rows: Vec<usize> = (0..20).collect();
+    let few = faulty("delta", "", &rows, "-9999");
+    let pieces = [
+        "channel `delta`",
+        "20 of 61 values left out (33 %): 20 range",
+        "at most 20 %",
+        "-90 to 90, what is possible for rudder angles",
+        "`max_omitted`",
+    ];
+    refused_in(few.path(), &[], &pieces);
+    let more = faulty("delta", ", max_omitted = 0.5", &rows, "-9999");
+    assert_eq!(omitted(&read(more.path())), told(("delta", "range", 20)));
+    refused_in(
+        faulty("u", "", &(0..61).collect::<Vec<_>>(), "200").path(),
+        &[],
+        &["`max_speed_m_s`", "`y_u`"],
+    );
+}
+
+#[test]
+fn keys_of_the_gate_without_meaning_are_refused() {
+    for (keys, piece) in [
+        (", valid = [3, -3]", "`valid` of channel `psi`"),
+        (", max_omitted = 1.5", "`max_omitted` of channel `psi`"),
+        (", missing = [nan]", "`missing` of channel `psi`"),
+    ] {
+        refused_in(faulty("psi", keys, &[], "").path(), &[], &[piece]);
+    }
+}
+
+#[test]
+fn a_heading_that_counts_on_beyond_a_turn_stays() {
+    // Some 29 deg a second, first unwrapped from 400 deg on, then within a turn: the latter is every number of its kind.
+    for wraps in [false, true] {
+        let psi = |t: usize| {
+            let angle = 400.0 + 28.65 * t as f64;
+            if wraps { angle.rem_euclid(360.0) } else { angle }
+        };
+        let line = |t: usize| format!("{t},2,{:.3},0.5,{:.2},{}\n", 0.1 * (t as f64).sin(), psi(t), 60 + t);
+        let log = "t,u,v,r,psi,n\n".to_owned() + &(0..61).map(line).collect::<String>();
+        let config = config("").replace(
+            "[[file.channel]]\ncolumn = \"n\"",
+            "[[file.channel]]\ncolumn = \"psi\"\nchannel = \"psi\"\nunit = \"deg\"\n[[file.channel]]\ncolumn = \"n\"",
+        );
+        let made = read(folder(&[("ingest.toml", &config), ("a.csv", &log)]).path());
+        assert_eq!((omitted(&made), made.rows), (vec![], 61), "wraps: {wraps}");
+    }
+}
+
+#[test]
+fn what_is_held_or_at_rest_is_not_frozen() {
+    // At rest for 20 s, then steady ahead by a constant propeller, then a turn by a rudder that is held.
+    let row = |t: f64| {
+        let (u, r) = (
+            2.0 * (1.0 - (-(t - 20.0).max(0.0) / 5.0).exp()),
+            0.05 * (1.0 - (-(t - 60.0).max(0.0) / 4.0).exp()),
+        );
+        (u, -2.0 * r, r, if t >= 60.0 { 20.0 } else { 0.0 })
+    };
+    let (mut psi, mut place, mut log) = (0.0_f64, [0.0; 2], "t,x,y,u,v,r,psi,n,delta\n".to_owned());
+    for k in 0..1200 {
+        let t = 0.1 * f64::from(k);
+        let (u, v, r, delta) = row(t);
+        log += &format!("{t:.1},{:.3},{:.3},{u:.4},{v:.4},{r:.5},{psi:.5},8,{delta}\n", place[0], place[1]);
+        place[0] += 0.1 * (u * psi.cos() - v * psi.sin());
+        place[1] += 0.1 * (u * psi.sin() + v * psi.cos());
+        psi += 0.1 * r;
+    }
+    let channels = [("x", "x", "m"), ("y", "y", "m"), ("psi", "psi", "rad"), ("delta", "delta", "deg")];
+    let more: String = channels
+        .into_iter()
+        .map(|(column, channel, unit)| {
+            format!("[[file.channel]]\ncolumn = \"{column}\"\nchannel = \"{channel}\"\nunit = \"{unit}\"\n")
+        })
+        .collect();
+    let made = read(folder(&[("ingest.toml", &(config("") + &more)), ("a.csv", &log)]).path());
+    assert_eq!(omitted(&made), vec![], "{}", made.line);
+}
+
+#[test]
+fn the_vessels_range_counts_with_half_of_its_width_more() {
+    const VESSEL: &str = "name = \"x\"\nsample_rate_hz = 1.0\n[[input]]\nname = \"delta\"\nunit = \"rad\"\nrange = [-0.1, 0.1]\n\
+        [[surge]]\nparameter = \"X_u\"\nterm = \"u\"\nnominal = -0.1\n[[sway]]\nparameter = \"Y_v\"\nterm = \"v\"\nnominal = -0.1\n\
+        [[yaw]]\nparameter = \"N_r\"\nterm = \"r\"\nnominal = -0.1\n[[yaw]]\nparameter = \"N_d\"\nterm = \"delta\"\nnominal = 0.01\n";
+    let log = faulty("delta", "", &[], "");
+    std::fs::write(log.path().join("vessel.toml"), VESSEL).unwrap();
+    refused_in(
+        log.path(),
+        &["--vessel", "vessel.toml"],
+        &["`delta`", "-11.4592 to 11.4592, the input's `range` in vessel.toml"],
+    );
+    let wide = VESSEL.replace("[-0.1, 0.1]", "[-0.2, 0.2]");
+    std::fs::write(log.path().join("vessel.toml"), wide).unwrap();
+    assert_eq!(omitted(&ingest(log.path(), &["--config", "ingest.toml", "--vessel", "vessel.toml"])), vec![]);
+}
+
+/// Runs `seatrial` in `folder`; its exit code and what it said.
+fn stage(folder: &Path, arguments: &[&str]) -> (Option<i32>, String) {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_seatrial"));
+    let ran = command.args(arguments).current_dir(folder).output().unwrap();
+    (ran.status.code(), String::from_utf8(ran.stderr).unwrap())
+}
+
+#[test]
+fn no_estimate_is_made_of_a_doubtful_recording_unless_asked() {
+    let log = faulty("delta", "", &[10, 20, 30, 40], "-9999");
+    std::fs::write(log.path().join("b.csv"), csv(60, |k| k.to_string())).unwrap();
+    let vessel = repository("pipelines/esso-osaka/vessel.toml");
+    std::fs::copy(vessel, log.path().join("vessel.toml")).unwrap();
+    let config = std::fs::read_to_string(log.path().join("ingest.toml")).unwrap();
+    let measured = ["wind_x", "wind_y", "wind_xy"].map(|name| {
+        format!("[[derived]]\nchannel = \"{name}\"\nformula = \"y_v cos(psi)\"\nunit = \"m^2/s^2\"\n")
+    });
+    std::fs::write(log.path().join("ingest.toml"), config + &measured.concat()).unwrap();
+    let made = stage(
+        log.path(),
+        &["ingest", "--config", "ingest.toml", "--vessel", "vessel.toml", "--out", "t.parquet"],
+    );
+    assert_eq!(made.0, Some(0), "{}", made.1);
+    let asked = |stage_name: &[&str], more: &[&str]| {
+        let usual = ["--vessel", "vessel.toml", "--trajectories", "t.parquet", "--out", "out/"];
+        std::fs::create_dir_all(log.path().join("out")).unwrap();
+        stage(log.path(), &[stage_name, &usual, more].concat())
+    };
+    for estimate in [&["estimate"][..], &["estimate", "pool"], &["estimate", "search"]] {
+        let (code, said) = asked(estimate, &[]);
+        assert_eq!(code, Some(3), "{estimate:?}: {said}");
+        for piece in ["t.parquet: recording `a`", "--allow-doubtful"] {
+            assert!(said.contains(piece), "{estimate:?}: {said}");
+        }
+    }
+    let pool = |more: &[&str]| asked(&["estimate", "pool"], &[&["--estimator", "ls"], more].concat());
+    let (code, said) = pool(&["--allow-doubtful"]);
+    assert!(code == Some(0) || code == Some(4), "{said}");
+    let (code, said) = pool(&["--recordings", "ingest.json", "--leave-out", "a"]);
+    assert!(code == Some(0) || code == Some(4), "{said}");
+}
