@@ -81,6 +81,9 @@ impl PlanChart {
             update: None,
             issued: None,
             scale: None,
+            sounding_datum: None,
+            vertical_datum: None,
+            notes: Vec::new(),
             classes: BTreeMap::new(),
             depths: Some(depths),
         }
