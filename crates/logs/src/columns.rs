@@ -61,6 +61,8 @@ pub struct Columns {
     pub wrong_checksums: usize,
     /// Values left out, by column and reason.
     pub omitted: Omissions,
+    /// Sentences that came twice, left out.
+    pub repeated: usize,
     /// Whether rows follow a stamp with their time.
     pub is_stamped: bool,
     /// Whether rows may come late: they are put in the order of time.
