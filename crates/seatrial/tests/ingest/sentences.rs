@@ -89,7 +89,7 @@ fn a_file_of_another_kind_is_refused_as_such() {
 
 #[test]
 fn law_a_line_that_spoils_sentences_is_never_silent() {
-    none_is_silent(141, |draw: &mut Draw| {
+    none_is_silent(241, |draw: &mut Draw| {
         let bare = draw.below(2) == 0;
         let log = if bare { without_checksums(&log()) } else { log() };
         let mut text = String::new();
