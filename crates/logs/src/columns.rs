@@ -61,6 +61,8 @@ pub struct Columns {
     pub wrong_checksums: usize,
     /// Values left out, by column and reason.
     pub omitted: Omissions,
+    /// Sentences that came twice, left out.
+    pub repeated: usize,
     /// Whether rows follow a stamp with their time.
     pub is_stamped: bool,
     /// Whether rows may come late: they are put in the order of time.
@@ -89,23 +91,25 @@ impl Columns {
         })
     }
 
+    /// The rows of a file called `name`, which come before those of others.
+    #[must_use]
+    pub fn of_part(mut self, name: &str) -> Self {
+        self.lines = self.lines.of_part(name);
+        for apart in &mut self.apart {
+            apart.columns.lines = std::mem::take(&mut apart.columns.lines).of_part(name);
+        }
+        self
+    }
+
     /// Appends the rows of `others`, the same columns of a file that goes on where this one ends.
-    pub fn append(&mut self, others: Self) {
+    pub fn append(&mut self, mut others: Self) {
+        self.append_apart(&mut others);
         let Self { cells, lines, empty_rows, cut_rows, wrong_checksums, omitted, clock, .. } = others;
         self.is_stamped |= others.is_stamped;
         self.is_sorted |= others.is_sorted;
         self.late += others.late;
+        self.repeated += others.repeated;
         self.warnings.extend(others.warnings);
-        for own in others.apart {
-            match self
-                .apart
-                .iter_mut()
-                .find(|known| known.source == own.source && known.channels == own.channels)
-            {
-                Some(known) => known.columns.append(own.columns),
-                None => self.apart.push(own),
-            }
-        }
         // Its clock has not been told of a second 60 in a file before.
         let leap_s = self.clock.leap_s.filter(|_| clock.leap_s.is_none() && !self.clock.of_day);
         for (place, (own, other)) in self.cells.iter_mut().zip(cells).enumerate() {
@@ -128,6 +132,27 @@ impl Columns {
         self.clock.leap_s = self.clock.leap_s.or(clock.leap_s);
         self.clock.fractions.append(clock.fractions);
     }
+
+    /// Appends the columns of the sensors of `others`; those that tell no date go on a day later where they begin anew.
+    fn append_apart(&mut self, others: &mut Self) {
+        let begins_anew = match (self.span(), others.span()) {
+            (Some([_, last]), Some([first, _])) => others.clock.of_day && first < last - 0.5 * DAY,
+            _ => false,
+        };
+        let last = self.span().map_or(0.0, |[_, last]| last);
+        let days = |first: f64| DAY * ((last - 0.5 * DAY - first) / DAY).ceil();
+        let moved = if begins_anew { others.span().map_or(0.0, |[first, _]| days(first)) } else { 0.0 };
+        for mut other in std::mem::take(&mut others.apart) {
+            if let (true, Some(Cells::Numbers(times))) = (moved > 0.0, other.columns.cells.first_mut()) {
+                *times = times.made(times.iter().map(|time| time + moved));
+            }
+            let same = |own: &&mut Apart| own.source == other.source && own.has_channels_of(&other);
+            match self.apart.iter_mut().find(same) {
+                Some(own) => own.columns.append(other.columns),
+                None => self.apart.push(other),
+            }
+        }
+    }
 }
 
 /// Columns of one sensor, the first of them its clock.
@@ -140,6 +165,15 @@ pub struct Apart {
     /// The columns.
     pub columns: Columns,
 }
+
+impl Apart {
+    fn has_channels_of(&self, other: &Self) -> bool {
+        self.channels.iter().map(|(channel, _)| channel).eq(other.channels.iter().map(|(channel, _)| channel))
+    }
+}
+
+/// A day \[s\].
+const DAY: f64 = 86_400.0;
 
 /// What is known of a file's times once they are read.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -47,6 +47,8 @@ fn joined(columns: Columns, group: usize, plan: &Plan) -> Result<Log, Invalid> {
         ..RowSummary::default()
     };
     for Apart { source, channels, columns } in columns.apart {
+        let repeated = columns.repeated as u64;
+        counts += RowSummary { read: repeated, repeated, ..RowSummary::default() };
         let own: Vec<usize> = channels.iter().map(|(channel, _)| *channel).collect();
         let Some(log) = of_sensor(columns, &own, group, plan, &mut counts)? else { continue };
         omitted.append(&log.omitted, |channel| channel);
@@ -74,7 +76,7 @@ fn joined(columns: Columns, group: usize, plan: &Plan) -> Result<Log, Invalid> {
         counts,
         omitted,
         warnings: Vec::new(),
-        leap_s: None,
+        leap_s: columns.clock.leap_s.filter(|_| !columns.clock.of_day),
     };
     for ((own, spec), unit) in choices.into_iter().zip(&spec.channel).zip(&plan.units[group]) {
         let gap = spec.max_gap_s.unwrap_or(plan.setup.max_gap_s);

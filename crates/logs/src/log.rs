@@ -162,7 +162,11 @@ impl Log {
             wrong_checksums: wrong_checksums as u64,
             ..RowSummary::default()
         };
-        times = running(times, &notes, plan, group, &lines, &mut counts)?;
+        times = if columns.is_stamped {
+            offset(times, spec.time.offset_s)
+        } else {
+            running(times, &notes, plan, group, &lines, &mut counts)?
+        };
         if spec.time.repeated == Repeated::Spread {
             let moved;
             (times, moved) = spread(times, columns.is_stamped);
@@ -235,9 +239,13 @@ fn running(
     counts.rollovers = rollovers as u64;
     counts.unset = unset as u64;
     counts.leap_seconds = u64::from(notes.leap_s.is_some());
-    match spec.offset_s {
-        0.0 => Ok(times),
-        offset_s => Ok(times.made(times.iter().map(|time| time + offset_s))),
+    Ok(offset(times, spec.offset_s))
+}
+
+fn offset(times: Samples, offset_s: f64) -> Samples {
+    match offset_s {
+        0.0 => times,
+        offset_s => times.made(times.iter().map(|time| time + offset_s)),
     }
 }
 

@@ -1,5 +1,5 @@
 use schemars::JsonSchema;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use crate::nmea::Accepted;
 use crate::{Body, Conventions, NonMonotonic, Repeated, TimeUnit};
@@ -117,7 +117,7 @@ impl Format {
 }
 
 /// Whether sentences need a checksum.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Checksums {
     /// Sentences without one are left out.

@@ -10,7 +10,7 @@ use super::table::Table;
 use super::timeline::{Stamp, Step, Timeline};
 use super::trust::{Trust, lengths};
 use crate::columns::cell_of;
-use crate::{FileSpec, LogError, Stamps, WarningSummary};
+use crate::{ClockNotes, FileSpec, LogError, Stamps, WarningSummary};
 
 /// Where times come from, and what they were so far.
 pub(super) struct Clock<'a> {
@@ -233,6 +233,12 @@ impl<'a> Clock<'a> {
     /// Whether sentences of its own tell the time of those after them.
     pub(super) fn is_stamping(&self) -> bool {
         matches!(self.from, From::Sentence(_))
+    }
+
+    /// What is known of its times.
+    pub(super) fn notes(&self) -> ClockNotes {
+        let of_day = matches!(&self.from, From::Sentence(kind) if !is_dated(kind));
+        ClockNotes { of_day, leap_s: self.timeline.leap_s, ..ClockNotes::default() }
     }
 
     /// Whether rows that tell their own time are in the order of time but for some that came late.

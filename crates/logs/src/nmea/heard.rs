@@ -69,7 +69,7 @@ impl Heard {
                 Some(Some((_, away))) if away > FAR && values.iter().any(|value| value.is_finite()) => {
                     table.leave(away, one.line, values, wanted);
                 }
-                Some(Some((time, _))) => table.push(time, one.line, values),
+                Some(Some((time, _))) => table.push_timed(time, one.line, values),
             }
         }
         let values = self.sentences.get(count).map_or(self.values.len(), |one| one.from);

@@ -168,6 +168,8 @@ impl Reading<'_> {
         }
         columns.apart = sources.apart(self.tables, &self.clock, &mut warnings)?;
         columns.warnings = warnings;
+        columns.clock = self.clock.notes();
+        columns.apart.iter_mut().for_each(|apart| apart.columns.clock = columns.clock.clone());
         Ok(columns)
     }
 

@@ -21,6 +21,9 @@ pub(super) struct Table {
     cells: Vec<Samples>,
     pub(super) seen: Vec<Seen>,
     omitted: Omissions,
+    /// The last row, and how many came again as they were.
+    last: (f64, Vec<f64>),
+    repeated: usize,
     /// Rows whose own time is far from the clock's, and the first of them: its line and how far \[s\].
     pub(super) far: usize,
     pub(super) first_far: Option<(usize, f64)>,
@@ -50,6 +53,8 @@ impl Table {
             seen: places.iter().map(|_| Seen::default()).collect(),
             places,
             omitted: Omissions::default(),
+            last: (f64::NAN, Vec::new()),
+            repeated: 0,
             far: 0,
             first_far: None,
         })
@@ -103,6 +108,19 @@ impl Table {
         self.times.push(time);
         self.lines.push(line);
         self.cells.iter_mut().zip(values).for_each(|(cells, value)| cells.push(*value));
+    }
+
+    /// Appends a row that tells its own time; one that came before, as a line that sends it twice has it, is left out.
+    pub(super) fn push_timed(&mut self, time: f64, line: usize, values: &[f64]) {
+        let same = |(a, b): (&f64, &f64)| a.to_bits() == b.to_bits();
+        if time == self.last.0 && values.iter().zip(&self.last.1).all(same) {
+            self.repeated += 1;
+            return;
+        }
+        self.last.0 = time;
+        self.last.1.clear();
+        self.last.1.extend_from_slice(values);
+        self.push(time, line, values);
     }
 
     /// Leaves out a row whose own time is `away` from the clock's \[s\].

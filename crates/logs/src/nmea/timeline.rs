@@ -53,6 +53,8 @@ pub(super) struct Timeline {
     /// How many times were told with so many weeks added.
     by_weeks: Vec<(f64, usize)>,
     pub(super) leaps: usize,
+    /// From where on times are a second later than they were told \[s\].
+    pub(super) leap_s: Option<f64>,
 }
 
 /// A receiver that does not know the time yet is no further off than this, or the clock was set \[s\].
@@ -113,6 +115,7 @@ impl Timeline {
         if last.is_sixty && !told.is_sixty && (0.0..1.0).contains(&since) {
             self.leap += 1.0;
             self.leaps += 1;
+            self.leap_s.get_or_insert(last.time.floor() + 1.0);
         }
     }
 

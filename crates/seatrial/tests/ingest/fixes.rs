@@ -89,7 +89,7 @@ fn modes_that_are_no_fix_are_left_out_in_every_sentence() {
 
 #[test]
 fn law_places_that_are_no_fix_are_never_silent() {
-    none_is_silent(111, |draw: &mut Draw| {
+    none_is_silent(211, |draw: &mut Draw| {
         let (from, length) = (draw.below(61), draw.between(1, 15));
         let fix = *draw.one_of(&[&'0', &'6', &'7', &'8']);
         let log = changed(from..from + length, |body| still(body, fix));

@@ -268,7 +268,7 @@ fn with_fault(draw: &mut Draw) -> (String, Vec<Epoch>, &'static str) {
 
 #[test]
 fn law_a_fault_of_the_clock_is_never_silent() {
-    none_is_silent(131, |draw: &mut Draw| {
+    none_is_silent(231, |draw: &mut Draw| {
         let (clock, all, what) = with_fault(draw);
         let named = &["without_time", "splits", " time ", "late", "quality"];
         Faulty::new(&config(&clock), "a.nmea", nmea(&all), 61).named(named).what(format!("{what}, {clock}"))

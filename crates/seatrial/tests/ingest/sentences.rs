@@ -89,7 +89,7 @@ fn a_file_of_another_kind_is_refused_as_such() {
 
 #[test]
 fn law_a_line_that_spoils_sentences_is_never_silent() {
-    none_is_silent(141, |draw: &mut Draw| {
+    none_is_silent(241, |draw: &mut Draw| {
         let bare = draw.below(2) == 0;
         let log = if bare { without_checksums(&log()) } else { log() };
         let mut text = String::new();
@@ -105,14 +105,24 @@ fn law_a_line_that_spoils_sentences_is_never_silent() {
                 1 => text += &format!("{}\r\n", &line[..cut]),
                 2 => text += &line[..cut],
                 3 => text += &format!("{}\r\n", &line[cut..]),
+                // Without a checksum a digit more is a value like others.
+                _ if bare => text += &format!("{line}\r\n{line}\r\n"),
                 _ => text += &format!("{}{}{}\r\n", &line[..cut], 7, &line[cut..]),
             }
         }
         let keys = if bare { "checksums = \"optional\"" } else { "max_wrong_checksums = 0.1" };
-        // A digit more in a sentence without checksum is a value like others.
         let named = &["wrong_checksums", "cut"];
         Faulty::new(&config(keys), "a.nmea", text, 61).named(named).what(format!("{keys}, {share}"))
     });
+}
+
+#[test]
+fn sentences_that_come_twice_do_no_harm() {
+    let lines = log();
+    let twice = |(k, line): (usize, &str)| format!("{line}\r\n").repeat(if k % 7 < 3 { 2 } else { 1 });
+    let found = made("", &lines.lines().enumerate().map(twice).collect::<String>());
+    healthy(&found, 61);
+    assert!(found.summary.recordings[0].rows.repeated > 0);
 }
 
 #[test]

@@ -149,7 +149,7 @@ fn a_course_over_ground_as_a_heading_is_warned_of() {
 #[test]
 fn law_a_second_talker_is_never_silent() {
     let (healthy, config) = (epochs(SECONDS), hdt("HDT.heading", ""));
-    none_is_silent(101, |draw: &mut Draw| {
+    none_is_silent(201, |draw: &mut Draw| {
         let kind = *draw.one_of(&[&"HEHDT", &"HEROT", &"IIRSA", &"IIRPM", &"GPGGA"]);
         let talker = *draw.one_of(&[&"II", &"GP", &"GN", &"TI", &"VD", &"U1"]);
         let talker = if kind.starts_with(talker) { "SN" } else { talker };
@@ -188,7 +188,7 @@ fn shifted(body: &str, off: usize) -> String {
 #[test]
 fn law_a_second_sensor_under_the_same_name_is_never_silent() {
     let healthy = epochs(SECONDS);
-    none_is_silent(102, |draw: &mut Draw| {
+    none_is_silent(202, |draw: &mut Draw| {
         let (off, every) = (2.5 + 20.0 * draw.share(), draw.between(1, 3));
         let mut seen = 0;
         let mut log = String::new();
@@ -209,7 +209,7 @@ fn law_a_second_sensor_under_the_same_name_is_never_silent() {
 #[test]
 fn law_a_compass_is_never_taken_for_a_true_heading() {
     let healthy = epochs(SECONDS);
-    none_is_silent(103, |draw: &mut Draw| {
+    none_is_silent(203, |draw: &mut Draw| {
         let correction =
             |draw: &mut Draw, most: f64| (most * (2.0 * draw.share() - 1.0) * 10.0).round() / 10.0;
         let (deviation, variation) = (correction(draw, 8.0), correction(draw, 60.0));

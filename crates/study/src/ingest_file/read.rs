@@ -89,7 +89,9 @@ fn joined(mut parts: Vec<(&str, Columns)>) -> Columns {
         let spans: Vec<[f64; 2]> = parts.iter().filter_map(|(_, columns)| columns.span()).collect();
         spans.windows(2).all(|pair| pair[0][1] <= pair[1][0])
     };
-    if parts.len() > 1 && !follows(&parts) {
+    // Times of a day begin anew at midnight: they contradict no name.
+    let of_day = parts.iter().any(|(_, columns)| columns.clock.of_day);
+    if parts.len() > 1 && !of_day && !follows(&parts) {
         let first = |columns: &Columns| columns.span().map_or(f64::INFINITY, |[first, _]| first);
         let mut sorted: Vec<usize> = (0..parts.len()).collect();
         sorted.sort_by(|a, b| first(&parts[*a].1).total_cmp(&first(&parts[*b].1)));
@@ -97,12 +99,8 @@ fn joined(mut parts: Vec<(&str, Columns)>) -> Columns {
         parts = sorted.into_iter().filter_map(|place| taken[place].take()).collect();
     }
     let several = parts.len() > 1;
-    let mut all = parts.into_iter().map(|(name, mut columns)| {
-        if several {
-            columns.lines = columns.lines.of_part(name);
-        }
-        columns
-    });
+    let mut all =
+        parts.into_iter().map(|(name, columns)| if several { columns.of_part(name) } else { columns });
     let first = all.next().unwrap_or_default();
     all.fold(first, |mut all, part| {
         all.append(part);
